@@ -1,0 +1,298 @@
+#include "robot/dynamics.hpp"
+
+#include "robot/wrenches.hpp"
+
+namespace conddp {
+namespace {
+
+/// momentum and net inertial force of every body from v and a.
+template <class S>
+void body_forces(const RobotModel& model, RobotData<S>& data) {
+  for (int i = 0; i < model.joint_count(); ++i) {
+    data.momentum[i] = data.body[i] * data.v[i];
+    data.force[i] = data.body[i] * data.a[i] + cross(data.v[i], data.momentum[i]);
+  }
+}
+
+/// Sums forces towards the root and projects them on the joints.
+template <class S>
+void project_forces(const RobotModel& model, RobotData<S>& data, S* tau) {
+  for (int i = model.joint_count() - 1; i >= 0; --i) {
+    const Joint& joint = model.joints[i];
+    if (joint.type == JointType::floating) {
+      for (int k = 0; k < 6; ++k) tau[joint.v + k] = data.force[i][k];
+      continue;
+    }
+    tau[joint.v] = dot(data.axis[i], data.force[i]);
+    if (joint.parent >= 0) data.force[joint.parent] += data.force[i];
+  }
+}
+
+}  // namespace
+
+template <class S>
+void inverse_dynamics(const RobotModel& model, const S* q, const S* v, const S* a,
+                      RobotData<S>& data) {
+  update_placements(model, q, data);
+  update_velocities(model, v, data);
+  update_accelerations(model, v, a, data);
+  update_composite_inertias(model, data);
+  body_forces(model, data);
+  subtract_external_wrenches(model, data);
+  project_forces(model, data, data.tau.data());
+  for (const Joint& joint : model.joints)
+    if (joint.rotor_inertia != 0) data.tau[joint.v] += a[joint.v] * S(joint.rotor_inertia);
+}
+
+template <class S>
+void mass_matrix(const RobotModel& model, RobotData<S>& data) {
+  update_composite_inertias(model, data);
+  const int n = model.nv;
+  for (int i = 0; i < model.joint_count(); ++i) {
+    const Joint& joint = model.joints[i];
+    S* M = data.M.data() + joint.v;
+    if (joint.type == JointType::floating) {
+      const Inertia<S>& y = data.composite[i];
+      const Matrix3<S> c = skew(y.moment);
+      const S* j = &y.rotational.xx;
+      for (int col = 0; col < 3; ++col) {
+        for (int row = 0; row < 3; ++row) {
+          M[(joint.v + col) * n + row] = row == col ? y.mass : S(0.0);
+          M[(joint.v + col) * n + row + 3] = c(row, col);
+        }
+      }
+      constexpr int kPacked[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
+      for (int col = 0; col < 3; ++col)
+        for (int row = col; row < 3; ++row)
+          M[(joint.v + col + 3) * n + row + 3] = j[kPacked[row][col]];
+      continue;
+    }
+    const Force<S>& f = data.column[i];
+    M[joint.v * n] = dot(data.axis[i], f) + S(joint.rotor_inertia);
+    for (int p = joint.parent; p >= 0; p = model.joints[p].parent) {
+      const int pv = model.joints[p].v;
+      if (model.joints[p].type == JointType::floating)
+        for (int k = 0; k < 6; ++k) M[(pv + k) * n] = f[k];
+      else
+        M[pv * n] = dot(data.axis[p], f);
+    }
+  }
+}
+
+template <class S>
+void factorize_mass_matrix(const RobotModel& model, RobotData<S>& data) {
+  const int n = model.nv;
+  const std::vector<int>& up = model.parent_dof;
+  S* L = data.L.data();
+  for (int k = 0; k < n; ++k)
+    for (int i = k; i >= 0; i = up[i]) L[i * n + k] = data.M[i * n + k];
+  for (int k = n - 1; k >= 0; --k) {
+    const S inverse = S(1.0) / L[k * n + k];
+    data.D_inverse[k] = inverse;
+    for (int i = up[k]; i >= 0; i = up[i]) {
+      const S factor = L[i * n + k] * inverse;
+      for (int j = i; j >= 0; j = up[j]) L[j * n + i] -= factor * L[j * n + k];
+    }
+    for (int i = up[k]; i >= 0; i = up[i]) L[i * n + k] *= inverse;
+  }
+}
+
+template <class S>
+void solve_mass_matrix(const RobotModel& model, const RobotData<S>& data, S* x) {
+  const int n = model.nv;
+  const std::vector<int>& up = model.parent_dof;
+  const S* L = data.L.data();
+  for (int i = n - 1; i >= 0; --i) {
+    for (int j = up[i]; j >= 0; j = up[j]) x[j] -= L[j * n + i] * x[i];
+    x[i] *= data.D_inverse[i];
+  }
+  for (int i = 0; i < n; ++i) {
+    S sum = x[i];
+    for (int j = up[i]; j >= 0; j = up[j]) sum -= L[j * n + i] * x[j];
+    x[i] = sum;
+  }
+}
+
+template <class S>
+void bias_forces(const RobotModel& model, const S* v, RobotData<S>& data) {
+  update_accelerations<S>(model, v, nullptr, data);
+  body_forces(model, data);
+  subtract_external_wrenches(model, data);
+  project_forces(model, data, data.bias.data());
+}
+
+template <class S>
+void forward_dynamics(const RobotModel& model, const S* q, const S* v, const S* tau,
+                      RobotData<S>& data) {
+  update_placements(model, q, data);
+  update_velocities(model, v, data);
+  mass_matrix(model, data);
+  factorize_mass_matrix(model, data);
+  bias_forces(model, v, data);
+  for (int i = 0; i < model.nv; ++i)
+    data.acceleration[i] = tau == nullptr ? -data.bias[i] : tau[i] - data.bias[i];
+  solve_mass_matrix(model, data, data.acceleration.data());
+}
+
+template <class S>
+void inverse_dynamics_derivatives(const RobotModel& model, const S* v, RobotData<S>& data) {
+  const int n = model.nv;
+  update_accelerations(model, v, data.acceleration.data(), data);
+  update_derivative_columns(model, data);
+  body_forces(model, data);
+  for (int i = 0; i < model.joint_count(); ++i)
+    data.inertia_rate[i] = rotational_inertia_rate(data.body[i], data.v[i]);
+
+  for (int i = model.joint_count() - 1; i >= 0; --i) {
+    const Joint& joint = model.joints[i];
+    const Force<S>& h = data.momentum[i];
+    const Symmetric3<S>& rate = data.inertia_rate[i];
+    const Inertia<S>& y = data.composite[i];
+    // 2B m of the subtree depends on the angular part of m alone.
+    const auto twice_b = [&](const Vector3<S>& w) {
+      return Force<S>{S(2.0) * cross(w, h.linear), rate * w + cross(w, h.angular)};
+    };
+    if (joint.type == JointType::floating) {
+      const Vector3<S> g = data.gravity(model, i);
+      for (int k = 0; k < 6; ++k) {
+        Motion<S> e = Motion<S>::zero();
+        e[k] = S(1.0);
+        const Force<S> dv = twice_b(e.angular) + y * cross(data.v[i], e);
+        const Force<S> dq = y * Motion<S>{cross(e.angular, g), Vector3<S>::zero()};
+        for (int row = 0; row < 6; ++row) {
+          data.tau_v[(joint.v + k) * n + joint.v + row] = dv[row];
+          data.tau_q[(joint.v + k) * n + joint.v + row] = k < 3 ? S(0.0) : dq[row];
+        }
+      }
+      continue;
+    }
+    const Motion<S>& s = data.axis[i];
+    const Force<S>& f = data.column[i];
+    // Row i: joints above it move the subtree of i.
+    const Vector3<S> z =
+        S(2.0) * cross(h.linear, s.linear) + rate * s.angular + cross(h.angular, s.angular);
+    for (int j = i; j >= 0; j = model.joints[j].parent) {
+      const int vj = model.joints[j].v;
+      if (model.joints[j].type == JointType::floating) {
+        const Vector3<S> dq = cross(data.gravity(model, j), f.linear);
+        const Force<S> dv = cross(data.v[j], f);
+        for (int k = 0; k < 3; ++k) {
+          data.tau_q[(vj + k) * n + joint.v] = S(0.0);
+          data.tau_q[(vj + 3 + k) * n + joint.v] = dq[k];
+          data.tau_v[(vj + k) * n + joint.v] = -dv.linear[k];
+          data.tau_v[(vj + 3 + k) * n + joint.v] = z[k] - dv.angular[k];
+        }
+        continue;
+      }
+      data.tau_q[vj * n + joint.v] = dot(z, data.psi_dot[j].angular) + dot(data.psi_ddot[j], f);
+      data.tau_v[vj * n + joint.v] = dot(z, data.axis[j].angular) + dot(data.axis_rate[j], f);
+    }
+    // Column i: joint i moves its subtree, which joints above it feel.
+    if (joint.parent < 0) continue;
+    const Force<S> dq =
+        twice_b(data.psi_dot[i].angular) + y * data.psi_ddot[i] + cross(s, data.force[i]);
+    const Force<S> dv = twice_b(s.angular) + y * data.axis_rate[i];
+    S* column_q = data.tau_q.data() + joint.v * n;
+    S* column_v = data.tau_v.data() + joint.v * n;
+    for (int j = joint.parent; j >= 0; j = model.joints[j].parent) {
+      const int vj = model.joints[j].v;
+      if (model.joints[j].type == JointType::floating) {
+        for (int k = 0; k < 6; ++k) {
+          column_q[vj + k] = dq[k];
+          column_v[vj + k] = dv[k];
+        }
+      } else {
+        column_q[vj] = dot(data.axis[j], dq);
+        column_v[vj] = dot(data.axis[j], dv);
+      }
+    }
+    data.momentum[joint.parent] += h;
+    data.inertia_rate[joint.parent] += rate;
+    data.force[joint.parent] += data.force[i];
+  }
+  subtract_external_wrench_derivatives(model, data);
+}
+
+template <class S>
+void gravity_torques(const RobotModel& model, const RobotData<S>& data, S* out, S* out_q) {
+  const int n = model.nv;
+  for (int i = 0; i < model.joint_count(); ++i) {
+    const Joint& joint = model.joints[i];
+    const Vector3<S> g = data.gravity(model, i);
+    const Inertia<S>& y = data.composite[i];
+    const Force<S> weight{-(y.mass * g), -cross(y.moment, g)};
+    if (joint.type == JointType::floating) {
+      for (int k = 0; k < 6; ++k) out[joint.v + k] = weight[k];
+      if (out_q == nullptr) continue;
+      for (int k = 0; k < 3; ++k) {
+        Vector3<S> e = Vector3<S>::zero();
+        e[k] = S(1.0);
+        const Force<S> dq = y * Motion<S>{cross(e, g), Vector3<S>::zero()};
+        for (int row = 0; row < 6; ++row) out_q[(joint.v + 3 + k) * n + joint.v + row] = dq[row];
+      }
+      continue;
+    }
+    const Motion<S>& s = data.axis[i];
+    const Force<S>& f = data.column[i];
+    out[joint.v] = -dot(f.linear, g);
+    if (out_q == nullptr) continue;
+    const auto turned_gravity = [&g](const Motion<S>& axis) {
+      return Motion<S>{cross(axis.angular, g), Vector3<S>::zero()};
+    };
+    const Force<S> change = y * turned_gravity(s) + cross(s, weight);
+    for (int j = i; j >= 0; j = model.joints[j].parent) {
+      const int vj = model.joints[j].v;
+      if (model.joints[j].type == JointType::floating) {
+        const Vector3<S> dq = cross(g, f.linear);
+        for (int k = 0; k < 3; ++k) out_q[(vj + 3 + k) * n + joint.v] = dq[k];
+        for (int k = 0; k < 6; ++k) out_q[joint.v * n + vj + k] = change[k];
+      } else {
+        out_q[vj * n + joint.v] = dot(turned_gravity(data.axis[j]), f);
+        out_q[joint.v * n + vj] = dot(data.axis[j], change);
+      }
+    }
+  }
+}
+
+template <class S>
+S kinetic_energy(const RobotModel& model, const RobotData<S>& data) {
+  S twice(0.0);
+  for (int i = 0; i < model.joint_count(); ++i) {
+    const Joint& joint = model.joints[i];
+    twice += dot(data.v[i], data.body[i] * data.v[i]);
+    if (joint.rotor_inertia == 0) continue;
+    const Motion<S> own = joint.parent < 0 ? data.v[i] : data.v[i] - data.v[joint.parent];
+    const S rate = joint.type == JointType::revolute ? dot(data.axis[i].angular, own.angular)
+                                                     : dot(data.axis[i].linear, own.linear);
+    twice += S(joint.rotor_inertia) * rate * rate;
+  }
+  return S(0.5) * twice;
+}
+
+template <class S>
+S potential_energy(const RobotModel& model, const RobotData<S>& data) {
+  S energy(0.0);
+  for (int i = 0; i < model.joint_count(); ++i) {
+    if (model.joints[i].parent >= 0) continue;
+    const SE3<S> root = data.root_pose(model, i);
+    const Inertia<S>& y = data.composite[i];
+    energy -= dot(root.R * y.moment + y.mass * root.p, model.gravity.cast<S>());
+  }
+  return energy;
+}
+
+#define CONDDP_INSTANTIATE(S)                                                                     \
+  template void inverse_dynamics(const RobotModel&, const S*, const S*, const S*, RobotData<S>&); \
+  template void mass_matrix(const RobotModel&, RobotData<S>&);                                    \
+  template void factorize_mass_matrix(const RobotModel&, RobotData<S>&);                          \
+  template void solve_mass_matrix(const RobotModel&, const RobotData<S>&, S*);                    \
+  template void bias_forces(const RobotModel&, const S*, RobotData<S>&);                          \
+  template void forward_dynamics(const RobotModel&, const S*, const S*, const S*, RobotData<S>&); \
+  template void inverse_dynamics_derivatives(const RobotModel&, const S*, RobotData<S>&);         \
+  template void gravity_torques(const RobotModel&, const RobotData<S>&, S*, S*);                  \
+  template S kinetic_energy(const RobotModel&, const RobotData<S>&);                              \
+  template S potential_energy(const RobotModel&, const RobotData<S>&);
+CONDDP_FOR_EACH_KERNEL_SCALAR(CONDDP_INSTANTIATE)
+#undef CONDDP_INSTANTIATE
+
+}  // namespace conddp

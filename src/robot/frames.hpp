@@ -1,0 +1,76 @@
+#pragma once
+
+#include "robot/data.hpp"
+
+namespace conddp {
+
+/// Velocity indices that move a joint's body (or a frame on it), ascending: the columns of its
+/// Jacobians. Empty for the world (joint −1).
+std::vector<int> support(const RobotModel& model, int joint);
+/// How many they are.
+int support_size(const RobotModel& model, int joint);
+
+/// Pose of a frame in the world; placements must be current.
+template <class S>
+SE3<S> frame_placement(const RobotModel& model, const RobotData<S>& data, int frame);
+
+/// Axes in which the velocity and acceleration of a frame's origin are expressed.
+enum class FrameAxes { local, world_aligned };
+
+/// Velocity (linear; angular) of a frame at its origin; velocities must be current.
+template <class S>
+Motion<S> frame_velocity(const RobotModel& model, const RobotData<S>& data, int frame,
+                         FrameAxes axes);
+/// Acceleration (linear; angular) without gravity; accelerations must be current. Spatial: the
+/// rate of the twist's components for local axes; for the acceleration of the point add ω × v.
+template <class S>
+Motion<S> frame_acceleration(const RobotModel& model, const RobotData<S>& data, int frame,
+                             FrameAxes axes);
+
+/// Columns of derivatives below go with support(model, joint of the frame): 6 rows by columns.
+
+/// Jacobian: velocity = J v. Placements must be current.
+template <class S>
+void frame_jacobian(const RobotModel& model, const RobotData<S>& data, int frame, FrameAxes axes,
+                    S* jacobian);
+/// The linear rows of the world-aligned Jacobian alone, 3 rows: ∂(position)/∂q.
+template <class S>
+void frame_position_jacobian(const RobotModel& model, const RobotData<S>& data, int frame,
+                             S* jacobian);
+/// The angular rows of the local Jacobian alone, 3 rows.
+template <class S>
+void frame_rotation_jacobian(const RobotModel& model, const RobotData<S>& data, int frame,
+                             S* jacobian);
+/// Time derivative of the Jacobian; velocities must be current.
+template <class S>
+void frame_jacobian_rate(const RobotModel& model, const RobotData<S>& data, int frame,
+                         FrameAxes axes, S* jacobian_rate);
+/// Derivative of frame_velocity with respect to the configuration; velocities must be current.
+template <class S>
+void frame_velocity_derivative(const RobotModel& model, const RobotData<S>& data, int frame,
+                               FrameAxes axes, S* velocity_q);
+/// Derivatives of frame_acceleration in local axes with respect to configuration and velocity at
+/// fixed generalised accelerations; derivative columns must be current. (With respect to the
+/// generalised accelerations it is frame_jacobian.)
+template <class S>
+void frame_acceleration_derivatives(const RobotModel& model, const RobotData<S>& data, int frame,
+                                    S* acceleration_q, S* acceleration_v);
+
+/// Centre of mass of all trees in the world (m); composite inertias must be current.
+template <class S>
+Vector3<S> center_of_mass(const RobotModel& model, const RobotData<S>& data);
+/// Its Jacobian, 3 x nv by columns: velocity of the centre of mass = J v.
+template <class S>
+void center_of_mass_jacobian(const RobotModel& model, const RobotData<S>& data, S* jacobian);
+
+/// Momentum (linear; angular) about the centre of mass in world axes; velocities and composite
+/// inertias must be current.
+template <class S>
+Force<S> centroidal_momentum(const RobotModel& model, const RobotData<S>& data);
+/// Its derivatives with respect to configuration and velocity, 6 x nv by columns; the latter is
+/// the centroidal momentum matrix. Writes data.momentum (of subtrees).
+template <class S>
+void centroidal_momentum_derivatives(const RobotModel& model, RobotData<S>& data, S* wrt_q,
+                                     S* wrt_v);
+
+}  // namespace conddp
