@@ -1,0 +1,386 @@
+#include "ocp/acts.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include "ocp/knot_batch.hpp"
+
+namespace conddp {
+
+Feedback::Feedback(const ShootingProblem& problem) {
+  for (int i = 0; i < problem.knots(); ++i) {
+    k.push_back(Eigen::VectorXd::Zero(problem.nu(i)));
+    K.push_back(Eigen::MatrixXd::Zero(problem.nu(i), problem.ndx()));
+  }
+}
+
+Evaluation::Evaluation(const ShootingProblem& problem)
+    : gap(Eigen::MatrixXd::Zero(problem.ndx(), problem.knots())),
+      cost(Eigen::VectorXd::Zero(problem.knots() + 1)) {}
+
+LaneRollout::LaneRollout(const ShootingProblem& problem)
+    : cost(0.0), x((problem.knots() + 1) * problem.nx(), Lane(0.0)) {
+  int controls = 0;
+  for (int k = 0; k < problem.knots(); ++k) controls += problem.nu(k);
+  u.assign(controls, Lane(0.0));
+  std::fill(std::begin(first_bad_knot), std::end(first_bad_knot), -1);
+}
+
+void LaneRollout::extract(int lane, Trajectory& trajectory) const {
+  const Lane* source = x.data();
+  for (int k = 0; k <= trajectory.knots(); ++k)
+    for (int i = 0; i < trajectory.nx(); ++i) trajectory.x(k)[i] = (*source++)[lane];
+  source = u.data();
+  for (int k = 0; k < trajectory.knots(); ++k)
+    for (int i = 0; i < trajectory.nu(k); ++i) trajectory.u(k)[i] = (*source++)[lane];
+}
+
+namespace {
+
+/// Up to kLaneWidth knots of one model, one per lane.
+struct Group {
+  int model;  ///< index into the distinct models
+  int count;
+  int knots[kLaneWidth];
+};
+
+/// Tᵀ λ of a knot's dynamics in scalar S, from its workspace: out has nz entries.
+template <class S>
+void transposed_dynamics(const KnotModel& model, const KnotWorkspace<S>& work, const S& dt,
+                         const S* lambda, S* mu, S* out) {
+  const int n = model.ndx(), nz = model.nz(), rows = model.jacobian_rows();
+  const AlignedVector<S>& F = work.F();
+  if (!model.semi_implicit()) {
+    for (int c = 0; c < nz; ++c) {
+      out[c] = S(0.0);
+      for (int i = 0; i < rows; ++i) out[c] += F[c * rows + i] * lambda[i];
+    }
+    return;
+  }
+  for (int i = 0; i < rows; ++i) mu[i] = lambda[rows + i] + dt * lambda[i];
+  const S* step = work.step_blocks().data();
+  for (const auto& s : model.manifold().curved()) {
+    for (int j = 0; j < s.n; ++j) {
+      S sum(0.0);
+      for (int i = 0; i < s.n; ++i) sum += step[i * s.n + j] * lambda[s.dx + i];
+      mu[s.dx + j] = lambda[rows + s.dx + j] + dt * sum;
+    }
+    step += StateManifold::kBlockSize;
+  }
+  for (int c = 0; c < nz; ++c) {
+    out[c] = S(0.0);
+    for (int i = 0; i < rows; ++i) out[c] += F[c * rows + i] * mu[i];
+  }
+  for (int c = 0; c < n - rows; ++c) out[c] += lambda[c];
+  const S* state = work.state_blocks().data();
+  for (const auto& s : model.manifold().curved()) {
+    for (int j = 0; j < s.n; ++j) {
+      out[s.dx + j] -= lambda[s.dx + j];
+      for (int i = 0; i < s.n; ++i) out[s.dx + j] += state[i * s.n + j] * lambda[s.dx + i];
+    }
+    state += StateManifold::kBlockSize;
+  }
+}
+
+}  // namespace
+
+struct Acts::Impl {
+  Impl(const ShootingProblem& p, int thread_count)
+      : problem(p), threads(std::max(1, thread_count)), arena(std::max(1, thread_count)) {
+    std::map<const KnotModel*, std::vector<int>> by_model;
+    std::vector<const KnotModel*> order;
+    for (int k = 0; k <= p.knots(); ++k) {
+      auto& list = by_model[p.knot(k).model];
+      if (list.empty()) order.push_back(p.knot(k).model);
+      list.push_back(k);
+    }
+    std::map<const KnotModel*, int> index;
+    for (const KnotModel* model : order) {
+      index[model] = static_cast<int>(models.size());
+      models.push_back(model);
+      const std::vector<int>& knots = by_model[model];
+      for (std::size_t first = 0; first < knots.size(); first += kLaneWidth) {
+        Group& group = groups.emplace_back();
+        group.model = index[model];
+        group.count = static_cast<int>(std::min<std::size_t>(kLaneWidth, knots.size() - first));
+        for (int l = 0; l < kLaneWidth; ++l)
+          group.knots[l] = knots[first + std::min(l, group.count - 1)];
+      }
+    }
+    for (int k = 0; k <= p.knots(); ++k) model_of_knot.push_back(index[p.knot(k).model]);
+    lanes.resize(threads);
+    for (auto& of_thread : lanes)
+      for (const KnotModel* model : models)
+        of_thread.push_back(std::make_unique<KnotBatch<Lane>>(*model));
+    duals.resize(threads);
+  }
+
+  /// Calls act(group, thread) for every group, in parallel where there are threads.
+  template <class F>
+  void for_each_group(F act) {
+    if (threads == 1) {
+      for (const Group& group : groups) act(group, 0);
+      return;
+    }
+    arena.execute([&] {
+      tbb::parallel_for(std::size_t{0}, groups.size(), [&](std::size_t i) {
+        act(groups[i], tbb::this_task_arena::current_thread_index());
+      });
+    });
+  }
+
+  /// Gathers a group's knots into a batch, one per lane.
+  template <class S>
+  void load(const Group& group, const Trajectory& t, KnotBatch<S>& batch) const {
+    const KnotModel& model = *models[group.model];
+    for (int l = 0; l < kLaneWidth; ++l) {
+      const int k = group.knots[l];
+      const KnotView& view = problem.knot(k);
+      const double* x = t.x(k).data();
+      for (int i = 0; i < model.nx(); ++i) lane_of(batch.x[i]).set(l, x[i]);
+      if (k < problem.knots()) {
+        const double* u = t.u(k).data();
+        for (int i = 0; i < model.nu(); ++i) lane_of(batch.u[i]).set(l, u[i]);
+        const double* after = t.x(k + 1).data();
+        for (int i = 0; i < model.nx(); ++i) lane_of(batch.x_next[i]).set(l, after[i]);
+      }
+      for (int i = 0; i < model.parameter_count(); ++i)
+        lane_of(batch.parameters[i]).set(l, view.parameters[i]);
+      lane_of(batch.dt).set(l, view.dt);
+      lane_of(batch.cost_scale).set(l, view.cost_scale);
+    }
+  }
+
+  void store_cost_and_gap(const Group& group, KnotBatch<Lane>& batch, Eigen::VectorXd& cost,
+                          Eigen::MatrixXd& gap) const {
+    const KnotModel& model = *models[group.model];
+    const bool running = model.integrator() != Integrator::none;
+    if (running)
+      model.manifold().difference(batch.x_next.data(), batch.work.next().data(),
+                                  batch.tangent.data());
+    for (int l = 0; l < group.count; ++l) {
+      const int k = group.knots[l];
+      cost[k] = batch.work.cost[l];
+      if (running)
+        for (int i = 0; i < model.ndx(); ++i) gap(i, k) = batch.tangent[i][l];
+    }
+  }
+
+  void store_derivatives(const Group& group, const KnotBatch<Lane>& batch,
+                         Linearization& out) const {
+    const KnotModel& model = *models[group.model];
+    const auto& pattern = model.hessian_pattern();
+    const AlignedVector<Lane>& F = batch.work.F();
+    for (int l = 0; l < group.count; ++l) {
+      KnotLinearization& knot = out.knots[group.knots[l]];
+      for (int i = 0; i < model.nz(); ++i) knot.gradient[i] = batch.work.gradient[i][l];
+      double* hessian = knot.hessian.data();
+      const int nz = model.nz();
+      for (std::size_t e = 0; e < pattern.size(); ++e) {
+        const auto [row, column] = pattern[e];
+        const double h = batch.work.hessian[e][l];
+        hessian[column * nz + row] = h;
+        hessian[row * nz + column] = h;
+      }
+      double* f = knot.F.data();
+      for (std::size_t i = 0; i < F.size(); ++i) f[i] = F[i][l];
+      for (std::size_t s = 0; s < knot.A.size(); ++s)
+        for (int i = 0; i < knot.curved[s].n; ++i)
+          for (int j = 0; j < knot.curved[s].n; ++j) {
+            const int at =
+                static_cast<int>(s) * StateManifold::kBlockSize + i * knot.curved[s].n + j;
+            knot.A[s](i, j) = batch.work.state_blocks()[at][l];
+            knot.H[s](i, j) = batch.work.step_blocks()[at][l];
+          }
+    }
+  }
+
+  const ShootingProblem& problem;
+  int threads;
+  tbb::task_arena arena;
+  std::vector<const KnotModel*> models;
+  std::vector<Group> groups;
+  std::vector<int> model_of_knot;
+  std::vector<std::vector<std::unique_ptr<KnotBatch<Lane>>>> lanes;        ///< thread, model
+  std::vector<std::vector<std::unique_ptr<KnotBatch<Dual<Lane>>>>> duals;  ///< made when needed
+};
+
+Acts::Acts(const ShootingProblem& problem, int threads)
+    : problem_(problem), impl_(std::make_unique<Impl>(problem, threads)) {}
+Acts::~Acts() = default;
+
+void Acts::evaluate(const Trajectory& trajectory, Evaluation& out) {
+  impl_->for_each_group([&](const Group& group, int thread) {
+    KnotBatch<Lane>& batch = *impl_->lanes[thread][group.model];
+    impl_->load(group, trajectory, batch);
+    impl_->models[group.model]->evaluate(batch.input(), batch.work);
+    impl_->store_cost_and_gap(group, batch, out.cost, out.gap);
+  });
+}
+
+void Acts::differentiate(const Trajectory& trajectory, Linearization& out) {
+  impl_->for_each_group([&](const Group& group, int thread) {
+    KnotBatch<Lane>& batch = *impl_->lanes[thread][group.model];
+    impl_->load(group, trajectory, batch);
+    impl_->models[group.model]->differentiate(batch.input(), batch.work, true);
+    impl_->store_cost_and_gap(group, batch, out.cost, out.gap);
+    impl_->store_derivatives(group, batch, out);
+  });
+}
+
+void Acts::lagrangian_hessian(const Trajectory& trajectory, const Eigen::MatrixXd& costates,
+                              Linearization& out) {
+  using D = Dual<Lane>;
+  for (auto& of_thread : impl_->duals)
+    if (of_thread.empty())
+      for (const KnotModel* model : impl_->models)
+        of_thread.push_back(std::make_unique<KnotBatch<D>>(*model));
+  impl_->for_each_group([&](const Group& group, int thread) {
+    const KnotModel& model = *impl_->models[group.model];
+    KnotBatch<D>& batch = *impl_->duals[thread][group.model];
+    const int n = model.ndx(), nz = model.nz(), nx = model.nx();
+    for (D& a : batch.parameters) a.d = Lane(0.0);
+    batch.dt.d = batch.cost_scale.d = Lane(0.0);
+    const bool running = model.integrator() != Integrator::none;
+    if (running)
+      for (int i = 0; i < n; ++i) {
+        batch.lambda[i] = D(0.0);
+        for (int l = 0; l < kLaneWidth; ++l)
+          batch.lambda[i].v.set(l, costates(i, group.knots[l] + 1));
+      }
+    for (int d = 0; d < nz; ++d) {
+      impl_->load(group, trajectory, batch);
+      for (int i = 0; i < nx; ++i) batch.x[i].d = Lane(0.0);
+      for (int i = 0; i < model.nu(); ++i) batch.u[i].d = Lane(0.0);
+      if (d < n) {
+        for (int i = 0; i < n; ++i) batch.tangent[i] = D(0.0);
+        batch.tangent[d].d = Lane(1.0);
+        model.manifold().integrate(batch.x.data(), batch.tangent.data(), batch.x.data());
+      } else {
+        batch.u[d - n].d = Lane(1.0);
+      }
+      model.differentiate(batch.input(), batch.work, false);
+      if (running)
+        transposed_dynamics(model, batch.work, batch.dt, batch.lambda.data(), batch.tangent.data(),
+                            batch.pulled.data());
+      for (int l = 0; l < group.count; ++l) {
+        auto column = out.knots[group.knots[l]].hessian.col(d);
+        for (int c = 0; c < nz; ++c)
+          column[c] = batch.work.gradient[c].d[l] + (running ? batch.pulled[c].d[l] : 0.0);
+      }
+    }
+    // The derivative of the gradient along the manifold differs from the Hessian by an
+    // antisymmetric (Lie bracket) term alone.
+    for (int l = 0; l < group.count; ++l) {
+      Eigen::MatrixXd& h = out.knots[group.knots[l]].hessian;
+      for (int c = 0; c < nz; ++c)
+        for (int r = 0; r < c; ++r) h(r, c) = h(c, r) = 0.5 * (h(r, c) + h(c, r));
+    }
+  });
+}
+
+void Acts::roll_out(const Trajectory& reference, const Eigen::MatrixXd& gap,
+                    const Feedback& feedback, const double* step_lengths,
+                    const RolloutOptions& options, LaneRollout& out) {
+  const int nx = problem_.nx(), n = problem_.ndx(), N = problem_.knots();
+  const StateManifold& manifold = problem_.manifold();
+  Lane alpha;
+  for (int l = 0; l < kLaneWidth; ++l) {
+    alpha.set(l, step_lengths[l]);
+    out.first_bad_knot[l] = -1;
+  }
+  for (int i = 0; i < nx; ++i) out.x[i] = Lane(problem_.initial_state()[i]);
+  out.cost = Lane(0.0);
+  Lane* u = out.u.data();
+  for (int k = 0; k <= N; ++k) {
+    const KnotView& view = problem_.knot(k);
+    const KnotModel& model = *view.model;
+    KnotBatch<Lane>& batch = *impl_->lanes[0][impl_->model_of_knot[k]];
+    const Lane* x = out.x.data() + k * nx;
+    for (int i = 0; i < model.parameter_count(); ++i) batch.parameters[i] = view.parameters[i];
+    batch.dt = view.dt;
+    batch.cost_scale = view.cost_scale;
+    if (k < N) {
+      for (int i = 0; i < nx; ++i) batch.x[i] = reference.x(k)[i];
+      manifold.difference(batch.x.data(), x, batch.tangent.data());
+      const auto ubar = reference.u(k);
+      for (int i = 0; i < model.nu(); ++i) u[i] = Lane(ubar[i]) + alpha * Lane(feedback.k[k][i]);
+      const double* K = feedback.K[k].data();
+      for (int j = 0; j < n; ++j)
+        for (int i = 0; i < model.nu(); ++i) u[i] += Lane(K[j * model.nu() + i]) * batch.tangent[j];
+      if (options.clamp_controls)
+        for (int i = 0; i < model.nu(); ++i)
+          u[i] = max(Lane(model.control_lower()[i]), min(Lane(model.control_upper()[i]), u[i]));
+    }
+    model.evaluate(KnotInput<Lane>{x, u, batch.parameters.data(), batch.dt, batch.cost_scale},
+                   batch.work);
+    out.cost += batch.work.cost;
+    Lane check = out.cost;
+    if (k < N) {
+      Lane* after = out.x.data() + (k + 1) * nx;
+      if (options.contract_gaps) {
+        for (int i = 0; i < n; ++i) batch.tangent[i] = (alpha - Lane(1.0)) * Lane(gap(i, k));
+        manifold.integrate(batch.work.next().data(), batch.tangent.data(), after);
+      } else {
+        std::copy(batch.work.next().begin(), batch.work.next().end(), after);
+      }
+      for (int i = 0; i < nx; ++i) check += after[i];
+      u += model.nu();
+    }
+    // A sum is finite only if its terms are; zero times it is then zero.
+    bool alive = false;
+    for (int l = 0; l < kLaneWidth; ++l) {
+      if (out.first_bad_knot[l] < 0 && !(check[l] * 0.0 == 0.0)) out.first_bad_knot[l] = k;
+      alive = alive || out.first_bad_knot[l] < 0;
+    }
+    if (!alive) return;
+  }
+}
+
+int Acts::simulate(Trajectory& trajectory, bool clamp_controls) {
+  Feedback none(problem_);
+  LaneRollout rollout(problem_);
+  const double steps[kLaneWidth] = {};
+  // Feedback zero: the reference's states do not matter, as long as they are finite.
+  for (int k = 0; k <= trajectory.knots(); ++k)
+    trajectory.x(k) =
+        Eigen::Map<const Eigen::VectorXd>(problem_.initial_state().data(), problem_.nx());
+  roll_out(trajectory, Eigen::MatrixXd(), none, steps, {.clamp_controls = clamp_controls}, rollout);
+  if (rollout.first_bad_knot[0] >= 0) return rollout.first_bad_knot[0];
+  rollout.extract(0, trajectory);
+  return -1;
+}
+
+std::vector<std::pair<std::string, double>> cost_by_name(const ShootingProblem& problem,
+                                                         const Trajectory& trajectory) {
+  std::vector<std::pair<std::string, double>> sums;
+  const auto add = [&sums](const std::string& name, double cost) {
+    for (auto& [known, sum] : sums)
+      if (known == name) {
+        sum += cost;
+        return;
+      }
+    sums.emplace_back(name, cost);
+  };
+  std::map<const KnotModel*, std::unique_ptr<KnotWorkspace<double>>> work;
+  for (int k = 0; k <= problem.knots(); ++k) {
+    const KnotView& view = problem.knot(k);
+    auto& mine = work[view.model];
+    if (!mine) mine = std::make_unique<KnotWorkspace<double>>(*view.model);
+    const double* u = k < problem.knots() ? trajectory.u(k).data() : nullptr;
+    view.model->evaluate(
+        KnotInput<double>{trajectory.x(k).data(), u, view.parameters, view.dt, view.cost_scale},
+        *mine);
+    for (std::size_t t = 0; t < view.model->costs().size(); ++t)
+      add((k == problem.knots() ? "terminal/" : "") + view.model->costs()[t].name,
+          mine->term_costs[t]);
+  }
+  return sums;
+}
+
+}  // namespace conddp

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "ocp/linearization.hpp"
+
+namespace conddp {
+
+/// Feedforward and feedback of a control update δu = α k + K δx, one per knot.
+struct Feedback {
+  explicit Feedback(const ShootingProblem& problem);
+  std::vector<Eigen::VectorXd> k;  ///< nu
+  std::vector<Eigen::MatrixXd> K;  ///< nu x ndx
+};
+
+/// Result of evaluating a trajectory knot by knot.
+struct Evaluation {
+  explicit Evaluation(const ShootingProblem& problem);
+  Eigen::MatrixXd gap;   ///< ndx x N: f(x_k, u_k) ⊖ x_{k+1}
+  Eigen::VectorXd cost;  ///< N + 1
+};
+
+/// kLaneWidth trajectories rolled out at once, one per step length.
+struct LaneRollout {
+  explicit LaneRollout(const ShootingProblem& problem);
+  Lane cost;
+  AlignedVector<Lane> x;  ///< (N + 1) x nx
+  AlignedVector<Lane> u;  ///< controls of all knots, one after the other
+  /// The knot at which a lane's state or cost stopped being finite, −1 where all is finite.
+  int first_bad_knot[kLaneWidth];
+  /// Copies one lane's trajectory.
+  void extract(int lane, Trajectory& trajectory) const;
+};
+
+/// How a rollout treats gaps and bounds.
+struct RolloutOptions {
+  bool contract_gaps = false;   ///< x_{k+1} = f ⊕ (α − 1) gap instead of f (multiple shooting)
+  bool clamp_controls = false;  ///< project every control on its bounds
+};
+
+/// The few acts that cross from a problem to the solvers. Owns all workspaces: after construction
+/// no act allocates. Knots of one structure share lanes, from whichever phases. Results do not
+/// depend on the number of threads.
+class Acts {
+ public:
+  explicit Acts(const ShootingProblem& problem, int threads = 1);
+  ~Acts();
+  Acts(const Acts&) = delete;
+  Acts& operator=(const Acts&) = delete;
+
+  const ShootingProblem& problem() const { return problem_; }
+
+  /// Gaps and costs of a trajectory.
+  void evaluate(const Trajectory& trajectory, Evaluation& out);
+  /// First derivatives and Gauss-Newton Hessians.
+  void differentiate(const Trajectory& trajectory, Linearization& out);
+  /// Replaces the Hessians of `out` by the exact ones of the cost + Σ λ_{k+1}ᵀ f(x_k, u_k), with
+  /// co-states λ (ndx x (N + 1), column k belongs to node k), exact to second order on manifolds.
+  void lagrangian_hessian(const Trajectory& trajectory, const Eigen::MatrixXd& costates,
+                          Linearization& out);
+  /// Rolls out u = ū + α k + K (x ⊖ x̄) around `reference` for a step length α in each lane,
+  /// from x_0 = the problem's initial state. `gap` is that of the reference.
+  void roll_out(const Trajectory& reference, const Eigen::MatrixXd& gap, const Feedback& feedback,
+                const double* step_lengths, const RolloutOptions& options, LaneRollout& out);
+  /// Simulates the trajectory's controls from the initial state, overwriting its states; clamps
+  /// the controls first if asked. Returns the first knot with a non-finite result, or −1.
+  int simulate(Trajectory& trajectory, bool clamp_controls = false);
+
+ private:
+  struct Impl;
+  const ShootingProblem& problem_;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// The cost of each named term summed over the knots, in the order of first appearance; names of
+/// the terminal node get the prefix "terminal/".
+std::vector<std::pair<std::string, double>> cost_by_name(const ShootingProblem& problem,
+                                                         const Trajectory& trajectory);
+
+}  // namespace conddp

@@ -1,0 +1,235 @@
+#include "ocp/residuals.hpp"
+
+namespace conddp {
+namespace {
+
+using SystemPointer = std::shared_ptr<const MultibodySystem>;
+
+/// What residuals of one frame share: the robot, the frame, and the columns that move it.
+class FrameOf {
+ public:
+  FrameOf(SystemPointer system, int frame)
+      : system_(std::move(system)),
+        frame_(frame),
+        columns_(support(system_->robot(), system_->robot().frames[frame].joint)) {}
+
+  const RobotModel& robot() const { return system_->robot(); }
+  int frame() const { return frame_; }
+  const std::vector<int>& columns() const { return columns_; }
+  int count() const { return static_cast<int>(columns_.size()); }
+  template <class S>
+  static RobotData<S>& data(const ResidualInput<S>& in) {
+    return static_cast<MultibodySystem::Data<S>&>(in.system).robot;
+  }
+  template <class S>
+  SE3<S> placement(const ResidualInput<S>& in) const {
+    return frame_placement(robot(), data(in), frame_);
+  }
+
+ private:
+  SystemPointer system_;
+  int frame_;
+  std::vector<int> columns_;
+};
+
+template <class S>
+Quaternion<S> load_quaternion(const S* p) {
+  return {p[0], p[1], p[2], p[3]};
+}
+
+class FramePosition : public ResidualBase<FramePosition> {
+ public:
+  explicit FramePosition(FrameOf frame)
+      : ResidualBase({{3, frame.columns()}}, 3, false), frame_(std::move(frame)) {}
+
+  template <class S>
+  void evaluate_as(const ResidualInput<S>& in, S* r) const {
+    const Vector3<S> p = frame_.placement(in).p;
+    for (int i = 0; i < 3; ++i) r[i] = p[i] - in.parameters[i];
+  }
+  template <class S>
+  void differentiate_as(const ResidualInput<S>& in, S* r, S* jacobian) const {
+    evaluate_as(in, r);
+    frame_position_jacobian(frame_.robot(), frame_.data(in), frame_.frame(), jacobian);
+  }
+
+ private:
+  FrameOf frame_;
+};
+
+class FrameRotation : public ResidualBase<FrameRotation> {
+ public:
+  explicit FrameRotation(FrameOf frame)
+      : ResidualBase({{3, frame.columns()}}, 4, false), frame_(std::move(frame)) {}
+
+  template <class S>
+  void evaluate_as(const ResidualInput<S>& in, S* r) const {
+    const Quaternion<S> q = quaternion(frame_.placement(in).R);
+    const Vector3<S> w = log_so3(conjugate(load_quaternion(in.parameters)) * q);
+    for (int i = 0; i < 3; ++i) r[i] = w[i];
+  }
+  template <class S>
+  void differentiate_as(const ResidualInput<S>& in, S* r, S* jacobian) const {
+    evaluate_as(in, r);
+    frame_rotation_jacobian(frame_.robot(), frame_.data(in), frame_.frame(), jacobian);
+    const Matrix3<S> inverse = inverse_right_jacobian_so3(Vector3<S>{r[0], r[1], r[2]});
+    for (int c = 0; c < frame_.count(); ++c, jacobian += 3) {
+      const Vector3<S> column = inverse * Vector3<S>{jacobian[0], jacobian[1], jacobian[2]};
+      for (int i = 0; i < 3; ++i) jacobian[i] = column[i];
+    }
+  }
+
+ private:
+  FrameOf frame_;
+};
+
+class FramePlacement : public ResidualBase<FramePlacement> {
+ public:
+  explicit FramePlacement(FrameOf frame)
+      : ResidualBase({{6, frame.columns()}}, 7, false), frame_(std::move(frame)) {}
+
+  template <class S>
+  void evaluate_as(const ResidualInput<S>& in, S* r) const {
+    const SE3<S> m = frame_.placement(in);
+    const S* p = in.parameters;
+    const Motion<S> error = difference_se3(Pose<S>{{p[0], p[1], p[2]}, load_quaternion(p + 3)},
+                                           Pose<S>{m.p, quaternion(m.R)});
+    for (int i = 0; i < 6; ++i) r[i] = error[i];
+  }
+  template <class S>
+  void differentiate_as(const ResidualInput<S>& in, S* r, S* jacobian) const {
+    evaluate_as(in, r);
+    frame_jacobian(frame_.robot(), frame_.data(in), frame_.frame(), FrameAxes::local, jacobian);
+    const Matrix6<S> inverse =
+        inverse_right_jacobian_se3(Motion<S>{{r[0], r[1], r[2]}, {r[3], r[4], r[5]}});
+    S old[6];
+    for (int c = 0; c < frame_.count(); ++c, jacobian += 6) {
+      for (int i = 0; i < 6; ++i) old[i] = jacobian[i];
+      for (int i = 0; i < 6; ++i) {
+        jacobian[i] = inverse(i, 0) * old[0];
+        for (int k = 1; k < 6; ++k) jacobian[i] += inverse(i, k) * old[k];
+      }
+    }
+  }
+
+ private:
+  FrameOf frame_;
+};
+
+class FrameVelocity : public ResidualBase<FrameVelocity> {
+ public:
+  FrameVelocity(FrameOf frame, FrameAxes axes)
+      : ResidualBase({{6, both(frame)}}, 6, false), frame_(std::move(frame)), axes_(axes) {}
+
+  template <class S>
+  void evaluate_as(const ResidualInput<S>& in, S* r) const {
+    const Motion<S> v = frame_velocity(frame_.robot(), frame_.data(in), frame_.frame(), axes_);
+    for (int i = 0; i < 6; ++i) r[i] = v[i] - in.parameters[i];
+  }
+  template <class S>
+  void differentiate_as(const ResidualInput<S>& in, S* r, S* jacobian) const {
+    evaluate_as(in, r);
+    frame_velocity_derivative(frame_.robot(), frame_.data(in), frame_.frame(), axes_, jacobian);
+    frame_jacobian(frame_.robot(), frame_.data(in), frame_.frame(), axes_,
+                   jacobian + 6 * frame_.count());
+  }
+
+ private:
+  static std::vector<int> both(const FrameOf& frame) {
+    std::vector<int> columns = frame.columns();
+    for (int c : frame.columns()) columns.push_back(frame.robot().nv + c);
+    return columns;
+  }
+  FrameOf frame_;
+  FrameAxes axes_;
+};
+
+class ComPosition : public ResidualBase<ComPosition> {
+ public:
+  explicit ComPosition(SystemPointer system)
+      : ResidualBase({{3, column_range(0, system->nv())}}, 3, false), system_(std::move(system)) {}
+
+  template <class S>
+  void evaluate_as(const ResidualInput<S>& in, S* r) const {
+    const Vector3<S> c = center_of_mass(system_->robot(), FrameOf::data(in));
+    for (int i = 0; i < 3; ++i) r[i] = c[i] - in.parameters[i];
+  }
+  template <class S>
+  void differentiate_as(const ResidualInput<S>& in, S* r, S* jacobian) const {
+    evaluate_as(in, r);
+    center_of_mass_jacobian(system_->robot(), FrameOf::data(in), jacobian);
+  }
+
+ private:
+  SystemPointer system_;
+};
+
+class ControlGravity : public ResidualBase<ControlGravity> {
+ public:
+  ControlGravity(SystemPointer system, int ndx)
+      : ResidualBase({{static_cast<int>(system->actuated_rows().size()), columns(*system, ndx)}}, 0,
+                     true),
+        system_(std::move(system)),
+        rows_(system_->actuated_rows()) {}
+
+  template <class S>
+  void evaluate_as(const ResidualInput<S>& in, S* r) const {
+    auto& data = static_cast<MultibodySystem::Data<S>&>(in.system);
+    gravity_torques<S>(system_->robot(), data.robot, data.gravity.data(), nullptr);
+    effort(in, data, r);
+  }
+  template <class S>
+  void differentiate_as(const ResidualInput<S>& in, S* r, S* jacobian) const {
+    auto& data = static_cast<MultibodySystem::Data<S>&>(in.system);
+    gravity_torques(system_->robot(), data.robot, data.gravity.data(), data.gravity_q.data());
+    effort(in, data, r);
+    const int nv = system_->nv();
+    for (int c = 0; c < nv; ++c)
+      for (int row : rows_) *jacobian++ = -data.gravity_q[c * nv + row];
+    for (int c = 0; c < system_->nu(); ++c)
+      for (int row : rows_) *jacobian++ = S(system_->actuation().B[c * nv + row]);
+  }
+
+ private:
+  template <class S>
+  void effort(const ResidualInput<S>& in, const MultibodySystem::Data<S>& data, S* r) const {
+    const int nv = system_->nv();
+    for (int row : rows_) {
+      *r = -data.gravity[row];
+      for (int c = 0; c < system_->nu(); ++c)
+        *r += in.u[c] * S(system_->actuation().B[c * nv + row]);
+      ++r;
+    }
+  }
+  static std::vector<int> columns(const MultibodySystem& system, int ndx) {
+    std::vector<int> all = column_range(0, system.nv());
+    for (int c : column_range(ndx, system.nu())) all.push_back(c);
+    return all;
+  }
+  SystemPointer system_;
+  std::vector<int> rows_;
+};
+
+}  // namespace
+
+std::shared_ptr<const Residual> frame_position_residual(const SystemPointer& system, int frame) {
+  return std::make_shared<FramePosition>(FrameOf(system, frame));
+}
+std::shared_ptr<const Residual> frame_rotation_residual(const SystemPointer& system, int frame) {
+  return std::make_shared<FrameRotation>(FrameOf(system, frame));
+}
+std::shared_ptr<const Residual> frame_placement_residual(const SystemPointer& system, int frame) {
+  return std::make_shared<FramePlacement>(FrameOf(system, frame));
+}
+std::shared_ptr<const Residual> frame_velocity_residual(const SystemPointer& system, int frame,
+                                                        FrameAxes axes) {
+  return std::make_shared<FrameVelocity>(FrameOf(system, frame), axes);
+}
+std::shared_ptr<const Residual> com_position_residual(const SystemPointer& system) {
+  return std::make_shared<ComPosition>(system);
+}
+std::shared_ptr<const Residual> control_gravity_residual(const SystemPointer& system, int ndx) {
+  return std::make_shared<ControlGravity>(system, ndx);
+}
+
+}  // namespace conddp

@@ -1,0 +1,240 @@
+#include "ocp/knot_model.hpp"
+
+#include <algorithm>
+#include <map>
+#include <stdexcept>
+
+namespace conddp {
+
+KnotModel::KnotModel(std::shared_ptr<const System> system, Integrator integrator,
+                     bool control_memory)
+    : system_(std::move(system)), manifold_(system_->manifold()), integrator_(integrator) {
+  const bool discrete = system_->kind() == SystemKind::discrete;
+  if (integrator != Integrator::none && discrete != (integrator == Integrator::discrete))
+    throw std::invalid_argument("a discrete system needs the discrete integrator, and only it");
+  if (discrete && !manifold_.curved().empty())
+    throw std::invalid_argument("a discrete system needs a flat state space");
+  if (integrator == Integrator::semi_implicit_euler && system_->kind() != SystemKind::second_order)
+    throw std::invalid_argument("semi-implicit Euler needs a second-order system");
+  if (control_memory) {
+    memory_ = system_->nu();
+    manifold_.append(StateManifold::Part::flat, memory_);
+  }
+  lower_.assign(nu(), -std::numeric_limits<double>::infinity());
+  upper_.assign(nu(), std::numeric_limits<double>::infinity());
+}
+
+int KnotModel::add_cost(std::string name, std::shared_ptr<const Residual> residual,
+                        Activation activation) {
+  if (residual->needs_control() && nu() == 0)
+    throw std::invalid_argument("cost " + name + " needs a control, which this node has not");
+  std::map<std::pair<int, int>, int> index;
+  for (std::size_t i = 0; i < pattern_.size(); ++i) index[pattern_[i]] = static_cast<int>(i);
+  std::vector<int>& pairs = pattern_index_.emplace_back();
+  const bool dense_activation = activation.kind == ActivationKind::smooth_l2;
+  const auto add_pair = [&](int row, int column) {
+    const auto [it, fresh] = index.try_emplace({row, column}, static_cast<int>(pattern_.size()));
+    if (fresh) pattern_.emplace_back(row, column);
+    pairs.push_back(it->second);
+  };
+  for (const RowBlock& block : residual->blocks())
+    for (std::size_t a = 0; a < block.columns.size(); ++a)
+      for (std::size_t b = 0; b <= a; ++b) add_pair(block.columns[a], block.columns[b]);
+  if (dense_activation)
+    for (int row = 0; row < nz(); ++row)
+      for (int column = 0; column <= row; ++column) add_pair(row, column);
+  CostTerm& term = costs_.emplace_back();
+  term.name = std::move(name);
+  term.parameters = parameter_count_;
+  term.weight = parameter_count_ + residual->parameter_count();
+  parameter_count_ = term.weight + 1;
+  term.residual = std::move(residual);
+  term.activation = std::move(activation);
+  return term.parameters;
+}
+
+void KnotModel::set_control_bounds(std::vector<double> lower, std::vector<double> upper) {
+  if (static_cast<int>(lower.size()) != nu() || static_cast<int>(upper.size()) != nu())
+    throw std::invalid_argument("control bounds need one number per control");
+  lower_ = std::move(lower);
+  upper_ = std::move(upper);
+}
+
+bool KnotModel::has_control_bounds() const {
+  const auto finite = [](double a) { return std::isfinite(a); };
+  return std::any_of(lower_.begin(), lower_.end(), finite) ||
+         std::any_of(upper_.begin(), upper_.end(), finite);
+}
+
+int KnotModel::jacobian_rows() const {
+  if (integrator_ == Integrator::none) return 0;
+  return semi_implicit() ? system_->nv() : ndx();
+}
+
+template <class S>
+void KnotModel::append_control_memory(const KnotInput<S>& in, KnotWorkspace<S>& work,
+                                      bool derivatives) const {
+  const IntegratorWorkspace<S>& base = work.integrator_;
+  std::copy(base.next.begin(), base.next.end(), work.next_.begin());
+  for (int i = 0; i < memory_; ++i) work.next_[system_->nx() + i] = in.u[i];
+  if (!derivatives) return;
+  const int n = system_->ndx(), rows = ndx();
+  const int base_rows = integrator_ == Integrator::semi_implicit_euler ? system_->nv() : n;
+  const int top = n - base_rows;
+  for (int c = 0; c < nz(); ++c) {
+    if (c >= n && c < rows) continue;  // the next state does not depend on the previous control
+    const int base_column = c < n ? c : c - memory_;
+    S* out = &work.F_[c * rows];
+    for (int i = 0; i < base_rows; ++i) out[top + i] = base.F[base_column * base_rows + i];
+    for (int i = 0; i < top; ++i) out[i] = in.dt * out[top + i];
+    if (top > 0) {
+      const S* state = base.state_blocks.data();
+      const S* step = base.step_blocks.data();
+      bool curved = false;
+      for (const auto& segment : system_->manifold().curved()) {
+        const int m = segment.n;
+        S rotated[6];
+        for (int i = 0; i < m; ++i) {
+          rotated[i] = S(0.0);
+          for (int j = 0; j < m; ++j) rotated[i] += step[i * m + j] * out[segment.dx + j];
+        }
+        for (int i = 0; i < m; ++i) out[segment.dx + i] = rotated[i];
+        if (c >= segment.dx && c < segment.dx + m) {
+          curved = true;
+          for (int i = 0; i < m; ++i) out[segment.dx + i] += state[i * m + c - segment.dx];
+        }
+        state += StateManifold::kBlockSize;
+        step += StateManifold::kBlockSize;
+      }
+      if (!curved && c < top) out[c] += S(1.0);
+    }
+    for (int i = 0; i < memory_; ++i) out[n + i] = S(c == rows + i ? 1.0 : 0.0);
+  }
+}
+
+template <class S>
+void KnotModel::evaluate_costs(const KnotInput<S>& in, KnotWorkspace<S>& work) const {
+  work.cost = S(0.0);
+  for (std::size_t t = 0; t < costs_.size(); ++t) {
+    const CostTerm& term = costs_[t];
+    const ResidualInput<S> input{in.x, in.u, in.parameters + term.parameters, *work.system_};
+    term.residual->evaluate(input, work.residual_.data());
+    const S scale = in.cost_scale * in.parameters[term.weight];
+    work.term_costs[t] =
+        scale * term.activation.value(work.residual_.data(), term.residual->size());
+    work.cost += work.term_costs[t];
+  }
+}
+
+template <class S>
+void KnotModel::differentiate_costs(const KnotInput<S>& in, KnotWorkspace<S>& work,
+                                    bool hessian) const {
+  work.cost = S(0.0);
+  std::fill(work.gradient.begin(), work.gradient.end(), S(0.0));
+  if (hessian) std::fill(work.hessian.begin(), work.hessian.end(), S(0.0));
+  S* r = work.residual_.data();
+  S* gradient = work.activation_gradient_.data();
+  S* diagonal = work.activation_diagonal_.data();
+  for (std::size_t t = 0; t < costs_.size(); ++t) {
+    const CostTerm& term = costs_[t];
+    const ResidualInput<S> input{in.x, in.u, in.parameters + term.parameters, *work.system_};
+    term.residual->differentiate(input, r, work.residual_jacobian_.data());
+    const S scale = in.cost_scale * in.parameters[term.weight];
+    S rank_one;
+    const S value =
+        term.activation.differentiate(r, term.residual->size(), gradient, diagonal, rank_one);
+    work.term_costs[t] = scale * value;
+    work.cost += work.term_costs[t];
+    const bool dense = term.activation.kind == ActivationKind::smooth_l2;
+    if (dense) std::fill(work.term_gradient_.begin(), work.term_gradient_.end(), S(0.0));
+    const S* jacobian = work.residual_jacobian_.data();
+    const int* pair = pattern_index_[t].data();
+    for (const RowBlock& block : term.residual->blocks()) {
+      const int rows = block.rows, columns = static_cast<int>(block.columns.size());
+      for (int a = 0; a < columns; ++a) {
+        const S* ja = jacobian + a * rows;
+        S g = ja[0] * gradient[0];
+        for (int i = 1; i < rows; ++i) g += ja[i] * gradient[i];
+        work.gradient[block.columns[a]] += scale * g;
+        if (dense) work.term_gradient_[block.columns[a]] += g;
+        if (!hessian) continue;
+        for (int b = 0; b <= a; ++b) {
+          const S* jb = jacobian + b * rows;
+          S h = ja[0] * diagonal[0] * jb[0];
+          for (int i = 1; i < rows; ++i) h += ja[i] * diagonal[i] * jb[i];
+          work.hessian[*pair++] += scale * h;
+        }
+      }
+      jacobian += rows * columns;
+      gradient += rows;
+      diagonal += rows;
+    }
+    gradient = work.activation_gradient_.data();
+    diagonal = work.activation_diagonal_.data();
+    if (!dense || !hessian) continue;
+    const S factor = scale * rank_one;
+    for (int row = 0; row < nz(); ++row)
+      for (int column = 0; column <= row; ++column)
+        work.hessian[*pair++] += factor * work.term_gradient_[row] * work.term_gradient_[column];
+  }
+}
+
+template <class S>
+void KnotModel::evaluate(const KnotInput<S>& in, KnotWorkspace<S>& work) const {
+  if (integrator_ == Integrator::none) {
+    system_->update_kinematics(in.x, *work.system_);
+    evaluate_costs(in, work);
+    return;
+  }
+  system_->evaluate(in.x, in.u, *work.system_);
+  evaluate_costs(in, work);
+  integrate(*system_, integrator_, in.x, in.u, in.dt, *work.system_, work.integrator_);
+  if (memory_ > 0) append_control_memory(in, work, false);
+}
+
+template <class S>
+void KnotModel::differentiate(const KnotInput<S>& in, KnotWorkspace<S>& work, bool hessian) const {
+  if (integrator_ == Integrator::none) {
+    system_->update_kinematics(in.x, *work.system_);
+    differentiate_costs(in, work, hessian);
+    return;
+  }
+  system_->differentiate(in.x, in.u, *work.system_);
+  differentiate_costs(in, work, hessian);
+  integrate_derivatives(*system_, integrator_, in.x, in.u, in.dt, *work.system_, work.integrator_);
+  if (memory_ > 0) append_control_memory(in, work, true);
+}
+
+template <class S>
+KnotWorkspace<S>::KnotWorkspace(const KnotModel& model)
+    : cost(0.0),
+      term_costs(model.costs().size(), S(0.0)),
+      gradient(model.nz(), S(0.0)),
+      hessian(model.hessian_pattern().size(), S(0.0)),
+      memory_(model.has_control_memory()),
+      system_(model.system().create_data(S{})),
+      integrator_(model.system(), model.integrator()),
+      term_gradient_(model.nz(), S(0.0)) {
+  if (memory_) {
+    next_.assign(model.nx(), S(0.0));
+    F_.assign(model.jacobian_rows() * model.nz(), S(0.0));
+  }
+  int rows = 0, entries = 0;
+  for (const CostTerm& term : model.costs()) {
+    rows = std::max(rows, term.residual->size());
+    entries = std::max(entries, term.residual->jacobian_size());
+  }
+  residual_.assign(rows, S(0.0));
+  residual_jacobian_.assign(entries, S(0.0));
+  activation_gradient_.assign(rows, S(0.0));
+  activation_diagonal_.assign(rows, S(0.0));
+}
+
+#define CONDDP_INSTANTIATE(S)                                                      \
+  template class KnotWorkspace<S>;                                                 \
+  template void KnotModel::evaluate(const KnotInput<S>&, KnotWorkspace<S>&) const; \
+  template void KnotModel::differentiate(const KnotInput<S>&, KnotWorkspace<S>&, bool) const;
+CONDDP_FOR_EACH_SCALAR(CONDDP_INSTANTIATE)
+#undef CONDDP_INSTANTIATE
+
+}  // namespace conddp

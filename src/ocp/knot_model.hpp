@@ -1,0 +1,139 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "ocp/activation.hpp"
+#include "ocp/integrator.hpp"
+#include "ocp/residual.hpp"
+#include "systems/system.hpp"
+
+namespace conddp {
+
+/// A cost w·a(r(x, u)): a rate, multiplied by the knot's cost scale (dt on running knots).
+struct CostTerm {
+  std::string name;
+  std::shared_ptr<const Residual> residual;
+  Activation activation;
+  int parameters = 0;  ///< where the residual's parameters start in the knot's parameters
+  int weight = 0;      ///< where the weight stands in the knot's parameters
+};
+
+/// A knot's data in scalar S: views into the caller's storage.
+template <class S>
+struct KnotInput {
+  const S* x;
+  const S* u;           ///< null at a node without control
+  const S* parameters;  ///< references and weights of the costs
+  S dt;
+  S cost_scale;
+};
+
+template <class S>
+class KnotWorkspace;
+
+/// The structure that knots share: a system, an integrator, costs and control bounds. Immutable
+/// once a problem holds it. The knots differ in KnotInput alone.
+///
+/// The state is the system's, followed by the previous control where `control_memory` is set (for
+/// costs on the control rate). z = (tangent at x, u) has nz = ndx + nu entries.
+class KnotModel {
+ public:
+  KnotModel(std::shared_ptr<const System> system, Integrator integrator,
+            bool control_memory = false);
+
+  /// Adds a cost; returns the index at which its parameters (reference, then weight) start.
+  int add_cost(std::string name, std::shared_ptr<const Residual> residual, Activation activation);
+  /// Elementwise bounds on the control; infinite where there is none.
+  void set_control_bounds(std::vector<double> lower, std::vector<double> upper);
+
+  const System& system() const { return *system_; }
+  const std::shared_ptr<const System>& shared_system() const { return system_; }
+  const StateManifold& manifold() const { return manifold_; }
+  Integrator integrator() const { return integrator_; }
+  bool has_control_memory() const { return memory_ > 0; }
+  const std::vector<CostTerm>& costs() const { return costs_; }
+  const std::vector<double>& control_lower() const { return lower_; }
+  const std::vector<double>& control_upper() const { return upper_; }
+  bool has_control_bounds() const;
+
+  int nx() const { return manifold_.nx(); }
+  int ndx() const { return manifold_.ndx(); }
+  int nu() const { return integrator_ == Integrator::none ? 0 : system_->nu(); }
+  int nz() const { return ndx() + nu(); }
+  int parameter_count() const { return parameter_count_; }
+  /// Whether the dynamics Jacobian has semi-implicit Euler's structure: F holds the nv rows of the
+  /// next velocity alone and the rows of the next configuration follow from it.
+  bool semi_implicit() const {
+    return integrator_ == Integrator::semi_implicit_euler && memory_ == 0;
+  }
+  /// Rows of F: nv where semi_implicit(), else ndx, 0 at a terminal node.
+  int jacobian_rows() const;
+  /// Where Gauss-Newton Hessians of the costs can be non-zero: (row, column), row ≥ column.
+  const std::vector<std::pair<int, int>>& hessian_pattern() const { return pattern_; }
+
+  /// Next state and cost into the workspace.
+  template <class S>
+  void evaluate(const KnotInput<S>& in, KnotWorkspace<S>& work) const;
+  /// Next state, cost, dynamics Jacobian, cost gradient and, if asked for, the Gauss-Newton
+  /// Hessian in the order of hessian_pattern().
+  template <class S>
+  void differentiate(const KnotInput<S>& in, KnotWorkspace<S>& work, bool hessian) const;
+
+ private:
+  template <class S>
+  friend class KnotWorkspace;
+
+  template <class S>
+  void append_control_memory(const KnotInput<S>& in, KnotWorkspace<S>& work,
+                             bool derivatives) const;
+  template <class S>
+  void evaluate_costs(const KnotInput<S>& in, KnotWorkspace<S>& work) const;
+  template <class S>
+  void differentiate_costs(const KnotInput<S>& in, KnotWorkspace<S>& work, bool hessian) const;
+
+  std::shared_ptr<const System> system_;
+  StateManifold manifold_;
+  Integrator integrator_;
+  int memory_ = 0;
+  int parameter_count_ = 0;
+  std::vector<CostTerm> costs_;
+  std::vector<double> lower_, upper_;
+  std::vector<std::pair<int, int>> pattern_;
+  /// For each cost, for each block, for each pair of its columns (a ≥ b): index in the pattern.
+  std::vector<std::vector<int>> pattern_index_;
+};
+
+/// What a KnotModel writes, in scalar S, and the memory that it needs meanwhile.
+template <class S>
+class KnotWorkspace {
+ public:
+  explicit KnotWorkspace(const KnotModel& model);
+
+  /// nx: the next state.
+  const AlignedVector<S>& next() const { return memory_ ? next_ : integrator_.next; }
+  /// jacobian_rows x nz by columns: derivative of the next state (or velocity).
+  const AlignedVector<S>& F() const { return memory_ ? F_ : integrator_.F; }
+  /// Where semi_implicit: ∂q⁺/∂q and ∂q⁺/∂(dt v⁺) per curved segment, by rows.
+  const AlignedVector<S>& state_blocks() const { return integrator_.state_blocks; }
+  const AlignedVector<S>& step_blocks() const { return integrator_.step_blocks; }
+
+  S cost;                       ///< Σ of term_costs
+  AlignedVector<S> term_costs;  ///< scaled cost of each term
+  AlignedVector<S> gradient;    ///< nz: of the cost
+  AlignedVector<S> hessian;     ///< in the order of hessian_pattern()
+
+ private:
+  friend class KnotModel;
+
+  bool memory_;
+  std::unique_ptr<SystemData<S>> system_;
+  IntegratorWorkspace<S> integrator_;
+  AlignedVector<S> next_, F_;  ///< with the control memory appended
+  AlignedVector<S> residual_, residual_jacobian_, activation_gradient_, activation_diagonal_;
+  AlignedVector<S> term_gradient_;
+};
+
+}  // namespace conddp

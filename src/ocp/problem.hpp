@@ -1,0 +1,67 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "ocp/knot_model.hpp"
+#include "ocp/trajectory.hpp"
+
+namespace conddp {
+
+/// A run of knots that share their structure and differ in data.
+struct Phase {
+  std::string name;
+  std::shared_ptr<const KnotModel> model;
+  std::vector<double> dt;          ///< s, one a knot
+  std::vector<double> cost_scale;  ///< what running costs are multiplied by: usually dt
+  std::vector<double> parameters;  ///< parameter_count() numbers a knot, knot after knot
+
+  int knots() const { return static_cast<int>(dt.size()); }
+};
+
+/// One knot of a problem: its structure and where its data lie.
+struct KnotView {
+  const KnotModel* model;
+  const double* parameters;
+  double dt;
+  double cost_scale;
+  int phase;
+};
+
+/// An optimal-control problem as a list of phases, an initial state and a terminal node.
+/// Minimise Σ cost_scale·ℓ(x_k, u_k) + ℓ_N(x_N) with x_{k+1} = f(x_k, u_k), x_0 given, and
+/// lower ≤ u_k ≤ upper.
+class ShootingProblem {
+ public:
+  /// The terminal phase has one knot whose model has Integrator::none. All models share nx.
+  /// Throws std::invalid_argument where sizes do not fit.
+  ShootingProblem(std::vector<double> initial_state, std::vector<Phase> phases, Phase terminal);
+
+  const std::vector<Phase>& phases() const { return phases_; }
+  const Phase& terminal() const { return terminal_; }
+  const std::vector<double>& initial_state() const { return initial_state_; }
+
+  /// Number N of running knots; knot(N) is the terminal node.
+  int knots() const { return static_cast<int>(views_.size()) - 1; }
+  const KnotView& knot(int k) const { return views_[k]; }
+  int nx() const { return views_.front().model->nx(); }
+  int ndx() const { return views_.front().model->ndx(); }
+  int nu(int k) const { return views_[k].model->nu(); }
+  const StateManifold& manifold() const { return views_.front().model->manifold(); }
+  /// Time of each node, s: N + 1 numbers.
+  const std::vector<double>& times() const { return times_; }
+  bool has_control_bounds() const;
+
+  /// A trajectory of this problem's shape: every state the initial one, controls zero.
+  Trajectory create_trajectory() const;
+
+ private:
+  std::vector<double> initial_state_;
+  std::vector<Phase> phases_;
+  Phase terminal_;
+  std::vector<KnotView> views_;
+  std::vector<double> times_;
+};
+
+}  // namespace conddp

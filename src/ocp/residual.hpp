@@ -1,0 +1,91 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "systems/system.hpp"
+
+namespace conddp {
+
+/// What a residual sees of a knot: state, control (null at a node without one), its own
+/// parameters (references), and the system's data, evaluated (and, for `differentiate`,
+/// differentiated) at (x, u); its scratch members may be written.
+template <class S>
+struct ResidualInput {
+  const S* x;
+  const S* u;
+  const S* parameters;
+  SystemData<S>& system;
+};
+
+/// Rows of a residual that depend on the same variables: indices into z = (tangent at x, u),
+/// ascending.
+struct RowBlock {
+  int rows;
+  std::vector<int> columns;
+};
+
+/// A vector function r(x, u; parameters) of a knot, used as a cost through an activation or as a
+/// constraint through a set. Immutable; derive through ResidualBase.
+class Residual {
+ public:
+  virtual ~Residual() = default;
+
+  /// Number of rows.
+  int size() const { return size_; }
+  /// Numbers that a knot provides for it (its reference), 0 if none.
+  int parameter_count() const { return parameter_count_; }
+  /// Whether it makes sense only where there is a control.
+  bool needs_control() const { return needs_control_; }
+  /// The structure of its Jacobian: blocks of rows in order.
+  const std::vector<RowBlock>& blocks() const { return blocks_; }
+  /// Numbers in the packed Jacobian: the blocks one after the other, each by columns.
+  int jacobian_size() const {
+    int n = 0;
+    for (const RowBlock& b : blocks_) n += b.rows * static_cast<int>(b.columns.size());
+    return n;
+  }
+
+  /// `evaluate` writes size() numbers, `differentiate` the values and the packed Jacobian.
+#define CONDDP_DECLARE(S)                                            \
+  virtual void evaluate(const ResidualInput<S>& in, S* r) const = 0; \
+  virtual void differentiate(const ResidualInput<S>& in, S* r, S* jacobian) const = 0;
+  CONDDP_FOR_EACH_SCALAR(CONDDP_DECLARE)
+#undef CONDDP_DECLARE
+
+ protected:
+  Residual(std::vector<RowBlock> blocks, int parameter_count, bool needs_control)
+      : blocks_(std::move(blocks)),
+        parameter_count_(parameter_count),
+        needs_control_(needs_control) {
+    for (const RowBlock& b : blocks_) size_ += b.rows;
+  }
+
+ private:
+  std::vector<RowBlock> blocks_;
+  int size_ = 0;
+  int parameter_count_;
+  bool needs_control_;
+};
+
+/// Implements Residual's methods by `Derived::evaluate_as<S>` and `Derived::differentiate_as<S>`.
+template <class Derived>
+class ResidualBase : public Residual {
+ public:
+  using Residual::Residual;
+#define CONDDP_OVERRIDE(S)                                                            \
+  void evaluate(const ResidualInput<S>& in, S* r) const override {                    \
+    static_cast<const Derived&>(*this).template evaluate_as<S>(in, r);                \
+  }                                                                                   \
+  void differentiate(const ResidualInput<S>& in, S* r, S* jacobian) const override {  \
+    static_cast<const Derived&>(*this).template differentiate_as<S>(in, r, jacobian); \
+  }
+  CONDDP_FOR_EACH_SCALAR(CONDDP_OVERRIDE)
+#undef CONDDP_OVERRIDE
+};
+
+/// The columns first, first + 1, ..., first + count − 1.
+std::vector<int> column_range(int first, int count);
+
+}  // namespace conddp

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "ocp/residual.hpp"
+#include "robot/frames.hpp"
+#include "systems/multibody.hpp"
+
+namespace conddp {
+
+/// Makers of the residuals that problems are built from. A reference marked *parameter* is
+/// provided by each knot (that many numbers).
+/// Frames are indices into the robot's frames.
+
+/// x ⊖ reference, all ndx rows. Parameter: a state (nx of the manifold).
+std::shared_ptr<const Residual> state_residual(const StateManifold& manifold);
+/// Chosen flat coordinates: x[i] − reference, one row per index into the state. Used for joint
+/// positions and velocities. Parameter: one number per index.
+std::shared_ptr<const Residual> coordinate_residual(const StateManifold& manifold,
+                                                    std::vector<int> state_indices);
+/// u − reference. Parameter: nu numbers.
+std::shared_ptr<const Residual> control_residual(int ndx, int nu);
+/// (u − previous u) per step: the difference, in control units. Needs a model with control memory:
+/// the state ends with the previous control. No parameters.
+std::shared_ptr<const Residual> control_rate_residual(const System& system);
+/// Accelerations of a second-order system at chosen velocity indices minus reference
+/// (parameter: one number per index).
+std::shared_ptr<const Residual> acceleration_residual(const System& system, int ndx,
+                                                      std::vector<int> velocity_indices);
+/// Position of a frame's origin in the world minus reference, m. Parameter: 3 numbers.
+std::shared_ptr<const Residual> frame_position_residual(
+    const std::shared_ptr<const MultibodySystem>& system, int frame);
+/// log(R_refᵀ R), rad, in the frame's axes. Parameter: quaternion x y z w of the reference.
+std::shared_ptr<const Residual> frame_rotation_residual(
+    const std::shared_ptr<const MultibodySystem>& system, int frame);
+/// log(M_ref⁻¹ M): (m, rad). Parameter: position and quaternion, 7 numbers.
+std::shared_ptr<const Residual> frame_placement_residual(
+    const std::shared_ptr<const MultibodySystem>& system, int frame);
+/// Frame velocity (linear; angular) minus reference, m/s and rad/s. Parameter: 6 numbers.
+std::shared_ptr<const Residual> frame_velocity_residual(
+    const std::shared_ptr<const MultibodySystem>& system, int frame, FrameAxes axes);
+/// Centre of mass in the world minus reference, m. Parameter: 3 numbers.
+std::shared_ptr<const Residual> com_position_residual(
+    const std::shared_ptr<const MultibodySystem>& system);
+/// Actuated generalised forces minus gravity torques, B u − g(q), at the actuated velocity
+/// indices. No parameters. nu and ndx are those of the knot model.
+std::shared_ptr<const Residual> control_gravity_residual(
+    const std::shared_ptr<const MultibodySystem>& system, int ndx);
+
+}  // namespace conddp

@@ -1,0 +1,162 @@
+#include "ocp/residuals.hpp"
+
+#include <gtest/gtest.h>
+
+#include "support/knot_case.hpp"
+
+namespace conddp {
+namespace {
+
+struct NamedResidual {
+  std::string name;
+  std::shared_ptr<const Residual> residual;
+};
+
+std::vector<NamedResidual> residuals_of(const std::shared_ptr<const MultibodySystem>& system,
+                                        const KnotModel& model) {
+  std::vector<int> joints, velocities, rows;
+  for (const Joint& joint : system->robot().joints) {
+    if (joint.type == JointType::floating) continue;
+    joints.push_back(joint.q);
+    velocities.push_back(system->nq() + joint.v);
+    rows.push_back(joint.v);
+  }
+  std::vector<NamedResidual> all = {
+      {"state", state_residual(model.manifold())},
+      {"positions", coordinate_residual(model.manifold(), joints)},
+      {"velocities", coordinate_residual(model.manifold(), velocities)},
+      {"control", control_residual(model.ndx(), model.nu())},
+      {"acceleration", acceleration_residual(*system, model.ndx(), rows)},
+      {"com", com_position_residual(system)},
+      {"control_gravity", control_gravity_residual(system, model.ndx())}};
+  if (model.has_control_memory()) all.push_back({"rate", control_rate_residual(*system)});
+  for (int f = 0; f < static_cast<int>(system->robot().frames.size()); f += 2) {
+    const std::string name = system->robot().frames[f].name;
+    all.push_back({"position " + name, frame_position_residual(system, f)});
+    all.push_back({"rotation " + name, frame_rotation_residual(system, f)});
+    all.push_back({"placement " + name, frame_placement_residual(system, f)});
+    all.push_back({"velocity " + name, frame_velocity_residual(system, f, FrameAxes::local)});
+    all.push_back(
+        {"velocity " + name, frame_velocity_residual(system, f, FrameAxes::world_aligned)});
+  }
+  return all;
+}
+
+std::vector<std::shared_ptr<const MultibodySystem>> robots() {
+  std::vector<std::shared_ptr<const MultibodySystem>> systems;
+  for (const bool floating : {false, true})
+    for (const std::uint64_t seed : {41, 42, 43}) {
+      const auto robot = std::make_shared<RobotModel>(
+          random_robot(seed, {.joints = 6, .floating = floating, .wrenches = 1}));
+      systems.push_back(std::make_shared<MultibodySystem>(robot, Actuation::full(*robot)));
+    }
+  return systems;
+}
+
+TEST(Residuals, GradientsOfEveryResidualThroughEveryActivationAreThoseOfDualNumbers) {
+  RandomNumbers random(17);
+  const ActivationKind kinds[] = {ActivationKind::quadratic, ActivationKind::quadratic_barrier,
+                                  ActivationKind::smooth_l1, ActivationKind::smooth_l2};
+  for (const auto& system : robots())
+    for (const bool memory : {false, true}) {
+      const KnotModel shape(system, Integrator::semi_implicit_euler, memory);
+      for (const NamedResidual& named : residuals_of(system, shape))
+        for (const ActivationKind kind : kinds) {
+          auto model = std::make_shared<KnotModel>(system, Integrator::semi_implicit_euler, memory);
+          const int n = named.residual->size();
+          std::vector<double> weights = random_vector(n, random, 1);
+          for (double& w : weights) w = 0.1 + std::abs(w);
+          model->add_cost(
+              "cost", named.residual,
+              {kind, weights, std::vector<double>(n, -0.1), std::vector<double>(n, 0.1), 0.2});
+          const KnotCase c = make_case(named.name, model, random);
+          KnotWorkspace<double> work(*model);
+          model->differentiate(
+              KnotInput<double>{c.x.data(), c.u.data(), c.parameters.data(), c.dt, c.dt}, work,
+              true);
+          double scale = 1;
+          for (double g : work.gradient) scale = std::max(scale, std::abs(g));
+          for (int d = 0; d < model->nz(); ++d)
+            EXPECT_NEAR(work.gradient[d], directional_derivative(c, d).cost, 1e-10 * scale)
+                << named.name << " activation " << static_cast<int>(kind) << " direction " << d;
+        }
+    }
+}
+
+TEST(Residuals, DeclaredStructureCoversEveryDependence) {
+  // A direction outside a residual's columns must not change its cost: the gradient test above
+  // would see a missing column only if it is non-zero there, which this makes explicit.
+  RandomNumbers random(19);
+  for (const auto& system : robots()) {
+    const KnotModel shape(system, Integrator::semi_implicit_euler);
+    for (const NamedResidual& named : residuals_of(system, shape)) {
+      auto model = std::make_shared<KnotModel>(system, Integrator::semi_implicit_euler);
+      model->add_cost("cost", named.residual, {});
+      const KnotCase c = make_case(named.name, model, random);
+      std::vector<bool> covered(model->nz(), false);
+      for (const RowBlock& block : named.residual->blocks())
+        for (int column : block.columns) covered[column] = true;
+      for (int d = 0; d < model->nz(); ++d)
+        if (!covered[d]) {
+          EXPECT_NEAR(directional_derivative(c, d).cost, 0, 1e-12) << named.name << ' ' << d;
+        }
+    }
+  }
+}
+
+TEST(Residuals, PlacementErrorIsTheTwistThatTurnsTheReferenceIntoTheFrame) {
+  const auto system = robots().back();
+  RandomNumbers random(23);
+  auto model = std::make_shared<KnotModel>(system, Integrator::semi_implicit_euler);
+  const int frame = 3;
+  const auto residual = frame_placement_residual(system, frame);
+  const auto data = system->create_data(double{});
+  const std::vector<double> x = random_manifold_state(system->manifold(), random, 1);
+  system->update_kinematics(x.data(), *data);
+  const auto& robot = static_cast<MultibodySystem::Data<double>&>(*data).robot;
+  const SE3<double> m = frame_placement(system->robot(), robot, frame);
+  const Motion<double> twist{{0.1, -0.2, 0.3}, {0.5, -1.0, 2.0}};
+  const Pose<double> reference = integrate_se3(Pose<double>{m.p, quaternion(m.R)}, twist);
+  const double parameters[] = {reference.p.x, reference.p.y, reference.p.z, reference.q.x,
+                               reference.q.y, reference.q.z, reference.q.w};
+  double r[6];
+  residual->evaluate(ResidualInput<double>{x.data(), nullptr, parameters, *data}, r);
+  for (int i = 0; i < 6; ++i) EXPECT_NEAR(r[i], -twist[i], 1e-12);
+}
+
+TEST(Activations, HessiansAreTheDerivativesOfTheirGradients) {
+  using D = Dual<Lane>;
+  RandomNumbers random(29);
+  constexpr int n = 4;
+  for (const ActivationKind kind : {ActivationKind::quadratic, ActivationKind::quadratic_barrier,
+                                    ActivationKind::smooth_l1, ActivationKind::smooth_l2}) {
+    const Activation a{
+        kind, {0.5, 1, 2, 3}, std::vector<double>(n, -0.3), std::vector<double>(n, 0.4), 0.2};
+    const std::vector<double> at = random_vector(n, random, 1);
+    double gradient[n], diagonal[n], rank_one;
+    a.differentiate(at.data(), n, gradient, diagonal, rank_one);
+    for (int j = 0; j < n; ++j) {
+      D r[n], g[n], h[n], k;
+      for (int i = 0; i < n; ++i) r[i] = D(Lane(at[i]), Lane(i == j ? 1.0 : 0.0));
+      const D value = a.differentiate(r, n, g, h, k);
+      EXPECT_NEAR(value.d[0], gradient[j], 1e-13);
+      EXPECT_NEAR(a.value(r, n).d[0], gradient[j], 1e-13);
+      for (int i = 0; i < n; ++i)
+        EXPECT_NEAR(g[i].d[0], (i == j ? diagonal[i] : 0) + rank_one * gradient[i] * gradient[j],
+                    1e-13)
+            << "activation " << static_cast<int>(kind);
+    }
+  }
+}
+
+TEST(Activations, ZeroResidualInsideBoundsCostsNothing) {
+  for (const ActivationKind kind : {ActivationKind::quadratic, ActivationKind::quadratic_barrier,
+                                    ActivationKind::smooth_l1, ActivationKind::smooth_l2}) {
+    const Activation a{kind, {}, {-1, -kUnlimited}, {kUnlimited, 1}, 0.2};
+    const double r[] = {0, 0};
+    EXPECT_EQ(a.value(r, 2), 0);
+  }
+}
+
+}  // namespace
+}  // namespace conddp
