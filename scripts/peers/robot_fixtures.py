@@ -25,7 +25,7 @@ ROOT = Path(__file__).resolve().parents[2]
 FLOATING = {"quadruped", "free_body", "quadrotor", "hyq", "anymal_b", "solo12", "bolt",
             "talos_reduced", "iris_quadrotor"}
 SAMPLES = 2
-LARGEST = 60_000  # bytes; larger robots get one sample, without frames of fingers and sensors
+LARGEST = 60_000  # bytes; beyond: one sample, one frame for each body
 
 
 def to_pinocchio(model, q):
@@ -105,8 +105,7 @@ def main():
     for folder in folders:
         for path in sorted(folder.glob("*.urdf")):
             if path.stem in taken:  # ours come first
-                path_note = f"{path}: skipped, a robot of that name has been written"
-                print(path_note, file=sys.stderr)
+                print(f"{path}: skipped, a robot of that name is there", file=sys.stderr)
                 continue
             taken.add(path.stem)
             target = ROOT / "tests" / "robot" / "data" / f"{path.stem}.json"

@@ -1,0 +1,229 @@
+#include <gtest/gtest.h>
+
+#include "support/kernel_probe.hpp"
+
+// First derivatives of the kernels against dual numbers through the kernels themselves, which are
+// exact, at random states with any rotation of the base.
+
+namespace conddp {
+namespace {
+
+constexpr double kTolerance = 1e-10;
+
+using D = Dual<double>;
+
+/// Derivatives of everything along the tangent direction (dq, dv), others fixed.
+class Slope {
+ public:
+  Slope(const RobotModel& model, const RobotState& x, const std::vector<double>& dq,
+        const std::vector<double>& dv)
+      : probe_(model, seeded(model, x, dq, dv)) {}
+
+  std::vector<double> operator[](const std::string& name) const {
+    std::vector<double> slopes;
+    for (const D& value : probe_[name]) slopes.push_back(value.d);
+    return slopes;
+  }
+
+ private:
+  static ProbeState<D> seeded(const RobotModel& model, const RobotState& x,
+                              const std::vector<double>& dq, const std::vector<double>& dv) {
+    ProbeState<D> state = ProbeState<D>::at(x);
+    std::vector<D> step(model.nv);
+    for (int i = 0; i < model.nv; ++i) {
+      step[i] = D(0.0, dq[i]);
+      state.v[i].d = dv[i];
+    }
+    state.q = move_configuration(model, state.q, step);
+    return state;
+  }
+
+  KernelProbe<D> probe_;
+};
+
+/// The slopes along every unit direction of the configuration or the velocity.
+class Gradient {
+ public:
+  enum class Of { configuration, velocity };
+  Gradient(const RobotModel& model, const RobotState& x, Of of) {
+    const std::vector<double> zero(model.nv);
+    for (int k = 0; k < model.nv; ++k) {
+      std::vector<double> unit(model.nv);
+      unit[k] = 1;
+      slopes_.emplace_back(model, x, of == Of::configuration ? unit : zero,
+                           of == Of::velocity ? unit : zero);
+    }
+  }
+  /// By columns, one for each direction.
+  std::vector<double> operator[](const std::string& name) const {
+    std::vector<double> all;
+    for (const Slope& slope : slopes_) {
+      const std::vector<double> column = slope[name];
+      all.insert(all.end(), column.begin(), column.end());
+    }
+    return all;
+  }
+
+ private:
+  std::vector<Slope> slopes_;
+};
+
+class KernelDerivatives : public testing::TestWithParam<std::size_t> {
+ protected:
+  const TestModel& entry() const { return kernel_models()[GetParam()]; }
+  const RobotModel& model() const { return entry().model; }
+
+  /// Calls test(state, analytic quantities) in several states.
+  template <class F>
+  void in_random_states(F test) const {
+    RandomNumbers random(100 + GetParam());
+    for (int i = 0; i < 2; ++i) {
+      const RobotState x = random_state(model(), random);
+      const KernelProbe<double> analytic(model(), ProbeState<double>::at(x));
+      test(x, analytic);
+      if (testing::Test::HasFailure()) return;
+    }
+  }
+  template <class F>
+  void for_each_frame(F test) const {
+    for (int f = 0; f < static_cast<int>(model().frames.size()); ++f) test(std::to_string(f));
+  }
+};
+
+TEST_P(KernelDerivatives, InverseDynamics) {
+  in_random_states([&](const RobotState& x, const KernelProbe<double>& analytic) {
+    const Gradient wrt_q(model(), x, Gradient::Of::configuration);
+    const Gradient wrt_v(model(), x, Gradient::Of::velocity);
+    expect_close(analytic["tau_q"], wrt_q["tau"], kTolerance, "tau_q");
+    expect_close(analytic["tau_v"], wrt_v["tau"], kTolerance, "tau_v");
+  });
+}
+
+// a(q, v, τ) from M a = τ − bias: a_q = −M⁻¹ τ_q and a_v = −M⁻¹ τ_v at that acceleration.
+TEST_P(KernelDerivatives, ForwardDynamics) {
+  in_random_states([&](const RobotState& x, const KernelProbe<double>&) {
+    const int n = model().nv;
+    RobotData<double> data(model());
+    forward_dynamics(model(), x.q.data(), x.v.data(), x.tau.data(), data);
+    inverse_dynamics_derivatives(model(), x.v.data(), data);
+    std::vector<double> a_q, a_v;
+    for (const auto& [in, out] : {std::pair{&data.tau_q, &a_q}, std::pair{&data.tau_v, &a_v}}) {
+      for (const double entry : *in) out->push_back(-entry);
+      for (int k = 0; k < n; ++k) solve_mass_matrix(model(), data, out->data() + k * n);
+    }
+    const Gradient wrt_q(model(), x, Gradient::Of::configuration);
+    const Gradient wrt_v(model(), x, Gradient::Of::velocity);
+    for (const char* method : {"acceleration", "acceleration by bodies"}) {
+      expect_close(a_q, wrt_q[method], kTolerance, "a_q");
+      expect_close(a_v, wrt_v[method], kTolerance, "a_v");
+    }
+  });
+}
+
+TEST_P(KernelDerivatives, GravityTorques) {
+  in_random_states([&](const RobotState& x, const KernelProbe<double>& analytic) {
+    const Gradient wrt_q(model(), x, Gradient::Of::configuration);
+    expect_close(analytic["gravity torques_q"], wrt_q["gravity torques"], kTolerance, "gravity");
+  });
+}
+
+TEST_P(KernelDerivatives, CentreOfMassAndMomentum) {
+  in_random_states([&](const RobotState& x, const KernelProbe<double>& analytic) {
+    const Gradient wrt_q(model(), x, Gradient::Of::configuration);
+    const Gradient wrt_v(model(), x, Gradient::Of::velocity);
+    expect_close(analytic["com jacobian"], wrt_q["com"], kTolerance, "com");
+    expect_close(analytic["momentum_q"], wrt_q["momentum"], kTolerance, "momentum_q");
+    expect_close(analytic["momentum_v"], wrt_v["momentum"], kTolerance, "momentum_v");
+  });
+}
+
+TEST_P(KernelDerivatives, FramePlacementIsTheLocalJacobian) {
+  in_random_states([&](const RobotState& x, const KernelProbe<double>& analytic) {
+    const Gradient wrt_q(model(), x, Gradient::Of::configuration);
+    for_each_frame([&](const std::string& id) {
+      Matrix3<double> r;
+      std::copy_n(analytic["rotation " + id].begin(), 9, r.m);
+      const std::vector<double> position = wrt_q["position " + id];
+      const std::vector<double> rotation = wrt_q["rotation " + id];
+      std::vector<double> twists;
+      for (int k = 0; k < model().nv; ++k) {
+        const double* p = &position[3 * k];
+        Matrix3<double> dr;
+        std::copy_n(&rotation[9 * k], 9, dr.m);
+        const Matrix3<double> turn = transpose(r) * dr;  // skew of the angular part
+        const Vector3<double> linear = transpose_times(r, Vector3<double>{p[0], p[1], p[2]});
+        const double twist[] = {linear.x,   linear.y,   linear.z,
+                                turn(2, 1), turn(0, 2), turn(1, 0)};
+        twists.insert(twists.end(), std::begin(twist), std::end(twist));
+      }
+      expect_close(analytic["jacobian local " + id], twists, kTolerance, "frame " + id);
+    });
+  });
+}
+
+TEST_P(KernelDerivatives, FrameVelocity) {
+  in_random_states([&](const RobotState& x, const KernelProbe<double>& analytic) {
+    const Gradient wrt_q(model(), x, Gradient::Of::configuration);
+    const Gradient wrt_v(model(), x, Gradient::Of::velocity);
+    for (const char* axes : {"local ", "world "})
+      for_each_frame([&](const std::string& id) {
+        const std::string in = axes + id;
+        expect_close(analytic["velocity_q " + in], wrt_q["velocity " + in], kTolerance,
+                     "velocity_q " + in);
+        expect_close(analytic["jacobian " + in], wrt_v["velocity " + in], kTolerance,
+                     "velocity_v " + in);
+      });
+  });
+}
+
+TEST_P(KernelDerivatives, FrameAcceleration) {
+  in_random_states([&](const RobotState& x, const KernelProbe<double>& analytic) {
+    const Gradient wrt_q(model(), x, Gradient::Of::configuration);
+    const Gradient wrt_v(model(), x, Gradient::Of::velocity);
+    for_each_frame([&](const std::string& id) {
+      expect_close(analytic["acceleration_q " + id], wrt_q["acceleration local " + id],
+                   kTolerance, "acceleration_q " + id);
+      expect_close(analytic["acceleration_v " + id], wrt_v["acceleration local " + id],
+                   kTolerance, "acceleration_v " + id);
+    });
+  });
+}
+
+// Along the motion q̇ = v, v̇ = a.
+TEST_P(KernelDerivatives, RatesInTime) {
+  in_random_states([&](const RobotState& x, const KernelProbe<double>& analytic) {
+    const Slope rate(model(), x, x.v, x.a);
+    for_each_frame([&](const std::string& id) {
+      for (const std::string& in : {" local " + id, " world " + id})
+        expect_close(analytic["jacobian rate" + in], rate["jacobian" + in], kTolerance,
+                     "jacobian rate" + in);
+      expect_close(analytic["acceleration local " + id], rate["velocity local " + id], kTolerance,
+                   "acceleration " + id);
+    });
+  });
+}
+
+// The power of the joints and of the external wrenches is the rate of kinetic and potential
+// energy.
+TEST_P(KernelDerivatives, EnergyBalance) {
+  in_random_states([&](const RobotState& x, const KernelProbe<double>& analytic) {
+    double power = 0, size = 1;
+    for (int i = 0; i < model().nv; ++i) {
+      power += x.v[i] * analytic["tau"][i];
+      size += std::abs(x.v[i] * analytic["tau"][i]);
+    }
+    for (const ExternalWrench& w : model().wrenches) {
+      const std::vector<double>& twist = analytic["velocity world " + std::to_string(w.frame)];
+      for (int i = 0; i < 6; ++i) power += twist[i] * w.wrench[i];
+    }
+    const std::vector<double> rate = Slope(model(), x, x.v, x.a)["energy"];
+    EXPECT_NEAR(rate[0] + rate[1], power, 1e-12 * size);
+  });
+}
+
+INSTANTIATE_TEST_SUITE_P(AllRobots, KernelDerivatives,
+                         testing::Range<std::size_t>(0, kernel_models().size()),
+                         [](const auto& suite) { return kernel_models()[suite.param].name; });
+
+}  // namespace
+}  // namespace conddp

@@ -1,0 +1,158 @@
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "support/kernel_probe.hpp"
+
+// The kernels give the same with every scalar, and lanes do not see each other.
+
+namespace conddp {
+namespace {
+
+/// Different states, one per lane.
+std::vector<RobotState> lane_states(const RobotModel& model, std::uint64_t seed) {
+  RandomNumbers random(seed);
+  std::vector<RobotState> states;
+  for (int i = 0; i < kLaneWidth; ++i) states.push_back(random_state(model, random));
+  return states;
+}
+
+void set_lane(Lane& target, int lane, double value) { target.set(lane, value); }
+void set_lane(Dual<Lane>& target, int lane, const Dual<double>& value) {
+  target.v.set(lane, value.v);
+  target.d.set(lane, value.d);
+}
+
+template <class Wide, class Narrow>
+ProbeState<Wide> pack(const std::vector<ProbeState<Narrow>>& states) {
+  ProbeState<Wide> packed;
+  for (auto part : {std::pair{&ProbeState<Wide>::q, &ProbeState<Narrow>::q},
+                    std::pair{&ProbeState<Wide>::v, &ProbeState<Narrow>::v},
+                    std::pair{&ProbeState<Wide>::a, &ProbeState<Narrow>::a},
+                    std::pair{&ProbeState<Wide>::tau, &ProbeState<Narrow>::tau}}) {
+    std::vector<Wide>& wide = packed.*part.first;
+    wide.resize((states[0].*part.second).size());
+    for (int lane = 0; lane < kLaneWidth; ++lane)
+      for (std::size_t i = 0; i < wide.size(); ++i)
+        set_lane(wide[i], lane, (states[lane].*part.second)[i]);
+  }
+  return packed;
+}
+
+std::vector<double> lane_of(const std::vector<Lane>& values, int lane) {
+  std::vector<double> one;
+  for (const Lane& value : values) one.push_back(value[lane]);
+  return one;
+}
+std::vector<double> values_of(const std::vector<Dual<double>>& duals) {
+  std::vector<double> values;
+  for (const Dual<double>& dual : duals) values.push_back(dual.v);
+  return values;
+}
+std::vector<double> slopes_of(const std::vector<Dual<double>>& duals) {
+  std::vector<double> slopes;
+  for (const Dual<double>& dual : duals) slopes.push_back(dual.d);
+  return slopes;
+}
+
+class KernelScalars : public testing::TestWithParam<std::size_t> {
+ protected:
+  const RobotModel& model() const { return kernel_models()[GetParam()].model; }
+
+  std::vector<ProbeState<double>> states() const {
+    std::vector<ProbeState<double>> all;
+    for (const RobotState& x : lane_states(model(), 400 + GetParam()))
+      all.push_back(ProbeState<double>::at(x));
+    return all;
+  }
+
+  /// The states moving along a direction of their own each.
+  std::vector<ProbeState<Dual<double>>> moving_states() const {
+    RandomNumbers random(500 + GetParam());
+    std::vector<ProbeState<Dual<double>>> all;
+    for (const RobotState& x : lane_states(model(), 400 + GetParam())) {
+      auto state = ProbeState<Dual<double>>::at(x);
+      std::vector<Dual<double>> step(model().nv);
+      for (int i = 0; i < model().nv; ++i) {
+        step[i] = {0.0, random.uniform(-1, 1)};
+        state.v[i].d = random.uniform(-1, 1);
+        state.a[i].d = random.uniform(-1, 1);
+        state.tau[i].d = random.uniform(-1, 1);
+      }
+      state.q = move_configuration(model(), state.q, step);
+      all.push_back(state);
+    }
+    return all;
+  }
+};
+
+// To rounding: what differs is the order of operations that the compiler chose for fused
+// multiplications, and sines in the last bit; accelerations amplify both by M's condition.
+double rounding_of(const std::string& output) {
+  return output.starts_with("acceleration") ? 1e-10 : 1e-12;
+}
+
+TEST_P(KernelScalars, LanesEqualDouble) {
+  const std::vector<ProbeState<double>> all = states();
+  const KernelProbe<Lane> wide(model(), pack<Lane>(all));
+  for (int lane = 0; lane < kLaneWidth; ++lane) {
+    const KernelProbe<double> one(model(), all[lane]);
+    for (const auto& [name, values] : one.outputs())
+      expect_close(lane_of(wide[name], lane), values, rounding_of(name),
+                   name + " in lane " + std::to_string(lane));
+  }
+}
+
+TEST_P(KernelScalars, DualLanesEqualDual) {
+  const std::vector<ProbeState<Dual<double>>> all = moving_states();
+  const KernelProbe<Dual<Lane>> wide(model(), pack<Dual<Lane>>(all));
+  for (int lane = 0; lane < kLaneWidth; ++lane) {
+    const KernelProbe<Dual<double>> one(model(), all[lane]);
+    for (const auto& [name, duals] : one.outputs()) {
+      std::vector<double> values, slopes;
+      for (const Dual<Lane>& dual : wide[name]) {
+        values.push_back(dual.v[lane]);
+        slopes.push_back(dual.d[lane]);
+      }
+      const std::string where = name + " in lane " + std::to_string(lane);
+      expect_close(values, values_of(duals), rounding_of(name), where);
+      expect_close(slopes, slopes_of(duals), rounding_of(name), where);
+    }
+  }
+}
+
+TEST_P(KernelScalars, DualValuesEqualDouble) {
+  const std::vector<ProbeState<double>> all = states();
+  const std::vector<ProbeState<Dual<double>>> moving = moving_states();
+  const KernelProbe<double> plain(model(), all[0]);
+  const KernelProbe<Dual<double>> dual(model(), moving[0]);
+  for (const auto& [name, values] : plain.outputs())
+    expect_close(values_of(dual[name]), values, rounding_of(name), name);
+}
+
+// A knot that diverged must not disturb its neighbours in the register, not by a bit.
+TEST_P(KernelScalars, RubbishStaysInItsLane) {
+  std::vector<ProbeState<double>> all = states();
+  const KernelProbe<Lane> clean(model(), pack<Lane>(all));
+  const int bad = static_cast<int>(GetParam()) % kLaneWidth;
+  for (const double rubbish : {std::numeric_limits<double>::quiet_NaN(),
+                               std::numeric_limits<double>::infinity(), 1e300}) {
+    for (auto part : {&ProbeState<double>::q, &ProbeState<double>::v, &ProbeState<double>::a,
+                      &ProbeState<double>::tau})
+      std::fill((all[bad].*part).begin(), (all[bad].*part).end(), rubbish);
+    const KernelProbe<Lane> soiled(model(), pack<Lane>(all));
+    for (const auto& [name, values] : clean.outputs())
+      for (std::size_t i = 0; i < values.size(); ++i)
+        for (int lane = 0; lane < kLaneWidth; ++lane) {
+          if (lane == bad) continue;
+          ASSERT_EQ(soiled[name][i][lane], values[i][lane]) << name;
+        }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(AllRobots, KernelScalars,
+                         testing::Range<std::size_t>(0, kernel_models().size()),
+                         [](const auto& suite) { return kernel_models()[suite.param].name; });
+
+}  // namespace
+}  // namespace conddp

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "robot/urdf.hpp"
+
+namespace conddp {
+
+/// A robot that tests load, with the base it is meant for.
+struct TestRobot {
+  std::string name;  ///< the file's stem
+  std::filesystem::path urdf;
+  UrdfOptions::Base base = UrdfOptions::Base::fixed;
+};
+
+/// The robots of problems/robots.
+inline std::vector<TestRobot> our_robots() {
+  using Base = UrdfOptions::Base;
+  const std::filesystem::path folder = std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/robots";
+  return {{"cartpole", folder / "cartpole.urdf", Base::fixed},
+          {"double_pendulum", folder / "double_pendulum.urdf", Base::fixed},
+          {"arm7", folder / "arm7.urdf", Base::fixed},
+          {"quadruped", folder / "quadruped.urdf", Base::floating},
+          {"free_body", folder / "free_body.urdf", Base::floating},
+          {"quadrotor", folder / "quadrotor.urdf", Base::floating}};
+}
+
+/// The folder of robots that are not part of the product: CONDDP_ROBOTS_DIR, else a folder
+/// shared/robots beside the sources. It may not exist.
+inline std::filesystem::path foreign_robot_folder() {
+  if (const char* folder = std::getenv("CONDDP_ROBOTS_DIR")) return folder;
+  return std::filesystem::path(CONDDP_SOURCE_DIR).parent_path() / "shared/robots";
+}
+
+inline constexpr const char* kNoForeignRobots =
+    "no folder with further robots: set CONDDP_ROBOTS_DIR to one";
+
+/// The robots of that folder that tests know, none if it is absent. Their names begin with
+/// "foreign_" where one of ours is called the same.
+inline std::vector<TestRobot> foreign_robots() {
+  using Base = UrdfOptions::Base;
+  const std::filesystem::path folder = foreign_robot_folder();
+  std::vector<TestRobot> robots;
+  const auto add = [&](const char* name, const char* file, Base base) {
+    if (std::filesystem::exists(folder / file)) robots.push_back({name, folder / file, base});
+  };
+  add("hyq", "hyq.urdf", Base::floating);
+  add("anymal_b", "anymal_b.urdf", Base::floating);
+  add("solo12", "solo12.urdf", Base::floating);
+  add("bolt", "bolt.urdf", Base::floating);
+  add("talos_reduced", "talos_reduced.urdf", Base::floating);
+  add("iris_quadrotor", "iris_quadrotor.urdf", Base::floating);
+  add("panda", "panda.urdf", Base::fixed);
+  add("kinova", "kinova.urdf", Base::fixed);
+  add("ur5", "ur5.urdf", Base::fixed);
+  add("ur10", "ur10.urdf", Base::fixed);
+  add("foreign_double_pendulum", "double_pendulum.urdf", Base::fixed);
+  add("double_pendulum_continuous", "double_pendulum_continuous.urdf", Base::fixed);
+  return robots;
+}
+
+/// What Pinocchio computes for the robot at random states (scripts/peers/robot_fixtures.py); the
+/// file need not exist.
+inline std::filesystem::path fixture_path(const TestRobot& robot) {
+  return std::filesystem::path(CONDDP_SOURCE_DIR) / "tests/robot/data" / (robot.name + ".json");
+}
+
+}  // namespace conddp
