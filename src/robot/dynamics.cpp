@@ -14,6 +14,13 @@ void body_forces(const RobotModel& model, RobotData<S>& data) {
   }
 }
 
+template <class S>
+Vector3<S> unit(int k) {
+  Vector3<S> e = Vector3<S>::zero();
+  e[k] = S(1.0);
+  return e;
+}
+
 /// Sums forces towards the root and projects them on the joints.
 template <class S>
 void project_forces(const RobotModel& model, RobotData<S>& data, S* tau) {
@@ -25,6 +32,26 @@ void project_forces(const RobotModel& model, RobotData<S>& data, S* tau) {
     }
     tau[joint.v] = dot(data.axis[i], data.force[i]);
     if (joint.parent >= 0) data.force[joint.parent] += data.force[i];
+  }
+}
+
+/// x ← (Lᵀ D L)⁻¹ x for right-hand sides side by side, whose sums stay in registers.
+template <int kColumns, class S>
+void solve_columns(const RobotModel& model, const RobotData<S>& data, S* x) {
+  const int n = model.nv;
+  const S* L = data.L.data();
+  S sum[kColumns];
+  for (int j = n - 1; j >= 0; --j) {
+    for (int c = 0; c < kColumns; ++c) sum[c] = x[c * n + j];
+    for (int i = j + 1; i < model.subtree_end[j]; ++i)
+      for (int c = 0; c < kColumns; ++c) sum[c] -= L[j * n + i] * x[c * n + i];
+    for (int c = 0; c < kColumns; ++c) x[c * n + j] = sum[c];
+  }
+  for (int i = 0; i < n; ++i) {
+    for (int c = 0; c < kColumns; ++c) sum[c] = data.D_inverse[i] * x[c * n + i];
+    for (int j = model.parent_dof[i]; j >= 0; j = model.parent_dof[j])
+      for (int c = 0; c < kColumns; ++c) sum[c] -= L[j * n + i] * x[c * n + j];
+    for (int c = 0; c < kColumns; ++c) x[c * n + i] = sum[c];
   }
 }
 
@@ -82,35 +109,32 @@ void mass_matrix(const RobotModel& model, RobotData<S>& data) {
 template <class S>
 void factorize_mass_matrix(const RobotModel& model, RobotData<S>& data) {
   const int n = model.nv;
-  const std::vector<int>& up = model.parent_dof;
-  S* L = data.L.data();
-  for (int k = 0; k < n; ++k)
-    for (int i = k; i >= 0; i = up[i]) L[i * n + k] = data.M[i * n + k];
-  for (int k = n - 1; k >= 0; --k) {
-    const S inverse = S(1.0) / L[k * n + k];
-    data.D_inverse[k] = inverse;
-    for (int i = up[k]; i >= 0; i = up[i]) {
-      const S factor = L[i * n + k] * inverse;
-      for (int j = i; j >= 0; j = up[j]) L[j * n + i] -= factor * L[j * n + k];
+  const std::vector<int>& end = model.subtree_end;
+  // Column by column from the last; subtrees are contiguous, so that no list need be followed.
+  for (int j = n - 1; j >= 0; --j) {
+    const S* M = data.M.data() + j * n;
+    S* L = data.L.data() + j * n;
+    for (int i = end[j] - 1; i > j; --i) {
+      const S* below = data.L.data() + i * n;
+      S scaled = M[i];  // D_i L_ij
+      for (int k = i + 1; k < end[i]; ++k) scaled -= below[k] * L[k];
+      L[i] = scaled;
     }
-    for (int i = up[k]; i >= 0; i = up[i]) L[i * n + k] *= inverse;
+    S pivot = M[j];
+    for (int i = j + 1; i < end[j]; ++i) {
+      const S scaled = L[i];
+      L[i] = scaled * data.D_inverse[i];
+      pivot -= scaled * L[i];
+    }
+    L[j] = pivot;
+    data.D_inverse[j] = S(1.0) / pivot;
   }
 }
 
 template <class S>
-void solve_mass_matrix(const RobotModel& model, const RobotData<S>& data, S* x) {
-  const int n = model.nv;
-  const std::vector<int>& up = model.parent_dof;
-  const S* L = data.L.data();
-  for (int i = n - 1; i >= 0; --i) {
-    for (int j = up[i]; j >= 0; j = up[j]) x[j] -= L[j * n + i] * x[i];
-    x[i] *= data.D_inverse[i];
-  }
-  for (int i = 0; i < n; ++i) {
-    S sum = x[i];
-    for (int j = up[i]; j >= 0; j = up[j]) sum -= L[j * n + i] * x[j];
-    x[i] = sum;
-  }
+void solve_mass_matrix(const RobotModel& model, const RobotData<S>& data, S* x, int columns) {
+  for (; columns >= 6; columns -= 6, x += 6 * model.nv) solve_columns<6>(model, data, x);
+  for (; columns > 0; --columns, x += model.nv) solve_columns<1>(model, data, x);
 }
 
 template <class S>
@@ -153,16 +177,22 @@ void inverse_dynamics_derivatives(const RobotModel& model, const S* v, RobotData
       return Force<S>{S(2.0) * cross(w, h.linear), rate * w + cross(w, h.angular)};
     };
     if (joint.type == JointType::floating) {
+      // The motion subspace is the identity, so unit linear and angular motions give 3x3 blocks.
       const Vector3<S> g = data.gravity(model, i);
-      for (int k = 0; k < 6; ++k) {
-        Motion<S> e = Motion<S>::zero();
-        e[k] = S(1.0);
-        const Force<S> dv = twice_b(e.angular) + y * cross(data.v[i], e);
-        const Force<S> dq = y * Motion<S>{cross(e.angular, g), Vector3<S>::zero()};
-        for (int row = 0; row < 6; ++row) {
-          data.tau_v[(joint.v + k) * n + joint.v + row] = dv[row];
-          data.tau_q[(joint.v + k) * n + joint.v + row] = k < 3 ? S(0.0) : dq[row];
-        }
+      const Vector3<S>& w = data.v[i].angular;
+      const auto put = [&](S* column, const Force<S>& change) {
+        for (int row = 0; row < 6; ++row) column[joint.v + row] = change[row];
+      };
+      for (int k = 0; k < 3; ++k) {
+        const Vector3<S> e = unit<S>(k);
+        const Vector3<S> w_e = cross(w, e);
+        S* linear_q = data.tau_q.data() + (joint.v + k) * n;
+        S* linear_v = data.tau_v.data() + (joint.v + k) * n;
+        put(linear_q, Force<S>::zero());
+        put(linear_v, {y.mass * w_e, cross(y.moment, w_e)});
+        const Vector3<S> e_g = cross(e, g);
+        put(linear_q + 3 * n, {y.mass * e_g, cross(y.moment, e_g)});
+        put(linear_v + 3 * n, twice_b(e) + y * Motion<S>{cross(data.v[i].linear, e), w_e});
       }
       continue;
     }
@@ -285,7 +315,7 @@ S potential_energy(const RobotModel& model, const RobotData<S>& data) {
   template void inverse_dynamics(const RobotModel&, const S*, const S*, const S*, RobotData<S>&); \
   template void mass_matrix(const RobotModel&, RobotData<S>&);                                    \
   template void factorize_mass_matrix(const RobotModel&, RobotData<S>&);                          \
-  template void solve_mass_matrix(const RobotModel&, const RobotData<S>&, S*);                    \
+  template void solve_mass_matrix(const RobotModel&, const RobotData<S>&, S*, int);               \
   template void bias_forces(const RobotModel&, const S*, RobotData<S>&);                          \
   template void forward_dynamics(const RobotModel&, const S*, const S*, const S*, RobotData<S>&); \
   template void inverse_dynamics_derivatives(const RobotModel&, const S*, RobotData<S>&);         \

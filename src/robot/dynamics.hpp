@@ -19,9 +19,10 @@ void mass_matrix(const RobotModel& model, RobotData<S>& data);
 /// Factors M = Lᵀ D L along the tree, without fill-in (Featherstone 2008, table 6.3).
 template <class S>
 void factorize_mass_matrix(const RobotModel& model, RobotData<S>& data);
-/// x ← M⁻¹ x with the factors.
+/// x ← M⁻¹ x with the factors, for right-hand sides that stand one after the other (nv x columns by
+/// columns). Many at once cost much less than one by one.
 template <class S>
-void solve_mass_matrix(const RobotModel& model, const RobotData<S>& data, S* x);
+void solve_mass_matrix(const RobotModel& model, const RobotData<S>& data, S* x, int columns = 1);
 
 /// Coriolis, centrifugal, gravity forces less external wrenches into bias. Composite inertias
 /// and velocities must be current.

@@ -1,5 +1,6 @@
 #include "robot/model.hpp"
 
+#include <algorithm>
 #include <stdexcept>
 
 namespace conddp {
@@ -27,6 +28,12 @@ void RobotModel::finalize() {
     }
     nq += joint.nq();
     nv += joint.nv();
+  }
+  subtree_end.assign(nv, 0);
+  for (int i = nv - 1; i >= 0; --i) {
+    subtree_end[i] = std::max(subtree_end[i], i + 1);
+    if (parent_dof[i] >= 0)
+      subtree_end[parent_dof[i]] = std::max(subtree_end[parent_dof[i]], subtree_end[i]);
   }
 }
 

@@ -81,11 +81,14 @@ class RobotModel {
   /// For each velocity index the next one towards the root, −1 at the root: the elimination tree
   /// of the joint-space inertia matrix.
   std::vector<int> parent_dof;
+  /// For each velocity index the end of those that hang on it: its subtree is [i, subtree_end[i]).
+  std::vector<int> subtree_end;
   /// For each joint the floating joint of its tree, −1 for a tree bolted to the world.
   std::vector<int> root;
 
-  /// Numbers q and v and fills parent_dof and root from joints. Throws std::logic_error where the
-  /// order of joints is not depth first or a floating joint does not hang on the world.
+  /// Numbers q and v and fills parent_dof, subtree_end and root from joints. Throws
+  /// std::logic_error where the order of joints is not depth first or a floating joint does not
+  /// hang on the world.
   void finalize();
 
   int joint_count() const { return static_cast<int>(joints.size()); }

@@ -1,24 +1,31 @@
 #include "systems/multibody.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
+
+#include "systems/dense_ldlt.hpp"
 
 namespace conddp {
 namespace {
 
 StateManifold state_space(const RobotModel& robot) {
+  const MimicMap mimics(robot);
   StateManifold m;
-  for (const Joint& joint : robot.joints)
-    m.append(
-        joint.type == JointType::floating ? StateManifold::Part::se3 : StateManifold::Part::flat,
-        1);
-  m.append(StateManifold::Part::flat, robot.nv);
+  for (int i = 0; i < robot.joint_count(); ++i)
+    if (mimics.position(i))
+      m.append(robot.joints[i].type == JointType::floating ? StateManifold::Part::se3
+                                                           : StateManifold::Part::flat,
+               1);
+  m.append(StateManifold::Part::flat, mimics.nv());
   return m;
 }
 
-std::vector<Column> state_names(const RobotModel& robot) {
+std::vector<Column> state_names(const RobotModel& robot, const MimicMap& mimics) {
   std::vector<Column> q, v;
-  for (const Joint& joint : robot.joints) {
+  for (int i = 0; i < robot.joint_count(); ++i) {
+    if (!mimics.position(i)) continue;
+    const Joint& joint = robot.joints[i];
     if (joint.type == JointType::floating) {
       for (const char* axis : {"x", "y", "z"}) {
         q.push_back({joint.name + "/" + axis, "m"});
@@ -36,11 +43,21 @@ std::vector<Column> state_names(const RobotModel& robot) {
   return q;
 }
 
+const Mimic* find_mimic(const RobotModel& model, int joint) {
+  for (const Mimic& mimic : model.mimics)
+    if (mimic.joint == joint) return &mimic;
+  return nullptr;
+}
+
 /// Appends a control that acts as one joint's generalised force.
 void add_joint(const RobotModel& model, int index, Actuation& actuation) {
   const Joint& joint = model.joints[index];
   if (joint.type == JointType::floating)
     throw std::invalid_argument("joint " + joint.name + " is a floating base: use thrusters");
+  if (const Mimic* mimic = find_mimic(model, index))
+    throw std::invalid_argument("joint " + joint.name + " mimics joint " +
+                                model.joints[mimic->leader].name +
+                                ": controls act on independent joints");
   actuation.B.resize(actuation.B.size() + model.nv, 0.0);
   actuation.B[actuation.nu * model.nv + joint.v] = 1;
   ++actuation.nu;
@@ -61,7 +78,8 @@ S logistic(const S& v, double scale) {
 Actuation Actuation::full(const RobotModel& model) {
   Actuation actuation;
   for (int i = 0; i < model.joint_count(); ++i)
-    if (model.joints[i].type != JointType::floating) add_joint(model, i, actuation);
+    if (model.joints[i].type != JointType::floating && find_mimic(model, i) == nullptr)
+      add_joint(model, i, actuation);
   return actuation;
 }
 
@@ -99,16 +117,30 @@ MultibodySystem::MultibodySystem(std::shared_ptr<const RobotModel> robot, Actuat
                                  PassiveForces passive)
     : SystemBase(SystemKind::second_order, state_space(*robot), actuation.nu),
       robot_(std::move(robot)),
-      actuation_(std::move(actuation)),
-      passive_(passive) {
-  state_columns_ = state_names(*robot_);
+      mimics_(*robot_),
+      actuation_(std::move(actuation)) {
+  state_columns_ = state_names(*robot_, mimics_);
   control_columns_ = actuation_.columns;
   control_lower_ = actuation_.lower;
   control_upper_ = actuation_.upper;
-  for (int c = 0; c < nu_; ++c)
-    for (int r = 0; r < robot_->nv; ++r)
-      if (const double value = actuation_.B[c * robot_->nv + r]; value != 0)
-        entries_.push_back({r, c, value});
+  const int n = nv();
+  std::vector<double> B(n * nu_);
+  for (int c = 0; c < nu_; ++c) {
+    mimics_.reduce_force(&actuation_.B[c * robot_->nv], &B[c * n]);
+    for (int r = 0; r < n; ++r)
+      if (const double value = B[c * n + r]; value != 0) entries_.push_back({r, c, value});
+  }
+  actuation_.B = std::move(B);
+  for (const Joint& joint : robot_->joints) {
+    if (joint.type == JointType::floating) continue;
+    // A mimic joint's velocity is k times the row's, and the row feels k times its force.
+    const double k = std::abs(mimics_.factor(joint.v));
+    const double damping = passive.damping ? k * k * joint.damping : 0;
+    const double friction = passive.friction ? k * joint.friction : 0;
+    if (damping != 0 || friction > 0)
+      passive_joints_.push_back(
+          {mimics_.column(joint.v), damping, friction, passive.friction_velocity / k});
+  }
 }
 
 std::vector<int> MultibodySystem::actuated_rows() const {
@@ -119,74 +151,189 @@ std::vector<int> MultibodySystem::actuated_rows() const {
   return rows;
 }
 
+std::optional<int> MultibodySystem::velocity_index(int joint) const {
+  const auto row = velocity_row(joint);
+  return row ? std::optional(nq() + *row) : std::nullopt;
+}
+
+std::vector<double> MultibodySystem::reduce_configuration(const std::vector<double>& full) const {
+  std::vector<double> q(nq());
+  for (int i = 0; i < robot_->joint_count(); ++i)
+    if (const auto at = position_index(i))
+      std::copy_n(&full[robot_->joints[i].q], robot_->joints[i].nq(), &q[*at]);
+  return q;
+}
+
+std::vector<double> MultibodySystem::reduce_velocity(const std::vector<double>& full) const {
+  std::vector<double> v(nv());
+  for (int i = 0; i < robot_->joint_count(); ++i)
+    if (const auto at = velocity_row(i))
+      std::copy_n(&full[robot_->joints[i].v], robot_->joints[i].nv(), &v[*at]);
+  return v;
+}
+
+std::vector<double> MultibodySystem::expand_configuration(const std::vector<double>& q) const {
+  std::vector<double> full(robot_->nq);
+  mimics_.expand_configuration(q.data(), full.data());
+  return full;
+}
+
+std::vector<double> MultibodySystem::expand_velocity(const std::vector<double>& v) const {
+  std::vector<double> full(robot_->nv);
+  mimics_.expand_velocity(v.data(), full.data());
+  return full;
+}
+
+std::vector<double> MultibodySystem::reduce_force(const std::vector<double>& full) const {
+  std::vector<double> force(nv());
+  mimics_.reduce_force(full.data(), force.data());
+  return force;
+}
+
+MultibodySystem::JointLimits MultibodySystem::limits(int joint) const {
+  const Joint& own = robot_->joints[joint];
+  JointLimits result{own.lower, own.upper, own.max_velocity};
+  for (const Mimic& mimic : robot_->mimics) {
+    if (mimic.leader != joint || mimic.multiplier == 0) continue;
+    const Joint& follower = robot_->joints[mimic.joint];
+    const double a = (follower.lower - mimic.offset) / mimic.multiplier;
+    const double b = (follower.upper - mimic.offset) / mimic.multiplier;
+    result.lower = std::max(result.lower, std::min(a, b));
+    result.upper = std::min(result.upper, std::max(a, b));
+    result.max_velocity =
+        std::min(result.max_velocity, follower.max_velocity / std::abs(mimic.multiplier));
+  }
+  return result;
+}
+
 template <class S>
 MultibodySystem::Data<S>::Data(const MultibodySystem& system)
     : robot(system.robot()),
       force(system.nv(), S(0.0)),
       gravity(system.nv(), S(0.0)),
-      gravity_q(system.nv() * system.nv(), S(0.0)) {}
+      gravity_q(system.nv() * system.nv(), S(0.0)) {
+  if (system.mimic_map().identity()) return;
+  const RobotModel& model = system.robot();
+  mimic.q.assign(model.nq, S(0.0));
+  mimic.v.assign(model.nv, S(0.0));
+  mimic.gravity.assign(model.nv, S(0.0));
+  mimic.M.assign(system.nv() * system.nv(), S(0.0));
+  mimic.gravity_q.assign(model.nv * model.nv, S(0.0));
+  mimic.columns.assign(6 * model.nv, S(0.0));
+}
+
+template <class S>
+MultibodySystem::Coordinates<S> MultibodySystem::full_coordinates(const S* x, Data<S>& data) const {
+  if (mimics_.identity()) return {x, x + nq()};
+  mimics_.expand_configuration(x, data.mimic.q.data());
+  mimics_.expand_velocity(x + nq(), data.mimic.v.data());
+  return {data.mimic.q.data(), data.mimic.v.data()};
+}
 
 template <class S>
 void MultibodySystem::applied_forces(const S* v, const S* u, Data<S>& data) const {
   std::fill(data.force.begin(), data.force.end(), S(0.0));
   for (const Entry& e : entries_) data.force[e.row] += u[e.column] * S(e.value);
-  if (!passive_.damping && !passive_.friction) return;
-  for (const Joint& joint : robot_->joints) {
-    if (joint.type == JointType::floating) continue;
-    if (passive_.damping) data.force[joint.v] -= v[joint.v] * S(joint.damping);
-    if (passive_.friction && joint.friction > 0) {
-      data.force[joint.v] -=
-          S(joint.friction) * (S(1.0) - S(2.0) * logistic(v[joint.v], passive_.friction_velocity));
+  for (const PassiveJoint& joint : passive_joints_) {
+    S& force = data.force[joint.row];
+    force -= v[joint.row] * S(joint.damping);
+    if (joint.friction > 0)
+      force -=
+          S(joint.friction) * (S(1.0) - S(2.0) * logistic(v[joint.row], joint.friction_velocity));
+  }
+}
+
+template <class S>
+void MultibodySystem::add_passive_slopes(const S* v, Data<S>& data) const {
+  const int n = nv();
+  for (const PassiveJoint& joint : passive_joints_) {
+    S& slope = data.fx[(n + joint.row) * n + joint.row];
+    slope -= S(joint.damping);
+    if (joint.friction > 0) {
+      const S h = logistic(v[joint.row], joint.friction_velocity);
+      slope -= S(4 * joint.friction / joint.friction_velocity) * (S(1.0) - h) * h;
     }
   }
 }
 
 template <class S>
+void MultibodySystem::accelerate_reduced(const Coordinates<S>& full, Data<S>& data) const {
+  update_placements(*robot_, full.q, data.robot);
+  update_velocities(*robot_, full.v, data.robot);
+  mass_matrix(*robot_, data.robot);
+  mimics_.reduce_symmetric(data.robot.M.data(), data.mimic.M.data());
+  factorize_ldlt(nv(), data.mimic.M.data());
+  bias_forces(*robot_, full.v, data.robot);
+  mimics_.reduce_force(data.robot.bias.data(), data.f.data());
+  for (int i = 0; i < nv(); ++i) data.f[i] = data.force[i] - data.f[i];
+  solve_ldlt(nv(), data.mimic.M.data(), data.f.data());
+  mimics_.expand_velocity(data.f.data(), data.robot.acceleration.data());
+}
+
+template <class S>
+void MultibodySystem::solve_mass(const Data<S>& data, S* x, int columns) const {
+  if (mimics_.identity()) return solve_mass_matrix(*robot_, data.robot, x, columns);
+  for (int c = 0; c < columns; ++c) solve_ldlt(nv(), data.mimic.M.data(), x + c * nv());
+}
+
+template <class S>
 void MultibodySystem::evaluate_as(const S* x, const S* u, Data<S>& data) const {
-  const S* v = x + robot_->nq;
-  applied_forces(v, u, data);
-  forward_dynamics(*robot_, x, v, data.force.data(), data.robot);
+  applied_forces(x + nq(), u, data);
+  const Coordinates<S> full = full_coordinates(x, data);
+  if (!mimics_.identity()) return accelerate_reduced(full, data);
+  forward_dynamics(*robot_, full.q, full.v, data.force.data(), data.robot);
   std::copy(data.robot.acceleration.begin(), data.robot.acceleration.end(), data.f.begin());
 }
 
 template <class S>
 void MultibodySystem::differentiate_as(const S* x, const S* u, Data<S>& data) const {
   evaluate_as(x, u, data);
-  const int n = robot_->nv;
-  const S* v = x + robot_->nq;
-  inverse_dynamics_derivatives(*robot_, v, data.robot);
-  for (int i = 0; i < n * n; ++i) {
-    data.fx[i] = -data.robot.tau_q[i];
-    data.fx[n * n + i] = -data.robot.tau_v[i];
+  const int n = nv();
+  const S* v = x + nq();
+  const bool identity = mimics_.identity();
+  inverse_dynamics_derivatives(*robot_, identity ? v : data.mimic.v.data(), data.robot);
+  if (identity) {
+    for (int i = 0; i < n * n; ++i) {
+      data.fx[i] = -data.robot.tau_q[i];
+      data.fx[n * n + i] = -data.robot.tau_v[i];
+    }
+  } else {
+    mimics_.reduce_matrix(data.robot.tau_q.data(), data.fx.data());
+    mimics_.reduce_matrix(data.robot.tau_v.data(), data.fx.data() + n * n);
+    for (S& entry : data.fx) entry = -entry;
   }
+  add_passive_slopes(v, data);
   std::fill(data.fu.begin(), data.fu.end(), S(0.0));
   for (const Entry& e : entries_) data.fu[e.column * n + e.row] = S(e.value);
-  if (passive_.damping || passive_.friction)
-    for (const Joint& joint : robot_->joints) {
-      if (joint.type == JointType::floating) continue;
-      S& slope = data.fx[(n + joint.v) * n + joint.v];
-      if (passive_.damping) slope -= S(joint.damping);
-      if (passive_.friction && joint.friction > 0) {
-        const S h = logistic(v[joint.v], passive_.friction_velocity);
-        slope -= S(4 * joint.friction / passive_.friction_velocity) * (S(1.0) - h) * h;
-      }
-    }
-  for (int c = 0; c < 2 * n; ++c) solve_mass_matrix(*robot_, data.robot, &data.fx[c * n]);
-  for (int c = 0; c < nu_; ++c) solve_mass_matrix(*robot_, data.robot, &data.fu[c * n]);
+  solve_mass(data, data.fx.data(), 2 * n);
+  solve_mass(data, data.fu.data(), nu_);
 }
 
 template <class S>
 void MultibodySystem::update_kinematics_as(const S* x, Data<S>& data) const {
-  update_placements(*robot_, x, data.robot);
-  update_velocities(*robot_, x + robot_->nq, data.robot);
+  const Coordinates<S> full = full_coordinates(x, data);
+  update_placements(*robot_, full.q, data.robot);
+  update_velocities(*robot_, full.v, data.robot);
   update_composite_inertias(*robot_, data.robot);
+}
+
+template <class S>
+void MultibodySystem::gravity_torques(Data<S>& data, bool derivative) const {
+  const bool identity = mimics_.identity();
+  AlignedVector<S>& g = identity ? data.gravity : data.mimic.gravity;
+  AlignedVector<S>& g_q = identity ? data.gravity_q : data.mimic.gravity_q;
+  conddp::gravity_torques(*robot_, data.robot, g.data(), derivative ? g_q.data() : nullptr);
+  if (identity) return;
+  mimics_.reduce_force(g.data(), data.gravity.data());
+  if (derivative) mimics_.reduce_matrix(g_q.data(), data.gravity_q.data());
 }
 
 #define CONDDP_INSTANTIATE(S)                                                          \
   template struct MultibodySystem::Data<S>;                                            \
   template void MultibodySystem::evaluate_as(const S*, const S*, Data<S>&) const;      \
   template void MultibodySystem::differentiate_as(const S*, const S*, Data<S>&) const; \
-  template void MultibodySystem::update_kinematics_as(const S*, Data<S>&) const;
+  template void MultibodySystem::update_kinematics_as(const S*, Data<S>&) const;       \
+  template void MultibodySystem::gravity_torques(Data<S>&, bool) const;
 CONDDP_FOR_EACH_SCALAR(CONDDP_INSTANTIATE)
 #undef CONDDP_INSTANTIATE
 

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "robot/dynamics.hpp"
 #include "robot/model.hpp"
+#include "systems/mimic_map.hpp"
 #include "systems/system.hpp"
 
 namespace conddp {
@@ -24,13 +26,14 @@ struct Thruster {
 /// How controls act: generalised forces are B u with a constant nv x nu matrix.
 struct Actuation {
   int nu = 0;
-  std::vector<double> B;  ///< nv x nu by columns
+  std::vector<double> B;  ///< nv x nu by columns, rows of the model's velocity
   std::vector<Column> columns;
   std::vector<double> lower, upper;
 
-  /// One generalised force per one-DoF joint, in the model's order, with URDF effort limits.
+  /// One generalised force per independent one-DoF joint (none on joints that mimic another one),
+  /// in the model's order, with URDF effort limits.
   static Actuation full(const RobotModel& model);
-  /// The named joints alone. Throws std::invalid_argument on an unknown or floating joint.
+  /// The named joints alone. Throws std::invalid_argument on an unknown, floating or mimic joint.
   static Actuation joints(const RobotModel& model, const std::vector<std::string>& names);
   /// Thrusters on the floating base, then the named joints. Throws std::invalid_argument where a
   /// thruster's frame is not fixed to a floating base.
@@ -47,25 +50,63 @@ struct PassiveForces {
 };
 
 /// Rigid-body dynamics of a RobotModel: x = (q, v), a = M⁻¹ (B u + passive − bias).
-/// Columns are named as DESIGN has it: base/x .. base/qw, q/<joint>, then base/vx .. base/wz,
-/// v/<joint>; u/<joint> or u/<thruster>.
+/// Columns are named base/x .. base/qw, q/<joint>, then base/vx .. base/wz, v/<joint>; u/<joint>
+/// or u/<thruster>.
+///
+/// Where joints mimic others, x holds the independent joints alone. With v_full = G v the dynamics
+/// are Gᵀ M G a = Gᵀ (B u + passive − bias); damping and friction of mimic joints act too.
 class MultibodySystem : public SystemBase<MultibodySystem> {
  public:
+  /// Throws std::invalid_argument as MimicMap does.
   MultibodySystem(std::shared_ptr<const RobotModel> robot, Actuation actuation,
                   PassiveForces passive = {});
 
+  /// Buffers of full coordinates and reduced matrices, all empty without mimic joints. n and nv
+  /// are the full and the reduced number of velocities.
+  template <class S>
+  struct MimicData {
+    AlignedVector<S> q, v;                ///< full configuration and velocity
+    AlignedVector<S> M;                   ///< nv x nv: factors of Gᵀ M G
+    AlignedVector<S> gravity, gravity_q;  ///< n, n x n
+    AlignedVector<S> columns;             ///< 6 x n: scratch for Jacobians of residuals
+  };
   template <class S>
   struct Data : SystemData<S> {
     explicit Data(const MultibodySystem& system);
-    RobotData<S> robot;
+    RobotData<S> robot;                   ///< of all joints, in full coordinates
     AlignedVector<S> force;               ///< nv: B u + passive forces
-    AlignedVector<S> gravity, gravity_q;  ///< scratch for residuals: nv, nv x nv
+    AlignedVector<S> gravity, gravity_q;  ///< nv, nv x nv: see gravity_torques
+    MimicData<S> mimic;
   };
 
   const RobotModel& robot() const { return *robot_; }
+  /// Its B has the rows of the system's velocity: GᵀB where joints mimic others.
   const Actuation& actuation() const { return actuation_; }
   /// Velocity indices on which controls act, ascending.
   std::vector<int> actuated_rows() const;
+
+  /// How the robot's coordinates follow from the state's.
+  const MimicMap& mimic_map() const { return mimics_; }
+  /// Where a joint's coordinates begin: in the state, in the state, and in the velocity (which is
+  /// also where its acceleration stands, and its position in a tangent vector). nullopt for a
+  /// mimic joint.
+  std::optional<int> position_index(int joint) const { return mimics_.position(joint); }
+  std::optional<int> velocity_index(int joint) const;
+  std::optional<int> velocity_row(int joint) const { return mimics_.velocity(joint); }
+  /// A robot's configuration and velocity, robot().nq and robot().nv numbers, to and from those of
+  /// the state (nq(), nv()); a mimic joint's numbers are ignored. Copies without mimic joints.
+  std::vector<double> reduce_configuration(const std::vector<double>& full) const;
+  std::vector<double> expand_configuration(const std::vector<double>& q) const;
+  std::vector<double> reduce_velocity(const std::vector<double>& full) const;
+  std::vector<double> expand_velocity(const std::vector<double>& v) const;
+  /// Gᵀ f of the robot's generalised forces.
+  std::vector<double> reduce_force(const std::vector<double>& full) const;
+
+  struct JointLimits {
+    double lower, upper, max_velocity;
+  };
+  /// A joint's own limits and those that joints which mimic it put on it.
+  JointLimits limits(int joint) const;
 
   template <class S>
   void evaluate_as(const S* x, const S* u, Data<S>& data) const;
@@ -73,19 +114,43 @@ class MultibodySystem : public SystemBase<MultibodySystem> {
   void differentiate_as(const S* x, const S* u, Data<S>& data) const;
   template <class S>
   void update_kinematics_as(const S* x, Data<S>& data) const;
+  /// Gravity torques into data.gravity and, if asked for, their derivative into data.gravity_q.
+  /// Composite inertias must be current.
+  template <class S>
+  void gravity_torques(Data<S>& data, bool derivative) const;
 
  private:
+  /// The robot's full configuration and velocity in a state.
+  template <class S>
+  struct Coordinates {
+    const S *q, *v;
+  };
+  template <class S>
+  Coordinates<S> full_coordinates(const S* x, Data<S>& data) const;
   template <class S>
   void applied_forces(const S* v, const S* u, Data<S>& data) const;
+  template <class S>
+  void add_passive_slopes(const S* v, Data<S>& data) const;
+  /// a = (Gᵀ M G)⁻¹ (force − Gᵀ bias), and the robot's acceleration G a.
+  template <class S>
+  void accelerate_reduced(const Coordinates<S>& full, Data<S>& data) const;
+  template <class S>
+  void solve_mass(const Data<S>& data, S* x, int columns) const;
 
   struct Entry {
     int row, column;
     double value;
   };
+  /// Passive force −damping·v − friction·tanh(v / friction_velocity) on a row.
+  struct PassiveJoint {
+    int row;
+    double damping, friction, friction_velocity;
+  };
   std::shared_ptr<const RobotModel> robot_;
+  MimicMap mimics_;
   Actuation actuation_;
-  PassiveForces passive_;
   std::vector<Entry> entries_;  ///< non-zeros of B
+  std::vector<PassiveJoint> passive_joints_;
 };
 
 }  // namespace conddp

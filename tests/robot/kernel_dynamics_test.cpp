@@ -1,6 +1,5 @@
-#include <gtest/gtest.h>
-
 #include <Eigen/Dense>
+#include <gtest/gtest.h>
 
 #include "support/kernel_probe.hpp"
 
@@ -78,6 +77,22 @@ TEST_P(KernelDynamics, FactorsSolveLinearSystems) {
     solve_mass_matrix(model(), data, solution.data());
     const Eigen::VectorXd back = m * Eigen::Map<const Eigen::VectorXd>(solution.data(), n);
     expect_close(as_vector(back), x.a, 1e-10, "M M⁻¹ a");
+  });
+}
+
+TEST_P(KernelDynamics, ManyRightHandSidesAreSolvedLikeOne) {
+  const int n = model().nv;
+  RandomNumbers random(250 + GetParam());
+  in_random_states([&](const RobotState&, const KernelProbe<double>& probe) {
+    for (const int columns : {0, 1, 5, 6, 13}) {
+      std::vector<double> together(columns * n);
+      for (double& value : together) value = random.uniform(-1, 1);
+      std::vector<double> single = together;
+      solve_mass_matrix(model(), probe.data(), together.data(), columns);
+      for (int k = 0; k < columns; ++k)
+        solve_mass_matrix(model(), probe.data(), single.data() + k * n);
+      expect_close(together, single, 1e-14, std::to_string(columns) + " columns");
+    }
   });
 }
 
@@ -159,8 +174,8 @@ TEST_P(KernelDynamics, KineticEnergyIsHalfOfVelocityInertiaVelocity) {
 TEST_P(KernelDynamics, PotentialEnergyIsTheWeightsAtTheCentreOfMass) {
   in_random_states([&](const RobotState&, const KernelProbe<double>& probe) {
     const std::vector<double>& com = probe["com"];
-    const double fall = com[0] * model().gravity.x + com[1] * model().gravity.y +
-                        com[2] * model().gravity.z;
+    const double fall =
+        com[0] * model().gravity.x + com[1] * model().gravity.y + com[2] * model().gravity.z;
     EXPECT_NEAR(probe["energy"][1], -model().total_mass() * fall,
                 1e-12 * model().total_mass() * (10 + std::abs(fall)));
   });
@@ -195,6 +210,16 @@ TEST_P(KernelDynamics, PositionOfTheBaseDoesNotMatter) {
     const KernelProbe<double> moved(model(), ProbeState<double>::at(x));
     for (const char* name : {"M", "tau", "tau_q", "tau_v", "acceleration"})
       EXPECT_EQ(moved[name], probe[name]) << name;
+  });
+}
+
+TEST_P(KernelDynamics, NothingIsLeftOfFormerEvaluations) {
+  RandomNumbers random(350 + GetParam());
+  const auto former = ProbeState<double>::at(random_state(model(), random));
+  in_random_states([&](const RobotState& x, const KernelProbe<double>& fresh) {
+    const KernelProbe<double> again(model(), ProbeState<double>::at(x),
+                                    KernelProbe<double>(model(), former).data());
+    for (const auto& [name, values] : fresh.outputs()) EXPECT_EQ(again[name], values) << name;
   });
 }
 

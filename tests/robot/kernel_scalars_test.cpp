@@ -1,6 +1,6 @@
-#include <gtest/gtest.h>
-
 #include <limits>
+
+#include <gtest/gtest.h>
 
 #include "support/kernel_probe.hpp"
 
@@ -135,8 +135,8 @@ TEST_P(KernelScalars, RubbishStaysInItsLane) {
   std::vector<ProbeState<double>> all = states();
   const KernelProbe<Lane> clean(model(), pack<Lane>(all));
   const int bad = static_cast<int>(GetParam()) % kLaneWidth;
-  for (const double rubbish : {std::numeric_limits<double>::quiet_NaN(),
-                               std::numeric_limits<double>::infinity(), 1e300}) {
+  for (const double rubbish :
+       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), 1e300}) {
     for (auto part : {&ProbeState<double>::q, &ProbeState<double>::v, &ProbeState<double>::a,
                       &ProbeState<double>::tau})
       std::fill((all[bad].*part).begin(), (all[bad].*part).end(), rubbish);

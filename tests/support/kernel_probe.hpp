@@ -1,13 +1,13 @@
 #pragma once
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include <gtest/gtest.h>
 
 #include "robot/articulated_body.hpp"
 #include "robot/dynamics.hpp"
@@ -71,7 +71,11 @@ struct ProbeState {
 template <class S>
 class KernelProbe {
  public:
-  KernelProbe(const RobotModel& model, const ProbeState<S>& x) : model_(model), data_(model) {
+  KernelProbe(const RobotModel& model, const ProbeState<S>& x)
+      : KernelProbe(model, x, RobotData<S>(model)) {}
+  /// Begins with data of former evaluations.
+  KernelProbe(const RobotModel& model, const ProbeState<S>& x, RobotData<S> data)
+      : model_(model), data_(std::move(data)) {
     inverse_dynamics(model, x.q.data(), x.v.data(), x.a.data(), data_);
     put("tau", data_.tau);
     update_derivative_columns(model, data_);
@@ -98,6 +102,7 @@ class KernelProbe {
     throw std::out_of_range(name);
   }
   const std::vector<std::pair<std::string, std::vector<S>>>& outputs() const { return outputs_; }
+  const RobotData<S>& data() const { return data_; }
 
  private:
   template <class Values>

@@ -63,8 +63,7 @@ RobotModel random_robot(std::uint64_t seed, const RandomRobotOptions& options) {
       parent = model.joints[parent].parent;
     }
     model.joints.push_back(random_joint(random, "joint" + std::to_string(i), parent,
-                                        options.prismatic,
-                                        options.rotors && random.chance(0.7)));
+                                        options.prismatic, options.rotors && random.chance(0.7)));
   }
   add_frames(model, random);
   for (int i = 0; i < options.wrenches; ++i) {
@@ -83,8 +82,7 @@ RobotModel humanoid_like_robot(std::uint64_t seed) {
   model.joints.push_back(floating_joint(random));
   const auto limb = [&](const std::string& name, int joints, int parent) {
     for (int i = 0; i < joints; ++i) {
-      model.joints.push_back(
-          random_joint(random, name + std::to_string(i), parent, 0, true));
+      model.joints.push_back(random_joint(random, name + std::to_string(i), parent, 0, true));
       parent = model.joint_count() - 1;
     }
     return parent;
@@ -114,8 +112,8 @@ const std::vector<TestModel>& random_robots() {
     add("one_body", random_robot(6, {.joints = 0, .floating = true}));
     add("floating_chain", random_robot(7, {.joints = 5, .floating = true, .branching = 0}));
     add("floating_tree", random_robot(8, {.joints = 14, .floating = true, .branching = 0.4}));
-    add("bare_floating_tree", random_robot(9, {.joints = 12, .floating = true, .rotors = false,
-                                               .wrenches = 0}));
+    add("bare_floating_tree",
+        random_robot(9, {.joints = 12, .floating = true, .rotors = false, .wrenches = 0}));
     add("humanoid_like", humanoid_like_robot(10));
     RobotModel first = random_robot(11, {.joints = 5, .floating = true});
     RobotModel second = random_robot(12, {.joints = 4});

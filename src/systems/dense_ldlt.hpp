@@ -1,0 +1,17 @@
+#pragma once
+
+#include "systems/system.hpp"
+
+namespace conddp {
+
+/// Factors a symmetric positive definite matrix (n x n by columns, lower triangle) in place:
+/// A = L D Lᵀ with a unit lower triangle L below the diagonal and D⁻¹ on it. In lanes a matrix
+/// per lane; without pivots, hence without branches.
+template <class S>
+void factorize_ldlt(int n, S* A);
+
+/// x ← A⁻¹ x with the factors.
+template <class S>
+void solve_ldlt(int n, const S* factors, S* x);
+
+}  // namespace conddp
