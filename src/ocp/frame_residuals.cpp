@@ -5,31 +5,54 @@ namespace {
 
 using SystemPointer = std::shared_ptr<const MultibodySystem>;
 
+/// Writes rows x columns.count() of a Jacobian. `kernel(out)` writes it with the robot's own
+/// columns: in place, or by way of scratch where joints mimic others.
+template <class S, class Kernel>
+void write_columns(const ReducedColumns& columns, int rows, MultibodySystem::Data<S>& data,
+                   S* jacobian, Kernel kernel) {
+  if (columns.identity()) return kernel(jacobian);
+  kernel(data.mimic.columns.data());
+  columns.gather(data.mimic.columns.data(), rows, jacobian);
+}
+
+template <class S>
+MultibodySystem::Data<S>& system_data(const ResidualInput<S>& in) {
+  return static_cast<MultibodySystem::Data<S>&>(in.system);
+}
+
 /// What residuals of one frame share: the robot, the frame, and the columns that move it.
 class FrameOf {
  public:
   FrameOf(SystemPointer system, int frame)
       : system_(std::move(system)),
         frame_(frame),
-        columns_(support(system_->robot(), system_->robot().frames[frame].joint)) {}
+        columns_(system_->mimic_map(),
+                 support(system_->robot(), system_->robot().frames[frame].joint)) {}
 
+  const MultibodySystem& system() const { return *system_; }
   const RobotModel& robot() const { return system_->robot(); }
   int frame() const { return frame_; }
-  const std::vector<int>& columns() const { return columns_; }
-  int count() const { return static_cast<int>(columns_.size()); }
+  const std::vector<int>& columns() const { return columns_.columns(); }
+  int count() const { return columns_.count(); }
   template <class S>
   static RobotData<S>& data(const ResidualInput<S>& in) {
-    return static_cast<MultibodySystem::Data<S>&>(in.system).robot;
+    return system_data(in).robot;
   }
   template <class S>
   SE3<S> placement(const ResidualInput<S>& in) const {
     return frame_placement(robot(), data(in), frame_);
   }
+  /// Writes what kernel(robot, data, frame, out) gives.
+  template <class S, class Kernel>
+  void write(const ResidualInput<S>& in, int rows, S* jacobian, Kernel kernel) const {
+    write_columns(columns_, rows, system_data(in), jacobian,
+                  [&](S* out) { kernel(robot(), data(in), frame_, out); });
+  }
 
  private:
   SystemPointer system_;
   int frame_;
-  std::vector<int> columns_;
+  ReducedColumns columns_;
 };
 
 template <class S>
@@ -50,7 +73,7 @@ class FramePosition : public ResidualBase<FramePosition> {
   template <class S>
   void differentiate_as(const ResidualInput<S>& in, S* r, S* jacobian) const {
     evaluate_as(in, r);
-    frame_position_jacobian(frame_.robot(), frame_.data(in), frame_.frame(), jacobian);
+    frame_.write(in, 3, jacobian, frame_position_jacobian<S>);
   }
 
  private:
@@ -71,7 +94,7 @@ class FrameRotation : public ResidualBase<FrameRotation> {
   template <class S>
   void differentiate_as(const ResidualInput<S>& in, S* r, S* jacobian) const {
     evaluate_as(in, r);
-    frame_rotation_jacobian(frame_.robot(), frame_.data(in), frame_.frame(), jacobian);
+    frame_.write(in, 3, jacobian, frame_rotation_jacobian<S>);
     const Matrix3<S> inverse = inverse_right_jacobian_so3(Vector3<S>{r[0], r[1], r[2]});
     for (int c = 0; c < frame_.count(); ++c, jacobian += 3) {
       const Vector3<S> column = inverse * Vector3<S>{jacobian[0], jacobian[1], jacobian[2]};
@@ -99,7 +122,10 @@ class FramePlacement : public ResidualBase<FramePlacement> {
   template <class S>
   void differentiate_as(const ResidualInput<S>& in, S* r, S* jacobian) const {
     evaluate_as(in, r);
-    frame_jacobian(frame_.robot(), frame_.data(in), frame_.frame(), FrameAxes::local, jacobian);
+    frame_.write(in, 6, jacobian,
+                 [](const RobotModel& robot, const RobotData<S>& data, int frame, S* out) {
+                   frame_jacobian(robot, data, frame, FrameAxes::local, out);
+                 });
     const Matrix6<S> inverse =
         inverse_right_jacobian_se3(Motion<S>{{r[0], r[1], r[2]}, {r[3], r[4], r[5]}});
     S old[6];
@@ -129,15 +155,20 @@ class FrameVelocity : public ResidualBase<FrameVelocity> {
   template <class S>
   void differentiate_as(const ResidualInput<S>& in, S* r, S* jacobian) const {
     evaluate_as(in, r);
-    frame_velocity_derivative(frame_.robot(), frame_.data(in), frame_.frame(), axes_, jacobian);
-    frame_jacobian(frame_.robot(), frame_.data(in), frame_.frame(), axes_,
-                   jacobian + 6 * frame_.count());
+    frame_.write(in, 6, jacobian,
+                 [this](const RobotModel& robot, const RobotData<S>& data, int frame, S* out) {
+                   frame_velocity_derivative(robot, data, frame, axes_, out);
+                 });
+    frame_.write(in, 6, jacobian + 6 * frame_.count(),
+                 [this](const RobotModel& robot, const RobotData<S>& data, int frame, S* out) {
+                   frame_jacobian(robot, data, frame, axes_, out);
+                 });
   }
 
  private:
   static std::vector<int> both(const FrameOf& frame) {
     std::vector<int> columns = frame.columns();
-    for (int c : frame.columns()) columns.push_back(frame.robot().nv + c);
+    for (int c : frame.columns()) columns.push_back(frame.system().nv() + c);
     return columns;
   }
   FrameOf frame_;
@@ -147,7 +178,9 @@ class FrameVelocity : public ResidualBase<FrameVelocity> {
 class ComPosition : public ResidualBase<ComPosition> {
  public:
   explicit ComPosition(SystemPointer system)
-      : ResidualBase({{3, column_range(0, system->nv())}}, 3, false), system_(std::move(system)) {}
+      : ResidualBase({{3, column_range(0, system->nv())}}, 3, false),
+        system_(std::move(system)),
+        columns_(system_->mimic_map(), column_range(0, system_->robot().nv)) {}
 
   template <class S>
   void evaluate_as(const ResidualInput<S>& in, S* r) const {
@@ -157,11 +190,14 @@ class ComPosition : public ResidualBase<ComPosition> {
   template <class S>
   void differentiate_as(const ResidualInput<S>& in, S* r, S* jacobian) const {
     evaluate_as(in, r);
-    center_of_mass_jacobian(system_->robot(), FrameOf::data(in), jacobian);
+    write_columns(columns_, 3, system_data(in), jacobian, [&](S* out) {
+      center_of_mass_jacobian(system_->robot(), FrameOf::data(in), out);
+    });
   }
 
  private:
   SystemPointer system_;
+  ReducedColumns columns_;
 };
 
 class ControlGravity : public ResidualBase<ControlGravity> {
@@ -174,14 +210,14 @@ class ControlGravity : public ResidualBase<ControlGravity> {
 
   template <class S>
   void evaluate_as(const ResidualInput<S>& in, S* r) const {
-    auto& data = static_cast<MultibodySystem::Data<S>&>(in.system);
-    gravity_torques<S>(system_->robot(), data.robot, data.gravity.data(), nullptr);
+    auto& data = system_data(in);
+    system_->gravity_torques(data, false);
     effort(in, data, r);
   }
   template <class S>
   void differentiate_as(const ResidualInput<S>& in, S* r, S* jacobian) const {
-    auto& data = static_cast<MultibodySystem::Data<S>&>(in.system);
-    gravity_torques(system_->robot(), data.robot, data.gravity.data(), data.gravity_q.data());
+    auto& data = system_data(in);
+    system_->gravity_torques(data, true);
     effort(in, data, r);
     const int nv = system_->nv();
     for (int c = 0; c < nv; ++c)
