@@ -1,0 +1,52 @@
+#include "solvers/adjoint.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace conddp {
+
+Adjoint::Adjoint(const ShootingProblem& problem, const ControlBounds& bounds)
+    : bounds_(bounds),
+      gap_(problem.manifold()),
+      costates_(Eigen::MatrixXd::Zero(problem.ndx(), problem.knots() + 1)),
+      gradient_(Eigen::VectorXd::Zero(bounds.size())),
+      next_(problem.ndx()),
+      scratch_(problem.ndx()) {
+  int largest = problem.ndx();
+  for (int k = 0; k < problem.knots(); ++k) {
+    largest = std::max(largest, problem.ndx() + problem.nu(k));
+  }
+  pulled_.resize(largest);
+}
+
+void Adjoint::compute(const Linearization& linearization, bool open_gaps) {
+  const int N = bounds_.knots();
+  const int ndx = static_cast<int>(costates_.rows());
+  costates_.col(N) = linearization.knots[N].gradient;
+  gap_slope_ = 0;
+  for (int k = N - 1; k >= 0; --k) {
+    const KnotLinearization& knot = linearization.knots[k];
+    next_ = costates_.col(k + 1);
+    if (open_gaps) {
+      gap_slope_ += next_.dot(linearization.gap.col(k));
+      gap_.set(linearization.gap.col(k));
+      gap_.pull(next_);
+    }
+    auto pulled = pulled_.head(ndx + knot.nu());
+    knot.apply_transpose(next_, pulled, scratch_);
+    costates_.col(k) = knot.gradient.head(ndx) + pulled.head(ndx);
+    gradient_.segment(bounds_.offset(k), knot.nu()) =
+        knot.gradient.tail(knot.nu()) + pulled.tail(knot.nu());
+  }
+}
+
+double Adjoint::cost_rounding(const Linearization& linearization,
+                              const Trajectory& trajectory) const {
+  double scale = linearization.cost.lpNorm<1>();
+  for (int k = 1; k <= bounds_.knots(); ++k) {
+    scale += costates_.col(k).lpNorm<1>() * trajectory.x(k).lpNorm<Eigen::Infinity>();
+  }
+  return std::numeric_limits<double>::epsilon() * scale;
+}
+
+}  // namespace conddp

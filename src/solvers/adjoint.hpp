@@ -1,0 +1,40 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "ocp/linearization.hpp"
+#include "solvers/control_bounds.hpp"
+#include "solvers/gap_transport.hpp"
+
+namespace conddp {
+
+/// Co-states of an iterate and the gradient of its Lagrangian
+///   L = Σ cost + Σ λ_{k+1}ᵀ (f(x_k, u_k) ⊖ x_{k+1}),
+/// from λ_N = ∇ℓ_N, λ_k = ℓ_x + f_xᵀ λ_{k+1}: they make ∇_x L vanish at every node, so that
+/// ∇_u L = ℓ_u + f_uᵀ λ_{k+1} is what is left. Open gaps on curved spaces transport λ from
+/// x_{k+1} to f(x_k, u_k) on the way (GapTransport).
+class Adjoint {
+ public:
+  Adjoint(const ShootingProblem& problem, const ControlBounds& bounds);
+
+  void compute(const Linearization& linearization, bool open_gaps);
+
+  /// ndx x (N + 1): column k is λ_k, the derivative of the cost to go by x_k.
+  const Eigen::MatrixXd& costates() const { return costates_; }
+  /// ∇_u L of all knots, one after the other.
+  const Eigen::VectorXd& gradient() const { return gradient_; }
+  /// Σ λ_{k+1}ᵀ gap_k: the cost's first-order change as the gaps are closed with the same controls.
+  double gap_slope() const { return gap_slope_; }
+  /// A bound on what rounding does to the total cost: of the sum itself, and of the states, whose
+  /// relative error reaches the cost through the co-states.
+  double cost_rounding(const Linearization& linearization, const Trajectory& trajectory) const;
+
+ private:
+  const ControlBounds& bounds_;
+  GapTransport gap_;
+  Eigen::MatrixXd costates_;
+  Eigen::VectorXd gradient_, next_, pulled_, scratch_;
+  double gap_slope_ = 0;
+};
+
+}  // namespace conddp

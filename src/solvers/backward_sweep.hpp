@@ -1,0 +1,56 @@
+#pragma once
+
+#include <vector>
+
+#include "ocp/acts.hpp"
+#include "solvers/control_bounds.hpp"
+#include "solvers/gap_transport.hpp"
+#include "solvers/stage_policy.hpp"
+#include "solvers/value.hpp"
+
+namespace conddp {
+
+/// What a sweep adds to its stage problems.
+struct SweepRegularization {
+  RegularizationKind kind = RegularizationKind::state;
+  double weight = 0;
+};
+
+/// The Riccati sweep of every DDP solver: from the last node to the first it prepares the next
+/// value (gap), lets a policy solve the stage with regularised second derivatives, and forms the
+/// value of the resulting policy with the true ones, which also holds where controls are clamped:
+///   V_x  = Q_x + Kᵀ Q_uu k + Kᵀ Q_u + Q_xu k,
+///   V_xx = Q_xx + Kᵀ Q_uu K + Kᵀ Q_ux + Q_xu K.
+class BackwardSweep {
+ public:
+  BackwardSweep(const ShootingProblem& problem, const ControlBounds& bounds);
+
+  /// Fills `feedback`; where `open_gaps`, for the full step that closes the gaps. Returns the knot
+  /// whose stage has no minimum or is not finite, or −1 where all went well. `hold` is passed on
+  /// to the policy.
+  int run(const Linearization& linearization, const Trajectory& trajectory, bool open_gaps,
+          SweepRegularization regularization, StagePolicy& policy, Feedback& feedback,
+          bool hold = false);
+
+  /// Value at node k after a sweep, with respect to δx_k.
+  const ValueFunction& value(int k) const { return values_[k]; }
+
+ private:
+  bool solve_stage(int k, const Trajectory& trajectory, const KnotLinearization& knot,
+                   SweepRegularization regularization, StagePolicy& policy, Feedback& feedback);
+  void form_value(ValueFunction& value, const Eigen::VectorXd& k);
+
+  const ControlBounds& bounds_;
+  std::vector<ValueFunction> values_;  ///< N + 1
+  ValueFunction next_;
+  GapTransport gap_;
+  ValuePropagation propagation_;
+  ActionValue q_;
+  Eigen::VectorXd columns_;  ///< nz x nu: control columns of Q_zz, regularised
+  Eigen::MatrixXd Kt_;       ///< ndx x nu
+  Eigen::MatrixXd M_;        ///< ndx x nu
+  Eigen::MatrixXd S_;        ///< ndx x ndx
+  Eigen::VectorXd w_;        ///< nu
+};
+
+}  // namespace conddp

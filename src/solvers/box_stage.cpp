@@ -1,0 +1,170 @@
+#include <algorithm>
+#include <vector>
+
+#include "solvers/box_qp.hpp"
+#include "solvers/cholesky.hpp"
+#include "solvers/stage_policy.hpp"
+
+namespace conddp {
+namespace {
+
+class BoxStage : public StagePolicy {
+ public:
+  BoxStage(const ShootingProblem& problem, int max_nu, const SolverOptions::BoxQp& options)
+      : qp_(max_nu, options.max_iterations, options.armijo),
+        lower_(max_nu),
+        upper_(max_nu),
+        rhs_(problem.ndx(), max_nu),
+        before_(max_nu) {
+    factor_.resize(max_nu, max_nu);
+    step_.resize(1, max_nu);
+    free_.reserve(max_nu);
+    for (int k = 0; k < problem.knots(); ++k) {
+      remembered_.emplace_back(problem.nu(k));
+      const int nu = problem.nu(k);
+      active_.emplace_back(nu);
+      kept_.push_back({Eigen::MatrixXd(problem.ndx(), nu), Eigen::MatrixXd(nu, nu),
+                       Eigen::VectorXd(nu), Eigen::VectorXd(nu), Eigen::VectorXd(nu)});
+    }
+  }
+
+  void begin_sweep(bool hold) override {
+    clamped_ = changes_ = 0;
+    hold_ = hold;
+  }
+
+  bool solve(const StageProblem& stage, Eigen::Ref<Eigen::VectorXd> k,
+             Eigen::Ref<Eigen::MatrixXd> Kt) override {
+    const int nu = static_cast<int>(k.size());
+    std::vector<BoundState>& active = active_[stage.knot];
+    std::copy(active.begin(), active.end(), before_.begin());
+    auto lower = lower_.head(nu);
+    auto upper = upper_.head(nu);
+    lower = stage.lower - stage.u;
+    upper = stage.upper - stage.u;
+    Kept& kept = kept_[stage.knot];
+    kept.Qxu = stage.Qxu;
+    kept.Quu = stage.Quu;
+    kept.Qu = stage.Qu;
+    kept.lower = lower;
+    kept.upper = upper;
+    if (hold_) return solve_held(kept, active, k, Kt);
+    if (qp_.solve(stage.Quu, stage.Qu, lower, upper, active) ==
+        BoxQp::Status::not_positive_definite) {
+      return false;
+    }
+    k = qp_.x();
+    // Feedback acts on the free controls alone: K_f = −Q_ff⁻¹ Q_fx.
+    const auto free = qp_.free();
+    auto rhs = rhs_.leftCols(static_cast<int>(free.size()));
+    for (std::size_t j = 0; j < free.size(); ++j) rhs.col(j) = -stage.Qxu.col(free[j]);
+    solve_rows_in_place(qp_.free_factor(), rhs);
+    Kt.setZero();
+    for (std::size_t j = 0; j < free.size(); ++j) Kt.col(free[j]) = rhs.col(j);
+    for (int i = 0; i < nu; ++i) {
+      clamped_ += active[i] != BoundState::free;
+      changes_ += active[i] != before_[i];
+    }
+    return true;
+  }
+
+  int revise(int knot, const Eigen::Ref<const Eigen::VectorXd>& dx,
+             const Eigen::Ref<const Eigen::VectorXd>& du, bool release) override {
+    const Kept& kept = kept_[knot];
+    std::vector<BoundState>& active = active_[knot];
+    int changes = 0;
+    for (int i = 0; i < du.size(); ++i) {
+      BoundState state = active[i];
+      if (state == BoundState::free) {
+        if (du[i] < kept.lower[i]) state = BoundState::at_lower;
+        if (du[i] > kept.upper[i]) state = BoundState::at_upper;
+      } else if (release && kept.lower[i] < kept.upper[i]) {
+        const double gradient = kept.Qu[i] + kept.Quu.col(i).dot(du) + kept.Qxu.col(i).dot(dx);
+        if ((state == BoundState::at_lower) == (gradient < 0)) state = BoundState::free;
+      }
+      changes += state != active[i];
+      active[i] = state;
+    }
+    changes_ += changes;
+    return changes;
+  }
+
+  void assume(int knot, const Eigen::Ref<const Eigen::VectorXd>& gradient) override {
+    const Kept& kept = kept_[knot];
+    for (int i = 0; i < gradient.size(); ++i) {
+      active_[knot][i] = kept.lower[i] >= 0 && gradient[i] > 0   ? BoundState::at_lower
+                         : kept.upper[i] <= 0 && gradient[i] < 0 ? BoundState::at_upper
+                                                                 : BoundState::free;
+    }
+  }
+
+  void remember() override { remembered_ = active_; }
+  void recall() override { active_ = remembered_; }
+
+  int clamped_controls() const override { return clamped_; }
+  int active_set_changes() const override { return changes_; }
+
+ private:
+  /// What the last sweep saw at a knot; bounds are those of δu.
+  struct Kept {
+    Eigen::MatrixXd Qxu, Quu;
+    Eigen::VectorXd Qu, lower, upper;
+  };
+
+  /// The stage's minimum with the entries that `active` holds put at their bounds.
+  bool solve_held(const Kept& kept, const std::vector<BoundState>& active,
+                  Eigen::Ref<Eigen::VectorXd> k, Eigen::Ref<Eigen::MatrixXd> Kt) {
+    free_.clear();
+    for (int i = 0; i < k.size(); ++i) {
+      if (active[i] == BoundState::free)
+        free_.push_back(i);
+      else
+        k[i] = active[i] == BoundState::at_lower ? kept.lower[i] : kept.upper[i];
+    }
+    clamped_ += static_cast<int>(k.size() - free_.size());
+    const int count = static_cast<int>(free_.size());
+    auto factor = factor_.topLeftCorner(count, count);
+    auto rhs = rhs_.leftCols(count);
+    auto step = step_.leftCols(count);
+    for (int a = 0; a < count; ++a) {
+      for (int b = 0; b < count; ++b) factor(a, b) = kept.Quu(free_[a], free_[b]);
+      step(0, a) = -kept.Qu[free_[a]];
+      for (int i = 0; i < k.size(); ++i)
+        if (active[i] != BoundState::free) step(0, a) -= kept.Quu(i, free_[a]) * k[i];
+      rhs.col(a) = -kept.Qxu.col(free_[a]);
+    }
+    if (!cholesky_in_place(factor)) return false;
+    solve_rows_in_place(factor, step);
+    solve_rows_in_place(factor, rhs);
+    Kt.setZero();
+    for (int a = 0; a < count; ++a) {
+      k[free_[a]] = step(0, a);
+      Kt.col(free_[a]) = rhs.col(a);
+    }
+    return true;
+  }
+
+  BoxQp qp_;
+  bool hold_ = false;
+  std::vector<Kept> kept_;
+  std::vector<int> free_;
+  Eigen::MatrixXd factor_, step_;
+  Eigen::VectorXd lower_, upper_;
+  Eigen::MatrixXd rhs_;
+  std::vector<std::vector<BoundState>> active_;  ///< one a knot, kept from sweep to sweep
+  std::vector<std::vector<BoundState>> remembered_;
+  std::vector<BoundState> before_;
+  int clamped_ = 0;
+  int changes_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<StagePolicy> box_stage(const ShootingProblem& problem,
+                                       const SolverOptions::BoxQp& options) {
+  int max_nu = 0;
+  for (int k = 0; k < problem.knots(); ++k) max_nu = std::max(max_nu, problem.nu(k));
+  return std::make_unique<BoxStage>(problem, max_nu, options);
+}
+
+}  // namespace conddp

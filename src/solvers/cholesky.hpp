@@ -1,0 +1,16 @@
+#pragma once
+
+#include <Eigen/Core>
+
+namespace conddp {
+
+/// Cholesky factors of the small symmetric matrices of a stage, in place and without allocation.
+
+/// A = L Lᵀ from the lower triangle of A, which L overwrites. False where a pivot is not positive
+/// beyond rounding (or not finite): then A is left half done.
+bool cholesky_in_place(Eigen::Ref<Eigen::MatrixXd> A);
+
+/// B ← B (L Lᵀ)⁻¹: every row of B is a right-hand side, so that the inner loops run down columns.
+void solve_rows_in_place(const Eigen::Ref<const Eigen::MatrixXd>& L, Eigen::Ref<Eigen::MatrixXd> B);
+
+}  // namespace conddp

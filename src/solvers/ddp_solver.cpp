@@ -1,0 +1,472 @@
+#include "solvers/ddp_solver.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "solvers/finite_check.hpp"
+
+namespace conddp {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// Adds the time until its end to a sum of seconds.
+class Stopwatch {
+ public:
+  explicit Stopwatch(double& sum) : sum_(sum), began_(Clock::now()) {}
+  ~Stopwatch() { sum_ += std::chrono::duration<double>(Clock::now() - began_).count(); }
+  Stopwatch(const Stopwatch&) = delete;
+  Stopwatch& operator=(const Stopwatch&) = delete;
+
+ private:
+  double& sum_;
+  Clock::time_point began_;
+};
+
+/// Shortest step that is tried where stationarity has to judge it, and the share to which it has
+/// to fall.
+constexpr double kShortestBlindStep = 1.0 / 16;
+constexpr double kBlindProgress = 0.999;
+/// Iterations over which convergence is judged to be slow or not.
+constexpr int kWatchedIterations = 10;
+/// Rows of the log that are reserved at most before the first iteration.
+constexpr int kReservedRows = 10000;
+
+void check_shape(const ShootingProblem& problem, const Trajectory& guess) {
+  bool fits = guess.knots() == problem.knots() && guess.nx() == problem.nx();
+  for (int k = 0; fits && k < problem.knots(); ++k) fits = guess.nu(k) == problem.nu(k);
+  if (!fits) throw std::invalid_argument("the guess does not have the shape of the problem");
+}
+
+/// Puts the quaternions of the guess' states on the unit sphere.
+void normalize_states(const ShootingProblem& problem, Trajectory& trajectory) {
+  for (int k = 0; k <= problem.knots(); ++k) {
+    if (trajectory.x(k).allFinite() && !problem.manifold().normalize(trajectory.x(k).data())) {
+      throw std::invalid_argument(
+          fmt::format("state {} of the guess: a quaternion is far from unit length", k));
+    }
+  }
+}
+
+}  // namespace
+
+HessianUse hessian_use(const SolverOptions& options) {
+  switch (options.hessian) {
+    case HessianChoice::gauss_newton:
+      return HessianUse::gauss_newton;
+    case HessianChoice::exact:
+      return HessianUse::exact;
+    case HessianChoice::automatic:
+      break;
+  }
+  return HessianUse::when_slow;
+}
+
+DdpSolver::DdpSolver(const ShootingProblem& problem, const DdpRecipe& recipe,
+                     const SolverOptions& options)
+    : problem_(problem),
+      recipe_(recipe),
+      options_(options),
+      bounds_(problem),
+      acts_(problem, options.threads),
+      linearization_(problem),
+      adjoint_(problem, bounds_),
+      sweep_(problem, bounds_),
+      policy_(recipe.box_stage ? box_stage(problem, options.box_qp) : unconstrained_stage(problem)),
+      linear_rollout_(problem, bounds_),
+      line_search_(problem, options.line_search),
+      regularization_(options.regularization),
+      feedback_(problem),
+      trajectory_(problem.create_trajectory()),
+      before_(problem.create_trajectory()),
+      result_(problem) {
+  if (recipe.hessian == HessianUse::gauss_newton) return;
+  for (const KnotLinearization& knot : linearization_.knots) other_hessian_.push_back(knot.hessian);
+}
+
+SolveResult DdpSolver::solve(const Trajectory& guess) {
+  began_ = Clock::now();
+  check_shape(problem_, guess);
+  result_ = SolveResult(problem_);
+  result_.log.reserve(std::min(options_.max_iterations, kReservedRows) + 1);
+  regularization_ = RegularizationSchedule(options_.regularization);
+  row_ = IterationRecord();
+  active_set_known_ = false;
+  search_ = LineSearchResult();
+  linearized_ = false;
+  at_rounding_floor_ = false;
+  exact_wanted_ = recipe_.hessian == HessianUse::exact;
+
+  if (start(guess)) {
+    while (linearize() && !converged() && may_continue() && take_step()) ++row_.iteration;
+    finish();
+  }
+  result_.iterations = row_.iteration;
+  result_.times.total = elapsed();
+  return std::move(result_);
+}
+
+/// Where the first iteration starts. With closed gaps the states follow from the controls.
+bool DdpSolver::start(const Trajectory& guess) {
+  trajectory_ = guess;
+  const int clamped = recipe_.clamp_controls ? bounds_.clamp(trajectory_) : 0;
+  result_.start = recipe_.open_gaps ? "states and controls of the guess"
+                                    : "controls of the guess, simulated from the initial state";
+  if (clamped > 0) {
+    result_.start += fmt::format("; {} control {} moved to a bound", clamped,
+                                 clamped == 1 ? "entry" : "entries");
+  }
+  const Eigen::Map<const Eigen::VectorXd> x0(problem_.initial_state().data(), problem_.nx());
+  if (recipe_.open_gaps) {
+    const double off = (trajectory_.x(0) - x0).lpNorm<Eigen::Infinity>();
+    if (off != 0) result_.start += fmt::format("; x_0 corrected by {:.2g}", off);
+    trajectory_.x(0) = x0;
+    normalize_states(problem_, trajectory_);
+    return true;
+  }
+  const Stopwatch watch(result_.times.evaluate);
+  const int bad_knot = acts_.simulate(trajectory_);
+  if (bad_knot < 0) return true;
+  result_.trajectory = guess;
+  return end(SolveStatus::diverged,
+             fmt::format("simulating the controls of the guess gives a cost or next state that is "
+                         "not finite at knot {}",
+                         bad_knot));
+}
+
+/// Derivatives and residuals of the iterate, and its row in the log.
+bool DdpSolver::linearize() {
+  if (!linearized_) differentiate();
+  if (!linearized_) return end_diverged();
+  row_.cost = linearization_.total_cost();
+  merit_.cost = row_.cost;
+  merit_.gap_norm = recipe_.open_gaps ? linearization_.gap.lpNorm<1>() : 0;
+  merit_.rounding = adjoint_.cost_rounding(linearization_, trajectory_);
+  row_.merit = merit_.value();
+  const Extremum stationarity = bounds_.projected_norm(adjoint_.gradient(), trajectory_);
+  row_.stationarity = stationarity.value;
+  row_.stationarity_knot = stationarity.knot;
+  row_.gap = linearization_.max_gap();
+  row_.gap_knot = -1;
+  if (row_.gap > 0) {
+    Eigen::Index row = 0, column = 0;
+    linearization_.gap.cwiseAbs().maxCoeff(&row, &column);
+    row_.gap_knot = static_cast<int>(column);
+  }
+  row_.constraint = bounds_.violation(trajectory_).value;
+  row_.time_s = elapsed();
+  watch_convergence();
+  result_.log.push_back(row_);
+  if (options_.on_iteration) options_.on_iteration(row_);
+  return true;
+}
+
+bool DdpSolver::converged() {
+  const auto& tolerance = options_.tolerances;
+  if (row_.stationarity > tolerance.stationarity || row_.gap > tolerance.gap ||
+      row_.constraint > tolerance.constraint) {
+    return false;
+  }
+  end(SolveStatus::converged, residual_text());
+  return true;
+}
+
+bool DdpSolver::may_continue() {
+  if (row_.iteration >= options_.max_iterations) {
+    return end(SolveStatus::max_iterations, fmt::format("not converged after {} iterations: {}",
+                                                        row_.iteration, residual_text()));
+  }
+  return budget_left();
+}
+
+bool DdpSolver::budget_left() {
+  if (options_.interrupted && options_.interrupted()) {
+    return end(SolveStatus::interrupted, fmt::format("interrupted: {}", residual_text()));
+  }
+  if (elapsed() >= options_.max_time_s) {
+    return end(SolveStatus::time_limit,
+               fmt::format("not converged within {} s: {}", options_.max_time_s, residual_text()));
+  }
+  return true;
+}
+
+/// Sweeps and searches, with more regularisation after every failure, until a step is accepted.
+bool DdpSolver::take_step() {
+  row_.trials = 0;
+  for (;;) {
+    if (!sweep_with_regularization()) return false;
+    measure_direction();
+    const double slope = merit_.merit_slope();
+    const bool descent = slope < 0 || merit_.hidden(slope);
+    if (descent && search()) break;
+    if (at_rounding_floor_) {
+      // Exact Hessians take the last digits in one step where Gauss-Newton creeps.
+      if (recipe_.hessian == HessianUse::when_slow && !exact_wanted_) {
+        exact_wanted_ = true;
+        at_rounding_floor_ = false;
+        differentiate();
+        continue;
+      }
+      return end(SolveStatus::line_search_failed,
+                 fmt::format("the cost's rounding ({:.1e}) hides what is left to gain, and the "
+                             "stationarity does not fall any more: {}",
+                             merit_.rounding, residual_text()));
+    }
+    if (!regularization_.increase()) return end_without_step(descent);
+    if (!budget_left()) return false;
+  }
+  row_.step = search_.step;
+  row_.expected_decrease = search_.expected_decrease;
+  row_.actual_decrease = search_.actual_decrease;
+  row_.regularization = regularization_.value();
+  row_.penalty = merit_.penalty;
+  row_.exact_hessian = exact_in_use_;
+  row_.clamped_controls = policy_->clamped_controls();
+  row_.active_set_changes = policy_->active_set_changes();
+  if (search_.step >= options_.regularization.decrease_step) {
+    regularization_.decrease();
+  } else if (search_.step <= options_.regularization.increase_step) {
+    regularization_.increase();
+  }
+  return true;
+}
+
+/// Line search along the sweep's policy. A step that the merit is too coarse to judge counts only
+/// if stationarity falls.
+bool DdpSolver::search() {
+  before_ = trajectory_;
+  for (double first_step = 1; first_step >= kShortestBlindStep; first_step /= 2) {
+    {
+      const Stopwatch watch(result_.times.rollout);
+      search_ = line_search_.run(
+          acts_, merit_, adjoint_, linearization_.gap, feedback_,
+          {.contract_gaps = recipe_.open_gaps, .clamp_controls = recipe_.clamp_controls},
+          first_step, trajectory_);
+    }
+    row_.trials += search_.trials;
+    if (!search_.accepted) return false;
+    linearized_ = false;
+    if (!search_.by_rounding || stationarity_fell()) return true;
+    trajectory_ = before_;
+    differentiate();
+  }
+  at_rounding_floor_ = true;
+  return false;
+}
+
+bool DdpSolver::stationarity_fell() {
+  differentiate();
+  return linearized_ && bounds_.projected_norm(adjoint_.gradient(), trajectory_).value <
+                            kBlindProgress * row_.stationarity;
+}
+
+bool DdpSolver::sweep_with_regularization() {
+  const Stopwatch watch(result_.times.sweep);
+  for (;;) {
+    const int bad_knot = sweep_backward(regularization_.value());
+    if (bad_knot < 0) return true;
+    if (find_non_finite(linearization_)) return end_diverged();
+    if (!regularization_.increase()) {
+      return end(SolveStatus::regularization_limit,
+                 fmt::format("Q_uu at knot {} is not positive definite with the largest "
+                             "regularisation {:.1e}: {}",
+                             bad_knot, regularization_.value(), residual_text()));
+    }
+    if (!budget_left()) return false;
+  }
+}
+
+/// Returns the knot whose stage has no minimum, or −1. Exact Hessians may be indefinite far from an
+/// optimum; then the Gauss-Newton ones, which keep the costs' curvature and have the problem's own
+/// scaling, make a better convex model than any multiple of the identity.
+int DdpSolver::sweep_backward(double regularization) {
+  for (bool exact : {true, false}) {
+    if (exact && !exact_known_) continue;
+    use_hessian(exact);
+    const int bad_knot = sweep_to_active_set({options_.regularization.kind, regularization});
+    if (bad_knot < 0 || !exact) return bad_knot;
+  }
+  return -1;
+}
+
+/// Sweeps until the linear rollout confirms the active set that the sweep assumed, from the set
+/// that the iteration before ended with. Where sets alternate instead of settling, the set of the
+/// iterate itself may grow until the step is feasible; the model says whether that step is better
+/// than that of stages which each find their own set.
+int DdpSolver::sweep_to_active_set(SweepRegularization regularization) {
+  const auto sweep = [&](bool hold) {
+    return sweep_.run(linearization_, trajectory_, recipe_.open_gaps, regularization, *policy_,
+                      feedback_, hold);
+  };
+  const auto revise = [&](bool release) {
+    return linear_rollout_.revise(linearization_, feedback_, recipe_.open_gaps, release, *policy_);
+  };
+  const auto model_decrease = [&] {
+    const ModelStep step = linear_rollout_.run(linearization_, trajectory_, feedback_, sweep_,
+                                               recipe_.open_gaps, recipe_.clamp_controls);
+    return -(step.slope + 0.5 * step.curvature);
+  };
+  const int limit = recipe_.box_stage ? options_.box_qp.horizon_sweeps : 0;
+  if (limit == 0 || !active_set_known_ || sweep(true) >= 0) {
+    const int bad_knot = sweep(false);
+    if (bad_knot >= 0 || limit == 0) return bad_knot;
+  }
+  active_set_known_ = true;
+  for (int i = 0; i < limit; ++i) {
+    if (revise(true) == 0) return -1;
+    if (sweep(true) >= 0) break;
+  }
+  for (int k = 0; k < problem_.knots(); ++k) {
+    policy_->assume(k, adjoint_.gradient().segment(bounds_.offset(k), problem_.nu(k)));
+  }
+  bool feasible = false;
+  for (int i = 0; i < limit && !feasible && sweep(true) < 0; ++i) feasible = revise(false) == 0;
+  const double held = feasible ? model_decrease() : 0;
+  policy_->remember();
+  const int bad_knot = sweep(false);
+  active_set_known_ =
+      feasible && !merit_.hidden(held) && (bad_knot >= 0 || model_decrease() < held);
+  if (!active_set_known_) return bad_knot;
+  policy_->recall();
+  return sweep(true);
+}
+
+/// Derivatives and co-states of the iterate; linearized_ tells whether they are finite.
+void DdpSolver::differentiate() {
+  const Stopwatch watch(result_.times.differentiate);
+  use_hessian(false);
+  acts_.differentiate(trajectory_, linearization_);
+  adjoint_.compute(linearization_, recipe_.open_gaps);
+  linearized_ = std::isfinite(linearization_.total_cost()) && linearization_.gap.allFinite() &&
+                adjoint_.costates().allFinite() && adjoint_.gradient().allFinite();
+  exact_known_ = exact_wanted_ && linearized_ &&
+                 (!recipe_.open_gaps || linearization_.max_gap() <= options_.tolerances.gap);
+  if (!exact_known_) return;
+  use_hessian(true);
+  acts_.lagrangian_hessian(trajectory_, adjoint_.costates(), linearization_);
+}
+
+/// Every kWatchedIterations: neither has the stationarity fallen by a factor of ten, nor is the
+/// cost still falling much; then Gauss-Newton is in the slow tail of its convergence.
+void DdpSolver::watch_convergence() {
+  if (recipe_.hessian != HessianUse::when_slow || exact_wanted_) return;
+  if (row_.iteration > 0 && row_.iteration < watched_iteration_ + kWatchedIterations) return;
+  exact_wanted_ = row_.iteration > 0 && row_.stationarity > 0.1 * watched_stationarity_ &&
+                  watched_cost_ - row_.cost < 0.1 * std::abs(row_.cost);
+  watched_iteration_ = row_.iteration;
+  watched_stationarity_ = row_.stationarity;
+  watched_cost_ = row_.cost;
+}
+
+/// Swaps the two sets of Hessians. Acts::differentiate wants its own back: it leaves entries alone
+/// that are zero by structure.
+void DdpSolver::use_hessian(bool exact) {
+  if (exact == exact_in_use_) return;
+  for (std::size_t k = 0; k < other_hessian_.size(); ++k) {
+    linearization_.knots[k].hessian.swap(other_hessian_[k]);
+  }
+  exact_in_use_ = exact;
+}
+
+/// The model's view of the full step; the weight of the gaps is kept above its multipliers.
+void DdpSolver::measure_direction() {
+  const Stopwatch watch(result_.times.sweep);
+  const ModelStep step = linear_rollout_.run(linearization_, trajectory_, feedback_, sweep_,
+                                             recipe_.open_gaps, recipe_.clamp_controls);
+  merit_.slope = step.slope;
+  merit_.penalty = recipe_.open_gaps ? options_.line_search.merit_margin * step.multiplier : 0;
+}
+
+/// Residuals, co-states and gains of the iterate that is returned.
+void DdpSolver::finish() {
+  if (!linearized_) differentiate();
+  result_.trajectory = trajectory_;
+  if (find_non_finite(linearization_)) return;
+  result_.cost = linearization_.total_cost();
+  Residuals& residuals = result_.residuals;
+  const Extremum stationarity = bounds_.projected_norm(adjoint_.gradient(), trajectory_);
+  residuals.stationarity = stationarity.value;
+  residuals.stationarity_knot = stationarity.knot;
+  residuals.gap = 0;
+  for (int k = 0; k < problem_.knots(); ++k) {
+    const double gap = linearization_.gap.col(k).lpNorm<Eigen::Infinity>();
+    if (gap <= residuals.gap) continue;
+    residuals.gap = gap;
+    residuals.gap_knot = k;
+  }
+  const Extremum violation = bounds_.violation(trajectory_);
+  residuals.constraint = violation.value;
+  residuals.constraint_knot = violation.knot;
+  result_.costates = adjoint_.costates();
+  for (int k = 0; k < problem_.knots(); ++k) {
+    result_.control_gradient.push_back(
+        adjoint_.gradient().segment(bounds_.offset(k), problem_.nu(k)));
+  }
+  sweep_for_gains();
+}
+
+/// Without regularisation if possible: a follower of the trajectory wants the true gains.
+void DdpSolver::sweep_for_gains() {
+  const Stopwatch watch(result_.times.sweep);
+  SolverOptions::Regularization from_zero = options_.regularization;
+  from_zero.initial = 0;
+  RegularizationSchedule schedule(from_zero);
+  do {
+    if (sweep_backward(schedule.value()) < 0) {
+      result_.feedback = feedback_;
+      result_.feedback_regularization = schedule.value();
+      return;
+    }
+  } while (schedule.increase());
+}
+
+bool DdpSolver::end(SolveStatus status, std::string message) {
+  result_.status = status;
+  result_.message = std::move(message);
+  return false;
+}
+
+bool DdpSolver::end_diverged() {
+  const NonFinite where = find_non_finite(linearization_).value_or(NonFinite{0, "co-state"});
+  const bool first = row_.iteration == 0;
+  if (!first) trajectory_ = before_;
+  linearized_ = false;
+  return end(SolveStatus::diverged,
+             fmt::format("the {} of knot {} is not finite {}", where.quantity, where.knot,
+                         first ? "at the start" : "after the last step, which is taken back"));
+}
+
+bool DdpSolver::end_without_step(bool descent) {
+  std::string cause;
+  if (!descent) {
+    cause = fmt::format("the direction does not descend (slope {:.1e})", merit_.merit_slope());
+  } else {
+    cause = fmt::format("no step length down to {:.1e} lowers the merit (slope {:.1e})",
+                        options_.line_search.min_step, merit_.merit_slope());
+    if (search_.first_bad_knot >= 0) {
+      cause += fmt::format(", and longer ones leave the finite numbers at knot {}",
+                           search_.first_bad_knot);
+    }
+  }
+  return end(SolveStatus::line_search_failed,
+             fmt::format("{} with the largest regularisation {:.1e}: {}", cause,
+                         regularization_.value(), residual_text()));
+}
+
+std::string DdpSolver::residual_text() const {
+  const auto at = [](int knot) { return knot < 0 ? "" : fmt::format(" (knot {})", knot); };
+  std::string text =
+      fmt::format("stationarity {:.1e}{}", row_.stationarity, at(row_.stationarity_knot));
+  text += fmt::format(", gap {:.1e}{}", row_.gap, at(row_.gap_knot));
+  text += fmt::format(", constraint violation {:.1e}", row_.constraint);
+  return text;
+}
+
+double DdpSolver::elapsed() const {
+  return std::chrono::duration<double>(Clock::now() - began_).count();
+}
+
+}  // namespace conddp

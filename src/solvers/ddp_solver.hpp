@@ -1,0 +1,98 @@
+#pragma once
+
+#include <chrono>
+#include <memory>
+
+#include "ocp/acts.hpp"
+#include "solvers/adjoint.hpp"
+#include "solvers/backward_sweep.hpp"
+#include "solvers/line_search.hpp"
+#include "solvers/linear_rollout.hpp"
+#include "solvers/options.hpp"
+#include "solvers/regularization.hpp"
+#include "solvers/solve_result.hpp"
+
+namespace conddp {
+
+/// Second derivatives of the dynamics in the sweep. `when_slow`: exact ones only once
+/// Gauss-Newton's convergence, linear as it is, turns out to be slow.
+enum class HessianUse { gauss_newton, when_slow, exact };
+
+/// What the options ask for, where a solver can do either.
+HessianUse hessian_use(const SolverOptions& options);
+
+/// The choices that make one solver of the family.
+struct DdpRecipe {
+  bool open_gaps = false;       ///< multiple shooting: start from the states given, contract gaps
+  bool clamp_controls = false;  ///< the rollout projects every control on its bounds
+  bool box_stage = false;       ///< stage problems respect the bounds
+  /// Exact second derivatives wait until the gaps are closed.
+  HessianUse hessian = HessianUse::gauss_newton;
+};
+
+/// The loop of all DDP solvers: differentiate, test convergence, sweep backward, search along the
+/// rollout, accept, record. Everything is allocated by the constructor.
+class DdpSolver {
+ public:
+  DdpSolver(const ShootingProblem& problem, const DdpRecipe& recipe, const SolverOptions& options);
+
+  SolveResult solve(const Trajectory& guess);
+
+ private:
+  bool start(const Trajectory& guess);
+  bool linearize();
+  void differentiate();
+  bool converged();
+  bool may_continue();
+  bool budget_left();
+  bool take_step();
+  bool search();
+  bool stationarity_fell();
+  bool sweep_with_regularization();
+  int sweep_backward(double regularization);
+  void use_hessian(bool exact);
+  void watch_convergence();
+  void measure_direction();
+  void finish();
+  void sweep_for_gains();
+  // These return false, so that the step in which the solve ends can return their value.
+  bool end(SolveStatus status, std::string message);
+  bool end_diverged();
+  bool end_without_step(bool descent);
+  std::string residual_text() const;
+  double elapsed() const;
+  int sweep_to_active_set(SweepRegularization regularization);
+
+  const ShootingProblem& problem_;
+  DdpRecipe recipe_;
+  SolverOptions options_;
+  ControlBounds bounds_;
+  Acts acts_;
+  Linearization linearization_;
+  std::vector<Eigen::MatrixXd> other_hessian_;  ///< exact or Gauss-Newton: see use_hessian()
+  bool exact_wanted_ = false;
+  int watched_iteration_ = 0;  ///< the iterate that convergence is compared with
+  double watched_cost_ = 0;
+  double watched_stationarity_ = 0;
+  bool exact_known_ = false;   ///< the iterate has exact Hessians
+  bool exact_in_use_ = false;  ///< they are in linearization_, else in other_hessian_
+  Adjoint adjoint_;
+  BackwardSweep sweep_;
+  std::unique_ptr<StagePolicy> policy_;
+  LinearRollout linear_rollout_;
+  LineSearch line_search_;
+  RegularizationSchedule regularization_;
+  Feedback feedback_;
+  Trajectory trajectory_;           ///< the iterate
+  Trajectory before_;               ///< the iterate before the last step, should that be taken back
+  bool linearized_ = false;         ///< linearization_ belongs to trajectory_
+  bool at_rounding_floor_ = false;  ///< the merit is blind and stationarity does not fall
+  bool active_set_known_ = false;   ///< the policy holds one of the whole horizon
+  MeritModel merit_;
+  LineSearchResult search_;
+  IterationRecord row_;
+  SolveResult result_;
+  std::chrono::steady_clock::time_point began_;
+};
+
+}  // namespace conddp

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <optional>
+#include <string_view>
+
+#include "ocp/linearization.hpp"
+
+namespace conddp {
+
+/// Where a linearisation is not finite.
+struct NonFinite {
+  int knot;
+  std::string_view quantity;  ///< "cost", "next state", "cost gradient", ...
+};
+
+/// The first knot with a quantity that is not finite, if there is one.
+std::optional<NonFinite> find_non_finite(const Linearization& linearization);
+
+}  // namespace conddp

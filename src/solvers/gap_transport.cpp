@@ -1,0 +1,66 @@
+#include "solvers/gap_transport.hpp"
+
+namespace conddp {
+namespace {
+
+using BlockMap =
+    Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor, 6, 6>>;
+using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1>;
+
+BlockMap block(const std::vector<double>& blocks, std::size_t s, int n) {
+  return {blocks.data() + s * StateManifold::kBlockSize, n, n};
+}
+
+}  // namespace
+
+GapTransport::GapTransport(const StateManifold& manifold)
+    : manifold_(manifold),
+      gap_(Eigen::VectorXd::Zero(manifold.ndx())),
+      minus_gap_(manifold.ndx()),
+      G_(manifold.curved().size() * StateManifold::kBlockSize),
+      wrt_dx_(G_.size()) {}
+
+void GapTransport::set(const Eigen::Ref<const Eigen::VectorXd>& gap) {
+  gap_ = gap;
+  identity_ = manifold_.curved().empty() || gap.isZero(0);
+  if (identity_) return;
+  minus_gap_ = -gap;
+  manifold_.integrate_jacobians(minus_gap_.data(), G_.data(), wrt_dx_.data());
+}
+
+void GapTransport::push(Eigen::Ref<Eigen::VectorXd> delta) const {
+  if (!identity_) {
+    for (std::size_t s = 0; s < manifold_.curved().size(); ++s) {
+      const auto& segment = manifold_.curved()[s];
+      const SmallVector part = delta.segment(segment.dx, segment.n);
+      delta.segment(segment.dx, segment.n).noalias() = block(G_, s, segment.n) * part;
+    }
+  }
+  delta += gap_;
+}
+
+void GapTransport::pull(Eigen::Ref<Eigen::VectorXd> lambda) const {
+  if (identity_) return;
+  for (std::size_t s = 0; s < manifold_.curved().size(); ++s) {
+    const auto& segment = manifold_.curved()[s];
+    const SmallVector part = lambda.segment(segment.dx, segment.n);
+    lambda.segment(segment.dx, segment.n).noalias() = block(G_, s, segment.n).transpose() * part;
+  }
+}
+
+void GapTransport::pull(ValueFunction& value) const {
+  value.Vx.noalias() += value.Vxx * gap_;
+  if (identity_) return;
+  pull(value.Vx);
+  for (int j = 0; j < value.Vxx.cols(); ++j) pull(value.Vxx.col(j));
+  for (std::size_t s = 0; s < manifold_.curved().size(); ++s) {
+    const auto& segment = manifold_.curved()[s];
+    for (int i = 0; i < value.Vxx.rows(); ++i) {
+      const SmallVector part = value.Vxx.row(i).segment(segment.dx, segment.n).transpose();
+      value.Vxx.row(i).segment(segment.dx, segment.n).noalias() =
+          (block(G_, s, segment.n).transpose() * part).transpose();
+    }
+  }
+}
+
+}  // namespace conddp

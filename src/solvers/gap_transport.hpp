@@ -1,0 +1,39 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "ocp/problem.hpp"
+#include "solvers/value.hpp"
+
+namespace conddp {
+
+/// How an open gap f̄ = f(x_k, u_k) ⊖ x_{k+1} enters the linear model of the next node.
+///
+/// The rollout contracts gaps by x⁺ = f ⊕ (α − 1) f̄, so that to first order δx_{k+1} = G δf + α f̄.
+/// Tangent vectors at f and at x_{k+1} differ on curved spaces: G = Ad exp(f̄), the identity where
+/// the space is flat or the gap closed.
+class GapTransport {
+ public:
+  explicit GapTransport(const StateManifold& manifold);
+
+  /// Prepares G for this gap (ndx).
+  void set(const Eigen::Ref<const Eigen::VectorXd>& gap);
+
+  /// δ ← G δ + f̄.
+  void push(Eigen::Ref<Eigen::VectorXd> delta) const;
+  /// λ ← Gᵀ λ.
+  void pull(Eigen::Ref<Eigen::VectorXd> lambda) const;
+  /// The value at x_{k+1} as a function of δf at a full step: V_x ← Gᵀ (V_x + V_xx f̄),
+  /// V_xx ← Gᵀ V_xx G.
+  void pull(ValueFunction& value) const;
+
+ private:
+  const StateManifold& manifold_;
+  bool identity_ = true;
+  Eigen::VectorXd gap_, minus_gap_;
+  std::vector<double> G_, wrt_dx_;  // blocks by rows, StateManifold::kBlockSize apart
+};
+
+}  // namespace conddp

@@ -1,0 +1,65 @@
+#pragma once
+
+#include "ocp/acts.hpp"
+#include "solvers/adjoint.hpp"
+#include "solvers/options.hpp"
+
+namespace conddp {
+
+/// The merit φ = J + ν Σ‖gap‖₁ around an iterate. Closed gaps leave the cost alone.
+struct MeritModel {
+  double cost = 0;      ///< J of the iterate
+  double gap_norm = 0;  ///< Σ‖gap‖₁ of the iterate
+  double penalty = 0;   ///< ν, above the dynamics' multipliers so that closing gaps is descent
+  double slope = 0;     ///< ∇J·d of the model's full step
+  double rounding = 0;  ///< size of J's rounding errors
+  double value() const { return cost + penalty * gap_norm; }
+  /// Derivative of φ along the step: gaps shrink by (1 − α).
+  double merit_slope() const { return slope - penalty * gap_norm; }
+  /// Whether rounding hides a change of that size.
+  bool hidden(double change) const;
+};
+
+/// What a line search found.
+struct LineSearchResult {
+  bool accepted = false;
+  double step = 0;
+  double expected_decrease = 0;  ///< of the merit, to first order
+  double actual_decrease = 0;
+  int trials = 0;
+  bool by_rounding = false;  ///< the decrease is too small for the merit to tell
+  int first_bad_knot = -1;   ///< where the first trial with a non-finite result lost it
+};
+
+/// Armijo's rule on the merit over the step lengths 1, ½, ¼, ..., tried kLaneWidth at a time in the
+/// lanes of one rollout. The largest acceptable one is taken, but, as the lanes tell at no cost,
+/// its half instead where that lowers the merit more (down to 1/8). A trial that is not finite is
+/// rejected.
+///
+/// Without clamping the first-order decrease of a step α is −α (∇J·d − ν Σ‖gap‖₁). With clamping it
+/// is that of the controls which the rollout really applied (Bertsekas' rule for projected steps),
+/// −Σ ∇_u Lᵀ (u_α − u) − α (Σ λᵀ gap − ν Σ‖gap‖₁).
+///
+/// Where the decrease of the first step is lost in the merit's rounding, Armijo's rule is blind:
+/// then that step passes if the merit changes by no more than rounding, and is marked so. The
+/// caller has to see stationarity fall, or take the step back.
+class LineSearch {
+ public:
+  LineSearch(const ShootingProblem& problem, const SolverOptions::LineSearch& options);
+
+  /// On acceptance `trajectory` becomes the new iterate. `first_step` is the longest one tried.
+  LineSearchResult run(Acts& acts, const MeritModel& merit, const Adjoint& adjoint,
+                       const Eigen::MatrixXd& gap, const Feedback& feedback,
+                       const RolloutOptions& rollout, double first_step, Trajectory& trajectory);
+
+ private:
+  double actual_decrease(int lane, double step, const MeritModel& merit) const;
+  double expected_decrease(int lane, double step, const MeritModel& merit, const Adjoint& adjoint,
+                           const RolloutOptions& rollout, const Trajectory& trajectory) const;
+  double applied_slope(int lane, const Adjoint& adjoint, const Trajectory& trajectory) const;
+
+  SolverOptions::LineSearch options_;
+  LaneRollout lanes_;
+};
+
+}  // namespace conddp

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "solvers/iteration_record.hpp"
+
+namespace conddp {
+
+/// What regularisation adds to a stage problem of the sweep, with weight μ:
+/// `state`: μ I to V_xx of the next node, seen through the dynamics (keeps new states near the
+/// old ones); `control`: μ I to Q_uu. Only the latter turns every step into a descent as μ grows,
+/// where controls stand at bounds.
+enum class RegularizationKind { state, control };
+
+/// Second derivatives that the sweep uses. `automatic` leaves the choice to the solver: exact for
+/// ddp, Gauss-Newton for ilqr and ilqr_clip, and for the others Gauss-Newton unless its convergence
+/// turns out to be slow.
+enum class HessianChoice { automatic, gauss_newton, exact };
+
+/// Everything that can be set about a DDP solve. The defaults serve the whole catalogue.
+/// solvers/option_table.hpp lists the same options by name, with ranges and a sentence each.
+struct SolverOptions {
+  int max_iterations = 1000;
+  double max_time_s = std::numeric_limits<double>::infinity();
+  int threads = 1;
+  HessianChoice hessian = HessianChoice::automatic;
+
+  struct Tolerances {
+    double stationarity = 1e-6;
+    double gap = 1e-9;
+    double constraint = 1e-6;
+  } tolerances;
+
+  struct Regularization {
+    RegularizationKind kind = RegularizationKind::control;
+    double initial = 0;
+    double min = 1e-6;
+    double max = 1e10;
+    double factor = 2;
+    double decrease_step = 0.5;
+    double increase_step = 0.2;
+  } regularization;
+
+  struct LineSearch {
+    double min_step = 1e-4;
+    double armijo = 1e-4;
+    double merit_margin = 1.5;
+  } line_search;
+
+  struct BoxQp {
+    int max_iterations = 100;
+    double armijo = 0.1;
+    int horizon_sweeps = 20;
+  } box_qp;
+
+  /// Called with every row of the log as soon as it is known; the row lives during the call only.
+  std::function<void(const IterationRecord&)> on_iteration;
+  /// Asked once an iteration and regularisation; true ends the solve with status `interrupted`.
+  std::function<bool()> interrupted;
+
+  /// One message for each option whose value is out of range, naming the option; empty if all are
+  /// usable. Values are never replaced.
+  std::vector<std::string> validate() const;
+};
+
+}  // namespace conddp

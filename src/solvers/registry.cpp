@@ -1,0 +1,90 @@
+#include "solvers/registry.hpp"
+
+#include <array>
+#include <cmath>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+namespace conddp {
+namespace {
+
+/// The first bound of a problem in words: "-3 <= u (phase 'swing')".
+std::string describe_bound(const ShootingProblem& problem) {
+  for (const Phase& phase : problem.phases()) {
+    const KnotModel& model = *phase.model;
+    for (int i = 0; i < model.nu(); ++i) {
+      const double lower = model.control_lower()[i], upper = model.control_upper()[i];
+      if (!std::isfinite(lower) && !std::isfinite(upper)) continue;
+      const auto& columns = model.system().control_columns();
+      const std::string name =
+          i < static_cast<int>(columns.size()) ? columns[i].name : fmt::format("control {}", i);
+      std::string text = name;
+      if (std::isfinite(lower)) text = fmt::format("{} <= {}", lower, text);
+      if (std::isfinite(upper)) text += fmt::format(" <= {}", upper);
+      return fmt::format("{} in phase '{}'", text, phase.name);
+    }
+  }
+  return "none";
+}
+
+std::string list_solvers(BoundSupport support) {
+  std::string list;
+  for (const SolverInfo& info : solvers()) {
+    if (info.control_bounds != support) continue;
+    if (!list.empty()) list += ", ";
+    list += info.name;
+  }
+  return list;
+}
+
+}  // namespace
+
+std::span<const SolverInfo> solvers() {
+  static const std::array kSolvers = {ilqr(), ilqr_clip(), ddp(), box_ddp(), fddp(), box_fddp()};
+  return kSolvers;
+}
+
+const SolverInfo* find_solver(std::string_view name) {
+  for (const SolverInfo& info : solvers()) {
+    if (info.name == name) return &info;
+  }
+  return nullptr;
+}
+
+std::optional<std::string> refuse(const SolverInfo& solver, const ShootingProblem& problem) {
+  if (solver.control_bounds != BoundSupport::refused || !problem.has_control_bounds()) {
+    return std::nullopt;
+  }
+  return fmt::format("{} cannot keep the control bounds ({}); {} can, and {} clips them",
+                     solver.name, describe_bound(problem), list_solvers(BoundSupport::exact),
+                     list_solvers(BoundSupport::clipped));
+}
+
+SolveResult solve(const ShootingProblem& problem, const SolverInfo& solver,
+                  const SolverOptions& options, const Trajectory& guess) {
+  std::string wrong;
+  for (const std::string& message : options.validate()) {
+    if (!wrong.empty()) wrong += "; ";
+    wrong += message;
+  }
+  if (wrong.empty()) wrong = refuse(solver, problem).value_or("");
+  if (wrong.empty() && options.hessian == HessianChoice::exact && !solver.exact_hessian) {
+    wrong = fmt::format("hessian: {} has no exact Hessian", solver.name);
+  }
+  if (wrong.empty() && options.hessian == HessianChoice::gauss_newton &&
+      !solver.gauss_newton_hessian) {
+    wrong = fmt::format("hessian: {} always uses the exact one", solver.name);
+  }
+  if (!wrong.empty()) throw std::invalid_argument(wrong);
+  return solver.run(problem, options, guess);
+}
+
+SolveResult solve(const ShootingProblem& problem, std::string_view solver,
+                  const SolverOptions& options, const Trajectory& guess) {
+  const SolverInfo* info = find_solver(solver);
+  if (info == nullptr) throw std::invalid_argument(fmt::format("there is no solver '{}'", solver));
+  return solve(problem, *info, options, guess);
+}
+
+}  // namespace conddp

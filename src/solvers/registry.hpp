@@ -1,0 +1,57 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "solvers/options.hpp"
+#include "solvers/solve_result.hpp"
+
+namespace conddp {
+
+/// What a solver does with control bounds.
+enum class BoundSupport {
+  exact,    ///< keeps them and converges to a constrained optimum
+  clipped,  ///< keeps them by cutting controls off, which may end short of an optimum
+  refused,
+};
+
+/// A solver of the family: what it is called, what it can, and how to run it.
+struct SolverInfo {
+  std::string_view name;
+  std::string_view description;  ///< one line
+  BoundSupport control_bounds = BoundSupport::refused;
+  bool open_gaps = false;            ///< starts from states that do not follow from the controls
+  bool gauss_newton_hessian = true;  ///< can leave the dynamics' second derivatives out
+  bool exact_hessian = false;        ///< can use them
+  SolveResult (*run)(const ShootingProblem& problem, const SolverOptions& options,
+                     const Trajectory& guess) = nullptr;
+};
+
+/// All solvers, in the order in which documents list them.
+std::span<const SolverInfo> solvers();
+/// The solver of this name, or null.
+const SolverInfo* find_solver(std::string_view name);
+/// Why the solver cannot take the problem: the constraint, and the solvers that can. Empty if it
+/// can.
+std::optional<std::string> refuse(const SolverInfo& solver, const ShootingProblem& problem);
+
+/// Solves a problem from a guess. Throws std::invalid_argument where the options are not valid, the
+/// solver refuses the problem or lacks the Hessian asked for, or the guess has another shape; every
+/// other end is a status.
+SolveResult solve(const ShootingProblem& problem, const SolverInfo& solver,
+                  const SolverOptions& options, const Trajectory& guess);
+/// The same by name; an unknown name is a std::invalid_argument.
+SolveResult solve(const ShootingProblem& problem, std::string_view solver,
+                  const SolverOptions& options, const Trajectory& guess);
+
+// One per file; adding a solver means adding its file, its line here and its line in registry.cpp.
+SolverInfo ilqr();
+SolverInfo ilqr_clip();
+SolverInfo ddp();
+SolverInfo box_ddp();
+SolverInfo fddp();
+SolverInfo box_fddp();
+
+}  // namespace conddp

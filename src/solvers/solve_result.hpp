@@ -1,0 +1,65 @@
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "ocp/acts.hpp"
+#include "solvers/iteration_record.hpp"
+#include "solvers/status.hpp"
+
+namespace conddp {
+
+/// The norms that decide convergence, and the knots at which they are attained (−1: zero
+/// everywhere, or not known). Not-a-number where nothing could be evaluated.
+struct Residuals {
+  double stationarity = std::numeric_limits<double>::quiet_NaN();
+  double gap = std::numeric_limits<double>::quiet_NaN();
+  double constraint = std::numeric_limits<double>::quiet_NaN();
+  double complementarity = 0;  ///< 0 where bounds are kept by projection
+  int stationarity_knot = -1;
+  int gap_knot = -1;
+  int constraint_knot = -1;
+};
+
+/// Wall-clock seconds, in all and by act.
+struct SolveTimes {
+  double total = 0;
+  double evaluate = 0;       ///< simulating the guess
+  double differentiate = 0;  ///< derivatives, exact Hessians, co-states
+  double sweep = 0;          ///< Riccati sweeps and linear rollouts
+  double rollout = 0;        ///< line searches
+};
+
+/// The answer of a solve, whatever its status: the last finite iterate and what is known about it.
+struct SolveResult {
+  explicit SolveResult(const ShootingProblem& problem)
+      : trajectory(problem.create_trajectory()),
+        feedback(problem),
+        costates(Eigen::MatrixXd::Zero(problem.ndx(), problem.knots() + 1)) {}
+
+  SolveStatus status = SolveStatus::diverged;
+  std::string message;  ///< one sentence: the cause, with knot and quantity
+  std::string start;    ///< one sentence: what of the guess was used
+  double cost = std::numeric_limits<double>::quiet_NaN();
+  int iterations = 0;
+  Residuals residuals;
+  SolveTimes times;
+  Trajectory trajectory;
+  /// Of a sweep at `trajectory`; zero where no sweep succeeded there.
+  Feedback feedback;
+  /// Regularisation of that sweep: 0 but where Q_uu needs it. Empty where none succeeded.
+  std::optional<double> feedback_regularization;
+  /// Adjoint co-states at `trajectory`, ndx x (N + 1): multipliers of f(x_k, u_k) ⊖ x_{k+1} are the
+  /// columns k + 1.
+  Eigen::MatrixXd costates;
+  /// ∇_u of the Lagrangian without the bounds' terms, one a knot: a control at its lower bound has
+  /// the multiplier max(0, entry), at its upper bound max(0, −entry).
+  std::vector<Eigen::VectorXd> control_gradient;
+  std::vector<IterationRecord> log;
+};
+
+}  // namespace conddp

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <memory>
+
+#include <Eigen/Core>
+
+#include "ocp/problem.hpp"
+#include "solvers/options.hpp"
+
+namespace conddp {
+
+/// The problem in δu that the sweep meets at a knot: minimise
+/// ½ δuᵀ Q_uu δu + (Q_u + Q_ux δx)ᵀ δu, where Q_uu and Q_ux may be regularised.
+struct StageProblem {
+  int knot;
+  Eigen::Ref<const Eigen::MatrixXd> Qxu;           ///< ndx x nu
+  Eigen::Ref<const Eigen::MatrixXd> Quu;           ///< nu x nu
+  Eigen::Ref<const Eigen::VectorXd> Qu;            ///< nu
+  Eigen::Ref<const Eigen::VectorXd> u;             ///< the knot's present control
+  Eigen::Ref<const Eigen::VectorXd> lower, upper;  ///< of the control, infinite where free
+};
+
+/// How a solver minimises over the control of a knot. Workspaces are sized at construction; the
+/// number of controls may differ between knots.
+class StagePolicy {
+ public:
+  virtual ~StagePolicy() = default;
+
+  /// Writes the update δu = k + K δx (`Kt` is K transposed, ndx x nu). False where the stage has
+  /// no minimum, because (the free block of) Q_uu is not positive definite.
+  virtual bool solve(const StageProblem& stage, Eigen::Ref<Eigen::VectorXd> k,
+                     Eigen::Ref<Eigen::MatrixXd> Kt) = 0;
+  /// Called before each sweep. With `hold` the sweep keeps the active set that `revise` left
+  /// instead of finding one knot by knot.
+  virtual void begin_sweep(bool hold) { (void)hold; }
+  /// Shown a knot's step (δx, δu) of the last sweep's policy in the linear model, without cutting
+  /// it off: holds an entry of δu that leaves its bounds there and, with `release`, lets one go
+  /// whose multiplier has the wrong sign. Returns how many entries changed.
+  virtual int revise(int knot, const Eigen::Ref<const Eigen::VectorXd>& dx,
+                     const Eigen::Ref<const Eigen::VectorXd>& du, bool release) {
+    (void)knot, (void)dx, (void)du, (void)release;
+    return 0;
+  }
+  /// Holds what stands at a bound of this knot and wants to leave it downhill on the far side, by
+  /// the gradient of the iterate; all else is free.
+  virtual void assume(int knot, const Eigen::Ref<const Eigen::VectorXd>& gradient) {
+    (void)knot, (void)gradient;
+  }
+  /// Keeps a copy of the active set, and goes back to it.
+  virtual void remember() {}
+  virtual void recall() {}
+  /// Control entries that the last sweep held at a bound, and how often entries changed their
+  /// states in it and in the revisions since.
+  virtual int clamped_controls() const { return 0; }
+  virtual int active_set_changes() const { return 0; }
+};
+
+/// k = −Q_uu⁻¹ Q_u, K = −Q_uu⁻¹ Q_ux, by Cholesky's factorisation. Ignores the bounds.
+std::unique_ptr<StagePolicy> unconstrained_stage(const ShootingProblem& problem);
+
+/// k minimises the stage at δx = 0 subject to lower ≤ u + k ≤ upper; K has zero rows for clamped
+/// controls (Tassa, Mansard, Todorov 2014, eqs. 9-11). Each knot starts from the active set that it
+/// had in the sweep before.
+///
+/// That set is blind to what the knots before it do. `revise` and held sweeps alternate towards the
+/// active set of the whole horizon's box-constrained QP (the primal-dual active-set method of
+/// Hintermüller, Ito, Kunisch 2002, one sweep an iteration).
+std::unique_ptr<StagePolicy> box_stage(const ShootingProblem& problem,
+                                       const SolverOptions::BoxQp& options);
+
+}  // namespace conddp

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "ocp/linearization.hpp"
+
+namespace conddp {
+
+/// Quadratic model of the cost to go from a node: V(δx) = Vxᵀ δx + ½ δxᵀ Vxx δx + constant.
+struct ValueFunction {
+  ValueFunction() = default;
+  explicit ValueFunction(int ndx)
+      : Vx(Eigen::VectorXd::Zero(ndx)), Vxx(Eigen::MatrixXd::Zero(ndx, ndx)) {}
+
+  Eigen::VectorXd Vx;   ///< ndx
+  Eigen::MatrixXd Vxx;  ///< ndx x ndx symmetric, both triangles
+};
+
+/// Quadratic model of a knot's cost plus the cost to go, in z = (δx, δu): memory for the largest
+/// knot of a problem, shaped for one knot at a time.
+class ActionValue {
+ public:
+  ActionValue(int ndx, int max_nu);
+
+  /// Shapes it for a knot with nu controls; the content becomes undefined. Does not allocate.
+  void resize(int nu) { nu_ = nu; }
+  int ndx() const { return ndx_; }
+  int nu() const { return nu_; }
+  int nz() const { return ndx_ + nu_; }
+
+  Eigen::Map<Eigen::VectorXd> Qz() { return {gradient_.data(), nz()}; }
+  Eigen::Map<const Eigen::VectorXd> Qz() const { return {gradient_.data(), nz()}; }
+  Eigen::Map<Eigen::MatrixXd> Qzz() { return {hessian_.data(), nz(), nz()}; }
+  Eigen::Map<const Eigen::MatrixXd> Qzz() const { return {hessian_.data(), nz(), nz()}; }
+  auto Qx() const { return Qz().head(ndx_); }
+  auto Qu() const { return Qz().tail(nu_); }
+  auto Qxx() const { return Qzz().topLeftCorner(ndx_, ndx_); }
+  auto Qxu() const { return Qzz().topRightCorner(ndx_, nu_); }
+  auto Quu() const { return Qzz().bottomRightCorner(nu_, nu_); }
+
+ private:
+  int ndx_;
+  int nu_ = 0;
+  Eigen::VectorXd gradient_;
+  Eigen::VectorXd hessian_;
+};
+
+/// Carries a value function backward through a knot's dynamics δx⁺ = T δz:
+///   Q_z = gradient + Tᵀ V_x,  Q_zz = Hessian + Tᵀ V_xx T.
+/// Where the dynamics have semi-implicit Euler's structure, δv⁺ = F δz and δq⁺ = A δq + dt H δv⁺,
+/// V_xx is first transformed to (δq, δv⁺) by blocks, so that only products with F's nv rows remain.
+/// Workspaces are sized at construction.
+class ValuePropagation {
+ public:
+  ValuePropagation(int ndx, int max_nu);
+
+  /// Fills `q` (both triangles), which it shapes for the knot.
+  void propagate(const KnotLinearization& knot, const ValueFunction& next, ActionValue& q);
+
+  /// `columns` (nz x nu) ← (Q_xu; Q_uu) + μ Tᵀ T_u: the control columns as they would be with
+  /// V_xx + μ I at the next node.
+  void regularize_state(const KnotLinearization& knot, double mu,
+                        Eigen::Ref<Eigen::MatrixXd> columns);
+
+ private:
+  void add_dense(const KnotLinearization& knot, const Eigen::MatrixXd& Vxx, ActionValue& q);
+  void add_semi_implicit(const KnotLinearization& knot, const Eigen::MatrixXd& Vxx, ActionValue& q);
+
+  int ndx_;
+  Eigen::VectorXd scratch_, pulled_;
+  Eigen::MatrixXd PF_;             // ndx x nz
+  Eigen::MatrixXd M_, HtP_, P22_;  // nv x nv, largest nv = ndx
+  Eigen::MatrixXd columns_;        // ndx x nu
+};
+
+}  // namespace conddp

@@ -1,0 +1,150 @@
+#include <atomic>
+#include <cstdlib>
+
+#include <gtest/gtest.h>
+
+#include "solvers/problems.hpp"
+#include "solvers/registry.hpp"
+
+// The sanitizers bring a malloc of their own.
+#if defined(__SANITIZE_ADDRESS__) || !defined(__GLIBC__)
+#define CONDDP_COUNTS_ALLOCATIONS 0
+#else
+#define CONDDP_COUNTS_ALLOCATIONS 1
+#endif
+
+#if CONDDP_COUNTS_ALLOCATIONS
+
+namespace {
+std::atomic<bool> counting{false};
+std::atomic<long> allocations{0};
+
+void count() {
+  if (counting.load(std::memory_order_relaxed)) allocations.fetch_add(1);
+}
+}  // namespace
+
+// Eigen calls malloc itself and operator new ends in it or in aligned_alloc: interposing those
+// sees every allocation.
+extern "C" {
+void* __libc_malloc(std::size_t size);
+void* __libc_calloc(std::size_t count, std::size_t size);
+void* __libc_realloc(void* old, std::size_t size);
+void* __libc_memalign(std::size_t alignment, std::size_t size);
+
+void* malloc(std::size_t size) {
+  count();
+  return __libc_malloc(size);
+}
+void* calloc(std::size_t n, std::size_t size) {
+  count();
+  return __libc_calloc(n, size);
+}
+void* realloc(void* old, std::size_t size) {
+  count();
+  return __libc_realloc(old, size);
+}
+void* aligned_alloc(std::size_t alignment, std::size_t size) {
+  count();
+  return __libc_memalign(alignment, size);
+}
+void* memalign(std::size_t alignment, std::size_t size) {
+  count();
+  return __libc_memalign(alignment, size);
+}
+int posix_memalign(void** out, std::size_t alignment, std::size_t size) {
+  count();
+  *out = __libc_memalign(alignment, size);
+  return *out == nullptr ? 12 : 0;
+}
+}
+
+namespace conddp {
+namespace {
+
+struct Count {
+  long allocations = 0;
+  int iterations = 0;
+};
+
+/// Allocations from the end of the first iteration to the end of the last.
+Count count_allocations(const ShootingProblem& problem, const SolverInfo& solver,
+                        const Trajectory& guess, SolverOptions options) {
+  Count result;
+  options.on_iteration = [&](const IterationRecord& row) {
+    counting = false;
+    result.allocations = allocations;
+    result.iterations = row.iteration;
+    counting = row.iteration >= 1;
+  };
+  allocations = 0;
+  solve(problem, solver, options, guess);
+  counting = false;
+  return result;
+}
+
+TEST(Allocation, CounterSeesNewAndMalloc) {
+  allocations = 0;
+  counting = true;
+  delete new volatile int(1);
+  void* volatile p = std::malloc(10);
+  std::free(p);
+  Eigen::VectorXd v(100);
+  v.setZero();
+  AlignedVector<double> aligned(100);
+  counting = false;
+  EXPECT_EQ(allocations, 4) << v.sum() + aligned[0];
+}
+
+TEST(Allocation, NoneInAnIterationAfterTheFirst) {
+  const struct {
+    const char* name;
+    ShootingProblem problem;
+    double u;
+  } cases[] = {{"cartpole", testing::cartpole_swing_up(), 0.01},
+               {"cartpole, limited", testing::cartpole_swing_up(3), 0.01},
+               {"quadrotor", testing::quadrotor_move(), 1.22625},
+               {"quadrotor, limited", testing::quadrotor_move(0.5, 2), 1.22625},
+               {"unicycle", testing::unicycle_parking(), 0.01}};
+  for (const auto& [name, problem, u] : cases) {
+    for (const SolverInfo& solver : solvers()) {
+      if (refuse(solver, problem)) continue;
+      // `automatic` may turn from one to the other; the act that then runs for the first time makes
+      // its workspaces.
+      for (HessianChoice hessian : {HessianChoice::gauss_newton, HessianChoice::exact}) {
+        const bool exact = hessian == HessianChoice::exact;
+        if (!(exact ? solver.exact_hessian : solver.gauss_newton_hessian)) continue;
+        for (RegularizationKind kind : {RegularizationKind::state, RegularizationKind::control}) {
+          SolverOptions options;
+          options.max_iterations = 60;
+          options.hessian = hessian;
+          options.regularization.kind = kind;
+          // From states without gaps, as exact Hessians wait for those to close.
+          Trajectory guess = testing::constant_controls(problem, u);
+          ASSERT_EQ(Acts(problem).simulate(guess), -1);
+          const Count count = count_allocations(problem, solver, guess, options);
+          EXPECT_GE(count.iterations, 5) << name << ' ' << solver.name;
+          EXPECT_EQ(count.allocations, 0) << name << ' ' << solver.name;
+        }
+      }
+    }
+  }
+}
+
+TEST(Allocation, NoneWithOpenGapsNorAtTheRoundingFloor) {
+  const ShootingProblem problem = testing::quadrotor_move(0.5, 2);
+  Trajectory guess = testing::constant_controls(problem, 1.2);
+  for (int k = 1; k <= problem.knots(); ++k) guess.x(k)[0] += 0.1 * k;
+  SolverOptions options;
+  options.tolerances.stationarity = 1e-300;
+  options.hessian = HessianChoice::gauss_newton;
+  const SolverInfo& solver = *find_solver("box_fddp");
+  const Count count = count_allocations(problem, solver, guess, options);
+  EXPECT_GE(count.iterations, 5);
+  EXPECT_EQ(count.allocations, 0);
+}
+
+}  // namespace
+}  // namespace conddp
+
+#endif  // CONDDP_COUNTS_ALLOCATIONS

@@ -1,0 +1,198 @@
+#include "solvers/box_qp.hpp"
+
+#include <random>
+
+#include <Eigen/Dense>
+#include <gtest/gtest.h>
+
+namespace conddp {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+struct Qp {
+  Eigen::MatrixXd H;
+  Eigen::VectorXd g, lower, upper;
+  double value(const Eigen::VectorXd& x) const { return 0.5 * x.dot(H * x) + g.dot(x); }
+};
+
+Qp random_qp(int n, std::mt19937& engine, double tightness) {
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> uniform;
+  const auto draw = [&] { return normal(engine); };
+  const Eigen::MatrixXd B = Eigen::MatrixXd::NullaryExpr(n, n, draw);
+  Qp qp;
+  qp.H = B * B.transpose() + 0.1 * Eigen::MatrixXd::Identity(n, n);
+  qp.g = Eigen::VectorXd::NullaryExpr(n, draw);
+  qp.lower.resize(n);
+  qp.upper.resize(n);
+  for (int i = 0; i < n; ++i) {
+    qp.lower[i] = -tightness * uniform(engine);
+    qp.upper[i] = tightness * uniform(engine);
+    if (uniform(engine) < 0.15) qp.lower[i] = -kInfinity;
+    if (uniform(engine) < 0.15) qp.upper[i] = kInfinity;
+    if (uniform(engine) < 0.1) qp.upper[i] = qp.lower[i] = 0.2;
+  }
+  return qp;
+}
+
+/// The optimum by trying all 3ⁿ active sets: the best feasible stationary point of any.
+Eigen::VectorXd enumerate(const Qp& qp) {
+  const int n = static_cast<int>(qp.g.size());
+  Eigen::VectorXd best;
+  double best_value = kInfinity;
+  for (int code = 0, count = static_cast<int>(std::pow(3, n)); code < count; ++code) {
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(n);
+    std::vector<int> free;
+    bool possible = true;
+    for (int i = 0, rest = code; i < n; ++i, rest /= 3) {
+      if (rest % 3 == 0) {
+        free.push_back(i);
+      } else {
+        x[i] = rest % 3 == 1 ? qp.lower[i] : qp.upper[i];
+        possible = possible && std::isfinite(x[i]);
+      }
+    }
+    if (!possible) continue;
+    const int m = static_cast<int>(free.size());
+    Eigen::MatrixXd Hff(m, m);
+    Eigen::VectorXd rhs(m);
+    for (int a = 0; a < m; ++a) {
+      rhs[a] = -qp.g[free[a]] - qp.H.row(free[a]).dot(x);
+      for (int b = 0; b < m; ++b) Hff(a, b) = qp.H(free[a], free[b]);
+    }
+    if (m > 0) rhs = Hff.ldlt().solve(rhs);
+    for (int a = 0; a < m; ++a) {
+      x[free[a]] = rhs[a];
+      possible = possible && rhs[a] >= qp.lower[free[a]] && rhs[a] <= qp.upper[free[a]];
+    }
+    if (possible && qp.value(x) < best_value) {
+      best_value = qp.value(x);
+      best = x;
+    }
+  }
+  return best;
+}
+
+TEST(BoxQp, EqualsEnumerationOfActiveSets) {
+  std::mt19937 engine(1);
+  BoxQp solver(6);
+  for (int trial = 0; trial < 600; ++trial) {
+    const int n = 1 + trial % 6;
+    const Qp qp = random_qp(n, engine, trial % 3 == 0 ? 0.1 : 1);
+    std::vector<BoundState> active(n, BoundState::free);
+    ASSERT_EQ(solver.solve(qp.H, qp.g, qp.lower, qp.upper, active), BoxQp::Status::solved);
+    const Eigen::VectorXd expected = enumerate(qp);
+    EXPECT_LE((solver.x() - expected).lpNorm<Eigen::Infinity>(), 1e-10) << "trial " << trial;
+    for (int i = 0; i < n; ++i) {
+      EXPECT_GE(solver.x()[i], qp.lower[i]);
+      EXPECT_LE(solver.x()[i], qp.upper[i]);
+      if (active[i] == BoundState::free) continue;
+      EXPECT_EQ(solver.x()[i], active[i] == BoundState::at_lower ? qp.lower[i] : qp.upper[i]);
+    }
+  }
+}
+
+TEST(BoxQp, FactorBelongsToTheFreeBlockOfTheSolution) {
+  std::mt19937 engine(2);
+  BoxQp solver(6);
+  for (int trial = 0; trial < 100; ++trial) {
+    const Qp qp = random_qp(6, engine, 0.5);
+    std::vector<BoundState> active(6, BoundState::free);
+    ASSERT_EQ(solver.solve(qp.H, qp.g, qp.lower, qp.upper, active), BoxQp::Status::solved);
+    const auto free = solver.free();
+    const Eigen::MatrixXd L = solver.free_factor().triangularView<Eigen::Lower>();
+    const Eigen::MatrixXd product = L * L.transpose();
+    for (std::size_t a = 0; a < free.size(); ++a) {
+      for (std::size_t b = 0; b < free.size(); ++b) {
+        EXPECT_NEAR(product(a, b), qp.H(free[a], free[b]), 1e-12);
+      }
+    }
+  }
+}
+
+TEST(BoxQp, WarmStartFromTheSolutionNeedsNoStepAndAnyStartGivesTheSame) {
+  std::mt19937 engine(3);
+  BoxQp solver(6);
+  std::uniform_int_distribution<int> state(-1, 1);
+  for (int trial = 0; trial < 100; ++trial) {
+    const Qp qp = random_qp(6, engine, 0.3);
+    std::vector<BoundState> active(6, BoundState::free);
+    ASSERT_EQ(solver.solve(qp.H, qp.g, qp.lower, qp.upper, active), BoxQp::Status::solved);
+    const Eigen::VectorXd x = solver.x();
+    const std::vector<BoundState> solution = active;
+    ASSERT_EQ(solver.solve(qp.H, qp.g, qp.lower, qp.upper, active), BoxQp::Status::solved);
+    EXPECT_LE(solver.iterations(), 1) << "trial " << trial;
+    EXPECT_LE((solver.x() - x).lpNorm<Eigen::Infinity>(), 1e-12);
+    EXPECT_EQ(active, solution);
+    for (BoundState& s : active) s = static_cast<BoundState>(state(engine));
+    ASSERT_EQ(solver.solve(qp.H, qp.g, qp.lower, qp.upper, active), BoxQp::Status::solved);
+    EXPECT_LE((solver.x() - x).lpNorm<Eigen::Infinity>(), 1e-10);
+  }
+}
+
+// A full projected Newton step from 0 raises the objective here, which an Armijo test with the
+// wrong sign of the free gradient would let pass.
+TEST(BoxQp, RejectsAProjectedStepThatRaisesTheObjective) {
+  Qp qp;
+  qp.H = (Eigen::Matrix2d() << 1, -0.99, -0.99, 1).finished();
+  qp.g = Eigen::Vector2d(-0.1, -0.1);
+  qp.lower = Eigen::Vector2d(-10, -0.02);
+  qp.upper = Eigen::Vector2d(10, 0.02);
+  const Eigen::Vector2d newton = -qp.H.ldlt().solve(qp.g);
+  const Eigen::Vector2d projected = newton.cwiseMax(qp.lower).cwiseMin(qp.upper);
+  ASSERT_GT(qp.value(projected), 1);
+  const Eigen::VectorXd expected = enumerate(qp);
+  BoxQp solver(2);
+  std::vector<BoundState> active(2, BoundState::free);
+  ASSERT_EQ(solver.solve(qp.H, qp.g, qp.lower, qp.upper, active), BoxQp::Status::solved);
+  EXPECT_LE((solver.x() - expected).norm(), 1e-12);
+  EXPECT_LT(qp.value(solver.x()), 0);
+}
+
+TEST(BoxQp, PositiveGradientAtTheLowerBoundIsOptimal) {
+  BoxQp solver(1);
+  const Eigen::MatrixXd H = Eigen::MatrixXd::Identity(1, 1);
+  const Eigen::VectorXd one = Eigen::VectorXd::Ones(1);
+  std::vector<BoundState> active(1, BoundState::at_lower);
+  ASSERT_EQ(solver.solve(H, one, Eigen::VectorXd::Zero(1), one, active), BoxQp::Status::solved);
+  EXPECT_EQ(solver.x()[0], 0);
+  EXPECT_EQ(active[0], BoundState::at_lower);
+  EXPECT_TRUE(solver.free().empty());
+  active[0] = BoundState::at_upper;
+  ASSERT_EQ(solver.solve(H, -2 * one, Eigen::VectorXd::Zero(1), one, active),
+            BoxQp::Status::solved);
+  EXPECT_EQ(solver.x()[0], 1);
+  EXPECT_EQ(active[0], BoundState::at_upper);
+}
+
+TEST(BoxQp, IndefiniteHessianFailsOnlyWhereItsFreeBlockIs) {
+  BoxQp solver(2);
+  const Eigen::MatrixXd H = Eigen::Vector2d(1, -1).asDiagonal();
+  const Eigen::VectorXd lower = Eigen::Vector2d(-1, -1), upper = Eigen::Vector2d(1, 1);
+  std::vector<BoundState> active = {BoundState::free, BoundState::free};
+  EXPECT_EQ(solver.solve(H, Eigen::Vector2d(1, 0), lower, upper, active),
+            BoxQp::Status::not_positive_definite);
+  active = {BoundState::free, BoundState::at_upper};
+  EXPECT_EQ(solver.solve(H, Eigen::Vector2d(0.5, -3), lower, upper, active), BoxQp::Status::solved);
+  EXPECT_EQ(solver.x()[0], -0.5);
+  EXPECT_EQ(solver.x()[1], 1);
+}
+
+TEST(BoxQp, DegenerateMultiplierZeroIsSolved) {
+  // The unconstrained optimum lies on the bounds exactly.
+  const Eigen::MatrixXd H = (Eigen::Matrix2d() << 2, 1, 1, 3).finished();
+  const Eigen::Vector2d optimum(1, -1);
+  const Eigen::VectorXd g = -H * optimum;
+  BoxQp solver(2);
+  for (int start = 0; start < 9; ++start) {
+    std::vector<BoundState> active = {static_cast<BoundState>(start % 3 - 1),
+                                      static_cast<BoundState>(start / 3 - 1)};
+    ASSERT_EQ(solver.solve(H, g, Eigen::Vector2d(-1, -1), Eigen::Vector2d(1, 1), active),
+              BoxQp::Status::solved);
+    EXPECT_LE((solver.x() - optimum).norm(), 1e-12);
+  }
+}
+
+}  // namespace
+}  // namespace conddp

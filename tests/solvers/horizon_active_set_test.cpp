@@ -1,0 +1,47 @@
+#include <gtest/gtest.h>
+
+#include "solvers/lq.hpp"
+#include "solvers/registry.hpp"
+
+namespace conddp::testing {
+namespace {
+
+/// Iterations to convergence, which with horizon sweeps is a must.
+int iterations(const LinearQuadratic& lq, const char* solver, int horizon_sweeps) {
+  SolverOptions options;
+  options.box_qp.horizon_sweeps = horizon_sweeps;
+  const SolveResult result = solve(*lq.problem, solver, options, lq.problem->create_trajectory());
+  if (horizon_sweeps > 0) {
+    EXPECT_EQ(result.status, SolveStatus::converged) << result.message;
+  }
+  EXPECT_GT(result.log.back().clamped_controls, 0);
+  return result.iterations;
+}
+
+// A stage alone cannot see which bounds a step meets at later knots; the horizon's active set can,
+// and on a linear-quadratic problem its step is the answer wherever that set is found.
+TEST(HorizonActiveSet, MostBoxConstrainedLinearQuadraticProblemsTakeOneStep) {
+  int one_step = 0, held = 0, stage_by_stage = 0;
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    const LinearQuadratic lq(seed, 4, {2, 3}, 12, -0.4, 0.3);
+    for (const char* solver : {"box_ddp", "box_fddp"}) {
+      const int taken = iterations(lq, solver, 60);
+      one_step += taken <= 2;
+      held += taken;
+      stage_by_stage += iterations(lq, solver, 0);
+    }
+  }
+  EXPECT_GE(one_step, 30);
+  EXPECT_LT(2 * held, stage_by_stage);
+}
+
+// Active sets that do not settle within the sweeps allowed must not keep a solver from converging.
+TEST(HorizonActiveSet, SetsThatDoNotSettleDoNotKeepASolverFromConverging) {
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    const LinearQuadratic lq(seed, 6, {4}, 20, -0.2, 0.2);
+    for (const int sweeps : {10, 20, 40}) EXPECT_LE(iterations(lq, "box_fddp", sweeps), 60) << seed;
+  }
+}
+
+}  // namespace
+}  // namespace conddp::testing

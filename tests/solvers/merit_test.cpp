@@ -1,0 +1,180 @@
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "solvers/ddp_solver.hpp"
+#include "solvers/problems.hpp"
+#include "solvers/registry.hpp"
+
+namespace conddp {
+namespace {
+
+/// A linearised iterate with a sweep and its linear rollout.
+struct Iterate {
+  Iterate(const ShootingProblem& problem, Trajectory guess, bool box)
+      : bounds(problem),
+        acts(problem),
+        linearization(problem),
+        trajectory(std::move(guess)),
+        adjoint(problem, bounds),
+        sweep(problem, bounds),
+        policy(box ? box_stage(problem, {}) : unconstrained_stage(problem)),
+        feedback(problem),
+        rollout(problem, bounds) {
+    acts.differentiate(trajectory, linearization);
+    adjoint.compute(linearization, true);
+    EXPECT_EQ(sweep.run(linearization, trajectory, true, {}, *policy, feedback), -1);
+    model = rollout.run(linearization, trajectory, feedback, sweep, true, box);
+  }
+  /// J along the gap-contracting rollout.
+  double cost(double step, LaneRollout& lanes, bool clamp = false) {
+    double steps[kLaneWidth];
+    for (double& s : steps) s = step;
+    acts.roll_out(trajectory, linearization.gap, feedback, steps,
+                  {.contract_gaps = true, .clamp_controls = clamp}, lanes);
+    return lanes.cost[0];
+  }
+  ControlBounds bounds;
+  Acts acts;
+  Linearization linearization;
+  Trajectory trajectory;
+  Adjoint adjoint;
+  BackwardSweep sweep;
+  std::unique_ptr<StagePolicy> policy;
+  Feedback feedback;
+  LinearRollout rollout;
+  ModelStep model;
+};
+
+/// Quadrotor states that do not follow from the controls, rotations included.
+Trajectory open_gap_guess(const ShootingProblem& problem, double size = 0.2) {
+  Trajectory guess = testing::constant_controls(problem, 1.3);
+  for (int k = 1; k <= problem.knots(); ++k) {
+    Eigen::VectorXd delta(12);
+    for (int i = 0; i < 12; ++i) delta[i] = size * std::sin(k * (i + 1.0));
+    const Eigen::VectorXd from = guess.x(k);
+    problem.manifold().integrate(from.data(), delta.data(), guess.x(k).data());
+  }
+  return guess;
+}
+
+// Pitfall 9: on SE(3) the slope holds only if gaps transport tangent vectors.
+TEST(Merit, SlopeIsTheDerivativeOfTheCostAlongTheRolloutOnAManifold) {
+  const ShootingProblem problem = testing::quadrotor_move();
+  Iterate at(problem, open_gap_guess(problem), false);
+  LaneRollout lanes(problem);
+  const double h = 1e-6;
+  const double numeric = (at.cost(h, lanes) - at.cost(-h, lanes)) / (2 * h);
+  EXPECT_NEAR(at.model.slope, numeric, 1e-6 * std::abs(numeric));
+}
+
+TEST(Merit, AdjointGivesTheSameSlopeFromTheControlsApplied) {
+  const ShootingProblem problem = testing::quadrotor_move();
+  Iterate at(problem, open_gap_guess(problem), false);
+  LaneRollout lanes(problem);
+  const double h = 1e-7;
+  at.cost(h, lanes);
+  double slope = h * at.adjoint.gap_slope();
+  int i = 0;
+  for (int k = 0; k < problem.knots(); ++k) {
+    for (double u : at.trajectory.u(k)) {
+      slope += at.adjoint.gradient()[i] * (lanes.u[i][0] - u);
+      ++i;
+    }
+  }
+  EXPECT_NEAR(slope / h, at.model.slope, 1e-4 * std::abs(at.model.slope));
+}
+
+TEST(Merit, GapsContractByOneMinusTheStepExactly) {
+  const ShootingProblem problem = testing::quadrotor_move();
+  Iterate at(problem, open_gap_guess(problem), false);
+  LaneRollout lanes(problem);
+  Trajectory next = at.trajectory;
+  Evaluation evaluation(problem);
+  for (double step : {1.0, 0.5, 0.125}) {
+    at.cost(step, lanes);
+    ASSERT_EQ(lanes.first_bad_knot[0], -1);
+    lanes.extract(0, next);
+    at.acts.evaluate(next, evaluation);
+    const Eigen::MatrixXd expected = (1 - step) * at.linearization.gap;
+    EXPECT_LE((evaluation.gap - expected).lpNorm<Eigen::Infinity>(), 1e-12) << step;
+  }
+}
+
+// Pitfall 8: a weight below the multipliers can make closing the gaps look like ascent.
+TEST(Merit, WeightAboveTheMultipliersMakesTheDirectionDescend) {
+  const ShootingProblem problem = testing::quadrotor_move();
+  Iterate at(problem, open_gap_guess(problem), false);
+  const double gap_norm = at.linearization.gap.lpNorm<1>();
+  MeritModel merit{.gap_norm = gap_norm, .slope = at.model.slope};
+  merit.penalty = at.model.multiplier;
+  // ∇J·d ≤ max|λ| Σ‖gap‖₁ − dᵀHd for the QP's solution d.
+  EXPECT_LE(merit.merit_slope(), -at.model.curvature + 1e-9 * at.model.curvature);
+}
+
+TEST(Merit, EveryIterationKeepsTheWeightAboveTheMultipliersAndContractsTheGaps) {
+  const struct {
+    const char* solver;
+    ShootingProblem problem;
+  } cases[] = {{"fddp", testing::quadrotor_move()}, {"box_fddp", testing::quadrotor_move(0.5, 2)}};
+  for (const auto& [solver, problem] : cases) {
+    const SolveResult result = solve(problem, solver, {}, open_gap_guess(problem, 0.02));
+    EXPECT_EQ(result.status, SolveStatus::converged) << solver << ": " << result.message;
+    const double multiplier = result.costates.rightCols(problem.knots()).cwiseAbs().maxCoeff();
+    EXPECT_GE(result.log.back().penalty, multiplier) << solver;
+    double gap = result.log[0].gap;
+    EXPECT_GT(gap, 1e-3);
+    for (const IterationRecord& row : result.log) {
+      if (row.iteration == 0) continue;
+      EXPECT_LE(row.gap, gap * (1 - row.step) + 1e-12) << solver;
+      gap = row.gap;
+    }
+  }
+}
+
+TEST(Merit, ControlsStayWithinTheirBoundsFromTheFirstIterationWithOpenGaps) {
+  const ShootingProblem problem = testing::quadrotor_move(0.9, 1.5);
+  Trajectory guess = open_gap_guess(problem, 0.02);
+  for (int k = 0; k < problem.knots(); ++k) guess.u(k).setConstant(5);
+  SolverOptions options;
+  double worst = 0;
+  options.on_iteration = [&](const IterationRecord& row) {
+    worst = std::max(worst, row.constraint);
+  };
+  const SolveResult result = solve(problem, "box_fddp", options, guess);
+  EXPECT_EQ(result.status, SolveStatus::converged) << result.message;
+  EXPECT_EQ(worst, 0);
+  EXPECT_NE(result.start.find("200 control entries moved"), std::string::npos) << result.start;
+}
+
+TEST(Start, OpenGapSolversCorrectTheInitialStateAndSayso) {
+  const ShootingProblem problem = testing::unicycle_parking();
+  Trajectory guess = testing::constant_controls(problem, 0.1);
+  guess.x(0)[1] = 0.5;
+  const SolveResult result = solve(problem, "fddp", {}, guess);
+  EXPECT_EQ(result.status, SolveStatus::converged);
+  EXPECT_EQ(result.trajectory.x(0)[1], 0);
+  EXPECT_NE(result.start.find("x_0 corrected by 0.5"), std::string::npos) << result.start;
+}
+
+TEST(Start, ClosedGapSolversIgnoreTheStatesOfTheGuess) {
+  const ShootingProblem problem = testing::unicycle_parking();
+  Trajectory guess = testing::constant_controls(problem, 0.1);
+  const SolveResult a = solve(problem, "ilqr", {}, guess);
+  for (int k = 0; k <= problem.knots(); ++k) guess.x(k).setConstant(1e3);
+  const SolveResult b = solve(problem, "ilqr", {}, guess);
+  EXPECT_EQ(a.cost, b.cost);
+  EXPECT_EQ(a.log.size(), b.log.size());
+}
+
+TEST(Start, QuaternionsOfTheGuessAreNormalisedOrRefused) {
+  const ShootingProblem problem = testing::quadrotor_move();
+  Trajectory guess = open_gap_guess(problem);
+  guess.x(7).segment(3, 4) *= 1 + 1e-6;
+  EXPECT_EQ(solve(problem, "fddp", {}, guess).status, SolveStatus::converged);
+  guess.x(7).segment(3, 4) *= 2;
+  EXPECT_THROW(solve(problem, "fddp", {}, guess), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace conddp

@@ -1,0 +1,165 @@
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "solvers/problems.hpp"
+#include "solvers/registry.hpp"
+
+namespace conddp {
+namespace {
+
+using testing::constant_controls;
+
+/// The largest difference between ∇_u J by central differences of the simulated cost and the
+/// control gradient that a result reports.
+double gradient_error(const ShootingProblem& problem, const SolveResult& result, double h) {
+  Acts acts(problem);
+  Evaluation evaluation(problem);
+  double worst = 0;
+  for (int k = 0; k < problem.knots(); k += 7) {
+    for (int i = 0; i < problem.nu(k); ++i) {
+      double cost[2];
+      for (int side : {0, 1}) {
+        Trajectory moved = result.trajectory;
+        moved.u(k)[i] += side == 0 ? -h : h;
+        EXPECT_EQ(acts.simulate(moved), -1);
+        acts.evaluate(moved, evaluation);
+        cost[side] = evaluation.cost.sum();
+      }
+      const double numeric = (cost[1] - cost[0]) / (2 * h);
+      worst = std::max(worst, std::abs(numeric - result.control_gradient[k][i]));
+    }
+  }
+  return worst;
+}
+
+TEST(Nonlinear, AllSixAgreeWhereNothingIsActive) {
+  const struct {
+    const char* name;
+    ShootingProblem problem;
+    double u;
+  } cases[] = {{"unicycle", testing::unicycle_parking(), 0.01},
+               {"quadrotor", testing::quadrotor_move(), 1.22625},
+               {"acrobot", testing::acrobot_swing_up(), 0}};
+  for (const auto& [name, problem, u] : cases) {
+    const double cost = solve(problem, "ddp", {}, constant_controls(problem, u)).cost;
+    for (const SolverInfo& solver : solvers()) {
+      const SolveResult result = solve(problem, solver, {}, constant_controls(problem, u));
+      EXPECT_EQ(result.status, SolveStatus::converged)
+          << name << ' ' << solver.name << ": " << result.message;
+      EXPECT_NEAR(result.cost, cost, 1e-6 * cost) << name << ' ' << solver.name;
+    }
+  }
+}
+
+TEST(Nonlinear, BoxSolversAgreeWithActiveBoundsAndClippingDoesNotGetThere) {
+  const ShootingProblem problem = testing::unicycle_parking(1);
+  const Trajectory guess = constant_controls(problem, 0.01);
+  const SolveResult ddp = solve(problem, "box_ddp", {}, guess);
+  const SolveResult fddp = solve(problem, "box_fddp", {}, guess);
+  const SolveResult clip = solve(problem, "ilqr_clip", {.max_iterations = 200}, guess);
+  EXPECT_EQ(ddp.status, SolveStatus::converged) << ddp.message;
+  EXPECT_EQ(fddp.status, SolveStatus::converged) << fddp.message;
+  EXPECT_NEAR(ddp.cost, fddp.cost, 1e-8 * ddp.cost);
+  EXPECT_NE(clip.status, SolveStatus::converged);
+  EXPECT_GT(clip.cost, ddp.cost * (1 + 1e-6));
+  EXPECT_GT(clip.residuals.stationarity, 1e-3);
+}
+
+TEST(Nonlinear, ControlGradientIsThatOfTheSimulatedCost) {
+  const ShootingProblem problem = testing::quadrotor_move(0.5, 2);
+  const SolveResult result =
+      solve(problem, "box_ddp", {.max_iterations = 4}, constant_controls(problem, 1.22625));
+  EXPECT_LE(gradient_error(problem, result, 1e-5), 1e-6);
+  EXPECT_GT(result.residuals.stationarity, 1e-4);
+}
+
+TEST(Nonlinear, TheSixConvergeOnCartpoleSwingUp) {
+  for (double limit : {testing::kFree, 10.0, 3.0}) {
+    const ShootingProblem problem = testing::cartpole_swing_up(limit);
+    for (const SolverInfo& solver : solvers()) {
+      if (refuse(solver, problem) || solver.control_bounds == BoundSupport::clipped) continue;
+      const SolveResult result = solve(problem, solver, {}, constant_controls(problem, 0.01));
+      EXPECT_EQ(result.status, SolveStatus::converged)
+          << solver.name << " limit " << limit << ": " << result.message;
+      EXPECT_EQ(result.residuals.constraint, 0);
+      EXPECT_LT(result.cost, 1.5);
+    }
+  }
+}
+
+TEST(Nonlinear, ExactHessiansConvergeQuadratically) {
+  const ShootingProblem problem = testing::cartpole_swing_up();
+  SolverOptions options;
+  options.tolerances.stationarity = 1e-10;
+  const SolveResult result = solve(problem, "ddp", options, constant_controls(problem, 0.01));
+  ASSERT_EQ(result.status, SolveStatus::converged) << result.message;
+  const auto& log = result.log;
+  const std::size_t n = log.size();
+  ASSERT_GE(n, 3u);
+  // Down to where rounding takes over.
+  EXPECT_LE(log[n - 1].stationarity, 1e-11 + 100 * std::pow(log[n - 2].stationarity, 1.7));
+  const SolveResult slow = solve(problem, "box_ddp", {.hessian = HessianChoice::gauss_newton},
+                                 constant_controls(problem, 0.01));
+  EXPECT_GT(slow.iterations, 2 * result.iterations);
+}
+
+TEST(Nonlinear, AutomaticTurnsToExactHessiansWhereGaussNewtonIsSlowAndOnlyThere) {
+  const ShootingProblem slow = testing::cartpole_swing_up(10);
+  const SolveResult cartpole = solve(slow, "box_fddp", {}, constant_controls(slow, 0.01));
+  EXPECT_TRUE(cartpole.log.back().exact_hessian);
+  EXPECT_FALSE(cartpole.log[5].exact_hessian);
+  const ShootingProblem fast = testing::quadrotor_move();
+  const SolveResult quadrotor = solve(fast, "box_fddp", {}, constant_controls(fast, 1.22625));
+  for (const IterationRecord& row : quadrotor.log) EXPECT_FALSE(row.exact_hessian);
+}
+
+// Pitfall 17.
+TEST(Nonlinear, ThreadsDoNotChangeABit) {
+  const ShootingProblem problem = testing::quadrotor_move(0.5, 2);
+  const Trajectory guess = constant_controls(problem, 1.22625);
+  const SolveResult one = solve(problem, "box_fddp", {.threads = 1}, guess);
+  const SolveResult two = solve(problem, "box_fddp", {.threads = 2}, guess);
+  ASSERT_EQ(one.log.size(), two.log.size());
+  EXPECT_EQ(one.cost, two.cost);
+  for (int k = 0; k < problem.knots(); ++k) {
+    EXPECT_TRUE(one.trajectory.u(k) == two.trajectory.u(k));
+    EXPECT_TRUE(one.trajectory.x(k + 1) == two.trajectory.x(k + 1));
+  }
+}
+
+TEST(Nonlinear, WarmStartFromTheAnswerConvergesAtOnce) {
+  const ShootingProblem problem = testing::unicycle_parking(1);
+  for (const char* name : {"box_ddp", "box_fddp"}) {
+    const SolveResult first = solve(problem, name, {}, constant_controls(problem, 0.01));
+    const SolveResult again = solve(problem, name, {}, first.trajectory);
+    EXPECT_EQ(again.status, SolveStatus::converged);
+    EXPECT_EQ(again.iterations, 0);
+  }
+}
+
+// Without active bounds: only regularised controls turn every step into a descent at them.
+TEST(Nonlinear, BothRegularizationsLeadToTheSameOptimum) {
+  const ShootingProblem problem = testing::acrobot_swing_up();
+  for (const char* name : {"ilqr", "ddp", "fddp"}) {
+    double cost[2];
+    for (RegularizationKind kind : {RegularizationKind::state, RegularizationKind::control}) {
+      SolverOptions options;
+      options.regularization.kind = kind;
+      options.regularization.initial = 1;
+      const SolveResult result = solve(problem, name, options, constant_controls(problem, 0));
+      EXPECT_EQ(result.status, SolveStatus::converged) << name << ": " << result.message;
+      cost[static_cast<int>(kind)] = result.cost;
+      const bool regularized =
+          std::any_of(result.log.begin(), result.log.end(),
+                      [](const IterationRecord& row) { return row.regularization > 0; });
+      EXPECT_TRUE(regularized) << name;
+    }
+    EXPECT_NEAR(cost[0], cost[1], 1e-6 * cost[0]) << name;
+  }
+}
+
+}  // namespace
+}  // namespace conddp

@@ -1,0 +1,118 @@
+#pragma once
+
+#include <cmath>
+#include <memory>
+#include <random>
+
+#include <Eigen/Dense>
+
+#include "ocp/acts.hpp"
+#include "ocp/residuals.hpp"
+#include "systems/catalogue.hpp"
+
+/// Small problems on which several solver tests stand.
+namespace conddp::testing {
+
+/// Σ ½ (x − x_ref)ᵀ diag(q) (x − x_ref) + ½ uᵀ diag(r) u along the way, ½ (·)ᵀ diag(qf) (·) at the
+/// end; running costs times dt where `rates`.
+struct TrackingCost {
+  std::vector<double> goal, q, r, qf;
+  bool rates = true;
+};
+
+inline Phase tracking_phase(std::shared_ptr<const System> system, Integrator integrator, int knots,
+                            double dt, const TrackingCost& cost, double limit_low, double limit_up,
+                            const std::string& name = "all") {
+  auto model = std::make_shared<KnotModel>(system, integrator);
+  std::vector<double> one(cost.goal);
+  one.push_back(1);
+  model->add_cost("state", state_residual(model->manifold()), {.weights = cost.q});
+  if (integrator != Integrator::none) {
+    model->add_cost("control", control_residual(model->ndx(), model->nu()), {.weights = cost.r});
+    one.insert(one.end(), model->nu(), 0.0);
+    one.push_back(1);
+    model->set_control_bounds(std::vector<double>(model->nu(), limit_low),
+                              std::vector<double>(model->nu(), limit_up));
+  }
+  Phase phase{.name = name, .model = model};
+  for (int k = 0; k < knots; ++k) {
+    phase.dt.push_back(dt);
+    phase.cost_scale.push_back(cost.rates && integrator != Integrator::none ? dt : 1);
+    phase.parameters.insert(phase.parameters.end(), one.begin(), one.end());
+  }
+  return phase;
+}
+
+inline Phase terminal_phase(std::shared_ptr<const System> system, TrackingCost cost) {
+  cost.q = cost.qf;
+  return tracking_phase(std::move(system), Integrator::none, 1, 0, cost, 0, 0, "end");
+}
+
+inline constexpr double kFree = std::numeric_limits<double>::infinity();
+
+inline ShootingProblem tracking_problem(const std::shared_ptr<const System>& system,
+                                        Integrator integrator, int knots, double dt,
+                                        std::vector<double> start, const TrackingCost& cost,
+                                        double low = -kFree, double up = kFree) {
+  return ShootingProblem(std::move(start),
+                         {tracking_phase(system, integrator, knots, dt, cost, low, up)},
+                         terminal_phase(system, cost));
+}
+
+inline ShootingProblem pendulum_swing_up(double limit = kFree) {
+  return tracking_problem(pendulum({}), Integrator::rk4, 50, 0.06, {0, 0},
+                          {{M_PI, 0}, {1e-3, 1e-3}, {1e-3}, {10, 10}}, -limit, limit);
+}
+
+inline ShootingProblem cartpole_swing_up(double limit = kFree,
+                                         Integrator integrator = Integrator::rk4) {
+  return tracking_problem(cartpole({}), integrator, 100, 0.05, {0, 0, 0, 0},
+                          {{0, M_PI, 0, 0}, {0.01, 0.01, 0.01, 0.01}, {0.1}, {100, 100, 100, 100}},
+                          -limit, limit);
+}
+
+inline ShootingProblem acrobot_swing_up(double limit = kFree) {
+  return tracking_problem(acrobot({}), Integrator::rk4, 100, 0.05, {-M_PI / 2, 0, 0, 0},
+                          {{M_PI / 2, 0, 0, 0}, {1, 1, 1, 1}, {0.01}, {100, 100, 100, 100}}, -limit,
+                          limit);
+}
+
+inline ShootingProblem unicycle_parking(double limit = kFree) {
+  return tracking_problem(unicycle(), Integrator::rk4, 100, 0.05, {0, 0, 0},
+                          {{3, 3, 0}, {1, 1, 1}, {0.5, 0.5}, {10, 10, 10}}, -limit, limit);
+}
+
+inline ShootingProblem quadrotor_move(double limit_low = -kFree, double limit_up = kFree) {
+  const std::vector<double> running = {1e-2, 1e-2, 1e-2, 1e-2, 1e-2, 1e-2,
+                                       1e-3, 1e-3, 1e-3, 1e-3, 1e-3, 1e-3};
+  const std::vector<double> final(12, 10.0);
+  return tracking_problem(quadrotor({}), Integrator::semi_implicit_euler, 50, 0.04,
+                          {0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0},
+                          {{2, 1, 2, 0, 0, std::sin(0.6), std::cos(0.6), 0, 0, 0, 0, 0, 0},
+                           running,
+                           {1e-2, 1e-2, 1e-2, 1e-2},
+                           final},
+                          limit_low, limit_up);
+}
+
+/// Sets every control of a trajectory.
+inline Trajectory constant_controls(const ShootingProblem& problem, double u) {
+  Trajectory guess = problem.create_trajectory();
+  for (int k = 0; k < problem.knots(); ++k) guess.u(k).setConstant(u);
+  return guess;
+}
+
+/// Random states (flat spaces) and controls.
+inline Trajectory random_guess(const ShootingProblem& problem, unsigned seed, double size = 1) {
+  std::mt19937 engine(seed);
+  std::normal_distribution<double> normal(0, size);
+  Trajectory guess = problem.create_trajectory();
+  for (int k = 0; k <= problem.knots(); ++k) {
+    for (double& x : guess.x(k)) x = normal(engine);
+    if (k == problem.knots()) break;
+    for (double& u : guess.u(k)) u = normal(engine);
+  }
+  return guess;
+}
+
+}  // namespace conddp::testing

@@ -1,0 +1,154 @@
+#include "solvers/regularization.hpp"
+
+#include <gtest/gtest.h>
+
+#include "solvers/backward_sweep.hpp"
+#include "solvers/problems.hpp"
+#include "solvers/registry.hpp"
+
+namespace conddp {
+namespace {
+
+// Pitfall 18: a product never leaves zero.
+TEST(RegularizationSchedule, LeavesZeroAndComesBackToIt) {
+  SolverOptions::Regularization options;
+  options.initial = 0;
+  RegularizationSchedule schedule(options);
+  ASSERT_TRUE(schedule.increase());
+  EXPECT_EQ(schedule.value(), options.min);
+  ASSERT_TRUE(schedule.increase());
+  EXPECT_GT(schedule.value(), options.min);
+  for (int i = 0; i < 10 && schedule.value() > 0; ++i) schedule.decrease();
+  EXPECT_EQ(schedule.value(), 0);
+}
+
+TEST(RegularizationSchedule, GrowsFasterWithEveryFailureAndEndsAtItsLargestValue) {
+  SolverOptions::Regularization options;
+  RegularizationSchedule schedule(options);
+  ASSERT_TRUE(schedule.increase());
+  double last = schedule.value(), last_ratio = 1;
+  int steps = 1;
+  while (schedule.increase()) {
+    const double ratio = schedule.value() / last;
+    if (schedule.value() == options.max) break;
+    EXPECT_GT(ratio, last_ratio);
+    last_ratio = ratio;
+    last = schedule.value();
+    ++steps;
+  }
+  EXPECT_EQ(schedule.value(), options.max);
+  EXPECT_FALSE(schedule.increase());
+  EXPECT_LE(steps, 12);
+}
+
+/// x⁺ = x + u with the cost ½·weight·u²: Q_uu is weight, and weight + V_xx at the last knot.
+ShootingProblem integrator_problem(double u_weight) {
+  const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(1, 1);
+  return testing::tracking_problem(linear_system(one, one, Eigen::VectorXd::Zero(1)),
+                                   Integrator::discrete, 3, 1, {1},
+                                   {{0}, {1}, {u_weight}, {0.25}, false});
+}
+
+struct Swept {
+  explicit Swept(const ShootingProblem& problem)
+      : bounds(problem),
+        acts(problem),
+        linearization(problem),
+        trajectory(problem.create_trajectory()),
+        sweep(problem, bounds),
+        policy(unconstrained_stage(problem)),
+        feedback(problem) {
+    acts.differentiate(trajectory, linearization);
+  }
+  int run(RegularizationKind kind, double weight) {
+    return sweep.run(linearization, trajectory, true, {kind, weight}, *policy, feedback);
+  }
+  ControlBounds bounds;
+  Acts acts;
+  Linearization linearization;
+  Trajectory trajectory;
+  BackwardSweep sweep;
+  std::unique_ptr<StagePolicy> policy;
+  Feedback feedback;
+};
+
+TEST(BackwardSweep, NamesTheKnotWhoseStageHasNoMinimum) {
+  const ShootingProblem problem = integrator_problem(1);
+  Swept swept(problem);
+  swept.linearization.knots[1].hessian(1, 1) = -100;
+  EXPECT_EQ(swept.run(RegularizationKind::control, 0), 1);
+  EXPECT_EQ(swept.run(RegularizationKind::control, 10), 1);
+  EXPECT_EQ(swept.run(RegularizationKind::control, 200), -1);
+  EXPECT_EQ(swept.run(RegularizationKind::state, 10), 1);
+}
+
+TEST(BackwardSweep, RegularizationChangesTheGainsAsItsKindSays) {
+  const ShootingProblem problem = integrator_problem(1);
+  Swept swept(problem);
+  // At the last knot V_xx' = 0.25: Q_uu = 1.25, Q_ux = 0.25.
+  ASSERT_EQ(swept.run(RegularizationKind::control, 0), -1);
+  EXPECT_NEAR(swept.feedback.K[2](0, 0), -0.25 / 1.25, 1e-15);
+  ASSERT_EQ(swept.run(RegularizationKind::control, 3), -1);
+  EXPECT_NEAR(swept.feedback.K[2](0, 0), -0.25 / 4.25, 1e-15);
+  ASSERT_EQ(swept.run(RegularizationKind::state, 3), -1);
+  EXPECT_NEAR(swept.feedback.K[2](0, 0), -3.25 / 4.25, 1e-15);
+}
+
+// Pitfall 19: whatever the gains, the value is that of the policy u = ū + k + K δx. Here gains are
+// regularised, so that the formula of the unconstrained minimum would not hold.
+TEST(BackwardSweep, ValueIsTheCostOfThePolicyAlsoWhereItsGainsAreNotOptimal) {
+  const ShootingProblem problem = integrator_problem(0.5);
+  for (RegularizationKind kind : {RegularizationKind::state, RegularizationKind::control}) {
+    Swept swept(problem);
+    ASSERT_EQ(swept.acts.simulate(swept.trajectory), -1);
+    swept.acts.differentiate(swept.trajectory, swept.linearization);
+    ASSERT_EQ(swept.run(kind, 2), -1);
+    const auto cost_of_policy = [&](double dx) {
+      double x = swept.trajectory.x(0)[0] + dx, cost = 0;
+      for (int k = 0; k < 3; ++k) {
+        const double u = swept.trajectory.u(k)[0] + swept.feedback.k[k][0] +
+                         swept.feedback.K[k](0, 0) * (x - swept.trajectory.x(k)[0]);
+        cost += 0.5 * x * x + 0.25 * u * u;
+        x += u;
+      }
+      return cost + 0.125 * x * x;
+    };
+    // The policy's cost is a quadratic of δx: three values give its derivatives exactly.
+    const double minus = cost_of_policy(-1), zero = cost_of_policy(0), plus = cost_of_policy(1);
+    EXPECT_NEAR(swept.sweep.value(0).Vx[0], (plus - minus) / 2, 1e-12);
+    EXPECT_NEAR(swept.sweep.value(0).Vxx(0, 0), plus - 2 * zero + minus, 1e-12);
+  }
+}
+
+TEST(BackwardSweep, ValueIsTheCostOfThePolicyWhereAControlIsClamped) {
+  const double bound = 0.2;
+  const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(1, 1);
+  const ShootingProblem problem = testing::tracking_problem(
+      linear_system(one, one, Eigen::VectorXd::Zero(1)), Integrator::discrete, 3, 1, {1},
+      {{0}, {1}, {0.5}, {0.25}, false}, -bound, bound);
+  Swept swept(problem);
+  swept.policy = box_stage(problem, {});
+  for (int k = 0; k < 3; ++k) swept.trajectory.u(k)[0] = 0.1;
+  ASSERT_EQ(swept.acts.simulate(swept.trajectory), -1);
+  swept.acts.differentiate(swept.trajectory, swept.linearization);
+  ASSERT_EQ(swept.run(RegularizationKind::control, 0), -1);
+  EXPECT_GT(swept.policy->clamped_controls(), 0);
+  EXPECT_EQ(swept.feedback.k[0][0], -bound - 0.1);
+  EXPECT_EQ(swept.feedback.K[0](0, 0), 0);
+  const auto cost_of_policy = [&](double dx) {
+    double x = 1 + dx, cost = 0;
+    for (int k = 0; k < 3; ++k) {
+      const double u =
+          0.1 + swept.feedback.k[k][0] + swept.feedback.K[k](0, 0) * (x - swept.trajectory.x(k)[0]);
+      cost += 0.5 * x * x + 0.25 * u * u;
+      x += u;
+    }
+    return cost + 0.125 * x * x;
+  };
+  const double minus = cost_of_policy(-1), zero = cost_of_policy(0), plus = cost_of_policy(1);
+  EXPECT_NEAR(swept.sweep.value(0).Vx[0], (plus - minus) / 2, 1e-12);
+  EXPECT_NEAR(swept.sweep.value(0).Vxx(0, 0), plus - 2 * zero + minus, 1e-12);
+}
+
+}  // namespace
+}  // namespace conddp

@@ -1,0 +1,202 @@
+#include "solvers/status.hpp"
+
+#include <cmath>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "solvers/problems.hpp"
+#include "solvers/registry.hpp"
+
+namespace conddp {
+namespace {
+
+using testing::constant_controls;
+
+/// Whether every number of a result's trajectory, gains and co-states is finite.
+bool finite(const SolveResult& result) {
+  bool all = result.costates.allFinite();
+  for (int k = 0; k <= result.trajectory.knots(); ++k) {
+    all = all && result.trajectory.x(k).allFinite();
+    if (k == result.trajectory.knots()) break;
+    all = all && result.trajectory.u(k).allFinite() && result.feedback.k[k].allFinite() &&
+          result.feedback.K[k].allFinite();
+  }
+  return all;
+}
+
+TEST(Status, NamesAreDistinctAndOnlySuccessIsNotNegative) {
+  std::set<std::string_view> names;
+  for (int i = 0; i >= -7; --i) {
+    names.insert(to_string(static_cast<SolveStatus>(i)));
+    EXPECT_EQ(static_cast<SolveStatus>(i) == SolveStatus::converged, i == 0);
+  }
+  EXPECT_EQ(names.size(), 8u);
+  EXPECT_EQ(names.count("unknown"), 0u);
+}
+
+TEST(Status, ConvergedMeansAllResidualsAreUnderTolerance) {
+  const ShootingProblem problem = testing::unicycle_parking(1);
+  for (const char* name : {"box_ddp", "box_fddp"}) {
+    const SolveResult result = solve(problem, name, {}, constant_controls(problem, 0.01));
+    EXPECT_EQ(result.status, SolveStatus::converged) << result.message;
+    EXPECT_LE(result.residuals.stationarity, 1e-6);
+    EXPECT_LE(result.residuals.gap, 1e-9);
+    EXPECT_EQ(result.residuals.constraint, 0);
+  }
+}
+
+TEST(Status, MaxIterations) {
+  const ShootingProblem problem = testing::pendulum_swing_up();
+  for (const SolverInfo& solver : solvers()) {
+    const SolveResult result =
+        solve(problem, solver, {.max_iterations = 3}, constant_controls(problem, 0.1));
+    EXPECT_EQ(result.status, SolveStatus::max_iterations) << solver.name;
+    EXPECT_EQ(result.iterations, 3);
+    EXPECT_EQ(result.log.size(), 4u);
+    EXPECT_TRUE(finite(result));
+    EXPECT_NE(result.message.find("stationarity"), std::string::npos) << result.message;
+    EXPECT_EQ(result.log.back().cost, result.cost);
+  }
+}
+
+TEST(Status, TimeLimit) {
+  const ShootingProblem problem = testing::pendulum_swing_up();
+  const SolveResult result =
+      solve(problem, "ilqr", {.max_time_s = 0}, constant_controls(problem, 0.1));
+  EXPECT_EQ(result.status, SolveStatus::time_limit);
+  EXPECT_EQ(result.iterations, 0);
+  EXPECT_TRUE(finite(result));
+  ASSERT_TRUE(result.feedback_regularization);
+}
+
+TEST(Status, InterruptedKeepsTheIterateReached) {
+  const ShootingProblem problem = testing::pendulum_swing_up();
+  SolverOptions options;
+  int rows = 0;
+  options.on_iteration = [&rows](const IterationRecord&) { ++rows; };
+  options.interrupted = [&rows] { return rows > 4; };
+  const SolveResult result = solve(problem, "fddp", options, constant_controls(problem, 0.1));
+  EXPECT_EQ(result.status, SolveStatus::interrupted);
+  EXPECT_EQ(result.iterations, 4);
+  EXPECT_TRUE(finite(result));
+  EXPECT_LT(result.cost, result.log[0].cost);
+}
+
+TEST(Status, DivergedWhereTheGuessCannotBeSimulated) {
+  const ShootingProblem problem = testing::cartpole_swing_up();
+  Trajectory guess = constant_controls(problem, 0);
+  guess.u(30).setConstant(1e200);
+  const SolveResult result = solve(problem, "ilqr", {}, guess);
+  EXPECT_EQ(result.status, SolveStatus::diverged);
+  EXPECT_NE(result.message.find("knot 3"), std::string::npos) << result.message;
+  EXPECT_EQ(result.trajectory.u(30)[0], 1e200);
+  EXPECT_TRUE(std::isnan(result.cost));
+  EXPECT_TRUE(result.log.empty());
+}
+
+TEST(Status, DivergedWhereTheStatesOfTheGuessAreNotFinite) {
+  const ShootingProblem problem = testing::cartpole_swing_up();
+  Trajectory guess = constant_controls(problem, 0);
+  guess.x(12)[1] = std::numeric_limits<double>::quiet_NaN();
+  const SolveResult result = solve(problem, "fddp", {}, guess);
+  EXPECT_EQ(result.status, SolveStatus::diverged);
+  // The next state of knot 11 is compared with it.
+  EXPECT_NE(result.message.find("knot 11"), std::string::npos) << result.message;
+}
+
+TEST(Status, RegularizationLimitNamesTheKnot) {
+  // A control without cost or effect: no multiple of TᵀT makes Q_uu positive definite.
+  const Eigen::MatrixXd A = Eigen::MatrixXd::Identity(2, 2), B = Eigen::MatrixXd::Zero(2, 1);
+  const ShootingProblem problem =
+      testing::tracking_problem(linear_system(A, B, Eigen::VectorXd::Ones(2)), Integrator::discrete,
+                                5, 1, {0, 0}, {{1, 1}, {1, 1}, {0}, {1, 1}});
+  SolverOptions options;
+  options.regularization.kind = RegularizationKind::state;
+  // Without a gradient in u every iterate is stationary: forbid that end.
+  options.tolerances.gap = 1e-30;
+  Trajectory guess = problem.create_trajectory();
+  for (const char* name : {"fddp", "box_fddp"}) {
+    const SolveResult result = solve(problem, name, options, guess);
+    EXPECT_EQ(result.status, SolveStatus::regularization_limit) << result.message;
+    EXPECT_NE(result.message.find("knot 4"), std::string::npos) << result.message;
+    EXPECT_FALSE(result.feedback_regularization);
+    EXPECT_TRUE(finite(result));
+  }
+}
+
+TEST(Status, LineSearchFailedWhereNoStepIsAllowedToBeShortEnough) {
+  const ShootingProblem problem = testing::cartpole_swing_up();
+  SolverOptions options;
+  options.line_search.min_step = 1;
+  options.regularization.max = options.regularization.min;  // nothing to fall back on
+  const SolveResult result = solve(problem, "ilqr", options, constant_controls(problem, 0.01));
+  EXPECT_EQ(result.status, SolveStatus::line_search_failed) << result.message;
+  EXPECT_TRUE(finite(result));
+  EXPECT_NE(result.message.find("no step length"), std::string::npos) << result.message;
+}
+
+// Crocoddyl's and Aligator's defect: steps accepted because they are small.
+TEST(Status, RoundingFloorEndsAsLineSearchFailedAtTheBestIterate) {
+  const ShootingProblem problem = testing::quadrotor_move();
+  SolverOptions options;
+  options.tolerances.stationarity = 1e-300;
+  for (const char* name : {"ilqr", "ddp", "fddp", "box_ddp", "box_fddp"}) {
+    const SolveResult result = solve(problem, name, options, constant_controls(problem, 1.22625));
+    EXPECT_EQ(result.status, SolveStatus::line_search_failed) << name << ": " << result.message;
+    EXPECT_LE(result.residuals.stationarity, 1e-10) << name;
+    for (const IterationRecord& row : result.log) {
+      EXPECT_GE(result.residuals.stationarity, 0);
+      EXPECT_LE(result.residuals.stationarity, row.stationarity * (1 + 1e-9)) << name;
+    }
+  }
+}
+
+TEST(Status, StationarityFarBelowTheDefaultToleranceIsReachedDespiteRounding) {
+  const ShootingProblem problem = testing::unicycle_parking(1);
+  SolverOptions options;
+  options.tolerances.stationarity = 1e-11;
+  for (const char* name : {"box_ddp", "box_fddp"}) {
+    const SolveResult result = solve(problem, name, options, constant_controls(problem, 0.01));
+    EXPECT_EQ(result.status, SolveStatus::converged) << name << ": " << result.message;
+  }
+}
+
+TEST(Solve, RejectsOptionsProblemsAndGuessesByName) {
+  const ShootingProblem bounded = testing::pendulum_swing_up(3);
+  const Trajectory guess = bounded.create_trajectory();
+  const auto message = [&](std::string_view solver, const SolverOptions& options,
+                           const Trajectory& from) -> std::string {
+    try {
+      solve(bounded, solver, options, from);
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const std::string refusal = message("ilqr", {}, guess);
+  for (const char* part :
+       {"ilqr", "control bounds", "'all'", "-3", "box_ddp", "box_fddp", "ilqr_clip"}) {
+    EXPECT_NE(refusal.find(part), std::string::npos) << part << " in: " << refusal;
+  }
+  EXPECT_NE(message("nonsense", {}, guess).find("nonsense"), std::string::npos);
+  EXPECT_NE(message("box_ddp", {.max_iterations = -1}, guess).find("max_iterations"),
+            std::string::npos);
+  EXPECT_NE(message("ilqr_clip", {.hessian = HessianChoice::exact}, guess).find("hessian"),
+            std::string::npos);
+  EXPECT_NE(message("box_ddp", {}, Trajectory(2, {1, 1})).find("shape"), std::string::npos);
+}
+
+TEST(Solve, RefusesExactlyWhereASolverCannotKeepBounds) {
+  const ShootingProblem bounded = testing::pendulum_swing_up(3);
+  const ShootingProblem free = testing::pendulum_swing_up();
+  for (const SolverInfo& solver : solvers()) {
+    EXPECT_FALSE(refuse(solver, free)) << solver.name;
+    EXPECT_EQ(refuse(solver, bounded).has_value(), solver.control_bounds == BoundSupport::refused)
+        << solver.name;
+    EXPECT_EQ(find_solver(solver.name), &solver);
+  }
+}
+
+}  // namespace
+}  // namespace conddp
