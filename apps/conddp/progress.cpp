@@ -1,0 +1,45 @@
+#include "progress.hpp"
+
+#include <fmt/format.h>
+
+namespace conddp {
+
+void ProgressTable::print(const IterationRecord& row) {
+  constexpr int kRepeatHeading = 20;
+  if (lines_++ % kRepeatHeading == 0)
+    fmt::print(stream_, "{:>5} {:>14} {:>12} {:>10} {:>10} {:>8} {:>9} {:>8}\n", "iter", "cost",
+               "stationarity", "gap", "constraint", "step", "regular.", "time [s]");
+  fmt::print(stream_, "{:>5} {:>14.7g} {:>12.3e} {:>10.2e} {:>10.2e} {:>8.3g} {:>9.1e} {:>8.3f}\n",
+             row.iteration, row.cost, row.stationarity, row.gap, row.constraint, row.step,
+             row.regularization, row.time_s);
+  std::fflush(stream_);
+}
+
+std::string summary_text(const Solution& s, const std::vector<std::string>& written, bool colour,
+                         int notes) {
+  const SolveResult& r = s.result;
+  const bool good = r.status == SolveStatus::converged;
+  const char* tint = !colour ? "" : good ? "\033[1;32m" : "\033[1;33m";
+  const char* end = colour ? "\033[0m" : "";
+  std::string text =
+      fmt::format("{}: {}{}{} ({}, {} iterations, {:.3f} s)\n", s.spec.name.value, tint,
+                  to_string(r.status), end, s.solver.name, r.iterations, r.times.total);
+  if (!good && !r.message.empty()) text += fmt::format("  {}\n", r.message);
+  text += fmt::format("  cost          {:.9g}\n", r.cost);
+  for (const auto& [name, value] : cost_by_name(*s.built.problem, r.trajectory))
+    text += fmt::format("    {:<20} {:.6g}\n", name, value);
+  text += fmt::format("  residuals     stationarity {:.2e}, gap {:.2e}, constraint {:.2e}\n",
+                      r.residuals.stationarity, r.residuals.gap, r.residuals.constraint);
+  text += fmt::format("  first guess   states: {}; controls: {}\n", s.built.guess_used.states,
+                      s.built.guess_used.controls);
+  for (const DroppedConstraint& c : s.built.dropped)
+    text += fmt::format("  dropped       {}: violated by {:.3g}\n", c.name,
+                        violation(c, *s.built.problem, r.trajectory));
+  if (notes > 0)
+    text += fmt::format("  notes         {} on what the robot's file has and conddp ignores: -v\n",
+                        notes);
+  for (const std::string& file : written) text += fmt::format("  written       {}\n", file);
+  return text;
+}
+
+}  // namespace conddp

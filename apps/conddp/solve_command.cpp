@@ -1,0 +1,146 @@
+#include <algorithm>
+#include <cstdio>
+
+#include <fmt/format.h>
+
+#include "commands.hpp"
+#include "exit_codes.hpp"
+#include "interrupt.hpp"
+#include "messages.hpp"
+#include "output/atomic_file.hpp"
+#include "output/solution_json.hpp"
+#include "output/write_solution.hpp"
+#include "problem_file/read_problem.hpp"
+#include "progress.hpp"
+#include "terminal.hpp"
+
+namespace conddp {
+namespace {
+
+struct SolveArguments {
+  std::string file;
+  std::string folder;
+  std::string solver;
+  std::vector<std::string> drop;
+  std::vector<std::string> settings;
+  double max_time = 0;
+  int threads = 0;
+  bool quiet = false;
+  bool json = false;
+  bool verbose = false;
+};
+
+/// The spec with what the command line says about it.
+std::optional<ProblemSpec> read_spec(const SolveArguments& arguments, Diagnostics& out) {
+  auto spec = read_problem(arguments.file, arguments.settings, out);
+  if (!spec) return std::nullopt;
+  if (!arguments.solver.empty()) spec->solver.name = {arguments.solver, {}};
+  if (arguments.max_time > 0) spec->solver.options.max_time_s = arguments.max_time;
+  if (arguments.threads > 0) spec->solver.options.threads = arguments.threads;
+  return spec;
+}
+
+/// What was changed on the command line, as settings.
+std::vector<std::string> overrides(const SolveArguments& arguments) {
+  std::vector<std::string> list = arguments.settings;
+  if (!arguments.solver.empty()) list.push_back("solver.name=" + arguments.solver);
+  if (arguments.max_time > 0)
+    list.push_back(fmt::format("solver.max_time_s={}", arguments.max_time));
+  if (arguments.threads > 0) list.push_back(fmt::format("solver.threads={}", arguments.threads));
+  return list;
+}
+
+/// The solver, unless it cannot take the problem.
+const SolverInfo* usable_solver(const ProblemSpec& spec, const ShootingProblem& problem,
+                                Diagnostics& out) {
+  const SolverInfo* solver = find_solver(spec.solver.name.value);
+  const auto reason = refuse(*solver, problem);
+  if (!reason) return solver;
+  std::string names;
+  for (const ControlBoundsSpec& constraint : spec.constraints)
+    names += " --drop " + constraint.name.value;
+  out.error(spec.solver.name.place, *reason,
+            fmt::format("choose one of them with --solver, or leave the bounds out with{}", names));
+  return nullptr;
+}
+
+int exit_code(SolveStatus status) {
+  if (status == SolveStatus::converged) return kExitConverged;
+  if (status == SolveStatus::interrupted && InterruptGuard::signal() != 0)
+    return kExitSignalBase + InterruptGuard::signal();
+  return kExitNotConverged;
+}
+
+int solve_file(const SolveArguments& arguments) {
+  Diagnostics diagnostics;
+  const Verbosity verbosity = arguments.quiet     ? Verbosity::kQuiet
+                              : arguments.verbose ? Verbosity::kVerbose
+                                                  : Verbosity::kNormal;
+  const auto give_up = [&] {
+    print_messages(diagnostics, verbosity);
+    return kExitBadInput;
+  };
+  auto spec = read_spec(arguments, diagnostics);
+  if (!spec) return give_up();
+  const auto built = build_problem(*spec, {.drop = arguments.drop}, diagnostics);
+  if (!built) return give_up();
+  const SolverInfo* solver = usable_solver(*spec, *built->problem, diagnostics);
+  if (solver == nullptr) return give_up();
+  print_messages(diagnostics, verbosity);
+
+  const std::filesystem::path folder = arguments.folder.empty()
+                                           ? std::filesystem::path("out") / spec->name.value
+                                           : std::filesystem::path(arguments.folder);
+  const InterruptGuard guard;
+  ProgressTable progress(stderr);
+  SolverOptions options = spec->solver.options;
+  options.interrupted = [] { return InterruptGuard::signal() != 0; };
+  if (!arguments.quiet && (arguments.verbose || terminal_of(2).is_tty))
+    options.on_iteration = [&](const IterationRecord& row) { progress.print(row); };
+  try {
+    create_folder(folder);  // before the work, so that nothing is computed in vain
+    const SolveResult result = solve(*built->problem, *solver, options, built->guess);
+    const Solution solution{*spec, *built, *solver, result, overrides(arguments)};
+    std::vector<std::string> written;
+    for (const auto& path : write_solution(solution, folder)) written.push_back(path.string());
+    if (arguments.json)
+      fmt::print("{}", json_text(solution_head(solution)));
+    else if (!arguments.quiet)
+      fmt::print("{}", summary_text(solution, written, terminal_of(1).colour, hidden_notes));
+    return exit_code(result.status);
+  } catch (const OutputError& e) {
+    fmt::print(stderr, "conddp: error: {}\n", e.what());
+    return kExitBadInput;
+  }
+}
+
+}  // namespace
+
+void add_solve_command(CLI::App& app, Command& chosen) {
+  CLI::App* command = app.add_subcommand("solve", "Solve a problem file");
+  const auto a = std::make_shared<SolveArguments>();
+  command->add_option("FILE", a->file, "Problem file (YAML)")->required();
+  command->add_option("-o,--output", a->folder,
+                      "Folder for the outputs; the default is out/<problem name>");
+  command->add_option("--solver", a->solver, "Solver instead of the file's");
+  command
+      ->add_option("--drop", a->drop,
+                   "Leave this constraint out; its violation is reported (repeatable)")
+      ->allow_extra_args(false);
+  command
+      ->add_option("--set", a->settings,
+                   "Replace a value of the file: --set solver.max_iterations=50 (repeatable)")
+      ->allow_extra_args(false);
+  const CLI::Range kSeconds(1e-3, 1e9);
+  const CLI::Range kThreads(1, 1024);
+  command->add_option("--max-time", a->max_time, "Stop after this many seconds")->check(kSeconds);
+  command->add_option("--threads", a->threads, "Threads; results do not depend on it")
+      ->check(kThreads);
+  auto* quiet = command->add_flag("--quiet", a->quiet, "Print nothing but errors");
+  command->add_flag("--json", a->json, "Print the head of the solution as JSON on stdout");
+  command->add_flag("-v,--verbose", a->verbose, "Print notes, and iterations off a terminal too")
+      ->excludes(quiet);
+  command->callback([a, &chosen] { chosen = [a] { return solve_file(*a); }; });
+}
+
+}  // namespace conddp

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+namespace conddp {
+
+/// How far two solutions may be apart and still mean the same.
+struct ComparisonTolerances {
+  double cost_relative = 1e-6;
+  /// A residual may grow to this multiple of the golden one, or to the floor.
+  double residual_factor = 10;
+  double residual_floor = 1e-6;
+  /// A column of the trajectory: atol + rtol · (largest magnitude in the golden column).
+  double trajectory_absolute = 1e-4;
+  double trajectory_relative = 1e-3;
+  /// Rotations, by the angle between them, rad.
+  double rotation = 1e-3;
+};
+
+/// One thing in which two solutions differ.
+struct Difference {
+  std::string quantity;  ///< e.g. "cost", "trajectory q/elbow at knot 12 (t = 0.12 s)"
+  std::string message;   ///< both values and the tolerance
+};
+
+/// Compares two solutions (documents of the shape of solution.json) by meaning: status, cost and
+/// costs by name, residuals, time grid, then every column of the trajectory; quaternions by angle.
+/// Numbers of iterations are not compared. Empty if they agree. A document without the fields it
+/// should have is a difference, not an exception.
+std::vector<Difference> compare_solutions(const nlohmann::json& golden,
+                                          const nlohmann::json& actual,
+                                          const ComparisonTolerances& tolerances = {});
+
+/// The part of a solution that comparison needs, numbers rounded to ten digits: what a golden file
+/// holds.
+nlohmann::json golden_part(const nlohmann::json& solution);
+
+}  // namespace conddp

@@ -1,0 +1,75 @@
+#include "output/csv.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "output/log_columns.hpp"
+
+namespace conddp {
+namespace {
+
+std::string cell(double value) { return std::isfinite(value) ? fmt::format("{}", value) : ""; }
+
+/// Cells hold no commas, quotes or line ends.
+std::string cell(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(),
+      [](char c) { return c == ',' || c == '"' || static_cast<unsigned char>(c) < 0x20; }, '_');
+  return text;
+}
+
+std::string with_unit(std::string name, std::string_view unit) {
+  if (unit.empty() || unit == "1") return name;
+  return fmt::format("{} [{}]", name, unit);
+}
+
+}  // namespace
+
+std::string trajectory_csv(const Solution& s) {
+  const ShootingProblem& problem = *s.built.problem;
+  const Trajectory& trajectory = s.result.trajectory;
+  std::string text = "t [s],phase";
+  std::set<std::string> used;
+  for (const Column& column : s.built.state_columns) {
+    used.insert(column.name);
+    text += ',' + with_unit(cell(column.name), column.unit);
+  }
+  for (const Column& column : s.built.control_columns)
+    text +=
+        ',' + with_unit(cell((used.contains(column.name) ? "u/" : "") + column.name), column.unit);
+  text += '\n';
+  for (int k = 0; k <= problem.knots(); ++k) {
+    const bool last = k == problem.knots();
+    const int phase = problem.knot(k).phase;
+    text += cell(problem.times()[k]) + ',' +
+            cell(last ? problem.terminal().name : problem.phases()[phase].name);
+    for (int i = 0; i < trajectory.nx(); ++i) text += ',' + cell(trajectory.x(k)[i]);
+    for (std::size_t i = 0; i < s.built.control_columns.size(); ++i)
+      text += last ? "," : ',' + cell(trajectory.u(k)[i]);
+    text += '\n';
+  }
+  return text;
+}
+
+std::string iterations_csv(const Solution& s) {
+  std::string text;
+  for (const LogColumn& column : log_columns())
+    text += (text.empty() ? "" : ",") + with_unit(std::string(column.name), column.unit);
+  text += '\n';
+  for (const IterationRecord& row : s.result.log) {
+    bool first = true;
+    for (const LogColumn& column : log_columns()) {
+      if (!first) text += ',';
+      first = false;
+      text += column.integer ? fmt::format("{}", static_cast<long long>(column.get(row)))
+                             : cell(column.get(row));
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+}  // namespace conddp

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+namespace conddp {
+
+using OrderedJson = nlohmann::ordered_json;
+
+/// JSON that a person can read: objects and lists of lists indented, lists of numbers and objects
+/// without structure inside on one line. Numbers by shortest round trip, null for what is not
+/// finite.
+std::string json_text(const OrderedJson& value);
+
+}  // namespace conddp

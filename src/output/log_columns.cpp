@@ -1,0 +1,32 @@
+#include "output/log_columns.hpp"
+
+namespace conddp {
+namespace {
+
+using Row = IterationRecord;
+
+constexpr LogColumn kColumns[] = {
+    {"iteration", "", true, [](const Row& r) -> double { return r.iteration; }},
+    {"cost", "", false, [](const Row& r) { return r.cost; }},
+    {"merit", "", false, [](const Row& r) { return r.merit; }},
+    {"stationarity", "", false, [](const Row& r) { return r.stationarity; }},
+    {"stationarity_knot", "", true, [](const Row& r) -> double { return r.stationarity_knot; }},
+    {"gap", "", false, [](const Row& r) { return r.gap; }},
+    {"gap_knot", "", true, [](const Row& r) -> double { return r.gap_knot; }},
+    {"constraint", "", false, [](const Row& r) { return r.constraint; }},
+    {"step", "", false, [](const Row& r) { return r.step; }},
+    {"regularization", "", false, [](const Row& r) { return r.regularization; }},
+    {"penalty", "", false, [](const Row& r) { return r.penalty; }},
+    {"expected_decrease", "", false, [](const Row& r) { return r.expected_decrease; }},
+    {"actual_decrease", "", false, [](const Row& r) { return r.actual_decrease; }},
+    {"trials", "", true, [](const Row& r) -> double { return r.trials; }},
+    {"clamped_controls", "", true, [](const Row& r) -> double { return r.clamped_controls; }},
+    {"active_set_changes", "", true, [](const Row& r) -> double { return r.active_set_changes; }},
+    {"time", "s", false, [](const Row& r) { return r.time_s; }},
+};
+
+}  // namespace
+
+std::span<const LogColumn> log_columns() { return kColumns; }
+
+}  // namespace conddp

@@ -1,0 +1,18 @@
+#pragma once
+
+#include "output/json_text.hpp"
+#include "output/solution.hpp"
+
+namespace conddp {
+
+/// What was solved and how it ended, without the bulk: problem, tool, status, costs, residuals,
+/// times, guess.
+OrderedJson solution_head(const Solution& solution);
+
+/// The whole of solution.json (schemas/solution.schema.json).
+OrderedJson solution_json(const Solution& solution);
+
+/// The values of all solver options by their dotted names as nested objects; infinity is null.
+OrderedJson options_json(const SolverOptions& options);
+
+}  // namespace conddp

@@ -1,0 +1,172 @@
+#include "problem_file/build.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "robot/near_names.hpp"
+#include "solvers/registry.hpp"
+
+namespace conddp {
+namespace {
+
+std::optional<Integrator> choose_integrator(const ProblemSpec& spec, const System& system,
+                                            Diagnostics& out) {
+  if (!spec.integrator) return default_integrator(system.kind());
+  const auto [integrator, place] = *spec.integrator;
+  const auto fail = [&](const char* message, const char* hint) {
+    out.error(place, message, hint);
+    return std::nullopt;
+  };
+  const bool discrete = system.kind() == SystemKind::discrete;
+  if (discrete && integrator != Integrator::discrete)
+    return fail("this system gives the next state itself: nothing is integrated",
+                "write 'integrator: discrete' or leave the key out");
+  if (!discrete && integrator == Integrator::discrete)
+    return fail("this system is continuous: it needs an integrator",
+                "accepted: semi_implicit_euler, explicit_euler, rk2, rk3, rk4");
+  if (integrator == Integrator::semi_implicit_euler && system.kind() != SystemKind::second_order)
+    return fail("semi-implicit Euler needs positions and velocities, which this system has not",
+                "accepted: explicit_euler, rk2, rk3, rk4");
+  return integrator;
+}
+
+std::vector<double> node_times(const ProblemSpec& spec) {
+  std::vector<double> times{0};
+  for (const PhaseSpec& phase : spec.phases)
+    for (int k = 0; k < phase.knots.value; ++k) times.push_back(times.back() + phase.dt);
+  return times;
+}
+
+void check_solver(const ProblemSpec& spec, Diagnostics& out) {
+  const SolverSpec& solver = spec.solver;
+  const SolverInfo* info = find_solver(solver.name.value);
+  if (info == nullptr) {
+    std::vector<std::string> names;
+    for (const SolverInfo& known : solvers()) names.emplace_back(known.name);
+    return out.error(solver.name.place, fmt::format("there is no solver '{}'", solver.name.value),
+                     name_hint(solver.name.value, names, "solvers"));
+  }
+  if (solver.options.hessian == HessianChoice::exact && !info->exact_hessian)
+    out.error(solver.name.place, fmt::format("{} has no exact Hessian of the dynamics", info->name),
+              "write 'hessian: automatic', or take ddp or box_ddp");
+  if (solver.options.hessian == HessianChoice::gauss_newton && !info->gauss_newton_hessian)
+    out.error(solver.name.place, fmt::format("{} always uses the exact Hessian", info->name),
+              "write 'hessian: automatic', or take ilqr");
+}
+
+void check_drop(const ProblemSpec& spec, const std::vector<std::string>& drop, Diagnostics& out) {
+  std::vector<std::string> names;
+  for (const ControlBoundsSpec& constraint : spec.constraints)
+    names.push_back(constraint.name.value);
+  for (const std::string& name : drop)
+    if (std::find(names.begin(), names.end(), name) == names.end())
+      out.error({}, fmt::format("--drop {}: there is no constraint '{}'", name, name),
+                name_hint(name, names, "constraints"));
+}
+
+/// Bounds of all constraints that are not dropped.
+PhaseBounds collect_bounds(const ProblemSpec& spec, const BuildOptions& options,
+                           BuiltProblem& built, Diagnostics& out) {
+  PhaseBounds bounds = unbounded(spec, built.plant);
+  for (const ControlBoundsSpec& constraint : spec.constraints) {
+    auto own = build_control_bounds(constraint, spec, built.plant, out);
+    if (!own) continue;
+    if (std::find(options.drop.begin(), options.drop.end(), constraint.name.value) !=
+        options.drop.end())
+      built.dropped.push_back({constraint.name.value, std::move(*own)});
+    else
+      intersect(*own, constraint.name, built.plant, bounds, out);
+  }
+  return bounds;
+}
+
+bool uses_control_rate(const ProblemSpec& spec) {
+  return std::any_of(spec.costs.begin(), spec.costs.end(),
+                     [](const CostSpec& cost) { return cost.kind == ResidualKind::kControlRate; });
+}
+
+/// The control before the first knot, the last part of a state with control memory.
+std::vector<double> previous_control(const ProblemSpec& spec, const Plant& plant, bool memory,
+                                     Diagnostics& out) {
+  const auto& given = spec.initial_state.previous_control;
+  if (given && !memory)
+    out.error(given->place, "'previous_control' serves costs on 'control_rate' only");
+  if (!given) return std::vector<double>(plant.system->nu(), 0.0);
+  return resolve(*given, control_names(*plant.system), 0.0, out).value_or(std::vector<double>{});
+}
+
+void name_columns(bool memory, BuiltProblem& built) {
+  built.state_columns = built.plant.system->state_columns();
+  built.control_columns = built.plant.system->control_columns();
+  if (!memory) return;
+  for (const Column& control : built.control_columns)
+    built.state_columns.push_back({"previous/" + control.name, control.unit});
+}
+
+}  // namespace
+
+Integrator default_integrator(SystemKind kind) {
+  switch (kind) {
+    case SystemKind::discrete:
+      return Integrator::discrete;
+    case SystemKind::first_order:
+      return Integrator::rk4;
+    case SystemKind::second_order:
+      break;
+  }
+  return Integrator::semi_implicit_euler;
+}
+
+std::optional<BuiltProblem> build_problem(const ProblemSpec& spec, const BuildOptions& options,
+                                          Diagnostics& out) {
+  check_solver(spec, out);
+  check_drop(spec, options.drop, out);
+  auto plant = build_plant(spec, out);
+  if (!plant) return std::nullopt;
+  BuiltProblem built{.plant = std::move(*plant)};
+  const System& system = *built.plant.system;
+  const auto integrator = choose_integrator(spec, system, out);
+  StateBuilder states(built.plant, out);
+  const auto initial = states.build(spec.initial_state);
+  if (initial) states.set_initial(*initial);
+  const bool memory = uses_control_rate(spec);
+  const auto previous = previous_control(spec, built.plant, memory, out);
+  if (!integrator || !initial) return std::nullopt;
+
+  const std::vector<double> times = node_times(spec);
+  const int ndx = system.ndx() + (memory ? system.nu() : 0);
+  const CostContext context{built.plant, states, ndx, times};
+  const std::vector<BuiltCost> costs = build_costs(spec.costs, context, out);
+  const std::vector<BuiltCost> terminal_costs = build_costs(spec.terminal_costs, context, out);
+  const PhaseBounds bounds = collect_bounds(spec, options, built, out);
+  const PhaseContext phase_context{spec, built.plant.system, *integrator, memory};
+  std::vector<Phase> phases = build_phases(phase_context, costs, bounds, out);
+  if (out.has_errors()) return std::nullopt;
+
+  Phase terminal = build_terminal(phase_context, terminal_costs, times.back());
+  std::vector<double> start = *initial;
+  if (memory) start.insert(start.end(), previous.begin(), previous.end());
+  built.problem =
+      std::make_shared<ShootingProblem>(std::move(start), std::move(phases), std::move(terminal));
+  name_columns(memory, built);
+  auto guess = build_guess({spec, built.plant, states, *built.problem}, built.guess_used, out);
+  if (!guess || out.has_errors()) return std::nullopt;
+  built.guess = std::move(*guess);
+  return built;
+}
+
+double violation(const DroppedConstraint& constraint, const ShootingProblem& problem,
+                 const Trajectory& trajectory) {
+  double largest = 0;
+  for (int k = 0; k < problem.knots(); ++k) {
+    const std::size_t phase = problem.knot(k).phase;
+    for (int i = 0; i < trajectory.nu(k); ++i) {
+      largest = std::max(largest, constraint.bounds.lower[phase][i] - trajectory.u(k)[i]);
+      largest = std::max(largest, trajectory.u(k)[i] - constraint.bounds.upper[phase][i]);
+    }
+  }
+  return largest;
+}
+
+}  // namespace conddp

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "problem_file/guess_builder.hpp"
+#include "problem_file/phase_builder.hpp"
+
+namespace conddp {
+
+struct BuildOptions {
+  /// Names of constraints to leave out.
+  std::vector<std::string> drop;
+};
+
+/// A constraint that was left out, kept so that its violation can be reported.
+struct DroppedConstraint {
+  std::string name;
+  PhaseBounds bounds;
+};
+
+/// A problem ready to be solved.
+struct BuiltProblem {
+  Plant plant;
+  std::shared_ptr<const ShootingProblem> problem;
+  std::vector<Column> state_columns;  ///< control memory included
+  std::vector<Column> control_columns;
+  Trajectory guess;
+  GuessUsed guess_used;
+  std::vector<DroppedConstraint> dropped;
+};
+
+/// Builds the problem that a spec describes. Unknown names of frames, joints, phases, solvers and
+/// so on are reported with their places and near names. The spec must outlive the result.
+std::optional<BuiltProblem> build_problem(const ProblemSpec& spec, const BuildOptions& options,
+                                          Diagnostics& out);
+
+/// The integrator of systems whose problem file names none.
+Integrator default_integrator(SystemKind kind);
+
+/// Largest violation of a dropped constraint by a trajectory, in the control's unit.
+double violation(const DroppedConstraint& constraint, const ShootingProblem& problem,
+                 const Trajectory& trajectory);
+
+}  // namespace conddp

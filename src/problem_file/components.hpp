@@ -1,0 +1,38 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "problem_file/spec_values.hpp"
+#include "systems/system.hpp"
+
+namespace conddp {
+
+/// What the components of a vector are called in a problem file.
+struct ComponentNames {
+  std::string what;                 ///< in messages: "joints", "columns of the state"
+  std::vector<std::string> names;   ///< full names
+  std::vector<std::string> second;  ///< other names accepted, empty where there is none
+
+  ComponentNames() = default;
+  ComponentNames(std::string what_they_are, std::vector<std::string> full_names);
+  int size() const { return static_cast<int>(names.size()); }
+};
+
+/// One number a component; components without one get `fallback`. A wrong length or an unknown name
+/// is reported. Of several names that fit, an exact one wins over one with `*`, a longer over a
+/// shorter one.
+std::optional<std::vector<double>> resolve(const ComponentsSpec& spec, const ComponentNames& names,
+                                           double fallback, Diagnostics& out);
+
+/// "joints: a, b, c", for hints.
+std::string list_of(const ComponentNames& names);
+
+ComponentNames state_names(const System& system);
+ComponentNames control_names(const System& system);
+/// Components of tangent vectors at a state: flat columns keep their names, a pose has x, y, z and
+/// rx, ry, rz (rotation vector) instead of its quaternion.
+ComponentNames tangent_names(const System& system);
+
+}  // namespace conddp

@@ -1,0 +1,96 @@
+#include "problem_file/cost_builder.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace conddp {
+namespace {
+
+/// The barrier's bounds: the robot's limits where asked for, and what the file says besides.
+bool set_barrier(const CostSpec& cost, const CostResidual& residual, Activation& activation,
+                 Diagnostics& out) {
+  const ActivationSpec& spec = cost.activation;
+  const std::size_t n = residual.residual->size();
+  activation.lower.assign(n, -kUnlimited);
+  activation.upper.assign(n, kUnlimited);
+  if (spec.from_urdf) {
+    if (residual.lower.empty()) {
+      out.error(
+          spec.place,
+          fmt::format("a robot has no limits for the residual '{}'", residual_info(cost.kind).name),
+          "'from: urdf' serves state, control, joint_position and joint_velocity");
+      return false;
+    }
+    if (cost.reference) {
+      out.error(cost.reference->place,
+                "limits from the URDF are absolute: leave the reference out");
+      return false;
+    }
+    activation.lower = residual.lower;
+    activation.upper = residual.upper;
+  }
+  std::vector<double> lower(n, -kUnlimited), upper(n, kUnlimited);
+  if (spec.lower) {
+    const auto values = resolve(*spec.lower, residual.rows, -kUnlimited, out);
+    if (!values) return false;
+    lower = *values;
+  }
+  if (spec.upper) {
+    const auto values = resolve(*spec.upper, residual.rows, kUnlimited, out);
+    if (!values) return false;
+    upper = *values;
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    activation.lower[i] = std::max(activation.lower[i], lower[i]);
+    activation.upper[i] = std::min(activation.upper[i], upper[i]);
+    if (activation.lower[i] <= activation.upper[i]) continue;
+    out.error(spec.place,
+              fmt::format("for '{}' the lower bound {} lies above the upper bound {}",
+                          residual.rows.names[i], activation.lower[i], activation.upper[i]));
+    return false;
+  }
+  return true;
+}
+
+std::optional<Activation> build_activation(const CostSpec& cost, const CostResidual& residual,
+                                           Diagnostics& out) {
+  Activation activation{.kind = cost.activation.kind, .epsilon = cost.activation.epsilon};
+  if (activation.kind == ActivationKind::quadratic_barrier &&
+      !set_barrier(cost, residual, activation, out))
+    return std::nullopt;
+  if (cost.weights) {
+    const auto weights = resolve(*cost.weights, residual.rows, 1.0, out);
+    if (!weights) return std::nullopt;
+    activation.weights = *weights;
+  }
+  return activation;
+}
+
+}  // namespace
+
+std::vector<BuiltCost> build_costs(const std::vector<CostSpec>& specs, const CostContext& context,
+                                   Diagnostics& out) {
+  std::vector<BuiltCost> costs;
+  for (const CostSpec& spec : specs) {
+    auto residual = make_cost_residual(spec, context.plant, context.ndx, out);
+    if (!residual) continue;
+    auto activation = build_activation(spec, *residual, out);
+    auto reference =
+        build_reference(spec, *residual, context.plant, context.states, context.times, out);
+    if (!activation || !reference) continue;
+    costs.push_back({&spec, std::move(*residual), std::move(*activation), std::move(*reference)});
+  }
+  return costs;
+}
+
+void write_parameters(const BuiltCost& cost, const CostTerm& term, double time, double weight,
+                      double* parameters) {
+  const std::vector<double> reference = cost.spec->kind == ResidualKind::kControl
+                                            ? cost.reference.hold(time)
+                                            : cost.reference.interpolate(time);
+  std::copy(reference.begin(), reference.end(), parameters + term.parameters);
+  parameters[term.weight] = weight;
+}
+
+}  // namespace conddp

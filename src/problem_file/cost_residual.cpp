@@ -1,0 +1,204 @@
+#include "problem_file/cost_residual.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "problem_file/time_series.hpp"
+#include "robot/near_names.hpp"
+
+namespace conddp {
+namespace {
+
+const std::vector<std::string> kPositionNames = {"x", "y", "z"};
+const std::vector<std::string> kRotationNames = {"rx", "ry", "rz"};
+const std::vector<std::string> kPoseNames = {"x", "y", "z", "rx", "ry", "rz"};
+const std::vector<std::string> kTwistNames = {"vx", "vy", "vz", "wx", "wy", "wz"};
+
+/// Whether a state index lies in a flat part of the manifold.
+bool is_flat(const StateManifold& manifold, int index) {
+  for (const auto& segment : manifold.segments())
+    if (segment.part == StateManifold::Part::flat && index >= segment.x &&
+        index < segment.x + segment.n)
+      return true;
+  return false;
+}
+
+/// Position and velocity limits of a robot in the order of tangent vectors.
+void set_state_limits(const MultibodySystem& system, CostResidual& result) {
+  result.lower.assign(system.ndx(), -kUnlimited);
+  result.upper.assign(system.ndx(), kUnlimited);
+  for (int joint = 0; joint < system.robot().joint_count(); ++joint) {
+    if (!is_independent(system.robot(), joint)) continue;
+    const MultibodySystem::JointLimits limits = system.limits(joint);
+    const int row = *system.velocity_row(joint);
+    result.lower[row] = limits.lower;
+    result.upper[row] = limits.upper;
+    result.lower[system.nv() + row] = -limits.max_velocity;
+    result.upper[system.nv() + row] = limits.max_velocity;
+  }
+}
+
+bool choose_columns(const CostSpec& cost, const System& system, CostResidual& result,
+                    Diagnostics& out) {
+  const ComponentNames all = state_names(system);
+  std::vector<std::string> flat, chosen;
+  for (int i = 0; i < system.nx(); ++i)
+    if (is_flat(system.manifold(), i)) flat.push_back(all.names[i]);
+  for (const Name& name : *cost.columns) {
+    const auto found = std::find(all.names.begin(), all.names.end(), name.value);
+    if (found == all.names.end() || std::find(flat.begin(), flat.end(), name.value) == flat.end()) {
+      out.error(name.place,
+                found == all.names.end()
+                    ? fmt::format("the state has no column '{}'", name.value)
+                    : fmt::format("'{}' is part of a pose and cannot be chosen alone", name.value),
+                name_hint(name.value, flat, "columns that can be chosen"));
+      return false;
+    }
+    chosen.push_back(name.value);
+    result.indices.push_back(static_cast<int>(found - all.names.begin()));
+  }
+  result.rows = result.references = {"chosen columns", chosen};
+  return true;
+}
+
+/// Joints of a residual: those named, else all. Writes names and limits.
+std::optional<std::vector<int>> choose_joints(const CostSpec& cost, const RobotModel& robot,
+                                              CostResidual& result, Diagnostics& out) {
+  std::vector<int> joints;
+  bool known = true;
+  if (cost.joints) {
+    for (const Name& name : *cost.joints) {
+      const auto joint = find_joint(robot, name, "", out);
+      known &= joint.has_value();
+      if (joint) joints.push_back(*joint);
+    }
+  } else {
+    for (int i = 0; i < robot.joint_count(); ++i)
+      if (is_independent(robot, i)) joints.push_back(i);
+  }
+  if (!known) return std::nullopt;
+  if (joints.empty()) {
+    out.error(cost.residual.place, fmt::format("the cost '{}' has no joint", cost.name.value));
+    return std::nullopt;
+  }
+  std::vector<std::string> names;
+  for (const int joint : joints) names.push_back(robot.joints[joint].name);
+  result.rows = result.references = {"joints", names};
+  result.parameters = StateManifold::flat(static_cast<int>(joints.size()));
+  return joints;
+}
+
+void make_joint_residual(const CostSpec& cost, const MultibodySystem& system, int ndx,
+                         CostResidual& result, Diagnostics& out) {
+  const auto joints = choose_joints(cost, system.robot(), result, out);
+  if (!joints) return;
+  const bool position = cost.kind == ResidualKind::kJointPosition;
+  for (const int joint : *joints) {
+    if (cost.kind == ResidualKind::kJointAcceleration) {
+      result.indices.push_back(*system.velocity_row(joint));
+      continue;
+    }
+    const MultibodySystem::JointLimits limits = system.limits(joint);
+    result.indices.push_back(position ? *system.position_index(joint)
+                                      : *system.velocity_index(joint));
+    result.lower.push_back(position ? limits.lower : -limits.max_velocity);
+    result.upper.push_back(position ? limits.upper : limits.max_velocity);
+  }
+  result.residual = cost.kind == ResidualKind::kJointAcceleration
+                        ? acceleration_residual(system, ndx, result.indices)
+                        : coordinate_residual(system.manifold(), result.indices);
+}
+
+void make_frame_residual(const CostSpec& cost, const Plant& plant, CostResidual& result,
+                         Diagnostics& out) {
+  const auto frame = find_frame(plant.robot(), *cost.frame, "", out);
+  if (!frame) return;
+  result.frame = *frame;
+  if (cost.kind == ResidualKind::kFramePosition) {
+    result.residual = frame_position_residual(plant.multibody, *frame);
+    result.rows = {"axes of the position", kPositionNames};
+    result.parameters = StateManifold::flat(3);
+  } else if (cost.kind == ResidualKind::kFrameRotation) {
+    result.residual = frame_rotation_residual(plant.multibody, *frame);
+    result.rows = {"axes of the rotation", kRotationNames};
+    result.parameters = rotation_manifold();
+  } else if (cost.kind == ResidualKind::kFramePlacement) {
+    result.residual = frame_placement_residual(plant.multibody, *frame);
+    result.rows = {"axes of the placement", kPoseNames};
+    result.parameters = pose_manifold();
+  } else {
+    result.residual = frame_velocity_residual(plant.multibody, *frame, cost.axes);
+    result.rows = {"axes of the velocity", kTwistNames};
+    result.parameters = StateManifold::flat(6);
+  }
+}
+
+}  // namespace
+
+std::optional<CostResidual> make_cost_residual(const CostSpec& cost, const Plant& plant, int ndx,
+                                               Diagnostics& out) {
+  const System& system = *plant.system;
+  const ResidualInfo& info = residual_info(cost.kind);
+  if (info.needs_robot && !plant.multibody) {
+    out.error(
+        cost.residual.place,
+        fmt::format("the residual '{}' needs a robot; this is a closed-form system", info.name),
+        "use 'state' (with 'columns') and 'control'");
+    return std::nullopt;
+  }
+  CostResidual result;
+  switch (cost.kind) {
+    case ResidualKind::kState:
+      if (cost.columns) {
+        if (!choose_columns(cost, system, result, out)) break;
+        result.residual = coordinate_residual(system.manifold(), result.indices);
+        result.parameters = StateManifold::flat(static_cast<int>(result.indices.size()));
+      } else {
+        result.residual = state_residual(system.manifold());
+        result.rows = tangent_names(system);
+        result.references = state_names(system);
+        result.parameters = system.manifold();
+        if (plant.multibody) set_state_limits(*plant.multibody, result);
+      }
+      break;
+    case ResidualKind::kControl:
+      result.residual = control_residual(ndx, system.nu());
+      result.rows = result.references = control_names(system);
+      result.parameters = StateManifold::flat(system.nu());
+      result.lower = system.control_lower();
+      result.upper = system.control_upper();
+      break;
+    case ResidualKind::kControlRate:
+      result.residual = control_rate_residual(system);
+      result.rows = control_names(system);
+      break;
+    case ResidualKind::kJointPosition:
+    case ResidualKind::kJointVelocity:
+    case ResidualKind::kJointAcceleration:
+      make_joint_residual(cost, *plant.multibody, ndx, result, out);
+      break;
+    case ResidualKind::kFramePosition:
+    case ResidualKind::kFrameRotation:
+    case ResidualKind::kFramePlacement:
+    case ResidualKind::kFrameVelocity:
+      make_frame_residual(cost, plant, result, out);
+      break;
+    case ResidualKind::kComPosition:
+      result.residual = com_position_residual(plant.multibody);
+      result.rows = {"axes of the position", kPositionNames};
+      result.parameters = StateManifold::flat(3);
+      break;
+    case ResidualKind::kControlGravity: {
+      result.residual = control_gravity_residual(plant.multibody, ndx);
+      std::vector<std::string> names(result.residual->size());
+      for (std::size_t i = 0; i < names.size(); ++i) names[i] = fmt::format("{}", i);
+      result.rows = {"actuated forces", names};
+      break;
+    }
+  }
+  if (!result.residual) return std::nullopt;
+  return result;
+}
+
+}  // namespace conddp

@@ -1,0 +1,222 @@
+#include "problem_file/guess_builder.hpp"
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include <fmt/format.h>
+
+namespace conddp {
+namespace {
+
+using States = GuessSpec::States;
+using Controls = GuessSpec::Controls;
+
+/// Normal numbers by Box and Muller, so that a seed gives the same ones with every standard
+/// library.
+class NormalNumbers {
+ public:
+  explicit NormalNumbers(std::uint64_t seed) : engine_(seed) {}
+  double next() {
+    const double radius = std::sqrt(-2 * std::log(1 - uniform()));
+    return radius * std::cos(2 * std::numbers::pi * uniform());
+  }
+
+ private:
+  double uniform() { return static_cast<double>(engine_() >> 11) * 0x1p-53; }
+  std::mt19937_64 engine_;
+};
+
+class GuessBuilder {
+ public:
+  GuessBuilder(const GuessContext& context, GuessUsed& used, Diagnostics& out)
+      : spec_(context.spec),
+        plant_(context.plant),
+        states_(context.states),
+        problem_(context.problem),
+        used_(used),
+        out_(out) {}
+
+  std::optional<Trajectory> build() {
+    Trajectory guess = problem_.create_trajectory();
+    const int errors = out_.error_count();
+    fill_states(guess);
+    if (out_.error_count() == errors) fill_controls(guess);
+    if (out_.error_count() > errors) return std::nullopt;
+    const int memory = problem_.nx() - plant_.system->nx();
+    for (int k = 1; memory > 0 && k <= problem_.knots(); ++k)
+      guess.x(k).tail(memory) = guess.u(k - 1);
+    return guess;
+  }
+
+ private:
+  const GuessSpec& guess() const { return spec_.guess; }
+  double time(int k) const { return problem_.times()[k]; }
+
+  void fill_states(Trajectory& trajectory) {
+    const StateManifold& manifold = plant_.system->manifold();
+    std::optional<TimeSeries> series;
+    switch (guess().states) {
+      case States::kInitial:
+        used_.states = "the initial state at every knot";
+        return;
+      case States::kInterpolate:
+        series = towards_target();
+        break;
+      case States::kKeyframes:
+        series = through_keyframes();
+        break;
+      case States::kFile:
+        series = series_of(*guess().states_file, file_columns(*guess().states_file, true), manifold,
+                           out_);
+        used_.states = describe(*guess().states_file, series);
+        break;
+    }
+    if (!series) return;
+    for (int k = 1; k <= problem_.knots(); ++k) {
+      const std::vector<double> x = series->interpolate(time(k));
+      trajectory.x(k).head(x.size()) = Eigen::Map<const Eigen::VectorXd>(x.data(), x.size());
+    }
+  }
+
+  /// From the initial state to the one that the terminal costs want.
+  std::optional<TimeSeries> towards_target() {
+    std::vector<double> target = states_.initial();
+    const std::vector<double>& times = problem_.times();
+    bool found = false;
+    for (const CostSpec& cost : spec_.terminal_costs) {
+      if (cost.kind != ResidualKind::kState && cost.kind != ResidualKind::kJointPosition) continue;
+      const auto residual = make_cost_residual(cost, plant_, problem_.ndx(), out_);
+      if (!residual) return std::nullopt;
+      const auto reference = build_reference(cost, *residual, plant_, states_, times, out_);
+      if (!reference) return std::nullopt;
+      const std::vector<double> value = reference->interpolate(times.back());
+      if (residual->indices.empty()) target = value;
+      for (std::size_t i = 0; i < residual->indices.size(); ++i)
+        target[residual->indices[i]] = value[i];
+      found = true;
+    }
+    if (!found) {
+      out_.error(
+          guess().states_place,
+          "to interpolate, the guess needs a terminal cost on the state or on joint positions",
+          "give one, or use keyframes");
+      return std::nullopt;
+    }
+    used_.states = "from the initial state straight to the target of the terminal costs";
+    TimeSeries series(plant_.system->manifold(), states_.initial());
+    series.append(times.back(), std::move(target));
+    return series;
+  }
+
+  std::optional<TimeSeries> through_keyframes() {
+    TimeSeries series(plant_.system->manifold());
+    bool good = true;
+    for (const KeyframeSpec& keyframe : guess().keyframes) {
+      double when = keyframe.time ? keyframe.time->value : 0;
+      if (keyframe.knot) {
+        if (keyframe.knot->value > problem_.knots()) {
+          out_.error(keyframe.knot->place,
+                     fmt::format("nodes are numbered from 0 to {}", problem_.knots()));
+          good = false;
+          continue;
+        }
+        when = time(keyframe.knot->value);
+      }
+      if (series.empty() && when > 0) series.append(0, states_.initial());
+      if (!series.empty() && when <= series.last_time()) {
+        out_.error(keyframe.place, "keyframes must stand in the order of time");
+        good = false;
+        continue;
+      }
+      const auto state = states_.build(keyframe.state);
+      good &= state.has_value();
+      if (state) series.append(when, *state);
+    }
+    if (!good) return std::nullopt;
+    used_.states = fmt::format("interpolated between {} keyframes", guess().keyframes.size());
+    return series;
+  }
+
+  void fill_controls(Trajectory& trajectory) {
+    const ComponentNames names = control_names(*plant_.system);
+    switch (guess().controls) {
+      case Controls::kZero:
+        used_.controls = "zero";
+        break;
+      case Controls::kQuasiStatic:
+        if (!plant_.multibody && plant_.system->kind() != SystemKind::second_order)
+          return out_.error(guess().controls_place,
+                            "this system has no gravity that controls could hold it against");
+        used_.controls = "those that hold the guessed states against gravity";
+        for (int k = 0; k < problem_.knots(); ++k)
+          trajectory.u(k) = quasi_static_control(plant_, trajectory.x(k).data());
+        break;
+      case Controls::kConstant: {
+        const auto values = resolve(*guess().constant, names, 0.0, out_);
+        if (!values) return;
+        used_.controls = "constant";
+        for (int k = 0; k < problem_.knots(); ++k)
+          trajectory.u(k) = Eigen::Map<const Eigen::VectorXd>(values->data(), values->size());
+        break;
+      }
+      case Controls::kFile: {
+        const DataFileSpec& file = *guess().controls_file;
+        const auto series =
+            series_of(file, file_columns(file, false), StateManifold::flat(names.size()), out_);
+        if (!series) return;
+        used_.controls = describe(file, series);
+        for (int k = 0; k < problem_.knots(); ++k) {
+          const std::vector<double>& u = series->hold(time(k));
+          trajectory.u(k) = Eigen::Map<const Eigen::VectorXd>(u.data(), u.size());
+        }
+        break;
+      }
+    }
+    if (!guess().random) return;
+    const GuessSpec::Random& random = *guess().random;
+    used_.seed = random.seed;
+    used_.controls +=
+        fmt::format(", plus {} times normal random numbers of seed {}", random.scale, random.seed);
+    NormalNumbers normal(random.seed);
+    for (int k = 0; k < problem_.knots(); ++k)
+      for (int i = 0; i < problem_.nu(k); ++i) trajectory.u(k)[i] += random.scale * normal.next();
+  }
+
+  std::vector<std::string> file_columns(const DataFileSpec& file, bool states) {
+    if (file.columns.empty())
+      return states ? state_names(*plant_.system).names : control_names(*plant_.system).names;
+    const std::size_t count = states ? plant_.system->nx() : plant_.system->nu();
+    std::vector<std::string> columns;
+    for (const Name& name : file.columns) columns.push_back(name.value);
+    if (columns.size() != count)
+      out_.error(file.file.place,
+                 fmt::format("{} columns are needed, not {}", count, columns.size()));
+    columns.resize(count);
+    return columns;
+  }
+
+  std::string describe(const DataFileSpec& file, const std::optional<TimeSeries>& series) const {
+    if (!series) return {};
+    std::string text = fmt::format("from {}", file.file.value);
+    if (series->last_time() + 1e-9 < time(problem_.knots() - 1))
+      text += fmt::format(", its last values held after t = {} s", series->last_time());
+    return text;
+  }
+
+  const ProblemSpec& spec_;
+  const Plant& plant_;
+  const StateBuilder& states_;
+  const ShootingProblem& problem_;
+  GuessUsed& used_;
+  Diagnostics& out_;
+};
+
+}  // namespace
+
+std::optional<Trajectory> build_guess(const GuessContext& context, GuessUsed& used,
+                                      Diagnostics& out) {
+  return GuessBuilder(context, used, out).build();
+}
+
+}  // namespace conddp

@@ -1,0 +1,188 @@
+#include "problem_file/phase_builder.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <tuple>
+
+#include <fmt/format.h>
+
+#include "robot/near_names.hpp"
+
+namespace conddp {
+namespace {
+
+/// For each cost its weight at each running knot: 0 where it is off.
+std::vector<std::vector<double>> schedule(const ProblemSpec& spec,
+                                          const std::vector<BuiltCost>& costs, Diagnostics& out) {
+  std::vector<std::vector<double>> weights;
+  for (const BuiltCost& cost : costs) {
+    const CostSpec& c = *cost.spec;
+    const std::vector<bool> in_phase = phases_named(c.phases, spec, out);
+    std::vector<double>& row = weights.emplace_back();
+    for (std::size_t p = 0; p < spec.phases.size(); ++p) {
+      double weight = c.weight;
+      for (const auto& [name, value] : spec.phases[p].weights)
+        if (name.value == c.name.value) weight = value;
+      row.insert(row.end(), spec.phases[p].knots.value, in_phase[p] ? weight : 0.0);
+    }
+    if (!c.knots) continue;
+    std::vector<bool> chosen(row.size(), false);
+    for (const Located<int>& knot : *c.knots) {
+      if (knot.value < static_cast<int>(row.size()))
+        chosen[knot.value] = true;
+      else
+        out.error(knot.place,
+                  fmt::format("running knots are numbered from 0 to {}", row.size() - 1),
+                  "costs on the last node stand under 'terminal'");
+    }
+    for (std::size_t k = 0; k < row.size(); ++k)
+      if (!chosen[k]) row[k] = 0;
+  }
+  return weights;
+}
+
+void check_phase_weights(const ProblemSpec& spec, Diagnostics& out) {
+  std::vector<std::string> names;
+  for (const CostSpec& cost : spec.costs) names.push_back(cost.name.value);
+  for (const PhaseSpec& phase : spec.phases)
+    for (const auto& [name, value] : phase.weights)
+      if (std::find(names.begin(), names.end(), name.value) == names.end())
+        out.error(name.place, fmt::format("there is no cost '{}'", name.value),
+                  name_hint(name.value, names, "costs"));
+}
+
+}  // namespace
+
+std::vector<bool> phases_named(const std::optional<std::vector<Name>>& names,
+                               const ProblemSpec& spec, Diagnostics& out) {
+  std::vector<bool> named(spec.phases.size(), !names.has_value());
+  if (!names) return named;
+  std::vector<std::string> known;
+  for (const PhaseSpec& phase : spec.phases) known.push_back(phase.name.value);
+  for (const Name& name : *names) {
+    const auto found = std::find(known.begin(), known.end(), name.value);
+    if (found != known.end())
+      named[found - known.begin()] = true;
+    else
+      out.error(name.place, fmt::format("there is no phase '{}'", name.value),
+                name_hint(name.value, known, "phases"));
+  }
+  return named;
+}
+
+PhaseBounds unbounded(const ProblemSpec& spec, const Plant& plant) {
+  const std::vector<double> none(plant.system->nu(), kUnlimited);
+  std::vector<double> below(none.size(), -kUnlimited);
+  return {std::vector(spec.phases.size(), below), std::vector(spec.phases.size(), none)};
+}
+
+std::optional<PhaseBounds> build_control_bounds(const ControlBoundsSpec& constraint,
+                                                const ProblemSpec& spec, const Plant& plant,
+                                                Diagnostics& out) {
+  const ComponentNames names = control_names(*plant.system);
+  const int errors = out.error_count();
+  std::vector<double> lower(names.names.size(), -kUnlimited), upper(names.names.size(), kUnlimited);
+  if (constraint.from_urdf) {
+    lower = plant.system->control_lower();
+    upper = plant.system->control_upper();
+    const auto finite = [](double v) { return std::isfinite(v); };
+    if (!plant.multibody)
+      out.error(constraint.from_place, "a closed-form system has no URDF",
+                "give 'lower' and 'upper'");
+    else if (std::none_of(lower.begin(), lower.end(), finite) &&
+             std::none_of(upper.begin(), upper.end(), finite))
+      out.warning(constraint.from_place, "the URDF gives no effort limit to any control");
+  }
+  const auto narrow = [&](const std::optional<ComponentsSpec>& given, std::vector<double>& bounds,
+                          double none, auto better) {
+    if (!given) return;
+    if (const auto values = resolve(*given, names, none, out))
+      for (std::size_t i = 0; i < bounds.size(); ++i) bounds[i] = better(bounds[i], (*values)[i]);
+  };
+  narrow(constraint.lower, lower, -kUnlimited, [](double a, double b) { return std::max(a, b); });
+  narrow(constraint.upper, upper, kUnlimited, [](double a, double b) { return std::min(a, b); });
+  const std::vector<bool> named = phases_named(constraint.phases, spec, out);
+  if (out.error_count() > errors) return std::nullopt;
+  PhaseBounds bounds = unbounded(spec, plant);
+  for (std::size_t p = 0; p < named.size(); ++p)
+    if (named[p]) bounds.lower[p] = lower, bounds.upper[p] = upper;
+  return bounds;
+}
+
+void intersect(const PhaseBounds& other, const Name& name, const Plant& plant, PhaseBounds& bounds,
+               Diagnostics& out) {
+  for (std::size_t p = 0; p < bounds.lower.size(); ++p)
+    for (std::size_t i = 0; i < bounds.lower[p].size(); ++i) {
+      double& lower = bounds.lower[p][i];
+      double& upper = bounds.upper[p][i];
+      lower = std::max(lower, other.lower[p][i]);
+      upper = std::min(upper, other.upper[p][i]);
+      if (lower <= upper) continue;
+      return out.error(name.place,
+                       fmt::format("no value of '{}' keeps the bounds: the lower one is {}, the "
+                                   "upper one {}",
+                                   plant.system->control_columns()[i].name, lower, upper));
+    }
+}
+
+std::vector<Phase> build_phases(const PhaseContext& context, const std::vector<BuiltCost>& costs,
+                                const PhaseBounds& bounds, Diagnostics& out) {
+  const ProblemSpec& spec = context.spec;
+  check_phase_weights(spec, out);
+  const auto weights = schedule(spec, costs, out);
+  using Structure = std::tuple<std::vector<int>, std::vector<double>, std::vector<double>>;
+  std::map<Structure, std::shared_ptr<const KnotModel>> models;
+  std::vector<Phase> phases;
+  int first = 0;
+  double start = 0;
+  for (std::size_t p = 0; p < spec.phases.size(); ++p) {
+    const PhaseSpec& given = spec.phases[p];
+    const int n = given.knots.value;
+    std::vector<int> active;
+    for (std::size_t c = 0; c < costs.size(); ++c) {
+      const auto begin = weights[c].begin() + first;
+      if (std::any_of(begin, begin + n, [](double w) { return w != 0; }))
+        active.push_back(static_cast<int>(c));
+    }
+    auto& model = models[{active, bounds.lower[p], bounds.upper[p]}];
+    if (!model) {
+      auto fresh =
+          std::make_shared<KnotModel>(context.system, context.integrator, context.control_memory);
+      for (const int c : active)
+        fresh->add_cost(costs[c].spec->name.value, costs[c].residual.residual, costs[c].activation);
+      fresh->set_control_bounds(bounds.lower[p], bounds.upper[p]);
+      model = std::move(fresh);
+    }
+    Phase phase{.name = given.name.value, .model = model};
+    phase.dt.assign(n, given.dt);
+    phase.cost_scale.assign(n, spec.running_costs == RunningCosts::kRate ? given.dt : 1.0);
+    phase.parameters.resize(static_cast<std::size_t>(n) * model->parameter_count());
+    double time = start;
+    for (int k = 0; k < n; ++k, time += given.dt)
+      for (std::size_t i = 0; i < active.size(); ++i)
+        write_parameters(costs[active[i]], model->costs()[i], time, weights[active[i]][first + k],
+                         phase.parameters.data() + k * model->parameter_count());
+    phases.push_back(std::move(phase));
+    first += n;
+    start = time;
+  }
+  return phases;
+}
+
+Phase build_terminal(const PhaseContext& context, const std::vector<BuiltCost>& costs,
+                     double time) {
+  auto model =
+      std::make_shared<KnotModel>(context.system, Integrator::none, context.control_memory);
+  for (const BuiltCost& cost : costs)
+    model->add_cost(cost.spec->name.value, cost.residual.residual, cost.activation);
+  Phase terminal{.name = "terminal", .dt = {0.0}, .cost_scale = {1.0}};
+  terminal.parameters.resize(model->parameter_count());
+  for (std::size_t i = 0; i < costs.size(); ++i)
+    write_parameters(costs[i], model->costs()[i], time, costs[i].spec->weight,
+                     terminal.parameters.data());
+  terminal.model = std::move(model);
+  return terminal;
+}
+
+}  // namespace conddp

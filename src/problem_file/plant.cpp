@@ -1,0 +1,136 @@
+#include "problem_file/plant.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "problem_file/plant_robot.hpp"
+#include "robot/combine.hpp"
+#include "robot/near_names.hpp"
+
+namespace conddp {
+namespace {
+
+template <class... Cases>
+struct Overloaded : Cases... {
+  using Cases::operator()...;
+};
+
+/// The step of a discrete system: all phases must have it.
+std::optional<double> common_step(const ProblemSpec& spec, Diagnostics& out) {
+  const double dt = spec.phases.front().dt;
+  for (const PhaseSpec& phase : spec.phases)
+    if (phase.dt != dt) {
+      out.error(phase.name.place, "the phases of this system must have the same dt",
+                fmt::format("'{}' has {}, '{}' has {}", spec.phases.front().name.value, dt,
+                            phase.name.value, phase.dt));
+      return std::nullopt;
+    }
+  return dt;
+}
+
+std::shared_ptr<const System> make_system(const ProblemSpec& spec, Diagnostics& out) {
+  using Result = std::shared_ptr<const System>;
+  return std::visit(
+      Overloaded{
+          [](const DoubleIntegratorSpec& p) -> Result { return double_integrator(p.dimension); },
+          [](const LinearSpec& p) -> Result { return linear_system(p.A, p.B, p.c); },
+          [](const PendulumParameters& p) -> Result { return pendulum(p); },
+          [](const CartpoleParameters& p) -> Result { return cartpole(p); },
+          [](const AcrobotParameters& p) -> Result { return acrobot(p); },
+          [](const UnicycleSpec&) -> Result { return unicycle(); },
+          [&](const CarSpec& p) -> Result {
+            const auto step = common_step(spec, out);
+            return step ? car(p.wheelbase, *step) : nullptr;
+          },
+          [](const PlanarQuadrotorParameters& p) -> Result { return planar_quadrotor(p); },
+          [](const QuadrotorParameters& p) -> Result { return quadrotor(p); },
+      },
+      spec.system->parameters);
+}
+
+}  // namespace
+
+std::optional<Plant> build_plant(const ProblemSpec& spec, Diagnostics& out) {
+  Plant plant;
+  if (spec.system) {
+    plant.system = make_system(spec, out);
+    if (!plant.system) return std::nullopt;
+    return plant;
+  }
+  std::vector<RobotModel> trees;
+  int joints = 0;
+  for (const RobotSpec& robot : spec.robots) {
+    const std::string prefix = robot.name.value.empty() ? "" : robot.name.value + "/";
+    auto tree = load_robot(robot, prefix, spec.gravity, out);
+    if (!tree) continue;
+    plant.parts.push_back({&robot, prefix, joints, tree->joint_count()});
+    joints += tree->joint_count();
+    trees.push_back(std::move(*tree));
+  }
+  if (trees.size() != spec.robots.size()) return std::nullopt;
+  auto model = std::make_shared<RobotModel>(combine(std::move(trees)));
+  add_external_wrenches(plant.parts, *model, out);
+  const auto actuation = make_actuation(plant.parts, *model, out);
+  const auto passive = make_passive_forces(plant.parts, *model, out);
+  if (!actuation || !passive) return std::nullopt;
+  try {
+    plant.multibody = std::make_shared<MultibodySystem>(model, *actuation, *passive);
+  } catch (const std::invalid_argument& e) {  // chains of mimic joints that cannot be resolved
+    out.error(plant.parts.front().spec->place, e.what());
+    return std::nullopt;
+  }
+  plant.system = plant.multibody;
+  return plant;
+}
+
+bool is_independent(const RobotModel& robot, int joint) {
+  if (robot.joints[joint].type == JointType::floating) return false;
+  return std::none_of(robot.mimics.begin(), robot.mimics.end(),
+                      [&](const Mimic& mimic) { return mimic.joint == joint; });
+}
+
+std::vector<std::string> joint_names(const RobotModel& robot) {
+  std::vector<std::string> names;
+  for (int i = 0; i < robot.joint_count(); ++i)
+    if (is_independent(robot, i)) names.push_back(robot.joints[i].name);
+  return names;
+}
+
+std::vector<std::string> frame_names(const RobotModel& robot) {
+  std::vector<std::string> names;
+  for (const Frame& frame : robot.frames) names.push_back(frame.name);
+  return names;
+}
+
+std::optional<int> find_frame(const RobotModel& robot, const Name& name, const std::string& prefix,
+                              Diagnostics& out) {
+  const auto frame = robot.find_frame(prefix + name.value);
+  if (!frame)
+    out.error(name.place, fmt::format("the robot has no frame '{}'", prefix + name.value),
+              name_hint(prefix + name.value, frame_names(robot), "frames"));
+  return frame;
+}
+
+std::optional<int> find_joint(const RobotModel& robot, const Name& name, const std::string& prefix,
+                              Diagnostics& out) {
+  const std::string full = prefix + name.value;
+  const auto joint = robot.find_joint(full);
+  if (joint && is_independent(robot, *joint)) return joint;
+  if (joint && robot.joints[*joint].type == JointType::floating)
+    out.error(name.place, fmt::format("'{}' is the floating base, not a joint", full));
+  else if (joint)
+    out.error(name.place, fmt::format("the joint '{}' follows another one", full),
+              "name the joint that it mimics, or write 'mimic: ignore'");
+  else if (const auto frame = robot.find_frame(full);
+           frame && robot.frames[*frame].kind == FrameKind::joint)
+    out.error(name.place, fmt::format("the joint '{}' does not move: it is fixed or locked", full),
+              name_hint(full, joint_names(robot), "joints"));
+  else
+    out.error(name.place, fmt::format("the robot has no joint '{}'", full),
+              name_hint(full, joint_names(robot), "joints"));
+  return std::nullopt;
+}
+
+}  // namespace conddp

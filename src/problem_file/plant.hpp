@@ -1,0 +1,48 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "problem_file/spec.hpp"
+#include "systems/multibody.hpp"
+
+namespace conddp {
+
+/// One robot's share of the model.
+struct PlantPart {
+  const RobotSpec* spec;
+  std::string prefix;  ///< of its joints' and frames' names: "arm/", or empty
+  int first_joint = 0;
+  int joint_count = 0;
+};
+
+/// What moves: a closed-form system, or robots as one multibody system.
+struct Plant {
+  std::shared_ptr<const System> system;
+  std::shared_ptr<const MultibodySystem> multibody;  ///< the same system, null if closed-form
+  std::vector<PlantPart> parts;                      ///< empty if closed-form
+
+  const RobotModel& robot() const { return multibody->robot(); }
+};
+
+/// Loads the robots or makes the closed-form system. Notes of the URDF files (what is ignored) are
+/// reported as well. The spec must outlive the plant.
+std::optional<Plant> build_plant(const ProblemSpec& spec, Diagnostics& out);
+
+/// Whether a joint has a coordinate of its own: not a floating base, not a mimic joint.
+bool is_independent(const RobotModel& robot, int joint);
+
+/// Names of all independent joints, and of all frames.
+std::vector<std::string> joint_names(const RobotModel& robot);
+std::vector<std::string> frame_names(const RobotModel& robot);
+
+/// The frame's index; an unknown name is reported at its place.
+std::optional<int> find_frame(const RobotModel& robot, const Name& name, const std::string& prefix,
+                              Diagnostics& out);
+/// The index of an independent joint.
+std::optional<int> find_joint(const RobotModel& robot, const Name& name, const std::string& prefix,
+                              Diagnostics& out);
+
+}  // namespace conddp

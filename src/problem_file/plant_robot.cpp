@@ -1,0 +1,134 @@
+#include "problem_file/plant_robot.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace conddp {
+namespace {
+
+UrdfOptions urdf_options(const RobotSpec& spec, const std::string& prefix,
+                         const Vector3<double>& gravity) {
+  UrdfOptions options;
+  options.base = spec.base;
+  for (const auto& [name, value] : spec.locked_joints) options.locked_joints[name.value] = value;
+  for (const PayloadSpec& payload : spec.payloads)
+    options.payloads.push_back({payload.link.value, payload.mass, payload.com, payload.inertia});
+  for (const auto& [name, value] : spec.rotor_inertia) options.rotor_inertia[name.value] = value;
+  options.enforce_mimic = spec.enforce_mimic;
+  options.gravity = gravity;
+  options.prefix = prefix;
+  if (spec.placement) {
+    SE3<double> placement = SE3<double>::identity();
+    if (spec.placement->position) placement.p = *spec.placement->position;
+    if (spec.placement->orientation) placement.R = rotation_matrix(*spec.placement->orientation);
+    options.placement = placement;
+  }
+  return options;
+}
+
+/// Where the problem file names a link or joint that the URDF's reader complains about.
+Place place_of(const RobotSpec& spec, const std::string& element) {
+  for (const NamedNumbers* numbers : {&spec.locked_joints, &spec.rotor_inertia})
+    for (const auto& [name, value] : *numbers)
+      if (name.value == element) return name.place;
+  for (const PayloadSpec& payload : spec.payloads)
+    if (payload.link.value == element) return payload.link.place;
+  return spec.urdf.place;
+}
+
+}  // namespace
+
+std::optional<RobotModel> load_robot(const RobotSpec& spec, const std::string& prefix,
+                                     const Vector3<double>& gravity, Diagnostics& out) {
+  UrdfResult result = load_urdf(spec.path, urdf_options(spec, prefix, gravity));
+  for (const UrdfProblem& problem : result.problems) {
+    const Severity severity = problem.warning ? Severity::kWarning : Severity::kError;
+    Diagnostic d{.severity = severity, .message = problem.message, .hint = problem.hint};
+    if (problem.line > 0) {
+      d.file = spec.path.string();
+      d.line = problem.line;
+      d.column = problem.column;
+    } else {
+      const Place place = place_of(spec, problem.element);
+      d.path = place.path;
+      if (place.mark.source >= 0) d.file = out.source_name(place.mark.source);
+      d.line = place.mark.line;
+      d.column = place.mark.column;
+    }
+    out.add(std::move(d));
+  }
+  for (const std::string& note : result.notes)
+    out.add({.file = spec.path.string(), .severity = Severity::kNote, .message = note});
+  return std::move(result.model);
+}
+
+void add_external_wrenches(const std::vector<PlantPart>& parts, RobotModel& model,
+                           Diagnostics& out) {
+  for (const PlantPart& part : parts)
+    for (const WrenchSpec& wrench : part.spec->external_wrenches)
+      if (const auto frame = find_frame(model, wrench.frame, part.prefix, out))
+        model.wrenches.push_back({*frame, wrench.wrench});
+}
+
+std::optional<Actuation> make_actuation(const std::vector<PlantPart>& parts,
+                                        const RobotModel& model, Diagnostics& out) {
+  const int errors = out.error_count();
+  std::vector<Thruster> thrusters;
+  std::vector<std::string> joints;
+  for (const PlantPart& part : parts) {
+    const ActuationSpec& spec = part.spec->actuation;
+    for (int i = 0; spec.full && i < part.joint_count; ++i) {
+      const int joint = part.first_joint + i;
+      if (is_independent(model, joint)) joints.push_back(model.joints[joint].name);
+    }
+    for (const Name& name : spec.joints)
+      if (const auto joint = find_joint(model, name, part.prefix, out))
+        joints.push_back(model.joints[*joint].name);
+    for (const ThrusterSpec& t : spec.thrusters) {
+      const std::string name = part.prefix + t.name.value;
+      const auto frame = find_frame(model, t.frame, part.prefix, out);
+      if (!frame) continue;
+      const int joint = model.frames[*frame].joint;
+      if (joint < 0 || model.joints[joint].type != JointType::floating)
+        out.error(t.frame.place, fmt::format("the thruster's frame '{}' is not fixed to a floating "
+                                             "base",
+                                             t.frame.value));
+      const auto same = [&](const Thruster& other) { return other.name == name; };
+      if (std::any_of(thrusters.begin(), thrusters.end(), same) ||
+          std::find(joints.begin(), joints.end(), name) != joints.end())
+        out.error(t.name.place, fmt::format("two controls have the name '{}'", t.name.value));
+      thrusters.push_back({name, *frame, t.direction, t.torque_ratio, t.lower, t.upper});
+    }
+  }
+  if (out.error_count() > errors) return std::nullopt;
+  if (thrusters.empty() && joints.empty()) {
+    out.error(parts.front().spec->place, "nothing is actuated",
+              "give 'actuation: full', joints or thrusters");
+    return std::nullopt;
+  }
+  return Actuation::thrusters(model, thrusters, joints);
+}
+
+std::optional<PassiveForces> make_passive_forces(const std::vector<PlantPart>& parts,
+                                                 RobotModel& model, Diagnostics& out) {
+  PassiveForces forces;
+  for (const PlantPart& part : parts) {
+    const PassiveSpec& passive = part.spec->passive;
+    for (int i = part.first_joint; i < part.first_joint + part.joint_count; ++i) {
+      if (!passive.damping) model.joints[i].damping = 0;
+      if (!passive.friction) model.joints[i].friction = 0;
+    }
+    if (forces.friction && passive.friction &&
+        passive.friction_velocity != forces.friction_velocity) {
+      out.error(part.spec->place, "robots of one problem share one 'friction_velocity'");
+      return std::nullopt;
+    }
+    forces.damping |= passive.damping;
+    if (passive.friction) forces.friction_velocity = passive.friction_velocity;
+    forces.friction |= passive.friction;
+  }
+  return forces;
+}
+
+}  // namespace conddp

@@ -1,0 +1,132 @@
+#include <fmt/format.h>
+
+#include "problem_file/read_sections.hpp"
+
+namespace conddp {
+namespace {
+
+constexpr Choice<ActivationKind> kActivations[] = {
+    {"quadratic", ActivationKind::quadratic},
+    {"quadratic_barrier", ActivationKind::quadratic_barrier},
+    {"smooth_l1", ActivationKind::smooth_l1},
+    {"smooth_l2", ActivationKind::smooth_l2}};
+
+ActivationSpec read_activation(const YamlReader& reader) {
+  ActivationSpec activation{.place = reader.place()};
+  if (reader.is_scalar()) {
+    activation.kind = reader.choice(kActivations, "activation").value_or(activation.kind);
+    if (activation.kind == ActivationKind::quadratic_barrier)
+      reader.error("a barrier needs its bounds",
+                   "write '{kind: quadratic_barrier, lower: ..., upper: ...}' or 'from: urdf'");
+    return activation;
+  }
+  YamlMap map(reader);
+  const auto kind = map.require("kind");
+  if (kind) activation.kind = kind->choice(kActivations, "activation").value_or(activation.kind);
+  const auto lower = map.find("lower");
+  const auto upper = map.find("upper");
+  const auto from = map.find("from");
+  if (lower) activation.lower = read_components(*lower);
+  if (upper) activation.upper = read_components(*upper);
+  if (from) {
+    static constexpr Choice<bool> kWords[] = {{"urdf", true}};
+    activation.from_urdf = from->choice(kWords, "source of bounds").value_or(false);
+  }
+  if (activation.kind == ActivationKind::quadratic_barrier) {
+    if (!lower && !upper && !from) reader.error("a barrier needs 'lower', 'upper' or 'from: urdf'");
+  } else if (kind) {
+    for (const auto& bound : {lower, upper, from})
+      if (bound) bound->error("bounds belong to the activation 'quadratic_barrier'");
+  }
+  if (const auto epsilon = map.find("epsilon")) {
+    activation.epsilon = epsilon->number(kPositive).value_or(activation.epsilon);
+    if (activation.kind == ActivationKind::quadratic ||
+        activation.kind == ActivationKind::quadratic_barrier)
+      epsilon->error("'epsilon' belongs to the smooth norms");
+  }
+  return activation;
+}
+
+std::vector<Located<int>> read_knots(const YamlReader& reader) {
+  std::vector<Located<int>> knots;
+  if (const auto items = reader.items())
+    for (const YamlReader& item : *items)
+      if (const auto knot = item.integer(0, 1'000'000))
+        knots.push_back({static_cast<int>(*knot), item.place()});
+  return knots;
+}
+
+void read_selection(YamlMap& map, const ResidualInfo& info, CostSpec& cost) {
+  const auto unfit = [&](const YamlReader& reader, std::string_view key) {
+    reader.error(fmt::format("the residual '{}' has no '{}'", info.name, key));
+  };
+  if (info.needs_frame) {
+    if (const auto r = map.require("frame")) cost.frame = r->name();
+  } else if (const auto r = map.find("frame")) {
+    unfit(*r, "frame");
+  }
+  if (const auto r = map.find("joints")) {
+    cost.joints = r->name_or_names();
+    if (!info.takes_joints) unfit(*r, "joints");
+  }
+  if (const auto r = map.find("columns")) {
+    cost.columns = r->name_or_names();
+    if (info.kind != ResidualKind::kState) unfit(*r, "columns");
+  }
+  if (const auto r = map.find("axes")) {
+    static constexpr Choice<FrameAxes> kAxes[] = {{"local", FrameAxes::local},
+                                                  {"world", FrameAxes::world_aligned}};
+    cost.axes = r->choice(kAxes, "system of axes").value_or(cost.axes);
+    if (info.kind != ResidualKind::kFrameVelocity) unfit(*r, "axes");
+  }
+}
+
+CostSpec read_cost(const Name& name, const YamlReader& reader, const std::filesystem::path& folder,
+                   bool terminal) {
+  CostSpec cost{.name = name};
+  YamlMap map(reader);
+  if (!map.valid()) return cost;
+  const auto residual = map.require("residual");
+  std::vector<std::string> words;
+  for (const ResidualInfo& info : residual_table()) words.emplace_back(info.name);
+  const auto index = residual ? residual->choose(words, "residual") : std::nullopt;
+  if (!index) {
+    map.ignore_others();
+    return cost;
+  }
+  const ResidualInfo& info = residual_table()[*index];
+  cost.kind = info.kind;
+  cost.residual = {std::string(info.name), residual->place()};
+  map.number("weight", cost.weight, kNotNegative);
+  if (const auto r = map.find("activation")) cost.activation = read_activation(*r);
+  if (const auto r = map.find("weights")) cost.weights = read_components(*r, kNotNegative);
+  read_selection(map, info, cost);
+  if (const auto r = map.find("reference")) {
+    if (info.takes_reference)
+      cost.reference = read_reference(*r, info.kind, folder);
+    else
+      r->error(fmt::format("the residual '{}' has no reference", info.name));
+  }
+  if (terminal) {
+    if (info.needs_control)
+      residual->error(fmt::format(
+          "the residual '{}' needs a control, and there is none at the terminal node", info.name));
+  } else {
+    if (const auto r = map.find("phases")) cost.phases = r->name_or_names();
+    if (const auto r = map.find("knots")) cost.knots = read_knots(*r);
+  }
+  return cost;
+}
+
+}  // namespace
+
+std::vector<CostSpec> read_costs(const YamlReader& reader, const std::filesystem::path& folder,
+                                 bool terminal) {
+  std::vector<CostSpec> costs;
+  if (const auto entries = reader.named_entries())
+    for (const auto& [name, value] : *entries)
+      costs.push_back(read_cost(name, value, folder, terminal));
+  return costs;
+}
+
+}  // namespace conddp

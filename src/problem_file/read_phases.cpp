@@ -1,0 +1,48 @@
+#include <fmt/format.h>
+
+#include "problem_file/read_sections.hpp"
+
+namespace conddp {
+namespace {
+
+constexpr int kMaxKnots = 1'000'000;
+
+PhaseSpec read_phase(const YamlReader& reader, std::size_t index) {
+  PhaseSpec phase{.name = {fmt::format("phase_{}", index + 1), reader.place()}};
+  YamlMap map(reader);
+  if (const auto r = map.find("name")) phase.name = r->name().value_or(phase.name);
+  if (const auto r = map.require("knots"))
+    phase.knots = {static_cast<int>(r->integer(1, kMaxKnots).value_or(1)), r->place()};
+  map.exclusive({"dt", "duration"});
+  double duration = 0;
+  if (map.number("duration", duration, kPositive)) phase.dt = duration / phase.knots.value;
+  map.number("dt", phase.dt, kPositive);
+  if (map.valid() && !map.find("duration") && !map.find("dt"))
+    reader.error("a phase needs 'dt', the time step in s, or 'duration'");
+  if (const auto r = map.find("weights")) phase.weights = read_named_numbers(*r, kNotNegative);
+  return phase;
+}
+
+}  // namespace
+
+std::vector<PhaseSpec> read_phases(const YamlReader& reader) {
+  std::vector<PhaseSpec> phases;
+  const auto items = reader.items();
+  if (!items) return phases;
+  if (items->empty()) reader.error("there is no phase", "write '- {knots: 100, dt: 0.01}'");
+  long long knots = 0;
+  for (std::size_t i = 0; i < items->size(); ++i) {
+    phases.push_back(read_phase((*items)[i], i));
+    knots += phases.back().knots.value;
+    for (std::size_t j = 0; j < i; ++j)
+      if (phases[j].name.value == phases[i].name.value)
+        reader.diagnostics().error(
+            phases[i].name.place,
+            fmt::format("two phases have the name '{}'", phases[i].name.value));
+  }
+  if (knots > kMaxKnots)
+    reader.error(fmt::format("the phases have more than {} knots together", kMaxKnots));
+  return phases;
+}
+
+}  // namespace conddp

@@ -1,0 +1,117 @@
+#include "problem_file/read_problem.hpp"
+
+#include <fmt/format.h>
+
+#include "problem_file/read_sections.hpp"
+#include "problem_file/source_text.hpp"
+#include "problem_file/yaml_override.hpp"
+#include "problem_file/yaml_source.hpp"
+
+namespace conddp {
+namespace {
+
+constexpr int kFormat = 1;
+
+constexpr Choice<Integrator> kIntegrators[] = {
+    {"semi_implicit_euler", Integrator::semi_implicit_euler},
+    {"explicit_euler", Integrator::explicit_euler},
+    {"rk2", Integrator::rk2},
+    {"rk3", Integrator::rk3},
+    {"rk4", Integrator::rk4},
+    {"discrete", Integrator::discrete}};
+
+void read_plant(YamlMap& map, const std::filesystem::path& folder, ProblemSpec& spec) {
+  const auto robot = map.find("robot");
+  const auto robots = map.find("robots");
+  const auto system = map.find("system");
+  map.exclusive({"robot", "robots"});
+  map.exclusive({"robot", "system"});
+  map.exclusive({"robots", "system"});
+  if (robot) spec.robots.push_back(read_robot(*robot, folder));
+  if (robots)
+    if (const auto entries = robots->named_entries())
+      for (const auto& [name, value] : *entries) {
+        spec.robots.push_back(read_robot(value, folder));
+        spec.robots.back().name = name;
+        if (name.value.find_first_of("/,") != std::string::npos)
+          map.reader().diagnostics().error(name.place, "a robot's name has no '/' and no ','");
+      }
+  if (system) spec.system = read_system(*system);
+  if (!robot && !robots && !system && map.valid())
+    map.reader().error("the file says nothing about what moves: 'robot', 'robots' or 'system'");
+  if (const auto r = map.find("gravity")) {
+    spec.gravity = read_vector3(*r, "[x, y, z] in m/s²").value_or(spec.gravity);
+    if (system) r->error("a closed-form system has its gravity among its parameters");
+  }
+}
+
+void read_format(YamlMap& map) {
+  const auto format = map.require("conddp");
+  if (!format) return;
+  const auto version = format->integer(1, 1'000'000);
+  if (version && *version != kFormat)
+    format->error(
+        fmt::format("the file has format {}, and this version reads format {}", *version, kFormat));
+}
+
+ProblemSpec read_document(const YamlReader& reader, const std::filesystem::path& file) {
+  const std::filesystem::path folder = file.parent_path();
+  ProblemSpec spec{.file = file, .name = {file.stem().string(), reader.place()}};
+  YamlMap map(reader);
+  read_format(map);
+  if (const auto r = map.find("name")) {
+    spec.name = r->name().value_or(spec.name);
+    if (spec.name.value.find_first_of("/\\") != std::string::npos || spec.name.value[0] == '.')
+      r->error("the name is also that of a folder: no '/', no '\\', no '.' in front");
+  }
+  map.text("description", spec.description);
+  read_plant(map, folder, spec);
+  if (const auto r = map.require("initial_state"))
+    if (auto state = read_state(*r)) spec.initial_state = std::move(*state);
+  if (const auto r = map.find("integrator"))
+    if (const auto integrator = r->choice(kIntegrators, "integrator"))
+      spec.integrator = {*integrator, r->place()};
+  if (const auto r = map.find("running_costs")) {
+    static constexpr Choice<RunningCosts> kWords[] = {{"rate", RunningCosts::kRate},
+                                                      {"sum", RunningCosts::kSum}};
+    spec.running_costs = r->choice(kWords, "kind of running costs").value_or(spec.running_costs);
+  }
+  if (const auto r = map.require("phases")) spec.phases = read_phases(*r);
+  if (const auto r = map.find("costs")) spec.costs = read_costs(*r, folder, false);
+  if (const auto r = map.find("constraints")) spec.constraints = read_constraints(*r);
+  if (const auto r = map.find("terminal")) {
+    YamlMap terminal(*r);
+    if (const auto costs = terminal.find("costs"))
+      spec.terminal_costs = read_costs(*costs, folder, true);
+  }
+  if (const auto r = map.find("initial_guess")) spec.guess = read_guess(*r, folder);
+  if (const auto r = map.find("solver")) spec.solver = read_solver(*r);
+  return spec;
+}
+
+}  // namespace
+
+std::optional<ProblemSpec> read_problem_text(const std::string& text,
+                                             const std::filesystem::path& file,
+                                             const std::vector<std::string>& overrides,
+                                             Diagnostics& out) {
+  const int source = out.add_source(file.string(), text);
+  std::optional<YamlNode> root = parse_yaml(text, source, out);
+  if (!root) return std::nullopt;
+  for (const std::string& setting : overrides) apply_override(*root, setting, out);
+  if (out.has_errors()) return std::nullopt;
+  ProblemSpec spec = read_document(YamlReader(*root, {}, out), file);
+  if (out.has_errors()) return std::nullopt;
+  spec.text = text;
+  return spec;
+}
+
+std::optional<ProblemSpec> read_problem(const std::filesystem::path& file,
+                                        const std::vector<std::string>& overrides,
+                                        Diagnostics& out) {
+  const std::optional<std::string> text = read_text(file, kMaxYamlBytes, {}, out);
+  if (!text) return std::nullopt;
+  return read_problem_text(*text, file, overrides, out);
+}
+
+}  // namespace conddp

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "problem_file/spec.hpp"
+
+namespace conddp {
+
+/// Reads a problem file. `overrides` are `key.path=value` settings that replace what the file
+/// says. Returns nothing if there was an error; every error found is in `out`.
+std::optional<ProblemSpec> read_problem(const std::filesystem::path& file,
+                                        const std::vector<std::string>& overrides,
+                                        Diagnostics& out);
+
+/// The same from a text; relative paths are resolved against the folder of `file`, which need not
+/// exist.
+std::optional<ProblemSpec> read_problem_text(const std::string& text,
+                                             const std::filesystem::path& file,
+                                             const std::vector<std::string>& overrides,
+                                             Diagnostics& out);
+
+}  // namespace conddp

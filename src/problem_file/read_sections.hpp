@@ -1,0 +1,56 @@
+#pragma once
+
+#include "problem_file/spec.hpp"
+#include "problem_file/yaml_reader.hpp"
+
+namespace conddp {
+
+/// Readers of the parts of a problem file: each fills its structs from a node and reports what is
+/// wrong with it. What could not be read keeps its default; callers look at
+/// Diagnostics::has_errors() at the end.
+
+// read_values.cpp
+std::optional<Vector3<double>> read_vector3(const YamlReader& reader, std::string_view what);
+NamedNumbers read_named_numbers(const YamlReader& reader, const NumberRange& range = kAnyNumber);
+std::optional<ComponentsSpec> read_components(const YamlReader& reader,
+                                              const NumberRange& range = kAnyNumber);
+/// A key with a rotation in one of its forms: `orientation` (quaternion x y z w) or `rpy` (rad).
+std::optional<Quaternion<double>> read_orientation(YamlMap& map);
+std::optional<PoseSpec> read_pose(const YamlReader& reader);
+std::optional<TwistSpec> read_twist(const YamlReader& reader);
+
+// read_state.cpp
+std::optional<StateSpec> read_state(const YamlReader& reader);
+/// The keys of a state inside a mapping that has others as well.
+StateSpec read_state_keys(YamlMap& map);
+
+// read_robot.cpp, read_actuation.cpp
+RobotSpec read_robot(const YamlReader& reader, const std::filesystem::path& folder);
+ActuationSpec read_actuation(const YamlReader& reader);
+
+// read_system.cpp
+SystemSpec read_system(const YamlReader& reader);
+
+// read_phases.cpp
+std::vector<PhaseSpec> read_phases(const YamlReader& reader);
+
+// read_costs.cpp
+std::vector<CostSpec> read_costs(const YamlReader& reader, const std::filesystem::path& folder,
+                                 bool terminal);
+
+// read_reference.cpp
+std::optional<ReferenceSpec> read_reference(const YamlReader& reader, ResidualKind kind,
+                                            const std::filesystem::path& folder);
+/// `{file: ..., columns: [...]}`; the map may have other keys.
+std::optional<DataFileSpec> read_data_file(YamlMap& map, const std::filesystem::path& folder);
+
+// read_constraints.cpp
+std::vector<ControlBoundsSpec> read_constraints(const YamlReader& reader);
+
+// read_guess.cpp
+GuessSpec read_guess(const YamlReader& reader, const std::filesystem::path& folder);
+
+// read_solver.cpp
+SolverSpec read_solver(const YamlReader& reader);
+
+}  // namespace conddp

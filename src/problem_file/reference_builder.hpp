@@ -1,0 +1,21 @@
+#pragma once
+
+#include "problem_file/cost_residual.hpp"
+#include "problem_file/state_builder.hpp"
+#include "problem_file/time_series.hpp"
+
+namespace conddp {
+
+/// The reference of a cost over time, in the numbers that its residual takes as parameters.
+/// `times` are those of the nodes, for way-points given by knots.
+std::optional<TimeSeries> build_reference(const CostSpec& cost, const CostResidual& residual,
+                                          const Plant& plant, const StateBuilder& states,
+                                          const std::vector<double>& times, Diagnostics& out);
+
+/// Columns of a table as a series on a manifold; quaternions must have length 1. Rows with an empty
+/// cell in one of the columns are left out. A missing column is reported.
+std::optional<TimeSeries> series_of(const DataFileSpec& file,
+                                    const std::vector<std::string>& columns,
+                                    const StateManifold& manifold, Diagnostics& out);
+
+}  // namespace conddp

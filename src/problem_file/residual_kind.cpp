@@ -1,0 +1,43 @@
+#include "problem_file/residual_kind.hpp"
+
+namespace conddp {
+namespace {
+
+using enum ResidualKind;
+
+constexpr ResidualInfo kTable[] = {
+    {"state", kState, "the state minus a reference, or the chosen columns of it", false, false,
+     false, true, false},
+    {"control", kControl, "the control minus a reference", false, false, false, true, true},
+    {"control_rate", kControlRate, "the control minus the one before, in the control's unit", false,
+     false, false, false, true},
+    {"joint_position", kJointPosition, "joint positions minus a reference, rad or m", true, false,
+     true, true, false},
+    {"joint_velocity", kJointVelocity, "joint velocities minus a reference, rad/s or m/s", true,
+     false, true, true, false},
+    {"joint_acceleration", kJointAcceleration,
+     "joint accelerations minus a reference, rad/s² or m/s²", true, false, true, true, true},
+    {"frame_position", kFramePosition, "the origin of a frame minus a point of the world, m", true,
+     true, false, true, false},
+    {"frame_rotation", kFrameRotation, "rotation vector from a reference to a frame, rad", true,
+     true, false, true, false},
+    {"frame_placement", kFramePlacement,
+     "logarithm of a frame's pose seen from a reference, m, rad", true, true, false, true, false},
+    {"frame_velocity", kFrameVelocity, "velocity of a frame minus a reference, m/s and rad/s", true,
+     true, false, true, false},
+    {"com_position", kComPosition, "centre of mass minus a point of the world, m", true, false,
+     false, true, false},
+    {"control_gravity", kControlGravity,
+     "actuated forces minus those that hold the robot against gravity, Nm or N", true, false, false,
+     false, true},
+};
+
+}  // namespace
+
+std::span<const ResidualInfo> residual_table() { return kTable; }
+
+const ResidualInfo& residual_info(ResidualKind kind) {
+  return kTable[static_cast<std::size_t>(kind)];
+}
+
+}  // namespace conddp

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <span>
+#include <string_view>
+
+namespace conddp {
+
+/// The residuals that a problem file can name.
+enum class ResidualKind {
+  kState,
+  kControl,
+  kControlRate,
+  kJointPosition,
+  kJointVelocity,
+  kJointAcceleration,
+  kFramePosition,
+  kFrameRotation,
+  kFramePlacement,
+  kFrameVelocity,
+  kComPosition,
+  kControlGravity,
+};
+
+/// What the reader has to know about a residual.
+struct ResidualInfo {
+  std::string_view name;
+  ResidualKind kind;
+  std::string_view description;  ///< one line with units
+  bool needs_robot;
+  bool needs_frame;
+  bool takes_joints;
+  bool takes_reference;
+  bool needs_control;
+};
+
+std::span<const ResidualInfo> residual_table();
+const ResidualInfo& residual_info(ResidualKind kind);
+
+}  // namespace conddp

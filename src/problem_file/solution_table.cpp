@@ -1,0 +1,130 @@
+#include <cmath>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "problem_file/data_table.hpp"
+#include "problem_file/source_text.hpp"
+
+namespace conddp {
+namespace {
+
+using Json = nlohmann::json;
+
+struct Malformed {
+  std::string message;
+};
+
+/// Keeps the trajectory alone: gains and multipliers of a long solution would fill the memory.
+Json parse_trajectory(const std::string& text) {
+  const auto keep = [](int depth, Json::parse_event_t event, Json& value) {
+    constexpr int kMaxDepth = 8;
+    if (depth > kMaxDepth) throw Malformed{"it is nested too deeply"};
+    if (depth != 1 || event != Json::parse_event_t::key) return true;
+    const std::string& key = value.get_ref<const std::string&>();
+    return key == "format" || key == "trajectory";
+  };
+  return Json::parse(text, keep);
+}
+
+const Json& member(const Json& object, const char* key) {
+  if (!object.is_object() || !object.contains(key))
+    throw Malformed{fmt::format("'{}' is missing", key)};
+  return object[key];
+}
+
+std::vector<std::string> read_names(const Json& array, const char* what) {
+  std::vector<std::string> names;
+  if (!array.is_array()) throw Malformed{fmt::format("'{}' is no list", what)};
+  for (const Json& name : array) {
+    if (!name.is_string()) throw Malformed{fmt::format("'{}' has an entry that is no name", what)};
+    names.push_back(name);
+  }
+  return names;
+}
+
+/// Appends one row of numbers (null: an empty cell) to the table's row.
+void append_row(const Json& array, std::size_t count, const std::string& what,
+                std::vector<std::optional<double>>& row) {
+  if (!array.is_array() || array.size() != count)
+    throw Malformed{fmt::format("{} should have {} numbers", what, count)};
+  for (const Json& value : array) {
+    if (value.is_null())
+      row.emplace_back();
+    else if (value.is_number() && std::isfinite(value.get<double>()))
+      row.push_back(value.get<double>());
+    else
+      throw Malformed{fmt::format("{} has an entry that is no finite number", what)};
+  }
+}
+
+DataTable read_trajectory(const Json& solution) {
+  if (!member(solution, "format").is_string() ||
+      !solution["format"].get<std::string>().starts_with("conddp.solution/"))
+    throw Malformed{"it is no solution of conddp"};
+  const Json& trajectory = member(solution, "trajectory");
+  const Json& columns = member(trajectory, "columns");
+  DataTable table;
+  const auto x_names = read_names(member(columns, "x"), "trajectory.columns.x");
+  const auto u_names = read_names(member(columns, "u"), "trajectory.columns.u");
+  table.columns = x_names;
+  table.columns.insert(table.columns.end(), u_names.begin(), u_names.end());
+  const Json& t = member(trajectory, "t");
+  const Json& x = member(trajectory, "x");
+  const Json& u = member(trajectory, "u");
+  if (!t.is_array() || !x.is_array() || !u.is_array() || t.empty() || x.size() != t.size() ||
+      u.size() + 1 != t.size())
+    throw Malformed{"the lists t, x and u of its trajectory do not fit together"};
+  for (std::size_t k = 0; k < t.size(); ++k) {
+    if (!t[k].is_number() || (k > 0 && t[k].get<double>() <= table.times.back()))
+      throw Malformed{"its times do not increase"};
+    table.times.push_back(t[k]);
+    auto& row = table.rows.emplace_back();
+    append_row(x[k], x_names.size(), fmt::format("trajectory.x[{}]", k), row);
+    if (k < u.size())
+      append_row(u[k], u_names.size(), fmt::format("trajectory.u[{}]", k), row);
+    else
+      row.resize(table.columns.size());
+  }
+  return table;
+}
+
+}  // namespace
+
+std::optional<DataTable> parse_solution(const std::string& text, const std::string& name,
+                                        Diagnostics& out) {
+  const int source = out.add_source(name, text);
+  try {
+    DataTable table = read_trajectory(parse_trajectory(text));
+    table.file = name;
+    return table;
+  } catch (const Json::parse_error& e) {
+    const std::size_t byte = std::min(e.byte > 0 ? e.byte - 1 : 0, text.size());
+    const std::string_view before = std::string_view(text).substr(0, byte);
+    const std::size_t start = before.rfind('\n') + 1;  // npos + 1 is 0
+    const int line = 1 + static_cast<int>(std::count(before.begin(), before.end(), '\n'));
+    const int column = out.character_column(source, line, static_cast<int>(byte - start));
+    out.error({{source, line, column}, {}}, "not valid JSON");
+  } catch (const Malformed& e) {
+    out.error({{source, 0, 0}, {}}, fmt::format("the solution cannot be used: {}", e.message));
+  } catch (const Json::exception& e) {
+    out.error({{source, 0, 0}, {}}, fmt::format("the solution cannot be used: {}", e.what()));
+  }
+  return std::nullopt;
+}
+
+std::optional<std::size_t> DataTable::find(const std::string& column) const {
+  const auto found = std::find(columns.begin(), columns.end(), column);
+  if (found == columns.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - columns.begin());
+}
+
+std::optional<DataTable> load_data_table(const std::filesystem::path& file, const Place& place,
+                                         Diagnostics& out) {
+  const auto text = read_text(file, kMaxDataBytes, place, out);
+  if (!text) return std::nullopt;
+  if (file.extension() == ".json") return parse_solution(*text, file.string(), out);
+  return parse_csv(*text, file.string(), out);
+}
+
+}  // namespace conddp

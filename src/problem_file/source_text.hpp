@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "problem_file/diagnostic.hpp"
+
+namespace conddp {
+
+/// Size limits of inputs, bytes: far above any real file, low enough that reading stays quick.
+inline constexpr std::size_t kMaxYamlBytes = 2 << 20;
+inline constexpr std::size_t kMaxDataBytes = 64 << 20;
+
+/// Reads a text file whole: it must be a regular file, no larger than the limit, valid UTF-8, and
+/// free of control characters. A byte-order mark is dropped. Otherwise an error is reported at
+/// `place`, or in the file itself where it is about the contents.
+std::optional<std::string> read_text(const std::filesystem::path& file, std::size_t limit,
+                                     const Place& place, Diagnostics& out);
+
+/// Where the text stops being UTF-8 or has a control character other than tab and line ends:
+/// the byte's index, or npos if it never does.
+std::size_t find_bad_character(std::string_view text);
+
+}  // namespace conddp

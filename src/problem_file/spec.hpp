@@ -1,0 +1,78 @@
+#pragma once
+
+#include <cstdint>
+
+#include "ocp/knot_model.hpp"
+#include "problem_file/spec_cost.hpp"
+#include "problem_file/spec_robot.hpp"
+#include "problem_file/spec_solver.hpp"
+
+namespace conddp {
+
+/// A run of knots: all that the file says about it.
+struct PhaseSpec {
+  Name name;
+  Located<int> knots;
+  double dt = 0;  ///< s
+  /// Weights that costs have in this phase instead of their own.
+  NamedNumbers weights;
+};
+
+enum class RunningCosts {
+  kRate,  ///< multiplied by dt
+  kSum,   ///< added up as they are
+};
+
+struct KeyframeSpec {
+  Place place;
+  std::optional<Located<double>> time;  ///< s
+  std::optional<Located<int>> knot;
+  StateSpec state;
+};
+
+/// Where the first trajectory comes from.
+struct GuessSpec {
+  enum class States { kInitial, kInterpolate, kKeyframes, kFile };
+  enum class Controls { kZero, kQuasiStatic, kConstant, kFile };
+  States states = States::kInitial;
+  Place states_place;
+  std::vector<KeyframeSpec> keyframes;
+  std::optional<DataFileSpec> states_file;
+  Controls controls = Controls::kZero;
+  Place controls_place;
+  std::optional<ComponentsSpec> constant;
+  std::optional<DataFileSpec> controls_file;
+  struct Random {
+    std::uint64_t seed = 0;
+    double scale = 0;  ///< standard deviation, in the control's unit
+  };
+  std::optional<Random> random;
+};
+
+/// A problem file, read and checked as far as it can be without its robots.
+struct ProblemSpec {
+  std::filesystem::path file;
+  std::string text;  ///< of the file
+  Name name;
+  std::string description;
+  std::vector<RobotSpec> robots;
+  std::optional<SystemSpec> system;
+  Vector3<double> gravity{0, 0, -9.81};  ///< m/s²
+  StateSpec initial_state;
+  std::optional<Located<Integrator>> integrator;  ///< absent: the system's usual one
+  RunningCosts running_costs = RunningCosts::kRate;
+  std::vector<PhaseSpec> phases;
+  std::vector<CostSpec> costs;
+  std::vector<ControlBoundsSpec> constraints;
+  std::vector<CostSpec> terminal_costs;
+  GuessSpec guess;
+  SolverSpec solver;
+
+  int knots() const {
+    int n = 0;
+    for (const PhaseSpec& phase : phases) n += phase.knots.value;
+    return n;
+  }
+};
+
+}  // namespace conddp

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <filesystem>
+
+#include "ocp/activation.hpp"
+#include "ocp/residuals.hpp"
+#include "problem_file/residual_kind.hpp"
+#include "problem_file/spec_values.hpp"
+
+namespace conddp {
+
+/// One value of a reference, in the form that fits its residual.
+struct ReferenceValueSpec {
+  Place place;
+  std::optional<Name> name;  ///< a configuration, or "initial"
+  std::optional<ComponentsSpec> components;
+  std::optional<StateSpec> state;
+  std::optional<PoseSpec> pose;
+  std::optional<TwistSpec> twist;
+};
+
+/// Columns of a CSV file or of a former solution, over time.
+struct DataFileSpec {
+  Name file;
+  std::filesystem::path path;  ///< resolved against the problem file's folder
+  std::vector<Name> columns;   ///< empty: those of the quantity itself
+};
+
+/// One value; way-points between which knots interpolate; or a file.
+struct ReferenceSpec {
+  Place place;
+  std::vector<ReferenceValueSpec> values;
+  std::vector<Located<double>> times;  ///< of way-points, s
+  std::vector<Located<int>> knots;     ///< of way-points
+  std::optional<DataFileSpec> file;
+};
+
+struct ActivationSpec {
+  Place place;
+  ActivationKind kind = ActivationKind::quadratic;
+  std::optional<ComponentsSpec> lower, upper;  ///< of the barrier
+  bool from_urdf = false;                      ///< the barrier's bounds are the robot's limits
+  double epsilon = 0.1;                        ///< of the smooth norms
+};
+
+struct CostSpec {
+  Name name;
+  Name residual;
+  ResidualKind kind = ResidualKind::kState;
+  double weight = 1;
+  ActivationSpec activation;
+  std::optional<ComponentsSpec> weights;  ///< of the components, besides `weight`
+  std::optional<ReferenceSpec> reference;
+  std::optional<Name> frame;
+  std::optional<std::vector<Name>> joints;
+  std::optional<std::vector<Name>> columns;
+  FrameAxes axes = FrameAxes::world_aligned;
+  std::optional<std::vector<Name>> phases;
+  std::optional<std::vector<Located<int>>> knots;
+};
+
+/// Bounds on the control.
+struct ControlBoundsSpec {
+  Name name;
+  bool from_urdf = false;
+  Place from_place;
+  std::optional<ComponentsSpec> lower, upper;
+  std::optional<std::vector<Name>> phases;
+};
+
+}  // namespace conddp

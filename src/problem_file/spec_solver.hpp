@@ -1,0 +1,14 @@
+#pragma once
+
+#include "problem_file/diagnostic.hpp"
+#include "solvers/options.hpp"
+
+namespace conddp {
+
+/// The solver and its options.
+struct SolverSpec {
+  Name name{"box_fddp", {}};
+  SolverOptions options;
+};
+
+}  // namespace conddp

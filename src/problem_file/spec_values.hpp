@@ -1,0 +1,67 @@
+#pragma once
+
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "problem_file/diagnostic.hpp"
+#include "spatial/se3.hpp"
+
+namespace conddp {
+
+/// Numbers by name, in the order of the file.
+using NamedNumbers = std::vector<std::pair<Name, double>>;
+
+/// Values of the components of a vector: one number for all, a list with one entry a component
+/// (null: none), or a mapping from component names to numbers. The names may end in `*`.
+struct ComponentsSpec {
+  enum class Form { kScalar, kList, kMap };
+  Place place;
+  Form form = Form::kScalar;
+  std::optional<double> scalar;
+  std::vector<std::optional<double>> list;
+  std::vector<std::pair<Name, std::optional<double>>> map;
+};
+
+/// A placement in the world, or the parts of one that were given.
+struct PoseSpec {
+  Place place;
+  std::optional<Vector3<double>> position;        ///< m
+  std::optional<Quaternion<double>> orientation;  ///< unit
+};
+
+/// A velocity: linear m/s, angular rad/s.
+struct TwistSpec {
+  Place place;
+  Vector3<double> linear = Vector3<double>::zero();
+  Vector3<double> angular = Vector3<double>::zero();
+};
+
+/// Where a floating or planar base is. A planar one has x, y and yaw.
+struct BaseSpec {
+  Place place;
+  std::optional<std::vector<double>> position;    ///< three numbers, two for a planar base
+  std::optional<Quaternion<double>> orientation;  ///< floating
+  std::optional<double> yaw;                      ///< planar, rad
+};
+
+/// A state, in one of the ways in which a file can say it. What is not mentioned is neutral: zero,
+/// no rotation, at rest.
+struct StateSpec {
+  Place place;
+  std::optional<Name> configuration;
+  std::optional<BaseSpec> base;
+  NamedNumbers joints;
+  std::optional<TwistSpec> base_velocity;
+  NamedNumbers joint_velocities;
+  /// Several robots: the state of each, by its name.
+  std::vector<std::pair<Name, StateSpec>> robots;
+  /// All numbers of the state.
+  std::optional<std::vector<double>> state;
+  /// By column name.
+  NamedNumbers values;
+  /// Of problems with costs on the control rate.
+  std::optional<ComponentsSpec> previous_control;
+};
+
+}  // namespace conddp

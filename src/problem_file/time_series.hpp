@@ -1,0 +1,38 @@
+#pragma once
+
+#include <vector>
+
+#include "systems/state_manifold.hpp"
+
+namespace conddp {
+
+/// Points of a manifold over time.
+class TimeSeries {
+ public:
+  explicit TimeSeries(StateManifold manifold) : manifold_(std::move(manifold)) {}
+  /// A series that is constant.
+  TimeSeries(StateManifold manifold, std::vector<double> value);
+
+  /// Times must increase.
+  void append(double time, std::vector<double> value);
+  bool empty() const { return times_.empty(); }
+  double last_time() const { return times_.back(); }
+
+  /// Along the shortest way between neighbours (geodesic on curved parts); outside, the nearest
+  /// end.
+  std::vector<double> interpolate(double time) const;
+  /// The last value not later than `time` (within rounding), or the first one.
+  const std::vector<double>& hold(double time) const;
+
+ private:
+  StateManifold manifold_;
+  std::vector<double> times_;
+  std::vector<std::vector<double>> values_;
+};
+
+/// Manifolds of references: a rotation (quaternion), and a pose whose position and rotation are
+/// interpolated apart.
+StateManifold rotation_manifold();
+StateManifold pose_manifold();
+
+}  // namespace conddp

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <string>
+
+#include "problem_file/yaml_node.hpp"
+
+namespace conddp {
+
+/// Applies a setting `a.b.0.c=value` to a document: names go down into mappings (created where
+/// missing), numbers into lists. The value is YAML. Places of what it puts in lie in the setting.
+void apply_override(YamlNode& root, const std::string& setting, Diagnostics& out);
+
+}  // namespace conddp

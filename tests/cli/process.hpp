@@ -1,0 +1,50 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace conddp {
+
+/// What a finished process left behind.
+struct ProcessResult {
+  int exit_code = -1;  ///< 128 + number where a signal ended it
+  std::string out;
+  std::string err;
+};
+
+struct ProcessOptions {
+  std::filesystem::path folder;          ///< to run in; empty: this one
+  std::vector<std::string> environment;  ///< NAME=value, added to ours
+  bool terminal = false;                 ///< stdout and stderr are a pseudo-terminal
+  int signal = 0;                        ///< sent as soon as `signal_after` is printed
+  std::string signal_after;              ///< on stderr
+  int limit_file_size = -1;              ///< bytes, of any file that it writes
+};
+
+/// Runs the tool with arguments and waits for it. With a terminal everything is in `out`.
+ProcessResult run_conddp(const std::vector<std::string>& arguments,
+                         const ProcessOptions& options = {});
+
+/// A folder of its own for each test, removed at the end.
+class TemporaryFolder {
+ public:
+  TemporaryFolder();
+  ~TemporaryFolder();
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+  /// Writes a file and returns its path.
+  std::string write(const std::string& name, const std::string& text) const;
+  /// Names of all files below, sorted.
+  std::vector<std::string> files() const;
+
+ private:
+  std::filesystem::path path_;
+};
+
+std::string read_file(const std::filesystem::path& file);
+/// A file of the source tree.
+std::string source(const std::string& name);
+
+}  // namespace conddp

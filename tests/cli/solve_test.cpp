@@ -1,0 +1,180 @@
+#include <cstdlib>
+
+#include <signal.h>
+#include <sys/stat.h>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "process.hpp"
+
+namespace conddp {
+namespace {
+
+using Json = nlohmann::json;
+using Files = std::vector<std::string>;
+
+const std::string kPendulum = source("problems/pendulum_swingup.yaml");
+const Files kOutputs = {"iterations.csv", "solution.json", "trajectory.csv"};
+
+/// A problem that takes long: many knots, tolerances that cannot be reached.
+constexpr const char* kLong = R"(conddp: 1
+name: long
+system: {type: acrobot}
+initial_state: {values: {theta1: -1.5}}
+phases: [{knots: 4000, dt: 0.005}]
+costs: {effort: {residual: control, weight: 0.01}}
+terminal: {costs: {up: {residual: state, reference: [1.57, 0, 0, 0], weight: 100}}}
+initial_guess: {controls: {random: {seed: 1, scale: 1}}}
+solver: {name: ilqr, max_iterations: 1000000, tolerances: {stationarity: 1e-300}}
+)";
+
+TEST(Solve, ConvergesAndWritesItsFiles) {
+  const TemporaryFolder folder;
+  const ProcessResult r = run_conddp({"solve", kPendulum, "-o", folder.path() / "out"});
+  EXPECT_EQ(r.exit_code, 0) << r.err;
+  EXPECT_EQ(r.err, "");
+  EXPECT_NE(r.out.find("pendulum_swingup: converged (box_ddp, "), std::string::npos) << r.out;
+  EXPECT_EQ(r.out.find('\033'), std::string::npos);
+  EXPECT_EQ(folder.files(),
+            (Files{"out/iterations.csv", "out/solution.json", "out/trajectory.csv"}));
+  const Json solution = Json::parse(read_file(folder.path() / "out/solution.json"));
+  EXPECT_EQ(solution["status"], "converged");
+  EXPECT_EQ(solution["problem"]["sha256"].get<std::string>().size(), 64u);
+}
+
+TEST(Solve, TheDefaultFolderIsNamedAfterTheProblem) {
+  const TemporaryFolder folder;
+  const ProcessResult r = run_conddp({"solve", kPendulum, "--quiet"}, {.folder = folder.path()});
+  EXPECT_EQ(r.exit_code, 0) << r.err;
+  EXPECT_EQ(r.out + r.err, "");
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "out/pendulum_swingup/solution.json"));
+}
+
+TEST(Solve, JsonOnStdoutIsTheHeadOfTheSolution) {
+  const TemporaryFolder folder;
+  const ProcessResult r = run_conddp({"solve", kPendulum, "--json", "-o", folder.path()});
+  EXPECT_EQ(r.exit_code, 0) << r.err;
+  const Json head = Json::parse(r.out);
+  EXPECT_EQ(head["status"], "converged");
+  EXPECT_FALSE(head.contains("trajectory"));
+}
+
+TEST(Solve, TheSolutionFitsItsSchema) {
+  const TemporaryFolder folder;
+  for (const std::string problem : {"pendulum_swingup", "arm_reach", "car_parking"})
+    run_conddp({"solve", source("problems/" + problem + ".yaml"), "-o", folder.path() / problem,
+                "--max-time", "20"});
+  run_conddp({"solve", source("problems/arm_reach.yaml"), "--drop", "torque", "--solver", "fddp",
+              "--set", "initial_guess.controls={random: {seed: 3, scale: 0.1}}", "-o",
+              folder.path() / "dropped"});
+  std::string command =
+      source("scripts/validate_json") + " " + source("schemas/solution.schema.json");
+  for (const std::string& file : folder.files())
+    if (file.ends_with(".json")) command += " " + (folder.path() / file).string();
+  EXPECT_EQ(std::system((command + " >&2").c_str()), 0);
+}
+
+TEST(Solve, ReportsWhatWasDropped) {
+  const TemporaryFolder folder;
+  const ProcessResult r = run_conddp(
+      {"solve", source("problems/arm_reach.yaml"), "--drop", "torque", "-o", folder.path()});
+  EXPECT_EQ(r.exit_code, 0) << r.err;
+  EXPECT_NE(r.out.find("dropped       torque: violated by"), std::string::npos) << r.out;
+  const Json solution = Json::parse(read_file(folder.path() / "solution.json"));
+  EXPECT_EQ(solution["dropped_constraints"][0]["name"], "torque");
+  EXPECT_GT(solution["dropped_constraints"][0]["violation"].get<double>(), 0);
+}
+
+TEST(Solve, EndsWithOneWhereItDoesNotConverge) {
+  const TemporaryFolder folder;
+  const ProcessResult r =
+      run_conddp({"solve", kPendulum, "--set", "solver.max_iterations=2", "-o", folder.path()});
+  EXPECT_EQ(r.exit_code, 1) << r.err;
+  EXPECT_EQ(folder.files(), kOutputs);
+  EXPECT_NE(r.out.find("max_iterations"), std::string::npos);
+}
+
+TEST(Solve, StopsAfterTheTimeAllowed) {
+  const TemporaryFolder folder;
+  const std::string problem = folder.write("long.yaml", kLong);
+  const ProcessResult r =
+      run_conddp({"solve", problem, "--max-time", "0.2", "-o", folder.path() / "out"});
+  EXPECT_EQ(r.exit_code, 1) << r.err;
+  EXPECT_EQ(Json::parse(read_file(folder.path() / "out/solution.json"))["status"], "time_limit");
+}
+
+TEST(Solve, SignalsLeaveTheBestIterate) {
+  for (const int number : {SIGINT, SIGTERM}) {
+    const TemporaryFolder folder;
+    const std::string problem = folder.write("long.yaml", kLong);
+    const ProcessResult r = run_conddp({"solve", problem, "-v", "-o", folder.path() / "out"},
+                                       {.signal = number, .signal_after = "\n    1 "});
+    EXPECT_EQ(r.exit_code, 128 + number) << r.err;
+    EXPECT_EQ(Json::parse(read_file(folder.path() / "out/solution.json"))["status"], "interrupted");
+  }
+}
+
+TEST(Solve, AWarmStartFromItsOwnSolutionIsQuick) {
+  const TemporaryFolder folder;
+  run_conddp({"solve", kPendulum, "-o", folder.path()});
+  for (const std::string file : {"solution.json", "trajectory.csv"}) {
+    const ProcessResult r =
+        run_conddp({"solve", kPendulum, "--set",
+                    "initial_guess={file: " + (folder.path() / file).string() + "}", "--json", "-o",
+                    folder.path() / "warm"});
+    EXPECT_EQ(r.exit_code, 0) << r.err;
+    EXPECT_LE(Json::parse(r.out)["iterations"], 1) << file;
+  }
+}
+
+TEST(Solve, ResultsDoNotDependOnThreads) {
+  const TemporaryFolder folder;
+  const std::string problem = source("problems/arm_reach.yaml");
+  for (const std::string n : {"1", "2", "3"})
+    EXPECT_EQ(run_conddp({"solve", problem, "--threads", n, "-o", folder.path() / n}).exit_code, 0);
+  const std::string one = read_file(folder.path() / "1/trajectory.csv");
+  EXPECT_EQ(one, read_file(folder.path() / "2/trajectory.csv"));
+  EXPECT_EQ(one, read_file(folder.path() / "3/trajectory.csv"));
+}
+
+TEST(Solve, ProgressOnATerminalOnly) {
+  const TemporaryFolder folder;
+  const Files arguments = {"solve", kPendulum, "-o", folder.path()};
+  EXPECT_EQ(run_conddp(arguments).out.find("stationarity       gap"), std::string::npos);
+  const ProcessResult plain =
+      run_conddp(arguments, {.environment = {"TERM=xterm", "NO_COLOR=1"}, .terminal = true});
+  EXPECT_EQ(plain.exit_code, 0);
+  EXPECT_NE(plain.out.find("iter"), std::string::npos);
+  EXPECT_EQ(plain.out.find('\033'), std::string::npos);
+  const ProcessResult dumb =
+      run_conddp(arguments, {.environment = {"TERM=dumb", "NO_COLOR="}, .terminal = true});
+  EXPECT_EQ(dumb.out.find('\033'), std::string::npos);
+  const ProcessResult colour =
+      run_conddp(arguments, {.environment = {"TERM=xterm", "NO_COLOR="}, .terminal = true});
+  EXPECT_NE(colour.out.find("\033[1;32mconverged"), std::string::npos);
+}
+
+TEST(Solve, AFullDiskLeavesTheFormerOutput) {
+  const TemporaryFolder folder;
+  run_conddp({"solve", kPendulum, "-o", folder.path()});
+  const std::string before = read_file(folder.path() / "solution.json");
+  const ProcessResult r =
+      run_conddp({"solve", kPendulum, "-o", folder.path(), "--solver", "ilqr_clip"},
+                 {.limit_file_size = 3000});
+  EXPECT_EQ(r.exit_code, 2);
+  EXPECT_NE(r.err.find("solution.json' cannot be written"), std::string::npos) << r.err;
+  EXPECT_EQ(folder.files(), kOutputs);
+  EXPECT_EQ(read_file(folder.path() / "solution.json"), before);
+}
+
+TEST(Solve, OutputFoldersThatCannotBeMadeAreNamed) {
+  const TemporaryFolder folder;
+  const std::string file = folder.write("file", "");
+  const ProcessResult r = run_conddp({"solve", kPendulum, "-o", file + "/out"});
+  EXPECT_EQ(r.exit_code, 2);
+  EXPECT_NE(r.err.find("cannot be made"), std::string::npos) << r.err;
+}
+
+}  // namespace
+}  // namespace conddp

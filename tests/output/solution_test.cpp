@@ -1,0 +1,118 @@
+#include <cmath>
+#include <sstream>
+
+#include <gtest/gtest.h>
+
+#include "output/csv.hpp"
+#include "output/sha256.hpp"
+#include "output/solution_json.hpp"
+#include "problem_file/data_table.hpp"
+#include "problem_file/read_problem.hpp"
+
+namespace conddp {
+namespace {
+
+constexpr const char* kProblem = R"(conddp: 1
+name: small
+system: {type: double_integrator, dimension: 2}
+initial_state: {state: [1, 0, 0, 0]}
+phases: [{name: a, knots: 3, dt: 0.1}, {name: "b,c", knots: 2, dt: 0.2}]
+costs: {effort: {residual: control}}
+constraints: {limit: {bounds: control, lower: [-1, null], upper: 1}}
+terminal: {costs: {goal: {residual: state, weight: 10}}}
+solver: {name: box_ddp}
+)";
+
+class SolutionOutput : public testing::Test {
+ protected:
+  SolutionOutput() {
+    Diagnostics out;
+    spec_ = *read_problem_text(kProblem, "folder/small.yaml", {}, out);
+    built_ = *build_problem(spec_, {}, out);
+    result_ = std::make_unique<SolveResult>(
+        solve(*built_.problem, "box_ddp", spec_.solver.options, built_.guess));
+  }
+  Solution solution() const {
+    return {spec_, built_, *find_solver("box_ddp"), *result_, {"solver.name=box_ddp"}};
+  }
+  ProblemSpec spec_;
+  BuiltProblem built_;
+  std::unique_ptr<SolveResult> result_;
+};
+
+TEST_F(SolutionOutput, JsonHasTheShapesOfTheProblem) {
+  const OrderedJson json = solution_json(solution());
+  EXPECT_EQ(json["format"], "conddp.solution/1");
+  EXPECT_EQ(json["problem"]["sha256"], sha256(kProblem));
+  EXPECT_EQ(json["status"], "converged");
+  EXPECT_EQ(json["cost_by_name"].size(), 2u);
+  EXPECT_EQ(json["trajectory"]["t"].size(), 6u);
+  EXPECT_EQ(json["trajectory"]["x"].size(), 6u);
+  EXPECT_EQ(json["trajectory"]["u"].size(), 5u);
+  EXPECT_EQ(json["trajectory"]["columns"]["x"].size(), 4u);
+  EXPECT_EQ(json["trajectory"]["phases"][1]["first_knot"], 3);
+  EXPECT_EQ(json["gains"]["K"].size(), 5u);
+  EXPECT_EQ(json["gains"]["K"][0].size(), 2u);
+  EXPECT_EQ(json["gains"]["K"][0][0].size(), 4u);
+  EXPECT_EQ(json["multipliers"]["costates"].size(), 6u);
+  EXPECT_EQ(json["log"].size(), result_->log.size());
+  EXPECT_EQ(json["problem"]["overrides"][0], "solver.name=box_ddp");
+}
+
+TEST_F(SolutionOutput, JsonNumbersSurviveTheText) {
+  const OrderedJson json = OrderedJson::parse(json_text(solution_json(solution())));
+  for (int k = 0; k <= 5; ++k)
+    for (int i = 0; i < 4; ++i)
+      EXPECT_EQ(json["trajectory"]["x"][k][i].get<double>(), result_->trajectory.x(k)[i]);
+}
+
+TEST_F(SolutionOutput, WhatIsNotFiniteIsNull) {
+  result_->cost = std::nan("");
+  result_->residuals.stationarity = INFINITY;
+  const OrderedJson json = solution_json(solution());
+  EXPECT_TRUE(json["cost"].is_null());
+  EXPECT_TRUE(json["residuals"]["stationarity"].is_null());
+  EXPECT_TRUE(json["problem"]["options"]["max_time_s"].is_null());
+}
+
+TEST_F(SolutionOutput, CsvHasUniqueHeadersAndIncreasingTime) {
+  const std::string text = trajectory_csv(solution());
+  Diagnostics out;
+  const auto table = parse_csv(text, "trajectory.csv", out);
+  ASSERT_TRUE(table) << format_diagnostics(out, false);
+  EXPECT_EQ(table->rows.size(), 6u);
+  EXPECT_EQ(table->columns.size(), 6u);
+  EXPECT_FALSE(table->rows[5][4]);  // no control at the last node
+  EXPECT_EQ(*table->rows[2][1], result_->trajectory.x(2)[1]);
+  std::istringstream lines(text);
+  std::string line;
+  std::getline(lines, line);
+  EXPECT_TRUE(line.starts_with("t [s],phase,")) << line;
+  for (int k = 0; k < 4; ++k) std::getline(lines, line);
+  EXPECT_NE(line.find(",b_c,"), std::string::npos) << line;  // no commas inside cells
+}
+
+TEST_F(SolutionOutput, IterationsHaveOneRowEach) {
+  const std::string text = iterations_csv(solution());
+  EXPECT_EQ(static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n')),
+            result_->log.size() + 1);
+  EXPECT_TRUE(text.starts_with("iteration,cost,merit,stationarity,"));
+}
+
+TEST_F(SolutionOutput, ASolutionReadsBackAsATable) {
+  Diagnostics out;
+  const auto table = parse_solution(json_text(solution_json(solution())), "solution.json", out);
+  ASSERT_TRUE(table) << format_diagnostics(out, false);
+  EXPECT_EQ(table->times, built_.problem->times());
+  EXPECT_EQ(*table->rows[1][4], result_->trajectory.u(1)[0]);
+}
+
+TEST(JsonText, KeepsRowsOnOneLine) {
+  const OrderedJson json = {
+      {"a", {1, 2.5, nullptr}}, {"m", {{1, 2}, {3, 4}}}, {"e", OrderedJson::array()}};
+  EXPECT_EQ(json_text(json),
+            "{\n  \"a\": [1,2.5,null],\n  \"m\": [\n    [1,2],\n    [3,4]\n  ],\n  \"e\": []\n}\n");
+}
+
+}  // namespace
+}  // namespace conddp

@@ -1,0 +1,258 @@
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "ocp/acts.hpp"
+#include "problem_text.hpp"
+
+namespace conddp {
+namespace {
+
+TEST(Build, PhasesHaveTheirKnotsAndSteps) {
+  const Loaded loaded{std::string(kPendulum)};
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const ShootingProblem& problem = *loaded.built->problem;
+  EXPECT_EQ(problem.knots(), 10);
+  EXPECT_EQ(problem.phases().size(), 2u);
+  EXPECT_EQ(problem.knot(3).dt, 0.1);
+  EXPECT_EQ(problem.knot(4).dt, 0.05);
+  EXPECT_EQ(problem.knot(4).cost_scale, 0.05);
+  EXPECT_NEAR(problem.times().back(), 0.7, 1e-15);
+  EXPECT_EQ(problem.initial_state(), (std::vector<double>{0.1, 0}));
+  EXPECT_EQ(problem.phases()[0].model->integrator(), Integrator::rk4);
+  EXPECT_EQ(problem.phases()[0].model->control_upper(), std::vector<double>{3});
+}
+
+TEST(Build, PhasesOfOneStructureShareTheirModel) {
+  const Loaded same{std::string(kPendulum)};
+  ASSERT_TRUE(same.built);
+  EXPECT_EQ(same.built->problem->phases()[0].model, same.built->problem->phases()[1].model);
+  const Loaded cost(replaced(kPendulum, "weight: 0.5", "weight: 0.5, phases: second"));
+  ASSERT_TRUE(cost.built) << cost.all();
+  EXPECT_NE(cost.built->problem->phases()[0].model, cost.built->problem->phases()[1].model);
+  EXPECT_TRUE(cost.built->problem->phases()[0].model->costs().empty());
+  const Loaded bounds(replaced(kPendulum, "upper: 3", "upper: 3, phases: [first]"));
+  ASSERT_TRUE(bounds.built) << bounds.all();
+  EXPECT_TRUE(bounds.built->problem->phases()[0].model->has_control_bounds());
+  EXPECT_FALSE(bounds.built->problem->phases()[1].model->has_control_bounds());
+}
+
+TEST(Build, WeightsFollowKnotsAndPhases) {
+  std::string text = replaced(kPendulum, "weight: 0.5", "weight: 0.5, knots: [1, 5]");
+  text = replaced(text, "dt: 0.05", "dt: 0.05, weights: {effort: 4}");
+  const Loaded loaded(text);
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const ShootingProblem& problem = *loaded.built->problem;
+  const int at = problem.knot(0).model->costs()[0].weight;
+  for (int k = 0; k < 10; ++k)
+    EXPECT_EQ(problem.knot(k).parameters[at], k == 1 ? 0.5 : k == 5 ? 4 : 0) << k;
+  EXPECT_EQ(problem.phases()[0].model, problem.phases()[1].model);
+}
+
+TEST(Build, RunningCostsCanBeSums) {
+  const Loaded loaded(replaced(kPendulum, "integrator", "running_costs: sum\nintegrator"));
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  EXPECT_EQ(loaded.built->problem->knot(0).cost_scale, 1);
+  EXPECT_EQ(loaded.built->problem->terminal().cost_scale[0], 1);
+}
+
+TEST(Build, WayPointsInterpolate) {
+  const Loaded loaded(replaced(kPendulum, "costs:\n",
+                               "costs:\n  path: {residual: state, reference: {times: [0.1, 0.3], "
+                               "values: [{values: {theta: 1}}, [3, 2]]}}\n"));
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const ShootingProblem& problem = *loaded.built->problem;
+  EXPECT_EQ(problem.knot(0).parameters[0], 1);  // before the first one: held
+  EXPECT_EQ(problem.knot(1).parameters[0], 1);
+  EXPECT_NEAR(problem.knot(2).parameters[0], 2, 1e-12);
+  EXPECT_NEAR(problem.knot(2).parameters[1], 1, 1e-12);
+  EXPECT_NEAR(problem.knot(9).parameters[0], 3, 1e-12);
+}
+
+TEST(Build, DroppedConstraintsAreKeptForTheReport) {
+  const Loaded loaded(std::string(kPendulum), {}, {.drop = {"torque"}});
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const ShootingProblem& problem = *loaded.built->problem;
+  EXPECT_FALSE(problem.has_control_bounds());
+  ASSERT_EQ(loaded.built->dropped.size(), 1u);
+  Trajectory trajectory = problem.create_trajectory();
+  trajectory.u(2)[0] = 4.5;
+  EXPECT_DOUBLE_EQ(violation(loaded.built->dropped[0], problem, trajectory), 1.5);
+}
+
+TEST(Build, BoundsOfSeveralConstraintsIntersect) {
+  const Loaded loaded(replaced(kPendulum, "constraints:\n",
+                               "constraints:\n  more: {bounds: control, lower: -5, upper: [2]}\n"));
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  EXPECT_EQ(loaded.built->problem->knot(0).model->control_lower(), std::vector<double>{-3});
+  EXPECT_EQ(loaded.built->problem->knot(0).model->control_upper(), std::vector<double>{2});
+}
+
+TEST(Build, ControlRateAddsThePreviousControlToTheState) {
+  std::string text = replaced(kPendulum, "costs:\n", "costs:\n  rate: {residual: control_rate}\n");
+  text = replaced(text, "{theta: 0.1}}", "{theta: 0.1}, previous_control: 0.7}");
+  const Loaded loaded(text);
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  EXPECT_EQ(loaded.built->problem->initial_state(), (std::vector<double>{0.1, 0, 0.7}));
+  ASSERT_EQ(loaded.built->state_columns.size(), 3u);
+  EXPECT_EQ(loaded.built->state_columns[2].name, "previous/torque");
+}
+
+TEST(Build, IntegratorsFitTheirSystems) {
+  const auto integrator = [](const std::string& system, const std::string& state,
+                             const std::string& key) {
+    const Loaded loaded("conddp: 1\nsystem: " + system + "\ninitial_state: " + state + key +
+                        "\nphases: [{knots: 3, dt: 0.1}]\n");
+    return loaded.built ? std::optional(loaded.built->problem->knot(0).model->integrator())
+                        : std::nullopt;
+  };
+  EXPECT_EQ(integrator("{type: cartpole}", "{}", ""), Integrator::semi_implicit_euler);
+  EXPECT_EQ(integrator("{type: unicycle}", "{}", ""), Integrator::rk4);
+  EXPECT_EQ(integrator("{type: car}", "{}", ""), Integrator::discrete);
+  EXPECT_EQ(integrator("{type: car}", "{}", "\nintegrator: rk4"), std::nullopt);
+  EXPECT_EQ(integrator("{type: unicycle}", "{}", "\nintegrator: discrete"), std::nullopt);
+  EXPECT_EQ(integrator("{type: unicycle}", "{}", "\nintegrator: semi_implicit_euler"),
+            std::nullopt);
+  EXPECT_EQ(integrator("{type: linear, A: [[1, 1], [0, 1]], B: [[0], [1]]}", "{state: [1, 2]}", ""),
+            Integrator::discrete);
+}
+
+TEST(Build, RobotsTakeReferencesFromConfigurations) {
+  const Loaded loaded(replaced(
+      kCartpole, "phases:",
+      "costs:\n"
+      "  tip: {residual: frame_position, frame: tip, reference: up}\n"
+      "  pose: {residual: frame_placement, frame: tip, reference: initial}\n"
+      "  joints: {residual: joint_position, joints: [hinge], reference: {hinge: 2}}\n"
+      "  limits: {residual: joint_position, activation: {kind: quadratic_barrier, from: urdf}}\n"
+      "  state: {residual: state, reference: up, weights: {slider: 2, \"v/*\": 0.5}}\n"
+      "  com: {residual: com_position, reference: initial}\n"
+      "  gravity: {residual: control_gravity}\n"
+      "phases:"));
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const KnotModel& model = *loaded.built->problem->knot(0).model;
+  const double* p = loaded.built->problem->knot(0).parameters;
+  ASSERT_EQ(model.costs().size(), 7u);
+  // The tip of the pole is at (0.5 sin θ, 0, −0.5 cos θ), as the URDF's comment says.
+  EXPECT_NEAR(p[model.costs()[0].parameters], 0.5 * std::sin(3), 1e-12);
+  EXPECT_NEAR(p[model.costs()[0].parameters + 2], -0.5 * std::cos(3), 1e-12);
+  EXPECT_EQ(p[model.costs()[2].parameters], 2);
+  EXPECT_EQ(model.costs()[3].activation.lower[0], -2.4);
+  EXPECT_TRUE(std::isinf(model.costs()[3].activation.upper[1]));
+  EXPECT_EQ(model.costs()[4].activation.weights, (std::vector<double>{2, 1, 0.5, 0.5}));
+  EXPECT_EQ(p[model.costs()[4].parameters + 1], 3);
+}
+
+TEST(Build, SeveralRobotsShareAProblem) {
+  const Loaded loaded(R"(conddp: 1
+robots:
+  arm:
+    urdf: robots/double_pendulum.urdf
+    configurations: {up: {joints: {shoulder: 3}}}
+  box:
+    urdf: robots/free_body.urdf
+    base: floating
+    actuation: none
+initial_state:
+  robots:
+    arm: {configuration: up, velocity: {joints: {elbow: 2}}}
+    box: {base: {position: [1, 2, 3], rpy: [0, 0, 1]}}
+phases: [{knots: 2, dt: 0.1}]
+costs:
+  pose: {residual: state, reference: arm/up}
+  elbow: {residual: joint_velocity, joints: arm/elbow}
+)");
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const std::vector<double>& x = loaded.built->problem->initial_state();
+  ASSERT_EQ(x.size(), 2u + 7 + 8);
+  EXPECT_EQ(x[0], 3);
+  EXPECT_EQ(x[2], 1);
+  EXPECT_NEAR(x[7], std::sin(0.5), 1e-12);
+  EXPECT_EQ(x[10], 2);
+  EXPECT_EQ(loaded.built->control_columns.size(), 2u);
+  EXPECT_EQ(loaded.built->control_columns[0].name, "u/arm/shoulder");
+}
+
+TEST(Build, ThrustersMakeTheControlsOfAFloatingBody) {
+  const Loaded loaded(R"(conddp: 1
+robot:
+  urdf: robots/quadrotor.urdf
+  base: floating
+  actuation:
+    thrusters:
+      - {name: one, frame: rotor_1, torque_ratio: 0.02, upper: 12}
+      - {name: two, frame: rotor_2, direction: [0, 0, 3], lower: null}
+initial_state: {base: {position: [0, 0, 1]}}
+phases: [{knots: 2, dt: 0.1}]
+constraints: {thrust: {bounds: control, from: urdf}}
+)");
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const KnotModel& model = *loaded.built->problem->knot(0).model;
+  EXPECT_EQ(model.control_lower()[0], 0);
+  EXPECT_EQ(model.control_upper()[0], 12);
+  EXPECT_TRUE(std::isinf(model.control_lower()[1]));
+}
+
+/// Initial costs of test cases from the literature: reference values from Altro.jl's problems.
+struct InitialCost {
+  const char* name;
+  std::string text;
+  double cost;
+};
+
+class LiteratureCase : public testing::TestWithParam<InitialCost> {};
+
+TEST_P(LiteratureCase, HasThePublishedInitialCost) {
+  const Loaded loaded(GetParam().text);
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  Acts acts(*loaded.built->problem);
+  Trajectory trajectory = loaded.built->guess;
+  ASSERT_EQ(acts.simulate(trajectory), -1);
+  Evaluation evaluation(*loaded.built->problem);
+  acts.evaluate(trajectory, evaluation);
+  EXPECT_NEAR(evaluation.cost.sum() / GetParam().cost, 1, 1e-9);
+}
+
+std::string literature_text(const std::string& system, const std::string& x0, const std::string& xf,
+                            const std::string& integrator, const std::string& phase, double q,
+                            double r, double qf, double u) {
+  return fmt::format(R"(conddp: 1
+system: {{type: {}}}
+initial_state: {{state: {}}}
+integrator: {}
+phases: [{}]
+costs:
+  state: {{residual: state, reference: {}, weight: {}}}
+  control: {{residual: control, weight: {}}}
+terminal: {{costs: {{goal: {{residual: state, reference: {}, weight: {}}}}}}}
+initial_guess: {{controls: {{constant: {}}}}}
+)",
+                     system, x0, integrator, phase, xf, q, r, xf, qf, u);
+}
+
+constexpr const char* kPi = "3.141592653589793";
+
+INSTANTIATE_TEST_SUITE_P(
+    Altro, LiteratureCase,
+    testing::Values(
+        InitialCost{"Pendulum",
+                    literature_text("pendulum", "[0, 0]", fmt::format("[{}, 0]", kPi), "rk4",
+                                    "{knots: 50, duration: 3}", 1e-3, 1e-3, 1, 0.1),
+                    4.913747482},
+        InitialCost{"CartpoleRk3",
+                    literature_text("cartpole", "[0, 0, 0, 0]", fmt::format("[0, {}, 0, 0]", kPi),
+                                    "rk3", "{knots: 100, duration: 5}", 0.01, 0.1, 100, 0.01),
+                    494.453188503},
+        InitialCost{"CartpoleRk4",
+                    literature_text("cartpole", "[0, 0, 0, 0]", fmt::format("[0, {}, 0, 0]", kPi),
+                                    "rk4", "{knots: 100, duration: 5}", 0.01, 0.1, 100, 0.01),
+                    494.451492216},
+        InitialCost{"Acrobot",
+                    literature_text("acrobot", "[-1.5707963267948966, 0, 0, 0]",
+                                    "[1.5707963267948966, 0, 0, 0]", "rk4",
+                                    "{knots: 100, duration: 5}", 1, 0.01, 100, 0),
+                    518.154231057}),
+    [](const auto& test) { return test.param.name; });
+
+}  // namespace
+}  // namespace conddp

@@ -1,0 +1,160 @@
+#include <cmath>
+#include <fstream>
+
+#include <unistd.h>
+
+#include "problem_text.hpp"
+
+namespace conddp {
+namespace {
+
+std::string with_guess(const std::string& guess) {
+  return std::string(kPendulum) + "initial_guess: " + guess + "\n";
+}
+
+TEST(Guess, StaysAtTheInitialStateByDefault) {
+  const Loaded loaded{std::string(kPendulum)};
+  ASSERT_TRUE(loaded.built);
+  for (int k = 0; k <= 10; ++k) EXPECT_EQ(loaded.built->guess.x(k)[0], 0.1);
+  EXPECT_EQ(loaded.built->guess.u(0)[0], 0);
+  EXPECT_EQ(loaded.built->guess_used.controls, "zero");
+}
+
+TEST(Guess, InterpolatesToTheTarget) {
+  const Loaded loaded(with_guess("{states: interpolate}"));
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  EXPECT_NEAR(loaded.built->guess.x(4)[0], 0.1 + 0.9 * 0.4 / 0.7, 1e-12);
+  EXPECT_NEAR(loaded.built->guess.x(10)[0], 1, 1e-12);
+}
+
+TEST(Guess, PassesThroughKeyframes) {
+  const Loaded loaded(
+      with_guess("{states: {keyframes: [{knot: 4, state: {values: {theta: 2}}}, {time: 0.7, state: "
+                 "[3, 1]}]}}"));
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  EXPECT_EQ(loaded.built->guess.x(0)[0], 0.1);
+  EXPECT_NEAR(loaded.built->guess.x(2)[0], 1.05, 1e-12);
+  EXPECT_NEAR(loaded.built->guess.x(4)[0], 2, 1e-12);
+  EXPECT_NEAR(loaded.built->guess.x(10)[1], 1, 1e-12);
+}
+
+TEST(Guess, ConstantAndRandomControls) {
+  const Loaded a(with_guess("{controls: {constant: 2, random: {seed: 7, scale: 0.5}}}"));
+  const Loaded b(with_guess("{controls: {constant: {torque: 2}, random: {seed: 7, scale: 0.5}}}"));
+  const Loaded c(with_guess("{controls: {random: {seed: 8, scale: 0.5}}}"));
+  ASSERT_TRUE(a.built && b.built && c.built) << a.all() << b.all() << c.all();
+  EXPECT_EQ(a.built->guess.u(3)[0], b.built->guess.u(3)[0]);
+  EXPECT_NE(a.built->guess.u(3)[0], 2 + c.built->guess.u(3)[0]);
+  EXPECT_EQ(a.built->guess_used.seed, 7u);
+  double mean = 0;
+  for (int k = 0; k < 10; ++k) mean += a.built->guess.u(k)[0] / 10;
+  EXPECT_NEAR(mean, 2, 1);
+}
+
+TEST(Guess, QuasiStaticControlsHoldTheStates) {
+  const Loaded pendulum(with_guess("{controls: gravity}"));
+  ASSERT_TRUE(pendulum.built) << pendulum.all();
+  EXPECT_NEAR(pendulum.built->guess.u(0)[0], 9.81 * 0.5 * std::sin(0.1), 1e-12);
+  // The hinge of the double pendulum carries both rods: compare with the system's acceleration.
+  const Loaded robot(R"(conddp: 1
+robot: {urdf: robots/double_pendulum.urdf}
+initial_state: {joints: {shoulder: 0.4, elbow: -1}}
+phases: [{knots: 2, dt: 0.1}]
+initial_guess: {controls: quasi_static}
+)");
+  ASSERT_TRUE(robot.built) << robot.all();
+  const System& system = *robot.built->plant.system;
+  const auto data = system.create_data(double{});
+  const Eigen::VectorXd u = robot.built->guess.u(0);
+  system.evaluate(robot.built->problem->initial_state().data(), u.data(), *data);
+  EXPECT_NEAR(data->f[0], 0, 1e-10);
+  EXPECT_NEAR(data->f[1], 0, 1e-10);
+}
+
+class GuessFromFile : public testing::Test {
+ protected:
+  GuessFromFile() {
+    char name[] = "/tmp/conddp_guess_XXXXXX";
+    folder_ = mkdtemp(name);
+  }
+  ~GuessFromFile() override { std::filesystem::remove_all(folder_); }
+  std::string write(const std::string& name, const std::string& text) {
+    std::ofstream(folder_ / name) << text;
+    return (folder_ / name).string();
+  }
+  std::filesystem::path folder_;
+};
+
+TEST_F(GuessFromFile, ReadsCsvByColumnNames) {
+  const std::string file = write("a.csv",
+                                 "torque [Nm],t [s],phase,omega,theta [rad]\n"
+                                 "1,0,a,0,0\n2,0.2,b,0,4\n,0.7,b,1,4\n");
+  const Loaded loaded(with_guess("{file: " + file + "}"));
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const Trajectory& guess = loaded.built->guess;
+  EXPECT_EQ(guess.x(0)[0], 0.1);  // the initial state stays
+  EXPECT_NEAR(guess.x(1)[0], 2, 1e-12);
+  EXPECT_NEAR(guess.x(10)[1], 1, 1e-12);
+  EXPECT_EQ(guess.u(1)[0], 1);  // held
+  EXPECT_EQ(guess.u(2)[0], 2);
+  EXPECT_EQ(guess.u(9)[0], 2);
+}
+
+TEST_F(GuessFromFile, ReadsAFormerSolution) {
+  const std::string file = write("s.json", R"({"format": "conddp.solution/1", "gains": [[[1]]],
+    "trajectory": {"columns": {"x": ["theta", "omega"], "u": ["torque"]},
+                   "t": [0, 0.35, 0.7], "x": [[0, 0], [1, 0], [2, 0]], "u": [[3], [4]]}})");
+  const Loaded loaded(with_guess("{file: " + file + "}"));
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  EXPECT_NEAR(loaded.built->guess.x(10)[0], 2, 1e-12);
+  EXPECT_EQ(loaded.built->guess.u(9)[0], 4);
+  EXPECT_NE(loaded.built->guess_used.states.find("s.json"), std::string::npos);
+}
+
+struct BadTable {
+  const char* name;
+  const char* file;
+  const char* text;
+  const char* error;
+};
+
+TEST_F(GuessFromFile, NamesWhatIsWrong) {
+  const BadTable cases[] = {
+      {"Header", "a.csv", "0,1\n1,2\n", "1:1: the first line must name the columns"},
+      {"NoTime", "a.csv", "theta,omega\n1,2\n", "1:1: no column holds the time"},
+      {"Twice", "a.csv", "t,theta,theta\n1,2,3\n", "1:9: two columns have the name 'theta'"},
+      {"Cells", "a.csv", "t,theta\n1,2\n1,2,3\n", "3:1: this line has 3 cells, the header has 2"},
+      {"Number", "a.csv", "t,theta\n0,x1\n", "2:3: in the column 'theta': 'x1' is no number"},
+      {"Order", "a.csv", "t,theta\n1,2\n1,3\n", "3:1: the time does not increase"},
+      {"Empty", "a.csv", "t,theta\n", "1:1: there is no row under the header"},
+      {"Missing", "a.csv", "t,theta,torque\n0,1,1\n", "17:23: "},
+      {"Json", "s.json", "{\"format\": ", "1:12: not valid JSON"},
+      {"OtherJson", "s.json", "{\"format\": 1}", "0:0: the solution cannot be used"},
+      {"NoTrajectory", "s.json", "{\"format\": \"conddp.solution/1\"}",
+       "0:0: the solution cannot be used: 'trajectory' is missing"},
+      {"DeepJson", "s.json", "{\"trajectory\": [[[[[[[[[[[[]]]]]]]]]]]]}",
+       "0:0: the solution cannot be used: it is nested too deeply"},
+  };
+  for (const BadTable& c : cases) {
+    const Loaded loaded(with_guess("{file: " + write(c.file, c.text) + "}"));
+    EXPECT_FALSE(loaded.built) << c.name;
+    EXPECT_EQ(loaded.first_error().substr(0, std::string_view(c.error).size()), c.error) << c.name;
+  }
+}
+
+TEST_F(GuessFromFile, ReferencesComeFromFilesToo) {
+  const std::string file = write("r.csv", "t,theta,omega,angle\n0,0,0,5\n0.7,7,1,6\n");
+  const Loaded loaded(replaced(kPendulum, "costs:\n",
+                               "costs:\n  track: {residual: state, reference: {file: " + file +
+                                   "}}\n  one: {residual: state, "
+                                   "columns: theta, reference: {file: " +
+                                   file + ", columns: [angle]}}\n"));
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const KnotModel& model = *loaded.built->problem->knot(0).model;
+  const double* p = loaded.built->problem->knot(2).parameters;
+  EXPECT_NEAR(p[model.costs()[0].parameters], 2, 1e-12);
+  EXPECT_NEAR(p[model.costs()[1].parameters], 5 + 2.0 / 7, 1e-12);
+}
+
+}  // namespace
+}  // namespace conddp

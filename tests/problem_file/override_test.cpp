@@ -1,0 +1,50 @@
+#include "problem_text.hpp"
+#include "solvers/options.hpp"
+
+namespace conddp {
+namespace {
+
+TEST(Override, ReplacesAndAddsValues) {
+  const Loaded loaded(std::string(kPendulum),
+                      {"solver.max_iterations=7", "phases.1.knots=2", "costs.effort.weight=2",
+                       "solver.tolerances.gap=1e-7", "initial_state={values: {theta: 0.5}}"});
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  EXPECT_EQ(loaded.spec->solver.options.max_iterations, 7);
+  EXPECT_EQ(loaded.spec->solver.options.tolerances.gap, 1e-7);
+  EXPECT_EQ(loaded.built->problem->knots(), 6);
+  EXPECT_EQ(loaded.spec->costs[0].weight, 2);
+  EXPECT_EQ(loaded.built->problem->initial_state()[0], 0.5);
+}
+
+struct BadSetting {
+  const char* setting;
+  int column;
+  const char* message;
+};
+
+class BadOverride : public testing::TestWithParam<BadSetting> {};
+
+TEST_P(BadOverride, IsNamedInsideTheSetting) {
+  const Loaded loaded(std::string(kPendulum), {GetParam().setting});
+  EXPECT_FALSE(loaded.built);
+  ASSERT_TRUE(loaded.error());
+  EXPECT_EQ(loaded.error()->file, "--set");
+  EXPECT_EQ(loaded.error()->column, GetParam().column);
+  EXPECT_NE(loaded.error()->message.find(GetParam().message), std::string::npos)
+      << loaded.error()->message;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Classes, BadOverride,
+    testing::Values(BadSetting{"solver.max_iterations", 1, "is no setting"},
+                    BadSetting{"=3", 1, "is no setting"},
+                    BadSetting{"solver..name=x", 8, "a name in the key path is empty"},
+                    BadSetting{"solver.max_iteration=3", 8, "there is no key 'max_iteration'"},
+                    BadSetting{"solver.max_iterations=many", 23, "'many' is no number"},
+                    BadSetting{"phases.2.dt=1", 8, "'2' is no index into a list of 2"},
+                    BadSetting{"name.x=1", 6, "leads into a word"},
+                    BadSetting{"costs.effort.weight=&a 1", 21, "anchors"},
+                    BadSetting{"costs.effort.weight=", 21, "is expected here, not nothing"}));
+
+}  // namespace
+}  // namespace conddp

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include <gtest/gtest.h>
+
+#include "problem_file/build.hpp"
+#include "problem_file/read_problem.hpp"
+
+namespace conddp {
+
+inline const std::filesystem::path kProblems =
+    std::filesystem::path(CONDDP_SOURCE_DIR) / "problems";
+
+/// A small correct problem; tests replace or append lines.
+inline constexpr std::string_view kPendulum = R"(conddp: 1
+name: test
+system: {type: pendulum}
+initial_state: {values: {theta: 0.1}}
+integrator: rk4
+phases:
+  - {name: first, knots: 4, dt: 0.1}
+  - {name: second, knots: 6, dt: 0.05}
+costs:
+  effort: {residual: control, weight: 0.5}
+constraints:
+  torque: {bounds: control, lower: -3, upper: 3}
+terminal:
+  costs:
+    goal: {residual: state, reference: {values: {theta: 1}}, weight: 10}
+solver: {name: box_ddp}
+)";
+
+inline constexpr std::string_view kCartpole = R"(conddp: 1
+robot:
+  urdf: robots/cartpole.urdf
+  actuation: {joints: [slider]}
+  configurations:
+    up: {joints: {hinge: 3}}
+initial_state: {configuration: up}
+phases: [{name: only, knots: 5, dt: 0.1}]
+)";
+
+/// The text with the first occurrence of `from` replaced, which must be there.
+inline std::string replaced(std::string_view text, std::string_view from, std::string_view to) {
+  std::string result(text);
+  const std::size_t at = result.find(from);
+  EXPECT_NE(at, std::string::npos) << "no '" << from << "' in the text";
+  if (at != std::string::npos) result.replace(at, from.size(), to);
+  return result;
+}
+
+/// A problem that was read and, if `spec` was good, built; relative paths lead to problems/.
+struct Loaded {
+  explicit Loaded(const std::string& text, const std::vector<std::string>& settings = {},
+                  const BuildOptions& options = {}) {
+    spec = read_problem_text(text, kProblems / "test.yaml", settings, diagnostics);
+    if (spec) built = build_problem(*spec, options, diagnostics);
+  }
+  /// "line:column: message" of the first error.
+  std::string first_error() const {
+    for (const Diagnostic& d : diagnostics.list())
+      if (d.severity == Severity::kError)
+        return std::to_string(d.line) + ":" + std::to_string(d.column) + ": " + d.message;
+    return "";
+  }
+  const Diagnostic* error() const {
+    for (const Diagnostic& d : diagnostics.list())
+      if (d.severity == Severity::kError) return &d;
+    return nullptr;
+  }
+  std::string all() const { return format_diagnostics(diagnostics, false); }
+
+  Diagnostics diagnostics;
+  std::optional<ProblemSpec> spec;
+  std::optional<BuiltProblem> built;
+};
+
+}  // namespace conddp
