@@ -233,13 +233,17 @@ void Acts::differentiate(const Trajectory& trajectory, Linearization& out) {
   });
 }
 
-void Acts::lagrangian_hessian(const Trajectory& trajectory, const Eigen::MatrixXd& costates,
-                              Linearization& out) {
-  using D = Dual<Lane>;
+void Acts::reserve_lagrangian_hessian() {
   for (auto& of_thread : impl_->duals)
     if (of_thread.empty())
       for (const KnotModel* model : impl_->models)
-        of_thread.push_back(std::make_unique<KnotBatch<D>>(*model));
+        of_thread.push_back(std::make_unique<KnotBatch<Dual<Lane>>>(*model));
+}
+
+void Acts::lagrangian_hessian(const Trajectory& trajectory, const Eigen::MatrixXd& costates,
+                              Linearization& out) {
+  using D = Dual<Lane>;
+  reserve_lagrangian_hessian();
   impl_->for_each_group([&](const Group& group, int thread) {
     const KnotModel& model = *impl_->models[group.model];
     KnotBatch<D>& batch = *impl_->duals[thread][group.model];

@@ -40,8 +40,8 @@ struct RolloutOptions {
 };
 
 /// The few acts that cross from a problem to the solvers. Owns all workspaces: after construction
-/// no act allocates. Knots of one structure share lanes, from whichever phases. Results do not
-/// depend on the number of threads.
+/// (and reserve_lagrangian_hessian, for that one) no act allocates. Knots of one structure share
+/// lanes, from whichever phases. Results do not depend on the number of threads.
 class Acts {
  public:
   explicit Acts(const ShootingProblem& problem, int threads = 1);
@@ -55,6 +55,8 @@ class Acts {
   void evaluate(const Trajectory& trajectory, Evaluation& out);
   /// First derivatives and Gauss-Newton Hessians.
   void differentiate(const Trajectory& trajectory, Linearization& out);
+  /// Allocates what lagrangian_hessian needs, for callers that may want it later.
+  void reserve_lagrangian_hessian();
   /// Replaces the Hessians of `out` by the exact ones of the cost + Σ λ_{k+1}ᵀ f(x_k, u_k), with
   /// co-states λ (ndx x (N + 1), column k belongs to node k), exact to second order on manifolds.
   void lagrangian_hessian(const Trajectory& trajectory, const Eigen::MatrixXd& costates,

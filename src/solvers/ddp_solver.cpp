@@ -74,16 +74,18 @@ DdpSolver::DdpSolver(const ShootingProblem& problem, const DdpRecipe& recipe,
       acts_(problem, options.threads),
       linearization_(problem),
       adjoint_(problem, bounds_),
-      sweep_(problem, bounds_),
-      policy_(recipe.box_stage ? box_stage(problem, options.box_qp) : unconstrained_stage(problem)),
-      linear_rollout_(problem, bounds_),
+      direction_(problem, bounds_,
+                 {.open_gaps = recipe.open_gaps,
+                  .clamp_controls = recipe.clamp_controls,
+                  .box_stage = recipe.box_stage},
+                 options.box_qp),
       line_search_(problem, options.line_search),
       regularization_(options.regularization),
-      feedback_(problem),
       trajectory_(problem.create_trajectory()),
       before_(problem.create_trajectory()),
       result_(problem) {
   if (recipe.hessian == HessianUse::gauss_newton) return;
+  acts_.reserve_lagrangian_hessian();
   for (const KnotLinearization& knot : linearization_.knots) other_hessian_.push_back(knot.hessian);
 }
 
@@ -94,7 +96,7 @@ SolveResult DdpSolver::solve(const Trajectory& guess) {
   result_.log.reserve(std::min(options_.max_iterations, kReservedRows) + 1);
   regularization_ = RegularizationSchedule(options_.regularization);
   row_ = IterationRecord();
-  active_set_known_ = false;
+  direction_.reset();
   search_ = LineSearchResult();
   linearized_ = false;
   at_rounding_floor_ = false;
@@ -224,8 +226,8 @@ bool DdpSolver::take_step() {
   row_.regularization = regularization_.value();
   row_.penalty = merit_.penalty;
   row_.exact_hessian = exact_in_use_;
-  row_.clamped_controls = policy_->clamped_controls();
-  row_.active_set_changes = policy_->active_set_changes();
+  row_.clamped_controls = direction_.policy().clamped_controls();
+  row_.active_set_changes = direction_.policy().active_set_changes();
   if (search_.step >= options_.regularization.decrease_step) {
     regularization_.decrease();
   } else if (search_.step <= options_.regularization.increase_step) {
@@ -242,7 +244,7 @@ bool DdpSolver::search() {
     {
       const Stopwatch watch(result_.times.rollout);
       search_ = line_search_.run(
-          acts_, merit_, adjoint_, linearization_.gap, feedback_,
+          acts_, merit_, adjoint_, linearization_.gap, direction_.feedback(),
           {.contract_gaps = recipe_.open_gaps, .clamp_controls = recipe_.clamp_controls},
           first_step, trajectory_);
     }
@@ -286,52 +288,11 @@ int DdpSolver::sweep_backward(double regularization) {
   for (bool exact : {true, false}) {
     if (exact && !exact_known_) continue;
     use_hessian(exact);
-    const int bad_knot = sweep_to_active_set({options_.regularization.kind, regularization});
+    const int bad_knot = direction_.find(linearization_, trajectory_, adjoint_, merit_,
+                                         {options_.regularization.kind, regularization});
     if (bad_knot < 0 || !exact) return bad_knot;
   }
   return -1;
-}
-
-/// Sweeps until the linear rollout confirms the active set that the sweep assumed, from the set
-/// that the iteration before ended with. Where sets alternate instead of settling, the set of the
-/// iterate itself may grow until the step is feasible; the model says whether that step is better
-/// than that of stages which each find their own set.
-int DdpSolver::sweep_to_active_set(SweepRegularization regularization) {
-  const auto sweep = [&](bool hold) {
-    return sweep_.run(linearization_, trajectory_, recipe_.open_gaps, regularization, *policy_,
-                      feedback_, hold);
-  };
-  const auto revise = [&](bool release) {
-    return linear_rollout_.revise(linearization_, feedback_, recipe_.open_gaps, release, *policy_);
-  };
-  const auto model_decrease = [&] {
-    const ModelStep step = linear_rollout_.run(linearization_, trajectory_, feedback_, sweep_,
-                                               recipe_.open_gaps, recipe_.clamp_controls);
-    return -(step.slope + 0.5 * step.curvature);
-  };
-  const int limit = recipe_.box_stage ? options_.box_qp.horizon_sweeps : 0;
-  if (limit == 0 || !active_set_known_ || sweep(true) >= 0) {
-    const int bad_knot = sweep(false);
-    if (bad_knot >= 0 || limit == 0) return bad_knot;
-  }
-  active_set_known_ = true;
-  for (int i = 0; i < limit; ++i) {
-    if (revise(true) == 0) return -1;
-    if (sweep(true) >= 0) break;
-  }
-  for (int k = 0; k < problem_.knots(); ++k) {
-    policy_->assume(k, adjoint_.gradient().segment(bounds_.offset(k), problem_.nu(k)));
-  }
-  bool feasible = false;
-  for (int i = 0; i < limit && !feasible && sweep(true) < 0; ++i) feasible = revise(false) == 0;
-  const double held = feasible ? model_decrease() : 0;
-  policy_->remember();
-  const int bad_knot = sweep(false);
-  active_set_known_ =
-      feasible && !merit_.hidden(held) && (bad_knot >= 0 || model_decrease() < held);
-  if (!active_set_known_) return bad_knot;
-  policy_->recall();
-  return sweep(true);
 }
 
 /// Derivatives and co-states of the iterate; linearized_ tells whether they are finite.
@@ -374,8 +335,7 @@ void DdpSolver::use_hessian(bool exact) {
 /// The model's view of the full step; the weight of the gaps is kept above its multipliers.
 void DdpSolver::measure_direction() {
   const Stopwatch watch(result_.times.sweep);
-  const ModelStep step = linear_rollout_.run(linearization_, trajectory_, feedback_, sweep_,
-                                             recipe_.open_gaps, recipe_.clamp_controls);
+  const ModelStep step = direction_.measure(linearization_, trajectory_);
   merit_.slope = step.slope;
   merit_.penalty = recipe_.open_gaps ? options_.line_search.merit_margin * step.multiplier : 0;
 }
@@ -416,7 +376,7 @@ void DdpSolver::sweep_for_gains() {
   RegularizationSchedule schedule(from_zero);
   do {
     if (sweep_backward(schedule.value()) < 0) {
-      result_.feedback = feedback_;
+      result_.feedback = direction_.feedback();
       result_.feedback_regularization = schedule.value();
       return;
     }

@@ -5,9 +5,8 @@
 
 #include "ocp/acts.hpp"
 #include "solvers/adjoint.hpp"
-#include "solvers/backward_sweep.hpp"
+#include "solvers/direction.hpp"
 #include "solvers/line_search.hpp"
-#include "solvers/linear_rollout.hpp"
 #include "solvers/options.hpp"
 #include "solvers/regularization.hpp"
 #include "solvers/solve_result.hpp"
@@ -61,7 +60,6 @@ class DdpSolver {
   bool end_without_step(bool descent);
   std::string residual_text() const;
   double elapsed() const;
-  int sweep_to_active_set(SweepRegularization regularization);
 
   const ShootingProblem& problem_;
   DdpRecipe recipe_;
@@ -77,17 +75,13 @@ class DdpSolver {
   bool exact_known_ = false;   ///< the iterate has exact Hessians
   bool exact_in_use_ = false;  ///< they are in linearization_, else in other_hessian_
   Adjoint adjoint_;
-  BackwardSweep sweep_;
-  std::unique_ptr<StagePolicy> policy_;
-  LinearRollout linear_rollout_;
+  Direction direction_;
   LineSearch line_search_;
   RegularizationSchedule regularization_;
-  Feedback feedback_;
   Trajectory trajectory_;           ///< the iterate
   Trajectory before_;               ///< the iterate before the last step, should that be taken back
   bool linearized_ = false;         ///< linearization_ belongs to trajectory_
   bool at_rounding_floor_ = false;  ///< the merit is blind and stationarity does not fall
-  bool active_set_known_ = false;   ///< the policy holds one of the whole horizon
   MeritModel merit_;
   LineSearchResult search_;
   IterationRecord row_;

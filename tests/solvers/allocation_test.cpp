@@ -109,11 +109,10 @@ TEST(Allocation, NoneInAnIterationAfterTheFirst) {
   for (const auto& [name, problem, u] : cases) {
     for (const SolverInfo& solver : solvers()) {
       if (refuse(solver, problem)) continue;
-      // `automatic` may turn from one to the other; the act that then runs for the first time makes
-      // its workspaces.
-      for (HessianChoice hessian : {HessianChoice::gauss_newton, HessianChoice::exact}) {
-        const bool exact = hessian == HessianChoice::exact;
-        if (!(exact ? solver.exact_hessian : solver.gauss_newton_hessian)) continue;
+      for (HessianChoice hessian :
+           {HessianChoice::automatic, HessianChoice::gauss_newton, HessianChoice::exact}) {
+        if (hessian == HessianChoice::exact && !solver.exact_hessian) continue;
+        if (hessian == HessianChoice::gauss_newton && !solver.gauss_newton_hessian) continue;
         for (RegularizationKind kind : {RegularizationKind::state, RegularizationKind::control}) {
           SolverOptions options;
           options.max_iterations = 60;

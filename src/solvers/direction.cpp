@@ -1,0 +1,63 @@
+#include "solvers/direction.hpp"
+
+namespace conddp {
+
+Direction::Direction(const ShootingProblem& problem, const ControlBounds& bounds,
+                     const Recipe& recipe, const SolverOptions::BoxQp& options)
+    : problem_(problem),
+      bounds_(bounds),
+      recipe_(recipe),
+      horizon_sweeps_(recipe.box_stage ? options.horizon_sweeps : 0),
+      sweep_(problem, bounds),
+      policy_(recipe.box_stage ? box_stage(problem, options) : unconstrained_stage(problem)),
+      linear_rollout_(problem, bounds),
+      feedback_(problem) {}
+
+/// Sweeps until the linear rollout confirms the active set that the sweep assumed, from the set
+/// that the iteration before ended with. Where sets alternate instead of settling, the set of the
+/// iterate itself may grow until the step is feasible; the model says whether that step is better
+/// than that of stages which each find their own set.
+int Direction::find(const Linearization& linearization, const Trajectory& trajectory,
+                    const Adjoint& adjoint, const MeritModel& merit,
+                    SweepRegularization regularization) {
+  const auto sweep = [&](bool hold) {
+    return sweep_.run(linearization, trajectory, recipe_.open_gaps, regularization, *policy_,
+                      feedback_, hold);
+  };
+  const auto revise = [&](bool release) {
+    return linear_rollout_.revise(linearization, feedback_, recipe_.open_gaps, release, *policy_);
+  };
+  const auto model_decrease = [&] {
+    const ModelStep step = measure(linearization, trajectory);
+    return -(step.slope + 0.5 * step.curvature);
+  };
+  const int limit = horizon_sweeps_;
+  if (limit == 0 || !active_set_known_ || sweep(true) >= 0) {
+    const int bad_knot = sweep(false);
+    if (bad_knot >= 0 || limit == 0) return bad_knot;
+  }
+  active_set_known_ = true;
+  for (int i = 0; i < limit; ++i) {
+    if (revise(true) == 0) return -1;
+    if (sweep(true) >= 0) break;
+  }
+  for (int k = 0; k < problem_.knots(); ++k) {
+    policy_->assume(k, adjoint.gradient().segment(bounds_.offset(k), problem_.nu(k)));
+  }
+  bool feasible = false;
+  for (int i = 0; i < limit && !feasible && sweep(true) < 0; ++i) feasible = revise(false) == 0;
+  const double held = feasible ? model_decrease() : 0;
+  policy_->remember();
+  const int bad_knot = sweep(false);
+  active_set_known_ = feasible && !merit.hidden(held) && (bad_knot >= 0 || model_decrease() < held);
+  if (!active_set_known_) return bad_knot;
+  policy_->recall();
+  return sweep(true);
+}
+
+ModelStep Direction::measure(const Linearization& linearization, const Trajectory& trajectory) {
+  return linear_rollout_.run(linearization, trajectory, feedback_, sweep_, recipe_.open_gaps,
+                             recipe_.clamp_controls);
+}
+
+}  // namespace conddp

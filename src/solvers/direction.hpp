@@ -1,0 +1,47 @@
+#pragma once
+
+#include <memory>
+
+#include "solvers/adjoint.hpp"
+#include "solvers/backward_sweep.hpp"
+#include "solvers/line_search.hpp"
+#include "solvers/linear_rollout.hpp"
+
+namespace conddp {
+
+/// How an iteration finds its policy δu = α k + K δx: a sweep, or with box-constrained stages
+/// several, until the linear model confirms the active set that the sweep assumed.
+class Direction {
+ public:
+  struct Recipe {
+    bool open_gaps = false;
+    bool clamp_controls = false;
+    bool box_stage = false;
+  };
+  Direction(const ShootingProblem& problem, const ControlBounds& bounds, const Recipe& recipe,
+            const SolverOptions::BoxQp& options);
+
+  /// Forgets the active set of the solve before.
+  void reset() { active_set_known_ = false; }
+  /// Fills feedback() around an iterate. Returns the knot whose stage has no minimum, or −1.
+  int find(const Linearization& linearization, const Trajectory& trajectory, const Adjoint& adjoint,
+           const MeritModel& merit, SweepRegularization regularization);
+  /// What the linear model says of the policy's full step.
+  ModelStep measure(const Linearization& linearization, const Trajectory& trajectory);
+
+  const Feedback& feedback() const { return feedback_; }
+  const StagePolicy& policy() const { return *policy_; }
+
+ private:
+  const ShootingProblem& problem_;
+  const ControlBounds& bounds_;
+  Recipe recipe_;
+  int horizon_sweeps_;
+  BackwardSweep sweep_;
+  std::unique_ptr<StagePolicy> policy_;
+  LinearRollout linear_rollout_;
+  Feedback feedback_;
+  bool active_set_known_ = false;  ///< the policy holds one of the whole horizon
+};
+
+}  // namespace conddp
