@@ -87,6 +87,11 @@ int solve_file(const SolveArguments& arguments) {
   const SolverInfo* solver = usable_solver(*spec, *built->problem, diagnostics);
   if (solver == nullptr) return give_up();
   print_messages(diagnostics, verbosity);
+  const auto is_note = [](const Diagnostic& d) { return d.severity == Severity::kNote; };
+  const int hidden_notes = arguments.verbose
+                               ? 0
+                               : static_cast<int>(std::count_if(diagnostics.list().begin(),
+                                                                diagnostics.list().end(), is_note));
 
   const std::filesystem::path folder = arguments.folder.empty()
                                            ? std::filesystem::path("out") / spec->name.value
