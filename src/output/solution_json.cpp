@@ -6,7 +6,7 @@
 
 #include "conddp_version.hpp"
 #include "output/log_columns.hpp"
-#include "output/sha256.hpp"
+#include "problem_file/sha256.hpp"
 #include "solvers/option_table.hpp"
 
 namespace conddp {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "problem_file/read_sections.hpp"
+#include "problem_file/words.hpp"
 
 namespace conddp {
 namespace {
@@ -12,7 +13,7 @@ void read_direction(const YamlReader& reader, Vector3<double>& direction) {
   if (!vector) return;
   const double length = std::sqrt(squared_norm(*vector));
   if (length > 0)
-    direction = (1 / length) * *vector;
+    direction = unit_scale(length) * *vector;
   else
     reader.error("the direction has no length");
 }
@@ -43,8 +44,7 @@ ThrusterSpec read_thruster(const YamlReader& reader) {
 ActuationSpec read_actuation(const YamlReader& reader) {
   ActuationSpec actuation;
   if (reader.is_scalar()) {
-    static constexpr Choice<bool> kWords[] = {{"full", true}, {"none", false}};
-    actuation.full = reader.choice(kWords, "actuation (nor a mapping)").value_or(true);
+    actuation.full = reader.choice(kActuationWords, "actuation (nor a mapping)").value_or(true);
     return actuation;
   }
   YamlMap map(reader);

@@ -1,20 +1,15 @@
 #include <fmt/format.h>
 
 #include "problem_file/read_sections.hpp"
+#include "problem_file/words.hpp"
 
 namespace conddp {
 namespace {
 
-constexpr Choice<ActivationKind> kActivations[] = {
-    {"quadratic", ActivationKind::quadratic},
-    {"quadratic_barrier", ActivationKind::quadratic_barrier},
-    {"smooth_l1", ActivationKind::smooth_l1},
-    {"smooth_l2", ActivationKind::smooth_l2}};
-
 ActivationSpec read_activation(const YamlReader& reader) {
   ActivationSpec activation{.place = reader.place()};
   if (reader.is_scalar()) {
-    activation.kind = reader.choice(kActivations, "activation").value_or(activation.kind);
+    activation.kind = reader.choice(kActivationWords, "activation").value_or(activation.kind);
     if (activation.kind == ActivationKind::quadratic_barrier)
       reader.error("a barrier needs its bounds",
                    "write '{kind: quadratic_barrier, lower: ..., upper: ...}' or 'from: urdf'");
@@ -22,7 +17,7 @@ ActivationSpec read_activation(const YamlReader& reader) {
   }
   YamlMap map(reader);
   const auto kind = map.require("kind");
-  if (kind) activation.kind = kind->choice(kActivations, "activation").value_or(activation.kind);
+  if (kind) activation.kind = kind->choice(kActivationWords, "activation").value_or(activation.kind);
   const auto lower = map.find("lower");
   const auto upper = map.find("upper");
   const auto from = map.find("from");
@@ -74,9 +69,7 @@ void read_selection(YamlMap& map, const ResidualInfo& info, CostSpec& cost) {
     if (info.kind != ResidualKind::kState) unfit(*r, "columns");
   }
   if (const auto r = map.find("axes")) {
-    static constexpr Choice<FrameAxes> kAxes[] = {{"local", FrameAxes::local},
-                                                  {"world", FrameAxes::world_aligned}};
-    cost.axes = r->choice(kAxes, "system of axes").value_or(cost.axes);
+    cost.axes = r->choice(kAxesWords, "system of axes").value_or(cost.axes);
     if (info.kind != ResidualKind::kFrameVelocity) unfit(*r, "axes");
   }
 }

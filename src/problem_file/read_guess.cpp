@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "problem_file/read_sections.hpp"
+#include "problem_file/words.hpp"
 
 namespace conddp {
 namespace {
@@ -32,10 +33,8 @@ void read_states(const YamlReader& reader, const std::filesystem::path& folder, 
   using States = GuessSpec::States;
   guess.states_place = reader.place();
   if (reader.is_scalar()) {
-    static constexpr Choice<States> kWords[] = {{"initial", States::kInitial},
-                                                {"interpolate", States::kInterpolate}};
     guess.states = reader
-                       .choice(kWords,
+                       .choice(kStatesGuessWords,
                                "way to guess states (nor a mapping with 'keyframes' or "
                                "'file')")
                        .value_or(States::kInitial);
@@ -72,11 +71,8 @@ void read_controls(const YamlReader& reader, const std::filesystem::path& folder
   using Controls = GuessSpec::Controls;
   guess.controls_place = reader.place();
   if (reader.is_scalar()) {
-    static constexpr Choice<Controls> kWords[] = {{"zero", Controls::kZero},
-                                                  {"quasi_static", Controls::kQuasiStatic},
-                                                  {"gravity", Controls::kQuasiStatic}};
     guess.controls = reader
-                         .choice(kWords,
+                         .choice(kControlsGuessWords,
                                  "way to guess controls (nor a mapping with 'constant', "
                                  "'file' or 'random')")
                          .value_or(Controls::kZero);

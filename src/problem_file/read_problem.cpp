@@ -4,21 +4,12 @@
 
 #include "problem_file/read_sections.hpp"
 #include "problem_file/source_text.hpp"
+#include "problem_file/words.hpp"
 #include "problem_file/yaml_override.hpp"
 #include "problem_file/yaml_source.hpp"
 
 namespace conddp {
 namespace {
-
-constexpr int kFormat = 1;
-
-constexpr Choice<Integrator> kIntegrators[] = {
-    {"semi_implicit_euler", Integrator::semi_implicit_euler},
-    {"explicit_euler", Integrator::explicit_euler},
-    {"rk2", Integrator::rk2},
-    {"rk3", Integrator::rk3},
-    {"rk4", Integrator::rk4},
-    {"discrete", Integrator::discrete}};
 
 void read_plant(YamlMap& map, const std::filesystem::path& folder, ProblemSpec& spec) {
   const auto robot = map.find("robot");
@@ -49,9 +40,10 @@ void read_format(YamlMap& map) {
   const auto format = map.require("conddp");
   if (!format) return;
   const auto version = format->integer(1, 1'000'000);
-  if (version && *version != kFormat)
+  if (version && *version != kProblemFormat)
     format->error(
-        fmt::format("the file has format {}, and this version reads format {}", *version, kFormat));
+        fmt::format("the file has format {}, and this version reads format {}", *version,
+                    kProblemFormat));
 }
 
 ProblemSpec read_document(const YamlReader& reader, const std::filesystem::path& file) {
@@ -69,13 +61,11 @@ ProblemSpec read_document(const YamlReader& reader, const std::filesystem::path&
   if (const auto r = map.require("initial_state"))
     if (auto state = read_state(*r)) spec.initial_state = std::move(*state);
   if (const auto r = map.find("integrator"))
-    if (const auto integrator = r->choice(kIntegrators, "integrator"))
+    if (const auto integrator = r->choice(kIntegratorWords, "integrator"))
       spec.integrator = {*integrator, r->place()};
-  if (const auto r = map.find("running_costs")) {
-    static constexpr Choice<RunningCosts> kWords[] = {{"rate", RunningCosts::kRate},
-                                                      {"sum", RunningCosts::kSum}};
-    spec.running_costs = r->choice(kWords, "kind of running costs").value_or(spec.running_costs);
-  }
+  if (const auto r = map.find("running_costs"))
+    spec.running_costs =
+        r->choice(kRunningCostsWords, "kind of running costs").value_or(spec.running_costs);
   if (const auto r = map.require("phases")) spec.phases = read_phases(*r);
   if (const auto r = map.find("costs")) spec.costs = read_costs(*r, folder, false);
   if (const auto r = map.find("constraints")) spec.constraints = read_constraints(*r);

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "problem_file/read_sections.hpp"
+#include "problem_file/words.hpp"
 
 namespace conddp {
 namespace {
@@ -40,13 +41,12 @@ WrenchSpec read_wrench(const YamlReader& reader) {
 }
 
 PassiveSpec read_passive(const YamlReader& reader) {
-  static constexpr Choice<bool> kWords[] = {{"none", false}, {"urdf", true}};
   PassiveSpec passive;
   YamlMap map(reader);
   if (const auto r = map.find("damping"))
-    passive.damping = r->choice(kWords, "source of damping").value_or(false);
+    passive.damping = r->choice(kPassiveWords, "source of damping").value_or(false);
   if (const auto r = map.find("friction"))
-    passive.friction = r->choice(kWords, "source of friction").value_or(false);
+    passive.friction = r->choice(kPassiveWords, "source of friction").value_or(false);
   map.number("friction_velocity", passive.friction_velocity, kPositive);
   return passive;
 }
@@ -60,12 +60,8 @@ RobotSpec read_robot(const YamlReader& reader, const std::filesystem::path& fold
     robot.urdf = r->name().value_or(Name{});
     robot.path = folder / robot.urdf.value;
   }
-  if (const auto r = map.find("base")) {
-    using Base = UrdfOptions::Base;
-    static constexpr Choice<Base> kBases[] = {
-        {"fixed", Base::fixed}, {"floating", Base::floating}, {"planar", Base::planar}};
-    robot.base = r->choice(kBases, "kind of base").value_or(Base::fixed);
-  }
+  if (const auto r = map.find("base"))
+    robot.base = r->choice(kBaseWords, "kind of base").value_or(robot.base);
   if (const auto r = map.find("placement")) {
     robot.placement = read_pose(*r);
     if (robot.base == UrdfOptions::Base::floating)
@@ -96,10 +92,8 @@ RobotSpec read_robot(const YamlReader& reader, const std::filesystem::path& fold
     robot.rotor_inertia = read_named_numbers(*r, kNotNegative);
   if (const auto r = map.find("actuation")) robot.actuation = read_actuation(*r);
   if (const auto r = map.find("passive")) robot.passive = read_passive(*r);
-  if (const auto r = map.find("mimic")) {
-    static constexpr Choice<bool> kWords[] = {{"ignore", false}, {"enforce", true}};
-    robot.enforce_mimic = r->choice(kWords, "treatment of mimic joints").value_or(false);
-  }
+  if (const auto r = map.find("mimic"))
+    robot.enforce_mimic = r->choice(kMimicWords, "treatment of mimic joints").value_or(false);
   return robot;
 }
 

@@ -14,6 +14,9 @@ std::optional<Vector3<double>> read_vector3(const YamlReader& reader, std::strin
 NamedNumbers read_named_numbers(const YamlReader& reader, const NumberRange& range = kAnyNumber);
 std::optional<ComponentsSpec> read_components(const YamlReader& reader,
                                               const NumberRange& range = kAnyNumber);
+/// Factor that gives a vector of this length the length 1; 1 within rounding, so that what was
+/// scaled once is not changed again.
+double unit_scale(double length);
 /// A key with a rotation in one of its forms: `orientation` (quaternion x y z w) or `rpy` (rad).
 std::optional<Quaternion<double>> read_orientation(YamlMap& map);
 std::optional<PoseSpec> read_pose(const YamlReader& reader);

@@ -1,3 +1,4 @@
+#include <limits>
 #include <map>
 
 #include <fmt/format.h>
@@ -8,11 +9,17 @@
 namespace conddp {
 namespace {
 
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
 void read_option(const YamlReader& reader, const OptionInfo& info, SolverOptions& options) {
   if (!info.choices.empty()) {
     std::vector<std::string> words(info.choices.begin(), info.choices.end());
     const std::string what = fmt::format("value of '{}'", info.name);
     if (const auto index = reader.choose(words, what)) info.set(options, words[*index]);
+    return;
+  }
+  if (reader.is_null() && info.max == kInfinity && !info.max_excluded) {
+    info.set(options, kInfinity);
     return;
   }
   const auto number = reader.number();

@@ -1,6 +1,9 @@
+#include <array>
+
 #include <fmt/format.h>
 
 #include "problem_file/read_sections.hpp"
+#include "problem_file/system_fields.hpp"
 
 namespace conddp {
 namespace {
@@ -46,51 +49,11 @@ void read(YamlMap& map, LinearSpec& p) {
       p.c = Eigen::Map<const Eigen::VectorXd>(n->data(), n->size());
 }
 
-void read(YamlMap& map, PendulumParameters& p) {
-  map.number("mass", p.mass, kPositive);
-  map.number("length", p.length, kPositive);
-  map.number("inertia", p.inertia, kPositive);
-  map.number("damping", p.damping, kNotNegative);
-  map.number("gravity", p.gravity);
-}
-
-void read(YamlMap& map, CartpoleParameters& p) {
-  map.number("cart_mass", p.cart_mass, kPositive);
-  map.number("pole_mass", p.pole_mass, kPositive);
-  map.number("length", p.length, kPositive);
-  map.number("gravity", p.gravity);
-}
-
-void read(YamlMap& map, AcrobotParameters& p) {
-  map.number("length1", p.length1, kPositive);
-  map.number("length2", p.length2, kPositive);
-  map.number("mass1", p.mass1, kPositive);
-  map.number("mass2", p.mass2, kPositive);
-  map.number("inertia1", p.inertia1, kPositive);
-  map.number("inertia2", p.inertia2, kPositive);
-  map.number("friction", p.friction, kNotNegative);
-  map.number("gravity", p.gravity);
-}
-
-void read(YamlMap&, UnicycleSpec&) {}
-
-void read(YamlMap& map, CarSpec& p) { map.number("wheelbase", p.wheelbase, kPositive); }
-
-void read(YamlMap& map, PlanarQuadrotorParameters& p) {
-  map.number("mass", p.mass, kPositive);
-  map.number("inertia", p.inertia, kPositive);
-  map.number("arm", p.arm, kPositive);
-  map.number("gravity", p.gravity);
-}
-
-void read(YamlMap& map, QuadrotorParameters& p) {
-  map.number("mass", p.mass, kPositive);
-  map.number("jx", p.jx, kPositive);
-  map.number("jy", p.jy, kPositive);
-  map.number("jz", p.jz, kPositive);
-  map.number("arm", p.arm, kPositive);
-  map.number("torque_ratio", p.torque_ratio, kPositive);
-  map.number("gravity", p.gravity);
+template <class P>
+void read(YamlMap& map, P& p) {
+  for_each_field(p, [&](std::string_view key, double& value, const NumberRange& range) {
+    map.number(key, value, range);
+  });
 }
 
 using Parameters = decltype(SystemSpec::parameters);
@@ -102,22 +65,13 @@ Parameters read_as(YamlMap& map) {
   return parameters;
 }
 
-struct SystemType {
-  std::string_view name;
-  Parameters (*read)(YamlMap&);
-};
-
-constexpr SystemType kTypes[] = {
-    {"double_integrator", read_as<DoubleIntegratorSpec>},
-    {"linear", read_as<LinearSpec>},
-    {"pendulum", read_as<PendulumParameters>},
-    {"cartpole", read_as<CartpoleParameters>},
-    {"acrobot", read_as<AcrobotParameters>},
-    {"unicycle", read_as<UnicycleSpec>},
-    {"car", read_as<CarSpec>},
-    {"planar_quadrotor", read_as<PlanarQuadrotorParameters>},
-    {"quadrotor", read_as<QuadrotorParameters>},
-};
+/// The reader of each alternative.
+template <class... P>
+constexpr std::array<Parameters (*)(YamlMap&), sizeof...(P)> readers(
+    const std::variant<P...>* /*names the types*/) {
+  return {read_as<P>...};
+}
+constexpr auto kReaders = readers(static_cast<const Parameters*>(nullptr));
 
 }  // namespace
 
@@ -126,10 +80,10 @@ SystemSpec read_system(const YamlReader& reader) {
   YamlMap map(reader);
   const auto type = map.require("type");
   std::vector<std::string> words;
-  for (const SystemType& entry : kTypes) words.emplace_back(entry.name);
+  for (const std::string_view name : kSystemTypes) words.emplace_back(name);
   const auto index = type ? type->choose(words, "type of system") : std::nullopt;
   if (index)
-    system.parameters = kTypes[*index].read(map);
+    system.parameters = kReaders[*index](map);
   else
     map.ignore_others();
   return system;

@@ -1,10 +1,23 @@
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
 #include "problem_file/read_sections.hpp"
 
 namespace conddp {
+namespace {
+
+double norm(const Quaternion<double>& q) {
+  return std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);
+}
+
+}  // namespace
+
+double unit_scale(double length) {
+  constexpr double kRounding = 4 * std::numeric_limits<double>::epsilon();
+  return std::abs(length - 1) <= kRounding ? 1.0 : 1 / length;
+}
 
 std::optional<Vector3<double>> read_vector3(const YamlReader& reader, std::string_view what) {
   const auto n = reader.numbers(3, what);
@@ -50,18 +63,22 @@ std::optional<Quaternion<double>> read_orientation(YamlMap& map) {
   if (const auto reader = map.find("orientation")) {
     if (const auto n = reader->numbers(4, "a quaternion [x, y, z, w]")) {
       const Quaternion<double> q{(*n)[0], (*n)[1], (*n)[2], (*n)[3]};
-      const double length = std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);
+      const double length = norm(q);
       constexpr double kTolerance = 1e-3;
       if (std::abs(length - 1) > kTolerance)
         reader->error(fmt::format("the quaternion has length {:.6g}, not 1", length),
                       "the order is [x, y, z, w]; no rotation is [0, 0, 0, 1]");
       else
-        result = {q.x / length, q.y / length, q.z / length, q.w / length};
+        result = q;
     }
   }
   if (const auto reader = map.find("rpy"))
     if (const auto n = reader->numbers(3, "[roll, pitch, yaw] in rad"))
       result = quaternion(rotation_rpy((*n)[0], (*n)[1], (*n)[2]));
+  if (result) {
+    const double scale = unit_scale(norm(*result));
+    result = {scale * result->x, scale * result->y, scale * result->z, scale * result->w};
+  }
   return result;
 }
 

@@ -49,10 +49,14 @@ struct GuessSpec {
   std::optional<Random> random;
 };
 
+/// The format of problem files that is read, the value of their key `conddp`.
+inline constexpr int kProblemFormat = 1;
+
 /// A problem file, read and checked as far as it can be without its robots.
 struct ProblemSpec {
   std::filesystem::path file;
-  std::string text;  ///< of the file
+  std::string text;    ///< of the file, without a byte-order mark
+  std::string sha256;  ///< of the bytes that were read
   Name name;
   std::string description;
   std::vector<RobotSpec> robots;

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "output/csv.hpp"
-#include "output/sha256.hpp"
+#include "problem_file/sha256.hpp"
 #include "output/solution_json.hpp"
 #include "problem_file/data_table.hpp"
 #include "problem_file/read_problem.hpp"

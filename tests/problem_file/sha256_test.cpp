@@ -1,4 +1,4 @@
-#include "output/sha256.hpp"
+#include "problem_file/sha256.hpp"
 
 #include <gtest/gtest.h>
 

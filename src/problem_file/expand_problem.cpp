@@ -1,0 +1,95 @@
+#include "problem_file/expand_problem.hpp"
+
+#include <cmath>
+
+#include "problem_file/expand_sections.hpp"
+#include "problem_file/words.hpp"
+#include "problem_file/yaml_text.hpp"
+#include "solvers/option_table.hpp"
+
+namespace conddp {
+namespace {
+
+void expand_plant(const ProblemSpec& spec, OrderedJson& json) {
+  if (spec.system) {
+    json["system"] = expand_system(*spec.system);
+    return;
+  }
+  for (const RobotSpec& robot : spec.robots) {
+    if (robot.name.value.empty())
+      json["robot"] = expand_robot(robot);
+    else
+      json["robots"][robot.name.value] = expand_robot(robot);
+  }
+  json["gravity"] = expand_vector(spec.gravity);
+}
+
+OrderedJson expand_phases(const std::vector<PhaseSpec>& phases) {
+  OrderedJson json = OrderedJson::array();
+  for (const PhaseSpec& phase : phases)
+    json.push_back({{"name", phase.name.value},
+                    {"knots", phase.knots.value},
+                    {"dt", phase.dt},
+                    {"weights", expand_numbers(phase.weights)}});
+  return json;
+}
+
+OrderedJson expand_initial_state(const ProblemSpec& spec, const KnotModel& model) {
+  OrderedJson json = expand_state(spec.initial_state);
+  if (model.has_control_memory() && !spec.initial_state.previous_control)
+    json["previous_control"] = 0.0;
+  return json;
+}
+
+OrderedJson expand_solver(const SolverSpec& solver) {
+  OrderedJson json = {{"name", solver.name.value}};
+  json.update(expand_options(solver.options));
+  return json;
+}
+
+std::string modeline(const std::string& text) {
+  constexpr std::string_view kStart = "# yaml-language-server:";
+  if (text.starts_with(kStart)) return text.substr(0, text.find_first_of("\r\n"));
+  return std::string(kStart) + " $schema=../schemas/problem.schema.json";
+}
+
+}  // namespace
+
+OrderedJson expand_options(const SolverOptions& options) {
+  OrderedJson json = OrderedJson::object();
+  for (const OptionInfo& info : option_table()) {
+    OrderedJson value;
+    std::visit([&](const auto& v) { value = v; }, info.get(options));
+    if (value.is_number_float() && !std::isfinite(value.get<double>())) value = nullptr;
+    const std::size_t dot = info.name.find('.');
+    if (dot == std::string_view::npos)
+      json[std::string(info.name)] = std::move(value);
+    else
+      json[std::string(info.name.substr(0, dot))][std::string(info.name.substr(dot + 1))] =
+          std::move(value);
+  }
+  return json;
+}
+
+OrderedJson expand_problem(const ProblemSpec& spec, const BuiltProblem& built) {
+  const KnotModel& model = *built.problem->knot(0).model;
+  OrderedJson json = {{"conddp", kProblemFormat}, {"name", spec.name.value}};
+  if (!spec.description.empty()) json["description"] = spec.description;
+  expand_plant(spec, json);
+  json["initial_state"] = expand_initial_state(spec, model);
+  json["integrator"] = word_of(kIntegratorWords, model.integrator());
+  json["running_costs"] = word_of(kRunningCostsWords, spec.running_costs);
+  json["phases"] = expand_phases(spec.phases);
+  json["costs"] = expand_costs(spec.costs, spec, built.plant, false);
+  json["constraints"] = expand_constraints(spec);
+  json["terminal"] = {{"costs", expand_costs(spec.terminal_costs, spec, built.plant, true)}};
+  json["initial_guess"] = expand_guess(spec.guess);
+  json["solver"] = expand_solver(spec.solver);
+  return json;
+}
+
+std::string expanded_text(const ProblemSpec& spec, const BuiltProblem& built) {
+  return modeline(spec.text) + '\n' + yaml_text(expand_problem(spec, built));
+}
+
+}  // namespace conddp
