@@ -50,20 +50,6 @@ std::vector<std::string> overrides(const SolveArguments& arguments) {
   return list;
 }
 
-/// The solver, unless it cannot take the problem.
-const SolverInfo* usable_solver(const ProblemSpec& spec, const ShootingProblem& problem,
-                                Diagnostics& out) {
-  const SolverInfo* solver = find_solver(spec.solver.name.value);
-  const auto reason = refuse(*solver, problem);
-  if (!reason) return solver;
-  std::string names;
-  for (const ControlBoundsSpec& constraint : spec.constraints)
-    names += " --drop " + constraint.name.value;
-  out.error(spec.solver.name.place, *reason,
-            fmt::format("choose one of them with --solver, or leave the bounds out with{}", names));
-  return nullptr;
-}
-
 int exit_code(SolveStatus status) {
   if (status == SolveStatus::converged) return kExitConverged;
   if (status == SolveStatus::interrupted && InterruptGuard::signal() != 0)

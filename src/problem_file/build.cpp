@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include "robot/near_names.hpp"
-#include "solvers/registry.hpp"
 
 namespace conddp {
 namespace {
@@ -59,6 +58,9 @@ void check_drop(const ProblemSpec& spec, const std::vector<std::string>& drop, D
   std::vector<std::string> names;
   for (const ControlBoundsSpec& constraint : spec.constraints)
     names.push_back(constraint.name.value);
+  for (std::size_t i = 0; i < drop.size(); ++i)
+    if (std::find(drop.begin(), drop.begin() + i, drop[i]) != drop.begin() + i)
+      out.error({}, fmt::format("--drop {} stands twice on the command line", drop[i]));
   for (const std::string& name : drop)
     if (std::find(names.begin(), names.end(), name) == names.end())
       out.error({}, fmt::format("--drop {}: there is no constraint '{}'", name, name),
@@ -153,7 +155,21 @@ std::optional<BuiltProblem> build_problem(const ProblemSpec& spec, const BuildOp
   auto guess = build_guess({spec, built.plant, states, *built.problem}, built.guess_used, out);
   if (!guess || out.has_errors()) return std::nullopt;
   built.guess = std::move(*guess);
+  built.data_files = out.data_files();
   return built;
+}
+
+const SolverInfo* usable_solver(const ProblemSpec& spec, const ShootingProblem& problem,
+                                Diagnostics& out) {
+  const SolverInfo* solver = find_solver(spec.solver.name.value);
+  const auto reason = refuse(*solver, problem);
+  if (!reason) return solver;
+  std::string names;
+  for (const ControlBoundsSpec& constraint : spec.constraints)
+    names += " --drop " + constraint.name.value;
+  out.error(spec.solver.name.place, *reason,
+            fmt::format("choose one of them with --solver, or leave the bounds out with{}", names));
+  return nullptr;
 }
 
 double violation(const DroppedConstraint& constraint, const ShootingProblem& problem,

@@ -6,6 +6,7 @@
 
 #include "problem_file/guess_builder.hpp"
 #include "problem_file/phase_builder.hpp"
+#include "solvers/registry.hpp"
 
 namespace conddp {
 
@@ -29,12 +30,17 @@ struct BuiltProblem {
   Trajectory guess;
   GuessUsed guess_used;
   std::vector<DroppedConstraint> dropped;
+  std::vector<InputFile> data_files;  ///< read for references and the guess
 };
 
 /// Builds the problem that a spec describes. Unknown names of frames, joints, phases, solvers and
 /// so on are reported with their places and near names. The spec must outlive the result.
 std::optional<BuiltProblem> build_problem(const ProblemSpec& spec, const BuildOptions& options,
                                           Diagnostics& out);
+
+/// The solver that the spec names, unless it cannot take the problem: then the reason is reported.
+const SolverInfo* usable_solver(const ProblemSpec& spec, const ShootingProblem& problem,
+                                Diagnostics& out);
 
 /// The integrator of systems whose problem file names none.
 Integrator default_integrator(SystemKind kind);

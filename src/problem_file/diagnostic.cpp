@@ -55,6 +55,14 @@ int Diagnostics::add_source(std::string name, std::string text) {
   return static_cast<int>(sources_.size()) - 1;
 }
 
+void Diagnostics::add_data_file(InputFile file) {
+  const auto same = [&](const InputFile& other) {
+    return other.file == file.file && other.sha256 == file.sha256;
+  };
+  if (std::none_of(data_files_.begin(), data_files_.end(), same))
+    data_files_.push_back(std::move(file));
+}
+
 int Diagnostics::character_column(int source, int line, int byte) const {
   const std::string_view text = sources_[source].line(line);
   return 1 + count_characters(text.substr(0, std::max(byte, 0)));

@@ -46,7 +46,13 @@ using Name = Located<std::string>;
 /// Characters in UTF-8 text.
 int count_characters(std::string_view text);
 
-/// Collects diagnostics and the texts that they point into.
+/// A file that was read.
+struct InputFile {
+  std::string file;
+  std::string sha256;  ///< of its bytes
+};
+
+/// Collects diagnostics, the texts that they point into, and what data files were read.
 class Diagnostics {
  public:
   /// Errors beyond this are only counted.
@@ -69,6 +75,9 @@ class Diagnostics {
   const std::vector<Diagnostic>& list() const { return list_; }
   bool has_errors() const { return errors_ > 0; }
   int error_count() const { return errors_; }
+  /// Remembers a data file, once.
+  void add_data_file(InputFile file);
+  const std::vector<InputFile>& data_files() const { return data_files_; }
   /// The line of a file or of a text made known, empty if there is none.
   std::string source_line(const std::string& file, int line) const;
 
@@ -83,6 +92,7 @@ class Diagnostics {
 
   std::vector<Source> sources_;
   std::vector<Diagnostic> list_;
+  std::vector<InputFile> data_files_;
   int errors_ = 0;
 };
 

@@ -50,6 +50,29 @@ std::shared_ptr<const System> make_system(const ProblemSpec& spec, Diagnostics& 
       spec.system->parameters);
 }
 
+/// Where a joint and those that mimic it can all be within their limits: else both are named.
+bool check_mimic_limits(const Plant& plant, Diagnostics& out) {
+  const RobotModel& robot = plant.robot();
+  bool possible = true;
+  for (const Mimic& mimic : robot.mimics) {
+    const Joint& leader = robot.joints[mimic.leader];
+    const Joint& follower = robot.joints[mimic.joint];
+    const auto limits = plant.multibody->limits(mimic.leader);
+    if (limits.lower <= limits.upper) continue;
+    const auto part = std::find_if(plant.parts.begin(), plant.parts.end(), [&](const PlantPart& p) {
+      return mimic.leader >= p.first_joint && mimic.leader < p.first_joint + p.joint_count;
+    });
+    out.error(part->spec->place,
+              fmt::format("no position of the joint '{}' (limits {} to {}) keeps the limits {} to "
+                          "{} of the joint '{}', which mimics it with multiplier {} and offset {}",
+                          leader.name, leader.lower, leader.upper, follower.lower, follower.upper,
+                          follower.name, mimic.multiplier, mimic.offset),
+              "correct the limits in the URDF, or write 'mimic: ignore'");
+    possible = false;
+  }
+  return possible;
+}
+
 }  // namespace
 
 std::optional<Plant> build_plant(const ProblemSpec& spec, Diagnostics& out) {
@@ -63,9 +86,10 @@ std::optional<Plant> build_plant(const ProblemSpec& spec, Diagnostics& out) {
   int joints = 0;
   for (const RobotSpec& robot : spec.robots) {
     const std::string prefix = robot.name.value.empty() ? "" : robot.name.value + "/";
-    auto tree = load_robot(robot, prefix, spec.gravity, out);
+    std::string hash;
+    auto tree = load_robot(robot, prefix, spec.gravity, hash, out);
     if (!tree) continue;
-    plant.parts.push_back({&robot, prefix, joints, tree->joint_count()});
+    plant.parts.push_back({&robot, prefix, joints, tree->joint_count(), std::move(hash)});
     joints += tree->joint_count();
     trees.push_back(std::move(*tree));
   }
@@ -82,6 +106,7 @@ std::optional<Plant> build_plant(const ProblemSpec& spec, Diagnostics& out) {
     return std::nullopt;
   }
   plant.system = plant.multibody;
+  if (!check_mimic_limits(plant, out)) return std::nullopt;
   return plant;
 }
 

@@ -16,6 +16,7 @@ struct PlantPart {
   std::string prefix;  ///< of its joints' and frames' names: "arm/", or empty
   int first_joint = 0;
   int joint_count = 0;
+  std::string sha256 = {};  ///< of the URDF file
 };
 
 /// What moves: a closed-form system, or robots as one multibody system.

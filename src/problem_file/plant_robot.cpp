@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "problem_file/sha256.hpp"
+
 namespace conddp {
 namespace {
 
@@ -40,8 +42,10 @@ Place place_of(const RobotSpec& spec, const std::string& element) {
 }  // namespace
 
 std::optional<RobotModel> load_robot(const RobotSpec& spec, const std::string& prefix,
-                                     const Vector3<double>& gravity, Diagnostics& out) {
+                                     const Vector3<double>& gravity, std::string& sha256,
+                                     Diagnostics& out) {
   UrdfResult result = load_urdf(spec.path, urdf_options(spec, prefix, gravity));
+  sha256 = conddp::sha256(result.text);
   for (const UrdfProblem& problem : result.problems) {
     const Severity severity = problem.warning ? Severity::kWarning : Severity::kError;
     Diagnostic d{.severity = severity, .message = problem.message, .hint = problem.hint};

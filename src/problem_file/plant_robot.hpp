@@ -6,8 +6,10 @@ namespace conddp {
 
 /// Parts of build_plant that are about robots from URDF files.
 
+/// `sha256` receives the SHA-256 of the URDF file.
 std::optional<RobotModel> load_robot(const RobotSpec& spec, const std::string& prefix,
-                                     const Vector3<double>& gravity, Diagnostics& out);
+                                     const Vector3<double>& gravity, std::string& sha256,
+                                     Diagnostics& out);
 void add_external_wrenches(const std::vector<PlantPart>& parts, RobotModel& model,
                            Diagnostics& out);
 std::optional<Actuation> make_actuation(const std::vector<PlantPart>& parts,

@@ -46,8 +46,11 @@ std::vector<Located<int>> read_knots(const YamlReader& reader) {
   std::vector<Located<int>> knots;
   if (const auto items = reader.items())
     for (const YamlReader& item : *items)
-      if (const auto knot = item.integer(0, 1'000'000))
+      if (const auto knot = item.integer(0, 1'000'000)) {
+        for (const Located<int>& former : knots)
+          if (former.value == *knot) item.error(fmt::format("{} stands twice in the list", *knot));
         knots.push_back({static_cast<int>(*knot), item.place()});
+      }
   return knots;
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "problem_file/read_sections.hpp"
+#include "problem_file/sha256.hpp"
 #include "problem_file/source_text.hpp"
 #include "problem_file/words.hpp"
 #include "problem_file/yaml_override.hpp"
@@ -93,15 +94,19 @@ std::optional<ProblemSpec> read_problem_text(const std::string& text,
   ProblemSpec spec = read_document(YamlReader(*root, {}, out), file);
   if (out.has_errors()) return std::nullopt;
   spec.text = text;
+  spec.sha256 = sha256(text);
   return spec;
 }
 
 std::optional<ProblemSpec> read_problem(const std::filesystem::path& file,
                                         const std::vector<std::string>& overrides,
                                         Diagnostics& out) {
-  const std::optional<std::string> text = read_text(file, kMaxYamlBytes, {}, out);
+  std::string hash;
+  const std::optional<std::string> text = read_text(file, kMaxYamlBytes, {}, hash, out);
   if (!text) return std::nullopt;
-  return read_problem_text(*text, file, overrides, out);
+  auto spec = read_problem_text(*text, file, overrides, out);
+  if (spec) spec->sha256 = hash;
+  return spec;
 }
 
 }  // namespace conddp

@@ -15,6 +15,15 @@ struct Malformed {
   std::string message;
 };
 
+/// The place of a byte of the text (the end of the text where it is shorter).
+Mark mark_at(const std::string& text, std::size_t byte, int source, const Diagnostics& out) {
+  const std::string_view before = std::string_view(text).substr(0, std::min(byte, text.size()));
+  const std::size_t start = before.rfind('\n') + 1;  // npos + 1 is 0
+  const int line = 1 + static_cast<int>(std::count(before.begin(), before.end(), '\n'));
+  const int column = out.character_column(source, line, static_cast<int>(before.size() - start));
+  return {source, line, column};
+}
+
 /// Keeps the trajectory alone: gains and multipliers of a long solution would fill the memory.
 Json parse_trajectory(const std::string& text) {
   const auto keep = [](int depth, Json::parse_event_t event, Json& value) {
@@ -68,6 +77,7 @@ DataTable read_trajectory(const Json& solution) {
   const auto x_names = read_names(member(columns, "x"), "trajectory.columns.x");
   const auto u_names = read_names(member(columns, "u"), "trajectory.columns.u");
   table.columns = x_names;
+  table.state_columns = x_names.size();
   table.columns.insert(table.columns.end(), u_names.begin(), u_names.end());
   const Json& t = member(trajectory, "t");
   const Json& x = member(trajectory, "x");
@@ -99,14 +109,17 @@ std::optional<DataTable> parse_solution(const std::string& text, const std::stri
     table.file = name;
     return table;
   } catch (const Json::parse_error& e) {
-    const std::size_t byte = std::min(e.byte > 0 ? e.byte - 1 : 0, text.size());
-    const std::string_view before = std::string_view(text).substr(0, byte);
-    const std::size_t start = before.rfind('\n') + 1;  // npos + 1 is 0
-    const int line = 1 + static_cast<int>(std::count(before.begin(), before.end(), '\n'));
-    const int column = out.character_column(source, line, static_cast<int>(byte - start));
-    out.error({{source, line, column}, {}}, "not valid JSON");
+    out.error({mark_at(text, e.byte > 0 ? e.byte - 1 : 0, source, out), {}}, "not valid JSON");
   } catch (const Malformed& e) {
     out.error({{source, 0, 0}, {}}, fmt::format("the solution cannot be used: {}", e.message));
+  } catch (const Json::out_of_range& e) {
+    // "number overflow parsing '1e999'": the place is where that number stands.
+    const std::string_view what = e.what();
+    const std::size_t open = std::min(what.find('\''), what.size());
+    const std::string_view number =
+        what.substr(open, what.rfind('\'') > open ? what.rfind('\'') - open : 0);
+    const std::size_t byte = number.size() > 1 ? text.find(number.substr(1)) : 0;
+    out.error({mark_at(text, byte, source, out), {}}, "a number of the solution is out of range");
   } catch (const Json::exception& e) {
     out.error({{source, 0, 0}, {}}, fmt::format("the solution cannot be used: {}", e.what()));
   }
@@ -121,8 +134,10 @@ std::optional<std::size_t> DataTable::find(const std::string& column) const {
 
 std::optional<DataTable> load_data_table(const std::filesystem::path& file, const Place& place,
                                          Diagnostics& out) {
-  const auto text = read_text(file, kMaxDataBytes, place, out);
+  InputFile input{file.string(), {}};
+  const auto text = read_text(file, kMaxDataBytes, place, input.sha256, out);
   if (!text) return std::nullopt;
+  out.add_data_file(std::move(input));
   if (file.extension() == ".json") return parse_solution(*text, file.string(), out);
   return parse_csv(*text, file.string(), out);
 }

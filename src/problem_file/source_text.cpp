@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "problem_file/sha256.hpp"
+
 namespace conddp {
 namespace {
 
@@ -42,7 +44,7 @@ std::size_t find_bad_character(std::string_view text) {
 }
 
 std::optional<std::string> read_text(const std::filesystem::path& file, std::size_t limit,
-                                     const Place& place, Diagnostics& out) {
+                                     const Place& place, std::string& sha256, Diagnostics& out) {
   const std::string name = file.string();
   const auto fail = [&](std::string message) {
     out.error(place, std::move(message));
@@ -73,6 +75,7 @@ std::optional<std::string> read_text(const std::filesystem::path& file, std::siz
   if (stream.bad()) return fail(fmt::format("'{}' cannot be read", name));
   text.resize(static_cast<std::size_t>(stream.gcount()));
   if (text.size() > limit) return too_large();
+  sha256 = conddp::sha256(text);
   if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
   if (const std::size_t bad = find_bad_character(text); bad != std::string::npos) {
     const auto before = std::string_view(text).substr(0, bad);

@@ -162,7 +162,9 @@ UrdfResult load_urdf(const std::filesystem::path& file, const UrdfOptions& optio
   stream.read(text.data(), static_cast<std::streamsize>(text.size()));
   if (stream.bad()) return failure("'" + name + "' cannot be read");
   text.resize(static_cast<std::size_t>(stream.gcount()));
-  return parse_urdf(text, name, options);
+  UrdfResult result = parse_urdf(text, name, options);
+  result.text = std::move(text);
+  return result;
 }
 
 }  // namespace conddp

@@ -53,6 +53,7 @@ struct UrdfResult {
   std::optional<RobotModel> model;    ///< absent if any problem is an error
   std::vector<UrdfProblem> problems;  ///< errors and warnings by line
   std::vector<std::string> notes;     ///< what the file has and the model ignores
+  std::string text;                   ///< the file's bytes, of load_urdf
 };
 
 /// Reads a URDF. Bad input of any kind is an error in the result, never an exception.
