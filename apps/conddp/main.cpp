@@ -29,6 +29,7 @@ int run(int argc, char** argv) {
   app.set_version_flag("--version", version_text(), "Print the version and how it was built");
   conddp::Command chosen;
   conddp::add_solve_command(app, chosen);
+  conddp::add_check_command(app, chosen);
   conddp::add_inspect_command(app, chosen);
   try {
     app.parse(argc, argv);

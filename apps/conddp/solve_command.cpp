@@ -11,6 +11,7 @@
 #include "output/solution_json.hpp"
 #include "output/write_solution.hpp"
 #include "problem_file/read_problem.hpp"
+#include "problem_file/warm_start.hpp"
 #include "progress.hpp"
 #include "terminal.hpp"
 
@@ -21,6 +22,7 @@ struct SolveArguments {
   std::string file;
   std::string folder;
   std::string solver;
+  std::string warm_start;
   std::vector<std::string> drop;
   std::vector<std::string> settings;
   double max_time = 0;
@@ -35,6 +37,7 @@ std::optional<ProblemSpec> read_spec(const SolveArguments& arguments, Diagnostic
   auto spec = read_problem(arguments.file, arguments.settings, out);
   if (!spec) return std::nullopt;
   if (!arguments.solver.empty()) spec->solver.name = {arguments.solver, {}};
+  if (!arguments.warm_start.empty()) set_warm_start(arguments.warm_start, *spec, out);
   if (arguments.max_time > 0) spec->solver.options.max_time_s = arguments.max_time;
   if (arguments.threads > 0) spec->solver.options.threads = arguments.threads;
   return spec;
@@ -44,6 +47,8 @@ std::optional<ProblemSpec> read_spec(const SolveArguments& arguments, Diagnostic
 std::vector<std::string> overrides(const SolveArguments& arguments) {
   std::vector<std::string> list = arguments.settings;
   if (!arguments.solver.empty()) list.push_back("solver.name=" + arguments.solver);
+  if (!arguments.warm_start.empty())
+    list.push_back("initial_guess={file: " + arguments.warm_start + "}");
   if (arguments.max_time > 0)
     list.push_back(fmt::format("solver.max_time_s={}", arguments.max_time));
   if (arguments.threads > 0) list.push_back(fmt::format("solver.threads={}", arguments.threads));
@@ -122,6 +127,9 @@ void add_solve_command(CLI::App& app, Command& chosen) {
       ->add_option("--set", a->settings,
                    "Replace a value of the file: --set solver.max_iterations=50 (repeatable)")
       ->allow_extra_args(false);
+  command->add_option("--warm-start", a->warm_start,
+                      "Start from the states and controls of a former solution.json, interpolated "
+                      "to this problem's knots, instead of the file's initial guess");
   const CLI::Range kSeconds(1e-3, 1e9);
   const CLI::Range kThreads(1, 1024);
   command->add_option("--max-time", a->max_time, "Stop after this many seconds")->check(kSeconds);

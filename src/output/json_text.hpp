@@ -2,11 +2,9 @@
 
 #include <string>
 
-#include <nlohmann/json.hpp>
+#include "problem_file/ordered_json.hpp"
 
 namespace conddp {
-
-using OrderedJson = nlohmann::ordered_json;
 
 /// JSON that a person can read: objects and lists of lists indented, lists of numbers and objects
 /// without structure inside on one line. Numbers by shortest round trip, null for what is not

@@ -1,13 +1,13 @@
 #include "output/solution_json.hpp"
 
 #include <cmath>
-#include <fstream>
-#include <sstream>
+
+#include <fmt/format.h>
 
 #include "conddp_version.hpp"
 #include "output/log_columns.hpp"
-#include "problem_file/sha256.hpp"
-#include "solvers/option_table.hpp"
+#include "problem_file/expand_problem.hpp"
+#include "spatial/lane.hpp"
 
 namespace conddp {
 namespace {
@@ -23,25 +23,22 @@ OrderedJson numbers(const Vector& values) {
   return array;
 }
 
-std::string contents(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::ostringstream text;
-  text << stream.rdbuf();
-  return text.str();
-}
-
 OrderedJson problem_json(const Solution& s) {
-  OrderedJson problem = {
-      {"name", s.spec.name.value}, {"file", s.spec.file.string()}, {"sha256", sha256(s.spec.text)}};
-  OrderedJson robots = OrderedJson::array();
-  for (const RobotSpec& robot : s.spec.robots)
-    robots.push_back({{"file", robot.path.string()}, {"sha256", sha256(contents(robot.path))}});
-  problem["robots"] = std::move(robots);
-  problem["overrides"] = s.overrides;
-  problem["knots"] = s.built.problem->knots();
-  problem["duration_s"] = s.built.problem->times().back();
-  problem["options"] = options_json(s.spec.solver.options);
-  return problem;
+  OrderedJson robots = OrderedJson::array(), data_files = OrderedJson::array();
+  for (const PlantPart& part : s.built.plant.parts)
+    robots.push_back({{"file", part.spec->path.string()}, {"sha256", part.sha256}});
+  for (const InputFile& file : s.built.data_files)
+    data_files.push_back({{"file", file.file}, {"sha256", file.sha256}});
+  return {{"name", s.spec.name.value},
+          {"file", s.spec.file.string()},
+          {"sha256", s.spec.sha256},
+          {"robots", std::move(robots)},
+          {"data_files", std::move(data_files)},
+          {"overrides", s.overrides},
+          {"knots", s.built.problem->knots()},
+          {"duration_s", s.built.problem->times().back()},
+          {"options", expand_options(s.spec.solver.options)},
+          {"configuration", expand_problem(s.spec, s.built)}};
 }
 
 OrderedJson tool_json() {
@@ -58,7 +55,8 @@ OrderedJson tool_json() {
             {"type", info.build_type},
             {"flags", info.flags},
             {"march", info.march},
-            {"instruction_set", info.instruction_set}}},
+            {"instruction_set", info.instruction_set},
+            {"lane_width", kLaneWidth}}},
           {"libraries", std::move(libraries)}};
 }
 
@@ -170,25 +168,42 @@ OrderedJson log_json(const std::vector<IterationRecord>& log) {
   return rows;
 }
 
-}  // namespace
-
-OrderedJson options_json(const SolverOptions& options) {
-  OrderedJson json = OrderedJson::object();
-  for (const OptionInfo& info : option_table()) {
-    OrderedJson value;
-    std::visit([&](const auto& v) { value = v; }, info.get(options));
-    if (value.is_number_float()) value = number(value.get<double>());
-    const std::size_t dot = info.name.find('.');
-    if (dot == std::string_view::npos)
-      json[std::string(info.name)] = std::move(value);
-    else
-      json[std::string(info.name.substr(0, dot))][std::string(info.name.substr(dot + 1))] =
-          std::move(value);
-  }
-  return json;
+int count_nulls(const OrderedJson& value) {
+  if (!value.is_structured()) return value.is_null() ? 1 : 0;
+  int count = 0;
+  for (const OrderedJson& part : value) count += count_nulls(part);
+  return count;
 }
 
-OrderedJson solution_head(const Solution& s) {
+/// The numbers that are null, by key, and why: JSON has no numbers that are not finite.
+OrderedJson nulls_json(const OrderedJson& json, const SolveResult& result) {
+  const std::string ended =
+      fmt::format("the solve ended as '{}': {}", to_string(result.status), result.message);
+  OrderedJson list = OrderedJson::array();
+  const auto add = [&](const std::string& key, const OrderedJson& value, const std::string& reason) {
+    if (const int count = count_nulls(value); count > 0)
+      list.push_back({{"key", key}, {"count", count}, {"reason", reason}});
+  };
+  const std::string unknown = "not finite, or not evaluated because " + ended;
+  add("problem.options.max_time_s", json["problem"]["options"]["max_time_s"], "without limit");
+  add("cost", json["cost"], unknown);
+  add("cost_by_name", json["cost_by_name"], unknown);
+  add("residuals", json["residuals"], unknown);
+  add("initial_guess_used.seed", json["initial_guess_used"]["seed"], "nothing is random");
+  add("dropped_constraints", json["dropped_constraints"], unknown);
+  if (!json.contains("trajectory")) return list;
+  add("trajectory.x", json["trajectory"]["x"], unknown);
+  add("trajectory.u", json["trajectory"]["u"], unknown);
+  add("gains.regularization", json["gains"]["regularization"],
+      "no sweep succeeded at the trajectory, the gains are zero: " + ended);
+  add("gains.k", json["gains"]["k"], unknown);
+  add("gains.K", json["gains"]["K"], unknown);
+  add("multipliers", json["multipliers"], unknown);
+  add("log", json["log"], "not finite, or without meaning in its row");
+  return list;
+}
+
+OrderedJson head(const Solution& s) {
   const SolveResult& r = s.result;
   OrderedJson costs = OrderedJson::object();
   for (const auto& [name, value] : cost_by_name(*s.built.problem, r.trajectory))
@@ -218,12 +233,21 @@ OrderedJson solution_head(const Solution& s) {
           {"dropped_constraints", std::move(dropped)}};
 }
 
+}  // namespace
+
+OrderedJson solution_head(const Solution& s) {
+  OrderedJson json = head(s);
+  json["nulls"] = nulls_json(json, s.result);
+  return json;
+}
+
 OrderedJson solution_json(const Solution& s) {
-  OrderedJson json = solution_head(s);
+  OrderedJson json = head(s);
   json["trajectory"] = trajectory_json(s);
   json["gains"] = gains_json(s.result);
   json["multipliers"] = multipliers_json(s);
   json["log"] = log_json(s.result.log);
+  json["nulls"] = nulls_json(json, s.result);
   return json;
 }
 

@@ -12,7 +12,4 @@ OrderedJson solution_head(const Solution& solution);
 /// The whole of solution.json (schemas/solution.schema.json).
 OrderedJson solution_json(const Solution& solution);
 
-/// The values of all solver options by their dotted names as nested objects; infinity is null.
-OrderedJson options_json(const SolverOptions& options);
-
 }  // namespace conddp

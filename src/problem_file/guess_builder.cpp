@@ -1,6 +1,8 @@
 #include "problem_file/guess_builder.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <random>
 
@@ -67,8 +69,7 @@ class GuessBuilder {
         series = through_keyframes();
         break;
       case States::kFile:
-        series = series_of(*guess().states_file, file_columns(*guess().states_file, true), manifold,
-                           out_);
+        series = from_file(*guess().states_file, true, manifold);
         used_.states = describe(*guess().states_file, series);
         break;
     }
@@ -162,8 +163,7 @@ class GuessBuilder {
       }
       case Controls::kFile: {
         const DataFileSpec& file = *guess().controls_file;
-        const auto series =
-            series_of(file, file_columns(file, false), StateManifold::flat(names.size()), out_);
+        const auto series = from_file(file, false, StateManifold::flat(names.size()));
         if (!series) return;
         used_.controls = describe(file, series);
         for (int k = 0; k < problem_.knots(); ++k) {
@@ -181,6 +181,74 @@ class GuessBuilder {
     NormalNumbers normal(random.seed);
     for (int k = 0; k < problem_.knots(); ++k)
       for (int i = 0; i < problem_.nu(k); ++i) trajectory.u(k)[i] += random.scale * normal.next();
+  }
+
+  std::optional<TimeSeries> from_file(const DataFileSpec& file, bool states,
+                                      const StateManifold& manifold) {
+    const std::optional<DataTable>& table = load(file);
+    if (!table || (file.columns.empty() && !fits(file, *table, states))) return std::nullopt;
+    return series_of(file, *table, file_columns(file, states), manifold, out_);
+  }
+
+  /// Each file once, for states and controls.
+  const std::optional<DataTable>& load(const DataFileSpec& file) {
+    const auto [entry, fresh] = tables_.try_emplace(file.path);
+    std::optional<DataTable>& table = entry->second;
+    if (!fresh) return table;
+    table = load_data_table(file.path, file.file.place, out_);
+    if (table && table->state_columns) warn_of_duration(file, table->times.back());
+    return table;
+  }
+
+  void warn_of_duration(const DataFileSpec& file, double lasts) {
+    const double wanted = time(problem_.knots());
+    constexpr double kTolerance = 1e-9;
+    if (std::abs(lasts - wanted) <= kTolerance * std::max(1.0, wanted)) return;
+    out_.warning(file.file.place,
+                 fmt::format("the solution '{}' lasts {:.9g} s, the problem {:.9g} s",
+                             file.file.value, lasts, wanted),
+                 lasts < wanted ? "its last state and control are held"
+                                : "what comes later in it is not used");
+  }
+
+  /// Whether a former solution has the states (or controls) of this problem and no others: then it
+  /// is one of the same system. Control memory follows from the controls.
+  bool fits(const DataFileSpec& file, const DataTable& table, bool states) {
+    if (!table.state_columns) return true;
+    const auto middle =
+        table.columns.begin() + static_cast<std::ptrdiff_t>(*table.state_columns);
+    const std::vector<std::string> found = states ? std::vector(table.columns.begin(), middle)
+                                                  : std::vector(middle, table.columns.end());
+    const std::vector<std::string> wanted =
+        (states ? state_names(*plant_.system) : control_names(*plant_.system)).names;
+    const auto without = [](const std::vector<std::string>& names,
+                            const std::vector<std::string>& others) {
+      std::vector<std::string> rest;
+      for (const std::string& name : names)
+        if (std::find(others.begin(), others.end(), name) == others.end() &&
+            !name.starts_with("previous/"))
+          rest.push_back(name);
+      return rest;
+    };
+    const std::vector<std::string> missing = without(wanted, found), extra = without(found, wanted);
+    if (missing.empty() && extra.empty()) return true;
+    std::string message = fmt::format("the {} of '{}' are not those of this problem:",
+                                      states ? "states" : "controls", file.file.value);
+    if (!missing.empty()) message += " it lacks " + name_list(missing);
+    if (!extra.empty())
+      message += fmt::format("{} it has {}", missing.empty() ? "" : ", and", name_list(extra));
+    out_.error(file.file.place, message,
+               "take a solution of the same system, or name 'columns' of the file in initial_guess");
+    return false;
+  }
+
+  static std::string name_list(const std::vector<std::string>& names) {
+    constexpr std::size_t kShown = 12;
+    std::string list;
+    for (std::size_t i = 0; i < std::min(names.size(), kShown); ++i)
+      list += (i > 0 ? ", " : "") + names[i];
+    if (names.size() > kShown) list += fmt::format(" and {} more", names.size() - kShown);
+    return list;
   }
 
   std::vector<std::string> file_columns(const DataFileSpec& file, bool states) {
@@ -210,6 +278,7 @@ class GuessBuilder {
   const ShootingProblem& problem_;
   GuessUsed& used_;
   Diagnostics& out_;
+  std::map<std::filesystem::path, std::optional<DataTable>> tables_;
 };
 
 }  // namespace

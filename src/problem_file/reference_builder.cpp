@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 
-#include "problem_file/data_table.hpp"
 #include "robot/dynamics.hpp"
 #include "robot/frames.hpp"
 #include "robot/near_names.hpp"
@@ -160,37 +159,35 @@ std::optional<std::vector<std::string>> file_columns(const CostSpec& cost,
 
 }  // namespace
 
-std::optional<TimeSeries> series_of(const DataFileSpec& file,
+std::optional<TimeSeries> series_of(const DataFileSpec& file, const DataTable& table,
                                     const std::vector<std::string>& columns,
                                     const StateManifold& manifold, Diagnostics& out) {
-  const auto table = load_data_table(file.path, file.file.place, out);
-  if (!table) return std::nullopt;
   std::vector<std::size_t> indices;
   bool complete = true;
   for (const std::string& column : columns) {
-    const auto index = table->find(column);
+    const auto index = table.find(column);
     if (index) {
       indices.push_back(*index);
       continue;
     }
     out.error(file.file.place, fmt::format("'{}' has no column '{}'", file.file.value, column),
-              name_hint(column, table->columns, "its columns"));
+              name_hint(column, table.columns, "its columns"));
     complete = false;
   }
   if (!complete) return std::nullopt;
   TimeSeries series(manifold);
-  for (std::size_t row = 0; row < table->rows.size(); ++row) {
+  for (std::size_t row = 0; row < table.rows.size(); ++row) {
     std::vector<double> value;
     for (const std::size_t i : indices)
-      if (table->rows[row][i]) value.push_back(*table->rows[row][i]);
+      if (table.rows[row][i]) value.push_back(*table.rows[row][i]);
     if (value.size() != indices.size()) continue;
     if (!manifold.normalize(value.data())) {
       out.error(file.file.place,
                 fmt::format("'{}' has a quaternion that has not length 1 at t = {}",
-                            file.file.value, table->times[row]));
+                            file.file.value, table.times[row]));
       return std::nullopt;
     }
-    series.append(table->times[row], std::move(value));
+    series.append(table.times[row], std::move(value));
   }
   if (!series.empty()) return series;
   out.error(file.file.place, fmt::format("'{}' has no complete row", file.file.value));
@@ -211,7 +208,9 @@ std::optional<TimeSeries> build_reference(const CostSpec& cost, const CostResidu
   if (spec.file) {
     const auto columns = file_columns(cost, residual, plant, out);
     if (!columns) return std::nullopt;
-    return series_of(*spec.file, *columns, manifold, out);
+    const auto table = load_data_table(spec.file->path, spec.file->file.place, out);
+    if (!table) return std::nullopt;
+    return series_of(*spec.file, *table, *columns, manifold, out);
   }
   TimeSeries series(manifold);
   bool complete = true;

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -47,6 +48,8 @@ std::vector<std::string> read_names(const Json& array, const char* what) {
   if (!array.is_array()) throw Malformed{fmt::format("'{}' is no list", what)};
   for (const Json& name : array) {
     if (!name.is_string()) throw Malformed{fmt::format("'{}' has an entry that is no name", what)};
+    if (std::find(names.begin(), names.end(), name.get_ref<const std::string&>()) != names.end())
+      throw Malformed{fmt::format("'{}' stands twice in {}", name.get<std::string>(), what)};
     names.push_back(name);
   }
   return names;

@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include "problem_file/sha256.hpp"
+
 namespace conddp {
 namespace {
 
@@ -34,20 +36,23 @@ class ReadText : public testing::Test {
   }
   std::string error(const std::filesystem::path& file, std::size_t limit = 1000) {
     Diagnostics out;
-    EXPECT_FALSE(read_text(file, limit, {}, out));
+    EXPECT_FALSE(read_text(file, limit, {}, hash_, out));
     if (out.list().size() != 1) return "";
     const Diagnostic& d = out.list().front();
     return std::to_string(d.line) + ":" + std::to_string(d.column) + ": " + d.message;
   }
   std::filesystem::path folder_;
+  std::string hash_;
 };
 
 TEST_F(ReadText, DropsAByteOrderMark) {
   Diagnostics out;
   EXPECT_EQ(read_text(write("\xEF\xBB\xBF"
                             "a: 1\n"),
-                      100, {}, out),
+                      100, {}, hash_, out),
             "a: 1\n");
+  EXPECT_EQ(hash_, sha256("\xEF\xBB\xBF"
+                          "a: 1\n"));
 }
 
 TEST_F(ReadText, SaysWhatIsWrongWithAFile) {

@@ -1,0 +1,81 @@
+#include <fmt/format.h>
+
+#include "check_summary.hpp"
+#include "commands.hpp"
+#include "derivative_report.hpp"
+#include "exit_codes.hpp"
+#include "messages.hpp"
+#include "output/json_text.hpp"
+#include "problem_file/expand_problem.hpp"
+#include "problem_file/read_problem.hpp"
+
+namespace conddp {
+namespace {
+
+struct CheckArguments {
+  std::string file;
+  std::string solver;
+  std::vector<std::string> drop;
+  std::vector<std::string> settings;
+  bool expand = false;
+  bool derivatives = false;
+  bool json = false;
+  bool verbose = false;
+};
+
+int check_file(const CheckArguments& arguments) {
+  Diagnostics diagnostics;
+  const Verbosity verbosity = arguments.verbose ? Verbosity::kVerbose : Verbosity::kNormal;
+  auto spec = read_problem(arguments.file, arguments.settings, diagnostics);
+  if (spec && !arguments.solver.empty()) spec->solver.name = {arguments.solver, {}};
+  const auto built = spec ? build_problem(*spec, {.drop = arguments.drop}, diagnostics)
+                          : std::optional<BuiltProblem>();
+  const SolverInfo* solver = built ? usable_solver(*spec, *built->problem, diagnostics) : nullptr;
+  print_messages(diagnostics, verbosity);
+  if (solver == nullptr) return kExitBadInput;
+  if (arguments.expand) {
+    fmt::print("{}", arguments.json ? json_text(expand_problem(*spec, *built))
+                                    : expanded_text(*spec, *built));
+    return kExitConverged;
+  }
+  OrderedJson summary = check_summary(*spec, *built, *solver);
+  bool holds = true;
+  if (arguments.derivatives) {
+    summary["derivatives"] =
+        derivatives_json(check_derivatives(*built->problem, built->guess), *spec, *built);
+    holds = summary["derivatives"]["holds"];
+  }
+  if (arguments.json)
+    fmt::print("{}", json_text(summary));
+  else
+    fmt::print("{}{}", check_text(summary),
+               arguments.derivatives ? derivatives_text(summary["derivatives"]) : "");
+  return holds ? kExitConverged : kExitNotConverged;
+}
+
+}  // namespace
+
+void add_check_command(CLI::App& app, Command& chosen) {
+  CLI::App* command = app.add_subcommand("check", "Check a problem file without solving it");
+  const auto a = std::make_shared<CheckArguments>();
+  command->add_option("FILE", a->file, "Problem file (YAML)")->required();
+  auto* expand =
+      command->add_flag("--expand", a->expand, "Print the file with every default filled in");
+  command
+      ->add_flag("--derivatives", a->derivatives,
+                 "Compare every derivative with dual numbers and name the worst entries; exit "
+                 "status 1 if one is wrong")
+      ->excludes(expand);
+  command->add_option("--solver", a->solver, "Solver instead of the file's");
+  command->add_option("--drop", a->drop, "Leave this constraint out (repeatable)")
+      ->allow_extra_args(false);
+  command
+      ->add_option("--set", a->settings,
+                   "Replace a value of the file: --set solver.max_iterations=50 (repeatable)")
+      ->allow_extra_args(false);
+  command->add_flag("--json", a->json, "Print JSON on stdout");
+  command->add_flag("-v,--verbose", a->verbose, "Print notes too");
+  command->callback([a, &chosen] { chosen = [a] { return check_file(*a); }; });
+}
+
+}  // namespace conddp

@@ -1,0 +1,211 @@
+#include "check_summary.hpp"
+
+#include <fmt/format.h>
+
+#include "problem_file/system_fields.hpp"
+#include "problem_file/words.hpp"
+
+namespace conddp {
+namespace {
+
+OrderedJson column_list(const std::vector<Column>& columns) {
+  OrderedJson list = OrderedJson::array();
+  for (const Column& column : columns) list.push_back(column.name);
+  return list;
+}
+
+OrderedJson robots_json(const ProblemSpec& spec, const BuiltProblem& built) {
+  OrderedJson robots = OrderedJson::array();
+  for (const PlantPart& part : built.plant.parts) {
+    const RobotModel& model = built.plant.robot();
+    int dof = 0;
+    OrderedJson joints = OrderedJson::array();
+    for (int i = part.first_joint; i < part.first_joint + part.joint_count; ++i) {
+      if (!built.plant.multibody->velocity_row(i)) continue;  // it follows another joint
+      dof += model.joints[i].nv();
+      joints.push_back(model.joints[i].name);
+    }
+    robots.push_back({{"name", part.spec->name.value},
+                      {"file", part.spec->path.string()},
+                      {"base", word_of(kBaseWords, part.spec->base)},
+                      {"degrees_of_freedom", dof},
+                      {"joints", std::move(joints)}});
+  }
+  return spec.system ? OrderedJson::array() : robots;
+}
+
+OrderedJson phase_names(const std::optional<std::vector<Name>>& names, const ProblemSpec& spec) {
+  OrderedJson list = OrderedJson::array();
+  if (names)
+    for (const Name& name : *names) list.push_back(name.value);
+  else
+    for (const PhaseSpec& phase : spec.phases) list.push_back(phase.name.value);
+  return list;
+}
+
+/// Rows of the cost's residual: from a knot model that has it, 0 where its weight is 0 everywhere.
+int rows_of(const std::string& cost, const ShootingProblem& problem, bool terminal) {
+  const auto find = [&](const KnotModel& model) {
+    for (const CostTerm& term : model.costs())
+      if (term.name == cost) return term.residual->size();
+    return 0;
+  };
+  if (terminal) return find(*problem.terminal().model);
+  for (const Phase& phase : problem.phases())
+    if (const int rows = find(*phase.model); rows > 0) return rows;
+  return 0;
+}
+
+OrderedJson costs_json(const std::vector<CostSpec>& costs, const ProblemSpec& spec,
+                       const BuiltProblem& built, bool terminal) {
+  OrderedJson list = OrderedJson::array();
+  for (const CostSpec& cost : costs) {
+    OrderedJson entry = {{"name", cost.name.value},
+                         {"residual", cost.residual.value},
+                         {"rows", rows_of(cost.name.value, *built.problem, terminal)},
+                         {"activation", word_of(kActivationWords, cost.activation.kind)},
+                         {"weight", cost.weight}};
+    if (!terminal) entry["phases"] = phase_names(cost.phases, spec);
+    list.push_back(std::move(entry));
+  }
+  return list;
+}
+
+OrderedJson constraints_json(const ProblemSpec& spec, const BuiltProblem& built) {
+  OrderedJson list = OrderedJson::array();
+  for (const ControlBoundsSpec& constraint : spec.constraints) {
+    bool dropped = false;
+    for (const DroppedConstraint& d : built.dropped) dropped |= d.name == constraint.name.value;
+    list.push_back({{"name", constraint.name.value},
+                    {"bounds", "control"},
+                    {"from_urdf", constraint.from_urdf},
+                    {"phases", phase_names(constraint.phases, spec)},
+                    {"dropped", dropped}});
+  }
+  return list;
+}
+
+OrderedJson phases_json(const ShootingProblem& problem) {
+  OrderedJson list = OrderedJson::array();
+  for (const Phase& phase : problem.phases()) {
+    double duration = 0;
+    for (const double dt : phase.dt) duration += dt;
+    list.push_back({{"name", phase.name},
+                    {"knots", phase.knots()},
+                    {"dt_s", phase.dt.front()},
+                    {"duration_s", duration}});
+  }
+  return list;
+}
+
+std::string_view bounds_word(const SolverInfo& solver, const ShootingProblem& problem) {
+  if (!problem.has_control_bounds()) return "none";
+  return solver.control_bounds == BoundSupport::exact ? "kept" : "clipped";
+}
+
+std::string comma_list(const OrderedJson& names) {
+  std::string list;
+  for (const auto& name : names) list += (list.empty() ? "" : ", ") + name.get<std::string>();
+  return list;
+}
+
+std::string text_of(const OrderedJson& value) { return value.get<std::string>(); }
+
+std::string cost_lines(const OrderedJson& costs, const char* heading) {
+  std::string text;
+  for (const auto& cost : costs) {
+    text += fmt::format("  {:<14}{}: {}, {} rows, {}, weight {:g}", text.empty() ? heading : "",
+                        text_of(cost["name"]), text_of(cost["residual"]), cost["rows"].get<int>(),
+                        text_of(cost["activation"]), cost["weight"].get<double>());
+    if (cost.contains("phases")) text += ", in " + comma_list(cost["phases"]);
+    text += '\n';
+  }
+  return text;
+}
+
+std::string plant_lines(const OrderedJson& s) {
+  if (!s["system"].is_null()) return fmt::format("  {:<14}{}\n", "system", text_of(s["system"]));
+  std::string text;
+  for (const auto& robot : s["robots"]) {
+    const std::string name = text_of(robot["name"]);
+    text += fmt::format("  {:<14}{}{}, {} base, {} degrees of freedom\n",
+                        text.empty() ? "robots" : "", name.empty() ? "" : name + ": ",
+                        text_of(robot["file"]), text_of(robot["base"]),
+                        robot["degrees_of_freedom"].get<int>());
+  }
+  return text;
+}
+
+std::string bounds_text(const std::string& word) {
+  if (word == "none") return "there is nothing to keep";
+  return word == "kept" ? "keeps the control bounds" : "cuts controls off at their bounds";
+}
+
+}  // namespace
+
+OrderedJson check_summary(const ProblemSpec& spec, const BuiltProblem& built,
+                          const SolverInfo& solver) {
+  const ShootingProblem& problem = *built.problem;
+  const KnotModel& model = *problem.knot(0).model;
+  OrderedJson guess = {{"states", built.guess_used.states},
+                       {"controls", built.guess_used.controls},
+                       {"seed", nullptr}};
+  if (built.guess_used.seed) guess["seed"] = *built.guess_used.seed;
+  return {{"format", "conddp.check/1"},
+          {"name", spec.name.value},
+          {"file", spec.file.string()},
+          {"robots", robots_json(spec, built)},
+          {"system", spec.system ? OrderedJson(kSystemTypes[spec.system->parameters.index()])
+                                 : OrderedJson(nullptr)},
+          {"state",
+           {{"numbers", problem.nx()},
+            {"tangent", problem.ndx()},
+            {"columns", column_list(built.state_columns)}}},
+          {"control", {{"numbers", model.nu()}, {"columns", column_list(built.control_columns)}}},
+          {"integrator", word_of(kIntegratorWords, model.integrator())},
+          {"knots", problem.knots()},
+          {"duration_s", problem.times().back()},
+          {"phases", phases_json(problem)},
+          {"costs", costs_json(spec.costs, spec, built, false)},
+          {"terminal_costs", costs_json(spec.terminal_costs, spec, built, true)},
+          {"constraints", constraints_json(spec, built)},
+          {"solver",
+           {{"name", solver.name},
+            {"description", solver.description},
+            {"control_bounds", bounds_word(solver, problem)}}},
+          {"initial_guess", std::move(guess)}};
+}
+
+std::string check_text(const OrderedJson& s) {
+  std::string text = fmt::format("{}: the problem is well formed\n", text_of(s["name"]));
+  text += plant_lines(s);
+  text += fmt::format("  {:<14}{} numbers ({} directions), {} controls\n", "state",
+                      s["state"]["numbers"].get<int>(), s["state"]["tangent"].get<int>(),
+                      s["control"]["numbers"].get<int>());
+  text += fmt::format("  {:<14}{}\n", "integrator", text_of(s["integrator"]));
+  text += fmt::format("  {:<14}{} knots, {:.9g} s\n", "horizon", s["knots"].get<int>(),
+                      s["duration_s"].get<double>());
+  for (const auto& phase : s["phases"])
+    text += fmt::format("  {:<14}{}: {} knots of {:.9g} s, {:.9g} s\n",
+                        &phase == &s["phases"].front() ? "phases" : "", text_of(phase["name"]),
+                        phase["knots"].get<int>(), phase["dt_s"].get<double>(),
+                        phase["duration_s"].get<double>());
+  text += cost_lines(s["costs"], "costs");
+  text += cost_lines(s["terminal_costs"], "terminal costs");
+  for (const auto& constraint : s["constraints"])
+    text += fmt::format("  {:<14}{}: bounds on the control{}, in {}{}\n",
+                        &constraint == &s["constraints"].front() ? "constraints" : "",
+                        text_of(constraint["name"]),
+                        constraint["from_urdf"].get<bool>() ? " from the URDF" : "",
+                        comma_list(constraint["phases"]),
+                        constraint["dropped"].get<bool>() ? "; dropped" : "");
+  text += fmt::format("  {:<14}{} ({}): {}\n", "solver", text_of(s["solver"]["name"]),
+                      text_of(s["solver"]["description"]),
+                      bounds_text(text_of(s["solver"]["control_bounds"])));
+  text += fmt::format("  {:<14}states: {}; controls: {}\n", "first guess",
+                      text_of(s["initial_guess"]["states"]),
+                      text_of(s["initial_guess"]["controls"]));
+  return text;
+}
+
+}  // namespace conddp

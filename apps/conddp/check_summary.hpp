@@ -1,0 +1,17 @@
+#pragma once
+
+#include <string>
+
+#include "problem_file/build.hpp"
+#include "problem_file/ordered_json.hpp"
+
+namespace conddp {
+
+/// What conddp understood of a problem (schemas/check.schema.json, without the derivatives).
+OrderedJson check_summary(const ProblemSpec& spec, const BuiltProblem& built,
+                          const SolverInfo& solver);
+
+/// The same for people.
+std::string check_text(const OrderedJson& summary);
+
+}  // namespace conddp

@@ -1,0 +1,121 @@
+#include "derivative_report.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "problem_file/cost_residual.hpp"
+
+namespace conddp {
+namespace {
+
+using Names = std::vector<std::string>;
+
+/// Names of the tangent vectors of states, control memory included.
+Names tangent_columns(const BuiltProblem& built) {
+  Names names = tangent_names(*built.plant.system).names;
+  for (int i = static_cast<int>(names.size()); i < built.problem->ndx(); ++i) {
+    const std::size_t behind_states = built.state_columns.size() - built.problem->ndx() + i;
+    names.push_back(built.state_columns[behind_states].name);
+  }
+  return names;
+}
+
+/// Names of a residual's rows.
+Names residual_rows(const CostTerm& term, const std::vector<CostSpec>& costs,
+                    const BuiltProblem& built) {
+  for (const CostSpec& cost : costs) {
+    if (cost.name.value != term.name) continue;
+    Diagnostics out;
+    if (const auto made = make_cost_residual(cost, built.plant, built.problem->ndx(), out))
+      return made->rows.names;
+  }
+  return Names(term.residual->size());
+}
+
+std::string what(DerivativeKind kind) {
+  switch (kind) {
+    case DerivativeKind::dynamics:
+      return "dynamics";
+    case DerivativeKind::residual:
+      return "residual";
+    case DerivativeKind::gradient:
+      break;
+  }
+  return "cost gradient";
+}
+
+OrderedJson finite_or_null(double value) {
+  return std::isfinite(value) ? OrderedJson(value) : OrderedJson(nullptr);
+}
+
+std::string number_text(const OrderedJson& value) {
+  return value.is_null() ? "not finite" : fmt::format("{:.10g}", value.get<double>());
+}
+
+}  // namespace
+
+OrderedJson derivatives_json(const std::vector<DerivativeComparison>& comparisons,
+                             const ProblemSpec& spec, const BuiltProblem& built) {
+  const ShootingProblem& problem = *built.problem;
+  const int phases = static_cast<int>(problem.phases().size());
+  const Names tangent = tangent_columns(built);
+  Names columns = tangent;
+  for (const Column& control : built.control_columns) columns.push_back(control.name);
+  OrderedJson list = OrderedJson::array();
+  bool holds = true;
+  for (const DerivativeComparison& c : comparisons) {
+    const bool terminal = c.phase == phases;
+    const Phase& phase = terminal ? problem.terminal() : problem.phases()[c.phase];
+    std::string row = "cost";
+    std::string cost;
+    if (c.kind == DerivativeKind::dynamics) row = tangent[c.row];
+    if (c.kind == DerivativeKind::residual) {
+      const CostTerm& term = phase.model->costs()[c.cost];
+      cost = term.name;
+      row = residual_rows(term, terminal ? spec.terminal_costs : spec.costs, built)[c.row];
+    }
+    const bool within = c.error <= kDerivativeTolerance;
+    holds = holds && within;
+    list.push_back({{"phase", phase.name},
+                    {"derivative", what(c.kind)},
+                    {"cost", cost},
+                    {"knots", c.knots},
+                    {"entries", c.entries},
+                    {"holds", within},
+                    {"worst",
+                     {{"row", row},
+                      {"column", columns[c.column]},
+                      {"knot", c.knot},
+                      {"displaced", c.displaced},
+                      {"analytic", finite_or_null(c.analytic)},
+                      {"reference", finite_or_null(c.reference)},
+                      {"relative_error", finite_or_null(c.error)}}}});
+  }
+  return {{"holds", holds}, {"tolerance", kDerivativeTolerance}, {"compared", std::move(list)}};
+}
+
+std::string derivatives_text(const OrderedJson& derivatives) {
+  std::string text = fmt::format(
+      "derivatives against dual numbers at the first guess and beside it, relative error up to "
+      "{:g}: {}\n",
+      derivatives["tolerance"].get<double>(),
+      derivatives["holds"].get<bool>() ? "all hold" : "SOME ARE WRONG");
+  for (const auto& c : derivatives["compared"]) {
+    const auto& worst = c["worst"];
+    std::string name = c["derivative"].get<std::string>();
+    if (const std::string cost = c["cost"]; !cost.empty()) name += " of " + cost;
+    const auto& error = worst["relative_error"];
+    text += fmt::format(
+        "  {:<6}{}, {}: worst {} at d {} / d {}: {}, by dual numbers {} (knot {}{})\n",
+        c["holds"].get<bool>() ? "" : "WRONG", c["phase"].get<std::string>(), name,
+        error.is_null() ? "without bound" : fmt::format("{:.2g}", error.get<double>()),
+        worst["row"].get<std::string>(), worst["column"].get<std::string>(),
+        number_text(worst["analytic"]), number_text(worst["reference"]), worst["knot"].get<int>(),
+        worst["displaced"].get<bool>() ? ", beside the guess" : "");
+  }
+  return text;
+}
+
+}  // namespace conddp

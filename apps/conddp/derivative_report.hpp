@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "analysis/derivative_check.hpp"
+#include "problem_file/build.hpp"
+#include "problem_file/ordered_json.hpp"
+
+namespace conddp {
+
+/// Largest relative error of a derivative that is right.
+inline constexpr double kDerivativeTolerance = 1e-6;
+
+/// The comparisons with the names of phases, costs, rows and columns; `holds` says whether all are
+/// within the tolerance.
+OrderedJson derivatives_json(const std::vector<DerivativeComparison>& comparisons,
+                             const ProblemSpec& spec, const BuiltProblem& built);
+
+/// The same as a table for people.
+std::string derivatives_text(const OrderedJson& derivatives);
+
+}  // namespace conddp

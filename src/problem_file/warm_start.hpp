@@ -1,0 +1,13 @@
+#pragma once
+
+#include <string>
+
+#include "problem_file/spec.hpp"
+
+namespace conddp {
+
+/// Makes a former solution (solution.json, or a CSV file) the first guess of states and controls,
+/// instead of what the problem file says about it. The path is relative to the current folder.
+void set_warm_start(const std::string& file, ProblemSpec& spec, Diagnostics& out);
+
+}  // namespace conddp
