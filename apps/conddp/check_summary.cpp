@@ -114,7 +114,7 @@ std::string text_of(const OrderedJson& value) { return value.get<std::string>();
 std::string cost_lines(const OrderedJson& costs, const char* heading) {
   std::string text;
   for (const auto& cost : costs) {
-    text += fmt::format("  {:<14}{}: {}, {} rows, {}, weight {:g}", text.empty() ? heading : "",
+    text += fmt::format("  {:<16}{}: {}, {} rows, {}, weight {:g}", text.empty() ? heading : "",
                         text_of(cost["name"]), text_of(cost["residual"]), cost["rows"].get<int>(),
                         text_of(cost["activation"]), cost["weight"].get<double>());
     if (cost.contains("phases")) text += ", in " + comma_list(cost["phases"]);
@@ -124,11 +124,11 @@ std::string cost_lines(const OrderedJson& costs, const char* heading) {
 }
 
 std::string plant_lines(const OrderedJson& s) {
-  if (!s["system"].is_null()) return fmt::format("  {:<14}{}\n", "system", text_of(s["system"]));
+  if (!s["system"].is_null()) return fmt::format("  {:<16}{}\n", "system", text_of(s["system"]));
   std::string text;
   for (const auto& robot : s["robots"]) {
     const std::string name = text_of(robot["name"]);
-    text += fmt::format("  {:<14}{}{}, {} base, {} degrees of freedom\n",
+    text += fmt::format("  {:<16}{}{}, {} base, {} degrees of freedom\n",
                         text.empty() ? "robots" : "", name.empty() ? "" : name + ": ",
                         text_of(robot["file"]), text_of(robot["base"]),
                         robot["degrees_of_freedom"].get<int>());
@@ -179,30 +179,30 @@ OrderedJson check_summary(const ProblemSpec& spec, const BuiltProblem& built,
 std::string check_text(const OrderedJson& s) {
   std::string text = fmt::format("{}: the problem is well formed\n", text_of(s["name"]));
   text += plant_lines(s);
-  text += fmt::format("  {:<14}{} numbers ({} directions), {} controls\n", "state",
+  text += fmt::format("  {:<16}{} numbers ({} directions), {} controls\n", "state",
                       s["state"]["numbers"].get<int>(), s["state"]["tangent"].get<int>(),
                       s["control"]["numbers"].get<int>());
-  text += fmt::format("  {:<14}{}\n", "integrator", text_of(s["integrator"]));
-  text += fmt::format("  {:<14}{} knots, {:.9g} s\n", "horizon", s["knots"].get<int>(),
+  text += fmt::format("  {:<16}{}\n", "integrator", text_of(s["integrator"]));
+  text += fmt::format("  {:<16}{} knots, {:.9g} s\n", "horizon", s["knots"].get<int>(),
                       s["duration_s"].get<double>());
   for (const auto& phase : s["phases"])
-    text += fmt::format("  {:<14}{}: {} knots of {:.9g} s, {:.9g} s\n",
+    text += fmt::format("  {:<16}{}: {} knots of {:.9g} s, {:.9g} s\n",
                         &phase == &s["phases"].front() ? "phases" : "", text_of(phase["name"]),
                         phase["knots"].get<int>(), phase["dt_s"].get<double>(),
                         phase["duration_s"].get<double>());
   text += cost_lines(s["costs"], "costs");
   text += cost_lines(s["terminal_costs"], "terminal costs");
   for (const auto& constraint : s["constraints"])
-    text += fmt::format("  {:<14}{}: bounds on the control{}, in {}{}\n",
+    text += fmt::format("  {:<16}{}: bounds on the control{}, in {}{}\n",
                         &constraint == &s["constraints"].front() ? "constraints" : "",
                         text_of(constraint["name"]),
                         constraint["from_urdf"].get<bool>() ? " from the URDF" : "",
                         comma_list(constraint["phases"]),
                         constraint["dropped"].get<bool>() ? "; dropped" : "");
-  text += fmt::format("  {:<14}{} ({}): {}\n", "solver", text_of(s["solver"]["name"]),
+  text += fmt::format("  {:<16}{} ({}): {}\n", "solver", text_of(s["solver"]["name"]),
                       text_of(s["solver"]["description"]),
                       bounds_text(text_of(s["solver"]["control_bounds"])));
-  text += fmt::format("  {:<14}states: {}; controls: {}\n", "first guess",
+  text += fmt::format("  {:<16}states: {}; controls: {}\n", "first guess",
                       text_of(s["initial_guess"]["states"]),
                       text_of(s["initial_guess"]["controls"]));
   return text;

@@ -191,8 +191,9 @@ std::optional<CostResidual> make_cost_residual(const CostSpec& cost, const Plant
       break;
     case ResidualKind::kControlGravity: {
       result.residual = control_gravity_residual(plant.multibody, ndx);
-      std::vector<std::string> names(result.residual->size());
-      for (std::size_t i = 0; i < names.size(); ++i) names[i] = fmt::format("{}", i);
+      const std::vector<std::string> tangent = tangent_names(system).names;
+      std::vector<std::string> names;
+      for (const int row : plant.multibody->actuated_rows()) names.push_back(tangent[row]);
       result.rows = {"actuated forces", names};
       break;
     }

@@ -3,6 +3,7 @@
 
 #include <unistd.h>
 
+#include "problem_file/sha256.hpp"
 #include "problem_text.hpp"
 
 namespace conddp {
@@ -111,6 +112,45 @@ TEST_F(GuessFromFile, ReadsAFormerSolution) {
   EXPECT_NE(loaded.built->guess_used.states.find("s.json"), std::string::npos);
 }
 
+TEST_F(GuessFromFile, NamesTheColumnsThatASolutionLacksOrHasTooMany) {
+  const std::string file = write(
+      "s.json", R"({"format": "conddp.solution/1", "trajectory": {"columns": {"x": ["q/a", "theta"],
+      "u": ["torque"]}, "t": [0, 0.7], "x": [[1, 1], [1, 1]], "u": [[0]]}})");
+  const Loaded loaded(with_guess("{file: " + file + "}"));
+  ASSERT_FALSE(loaded.built);
+  EXPECT_NE(loaded.first_error().find("it lacks omega, and it has q/a"), std::string::npos)
+      << loaded.all();
+  const Loaded chosen(with_guess("{states: {file: " + file + ", columns: [theta, q/a]}}"));
+  EXPECT_TRUE(chosen.built) << chosen.all();
+}
+
+TEST_F(GuessFromFile, WarnsOnceWhereASolutionHasAnotherDuration) {
+  const auto text = [](double end) {
+    return R"({"format": "conddp.solution/1", "trajectory": {"columns": {"x": ["theta", "omega"],
+      "u": ["torque"]}, "t": [0, )" + std::to_string(end) + R"(], "x": [[1, 1], [1, 1]], "u": [[0]]}})";
+  };
+  for (const auto& [end, words] : {std::pair(0.5, "lasts 0.5 s, the problem 0.7 s"),
+                                   std::pair(1.0, "lasts 1 s, the problem 0.7 s")}) {
+    const Loaded loaded(with_guess("{file: " + write("s.json", text(end)) + "}"));
+    ASSERT_TRUE(loaded.built) << loaded.all();
+    ASSERT_EQ(loaded.diagnostics.list().size(), 1u) << loaded.all();
+    EXPECT_EQ(loaded.diagnostics.list()[0].severity, Severity::kWarning);
+    EXPECT_NE(loaded.all().find(words), std::string::npos) << loaded.all();
+  }
+  const Loaded same(with_guess("{file: " + write("s.json", text(0.7)) + "}"));
+  EXPECT_TRUE(same.built);
+  EXPECT_EQ(same.all(), "");
+}
+
+TEST_F(GuessFromFile, RemembersTheBytesThatWereRead) {
+  const std::string text = "t,theta,omega,torque\n0,0,0,5\n0.7,7,1,6\n";
+  const Loaded loaded(with_guess("{file: " + write("r.csv", text) + "}"));
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  ASSERT_EQ(loaded.built->data_files.size(), 1u);
+  EXPECT_EQ(loaded.built->data_files[0].file, (folder_ / "r.csv").string());
+  EXPECT_EQ(loaded.built->data_files[0].sha256, sha256(text));
+}
+
 struct BadTable {
   const char* name;
   const char* file;
@@ -132,6 +172,32 @@ TEST_F(GuessFromFile, NamesWhatIsWrong) {
       {"OtherJson", "s.json", "{\"format\": 1}", "0:0: the solution cannot be used"},
       {"NoTrajectory", "s.json", "{\"format\": \"conddp.solution/1\"}",
        "0:0: the solution cannot be used: 'trajectory' is missing"},
+      {"Truncated", "s.json", "{\"format\": \"conddp.solution/1\",\n \"trajectory\": {\"t\": [0, 1",
+       "2:25: not valid JSON"},
+      {"NotANumber", "s.json", "{\"trajectory\": {\"t\": [NaN]}}", "1:24: not valid JSON"},
+      {"Huge", "s.json", "{\"trajectory\":\n {\"t\": [0, 1e999]}}",
+       "2:12: a number of the solution is out of range"},
+      {"Scalar", "s.json", "3", "0:0: the solution cannot be used: 'format' is missing"},
+      {"Nothing", "s.json", "", "1:1: not valid JSON"},
+      {"Names", "s.json",
+       R"({"format": "conddp.solution/1", "trajectory": {"columns": {"x": ["a", "a"], "u": []}}})",
+       "0:0: the solution cannot be used: 'a' stands twice in trajectory.columns.x"},
+      {"Lengths", "s.json",
+       R"({"format": "conddp.solution/1", "trajectory": {"columns": {"x": ["a"], "u": []},
+           "t": [0, 1], "x": [[1], [1, 2]], "u": [[]]}})",
+       "0:0: the solution cannot be used: trajectory.x[1] should have 1 numbers"},
+      {"Words", "s.json",
+       R"({"format": "conddp.solution/1", "trajectory": {"columns": {"x": ["a"], "u": []},
+           "t": [0, 1], "x": [[1], ["b"]], "u": [[]]}})",
+       "0:0: the solution cannot be used: trajectory.x[1] has an entry that is no finite number"},
+      {"OtherStates", "s.json",
+       R"({"format": "conddp.solution/1", "trajectory": {"columns": {"x": ["q/a", "theta"],
+           "u": ["torque"]}, "t": [0, 0.7], "x": [[1, 1], [1, 1]], "u": [[0]]}})",
+       "17:23: the states of '"},
+      {"OtherControls", "s.json",
+       R"({"format": "conddp.solution/1", "trajectory": {"columns": {"x": ["theta", "omega"],
+           "u": ["torque", "u/b"]}, "t": [0, 0.7], "x": [[1, 1], [1, 1]], "u": [[0, 0]]}})",
+       "17:23: the controls of '"},
       {"DeepJson", "s.json", "{\"trajectory\": [[[[[[[[[[[[]]]]]]]]]]]]}",
        "0:0: the solution cannot be used: it is nested too deeply"},
   };

@@ -1,99 +1,17 @@
 // The reader and schemas/problem.schema.json say the same.
 #include <cmath>
-#include <cstdlib>
-#include <fstream>
 #include <set>
 
-#include <unistd.h>
-
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 
 #include "problem_file/residual_kind.hpp"
-#include "problem_file/strict_number.hpp"
-#include "problem_file/yaml_source.hpp"
 #include "problem_text.hpp"
+#include "schema_document.hpp"
 #include "solvers/option_table.hpp"
 #include "solvers/registry.hpp"
 
 namespace conddp {
 namespace {
-
-using Json = nlohmann::json;
-
-const std::filesystem::path kSchema =
-    std::filesystem::path(CONDDP_SOURCE_DIR) / "schemas" / "problem.schema.json";
-
-Json load_schema() {
-  std::ifstream stream(kSchema);
-  return Json::parse(stream);
-}
-
-Json to_json(const YamlNode& node) {
-  switch (node.kind) {
-    case YamlNode::Kind::kNull:
-      return nullptr;
-    case YamlNode::Kind::kSequence: {
-      Json list = Json::array();
-      for (const YamlNode& item : node.items) list.push_back(to_json(item));
-      return list;
-    }
-    case YamlNode::Kind::kMap: {
-      Json map = Json::object();
-      for (const YamlNode::Entry& entry : node.entries) map[entry.key] = to_json(entry.value);
-      return map;
-    }
-    case YamlNode::Kind::kScalar:
-      break;
-  }
-  if (const auto number = parse_number(node.text).value; number && !node.quoted) {
-    const bool whole = node.text.find_first_of(".eE") == std::string::npos;
-    return whole ? Json(static_cast<long long>(*number)) : Json(*number);
-  }
-  if (!node.quoted && (node.text == "true" || node.text == "false")) return node.text == "true";
-  return node.text;
-}
-
-std::string read_file(const std::filesystem::path& file) {
-  std::ifstream stream(file);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
-std::vector<std::filesystem::path> ready_problems() {
-  std::vector<std::filesystem::path> files;
-  for (const auto& entry : std::filesystem::directory_iterator(kProblems))
-    if (entry.path().extension() == ".yaml") files.push_back(entry.path());
-  std::sort(files.begin(), files.end());
-  return files;
-}
-
-/// Which documents do not fit the schema, as scripts/validate_json sees it.
-std::vector<bool> violations(const std::vector<Json>& documents) {
-  char folder_name[] = "/tmp/conddp_schema_XXXXXX";
-  const std::filesystem::path folder = mkdtemp(folder_name);
-  std::string command =
-      std::string(CONDDP_SOURCE_DIR) + "/scripts/validate_json '" + kSchema.string() + "'";
-  for (std::size_t i = 0; i < documents.size(); ++i) {
-    const std::filesystem::path file = folder / (std::to_string(i) + ".json");
-    std::ofstream(file) << documents[i].dump();
-    command += " " + file.string();
-  }
-  const int status = std::system((command + " > " + (folder / "report").string()).c_str());
-  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) < 2) << "validate_json could not run";
-  const std::string report = read_file(folder / "report");
-  std::vector<bool> found;
-  for (std::size_t i = 0; i < documents.size(); ++i)
-    found.push_back(report.find("/" + std::to_string(i) + ".json: ") != std::string::npos);
-  std::filesystem::remove_all(folder);
-  return found;
-}
-
-Json parse_to_json(const std::string& text) {
-  Diagnostics out;
-  const auto root = parse_yaml(text, out.add_source("file.yaml", text), out);
-  EXPECT_TRUE(root) << format_diagnostics(out, false);
-  return root ? to_json(*root) : Json();
-}
 
 TEST(Schema, EveryReadyProblemFitsAndBuilds) {
   const auto files = ready_problems();
@@ -213,6 +131,8 @@ TEST(Schema, HasTheSolversOptionsWithDefaultsAndRanges) {
     EXPECT_EQ(entry.value("default", Json()), expected) << info.name;
     if (!info.choices.empty()) continue;
     EXPECT_EQ(entry.at(info.min_excluded ? "exclusiveMinimum" : "minimum"), info.min) << info.name;
+    const char* top = info.max_excluded ? "exclusiveMaximum" : "maximum";
+    EXPECT_EQ(entry.value(top, HUGE_VAL), info.max) << info.name;
   }
   std::vector<std::string> names;
   for (const SolverInfo& info : solvers()) names.emplace_back(info.name);
@@ -244,38 +164,128 @@ TEST(Schema, HasTheReadersDefaults) {
             PassiveSpec().friction_velocity);
 }
 
-/// Every property name of a schema, at any depth.
-void collect_keys(const Json& node, std::set<std::string>& keys) {
-  if (node.is_object() && node.contains("properties"))
-    for (const auto& [key, value] : node["properties"].items()) keys.insert(key);
-  if (node.is_structured())
-    for (const auto& [key, value] : node.items()) collect_keys(value, keys);
+const std::filesystem::path kReference =
+    std::filesystem::path(CONDDP_SOURCE_DIR) / "docs" / "problem_file.md";
+
+int run(const std::string& command) {
+  const int status = std::system((std::string(CONDDP_SOURCE_DIR) + "/" + command).c_str());
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
 TEST(Schema, EveryKeyStandsInTheReference) {
-  const std::string text =
-      read_file(std::filesystem::path(CONDDP_SOURCE_DIR) / "docs" / "problem_file.md");
-  std::set<std::string> keys;
-  collect_keys(load_schema(), keys);
-  EXPECT_GT(keys.size(), 80u);
-  for (const std::string& key : keys) {
-    const bool alone = text.find("`" + key + "`") != std::string::npos;
-    bool inside = false;  // of a longer piece of code
-    for (std::size_t at = text.find(key); at != std::string::npos && !inside;
-         at = text.find(key, at + 1)) {
-      const std::size_t line = text.rfind('\n', at) + 1;
-      inside = std::count(text.begin() + line, text.begin() + at, '`') % 2 == 1;
-    }
-    EXPECT_TRUE(alone || inside) << "docs/problem_file.md does not mention " << key;
-  }
+  EXPECT_EQ(run("scripts/document_keys --check"), 0) << "run scripts/document_keys";
 }
 
-TEST(Schema, TheExampleOfTheReferenceBuilds) {
-  const std::string text =
-      read_file(std::filesystem::path(CONDDP_SOURCE_DIR) / "docs" / "problem_file.md");
-  const std::size_t start = text.find("```yaml\nconddp: 1") + 8;
-  const Loaded loaded(text.substr(start, text.find("```", start) - start));
-  EXPECT_TRUE(loaded.built) << loaded.all();
+TEST(Schema, EveryPieceOfYamlInTheReferenceIsReadAndWholeFilesBuild) {
+  const std::string text = read_file(kReference);
+  const std::string open = "```yaml\n";
+  int pieces = 0, files = 0;
+  for (std::size_t at = text.find(open); at != std::string::npos; at = text.find(open, at + 1)) {
+    const std::size_t start = at + open.size();
+    const std::string piece = text.substr(start, text.find("```", start) - start);
+    ++pieces;
+    if (piece.starts_with("#")) continue;  // a comment alone
+    parse_to_json(piece);
+    if (piece.find("conddp: 1") == std::string::npos) continue;
+    ++files;
+    const Loaded loaded(piece);
+    EXPECT_TRUE(loaded.built) << loaded.all();
+  }
+  EXPECT_GE(pieces, 2);
+  EXPECT_GE(files, 1);
+}
+
+TEST(Schema, ExamplesAndDefaultsOfEverySchemaFitIt) {
+  for (const char* name : {"problem", "solution", "check"})
+    EXPECT_EQ(run(std::string("scripts/validate_json --examples ") + CONDDP_SOURCE_DIR +
+                  "/schemas/" + name + ".schema.json"),
+              0)
+        << name;
+}
+
+/// What every part of a schema must have.
+struct SchemaWalk {
+  const Json& schema;
+  bool examples;  ///< whether objects must have one
+  std::vector<std::string> faults;
+
+  const Json& target(const Json& part) const {
+    if (part.contains("$ref")) {
+      const std::string link = part["$ref"];
+      return schema.at(Json::json_pointer(link.substr(1)));
+    }
+    return part.contains("allOf") ? target(part["allOf"][0]) : part;
+  }
+  static bool is_number(const Json& part) {
+    const Json type = part.value("type", Json());
+    if (type == "array") return part.contains("items") && is_number(part["items"]);
+    if (type == "object")
+      return part.contains("additionalProperties") && part["additionalProperties"].is_object() &&
+             is_number(part["additionalProperties"]);
+    if (type.is_array()) return std::find(type.begin(), type.end(), "number") != type.end();
+    return type == "number";
+  }
+  void walk(const Json& part, const std::string& path) {
+    if (part.is_array())
+      for (std::size_t i = 0; i < part.size(); ++i) walk(part[i], path + "/" + std::to_string(i));
+    if (!part.is_object()) return;
+    if (examples && part.contains("properties") && !part.contains("examples"))
+      faults.push_back(path + " is an object without an example");
+    if (part.contains("properties") && part["properties"].is_object())
+      for (const auto& [key, value] : part["properties"].items()) {
+        const std::string words = value.contains("$ref")
+                                      ? target(value).value("description", "")
+                                      : value.value("description", "");
+        if (words.empty()) faults.push_back(path + "/" + key + " has no description");
+        if (is_number(target(value)) && !states_unit(words) && !is_dimensionless(path, key))
+          faults.push_back(path + "/" + key + " does not say its unit: " + words);
+      }
+    for (const auto& [key, value] : part.items())
+      if (key != "examples" && key != "default" && key != "enum")
+        walk(value, path + "/" + key);
+  }
+  static bool states_unit(const std::string& words) {
+    for (const char* unit : {" unit", "quaternion", "Quaternion"})
+      if (words.find(unit) != std::string::npos) return true;
+    static const std::set<std::string> kUnits = {"m",   "s",    "kg",    "kg m²", "m/s²",
+                                                 "rad", "N",    "Nm",    "m/s",   "rad/s",
+                                                 "Nm per N",    "Nm s/rad"};
+    // A unit stands at the end of a clause: "..., rad or m".
+    std::string clause;
+    for (const char c : words + ",") {
+      if (c != ',' && c != ';' && c != '(' && c != ')' && c != '.') {
+        clause += c;
+        continue;
+      }
+      for (const std::string& unit : kUnits) {
+        const std::string padded = " " + clause;
+        if (padded.ends_with(" " + unit) || padded.find(" " + unit + " ") != std::string::npos)
+          return true;
+      }
+      clause.clear();
+    }
+    return false;
+  }
+  static bool is_dimensionless(const std::string& path, const std::string& key) {
+    // Weights, directions, matrices of the user's own system, and the solvers' bare numbers.
+    static const std::set<std::string> kKeys = {"weights", "direction", "A", "B", "c", "merit_margin"};
+    if (kKeys.contains(key) || path.ends_with("/state"))
+      return true;
+    for (const char* group : {"/regularization", "/line_search", "/box_qp", "/gains", "/multipliers",
+                              "/log/items", "/trajectory", "/worst", "/residuals"})
+      if (path.find(group) != std::string::npos) return true;
+    return key == "cost" || key == "cost_by_name" || key == "state" || key == "tolerance" || key == "values";
+  }
+};
+
+TEST(Schema, EveryKeyIsDescribedWithItsUnitAndEveryObjectHasAnExample) {
+  for (const char* name : {"problem", "solution", "check"}) {
+    std::ifstream stream(kSchema.parent_path() / (std::string(name) + ".schema.json"));
+    const Json schema = Json::parse(stream);
+    SchemaWalk walk{schema, name == std::string("problem"), {}};
+    walk.walk(schema, "");
+    for (const std::string& fault : walk.faults) ADD_FAILURE() << name << ": " << fault;
+  }
 }
 
 TEST(Schema, NamesTheReadersResiduals) {

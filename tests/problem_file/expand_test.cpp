@@ -1,0 +1,238 @@
+// A problem printed with every default is the same problem.
+#include "problem_file/expand_problem.hpp"
+
+#include <map>
+#include <set>
+
+#include "problem_file/system_fields.hpp"
+#include "problem_file/yaml_text.hpp"
+#include "schema_document.hpp"
+#include "solvers/registry.hpp"
+
+namespace conddp {
+namespace {
+
+/// Files that together use every object of the schema, once with nothing but what is required.
+std::vector<std::string> corpus() {
+  std::vector<std::string> texts = {std::string(kPendulum), std::string(kCartpole)};
+  for (const auto& file : ready_problems()) texts.push_back(read_file(file));
+  for (const std::string_view type : kSystemTypes) {
+    const std::string more = type == "linear" ? ", A: [[1, 0.1], [0, 1]], B: [[0], [0.1]]" : "";
+    texts.push_back("conddp: 1\nsystem: {type: " + std::string(type) + more +
+                    "}\ninitial_state: {}\nphases: [{knots: 3, duration: 0.1}]\n");
+  }
+  texts.push_back(R"(conddp: 1
+description: "two robots: one of them # flies"
+gravity: [0, 0, -1.62]
+robots:
+  arm: {urdf: robots/arm7.urdf, mimic: enforce, placement: {position: [3, 0, 0], rpy: [0, 0, 1]},
+        locked_joints: {joint_7: 0.3}, rotor_inertia: {joint_1: 0.1}, passive: {friction: urdf},
+        payloads: {link_6: {mass: 2, inertia: {ixx: 0.1, iyy: 0.1, izz: 0.1}}},
+        external_wrenches: [{frame: tool}, {frame: tool, force: [1, 2, 3]}]}
+  body:
+    urdf: robots/free_body.urdf
+    base: floating
+    actuation: {thrusters: [{name: a, frame: body}, {name: b, frame: body, direction: [1, 2, 3],
+                torque_ratio: 0.1, lower: null, upper: 3}]}
+    configurations: {turned: {base: {position: [0, 0, 1], rpy: [0.3, -0.2, 0.1]}}}
+initial_state:
+  robots: {arm: {joints: {joint_2: 0.4}, velocity: {joints: {joint_2: 0.1}}},
+           body: {configuration: turned, velocity: {base: {linear: [1, 0, 0]}}}}
+integrator: rk2
+running_costs: sum
+phases: [{knots: 2, dt: 0.1, weights: {rate: 2}}, {name: "1.5", knots: 3, dt: 0.05}]
+costs:
+  rate: {residual: control_rate, phases: phase_1}
+  position: {residual: joint_position, joints: arm/joint_2, reference: 0.1, knots: [0, 3]}
+  velocity: {residual: joint_velocity, weights: {"arm/joint_*": 2},
+             activation: {kind: quadratic_barrier, from: urdf}}
+  acceleration: {residual: joint_acceleration, activation: smooth_l1}
+  point: {residual: frame_position, frame: arm/tool,
+          reference: {times: [0, 0.2], values: [[0, 0, 1], initial]}}
+  turn: {residual: frame_rotation, frame: body/body,
+         reference: {knots: [1, 4], values: [body/turned, {rpy: [0, 0, 2]}]}}
+  pose: {residual: frame_placement, frame: arm/tool,
+         reference: {position: [0, 0, 1], orientation: [0.5, 0.5, 0.5, 0.5]}}
+  speed: {residual: frame_velocity, frame: arm/tool, axes: local, reference: [0, 0, 0, 0, 0, 1]}
+  speed_2: {residual: frame_velocity, frame: arm/tool}
+  com: {residual: com_position, reference: initial}
+  inside: {residual: com_position, activation: {kind: quadratic_barrier, lower: -9, upper: [9, null, 9]}}
+  hold: {residual: control_gravity, activation: {kind: smooth_l2, epsilon: 0.5}}
+  chosen: {residual: state, columns: [q/arm/joint_1, v/arm/joint_1]}
+constraints: {limits: {bounds: control, from: urdf, upper: 50, phases: ["1.5"]}}
+terminal: {costs: {end: {residual: frame_velocity, frame: arm/tool}, rest: {residual: state}}}
+initial_guess: {states: {keyframes: [{time: 0.1, state: body/turned}, {time: 0.2, state:
+                {robots: {body: {velocity: {base: {angular: [0, 0, 1]}}}}}}]},
+                controls: {constant: {"*": 0.1}, random: {scale: 0.1}}}
+solver: {name: box_fddp, max_time_s: 100}
+)");
+  texts.push_back(replaced(kPendulum, "solver:",
+                           "initial_guess: {states: interpolate, controls: {random: {scale: 1, "
+                           "seed: 12345678901234567}}}\nsolver:"));
+  texts.push_back(replaced(kPendulum, "solver:", "initial_guess: {states: {keyframes: [{knot: 2, "
+                                                 "state: [1, 2]}]}, controls: gravity}\nsolver:"));
+  return texts;
+}
+
+std::string expanded(const Loaded& loaded) { return expanded_text(*loaded.spec, *loaded.built); }
+
+double cost_after(const Loaded& loaded, int iterations) {
+  SolverOptions options = loaded.spec->solver.options;
+  options.max_iterations = iterations;
+  return solve(*loaded.built->problem, loaded.spec->solver.name.value, options,
+               loaded.built->guess)
+      .cost;
+}
+
+TEST(Expand, ReadingTheTextGivesTheSameProblem) {
+  std::vector<Json> documents;
+  for (const std::string& text : corpus()) {
+    const Loaded first(text);
+    ASSERT_TRUE(first.built) << first.all() << text;
+    const std::string expansion = expanded(first);
+    const Loaded second(expansion);
+    ASSERT_TRUE(second.built) << second.all() << expansion;
+    EXPECT_EQ(expanded(second), expansion);
+    EXPECT_EQ(cost_after(second, 0), cost_after(first, 0)) << expansion;
+    EXPECT_EQ(cost_after(second, 3), cost_after(first, 3)) << expansion;
+    documents.push_back(parse_to_json(expansion));
+    EXPECT_EQ(documents.back(), Json(expand_problem(*first.spec, *first.built))) << expansion;
+  }
+  const std::vector<bool> bad = violations(documents);
+  for (std::size_t i = 0; i < bad.size(); ++i)
+    EXPECT_FALSE(bad[i]) << documents[i].dump(1) << " does not fit the schema";
+}
+
+/// Compares an expansion with the defaults of the schema.
+class DefaultWalk {
+ public:
+  explicit DefaultWalk(const Json& schema) : schema_(schema) { collect(schema, ""); }
+
+  void compare(const Json& part, const Json& document) {
+    const Json& target = resolved(part);
+    for (const char* choice : {"anyOf", "oneOf"})
+      if (target.contains(choice))
+        for (const Json& branch : target[choice])
+          if (takes(resolved(branch), document)) {
+            compare(branch, document);
+            break;
+          }
+    if (document.is_array() && target.contains("items"))
+      for (const Json& item : document) compare(target["items"], item);
+    if (!document.is_object()) return;
+    const Json properties = Json::object();
+    const Json& known = target.contains("properties") ? target["properties"] : properties;
+    for (const auto& [key, value] : known.items()) {
+      if (document.contains(key)) compare(value, document[key]);
+      const auto found = defaults_.find(&value);
+      if (found == defaults_.end()) continue;
+      if (!document.contains(key))
+        missing_.insert(found->second);
+      else if (document[key] == default_of(value))
+        seen_.insert(found->second);
+    }
+    if (target.contains("additionalProperties") && target["additionalProperties"].is_object())
+      for (const auto& [key, value] : document.items())
+        if (!known.contains(key)) compare(target["additionalProperties"], value);
+  }
+
+  /// Keys with a default that an expansion left out somewhere.
+  const std::set<std::string>& missing() const { return missing_; }
+  /// Keys whose default no expansion showed.
+  std::set<std::string> unseen() const {
+    std::set<std::string> rest;
+    for (const auto& [node, path] : defaults_)
+      if (!seen_.contains(path)) rest.insert(path);
+    return rest;
+  }
+  std::size_t count() const { return defaults_.size(); }
+
+ private:
+  const Json& resolved(const Json& part) const {
+    if (part.contains("$ref")) {
+      const std::string link = part["$ref"];
+      return resolved(schema_.at(Json::json_pointer(link.substr(1))));
+    }
+    return part.contains("allOf") ? resolved(part["allOf"][0]) : part;
+  }
+  bool has_default(const Json& part) const {
+    return part.contains("default") || resolved(part).contains("default");
+  }
+  const Json& default_of(const Json& part) const {
+    return part.contains("default") ? part["default"] : resolved(part)["default"];
+  }
+  /// Whether a branch is the one that describes the document: by its keys.
+  bool takes(const Json& branch, const Json& document) const {
+    if (!document.is_object() || !branch.contains("properties")) return false;
+    const Json& known = branch["properties"];
+    if (known.contains("type") && known["type"]["const"] != document.value("type", Json()))
+      return false;
+    return std::all_of(document.items().begin(), document.items().end(),
+                       [&](const auto& entry) { return known.contains(entry.key()); });
+  }
+  void collect(const Json& part, const std::string& path) {
+    if (!part.is_structured()) return;
+    if (part.is_object() && part.contains("properties") && part["properties"].is_object())
+      for (const auto& [key, value] : part["properties"].items())
+        if (has_default(value)) defaults_[&value] = path + "/" + key;
+    int index = 0;
+    for (const auto& [key, value] : part.items()) {
+      if (key != "default" && key != "examples")
+        collect(value, path + "/" + (part.is_array() ? std::to_string(index) : key));
+      ++index;
+    }
+  }
+
+  const Json& schema_;
+  std::map<const Json*, std::string> defaults_;
+  std::set<std::string> seen_, missing_;
+};
+
+TEST(Expand, ShowsEveryDefaultOfTheSchema) {
+  const Json schema = load_schema();
+  DefaultWalk walk(schema);
+  EXPECT_GT(walk.count(), 80u);
+  for (const std::string& text : corpus()) {
+    const Loaded loaded(text);
+    ASSERT_TRUE(loaded.built) << loaded.all();
+    walk.compare(schema, Json(expand_problem(*loaded.spec, *loaded.built)));
+  }
+  // Keys that another choice excludes.
+  const std::set<std::string> conditional = {
+      "/definitions/cost/axes", "/definitions/terminal_cost/axes", "/definitions/robot/placement",
+      "/definitions/activation/anyOf/1/epsilon", "/gravity"};
+  for (const std::string& key : walk.missing())
+    EXPECT_TRUE(conditional.contains(key)) << key << " has a default that an expansion lacks";
+  EXPECT_EQ(walk.unseen(), std::set<std::string>{}) << "the schema's default is not the reader's";
+}
+
+TEST(Expand, KeepsTheModelineOfTheFileOrTakesThatOfTheReadyProblems) {
+  const Loaded plain{std::string(kPendulum)};
+  EXPECT_TRUE(expanded(plain).starts_with(
+      "# yaml-language-server: $schema=../schemas/problem.schema.json\nconddp: 1\n"));
+  const Loaded own("# yaml-language-server: $schema=/opt/problem.json\n" + std::string(kPendulum));
+  EXPECT_TRUE(expanded(own).starts_with("# yaml-language-server: $schema=/opt/problem.json\nconddp"));
+}
+
+TEST(Expand, OverridesAreInIt) {
+  const Loaded loaded(std::string(kPendulum), {"solver.max_iterations=7", "phases.0.knots=9"});
+  const OrderedJson json = expand_problem(*loaded.spec, *loaded.built);
+  EXPECT_EQ(json["solver"]["max_iterations"], 7);
+  EXPECT_EQ(json["phases"][0]["knots"], 9);
+}
+
+TEST(YamlText, IsReadBackTheSame) {
+  const OrderedJson document = {
+      {"plain", "a/b.c-d e"},
+      {"texts", {"1.5", "null", "~", "true", "y", "NO", "a: b", "#x", "- x", "", " a ", "*", "ünï ∂",
+                 "quote \" and \\", "'", "{a}", "0x10", "1e5", "a\tb", "2 lines\nhere", "!t", "&a"}},
+      {"1", "key of digits"},
+      {"<<", "no merge"},
+      {"null", nullptr},
+      {"numbers", {0.1, -1e-300, 1e22, 5e-324, 1.7976931348623157e308, -0.0, 123456789012345678}},
+      {"nested", {{{"a", {{1, 2}, {3, 4}}}}, OrderedJson::object(), OrderedJson::array()}}};
+  EXPECT_EQ(parse_to_json(yaml_text(document)), Json(document)) << yaml_text(document);
+}
+
+}  // namespace
+}  // namespace conddp
