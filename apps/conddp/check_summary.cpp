@@ -128,10 +128,10 @@ std::string plant_lines(const OrderedJson& s) {
   std::string text;
   for (const auto& robot : s["robots"]) {
     const std::string name = text_of(robot["name"]);
-    text += fmt::format("  {:<16}{}{}, {} base, {} degrees of freedom\n",
-                        text.empty() ? "robots" : "", name.empty() ? "" : name + ": ",
-                        text_of(robot["file"]), text_of(robot["base"]),
-                        robot["degrees_of_freedom"].get<int>());
+    text +=
+        fmt::format("  {:<16}{}{}, {} base, {} degrees of freedom\n", text.empty() ? "robots" : "",
+                    name.empty() ? "" : name + ": ", text_of(robot["file"]), text_of(robot["base"]),
+                    robot["degrees_of_freedom"].get<int>());
   }
   return text;
 }
@@ -193,18 +193,17 @@ std::string check_text(const OrderedJson& s) {
   text += cost_lines(s["costs"], "costs");
   text += cost_lines(s["terminal_costs"], "terminal costs");
   for (const auto& constraint : s["constraints"])
-    text += fmt::format("  {:<16}{}: bounds on the control{}, in {}{}\n",
-                        &constraint == &s["constraints"].front() ? "constraints" : "",
-                        text_of(constraint["name"]),
-                        constraint["from_urdf"].get<bool>() ? " from the URDF" : "",
-                        comma_list(constraint["phases"]),
-                        constraint["dropped"].get<bool>() ? "; dropped" : "");
+    text += fmt::format(
+        "  {:<16}{}: bounds on the control{}, in {}{}\n",
+        &constraint == &s["constraints"].front() ? "constraints" : "", text_of(constraint["name"]),
+        constraint["from_urdf"].get<bool>() ? " from the URDF" : "",
+        comma_list(constraint["phases"]), constraint["dropped"].get<bool>() ? "; dropped" : "");
   text += fmt::format("  {:<16}{} ({}): {}\n", "solver", text_of(s["solver"]["name"]),
                       text_of(s["solver"]["description"]),
                       bounds_text(text_of(s["solver"]["control_bounds"])));
-  text += fmt::format("  {:<16}states: {}; controls: {}\n", "first guess",
-                      text_of(s["initial_guess"]["states"]),
-                      text_of(s["initial_guess"]["controls"]));
+  text +=
+      fmt::format("  {:<16}states: {}; controls: {}\n", "first guess",
+                  text_of(s["initial_guess"]["states"]), text_of(s["initial_guess"]["controls"]));
   return text;
 }
 

@@ -76,9 +76,8 @@ class DualKnot {
 KnotDerivatives reference_derivatives(const KnotView& knot, const Trajectory& trajectory, int k) {
   const KnotModel& model = *knot.model;
   const bool terminal = model.integrator() == Integrator::none;
-  KnotDerivatives out{Eigen::MatrixXd(terminal ? 0 : model.ndx(), model.nz()),
-                      {},
-                      Eigen::MatrixXd(1, model.nz())};
+  KnotDerivatives out{
+      Eigen::MatrixXd(terminal ? 0 : model.ndx(), model.nz()), {}, Eigen::MatrixXd(1, model.nz())};
   for (const CostTerm& term : model.costs())
     out.residuals.emplace_back(term.residual->size(), model.nz());
   for (int c = 0; c < model.nz(); ++c) {
@@ -218,8 +217,7 @@ std::vector<DerivativeComparison> check_derivatives(const ShootingProblem& probl
       const int n = p < phases ? problem.phases()[p].knots() : 1;
       for (const int k : spread(first, n, options.knots_per_phase)) {
         const KnotView& knot = problem.knot(k);
-        const KnotDerivatives analytic =
-            analytic_derivatives(knot, at, k, linearization.knots[k]);
+        const KnotDerivatives analytic = analytic_derivatives(knot, at, k, linearization.knots[k]);
         const KnotDerivatives reference = reference_derivatives(knot, at, k);
         if (p < phases)
           compare(analytic.dynamics, reference.dynamics, 1, k, displaced,

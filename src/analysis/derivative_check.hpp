@@ -18,16 +18,16 @@ enum class DerivativeKind {
 /// z = (tangent at x, u).
 struct DerivativeComparison {
   DerivativeKind kind = DerivativeKind::dynamics;
-  int phase = 0;             ///< index; the number of phases stands for the terminal node
-  int cost = -1;             ///< of a residual: index into the knot model's costs
-  std::vector<int> knots;    ///< at which it was compared
-  long long entries = 0;     ///< numbers compared
-  int row = 0, column = 0;   ///< of the worst entry
-  int knot = 0;              ///< where that is
-  bool displaced = false;    ///< whether it is beside the trajectory
-  double analytic = 0;       ///< what solvers get
-  double reference = 0;      ///< by dual numbers
-  double error = 0;          ///< relative, see check_derivatives
+  int phase = 0;            ///< index; the number of phases stands for the terminal node
+  int cost = -1;            ///< of a residual: index into the knot model's costs
+  std::vector<int> knots;   ///< at which it was compared
+  long long entries = 0;    ///< numbers compared
+  int row = 0, column = 0;  ///< of the worst entry
+  int knot = 0;             ///< where that is
+  bool displaced = false;   ///< whether it is beside the trajectory
+  double analytic = 0;      ///< what solvers get
+  double reference = 0;     ///< by dual numbers
+  double error = 0;         ///< relative, see check_derivatives
 };
 
 struct DerivativeCheckOptions {

@@ -180,7 +180,8 @@ OrderedJson nulls_json(const OrderedJson& json, const SolveResult& result) {
   const std::string ended =
       fmt::format("the solve ended as '{}': {}", to_string(result.status), result.message);
   OrderedJson list = OrderedJson::array();
-  const auto add = [&](const std::string& key, const OrderedJson& value, const std::string& reason) {
+  const auto add = [&](const std::string& key, const OrderedJson& value,
+                       const std::string& reason) {
     if (const int count = count_nulls(value); count > 0)
       list.push_back({{"key", key}, {"count", count}, {"reason", reason}});
   };

@@ -12,8 +12,8 @@ namespace conddp {
 /// Named columns over time.
 struct DataTable {
   std::string file;
-  std::vector<double> times;                             ///< s, increasing
-  std::vector<std::string> columns;                      ///< without the time
+  std::vector<double> times;         ///< s, increasing
+  std::vector<std::string> columns;  ///< without the time
   /// How many of them, from the first, are the state of a solution; absent: a CSV file.
   std::optional<std::size_t> state_columns;
   std::vector<std::vector<std::optional<double>>> rows;  ///< one a time; empty cells are allowed

@@ -215,8 +215,7 @@ class GuessBuilder {
   /// is one of the same system. Control memory follows from the controls.
   bool fits(const DataFileSpec& file, const DataTable& table, bool states) {
     if (!table.state_columns) return true;
-    const auto middle =
-        table.columns.begin() + static_cast<std::ptrdiff_t>(*table.state_columns);
+    const auto middle = table.columns.begin() + static_cast<std::ptrdiff_t>(*table.state_columns);
     const std::vector<std::string> found = states ? std::vector(table.columns.begin(), middle)
                                                   : std::vector(middle, table.columns.end());
     const std::vector<std::string> wanted =
@@ -232,13 +231,15 @@ class GuessBuilder {
     };
     const std::vector<std::string> missing = without(wanted, found), extra = without(found, wanted);
     if (missing.empty() && extra.empty()) return true;
-    std::string message = fmt::format("the {} of '{}' are not those of this problem:",
-                                      states ? "states" : "controls", file.file.value);
+    std::string message =
+        fmt::format("the {} of '{}' are not those of this problem:", states ? "states" : "controls",
+                    file.file.value);
     if (!missing.empty()) message += " it lacks " + name_list(missing);
     if (!extra.empty())
       message += fmt::format("{} it has {}", missing.empty() ? "" : ", and", name_list(extra));
-    out_.error(file.file.place, message,
-               "take a solution of the same system, or name 'columns' of the file in initial_guess");
+    out_.error(
+        file.file.place, message,
+        "take a solution of the same system, or name 'columns' of the file in initial_guess");
     return false;
   }
 

@@ -17,7 +17,8 @@ ActivationSpec read_activation(const YamlReader& reader) {
   }
   YamlMap map(reader);
   const auto kind = map.require("kind");
-  if (kind) activation.kind = kind->choice(kActivationWords, "activation").value_or(activation.kind);
+  if (kind)
+    activation.kind = kind->choice(kActivationWords, "activation").value_or(activation.kind);
   const auto lower = map.find("lower");
   const auto upper = map.find("upper");
   const auto from = map.find("from");

@@ -42,9 +42,8 @@ void read_format(YamlMap& map) {
   if (!format) return;
   const auto version = format->integer(1, 1'000'000);
   if (version && *version != kProblemFormat)
-    format->error(
-        fmt::format("the file has format {}, and this version reads format {}", *version,
-                    kProblemFormat));
+    format->error(fmt::format("the file has format {}, and this version reads format {}", *version,
+                              kProblemFormat));
 }
 
 ProblemSpec read_document(const YamlReader& reader, const std::filesystem::path& file) {

@@ -13,8 +13,8 @@ std::optional<TimeSeries> build_reference(const CostSpec& cost, const CostResidu
                                           const Plant& plant, const StateBuilder& states,
                                           const std::vector<double>& times, Diagnostics& out);
 
-/// Columns of a file's table as a series on a manifold; quaternions must have length 1. Rows with an
-/// empty cell in one of the columns are left out. A missing column is reported.
+/// Columns of a file's table as a series on a manifold; quaternions must have length 1. Rows with
+/// an empty cell in one of the columns are left out. A missing column is reported.
 std::optional<TimeSeries> series_of(const DataFileSpec& file, const DataTable& table,
                                     const std::vector<std::string>& columns,
                                     const StateManifold& manifold, Diagnostics& out);

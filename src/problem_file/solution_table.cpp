@@ -28,7 +28,7 @@ Mark mark_at(const std::string& text, std::size_t byte, int source, const Diagno
 /// Keeps the trajectory alone: gains and multipliers of a long solution would fill the memory.
 Json parse_trajectory(const std::string& text) {
   const auto keep = [](int depth, Json::parse_event_t event, Json& value) {
-    constexpr int kMaxDepth = 8;
+    constexpr int kMaxDepth = 100;  // a configuration is as deep as a problem file may be
     if (depth > kMaxDepth) throw Malformed{"it is nested too deeply"};
     if (depth != 1 || event != Json::parse_event_t::key) return true;
     const std::string& key = value.get_ref<const std::string&>();

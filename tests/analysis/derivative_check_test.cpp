@@ -12,10 +12,10 @@ class SuspectResidual : public ResidualBase<SuspectResidual> {
  public:
   enum class Mistake { kNone, kSign, kMissingColumn, kNotFinite };
   SuspectResidual(int ndx, Mistake mistake)
-      : ResidualBase({{1, {0}},
-                      {1, mistake == Mistake::kMissingColumn ? std::vector{1}
-                                                             : std::vector{1, ndx}}},
-                     0, true),
+      : ResidualBase(
+            {{1, {0}},
+             {1, mistake == Mistake::kMissingColumn ? std::vector{1} : std::vector{1, ndx}}},
+            0, true),
         mistake_(mistake) {}
   template <class S>
   void evaluate_as(const ResidualInput<S>& in, S* r) const {
@@ -112,7 +112,8 @@ TEST(DerivativeCheck, AWrongJacobianOfAResidualIsNamed) {
 }
 
 TEST(DerivativeCheck, AColumnThatTheStructureForgetsIsNamed) {
-  const DerivativeComparison c = find(check_with(Mistake::kMissingColumn), DerivativeKind::residual);
+  const DerivativeComparison c =
+      find(check_with(Mistake::kMissingColumn), DerivativeKind::residual);
   EXPECT_EQ(c.error, 1);
   EXPECT_EQ(c.row, 1);
   EXPECT_EQ(c.column, 2);

@@ -1,13 +1,16 @@
 #include <cmath>
+#include <map>
 #include <sstream>
 
 #include <gtest/gtest.h>
 
 #include "output/csv.hpp"
-#include "problem_file/sha256.hpp"
 #include "output/solution_json.hpp"
 #include "problem_file/data_table.hpp"
+#include "problem_file/expand_problem.hpp"
 #include "problem_file/read_problem.hpp"
+#include "problem_file/sha256.hpp"
+#include "spatial/lane.hpp"
 
 namespace conddp {
 namespace {
@@ -66,10 +69,33 @@ TEST_F(SolutionOutput, JsonNumbersSurviveTheText) {
       EXPECT_EQ(json["trajectory"]["x"][k][i].get<double>(), result_->trajectory.x(k)[i]);
 }
 
-TEST_F(SolutionOutput, WhatIsNotFiniteIsNull) {
+TEST_F(SolutionOutput, SaysWhatItWasMadeFrom) {
+  const OrderedJson problem = solution_json(solution())["problem"];
+  EXPECT_EQ(problem["configuration"], expand_problem(spec_, built_));
+  EXPECT_EQ(problem["configuration"]["solver"]["tolerances"], problem["options"]["tolerances"]);
+  EXPECT_EQ(problem["robots"], OrderedJson::array());
+  EXPECT_EQ(problem["data_files"], OrderedJson::array());
+  const OrderedJson tool = solution_json(solution())["tool"];
+  EXPECT_EQ(tool["build"]["lane_width"], kLaneWidth);
+  EXPECT_FALSE(tool["build"]["compiler"].get<std::string>().empty());
+  EXPECT_GE(tool["libraries"].size(), 5u);
+}
+
+TEST_F(SolutionOutput, WhatIsNotFiniteIsNullWithItsReason) {
   result_->cost = std::nan("");
   result_->residuals.stationarity = INFINITY;
+  result_->status = SolveStatus::diverged;
+  result_->message = "the cost of knot 3 is not finite";
   const OrderedJson json = solution_json(solution());
+  std::map<std::string, std::string> reasons;
+  for (const auto& entry : json["nulls"]) reasons[entry["key"]] = entry["reason"];
+  EXPECT_EQ(reasons["problem.options.max_time_s"], "without limit");
+  EXPECT_EQ(reasons["cost"],
+            "not finite, or not evaluated because the solve ended as 'diverged': the cost of knot "
+            "3 is not finite");
+  EXPECT_TRUE(reasons.contains("residuals"));
+  EXPECT_FALSE(reasons.contains("trajectory.x"));
+  EXPECT_EQ(solution_head(solution())["nulls"][1]["key"], "cost");
   EXPECT_TRUE(json["cost"].is_null());
   EXPECT_TRUE(json["residuals"]["stationarity"].is_null());
   EXPECT_TRUE(json["problem"]["options"]["max_time_s"].is_null());

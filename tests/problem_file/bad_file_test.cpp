@@ -1,4 +1,7 @@
 #include <algorithm>
+#include <fstream>
+
+#include <unistd.h>
 
 #include <fmt/format.h>
 
@@ -217,6 +220,27 @@ INSTANTIATE_TEST_SUITE_P(
                 "the robot has no joint 'slidr'", "did you mean 'slider'?"},
         Mistake{"FixedJoint", "joints: [slider]", "joints: [§tip_mount]",
                 "the joint 'tip_mount' does not move"},
+        Mistake{"ActuatedTwice", "joints: [slider]", "joints: [slider, §slider]",
+                "'slider' stands twice in the list"},
+        Mistake{"JointTwice", "phases:",
+                "costs: {c: {residual: joint_position, joints: [hinge, §hinge]}}\nphases:",
+                "'hinge' stands twice in the list"},
+        Mistake{"ColumnTwice",
+                "phases:", "costs: {c: {residual: state, columns: [q/hinge, §q/hinge]}}\nphases:",
+                "'q/hinge' stands twice in the list"},
+        Mistake{
+            "FileColumnTwice", "phases:",
+            "costs: {c: {residual: state, reference: {file: a.csv, columns: [a, §a]}}}\nphases:",
+            "'a' stands twice in the list"},
+        Mistake{"PhaseTwice",
+                "phases:", "costs: {c: {residual: control, phases: [only, §only]}}\nphases:",
+                "'only' stands twice in the list"},
+        Mistake{"BoundedPhaseTwice", "phases:",
+                "constraints: {c: {bounds: control, upper: 1, phases: [only, §only]}}\nphases:",
+                "'only' stands twice in the list"},
+        Mistake{"KnotTwice",
+                "phases:", "costs: {c: {residual: control, knots: [1, 2, §1]}}\nphases:",
+                "1 stands twice in the list"},
         Mistake{"NoActuation", "{joints: [slider]}", "none", "3:3: nothing is actuated"},
         Mistake{"ActuationWord", "{joints: [slider]}", "§partial", "'partial' is no actuation"},
         Mistake{"Thruster", "{joints: [slider]}", "{thrusters: [{name: a, frame: §tip}]}",
@@ -279,6 +303,51 @@ TEST(BadFile, AcceptedWordsAreData) {
   ASSERT_TRUE(loaded.error());
   EXPECT_EQ(loaded.error()->path, "integrator");
   EXPECT_EQ(loaded.error()->accepted.size(), 6u);
+}
+
+TEST(BadFile, NothingIsDroppedTwice) {
+  const Loaded loaded(std::string(kPendulum), {}, {.drop = {"torque", "torque"}});
+  ASSERT_TRUE(loaded.error());
+  EXPECT_EQ(loaded.error()->message, "--drop torque stands twice on the command line");
+}
+
+/// A hinge and one that mimics it, with limits.
+std::string mimic_urdf(const std::string& follower_limits) {
+  const std::string link =
+      "<inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' "
+      "ixz='0' iyz='0'/></inertial></link>";
+  const auto hinge = [](const std::string& name, const std::string& child,
+                        const std::string& rest) {
+    return "<joint name='" + name + "' type='revolute'><parent link='base'/><child link='" + child +
+           "'/><axis xyz='0 0 1'/>" + rest + "</joint>";
+  };
+  return "<robot name='gripper'><link name='base'/><link name='a'>" + link + "<link name='b'>" +
+         link + hinge("leader", "a", "<limit lower='0.5' upper='1' effort='1' velocity='1'/>") +
+         hinge(
+             "follower", "b",
+             "<limit " + follower_limits +
+                 " effort='1' velocity='1'/><mimic joint='leader' multiplier='-2' offset='0.1'/>") +
+         "</robot>";
+}
+
+TEST(BadFile, LimitsOfAMimicJointThatItsLeaderCannotKeepNameBoth) {
+  char name[] = "/tmp/conddp_mimic_XXXXXX";
+  const std::filesystem::path folder = mkdtemp(name);
+  const auto load = [&](const std::string& limits, const std::string& mimic) {
+    std::ofstream(folder / "gripper.urdf") << mimic_urdf(limits);
+    return Loaded("conddp: 1\nrobot: {urdf: " + (folder / "gripper.urdf").string() +
+                  ", mimic: " + mimic + "}\ninitial_state: {}\nphases: [{knots: 2, dt: 0.1}]\n");
+  };
+  // The follower moves from -0.9 (leader at 0.5) to -1.9 (leader at 1).
+  EXPECT_TRUE(load("lower='-1.5' upper='0'", "enforce").built);
+  EXPECT_TRUE(load("lower='0' upper='1'", "ignore").built);
+  const Loaded wrong = load("lower='0' upper='1'", "enforce");
+  EXPECT_FALSE(wrong.built);
+  EXPECT_TRUE(wrong.first_error().starts_with(
+      "2:8: no position of the joint 'leader' (limits 0.5 to 1) keeps the limits 0 to 1 of the "
+      "joint 'follower', which mimics it"))
+      << wrong.all();
+  std::filesystem::remove_all(folder);
 }
 
 TEST(BadFile, DroppingAnUnknownConstraintSuggestsOne) {

@@ -1,9 +1,8 @@
 // A problem printed with every default is the same problem.
-#include "problem_file/expand_problem.hpp"
-
 #include <map>
 #include <set>
 
+#include "problem_file/expand_problem.hpp"
 #include "problem_file/system_fields.hpp"
 #include "problem_file/yaml_text.hpp"
 #include "schema_document.hpp"
@@ -69,8 +68,9 @@ solver: {name: box_fddp, max_time_s: 100}
   texts.push_back(replaced(kPendulum, "solver:",
                            "initial_guess: {states: interpolate, controls: {random: {scale: 1, "
                            "seed: 12345678901234567}}}\nsolver:"));
-  texts.push_back(replaced(kPendulum, "solver:", "initial_guess: {states: {keyframes: [{knot: 2, "
-                                                 "state: [1, 2]}]}, controls: gravity}\nsolver:"));
+  texts.push_back(replaced(kPendulum, "solver:",
+                           "initial_guess: {states: {keyframes: [{knot: 2, "
+                           "state: [1, 2]}]}, controls: gravity}\nsolver:"));
   return texts;
 }
 
@@ -79,8 +79,7 @@ std::string expanded(const Loaded& loaded) { return expanded_text(*loaded.spec, 
 double cost_after(const Loaded& loaded, int iterations) {
   SolverOptions options = loaded.spec->solver.options;
   options.max_iterations = iterations;
-  return solve(*loaded.built->problem, loaded.spec->solver.name.value, options,
-               loaded.built->guess)
+  return solve(*loaded.built->problem, loaded.spec->solver.name.value, options, loaded.built->guess)
       .cost;
 }
 
@@ -211,7 +210,8 @@ TEST(Expand, KeepsTheModelineOfTheFileOrTakesThatOfTheReadyProblems) {
   EXPECT_TRUE(expanded(plain).starts_with(
       "# yaml-language-server: $schema=../schemas/problem.schema.json\nconddp: 1\n"));
   const Loaded own("# yaml-language-server: $schema=/opt/problem.json\n" + std::string(kPendulum));
-  EXPECT_TRUE(expanded(own).starts_with("# yaml-language-server: $schema=/opt/problem.json\nconddp"));
+  EXPECT_TRUE(
+      expanded(own).starts_with("# yaml-language-server: $schema=/opt/problem.json\nconddp"));
 }
 
 TEST(Expand, OverridesAreInIt) {
@@ -224,8 +224,17 @@ TEST(Expand, OverridesAreInIt) {
 TEST(YamlText, IsReadBackTheSame) {
   const OrderedJson document = {
       {"plain", "a/b.c-d e"},
-      {"texts", {"1.5", "null", "~", "true", "y", "NO", "a: b", "#x", "- x", "", " a ", "*", "ünï ∂",
-                 "quote \" and \\", "'", "{a}", "0x10", "1e5", "a\tb", "2 lines\nhere", "!t", "&a"}},
+      {"texts", {"1.5",   "null",
+                 "~",     "true",
+                 "y",     "NO",
+                 "a: b",  "#x",
+                 "- x",   "",
+                 " a ",   "*",
+                 "ünï ∂", "quote \" and \\",
+                 "'",     "{a}",
+                 "0x10",  "1e5",
+                 "a\tb",  "2 lines\nhere",
+                 "!t",    "&a"}},
       {"1", "key of digits"},
       {"<<", "no merge"},
       {"null", nullptr},

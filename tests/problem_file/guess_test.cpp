@@ -127,7 +127,8 @@ TEST_F(GuessFromFile, NamesTheColumnsThatASolutionLacksOrHasTooMany) {
 TEST_F(GuessFromFile, WarnsOnceWhereASolutionHasAnotherDuration) {
   const auto text = [](double end) {
     return R"({"format": "conddp.solution/1", "trajectory": {"columns": {"x": ["theta", "omega"],
-      "u": ["torque"]}, "t": [0, )" + std::to_string(end) + R"(], "x": [[1, 1], [1, 1]], "u": [[0]]}})";
+      "u": ["torque"]}, "t": [0, )" +
+           std::to_string(end) + R"(], "x": [[1, 1], [1, 1]], "u": [[0]]}})";
   };
   for (const auto& [end, words] : {std::pair(0.5, "lasts 0.5 s, the problem 0.7 s"),
                                    std::pair(1.0, "lasts 1 s, the problem 0.7 s")}) {
@@ -159,6 +160,7 @@ struct BadTable {
 };
 
 TEST_F(GuessFromFile, NamesWhatIsWrong) {
+  const std::string deep = "{\"trajectory\": " + std::string(100'000, '[');
   const BadTable cases[] = {
       {"Header", "a.csv", "0,1\n1,2\n", "1:1: the first line must name the columns"},
       {"NoTime", "a.csv", "theta,omega\n1,2\n", "1:1: no column holds the time"},
@@ -173,8 +175,8 @@ TEST_F(GuessFromFile, NamesWhatIsWrong) {
       {"NoTrajectory", "s.json", "{\"format\": \"conddp.solution/1\"}",
        "0:0: the solution cannot be used: 'trajectory' is missing"},
       {"Truncated", "s.json", "{\"format\": \"conddp.solution/1\",\n \"trajectory\": {\"t\": [0, 1",
-       "2:25: not valid JSON"},
-      {"NotANumber", "s.json", "{\"trajectory\": {\"t\": [NaN]}}", "1:24: not valid JSON"},
+       "2:27: not valid JSON"},
+      {"NotANumber", "s.json", "{\"trajectory\": {\"t\": [NaN]}}", "1:23: not valid JSON"},
       {"Huge", "s.json", "{\"trajectory\":\n {\"t\": [0, 1e999]}}",
        "2:12: a number of the solution is out of range"},
       {"Scalar", "s.json", "3", "0:0: the solution cannot be used: 'format' is missing"},
@@ -198,7 +200,7 @@ TEST_F(GuessFromFile, NamesWhatIsWrong) {
        R"({"format": "conddp.solution/1", "trajectory": {"columns": {"x": ["theta", "omega"],
            "u": ["torque", "u/b"]}, "t": [0, 0.7], "x": [[1, 1], [1, 1]], "u": [[0, 0]]}})",
        "17:23: the controls of '"},
-      {"DeepJson", "s.json", "{\"trajectory\": [[[[[[[[[[[[]]]]]]]]]]]]}",
+      {"DeepJson", "s.json", deep.c_str(),
        "0:0: the solution cannot be used: it is nested too deeply"},
   };
   for (const BadTable& c : cases) {

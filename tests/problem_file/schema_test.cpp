@@ -233,23 +233,20 @@ struct SchemaWalk {
       faults.push_back(path + " is an object without an example");
     if (part.contains("properties") && part["properties"].is_object())
       for (const auto& [key, value] : part["properties"].items()) {
-        const std::string words = value.contains("$ref")
-                                      ? target(value).value("description", "")
-                                      : value.value("description", "");
+        const std::string words = value.contains("$ref") ? target(value).value("description", "")
+                                                         : value.value("description", "");
         if (words.empty()) faults.push_back(path + "/" + key + " has no description");
         if (is_number(target(value)) && !states_unit(words) && !is_dimensionless(path, key))
           faults.push_back(path + "/" + key + " does not say its unit: " + words);
       }
     for (const auto& [key, value] : part.items())
-      if (key != "examples" && key != "default" && key != "enum")
-        walk(value, path + "/" + key);
+      if (key != "examples" && key != "default" && key != "enum") walk(value, path + "/" + key);
   }
   static bool states_unit(const std::string& words) {
     for (const char* unit : {" unit", "quaternion", "Quaternion"})
       if (words.find(unit) != std::string::npos) return true;
-    static const std::set<std::string> kUnits = {"m",   "s",    "kg",    "kg m²", "m/s²",
-                                                 "rad", "N",    "Nm",    "m/s",   "rad/s",
-                                                 "Nm per N",    "Nm s/rad"};
+    static const std::set<std::string> kUnits = {"m", "s",  "kg",  "kg m²", "m/s²",     "rad",
+                                                 "N", "Nm", "m/s", "rad/s", "Nm per N", "Nm s/rad"};
     // A unit stands at the end of a clause: "..., rad or m".
     std::string clause;
     for (const char c : words + ",") {
@@ -268,13 +265,14 @@ struct SchemaWalk {
   }
   static bool is_dimensionless(const std::string& path, const std::string& key) {
     // Weights, directions, matrices of the user's own system, and the solvers' bare numbers.
-    static const std::set<std::string> kKeys = {"weights", "direction", "A", "B", "c", "merit_margin"};
-    if (kKeys.contains(key) || path.ends_with("/state"))
-      return true;
-    for (const char* group : {"/regularization", "/line_search", "/box_qp", "/gains", "/multipliers",
-                              "/log/items", "/trajectory", "/worst", "/residuals"})
+    static const std::set<std::string> kKeys = {"weights", "direction", "A",
+                                                "B",       "c",         "merit_margin"};
+    if (kKeys.contains(key) || path.ends_with("/state")) return true;
+    for (const char* group : {"/regularization", "/line_search", "/box_qp", "/gains",
+                              "/multipliers", "/log/items", "/trajectory", "/worst", "/residuals"})
       if (path.find(group) != std::string::npos) return true;
-    return key == "cost" || key == "cost_by_name" || key == "state" || key == "tolerance" || key == "values";
+    return key == "cost" || key == "cost_by_name" || key == "state" || key == "tolerance" ||
+           key == "values";
   }
 };
 

@@ -1,0 +1,215 @@
+#include <cstdlib>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "process.hpp"
+
+namespace conddp {
+namespace {
+
+using Json = nlohmann::json;
+
+const std::string kArm = source("problems/arm_reach.yaml");
+const std::string kPendulum = source("problems/pendulum_swingup.yaml");
+
+bool fits(const std::string& schema, const std::string& document) {
+  const TemporaryFolder folder;
+  const std::string command = source("scripts/validate_json") + " " +
+                              source("schemas/" + schema + ".schema.json") + " " +
+                              folder.write("document.json", document);
+  return std::system(command.c_str()) == 0;
+}
+
+Json solution_of(const std::filesystem::path& folder) {
+  return Json::parse(read_file(folder / "solution.json"));
+}
+
+TEST(Check, SaysWhatItUnderstood) {
+  const ProcessResult r = run_conddp({"check", kArm});
+  EXPECT_EQ(r.exit_code, 0) << r.err;
+  EXPECT_EQ(r.err, "");
+  for (const char* words :
+       {"arm_reach: the problem is well formed", "fixed base, 7 degrees of freedom",
+        "14 numbers (14 directions), 7 controls", "reach: 35 knots of 0.01 s, 0.35 s",
+        "tool: frame_placement, 6 rows, quadratic, weight 10000",
+        "torque: bounds on the control from the URDF, in reach", "keeps the control bounds"})
+    EXPECT_NE(r.out.find(words), std::string::npos) << words << "\n" << r.out;
+}
+
+TEST(Check, JsonFitsItsSchema) {
+  for (const std::string& file : {kArm, kPendulum})
+    for (const bool derivatives : {false, true}) {
+      std::vector<std::string> arguments = {"check", file, "--json"};
+      if (derivatives) arguments.push_back("--derivatives");
+      const ProcessResult r = run_conddp(arguments);
+      EXPECT_EQ(r.exit_code, 0) << r.err;
+      EXPECT_TRUE(fits("check", r.out)) << r.out;
+      EXPECT_EQ(Json::parse(r.out).contains("derivatives"), derivatives);
+    }
+}
+
+TEST(Check, DerivativesNameRowsAndColumns) {
+  const ProcessResult r = run_conddp({"check", kArm, "--derivatives", "--json"});
+  EXPECT_EQ(r.exit_code, 0) << r.err;
+  const Json derivatives = Json::parse(r.out)["derivatives"];
+  EXPECT_TRUE(derivatives["holds"]);
+  EXPECT_EQ(derivatives["tolerance"], 1e-6);
+  // Dynamics, two residuals and the gradient of the phase; the same without dynamics at the end.
+  ASSERT_EQ(derivatives["compared"].size(), 7u);
+  for (const Json& c : derivatives["compared"]) {
+    EXPECT_NE(c["worst"]["row"], "");
+    EXPECT_NE(c["worst"]["column"], "");
+    EXPECT_LE(c["worst"]["relative_error"].get<double>(), 1e-6);
+  }
+  EXPECT_EQ(derivatives["compared"][0]["knots"], Json({0, 17, 34}));
+  EXPECT_EQ(derivatives["compared"][0]["entries"], 2 * 3 * 14 * 21);
+  const std::string column = derivatives["compared"][0]["worst"]["row"];
+  EXPECT_TRUE(column.starts_with("q/joint_") || column.starts_with("v/joint_")) << column;
+}
+
+TEST(Check, TheExpandedFileIsSolvedToTheSameCost) {
+  const TemporaryFolder folder;
+  const ProcessResult expanded = run_conddp({"check", kPendulum, "--expand"});
+  EXPECT_EQ(expanded.exit_code, 0) << expanded.err;
+  const std::string file = folder.write("expanded.yaml", expanded.out);
+  EXPECT_EQ(run_conddp({"check", file, "--expand"}).out, expanded.out);
+  const ProcessResult json = run_conddp({"check", kPendulum, "--expand", "--json"});
+  EXPECT_TRUE(fits("problem", json.out)) << json.out;
+  run_conddp({"solve", kPendulum, "-o", folder.path() / "a", "--quiet"});
+  run_conddp({"solve", file, "-o", folder.path() / "b", "--quiet"});
+  const Json a = solution_of(folder.path() / "a"), b = solution_of(folder.path() / "b");
+  EXPECT_EQ(a["cost"], b["cost"]);
+  EXPECT_EQ(a["problem"]["configuration"], Json::parse(json.out));
+  EXPECT_NE(a["problem"]["sha256"], b["problem"]["sha256"]);
+}
+
+TEST(Check, OverridesAreExpanded) {
+  const ProcessResult r =
+      run_conddp({"check", kPendulum, "--expand", "--json", "--set", "solver.max_iterations=7"});
+  EXPECT_EQ(Json::parse(r.out)["solver"]["max_iterations"], 7);
+}
+
+TEST(Check, RefusalIsAnError) {
+  const ProcessResult r = run_conddp({"check", kArm, "--solver", "ddp"});
+  EXPECT_EQ(r.exit_code, 2);
+  EXPECT_EQ(r.out, "");
+  EXPECT_NE(r.err.find("ddp cannot keep the control bounds"), std::string::npos) << r.err;
+  EXPECT_EQ(run_conddp({"check", kArm, "--solver", "ddp", "--drop", "torque"}).exit_code, 0);
+  EXPECT_EQ(run_conddp({"check", kArm, "--set", "phases.0.dt=-1"}).exit_code, 2);
+  EXPECT_EQ(run_conddp({"check", kArm, "--expand", "--derivatives"}).exit_code, 2);
+}
+
+class WarmStart : public testing::Test {
+ protected:
+  ProcessResult solve(const std::string& problem, const std::string& out,
+                      std::vector<std::string> more = {}) {
+    std::vector<std::string> arguments = {"solve", problem, "-o", folder_.path() / out};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_conddp(arguments);
+  }
+  Json solution(const std::string& name) { return solution_of(folder_.path() / name); }
+  std::string file(const std::string& name) { return folder_.path() / name / "solution.json"; }
+  TemporaryFolder folder_;
+};
+
+TEST_F(WarmStart, FromItsOwnSolutionNothingIsLeftToDo) {
+  for (const std::string& problem : {kArm, kPendulum, source("problems/body_reorient.yaml"),
+                                     source("problems/quadrotor_waypoints.yaml")}) {
+    EXPECT_EQ(solve(problem, "cold", {"--quiet"}).exit_code, 0);
+    const ProcessResult r = solve(problem, "warm", {"--warm-start", file("cold")});
+    EXPECT_EQ(r.exit_code, 0) << r.err;
+    EXPECT_EQ(r.err, "");
+    const Json cold = solution("cold"), warm = solution("warm");
+    EXPECT_LE(warm["iterations"].get<int>(), 2) << problem;
+    EXPECT_NEAR(warm["cost"], cold["cost"], 1e-7 * cold["cost"].get<double>()) << problem;
+    EXPECT_EQ(warm["problem"]["data_files"][0]["file"], file("cold"));
+    EXPECT_EQ(warm["problem"]["overrides"], Json({"initial_guess={file: " + file("cold") + "}"}));
+    EXPECT_NE(warm["initial_guess_used"]["states"].get<std::string>().find(file("cold")),
+              std::string::npos);
+  }
+}
+
+TEST_F(WarmStart, ServesAFinerGrid) {
+  EXPECT_EQ(solve(kArm, "cold", {"--quiet"}).exit_code, 0);
+  const std::vector<std::string> finer = {"--set", "phases.0.knots=70", "--set",
+                                          "phases.0.dt=0.005"};
+  std::vector<std::string> arguments = finer;
+  arguments.insert(arguments.end(), {"--warm-start", file("cold")});
+  const ProcessResult r = solve(kArm, "warm", arguments);
+  EXPECT_EQ(r.exit_code, 0) << r.err;
+  EXPECT_EQ(r.err, "");
+  EXPECT_EQ(solve(kArm, "fine", finer).exit_code, 0);
+  const Json warm = solution("warm"), fine = solution("fine");
+  EXPECT_EQ(warm["trajectory"]["t"].size(), 71u);
+  EXPECT_NEAR(warm["cost"], fine["cost"], 1e-6 * fine["cost"].get<double>());
+  EXPECT_LE(warm["iterations"].get<int>(), fine["iterations"].get<int>());
+}
+
+TEST_F(WarmStart, AnotherDurationIsAWarning) {
+  EXPECT_EQ(solve(kArm, "cold", {"--quiet"}).exit_code, 0);
+  const ProcessResult r =
+      solve(kArm, "warm", {"--set", "phases.0.knots=40", "--warm-start", file("cold")});
+  EXPECT_EQ(r.exit_code, 0) << r.err;
+  EXPECT_NE(r.err.find("lasts 0.35 s, the problem 0.4 s"), std::string::npos) << r.err;
+  EXPECT_EQ(r.err.find("lasts"), r.err.rfind("lasts")) << r.err;
+}
+
+TEST_F(WarmStart, AnotherRobotIsRefusedByName) {
+  EXPECT_EQ(solve(kPendulum, "cold", {"--quiet"}).exit_code, 0);
+  const ProcessResult r = solve(kArm, "warm", {"--warm-start", file("cold")});
+  EXPECT_EQ(r.exit_code, 2);
+  EXPECT_NE(r.err.find("it lacks q/joint_1, q/joint_2"), std::string::npos) << r.err;
+  EXPECT_NE(r.err.find("and it has "), std::string::npos) << r.err;
+  EXPECT_FALSE(std::filesystem::exists(folder_.path() / "warm"));
+}
+
+TEST_F(WarmStart, WhatIsNoSolutionIsRefused) {
+  EXPECT_EQ(solve(kPendulum, "cold", {"--quiet"}).exit_code, 0);
+  const std::string whole = read_file(file("cold"));
+  const auto refused = [&](const std::string& path) {
+    const ProcessResult r = solve(kPendulum, "warm", {"--warm-start", path});
+    EXPECT_EQ(r.exit_code, 2) << path << r.err;
+    EXPECT_FALSE(std::filesystem::exists(folder_.path() / "warm"));
+    return r.err;
+  };
+  for (std::size_t i = 1; i < 10; ++i) {
+    const std::string err =
+        refused(folder_.write("cut.json", whole.substr(0, whole.size() * i / 10)));
+    EXPECT_NE(err.find("cut.json:"), std::string::npos) << err;
+    EXPECT_NE(err.find("not valid JSON"), std::string::npos) << err;
+  }
+  EXPECT_NE(refused(folder_.path() / "absent.json").find("does not exist"), std::string::npos);
+  EXPECT_NE(refused(folder_.path()).find("is a folder"), std::string::npos);
+  EXPECT_NE(refused("/dev/zero").find("not a regular file"), std::string::npos);
+  EXPECT_NE(refused(kPendulum).find("pendulum_swingup.yaml:1:"), std::string::npos);
+}
+
+TEST_F(WarmStart, ADivergedSolveSaysWhatItsNullsMean) {
+  const std::string problem = folder_.write("explodes.yaml", R"(conddp: 1
+system: {type: linear, A: [[1e200]], B: [[1]]}
+initial_state: {state: [1]}
+phases: [{knots: 20, dt: 0.1}]
+costs: {x: {residual: state}, u: {residual: control}}
+solver: {name: ilqr}
+)");
+  EXPECT_EQ(solve(problem, "out").exit_code, 1);
+  const std::string text = read_file(file("out"));
+  EXPECT_TRUE(fits("solution", text));
+  const Json s = Json::parse(text);
+  EXPECT_EQ(s["status"], "diverged");
+  EXPECT_TRUE(s["cost"].is_null());
+  bool explained = false;
+  for (const Json& entry : s["nulls"])
+    explained |= entry["key"] == "cost" &&
+                 entry["reason"].get<std::string>().find(s["message"].get<std::string>()) !=
+                     std::string::npos;
+  EXPECT_TRUE(explained) << s["nulls"];
+  // It is no starting point, and says so.
+  const ProcessResult r = solve(problem, "warm", {"--warm-start", file("out")});
+  EXPECT_NE(r.exit_code, 0);
+  EXPECT_LE(r.exit_code, 2) << r.err;
+}
+
+}  // namespace
+}  // namespace conddp
