@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "problem_file/expand_sections.hpp"
 #include "problem_file/system_fields.hpp"
 #include "problem_file/words.hpp"
 
@@ -34,15 +35,6 @@ OrderedJson robots_json(const ProblemSpec& spec, const BuiltProblem& built) {
   return spec.system ? OrderedJson::array() : robots;
 }
 
-OrderedJson phase_names(const std::optional<std::vector<Name>>& names, const ProblemSpec& spec) {
-  OrderedJson list = OrderedJson::array();
-  if (names)
-    for (const Name& name : *names) list.push_back(name.value);
-  else
-    for (const PhaseSpec& phase : spec.phases) list.push_back(phase.name.value);
-  return list;
-}
-
 /// Rows of the cost's residual: from a knot model that has it, 0 where its weight is 0 everywhere.
 int rows_of(const std::string& cost, const ShootingProblem& problem, bool terminal) {
   const auto find = [&](const KnotModel& model) {
@@ -65,7 +57,7 @@ OrderedJson costs_json(const std::vector<CostSpec>& costs, const ProblemSpec& sp
                          {"rows", rows_of(cost.name.value, *built.problem, terminal)},
                          {"activation", word_of(kActivationWords, cost.activation.kind)},
                          {"weight", cost.weight}};
-    if (!terminal) entry["phases"] = phase_names(cost.phases, spec);
+    if (!terminal) entry["phases"] = expand_phase_names(cost.phases, spec);
     list.push_back(std::move(entry));
   }
   return list;
@@ -79,7 +71,7 @@ OrderedJson constraints_json(const ProblemSpec& spec, const BuiltProblem& built)
     list.push_back({{"name", constraint.name.value},
                     {"bounds", "control"},
                     {"from_urdf", constraint.from_urdf},
-                    {"phases", phase_names(constraint.phases, spec)},
+                    {"phases", expand_phase_names(constraint.phases, spec)},
                     {"dropped", dropped}});
   }
   return list;

@@ -1,8 +1,5 @@
 #include "derivative_report.hpp"
 
-#include <algorithm>
-#include <cmath>
-
 #include <fmt/format.h>
 
 #include "problem_file/cost_residual.hpp"
@@ -44,10 +41,6 @@ std::string what(DerivativeKind kind) {
       break;
   }
   return "cost gradient";
-}
-
-OrderedJson finite_or_null(double value) {
-  return std::isfinite(value) ? OrderedJson(value) : OrderedJson(nullptr);
 }
 
 std::string number_text(const OrderedJson& value) {

@@ -1,7 +1,5 @@
 #include "output/solution_json.hpp"
 
-#include <cmath>
-
 #include <fmt/format.h>
 
 #include "conddp_version.hpp"
@@ -12,14 +10,10 @@
 namespace conddp {
 namespace {
 
-OrderedJson number(double value) {
-  return std::isfinite(value) ? OrderedJson(value) : OrderedJson(nullptr);
-}
-
 template <class Vector>
 OrderedJson numbers(const Vector& values) {
   OrderedJson array = OrderedJson::array();
-  for (Eigen::Index i = 0; i < values.size(); ++i) array.push_back(number(values[i]));
+  for (Eigen::Index i = 0; i < values.size(); ++i) array.push_back(finite_or_null(values[i]));
   return array;
 }
 
@@ -61,10 +55,10 @@ OrderedJson tool_json() {
 }
 
 OrderedJson residuals_json(const Residuals& r) {
-  return {{"stationarity", number(r.stationarity)},
-          {"gap", number(r.gap)},
-          {"constraint", number(r.constraint)},
-          {"complementarity", number(r.complementarity)}};
+  return {{"stationarity", finite_or_null(r.stationarity)},
+          {"gap", finite_or_null(r.gap)},
+          {"constraint", finite_or_null(r.constraint)},
+          {"complementarity", finite_or_null(r.complementarity)}};
 }
 
 OrderedJson guess_json(const Solution& s) {
@@ -131,7 +125,7 @@ OrderedJson bound_multipliers(const Solution& s, bool upper) {
       const double bound = upper ? model.control_upper()[i] : model.control_lower()[i];
       const double gradient = (upper ? -1 : 1) * s.result.control_gradient[k][i];
       const bool at_bound = s.result.trajectory.u(k)[i] == bound;
-      row.push_back(number(at_bound ? std::max(0.0, gradient) : 0.0));
+      row.push_back(finite_or_null(at_bound ? std::max(0.0, gradient) : 0.0));
     }
     rows.push_back(std::move(row));
   }
@@ -161,7 +155,7 @@ OrderedJson log_json(const std::vector<IterationRecord>& log) {
       if (column.integer)
         row[name] = static_cast<long long>(column.get(record));
       else
-        row[name] = number(column.get(record));
+        row[name] = finite_or_null(column.get(record));
     }
     rows.push_back(std::move(row));
   }
@@ -208,19 +202,19 @@ OrderedJson head(const Solution& s) {
   const SolveResult& r = s.result;
   OrderedJson costs = OrderedJson::object();
   for (const auto& [name, value] : cost_by_name(*s.built.problem, r.trajectory))
-    costs[name] = number(value);
+    costs[name] = finite_or_null(value);
   OrderedJson dropped = OrderedJson::array();
   for (const DroppedConstraint& constraint : s.built.dropped)
     dropped.push_back(
         {{"name", constraint.name},
-         {"violation", number(violation(constraint, *s.built.problem, r.trajectory))}});
+         {"violation", finite_or_null(violation(constraint, *s.built.problem, r.trajectory))}});
   return {{"format", kSolutionFormat},
           {"problem", problem_json(s)},
           {"tool", tool_json()},
           {"solver", s.solver.name},
           {"status", to_string(r.status)},
           {"message", r.message},
-          {"cost", number(r.cost)},
+          {"cost", finite_or_null(r.cost)},
           {"cost_by_name", std::move(costs)},
           {"iterations", r.iterations},
           {"residuals", residuals_json(r.residuals)},

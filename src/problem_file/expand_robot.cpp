@@ -1,14 +1,8 @@
-#include <cmath>
-
 #include "problem_file/expand_sections.hpp"
 #include "problem_file/words.hpp"
 
 namespace conddp {
 namespace {
-
-OrderedJson finite_or_null(double value) {
-  return std::isfinite(value) ? OrderedJson(value) : OrderedJson(nullptr);
-}
 
 OrderedJson expand_payload(const PayloadSpec& payload) {
   OrderedJson json = {{"mass", payload.mass}, {"com", expand_vector(payload.com)}};
