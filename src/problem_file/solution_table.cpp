@@ -27,12 +27,18 @@ Mark mark_at(const std::string& text, std::size_t byte, int source, const Diagno
 
 /// Keeps the trajectory alone: gains and multipliers of a long solution would fill the memory.
 Json parse_trajectory(const std::string& text) {
-  const auto keep = [](int depth, Json::parse_event_t event, Json& value) {
-    constexpr int kMaxDepth = 100;  // a configuration is as deep as a problem file may be
+  int values = 0;
+  bool wanted = true;  // whether the values are kept; it is asked for those that are not, too
+  const auto keep = [&](int depth, Json::parse_event_t event, Json& value) {
+    constexpr int kMaxDepth = 100;         // a configuration is as deep as a problem file may be
+    constexpr int kMaxValues = 5'000'000;  // a document takes many times the memory of its text
     if (depth > kMaxDepth) throw Malformed{"it is nested too deeply"};
+    if (wanted && event == Json::parse_event_t::value && ++values > kMaxValues)
+      throw Malformed{fmt::format("it has more than {} values", kMaxValues)};
     if (depth != 1 || event != Json::parse_event_t::key) return true;
     const std::string& key = value.get_ref<const std::string&>();
-    return key == "format" || key == "trajectory";
+    wanted = key == "format" || key == "trajectory";
+    return wanted;
   };
   return Json::parse(text, keep);
 }

@@ -112,6 +112,15 @@ TEST_F(GuessFromFile, ReadsAFormerSolution) {
   EXPECT_NE(loaded.built->guess_used.states.find("s.json"), std::string::npos);
 }
 
+TEST_F(GuessFromFile, GainsMayBeMany) {
+  std::string text = R"({"format": "conddp.solution/1", "gains": [0)";
+  for (int i = 0; i < 5'500'000; ++i) text += ",0";
+  text += R"(], "trajectory": {"columns": {"x": ["theta", "omega"], "u": ["torque"]},
+      "t": [0, 0.7], "x": [[1, 1], [1, 1]], "u": [[0]]}})";
+  const Loaded loaded(with_guess("{file: " + write("s.json", text) + "}"));
+  EXPECT_TRUE(loaded.built) << loaded.first_error();
+}
+
 TEST_F(GuessFromFile, NamesTheColumnsThatASolutionLacksOrHasTooMany) {
   const std::string file = write(
       "s.json", R"({"format": "conddp.solution/1", "trajectory": {"columns": {"x": ["q/a", "theta"],
@@ -161,7 +170,11 @@ struct BadTable {
 
 TEST_F(GuessFromFile, NamesWhatIsWrong) {
   const std::string deep = "{\"trajectory\": " + std::string(100'000, '[');
+  std::string large = "{\"trajectory\": [0";
+  for (int i = 0; i < 5'000'000; ++i) large += ",0";
   const BadTable cases[] = {
+      {"LargeJson", "s.json", large.c_str(),
+       "0:0: the solution cannot be used: it has more than 5000000 values"},
       {"Header", "a.csv", "0,1\n1,2\n", "1:1: the first line must name the columns"},
       {"NoTime", "a.csv", "theta,omega\n1,2\n", "1:1: no column holds the time"},
       {"Twice", "a.csv", "t,theta,theta\n1,2,3\n", "1:9: two columns have the name 'theta'"},
