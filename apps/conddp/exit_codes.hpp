@@ -1,14 +1,30 @@
 #pragma once
 
+#include <string_view>
+
 namespace conddp {
 
 /// What the process returns; after a signal it is 128 + the signal's number.
 enum ExitCode : int {
-  kExitConverged = 0,     ///< solved, or what was asked for holds
-  kExitNotConverged = 1,  ///< ended otherwise; outputs are written all the same
-  kExitBadInput = 2,      ///< wrong usage, wrong files, or outputs that cannot be written
-  kExitDefect = 3,        ///< a mistake in conddp itself
-  kExitSignalBase = 128,  ///< + 2 after Ctrl-C, + 15 after SIGTERM
+  kExitConverged = 0,
+  kExitNotConverged = 1,
+  kExitBadInput = 2,
+  kExitDefect = 3,
+  kExitSignalBase = 128,
+};
+
+/// The same for people.
+struct ExitCodeInfo {
+  int code;
+  std::string_view meaning;
+};
+inline constexpr ExitCodeInfo kExitCodes[] = {
+    {kExitConverged, "solved, or what was asked for holds"},
+    {kExitNotConverged, "ended otherwise; outputs are written all the same"},
+    {kExitBadInput, "wrong usage, wrong files, or outputs that cannot be written"},
+    {kExitDefect, "a defect of conddp itself"},
+    {kExitSignalBase + 2, "ended by Ctrl-C; 'solve' writes the best iterate"},
+    {kExitSignalBase + 15, "ended by SIGTERM; likewise"},
 };
 
 }  // namespace conddp

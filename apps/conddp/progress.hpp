@@ -1,21 +1,19 @@
 #pragma once
 
-#include <cstdio>
 #include <string>
+#include <vector>
 
 #include "output/solution.hpp"
 #include "solvers/iteration_record.hpp"
 
 namespace conddp {
 
-/// One line an iteration, with a heading now and then.
+/// On stderr one line an iteration, with a heading now and then.
 class ProgressTable {
  public:
-  explicit ProgressTable(std::FILE* stream) : stream_(stream) {}
   void print(const IterationRecord& row);
 
  private:
-  std::FILE* stream_;
   int lines_ = 0;
 };
 

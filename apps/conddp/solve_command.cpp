@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cstdio>
 
 #include <fmt/format.h>
 
@@ -13,6 +12,8 @@
 #include "problem_file/read_problem.hpp"
 #include "problem_file/warm_start.hpp"
 #include "progress.hpp"
+#include "status_line.hpp"
+#include "streams.hpp"
 #include "terminal.hpp"
 
 namespace conddp {
@@ -62,6 +63,24 @@ int exit_code(SolveStatus status) {
   return kExitNotConverged;
 }
 
+/// Progress is a line of a terminal that is redrawn, or a table where notes are wanted as well; there is
+/// none among messages for machines.
+SolveResult solve_showing_progress(const BuiltProblem& built, const SolverInfo& solver,
+                                   SolverOptions options, Verbosity verbosity) {
+  const bool text = message_format() == MessageFormat::kText;
+  StatusLine status(text && verbosity == Verbosity::kNormal && terminal_of(2).redraws);
+  ProgressTable table;
+  options.interrupted = [&] {
+    status.refresh();
+    return InterruptGuard::signal() != 0;
+  };
+  options.on_iteration = [&](const IterationRecord& row) {
+    status.show(row);
+    if (text && verbosity == Verbosity::kVerbose) table.print(row);
+  };
+  return solve(*built.problem, solver, options, built.guess);
+}
+
 int solve_file(const SolveArguments& arguments) {
   Diagnostics diagnostics;
   const Verbosity verbosity = arguments.quiet     ? Verbosity::kQuiet
@@ -88,26 +107,16 @@ int solve_file(const SolveArguments& arguments) {
                                            ? std::filesystem::path("out") / spec->name.value
                                            : std::filesystem::path(arguments.folder);
   const InterruptGuard guard;
-  ProgressTable progress(stderr);
-  SolverOptions options = spec->solver.options;
-  options.interrupted = [] { return InterruptGuard::signal() != 0; };
-  if (!arguments.quiet && (arguments.verbose || terminal_of(2).is_tty))
-    options.on_iteration = [&](const IterationRecord& row) { progress.print(row); };
-  try {
-    create_folder(folder);  // before the work, so that nothing is computed in vain
-    const SolveResult result = solve(*built->problem, *solver, options, built->guess);
-    const Solution solution{*spec, *built, *solver, result, overrides(arguments)};
-    std::vector<std::string> written;
-    for (const auto& path : write_solution(solution, folder)) written.push_back(path.string());
-    if (arguments.json)
-      fmt::print("{}", json_text(solution_head(solution)));
-    else if (!arguments.quiet)
-      fmt::print("{}", summary_text(solution, written, terminal_of(1).colour, hidden_notes));
-    return exit_code(result.status);
-  } catch (const OutputError& e) {
-    fmt::print(stderr, "conddp: error: {}\n", e.what());
-    return kExitBadInput;
-  }
+  create_folder(folder);  // before the work, so that nothing is computed in vain
+  const SolveResult result = solve_showing_progress(*built, *solver, spec->solver.options, verbosity);
+  const Solution solution{*spec, *built, *solver, result, overrides(arguments)};
+  std::vector<std::string> written;
+  for (const auto& path : write_solution(solution, folder)) written.push_back(path.string());
+  if (arguments.json)
+    print_result(json_text(solution_head(solution)));
+  else if (!arguments.quiet)
+    print_result(summary_text(solution, written, terminal_of(1).colour, hidden_notes));
+  return exit_code(result.status);
 }
 
 }  // namespace
@@ -115,30 +124,44 @@ int solve_file(const SolveArguments& arguments) {
 void add_solve_command(CLI::App& app, Command& chosen) {
   CLI::App* command = app.add_subcommand("solve", "Solve a problem file");
   const auto a = std::make_shared<SolveArguments>();
-  command->add_option("FILE", a->file, "Problem file (YAML)")->required();
-  command->add_option("-o,--output", a->folder,
-                      "Folder for the outputs; the default is out/<problem name>");
-  command->add_option("--solver", a->solver, "Solver instead of the file's");
+  std::vector<std::string> solver_names;
+  for (const SolverInfo& info : solvers()) solver_names.emplace_back(info.name);
+  command->add_option("FILE", a->file, "Problem file")->required()->type_name("FILE.yaml");
   command
-      ->add_option("--drop", a->drop,
-                   "Leave this constraint out; its violation is reported (repeatable)")
+      ->add_option("-o,--output", a->folder,
+                   "Folder for the outputs; out/<problem name> if nothing is said")
+      ->type_name("FOLDER");
+  command->add_option("--solver", a->solver, "Solver instead of the file's")
+      ->type_name("NAME")
+      ->check(CLI::IsMember(solver_names));
+  command
+      ->add_option("--drop", a->drop, "Leave this constraint out; its violation is reported")
+      ->type_name("NAME")
       ->allow_extra_args(false);
   command
       ->add_option("--set", a->settings,
-                   "Replace a value of the file: --set solver.max_iterations=50 (repeatable)")
+                   "Replace a value of the file, as in --set solver.max_iterations=50")
+      ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
   command->add_option("--warm-start", a->warm_start,
                       "Start from the states and controls of a former solution.json, interpolated "
                       "to this problem's knots, instead of the file's initial guess");
   const CLI::Range kSeconds(1e-3, 1e9);
   const CLI::Range kThreads(1, 1024);
-  command->add_option("--max-time", a->max_time, "Stop after this many seconds")->check(kSeconds);
+  command->add_option("--max-time", a->max_time, "Stop after this many seconds")
+      ->type_name("SECONDS")
+      ->check(kSeconds);
   command->add_option("--threads", a->threads, "Threads; results do not depend on it")
+      ->type_name("N")
       ->check(kThreads);
   auto* quiet = command->add_flag("--quiet", a->quiet, "Print nothing but errors");
   command->add_flag("--json", a->json, "Print the head of the solution as JSON on stdout");
-  command->add_flag("-v,--verbose", a->verbose, "Print notes, and iterations off a terminal too")
+  command
+      ->add_flag("-v,--verbose", a->verbose, "Print notes, and a line of figures each iteration")
       ->excludes(quiet);
+  command->footer(
+      "Writes solution.json, trajectory.csv and iterations.csv, all of them or none. Ctrl-C ends the "
+      "solve and writes the best iterate.");
   command->callback([a, &chosen] { chosen = [a] { return solve_file(*a); }; });
 }
 

@@ -1,73 +1,100 @@
 #include "usage.hpp"
 
+#include <algorithm>
+#include <cctype>
+#include <optional>
 #include <string_view>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "command_doc.hpp"
 #include "robot/near_names.hpp"
 
 namespace conddp {
 namespace {
 
-std::vector<std::string> subcommand_names(const CLI::App& app) {
+Diagnostic with_names(std::string message, std::string_view wrong, std::vector<std::string> names,
+                      std::string_view what) {
+  return {.message = std::move(message),
+          .hint = name_hint(wrong, names, what),
+          .accepted = std::move(names)};
+}
+
+std::vector<std::string> flags_of(const CommandDoc& command) {
   std::vector<std::string> names;
-  for (const CLI::App* sub : app.get_subcommands([](const CLI::App*) { return true; }))
-    names.push_back(sub->get_name());
+  for (const OptionDoc& option : command.options)
+    for (const std::string& name : option.names)
+      if (name.starts_with("--")) names.push_back(name);
   return names;
 }
 
-std::vector<std::string> flag_names(const CLI::App& app) {
+std::vector<std::string> names_of(const std::vector<CommandDoc>& commands) {
   std::vector<std::string> names;
-  for (const CLI::Option* option : app.get_options())
-    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  for (const CommandDoc& command : commands) names.push_back(command.short_name());
   return names;
 }
 
-/// The subcommand on the command line, or null.
-const CLI::App* chosen(const CLI::App& app, const std::vector<std::string>& arguments) {
-  for (const std::string& argument : arguments)
-    for (const CLI::App* sub : app.get_subcommands([](const CLI::App*) { return true; }))
-      if (sub->get_name() == argument) return sub;
-  return nullptr;
+/// What a person calls an option: "--solver", "KIND".
+std::string called(const OptionDoc& option) {
+  return option.positional ? option.value : option.names.back();
+}
+
+/// The first value that is none of its option's words.
+std::optional<Diagnostic> wrong_word(const CommandWords& words) {
+  for (const auto& [option, value] : words.values) {
+    const OptionDoc doc = describe(*option);
+    if (doc.choices.empty()) continue;
+    if (std::find(doc.choices.begin(), doc.choices.end(), value) != doc.choices.end()) continue;
+    return with_names(fmt::format("{}: there is no '{}'", called(doc), value), value, doc.choices,
+                      "accepted");
+  }
+  return std::nullopt;
+}
+
+std::string parser_message(const CLI::ParseError& error) {
+  std::string text = error.what();
+  // A sentence of the parser's begins with a capital, ours go on after "error:".
+  if (text.size() > 1 && std::isupper(static_cast<unsigned char>(text[0])) &&
+      std::islower(static_cast<unsigned char>(text[1])))
+    text[0] = static_cast<char>(std::tolower(static_cast<unsigned char>(text[0])));
+  return text;
 }
 
 }  // namespace
 
-std::string usage_error(const CLI::App& app, const CLI::ParseError& error, int argc, char** argv) {
-  const std::vector<std::string> arguments(argv + std::min(1, argc), argv + argc);
-  const CLI::App* sub = chosen(app, arguments);
-  std::string message = error.what();
-  std::string hint;
-  if (sub == nullptr) {
-    for (const std::string& argument : arguments) {
-      if (argument.starts_with('-')) continue;
-      message = fmt::format("there is no subcommand '{}'", argument);
-      hint = name_hint(argument, subcommand_names(app), "subcommands");
-      break;
-    }
-    if (arguments.empty()) {
-      message = "a subcommand is required";
-      hint = name_hint("solve?", subcommand_names(app), "subcommands");
-    }
+Diagnostic usage_error(const CLI::App& app, const CLI::ParseError& error,
+                       const CommandWords& words) {
+  const CommandDoc command = describe(*words.command);
+  if (!words.unknown_command.empty())
+    return with_names(fmt::format("there is no subcommand '{}'", words.unknown_command),
+                      words.unknown_command, names_of(command.commands), "subcommands");
+  if (!words.unknown_flag.empty())
+    return with_names(fmt::format("there is no option '{}'", words.unknown_flag),
+                      words.unknown_flag, flags_of(command), "options");
+  if (auto wrong = wrong_word(words)) return *wrong;
+  if (words.incomplete != nullptr) {
+    const OptionDoc option = describe(*words.incomplete);
+    return {.message = fmt::format("{} needs a value", called(option)),
+            .hint = fmt::format("write '{} {}': {}", called(option), option.value,
+                                option.explanation()),
+            .accepted = option.choices};
   }
-  const CLI::App& scope = sub != nullptr ? *sub : app;
-  if (hint.empty()) {
-    for (const std::string& argument : arguments) {
-      const std::string flag = argument.substr(0, argument.find('='));
-      if (!flag.starts_with("--") || flag.size() < 3) continue;
-      const std::vector<std::string> known = flag_names(scope);
-      if (std::find(known.begin(), known.end(), flag) != known.end()) continue;
-      message = fmt::format("there is no option '{}'", flag);
-      hint = name_hint(flag, known, "options");
-      break;
-    }
+  if (words.command == &app)
+    return with_names("a subcommand is required", "", names_of(command.commands), "subcommands");
+  if (!words.extra.empty())
+    return {.message = fmt::format("'{}' is one argument too many", words.extra),
+            .hint = "usage: " + command.usage()};
+  for (const OptionDoc& positional : command.positionals) {
+    const bool given = std::any_of(words.values.begin(), words.values.end(), [&](const auto& v) {
+      return describe(*v.first).names == positional.names;
+    });
+    if (positional.required && !given)
+      return {.message = fmt::format("{} is required: {}", positional.value,
+                                     positional.description),
+              .hint = "usage: " + command.usage()};
   }
-  std::string text = fmt::format("conddp: error: {}\n", message);
-  if (!hint.empty()) text += fmt::format("  hint: {}\n", hint);
-  text += sub != nullptr ? fmt::format("'conddp {} --help' lists what it takes.\n", sub->get_name())
-                         : "'conddp --help' lists the subcommands.\n";
-  return text;
+  return {.message = parser_message(error)};
 }
 
 }  // namespace conddp

@@ -1,12 +1,13 @@
 #pragma once
 
-#include <string>
-
-#include <CLI/CLI.hpp>
+#include "command_words.hpp"
+#include "problem_file/diagnostic.hpp"
 
 namespace conddp {
 
-/// What to print about a wrong command line, with suggestions for misspelt subcommands and flags.
-std::string usage_error(const CLI::App& app, const CLI::ParseError& error, int argc, char** argv);
+/// What is wrong with a command line that the parser refused, with suggestions for misspelt
+/// subcommands, flags and values.
+Diagnostic usage_error(const CLI::App& app, const CLI::ParseError& error,
+                       const CommandWords& words);
 
 }  // namespace conddp

@@ -1,5 +1,7 @@
 #include "ocp/problem.hpp"
 
+#include <charconv>
+#include <limits>
 #include <stdexcept>
 
 namespace conddp {
@@ -12,7 +14,32 @@ void check(const Phase& phase) {
     throw std::invalid_argument("phase " + phase.name + ": sizes do not fit its model");
 }
 
+/// The number with as many decimal digits as survive a double: steps are decimal numbers of few digits,
+/// and so are their sums.
+double to_decimal(double value) {
+  char text[32];
+  const auto end = std::to_chars(text, text + sizeof text, value, std::chars_format::scientific,
+                                 std::numeric_limits<double>::digits10 - 1)
+                       .ptr;
+  std::from_chars(text, end, value);
+  return value;
+}
+
 }  // namespace
+
+std::vector<double> node_times(std::span<const double> steps) {
+  std::vector<double> times{0};
+  times.reserve(steps.size() + 1);
+  double sum = 0, rest = 0;  // compensated: the rest is what rounding took from the sum
+  for (const double step : steps) {
+    const double given = step + rest;
+    const double next = sum + given;
+    rest = given - (next - sum);
+    sum = next;
+    times.push_back(to_decimal(sum));
+  }
+  return times;
+}
 
 ShootingProblem::ShootingProblem(std::vector<double> initial_state, std::vector<Phase> phases,
                                  Phase terminal)
@@ -22,7 +49,7 @@ ShootingProblem::ShootingProblem(std::vector<double> initial_state, std::vector<
   check(terminal_);
   if (terminal_.model->integrator() != Integrator::none || terminal_.knots() != 1)
     throw std::invalid_argument("the terminal phase is one node without dynamics");
-  double time = 0;
+  std::vector<double> steps;
   for (int p = 0; p <= static_cast<int>(phases_.size()); ++p) {
     const Phase& phase = p < static_cast<int>(phases_.size()) ? phases_[p] : terminal_;
     check(phase);
@@ -32,10 +59,10 @@ ShootingProblem::ShootingProblem(std::vector<double> initial_state, std::vector<
       views_.push_back({phase.model.get(),
                         phase.parameters.data() + k * phase.model->parameter_count(), phase.dt[k],
                         phase.cost_scale[k], p});
-      times_.push_back(time);
-      time += phase.dt[k];
+      if (&phase != &terminal_) steps.push_back(phase.dt[k]);
     }
   }
+  times_ = node_times(steps);
   if (static_cast<int>(initial_state_.size()) != nx())
     throw std::invalid_argument("the initial state has the wrong size");
 }

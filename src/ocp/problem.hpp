@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,10 @@ struct KnotView {
   double cost_scale;
   int phase;
 };
+
+/// Times of the nodes before, between and after steps of these lengths, from 0 on: one more than there
+/// are steps. Fifty steps of 0.06 s end at 3, not at 3.000000000000002.
+std::vector<double> node_times(std::span<const double> steps);
 
 /// An optimal-control problem as a list of phases, an initial state and a terminal node.
 /// Minimise Σ cost_scale·ℓ(x_k, u_k) + ℓ_N(x_N) with x_{k+1} = f(x_k, u_k), x_0 given, and

@@ -31,10 +31,9 @@ std::optional<Integrator> choose_integrator(const ProblemSpec& spec, const Syste
 }
 
 std::vector<double> node_times(const ProblemSpec& spec) {
-  std::vector<double> times{0};
-  for (const PhaseSpec& phase : spec.phases)
-    for (int k = 0; k < phase.knots.value; ++k) times.push_back(times.back() + phase.dt);
-  return times;
+  std::vector<double> steps;
+  for (const PhaseSpec& phase : spec.phases) steps.insert(steps.end(), phase.knots.value, phase.dt);
+  return conddp::node_times(steps);
 }
 
 void check_solver(const ProblemSpec& spec, Diagnostics& out) {
@@ -44,7 +43,7 @@ void check_solver(const ProblemSpec& spec, Diagnostics& out) {
     std::vector<std::string> names;
     for (const SolverInfo& known : solvers()) names.emplace_back(known.name);
     return out.error(solver.name.place, fmt::format("there is no solver '{}'", solver.name.value),
-                     name_hint(solver.name.value, names, "solvers"));
+                     name_hint(solver.name.value, names, "solvers"), names);
   }
   if (solver.options.hessian == HessianChoice::exact && !info->exact_hessian)
     out.error(solver.name.place, fmt::format("{} has no exact Hessian of the dynamics", info->name),
@@ -64,7 +63,7 @@ void check_drop(const ProblemSpec& spec, const std::vector<std::string>& drop, D
   for (const std::string& name : drop)
     if (std::find(names.begin(), names.end(), name) == names.end())
       out.error({}, fmt::format("--drop {}: there is no constraint '{}'", name, name),
-                name_hint(name, names, "constraints"));
+                name_hint(name, names, "constraints"), names);
 }
 
 /// Bounds of all constraints that are not dropped.
@@ -142,11 +141,11 @@ std::optional<BuiltProblem> build_problem(const ProblemSpec& spec, const BuildOp
   const std::vector<BuiltCost> costs = build_costs(spec.costs, context, out);
   const std::vector<BuiltCost> terminal_costs = build_costs(spec.terminal_costs, context, out);
   const PhaseBounds bounds = collect_bounds(spec, options, built, out);
-  const PhaseContext phase_context{spec, built.plant.system, *integrator, memory};
+  const PhaseContext phase_context{spec, built.plant.system, *integrator, memory, times};
   std::vector<Phase> phases = build_phases(phase_context, costs, bounds, out);
   if (out.has_errors()) return std::nullopt;
 
-  Phase terminal = build_terminal(phase_context, terminal_costs, times.back());
+  Phase terminal = build_terminal(phase_context, terminal_costs);
   std::vector<double> start = *initial;
   if (memory) start.insert(start.end(), previous.begin(), previous.end());
   built.problem =

@@ -6,14 +6,18 @@
 
 #include <fmt/format.h>
 
+#include "problem_file/wrap_text.hpp"
+
 namespace conddp {
 namespace {
 
 bool starts_character(char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }
 
 /// The source line and a caret under the column. Long lines are cut around the place.
-std::string excerpt(std::string line, int column, const char* caret_start, const char* caret_end) {
-  constexpr int kWidth = 100;
+std::string excerpt(std::string line, int column, int room, const char* caret_start,
+                    const char* caret_end) {
+  constexpr int kMargin = 2, kEllipses = 6;
+  const int width = room > 0 ? std::clamp(room - kMargin - kEllipses, 10, 100) : 100;
   std::vector<std::string> characters;
   for (char& c : line) {
     if (c == '\t') c = ' ';
@@ -22,11 +26,11 @@ std::string excerpt(std::string line, int column, const char* caret_start, const
   }
   const int count = static_cast<int>(characters.size());
   int first = 0;
-  if (count > kWidth) first = std::max(0, std::min(column - kWidth / 2, count - kWidth));
+  if (count > width) first = std::max(0, std::min(column - width / 2, count - width));
   std::string shown = first > 0 ? "..." : "";
   const int indent = static_cast<int>(shown.size()) + column - 1 - first;
-  for (int i = first; i < std::min(count, first + kWidth); ++i) shown += characters[i];
-  if (first + kWidth < count) shown += "...";
+  for (int i = first; i < std::min(count, first + width); ++i) shown += characters[i];
+  if (first + width < count) shown += "...";
   return fmt::format("  {}\n  {}{}^{}\n", shown, std::string(std::max(indent, 0), ' '), caret_start,
                      caret_end);
 }
@@ -124,7 +128,7 @@ std::string_view severity_name(Severity severity) {
 }
 
 std::string format_diagnostics(const Diagnostics& diagnostics, bool colour, Severity least,
-                               int limit) {
+                               int limit, int width) {
   const char* bold = colour ? "\033[1m" : "";
   const char* green = colour ? "\033[1;32m" : "";
   const char* end = colour ? "\033[0m" : "";
@@ -139,11 +143,13 @@ std::string format_diagnostics(const Diagnostics& diagnostics, bool colour, Seve
                        : d.severity == Severity::kError   ? "\033[1;31m"
                        : d.severity == Severity::kWarning ? "\033[1;35m"
                                                           : "\033[1;36m";
-    text += fmt::format("{}{}:{} {}{}:{} {}\n", bold, place, end, tint, severity_name(d.severity),
-                        end, d.message);
+    text += wrap_text(fmt::format("{}{}:{} {}{}:{} {}", bold, place, end, tint,
+                                  severity_name(d.severity), end, d.message),
+                      width, 0, 4);
     const std::string line = diagnostics.source_line(d.file, d.line);
-    if (!line.empty() && d.column > 0) text += excerpt(line, d.column, green, end);
-    if (!d.hint.empty()) text += fmt::format("  {}hint:{} {}\n", bold, end, d.hint);
+    if (!line.empty() && d.column > 0) text += excerpt(line, d.column, width, green, end);
+    if (!d.hint.empty())
+      text += wrap_text(fmt::format("{}hint:{} {}", bold, end, d.hint), width, 2, 8);
   }
   if (const int more = diagnostics.error_count() - limit; more > 0)
     text += fmt::format("conddp: error: {} more errors\n", more);

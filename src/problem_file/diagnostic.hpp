@@ -100,8 +100,8 @@ std::string_view severity_name(Severity severity);
 
 /// The diagnostics as a compiler prints them: `file:line:column: error: message`, the source line,
 /// a caret, and a hint. Leaves out what is less severe than `least`; errors beyond the limit are
-/// only counted.
+/// only counted. Nothing is longer than `width` characters, unless that is 0.
 std::string format_diagnostics(const Diagnostics& diagnostics, bool colour,
-                               Severity least = Severity::kNote, int limit = 20);
+                               Severity least = Severity::kNote, int limit = 20, int width = 0);
 
 }  // namespace conddp

@@ -135,7 +135,6 @@ std::vector<Phase> build_phases(const PhaseContext& context, const std::vector<B
   std::map<Structure, std::shared_ptr<const KnotModel>> models;
   std::vector<Phase> phases;
   int first = 0;
-  double start = 0;
   for (std::size_t p = 0; p < spec.phases.size(); ++p) {
     const PhaseSpec& given = spec.phases[p];
     const int n = given.knots.value;
@@ -158,20 +157,18 @@ std::vector<Phase> build_phases(const PhaseContext& context, const std::vector<B
     phase.dt.assign(n, given.dt);
     phase.cost_scale.assign(n, spec.running_costs == RunningCosts::kRate ? given.dt : 1.0);
     phase.parameters.resize(static_cast<std::size_t>(n) * model->parameter_count());
-    double time = start;
-    for (int k = 0; k < n; ++k, time += given.dt)
+    for (int k = 0; k < n; ++k)
       for (std::size_t i = 0; i < active.size(); ++i)
-        write_parameters(costs[active[i]], model->costs()[i], time, weights[active[i]][first + k],
+        write_parameters(costs[active[i]], model->costs()[i], context.times[first + k],
+                         weights[active[i]][first + k],
                          phase.parameters.data() + k * model->parameter_count());
     phases.push_back(std::move(phase));
     first += n;
-    start = time;
   }
   return phases;
 }
 
-Phase build_terminal(const PhaseContext& context, const std::vector<BuiltCost>& costs,
-                     double time) {
+Phase build_terminal(const PhaseContext& context, const std::vector<BuiltCost>& costs) {
   auto model =
       std::make_shared<KnotModel>(context.system, Integrator::none, context.control_memory);
   for (const BuiltCost& cost : costs)
@@ -179,7 +176,7 @@ Phase build_terminal(const PhaseContext& context, const std::vector<BuiltCost>& 
   Phase terminal{.name = "terminal", .dt = {0.0}, .cost_scale = {1.0}};
   terminal.parameters.resize(model->parameter_count());
   for (std::size_t i = 0; i < costs.size(); ++i)
-    write_parameters(costs[i], model->costs()[i], time, costs[i].spec->weight,
+    write_parameters(costs[i], model->costs()[i], context.times.back(), costs[i].spec->weight,
                      terminal.parameters.data());
   terminal.model = std::move(model);
   return terminal;

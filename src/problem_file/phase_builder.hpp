@@ -28,12 +28,13 @@ struct PhaseContext {
   std::shared_ptr<const System> system;
   Integrator integrator;
   bool control_memory;
+  const std::vector<double>& times;  ///< of all nodes, s
 };
 
 /// The phases of a problem. Phases with the same costs and bounds share one KnotModel; within a
 /// phase a cost that is off at a knot has weight 0 there.
 std::vector<Phase> build_phases(const PhaseContext& context, const std::vector<BuiltCost>& costs,
                                 const PhaseBounds& bounds, Diagnostics& out);
-Phase build_terminal(const PhaseContext& context, const std::vector<BuiltCost>& costs, double time);
+Phase build_terminal(const PhaseContext& context, const std::vector<BuiltCost>& costs);
 
 }  // namespace conddp

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "problem_file/words.hpp"
 #include "problem_file/read_sections.hpp"
 
 namespace conddp {
@@ -16,8 +17,7 @@ ControlBoundsSpec read_control_bounds(const Name& name, const YamlReader& reader
     map.ignore_others();
     return spec;
   }
-  static constexpr Choice<bool> kQuantities[] = {{"control", true}};
-  if (!bounds->choice(kQuantities, "quantity that can have bounds")) {
+  if (!bounds->choice(kBoundedWords, "quantity that can have bounds")) {
     map.ignore_others();
     return spec;
   }

@@ -10,7 +10,7 @@ ActivationSpec read_activation(const YamlReader& reader) {
   ActivationSpec activation{.place = reader.place()};
   if (reader.is_scalar()) {
     activation.kind = reader.choice(kActivationWords, "activation").value_or(activation.kind);
-    if (activation.kind == ActivationKind::quadratic_barrier)
+    if (takes_bounds(activation.kind))
       reader.error("a barrier needs its bounds",
                    "write '{kind: quadratic_barrier, lower: ..., upper: ...}' or 'from: urdf'");
     return activation;
@@ -28,7 +28,7 @@ ActivationSpec read_activation(const YamlReader& reader) {
     static constexpr Choice<bool> kWords[] = {{"urdf", true}};
     activation.from_urdf = from->choice(kWords, "source of bounds").value_or(false);
   }
-  if (activation.kind == ActivationKind::quadratic_barrier) {
+  if (takes_bounds(activation.kind)) {
     if (!lower && !upper && !from) reader.error("a barrier needs 'lower', 'upper' or 'from: urdf'");
   } else if (kind) {
     for (const auto& bound : {lower, upper, from})
@@ -36,8 +36,7 @@ ActivationSpec read_activation(const YamlReader& reader) {
   }
   if (const auto epsilon = map.find("epsilon")) {
     activation.epsilon = epsilon->number(kPositive).value_or(activation.epsilon);
-    if (activation.kind == ActivationKind::quadratic ||
-        activation.kind == ActivationKind::quadratic_barrier)
+    if (!takes_epsilon(activation.kind))
       epsilon->error("'epsilon' belongs to the smooth norms");
   }
   return activation;
@@ -70,11 +69,11 @@ void read_selection(YamlMap& map, const ResidualInfo& info, CostSpec& cost) {
   }
   if (const auto r = map.find("columns")) {
     cost.columns = r->name_or_names();
-    if (info.kind != ResidualKind::kState) unfit(*r, "columns");
+    if (!info.takes_columns) unfit(*r, "columns");
   }
   if (const auto r = map.find("axes")) {
     cost.axes = r->choice(kAxesWords, "system of axes").value_or(cost.axes);
-    if (info.kind != ResidualKind::kFrameVelocity) unfit(*r, "axes");
+    if (!info.takes_axes) unfit(*r, "axes");
   }
 }
 

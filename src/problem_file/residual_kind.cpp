@@ -7,7 +7,7 @@ using enum ResidualKind;
 
 constexpr ResidualInfo kTable[] = {
     {"state", kState, "the state minus a reference, or the chosen columns of it", false, false,
-     false, true, false},
+     false, true, false, true},
     {"control", kControl, "the control minus a reference", false, false, false, true, true},
     {"control_rate", kControlRate, "the control minus the one before, in the control's unit", false,
      false, false, false, true},
@@ -24,7 +24,7 @@ constexpr ResidualInfo kTable[] = {
     {"frame_placement", kFramePlacement,
      "logarithm of a frame's pose seen from a reference, m, rad", true, true, false, true, false},
     {"frame_velocity", kFrameVelocity, "velocity of a frame minus a reference, m/s and rad/s", true,
-     true, false, true, false},
+     true, false, true, false, false, true},
     {"com_position", kComPosition, "centre of mass minus a point of the world, m", true, false,
      false, true, false},
     {"control_gravity", kControlGravity,

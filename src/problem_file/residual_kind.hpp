@@ -31,6 +31,8 @@ struct ResidualInfo {
   bool takes_joints;
   bool takes_reference;
   bool needs_control;
+  bool takes_columns = false;
+  bool takes_axes = false;
 };
 
 std::span<const ResidualInfo> residual_table();

@@ -10,12 +10,16 @@ namespace conddp {
 /// The words of enumerated keys, for reading and for printing.
 
 inline constexpr Choice<Integrator> kIntegratorWords[] = {
-    {"semi_implicit_euler", Integrator::semi_implicit_euler},
-    {"explicit_euler", Integrator::explicit_euler},
-    {"rk2", Integrator::rk2},
-    {"rk3", Integrator::rk3},
-    {"rk4", Integrator::rk4},
-    {"discrete", Integrator::discrete}};
+    {"semi_implicit_euler", Integrator::semi_implicit_euler,
+     "the next velocity from the acceleration, then the next position from it; first order, stable "
+     "with contacts; the default of systems with positions and velocities"},
+    {"explicit_euler", Integrator::explicit_euler, "first order"},
+    {"rk2", Integrator::rk2, "midpoint rule, second order"},
+    {"rk3", Integrator::rk3, "Kutta's rule, third order"},
+    {"rk4", Integrator::rk4,
+     "the classical Runge-Kutta rule, fourth order; the default of first-order systems"},
+    {"discrete", Integrator::discrete,
+     "none: of systems that give the next state themselves (linear, car)"}};
 
 inline constexpr Choice<RunningCosts> kRunningCostsWords[] = {{"rate", RunningCosts::kRate},
                                                               {"sum", RunningCosts::kSum}};
@@ -30,10 +34,11 @@ inline constexpr Choice<bool> kMimicWords[] = {{"ignore", false}, {"enforce", tr
 inline constexpr Choice<bool> kActuationWords[] = {{"full", true}, {"none", false}};
 
 inline constexpr Choice<ActivationKind> kActivationWords[] = {
-    {"quadratic", ActivationKind::quadratic},
-    {"quadratic_barrier", ActivationKind::quadratic_barrier},
-    {"smooth_l1", ActivationKind::smooth_l1},
-    {"smooth_l2", ActivationKind::smooth_l2}};
+    {"quadratic", ActivationKind::quadratic, "½ Σ w r²"},
+    {"quadratic_barrier", ActivationKind::quadratic_barrier,
+     "½ Σ w r² of what lies outside bounds; needs 'lower', 'upper' or 'from: urdf'"},
+    {"smooth_l1", ActivationKind::smooth_l1, "Σ w (√(r² + ε²) − ε); takes 'epsilon'"},
+    {"smooth_l2", ActivationKind::smooth_l2, "√(Σ w r² + ε²) − ε; takes 'epsilon'"}};
 
 inline constexpr Choice<FrameAxes> kAxesWords[] = {{"local", FrameAxes::local},
                                                    {"world", FrameAxes::world_aligned}};
@@ -45,6 +50,18 @@ inline constexpr Choice<GuessSpec::Controls> kControlsGuessWords[] = {
     {"zero", GuessSpec::Controls::kZero},
     {"quasi_static", GuessSpec::Controls::kQuasiStatic},
     {"gravity", GuessSpec::Controls::kQuasiStatic}};
+
+/// Which keys an activation takes beside its kind.
+constexpr bool takes_bounds(ActivationKind kind) { return kind == ActivationKind::quadratic_barrier; }
+constexpr bool takes_epsilon(ActivationKind kind) {
+  return kind == ActivationKind::smooth_l1 || kind == ActivationKind::smooth_l2;
+}
+
+/// Quantities on which a constraint can put bounds.
+enum class BoundedQuantity { kControl };
+inline constexpr Choice<BoundedQuantity> kBoundedWords[] = {
+    {"control", BoundedQuantity::kControl,
+     "bounds on the controls at every knot; needs 'lower', 'upper' or 'from: urdf'"}};
 
 /// The first word of a value; empty if it has none.
 template <class E, std::size_t N>

@@ -33,6 +33,7 @@ template <class E>
 struct Choice {
   std::string_view word;
   E value;
+  std::string_view description = {};  ///< one line, where the words are explained to people
 };
 
 /// A node with its key path and the place where errors go. Every method that returns an optional

@@ -46,6 +46,7 @@ struct Frame {
   FrameKind kind = FrameKind::link;
   int joint = -1;
   SE3<double> placement = SE3<double>::identity();  ///< in the joint's frame
+  double mass = 0;  ///< kg, of the link itself as its file states it; 0 of joints' frames
 };
 
 /// A constant wrench on the robot at a frame's origin, in world-aligned axes (N, Nm).

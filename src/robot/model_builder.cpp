@@ -110,6 +110,7 @@ class Builder {
     add_frame(link.name, FrameKind::link, carrier(link.name));
     if (!link.inertial) return;
     const urdf::Inertial& body = *link.inertial;
+    model_.frames.back().mass = body.mass;
     carry(link.name,
           inertia_about_origin(body.mass, vector(body.origin.position), central_inertia(body)));
   }

@@ -1,0 +1,108 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "completion.hpp"
+
+namespace conddp {
+namespace {
+
+/// What a case of the script does for a value.
+std::string action(const OptionDoc& option) {
+  if (!option.choices.empty()) return fmt::format("words='{}'", fmt::join(option.choices, " "));
+  if (option.folder) return "folders=1";
+  if (!option.suffixes.empty())
+    return fmt::format("folders=1 suffixes='{}'", fmt::join(option.suffixes, " "));
+  return ":";
+}
+
+std::vector<std::string> flags(const CommandDoc& command) {
+  std::vector<std::string> names;
+  for (const OptionDoc& option : command.options)
+    names.insert(names.end(), option.names.begin(), option.names.end());
+  return names;
+}
+
+/// Cases of "<subcommand> <flag>" for flags with a value, with what `make` says to each.
+template <class Make>
+std::string value_cases(const CommandDoc& command, const std::string& name, const Make& make) {
+  std::string text;
+  for (const OptionDoc& option : command.options) {
+    if (option.value.empty()) continue;
+    std::vector<std::string> patterns;
+    for (const std::string& flag : option.names)
+      patterns.push_back(fmt::format("'{} {}'", name, flag));
+    text += fmt::format("      {}) {} ;;\n", fmt::join(patterns, " | "), make(option));
+  }
+  return text;
+}
+
+template <class Make>
+std::string all_value_cases(const CommandDoc& root, const Make& make) {
+  std::string text = value_cases(root, "", make);
+  for (const CommandDoc& command : root.commands)
+    text += value_cases(command, command.short_name(), make);
+  return text;
+}
+
+}  // namespace
+
+std::string bash_completion(const CommandDoc& root) {
+  std::vector<std::string> names;
+  for (const CommandDoc& command : root.commands) names.push_back(command.short_name());
+  std::string flag_cases = fmt::format("      '') words='{}' ;;\n", fmt::join(flags(root), " "));
+  std::string places = fmt::format("      ' 0') words='{}' ;;\n", fmt::join(names, " "));
+  for (const CommandDoc& command : root.commands) {
+    flag_cases += fmt::format("      {}) words='{}' ;;\n", command.short_name(),
+                              fmt::join(flags(command), " "));
+    for (std::size_t i = 0; i < command.positionals.size(); ++i)
+      places += fmt::format("      '{} {}') {} ;;\n", command.short_name(), i,
+                            action(command.positionals[i]));
+  }
+  const auto waits = [](const OptionDoc&) { return "flag=$word"; };
+  return fmt::format(R"(# bash completion of conddp, written by 'conddp completion bash'
+_conddp() {{
+  local current=${{COMP_WORDS[COMP_CWORD]}} command='' flag='' place=0 words='' folders='' suffixes=''
+  local i word suffix
+  # The words before: the subcommand, how many arguments, and whether a flag waits for its value.
+  for ((i = 1; i < COMP_CWORD; ++i)); do
+    word=${{COMP_WORDS[i]}}
+    [[ $word == '=' ]] && continue
+    if [[ -n $flag ]]; then
+      flag=''
+      continue
+    fi
+    case "$command $word" in
+{})      *' -'*) ;;
+      ' '*) command=$word ;;
+      *) ((++place)) ;;
+    esac
+  done
+  [[ $current == '=' ]] && current=''
+  if [[ -n $flag ]]; then
+    case "$command $flag" in
+{}    esac
+  elif [[ $current == -* ]]; then
+    case "$command" in
+{}    esac
+  else
+    case "$command $place" in
+{}    esac
+  fi
+  COMPREPLY=()
+  if [[ -n $words ]]; then
+    mapfile -t COMPREPLY < <(compgen -W "$words" -- "$current")
+  elif [[ -n $folders ]]; then
+    compopt -o filenames 2>/dev/null
+    mapfile -t COMPREPLY < <(
+      compgen -d -- "$current"
+      for suffix in $suffixes; do compgen -f -X "!*$suffix" -- "$current"; done
+    )
+  fi
+}}
+complete -F _conddp conddp
+)",
+                     all_value_cases(root, waits), all_value_cases(root, action), flag_cases,
+                     places);
+}
+
+}  // namespace conddp

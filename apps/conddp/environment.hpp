@@ -1,0 +1,17 @@
+#pragma once
+
+#include <string_view>
+
+namespace conddp {
+
+/// The variables of the environment that conddp looks at.
+struct EnvironmentInfo {
+  const char* name;
+  std::string_view meaning;
+};
+inline constexpr EnvironmentInfo kNoColor{"NO_COLOR", "if not empty, nothing is coloured"};
+inline constexpr EnvironmentInfo kTerm{
+    "TERM", "if 'dumb' or empty, nothing is coloured and no progress is shown"};
+inline constexpr EnvironmentInfo kEnvironment[] = {kNoColor, kTerm};
+
+}  // namespace conddp
