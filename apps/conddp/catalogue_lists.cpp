@@ -22,9 +22,8 @@ const OrderedJson& definitions() {
 /// A key of an object in the problem file's schema.
 OrderedJson key(const OrderedJson& object, const std::string& name, bool required = false) {
   const OrderedJson& schema = object.at("properties").at(name);
-  OrderedJson entry = {{"name", name},
-                       {"description", schema.at("description")},
-                       {"required", required}};
+  OrderedJson entry = {
+      {"name", name}, {"description", schema.at("description")}, {"required", required}};
   if (schema.contains("default")) entry["default"] = schema["default"];
   return entry;
 }
@@ -92,9 +91,8 @@ OrderedJson list_activations() {
     if (takes_bounds(choice.value))
       for (const char* name : {"lower", "upper", "from"}) keys.push_back(key(activation, name));
     if (takes_epsilon(choice.value)) keys.push_back(key(activation, "epsilon"));
-    list.push_back({{"name", choice.word},
-                    {"description", choice.description},
-                    {"keys", std::move(keys)}});
+    list.push_back(
+        {{"name", choice.word}, {"description", choice.description}, {"keys", std::move(keys)}});
   }
   return list;
 }
@@ -107,8 +105,8 @@ OrderedJson list_systems() {
     OrderedJson keys = OrderedJson::array();
     for (const auto& [name, schema] : system.at("properties").items())
       if (name != "type")
-        keys.push_back(key(system, name,
-                           std::find(required.begin(), required.end(), name) != required.end()));
+        keys.push_back(
+            key(system, name, std::find(required.begin(), required.end(), name) != required.end()));
     list.push_back({{"name", type.at("const")},
                     {"description", type.at("description")},
                     {"keys", std::move(keys)}});
@@ -130,9 +128,8 @@ OrderedJson list_constraints() {
     OrderedJson keys = OrderedJson::array();
     for (const auto& [name, schema] : constraint.at("properties").items())
       if (name != "bounds") keys.push_back(key(constraint, name));
-    list.push_back({{"name", choice.word},
-                    {"description", choice.description},
-                    {"keys", std::move(keys)}});
+    list.push_back(
+        {{"name", choice.word}, {"description", choice.description}, {"keys", std::move(keys)}});
   }
   return list;
 }

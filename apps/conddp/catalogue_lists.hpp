@@ -11,9 +11,10 @@ namespace conddp {
 struct ListKind {
   std::string_view name;         ///< "solvers"
   std::string_view description;  ///< where the file names them
-  /// A list of objects: `name`, `description`, whatever else is to be said, and `keys`, a list of such
-  /// objects (with `required` and `default`) where the thing has any. From the tables of the reader;
-  /// what only the schema of the problem file says, which tests compare with the reader, from there.
+  /// A list of objects: `name`, `description`, whatever else is to be said, and `keys`, a list of
+  /// such objects (with `required` and `default`) where the thing has any. From the tables of the
+  /// reader; what only the schema of the problem file says, which tests compare with the reader,
+  /// from there.
   OrderedJson (*entries)();
 };
 

@@ -12,8 +12,8 @@ using Command = std::function<int()>;
 /// Each adds its subcommand to the parser; when it is chosen, `chosen` is set.
 ///
 /// Help, manual pages and completion read everything from the parser (command_doc.hpp): give every
-/// value a type name ("FOLDER" for a folder, "FILE.yaml" for files by their suffix) and, where it is
-/// one of several words, the check CLI::IsMember.
+/// value a type name ("FOLDER" for a folder, "FILE.yaml" for files by their suffix) and, where it
+/// is one of several words, the check CLI::IsMember.
 void add_solve_command(CLI::App& app, Command& chosen);
 void add_check_command(CLI::App& app, Command& chosen);
 void add_inspect_command(CLI::App& app, Command& chosen);

@@ -72,7 +72,7 @@ _conddp() {{
       continue
     fi
     case "$command $word" in
-{})      *' -'*) ;;
+{}      *' -'*) ;;
       ' '*) command=$word ;;
       *) ((++place)) ;;
     esac

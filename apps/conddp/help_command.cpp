@@ -8,8 +8,7 @@
 namespace conddp {
 
 void add_help_command(CLI::App& app, Command& chosen) {
-  CLI::App* command =
-      app.add_subcommand("help", "Explain conddp or a subcommand, as --help does");
+  CLI::App* command = app.add_subcommand("help", "Explain conddp or a subcommand, as --help does");
   const auto name = std::make_shared<std::string>();
   command->add_option("SUBCOMMAND", *name, "The subcommand")
       ->type_name("SUBCOMMAND")

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "catalogue_lists.hpp"
@@ -14,6 +16,7 @@ std::string words(const OrderedJson& value) {
   if (value.is_string()) return value.get<std::string>();
   if (value.is_boolean()) return value ? "yes" : "no";
   if (value.is_null()) return "none";
+  if (value.is_number()) return fmt::format("{}", value.get<double>());
   if (!value.is_array()) return value.dump();
   std::string text;
   for (const OrderedJson& item : value) text += (text.empty() ? "" : ", ") + words(item);
@@ -38,8 +41,10 @@ std::string facts(const OrderedJson& entry) {
 
 /// One line, or as many as the terminal needs: the name, then the description in a column.
 std::string entry_text(const OrderedJson& entry, int indent, int column, int width) {
-  std::string text = fmt::format("{:<{}}", entry.at("name").get<std::string>(), column - indent - 1);
+  std::string text =
+      fmt::format("{:<{}}", entry.at("name").get<std::string>(), column - indent - 1);
   text += " " + entry.at("description").get<std::string>();
+  if (text.ends_with('.')) text.pop_back();
   if (const std::string more = facts(entry); !more.empty()) text += " (" + more + ")";
   return wrap_text(text, width, indent, width > 0 ? std::min(column, width / 2) : column);
 }
@@ -86,7 +91,8 @@ void add_list_command(CLI::App& app, Command& chosen) {
   for (const ListKind& known : list_kinds()) kinds.emplace_back(known.name);
   command->add_option("KIND", *kind, "The kind")->type_name("KIND")->check(CLI::IsMember(kinds));
   command->add_flag("--json", *json, "Print JSON (conddp schema list)");
-  command->callback([kind, json, &chosen] { chosen = [kind, json] { return list(*kind, *json); }; });
+  command->callback(
+      [kind, json, &chosen] { chosen = [kind, json] { return list(*kind, *json); }; });
 }
 
 }  // namespace conddp

@@ -10,6 +10,7 @@
 #include "help_text.hpp"
 #include "messages.hpp"
 #include "output/atomic_file.hpp"
+#include "problem_file/wrap_text.hpp"
 #include "streams.hpp"
 #include "terminal.hpp"
 #include "usage.hpp"
@@ -39,8 +40,8 @@ void add_commands(CLI::App& app, Command& chosen) {
   add_help_command(app, chosen);
 }
 
-/// `--diagnostics` may stand before or behind the subcommand. Its value is read apart from the parser,
-/// because errors of the command line have that form too.
+/// `--diagnostics` may stand before or behind the subcommand. Its value is read apart from the
+/// parser, because errors of the command line have that form too.
 constexpr const char* kDiagnostics = "diagnostics";
 
 void add_diagnostics_option(CLI::App& app) {
@@ -56,10 +57,11 @@ void report_usage(const CLI::App& app, const CLI::ParseError& error, const Comma
   diagnostics.add(usage_error(app, error, words));
   print_messages(diagnostics, Verbosity::kQuiet);
   if (message_format() == MessageFormat::kJson) return;
-  print_message(words.command == &app
-                    ? "'conddp --help' lists the subcommands.\n"
-                    : fmt::format("'conddp {} --help' lists what it takes.\n",
-                                  words.command->get_name()));
+  const std::string advice =
+      words.command == &app
+          ? "'conddp --help' lists the subcommands."
+          : fmt::format("'conddp {} --help' lists what it takes.", words.command->get_name());
+  print_message(wrap_text(advice, terminal_of(2).message_width(), 0, 0));
 }
 
 int run(int argc, char** argv) {

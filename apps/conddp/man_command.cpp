@@ -42,8 +42,7 @@ void add_man_command(CLI::App& app, Command& chosen) {
       if (!folder->empty())
         write_pages(root, *folder);
       else
-        print_result(
-            man_page(name->empty() ? root : describe(*app.get_subcommand(*name)), root));
+        print_result(man_page(name->empty() ? root : describe(*app.get_subcommand(*name)), root));
       return kExitConverged;
     };
   });

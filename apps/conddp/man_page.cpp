@@ -90,7 +90,8 @@ std::string man_page(const CommandDoc& command, const CommandDoc& root) {
   std::transform(title.begin(), title.end(), title.begin(),
                  [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
   std::string text = fmt::format(
-      ".TH \"{}\" \"1\" \"\" \"conddp {}\" \"User Commands\"\n.SH NAME\n{} \\- {}\n.SH SYNOPSIS\n{}",
+      ".TH \"{}\" \"1\" \"\" \"conddp {}\" \"User Commands\"\n.SH NAME\n{} \\- {}\n.SH "
+      "SYNOPSIS\n{}",
       escape(title), build_info().version, escape(name), escape(command.description),
       synopsis(command));
   if (!command.details.empty()) text += ".SH DESCRIPTION\n" + paragraphs(command.details);

@@ -4,9 +4,9 @@
 #include "commands.hpp"
 #include "embedded_schemas.hpp"
 #include "exit_codes.hpp"
+#include "problem_file/wrap_text.hpp"
 #include "streams.hpp"
 #include "terminal.hpp"
-#include "problem_file/wrap_text.hpp"
 
 namespace conddp {
 namespace {

@@ -63,8 +63,8 @@ int exit_code(SolveStatus status) {
   return kExitNotConverged;
 }
 
-/// Progress is a line of a terminal that is redrawn, or a table where notes are wanted as well; there is
-/// none among messages for machines.
+/// Progress is a line of a terminal that is redrawn, or a table where notes are wanted as well;
+/// there is none among messages for machines.
 SolveResult solve_showing_progress(const BuiltProblem& built, const SolverInfo& solver,
                                    SolverOptions options, Verbosity verbosity) {
   const bool text = message_format() == MessageFormat::kText;
@@ -108,7 +108,8 @@ int solve_file(const SolveArguments& arguments) {
                                            : std::filesystem::path(arguments.folder);
   const InterruptGuard guard;
   create_folder(folder);  // before the work, so that nothing is computed in vain
-  const SolveResult result = solve_showing_progress(*built, *solver, spec->solver.options, verbosity);
+  const SolveResult result =
+      solve_showing_progress(*built, *solver, spec->solver.options, verbosity);
   const Solution solution{*spec, *built, *solver, result, overrides(arguments)};
   std::vector<std::string> written;
   for (const auto& path : write_solution(solution, folder)) written.push_back(path.string());
@@ -134,8 +135,7 @@ void add_solve_command(CLI::App& app, Command& chosen) {
   command->add_option("--solver", a->solver, "Solver instead of the file's")
       ->type_name("NAME")
       ->check(CLI::IsMember(solver_names));
-  command
-      ->add_option("--drop", a->drop, "Leave this constraint out; its violation is reported")
+  command->add_option("--drop", a->drop, "Leave this constraint out; its violation is reported")
       ->type_name("NAME")
       ->allow_extra_args(false);
   command
@@ -156,11 +156,11 @@ void add_solve_command(CLI::App& app, Command& chosen) {
       ->check(kThreads);
   auto* quiet = command->add_flag("--quiet", a->quiet, "Print nothing but errors");
   command->add_flag("--json", a->json, "Print the head of the solution as JSON on stdout");
-  command
-      ->add_flag("-v,--verbose", a->verbose, "Print notes, and a line of figures each iteration")
+  command->add_flag("-v,--verbose", a->verbose, "Print notes, and a line of figures each iteration")
       ->excludes(quiet);
   command->footer(
-      "Writes solution.json, trajectory.csv and iterations.csv, all of them or none. Ctrl-C ends the "
+      "Writes solution.json, trajectory.csv and iterations.csv, all of them or none. Ctrl-C ends "
+      "the "
       "solve and writes the best iterate.");
   command->callback([a, &chosen] { chosen = [a] { return solve_file(*a); }; });
 }

@@ -7,9 +7,9 @@
 
 namespace conddp {
 
-/// The state of a solve in the last line of a terminal, redrawn in place and erased at the end: elapsed
-/// time, iteration, cost, stationarity, as far as they fit. Needs nothing of the terminal but that a
-/// carriage return leads back to the line's start.
+/// The state of a solve in the last line of a terminal, redrawn in place and erased at the end:
+/// elapsed time, iteration, cost, stationarity, as far as they fit. Needs nothing of the terminal
+/// but that a carriage return leads back to the line's start.
 class StatusLine {
  public:
   /// An inactive one never prints.

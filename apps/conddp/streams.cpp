@@ -20,7 +20,8 @@ void remember(bool failed) {
 
 void prepare_streams() {
   std::signal(SIGPIPE, SIG_IGN);
-  // open() takes the lowest free number; 1 and 2 are opened for reading only, so that writing fails.
+  // open() takes the lowest free number; 1 and 2 are opened for reading only, so that writing
+  // fails.
   for (int descriptor = 0; descriptor <= 2; ++descriptor)
     if (::fcntl(descriptor, F_GETFD) == -1 && errno == EBADF) (void)::open("/dev/null", O_RDONLY);
 }

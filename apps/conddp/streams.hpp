@@ -4,8 +4,8 @@
 
 namespace conddp {
 
-/// To be called first: a reader that goes away (`conddp list | head -1`) is no error and ends nothing,
-/// and files that are opened never take the place of a standard stream that is closed.
+/// To be called first: a reader that goes away (`conddp list | head -1`) is no error and ends
+/// nothing, and files that are opened never take the place of a standard stream that is closed.
 void prepare_streams();
 
 /// Results, to stdout. What cannot be written is reported by finish_results().

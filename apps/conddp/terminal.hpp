@@ -9,8 +9,8 @@ struct Terminal {
   bool colour = false;   ///< the same where NO_COLOR is not set
   int width = 80;        ///< columns, 80 where nobody knows
 
-  /// Where to break lines of messages: in a file or a pipe they are not broken (0), so that programs
-  /// find them whole.
+  /// Where to break lines of messages: in a file or a pipe they are not broken (0), so that
+  /// programs find them whole.
   int message_width() const { return is_tty ? width : 0; }
 };
 

@@ -90,9 +90,9 @@ Diagnostic usage_error(const CLI::App& app, const CLI::ParseError& error,
       return describe(*v.first).names == positional.names;
     });
     if (positional.required && !given)
-      return {.message = fmt::format("{} is required: {}", positional.value,
-                                     positional.description),
-              .hint = "usage: " + command.usage()};
+      return {
+          .message = fmt::format("{} is required: {}", positional.value, positional.description),
+          .hint = "usage: " + command.usage()};
   }
   return {.message = parser_message(error)};
 }

@@ -14,8 +14,8 @@ void check(const Phase& phase) {
     throw std::invalid_argument("phase " + phase.name + ": sizes do not fit its model");
 }
 
-/// The number with as many decimal digits as survive a double: steps are decimal numbers of few digits,
-/// and so are their sums.
+/// The number with as many decimal digits as survive a double: steps are decimal numbers of few
+/// digits, and so are their sums.
 double to_decimal(double value) {
   char text[32];
   const auto end = std::to_chars(text, text + sizeof text, value, std::chars_format::scientific,

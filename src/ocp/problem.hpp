@@ -30,8 +30,8 @@ struct KnotView {
   int phase;
 };
 
-/// Times of the nodes before, between and after steps of these lengths, from 0 on: one more than there
-/// are steps. Fifty steps of 0.06 s end at 3, not at 3.000000000000002.
+/// Times of the nodes before, between and after steps of these lengths, from 0 on: one more than
+/// there are steps. Fifty steps of 0.06 s end at 3, not at 3.000000000000002.
 std::vector<double> node_times(std::span<const double> steps);
 
 /// An optimal-control problem as a list of phases, an initial state and a terminal node.

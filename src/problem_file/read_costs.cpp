@@ -36,8 +36,7 @@ ActivationSpec read_activation(const YamlReader& reader) {
   }
   if (const auto epsilon = map.find("epsilon")) {
     activation.epsilon = epsilon->number(kPositive).value_or(activation.epsilon);
-    if (!takes_epsilon(activation.kind))
-      epsilon->error("'epsilon' belongs to the smooth norms");
+    if (!takes_epsilon(activation.kind)) epsilon->error("'epsilon' belongs to the smooth norms");
   }
   return activation;
 }

@@ -29,8 +29,8 @@ std::string wrap_text(std::string_view text, int width, int first, int indent) {
       int used = margin;
       bool empty = true;
       while (!rest.empty()) {
-        const std::size_t word_end = std::min(rest.find(' ', empty ? rest.find_first_not_of(' ') : 1),
-                                              rest.size());
+        const std::size_t word_end =
+            std::min(rest.find(' ', empty ? rest.find_first_not_of(' ') : 1), rest.size());
         const std::string_view word = rest.substr(0, word_end);
         const int length = shown_width(word);
         if (width > 0 && !empty && used + length > width) break;

@@ -1,6 +1,10 @@
 #include "problem_file/diagnostic.hpp"
 
+#include <sstream>
+
 #include <gtest/gtest.h>
+
+#include "problem_file/wrap_text.hpp"
 
 namespace conddp {
 namespace {
@@ -51,6 +55,20 @@ TEST(Diagnostics, CountsErrorsBeyondTheLimit) {
   for (int i = 0; i < 30; ++i) out.error({}, "wrong");
   const std::string text = format_diagnostics(out, false, Severity::kNote, 20);
   EXPECT_NE(text.find("10 more errors"), std::string::npos);
+}
+
+TEST(Diagnostics, LinesKeepToTheWidth) {
+  Diagnostics out;
+  out.add_source("p.yaml", std::string(70, 'x') + " wrong " + std::string(70, 'y') + "\n");
+  out.error({{0, 1, 72}, "a"}, "there is something wrong with this rather long line of the file",
+            "take the long words out of it, all of them");
+  const std::string text = format_diagnostics(out, true, Severity::kNote, 20, 40);
+  EXPECT_NE(text.find("wrong"), std::string::npos);
+  std::istringstream lines(text);
+  int count = 0;
+  for (std::string line; std::getline(lines, line); ++count)
+    EXPECT_LE(shown_width(line), 40) << line;
+  EXPECT_EQ(count, 7) << text;
 }
 
 }  // namespace

@@ -1,0 +1,10 @@
+# usage: bash --norc complete.bash FOLDER WORD...
+# Prints what FOLDER/conddp's completion offers for the last of the words, one a line.
+PATH=$1:$PATH
+shift
+source <(conddp completion bash)
+COMP_WORDS=("$@")
+COMP_CWORD=$(($# - 1))
+function=$(complete -p conddp | sed 's/.*-F \([^ ]*\).*/\1/')
+"$function"
+((${#COMPREPLY[@]} == 0)) || printf '%s\n' "${COMPREPLY[@]}"

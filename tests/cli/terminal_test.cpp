@@ -1,0 +1,150 @@
+// What the tool does on a terminal, and leaves undone off it.
+#include <regex>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "problem_file/wrap_text.hpp"
+#include "pseudo_terminal.hpp"
+
+namespace conddp {
+namespace {
+
+const std::string kPendulum = source("problems/pendulum_swingup.yaml");
+
+/// A problem that takes long: many knots, tolerances that cannot be reached.
+constexpr const char* kLong = R"(conddp: 1
+name: long
+system: {type: acrobot}
+initial_state: {values: {theta1: -1.5}}
+phases: [{knots: 2000, dt: 0.005}]
+costs: {effort: {residual: control, weight: 0.01}}
+terminal: {costs: {up: {residual: state, reference: [1.57, 0, 0, 0], weight: 100}}}
+initial_guess: {controls: {random: {seed: 1, scale: 1}}}
+solver: {name: ilqr, max_iterations: 1000000, tolerances: {stationarity: 1e-300}}
+)";
+
+std::vector<std::string> solve(const TemporaryFolder& folder) {
+  return {"solve", kPendulum, "-o", folder.path() / "out"};
+}
+
+/// Wall-clock times differ from run to run.
+std::string without_times(const std::string& text) {
+  return std::regex_replace(text, std::regex(R"([0-9.]+ s\))"), "T s)");
+}
+
+/// What stood in the status line, drawing by drawing.
+std::vector<std::string> drawings(const std::string& err) {
+  std::vector<std::string> list;
+  for (std::size_t at = err.find('\r'); at != err.npos;) {
+    const std::size_t next = err.find('\r', at + 1);
+    list.push_back(err.substr(at + 1, next == err.npos ? next : next - at - 1));
+    at = next;
+  }
+  return list;
+}
+
+TEST(Terminal, ProgressInATerminalNoneInAPipeAndTheSameResults) {
+  const TemporaryFolder folder;
+  const std::vector<std::string> environment = {"TERM=xterm", "NO_COLOR=1"};
+  const ProcessResult both = run_in_terminal(solve(folder), {.environment = environment});
+  const ProcessResult pipe =
+      run_in_terminal(solve(folder), {.environment = environment, .out = false, .err = false});
+  EXPECT_EQ(both.exit_code, 0);
+  EXPECT_EQ(pipe.exit_code, 0);
+  EXPECT_EQ(pipe.err, "");
+  EXPECT_NE(both.err.find(" s, iteration "), std::string::npos) << both.err;
+  EXPECT_NE(both.err.find("stationarity"), std::string::npos) << both.err;
+  EXPECT_NE(both.out, "");
+  EXPECT_EQ(without_times(both.out), without_times(pipe.out));
+  EXPECT_NE(without_times(pipe.out).find("iterations, T s)"), std::string::npos) << pipe.out;
+}
+
+TEST(Terminal, TheStatusLineIsRedrawnInPlaceAndErased) {
+  const TemporaryFolder folder;
+  const ProcessResult r = run_in_terminal(solve(folder), {.environment = {"TERM=xterm"}});
+  EXPECT_EQ(r.err.find('\n'), std::string::npos);
+  const std::vector<std::string> drawn = drawings(r.err);
+  ASSERT_GE(drawn.size(), 3u);
+  EXPECT_EQ(drawn.back(), "");
+  const std::string& spaces = drawn[drawn.size() - 2];
+  EXPECT_EQ(spaces, std::string(spaces.size(), ' '));
+  EXPECT_GE(spaces.size(), drawn[drawn.size() - 3].find_last_not_of(' ') + 1);
+}
+
+TEST(Terminal, TheStatusLineIsDrawnAtMostTwentyTimesASecond) {
+  const TemporaryFolder folder;
+  const std::string problem = folder.write("long.yaml", kLong);
+  const ProcessResult r =
+      run_in_terminal({"solve", problem, "--max-time", "0.5", "-o", folder.path() / "out"}, {});
+  EXPECT_EQ(r.exit_code, 1);
+  const double seconds = nlohmann::json::parse(read_file(folder.path() / "out/solution.json"))
+                             .at("time_s")
+                             .at("total");
+  EXPECT_LE(drawings(r.err).size(), 20 * seconds + 4);
+  EXPECT_GE(drawings(r.err).size(), 3u);
+}
+
+TEST(Terminal, NarrowOnesAreNotOverrun) {
+  const TemporaryFolder folder;
+  const ProcessResult r =
+      run_in_terminal(solve(folder), {.columns = 40, .environment = {"TERM=xterm"}});
+  for (const std::string& drawn : drawings(r.err)) EXPECT_LT(drawn.size(), 40u) << drawn;
+  const ProcessResult help = run_in_terminal({"solve", "--help"}, {.columns = 40});
+  const ProcessResult wrong =
+      run_in_terminal({"solve", kPendulum, "--thread", "2"}, {.columns = 40});
+  EXPECT_EQ(wrong.exit_code, 2);
+  for (const std::string& text : {help.out, wrong.err}) {
+    EXPECT_NE(text, "");
+    for (std::size_t at = 0; at < text.size();) {
+      const std::size_t end = std::min(text.find('\n', at), text.size());
+      EXPECT_LE(shown_width(text.substr(at, end - at)), 40) << text.substr(at, end - at);
+      at = end + 1;
+    }
+  }
+}
+
+TEST(Terminal, ColourOnlyWhereItIsWanted) {
+  const TemporaryFolder folder;
+  const auto out = [&](const char* term, const char* no_color) {
+    return run_in_terminal(solve(folder), {.environment = {std::string("TERM=") + term,
+                                                           std::string("NO_COLOR=") + no_color}});
+  };
+  const ProcessResult colour = out("xterm", "");
+  EXPECT_NE(colour.out.find("\033[1;32mconverged"), std::string::npos) << colour.out;
+  const ProcessResult plain = out("xterm", "1");
+  EXPECT_EQ((plain.out + plain.err).find('\033'), std::string::npos);
+  EXPECT_NE(plain.err, "");
+  const ProcessResult dumb = out("dumb", "");
+  EXPECT_EQ(dumb.out.find('\033'), std::string::npos);
+  EXPECT_EQ(dumb.err, "") << "a terminal that cannot redraw shows no progress";
+}
+
+TEST(Terminal, VerboseIsATableEverywhere) {
+  const TemporaryFolder folder;
+  std::vector<std::string> arguments = solve(folder);
+  arguments.push_back("-v");
+  for (const bool terminal : {true, false}) {
+    const ProcessResult r =
+        run_in_terminal(arguments, {.environment = {"TERM=xterm"}, .err = terminal});
+    EXPECT_NE(r.err.find(" iter           cost stationarity"), std::string::npos) << r.err;
+    EXPECT_NE(r.err.find("\n    1 "), std::string::npos) << r.err;
+    EXPECT_EQ(r.err.find('\r'), std::string::npos);
+  }
+}
+
+TEST(Terminal, CtrlCWritesTheBestIterate) {
+  const TemporaryFolder folder;
+  const std::string problem = folder.write("long.yaml", kLong);
+  const ProcessResult r =
+      run_in_terminal({"solve", problem, "-o", folder.path() / "out"},
+                      {.environment = {"TERM=xterm"}, .typed = "\x03", .type_after = "iteration"});
+  EXPECT_EQ(r.exit_code, 130);
+  EXPECT_NE(r.out.find("interrupted"), std::string::npos) << r.out;
+  EXPECT_EQ(nlohmann::json::parse(read_file(folder.path() / "out/solution.json"))["status"],
+            "interrupted");
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "out/trajectory.csv"));
+}
+
+}  // namespace
+}  // namespace conddp
