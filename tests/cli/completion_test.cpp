@@ -127,9 +127,11 @@ TEST(ZshCompletion, WorksInAnInteractiveShell) {
 }
 
 TEST(FishCompletion, SolverNamesFlagsAndFiles) {
-  const auto offers = [](const std::string& line) {
+  const TemporaryFolder home;  // fish makes folders in it
+  const auto offers = [&](const std::string& line) {
     const ShellResult result = shell(
-        "cd " + quoted(source("")) + " && HOME=/nonexistent fish --no-config -c " +
+        "cd " + quoted(source("")) +
+        " && env -u XDG_CONFIG_HOME -u XDG_DATA_HOME HOME=" + quoted(home.path()) + " fish -c " +
         fmt::format("'set PATH {} $PATH; conddp completion fish | source; complete -C \"{}\"'",
                     kFolder, line));
     EXPECT_EQ(result.exit_code, 0) << result.out;
