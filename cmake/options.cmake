@@ -1,5 +1,26 @@
+# conddp_abi: what all code that shares this library's types has to be compiled with, the programs of
+# library users included. Lanes are as wide as the vector registers and Eigen aligns its storage to
+# them, so objects of other widths must not meet; a sanitized library needs its run-time.
+include(cmake/vector_bytes.cmake)
+set(CONDDP_ABI_OPTIONS "")
+if(CONDDP_MARCH)
+  list(APPEND CONDDP_ABI_OPTIONS -march=${CONDDP_MARCH})
+endif()
+conddp_vector_bytes(CONDDP_VECTOR_BYTES ${CONDDP_ABI_OPTIONS})
+if(CONDDP_SANITIZE)
+  list(APPEND CONDDP_ABI_OPTIONS -fsanitize=address,undefined -fno-sanitize-recover=all)
+endif()
+add_library(conddp_abi INTERFACE)
+set_target_properties(conddp_abi PROPERTIES EXPORT_NAME abi)
+target_compile_features(conddp_abi INTERFACE cxx_std_20)
+target_compile_options(conddp_abi INTERFACE ${CONDDP_ABI_OPTIONS})
+if(CONDDP_SANITIZE)
+  target_link_options(conddp_abi INTERFACE ${CONDDP_ABI_OPTIONS})
+endif()
+
 # conddp_options: the flags of every target of this project.
 add_library(conddp_options INTERFACE)
+target_link_libraries(conddp_options INTERFACE conddp_abi)
 
 # Left out: a warning that contradicts designated initialisers, and those of g++'s optimiser that are
 # wrong about the standard library's strings and about its own AVX-512 intrinsics in version 12; the
@@ -11,7 +32,6 @@ target_compile_options(conddp_options INTERFACE
   "$<$<CXX_COMPILER_ID:GNU>:-Wno-array-bounds>"
   -fno-math-errno -ffp-contract=fast
   $<$<BOOL:${CONDDP_WERROR}>:-Werror>
-  $<$<BOOL:${CONDDP_MARCH}>:-march=${CONDDP_MARCH}>
   $<$<AND:$<BOOL:${CONDDP_PCH}>,$<CXX_COMPILER_ID:GNU>>:-fpch-preprocess>)
 
 target_compile_definitions(conddp_options INTERFACE
@@ -21,9 +41,3 @@ target_compile_definitions(conddp_options INTERFACE
 set(CMAKE_CXX_FLAGS_SANITIZE "-O1 -g1 -fno-omit-frame-pointer" CACHE STRING
   "Flags of the build type Sanitize")
 mark_as_advanced(CMAKE_CXX_FLAGS_SANITIZE)
-
-if(CONDDP_SANITIZE)
-  set(sanitizers -fsanitize=address,undefined -fno-sanitize-recover=all)
-  target_compile_options(conddp_options INTERFACE ${sanitizers})
-  target_link_options(conddp_options INTERFACE ${sanitizers})
-endif()

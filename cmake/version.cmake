@@ -32,6 +32,7 @@ add_custom_target(conddp_revision
   VERBATIM)
 
 add_library(conddp_version STATIC ${generated}/conddp_version.cpp)
+set_target_properties(conddp_version PROPERTIES EXPORT_NAME version)
 add_dependencies(conddp_version conddp_revision)
-target_include_directories(conddp_version PUBLIC ${generated}/include)
-target_link_libraries(conddp_version PUBLIC conddp_options)
+target_include_directories(conddp_version PUBLIC $<BUILD_INTERFACE:${generated}/include>)
+target_link_libraries(conddp_version PUBLIC conddp_abi $<BUILD_INTERFACE:conddp_options>)

@@ -1,0 +1,67 @@
+# cmake -D BUILD_DIR= -D EXAMPLE_DIR= -D CXX= -D WORK_DIR= -P installed_example.cmake
+# Installs the library into a prefix of its own, then builds and runs the example as a library user
+# would, with nothing but that prefix; and compiles a header without the flags of the package.
+function(run what)
+  execute_process(COMMAND ${ARGN} RESULT_VARIABLE failed OUTPUT_VARIABLE output ERROR_VARIABLE errors)
+  if(failed)
+    message(FATAL_ERROR "${what} failed (${failed}):\n${output}\n${errors}")
+  endif()
+  set(output "${output}" PARENT_SCOPE)
+endfunction()
+
+function(expect_in text wanted)
+  string(FIND "${text}" "${wanted}" at)
+  if(at EQUAL -1)
+    message(FATAL_ERROR "expected '${wanted}' in:\n${text}")
+  endif()
+endfunction()
+
+file(REMOVE_RECURSE ${WORK_DIR})
+set(prefix ${WORK_DIR}/prefix)
+run("installing" ${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${prefix} --component library)
+
+# Moved, the package still works: nothing in it may name the place that it was installed to.
+file(RENAME ${prefix} ${WORK_DIR}/moved)
+set(prefix ${WORK_DIR}/moved)
+
+run("configuring the example" ${CMAKE_COMMAND} -S ${EXAMPLE_DIR} -B ${WORK_DIR}/example -G Ninja
+  -D CMAKE_CXX_COMPILER=${CXX} -D CMAKE_PREFIX_PATH=${prefix})
+run("building the example" ${CMAKE_COMMAND} --build ${WORK_DIR}/example)
+run("running the example" ${WORK_DIR}/example/lift)
+message("${output}")
+expect_in("${output}" "converged after")
+expect_in("${output}" "largest torque 5.000 Nm")
+
+# The component for files brings its dependencies.
+file(WRITE ${WORK_DIR}/files/CMakeLists.txt "
+cmake_minimum_required(VERSION 3.22)
+project(files LANGUAGES CXX)
+find_package(conddp REQUIRED COMPONENTS files)
+add_executable(files main.cpp)
+target_link_libraries(files PRIVATE conddp::files)
+")
+file(WRITE ${WORK_DIR}/files/main.cpp "
+#include \"conddp/output/sha256.hpp\"
+#include <cstdio>
+int main() { std::puts(conddp::sha256(\"abc\").c_str()); }
+")
+run("configuring with files" ${CMAKE_COMMAND} -S ${WORK_DIR}/files -B ${WORK_DIR}/files/build
+  -G Ninja -D CMAKE_CXX_COMPILER=${CXX} -D CMAKE_PREFIX_PATH=${prefix})
+run("building with files" ${CMAKE_COMMAND} --build ${WORK_DIR}/files/build)
+run("running with files" ${WORK_DIR}/files/build/files)
+expect_in("${output}" "ba7816bf")
+
+# Other flags than the library's are an error at the first header, not a crash.
+foreach(march IN ITEMS x86-64 x86-64-v3 x86-64-v4)
+  execute_process(
+    COMMAND ${CXX} -std=c++20 -march=${march} -I ${prefix}/include -I /usr/include/eigen3
+      -fsyntax-only -x c++ ${prefix}/include/conddp/abi.hpp
+    RESULT_VARIABLE failed ERROR_VARIABLE errors)
+  if(failed)
+    math(EXPR mismatches "${mismatches} + 1")
+    expect_in("${errors}" "link conddp::conddp, which sets the flags")
+  endif()
+endforeach()
+if(NOT mismatches EQUAL 2)
+  message(FATAL_ERROR "${mismatches} of three sets of flags were refused, not two")
+endif()
