@@ -1,6 +1,9 @@
 // An arm of two joints lifts its hand to a point with motors that cannot hold it outstretched.
+#include <algorithm>
 #include <cstdio>
 #include <memory>
+#include <utility>
+#include <vector>
 
 #include "conddp/conddp.hpp"
 
@@ -28,11 +31,11 @@ constexpr const char* kArm = R"(<?xml version="1.0"?>
   <link name="hand"/>
   <joint name="shoulder" type="continuous">
     <parent link="stand"/> <child link="upper"/>
-    <axis xyz="0 1 0"/> <limit effort="5" velocity="100"/>
+    <axis xyz="0 1 0"/> <limit effort="6" velocity="100"/>
   </joint>
   <joint name="elbow" type="continuous">
     <parent link="upper"/> <child link="fore"/>
-    <origin xyz="0 0 -0.5"/> <axis xyz="0 1 0"/> <limit effort="5" velocity="100"/>
+    <origin xyz="0 0 -0.5"/> <axis xyz="0 1 0"/> <limit effort="6" velocity="100"/>
   </joint>
   <joint name="wrist" type="fixed">
     <parent link="fore"/> <child link="hand"/> <origin xyz="0 0 -0.4"/>
@@ -67,30 +70,28 @@ int main() {
   moving->add_cost("effort", control_residual(moving->ndx(), moving->nu()), {});
   moving->add_cost("speed", coordinate_residual(arm->manifold(), {2, 3}), {});
   moving->set_control_bounds(arm->control_lower(), arm->control_upper());
-  const std::vector<double> effort_and_speed = {0, 0, 1e-3, /**/ 0, 0, 1e-2};
+  const std::vector<double> effort_and_speed = {0, 0, 1e-2, /**/ 0, 0, 1e-1};
 
   const int hand = robot->find_frame("hand").value();
   const auto end = std::make_shared<KnotModel>(arm, Integrator::none);
   end->add_cost("hand", frame_position_residual(arm, hand), {});
   end->add_cost("rest", coordinate_residual(arm->manifold(), {2, 3}), {});
-  const std::vector<double> above_and_at_rest = {0, 0, 0.85, 1e4, /**/ 0, 0, 1e2};
+  const std::vector<double> lifted_and_at_rest = {0.3, 0, 0.7, 1e3, /**/ 0, 0, 1e1};
 
   const double dt = 0.02;  // s; running costs are rates, hence scaled by it
   const ShootingProblem problem({0, 0, 0, 0},
                                 {phase("move", moving, 150, dt, dt, effort_and_speed)},
-                                phase("end", end, 1, 0, 1, above_and_at_rest));
+                                phase("end", end, 1, 0, 1, lifted_and_at_rest));
 
-  SolverOptions options{.max_iterations = 500};
+  SolverOptions options{.max_iterations = 200};
   options.on_iteration = [](const IterationRecord& row) {
     if (row.iteration % 10 == 0) {
       std::printf("iteration %3d  cost %.6e  stationarity %.1e  step %.3g\n", row.iteration,
                   row.cost, row.stationarity, row.step);
     }
   };
-  // Torques are zero in this guess but for a nudge: hanging straight down is an equilibrium from
-  // which no direction is better than the opposite one.
-  Trajectory guess = problem.create_trajectory();
-  for (int k = 0; k < problem.knots(); ++k) guess.u(k)[0] = 0.1;
+  // A guess without torques: states stand still, which multiple shooting may start from.
+  const Trajectory guess = problem.create_trajectory();
 
   const SolveResult result = solve(problem, "box_fddp", options, guess);
   std::printf("%s after %d iterations: %s\n", to_string(result.status).data(), result.iterations,

@@ -1,0 +1,133 @@
+// The Riccati sweep, knot by knot, on the sizes of an arm, a quadruped and a humanoid:
+// semi-implicit Euler, the last two with a floating base. The quadratic models are random, since
+// what they hold does not change what they cost.
+#include <benchmark/benchmark.h>
+
+#include "solvers/backward_sweep.hpp"
+#include "support/random_numbers.hpp"
+#include "systems/closed_form.hpp"
+
+namespace conddp {
+namespace {
+
+/// Masses of which the last nu are pushed; the first six coordinates may be a rigid placement.
+class Masses : public ClosedFormSystem<Masses> {
+ public:
+  Masses(bool floating, int nv, int nu)
+      : ClosedFormSystem(SystemKind::second_order, product(floating, nv), nu) {}
+
+  template <class S>
+  void rate(const S*, const S* u, S* f) const {
+    for (int i = 0; i < nv(); ++i) f[i] = i < nv() - nu() ? S(0.0) : u[i - nv() + nu()];
+  }
+
+ private:
+  static StateManifold product(bool floating, int nv) {
+    StateManifold m;
+    if (floating) m.append(StateManifold::Part::se3);
+    m.append(StateManifold::Part::flat, floating ? 2 * nv - 6 : 2 * nv);
+    return m;
+  }
+};
+
+struct Size {
+  const char* name;
+  bool floating;
+  int nv, nu;
+};
+constexpr Size kSizes[] = {
+    {"arm", false, 7, 7}, {"quadruped", true, 18, 12}, {"humanoid", true, 38, 32}};
+constexpr int kKnots = 20;
+
+Eigen::MatrixXd random_matrix(RandomNumbers& random, int rows, int cols) {
+  return Eigen::MatrixXd::NullaryExpr(rows, cols, [&] { return random.uniform(-1, 1); });
+}
+
+/// I + A Aᵀ.
+Eigen::MatrixXd random_definite(RandomNumbers& random, int n) {
+  const Eigen::MatrixXd A = random_matrix(random, n, n);
+  return Eigen::MatrixXd::Identity(n, n) + A * A.transpose() / n;
+}
+
+ShootingProblem problem_of(const Size& size) {
+  const auto system = std::make_shared<Masses>(size.floating, size.nv, size.nu);
+  const auto phase = [&](Integrator integrator, int knots) {
+    return Phase{.name = "all",
+                 .model = std::make_shared<KnotModel>(system, integrator),
+                 .dt = std::vector<double>(knots, 0.01),
+                 .cost_scale = std::vector<double>(knots, 0.01),
+                 .parameters = {}};
+  };
+  return ShootingProblem(system->manifold().neutral(),
+                         {phase(Integrator::semi_implicit_euler, kKnots)},
+                         phase(Integrator::none, 1));
+}
+
+Linearization linearization_of(const ShootingProblem& problem) {
+  RandomNumbers random(1);
+  Linearization all(problem);
+  for (KnotLinearization& knot : all.knots) {
+    const int nz = static_cast<int>(knot.gradient.size());
+    const int rows = static_cast<int>(knot.F.rows());
+    knot.gradient = random_matrix(random, nz, 1);
+    knot.hessian = random_definite(random, nz);
+    if (rows == 0) continue;
+    knot.F = 0.3 * random_matrix(random, rows, nz) / std::sqrt(rows);
+    for (std::size_t s = 0; s < knot.curved.size(); ++s) {
+      knot.A[s] = Eigen::Matrix<double, 6, 6>::Identity() + 0.1 * random_matrix(random, 6, 6);
+      knot.H[s] = Eigen::Matrix<double, 6, 6>::Identity() + 0.1 * random_matrix(random, 6, 6);
+    }
+  }
+  return all;
+}
+
+void count_knots(benchmark::State& state, int knots) {
+  state.counters["knot"] =
+      benchmark::Counter(static_cast<double>(state.iterations()) * knots,
+                         benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+}
+
+/// The whole sweep: propagation, stage, value.
+void sweep(benchmark::State& state) {
+  const ShootingProblem problem = problem_of(kSizes[state.range(0)]);
+  const Linearization linearization = linearization_of(problem);
+  const ControlBounds bounds(problem);
+  const Trajectory trajectory = problem.create_trajectory();
+  const auto policy = unconstrained_stage(problem);
+  BackwardSweep backward(problem, bounds);
+  Feedback feedback(problem);
+  for (auto _ : state) {
+    if (backward.run(linearization, trajectory, false, {}, *policy, feedback) >= 0) {
+      state.SkipWithError("a stage has no minimum");
+      break;
+    }
+    benchmark::DoNotOptimize(feedback.k.front().data());
+  }
+  state.SetLabel(kSizes[state.range(0)].name);
+  count_knots(state, kKnots);
+}
+BENCHMARK(sweep)->DenseRange(0, 2);
+
+/// Its propagation of the value through the dynamics alone.
+void propagation(benchmark::State& state) {
+  const ShootingProblem problem = problem_of(kSizes[state.range(0)]);
+  const Linearization linearization = linearization_of(problem);
+  const KnotLinearization& knot = linearization.knots.front();
+  const int ndx = problem.ndx(), nu = problem.nu(0);
+  ValueFunction value(ndx);
+  RandomNumbers random(2);
+  value.Vxx = random_definite(random, ndx);
+  ValuePropagation propagate(ndx, nu);
+  ActionValue q(ndx, nu);
+  for (auto _ : state) {
+    propagate.propagate(knot, value, q);
+    benchmark::DoNotOptimize(q.Qzz().data());
+    benchmark::ClobberMemory();
+  }
+  state.SetLabel(kSizes[state.range(0)].name);
+  count_knots(state, 1);
+}
+BENCHMARK(propagation)->DenseRange(0, 2);
+
+}  // namespace
+}  // namespace conddp
