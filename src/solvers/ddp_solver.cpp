@@ -30,8 +30,6 @@ class Stopwatch {
 /// to fall.
 constexpr double kShortestBlindStep = 1.0 / 16;
 constexpr double kBlindProgress = 0.999;
-/// Iterations over which convergence is judged to be slow or not.
-constexpr int kWatchedIterations = 10;
 /// Rows of the log that are reserved at most before the first iteration.
 constexpr int kReservedRows = 10000;
 
@@ -53,18 +51,6 @@ void normalize_states(const ShootingProblem& problem, Trajectory& trajectory) {
 
 }  // namespace
 
-HessianUse hessian_use(const SolverOptions& options) {
-  switch (options.hessian) {
-    case HessianChoice::gauss_newton:
-      return HessianUse::gauss_newton;
-    case HessianChoice::exact:
-      return HessianUse::exact;
-    case HessianChoice::automatic:
-      break;
-  }
-  return HessianUse::when_slow;
-}
-
 DdpSolver::DdpSolver(const ShootingProblem& problem, const DdpRecipe& recipe,
                      const SolverOptions& options)
     : problem_(problem),
@@ -73,6 +59,7 @@ DdpSolver::DdpSolver(const ShootingProblem& problem, const DdpRecipe& recipe,
       bounds_(problem),
       acts_(problem, options.threads),
       linearization_(problem),
+      hessian_(recipe.hessian, acts_, linearization_),
       adjoint_(problem, bounds_),
       direction_(problem, bounds_,
                  {.open_gaps = recipe.open_gaps,
@@ -83,11 +70,7 @@ DdpSolver::DdpSolver(const ShootingProblem& problem, const DdpRecipe& recipe,
       regularization_(options.regularization),
       trajectory_(problem.create_trajectory()),
       before_(problem.create_trajectory()),
-      result_(problem) {
-  if (recipe.hessian == HessianUse::gauss_newton) return;
-  acts_.reserve_lagrangian_hessian();
-  for (const KnotLinearization& knot : linearization_.knots) other_hessian_.push_back(knot.hessian);
-}
+      result_(problem) {}
 
 SolveResult DdpSolver::solve(const Trajectory& guess) {
   began_ = Clock::now();
@@ -100,7 +83,7 @@ SolveResult DdpSolver::solve(const Trajectory& guess) {
   search_ = LineSearchResult();
   linearized_ = false;
   at_rounding_floor_ = false;
-  exact_wanted_ = recipe_.hessian == HessianUse::exact;
+  hessian_.reset();
 
   if (start(guess)) {
     while (linearize() && !converged() && may_continue() && take_step()) ++row_.iteration;
@@ -160,7 +143,7 @@ bool DdpSolver::linearize() {
   }
   row_.constraint = bounds_.violation(trajectory_).value;
   row_.time_s = elapsed();
-  watch_convergence();
+  hessian_.watch(row_);
   result_.log.push_back(row_);
   if (options_.on_iteration) options_.on_iteration(row_);
   return true;
@@ -206,8 +189,7 @@ bool DdpSolver::take_step() {
     if (descent && search()) break;
     if (at_rounding_floor_) {
       // Exact Hessians take the last digits in one step where Gauss-Newton creeps.
-      if (recipe_.hessian == HessianUse::when_slow && !exact_wanted_) {
-        exact_wanted_ = true;
+      if (hessian_.turn()) {
         at_rounding_floor_ = false;
         differentiate();
         continue;
@@ -225,7 +207,7 @@ bool DdpSolver::take_step() {
   row_.actual_decrease = search_.actual_decrease;
   row_.regularization = regularization_.value();
   row_.penalty = merit_.penalty;
-  row_.exact_hessian = exact_in_use_;
+  row_.exact_hessian = hessian_.exact_in_use();
   row_.clamped_controls = direction_.policy().clamped_controls();
   row_.active_set_changes = direction_.policy().active_set_changes();
   if (search_.step >= options_.regularization.decrease_step) {
@@ -286,8 +268,8 @@ bool DdpSolver::sweep_with_regularization() {
 /// scaling, make a better convex model than any multiple of the identity.
 int DdpSolver::sweep_backward(double regularization) {
   for (bool exact : {true, false}) {
-    if (exact && !exact_known_) continue;
-    use_hessian(exact);
+    if (exact && !hessian_.exact_known()) continue;
+    hessian_.use(exact);
     const int bad_knot = direction_.find(linearization_, trajectory_, adjoint_, merit_,
                                          {options_.regularization.kind, regularization});
     if (bad_knot < 0 || !exact) return bad_knot;
@@ -298,38 +280,15 @@ int DdpSolver::sweep_backward(double regularization) {
 /// Derivatives and co-states of the iterate; linearized_ tells whether they are finite.
 void DdpSolver::differentiate() {
   const Stopwatch watch(result_.times.differentiate);
-  use_hessian(false);
+  hessian_.begin_iterate();
   acts_.differentiate(trajectory_, linearization_);
   adjoint_.compute(linearization_, recipe_.open_gaps);
   linearized_ = std::isfinite(linearization_.total_cost()) && linearization_.gap.allFinite() &&
                 adjoint_.costates().allFinite() && adjoint_.gradient().allFinite();
-  exact_known_ = exact_wanted_ && linearized_ &&
-                 (!recipe_.open_gaps || linearization_.max_gap() <= options_.tolerances.gap);
-  if (!exact_known_) return;
-  use_hessian(true);
-  acts_.lagrangian_hessian(trajectory_, adjoint_.costates(), linearization_);
-}
-
-/// Every kWatchedIterations: neither has the stationarity fallen by a factor of ten, nor is the
-/// cost still falling much; then Gauss-Newton is in the slow tail of its convergence.
-void DdpSolver::watch_convergence() {
-  if (recipe_.hessian != HessianUse::when_slow || exact_wanted_) return;
-  if (row_.iteration > 0 && row_.iteration < watched_iteration_ + kWatchedIterations) return;
-  exact_wanted_ = row_.iteration > 0 && row_.stationarity > 0.1 * watched_stationarity_ &&
-                  watched_cost_ - row_.cost < 0.1 * std::abs(row_.cost);
-  watched_iteration_ = row_.iteration;
-  watched_stationarity_ = row_.stationarity;
-  watched_cost_ = row_.cost;
-}
-
-/// Swaps the two sets of Hessians. Acts::differentiate wants its own back: it leaves entries alone
-/// that are zero by structure.
-void DdpSolver::use_hessian(bool exact) {
-  if (exact == exact_in_use_) return;
-  for (std::size_t k = 0; k < other_hessian_.size(); ++k) {
-    linearization_.knots[k].hessian.swap(other_hessian_[k]);
+  const bool closed = !recipe_.open_gaps || linearization_.max_gap() <= options_.tolerances.gap;
+  if (hessian_.exact_wanted() && linearized_ && closed) {
+    hessian_.evaluate_exact(trajectory_, adjoint_.costates());
   }
-  exact_in_use_ = exact;
 }
 
 /// The model's view of the full step; the weight of the gaps is kept above its multipliers.

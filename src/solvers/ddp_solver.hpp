@@ -6,19 +6,13 @@
 #include "ocp/acts.hpp"
 #include "solvers/adjoint.hpp"
 #include "solvers/direction.hpp"
+#include "solvers/hessian_switch.hpp"
 #include "solvers/line_search.hpp"
 #include "solvers/options.hpp"
 #include "solvers/regularization.hpp"
 #include "solvers/solve_result.hpp"
 
 namespace conddp {
-
-/// Second derivatives of the dynamics in the sweep. `when_slow`: exact ones only once
-/// Gauss-Newton's convergence, linear as it is, turns out to be slow.
-enum class HessianUse { gauss_newton, when_slow, exact };
-
-/// What the options ask for, where a solver can do either.
-HessianUse hessian_use(const SolverOptions& options);
 
 /// The choices that make one solver of the family.
 struct DdpRecipe {
@@ -49,8 +43,6 @@ class DdpSolver {
   bool stationarity_fell();
   bool sweep_with_regularization();
   int sweep_backward(double regularization);
-  void use_hessian(bool exact);
-  void watch_convergence();
   void measure_direction();
   void finish();
   void sweep_for_gains();
@@ -67,13 +59,7 @@ class DdpSolver {
   ControlBounds bounds_;
   Acts acts_;
   Linearization linearization_;
-  std::vector<Eigen::MatrixXd> other_hessian_;  ///< exact or Gauss-Newton: see use_hessian()
-  bool exact_wanted_ = false;
-  int watched_iteration_ = 0;  ///< the iterate that convergence is compared with
-  double watched_cost_ = 0;
-  double watched_stationarity_ = 0;
-  bool exact_known_ = false;   ///< the iterate has exact Hessians
-  bool exact_in_use_ = false;  ///< they are in linearization_, else in other_hessian_
+  HessianSwitch hessian_;
   Adjoint adjoint_;
   Direction direction_;
   LineSearch line_search_;

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <vector>
+
+#include "ocp/acts.hpp"
+#include "solvers/iteration_record.hpp"
+#include "solvers/options.hpp"
+
+namespace conddp {
+
+/// Second derivatives of the dynamics in the sweep. `when_slow`: exact ones only once
+/// Gauss-Newton's convergence, linear as it is, turns out to be slow.
+enum class HessianUse { gauss_newton, when_slow, exact };
+
+/// What the options ask for, where a solver can do either.
+HessianUse hessian_use(const SolverOptions& options);
+
+/// The Hessians of a linearisation in two sets, Gauss-Newton and exact, of which one is in the
+/// linearisation and the other here; and when a solve turns from the former to the latter.
+class HessianSwitch {
+ public:
+  /// Allocates what exact Hessians need, where they may be used.
+  HessianSwitch(HessianUse use, Acts& acts, Linearization& linearization);
+
+  /// At the start of a solve.
+  void reset();
+  /// With every row of the log: watches for slow convergence.
+  void watch(const IterationRecord& row);
+  /// Turns to exact Hessians where convergence may decide that. Returns whether that is news.
+  bool turn();
+
+  /// Forgets the exact Hessians and puts the Gauss-Newton ones into the linearisation, as
+  /// Acts::differentiate wants it: that leaves entries alone that are zero by structure.
+  void begin_iterate();
+  /// Whether the iterate should get exact Hessians.
+  bool exact_wanted() const { return exact_wanted_; }
+  /// Gives it those with these co-states (ndx x (N + 1)).
+  void evaluate_exact(const Trajectory& trajectory, const Eigen::MatrixXd& costates);
+  /// Whether the iterate has them.
+  bool exact_known() const { return exact_known_; }
+
+  /// Puts one of the sets into the linearisation.
+  void use(bool exact);
+  bool exact_in_use() const { return exact_in_use_; }
+
+ private:
+  HessianUse use_;
+  Acts& acts_;
+  Linearization& linearization_;
+  std::vector<Eigen::MatrixXd> other_;  ///< the set that is not in the linearisation
+  bool exact_wanted_ = false;
+  bool exact_known_ = false;
+  bool exact_in_use_ = false;
+  int watched_iteration_ = 0;  ///< the iterate that convergence is compared with
+  double watched_cost_ = 0;
+  double watched_stationarity_ = 0;
+};
+
+}  // namespace conddp
