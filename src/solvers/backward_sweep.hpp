@@ -34,6 +34,8 @@ class BackwardSweep {
 
   /// Value at node k after a sweep, with respect to δx_k.
   const ValueFunction& value(int k) const { return values_[k]; }
+  /// Exchanges all of them with another set of the same shape.
+  void swap_values(std::vector<ValueFunction>& other) { values_.swap(other); }
 
  private:
   bool solve_stage(int k, const Trajectory& trajectory, const KnotLinearization& knot,

@@ -20,23 +20,23 @@ class BoxStage : public StagePolicy {
     step_.resize(1, max_nu);
     free_.reserve(max_nu);
     for (int k = 0; k < problem.knots(); ++k) {
-      remembered_.emplace_back(problem.nu(k));
       const int nu = problem.nu(k);
-      active_.emplace_back(nu);
+      standing_.active.emplace_back(nu);
       kept_.push_back({Eigen::MatrixXd(problem.ndx(), nu), Eigen::MatrixXd(nu, nu),
                        Eigen::VectorXd(nu), Eigen::VectorXd(nu), Eigen::VectorXd(nu)});
     }
+    remembered_ = standing_;
   }
 
   void begin_sweep(bool hold) override {
-    clamped_ = changes_ = 0;
+    standing_.clamped = standing_.changes = 0;
     hold_ = hold;
   }
 
   bool solve(const StageProblem& stage, Eigen::Ref<Eigen::VectorXd> k,
              Eigen::Ref<Eigen::MatrixXd> Kt) override {
     const int nu = static_cast<int>(k.size());
-    std::vector<BoundState>& active = active_[stage.knot];
+    std::vector<BoundState>& active = standing_.active[stage.knot];
     std::copy(active.begin(), active.end(), before_.begin());
     auto lower = lower_.head(nu);
     auto upper = upper_.head(nu);
@@ -62,8 +62,8 @@ class BoxStage : public StagePolicy {
     Kt.setZero();
     for (std::size_t j = 0; j < free.size(); ++j) Kt.col(free[j]) = rhs.col(j);
     for (int i = 0; i < nu; ++i) {
-      clamped_ += active[i] != BoundState::free;
-      changes_ += active[i] != before_[i];
+      standing_.clamped += active[i] != BoundState::free;
+      standing_.changes += active[i] != before_[i];
     }
     return true;
   }
@@ -71,7 +71,7 @@ class BoxStage : public StagePolicy {
   int revise(int knot, const Eigen::Ref<const Eigen::VectorXd>& dx,
              const Eigen::Ref<const Eigen::VectorXd>& du, bool release) override {
     const Kept& kept = kept_[knot];
-    std::vector<BoundState>& active = active_[knot];
+    std::vector<BoundState>& active = standing_.active[knot];
     int changes = 0;
     for (int i = 0; i < du.size(); ++i) {
       BoundState state = active[i];
@@ -85,30 +85,37 @@ class BoxStage : public StagePolicy {
       changes += state != active[i];
       active[i] = state;
     }
-    changes_ += changes;
+    standing_.changes += changes;
     return changes;
   }
 
   void assume(int knot, const Eigen::Ref<const Eigen::VectorXd>& gradient) override {
     const Kept& kept = kept_[knot];
     for (int i = 0; i < gradient.size(); ++i) {
-      active_[knot][i] = kept.lower[i] >= 0 && gradient[i] > 0   ? BoundState::at_lower
+      standing_.active[knot][i] = kept.lower[i] >= 0 && gradient[i] > 0   ? BoundState::at_lower
                          : kept.upper[i] <= 0 && gradient[i] < 0 ? BoundState::at_upper
                                                                  : BoundState::free;
     }
   }
 
-  void remember() override { remembered_ = active_; }
-  void recall() override { active_ = remembered_; }
+  void remember() override { remembered_ = standing_; }
+  void recall() override { standing_ = remembered_; }
 
-  int clamped_controls() const override { return clamped_; }
-  int active_set_changes() const override { return changes_; }
+  int clamped_controls() const override { return standing_.clamped; }
+  int active_set_changes() const override { return standing_.changes; }
 
  private:
   /// What the last sweep saw at a knot; bounds are those of δu.
   struct Kept {
     Eigen::MatrixXd Qxu, Quu;
     Eigen::VectorXd Qu, lower, upper;
+  };
+
+  /// Where the controls of all knots stand, kept from sweep to sweep, and what is said of that.
+  struct Standing {
+    std::vector<std::vector<BoundState>> active;
+    int clamped = 0;
+    int changes = 0;
   };
 
   /// The stage's minimum with the entries that `active` holds put at their bounds.
@@ -121,7 +128,7 @@ class BoxStage : public StagePolicy {
       else
         k[i] = active[i] == BoundState::at_lower ? kept.lower[i] : kept.upper[i];
     }
-    clamped_ += static_cast<int>(k.size() - free_.size());
+    standing_.clamped += static_cast<int>(k.size() - free_.size());
     const int count = static_cast<int>(free_.size());
     auto factor = factor_.topLeftCorner(count, count);
     auto rhs = rhs_.leftCols(count);
@@ -151,11 +158,9 @@ class BoxStage : public StagePolicy {
   Eigen::MatrixXd factor_, step_;
   Eigen::VectorXd lower_, upper_;
   Eigen::MatrixXd rhs_;
-  std::vector<std::vector<BoundState>> active_;  ///< one a knot, kept from sweep to sweep
-  std::vector<std::vector<BoundState>> remembered_;
+  Standing standing_;
+  Standing remembered_;
   std::vector<BoundState> before_;
-  int clamped_ = 0;
-  int changes_ = 0;
 };
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "solvers/direction.hpp"
 
+#include <utility>
+
 namespace conddp {
 
 Direction::Direction(const ShootingProblem& problem, const ControlBounds& bounds,
@@ -11,7 +13,12 @@ Direction::Direction(const ShootingProblem& problem, const ControlBounds& bounds
       sweep_(problem, bounds),
       policy_(recipe.box_stage ? box_stage(problem, options) : unconstrained_stage(problem)),
       linear_rollout_(problem, bounds),
-      feedback_(problem) {}
+      feedback_(problem) {
+  if (horizon_sweeps_ == 0) return;
+  remembered_.emplace(
+      Remembered{Feedback(problem),
+                 std::vector<ValueFunction>(problem.knots() + 1, ValueFunction(problem.ndx()))});
+}
 
 /// Sweeps until the linear rollout confirms the active set that the sweep assumed, from the set
 /// that the iteration before ended with. Where sets alternate instead of settling, the set of the
@@ -47,12 +54,24 @@ int Direction::find(const Linearization& linearization, const Trajectory& trajec
   bool feasible = false;
   for (int i = 0; i < limit && !feasible && sweep(true) < 0; ++i) feasible = revise(false) == 0;
   const double held = feasible ? model_decrease() : 0;
-  policy_->remember();
+  remember();
   const int bad_knot = sweep(false);
   active_set_known_ = feasible && !merit.hidden(held) && (bad_knot >= 0 || model_decrease() < held);
   if (!active_set_known_) return bad_knot;
+  recall();
+  return -1;
+}
+
+void Direction::remember() {
+  policy_->remember();
+  std::swap(remembered_->feedback, feedback_);
+  sweep_.swap_values(remembered_->values);
+}
+
+void Direction::recall() {
   policy_->recall();
-  return sweep(true);
+  std::swap(remembered_->feedback, feedback_);
+  sweep_.swap_values(remembered_->values);
 }
 
 ModelStep Direction::measure(const Linearization& linearization, const Trajectory& trajectory) {

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <memory>
+#include <optional>
+#include <vector>
 
 #include "solvers/adjoint.hpp"
 #include "solvers/backward_sweep.hpp"
@@ -33,6 +35,14 @@ class Direction {
   const StagePolicy& policy() const { return *policy_; }
 
  private:
+  /// What a sweep leaves besides its policy's active set, set aside while another one is tried.
+  struct Remembered {
+    Feedback feedback;
+    std::vector<ValueFunction> values;
+  };
+  void remember();
+  void recall();
+
   const ShootingProblem& problem_;
   const ControlBounds& bounds_;
   Recipe recipe_;
@@ -41,7 +51,8 @@ class Direction {
   std::unique_ptr<StagePolicy> policy_;
   LinearRollout linear_rollout_;
   Feedback feedback_;
-  bool active_set_known_ = false;  ///< the policy holds one of the whole horizon
+  std::optional<Remembered> remembered_;  ///< where sweeps are compared
+  bool active_set_known_ = false;         ///< the policy holds one of the whole horizon
 };
 
 }  // namespace conddp

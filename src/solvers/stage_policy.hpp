@@ -46,7 +46,7 @@ class StagePolicy {
   virtual void assume(int knot, const Eigen::Ref<const Eigen::VectorXd>& gradient) {
     (void)knot, (void)gradient;
   }
-  /// Keeps a copy of the active set, and goes back to it.
+  /// Keeps a copy of the active set and what is said about it below, and goes back to it.
   virtual void remember() {}
   virtual void recall() {}
   /// Control entries that the last sweep held at a bound, and how often entries changed their
