@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "solvers/lane_gemm.hpp"
+
 namespace conddp {
 namespace {
 
@@ -20,7 +22,7 @@ BackwardSweep::BackwardSweep(const ShootingProblem& problem, const ControlBounds
       gap_(problem.manifold()),
       propagation_(problem.ndx(), largest_nu(problem)),
       q_(problem.ndx(), largest_nu(problem)),
-      columns_((problem.ndx() + largest_nu(problem)) * largest_nu(problem)),
+      columns_(problem.ndx() + largest_nu(problem), largest_nu(problem)),
       Kt_(problem.ndx(), largest_nu(problem)),
       M_(problem.ndx(), largest_nu(problem)),
       S_(problem.ndx(), problem.ndx()),
@@ -53,16 +55,19 @@ bool BackwardSweep::solve_stage(int k, const Trajectory& trajectory, const KnotL
                                 Feedback& feedback) {
   const int nu = q_.nu(), ndx = q_.ndx();
   if (nu == 0) return true;
-  Eigen::Map<Eigen::MatrixXd> columns(columns_.data(), q_.nz(), nu);
-  columns = q_.Qzz().rightCols(nu);
-  if (regularization.weight > 0) {
+  const bool regular = regularization.weight > 0;
+  columns_.resize(q_.nz(), nu);
+  auto columns = regular ? columns_.view() : q_.Qzz_lanes().block(q_.nz(), ndx, nu).view();
+  if (regular) {
+    columns = q_.Qzz().rightCols(nu);
     if (regularization.kind == RegularizationKind::state) {
       propagation_.regularize_state(knot, regularization.weight, columns);
     } else {
       columns.bottomRows(nu).diagonal().array() += regularization.weight;
     }
   }
-  auto Kt = Kt_.leftCols(nu);
+  Kt_.resize(ndx, nu);
+  auto Kt = Kt_.view();
   const StageProblem stage{k,
                            columns.topRows(ndx),
                            columns.bottomRows(nu),
@@ -75,26 +80,26 @@ bool BackwardSweep::solve_stage(int k, const Trajectory& trajectory, const KnotL
   return true;
 }
 
-/// With M = Q_xu + ½ Kᵀ Q_uu the products of V_xx collapse to S + Sᵀ, S = M K: symmetric to the
-/// last bit.
 void BackwardSweep::form_value(ValueFunction& value, const Eigen::VectorXd& k) {
-  const int nu = q_.nu();
+  const int nu = q_.nu(), ndx = q_.ndx();
   value.Vx = q_.Qx();
-  value.Vxx = q_.Qxx();
-  if (nu == 0) return;
-  const auto Kt = Kt_.leftCols(nu);
-  auto M = M_.leftCols(nu);
-  auto w = w_.head(nu);
-  M = q_.Qxu();
-  M.noalias() += 0.5 * Kt * q_.Quu();
-  S_.noalias() = M * Kt.transpose();
-  const int ndx = q_.ndx();
-  for (int j = 0; j < ndx; ++j) {
-    for (int i = 0; i <= j; ++i) {
-      value.Vxx(i, j) += S_(i, j) + S_(j, i);
-      value.Vxx(j, i) = value.Vxx(i, j);
-    }
+  if (nu == 0) {
+    value.Vxx = q_.Qxx();
+    return;
   }
+  LaneMatrix& Q = q_.Qzz_lanes();
+  const auto Kt = Kt_.view();
+  // V_xx = Q_xx + (Kᵀ Q_uu + Q_xu) K + Kᵀ Q_ux in its lower triangle.
+  M_.resize(ndx, nu);
+  M_.view() = q_.Qxu();
+  const LaneBlock Kt_block = Kt_.block(ndx, 0, nu);
+  multiply(Store::add, M_.block(), Kt_block, {Q.col(ndx) + ndx, 1, Q.stride()});
+  S_.view() = q_.Qxx();
+  multiply_lower(Store::add, S_.block(), M_.block(), Factor::transposed(Kt_));
+  multiply_lower(Store::add, S_.block(), Kt_block, {Q.col(ndx), Q.stride(), 1});
+  mirror_lower(S_.block());
+  value.Vxx = S_.view();
+  auto w = w_.head(nu);
   w = q_.Qu();
   w.noalias() += q_.Quu() * k;
   value.Vx.noalias() += Kt * w;

@@ -48,11 +48,11 @@ class BackwardSweep {
   GapTransport gap_;
   ValuePropagation propagation_;
   ActionValue q_;
-  Eigen::VectorXd columns_;  ///< nz x nu: control columns of Q_zz, regularised
-  Eigen::MatrixXd Kt_;       ///< ndx x nu
-  Eigen::MatrixXd M_;        ///< ndx x nu
-  Eigen::MatrixXd S_;        ///< ndx x ndx
-  Eigen::VectorXd w_;        ///< nu
+  LaneMatrix columns_;  ///< nz x nu: control columns of Q_zz, regularised
+  LaneMatrix Kt_;       ///< ndx x nu
+  LaneMatrix M_;        ///< ndx x nu
+  LaneMatrix S_;        ///< ndx x ndx
+  Eigen::VectorXd w_;   ///< nu
 };
 
 }  // namespace conddp

@@ -83,10 +83,10 @@ bool BoxQp::free_gradient_vanishes(double rounding) const {
 
 /// The Newton step of the free entries: −H_ff⁻¹ times the gradient.
 void BoxQp::find_direction() {
-  for (int i = 0; i < free_count_; ++i) rhs_(0, i) = -gradient_[free_[i]];
-  solve_rows_in_place(free_factor(), rhs_.leftCols(free_count_));
+  for (int i = 0; i < free_count_; ++i) rhs_.col(i)[0] = -gradient_[free_[i]];
+  solve_rows_in_place(free_factor(), rhs_.block(1, 0, free_count_));
   direction_.head(size_).setZero();
-  for (int i = 0; i < free_count_; ++i) direction_[free_[i]] = rhs_(0, i);
+  for (int i = 0; i < free_count_; ++i) direction_[free_[i]] = rhs_.col(i)[0];
 }
 
 BoxQp::Status BoxQp::solve(const MatrixIn& H, const VectorIn& g, const VectorIn& lower,

@@ -6,6 +6,8 @@
 
 #include <Eigen/Core>
 
+#include "solvers/lane_matrix.hpp"
+
 namespace conddp {
 
 /// Where an entry of a box QP's solution stands.
@@ -58,7 +60,7 @@ class BoxQp {
   int iterations_ = 0;
   Eigen::VectorXd x_, gradient_, direction_, step_, trial_, H_step_;
   Eigen::MatrixXd factor_;
-  Eigen::MatrixXd rhs_;  // one row
+  LaneMatrix rhs_;  // one row
   std::vector<int> free_;
 };
 

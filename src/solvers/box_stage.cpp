@@ -15,9 +15,9 @@ class BoxStage : public StagePolicy {
         lower_(max_nu),
         upper_(max_nu),
         rhs_(problem.ndx(), max_nu),
+        step_(1, max_nu),
         before_(max_nu) {
     factor_.resize(max_nu, max_nu);
-    step_.resize(1, max_nu);
     free_.reserve(max_nu);
     for (int k = 0; k < problem.knots(); ++k) {
       const int nu = problem.nu(k);
@@ -56,11 +56,13 @@ class BoxStage : public StagePolicy {
     k = qp_.x();
     // Feedback acts on the free controls alone: K_f = −Q_ff⁻¹ Q_fx.
     const auto free = qp_.free();
-    auto rhs = rhs_.leftCols(static_cast<int>(free.size()));
-    for (std::size_t j = 0; j < free.size(); ++j) rhs.col(j) = -stage.Qxu.col(free[j]);
-    solve_rows_in_place(qp_.free_factor(), rhs);
+    const int count = static_cast<int>(free.size());
+    rhs_.resize(static_cast<int>(Kt.rows()), count);
+    auto rhs = rhs_.view();
+    for (int j = 0; j < count; ++j) rhs.col(j) = -stage.Qxu.col(free[j]);
+    solve_rows_in_place(qp_.free_factor(), rhs_.block());
     Kt.setZero();
-    for (std::size_t j = 0; j < free.size(); ++j) Kt.col(free[j]) = rhs.col(j);
+    for (int j = 0; j < count; ++j) Kt.col(free[j]) = rhs.col(j);
     for (int i = 0; i < nu; ++i) {
       standing_.clamped += active[i] != BoundState::free;
       standing_.changes += active[i] != before_[i];
@@ -93,8 +95,8 @@ class BoxStage : public StagePolicy {
     const Kept& kept = kept_[knot];
     for (int i = 0; i < gradient.size(); ++i) {
       standing_.active[knot][i] = kept.lower[i] >= 0 && gradient[i] > 0   ? BoundState::at_lower
-                         : kept.upper[i] <= 0 && gradient[i] < 0 ? BoundState::at_upper
-                                                                 : BoundState::free;
+                                  : kept.upper[i] <= 0 && gradient[i] < 0 ? BoundState::at_upper
+                                                                          : BoundState::free;
     }
   }
 
@@ -131,8 +133,10 @@ class BoxStage : public StagePolicy {
     standing_.clamped += static_cast<int>(k.size() - free_.size());
     const int count = static_cast<int>(free_.size());
     auto factor = factor_.topLeftCorner(count, count);
-    auto rhs = rhs_.leftCols(count);
-    auto step = step_.leftCols(count);
+    rhs_.resize(static_cast<int>(Kt.rows()), count);
+    step_.resize(1, count);
+    auto rhs = rhs_.view();
+    auto step = step_.view();
     for (int a = 0; a < count; ++a) {
       for (int b = 0; b < count; ++b) factor(a, b) = kept.Quu(free_[a], free_[b]);
       step(0, a) = -kept.Qu[free_[a]];
@@ -141,8 +145,8 @@ class BoxStage : public StagePolicy {
       rhs.col(a) = -kept.Qxu.col(free_[a]);
     }
     if (!cholesky_in_place(factor)) return false;
-    solve_rows_in_place(factor, step);
-    solve_rows_in_place(factor, rhs);
+    solve_rows_in_place(factor, step_.block());
+    solve_rows_in_place(factor, rhs_.block());
     Kt.setZero();
     for (int a = 0; a < count; ++a) {
       k[free_[a]] = step(0, a);
@@ -155,9 +159,9 @@ class BoxStage : public StagePolicy {
   bool hold_ = false;
   std::vector<Kept> kept_;
   std::vector<int> free_;
-  Eigen::MatrixXd factor_, step_;
+  Eigen::MatrixXd factor_;
   Eigen::VectorXd lower_, upper_;
-  Eigen::MatrixXd rhs_;
+  LaneMatrix rhs_, step_;
   Standing standing_;
   Standing remembered_;
   std::vector<BoundState> before_;

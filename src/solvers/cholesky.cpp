@@ -1,7 +1,10 @@
 #include "solvers/cholesky.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "solvers/lane_gemm.hpp"
 
 namespace conddp {
 namespace {
@@ -34,19 +37,33 @@ bool cholesky_in_place(Eigen::Ref<Eigen::MatrixXd> A) {
   return true;
 }
 
-void solve_rows_in_place(const Eigen::Ref<const Eigen::MatrixXd>& L,
-                         Eigen::Ref<Eigen::MatrixXd> B) {
+void solve_rows_in_place(const Eigen::Ref<const Eigen::MatrixXd>& L, LaneBlock B) {
+  constexpr int kBlock = 6;
   const int n = static_cast<int>(L.rows());
-  const int rows = static_cast<int>(B.rows());
-  for (int j = 0; j < n; ++j) {
-    double* column = B.col(j).data();
-    for (int i = 0; i < j; ++i) subtract(rows, L(j, i), B.col(i).data(), column);
-    scale(rows, 1 / L(j, j), column);
+  const int stride = static_cast<int>(L.outerStride());
+  const int rows = (B.rows + kLaneWidth - 1) / kLaneWidth * kLaneWidth;
+  const auto column = [&](int j) { return B.data + j * B.stride; };
+  const auto columns = [&](int first, int count) {
+    return LaneBlock{column(first), B.stride, B.rows, count};
+  };
+  // Y Lᵀ = B, then X L = Y: a block of columns first loses what the finished ones contribute.
+  for (int first = 0; first < n; first += kBlock) {
+    const int end = std::min(n, first + kBlock);
+    multiply(Store::subtract, columns(first, end - first), columns(0, first),
+             {L.data() + first, stride, 1});
+    for (int j = first; j < end; ++j) {
+      for (int i = first; i < j; ++i) subtract(rows, L(j, i), column(i), column(j));
+      scale(rows, 1 / L(j, j), column(j));
+    }
   }
-  for (int j = n - 1; j >= 0; --j) {
-    double* column = B.col(j).data();
-    for (int i = j + 1; i < n; ++i) subtract(rows, L(i, j), B.col(i).data(), column);
-    scale(rows, 1 / L(j, j), column);
+  for (int first = (n - 1) / kBlock * kBlock; first >= 0; first -= kBlock) {
+    const int end = std::min(n, first + kBlock);
+    multiply(Store::subtract, columns(first, end - first), columns(end, n - end),
+             {L.data() + end + first * stride, 1, stride});
+    for (int j = end - 1; j >= first; --j) {
+      for (int i = j + 1; i < end; ++i) subtract(rows, L(i, j), column(i), column(j));
+      scale(rows, 1 / L(j, j), column(j));
+    }
   }
 }
 

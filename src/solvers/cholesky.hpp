@@ -2,6 +2,8 @@
 
 #include <Eigen/Core>
 
+#include "solvers/lane_matrix.hpp"
+
 namespace conddp {
 
 /// Cholesky factors of the small symmetric matrices of a stage, in place and without allocation.
@@ -10,7 +12,7 @@ namespace conddp {
 /// beyond rounding (or not finite): then A is left half done.
 bool cholesky_in_place(Eigen::Ref<Eigen::MatrixXd> A);
 
-/// B ← B (L Lᵀ)⁻¹: every row of B is a right-hand side, so that the inner loops run down columns.
-void solve_rows_in_place(const Eigen::Ref<const Eigen::MatrixXd>& L, Eigen::Ref<Eigen::MatrixXd> B);
+/// B ← B (L Lᵀ)⁻¹: every row of B is a right-hand side, so that lanes run down its columns.
+void solve_rows_in_place(const Eigen::Ref<const Eigen::MatrixXd>& L, LaneBlock B);
 
 }  // namespace conddp

@@ -1,5 +1,7 @@
 #include "solvers/gap_transport.hpp"
 
+#include "solvers/curved_blocks.hpp"
+
 namespace conddp {
 namespace {
 
@@ -52,14 +54,12 @@ void GapTransport::pull(ValueFunction& value) const {
   value.Vx.noalias() += value.Vxx * gap_;
   if (identity_) return;
   pull(value.Vx);
-  for (int j = 0; j < value.Vxx.cols(); ++j) pull(value.Vxx.col(j));
+  const int ndx = static_cast<int>(value.Vxx.rows());
   for (std::size_t s = 0; s < manifold_.curved().size(); ++s) {
     const auto& segment = manifold_.curved()[s];
-    for (int i = 0; i < value.Vxx.rows(); ++i) {
-      const SmallVector part = value.Vxx.row(i).segment(segment.dx, segment.n).transpose();
-      value.Vxx.row(i).segment(segment.dx, segment.n).noalias() =
-          (block(G_, s, segment.n).transpose() * part).transpose();
-    }
+    const CurvedBlock G{G_.data() + s * StateManifold::kBlockSize, segment.n, segment.n};
+    transform_rows(G, value.Vxx.data() + segment.dx, ndx, ndx);
+    transform_columns(G, value.Vxx.col(segment.dx).data(), ndx, ndx);
   }
 }
 

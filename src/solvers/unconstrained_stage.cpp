@@ -18,10 +18,11 @@ class UnconstrainedStage : public StagePolicy {
     L = stage.Quu;
     if (!cholesky_in_place(L)) return false;
     // One solve for both: the gradient is one more row of right-hand sides.
-    auto rhs = rhs_.leftCols(nu);
+    rhs_.resize(ndx + 1, nu);
+    auto rhs = rhs_.view();
     rhs.topRows(ndx) = -stage.Qxu;
     rhs.row(ndx) = -stage.Qu.transpose();
-    solve_rows_in_place(L, rhs);
+    solve_rows_in_place(L, rhs_.block());
     Kt = rhs.topRows(ndx);
     k = rhs.row(ndx).transpose();
     return true;
@@ -29,7 +30,7 @@ class UnconstrainedStage : public StagePolicy {
 
  private:
   Eigen::MatrixXd factor_;
-  Eigen::MatrixXd rhs_;
+  LaneMatrix rhs_;
 };
 
 }  // namespace

@@ -1,42 +1,30 @@
 #include "solvers/value.hpp"
 
+#include "solvers/curved_blocks.hpp"
+#include "solvers/lane_gemm.hpp"
+
 namespace conddp {
 namespace {
 
-/// The n rows of X at `at` ← Bᵀ times them (B has n ≤ 6 rows).
-template <class Block, class Matrix>
-void transform_rows(const Block& B, int at, int n, Matrix&& X) {
-  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1> column(n);
-  for (int j = 0; j < X.cols(); ++j) {
-    column = X.col(j).segment(at, n);
-    X.col(j).segment(at, n).noalias() = B.topLeftCorner(n, n).transpose() * column;
-  }
-}
+using StateBlock = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
 
-/// The n columns of X at `at` ← them times B.
-template <class Block, class Matrix>
-void transform_columns(const Block& B, int at, int n, Matrix&& X) {
-  Eigen::Matrix<double, 1, Eigen::Dynamic, 1, 1, 6> row(n);
-  for (int i = 0; i < X.rows(); ++i) {
-    row = X.row(i).segment(at, n);
-    X.row(i).segment(at, n).noalias() = row * B.topLeftCorner(n, n);
-  }
-}
+CurvedBlock block(const StateBlock& B, int n) { return {B.data(), n, 6}; }
 
 }  // namespace
 
 ActionValue::ActionValue(int ndx, int max_nu)
-    : ndx_(ndx), nu_(max_nu), gradient_(ndx + max_nu), hessian_((ndx + max_nu) * (ndx + max_nu)) {}
+    : ndx_(ndx), nu_(max_nu), gradient_(ndx + max_nu), hessian_(ndx + max_nu, ndx + max_nu) {}
 
 ValuePropagation::ValuePropagation(int ndx, int max_nu)
-    : ndx_(ndx),
-      scratch_(ndx),
+    : scratch_(ndx),
       pulled_(ndx + max_nu),
-      PF_(ndx, ndx + max_nu),
+      Ft_(ndx + max_nu, ndx),
+      FtP_(ndx + max_nu, ndx),
       M_(ndx, ndx),
-      HtP_(ndx, ndx),
+      T_(ndx, ndx),
       P22_(ndx, ndx),
-      columns_(ndx, max_nu) {}
+      columns_(ndx, max_nu),
+      columns2_(ndx, max_nu) {}
 
 void ValuePropagation::propagate(const KnotLinearization& knot, const ValueFunction& next,
                                  ActionValue& q) {
@@ -45,67 +33,65 @@ void ValuePropagation::propagate(const KnotLinearization& knot, const ValueFunct
   knot.apply_transpose(next.Vx, pulled, scratch_);
   q.Qz() = knot.gradient + pulled;
   q.Qzz() = knot.hessian;
+  const int rows = static_cast<int>(knot.F.rows());
+  Ft_.resize(q.nz(), rows);
+  FtP_.resize(q.nz(), rows);
+  transpose(knot.F.data(), rows, rows, q.nz(), Ft_.data(), Ft_.stride());
   if (knot.semi_implicit) {
     add_semi_implicit(knot, next.Vxx, q);
   } else {
-    add_dense(knot, next.Vxx, q);
+    multiply(Store::set, FtP_.block(), Ft_.block(), Factor::of_eigen(next.Vxx));
+    multiply_lower(Store::add, q.Qzz_lanes().block(), Ft_.block(), Factor::transposed(FtP_));
   }
-  // Only the upper triangle was formed.
-  double* Q = q.Qzz().data();
-  const int nz = q.nz();
-  for (int j = 0; j < nz; ++j) {
-    for (int i = 0; i < j; ++i) Q[i * nz + j] = Q[j * nz + i];
-  }
-}
-
-void ValuePropagation::add_dense(const KnotLinearization& knot, const Eigen::MatrixXd& Vxx,
-                                 ActionValue& q) {
-  auto PF = PF_.leftCols(q.nz());
-  PF.noalias() = Vxx * knot.F;
-  q.Qzz().triangularView<Eigen::Upper>() += knot.F.transpose() * PF;
+  mirror_lower(q.Qzz_lanes().block());
 }
 
 /// With M = dt P₁₁ H + P₁₂ the transformed blocks are P̃₁₁ = Aᵀ P₁₁ A, P̃₁₂ = Aᵀ M and
-/// P̃₂₂ = P₂₂ + dt (Hᵀ M + (Hᵀ P₁₂)ᵀ); then Qzz gains E P̃₁₁ Eᵀ + E P̃₁₂ F + (E P̃₁₂ F)ᵀ + Fᵀ P̃₂₂ F,
-/// where Eᵀ picks δq.
+/// P̃₂₂ = P₂₂ + dt (Hᵀ M + P₂₁ H); then Qzz gains E P̃₁₁ Eᵀ + E P̃₁₂ F + (E P̃₁₂ F)ᵀ + Fᵀ P̃₂₂ F,
+/// where Eᵀ picks δq. Of that the lower triangle is formed: its columns δq are
+/// Fᵀ (F P̃₂₂ + P̃₂₁) and, where the rows are δq too, P̃₁₁ + P̃₁₂ F.
 void ValuePropagation::add_semi_implicit(const KnotLinearization& knot, const Eigen::MatrixXd& Vxx,
                                          ActionValue& q) {
   const int nv = static_cast<int>(knot.F.rows());
   const double dt = knot.dt;
   const auto P11 = Vxx.topLeftCorner(nv, nv);
-  const auto P12 = Vxx.topRightCorner(nv, nv);
-  auto M = M_.topLeftCorner(nv, nv);
-  auto HtP12 = HtP_.topLeftCorner(nv, nv);
-  auto P22 = P22_.topLeftCorner(nv, nv);
-  auto PF = PF_.topLeftCorner(nv, q.nz());
-  auto Qzz = q.Qzz();
+  for (LaneMatrix* X : {&M_, &T_, &P22_}) X->resize(nv, nv);
+  auto M = M_.view();
+  auto T = T_.view();
+  auto P22 = P22_.view();
+  const auto rows = [&](const std::vector<StateBlock>& B, LaneMatrix& X) {
+    for (std::size_t s = 0; s < knot.curved.size(); ++s) {
+      const int at = knot.curved[s].dx;
+      transform_rows(block(B[s], knot.curved[s].n), X.data() + at, X.stride(), nv);
+    }
+  };
+  const auto columns = [&](const std::vector<StateBlock>& B, LaneMatrix& X) {
+    for (std::size_t s = 0; s < knot.curved.size(); ++s) {
+      const int at = knot.curved[s].dx;
+      transform_columns(block(B[s], knot.curved[s].n), X.col(at), X.stride(), nv);
+    }
+  };
 
   M = P11;
-  HtP12 = P12;
-  for (std::size_t s = 0; s < knot.curved.size(); ++s) {
-    transform_columns(knot.H[s], knot.curved[s].dx, knot.curved[s].n, M);
-    transform_rows(knot.H[s], knot.curved[s].dx, knot.curved[s].n, HtP12);
-  }
-  M = dt * M + P12;
-  P22 = Vxx.bottomRightCorner(nv, nv) + dt * HtP12.transpose();
-  HtP12 = M;  // from here on Hᵀ M
-  for (std::size_t s = 0; s < knot.curved.size(); ++s) {
-    transform_rows(knot.H[s], knot.curved[s].dx, knot.curved[s].n, HtP12);
-    transform_rows(knot.A[s], knot.curved[s].dx, knot.curved[s].n, M);
-  }
-  P22 += dt * HtP12;
+  columns(knot.H, M_);
+  M = dt * M + Vxx.topRightCorner(nv, nv);
+  T = Vxx.bottomLeftCorner(nv, nv);
+  columns(knot.H, T_);
+  P22 = Vxx.bottomRightCorner(nv, nv) + dt * T;
+  T = M;
+  rows(knot.H, T_);
+  P22 += dt * T;
+  rows(knot.A, M_);  // P̃₁₂
+  T = P11;
+  columns(knot.A, T_);
+  rows(knot.A, T_);  // P̃₁₁
 
-  PF.noalias() = P22 * knot.F;
-  Qzz.triangularView<Eigen::Upper>() += knot.F.transpose() * PF;
-  PF.noalias() = M * knot.F;  // P̃₁₂ F
-  Qzz.topRows(nv) += PF;
-  auto P11_tilde = P22;
-  P11_tilde = P11;
-  for (std::size_t s = 0; s < knot.curved.size(); ++s) {
-    transform_columns(knot.A[s], knot.curved[s].dx, knot.curved[s].n, P11_tilde);
-    transform_rows(knot.A[s], knot.curved[s].dx, knot.curved[s].n, P11_tilde);
-  }
-  Qzz.topLeftCorner(nv, nv) += P11_tilde + PF.leftCols(nv).transpose();
+  LaneMatrix& Q = q.Qzz_lanes();
+  Q.view().topLeftCorner(nv, nv) += T;
+  multiply_lower(Store::add, Q.block(nv, 0, nv), M_.block(), Factor::of_eigen(knot.F));
+  multiply(Store::set, FtP_.block(), Ft_.block(), Factor::of(P22_));
+  FtP_.view().topRows(nv) += M;
+  multiply_lower(Store::add, Q.block(), Ft_.block(), Factor::transposed(FtP_));
 }
 
 void ValuePropagation::regularize_state(const KnotLinearization& knot, double mu,
@@ -121,16 +107,18 @@ void ValuePropagation::regularize_state(const KnotLinearization& knot, double mu
   }
   // T_u = (dt H F_u; F_u) and T = (A Eᵀ + dt H F; F).
   work = (mu * knot.dt) * Fu;
+  const int stride = static_cast<int>(columns_.rows());
   for (std::size_t s = 0; s < knot.curved.size(); ++s) {
     const int at = knot.curved[s].dx, n = knot.curved[s].n;
-    const Eigen::Matrix<double, 6, 6> Ht = knot.H[s].transpose();
-    transform_rows(Ht, at, n, work);
+    const StateBlock Ht = knot.H[s].transpose();
+    transform_rows(block(Ht, n), columns_.data() + at, stride, nu);
   }
-  auto upper = PF_.topLeftCorner(nv, nu);
+  auto upper = columns2_.topLeftCorner(nv, nu);
   upper = work;  // μ dt H F_u
   for (std::size_t s = 0; s < knot.curved.size(); ++s) {
-    transform_rows(knot.A[s], knot.curved[s].dx, knot.curved[s].n, upper);
-    transform_rows(knot.H[s], knot.curved[s].dx, knot.curved[s].n, work);
+    const int at = knot.curved[s].dx, n = knot.curved[s].n;
+    transform_rows(block(knot.A[s], n), columns2_.data() + at, stride, nu);
+    transform_rows(block(knot.H[s], n), columns_.data() + at, stride, nu);
   }
   columns.topRows(nv) += upper;
   work = knot.dt * work + mu * Fu;

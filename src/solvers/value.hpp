@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 
 #include "ocp/linearization.hpp"
+#include "solvers/lane_matrix.hpp"
 
 namespace conddp {
 
@@ -25,15 +26,19 @@ class ActionValue {
   ActionValue(int ndx, int max_nu);
 
   /// Shapes it for a knot with nu controls; the content becomes undefined. Does not allocate.
-  void resize(int nu) { nu_ = nu; }
+  void resize(int nu) {
+    nu_ = nu;
+    hessian_.resize(nz(), nz());
+  }
   int ndx() const { return ndx_; }
   int nu() const { return nu_; }
   int nz() const { return ndx_ + nu_; }
 
   Eigen::Map<Eigen::VectorXd> Qz() { return {gradient_.data(), nz()}; }
   Eigen::Map<const Eigen::VectorXd> Qz() const { return {gradient_.data(), nz()}; }
-  Eigen::Map<Eigen::MatrixXd> Qzz() { return {hessian_.data(), nz(), nz()}; }
-  Eigen::Map<const Eigen::MatrixXd> Qzz() const { return {hessian_.data(), nz(), nz()}; }
+  StridedView Qzz() { return hessian_.view(); }
+  ConstStridedView Qzz() const { return hessian_.view(); }
+  LaneMatrix& Qzz_lanes() { return hessian_; }
   auto Qx() const { return Qz().head(ndx_); }
   auto Qu() const { return Qz().tail(nu_); }
   auto Qxx() const { return Qzz().topLeftCorner(ndx_, ndx_); }
@@ -44,7 +49,7 @@ class ActionValue {
   int ndx_;
   int nu_ = 0;
   Eigen::VectorXd gradient_;
-  Eigen::VectorXd hessian_;
+  LaneMatrix hessian_;
 };
 
 /// Carries a value function backward through a knot's dynamics δx⁺ = T δz:
@@ -65,14 +70,13 @@ class ValuePropagation {
                         Eigen::Ref<Eigen::MatrixXd> columns);
 
  private:
-  void add_dense(const KnotLinearization& knot, const Eigen::MatrixXd& Vxx, ActionValue& q);
   void add_semi_implicit(const KnotLinearization& knot, const Eigen::MatrixXd& Vxx, ActionValue& q);
 
-  int ndx_;
   Eigen::VectorXd scratch_, pulled_;
-  Eigen::MatrixXd PF_;             // ndx x nz
-  Eigen::MatrixXd M_, HtP_, P22_;  // nv x nv, largest nv = ndx
-  Eigen::MatrixXd columns_;        // ndx x nu
+  LaneMatrix Ft_, FtP_;       // nz x rows of F
+  LaneMatrix M_, T_, P22_;    // nv x nv
+  Eigen::MatrixXd columns_;   // ndx x nu
+  Eigen::MatrixXd columns2_;  // ndx x nu
 };
 
 }  // namespace conddp

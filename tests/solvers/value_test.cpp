@@ -186,10 +186,13 @@ TEST(Cholesky, SolvesRowsAndRefusesWhatIsNotPositiveDefinite) {
   const Eigen::MatrixXd A = B * B.transpose() + Eigen::MatrixXd::Identity(7, 7);
   Eigen::MatrixXd L = A;
   ASSERT_TRUE(cholesky_in_place(L));
-  const Eigen::MatrixXd rhs = random.matrix(4, 7);
-  Eigen::MatrixXd X = rhs;
-  solve_rows_in_place(L, X);
-  expect_close(X * A, rhs);
+  for (const int rows : {1, 4, 19}) {
+    const Eigen::MatrixXd rhs = random.matrix(rows, 7);
+    LaneMatrix X(rows, 7);
+    X.view() = rhs;
+    solve_rows_in_place(L, X.block());
+    expect_close(X.view() * A, rhs);
+  }
   Eigen::MatrixXd indefinite = A;
   indefinite(6, 6) = -1;
   EXPECT_FALSE(cholesky_in_place(indefinite));

@@ -1,0 +1,122 @@
+#include "solvers/lane_gemm.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <utility>
+
+namespace conddp {
+namespace {
+
+/// A tile's size: its sums, a column of A and one number of B fit the registers, of which there are
+/// 32 with AVX-512 and 16 without.
+constexpr int kTileLanes = kLaneWidth == 8 ? 4 : 2;
+constexpr int kTileCols = 6;
+
+inline Lane load(const double* p) {
+  Lane a;
+  std::memcpy(&a.v, p, sizeof(a.v));
+  return a;
+}
+
+inline void store(double* p, Lane a) { std::memcpy(p, &a.v, sizeof(a.v)); }
+
+template <int kLanes, int kCols>
+void tile(Store mode, int inner, const double* __restrict A, int a_stride, Factor B,
+          double* __restrict C, int c_stride) {
+  Lane sum[kCols][kLanes];
+#pragma GCC unroll 8
+  for (int c = 0; c < kCols; ++c)
+#pragma GCC unroll 8
+    for (int r = 0; r < kLanes; ++r) sum[c][r] = Lane(0.0);
+  const double* b = B.data;
+  for (int k = 0; k < inner; ++k) {
+    Lane a[kLanes];
+#pragma GCC unroll 8
+    for (int r = 0; r < kLanes; ++r) a[r] = load(A + r * kLaneWidth);
+#pragma GCC unroll 8
+    for (int c = 0; c < kCols; ++c) {
+      const Lane factor(b[c * B.column_step]);
+#pragma GCC unroll 8
+      for (int r = 0; r < kLanes; ++r) sum[c][r] += a[r] * factor;
+    }
+    A += a_stride;
+    b += B.row_step;
+  }
+#pragma GCC unroll 8
+  for (int c = 0; c < kCols; ++c)
+#pragma GCC unroll 8
+    for (int r = 0; r < kLanes; ++r) {
+      double* out = C + c * c_stride + r * kLaneWidth;
+      if (mode == Store::add) sum[c][r] = load(out) + sum[c][r];
+      if (mode == Store::subtract) sum[c][r] = load(out) - sum[c][r];
+      store(out, sum[c][r]);
+    }
+}
+
+using Tile = void (*)(Store, int, const double*, int, Factor, double*, int);
+
+template <int kLanes, int... kCols>
+constexpr std::array<Tile, kTileCols> tiles_of(std::integer_sequence<int, kCols...>) {
+  return {tile<kLanes, kCols + 1>...};
+}
+
+template <int... kLanes>
+constexpr std::array<std::array<Tile, kTileCols>, kTileLanes> all_tiles(
+    std::integer_sequence<int, kLanes...>) {
+  return {tiles_of<kLanes + 1>(std::make_integer_sequence<int, kTileCols>())...};
+}
+
+/// By lanes − 1 and columns − 1.
+constexpr auto kTiles = all_tiles(std::make_integer_sequence<int, kTileLanes>());
+
+void multiply_tiles(Store mode, bool lower, LaneBlock C, LaneBlock A, Factor B) {
+  const int lanes = (C.rows + kLaneWidth - 1) / kLaneWidth;
+  for (int col = 0; col < C.cols; col += kTileCols) {
+    const int cols = std::min(kTileCols, C.cols - col);
+    const Factor factor{B.data + col * B.column_step, B.row_step, B.column_step};
+    for (int lane = lower ? col / kLaneWidth : 0; lane < lanes;) {
+      const int left = lanes - lane;
+      // Two even tiles instead of a full one and a thin one.
+      const int count = left >= 2 * kTileLanes ? kTileLanes
+                        : left > kTileLanes    ? (left + 1) / 2
+                                               : left;
+      const int row = lane * kLaneWidth;
+      kTiles[count - 1][cols - 1](mode, A.cols, A.data + row, A.stride, factor,
+                                  C.data + col * C.stride + row, C.stride);
+      lane += count;
+    }
+  }
+}
+
+}  // namespace
+
+void multiply(Store store, LaneBlock C, LaneBlock A, Factor B) {
+  multiply_tiles(store, false, C, A, B);
+}
+
+void multiply_lower(Store store, LaneBlock C, LaneBlock A, Factor B) {
+  multiply_tiles(store, true, C, A, B);
+}
+
+void transpose(const double* from, int from_stride, int rows, int cols, double* to, int to_stride) {
+  constexpr int kBlock = 8;
+  for (int first_col = 0; first_col < cols; first_col += kBlock) {
+    const int end_col = std::min(cols, first_col + kBlock);
+    for (int row = 0; row < rows; ++row)
+      for (int col = first_col; col < end_col; ++col)
+        to[row * to_stride + col] = from[col * from_stride + row];
+  }
+}
+
+void mirror_lower(LaneBlock A) {
+  constexpr int kBlock = 8;
+  for (int first = 0; first < A.cols; first += kBlock) {
+    const int end = std::min(A.cols, first + kBlock);
+    for (int row = first + 1; row < A.rows; ++row)
+      for (int col = first; col < std::min(end, row); ++col)
+        A.data[row * A.stride + col] = A.data[col * A.stride + row];
+  }
+}
+
+}  // namespace conddp

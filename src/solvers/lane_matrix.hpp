@@ -1,0 +1,59 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "spatial/aligned.hpp"
+#include "spatial/lane.hpp"
+
+namespace conddp {
+
+/// A matrix by columns with room between them.
+using StridedView = Eigen::Map<Eigen::MatrixXd, Eigen::Unaligned, Eigen::OuterStride<>>;
+using ConstStridedView = Eigen::Map<const Eigen::MatrixXd, Eigen::Unaligned, Eigen::OuterStride<>>;
+
+/// Columns of a LaneMatrix: each begins on a lane and may be read and written to the end of its
+/// last lane.
+struct LaneBlock {
+  double* data;
+  int stride;  ///< from column to column
+  int rows, cols;
+
+  StridedView view() const { return {data, rows, cols, Eigen::OuterStride<>(stride)}; }
+};
+
+/// A column-major matrix for the products of lane_gemm.hpp: columns are padded to whole lanes, so
+/// that no kernel has to treat their ends apart. What the padding holds is never used.
+class LaneMatrix {
+ public:
+  /// Zeros.
+  LaneMatrix(int max_rows, int max_cols)
+      : rows_(max_rows),
+        cols_(max_cols),
+        stride_((max_rows + kLaneWidth - 1) / kLaneWidth * kLaneWidth),
+        data_(stride_ * max_cols, 0.0) {}
+
+  /// Shapes it within the size that it was constructed with; the content becomes undefined.
+  void resize(int rows, int cols) { rows_ = rows, cols_ = cols; }
+  int rows() const { return rows_; }
+  int cols() const { return cols_; }
+  int stride() const { return stride_; }
+  double* data() { return data_.data(); }
+  const double* data() const { return data_.data(); }
+  double* col(int j) { return data_.data() + j * stride_; }
+
+  StridedView view() { return {data_.data(), rows_, cols_, Eigen::OuterStride<>(stride_)}; }
+  ConstStridedView view() const {
+    return {data_.data(), rows_, cols_, Eigen::OuterStride<>(stride_)};
+  }
+  LaneBlock block() { return {data_.data(), stride_, rows_, cols_}; }
+  /// Some of its columns, and of these the first rows.
+  LaneBlock block(int rows, int first_col, int cols) {
+    return {col(first_col), stride_, rows, cols};
+  }
+
+ private:
+  int rows_, cols_, stride_;
+  AlignedVector<double> data_;
+};
+
+}  // namespace conddp
