@@ -13,6 +13,12 @@ int largest_nu(const ShootingProblem& problem) {
   return largest;
 }
 
+/// Like Eigen's allFinite, but vectorised.
+template <class Matrix>
+bool all_finite(const Matrix& A) {
+  return (A.array() * 0.0).sum() == 0;
+}
+
 }  // namespace
 
 BackwardSweep::BackwardSweep(const ShootingProblem& problem, const ControlBounds& bounds)
@@ -45,7 +51,7 @@ int BackwardSweep::run(const Linearization& linearization, const Trajectory& tra
     propagation_.propagate(knot, open_gaps ? next_ : values_[k + 1], q_);
     if (!solve_stage(k, trajectory, knot, regularization, policy, feedback)) return k;
     form_value(values_[k], feedback.k[k]);
-    if (!values_[k].Vx.allFinite() || !values_[k].Vxx.allFinite()) return k;
+    if (!all_finite(values_[k].Vx) || !all_finite(values_[k].Vxx)) return k;
   }
   return -1;
 }
@@ -76,7 +82,7 @@ bool BackwardSweep::solve_stage(int k, const Trajectory& trajectory, const KnotL
                            bounds_.lower(k),
                            bounds_.upper(k)};
   if (!policy.solve(stage, feedback.k[k], Kt)) return false;
-  feedback.K[k] = Kt.transpose();
+  transpose(Kt_.data(), Kt_.stride(), ndx, nu, feedback.K[k].data(), nu);
   return true;
 }
 

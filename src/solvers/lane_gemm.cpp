@@ -89,6 +89,45 @@ void multiply_tiles(Store mode, bool lower, LaneBlock C, LaneBlock A, Factor B) 
   }
 }
 
+/// Lanes of two vectors by number: those of the first, then those of the second.
+template <int... kIndex>
+inline Lane pick(Lane a, Lane b) {
+#if defined(__clang__)
+  return Lane(__builtin_shufflevector(a.v, b.v, kIndex...));
+#else
+  return Lane(__builtin_shuffle(a.v, b.v, LaneMask::Vector{kIndex...}));
+#endif
+}
+
+/// Exchanges the quadrants off the diagonal in every square of 2 kHalf rows and lanes.
+template <int kHalf, int... kIndex>
+inline void exchange_quadrants(Lane (&x)[kLaneWidth], std::integer_sequence<int, kIndex...> lanes) {
+#pragma GCC unroll 8
+  for (int r = 0; r < kLaneWidth; ++r) {
+    if ((r & kHalf) != 0) continue;
+    const Lane a = x[r], b = x[r + kHalf];
+    x[r] = pick<((kIndex & kHalf) != 0 ? kLaneWidth + kIndex - kHalf : kIndex)...>(a, b);
+    x[r + kHalf] = pick<((kIndex & kHalf) != 0 ? kLaneWidth + kIndex : kIndex + kHalf)...>(a, b);
+  }
+  if constexpr (kHalf > 1) exchange_quadrants<kHalf / 2>(x, lanes);
+}
+
+/// Lane i of vector j becomes lane j of vector i.
+inline void transpose_lanes(Lane (&x)[kLaneWidth]) {
+  exchange_quadrants<kLaneWidth / 2>(x, std::make_integer_sequence<int, kLaneWidth>());
+}
+
+inline void load_columns(Lane (&x)[kLaneWidth], const double* from, int stride, int count) {
+#pragma GCC unroll 8
+  for (int c = 0; c < kLaneWidth; ++c) x[c] = c < count ? load(from + c * stride) : Lane(0.0);
+}
+
+inline void store_columns(const Lane (&x)[kLaneWidth], double* to, int stride, int count) {
+#pragma GCC unroll 8
+  for (int c = 0; c < kLaneWidth; ++c)
+    if (c < count) store(to + c * stride, x[c]);
+}
+
 }  // namespace
 
 void multiply(Store store, LaneBlock C, LaneBlock A, Factor B) {
@@ -100,22 +139,32 @@ void multiply_lower(Store store, LaneBlock C, LaneBlock A, Factor B) {
 }
 
 void transpose(const double* from, int from_stride, int rows, int cols, double* to, int to_stride) {
-  constexpr int kBlock = 8;
-  for (int first_col = 0; first_col < cols; first_col += kBlock) {
-    const int end_col = std::min(cols, first_col + kBlock);
-    for (int row = 0; row < rows; ++row)
-      for (int col = first_col; col < end_col; ++col)
-        to[row * to_stride + col] = from[col * from_stride + row];
-  }
+  const int whole_rows = rows / kLaneWidth * kLaneWidth;
+  const int whole_cols = cols / kLaneWidth * kLaneWidth;
+  Lane x[kLaneWidth];
+  for (int col = 0; col < whole_cols; col += kLaneWidth)
+    for (int row = 0; row < whole_rows; row += kLaneWidth) {
+      load_columns(x, from + col * from_stride + row, from_stride, kLaneWidth);
+      transpose_lanes(x);
+      store_columns(x, to + row * to_stride + col, to_stride, kLaneWidth);
+    }
+  for (int row = 0; row < rows; ++row)
+    for (int col = row < whole_rows ? whole_cols : 0; col < cols; ++col)
+      to[row * to_stride + col] = from[col * from_stride + row];
 }
 
 void mirror_lower(LaneBlock A) {
-  constexpr int kBlock = 8;
-  for (int first = 0; first < A.cols; first += kBlock) {
-    const int end = std::min(A.cols, first + kBlock);
-    for (int row = first + 1; row < A.rows; ++row)
-      for (int col = first; col < std::min(end, row); ++col)
-        A.data[row * A.stride + col] = A.data[col * A.stride + row];
+  Lane x[kLaneWidth];
+  for (int col = 0; col < A.cols; col += kLaneWidth) {
+    const int cols = std::min(kLaneWidth, A.cols - col);
+    double* square = A.data + col * A.stride + col;
+    for (int c = 1; c < cols; ++c)
+      for (int r = 0; r < c; ++r) square[c * A.stride + r] = square[r * A.stride + c];
+    for (int row = col + kLaneWidth; row < A.rows; row += kLaneWidth) {
+      load_columns(x, A.data + col * A.stride + row, A.stride, kLaneWidth);
+      transpose_lanes(x);
+      store_columns(x, A.data + row * A.stride + col, A.stride, std::min(kLaneWidth, A.rows - row));
+    }
   }
 }
 

@@ -45,6 +45,8 @@ class LaneMatrix {
   ConstStridedView view() const {
     return {data_.data(), rows_, cols_, Eigen::OuterStride<>(stride_)};
   }
+  /// Its columns with their padding, one after the other: for sums of matrices of one shape.
+  Eigen::Map<Eigen::VectorXd> flat() { return {data_.data(), stride_ * cols_}; }
   LaneBlock block() { return {data_.data(), stride_, rows_, cols_}; }
   /// Some of its columns, and of these the first rows.
   LaneBlock block(int rows, int first_col, int cols) {

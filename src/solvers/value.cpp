@@ -22,6 +22,7 @@ ValuePropagation::ValuePropagation(int ndx, int max_nu)
       FtP_(ndx + max_nu, ndx),
       M_(ndx, ndx),
       T_(ndx, ndx),
+      P11_(ndx, ndx),
       P22_(ndx, ndx),
       columns_(ndx, max_nu),
       columns2_(ndx, max_nu) {}
@@ -54,11 +55,8 @@ void ValuePropagation::add_semi_implicit(const KnotLinearization& knot, const Ei
                                          ActionValue& q) {
   const int nv = static_cast<int>(knot.F.rows());
   const double dt = knot.dt;
-  const auto P11 = Vxx.topLeftCorner(nv, nv);
-  for (LaneMatrix* X : {&M_, &T_, &P22_}) X->resize(nv, nv);
-  auto M = M_.view();
-  auto T = T_.view();
-  auto P22 = P22_.view();
+  for (LaneMatrix* X : {&M_, &T_, &P11_, &P22_}) X->resize(nv, nv);
+  auto M = M_.flat(), T = T_.flat(), P11 = P11_.flat(), P22 = P22_.flat();
   const auto rows = [&](const std::vector<StateBlock>& B, LaneMatrix& X) {
     for (std::size_t s = 0; s < knot.curved.size(); ++s) {
       const int at = knot.curved[s].dx;
@@ -72,25 +70,27 @@ void ValuePropagation::add_semi_implicit(const KnotLinearization& knot, const Ei
     }
   };
 
+  P11_.view() = Vxx.topLeftCorner(nv, nv);
+  P22_.view() = Vxx.bottomRightCorner(nv, nv);
   M = P11;
   columns(knot.H, M_);
-  M = dt * M + Vxx.topRightCorner(nv, nv);
-  T = Vxx.bottomLeftCorner(nv, nv);
+  T_.view() = Vxx.topRightCorner(nv, nv);
+  M = dt * M + T;
+  T_.view() = Vxx.bottomLeftCorner(nv, nv);
   columns(knot.H, T_);
-  P22 = Vxx.bottomRightCorner(nv, nv) + dt * T;
+  P22 += dt * T;
   T = M;
   rows(knot.H, T_);
   P22 += dt * T;
   rows(knot.A, M_);  // P̃₁₂
-  T = P11;
-  columns(knot.A, T_);
-  rows(knot.A, T_);  // P̃₁₁
+  columns(knot.A, P11_);
+  rows(knot.A, P11_);  // P̃₁₁
 
   LaneMatrix& Q = q.Qzz_lanes();
-  Q.view().topLeftCorner(nv, nv) += T;
+  Q.view().topLeftCorner(nv, nv) += P11_.view();
   multiply_lower(Store::add, Q.block(nv, 0, nv), M_.block(), Factor::of_eigen(knot.F));
   multiply(Store::set, FtP_.block(), Ft_.block(), Factor::of(P22_));
-  FtP_.view().topRows(nv) += M;
+  FtP_.view().topRows(nv) += M_.view();
   multiply_lower(Store::add, Q.block(), Ft_.block(), Factor::transposed(FtP_));
 }
 

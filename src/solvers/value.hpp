@@ -73,10 +73,10 @@ class ValuePropagation {
   void add_semi_implicit(const KnotLinearization& knot, const Eigen::MatrixXd& Vxx, ActionValue& q);
 
   Eigen::VectorXd scratch_, pulled_;
-  LaneMatrix Ft_, FtP_;       // nz x rows of F
-  LaneMatrix M_, T_, P22_;    // nv x nv
-  Eigen::MatrixXd columns_;   // ndx x nu
-  Eigen::MatrixXd columns2_;  // ndx x nu
+  LaneMatrix Ft_, FtP_;           // nz x rows of F
+  LaneMatrix M_, T_, P11_, P22_;  // nv x nv
+  Eigen::MatrixXd columns_;       // ndx x nu
+  Eigen::MatrixXd columns2_;      // ndx x nu
 };
 
 }  // namespace conddp

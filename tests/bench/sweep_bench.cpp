@@ -4,6 +4,7 @@
 #include <benchmark/benchmark.h>
 
 #include "solvers/backward_sweep.hpp"
+#include "solvers/lane_gemm.hpp"
 #include "support/random_numbers.hpp"
 #include "systems/closed_form.hpp"
 
@@ -128,6 +129,46 @@ void propagation(benchmark::State& state) {
   count_knots(state, 1);
 }
 BENCHMARK(propagation)->DenseRange(0, 2);
+
+/// One product C = A B of the sizes that occur, ours and Eigen's: A is m x k, B is k x n.
+void product(benchmark::State& state, bool lanes, bool lower) {
+  const int m = static_cast<int>(state.range(0)), k = static_cast<int>(state.range(1));
+  const int n = lower ? m : static_cast<int>(state.range(2));
+  RandomNumbers random(3);
+  const Eigen::MatrixXd A = random_matrix(random, m, k), B = random_matrix(random, k, n);
+  LaneMatrix lanes_A(m, k), lanes_C(m, n);
+  lanes_A.view() = A;
+  Eigen::MatrixXd C = Eigen::MatrixXd::Zero(m, n);
+  for (auto _ : state) {
+    if (lanes && lower) {
+      multiply_lower(Store::set, lanes_C.block(), lanes_A.block(), Factor::of_eigen(B));
+    } else if (lanes) {
+      multiply(Store::set, lanes_C.block(), lanes_A.block(), Factor::of_eigen(B));
+    } else if (lower) {
+      C.triangularView<Eigen::Lower>() = A * B;
+    } else {
+      C.noalias() = A * B;
+    }
+    benchmark::DoNotOptimize(C.data());
+    benchmark::DoNotOptimize(lanes_C.data());
+    benchmark::ClobberMemory();
+  }
+  const double flops = lower ? static_cast<double>(m) * (m + 1) * k : 2.0 * m * k * n;
+  state.counters["FLOP"] = benchmark::Counter(static_cast<double>(state.iterations()) * flops,
+                                              benchmark::Counter::kIsRate);
+}
+
+void sizes(benchmark::internal::Benchmark* benchmark) {
+  benchmark->Args({21, 7, 7})->Args({48, 18, 18})->Args({108, 38, 38})->Args({48, 36, 36});
+}
+BENCHMARK_CAPTURE(product, eigen, false, false)->Apply(sizes);
+BENCHMARK_CAPTURE(product, lanes, true, false)->Apply(sizes);
+
+void square_sizes(benchmark::internal::Benchmark* benchmark) {
+  benchmark->Args({21, 7})->Args({48, 18})->Args({108, 38});
+}
+BENCHMARK_CAPTURE(product, eigen_lower, false, true)->Apply(square_sizes);
+BENCHMARK_CAPTURE(product, lanes_lower, true, true)->Apply(square_sizes);
 
 }  // namespace
 }  // namespace conddp
