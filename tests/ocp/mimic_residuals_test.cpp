@@ -2,58 +2,27 @@
 
 #include "support/knot_case.hpp"
 #include "support/mimic_robot.hpp"
+#include "support/named_residuals.hpp"
 
 namespace conddp {
 namespace {
-
-struct NamedResidual {
-  std::string name;
-  std::shared_ptr<const Residual> residual;
-};
 
 std::shared_ptr<const MultibodySystem> system_of(const RobotModel& model) {
   return std::make_shared<MultibodySystem>(std::make_shared<RobotModel>(model),
                                            Actuation::full(model), PassiveForces{true, true, 0.4});
 }
 
-std::vector<NamedResidual> residuals_of(const std::shared_ptr<const MultibodySystem>& system) {
-  std::vector<int> positions, velocities, rows;
-  for (const int joint : simple_joints(system->robot()))
-    if (const auto position = system->position_index(joint)) {
-      positions.push_back(*position);
-      velocities.push_back(*system->velocity_index(joint));
-      rows.push_back(*system->velocity_row(joint));
-    }
-  std::vector<NamedResidual> all = {
-      {"state", state_residual(system->manifold())},
-      {"positions", coordinate_residual(system->manifold(), positions)},
-      {"velocities", coordinate_residual(system->manifold(), velocities)},
-      {"control", control_residual(system->ndx(), system->nu())},
-      {"acceleration", acceleration_residual(*system, system->ndx(), rows)},
-      {"com", com_position_residual(system)},
-      {"control_gravity", control_gravity_residual(system, system->ndx())}};
-  for (int f = 0; f < static_cast<int>(system->robot().frames.size()); ++f) {
-    const std::string name = system->robot().frames[f].name;
-    all.push_back({"position " + name, frame_position_residual(system, f)});
-    all.push_back({"rotation " + name, frame_rotation_residual(system, f)});
-    all.push_back({"placement " + name, frame_placement_residual(system, f)});
-    all.push_back({"velocity " + name, frame_velocity_residual(system, f, FrameAxes::local)});
-    all.push_back(
-        {"world velocity " + name, frame_velocity_residual(system, f, FrameAxes::world_aligned)});
-  }
-  return all;
-}
-
 TEST(MimicResiduals, BlocksNameReducedColumnsAscendingAndOnce) {
   for (const auto& [name, model] : mimic_robots()) {
     const auto system = system_of(model);
-    for (const NamedResidual& named : residuals_of(system))
-      for (const RowBlock& block : named.residual->blocks())
+    const KnotModel shape(system, Integrator::semi_implicit_euler);
+    for (const auto& [residual_name, residual] : named_residuals(system, shape))
+      for (const RowBlock& block : residual->blocks())
         for (std::size_t i = 0; i < block.columns.size(); ++i) {
           EXPECT_GE(block.columns[i], 0);
-          EXPECT_LT(block.columns[i], system->ndx() + system->nu()) << name << ' ' << named.name;
+          EXPECT_LT(block.columns[i], shape.nz()) << name << ' ' << residual_name;
           if (i > 0) {
-            EXPECT_LT(block.columns[i - 1], block.columns[i]) << name << ' ' << named.name;
+            EXPECT_LT(block.columns[i - 1], block.columns[i]) << name << ' ' << residual_name;
           }
         }
   }
@@ -63,19 +32,12 @@ TEST(MimicResiduals, GradientsAndDynamicsAreThoseOfDualNumbers) {
   RandomNumbers random(71);
   for (const auto& [name, robot] : mimic_robots()) {
     const auto system = system_of(robot);
-    for (const bool memory : {false, true})
-      for (const NamedResidual& named : residuals_of(system)) {
+    for (const bool memory : {false, true}) {
+      const KnotModel shape(system, Integrator::semi_implicit_euler, memory);
+      for (const auto& [residual_name, residual] : named_residuals(system, shape)) {
         auto model = std::make_shared<KnotModel>(system, Integrator::semi_implicit_euler, memory);
-        // Columns of controls come after those of a control memory.
-        const std::shared_ptr<const Residual> residual =
-            !memory                           ? named.residual
-            : named.name == "control"         ? control_residual(model->ndx(), model->nu())
-            : named.name == "control_gravity" ? control_gravity_residual(system, model->ndx())
-            : named.residual->needs_control() || named.name == "state" ? nullptr
-                                                                       : named.residual;
-        if (!residual) continue;
         model->add_cost("cost", residual, {});
-        const KnotCase c = make_case(named.name, model, random);
+        const KnotCase c = make_case(residual_name, model, random);
         KnotWorkspace<double> work(*model);
         model->differentiate(
             KnotInput<double>{c.x.data(), c.u.data(), c.parameters.data(), c.dt, c.dt}, work, true);
@@ -85,14 +47,15 @@ TEST(MimicResiduals, GradientsAndDynamicsAreThoseOfDualNumbers) {
         for (int d = 0; d < model->nz(); ++d) {
           const DirectionalDerivative expected = directional_derivative(c, d);
           EXPECT_NEAR(work.gradient[d], expected.cost, 1e-10 * scale)
-              << name << ' ' << named.name << " direction " << d;
+              << name << ' ' << residual_name << " direction " << d;
           for (int i = 0; i < rows; ++i) {
             const double next = expected.next[model->ndx() - rows + i];
             EXPECT_NEAR(work.F()[d * rows + i], next, 1e-10 * (1 + std::abs(next)))
-                << name << ' ' << named.name << " direction " << d;
+                << name << ' ' << residual_name << " direction " << d;
           }
         }
       }
+    }
   }
 }
 

@@ -3,44 +3,10 @@
 #include <gtest/gtest.h>
 
 #include "support/knot_case.hpp"
+#include "support/named_residuals.hpp"
 
 namespace conddp {
 namespace {
-
-struct NamedResidual {
-  std::string name;
-  std::shared_ptr<const Residual> residual;
-};
-
-std::vector<NamedResidual> residuals_of(const std::shared_ptr<const MultibodySystem>& system,
-                                        const KnotModel& model) {
-  std::vector<int> joints, velocities, rows;
-  for (const Joint& joint : system->robot().joints) {
-    if (joint.type == JointType::floating) continue;
-    joints.push_back(joint.q);
-    velocities.push_back(system->nq() + joint.v);
-    rows.push_back(joint.v);
-  }
-  std::vector<NamedResidual> all = {
-      {"state", state_residual(model.manifold())},
-      {"positions", coordinate_residual(model.manifold(), joints)},
-      {"velocities", coordinate_residual(model.manifold(), velocities)},
-      {"control", control_residual(model.ndx(), model.nu())},
-      {"acceleration", acceleration_residual(*system, model.ndx(), rows)},
-      {"com", com_position_residual(system)},
-      {"control_gravity", control_gravity_residual(system, model.ndx())}};
-  if (model.has_control_memory()) all.push_back({"rate", control_rate_residual(*system)});
-  for (int f = 0; f < static_cast<int>(system->robot().frames.size()); f += 2) {
-    const std::string name = system->robot().frames[f].name;
-    all.push_back({"position " + name, frame_position_residual(system, f)});
-    all.push_back({"rotation " + name, frame_rotation_residual(system, f)});
-    all.push_back({"placement " + name, frame_placement_residual(system, f)});
-    all.push_back({"velocity " + name, frame_velocity_residual(system, f, FrameAxes::local)});
-    all.push_back(
-        {"velocity " + name, frame_velocity_residual(system, f, FrameAxes::world_aligned)});
-  }
-  return all;
-}
 
 std::vector<std::shared_ptr<const MultibodySystem>> robots() {
   std::vector<std::shared_ptr<const MultibodySystem>> systems;
@@ -60,16 +26,16 @@ TEST(Residuals, GradientsOfEveryResidualThroughEveryActivationAreThoseOfDualNumb
   for (const auto& system : robots())
     for (const bool memory : {false, true}) {
       const KnotModel shape(system, Integrator::semi_implicit_euler, memory);
-      for (const NamedResidual& named : residuals_of(system, shape))
+      for (const auto& [name, residual] : named_residuals(system, shape, 2))
         for (const ActivationKind kind : kinds) {
           auto model = std::make_shared<KnotModel>(system, Integrator::semi_implicit_euler, memory);
-          const int n = named.residual->size();
+          const int n = residual->size();
           std::vector<double> weights = random_vector(n, random, 1);
           for (double& w : weights) w = 0.1 + std::abs(w);
           model->add_cost(
-              "cost", named.residual,
+              "cost", residual,
               {kind, weights, std::vector<double>(n, -0.1), std::vector<double>(n, 0.1), 0.2});
-          const KnotCase c = make_case(named.name, model, random);
+          const KnotCase c = make_case(name, model, random);
           KnotWorkspace<double> work(*model);
           model->differentiate(
               KnotInput<double>{c.x.data(), c.u.data(), c.parameters.data(), c.dt, c.dt}, work,
@@ -78,7 +44,7 @@ TEST(Residuals, GradientsOfEveryResidualThroughEveryActivationAreThoseOfDualNumb
           for (double g : work.gradient) scale = std::max(scale, std::abs(g));
           for (int d = 0; d < model->nz(); ++d)
             EXPECT_NEAR(work.gradient[d], directional_derivative(c, d).cost, 1e-10 * scale)
-                << named.name << " activation " << static_cast<int>(kind) << " direction " << d;
+                << name << " activation " << static_cast<int>(kind) << " direction " << d;
         }
     }
 }
@@ -89,16 +55,16 @@ TEST(Residuals, DeclaredStructureCoversEveryDependence) {
   RandomNumbers random(19);
   for (const auto& system : robots()) {
     const KnotModel shape(system, Integrator::semi_implicit_euler);
-    for (const NamedResidual& named : residuals_of(system, shape)) {
+    for (const auto& [name, residual] : named_residuals(system, shape, 2)) {
       auto model = std::make_shared<KnotModel>(system, Integrator::semi_implicit_euler);
-      model->add_cost("cost", named.residual, {});
-      const KnotCase c = make_case(named.name, model, random);
+      model->add_cost("cost", residual, {});
+      const KnotCase c = make_case(name, model, random);
       std::vector<bool> covered(model->nz(), false);
-      for (const RowBlock& block : named.residual->blocks())
+      for (const RowBlock& block : residual->blocks())
         for (int column : block.columns) covered[column] = true;
       for (int d = 0; d < model->nz(); ++d)
         if (!covered[d]) {
-          EXPECT_NEAR(directional_derivative(c, d).cost, 0, 1e-12) << named.name << ' ' << d;
+          EXPECT_NEAR(directional_derivative(c, d).cost, 0, 1e-12) << name << ' ' << d;
         }
     }
   }
