@@ -12,9 +12,9 @@ namespace {
 std::optional<Integrator> choose_integrator(const ProblemSpec& spec, const System& system,
                                             Diagnostics& out) {
   if (!spec.integrator) return default_integrator(system.kind());
-  const auto [integrator, place] = *spec.integrator;
+  const Integrator integrator = spec.integrator->value;
   const auto fail = [&](const char* message, const char* hint) {
-    out.error(place, message, hint);
+    out.error(spec.integrator->place, message, hint);
     return std::nullopt;
   };
   const bool discrete = system.kind() == SystemKind::discrete;

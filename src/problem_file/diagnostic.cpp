@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "robot/utf8.hpp"
 #include "problem_file/wrap_text.hpp"
 
 namespace conddp {
@@ -14,23 +15,21 @@ namespace {
 bool starts_character(char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }
 
 /// The source line and a caret under the column. Long lines are cut around the place.
-std::string excerpt(std::string line, int column, int room, const char* caret_start,
+std::string excerpt(std::string_view line, int column, int room, const char* caret_start,
                     const char* caret_end) {
   constexpr int kMargin = 2, kEllipses = 6;
   const int width = room > 0 ? std::clamp(room - kMargin - kEllipses, 10, 100) : 100;
-  std::vector<std::string> characters;
-  for (char& c : line) {
-    if (c == '\t') c = ' ';
-    if (starts_character(c)) characters.emplace_back();
-    if (!characters.empty()) characters.back() += c;
-  }
-  const int count = static_cast<int>(characters.size());
+  const int count = count_characters(line);
   int first = 0;
   if (count > width) first = std::max(0, std::min(column - width / 2, count - width));
-  std::string shown = first > 0 ? "..." : "";
-  const int indent = static_cast<int>(shown.size()) + column - 1 - first;
-  for (int i = first; i < std::min(count, first + width); ++i) shown += characters[i];
-  if (first + width < count) shown += "...";
+  std::string part;
+  for (int character = -1; const char c : line) {
+    if (starts_character(c) && ++character >= first + width) break;
+    if (character >= first) part += c == '\t' || c == '\r' ? ' ' : c;
+  }
+  for (std::size_t bad; (bad = find_bad_character(part)) != std::string::npos;) part[bad] = '?';
+  const std::string shown = (first > 0 ? "..." : "") + part + (first + width < count ? "..." : "");
+  const int indent = (first > 0 ? 3 : 0) + column - 1 - first;
   return fmt::format("  {}\n  {}{}^{}\n", shown, std::string(std::max(indent, 0), ' '), caret_start,
                      caret_end);
 }
@@ -100,6 +99,8 @@ void Diagnostics::note(const Place& place, std::string message, std::string hint
 
 void Diagnostics::add(Diagnostic diagnostic) {
   if (diagnostic.severity == Severity::kError && ++errors_ > kMaxErrors) return;
+  // Names from an input may hold anything.
+  for (std::string* text : {&diagnostic.message, &diagnostic.hint}) *text = printable(*text);
   list_.push_back(std::move(diagnostic));
 }
 
@@ -137,7 +138,7 @@ std::string format_diagnostics(const Diagnostics& diagnostics, bool colour, Seve
   for (const Diagnostic& d : diagnostics.list()) {
     if (d.severity > least) continue;
     if (d.severity == Severity::kError && ++errors > limit) continue;
-    std::string place = d.file.empty() ? "conddp" : d.file;
+    std::string place = d.file.empty() ? "conddp" : printable(d.file);
     if (d.line > 0) place += fmt::format(":{}:{}", d.line, std::max(d.column, 1));
     const char* tint = !colour                            ? ""
                        : d.severity == Severity::kError   ? "\033[1;31m"

@@ -16,6 +16,8 @@ template <class... Cases>
 struct Overloaded : Cases... {
   using Cases::operator()...;
 };
+template <class... Cases>
+Overloaded(Cases...) -> Overloaded<Cases...>;  // some compilers do not deduce it themselves
 
 /// The step of a discrete system: all phases must have it.
 std::optional<double> common_step(const ProblemSpec& spec, Diagnostics& out) {

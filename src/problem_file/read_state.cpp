@@ -44,7 +44,7 @@ StateSpec read_state_keys(YamlMap& map) {
   if (const auto r = map.find("robots"))
     if (const auto entries = r->named_entries())
       for (const auto& [name, value] : *entries)
-        if (auto part = read_state(value)) state.robots.emplace_back(name, std::move(*part));
+        if (auto part = read_state(value)) state.robots.push_back({name, std::move(*part)});
   if (const auto r = map.find("state")) state.state = r->numbers();
   if (const auto r = map.find("values")) state.values = read_named_numbers(*r);
   if (const auto r = map.find("previous_control")) state.previous_control = read_components(*r);

@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <optional>
 #include <string>
-#include <string_view>
 
 #include "problem_file/diagnostic.hpp"
 
@@ -20,9 +19,5 @@ inline constexpr std::size_t kMaxDataBytes = 64 << 20;
 /// `sha256` receives the SHA-256 of the bytes that were read.
 std::optional<std::string> read_text(const std::filesystem::path& file, std::size_t limit,
                                      const Place& place, std::string& sha256, Diagnostics& out);
-
-/// Where the text stops being UTF-8 or has a control character other than tab and line ends:
-/// the byte's index, or npos if it never does.
-std::size_t find_bad_character(std::string_view text);
 
 }  // namespace conddp

@@ -45,6 +45,8 @@ struct BaseSpec {
   std::optional<double> yaw;                      ///< planar, rad
 };
 
+struct NamedState;
+
 /// A state, in one of the ways in which a file can say it. What is not mentioned is neutral: zero,
 /// no rotation, at rest.
 struct StateSpec {
@@ -55,13 +57,18 @@ struct StateSpec {
   std::optional<TwistSpec> base_velocity;
   NamedNumbers joint_velocities;
   /// Several robots: the state of each, by its name.
-  std::vector<std::pair<Name, StateSpec>> robots;
+  std::vector<NamedState> robots;
   /// All numbers of the state.
   std::optional<std::vector<double>> state;
   /// By column name.
   NamedNumbers values;
   /// Of problems with costs on the control rate.
   std::optional<ComponentsSpec> previous_control;
+};
+
+struct NamedState {
+  Name name;
+  StateSpec state;
 };
 
 }  // namespace conddp

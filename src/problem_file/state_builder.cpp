@@ -85,7 +85,9 @@ void StateBuilder::apply(const StateSpec& spec, const PlantPart& part,
   for (const auto& [name, value] : spec.joint_velocities)
     if (const auto joint = find_joint(robot, name, part.prefix, out_))
       x[*plant_.multibody->velocity_index(*joint)] = value;
-  for (const auto& [name, state] : spec.robots) {
+  for (const NamedState& part_spec : spec.robots) {
+    const Name& name = part_spec.name;
+    const StateSpec& state = part_spec.state;
     const auto found =
         std::find_if(plant_.parts.begin(), plant_.parts.end(),
                      [&](const PlantPart& p) { return p.spec->name.value == name.value; });

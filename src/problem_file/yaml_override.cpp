@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "problem_file/yaml_source.hpp"
+#include "robot/utf8.hpp"
 
 namespace conddp {
 namespace {
@@ -39,6 +40,10 @@ YamlNode* descend(YamlNode& node, const std::string& step, const Place& place, D
 
 void apply_override(YamlNode& root, const std::string& setting, Diagnostics& out) {
   const int source = out.add_source("--set", setting);
+  if (const std::size_t bad = find_bad_character(setting); bad != std::string::npos) {
+    const int column = out.character_column(source, 1, static_cast<int>(bad));
+    return out.error({{source, 1, column}, {}}, describe_bad_character(setting, bad));
+  }
   const std::size_t equals = setting.find('=');
   if (equals == std::string::npos || equals == 0) {
     out.error({{source, 1, 1}, {}}, fmt::format("'{}' is no setting", setting),

@@ -69,6 +69,8 @@ std::optional<std::string> YamlReader::text() const {
 
 std::optional<Name> YamlReader::name() const {
   if (!is_scalar() || node_->text.empty()) return expected("a name"), std::nullopt;
+  if (node_->text.find_first_of("\n\r\t") != std::string::npos)
+    return error("a name has no line ends and no tabs"), std::nullopt;
   return Name{node_->text, place()};
 }
 

@@ -10,6 +10,8 @@
 #include <yaml-cpp/exceptions.h>
 #include <yaml-cpp/parser.h>
 
+#include "robot/utf8.hpp"
+
 namespace conddp {
 namespace {
 
@@ -48,6 +50,8 @@ class TreeBuilder : public YAML::EventHandler {
   void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
                 const std::string& value) override {
     check(mark, tag, anchor);
+    if (const std::size_t bad = find_bad_character(value); bad != std::string::npos)
+      refuse(mark, "a quoted text with escapes: " + describe_bad_character(value, bad), {});
     place({.kind = YamlNode::Kind::kScalar,
            .mark = mark_of(mark),
            .text = value,
@@ -113,6 +117,8 @@ class TreeBuilder : public YAML::EventHandler {
   void begin_entry(Level& level, YamlNode key, const YAML::Mark& mark) {
     if (key.kind != YamlNode::Kind::kScalar)
       refuse(mark, fmt::format("a key must be a name, not {}", kind_name(key)), {});
+    if (key.text.find_first_of("\n\r\t") != std::string::npos)
+      refuse(mark, "a key has no line ends and no tabs", {});
     if (key.text == "<<" && !key.quoted)
       refuse(mark, "merge keys (<<) are not accepted", "write the keys out where they are needed");
     if (!level.keys.insert(key.text).second)

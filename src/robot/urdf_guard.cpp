@@ -7,6 +7,7 @@
 #include <set>
 
 #include "robot/near_names.hpp"
+#include "robot/utf8.hpp"
 
 namespace conddp {
 namespace {
@@ -167,12 +168,17 @@ std::optional<UrdfProblem> check_urdf_text(std::string_view text, const std::str
   if (text.size() > kMaxUrdfBytes)
     return UrdfProblem{.message = "'" + file_name + "' is larger than " +
                                   std::to_string(kMaxUrdfBytes >> 20) + " MiB"};
-  if (const auto offset = find_invalid_utf8(text)) {
-    const auto line = std::count(text.begin(), text.begin() + *offset, '\n');
-    return UrdfProblem{.message = "'" + file_name + "' is not UTF-8 text",
-                       .line = static_cast<int>(line) + 1,
-                       .column = 1,
-                       .hint = "convert it, e.g. with iconv -f latin1 -t utf-8"};
+  if (const std::size_t bad = find_bad_character(text); bad != text.npos) {
+    const std::string_view before = text.substr(0, bad);
+    const std::string_view line = before.substr(before.rfind('\n') + 1);  // npos + 1 is 0
+    const auto characters = std::count_if(line.begin(), line.end(), [](char c) {
+      return (static_cast<unsigned char>(c) & 0xC0) != 0x80;
+    });
+    const bool foreign = static_cast<unsigned char>(text[bad]) >= 0x80;
+    return UrdfProblem{.message = describe_bad_character(text, bad),
+                       .line = static_cast<int>(std::count(before.begin(), before.end(), '\n')) + 1,
+                       .column = static_cast<int>(characters) + 1,
+                       .hint = foreign ? "convert it, e.g. with iconv -f latin1 -t utf-8" : ""};
   }
   return std::nullopt;
 }

@@ -195,29 +195,4 @@ std::optional<int> XmlOutline::child(int element, std::string_view tag) const {
 
 XmlOutline scan_xml(std::string_view text) { return Scanner(text).run(); }
 
-std::optional<std::size_t> find_invalid_utf8(std::string_view text) {
-  const auto byte = [&](std::size_t i) -> unsigned {
-    return i < text.size() ? static_cast<unsigned char>(text[i]) : 0;
-  };
-  const auto tail = [&](std::size_t i) { return (byte(i) & 0xC0) == 0x80; };
-  for (std::size_t i = 0; i < text.size();) {
-    const unsigned b = byte(i);
-    std::size_t length = 0;
-    if (b > 0 && b < 0x80) {
-      length = 1;
-    } else if (b >= 0xC2 && b < 0xE0 && tail(i + 1)) {
-      length = 2;
-    } else if ((b & 0xF0) == 0xE0 && tail(i + 1) && tail(i + 2)) {
-      const unsigned code = (b & 0x0F) << 6 | (byte(i + 1) & 0x3F);
-      if (code >= 0x20 && (code < 0x360 || code >= 0x380)) length = 3;  // no surrogates
-    } else if (b >= 0xF0 && b < 0xF5 && tail(i + 1) && tail(i + 2) && tail(i + 3)) {
-      const unsigned code = (b & 0x07) << 6 | (byte(i + 1) & 0x3F);
-      if (code >= 0x10 && code < 0x110) length = 4;
-    }
-    if (length == 0) return i;
-    i += length;
-  }
-  return std::nullopt;
-}
-
 }  // namespace conddp

@@ -53,7 +53,4 @@ inline constexpr std::size_t kMaxXmlElements = 500'000;
 
 XmlOutline scan_xml(std::string_view text);
 
-/// Byte offset of the first byte that is not valid UTF-8 text (a NUL counts as invalid).
-std::optional<std::size_t> find_invalid_utf8(std::string_view text);
-
 }  // namespace conddp

@@ -11,18 +11,6 @@
 namespace conddp {
 namespace {
 
-TEST(SourceText, FindsBadCharacters) {
-  EXPECT_EQ(find_bad_character("plain\ttext\r\nwith ünïcode ∂ 𝛼"), std::string::npos);
-  EXPECT_EQ(find_bad_character("ab\x01"), 2u);
-  EXPECT_EQ(find_bad_character(std::string_view("a\0b", 3)), 1u);
-  EXPECT_EQ(find_bad_character("a\x7F"), 1u);
-  EXPECT_EQ(find_bad_character("\xC3\x28"), 0u);          // a broken pair
-  EXPECT_EQ(find_bad_character("\xC0\xAF"), 0u);          // overlong
-  EXPECT_EQ(find_bad_character("x\xED\xA0\x80"), 1u);     // a surrogate
-  EXPECT_EQ(find_bad_character("\xF5\x80\x80\x80"), 0u);  // beyond Unicode
-  EXPECT_EQ(find_bad_character("\xE2\x82"), 0u);          // cut off
-}
-
 class ReadText : public testing::Test {
  protected:
   ReadText() {

@@ -45,16 +45,6 @@ TEST(XmlOutline, ManyAttributesAreRefused) {
   EXPECT_NE(outline.defect->message.find("more than 64 attributes"), std::string::npos);
 }
 
-TEST(Utf8, IsCheckedStrictly) {
-  EXPECT_FALSE(find_invalid_utf8("a\xC3\xA9\xE2\x82\xAC\xF0\x9F\xA4\x96"));
-  EXPECT_EQ(find_invalid_utf8("ab\xE9"), 2u);            // Latin-1
-  EXPECT_EQ(find_invalid_utf8("\xC0\x80"), 0u);          // overlong
-  EXPECT_EQ(find_invalid_utf8("\xED\xA0\x80"), 0u);      // surrogate
-  EXPECT_EQ(find_invalid_utf8("\xF4\x90\x80\x80"), 0u);  // beyond U+10FFFF
-  EXPECT_EQ(find_invalid_utf8("a\xE2\x82"), 1u);         // cut off
-  EXPECT_EQ(find_invalid_utf8(std::string_view("a\0", 2)), 1u);
-}
-
 TEST(NearNames, CountEditsAndSwaps) {
   EXPECT_EQ(edit_distance("", "abc"), 3);
   EXPECT_EQ(edit_distance("kitten", "sitting"), 3);

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+namespace conddp {
+
+/// Where a text stops being UTF-8 or has a control character other than tab and line ends: the
+/// byte's index, or npos if it never does.
+std::size_t find_bad_character(std::string_view text);
+
+/// What is said of the byte at which `find_bad_character` stopped.
+std::string describe_bad_character(std::string_view text, std::size_t at);
+
+/// The text as it can be shown on one line of any terminal: control characters, line ends and what
+/// is no UTF-8 written as escapes ("\n", "\x1B").
+std::string printable(std::string_view text);
+
+}  // namespace conddp

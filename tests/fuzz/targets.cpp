@@ -1,0 +1,157 @@
+#include "fuzz/targets.hpp"
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+
+#include "problem_file/build.hpp"
+#include "problem_file/data_table.hpp"
+#include "problem_file/read_problem.hpp"
+#include "problem_file/strict_number.hpp"
+#include "robot/urdf.hpp"
+#include "robot/utf8.hpp"
+#include "robot/xml_outline.hpp"
+
+namespace conddp {
+namespace {
+
+/// Relative paths of problems lead to the ready robots.
+const std::filesystem::path kFile =
+    std::filesystem::path(CONDDP_SOURCE_DIR) / "problems" / "fuzz.yaml";
+
+void promise(bool kept, const char* what) {
+  if (kept) return;
+  std::fprintf(stderr, "broken promise: %s\n", what);
+  std::abort();
+}
+
+/// What every answer to a bad input has, and that it can be printed. `name` is the input's.
+void check_diagnostics(const Diagnostics& diagnostics, const std::string& name, bool good) {
+  promise(good != diagnostics.has_errors(), "there is a result if and only if there is no error");
+  for (const Diagnostic& d : diagnostics.list()) {
+    promise(!d.message.empty(), "a diagnostic has a message");
+    promise(find_bad_character(d.message + d.hint) == std::string::npos,
+            "a message is text without control characters");
+    promise((d.line > 0) == (d.column > 0), "line and column come together");
+    if (d.line <= 0 || d.file != name) continue;
+    const std::string line = diagnostics.source_line(d.file, d.line);
+    promise(d.column <= count_characters(line) + 1, "a column lies in its line");
+  }
+  promise(good || !format_diagnostics(diagnostics, false).empty(), "errors are printed");
+}
+
+/// The tool's own checks of a file come before the parsers.
+bool is_text(std::string_view input) { return find_bad_character(input) == std::string::npos; }
+
+void build_if_small(const ProblemSpec& spec, Diagnostics& out) {
+  constexpr int kManyKnots = 500;
+  int knots = 0;
+  for (const PhaseSpec& phase : spec.phases) knots += phase.knots.value;
+  if (knots > kManyKnots) return;
+  const auto built = build_problem(spec, {}, out);
+  check_diagnostics(out, kFile.string(), built.has_value());
+}
+
+void read_problem_input(const std::string& text, const std::vector<std::string>& settings) {
+  Diagnostics out;
+  const auto spec = read_problem_text(text, kFile, settings, out);
+  check_diagnostics(out, settings.empty() ? kFile.string() : "--set", spec.has_value());
+  if (spec) build_if_small(*spec, out);
+}
+
+void fuzz_problem(std::string_view input) {
+  if (is_text(input)) read_problem_input(std::string(input), {});
+}
+
+constexpr const char* kOverridden = R"(conddp: 1
+system: {type: pendulum}
+initial_state: {values: {theta: 0.1}}
+phases: [{name: first, knots: 4, dt: 0.1}, {name: second, knots: 6, dt: 0.05}]
+costs: {effort: {residual: control, weight: 0.5}}
+constraints: {torque: {bounds: control, lower: -3, upper: 3}}
+terminal: {costs: {goal: {residual: state, reference: {values: {theta: 1}}, weight: 10}}}
+solver: {name: box_ddp}
+)";
+
+void fuzz_override(std::string_view input) {
+  read_problem_input(kOverridden, {std::string(input)});
+}
+
+void fuzz_urdf(std::string_view input) {
+  UrdfOptions options;
+  options.base = input.size() % 2 == 0 ? UrdfOptions::Base::fixed : UrdfOptions::Base::floating;
+  options.enforce_mimic = input.size() % 3 == 0;
+  const UrdfResult result = parse_urdf(input, "fuzz.urdf", options);
+  bool errors = false;
+  for (const UrdfProblem& problem : result.problems) {
+    errors |= !problem.warning;
+    promise(!problem.message.empty(), "a problem has a message");
+    promise((problem.line > 0) == (problem.column > 0), "line and column come together");
+  }
+  promise(errors != result.model.has_value(), "there is a model if and only if there is no error");
+  if (!result.model) return;
+  for (const Joint& joint : result.model->joints)
+    promise(std::isfinite(joint.inertia.mass), "masses are finite");
+}
+
+void fuzz_csv(std::string_view input) {
+  if (!is_text(input)) return;
+  Diagnostics out;
+  const auto table = parse_csv(std::string(input), "fuzz.csv", out);
+  check_diagnostics(out, "fuzz.csv", table.has_value());
+  if (!table) return;
+  promise(table->times.size() == table->rows.size(), "every row has a time");
+  for (const auto& row : table->rows)
+    promise(row.size() == table->columns.size(), "every row has a cell in each column");
+}
+
+void fuzz_solution(std::string_view input) {
+  if (!is_text(input)) return;
+  Diagnostics out;
+  const auto table = parse_solution(std::string(input), "fuzz.json", out);
+  check_diagnostics(out, "fuzz.json", table.has_value());
+  if (!table) return;
+  promise(table->times.size() == table->rows.size(), "every row has a time");
+  for (const auto& row : table->rows)
+    promise(row.size() == table->columns.size(), "every row has a cell in each column");
+}
+
+void fuzz_number(std::string_view input) {
+  const ParsedNumber number = parse_number(input);
+  promise(number.value.has_value() == number.defect.empty(), "a number or a defect");
+  if (!number.value) return;
+  promise(std::isfinite(*number.value), "numbers are finite");
+  promise(*number.value == std::strtod(std::string(input).c_str(), nullptr),
+          "numbers mean what the C library reads");
+}
+
+void fuzz_xml(std::string_view input) {
+  const XmlOutline outline = scan_xml(input);
+  promise(!outline.defect || (outline.defect->line > 0 && !outline.defect->message.empty()),
+          "a defect has a place and a message");
+  int previous = 0;
+  for (std::size_t i = 0; i < outline.elements.size(); ++i) {
+    const XmlElement& element = outline.elements[i];
+    promise(element.parent < static_cast<int>(i), "parents come first");
+    promise(element.depth == (element.parent < 0 ? 0 : outline.elements[element.parent].depth + 1),
+            "depth counts the parents");
+    promise(element.line >= previous, "elements come in the order of their lines");
+    promise(element.start_tag.data() >= input.data() &&
+                element.start_tag.data() + element.start_tag.size() <= input.data() + input.size(),
+            "a tag lies in the text");
+    previous = element.line;
+  }
+}
+
+constexpr FuzzTarget kTargets[] = {
+    {"problem", fuzz_problem}, {"override", fuzz_override}, {"urdf", fuzz_urdf},
+    {"csv", fuzz_csv},         {"solution", fuzz_solution}, {"number", fuzz_number},
+    {"xml", fuzz_xml},
+};
+
+}  // namespace
+
+std::span<const FuzzTarget> fuzz_targets() { return kTargets; }
+
+}  // namespace conddp

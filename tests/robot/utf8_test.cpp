@@ -1,0 +1,35 @@
+#include "robot/utf8.hpp"
+
+#include <gtest/gtest.h>
+
+namespace conddp {
+namespace {
+
+TEST(Utf8, FindsBadCharacters) {
+  EXPECT_EQ(find_bad_character("plain\ttext\r\nwith ünïcode ∂ 𝛼"), std::string::npos);
+  EXPECT_EQ(find_bad_character("ab\x01"), 2u);
+  EXPECT_EQ(find_bad_character(std::string_view("a\0b", 3)), 1u);
+  EXPECT_EQ(find_bad_character("a\x7F"), 1u);
+  EXPECT_EQ(find_bad_character("\xC3\x28"), 0u);          // a broken pair
+  EXPECT_EQ(find_bad_character("\xC0\xAF"), 0u);          // overlong
+  EXPECT_EQ(find_bad_character("x\xED\xA0\x80"), 1u);     // a surrogate
+  EXPECT_EQ(find_bad_character("\xF5\x80\x80\x80"), 0u);  // beyond Unicode
+  EXPECT_EQ(find_bad_character("\xE2\x82"), 0u);          // cut off
+  EXPECT_EQ(find_bad_character("ab\xE9"), 2u);            // Latin-1
+}
+
+TEST(Utf8, DescribesBadCharacters) {
+  EXPECT_EQ(describe_bad_character("\xE9", 0), "the text is not UTF-8 (byte 0xE9)");
+  EXPECT_EQ(describe_bad_character("a\x1B", 1), "a control character (0x1B) in the text");
+}
+
+TEST(Utf8, ShowsAnyBytesOnOneLine) {
+  EXPECT_EQ(printable("größe 𝛼"), "größe 𝛼");
+  EXPECT_EQ(printable("a\nb\tc\r"), "a\\nb\\tc\\r");
+  EXPECT_EQ(printable("\x1B[31m"), "\\x1B[31m");
+  EXPECT_EQ(printable(std::string_view("\0\x7F", 2)), "\\x00\\x7F");
+  EXPECT_EQ(printable("\xC3(\xE9"), "\\xC3(\\xE9");
+}
+
+}  // namespace
+}  // namespace conddp
