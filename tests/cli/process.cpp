@@ -46,6 +46,12 @@ Pipe open_pipe(bool terminal) {
     setrlimit(RLIMIT_FSIZE, &limit);
     signal(SIGXFSZ, SIG_IGN);  // writing fails instead
   }
+  const auto limit = [](auto resource, long value) {
+    const rlimit both{static_cast<rlim_t>(value), static_cast<rlim_t>(value)};
+    if (value > 0) setrlimit(resource, &both);
+  };
+  limit(RLIMIT_CPU, options.limits.processor_s);
+  limit(RLIMIT_AS, options.limits.memory_bytes);
   for (const std::string& entry : options.environment) {
     const std::size_t equals = entry.find('=');
     setenv(entry.substr(0, equals).c_str(), entry.substr(equals + 1).c_str(), 1);

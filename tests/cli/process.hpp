@@ -13,6 +13,12 @@ struct ProcessResult {
   std::string err;
 };
 
+/// What a process may use before the system ends it or refuses it more; 0: as much as it likes.
+struct ProcessLimits {
+  int processor_s = 0;
+  long memory_bytes = 0;  ///< addresses, more than what is in use
+};
+
 struct ProcessOptions {
   std::filesystem::path folder;          ///< to run in; empty: this one
   std::vector<std::string> environment;  ///< NAME=value, added to ours
@@ -20,6 +26,7 @@ struct ProcessOptions {
   int signal = 0;                        ///< sent as soon as `signal_after` is printed
   std::string signal_after;              ///< on stderr
   int limit_file_size = -1;              ///< bytes, of any file that it writes
+  ProcessLimits limits = {};
 };
 
 /// Runs the tool with arguments and waits for it. With a terminal everything is in `out`.

@@ -1,0 +1,72 @@
+// Nothing broken gets through: every case of tests/broken, with the tool as a process.
+#include <set>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "broken_case.hpp"
+
+namespace conddp {
+namespace {
+
+// The sanitizers reserve terabytes of addresses, and take their time.
+#ifdef __SANITIZE_ADDRESS__
+constexpr ProcessLimits kLimits{.processor_s = 40};
+#else
+constexpr ProcessLimits kLimits{.processor_s = 2, .memory_bytes = 500'000'000};
+#endif
+
+/// Whether each text begins a line of the output (after its indentation), one below the other.
+testing::AssertionResult says(const std::string& output, const std::vector<std::string>& lines) {
+  std::size_t at = 0;
+  for (const std::string& line : lines) {
+    const auto begins_a_line = [&](std::size_t where) {
+      while (where > 0 && output[where - 1] == ' ') --where;
+      return where == 0 || output[where - 1] == '\n';
+    };
+    do {
+      at = output.find(line, at);
+      if (at == std::string::npos)
+        return testing::AssertionFailure() << "no line begins with\n" << line << "\nin\n" << output;
+    } while (!begins_a_line(at++));
+  }
+  return testing::AssertionSuccess();
+}
+
+class Broken : public testing::TestWithParam<BrokenCase> {};
+
+TEST_P(Broken, IsRefusedWithItsPlace) {
+  const TemporaryFolder folder;
+  GetParam().prepare(folder);
+  const std::vector<std::string> before = folder.files();
+  const ProcessResult r =
+      run_conddp(GetParam().arguments, {.folder = folder.path(), .limits = kLimits});
+  EXPECT_EQ(r.exit_code, 2) << r.err;
+  EXPECT_EQ(r.out, "");
+  EXPECT_TRUE(says(r.err, GetParam().says));
+  EXPECT_EQ(folder.files(), before);
+}
+
+INSTANTIATE_TEST_SUITE_P(Inputs, Broken, testing::ValuesIn(broken_cases()), [](const auto& test) {
+  return test.param.group + "_" + test.param.name;
+});
+
+TEST(BrokenInputs, TheInputsThatTheyChangeAreGood) {
+  const TemporaryFolder folder;
+  write_good_inputs(folder);
+  for (const std::string problem : {"pendulum", "tracking", "arm"}) {
+    const ProcessResult r =
+        run_conddp({"solve", problem + ".yaml", "-o", "out"}, {.folder = folder.path()});
+    EXPECT_EQ(r.exit_code, 0) << r.err;
+    EXPECT_EQ(r.err, "");
+  }
+}
+
+TEST(BrokenInputs, AreMany) {
+  std::set<std::string> names;
+  for (const BrokenCase& broken : broken_cases()) names.insert(broken.group + broken.name);
+  EXPECT_GE(names.size(), 120u);
+}
+
+}  // namespace
+}  // namespace conddp
