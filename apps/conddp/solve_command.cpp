@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "argument_checks.hpp"
 #include "commands.hpp"
 #include "exit_codes.hpp"
 #include "interrupt.hpp"
@@ -131,7 +132,8 @@ void add_solve_command(CLI::App& app, Command& chosen) {
   command
       ->add_option("-o,--output", a->folder,
                    "Folder for the outputs; out/<problem name> if nothing is said")
-      ->type_name("FOLDER");
+      ->type_name("FOLDER")
+      ->check(not_empty());
   command->add_option("--solver", a->solver, "Solver instead of the file's")
       ->type_name("NAME")
       ->check(CLI::IsMember(solver_names));
@@ -145,12 +147,12 @@ void add_solve_command(CLI::App& app, Command& chosen) {
       ->allow_extra_args(false);
   command->add_option("--warm-start", a->warm_start,
                       "Start from the states and controls of a former solution.json, interpolated "
-                      "to this problem's knots, instead of the file's initial guess");
-  const CLI::Range kSeconds(1e-3, 1e9);
+                      "to this problem's knots, instead of the file's initial guess")
+      ->type_name("FILE.json");
   const CLI::Range kThreads(1, 1024);
   command->add_option("--max-time", a->max_time, "Stop after this many seconds")
       ->type_name("SECONDS")
-      ->check(kSeconds);
+      ->check(number_between(1e-3, 1e9, "0.001 to 1e9 s"));
   command->add_option("--threads", a->threads, "Threads; results do not depend on it")
       ->type_name("N")
       ->check(kThreads);

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "problem_file/memory_need.hpp"
 #include "robot/near_names.hpp"
 
 namespace conddp {
@@ -30,9 +31,25 @@ std::optional<Integrator> choose_integrator(const ProblemSpec& spec, const Syste
   return integrator;
 }
 
-std::vector<double> node_times(const ProblemSpec& spec) {
+/// When the nodes are, in s. Steps that vanish beside the time or lead beyond any are reported.
+std::vector<double> node_times(const ProblemSpec& spec, Diagnostics& out) {
+  constexpr double kLongest = 1e9;
   std::vector<double> steps;
-  for (const PhaseSpec& phase : spec.phases) steps.insert(steps.end(), phase.knots.value, phase.dt);
+  double end = 0;
+  for (const PhaseSpec& phase : spec.phases) {
+    steps.insert(steps.end(), phase.knots.value, phase.dt);
+    end += phase.knots.value * phase.dt;
+    if (end > kLongest)
+      out.error(phase.knots.place, fmt::format("the motion lasts {:.3g} s up to the end of phase "
+                                               "'{}', more than {:.0e} s",
+                                               end, phase.name.value, kLongest));
+    else if (!(end - phase.dt < end))
+      out.error(phase.knots.place,
+                fmt::format("steps of {:.3g} s vanish beside the time {:.3g} s", phase.dt, end));
+    else
+      continue;
+    break;
+  }
   return conddp::node_times(steps);
 }
 
@@ -135,8 +152,10 @@ std::optional<BuiltProblem> build_problem(const ProblemSpec& spec, const BuildOp
   const auto previous = previous_control(spec, built.plant, memory, out);
   if (!integrator || !initial) return std::nullopt;
 
-  const std::vector<double> times = node_times(spec);
   const int ndx = system.ndx() + (memory ? system.nu() : 0);
+  check_memory(spec, ndx, system.nu(), out);
+  const std::vector<double> times = node_times(spec, out);
+  if (out.has_errors()) return std::nullopt;
   const CostContext context{built.plant, states, ndx, times};
   const std::vector<BuiltCost> costs = build_costs(spec.costs, context, out);
   const std::vector<BuiltCost> terminal_costs = build_costs(spec.terminal_costs, context, out);

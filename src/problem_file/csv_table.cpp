@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <unordered_set>
 
 #include <fmt/format.h>
 
@@ -70,13 +71,14 @@ class CsvReader {
     return false;
   }
   bool read_header() {
-    next_line();
+    if (!next_line()) return fail(0, "there is nothing in the file");
+    std::unordered_set<std::string> names;
     for (const Cell& cell : split(line_)) {
       const std::string name(without_unit(cell.text));
       if (name.empty()) return fail(cell.byte, "a column has no name");
       if (parse_number(name).value)
         return fail(cell.byte, "the first line must name the columns", "t,q/joint,...");
-      if (std::find(header_.begin(), header_.end(), name) != header_.end())
+      if (!names.insert(name).second)
         return fail(cell.byte, fmt::format("two columns have the name '{}'", name));
       if (name == "t" || name == "time") {
         if (time_) return fail(cell.byte, "two columns hold the time");

@@ -1,3 +1,6 @@
+#include <string>
+#include <unordered_set>
+
 #include <fmt/format.h>
 
 #include "problem_file/read_sections.hpp"
@@ -31,14 +34,14 @@ std::vector<PhaseSpec> read_phases(const YamlReader& reader) {
   if (!items) return phases;
   if (items->empty()) reader.error("there is no phase", "write '- {knots: 100, dt: 0.01}'");
   long long knots = 0;
+  std::unordered_set<std::string> names;
   for (std::size_t i = 0; i < items->size(); ++i) {
     phases.push_back(read_phase((*items)[i], i));
     knots += phases.back().knots.value;
-    for (std::size_t j = 0; j < i; ++j)
-      if (phases[j].name.value == phases[i].name.value)
-        reader.diagnostics().error(
-            phases[i].name.place,
-            fmt::format("two phases have the name '{}'", phases[i].name.value));
+    const Name& name = phases.back().name;
+    if (!names.insert(name.value).second)
+      reader.diagnostics().error(name.place,
+                                 fmt::format("two phases have the name '{}'", name.value));
   }
   if (knots > kMaxKnots)
     reader.error(fmt::format("the phases have more than {} knots together", kMaxKnots));

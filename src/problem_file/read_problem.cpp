@@ -12,6 +12,8 @@
 namespace conddp {
 namespace {
 
+constexpr std::size_t kLongestName = 200;
+
 void read_plant(YamlMap& map, const std::filesystem::path& folder, ProblemSpec& spec) {
   const auto robot = map.find("robot");
   const auto robots = map.find("robots");
@@ -55,6 +57,8 @@ ProblemSpec read_document(const YamlReader& reader, const std::filesystem::path&
     spec.name = r->name().value_or(spec.name);
     if (spec.name.value.find_first_of("/\\") != std::string::npos || spec.name.value[0] == '.')
       r->error("the name is also that of a folder: no '/', no '\\', no '.' in front");
+    else if (spec.name.value.size() > kLongestName)
+      r->error(fmt::format("the name is also that of a folder: at most {} bytes", kLongestName));
   }
   map.text("description", spec.description);
   read_plant(map, folder, spec);

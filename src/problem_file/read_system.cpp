@@ -11,10 +11,17 @@ namespace {
 std::optional<Eigen::MatrixXd> read_matrix(const YamlReader& reader) {
   const auto rows = reader.items();
   if (!rows) return std::nullopt;
+  constexpr std::size_t kLargest = 1000;
+  if (rows->size() > kLargest)
+    return reader.error(fmt::format("a matrix has at most {} rows", kLargest)), std::nullopt;
   Eigen::MatrixXd matrix;
   for (std::size_t i = 0; i < rows->size(); ++i) {
     const auto row = (*rows)[i].numbers();
     if (!row) return std::nullopt;
+    if (row->size() > kLargest) {
+      (*rows)[i].error(fmt::format("a matrix has at most {} columns", kLargest));
+      return std::nullopt;
+    }
     if (i == 0) matrix.resize(rows->size(), row->size());
     if (static_cast<Eigen::Index>(row->size()) != matrix.cols()) {
       (*rows)[i].error(

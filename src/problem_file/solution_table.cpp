@@ -1,5 +1,7 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <set>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -27,20 +29,33 @@ Mark mark_at(const std::string& text, std::size_t byte, int source, const Diagno
 
 /// Keeps the trajectory alone: gains and multipliers of a long solution would fill the memory.
 Json parse_trajectory(const std::string& text) {
+  constexpr int kMaxDepth = 100;         // a configuration is as deep as a problem file may be
+  constexpr int kMaxValues = 5'000'000;  // a document takes many times the memory of its text
   int values = 0;
   bool wanted = true;  // whether the values are kept; it is asked for those that are not, too
+  std::array<std::set<std::string>, kMaxDepth + 2> keys;  // of the objects that are open
   const auto keep = [&](int depth, Json::parse_event_t event, Json& value) {
-    constexpr int kMaxDepth = 100;         // a configuration is as deep as a problem file may be
-    constexpr int kMaxValues = 5'000'000;  // a document takes many times the memory of its text
     if (depth > kMaxDepth) throw Malformed{"it is nested too deeply"};
+    if (event == Json::parse_event_t::object_end) keys[depth + 1].clear();
     if (wanted && event == Json::parse_event_t::value && ++values > kMaxValues)
       throw Malformed{fmt::format("it has more than {} values", kMaxValues)};
-    if (depth != 1 || event != Json::parse_event_t::key) return true;
+    if (event != Json::parse_event_t::key) return true;
     const std::string& key = value.get_ref<const std::string&>();
-    wanted = key == "format" || key == "trajectory";
-    return wanted;
+    if (!keys[depth].insert(key).second)
+      throw Malformed{fmt::format("the key '{}' is given twice", key)};
+    if (depth == 1) wanted = key == "format" || key == "trajectory";
+    return depth != 1 || wanted;
   };
   return Json::parse(text, keep);
+}
+
+/// What the parser says, without its own bookkeeping: "... syntax error while parsing value - ...".
+std::string reason(const Json::exception& e) {
+  const std::string_view text = e.what();
+  for (const std::string_view start : {"syntax error ", "] "})
+    if (const std::size_t at = text.find(start); at != text.npos)
+      return std::string(text.substr(at + start.size()));
+  return std::string(text);
 }
 
 const Json& member(const Json& object, const char* key) {
@@ -77,9 +92,14 @@ void append_row(const Json& array, std::size_t count, const std::string& what,
 }
 
 DataTable read_trajectory(const Json& solution) {
-  if (!member(solution, "format").is_string() ||
-      !solution["format"].get<std::string>().starts_with("conddp.solution/"))
+  constexpr std::string_view kFamily = "conddp.solution/", kVersion = "1";
+  const Json& format = member(solution, "format");
+  if (!format.is_string() || !format.get_ref<const std::string&>().starts_with(kFamily))
     throw Malformed{"it is no solution of conddp"};
+  if (const std::string version = format.get<std::string>().substr(kFamily.size());
+      version != kVersion)
+    throw Malformed{
+        fmt::format("it has format {}, and this version reads format {}", version, kVersion)};
   const Json& trajectory = member(solution, "trajectory");
   const Json& columns = member(trajectory, "columns");
   DataTable table;
@@ -118,7 +138,8 @@ std::optional<DataTable> parse_solution(const std::string& text, const std::stri
     table.file = name;
     return table;
   } catch (const Json::parse_error& e) {
-    out.error({mark_at(text, e.byte > 0 ? e.byte - 1 : 0, source, out), {}}, "not valid JSON");
+    out.error({mark_at(text, e.byte > 0 ? e.byte - 1 : 0, source, out), {}},
+              "not valid JSON: " + reason(e));
   } catch (const Malformed& e) {
     out.error({{source, 0, 0}, {}}, fmt::format("the solution cannot be used: {}", e.message));
   } catch (const Json::out_of_range& e) {
@@ -130,7 +151,7 @@ std::optional<DataTable> parse_solution(const std::string& text, const std::stri
     const std::size_t byte = number.size() > 1 ? text.find(number.substr(1)) : 0;
     out.error({mark_at(text, byte, source, out), {}}, "a number of the solution is out of range");
   } catch (const Json::exception& e) {
-    out.error({{source, 0, 0}, {}}, fmt::format("the solution cannot be used: {}", e.what()));
+    out.error({{source, 0, 0}, {}}, fmt::format("the solution cannot be used: {}", reason(e)));
   }
   return std::nullopt;
 }

@@ -1,48 +1,21 @@
 #include "problem_file/source_text.hpp"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
-#include <fstream>
-
-#include <fmt/format.h>
 
 #include "problem_file/sha256.hpp"
+#include "robot/text_file.hpp"
 #include "robot/utf8.hpp"
 
 namespace conddp {
 std::optional<std::string> read_text(const std::filesystem::path& file, std::size_t limit,
                                      const Place& place, std::string& sha256, Diagnostics& out) {
   const std::string name = file.string();
-  const auto fail = [&](std::string message) {
-    out.error(place, std::move(message));
+  TextFile read = read_text_file(file, limit);
+  if (!read.defect.empty()) {
+    out.error(place, std::move(read.defect));
     return std::nullopt;
-  };
-  std::error_code error;
-  const auto status = std::filesystem::status(file, error);
-  if (!std::filesystem::exists(status)) {
-    if (error && error != std::errc::no_such_file_or_directory)
-      return fail(fmt::format("'{}' cannot be opened: {}", name, error.message()));
-    return fail(fmt::format("'{}' does not exist", name));
   }
-  if (std::filesystem::is_directory(status)) return fail(fmt::format("'{}' is a folder", name));
-  if (!std::filesystem::is_regular_file(status))
-    return fail(fmt::format("'{}' is not a regular file", name));
-  errno = 0;
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream)
-    return fail(fmt::format("'{}' cannot be opened: {}", name,
-                            errno != 0 ? std::strerror(errno) : "unknown cause"));
-  const std::uintmax_t size = std::filesystem::file_size(file, error);
-  const auto too_large = [&] {
-    return fail(fmt::format("'{}' is larger than {} MiB", name, limit >> 20));
-  };
-  if (!error && size > limit) return too_large();
-  std::string text(static_cast<std::size_t>(error ? limit : size) + 1, '\0');
-  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (stream.bad()) return fail(fmt::format("'{}' cannot be read", name));
-  text.resize(static_cast<std::size_t>(stream.gcount()));
-  if (text.size() > limit) return too_large();
+  std::string text = std::move(read.text);
   sha256 = conddp::sha256(text);
   if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
   if (const std::size_t bad = find_bad_character(text); bad != std::string::npos) {

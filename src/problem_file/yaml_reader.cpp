@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <limits>
+#include <unordered_set>
 
 #include <fmt/format.h>
 
@@ -51,8 +52,13 @@ std::optional<long long> YamlReader::integer(long long lower, long long upper) c
       upper == std::numeric_limits<int>::max() || upper == std::numeric_limits<long long>::max()
           ? fmt::format("a whole number of at least {}", lower)
           : fmt::format("a whole number from {} to {}", lower, upper);
-  if (!is_number()) return expected(what), std::nullopt;
+  if (!is_scalar()) return expected(what), std::nullopt;
+  if (node_->quoted) return expected(what, "leave the quotes out"), std::nullopt;
   const std::string& text = node_->text;
+  if (const ParsedNumber parsed = parse_number(text); !parsed.value) {
+    error(fmt::format("{} is expected here, and {}", what, parsed.defect));
+    return std::nullopt;
+  }
   const char* begin = text.data() + (text.starts_with('+') ? 1 : 0);
   const char* end = text.data() + text.size();
   long long value = 0;
@@ -111,14 +117,14 @@ std::optional<std::vector<Name>> YamlReader::names() const {
   const auto readers = items();
   if (!readers) return std::nullopt;
   std::vector<Name> values;
+  std::unordered_set<std::string> known;
   for (const YamlReader& item : *readers) {
     const auto value = item.name();
     if (!value) return std::nullopt;
-    for (const Name& former : values)
-      if (former.value == value->value) {
-        item.error(fmt::format("'{}' stands twice in the list", value->value));
-        return std::nullopt;
-      }
+    if (!known.insert(value->value).second) {
+      item.error(fmt::format("'{}' stands twice in the list", value->value));
+      return std::nullopt;
+    }
     values.push_back(*value);
   }
   return values;

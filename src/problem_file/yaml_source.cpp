@@ -10,12 +10,15 @@
 #include <yaml-cpp/exceptions.h>
 #include <yaml-cpp/parser.h>
 
+#include "problem_file/yaml_closing.hpp"
 #include "robot/utf8.hpp"
 
 namespace conddp {
 namespace {
 
 constexpr int kMaxDepth = 64;
+constexpr std::string_view kNoAliases = "aliases (*name) are not accepted";
+constexpr std::string_view kWriteOut = "write the value out where it is needed";
 
 /// Ends the parse: the reason has been reported.
 struct Refused {};
@@ -24,8 +27,8 @@ struct Refused {};
 /// them and nesting before anything recurses into it.
 class TreeBuilder : public YAML::EventHandler {
  public:
-  TreeBuilder(int source, int shift, Diagnostics& out)
-      : source_(source), shift_(shift), out_(out) {}
+  TreeBuilder(std::string_view text, int source, int shift, Diagnostics& out)
+      : text_(text), source_(source), shift_(shift), out_(out) {}
 
   YamlNode root;
 
@@ -38,10 +41,14 @@ class TreeBuilder : public YAML::EventHandler {
     throw Refused{};
   }
 
+  static std::size_t offset(const YAML::Mark& mark) {
+    return mark.is_null() ? std::string_view::npos : static_cast<std::size_t>(mark.pos);
+  }
+
   void OnDocumentStart(const YAML::Mark&) override {}
   void OnDocumentEnd() override {}
   void OnAlias(const YAML::Mark& mark, YAML::anchor_t) override {
-    refuse(mark, "aliases (*name) are not accepted", "write the value out where it is needed");
+    refuse(mark, std::string(kNoAliases), std::string(kWriteOut));
   }
   void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override {
     check(mark, "?", anchor);
@@ -50,6 +57,8 @@ class TreeBuilder : public YAML::EventHandler {
   void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
                 const std::string& value) override {
     check(mark, tag, anchor);
+    if (tag == "!" && quote_end(text_, offset(mark)) == text_.npos)
+      refuse(mark, "a quoted text is never closed", {});
     if (const std::size_t bad = find_bad_character(value); bad != std::string::npos)
       refuse(mark, "a quoted text with escapes: " + describe_bad_character(value, bad), {});
     place({.kind = YamlNode::Kind::kScalar,
@@ -92,8 +101,7 @@ class TreeBuilder : public YAML::EventHandler {
   };
 
   void check(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor) {
-    if (anchor != 0)
-      refuse(mark, "anchors (&name) are not accepted", "write the value out where it is needed");
+    if (anchor != 0) refuse(mark, "anchors (&name) are not accepted", std::string(kWriteOut));
     if (!tag.empty() && tag != "?" && tag != "!")
       refuse(mark, fmt::format("the tag '{}' is not accepted", tag), "leave the tag out");
   }
@@ -114,9 +122,15 @@ class TreeBuilder : public YAML::EventHandler {
       begin_entry(level, std::move(node), mark);
     }
   }
+  [[noreturn]] void refuse_key(const YamlNode& node, const YAML::Mark& mark) {
+    const std::size_t at = offset(mark);
+    const char first = at < text_.size() ? text_[at] : ' ';
+    if ((first == '[' || first == '{') && !bracket_closes(text_, at))
+      refuse(mark, fmt::format("this '{}' is never closed", first), {});
+    refuse(mark, fmt::format("a key must be a name, not {}", kind_name(node)), {});
+  }
   void begin_entry(Level& level, YamlNode key, const YAML::Mark& mark) {
-    if (key.kind != YamlNode::Kind::kScalar)
-      refuse(mark, fmt::format("a key must be a name, not {}", kind_name(key)), {});
+    if (key.kind != YamlNode::Kind::kScalar) refuse_key(key, mark);
     if (key.text.find_first_of("\n\r\t") != std::string::npos)
       refuse(mark, "a key has no line ends and no tabs", {});
     if (key.text == "<<" && !key.quoted)
@@ -133,7 +147,7 @@ class TreeBuilder : public YAML::EventHandler {
       refuse(mark, fmt::format("the nesting is deeper than {} levels", kMaxDepth), {});
     if (!levels_.empty() && levels_.back().node.kind == YamlNode::Kind::kMap &&
         !levels_.back().has_key)
-      refuse(mark, fmt::format("a key must be a name, not {}", kind_name(node)), {});
+      refuse_key(node, mark);
     levels_.push_back({std::move(node), false, {}});
   }
   void close() {
@@ -142,6 +156,7 @@ class TreeBuilder : public YAML::EventHandler {
     place(std::move(node), {});
   }
 
+  std::string_view text_;
   int source_;
   int shift_;
   Diagnostics& out_;
@@ -157,6 +172,8 @@ std::string_view in_words(std::string_view message) {
   if (message == "end of sequence not found") return "this line does not continue the list above";
   if (message == "end of sequence flow not found") return "a list '[...' is not closed by ']'";
   if (message == "end of map flow not found") return "a mapping '{...' is not closed by '}'";
+  if (message == "illegal flow end") return "a ']' or '}' that closes nothing open here";
+  if (message == "unknown token") return "nothing starts with this character: quote the text";
   if (message == "illegal map value") return "a ':' where no value can start";
   return message;
 }
@@ -165,7 +182,7 @@ std::string_view in_words(std::string_view message) {
 
 std::optional<YamlNode> parse_yaml(const std::string& text, int source, Diagnostics& out, int shift,
                                    bool allow_null) {
-  TreeBuilder builder(source, shift, out);
+  TreeBuilder builder(text, source, shift, out);
   try {
     std::istringstream stream(text);
     YAML::Parser parser(stream);
@@ -178,7 +195,7 @@ std::optional<YamlNode> parse_yaml(const std::string& text, int source, Diagnost
     }
     YamlNode root = std::move(builder.root);
     // Only once: on some input the parser would report documents for ever.
-    TreeBuilder rest(source, shift, out);
+    TreeBuilder rest(text, source, shift, out);
     if (parser.HandleNextDocument(rest)) {
       out.error({rest.root.mark.line > 0 ? rest.root.mark : root.mark, {}},
                 "something follows the end of the document", "a problem file is one document");
@@ -187,7 +204,14 @@ std::optional<YamlNode> parse_yaml(const std::string& text, int source, Diagnost
     return root;
   } catch (const Refused&) {
   } catch (const YAML::Exception& e) {
-    out.error({builder.mark_of(e.mark), {}}, fmt::format("not valid YAML: {}", in_words(e.msg)));
+    const Mark mark = builder.mark_of(e.mark);
+    const std::string_view line = mark.line > 0 ? out.line(source, mark.line) : "";
+    const bool tab = line.substr(0, line.find_first_not_of(" \t")).find('\t') != line.npos;
+    if (e.msg.starts_with("the referenced anchor is not defined"))
+      out.error({mark, {}}, std::string(kNoAliases), std::string(kWriteOut));
+    else
+      out.error({mark, {}}, fmt::format("not valid YAML: {}", in_words(e.msg)),
+                tab ? "the line begins with a tab: YAML is indented by spaces" : "");
   } catch (const std::exception& e) {
     out.error({{source, 1, 1}, {}}, fmt::format("not valid YAML: {}", e.what()));
   }

@@ -1,7 +1,6 @@
 #include "robot/urdf.hpp"
 
 #include <algorithm>
-#include <fstream>
 #include <mutex>
 
 #include <console_bridge/console.h>
@@ -9,6 +8,7 @@
 
 #include "robot/model_builder.hpp"
 #include "robot/regularity.hpp"
+#include "robot/text_file.hpp"
 #include "robot/urdf_guard.hpp"
 #include "robot/urdf_topology.hpp"
 #include "robot/urdf_validation.hpp"
@@ -129,9 +129,9 @@ void parse(std::string_view xml, const UrdfOptions& options, UrdfResult& result)
   if (!report.has_errors()) result.model = std::move(model);
 }
 
-UrdfResult failure(std::string message, std::string hint = {}) {
+UrdfResult failure(std::string message) {
   UrdfResult result;
-  result.problems.push_back({.message = std::move(message), .hint = std::move(hint)});
+  result.problems.push_back({.message = std::move(message)});
   return result;
 }
 
@@ -151,19 +151,10 @@ UrdfResult parse_urdf(std::string_view xml, const std::string& file_name,
 }
 
 UrdfResult load_urdf(const std::filesystem::path& file, const UrdfOptions& options) {
-  const std::string name = file.string();
-  std::error_code error;
-  const auto status = std::filesystem::status(file, error);
-  if (!std::filesystem::exists(status)) return failure("'" + name + "' does not exist");
-  if (!std::filesystem::is_regular_file(status)) return failure("'" + name + "' is not a file");
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) return failure("'" + name + "' cannot be opened");
-  std::string text(kMaxUrdfBytes + 1, '\0');
-  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (stream.bad()) return failure("'" + name + "' cannot be read");
-  text.resize(static_cast<std::size_t>(stream.gcount()));
-  UrdfResult result = parse_urdf(text, name, options);
-  result.text = std::move(text);
+  TextFile read = read_text_file(file, kMaxUrdfBytes);
+  if (!read.defect.empty()) return failure(std::move(read.defect));
+  UrdfResult result = parse_urdf(read.text, file.string(), options);
+  result.text = std::move(read.text);
   return result;
 }
 

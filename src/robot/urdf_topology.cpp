@@ -107,10 +107,12 @@ class Topology {
     }
     if (const auto found = link_index_.find(std::string(*link)); found != link_index_.end())
       return found->second;
+    // Distances to thousands of names for thousands of mistakes would take minutes.
+    constexpr int kHints = 20;
     report_.error_at(
         *child, joint,
         subject + std::string(side) + " link '" + std::string(*link) + "' does not exist",
-        name_hint(*link, link_names_, "links"));
+        hints_++ < kHints ? name_hint(*link, link_names_, "links") : "");
     return -1;
   }
 
@@ -208,6 +210,7 @@ class Topology {
   std::vector<LinkEntry> links_;
   std::vector<JointEntry> joints_;
   Index link_index_, joint_index_;
+  int hints_ = 0;  ///< given so far for links that do not exist
   std::vector<std::string> link_names_, joint_names_;
 };
 

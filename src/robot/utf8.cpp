@@ -45,8 +45,10 @@ std::string describe_bad_character(std::string_view text, std::size_t at) {
 }
 
 std::string printable(std::string_view text) {
+  constexpr std::size_t kLongest = 1000;
   std::string shown;
   for (std::size_t i = 0; i < text.size();) {
+    if (shown.size() > kLongest) return shown + "...";
     const unsigned byte = static_cast<unsigned char>(text[i]);
     const std::size_t length = character_length(text, i);
     if (byte == '\n' || byte == '\t' || byte == '\r')

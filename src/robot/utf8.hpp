@@ -14,7 +14,7 @@ std::size_t find_bad_character(std::string_view text);
 std::string describe_bad_character(std::string_view text, std::size_t at);
 
 /// The text as it can be shown on one line of any terminal: control characters, line ends and what
-/// is no UTF-8 written as escapes ("\n", "\x1B").
+/// is no UTF-8 written as escapes ("\n", "\x1B"), and cut off behind a good thousand bytes.
 std::string printable(std::string_view text);
 
 }  // namespace conddp

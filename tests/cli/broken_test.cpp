@@ -47,9 +47,8 @@ TEST_P(Broken, IsRefusedWithItsPlace) {
   EXPECT_EQ(folder.files(), before);
 }
 
-INSTANTIATE_TEST_SUITE_P(Inputs, Broken, testing::ValuesIn(broken_cases()), [](const auto& test) {
-  return test.param.group + "_" + test.param.name;
-});
+INSTANTIATE_TEST_SUITE_P(Inputs, Broken, testing::ValuesIn(broken_cases()),
+                         [](const auto& test) { return test.param.group + "_" + test.param.name; });
 
 TEST(BrokenInputs, TheInputsThatTheyChangeAreGood) {
   const TemporaryFolder folder;

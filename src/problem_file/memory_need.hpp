@@ -1,0 +1,16 @@
+#pragma once
+
+#include "problem_file/diagnostic.hpp"
+#include "problem_file/spec.hpp"
+
+namespace conddp {
+
+/// About how many bytes solving a problem takes: ndx tangent and nu control dimensions, running
+/// costs. Fitted to what the solvers were seen to use, outputs included; exact to some 20 %.
+double memory_need(double knots, int ndx, int nu, std::size_t costs);
+
+/// Reports an error at the phases if the problem does not fit into this machine's memory, or into
+/// what the process may use of it.
+void check_memory(const ProblemSpec& spec, int ndx, int nu, Diagnostics& out);
+
+}  // namespace conddp
