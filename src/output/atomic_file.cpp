@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -26,6 +27,7 @@ class Descriptor {
   Descriptor(const Descriptor&) = delete;
   Descriptor& operator=(const Descriptor&) = delete;
   int get() const { return number_; }
+  int release() { return std::exchange(number_, -1); }
   /// Some file systems report a full disk only here.
   bool close() { return ::close(std::exchange(number_, -1)) == 0; }
 
@@ -42,21 +44,56 @@ void write_all(int descriptor, const std::string& contents, const std::filesyste
   }
 }
 
+std::filesystem::path temporary_name(const std::filesystem::path& file, const char* kind) {
+  return file.parent_path() /
+         fmt::format(".{}.{}.{}.tmp", file.filename().string(), kind, ::getpid());
+}
+
+/// Removes what killed processes left of this file under temporary names: nobody has locked it.
+void remove_leftovers(const std::filesystem::path& file) {
+  const std::string start = "." + file.filename().string() + ".";
+  std::error_code error;
+  const std::filesystem::path folder = file.parent_path().empty() ? "." : file.parent_path();
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with(start) || !name.ends_with(".tmp")) continue;
+    Descriptor leftover(::open(entry.path().c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
+    if (leftover.get() >= 0 && ::flock(leftover.get(), LOCK_EX | LOCK_NB) == 0)
+      ::unlink(entry.path().c_str());
+  }
+}
+
+/// Makes a file, locked so that no other process takes it for a leftover.
+int create_locked(const std::filesystem::path& temporary, const std::filesystem::path& file) {
+  for (;;) {
+    Descriptor made(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
+    if (made.get() < 0) fail(file, errno);
+    struct stat found {};
+    if (::flock(made.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) continue;
+    if (::fstat(made.get(), &found) == 0 && found.st_nlink == 0) continue;  // taken for one already
+    return made.release();
+  }
+}
+
 }  // namespace
 
 AtomicFiles::~AtomicFiles() {
-  for (const Pending& p : pending_) ::unlink(p.temporary.c_str());
+  for (const Pending& p : pending_) {
+    ::unlink(p.temporary.c_str());
+    if (!p.former.empty()) ::unlink(p.former.c_str());
+    ::close(p.lock);
+  }
 }
 
 void AtomicFiles::add(const std::filesystem::path& file, const std::string& contents) {
   std::error_code error;
   if (std::filesystem::is_directory(file, error)) fail(file, EISDIR);
-  const std::filesystem::path temporary =
-      file.parent_path() / fmt::format(".{}.{}.tmp", file.filename().string(), ::getpid());
-  ::unlink(temporary.c_str());  // left by a killed process that had our number
-  Descriptor descriptor(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
+  remove_leftovers(file);
+  const std::filesystem::path temporary = temporary_name(file, "new");
+  const int lock = create_locked(temporary, file);
+  pending_.push_back({temporary, file, lock, {}});
+  Descriptor descriptor(::dup(lock));
   if (descriptor.get() < 0) fail(file, errno);
-  pending_.push_back({temporary, file});
   write_all(descriptor.get(), contents, file);
   // Pipes and the like cannot be flushed to a disk, which is no defect.
   if (::fsync(descriptor.get()) != 0 && errno != EINVAL && errno != ENOTSUP) fail(file, errno);
@@ -64,10 +101,35 @@ void AtomicFiles::add(const std::filesystem::path& file, const std::string& cont
 }
 
 void AtomicFiles::commit() {
-  while (!pending_.empty()) {
-    const Pending& p = pending_.back();
-    if (::rename(p.temporary.c_str(), p.file.c_str()) != 0) fail(p.file, errno);
-    pending_.pop_back();
+  for (Pending& p : pending_) {
+    const std::filesystem::path former = temporary_name(p.file, "former");
+    if (::link(p.file.c_str(), former.c_str()) == 0) p.former = former;
+  }
+  for (std::size_t i = pending_.size(); i-- > 0;) {
+    const Pending& p = pending_[i];
+    if (::rename(p.temporary.c_str(), p.file.c_str()) == 0) continue;
+    const int error = errno;
+    restore(i + 1);
+    fail(p.file, error);
+  }
+  for (const Pending& p : pending_) {
+    Descriptor folder(::open(p.file.parent_path().empty() ? "." : p.file.parent_path().c_str(),
+                             O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+    if (folder.get() >= 0) ::fsync(folder.get());  // so that the names survive a power cut
+    if (!p.former.empty()) ::unlink(p.former.c_str());
+    ::close(p.lock);
+  }
+  pending_.clear();
+}
+
+/// Takes back the renames of the files from `first` on.
+void AtomicFiles::restore(std::size_t first) {
+  for (std::size_t i = first; i < pending_.size(); ++i) {
+    Pending& p = pending_[i];
+    if (p.former.empty())
+      ::unlink(p.file.c_str());
+    else if (::rename(p.former.c_str(), p.file.c_str()) == 0)
+      p.former.clear();
   }
 }
 

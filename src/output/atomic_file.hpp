@@ -15,8 +15,11 @@ class OutputError : public std::runtime_error {
 };
 
 /// Files that appear together and whole: each is written under a temporary name in its folder and
-/// flushed to the disk; only when all are there are they renamed. Until then, and if anything goes
-/// wrong, files of the same names stay as they were.
+/// flushed to the disk; only when all are there are they renamed, the first one added last. If
+/// anything goes wrong, files of the same names stay as they were and no temporary one is left.
+/// Only a process that is killed between two renames leaves some new and some former files, each
+/// of them whole; what it leaves under temporary names is removed by the next one that writes
+/// there.
 class AtomicFiles {
  public:
   AtomicFiles() = default;
@@ -34,7 +37,10 @@ class AtomicFiles {
   struct Pending {
     std::filesystem::path temporary;
     std::filesystem::path file;
+    int lock;                      ///< descriptor that shows others that we are alive
+    std::filesystem::path former;  ///< second name of the file to be replaced, while renaming
   };
+  void restore(std::size_t first);
   std::vector<Pending> pending_;
 };
 

@@ -110,8 +110,7 @@ void parse(std::string_view xml, const UrdfOptions& options, UrdfResult& result)
                                .column = defect.column});
     return;
   }
-  check_urdf_elements(outline, report);
-  if (report.has_errors()) return;
+  if (!check_urdf_elements(outline, report)) return;
   check_urdf_topology(outline, report);
   if (report.has_errors()) return;
 

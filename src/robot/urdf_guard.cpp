@@ -183,14 +183,15 @@ std::optional<UrdfProblem> check_urdf_text(std::string_view text, const std::str
   return std::nullopt;
 }
 
-void check_urdf_elements(const XmlOutline& outline, UrdfReport& report) {
+bool check_urdf_elements(const XmlOutline& outline, UrdfReport& report) {
   const XmlElement& root = outline.elements.front();
-  if (root.tag != "robot")
-    return report.error_at(0, "",
-                           "the root element is <" + std::string(root.tag) + ">, not <robot>",
-                           "a URDF file is expected");
+  if (root.tag != "robot") {
+    report.error_at(0, "", "the root element is <" + std::string(root.tag) + ">, not <robot>",
+                    "a URDF file is expected");
+    return false;
+  }
   check_xacro(outline, report);
-  if (report.has_errors()) return;
+  if (report.has_errors()) return false;
   if (!root.attribute("name")) report.error_at(0, "", "<robot> has no name");
   check_name(outline, 0, "name", report);
 
@@ -235,6 +236,7 @@ void check_urdf_elements(const XmlOutline& outline, UrdfReport& report) {
                     "the file has " + std::to_string(links) + " links, more than " +
                         std::to_string(kMaxUrdfLinks));
   if (!ignored.empty()) report.note("not read: " + listed({ignored.begin(), ignored.end()}, 12));
+  return links > 0 && links <= kMaxUrdfLinks;
 }
 
 std::string relevant_urdf(const XmlOutline& outline, std::string_view text) {

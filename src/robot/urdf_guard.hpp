@@ -14,8 +14,9 @@ inline constexpr int kMaxUrdfLinks = 10'000;
 std::optional<UrdfProblem> check_urdf_text(std::string_view text, const std::string& file_name);
 
 /// Checks a document's elements one by one: root element, xacro left over, names, duplicates,
-/// numbers, misspelt elements and attributes, number of links.
-void check_urdf_elements(const XmlOutline& outline, UrdfReport& report);
+/// numbers, misspelt elements and attributes, number of links. False: it is no URDF or far too
+/// large, and nothing else need be said.
+bool check_urdf_elements(const XmlOutline& outline, UrdfReport& report);
 
 /// The document reduced to the elements from which a model is built, everything else replaced by
 /// blanks. Visuals, materials, plug-ins and comments can then neither fail in the parser nor reach

@@ -47,8 +47,9 @@ BrokenCase read_case(const YAML::Node& node, const std::string& group) {
       broken.name = value.Scalar();
     } else if (key == "change") {
       for (const auto& change : value)
-        broken.changes.push_back(
-            {change.first.Scalar(), content(change.second[0]), content(change.second[1])});
+        for (std::size_t i = 0; i + 1 < change.second.size(); i += 2)
+          broken.changes.push_back(
+              {change.first.Scalar(), content(change.second[i]), content(change.second[i + 1])});
     } else if (key == "write") {
       for (const auto& file : value)
         broken.writes.emplace_back(file.first.Scalar(), content(file.second));

@@ -99,6 +99,10 @@ ProcessResult run_conddp(const std::vector<std::string>& arguments, const Proces
   if (child == 0) become_conddp(arguments, options, out.write, err.write);
   close(out.write);
   if (err.read >= 0) close(err.write);
+  if (options.kill_after_us >= 0) {
+    usleep(static_cast<useconds_t>(options.kill_after_us));
+    kill(child, SIGKILL);
+  }
   ProcessResult result;
   collect(child, out.read, err.read, options, result);
   close(out.read);
@@ -129,7 +133,7 @@ std::string TemporaryFolder::write(const std::string& name, const std::string& t
 std::vector<std::string> TemporaryFolder::files() const {
   std::vector<std::string> names;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(path_))
-    if (!entry.is_directory())
+    if (!std::filesystem::is_directory(entry.symlink_status()))
       names.push_back(std::filesystem::relative(entry.path(), path_).string());
   std::sort(names.begin(), names.end());
   return names;

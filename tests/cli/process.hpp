@@ -27,6 +27,7 @@ struct ProcessOptions {
   std::string signal_after;              ///< on stderr
   int limit_file_size = -1;              ///< bytes, of any file that it writes
   ProcessLimits limits = {};
+  int kill_after_us = -1;  ///< SIGKILL after so many microseconds
 };
 
 /// Runs the tool with arguments and waits for it. With a terminal everything is in `out`.

@@ -55,6 +55,35 @@ TEST_F(AtomicFile, ALaterFailureLeavesEarlierFilesAsTheyWere) {
   EXPECT_EQ(read("a"), "former");
 }
 
+TEST_F(AtomicFile, AFailureWhileRenamingTakesTheOthersBack) {
+  std::ofstream(folder_ / "b") << "former";
+  AtomicFiles files;
+  files.add(folder_ / "a", "new");  // renamed last
+  files.add(folder_ / "b", "new");
+  files.add(folder_ / "c", "new");
+  std::filesystem::create_directory(folder_ / "a");
+  std::ofstream(folder_ / "a" / "in the way");
+  EXPECT_THROW(files.commit(), OutputError);
+  EXPECT_EQ(read("b"), "former");
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "c"));
+}
+
+TEST_F(AtomicFile, LeftoversOfTheDeadAreRemovedAndOfTheLivingKept) {
+  std::ofstream(folder_ / ".a.new.1.tmp") << "half";
+  std::ofstream(folder_ / ".b.new.1.tmp") << "half, of another file";
+  AtomicFiles living;
+  living.add(folder_ / "b", "one");
+  EXPECT_EQ(count(), 2);  // .a.new.1.tmp and the one of `living`
+  AtomicFiles files;
+  files.add(folder_ / "a", "two");
+  files.commit();
+  EXPECT_EQ(count(), 2);
+  living.commit();
+  EXPECT_EQ(read("a"), "two");
+  EXPECT_EQ(read("b"), "one");
+  EXPECT_EQ(count(), 2);
+}
+
 TEST_F(AtomicFile, ErrorsNameTheFile) {
   AtomicFiles files;
   try {

@@ -55,7 +55,7 @@ std::vector<Rejection> rejections() {
   return {
       {"empty", " \n", "", "'robot.urdf' is empty"},
       {"latin1", "<robot name=\"r\">\n<!-- \xE9 -->\n</robot>", "", "not UTF-8", 2},
-      {"nul", std::string("<robot name=\"r\">\0</robot>", 25), "", "not UTF-8"},
+      {"nul", std::string("<robot name=\"r\">\0</robot>", 25), "", "control character (0x00)"},
       {"text_only", "hello", "", "not well-formed XML"},
       {"unclosed", "<robot name=\"r\">\n<link name=\"a\">", "", "<link> is never closed", 2},
       {"crossed", "<robot name=\"r\">\n<link>\n</joint></robot>", "", "</joint> where <link>", 3},
@@ -265,8 +265,8 @@ TEST(UrdfFile, MustBeARegularFileOfModestSize) {
     return result.problems.empty() ? "" : result.problems[0].message;
   };
   EXPECT_NE(message("/nonexistent/robot.urdf").find("does not exist"), std::string::npos);
-  EXPECT_NE(message("/tmp").find("is not a file"), std::string::npos);
-  EXPECT_NE(message("/dev/zero").find("is not a file"), std::string::npos);
+  EXPECT_NE(message("/tmp").find("is a folder"), std::string::npos);
+  EXPECT_NE(message("/dev/zero").find("is not a regular file"), std::string::npos);
   const auto large = std::filesystem::path(testing::TempDir()) / "conddp_large.urdf";
   std::ofstream(large) << robot(link("a") + std::string(17 << 20, ' '));
   EXPECT_NE(message(large).find("larger than 16 MiB"), std::string::npos);
