@@ -13,7 +13,6 @@
 #include "problem_file/wrap_text.hpp"
 #include "streams.hpp"
 #include "terminal.hpp"
-#include "robot/utf8.hpp"
 #include "usage.hpp"
 
 namespace {
@@ -55,10 +54,7 @@ void add_diagnostics_option(CLI::App& app) {
 
 void report_usage(const CLI::App& app, const CLI::ParseError& error, const CommandWords& words) {
   Diagnostics diagnostics;
-  Diagnostic wrong = usage_error(app, error, words);
-  wrong.message = printable(wrong.message);
-  wrong.hint = printable(wrong.hint);
-  diagnostics.add(std::move(wrong));
+  diagnostics.add(usage_error(app, error, words));
   print_messages(diagnostics, Verbosity::kQuiet);
   if (message_format() == MessageFormat::kJson) return;
   const std::string advice =

@@ -36,7 +36,7 @@ Json parse_trajectory(const std::string& text) {
   std::array<std::set<std::string>, kMaxDepth + 2> keys;  // of the objects that are open
   const auto keep = [&](int depth, Json::parse_event_t event, Json& value) {
     if (depth > kMaxDepth) throw Malformed{"it is nested too deeply"};
-    if (event == Json::parse_event_t::object_end) keys[depth + 1].clear();
+    if (event == Json::parse_event_t::object_start) keys[depth + 1].clear();
     if (wanted && event == Json::parse_event_t::value && ++values > kMaxValues)
       throw Malformed{fmt::format("it has more than {} values", kMaxValues)};
     if (event != Json::parse_event_t::key) return true;

@@ -1,13 +1,12 @@
 #include "broken_case.hpp"
 
 #include <algorithm>
-#include <ostream>
+#include <fstream>
 #include <stdexcept>
 
 #include <sys/stat.h>
 
 #include <fmt/format.h>
-#include <yaml-cpp/yaml.h>
 
 namespace conddp {
 namespace {
@@ -24,7 +23,7 @@ std::string content(const YAML::Node& node) {
   if (node.IsScalar()) return node.Scalar();
   std::string text;
   if (node.IsSequence()) {
-    for (const auto& piece : node) text += content(piece);
+    for (const YAML::Node& piece : node) text += content(piece);
   } else if (node["hex"]) {
     const std::string digits = node["hex"].Scalar();
     for (std::size_t i = 0; i + 1 < digits.size(); i += 2)
@@ -38,58 +37,61 @@ std::string content(const YAML::Node& node) {
   return text;
 }
 
-BrokenCase read_case(const YAML::Node& node, const std::string& group) {
-  BrokenCase broken{.group = group};
+BrokenCase read_case(const YAML::Node& node) {
+  BrokenCase broken{.name = node["name"].as<std::string>(""), .node = node};
   for (const auto& entry : node) {
     const std::string key = entry.first.Scalar();
-    const YAML::Node value = entry.second;
-    if (key == "name") {
-      broken.name = value.Scalar();
-    } else if (key == "change") {
-      for (const auto& change : value)
-        for (std::size_t i = 0; i + 1 < change.second.size(); i += 2)
-          broken.changes.push_back(
-              {change.first.Scalar(), content(change.second[i]), content(change.second[i + 1])});
-    } else if (key == "write") {
-      for (const auto& file : value)
-        broken.writes.emplace_back(file.first.Scalar(), content(file.second));
-    } else if (key == "make") {
-      for (const auto& thing : value) {
-        if (thing["folder"]) broken.folders.push_back(thing["folder"].Scalar());
-        if (thing["fifo"]) broken.fifos.push_back(thing["fifo"].Scalar());
-        if (thing["link"])
-          broken.links.emplace_back(thing["link"][0].Scalar(), thing["link"][1].Scalar());
-      }
-    } else if (key == "run") {
-      for (const auto& argument : value) broken.arguments.push_back(content(argument));
-    } else if (key == "says") {
-      for (const auto& line : value) broken.says.push_back(line.Scalar());
-    } else {
-      throw std::runtime_error(fmt::format("{}: a case has no key '{}'", group, key));
-    }
+    const std::vector<std::string> known = {"name", "change", "write", "make", "run", "says"};
+    if (std::find(known.begin(), known.end(), key) == known.end())
+      throw std::runtime_error(fmt::format("{}: a case has no key '{}'", broken.name, key));
   }
-  if (!node["run"]) broken.arguments = {"solve", "pendulum.yaml", "-o", "out"};
+  broken.arguments = {"solve", "pendulum.yaml", "-o", "out"};
+  if (node["run"]) broken.arguments.clear();
+  for (const YAML::Node& argument : node["run"]) broken.arguments.push_back(content(argument));
+  for (const YAML::Node& line : node["says"]) broken.says.push_back(line.Scalar());
   if (broken.name.empty() || broken.says.empty())
-    throw std::runtime_error(fmt::format("{}: a case lacks its name or 'says'", group));
+    throw std::runtime_error(fmt::format("a case lacks its name or 'says': {}", broken.name));
   return broken;
+}
+
+void change(const std::filesystem::path& file, const YAML::Node& pairs) {
+  std::string text = read_file(file);
+  for (std::size_t i = 0; i + 1 < pairs.size(); i += 2) {
+    const std::string from = content(pairs[i]);
+    const std::size_t at = text.find(from);
+    if (at == std::string::npos)
+      throw std::runtime_error(fmt::format("'{}' is not in {}", from, file.string()));
+    text.replace(at, from.size(), content(pairs[i + 1]));
+  }
+  std::ofstream(file, std::ios::binary) << text;
+}
+
+void make(const std::filesystem::path& folder, const YAML::Node& thing) {
+  const auto fresh = [&](const YAML::Node& name) {
+    std::filesystem::remove(folder / name.Scalar());
+    return folder / name.Scalar();
+  };
+  if (thing["folder"]) std::filesystem::create_directory(fresh(thing["folder"]));
+  if (thing["fifo"] && mkfifo(fresh(thing["fifo"]).c_str(), 0666) != 0)
+    throw std::runtime_error("no fifo");
+  if (thing["link"])
+    std::filesystem::create_symlink(thing["link"][0].Scalar(), fresh(thing["link"][1]));
 }
 
 }  // namespace
 
-void PrintTo(const BrokenCase& broken, std::ostream* stream) {
-  *stream << broken.group << ": " << broken.name;
+std::vector<std::string> broken_groups() {
+  std::vector<std::string> groups;
+  for (const auto& entry : std::filesystem::directory_iterator(source("tests/broken")))
+    if (entry.path().extension() == ".yaml") groups.push_back(entry.path().stem().string());
+  std::sort(groups.begin(), groups.end());
+  return groups;
 }
 
-std::vector<BrokenCase> broken_cases() {
-  std::vector<std::filesystem::path> files;
-  for (const auto& entry : std::filesystem::directory_iterator(source("tests/broken")))
-    if (entry.path().extension() == ".yaml") files.push_back(entry.path());
-  std::sort(files.begin(), files.end());
+std::vector<BrokenCase> broken_cases(const std::string& group) {
   std::vector<BrokenCase> cases;
-  for (const std::filesystem::path& file : files) {
-    const YAML::Node list = YAML::LoadFile(file.string());
-    for (const auto& node : list) cases.push_back(read_case(node, file.stem().string()));
-  }
+  for (const YAML::Node& node : YAML::LoadFile(source("tests/broken/" + group + ".yaml")))
+    cases.push_back(read_case(node));
   return cases;
 }
 
@@ -100,22 +102,9 @@ void write_good_inputs(const TemporaryFolder& folder) {
 
 void BrokenCase::prepare(const TemporaryFolder& folder) const {
   write_good_inputs(folder);
-  for (const Change& change : changes) {
-    std::string text = read_file(folder.path() / change.file);
-    const std::size_t at = text.find(change.from);
-    if (at == std::string::npos)
-      throw std::runtime_error(fmt::format("'{}' is not in {}", change.from, change.file));
-    folder.write(change.file, text.replace(at, change.from.size(), change.to));
-  }
-  for (const auto& [file, text] : writes) folder.write(file, text);
-  const auto fresh = [&](const std::string& name) {
-    std::filesystem::remove(folder.path() / name);
-    return folder.path() / name;
-  };
-  for (const std::string& name : folders) std::filesystem::create_directory(fresh(name));
-  for (const std::string& name : fifos)
-    if (mkfifo(fresh(name).c_str(), 0666) != 0) throw std::runtime_error("no fifo");
-  for (const auto& [target, name] : links) std::filesystem::create_symlink(target, fresh(name));
+  for (const auto& file : node["change"]) change(folder.path() / file.first.Scalar(), file.second);
+  for (const auto& file : node["write"]) folder.write(file.first.Scalar(), content(file.second));
+  for (const YAML::Node& thing : node["make"]) make(folder.path(), thing);
 }
 
 }  // namespace conddp

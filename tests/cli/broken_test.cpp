@@ -33,22 +33,29 @@ testing::AssertionResult says(const std::string& output, const std::vector<std::
   return testing::AssertionSuccess();
 }
 
-class Broken : public testing::TestWithParam<BrokenCase> {};
-
-TEST_P(Broken, IsRefusedWithItsPlace) {
+void expect_refused(const BrokenCase& broken) {
   const TemporaryFolder folder;
-  GetParam().prepare(folder);
+  broken.prepare(folder);
   const std::vector<std::string> before = folder.files();
   const ProcessResult r =
-      run_conddp(GetParam().arguments, {.folder = folder.path(), .limits = kLimits});
+      run_conddp(broken.arguments, {.folder = folder.path(), .limits = kLimits});
   EXPECT_EQ(r.exit_code, 2) << r.err;
   EXPECT_EQ(r.out, "");
-  EXPECT_TRUE(says(r.err, GetParam().says));
+  EXPECT_TRUE(says(r.err, broken.says));
   EXPECT_EQ(folder.files(), before);
 }
 
-INSTANTIATE_TEST_SUITE_P(Inputs, Broken, testing::ValuesIn(broken_cases()),
-                         [](const auto& test) { return test.param.group + "_" + test.param.name; });
+class Broken : public testing::TestWithParam<std::string> {};
+
+TEST_P(Broken, InputsAreRefusedWithTheirPlaces) {
+  for (const BrokenCase& broken : broken_cases(GetParam())) {
+    SCOPED_TRACE(GetParam() + ": " + broken.name);
+    expect_refused(broken);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Groups, Broken, testing::ValuesIn(broken_groups()),
+                         [](const auto& test) { return test.param; });
 
 TEST(BrokenInputs, TheInputsThatTheyChangeAreGood) {
   const TemporaryFolder folder;
@@ -61,10 +68,15 @@ TEST(BrokenInputs, TheInputsThatTheyChangeAreGood) {
   }
 }
 
-TEST(BrokenInputs, AreMany) {
-  std::set<std::string> names;
-  for (const BrokenCase& broken : broken_cases()) names.insert(broken.group + broken.name);
-  EXPECT_GE(names.size(), 120u);
+TEST(BrokenInputs, AreManyAndHaveNames) {
+  std::size_t count = 0;
+  for (const std::string& group : broken_groups()) {
+    std::set<std::string> names;
+    for (const BrokenCase& broken : broken_cases(group))
+      EXPECT_TRUE(names.insert(broken.name).second) << group << ": " << broken.name << " twice";
+    count += names.size();
+  }
+  EXPECT_GE(count, 120u);
 }
 
 }  // namespace

@@ -50,7 +50,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"Deep", nested(100), 1, 65, "deeper than 64"},
                     Case{"Deeper", nested(100000), 1, 65, "deeper than 64"},
                     Case{"Unclosed", "a: [1, 2\n", 2, 1, "not closed"},
-                    Case{"UnclosedInAValue", "a: [1, 2", 1, 4, "this '[' is never closed"},
+                    Case{"UnclosedAtTheStart", "{a: 1", 1, 1, "this '{' is never closed"},
                     Case{"UnclosedQuote", "a: 'it''s\nb: 1\n", 1, 4, "never closed"},
                     Case{"UnclosedDoubleQuote", "ä: \"it\\\"\n", 1, 4, "never closed"},
                     Case{"ControlCharacter", "a: \"\\e[0m\"\n", 1, 4, "control character (0x1B)"},
