@@ -87,10 +87,11 @@ TEST_F(AtomicFile, LeftoversOfTheDeadAreRemovedAndOfTheLivingKept) {
 TEST_F(AtomicFile, ErrorsNameTheFile) {
   AtomicFiles files;
   try {
-    files.add("/nonexistent/file.json", "");
+    files.add(folder_ / "absent/file.json", "");
     FAIL();
   } catch (const OutputError& e) {
-    EXPECT_STREQ(e.what(), "'/nonexistent/file.json' cannot be written: No such file or directory");
+    EXPECT_EQ(e.what(), "'" + (folder_ / "absent/file.json").string() +
+                            "' cannot be written: No such file or directory");
   }
   std::ofstream(folder_ / "file") << "";
   EXPECT_THROW(create_folder(folder_ / "file"), OutputError);
