@@ -1,5 +1,3 @@
-#include <fmt/format.h>
-
 #include "check_summary.hpp"
 #include "commands.hpp"
 #include "derivative_report.hpp"
@@ -8,6 +6,8 @@
 #include "output/json_text.hpp"
 #include "problem_file/expand_problem.hpp"
 #include "problem_file/read_problem.hpp"
+#include "solvers/registry.hpp"
+#include "streams.hpp"
 
 namespace conddp {
 namespace {
@@ -34,8 +34,8 @@ int check_file(const CheckArguments& arguments) {
   print_messages(diagnostics, verbosity);
   if (solver == nullptr) return kExitBadInput;
   if (arguments.expand) {
-    fmt::print("{}", arguments.json ? json_text(expand_problem(*spec, *built))
-                                    : expanded_text(*spec, *built));
+    print_result(arguments.json ? json_text(expand_problem(*spec, *built))
+                                : expanded_text(*spec, *built));
     return kExitConverged;
   }
   OrderedJson summary = check_summary(*spec, *built, *solver);
@@ -45,11 +45,12 @@ int check_file(const CheckArguments& arguments) {
         derivatives_json(check_derivatives(*built->problem, built->guess), *spec, *built);
     holds = summary["derivatives"]["holds"];
   }
-  if (arguments.json)
-    fmt::print("{}", json_text(summary));
-  else
-    fmt::print("{}{}", check_text(summary),
-               arguments.derivatives ? derivatives_text(summary["derivatives"]) : "");
+  if (arguments.json) {
+    print_result(json_text(summary));
+  } else {
+    print_result(check_text(summary));
+    if (arguments.derivatives) print_result(derivatives_text(summary["derivatives"]));
+  }
   return holds ? kExitConverged : kExitNotConverged;
 }
 
@@ -58,7 +59,9 @@ int check_file(const CheckArguments& arguments) {
 void add_check_command(CLI::App& app, Command& chosen) {
   CLI::App* command = app.add_subcommand("check", "Check a problem file without solving it");
   const auto a = std::make_shared<CheckArguments>();
-  command->add_option("FILE", a->file, "Problem file (YAML)")->required();
+  std::vector<std::string> solver_names;
+  for (const SolverInfo& info : solvers()) solver_names.emplace_back(info.name);
+  command->add_option("FILE", a->file, "Problem file")->required()->type_name("FILE.yaml");
   auto* expand =
       command->add_flag("--expand", a->expand, "Print the file with every default filled in");
   command
@@ -66,12 +69,16 @@ void add_check_command(CLI::App& app, Command& chosen) {
                  "Compare every derivative with dual numbers and name the worst entries; exit "
                  "status 1 if one is wrong")
       ->excludes(expand);
-  command->add_option("--solver", a->solver, "Solver instead of the file's");
-  command->add_option("--drop", a->drop, "Leave this constraint out (repeatable)")
+  command->add_option("--solver", a->solver, "Solver instead of the file's")
+      ->type_name("NAME")
+      ->check(CLI::IsMember(solver_names));
+  command->add_option("--drop", a->drop, "Leave this constraint out")
+      ->type_name("NAME")
       ->allow_extra_args(false);
   command
       ->add_option("--set", a->settings,
-                   "Replace a value of the file: --set solver.max_iterations=50 (repeatable)")
+                   "Replace a value of the file, as in --set solver.max_iterations=50")
+      ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
   command->add_flag("--json", a->json, "Print JSON on stdout");
   command->add_flag("-v,--verbose", a->verbose, "Print notes too");
