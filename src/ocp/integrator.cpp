@@ -31,7 +31,7 @@ constexpr int kBlock = StateManifold::kBlockSize;
 
 bool is_runge_kutta(Integrator integrator) {
   return integrator != Integrator::none && integrator != Integrator::discrete &&
-         integrator != Integrator::semi_implicit_euler;
+         !is_structured(integrator);
 }
 
 /// Applies the diagonal blocks of curved segments to a column of ndx entries, in place.
@@ -202,6 +202,14 @@ void semi_implicit_euler(const System& system, const S* x, const S& dt, const Sy
   system.manifold().integrate(x, work.tangent.data(), work.next.data());
 }
 
+/// v⁺ is the system's, q⁺ = q.
+template <class S>
+void jump(const System& system, const S* x, const SystemData<S>& data,
+          IntegratorWorkspace<S>& work) {
+  std::copy(x, x + system.nq(), work.next.begin());
+  std::copy(data.f.begin(), data.f.end(), work.next.begin() + system.nq());
+}
+
 }  // namespace
 
 template <class S>
@@ -210,8 +218,8 @@ IntegratorWorkspace<S>::IntegratorWorkspace(const System& system, Integrator int
   if (integrator == Integrator::none) return;
   const int n = system.ndx(), nz = n + system.nu();
   const std::size_t blocks = kBlock * system.manifold().curved().size();
-  F.assign((integrator == Integrator::semi_implicit_euler ? system.nv() : n) * nz, S(0.0));
-  if (integrator == Integrator::semi_implicit_euler) {
+  F.assign((is_structured(integrator) ? system.nv() : n) * nz, S(0.0));
+  if (is_structured(integrator)) {
     state_blocks.assign(blocks, S(0.0));
     step_blocks.assign(blocks, S(0.0));
   }
@@ -242,6 +250,9 @@ void integrate(const System& system, Integrator integrator, const S* x, const S*
     case Integrator::discrete:
       std::copy(data.f.begin(), data.f.end(), work.next.begin());
       break;
+    case Integrator::impulse:
+      jump(system, x, data, work);
+      break;
     case Integrator::semi_implicit_euler:
       semi_implicit_euler(system, x, dt, data, work);
       break;
@@ -261,6 +272,12 @@ void integrate_derivatives(const System& system, Integrator integrator, const S*
       std::copy(data.f.begin(), data.f.end(), work.next.begin());
       std::copy(data.fx.begin(), data.fx.end(), work.F.begin());
       std::copy(data.fu.begin(), data.fu.end(), work.F.begin() + n * n);
+      break;
+    case Integrator::impulse:
+      jump(system, x, data, work);
+      std::copy(data.fx.begin(), data.fx.end(), work.F.begin());
+      system.manifold().integrate_jacobians(work.tangent.data(), work.state_blocks.data(),
+                                            work.step_blocks.data());
       break;
     case Integrator::semi_implicit_euler: {
       semi_implicit_euler(system, x, dt, data, work);

@@ -7,10 +7,20 @@
 namespace conddp {
 
 /// How a knot's state is carried to the next one, controls constant over the knot.
-/// `none`: a terminal node. `discrete`: the system gives the next state itself.
+/// `none`: a terminal node. `discrete`: the system gives the next state itself. `impulse`: the
+/// system gives the next velocity, the configuration stays, and the time step must be 0.
 /// `rk2` is the midpoint rule, `rk3` Kutta's (1/6, 4/6, 1/6). On curved spaces Runge-Kutta rules
 /// work in exponential coordinates at the knot's state (Munthe-Kaas), which keeps their order.
-enum class Integrator { none, discrete, semi_implicit_euler, explicit_euler, rk2, rk3, rk4 };
+enum class Integrator {
+  none,
+  discrete,
+  impulse,
+  semi_implicit_euler,
+  explicit_euler,
+  rk2,
+  rk3,
+  rk4
+};
 
 /// An explicit Runge-Kutta rule: stage i starts at Σ a_ij k_j, the step is Σ b_i k_i.
 struct RungeKuttaRule {
@@ -28,8 +38,8 @@ struct IntegratorWorkspace {
 
   AlignedVector<S> next;          ///< nx
   AlignedVector<S> F;             ///< rows x nz by columns, see integrate_derivatives
-  AlignedVector<S> state_blocks;  ///< semi-implicit Euler: ∂q⁺/∂q per curved segment (by rows)
-  AlignedVector<S> step_blocks;   ///< semi-implicit Euler: ∂q⁺/∂(dt v⁺) per curved segment
+  AlignedVector<S> state_blocks;  ///< structured rules: ∂q⁺/∂q per curved segment (by rows)
+  AlignedVector<S> step_blocks;   ///< structured rules: ∂q⁺/∂(dt v⁺) per curved segment
 
   AlignedVector<S> tangent;  ///< ndx
   struct Stage {
@@ -47,8 +57,13 @@ template <class S>
 void integrate(const System& system, Integrator integrator, const S* x, const S* u, const S& dt,
                SystemData<S>& data, IntegratorWorkspace<S>& work);
 
+/// Whether a rule has q⁺ = q ⊕ dt v⁺, so that the derivative of v⁺ tells that of q⁺.
+inline bool is_structured(Integrator integrator) {
+  return integrator == Integrator::semi_implicit_euler || integrator == Integrator::impulse;
+}
+
 /// The same with the derivative of the step with respect to z = (tangent at x, u) in work.F: for
-/// semi-implicit Euler the nv rows of the next velocity (the blocks tell the rest), else all ndx
+/// structured rules the nv rows of the next velocity (the blocks tell the rest), else all ndx
 /// rows. The system's data must have been differentiated at (x, u).
 template <class S>
 void integrate_derivatives(const System& system, Integrator integrator, const S* x, const S* u,

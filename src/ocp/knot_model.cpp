@@ -16,6 +16,11 @@ KnotModel::KnotModel(std::shared_ptr<const System> system, Integrator integrator
     throw std::invalid_argument("a discrete system needs a flat state space");
   if (integrator == Integrator::semi_implicit_euler && system_->kind() != SystemKind::second_order)
     throw std::invalid_argument("semi-implicit Euler needs a second-order system");
+  const bool impulse = system_->kind() == SystemKind::impulse;
+  if (integrator != Integrator::none && impulse != (integrator == Integrator::impulse))
+    throw std::invalid_argument("an impulse needs the integrator of impulses, and only it");
+  if (impulse && control_memory)
+    throw std::invalid_argument("an impulse has no control to remember");
   if (control_memory) {
     memory_ = system_->nu();
     manifold_.append(StateManifold::Part::flat, memory_);

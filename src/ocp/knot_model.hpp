@@ -66,9 +66,7 @@ class KnotModel {
   int parameter_count() const { return parameter_count_; }
   /// Whether the dynamics Jacobian has semi-implicit Euler's structure: F holds the nv rows of the
   /// next velocity alone and the rows of the next configuration follow from it.
-  bool semi_implicit() const {
-    return integrator_ == Integrator::semi_implicit_euler && memory_ == 0;
-  }
+  bool semi_implicit() const { return is_structured(integrator_) && memory_ == 0; }
   /// Rows of F: nv where semi_implicit(), else ndx, 0 at a terminal node.
   int jacobian_rows() const;
   /// Where Gauss-Newton Hessians of the costs can be non-zero: (row, column), row ≥ column.

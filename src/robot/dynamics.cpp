@@ -159,11 +159,14 @@ void forward_dynamics(const RobotModel& model, const S* q, const S* v, const S* 
 }
 
 template <class S>
-void inverse_dynamics_derivatives(const RobotModel& model, const S* v, RobotData<S>& data) {
+void inverse_dynamics_derivatives(const RobotModel& model, const S* v, RobotData<S>& data,
+                                  const AlignedVector<Force<S>>* applied) {
   const int n = model.nv;
   update_accelerations(model, v, data.acceleration.data(), data);
   update_derivative_columns(model, data);
   body_forces(model, data);
+  if (applied != nullptr)
+    for (int i = 0; i < model.joint_count(); ++i) data.force[i] = data.force[i] - (*applied)[i];
   for (int i = 0; i < model.joint_count(); ++i)
     data.inertia_rate[i] = rotational_inertia_rate(data.body[i], data.v[i]);
 
@@ -318,7 +321,8 @@ S potential_energy(const RobotModel& model, const RobotData<S>& data) {
   template void solve_mass_matrix(const RobotModel&, const RobotData<S>&, S*, int);               \
   template void bias_forces(const RobotModel&, const S*, RobotData<S>&);                          \
   template void forward_dynamics(const RobotModel&, const S*, const S*, const S*, RobotData<S>&); \
-  template void inverse_dynamics_derivatives(const RobotModel&, const S*, RobotData<S>&);         \
+  template void inverse_dynamics_derivatives(const RobotModel&, const S*, RobotData<S>&,          \
+                                             const AlignedVector<Force<S>>*);                     \
   template void gravity_torques(const RobotModel&, const RobotData<S>&, S*, S*);                  \
   template S kinetic_energy(const RobotModel&, const RobotData<S>&);                              \
   template S potential_energy(const RobotModel&, const RobotData<S>&);

@@ -38,8 +38,10 @@ void forward_dynamics(const RobotModel& model, const S* q, const S* v, const S* 
 /// data.acceleration, into tau_q and tau_v (structural zeros stay zero). Velocities, composite
 /// inertias and `acceleration` must be current. After Singh, Russell, Wensing (IEEE RA-L 2022),
 /// with the product of their B matrix formed from composite momenta.
+/// `applied`: forces on bodies (one a joint, in the root frame) that turn with their bodies.
 template <class S>
-void inverse_dynamics_derivatives(const RobotModel& model, const S* v, RobotData<S>& data);
+void inverse_dynamics_derivatives(const RobotModel& model, const S* v, RobotData<S>& data,
+                                  const AlignedVector<Force<S>>* applied = nullptr);
 
 /// Gravity torques g(q) (nv) into out and, if asked for, their derivative (nv x nv by columns,
 /// structural zeros are not written). Composite inertias must be current.

@@ -113,12 +113,27 @@ Actuation Actuation::thrusters(const RobotModel& model, const std::vector<Thrust
   return actuation;
 }
 
+MultibodySystem::MultibodySystem(std::shared_ptr<const RobotModel> robot,
+                                 std::vector<Contact> contacts, double restitution)
+    : SystemBase(SystemKind::impulse, state_space(*robot), 0),
+      robot_(std::move(robot)),
+      mimics_(*robot_),
+      contacts_(*robot_, mimics_, std::move(contacts)),
+      restitution_(restitution) {
+  auto weightless = std::make_shared<RobotModel>(*robot_);
+  weightless->gravity = Vector3<double>::zero();
+  weightless->wrenches.clear();
+  weightless_ = std::move(weightless);
+  state_columns_ = state_names(*robot_, mimics_);
+}
+
 MultibodySystem::MultibodySystem(std::shared_ptr<const RobotModel> robot, Actuation actuation,
-                                 PassiveForces passive)
+                                 PassiveForces passive, std::vector<Contact> contacts)
     : SystemBase(SystemKind::second_order, state_space(*robot), actuation.nu),
       robot_(std::move(robot)),
       mimics_(*robot_),
-      actuation_(std::move(actuation)) {
+      actuation_(std::move(actuation)),
+      contacts_(*robot_, mimics_, std::move(contacts)) {
   state_columns_ = state_names(*robot_, mimics_);
   control_columns_ = actuation_.columns;
   control_lower_ = actuation_.lower;
@@ -211,7 +226,9 @@ MultibodySystem::Data<S>::Data(const MultibodySystem& system)
     : robot(system.robot()),
       force(system.nv(), S(0.0)),
       gravity(system.nv(), S(0.0)),
-      gravity_q(system.nv() * system.nv(), S(0.0)) {
+      gravity_q(system.nv() * system.nv(), S(0.0)),
+      velocity(system.robot().nv, S(0.0)),
+      contacts(system.contacts(), system.robot(), system.nv(), system.nu()) {
   if (system.mimic_map().identity()) return;
   const RobotModel& model = system.robot();
   mimic.q.assign(model.nq, S(0.0));
@@ -278,20 +295,32 @@ void MultibodySystem::solve_mass(const Data<S>& data, S* x, int columns) const {
 
 template <class S>
 void MultibodySystem::evaluate_as(const S* x, const S* u, Data<S>& data) const {
+  if (kind() == SystemKind::impulse) return evaluate_impulse(x, data);
   applied_forces(x + nq(), u, data);
   const Coordinates<S> full = full_coordinates(x, data);
-  if (!mimics_.identity()) return accelerate_reduced(full, data);
-  forward_dynamics(*robot_, full.q, full.v, data.force.data(), data.robot);
-  std::copy(data.robot.acceleration.begin(), data.robot.acceleration.end(), data.f.begin());
+  if (mimics_.identity()) {
+    forward_dynamics(*robot_, full.q, full.v, data.force.data(), data.robot);
+    std::copy(data.robot.acceleration.begin(), data.robot.acceleration.end(), data.f.begin());
+  } else {
+    accelerate_reduced(full, data);
+  }
+  if (contacts_.empty()) return;
+  prepare_contacts(data);
+  hold_contacts(data);
 }
 
 template <class S>
 void MultibodySystem::differentiate_as(const S* x, const S* u, Data<S>& data) const {
+  if (kind() == SystemKind::impulse) return differentiate_impulse(x, data);
   evaluate_as(x, u, data);
   const int n = nv();
   const S* v = x + nq();
   const bool identity = mimics_.identity();
-  inverse_dynamics_derivatives(*robot_, identity ? v : data.mimic.v.data(), data.robot);
+  inverse_dynamics_derivatives(*robot_, identity ? v : data.mimic.v.data(), data.robot,
+                               contacts_.empty() ? nullptr : &data.contacts.wrenches);
+  for (int i = 0; i < contacts_.count(); ++i)
+    subtract_direction_derivative(*robot_, contacts_.contacts()[i], data.contacts.contacts[i],
+                                  data.robot.tau_q);
   if (identity) {
     for (int i = 0; i < n * n; ++i) {
       data.fx[i] = -data.robot.tau_q[i];
@@ -307,6 +336,7 @@ void MultibodySystem::differentiate_as(const S* x, const S* u, Data<S>& data) co
   for (const Entry& e : entries_) data.fu[e.column * n + e.row] = S(e.value);
   solve_mass(data, data.fx.data(), 2 * n);
   solve_mass(data, data.fu.data(), nu_);
+  if (!contacts_.empty()) differentiate_contacts(data);
 }
 
 template <class S>
@@ -328,11 +358,14 @@ void MultibodySystem::gravity_torques(Data<S>& data, bool derivative) const {
   if (derivative) mimics_.reduce_matrix(g_q.data(), data.gravity_q.data());
 }
 
-#define CONDDP_INSTANTIATE(S)                                                          \
-  template struct MultibodySystem::Data<S>;                                            \
-  template void MultibodySystem::evaluate_as(const S*, const S*, Data<S>&) const;      \
-  template void MultibodySystem::differentiate_as(const S*, const S*, Data<S>&) const; \
-  template void MultibodySystem::update_kinematics_as(const S*, Data<S>&) const;       \
+#define CONDDP_INSTANTIATE(S)                                                                    \
+  template struct MultibodySystem::Data<S>;                                                      \
+  template void MultibodySystem::solve_mass(const Data<S>&, S*, int) const;                      \
+  template MultibodySystem::Coordinates<S> MultibodySystem::full_coordinates(const S*, Data<S>&) \
+      const;                                                                                     \
+  template void MultibodySystem::evaluate_as(const S*, const S*, Data<S>&) const;                \
+  template void MultibodySystem::differentiate_as(const S*, const S*, Data<S>&) const;           \
+  template void MultibodySystem::update_kinematics_as(const S*, Data<S>&) const;                 \
   template void MultibodySystem::gravity_torques(Data<S>&, bool) const;
 CONDDP_FOR_EACH_SCALAR(CONDDP_INSTANTIATE)
 #undef CONDDP_INSTANTIATE

@@ -7,6 +7,7 @@
 
 #include "robot/dynamics.hpp"
 #include "robot/model.hpp"
+#include "systems/contact_set.hpp"
 #include "systems/mimic_map.hpp"
 #include "systems/system.hpp"
 
@@ -55,11 +56,18 @@ struct PassiveForces {
 ///
 /// Where joints mimic others, x holds the independent joints alone. With v_full = G v the dynamics
 /// are Gᵀ M G a = Gᵀ (B u + passive − bias); damping and friction of mimic joints act too.
+///
+/// With contacts, their forces λ act besides: M a = B u + passive − bias + Jᵀλ such that the
+/// contacts keep their accelerations (see Contact and ContactSet). As an impulse, the contacts stop
+/// at once: M (v⁺ − v) = Jᵀλ and J v⁺ = −restitution·J v, with λ in Ns and Nms and no control.
 class MultibodySystem : public SystemBase<MultibodySystem> {
  public:
   /// Throws std::invalid_argument as MimicMap does.
   MultibodySystem(std::shared_ptr<const RobotModel> robot, Actuation actuation,
-                  PassiveForces passive = {});
+                  PassiveForces passive = {}, std::vector<Contact> contacts = {});
+  /// An impulse at contacts (SystemKind::impulse); restitution from 0 (they stay) to 1.
+  MultibodySystem(std::shared_ptr<const RobotModel> robot, std::vector<Contact> contacts,
+                  double restitution);
 
   /// Buffers of full coordinates and reduced matrices, all empty without mimic joints. n and nv
   /// are the full and the reduced number of velocities.
@@ -76,12 +84,15 @@ class MultibodySystem : public SystemBase<MultibodySystem> {
     RobotData<S> robot;                   ///< of all joints, in full coordinates
     AlignedVector<S> force;               ///< nv: B u + passive forces
     AlignedVector<S> gravity, gravity_q;  ///< nv, nv x nv: see gravity_torques
+    AlignedVector<S> velocity;            ///< of the robot, scratch of impulses
     MimicData<S> mimic;
+    ContactSet::Data<S> contacts;
   };
 
   const RobotModel& robot() const { return *robot_; }
   /// Its B has the rows of the system's velocity: GᵀB where joints mimic others.
   const Actuation& actuation() const { return actuation_; }
+  const ContactSet& contacts() const { return contacts_; }
   /// Velocity indices on which controls act, ascending.
   std::vector<int> actuated_rows() const;
 
@@ -136,6 +147,19 @@ class MultibodySystem : public SystemBase<MultibodySystem> {
   void accelerate_reduced(const Coordinates<S>& full, Data<S>& data) const;
   template <class S>
   void solve_mass(const Data<S>& data, S* x, int columns) const;
+  /// M⁻¹ Jᵀ and the factors of the contacts' G; M must be factored.
+  template <class S>
+  void prepare_contacts(Data<S>& data) const;
+  /// Adds the contacts' forces to the acceleration in data.f.
+  template <class S>
+  void hold_contacts(Data<S>& data) const;
+  /// Turns data.fx and data.fu, accelerations at fixed contact forces, into those with contacts.
+  template <class S>
+  void differentiate_contacts(Data<S>& data) const;
+  template <class S>
+  void evaluate_impulse(const S* x, Data<S>& data) const;
+  template <class S>
+  void differentiate_impulse(const S* x, Data<S>& data) const;
 
   struct Entry {
     int row, column;
@@ -149,7 +173,10 @@ class MultibodySystem : public SystemBase<MultibodySystem> {
   std::shared_ptr<const RobotModel> robot_;
   MimicMap mimics_;
   Actuation actuation_;
-  std::vector<Entry> entries_;  ///< non-zeros of B
+  ContactSet contacts_;
+  double restitution_ = 0;
+  std::shared_ptr<const RobotModel> weightless_;  ///< of impulses: no gravity, no wrenches
+  std::vector<Entry> entries_;                    ///< non-zeros of B
   std::vector<PassiveJoint> passive_joints_;
 };
 

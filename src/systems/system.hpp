@@ -17,14 +17,15 @@ namespace conddp {
 /// second_order: x = (q, v), the system gives the acceleration a(q, v, u).
 /// first_order: the system gives the tangent velocity ẋ(x, u).
 /// discrete: the system gives the next state x⁺(x, u) of a flat state space.
-enum class SystemKind { second_order, first_order, discrete };
+/// impulse: x = (q, v), no time passes, and the system gives the velocity v⁺(q, v) after it.
+enum class SystemKind { second_order, first_order, discrete, impulse };
 
 /// What a system writes when it is evaluated in scalar S. Matrices by columns, all with
-/// `rows` rows: nv for a second-order system, ndx for the others.
+/// `rows` rows: nv for a second-order system and an impulse, ndx for the others.
 template <class S>
 struct SystemData {
   virtual ~SystemData() = default;
-  AlignedVector<S> f;   ///< acceleration, tangent velocity or next state
+  AlignedVector<S> f;   ///< acceleration, tangent velocity, next state or next velocity
   AlignedVector<S> fx;  ///< rows x ndx, with respect to a tangent vector at x
   AlignedVector<S> fu;  ///< rows x nu
 };
@@ -49,7 +50,9 @@ class System {
   /// Numbers in q and in v of a second-order system's state (q, v).
   int nq() const { return nx() - nv(); }
   int nv() const { return ndx() / 2; }
-  int rows() const { return kind_ == SystemKind::second_order ? nv() : ndx(); }
+  int rows() const {
+    return kind_ == SystemKind::second_order || kind_ == SystemKind::impulse ? nv() : ndx();
+  }
   const std::vector<Column>& state_columns() const { return state_columns_; }
   const std::vector<Column>& control_columns() const { return control_columns_; }
   /// Limits that the system's own description states (URDF effort limits); infinite if none.

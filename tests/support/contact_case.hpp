@@ -1,0 +1,80 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "support/mimic_robot.hpp"
+#include "support/random_robot.hpp"
+#include "support/robots.hpp"
+#include "systems/multibody.hpp"
+
+namespace conddp {
+
+/// A robot with contacts of mixed kinds on several of its bodies.
+struct ContactCase {
+  std::string name;
+  std::shared_ptr<const RobotModel> robot;
+  std::vector<Contact> contacts;
+};
+
+inline Vector3<double> random_unit(RandomNumbers& random) {
+  const Vector3<double> v{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(0.2, 1)};
+  return (1 / std::sqrt(squared_norm(v))) * v;
+}
+
+inline Contact random_contact(const RobotModel& model, int frame, ContactKind kind, FrameAxes axes,
+                              RandomNumbers& random) {
+  Contact c{.name = "c" + std::to_string(frame), .frame = frame, .kind = kind, .axes = axes};
+  c.normal = random_unit(random);
+  c.tangent = cross(c.normal, Vector3<double>{1, 0.3, 0});
+  c.tangent = (1 / std::sqrt(squared_norm(c.tangent))) * c.tangent;
+  c.kp = random.uniform(0, 10);
+  c.kd = random.uniform(0, 10);
+  c.reference = {rotation_matrix(random.rotation()),
+                 {random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)}};
+  (void)model;
+  return c;
+}
+
+/// Frames of a model that move, the last ones first: far from the root.
+inline std::vector<int> moving_frames(const RobotModel& model) {
+  std::vector<int> frames;
+  for (int i = static_cast<int>(model.frames.size()) - 1; i >= 0; --i)
+    if (model.frames[i].joint >= 0) frames.push_back(i);
+  return frames;
+}
+
+/// Every kind of contact in either axes on every robot, and sets of several.
+inline std::vector<ContactCase> contact_cases() {
+  std::vector<TestModel> robots = random_robots();
+  for (TestModel& robot : mimic_robots()) {
+    robot.name = "mimic_" + robot.name;
+    robots.push_back(std::move(robot));
+  }
+  RandomNumbers random(17);
+  std::vector<ContactCase> cases;
+  for (const TestModel& r : robots) {
+    const auto robot = std::make_shared<RobotModel>(r.model);
+    const std::vector<int> frames = moving_frames(*robot);
+    const int n = static_cast<int>(frames.size());
+    const auto contact = [&](int i, ContactKind kind, FrameAxes axes) {
+      return random_contact(*robot, frames[i % n], kind, axes, random);
+    };
+    using K = ContactKind;
+    using A = FrameAxes;
+    cases.push_back({r.name + "_normal", robot, {contact(0, K::normal, A::world_aligned)}});
+    cases.push_back({r.name + "_local_normal", robot, {contact(1, K::normal, A::local)}});
+    cases.push_back({r.name + "_planar", robot, {contact(0, K::planar, A::world_aligned)}});
+    cases.push_back({r.name + "_point", robot, {contact(0, K::point, A::world_aligned)}});
+    if (robot->nv < 8) continue;
+    cases.push_back({r.name + "_surface", robot, {contact(0, K::surface, A::world_aligned)}});
+    cases.push_back({r.name + "_mixed",
+                     robot,
+                     {contact(0, K::point, A::world_aligned), contact(n / 2, K::normal, A::local),
+                      contact(n - 1, K::planar, A::world_aligned)}});
+  }
+  return cases;
+}
+
+}  // namespace conddp
