@@ -34,6 +34,12 @@ class FrameOf {
   int frame() const { return frame_; }
   const std::vector<int>& columns() const { return columns_.columns(); }
   int count() const { return columns_.count(); }
+  /// The columns, then the same of the velocity.
+  std::vector<int> position_and_velocity_columns() const {
+    std::vector<int> both = columns();
+    for (const int c : columns()) both.push_back(system_->nv() + c);
+    return both;
+  }
   template <class S>
   static RobotData<S>& data(const ResidualInput<S>& in) {
     return system_data(in).robot;
@@ -145,7 +151,9 @@ class FramePlacement : public ResidualBase<FramePlacement> {
 class FrameVelocity : public ResidualBase<FrameVelocity> {
  public:
   FrameVelocity(FrameOf frame, FrameAxes axes)
-      : ResidualBase({{6, both(frame)}}, 6, false), frame_(std::move(frame)), axes_(axes) {}
+      : ResidualBase({{6, frame.position_and_velocity_columns()}}, 6, false),
+        frame_(std::move(frame)),
+        axes_(axes) {}
 
   template <class S>
   void evaluate_as(const ResidualInput<S>& in, S* r) const {
@@ -166,13 +174,39 @@ class FrameVelocity : public ResidualBase<FrameVelocity> {
   }
 
  private:
-  static std::vector<int> both(const FrameOf& frame) {
-    std::vector<int> columns = frame.columns();
-    for (int c : frame.columns()) columns.push_back(frame.system().nv() + c);
-    return columns;
-  }
   FrameOf frame_;
   FrameAxes axes_;
+};
+
+class CentroidalMomentum : public ResidualBase<CentroidalMomentum> {
+ public:
+  explicit CentroidalMomentum(SystemPointer system)
+      : ResidualBase({{6, column_range(0, system->ndx())}}, 6, false),
+        system_(std::move(system)),
+        columns_(system_->mimic_map(), column_range(0, system_->robot().nv)) {}
+
+  template <class S>
+  void evaluate_as(const ResidualInput<S>& in, S* r) const {
+    const Force<S> h = centroidal_momentum(system_->robot(), FrameOf::data(in));
+    for (int i = 0; i < 6; ++i) r[i] = h[i] - in.parameters[i];
+  }
+  template <class S>
+  void differentiate_as(const ResidualInput<S>& in, S* r, S* jacobian) const {
+    evaluate_as(in, r);
+    auto& data = system_data(in);
+    S* wrt_v = jacobian + 6 * columns_.count();
+    if (columns_.identity())
+      return centroidal_momentum_derivatives(system_->robot(), data.robot, jacobian, wrt_v);
+    S* full_q = data.mimic.columns.data();
+    S* full_v = data.columns.data();
+    centroidal_momentum_derivatives(system_->robot(), data.robot, full_q, full_v);
+    columns_.gather(full_q, 6, jacobian);
+    columns_.gather(full_v, 6, wrt_v);
+  }
+
+ private:
+  SystemPointer system_;
+  ReducedColumns columns_;
 };
 
 class ComPosition : public ResidualBase<ComPosition> {
@@ -260,6 +294,9 @@ std::shared_ptr<const Residual> frame_placement_residual(const SystemPointer& sy
 std::shared_ptr<const Residual> frame_velocity_residual(const SystemPointer& system, int frame,
                                                         FrameAxes axes) {
   return std::make_shared<FrameVelocity>(FrameOf(system, frame), axes);
+}
+std::shared_ptr<const Residual> centroidal_momentum_residual(const SystemPointer& system) {
+  return std::make_shared<CentroidalMomentum>(system);
 }
 std::shared_ptr<const Residual> com_position_residual(const SystemPointer& system) {
   return std::make_shared<ComPosition>(system);

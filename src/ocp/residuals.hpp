@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "ocp/contact_cones.hpp"
 #include "ocp/residual.hpp"
 #include "robot/frames.hpp"
 #include "systems/multibody.hpp"
@@ -48,5 +49,29 @@ std::shared_ptr<const Residual> com_position_residual(
 /// indices. No parameters. nu and ndx are those of the knot model.
 std::shared_ptr<const Residual> control_gravity_residual(
     const std::shared_ptr<const MultibodySystem>& system, int ndx);
+
+/// Momentum about the centre of mass, world axes (kg m/s; kg m²/s) minus reference. Parameter: 6
+/// numbers.
+std::shared_ptr<const Residual> centroidal_momentum_residual(
+    const std::shared_ptr<const MultibodySystem>& system);
+
+/// Residuals of the force of one contact of the system, by its index in contacts(). At an impulse
+/// it is the impulse, in Ns and Nms. ndx is that of the knot model.
+
+/// Force, and torque of a surface contact, on the robot in world axes minus reference. Parameter: 3
+/// numbers, 6 of a surface contact.
+std::shared_ptr<const Residual> contact_force_residual(
+    const std::shared_ptr<const MultibodySystem>& system, int contact, int ndx);
+/// A·force of a cone in world axes (A has 3 columns), or A·wrench of a surface contact in the axes
+/// of its frame (6 columns). No parameters.
+std::shared_ptr<const Residual> contact_cone_residual(
+    const std::shared_ptr<const MultibodySystem>& system, int contact, int ndx,
+    const LinearCone& cone);
+/// (√(‖f_t‖² + s²) − μ f_n, f_n) with s = kConeSmoothing, which keeps the tip differentiable on the
+/// safe side, N. `normal` is a unit vector in the world. No parameters.
+std::shared_ptr<const Residual> friction_cone_residual(
+    const std::shared_ptr<const MultibodySystem>& system, int contact, int ndx, double friction,
+    const Vector3<double>& normal);
+inline constexpr double kConeSmoothing = 0.01;  ///< N
 
 }  // namespace conddp

@@ -43,7 +43,7 @@ std::vector<double> node_times(const ProblemSpec& spec, Diagnostics& out) {
       out.error(phase.knots.place, fmt::format("the motion lasts {:.3g} s up to the end of phase "
                                                "'{}', more than {:.0e} s",
                                                end, phase.name.value, kLongest));
-    else if (!(end - phase.dt < end))
+    else if (phase.dt > 0 && !(end - phase.dt < end))
       out.error(phase.knots.place,
                 fmt::format("steps of {:.3g} s vanish beside the time {:.3g} s", phase.dt, end));
     else
@@ -104,6 +104,14 @@ bool uses_control_rate(const ProblemSpec& spec) {
                      [](const CostSpec& cost) { return cost.kind == ResidualKind::kControlRate; });
 }
 
+/// Controls that are remembered cannot pass an impulse.
+void check_impulses(const ProblemSpec& spec, bool memory, Diagnostics& out) {
+  for (const PhaseSpec& phase : spec.phases)
+    if (memory && phase.restitution)
+      out.error(phase.name.place,
+                "an impulse interrupts the controls: costs on 'control_rate' cannot pass it");
+}
+
 /// The control before the first knot, the last part of a state with control memory.
 std::vector<double> previous_control(const ProblemSpec& spec, const Plant& plant, bool memory,
                                      Diagnostics& out) {
@@ -130,6 +138,8 @@ Integrator default_integrator(SystemKind kind) {
       return Integrator::discrete;
     case SystemKind::first_order:
       return Integrator::rk4;
+    case SystemKind::impulse:
+      return Integrator::impulse;
     case SystemKind::second_order:
       break;
   }
@@ -155,13 +165,17 @@ std::optional<BuiltProblem> build_problem(const ProblemSpec& spec, const BuildOp
   const int ndx = system.ndx() + (memory ? system.nu() : 0);
   const int errors = out.error_count();
   check_memory(spec, ndx, system.nu(), out);
+  check_impulses(spec, memory, out);
   const std::vector<double> times = node_times(spec, out);
   if (out.error_count() > errors) return std::nullopt;  // what follows would fill the memory
-  const CostContext context{built.plant, states, ndx, times};
+  const auto contacts = ContactPlan::build(spec, built.plant, *initial, *integrator, out);
+  if (!contacts) return std::nullopt;
+  const CostContext context{spec, built.plant, *contacts, states, ndx, times};
   const std::vector<BuiltCost> costs = build_costs(spec.costs, context, out);
   const std::vector<BuiltCost> terminal_costs = build_costs(spec.terminal_costs, context, out);
   const PhaseBounds bounds = collect_bounds(spec, options, built, out);
-  const PhaseContext phase_context{spec, built.plant.system, *integrator, memory, times};
+  const PhaseContext phase_context{spec,        *contacts, built.plant.system,
+                                   *integrator, memory,    times};
   std::vector<Phase> phases = build_phases(phase_context, costs, bounds, out);
   if (out.has_errors()) return std::nullopt;
 

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "problem_file/swing_reference.hpp"
+
 namespace conddp {
 namespace {
 
@@ -54,9 +56,11 @@ bool set_barrier(const CostSpec& cost, const CostResidual& residual, Activation&
 }
 
 std::optional<Activation> build_activation(const CostSpec& cost, const CostResidual& residual,
-                                           Diagnostics& out) {
+                                           const ContactCost& contact, Diagnostics& out) {
   Activation activation{.kind = cost.activation.kind, .epsilon = cost.activation.epsilon};
-  if (activation.kind == ActivationKind::quadratic_barrier &&
+  activation.lower = contact.lower;
+  activation.upper = contact.upper;
+  if (activation.kind == ActivationKind::quadratic_barrier && contact.lower.empty() &&
       !set_barrier(cost, residual, activation, out))
     return std::nullopt;
   if (cost.weights) {
@@ -72,14 +76,26 @@ std::optional<Activation> build_activation(const CostSpec& cost, const CostResid
 std::vector<BuiltCost> build_costs(const std::vector<CostSpec>& specs, const CostContext& context,
                                    Diagnostics& out) {
   std::vector<BuiltCost> costs;
-  for (const CostSpec& spec : specs) {
-    auto residual = make_cost_residual(spec, context.plant, context.ndx, out);
-    if (!residual) continue;
-    auto activation = build_activation(spec, *residual, out);
+  const auto add = [&](const CostSpec& spec, CostResidual residual, ContactCost contact) {
+    auto activation = build_activation(spec, residual, contact, out);
     auto reference =
-        build_reference(spec, *residual, context.plant, context.states, context.times, out);
-    if (!activation || !reference) continue;
-    costs.push_back({&spec, std::move(*residual), std::move(*activation), std::move(*reference)});
+        spec.swing
+            ? swing_reference(spec, residual.frame, context.spec, context.contacts, context.plant,
+                              context.states.initial(), context.times, out)
+            : build_reference(spec, residual, context.plant, context.states, context.times, out);
+    if (!activation || !reference) return;
+    costs.push_back({&spec, std::move(residual), std::move(contact), std::move(*activation),
+                     std::move(*reference)});
+  };
+  for (const CostSpec& spec : specs) {
+    if (residual_info(spec.kind).of_contacts && context.plant.multibody) {
+      for (ContactCost& contact : make_contact_costs(spec, context.spec, context.contacts,
+                                                     context.plant, context.ndx, out))
+        add(spec, contact.prototype, std::move(contact));
+      continue;
+    }
+    if (auto residual = make_cost_residual(spec, context.plant, context.ndx, out))
+      add(spec, std::move(*residual), {});
   }
   return costs;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "ocp/problem.hpp"
+#include "problem_file/contact_cost.hpp"
 #include "problem_file/reference_builder.hpp"
 
 namespace conddp {
@@ -9,13 +10,16 @@ namespace conddp {
 struct BuiltCost {
   const CostSpec* spec;
   CostResidual residual;
+  ContactCost contact;  ///< of costs on contacts: `residual` is its prototype
   Activation activation;
   TimeSeries reference;
 };
 
 /// What building costs needs to know of the problem.
 struct CostContext {
+  const ProblemSpec& spec;
   const Plant& plant;
+  const ContactPlan& contacts;
   const StateBuilder& states;
   int ndx;                           ///< of the knot models, control memory included
   const std::vector<double>& times;  ///< of the nodes

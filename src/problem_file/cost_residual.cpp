@@ -13,6 +13,7 @@ namespace {
 const std::vector<std::string> kPositionNames = {"x", "y", "z"};
 const std::vector<std::string> kRotationNames = {"rx", "ry", "rz"};
 const std::vector<std::string> kPoseNames = {"x", "y", "z", "rx", "ry", "rz"};
+const std::vector<std::string> kMomentumNames = {"px", "py", "pz", "lx", "ly", "lz"};
 const std::vector<std::string> kTwistNames = {"vx", "vy", "vz", "wx", "wy", "wz"};
 
 /// Whether a state index lies in a flat part of the manifold.
@@ -197,6 +198,16 @@ std::optional<CostResidual> make_cost_residual(const CostSpec& cost, const Plant
       result.rows = {"actuated forces", names};
       break;
     }
+    case ResidualKind::kCentroidalMomentum:
+      result.residual = centroidal_momentum_residual(plant.multibody);
+      result.rows = result.references = {"components of the momentum", kMomentumNames};
+      result.parameters = StateManifold::flat(6);
+      break;
+    case ResidualKind::kContactForce:
+    case ResidualKind::kFrictionCone:
+    case ResidualKind::kWrenchCone:
+    case ResidualKind::kCenterOfPressure:
+      break;  // make_contact_costs
   }
   if (!result.residual) return std::nullopt;
   return result;

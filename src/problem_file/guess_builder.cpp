@@ -151,14 +151,17 @@ class GuessBuilder {
                             "this system has no gravity that controls could hold it against");
         used_.controls = "those that hold the guessed states against gravity";
         for (int k = 0; k < problem_.knots(); ++k)
-          trajectory.u(k) = quasi_static_control(plant_, trajectory.x(k).data());
+          trajectory.u(k) =
+              quasi_static_control(problem_.knot(k).model->system(), trajectory.x(k).data());
+        keep_bounds(trajectory);
         break;
       case Controls::kConstant: {
         const auto values = resolve(*guess().constant, names, 0.0, out_);
         if (!values) return;
         used_.controls = "constant";
         for (int k = 0; k < problem_.knots(); ++k)
-          trajectory.u(k) = Eigen::Map<const Eigen::VectorXd>(values->data(), values->size());
+          if (problem_.nu(k) > 0)
+            trajectory.u(k) = Eigen::Map<const Eigen::VectorXd>(values->data(), values->size());
         break;
       }
       case Controls::kFile: {
@@ -167,6 +170,7 @@ class GuessBuilder {
         if (!series) return;
         used_.controls = describe(file, series);
         for (int k = 0; k < problem_.knots(); ++k) {
+          if (problem_.nu(k) == 0) continue;
           const std::vector<double>& u = series->hold(time(k));
           trajectory.u(k) = Eigen::Map<const Eigen::VectorXd>(u.data(), u.size());
         }
@@ -250,6 +254,34 @@ class GuessBuilder {
       list += (i > 0 ? ", " : "") + names[i];
     if (names.size() > kShown) list += fmt::format(" and {} more", names.size() - kShown);
     return list;
+  }
+
+  /// Cuts controls off at their bounds and says where it had to.
+  void keep_bounds(Trajectory& trajectory) {
+    int knots = 0, control = -1;
+    double worst = 0;
+    for (int k = 0; k < problem_.knots(); ++k) {
+      const KnotModel& model = *problem_.knot(k).model;
+      bool cut = false;
+      for (int i = 0; i < problem_.nu(k); ++i) {
+        const double asked = trajectory.u(k)[i];
+        const double kept = std::clamp(asked, model.control_lower()[i], model.control_upper()[i]);
+        trajectory.u(k)[i] = kept;
+        if (kept == asked) continue;
+        cut = true;
+        if (std::abs(kept - asked) <= worst) continue;
+        worst = std::abs(kept - asked);
+        control = i;
+      }
+      knots += cut;
+    }
+    if (knots == 0) return;
+    const Column& column = plant_.system->control_columns()[control];
+    used_.controls += fmt::format(", cut off at their limits in {} knots", knots);
+    out_.warning(guess().controls_place,
+                 fmt::format("to hold the guessed states the controls would have to leave their "
+                             "limits in {} of {} knots, '{}' by {:.4g} {}: they are cut off there",
+                             knots, problem_.knots(), column.name, worst, column.unit));
   }
 
   std::vector<std::string> file_columns(const DataFileSpec& file, bool states) {

@@ -12,13 +12,34 @@
 namespace conddp {
 namespace {
 
+/// The phases in which a cost is on. Costs on a contact are on while it is held, and impulses have
+/// only the costs that name them.
+std::vector<bool> phases_of(const BuiltCost& cost, const PhaseContext& context, Diagnostics& out) {
+  const CostSpec& c = *cost.spec;
+  std::vector<bool> in_phase = phases_named(c.phases, context.spec, out);
+  for (std::size_t p = 0; p < in_phase.size(); ++p) {
+    const PhaseSpec& phase = context.spec.phases[p];
+    if (cost.contact.contact >= 0 && !context.contacts.find(p, cost.contact.contact))
+      in_phase[p] = false;
+    if (!phase.restitution || !in_phase[p]) continue;
+    if (!c.phases)
+      in_phase[p] = false;
+    else if (residual_info(c.kind).needs_control)
+      out.error(c.residual.place,
+                fmt::format("the residual '{}' needs a control, and the impulse '{}' has none",
+                            c.residual.value, phase.name.value));
+  }
+  return in_phase;
+}
+
 /// For each cost its weight at each running knot: 0 where it is off.
-std::vector<std::vector<double>> schedule(const ProblemSpec& spec,
+std::vector<std::vector<double>> schedule(const PhaseContext& context,
                                           const std::vector<BuiltCost>& costs, Diagnostics& out) {
+  const ProblemSpec& spec = context.spec;
   std::vector<std::vector<double>> weights;
   for (const BuiltCost& cost : costs) {
     const CostSpec& c = *cost.spec;
-    const std::vector<bool> in_phase = phases_named(c.phases, spec, out);
+    const std::vector<bool> in_phase = phases_of(cost, context, out);
     std::vector<double>& row = weights.emplace_back();
     for (std::size_t p = 0; p < spec.phases.size(); ++p) {
       double weight = c.weight;
@@ -50,6 +71,15 @@ void check_phase_weights(const ProblemSpec& spec, Diagnostics& out) {
       if (std::find(names.begin(), names.end(), name.value) == names.end())
         out.error(name.place, fmt::format("there is no cost '{}'", name.value),
                   name_hint(name.value, names, "costs"));
+}
+
+/// A cost's residual in the system of a phase.
+std::shared_ptr<const Residual> residual_in(const BuiltCost& cost, const PhaseContext& context,
+                                            std::size_t phase) {
+  if (cost.contact.contact < 0) return cost.residual.residual;
+  return cost.contact.make(
+      std::static_pointer_cast<const MultibodySystem>(context.contacts.system(phase)),
+      *context.contacts.find(phase, cost.contact.contact));
 }
 
 }  // namespace
@@ -130,8 +160,10 @@ std::vector<Phase> build_phases(const PhaseContext& context, const std::vector<B
                                 const PhaseBounds& bounds, Diagnostics& out) {
   const ProblemSpec& spec = context.spec;
   check_phase_weights(spec, out);
-  const auto weights = schedule(spec, costs, out);
-  using Structure = std::tuple<std::vector<int>, std::vector<double>, std::vector<double>>;
+  const auto weights = schedule(context, costs, out);
+  if (out.has_errors()) return {};
+  using Structure =
+      std::tuple<std::vector<int>, std::vector<double>, std::vector<double>, const System*>;
   std::map<Structure, std::shared_ptr<const KnotModel>> models;
   std::vector<Phase> phases;
   int first = 0;
@@ -144,18 +176,22 @@ std::vector<Phase> build_phases(const PhaseContext& context, const std::vector<B
       if (std::any_of(begin, begin + n, [](double w) { return w != 0; }))
         active.push_back(static_cast<int>(c));
     }
-    auto& model = models[{active, bounds.lower[p], bounds.upper[p]}];
+    const auto& system = context.contacts.system(p);
+    auto& model = models[{active, bounds.lower[p], bounds.upper[p], system.get()}];
     if (!model) {
-      auto fresh =
-          std::make_shared<KnotModel>(context.system, context.integrator, context.control_memory);
+      const bool impulse = given.restitution.has_value();
+      auto fresh = std::make_shared<KnotModel>(
+          system, impulse ? Integrator::impulse : context.integrator, context.control_memory);
       for (const int c : active)
-        fresh->add_cost(costs[c].spec->name.value, costs[c].residual.residual, costs[c].activation);
-      fresh->set_control_bounds(bounds.lower[p], bounds.upper[p]);
+        fresh->add_cost(costs[c].spec->name.value, residual_in(costs[c], context, p),
+                        costs[c].activation);
+      if (!impulse) fresh->set_control_bounds(bounds.lower[p], bounds.upper[p]);
       model = std::move(fresh);
     }
     Phase phase{.name = given.name.value, .model = model};
     phase.dt.assign(n, given.dt);
-    phase.cost_scale.assign(n, spec.running_costs == RunningCosts::kRate ? given.dt : 1.0);
+    const bool rate = spec.running_costs == RunningCosts::kRate && !given.restitution;
+    phase.cost_scale.assign(n, rate ? given.dt : 1.0);
     phase.parameters.resize(static_cast<std::size_t>(n) * model->parameter_count());
     for (int k = 0; k < n; ++k)
       for (std::size_t i = 0; i < active.size(); ++i)

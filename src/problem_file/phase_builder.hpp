@@ -25,7 +25,8 @@ std::vector<bool> phases_named(const std::optional<std::vector<Name>>& names,
 /// How knot models are made from a problem's costs.
 struct PhaseContext {
   const ProblemSpec& spec;
-  std::shared_ptr<const System> system;
+  const ContactPlan& contacts;
+  std::shared_ptr<const System> system;  ///< of the last node
   Integrator integrator;
   bool control_memory;
   const std::vector<double>& times;  ///< of all nodes, s

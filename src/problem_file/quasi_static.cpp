@@ -7,24 +7,34 @@
 
 namespace conddp {
 
-Eigen::VectorXd quasi_static_control(const Plant& plant, const double* x) {
-  const System& system = *plant.system;
+namespace {
+
+/// The smallest controls and contact forces that hold a robot at rest: B u + Jᵀ λ = g(q).
+Eigen::VectorXd hold_at_rest(const MultibodySystem& system, const double* x) {
+  const RobotModel& robot = system.robot();
+  const std::vector<double> zero(robot.nv, 0.0);
+  const int nv = system.nv(), nu = system.nu(), m = system.contacts().rows();
+  MultibodySystem::Data<double> data(system);
+  const std::vector<double> q = system.expand_configuration(std::vector(x, x + system.nq()));
+  inverse_dynamics(robot, q.data(), zero.data(), zero.data(), data.robot);
+  const std::vector<double> load =
+      system.reduce_force(std::vector(data.robot.tau.begin(), data.robot.tau.end()));
+  system.contacts().update(robot, data.robot, nv, data.contacts);  // Jᵀ into `response`
+  Eigen::MatrixXd forces(nv, nu + m);
+  forces << Eigen::Map<const Eigen::MatrixXd>(system.actuation().B.data(), nv, nu),
+      Eigen::Map<const Eigen::MatrixXd>(data.contacts.response.data(), nv, m);
+  const Eigen::VectorXd found = forces.completeOrthogonalDecomposition().solve(
+      Eigen::Map<const Eigen::VectorXd>(load.data(), nv));
+  return found.head(nu);
+}
+
+}  // namespace
+
+Eigen::VectorXd quasi_static_control(const System& system, const double* x) {
   const int nu = system.nu();
   if (nu == 0) return {};
-  if (plant.multibody) {
-    const RobotModel& robot = plant.robot();
-    const std::vector<double> zero(robot.nv, 0.0);
-    RobotData<double> data(robot);
-    const std::vector<double> q =
-        plant.multibody->expand_configuration(std::vector(x, x + system.nq()));
-    inverse_dynamics(robot, q.data(), zero.data(), zero.data(), data);
-    const std::vector<double> reduced =
-        plant.multibody->reduce_force(std::vector(data.tau.begin(), data.tau.end()));
-    const int nv = system.nv();
-    const Eigen::Map<const Eigen::MatrixXd> B(plant.multibody->actuation().B.data(), nv, nu);
-    const Eigen::Map<const Eigen::VectorXd> load(reduced.data(), nv);
-    return B.completeOrthogonalDecomposition().solve(load);
-  }
+  if (const auto* multibody = dynamic_cast<const MultibodySystem*>(&system))
+    return hold_at_rest(*multibody, x);
   if (system.kind() != SystemKind::second_order) return Eigen::VectorXd::Zero(nu);
   std::vector<double> rest(x, x + system.nx());
   std::fill(rest.begin() + system.nq(), rest.end(), 0.0);

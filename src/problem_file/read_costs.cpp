@@ -6,6 +6,15 @@
 namespace conddp {
 namespace {
 
+/// A cone has its own bounds, and costs what lies outside.
+ActivationSpec read_cone_activation(const YamlReader& reader) {
+  ActivationSpec activation{.place = reader.place(), .kind = ActivationKind::quadratic_barrier};
+  if (!reader.is_scalar() || reader.node().text != "quadratic_barrier")
+    reader.error("a cone has its own bounds: its activation is 'quadratic_barrier'",
+                 "leave the key out");
+  return activation;
+}
+
 ActivationSpec read_activation(const YamlReader& reader) {
   ActivationSpec activation{.place = reader.place()};
   if (reader.is_scalar()) {
@@ -53,6 +62,46 @@ std::vector<Located<int>> read_knots(const YamlReader& reader) {
   return knots;
 }
 
+void read_cone(YamlMap& map, const ResidualInfo& info, CostSpec& cost) {
+  const auto unfit = [&](const YamlReader& reader, std::string_view key) {
+    reader.error(fmt::format("the residual '{}' has no '{}'", info.name, key));
+  };
+  const bool friction = info.kind == ResidualKind::kFrictionCone;
+  if (const auto r = map.find("cone")) {
+    static constexpr Choice<bool> kCones[] = {{"pyramid", false}, {"second_order", true}};
+    cost.cone.second_order = r->choice(kCones, "cone").value_or(false);
+    if (!friction) unfit(*r, "cone");
+  }
+  if (const auto r = map.find("faces")) {
+    cost.cone.faces = static_cast<int>(r->integer(3, 64).value_or(cost.cone.faces));
+    if (!friction) unfit(*r, "faces");
+    if (cost.cone.second_order) r->error("a second-order cone has no faces");
+  }
+  if (const auto r = map.find("inner")) {
+    static constexpr Choice<bool> kWords[] = {{"true", true}, {"false", false}};
+    cost.cone.inner = r->choice(kWords, "value of 'inner'").value_or(cost.cone.inner);
+    if (!friction && info.kind != ResidualKind::kWrenchCone) unfit(*r, "inner");
+    if (cost.cone.second_order) r->error("a second-order cone is exact: it has no 'inner'");
+  }
+  if (const auto r = map.find("safety")) {
+    static const NumberRange kFactor{0, 1, true, false, "a factor from 0 (excluded) to 1"};
+    cost.cone.safety = r->number(kFactor).value_or(cost.cone.safety);
+    if (!friction && info.kind != ResidualKind::kWrenchCone) unfit(*r, "safety");
+  }
+}
+
+SwingSpec read_swing(const YamlReader& reader) {
+  SwingSpec swing{.place = reader.place()};
+  YamlMap map(reader);
+  if (!map.valid()) return swing;
+  if (const auto r = map.require("height"))
+    swing.height = r->number(kNotNegative).value_or(swing.height);
+  map.exclusive({"landing", "step"});
+  if (const auto r = map.find("landing")) swing.landing = read_vector3(*r, "[x, y, z] in m");
+  if (const auto r = map.find("step")) swing.step = read_vector3(*r, "[x, y, z] in m");
+  return swing;
+}
+
 void read_selection(YamlMap& map, const ResidualInfo& info, CostSpec& cost) {
   const auto unfit = [&](const YamlReader& reader, std::string_view key) {
     reader.error(fmt::format("the residual '{}' has no '{}'", info.name, key));
@@ -69,6 +118,15 @@ void read_selection(YamlMap& map, const ResidualInfo& info, CostSpec& cost) {
   if (const auto r = map.find("columns")) {
     cost.columns = r->name_or_names();
     if (!info.takes_columns) unfit(*r, "columns");
+  }
+  if (const auto r = map.find("contacts")) {
+    cost.contacts = read_contact_names(*r);
+    if (!info.of_contacts) unfit(*r, "contacts");
+  }
+  if (const auto r = map.find("swing")) {
+    cost.swing = read_swing(*r);
+    if (info.kind != ResidualKind::kFramePosition) unfit(*r, "swing");
+    map.exclusive({"swing", "reference"});
   }
   if (const auto r = map.find("axes")) {
     cost.axes = r->choice(kAxesWords, "system of axes").value_or(cost.axes);
@@ -93,7 +151,10 @@ CostSpec read_cost(const Name& name, const YamlReader& reader, const std::filesy
   cost.kind = info.kind;
   cost.residual = {std::string(info.name), residual->place()};
   map.number("weight", cost.weight, kNotNegative);
-  if (const auto r = map.find("activation")) cost.activation = read_activation(*r);
+  if (info.is_cone) cost.activation.kind = ActivationKind::quadratic_barrier;
+  if (const auto r = map.find("activation"))
+    cost.activation = info.is_cone ? read_cone_activation(*r) : read_activation(*r);
+  read_cone(map, info, cost);
   if (const auto r = map.find("weights")) cost.weights = read_components(*r, kNotNegative);
   read_selection(map, info, cost);
   if (const auto r = map.find("reference")) {
@@ -103,7 +164,8 @@ CostSpec read_cost(const Name& name, const YamlReader& reader, const std::filesy
       r->error(fmt::format("the residual '{}' has no reference", info.name));
   }
   if (terminal) {
-    if (info.needs_control)
+    if (cost.swing) map.reader().error("the last node has no time to swing a foot");
+    if (info.needs_control || info.of_contacts)
       residual->error(fmt::format(
           "the residual '{}' needs a control, and there is none at the terminal node", info.name));
   } else {

@@ -10,10 +10,28 @@ namespace {
 
 constexpr int kMaxKnots = 1'000'000;
 
+void read_impulse(YamlMap& map, const YamlReader& impulse, PhaseSpec& phase) {
+  phase.contacts = read_contact_names(impulse);
+  phase.knots = {1, impulse.place()};
+  phase.restitution = 0;
+  static const NumberRange kRestitution{0, 1, false, false, "a number from 0 to 1"};
+  map.number("restitution", *phase.restitution, kRestitution);
+  for (const char* key : {"knots", "dt", "duration", "contacts"})
+    if (const auto r = map.find(key))
+      r->error(fmt::format("an impulse takes no time: it has no '{}'", key),
+               "write '- {impulse: [contacts]}', and the phase after it as another entry");
+}
+
 PhaseSpec read_phase(const YamlReader& reader, std::size_t index) {
   PhaseSpec phase{.name = {fmt::format("phase_{}", index + 1), reader.place()}};
   YamlMap map(reader);
   if (const auto r = map.find("name")) phase.name = r->name().value_or(phase.name);
+  if (const auto r = map.find("weights")) phase.weights = read_named_numbers(*r, kNotNegative);
+  if (const auto r = map.find("impulse")) {
+    read_impulse(map, *r, phase);
+    return phase;
+  }
+  if (const auto r = map.find("contacts")) phase.contacts = read_contact_names(*r);
   if (const auto r = map.require("knots"))
     phase.knots = {static_cast<int>(r->integer(1, kMaxKnots).value_or(1)), r->place()};
   map.exclusive({"dt", "duration"});
@@ -22,7 +40,6 @@ PhaseSpec read_phase(const YamlReader& reader, std::size_t index) {
   map.number("dt", phase.dt, kPositive);
   if (map.valid() && !map.find("duration") && !map.find("dt"))
     reader.error("a phase needs 'dt', the time step in s, or 'duration'");
-  if (const auto r = map.find("weights")) phase.weights = read_named_numbers(*r, kNotNegative);
   return phase;
 }
 

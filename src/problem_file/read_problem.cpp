@@ -70,6 +70,10 @@ ProblemSpec read_document(const YamlReader& reader, const std::filesystem::path&
   if (const auto r = map.find("running_costs"))
     spec.running_costs =
         r->choice(kRunningCostsWords, "kind of running costs").value_or(spec.running_costs);
+  if (const auto r = map.find("contacts")) {
+    spec.contacts = read_contacts(*r);
+    if (spec.system) r->error("a closed-form system has no frames that could touch the world");
+  }
   if (const auto r = map.require("phases")) spec.phases = read_phases(*r);
   if (const auto r = map.find("costs")) spec.costs = read_costs(*r, folder, false);
   if (const auto r = map.find("constraints")) spec.constraints = read_constraints(*r);

@@ -16,7 +16,8 @@ std::optional<ReferenceValueSpec> read_value(const YamlReader& reader, ResidualK
   const auto done = [&](bool found) {
     return found ? std::optional<ReferenceValueSpec>(value) : std::nullopt;
   };
-  if (is_word(reader) && kind != ResidualKind::kControl) {
+  const bool of_state = kind != ResidualKind::kControl && kind != ResidualKind::kContactForce;
+  if (is_word(reader) && of_state) {
     value.name = reader.name();
     return done(value.name.has_value());
   }
@@ -31,6 +32,8 @@ std::optional<ReferenceValueSpec> read_value(const YamlReader& reader, ResidualK
     case ResidualKind::kJointPosition:
     case ResidualKind::kJointVelocity:
     case ResidualKind::kJointAcceleration:
+    case ResidualKind::kCentroidalMomentum:
+    case ResidualKind::kContactForce:
       value.components = read_components(reader);
       return done(value.components.has_value());
     case ResidualKind::kFramePosition:
@@ -50,6 +53,9 @@ std::optional<ReferenceValueSpec> read_value(const YamlReader& reader, ResidualK
       return done(value.twist.has_value());
     case ResidualKind::kControlRate:
     case ResidualKind::kControlGravity:
+    case ResidualKind::kFrictionCone:
+    case ResidualKind::kWrenchCone:
+    case ResidualKind::kCenterOfPressure:
       break;
   }
   return std::nullopt;

@@ -34,6 +34,11 @@ ActuationSpec read_actuation(const YamlReader& reader);
 // read_system.cpp
 SystemSpec read_system(const YamlReader& reader);
 
+// read_contacts.cpp
+std::vector<ContactSpec> read_contacts(const YamlReader& reader);
+/// `all`, a name, or a list of names.
+ContactNames read_contact_names(const YamlReader& reader);
+
 // read_phases.cpp
 std::vector<PhaseSpec> read_phases(const YamlReader& reader);
 

@@ -76,10 +76,16 @@ class ReferenceBuilder {
       const Vector3<double> c = center_of_mass(robot, data);
       return std::vector{c.x, c.y, c.z};
     }
-    if (cost_.kind == ResidualKind::kFrameVelocity) {
+    if (cost_.kind == ResidualKind::kFrameVelocity ||
+        cost_.kind == ResidualKind::kCentroidalMomentum) {
       const std::vector<double> velocity =
           system.expand_velocity(std::vector(x.begin() + system.nq(), x.end()));
       update_velocities(robot, velocity.data(), data);
+      if (cost_.kind == ResidualKind::kCentroidalMomentum) {
+        update_composite_inertias(robot, data);
+        const Force<double> h = centroidal_momentum(robot, data);
+        return std::vector{h[0], h[1], h[2], h[3], h[4], h[5]};
+      }
       const Motion<double> v = conddp::frame_velocity(robot, data, residual_.frame, cost_.axes);
       return std::vector{v[0], v[1], v[2], v[3], v[4], v[5]};
     }

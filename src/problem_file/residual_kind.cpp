@@ -30,6 +30,21 @@ constexpr ResidualInfo kTable[] = {
     {"control_gravity", kControlGravity,
      "actuated forces minus those that hold the robot against gravity, Nm or N", true, false, false,
      false, true},
+    {"centroidal_momentum", kCentroidalMomentum,
+     "momentum about the centre of mass minus a reference, kg m/s and kg m²/s", true, false, false,
+     true, false},
+    {"contact_force", kContactForce,
+     "force on the robot at a contact (and torque, if a surface) minus a reference, N and Nm, "
+     "world "
+     "axes; Ns and Nms at an impulse",
+     true, false, false, true, false, false, false, true},
+    {"friction_cone", kFrictionCone, "what a contact's force lacks to lie in its friction cone, N",
+     true, false, false, false, false, false, false, true, true},
+    {"wrench_cone", kWrenchCone,
+     "the same of a sole's force and torque: friction, centre of pressure, yaw torque, N and Nm",
+     true, false, false, false, false, false, false, true, true},
+    {"center_of_pressure", kCenterOfPressure, "the same of a sole's centre of pressure alone, Nm",
+     true, false, false, false, false, false, false, true, true},
 };
 
 }  // namespace

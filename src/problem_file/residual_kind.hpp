@@ -19,6 +19,11 @@ enum class ResidualKind {
   kFrameVelocity,
   kComPosition,
   kControlGravity,
+  kCentroidalMomentum,
+  kContactForce,
+  kFrictionCone,
+  kWrenchCone,
+  kCenterOfPressure,
 };
 
 /// What the reader has to know about a residual.
@@ -33,6 +38,8 @@ struct ResidualInfo {
   bool needs_control;
   bool takes_columns = false;
   bool takes_axes = false;
+  bool of_contacts = false;  ///< one for each contact, where the contact is held
+  bool is_cone = false;      ///< comes with its own bounds, for a barrier
 };
 
 std::span<const ResidualInfo> residual_table();

@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "ocp/knot_model.hpp"
+#include "problem_file/spec_contact.hpp"
 #include "problem_file/spec_cost.hpp"
 #include "problem_file/spec_robot.hpp"
 #include "problem_file/spec_solver.hpp"
@@ -13,7 +14,10 @@ namespace conddp {
 struct PhaseSpec {
   Name name;
   Located<int> knots;
-  double dt = 0;  ///< s
+  double dt = 0;  ///< s; 0 of an impulse
+  ContactNames contacts;
+  /// Of an impulse at the contacts: one knot that takes no time.
+  std::optional<double> restitution;
   /// Weights that costs have in this phase instead of their own.
   NamedNumbers weights;
 };
@@ -65,6 +69,7 @@ struct ProblemSpec {
   StateSpec initial_state;
   std::optional<Located<Integrator>> integrator;  ///< absent: the system's usual one
   RunningCosts running_costs = RunningCosts::kRate;
+  std::vector<ContactSpec> contacts;
   std::vector<PhaseSpec> phases;
   std::vector<CostSpec> costs;
   std::vector<ControlBoundsSpec> constraints;

@@ -43,6 +43,22 @@ struct ActivationSpec {
   double epsilon = 0.1;                        ///< of the smooth norms
 };
 
+/// Which approximation of a friction cone, and how much of the friction to use.
+struct FrictionConeSpec {
+  bool second_order = false;
+  int faces = 4;
+  bool inner = true;
+  double safety = 1;  ///< factor on the coefficient of friction, at most 1
+};
+
+/// A foot's way from lift-off to touch-down: an arch of this height over the straight line.
+struct SwingSpec {
+  Place place;
+  double height = 0;                       ///< m
+  std::optional<Vector3<double>> landing;  ///< where it touches down, m
+  std::optional<Vector3<double>> step;     ///< the same from where it lifts off, m
+};
+
 struct CostSpec {
   Name name;
   Name residual;
@@ -55,6 +71,9 @@ struct CostSpec {
   std::optional<std::vector<Name>> joints;
   std::optional<std::vector<Name>> columns;
   FrameAxes axes = FrameAxes::world_aligned;
+  ContactNames contacts{.all = true};
+  FrictionConeSpec cone;
+  std::optional<SwingSpec> swing;
   std::optional<std::vector<Name>> phases;
   std::optional<std::vector<Located<int>>> knots;
 };

@@ -23,6 +23,12 @@ struct ComponentsSpec {
   std::vector<std::pair<Name, std::optional<double>>> map;
 };
 
+/// Contacts by name, or all that there are.
+struct ContactNames {
+  bool all = false;
+  std::vector<Name> names;
+};
+
 /// A placement in the world, or the parts of one that were given.
 struct PoseSpec {
   Place place;

@@ -158,6 +158,13 @@ MultibodySystem::MultibodySystem(std::shared_ptr<const RobotModel> robot, Actuat
   }
 }
 
+std::shared_ptr<const MultibodySystem> MultibodySystem::with_contacts(
+    std::vector<Contact> contacts) const {
+  auto held = std::make_shared<MultibodySystem>(*this);
+  held->contacts_ = ContactSet(*robot_, mimics_, std::move(contacts));
+  return held;
+}
+
 std::vector<int> MultibodySystem::actuated_rows() const {
   std::vector<int> rows;
   for (const Entry& e : entries_) rows.push_back(e.row);
@@ -228,6 +235,7 @@ MultibodySystem::Data<S>::Data(const MultibodySystem& system)
       gravity(system.nv(), S(0.0)),
       gravity_q(system.nv() * system.nv(), S(0.0)),
       velocity(system.robot().nv, S(0.0)),
+      columns(6 * system.robot().nv, S(0.0)),
       contacts(system.contacts(), system.robot(), system.nv(), system.nu()) {
   if (system.mimic_map().identity()) return;
   const RobotModel& model = system.robot();

@@ -76,7 +76,7 @@ class MultibodySystem : public SystemBase<MultibodySystem> {
     AlignedVector<S> q, v;                ///< full configuration and velocity
     AlignedVector<S> M;                   ///< nv x nv: factors of Gᵀ M G
     AlignedVector<S> gravity, gravity_q;  ///< n, n x n
-    AlignedVector<S> columns;             ///< 6 x n: scratch for Jacobians of residuals
+    AlignedVector<S> columns;             ///< 6 x n: the same in full coordinates
   };
   template <class S>
   struct Data : SystemData<S> {
@@ -85,11 +85,16 @@ class MultibodySystem : public SystemBase<MultibodySystem> {
     AlignedVector<S> force;               ///< nv: B u + passive forces
     AlignedVector<S> gravity, gravity_q;  ///< nv, nv x nv: see gravity_torques
     AlignedVector<S> velocity;            ///< of the robot, scratch of impulses
+    AlignedVector<S> columns;             ///< 6 x robot().nv: scratch for Jacobians of residuals
     MimicData<S> mimic;
     ContactSet::Data<S> contacts;
   };
 
+  /// The same system with these contacts and no others.
+  std::shared_ptr<const MultibodySystem> with_contacts(std::vector<Contact> contacts) const;
+
   const RobotModel& robot() const { return *robot_; }
+  const std::shared_ptr<const RobotModel>& shared_robot() const { return robot_; }
   /// Its B has the rows of the system's velocity: GᵀB where joints mimic others.
   const Actuation& actuation() const { return actuation_; }
   const ContactSet& contacts() const { return contacts_; }

@@ -78,6 +78,7 @@ inline KnotCase make_case(std::string name, std::shared_ptr<KnotModel> model,
   c.name = std::move(name);
   c.x = random_manifold_state(model->manifold(), random, 1.2);
   c.u = random_vector(model->nu(), random, 2);
+  if (model->integrator() == Integrator::impulse) c.dt = 0;
   c.parameters.resize(model->parameter_count());
   for (const CostTerm& term : model->costs()) {
     double* p = &c.parameters[term.parameters];
@@ -128,6 +129,12 @@ inline std::vector<std::pair<std::string, std::shared_ptr<const System>>> test_s
                                                                 PassiveForces{true, true, 0.5}));
   systems.emplace_back("floating_arm",
                        std::make_shared<MultibodySystem>(floating, Actuation::full(*floating)));
+  const std::vector<Contact> contacts{
+      {.name = "point", .frame = static_cast<int>(floating->frames.size()) - 1, .kp = 3, .kd = 9}};
+  systems.emplace_back("held_arm",
+                       std::make_shared<MultibodySystem>(floating, Actuation::full(*floating),
+                                                         PassiveForces{}, contacts));
+  systems.emplace_back("impulse", std::make_shared<MultibodySystem>(floating, contacts, 0.5));
   return systems;
 }
 
@@ -137,6 +144,8 @@ inline std::vector<Integrator> integrators_of(const System& system) {
       return {Integrator::discrete};
     case SystemKind::first_order:
       return {Integrator::explicit_euler, Integrator::rk2, Integrator::rk3, Integrator::rk4};
+    case SystemKind::impulse:
+      return {Integrator::impulse};
     case SystemKind::second_order:
       break;
   }

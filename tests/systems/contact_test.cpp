@@ -72,9 +72,9 @@ VectorXd acceleration_rows(const RobotModel& model, const Contact& c, const std:
                            const std::vector<double>& v, const std::vector<double>& a) {
   StateManifold manifold;
   for (const Joint& joint : model.joints)
-    manifold.append(joint.type == JointType::floating ? StateManifold::Part::se3
-                                                      : StateManifold::Part::flat,
-                    1);
+    manifold.append(
+        joint.type == JointType::floating ? StateManifold::Part::se3 : StateManifold::Part::flat,
+        1);
   std::vector<D> qd(q.begin(), q.end()), step(model.nv), vd(model.nv);
   for (int i = 0; i < model.nv; ++i) {
     step[i] = D(0.0, v[i]);
@@ -89,8 +89,7 @@ VectorXd acceleration_rows(const RobotModel& model, const Contact& c, const std:
     const D* p = &qd[joint.q];
     const Pose<D> pose{{p[0], p[1], p[2]}, {p[3], p[4], p[5], p[6]}};
     const D* s = &step[joint.v];
-    const Pose<D> moved =
-        integrate_se3(pose, Motion<D>{{s[0], s[1], s[2]}, {s[3], s[4], s[5]}});
+    const Pose<D> moved = integrate_se3(pose, Motion<D>{{s[0], s[1], s[2]}, {s[3], s[4], s[5]}});
     qd[joint.q] = moved.p.x, qd[joint.q + 1] = moved.p.y, qd[joint.q + 2] = moved.p.z;
     qd[joint.q + 3] = moved.q.x, qd[joint.q + 4] = moved.q.y;
     qd[joint.q + 5] = moved.q.z, qd[joint.q + 6] = moved.q.w;
@@ -106,16 +105,16 @@ VectorXd acceleration_rows(const RobotModel& model, const Contact& c, const std:
   const auto rate = [](const Vector3<D>& p) { return Vector3<double>{p.x.d, p.y.d, p.z.d}; };
   if (c.kind == ContactKind::surface) {
     const Motion<D> twist = frame_velocity(model, data, c.frame, FrameAxes::local);
-    const Motion<double> error = difference_se3(
-        Pose<double>{c.reference.p, quaternion(c.reference.R)},
-        Pose<double>{value(m.p), quaternion(R)});
+    const Motion<double> error =
+        difference_se3(Pose<double>{c.reference.p, quaternion(c.reference.R)},
+                       Pose<double>{value(m.p), quaternion(R)});
     VectorXd rows(6);
     for (int i = 0; i < 6; ++i) rows[i] = twist[i].d + c.kd * twist[i].v + c.kp * error[i];
     return rows;
   }
   const Motion<D> world = frame_velocity(model, data, c.frame, FrameAxes::world_aligned);
-  const Vector3<double> sum = rate(world.linear) + c.kd * value(world.linear) +
-                              c.kp * (value(m.p) - c.reference.p);
+  const Vector3<double> sum =
+      rate(world.linear) + c.kd * value(world.linear) + c.kp * (value(m.p) - c.reference.p);
   return rows_of(c, R, sum, Vector3<double>::zero());
 }
 
@@ -154,7 +153,8 @@ TEST_P(ContactEquations, ForcesAreThoseThatHoldTheContacts) {
     const std::vector<double> u = random_control(*system, random);
     system->evaluate(x.data(), u.data(), *data);
     const auto& d = static_cast<const Data&>(*data);
-    const std::vector<double> q = system->expand_configuration({x.begin(), x.begin() + system->nq()});
+    const std::vector<double> q =
+        system->expand_configuration({x.begin(), x.begin() + system->nq()});
     const std::vector<double> v = system->expand_velocity({x.begin() + system->nq(), x.end()});
     const std::vector<double> a = system->expand_velocity({d.f.begin(), d.f.end()});
     // Newton's law, by inverse dynamics.
@@ -163,8 +163,8 @@ TEST_P(ContactEquations, ForcesAreThoseThatHoldTheContacts) {
     VectorXd tau = Map<const VectorXd>(robot.tau.data(), model.nv);
     double scale = 1 + tau.lpNorm<Eigen::Infinity>();
     for (int i = 0; i < system->contacts().count(); ++i) {
-      const VectorXd held_by = generalised_force(
-          model, robot, c.contacts[i], contact_force_in_world(d.contacts.contacts[i]));
+      const VectorXd held_by = generalised_force(model, robot, c.contacts[i],
+                                                 contact_force_in_world(d.contacts.contacts[i]));
       scale += held_by.lpNorm<Eigen::Infinity>();
       tau -= held_by;
     }
@@ -172,9 +172,9 @@ TEST_P(ContactEquations, ForcesAreThoseThatHoldTheContacts) {
     const MatrixXd B =
         Map<const MatrixXd>(system->actuation().B.data(), system->nv(), system->nu());
     const VectorXd applied = B * Map<const VectorXd>(u.data(), system->nu());
-    EXPECT_LT((Map<const VectorXd>(reduced.data(), system->nv()) - applied)
-                  .lpNorm<Eigen::Infinity>(),
-              1e-9 * scale);
+    EXPECT_LT(
+        (Map<const VectorXd>(reduced.data(), system->nv()) - applied).lpNorm<Eigen::Infinity>(),
+        1e-9 * scale);
     // The contacts' accelerations.
     for (int i = 0; i < system->contacts().count(); ++i) {
       VectorXd rows = acceleration_rows(model, c.contacts[i], q, v, a);
@@ -196,7 +196,8 @@ TEST_P(ContactEquations, AnImpulseStopsTheContactsAndChangesMomentumByItsForces)
     const std::vector<double> x = random_system_state(*system, random);
     system->evaluate(x.data(), nullptr, *data);
     const auto& d = static_cast<const Data&>(*data);
-    const std::vector<double> q = system->expand_configuration({x.begin(), x.begin() + system->nq()});
+    const std::vector<double> q =
+        system->expand_configuration({x.begin(), x.begin() + system->nq()});
     const std::vector<double> before = system->expand_velocity({x.begin() + system->nq(), x.end()});
     const std::vector<double> after = system->expand_velocity({d.f.begin(), d.f.end()});
     RobotData<double> robot(model);

@@ -1,0 +1,156 @@
+#include "problem_file/contact_plan.hpp"
+
+#include <algorithm>
+#include <complex>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "robot/near_names.hpp"
+
+namespace conddp {
+namespace {
+
+/// Where a frame is in a state of the system.
+SE3<double> placement_in(const MultibodySystem& system, const std::vector<double>& x, int frame) {
+  RobotData<double> data(system.robot());
+  const std::vector<double> q =
+      system.expand_configuration(std::vector(x.begin(), x.begin() + system.nq()));
+  update_placements(system.robot(), q.data(), data);
+  return frame_placement(system.robot(), data, frame);
+}
+
+std::optional<Contact> make_contact(const ContactSpec& spec, const Plant& plant,
+                                    const std::vector<double>& initial, Diagnostics& out) {
+  const auto frame = find_frame(plant.robot(), spec.frame, "", out);
+  if (!frame) return std::nullopt;
+  const RobotModel& robot = plant.robot();
+  if (robot.frames[*frame].joint < 0) {
+    out.error(
+        spec.frame.place,
+        fmt::format("the frame '{}' is fixed to the world: it cannot touch it", spec.frame.value));
+    return std::nullopt;
+  }
+  Contact contact{.name = spec.name.value,
+                  .frame = *frame,
+                  .kind = spec.kind,
+                  .axes = spec.axes,
+                  .normal = spec.normal,
+                  .tangent = spec.tangent.value_or(Vector3<double>{1, 0, 0}),
+                  .kp = spec.kp,
+                  .kd = spec.kd};
+  if (spec.kp == 0) return contact;
+  contact.reference = placement_in(*plant.multibody, initial, *frame);
+  if (spec.placement && spec.placement->position) contact.reference.p = *spec.placement->position;
+  if (spec.placement && spec.placement->orientation)
+    contact.reference.R = rotation_matrix(*spec.placement->orientation);
+  return contact;
+}
+
+void warn_of_instability(const ContactSpec& spec, const PhaseSpec& phase, Integrator integrator,
+                         Diagnostics& out) {
+  if (phase.restitution || is_stable(integrator, spec.kp, spec.kd, phase.dt)) return;
+  out.warning(
+      spec.baumgarte_place,
+      fmt::format("the contact '{}' is stabilised more stiffly (kp {} 1/s², kd {} 1/s) than "
+                  "the time step {} s of phase '{}' carries: errors grow",
+                  spec.name.value, spec.kp, spec.kd, phase.dt, phase.name.value),
+      spec.kp == 0 ? fmt::format("kd up to {:.3g} is stable with this step", 2 / phase.dt)
+                   : "lower kp and kd, or take smaller steps");
+}
+
+}  // namespace
+
+bool is_stable(Integrator integrator, double kp, double kd, double dt) {
+  using Complex = std::complex<double>;
+  if (kp == 0 && kd == 0) return true;
+  if (integrator == Integrator::semi_implicit_euler)
+    return kd * dt >= 0 && kd * dt < 2 && 2 * kd * dt + kp * dt * dt < 4;
+  const int order = integrator == Integrator::explicit_euler ? 1
+                    : integrator == Integrator::rk2          ? 2
+                    : integrator == Integrator::rk3          ? 3
+                                                             : 4;
+  const Complex root = std::sqrt(Complex(kd * kd / 4 - kp, 0));
+  for (const Complex lambda : {-kd / 2 + root, -kd / 2 - root}) {
+    if (std::abs(lambda) < 1e-12) continue;
+    Complex growth = 1, term = 1;
+    for (int i = 1; i <= order; ++i) growth += term *= lambda * dt / static_cast<double>(i);
+    if (std::abs(growth) >= 1) return false;
+  }
+  return true;
+}
+
+std::vector<int> contacts_named(const ContactNames& names, const ProblemSpec& spec,
+                                Diagnostics& out) {
+  std::vector<std::string> known;
+  for (const ContactSpec& contact : spec.contacts) known.push_back(contact.name.value);
+  std::vector<int> chosen;
+  if (names.all)
+    for (std::size_t i = 0; i < known.size(); ++i) chosen.push_back(static_cast<int>(i));
+  for (const Name& name : names.names) {
+    const auto found = std::find(known.begin(), known.end(), name.value);
+    if (found == known.end()) {
+      out.error(
+          name.place, fmt::format("there is no contact '{}'", name.value),
+          known.empty() ? "the file has no 'contacts'" : name_hint(name.value, known, "contacts"));
+      continue;
+    }
+    const int index = static_cast<int>(found - known.begin());
+    if (std::find(chosen.begin(), chosen.end(), index) != chosen.end())
+      out.error(name.place, fmt::format("the contact '{}' stands here twice", name.value));
+    chosen.push_back(index);
+  }
+  std::sort(chosen.begin(), chosen.end());
+  return chosen;
+}
+
+std::optional<ContactPlan> ContactPlan::build(const ProblemSpec& spec, const Plant& plant,
+                                              const std::vector<double>& initial,
+                                              Integrator integrator, Diagnostics& out) {
+  ContactPlan plan;
+  const int errors = out.error_count();
+  for (const ContactSpec& contact : spec.contacts)
+    if (auto made = make_contact(contact, plant, initial, out))
+      plan.contacts_.push_back(std::move(*made));
+  for (const PhaseSpec& phase : spec.phases)
+    plan.held_.push_back(contacts_named(phase.contacts, spec, out));
+  if (out.error_count() > errors) return std::nullopt;
+
+  std::map<std::pair<std::vector<int>, double>, std::shared_ptr<const System>> known;
+  for (std::size_t p = 0; p < spec.phases.size(); ++p) {
+    const PhaseSpec& phase = spec.phases[p];
+    if (phase.restitution && plan.held_[p].empty()) {
+      out.error(phase.name.place, "an impulse needs contacts that hit the ground");
+      return std::nullopt;
+    }
+    auto& system = known[{plan.held_[p], phase.restitution.value_or(-1)}];
+    if (!system && plan.held_[p].empty()) system = plant.system;
+    if (!system) {
+      std::vector<Contact> held;
+      for (const int contact : plan.held_[p]) held.push_back(plan.contacts_[contact]);
+      if (phase.restitution)
+        system = std::make_shared<MultibodySystem>(plant.multibody->shared_robot(), std::move(held),
+                                                   *phase.restitution);
+      else
+        system = plant.multibody->with_contacts(std::move(held));
+    }
+    plan.systems_.push_back(system);
+  }
+  for (std::size_t c = 0; c < spec.contacts.size(); ++c)
+    for (std::size_t p = 0; p < spec.phases.size(); ++p) {
+      if (!plan.find(p, static_cast<int>(c))) continue;
+      const int before = static_cast<int>(out.list().size());
+      warn_of_instability(spec.contacts[c], spec.phases[p], integrator, out);
+      if (static_cast<int>(out.list().size()) > before) break;  // one warning a contact
+    }
+  return plan;
+}
+
+std::optional<int> ContactPlan::find(std::size_t phase, int contact) const {
+  const auto& held = held_[phase];
+  const auto found = std::find(held.begin(), held.end(), contact);
+  if (found == held.end()) return std::nullopt;
+  return static_cast<int>(found - held.begin());
+}
+
+}  // namespace conddp

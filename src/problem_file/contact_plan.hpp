@@ -1,0 +1,43 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "ocp/integrator.hpp"
+#include "problem_file/plant.hpp"
+
+namespace conddp {
+
+/// Which contacts each phase of a problem holds, and the systems that hold them.
+class ContactPlan {
+ public:
+  /// Unknown names, contacts that cannot be, and stabilisation that the time step does not carry
+  /// are reported. `initial`: the state from which contacts take their references.
+  static std::optional<ContactPlan> build(const ProblemSpec& spec, const Plant& plant,
+                                          const std::vector<double>& initial, Integrator integrator,
+                                          Diagnostics& out);
+
+  /// All contacts of the file, in its order.
+  const std::vector<Contact>& contacts() const { return contacts_; }
+  /// Where a contact stands in the phase's system, nullopt if the phase does not hold it.
+  std::optional<int> find(std::size_t phase, int contact) const;
+  /// The system of a phase: the plant's own where nothing is held. Phases with the same contacts
+  /// share it.
+  const std::shared_ptr<const System>& system(std::size_t phase) const { return systems_[phase]; }
+
+ private:
+  std::vector<Contact> contacts_;
+  std::vector<std::vector<int>> held_;  ///< per phase, indices into contacts_, ascending
+  std::vector<std::shared_ptr<const System>> systems_;
+};
+
+/// The contacts chosen, as indices into the file's; unknown names are reported.
+std::vector<int> contacts_named(const ContactNames& names, const ProblemSpec& spec,
+                                Diagnostics& out);
+
+/// Whether ë + kd ė + kp e = 0 dies away when integrated with this rule and time step (a constant
+/// error without kp counts as that).
+bool is_stable(Integrator integrator, double kp, double kd, double dt);
+
+}  // namespace conddp
