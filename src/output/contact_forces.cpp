@@ -1,0 +1,36 @@
+#include "output/contact_forces.hpp"
+
+#include <map>
+#include <memory>
+
+namespace conddp {
+
+ContactForces contact_forces(const Solution& solution) {
+  const ShootingProblem& problem = *solution.built.problem;
+  const Trajectory& trajectory = solution.result.trajectory;
+  ContactForces forces;
+  for (const ContactSpec& spec : solution.spec.contacts) {
+    auto& contact = forces.contacts.emplace_back();
+    contact.name = spec.name.value;
+    contact.torque = spec.kind == ContactKind::surface;
+    contact.wrench.resize(problem.knots());
+  }
+  std::map<const System*, std::unique_ptr<SystemData<double>>> memory;
+  for (int k = 0; k < problem.knots() && !forces.contacts.empty(); ++k) {
+    const auto* system = dynamic_cast<const MultibodySystem*>(&problem.knot(k).model->system());
+    if (system == nullptr || system->contacts().empty()) continue;
+    auto& data = memory[system];
+    if (!data) data = system->create_data(double{});
+    system->evaluate(trajectory.x(k).data(), trajectory.u(k).data(), *data);
+    const auto& held = static_cast<const MultibodySystem::Data<double>&>(*data).contacts.contacts;
+    for (int i = 0; i < system->contacts().count(); ++i) {
+      const Force<double> f = contact_force_in_world(held[i]);
+      for (auto& contact : forces.contacts)
+        if (contact.name == system->contacts().contacts()[i].name)
+          contact.wrench[k] = {f[0], f[1], f[2], f[3], f[4], f[5]};
+    }
+  }
+  return forces;
+}
+
+}  // namespace conddp

@@ -1,0 +1,119 @@
+// What legged motions have to keep, measured on trajectories by code that no solver shares: feet
+// that stand do not slip, feet that swing clear the ground, forces carry the weight.
+#include <Eigen/Dense>
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "problem_file/build.hpp"
+#include "problem_file/read_problem.hpp"
+#include "robot/frames.hpp"
+#include "solvers/registry.hpp"
+
+namespace conddp {
+namespace {
+
+using Data = MultibodySystem::Data<double>;
+
+struct Solved {
+  std::optional<ProblemSpec> spec;
+  std::optional<BuiltProblem> built;
+  std::optional<SolveResult> result;
+
+  const Trajectory& trajectory() const { return result->trajectory; }
+  const MultibodySystem& system(int k) const {
+    return static_cast<const MultibodySystem&>(built->problem->knot(k).model->system());
+  }
+  Vector3<double> position(int k, const std::string& frame) const {
+    const RobotModel& robot = built->plant.robot();
+    RobotData<double> data(robot);
+    update_placements(robot, trajectory().x(k).data(), data);
+    return frame_placement(robot, data, *robot.find_frame(frame)).p;
+  }
+};
+
+Solved solve_ready(const std::string& name) {
+  Solved s;
+  Diagnostics diagnostics;
+  s.spec = read_problem(std::filesystem::path(CONDDP_SOURCE_DIR) / "problems" / (name + ".yaml"),
+                        {}, diagnostics);
+  if (s.spec) s.built = build_problem(*s.spec, {}, diagnostics);
+  EXPECT_TRUE(s.built) << format_diagnostics(diagnostics, false);
+  if (s.built)
+    s.result =
+        solve(*s.built->problem, s.spec->solver.name.value, s.spec->solver.options, s.built->guess);
+  return s;
+}
+
+TEST(QuadrupedTrot, AdvancesOnFeetThatNeitherSlipNorDrag) {
+  const Solved s = solve_ready("quadruped_trot");
+  ASSERT_EQ(s.result->status, SolveStatus::converged) << s.result->message;
+  EXPECT_LE(s.result->residuals.gap, 1e-9);
+  const int N = s.built->problem->knots();
+  EXPECT_GE(s.position(N, "trunk").x - s.position(0, "trunk").x, 0.2);
+  for (int k = 0; k < N; ++k) {
+    const KnotModel& model = *s.built->problem->knot(k).model;
+    for (int i = 0; i < model.nu(); ++i) {
+      EXPECT_LE(s.trajectory().u(k)[i], model.control_upper()[i]);
+      EXPECT_GE(s.trajectory().u(k)[i], model.control_lower()[i]);
+    }
+  }
+  for (const ContactSpec& contact : s.spec->contacts) {
+    const std::string& frame = contact.frame.value;
+    double height = 0;
+    Vector3<double> stood{};
+    bool standing = false;
+    for (int k = 0; k < N; ++k) {
+      bool held = false;
+      for (const Contact& c : s.system(k).contacts().contacts())
+        held = held || c.name == contact.name.value;
+      const Vector3<double> p = s.position(k, frame);
+      height = std::max(height, p.z - s.position(0, frame).z);
+      if (held && !standing) stood = p;
+      standing = held;
+      // The knot's step moves the foot to where the next node has it.
+      if (held) {
+        EXPECT_LT(std::sqrt(squared_norm(s.position(k + 1, frame) - stood)), 1e-3)
+            << frame << " at knot " << k;
+      }
+    }
+    EXPECT_GE(height, 0.04) << frame;
+  }
+}
+
+TEST(QuadrupedTrot, ForcesCarryTheWeightAndStayInTheirCones) {
+  const Solved s = solve_ready("quadruped_trot");
+  ASSERT_EQ(s.result->status, SolveStatus::converged);
+  for (int k = 0; k < s.built->problem->knots(); ++k) {
+    const MultibodySystem& system = s.system(k);
+    const auto data = system.create_data(double{});
+    system.evaluate(s.trajectory().x(k).data(), s.trajectory().u(k).data(), *data);
+    for (const auto& contact : static_cast<const Data&>(*data).contacts.contacts) {
+      const Force<double> f = contact_force_in_world(contact);
+      EXPECT_GT(f.linear.z, 0);
+      EXPECT_LE(std::hypot(f.linear.x, f.linear.y), 0.7 * f.linear.z * (1 + 1e-3));
+    }
+  }
+}
+
+TEST(QuasiStaticGuess, OfAStandingRobotHoldsItAndTheForcesSumUpToItsWeight) {
+  Diagnostics diagnostics;
+  const auto spec = read_problem(
+      std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/quadruped_trot.yaml", {}, diagnostics);
+  ASSERT_TRUE(spec);
+  const auto built = build_problem(*spec, {}, diagnostics);
+  ASSERT_TRUE(built);
+  const auto& system = static_cast<const MultibodySystem&>(built->problem->knot(0).model->system());
+  ASSERT_EQ(system.contacts().count(), 4);
+  const auto data = system.create_data(double{});
+  system.evaluate(built->guess.x(0).data(), built->guess.u(0).data(), *data);
+  const auto& d = static_cast<const Data&>(*data);
+  for (const double a : d.f) EXPECT_NEAR(a, 0, 1e-8);
+  Vector3<double> sum{0, 0, 0};
+  for (const auto& contact : d.contacts.contacts) sum += contact_force_in_world(contact).linear;
+  EXPECT_NEAR(sum.x, 0, 1e-6);
+  EXPECT_NEAR(sum.y, 0, 1e-6);
+  EXPECT_NEAR(sum.z, 9.81 * system.robot().total_mass(), 1e-6);
+}
+
+}  // namespace
+}  // namespace conddp
