@@ -18,6 +18,26 @@ OrderedJson expand_activation(const ActivationSpec& activation) {
   return json;
 }
 
+void expand_cone(const CostSpec& cost, OrderedJson& json) {
+  const FrictionConeSpec& cone = cost.cone;
+  if (cost.kind == ResidualKind::kFrictionCone) {
+    json["cone"] = word_of(kConeWords, cone.second_order);
+    if (!cone.second_order) json["faces"] = cone.faces;
+  }
+  if (cost.kind == ResidualKind::kCenterOfPressure) return;
+  if (!cone.second_order) json["inner"] = cone.inner;
+  json["safety"] = cone.safety;
+}
+
+OrderedJson expand_swing(const SwingSpec& swing) {
+  OrderedJson json = {{"height", swing.height}};
+  if (swing.landing)
+    json["landing"] = expand_vector(*swing.landing);
+  else
+    json["step"] = expand_vector(swing.step.value_or(Vector3<double>::zero()));
+  return json;
+}
+
 OrderedJson expand_joints(const CostSpec& cost, const Plant& plant) {
   if (cost.joints) return expand_names(*cost.joints);
   return OrderedJson(joint_names(plant.robot()));
@@ -30,10 +50,14 @@ OrderedJson expand_cost(const CostSpec& cost, const ProblemSpec& spec, const Pla
   if (residual_info(cost.kind).takes_joints) json["joints"] = expand_joints(cost, plant);
   if (cost.columns) json["columns"] = expand_names(*cost.columns);
   if (cost.kind == ResidualKind::kFrameVelocity) json["axes"] = word_of(kAxesWords, cost.axes);
+  const ResidualInfo& info = residual_info(cost.kind);
+  if (info.of_contacts) json["contacts"] = expand_contact_names(cost.contacts, spec);
+  if (info.is_cone) expand_cone(cost, json);
+  if (cost.swing) json["swing"] = expand_swing(*cost.swing);
   json["weight"] = cost.weight;
   json["weights"] = cost.weights ? expand_components(*cost.weights) : OrderedJson(1.0);
-  json["activation"] = expand_activation(cost.activation);
-  if (OrderedJson reference = expand_reference(cost); !reference.is_null())
+  if (!info.is_cone) json["activation"] = expand_activation(cost.activation);
+  if (OrderedJson reference = expand_reference(cost); !reference.is_null() && !cost.swing)
     json["reference"] = std::move(reference);
   if (terminal) return json;
   json["phases"] = expand_phase_names(cost.phases, spec);
@@ -50,7 +74,8 @@ OrderedJson expand_phase_names(const std::optional<std::vector<Name>>& names,
                                const ProblemSpec& spec) {
   if (names) return expand_names(*names);
   OrderedJson all = OrderedJson::array();
-  for (const PhaseSpec& phase : spec.phases) all.push_back(phase.name.value);
+  for (const PhaseSpec& phase : spec.phases)
+    if (!phase.restitution) all.push_back(phase.name.value);
   return all;
 }
 

@@ -24,13 +24,21 @@ void expand_plant(const ProblemSpec& spec, OrderedJson& json) {
   json["gravity"] = expand_vector(spec.gravity);
 }
 
-OrderedJson expand_phases(const std::vector<PhaseSpec>& phases) {
+OrderedJson expand_phases(const ProblemSpec& spec) {
   OrderedJson json = OrderedJson::array();
-  for (const PhaseSpec& phase : phases)
-    json.push_back({{"name", phase.name.value},
-                    {"knots", phase.knots.value},
-                    {"dt", phase.dt},
-                    {"weights", expand_numbers(phase.weights)}});
+  for (const PhaseSpec& phase : spec.phases) {
+    OrderedJson entry = {{"name", phase.name.value}};
+    if (phase.restitution) {
+      entry["impulse"] = expand_contact_names(phase.contacts, spec);
+      entry["restitution"] = *phase.restitution;
+    } else {
+      entry["knots"] = phase.knots.value;
+      entry["dt"] = phase.dt;
+      if (!spec.contacts.empty()) entry["contacts"] = expand_contact_names(phase.contacts, spec);
+    }
+    entry["weights"] = expand_numbers(phase.weights);
+    json.push_back(std::move(entry));
+  }
   return json;
 }
 
@@ -39,6 +47,14 @@ OrderedJson expand_initial_state(const ProblemSpec& spec, const KnotModel& model
   if (model.has_control_memory() && !spec.initial_state.previous_control)
     json["previous_control"] = 0.0;
   return json;
+}
+
+/// That of the knots that take time.
+Integrator integrator_of(const ShootingProblem& problem) {
+  for (int k = 0; k < problem.knots(); ++k)
+    if (const Integrator rule = problem.knot(k).model->integrator(); rule != Integrator::impulse)
+      return rule;
+  return default_integrator(problem.knot(0).model->system().kind());
 }
 
 OrderedJson expand_solver(const SolverSpec& solver) {
@@ -77,9 +93,10 @@ OrderedJson expand_problem(const ProblemSpec& spec, const BuiltProblem& built) {
   if (!spec.description.empty()) json["description"] = spec.description;
   expand_plant(spec, json);
   json["initial_state"] = expand_initial_state(spec, model);
-  json["integrator"] = word_of(kIntegratorWords, model.integrator());
+  json["integrator"] = word_of(kIntegratorWords, integrator_of(*built.problem));
   json["running_costs"] = word_of(kRunningCostsWords, spec.running_costs);
-  json["phases"] = expand_phases(spec.phases);
+  if (!spec.contacts.empty()) json["contacts"] = expand_contacts(spec.contacts);
+  json["phases"] = expand_phases(spec);
   json["costs"] = expand_costs(spec.costs, spec, built.plant, false);
   json["constraints"] = expand_constraints(spec);
   json["terminal"] = {{"costs", expand_costs(spec.terminal_costs, spec, built.plant, true)}};

@@ -21,6 +21,8 @@ OrderedJson neutral_reference(const CostSpec& cost) {
     case ResidualKind::kJointPosition:
     case ResidualKind::kJointVelocity:
     case ResidualKind::kJointAcceleration:
+    case ResidualKind::kCentroidalMomentum:
+    case ResidualKind::kContactForce:
       return OrderedJson(0.0);
     case ResidualKind::kFrameVelocity:
       return expand_twist({});
@@ -31,6 +33,9 @@ OrderedJson neutral_reference(const CostSpec& cost) {
     case ResidualKind::kFramePlacement:
     case ResidualKind::kControlRate:
     case ResidualKind::kControlGravity:
+    case ResidualKind::kFrictionCone:
+    case ResidualKind::kWrenchCone:
+    case ResidualKind::kCenterOfPressure:
       break;
   }
   return nullptr;

@@ -25,11 +25,16 @@ OrderedJson expand_robot(const RobotSpec& robot);
 // expand_system.cpp
 OrderedJson expand_system(const SystemSpec& system);
 
+// expand_contacts.cpp
+OrderedJson expand_contacts(const std::vector<ContactSpec>& contacts);
+/// The contacts' names, all where the file says so.
+OrderedJson expand_contact_names(const ContactNames& names, const ProblemSpec& spec);
+
 // expand_costs.cpp
 OrderedJson expand_costs(const std::vector<CostSpec>& costs, const ProblemSpec& spec,
                          const Plant& plant, bool terminal);
 OrderedJson expand_constraints(const ProblemSpec& spec);
-/// The phases named, all if nothing is named.
+/// The phases named, all but impulses if nothing is named.
 OrderedJson expand_phase_names(const std::optional<std::vector<Name>>& names,
                                const ProblemSpec& spec);
 

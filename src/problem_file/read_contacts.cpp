@@ -3,16 +3,10 @@
 #include <fmt/format.h>
 
 #include "problem_file/read_sections.hpp"
+#include "problem_file/words.hpp"
 
 namespace conddp {
 namespace {
-
-constexpr Choice<ContactKind> kKinds[] = {{"point", ContactKind::point},
-                                          {"surface", ContactKind::surface},
-                                          {"normal", ContactKind::normal},
-                                          {"planar", ContactKind::planar}};
-constexpr Choice<FrameAxes> kAxes[] = {{"world", FrameAxes::world_aligned},
-                                       {"local", FrameAxes::local}};
 
 std::optional<Vector3<double>> read_direction(const YamlReader& reader) {
   const auto v = read_vector3(reader, "a direction [x, y, z]");
@@ -33,9 +27,9 @@ void read_baumgarte(const YamlReader& reader, ContactSpec& contact) {
 /// The keys that `defaults` may have, too.
 void read_common_keys(YamlMap& map, ContactSpec& contact) {
   if (const auto r = map.find("type"))
-    contact.kind = r->choice(kKinds, "type of contact").value_or(contact.kind);
+    contact.kind = r->choice(kContactWords, "type of contact").value_or(contact.kind);
   if (const auto r = map.find("axes"))
-    contact.axes = r->choice(kAxes, "system of axes").value_or(contact.axes);
+    contact.axes = r->choice(kAxesWords, "system of axes").value_or(contact.axes);
   if (const auto r = map.find("normal"))
     contact.normal = read_direction(*r).value_or(contact.normal);
   if (const auto r = map.find("tangent")) {

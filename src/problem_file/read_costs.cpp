@@ -6,15 +6,6 @@
 namespace conddp {
 namespace {
 
-/// A cone has its own bounds, and costs what lies outside.
-ActivationSpec read_cone_activation(const YamlReader& reader) {
-  ActivationSpec activation{.place = reader.place(), .kind = ActivationKind::quadratic_barrier};
-  if (!reader.is_scalar() || reader.node().text != "quadratic_barrier")
-    reader.error("a cone has its own bounds: its activation is 'quadratic_barrier'",
-                 "leave the key out");
-  return activation;
-}
-
 ActivationSpec read_activation(const YamlReader& reader) {
   ActivationSpec activation{.place = reader.place()};
   if (reader.is_scalar()) {
@@ -62,14 +53,35 @@ std::vector<Located<int>> read_knots(const YamlReader& reader) {
   return knots;
 }
 
-void read_cone(YamlMap& map, const ResidualInfo& info, CostSpec& cost) {
+SwingSpec read_swing(const YamlReader& reader) {
+  SwingSpec swing{.place = reader.place()};
+  YamlMap map(reader);
+  if (!map.valid()) return swing;
+  if (const auto r = map.require("height"))
+    swing.height = r->number(kNotNegative).value_or(swing.height);
+  map.exclusive({"landing", "step"});
+  if (const auto r = map.find("landing")) swing.landing = read_vector3(*r, "[x, y, z] in m");
+  if (const auto r = map.find("step")) swing.step = read_vector3(*r, "[x, y, z] in m");
+  return swing;
+}
+
+/// The keys of costs on contacts and on feet, which the last node has not.
+void read_contact_keys(YamlMap& map, const ResidualInfo& info, CostSpec& cost) {
   const auto unfit = [&](const YamlReader& reader, std::string_view key) {
     reader.error(fmt::format("the residual '{}' has no '{}'", info.name, key));
   };
+  if (const auto r = map.find("contacts")) {
+    cost.contacts = read_contact_names(*r);
+    if (!info.of_contacts) unfit(*r, "contacts");
+  }
+  if (const auto r = map.find("swing")) {
+    cost.swing = read_swing(*r);
+    if (info.kind != ResidualKind::kFramePosition) unfit(*r, "swing");
+    map.exclusive({"swing", "reference"});
+  }
   const bool friction = info.kind == ResidualKind::kFrictionCone;
   if (const auto r = map.find("cone")) {
-    static constexpr Choice<bool> kCones[] = {{"pyramid", false}, {"second_order", true}};
-    cost.cone.second_order = r->choice(kCones, "cone").value_or(false);
+    cost.cone.second_order = r->choice(kConeWords, "cone").value_or(false);
     if (!friction) unfit(*r, "cone");
   }
   if (const auto r = map.find("faces")) {
@@ -90,18 +102,6 @@ void read_cone(YamlMap& map, const ResidualInfo& info, CostSpec& cost) {
   }
 }
 
-SwingSpec read_swing(const YamlReader& reader) {
-  SwingSpec swing{.place = reader.place()};
-  YamlMap map(reader);
-  if (!map.valid()) return swing;
-  if (const auto r = map.require("height"))
-    swing.height = r->number(kNotNegative).value_or(swing.height);
-  map.exclusive({"landing", "step"});
-  if (const auto r = map.find("landing")) swing.landing = read_vector3(*r, "[x, y, z] in m");
-  if (const auto r = map.find("step")) swing.step = read_vector3(*r, "[x, y, z] in m");
-  return swing;
-}
-
 void read_selection(YamlMap& map, const ResidualInfo& info, CostSpec& cost) {
   const auto unfit = [&](const YamlReader& reader, std::string_view key) {
     reader.error(fmt::format("the residual '{}' has no '{}'", info.name, key));
@@ -118,15 +118,6 @@ void read_selection(YamlMap& map, const ResidualInfo& info, CostSpec& cost) {
   if (const auto r = map.find("columns")) {
     cost.columns = r->name_or_names();
     if (!info.takes_columns) unfit(*r, "columns");
-  }
-  if (const auto r = map.find("contacts")) {
-    cost.contacts = read_contact_names(*r);
-    if (!info.of_contacts) unfit(*r, "contacts");
-  }
-  if (const auto r = map.find("swing")) {
-    cost.swing = read_swing(*r);
-    if (info.kind != ResidualKind::kFramePosition) unfit(*r, "swing");
-    map.exclusive({"swing", "reference"});
   }
   if (const auto r = map.find("axes")) {
     cost.axes = r->choice(kAxesWords, "system of axes").value_or(cost.axes);
@@ -152,9 +143,13 @@ CostSpec read_cost(const Name& name, const YamlReader& reader, const std::filesy
   cost.residual = {std::string(info.name), residual->place()};
   map.number("weight", cost.weight, kNotNegative);
   if (info.is_cone) cost.activation.kind = ActivationKind::quadratic_barrier;
-  if (const auto r = map.find("activation"))
-    cost.activation = info.is_cone ? read_cone_activation(*r) : read_activation(*r);
-  read_cone(map, info, cost);
+  if (const auto r = map.find("activation")) {
+    if (info.is_cone)
+      r->error("a cone has its own bounds, outside of which it costs: it has no activation",
+               "leave the key out");
+    else
+      cost.activation = read_activation(*r);
+  }
   if (const auto r = map.find("weights")) cost.weights = read_components(*r, kNotNegative);
   read_selection(map, info, cost);
   if (const auto r = map.find("reference")) {
@@ -164,11 +159,11 @@ CostSpec read_cost(const Name& name, const YamlReader& reader, const std::filesy
       r->error(fmt::format("the residual '{}' has no reference", info.name));
   }
   if (terminal) {
-    if (cost.swing) map.reader().error("the last node has no time to swing a foot");
     if (info.needs_control || info.of_contacts)
       residual->error(fmt::format(
           "the residual '{}' needs a control, and there is none at the terminal node", info.name));
   } else {
+    read_contact_keys(map, info, cost);
     if (const auto r = map.find("phases")) cost.phases = r->name_or_names();
     if (const auto r = map.find("knots")) cost.knots = read_knots(*r);
   }

@@ -43,6 +43,13 @@ inline constexpr Choice<ActivationKind> kActivationWords[] = {
 inline constexpr Choice<FrameAxes> kAxesWords[] = {{"local", FrameAxes::local},
                                                    {"world", FrameAxes::world_aligned}};
 
+inline constexpr Choice<ContactKind> kContactWords[] = {{"point", ContactKind::point},
+                                                        {"surface", ContactKind::surface},
+                                                        {"normal", ContactKind::normal},
+                                                        {"planar", ContactKind::planar}};
+/// Whether a friction cone is of second order.
+inline constexpr Choice<bool> kConeWords[] = {{"pyramid", false}, {"second_order", true}};
+
 inline constexpr Choice<GuessSpec::States> kStatesGuessWords[] = {
     {"initial", GuessSpec::States::kInitial}, {"interpolate", GuessSpec::States::kInterpolate}};
 

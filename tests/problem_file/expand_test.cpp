@@ -65,6 +65,35 @@ initial_guess: {states: {keyframes: [{time: 0.1, state: body/turned}, {time: 0.2
                 controls: {constant: {"*": 0.1}, random: {scale: 0.1}}}
 solver: {name: box_fddp, max_time_s: 100}
 )");
+  texts.push_back(R"(conddp: 1
+robot: {urdf: robots/quadruped.urdf, base: floating}
+contacts:
+  defaults: {max_normal_force: 900}
+  LF: {frame: lf_foot}
+  RF: {frame: rf_foot, type: planar, normal: [0, 0.6, 0.8], tangent: [2, 0, 0]}
+  LH: {frame: lh_foot, type: surface, size: [0.2, 0.1], friction: 0.5, min_normal_force: 1}
+  RH: {frame: rh_foot, type: normal, axes: local, baumgarte: {kp: 3, kd: 4},
+       placement: {position: [0, 0, 0.1]}}
+initial_state: {base: {position: [0, 0, 0.57]}, joints: {LF_KFE: -1, RF_KFE: -1, LH_KFE: 1, RH_KFE: 1}}
+phases:
+  - {knots: 2, dt: 0.1, contacts: all}
+  - {knots: 2, dt: 0.1}
+  - {name: landing, impulse: [LF, LH]}
+  - {name: hit, impulse: all, restitution: 0.5}
+  - {knots: 2, dt: 0.1, contacts: [LF, LH]}
+costs:
+  cone: {residual: friction_cone, contacts: [LF, RF]}
+  round: {residual: friction_cone, contacts: LF, cone: second_order, safety: 0.8}
+  sole: {residual: wrench_cone, contacts: LH, inner: false}
+  pressure: {residual: center_of_pressure, contacts: LH}
+  force: {residual: contact_force}
+  hit: {residual: contact_force, contacts: LF, phases: landing,
+        activation: {kind: quadratic_barrier, upper: 5}}
+  spin: {residual: centroidal_momentum, reference: initial, weights: {lx: 3}}
+  swing: {residual: frame_position, frame: rf_foot, phases: [phase_2], swing: {height: 0.1}}
+  step: {residual: frame_position, frame: lh_foot, phases: [phase_2],
+         swing: {height: 0.1, landing: [0, 0, 0]}}
+)");
   texts.push_back(replaced(kPendulum, "solver:",
                            "initial_guess: {states: interpolate, controls: {random: {scale: 1, "
                            "seed: 12345678901234567}}}\nsolver:"));
@@ -199,7 +228,9 @@ TEST(Expand, ShowsEveryDefaultOfTheSchema) {
   // Keys that another choice excludes.
   const std::set<std::string> conditional = {
       "/definitions/cost/axes", "/definitions/terminal_cost/axes", "/definitions/robot/placement",
-      "/definitions/activation/anyOf/1/epsilon", "/gravity"};
+      "/definitions/activation/anyOf/1/epsilon", "/gravity", "/definitions/cost/activation",
+      "/definitions/cost/cone", "/definitions/cost/faces", "/definitions/cost/inner",
+      "/definitions/cost/safety", "/definitions/phase/restitution"};
   for (const std::string& key : walk.missing())
     EXPECT_TRUE(conditional.contains(key)) << key << " has a default that an expansion lacks";
   EXPECT_EQ(walk.unseen(), std::set<std::string>{}) << "the schema's default is not the reader's";

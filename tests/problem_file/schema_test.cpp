@@ -72,6 +72,13 @@ TEST(Schema, HasTheReadersKeys) {
   const auto robot = [](const char* from, const char* to) { return replaced(kCartpole, from, to); };
   EXPECT_EQ(accepted_keys(std::string(kPendulum) + "zzzzzzzz: 1\n"), schema_keys(schema));
   EXPECT_EQ(accepted_keys(with("dt: 0.1", "dt: 0.1, zzzzzzzz: 1")), schema_keys(d["phase"]));
+  EXPECT_EQ(accepted_keys(with("weight: 0.5", "swing: {zzzzzzzz: 1}")), schema_keys(d["swing"]));
+  EXPECT_EQ(accepted_keys(std::string(kPendulum) + "contacts: {a: {zzzzzzzz: 1}}\n"),
+            schema_keys(d["contact"]));
+  EXPECT_EQ(accepted_keys(std::string(kPendulum) + "contacts: {defaults: {zzzzzzzz: 1}}\n"),
+            schema_keys(d["contact_defaults"]));
+  EXPECT_EQ(accepted_keys(std::string(kPendulum) + "contacts: {a: {baumgarte: {zzzzzzzz: 1}}}\n"),
+            schema_keys(d["contact"]["properties"]["baumgarte"]));
   EXPECT_EQ(accepted_keys(with("weight: 0.5", "zzzzzzzz: 1")), schema_keys(d["cost"]));
   EXPECT_EQ(accepted_keys(with("weight: 10", "zzzzzzzz: 1")), schema_keys(d["terminal_cost"]));
   EXPECT_EQ(accepted_keys(with("terminal:", "terminal:\n  zzzzzzzz: 1")),
