@@ -1,11 +1,13 @@
 #include "output/csv.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
 
 #include <fmt/format.h>
 
+#include "output/contact_forces.hpp"
 #include "output/log_columns.hpp"
 
 namespace conddp {
@@ -26,6 +28,26 @@ std::string with_unit(std::string name, std::string_view unit) {
   return fmt::format("{} [{}]", name, unit);
 }
 
+constexpr std::array<const char*, 6> kWrench = {"fx", "fy", "fz", "tx", "ty", "tz"};
+constexpr int kForceParts = 3, kWrenchParts = 6;
+
+std::string contact_headers(const ContactForces& forces) {
+  std::string text;
+  for (const auto& contact : forces.contacts)
+    for (int i = 0; i < (contact.torque ? kWrenchParts : kForceParts); ++i)
+      text += ',' + with_unit(cell("contact/" + contact.name + '/' + kWrench[i]),
+                              i < kForceParts ? "N" : "Nm");
+  return text;
+}
+
+std::string contact_cells(const ContactForces& forces, int knot, bool written) {
+  std::string text;
+  for (const auto& contact : forces.contacts)
+    for (int i = 0; i < (contact.torque ? kWrenchParts : kForceParts); ++i)
+      text += written && contact.wrench[knot] ? ',' + cell((*contact.wrench[knot])[i]) : ",";
+  return text;
+}
+
 }  // namespace
 
 std::string trajectory_csv(const Solution& s) {
@@ -40,16 +62,22 @@ std::string trajectory_csv(const Solution& s) {
   for (const Column& column : s.built.control_columns)
     text +=
         ',' + with_unit(cell((used.contains(column.name) ? "u/" : "") + column.name), column.unit);
-  text += '\n';
+  const ContactForces forces = contact_forces(s);
+  text += contact_headers(forces) + '\n';
+  double written = -std::numeric_limits<double>::infinity();
   for (int k = 0; k <= problem.knots(); ++k) {
     const bool last = k == problem.knots();
+    const bool impulse = !last && problem.knot(k).model->integrator() == Integrator::impulse;
     const int phase = problem.knot(k).phase;
-    text += cell(problem.times()[k]) + ',' +
+    // Readers of such files want times that increase, and an impulse takes none.
+    written = std::max(problem.times()[k],
+                       std::nextafter(written, std::numeric_limits<double>::infinity()));
+    text += cell(written) + ',' +
             cell(last ? problem.terminal().name : problem.phases()[phase].name);
     for (int i = 0; i < trajectory.nx(); ++i) text += ',' + cell(trajectory.x(k)[i]);
     for (std::size_t i = 0; i < s.built.control_columns.size(); ++i)
-      text += last ? "," : ',' + cell(trajectory.u(k)[i]);
-    text += '\n';
+      text += last || impulse ? "," : ',' + cell(trajectory.u(k)[i]);
+    text += contact_cells(forces, k, !last && !impulse) + '\n';
   }
   return text;
 }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "conddp_version.hpp"
+#include "output/contact_forces.hpp"
 #include "output/log_columns.hpp"
 #include "problem_file/expand_problem.hpp"
 #include "spatial/lane.hpp"
@@ -76,6 +77,23 @@ OrderedJson columns_json(const std::vector<Column>& columns, std::string Column:
   return array;
 }
 
+OrderedJson contact_forces_json(const Solution& s) {
+  OrderedJson json = OrderedJson::object();
+  for (const auto& contact : contact_forces(s).contacts) {
+    OrderedJson rows = OrderedJson::array();
+    for (const auto& wrench : contact.wrench) {
+      OrderedJson row = nullptr;
+      if (wrench) {
+        row = OrderedJson::array();
+        for (int i = 0; i < (contact.torque ? 6 : 3); ++i) row.push_back(number((*wrench)[i]));
+      }
+      rows.push_back(std::move(row));
+    }
+    json[contact.name] = std::move(rows);
+  }
+  return json;
+}
+
 OrderedJson trajectory_json(const Solution& s) {
   const ShootingProblem& problem = *s.built.problem;
   const Trajectory& trajectory = s.result.trajectory;
@@ -98,7 +116,8 @@ OrderedJson trajectory_json(const Solution& s) {
           {"phases", std::move(phases)},
           {"t", problem.times()},
           {"x", std::move(x)},
-          {"u", std::move(u)}};
+          {"u", std::move(u)},
+          {"contact_forces", contact_forces_json(s)}};
 }
 
 OrderedJson gains_json(const SolveResult& result) {
@@ -189,6 +208,8 @@ OrderedJson nulls_json(const OrderedJson& json, const SolveResult& result) {
   if (!json.contains("trajectory")) return list;
   add("trajectory.x", json["trajectory"]["x"], unknown);
   add("trajectory.u", json["trajectory"]["u"], unknown);
+  add("trajectory.contact_forces", json["trajectory"]["contact_forces"],
+      "the contact is not held at that knot");
   add("gains.regularization", json["gains"]["regularization"],
       "no sweep succeeded at the trajectory, the gains are zero: " + ended);
   add("gains.k", json["gains"]["k"], unknown);

@@ -115,12 +115,18 @@ DataTable read_trajectory(const Json& solution) {
       u.size() + 1 != t.size())
     throw Malformed{"the lists t, x and u of its trajectory do not fit together"};
   for (std::size_t k = 0; k < t.size(); ++k) {
-    if (!t[k].is_number() || (k > 0 && t[k].get<double>() <= table.times.back()))
+    if (!t[k].is_number() || (k > 0 && t[k].get<double>() < table.times.back()))
       throw Malformed{"its times do not increase"};
+    if (k > 0 && t[k].get<double>() == table.times.back()) {
+      // An impulse takes no time: what holds after it stands for the moment.
+      table.times.pop_back();
+      table.rows.pop_back();
+    }
     table.times.push_back(t[k]);
     auto& row = table.rows.emplace_back();
     append_row(x[k], x_names.size(), fmt::format("trajectory.x[{}]", k), row);
-    if (k < u.size())
+    const bool controlled = k < u.size() && !(u[k].is_array() && u[k].empty());
+    if (controlled)
       append_row(u[k], u_names.size(), fmt::format("trajectory.u[{}]", k), row);
     else
       row.resize(table.columns.size());

@@ -19,7 +19,8 @@ Adjoint::Adjoint(const ShootingProblem& problem, const ControlBounds& bounds)
   pulled_.resize(largest);
 }
 
-void Adjoint::compute(const Linearization& linearization, bool open_gaps) {
+void Adjoint::compute(const Linearization& linearization, bool open_gaps,
+                      const Feedback& feedback) {
   const int N = bounds_.knots();
   const int ndx = static_cast<int>(costates_.rows());
   costates_.col(N) = linearization.knots[N].gradient;
@@ -34,9 +35,10 @@ void Adjoint::compute(const Linearization& linearization, bool open_gaps) {
     }
     auto pulled = pulled_.head(ndx + knot.nu());
     knot.apply_transpose(next_, pulled, scratch_);
+    auto gradient = gradient_.segment(bounds_.offset(k), knot.nu());
+    gradient = knot.gradient.tail(knot.nu()) + pulled.tail(knot.nu());
     costates_.col(k) = knot.gradient.head(ndx) + pulled.head(ndx);
-    gradient_.segment(bounds_.offset(k), knot.nu()) =
-        knot.gradient.tail(knot.nu()) + pulled.tail(knot.nu());
+    costates_.col(k).noalias() += feedback.K[k].transpose() * gradient;
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 
+#include "ocp/acts.hpp"
 #include "ocp/linearization.hpp"
 #include "solvers/control_bounds.hpp"
 #include "solvers/gap_transport.hpp"
@@ -10,20 +11,24 @@ namespace conddp {
 
 /// Co-states of an iterate and the gradient of its Lagrangian
 ///   L = Σ cost + Σ λ_{k+1}ᵀ (f(x_k, u_k) ⊖ x_{k+1}),
-/// from λ_N = ∇ℓ_N, λ_k = ℓ_x + f_xᵀ λ_{k+1}: they make ∇_x L vanish at every node, so that
-/// ∇_u L = ℓ_u + f_uᵀ λ_{k+1} is what is left. Open gaps on curved spaces transport λ from
-/// x_{k+1} to f(x_k, u_k) on the way (GapTransport).
+/// along a policy δu = v + K δx: with ∇_u L = ℓ_u + f_uᵀ λ_{k+1},
+///   λ_N = ∇ℓ_N, λ_k = ℓ_x + f_xᵀ λ_{k+1} + Kᵀ ∇_u L.
+/// λ_k is the derivative of the cost to go by x_k where the controls follow the policy, and ∇_u L that
+/// by v_k. Both are zero at the same iterates for every K; but with K = 0 the co-states grow
+/// as the free motion does, without bound on a robot that stands, and with them what rounding leaves
+/// of ∇_u L. Open gaps on curved spaces transport λ from x_{k+1} to f(x_k, u_k) on the way
+/// (GapTransport).
 class Adjoint {
  public:
   Adjoint(const ShootingProblem& problem, const ControlBounds& bounds);
 
-  void compute(const Linearization& linearization, bool open_gaps);
+  void compute(const Linearization& linearization, bool open_gaps, const Feedback& feedback);
 
-  /// ndx x (N + 1): column k is λ_k, the derivative of the cost to go by x_k.
+  /// ndx x (N + 1): column k is λ_k.
   const Eigen::MatrixXd& costates() const { return costates_; }
   /// ∇_u L of all knots, one after the other.
   const Eigen::VectorXd& gradient() const { return gradient_; }
-  /// Σ λ_{k+1}ᵀ gap_k: the cost's first-order change as the gaps are closed with the same controls.
+  /// Σ λ_{k+1}ᵀ gap_k: the cost's first-order change as the gaps are closed along the policy.
   double gap_slope() const { return gap_slope_; }
   /// A bound on what rounding does to the total cost: of the sum itself, and of the states, whose
   /// relative error reaches the cost through the co-states.

@@ -62,6 +62,12 @@ int Direction::find(const Linearization& linearization, const Trajectory& trajec
   return -1;
 }
 
+void Direction::reset() {
+  active_set_known_ = false;
+  for (Eigen::VectorXd& k : feedback_.k) k.setZero();
+  for (Eigen::MatrixXd& K : feedback_.K) K.setZero();
+}
+
 void Direction::remember() {
   policy_->remember();
   std::swap(remembered_->feedback, feedback_);

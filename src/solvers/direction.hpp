@@ -23,8 +23,8 @@ class Direction {
   Direction(const ShootingProblem& problem, const ControlBounds& bounds, const Recipe& recipe,
             const SolverOptions::BoxQp& options);
 
-  /// Forgets the active set of the solve before.
-  void reset() { active_set_known_ = false; }
+  /// Forgets the active set and the gains of the solve before.
+  void reset();
   /// Fills feedback() around an iterate. Returns the knot whose stage has no minimum, or −1.
   int find(const Linearization& linearization, const Trajectory& trajectory, const Adjoint& adjoint,
            const MeritModel& merit, SweepRegularization regularization);

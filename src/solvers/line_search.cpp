@@ -16,16 +16,29 @@ constexpr double kShortestCompared = 0.125;
 bool MeritModel::hidden(double change) const { return std::abs(change) <= kVisible * rounding; }
 
 LineSearch::LineSearch(const ShootingProblem& problem, const SolverOptions::LineSearch& options)
-    : options_(options), lanes_(problem) {}
+    : options_(options),
+      manifold_(problem.manifold()),
+      lanes_(problem),
+      trial_(problem.create_trajectory()),
+      dx_(problem.ndx()) {
+  int largest = 0;
+  for (int k = 0; k < problem.knots(); ++k) largest = std::max(largest, problem.nu(k));
+  excess_.resize(largest);
+}
 
-double LineSearch::applied_slope(int lane, const Adjoint& adjoint,
-                                 const Trajectory& trajectory) const {
-  const Eigen::VectorXd& gradient = adjoint.gradient();
+double LineSearch::applied_slope(int lane, const Adjoint& adjoint, const Feedback& feedback,
+                                 const Trajectory& trajectory) {
+  lanes_.extract(lane, trial_);
   double slope = 0;
-  int i = 0;
+  int offset = 0;
   for (int k = 0; k < trajectory.knots(); ++k) {
-    const auto u = trajectory.u(k);
-    for (int j = 0; j < u.size(); ++j, ++i) slope += gradient[i] * (lanes_.u[i][lane] - u[j]);
+    const int nu = trajectory.nu(k);
+    manifold_.difference(trajectory.x(k).data(), trial_.x(k).data(), dx_.data());
+    auto excess = excess_.head(nu);
+    excess = trial_.u(k) - trajectory.u(k);
+    excess.noalias() -= feedback.K[k] * dx_;
+    slope += adjoint.gradient().segment(offset, nu).dot(excess);
+    offset += nu;
   }
   return slope;
 }
@@ -50,7 +63,8 @@ LineSearchResult LineSearch::run(Acts& acts, const MeritModel& merit, const Adjo
         continue;
       }
       const double step = steps[lane];
-      const double expected = expected_decrease(lane, step, merit, adjoint, rollout, trajectory);
+      const double expected = expected_decrease(lane, step, merit, adjoint, feedback,
+                                                rollout, trajectory);
       const double actual = actual_decrease(lane, step, merit);
       const bool hidden = merit.hidden(expected);
       const bool armijo = expected > 0 && actual >= options_.armijo * expected;
@@ -77,11 +91,12 @@ double LineSearch::actual_decrease(int lane, double step, const MeritModel& meri
 }
 
 double LineSearch::expected_decrease(int lane, double step, const MeritModel& merit,
-                                     const Adjoint& adjoint, const RolloutOptions& rollout,
-                                     const Trajectory& trajectory) const {
+                                     const Adjoint& adjoint, const Feedback& feedback,
+                                     const RolloutOptions& rollout,
+                                     const Trajectory& trajectory) {
   double slope = step * merit.slope;
   if (rollout.clamp_controls) {
-    slope = applied_slope(lane, adjoint, trajectory);
+    slope = applied_slope(lane, adjoint, feedback, trajectory);
     if (rollout.contract_gaps) slope += step * adjoint.gap_slope();
   }
   return step * merit.penalty * merit.gap_norm - slope;
