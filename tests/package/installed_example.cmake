@@ -42,7 +42,7 @@ add_executable(files main.cpp)
 target_link_libraries(files PRIVATE conddp::files)
 ")
 file(WRITE ${WORK_DIR}/files/main.cpp "
-#include \"conddp/output/sha256.hpp\"
+#include \"conddp/problem_file/sha256.hpp\"
 #include <cstdio>
 int main() { std::puts(conddp::sha256(\"abc\").c_str()); }
 ")
