@@ -90,8 +90,10 @@ std::vector<BuiltCost> build_costs(const std::vector<CostSpec>& specs, const Cos
   for (const CostSpec& spec : specs) {
     if (residual_info(spec.kind).of_contacts && context.plant.multibody) {
       for (ContactCost& contact : make_contact_costs(spec, context.spec, context.contacts,
-                                                     context.plant, context.ndx, out))
-        add(spec, contact.prototype, std::move(contact));
+                                                     context.plant, context.ndx, out)) {
+        CostResidual prototype = contact.prototype;
+        add(spec, std::move(prototype), std::move(contact));
+      }
       continue;
     }
     if (auto residual = make_cost_residual(spec, context.plant, context.ndx, out))
