@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 
 #include "embedded_schemas.hpp"
-#include "problem_file/words.hpp"
 #include "problem_file/residual_kind.hpp"
+#include "problem_file/words.hpp"
 #include "solvers/option_table.hpp"
 #include "solvers/registry.hpp"
 

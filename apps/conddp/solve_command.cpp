@@ -145,9 +145,10 @@ void add_solve_command(CLI::App& app, Command& chosen) {
                    "Replace a value of the file, as in --set solver.max_iterations=50")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
-  command->add_option("--warm-start", a->warm_start,
-                      "Start from the states and controls of a former solution.json, interpolated "
-                      "to this problem's knots, instead of the file's initial guess")
+  command
+      ->add_option("--warm-start", a->warm_start,
+                   "Start from the states and controls of a former solution.json, interpolated "
+                   "to this problem's knots, instead of the file's initial guess")
       ->type_name("FILE.json");
   const CLI::Range kThreads(1, 1024);
   command->add_option("--max-time", a->max_time, "Stop after this many seconds")

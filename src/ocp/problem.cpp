@@ -1,5 +1,6 @@
 #include "ocp/problem.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <limits>
 #include <stdexcept>
@@ -12,6 +13,9 @@ void check(const Phase& phase) {
   if (!phase.model || n == 0 || phase.cost_scale.size() != n ||
       phase.parameters.size() != n * phase.model->parameter_count())
     throw std::invalid_argument("phase " + phase.name + ": sizes do not fit its model");
+  if (phase.model->integrator() == Integrator::impulse &&
+      std::any_of(phase.dt.begin(), phase.dt.end(), [](double dt) { return dt != 0; }))
+    throw std::invalid_argument("phase " + phase.name + ": an impulse takes no time");
 }
 
 /// The number with as many decimal digits as survive a double: steps are decimal numbers of few

@@ -72,8 +72,8 @@ std::string trajectory_csv(const Solution& s) {
     // Readers of such files want times that increase, and an impulse takes none.
     written = std::max(problem.times()[k],
                        std::nextafter(written, std::numeric_limits<double>::infinity()));
-    text += cell(written) + ',' +
-            cell(last ? problem.terminal().name : problem.phases()[phase].name);
+    text +=
+        cell(written) + ',' + cell(last ? problem.terminal().name : problem.phases()[phase].name);
     for (int i = 0; i < trajectory.nx(); ++i) text += ',' + cell(trajectory.x(k)[i]);
     for (std::size_t i = 0; i < s.built.control_columns.size(); ++i)
       text += last || impulse ? "," : ',' + cell(trajectory.u(k)[i]);

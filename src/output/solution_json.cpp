@@ -85,7 +85,8 @@ OrderedJson contact_forces_json(const Solution& s) {
       OrderedJson row = nullptr;
       if (wrench) {
         row = OrderedJson::array();
-        for (int i = 0; i < (contact.torque ? 6 : 3); ++i) row.push_back(number((*wrench)[i]));
+        for (int i = 0; i < (contact.torque ? 6 : 3); ++i)
+          row.push_back(finite_or_null((*wrench)[i]));
       }
       rows.push_back(std::move(row));
     }

@@ -174,8 +174,7 @@ std::optional<BuiltProblem> build_problem(const ProblemSpec& spec, const BuildOp
   const std::vector<BuiltCost> costs = build_costs(spec.costs, context, out);
   const std::vector<BuiltCost> terminal_costs = build_costs(spec.terminal_costs, context, out);
   const PhaseBounds bounds = collect_bounds(spec, options, built, out);
-  const PhaseContext phase_context{spec,        *contacts, built.plant.system,
-                                   *integrator, memory,    times};
+  const PhaseContext phase_context{spec, *contacts, built.plant.system, *integrator, memory, times};
   std::vector<Phase> phases = build_phases(phase_context, costs, bounds, out);
   if (out.has_errors()) return std::nullopt;
 

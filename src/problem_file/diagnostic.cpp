@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "robot/utf8.hpp"
 #include "problem_file/wrap_text.hpp"
+#include "robot/utf8.hpp"
 
 namespace conddp {
 namespace {

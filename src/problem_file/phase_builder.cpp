@@ -32,6 +32,12 @@ std::vector<bool> phases_of(const BuiltCost& cost, const PhaseContext& context, 
   return in_phase;
 }
 
+/// A swing's last node is the first one after its phases.
+void extend_to_touch_down(std::vector<double>& weights) {
+  for (std::size_t k = weights.size() - 1; k > 0; --k)
+    if (weights[k] == 0) weights[k] = weights[k - 1];
+}
+
 /// For each cost its weight at each running knot: 0 where it is off.
 std::vector<std::vector<double>> schedule(const PhaseContext& context,
                                           const std::vector<BuiltCost>& costs, Diagnostics& out) {
@@ -47,6 +53,7 @@ std::vector<std::vector<double>> schedule(const PhaseContext& context,
         if (name.value == c.name.value) weight = value;
       row.insert(row.end(), spec.phases[p].knots.value, in_phase[p] ? weight : 0.0);
     }
+    if (c.swing) extend_to_touch_down(row);
     if (!c.knots) continue;
     std::vector<bool> chosen(row.size(), false);
     for (const Located<int>& knot : *c.knots) {

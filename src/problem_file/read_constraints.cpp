@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
-#include "problem_file/words.hpp"
 #include "problem_file/read_sections.hpp"
+#include "problem_file/words.hpp"
 
 namespace conddp {
 namespace {

@@ -32,7 +32,8 @@ PhaseSpec read_phase(const YamlReader& reader, std::size_t index) {
     return phase;
   }
   if (const auto r = map.find("restitution"))
-    r->error("'restitution' belongs to impulses", "write '- {impulse: [contacts], restitution: 0}'");
+    r->error("'restitution' belongs to impulses",
+             "write '- {impulse: [contacts], restitution: 0}'");
   if (const auto r = map.find("contacts")) phase.contacts = read_contact_names(*r);
   if (const auto r = map.require("knots"))
     phase.knots = {static_cast<int>(r->integer(1, kMaxKnots).value_or(1)), r->place()};

@@ -53,12 +53,13 @@ std::optional<TimeSeries> swing_reference(const CostSpec& cost, int frame, const
     if (swings[p]) {
       const Vector3<double> to =
           cost.swing->landing.value_or(from + cost.swing->step.value_or(Vector3<double>::zero()));
-      for (int k = 0; k < knots; ++k) {
-        const double s = (k + 1.0) / knots;
+      for (int k = 0; k <= knots; ++k) {
+        const double s = static_cast<double>(k) / knots;
         const double along = s * s * (3 - 2 * s);
         series.append(times[first + k],
                       {from.x + along * (to.x - from.x), from.y + along * (to.y - from.y),
-                       from.z + s * (to.z - from.z) + 4 * cost.swing->height * s * (1 - s)});
+                       from.z + along * (to.z - from.z) +
+                           16 * cost.swing->height * s * s * (1 - s) * (1 - s)});
       }
       from = to;
     }

@@ -59,7 +59,9 @@ inline constexpr Choice<GuessSpec::Controls> kControlsGuessWords[] = {
     {"gravity", GuessSpec::Controls::kQuasiStatic}};
 
 /// Which keys an activation takes beside its kind.
-constexpr bool takes_bounds(ActivationKind kind) { return kind == ActivationKind::quadratic_barrier; }
+constexpr bool takes_bounds(ActivationKind kind) {
+  return kind == ActivationKind::quadratic_barrier;
+}
 constexpr bool takes_epsilon(ActivationKind kind) {
   return kind == ActivationKind::smooth_l1 || kind == ActivationKind::smooth_l2;
 }

@@ -15,12 +15,13 @@ Adjoint::Adjoint(const ShootingProblem& problem, const ControlBounds& bounds)
   int largest = problem.ndx();
   for (int k = 0; k < problem.knots(); ++k) {
     largest = std::max(largest, problem.ndx() + problem.nu(k));
+    gains_.push_back(Eigen::MatrixXd::Zero(problem.nu(k), problem.ndx()));
   }
   pulled_.resize(largest);
 }
 
-void Adjoint::compute(const Linearization& linearization, bool open_gaps,
-                      const Feedback& feedback) {
+void Adjoint::compute(const Linearization& linearization, const Trajectory& trajectory,
+                      bool open_gaps, const Feedback& feedback) {
   const int N = bounds_.knots();
   const int ndx = static_cast<int>(costates_.rows());
   costates_.col(N) = linearization.knots[N].gradient;
@@ -38,7 +39,11 @@ void Adjoint::compute(const Linearization& linearization, bool open_gaps,
     auto gradient = gradient_.segment(bounds_.offset(k), knot.nu());
     gradient = knot.gradient.tail(knot.nu()) + pulled.tail(knot.nu());
     costates_.col(k) = knot.gradient.head(ndx) + pulled.head(ndx);
-    costates_.col(k).noalias() += feedback.K[k].transpose() * gradient;
+    Eigen::MatrixXd& K = gains_[k];
+    K = feedback.K[k];
+    for (int i = 0; i < knot.nu(); ++i)
+      if (bounds_.at_bound(k, i, trajectory.u(k)[i])) K.row(i).setZero();
+    costates_.col(k).noalias() += K.transpose() * gradient;
   }
 }
 

@@ -53,6 +53,11 @@ Extremum ControlBounds::violation(const Trajectory& trajectory) const {
   return worst;
 }
 
+bool ControlBounds::at_bound(int k, int i, double u) const {
+  const double low = lower(k)[i], high = upper(k)[i];
+  return u <= low || u >= high || meets(u, low) || meets(u, high);
+}
+
 Extremum ControlBounds::projected_norm(const Eigen::VectorXd& gradient,
                                        const Trajectory& trajectory) const {
   Extremum worst;

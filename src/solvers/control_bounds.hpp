@@ -30,6 +30,8 @@ class ControlBounds {
   int clamp(Trajectory& trajectory) const;
   /// Largest distance of a control from its bounds.
   Extremum violation(const Trajectory& trajectory) const;
+  /// Whether a control stands at one of its bounds, to rounding.
+  bool at_bound(int k, int i, double u) const;
   /// ‖gradient‖∞ without the entries whose control stands at a bound (to rounding) that the
   /// descent direction would cross: there the bound's multiplier balances the gradient.
   Extremum projected_norm(const Eigen::VectorXd& gradient, const Trajectory& trajectory) const;

@@ -282,7 +282,7 @@ void DdpSolver::differentiate() {
   const Stopwatch watch(result_.times.differentiate);
   hessian_.begin_iterate();
   acts_.differentiate(trajectory_, linearization_);
-  adjoint_.compute(linearization_, recipe_.open_gaps, direction_.feedback());
+  adjoint_.compute(linearization_, trajectory_, recipe_.open_gaps, direction_.feedback());
   linearized_ = std::isfinite(linearization_.total_cost()) && linearization_.gap.allFinite() &&
                 adjoint_.costates().allFinite() && adjoint_.gradient().allFinite();
   const bool closed = !recipe_.open_gaps || linearization_.max_gap() <= options_.tolerances.gap;
@@ -294,7 +294,7 @@ void DdpSolver::differentiate() {
 /// The model's view of the full step; the weight of the gaps is kept above its multipliers.
 void DdpSolver::measure_direction() {
   const Stopwatch watch(result_.times.sweep);
-  adjoint_.compute(linearization_, recipe_.open_gaps, direction_.feedback());
+  adjoint_.compute(linearization_, trajectory_, recipe_.open_gaps, direction_.feedback());
   merit_.rounding = adjoint_.cost_rounding(linearization_, trajectory_);
   const ModelStep step = direction_.measure(linearization_, trajectory_);
   merit_.slope = step.slope;

@@ -26,8 +26,7 @@ LineSearch::LineSearch(const ShootingProblem& problem, const SolverOptions::Line
   excess_.resize(largest);
 }
 
-double LineSearch::applied_slope(int lane, const Adjoint& adjoint, const Feedback& feedback,
-                                 const Trajectory& trajectory) {
+double LineSearch::applied_slope(int lane, const Adjoint& adjoint, const Trajectory& trajectory) {
   lanes_.extract(lane, trial_);
   double slope = 0;
   int offset = 0;
@@ -36,7 +35,7 @@ double LineSearch::applied_slope(int lane, const Adjoint& adjoint, const Feedbac
     manifold_.difference(trajectory.x(k).data(), trial_.x(k).data(), dx_.data());
     auto excess = excess_.head(nu);
     excess = trial_.u(k) - trajectory.u(k);
-    excess.noalias() -= feedback.K[k] * dx_;
+    excess.noalias() -= adjoint.gains(k) * dx_;
     slope += adjoint.gradient().segment(offset, nu).dot(excess);
     offset += nu;
   }
@@ -63,8 +62,7 @@ LineSearchResult LineSearch::run(Acts& acts, const MeritModel& merit, const Adjo
         continue;
       }
       const double step = steps[lane];
-      const double expected = expected_decrease(lane, step, merit, adjoint, feedback,
-                                                rollout, trajectory);
+      const double expected = expected_decrease(lane, step, merit, adjoint, rollout, trajectory);
       const double actual = actual_decrease(lane, step, merit);
       const bool hidden = merit.hidden(expected);
       const bool armijo = expected > 0 && actual >= options_.armijo * expected;
@@ -91,12 +89,11 @@ double LineSearch::actual_decrease(int lane, double step, const MeritModel& meri
 }
 
 double LineSearch::expected_decrease(int lane, double step, const MeritModel& merit,
-                                     const Adjoint& adjoint, const Feedback& feedback,
-                                     const RolloutOptions& rollout,
+                                     const Adjoint& adjoint, const RolloutOptions& rollout,
                                      const Trajectory& trajectory) {
   double slope = step * merit.slope;
   if (rollout.clamp_controls) {
-    slope = applied_slope(lane, adjoint, feedback, trajectory);
+    slope = applied_slope(lane, adjoint, trajectory);
     if (rollout.contract_gaps) slope += step * adjoint.gap_slope();
   }
   return step * merit.penalty * merit.gap_norm - slope;

@@ -38,7 +38,7 @@ struct LineSearchResult {
 ///
 /// Without clamping the first-order decrease of a step α is −α (∇J·d − ν Σ‖gap‖₁). With clamping it
 /// is that of the controls which the rollout really applied (Bertsekas' rule for projected steps),
-/// −Σ ∇_u Lᵀ (δu_α − K δx_α) − α (Σ λᵀ gap − ν Σ‖gap‖₁), with the gradient along the same K.
+/// −Σ ∇_u Lᵀ (δu_α − K δx_α) − α (Σ λᵀ gap − ν Σ‖gap‖₁), with the adjoint's K.
 ///
 /// Where the decrease of the first step is lost in the merit's rounding, Armijo's rule is blind:
 /// then that step passes if the merit changes by no more than rounding, and is marked so. The
@@ -55,16 +55,14 @@ class LineSearch {
  private:
   double actual_decrease(int lane, double step, const MeritModel& merit) const;
   double expected_decrease(int lane, double step, const MeritModel& merit, const Adjoint& adjoint,
-                           const Feedback& feedback, const RolloutOptions& rollout,
-                           const Trajectory& trajectory);
-  double applied_slope(int lane, const Adjoint& adjoint, const Feedback& feedback,
-                       const Trajectory& trajectory);
+                           const RolloutOptions& rollout, const Trajectory& trajectory);
+  double applied_slope(int lane, const Adjoint& adjoint, const Trajectory& trajectory);
 
   SolverOptions::LineSearch options_;
   StateManifold manifold_;
   LaneRollout lanes_;
-  Trajectory trial_;            ///< of one lane
-  Eigen::VectorXd dx_, excess_; ///< scratch: δx, and δu − K δx
+  Trajectory trial_;             ///< of one lane
+  Eigen::VectorXd dx_, excess_;  ///< scratch: δx, and δu − K δx
 };
 
 }  // namespace conddp

@@ -226,11 +226,17 @@ TEST(Expand, ShowsEveryDefaultOfTheSchema) {
     walk.compare(schema, Json(expand_problem(*loaded.spec, *loaded.built)));
   }
   // Keys that another choice excludes.
-  const std::set<std::string> conditional = {
-      "/definitions/cost/axes", "/definitions/terminal_cost/axes", "/definitions/robot/placement",
-      "/definitions/activation/anyOf/1/epsilon", "/gravity", "/definitions/cost/activation",
-      "/definitions/cost/cone", "/definitions/cost/faces", "/definitions/cost/inner",
-      "/definitions/cost/safety", "/definitions/phase/restitution"};
+  const std::set<std::string> conditional = {"/definitions/cost/axes",
+                                             "/definitions/terminal_cost/axes",
+                                             "/definitions/robot/placement",
+                                             "/definitions/activation/anyOf/1/epsilon",
+                                             "/gravity",
+                                             "/definitions/cost/activation",
+                                             "/definitions/cost/cone",
+                                             "/definitions/cost/faces",
+                                             "/definitions/cost/inner",
+                                             "/definitions/cost/safety",
+                                             "/definitions/phase/restitution"};
   for (const std::string& key : walk.missing())
     EXPECT_TRUE(conditional.contains(key)) << key << " has a default that an expansion lacks";
   EXPECT_EQ(walk.unseen(), std::set<std::string>{}) << "the schema's default is not the reader's";

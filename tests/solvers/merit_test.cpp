@@ -23,7 +23,7 @@ struct Iterate {
         rollout(problem, bounds) {
     acts.differentiate(trajectory, linearization);
     EXPECT_EQ(sweep.run(linearization, trajectory, true, {}, *policy, feedback), -1);
-    adjoint.compute(linearization, true, feedback);
+    adjoint.compute(linearization, trajectory, true, feedback);
     model = rollout.run(linearization, trajectory, feedback, sweep, true, box);
   }
   /// J along the gap-contracting rollout.
@@ -79,7 +79,7 @@ TEST(Merit, AdjointGivesTheSameSlopeFromTheControlsAppliedWithAnyPolicy) {
   Feedback half = at.feedback;
   for (Eigen::MatrixXd& K : half.K) K *= 0.5;
   for (const Feedback& policy : {Feedback(problem), half, at.feedback}) {
-    at.adjoint.compute(at.linearization, true, policy);
+    at.adjoint.compute(at.linearization, at.trajectory, true, policy);
     double slope = h * at.adjoint.gap_slope();
     Eigen::VectorXd dx(problem.ndx());
     for (int k = 0; k < problem.knots(); ++k) {
