@@ -43,7 +43,7 @@ std::vector<double> node_times(const ProblemSpec& spec, Diagnostics& out) {
       out.error(phase.knots.place, fmt::format("the motion lasts {:.3g} s up to the end of phase "
                                                "'{}', more than {:.0e} s",
                                                end, phase.name.value, kLongest));
-    else if (phase.dt > 0 && !(end - phase.dt < end))
+    else if (!phase.restitution && !(end - phase.dt < end))
       out.error(phase.knots.place,
                 fmt::format("steps of {:.3g} s vanish beside the time {:.3g} s", phase.dt, end));
     else
