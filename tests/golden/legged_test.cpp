@@ -6,6 +6,7 @@
 
 #include "problem_file/build.hpp"
 #include "problem_file/read_problem.hpp"
+#include "robot/dynamics.hpp"
 #include "robot/frames.hpp"
 #include "solvers/registry.hpp"
 
@@ -113,6 +114,46 @@ TEST(QuasiStaticGuess, OfAStandingRobotHoldsItAndTheForcesSumUpToItsWeight) {
   EXPECT_NEAR(sum.x, 0, 1e-6);
   EXPECT_NEAR(sum.y, 0, 1e-6);
   EXPECT_NEAR(sum.z, 9.81 * system.robot().total_mass(), 1e-6);
+}
+
+/// Kinetic and potential energy of a robot in a state.
+double energy(const RobotModel& robot, const double* x) {
+  RobotData<double> data(robot);
+  update_placements(robot, x, data);
+  update_velocities(robot, x + robot.nq, data);
+  update_composite_inertias(robot, data);
+  return kinetic_energy(robot, data) + potential_energy(robot, data);
+}
+
+TEST(QuadrupedJump, ConservesEnergyInFlightToTheOrderOfTheStepAndLosesSomeAtTouchDown) {
+  const Solved s = solve_ready("quadruped_jump");
+  ASSERT_EQ(s.result->status, SolveStatus::converged);
+  const RobotModel& robot = s.built->plant.robot();
+  int impulses = 0, flying = 0;
+  double worst = 0;
+  for (int k = 0; k < s.built->problem->knots(); ++k) {
+    const KnotModel& model = *s.built->problem->knot(k).model;
+    const double before = energy(robot, s.trajectory().x(k).data());
+    const double after = energy(robot, s.trajectory().x(k + 1).data());
+    if (model.integrator() == Integrator::impulse) {
+      ++impulses;
+      EXPECT_LT(after, before);
+      continue;
+    }
+    if (s.system(k).contacts().count() > 0) continue;
+    ++flying;
+    // What the controls put in, and an error of the step squared.
+    const double dt = s.built->problem->knot(k).dt;
+    double work = 0;
+    const Eigen::VectorXd mean = 0.5 * (s.trajectory().x(k) + s.trajectory().x(k + 1));
+    for (int i = 0; i < model.nu(); ++i)
+      work += dt * s.trajectory().u(k)[i] * mean[robot.nq + 6 + i];
+    worst = std::max(worst, std::abs(after - before - work) / (dt * dt));
+  }
+  EXPECT_EQ(impulses, 1);
+  EXPECT_GT(flying, 5);
+  // ½ m g² is what semi-implicit Euler gains in falling by dt².
+  EXPECT_LT(worst, 5 * 0.5 * robot.total_mass() * 9.81 * 9.81);
 }
 
 }  // namespace

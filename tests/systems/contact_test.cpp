@@ -305,6 +305,83 @@ TEST_P(ContactDerivatives, OfVelocitiesAndImpulsesAgreeWithDualNumbers) {
   }
 }
 
+/// Four points at the corners of each foot of a quadruped's front: twelve rows of which six count.
+ContactCase corners_of_one_body() {
+  RobotModel model = random_robot(9, {.joints = 9, .floating = true, .branching = 0.2});
+  const int joint = model.joint_count() - 1;
+  std::vector<Contact> contacts;
+  for (int i = 0; i < 4; ++i) {
+    Frame corner{.name = "corner_" + std::to_string(i), .joint = joint};
+    corner.placement.p = {i % 2 ? 0.1 : -0.1, i / 2 ? 0.05 : -0.05, -0.02};
+    model.frames.push_back(corner);
+    contacts.push_back(
+        {.name = corner.name, .frame = static_cast<int>(model.frames.size()) - 1, .kd = 5});
+  }
+  return {"corners", std::make_shared<RobotModel>(std::move(model)), std::move(contacts)};
+}
+
+TEST(RedundantContacts, HoldTheBodyAsASoleDoesWithTheSmallestForces) {
+  const ContactCase c = corners_of_one_body();
+  const auto corners = held(c);
+  Contact sole = c.contacts[0];
+  sole.kind = ContactKind::surface;
+  const auto surface = held({"sole", c.robot, {sole}});
+  RandomNumbers random(41);
+  std::vector<double> x = random_system_state(*corners, random);
+  std::fill(x.begin() + corners->nq(), x.end(), 0.0);  // at rest both ask for the same
+  const std::vector<double> u = random_control(*corners, random);
+  const auto a = corners->create_data(double{}), b = surface->create_data(double{});
+  corners->evaluate(x.data(), u.data(), *a);
+  surface->evaluate(x.data(), u.data(), *b);
+  EXPECT_TRUE(static_cast<const Data&>(*a).contacts.compliant);
+  EXPECT_FALSE(static_cast<const Data&>(*b).contacts.compliant);
+  double largest = 0;
+  for (const double acceleration : b->f) largest = std::max(largest, std::abs(acceleration));
+  for (int i = 0; i < corners->nv(); ++i) EXPECT_NEAR(a->f[i], b->f[i], 1e-3 * largest);
+  // The smallest forces with a given sum and moment do not pull the corners apart.
+  const auto& corner = static_cast<const Data&>(*a).contacts.contacts;
+  for (const auto& [first, second] : {std::pair(0, 1), std::pair(0, 2), std::pair(1, 3)}) {
+    const Vector3<double> f = contact_force_in_world(corner[first]).linear,
+                          g = contact_force_in_world(corner[second]).linear;
+    const Vector3<double> d = corner[second].world.p - corner[first].world.p;
+    const double size = std::sqrt(squared_norm(f) + squared_norm(g));
+    EXPECT_LT(std::abs(dot(g - f, d)), 1e-3 * (1 + size) * std::sqrt(squared_norm(d)));
+  }
+}
+
+TEST(RedundantContacts, LeaveTheOtherLanesAlone) {
+  // A stretched-out arm of two joints cannot move its tip along itself: the rows depend on each
+  // other in that lane, which must not reach the arms in the others.
+  const UrdfResult loaded = load_urdf(
+      std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/robots/double_pendulum.urdf", {});
+  ASSERT_TRUE(loaded.model);
+  const auto model = std::make_shared<RobotModel>(*loaded.model);
+  const std::vector<Contact> contacts{
+      {.name = "tip", .frame = moving_frames(*model).front(), .kind = ContactKind::planar}};
+  const MultibodySystem system(model, Actuation::full(*model), {}, contacts);
+  const auto lanes = system.create_data(Lane{});
+  const auto one = system.create_data(double{});
+  RandomNumbers random(43);
+  AlignedVector<Lane> x(system.nx()), u(system.nu());
+  std::vector<std::vector<double>> states, controls;
+  for (int l = 0; l < kLaneWidth; ++l) {
+    states.push_back(random_system_state(system, random));
+    controls.push_back(random_control(system, random));
+    if (l == 0) states[l][1] = 0;
+    for (int i = 0; i < system.nx(); ++i) x[i].set(l, states[l][i]);
+    for (int i = 0; i < system.nu(); ++i) u[i].set(l, controls[l][i]);
+  }
+  system.evaluate(x.data(), u.data(), *lanes);
+  for (int l = 0; l < kLaneWidth; ++l) {
+    system.evaluate(states[l].data(), controls[l].data(), *one);
+    EXPECT_EQ(static_cast<const Data&>(*one).contacts.compliant, l == 0);
+    for (int i = 0; i < system.nv(); ++i) {
+      ASSERT_TRUE(std::isfinite(lanes->f[i][l]));
+      EXPECT_NEAR(lanes->f[i][l], one->f[i], 1e-6 * (1 + std::abs(one->f[i]))) << "lane " << l;
+    }
+  }
+}
+
 std::string case_name(const testing::TestParamInfo<ContactCase>& info) { return info.param.name; }
 INSTANTIATE_TEST_SUITE_P(All, ContactEquations, testing::ValuesIn(contact_cases()), case_name);
 INSTANTIATE_TEST_SUITE_P(All, ContactDerivatives, testing::ValuesIn(contact_cases()), case_name);
