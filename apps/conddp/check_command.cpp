@@ -4,6 +4,7 @@
 #include "exit_codes.hpp"
 #include "messages.hpp"
 #include "output/json_text.hpp"
+#include "problem_arguments.hpp"
 #include "problem_file/expand_problem.hpp"
 #include "problem_file/read_problem.hpp"
 #include "solvers/registry.hpp"
@@ -12,11 +13,7 @@
 namespace conddp {
 namespace {
 
-struct CheckArguments {
-  std::string file;
-  std::string solver;
-  std::vector<std::string> drop;
-  std::vector<std::string> settings;
+struct CheckArguments : ProblemArguments {
   bool expand = false;
   bool derivatives = false;
   bool json = false;
@@ -59,9 +56,7 @@ int check_file(const CheckArguments& arguments) {
 void add_check_command(CLI::App& app, Command& chosen) {
   CLI::App* command = app.add_subcommand("check", "Check a problem file without solving it");
   const auto a = std::make_shared<CheckArguments>();
-  std::vector<std::string> solver_names;
-  for (const SolverInfo& info : solvers()) solver_names.emplace_back(info.name);
-  command->add_option("FILE", a->file, "Problem file")->required()->type_name("FILE.yaml");
+  add_problem_arguments(*command, *a);
   auto* expand =
       command->add_flag("--expand", a->expand, "Print the file with every default filled in");
   command
@@ -69,17 +64,6 @@ void add_check_command(CLI::App& app, Command& chosen) {
                  "Compare every derivative with dual numbers and name the worst entries; exit "
                  "status 1 if one is wrong")
       ->excludes(expand);
-  command->add_option("--solver", a->solver, "Solver instead of the file's")
-      ->type_name("NAME")
-      ->check(CLI::IsMember(solver_names));
-  command->add_option("--drop", a->drop, "Leave this constraint out")
-      ->type_name("NAME")
-      ->allow_extra_args(false);
-  command
-      ->add_option("--set", a->settings,
-                   "Replace a value of the file, as in --set solver.max_iterations=50")
-      ->type_name("KEY=VALUE")
-      ->allow_extra_args(false);
   command->add_flag("--json", a->json, "Print JSON on stdout");
   command->add_flag("-v,--verbose", a->verbose, "Print notes too");
   command->callback([a, &chosen] { chosen = [a] { return check_file(*a); }; });

@@ -10,6 +10,7 @@
 #include "output/atomic_file.hpp"
 #include "output/solution_json.hpp"
 #include "output/write_solution.hpp"
+#include "problem_arguments.hpp"
 #include "problem_file/read_problem.hpp"
 #include "problem_file/warm_start.hpp"
 #include "progress.hpp"
@@ -20,13 +21,9 @@
 namespace conddp {
 namespace {
 
-struct SolveArguments {
-  std::string file;
+struct SolveArguments : ProblemArguments {
   std::string folder;
-  std::string solver;
   std::string warm_start;
-  std::vector<std::string> drop;
-  std::vector<std::string> settings;
   double max_time = 0;
   int threads = 0;
   bool quiet = false;
@@ -126,25 +123,12 @@ int solve_file(const SolveArguments& arguments) {
 void add_solve_command(CLI::App& app, Command& chosen) {
   CLI::App* command = app.add_subcommand("solve", "Solve a problem file");
   const auto a = std::make_shared<SolveArguments>();
-  std::vector<std::string> solver_names;
-  for (const SolverInfo& info : solvers()) solver_names.emplace_back(info.name);
-  command->add_option("FILE", a->file, "Problem file")->required()->type_name("FILE.yaml");
+  add_problem_arguments(*command, *a);
   command
       ->add_option("-o,--output", a->folder,
                    "Folder for the outputs; out/<problem name> if nothing is said")
       ->type_name("FOLDER")
       ->check(not_empty());
-  command->add_option("--solver", a->solver, "Solver instead of the file's")
-      ->type_name("NAME")
-      ->check(CLI::IsMember(solver_names));
-  command->add_option("--drop", a->drop, "Leave this constraint out; its violation is reported")
-      ->type_name("NAME")
-      ->allow_extra_args(false);
-  command
-      ->add_option("--set", a->settings,
-                   "Replace a value of the file, as in --set solver.max_iterations=50")
-      ->type_name("KEY=VALUE")
-      ->allow_extra_args(false);
   command
       ->add_option("--warm-start", a->warm_start,
                    "Start from the states and controls of a former solution.json, interpolated "

@@ -11,15 +11,6 @@
 namespace conddp {
 namespace {
 
-/// Where a frame is in a state of the system.
-SE3<double> placement_in(const MultibodySystem& system, const std::vector<double>& x, int frame) {
-  RobotData<double> data(system.robot());
-  const std::vector<double> q =
-      system.expand_configuration(std::vector(x.begin(), x.begin() + system.nq()));
-  update_placements(system.robot(), q.data(), data);
-  return frame_placement(system.robot(), data, frame);
-}
-
 std::optional<Contact> make_contact(const ContactSpec& spec, const Plant& plant,
                                     const std::vector<double>& initial, Diagnostics& out) {
   const auto frame = find_frame(plant.robot(), spec.frame, "", out);
@@ -40,7 +31,7 @@ std::optional<Contact> make_contact(const ContactSpec& spec, const Plant& plant,
                   .kp = spec.kp,
                   .kd = spec.kd};
   if (spec.kp == 0) return contact;
-  contact.reference = placement_in(*plant.multibody, initial, *frame);
+  contact.reference = placement_in_state(*plant.multibody, initial, *frame);
   if (spec.placement && spec.placement->position) contact.reference.p = *spec.placement->position;
   if (spec.placement && spec.placement->orientation)
     contact.reference.R = rotation_matrix(*spec.placement->orientation);

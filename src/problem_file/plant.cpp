@@ -7,6 +7,8 @@
 
 #include "problem_file/plant_robot.hpp"
 #include "robot/combine.hpp"
+#include "robot/frames.hpp"
+#include "robot/kinematics.hpp"
 #include "robot/near_names.hpp"
 
 namespace conddp {
@@ -129,6 +131,15 @@ std::vector<std::string> frame_names(const RobotModel& robot) {
   std::vector<std::string> names;
   for (const Frame& frame : robot.frames) names.push_back(frame.name);
   return names;
+}
+
+SE3<double> placement_in_state(const MultibodySystem& system, const std::vector<double>& x,
+                               int frame) {
+  RobotData<double> data(system.robot());
+  const std::vector<double> q =
+      system.expand_configuration(std::vector(x.begin(), x.begin() + system.nq()));
+  update_placements(system.robot(), q.data(), data);
+  return frame_placement(system.robot(), data, frame);
 }
 
 std::optional<int> find_frame(const RobotModel& robot, const Name& name, const std::string& prefix,

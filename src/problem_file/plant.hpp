@@ -39,6 +39,10 @@ bool is_independent(const RobotModel& robot, int joint);
 std::vector<std::string> joint_names(const RobotModel& robot);
 std::vector<std::string> frame_names(const RobotModel& robot);
 
+/// Where a frame is in a state of the system.
+SE3<double> placement_in_state(const MultibodySystem& system, const std::vector<double>& x,
+                               int frame);
+
 /// The frame's index; an unknown name is reported at its place.
 std::optional<int> find_frame(const RobotModel& robot, const Name& name, const std::string& prefix,
                               Diagnostics& out);

@@ -7,15 +7,6 @@
 namespace conddp {
 namespace {
 
-Vector3<double> position_in(const MultibodySystem& system, const std::vector<double>& x,
-                            int frame) {
-  RobotData<double> data(system.robot());
-  const std::vector<double> q =
-      system.expand_configuration(std::vector(x.begin(), x.begin() + system.nq()));
-  update_placements(system.robot(), q.data(), data);
-  return frame_placement(system.robot(), data, frame).p;
-}
-
 /// Whether no phase of the swing holds the frame.
 bool is_free(const CostSpec& cost, int frame, const std::vector<bool>& swings,
              const ProblemSpec& spec, const ContactPlan& plan, Diagnostics& out) {
@@ -44,7 +35,7 @@ std::optional<TimeSeries> swing_reference(const CostSpec& cost, int frame, const
   const std::vector<bool> swings = phases_named(cost.phases, spec, out);
   if (!is_free(cost, frame, swings, spec, plan, out)) return std::nullopt;
   TimeSeries series(StateManifold::flat(3));
-  Vector3<double> from = position_in(*plant.multibody, initial, frame);
+  Vector3<double> from = placement_in_state(*plant.multibody, initial, frame).p;
   int first = 0;
   for (std::size_t p = 0; p < swings.size();) {
     int knots = 0;

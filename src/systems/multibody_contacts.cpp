@@ -39,7 +39,7 @@ void MultibodySystem::differentiate_contacts(Data<S>& data) const {
   contacts_.subtract_derivative(c, &ContactData<S>::wrt_q, 0, c.force_z.data());
   contacts_.subtract_derivative(c, &ContactData<S>::wrt_v, n, c.force_z.data());
   contacts_.correct_columns(n, c, data.fx.data(), c.force_z.data(), 2 * n);
-  contacts_.correct_columns(n, c, data.fu.data(), &c.force_z[2 * n * m], nu_);
+  contacts_.correct_columns(n, c, data.fu.data(), c.force_z.data() + 2 * n * m, nu_);
 }
 
 template <class S>
