@@ -86,10 +86,7 @@ std::vector<int> contacts_named(const ContactNames& names, const ProblemSpec& sp
           known.empty() ? "the file has no 'contacts'" : name_hint(name.value, known, "contacts"));
       continue;
     }
-    const int index = static_cast<int>(found - known.begin());
-    if (std::find(chosen.begin(), chosen.end(), index) != chosen.end())
-      out.error(name.place, fmt::format("the contact '{}' stands here twice", name.value));
-    chosen.push_back(index);
+    chosen.push_back(static_cast<int>(found - known.begin()));
   }
   std::sort(chosen.begin(), chosen.end());
   return chosen;

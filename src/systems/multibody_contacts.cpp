@@ -23,10 +23,7 @@ void MultibodySystem::hold_contacts(Data<S>& data) const {
   for (S& row : c.force) row = -row;
   contacts_.add_product(c, -1, data.f.data(), c.force.data());
   contacts_.apply_forces(*robot_, nv(), data.f.data(), c);
-  if (mimics_.identity())
-    std::copy(data.f.begin(), data.f.end(), data.robot.acceleration.begin());
-  else
-    mimics_.expand_velocity(data.f.data(), data.robot.acceleration.data());
+  mimics_.expand_velocity(data.f.data(), data.robot.acceleration.data());
 }
 
 template <class S>
@@ -68,26 +65,17 @@ void MultibodySystem::differentiate_impulse(const S* x, Data<S>& data) const {
   ContactSet::Data<S>& c = data.contacts;
   RobotData<S>& robot = data.robot;
   const int n = nv();
-  const auto expand = [&](const S* reduced, S* out) {
-    if (mimics_.identity())
-      std::copy(reduced, reduced + n, out);
-    else
-      mimics_.expand_velocity(reduced, out);
-  };
   // ∂(M δ − Jᵀλ)/∂q at δ = v⁺ − v: inverse dynamics at rest and without weight, δ and λ in the
   // places of accelerations and forces.
   S* velocity = data.velocity.data();
   std::fill(data.velocity.begin(), data.velocity.end(), S(0.0));
   update_velocities(*weightless_, velocity, robot);
   for (int i = 0; i < n; ++i) data.force[i] = data.f[i] - x[nq() + i];
-  expand(data.force.data(), robot.acceleration.data());
+  mimics_.expand_velocity(data.force.data(), robot.acceleration.data());
   inverse_dynamics_derivatives(*weightless_, velocity, robot, &c.wrenches);
   for (int i = 0; i < contacts_.count(); ++i)
     subtract_direction_derivative(*robot_, contacts_.contacts()[i], c.contacts[i], robot.tau_q);
-  if (mimics_.identity())
-    std::copy(robot.tau_q.begin(), robot.tau_q.end(), data.fx.begin());
-  else
-    mimics_.reduce_matrix(robot.tau_q.data(), data.fx.data());
+  mimics_.reduce_matrix(robot.tau_q.data(), data.fx.data());
   for (int i = 0; i < n * n; ++i) data.fx[i] = -data.fx[i];
   solve_mass(data, data.fx.data(), n);
   std::fill(data.fx.begin() + n * n, data.fx.end(), S(0.0));
@@ -95,7 +83,7 @@ void MultibodySystem::differentiate_impulse(const S* x, Data<S>& data) const {
 
   // The contacts' condition is J w = 0 with w = v⁺ + restitution·v.
   for (int i = 0; i < n; ++i) data.force[i] = data.f[i] + S(restitution_) * x[nq() + i];
-  expand(data.force.data(), velocity);
+  mimics_.expand_velocity(data.force.data(), velocity);
   update_velocities(*robot_, velocity, robot);
   for (int i = 0; i < contacts_.count(); ++i) {
     ContactData<S>& contact = c.contacts[i];

@@ -22,7 +22,6 @@ struct ProcessLimits {
 struct ProcessOptions {
   std::filesystem::path folder;          ///< to run in; empty: this one
   std::vector<std::string> environment;  ///< NAME=value, added to ours
-  bool terminal = false;                 ///< stdout and stderr are a pseudo-terminal
   int signal = 0;                        ///< sent as soon as `signal_after` is printed
   std::string signal_after;              ///< on stderr
   int limit_file_size = -1;              ///< bytes, of any file that it writes
@@ -30,7 +29,7 @@ struct ProcessOptions {
   int kill_after_us = -1;  ///< SIGKILL after so many microseconds
 };
 
-/// Runs the tool with arguments and waits for it. With a terminal everything is in `out`.
+/// Runs the tool with arguments, stdout and stderr in pipes, and waits for it.
 ProcessResult run_conddp(const std::vector<std::string>& arguments,
                          const ProcessOptions& options = {});
 

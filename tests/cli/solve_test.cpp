@@ -138,23 +138,6 @@ TEST(Solve, ResultsDoNotDependOnThreads) {
   EXPECT_EQ(one, read_file(folder.path() / "3/trajectory.csv"));
 }
 
-TEST(Solve, ProgressOnATerminalOnly) {
-  const TemporaryFolder folder;
-  const Files arguments = {"solve", kPendulum, "-o", folder.path()};
-  EXPECT_EQ(run_conddp(arguments).out.find("stationarity       gap"), std::string::npos);
-  const ProcessResult plain =
-      run_conddp(arguments, {.environment = {"TERM=xterm", "NO_COLOR=1"}, .terminal = true});
-  EXPECT_EQ(plain.exit_code, 0);
-  EXPECT_NE(plain.out.find("iter"), std::string::npos);
-  EXPECT_EQ(plain.out.find('\033'), std::string::npos);
-  const ProcessResult dumb =
-      run_conddp(arguments, {.environment = {"TERM=dumb", "NO_COLOR="}, .terminal = true});
-  EXPECT_EQ(dumb.out.find('\033'), std::string::npos);
-  const ProcessResult colour =
-      run_conddp(arguments, {.environment = {"TERM=xterm", "NO_COLOR="}, .terminal = true});
-  EXPECT_NE(colour.out.find("\033[1;32mconverged"), std::string::npos);
-}
-
 TEST(Solve, AFullDiskLeavesTheFormerOutput) {
   const TemporaryFolder folder;
   run_conddp({"solve", kPendulum, "-o", folder.path()});

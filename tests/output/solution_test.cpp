@@ -133,6 +133,34 @@ TEST_F(SolutionOutput, ASolutionReadsBackAsATable) {
   EXPECT_EQ(*table->rows[1][4], result_->trajectory.u(1)[0]);
 }
 
+TEST(ContactOutput, AStandingFootIsPushedUpAndNothingIsWrittenInTheAir) {
+  Diagnostics out;
+  const auto spec =
+      read_problem(std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/hopper_jump.yaml", {}, out);
+  ASSERT_TRUE(spec) << format_diagnostics(out, false);
+  const auto built = build_problem(*spec, {}, out);
+  ASSERT_TRUE(built) << format_diagnostics(out, false);
+  const SolveResult guess = solve(*built->problem, "box_fddp", {.max_iterations = 0}, built->guess);
+  const Solution solution{*spec, *built, *find_solver("box_fddp"), guess, {}};
+  const OrderedJson trajectory = solution_json(solution)["trajectory"];
+  const OrderedJson& foot = trajectory["contact_forces"]["foot"];
+  std::istringstream csv(trajectory_csv(solution));
+  std::string line;
+  std::getline(csv, line);
+  EXPECT_NE(line.find(",contact/foot/fx [N],contact/foot/fy [N],contact/foot/fz [N]"), line.npos)
+      << line;
+  for (const OrderedJson& phase : trajectory["phases"]) {
+    const std::string name = phase["name"];
+    for (int k = 0; k < phase["knots"]; ++k) {
+      const OrderedJson& force = foot[phase["first_knot"].get<int>() + k];
+      std::getline(csv, line);
+      EXPECT_EQ(force.is_null(), name == "flight") << name;
+      EXPECT_EQ(line.ends_with(",,,"), name == "flight" || name == "touch_down") << line;
+      if (name == "push") EXPECT_GT(force[2], 10);
+    }
+  }
+}
+
 TEST(JsonText, KeepsRowsOnOneLine) {
   const OrderedJson json = {
       {"a", {1, 2.5, nullptr}}, {"m", {{1, 2}, {3, 4}}}, {"e", OrderedJson::array()}};

@@ -105,7 +105,9 @@ TEST(Allocation, NoneInAnIterationAfterTheFirst) {
                {"cartpole, limited", testing::cartpole_swing_up(3), 0.01},
                {"quadrotor", testing::quadrotor_move(), 1.22625},
                {"quadrotor, limited", testing::quadrotor_move(0.5, 2), 1.22625},
-               {"unicycle", testing::unicycle_parking(), 0.01}};
+               {"unicycle", testing::unicycle_parking(), 0.01},
+               {"landing", testing::landing(), 0.01},
+               {"landing, limited", testing::landing(60), 0.01}};
   for (const auto& [name, problem, u] : cases) {
     for (const SolverInfo& solver : solvers()) {
       if (refuse(solver, problem)) continue;

@@ -42,7 +42,8 @@ TEST(Nonlinear, AllSixAgreeWhereNothingIsActive) {
     double u;
   } cases[] = {{"unicycle", testing::unicycle_parking(), 0.01},
                {"quadrotor", testing::quadrotor_move(), 1.22625},
-               {"acrobot", testing::acrobot_swing_up(), 0}};
+               {"acrobot", testing::acrobot_swing_up(), 0},
+               {"landing", testing::landing(), 0}};
   for (const auto& [name, problem, u] : cases) {
     const double cost = solve(problem, "ddp", {}, constant_controls(problem, u)).cost;
     for (const SolverInfo& solver : solvers()) {
@@ -66,6 +67,22 @@ TEST(Nonlinear, BoxSolversAgreeWithActiveBoundsAndClippingDoesNotGetThere) {
   EXPECT_NE(clip.status, SolveStatus::converged);
   EXPECT_GT(clip.cost, ddp.cost * (1 + 1e-6));
   EXPECT_GT(clip.residuals.stationarity, 1e-3);
+}
+
+TEST(Nonlinear, BoxSolversAgreeOnALandingWhoseLegIsWeak) {
+  const ShootingProblem problem = testing::landing(40);
+  const Trajectory guess = constant_controls(problem, 0);
+  const SolveResult ddp = solve(problem, "box_ddp", {}, guess);
+  const SolveResult fddp = solve(problem, "box_fddp", {}, guess);
+  EXPECT_EQ(ddp.status, SolveStatus::converged) << ddp.message;
+  EXPECT_EQ(fddp.status, SolveStatus::converged) << fddp.message;
+  EXPECT_NEAR(ddp.cost, fddp.cost, 1e-8 * ddp.cost);
+  EXPECT_GT(ddp.cost, solve(testing::landing(), "ddp", {}, guess).cost * (1 + 1e-3));
+  double largest = 0;
+  for (int k = 0; k < problem.knots(); ++k)
+    if (problem.nu(k) > 0)
+      largest = std::max(largest, ddp.trajectory.u(k).lpNorm<Eigen::Infinity>());
+  EXPECT_EQ(largest, 40);
 }
 
 TEST(Nonlinear, ControlGradientOfTheGuessIsThatOfTheSimulatedCost) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cmath>
+#include <filesystem>
 #include <memory>
 #include <random>
 
@@ -8,7 +9,10 @@
 
 #include "ocp/acts.hpp"
 #include "ocp/residuals.hpp"
+#include "robot/urdf.hpp"
+#include "spatial/so3.hpp"
 #include "systems/catalogue.hpp"
+#include "systems/multibody.hpp"
 
 /// Small problems on which several solver tests stand.
 namespace conddp::testing {
@@ -27,7 +31,7 @@ inline Phase tracking_phase(std::shared_ptr<const System> system, Integrator int
   std::vector<double> one(cost.goal);
   one.push_back(1);
   model->add_cost("state", state_residual(model->manifold()), {.weights = cost.q});
-  if (integrator != Integrator::none) {
+  if (model->nu() > 0) {
     model->add_cost("control", control_residual(model->ndx(), model->nu()), {.weights = cost.r});
     one.insert(one.end(), model->nu(), 0.0);
     one.push_back(1);
@@ -93,6 +97,36 @@ inline ShootingProblem quadrotor_move(double limit_low = -kFree, double limit_up
                            {1e-2, 1e-2, 1e-2, 1e-2},
                            final},
                           limit_low, limit_up);
+}
+
+/// The hopper falls from 5 cm, its foot stops at an impulse, and it comes to rest on its leg.
+inline ShootingProblem landing(double limit = kFree) {
+  const UrdfResult urdf =
+      load_urdf(std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/robots/hopper.urdf",
+                {.base = UrdfOptions::Base::planar,
+                 .placement = SE3<double>{rotation_matrix(exp_so3(Vector3<double>{M_PI / 2, 0, 0})),
+                                          Vector3<double>::zero()}});
+  const auto robot = std::make_shared<const RobotModel>(urdf.model.value());
+  const std::vector<Contact> foot = {
+      {.name = "foot", .frame = *robot->find_frame("foot"), .kd = 50}};
+  const auto in_the_air =
+      std::make_shared<MultibodySystem>(robot, Actuation::joints(*robot, {"hip", "knee"}));
+  const auto touch_down = std::make_shared<MultibodySystem>(robot, foot, 0.0);
+  const double bend = 0.5;
+  const TrackingCost cost{.goal = {0, 0.6 * std::cos(bend), 0, bend, -2 * bend, 0, 0, 0, 0, 0},
+                          .q = {1, 1, 1, 1, 1, 0.1, 0.1, 0.1, 0.1, 0.1},
+                          .r = {1e-3, 1e-3},
+                          .qf = {10, 10, 10, 10, 10, 1, 1, 1, 1, 1}};
+  std::vector<double> start = cost.goal;
+  start[1] += 0.05;
+  const Integrator euler = Integrator::semi_implicit_euler;
+  return ShootingProblem(
+      std::move(start),
+      {tracking_phase(in_the_air, euler, 10, 0.01, cost, -limit, limit, "flight"),
+       tracking_phase(touch_down, Integrator::impulse, 1, 0, cost, 0, 0, "touch_down"),
+       tracking_phase(in_the_air->with_contacts(foot), euler, 30, 0.01, cost, -limit, limit,
+                      "stance")},
+      terminal_phase(in_the_air, cost));
 }
 
 /// Sets every control of a trajectory.

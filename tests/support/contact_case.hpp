@@ -23,8 +23,7 @@ inline Vector3<double> random_unit(RandomNumbers& random) {
   return (1 / std::sqrt(squared_norm(v))) * v;
 }
 
-inline Contact random_contact(const RobotModel& model, int frame, ContactKind kind, FrameAxes axes,
-                              RandomNumbers& random) {
+inline Contact random_contact(int frame, ContactKind kind, FrameAxes axes, RandomNumbers& random) {
   Contact c{.name = "c" + std::to_string(frame), .frame = frame, .kind = kind, .axes = axes};
   c.normal = random_unit(random);
   c.tangent = cross(c.normal, Vector3<double>{1, 0.3, 0});
@@ -33,7 +32,6 @@ inline Contact random_contact(const RobotModel& model, int frame, ContactKind ki
   c.kd = random.uniform(0, 10);
   c.reference = {rotation_matrix(random.rotation()),
                  {random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)}};
-  (void)model;
   return c;
 }
 
@@ -59,7 +57,7 @@ inline std::vector<ContactCase> contact_cases() {
     const std::vector<int> frames = moving_frames(*robot);
     const int n = static_cast<int>(frames.size());
     const auto contact = [&](int i, ContactKind kind, FrameAxes axes) {
-      return random_contact(*robot, frames[i % n], kind, axes, random);
+      return random_contact(frames[i % n], kind, axes, random);
     };
     using K = ContactKind;
     using A = FrameAxes;
