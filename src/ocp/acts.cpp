@@ -21,7 +21,9 @@ Feedback::Feedback(const ShootingProblem& problem) {
 
 Evaluation::Evaluation(const ShootingProblem& problem)
     : gap(Eigen::MatrixXd::Zero(problem.ndx(), problem.knots())),
-      cost(Eigen::VectorXd::Zero(problem.knots() + 1)) {}
+      cost(Eigen::VectorXd::Zero(problem.knots() + 1)),
+      augmentation(cost),
+      constraint(Eigen::VectorXd::Zero(problem.constraint_rows())) {}
 
 LaneRollout::LaneRollout(const ShootingProblem& problem)
     : cost(0.0), x((problem.knots() + 1) * problem.nx(), Lane(0.0)) {
@@ -136,7 +138,8 @@ struct Acts::Impl {
 
   /// Gathers a group's knots into a batch, one per lane.
   template <class S>
-  void load(const Group& group, const Trajectory& t, KnotBatch<S>& batch) const {
+  void load(const Group& group, const Trajectory& t, const Augmentation* augmentation,
+            KnotBatch<S>& batch) const {
     const KnotModel& model = *models[group.model];
     for (int l = 0; l < kLaneWidth; ++l) {
       const int k = group.knots[l];
@@ -154,10 +157,21 @@ struct Acts::Impl {
       lane_of(batch.dt).set(l, view.dt);
       lane_of(batch.cost_scale).set(l, view.cost_scale);
     }
+    batch.augmented = augmentation != nullptr;
+    if (!batch.augmented) return;
+    for (int l = 0; l < kLaneWidth; ++l) {
+      const int first = problem.constraint_offset(group.knots[l]);
+      for (int i = 0; i < model.constraint_rows(); ++i) {
+        lane_of(batch.penalty[i]).set(l, augmentation->penalty[first + i]);
+        lane_of(batch.shift[i]).set(l, augmentation->shift[first + i]);
+        lane_of(batch.multiplier[i]).set(l, augmentation->multiplier[first + i]);
+      }
+    }
   }
 
-  void store_cost_and_gap(const Group& group, KnotBatch<Lane>& batch, Eigen::VectorXd& cost,
-                          Eigen::MatrixXd& gap) const {
+  /// Costs, gaps and constraint values, into an Evaluation or a Linearization.
+  template <class Out>
+  void store_values(const Group& group, KnotBatch<Lane>& batch, Out& out) const {
     const KnotModel& model = *models[group.model];
     const bool running = model.integrator() != Integrator::none;
     if (running)
@@ -165,9 +179,12 @@ struct Acts::Impl {
                                   batch.tangent.data());
     for (int l = 0; l < group.count; ++l) {
       const int k = group.knots[l];
-      cost[k] = batch.work.cost[l];
+      out.cost[k] = batch.work.cost[l];
       if (running)
-        for (int i = 0; i < model.ndx(); ++i) gap(i, k) = batch.tangent[i][l];
+        for (int i = 0; i < model.ndx(); ++i) out.gap(i, k) = batch.tangent[i][l];
+      out.augmentation[k] = batch.work.augmentation[l];
+      for (int i = 0; i < model.constraint_rows(); ++i)
+        out.constraint[problem.constraint_offset(k) + i] = batch.work.constraint[i][l];
     }
   }
 
@@ -187,6 +204,9 @@ struct Acts::Impl {
         hessian[column * nz + row] = h;
         hessian[row * nz + column] = h;
       }
+      const auto& entries = model.constraint_pattern();
+      for (std::size_t e = 0; e < entries.size(); ++e)
+        knot.C(entries[e].first, entries[e].second) = batch.work.constraint_jacobian[e][l];
       double* f = knot.F.data();
       for (std::size_t i = 0; i < F.size(); ++i) f[i] = F[i][l];
       for (std::size_t s = 0; s < knot.A.size(); ++s)
@@ -214,21 +234,23 @@ Acts::Acts(const ShootingProblem& problem, int threads)
     : problem_(problem), impl_(std::make_unique<Impl>(problem, threads)) {}
 Acts::~Acts() = default;
 
-void Acts::evaluate(const Trajectory& trajectory, Evaluation& out) {
+void Acts::evaluate(const Trajectory& trajectory, Evaluation& out,
+                    const Augmentation* augmentation) {
   impl_->for_each_group([&](const Group& group, int thread) {
     KnotBatch<Lane>& batch = *impl_->lanes[thread][group.model];
-    impl_->load(group, trajectory, batch);
+    impl_->load(group, trajectory, augmentation, batch);
     impl_->models[group.model]->evaluate(batch.input(), batch.work);
-    impl_->store_cost_and_gap(group, batch, out.cost, out.gap);
+    impl_->store_values(group, batch, out);
   });
 }
 
-void Acts::differentiate(const Trajectory& trajectory, Linearization& out) {
+void Acts::differentiate(const Trajectory& trajectory, Linearization& out,
+                         const Augmentation* augmentation) {
   impl_->for_each_group([&](const Group& group, int thread) {
     KnotBatch<Lane>& batch = *impl_->lanes[thread][group.model];
-    impl_->load(group, trajectory, batch);
+    impl_->load(group, trajectory, augmentation, batch);
     impl_->models[group.model]->differentiate(batch.input(), batch.work, true);
-    impl_->store_cost_and_gap(group, batch, out.cost, out.gap);
+    impl_->store_values(group, batch, out);
     impl_->store_derivatives(group, batch, out);
   });
 }
@@ -241,14 +263,15 @@ void Acts::reserve_lagrangian_hessian() {
 }
 
 void Acts::lagrangian_hessian(const Trajectory& trajectory, const Eigen::MatrixXd& costates,
-                              Linearization& out) {
+                              Linearization& out, const Augmentation* augmentation) {
   using D = Dual<Lane>;
   reserve_lagrangian_hessian();
   impl_->for_each_group([&](const Group& group, int thread) {
     const KnotModel& model = *impl_->models[group.model];
     KnotBatch<D>& batch = *impl_->duals[thread][group.model];
     const int n = model.ndx(), nz = model.nz(), nx = model.nx();
-    for (D& a : batch.parameters) a.d = Lane(0.0);
+    for (auto* constants : {&batch.parameters, &batch.penalty, &batch.shift, &batch.multiplier})
+      for (D& a : *constants) a.d = Lane(0.0);
     batch.dt.d = batch.cost_scale.d = Lane(0.0);
     const bool running = model.integrator() != Integrator::none;
     if (running)
@@ -258,7 +281,7 @@ void Acts::lagrangian_hessian(const Trajectory& trajectory, const Eigen::MatrixX
           batch.lambda[i].v.set(l, costates(i, group.knots[l] + 1));
       }
     for (int d = 0; d < nz; ++d) {
-      impl_->load(group, trajectory, batch);
+      impl_->load(group, trajectory, augmentation, batch);
       for (int i = 0; i < nx; ++i) batch.x[i].d = Lane(0.0);
       for (int i = 0; i < model.nu(); ++i) batch.u[i].d = Lane(0.0);
       if (d < n) {
@@ -309,6 +332,15 @@ void Acts::roll_out(const Trajectory& reference, const Eigen::MatrixXd& gap,
     for (int i = 0; i < model.parameter_count(); ++i) batch.parameters[i] = view.parameters[i];
     batch.dt = view.dt;
     batch.cost_scale = view.cost_scale;
+    batch.augmented = options.augmentation != nullptr;
+    if (batch.augmented) {
+      const int first = problem_.constraint_offset(k);
+      for (int i = 0; i < model.constraint_rows(); ++i) {
+        batch.penalty[i] = options.augmentation->penalty[first + i];
+        batch.shift[i] = options.augmentation->shift[first + i];
+        batch.multiplier[i] = options.augmentation->multiplier[first + i];
+      }
+    }
     if (k < N) {
       for (int i = 0; i < nx; ++i) batch.x[i] = reference.x(k)[i];
       manifold.difference(batch.x.data(), x, batch.tangent.data());
@@ -321,9 +353,9 @@ void Acts::roll_out(const Trajectory& reference, const Eigen::MatrixXd& gap,
         for (int i = 0; i < model.nu(); ++i)
           u[i] = max(Lane(model.control_lower()[i]), min(Lane(model.control_upper()[i]), u[i]));
     }
-    model.evaluate(KnotInput<Lane>{x, u, batch.parameters.data(), batch.dt, batch.cost_scale},
-                   batch.work);
+    model.evaluate(batch.at(x, u), batch.work);
     out.cost += batch.work.cost;
+    out.cost += batch.work.augmentation;
     Lane check = out.cost;
     if (k < N) {
       Lane* after = out.x.data() + (k + 1) * nx;
@@ -385,6 +417,22 @@ std::vector<std::pair<std::string, double>> cost_by_name(const ShootingProblem& 
           mine->term_costs[t]);
   }
   return sums;
+}
+
+std::vector<ConstraintViolation> violations_by_name(const ShootingProblem& problem,
+                                                    const Eigen::VectorXd& values) {
+  std::vector<ConstraintViolation> list;
+  for (const NodeConstraint& c : problem.constraints()) {
+    const std::string name = (c.node == problem.knots() ? "terminal/" : "") + c.term->name;
+    auto entry = std::find_if(list.begin(), list.end(),
+                              [&](const ConstraintViolation& v) { return v.name == name; });
+    if (entry == list.end()) entry = list.insert(entry, {name, 0, -1});
+    const double distance = distance_to_set(*c.term, values.data() + c.row, c.lower, c.upper);
+    if (distance <= entry->value) continue;
+    entry->value = distance;
+    entry->node = c.node;
+  }
+  return list;
 }
 
 }  // namespace conddp

@@ -3,6 +3,7 @@
 #include <memory>
 #include <vector>
 
+#include "ocp/augmentation.hpp"
 #include "ocp/linearization.hpp"
 
 namespace conddp {
@@ -17,14 +18,16 @@ struct Feedback {
 /// Result of evaluating a trajectory knot by knot.
 struct Evaluation {
   explicit Evaluation(const ShootingProblem& problem);
-  Eigen::MatrixXd gap;   ///< ndx x N: f(x_k, u_k) ⊖ x_{k+1}
-  Eigen::VectorXd cost;  ///< N + 1
+  Eigen::MatrixXd gap;           ///< ndx x N: f(x_k, u_k) ⊖ x_{k+1}
+  Eigen::VectorXd cost;          ///< N + 1
+  Eigen::VectorXd augmentation;  ///< N + 1: what constraints add to it
+  Eigen::VectorXd constraint;    ///< g, all constraint rows of the problem
 };
 
 /// kLaneWidth trajectories rolled out at once, one per step length.
 struct LaneRollout {
   explicit LaneRollout(const ShootingProblem& problem);
-  Lane cost;
+  Lane cost;              ///< with the augmentation
   AlignedVector<Lane> x;  ///< (N + 1) x nx
   AlignedVector<Lane> u;  ///< controls of all knots, one after the other
   /// The knot at which a lane's state or cost stopped being finite, −1 where all is finite.
@@ -37,6 +40,7 @@ struct LaneRollout {
 struct RolloutOptions {
   bool contract_gaps = false;   ///< x_{k+1} = f ⊕ (α − 1) gap instead of f (multiple shooting)
   bool clamp_controls = false;  ///< project every control on its bounds
+  const Augmentation* augmentation = nullptr;  ///< added to the cost
 };
 
 /// The few acts that cross from a problem to the solvers. Owns all workspaces: after construction
@@ -51,16 +55,19 @@ class Acts {
 
   const ShootingProblem& problem() const { return problem_; }
 
-  /// Gaps and costs of a trajectory.
-  void evaluate(const Trajectory& trajectory, Evaluation& out);
+  /// Gaps, costs and constraint values of a trajectory. Here and below an augmentation is added
+  /// to the cost where there is one.
+  void evaluate(const Trajectory& trajectory, Evaluation& out,
+                const Augmentation* augmentation = nullptr);
   /// First derivatives and Gauss-Newton Hessians.
-  void differentiate(const Trajectory& trajectory, Linearization& out);
+  void differentiate(const Trajectory& trajectory, Linearization& out,
+                     const Augmentation* augmentation = nullptr);
   /// Allocates what lagrangian_hessian needs, for callers that may want it later.
   void reserve_lagrangian_hessian();
   /// Replaces the Hessians of `out` by the exact ones of the cost + Σ λ_{k+1}ᵀ f(x_k, u_k), with
   /// co-states λ (ndx x (N + 1), column k belongs to node k), exact to second order on manifolds.
   void lagrangian_hessian(const Trajectory& trajectory, const Eigen::MatrixXd& costates,
-                          Linearization& out);
+                          Linearization& out, const Augmentation* augmentation = nullptr);
   /// Rolls out u = ū + α k + K (x ⊖ x̄) around `reference` for a step length α in each lane,
   /// from x_0 = the problem's initial state. `gap` is that of the reference.
   void roll_out(const Trajectory& reference, const Eigen::MatrixXd& gap, const Feedback& feedback,
@@ -79,5 +86,16 @@ class Acts {
 /// the terminal node get the prefix "terminal/".
 std::vector<std::pair<std::string, double>> cost_by_name(const ShootingProblem& problem,
                                                          const Trajectory& trajectory);
+
+/// How far a named constraint is from holding, at the node where that is most.
+struct ConstraintViolation {
+  std::string name;  ///< with the prefix "terminal/" at the terminal node
+  double value;      ///< distance_to_set
+  int node;          ///< −1 where it holds everywhere
+};
+/// Violations by name in the order of first appearance, from the values of all constraint rows.
+/// Bounds on the control are not among them.
+std::vector<ConstraintViolation> violations_by_name(const ShootingProblem& problem,
+                                                    const Eigen::VectorXd& values);
 
 }  // namespace conddp

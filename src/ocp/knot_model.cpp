@@ -33,21 +33,9 @@ int KnotModel::add_cost(std::string name, std::shared_ptr<const Residual> residu
                         Activation activation) {
   if (residual->needs_control() && nu() == 0)
     throw std::invalid_argument("cost " + name + " needs a control, which this node has not");
-  std::map<std::pair<int, int>, int> index;
-  for (std::size_t i = 0; i < pattern_.size(); ++i) index[pattern_[i]] = static_cast<int>(i);
-  std::vector<int>& pairs = pattern_index_.emplace_back();
-  const bool dense_activation = activation.kind == ActivationKind::smooth_l2;
-  const auto add_pair = [&](int row, int column) {
-    const auto [it, fresh] = index.try_emplace({row, column}, static_cast<int>(pattern_.size()));
-    if (fresh) pattern_.emplace_back(row, column);
-    pairs.push_back(it->second);
-  };
-  for (const RowBlock& block : residual->blocks())
-    for (std::size_t a = 0; a < block.columns.size(); ++a)
-      for (std::size_t b = 0; b <= a; ++b) add_pair(block.columns[a], block.columns[b]);
-  if (dense_activation)
-    for (int row = 0; row < nz(); ++row)
-      for (int column = 0; column <= row; ++column) add_pair(row, column);
+  std::vector<RowBlock> blocks = residual->blocks();
+  if (activation.kind == ActivationKind::smooth_l2) blocks.push_back({1, column_range(0, nz())});
+  pattern_index_.push_back(index_pairs(blocks));
   CostTerm& term = costs_.emplace_back();
   term.name = std::move(name);
   term.parameters = parameter_count_;
@@ -56,6 +44,21 @@ int KnotModel::add_cost(std::string name, std::shared_ptr<const Residual> residu
   term.residual = std::move(residual);
   term.activation = std::move(activation);
   return term.parameters;
+}
+
+std::vector<int> KnotModel::index_pairs(const std::vector<RowBlock>& blocks) {
+  std::map<std::pair<int, int>, int> index;
+  for (std::size_t i = 0; i < pattern_.size(); ++i) index[pattern_[i]] = static_cast<int>(i);
+  std::vector<int> pairs;
+  for (const RowBlock& block : blocks)
+    for (std::size_t a = 0; a < block.columns.size(); ++a)
+      for (std::size_t b = 0; b <= a; ++b) {
+        const std::pair<int, int> pair{block.columns[a], block.columns[b]};
+        const auto [it, fresh] = index.try_emplace(pair, static_cast<int>(pattern_.size()));
+        if (fresh) pattern_.push_back(pair);
+        pairs.push_back(it->second);
+      }
+  return pairs;
 }
 
 void KnotModel::set_control_bounds(std::vector<double> lower, std::vector<double> upper) {
@@ -189,10 +192,12 @@ void KnotModel::evaluate(const KnotInput<S>& in, KnotWorkspace<S>& work) const {
   if (integrator_ == Integrator::none) {
     system_->update_kinematics(in.x, *work.system_);
     evaluate_costs(in, work);
+    evaluate_constraints(in, work);
     return;
   }
   system_->evaluate(in.x, in.u, *work.system_);
   evaluate_costs(in, work);
+  evaluate_constraints(in, work);
   integrate(*system_, integrator_, in.x, in.u, in.dt, *work.system_, work.integrator_);
   if (memory_ > 0) append_control_memory(in, work, false);
 }
@@ -202,10 +207,12 @@ void KnotModel::differentiate(const KnotInput<S>& in, KnotWorkspace<S>& work, bo
   if (integrator_ == Integrator::none) {
     system_->update_kinematics(in.x, *work.system_);
     differentiate_costs(in, work, hessian);
+    differentiate_constraints(in, work, hessian);
     return;
   }
   system_->differentiate(in.x, in.u, *work.system_);
   differentiate_costs(in, work, hessian);
+  differentiate_constraints(in, work, hessian);
   integrate_derivatives(*system_, integrator_, in.x, in.u, in.dt, *work.system_, work.integrator_);
   if (memory_ > 0) append_control_memory(in, work, true);
 }
@@ -216,6 +223,9 @@ KnotWorkspace<S>::KnotWorkspace(const KnotModel& model)
       term_costs(model.costs().size(), S(0.0)),
       gradient(model.nz(), S(0.0)),
       hessian(model.hessian_pattern().size(), S(0.0)),
+      augmentation(0.0),
+      constraint(model.constraint_rows(), S(0.0)),
+      constraint_jacobian(model.constraint_pattern().size(), S(0.0)),
       memory_(model.has_control_memory()),
       system_(model.system().create_data(S{})),
       integrator_(model.system(), model.integrator()),
@@ -229,6 +239,15 @@ KnotWorkspace<S>::KnotWorkspace(const KnotModel& model)
     rows = std::max(rows, term.residual->size());
     entries = std::max(entries, term.residual->jacobian_size());
   }
+  int constraint_rows = 0;
+  for (const ConstraintTerm& term : model.constraints()) {
+    rows = std::max(rows, term.residual->size());
+    entries = std::max(entries, term.residual->jacobian_size());
+    constraint_rows = std::max(constraint_rows, term.rows);
+  }
+  shifted_.assign(constraint_rows, S(0.0));
+  weight_.assign(constraint_rows, S(0.0));
+  curvature_.assign(constraint_rows * constraint_rows, S(0.0));
   residual_.assign(rows, S(0.0));
   residual_jacobian_.assign(entries, S(0.0));
   activation_gradient_.assign(rows, S(0.0));

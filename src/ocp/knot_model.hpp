@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "ocp/activation.hpp"
+#include "ocp/constraint.hpp"
 #include "ocp/integrator.hpp"
 #include "ocp/residual.hpp"
 #include "systems/system.hpp"
@@ -25,17 +26,22 @@ struct CostTerm {
 template <class S>
 struct KnotInput {
   const S* x;
-  const S* u;           ///< null at a node without control
-  const S* parameters;  ///< references and weights of the costs
+  const S* u;  ///< null at a node without control
+  const S*
+      parameters;  ///< references and weights of the costs, references and bounds of constraints
   S dt;
   S cost_scale;
+  /// What constraints add to the cost, one number a row each (Augmentation); null: nothing.
+  const S* penalty = nullptr;
+  const S* shift = nullptr;
+  const S* multiplier = nullptr;
 };
 
 template <class S>
 class KnotWorkspace;
 
-/// The structure that knots share: a system, an integrator, costs and control bounds. Immutable
-/// once a problem holds it. The knots differ in KnotInput alone.
+/// The structure that knots share: a system, an integrator, costs, constraints and control bounds.
+/// Immutable once a problem holds it. The knots differ in KnotInput alone.
 ///
 /// The state is the system's, followed by the previous control where `control_memory` is set (for
 /// costs on the control rate). z = (tangent at x, u) has nz = ndx + nu entries.
@@ -46,6 +52,8 @@ class KnotModel {
 
   /// Adds a cost; returns the index at which its parameters (reference, then weight) start.
   int add_cost(std::string name, std::shared_ptr<const Residual> residual, Activation activation);
+  /// Adds a constraint; returns the index at which its parameters start (ConstraintTerm).
+  int add_constraint(ConstraintTerm term);
   /// Elementwise bounds on the control; infinite where there is none.
   void set_control_bounds(std::vector<double> lower, std::vector<double> upper);
 
@@ -55,6 +63,11 @@ class KnotModel {
   Integrator integrator() const { return integrator_; }
   bool has_control_memory() const { return memory_ > 0; }
   const std::vector<CostTerm>& costs() const { return costs_; }
+  const std::vector<ConstraintTerm>& constraints() const { return constraints_; }
+  /// Rows of all constraints of a knot.
+  int constraint_rows() const { return constraint_rows_; }
+  /// Where ∂g/∂z can be non-zero: (row, column) in the order in which a workspace holds it.
+  const std::vector<std::pair<int, int>>& constraint_pattern() const { return constraint_pattern_; }
   const std::vector<double>& control_lower() const { return lower_; }
   const std::vector<double>& control_upper() const { return upper_; }
   bool has_control_bounds() const;
@@ -69,14 +82,16 @@ class KnotModel {
   bool semi_implicit() const { return is_structured(integrator_) && memory_ == 0; }
   /// Rows of F: nv where semi_implicit(), else ndx, 0 at a terminal node.
   int jacobian_rows() const;
-  /// Where Gauss-Newton Hessians of the costs can be non-zero: (row, column), row ≥ column.
+  /// Where Gauss-Newton Hessians of costs and constraints can be non-zero: (row, column),
+  /// row ≥ column.
   const std::vector<std::pair<int, int>>& hessian_pattern() const { return pattern_; }
 
-  /// Next state and cost into the workspace.
+  /// Next state, cost and constraint values into the workspace.
   template <class S>
   void evaluate(const KnotInput<S>& in, KnotWorkspace<S>& work) const;
-  /// Next state, cost, dynamics Jacobian, cost gradient and, if asked for, the Gauss-Newton
-  /// Hessian in the order of hessian_pattern().
+  /// Next state, cost, constraint values, Jacobians of dynamics and constraints, gradient of cost
+  /// and augmentation and, if asked for, the Gauss-Newton Hessian in the order of
+  /// hessian_pattern().
   template <class S>
   void differentiate(const KnotInput<S>& in, KnotWorkspace<S>& work, bool hessian) const;
 
@@ -92,6 +107,16 @@ class KnotModel {
   template <class S>
   void differentiate_costs(const KnotInput<S>& in, KnotWorkspace<S>& work, bool hessian) const;
 
+  // knot_constraints.cpp
+  template <class S>
+  void evaluate_constraints(const KnotInput<S>& in, KnotWorkspace<S>& work) const;
+  template <class S>
+  void differentiate_constraints(const KnotInput<S>& in, KnotWorkspace<S>& work,
+                                 bool hessian) const;
+
+  /// The indices in the pattern of the pairs of columns of blocks, new ones appended to it.
+  std::vector<int> index_pairs(const std::vector<RowBlock>& blocks);
+
   std::shared_ptr<const System> system_;
   StateManifold manifold_;
   Integrator integrator_;
@@ -102,6 +127,10 @@ class KnotModel {
   std::vector<std::pair<int, int>> pattern_;
   /// For each cost, for each block, for each pair of its columns (a ≥ b): index in the pattern.
   std::vector<std::vector<int>> pattern_index_;
+  std::vector<ConstraintTerm> constraints_;
+  int constraint_rows_ = 0;
+  std::vector<std::pair<int, int>> constraint_pattern_;
+  std::vector<std::vector<int>> constraint_pattern_index_;  ///< as pattern_index_, of constraints
 };
 
 /// What a KnotModel writes, in scalar S, and the memory that it needs meanwhile.
@@ -118,10 +147,13 @@ class KnotWorkspace {
   const AlignedVector<S>& state_blocks() const { return integrator_.state_blocks; }
   const AlignedVector<S>& step_blocks() const { return integrator_.step_blocks; }
 
-  S cost;                       ///< Σ of term_costs
-  AlignedVector<S> term_costs;  ///< scaled cost of each term
-  AlignedVector<S> gradient;    ///< nz: of the cost
-  AlignedVector<S> hessian;     ///< in the order of hessian_pattern()
+  S cost;                                ///< Σ of term_costs
+  AlignedVector<S> term_costs;           ///< scaled cost of each term
+  AlignedVector<S> gradient;             ///< nz: of cost and augmentation
+  AlignedVector<S> hessian;              ///< in the order of hessian_pattern()
+  S augmentation;                        ///< what constraints add to the cost
+  AlignedVector<S> constraint;           ///< g, constraint_rows()
+  AlignedVector<S> constraint_jacobian;  ///< in the order of constraint_pattern()
 
  private:
   friend class KnotModel;
@@ -132,6 +164,7 @@ class KnotWorkspace {
   AlignedVector<S> next_, F_;  ///< with the control memory appended
   AlignedVector<S> residual_, residual_jacobian_, activation_gradient_, activation_diagonal_;
   AlignedVector<S> term_gradient_;
+  AlignedVector<S> shifted_, weight_, curvature_;  ///< of one constraint: rows, rows, rows²
 };
 
 }  // namespace conddp

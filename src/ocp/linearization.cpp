@@ -58,7 +58,9 @@ Eigen::MatrixXd KnotLinearization::dense_jacobian() const {
 Linearization::Linearization(const ShootingProblem& problem)
     : knots(problem.knots() + 1),
       gap(Eigen::MatrixXd::Zero(problem.ndx(), problem.knots())),
-      cost(Eigen::VectorXd::Zero(problem.knots() + 1)) {
+      cost(Eigen::VectorXd::Zero(problem.knots() + 1)),
+      augmentation(cost),
+      constraint(Eigen::VectorXd::Zero(problem.constraint_rows())) {
   for (int k = 0; k <= problem.knots(); ++k) {
     const KnotModel& model = *problem.knot(k).model;
     KnotLinearization& knot = knots[k];
@@ -66,6 +68,7 @@ Linearization::Linearization(const ShootingProblem& problem)
     knot.gradient = Eigen::VectorXd::Zero(model.nz());
     knot.hessian = Eigen::MatrixXd::Zero(model.nz(), model.nz());
     knot.F = Eigen::MatrixXd::Zero(model.jacobian_rows(), model.nz());
+    knot.C = Eigen::MatrixXd::Zero(model.constraint_rows(), model.nz());
     knot.dt = problem.knot(k).dt;
     knot.semi_implicit = model.jacobian_rows() > 0 && model.semi_implicit();
     if (!knot.semi_implicit) continue;

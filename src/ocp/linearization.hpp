@@ -13,9 +13,10 @@ namespace conddp {
 /// Dynamics: dense, δx⁺ = F δz; or semi-implicit, δv⁺ = F δz with δq⁺ = A δq + dt H δv⁺, where A
 /// and H are the identity but for a block per curved segment.
 struct KnotLinearization {
-  Eigen::VectorXd gradient;  ///< nz: of the cost
-  Eigen::MatrixXd hessian;   ///< nz x nz symmetric: of the cost, or of the Lagrangian
+  Eigen::VectorXd gradient;  ///< nz: of cost and augmentation
+  Eigen::MatrixXd hessian;   ///< nz x nz symmetric: of the same, or of the Lagrangian
   Eigen::MatrixXd F;         ///< jacobian_rows x nz
+  Eigen::MatrixXd C;         ///< ∂g/∂z of the constraint rows x nz
   bool semi_implicit = false;
   double dt = 0;
   std::vector<StateManifold::Segment> curved;                      ///< of the configuration
@@ -40,6 +41,8 @@ struct Linearization {
   std::vector<KnotLinearization> knots;  ///< N + 1; the last has no controls and no F
   Eigen::MatrixXd gap;                   ///< ndx x N: f(x_k, u_k) ⊖ x_{k+1}
   Eigen::VectorXd cost;                  ///< N + 1
+  Eigen::VectorXd augmentation;          ///< N + 1: what constraints add to it
+  Eigen::VectorXd constraint;            ///< g, all constraint rows of the problem
 
   double total_cost() const { return cost.sum(); }
   double max_gap() const { return gap.size() == 0 ? 0.0 : gap.cwiseAbs().maxCoeff(); }

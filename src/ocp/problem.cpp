@@ -67,6 +67,17 @@ ShootingProblem::ShootingProblem(std::vector<double> initial_state, std::vector<
     }
   }
   times_ = node_times(steps);
+  constraint_offset_.push_back(0);
+  for (int k = 0; k <= knots(); ++k) {
+    const KnotView& view = views_[k];
+    for (const ConstraintTerm& term : view.model->constraints()) {
+      if (view.parameters[term.active()] == 0) continue;
+      const double* lower = term.has_bounds() ? view.parameters + term.lower() : nullptr;
+      constraints_.push_back({k, &term, constraint_offset_.back() + term.row, lower,
+                              lower == nullptr ? nullptr : lower + term.rows});
+    }
+    constraint_offset_.push_back(constraint_offset_.back() + view.model->constraint_rows());
+  }
   if (static_cast<int>(initial_state_.size()) != nx())
     throw std::invalid_argument("the initial state has the wrong size");
 }

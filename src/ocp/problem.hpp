@@ -30,18 +30,29 @@ struct KnotView {
   int phase;
 };
 
+/// A constraint at one node, where it is not switched off.
+struct NodeConstraint {
+  int node;
+  const ConstraintTerm* term;
+  int row;              ///< its first one among the constraint rows of the problem
+  const double* lower;  ///< term->rows numbers, as `upper`; null of a cone
+  const double* upper;
+};
+
 /// Times of the nodes before, between and after steps of these lengths, from 0 on: one more than
 /// there are steps. Fifty steps of 0.06 s end at 3, not at 3.000000000000002.
 std::vector<double> node_times(std::span<const double> steps);
 
 /// An optimal-control problem as a list of phases, an initial state and a terminal node.
-/// Minimise Σ cost_scale·ℓ(x_k, u_k) + ℓ_N(x_N) with x_{k+1} = f(x_k, u_k), x_0 given, and
-/// lower ≤ u_k ≤ upper.
+/// Minimise Σ cost_scale·ℓ(x_k, u_k) + ℓ_N(x_N) with x_{k+1} = f(x_k, u_k), x_0 given,
+/// lower ≤ u_k ≤ upper, and the values g of all constraints in their sets.
 class ShootingProblem {
  public:
   /// The terminal phase has one knot whose model has Integrator::none. All models share nx.
   /// Throws std::invalid_argument where sizes do not fit.
   ShootingProblem(std::vector<double> initial_state, std::vector<Phase> phases, Phase terminal);
+  ShootingProblem(ShootingProblem&&) = default;  // views stay where the phases' vectors are
+  ShootingProblem(const ShootingProblem&) = delete;
 
   const std::vector<Phase>& phases() const { return phases_; }
   const Phase& terminal() const { return terminal_; }
@@ -57,6 +68,11 @@ class ShootingProblem {
   /// Time of each node, s: N + 1 numbers.
   const std::vector<double>& times() const { return times_; }
   bool has_control_bounds() const;
+  /// The constraints of all nodes in order, but bounds on the control. Views into this problem.
+  const std::vector<NodeConstraint>& constraints() const { return constraints_; }
+  /// The constraint rows of a node start here among those of the problem, used or not.
+  int constraint_offset(int k) const { return constraint_offset_[k]; }
+  int constraint_rows() const { return constraint_offset_.back(); }
 
   /// A trajectory of this problem's shape: every state the initial one, controls zero.
   Trajectory create_trajectory() const;
@@ -67,6 +83,8 @@ class ShootingProblem {
   Phase terminal_;
   std::vector<KnotView> views_;
   std::vector<double> times_;
+  std::vector<NodeConstraint> constraints_;
+  std::vector<int> constraint_offset_;
 };
 
 }  // namespace conddp

@@ -28,14 +28,30 @@ std::string describe_bound(const ShootingProblem& problem) {
   return "none";
 }
 
-std::string list_solvers(BoundSupport support) {
+template <class Predicate>
+std::string list_solvers(Predicate can) {
   std::string list;
   for (const SolverInfo& info : solvers()) {
-    if (info.control_bounds != support) continue;
+    if (!can(info)) continue;
     if (!list.empty()) list += ", ";
     list += info.name;
   }
   return list;
+}
+
+std::string list_solvers(BoundSupport support) {
+  return list_solvers([support](const SolverInfo& info) { return info.control_bounds == support; });
+}
+
+std::string refuse_constraint(const SolverInfo& solver, const ShootingProblem& problem) {
+  const NodeConstraint& first = problem.constraints().front();
+  const int phase = problem.knot(first.node).phase;
+  const std::string can = list_solvers([](const SolverInfo& info) { return info.constraints; });
+  return fmt::format("{} cannot keep the constraint '{}' ({}); {}", solver.name, first.term->name,
+                     first.node == problem.knots()
+                         ? "terminal node"
+                         : fmt::format("phase '{}'", problem.phases()[phase].name),
+                     can.empty() ? "no solver can" : can + " can");
 }
 
 }  // namespace
@@ -53,6 +69,8 @@ const SolverInfo* find_solver(std::string_view name) {
 }
 
 std::optional<std::string> refuse(const SolverInfo& solver, const ShootingProblem& problem) {
+  if (!solver.constraints && !problem.constraints().empty())
+    return refuse_constraint(solver, problem);
   if (solver.control_bounds != BoundSupport::refused || !problem.has_control_bounds()) {
     return std::nullopt;
   }

@@ -22,6 +22,7 @@ struct SolverInfo {
   std::string_view name;
   std::string_view description;  ///< one line
   BoundSupport control_bounds = BoundSupport::refused;
+  bool constraints = false;          ///< keeps constraints other than bounds on the control
   bool open_gaps = false;            ///< starts from states that do not follow from the controls
   bool gauss_newton_hessian = true;  ///< can leave the dynamics' second derivatives out
   bool exact_hessian = false;        ///< can use them

@@ -1,0 +1,164 @@
+#include <stdexcept>
+
+#include "ocp/knot_model.hpp"
+
+namespace conddp {
+namespace {
+
+/// Keeps the derivative of ‖r‖ finite at r = 0.
+constexpr double kSmallestNorm = 1e-9;
+
+/// g of a constraint from its residual's value; the residual's norm, where that is what counts.
+template <class S>
+S form_value(const ConstraintTerm& term, const S* r, S* g) {
+  const int n = term.residual->size();
+  if (term.kind == ConstraintKind::norm) {
+    S sum(kSmallestNorm * kSmallestNorm);
+    for (int i = 0; i < n; ++i) sum += r[i] * r[i];
+    g[0] = sqrt(sum);
+    return g[0];
+  }
+  for (int i = 0; i < n; ++i) g[i] = r[i];
+  if (term.kind == ConstraintKind::second_order_cone) g[n - 1] = S(term.slope) * r[n - 1];
+  return S(1.0);
+}
+
+/// ∂g/∂z by blocks from the residual's.
+template <class S>
+void form_jacobian(const ConstraintTerm& term, const S* r, const S& norm, const S* residual,
+                   S* jacobian) {
+  if (term.kind == ConstraintKind::bounds) {
+    const int n = term.residual->jacobian_size();
+    for (int i = 0; i < n; ++i) jacobian[i] = residual[i];
+    return;
+  }
+  for (int i = 0; i < term.jacobian_size(); ++i) jacobian[i] = S(0.0);
+  if (term.kind == ConstraintKind::norm) {
+    const S inverse = S(1.0) / norm;
+    for (const auto& [row, column] : term.entries)
+      jacobian[column] += (r[row] * inverse) * *residual++;
+    return;
+  }
+  for (const auto& [row, column] : term.entries)
+    jacobian[column * term.rows + row] = S(row == term.rows - 1 ? term.slope : 1.0) * *residual++;
+}
+
+/// The multiplier that the augmentation gives to each row, its value ½ penalty dist² + νᵀg, and,
+/// where asked for, ∂weight/∂g: a diagonal, or all of a cone's.
+template <class S>
+S augment(const ConstraintTerm& term, const KnotInput<S>& in, const S* g, S* shifted, S* weight,
+          S* curvature) {
+  S value(0.0);
+  const S* penalty = in.penalty + term.row;
+  const int n = term.rows;
+  for (int i = 0; i < n; ++i) shifted[i] = g[i] + in.shift[term.row + i];
+  if (term.has_bounds()) {
+    const S* lower = in.parameters + term.lower();
+    const S* upper = in.parameters + term.upper();
+    for (int i = 0; i < n; ++i) {
+      weight[i] = outside_bounds(shifted[i], lower[i], upper[i]);
+      if (curvature != nullptr)
+        curvature[i] = select(shifted[i] <= lower[i], penalty[i],
+                              select(shifted[i] >= upper[i], penalty[i], S(0.0)));
+    }
+  } else {
+    outside_cone(shifted, n, weight);
+    if (curvature != nullptr) {
+      outside_cone_derivative(shifted, n, curvature);
+      for (int i = 0; i < n * n; ++i) curvature[i] *= penalty[0];
+    }
+  }
+  for (int i = 0; i < n; ++i) {
+    value += S(0.5) * penalty[i] * weight[i] * weight[i];
+    value += in.multiplier[term.row + i] * g[i];
+    weight[i] = penalty[i] * weight[i] + in.multiplier[term.row + i];
+  }
+  return value;
+}
+
+}  // namespace
+
+int KnotModel::add_constraint(ConstraintTerm term) {
+  if (term.residual->needs_control() && nu() == 0)
+    throw std::invalid_argument("constraint " + term.name +
+                                " needs a control, which this node has not");
+  constraint_pattern_index_.push_back(index_pairs(term.blocks));
+  term.row = constraint_rows_;
+  term.parameters = parameter_count_;
+  term.jacobian = static_cast<int>(constraint_pattern_.size());
+  int row = term.row;
+  for (const RowBlock& block : term.blocks) {
+    for (const int column : block.columns)
+      for (int i = 0; i < block.rows; ++i) constraint_pattern_.emplace_back(row + i, column);
+    row += block.rows;
+  }
+  constraint_rows_ += term.rows;
+  parameter_count_ = term.active() + 1;
+  return constraints_.emplace_back(std::move(term)).parameters;
+}
+
+template <class S>
+void KnotModel::evaluate_constraints(const KnotInput<S>& in, KnotWorkspace<S>& work) const {
+  work.augmentation = S(0.0);
+  for (const ConstraintTerm& term : constraints_) {
+    const ResidualInput<S> input{in.x, in.u, in.parameters + term.parameters, *work.system_};
+    term.residual->evaluate(input, work.residual_.data());
+    S* g = work.constraint.data() + term.row;
+    form_value(term, work.residual_.data(), g);
+    if (in.penalty != nullptr)
+      work.augmentation +=
+          augment<S>(term, in, g, work.shifted_.data(), work.weight_.data(), nullptr);
+  }
+}
+
+template <class S>
+void KnotModel::differentiate_constraints(const KnotInput<S>& in, KnotWorkspace<S>& work,
+                                          bool hessian) const {
+  work.augmentation = S(0.0);
+  S* weight = work.weight_.data();
+  S* curvature = work.curvature_.data();
+  for (std::size_t t = 0; t < constraints_.size(); ++t) {
+    const ConstraintTerm& term = constraints_[t];
+    const ResidualInput<S> input{in.x, in.u, in.parameters + term.parameters, *work.system_};
+    term.residual->differentiate(input, work.residual_.data(), work.residual_jacobian_.data());
+    S* g = work.constraint.data() + term.row;
+    const S norm = form_value(term, work.residual_.data(), g);
+    S* jacobian = work.constraint_jacobian.data() + term.jacobian;
+    form_jacobian(term, work.residual_.data(), norm, work.residual_jacobian_.data(), jacobian);
+    if (in.penalty == nullptr) continue;
+    work.augmentation +=
+        augment<S>(term, in, g, work.shifted_.data(), weight, hessian ? curvature : nullptr);
+    const int* pair = constraint_pattern_index_[t].data();
+    int row = 0;
+    for (const RowBlock& block : term.blocks) {
+      const int rows = block.rows, columns = static_cast<int>(block.columns.size());
+      for (int a = 0; a < columns; ++a) {
+        const S* ja = jacobian + a * rows;
+        for (int i = 0; i < rows; ++i) work.gradient[block.columns[a]] += ja[i] * weight[row + i];
+        if (!hessian) continue;
+        for (int b = 0; b <= a; ++b) {
+          const S* jb = jacobian + b * rows;
+          S h(0.0);
+          if (term.has_bounds()) {
+            for (int i = 0; i < rows; ++i) h += ja[i] * curvature[row + i] * jb[i];
+          } else {
+            for (int i = 0; i < rows; ++i)
+              for (int j = 0; j < rows; ++j) h += ja[i] * curvature[j * rows + i] * jb[j];
+          }
+          work.hessian[*pair++] += h;
+        }
+      }
+      jacobian += rows * columns;
+      row += rows;
+    }
+  }
+}
+
+#define CONDDP_INSTANTIATE(S)                                                                      \
+  template void KnotModel::evaluate_constraints(const KnotInput<S>&, KnotWorkspace<S>&) const;     \
+  template void KnotModel::differentiate_constraints(const KnotInput<S>&, KnotWorkspace<S>&, bool) \
+      const;
+CONDDP_FOR_EACH_SCALAR(CONDDP_INSTANTIATE)
+#undef CONDDP_INSTANTIATE
+
+}  // namespace conddp
