@@ -1,8 +1,11 @@
 #include "argument_checks.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "problem_file/strict_number.hpp"
+#include "robot/near_names.hpp"
 
 namespace conddp {
 
@@ -21,6 +24,33 @@ CLI::Validator number_between(double lower, double upper, const std::string& wor
             return fmt::format("'{}' is out of range; accepted: {}", argument, words);
           },
           words, "number"};
+}
+
+CLI::Validator named_number(const std::vector<std::string>& names, double lower, double upper,
+                            const std::string& words) {
+  return {[=](const std::string& argument) {
+            const std::size_t equals = argument.find('=');
+            const std::string name = argument.substr(0, equals);
+            if (std::find(names.begin(), names.end(), name) == names.end())
+              return fmt::format("there is no '{}' here: {}", name,
+                                 name_hint(name, names, "accepted names"));
+            if (equals == std::string::npos)
+              return fmt::format("'{}' has no value: write {}=NUMBER", argument, name);
+            const ParsedNumber number = parse_number(argument.substr(equals + 1));
+            if (!number.value) return fmt::format("{}; accepted: {}", number.defect, words);
+            if (*number.value >= lower && *number.value <= upper) return std::string();
+            return fmt::format("'{}' is out of range; accepted: {}", argument, words);
+          },
+          words, "named number"};
+}
+
+std::map<std::string, double> named_numbers(const std::vector<std::string>& arguments) {
+  std::map<std::string, double> values;
+  for (const std::string& argument : arguments) {
+    const std::size_t equals = argument.find('=');
+    values[argument.substr(0, equals)] = parse_number(argument.substr(equals + 1)).value.value();
+  }
+  return values;
 }
 
 }  // namespace conddp

@@ -49,7 +49,10 @@ OptionDoc describe(const CLI::Option& option) {
 }
 
 std::string OptionDoc::heading() const {
-  if (positional) return required ? value : fmt::format("[{}]", value);
+  if (positional) {
+    const std::string word = value + (repeatable ? "..." : "");
+    return required ? word : fmt::format("[{}]", word);
+  }
   return fmt::format("{}{}{}", fmt::join(names, ", "), value.empty() ? "" : " ", value);
 }
 
@@ -58,7 +61,7 @@ std::string OptionDoc::explanation() const {
   if (!choices.empty()) text += fmt::format(": {}", fmt::join(choices, ", "));
   if (!range.empty()) text += " " + range;
   if (!fallback.empty()) text += fmt::format(" (default: {})", fallback);
-  if (repeatable) text += " (repeatable)";
+  if (repeatable && !positional) text += " (repeatable)";
   return text;
 }
 

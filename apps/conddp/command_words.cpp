@@ -59,10 +59,12 @@ class Reader {
       return;
     }
     const auto places = positionals(*words_.command);
-    if (position_ < places.size())
-      words_.values.emplace_back(places[position_++], word);
-    else if (words_.extra.empty())
+    if (position_ < places.size()) {
+      words_.values.emplace_back(places[position_], word);
+      if (places[position_]->get_items_expected_max() == 1) ++position_;
+    } else if (words_.extra.empty()) {
       words_.extra = word;
+    }
   }
 
   void long_flag(const std::string& word) {

@@ -55,7 +55,8 @@ std::string bash_completion(const CommandDoc& root) {
     flag_cases += fmt::format("      {}) words='{}' ;;\n", command.short_name(),
                               fmt::join(flags(command), " "));
     for (std::size_t i = 0; i < command.positionals.size(); ++i)
-      places += fmt::format("      '{} {}') {} ;;\n", command.short_name(), i,
+      places += fmt::format("      '{} '{}) {} ;;\n", command.short_name(),
+                            command.positionals[i].repeatable ? "*" : std::to_string(i),
                             action(command.positionals[i]));
   }
   const auto waits = [](const OptionDoc&) { return "flag=$word"; };

@@ -42,7 +42,9 @@ std::string specifications(const CommandDoc& command, const std::string& margin)
                           escape(option.description), option.value.empty() ? "" : action(option));
     }
   for (std::size_t i = 0; i < command.positionals.size(); ++i)
-    text += fmt::format("{}'{}{}' \\\n", margin, i + 1, action(command.positionals[i]));
+    text += fmt::format("{}'{}{}' \\\n", margin,
+                        command.positionals[i].repeatable ? "*" : std::to_string(i + 1),
+                        action(command.positionals[i]));
   return text;
 }
 

@@ -32,6 +32,8 @@ std::string version_text() {
 void add_commands(CLI::App& app, Command& chosen) {
   add_solve_command(app, chosen);
   add_check_command(app, chosen);
+  add_compare_command(app, chosen);
+  add_regress_command(app, chosen);
   add_inspect_command(app, chosen);
   add_list_command(app, chosen);
   add_schema_command(app, chosen);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <map>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -14,21 +16,106 @@ using Matrix = std::vector<std::vector<double>>;
 
 constexpr const char* kQuaternion[] = {"qx", "qy", "qz", "qw"};
 
+struct Malformed {
+  std::string message;
+};
+
+const Json& member(const Json& object, const char* key) {
+  if (!object.is_object() || !object.contains(key))
+    throw Malformed{fmt::format("'{}' is missing", key)};
+  return object[key];
+}
+
+/// A number, not-a-number for null.
+double read_number(const Json& value, const std::string& what) {
+  if (value.is_null()) return std::numeric_limits<double>::quiet_NaN();
+  if (!value.is_number()) throw Malformed{fmt::format("{} is no number", what)};
+  return value.get<double>();
+}
+
+using NamedValues = std::map<std::string, double>;
+
+NamedValues read_named(const Json& solution, const char* key) {
+  NamedValues values;
+  const Json& object = member(solution, key);
+  if (!object.is_object()) throw Malformed{fmt::format("'{}' has no names", key)};
+  for (const auto& [name, value] : object.items())
+    values[name] = read_number(value, fmt::format("{}.{}", key, name));
+  return values;
+}
+
+/// The states or controls of a trajectory and the names of their columns.
+struct Table {
+  std::vector<std::string> names;
+  Matrix rows;
+};
+
+/// A row has a number for each column; or none, at an impulse, which has no controls.
+Table read_table(const Json& trajectory, const char* kind, std::size_t rows) {
+  Table table;
+  const Json& names = member(member(trajectory, "columns"), kind);
+  if (!names.is_array()) throw Malformed{fmt::format("'columns.{}' is no list", kind)};
+  for (const Json& name : names) {
+    if (!name.is_string()) throw Malformed{fmt::format("'columns.{}' has no names", kind)};
+    table.names.push_back(name);
+  }
+  const Json& list = member(trajectory, kind);
+  if (!list.is_array() || list.size() != rows)
+    throw Malformed{fmt::format("'{}' should have {} rows", kind, rows)};
+  for (const Json& numbers : list) {
+    if (!numbers.is_array() || (!numbers.empty() && numbers.size() != table.names.size()))
+      throw Malformed{
+          fmt::format("a row of '{}' should have {} numbers", kind, table.names.size())};
+    auto& row = table.rows.emplace_back();
+    for (const Json& value : numbers) row.push_back(read_number(value, kind));
+  }
+  return table;
+}
+
+/// What is compared of a solution.
+struct Compared {
+  explicit Compared(const Json& solution) {
+    const Json& word = member(solution, "status");
+    if (!word.is_string()) throw Malformed{"'status' is no word"};
+    status = word;
+    cost = read_number(member(solution, "cost"), "the cost");
+    costs = read_named(solution, "cost_by_name");
+    residuals = read_named(solution, "residuals");
+    const Json& trajectory = member(solution, "trajectory");
+    const Json& t = member(trajectory, "t");
+    if (!t.is_array() || t.empty()) throw Malformed{"'trajectory.t' is no list of times"};
+    for (const Json& time : t) times.push_back(read_number(time, "a time"));
+    x = read_table(trajectory, "x", times.size());
+    u = read_table(trajectory, "u", times.size() - 1);
+    for (const auto& row : x.rows)
+      if (row.empty()) throw Malformed{"a row of 'x' is empty"};
+  }
+
+  std::string status;
+  double cost;
+  NamedValues costs, residuals;
+  std::vector<double> times;
+  Table x, u;
+};
+
+std::string number_text(double value) {
+  return std::isfinite(value) ? fmt::format("{:.9g}", value) : "a number that is not finite";
+}
+
 class Comparison {
  public:
-  Comparison(const Json& golden, const Json& actual, const ComparisonTolerances& tolerances)
+  Comparison(const Compared& golden, const Compared& actual, const ComparisonTolerances& tolerances)
       : golden_(golden), actual_(actual), tolerances_(tolerances) {}
 
   std::vector<Difference> run() {
-    texts("status");
-    number("cost", golden_.at("cost"), actual_.at("cost"), cost_tolerance());
+    if (golden_.status != actual_.status)
+      add("status", fmt::format("{} instead of {}", actual_.status, golden_.status));
+    number("cost", golden_.cost, actual_.cost, cost_tolerance());
     costs_by_name();
     residuals();
-    const Json& a = golden_.at("trajectory");
-    const Json& b = actual_.at("trajectory");
-    const auto times = a.at("t").get<std::vector<double>>();
-    if (!same_grid(times, b.at("t").get<std::vector<double>>())) return differences_;
-    for (const char* kind : {"x", "u"}) matrix(kind, a, b, times);
+    if (!same_grid(golden_.times, actual_.times)) return differences_;
+    table("x", golden_.x, actual_.x);
+    table("u", golden_.u, actual_.u);
     return differences_;
   }
 
@@ -37,55 +124,49 @@ class Comparison {
     differences_.push_back({std::move(quantity), std::move(message)});
   }
 
-  void texts(const char* key) {
-    if (golden_.at(key) != actual_.at(key))
-      add(key, fmt::format("{} instead of {}", actual_.at(key).dump(), golden_.at(key).dump()));
-  }
-
   double cost_tolerance() const {
-    const Json& cost = golden_.at("cost");
-    return tolerances_.cost_relative *
-           std::max(1e-3, cost.is_number() ? std::abs(cost.get<double>()) : 1);
+    const double size = std::isfinite(golden_.cost) ? std::abs(golden_.cost) : 1;
+    return tolerances_.cost_relative * std::max(1e-3, size);
   }
 
-  void number(const std::string& quantity, const Json& a, const Json& b, double tolerance) {
-    if (a.is_null() && b.is_null()) return;
-    if (!a.is_number() || !b.is_number()) {
-      add(quantity, fmt::format("{} instead of {}", b.dump(), a.dump()));
-      return;
-    }
-    const double difference = b.get<double>() - a.get<double>();
-    if (!(std::abs(difference) <= tolerance))
-      add(quantity, fmt::format("{:.9g} instead of {:.9g} (difference {:.2e}, tolerance {:.2e})",
-                                b.get<double>(), a.get<double>(), difference, tolerance));
+  void number(const std::string& quantity, double golden, double actual, double tolerance) {
+    const double difference = actual - golden;
+    if (std::abs(difference) <= tolerance) return;
+    if (!std::isfinite(golden) && !std::isfinite(actual)) return;
+    std::string message = fmt::format("{} instead of {}", number_text(actual), number_text(golden));
+    if (std::isfinite(difference))
+      message += fmt::format(" (difference {:.2e}, tolerance {:.2e})", difference, tolerance);
+    add(quantity, std::move(message));
   }
 
   void costs_by_name() {
-    const Json& a = golden_.at("cost_by_name");
-    const Json& b = actual_.at("cost_by_name");
-    for (const auto& [name, cost] : a.items()) {
-      if (!b.contains(name))
+    for (const auto& [name, cost] : golden_.costs) {
+      const auto found = actual_.costs.find(name);
+      if (found == actual_.costs.end())
         add("cost " + name, "is missing");
       else  // a sum is better determined than its parts
-        number("cost " + name, cost, b.at(name), 100 * cost_tolerance());
+        number("cost " + name, cost, found->second, 100 * cost_tolerance());
     }
-    for (const auto& [name, cost] : b.items())
-      if (!a.contains(name)) add("cost " + name, "is new");
+    for (const auto& [name, cost] : actual_.costs)
+      if (!golden_.costs.contains(name)) add("cost " + name, "is new");
   }
 
   void residuals() {
-    for (const auto& [name, golden] : golden_.at("residuals").items()) {
-      const Json& actual = actual_.at("residuals").at(name);
-      if (!golden.is_number() || !actual.is_number()) {
-        if (golden != actual)
-          add("residual " + name, fmt::format("{} instead of {}", actual.dump(), golden.dump()));
+    for (const auto& [name, golden] : golden_.residuals) {
+      const auto found = actual_.residuals.find(name);
+      if (found == actual_.residuals.end()) {
+        add("residual " + name, "is missing");
         continue;
       }
+      const double actual = found->second;
+      if (std::isnan(golden) && std::isnan(actual)) continue;
       const double allowed =
-          std::max(tolerances_.residual_floor, tolerances_.residual_factor * golden.get<double>());
-      if (!(actual.get<double>() <= allowed))
+          std::max(tolerances_.residual_floor, tolerances_.residual_factor * golden);
+      if (!(actual <= allowed))
         add("residual " + name,
-            fmt::format("{:.2e}, where at most {:.2e} is allowed", actual.get<double>(), allowed));
+            fmt::format("{}, where at most {:.2e} is allowed",
+                        std::isfinite(actual) ? fmt::format("{:.2e}", actual) : number_text(actual),
+                        allowed));
     }
   }
 
@@ -103,25 +184,24 @@ class Comparison {
     return true;
   }
 
-  void matrix(const char* kind, const Json& a, const Json& b, const std::vector<double>& times) {
-    const auto names = a.at("columns").at(kind).get<std::vector<std::string>>();
-    if (names != b.at("columns").at(kind).get<std::vector<std::string>>()) {
+  void table(const char* kind, const Table& golden, const Table& actual) {
+    if (golden.names != actual.names) {
       add("trajectory", fmt::format("the columns of {} have other names", kind));
       return;
     }
-    const auto golden = a.at(kind).get<Matrix>(), actual = b.at(kind).get<Matrix>();
-    if (golden.size() != actual.size()) {
-      add("trajectory",
-          fmt::format("{} rows of {} instead of {}", actual.size(), kind, golden.size()));
-      return;
-    }
-    for (std::size_t c = 0; c < names.size(); ++c) {
-      if (is_quaternion(names, c)) {
-        rotations(names[c], golden, actual, c, times);
+    for (std::size_t k = 0; k < golden.rows.size(); ++k)
+      if (golden.rows[k].size() != actual.rows[k].size()) {
+        add("trajectory", fmt::format("knot {} has {} numbers of {} instead of {}", k,
+                                      actual.rows[k].size(), kind, golden.rows[k].size()));
+        return;
+      }
+    for (std::size_t c = 0; c < golden.names.size(); ++c) {
+      if (is_quaternion(golden.names, c)) {
+        rotations(golden.names[c], golden.rows, actual.rows, c);
         c += 3;
         continue;
       }
-      column(names[c], golden, actual, c, times);
+      column(golden.names[c], golden.rows, actual.rows, c);
     }
   }
 
@@ -132,12 +212,11 @@ class Comparison {
     return true;
   }
 
-  void column(const std::string& name, const Matrix& a, const Matrix& b, std::size_t c,
-              const std::vector<double>& times) {
+  void column(const std::string& name, const Matrix& a, const Matrix& b, std::size_t c) {
     double largest = 0, worst = 0;
     std::size_t at = 0;
     for (std::size_t k = 0; k < a.size(); ++k) {
-      if (c >= a[k].size() || c >= b[k].size()) continue;
+      if (a[k].empty()) continue;
       largest = std::max(largest, std::abs(a[k][c]));
       const double difference = std::abs(a[k][c] - b[k][c]);
       if (!(difference <= worst)) {
@@ -148,15 +227,15 @@ class Comparison {
     const double allowed =
         tolerances_.trajectory_absolute + tolerances_.trajectory_relative * largest;
     if (!(worst <= allowed))
-      add(fmt::format("trajectory {} at knot {} (t = {:.4g} s)", name, at, times[at]),
+      add(fmt::format("trajectory {} at knot {} (t = {:.4g} s)", name, at, golden_.times[at]),
           fmt::format("{:.6g} instead of {:.6g} (tolerance {:.2e})", b[at][c], a[at][c], allowed));
   }
 
-  void rotations(const std::string& name, const Matrix& a, const Matrix& b, std::size_t c,
-                 const std::vector<double>& times) {
+  void rotations(const std::string& name, const Matrix& a, const Matrix& b, std::size_t c) {
     double worst = 0;
     std::size_t at = 0;
     for (std::size_t k = 0; k < a.size(); ++k) {
+      if (a[k].empty()) continue;
       // sin of half the angle from the vector part of a⁻¹ b: accurate where the angle is small.
       const double *p = &a[k][c], *q = &b[k][c];
       const double x = p[3] * q[0] - p[0] * q[3] - p[1] * q[2] + p[2] * q[1];
@@ -170,12 +249,12 @@ class Comparison {
     }
     if (!(worst <= tolerances_.rotation))
       add(fmt::format("trajectory {} at knot {} (t = {:.4g} s)",
-                      name.substr(0, name.size() - 2) + "rotation", at, times[at]),
+                      name.substr(0, name.size() - 2) + "rotation", at, golden_.times[at]),
           fmt::format("turned by {:.3g} rad (tolerance {:.2e})", worst, tolerances_.rotation));
   }
 
-  const Json& golden_;
-  const Json& actual_;
+  const Compared& golden_;
+  const Compared& actual_;
   const ComparisonTolerances& tolerances_;
   std::vector<Difference> differences_;
 };
@@ -192,11 +271,18 @@ void round_numbers(Json& value) {
 
 std::vector<Difference> compare_solutions(const Json& golden, const Json& actual,
                                           const ComparisonTolerances& tolerances) {
+  for (const Json* solution : {&golden, &actual})
+    if (auto defect = comparison_defect(*solution)) return {{"document", *std::move(defect)}};
+  return Comparison(Compared(golden), Compared(actual), tolerances).run();
+}
+
+std::optional<std::string> comparison_defect(const Json& solution) {
   try {
-    return Comparison(golden, actual, tolerances).run();
-  } catch (const Json::exception& e) {
-    return {{"document", std::string("a field is missing or has another type: ") + e.what()}};
+    const Compared compared(solution);
+  } catch (const Malformed& malformed) {
+    return malformed.message;
   }
+  return std::nullopt;
 }
 
 Json golden_part(const Json& solution) {

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <nlohmann/json_fwd.hpp>
@@ -28,11 +30,18 @@ struct Difference {
 
 /// Compares two solutions (documents of the shape of solution.json) by meaning: status, cost and
 /// costs by name, residuals, time grid, then every column of the trajectory; quaternions by angle.
-/// Numbers of iterations are not compared. Empty if they agree. A document without the fields it
-/// should have is a difference, not an exception.
+/// Numbers of iterations are not compared. Empty if they agree. A document with a comparison_defect
+/// is a difference, not an exception.
 std::vector<Difference> compare_solutions(const nlohmann::json& golden,
                                           const nlohmann::json& actual,
                                           const ComparisonTolerances& tolerances = {});
+
+/// What misses in a document, or has another shape, that comparison needs; empty if nothing.
+std::optional<std::string> comparison_defect(const nlohmann::json& solution);
+
+/// The entries of a solution that comparison needs.
+inline constexpr std::string_view kComparedKeys[] = {"status", "cost", "cost_by_name", "residuals",
+                                                     "trajectory"};
 
 /// The part of a solution that comparison needs, numbers rounded to ten digits: what a golden file
 /// holds.

@@ -71,5 +71,39 @@ TEST(SolutionComparison, NamesWhatDiffersAndWhere) {
   EXPECT_EQ(changed([](Json& j) { j.erase("trajectory"); }), "document");
 }
 
+TEST(SolutionComparison, DocumentsOfAnotherShapeAreRefused) {
+  const auto defect = [](auto change) {
+    Json other = solution();
+    change(other);
+    return comparison_defect(other).value_or("");
+  };
+  EXPECT_EQ(defect([](Json&) {}), "");
+  EXPECT_EQ(defect([](Json& j) { j["trajectory"]["x"][1][4] = nullptr; }), "");
+  EXPECT_EQ(defect([](Json& j) { j["trajectory"]["u"][0] = Json::array(); }), "");
+  EXPECT_EQ(defect([](Json& j) { j["cost"] = "low"; }), "the cost is no number");
+  EXPECT_EQ(defect([](Json& j) {
+              j["trajectory"]["x"][1] = Json::array({1, 2});
+            }),
+            "a row of 'x' should have 5 numbers");
+  EXPECT_EQ(defect([](Json& j) { j["trajectory"]["x"][0] = Json::array(); }),
+            "a row of 'x' is empty");
+  EXPECT_EQ(defect([](Json& j) { j["trajectory"]["u"] = Json::array(); }),
+            "'u' should have 1 rows");
+  EXPECT_EQ(defect([](Json& j) { j["trajectory"]["t"] = Json::array(); }),
+            "'trajectory.t' is no list of times");
+  EXPECT_EQ(defect([](Json& j) { j = Json::array(); }), "'status' is missing");
+}
+
+TEST(SolutionComparison, ANumberThatIsNotFiniteAgreesWithNoOther) {
+  const auto changed = [](auto change) {
+    Json other = solution();
+    change(other);
+    return first(solution(), other);
+  };
+  EXPECT_EQ(changed([](Json& j) { j["residuals"]["gap"] = nullptr; }), "residual gap");
+  EXPECT_EQ(changed([](Json& j) { j["trajectory"]["x"][1][4] = nullptr; }),
+            "trajectory v/elbow at knot 1 (t = 0.1 s)");
+}
+
 }  // namespace
 }  // namespace conddp

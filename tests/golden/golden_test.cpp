@@ -1,70 +1,62 @@
-// Every ready problem against its known answer. CONDDP_BLESS=1 in the environment rewrites the
-// answers instead; look at the difference before it is committed.
-#include <cstdlib>
+// Every ready problem against its known answer. 'conddp regress tests/golden --bless' shows what
+// differs and rewrites the answers; --add makes that of a new problem.
+#include <algorithm>
 #include <filesystem>
-#include <fstream>
 
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 
-#include "analysis/solution_comparison.hpp"
-#include "output/solution_json.hpp"
-#include "problem_file/build.hpp"
-#include "problem_file/read_problem.hpp"
-#include "solvers/registry.hpp"
+#include "output/golden_case.hpp"
 
 namespace conddp {
 namespace {
 
 namespace fs = std::filesystem;
 
-std::vector<std::string> problem_names() {
+const fs::path kProblems = fs::path(CONDDP_SOURCE_DIR) / "problems";
+const fs::path kGolden = fs::path(CONDDP_SOURCE_DIR) / "tests/golden";
+
+std::vector<std::string> names_in(const fs::path& folder, const std::string& suffix) {
   std::vector<std::string> names;
-  for (const auto& entry : fs::directory_iterator(fs::path(CONDDP_SOURCE_DIR) / "problems"))
-    if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem().string());
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (entry.path().extension() == suffix) names.push_back(entry.path().stem().string());
   std::sort(names.begin(), names.end());
   return names;
 }
 
-nlohmann::json solve_ready_problem(const std::string& name) {
+nlohmann::json solve_again(const GoldenCase& golden) {
   Diagnostics diagnostics;
-  const fs::path file = fs::path(CONDDP_SOURCE_DIR) / "problems" / (name + ".yaml");
-  const auto spec = read_problem(file, {}, diagnostics);
-  EXPECT_TRUE(spec) << file;
-  const auto built = build_problem(*spec, {}, diagnostics);
-  EXPECT_TRUE(built) << file;
-  const SolverInfo& solver = *find_solver(spec->solver.name.value);
-  const SolveResult result = solve(*built->problem, solver, spec->solver.options, built->guess);
-  const auto document = solution_json(Solution{*spec, *built, solver, result, {}});
-  return nlohmann::json::parse(document.dump());
+  const auto outcome = solve_golden(golden, {}, diagnostics);
+  EXPECT_TRUE(outcome) << format_diagnostics(diagnostics, false);
+  return outcome ? outcome->answer : nlohmann::json();
 }
 
-class ReadyProblem : public testing::TestWithParam<std::string> {};
+nlohmann::json solve_ready_problem(const std::string& name) {
+  return solve_again(new_golden(kProblems / (name + ".yaml"), kGolden));
+}
 
-TEST_P(ReadyProblem, HasItsKnownAnswer) {
-  const fs::path file = fs::path(CONDDP_SOURCE_DIR) / "tests/golden" / (GetParam() + ".json");
-  const nlohmann::json actual = solve_ready_problem(GetParam());
-  if (std::getenv("CONDDP_BLESS") != nullptr) {
-    std::ofstream(file) << golden_part(actual).dump() << '\n';
-    return;
-  }
-  std::ifstream stream(file);
-  ASSERT_TRUE(stream) << file << " is missing; see the head of this test";
+class KnownAnswer : public testing::TestWithParam<std::string> {};
+
+TEST_P(KnownAnswer, IsFoundAgain) {
+  Diagnostics diagnostics;
+  const auto golden = load_golden(kGolden / (GetParam() + ".json"), diagnostics);
+  ASSERT_TRUE(golden) << format_diagnostics(diagnostics, false);
+  const nlohmann::json actual = solve_again(*golden);
   EXPECT_EQ(actual.at("status"), "converged") << actual.at("message");
-  for (const Difference& d : compare_solutions(nlohmann::json::parse(stream), actual))
+  for (const Difference& d : compare_solutions(golden->answer, actual))
     ADD_FAILURE() << GetParam() << ": " << d.quantity << ": " << d.message;
 }
 
-INSTANTIATE_TEST_SUITE_P(Golden, ReadyProblem, testing::ValuesIn(problem_names()),
+INSTANTIATE_TEST_SUITE_P(Golden, KnownAnswer, testing::ValuesIn(names_in(kGolden, ".json")),
                          [](const auto& name) { return name.param; });
 
-TEST(Golden, EveryAnswerHasItsProblem) {
-  const auto names = problem_names();
-  for (const auto& entry : fs::directory_iterator(fs::path(CONDDP_SOURCE_DIR) / "tests/golden"))
-    if (entry.path().extension() == ".json") {
-      EXPECT_TRUE(std::count(names.begin(), names.end(), entry.path().stem().string()))
-          << entry.path();
-    }
+TEST(Golden, EveryReadyProblemHasItsAnswer) {
+  EXPECT_EQ(names_in(kProblems, ".yaml"), names_in(kGolden, ".json"));
+  for (const std::string& name : names_in(kGolden, ".json")) {
+    Diagnostics diagnostics;
+    const auto golden = load_golden(kGolden / (name + ".json"), diagnostics);
+    ASSERT_TRUE(golden) << format_diagnostics(diagnostics, false);
+    EXPECT_EQ(golden->problem_file.stem(), name);
+  }
 }
 
 TEST(Golden, TheClosedFormCartpoleAndItsUrdfHaveTheSameAnswer) {

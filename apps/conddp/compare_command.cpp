@@ -1,0 +1,65 @@
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "commands.hpp"
+#include "comparison_arguments.hpp"
+#include "exit_codes.hpp"
+#include "messages.hpp"
+#include "problem_file/solution_document.hpp"
+#include "streams.hpp"
+
+namespace conddp {
+namespace {
+
+struct CompareArguments {
+  std::string known;
+  std::string other;
+  std::vector<std::string> tolerances;
+};
+
+std::optional<nlohmann::json> load(const std::string& file, Diagnostics& out) {
+  auto solution = load_solution_document(file, kComparedKeys, {}, out);
+  if (!solution) return std::nullopt;
+  const auto defect = comparison_defect(*solution);
+  if (!defect) return solution;
+  out.add({.file = file, .message = "the solution cannot be compared: " + *defect});
+  return std::nullopt;
+}
+
+int compare(const CompareArguments& arguments) {
+  Diagnostics diagnostics;
+  const auto known = load(arguments.known, diagnostics);
+  const auto other = load(arguments.other, diagnostics);
+  print_messages(diagnostics, Verbosity::kNormal);
+  if (!known || !other) return kExitBadInput;
+  const auto differences =
+      compare_solutions(*known, *other, comparison_tolerances(arguments.tolerances));
+  if (differences.empty()) {
+    print_result(fmt::format("{} agrees with {}\n", arguments.other, arguments.known));
+    return kExitConverged;
+  }
+  print_result(fmt::format("{} differs from {}:\n", arguments.other, arguments.known));
+  for (const Difference& difference : differences) print_result(difference_text(difference));
+  return kExitNotConverged;
+}
+
+}  // namespace
+
+void add_compare_command(CLI::App& app, Command& chosen) {
+  CLI::App* command = app.add_subcommand("compare", "Compare two solutions by meaning");
+  command->footer(
+      "Status, cost and costs by name, residuals, times, then every column of the trajectory; "
+      "rotations by the angle between them. Numbers of iterations and times of computation are "
+      "not compared.");
+  const auto a = std::make_shared<CompareArguments>();
+  command->add_option("KNOWN", a->known, "The solution to compare with, or a golden file")
+      ->required()
+      ->type_name("KNOWN.json");
+  command->add_option("OTHER", a->other, "The solution in question")
+      ->required()
+      ->type_name("OTHER.json");
+  add_comparison_tolerances(*command, a->tolerances);
+  command->callback([a, &chosen] { chosen = [a] { return compare(*a); }; });
+}
+
+}  // namespace conddp

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "analysis/solution_comparison.hpp"
+
+namespace conddp {
+
+/// Adds --tolerance NAME=NUMBER; comparison_tolerances() makes the tolerances of its values.
+void add_comparison_tolerances(CLI::App& command, std::vector<std::string>& values);
+ComparisonTolerances comparison_tolerances(const std::vector<std::string>& values);
+
+/// One difference as a line of text.
+std::string difference_text(const Difference& difference);
+
+}  // namespace conddp

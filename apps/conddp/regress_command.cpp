@@ -1,0 +1,182 @@
+#include <fmt/format.h>
+
+#include "argument_checks.hpp"
+#include "commands.hpp"
+#include "comparison_arguments.hpp"
+#include "exit_codes.hpp"
+#include "input_files.hpp"
+#include "interrupt.hpp"
+#include "messages.hpp"
+#include "output/atomic_file.hpp"
+#include "output/golden_case.hpp"
+#include "output/junit.hpp"
+#include "streams.hpp"
+
+namespace conddp {
+namespace {
+
+struct RegressArguments {
+  std::vector<std::string> inputs;
+  std::vector<std::string> settings;
+  std::vector<std::string> tolerances;
+  std::vector<std::string> added;
+  std::string junit;
+  double max_time = 0;
+  bool bless = false;
+};
+
+/// All cases one after the other, and what came of them.
+class Regression {
+ public:
+  explicit Regression(const RegressArguments& arguments) : arguments_(arguments) {
+    options_ = {.settings = arguments.settings,
+                .max_time_s = arguments.max_time,
+                .interrupted = [] { return InterruptGuard::signal() != 0; }};
+  }
+
+  void run(const GoldenCase& golden) {
+    Diagnostics diagnostics;
+    const auto outcome = solve_golden(golden, options_, diagnostics);
+    if (InterruptGuard::signal() != 0) return;
+    print_messages(diagnostics, Verbosity::kQuiet);
+    if (!outcome) return fail(golden.name, diagnostics);
+    const int iterations = outcome->answer.at("iterations");
+    if (golden.answer.is_null()) {
+      print_result(fmt::format("{}: new, {}, {} iterations\n", golden.name,
+                               outcome->answer.at("status").get<std::string>(), iterations));
+      return bless(golden, *outcome);
+    }
+    const auto differences = compare_solutions(golden.answer, outcome->answer,
+                                               comparison_tolerances(arguments_.tolerances));
+    const int known = golden.answer.at("iterations");
+    print_result(fmt::format("{}: {} ({} iterations{}, {:.3f} s)\n", golden.name,
+                             differences.empty() ? "agrees" : "DIFFERS", iterations,
+                             iterations == known ? "" : fmt::format(" instead of {}", known),
+                             outcome->time_s));
+    JunitCase test{.name = golden.name, .time_s = outcome->time_s};
+    for (const Difference& difference : differences) {
+      print_result(difference_text(difference));
+      test.failures.push_back(difference.quantity + ": " + difference.message);
+    }
+    if (arguments_.bless) {
+      test.failures.clear();
+      if (!differences.empty() || iterations != known) bless(golden, *outcome);
+    }
+    cases_.push_back(std::move(test));
+  }
+
+  /// A case that cannot be solved.
+  void fail(const std::string& name, const Diagnostics& diagnostics) {
+    cases_.push_back({.name = name, .error = "it cannot be solved"});
+    for (const Diagnostic& d : diagnostics.list())
+      if (d.severity == Severity::kError) {
+        cases_.back().error = d.message;
+        break;
+      }
+    print_result(fmt::format("{}: cannot be solved\n", name));
+  }
+
+  int finish() {
+    int bad = 0, errors = 0;
+    for (const JunitCase& test : cases_) {
+      errors += !test.error.empty();
+      bad += !test.failures.empty();
+    }
+    print_result(fmt::format("{} agree, {} differ", cases_.size() - bad - errors, bad));
+    if (errors > 0) print_result(fmt::format(", {} cannot be solved", errors));
+    if (blessed_ > 0) print_result(fmt::format(", {} written", blessed_));
+    print_result("\n");
+    if (!arguments_.junit.empty())
+      files_.add(arguments_.junit, junit_xml("conddp regress", cases_));
+    files_.commit();
+    return errors > 0 ? kExitBadInput : bad > 0 ? kExitNotConverged : kExitConverged;
+  }
+
+ private:
+  void bless(const GoldenCase& golden, const GoldenOutcome& outcome) {
+    files_.add(golden.file, golden_text(golden, outcome.answer));
+    ++blessed_;
+  }
+
+  const RegressArguments& arguments_;
+  GoldenOptions options_;
+  std::vector<JunitCase> cases_;
+  AtomicFiles files_;
+  int blessed_ = 0;
+};
+
+/// Cases to be made; a golden file that is there already is an error.
+std::vector<GoldenCase> new_cases(const RegressArguments& arguments, Diagnostics& out) {
+  namespace fs = std::filesystem;
+  std::vector<GoldenCase> cases;
+  if (arguments.added.empty()) return cases;
+  if (arguments.inputs.size() != 1 || !fs::is_directory(arguments.inputs.front())) {
+    out.error({}, "with --add there is one argument, the folder of the golden files");
+    return cases;
+  }
+  for (const std::string& problem : arguments.added) {
+    cases.push_back(new_golden(problem, arguments.inputs.front()));
+    if (fs::exists(cases.back().file))
+      out.error({}, fmt::format("'{}' exists", cases.back().file.string()),
+                "--bless rewrites what differs");
+  }
+  return cases;
+}
+
+int regress(const RegressArguments& arguments) {
+  Diagnostics diagnostics;
+  std::vector<GoldenCase> cases = new_cases(arguments, diagnostics);
+  const bool adding = !arguments.added.empty();
+  for (const auto& file : adding ? std::vector<std::filesystem::path>()
+                                 : input_files(arguments.inputs, ".json", diagnostics))
+    if (auto golden = load_golden(file, diagnostics)) cases.push_back(*std::move(golden));
+  print_messages(diagnostics, Verbosity::kNormal);
+  if (diagnostics.has_errors()) return kExitBadInput;
+  const InterruptGuard guard;
+  Regression regression(arguments);
+  for (const GoldenCase& golden : cases) {
+    regression.run(golden);
+    if (InterruptGuard::signal() != 0) return kExitSignalBase + InterruptGuard::signal();
+  }
+  return regression.finish();
+}
+
+}  // namespace
+
+void add_regress_command(CLI::App& app, Command& chosen) {
+  CLI::App* command =
+      app.add_subcommand("regress", "Solve the problems of golden files and compare by meaning");
+  command->footer(
+      "A golden file is a solution.json cut down to what is compared, and names its problem. Exit "
+      "status: 0 all agree, 1 some differ, 2 some cannot be solved.");
+  const auto a = std::make_shared<RegressArguments>();
+  command->add_option("GOLDEN", a->inputs, "Golden files, or folders of them")
+      ->required()
+      ->type_name("GOLDEN.json");
+  command
+      ->add_option("--set", a->settings,
+                   "Replace a value in every problem, as in --set solver.threads=2")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
+  add_comparison_tolerances(*command, a->tolerances);
+  command->add_option("--junit", a->junit, "Write a report in JUnit's XML for a CI server")
+      ->type_name("FILE.xml")
+      ->check(not_empty());
+  command->add_option("--max-time", a->max_time, "Stop each solve after this many seconds")
+      ->type_name("SECONDS")
+      ->check(number_between(1e-3, 1e9, "0.001 to 1e9 s"));
+  auto* settings = command->get_option("--set");
+  command
+      ->add_flag("--bless", a->bless,
+                 "Show what differs, and write the new answers into the golden files")
+      ->excludes(settings);
+  command
+      ->add_option("--add", a->added,
+                   "Make a golden file of this problem, in the folder given, instead of comparing")
+      ->type_name("FILE.yaml")
+      ->allow_extra_args(false)
+      ->excludes(settings);
+  command->callback([a, &chosen] { chosen = [a] { return regress(*a); }; });
+}
+
+}  // namespace conddp
