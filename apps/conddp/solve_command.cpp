@@ -14,6 +14,7 @@
 #include "problem_file/read_problem.hpp"
 #include "problem_file/warm_start.hpp"
 #include "progress.hpp"
+#include "report_file.hpp"
 #include "status_line.hpp"
 #include "streams.hpp"
 #include "terminal.hpp"
@@ -29,6 +30,7 @@ struct SolveArguments : ProblemArguments {
   bool quiet = false;
   bool json = false;
   bool verbose = false;
+  bool report = false;
 };
 
 /// The spec with what the command line says about it.
@@ -104,6 +106,7 @@ int solve_file(const SolveArguments& arguments) {
   const std::filesystem::path folder = arguments.folder.empty()
                                            ? std::filesystem::path("out") / spec->name.value
                                            : std::filesystem::path(arguments.folder);
+  if (arguments.report && !reports_can_be_made()) return kExitBadInput;
   const InterruptGuard guard;
   create_folder(folder);  // before the work, so that nothing is computed in vain
   const SolveResult result =
@@ -111,6 +114,12 @@ int solve_file(const SolveArguments& arguments) {
   const Solution solution{*spec, *built, *solver, result, overrides(arguments)};
   std::vector<std::string> written;
   for (const auto& path : write_solution(solution, folder)) written.push_back(path.string());
+  if (arguments.report)
+    written.push_back(write_report({{.label = std::string(solver->name),
+                                     .document = solution_json(solution),
+                                     .spec = &*spec,
+                                     .built = &*built}},
+                                   folder / "report.html"));
   if (arguments.json)
     print_result(json_text(solution_head(solution)));
   else if (!arguments.quiet)
@@ -142,6 +151,7 @@ void add_solve_command(CLI::App& app, Command& chosen) {
       ->type_name("N")
       ->check(kThreads);
   auto* quiet = command->add_flag("--quiet", a->quiet, "Print nothing but errors");
+  command->add_flag("--report", a->report, "Write report.html too, to see the motion in a browser");
   command->add_flag("--json", a->json, "Print the head of the solution as JSON on stdout");
   command->add_flag("-v,--verbose", a->verbose, "Print notes, and a line of figures each iteration")
       ->excludes(quiet);

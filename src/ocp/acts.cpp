@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -392,16 +393,13 @@ int Acts::simulate(Trajectory& trajectory, bool clamp_controls) {
   return -1;
 }
 
-std::vector<std::pair<std::string, double>> cost_by_name(const ShootingProblem& problem,
-                                                         const Trajectory& trajectory) {
-  std::vector<std::pair<std::string, double>> sums;
-  const auto add = [&sums](const std::string& name, double cost) {
-    for (auto& [known, sum] : sums)
-      if (known == name) {
-        sum += cost;
-        return;
-      }
-    sums.emplace_back(name, cost);
+std::vector<std::pair<std::string, std::vector<double>>> costs_by_node(
+    const ShootingProblem& problem, const Trajectory& trajectory) {
+  std::vector<std::pair<std::string, std::vector<double>>> costs;
+  const auto cost_of = [&](const std::string& name) -> std::vector<double>& {
+    for (auto& [known, values] : costs)
+      if (known == name) return values;
+    return costs.emplace_back(name, std::vector<double>(problem.knots() + 1)).second;
   };
   std::map<const KnotModel*, std::unique_ptr<KnotWorkspace<double>>> work;
   for (int k = 0; k <= problem.knots(); ++k) {
@@ -413,9 +411,17 @@ std::vector<std::pair<std::string, double>> cost_by_name(const ShootingProblem& 
         KnotInput<double>{trajectory.x(k).data(), u, view.parameters, view.dt, view.cost_scale},
         *mine);
     for (std::size_t t = 0; t < view.model->costs().size(); ++t)
-      add((k == problem.knots() ? "terminal/" : "") + view.model->costs()[t].name,
-          mine->term_costs[t]);
+      cost_of((k == problem.knots() ? "terminal/" : "") + view.model->costs()[t].name)[k] +=
+          mine->term_costs[t];
   }
+  return costs;
+}
+
+std::vector<std::pair<std::string, double>> cost_by_name(const ShootingProblem& problem,
+                                                         const Trajectory& trajectory) {
+  std::vector<std::pair<std::string, double>> sums;
+  for (const auto& [name, values] : costs_by_node(problem, trajectory))
+    sums.emplace_back(name, std::accumulate(values.begin(), values.end(), 0.0));
   return sums;
 }
 

@@ -82,6 +82,11 @@ class Acts {
   std::unique_ptr<Impl> impl_;
 };
 
+/// The cost of each named term at each node (N + 1 numbers), in the order of first appearance;
+/// names of the terminal node get the prefix "terminal/".
+std::vector<std::pair<std::string, std::vector<double>>> costs_by_node(
+    const ShootingProblem& problem, const Trajectory& trajectory);
+
 /// The cost of each named term summed over the knots, in the order of first appearance; names of
 /// the terminal node get the prefix "terminal/".
 std::vector<std::pair<std::string, double>> cost_by_name(const ShootingProblem& problem,

@@ -1,0 +1,18 @@
+// Bundles the page of `conddp report` into one file that needs nothing else: node build.mjs OUT.html
+// Runs in this folder, or in a copy of it, with its packages installed.
+import {readFileSync, writeFileSync} from 'node:fs';
+import {build} from 'esbuild';
+
+const out = process.argv[2] ?? 'report.html';
+const options = {bundle: true, minify: true, write: false, legalComments: 'inline', target: 'es2020'};
+const script = await build({...options, entryPoints: ['src/main.js'], format: 'iife'});
+const style = await build({...options, entryPoints: ['src/style.css']});
+
+const page = readFileSync('index.html', 'utf8');
+const fill = (text, mark, content) => {
+  const parts = text.split(mark);
+  if (parts.length !== 2) throw new Error(`index.html should have ${mark} once`);
+  return parts.join(content);
+};
+writeFileSync(out, fill(fill(page, '/*STYLE*/', style.outputFiles[0].text), '/*SCRIPT*/',
+                        script.outputFiles[0].text));

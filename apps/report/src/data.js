@@ -1,0 +1,48 @@
+// The report's data and what follows from it without drawing.
+
+export function readData() {
+  const data = JSON.parse(document.getElementById('report-data').textContent);
+  for (const solution of data.solutions) prepare(solution);
+  return data.solutions;
+}
+
+function prepare(solution) {
+  const t = solution.curves.t;
+  solution.duration = t[t.length - 1] - t[0];
+  const forces = solution.curves.contact_forces ?? {};
+  const contacts = solution.scene?.contacts ?? [];
+  solution.contacts = Object.keys(forces).map(name => {
+    const contact = contacts.find(c => c.name === name) ?? null;
+    return {name, contact, forces: forces[name]};
+  });
+}
+
+/// The last node that is not after a time, and how far it is to the next one (0 to 1). Of nodes at
+/// the same time, an impulse, the last one.
+export function nodeAt(t, time) {
+  let low = 0, high = t.length - 1;
+  while (low < high) {
+    const middle = (low + high + 1) >> 1;
+    if (t[middle] <= time) low = middle;
+    else high = middle - 1;
+  }
+  if (low === t.length - 1) return {k: low, share: 0};
+  const step = t[low + 1] - t[low];
+  return {k: low, share: step > 0 ? Math.min(1, Math.max(0, (time - t[low]) / step)) : 0};
+}
+
+export const phaseAt = (solution, k) =>
+    solution.curves.phases.find(p => k >= p.first_knot && k < p.first_knot + p.knots) ??
+    solution.curves.phases[solution.curves.phases.length - 1];
+
+/// Normal force and the share of the friction cone that is used, of a contact at a knot.
+export function forceParts(entry, k) {
+  const f = entry.forces[k];
+  if (!f || f[0] === null) return null;
+  if (!entry.contact) return {normal: null, use: null, force: f};
+  const n = entry.contact.normals.slice(3 * k, 3 * k + 3);
+  const normal = f[0] * n[0] + f[1] * n[1] + f[2] * n[2];
+  const tangential = Math.hypot(f[0] - normal * n[0], f[1] - normal * n[1], f[2] - normal * n[2]);
+  const limit = entry.contact.friction * normal;
+  return {normal, use: limit > 1e-9 ? tangential / limit : null, force: f};
+}

@@ -1,0 +1,37 @@
+// Elements without markup: text from a problem file is only ever text.
+
+export function element(tag, attributes = {}, ...children) {
+  const node = document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes)) {
+    if (name.startsWith('on')) node.addEventListener(name.slice(2), value);
+    else if (name === 'class') node.className = value;
+    else if (value !== null && value !== undefined) node.setAttribute(name, value);
+  }
+  for (const child of children)
+    if (child !== null && child !== undefined) node.append(child);
+  return node;
+}
+
+/// A button that is on or off.
+export function toggle(label, title, on, change) {
+  const button = element('button', {type: 'button', title, 'aria-pressed': String(on)}, label);
+  button.addEventListener('click', () => {
+    const now = button.getAttribute('aria-pressed') !== 'true';
+    button.setAttribute('aria-pressed', String(now));
+    change(now);
+  });
+  return button;
+}
+
+/// The value of a colour of the style sheet, which depends on the theme.
+export const color = name =>
+    getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+
+/// A number as a person reads it.
+export function figure(value, digits = 5) {
+  if (value === null || value === undefined || Number.isNaN(value)) return '–';
+  if (value === 0) return '0';
+  const size = Math.abs(value);
+  if (size >= 1e-3 && size < 1e6) return String(Number(value.toPrecision(digits)));
+  return value.toExponential(Math.max(0, Math.min(digits, 4) - 1));
+}

@@ -1,0 +1,44 @@
+import {readData} from './data.js';
+import {element} from './dom.js';
+import {Player} from './player.js';
+import {makePlots} from './plots.js';
+import {comparisonTable, writeFoot, writeHead} from './summary.js';
+import {Timeline} from './timeline.js';
+import {Viewer} from './viewer.js';
+
+const byId = id => document.getElementById(id);
+const root = document.documentElement;
+
+function start() {
+  const solutions = readData();
+  const player = new Player(Math.max(...solutions.map(s => s.duration)));
+  root.dataset.theme = matchMedia('(prefers-color-scheme: dark)').matches ? 'dark' : 'light';
+
+  let plots = [], viewer = null;
+  const changeTheme = () => {
+    root.dataset.theme = root.dataset.theme === 'dark' ? 'light' : 'dark';
+    viewer.setTheme();
+    for (const plot of plots) plot.setTheme();
+  };
+  const themeButton = element('button', {type: 'button', class: 'theme', id: 'theme',
+                                         title: 'Dark or light (D)', onclick: changeTheme}, '◐');
+  writeHead(byId('head'), solutions, themeButton);
+  if (solutions.length > 1)
+    byId('head').append(comparisonTable(solutions, visible => {
+      viewer.setVisible(visible);
+      for (const plot of plots) plot.setVisible(visible);
+    }));
+  viewer = new Viewer(byId('view'), solutions, player);
+  new Timeline(byId('timeline'), solutions[0], player);
+  plots = makePlots(byId('plots'), solutions, player);
+  writeFoot(byId('foot'), solutions);
+  document.addEventListener('keydown', event => {
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    if (event.key === 'f' || event.key === 'F') viewer.followButton?.click();
+    if (event.key === 'd' || event.key === 'D') changeTheme();
+  });
+  // For those who script the page.
+  window.conddp = {solutions, player, viewer, plots};
+}
+
+start();

@@ -1,0 +1,252 @@
+// A robot's bodies, contacts and paths as objects of three.js, moved along a trajectory.
+import * as THREE from 'three';
+import {STLLoader} from 'three/examples/jsm/loaders/STLLoader.js';
+import {OBJLoader} from 'three/examples/jsm/loaders/OBJLoader.js';
+import {forceParts, nodeAt} from './data.js';
+import {lineColor} from './palette.js';
+
+const defaultColor = '#8a929b';
+
+function material(shape, ghost, tint) {
+  const [r, g, b, a] = shape.color ?? [];
+  const color = shape.color ? new THREE.Color().setRGB(r, g, b, THREE.SRGBColorSpace)
+                            : new THREE.Color(defaultColor);
+  if (ghost) color.lerp(new THREE.Color(tint), 0.6);
+  const opacity = (shape.color ? a : 1) * (ghost ? 0.3 : 1);
+  return new THREE.MeshStandardMaterial(
+      {color, roughness: 0.65, metalness: 0.1, transparent: opacity < 1, opacity, depthWrite: !ghost});
+}
+
+function bytes(base64) {
+  const text = atob(base64);
+  const data = new Uint8Array(text.length);
+  for (let i = 0; i < text.length; ++i) data[i] = text.charCodeAt(i);
+  return data;
+}
+
+function geometry(shape) {
+  switch (shape.kind) {
+    case 'box':
+      return new THREE.BoxGeometry(...shape.size);
+    case 'sphere':
+      return new THREE.SphereGeometry(shape.radius, 24, 16);
+    case 'cylinder':
+      return new THREE.CylinderGeometry(shape.radius, shape.radius, shape.length, 24)
+          .rotateX(Math.PI / 2);
+    case 'ellipsoid':
+      return new THREE.SphereGeometry(1, 24, 16).scale(...shape.radii);
+    case 'stl':
+      return new STLLoader().parse(bytes(shape.data).buffer).scale(...shape.scale);
+    default:
+      return null;
+  }
+}
+
+function shapeObject(shape, ghost, tint) {
+  const surface = material(shape, ghost, tint);
+  let object = null;
+  try {
+    if (shape.kind === 'obj') {
+      object = new OBJLoader().parse(new TextDecoder().decode(bytes(shape.data)));
+      object.scale.set(...shape.scale);
+      object.traverse(part => { if (part.isMesh) part.material = surface; });
+    } else {
+      const form = geometry(shape);
+      if (form) object = new THREE.Mesh(form, surface);
+    }
+  } catch (error) {
+    console.warn(`a mesh of ${shape.link} cannot be read`);
+  }
+  if (!object) return null;
+  place(object, shape.placement, 0);
+  return object;
+}
+
+function place(object, numbers, at) {
+  object.position.fromArray(numbers, at);
+  object.quaternion.fromArray(numbers, at + 3);
+}
+
+function polyline(numbers, color, width = 1) {
+  const form = new THREE.BufferGeometry();
+  form.setAttribute('position', new THREE.Float32BufferAttribute(numbers, 3));
+  return new THREE.Line(form, new THREE.LineBasicMaterial({color, linewidth: width}));
+}
+
+/// An arrow of unit length along +z.
+function arrow(color) {
+  const group = new THREE.Group();
+  const surface = new THREE.MeshStandardMaterial({color, roughness: 0.5});
+  const shaft = new THREE.Mesh(
+      new THREE.CylinderGeometry(0.008, 0.008, 1, 10).rotateX(Math.PI / 2).translate(0, 0, 0.5),
+      surface);
+  const tip = new THREE.Mesh(
+      new THREE.ConeGeometry(0.024, 0.06, 14).rotateX(Math.PI / 2).translate(0, 0, 0.03), surface);
+  group.add(shaft, tip);
+  group.userData = {shaft, tip};
+  return group;
+}
+
+const up = new THREE.Vector3(0, 0, 1);
+
+export class Robot {
+  /// `ghost` robots are shown through, tinted in a colour of their own.
+  constructor(solution, {ghost = false, tint = '#0072b2'} = {}) {
+    this.solution = solution;
+    this.scene = solution.scene;
+    this.root = new THREE.Group();
+    this.bodies = this.scene.bodies.map(body => {
+      const group = new THREE.Group();
+      group.name = body.name;
+      for (const shape of body.shapes) {
+        const object = shapeObject(shape, ghost, tint);
+        if (object) group.add(object);
+      }
+      this.root.add(group);
+      return group;
+    });
+    this.addBones(tint);
+    this.addContacts(ghost);
+    this.addPaths(tint);
+    this.next = {position: new THREE.Vector3(), quaternion: new THREE.Quaternion()};
+    this.show(0);
+  }
+
+  /// Lines from every joint to the one that it hangs on, for bodies that show little.
+  addBones(tint) {
+    const bones = this.scene.bodies.map((body, i) => [i, body.parent]).filter(([, p]) => p > 0);
+    const form = new THREE.BufferGeometry();
+    form.setAttribute('position', new THREE.Float32BufferAttribute(6 * bones.length, 3));
+    this.bones = {
+      pairs: bones,
+      lines: new THREE.LineSegments(form, new THREE.LineBasicMaterial({color: tint})),
+    };
+    this.bones.lines.frustumCulled = false;
+    this.bones.lines.visible = false;
+    this.root.add(this.bones.lines);
+  }
+
+  addContacts(ghost) {
+    this.forces = new THREE.Group();
+    this.cones = new THREE.Group();
+    this.feet = this.scene.contacts.map(contact => {
+      const marker = new THREE.Mesh(
+          contact.half_size ? new THREE.BoxGeometry(2 * contact.half_size[0], 2 * contact.half_size[1], 0.004)
+                            : new THREE.SphereGeometry(0.012, 16, 12),
+          new THREE.MeshStandardMaterial({color: '#d55e00'}));
+      place(marker, contact.placement, 0);
+      this.bodies[contact.body].add(marker);
+      return marker;
+    });
+    if (ghost) for (const foot of this.feet) foot.visible = false;
+    this.contacts = this.solution.contacts.filter(entry => entry.contact).map(entry => {
+      const force = arrow('#009e73');
+      const slope = entry.contact.friction;
+      const height = 0.14;
+      const cone = new THREE.Mesh(
+          new THREE.ConeGeometry(slope * height, height, 28, 1, true)
+              .rotateX(-Math.PI / 2).translate(0, 0, height / 2),
+          new THREE.MeshBasicMaterial({color: '#56b4e9', transparent: true, opacity: 0.28,
+                                       side: THREE.DoubleSide, depthWrite: false}));
+      this.forces.add(force);
+      this.cones.add(cone);
+      return {...entry, force, cone};
+    });
+    const weight = this.largestForce();
+    this.metresPerNewton = weight > 0 ? 0.45 / weight : 0;
+    this.root.add(this.forces, this.cones);
+    if (ghost) this.forces.visible = this.cones.visible = false;
+  }
+
+  /// Of all contacts and knots that take time; impulses are in Ns and would dwarf them.
+  largestForce() {
+    const t = this.solution.curves.t;
+    let largest = 0;
+    for (const {forces} of this.solution.contacts)
+      forces.forEach((f, k) => {
+        if (f && f[0] !== null && t[k + 1] > t[k])
+          largest = Math.max(largest, Math.hypot(f[0], f[1], f[2]));
+      });
+    return largest;
+  }
+
+  addPaths(tint) {
+    this.paths = new THREE.Group();
+    Object.values(this.scene.paths).forEach((path, i) => this.paths.add(polyline(path, lineColor(i))));
+    this.com = new THREE.Group();
+    this.comMarker = new THREE.Mesh(new THREE.SphereGeometry(0.018, 18, 12),
+                                    new THREE.MeshStandardMaterial({color: tint}));
+    this.com.add(polyline(this.scene.com, tint), this.comMarker);
+    this.root.add(this.paths, this.com);
+  }
+
+  /// Moves everything to a time: positions between two nodes linearly, rotations on the shortest
+  /// arc.
+  show(time) {
+    const {k, share} = nodeAt(this.solution.curves.t, time);
+    const n = 7 * this.bodies.length, poses = this.scene.poses;
+    const after = Math.min(k + 1, this.solution.curves.t.length - 1);
+    this.bodies.forEach((body, i) => {
+      place(body, poses, k * n + 7 * i);
+      if (share > 0) {
+        place(this.next, poses, after * n + 7 * i);
+        body.position.lerp(this.next.position, share);
+        body.quaternion.slerp(this.next.quaternion, share);
+      }
+    });
+    const com = this.scene.com;
+    this.comMarker.position.fromArray(com, 3 * k)
+        .lerp(this.next.position.fromArray(com, 3 * after), share);
+    if (this.bones.lines.visible) this.moveBones();
+    for (const entry of this.contacts) this.showForce(entry, k);
+  }
+
+  moveBones() {
+    const position = this.bones.lines.geometry.attributes.position;
+    this.bones.pairs.forEach(([child, parent], i) => {
+      this.bodies[child].position.toArray(position.array, 6 * i);
+      this.bodies[parent].position.toArray(position.array, 6 * i + 3);
+    });
+    position.needsUpdate = true;
+  }
+
+  /// The force that acts between two nodes, at the contact's place on the body as it is drawn.
+  showForce(entry, k) {
+    const parts = k < entry.forces.length ? forceParts(entry, k) : null;
+    entry.force.visible = entry.cone.visible = parts !== null;
+    if (!parts) return;
+    const index = this.scene.contacts.indexOf(entry.contact);
+    const at = this.contactPosition(index);
+    entry.force.position.copy(at);
+    entry.cone.position.copy(at);
+    const f = new THREE.Vector3(...parts.force.slice(0, 3));
+    const length = Math.max(f.length() * this.metresPerNewton, 1e-4);
+    entry.force.quaternion.setFromUnitVectors(up, f.normalize());
+    const {shaft, tip} = entry.force.userData;
+    const head = Math.min(0.06, length);
+    shaft.scale.set(1, 1, Math.max(length - head, 1e-4));
+    tip.position.z = length - head;
+    tip.scale.setScalar(head / 0.06);
+    entry.cone.quaternion.setFromUnitVectors(
+        up, new THREE.Vector3().fromArray(entry.contact.normals, 3 * k).normalize());
+  }
+
+  /// Where a contact's frame is in the scene, from the body that carries it.
+  contactPosition(index) {
+    const foot = this.feet[index];
+    const body = this.bodies[this.scene.contacts[index].body];
+    return foot.position.clone().applyQuaternion(body.quaternion).add(body.position);
+  }
+
+  /// What all of the motion fits into.
+  bounds() {
+    const box = new THREE.Box3();
+    const n = this.bodies.length, point = new THREE.Vector3();
+    const poses = this.scene.poses;
+    for (let i = 0; i < poses.length; i += 7)
+      if ((i / 7) % n > 0) box.expandByPoint(point.fromArray(poses, i));
+    box.union(new THREE.Box3().setFromObject(this.bodies[0]));
+    for (const body of this.bodies) box.union(new THREE.Box3().setFromObject(body));
+    return box;
+  }
+}

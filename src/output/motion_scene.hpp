@@ -1,0 +1,22 @@
+#pragma once
+
+#include "ocp/trajectory.hpp"
+#include "output/json_text.hpp"
+#include "problem_file/build.hpp"
+
+namespace conddp {
+
+/// What a viewer needs to draw the robots of a problem along a trajectory, so that it needs no
+/// kinematics of its own (null for closed-form systems):
+///   bodies: name, parent, shapes with their placements in the body (a body without shapes has the
+///           ellipsoid of its inertia);
+///   poses: per node the position and quaternion (x y z w) of every body in the world, one list;
+///   contacts: name, the body that carries it and the placement there, friction, half_size, and per
+///           node the position and the normal;
+///   com: per node; paths: per node the positions of the frames that costs speak of.
+/// Lengths in metres, rounded to a micrometre. Meshes stand as files beside the URDF, where they
+/// are at hand.
+OrderedJson motion_scene(const ProblemSpec& spec, const BuiltProblem& built,
+                         const Trajectory& trajectory);
+
+}  // namespace conddp

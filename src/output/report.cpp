@@ -1,0 +1,170 @@
+#include "output/report.hpp"
+
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "output/motion_scene.hpp"
+
+namespace conddp {
+namespace {
+
+/// Eight digits: more than a screen shows, half of what a double takes.
+OrderedJson rounded(double x) {
+  if (!std::isfinite(x)) return nullptr;
+  if (x == 0 || x == std::round(x)) return x;
+  const double scale = std::pow(10.0, 7 - std::floor(std::log10(std::abs(x))));
+  const double value = std::round(x * scale) / scale;
+  return std::isfinite(value) ? value : x;
+}
+
+OrderedJson rounded(const OrderedJson& value) {
+  if (value.is_number_float()) return rounded(value.get<double>());
+  if (!value.is_array() && !value.is_object()) return value;
+  OrderedJson copy = value;
+  for (OrderedJson& part : copy) part = rounded(part);
+  return copy;
+}
+
+double number(const OrderedJson& value) {
+  return value.is_number() ? value.get<double>() : std::nan("");
+}
+
+Trajectory trajectory_of(const OrderedJson& document, const ShootingProblem& problem) {
+  Trajectory trajectory = problem.create_trajectory();
+  const OrderedJson& x = document["trajectory"]["x"];
+  const OrderedJson& u = document["trajectory"]["u"];
+  if (static_cast<int>(x.size()) != problem.knots() + 1 ||
+      static_cast<int>(u.size()) != problem.knots())
+    throw std::invalid_argument("the solution has another number of knots than its problem");
+  const auto copy = [](const OrderedJson& row, auto out) {
+    if (static_cast<Eigen::Index>(row.size()) != out.size())
+      throw std::invalid_argument("the solution has other states or controls than its problem");
+    for (Eigen::Index i = 0; i < out.size(); ++i) out[i] = number(row[i]);
+  };
+  for (int k = 0; k <= problem.knots(); ++k) copy(x[k], trajectory.x(k));
+  for (int k = 0; k < problem.knots(); ++k) copy(u[k], trajectory.u(k));
+  return trajectory;
+}
+
+/// Lists by column of a list of rows; shorter rows (no control) are null there.
+OrderedJson by_columns(const OrderedJson& rows, std::size_t columns) {
+  OrderedJson lists = OrderedJson::array();
+  for (std::size_t c = 0; c < columns; ++c) {
+    OrderedJson list = OrderedJson::array();
+    for (const OrderedJson& row : rows)
+      list.push_back(c < row.size() ? rounded(row[c]) : OrderedJson(nullptr));
+    lists.push_back(std::move(list));
+  }
+  return lists;
+}
+
+/// Control bounds per column and knot, null where there is none.
+OrderedJson bounds_json(const ShootingProblem& problem, std::size_t columns, bool upper) {
+  OrderedJson lists = OrderedJson::array();
+  for (std::size_t c = 0; c < columns; ++c) {
+    OrderedJson list = OrderedJson::array();
+    for (int k = 0; k < problem.knots(); ++k) {
+      const KnotModel& model = *problem.knot(k).model;
+      const auto& bounds = upper ? model.control_upper() : model.control_lower();
+      list.push_back(c < bounds.size() ? rounded(bounds[c]) : OrderedJson(nullptr));
+    }
+    lists.push_back(std::move(list));
+  }
+  return lists;
+}
+
+/// Largest absolute entry of each part of a list.
+OrderedJson largest_entries(const OrderedJson& list) {
+  OrderedJson norms = OrderedJson::array();
+  const auto largest = [](const auto& self, const OrderedJson& value) -> double {
+    if (!value.is_array()) return std::abs(number(value));
+    double norm = 0;
+    for (const OrderedJson& part : value) norm = std::fmax(norm, self(self, part));
+    return norm;
+  };
+  for (const OrderedJson& part : list)
+    norms.push_back(part.empty() ? OrderedJson(nullptr) : rounded(largest(largest, part)));
+  return norms;
+}
+
+OrderedJson curves_json(const OrderedJson& document) {
+  const OrderedJson& trajectory = document["trajectory"];
+  const OrderedJson& names = trajectory["columns"];
+  OrderedJson json = {{"t", trajectory["t"]}, {"phases", trajectory["phases"]}};
+  for (const char* of : {"x", "u"})
+    json[of] = {{"names", names[of]},
+                {"units", trajectory["units"][of]},
+                {"values", by_columns(trajectory[of], names[of].size())}};
+  json["contact_forces"] = rounded(trajectory.value("contact_forces", OrderedJson::object()));
+  if (document.contains("gains")) json["gain"] = largest_entries(document["gains"]["K"]);
+  if (document.contains("multipliers")) {
+    const OrderedJson& multipliers = document["multipliers"];
+    json["costates"] = largest_entries(multipliers["costates"]);
+    for (const char* side : {"control_lower", "control_upper"})
+      if (multipliers.contains(side))
+        json["u"][fmt::format("{}_multipliers", side)] =
+            by_columns(multipliers[side], names["u"].size());
+  }
+  return json;
+}
+
+/// The parts of a solution that are shown as they are.
+OrderedJson head_json(const OrderedJson& document) {
+  OrderedJson head = OrderedJson::object();
+  for (const auto& [key, value] : document.items())
+    if (key != "trajectory" && key != "gains" && key != "multipliers" && key != "nulls")
+      head[key] = value;
+  return head;
+}
+
+OrderedJson entry_json(const ReportEntry& entry) {
+  OrderedJson json = {{"label", entry.label},
+                      {"remark", entry.remark},
+                      {"head", head_json(entry.document)},
+                      {"curves", curves_json(entry.document)},
+                      {"scene", nullptr}};
+  if (entry.built == nullptr) return json;
+  const ShootingProblem& problem = *entry.built->problem;
+  const Trajectory trajectory = trajectory_of(entry.document, problem);
+  OrderedJson& u = json["curves"]["u"];
+  u["lower"] = bounds_json(problem, u["names"].size(), false);
+  u["upper"] = bounds_json(problem, u["names"].size(), true);
+  OrderedJson costs = OrderedJson::object();
+  for (const auto& [name, values] : costs_by_node(problem, trajectory)) {
+    costs[name] = OrderedJson::array();
+    for (const double value : values) costs[name].push_back(rounded(value));
+  }
+  json["curves"]["costs"] = std::move(costs);
+  json["scene"] = motion_scene(*entry.spec, *entry.built, trajectory);
+  return json;
+}
+
+}  // namespace
+
+OrderedJson report_data(const std::vector<ReportEntry>& entries) {
+  OrderedJson solutions = OrderedJson::array();
+  for (const ReportEntry& entry : entries) solutions.push_back(entry_json(entry));
+  return {{"format", "conddp.report/1"}, {"solutions", std::move(solutions)}};
+}
+
+std::string report_page(const std::string& page, const OrderedJson& data) {
+  // ASCII alone, with every '<' as an escape: no text of the data can be read as a tag.
+  const std::string text = data.dump(-1, ' ', true, OrderedJson::error_handler_t::replace);
+  std::string safe;
+  safe.reserve(text.size());
+  for (const char c : text) {
+    if (c == '<' || c == '>' || c == '&')
+      safe += fmt::format("\\u{:04x}", static_cast<unsigned>(c));
+    else
+      safe += c;
+  }
+  const std::size_t at = page.find(kReportPlaceholder);
+  if (at == page.npos) throw std::logic_error("the page of reports has no place for the data");
+  std::string result = page;
+  return result.replace(at, std::string_view(kReportPlaceholder).size(), safe);
+}
+
+}  // namespace conddp

@@ -1,0 +1,242 @@
+// Reports in a real browser: node --test report.test.mjs
+// CONDDP names the tool, CONDDP_SOURCE the source tree, CONDDP_CHROMIUM the browser.
+import assert from 'node:assert/strict';
+import {execFileSync} from 'node:child_process';
+import {mkdtempSync, readFileSync, rmSync, statSync, writeFileSync} from 'node:fs';
+import {tmpdir} from 'node:os';
+import {join} from 'node:path';
+import {after, before, test} from 'node:test';
+import {pathToFileURL} from 'node:url';
+import {chromium} from 'playwright-core';
+
+const tool = process.env.CONDDP, source = process.env.CONDDP_SOURCE;
+const folder = mkdtempSync(join(tmpdir(), 'conddp_report_'));
+let browser;
+
+before(async () => {
+  browser = await chromium.launch({
+    executablePath: process.env.CONDDP_CHROMIUM,
+    args: ['--no-sandbox', '--disable-quic', '--no-first-run', '--disable-background-networking',
+           '--disable-component-update', '--disable-sync', '--use-angle=swiftshader',
+           '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'],
+  });
+});
+
+after(async () => {
+  await browser?.close();
+  rmSync(folder, {recursive: true, force: true});
+});
+
+function run(...args) {
+  return execFileSync(tool, args, {encoding: 'utf8', cwd: source, stdio: ['ignore', 'pipe', 'pipe']});
+}
+
+/// Solves a problem; returns its answer and the report's file.
+function solve(problem, name, ...options) {
+  const out = join(folder, name);
+  run('solve', problem, '-o', out, '--report', ...options);
+  return {
+    solution: JSON.parse(readFileSync(join(out, 'solution.json'), 'utf8')),
+    json: join(out, 'solution.json'),
+    page: join(out, 'report.html'),
+  };
+}
+
+/// Waits for a condition in the page. (Playwright's own way evaluates text, which the page forbids.)
+async function until(page, condition) {
+  for (let tries = 0; tries < 400; ++tries) {
+    if (await page.evaluate(condition)) return;
+    await page.waitForTimeout(25);
+  }
+  assert.fail(`never: ${condition}`);
+}
+
+/// Opens a page and keeps what it complains about and asks the network for.
+async function open(file, options = {}) {
+  const context = await browser.newContext({viewport: {width: 1280, height: 900}, ...options});
+  const page = await context.newPage();
+  const complaints = [], requests = [];
+  page.on('console', message => {
+    if (message.type() === 'error' || message.type() === 'warning') complaints.push(message.text());
+  });
+  page.on('pageerror', error => complaints.push(String(error)));
+  page.on('request', request => {
+    if (!/^(file|data|blob):/.test(request.url())) requests.push(request.url());
+  });
+  await page.goto(pathToFileURL(file).href);
+  await until(page, () => window.conddp !== undefined);
+  return {page, context, complaints, requests};
+}
+
+/// Complaints of the software renderer about itself are not ours.
+const ours = complaints => complaints.filter(text => !/GPU stall|swiftshader|GL Driver Message/i.test(text));
+
+/// World position of a contact's frame as it stands in the scene.
+const contactInScene = (page, index) => page.evaluate(i =>
+    window.conddp.viewer.robot.contactPosition(i).toArray(), index);
+
+const problems = ['quadruped_trot', 'biped_squat', 'hopper_jump', 'arm_reach', 'cartpole_swingup'];
+
+for (const name of problems) {
+  test(`${name}: plays, scrubs, carries the trajectory, asks nobody and complains of nothing`, async () => {
+    const {solution, page: file} = solve(join(source, 'problems', `${name}.yaml`), name);
+    const {page, context, complaints, requests} = await open(file);
+    assert.match(await page.title(), new RegExp(solution.problem.name));
+    assert.equal(await page.textContent('#status'), solution.status);
+    assert.equal(await page.locator('#view canvas').count(), 1, 'there is a scene');
+
+    // Scrubbing by key: one knot, and the end.
+    await page.keyboard.press('ArrowRight');
+    const times = solution.trajectory.t;
+    assert.ok(Math.abs(await page.evaluate(() => window.conddp.player.time) - times[1]) < 1e-9);
+    await page.keyboard.press('End');
+    assert.equal(await page.evaluate(() => window.conddp.player.time), times[times.length - 1]);
+
+    // By pointer, in the middle of the band.
+    const band = await page.locator('#band').boundingBox();
+    await page.mouse.click(band.x + band.width / 2, band.y + 6);
+    const middle = await page.evaluate(() => window.conddp.player.time);
+    assert.ok(Math.abs(middle - times[times.length - 1] / 2) < 0.02 * times[times.length - 1], String(middle));
+
+    // Playing moves on and pauses.
+    await page.keyboard.press('Home');
+    await page.keyboard.press('Space');
+    await until(page, () => window.conddp.player.time > 0.05);
+    await page.keyboard.press('Space');
+    assert.equal(await page.evaluate(() => window.conddp.player.playing), false);
+
+    // The curves are those of the solution.
+    const controls = await page.evaluate(() => {
+      const plot = window.conddp.plots.find(p => p.lines.some(l => l.clamped) || /Control/.test(p.title));
+      return {names: plot.lines.map(l => l.label), values: plot.u.data.slice(1)};
+    });
+    const columns = solution.trajectory.columns.u;
+    controls.names.forEach((label, i) => {
+      const column = columns.findIndex(c => c.replace(/^u\//, '') === label);
+      assert.ok(column >= 0, label);
+      solution.trajectory.u.forEach((u, k) => {
+        if (u.length === 0) return;
+        assert.ok(Math.abs(controls.values[i][k] - u[column]) <= 1e-6 * Math.max(1, Math.abs(u[column])));
+      });
+    });
+    assert.deepEqual(ours(complaints), []);
+    assert.deepEqual(requests, []);
+    await context.close();
+  });
+}
+
+test('feet in the scene are where the trajectory says, to a millimetre', async () => {
+  const {solution, page: file} = solve(join(source, 'problems/quadruped_trot.yaml'), 'feet');
+  const {page, context} = await open(file);
+  const columns = solution.trajectory.columns.x;
+  // Forward kinematics of the robot's left fore leg, from its URDF: hip, thigh and shank.
+  const urdf = readFileSync(join(source, 'problems/robots/quadruped.urdf'), 'utf8');
+  const chain = legChain(urdf, 'lf_foot');
+  const index = await page.evaluate(() =>
+      window.conddp.solutions[0].scene.contacts.findIndex(c => c.name === 'LF'));
+  for (const k of [0, 9, 20, 33, 47, 64]) {
+    const x = solution.trajectory.x[k];
+    const value = name => x[columns.indexOf(name)];
+    const expected = footPosition(chain, value);
+    await page.evaluate(t => window.conddp.player.seek(t), solution.trajectory.t[k]);
+    const found = await contactInScene(page, index);
+    for (let i = 0; i < 3; ++i) assert.ok(Math.abs(found[i] - expected[i]) < 1e-3, `knot ${k}: ${found} ${expected}`);
+  }
+  await context.close();
+});
+
+/// Joints and fixed placements from the base to a link, read from the text of a URDF.
+function legChain(urdf, link) {
+  const chain = [];
+  while (true) {
+    const joint = [...urdf.matchAll(/<joint name="([^"]+)" type="([^"]+)">([\s\S]*?)<\/joint>/g)].find(
+        ([, , , body]) => body.includes(`<child link="${link}"`));
+    if (!joint) return chain;
+    const [, name, type, body] = joint;
+    const numbers = (tag, attribute, otherwise) => {
+      const found = body.match(new RegExp(`<${tag}[^>]*${attribute}="([^"]+)"`));
+      return found ? found[1].split(/\s+/).map(Number) : otherwise;
+    };
+    chain.unshift({name, type, xyz: numbers('origin', 'xyz', [0, 0, 0]), rpy: numbers('origin', 'rpy', [0, 0, 0]),
+                   axis: numbers('axis', 'xyz', [1, 0, 0])});
+    link = body.match(/<parent link="([^"]+)"/)[1];
+  }
+}
+
+function rotation([x, y, z, w]) {
+  return [[1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+          [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+          [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]];
+}
+
+const about = (axis, angle) => {
+  const s = Math.sin(angle / 2) / Math.hypot(...axis);
+  return rotation([...axis.map(a => a * s), Math.cos(angle / 2)]);
+};
+const times = (A, B) => A.map(row => B[0].map((_, j) => row.reduce((sum, a, i) => sum + a * B[i][j], 0)));
+const turn = (A, v) => A.map(row => row.reduce((sum, a, i) => sum + a * v[i], 0));
+
+function footPosition(chain, value) {
+  let R = rotation(['qx', 'qy', 'qz', 'qw'].map(c => value(`base/${c}`)));
+  let p = ['x', 'y', 'z'].map(c => value(`base/${c}`));
+  for (const {name, type, xyz, rpy, axis} of chain) {
+    p = turn(R, xyz).map((d, i) => d + p[i]);
+    for (const [unit, angle] of [[[0, 0, 1], rpy[2]], [[0, 1, 0], rpy[1]], [[1, 0, 0], rpy[0]]])
+      R = times(R, about(unit, angle));
+    if (type !== 'fixed') R = times(R, about(axis, value(`q/${name}`)));
+  }
+  return p;
+}
+
+test('the trot is smaller than 1.5 MB and is there within two seconds', async () => {
+  const {page: file} = solve(join(source, 'problems/quadruped_trot.yaml'), 'size');
+  assert.ok(statSync(file).size < 1.5e6, String(statSync(file).size));
+  const {page, context} = await open(file);
+  const loaded = await page.evaluate(() => performance.getEntriesByType('navigation')[0].domContentLoadedEventEnd);
+  assert.ok(loaded < 2000, `${loaded} ms`);
+  await context.close();
+});
+
+test('hostile names stay text', async () => {
+  const name = '</script><script>window.hacked=1</script>"\'&<img src=x onerror=window.hacked=2>😀';
+  const problem = join(folder, 'hostile.yaml');
+  writeFileSync(problem, `conddp: 1
+name: hostile
+description: ${JSON.stringify(name)}
+system: {type: double_integrator, dimension: 1}
+initial_state: {state: [1, 0]}
+phases: [{name: ${JSON.stringify(name)}, knots: 20, dt: 0.1}]
+costs: {${JSON.stringify(name)}: {residual: control}}
+terminal: {costs: {goal: {residual: state, weight: 10}}}
+`);
+  const {page: file} = solve(problem, 'hostile');
+  const {page, context, complaints, requests} = await open(file);
+  assert.equal(await page.evaluate(() => window.hacked), undefined);
+  assert.equal(await page.locator('img').count(), 0);
+  assert.ok((await page.textContent('#band')).includes(name));
+  assert.deepEqual(ours(complaints), []);
+  assert.deepEqual(requests, []);
+  await context.close();
+});
+
+test('at the width of a phone nothing sticks out, in the dark too', async () => {
+  const {page: file} = solve(join(source, 'problems/hopper_jump.yaml'), 'phone');
+  const {page, context} = await open(file, {viewport: {width: 375, height: 740}, colorScheme: 'dark'});
+  assert.equal(await page.getAttribute('html', 'data-theme'), 'dark');
+  const overflow = await page.evaluate(() => document.documentElement.scrollWidth - window.innerWidth);
+  assert.ok(overflow <= 0, `${overflow} px`);
+  await page.keyboard.press('d');
+  assert.equal(await page.getAttribute('html', 'data-theme'), 'light');
+  await context.close();
+});
+
+test('a plot is saved as a picture by one click', async () => {
+  const {page: file} = solve(join(source, 'problems/cartpole_swingup.yaml'), 'picture');
+  const {page, context} = await open(file);
+  const [download] = await Promise.all([page.waitForEvent('download'),
+                                        page.locator('figcaption button').first().click()]);
+  const png = readFileSync(await download.path());
+  assert.equal(png.subarray(1, 4).toString(), 'PNG');
+  assert.ok(png.length > 3000);
+  await context.close();
+});
