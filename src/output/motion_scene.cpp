@@ -7,6 +7,7 @@
 #include <Eigen/Eigenvalues>
 #include <openssl/evp.h>
 
+#include "output/closed_form_scene.hpp"
 #include "robot/frames.hpp"
 #include "robot/kinematics.hpp"
 #include "robot/text_file.hpp"
@@ -212,7 +213,7 @@ OrderedJson contact_json(const ContactSpec& contact, const Frame& frame) {
 
 OrderedJson motion_scene(const ProblemSpec& spec, const BuiltProblem& built,
                          const Trajectory& trajectory) {
-  if (!built.plant.multibody) return nullptr;
+  if (!built.plant.multibody) return closed_form_scene(*spec.system, trajectory);
   const MultibodySystem& system = *built.plant.multibody;
   const RobotModel& robot = built.plant.robot();
   OrderedJson poses = OrderedJson::array(), com = OrderedJson::array();

@@ -7,7 +7,7 @@
 namespace conddp {
 
 /// What a viewer needs to draw the robots of a problem along a trajectory, so that it needs no
-/// kinematics of its own (null for closed-form systems):
+/// kinematics of its own (null for systems that cannot be drawn, see closed_form_scene()):
 ///   bodies: name, parent, shapes with their placements in the body (a body without shapes has the
 ///           ellipsoid of its inertia);
 ///   poses: per node the position and quaternion (x y z w) of every body in the world, one list;

@@ -77,6 +77,22 @@ TEST_F(Report, EveryMovingBodyOfTheReadyRobotsCanBeSeen) {
   }
 }
 
+TEST_F(Report, ClosedFormSystemsArePutWhereTheirStatesSay) {
+  load("cartpole_swingup_closed_form.yaml");
+  Trajectory& trajectory = result_->trajectory;
+  trajectory.x(3) << 0.7, M_PI / 2, 0, 0;
+  const OrderedJson scene = motion_scene(*spec_, *built_, trajectory);
+  ASSERT_EQ(scene["bodies"].size(), 3u);
+  const SE3<double> cart = read_placement(scene["poses"], 7 * (3 * 3 + 1));
+  EXPECT_NEAR(cart.p.x, 0.7, 1e-12);
+  // The pole hangs at zero; at π/2 it points forward.
+  const OrderedJson& bob = scene["bodies"][2]["shapes"][1];
+  const SE3<double> tip =
+      read_placement(scene["poses"], 7 * (3 * 3 + 2)) * read_placement(bob["placement"], 0);
+  EXPECT_NEAR(tip.p.x, 0.7 + 0.5, 1e-12);
+  EXPECT_NEAR(tip.p.z, 0, 1e-12);
+}
+
 TEST_F(Report, CostsOverTheNodesSumToTheCost) {
   load("quadruped_jump.yaml");
   const OrderedJson data = report_data({entry()});

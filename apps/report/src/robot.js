@@ -176,7 +176,7 @@ export class Robot {
     this.com = new THREE.Group();
     this.comMarker = new THREE.Mesh(new THREE.SphereGeometry(0.018, 18, 12),
                                     new THREE.MeshStandardMaterial({color: tint}));
-    this.com.add(polyline(this.scene.com, tint), this.comMarker);
+    if (this.scene.com.length > 0) this.com.add(polyline(this.scene.com, tint), this.comMarker);
     this.root.add(this.paths, this.com);
   }
 
@@ -195,8 +195,11 @@ export class Robot {
       }
     });
     const com = this.scene.com;
-    this.comMarker.position.fromArray(com, 3 * k)
-        .lerp(this.next.position.fromArray(com, 3 * after), share);
+    if (com.length > 0)
+      this.comMarker.position.fromArray(com, 3 * k)
+          .lerp(this.next.position.fromArray(com, 3 * after), share);
+    else
+      this.comMarker.position.copy(this.bodies[1].position);
     if (this.bones.lines.visible) this.moveBones();
     for (const entry of this.contacts) this.showForce(entry, k);
   }
@@ -238,15 +241,18 @@ export class Robot {
     return foot.position.clone().applyQuaternion(body.quaternion).add(body.position);
   }
 
-  /// What all of the motion fits into.
+  /// What all of the motion fits into: everything that moves, at some times.
   bounds() {
-    const box = new THREE.Box3();
-    const n = this.bodies.length, point = new THREE.Vector3();
-    const poses = this.scene.poses;
-    for (let i = 0; i < poses.length; i += 7)
-      if ((i / 7) % n > 0) box.expandByPoint(point.fromArray(poses, i));
-    box.union(new THREE.Box3().setFromObject(this.bodies[0]));
-    for (const body of this.bodies) box.union(new THREE.Box3().setFromObject(body));
+    const box = new THREE.Box3(), one = new THREE.Box3();
+    const moving = this.bodies.slice(1);
+    const samples = 12, duration = this.solution.duration;
+    for (let i = 0; i <= samples; ++i) {
+      this.show(duration * i / samples);
+      for (const body of moving) {
+        body.updateMatrixWorld(true);
+        box.union(one.setFromObject(body));
+      }
+    }
     return box;
   }
 }

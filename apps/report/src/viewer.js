@@ -66,6 +66,7 @@ export class Viewer {
       return robot;
     });
     this.robot = this.robots.find(robot => robot);
+    this.box = this.robot.bounds();
     this.ground = groundPatches(first);
     this.scene.add(this.ground);
     this.addGrid();
@@ -80,12 +81,11 @@ export class Viewer {
   }
 
   addGrid() {
-    const box = this.robot.bounds();
+    const box = this.box;
     const size = box.getSize(new THREE.Vector3());
-    this.reach = Math.max(0.4, size.x, size.y, size.z);
-    const span = Math.max(2, Math.ceil(2.5 * this.reach));
+    const span = Math.max(2, Math.ceil(2.5 * Math.max(size.x, size.y, size.z)));
     this.grid?.removeFromParent();
-    this.grid = new THREE.GridHelper(span, 2 * span, color('line'), color('grid'));
+    this.grid = new THREE.GridHelper(span, Math.min(60, 2 * span), color('line'), color('grid'));
     this.grid.rotateX(Math.PI / 2);
     const center = box.getCenter(new THREE.Vector3());
     this.grid.position.set(Math.round(center.x), Math.round(center.y), 0);
@@ -93,7 +93,7 @@ export class Viewer {
   }
 
   addCamera() {
-    const box = this.robot.bounds();
+    const box = this.box;
     this.camera = new THREE.PerspectiveCamera(40, 1, 0.01, 200);
     this.camera.up.set(0, 0, 1);
     this.controls = new OrbitControls(this.camera, this.renderer.domElement);
@@ -102,7 +102,7 @@ export class Viewer {
     const distance = 1.55 * box.getSize(new THREE.Vector3()).length();
     this.controls.target.copy(center);
     this.camera.position.copy(center).add(
-        new THREE.Vector3(0.5, -0.8, 0.35).normalize().multiplyScalar(Math.max(0.8, distance)));
+        new THREE.Vector3(0.5, -0.8, 0.35).normalize().multiplyScalar(Math.max(0.5, distance)));
     this.controls.update();
     this.lastCom = null;
   }
