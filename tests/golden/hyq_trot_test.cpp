@@ -1,10 +1,7 @@
 // The trot of HyQ that Crocoddyl and Pinocchio solved: the same discretisation, costs and contacts,
 // and figures at the first guess and at the optimum. The robot and the figures are not part of the
 // product: without them the tests pass over themselves.
-#include <fstream>
-
 #include <Eigen/Dense>
-#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -12,7 +9,7 @@
 #include "problem_file/build.hpp"
 #include "problem_file/read_problem.hpp"
 #include "solvers/registry.hpp"
-#include "support/robots.hpp"
+#include "support/foreign_problems.hpp"
 
 namespace conddp {
 namespace {
@@ -21,66 +18,6 @@ using Eigen::Map;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Json = nlohmann::json;
-
-std::string list(const Json& numbers) { return numbers.dump(); }
-
-/// Short names of the feet: LF for lf_foot.
-std::string contact_name(const std::string& foot) {
-  return {static_cast<char>(foot[0] - 'a' + 'A'), static_cast<char>(foot[1] - 'a' + 'A')};
-}
-
-std::string problem_text(const Json& reference) {
-  const std::string x0 = list(reference["x0"]), weights = list(reference["state_weights"]);
-  std::string contacts, phases, swings;
-  for (const char* foot : {"lf_foot", "rf_foot", "lh_foot", "rh_foot"}) {
-    contacts += fmt::format("  {}: {{frame: {}}}\n", contact_name(foot), foot);
-    std::vector<int> knots;
-    Json values = Json::array();
-    for (const Json& knot : reference["knots"])
-      if (knot["swing_ref"].contains(foot)) {
-        knots.push_back(knot["k"]);
-        values.push_back(knot["swing_ref"][foot]);
-      }
-    swings += fmt::format(
-        "  swing_{0}: {{residual: frame_position, frame: {0}, weight: 1.0e+4, knots: {1}, "
-        "reference: {{knots: {1}, values: {2}}}}}\n",
-        foot, Json(knots).dump(), values.dump());
-  }
-  std::vector<std::pair<Json, int>> runs;
-  for (const Json& knot : reference["knots"]) {
-    if (runs.empty() || runs.back().first != knot["contacts"])
-      runs.push_back({knot["contacts"], 0});
-    ++runs.back().second;
-  }
-  for (const auto& [feet, knots] : runs) {
-    std::string names;
-    for (const Json& foot : feet) names += (names.empty() ? "" : ", ") + contact_name(foot);
-    phases += fmt::format("  - {{knots: {}, dt: {}, contacts: [{}]}}\n", knots,
-                          reference["dt"].get<double>(), names);
-  }
-  return fmt::format(R"(conddp: 1
-name: hyq_trot
-robot: {{urdf: hyq.urdf, base: floating}}
-contacts:
-  defaults: {{friction: 0.7, baumgarte: {{kp: 0, kd: 50}}}}
-{0}initial_state: {{state: {1}}}
-phases:
-{2}costs:
-  state: {{residual: state, reference: {1}, weight: 0.1, weights: {3}}}
-  control: {{residual: control, weight: 1.0e-3}}
-  com: {{residual: com_position, reference: {4}, weight: 100}}
-  cone: {{residual: friction_cone, contacts: all, faces: 4, inner: false, weight: 10}}
-{5}constraints:
-  torque: {{bounds: control, from: urdf}}
-terminal:
-  costs:
-    state: {{residual: state, reference: {1}, weight: 10, weights: {3}}}
-    com: {{residual: com_position, reference: {4}, weight: 100}}
-initial_guess: {{states: initial, controls: quasi_static}}
-solver: {{name: box_fddp, tolerances: {{stationarity: 1.0e-9}}}}
-)",
-                     contacts, x0, phases, weights, list(reference["com_ref"]), swings);
-}
 
 VectorXd vector_of(const Json& numbers) {
   VectorXd v(numbers.size());
@@ -97,12 +34,11 @@ class HyqTrot : public testing::Test {
  protected:
   void SetUp() override {
     const auto folder = foreign_robot_folder();
-    const auto figures = folder.parent_path() / "reference/hyq_trot.json";
-    if (!std::filesystem::exists(figures) || !std::filesystem::exists(folder / "hyq.urdf"))
-      GTEST_SKIP() << kNoForeignRobots << " and beside it reference/hyq_trot.json";
-    std::ifstream stream(figures);
-    reference_ = Json::parse(stream);
-    spec_ = read_problem_text(problem_text(reference_), folder / "hyq_trot.yaml", {}, diagnostics_);
+    const auto reference = hyq_trot_reference();
+    if (!reference) GTEST_SKIP() << kNoForeignRobots << " and beside it reference/hyq_trot.json";
+    reference_ = *reference;
+    spec_ =
+        read_problem_text(hyq_trot_text(reference_), folder / "hyq_trot.yaml", {}, diagnostics_);
     ASSERT_TRUE(spec_) << format_diagnostics(diagnostics_, false);
     built_ = build_problem(*spec_, {}, diagnostics_);
     ASSERT_TRUE(built_) << format_diagnostics(diagnostics_, false);

@@ -1,0 +1,155 @@
+// The acts that solvers call, on whole problems: how long one takes for a knot, at an iterate a few
+// iterations from the guess. The parts of `differentiate` are measured on full lanes of the first
+// phase: the dynamics alone, with the costs' gradients, with their Hessians.
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <benchmark/benchmark.h>
+
+#include "ocp/acts.hpp"
+#include "ocp/knot_batch.hpp"
+#include "problem_file/build.hpp"
+#include "problem_file/read_problem.hpp"
+#include "solvers/registry.hpp"
+#include "support/foreign_problems.hpp"
+
+namespace conddp {
+namespace {
+
+constexpr int kIterations = 5;
+
+/// A problem and the iterate at which it is measured.
+struct Case {
+  std::string name;
+  ProblemSpec spec;
+  BuiltProblem built;
+  SolveResult iterate;
+
+  const ShootingProblem& problem() const { return *built.problem; }
+};
+
+std::unique_ptr<Case> make_case(std::string name, std::optional<ProblemSpec> spec,
+                                Diagnostics& diagnostics) {
+  if (!spec) throw std::runtime_error(format_diagnostics(diagnostics, false));
+  auto built = build_problem(*spec, {}, diagnostics);
+  if (!built) throw std::runtime_error(format_diagnostics(diagnostics, false));
+  SolverOptions options = spec->solver.options;
+  options.max_iterations = kIterations;
+  options.hessian = HessianChoice::gauss_newton;
+  SolveResult iterate = solve(*built->problem, "box_fddp", options, built->guess);
+  return std::make_unique<Case>(
+      Case{std::move(name), std::move(*spec), std::move(*built), std::move(iterate)});
+}
+
+std::vector<std::unique_ptr<Case>> load_cases() {
+  std::vector<std::unique_ptr<Case>> cases;
+  Diagnostics diagnostics;
+  for (const char* name : {"quadruped_trot", "biped_squat", "arm_reach"}) {
+    const auto file = std::filesystem::path(CONDDP_SOURCE_DIR) / "problems" / name;
+    cases.push_back(
+        make_case(name, read_problem(file.string() + ".yaml", {}, diagnostics), diagnostics));
+  }
+  const auto foreign = [&](const char* name, const std::string& text) {
+    const auto file = foreign_robot_folder() / (std::string(name) + ".yaml");
+    cases.push_back(make_case(name, read_problem_text(text, file, {}, diagnostics), diagnostics));
+  };
+  if (const auto reference = hyq_trot_reference()) foreign("hyq_trot", hyq_trot_text(*reference));
+  if (std::filesystem::exists(foreign_robot_folder() / "talos_reduced.urdf"))
+    foreign("talos_squat", talos_squat_text());
+  return cases;
+}
+
+void count_knots(benchmark::State& state, int knots) {
+  state.counters["knot"] =
+      benchmark::Counter(static_cast<double>(state.iterations()) * knots,
+                         benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+}
+
+/// Times act(acts, case) over all running knots.
+template <class F>
+void add_act(const Case& c, const char* name, F act) {
+  benchmark::RegisterBenchmark((c.name + "/" + name).c_str(), [&c, act](benchmark::State& state) {
+    Acts acts(c.problem());
+    auto run = act(acts, c);
+    for (auto _ : state) {
+      run();
+      benchmark::ClobberMemory();
+    }
+    count_knots(state, c.problem().knots());
+  });
+}
+
+/// Times work(model, batch) with a knot of the first phase in every lane.
+template <class F>
+void add_part(const Case& c, const char* name, F work) {
+  benchmark::RegisterBenchmark((c.name + "/" + name).c_str(), [&c, work](benchmark::State& state) {
+    const KnotModel& model = *c.problem().knot(0).model;
+    KnotBatch<Lane> batch(model);
+    for (int l = 0; l < kLaneWidth; ++l) {
+      const int k = l % c.problem().phases().front().knots();
+      const KnotView& view = c.problem().knot(k);
+      for (int i = 0; i < model.nx(); ++i) batch.x[i].set(l, c.iterate.trajectory.x(k)[i]);
+      for (int i = 0; i < model.nu(); ++i) batch.u[i].set(l, c.iterate.trajectory.u(k)[i]);
+      for (int i = 0; i < model.parameter_count(); ++i)
+        batch.parameters[i].set(l, view.parameters[i]);
+      batch.dt.set(l, view.dt);
+      batch.cost_scale.set(l, view.cost_scale);
+    }
+    auto run = work(model, batch);
+    for (auto _ : state) {
+      run();
+      benchmark::ClobberMemory();
+    }
+    count_knots(state, kLaneWidth);
+  });
+}
+
+void add_case(const Case& c) {
+  add_act(c, "evaluate", [](Acts& acts, const Case& at) {
+    return [&acts, &at, out = Evaluation(at.problem())]() mutable {
+      acts.evaluate(at.iterate.trajectory, out);
+    };
+  });
+  add_act(c, "differentiate", [](Acts& acts, const Case& at) {
+    return [&acts, &at, out = Linearization(at.problem())]() mutable {
+      acts.differentiate(at.iterate.trajectory, out);
+    };
+  });
+  add_act(c, "lagrangian_hessian", [](Acts& acts, const Case& at) {
+    return [&acts, &at, out = Linearization(at.problem())]() mutable {
+      acts.lagrangian_hessian(at.iterate.trajectory, at.iterate.costates, out);
+    };
+  });
+  add_act(c, "roll_out", [](Acts& acts, const Case& at) {
+    std::vector<double> steps(kLaneWidth, 1.0);
+    for (int l = 1; l < kLaneWidth; ++l) steps[l] = steps[l - 1] / 2;
+    Evaluation evaluation(at.problem());
+    acts.evaluate(at.iterate.trajectory, evaluation);
+    return [&acts, &at, steps, gap = evaluation.gap, out = LaneRollout(at.problem())]() mutable {
+      acts.roll_out(at.iterate.trajectory, gap, at.iterate.feedback, steps.data(),
+                    {.contract_gaps = true, .clamp_controls = true}, out);
+    };
+  });
+  add_part(c, "dynamics", [](const KnotModel& model, KnotBatch<Lane>& batch) {
+    return [&model, &batch, data = std::shared_ptr(model.system().create_data(Lane()))] {
+      model.system().differentiate(batch.x.data(), batch.u.data(), *data);
+    };
+  });
+  add_part(c, "dynamics_and_gradients", [](const KnotModel& model, KnotBatch<Lane>& batch) {
+    return [&model, &batch] { model.differentiate(batch.input(), batch.work, false); };
+  });
+  add_part(c, "dynamics_gradients_and_hessians",
+           [](const KnotModel& model, KnotBatch<Lane>& batch) {
+             return [&model, &batch] { model.differentiate(batch.input(), batch.work, true); };
+           });
+}
+
+const bool kRegistered = [] {
+  static const std::vector<std::unique_ptr<Case>> cases = load_cases();
+  for (const auto& c : cases) add_case(*c);
+  return true;
+}();
+
+}  // namespace
+}  // namespace conddp
