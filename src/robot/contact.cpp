@@ -91,8 +91,8 @@ void update_contact(const RobotModel& model, const Contact& contact, const Robot
     out.directions[i] = contact.axes == FrameAxes::local ? d : transpose_times(out.world.R, d);
   }
   frame_jacobian(model, data, contact.frame, FrameAxes::local, out.frame_jacobian.data());
-  const int rows = contact.rows();
-  for (int c = 0; c < columns_of(model, contact); ++c) {
+  const int rows = contact.rows(), columns = columns_of(model, contact);
+  for (int c = 0; c < columns; ++c) {
     const S* full = &out.frame_jacobian[6 * c];
     S* column = &out.jacobian[rows * c];
     if (const int directions = direction_count(contact); directions > 0)

@@ -33,6 +33,15 @@ void store(const Motion<S>& m, S* column) {
   for (int i = 0; i < 6; ++i) column[i] = m[i];
 }
 
+/// What turns the axes of a frame, placed in the root frame, into those of the world; the
+/// identity where nobody asks for them.
+template <class S>
+Matrix3<S> world_rotation(const RobotModel& model, const RobotData<S>& data, int joint,
+                          const SE3<S>& m, FrameAxes axes) {
+  if (axes == FrameAxes::local) return Matrix3<S>::identity();
+  return data.root_pose(model, joint).R * m.R;
+}
+
 /// Rotates both parts of a motion.
 template <class S>
 Motion<S> rotate(const Matrix3<S>& r, const Motion<S>& m) {
@@ -87,7 +96,7 @@ void frame_jacobian(const RobotModel& model, const RobotData<S>& data, int frame
                     S* jacobian) {
   const int joint = model.frames[frame].joint;
   const SE3<S> m = placement_in_root(model, data, frame);
-  const Matrix3<S> r = data.root_pose(model, joint).R * m.R;
+  const Matrix3<S> r = world_rotation(model, data, joint, m, axes);
   S* column = jacobian + 6 * support_size(model, joint);
   for_each_axis(model, data, joint, [&](int, const Motion<S>& axis, int) {
     const Motion<S> local = act_inverse(m, axis);
@@ -130,7 +139,7 @@ void frame_jacobian_rate(const RobotModel& model, const RobotData<S>& data, int 
   const int joint = model.frames[frame].joint;
   if (joint < 0) return;
   const SE3<S> m = placement_in_root(model, data, frame);
-  const Matrix3<S> r = data.root_pose(model, joint).R * m.R;
+  const Matrix3<S> r = world_rotation(model, data, joint, m, axes);
   const Vector3<S> w = act_inverse(m, data.v[joint]).angular;
   S* column = jacobian_rate + 6 * support_size(model, joint);
   for_each_axis(model, data, joint, [&](int, const Motion<S>& axis, int j) {
@@ -149,7 +158,7 @@ void frame_velocity_derivative(const RobotModel& model, const RobotData<S>& data
   const int joint = model.frames[frame].joint;
   if (joint < 0) return;
   const SE3<S> m = placement_in_root(model, data, frame);
-  const Matrix3<S> r = data.root_pose(model, joint).R * m.R;
+  const Matrix3<S> r = world_rotation(model, data, joint, m, axes);
   const Motion<S> local = act_inverse(m, data.v[joint]);
   S* column = velocity_q + 6 * support_size(model, joint);
   for_each_axis(model, data, joint, [&](int, const Motion<S>& axis, int j) {

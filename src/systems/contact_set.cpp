@@ -11,9 +11,6 @@ namespace {
 /// ε times the robot's mass.
 constexpr double kCompliance = 1e-6;
 
-/// Columns that are worked on at a time, so that a matrix entry is read once for all of them.
-constexpr int kColumns = 4;
-
 }  // namespace
 
 ContactSet::ContactSet(const RobotModel& model, const MimicMap& mimics,
@@ -45,6 +42,7 @@ ContactSet::Data<S>::Data(const ContactSet& set, const RobotModel& model, int nv
   }
   gathered.assign(largest, S(0.0));
   response.assign(nv * m, S(0.0));
+  scaled.assign(nv * m, S(0.0));
   G.assign(m * m, S(0.0));
   factors.assign(m * m, S(0.0));
   force.assign(m, S(0.0));
@@ -69,20 +67,8 @@ void ContactSet::update(const RobotModel& model, const RobotData<S>& robot, int 
 }
 
 template <class S>
-void ContactSet::factorize(int nv, Data<S>& data) const {
+void ContactSet::factorize(Data<S>& data) const {
   const int m = rows_;
-  for (int i = 0; i < count(); ++i) {
-    const int rows = contacts_[i].rows(), first = offsets_[i];
-    const AlignedVector<S>& J = jacobian(data, i);
-    for (int column = 0; column < first + rows; ++column) {
-      const S* x = &data.response[column * nv];
-      for (int r = std::max(0, column - first); r < rows; ++r) {
-        S sum(0.0);
-        for (int c = 0; c < columns_[i].count(); ++c) sum += J[c * rows + r] * x[columns(i)[c]];
-        data.G[column * m + first + r] = sum;
-      }
-    }
-  }
   data.factors = data.G;
   factorize_ldlt(m, data.factors.data());
   const S largest_inverse(1 / (10 * compliance_));
@@ -113,76 +99,12 @@ void ContactSet::add_product(const Data<S>& data, double sign, const S* x, S* ou
 }
 
 template <class S>
-void ContactSet::apply_forces(const RobotModel& model, int nv, S* x, Data<S>& data) const {
-  solve_ldlt(rows_, data.factors.data(), data.force.data());
-  for (int k = 0; k < rows_; ++k)
-    for (int i = 0; i < nv; ++i) x[i] += data.response[k * nv + i] * data.force[k];
+void ContactSet::distribute_forces(const RobotModel& model, Data<S>& data) const {
   std::fill(data.wrenches.begin(), data.wrenches.end(), Force<S>::zero());
   for (int i = 0; i < count(); ++i) {
     set_contact_force(contacts_[i], &data.force[offsets_[i]], data.contacts[i]);
     add_contact_wrench(model, contacts_[i], data.contacts[i], data.wrenches);
   }
-}
-
-namespace {
-
-/// w ← G⁻¹ w for columns side by side.
-template <int kCount, class S>
-void solve_side_by_side(int m, const S* factors, S* W) {
-  for (int k = 0; k < m; ++k)
-    for (int i = k + 1; i < m; ++i)
-      for (int c = 0; c < kCount; ++c) W[c * m + i] -= factors[k * m + i] * W[c * m + k];
-  for (int k = m - 1; k >= 0; --k) {
-    S sum[kCount];
-    for (int c = 0; c < kCount; ++c) sum[c] = W[c * m + k] * factors[k * m + k];
-    for (int i = k + 1; i < m; ++i)
-      for (int c = 0; c < kCount; ++c) sum[c] -= factors[k * m + i] * W[c * m + i];
-    for (int c = 0; c < kCount; ++c) W[c * m + k] = sum[c];
-  }
-}
-
-/// t ← t + M⁻¹ Jᵀ w for columns side by side.
-template <int kCount, class S>
-void add_response(int nv, int m, const S* response, const S* W, S* T) {
-  for (int i = 0; i < nv; ++i) {
-    S sum[kCount];
-    for (int c = 0; c < kCount; ++c) sum[c] = T[c * nv + i];
-    for (int k = 0; k < m; ++k)
-      for (int c = 0; c < kCount; ++c) sum[c] += response[k * nv + i] * W[c * m + k];
-    for (int c = 0; c < kCount; ++c) T[c * nv + i] = sum[c];
-  }
-}
-
-/// w −= J t for columns side by side and one contact.
-template <int kCount, class S>
-void subtract_product(int nv, int m, int rows, const std::vector<int>& columns, const S* J,
-                      const S* T, S* W) {
-  const int n = static_cast<int>(columns.size());
-  for (int r = 0; r < rows; ++r) {
-    S sum[kCount];
-    for (int c = 0; c < kCount; ++c) sum[c] = W[c * m + r];
-    for (int k = 0; k < n; ++k)
-      for (int c = 0; c < kCount; ++c) sum[c] -= J[k * rows + r] * T[c * nv + columns[k]];
-    for (int c = 0; c < kCount; ++c) W[c * m + r] = sum[c];
-  }
-}
-
-}  // namespace
-
-template <class S>
-void ContactSet::correct_columns(int nv, const Data<S>& data, S* T, S* W, int column_count) const {
-  const auto correct = [&]<int kCount>(std::integral_constant<int, kCount>) {
-    for (int i = 0; i < count(); ++i)
-      subtract_product<kCount>(nv, rows_, contacts_[i].rows(), columns(i), jacobian(data, i).data(),
-                               T, W + offsets_[i]);
-    solve_side_by_side<kCount>(rows_, data.factors.data(), W);
-    add_response<kCount>(nv, rows_, data.response.data(), W, T);
-    T += kCount * nv;
-    W += kCount * rows_;
-  };
-  for (; column_count >= kColumns; column_count -= kColumns)
-    correct(std::integral_constant<int, kColumns>());
-  for (; column_count > 0; --column_count) correct(std::integral_constant<int, 1>());
 }
 
 template <class S>
@@ -204,10 +126,9 @@ void ContactSet::subtract_derivative(Data<S>& data, AlignedVector<S> ContactData
 #define CONDDP_INSTANTIATE(S)                                                                      \
   template struct ContactSet::Data<S>;                                                             \
   template void ContactSet::update(const RobotModel&, const RobotData<S>&, int, Data<S>&) const;   \
-  template void ContactSet::factorize(int, Data<S>&) const;                                        \
+  template void ContactSet::factorize(Data<S>&) const;                                             \
   template void ContactSet::add_product(const Data<S>&, double, const S*, S*) const;               \
-  template void ContactSet::apply_forces(const RobotModel&, int, S*, Data<S>&) const;              \
-  template void ContactSet::correct_columns(int, const Data<S>&, S*, S*, int) const;               \
+  template void ContactSet::distribute_forces(const RobotModel&, Data<S>&) const;                  \
   template void ContactSet::subtract_derivative(Data<S>&, AlignedVector<S> ContactData<S>::*, int, \
                                                 S*) const;
 CONDDP_FOR_EACH_SCALAR(CONDDP_INSTANTIATE)

@@ -39,30 +39,27 @@ class ContactSet {
     std::vector<ContactData<S>> contacts;
     std::vector<AlignedVector<S>> reduced;  ///< Jacobians in the system's velocities, mimics only
     AlignedVector<S> gathered;              ///< scratch of the size of the largest of them
-    AlignedVector<S> response;              ///< M⁻¹ Jᵀ, nv x m by columns
-    AlignedVector<S> G, factors;            ///< m x m by columns, lower triangles
-    MaskOf<S> compliant;                    ///< where ε was added
-    AlignedVector<S> force;                 ///< m: λ (N, Nm), or impulses (Ns, Nms)
-    AlignedVector<S> force_z;               ///< m x (2 nv + nu): derivative of λ
-    AlignedVector<Force<S>> wrenches;       ///< per joint, root frame
+    AlignedVector<S> response;    ///< Jᵀ, then L⁻ᵀ Jᵀ with M = Lᵀ D L; nv x m by columns
+    AlignedVector<S> scaled;      ///< D⁻¹ times that
+    AlignedVector<S> G, factors;  ///< m x m by columns, lower triangles
+    MaskOf<S> compliant;          ///< where ε was added
+    AlignedVector<S> force;       ///< m: λ (N, Nm), or impulses (Ns, Nms)
+    AlignedVector<S> force_z;     ///< m x (2 nv + nu): derivative of λ
+    AlignedVector<Force<S>> wrenches;  ///< per joint, root frame
   };
 
   /// Writes the contacts' Jacobians, and Jᵀ into `response`.
   template <class S>
   void update(const RobotModel& model, const RobotData<S>& robot, int nv, Data<S>& data) const;
-  /// Writes and factors G; `response` must hold M⁻¹ Jᵀ.
+  /// Factors G.
   template <class S>
-  void factorize(int nv, Data<S>& data) const;
+  void factorize(Data<S>& data) const;
   /// rows += sign · J x.
   template <class S>
   void add_product(const Data<S>& data, double sign, const S* x, S* rows) const;
-  /// Solves G λ = force in place, adds M⁻¹ Jᵀ λ to x (nv) and gives the contacts their forces and
-  /// bodies their wrenches.
+  /// Gives the contacts their forces and bodies their wrenches from λ in `force`.
   template <class S>
-  void apply_forces(const RobotModel& model, int nv, S* x, Data<S>& data) const;
-  /// For every column: w ← G⁻¹ (w − J t), t ← t + M⁻¹ Jᵀ w. T is nv x columns, W m x columns.
-  template <class S>
-  void correct_columns(int nv, const Data<S>& data, S* T, S* W, int columns) const;
+  void distribute_forces(const RobotModel& model, Data<S>& data) const;
   /// W(:, first + j) −= the contacts' columns for the derivative `member` (wrt_q or wrt_v).
   template <class S>
   void subtract_derivative(Data<S>& data, AlignedVector<S> ContactData<S>::*member, int first,

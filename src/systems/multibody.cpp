@@ -125,6 +125,7 @@ MultibodySystem::MultibodySystem(std::shared_ptr<const RobotModel> robot,
   weightless->wrenches.clear();
   weightless_ = std::move(weightless);
   state_columns_ = state_names(*robot_, mimics_);
+  solver_ = ColumnSolver(*robot_, !mimics_.identity(), nv(), contacts_, entries_, nu_);
 }
 
 MultibodySystem::MultibodySystem(std::shared_ptr<const RobotModel> robot, Actuation actuation,
@@ -156,18 +157,20 @@ MultibodySystem::MultibodySystem(std::shared_ptr<const RobotModel> robot, Actuat
       passive_joints_.push_back(
           {mimics_.column(joint.v), damping, friction, passive.friction_velocity / k});
   }
+  solver_ = ColumnSolver(*robot_, !mimics_.identity(), n, contacts_, entries_, nu_);
 }
 
 std::shared_ptr<const MultibodySystem> MultibodySystem::with_contacts(
     std::vector<Contact> contacts) const {
   auto held = std::make_shared<MultibodySystem>(*this);
   held->contacts_ = ContactSet(*robot_, mimics_, std::move(contacts));
+  held->solver_ = ColumnSolver(*robot_, !mimics_.identity(), nv(), held->contacts_, entries_, nu_);
   return held;
 }
 
 std::vector<int> MultibodySystem::actuated_rows() const {
   std::vector<int> rows;
-  for (const Entry& e : entries_) rows.push_back(e.row);
+  for (const auto& e : entries_) rows.push_back(e.row);
   std::sort(rows.begin(), rows.end());
   rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
   return rows;
@@ -236,7 +239,8 @@ MultibodySystem::Data<S>::Data(const MultibodySystem& system)
       gravity_q(system.nv() * system.nv(), S(0.0)),
       velocity(system.robot().nv, S(0.0)),
       columns(6 * system.robot().nv, S(0.0)),
-      contacts(system.contacts(), system.robot(), system.nv(), system.nu()) {
+      contacts(system.contacts(), system.robot(), system.nv(), system.nu()),
+      solver(system.solver_) {
   if (system.mimic_map().identity()) return;
   const RobotModel& model = system.robot();
   mimic.q.assign(model.nq, S(0.0));
@@ -258,7 +262,7 @@ MultibodySystem::Coordinates<S> MultibodySystem::full_coordinates(const S* x, Da
 template <class S>
 void MultibodySystem::applied_forces(const S* v, const S* u, Data<S>& data) const {
   std::fill(data.force.begin(), data.force.end(), S(0.0));
-  for (const Entry& e : entries_) data.force[e.row] += u[e.column] * S(e.value);
+  for (const auto& e : entries_) data.force[e.row] += u[e.column] * S(e.value);
   for (const PassiveJoint& joint : passive_joints_) {
     S& force = data.force[joint.row];
     force -= v[joint.row] * S(joint.damping);
@@ -269,36 +273,39 @@ void MultibodySystem::applied_forces(const S* v, const S* u, Data<S>& data) cons
 }
 
 template <class S>
-void MultibodySystem::add_passive_slopes(const S* v, Data<S>& data) const {
-  const int n = nv();
+void MultibodySystem::add_passive_slopes(const S* v, S* tau_v) const {
   for (const PassiveJoint& joint : passive_joints_) {
-    S& slope = data.fx[(n + joint.row) * n + joint.row];
-    slope -= S(joint.damping);
+    S& slope = tau_v[joint.row * (nv() + 1)];
+    slope += S(joint.damping);
     if (joint.friction > 0) {
       const S h = logistic(v[joint.row], joint.friction_velocity);
-      slope -= S(4 * joint.friction / joint.friction_velocity) * (S(1.0) - h) * h;
+      slope += S(4 * joint.friction / joint.friction_velocity) * (S(1.0) - h) * h;
     }
   }
 }
 
 template <class S>
-void MultibodySystem::accelerate_reduced(const Coordinates<S>& full, Data<S>& data) const {
-  update_placements(*robot_, full.q, data.robot);
-  update_velocities(*robot_, full.v, data.robot);
-  mass_matrix(*robot_, data.robot);
-  mimics_.reduce_symmetric(data.robot.M.data(), data.mimic.M.data());
-  factorize_ldlt(nv(), data.mimic.M.data());
-  bias_forces(*robot_, full.v, data.robot);
-  mimics_.reduce_force(data.robot.bias.data(), data.f.data());
-  for (int i = 0; i < nv(); ++i) data.f[i] = data.force[i] - data.f[i];
-  solve_ldlt(nv(), data.mimic.M.data(), data.f.data());
-  mimics_.expand_velocity(data.f.data(), data.robot.acceleration.data());
+MassFactors<S> MultibodySystem::mass_factors(const Data<S>& data) const {
+  if (mimics_.identity()) return {data.robot.L.data(), data.robot.D_inverse.data(), 1};
+  return {data.mimic.M.data(), data.mimic.M.data(), nv() + 1};
 }
 
 template <class S>
-void MultibodySystem::solve_mass(const Data<S>& data, S* x, int columns) const {
-  if (mimics_.identity()) return solve_mass_matrix(*robot_, data.robot, x, columns);
-  for (int c = 0; c < columns; ++c) solve_ldlt(nv(), data.mimic.M.data(), x + c * nv());
+void MultibodySystem::expand_velocity(const S* v, S* full) const {
+  if (mimics_.identity())
+    std::copy(v, v + nv(), full);
+  else
+    mimics_.expand_velocity(v, full);
+}
+
+template <class S>
+void MultibodySystem::update_mass(const Coordinates<S>& full, Data<S>& data) const {
+  update_placements(*robot_, full.q, data.robot);
+  update_velocities(*robot_, full.v, data.robot);
+  mass_matrix(*robot_, data.robot);
+  if (mimics_.identity()) return factorize_mass_matrix(*robot_, data.robot);
+  mimics_.reduce_symmetric(data.robot.M.data(), data.mimic.M.data());
+  factorize_ldlt(nv(), data.mimic.M.data());
 }
 
 template <class S>
@@ -306,15 +313,21 @@ void MultibodySystem::evaluate_as(const S* x, const S* u, Data<S>& data) const {
   if (kind() == SystemKind::impulse) return evaluate_impulse(x, data);
   applied_forces(x + nq(), u, data);
   const Coordinates<S> full = full_coordinates(x, data);
-  if (mimics_.identity()) {
-    forward_dynamics(*robot_, full.q, full.v, data.force.data(), data.robot);
-    std::copy(data.robot.acceleration.begin(), data.robot.acceleration.end(), data.f.begin());
-  } else {
-    accelerate_reduced(full, data);
+  update_mass(full, data);
+  bias_forces(*robot_, full.v, data.robot);
+  const S* bias = data.robot.bias.data();
+  if (!mimics_.identity()) {
+    mimics_.reduce_force(bias, data.f.data());
+    bias = data.f.data();
   }
-  if (contacts_.empty()) return;
-  prepare_contacts(data);
-  hold_contacts(data);
+  for (int i = 0; i < nv(); ++i) data.f[i] = data.force[i] - bias[i];
+  solver_.solve_first_half(mass_factors(data), data.f.data());
+  if (!contacts_.empty()) {
+    prepare_contacts(data);
+    hold_contacts(data);
+  }
+  solver_.solve_second_half(mass_factors(data), data.f.data());
+  expand_velocity(data.f.data(), data.robot.acceleration.data());
 }
 
 template <class S>
@@ -326,25 +339,21 @@ void MultibodySystem::differentiate_as(const S* x, const S* u, Data<S>& data) co
   const bool identity = mimics_.identity();
   inverse_dynamics_derivatives(*robot_, identity ? v : data.mimic.v.data(), data.robot,
                                contacts_.empty() ? nullptr : &data.contacts.wrenches);
-  for (int i = 0; i < contacts_.count(); ++i)
-    subtract_direction_derivative(*robot_, contacts_.contacts()[i], data.contacts.contacts[i],
-                                  data.robot.tau_q);
-  if (identity) {
-    for (int i = 0; i < n * n; ++i) {
-      data.fx[i] = -data.robot.tau_q[i];
-      data.fx[n * n + i] = -data.robot.tau_v[i];
-    }
-  } else {
-    mimics_.reduce_matrix(data.robot.tau_q.data(), data.fx.data());
-    mimics_.reduce_matrix(data.robot.tau_v.data(), data.fx.data() + n * n);
-    for (S& entry : data.fx) entry = -entry;
+  for (int i = 0; i < contacts_.count(); ++i) {
+    const Contact& contact = contacts_.contacts()[i];
+    subtract_direction_derivative(*robot_, contact, data.contacts.contacts[i], data.robot.tau_q);
+    contact_acceleration_derivatives(*robot_, contact, data.robot, data.contacts.contacts[i]);
   }
-  add_passive_slopes(v, data);
-  std::fill(data.fu.begin(), data.fu.end(), S(0.0));
-  for (const Entry& e : entries_) data.fu[e.column * n + e.row] = S(e.value);
-  solve_mass(data, data.fx.data(), 2 * n);
-  solve_mass(data, data.fu.data(), nu_);
-  if (!contacts_.empty()) differentiate_contacts(data);
+  load_contact_derivatives(data);
+  S* tau_q = identity ? data.robot.tau_q.data() : data.fx.data();
+  S* tau_v = identity ? data.robot.tau_v.data() : tau_q + n * n;
+  if (!identity) {
+    mimics_.reduce_matrix(data.robot.tau_q.data(), tau_q);
+    mimics_.reduce_matrix(data.robot.tau_v.data(), tau_v);
+  }
+  add_passive_slopes(v, tau_v);
+  solver_.solve_columns(mass_factors(data), tau_q, tau_v, data.contacts, data.fx.data(),
+                        data.fu.data(), data.solver);
 }
 
 template <class S>
@@ -368,7 +377,9 @@ void MultibodySystem::gravity_torques(Data<S>& data, bool derivative) const {
 
 #define CONDDP_INSTANTIATE(S)                                                                    \
   template struct MultibodySystem::Data<S>;                                                      \
-  template void MultibodySystem::solve_mass(const Data<S>&, S*, int) const;                      \
+  template MassFactors<S> MultibodySystem::mass_factors(const Data<S>&) const;                   \
+  template void MultibodySystem::expand_velocity(const S*, S*) const;                            \
+  template void MultibodySystem::update_mass(const Coordinates<S>&, Data<S>&) const;             \
   template MultibodySystem::Coordinates<S> MultibodySystem::full_coordinates(const S*, Data<S>&) \
       const;                                                                                     \
   template void MultibodySystem::evaluate_as(const S*, const S*, Data<S>&) const;                \

@@ -7,6 +7,7 @@
 
 #include "robot/dynamics.hpp"
 #include "robot/model.hpp"
+#include "systems/column_solver.hpp"
 #include "systems/contact_set.hpp"
 #include "systems/mimic_map.hpp"
 #include "systems/system.hpp"
@@ -88,6 +89,7 @@ class MultibodySystem : public SystemBase<MultibodySystem> {
     AlignedVector<S> columns;             ///< 6 x robot().nv: scratch for Jacobians of residuals
     MimicData<S> mimic;
     ContactSet::Data<S> contacts;
+    ColumnSolver::Data<S> solver;
   };
 
   /// The same system with these contacts and no others.
@@ -145,31 +147,31 @@ class MultibodySystem : public SystemBase<MultibodySystem> {
   Coordinates<S> full_coordinates(const S* x, Data<S>& data) const;
   template <class S>
   void applied_forces(const S* v, const S* u, Data<S>& data) const;
+  /// Adds to ∂tau/∂v what passive forces change.
   template <class S>
-  void add_passive_slopes(const S* v, Data<S>& data) const;
-  /// a = (Gᵀ M G)⁻¹ (force − Gᵀ bias), and the robot's acceleration G a.
+  void add_passive_slopes(const S* v, S* tau_v) const;
   template <class S>
-  void accelerate_reduced(const Coordinates<S>& full, Data<S>& data) const;
+  MassFactors<S> mass_factors(const Data<S>& data) const;
+  /// Kinematics and the factors of M.
   template <class S>
-  void solve_mass(const Data<S>& data, S* x, int columns) const;
-  /// M⁻¹ Jᵀ and the factors of the contacts' G; M must be factored.
+  void update_mass(const Coordinates<S>& full, Data<S>& data) const;
+  /// The contacts' Jacobians and the factors of their G; M must be factored.
   template <class S>
   void prepare_contacts(Data<S>& data) const;
-  /// Adds the contacts' forces to the acceleration in data.f.
+  /// Adds the contacts' forces to what is halfway between forces and accelerations in data.f.
   template <class S>
   void hold_contacts(Data<S>& data) const;
-  /// Turns data.fx and data.fu, accelerations at fixed contact forces, into those with contacts.
+  /// Minus the derivatives of the contacts' accelerations or velocities into force_z.
   template <class S>
-  void differentiate_contacts(Data<S>& data) const;
+  void load_contact_derivatives(Data<S>& data) const;
+  /// v of the robot from that of the system.
+  template <class S>
+  void expand_velocity(const S* v, S* full) const;
   template <class S>
   void evaluate_impulse(const S* x, Data<S>& data) const;
   template <class S>
   void differentiate_impulse(const S* x, Data<S>& data) const;
 
-  struct Entry {
-    int row, column;
-    double value;
-  };
   /// Passive force −damping·v − friction·tanh(v / friction_velocity) on a row.
   struct PassiveJoint {
     int row;
@@ -181,7 +183,8 @@ class MultibodySystem : public SystemBase<MultibodySystem> {
   ContactSet contacts_;
   double restitution_ = 0;
   std::shared_ptr<const RobotModel> weightless_;  ///< of impulses: no gravity, no wrenches
-  std::vector<Entry> entries_;                    ///< non-zeros of B
+  std::vector<ColumnSolver::Entry> entries_;      ///< non-zeros of B
+  ColumnSolver solver_;
   std::vector<PassiveJoint> passive_joints_;
 };
 
