@@ -10,6 +10,7 @@
 #include <tbb/task_arena.h>
 
 #include "ocp/knot_batch.hpp"
+#include "ocp/lane_transfer.hpp"
 
 namespace conddp {
 
@@ -106,6 +107,12 @@ struct Acts::Impl {
     for (const KnotModel* model : order) {
       index[model] = static_cast<int>(models.size());
       models.push_back(model);
+      const auto& pattern = model->hessian_pattern();
+      hessians.push_back(LaneScatter::symmetric(pattern, model->nz()));
+      lasting_hessians.push_back(LaneScatter::symmetric(
+          {pattern.begin(), pattern.begin() + model->lasting_entries()}, model->nz()));
+      constraints.push_back(
+          LaneScatter::matrix(model->constraint_pattern(), model->constraint_rows(), model->nz()));
       const std::vector<int>& knots = by_model[model];
       for (std::size_t first = 0; first < knots.size(); first += kLaneWidth) {
         Group& group = groups.emplace_back();
@@ -142,89 +149,96 @@ struct Acts::Impl {
   void load(const Group& group, const Trajectory& t, const Augmentation* augmentation,
             KnotBatch<S>& batch) const {
     const KnotModel& model = *models[group.model];
+    const bool running = model.integrator() != Integrator::none;
+    const double* from[kLaneWidth];
+    const auto gather = [&](int n, AlignedVector<S>& to, auto place) {
+      for (int l = 0; l < kLaneWidth; ++l) from[l] = place(group.knots[l]);
+      gather_lanes(from, n, [&to](int i, Lane value) { lane_of(to[i]) = value; });
+    };
+    gather(model.nx(), batch.x, [&](int k) { return t.x(k).data(); });
+    gather(model.parameter_count(), batch.parameters,
+           [&](int k) { return problem.knot(k).parameters; });
+    if (running) {
+      gather(model.nu(), batch.u, [&](int k) { return t.u(k).data(); });
+      gather(model.nx(), batch.x_next, [&](int k) { return t.x(k + 1).data(); });
+    }
     for (int l = 0; l < kLaneWidth; ++l) {
-      const int k = group.knots[l];
-      const KnotView& view = problem.knot(k);
-      const double* x = t.x(k).data();
-      for (int i = 0; i < model.nx(); ++i) lane_of(batch.x[i]).set(l, x[i]);
-      if (k < problem.knots()) {
-        const double* u = t.u(k).data();
-        for (int i = 0; i < model.nu(); ++i) lane_of(batch.u[i]).set(l, u[i]);
-        const double* after = t.x(k + 1).data();
-        for (int i = 0; i < model.nx(); ++i) lane_of(batch.x_next[i]).set(l, after[i]);
-      }
-      for (int i = 0; i < model.parameter_count(); ++i)
-        lane_of(batch.parameters[i]).set(l, view.parameters[i]);
+      const KnotView& view = problem.knot(group.knots[l]);
       lane_of(batch.dt).set(l, view.dt);
       lane_of(batch.cost_scale).set(l, view.cost_scale);
     }
     batch.augmented = augmentation != nullptr;
     if (!batch.augmented) return;
-    for (int l = 0; l < kLaneWidth; ++l) {
-      const int first = problem.constraint_offset(group.knots[l]);
-      for (int i = 0; i < model.constraint_rows(); ++i) {
-        lane_of(batch.penalty[i]).set(l, augmentation->penalty[first + i]);
-        lane_of(batch.shift[i]).set(l, augmentation->shift[first + i]);
-        lane_of(batch.multiplier[i]).set(l, augmentation->multiplier[first + i]);
-      }
-    }
+    const auto gather_rows = [&](const Eigen::VectorXd& rows, AlignedVector<S>& to) {
+      gather(model.constraint_rows(), to,
+             [&](int k) { return rows.data() + problem.constraint_offset(k); });
+    };
+    gather_rows(augmentation->penalty, batch.penalty);
+    gather_rows(augmentation->shift, batch.shift);
+    gather_rows(augmentation->multiplier, batch.multiplier);
   }
 
   /// Costs, gaps and constraint values, into an Evaluation or a Linearization.
   template <class Out>
   void store_values(const Group& group, KnotBatch<Lane>& batch, Out& out) const {
     const KnotModel& model = *models[group.model];
+    double *gap[kLaneWidth], *constraint[kLaneWidth];
     const bool running = model.integrator() != Integrator::none;
-    if (running)
-      model.manifold().difference(batch.x_next.data(), batch.work.next().data(),
-                                  batch.tangent.data());
     for (int l = 0; l < group.count; ++l) {
       const int k = group.knots[l];
       out.cost[k] = batch.work.cost[l];
-      if (running)
-        for (int i = 0; i < model.ndx(); ++i) out.gap(i, k) = batch.tangent[i][l];
       out.augmentation[k] = batch.work.augmentation[l];
-      for (int i = 0; i < model.constraint_rows(); ++i)
-        out.constraint[problem.constraint_offset(k) + i] = batch.work.constraint[i][l];
+      constraint[l] = out.constraint.data() + problem.constraint_offset(k);
+      if (running) gap[l] = out.gap.col(k).data();
     }
+    scatter_lanes(batch.work.constraint.data(), model.constraint_rows(), constraint, group.count);
+    if (!running) return;
+    model.manifold().difference(batch.x_next.data(), batch.work.next().data(),
+                                batch.tangent.data());
+    scatter_lanes(batch.tangent.data(), model.ndx(), gap, group.count);
   }
 
   void store_derivatives(const Group& group, const KnotBatch<Lane>& batch,
                          Linearization& out) const {
     const KnotModel& model = *models[group.model];
-    const auto& pattern = model.hessian_pattern();
-    const AlignedVector<Lane>& F = batch.work.F();
-    for (int l = 0; l < group.count; ++l) {
-      KnotLinearization& knot = out.knots[group.knots[l]];
-      for (int i = 0; i < model.nz(); ++i) knot.gradient[i] = batch.work.gradient[i][l];
-      double* hessian = knot.hessian.data();
-      const int nz = model.nz();
-      for (std::size_t e = 0; e < pattern.size(); ++e) {
-        const auto [row, column] = pattern[e];
-        const double h = batch.work.hessian[e][l];
-        hessian[column * nz + row] = h;
-        hessian[row * nz + column] = h;
+    const KnotWorkspace<Lane>& work = batch.work;
+    double* to[kLaneWidth];
+    const auto place = [&](auto of_knot) -> double* const* {
+      for (int l = 0; l < group.count; ++l) to[l] = of_knot(out.knots[group.knots[l]]);
+      return to;
+    };
+    scatter_lanes(work.gradient.data(), model.nz(),
+                  place([](KnotLinearization& knot) { return knot.gradient.data(); }), group.count);
+    if (work.rest_is_zero())
+      for (int l = 0; l < group.count; ++l) out.knots[group.knots[l]].hessian.setZero();
+    (work.rest_is_zero() ? lasting_hessians : hessians)[group.model](
+        work.hessian.data(), place([](KnotLinearization& knot) { return knot.hessian.data(); }),
+        group.count);
+    constraints[group.model](work.constraint_jacobian.data(),
+                             place([](KnotLinearization& knot) { return knot.C.data(); }),
+                             group.count);
+    scatter_lanes(work.F().data(), static_cast<int>(work.F().size()),
+                  place([](KnotLinearization& knot) { return knot.F.data(); }), group.count);
+    const KnotLinearization& first = out.knots[group.knots[0]];
+    const auto store_blocks = [&](const AlignedVector<Lane>& blocks, auto member) {
+      for (std::size_t s = 0; s < (first.*member).size(); ++s) {
+        const int n = first.curved[s].n;
+        for (int i = 0; i < n; ++i)
+          scatter_lanes(
+              &blocks[s * StateManifold::kBlockSize + i * n], n,
+              place([&](KnotLinearization& knot) { return (knot.*member)[s].row(i).data(); }),
+              group.count);
       }
-      const auto& entries = model.constraint_pattern();
-      for (std::size_t e = 0; e < entries.size(); ++e)
-        knot.C(entries[e].first, entries[e].second) = batch.work.constraint_jacobian[e][l];
-      double* f = knot.F.data();
-      for (std::size_t i = 0; i < F.size(); ++i) f[i] = F[i][l];
-      for (std::size_t s = 0; s < knot.A.size(); ++s)
-        for (int i = 0; i < knot.curved[s].n; ++i)
-          for (int j = 0; j < knot.curved[s].n; ++j) {
-            const int at =
-                static_cast<int>(s) * StateManifold::kBlockSize + i * knot.curved[s].n + j;
-            knot.A[s](i, j) = batch.work.state_blocks()[at][l];
-            knot.H[s](i, j) = batch.work.step_blocks()[at][l];
-          }
-    }
+    };
+    store_blocks(work.state_blocks(), &KnotLinearization::A);
+    store_blocks(work.step_blocks(), &KnotLinearization::H);
   }
 
   const ShootingProblem& problem;
   int threads;
   tbb::task_arena arena;
   std::vector<const KnotModel*> models;
+  std::vector<LaneScatter> hessians, lasting_hessians, constraints;  ///< by model
   std::vector<Group> groups;
   std::vector<int> model_of_knot;
   std::vector<std::vector<std::unique_ptr<KnotBatch<Lane>>>> lanes;        ///< thread, model

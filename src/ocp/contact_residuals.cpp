@@ -80,31 +80,33 @@ class ContactOf {
   std::vector<int> z_columns_;
 };
 
+/// Force and torque in the axes of the world or the frame, or the force alone.
 class ContactForce : public ResidualBase<ContactForce> {
  public:
-  explicit ContactForce(ContactOf contact)
-      : ResidualBase({{rows_of(contact), contact.columns()}}, rows_of(contact), false),
-        contact_(std::move(contact)) {}
+  ContactForce(ContactOf contact, FrameAxes axes, int rows, bool has_reference)
+      : ResidualBase({{rows, contact.columns()}}, has_reference ? rows : 0, false),
+        contact_(std::move(contact)),
+        axes_(axes) {}
 
   template <class S>
   void evaluate_as(const ResidualInput<S>& in, S* r) const {
-    const Force<S> f = contact_force_in_world(contact_.data(in));
-    for (int i = 0; i < size(); ++i) r[i] = f[i] - in.parameters[i];
+    const ContactData<S>& data = contact_.data(in);
+    const Force<S> f = axes_ == FrameAxes::local ? data.local : contact_force_in_world(data);
+    for (int i = 0; i < size(); ++i) r[i] = f[i];
+    for (int i = 0; i < parameter_count(); ++i) r[i] -= in.parameters[i];
   }
   template <class S>
   void differentiate_as(const ResidualInput<S>& in, S* r, S* jacobian) const {
     evaluate_as(in, r);
     const int n = size();
-    contact_.for_each_column(in, FrameAxes::world_aligned, [&](int c, const Force<S>& change) {
+    contact_.for_each_column(in, axes_, [&](int c, const Force<S>& change) {
       for (int i = 0; i < n; ++i) jacobian[c * n + i] = change[i];
     });
   }
 
  private:
-  static int rows_of(const ContactOf& contact) {
-    return contact.spec().kind == ContactKind::surface ? 6 : 3;
-  }
   ContactOf contact_;
+  FrameAxes axes_;
 };
 
 class ContactCone : public ResidualBase<ContactCone> {
@@ -114,11 +116,13 @@ class ContactCone : public ResidualBase<ContactCone> {
         contact_(std::move(contact)),
         columns_(static_cast<int>(cone.A.cols())),
         axes_(columns_ == 6 ? FrameAxes::local : FrameAxes::world_aligned),
-        A_(cone.A.size()) {
+        image_{std::make_shared<ContactForce>(contact_, axes_, columns_, false),
+               std::vector<double>(cone.A.size())} {
     for (int i = 0; i < cone.A.rows(); ++i)
-      for (int j = 0; j < columns_; ++j) A_[i * columns_ + j] = cone.A(i, j);
+      for (int j = 0; j < columns_; ++j) image_.A[i * columns_ + j] = cone.A(i, j);
   }
 
+  const LinearImage* linear_image() const override { return &image_; }
   template <class S>
   void evaluate_as(const ResidualInput<S>& in, S* r) const {
     const ContactData<S>& data = contact_.data(in);
@@ -134,7 +138,7 @@ class ContactCone : public ResidualBase<ContactCone> {
  private:
   template <class S>
   void multiply(const Force<S>& f, S* r) const {
-    const double* a = A_.data();
+    const double* a = image_.A.data();
     for (int i = 0; i < size(); ++i) {
       r[i] = f[0] * S(*a++);
       for (int j = 1; j < columns_; ++j) r[i] += f[j] * S(*a++);
@@ -143,7 +147,7 @@ class ContactCone : public ResidualBase<ContactCone> {
   ContactOf contact_;
   int columns_;
   FrameAxes axes_;
-  std::vector<double> A_;  ///< by rows
+  LinearImage image_;
 };
 
 class FrictionCone : public ResidualBase<FrictionCone> {
@@ -193,7 +197,9 @@ class FrictionCone : public ResidualBase<FrictionCone> {
 
 std::shared_ptr<const Residual> contact_force_residual(const SystemPointer& system, int contact,
                                                        int ndx) {
-  return std::make_shared<ContactForce>(ContactOf(system, contact, ndx));
+  const ContactOf of(system, contact, ndx);
+  const int rows = of.spec().kind == ContactKind::surface ? 6 : 3;
+  return std::make_shared<ContactForce>(of, FrameAxes::world_aligned, rows, true);
 }
 std::shared_ptr<const Residual> contact_cone_residual(const SystemPointer& system, int contact,
                                                       int ndx, const LinearCone& cone) {

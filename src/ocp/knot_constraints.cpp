@@ -1,5 +1,6 @@
 #include <stdexcept>
 
+#include "ocp/gauss_newton.hpp"
 #include "ocp/knot_model.hpp"
 
 namespace conddp {
@@ -82,7 +83,6 @@ int KnotModel::add_constraint(ConstraintTerm term) {
   if (term.residual->needs_control() && nu() == 0)
     throw std::invalid_argument("constraint " + term.name +
                                 " needs a control, which this node has not");
-  constraint_pattern_index_.push_back(index_pairs(term.blocks));
   term.row = constraint_rows_;
   term.parameters = parameter_count_;
   term.jacobian = static_cast<int>(constraint_pattern_.size());
@@ -94,7 +94,9 @@ int KnotModel::add_constraint(ConstraintTerm term) {
   }
   constraint_rows_ += term.rows;
   parameter_count_ = term.active() + 1;
-  return constraints_.emplace_back(std::move(term)).parameters;
+  const int parameters = constraints_.emplace_back(std::move(term)).parameters;
+  index_hessian();
+  return parameters;
 }
 
 template <class S>
@@ -128,25 +130,34 @@ void KnotModel::differentiate_constraints(const KnotInput<S>& in, KnotWorkspace<
     if (in.penalty == nullptr) continue;
     work.augmentation +=
         augment<S>(term, in, g, work.shifted_.data(), weight, hessian ? curvature : nullptr);
+    // Rows inside their set have no multiplier and no curvature.
+    const int curvatures = term.has_bounds() ? term.rows : term.rows * term.rows;
+    if (all_zero(weight, term.rows) && (!hessian || all_zero(curvature, curvatures))) continue;
+    if (hessian) work.rest_is_zero_ = false;
     const int* pair = constraint_pattern_index_[t].data();
     int row = 0;
     for (const RowBlock& block : term.blocks) {
       const int rows = block.rows, columns = static_cast<int>(block.columns.size());
-      for (int a = 0; a < columns; ++a) {
-        const S* ja = jacobian + a * rows;
-        for (int i = 0; i < rows; ++i) work.gradient[block.columns[a]] += ja[i] * weight[row + i];
+      S* weighted = work.weighted_jacobian_.data();
+      for (int c = 0; c < columns; ++c) {
+        const S* column = jacobian + c * rows;
+        for (int i = 0; i < rows; ++i)
+          work.gradient[block.columns[c]] += column[i] * weight[row + i];
         if (!hessian) continue;
-        for (int b = 0; b <= a; ++b) {
-          const S* jb = jacobian + b * rows;
-          S h(0.0);
+        for (int i = 0; i < rows; ++i) {
           if (term.has_bounds()) {
-            for (int i = 0; i < rows; ++i) h += ja[i] * curvature[row + i] * jb[i];
-          } else {
-            for (int i = 0; i < rows; ++i)
-              for (int j = 0; j < rows; ++j) h += ja[i] * curvature[j * rows + i] * jb[j];
+            *weighted++ = curvature[row + i] * column[i];
+            continue;
           }
-          work.hessian[*pair++] += h;
+          S sum = curvature[i * rows] * column[0];
+          for (int j = 1; j < rows; ++j) sum += curvature[i * rows + j] * column[j];
+          *weighted++ = sum;
         }
+      }
+      if (hessian) {
+        add_products(rows, columns, jacobian, work.weighted_jacobian_.data(), pair,
+                     work.hessian.data());
+        pair += columns * (columns + 1) / 2;
       }
       jacobian += rows * columns;
       row += rows;

@@ -1,10 +1,19 @@
 #include "ocp/knot_model.hpp"
 
 #include <algorithm>
-#include <map>
 #include <stdexcept>
 
+#include "ocp/gauss_newton.hpp"
+
 namespace conddp {
+namespace {
+
+/// Whether a cost can have no slope and no curvature: inside its bounds a barrier has neither.
+bool may_rest(const Activation& activation) {
+  return activation.kind == ActivationKind::quadratic_barrier;
+}
+
+}  // namespace
 
 KnotModel::KnotModel(std::shared_ptr<const System> system, Integrator integrator,
                      bool control_memory)
@@ -33,9 +42,6 @@ int KnotModel::add_cost(std::string name, std::shared_ptr<const Residual> residu
                         Activation activation) {
   if (residual->needs_control() && nu() == 0)
     throw std::invalid_argument("cost " + name + " needs a control, which this node has not");
-  std::vector<RowBlock> blocks = residual->blocks();
-  if (activation.kind == ActivationKind::smooth_l2) blocks.push_back({1, column_range(0, nz())});
-  pattern_index_.push_back(index_pairs(blocks));
   CostTerm& term = costs_.emplace_back();
   term.name = std::move(name);
   term.parameters = parameter_count_;
@@ -43,22 +49,41 @@ int KnotModel::add_cost(std::string name, std::shared_ptr<const Residual> residu
   parameter_count_ = term.weight + 1;
   term.residual = std::move(residual);
   term.activation = std::move(activation);
+  index_hessian();
   return term.parameters;
 }
 
-std::vector<int> KnotModel::index_pairs(const std::vector<RowBlock>& blocks) {
-  std::map<std::pair<int, int>, int> index;
-  for (std::size_t i = 0; i < pattern_.size(); ++i) index[pattern_[i]] = static_cast<int>(i);
-  std::vector<int> pairs;
-  for (const RowBlock& block : blocks)
-    for (std::size_t a = 0; a < block.columns.size(); ++a)
-      for (std::size_t b = 0; b <= a; ++b) {
-        const std::pair<int, int> pair{block.columns[a], block.columns[b]};
-        const auto [it, fresh] = index.try_emplace(pair, static_cast<int>(pattern_.size()));
-        if (fresh) pattern_.push_back(pair);
-        pairs.push_back(it->second);
-      }
-  return pairs;
+void KnotModel::index_hessian() {
+  const int n = nz();
+  std::vector<int> entry_at(n * n, -1);
+  pattern_.clear();
+  pattern_index_.resize(costs_.size());
+  constraint_pattern_index_.resize(constraints_.size());
+  const auto index = [&](const std::vector<RowBlock>& blocks, std::vector<int>& pairs) {
+    pairs.clear();
+    for (const RowBlock& block : blocks)
+      for (std::size_t a = 0; a < block.columns.size(); ++a)
+        for (std::size_t b = 0; b <= a; ++b) {
+          int& entry = entry_at[block.columns[b] * n + block.columns[a]];
+          if (entry < 0) {
+            entry = static_cast<int>(pattern_.size());
+            pattern_.emplace_back(block.columns[a], block.columns[b]);
+          }
+          pairs.push_back(entry);
+        }
+  };
+  for (const bool rests : {false, true}) {
+    for (std::size_t t = 0; t < costs_.size(); ++t) {
+      if (may_rest(costs_[t].activation) != rests) continue;
+      std::vector<RowBlock> blocks = costs_[t].residual->blocks();
+      if (costs_[t].activation.kind == ActivationKind::smooth_l2)
+        blocks.push_back({1, column_range(0, n)});
+      index(blocks, pattern_index_[t]);
+    }
+    if (!rests) lasting_entries_ = static_cast<int>(pattern_.size());
+  }
+  for (std::size_t t = 0; t < constraints_.size(); ++t)
+    index(constraints_[t].blocks, constraint_pattern_index_[t]);
 }
 
 void KnotModel::set_control_bounds(std::vector<double> lower, std::vector<double> upper) {
@@ -134,51 +159,102 @@ void KnotModel::evaluate_costs(const KnotInput<S>& in, KnotWorkspace<S>& work) c
   }
 }
 
+namespace {
+
+/// gradient ← Aᵀ gradient and W = Aᵀ diag(diagonal) A (k x k) for A with k columns, by rows.
+template <class S>
+void pull_back(const std::vector<double>& A, int rows, int k, const S* diagonal, S* gradient,
+               S* W) {
+  S pulled[6];
+  std::fill_n(pulled, k, S(0.0));
+  std::fill_n(W, k * k, S(0.0));
+  for (int r = 0; r < rows; ++r) {
+    const double* row = &A[r * k];
+    for (int i = 0; i < k; ++i) {
+      if (row[i] == 0) continue;
+      pulled[i] += gradient[r] * row[i];
+      const S scaled = diagonal[r] * row[i];
+      for (int j = 0; j <= i; ++j)
+        if (row[j] != 0) W[i * k + j] += scaled * row[j];
+    }
+  }
+  for (int i = 0; i < k; ++i)
+    for (int j = 0; j < i; ++j) W[j * k + i] = W[i * k + j];
+  std::copy_n(pulled, k, gradient);
+}
+
+}  // namespace
+
 template <class S>
 void KnotModel::differentiate_costs(const KnotInput<S>& in, KnotWorkspace<S>& work,
                                     bool hessian) const {
   work.cost = S(0.0);
   std::fill(work.gradient.begin(), work.gradient.end(), S(0.0));
-  if (hessian) std::fill(work.hessian.begin(), work.hessian.end(), S(0.0));
-  S* r = work.residual_.data();
-  S* gradient = work.activation_gradient_.data();
-  S* diagonal = work.activation_diagonal_.data();
+  if (hessian) {
+    const auto rest = work.hessian.begin() + lasting_entries_;
+    std::fill(work.hessian.begin(), rest, S(0.0));
+    if (!work.rest_is_zero_) std::fill(rest, work.hessian.end(), S(0.0));
+    work.rest_is_zero_ = true;
+  }
   for (std::size_t t = 0; t < costs_.size(); ++t) {
     const CostTerm& term = costs_[t];
+    const LinearImage* image = term.residual->linear_image();
+    const Residual& inner = image ? *image->of : *term.residual;
     const ResidualInput<S> input{in.x, in.u, in.parameters + term.parameters, *work.system_};
-    term.residual->differentiate(input, r, work.residual_jacobian_.data());
+    const bool rests = may_rest(term.activation);
+    S* r = work.residual_.data();
+    S* jacobian = work.residual_jacobian_.data();
+    S* gradient = work.activation_gradient_.data();
+    S* diagonal = work.activation_diagonal_.data();
+    if (image || rests)
+      term.residual->evaluate(input, r);
+    else
+      inner.differentiate(input, r, jacobian);
     const S scale = in.cost_scale * in.parameters[term.weight];
+    const int rows = term.residual->size();
     S rank_one;
-    const S value =
-        term.activation.differentiate(r, term.residual->size(), gradient, diagonal, rank_one);
+    const S value = term.activation.differentiate(r, rows, gradient, diagonal, rank_one);
     work.term_costs[t] = scale * value;
     work.cost += work.term_costs[t];
+    if (rests) {
+      if (all_zero(gradient, rows) && all_zero(diagonal, rows)) continue;
+      if (hessian) work.rest_is_zero_ = false;
+    }
+    if (image || rests) inner.differentiate(input, r, jacobian);
+    S W[36];
+    if (image) pull_back(image->A, rows, inner.size(), diagonal, gradient, W);
     const bool dense = term.activation.kind == ActivationKind::smooth_l2;
     if (dense) std::fill(work.term_gradient_.begin(), work.term_gradient_.end(), S(0.0));
-    const S* jacobian = work.residual_jacobian_.data();
     const int* pair = pattern_index_[t].data();
-    for (const RowBlock& block : term.residual->blocks()) {
-      const int rows = block.rows, columns = static_cast<int>(block.columns.size());
-      for (int a = 0; a < columns; ++a) {
-        const S* ja = jacobian + a * rows;
-        S g = ja[0] * gradient[0];
-        for (int i = 1; i < rows; ++i) g += ja[i] * gradient[i];
-        work.gradient[block.columns[a]] += scale * g;
-        if (dense) work.term_gradient_[block.columns[a]] += g;
+    for (const RowBlock& block : inner.blocks()) {
+      const int columns = static_cast<int>(block.columns.size());
+      S* weighted = work.weighted_jacobian_.data();
+      for (int c = 0; c < columns; ++c) {
+        const S* column = jacobian + c * block.rows;
+        S g = column[0] * gradient[0];
+        for (int i = 1; i < block.rows; ++i) g += column[i] * gradient[i];
+        work.gradient[block.columns[c]] += scale * g;
+        if (dense) work.term_gradient_[block.columns[c]] += g;
         if (!hessian) continue;
-        for (int b = 0; b <= a; ++b) {
-          const S* jb = jacobian + b * rows;
-          S h = ja[0] * diagonal[0] * jb[0];
-          for (int i = 1; i < rows; ++i) h += ja[i] * diagonal[i] * jb[i];
-          work.hessian[*pair++] += scale * h;
+        if (!image) {
+          for (int i = 0; i < block.rows; ++i) *weighted++ = scale * diagonal[i] * column[i];
+          continue;
+        }
+        for (int i = 0; i < block.rows; ++i) {
+          S sum = W[i * block.rows] * column[0];
+          for (int j = 1; j < block.rows; ++j) sum += W[i * block.rows + j] * column[j];
+          *weighted++ = scale * sum;
         }
       }
-      jacobian += rows * columns;
-      gradient += rows;
-      diagonal += rows;
+      if (hessian) {
+        add_products(block.rows, columns, jacobian, work.weighted_jacobian_.data(), pair,
+                     work.hessian.data());
+        pair += columns * (columns + 1) / 2;
+      }
+      jacobian += block.rows * columns;
+      gradient += block.rows;
+      diagonal += block.rows;
     }
-    gradient = work.activation_gradient_.data();
-    diagonal = work.activation_diagonal_.data();
     if (!dense || !hessian) continue;
     const S factor = scale * rank_one;
     for (int row = 0; row < nz(); ++row)
@@ -242,7 +318,7 @@ KnotWorkspace<S>::KnotWorkspace(const KnotModel& model)
   int constraint_rows = 0;
   for (const ConstraintTerm& term : model.constraints()) {
     rows = std::max(rows, term.residual->size());
-    entries = std::max(entries, term.residual->jacobian_size());
+    entries = std::max({entries, term.residual->jacobian_size(), term.jacobian_size()});
     constraint_rows = std::max(constraint_rows, term.rows);
   }
   shifted_.assign(constraint_rows, S(0.0));
@@ -250,6 +326,7 @@ KnotWorkspace<S>::KnotWorkspace(const KnotModel& model)
   curvature_.assign(constraint_rows * constraint_rows, S(0.0));
   residual_.assign(rows, S(0.0));
   residual_jacobian_.assign(entries, S(0.0));
+  weighted_jacobian_.assign(entries, S(0.0));
   activation_gradient_.assign(rows, S(0.0));
   activation_diagonal_.assign(rows, S(0.0));
 }

@@ -83,8 +83,10 @@ class KnotModel {
   /// Rows of F: nv where semi_implicit(), else ndx, 0 at a terminal node.
   int jacobian_rows() const;
   /// Where Gauss-Newton Hessians of costs and constraints can be non-zero: (row, column),
-  /// row ≥ column.
+  /// row ≥ column. Behind the first lasting_entries() stands what only barriers and constraints
+  /// fill, which have no curvature inside their bounds.
   const std::vector<std::pair<int, int>>& hessian_pattern() const { return pattern_; }
+  int lasting_entries() const { return lasting_entries_; }
 
   /// Next state, cost and constraint values into the workspace.
   template <class S>
@@ -114,8 +116,8 @@ class KnotModel {
   void differentiate_constraints(const KnotInput<S>& in, KnotWorkspace<S>& work,
                                  bool hessian) const;
 
-  /// The indices in the pattern of the pairs of columns of blocks, new ones appended to it.
-  std::vector<int> index_pairs(const std::vector<RowBlock>& blocks);
+  /// Writes the pattern of Hessians and its indices from costs and constraints.
+  void index_hessian();
 
   std::shared_ptr<const System> system_;
   StateManifold manifold_;
@@ -125,6 +127,7 @@ class KnotModel {
   std::vector<CostTerm> costs_;
   std::vector<double> lower_, upper_;
   std::vector<std::pair<int, int>> pattern_;
+  int lasting_entries_ = 0;
   /// For each cost, for each block, for each pair of its columns (a ≥ b): index in the pattern.
   std::vector<std::vector<int>> pattern_index_;
   std::vector<ConstraintTerm> constraints_;
@@ -154,15 +157,19 @@ class KnotWorkspace {
   S augmentation;                        ///< what constraints add to the cost
   AlignedVector<S> constraint;           ///< g, constraint_rows()
   AlignedVector<S> constraint_jacobian;  ///< in the order of constraint_pattern()
+  /// Whether all of `hessian` behind the lasting entries is zero.
+  bool rest_is_zero() const { return rest_is_zero_; }
 
  private:
   friend class KnotModel;
 
+  bool rest_is_zero_ = true;
   bool memory_;
   std::unique_ptr<SystemData<S>> system_;
   IntegratorWorkspace<S> integrator_;
   AlignedVector<S> next_, F_;  ///< with the control memory appended
-  AlignedVector<S> residual_, residual_jacobian_, activation_gradient_, activation_diagonal_;
+  AlignedVector<S> residual_, activation_gradient_, activation_diagonal_;
+  AlignedVector<S> residual_jacobian_, weighted_jacobian_;
   AlignedVector<S> term_gradient_;
   AlignedVector<S> shifted_, weight_, curvature_;  ///< of one constraint: rows, rows, rows²
 };

@@ -26,6 +26,14 @@ struct RowBlock {
   std::vector<int> columns;
 };
 
+class Residual;
+
+/// A residual whose rows are constant linear functions of another one's fewer rows, r = A·of.
+struct LinearImage {
+  std::shared_ptr<const Residual> of;  ///< without parameters
+  std::vector<double> A;               ///< rows of r x rows of `of`, by rows
+};
+
 /// A vector function r(x, u; parameters) of a knot, used as a cost through an activation or as a
 /// constraint through a set. Immutable; derive through ResidualBase.
 class Residual {
@@ -40,6 +48,8 @@ class Residual {
   bool needs_control() const { return needs_control_; }
   /// The structure of its Jacobian: blocks of rows in order.
   const std::vector<RowBlock>& blocks() const { return blocks_; }
+  /// Of what it is a linear image, null if of nothing: costs form their Hessians from that.
+  virtual const LinearImage* linear_image() const { return nullptr; }
   /// Numbers in the packed Jacobian: the blocks one after the other, each by columns.
   int jacobian_size() const {
     int n = 0;

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
 #include <utility>
+
+#include "spatial/lane_transpose.hpp"
 
 namespace conddp {
 namespace {
@@ -12,14 +13,6 @@ namespace {
 /// 32 with AVX-512 and 16 without.
 constexpr int kTileLanes = kLaneWidth == 8 ? 4 : 2;
 constexpr int kTileCols = 6;
-
-inline Lane load(const double* p) {
-  Lane a;
-  std::memcpy(&a.v, p, sizeof(a.v));
-  return a;
-}
-
-inline void store(double* p, Lane a) { std::memcpy(p, &a.v, sizeof(a.v)); }
 
 template <int kLanes, int kCols>
 void tile(Store mode, int inner, const double* __restrict A, int a_stride, Factor B,
@@ -33,7 +26,7 @@ void tile(Store mode, int inner, const double* __restrict A, int a_stride, Facto
   for (int k = 0; k < inner; ++k) {
     Lane a[kLanes];
 #pragma GCC unroll 8
-    for (int r = 0; r < kLanes; ++r) a[r] = load(A + r * kLaneWidth);
+    for (int r = 0; r < kLanes; ++r) a[r] = load_lane(A + r * kLaneWidth);
 #pragma GCC unroll 8
     for (int c = 0; c < kCols; ++c) {
       const Lane factor(b[c * B.column_step]);
@@ -48,9 +41,9 @@ void tile(Store mode, int inner, const double* __restrict A, int a_stride, Facto
 #pragma GCC unroll 8
     for (int r = 0; r < kLanes; ++r) {
       double* out = C + c * c_stride + r * kLaneWidth;
-      if (mode == Store::add) sum[c][r] = load(out) + sum[c][r];
-      if (mode == Store::subtract) sum[c][r] = load(out) - sum[c][r];
-      store(out, sum[c][r]);
+      if (mode == Store::add) sum[c][r] = load_lane(out) + sum[c][r];
+      if (mode == Store::subtract) sum[c][r] = load_lane(out) - sum[c][r];
+      store_lane(out, sum[c][r]);
     }
 }
 
@@ -89,43 +82,15 @@ void multiply_tiles(Store mode, bool lower, LaneBlock C, LaneBlock A, Factor B) 
   }
 }
 
-/// Lanes of two vectors by number: those of the first, then those of the second.
-template <int... kIndex>
-inline Lane pick(Lane a, Lane b) {
-#if defined(__clang__)
-  return Lane(__builtin_shufflevector(a.v, b.v, kIndex...));
-#else
-  return Lane(__builtin_shuffle(a.v, b.v, LaneMask::Vector{kIndex...}));
-#endif
-}
-
-/// Exchanges the quadrants off the diagonal in every square of 2 kHalf rows and lanes.
-template <int kHalf, int... kIndex>
-inline void exchange_quadrants(Lane (&x)[kLaneWidth], std::integer_sequence<int, kIndex...> lanes) {
-#pragma GCC unroll 8
-  for (int r = 0; r < kLaneWidth; ++r) {
-    if ((r & kHalf) != 0) continue;
-    const Lane a = x[r], b = x[r + kHalf];
-    x[r] = pick<((kIndex & kHalf) != 0 ? kLaneWidth + kIndex - kHalf : kIndex)...>(a, b);
-    x[r + kHalf] = pick<((kIndex & kHalf) != 0 ? kLaneWidth + kIndex : kIndex + kHalf)...>(a, b);
-  }
-  if constexpr (kHalf > 1) exchange_quadrants<kHalf / 2>(x, lanes);
-}
-
-/// Lane i of vector j becomes lane j of vector i.
-inline void transpose_lanes(Lane (&x)[kLaneWidth]) {
-  exchange_quadrants<kLaneWidth / 2>(x, std::make_integer_sequence<int, kLaneWidth>());
-}
-
 inline void load_columns(Lane (&x)[kLaneWidth], const double* from, int stride, int count) {
 #pragma GCC unroll 8
-  for (int c = 0; c < kLaneWidth; ++c) x[c] = c < count ? load(from + c * stride) : Lane(0.0);
+  for (int c = 0; c < kLaneWidth; ++c) x[c] = c < count ? load_lane(from + c * stride) : Lane(0.0);
 }
 
 inline void store_columns(const Lane (&x)[kLaneWidth], double* to, int stride, int count) {
 #pragma GCC unroll 8
   for (int c = 0; c < kLaneWidth; ++c)
-    if (c < count) store(to + c * stride, x[c]);
+    if (c < count) store_lane(to + c * stride, x[c]);
 }
 
 }  // namespace

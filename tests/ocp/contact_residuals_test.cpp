@@ -65,6 +65,101 @@ TEST_P(ContactResiduals, GradientsAtImpulsesAreThoseOfDualNumbers) {
                                    Integrator::impulse, random);
 }
 
+/// A residual that keeps to itself of what it is a linear image.
+class Plain : public ResidualBase<Plain> {
+ public:
+  explicit Plain(std::shared_ptr<const Residual> of)
+      : ResidualBase(of->blocks(), of->parameter_count(), of->needs_control()),
+        of_(std::move(of)) {}
+  template <class S>
+  void evaluate_as(const ResidualInput<S>& in, S* r) const {
+    of_->evaluate(in, r);
+  }
+  template <class S>
+  void differentiate_as(const ResidualInput<S>& in, S* r, S* jacobian) const {
+    of_->differentiate(in, r, jacobian);
+  }
+
+ private:
+  std::shared_ptr<const Residual> of_;
+};
+
+TEST_P(ContactResiduals, CostsOfLinearImagesAreThoseOfTheirRows) {
+  RandomNumbers random(34);
+  const ContactCase& c = GetParam();
+  const auto system = std::make_shared<MultibodySystem>(c.robot, Actuation::full(*c.robot),
+                                                        PassiveForces{}, c.contacts);
+  for (const NamedResidual& named : residuals_of(system)) {
+    if (named.residual->linear_image() == nullptr) continue;
+    const int rows = named.residual->size();
+    Activation barrier{.kind = ActivationKind::quadratic_barrier};
+    for (int i = 0; i < rows; ++i) {
+      barrier.lower.push_back(random.uniform(-100, 0));
+      barrier.upper.push_back(random.uniform(0, 100));
+      barrier.weights.push_back(random.uniform(0.5, 2));
+    }
+    for (const Activation& activation :
+         {Activation{}, barrier, Activation{.kind = ActivationKind::smooth_l2, .epsilon = 1}}) {
+      std::shared_ptr<KnotModel> models[2];
+      for (auto& model : models)
+        model = std::make_shared<KnotModel>(system, Integrator::semi_implicit_euler);
+      models[0]->add_cost("image", named.residual, activation);
+      models[1]->add_cost("plain", std::make_shared<Plain>(named.residual), activation);
+      const KnotCase knot = make_case(named.name, models[0], random);
+      const KnotInput<double> in{knot.x.data(), knot.u.data(), knot.parameters.data(), knot.dt,
+                                 knot.dt};
+      KnotWorkspace<double> image(*models[0]), plain(*models[1]);
+      models[0]->differentiate(in, image, true);
+      models[1]->differentiate(in, plain, true);
+      EXPECT_EQ(image.cost, plain.cost) << named.name;
+      const auto expect_near = [&](const AlignedVector<double>& a, const AlignedVector<double>& b) {
+        ASSERT_EQ(a.size(), b.size());
+        double scale = 1;
+        for (double entry : b) scale = std::max(scale, std::abs(entry));
+        for (std::size_t i = 0; i < a.size(); ++i) EXPECT_NEAR(a[i], b[i], 1e-12 * scale);
+      };
+      expect_near(image.gradient, plain.gradient);
+      expect_near(image.hessian, plain.hessian);
+    }
+  }
+}
+
+TEST_P(ContactResiduals, ABarrierInsideItsBoundsHasNoSlopeAndLeavesNoCurvatureBehind) {
+  RandomNumbers random(35);
+  const ContactCase& c = GetParam();
+  const auto system = std::make_shared<MultibodySystem>(c.robot, Actuation::full(*c.robot),
+                                                        PassiveForces{}, c.contacts);
+  const auto residual = contact_force_residual(system, 0, system->ndx());
+  const Activation barrier{.kind = ActivationKind::quadratic_barrier,
+                           .lower = std::vector<double>(residual->size(), 0),
+                           .upper = std::vector<double>(residual->size(), 0)};
+  auto model = std::make_shared<KnotModel>(system, Integrator::semi_implicit_euler);
+  const int reference = model->add_cost("force", residual, barrier);
+  KnotCase knot = make_case("force", model, random);
+  const KnotInput<double> in{knot.x.data(), knot.u.data(), knot.parameters.data(), knot.dt,
+                             knot.dt};
+  KnotWorkspace<double> work(*model);
+  const auto largest = [](const AlignedVector<double>& a) {
+    double sum = 0;
+    for (double entry : a) sum = std::max(sum, std::abs(entry));
+    return sum;
+  };
+  model->differentiate(in, work, true);
+  EXPECT_GT(largest(work.gradient), 0);
+  EXPECT_GT(largest(work.hessian), 0);
+  // With the force itself as the reference nothing is left outside.
+  std::vector<double> zero(residual->parameter_count(), 0), force(residual->size());
+  const auto data = system->create_data(double{});
+  system->evaluate(knot.x.data(), knot.u.data(), *data);
+  residual->evaluate(ResidualInput<double>{knot.x.data(), knot.u.data(), zero.data(), *data},
+                     force.data());
+  std::copy(force.begin(), force.end(), knot.parameters.begin() + reference);
+  model->differentiate(in, work, true);
+  EXPECT_EQ(work.cost, 0);
+  EXPECT_EQ(largest(work.gradient), 0);
+  EXPECT_EQ(largest(work.hessian), 0);
+}
+
 /// Contacts that a robot can keep all at once: where it cannot, forces are as large as 1/ε, and
 /// rounding with them.
 std::vector<ContactCase> independent_contact_cases() {

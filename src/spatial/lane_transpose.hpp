@@ -1,0 +1,47 @@
+#pragma once
+
+#include <utility>
+
+#include "spatial/lane.hpp"
+
+namespace conddp {
+
+namespace detail {
+/// Lanes of two vectors by number: those of the first, then those of the second.
+template <int... kIndex>
+inline Lane pick(Lane a, Lane b) {
+#if defined(__clang__)
+  return Lane(__builtin_shufflevector(a.v, b.v, kIndex...));
+#else
+  return Lane(__builtin_shuffle(a.v, b.v, LaneMask::Vector{kIndex...}));
+#endif
+}
+
+/// Exchanges the quadrants off the diagonal in every square of 2 kHalf rows and lanes.
+template <int kHalf, int... kIndex>
+inline void exchange_quadrants(Lane (&x)[kLaneWidth], std::integer_sequence<int, kIndex...> lanes) {
+#pragma GCC unroll 8
+  for (int r = 0; r < kLaneWidth; ++r) {
+    if ((r & kHalf) != 0) continue;
+    const Lane a = x[r], b = x[r + kHalf];
+    x[r] = pick<((kIndex & kHalf) != 0 ? kLaneWidth + kIndex - kHalf : kIndex)...>(a, b);
+    x[r + kHalf] = pick<((kIndex & kHalf) != 0 ? kLaneWidth + kIndex : kIndex + kHalf)...>(a, b);
+  }
+  if constexpr (kHalf > 1) exchange_quadrants<kHalf / 2>(x, lanes);
+}
+}  // namespace detail
+
+/// Lane i of vector j becomes lane j of vector i.
+inline void transpose_lanes(Lane (&x)[kLaneWidth]) {
+  detail::exchange_quadrants<kLaneWidth / 2>(x, std::make_integer_sequence<int, kLaneWidth>());
+}
+
+/// kLaneWidth numbers from or to anywhere.
+inline Lane load_lane(const double* from) {
+  Lane x;
+  __builtin_memcpy(&x, from, sizeof x);
+  return x;
+}
+inline void store_lane(double* to, Lane x) { __builtin_memcpy(to, &x, sizeof x); }
+
+}  // namespace conddp
