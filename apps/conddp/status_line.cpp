@@ -31,6 +31,12 @@ void StatusLine::show(const IterationRecord& row) {
   refresh();
 }
 
+void StatusLine::show(const std::string& figures) {
+  if (!active_) return;
+  figures_ = ", " + figures;
+  refresh();
+}
+
 void StatusLine::refresh() {
   if (!active_) return;
   const Clock::time_point now = Clock::now();

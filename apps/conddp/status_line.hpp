@@ -20,6 +20,8 @@ class StatusLine {
 
   /// Remembers the row, and draws where that is due.
   void show(const IterationRecord& row);
+  /// The same with other words instead of a row's figures.
+  void show(const std::string& figures);
   /// Draws again where that is due: the time goes on while an iteration lasts.
   void refresh();
   void erase();

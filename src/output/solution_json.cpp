@@ -36,25 +36,6 @@ OrderedJson problem_json(const Solution& s) {
           {"configuration", expand_problem(s.spec, s.built)}};
 }
 
-OrderedJson tool_json() {
-  const BuildInfo& info = build_info();
-  OrderedJson libraries = OrderedJson::object();
-  for (const LibraryVersion& library : info.libraries)
-    libraries[std::string(library.name)] = library.version;
-  return {{"name", "conddp"},
-          {"version", info.version},
-          {"revision", info.revision},
-          {"modified", info.dirty},
-          {"build",
-           {{"compiler", info.compiler},
-            {"type", info.build_type},
-            {"flags", info.flags},
-            {"march", info.march},
-            {"instruction_set", info.instruction_set},
-            {"lane_width", kLaneWidth}}},
-          {"libraries", std::move(libraries)}};
-}
-
 OrderedJson residuals_json(const Residuals& r) {
   return {{"stationarity", finite_or_null(r.stationarity)},
           {"gap", finite_or_null(r.gap)},
@@ -251,6 +232,25 @@ OrderedJson head(const Solution& s) {
 }
 
 }  // namespace
+
+OrderedJson tool_json() {
+  const BuildInfo& info = build_info();
+  OrderedJson libraries = OrderedJson::object();
+  for (const LibraryVersion& library : info.libraries)
+    libraries[std::string(library.name)] = library.version;
+  return {{"name", "conddp"},
+          {"version", info.version},
+          {"revision", info.revision},
+          {"modified", info.dirty},
+          {"build",
+           {{"compiler", info.compiler},
+            {"type", info.build_type},
+            {"flags", info.flags},
+            {"march", info.march},
+            {"instruction_set", info.instruction_set},
+            {"lane_width", kLaneWidth}}},
+          {"libraries", std::move(libraries)}};
+}
 
 OrderedJson solution_head(const Solution& s) {
   OrderedJson json = head(s);

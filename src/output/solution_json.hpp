@@ -9,6 +9,9 @@ namespace conddp {
 /// times, guess.
 OrderedJson solution_head(const Solution& solution);
 
+/// Which conddp it was: version, revision, build, libraries.
+OrderedJson tool_json();
+
 /// The whole of solution.json (schemas/solution.schema.json).
 OrderedJson solution_json(const Solution& solution);
 

@@ -1,0 +1,285 @@
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "analysis/random_instance.hpp"
+#include "argument_checks.hpp"
+#include "bench_problems.hpp"
+#include "commands.hpp"
+#include "exit_codes.hpp"
+#include "interrupt.hpp"
+#include "messages.hpp"
+#include "output/atomic_file.hpp"
+#include "output/benchmark_report.hpp"
+#include "output/gnuplot.hpp"
+#include "output/json_text.hpp"
+#include "robot/near_names.hpp"
+#include "solvers/option_table.hpp"
+#include "status_line.hpp"
+#include "streams.hpp"
+#include "terminal.hpp"
+
+namespace conddp {
+namespace {
+
+struct BenchArguments {
+  std::vector<std::string> inputs;
+  std::string solvers = "all";
+  std::vector<std::string> drop;
+  std::vector<std::string> settings;
+  std::vector<std::string> tolerances;
+  std::vector<std::string> perturbations;
+  std::string folder;
+  int repeat = 5;
+  int threads = 0;
+  int instances = 1;
+  std::uint64_t seed = 1;
+  double max_time = 0;
+  bool json = false;
+};
+
+constexpr const char* kInitialState = "initial_state";
+
+std::vector<const SolverInfo*> choose_solvers(const std::string& list, Diagnostics& out) {
+  std::vector<const SolverInfo*> chosen;
+  std::vector<std::string> names;
+  for (const SolverInfo& info : solvers()) names.emplace_back(info.name);
+  for (std::size_t start = 0; start <= list.size();) {
+    const std::size_t end = std::min(list.find(',', start), list.size());
+    const std::string name = list.substr(start, end - start);
+    start = end + 1;
+    if (name == kAll) {
+      for (const SolverInfo& info : solvers()) chosen.push_back(&info);
+    } else if (const SolverInfo* info = find_solver(name)) {
+      chosen.push_back(info);
+    } else {
+      out.error({}, fmt::format("--solvers: there is no solver '{}'", name),
+                name_hint(name, names, "solvers"), names);
+    }
+  }
+  for (std::size_t i = 0; i < chosen.size(); ++i)
+    if (std::find(chosen.begin(), chosen.begin() + i, chosen[i]) != chosen.begin() + i)
+      out.error({}, fmt::format("--solvers: '{}' stands twice", chosen[i]->name));
+  return chosen;
+}
+
+/// What the command line says about options of the solve.
+void apply(const BenchArguments& arguments, SolverOptions& options) {
+  if (arguments.max_time > 0) options.max_time_s = arguments.max_time;
+  if (arguments.threads > 0) options.threads = arguments.threads;
+  for (const auto& [name, value] : named_numbers(arguments.tolerances))
+    find_option("tolerances." + name)->set(options, value);
+}
+
+/// The options that differ from the defaults, by their dotted names.
+OrderedJson changed_options(const SolverOptions& options) {
+  OrderedJson json = OrderedJson::object();
+  for (const OptionInfo& info : option_table()) {
+    const OptionValue value = info.get(options);
+    if (value != info.default_value())
+      std::visit([&](const auto& v) { json[std::string(info.name)] = v; }, value);
+  }
+  return json;
+}
+
+class Bench {
+ public:
+  Bench(const BenchArguments& arguments, std::vector<const SolverInfo*> solvers)
+      : arguments_(arguments),
+        solvers_(std::move(solvers)),
+        status_(message_format() == MessageFormat::kText && terminal_of(2).redraws) {
+    const auto perturbations = named_numbers(arguments.perturbations);
+    if (!perturbations.empty()) perturbation_ = perturbations.at(kInitialState);
+    BenchmarkRequest& request = report_.request;
+    for (const SolverInfo* solver : solvers_) request.solvers.emplace_back(solver->name);
+    request.repeat = arguments.repeat;
+    request.instances = perturbation_ ? arguments.instances : 0;
+    request.seed = arguments.seed;
+    request.perturbation = perturbation_.value_or(0);
+    request.drop = arguments.drop;
+    request.settings = arguments.settings;
+    for (const auto& [name, value] : named_numbers(arguments.tolerances))
+      request.tolerances[name] = value;
+  }
+
+  /// False after a signal.
+  bool run(BenchProblem& problem) {
+    if (!perturbation_) return run(problem, std::nullopt);
+    for (int i = 0; i < arguments_.instances; ++i)
+      if (!run(problem, arguments_.seed + i)) return false;
+    return true;
+  }
+
+  void finish() {
+    status_.erase();
+    compare_costs(report_.entries);
+    if (!arguments_.folder.empty()) write();
+    print_result(arguments_.json ? json_text(benchmark_json(report_))
+                                 : benchmark_text(report_, false));
+  }
+
+ private:
+  bool run(BenchProblem& problem, std::optional<std::uint64_t> seed) {
+    for (const SolverInfo* solver : solvers_) {
+      const BuiltProblem& built = problem.fitting(*solver, arguments_.drop);
+      status_.show(fmt::format("{}{}, {}", problem.spec.name.value,
+                               seed ? fmt::format(" seed {}", *seed) : "", solver->name));
+      if (!seed) {
+        add(problem, built, *built.problem, built.guess, *solver, seed);
+      } else {
+        const ShootingProblem instance =
+            perturb_initial_state(*built.problem, *perturbation_, *seed);
+        Trajectory guess = built.guess;
+        guess.x(0) =
+            Eigen::Map<const Eigen::VectorXd>(instance.initial_state().data(), instance.nx());
+        add(problem, built, instance, guess, *solver, seed);
+      }
+      if (InterruptGuard::signal() != 0) return false;
+    }
+    return true;
+  }
+
+  void add(const BenchProblem& problem, const BuiltProblem& built, const ShootingProblem& instance,
+           const Trajectory& guess, const SolverInfo& solver, std::optional<std::uint64_t> seed) {
+    SolverOptions options = problem.spec.solver.options;
+    options.interrupted = [] { return InterruptGuard::signal() != 0; };
+    BenchmarkEntry entry{.problem = problem.spec.name.value,
+                         .file = problem.spec.file.string(),
+                         .sha256 = problem.spec.sha256,
+                         .knots = instance.knots(),
+                         .states = instance.ndx(),
+                         .seed = seed,
+                         .options = changed_options(options)};
+    for (int k = 0; k < instance.knots(); ++k)
+      entry.controls = std::max(entry.controls, instance.nu(k));
+    Trajectory answer = guess;
+    entry.run = run_benchmark(instance, guess, solver, options, arguments_.repeat, &answer);
+    if (InterruptGuard::signal() != 0) return;
+    for (const DroppedConstraint& constraint : built.dropped)
+      if (!entry.run.times.empty())
+        entry.left_out.push_back({constraint.name, violation(constraint, instance, answer)});
+    report_.entries.push_back(std::move(entry));
+  }
+
+  void write() {
+    const std::filesystem::path folder = arguments_.folder;
+    create_folder(folder);
+    AtomicFiles files;
+    files.add(folder / "bench.json", json_text(benchmark_json(report_)));
+    files.add(folder / "bench.csv", benchmark_csv(report_));
+    files.add(folder / "bench.md", benchmark_text(report_, true));
+    const std::string script = profile_script(report_);
+    files.add(folder / "profiles.gnuplot", script);
+    if (const GnuplotResult plot = run_gnuplot(script); plot.defect.empty()) {
+      files.add(folder / "profiles.svg", plot.output);
+    } else {
+      Diagnostics diagnostics;
+      diagnostics.warning({}, "no profiles.svg: " + plot.defect,
+                          "the script profiles.gnuplot draws it");
+      print_messages(diagnostics, Verbosity::kNormal);
+    }
+    files.commit();
+  }
+
+  const BenchArguments& arguments_;
+  std::vector<const SolverInfo*> solvers_;
+  std::optional<double> perturbation_;
+  BenchmarkReport report_;
+  StatusLine status_;
+};
+
+int bench(const BenchArguments& arguments) {
+  Diagnostics diagnostics;
+  auto solvers = choose_solvers(arguments.solvers, diagnostics);
+  std::deque<BenchProblem> problems =
+      read_bench_problems(arguments.inputs, arguments.settings, arguments.drop, diagnostics);
+  for (BenchProblem& problem : problems) apply(arguments, problem.spec.solver.options);
+  print_messages(diagnostics, Verbosity::kNormal);
+  if (diagnostics.has_errors()) return kExitBadInput;
+  const InterruptGuard guard;
+  if (!arguments.folder.empty()) create_folder(arguments.folder);
+  Bench bench(arguments, std::move(solvers));
+  for (BenchProblem& problem : problems)
+    if (!bench.run(problem)) break;
+  bench.finish();
+  return InterruptGuard::signal() != 0 ? kExitSignalBase + InterruptGuard::signal()
+                                       : kExitConverged;
+}
+
+}  // namespace
+
+void add_bench_command(CLI::App& app, Command& chosen) {
+  CLI::App* command =
+      app.add_subcommand("bench", "Compare solvers on problems: time, iterations, answers");
+  command->footer(
+      "Every solver gets the same problem, guess and options, and its answer is measured by the "
+      "same check. One solve at a time; times are medians after a warm-up. Solves that fail and "
+      "problems that are refused stay in the table and leave the exit status 0.");
+  const auto a = std::make_shared<BenchArguments>();
+  const CLI::Range kThreads(1, 1024), kRepeat(0, 1000000), kInstances(1, 1000000);
+  command->add_option("FILE", a->inputs, "Problem files, or folders of them")
+      ->required()
+      ->type_name("FILE.yaml");
+  command->add_option("--solvers", a->solvers, "The solvers: names with commas between, or all")
+      ->type_name("NAMES")
+      ->capture_default_str();
+  command
+      ->add_option("--drop", a->drop,
+                   "Leave this constraint out for solvers that refuse the problem otherwise; "
+                   "'all' for every one; the table says so")
+      ->type_name("NAME")
+      ->allow_extra_args(false);
+  command
+      ->add_option("--repeat", a->repeat,
+                   "Timed solves after one to warm up; 0: that one alone, timed")
+      ->type_name("N")
+      ->check(kRepeat)
+      ->capture_default_str();
+  command->add_option("--threads", a->threads, "Threads of each solve instead of the file's")
+      ->type_name("N")
+      ->check(kThreads);
+  command
+      ->add_option("--tolerance", a->tolerances,
+                   "Tolerance instead of the files': stationarity, gap or constraint")
+      ->type_name("NAME=NUMBER")
+      ->allow_extra_args(false)
+      ->check(
+          named_number({"stationarity", "gap", "constraint"}, 1e-300, 1e300, "a number above 0"));
+  command->add_option("--max-time", a->max_time, "Stop each solve after this many seconds")
+      ->type_name("SECONDS")
+      ->check(number_between(1e-3, 1e9, "0.001 to 1e9 s"));
+  auto* perturb =
+      command
+          ->add_option("--perturb", a->perturbations,
+                       "Solve random instances: initial_state=S moves the initial state by a "
+                       "tangent vector with entries within S")
+          ->type_name("NAME=NUMBER")
+          ->check(named_number({kInitialState}, 0, 1e6, "a number, at least 0"));
+  command->add_option("--instances", a->instances, "Random instances of each problem")
+      ->type_name("N")
+      ->check(kInstances)
+      ->capture_default_str()
+      ->needs(perturb);
+  command
+      ->add_option("--seed", a->seed,
+                   "Seed of the first instance; each further one has the next number")
+      ->type_name("N")
+      ->check(CLI::Range(0, 1000000000))
+      ->capture_default_str()
+      ->needs(perturb);
+  command
+      ->add_option("--set", a->settings,
+                   "Replace a value in every problem, as in --set solver.max_iterations=50")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
+  command
+      ->add_option("-o,--output", a->folder,
+                   "Folder for the tables (bench.json, bench.csv, bench.md) and performance "
+                   "profiles (profiles.svg, if gnuplot is installed)")
+      ->type_name("FOLDER")
+      ->check(not_empty());
+  command->add_flag("--json", a->json, "Print JSON (conddp schema bench) instead of tables");
+  command->callback([a, &chosen] { chosen = [a] { return bench(*a); }; });
+}
+
+}  // namespace conddp

@@ -1,0 +1,83 @@
+#include "bench_problems.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "input_files.hpp"
+#include "messages.hpp"
+#include "problem_file/read_problem.hpp"
+#include "robot/near_names.hpp"
+
+namespace conddp {
+namespace {
+
+/// The constraints of a problem that may be dropped.
+std::vector<std::string> droppable(const ProblemSpec& spec, const std::vector<std::string>& drop) {
+  std::vector<std::string> names;
+  for (const auto& constraint : spec.constraints)
+    if (std::any_of(drop.begin(), drop.end(), [&](const std::string& name) {
+          return name == kAll || name == constraint.name.value;
+        }))
+      names.push_back(constraint.name.value);
+  return names;
+}
+
+void check_drop(const std::deque<BenchProblem>& problems, const std::vector<std::string>& drop,
+                Diagnostics& out) {
+  std::vector<std::string> names;
+  for (const BenchProblem& problem : problems)
+    for (const auto& constraint : problem.spec.constraints)
+      if (std::find(names.begin(), names.end(), constraint.name.value) == names.end())
+        names.push_back(constraint.name.value);
+  for (const std::string& name : drop)
+    if (name != kAll && std::find(names.begin(), names.end(), name) == names.end())
+      out.error({}, fmt::format("--drop {}: no problem has a constraint '{}'", name, name),
+                name_hint(name, names, "constraints"), names);
+}
+
+}  // namespace
+
+const BuiltProblem* BenchProblem::build(const std::vector<std::string>& drop, Diagnostics& out) {
+  const auto [found, fresh] = built_.try_emplace(drop);
+  if (fresh) found->second = build_problem(spec, {.drop = drop}, out);
+  return found->second ? &*found->second : nullptr;
+}
+
+const BuiltProblem& BenchProblem::fitting(const SolverInfo& solver,
+                                          const std::vector<std::string>& drop) {
+  const auto taken = [&](const std::vector<std::string>& without) {
+    Diagnostics unused;  // of a problem that was built before
+    const BuiltProblem* built = build(without, unused);
+    return built != nullptr && !refuse(solver, *built->problem);
+  };
+  const std::vector<std::string> all = droppable(spec, drop);
+  std::vector<std::string> without;
+  if (!taken(without) && taken(all)) {
+    without = all;
+    for (const std::string& name : all) {
+      std::vector<std::string> fewer = without;
+      fewer.erase(std::find(fewer.begin(), fewer.end(), name));
+      if (taken(fewer)) without = fewer;
+    }
+  }
+  return *built_.at(without);
+}
+
+std::deque<BenchProblem> read_bench_problems(const std::vector<std::string>& inputs,
+                                             const std::vector<std::string>& settings,
+                                             const std::vector<std::string>& drop,
+                                             Diagnostics& out) {
+  std::deque<BenchProblem> problems;
+  for (const auto& file : input_files(inputs, ".yaml", out)) {
+    Diagnostics own;
+    if (auto spec = read_problem(file, settings, own))
+      problems.emplace_back(*std::move(spec)).build({}, own);
+    print_messages(own, Verbosity::kQuiet);
+    if (own.has_errors()) out.error({}, fmt::format("'{}' cannot be used", file.string()));
+  }
+  check_drop(problems, drop, out);
+  return problems;
+}
+
+}  // namespace conddp

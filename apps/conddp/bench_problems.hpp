@@ -1,0 +1,44 @@
+#pragma once
+
+#include <deque>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "problem_file/build.hpp"
+
+namespace conddp {
+
+/// The word that stands for all solvers, and for all constraints.
+inline constexpr const char* kAll = "all";
+
+/// A problem of a benchmark, with all its constraints and without some of those that may be
+/// dropped. It stays where it is: what is built refers to it.
+class BenchProblem {
+ public:
+  explicit BenchProblem(ProblemSpec checked) : spec(std::move(checked)) {}
+  BenchProblem(const BenchProblem&) = delete;
+  BenchProblem& operator=(const BenchProblem&) = delete;
+
+  /// Builds it without some constraints, once; null where there is an error.
+  const BuiltProblem* build(const std::vector<std::string>& drop, Diagnostics& out);
+
+  /// With as many constraints as the solver takes, of those whose names (or "all") may be dropped;
+  /// with all where leaving out does not help. The whole problem has been built before.
+  const BuiltProblem& fitting(const SolverInfo& solver, const std::vector<std::string>& drop);
+
+  ProblemSpec spec;
+
+ private:
+  std::map<std::vector<std::string>, std::optional<BuiltProblem>> built_;
+};
+
+/// Reads and builds problem files, and those in folders. What is wrong with one is printed, and an
+/// error in `out`; so is a constraint to drop that no problem has.
+std::deque<BenchProblem> read_bench_problems(const std::vector<std::string>& inputs,
+                                             const std::vector<std::string>& settings,
+                                             const std::vector<std::string>& drop,
+                                             Diagnostics& out);
+
+}  // namespace conddp

@@ -1,0 +1,20 @@
+#include "analysis/random_instance.hpp"
+
+#include <random>
+
+namespace conddp {
+
+ShootingProblem perturb_initial_state(const ShootingProblem& problem, double size,
+                                      std::uint64_t seed) {
+  std::mt19937_64 engine(seed);
+  const KnotModel& model = *problem.knot(0).model;
+  const int memory = model.has_control_memory() ? model.nu() : 0;
+  std::vector<double> dx(problem.ndx(), 0.0);
+  for (int i = 0; i < problem.ndx() - memory; ++i)
+    dx[i] = size * (static_cast<double>(engine() >> 11) * 0x1p-52 - 1);
+  std::vector<double> x0 = problem.initial_state();
+  problem.manifold().integrate(x0.data(), dx.data(), x0.data());
+  return {std::move(x0), problem.phases(), problem.terminal()};
+}
+
+}  // namespace conddp

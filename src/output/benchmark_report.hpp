@@ -1,0 +1,82 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "analysis/benchmark.hpp"
+#include "problem_file/ordered_json.hpp"
+
+namespace conddp {
+
+/// A constraint that was left out for a solver that refuses it, and how far the answer violates it.
+struct LeftOut {
+  std::string name;
+  double violation;
+};
+
+/// One line of a benchmark: a problem, perhaps perturbed, and a solver.
+struct BenchmarkEntry {
+  std::string problem;
+  std::string file;
+  std::string sha256;  ///< of the file
+  int knots = 0;
+  int states = 0;                     ///< dimension of the tangent space
+  int controls = 0;                   ///< largest of all knots
+  std::optional<std::uint64_t> seed;  ///< of the instance; absent: the problem as it is
+  OrderedJson options;                ///< of the solver, those that differ from the defaults
+  std::vector<LeftOut> left_out;
+  BenchmarkRun run;
+  /// (cost − best) / |best| over what the solvers found for the same instance with the same
+  /// constraints; not-a-number where this one did not solve it.
+  double cost_excess = std::numeric_limits<double>::quiet_NaN();
+};
+
+/// How a benchmark was asked for.
+struct BenchmarkRequest {
+  std::vector<std::string> solvers;
+  int repeat = 0;
+  int instances = 0;  ///< 0: the problems as they are
+  std::uint64_t seed = 0;
+  double perturbation = 0;  ///< of the initial state
+  std::vector<std::string> drop;
+  std::vector<std::string> settings;
+  OrderedJson tolerances = OrderedJson::object();  ///< those of the command line
+};
+
+struct BenchmarkReport {
+  BenchmarkRequest request;
+  std::vector<BenchmarkEntry> entries;
+};
+
+/// Fills the cost excess of all entries.
+void compare_costs(std::vector<BenchmarkEntry>& entries);
+
+/// What a solver did over the whole set.
+struct SolverSummary {
+  std::string solver;
+  int runs = 0;      ///< without refusals
+  int solved = 0;    ///< of these
+  int left_out = 0;  ///< runs without a constraint
+  int refused = 0;
+  std::vector<std::pair<std::string, int>> failures;  ///< other ends and how often, most first
+};
+std::vector<SolverSummary> summarize(const BenchmarkReport& report);
+
+/// The effort of each solver for each instance, for performance profiles: infinite where it did not
+/// solve the problem with all its constraints.
+enum class Effort { time, iterations };
+std::vector<std::vector<double>> efforts(const BenchmarkReport& report, Effort effort);
+
+/// schemas/bench.schema.json
+OrderedJson benchmark_json(const BenchmarkReport& report);
+/// One line an entry, with units in the head.
+std::string benchmark_csv(const BenchmarkReport& report);
+/// Tables for a terminal; `markdown`: for a document.
+std::string benchmark_text(const BenchmarkReport& report, bool markdown);
+
+/// A script that makes gnuplot print the performance profiles of time and iterations as SVG.
+std::string profile_script(const BenchmarkReport& report);
+
+}  // namespace conddp

@@ -1,0 +1,156 @@
+#include <cstdlib>
+#include <set>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "process.hpp"
+#include "solvers/registry.hpp"
+
+namespace conddp {
+namespace {
+
+using Json = nlohmann::json;
+using Words = std::vector<std::string>;
+
+const std::string kPendulum = source("problems/pendulum_swingup.yaml");
+
+/// What `bench --json` prints, one timed solve each.
+Json bench(const Words& more, const std::string& problem = kPendulum) {
+  Words arguments = {"bench", problem, "--repeat", "0", "--json"};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  const ProcessResult r = run_conddp(arguments);
+  EXPECT_EQ(r.exit_code, 0) << r.err;
+  return Json::parse(r.out);
+}
+
+const Json& run_of(const Json& report, const std::string& solver) {
+  for (const Json& run : report["runs"])
+    if (run["solver"] == solver) return run;
+  throw std::runtime_error("no run of " + solver);
+}
+
+TEST(Bench, HasEverySolverAndWritesItsTables) {
+  const TemporaryFolder folder;
+  const ProcessResult r =
+      run_conddp({"bench", kPendulum, "--repeat", "2", "-o", folder.path() / "out"});
+  EXPECT_EQ(r.exit_code, 0) << r.err;
+  EXPECT_TRUE(r.out.starts_with("pendulum_swingup (50 knots, 2 states, 1 controls)\n")) << r.out;
+  for (const char* file : {"bench.json", "bench.csv", "bench.md", "profiles.gnuplot"})
+    EXPECT_TRUE(std::filesystem::exists(folder.path() / "out" / file)) << file;
+  const Json report = Json::parse(read_file(folder.path() / "out/bench.json"));
+  ASSERT_EQ(report["runs"].size(), solvers().size());
+  const std::string csv = read_file(folder.path() / "out/bench.csv");
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 1 + static_cast<int>(solvers().size()));
+  const auto commas = std::count(csv.begin(), csv.begin() + csv.find('\n'), ',');
+  std::istringstream lines(csv);
+  for (std::string line; std::getline(lines, line);)
+    EXPECT_EQ(std::count(line.begin(), line.end(), ','), commas) << line;
+  const std::string markdown = read_file(folder.path() / "out/bench.md");
+  for (const SolverInfo& info : solvers()) {
+    const std::string name(info.name);
+    EXPECT_EQ(run_of(report, name)["seed"], nullptr);
+    EXPECT_NE(r.out.find("\n  " + name + " "), std::string::npos) << r.out;
+    EXPECT_NE(markdown.find("\n| " + name + " | "), std::string::npos) << markdown;
+  }
+  const Json& box = run_of(report, "box_ddp");
+  EXPECT_EQ(box["status"], "converged");
+  EXPECT_TRUE(box["solved"].get<bool>());
+  EXPECT_EQ(box["time_s"]["solves"].size(), 2u);
+  EXPECT_LE(box["residuals"]["stationarity"].get<double>(), 1e-5);
+  EXPECT_EQ(run_of(report, "fddp")["status"], "refused");
+  EXPECT_EQ(
+      std::system((source("scripts/validate_json") + " " + source("schemas/bench.schema.json") +
+                   " " + (folder.path() / "out/bench.json").string() + " >&2")
+                      .c_str()),
+      0);
+}
+
+TEST(Bench, DrawsProfilesWhereGnuplotIsInstalledAndSaysSoElse) {
+  const TemporaryFolder folder;
+  const ProcessResult r = run_conddp({"bench", kPendulum, "--repeat", "0", "-o", folder.path()});
+  EXPECT_EQ(r.exit_code, 0) << r.err;
+  if (std::system("command -v gnuplot >/dev/null") == 0) {
+    EXPECT_EQ(r.err, "");
+    EXPECT_NE(read_file(folder.path() / "profiles.svg").find("</svg>"), std::string::npos);
+  }
+  const ProcessResult without =
+      run_conddp({"bench", kPendulum, "--repeat", "0", "-o", folder.path() / "without"},
+                 {.environment = {"PATH=/nowhere"}});
+  EXPECT_EQ(without.exit_code, 0) << without.err;
+  EXPECT_NE(without.err.find("no profiles.svg: gnuplot is not installed"), std::string::npos)
+      << without.err;
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "without/profiles.svg"));
+}
+
+TEST(Bench, DropsConstraintsOnlyForSolversThatRefuseThem) {
+  for (const char* name : {"torque", "all"}) {
+    const Json report = bench({"--drop", name});
+    EXPECT_EQ(run_of(report, "box_ddp")["dropped_constraints"], Json::array());
+    const Json& run = run_of(report, "fddp");
+    EXPECT_NE(run["status"], "refused");
+    ASSERT_EQ(run["dropped_constraints"].size(), 1u);
+    EXPECT_EQ(run["dropped_constraints"][0]["name"], "torque");
+    EXPECT_GT(run["dropped_constraints"][0]["violation"].get<double>(), 0);
+    EXPECT_EQ(report["profiles"]["time"]["fddp"], Json::array());
+  }
+}
+
+TEST(Bench, FailuresStayInTheTable) {
+  const Json report = bench({"--solvers", "box_ddp,box_fddp", "--set", "solver.max_iterations=2"});
+  ASSERT_EQ(report["runs"].size(), 2u);
+  EXPECT_EQ(report["runs"][0]["status"], "max_iterations");
+  EXPECT_FALSE(report["runs"][0]["solved"].get<bool>());
+  EXPECT_EQ(report["runs"][0]["options"], (Json{{"max_iterations", 2}}));
+  EXPECT_EQ(report["summary"][0]["failures"], (Json{{"max_iterations", 1}}));
+}
+
+TEST(Bench, TolerancesOfTheCommandLineHoldForAll) {
+  const Json tight = bench({"--solvers", "box_ddp", "--tolerance", "stationarity=1e-9"});
+  EXPECT_EQ(tight["runs"][0]["options"]["tolerances.stationarity"], 1e-9);
+  EXPECT_LE(tight["runs"][0]["claimed_residuals"]["stationarity"].get<double>(), 1e-9);
+}
+
+/// What does not depend on the clock.
+Json answers(const Json& report) {
+  Json list = Json::array();
+  for (const Json& run : report["runs"])
+    list.push_back({run["seed"], run["solver"], run["status"], run["iterations"], run["cost"]});
+  return list;
+}
+
+TEST(Bench, InstancesFollowFromTheirSeeds) {
+  const Words some = {"--solvers", "box_ddp,box_fddp", "--perturb", "initial_state=0.1"};
+  const auto with = [&](const Words& more) {
+    Words all = some;
+    all.insert(all.end(), more.begin(), more.end());
+    return answers(bench(all));
+  };
+  const Json three = with({"--instances", "3"});
+  ASSERT_EQ(three.size(), 6u);
+  EXPECT_EQ(three, with({"--instances", "3"}));
+  EXPECT_EQ(three[0][0], 1);
+  EXPECT_EQ(three[5][0], 3);
+  EXPECT_NE(three[0][4], three[2][4]);
+  const Json third = with({"--instances", "1", "--seed", "3"});
+  EXPECT_EQ(third, (Json{three[4], three[5]}));
+}
+
+TEST(Bench, AFolderIsItsProblemsAndHasASummary) {
+  const TemporaryFolder folder;
+  std::string text = read_file(kPendulum);
+  const std::size_t name = text.find("pendulum_swingup\n");
+  ASSERT_NE(name, std::string::npos);
+  for (const std::string letter : {"a", "b"})
+    folder.write(letter + ".yaml", std::string(text).replace(name, 16, letter));
+  folder.write("notes.txt", "no problem");
+  const ProcessResult r =
+      run_conddp({"bench", folder.path(), "--solvers", "box_fddp", "--repeat", "0"});
+  EXPECT_EQ(r.exit_code, 0) << r.err;
+  EXPECT_TRUE(r.out.starts_with("a (50 knots")) << r.out;
+  EXPECT_NE(r.out.find("\nb (50 knots"), std::string::npos) << r.out;
+  EXPECT_NE(r.out.find("\nall problems\n"), std::string::npos) << r.out;
+}
+
+}  // namespace
+}  // namespace conddp
