@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Writes tests/robot/data/<robot>.json: what Pinocchio computes for a robot at random states.
 
-    python3 -m venv /tmp/peers && /tmp/peers/bin/pip install pin
-    /tmp/peers/bin/python scripts/peers/robot_fixtures.py [FOLDER OF FURTHER URDFS]
+    scripts/peers/setup
+    build/peers/bin/python scripts/peers/robot_fixtures.py [FOLDER OF FURTHER URDFS]
 
 Without a folder, the robots of problems/robots. Coordinates are conddp's: a continuous joint is one
 angle (Pinocchio keeps its cosine and sine), a floating base is (position, quaternion x y z w) and

@@ -50,13 +50,11 @@ std::vector<std::unique_ptr<Case>> load_cases() {
     cases.push_back(
         make_case(name, read_problem(file.string() + ".yaml", {}, diagnostics), diagnostics));
   }
-  const auto foreign = [&](const char* name, const std::string& text) {
-    const auto file = foreign_robot_folder() / (std::string(name) + ".yaml");
-    cases.push_back(make_case(name, read_problem_text(text, file, {}, diagnostics), diagnostics));
-  };
-  if (const auto reference = hyq_trot_reference()) foreign("hyq_trot", hyq_trot_text(*reference));
-  if (std::filesystem::exists(foreign_robot_folder() / "talos_reduced.urdf"))
-    foreign("talos_squat", talos_squat_text());
+  for (const auto& [name, foreign] :
+       {std::pair("hyq_trot", hyq_trot()), std::pair("talos_squat", talos_squat())})
+    if (foreign)
+      cases.push_back(make_case(name, read_problem(foreign->file, foreign->settings, diagnostics),
+                                diagnostics));
   return cases;
 }
 

@@ -8,6 +8,7 @@
 #include "robot/dynamics.hpp"
 #include "robot/urdf.hpp"
 #include "support/random_robot.hpp"
+#include "support/robots.hpp"
 
 // The rigid-body kernels, each with `double` (one knot at a time) and with `Lane` (kLaneWidth knots
 // at a time, all different). The counter "knot" is the time for one knot.
@@ -110,9 +111,14 @@ std::vector<TestModel> load_robots() {
   const auto load = [&](const char* name, UrdfOptions::Base base) {
     return TestModel{name, load_urdf(folder + name + ".urdf", {.base = base}).model.value()};
   };
-  return {load("quadruped", UrdfOptions::Base::floating),
-          load("arm7", UrdfOptions::Base::fixed),
-          {"humanoid_like", humanoid_like_robot(10)}};
+  std::vector<TestModel> robots = {load("quadruped", UrdfOptions::Base::floating),
+                                   load("arm7", UrdfOptions::Base::fixed),
+                                   {"humanoid_like", humanoid_like_robot(10)}};
+  // Where they are at hand, those that others publish figures of.
+  for (const TestRobot& robot : foreign_robots())
+    if (robot.name == "hyq" || robot.name == "panda" || robot.name == "talos_reduced")
+      robots.push_back({robot.name, load_urdf(robot.urdf, {.base = robot.base}).model.value()});
+  return robots;
 }
 
 const bool kRegistered = [] {

@@ -33,12 +33,12 @@ MatrixXd matrix_of(const Json& rows) {
 class HyqTrot : public testing::Test {
  protected:
   void SetUp() override {
-    const auto folder = foreign_robot_folder();
+    const auto trot = hyq_trot();
     const auto reference = hyq_trot_reference();
-    if (!reference) GTEST_SKIP() << kNoForeignRobots << " and beside it reference/hyq_trot.json";
+    if (!trot || !reference)
+      GTEST_SKIP() << kNoForeignRobots << " and beside it reference/hyq_trot.json";
     reference_ = *reference;
-    spec_ =
-        read_problem_text(hyq_trot_text(reference_), folder / "hyq_trot.yaml", {}, diagnostics_);
+    spec_ = read_problem(trot->file, trot->settings, diagnostics_);
     ASSERT_TRUE(spec_) << format_diagnostics(diagnostics_, false);
     built_ = build_problem(*spec_, {}, diagnostics_);
     ASSERT_TRUE(built_) << format_diagnostics(diagnostics_, false);

@@ -1,0 +1,82 @@
+"""Prints the comparison of docs/performance.md: see scripts/peers/compare."""
+
+import argparse
+import os
+import platform
+import sys
+
+os.environ["OMP_NUM_THREADS"] = "1"  # before a peer is loaded
+
+import kernels  # noqa: E402
+import solvers  # noqa: E402
+from conddp_tool import ROOT, Untranslatable  # noqa: E402
+from table import equality_table, kernel_table, solver_table  # noqa: E402
+
+SIXTY = "constraints.torque={bounds: control, lower: -60, upper: 60}"
+#: name: (file, settings, constraints that are dropped for solvers without bounds)
+CASES = {
+    "HyQ trot": ("tests/foreign/hyq_trot.yaml", (), ("torque",)),
+    "HyQ trot, ±60 Nm": ("tests/foreign/hyq_trot.yaml", (SIXTY,), ()),
+    "HyQ trot, μ 0.15": ("tests/foreign/hyq_trot.yaml", ("contacts.defaults.friction=0.15",), ()),
+    "quadruped trot": ("problems/quadruped_trot.yaml", (), ()),
+    "arm reach": ("problems/arm_reach.yaml", (), ()),
+    "Talos squat": ("tests/foreign/talos_squat.yaml", (), ("torque",)),
+}
+
+#: ProxDDP is not done there after 100 iterations, a minute.
+WITHOUT_ALIGATOR = {"Talos squat"}
+
+
+def processor():
+    with open("/proc/cpuinfo", encoding="utf-8") as lines:
+        return next((line.split(":")[1].strip() for line in lines
+                     if line.startswith("model name")), platform.machine())
+
+
+def arguments():
+    parser = argparse.ArgumentParser(prog="scripts/peers/compare", description=(
+        "Solves the same problems with conddp, Crocoddyl and Aligator, one thread each, and "
+        "prints tables in Markdown."))
+    parser.add_argument("--robots", default=str(ROOT.parent / "shared/robots"),
+                        help="folder with hyq.urdf, talos_reduced.urdf, panda.urdf")
+    parser.add_argument("--case", action="append", choices=list(CASES), help="only these cases")
+    parser.add_argument("--file", action="append", default=[], help="a problem file besides")
+    parser.add_argument("--repeat", type=int, default=21, help="timed runs of each solver")
+    parser.add_argument("--no-kernels", action="store_true", help="solvers alone")
+    return parser.parse_args()
+
+
+def settings_for(file, folder):
+    """Where the robots of files that are not part of the product are."""
+    if "tests/foreign" not in str(file):
+        return ()
+    with open(ROOT / file, encoding="utf-8") as lines:
+        urdf = next(line.split("/")[-1].strip() for line in lines if "urdf:" in line)
+    path = os.path.join(os.path.abspath(folder), urdf)
+    if not os.path.exists(path):
+        raise Untranslatable(f"there is no {path}: name its folder with --robots")
+    return (f"robot.urdf={path}",)
+
+
+def main():
+    wanted = arguments()
+    cases = {name: CASES[name] for name in wanted.case or ([] if wanted.file else CASES)}
+    for file in wanted.file:
+        cases[os.path.basename(file)] = (os.path.abspath(file), (), ())
+    results = []
+    for name, (file, settings, drop) in cases.items():
+        print(f"{name} ...", file=sys.stderr)
+        try:
+            where = settings_for(file, wanted.robots)
+            results.append(solvers.compare(name, ROOT / file, (*where, *settings), drop,
+                                           wanted.repeat, name not in WITHOUT_ALIGATOR))
+        except Untranslatable as refusal:
+            print(f"{name}: left out: {refusal}", file=sys.stderr)
+    print(f"{processor()}; {solvers.versions()}.\n")
+    print(solver_table(results))
+    print(equality_table(results))
+    if not wanted.no_kernels:
+        print(kernel_table(kernels.compare(wanted.robots)))
+
+
+main()

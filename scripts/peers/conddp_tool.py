@@ -1,0 +1,41 @@
+"""The tool and its benchmark as processes: what they say of a problem, as Python objects."""
+
+import json
+import subprocess
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+BINARIES = ROOT / "build/release/bin"
+
+
+class Untranslatable(Exception):
+    """Something in a problem that a peer does not have, by name."""
+
+
+def output_of(command):
+    result = subprocess.run([str(word) for word in command], capture_output=True, text=True)
+    if result.returncode not in (0, 1):
+        raise RuntimeError(f"{' '.join(map(str, command))}: {result.stderr.strip()}")
+    return result.stdout
+
+
+def settings(overrides):
+    return [word for override in overrides for word in ("--set", override)]
+
+
+def expanded(file, overrides=()):
+    """The problem file with every default filled in; its URDF as an absolute path."""
+    command = [BINARIES / "conddp", "check", file, "--expand", "--json", *settings(overrides)]
+    problem = json.loads(output_of(command))
+    if "robot" in problem:
+        urdf = Path(file).resolve().parent / problem["robot"]["urdf"]
+        problem["robot"]["urdf"] = str(urdf.resolve())
+    return problem
+
+
+def solve_times(file, solver, repeat, overrides=(), drop=()):
+    """Guess, answer and timed runs of one of our solvers."""
+    drops = [word for name in drop for word in ("--drop", name)]
+    command = [BINARIES / "bench_solve_times", file, "--solver", solver, "--repeat", repeat,
+               *settings(overrides), *drops]
+    return json.loads(output_of(command))

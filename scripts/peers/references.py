@@ -1,0 +1,77 @@
+"""What a cost is measured from, at each node."""
+
+import numpy as np
+import pinocchio as pin
+
+from robot import require
+
+
+def node_times(phases):
+    steps = [phase["dt"] for phase in phases for _ in range(phase["knots"])]
+    return np.concatenate([[0.0], np.cumsum(steps)])
+
+
+def smooth_swing(robot, problem, cost):
+    """Way-points at all nodes of a frame that swings: s² (3 − 2 s) along the line, and above it by
+    16 height s² (1 − s)²."""
+    swing, phases = cost["swing"], problem["phases"]
+    at = robot.placement(robot.frame(cost["frame"]), robot.initial).translation
+    points, first, p = {}, 0, 0
+    while p < len(phases):
+        swings, end, knots = phases[p]["name"] in cost["phases"], p, 0
+        while end < len(phases) and (phases[end]["name"] in cost["phases"]) == swings:
+            knots += phases[end]["knots"]
+            end += 1
+        if swings:
+            to = np.array(swing["landing"]) if "landing" in swing else at + swing["step"]
+            for k in range(knots + 1):
+                s = k / knots
+                points[first + k] = at + s * s * (3 - 2 * s) * (to - at)
+                points[first + k][2] += 16 * swing["height"] * s * s * (1 - s) ** 2
+            at = to
+        first, p = first + knots, end
+    return points
+
+
+def weights_over_knots(problem, name):
+    """The weight of a running cost at each knot, 0 where it does not count. A phase may have a weight
+    of its own; a swing also counts at the knot after its phases, at which the frame touches down."""
+    cost = problem["costs"][name]
+    weights = []
+    for phase in problem["phases"]:
+        weight = phase["weights"].get(name, cost["weight"])
+        weights += [weight if phase["name"] in cost["phases"] else 0.0] * phase["knots"]
+    if "swing" in cost:
+        weights = [w or before for w, before in zip(weights, [0.0, *weights])]
+    return [w if k in cost.get("knots", [k]) else 0.0 for k, w in enumerate(weights)]
+
+
+def vector_values(robot, problem, cost, named, constant):
+    """A function of the node for a reference that is a vector. `named` gives it at a state,
+    `constant` reads it from the file."""
+    if "swing" in cost:
+        points = smooth_swing(robot, problem, cost)
+        return lambda k: points[k]
+    spec = cost["reference"]
+
+    def value(entry):
+        return named(robot.state(entry)) if isinstance(entry, str) else constant(entry)
+
+    if not isinstance(spec, dict) or "values" not in spec:
+        require(not isinstance(spec, dict) or "file" not in spec, "references from files")
+        fixed = value(spec)
+        return lambda k: fixed
+    times = node_times(problem["phases"])
+    places = spec["times"] if "times" in spec else [times[k] for k in spec["knots"]]
+    values = np.array([value(entry) for entry in spec["values"]])
+    return lambda k: np.array([np.interp(times[k], places, column) for column in values.T])
+
+
+def pose(robot, cost):
+    """A fixed reference pose."""
+    spec, frame = cost["reference"], robot.frame(cost["frame"])
+    if isinstance(spec, str):
+        return robot.placement(frame, robot.state(spec))
+    require("values" not in spec and "file" not in spec, "poses that change over time")
+    orientation = pin.Quaternion(np.array(spec.get("orientation", [0, 0, 0, 1.0])))
+    return pin.SE3(orientation.matrix(), np.array(spec.get("position", [0, 0, 0.0])))

@@ -1,0 +1,89 @@
+// bench_solve_times FILE [--solver NAME] [--drop NAME]... [--set KEY=VALUE]... [--repeat N]
+//
+// Solves a problem again and again in one process, after a warm-up, and prints as JSON what each
+// run took, by act and by iteration, with the guess and the answer: what scripts/peers/compare sets
+// beside other solvers.
+#include <cstdio>
+#include <iostream>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "problem_file/build.hpp"
+#include "problem_file/read_problem.hpp"
+#include "solvers/registry.hpp"
+
+namespace conddp {
+namespace {
+
+using Json = nlohmann::json;
+
+struct Arguments {
+  std::string file, solver;
+  std::vector<std::string> drop, settings;
+  int repeat = 25, warm_up = 5;
+};
+
+Json json_of(const Trajectory& trajectory) {
+  Json x = Json::array(), u = Json::array();
+  const auto list = [](const auto& v) { return std::vector<double>(v.begin(), v.end()); };
+  for (int k = 0; k <= trajectory.knots(); ++k) x.push_back(list(trajectory.x(k)));
+  for (int k = 0; k < trajectory.knots(); ++k) u.push_back(list(trajectory.u(k)));
+  return {{"x", x}, {"u", u}};
+}
+
+Json json_of(const SolveResult& result) {
+  Json log = Json::array();
+  for (const IterationRecord& row : result.log)
+    log.push_back({{"cost", row.cost}, {"gap", row.gap}, {"time", row.time_s}});
+  return {{"total", result.times.total},
+          {"differentiate", result.times.differentiate},
+          {"sweep", result.times.sweep},
+          {"rollout", result.times.rollout},
+          {"log", log}};
+}
+
+int run(const Arguments& arguments) {
+  Diagnostics diagnostics;
+  auto spec = read_problem(arguments.file, arguments.settings, diagnostics);
+  if (spec && !arguments.solver.empty()) spec->solver.name = {arguments.solver, {}};
+  const auto built = spec ? build_problem(*spec, {.drop = arguments.drop}, diagnostics)
+                          : std::optional<BuiltProblem>();
+  const SolverInfo* solver = built ? usable_solver(*spec, *built->problem, diagnostics) : nullptr;
+  if (solver == nullptr) {
+    std::cerr << format_diagnostics(diagnostics, false);
+    return 2;
+  }
+  const ShootingProblem& problem = *built->problem;
+  Json runs = Json::array();
+  for (int i = 0; i < arguments.warm_up; ++i)
+    solve(problem, *solver, spec->solver.options, built->guess);
+  SolveResult last(problem);
+  for (int i = 0; i < arguments.repeat; ++i) {
+    last = solve(problem, *solver, spec->solver.options, built->guess);
+    runs.push_back(json_of(last));
+  }
+  const Json out = {{"knots", problem.knots()},           {"solver", solver->name},
+                    {"status", to_string(last.status)},   {"cost", last.cost},
+                    {"iterations", last.iterations},      {"guess", json_of(built->guess)},
+                    {"answer", json_of(last.trajectory)}, {"runs", runs}};
+  std::cout << out.dump() << '\n';
+  return 0;
+}
+
+}  // namespace
+}  // namespace conddp
+
+int main(int argc, char** argv) {
+  conddp::Arguments arguments;
+  CLI::App app("Times of repeated solves, as JSON");
+  app.add_option("FILE", arguments.file, "Problem file")->required();
+  app.add_option("--solver", arguments.solver, "Solver instead of the file's");
+  app.add_option("--drop", arguments.drop, "Constraint to leave out")->allow_extra_args(false);
+  app.add_option("--set", arguments.settings, "KEY=VALUE of the file")->allow_extra_args(false);
+  app.add_option("--repeat", arguments.repeat, "Timed runs")->check(CLI::Range(1, 1000000));
+  app.add_option("--warm-up", arguments.warm_up, "Runs before them")->check(CLI::Range(0, 1000000));
+  CLI11_PARSE(app, argc, argv);
+  return conddp::run(arguments);
+}
