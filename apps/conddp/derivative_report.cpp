@@ -9,16 +9,6 @@ namespace {
 
 using Names = std::vector<std::string>;
 
-/// Names of the tangent vectors of states, control memory included.
-Names tangent_columns(const BuiltProblem& built) {
-  Names names = tangent_names(*built.plant.system).names;
-  for (int i = static_cast<int>(names.size()); i < built.problem->ndx(); ++i) {
-    const std::size_t behind_states = built.state_columns.size() - built.problem->ndx() + i;
-    names.push_back(built.state_columns[behind_states].name);
-  }
-  return names;
-}
-
 /// Names of a residual's rows.
 Names residual_rows(const CostTerm& term, const std::vector<CostSpec>& costs,
                     const BuiltProblem& built) {

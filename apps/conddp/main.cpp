@@ -32,6 +32,7 @@ std::string version_text() {
 void add_commands(CLI::App& app, Command& chosen) {
   add_solve_command(app, chosen);
   add_check_command(app, chosen);
+  add_verify_command(app, chosen);
   add_bench_command(app, chosen);
   add_compare_command(app, chosen);
   add_regress_command(app, chosen);

@@ -204,6 +204,15 @@ const SolverInfo* usable_solver(const ProblemSpec& spec, const ShootingProblem& 
   return nullptr;
 }
 
+std::vector<std::string> tangent_columns(const BuiltProblem& built) {
+  std::vector<std::string> names = tangent_names(*built.plant.system).names;
+  for (int i = static_cast<int>(names.size()); i < built.problem->ndx(); ++i) {
+    const std::size_t behind_states = built.state_columns.size() - built.problem->ndx() + i;
+    names.push_back(built.state_columns[behind_states].name);
+  }
+  return names;
+}
+
 double violation(const DroppedConstraint& constraint, const ShootingProblem& problem,
                  const Trajectory& trajectory) {
   double largest = 0;

@@ -45,6 +45,9 @@ const SolverInfo* usable_solver(const ProblemSpec& spec, const ShootingProblem& 
 /// The integrator of systems whose problem file names none.
 Integrator default_integrator(SystemKind kind);
 
+/// Names of the tangent vectors of states, control memory included.
+std::vector<std::string> tangent_columns(const BuiltProblem& built);
+
 /// Largest violation of a dropped constraint by a trajectory, in the control's unit.
 double violation(const DroppedConstraint& constraint, const ShootingProblem& problem,
                  const Trajectory& trajectory);

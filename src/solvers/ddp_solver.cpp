@@ -116,6 +116,8 @@ bool DdpSolver::start(const Trajectory& guess) {
   const int bad_knot = acts_.simulate(trajectory_);
   if (bad_knot < 0) return true;
   result_.trajectory = guess;
+  result_.failed_knot = bad_knot;
+  result_.failed_quantity = "cost or next state";
   return end(SolveStatus::diverged,
              fmt::format("simulating the controls of the guess gives a cost or next state that is "
                          "not finite at knot {}",
@@ -194,6 +196,7 @@ bool DdpSolver::take_step() {
         differentiate();
         continue;
       }
+      result_.failed_quantity = kRoundedCost;
       return end(SolveStatus::line_search_failed,
                  fmt::format("the cost's rounding ({:.1e}) hides what is left to gain, and the "
                              "stationarity does not fall any more: {}",
@@ -254,6 +257,8 @@ bool DdpSolver::sweep_with_regularization() {
     if (bad_knot < 0) return true;
     if (find_non_finite(linearization_)) return end_diverged();
     if (!regularization_.increase()) {
+      result_.failed_knot = bad_knot;
+      result_.failed_quantity = "Q_uu";
       return end(SolveStatus::regularization_limit,
                  fmt::format("Q_uu at knot {} is not positive definite with the largest "
                              "regularisation {:.1e}: {}",
@@ -321,12 +326,31 @@ void DdpSolver::finish() {
   const Extremum violation = bounds_.violation(trajectory_);
   residuals.constraint = violation.value;
   residuals.constraint_knot = violation.knot;
+  confirm_status();
   result_.costates = adjoint_.costates();
   for (int k = 0; k < problem_.knots(); ++k) {
     result_.control_gradient.push_back(
         adjoint_.gradient().segment(bounds_.offset(k), problem_.nu(k)));
+    result_.state_gradient.col(k) = -adjoint_.gains(k).transpose() * result_.control_gradient[k];
   }
   sweep_for_gains();
+}
+
+/// The co-states of the last sweep may put an answer under tolerance that ended otherwise.
+void DdpSolver::confirm_status() {
+  const Residuals& r = result_.residuals;
+  const auto& tolerance = options_.tolerances;
+  if (r.stationarity > tolerance.stationarity || r.gap > tolerance.gap ||
+      r.constraint > tolerance.constraint) {
+    return;
+  }
+  if (result_.status == SolveStatus::converged) return;
+  result_.failed_knot = -1;
+  result_.failed_quantity.clear();
+  end(SolveStatus::converged,
+      fmt::format("at the end, all residuals are under tolerance: stationarity {:.1e}, gap {:.1e}, "
+                  "constraint violation {:.1e}",
+                  r.stationarity, r.gap, r.constraint));
 }
 
 /// Without regularisation if possible: a follower of the trajectory wants the true gains.
@@ -355,6 +379,8 @@ bool DdpSolver::end_diverged() {
   const bool first = row_.iteration == 0;
   if (!first) trajectory_ = before_;
   linearized_ = false;
+  result_.failed_knot = where.knot;
+  result_.failed_quantity = where.quantity;
   return end(SolveStatus::diverged,
              fmt::format("the {} of knot {} is not finite {}", where.quantity, where.knot,
                          first ? "at the start" : "after the last step, which is taken back"));
@@ -368,6 +394,8 @@ bool DdpSolver::end_without_step(bool descent) {
     cause = fmt::format("no step length down to {:.1e} lowers the merit (slope {:.1e})",
                         options_.line_search.min_step, merit_.merit_slope());
     if (search_.first_bad_knot >= 0) {
+      result_.failed_knot = search_.first_bad_knot;
+      result_.failed_quantity = "motion";
       cause += fmt::format(", and longer ones leave the finite numbers at knot {}",
                            search_.first_bad_knot);
     }

@@ -45,6 +45,7 @@ class DdpSolver {
   int sweep_backward(double regularization);
   void measure_direction();
   void finish();
+  void confirm_status();
   void sweep_for_gains();
   // These return false, so that the step in which the solve ends can return their value.
   bool end(SolveStatus status, std::string message);
