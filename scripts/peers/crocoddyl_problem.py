@@ -47,7 +47,9 @@ class Translation:
             costs.addCost(name, cost, weight)
         last = crocoddyl.IntegratedActionModelEuler(
             crocoddyl.DifferentialActionModelFreeFwdDynamics(self.state, self.actuation, costs), 0)
-        return crocoddyl.ShootingProblem(self.robot.initial, running, last)
+        shooting = crocoddyl.ShootingProblem(self.robot.initial, running, last)
+        shooting.nthreads = 1  # its own default is fixed when it is built, whatever OpenMP is told
+        return shooting
 
     def knot(self, terms, phase):
         costs = crocoddyl.CostModelSum(self.state, self.actuation.nu)
