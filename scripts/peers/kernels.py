@@ -26,8 +26,8 @@ ROWS = {
 }
 
 
-def pinocchio_times(build, urdf, base):
-    lines = output_of([PEERS / f"pinocchio_kernels_{build}", urdf, base]).splitlines()
+def pinocchio_times(urdf, base):
+    lines = output_of([PEERS / "pinocchio_kernels", urdf, base]).splitlines()
     return {name: float(time) for name, time in (line.split() for line in lines)}
 
 
@@ -51,10 +51,9 @@ def compare(folder):
         urdf = ROOT / path if "/" in path else os.path.join(os.path.abspath(folder), path)
         if not os.path.exists(urdf) or (robot, "rnea", "double") not in ours:
             continue
-        theirs = {build: pinocchio_times(build, urdf, base) for build in ("wheel", "native")}
+        theirs = pinocchio_times(urdf, base)
         table[robot] = [
-            (row, *(sum(theirs[build][name] for name in algorithms)
-                    for build in ("wheel", "native")),
+            (row, sum(theirs[name] for name in algorithms),
              *(math.fsum(ours[robot, name, scalar] for name in benchmarks)
                for scalar in ("double", "lanes")))
             for row, (algorithms, benchmarks) in ROWS.items()]

@@ -60,11 +60,10 @@ def equality_table(results):
 
 
 def kernel_table(robots):
-    lines = ["| µs a call | | Pinocchio, wheel | Pinocchio, native | conddp `double` | conddp lanes "
-             "| native / lanes |", "|---|---|---|---|---|---|---|"]
+    lines = ["| µs a call | | Pinocchio, wheel | conddp `double` | conddp lanes | wheel / lanes |",
+             "|---|---|---|---|---|---|"]
     for robot, rows in robots.items():
-        for i, (name, wheel, native, scalar, lanes) in enumerate(rows):
+        for i, (name, wheel, scalar, lanes) in enumerate(rows):
             lines.append(f"| {robot if i == 0 else ''} | {name} | {number(wheel)} "
-                         f"| {number(native)} | {number(scalar)} | {number(lanes)} "
-                         f"| {ratio(native, lanes)} |")
+                         f"| {number(scalar)} | {number(lanes)} | {ratio(wheel, lanes)} |")
     return "\n".join(lines) + "\n"
