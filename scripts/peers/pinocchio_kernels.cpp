@@ -1,6 +1,5 @@
 // pinocchio_kernels URDF fixed|floating: microseconds a call of Pinocchio's algorithms, the median
-// of 25 batches, each over random states. With PINOCCHIO_ENABLE_TEMPLATE_INSTANTIATION the
-// algorithms come from the installed library, otherwise they are compiled here.
+// of 25 batches, each over random states.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
