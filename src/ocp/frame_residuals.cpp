@@ -1,24 +1,10 @@
 #include "ocp/residuals.hpp"
+#include "ocp/system_columns.hpp"
 
 namespace conddp {
 namespace {
 
 using SystemPointer = std::shared_ptr<const MultibodySystem>;
-
-/// Writes rows x columns.count() of a Jacobian. `kernel(out)` writes it with the robot's own
-/// columns: in place, or by way of scratch where joints mimic others.
-template <class S, class Kernel>
-void write_columns(const ReducedColumns& columns, int rows, MultibodySystem::Data<S>& data,
-                   S* jacobian, Kernel kernel) {
-  if (columns.identity()) return kernel(jacobian);
-  kernel(data.mimic.columns.data());
-  columns.gather(data.mimic.columns.data(), rows, jacobian);
-}
-
-template <class S>
-MultibodySystem::Data<S>& system_data(const ResidualInput<S>& in) {
-  return static_cast<MultibodySystem::Data<S>&>(in.system);
-}
 
 /// What residuals of one frame share: the robot, the frame, and the columns that move it.
 class FrameOf {
@@ -42,7 +28,7 @@ class FrameOf {
   }
   template <class S>
   static RobotData<S>& data(const ResidualInput<S>& in) {
-    return system_data(in).robot;
+    return multibody_data(in).robot;
   }
   template <class S>
   SE3<S> placement(const ResidualInput<S>& in) const {
@@ -51,7 +37,7 @@ class FrameOf {
   /// Writes what kernel(robot, data, frame, out) gives.
   template <class S, class Kernel>
   void write(const ResidualInput<S>& in, int rows, S* jacobian, Kernel kernel) const {
-    write_columns(columns_, rows, system_data(in), jacobian,
+    write_columns(columns_, rows, multibody_data(in), jacobian,
                   [&](S* out) { kernel(robot(), data(in), frame_, out); });
   }
 
@@ -193,7 +179,7 @@ class CentroidalMomentum : public ResidualBase<CentroidalMomentum> {
   template <class S>
   void differentiate_as(const ResidualInput<S>& in, S* r, S* jacobian) const {
     evaluate_as(in, r);
-    auto& data = system_data(in);
+    auto& data = multibody_data(in);
     S* wrt_v = jacobian + 6 * columns_.count();
     if (columns_.identity())
       return centroidal_momentum_derivatives(system_->robot(), data.robot, jacobian, wrt_v);
@@ -224,7 +210,7 @@ class ComPosition : public ResidualBase<ComPosition> {
   template <class S>
   void differentiate_as(const ResidualInput<S>& in, S* r, S* jacobian) const {
     evaluate_as(in, r);
-    write_columns(columns_, 3, system_data(in), jacobian, [&](S* out) {
+    write_columns(columns_, 3, multibody_data(in), jacobian, [&](S* out) {
       center_of_mass_jacobian(system_->robot(), FrameOf::data(in), out);
     });
   }
@@ -244,13 +230,13 @@ class ControlGravity : public ResidualBase<ControlGravity> {
 
   template <class S>
   void evaluate_as(const ResidualInput<S>& in, S* r) const {
-    auto& data = system_data(in);
+    auto& data = multibody_data(in);
     system_->gravity_torques(data, false);
     effort(in, data, r);
   }
   template <class S>
   void differentiate_as(const ResidualInput<S>& in, S* r, S* jacobian) const {
-    auto& data = system_data(in);
+    auto& data = multibody_data(in);
     system_->gravity_torques(data, true);
     effort(in, data, r);
     const int nv = system_->nv();

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "problem_file/memory_need.hpp"
+#include "problem_file/shape_pairs.hpp"
 #include "robot/near_names.hpp"
 
 namespace conddp {
@@ -168,8 +169,9 @@ std::optional<BuiltProblem> build_problem(const ProblemSpec& spec, const BuildOp
   check_impulses(spec, memory, out);
   const std::vector<double> times = node_times(spec, out);
   if (out.error_count() > errors) return std::nullopt;  // what follows would fill the memory
+  if (built.plant.multibody) check_shapes(spec, built.plant, out);
   const auto contacts = ContactPlan::build(spec, built.plant, *initial, *integrator, out);
-  if (!contacts) return std::nullopt;
+  if (!contacts || out.error_count() > errors) return std::nullopt;
   const CostContext context{spec, built.plant, *contacts, states, ndx, times};
   const std::vector<BuiltCost> costs = build_costs(spec.costs, context, out);
   const std::vector<BuiltCost> terminal_costs = build_costs(spec.terminal_costs, context, out);

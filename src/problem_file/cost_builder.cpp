@@ -96,7 +96,7 @@ std::vector<BuiltCost> build_costs(const std::vector<CostSpec>& specs, const Cos
       }
       continue;
     }
-    if (auto residual = make_cost_residual(spec, context.plant, context.ndx, out))
+    if (auto residual = make_cost_residual(spec, context.spec, context.plant, context.ndx, out))
       add(spec, std::move(*residual), {});
   }
   return costs;

@@ -1,4 +1,5 @@
 #include "problem_file/expand_sections.hpp"
+#include "problem_file/shape_pairs.hpp"
 #include "problem_file/words.hpp"
 
 namespace conddp {
@@ -43,6 +44,14 @@ OrderedJson expand_joints(const CostSpec& cost, const Plant& plant) {
   return OrderedJson(joint_names(plant.robot()));
 }
 
+OrderedJson expand_pairs(const CostSpec& cost, const ProblemSpec& spec, const Plant& plant) {
+  Diagnostics found_when_built;
+  OrderedJson json = OrderedJson::array();
+  for (const ShapePair& pair : shape_pairs(cost, spec, plant, found_when_built))
+    json.push_back({pair.first, pair.second});
+  return json;
+}
+
 OrderedJson expand_cost(const CostSpec& cost, const ProblemSpec& spec, const Plant& plant,
                         bool terminal) {
   OrderedJson json = {{"residual", cost.residual.value}};
@@ -54,9 +63,11 @@ OrderedJson expand_cost(const CostSpec& cost, const ProblemSpec& spec, const Pla
   if (info.of_contacts) json["contacts"] = expand_contact_names(cost.contacts, spec);
   if (info.is_cone) expand_cone(cost, json);
   if (cost.swing) json["swing"] = expand_swing(*cost.swing);
+  if (info.of_shapes) json["pairs"] = expand_pairs(cost, spec, plant);
+  if (cost.margin) json["margin"] = *cost.margin;
   json["weight"] = cost.weight;
   json["weights"] = cost.weights ? expand_components(*cost.weights) : OrderedJson(1.0);
-  if (!info.is_cone) json["activation"] = expand_activation(cost.activation);
+  if (!info.is_cone && !cost.margin) json["activation"] = expand_activation(cost.activation);
   if (OrderedJson reference = expand_reference(cost); !reference.is_null() && !cost.swing)
     json["reference"] = std::move(reference);
   if (terminal) return json;

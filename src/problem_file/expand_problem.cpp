@@ -96,6 +96,7 @@ OrderedJson expand_problem(const ProblemSpec& spec, const BuiltProblem& built) {
   json["integrator"] = word_of(kIntegratorWords, integrator_of(*built.problem));
   json["running_costs"] = word_of(kRunningCostsWords, spec.running_costs);
   if (!spec.contacts.empty()) json["contacts"] = expand_contacts(spec.contacts);
+  if (!spec.system) json["collision"] = expand_collision(spec.collision);
   json["phases"] = expand_phases(spec);
   json["costs"] = expand_costs(spec.costs, spec, built.plant, false);
   json["constraints"] = expand_constraints(spec);

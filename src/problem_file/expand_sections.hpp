@@ -30,6 +30,9 @@ OrderedJson expand_contacts(const std::vector<ContactSpec>& contacts);
 /// The contacts' names, all where the file says so.
 OrderedJson expand_contact_names(const ContactNames& names, const ProblemSpec& spec);
 
+// expand_collision.cpp
+OrderedJson expand_collision(const CollisionSpec& collision);
+
 // expand_costs.cpp
 OrderedJson expand_costs(const std::vector<CostSpec>& costs, const ProblemSpec& spec,
                          const Plant& plant, bool terminal);

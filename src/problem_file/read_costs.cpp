@@ -123,6 +123,24 @@ void read_selection(YamlMap& map, const ResidualInfo& info, CostSpec& cost) {
     cost.axes = r->choice(kAxesWords, "system of axes").value_or(cost.axes);
     if (!info.takes_axes) unfit(*r, "axes");
   }
+  if (info.of_shapes) {
+    if (const auto r = map.require("pairs")) cost.pairs = read_pairs(*r);
+  } else if (const auto r = map.find("pairs")) {
+    unfit(*r, "pairs");
+  }
+  if (const auto r = map.find("margin")) {
+    cost.margin = r->number(kNotNegative);
+    if (!info.of_shapes) unfit(*r, "margin");
+    map.exclusive({"margin", "activation"});
+  }
+}
+
+/// Shapes keep a margin from each other unless an activation says otherwise.
+void set_margin(CostSpec& cost) {
+  cost.margin = cost.margin.value_or(0);
+  cost.activation.kind = ActivationKind::quadratic_barrier;
+  cost.activation.place = cost.residual.place;
+  cost.activation.lower = {.place = cost.residual.place, .scalar = cost.margin};
 }
 
 CostSpec read_cost(const Name& name, const YamlReader& reader, const std::filesystem::path& folder,
@@ -152,6 +170,7 @@ CostSpec read_cost(const Name& name, const YamlReader& reader, const std::filesy
   }
   if (const auto r = map.find("weights")) cost.weights = read_components(*r, kNotNegative);
   read_selection(map, info, cost);
+  if (info.of_shapes && !map.find("activation")) set_margin(cost);
   if (const auto r = map.find("reference")) {
     if (info.takes_reference)
       cost.reference = read_reference(*r, info.kind, folder);

@@ -74,6 +74,10 @@ ProblemSpec read_document(const YamlReader& reader, const std::filesystem::path&
     spec.contacts = read_contacts(*r);
     if (spec.system) r->error("a closed-form system has no frames that could touch the world");
   }
+  if (const auto r = map.find("collision")) {
+    spec.collision = read_collision(*r);
+    if (spec.system) r->error("a closed-form system has no links that could carry shapes");
+  }
   if (const auto r = map.require("phases")) spec.phases = read_phases(*r);
   if (const auto r = map.find("costs")) spec.costs = read_costs(*r, folder, false);
   if (const auto r = map.find("constraints")) spec.constraints = read_constraints(*r);

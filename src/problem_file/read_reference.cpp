@@ -56,6 +56,7 @@ std::optional<ReferenceValueSpec> read_value(const YamlReader& reader, ResidualK
     case ResidualKind::kFrictionCone:
     case ResidualKind::kWrenchCone:
     case ResidualKind::kCenterOfPressure:
+    case ResidualKind::kDistance:
       break;
   }
   return std::nullopt;

@@ -39,6 +39,13 @@ std::vector<ContactSpec> read_contacts(const YamlReader& reader);
 /// `all`, a name, or a list of names.
 ContactNames read_contact_names(const YamlReader& reader);
 
+/// A vector of length 1 along the one given.
+std::optional<Vector3<double>> read_direction(const YamlReader& reader);
+
+// read_collision.cpp
+CollisionSpec read_collision(const YamlReader& reader);
+PairsSpec read_pairs(const YamlReader& reader);
+
 // read_phases.cpp
 std::vector<PhaseSpec> read_phases(const YamlReader& reader);
 

@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "ocp/knot_model.hpp"
+#include "problem_file/spec_collision.hpp"
 #include "problem_file/spec_contact.hpp"
 #include "problem_file/spec_cost.hpp"
 #include "problem_file/spec_robot.hpp"
@@ -70,6 +71,7 @@ struct ProblemSpec {
   std::optional<Located<Integrator>> integrator;  ///< absent: the system's usual one
   RunningCosts running_costs = RunningCosts::kRate;
   std::vector<ContactSpec> contacts;
+  CollisionSpec collision;
   std::vector<PhaseSpec> phases;
   std::vector<CostSpec> costs;
   std::vector<ControlBoundsSpec> constraints;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <filesystem>
 
 #include "ocp/activation.hpp"
@@ -59,6 +60,14 @@ struct SwingSpec {
   std::optional<Vector3<double>> step;     ///< the same from where it lifts off, m
 };
 
+/// Which shapes must keep apart.
+struct PairsSpec {
+  enum class Choice { kNamed, kObstacles, kSelf, kAll };
+  Place place;
+  Choice choice = Choice::kNamed;
+  std::vector<std::array<Name, 2>> named;  ///< names may end in `*`
+};
+
 struct CostSpec {
   Name name;
   Name residual;
@@ -74,6 +83,9 @@ struct CostSpec {
   ContactNames contacts{.all = true};
   FrictionConeSpec cone;
   std::optional<SwingSpec> swing;
+  PairsSpec pairs;
+  /// Of distances without an activation: the lower end of their barrier, m.
+  std::optional<double> margin;
   std::optional<std::vector<Name>> phases;
   std::optional<std::vector<Located<int>>> knots;
 };

@@ -50,6 +50,12 @@ inline constexpr Choice<ContactKind> kContactWords[] = {{"point", ContactKind::p
 /// Whether a friction cone is of second order.
 inline constexpr Choice<bool> kConeWords[] = {{"pyramid", false}, {"second_order", true}};
 
+inline constexpr Choice<PairsSpec::Choice> kPairsWords[] = {
+    {"obstacles", PairsSpec::Choice::kObstacles, "every shape against every obstacle"},
+    {"self", PairsSpec::Choice::kSelf,
+     "every two shapes but those on one link or on links that a joint connects"},
+    {"all", PairsSpec::Choice::kAll, "both"}};
+
 inline constexpr Choice<GuessSpec::States> kStatesGuessWords[] = {
     {"initial", GuessSpec::States::kInitial}, {"interpolate", GuessSpec::States::kInterpolate}};
 

@@ -94,6 +94,28 @@ costs:
   step: {residual: frame_position, frame: lh_foot, phases: [phase_2],
          swing: {height: 0.1, landing: [0, 0, 0]}}
 )");
+  texts.push_back(R"(conddp: 1
+robot: {urdf: robots/arm7.urdf}
+collision:
+  shapes:
+    base: {frame: base, sphere: {radius: 0.1}}
+    upper: {frame: link_3, capsule: {radius: 0.05, to: [0, 0, 0.2]}}
+    fore: {frame: link_5, capsule: {radius: 0.04, from: [0, 0, 0.01], to: [0, 0, 0.2]}}
+    hand: {frame: tool, sphere: {radius: 0.05, center: [0, 0, 0.02]}}
+  obstacles:
+    ball: {sphere: {radius: 0.1, center: [0.5, 0, 0.5]}}
+    pole: {capsule: {radius: 0.1, from: [1, 0, 0], to: [1, 0, 1]}}
+    floor: {half_space: {}}
+    wall: {half_space: {normal: [0, -2, 0], point: [0, 1, 0]}}
+initial_state: {joints: {joint_2: 0.3}}
+phases: [{knots: 2, dt: 0.1}]
+costs:
+  all: {residual: distance, pairs: all, weights: {"hand-*": 2, fore-floor/to: 3}}
+  self: {residual: distance, pairs: self, margin: 0.05}
+  named: {residual: distance, pairs: [[hand, "*"], [fore, ball]], activation: smooth_l1}
+  level: {residual: joint_position, joints: ["joint_1", "joint_*"]}
+terminal: {costs: {clear: {residual: distance, pairs: obstacles}}}
+)");
   texts.push_back(replaced(kPendulum, "solver:",
                            "initial_guess: {states: interpolate, controls: {random: {scale: 1, "
                            "seed: 12345678901234567}}}\nsolver:"));
@@ -232,6 +254,9 @@ TEST(Expand, ShowsEveryDefaultOfTheSchema) {
                                              "/definitions/activation/anyOf/1/epsilon",
                                              "/gravity",
                                              "/definitions/cost/activation",
+                                             "/definitions/terminal_cost/activation",
+                                             "/definitions/cost/margin",
+                                             "/definitions/terminal_cost/margin",
                                              "/definitions/cost/cone",
                                              "/definitions/cost/faces",
                                              "/definitions/cost/inner",

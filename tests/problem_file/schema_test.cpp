@@ -79,6 +79,15 @@ TEST(Schema, HasTheReadersKeys) {
             schema_keys(d["contact_defaults"]));
   EXPECT_EQ(accepted_keys(std::string(kPendulum) + "contacts: {a: {baumgarte: {zzzzzzzz: 1}}}\n"),
             schema_keys(d["contact"]["properties"]["baumgarte"]));
+  const auto collision = [](const std::string& text) {
+    return std::string(kPendulum) + "collision: {" + text + "}\n";
+  };
+  EXPECT_EQ(accepted_keys(collision("zzzzzzzz: 1")), schema_keys(schema["properties"]["collision"]));
+  EXPECT_EQ(accepted_keys(collision("shapes: {a: {zzzzzzzz: 1}}")), schema_keys(d["shape"]));
+  EXPECT_EQ(accepted_keys(collision("obstacles: {a: {zzzzzzzz: 1}}")), schema_keys(d["obstacle"]));
+  for (const std::string form : {"sphere", "capsule", "half_space"})
+    EXPECT_EQ(accepted_keys(collision("obstacles: {a: {" + form + ": {zzzzzzzz: 1}}}")),
+              schema_keys(d[form]));
   EXPECT_EQ(accepted_keys(with("weight: 0.5", "zzzzzzzz: 1")), schema_keys(d["cost"]));
   EXPECT_EQ(accepted_keys(with("weight: 10", "zzzzzzzz: 1")), schema_keys(d["terminal_cost"]));
   EXPECT_EQ(accepted_keys(with("terminal:", "terminal:\n  zzzzzzzz: 1")),
