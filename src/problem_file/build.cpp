@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "problem_file/memory_need.hpp"
+#include "problem_file/phase_grid.hpp"
 #include "problem_file/shape_pairs.hpp"
 #include "robot/near_names.hpp"
 
@@ -38,15 +39,20 @@ std::vector<double> node_times(const ProblemSpec& spec, Diagnostics& out) {
   std::vector<double> steps;
   double end = 0;
   for (const PhaseSpec& phase : spec.phases) {
-    steps.insert(steps.end(), phase.knots.value, phase.dt);
-    end += phase.knots.value * phase.dt;
+    const std::vector<double> own = phase_steps(phase);
+    steps.insert(steps.end(), own.begin(), own.end());
+    double shortest = kLongest;
+    for (const double step : own) {
+      end += step;
+      shortest = std::min(shortest, step);
+    }
     if (end > kLongest)
       out.error(phase.knots.place, fmt::format("the motion lasts {:.3g} s up to the end of phase "
                                                "'{}', more than {:.0e} s",
                                                end, phase.name.value, kLongest));
-    else if (!phase.restitution && !(end - phase.dt < end))
+    else if (!phase.restitution && !(end - shortest < end))
       out.error(phase.knots.place,
-                fmt::format("steps of {:.3g} s vanish beside the time {:.3g} s", phase.dt, end));
+                fmt::format("steps of {:.3g} s vanish beside the time {:.3g} s", shortest, end));
     else
       continue;
     break;

@@ -13,7 +13,8 @@ namespace conddp {
 class ContactPlan {
  public:
   /// Unknown names, contacts that cannot be, and stabilisation that the time step does not carry
-  /// are reported. `initial`: the state from which contacts take their references.
+  /// are reported. `initial`: the state from which contacts take their references, unless
+  /// swings lead them elsewhere.
   static std::optional<ContactPlan> build(const ProblemSpec& spec, const Plant& plant,
                                           const std::vector<double>& initial, Integrator integrator,
                                           Diagnostics& out);
@@ -30,6 +31,8 @@ class ContactPlan {
   std::vector<Contact> contacts_;
   std::vector<std::vector<int>> held_;  ///< per phase, indices into contacts_, ascending
   std::vector<std::shared_ptr<const System>> systems_;
+  /// Per contact and phase: where kp draws it to.
+  std::vector<std::vector<Vector3<double>>> places_;
 };
 
 /// The contacts chosen, as indices into the file's; unknown names are reported.

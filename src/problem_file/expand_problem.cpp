@@ -34,6 +34,10 @@ OrderedJson expand_phases(const ProblemSpec& spec) {
     } else {
       entry["knots"] = phase.knots.value;
       entry["dt"] = phase.dt;
+      if (phase.refine)
+        entry["refine"] = {{"first", phase.refine->first},
+                           {"last", phase.refine->last},
+                           {"ratio", phase.refine->ratio}};
       if (!spec.contacts.empty()) entry["contacts"] = expand_contact_names(phase.contacts, spec);
     }
     entry["weights"] = expand_numbers(phase.weights);

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "problem_file/phase_grid.hpp"
 #include "robot/near_names.hpp"
 
 namespace conddp {
@@ -196,9 +197,9 @@ std::vector<Phase> build_phases(const PhaseContext& context, const std::vector<B
       model = std::move(fresh);
     }
     Phase phase{.name = given.name.value, .model = model};
-    phase.dt.assign(n, given.dt);
+    phase.dt = phase_steps(given);
     const bool rate = spec.running_costs == RunningCosts::kRate && !given.restitution;
-    phase.cost_scale.assign(n, rate ? given.dt : 1.0);
+    phase.cost_scale = rate ? phase.dt : std::vector<double>(n, 1.0);
     phase.parameters.resize(static_cast<std::size_t>(n) * model->parameter_count());
     for (int k = 0; k < n; ++k)
       for (std::size_t i = 0; i < active.size(); ++i)

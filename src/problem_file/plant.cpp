@@ -25,7 +25,11 @@ Overloaded(Cases...) -> Overloaded<Cases...>;  // some compilers do not deduce i
 std::optional<double> common_step(const ProblemSpec& spec, Diagnostics& out) {
   const double dt = spec.phases.front().dt;
   for (const PhaseSpec& phase : spec.phases)
-    if (phase.dt != dt) {
+    if (phase.refine) {
+      out.error(phase.name.place, "the steps of this system must have the same length",
+                fmt::format("leave 'refine' out of '{}'", phase.name.value));
+      return std::nullopt;
+    } else if (phase.dt != dt) {
       out.error(phase.name.place, "the phases of this system must have the same dt",
                 fmt::format("'{}' has {}, '{}' has {}", spec.phases.front().name.value, dt,
                             phase.name.value, phase.dt));

@@ -11,11 +11,20 @@
 
 namespace conddp {
 
+/// A grid that is finer where a phase begins or ends: each of the `first` first steps is `ratio`
+/// times as long as the one after it, each of the `last` last ones as the one before it.
+struct RefineSpec {
+  int first = 0;
+  int last = 0;
+  double ratio = 0.5;
+};
+
 /// A run of knots: all that the file says about it.
 struct PhaseSpec {
   Name name;
   Located<int> knots;
-  double dt = 0;  ///< s; 0 of an impulse
+  double dt = 0;  ///< regular step, s; 0 of an impulse
+  std::optional<RefineSpec> refine;
   ContactNames contacts;
   /// Of an impulse at the contacts: one knot that takes no time.
   std::optional<double> restitution;

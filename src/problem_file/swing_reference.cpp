@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "problem_file/footholds.hpp"
 #include "problem_file/phase_builder.hpp"
 
 namespace conddp {
@@ -35,24 +36,30 @@ std::optional<TimeSeries> swing_reference(const CostSpec& cost, int frame, const
   const std::vector<bool> swings = phases_named(cost.phases, spec, out);
   if (!is_free(cost, frame, swings, spec, plan, out)) return std::nullopt;
   TimeSeries series(StateManifold::flat(3));
-  Vector3<double> from = placement_in_state(*plant.multibody, initial, frame).p;
+  const std::vector<Vector3<double>> places =
+      footholds(cost.frame->value, placement_in_state(*plant.multibody, initial, frame).p, spec);
   int first = 0;
   for (std::size_t p = 0; p < swings.size();) {
     int knots = 0;
     std::size_t end = p;
     while (end < swings.size() && swings[end] == swings[p]) knots += spec.phases[end++].knots.value;
     if (swings[p]) {
-      const Vector3<double> to =
-          cost.swing->landing.value_or(from + cost.swing->step.value_or(Vector3<double>::zero()));
+      const Vector3<double>& from = places[p];
+      const Vector3<double> to = landing_place(*cost.swing, from);
+      if (!(times[first + knots] > times[first])) {
+        out.error(cost.swing->place, "a swing takes time, and an impulse none");
+        return std::nullopt;
+      }
+      const double begin = times[first], duration = times[first + knots] - begin;
       for (int k = 0; k <= knots; ++k) {
-        const double s = static_cast<double>(k) / knots;
+        if (k > 0 && times[first + k] == times[first + k - 1]) continue;  // an impulse
+        const double s = k == knots ? 1 : (times[first + k] - begin) / duration;
         const double along = s * s * (3 - 2 * s);
         series.append(times[first + k],
                       {from.x + along * (to.x - from.x), from.y + along * (to.y - from.y),
                        from.z + along * (to.z - from.z) +
                            16 * cost.swing->height * s * s * (1 - s) * (1 - s)});
       }
-      from = to;
     }
     first += knots;
     p = end;

@@ -108,7 +108,9 @@ collision:
     floor: {half_space: {}}
     wall: {half_space: {normal: [0, -2, 0], point: [0, 1, 0]}}
 initial_state: {joints: {joint_2: 0.3}}
-phases: [{knots: 2, dt: 0.1}]
+phases:
+  - {knots: 3, dt: 0.1, refine: {first: 2}}
+  - {knots: 3, duration: 0.3, refine: {last: 1, ratio: 0.7}}
 costs:
   all: {residual: distance, pairs: all, weights: {"hand-*": 2, fore-floor/to: 3}}
   self: {residual: distance, pairs: self, margin: 0.05}

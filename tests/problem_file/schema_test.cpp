@@ -72,6 +72,8 @@ TEST(Schema, HasTheReadersKeys) {
   const auto robot = [](const char* from, const char* to) { return replaced(kCartpole, from, to); };
   EXPECT_EQ(accepted_keys(std::string(kPendulum) + "zzzzzzzz: 1\n"), schema_keys(schema));
   EXPECT_EQ(accepted_keys(with("dt: 0.1", "dt: 0.1, zzzzzzzz: 1")), schema_keys(d["phase"]));
+  EXPECT_EQ(accepted_keys(with("dt: 0.1", "dt: 0.1, refine: {zzzzzzzz: 1}")),
+            schema_keys(d["phase"]["properties"]["refine"]));
   EXPECT_EQ(accepted_keys(with("weight: 0.5", "swing: {zzzzzzzz: 1}")), schema_keys(d["swing"]));
   EXPECT_EQ(accepted_keys(std::string(kPendulum) + "contacts: {a: {zzzzzzzz: 1}}\n"),
             schema_keys(d["contact"]));
@@ -82,7 +84,8 @@ TEST(Schema, HasTheReadersKeys) {
   const auto collision = [](const std::string& text) {
     return std::string(kPendulum) + "collision: {" + text + "}\n";
   };
-  EXPECT_EQ(accepted_keys(collision("zzzzzzzz: 1")), schema_keys(schema["properties"]["collision"]));
+  EXPECT_EQ(accepted_keys(collision("zzzzzzzz: 1")),
+            schema_keys(schema["properties"]["collision"]));
   EXPECT_EQ(accepted_keys(collision("shapes: {a: {zzzzzzzz: 1}}")), schema_keys(d["shape"]));
   EXPECT_EQ(accepted_keys(collision("obstacles: {a: {zzzzzzzz: 1}}")), schema_keys(d["obstacle"]));
   for (const std::string form : {"sphere", "capsule", "half_space"})

@@ -79,8 +79,7 @@ TEST(ShapePairs, ThatCannotBeAreRefusedWithTheirPlaces) {
   expect_error("ball: {sphere", "hand: {sphere", "a shape and an obstacle have the name 'hand'");
   expect_error("to: [0, 0, 0.2]", "to: [0, 0, 0]", "the capsule has length 0");
   expect_error("floor: {half_space: {}}", "floor: {}", "the shape has no form");
-  expect_error("{half_space: {}}", "{half_space: {}, sphere: {radius: 1}}",
-               "a shape is one thing");
+  expect_error("{half_space: {}}", "{half_space: {}, sphere: {radius: 1}}", "a shape is one thing");
   expect_error("{half_space: {}}", "{half_space: {normal: [0, 0, 0]}}", "a direction of length 0");
 }
 
@@ -94,16 +93,15 @@ TEST(ShapePairs, NeedRobotsAndShapes) {
 }
 
 TEST(Distance, CostsHalfTheSquareOfWhatLacksToTheMargin) {
-  const Loaded loaded(
-      replaced(kArm, "pairs: all", "pairs: [[hand, floor]], margin: 2, weight: 3"));
+  const Loaded loaded(replaced(kArm, "pairs: all", "pairs: [[hand, floor]], margin: 2, weight: 3"));
   ASSERT_TRUE(loaded.built) << loaded.all();
   const auto& problem = *loaded.built->problem;
   const KnotModel& model = *problem.knot(0).model;
   KnotWorkspace<double> work(model);
   const Trajectory& guess = loaded.built->guess;
-  model.evaluate(KnotInput<double>{guess.x(0).data(), guess.u(0).data(),
-                                   problem.knot(0).parameters, 0.1, 1.0},
-                 work);
+  model.evaluate(
+      KnotInput<double>{guess.x(0).data(), guess.u(0).data(), problem.knot(0).parameters, 0.1, 1.0},
+      work);
   const Plant& plant = loaded.built->plant;
   const int tool = *plant.robot().find_frame("tool");
   const double height =
