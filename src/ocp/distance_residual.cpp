@@ -50,8 +50,7 @@ std::pair<std::vector<int>, std::vector<Drive>> drives_between(const RobotModel&
     add(later, &later == &second);
     later = model.joints[later].parent;
   }
-  std::sort(all.begin(), all.end(),
-            [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   std::pair<std::vector<int>, std::vector<Drive>> result;
   for (const auto& [column, drive] : all) {
     result.first.push_back(column);
@@ -89,8 +88,7 @@ class PairOf {
     r[0] = c.distance - S(first_.radius + second_.radius);
     const Vector3<S> n = (S(1.0) / c.distance) * c.gap;
     const Force<S> first = slope(robot, first_, c.s, n), second = slope(robot, second_, c.t, -n);
-    write(data, jacobian,
-          [&](const Drive& drive, int) { return drive.second ? second : first; });
+    write(data, jacobian, [&](const Drive& drive, int) { return drive.second ? second : first; });
   }
 
  private:

@@ -13,9 +13,9 @@ OrderedJson expand_form(const CapsuleSpec& capsule) {
             {"to", expand_vector(capsule.to)}}}};
 }
 OrderedJson expand_form(const HalfSpaceSpec& half_space) {
-  return {{"half_space",
-           {{"normal", expand_vector(half_space.normal)},
-            {"point", expand_vector(half_space.point)}}}};
+  return {
+      {"half_space",
+       {{"normal", expand_vector(half_space.normal)}, {"point", expand_vector(half_space.point)}}}};
 }
 
 }  // namespace

@@ -65,8 +65,9 @@ std::optional<Form> read_form(YamlMap& map, bool in_world) {
   if constexpr (std::is_same_v<Form, decltype(ObstacleSpec::form)>)
     take("half_space", read_half_space);
   if (count == 0)
-    map.reader().error("the shape has no form", in_world ? "give 'sphere', 'capsule' or 'half_space'"
-                                                         : "give 'sphere' or 'capsule'");
+    map.reader().error("the shape has no form", in_world
+                                                    ? "give 'sphere', 'capsule' or 'half_space'"
+                                                    : "give 'sphere' or 'capsule'");
   return form;
 }
 

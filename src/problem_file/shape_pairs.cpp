@@ -34,9 +34,9 @@ std::vector<Item> items_of(const ProblemSpec& spec, const RobotModel& robot) {
   std::vector<Item> items;
   for (const ShapeSpec& shape : spec.collision.shapes) {
     const int frame = *robot.find_frame(shape.frame.value);
-    items.push_back({shape.name.value, false, robot.frames[frame].joint,
-                     std::visit([&](const auto& form) { return form_of(form, frame); },
-                                shape.form)});
+    items.push_back(
+        {shape.name.value, false, robot.frames[frame].joint,
+         std::visit([&](const auto& form) { return form_of(form, frame); }, shape.form)});
   }
   for (const ObstacleSpec& obstacle : spec.collision.obstacles)
     items.push_back(
@@ -61,8 +61,9 @@ std::vector<std::size_t> items_named(const Name& name, const std::vector<Item>& 
     if (fits(name.value, items[i].name)) found.push_back(i);
   }
   if (found.empty())
-    out.error(name.place, fmt::format("there is no shape '{}'", name.value),
-              known.empty() ? "the file has no 'collision'" : name_hint(name.value, known, "shapes"));
+    out.error(
+        name.place, fmt::format("there is no shape '{}'", name.value),
+        known.empty() ? "the file has no 'collision'" : name_hint(name.value, known, "shapes"));
   return found;
 }
 

@@ -12,9 +12,9 @@ struct SphereSpec {
   Vector3<double> center = Vector3<double>::zero();  ///< m
 };
 struct CapsuleSpec {
-  double radius = 0;                                ///< m
-  Vector3<double> from = Vector3<double>::zero();   ///< m
-  Vector3<double> to = Vector3<double>::zero();     ///< m
+  double radius = 0;                               ///< m
+  Vector3<double> from = Vector3<double>::zero();  ///< m
+  Vector3<double> to = Vector3<double>::zero();    ///< m
 };
 /// What lies behind a plane.
 struct HalfSpaceSpec {

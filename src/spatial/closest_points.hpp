@@ -57,9 +57,9 @@ ClosestPoints<S> closest_points(const Segment<S>& first, const Segment<S>& secon
   }
   c.gap = r + c.s * first.d - c.t * second.d;
   const S from_middle = c.s - S(0.5), from_middle_2 = c.t - S(0.5);
-  c.distance = sqrt(squared_norm(c.gap) + S(kCrossingSmoothing * kCrossingSmoothing) +
-                    epsilon * (a * (from_middle * from_middle) +
-                               b * (from_middle_2 * from_middle_2)));
+  c.distance =
+      sqrt(squared_norm(c.gap) + S(kCrossingSmoothing * kCrossingSmoothing) +
+           epsilon * (a * (from_middle * from_middle) + b * (from_middle_2 * from_middle_2)));
   return c;
 }
 

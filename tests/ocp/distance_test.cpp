@@ -57,18 +57,19 @@ TEST(ClosestPoints, OfParallelAndCrossingSegmentsAreTheirDistance) {
   const Vector3d x(1, 0, 0), y(0, 1, 0), o(0, 0, 0);
   for (const double angle : {0.0, 1e-12, 1e-8, 1e-4, 1e-2}) {
     const Vector3d along = std::cos(angle) * x + std::sin(angle) * y;
-    expect_distance(o, x, 0.2 * y, 0.2 * y + along);                 // side by side
-    expect_distance(o, x, 0.2 * y + 0.7 * x, 0.2 * y + 2 * along);   // overlapping in part
-    expect_distance(o, x, 1.5 * x, 1.5 * x + along);                 // one behind the other
-    expect_distance(o, x, 0.2 * y + along, 0.2 * y);                 // the other way round
-    expect_distance(-along, along, -y, y);                           // crossing
+    expect_distance(o, x, 0.2 * y, 0.2 * y + along);                // side by side
+    expect_distance(o, x, 0.2 * y + 0.7 * x, 0.2 * y + 2 * along);  // overlapping in part
+    expect_distance(o, x, 1.5 * x, 1.5 * x + along);                // one behind the other
+    expect_distance(o, x, 0.2 * y + along, 0.2 * y);                // the other way round
+    expect_distance(-along, along, -y, y);                          // crossing
   }
 }
 
 /// The values of a residual by lanes of which each has its own state, and by doubles.
 TEST(DistanceResidual, IsTheSameInLanes) {
   RandomNumbers random(5);
-  const auto robot = std::make_shared<RobotModel>(random_robot(12, {.joints = 7, .floating = true}));
+  const auto robot =
+      std::make_shared<RobotModel>(random_robot(12, {.joints = 7, .floating = true}));
   const MultibodySystem system(robot, Actuation::full(*robot));
   const auto shared = std::make_shared<MultibodySystem>(system);
   const auto residual = distance_residual(shared, distance_pairs(*robot));
@@ -197,8 +198,8 @@ TEST(DistanceResidual, DerivativesAreThoseOfDualNumbers) {
   for (TestModel& robot : mimic_robots()) robots.push_back(std::move(robot));
   for (const TestModel& robot : robots) {
     SCOPED_TRACE(robot.name);
-    const auto system = std::make_shared<MultibodySystem>(
-        std::make_shared<RobotModel>(robot.model), Actuation::full(robot.model));
+    const auto system = std::make_shared<MultibodySystem>(std::make_shared<RobotModel>(robot.model),
+                                                          Actuation::full(robot.model));
     for (int trial = 0; trial < 2; ++trial)
       expect_derivatives(system, distance_pairs(robot.model, 2),
                          random_manifold_state(system->manifold(), random, 1.2));
@@ -218,9 +219,9 @@ TEST(DistanceResidual, HasDerivativesWhereCapsulesAreParallelOrTheirAxesMeet) {
   const Capsule beside{-1, {0.3, 0, 0.6}, {0.3, 0, 1.2}, 0.05};
   const Capsule across{-1, {-1, 0, 0.9}, {1, 0, 0.9}, 0.02};
   const std::vector<double> stretched(system->nx(), 0.0);
-  for (const DistancePair& pair : {DistancePair{first, second}, DistancePair{first, beside},
-                                   DistancePair{second, beside}, DistancePair{first, across},
-                                   DistancePair{first, HalfSpace{{1, 0, 0}, -0.3}}})
+  for (const DistancePair& pair :
+       {DistancePair{first, second}, DistancePair{first, beside}, DistancePair{second, beside},
+        DistancePair{first, across}, DistancePair{first, HalfSpace{{1, 0, 0}, -0.3}}})
     expect_derivatives(system, {pair}, stretched);
   std::vector<double> x = stretched;
   x[1] = 1e-9;  // the lower links nearly parallel to what stands beside them
