@@ -116,7 +116,8 @@ TEST_P(ContactResiduals, CostsOfLinearImagesAreThoseOfTheirRows) {
         ASSERT_EQ(a.size(), b.size());
         double scale = 1;
         for (double entry : b) scale = std::max(scale, std::abs(entry));
-        for (std::size_t i = 0; i < a.size(); ++i) EXPECT_NEAR(a[i], b[i], 1e-12 * scale);
+        // Near dependent contacts, slopes of large forces cancel.
+        for (std::size_t i = 0; i < a.size(); ++i) EXPECT_NEAR(a[i], b[i], 1e-9 * scale);
       };
       expect_near(image.gradient, plain.gradient);
       expect_near(image.hessian, plain.hessian);
