@@ -178,6 +178,58 @@ class FrameVelocity : public ResidualBase<FrameVelocity> {
   FrameAxes axes_;
 };
 
+/// Directions of the velocity that a contact holds: its normal and tangent, or the first axes.
+std::vector<Vector3<double>> held_directions(const Contact& contact) {
+  if (contact.kind == ContactKind::normal) return {contact.normal};
+  if (contact.kind == ContactKind::planar) return {contact.normal, contact.tangent};
+  return {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+}
+
+class ContactVelocity : public ResidualBase<ContactVelocity> {
+ public:
+  ContactVelocity(FrameOf frame, const Contact& contact)
+      : ResidualBase({{contact.rows(), frame.position_and_velocity_columns()}}, 0, false),
+        frame_(std::move(frame)),
+        axes_(contact.axes),
+        directions_(held_directions(contact)) {}
+
+  template <class S>
+  void evaluate_as(const ResidualInput<S>& in, S* r) const {
+    const Motion<S> v = frame_velocity(frame_.robot(), frame_.data(in), frame_.frame(), axes_);
+    const S rows[] = {v[0], v[1], v[2], v[3], v[4], v[5]};
+    choose(rows, r);
+  }
+  template <class S>
+  void differentiate_as(const ResidualInput<S>& in, S* r, S* jacobian) const {
+    evaluate_as(in, r);
+    S* all = system_data(in).columns.data();
+    const auto write = [&](auto kernel) {
+      frame_.write(in, 6, all, kernel);
+      for (int c = 0; c < frame_.count(); ++c, jacobian += size()) choose(all + 6 * c, jacobian);
+    };
+    write([this](const RobotModel& robot, const RobotData<S>& data, int frame, S* out) {
+      frame_velocity_derivative(robot, data, frame, axes_, out);
+    });
+    write([this](const RobotModel& robot, const RobotData<S>& data, int frame, S* out) {
+      frame_jacobian(robot, data, frame, axes_, out);
+    });
+  }
+
+ private:
+  /// From the six rows of a twist those of the contact.
+  template <class S>
+  void choose(const S* twist, S* rows) const {
+    for (const Vector3<double>& d : directions_)
+      *rows++ = S(d.x) * twist[0] + S(d.y) * twist[1] + S(d.z) * twist[2];
+    if (size() == 6)
+      for (int i = 3; i < 6; ++i) *rows++ = twist[i];
+  }
+
+  FrameOf frame_;
+  FrameAxes axes_;
+  std::vector<Vector3<double>> directions_;
+};
+
 class CentroidalMomentum : public ResidualBase<CentroidalMomentum> {
  public:
   explicit CentroidalMomentum(SystemPointer system)
@@ -294,6 +346,10 @@ std::shared_ptr<const Residual> frame_placement_residual(const SystemPointer& sy
 std::shared_ptr<const Residual> frame_velocity_residual(const SystemPointer& system, int frame,
                                                         FrameAxes axes) {
   return std::make_shared<FrameVelocity>(FrameOf(system, frame), axes);
+}
+std::shared_ptr<const Residual> contact_velocity_residual(const SystemPointer& system,
+                                                          const Contact& contact) {
+  return std::make_shared<ContactVelocity>(FrameOf(system, contact.frame), contact);
 }
 std::shared_ptr<const Residual> centroidal_momentum_residual(const SystemPointer& system) {
   return std::make_shared<CentroidalMomentum>(system);

@@ -42,6 +42,10 @@ std::shared_ptr<const Residual> frame_placement_residual(
 /// Frame velocity (linear; angular) minus reference, m/s and rad/s. Parameter: 6 numbers.
 std::shared_ptr<const Residual> frame_velocity_residual(
     const std::shared_ptr<const MultibodySystem>& system, int frame, FrameAxes axes);
+/// Velocity of a contact's frame in the directions that it holds (linear; angular of a surface), in
+/// the contact's axes, m/s and rad/s. The system need not hold the contact. No parameters.
+std::shared_ptr<const Residual> contact_velocity_residual(
+    const std::shared_ptr<const MultibodySystem>& system, const Contact& contact);
 /// Centre of mass in the world minus reference, m. Parameter: 3 numbers.
 std::shared_ptr<const Residual> com_position_residual(
     const std::shared_ptr<const MultibodySystem>& system);

@@ -177,8 +177,9 @@ std::optional<BuiltProblem> build_problem(const ProblemSpec& spec, const BuildOp
   const PhaseContext phase_context{spec, *contacts, built.plant.system, *integrator, memory, times};
   std::vector<Phase> phases = build_phases(phase_context, costs, bounds, out);
   if (out.has_errors()) return std::nullopt;
+  Phase terminal = build_terminal(phase_context, costs, terminal_costs, out);
+  if (out.has_errors()) return std::nullopt;
 
-  Phase terminal = build_terminal(phase_context, terminal_costs);
   std::vector<double> start = *initial;
   if (memory) start.insert(start.end(), previous.begin(), previous.end());
   built.problem =

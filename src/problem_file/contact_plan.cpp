@@ -50,6 +50,24 @@ void warn_of_instability(const ContactSpec& spec, const PhaseSpec& phase, Integr
                    : "lower kp and kd, or take smaller steps");
 }
 
+/// A touch-down needs a contact that was in the air before.
+bool comes_from_the_air(const ProblemSpec& spec, const std::vector<std::vector<int>>& held,
+                        std::size_t impulse, Diagnostics& out) {
+  if (impulse == 0) return true;
+  const std::vector<int>&hits = held[impulse], &before = held[impulse - 1];
+  if (!std::includes(before.begin(), before.end(), hits.begin(), hits.end())) return true;
+  std::string names;
+  for (const int contact : hits)
+    names += fmt::format("{}'{}'", names.empty() ? "" : ", ", spec.contacts[contact].name.value);
+  out.error(spec.phases[impulse].knots.place,
+            fmt::format("the impulse '{}' of {} has no time in the air before it: phase '{}' holds "
+                        "{} already",
+                        spec.phases[impulse].name.value, names, spec.phases[impulse - 1].name.value,
+                        hits.size() == 1 ? "it" : "them"),
+            "put a phase before it in which what touches down is not held");
+  return false;
+}
+
 }  // namespace
 
 bool is_stable(Integrator integrator, double kp, double kd, double dt) {
@@ -102,6 +120,7 @@ std::optional<ContactPlan> ContactPlan::build(const ProblemSpec& spec, const Pla
       plan.contacts_.push_back(std::move(*made));
   for (const PhaseSpec& phase : spec.phases)
     plan.held_.push_back(contacts_named(phase.contacts, spec, out));
+  plan.held_.push_back(contacts_named(spec.last_contacts(), spec, out));
   if (out.error_count() > errors) return std::nullopt;
 
   std::map<std::pair<std::vector<int>, double>, std::shared_ptr<const System>> known;
@@ -111,6 +130,7 @@ std::optional<ContactPlan> ContactPlan::build(const ProblemSpec& spec, const Pla
       out.error(phase.name.place, "an impulse needs contacts that hit the ground");
       return std::nullopt;
     }
+    if (phase.restitution && !comes_from_the_air(spec, plan.held_, p, out)) return std::nullopt;
     auto& system = known[{plan.held_[p], phase.restitution.value_or(-1)}];
     if (!system && plan.held_[p].empty()) system = plant.system;
     if (!system) {

@@ -207,6 +207,7 @@ std::optional<CostResidual> make_cost_residual(const CostSpec& cost, const Plant
     case ResidualKind::kFrictionCone:
     case ResidualKind::kWrenchCone:
     case ResidualKind::kCenterOfPressure:
+    case ResidualKind::kContactVelocity:
       break;  // make_contact_costs
   }
   if (!result.residual) return std::nullopt;

@@ -33,6 +33,9 @@ OrderedJson expand_swing(const SwingSpec& swing) {
   OrderedJson json = {{"height", swing.height}};
   if (swing.landing)
     json["landing"] = expand_vector(*swing.landing);
+  else if (!swing.displaced.empty())
+    for (const PlanarMotion& motion : swing.displaced)
+      json["displaced"].push_back(expand_motion(motion));
   else
     json["step"] = expand_vector(swing.step.value_or(Vector3<double>::zero()));
   return json;
@@ -51,7 +54,10 @@ OrderedJson expand_cost(const CostSpec& cost, const ProblemSpec& spec, const Pla
   if (cost.columns) json["columns"] = expand_names(*cost.columns);
   if (cost.kind == ResidualKind::kFrameVelocity) json["axes"] = word_of(kAxesWords, cost.axes);
   const ResidualInfo& info = residual_info(cost.kind);
-  if (info.of_contacts) json["contacts"] = expand_contact_names(cost.contacts, spec);
+  if (info.of_contacts) {
+    const bool held = terminal && cost.contacts.all;
+    json["contacts"] = expand_contact_names(held ? spec.last_contacts() : cost.contacts, spec);
+  }
   if (info.is_cone) expand_cone(cost, json);
   if (cost.swing) json["swing"] = expand_swing(*cost.swing);
   json["weight"] = cost.weight;

@@ -49,6 +49,13 @@ OrderedJson expand_initial_state(const ProblemSpec& spec, const KnotModel& model
   return json;
 }
 
+OrderedJson expand_terminal(const ProblemSpec& spec, const Plant& plant) {
+  OrderedJson json = OrderedJson::object();
+  if (!spec.contacts.empty()) json["contacts"] = expand_contact_names(spec.last_contacts(), spec);
+  json["costs"] = expand_costs(spec.terminal_costs, spec, plant, true);
+  return json;
+}
+
 /// That of the knots that take time.
 Integrator integrator_of(const ShootingProblem& problem) {
   for (int k = 0; k < problem.knots(); ++k)
@@ -99,7 +106,7 @@ OrderedJson expand_problem(const ProblemSpec& spec, const BuiltProblem& built) {
   json["phases"] = expand_phases(spec);
   json["costs"] = expand_costs(spec.costs, spec, built.plant, false);
   json["constraints"] = expand_constraints(spec);
-  json["terminal"] = {{"costs", expand_costs(spec.terminal_costs, spec, built.plant, true)}};
+  json["terminal"] = expand_terminal(spec, built.plant);
   json["initial_guess"] = expand_guess(spec.guess);
   json["solver"] = expand_solver(spec.solver);
   return json;

@@ -36,6 +36,7 @@ OrderedJson neutral_reference(const CostSpec& cost) {
     case ResidualKind::kFrictionCone:
     case ResidualKind::kWrenchCone:
     case ResidualKind::kCenterOfPressure:
+    case ResidualKind::kContactVelocity:
       break;
   }
   return nullptr;

@@ -14,6 +14,7 @@ OrderedJson expand_quaternion(const Quaternion<double>& q);
 OrderedJson expand_numbers(const NamedNumbers& numbers);
 OrderedJson expand_components(const ComponentsSpec& spec);
 OrderedJson expand_names(const std::vector<Name>& names);
+OrderedJson expand_motion(const PlanarMotion& motion);
 OrderedJson expand_pose(const PoseSpec& pose);
 OrderedJson expand_twist(const TwistSpec& twist);
 OrderedJson expand_state(const StateSpec& state);

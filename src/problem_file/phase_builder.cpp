@@ -32,10 +32,21 @@ std::vector<bool> phases_of(const BuiltCost& cost, const PhaseContext& context, 
   return in_phase;
 }
 
-/// A swing's last node is the first one after its phases.
-void extend_to_touch_down(std::vector<double>& weights) {
-  for (std::size_t k = weights.size() - 1; k > 0; --k)
-    if (weights[k] == 0) weights[k] = weights[k - 1];
+/// What running costs of a phase are multiplied by.
+double cost_scale(const PhaseSpec& phase, const ProblemSpec& spec) {
+  const bool rate = spec.running_costs == RunningCosts::kRate && !phase.restitution;
+  return rate ? phase.dt : 1.0;
+}
+
+/// A swing's last node is the first one after its phases. A touch-down is a moment: its cost is not
+/// multiplied by the time step, as it is not at an impulse or at the last node.
+void extend_to_touch_down(const ProblemSpec& spec, std::vector<double>& weights) {
+  std::size_t first = weights.size();
+  for (std::size_t p = spec.phases.size(); p-- > 0;) {
+    first -= spec.phases[p].knots.value;
+    if (first > 0 && weights[first] == 0)
+      weights[first] = weights[first - 1] / cost_scale(spec.phases[p], spec);
+  }
 }
 
 /// For each cost its weight at each running knot: 0 where it is off.
@@ -53,7 +64,7 @@ std::vector<std::vector<double>> schedule(const PhaseContext& context,
         if (name.value == c.name.value) weight = value;
       row.insert(row.end(), spec.phases[p].knots.value, in_phase[p] ? weight : 0.0);
     }
-    if (c.swing) extend_to_touch_down(row);
+    if (c.swing) extend_to_touch_down(spec, row);
     if (!c.knots) continue;
     std::vector<bool> chosen(row.size(), false);
     for (const Located<int>& knot : *c.knots) {
@@ -80,10 +91,23 @@ void check_phase_weights(const ProblemSpec& spec, Diagnostics& out) {
                   name_hint(name.value, names, "costs"));
 }
 
-/// A cost's residual in the system of a phase.
+/// Whether a swing ends at the last node: it lasts until then, and the node holds the foot.
+bool touches_down_at_the_end(const BuiltCost& cost, const PhaseContext& context, Diagnostics& out) {
+  if (!cost.spec->swing || !phases_of(cost, context, out).back()) return false;
+  const auto& contacts = context.contacts.contacts();
+  for (std::size_t c = 0; c < contacts.size(); ++c)
+    if (contacts[c].frame == cost.residual.frame &&
+        context.contacts.find(context.contacts.terminal(), static_cast<int>(c)))
+      return true;
+  return false;
+}
+
+/// A cost's residual in the system of a phase, or at the last node.
 std::shared_ptr<const Residual> residual_in(const BuiltCost& cost, const PhaseContext& context,
                                             std::size_t phase) {
   if (cost.contact.contact < 0) return cost.residual.residual;
+  if (phase == context.contacts.terminal())
+    return cost.contact.make(std::static_pointer_cast<const MultibodySystem>(context.system), 0);
   return cost.contact.make(
       std::static_pointer_cast<const MultibodySystem>(context.contacts.system(phase)),
       *context.contacts.find(phase, cost.contact.contact));
@@ -197,8 +221,7 @@ std::vector<Phase> build_phases(const PhaseContext& context, const std::vector<B
     }
     Phase phase{.name = given.name.value, .model = model};
     phase.dt.assign(n, given.dt);
-    const bool rate = spec.running_costs == RunningCosts::kRate && !given.restitution;
-    phase.cost_scale.assign(n, rate ? given.dt : 1.0);
+    phase.cost_scale.assign(n, cost_scale(given, spec));
     phase.parameters.resize(static_cast<std::size_t>(n) * model->parameter_count());
     for (int k = 0; k < n; ++k)
       for (std::size_t i = 0; i < active.size(); ++i)
@@ -211,15 +234,41 @@ std::vector<Phase> build_phases(const PhaseContext& context, const std::vector<B
   return phases;
 }
 
-Phase build_terminal(const PhaseContext& context, const std::vector<BuiltCost>& costs) {
+Phase build_terminal(const PhaseContext& context, const std::vector<BuiltCost>& running,
+                     const std::vector<BuiltCost>& terminal_costs, Diagnostics& out) {
   auto model =
       std::make_shared<KnotModel>(context.system, Integrator::none, context.control_memory);
-  for (const BuiltCost& cost : costs)
-    model->add_cost(cost.spec->name.value, cost.residual.residual, cost.activation);
+  const std::size_t node = context.contacts.terminal();
+  std::vector<const BuiltCost*> costs;
+  std::vector<double> weights;
+  for (const BuiltCost& cost : terminal_costs) {
+    if (cost.contact.contact >= 0 && context.contacts.held(node).empty()) {
+      out.error(cost.spec->residual.place, "the last node holds no contact",
+                "write 'terminal: {contacts: [...]}'");
+      break;
+    }
+    if (cost.contact.contact >= 0 && !context.contacts.find(node, cost.contact.contact)) {
+      if (cost.spec->contacts.all) continue;
+      out.error(cost.spec->residual.place,
+                fmt::format("the last node does not hold the contact '{}'",
+                            context.spec.contacts[cost.contact.contact].name.value),
+                "write 'terminal: {contacts: [...]}'");
+      continue;
+    }
+    costs.push_back(&cost);
+    weights.push_back(cost.spec->weight);
+  }
+  for (const BuiltCost& cost : running)
+    if (touches_down_at_the_end(cost, context, out)) {
+      costs.push_back(&cost);
+      weights.push_back(cost.spec->weight);
+    }
+  for (const BuiltCost* cost : costs)
+    model->add_cost(cost->spec->name.value, residual_in(*cost, context, node), cost->activation);
   Phase terminal{.name = "terminal", .dt = {0.0}, .cost_scale = {1.0}};
   terminal.parameters.resize(model->parameter_count());
   for (std::size_t i = 0; i < costs.size(); ++i)
-    write_parameters(costs[i], model->costs()[i], context.times.back(), costs[i].spec->weight,
+    write_parameters(*costs[i], model->costs()[i], context.times.back(), weights[i],
                      terminal.parameters.data());
   terminal.model = std::move(model);
   return terminal;

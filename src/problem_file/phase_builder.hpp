@@ -36,6 +36,9 @@ struct PhaseContext {
 /// phase a cost that is off at a knot has weight 0 there.
 std::vector<Phase> build_phases(const PhaseContext& context, const std::vector<BuiltCost>& costs,
                                 const PhaseBounds& bounds, Diagnostics& out);
-Phase build_terminal(const PhaseContext& context, const std::vector<BuiltCost>& costs);
+/// The last node with its costs, and with the running ones on swings that end there. Contacts that
+/// a cost names and the node does not hold are reported.
+Phase build_terminal(const PhaseContext& context, const std::vector<BuiltCost>& running,
+                     const std::vector<BuiltCost>& terminal_costs, Diagnostics& out);
 
 }  // namespace conddp

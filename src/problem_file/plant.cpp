@@ -63,10 +63,7 @@ bool check_mimic_limits(const Plant& plant, Diagnostics& out) {
     const Joint& follower = robot.joints[mimic.joint];
     const auto limits = plant.multibody->limits(mimic.leader);
     if (limits.lower <= limits.upper) continue;
-    const auto part = std::find_if(plant.parts.begin(), plant.parts.end(), [&](const PlantPart& p) {
-      return mimic.leader >= p.first_joint && mimic.leader < p.first_joint + p.joint_count;
-    });
-    out.error(part->spec->place,
+    out.error(part_of(plant, mimic.leader).spec->place,
               fmt::format("no position of the joint '{}' (limits {} to {}) keeps the limits {} to "
                           "{} of the joint '{}', which mimics it with multiplier {} and offset {}",
                           leader.name, leader.lower, leader.upper, follower.lower, follower.upper,
@@ -112,6 +109,12 @@ std::optional<Plant> build_plant(const ProblemSpec& spec, Diagnostics& out) {
   plant.system = plant.multibody;
   if (!check_mimic_limits(plant, out)) return std::nullopt;
   return plant;
+}
+
+const PlantPart& part_of(const Plant& plant, int joint) {
+  return *std::find_if(plant.parts.begin(), plant.parts.end(), [&](const PlantPart& p) {
+    return joint >= p.first_joint && joint < p.first_joint + p.joint_count;
+  });
 }
 
 bool is_independent(const RobotModel& robot, int joint) {

@@ -12,7 +12,7 @@ std::optional<Vector3<double>> read_direction(const YamlReader& reader) {
   const auto v = read_vector3(reader, "a direction [x, y, z]");
   if (!v) return std::nullopt;
   const double length = std::sqrt(squared_norm(*v));
-  if (length > 1e-6) return (1 / length) * *v;
+  if (length > 1e-6) return unit_scale(length) * *v;
   reader.error("a direction of length 0");
   return std::nullopt;
 }

@@ -60,23 +60,28 @@ SwingSpec read_swing(const YamlReader& reader) {
   if (const auto r = map.require("height"))
     swing.height = r->number(kNotNegative).value_or(swing.height);
   map.exclusive({"landing", "step"});
+  map.exclusive({"landing", "displaced"});
+  map.exclusive({"step", "displaced"});
   if (const auto r = map.find("landing")) swing.landing = read_vector3(*r, "[x, y, z] in m");
   if (const auto r = map.find("step")) swing.step = read_vector3(*r, "[x, y, z] in m");
+  if (const auto r = map.find("displaced"))
+    if (const auto items = r->items()) {
+      for (const YamlReader& item : *items)
+        swing.displaced.push_back(read_planar_motion(item).value_or(PlanarMotion{}));
+      if (items->empty()) r->error("there is no landing", "write one '[x, y, yaw]' a swing");
+    }
   return swing;
 }
 
-/// The keys of costs on contacts and on feet, which the last node has not.
+/// The keys of costs on forces and on feet, which the last node has not.
 void read_contact_keys(YamlMap& map, const ResidualInfo& info, CostSpec& cost) {
   const auto unfit = [&](const YamlReader& reader, std::string_view key) {
     reader.error(fmt::format("the residual '{}' has no '{}'", info.name, key));
   };
-  if (const auto r = map.find("contacts")) {
-    cost.contacts = read_contact_names(*r);
-    if (!info.of_contacts) unfit(*r, "contacts");
-  }
   if (const auto r = map.find("swing")) {
     cost.swing = read_swing(*r);
-    if (info.kind != ResidualKind::kFramePosition) unfit(*r, "swing");
+    if (info.kind != ResidualKind::kFramePosition && info.kind != ResidualKind::kFramePlacement)
+      unfit(*r, "swing");
     map.exclusive({"swing", "reference"});
   }
   const bool friction = info.kind == ResidualKind::kFrictionCone;
@@ -119,6 +124,10 @@ void read_selection(YamlMap& map, const ResidualInfo& info, CostSpec& cost) {
     cost.columns = r->name_or_names();
     if (!info.takes_columns) unfit(*r, "columns");
   }
+  if (const auto r = map.find("contacts")) {
+    cost.contacts = read_contact_names(*r);
+    if (!info.of_contacts) unfit(*r, "contacts");
+  }
   if (const auto r = map.find("axes")) {
     cost.axes = r->choice(kAxesWords, "system of axes").value_or(cost.axes);
     if (!info.takes_axes) unfit(*r, "axes");
@@ -159,7 +168,8 @@ CostSpec read_cost(const Name& name, const YamlReader& reader, const std::filesy
       r->error(fmt::format("the residual '{}' has no reference", info.name));
   }
   if (terminal) {
-    if (info.needs_control || info.of_contacts)
+    const bool of_forces = info.of_contacts && info.kind != ResidualKind::kContactVelocity;
+    if (info.needs_control || of_forces)
       residual->error(fmt::format(
           "the residual '{}' needs a control, and there is none at the terminal node", info.name));
   } else {

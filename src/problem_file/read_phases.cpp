@@ -8,8 +8,6 @@
 namespace conddp {
 namespace {
 
-constexpr int kMaxKnots = 1'000'000;
-
 void read_impulse(YamlMap& map, const YamlReader& impulse, PhaseSpec& phase) {
   phase.contacts = read_contact_names(impulse);
   phase.knots = {1, impulse.place()};

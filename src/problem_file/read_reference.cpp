@@ -56,6 +56,7 @@ std::optional<ReferenceValueSpec> read_value(const YamlReader& reader, ResidualK
     case ResidualKind::kFrictionCone:
     case ResidualKind::kWrenchCone:
     case ResidualKind::kCenterOfPressure:
+    case ResidualKind::kContactVelocity:
       break;
   }
   return std::nullopt;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "problem_file/spec.hpp"
+#include "problem_file/spec_gait.hpp"
 #include "problem_file/yaml_reader.hpp"
 
 namespace conddp {
@@ -21,6 +22,7 @@ double unit_scale(double length);
 std::optional<Quaternion<double>> read_orientation(YamlMap& map);
 std::optional<PoseSpec> read_pose(const YamlReader& reader);
 std::optional<TwistSpec> read_twist(const YamlReader& reader);
+std::optional<PlanarMotion> read_planar_motion(const YamlReader& reader);
 
 // read_state.cpp
 std::optional<StateSpec> read_state(const YamlReader& reader);
@@ -39,7 +41,12 @@ std::vector<ContactSpec> read_contacts(const YamlReader& reader);
 /// `all`, a name, or a list of names.
 ContactNames read_contact_names(const YamlReader& reader);
 
+// read_gait.cpp
+GaitSpec read_gait(const YamlReader& reader, const std::vector<ContactSpec>& contacts);
+
 // read_phases.cpp
+/// More knots than that are an error.
+inline constexpr int kMaxKnots = 1'000'000;
 std::vector<PhaseSpec> read_phases(const YamlReader& reader);
 
 // read_costs.cpp

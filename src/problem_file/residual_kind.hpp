@@ -24,6 +24,7 @@ enum class ResidualKind {
   kFrictionCone,
   kWrenchCone,
   kCenterOfPressure,
+  kContactVelocity,
 };
 
 /// What the reader has to know about a residual.

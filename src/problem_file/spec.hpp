@@ -73,10 +73,14 @@ struct ProblemSpec {
   std::vector<PhaseSpec> phases;
   std::vector<CostSpec> costs;
   std::vector<ControlBoundsSpec> constraints;
+  std::optional<ContactNames> terminal_contacts;  ///< absent: those of the last phase
   std::vector<CostSpec> terminal_costs;
   GuessSpec guess;
   SolverSpec solver;
 
+  const ContactNames& last_contacts() const {
+    return terminal_contacts ? *terminal_contacts : phases.back().contacts;
+  }
   int knots() const {
     int n = 0;
     for (const PhaseSpec& phase : phases) n += phase.knots.value;

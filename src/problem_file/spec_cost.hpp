@@ -57,6 +57,9 @@ struct SwingSpec {
   double height = 0;                       ///< m
   std::optional<Vector3<double>> landing;  ///< where it touches down, m
   std::optional<Vector3<double>> step;     ///< the same from where it lifts off, m
+  /// The same, one a run of phases: where the frame was in the initial state, displaced with the
+  /// robot's base.
+  std::vector<PlanarMotion> displaced;
 };
 
 struct CostSpec {

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "problem_file/spec.hpp"
+#include "problem_file/spec_gait.hpp"
 #include "problem_file/yaml_reader.hpp"
 
 namespace conddp {
@@ -47,6 +48,11 @@ inline constexpr Choice<ContactKind> kContactWords[] = {{"point", ContactKind::p
                                                         {"surface", ContactKind::surface},
                                                         {"normal", ContactKind::normal},
                                                         {"planar", ContactKind::planar}};
+
+inline constexpr Choice<GaitType> kGaitWords[] = {
+    {"stand", GaitType::stand}, {"walk", GaitType::walk},   {"trot", GaitType::trot},
+    {"pace", GaitType::pace},   {"bound", GaitType::bound}, {"jump", GaitType::jump}};
+
 /// Whether a friction cone is of second order.
 inline constexpr Choice<bool> kConeWords[] = {{"pyramid", false}, {"second_order", true}};
 

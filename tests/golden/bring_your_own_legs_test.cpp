@@ -171,7 +171,7 @@ std::vector<Step> steps() {
            0.04,
            8,
            1e-2,
-           1e5},
+           3e4},
           {"talos_reduced",
            {"left_sole_link", "right_sole_link"},
            true,

@@ -22,6 +22,7 @@ std::vector<NamedResidual> residuals_of(const std::shared_ptr<const MultibodySys
     all.push_back({contact.name + " pyramid",
                    contact_cone_residual(system, i, ndx,
                                          friction_pyramid({.friction = 0.7}, 5, true, normal))});
+    all.push_back({contact.name + " velocity", contact_velocity_residual(system, contact)});
     all.push_back({contact.name + " cone", friction_cone_residual(system, i, ndx, 0.7, normal)});
     if (contact.kind != ContactKind::surface) continue;
     all.push_back({contact.name + " wrench",

@@ -94,6 +94,29 @@ costs:
   step: {residual: frame_position, frame: lh_foot, phases: [phase_2],
          swing: {height: 0.1, landing: [0, 0, 0]}}
 )");
+  const std::string_view legged = R"(conddp: 1
+robot: {urdf: robots/quadruped.urdf, base: floating}
+contacts:
+  LF: {frame: lf_foot}
+  RF: {frame: rf_foot, type: surface}
+  LH: {frame: lh_foot, normal: [-0.1, 0.2, 1]}
+  RH: {frame: rh_foot}
+initial_state: {base: {position: [0, 0, 0.57], rpy: [0, 0, 1]}, displaced: [0.1, 0.2, 0.3],
+                joints: {LF_KFE: -1, RF_KFE: -1, LH_KFE: 1, RH_KFE: 1}}
+gait: {type: stand, dt: 0.02}
+costs:
+  posture: {residual: state, reference: {base: {position: [0, 0, 0.57]}, displaced: gait}}
+  hold: {residual: contact_force, contacts: LF}
+terminal:
+  costs: {rest: {residual: state, reference: {base: {position: [0, 0, 0.57]}, displaced: gait}}}
+)";
+  for (const char* gait :
+       {"type: stand", "type: walk, period: 0.8, step: {length: 0.1, direction: 0.4}",
+        "type: trot, period: 0.4, cycles: 3, step: {length: 0.1, turn: -0.7}, impulses: true",
+        "type: pace, period: 0.4, duty: 0.7, step: {turn: 0.2}, stand: {begin: 0, end: 0.1}",
+        "type: bound, period: 0.4, duty: 0.3, cycles: 2, impulses: true",
+        "type: jump, period: 0.6, cycles: 2, step: {length: 0.3}, feet: {one: LF, two: RH}"})
+    texts.push_back(replaced(legged, "type: stand", gait));
   texts.push_back(replaced(kPendulum, "solver:",
                            "initial_guess: {states: interpolate, controls: {random: {scale: 1, "
                            "seed: 12345678901234567}}}\nsolver:"));
@@ -239,7 +262,12 @@ TEST(Expand, ShowsEveryDefaultOfTheSchema) {
                                              "/definitions/phase/restitution"};
   for (const std::string& key : walk.missing())
     EXPECT_TRUE(conditional.contains(key)) << key << " has a default that an expansion lacks";
-  EXPECT_EQ(walk.unseen(), std::set<std::string>{}) << "the schema's default is not the reader's";
+  std::set<std::string> unseen = walk.unseen();
+  // What a gait stands for is in the expansion, not the gait; GaitFile has its defaults.
+  std::erase_if(unseen, [](const std::string& key) {
+    return key.starts_with("/gait") || key.starts_with("/definitions/gait/");
+  });
+  EXPECT_EQ(unseen, std::set<std::string>{}) << "the schema's default is not the reader's";
 }
 
 TEST(Expand, KeepsTheModelineOfTheFileOrTakesThatOfTheReadyProblems) {

@@ -79,6 +79,13 @@ TEST(Schema, HasTheReadersKeys) {
             schema_keys(d["contact_defaults"]));
   EXPECT_EQ(accepted_keys(std::string(kPendulum) + "contacts: {a: {baumgarte: {zzzzzzzz: 1}}}\n"),
             schema_keys(d["contact"]["properties"]["baumgarte"]));
+  const auto gait = [&](const char* keys) {
+    return std::string(kPendulum) + "gait: {type: jump, " + keys + "}\n";
+  };
+  const Json& g = d["gait"]["properties"];
+  EXPECT_EQ(accepted_keys(gait("zzzzzzzz: 1")), schema_keys(d["gait"]));
+  EXPECT_EQ(accepted_keys(gait("step: {zzzzzzzz: 1}")), schema_keys(g["step"]));
+  EXPECT_EQ(accepted_keys(gait("stand: {zzzzzzzz: 1}")), schema_keys(g["stand"]));
   EXPECT_EQ(accepted_keys(with("weight: 0.5", "zzzzzzzz: 1")), schema_keys(d["cost"]));
   EXPECT_EQ(accepted_keys(with("weight: 10", "zzzzzzzz: 1")), schema_keys(d["terminal_cost"]));
   EXPECT_EQ(accepted_keys(with("terminal:", "terminal:\n  zzzzzzzz: 1")),
