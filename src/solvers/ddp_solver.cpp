@@ -60,11 +60,10 @@ DdpSolver::DdpSolver(const ShootingProblem& problem, const DdpRecipe& recipe,
       acts_(problem, options.threads),
       linearization_(problem),
       hessian_(recipe.hessian, acts_, linearization_),
+      gaps_(problem),
       adjoint_(problem, bounds_),
       direction_(problem, bounds_,
-                 {.open_gaps = recipe.open_gaps,
-                  .clamp_controls = recipe.clamp_controls,
-                  .box_stage = recipe.box_stage},
+                 {.clamp_controls = recipe.clamp_controls, .box_stage = recipe.box_stage},
                  options.box_qp),
       line_search_(problem, options.line_search),
       regularization_(options.regularization),
@@ -128,7 +127,7 @@ bool DdpSolver::linearize() {
   if (!linearized_) return end_diverged();
   row_.cost = linearization_.total_cost();
   merit_.cost = row_.cost;
-  merit_.gap_norm = recipe_.open_gaps ? linearization_.gap.lpNorm<1>() : 0;
+  merit_.gap_norm = gaps_.norm();
   merit_.rounding = adjoint_.cost_rounding(linearization_, trajectory_);
   row_.merit = merit_.value();
   const Extremum stationarity = bounds_.projected_norm(adjoint_.gradient(), trajectory_);
@@ -270,7 +269,7 @@ int DdpSolver::sweep_backward(double regularization) {
   for (bool exact : {true, false}) {
     if (exact && !hessian_.exact_known()) continue;
     hessian_.use(exact);
-    const int bad_knot = direction_.find(linearization_, trajectory_, adjoint_, merit_,
+    const int bad_knot = direction_.find(linearization_, trajectory_, gaps_, adjoint_, merit_,
                                          {options_.regularization.kind, regularization});
     if (bad_knot < 0 || !exact) return bad_knot;
   }
@@ -282,7 +281,8 @@ void DdpSolver::differentiate() {
   const Stopwatch watch(result_.times.differentiate);
   hessian_.begin_iterate();
   acts_.differentiate(trajectory_, linearization_);
-  adjoint_.compute(linearization_, trajectory_, recipe_.open_gaps, direction_.feedback());
+  gaps_.set(linearization_, recipe_.open_gaps);
+  adjoint_.compute(linearization_, trajectory_, gaps_, direction_.feedback());
   linearized_ = std::isfinite(linearization_.total_cost()) && linearization_.gap.allFinite() &&
                 adjoint_.costates().allFinite() && adjoint_.gradient().allFinite();
   const bool closed = !recipe_.open_gaps || linearization_.max_gap() <= options_.tolerances.gap;
@@ -294,11 +294,17 @@ void DdpSolver::differentiate() {
 /// The model's view of the full step; the weight of the gaps is kept above its multipliers.
 void DdpSolver::measure_direction() {
   const Stopwatch watch(result_.times.sweep);
-  adjoint_.compute(linearization_, trajectory_, recipe_.open_gaps, direction_.feedback());
-  merit_.rounding = adjoint_.cost_rounding(linearization_, trajectory_);
-  const ModelStep step = direction_.measure(linearization_, trajectory_);
-  merit_.slope = step.slope;
-  merit_.penalty = recipe_.open_gaps ? options_.line_search.merit_margin * step.multiplier : 0;
+  merit_.slope = direction_.step().slope();
+  merit_.slope_within_bounds = direction_.within_bounds();
+  // Co-states without gains say little of the cost's rounding.
+  if (row_.iteration == 0 || !merit_.slope_within_bounds) {
+    adjoint_.compute(linearization_, trajectory_, gaps_, direction_.feedback());
+    merit_.rounding = adjoint_.cost_rounding(linearization_, trajectory_);
+  }
+  if (!recipe_.open_gaps) return;
+  const double multiplier =
+      gaps_.closed() ? adjoint_.costates().lpNorm<Eigen::Infinity>() : direction_.multiplier();
+  merit_.penalty = options_.line_search.merit_margin * multiplier;
 }
 
 /// Residuals, co-states and gains of the iterate that is returned.

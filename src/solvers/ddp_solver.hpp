@@ -60,6 +60,7 @@ class DdpSolver {
   Acts acts_;
   Linearization linearization_;
   HessianSwitch hessian_;
+  Gaps gaps_;
   Adjoint adjoint_;
   Direction direction_;
   LineSearch line_search_;

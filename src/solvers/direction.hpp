@@ -16,7 +16,6 @@ namespace conddp {
 class Direction {
  public:
   struct Recipe {
-    bool open_gaps = false;
     bool clamp_controls = false;
     bool box_stage = false;
   };
@@ -25,14 +24,19 @@ class Direction {
 
   /// Forgets the active set and the gains of the solve before.
   void reset();
-  /// Fills feedback() around an iterate. Returns the knot whose stage has no minimum, or −1.
-  int find(const Linearization& linearization, const Trajectory& trajectory, const Adjoint& adjoint,
-           const MeritModel& merit, SweepRegularization regularization);
-  /// What the linear model says of the policy's full step.
-  ModelStep measure(const Linearization& linearization, const Trajectory& trajectory);
+  /// Fills feedback() around an iterate and rolls it out through the linear model. Returns the knot
+  /// whose stage has no minimum, or −1.
+  int find(const Linearization& linearization, const Trajectory& trajectory, const Gaps& gaps,
+           const Adjoint& adjoint, const MeritModel& merit, SweepRegularization regularization);
 
   const Feedback& feedback() const { return feedback_; }
   const StagePolicy& policy() const { return *policy_; }
+  /// The policy's full step in the linear model, cut off at bounds as the rollout proper is.
+  const LinearRollout& step() const { return linear_rollout_; }
+  /// Whether that step meets no bound on its way: nothing had to be cut off.
+  bool within_bounds() const { return within_bounds_; }
+  /// Largest multiplier of the dynamics in the QP.
+  double multiplier() { return linear_rollout_.multiplier(sweep_); }
 
  private:
   /// What a sweep leaves besides its policy's active set, set aside while another one is tried.
@@ -53,6 +57,7 @@ class Direction {
   Feedback feedback_;
   std::optional<Remembered> remembered_;  ///< where sweeps are compared
   bool active_set_known_ = false;         ///< the policy holds one of the whole horizon
+  bool within_bounds_ = false;
 };
 
 }  // namespace conddp
