@@ -30,7 +30,9 @@ BackwardSweep::BackwardSweep(const ShootingProblem& problem, const ControlBounds
       columns_(problem.ndx() + largest_nu(problem), largest_nu(problem)),
       Kt_(problem.ndx(), largest_nu(problem)),
       M_(problem.ndx(), largest_nu(problem)),
-      w_(largest_nu(problem)) {}
+      w_(largest_nu(problem)) {
+  for (int k = 0; k < problem.knots(); ++k) Quu_.emplace_back(problem.nu(k), problem.nu(k));
+}
 
 int BackwardSweep::run(const Linearization& linearization, const Trajectory& trajectory,
                        const Gaps& gaps, SweepRegularization regularization, StagePolicy& policy,
@@ -47,6 +49,7 @@ int BackwardSweep::run(const Linearization& linearization, const Trajectory& tra
       gaps[k].pull(next_);
     }
     propagation_.propagate(knot, open ? next_ : values_[k + 1], q_);
+    Quu_[k] = q_.Quu();
     if (!solve_stage(k, trajectory, knot, regularization, policy, feedback)) return k;
     form_value(values_[k], feedback.k[k], regularization.weight == 0);
     if (!all_finite(values_[k].Vx) || !all_finite(values_[k].Vxx)) return k;

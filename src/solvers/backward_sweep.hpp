@@ -36,8 +36,13 @@ class BackwardSweep {
 
   /// Value at node k after a sweep, with respect to δx_k.
   const ValueFunction& value(int k) const { return values_[k]; }
-  /// Exchanges all of them with another set of the same shape.
-  void swap_values(std::vector<ValueFunction>& other) { values_.swap(other); }
+  /// Q_uu of a knot, without regularisation.
+  const Eigen::MatrixXd& Quu(int k) const { return Quu_[k]; }
+  /// Exchanges all of these with another set of the same shape.
+  void swap_values(std::vector<ValueFunction>& other, std::vector<Eigen::MatrixXd>& other_Quu) {
+    values_.swap(other);
+    Quu_.swap(other_Quu);
+  }
 
  private:
   bool solve_stage(int k, const Trajectory& trajectory, const KnotLinearization& knot,
@@ -47,6 +52,7 @@ class BackwardSweep {
 
   const ControlBounds& bounds_;
   std::vector<ValueFunction> values_;  ///< N + 1
+  std::vector<Eigen::MatrixXd> Quu_;
   ValueFunction next_;
   ValuePropagation propagation_;
   ActionValue q_;

@@ -102,6 +102,10 @@ class BoxStage : public StagePolicy {
     }
   }
 
+  bool holds(int knot, int i) const override {
+    return standing_.active[knot][i] != BoundState::free;
+  }
+
   void remember() override { remembered_ = standing_; }
   void recall() override { standing_ = remembered_; }
 

@@ -30,6 +30,15 @@ class Stopwatch {
 /// to fall.
 constexpr double kShortestBlindStep = 1.0 / 16;
 constexpr double kBlindProgress = 0.999;
+/// Shares of the expected decrease that a model step has to reach, and that its gaps, weighted by
+/// their multipliers, may reach.
+constexpr double kModelStepDecrease = 0.1;
+constexpr double kModelStepGaps = 0.5;
+/// Shares of the expected decrease between which a full step is one of a quadratic function: ½ of
+/// the decrease at first is what a perfect model would give.
+constexpr double kQuadraticFrom = 0.3, kQuadraticTo = 0.8;
+/// Share of the gaps' weight in the merit that pays for what the model's step costs.
+constexpr double kGapShare = 0.7;
 /// Rows of the log that are reserved at most before the first iteration.
 constexpr int kReservedRows = 10000;
 
@@ -59,7 +68,7 @@ DdpSolver::DdpSolver(const ShootingProblem& problem, const DdpRecipe& recipe,
       bounds_(problem),
       acts_(problem, options.threads),
       linearization_(problem),
-      hessian_(recipe.hessian, acts_, linearization_),
+      hessian_(recipe.hessian, options.tolerances.stationarity, acts_, linearization_),
       gaps_(problem),
       adjoint_(problem, bounds_),
       direction_(problem, bounds_,
@@ -80,8 +89,11 @@ SolveResult DdpSolver::solve(const Trajectory& guess) {
   row_ = IterationRecord();
   direction_.reset();
   search_ = LineSearchResult();
+  merit_ = MeritModel();
   linearized_ = false;
   at_rounding_floor_ = false;
+  full_steps_ = 0;
+  full_steps_wanted_ = 1;
   hessian_.reset();
 
   if (start(guess)) {
@@ -131,6 +143,7 @@ bool DdpSolver::linearize() {
   merit_.rounding = adjoint_.cost_rounding(linearization_, trajectory_);
   row_.merit = merit_.value();
   const Extremum stationarity = bounds_.projected_norm(adjoint_.gradient(), trajectory_);
+  last_stationarity_ = row_.stationarity;
   row_.stationarity = stationarity.value;
   row_.stationarity_knot = stationarity.knot;
   row_.gap = linearization_.max_gap();
@@ -182,10 +195,17 @@ bool DdpSolver::take_step() {
   row_.trials = 0;
   for (;;) {
     if (!sweep_with_regularization()) return false;
+    correct_direction();
     measure_direction();
-    const double slope = merit_.merit_slope();
-    const bool descent = slope < 0 || merit_.hidden(slope);
-    if (descent && search()) break;
+    bool descent = merit_.descends();
+    if (model_step() || (descent && search())) break;
+    if (direction_.corrected()) {
+      at_rounding_floor_ = false;
+      direction_.undo_correction(linearization_, trajectory_, gaps_);
+      measure_direction();
+      descent = merit_.descends();
+      if (descent && search()) break;
+    }
     if (at_rounding_floor_) {
       // Exact Hessians take the last digits in one step where Gauss-Newton creeps.
       if (hessian_.turn()) {
@@ -201,6 +221,15 @@ bool DdpSolver::take_step() {
     if (!regularization_.increase()) return end_without_step(descent);
     if (!budget_left()) return false;
   }
+  const double share = search_.actual_decrease / search_.expected_decrease;
+  const bool quadratic = merit_.hidden(search_.expected_decrease) ||
+                         (share >= kQuadraticFrom && share <= kQuadraticTo);
+  if (search_.step == 1 && direction_.within_bounds() && quadratic) {
+    direction_.step_taken();
+  } else {
+    direction_.forget_steps();
+  }
+  full_steps_ = search_.step == 1 && quadratic ? full_steps_ + 1 : 0;
   row_.step = search_.step;
   row_.expected_decrease = search_.expected_decrease;
   row_.actual_decrease = search_.actual_decrease;
@@ -215,6 +244,71 @@ bool DdpSolver::take_step() {
     regularization_.increase();
   }
   return true;
+}
+
+/// Gauss-Newton's steps learn from each other, where the Hessian is not to be just that.
+void DdpSolver::correct_direction() {
+  const Stopwatch watch(result_.times.sweep);
+  if (recipe_.hessian == HessianUse::when_slow && !hessian_.exact_in_use() &&
+      regularization_.value() == 0) {
+    direction_.correct(linearization_, trajectory_, gaps_);
+  } else {
+    direction_.forget_steps();
+  }
+}
+
+/// The full step of the linear model, judged when it is linearised, which the next iteration needs
+/// anyway: as long as full steps go well that saves the rollout. Its gaps are of second order. They
+/// are judged by what closing them will cost, to first order Σ λᵀ gap: the merit's ν Σ‖gap‖₁ would
+/// reject good steps near the optimum (Maratos' effect).
+bool DdpSolver::model_step() {
+  if (!recipe_.open_gaps || !direction_.within_bounds() || hessian_.exact_wanted() ||
+      regularization_.value() > 0 || full_steps_ < full_steps_wanted_) {
+    return false;
+  }
+  // The step that should be the last one closes the gaps.
+  if (row_.stationarity * row_.stationarity <=
+      options_.tolerances.stationarity * last_stationarity_) {
+    return false;
+  }
+  before_ = trajectory_;
+  const double closed_cost = merit_.cost + adjoint_.gap_slope();
+  const double expected = adjoint_.gap_slope() - merit_.slope;
+  direction_.step().apply(problem_.manifold(), trajectory_);
+  bounds_.clamp(trajectory_);  // rounding
+  ++row_.trials;
+  differentiate();
+  const double actual = closed_cost - linearization_.total_cost() - adjoint_.gap_slope();
+  const bool accepted =
+      linearized_ &&
+      (merit_.hidden(expected)
+           ? merit_.hidden(actual) && projected_stationarity() < kBlindProgress * row_.stationarity
+           : actual >= kModelStepDecrease * expected && gap_weight() <= kModelStepGaps * expected);
+  if (accepted) {
+    search_ = {.accepted = true,
+               .step = 1,
+               .expected_decrease = expected,
+               .actual_decrease = actual,
+               .trials = 1};
+    return true;
+  }
+  full_steps_wanted_ *= 2;
+  full_steps_ = 0;
+  trajectory_ = before_;
+  differentiate();
+  return false;
+}
+
+/// Σ|λᵢ gapᵢ| of the iterate.
+double DdpSolver::gap_weight() const {
+  return adjoint_.costates()
+      .rightCols(problem_.knots())
+      .cwiseProduct(linearization_.gap)
+      .lpNorm<1>();
+}
+
+double DdpSolver::projected_stationarity() const {
+  return bounds_.projected_norm(adjoint_.gradient(), trajectory_).value;
 }
 
 /// Line search along the sweep's policy. A step that the merit is too coarse to judge counts only
@@ -242,8 +336,7 @@ bool DdpSolver::search() {
 
 bool DdpSolver::stationarity_fell() {
   differentiate();
-  return linearized_ && bounds_.projected_norm(adjoint_.gradient(), trajectory_).value <
-                            kBlindProgress * row_.stationarity;
+  return linearized_ && projected_stationarity() < kBlindProgress * row_.stationarity;
 }
 
 bool DdpSolver::sweep_with_regularization() {
@@ -302,6 +395,14 @@ void DdpSolver::measure_direction() {
     merit_.rounding = adjoint_.cost_rounding(linearization_, trajectory_);
   }
   if (!recipe_.open_gaps) return;
+  if (!gaps_.closed() && !merit_.slope_within_bounds && merit_.penalty > 0) {
+    // Without a settled active set the policy's value says nothing of the QP's multipliers: the
+    // weight stays what it was, or grows until it turns the model's step into descent (Nocedal,
+    // Wright, equation 18.36).
+    const double model = merit_.slope + 0.5 * std::max(direction_.curvature(linearization_), 0.0);
+    merit_.penalty = std::max(merit_.penalty, model / (kGapShare * merit_.gap_norm));
+    return;
+  }
   const double multiplier =
       gaps_.closed() ? adjoint_.costates().lpNorm<Eigen::Infinity>() : direction_.multiplier();
   merit_.penalty = options_.line_search.merit_margin * multiplier;

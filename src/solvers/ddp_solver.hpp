@@ -39,7 +39,11 @@ class DdpSolver {
   bool may_continue();
   bool budget_left();
   bool take_step();
+  void correct_direction();
+  bool model_step();
   bool search();
+  double projected_stationarity() const;
+  double gap_weight() const;
   bool stationarity_fell();
   bool sweep_with_regularization();
   int sweep_backward(double regularization);
@@ -69,6 +73,9 @@ class DdpSolver {
   Trajectory before_;               ///< the iterate before the last step, should that be taken back
   bool linearized_ = false;         ///< linearization_ belongs to trajectory_
   bool at_rounding_floor_ = false;  ///< the merit is blind and stationarity does not fall
+  int full_steps_ = 0;              ///< accepted one after the other
+  int full_steps_wanted_ = 1;       ///< before the linear model's step is tried
+  double last_stationarity_ = 0;    ///< of the iterate before
   MeritModel merit_;
   LineSearchResult search_;
   IterationRecord row_;

@@ -13,11 +13,14 @@ Direction::Direction(const ShootingProblem& problem, const ControlBounds& bounds
       sweep_(problem, bounds),
       policy_(recipe.box_stage ? box_stage(problem, options) : unconstrained_stage(problem)),
       linear_rollout_(problem, bounds),
-      feedback_(problem) {
+      feedback_(problem),
+      secants_(bounds) {
   if (horizon_sweeps_ == 0) return;
   remembered_.emplace(
       Remembered{Feedback(problem),
-                 std::vector<ValueFunction>(problem.knots() + 1, ValueFunction(problem.ndx()))});
+                 std::vector<ValueFunction>(problem.knots() + 1, ValueFunction(problem.ndx())),
+                 {}});
+  for (int k = 0; k < problem.knots(); ++k) remembered_->Quu.push_back(sweep_.Quu(k));
 }
 
 /// Sweeps until the linear rollout confirms the active set that the sweep assumed, from the set
@@ -75,7 +78,43 @@ int Direction::find(const Linearization& linearization, const Trajectory& trajec
   return -1;
 }
 
+void Direction::correct(const Linearization& linearization, const Trajectory& trajectory,
+                        const Gaps& gaps) {
+  if (!within_bounds_) {
+    forget_steps();
+    return;
+  }
+  secants_.observe(feedback_, sweep_, *policy_);
+  corrected_ = secants_.correct(feedback_);
+  if (!corrected_) return;
+  linear_rollout_.run(linearization, trajectory, gaps, feedback_, false);
+  for (int k = 0; k < problem_.knots(); ++k) {
+    const auto u = trajectory.u(k);
+    const auto du = linear_rollout_.du(k);
+    for (int i = 0; i < du.size(); ++i) {
+      if (policy_->holds(k, i)) continue;
+      if (u[i] + du[i] < bounds_.lower(k)[i] || u[i] + du[i] > bounds_.upper(k)[i]) {
+        undo_correction(linearization, trajectory, gaps);
+        return;
+      }
+    }
+  }
+}
+
+void Direction::undo_correction(const Linearization& linearization, const Trajectory& trajectory,
+                                const Gaps& gaps) {
+  secants_.restore(feedback_);
+  forget_steps();
+  linear_rollout_.run(linearization, trajectory, gaps, feedback_, false);
+}
+
+void Direction::forget_steps() {
+  secants_.clear();
+  corrected_ = false;
+}
+
 void Direction::reset() {
+  forget_steps();
   active_set_known_ = false;
   for (Eigen::VectorXd& k : feedback_.k) k.setZero();
   for (Eigen::MatrixXd& K : feedback_.K) K.setZero();
@@ -84,13 +123,13 @@ void Direction::reset() {
 void Direction::remember() {
   policy_->remember();
   std::swap(remembered_->feedback, feedback_);
-  sweep_.swap_values(remembered_->values);
+  sweep_.swap_values(remembered_->values, remembered_->Quu);
 }
 
 void Direction::recall() {
   policy_->recall();
   std::swap(remembered_->feedback, feedback_);
-  sweep_.swap_values(remembered_->values);
+  sweep_.swap_values(remembered_->values, remembered_->Quu);
 }
 
 }  // namespace conddp

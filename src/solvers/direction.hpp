@@ -8,6 +8,7 @@
 #include "solvers/backward_sweep.hpp"
 #include "solvers/line_search.hpp"
 #include "solvers/linear_rollout.hpp"
+#include "solvers/secant_memory.hpp"
 
 namespace conddp {
 
@@ -29,12 +30,27 @@ class Direction {
   int find(const Linearization& linearization, const Trajectory& trajectory, const Gaps& gaps,
            const Adjoint& adjoint, const MeritModel& merit, SweepRegularization regularization);
 
+  /// After a sweep without regularisation: corrects k by what former steps tell about the Hessian.
+  void correct(const Linearization& linearization, const Trajectory& trajectory, const Gaps& gaps);
+  bool corrected() const { return corrected_; }
+  /// Back to the sweep's own k; former steps are forgotten.
+  void undo_correction(const Linearization& linearization, const Trajectory& trajectory,
+                       const Gaps& gaps);
+  /// That the full step has been taken.
+  void step_taken() { secants_.step_taken(feedback_); }
+  /// Forgets former steps.
+  void forget_steps();
+
   const Feedback& feedback() const { return feedback_; }
   const StagePolicy& policy() const { return *policy_; }
   /// The policy's full step in the linear model, cut off at bounds as the rollout proper is.
   const LinearRollout& step() const { return linear_rollout_; }
   /// Whether that step meets no bound on its way: nothing had to be cut off.
   bool within_bounds() const { return within_bounds_; }
+  /// dᵀ Hessian d of the step.
+  double curvature(const Linearization& linearization) {
+    return linear_rollout_.curvature(linearization);
+  }
   /// Largest multiplier of the dynamics in the QP.
   double multiplier() { return linear_rollout_.multiplier(sweep_); }
 
@@ -43,6 +59,7 @@ class Direction {
   struct Remembered {
     Feedback feedback;
     std::vector<ValueFunction> values;
+    std::vector<Eigen::MatrixXd> Quu;
   };
   void remember();
   void recall();
@@ -55,6 +72,8 @@ class Direction {
   std::unique_ptr<StagePolicy> policy_;
   LinearRollout linear_rollout_;
   Feedback feedback_;
+  SecantMemory secants_;
+  bool corrected_ = false;
   std::optional<Remembered> remembered_;  ///< where sweeps are compared
   bool active_set_known_ = false;         ///< the policy holds one of the whole horizon
   bool within_bounds_ = false;

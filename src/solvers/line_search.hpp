@@ -17,6 +17,8 @@ struct MeritModel {
   double value() const { return cost + penalty * gap_norm; }
   /// Derivative of φ along the step: gaps shrink by (1 − α).
   double merit_slope() const { return slope - penalty * gap_norm; }
+  /// Whether the step lowers the merit at first, as far as rounding lets it be seen.
+  bool descends() const { return merit_slope() < 0 || hidden(merit_slope()); }
   /// Whether rounding hides a change of that size.
   bool hidden(double change) const;
 };

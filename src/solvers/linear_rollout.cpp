@@ -38,6 +38,14 @@ void LinearRollout::run(const Linearization& linearization, const Trajectory& tr
   slope_ += linearization.knots[N].gradient.dot(z_[N]);
 }
 
+void LinearRollout::apply(const StateManifold& manifold, Trajectory& trajectory) const {
+  for (int k = 0; k <= bounds_.knots(); ++k) {
+    double* x = trajectory.x(k).data();
+    if (k > 0) manifold.integrate(x, z_[k].data(), x);
+    if (k < bounds_.knots()) trajectory.u(k) += du(k);
+  }
+}
+
 double LinearRollout::curvature(const Linearization& linearization) {
   double sum = 0;
   for (std::size_t k = 0; k < z_.size(); ++k) {

@@ -25,6 +25,8 @@ class LinearRollout {
   /// The step at node k (ndx), and at a knot (nu).
   auto dx(int k) const { return z_[k].head(ndx_); }
   auto du(int k) const { return z_[k].tail(z_[k].size() - ndx_); }
+  /// Moves a trajectory by the full step.
+  void apply(const StateManifold& manifold, Trajectory& trajectory) const;
   /// ∇J·d: exact derivative of the cost along the rollout at α = 0.
   double slope() const { return slope_; }
   /// dᵀ Hessian d.

@@ -75,7 +75,7 @@ terminal:
     rest: {{residual: state, reference: standing, weight: 10,
            weights: {{"base/x": 0, "base/r*": 10, "v/*": 0.1}}}}
 initial_guess: {{states: initial, controls: quasi_static}}
-solver: {{name: box_fddp, hessian: gauss_newton, max_iterations: 300}}
+solver: {{name: box_fddp, max_iterations: 300}}
 )",
                      step.robot, joints,
                      step.soles ? "type: surface, size: [0.2, 0.1]" : "type: point", contacts,
