@@ -16,8 +16,8 @@ namespace conddp {
 enum class RegularizationKind { state, control };
 
 /// Second derivatives that the sweep uses. `automatic` leaves the choice to the solver: exact for
-/// ddp, Gauss-Newton for ilqr and ilqr_clip, and for the others Gauss-Newton unless its convergence
-/// turns out to be slow.
+/// ddp, Gauss-Newton for ilqr and ilqr_clip, and for the others Gauss-Newton with
+/// secant corrections until exact ones pay (docs/solvers.md).
 enum class HessianChoice { automatic, gauss_newton, exact };
 
 /// Everything that can be set about a DDP solve. The defaults serve the whole catalogue.
