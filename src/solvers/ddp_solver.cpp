@@ -30,6 +30,17 @@ class Stopwatch {
 /// to fall.
 constexpr double kShortestBlindStep = 1.0 / 16;
 constexpr double kBlindProgress = 0.999;
+/// Minimisations of an augmented Lagrangian end early: at a stationarity and a relative decrease of
+/// the merit that get smaller from one to the next.
+constexpr double kFirstInnerTolerance = 1e-1, kFirstInnerDecrease = 1e-3;
+/// A short step's small decrease says nothing.
+constexpr double kLongStep = 0.1;
+constexpr double kTighter = 0.1, kLastInnerDecrease = 1e-8;
+/// Violation, gap and stationarity below which the projected Newton method is tried, how much
+/// smaller they have to be after it failed, and its steps at most.
+constexpr double kFirstNewtonThreshold = 1e-3, kNextNewtonThreshold = 0.1;
+constexpr int kNewtonSteps = 20, kDampedNewtonSteps = 4;
+constexpr double kNewtonGoal = 1e-12;
 /// Rows of the log that are reserved at most before the first iteration.
 constexpr int kReservedRows = 10000;
 
@@ -70,7 +81,12 @@ DdpSolver::DdpSolver(const ShootingProblem& problem, const DdpRecipe& recipe,
       regularization_(options.regularization),
       trajectory_(problem.create_trajectory()),
       before_(problem.create_trajectory()),
-      result_(problem) {}
+      result_(problem) {
+  if (!recipe.constraints || problem.constraints().empty()) return;
+  constraints_.emplace(problem, options);
+  augmentation_ = &constraints_->augmentation();
+  if (recipe.newton) newton_.emplace(problem, acts_);
+}
 
 SolveResult DdpSolver::solve(const Trajectory& guess) {
   began_ = Clock::now();
@@ -84,6 +100,12 @@ SolveResult DdpSolver::solve(const Trajectory& guess) {
   linearized_ = false;
   at_rounding_floor_ = false;
   hessian_.reset();
+  inner_tolerance_ = kFirstInnerTolerance;
+  inner_decrease_ = kFirstInnerDecrease;
+  inner_start_ = 0;
+  newton_threshold_ = kFirstNewtonThreshold;
+  by_newton_ = false;
+  if (constraints_) constraints_->start(result_.constraint_multipliers);
 
   if (start(guess)) {
     while (linearize() && !converged() && may_continue() && take_step()) ++row_.iteration;
@@ -127,7 +149,7 @@ bool DdpSolver::linearize() {
   if (!linearized_) differentiate();
   if (!linearized_) return end_diverged();
   row_.cost = linearization_.total_cost();
-  merit_.cost = row_.cost;
+  merit_.cost = row_.cost + linearization_.augmentation.sum();
   merit_.gap_norm = recipe_.open_gaps ? linearization_.gap.lpNorm<1>() : 0;
   merit_.rounding = adjoint_.cost_rounding(linearization_, trajectory_);
   row_.merit = merit_.value();
@@ -141,7 +163,7 @@ bool DdpSolver::linearize() {
     linearization_.gap.cwiseAbs().maxCoeff(&row, &column);
     row_.gap_knot = static_cast<int>(column);
   }
-  row_.constraint = bounds_.violation(trajectory_).value;
+  measure_constraints();
   row_.time_s = elapsed();
   hessian_.watch(row_);
   result_.log.push_back(row_);
@@ -151,12 +173,118 @@ bool DdpSolver::linearize() {
 
 bool DdpSolver::converged() {
   const auto& tolerance = options_.tolerances;
-  if (row_.stationarity > tolerance.stationarity || row_.gap > tolerance.gap ||
-      row_.constraint > tolerance.constraint) {
-    return false;
+  if (row_.stationarity <= tolerance.stationarity && row_.gap <= tolerance.gap &&
+      row_.constraint <= tolerance.constraint &&
+      row_.complementarity <= tolerance.complementarity) {
+    end(SolveStatus::converged, residual_text());
+    return true;
   }
+  if (!constraints_ || !inner_converged()) return false;
+  if (!newton_converges()) return linearized_ ? !next_multipliers() : !end_diverged();
   end(SolveStatus::converged, residual_text());
   return true;
+}
+
+void DdpSolver::measure_constraints() {
+  const Extremum bounds = bounds_.violation(trajectory_);
+  row_.constraint = bounds.value;
+  row_.constraint_knot = bounds.knot;
+  if (!constraints_) return;
+  const ConstraintNorms norms = constraints_->measure(linearization_.constraint);
+  if (!(norms.violation.value <= row_.constraint)) {
+    row_.constraint = norms.violation.value;
+    row_.constraint_knot = norms.violation.knot;
+    row_.complementarity = norms.complementarity;
+  }
+  row_.complementarity = norms.complementarity;
+  row_.constraint_penalty = constraints_->largest_penalty();
+}
+
+/// Whether the augmented Lagrangian is minimised well enough for better multipliers.
+bool DdpSolver::inner_converged() const {
+  if (row_.gap > std::max(options_.tolerances.gap, 1e-2 * row_.constraint)) return false;
+  if (row_.stationarity <= std::max(inner_tolerance_, options_.tolerances.stationarity))
+    return true;
+  return row_.iteration > inner_start_ && row_.step >= kLongStep &&
+         row_.actual_decrease <= inner_decrease_ * std::abs(merit_.cost);
+}
+
+/// Ends a minimisation of the augmented Lagrangian and begins the next at the same iterate. False
+/// where the solve ends.
+bool DdpSolver::next_multipliers() {
+  constraints_->update();
+  if (!constraints_->hopeless().empty()) {
+    return end(SolveStatus::infeasible,
+               fmt::format("the constraint '{}' is violated whatever its penalty: {}",
+                           constraints_->hopeless(), residual_text()));
+  }
+  ++row_.outer;
+  inner_tolerance_ *= kTighter;
+  inner_decrease_ = std::max(kTighter * inner_decrease_, kLastInnerDecrease);
+  inner_start_ = row_.iteration;
+  regularization_ = RegularizationSchedule(options_.regularization);
+  differentiate();
+  if (!linearized_) return end_diverged();
+  merit_.cost = linearization_.total_cost() + linearization_.augmentation.sum();
+  row_.stationarity = bounds_.projected_norm(adjoint_.gradient(), trajectory_).value;
+  return true;
+}
+
+/// Tries to end the solve by Newton's method on the active constraints. Its steps are iterations,
+/// and where it fails the iterate before them stands.
+bool DdpSolver::newton_converges() {
+  if (!newton_ || std::max({row_.stationarity, row_.gap, row_.constraint}) > newton_threshold_)
+    return false;
+  const IterationRecord row = row_;
+  newton_->start(trajectory_, constraints_->multipliers(), augmentation_->penalty,
+                 direction_.feedback());
+  const auto& tolerance = options_.tolerances;
+  int damped = 0;
+  for (int i = 0; i < kNewtonSteps && row_.iteration < options_.max_iterations; ++i) {
+    if (newton_->norms().largest() <= kNewtonGoal || !newton_->step()) break;
+    damped += newton_->step_length() < 1;
+    if (damped > kDampedNewtonSteps) break;
+    const KktNorms& norms = newton_->norms();
+    ++row_.iteration;
+    ++row_.newton;
+    row_.cost = row_.merit = newton_->cost();
+    row_.stationarity = norms.stationarity.value;
+    row_.stationarity_knot = norms.stationarity.knot;
+    row_.gap = norms.gap.value;
+    row_.gap_knot = norms.gap.knot;
+    row_.constraint = norms.violation.value;
+    row_.constraint_knot = norms.violation.knot;
+    row_.step = newton_->step_length();
+    row_.active_rows = newton_->active_rows();
+    row_.regularization = row_.expected_decrease = row_.actual_decrease = 0;
+    row_.trials = row_.clamped_controls = row_.active_set_changes = 0;
+    row_.time_s = elapsed();
+    result_.log.push_back(row_);
+    if (options_.on_iteration) options_.on_iteration(row_);
+  }
+  if (newton_->norms().stationarity.value > tolerance.stationarity ||
+      newton_->norms().gap.value > tolerance.gap ||
+      newton_->norms().violation.value > tolerance.constraint) {
+    newton_threshold_ =
+        kNextNewtonThreshold * std::max({row.stationarity, row.gap, row.constraint});
+    const int iteration = row_.iteration;
+    const int newton = row_.newton;
+    row_ = row;
+    row_.iteration = iteration;
+    row_.newton = newton;
+    return false;
+  }
+  before_ = trajectory_;
+  trajectory_ = newton_->trajectory();
+  constraints_->adopt(newton_->multipliers());
+  differentiate();
+  if (!linearized_) return false;
+  row_.cost = linearization_.total_cost();
+  row_.stationarity = bounds_.projected_norm(adjoint_.gradient(), trajectory_).value;
+  measure_constraints();
+  by_newton_ = row_.stationarity <= tolerance.stationarity &&
+               row_.complementarity <= tolerance.complementarity;
+  return by_newton_;
 }
 
 bool DdpSolver::may_continue() {
@@ -225,10 +353,11 @@ bool DdpSolver::search() {
   for (double first_step = 1; first_step >= kShortestBlindStep; first_step /= 2) {
     {
       const Stopwatch watch(result_.times.rollout);
-      search_ = line_search_.run(
-          acts_, merit_, adjoint_, linearization_.gap, direction_.feedback(),
-          {.contract_gaps = recipe_.open_gaps, .clamp_controls = recipe_.clamp_controls},
-          first_step, trajectory_);
+      search_ = line_search_.run(acts_, merit_, adjoint_, linearization_.gap, direction_.feedback(),
+                                 {.contract_gaps = recipe_.open_gaps,
+                                  .clamp_controls = recipe_.clamp_controls,
+                                  .augmentation = augmentation_},
+                                 first_step, trajectory_);
     }
     row_.trials += search_.trials;
     if (!search_.accepted) return false;
@@ -281,13 +410,15 @@ int DdpSolver::sweep_backward(double regularization) {
 void DdpSolver::differentiate() {
   const Stopwatch watch(result_.times.differentiate);
   hessian_.begin_iterate();
-  acts_.differentiate(trajectory_, linearization_);
+  acts_.differentiate(trajectory_, linearization_, augmentation_);
   adjoint_.compute(linearization_, trajectory_, recipe_.open_gaps, direction_.feedback());
-  linearized_ = std::isfinite(linearization_.total_cost()) && linearization_.gap.allFinite() &&
-                adjoint_.costates().allFinite() && adjoint_.gradient().allFinite();
+  linearized_ = std::isfinite(linearization_.total_cost()) &&
+                std::isfinite(linearization_.augmentation.sum()) &&
+                linearization_.gap.allFinite() && adjoint_.costates().allFinite() &&
+                adjoint_.gradient().allFinite();
   const bool closed = !recipe_.open_gaps || linearization_.max_gap() <= options_.tolerances.gap;
   if (hessian_.exact_wanted() && linearized_ && closed) {
-    hessian_.evaluate_exact(trajectory_, adjoint_.costates());
+    hessian_.evaluate_exact(trajectory_, adjoint_.costates(), augmentation_);
   }
 }
 
@@ -318,13 +449,23 @@ void DdpSolver::finish() {
     residuals.gap = gap;
     residuals.gap_knot = k;
   }
-  const Extremum violation = bounds_.violation(trajectory_);
-  residuals.constraint = violation.value;
-  residuals.constraint_knot = violation.knot;
+  measure_constraints();
+  residuals.constraint = row_.constraint;
+  residuals.constraint_knot = row_.constraint_knot;
+  residuals.complementarity = row_.complementarity;
+  if (constraints_) {
+    result_.constraint_values = linearization_.constraint;
+    result_.constraint_multipliers = constraints_->multipliers();
+  }
   result_.costates = adjoint_.costates();
   for (int k = 0; k < problem_.knots(); ++k) {
     result_.control_gradient.push_back(
         adjoint_.gradient().segment(bounds_.offset(k), problem_.nu(k)));
+  }
+  if (by_newton_) {
+    result_.feedback = newton_->feedback();
+    result_.feedback_regularization = 0;
+    return;
   }
   sweep_for_gains();
 }
@@ -383,6 +524,10 @@ std::string DdpSolver::residual_text() const {
       fmt::format("stationarity {:.1e}{}", row_.stationarity, at(row_.stationarity_knot));
   text += fmt::format(", gap {:.1e}{}", row_.gap, at(row_.gap_knot));
   text += fmt::format(", constraint violation {:.1e}", row_.constraint);
+  if (constraints_) {
+    text += at(row_.constraint_knot);
+    text += fmt::format(", complementarity {:.1e}", row_.complementarity);
+  }
   return text;
 }
 

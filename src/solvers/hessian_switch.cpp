@@ -54,9 +54,10 @@ void HessianSwitch::begin_iterate() {
   exact_known_ = false;
 }
 
-void HessianSwitch::evaluate_exact(const Trajectory& trajectory, const Eigen::MatrixXd& costates) {
+void HessianSwitch::evaluate_exact(const Trajectory& trajectory, const Eigen::MatrixXd& costates,
+                                   const Augmentation* augmentation) {
   use(true);
-  acts_.lagrangian_hessian(trajectory, costates, linearization_);
+  acts_.lagrangian_hessian(trajectory, costates, linearization_, augmentation);
   exact_known_ = true;
 }
 

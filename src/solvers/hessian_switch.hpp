@@ -35,7 +35,8 @@ class HessianSwitch {
   /// Whether the iterate should get exact Hessians.
   bool exact_wanted() const { return exact_wanted_; }
   /// Gives it those with these co-states (ndx x (N + 1)).
-  void evaluate_exact(const Trajectory& trajectory, const Eigen::MatrixXd& costates);
+  void evaluate_exact(const Trajectory& trajectory, const Eigen::MatrixXd& costates,
+                      const Augmentation* augmentation = nullptr);
   /// Whether the iterate has them.
   bool exact_known() const { return exact_known_; }
 

@@ -39,7 +39,9 @@ struct SolveResult {
   explicit SolveResult(const ShootingProblem& problem)
       : trajectory(problem.create_trajectory()),
         feedback(problem),
-        costates(Eigen::MatrixXd::Zero(problem.ndx(), problem.knots() + 1)) {}
+        costates(Eigen::MatrixXd::Zero(problem.ndx(), problem.knots() + 1)),
+        constraint_values(Eigen::VectorXd::Zero(problem.constraint_rows())),
+        constraint_multipliers(constraint_values) {}
 
   SolveStatus status = SolveStatus::diverged;
   std::string message;  ///< one sentence: the cause, with knot and quantity
@@ -59,6 +61,9 @@ struct SolveResult {
   /// ∇_u of the Lagrangian without the bounds' terms, one a knot: a control at its lower bound has
   /// the multiplier max(0, entry), at its upper bound max(0, −entry).
   std::vector<Eigen::VectorXd> control_gradient;
+  /// g and ν of all constraint rows of the problem (ShootingProblem::constraints()); zero where a
+  /// constraint is switched off.
+  Eigen::VectorXd constraint_values, constraint_multipliers;
   std::vector<IterationRecord> log;
 };
 
