@@ -65,15 +65,26 @@ OrderedJson costs_json(const std::vector<CostSpec>& costs, const ProblemSpec& sp
 
 OrderedJson constraints_json(const ProblemSpec& spec, const BuiltProblem& built) {
   OrderedJson list = OrderedJson::array();
-  for (const ControlBoundsSpec& constraint : spec.constraints) {
-    bool dropped = false;
-    for (const DroppedConstraint& d : built.dropped) dropped |= d.name == constraint.name.value;
-    list.push_back({{"name", constraint.name.value},
-                    {"bounds", "control"},
-                    {"from_urdf", constraint.from_urdf},
-                    {"phases", expand_phase_names(constraint.phases, spec)},
+  const auto add = [&](const std::string& name, const std::string& on, bool terminal,
+                       bool from_urdf, OrderedJson phases) {
+    const bool dropped = std::any_of(built.dropped.begin(), built.dropped.end(),
+                                     [&](const DroppedConstraint& d) { return d.name == name; });
+    list.push_back({{"name", name},
+                    {"on", on},
+                    {"terminal", terminal},
+                    {"from_urdf", from_urdf},
+                    {"phases", std::move(phases)},
                     {"dropped", dropped}});
-  }
+  };
+  for (const ControlBoundsSpec& bounds : spec.control_bounds)
+    add(bounds.name.value, "control", false, bounds.from_urdf,
+        expand_phase_names(bounds.phases, spec));
+  for (const bool terminal : {false, true})
+    for (const ConstraintSpec& c : terminal ? spec.terminal_constraints : spec.constraints)
+      add(c.function.name.value,
+          c.bounded ? word_of(kBoundedWords, c.bounded->value) : c.function.residual.value,
+          terminal, c.from_urdf,
+          terminal ? OrderedJson::array() : expand_phase_names(c.function.phases, spec));
   return list;
 }
 
@@ -186,10 +197,14 @@ std::string check_text(const OrderedJson& s) {
   text += cost_lines(s["terminal_costs"], "terminal costs");
   for (const auto& constraint : s["constraints"])
     text += fmt::format(
-        "  {:<16}{}: bounds on the control{}, in {}{}\n",
+        "  {:<16}{}: {} on {}{}, {}{}\n",
         &constraint == &s["constraints"].front() ? "constraints" : "", text_of(constraint["name"]),
+        text_of(constraint["on"]) == "control" ? "bounds" : "constraint",
+        text_of(constraint["on"]) == "control" ? "the control" : text_of(constraint["on"]),
         constraint["from_urdf"].get<bool>() ? " from the URDF" : "",
-        comma_list(constraint["phases"]), constraint["dropped"].get<bool>() ? "; dropped" : "");
+        constraint["terminal"].get<bool>() ? "at the last node"
+                                           : "in " + comma_list(constraint["phases"]),
+        constraint["dropped"].get<bool>() ? "; dropped" : "");
   text += fmt::format("  {:<16}{} ({}): {}\n", "solver", text_of(s["solver"]["name"]),
                       text_of(s["solver"]["description"]),
                       bounds_text(text_of(s["solver"]["control_bounds"])));

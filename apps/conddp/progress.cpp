@@ -33,6 +33,10 @@ std::string summary_text(const Solution& s, const std::vector<std::string>& writ
     text += fmt::format("    {:<20} {:.6g}\n", name, value);
   text += fmt::format("  residuals     stationarity {:.2e}, gap {:.2e}, constraint {:.2e}\n",
                       r.residuals.stationarity, r.residuals.gap, r.residuals.constraint);
+  for (const ConstraintViolation& v : violations_by_name(*s.built.problem, r.constraint_values)) {
+    text += fmt::format("    {:<20} violated by {:.2e}{}\n", v.name, v.value,
+                        v.node < 0 ? "" : fmt::format(" at node {}", v.node));
+  }
   text += fmt::format("  first guess   states: {}; controls: {}\n", s.built.guess_used.states,
                       s.built.guess_used.controls);
   for (const DroppedConstraint& c : s.built.dropped)

@@ -133,6 +133,25 @@ OrderedJson bound_multipliers(const Solution& s, bool upper) {
   return rows;
 }
 
+OrderedJson constraints_json(const Solution& s) {
+  OrderedJson list = OrderedJson::array();
+  for (const ConstraintViolation& v :
+       violations_by_name(*s.built.problem, s.result.constraint_values))
+    list.push_back({{"name", v.name}, {"violation", finite_or_null(v.value)}, {"node", v.node}});
+  return list;
+}
+
+OrderedJson constraint_multipliers(const Solution& s) {
+  OrderedJson list = OrderedJson::array();
+  for (const NodeConstraint& c : s.built.problem->constraints())
+    list.push_back(
+        {{"name", c.term->name},
+         {"node", c.node},
+         {"value", numbers(s.result.constraint_values.segment(c.row, c.term->rows))},
+         {"multiplier", numbers(s.result.constraint_multipliers.segment(c.row, c.term->rows))}});
+  return list;
+}
+
 OrderedJson multipliers_json(const Solution& s) {
   OrderedJson costates = OrderedJson::array();
   for (Eigen::Index k = 0; k < s.result.costates.cols(); ++k)
@@ -143,6 +162,8 @@ OrderedJson multipliers_json(const Solution& s) {
     multipliers["control_lower"] = bound_multipliers(s, false);
     multipliers["control_upper"] = bound_multipliers(s, true);
   }
+  if (!s.built.problem->constraints().empty())
+    multipliers["constraints"] = constraint_multipliers(s);
   return multipliers;
 }
 
@@ -186,6 +207,7 @@ OrderedJson nulls_json(const OrderedJson& json, const SolveResult& result) {
   add("cost_by_name", json["cost_by_name"], unknown);
   add("residuals", json["residuals"], unknown);
   add("initial_guess_used.seed", json["initial_guess_used"]["seed"], "nothing is random");
+  add("constraints", json["constraints"], unknown);
   add("dropped_constraints", json["dropped_constraints"], unknown);
   if (!json.contains("trajectory")) return list;
   add("trajectory.x", json["trajectory"]["x"], unknown);
@@ -228,6 +250,7 @@ OrderedJson head(const Solution& s) {
             {"sweep", r.times.sweep},
             {"rollout", r.times.rollout}}},
           {"initial_guess_used", guess_json(s)},
+          {"constraints", constraints_json(s)},
           {"dropped_constraints", std::move(dropped)}};
 }
 

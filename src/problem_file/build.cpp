@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "ocp/acts.hpp"
+#include "ocp/contradiction.hpp"
 #include "problem_file/memory_need.hpp"
 #include "robot/near_names.hpp"
 
@@ -70,10 +72,16 @@ void check_solver(const ProblemSpec& spec, Diagnostics& out) {
               "write 'hessian: automatic', or take ilqr");
 }
 
-void check_drop(const ProblemSpec& spec, const std::vector<std::string>& drop, Diagnostics& out) {
+std::vector<std::string> constraint_names(const ProblemSpec& spec) {
   std::vector<std::string> names;
-  for (const ControlBoundsSpec& constraint : spec.constraints)
-    names.push_back(constraint.name.value);
+  for (const ControlBoundsSpec& bounds : spec.control_bounds) names.push_back(bounds.name.value);
+  for (const auto* list : {&spec.constraints, &spec.terminal_constraints})
+    for (const ConstraintSpec& constraint : *list) names.push_back(constraint.function.name.value);
+  return names;
+}
+
+void check_drop(const ProblemSpec& spec, const std::vector<std::string>& drop, Diagnostics& out) {
+  const std::vector<std::string> names = constraint_names(spec);
   for (std::size_t i = 0; i < drop.size(); ++i)
     if (std::find(drop.begin(), drop.begin() + i, drop[i]) != drop.begin() + i)
       out.error({}, fmt::format("--drop {} stands twice on the command line", drop[i]));
@@ -87,16 +95,76 @@ void check_drop(const ProblemSpec& spec, const std::vector<std::string>& drop, D
 PhaseBounds collect_bounds(const ProblemSpec& spec, const BuildOptions& options,
                            BuiltProblem& built, Diagnostics& out) {
   PhaseBounds bounds = unbounded(spec, built.plant);
-  for (const ControlBoundsSpec& constraint : spec.constraints) {
+  for (const ControlBoundsSpec& constraint : spec.control_bounds) {
     auto own = build_control_bounds(constraint, spec, built.plant, out);
     if (!own) continue;
     if (std::find(options.drop.begin(), options.drop.end(), constraint.name.value) !=
         options.drop.end())
-      built.dropped.push_back({constraint.name.value, std::move(*own)});
+      built.dropped.push_back({constraint.name.value, std::move(*own), nullptr});
     else
       intersect(*own, constraint.name, built.plant, bounds, out);
   }
   return bounds;
+}
+
+/// Takes the constraints of these names out of a list.
+std::vector<BuiltConstraint> take_dropped(const std::vector<std::string>& drop,
+                                          std::vector<BuiltConstraint>& constraints) {
+  const auto is_dropped = [&](const BuiltConstraint& constraint) {
+    return std::find(drop.begin(), drop.end(), constraint.spec->function.name.value) != drop.end();
+  };
+  const auto first = std::stable_partition(constraints.begin(), constraints.end(),
+                                           [&](const auto& c) { return !is_dropped(c); });
+  std::vector<BuiltConstraint> dropped(std::make_move_iterator(first),
+                                       std::make_move_iterator(constraints.end()));
+  constraints.erase(first, constraints.end());
+  return dropped;
+}
+
+/// A problem for each dropped constraint, so that its violation can be reported.
+void keep_dropped(const PhaseContext& context, const std::vector<double>& start,
+                  const std::vector<BuiltConstraint>& running,
+                  const std::vector<BuiltConstraint>& terminal, BuiltProblem& built,
+                  Diagnostics& out) {
+  std::vector<std::string> names;
+  for (const auto* list : {&running, &terminal})
+    for (const BuiltConstraint& constraint : *list) {
+      const std::string& name = constraint.spec->function.name.value;
+      if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+    }
+  for (const std::string& name : names) {
+    const auto only = [&](const std::vector<BuiltConstraint>& list) {
+      std::vector<BuiltConstraint> chosen;
+      for (const BuiltConstraint& constraint : list)
+        if (constraint.spec->function.name.value == name) chosen.push_back(constraint);
+      return chosen;
+    };
+    const std::vector<BuiltConstraint> knots = only(running), end = only(terminal);
+    auto phases = build_phases(context, {{}, knots}, unbounded(context.spec, built.plant), out);
+    if (phases.empty()) return;
+    built.dropped.push_back(
+        {name, std::nullopt,
+         std::make_shared<ShootingProblem>(start, std::move(phases),
+                                           build_terminal(context, {{}, end}, knots))});
+  }
+}
+
+void report_contradiction(const ProblemSpec& spec, const ShootingProblem& problem,
+                          Diagnostics& out) {
+  const auto found = find_contradiction(problem);
+  if (!found) return;
+  Place place;
+  for (const auto* list : {&spec.constraints, &spec.terminal_constraints})
+    for (const ConstraintSpec& constraint : *list)
+      if (constraint.function.name.value == found->first) place = constraint.function.name.place;
+  const std::string node =
+      found->node == problem.knots() ? "the last node" : fmt::format("knot {}", found->node);
+  const std::string other =
+      found->second.empty() ? "the bounds on the control" : fmt::format("'{}'", found->second);
+  out.error(place,
+            fmt::format("'{}' and {} contradict each other at {}: nothing is at least {} and "
+                        "at most {}",
+                        found->first, other, node, found->lower, found->upper));
 }
 
 bool uses_control_rate(const ProblemSpec& spec) {
@@ -173,16 +241,24 @@ std::optional<BuiltProblem> build_problem(const ProblemSpec& spec, const BuildOp
   const CostContext context{spec, built.plant, *contacts, states, ndx, times};
   const std::vector<BuiltCost> costs = build_costs(spec.costs, context, out);
   const std::vector<BuiltCost> terminal_costs = build_costs(spec.terminal_costs, context, out);
+  std::vector<BuiltConstraint> constraints = build_constraints(spec.constraints, context, out);
+  std::vector<BuiltConstraint> at_end = build_constraints(spec.terminal_constraints, context, out);
+  const std::vector<BuiltConstraint> dropped = take_dropped(options.drop, constraints);
+  const std::vector<BuiltConstraint> dropped_at_end = take_dropped(options.drop, at_end);
   const PhaseBounds bounds = collect_bounds(spec, options, built, out);
   const PhaseContext phase_context{spec, *contacts, built.plant.system, *integrator, memory, times};
-  std::vector<Phase> phases = build_phases(phase_context, costs, bounds, out);
+  std::vector<Phase> phases = build_phases(phase_context, {costs, constraints}, bounds, out);
   if (out.has_errors()) return std::nullopt;
 
-  Phase terminal = build_terminal(phase_context, terminal_costs);
+  Phase terminal = build_terminal(phase_context, {terminal_costs, at_end}, constraints);
   std::vector<double> start = *initial;
   if (memory) start.insert(start.end(), previous.begin(), previous.end());
+  settle_initial_state(start, constraints, spec.solver.options.tolerances.constraint, phases, out);
+  keep_dropped(phase_context, start, dropped, dropped_at_end, built, out);
+  if (out.has_errors()) return std::nullopt;
   built.problem =
       std::make_shared<ShootingProblem>(std::move(start), std::move(phases), std::move(terminal));
+  report_contradiction(spec, *built.problem, out);
   name_columns(memory, built);
   auto guess = build_guess({spec, built.plant, states, *built.problem}, built.guess_used, out);
   if (!guess || out.has_errors()) return std::nullopt;
@@ -196,22 +272,34 @@ const SolverInfo* usable_solver(const ProblemSpec& spec, const ShootingProblem& 
   const SolverInfo* solver = find_solver(spec.solver.name.value);
   const auto reason = refuse(*solver, problem);
   if (!reason) return solver;
+  const bool of_control = problem.constraints().empty() || solver->constraints;
   std::string names;
-  for (const ControlBoundsSpec& constraint : spec.constraints)
-    names += " --drop " + constraint.name.value;
+  for (const ControlBoundsSpec& bounds : spec.control_bounds)
+    if (of_control) names += " --drop " + bounds.name.value;
+  for (const auto* list : {&spec.constraints, &spec.terminal_constraints})
+    for (const ConstraintSpec& constraint : *list)
+      if (!of_control) names += " --drop " + constraint.function.name.value;
   out.error(spec.solver.name.place, *reason,
-            fmt::format("choose one of them with --solver, or leave the bounds out with{}", names));
+            fmt::format("choose one of them with --solver, or leave the {} out with{}",
+                        of_control ? "bounds" : "constraints", names));
   return nullptr;
 }
 
 double violation(const DroppedConstraint& constraint, const ShootingProblem& problem,
                  const Trajectory& trajectory) {
   double largest = 0;
+  if (constraint.alone) {
+    Evaluation evaluation(*constraint.alone);
+    Acts(*constraint.alone).evaluate(trajectory, evaluation);
+    for (const auto& part : violations_by_name(*constraint.alone, evaluation.constraint))
+      largest = std::max(largest, part.value);
+    return largest;
+  }
   for (int k = 0; k < problem.knots(); ++k) {
     const std::size_t phase = problem.knot(k).phase;
     for (int i = 0; i < trajectory.nu(k); ++i) {
-      largest = std::max(largest, constraint.bounds.lower[phase][i] - trajectory.u(k)[i]);
-      largest = std::max(largest, trajectory.u(k)[i] - constraint.bounds.upper[phase][i]);
+      largest = std::max(largest, constraint.bounds->lower[phase][i] - trajectory.u(k)[i]);
+      largest = std::max(largest, trajectory.u(k)[i] - constraint.bounds->upper[phase][i]);
     }
   }
   return largest;

@@ -18,7 +18,8 @@ struct BuildOptions {
 /// A constraint that was left out, kept so that its violation can be reported.
 struct DroppedConstraint {
   std::string name;
-  PhaseBounds bounds;
+  std::optional<PhaseBounds> bounds;             ///< of bounds on the control
+  std::shared_ptr<const ShootingProblem> alone;  ///< else: a problem with nothing but it
 };
 
 /// A problem ready to be solved.
@@ -45,7 +46,7 @@ const SolverInfo* usable_solver(const ProblemSpec& spec, const ShootingProblem& 
 /// The integrator of systems whose problem file names none.
 Integrator default_integrator(SystemKind kind);
 
-/// Largest violation of a dropped constraint by a trajectory, in the control's unit.
+/// Largest violation of a dropped constraint by a trajectory, in the constraint's unit.
 double violation(const DroppedConstraint& constraint, const ShootingProblem& problem,
                  const Trajectory& trajectory);
 

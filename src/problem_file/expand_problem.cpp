@@ -98,8 +98,9 @@ OrderedJson expand_problem(const ProblemSpec& spec, const BuiltProblem& built) {
   if (!spec.contacts.empty()) json["contacts"] = expand_contacts(spec.contacts);
   json["phases"] = expand_phases(spec);
   json["costs"] = expand_costs(spec.costs, spec, built.plant, false);
-  json["constraints"] = expand_constraints(spec);
-  json["terminal"] = {{"costs", expand_costs(spec.terminal_costs, spec, built.plant, true)}};
+  json["constraints"] = expand_constraints(spec, built.plant);
+  json["terminal"] = {{"costs", expand_costs(spec.terminal_costs, spec, built.plant, true)},
+                      {"constraints", expand_terminal_constraints(spec, built.plant)}};
   json["initial_guess"] = expand_guess(spec.guess);
   json["solver"] = expand_solver(spec.solver);
   return json;

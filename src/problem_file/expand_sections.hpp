@@ -33,7 +33,8 @@ OrderedJson expand_contact_names(const ContactNames& names, const ProblemSpec& s
 // expand_costs.cpp
 OrderedJson expand_costs(const std::vector<CostSpec>& costs, const ProblemSpec& spec,
                          const Plant& plant, bool terminal);
-OrderedJson expand_constraints(const ProblemSpec& spec);
+OrderedJson expand_constraints(const ProblemSpec& spec, const Plant& plant);
+OrderedJson expand_terminal_constraints(const ProblemSpec& spec, const Plant& plant);
 /// The phases named, all but impulses if nothing is named.
 OrderedJson expand_phase_names(const std::optional<std::vector<Name>>& names,
                                const ProblemSpec& spec);

@@ -38,36 +38,45 @@ void extend_to_touch_down(std::vector<double>& weights) {
     if (weights[k] == 0) weights[k] = weights[k - 1];
 }
 
-/// For each cost its weight at each running knot: 0 where it is off.
-std::vector<std::vector<double>> schedule(const PhaseContext& context,
-                                          const std::vector<BuiltCost>& costs, Diagnostics& out) {
+/// A cost's weight at each running knot, 0 where it is off; of a constraint 1 where it is on.
+std::vector<double> schedule(const PhaseContext& context, const BuiltCost& cost, bool weighted,
+                             Diagnostics& out) {
   const ProblemSpec& spec = context.spec;
-  std::vector<std::vector<double>> weights;
-  for (const BuiltCost& cost : costs) {
-    const CostSpec& c = *cost.spec;
-    const std::vector<bool> in_phase = phases_of(cost, context, out);
-    std::vector<double>& row = weights.emplace_back();
-    for (std::size_t p = 0; p < spec.phases.size(); ++p) {
-      double weight = c.weight;
+  const CostSpec& c = *cost.spec;
+  const std::vector<bool> in_phase = phases_of(cost, context, out);
+  std::vector<double> row;
+  for (std::size_t p = 0; p < spec.phases.size(); ++p) {
+    double weight = c.weight;
+    if (weighted)
       for (const auto& [name, value] : spec.phases[p].weights)
         if (name.value == c.name.value) weight = value;
-      row.insert(row.end(), spec.phases[p].knots.value, in_phase[p] ? weight : 0.0);
-    }
-    if (c.swing) extend_to_touch_down(row);
-    if (!c.knots) continue;
-    std::vector<bool> chosen(row.size(), false);
-    for (const Located<int>& knot : *c.knots) {
-      if (knot.value < static_cast<int>(row.size()))
-        chosen[knot.value] = true;
-      else
-        out.error(knot.place,
-                  fmt::format("running knots are numbered from 0 to {}", row.size() - 1),
-                  "costs on the last node stand under 'terminal'");
-    }
-    for (std::size_t k = 0; k < row.size(); ++k)
-      if (!chosen[k]) row[k] = 0;
+    row.insert(row.end(), spec.phases[p].knots.value, in_phase[p] ? weight : 0.0);
   }
-  return weights;
+  if (c.swing) extend_to_touch_down(row);
+  if (!c.knots) return row;
+  std::vector<bool> chosen(row.size(), false);
+  for (const Located<int>& knot : *c.knots) {
+    if (knot.value < static_cast<int>(row.size()))
+      chosen[knot.value] = true;
+    else
+      out.error(knot.place, fmt::format("running knots are numbered from 0 to {}", row.size() - 1),
+                weighted ? "costs on the last node stand under 'terminal'"
+                         : "constraints on the last node stand under 'terminal'");
+  }
+  for (std::size_t k = 0; k < row.size(); ++k)
+    if (!chosen[k]) row[k] = 0;
+  return row;
+}
+
+/// Those that are on somewhere in a run of knots.
+std::vector<int> active_in(const std::vector<std::vector<double>>& weights, int first, int count) {
+  std::vector<int> active;
+  for (std::size_t c = 0; c < weights.size(); ++c) {
+    const auto begin = weights[c].begin() + first;
+    if (std::any_of(begin, begin + count, [](double w) { return w != 0; }))
+      active.push_back(static_cast<int>(c));
+  }
+  return active;
 }
 
 void check_phase_weights(const ProblemSpec& spec, Diagnostics& out) {
@@ -163,28 +172,28 @@ void intersect(const PhaseBounds& other, const Name& name, const Plant& plant, P
     }
 }
 
-std::vector<Phase> build_phases(const PhaseContext& context, const std::vector<BuiltCost>& costs,
+std::vector<Phase> build_phases(const PhaseContext& context, const KnotContents& contents,
                                 const PhaseBounds& bounds, Diagnostics& out) {
   const ProblemSpec& spec = context.spec;
+  const auto& [costs, constraints] = contents;
   check_phase_weights(spec, out);
-  const auto weights = schedule(context, costs, out);
+  std::vector<std::vector<double>> weights, switches;
+  for (const BuiltCost& cost : costs) weights.push_back(schedule(context, cost, true, out));
+  for (const BuiltConstraint& constraint : constraints)
+    switches.push_back(schedule(context, constraint.function, false, out));
   if (out.has_errors()) return {};
-  using Structure =
-      std::tuple<std::vector<int>, std::vector<double>, std::vector<double>, const System*>;
+  using Structure = std::tuple<std::vector<int>, std::vector<int>, std::vector<double>,
+                               std::vector<double>, const System*>;
   std::map<Structure, std::shared_ptr<const KnotModel>> models;
   std::vector<Phase> phases;
   int first = 0;
   for (std::size_t p = 0; p < spec.phases.size(); ++p) {
     const PhaseSpec& given = spec.phases[p];
     const int n = given.knots.value;
-    std::vector<int> active;
-    for (std::size_t c = 0; c < costs.size(); ++c) {
-      const auto begin = weights[c].begin() + first;
-      if (std::any_of(begin, begin + n, [](double w) { return w != 0; }))
-        active.push_back(static_cast<int>(c));
-    }
+    const std::vector<int> active = active_in(weights, first, n);
+    const std::vector<int> kept = active_in(switches, first, n);
     const auto& system = context.contacts.system(p);
-    auto& model = models[{active, bounds.lower[p], bounds.upper[p], system.get()}];
+    auto& model = models[{active, kept, bounds.lower[p], bounds.upper[p], system.get()}];
     if (!model) {
       const bool impulse = given.restitution.has_value();
       auto fresh = std::make_shared<KnotModel>(
@@ -192,6 +201,9 @@ std::vector<Phase> build_phases(const PhaseContext& context, const std::vector<B
       for (const int c : active)
         fresh->add_cost(costs[c].spec->name.value, residual_in(costs[c], context, p),
                         costs[c].activation);
+      for (const int c : kept)
+        fresh->add_constraint(
+            make_term(constraints[c], residual_in(constraints[c].function, context, p)));
       if (!impulse) fresh->set_control_bounds(bounds.lower[p], bounds.upper[p]);
       model = std::move(fresh);
     }
@@ -200,29 +212,74 @@ std::vector<Phase> build_phases(const PhaseContext& context, const std::vector<B
     const bool rate = spec.running_costs == RunningCosts::kRate && !given.restitution;
     phase.cost_scale.assign(n, rate ? given.dt : 1.0);
     phase.parameters.resize(static_cast<std::size_t>(n) * model->parameter_count());
-    for (int k = 0; k < n; ++k)
+    for (int k = 0; k < n; ++k) {
+      double* parameters = phase.parameters.data() + k * model->parameter_count();
+      const double time = context.times[first + k];
       for (std::size_t i = 0; i < active.size(); ++i)
-        write_parameters(costs[active[i]], model->costs()[i], context.times[first + k],
-                         weights[active[i]][first + k],
-                         phase.parameters.data() + k * model->parameter_count());
+        write_parameters(costs[active[i]], model->costs()[i], time, weights[active[i]][first + k],
+                         parameters);
+      for (std::size_t i = 0; i < kept.size(); ++i)
+        write_parameters(constraints[kept[i]], model->constraints()[i], time,
+                         switches[kept[i]][first + k] != 0, parameters);
+    }
     phases.push_back(std::move(phase));
     first += n;
   }
   return phases;
 }
 
-Phase build_terminal(const PhaseContext& context, const std::vector<BuiltCost>& costs) {
+Phase build_terminal(const PhaseContext& context, const KnotContents& terminal,
+                     const std::vector<BuiltConstraint>& running) {
   auto model =
       std::make_shared<KnotModel>(context.system, Integrator::none, context.control_memory);
-  for (const BuiltCost& cost : costs)
+  std::vector<const BuiltConstraint*> constraints;
+  for (const BuiltConstraint& constraint : terminal.constraints) constraints.push_back(&constraint);
+  for (const BuiltConstraint& constraint : running)
+    if (constraint.at_last_node) constraints.push_back(&constraint);
+  for (const BuiltCost& cost : terminal.costs)
     model->add_cost(cost.spec->name.value, cost.residual.residual, cost.activation);
-  Phase terminal{.name = "terminal", .dt = {0.0}, .cost_scale = {1.0}};
-  terminal.parameters.resize(model->parameter_count());
-  for (std::size_t i = 0; i < costs.size(); ++i)
-    write_parameters(costs[i], model->costs()[i], context.times.back(), costs[i].spec->weight,
-                     terminal.parameters.data());
-  terminal.model = std::move(model);
-  return terminal;
+  for (const BuiltConstraint* constraint : constraints)
+    model->add_constraint(make_term(*constraint, constraint->function.residual.residual));
+  Phase phase{.name = "terminal", .dt = {0.0}, .cost_scale = {1.0}};
+  phase.parameters.resize(model->parameter_count());
+  for (std::size_t i = 0; i < terminal.costs.size(); ++i)
+    write_parameters(terminal.costs[i], model->costs()[i], context.times.back(),
+                     terminal.costs[i].spec->weight, phase.parameters.data());
+  for (std::size_t i = 0; i < constraints.size(); ++i)
+    write_parameters(*constraints[i], model->constraints()[i], context.times.back(), true,
+                     phase.parameters.data());
+  phase.model = std::move(model);
+  return phase;
+}
+
+void settle_initial_state(const std::vector<double>& initial_state,
+                          const std::vector<BuiltConstraint>& constraints, double tolerance,
+                          std::vector<Phase>& phases, Diagnostics& out) {
+  Phase& phase = phases.front();
+  const KnotModel& model = *phase.model;
+  if (model.constraints().empty()) return;
+  const std::vector<double> u(model.nu(), 0.0);
+  KnotWorkspace<double> work(model);
+  model.evaluate(KnotInput<double>{initial_state.data(), u.data(), phase.parameters.data(),
+                                   phase.dt[0], phase.cost_scale[0]},
+                 work);
+  for (const ConstraintTerm& term : model.constraints()) {
+    double& active = phase.parameters[term.active()];
+    if (active == 0 || term.depends_on_control(model.ndx())) continue;
+    active = 0;
+    const double* lower = phase.parameters.data() + term.lower();
+    const double violation =
+        distance_to_set(term, work.constraint.data() + term.row, lower, lower + term.rows);
+    if (violation <= tolerance) continue;
+    for (const BuiltConstraint& constraint : constraints)
+      if (constraint.spec->function.name.value == term.name) {
+        out.error(constraint.spec->function.name.place,
+                  fmt::format("the initial state violates the constraint '{}' by {:.3g}", term.name,
+                              violation),
+                  "no control can change that: move the initial state, or leave knot 0 out");
+        break;
+      }
+  }
 }
 
 }  // namespace conddp

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "problem_file/cost_builder.hpp"
+#include "problem_file/constraint_builder.hpp"
 
 namespace conddp {
 
@@ -32,10 +32,23 @@ struct PhaseContext {
   const std::vector<double>& times;  ///< of all nodes, s
 };
 
-/// The phases of a problem. Phases with the same costs and bounds share one KnotModel; within a
-/// phase a cost that is off at a knot has weight 0 there.
-std::vector<Phase> build_phases(const PhaseContext& context, const std::vector<BuiltCost>& costs,
+/// What stands in the knots of a problem. Vectors that are left out are empty.
+struct KnotContents {
+  const std::vector<BuiltCost>& costs;
+  const std::vector<BuiltConstraint>& constraints;
+};
+
+/// The phases of a problem. Phases with the same costs, constraints and bounds share one KnotModel;
+/// within a phase a cost that is off at a knot has weight 0 there, a constraint its switch off.
+std::vector<Phase> build_phases(const PhaseContext& context, const KnotContents& contents,
                                 const PhaseBounds& bounds, Diagnostics& out);
-Phase build_terminal(const PhaseContext& context, const std::vector<BuiltCost>& costs);
+/// The last node, also with those constraints on running knots that hold there.
+Phase build_terminal(const PhaseContext& context, const KnotContents& terminal,
+                     const std::vector<BuiltConstraint>& running);
+
+/// Constraints on the initial state alone cannot be influenced: checks and switches them off.
+void settle_initial_state(const std::vector<double>& initial_state,
+                          const std::vector<BuiltConstraint>& constraints, double tolerance,
+                          std::vector<Phase>& phases, Diagnostics& out);
 
 }  // namespace conddp

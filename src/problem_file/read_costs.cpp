@@ -66,7 +66,7 @@ SwingSpec read_swing(const YamlReader& reader) {
 }
 
 /// The keys of costs on contacts and on feet, which the last node has not.
-void read_contact_keys(YamlMap& map, const ResidualInfo& info, CostSpec& cost) {
+void read_contact_keys(YamlMap& map, const ResidualInfo& info, bool constraint, CostSpec& cost) {
   const auto unfit = [&](const YamlReader& reader, std::string_view key) {
     reader.error(fmt::format("the residual '{}' has no '{}'", info.name, key));
   };
@@ -74,13 +74,13 @@ void read_contact_keys(YamlMap& map, const ResidualInfo& info, CostSpec& cost) {
     cost.contacts = read_contact_names(*r);
     if (!info.of_contacts) unfit(*r, "contacts");
   }
-  if (const auto r = map.find("swing")) {
+  if (const auto r = constraint ? std::nullopt : map.find("swing")) {
     cost.swing = read_swing(*r);
     if (info.kind != ResidualKind::kFramePosition) unfit(*r, "swing");
     map.exclusive({"swing", "reference"});
   }
   const bool friction = info.kind == ResidualKind::kFrictionCone;
-  if (const auto r = map.find("cone")) {
+  if (const auto r = constraint ? std::nullopt : map.find("cone")) {
     cost.cone.second_order = r->choice(kConeWords, "cone").value_or(false);
     if (!friction) unfit(*r, "cone");
   }
@@ -129,18 +129,8 @@ CostSpec read_cost(const Name& name, const YamlReader& reader, const std::filesy
                    bool terminal) {
   CostSpec cost{.name = name};
   YamlMap map(reader);
-  if (!map.valid()) return cost;
-  const auto residual = map.require("residual");
-  std::vector<std::string> words;
-  for (const ResidualInfo& info : residual_table()) words.emplace_back(info.name);
-  const auto index = residual ? residual->choose(words, "residual") : std::nullopt;
-  if (!index) {
-    map.ignore_others();
-    return cost;
-  }
-  const ResidualInfo& info = residual_table()[*index];
-  cost.kind = info.kind;
-  cost.residual = {std::string(info.name), residual->place()};
+  if (!map.valid() || !read_residual(map, folder, terminal, false, cost)) return cost;
+  const ResidualInfo& info = residual_info(cost.kind);
   map.number("weight", cost.weight, kNotNegative);
   if (info.is_cone) cost.activation.kind = ActivationKind::quadratic_barrier;
   if (const auto r = map.find("activation")) {
@@ -151,6 +141,24 @@ CostSpec read_cost(const Name& name, const YamlReader& reader, const std::filesy
       cost.activation = read_activation(*r);
   }
   if (const auto r = map.find("weights")) cost.weights = read_components(*r, kNotNegative);
+  return cost;
+}
+
+}  // namespace
+
+bool read_residual(YamlMap& map, const std::filesystem::path& folder, bool terminal,
+                   bool constraint, CostSpec& cost) {
+  const auto residual = map.require("residual");
+  std::vector<std::string> words;
+  for (const ResidualInfo& info : residual_table()) words.emplace_back(info.name);
+  const auto index = residual ? residual->choose(words, "residual") : std::nullopt;
+  if (!index) {
+    map.ignore_others();
+    return false;
+  }
+  const ResidualInfo& info = residual_table()[*index];
+  cost.kind = info.kind;
+  cost.residual = {std::string(info.name), residual->place()};
   read_selection(map, info, cost);
   if (const auto r = map.find("reference")) {
     if (info.takes_reference)
@@ -162,15 +170,13 @@ CostSpec read_cost(const Name& name, const YamlReader& reader, const std::filesy
     if (info.needs_control || info.of_contacts)
       residual->error(fmt::format(
           "the residual '{}' needs a control, and there is none at the terminal node", info.name));
-  } else {
-    read_contact_keys(map, info, cost);
-    if (const auto r = map.find("phases")) cost.phases = r->name_or_names();
-    if (const auto r = map.find("knots")) cost.knots = read_knots(*r);
+    return true;
   }
-  return cost;
+  read_contact_keys(map, info, constraint, cost);
+  if (const auto r = map.find("phases")) cost.phases = r->name_or_names();
+  if (const auto r = map.find("knots")) cost.knots = read_knots(*r);
+  return true;
 }
-
-}  // namespace
 
 std::vector<CostSpec> read_costs(const YamlReader& reader, const std::filesystem::path& folder,
                                  bool terminal) {

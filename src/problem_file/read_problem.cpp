@@ -76,11 +76,13 @@ ProblemSpec read_document(const YamlReader& reader, const std::filesystem::path&
   }
   if (const auto r = map.require("phases")) spec.phases = read_phases(*r);
   if (const auto r = map.find("costs")) spec.costs = read_costs(*r, folder, false);
-  if (const auto r = map.find("constraints")) spec.constraints = read_constraints(*r);
+  if (const auto r = map.find("constraints")) read_constraints(*r, folder, false, spec);
   if (const auto r = map.find("terminal")) {
     YamlMap terminal(*r);
     if (const auto costs = terminal.find("costs"))
       spec.terminal_costs = read_costs(*costs, folder, true);
+    if (const auto constraints = terminal.find("constraints"))
+      read_constraints(*constraints, folder, true, spec);
   }
   if (const auto r = map.find("initial_guess")) spec.guess = read_guess(*r, folder);
   if (const auto r = map.find("solver")) spec.solver = read_solver(*r);

@@ -45,6 +45,10 @@ std::vector<PhaseSpec> read_phases(const YamlReader& reader);
 // read_costs.cpp
 std::vector<CostSpec> read_costs(const YamlReader& reader, const std::filesystem::path& folder,
                                  bool terminal);
+/// The keys that say what a cost or constraint is on, and where: all but weights and activation.
+/// False where the residual is not known.
+bool read_residual(YamlMap& map, const std::filesystem::path& folder, bool terminal,
+                   bool constraint, CostSpec& cost);
 
 // read_reference.cpp
 std::optional<ReferenceSpec> read_reference(const YamlReader& reader, ResidualKind kind,
@@ -53,7 +57,9 @@ std::optional<ReferenceSpec> read_reference(const YamlReader& reader, ResidualKi
 std::optional<DataFileSpec> read_data_file(YamlMap& map, const std::filesystem::path& folder);
 
 // read_constraints.cpp
-std::vector<ControlBoundsSpec> read_constraints(const YamlReader& reader);
+/// Into the spec's control_bounds and constraints, or its terminal_constraints.
+void read_constraints(const YamlReader& reader, const std::filesystem::path& folder, bool terminal,
+                      ProblemSpec& spec);
 
 // read_guess.cpp
 GuessSpec read_guess(const YamlReader& reader, const std::filesystem::path& folder);

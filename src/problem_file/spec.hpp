@@ -72,8 +72,10 @@ struct ProblemSpec {
   std::vector<ContactSpec> contacts;
   std::vector<PhaseSpec> phases;
   std::vector<CostSpec> costs;
-  std::vector<ControlBoundsSpec> constraints;
+  std::vector<ControlBoundsSpec> control_bounds;
+  std::vector<ConstraintSpec> constraints;  ///< all others on running knots
   std::vector<CostSpec> terminal_costs;
+  std::vector<ConstraintSpec> terminal_constraints;
   GuessSpec guess;
   SolverSpec solver;
 

@@ -78,6 +78,21 @@ struct CostSpec {
   std::optional<std::vector<Located<int>>> knots;
 };
 
+/// Quantities on which a constraint can put bounds.
+enum class BoundedQuantity { kControl, kState, kConfiguration, kVelocity };
+
+/// A constraint other than bounds on the control: a residual in a set, or bounds on coordinates of
+/// the state. Without equals, bounds or a cone the residual is zero.
+struct ConstraintSpec {
+  CostSpec function;  ///< the residual and where it holds; of its cone `second_order` counts
+  std::optional<Located<BoundedQuantity>> bounded;  ///< instead of the residual
+  bool from_urdf = false;
+  Place from_place;
+  std::optional<ComponentsSpec> equals, lower, upper;
+  std::optional<double> at_least, at_most;  ///< of the residual's norm
+  double slope = 1;                         ///< of a cone
+};
+
 /// Bounds on the control.
 struct ControlBoundsSpec {
   Name name;

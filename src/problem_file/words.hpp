@@ -66,11 +66,13 @@ constexpr bool takes_epsilon(ActivationKind kind) {
   return kind == ActivationKind::smooth_l1 || kind == ActivationKind::smooth_l2;
 }
 
-/// Quantities on which a constraint can put bounds.
-enum class BoundedQuantity { kControl };
 inline constexpr Choice<BoundedQuantity> kBoundedWords[] = {
     {"control", BoundedQuantity::kControl,
-     "bounds on the controls at every knot; needs 'lower', 'upper' or 'from: urdf'"}};
+     "bounds on the controls at every knot; needs 'lower', 'upper' or 'from: urdf'"},
+    {"state", BoundedQuantity::kState,
+     "bounds on coordinates of the state at every node; needs the same"},
+    {"configuration", BoundedQuantity::kConfiguration, "the same of positions"},
+    {"velocity", BoundedQuantity::kVelocity, "the same of velocities"}};
 
 /// The first word of a value; empty if it has none.
 template <class E, std::size_t N>

@@ -94,6 +94,38 @@ costs:
   step: {residual: frame_position, frame: lh_foot, phases: [phase_2],
          swing: {height: 0.1, landing: [0, 0, 0]}}
 )");
+  texts.push_back(replaced(
+      replaced(kPendulum, "constraints:\n",
+               "constraints:\n"
+               "  speed: {bounds: velocity, lower: -2, upper: 5}\n"
+               "  here: {bounds: state, lower: {theta: -1}, phases: second}\n"
+               "  fixed: {residual: state, equals: {theta: 0.2}, knots: [2, 3]}\n"
+               "  far: {residual: state, columns: theta, reference: 4, at_least: 1, at_most: 9}\n"
+               "  cone: {residual: state, cone: second_order, slope: 2, knots: [5]}\n"),
+      "terminal:\n  costs:\n    goal: {residual: state, reference: {values: {theta: 1}}, weight: "
+      "10}\n"
+      "solver: {name: box_ddp}\n",
+      "terminal:\n  constraints:\n    goal: {residual: state, reference: [1, 0]}\n"
+      "    near: {residual: state, lower: -1, upper: [1, null]}\n"
+      "solver: {name: altro}\n"));
+  texts.push_back(R"(conddp: 1
+robot: {urdf: robots/quadruped.urdf, base: floating}
+contacts:
+  LF: {frame: lf_foot}
+  RF: {frame: rf_foot, type: surface, size: [0.2, 0.1], max_normal_force: 300}
+initial_state: {base: {position: [0, 0, 0.57]}}
+phases: [{knots: 2, dt: 0.1, contacts: all}]
+costs: {effort: {residual: control}}
+constraints:
+  exact: {residual: friction_cone, contacts: LF, cone: second_order, safety: 0.8}
+  force: {residual: contact_force, contacts: LF, cone: second_order}
+  pyramid: {residual: friction_cone, contacts: LF, faces: 6, inner: false}
+  sole: {residual: wrench_cone, contacts: RF}
+  foot: {residual: frame_velocity, frame: rh_foot, axes: local, lower: -3}
+  joints: {bounds: configuration, from: urdf}
+terminal: {constraints: {body: {residual: frame_position, frame: rh_foot, reference: [0, 0, 0], at_most: 2}}}
+solver: {name: altro}
+)");
   texts.push_back(replaced(kPendulum, "solver:",
                            "initial_guess: {states: interpolate, controls: {random: {scale: 1, "
                            "seed: 12345678901234567}}}\nsolver:"));

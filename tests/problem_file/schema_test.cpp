@@ -37,7 +37,7 @@ TEST(Schema, RefusesWhatTheReaderRefuses) {
   const std::pair<const char*, const char*> mistakes[] = {
       {"weight: 0.5", "wieght: 0.5"},       {"knots: 4", "knots: 0"},
       {"dt: 0.1", "dt: 0.1, duration: 2"},  {"conddp: 1", "conddp: 2"},
-      {"residual: control", "residual: x"}, {"bounds: control", "bounds: state"},
+      {"residual: control", "residual: x"}, {"bounds: control", "bounds: forces"},
       {"name: box_ddp", "max_iter: 3"},     {"type: pendulum", "type: pendulum, arm: 1"}};
   std::vector<Json> documents = {parse_to_json(std::string(kPendulum))};
   for (const auto& [from, to] : mistakes) {
@@ -84,6 +84,11 @@ TEST(Schema, HasTheReadersKeys) {
   EXPECT_EQ(accepted_keys(with("terminal:", "terminal:\n  zzzzzzzz: 1")),
             schema_keys(schema["properties"]["terminal"]));
   EXPECT_EQ(accepted_keys(with("lower: -3", "zzzzzzzz: 1")), schema_keys(d["constraint"]));
+  EXPECT_EQ(accepted_keys(with("bounds: control, lower: -3", "residual: state, zzzzzzzz: 1")),
+            schema_keys(d["residual_constraint"]));
+  EXPECT_EQ(accepted_keys(
+                with("terminal:", "terminal:\n  constraints: {a: {residual: state, zzzzzzzz: 1}}")),
+            schema_keys(d["terminal_constraint"]));
   EXPECT_EQ(accepted_keys(with("{values: {theta: 0.1}}", "{zzzzzzzz: 1}")),
             schema_keys(d["state"]));
   EXPECT_EQ(accepted_keys(with("weight: 0.5", "activation: {kind: smooth_l1, zzzzzzzz: 1}")),
@@ -95,7 +100,8 @@ TEST(Schema, HasTheReadersKeys) {
                                "[1, 2], zzzzzzzz: 1}]}}\nsolver:")),
             schema_keys(d["keyframe"]));
   EXPECT_EQ(accepted_keys(with("name: box_ddp", "zzzzzzzz: 1")), schema_keys(d["solver"]));
-  for (const char* group : {"tolerances", "regularization", "line_search", "box_qp"})
+  for (const char* group :
+       {"tolerances", "regularization", "line_search", "augmented_lagrangian", "box_qp"})
     EXPECT_EQ(
         accepted_keys(with("name: box_ddp", (std::string(group) + ": {zzzzzzzz: 1}").c_str())),
         schema_keys(d["solver"]["properties"][group]));
@@ -276,8 +282,9 @@ struct SchemaWalk {
     static const std::set<std::string> kKeys = {"weights", "direction", "A",
                                                 "B",       "c",         "merit_margin"};
     if (kKeys.contains(key) || path.ends_with("/state")) return true;
-    for (const char* group : {"/regularization", "/line_search", "/box_qp", "/gains",
-                              "/multipliers", "/log/items", "/trajectory", "/worst", "/residuals"})
+    for (const char* group :
+         {"/regularization", "/line_search", "/augmented_lagrangian", "/box_qp", "/gains",
+          "/multipliers", "/log/items", "/trajectory", "/worst", "/residuals"})
       if (path.find(group) != std::string::npos) return true;
     return key == "cost" || key == "cost_by_name" || key == "state" || key == "tolerance" ||
            key == "values";
