@@ -38,7 +38,7 @@ void AugmentedLagrangian::start(const Eigen::VectorXd& multipliers) {
   hopeless_.clear();
   for (Group& group : groups_) {
     group.penalty = options_.initial_penalty;
-    group.best_violation = std::numeric_limits<double>::infinity();
+    group.before = std::numeric_limits<double>::infinity();
     group.stalled = 0;
     write(group);
   }
@@ -89,18 +89,17 @@ ConstraintNorms AugmentedLagrangian::measure(const Eigen::VectorXd& values) {
 void AugmentedLagrangian::update() {
   multipliers_ = next_;
   for (Group& group : groups_) {
-    const bool enough = group.violation <= std::max(0.1 * tolerance_, options_.sufficient_decrease *
-                                                                          group.best_violation);
+    // A constraint that held before has not had multipliers yet.
+    const bool enough = group.violation <= 0.1 * tolerance_ || group.before <= tolerance_ ||
+                        group.violation <= options_.sufficient_decrease * group.before;
     const bool at_limit = group.penalty >= options_.max_penalty;
     if (!enough)
       group.penalty = std::min(group.penalty * options_.penalty_factor, options_.max_penalty);
-    const bool progress = group.violation <= kNoProgress * group.best_violation;
-    group.stalled =
-        at_limit && !progress && group.violation > std::max(10 * tolerance_, kContradiction)
-            ? group.stalled + 1
-            : 0;
+    const bool progress = group.violation <= kNoProgress * group.before;
+    const bool violated = group.violation > std::max(10 * tolerance_, kContradiction);
+    group.stalled = at_limit && !progress && violated ? group.stalled + 1 : 0;
     if (group.stalled >= kPatience && hopeless_.empty()) hopeless_ = group.name;
-    group.best_violation = std::min(group.best_violation, group.violation);
+    group.before = group.violation;
     write(group);
   }
 }

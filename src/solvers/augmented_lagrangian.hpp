@@ -51,9 +51,9 @@ class AugmentedLagrangian {
     std::string name;
     std::vector<int> constraints;  ///< into ShootingProblem::constraints()
     double penalty = 0;
-    double violation = 0;       ///< at the last measure
-    double best_violation = 0;  ///< of the updates so far
-    int stalled = 0;            ///< updates at the limit without progress
+    double violation = 0;  ///< at the last measure
+    double before = 0;     ///< the same at the last update
+    int stalled = 0;       ///< updates at the limit without progress
   };
   void write(const Group& group);
 

@@ -38,8 +38,8 @@ constexpr double kLongStep = 0.1;
 constexpr double kTighter = 0.1, kLastInnerDecrease = 1e-8;
 /// Violation, gap and stationarity below which the projected Newton method is tried, how much
 /// smaller they have to be after it failed, and its steps at most.
-constexpr double kFirstNewtonThreshold = 1e-3, kNextNewtonThreshold = 0.1;
-constexpr int kNewtonSteps = 20, kDampedNewtonSteps = 4;
+constexpr double kFirstNewtonThreshold = 3e-3, kNextNewtonThreshold = 0.1;
+constexpr int kNewtonSteps = 20, kDampedNewtonSteps = 2;
 constexpr double kNewtonGoal = 1e-12;
 /// Rows of the log that are reserved at most before the first iteration.
 constexpr int kReservedRows = 10000;
@@ -179,10 +179,13 @@ bool DdpSolver::converged() {
     end(SolveStatus::converged, residual_text());
     return true;
   }
-  if (!constraints_ || !inner_converged()) return false;
-  if (!newton_converges()) return linearized_ ? !next_multipliers() : !end_diverged();
-  end(SolveStatus::converged, residual_text());
-  return true;
+  if (!constraints_) return false;
+  if (newton_converges()) {
+    end(SolveStatus::converged, residual_text());
+    return true;
+  }
+  if (!linearized_) return !end_diverged();
+  return inner_converged() && !next_multipliers();
 }
 
 void DdpSolver::measure_constraints() {
@@ -194,7 +197,6 @@ void DdpSolver::measure_constraints() {
   if (!(norms.violation.value <= row_.constraint)) {
     row_.constraint = norms.violation.value;
     row_.constraint_knot = norms.violation.knot;
-    row_.complementarity = norms.complementarity;
   }
   row_.complementarity = norms.complementarity;
   row_.constraint_penalty = constraints_->largest_penalty();
@@ -242,8 +244,6 @@ bool DdpSolver::newton_converges() {
   int damped = 0;
   for (int i = 0; i < kNewtonSteps && row_.iteration < options_.max_iterations; ++i) {
     if (newton_->norms().largest() <= kNewtonGoal || !newton_->step()) break;
-    damped += newton_->step_length() < 1;
-    if (damped > kDampedNewtonSteps) break;
     const KktNorms& norms = newton_->norms();
     ++row_.iteration;
     ++row_.newton;
@@ -254,6 +254,7 @@ bool DdpSolver::newton_converges() {
     row_.gap_knot = norms.gap.knot;
     row_.constraint = norms.violation.value;
     row_.constraint_knot = norms.violation.knot;
+    row_.complementarity = norms.complementarity;
     row_.step = newton_->step_length();
     row_.active_rows = newton_->active_rows();
     row_.regularization = row_.expected_decrease = row_.actual_decrease = 0;
@@ -261,12 +262,13 @@ bool DdpSolver::newton_converges() {
     row_.time_s = elapsed();
     result_.log.push_back(row_);
     if (options_.on_iteration) options_.on_iteration(row_);
+    damped += newton_->step_length() < 1;
+    if (damped > kDampedNewtonSteps) break;
   }
+  newton_threshold_ = kNextNewtonThreshold * std::max({row.stationarity, row.gap, row.constraint});
   if (newton_->norms().stationarity.value > tolerance.stationarity ||
       newton_->norms().gap.value > tolerance.gap ||
       newton_->norms().violation.value > tolerance.constraint) {
-    newton_threshold_ =
-        kNextNewtonThreshold * std::max({row.stationarity, row.gap, row.constraint});
     const int iteration = row_.iteration;
     const int newton = row_.newton;
     row_ = row;
