@@ -28,7 +28,6 @@ void read_bounded(YamlMap& map, const Name& name, ProblemSpec& spec) {
     map.ignore_others();
     return;
   }
-  std::optional<std::vector<Name>> phases;
   if (*bounded == BoundedQuantity::kControl) {
     ControlBoundsSpec bounds{.name = name};
     read_bounds(map, name, bounds);

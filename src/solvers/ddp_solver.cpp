@@ -35,6 +35,8 @@ constexpr double kBlindProgress = 0.999;
 constexpr double kFirstInnerTolerance = 1e-1, kFirstInnerDecrease = 1e-3;
 /// A short step's small decrease says nothing.
 constexpr double kLongStep = 0.1;
+/// Minimisations that may end without a step before the solve does.
+constexpr int kRecoveries = 20;
 constexpr double kTighter = 0.1, kLastInnerDecrease = 1e-8;
 /// Violation, gap and stationarity below which the projected Newton method is tried, how much
 /// smaller they have to be after it failed, and its steps at most.
@@ -102,13 +104,14 @@ SolveResult DdpSolver::solve(const Trajectory& guess) {
   hessian_.reset();
   inner_tolerance_ = kFirstInnerTolerance;
   inner_decrease_ = kFirstInnerDecrease;
-  inner_start_ = 0;
+  inner_start_ = recoveries_ = 0;
   newton_threshold_ = kFirstNewtonThreshold;
   by_newton_ = false;
   if (constraints_) constraints_->start(result_.constraint_multipliers);
 
   if (start(guess)) {
-    while (linearize() && !converged() && may_continue() && take_step()) ++row_.iteration;
+    while (linearize() && !converged() && may_continue() && (take_step() || recover()))
+      ++row_.iteration;
     finish();
   }
   result_.iterations = row_.iteration;
@@ -224,12 +227,21 @@ bool DdpSolver::next_multipliers() {
   inner_tolerance_ *= kTighter;
   inner_decrease_ = std::max(kTighter * inner_decrease_, kLastInnerDecrease);
   inner_start_ = row_.iteration;
+  at_rounding_floor_ = false;
   regularization_ = RegularizationSchedule(options_.regularization);
   differentiate();
   if (!linearized_) return end_diverged();
   merit_.cost = linearization_.total_cost() + linearization_.augmentation.sum();
   row_.stationarity = bounds_.projected_norm(adjoint_.gradient(), trajectory_).value;
   return true;
+}
+
+/// Where a minimisation gets no further, other multipliers and penalties may.
+bool DdpSolver::recover() {
+  const bool stuck = result_.status == SolveStatus::line_search_failed ||
+                     result_.status == SolveStatus::regularization_limit;
+  if (!constraints_ || !stuck || row_.constraint <= options_.tolerances.constraint) return false;
+  return ++recoveries_ <= kRecoveries && next_multipliers();
 }
 
 /// Tries to end the solve by Newton's method on the active constraints. Its steps are iterations,

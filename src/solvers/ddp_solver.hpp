@@ -45,6 +45,7 @@ class DdpSolver {
   bool inner_converged() const;
   bool next_multipliers();
   bool newton_converges();
+  bool recover();
   bool may_continue();
   bool budget_left();
   bool take_step();
@@ -79,6 +80,7 @@ class DdpSolver {
   double newton_threshold_ = 0;  ///< violation and stationarity below which Newton is tried
   bool by_newton_ = false;       ///< the solve ended with it
   double inner_tolerance_ = 0, inner_decrease_ = 0;  ///< of the minimisation that is under way
+  int recoveries_ = 0;                               ///< minimisations that ended without a step
   int inner_start_ = 0;                              ///< iteration at which it began
   Trajectory trajectory_;                            ///< the iterate
   Trajectory before_;               ///< the iterate before the last step, should that be taken back

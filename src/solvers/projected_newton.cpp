@@ -82,6 +82,8 @@ void ProjectedNewton::linearize() {
   lagrangian_.multiplier = multipliers_;
   for (const NodeConstraint& c : problem_.constraints())
     if (!c.term->has_bounds()) lagrangian_.multiplier.segment(c.row, c.term->rows).setZero();
+  // Entries that are zero by the costs' structure are left alone, and the last step filled them.
+  for (KnotLinearization& knot : linearization_.knots) knot.hessian.setZero();
   acts_.differentiate(trajectory_, linearization_, &lagrangian_);
   for (int k = 0; k <= problem_.knots(); ++k) find_active(k);
   adjoint_.compute(linearization_, trajectory_, true, feedback_);
