@@ -72,14 +72,6 @@ void check_solver(const ProblemSpec& spec, Diagnostics& out) {
               "write 'hessian: automatic', or take ilqr");
 }
 
-std::vector<std::string> constraint_names(const ProblemSpec& spec) {
-  std::vector<std::string> names;
-  for (const ControlBoundsSpec& bounds : spec.control_bounds) names.push_back(bounds.name.value);
-  for (const auto* list : {&spec.constraints, &spec.terminal_constraints})
-    for (const ConstraintSpec& constraint : *list) names.push_back(constraint.function.name.value);
-  return names;
-}
-
 void check_drop(const ProblemSpec& spec, const std::vector<std::string>& drop, Diagnostics& out) {
   const std::vector<std::string> names = constraint_names(spec);
   for (std::size_t i = 0; i < drop.size(); ++i)
@@ -199,6 +191,17 @@ void name_columns(bool memory, BuiltProblem& built) {
 }
 
 }  // namespace
+
+std::vector<std::string> constraint_names(const ProblemSpec& spec) {
+  std::vector<std::string> names;
+  const auto add = [&names](const std::string& name) {
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  };
+  for (const ControlBoundsSpec& bounds : spec.control_bounds) add(bounds.name.value);
+  for (const auto* list : {&spec.constraints, &spec.terminal_constraints})
+    for (const ConstraintSpec& constraint : *list) add(constraint.function.name.value);
+  return names;
+}
 
 Integrator default_integrator(SystemKind kind) {
   switch (kind) {

@@ -43,6 +43,9 @@ std::optional<BuiltProblem> build_problem(const ProblemSpec& spec, const BuildOp
 const SolverInfo* usable_solver(const ProblemSpec& spec, const ShootingProblem& problem,
                                 Diagnostics& out);
 
+/// The names of all constraints, which can be dropped.
+std::vector<std::string> constraint_names(const ProblemSpec& spec);
+
 /// The integrator of systems whose problem file names none.
 Integrator default_integrator(SystemKind kind);
 
