@@ -100,11 +100,15 @@ inline std::vector<PublishedCase> published_cases() {
                              {{M_PI, 0}, {1e-3, 1e-3}, {1e-3}, {1, 1}}, -3, 3),
             {M_PI, 0}, 0.1, 0.018405);
   with_goal("cart-pole", cartpole_swing_up(3, Integrator::rk3), {0, M_PI, 0, 0}, 0.01, 1.495874);
-  const auto drive = tracking_problem(unicycle(), Integrator::rk4, 100, 0.05, {0, 0, 0},
-                                      {{3, 3, 0}, {1, 1, 1}, {0.5, 0.5}, {10, 10, 10}}, -3, 3);
+  const TrackingCost effort{{3, 3, 0}, {1, 1, 1}, {0.5, 0.5}, {10, 10, 10}};
+  Phase ride = tracking_phase(unicycle(), Integrator::rk4, 100, 0.05, effort, -3, 3);
+  auto forward = std::make_shared<KnotModel>(*ride.model);
+  forward->set_control_bounds({0, -3}, {3, 3});
+  ride.model = std::move(forward);
+  const ShootingProblem drive({0, 0, 0}, {std::move(ride)}, terminal_phase(unicycle(), effort));
   std::vector<Added> discs;
   for (const double at : {0.75, 1.5, 2.25})
-    discs.push_back({.name = "disc",
+    discs.push_back({.name = "disc " + std::to_string(discs.size()),
                      .residual = coordinate_residual(drive.manifold(), {0, 1}),
                      .kind = ConstraintKind::norm,
                      .reference = {at, at},
