@@ -15,11 +15,10 @@ namespace {
 /// The constraints of a problem that may be dropped.
 std::vector<std::string> droppable(const ProblemSpec& spec, const std::vector<std::string>& drop) {
   std::vector<std::string> names;
-  for (const auto& constraint : spec.constraints)
-    if (std::any_of(drop.begin(), drop.end(), [&](const std::string& name) {
-          return name == kAll || name == constraint.name.value;
-        }))
-      names.push_back(constraint.name.value);
+  for (const std::string& constraint : constraint_names(spec))
+    if (std::any_of(drop.begin(), drop.end(),
+                    [&](const std::string& name) { return name == kAll || name == constraint; }))
+      names.push_back(constraint);
   return names;
 }
 
@@ -27,9 +26,9 @@ void check_drop(const std::deque<BenchProblem>& problems, const std::vector<std:
                 Diagnostics& out) {
   std::vector<std::string> names;
   for (const BenchProblem& problem : problems)
-    for (const auto& constraint : problem.spec.constraints)
-      if (std::find(names.begin(), names.end(), constraint.name.value) == names.end())
-        names.push_back(constraint.name.value);
+    for (const std::string& constraint : constraint_names(problem.spec))
+      if (std::find(names.begin(), names.end(), constraint) == names.end())
+        names.push_back(constraint);
   for (const std::string& name : drop)
     if (name != kAll && std::find(names.begin(), names.end(), name) == names.end())
       out.error({}, fmt::format("--drop {}: no problem has a constraint '{}'", name, name),

@@ -1,5 +1,7 @@
 #include "check_summary.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "problem_file/expand_sections.hpp"
@@ -48,8 +50,22 @@ int rows_of(const std::string& cost, const ShootingProblem& problem, bool termin
   return 0;
 }
 
-OrderedJson costs_json(const std::vector<CostSpec>& costs, const ProblemSpec& spec,
-                       const BuiltProblem& built, bool terminal) {
+/// The phases in which a cost counts at some knot at least.
+OrderedJson phases_of(const std::string& cost, const ShootingProblem& problem) {
+  OrderedJson names = OrderedJson::array();
+  for (const Phase& phase : problem.phases()) {
+    const KnotModel& model = *phase.model;
+    bool counts = false;
+    for (const CostTerm& term : model.costs())
+      for (int k = 0; k < phase.knots() && term.name == cost; ++k)
+        counts |= phase.parameters[k * model.parameter_count() + term.weight] != 0;
+    if (counts) names.push_back(phase.name);
+  }
+  return names;
+}
+
+OrderedJson costs_json(const std::vector<CostSpec>& costs, const BuiltProblem& built,
+                       bool terminal) {
   OrderedJson list = OrderedJson::array();
   for (const CostSpec& cost : costs) {
     OrderedJson entry = {{"name", cost.name.value},
@@ -57,7 +73,7 @@ OrderedJson costs_json(const std::vector<CostSpec>& costs, const ProblemSpec& sp
                          {"rows", rows_of(cost.name.value, *built.problem, terminal)},
                          {"activation", word_of(kActivationWords, cost.activation.kind)},
                          {"weight", cost.weight}};
-    if (!terminal) entry["phases"] = expand_phase_names(cost.phases, spec);
+    if (!terminal) entry["phases"] = phases_of(cost.name.value, *built.problem);
     list.push_back(std::move(entry));
   }
   return list;
@@ -65,15 +81,26 @@ OrderedJson costs_json(const std::vector<CostSpec>& costs, const ProblemSpec& sp
 
 OrderedJson constraints_json(const ProblemSpec& spec, const BuiltProblem& built) {
   OrderedJson list = OrderedJson::array();
-  for (const ControlBoundsSpec& constraint : spec.constraints) {
-    bool dropped = false;
-    for (const DroppedConstraint& d : built.dropped) dropped |= d.name == constraint.name.value;
-    list.push_back({{"name", constraint.name.value},
-                    {"bounds", "control"},
-                    {"from_urdf", constraint.from_urdf},
-                    {"phases", expand_phase_names(constraint.phases, spec)},
+  const auto add = [&](const std::string& name, const std::string& on, bool terminal,
+                       bool from_urdf, OrderedJson phases) {
+    const bool dropped = std::any_of(built.dropped.begin(), built.dropped.end(),
+                                     [&](const DroppedConstraint& d) { return d.name == name; });
+    list.push_back({{"name", name},
+                    {"on", on},
+                    {"terminal", terminal},
+                    {"from_urdf", from_urdf},
+                    {"phases", std::move(phases)},
                     {"dropped", dropped}});
-  }
+  };
+  for (const ControlBoundsSpec& bounds : spec.control_bounds)
+    add(bounds.name.value, "control", false, bounds.from_urdf,
+        expand_phase_names(bounds.phases, spec));
+  for (const bool terminal : {false, true})
+    for (const ConstraintSpec& c : terminal ? spec.terminal_constraints : spec.constraints)
+      add(c.function.name.value,
+          c.bounded ? word_of(kBoundedWords, c.bounded->value) : c.function.residual.value,
+          terminal, c.from_urdf,
+          terminal ? OrderedJson::array() : expand_phase_names(c.function.phases, spec));
   return list;
 }
 
@@ -82,9 +109,11 @@ OrderedJson phases_json(const ShootingProblem& problem) {
   for (const Phase& phase : problem.phases()) {
     double duration = 0;
     for (const double dt : phase.dt) duration += dt;
+    const auto [shortest, longest] = std::minmax_element(phase.dt.begin(), phase.dt.end());
     list.push_back({{"name", phase.name},
                     {"knots", phase.knots()},
-                    {"dt_s", phase.dt.front()},
+                    {"dt_s", *longest},
+                    {"shortest_dt_s", *shortest},
                     {"duration_s", duration}});
   }
   return list;
@@ -109,10 +138,18 @@ std::string cost_lines(const OrderedJson& costs, const char* heading) {
     text += fmt::format("  {:<16}{}: {}, {} rows, {}, weight {:g}", text.empty() ? heading : "",
                         text_of(cost["name"]), text_of(cost["residual"]), cost["rows"].get<int>(),
                         text_of(cost["activation"]), cost["weight"].get<double>());
-    if (cost.contains("phases")) text += ", in " + comma_list(cost["phases"]);
+    if (cost.contains("phases"))
+      text += ", in " + (cost["phases"].empty() ? "no phase" : comma_list(cost["phases"]));
     text += '\n';
   }
   return text;
+}
+
+std::string step_text(const OrderedJson& phase) {
+  const double longest = phase["dt_s"].get<double>(),
+               shortest = phase["shortest_dt_s"].get<double>();
+  if (shortest == longest) return fmt::format("{:.9g}", longest);
+  return fmt::format("{:.3g} to {:.9g}", shortest, longest);
 }
 
 std::string plant_lines(const OrderedJson& s) {
@@ -158,8 +195,8 @@ OrderedJson check_summary(const ProblemSpec& spec, const BuiltProblem& built,
           {"knots", problem.knots()},
           {"duration_s", problem.times().back()},
           {"phases", phases_json(problem)},
-          {"costs", costs_json(spec.costs, spec, built, false)},
-          {"terminal_costs", costs_json(spec.terminal_costs, spec, built, true)},
+          {"costs", costs_json(spec.costs, built, false)},
+          {"terminal_costs", costs_json(spec.terminal_costs, built, true)},
           {"constraints", constraints_json(spec, built)},
           {"solver",
            {{"name", solver.name},
@@ -178,18 +215,22 @@ std::string check_text(const OrderedJson& s) {
   text += fmt::format("  {:<16}{} knots, {:.9g} s\n", "horizon", s["knots"].get<int>(),
                       s["duration_s"].get<double>());
   for (const auto& phase : s["phases"])
-    text += fmt::format("  {:<16}{}: {} knots of {:.9g} s, {:.9g} s\n",
-                        &phase == &s["phases"].front() ? "phases" : "", text_of(phase["name"]),
-                        phase["knots"].get<int>(), phase["dt_s"].get<double>(),
-                        phase["duration_s"].get<double>());
+    text +=
+        fmt::format("  {:<16}{}: {} knots of {} s, {:.9g} s\n",
+                    &phase == &s["phases"].front() ? "phases" : "", text_of(phase["name"]),
+                    phase["knots"].get<int>(), step_text(phase), phase["duration_s"].get<double>());
   text += cost_lines(s["costs"], "costs");
   text += cost_lines(s["terminal_costs"], "terminal costs");
   for (const auto& constraint : s["constraints"])
     text += fmt::format(
-        "  {:<16}{}: bounds on the control{}, in {}{}\n",
+        "  {:<16}{}: {} on {}{}, {}{}\n",
         &constraint == &s["constraints"].front() ? "constraints" : "", text_of(constraint["name"]),
+        text_of(constraint["on"]) == "control" ? "bounds" : "constraint",
+        text_of(constraint["on"]) == "control" ? "the control" : text_of(constraint["on"]),
         constraint["from_urdf"].get<bool>() ? " from the URDF" : "",
-        comma_list(constraint["phases"]), constraint["dropped"].get<bool>() ? "; dropped" : "");
+        constraint["terminal"].get<bool>() ? "at the last node"
+                                           : "in " + comma_list(constraint["phases"]),
+        constraint["dropped"].get<bool>() ? "; dropped" : "");
   text += fmt::format("  {:<16}{} ({}): {}\n", "solver", text_of(s["solver"]["name"]),
                       text_of(s["solver"]["description"]),
                       bounds_text(text_of(s["solver"]["control_bounds"])));

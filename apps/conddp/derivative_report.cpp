@@ -9,23 +9,13 @@ namespace {
 
 using Names = std::vector<std::string>;
 
-/// Names of the tangent vectors of states, control memory included.
-Names tangent_columns(const BuiltProblem& built) {
-  Names names = tangent_names(*built.plant.system).names;
-  for (int i = static_cast<int>(names.size()); i < built.problem->ndx(); ++i) {
-    const std::size_t behind_states = built.state_columns.size() - built.problem->ndx() + i;
-    names.push_back(built.state_columns[behind_states].name);
-  }
-  return names;
-}
-
 /// Names of a residual's rows.
-Names residual_rows(const CostTerm& term, const std::vector<CostSpec>& costs,
+Names residual_rows(const CostTerm& term, bool terminal, const ProblemSpec& spec,
                     const BuiltProblem& built) {
-  for (const CostSpec& cost : costs) {
+  for (const CostSpec& cost : terminal ? spec.terminal_costs : spec.costs) {
     if (cost.name.value != term.name) continue;
     Diagnostics out;
-    if (const auto made = make_cost_residual(cost, built.plant, built.problem->ndx(), out))
+    if (const auto made = make_cost_residual(cost, spec, built.plant, built.problem->ndx(), out))
       return made->rows.names;
   }
   return Names(term.residual->size());
@@ -67,7 +57,7 @@ OrderedJson derivatives_json(const std::vector<DerivativeComparison>& comparison
     if (c.kind == DerivativeKind::residual) {
       const CostTerm& term = phase.model->costs()[c.cost];
       cost = term.name;
-      row = residual_rows(term, terminal ? spec.terminal_costs : spec.costs, built)[c.row];
+      row = residual_rows(term, terminal, spec, built)[c.row];
     }
     const bool within = c.error <= kDerivativeTolerance;
     holds = holds && within;

@@ -32,10 +32,12 @@ std::string version_text() {
 void add_commands(CLI::App& app, Command& chosen) {
   add_solve_command(app, chosen);
   add_check_command(app, chosen);
+  add_verify_command(app, chosen);
   add_bench_command(app, chosen);
   add_compare_command(app, chosen);
   add_regress_command(app, chosen);
   add_inspect_command(app, chosen);
+  add_report_command(app, chosen);
   add_list_command(app, chosen);
   add_schema_command(app, chosen);
   add_completion_command(app, chosen);

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "analysis/diagnosis.hpp"
+#include "output/certificate_report.hpp"
 #include "streams.hpp"
 
 namespace conddp {
@@ -18,8 +20,8 @@ void ProgressTable::print(const IterationRecord& row) {
                   row.regularization, row.time_s));
 }
 
-std::string summary_text(const Solution& s, const std::vector<std::string>& written, bool colour,
-                         int notes) {
+std::string summary_text(const Solution& s, const SolutionCertificate* certificate,
+                         const std::vector<std::string>& written, bool colour, int notes) {
   const SolveResult& r = s.result;
   const bool good = r.status == SolveStatus::converged;
   const char* tint = !colour ? "" : good ? "\033[1;32m" : "\033[1;33m";
@@ -33,6 +35,15 @@ std::string summary_text(const Solution& s, const std::vector<std::string>& writ
     text += fmt::format("    {:<20} {:.6g}\n", name, value);
   text += fmt::format("  residuals     stationarity {:.2e}, gap {:.2e}, constraint {:.2e}\n",
                       r.residuals.stationarity, r.residuals.gap, r.residuals.constraint);
+  for (const ConstraintViolation& v : violations_by_name(*s.built.problem, r.constraint_values)) {
+    text += fmt::format("    {:<20} violated by {:.2e}{}\n", v.name, v.value,
+                        v.node < 0 ? "" : fmt::format(" at node {}", v.node));
+  }
+  const Diagnosis diagnosis = diagnose(r, s.spec.solver.options);
+  if (!good) text += fmt::format("  diagnosis     {}\n", diagnosis.message);
+  if (!diagnosis.remedy.empty()) text += fmt::format("  try           {}\n", diagnosis.remedy);
+  if (certificate != nullptr)
+    text += fmt::format("  certificate   {}\n", certificate_line(*certificate));
   text += fmt::format("  first guess   states: {}; controls: {}\n", s.built.guess_used.states,
                       s.built.guess_used.controls);
   for (const DroppedConstraint& c : s.built.dropped)

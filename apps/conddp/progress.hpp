@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "output/solution.hpp"
+#include "output/solution_certificate.hpp"
 #include "solvers/iteration_record.hpp"
 
 namespace conddp {
@@ -17,9 +18,9 @@ class ProgressTable {
   int lines_ = 0;
 };
 
-/// How a solve ended, for people. `colour`: the status in green or yellow; `notes`: how many notes
-/// about the input were not shown.
-std::string summary_text(const Solution& solution, const std::vector<std::string>& written,
-                         bool colour, int notes);
+/// How a solve ended, for people. `certificate` may be null; `colour`: the status in green or
+/// yellow; `notes`: how many notes about the input were not shown.
+std::string summary_text(const Solution& solution, const SolutionCertificate* certificate,
+                         const std::vector<std::string>& written, bool colour, int notes);
 
 }  // namespace conddp

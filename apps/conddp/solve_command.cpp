@@ -8,6 +8,8 @@
 #include "interrupt.hpp"
 #include "messages.hpp"
 #include "output/atomic_file.hpp"
+#include "output/certificate_report.hpp"
+#include "output/solution_certificate.hpp"
 #include "output/solution_json.hpp"
 #include "output/write_solution.hpp"
 #include "problem_arguments.hpp"
@@ -31,6 +33,7 @@ struct SolveArguments : ProblemArguments {
   bool json = false;
   bool verbose = false;
   bool report = false;
+  bool no_verify = false;
 };
 
 /// The spec with what the command line says about it.
@@ -112,18 +115,32 @@ int solve_file(const SolveArguments& arguments) {
   const SolveResult result =
       solve_showing_progress(*built, *solver, spec->solver.options, verbosity);
   const Solution solution{*spec, *built, *solver, result, overrides(arguments)};
+  OrderedJson document = solution_json(solution);
+  std::optional<SolutionCertificate> certificate;
+  if (!arguments.no_verify) certificate = certify_solution(document, *spec, *built, false);
+  if (certificate) add_certificate(certificate_json(*certificate), document);
   std::vector<std::string> written;
-  for (const auto& path : write_solution(solution, folder)) written.push_back(path.string());
+  for (const auto& path : write_solution(solution, document, folder))
+    written.push_back(path.string());
   if (arguments.report)
     written.push_back(write_report({{.label = std::string(solver->name),
-                                     .document = solution_json(solution),
+                                     .document = document,
                                      .spec = &*spec,
                                      .built = &*built}},
                                    folder / "report.html"));
-  if (arguments.json)
-    print_result(json_text(solution_head(solution)));
-  else if (!arguments.quiet)
-    print_result(summary_text(solution, written, terminal_of(1).colour, hidden_notes));
+  if (arguments.json) {
+    OrderedJson head = solution_head(solution);
+    if (certificate) add_certificate(certificate_json(*certificate), head);
+    print_result(json_text(head));
+  } else if (!arguments.quiet) {
+    print_result(summary_text(solution, certificate ? &*certificate : nullptr, written,
+                              terminal_of(1).colour, hidden_notes));
+  }
+  if (certificate && !certificate->checks.holds()) {
+    print_error("the certificate of the answer " + certificate_line(*certificate),
+                "this is a defect of conddp; please report it with the command and its files");
+    return kExitDefect;
+  }
   return exit_code(result.status);
 }
 
@@ -155,6 +172,9 @@ void add_solve_command(CLI::App& app, Command& chosen) {
   command->add_flag("--json", a->json, "Print the head of the solution as JSON on stdout");
   command->add_flag("-v,--verbose", a->verbose, "Print notes, and a line of figures each iteration")
       ->excludes(quiet);
+  command->add_flag(
+      "--no-verify", a->no_verify,
+      "Leave out the certificate: the check of the answer by code that no solver uses");
   command->footer(
       "Writes solution.json, trajectory.csv and iterations.csv, all of them or none. Ctrl-C ends "
       "the "

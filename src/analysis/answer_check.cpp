@@ -118,11 +118,14 @@ void adjoint_pass(const ShootingProblem& problem, const Trajectory& trajectory,
 }  // namespace
 
 AnswerCheck check_answer(const ShootingProblem& problem, const Trajectory& trajectory,
-                         double bound_tolerance) {
+                         double bound_tolerance, const Eigen::VectorXd& constraint_multipliers) {
   AnswerCheck check;
   Acts acts(problem);
   Linearization linearization(problem);
-  acts.differentiate(trajectory, linearization);
+  Augmentation lagrangian(problem);
+  const bool multipliers_known = constraint_multipliers.size() == problem.constraint_rows();
+  if (multipliers_known) lagrangian.multiplier = constraint_multipliers;
+  acts.differentiate(trajectory, linearization, &lagrangian);
   const auto finite = [](const KnotLinearization& knot) {
     return knot.gradient.allFinite() && knot.hessian.allFinite() && knot.F.allFinite();
   };
@@ -135,14 +138,15 @@ AnswerCheck check_answer(const ShootingProblem& problem, const Trajectory& traje
                                 start.data());
   check.gap = std::max(linearization.max_gap(), start.lpNorm<Eigen::Infinity>());
   check.constraint = bound_violation(problem, trajectory);
-  if (problem.constraints().empty()) {
-    adjoint_pass(problem, trajectory, linearization, bound_tolerance, check);
-    return check;
-  }
-  Evaluation evaluation(problem);
-  acts.evaluate(trajectory, evaluation);
-  for (const ConstraintViolation& violation : violations_by_name(problem, evaluation.constraint))
+  for (const ConstraintViolation& violation : violations_by_name(problem, linearization.constraint))
     check.constraint = std::max(check.constraint, violation.value);
+  if (!multipliers_known) return check;
+  adjoint_pass(problem, trajectory, linearization, bound_tolerance, check);
+  for (const NodeConstraint& c : problem.constraints())
+    check.complementarity =
+        std::max(check.complementarity,
+                 complementarity(*c.term, linearization.constraint.data() + c.row, c.lower, c.upper,
+                                 constraint_multipliers.data() + c.row));
   return check;
 }
 

@@ -2,6 +2,8 @@
 
 #include <limits>
 
+#include <Eigen/Core>
+
 #include "ocp/trajectory.hpp"
 
 namespace conddp {
@@ -31,9 +33,11 @@ struct AnswerCheck {
 /// A control within `bound_tolerance`·max(1, |bound|) of a bound that the descent direction would
 /// cross counts for complementarity instead of stationarity.
 ///
-/// A problem with constraints other than bounds on the control has further multipliers, which a
-/// trajectory alone does not tell: its stationarity and complementarity are not-a-number.
+/// A problem with constraints other than bounds on the control has further multipliers ν, which a
+/// trajectory alone does not tell: they are the answer's own, one number a constraint row (without
+/// them, stationarity and complementarity are not-a-number). L then has the terms νᵀg.
 AnswerCheck check_answer(const ShootingProblem& problem, const Trajectory& trajectory,
-                         double bound_tolerance = 1e-6);
+                         double bound_tolerance = 1e-6,
+                         const Eigen::VectorXd& constraint_multipliers = {});
 
 }  // namespace conddp

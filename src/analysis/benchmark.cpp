@@ -53,7 +53,8 @@ BenchmarkRun run_benchmark(const ShootingProblem& problem, const Trajectory& gue
     run.message = result.message;
     run.iterations = result.iterations;
     run.claimed = result.residuals;
-    run.check = check_answer(problem, result.trajectory, options.tolerances.constraint);
+    run.check = check_answer(problem, result.trajectory, options.tolerances.constraint,
+                             result.constraint_multipliers);
     run.solved = result.status == SolveStatus::converged && agrees(run.check, options);
     if (answer != nullptr) *answer = result.trajectory;
     if (result.status == SolveStatus::time_limit || result.status == SolveStatus::interrupted)

@@ -1,4 +1,5 @@
 #include "ocp/residuals.hpp"
+#include "ocp/system_columns.hpp"
 
 namespace conddp {
 namespace {
@@ -22,18 +23,14 @@ class ContactOf {
   const std::vector<int>& columns() const { return z_columns_; }
 
   template <class S>
-  static MultibodySystem::Data<S>& system_data(const ResidualInput<S>& in) {
-    return static_cast<MultibodySystem::Data<S>&>(in.system);
-  }
-  template <class S>
   const ContactData<S>& data(const ResidualInput<S>& in) const {
-    return system_data(in).contacts.contacts[index_];
+    return multibody_data(in).contacts.contacts[index_];
   }
 
   /// Calls put(column, change of the force) for every column, in the world's axes or the frame's.
   template <class S, class F>
   void for_each_column(const ResidualInput<S>& in, FrameAxes axes, F put) const {
-    auto& system = system_data(in);
+    auto& system = multibody_data(in);
     const ContactData<S>& contact = data(in);
     const int m = system_->contacts().rows(), first = system_->contacts().offset(index_);
     const bool directions =

@@ -1,24 +1,10 @@
 #include "ocp/residuals.hpp"
+#include "ocp/system_columns.hpp"
 
 namespace conddp {
 namespace {
 
 using SystemPointer = std::shared_ptr<const MultibodySystem>;
-
-/// Writes rows x columns.count() of a Jacobian. `kernel(out)` writes it with the robot's own
-/// columns: in place, or by way of scratch where joints mimic others.
-template <class S, class Kernel>
-void write_columns(const ReducedColumns& columns, int rows, MultibodySystem::Data<S>& data,
-                   S* jacobian, Kernel kernel) {
-  if (columns.identity()) return kernel(jacobian);
-  kernel(data.mimic.columns.data());
-  columns.gather(data.mimic.columns.data(), rows, jacobian);
-}
-
-template <class S>
-MultibodySystem::Data<S>& system_data(const ResidualInput<S>& in) {
-  return static_cast<MultibodySystem::Data<S>&>(in.system);
-}
 
 /// What residuals of one frame share: the robot, the frame, and the columns that move it.
 class FrameOf {
@@ -42,7 +28,7 @@ class FrameOf {
   }
   template <class S>
   static RobotData<S>& data(const ResidualInput<S>& in) {
-    return system_data(in).robot;
+    return multibody_data(in).robot;
   }
   template <class S>
   SE3<S> placement(const ResidualInput<S>& in) const {
@@ -51,7 +37,7 @@ class FrameOf {
   /// Writes what kernel(robot, data, frame, out) gives.
   template <class S, class Kernel>
   void write(const ResidualInput<S>& in, int rows, S* jacobian, Kernel kernel) const {
-    write_columns(columns_, rows, system_data(in), jacobian,
+    write_columns(columns_, rows, multibody_data(in), jacobian,
                   [&](S* out) { kernel(robot(), data(in), frame_, out); });
   }
 
@@ -178,6 +164,58 @@ class FrameVelocity : public ResidualBase<FrameVelocity> {
   FrameAxes axes_;
 };
 
+/// Directions of the velocity that a contact holds: its normal and tangent, or the first axes.
+std::vector<Vector3<double>> held_directions(const Contact& contact) {
+  if (contact.kind == ContactKind::normal) return {contact.normal};
+  if (contact.kind == ContactKind::planar) return {contact.normal, contact.tangent};
+  return {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+}
+
+class ContactVelocity : public ResidualBase<ContactVelocity> {
+ public:
+  ContactVelocity(FrameOf frame, const Contact& contact)
+      : ResidualBase({{contact.rows(), frame.position_and_velocity_columns()}}, 0, false),
+        frame_(std::move(frame)),
+        axes_(contact.axes),
+        directions_(held_directions(contact)) {}
+
+  template <class S>
+  void evaluate_as(const ResidualInput<S>& in, S* r) const {
+    const Motion<S> v = frame_velocity(frame_.robot(), frame_.data(in), frame_.frame(), axes_);
+    const S rows[] = {v[0], v[1], v[2], v[3], v[4], v[5]};
+    choose(rows, r);
+  }
+  template <class S>
+  void differentiate_as(const ResidualInput<S>& in, S* r, S* jacobian) const {
+    evaluate_as(in, r);
+    S* all = multibody_data(in).columns.data();
+    const auto write = [&](auto kernel) {
+      frame_.write(in, 6, all, kernel);
+      for (int c = 0; c < frame_.count(); ++c, jacobian += size()) choose(all + 6 * c, jacobian);
+    };
+    write([this](const RobotModel& robot, const RobotData<S>& data, int frame, S* out) {
+      frame_velocity_derivative(robot, data, frame, axes_, out);
+    });
+    write([this](const RobotModel& robot, const RobotData<S>& data, int frame, S* out) {
+      frame_jacobian(robot, data, frame, axes_, out);
+    });
+  }
+
+ private:
+  /// From the six rows of a twist those of the contact.
+  template <class S>
+  void choose(const S* twist, S* rows) const {
+    for (const Vector3<double>& d : directions_)
+      *rows++ = S(d.x) * twist[0] + S(d.y) * twist[1] + S(d.z) * twist[2];
+    if (size() == 6)
+      for (int i = 3; i < 6; ++i) *rows++ = twist[i];
+  }
+
+  FrameOf frame_;
+  FrameAxes axes_;
+  std::vector<Vector3<double>> directions_;
+};
+
 class CentroidalMomentum : public ResidualBase<CentroidalMomentum> {
  public:
   explicit CentroidalMomentum(SystemPointer system)
@@ -193,7 +231,7 @@ class CentroidalMomentum : public ResidualBase<CentroidalMomentum> {
   template <class S>
   void differentiate_as(const ResidualInput<S>& in, S* r, S* jacobian) const {
     evaluate_as(in, r);
-    auto& data = system_data(in);
+    auto& data = multibody_data(in);
     S* wrt_v = jacobian + 6 * columns_.count();
     if (columns_.identity())
       return centroidal_momentum_derivatives(system_->robot(), data.robot, jacobian, wrt_v);
@@ -224,7 +262,7 @@ class ComPosition : public ResidualBase<ComPosition> {
   template <class S>
   void differentiate_as(const ResidualInput<S>& in, S* r, S* jacobian) const {
     evaluate_as(in, r);
-    write_columns(columns_, 3, system_data(in), jacobian, [&](S* out) {
+    write_columns(columns_, 3, multibody_data(in), jacobian, [&](S* out) {
       center_of_mass_jacobian(system_->robot(), FrameOf::data(in), out);
     });
   }
@@ -244,13 +282,13 @@ class ControlGravity : public ResidualBase<ControlGravity> {
 
   template <class S>
   void evaluate_as(const ResidualInput<S>& in, S* r) const {
-    auto& data = system_data(in);
+    auto& data = multibody_data(in);
     system_->gravity_torques(data, false);
     effort(in, data, r);
   }
   template <class S>
   void differentiate_as(const ResidualInput<S>& in, S* r, S* jacobian) const {
-    auto& data = system_data(in);
+    auto& data = multibody_data(in);
     system_->gravity_torques(data, true);
     effort(in, data, r);
     const int nv = system_->nv();
@@ -294,6 +332,10 @@ std::shared_ptr<const Residual> frame_placement_residual(const SystemPointer& sy
 std::shared_ptr<const Residual> frame_velocity_residual(const SystemPointer& system, int frame,
                                                         FrameAxes axes) {
   return std::make_shared<FrameVelocity>(FrameOf(system, frame), axes);
+}
+std::shared_ptr<const Residual> contact_velocity_residual(const SystemPointer& system,
+                                                          const Contact& contact) {
+  return std::make_shared<ContactVelocity>(FrameOf(system, contact.frame), contact);
 }
 std::shared_ptr<const Residual> centroidal_momentum_residual(const SystemPointer& system) {
   return std::make_shared<CentroidalMomentum>(system);

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "ocp/contact_cones.hpp"
@@ -42,6 +43,10 @@ std::shared_ptr<const Residual> frame_placement_residual(
 /// Frame velocity (linear; angular) minus reference, m/s and rad/s. Parameter: 6 numbers.
 std::shared_ptr<const Residual> frame_velocity_residual(
     const std::shared_ptr<const MultibodySystem>& system, int frame, FrameAxes axes);
+/// Velocity of a contact's frame in the directions that it holds (linear; angular of a surface), in
+/// the contact's axes, m/s and rad/s. The system need not hold the contact. No parameters.
+std::shared_ptr<const Residual> contact_velocity_residual(
+    const std::shared_ptr<const MultibodySystem>& system, const Contact& contact);
 /// Centre of mass in the world minus reference, m. Parameter: 3 numbers.
 std::shared_ptr<const Residual> com_position_residual(
     const std::shared_ptr<const MultibodySystem>& system);
@@ -54,6 +59,30 @@ std::shared_ptr<const Residual> control_gravity_residual(
 /// numbers.
 std::shared_ptr<const Residual> centroidal_momentum_residual(
     const std::shared_ptr<const MultibodySystem>& system);
+
+/// A sphere (from = to) or a capsule: the points within `radius` (m) of the segment, which is given
+/// in the axes of a frame of the robot, or in the world (frame −1).
+struct Capsule {
+  int frame = -1;
+  Vector3<double> from = Vector3<double>::zero(), to = Vector3<double>::zero();
+  double radius = 0;
+};
+/// The points p of the world with normal·p ≤ offset; the normal is a unit vector.
+struct HalfSpace {
+  Vector3<double> normal{0, 0, 1};
+  double offset = 0;  ///< m
+};
+struct DistancePair {
+  Capsule first;
+  std::variant<Capsule, HalfSpace> second;
+
+  /// Rows of its distance: one, but two of a capsule over a half-space, for `from` and for `to`.
+  int rows() const;
+};
+/// Distances between surfaces, m, negative where two shapes overlap: pair after pair, smoothed as
+/// closest_points() says. Depends on the joints between the two bodies alone. No parameters.
+std::shared_ptr<const Residual> distance_residual(
+    const std::shared_ptr<const MultibodySystem>& system, const std::vector<DistancePair>& pairs);
 
 /// Residuals of the force of one contact of the system, by its index in contacts(). At an impulse
 /// it is the impulse, in Ns and Nms. ndx is that of the knot model.

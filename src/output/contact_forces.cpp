@@ -3,16 +3,17 @@
 #include <map>
 #include <memory>
 
+#include "systems/multibody.hpp"
+
 namespace conddp {
 
-ContactForces contact_forces(const Solution& solution) {
-  const ShootingProblem& problem = *solution.built.problem;
-  const Trajectory& trajectory = solution.result.trajectory;
+ContactForces contact_forces(const ProblemSpec& spec, const ShootingProblem& problem,
+                             const Trajectory& trajectory) {
   ContactForces forces;
-  for (const ContactSpec& spec : solution.spec.contacts) {
+  for (const ContactSpec& named : spec.contacts) {
     auto& contact = forces.contacts.emplace_back();
-    contact.name = spec.name.value;
-    contact.torque = spec.kind == ContactKind::surface;
+    contact.name = named.name.value;
+    contact.torque = named.kind == ContactKind::surface;
     contact.wrench.resize(problem.knots());
   }
   std::map<const System*, std::unique_ptr<SystemData<double>>> memory;

@@ -5,7 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "output/solution.hpp"
+#include "ocp/problem.hpp"
+#include "problem_file/spec.hpp"
 
 namespace conddp {
 
@@ -21,6 +22,7 @@ struct ContactForces {
   std::vector<OfContact> contacts;  ///< in the order of the file
 };
 
-ContactForces contact_forces(const Solution& solution);
+ContactForces contact_forces(const ProblemSpec& spec, const ShootingProblem& problem,
+                             const Trajectory& trajectory);
 
 }  // namespace conddp

@@ -62,7 +62,7 @@ std::string trajectory_csv(const Solution& s) {
   for (const Column& column : s.built.control_columns)
     text +=
         ',' + with_unit(cell((used.contains(column.name) ? "u/" : "") + column.name), column.unit);
-  const ContactForces forces = contact_forces(s);
+  const ContactForces forces = contact_forces(s.spec, problem, trajectory);
   text += contact_headers(forces) + '\n';
   double written = -std::numeric_limits<double>::infinity();
   for (int k = 0; k <= problem.knots(); ++k) {

@@ -22,6 +22,12 @@ constexpr LogColumn kColumns[] = {
     {"trials", "", true, [](const Row& r) -> double { return r.trials; }},
     {"clamped_controls", "", true, [](const Row& r) -> double { return r.clamped_controls; }},
     {"active_set_changes", "", true, [](const Row& r) -> double { return r.active_set_changes; }},
+    {"outer", "", true, [](const Row& r) -> double { return r.outer; }},
+    {"newton", "", true, [](const Row& r) -> double { return r.newton; }},
+    {"active_rows", "", true, [](const Row& r) -> double { return r.active_rows; }},
+    {"constraint_knot", "", true, [](const Row& r) -> double { return r.constraint_knot; }},
+    {"complementarity", "", false, [](const Row& r) { return r.complementarity; }},
+    {"constraint_penalty", "", false, [](const Row& r) { return r.constraint_penalty; }},
     {"time", "s", false, [](const Row& r) { return r.time_s; }},
 };
 

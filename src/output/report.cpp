@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "output/motion_scene.hpp"
+#include "output/solution_members.hpp"
 
 namespace conddp {
 namespace {
@@ -38,10 +39,10 @@ Trajectory trajectory_of(const OrderedJson& document, const ShootingProblem& pro
   const OrderedJson& u = document["trajectory"]["u"];
   if (static_cast<int>(x.size()) != problem.knots() + 1 ||
       static_cast<int>(u.size()) != problem.knots())
-    throw std::invalid_argument("the solution has another number of knots than its problem");
+    throw MalformedSolution{"it has another number of knots than its problem"};
   const auto copy = [](const OrderedJson& row, auto out) {
     if (static_cast<Eigen::Index>(row.size()) != out.size())
-      throw std::invalid_argument("the solution has other states or controls than its problem");
+      throw MalformedSolution{"it has other states or controls than its problem"};
     for (Eigen::Index i = 0; i < out.size(); ++i) out[i] = number(row[i]);
   };
   for (int k = 0; k <= problem.knots(); ++k) copy(x[k], trajectory.x(k));
@@ -142,7 +143,50 @@ OrderedJson entry_json(const ReportEntry& entry) {
   return json;
 }
 
+/// A member that must be a list of so many entries.
+const OrderedJson& list_of(const OrderedJson& object, const char* key, std::size_t size) {
+  const OrderedJson& list = solution_list(object, key);
+  if (list.size() != size)
+    throw MalformedSolution{fmt::format("'{}' should have {} entries", key, size)};
+  return list;
+}
+
 }  // namespace
+
+void check_report_document(const OrderedJson& document) {
+  for (const char* key : {"solver", "status", "message"}) solution_text(document, key);
+  const OrderedJson& problem = solution_member(document, "problem");
+  solution_text(problem, "name");
+  for (const char* key : {"residuals", "time_s", "tool", "initial_guess_used"})
+    if (!solution_member(document, key).is_object())
+      throw MalformedSolution{fmt::format("'{}' is no object", key)};
+  solution_member(document, "iterations");
+  const OrderedJson& trajectory = solution_member(document, "trajectory");
+  const std::size_t nodes = solution_list(trajectory, "t").size();
+  if (nodes < 2) throw MalformedSolution{"its trajectory has no knots"};
+  for (const OrderedJson& t : trajectory["t"])
+    if (!t.is_number()) throw MalformedSolution{"'t' has an entry that is no number"};
+  list_of(trajectory, "x", nodes);
+  list_of(trajectory, "u", nodes - 1);
+  for (const char* of : {"x", "u"}) {
+    const std::size_t columns = solution_list(solution_member(trajectory, "columns"), of).size();
+    list_of(solution_member(trajectory, "units"), of, columns);
+    for (const OrderedJson& row : trajectory[of])
+      if (!row.is_array())
+        throw MalformedSolution{fmt::format("'{}' has an entry that is no list", of)};
+  }
+  for (const OrderedJson& phase : solution_list(trajectory, "phases")) {
+    solution_text(phase, "name");
+    const OrderedJson& first = solution_member(phase, "first_knot");
+    const OrderedJson& knots = solution_member(phase, "knots");
+    if (!first.is_number_unsigned() || !knots.is_number_unsigned() ||
+        first.get<std::size_t>() + knots.get<std::size_t>() >= nodes)
+      throw MalformedSolution{"a phase lies outside of its trajectory"};
+  }
+  if (document.contains("gains")) solution_list(document["gains"], "K");
+  if (document.contains("multipliers")) solution_list(document["multipliers"], "costates");
+  solution_list(document, "log");
+}
 
 OrderedJson report_data(const std::vector<ReportEntry>& entries) {
   OrderedJson solutions = OrderedJson::array();

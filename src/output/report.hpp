@@ -18,8 +18,13 @@ struct ReportEntry {
   std::string remark = {};  ///< why something is missing, shown to the reader
 };
 
+/// Throws MalformedSolution where a document lacks what report_data() needs, or its lists do not
+/// fit together.
+void check_report_document(const OrderedJson& document);
+
 /// What the page of a report is made from: of every solution its head,
-/// motion scene, and curves over the nodes. Numbers keep eight digits.
+/// motion scene, and curves over the nodes. Numbers keep eight digits. Throws
+/// MalformedSolution where a solution has another shape than its problem.
 OrderedJson report_data(const std::vector<ReportEntry>& entries);
 
 /// Puts the data into a page that has the line `placeholder`, so that nothing in it can end the

@@ -6,6 +6,7 @@
 #include "output/contact_forces.hpp"
 #include "output/log_columns.hpp"
 #include "problem_file/expand_problem.hpp"
+#include "solvers/control_bounds.hpp"
 #include "spatial/lane.hpp"
 
 namespace conddp {
@@ -60,7 +61,8 @@ OrderedJson columns_json(const std::vector<Column>& columns, std::string Column:
 
 OrderedJson contact_forces_json(const Solution& s) {
   OrderedJson json = OrderedJson::object();
-  for (const auto& contact : contact_forces(s).contacts) {
+  const ContactForces forces = contact_forces(s.spec, *s.built.problem, s.result.trajectory);
+  for (const auto& contact : forces.contacts) {
     OrderedJson rows = OrderedJson::array();
     for (const auto& wrench : contact.wrench) {
       OrderedJson row = nullptr;
@@ -116,16 +118,15 @@ OrderedJson gains_json(const SolveResult& result) {
 }
 
 /// Multipliers of a control bound: not negative, zero where the control is off the bound.
-OrderedJson bound_multipliers(const Solution& s, bool upper) {
+OrderedJson bound_multipliers(const Solution& s, const ControlBounds& bounds, bool upper) {
   const ShootingProblem& problem = *s.built.problem;
   OrderedJson rows = OrderedJson::array();
   for (int k = 0; k < problem.knots(); ++k) {
-    const KnotModel& model = *problem.knot(k).model;
     OrderedJson row = OrderedJson::array();
     for (int i = 0; i < problem.nu(k); ++i) {
-      const double bound = upper ? model.control_upper()[i] : model.control_lower()[i];
       const double gradient = (upper ? -1 : 1) * s.result.control_gradient[k][i];
-      const bool at_bound = s.result.trajectory.u(k)[i] == bound;
+      const double u = s.result.trajectory.u(k)[i];
+      const bool at_bound = upper ? bounds.at_upper(k, i, u) : bounds.at_lower(k, i, u);
       row.push_back(finite_or_null(at_bound ? std::max(0.0, gradient) : 0.0));
     }
     rows.push_back(std::move(row));
@@ -133,16 +134,42 @@ OrderedJson bound_multipliers(const Solution& s, bool upper) {
   return rows;
 }
 
+OrderedJson matrix_json(const Eigen::MatrixXd& columns) {
+  OrderedJson rows = OrderedJson::array();
+  for (Eigen::Index k = 0; k < columns.cols(); ++k) rows.push_back(numbers(columns.col(k)));
+  return rows;
+}
+
+OrderedJson constraints_json(const Solution& s) {
+  OrderedJson list = OrderedJson::array();
+  for (const ConstraintViolation& v :
+       violations_by_name(*s.built.problem, s.result.constraint_values))
+    list.push_back({{"name", v.name}, {"violation", finite_or_null(v.value)}, {"node", v.node}});
+  return list;
+}
+
+OrderedJson constraint_multipliers(const Solution& s) {
+  OrderedJson list = OrderedJson::array();
+  for (const NodeConstraint& c : s.built.problem->constraints())
+    list.push_back(
+        {{"name", c.term->name},
+         {"node", c.node},
+         {"value", numbers(s.result.constraint_values.segment(c.row, c.term->rows))},
+         {"multiplier", numbers(s.result.constraint_multipliers.segment(c.row, c.term->rows))}});
+  return list;
+}
+
 OrderedJson multipliers_json(const Solution& s) {
-  OrderedJson costates = OrderedJson::array();
-  for (Eigen::Index k = 0; k < s.result.costates.cols(); ++k)
-    costates.push_back(numbers(s.result.costates.col(k)));
-  OrderedJson multipliers = {{"costates", std::move(costates)}};
+  OrderedJson multipliers = {{"costates", matrix_json(s.result.costates)},
+                             {"state_gradient", matrix_json(s.result.state_gradient)}};
   if (s.built.problem->has_control_bounds() &&
       static_cast<int>(s.result.control_gradient.size()) == s.built.problem->knots()) {
-    multipliers["control_lower"] = bound_multipliers(s, false);
-    multipliers["control_upper"] = bound_multipliers(s, true);
+    const ControlBounds bounds(*s.built.problem);
+    multipliers["control_lower"] = bound_multipliers(s, bounds, false);
+    multipliers["control_upper"] = bound_multipliers(s, bounds, true);
   }
+  if (!s.built.problem->constraints().empty())
+    multipliers["constraints"] = constraint_multipliers(s);
   return multipliers;
 }
 
@@ -186,6 +213,7 @@ OrderedJson nulls_json(const OrderedJson& json, const SolveResult& result) {
   add("cost_by_name", json["cost_by_name"], unknown);
   add("residuals", json["residuals"], unknown);
   add("initial_guess_used.seed", json["initial_guess_used"]["seed"], "nothing is random");
+  add("constraints", json["constraints"], unknown);
   add("dropped_constraints", json["dropped_constraints"], unknown);
   if (!json.contains("trajectory")) return list;
   add("trajectory.x", json["trajectory"]["x"], unknown);
@@ -228,6 +256,8 @@ OrderedJson head(const Solution& s) {
             {"sweep", r.times.sweep},
             {"rollout", r.times.rollout}}},
           {"initial_guess_used", guess_json(s)},
+          {"diagnosis", diagnosis_json(diagnose(r, s.spec.solver.options))},
+          {"constraints", constraints_json(s)},
           {"dropped_constraints", std::move(dropped)}};
 }
 
@@ -255,6 +285,21 @@ OrderedJson tool_json() {
 OrderedJson solution_head(const Solution& s) {
   OrderedJson json = head(s);
   json["nulls"] = nulls_json(json, s.result);
+  return json;
+}
+
+void add_certificate(OrderedJson certificate, OrderedJson& document) {
+  document["certificate"] = std::move(certificate);
+  if (const int count = count_nulls(document["certificate"]); count > 0)
+    document["nulls"].push_back(
+        {{"key", "certificate"}, {"count", count}, {"reason", "not finite"}});
+}
+
+OrderedJson diagnosis_json(const Diagnosis& diagnosis) {
+  OrderedJson json = {{"pattern", to_string(diagnosis.pattern)}, {"message", diagnosis.message}};
+  if (diagnosis.knot >= 0) json["knot"] = diagnosis.knot;
+  if (!diagnosis.quantity.empty()) json["quantity"] = diagnosis.quantity;
+  if (!diagnosis.remedy.empty()) json["remedy"] = diagnosis.remedy;
   return json;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "analysis/diagnosis.hpp"
 #include "output/json_text.hpp"
 #include "output/solution.hpp"
 
@@ -12,7 +13,13 @@ OrderedJson solution_head(const Solution& solution);
 /// Which conddp it was: version, revision, build, libraries.
 OrderedJson tool_json();
 
-/// The whole of solution.json (schemas/solution.schema.json).
+/// The whole of solution.json (schemas/solution.schema.json) but its certificate.
 OrderedJson solution_json(const Solution& solution);
+
+/// Adds the certificate to a document or a head.
+void add_certificate(OrderedJson certificate, OrderedJson& document);
+
+/// How the solve went: pattern, sentence, knot, quantity and remedy.
+OrderedJson diagnosis_json(const Diagnosis& diagnosis);
 
 }  // namespace conddp

@@ -2,17 +2,18 @@
 
 #include "output/atomic_file.hpp"
 #include "output/csv.hpp"
-#include "output/solution_json.hpp"
+#include "output/json_text.hpp"
 
 namespace conddp {
 
 std::vector<std::filesystem::path> write_solution(const Solution& solution,
+                                                  const OrderedJson& document,
                                                   const std::filesystem::path& folder) {
   create_folder(folder);
   const std::vector<std::filesystem::path> paths = {
       folder / "solution.json", folder / "trajectory.csv", folder / "iterations.csv"};
   AtomicFiles files;
-  files.add(paths[0], json_text(solution_json(solution)));
+  files.add(paths[0], json_text(document));
   files.add(paths[1], trajectory_csv(solution));
   files.add(paths[2], iterations_csv(solution));
   files.commit();

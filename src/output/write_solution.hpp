@@ -4,12 +4,15 @@
 #include <vector>
 
 #include "output/solution.hpp"
+#include "problem_file/ordered_json.hpp"
 
 namespace conddp {
 
 /// Writes solution.json, trajectory.csv and iterations.csv into a folder, which is made if needed:
 /// all of them or, with an OutputError, none. Returns their paths.
+/// `document` is that of the solution (solution_json).
 std::vector<std::filesystem::path> write_solution(const Solution& solution,
+                                                  const OrderedJson& document,
                                                   const std::filesystem::path& folder);
 
 }  // namespace conddp

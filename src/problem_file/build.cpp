@@ -4,7 +4,11 @@
 
 #include <fmt/format.h>
 
+#include "ocp/acts.hpp"
+#include "ocp/contradiction.hpp"
 #include "problem_file/memory_need.hpp"
+#include "problem_file/phase_grid.hpp"
+#include "problem_file/shape_pairs.hpp"
 #include "robot/near_names.hpp"
 
 namespace conddp {
@@ -37,15 +41,20 @@ std::vector<double> node_times(const ProblemSpec& spec, Diagnostics& out) {
   std::vector<double> steps;
   double end = 0;
   for (const PhaseSpec& phase : spec.phases) {
-    steps.insert(steps.end(), phase.knots.value, phase.dt);
-    end += phase.knots.value * phase.dt;
+    const std::vector<double> own = phase_steps(phase);
+    steps.insert(steps.end(), own.begin(), own.end());
+    double shortest = kLongest;
+    for (const double step : own) {
+      end += step;
+      shortest = std::min(shortest, step);
+    }
     if (end > kLongest)
       out.error(phase.knots.place, fmt::format("the motion lasts {:.3g} s up to the end of phase "
                                                "'{}', more than {:.0e} s",
                                                end, phase.name.value, kLongest));
-    else if (!phase.restitution && !(end - phase.dt < end))
+    else if (!phase.restitution && !(end - shortest < end))
       out.error(phase.knots.place,
-                fmt::format("steps of {:.3g} s vanish beside the time {:.3g} s", phase.dt, end));
+                fmt::format("steps of {:.3g} s vanish beside the time {:.3g} s", shortest, end));
     else
       continue;
     break;
@@ -71,9 +80,7 @@ void check_solver(const ProblemSpec& spec, Diagnostics& out) {
 }
 
 void check_drop(const ProblemSpec& spec, const std::vector<std::string>& drop, Diagnostics& out) {
-  std::vector<std::string> names;
-  for (const ControlBoundsSpec& constraint : spec.constraints)
-    names.push_back(constraint.name.value);
+  const std::vector<std::string> names = constraint_names(spec);
   for (std::size_t i = 0; i < drop.size(); ++i)
     if (std::find(drop.begin(), drop.begin() + i, drop[i]) != drop.begin() + i)
       out.error({}, fmt::format("--drop {} stands twice on the command line", drop[i]));
@@ -87,16 +94,76 @@ void check_drop(const ProblemSpec& spec, const std::vector<std::string>& drop, D
 PhaseBounds collect_bounds(const ProblemSpec& spec, const BuildOptions& options,
                            BuiltProblem& built, Diagnostics& out) {
   PhaseBounds bounds = unbounded(spec, built.plant);
-  for (const ControlBoundsSpec& constraint : spec.constraints) {
+  for (const ControlBoundsSpec& constraint : spec.control_bounds) {
     auto own = build_control_bounds(constraint, spec, built.plant, out);
     if (!own) continue;
     if (std::find(options.drop.begin(), options.drop.end(), constraint.name.value) !=
         options.drop.end())
-      built.dropped.push_back({constraint.name.value, std::move(*own)});
+      built.dropped.push_back({constraint.name.value, std::move(*own), nullptr});
     else
       intersect(*own, constraint.name, built.plant, bounds, out);
   }
   return bounds;
+}
+
+/// Takes the constraints of these names out of a list.
+std::vector<BuiltConstraint> take_dropped(const std::vector<std::string>& drop,
+                                          std::vector<BuiltConstraint>& constraints) {
+  const auto is_dropped = [&](const BuiltConstraint& constraint) {
+    return std::find(drop.begin(), drop.end(), constraint.spec->function.name.value) != drop.end();
+  };
+  const auto first = std::stable_partition(constraints.begin(), constraints.end(),
+                                           [&](const auto& c) { return !is_dropped(c); });
+  std::vector<BuiltConstraint> dropped(std::make_move_iterator(first),
+                                       std::make_move_iterator(constraints.end()));
+  constraints.erase(first, constraints.end());
+  return dropped;
+}
+
+/// A problem for each dropped constraint, so that its violation can be reported.
+void keep_dropped(const PhaseContext& context, const std::vector<double>& start,
+                  const std::vector<BuiltConstraint>& running,
+                  const std::vector<BuiltConstraint>& terminal, BuiltProblem& built,
+                  Diagnostics& out) {
+  std::vector<std::string> names;
+  for (const auto* list : {&running, &terminal})
+    for (const BuiltConstraint& constraint : *list) {
+      const std::string& name = constraint.spec->function.name.value;
+      if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+    }
+  for (const std::string& name : names) {
+    const auto only = [&](const std::vector<BuiltConstraint>& list) {
+      std::vector<BuiltConstraint> chosen;
+      for (const BuiltConstraint& constraint : list)
+        if (constraint.spec->function.name.value == name) chosen.push_back(constraint);
+      return chosen;
+    };
+    const std::vector<BuiltConstraint> knots = only(running), end = only(terminal);
+    auto phases = build_phases(context, {{}, knots}, unbounded(context.spec, built.plant), out);
+    if (phases.empty()) return;
+    built.dropped.push_back(
+        {name, std::nullopt,
+         std::make_shared<ShootingProblem>(start, std::move(phases),
+                                           build_terminal(context, {{}, knots}, {{}, end}, out))});
+  }
+}
+
+void report_contradiction(const ProblemSpec& spec, const ShootingProblem& problem,
+                          Diagnostics& out) {
+  const auto found = find_contradiction(problem);
+  if (!found) return;
+  Place place;
+  for (const auto* list : {&spec.constraints, &spec.terminal_constraints})
+    for (const ConstraintSpec& constraint : *list)
+      if (constraint.function.name.value == found->first) place = constraint.function.name.place;
+  const std::string node =
+      found->node == problem.knots() ? "the last node" : fmt::format("knot {}", found->node);
+  const std::string other =
+      found->second.empty() ? "the bounds on the control" : fmt::format("'{}'", found->second);
+  out.error(place,
+            fmt::format("'{}' and {} contradict each other at {}: nothing is at least {} and "
+                        "at most {}",
+                        found->first, other, node, found->lower, found->upper));
 }
 
 bool uses_control_rate(const ProblemSpec& spec) {
@@ -131,6 +198,17 @@ void name_columns(bool memory, BuiltProblem& built) {
 }
 
 }  // namespace
+
+std::vector<std::string> constraint_names(const ProblemSpec& spec) {
+  std::vector<std::string> names;
+  const auto add = [&names](const std::string& name) {
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  };
+  for (const ControlBoundsSpec& bounds : spec.control_bounds) add(bounds.name.value);
+  for (const auto* list : {&spec.constraints, &spec.terminal_constraints})
+    for (const ConstraintSpec& constraint : *list) add(constraint.function.name.value);
+  return names;
+}
 
 Integrator default_integrator(SystemKind kind) {
   switch (kind) {
@@ -168,21 +246,32 @@ std::optional<BuiltProblem> build_problem(const ProblemSpec& spec, const BuildOp
   check_impulses(spec, memory, out);
   const std::vector<double> times = node_times(spec, out);
   if (out.error_count() > errors) return std::nullopt;  // what follows would fill the memory
+  if (built.plant.multibody) check_shapes(spec, built.plant, out);
   const auto contacts = ContactPlan::build(spec, built.plant, *initial, *integrator, out);
-  if (!contacts) return std::nullopt;
+  if (!contacts || out.error_count() > errors) return std::nullopt;
   const CostContext context{spec, built.plant, *contacts, states, ndx, times};
   const std::vector<BuiltCost> costs = build_costs(spec.costs, context, out);
   const std::vector<BuiltCost> terminal_costs = build_costs(spec.terminal_costs, context, out);
+  std::vector<BuiltConstraint> constraints = build_constraints(spec.constraints, context, out);
+  std::vector<BuiltConstraint> at_end = build_constraints(spec.terminal_constraints, context, out);
+  const std::vector<BuiltConstraint> dropped = take_dropped(options.drop, constraints);
+  const std::vector<BuiltConstraint> dropped_at_end = take_dropped(options.drop, at_end);
   const PhaseBounds bounds = collect_bounds(spec, options, built, out);
   const PhaseContext phase_context{spec, *contacts, built.plant.system, *integrator, memory, times};
-  std::vector<Phase> phases = build_phases(phase_context, costs, bounds, out);
+  std::vector<Phase> phases = build_phases(phase_context, {costs, constraints}, bounds, out);
+  if (out.has_errors()) return std::nullopt;
+  Phase terminal =
+      build_terminal(phase_context, {costs, constraints}, {terminal_costs, at_end}, out);
   if (out.has_errors()) return std::nullopt;
 
-  Phase terminal = build_terminal(phase_context, terminal_costs);
   std::vector<double> start = *initial;
   if (memory) start.insert(start.end(), previous.begin(), previous.end());
+  settle_initial_state(start, constraints, spec.solver.options.tolerances.constraint, phases, out);
+  keep_dropped(phase_context, start, dropped, dropped_at_end, built, out);
+  if (out.has_errors()) return std::nullopt;
   built.problem =
       std::make_shared<ShootingProblem>(std::move(start), std::move(phases), std::move(terminal));
+  report_contradiction(spec, *built.problem, out);
   name_columns(memory, built);
   auto guess = build_guess({spec, built.plant, states, *built.problem}, built.guess_used, out);
   if (!guess || out.has_errors()) return std::nullopt;
@@ -196,22 +285,43 @@ const SolverInfo* usable_solver(const ProblemSpec& spec, const ShootingProblem& 
   const SolverInfo* solver = find_solver(spec.solver.name.value);
   const auto reason = refuse(*solver, problem);
   if (!reason) return solver;
+  const bool of_control = problem.constraints().empty() || solver->constraints;
   std::string names;
-  for (const ControlBoundsSpec& constraint : spec.constraints)
-    names += " --drop " + constraint.name.value;
+  for (const ControlBoundsSpec& bounds : spec.control_bounds)
+    if (of_control) names += " --drop " + bounds.name.value;
+  for (const auto* list : {&spec.constraints, &spec.terminal_constraints})
+    for (const ConstraintSpec& constraint : *list)
+      if (!of_control) names += " --drop " + constraint.function.name.value;
   out.error(spec.solver.name.place, *reason,
-            fmt::format("choose one of them with --solver, or leave the bounds out with{}", names));
+            fmt::format("choose one of them with --solver, or leave the {} out with{}",
+                        of_control ? "bounds" : "constraints", names));
   return nullptr;
+}
+
+std::vector<std::string> tangent_columns(const BuiltProblem& built) {
+  std::vector<std::string> names = tangent_names(*built.plant.system).names;
+  for (int i = static_cast<int>(names.size()); i < built.problem->ndx(); ++i) {
+    const std::size_t behind_states = built.state_columns.size() - built.problem->ndx() + i;
+    names.push_back(built.state_columns[behind_states].name);
+  }
+  return names;
 }
 
 double violation(const DroppedConstraint& constraint, const ShootingProblem& problem,
                  const Trajectory& trajectory) {
   double largest = 0;
+  if (constraint.alone) {
+    Evaluation evaluation(*constraint.alone);
+    Acts(*constraint.alone).evaluate(trajectory, evaluation);
+    for (const auto& part : violations_by_name(*constraint.alone, evaluation.constraint))
+      largest = std::max(largest, part.value);
+    return largest;
+  }
   for (int k = 0; k < problem.knots(); ++k) {
     const std::size_t phase = problem.knot(k).phase;
     for (int i = 0; i < trajectory.nu(k); ++i) {
-      largest = std::max(largest, constraint.bounds.lower[phase][i] - trajectory.u(k)[i]);
-      largest = std::max(largest, trajectory.u(k)[i] - constraint.bounds.upper[phase][i]);
+      largest = std::max(largest, constraint.bounds->lower[phase][i] - trajectory.u(k)[i]);
+      largest = std::max(largest, trajectory.u(k)[i] - constraint.bounds->upper[phase][i]);
     }
   }
   return largest;

@@ -18,7 +18,8 @@ struct BuildOptions {
 /// A constraint that was left out, kept so that its violation can be reported.
 struct DroppedConstraint {
   std::string name;
-  PhaseBounds bounds;
+  std::optional<PhaseBounds> bounds;             ///< of bounds on the control
+  std::shared_ptr<const ShootingProblem> alone;  ///< else: a problem with nothing but it
 };
 
 /// A problem ready to be solved.
@@ -42,10 +43,16 @@ std::optional<BuiltProblem> build_problem(const ProblemSpec& spec, const BuildOp
 const SolverInfo* usable_solver(const ProblemSpec& spec, const ShootingProblem& problem,
                                 Diagnostics& out);
 
+/// The names of all constraints, which can be dropped.
+std::vector<std::string> constraint_names(const ProblemSpec& spec);
+
 /// The integrator of systems whose problem file names none.
 Integrator default_integrator(SystemKind kind);
 
-/// Largest violation of a dropped constraint by a trajectory, in the control's unit.
+/// Names of the tangent vectors of states, control memory included.
+std::vector<std::string> tangent_columns(const BuiltProblem& built);
+
+/// Largest violation of a dropped constraint by a trajectory, in the constraint's unit.
 double violation(const DroppedConstraint& constraint, const ShootingProblem& problem,
                  const Trajectory& trajectory);
 

@@ -78,6 +78,8 @@ std::optional<std::vector<double>> resolve(const ComponentsSpec& spec, const Com
   return values;
 }
 
+bool fits(const std::string& pattern, const std::string& name) { return fit(pattern, name) > 0; }
+
 std::string list_of(const ComponentNames& names) {
   std::string list;
   for (const std::string& name : names.names) list += (list.empty() ? "" : ", ") + name;

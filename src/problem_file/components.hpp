@@ -26,6 +26,9 @@ struct ComponentNames {
 std::optional<std::vector<double>> resolve(const ComponentsSpec& spec, const ComponentNames& names,
                                            double fallback, Diagnostics& out);
 
+/// Whether a name of the file, which may end in `*`, means this one.
+bool fits(const std::string& pattern, const std::string& name);
+
 /// "joints: a, b, c", for hints.
 std::string list_of(const ComponentNames& names);
 

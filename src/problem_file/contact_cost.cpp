@@ -6,6 +6,8 @@ namespace conddp {
 namespace {
 
 const std::vector<std::string> kWrenchNames = {"fx", "fy", "fz", "tx", "ty", "tz"};
+const std::vector<std::string> kTwistNames = {"vx", "vy", "vz", "wx", "wy", "wz"};
+const std::vector<std::string> kDirectionNames = {"normal", "tangent"};
 
 /// The normal in the world of a contact whose cone is asked for.
 std::optional<Vector3<double>> world_normal(const CostSpec& cost, const ContactSpec& contact,
@@ -42,6 +44,19 @@ std::optional<LinearCone> linear_cone(const CostSpec& cost, const ContactSpec& c
   const auto [half_x, half_y] = *contact.half_size;
   if (cost.kind == ResidualKind::kCenterOfPressure) return center_of_pressure_cone(half_x, half_y);
   return wrench_cone(limits, half_x, half_y, cost.cone.inner);
+}
+
+ContactCost velocity_cost(const Contact& contact) {
+  ContactCost result;
+  const bool directions =
+      contact.kind == ContactKind::normal || contact.kind == ContactKind::planar;
+  const auto& names = directions ? kDirectionNames : kTwistNames;
+  result.prototype.rows = {"components of the velocity",
+                           {names.begin(), names.begin() + contact.rows()}};
+  result.make = [contact](const std::shared_ptr<const MultibodySystem>& system, int) {
+    return contact_velocity_residual(system, contact);
+  };
+  return result;
 }
 
 std::optional<ContactCost> make_one(const CostSpec& cost, const ContactSpec& contact, int ndx,
@@ -94,7 +109,9 @@ std::vector<ContactCost> make_contact_costs(const CostSpec& cost, const ProblemS
     out.error(cost.residual.place,
               fmt::format("the cost '{}' is on contacts, and the file has none", cost.name.value));
   for (const int contact : chosen) {
-    auto one = make_one(cost, spec.contacts[contact], ndx, out);
+    auto one = cost.kind == ResidualKind::kContactVelocity
+                   ? velocity_cost(plan.contacts()[contact])
+                   : make_one(cost, spec.contacts[contact], ndx, out);
     if (!one) continue;
     one->contact = contact;
     one->prototype.residual =

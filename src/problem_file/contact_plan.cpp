@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <complex>
 #include <map>
+#include <tuple>
 
 #include <fmt/format.h>
 
+#include "problem_file/footholds.hpp"
 #include "robot/near_names.hpp"
 
 namespace conddp {
@@ -32,7 +34,6 @@ std::optional<Contact> make_contact(const ContactSpec& spec, const Plant& plant,
                   .kd = spec.kd};
   if (spec.kp == 0) return contact;
   contact.reference = placement_in_state(*plant.multibody, initial, *frame);
-  if (spec.placement && spec.placement->position) contact.reference.p = *spec.placement->position;
   if (spec.placement && spec.placement->orientation)
     contact.reference.R = rotation_matrix(*spec.placement->orientation);
   return contact;
@@ -48,6 +49,37 @@ void warn_of_instability(const ContactSpec& spec, const PhaseSpec& phase, Integr
                   spec.name.value, spec.kp, spec.kd, phase.dt, phase.name.value),
       spec.kp == 0 ? fmt::format("kd up to {:.3g} is stable with this step", 2 / phase.dt)
                    : "lower kp and kd, or take smaller steps");
+}
+
+/// A contact that is made again after it was let go, with a kp that draws it back.
+void warn_of_return(const ContactSpec& contact, int index, const ContactPlan& plan,
+                    const ProblemSpec& spec, Diagnostics& out) {
+  for (std::size_t p = 1; p < spec.phases.size(); ++p)
+    if (plan.find(p, index) && !plan.find(p - 1, index))
+      return out.warning(
+          contact.baumgarte_place,
+          fmt::format("kp draws the contact '{}' to where it is in the initial state, and in phase "
+                      "'{}' it touches down anew",
+                      contact.name.value, spec.phases[p].name.value),
+          "give its frame a 'swing' that says where it lands, or leave kp out");
+}
+
+/// A touch-down needs a contact that was in the air before.
+bool comes_from_the_air(const ProblemSpec& spec, const std::vector<std::vector<int>>& held,
+                        std::size_t impulse, Diagnostics& out) {
+  if (impulse == 0) return true;
+  const std::vector<int>&hits = held[impulse], &before = held[impulse - 1];
+  if (!std::includes(before.begin(), before.end(), hits.begin(), hits.end())) return true;
+  std::string names;
+  for (const int contact : hits)
+    names += fmt::format("{}'{}'", names.empty() ? "" : ", ", spec.contacts[contact].name.value);
+  out.error(spec.phases[impulse].knots.place,
+            fmt::format("the impulse '{}' of {} has no time in the air before it: phase '{}' holds "
+                        "{} already",
+                        spec.phases[impulse].name.value, names, spec.phases[impulse - 1].name.value,
+                        hits.size() == 1 ? "it" : "them"),
+            "put a phase before it in which what touches down is not held");
+  return false;
 }
 
 }  // namespace
@@ -102,20 +134,42 @@ std::optional<ContactPlan> ContactPlan::build(const ProblemSpec& spec, const Pla
       plan.contacts_.push_back(std::move(*made));
   for (const PhaseSpec& phase : spec.phases)
     plan.held_.push_back(contacts_named(phase.contacts, spec, out));
+  plan.held_.push_back(contacts_named(spec.last_contacts(), spec, out));
   if (out.error_count() > errors) return std::nullopt;
 
-  std::map<std::pair<std::vector<int>, double>, std::shared_ptr<const System>> known;
+  for (std::size_t c = 0; c < spec.contacts.size(); ++c) {
+    const ContactSpec& contact = spec.contacts[c];
+    auto& places = plan.places_.emplace_back();
+    const Foot foot{contact.frame.value, plan.contacts_[c].frame, plan.contacts_[c].reference.p};
+    for (const Foothold& foothold : footholds(foot, spec, plant, initial))
+      places.push_back(foothold.p);
+    if (contact.kp == 0) continue;
+    if (contact.placement && contact.placement->position)
+      places.assign(spec.phases.size(), *contact.placement->position);
+    else if (!swings(contact.frame.value, spec))
+      warn_of_return(contact, static_cast<int>(c), plan, spec, out);
+  }
+
+  using Structure = std::tuple<std::vector<int>, double, std::vector<double>>;
+  std::map<Structure, std::shared_ptr<const System>> known;
   for (std::size_t p = 0; p < spec.phases.size(); ++p) {
     const PhaseSpec& phase = spec.phases[p];
     if (phase.restitution && plan.held_[p].empty()) {
       out.error(phase.name.place, "an impulse needs contacts that hit the ground");
       return std::nullopt;
     }
-    auto& system = known[{plan.held_[p], phase.restitution.value_or(-1)}];
+    if (phase.restitution && !comes_from_the_air(spec, plan.held_, p, out)) return std::nullopt;
+    std::vector<Contact> held;
+    std::vector<double> places;
+    for (const int c : plan.held_[p]) {
+      held.push_back(plan.contacts_[c]);
+      if (spec.contacts[c].kp == 0) continue;
+      held.back().reference.p = plan.places_[c][p];
+      for (int i = 0; i < 3; ++i) places.push_back(plan.places_[c][p][i]);
+    }
+    auto& system = known[{plan.held_[p], phase.restitution.value_or(-1), places}];
     if (!system && plan.held_[p].empty()) system = plant.system;
     if (!system) {
-      std::vector<Contact> held;
-      for (const int contact : plan.held_[p]) held.push_back(plan.contacts_[contact]);
       if (phase.restitution)
         system = std::make_shared<MultibodySystem>(plant.multibody->shared_robot(), std::move(held),
                                                    *phase.restitution);

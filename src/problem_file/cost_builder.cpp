@@ -80,7 +80,7 @@ std::vector<BuiltCost> build_costs(const std::vector<CostSpec>& specs, const Cos
     auto activation = build_activation(spec, residual, contact, out);
     auto reference =
         spec.swing
-            ? swing_reference(spec, residual.frame, context.spec, context.contacts, context.plant,
+            ? swing_reference(spec, residual, context.spec, context.contacts, context.plant,
                               context.states.initial(), context.times, out)
             : build_reference(spec, residual, context.plant, context.states, context.times, out);
     if (!activation || !reference) return;
@@ -96,7 +96,7 @@ std::vector<BuiltCost> build_costs(const std::vector<CostSpec>& specs, const Cos
       }
       continue;
     }
-    if (auto residual = make_cost_residual(spec, context.plant, context.ndx, out))
+    if (auto residual = make_cost_residual(spec, context.spec, context.plant, context.ndx, out))
       add(spec, std::move(*residual), {});
   }
   return costs;

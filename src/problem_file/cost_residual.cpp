@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "problem_file/shape_pairs.hpp"
 #include "problem_file/time_series.hpp"
 #include "robot/near_names.hpp"
 
@@ -63,6 +64,21 @@ bool choose_columns(const CostSpec& cost, const System& system, CostResidual& re
   return true;
 }
 
+/// The joints that a name means, several where it ends in `*`; none is reported.
+std::vector<int> find_joints(const RobotModel& robot, const Name& name, Diagnostics& out) {
+  std::vector<int> found;
+  if (!name.value.ends_with('*')) {
+    if (const auto joint = find_joint(robot, name, "", out)) found.push_back(*joint);
+    return found;
+  }
+  for (int i = 0; i < robot.joint_count(); ++i)
+    if (is_independent(robot, i) && fits(name.value, robot.joints[i].name)) found.push_back(i);
+  if (found.empty())
+    out.error(name.place, fmt::format("'{}' fits none of the joints", name.value),
+              name_hint(name.value, joint_names(robot), "joints"));
+  return found;
+}
+
 /// Joints of a residual: those named, else all. Writes names and limits.
 std::optional<std::vector<int>> choose_joints(const CostSpec& cost, const RobotModel& robot,
                                               CostResidual& result, Diagnostics& out) {
@@ -70,9 +86,10 @@ std::optional<std::vector<int>> choose_joints(const CostSpec& cost, const RobotM
   bool known = true;
   if (cost.joints) {
     for (const Name& name : *cost.joints) {
-      const auto joint = find_joint(robot, name, "", out);
-      known &= joint.has_value();
-      if (joint) joints.push_back(*joint);
+      const std::vector<int> found = find_joints(robot, name, out);
+      known &= !found.empty();
+      for (const int joint : found)
+        if (std::find(joints.begin(), joints.end(), joint) == joints.end()) joints.push_back(joint);
     }
   } else {
     for (int i = 0; i < robot.joint_count(); ++i)
@@ -135,10 +152,29 @@ void make_frame_residual(const CostSpec& cost, const Plant& plant, CostResidual&
   }
 }
 
+void make_distance_residual(const CostSpec& cost, const ProblemSpec& spec, const Plant& plant,
+                            CostResidual& result, Diagnostics& out) {
+  std::vector<DistancePair> shapes;
+  std::vector<std::string> names;
+  for (const ShapePair& pair : shape_pairs(cost, spec, plant, out)) {
+    shapes.push_back(pair.shapes);
+    const std::string name = pair.first + "-" + pair.second;
+    if (pair.shapes.rows() == 1) {
+      names.push_back(name);
+      continue;
+    }
+    names.push_back(name + "/from");
+    names.push_back(name + "/to");
+  }
+  if (shapes.empty()) return;
+  result.residual = distance_residual(plant.multibody, shapes);
+  result.rows = {"distances", names};
+}
+
 }  // namespace
 
-std::optional<CostResidual> make_cost_residual(const CostSpec& cost, const Plant& plant, int ndx,
-                                               Diagnostics& out) {
+std::optional<CostResidual> make_cost_residual(const CostSpec& cost, const ProblemSpec& spec,
+                                               const Plant& plant, int ndx, Diagnostics& out) {
   const System& system = *plant.system;
   const ResidualInfo& info = residual_info(cost.kind);
   if (info.needs_robot && !plant.multibody) {
@@ -203,10 +239,14 @@ std::optional<CostResidual> make_cost_residual(const CostSpec& cost, const Plant
       result.rows = result.references = {"components of the momentum", kMomentumNames};
       result.parameters = StateManifold::flat(6);
       break;
+    case ResidualKind::kDistance:
+      make_distance_residual(cost, spec, plant, result, out);
+      break;
     case ResidualKind::kContactForce:
     case ResidualKind::kFrictionCone:
     case ResidualKind::kWrenchCone:
     case ResidualKind::kCenterOfPressure:
+    case ResidualKind::kContactVelocity:
       break;  // make_contact_costs
   }
   if (!result.residual) return std::nullopt;

@@ -22,7 +22,7 @@ struct CostResidual {
 
 /// Makes the residual for knot models with `ndx` tangent coordinates; what does not fit the plant
 /// is reported.
-std::optional<CostResidual> make_cost_residual(const CostSpec& cost, const Plant& plant, int ndx,
-                                               Diagnostics& out);
+std::optional<CostResidual> make_cost_residual(const CostSpec& cost, const ProblemSpec& spec,
+                                               const Plant& plant, int ndx, Diagnostics& out);
 
 }  // namespace conddp

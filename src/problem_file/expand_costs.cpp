@@ -1,4 +1,6 @@
+#include "problem_file/constraint_builder.hpp"
 #include "problem_file/expand_sections.hpp"
+#include "problem_file/shape_pairs.hpp"
 #include "problem_file/words.hpp"
 
 namespace conddp {
@@ -33,6 +35,9 @@ OrderedJson expand_swing(const SwingSpec& swing) {
   OrderedJson json = {{"height", swing.height}};
   if (swing.landing)
     json["landing"] = expand_vector(*swing.landing);
+  else if (!swing.displaced.empty())
+    for (const PlanarMotion& motion : swing.displaced)
+      json["displaced"].push_back(expand_motion(motion));
   else
     json["step"] = expand_vector(swing.step.value_or(Vector3<double>::zero()));
   return json;
@@ -43,28 +48,88 @@ OrderedJson expand_joints(const CostSpec& cost, const Plant& plant) {
   return OrderedJson(joint_names(plant.robot()));
 }
 
-OrderedJson expand_cost(const CostSpec& cost, const ProblemSpec& spec, const Plant& plant,
-                        bool terminal) {
+OrderedJson expand_pairs(const CostSpec& cost, const ProblemSpec& spec, const Plant& plant) {
+  Diagnostics found_when_built;
+  OrderedJson json = OrderedJson::array();
+  for (const ShapePair& pair : shape_pairs(cost, spec, plant, found_when_built))
+    json.push_back({pair.first, pair.second});
+  return json;
+}
+
+/// What a residual is on.
+OrderedJson expand_residual(const CostSpec& cost, const ProblemSpec& spec, const Plant& plant,
+                            bool terminal) {
   OrderedJson json = {{"residual", cost.residual.value}};
   if (cost.frame) json["frame"] = cost.frame->value;
   if (residual_info(cost.kind).takes_joints) json["joints"] = expand_joints(cost, plant);
   if (cost.columns) json["columns"] = expand_names(*cost.columns);
   if (cost.kind == ResidualKind::kFrameVelocity) json["axes"] = word_of(kAxesWords, cost.axes);
   const ResidualInfo& info = residual_info(cost.kind);
-  if (info.of_contacts) json["contacts"] = expand_contact_names(cost.contacts, spec);
+  if (info.of_contacts) {
+    const bool held = terminal && cost.contacts.all;
+    json["contacts"] = expand_contact_names(held ? spec.last_contacts() : cost.contacts, spec);
+  }
   if (info.is_cone) expand_cone(cost, json);
-  if (cost.swing) json["swing"] = expand_swing(*cost.swing);
-  json["weight"] = cost.weight;
-  json["weights"] = cost.weights ? expand_components(*cost.weights) : OrderedJson(1.0);
-  if (!info.is_cone) json["activation"] = expand_activation(cost.activation);
-  if (OrderedJson reference = expand_reference(cost); !reference.is_null() && !cost.swing)
-    json["reference"] = std::move(reference);
-  if (terminal) return json;
+  if (info.of_shapes) json["pairs"] = expand_pairs(cost, spec, plant);
+  return json;
+}
+
+/// Where a cost or constraint holds.
+void expand_place(const CostSpec& cost, const ProblemSpec& spec, OrderedJson& json) {
   json["phases"] = expand_phase_names(cost.phases, spec);
-  if (!cost.knots) return json;
+  if (!cost.knots) return;
   OrderedJson knots = OrderedJson::array();
   for (const Located<int>& knot : *cost.knots) knots.push_back(knot.value);
   json["knots"] = std::move(knots);
+}
+
+OrderedJson expand_cost(const CostSpec& cost, const ProblemSpec& spec, const Plant& plant,
+                        bool terminal) {
+  OrderedJson json = expand_residual(cost, spec, plant, terminal);
+  const ResidualInfo& info = residual_info(cost.kind);
+  if (cost.swing) json["swing"] = expand_swing(*cost.swing);
+  if (cost.margin) json["margin"] = *cost.margin;
+  json["weight"] = cost.weight;
+  json["weights"] = cost.weights ? expand_components(*cost.weights) : OrderedJson(1.0);
+  if (!info.is_cone && !cost.margin) json["activation"] = expand_activation(cost.activation);
+  if (OrderedJson reference = expand_reference(cost); !reference.is_null() && !cost.swing)
+    json["reference"] = std::move(reference);
+  if (!terminal) expand_place(cost, spec, json);
+  return json;
+}
+
+OrderedJson expand_constraint(const ConstraintSpec& constraint, const ProblemSpec& spec,
+                              const Plant& plant, bool terminal) {
+  const CostSpec& function = constraint.function;
+  OrderedJson json;
+  const auto bounds = [&] {
+    if (constraint.lower) json["lower"] = expand_components(*constraint.lower);
+    if (constraint.upper) json["upper"] = expand_components(*constraint.upper);
+  };
+  if (constraint.bounded) {
+    json["bounds"] = word_of(kBoundedWords, constraint.bounded->value);
+    if (constraint.from_urdf) json["from"] = "urdf";
+    bounds();
+    // Named phases leave the last node out, so that all of them are not named here.
+    if (function.phases) json["phases"] = expand_names(*function.phases);
+    return json;
+  }
+  json = expand_residual(function, spec, plant, terminal);
+  if (OrderedJson reference = expand_reference(function); !reference.is_null())
+    json["reference"] = std::move(reference);
+  if (constraint.at_least) json["at_least"] = *constraint.at_least;
+  if (constraint.at_most) json["at_most"] = *constraint.at_most;
+  bounds();
+  const bool of_contacts = residual_info(function.kind).of_contacts;
+  if (function.cone.second_order) {
+    json["cone"] = "second_order";
+    if (!of_contacts) json["slope"] = constraint.slope;
+  } else if (constraint.equals) {
+    json["equals"] = expand_components(*constraint.equals);
+  } else if (is_zero(constraint)) {
+    json["equals"] = 0.0;
+  }
+  if (!terminal) expand_place(function, spec, json);
   return json;
 }
 
@@ -87,9 +152,9 @@ OrderedJson expand_costs(const std::vector<CostSpec>& costs, const ProblemSpec& 
   return json;
 }
 
-OrderedJson expand_constraints(const ProblemSpec& spec) {
+OrderedJson expand_constraints(const ProblemSpec& spec, const Plant& plant) {
   OrderedJson json = OrderedJson::object();
-  for (const ControlBoundsSpec& constraint : spec.constraints) {
+  for (const ControlBoundsSpec& constraint : spec.control_bounds) {
     OrderedJson entry = {{"bounds", "control"}};
     if (constraint.from_urdf) entry["from"] = "urdf";
     if (constraint.lower) entry["lower"] = expand_components(*constraint.lower);
@@ -97,6 +162,15 @@ OrderedJson expand_constraints(const ProblemSpec& spec) {
     entry["phases"] = expand_phase_names(constraint.phases, spec);
     json[constraint.name.value] = std::move(entry);
   }
+  for (const ConstraintSpec& constraint : spec.constraints)
+    json[constraint.function.name.value] = expand_constraint(constraint, spec, plant, false);
+  return json;
+}
+
+OrderedJson expand_terminal_constraints(const ProblemSpec& spec, const Plant& plant) {
+  OrderedJson json = OrderedJson::object();
+  for (const ConstraintSpec& constraint : spec.terminal_constraints)
+    json[constraint.function.name.value] = expand_constraint(constraint, spec, plant, true);
   return json;
 }
 

@@ -34,6 +34,10 @@ OrderedJson expand_phases(const ProblemSpec& spec) {
     } else {
       entry["knots"] = phase.knots.value;
       entry["dt"] = phase.dt;
+      if (phase.refine)
+        entry["refine"] = {{"first", phase.refine->first},
+                           {"last", phase.refine->last},
+                           {"ratio", phase.refine->ratio}};
       if (!spec.contacts.empty()) entry["contacts"] = expand_contact_names(phase.contacts, spec);
     }
     entry["weights"] = expand_numbers(phase.weights);
@@ -46,6 +50,14 @@ OrderedJson expand_initial_state(const ProblemSpec& spec, const KnotModel& model
   OrderedJson json = expand_state(spec.initial_state);
   if (model.has_control_memory() && !spec.initial_state.previous_control)
     json["previous_control"] = 0.0;
+  return json;
+}
+
+OrderedJson expand_terminal(const ProblemSpec& spec, const Plant& plant) {
+  OrderedJson json = OrderedJson::object();
+  if (!spec.contacts.empty()) json["contacts"] = expand_contact_names(spec.last_contacts(), spec);
+  json["costs"] = expand_costs(spec.terminal_costs, spec, plant, true);
+  json["constraints"] = expand_terminal_constraints(spec, plant);
   return json;
 }
 
@@ -96,10 +108,11 @@ OrderedJson expand_problem(const ProblemSpec& spec, const BuiltProblem& built) {
   json["integrator"] = word_of(kIntegratorWords, integrator_of(*built.problem));
   json["running_costs"] = word_of(kRunningCostsWords, spec.running_costs);
   if (!spec.contacts.empty()) json["contacts"] = expand_contacts(spec.contacts);
+  if (!spec.system) json["collision"] = expand_collision(spec.collision);
   json["phases"] = expand_phases(spec);
   json["costs"] = expand_costs(spec.costs, spec, built.plant, false);
-  json["constraints"] = expand_constraints(spec);
-  json["terminal"] = {{"costs", expand_costs(spec.terminal_costs, spec, built.plant, true)}};
+  json["constraints"] = expand_constraints(spec, built.plant);
+  json["terminal"] = expand_terminal(spec, built.plant);
   json["initial_guess"] = expand_guess(spec.guess);
   json["solver"] = expand_solver(spec.solver);
   return json;

@@ -36,6 +36,8 @@ OrderedJson neutral_reference(const CostSpec& cost) {
     case ResidualKind::kFrictionCone:
     case ResidualKind::kWrenchCone:
     case ResidualKind::kCenterOfPressure:
+    case ResidualKind::kDistance:
+    case ResidualKind::kContactVelocity:
       break;
   }
   return nullptr;

@@ -14,6 +14,7 @@ OrderedJson expand_quaternion(const Quaternion<double>& q);
 OrderedJson expand_numbers(const NamedNumbers& numbers);
 OrderedJson expand_components(const ComponentsSpec& spec);
 OrderedJson expand_names(const std::vector<Name>& names);
+OrderedJson expand_motion(const PlanarMotion& motion);
 OrderedJson expand_pose(const PoseSpec& pose);
 OrderedJson expand_twist(const TwistSpec& twist);
 OrderedJson expand_state(const StateSpec& state);
@@ -30,10 +31,14 @@ OrderedJson expand_contacts(const std::vector<ContactSpec>& contacts);
 /// The contacts' names, all where the file says so.
 OrderedJson expand_contact_names(const ContactNames& names, const ProblemSpec& spec);
 
+// expand_collision.cpp
+OrderedJson expand_collision(const CollisionSpec& collision);
+
 // expand_costs.cpp
 OrderedJson expand_costs(const std::vector<CostSpec>& costs, const ProblemSpec& spec,
                          const Plant& plant, bool terminal);
-OrderedJson expand_constraints(const ProblemSpec& spec);
+OrderedJson expand_constraints(const ProblemSpec& spec, const Plant& plant);
+OrderedJson expand_terminal_constraints(const ProblemSpec& spec, const Plant& plant);
 /// The phases named, all but impulses if nothing is named.
 OrderedJson expand_phase_names(const std::optional<std::vector<Name>>& names,
                                const ProblemSpec& spec);

@@ -41,6 +41,10 @@ OrderedJson expand_names(const std::vector<Name>& names) {
   return list;
 }
 
+OrderedJson expand_motion(const PlanarMotion& motion) {
+  return OrderedJson(std::vector{motion.x, motion.y, motion.yaw});
+}
+
 OrderedJson expand_pose(const PoseSpec& pose) {
   OrderedJson json = OrderedJson::object();
   if (pose.position) json["position"] = expand_vector(*pose.position);
@@ -62,6 +66,7 @@ OrderedJson expand_state(const StateSpec& state) {
     if (state.base->yaw) base["yaw"] = *state.base->yaw;
     json["base"] = std::move(base);
   }
+  if (state.displaced) json["displaced"] = expand_motion(state.displaced->motion);
   if (!state.joints.empty()) json["joints"] = expand_numbers(state.joints);
   if (state.base_velocity) json["velocity"]["base"] = expand_twist(*state.base_velocity);
   if (!state.joint_velocities.empty())

@@ -87,7 +87,7 @@ class GuessBuilder {
     bool found = false;
     for (const CostSpec& cost : spec_.terminal_costs) {
       if (cost.kind != ResidualKind::kState && cost.kind != ResidualKind::kJointPosition) continue;
-      const auto residual = make_cost_residual(cost, plant_, problem_.ndx(), out_);
+      const auto residual = make_cost_residual(cost, spec_, plant_, problem_.ndx(), out_);
       if (!residual) return std::nullopt;
       const auto reference = build_reference(cost, *residual, plant_, states_, times, out_);
       if (!reference) return std::nullopt;

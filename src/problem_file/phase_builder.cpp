@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "problem_file/phase_grid.hpp"
 #include "robot/near_names.hpp"
 
 namespace conddp {
@@ -32,42 +33,62 @@ std::vector<bool> phases_of(const BuiltCost& cost, const PhaseContext& context, 
   return in_phase;
 }
 
-/// A swing's last node is the first one after its phases.
-void extend_to_touch_down(std::vector<double>& weights) {
-  for (std::size_t k = weights.size() - 1; k > 0; --k)
-    if (weights[k] == 0) weights[k] = weights[k - 1];
+/// What running costs of a phase are multiplied by, knot by knot.
+std::vector<double> cost_scales(const PhaseSpec& phase, const ProblemSpec& spec) {
+  const bool rate = spec.running_costs == RunningCosts::kRate && !phase.restitution;
+  return rate ? phase_steps(phase) : std::vector<double>(phase.knots.value, 1.0);
 }
 
-/// For each cost its weight at each running knot: 0 where it is off.
-std::vector<std::vector<double>> schedule(const PhaseContext& context,
-                                          const std::vector<BuiltCost>& costs, Diagnostics& out) {
+/// A swing's last node is the first one after its phases. A touch-down is a moment: its cost is not
+/// multiplied by the time step, as it is not at an impulse or at the last node.
+void extend_to_touch_down(const ProblemSpec& spec, std::vector<double>& weights) {
+  std::size_t first = weights.size();
+  for (std::size_t p = spec.phases.size(); p-- > 0;) {
+    first -= spec.phases[p].knots.value;
+    if (first > 0 && weights[first] == 0)
+      weights[first] = weights[first - 1] / cost_scales(spec.phases[p], spec).front();
+  }
+}
+
+/// A cost's weight at each running knot, 0 where it is off; of a constraint 1 where it is on.
+std::vector<double> schedule(const PhaseContext& context, const BuiltCost& cost, bool weighted,
+                             Diagnostics& out) {
   const ProblemSpec& spec = context.spec;
-  std::vector<std::vector<double>> weights;
-  for (const BuiltCost& cost : costs) {
-    const CostSpec& c = *cost.spec;
-    const std::vector<bool> in_phase = phases_of(cost, context, out);
-    std::vector<double>& row = weights.emplace_back();
-    for (std::size_t p = 0; p < spec.phases.size(); ++p) {
-      double weight = c.weight;
+  const CostSpec& c = *cost.spec;
+  const std::vector<bool> in_phase = phases_of(cost, context, out);
+  std::vector<double> row;
+  for (std::size_t p = 0; p < spec.phases.size(); ++p) {
+    double weight = c.weight;
+    if (weighted)
       for (const auto& [name, value] : spec.phases[p].weights)
         if (name.value == c.name.value) weight = value;
-      row.insert(row.end(), spec.phases[p].knots.value, in_phase[p] ? weight : 0.0);
-    }
-    if (c.swing) extend_to_touch_down(row);
-    if (!c.knots) continue;
-    std::vector<bool> chosen(row.size(), false);
-    for (const Located<int>& knot : *c.knots) {
-      if (knot.value < static_cast<int>(row.size()))
-        chosen[knot.value] = true;
-      else
-        out.error(knot.place,
-                  fmt::format("running knots are numbered from 0 to {}", row.size() - 1),
-                  "costs on the last node stand under 'terminal'");
-    }
-    for (std::size_t k = 0; k < row.size(); ++k)
-      if (!chosen[k]) row[k] = 0;
+    row.insert(row.end(), spec.phases[p].knots.value, in_phase[p] ? weight : 0.0);
   }
-  return weights;
+  if (c.swing) extend_to_touch_down(spec, row);
+  if (!c.knots) return row;
+  std::vector<bool> chosen(row.size(), false);
+  for (const Located<int>& knot : *c.knots) {
+    if (knot.value < static_cast<int>(row.size()))
+      chosen[knot.value] = true;
+    else
+      out.error(knot.place, fmt::format("running knots are numbered from 0 to {}", row.size() - 1),
+                weighted ? "costs on the last node stand under 'terminal'"
+                         : "constraints on the last node stand under 'terminal'");
+  }
+  for (std::size_t k = 0; k < row.size(); ++k)
+    if (!chosen[k]) row[k] = 0;
+  return row;
+}
+
+/// Those that are on somewhere in a run of knots.
+std::vector<int> active_in(const std::vector<std::vector<double>>& weights, int first, int count) {
+  std::vector<int> active;
+  for (std::size_t c = 0; c < weights.size(); ++c) {
+    const auto begin = weights[c].begin() + first;
+    if (std::any_of(begin, begin + count, [](double w) { return w != 0; }))
+      active.push_back(static_cast<int>(c));
+  }
+  return active;
 }
 
 void check_phase_weights(const ProblemSpec& spec, Diagnostics& out) {
@@ -80,10 +101,23 @@ void check_phase_weights(const ProblemSpec& spec, Diagnostics& out) {
                   name_hint(name.value, names, "costs"));
 }
 
-/// A cost's residual in the system of a phase.
+/// Whether a swing ends at the last node: it lasts until then, and the node holds the foot.
+bool touches_down_at_the_end(const BuiltCost& cost, const PhaseContext& context, Diagnostics& out) {
+  if (!cost.spec->swing || !phases_of(cost, context, out).back()) return false;
+  const auto& contacts = context.contacts.contacts();
+  for (std::size_t c = 0; c < contacts.size(); ++c)
+    if (contacts[c].frame == cost.residual.frame &&
+        context.contacts.find(context.contacts.terminal(), static_cast<int>(c)))
+      return true;
+  return false;
+}
+
+/// A cost's residual in the system of a phase, or at the last node.
 std::shared_ptr<const Residual> residual_in(const BuiltCost& cost, const PhaseContext& context,
                                             std::size_t phase) {
   if (cost.contact.contact < 0) return cost.residual.residual;
+  if (phase == context.contacts.terminal())
+    return cost.contact.make(std::static_pointer_cast<const MultibodySystem>(context.system), 0);
   return cost.contact.make(
       std::static_pointer_cast<const MultibodySystem>(context.contacts.system(phase)),
       *context.contacts.find(phase, cost.contact.contact));
@@ -92,20 +126,26 @@ std::shared_ptr<const Residual> residual_in(const BuiltCost& cost, const PhaseCo
 }  // namespace
 
 std::vector<bool> phases_named(const std::optional<std::vector<Name>>& names,
-                               const ProblemSpec& spec, Diagnostics& out) {
+                               const ProblemSpec& spec) {
   std::vector<bool> named(spec.phases.size(), !names.has_value());
   if (!names) return named;
+  for (std::size_t p = 0; p < named.size(); ++p)
+    named[p] = std::any_of(names->begin(), names->end(), [&](const Name& name) {
+      return name.value == spec.phases[p].name.value;
+    });
+  return named;
+}
+
+std::vector<bool> phases_named(const std::optional<std::vector<Name>>& names,
+                               const ProblemSpec& spec, Diagnostics& out) {
   std::vector<std::string> known;
   for (const PhaseSpec& phase : spec.phases) known.push_back(phase.name.value);
-  for (const Name& name : *names) {
-    const auto found = std::find(known.begin(), known.end(), name.value);
-    if (found != known.end())
-      named[found - known.begin()] = true;
-    else
-      out.error(name.place, fmt::format("there is no phase '{}'", name.value),
-                name_hint(name.value, known, "phases"));
-  }
-  return named;
+  if (names)
+    for (const Name& name : *names)
+      if (std::find(known.begin(), known.end(), name.value) == known.end())
+        out.error(name.place, fmt::format("there is no phase '{}'", name.value),
+                  name_hint(name.value, known, "phases"));
+  return phases_named(names, spec);
 }
 
 PhaseBounds unbounded(const ProblemSpec& spec, const Plant& plant) {
@@ -163,28 +203,28 @@ void intersect(const PhaseBounds& other, const Name& name, const Plant& plant, P
     }
 }
 
-std::vector<Phase> build_phases(const PhaseContext& context, const std::vector<BuiltCost>& costs,
+std::vector<Phase> build_phases(const PhaseContext& context, const KnotContents& contents,
                                 const PhaseBounds& bounds, Diagnostics& out) {
   const ProblemSpec& spec = context.spec;
+  const auto& [costs, constraints] = contents;
   check_phase_weights(spec, out);
-  const auto weights = schedule(context, costs, out);
+  std::vector<std::vector<double>> weights, switches;
+  for (const BuiltCost& cost : costs) weights.push_back(schedule(context, cost, true, out));
+  for (const BuiltConstraint& constraint : constraints)
+    switches.push_back(schedule(context, constraint.function, false, out));
   if (out.has_errors()) return {};
-  using Structure =
-      std::tuple<std::vector<int>, std::vector<double>, std::vector<double>, const System*>;
+  using Structure = std::tuple<std::vector<int>, std::vector<int>, std::vector<double>,
+                               std::vector<double>, const System*>;
   std::map<Structure, std::shared_ptr<const KnotModel>> models;
   std::vector<Phase> phases;
   int first = 0;
   for (std::size_t p = 0; p < spec.phases.size(); ++p) {
     const PhaseSpec& given = spec.phases[p];
     const int n = given.knots.value;
-    std::vector<int> active;
-    for (std::size_t c = 0; c < costs.size(); ++c) {
-      const auto begin = weights[c].begin() + first;
-      if (std::any_of(begin, begin + n, [](double w) { return w != 0; }))
-        active.push_back(static_cast<int>(c));
-    }
+    const std::vector<int> active = active_in(weights, first, n);
+    const std::vector<int> kept = active_in(switches, first, n);
     const auto& system = context.contacts.system(p);
-    auto& model = models[{active, bounds.lower[p], bounds.upper[p], system.get()}];
+    auto& model = models[{active, kept, bounds.lower[p], bounds.upper[p], system.get()}];
     if (!model) {
       const bool impulse = given.restitution.has_value();
       auto fresh = std::make_shared<KnotModel>(
@@ -192,37 +232,105 @@ std::vector<Phase> build_phases(const PhaseContext& context, const std::vector<B
       for (const int c : active)
         fresh->add_cost(costs[c].spec->name.value, residual_in(costs[c], context, p),
                         costs[c].activation);
+      for (const int c : kept)
+        fresh->add_constraint(
+            make_term(constraints[c], residual_in(constraints[c].function, context, p)));
       if (!impulse) fresh->set_control_bounds(bounds.lower[p], bounds.upper[p]);
       model = std::move(fresh);
     }
     Phase phase{.name = given.name.value, .model = model};
-    phase.dt.assign(n, given.dt);
-    const bool rate = spec.running_costs == RunningCosts::kRate && !given.restitution;
-    phase.cost_scale.assign(n, rate ? given.dt : 1.0);
+    phase.dt = phase_steps(given);
+    phase.cost_scale = cost_scales(given, spec);
     phase.parameters.resize(static_cast<std::size_t>(n) * model->parameter_count());
-    for (int k = 0; k < n; ++k)
+    for (int k = 0; k < n; ++k) {
+      double* parameters = phase.parameters.data() + k * model->parameter_count();
+      const double time = context.times[first + k];
       for (std::size_t i = 0; i < active.size(); ++i)
-        write_parameters(costs[active[i]], model->costs()[i], context.times[first + k],
-                         weights[active[i]][first + k],
-                         phase.parameters.data() + k * model->parameter_count());
+        write_parameters(costs[active[i]], model->costs()[i], time, weights[active[i]][first + k],
+                         parameters);
+      for (std::size_t i = 0; i < kept.size(); ++i)
+        write_parameters(constraints[kept[i]], model->constraints()[i], time,
+                         switches[kept[i]][first + k] != 0, parameters);
+    }
     phases.push_back(std::move(phase));
     first += n;
   }
   return phases;
 }
 
-Phase build_terminal(const PhaseContext& context, const std::vector<BuiltCost>& costs) {
+Phase build_terminal(const PhaseContext& context, const KnotContents& running,
+                     const KnotContents& terminal, Diagnostics& out) {
   auto model =
       std::make_shared<KnotModel>(context.system, Integrator::none, context.control_memory);
-  for (const BuiltCost& cost : costs)
-    model->add_cost(cost.spec->name.value, cost.residual.residual, cost.activation);
-  Phase terminal{.name = "terminal", .dt = {0.0}, .cost_scale = {1.0}};
-  terminal.parameters.resize(model->parameter_count());
+  const std::size_t node = context.contacts.terminal();
+  // Whether the node holds the contact of a residual; one that is named and not held is an error.
+  const auto is_held = [&](const BuiltCost& function) {
+    const int contact = function.contact.contact;
+    if (contact < 0 || context.contacts.find(node, contact)) return true;
+    const bool none = context.contacts.held(node).empty();
+    if (none || !function.spec->contacts.all)
+      out.error(function.spec->residual.place,
+                none ? "the last node holds no contact"
+                     : fmt::format("the last node does not hold the contact '{}'",
+                                   context.spec.contacts[contact].name.value),
+                "write 'terminal: {contacts: [...]}'");
+    return false;
+  };
+  std::vector<const BuiltCost*> costs;
+  for (const BuiltCost& cost : terminal.costs)
+    if (is_held(cost)) costs.push_back(&cost);
+  for (const BuiltCost& cost : running.costs)
+    if (touches_down_at_the_end(cost, context, out)) costs.push_back(&cost);
+  std::vector<const BuiltConstraint*> constraints;
+  for (const BuiltConstraint& constraint : terminal.constraints)
+    if (is_held(constraint.function)) constraints.push_back(&constraint);
+  for (const BuiltConstraint& constraint : running.constraints)
+    if (constraint.at_last_node) constraints.push_back(&constraint);
+
+  for (const BuiltCost* cost : costs)
+    model->add_cost(cost->spec->name.value, residual_in(*cost, context, node), cost->activation);
+  for (const BuiltConstraint* constraint : constraints)
+    model->add_constraint(make_term(*constraint, residual_in(constraint->function, context, node)));
+  Phase phase{.name = "terminal", .dt = {0.0}, .cost_scale = {1.0}};
+  phase.parameters.resize(model->parameter_count());
   for (std::size_t i = 0; i < costs.size(); ++i)
-    write_parameters(costs[i], model->costs()[i], context.times.back(), costs[i].spec->weight,
-                     terminal.parameters.data());
-  terminal.model = std::move(model);
-  return terminal;
+    write_parameters(*costs[i], model->costs()[i], context.times.back(), costs[i]->spec->weight,
+                     phase.parameters.data());
+  for (std::size_t i = 0; i < constraints.size(); ++i)
+    write_parameters(*constraints[i], model->constraints()[i], context.times.back(), true,
+                     phase.parameters.data());
+  phase.model = std::move(model);
+  return phase;
+}
+
+void settle_initial_state(const std::vector<double>& initial_state,
+                          const std::vector<BuiltConstraint>& constraints, double tolerance,
+                          std::vector<Phase>& phases, Diagnostics& out) {
+  Phase& phase = phases.front();
+  const KnotModel& model = *phase.model;
+  if (model.constraints().empty()) return;
+  const std::vector<double> u(model.nu(), 0.0);
+  KnotWorkspace<double> work(model);
+  model.evaluate(KnotInput<double>{initial_state.data(), u.data(), phase.parameters.data(),
+                                   phase.dt[0], phase.cost_scale[0]},
+                 work);
+  for (const ConstraintTerm& term : model.constraints()) {
+    double& active = phase.parameters[term.active()];
+    if (active == 0 || term.depends_on_control(model.ndx())) continue;
+    active = 0;
+    const double* lower = phase.parameters.data() + term.lower();
+    const double violation =
+        distance_to_set(term, work.constraint.data() + term.row, lower, lower + term.rows);
+    if (violation <= tolerance) continue;
+    for (const BuiltConstraint& constraint : constraints)
+      if (constraint.spec->function.name.value == term.name) {
+        out.error(constraint.spec->function.name.place,
+                  fmt::format("the initial state violates the constraint '{}' by {:.3g}", term.name,
+                              violation),
+                  "no control can change that: move the initial state, or leave knot 0 out");
+        break;
+      }
+  }
 }
 
 }  // namespace conddp

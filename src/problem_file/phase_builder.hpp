@@ -1,6 +1,6 @@
 #pragma once
 
-#include "problem_file/cost_builder.hpp"
+#include "problem_file/constraint_builder.hpp"
 
 namespace conddp {
 
@@ -21,6 +21,9 @@ void intersect(const PhaseBounds& other, const Name& name, const Plant& plant, P
 /// The indices of the phases named, all if nothing is named; unknown names are reported.
 std::vector<bool> phases_named(const std::optional<std::vector<Name>>& names,
                                const ProblemSpec& spec, Diagnostics& out);
+/// The same without a report of unknown names.
+std::vector<bool> phases_named(const std::optional<std::vector<Name>>& names,
+                               const ProblemSpec& spec);
 
 /// How knot models are made from a problem's costs.
 struct PhaseContext {
@@ -32,10 +35,25 @@ struct PhaseContext {
   const std::vector<double>& times;  ///< of all nodes, s
 };
 
-/// The phases of a problem. Phases with the same costs and bounds share one KnotModel; within a
-/// phase a cost that is off at a knot has weight 0 there.
-std::vector<Phase> build_phases(const PhaseContext& context, const std::vector<BuiltCost>& costs,
+/// What stands in the knots of a problem. Vectors that are left out are empty.
+struct KnotContents {
+  const std::vector<BuiltCost>& costs;
+  const std::vector<BuiltConstraint>& constraints;
+};
+
+/// The phases of a problem. Phases with the same costs, constraints and bounds share one KnotModel;
+/// within a phase a cost that is off at a knot has weight 0 there, a constraint its switch off.
+std::vector<Phase> build_phases(const PhaseContext& context, const KnotContents& contents,
                                 const PhaseBounds& bounds, Diagnostics& out);
-Phase build_terminal(const PhaseContext& context, const std::vector<BuiltCost>& costs);
+/// The last node with its costs and constraints, with the running costs on swings that end there
+/// and the running constraints that hold there too. Contacts that a cost names and the node does
+/// not hold are reported.
+Phase build_terminal(const PhaseContext& context, const KnotContents& running,
+                     const KnotContents& terminal, Diagnostics& out);
+
+/// Constraints on the initial state alone cannot be influenced: checks and switches them off.
+void settle_initial_state(const std::vector<double>& initial_state,
+                          const std::vector<BuiltConstraint>& constraints, double tolerance,
+                          std::vector<Phase>& phases, Diagnostics& out);
 
 }  // namespace conddp

@@ -25,7 +25,11 @@ Overloaded(Cases...) -> Overloaded<Cases...>;  // some compilers do not deduce i
 std::optional<double> common_step(const ProblemSpec& spec, Diagnostics& out) {
   const double dt = spec.phases.front().dt;
   for (const PhaseSpec& phase : spec.phases)
-    if (phase.dt != dt) {
+    if (phase.refine) {
+      out.error(phase.name.place, "the steps of this system must have the same length",
+                fmt::format("leave 'refine' out of '{}'", phase.name.value));
+      return std::nullopt;
+    } else if (phase.dt != dt) {
       out.error(phase.name.place, "the phases of this system must have the same dt",
                 fmt::format("'{}' has {}, '{}' has {}", spec.phases.front().name.value, dt,
                             phase.name.value, phase.dt));
@@ -63,10 +67,7 @@ bool check_mimic_limits(const Plant& plant, Diagnostics& out) {
     const Joint& follower = robot.joints[mimic.joint];
     const auto limits = plant.multibody->limits(mimic.leader);
     if (limits.lower <= limits.upper) continue;
-    const auto part = std::find_if(plant.parts.begin(), plant.parts.end(), [&](const PlantPart& p) {
-      return mimic.leader >= p.first_joint && mimic.leader < p.first_joint + p.joint_count;
-    });
-    out.error(part->spec->place,
+    out.error(part_of(plant, mimic.leader).spec->place,
               fmt::format("no position of the joint '{}' (limits {} to {}) keeps the limits {} to "
                           "{} of the joint '{}', which mimics it with multiplier {} and offset {}",
                           leader.name, leader.lower, leader.upper, follower.lower, follower.upper,
@@ -112,6 +113,12 @@ std::optional<Plant> build_plant(const ProblemSpec& spec, Diagnostics& out) {
   plant.system = plant.multibody;
   if (!check_mimic_limits(plant, out)) return std::nullopt;
   return plant;
+}
+
+const PlantPart& part_of(const Plant& plant, int joint) {
+  return *std::find_if(plant.parts.begin(), plant.parts.end(), [&](const PlantPart& p) {
+    return joint >= p.first_joint && joint < p.first_joint + p.joint_count;
+  });
 }
 
 bool is_independent(const RobotModel& robot, int joint) {

@@ -35,6 +35,9 @@ std::optional<Plant> build_plant(const ProblemSpec& spec, Diagnostics& out);
 /// Whether a joint has a coordinate of its own: not a floating base, not a mimic joint.
 bool is_independent(const RobotModel& robot, int joint);
 
+/// The robot to which a joint belongs.
+const PlantPart& part_of(const Plant& plant, int joint);
+
 /// Names of all independent joints, and of all frames.
 std::vector<std::string> joint_names(const RobotModel& robot);
 std::vector<std::string> frame_names(const RobotModel& robot);

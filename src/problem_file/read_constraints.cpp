@@ -6,21 +6,9 @@
 namespace conddp {
 namespace {
 
-ControlBoundsSpec read_control_bounds(const Name& name, const YamlReader& reader) {
-  ControlBoundsSpec spec{.name = name};
-  YamlMap map(reader);
-  if (!map.valid()) return spec;
-  const auto bounds = map.find("bounds");
-  if (!bounds) {
-    reader.error(fmt::format("the constraint '{}' lacks the key 'bounds'", name.value),
-                 "constraints of this version are bounds on the control: 'bounds: control'");
-    map.ignore_others();
-    return spec;
-  }
-  if (!bounds->choice(kBoundedWords, "quantity that can have bounds")) {
-    map.ignore_others();
-    return spec;
-  }
+/// The keys that bounds on the control and on the state share.
+template <class Spec>
+void read_bounds(YamlMap& map, const Name& name, Spec& spec) {
   if (const auto r = map.find("from")) {
     static constexpr Choice<bool> kSources[] = {{"urdf", true}};
     spec.from_urdf = r->choice(kSources, "source of bounds").value_or(false);
@@ -29,19 +17,124 @@ ControlBoundsSpec read_control_bounds(const Name& name, const YamlReader& reader
   if (const auto r = map.find("lower")) spec.lower = read_components(*r);
   if (const auto r = map.find("upper")) spec.upper = read_components(*r);
   if (!map.find("from") && !map.find("lower") && !map.find("upper"))
-    reader.error(fmt::format("the bounds '{}' need 'lower', 'upper' or 'from: urdf'", name.value));
-  if (const auto r = map.find("phases")) spec.phases = r->name_or_names();
-  return spec;
+    map.reader().error(
+        fmt::format("the bounds '{}' need 'lower', 'upper' or 'from: urdf'", name.value));
+}
+
+void read_bounded(YamlMap& map, const Name& name, ProblemSpec& spec) {
+  const auto r = map.find("bounds");
+  const auto bounded = r->choice(kBoundedWords, "quantity that can have bounds");
+  if (!bounded) {
+    map.ignore_others();
+    return;
+  }
+  if (*bounded == BoundedQuantity::kControl) {
+    ControlBoundsSpec bounds{.name = name};
+    read_bounds(map, name, bounds);
+    if (const auto p = map.find("phases")) bounds.phases = p->name_or_names();
+    spec.control_bounds.push_back(std::move(bounds));
+    return;
+  }
+  ConstraintSpec constraint;
+  constraint.function.name = name;
+  constraint.function.residual = {"state", r->place()};
+  constraint.bounded = {*bounded, r->place()};
+  read_bounds(map, name, constraint);
+  if (const auto p = map.find("phases")) constraint.function.phases = p->name_or_names();
+  spec.constraints.push_back(std::move(constraint));
+}
+
+/// Ways to say what a residual has to be that exclude each other.
+constexpr std::pair<std::string_view, std::string_view> kExclusive[] = {
+    {"equals", "lower"},   {"equals", "upper"},   {"equals", "at_least"}, {"equals", "at_most"},
+    {"equals", "cone"},    {"lower", "at_least"}, {"lower", "at_most"},   {"lower", "cone"},
+    {"upper", "at_least"}, {"upper", "at_most"},  {"upper", "cone"},      {"at_least", "cone"},
+    {"at_most", "cone"}};
+
+/// What the residual has to be: equal, between, of a length, in a cone.
+void read_set(YamlMap& map, ConstraintSpec& constraint) {
+  const ResidualInfo& info = residual_info(constraint.function.kind);
+  for (const auto& [a, b] : kExclusive) map.exclusive({a, b});
+  const auto given = [&](std::string_view key) {
+    const auto r = map.find(key);
+    if (r && info.is_cone && key != "cone")
+      r->error(fmt::format("the residual '{}' brings its bounds along", info.name),
+               "leave the key out");
+    return r;
+  };
+  if (const auto r = given("equals")) constraint.equals = read_components(*r);
+  if (const auto r = given("lower")) constraint.lower = read_components(*r);
+  if (const auto r = given("upper")) constraint.upper = read_components(*r);
+  if (const auto r = given("at_least")) constraint.at_least = r->number(kNotNegative);
+  if (const auto r = given("at_most")) {
+    constraint.at_most = r->number(kNotNegative);
+    if (constraint.at_least && constraint.at_most && *constraint.at_least > *constraint.at_most)
+      r->error(fmt::format("no length is at least {} and at most {}", *constraint.at_least,
+                           *constraint.at_most));
+  }
+  const auto cone = given("cone");
+  if (cone) {
+    bool& second_order = constraint.function.cone.second_order;
+    second_order = cone->choice(kConeWords, "cone").value_or(false);
+    const bool friction = constraint.function.kind == ResidualKind::kFrictionCone;
+    if (!friction && (!second_order || info.is_cone))
+      cone->error(fmt::format("the residual '{}' has no such cone", info.name),
+                  second_order ? "leave the key out" : "'cone: second_order' serves all others");
+    if (second_order && (map.find("faces") || map.find("inner")))
+      cone->error("a second-order cone has no faces and is exact");
+  }
+  if (info.of_shapes) {
+    const bool said = constraint.equals || constraint.lower || constraint.upper ||
+                      constraint.at_least || constraint.at_most || cone;
+    if (!said)
+      constraint.lower = ComponentsSpec{.place = map.reader().place(),
+                                        .scalar = constraint.function.margin.value_or(0)};
+    else if (constraint.function.margin)
+      map.reader().error("'margin' and what the distance has to be exclude each other",
+                         "leave one of them out: a margin is a lower bound");
+  }
+  if (const auto r = map.find("slope")) {
+    constraint.slope = r->number(kPositive).value_or(constraint.slope);
+    if (!cone || info.of_contacts)
+      r->error("a slope belongs to cones that are not of contacts, which have their friction");
+  }
+}
+
+void read_constraint(const Name& name, const YamlReader& reader,
+                     const std::filesystem::path& folder, bool terminal, ProblemSpec& spec) {
+  YamlMap map(reader);
+  if (!map.valid()) return;
+  const bool bounds = reader.node().find("bounds") != nullptr;
+  if (bounds && terminal) {
+    map.find("bounds")->error(
+        "bounds stand among the constraints beside 'phases'; those on the state hold at "
+        "the last node too",
+        "or bound a residual here: 'residual: state' with 'lower' and 'upper'");
+    map.ignore_others();
+    return;
+  }
+  if (bounds) return read_bounded(map, name, spec);
+  if (reader.node().find("residual") == nullptr) {
+    reader.error(
+        fmt::format("the constraint '{}' lacks the key 'residual' or 'bounds'", name.value),
+        "write 'residual: ...' with what it has to be, or 'bounds: control', 'bounds: "
+        "state' and so on");
+    map.ignore_others();
+    return;
+  }
+  ConstraintSpec constraint;
+  constraint.function.name = name;
+  if (!read_residual(map, folder, terminal, true, constraint.function)) return;
+  read_set(map, constraint);
+  (terminal ? spec.terminal_constraints : spec.constraints).push_back(std::move(constraint));
 }
 
 }  // namespace
 
-std::vector<ControlBoundsSpec> read_constraints(const YamlReader& reader) {
-  std::vector<ControlBoundsSpec> constraints;
+void read_constraints(const YamlReader& reader, const std::filesystem::path& folder, bool terminal,
+                      ProblemSpec& spec) {
   if (const auto entries = reader.named_entries())
-    for (const auto& [name, value] : *entries)
-      constraints.push_back(read_control_bounds(name, value));
-  return constraints;
+    for (const auto& [name, value] : *entries) read_constraint(name, value, folder, terminal, spec);
 }
 
 }  // namespace conddp

@@ -8,15 +8,6 @@
 namespace conddp {
 namespace {
 
-std::optional<Vector3<double>> read_direction(const YamlReader& reader) {
-  const auto v = read_vector3(reader, "a direction [x, y, z]");
-  if (!v) return std::nullopt;
-  const double length = std::sqrt(squared_norm(*v));
-  if (length > 1e-6) return (1 / length) * *v;
-  reader.error("a direction of length 0");
-  return std::nullopt;
-}
-
 void read_baumgarte(const YamlReader& reader, ContactSpec& contact) {
   contact.baumgarte_place = reader.place();
   YamlMap map(reader);
@@ -69,6 +60,15 @@ void complete_tangent(const Place& place, Diagnostics& out, ContactSpec& contact
 }
 
 }  // namespace
+
+std::optional<Vector3<double>> read_direction(const YamlReader& reader) {
+  const auto v = read_vector3(reader, "a direction [x, y, z]");
+  if (!v) return std::nullopt;
+  const double length = std::sqrt(squared_norm(*v));
+  if (length > 1e-6) return unit_scale(length) * *v;
+  reader.error("a direction of length 0");
+  return std::nullopt;
+}
 
 std::vector<ContactSpec> read_contacts(const YamlReader& reader) {
   std::vector<ContactSpec> contacts;

@@ -60,27 +60,32 @@ SwingSpec read_swing(const YamlReader& reader) {
   if (const auto r = map.require("height"))
     swing.height = r->number(kNotNegative).value_or(swing.height);
   map.exclusive({"landing", "step"});
+  map.exclusive({"landing", "displaced"});
+  map.exclusive({"step", "displaced"});
   if (const auto r = map.find("landing")) swing.landing = read_vector3(*r, "[x, y, z] in m");
   if (const auto r = map.find("step")) swing.step = read_vector3(*r, "[x, y, z] in m");
+  if (const auto r = map.find("displaced"))
+    if (const auto items = r->items()) {
+      for (const YamlReader& item : *items)
+        swing.displaced.push_back(read_planar_motion(item).value_or(PlanarMotion{}));
+      if (items->empty()) r->error("there is no landing", "write one '[x, y, yaw]' a swing");
+    }
   return swing;
 }
 
-/// The keys of costs on contacts and on feet, which the last node has not.
-void read_contact_keys(YamlMap& map, const ResidualInfo& info, CostSpec& cost) {
+/// The keys of costs on forces and on feet, which the last node has not.
+void read_contact_keys(YamlMap& map, const ResidualInfo& info, bool constraint, CostSpec& cost) {
   const auto unfit = [&](const YamlReader& reader, std::string_view key) {
     reader.error(fmt::format("the residual '{}' has no '{}'", info.name, key));
   };
-  if (const auto r = map.find("contacts")) {
-    cost.contacts = read_contact_names(*r);
-    if (!info.of_contacts) unfit(*r, "contacts");
-  }
-  if (const auto r = map.find("swing")) {
+  if (const auto r = constraint ? std::nullopt : map.find("swing")) {
     cost.swing = read_swing(*r);
-    if (info.kind != ResidualKind::kFramePosition) unfit(*r, "swing");
+    if (info.kind != ResidualKind::kFramePosition && info.kind != ResidualKind::kFramePlacement)
+      unfit(*r, "swing");
     map.exclusive({"swing", "reference"});
   }
   const bool friction = info.kind == ResidualKind::kFrictionCone;
-  if (const auto r = map.find("cone")) {
+  if (const auto r = constraint ? std::nullopt : map.find("cone")) {
     cost.cone.second_order = r->choice(kConeWords, "cone").value_or(false);
     if (!friction) unfit(*r, "cone");
   }
@@ -119,28 +124,40 @@ void read_selection(YamlMap& map, const ResidualInfo& info, CostSpec& cost) {
     cost.columns = r->name_or_names();
     if (!info.takes_columns) unfit(*r, "columns");
   }
+  if (const auto r = map.find("contacts")) {
+    cost.contacts = read_contact_names(*r);
+    if (!info.of_contacts) unfit(*r, "contacts");
+  }
   if (const auto r = map.find("axes")) {
     cost.axes = r->choice(kAxesWords, "system of axes").value_or(cost.axes);
     if (!info.takes_axes) unfit(*r, "axes");
   }
+  if (info.of_shapes) {
+    if (const auto r = map.require("pairs")) cost.pairs = read_pairs(*r);
+  } else if (const auto r = map.find("pairs")) {
+    unfit(*r, "pairs");
+  }
+  if (const auto r = map.find("margin")) {
+    cost.margin = r->number(kNotNegative);
+    if (!info.of_shapes) unfit(*r, "margin");
+    map.exclusive({"margin", "activation"});
+  }
+}
+
+/// Shapes keep a margin from each other unless an activation says otherwise.
+void set_margin(CostSpec& cost) {
+  cost.margin = cost.margin.value_or(0);
+  cost.activation.kind = ActivationKind::quadratic_barrier;
+  cost.activation.place = cost.residual.place;
+  cost.activation.lower = {.place = cost.residual.place, .scalar = cost.margin};
 }
 
 CostSpec read_cost(const Name& name, const YamlReader& reader, const std::filesystem::path& folder,
                    bool terminal) {
   CostSpec cost{.name = name};
   YamlMap map(reader);
-  if (!map.valid()) return cost;
-  const auto residual = map.require("residual");
-  std::vector<std::string> words;
-  for (const ResidualInfo& info : residual_table()) words.emplace_back(info.name);
-  const auto index = residual ? residual->choose(words, "residual") : std::nullopt;
-  if (!index) {
-    map.ignore_others();
-    return cost;
-  }
-  const ResidualInfo& info = residual_table()[*index];
-  cost.kind = info.kind;
-  cost.residual = {std::string(info.name), residual->place()};
+  if (!map.valid() || !read_residual(map, folder, terminal, false, cost)) return cost;
+  const ResidualInfo& info = residual_info(cost.kind);
   map.number("weight", cost.weight, kNotNegative);
   if (info.is_cone) cost.activation.kind = ActivationKind::quadratic_barrier;
   if (const auto r = map.find("activation")) {
@@ -151,7 +168,26 @@ CostSpec read_cost(const Name& name, const YamlReader& reader, const std::filesy
       cost.activation = read_activation(*r);
   }
   if (const auto r = map.find("weights")) cost.weights = read_components(*r, kNotNegative);
+  return cost;
+}
+
+}  // namespace
+
+bool read_residual(YamlMap& map, const std::filesystem::path& folder, bool terminal,
+                   bool constraint, CostSpec& cost) {
+  const auto residual = map.require("residual");
+  std::vector<std::string> words;
+  for (const ResidualInfo& info : residual_table()) words.emplace_back(info.name);
+  const auto index = residual ? residual->choose(words, "residual") : std::nullopt;
+  if (!index) {
+    map.ignore_others();
+    return false;
+  }
+  const ResidualInfo& info = residual_table()[*index];
+  cost.kind = info.kind;
+  cost.residual = {std::string(info.name), residual->place()};
   read_selection(map, info, cost);
+  if (info.of_shapes && !constraint && !map.find("activation")) set_margin(cost);
   if (const auto r = map.find("reference")) {
     if (info.takes_reference)
       cost.reference = read_reference(*r, info.kind, folder);
@@ -159,18 +195,17 @@ CostSpec read_cost(const Name& name, const YamlReader& reader, const std::filesy
       r->error(fmt::format("the residual '{}' has no reference", info.name));
   }
   if (terminal) {
-    if (info.needs_control || info.of_contacts)
+    const bool of_forces = info.of_contacts && info.kind != ResidualKind::kContactVelocity;
+    if (info.needs_control || of_forces)
       residual->error(fmt::format(
           "the residual '{}' needs a control, and there is none at the terminal node", info.name));
-  } else {
-    read_contact_keys(map, info, cost);
-    if (const auto r = map.find("phases")) cost.phases = r->name_or_names();
-    if (const auto r = map.find("knots")) cost.knots = read_knots(*r);
+    return true;
   }
-  return cost;
+  read_contact_keys(map, info, constraint, cost);
+  if (const auto r = map.find("phases")) cost.phases = r->name_or_names();
+  if (const auto r = map.find("knots")) cost.knots = read_knots(*r);
+  return true;
 }
-
-}  // namespace
 
 std::vector<CostSpec> read_costs(const YamlReader& reader, const std::filesystem::path& folder,
                                  bool terminal) {

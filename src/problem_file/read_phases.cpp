@@ -1,14 +1,14 @@
+#include <numeric>
 #include <string>
 #include <unordered_set>
 
 #include <fmt/format.h>
 
+#include "problem_file/phase_grid.hpp"
 #include "problem_file/read_sections.hpp"
 
 namespace conddp {
 namespace {
-
-constexpr int kMaxKnots = 1'000'000;
 
 void read_impulse(YamlMap& map, const YamlReader& impulse, PhaseSpec& phase) {
   phase.contacts = read_contact_names(impulse);
@@ -16,10 +16,27 @@ void read_impulse(YamlMap& map, const YamlReader& impulse, PhaseSpec& phase) {
   phase.restitution = 0;
   static const NumberRange kRestitution{0, 1, false, false, "a number from 0 to 1"};
   map.number("restitution", *phase.restitution, kRestitution);
-  for (const char* key : {"knots", "dt", "duration", "contacts"})
+  for (const char* key : {"knots", "dt", "duration", "refine", "contacts"})
     if (const auto r = map.find(key))
       r->error(fmt::format("an impulse takes no time: it has no '{}'", key),
                "write '- {impulse: [contacts]}', and the phase after it as another entry");
+}
+
+RefineSpec read_refine(const YamlReader& reader, int knots) {
+  RefineSpec refine;
+  YamlMap map(reader);
+  if (!map.valid()) return refine;
+  static const NumberRange kRatio{0, 1, true, true, "a number between 0 and 1"};
+  map.integer("first", refine.first, 0, kMaxKnots);
+  map.integer("last", refine.last, 0, kMaxKnots);
+  map.number("ratio", refine.ratio, kRatio);
+  if (refine.first + refine.last >= knots) {
+    reader.error(fmt::format("'first' and 'last' leave none of the {} knots as it is", knots));
+    refine.first = refine.last = 0;
+  } else if (refine.first + refine.last == 0) {
+    reader.error("nothing is refined", "give 'first', 'last' or both");
+  }
+  return refine;
 }
 
 PhaseSpec read_phase(const YamlReader& reader, std::size_t index) {
@@ -37,9 +54,13 @@ PhaseSpec read_phase(const YamlReader& reader, std::size_t index) {
   if (const auto r = map.find("contacts")) phase.contacts = read_contact_names(*r);
   if (const auto r = map.require("knots"))
     phase.knots = {static_cast<int>(r->integer(1, kMaxKnots).value_or(1)), r->place()};
+  if (const auto r = map.find("refine")) phase.refine = read_refine(*r, phase.knots.value);
   map.exclusive({"dt", "duration"});
   double duration = 0;
-  if (map.number("duration", duration, kPositive)) phase.dt = duration / phase.knots.value;
+  if (map.number("duration", duration, kPositive)) {
+    const std::vector<double> steps = relative_steps(phase);
+    phase.dt = duration / std::accumulate(steps.begin(), steps.end(), 0.0);
+  }
   map.number("dt", phase.dt, kPositive);
   if (map.valid() && !map.find("duration") && !map.find("dt"))
     reader.error("a phase needs 'dt', the time step in s, or 'duration'");

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "problem_file/gait_schedule.hpp"
 #include "problem_file/read_sections.hpp"
 #include "problem_file/sha256.hpp"
 #include "problem_file/source_text.hpp"
@@ -74,16 +75,32 @@ ProblemSpec read_document(const YamlReader& reader, const std::filesystem::path&
     spec.contacts = read_contacts(*r);
     if (spec.system) r->error("a closed-form system has no frames that could touch the world");
   }
-  if (const auto r = map.require("phases")) spec.phases = read_phases(*r);
+  if (const auto r = map.find("collision")) {
+    spec.collision = read_collision(*r);
+    if (spec.system) r->error("a closed-form system has no links that could carry shapes");
+  }
+  map.exclusive({"phases", "gait"});
+  std::optional<GaitSpec> gait;
+  if (const auto walk = map.find("gait")) {
+    gait = read_gait(*walk, spec.contacts);
+    if (spec.system) walk->error("a closed-form system has no feet that could walk");
+  }
+  if (const auto r = gait ? map.find("phases") : map.require("phases"))
+    spec.phases = read_phases(*r);
   if (const auto r = map.find("costs")) spec.costs = read_costs(*r, folder, false);
-  if (const auto r = map.find("constraints")) spec.constraints = read_constraints(*r);
+  if (const auto r = map.find("constraints")) read_constraints(*r, folder, false, spec);
   if (const auto r = map.find("terminal")) {
     YamlMap terminal(*r);
+    if (const auto contacts = terminal.find("contacts"))
+      spec.terminal_contacts = read_contact_names(*contacts);
     if (const auto costs = terminal.find("costs"))
       spec.terminal_costs = read_costs(*costs, folder, true);
+    if (const auto constraints = terminal.find("constraints"))
+      read_constraints(*constraints, folder, true, spec);
   }
   if (const auto r = map.find("initial_guess")) spec.guess = read_guess(*r, folder);
   if (const auto r = map.find("solver")) spec.solver = read_solver(*r);
+  if (gait && !reader.diagnostics().has_errors()) add_gait(*gait, spec, reader.diagnostics());
   return spec;
 }
 

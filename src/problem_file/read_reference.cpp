@@ -56,6 +56,8 @@ std::optional<ReferenceValueSpec> read_value(const YamlReader& reader, ResidualK
     case ResidualKind::kFrictionCone:
     case ResidualKind::kWrenchCone:
     case ResidualKind::kCenterOfPressure:
+    case ResidualKind::kDistance:
+    case ResidualKind::kContactVelocity:
       break;
   }
   return std::nullopt;

@@ -76,7 +76,8 @@ RobotSpec read_robot(const YamlReader& reader, const std::filesystem::path& fold
           reader.diagnostics().error(name.place, "'initial' means the initial state",
                                      "choose another name for the configuration");
         if (state->configuration || !state->robots.empty() || state->state ||
-            !state->values.empty() || state->base_velocity || !state->joint_velocities.empty())
+            !state->values.empty() || state->displaced || state->base_velocity ||
+            !state->joint_velocities.empty())
           value.error("a configuration has 'base' and 'joints' only");
         robot.configurations.emplace_back(name, std::move(*state));
       }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "problem_file/spec.hpp"
+#include "problem_file/spec_gait.hpp"
 #include "problem_file/yaml_reader.hpp"
 
 namespace conddp {
@@ -21,6 +22,7 @@ double unit_scale(double length);
 std::optional<Quaternion<double>> read_orientation(YamlMap& map);
 std::optional<PoseSpec> read_pose(const YamlReader& reader);
 std::optional<TwistSpec> read_twist(const YamlReader& reader);
+std::optional<PlanarMotion> read_planar_motion(const YamlReader& reader);
 
 // read_state.cpp
 std::optional<StateSpec> read_state(const YamlReader& reader);
@@ -39,12 +41,27 @@ std::vector<ContactSpec> read_contacts(const YamlReader& reader);
 /// `all`, a name, or a list of names.
 ContactNames read_contact_names(const YamlReader& reader);
 
+/// A vector of length 1 along the one given.
+std::optional<Vector3<double>> read_direction(const YamlReader& reader);
+
+// read_collision.cpp
+CollisionSpec read_collision(const YamlReader& reader);
+PairsSpec read_pairs(const YamlReader& reader);
+// read_gait.cpp
+GaitSpec read_gait(const YamlReader& reader, const std::vector<ContactSpec>& contacts);
+
 // read_phases.cpp
+/// More knots than that are an error.
+inline constexpr int kMaxKnots = 1'000'000;
 std::vector<PhaseSpec> read_phases(const YamlReader& reader);
 
 // read_costs.cpp
 std::vector<CostSpec> read_costs(const YamlReader& reader, const std::filesystem::path& folder,
                                  bool terminal);
+/// The keys that say what a cost or constraint is on, and where: all but weights and activation.
+/// False where the residual is not known.
+bool read_residual(YamlMap& map, const std::filesystem::path& folder, bool terminal,
+                   bool constraint, CostSpec& cost);
 
 // read_reference.cpp
 std::optional<ReferenceSpec> read_reference(const YamlReader& reader, ResidualKind kind,
@@ -53,7 +70,9 @@ std::optional<ReferenceSpec> read_reference(const YamlReader& reader, ResidualKi
 std::optional<DataFileSpec> read_data_file(YamlMap& map, const std::filesystem::path& folder);
 
 // read_constraints.cpp
-std::vector<ControlBoundsSpec> read_constraints(const YamlReader& reader);
+/// Into the spec's control_bounds and constraints, or its terminal_constraints.
+void read_constraints(const YamlReader& reader, const std::filesystem::path& folder, bool terminal,
+                      ProblemSpec& spec);
 
 // read_guess.cpp
 GuessSpec read_guess(const YamlReader& reader, const std::filesystem::path& folder);

@@ -23,6 +23,15 @@ std::optional<BaseSpec> read_base(const YamlReader& reader) {
   return base;
 }
 
+DisplacementSpec read_displacement(const YamlReader& reader) {
+  DisplacementSpec displacement{.place = reader.place()};
+  if (reader.is_scalar() && reader.node().text == "gait")
+    displacement.with_gait = true;
+  else
+    displacement.motion = read_planar_motion(reader).value_or(PlanarMotion{});
+  return displacement;
+}
+
 }  // namespace
 
 StateSpec read_state_keys(YamlMap& map) {
@@ -34,6 +43,7 @@ StateSpec read_state_keys(YamlMap& map) {
   }
   if (const auto r = map.find("configuration")) state.configuration = r->name();
   if (const auto r = map.find("base")) state.base = read_base(*r);
+  if (const auto r = map.find("displaced")) state.displaced = read_displacement(*r);
   if (const auto r = map.find("joints")) state.joints = read_named_numbers(*r);
   if (const auto r = map.find("velocity")) {
     YamlMap velocity(*r);

@@ -57,6 +57,12 @@ std::optional<ComponentsSpec> read_components(const YamlReader& reader, const Nu
   return spec;
 }
 
+std::optional<PlanarMotion> read_planar_motion(const YamlReader& reader) {
+  const auto n = reader.numbers(3, "[x, y, yaw] in m and rad");
+  if (!n) return std::nullopt;
+  return PlanarMotion{(*n)[0], (*n)[1], (*n)[2]};
+}
+
 std::optional<Quaternion<double>> read_orientation(YamlMap& map) {
   map.exclusive({"orientation", "rpy"});
   std::optional<Quaternion<double>> result;

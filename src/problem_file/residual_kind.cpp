@@ -45,6 +45,12 @@ constexpr ResidualInfo kTable[] = {
      true, false, false, false, false, false, false, true, true},
     {"center_of_pressure", kCenterOfPressure, "the same of a sole's centre of pressure alone, Nm",
      true, false, false, false, false, false, false, true, true},
+    {"distance", kDistance,
+     "distances between spheres, capsules and half-spaces, m; negative where they overlap", true,
+     false, false, false, false, false, false, false, false, true},
+    {"contact_velocity", kContactVelocity,
+     "velocity of a contact in the directions that it holds, in its axes, m/s and rad/s", true,
+     false, false, false, false, false, false, true},
 };
 
 }  // namespace

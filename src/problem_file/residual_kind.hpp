@@ -24,6 +24,8 @@ enum class ResidualKind {
   kFrictionCone,
   kWrenchCone,
   kCenterOfPressure,
+  kDistance,
+  kContactVelocity,
 };
 
 /// What the reader has to know about a residual.
@@ -40,6 +42,7 @@ struct ResidualInfo {
   bool takes_axes = false;
   bool of_contacts = false;  ///< one for each contact, where the contact is held
   bool is_cone = false;      ///< comes with its own bounds, for a barrier
+  bool of_shapes = false;    ///< between pairs of shapes; by default a barrier at a margin
 };
 
 std::span<const ResidualInfo> residual_table();

@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "ocp/knot_model.hpp"
+#include "problem_file/spec_collision.hpp"
 #include "problem_file/spec_contact.hpp"
 #include "problem_file/spec_cost.hpp"
 #include "problem_file/spec_robot.hpp"
@@ -10,11 +11,20 @@
 
 namespace conddp {
 
+/// A grid that is finer where a phase begins or ends: each of the `first` first steps is `ratio`
+/// times as long as the one after it, each of the `last` last ones as the one before it.
+struct RefineSpec {
+  int first = 0;
+  int last = 0;
+  double ratio = 0.5;
+};
+
 /// A run of knots: all that the file says about it.
 struct PhaseSpec {
   Name name;
   Located<int> knots;
-  double dt = 0;  ///< s; 0 of an impulse
+  double dt = 0;  ///< regular step, s; 0 of an impulse
+  std::optional<RefineSpec> refine;
   ContactNames contacts;
   /// Of an impulse at the contacts: one knot that takes no time.
   std::optional<double> restitution;
@@ -70,13 +80,20 @@ struct ProblemSpec {
   std::optional<Located<Integrator>> integrator;  ///< absent: the system's usual one
   RunningCosts running_costs = RunningCosts::kRate;
   std::vector<ContactSpec> contacts;
+  CollisionSpec collision;
   std::vector<PhaseSpec> phases;
   std::vector<CostSpec> costs;
-  std::vector<ControlBoundsSpec> constraints;
+  std::vector<ControlBoundsSpec> control_bounds;
+  std::vector<ConstraintSpec> constraints;        ///< all others on running knots
+  std::optional<ContactNames> terminal_contacts;  ///< absent: those of the last phase
   std::vector<CostSpec> terminal_costs;
+  std::vector<ConstraintSpec> terminal_constraints;
   GuessSpec guess;
   SolverSpec solver;
 
+  const ContactNames& last_contacts() const {
+    return terminal_contacts ? *terminal_contacts : phases.back().contacts;
+  }
   int knots() const {
     int n = 0;
     for (const PhaseSpec& phase : phases) n += phase.knots.value;

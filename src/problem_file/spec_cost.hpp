@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <filesystem>
 
 #include "ocp/activation.hpp"
@@ -57,6 +58,17 @@ struct SwingSpec {
   double height = 0;                       ///< m
   std::optional<Vector3<double>> landing;  ///< where it touches down, m
   std::optional<Vector3<double>> step;     ///< the same from where it lifts off, m
+  /// The same, one a run of phases: where the frame was in the initial state, displaced with the
+  /// robot's base.
+  std::vector<PlanarMotion> displaced;
+};
+
+/// Which shapes must keep apart.
+struct PairsSpec {
+  enum class Choice { kNamed, kObstacles, kSelf, kAll };
+  Place place;
+  Choice choice = Choice::kNamed;
+  std::vector<std::array<Name, 2>> named;  ///< names may end in `*`
 };
 
 struct CostSpec {
@@ -74,8 +86,26 @@ struct CostSpec {
   ContactNames contacts{.all = true};
   FrictionConeSpec cone;
   std::optional<SwingSpec> swing;
+  PairsSpec pairs;
+  /// Of distances without an activation: the lower end of their barrier, m.
+  std::optional<double> margin;
   std::optional<std::vector<Name>> phases;
   std::optional<std::vector<Located<int>>> knots;
+};
+
+/// Quantities on which a constraint can put bounds.
+enum class BoundedQuantity { kControl, kState, kConfiguration, kVelocity };
+
+/// A constraint other than bounds on the control: a residual in a set, or bounds on coordinates of
+/// the state. Without equals, bounds or a cone the residual is zero.
+struct ConstraintSpec {
+  CostSpec function;  ///< the residual and where it holds; of its cone `second_order` counts
+  std::optional<Located<BoundedQuantity>> bounded;  ///< instead of the residual
+  bool from_urdf = false;
+  Place from_place;
+  std::optional<ComponentsSpec> equals, lower, upper;
+  std::optional<double> at_least, at_most;  ///< of the residual's norm
+  double slope = 1;                         ///< of a cone
 };
 
 /// Bounds on the control.

@@ -51,6 +51,19 @@ struct BaseSpec {
   std::optional<double> yaw;                      ///< planar, rad
 };
 
+/// A motion of a base in the horizontal plane: forward and to the left as it points before (m),
+/// and a turn about its origin (rad).
+struct PlanarMotion {
+  double x = 0, y = 0, yaw = 0;
+};
+
+/// How far a base is displaced: by a motion, or as the file's gait moves it.
+struct DisplacementSpec {
+  Place place;
+  bool with_gait = false;
+  PlanarMotion motion;
+};
+
 struct NamedState;
 
 /// A state, in one of the ways in which a file can say it. What is not mentioned is neutral: zero,
@@ -59,6 +72,7 @@ struct StateSpec {
   Place place;
   std::optional<Name> configuration;
   std::optional<BaseSpec> base;
+  std::optional<DisplacementSpec> displaced;  ///< of the base that the keys before have placed
   NamedNumbers joints;
   std::optional<TwistSpec> base_velocity;
   NamedNumbers joint_velocities;

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "problem_file/planar_motion.hpp"
 #include "robot/near_names.hpp"
 
 namespace conddp {
@@ -31,8 +32,8 @@ std::optional<std::vector<double>> StateBuilder::build(const StateSpec& spec) co
   apply_columns(spec.values, x);
   if (plant_.multibody) {
     apply(spec, whole(), x);
-  } else if (spec.configuration || spec.base || !spec.joints.empty() || spec.base_velocity ||
-             !spec.joint_velocities.empty() || !spec.robots.empty()) {
+  } else if (spec.configuration || spec.base || spec.displaced || !spec.joints.empty() ||
+             spec.base_velocity || !spec.joint_velocities.empty() || !spec.robots.empty()) {
     out_.error(spec.place, "a closed-form system has no configurations, base or joints",
                "write 'values: {column: number}' or 'state: [numbers]'");
   }
@@ -79,6 +80,7 @@ void StateBuilder::apply(const StateSpec& spec, const PlantPart& part,
   if (spec.configuration) apply_configuration(*spec.configuration, part, x);
   if (spec.base) apply_base(*spec.base, part, x);
   if (spec.base_velocity) apply_base_velocity(*spec.base_velocity, part, x);
+  if (spec.displaced) apply_displacement(*spec.displaced, part, x);
   for (const auto& [name, value] : spec.joints)
     if (const auto joint = find_joint(robot, name, part.prefix, out_))
       x[*plant_.multibody->position_index(*joint)] = value;
@@ -149,6 +151,19 @@ void StateBuilder::apply_base(const BaseSpec& base, const PlantPart& part,
     const double parts[] = {q->x, q->y, q->z, q->w};
     std::copy_n(parts, 4, x.begin() + first + 3);
   }
+}
+
+void StateBuilder::apply_displacement(const DisplacementSpec& displaced, const PlantPart& part,
+                                      std::vector<double>& x) const {
+  if (displaced.with_gait)
+    out_.error(displaced.place,
+               "'gait' stands for the way of the file's gait as the whole reference of a cost on "
+               "the state alone",
+               "give '[x, y, yaw]' in m and rad");
+  else if (part.spec == nullptr)
+    out_.error(displaced.place, "with several robots a displacement is said under 'robots'");
+  else if (!displace_base(plant_, part, displaced.motion, x))
+    out_.error(displaced.place, "the robot's base is fixed: it cannot be displaced");
 }
 
 void StateBuilder::apply_base_velocity(const TwistSpec& twist, const PlantPart& part,

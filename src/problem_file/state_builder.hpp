@@ -27,6 +27,8 @@ class StateBuilder {
   void apply_base(const BaseSpec& base, const PlantPart& part, std::vector<double>& x) const;
   void apply_base_velocity(const TwistSpec& twist, const PlantPart& part,
                            std::vector<double>& x) const;
+  void apply_displacement(const DisplacementSpec& displaced, const PlantPart& part,
+                          std::vector<double>& x) const;
   void apply_configuration(const Name& name, const PlantPart& part, std::vector<double>& x) const;
   void apply_columns(const NamedNumbers& values, std::vector<double>& x) const;
   std::optional<std::vector<double>> checked(std::vector<double> x, const Place& place) const;

@@ -9,6 +9,7 @@ namespace conddp {
 /// Points of a manifold over time.
 class TimeSeries {
  public:
+  TimeSeries() = default;
   explicit TimeSeries(StateManifold manifold) : manifold_(std::move(manifold)) {}
   /// A series that is constant.
   TimeSeries(StateManifold manifold, std::vector<double> value);

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "problem_file/spec.hpp"
+#include "problem_file/spec_gait.hpp"
 #include "problem_file/yaml_reader.hpp"
 
 namespace conddp {
@@ -47,8 +48,19 @@ inline constexpr Choice<ContactKind> kContactWords[] = {{"point", ContactKind::p
                                                         {"surface", ContactKind::surface},
                                                         {"normal", ContactKind::normal},
                                                         {"planar", ContactKind::planar}};
+
+inline constexpr Choice<GaitType> kGaitWords[] = {
+    {"stand", GaitType::stand}, {"walk", GaitType::walk},   {"trot", GaitType::trot},
+    {"pace", GaitType::pace},   {"bound", GaitType::bound}, {"jump", GaitType::jump}};
+
 /// Whether a friction cone is of second order.
 inline constexpr Choice<bool> kConeWords[] = {{"pyramid", false}, {"second_order", true}};
+
+inline constexpr Choice<PairsSpec::Choice> kPairsWords[] = {
+    {"obstacles", PairsSpec::Choice::kObstacles, "every shape against every obstacle"},
+    {"self", PairsSpec::Choice::kSelf,
+     "every two shapes but those on one link or on links that a joint connects"},
+    {"all", PairsSpec::Choice::kAll, "both"}};
 
 inline constexpr Choice<GuessSpec::States> kStatesGuessWords[] = {
     {"initial", GuessSpec::States::kInitial}, {"interpolate", GuessSpec::States::kInterpolate}};
@@ -66,11 +78,13 @@ constexpr bool takes_epsilon(ActivationKind kind) {
   return kind == ActivationKind::smooth_l1 || kind == ActivationKind::smooth_l2;
 }
 
-/// Quantities on which a constraint can put bounds.
-enum class BoundedQuantity { kControl };
 inline constexpr Choice<BoundedQuantity> kBoundedWords[] = {
     {"control", BoundedQuantity::kControl,
-     "bounds on the controls at every knot; needs 'lower', 'upper' or 'from: urdf'"}};
+     "bounds on the controls at every knot; needs 'lower', 'upper' or 'from: urdf'"},
+    {"state", BoundedQuantity::kState,
+     "bounds on coordinates of the state at every node; needs the same"},
+    {"configuration", BoundedQuantity::kConfiguration, "the same of positions"},
+    {"velocity", BoundedQuantity::kVelocity, "the same of velocities"}};
 
 /// The first word of a value; empty if it has none.
 template <class E, std::size_t N>

@@ -7,21 +7,20 @@ namespace conddp {
 
 Adjoint::Adjoint(const ShootingProblem& problem, const ControlBounds& bounds)
     : bounds_(bounds),
-      gap_(problem.manifold()),
       costates_(Eigen::MatrixXd::Zero(problem.ndx(), problem.knots() + 1)),
+      state_gradient_(costates_),
       gradient_(Eigen::VectorXd::Zero(bounds.size())),
+      followed_(gradient_),
       next_(problem.ndx()),
       scratch_(problem.ndx()) {
   int largest = problem.ndx();
-  for (int k = 0; k < problem.knots(); ++k) {
+  for (int k = 0; k < problem.knots(); ++k)
     largest = std::max(largest, problem.ndx() + problem.nu(k));
-    gains_.push_back(Eigen::MatrixXd::Zero(problem.nu(k), problem.ndx()));
-  }
   pulled_.resize(largest);
 }
 
 void Adjoint::compute(const Linearization& linearization, const Trajectory& trajectory,
-                      bool open_gaps, const Feedback& feedback) {
+                      const Gaps& gaps, const Feedback& feedback) {
   const int N = bounds_.knots();
   const int ndx = static_cast<int>(costates_.rows());
   costates_.col(N) = linearization.knots[N].gradient;
@@ -29,21 +28,22 @@ void Adjoint::compute(const Linearization& linearization, const Trajectory& traj
   for (int k = N - 1; k >= 0; --k) {
     const KnotLinearization& knot = linearization.knots[k];
     next_ = costates_.col(k + 1);
-    if (open_gaps) {
+    if (!gaps[k].closed()) {
       gap_slope_ += next_.dot(linearization.gap.col(k));
-      gap_.set(linearization.gap.col(k));
-      gap_.pull(next_);
+      gaps[k].pull(next_);
     }
     auto pulled = pulled_.head(ndx + knot.nu());
     knot.apply_transpose(next_, pulled, scratch_);
     auto gradient = gradient_.segment(bounds_.offset(k), knot.nu());
     gradient = knot.gradient.tail(knot.nu()) + pulled.tail(knot.nu());
     costates_.col(k) = knot.gradient.head(ndx) + pulled.head(ndx);
-    Eigen::MatrixXd& K = gains_[k];
-    K = feedback.K[k];
+    auto followed = followed_.segment(bounds_.offset(k), knot.nu());
     for (int i = 0; i < knot.nu(); ++i)
-      if (bounds_.at_bound(k, i, trajectory.u(k)[i])) K.row(i).setZero();
-    costates_.col(k).noalias() += K.transpose() * gradient;
+      followed[i] = bounds_.at_bound(k, i, trajectory.u(k)[i]) ? 0 : gradient[i];
+    auto passed_on = state_gradient_.col(k);
+    passed_on.noalias() = feedback.K[k].transpose() * followed;
+    costates_.col(k) += passed_on;
+    passed_on = -passed_on;
   }
 }
 

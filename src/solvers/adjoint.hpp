@@ -26,15 +26,17 @@ class Adjoint {
   Adjoint(const ShootingProblem& problem, const ControlBounds& bounds);
 
   /// `trajectory` is the one that was linearised.
-  void compute(const Linearization& linearization, const Trajectory& trajectory, bool open_gaps,
+  void compute(const Linearization& linearization, const Trajectory& trajectory, const Gaps& gaps,
                const Feedback& feedback);
 
   /// ndx x (N + 1): column k is λ_k.
   const Eigen::MatrixXd& costates() const { return costates_; }
+  /// ndx x (N + 1): ∇_x L at these co-states, −Kᵀ times what K passes on of ∇_u L.
+  const Eigen::MatrixXd& state_gradient() const { return state_gradient_; }
   /// ∇_u L of all knots, one after the other.
   const Eigen::VectorXd& gradient() const { return gradient_; }
-  /// The policy's K at a knot.
-  const Eigen::MatrixXd& gains(int k) const { return gains_[k]; }
+  /// The same without the controls that stand at a bound: what K passes on to the states.
+  const Eigen::VectorXd& followed_gradient() const { return followed_; }
   /// Σ λ_{k+1}ᵀ gap_k: the cost's first-order change as the gaps are closed along the policy.
   double gap_slope() const { return gap_slope_; }
   /// A bound on what rounding does to the total cost: of the sum itself, and of the states, whose
@@ -43,10 +45,8 @@ class Adjoint {
 
  private:
   const ControlBounds& bounds_;
-  GapTransport gap_;
-  Eigen::MatrixXd costates_;
-  std::vector<Eigen::MatrixXd> gains_;
-  Eigen::VectorXd gradient_, next_, pulled_, scratch_;
+  Eigen::MatrixXd costates_, state_gradient_;
+  Eigen::VectorXd gradient_, followed_, next_, pulled_, scratch_;
   double gap_slope_ = 0;
 };
 

@@ -25,17 +25,17 @@ BackwardSweep::BackwardSweep(const ShootingProblem& problem, const ControlBounds
     : bounds_(bounds),
       values_(problem.knots() + 1, ValueFunction(problem.ndx())),
       next_(problem.ndx()),
-      gap_(problem.manifold()),
       propagation_(problem.ndx(), largest_nu(problem)),
       q_(problem.ndx(), largest_nu(problem)),
       columns_(problem.ndx() + largest_nu(problem), largest_nu(problem)),
       Kt_(problem.ndx(), largest_nu(problem)),
       M_(problem.ndx(), largest_nu(problem)),
-      S_(problem.ndx(), problem.ndx()),
-      w_(largest_nu(problem)) {}
+      w_(largest_nu(problem)) {
+  for (int k = 0; k < problem.knots(); ++k) Quu_.emplace_back(problem.nu(k), problem.nu(k));
+}
 
 int BackwardSweep::run(const Linearization& linearization, const Trajectory& trajectory,
-                       bool open_gaps, SweepRegularization regularization, StagePolicy& policy,
+                       const Gaps& gaps, SweepRegularization regularization, StagePolicy& policy,
                        Feedback& feedback, bool hold) {
   const int N = bounds_.knots();
   policy.begin_sweep(hold);
@@ -43,14 +43,15 @@ int BackwardSweep::run(const Linearization& linearization, const Trajectory& tra
   values_[N].Vxx = linearization.knots[N].hessian;
   for (int k = N - 1; k >= 0; --k) {
     const KnotLinearization& knot = linearization.knots[k];
-    if (open_gaps) {
+    const bool open = !gaps[k].closed();
+    if (open) {
       next_ = values_[k + 1];
-      gap_.set(linearization.gap.col(k));
-      gap_.pull(next_);
+      gaps[k].pull(next_);
     }
-    propagation_.propagate(knot, open_gaps ? next_ : values_[k + 1], q_);
+    propagation_.propagate(knot, open ? next_ : values_[k + 1], q_);
+    Quu_[k] = q_.Quu();
     if (!solve_stage(k, trajectory, knot, regularization, policy, feedback)) return k;
-    form_value(values_[k], feedback.k[k]);
+    form_value(values_[k], feedback.k[k], regularization.weight == 0);
     if (!all_finite(values_[k].Vx) || !all_finite(values_[k].Vxx)) return k;
   }
   return -1;
@@ -86,7 +87,7 @@ bool BackwardSweep::solve_stage(int k, const Trajectory& trajectory, const KnotL
   return true;
 }
 
-void BackwardSweep::form_value(ValueFunction& value, const Eigen::VectorXd& k) {
+void BackwardSweep::form_value(ValueFunction& value, const Eigen::VectorXd& k, bool true_gains) {
   const int nu = q_.nu(), ndx = q_.ndx();
   value.Vx = q_.Qx();
   if (nu == 0) {
@@ -95,16 +96,19 @@ void BackwardSweep::form_value(ValueFunction& value, const Eigen::VectorXd& k) {
   }
   LaneMatrix& Q = q_.Qzz_lanes();
   const auto Kt = Kt_.view();
-  // V_xx = Q_xx + (Kᵀ Q_uu + Q_xu) K + Kᵀ Q_ux in its lower triangle.
-  M_.resize(ndx, nu);
-  M_.view() = q_.Qxu();
+  // V_xx in the lower triangle, where Q_xx is.
   const LaneBlock Kt_block = Kt_.block(ndx, 0, nu);
-  multiply(Store::add, M_.block(), Kt_block, {Q.col(ndx) + ndx, 1, Q.stride()});
-  S_.view() = q_.Qxx();
-  multiply_lower(Store::add, S_.block(), M_.block(), Factor::transposed(Kt_));
-  multiply_lower(Store::add, S_.block(), Kt_block, {Q.col(ndx), Q.stride(), 1});
-  mirror_lower(S_.block());
-  value.Vxx = S_.view();
+  const LaneBlock Vxx = Q.block(ndx, 0, ndx);
+  if (!true_gains) {
+    // (Kᵀ Q_uu + Q_xu) K vanishes only where K minimises with the true Q_uu.
+    M_.resize(ndx, nu);
+    M_.view() = q_.Qxu();
+    multiply(Store::add, M_.block(), Kt_block, {Q.col(ndx) + ndx, 1, Q.stride()});
+    multiply_lower(Store::add, Vxx, M_.block(), Factor::transposed(Kt_));
+  }
+  multiply_lower(Store::add, Vxx, Kt_block, {Q.col(ndx), Q.stride(), 1});
+  mirror_lower(Vxx);
+  value.Vxx = q_.Qxx();
   auto w = w_.head(nu);
   w = q_.Qu();
   w.noalias() += q_.Quu() * k;

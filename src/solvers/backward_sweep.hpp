@@ -21,37 +21,44 @@ struct SweepRegularization {
 /// value of the resulting policy with the true ones, which also holds where controls are clamped:
 ///   V_x  = Q_x + Kᵀ Q_uu k + Kᵀ Q_u + Q_xu k,
 ///   V_xx = Q_xx + Kᵀ Q_uu K + Kᵀ Q_ux + Q_xu K.
+/// Without regularisation the rows of Q_uu K + Q_ux that K does not leave out are zero: then
+///   V_xx = Q_xx + Kᵀ Q_ux.
 class BackwardSweep {
  public:
   BackwardSweep(const ShootingProblem& problem, const ControlBounds& bounds);
 
-  /// Fills `feedback`; where `open_gaps`, for the full step that closes the gaps. Returns the knot
+  /// Fills `feedback`, for the full step that closes the gaps. Returns the knot
   /// whose stage has no minimum or is not finite, or −1 where all went well. `hold` is passed on
   /// to the policy.
-  int run(const Linearization& linearization, const Trajectory& trajectory, bool open_gaps,
+  int run(const Linearization& linearization, const Trajectory& trajectory, const Gaps& gaps,
           SweepRegularization regularization, StagePolicy& policy, Feedback& feedback,
           bool hold = false);
 
   /// Value at node k after a sweep, with respect to δx_k.
   const ValueFunction& value(int k) const { return values_[k]; }
-  /// Exchanges all of them with another set of the same shape.
-  void swap_values(std::vector<ValueFunction>& other) { values_.swap(other); }
+  /// Q_uu of a knot, without regularisation.
+  const Eigen::MatrixXd& Quu(int k) const { return Quu_[k]; }
+  /// Exchanges all of these with another set of the same shape.
+  void swap_values(std::vector<ValueFunction>& other, std::vector<Eigen::MatrixXd>& other_Quu) {
+    values_.swap(other);
+    Quu_.swap(other_Quu);
+  }
 
  private:
   bool solve_stage(int k, const Trajectory& trajectory, const KnotLinearization& knot,
                    SweepRegularization regularization, StagePolicy& policy, Feedback& feedback);
-  void form_value(ValueFunction& value, const Eigen::VectorXd& k);
+  /// `true_gains`: K comes from second derivatives without regularisation.
+  void form_value(ValueFunction& value, const Eigen::VectorXd& k, bool true_gains);
 
   const ControlBounds& bounds_;
   std::vector<ValueFunction> values_;  ///< N + 1
+  std::vector<Eigen::MatrixXd> Quu_;
   ValueFunction next_;
-  GapTransport gap_;
   ValuePropagation propagation_;
   ActionValue q_;
   LaneMatrix columns_;  ///< nz x nu: control columns of Q_zz, regularised
   LaneMatrix Kt_;       ///< ndx x nu
   LaneMatrix M_;        ///< ndx x nu
-  LaneMatrix S_;        ///< ndx x ndx
   Eigen::VectorXd w_;   ///< nu
 };
 

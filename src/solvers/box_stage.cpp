@@ -14,8 +14,7 @@ class BoxStage : public StagePolicy {
       : qp_(max_nu, options.max_iterations, options.armijo),
         lower_(max_nu),
         upper_(max_nu),
-        rhs_(problem.ndx(), max_nu),
-        step_(1, max_nu),
+        rhs_(problem.ndx() + 1, max_nu),
         before_(max_nu) {
     factor_.resize(max_nu, max_nu);
     free_.reserve(max_nu);
@@ -42,13 +41,18 @@ class BoxStage : public StagePolicy {
     auto upper = upper_.head(nu);
     lower = stage.lower - stage.u;
     upper = stage.upper - stage.u;
-    Kept& kept = kept_[stage.knot];
-    kept.Qxu = stage.Qxu;
-    kept.Quu = stage.Quu;
-    kept.Qu = stage.Qu;
-    kept.lower = lower;
-    kept.upper = upper;
-    if (hold_) return solve_held(kept, active, k, Kt);
+    const bool unbound =
+        std::all_of(active.begin(), active.end(), [](auto a) { return a == BoundState::free; });
+    // Most knots are far from every bound: there the free minimum is that of the QP.
+    if (hold_ || unbound) {
+      const bool solved = solve_held(stage, active, k, Kt);
+      if (hold_ && !solved) return false;
+      if (hold_ ||
+          (solved && (k.array() >= lower.array()).all() && (k.array() <= upper.array()).all())) {
+        count_and_keep(stage, active);
+        return true;
+      }
+    }
     if (qp_.solve(stage.Quu, stage.Qu, lower, upper, active) ==
         BoxQp::Status::not_positive_definite) {
       return false;
@@ -63,10 +67,8 @@ class BoxStage : public StagePolicy {
     solve_rows_in_place(qp_.free_factor(), rhs_.block());
     Kt.setZero();
     for (int j = 0; j < count; ++j) Kt.col(free[j]) = rhs.col(j);
-    for (int i = 0; i < nu; ++i) {
-      standing_.clamped += active[i] != BoundState::free;
-      standing_.changes += active[i] != before_[i];
-    }
+    for (int i = 0; i < nu; ++i) standing_.changes += active[i] != before_[i];
+    count_and_keep(stage, active);
     return true;
   }
 
@@ -100,6 +102,10 @@ class BoxStage : public StagePolicy {
     }
   }
 
+  bool holds(int knot, int i) const override {
+    return standing_.active[knot][i] != BoundState::free;
+  }
+
   void remember() override { remembered_ = standing_; }
   void recall() override { standing_ = remembered_; }
 
@@ -120,37 +126,52 @@ class BoxStage : public StagePolicy {
     int changes = 0;
   };
 
+  /// Counts the clamped controls of a stage and keeps what `revise` needs of it.
+  void count_and_keep(const StageProblem& stage, const std::vector<BoundState>& active) {
+    const int nu = static_cast<int>(active.size());
+    Kept& kept = kept_[stage.knot];
+    kept.lower = lower_.head(nu);
+    kept.upper = upper_.head(nu);
+    const auto free = std::count(active.begin(), active.end(), BoundState::free);
+    if (free == nu) return;
+    standing_.clamped += nu - static_cast<int>(free);
+    kept.Qxu = stage.Qxu;
+    kept.Quu = stage.Quu;
+    kept.Qu = stage.Qu;
+  }
+
   /// The stage's minimum with the entries that `active` holds put at their bounds.
-  bool solve_held(const Kept& kept, const std::vector<BoundState>& active,
+  bool solve_held(const StageProblem& stage, const std::vector<BoundState>& active,
                   Eigen::Ref<Eigen::VectorXd> k, Eigen::Ref<Eigen::MatrixXd> Kt) {
+    const int nu = static_cast<int>(k.size()), ndx = static_cast<int>(Kt.rows());
     free_.clear();
-    for (int i = 0; i < k.size(); ++i) {
+    for (int i = 0; i < nu; ++i) {
       if (active[i] == BoundState::free)
         free_.push_back(i);
       else
-        k[i] = active[i] == BoundState::at_lower ? kept.lower[i] : kept.upper[i];
+        k[i] = active[i] == BoundState::at_lower ? lower_[i] : upper_[i];
     }
-    standing_.clamped += static_cast<int>(k.size() - free_.size());
     const int count = static_cast<int>(free_.size());
     auto factor = factor_.topLeftCorner(count, count);
-    rhs_.resize(static_cast<int>(Kt.rows()), count);
-    step_.resize(1, count);
+    // One solve for both: the gradient is one more row of right-hand sides.
+    rhs_.resize(ndx + 1, count);
     auto rhs = rhs_.view();
-    auto step = step_.view();
     for (int a = 0; a < count; ++a) {
-      for (int b = 0; b < count; ++b) factor(a, b) = kept.Quu(free_[a], free_[b]);
-      step(0, a) = -kept.Qu[free_[a]];
-      for (int i = 0; i < k.size(); ++i)
-        if (active[i] != BoundState::free) step(0, a) -= kept.Quu(i, free_[a]) * k[i];
-      rhs.col(a) = -kept.Qxu.col(free_[a]);
+      for (int b = a; b < count; ++b) factor(b, a) = stage.Quu(free_[b], free_[a]);
+      double gradient = stage.Qu[free_[a]];
+      if (count < nu) {
+        for (int i = 0; i < nu; ++i)
+          if (active[i] != BoundState::free) gradient += stage.Quu(i, free_[a]) * k[i];
+      }
+      rhs.col(a).head(ndx) = -stage.Qxu.col(free_[a]);
+      rhs(ndx, a) = -gradient;
     }
     if (!cholesky_in_place(factor)) return false;
-    solve_rows_in_place(factor, step_.block());
     solve_rows_in_place(factor, rhs_.block());
-    Kt.setZero();
+    if (count < nu) Kt.setZero();
     for (int a = 0; a < count; ++a) {
-      k[free_[a]] = step(0, a);
-      Kt.col(free_[a]) = rhs.col(a);
+      k[free_[a]] = rhs(ndx, a);
+      Kt.col(free_[a]) = rhs.col(a).head(ndx);
     }
     return true;
   }
@@ -161,7 +182,7 @@ class BoxStage : public StagePolicy {
   std::vector<int> free_;
   Eigen::MatrixXd factor_;
   Eigen::VectorXd lower_, upper_;
-  LaneMatrix rhs_, step_;
+  LaneMatrix rhs_;
   Standing standing_;
   Standing remembered_;
   std::vector<BoundState> before_;

@@ -53,9 +53,12 @@ Extremum ControlBounds::violation(const Trajectory& trajectory) const {
   return worst;
 }
 
-bool ControlBounds::at_bound(int k, int i, double u) const {
-  const double low = lower(k)[i], high = upper(k)[i];
-  return u <= low || u >= high || meets(u, low) || meets(u, high);
+bool ControlBounds::at_lower(int k, int i, double u) const {
+  return u <= lower(k)[i] || meets(u, lower(k)[i]);
+}
+
+bool ControlBounds::at_upper(int k, int i, double u) const {
+  return u >= upper(k)[i] || meets(u, upper(k)[i]);
 }
 
 Extremum ControlBounds::projected_norm(const Eigen::VectorXd& gradient,
@@ -65,8 +68,8 @@ Extremum ControlBounds::projected_norm(const Eigen::VectorXd& gradient,
     const auto u = trajectory.u(k);
     for (int i = 0; i < u.size(); ++i) {
       const double g = gradient[offset_[k] + i];
-      if (g > 0 && (u[i] <= lower(k)[i] || meets(u[i], lower(k)[i]))) continue;
-      if (g < 0 && (u[i] >= upper(k)[i] || meets(u[i], upper(k)[i]))) continue;
+      if (g > 0 && at_lower(k, i, u[i])) continue;
+      if (g < 0 && at_upper(k, i, u[i])) continue;
       if (!(std::abs(g) <= worst.value)) worst = {std::abs(g), k};
     }
   }

@@ -30,8 +30,10 @@ class ControlBounds {
   int clamp(Trajectory& trajectory) const;
   /// Largest distance of a control from its bounds.
   Extremum violation(const Trajectory& trajectory) const;
-  /// Whether a control stands at one of its bounds, to rounding.
-  bool at_bound(int k, int i, double u) const;
+  /// Whether a control stands at its lower bound, its upper one, or either, to rounding.
+  bool at_lower(int k, int i, double u) const;
+  bool at_upper(int k, int i, double u) const;
+  bool at_bound(int k, int i, double u) const { return at_lower(k, i, u) || at_upper(k, i, u); }
   /// ‖gradient‖∞ without the entries whose control stands at a bound (to rounding) that the
   /// descent direction would cross: there the bound's multiplier balances the gradient.
   Extremum projected_norm(const Eigen::VectorXd& gradient, const Trajectory& trajectory) const;

@@ -2,13 +2,16 @@
 
 #include <chrono>
 #include <memory>
+#include <optional>
 
 #include "ocp/acts.hpp"
 #include "solvers/adjoint.hpp"
+#include "solvers/augmented_lagrangian.hpp"
 #include "solvers/direction.hpp"
 #include "solvers/hessian_switch.hpp"
 #include "solvers/line_search.hpp"
 #include "solvers/options.hpp"
+#include "solvers/projected_newton.hpp"
 #include "solvers/regularization.hpp"
 #include "solvers/solve_result.hpp"
 
@@ -19,6 +22,8 @@ struct DdpRecipe {
   bool open_gaps = false;       ///< multiple shooting: start from the states given, contract gaps
   bool clamp_controls = false;  ///< the rollout projects every control on its bounds
   bool box_stage = false;       ///< stage problems respect the bounds
+  bool constraints = false;     ///< constraints enter as an augmented Lagrangian
+  bool newton = false;          ///< which a projected Newton method ends
   /// Exact second derivatives wait until the gaps are closed.
   HessianUse hessian = HessianUse::gauss_newton;
 };
@@ -36,15 +41,25 @@ class DdpSolver {
   bool linearize();
   void differentiate();
   bool converged();
+  void measure_constraints();
+  bool inner_converged() const;
+  bool next_multipliers();
+  bool newton_converges();
+  bool recover();
   bool may_continue();
   bool budget_left();
   bool take_step();
+  void correct_direction();
+  bool model_step();
   bool search();
+  double projected_stationarity() const;
+  double gap_weight() const;
   bool stationarity_fell();
   bool sweep_with_regularization();
   int sweep_backward(double regularization);
   void measure_direction();
   void finish();
+  void confirm_status();
   void sweep_for_gains();
   // These return false, so that the step in which the solve ends can return their value.
   bool end(SolveStatus status, std::string message);
@@ -60,14 +75,26 @@ class DdpSolver {
   Acts acts_;
   Linearization linearization_;
   HessianSwitch hessian_;
+  Gaps gaps_;
   Adjoint adjoint_;
   Direction direction_;
   LineSearch line_search_;
   RegularizationSchedule regularization_;
-  Trajectory trajectory_;           ///< the iterate
+  std::optional<AugmentedLagrangian> constraints_;
+  const Augmentation* augmentation_ = nullptr;
+  std::optional<ProjectedNewton> newton_;
+  double newton_threshold_ = 0;  ///< violation and stationarity below which Newton is tried
+  bool by_newton_ = false;       ///< the solve ended with it
+  double inner_tolerance_ = 0, inner_decrease_ = 0;  ///< of the minimisation that is under way
+  int recoveries_ = 0;                               ///< minimisations that ended without a step
+  int inner_start_ = 0;                              ///< iteration at which it began
+  Trajectory trajectory_;                            ///< the iterate
   Trajectory before_;               ///< the iterate before the last step, should that be taken back
   bool linearized_ = false;         ///< linearization_ belongs to trajectory_
   bool at_rounding_floor_ = false;  ///< the merit is blind and stationarity does not fall
+  int full_steps_ = 0;              ///< accepted one after the other
+  int full_steps_wanted_ = 1;       ///< before the linear model's step is tried
+  double last_stationarity_ = 0;    ///< of the iterate before
   MeritModel merit_;
   LineSearchResult search_;
   IterationRecord row_;

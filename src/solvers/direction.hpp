@@ -8,6 +8,7 @@
 #include "solvers/backward_sweep.hpp"
 #include "solvers/line_search.hpp"
 #include "solvers/linear_rollout.hpp"
+#include "solvers/secant_memory.hpp"
 
 namespace conddp {
 
@@ -16,7 +17,6 @@ namespace conddp {
 class Direction {
  public:
   struct Recipe {
-    bool open_gaps = false;
     bool clamp_controls = false;
     bool box_stage = false;
   };
@@ -25,20 +25,41 @@ class Direction {
 
   /// Forgets the active set and the gains of the solve before.
   void reset();
-  /// Fills feedback() around an iterate. Returns the knot whose stage has no minimum, or −1.
-  int find(const Linearization& linearization, const Trajectory& trajectory, const Adjoint& adjoint,
-           const MeritModel& merit, SweepRegularization regularization);
-  /// What the linear model says of the policy's full step.
-  ModelStep measure(const Linearization& linearization, const Trajectory& trajectory);
+  /// Fills feedback() around an iterate and rolls it out through the linear model. Returns the knot
+  /// whose stage has no minimum, or −1.
+  int find(const Linearization& linearization, const Trajectory& trajectory, const Gaps& gaps,
+           const Adjoint& adjoint, const MeritModel& merit, SweepRegularization regularization);
+
+  /// After a sweep without regularisation: corrects k by what former steps tell about the Hessian.
+  void correct(const Linearization& linearization, const Trajectory& trajectory, const Gaps& gaps);
+  bool corrected() const { return corrected_; }
+  /// Back to the sweep's own k; former steps are forgotten.
+  void undo_correction(const Linearization& linearization, const Trajectory& trajectory,
+                       const Gaps& gaps);
+  /// That the full step has been taken.
+  void step_taken() { secants_.step_taken(feedback_); }
+  /// Forgets former steps.
+  void forget_steps();
 
   const Feedback& feedback() const { return feedback_; }
   const StagePolicy& policy() const { return *policy_; }
+  /// The policy's full step in the linear model, cut off at bounds as the rollout proper is.
+  const LinearRollout& step() const { return linear_rollout_; }
+  /// Whether that step meets no bound on its way: nothing had to be cut off.
+  bool within_bounds() const { return within_bounds_; }
+  /// dᵀ Hessian d of the step.
+  double curvature(const Linearization& linearization) {
+    return linear_rollout_.curvature(linearization);
+  }
+  /// Largest multiplier of the dynamics in the QP.
+  double multiplier() { return linear_rollout_.multiplier(sweep_); }
 
  private:
   /// What a sweep leaves besides its policy's active set, set aside while another one is tried.
   struct Remembered {
     Feedback feedback;
     std::vector<ValueFunction> values;
+    std::vector<Eigen::MatrixXd> Quu;
   };
   void remember();
   void recall();
@@ -51,8 +72,11 @@ class Direction {
   std::unique_ptr<StagePolicy> policy_;
   LinearRollout linear_rollout_;
   Feedback feedback_;
+  SecantMemory secants_;
+  bool corrected_ = false;
   std::optional<Remembered> remembered_;  ///< where sweeps are compared
   bool active_set_known_ = false;         ///< the policy holds one of the whole horizon
+  bool within_bounds_ = false;
 };
 
 }  // namespace conddp

@@ -1,9 +1,14 @@
 #include "solvers/gap_transport.hpp"
 
+#include <limits>
+
 #include "solvers/curved_blocks.hpp"
 
 namespace conddp {
 namespace {
+
+/// Gaps up to this size are what rounding leaves of a closed one.
+constexpr double kRounding = 4 * std::numeric_limits<double>::epsilon();
 
 using BlockMap =
     Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor, 6, 6>>;
@@ -23,8 +28,10 @@ GapTransport::GapTransport(const StateManifold& manifold)
       wrt_dx_(G_.size()) {}
 
 void GapTransport::set(const Eigen::Ref<const Eigen::VectorXd>& gap) {
+  none_ = gap.lpNorm<Eigen::Infinity>() <= kRounding;
+  identity_ = none_ || manifold_.curved().empty();
+  if (none_) return;
   gap_ = gap;
-  identity_ = manifold_.curved().empty() || gap.isZero(0);
   if (identity_) return;
   minus_gap_ = -gap;
   manifold_.integrate_jacobians(minus_gap_.data(), G_.data(), wrt_dx_.data());
@@ -38,7 +45,7 @@ void GapTransport::push(Eigen::Ref<Eigen::VectorXd> delta) const {
       delta.segment(segment.dx, segment.n).noalias() = block(G_, s, segment.n) * part;
     }
   }
-  delta += gap_;
+  if (!none_) delta += gap_;
 }
 
 void GapTransport::pull(Eigen::Ref<Eigen::VectorXd> lambda) const {
@@ -51,6 +58,7 @@ void GapTransport::pull(Eigen::Ref<Eigen::VectorXd> lambda) const {
 }
 
 void GapTransport::pull(ValueFunction& value) const {
+  if (none_) return;
   value.Vx.noalias() += value.Vxx * gap_;
   if (identity_) return;
   pull(value.Vx);
@@ -60,6 +68,22 @@ void GapTransport::pull(ValueFunction& value) const {
     const CurvedBlock G{G_.data() + s * StateManifold::kBlockSize, segment.n, segment.n};
     transform_rows(G, value.Vxx.data() + segment.dx, ndx, ndx);
     transform_columns(G, value.Vxx.col(segment.dx).data(), ndx, ndx);
+  }
+}
+
+Gaps::Gaps(const ShootingProblem& problem)
+    : knots_(problem.knots(), GapTransport(problem.manifold())) {}
+
+void Gaps::set(const Linearization& linearization, bool open) {
+  norm_ = 0;
+  for (std::size_t k = 0; k < knots_.size(); ++k) {
+    if (!open) {
+      knots_[k].close();
+      continue;
+    }
+    const auto gap = linearization.gap.col(static_cast<Eigen::Index>(k));
+    knots_[k].set(gap);
+    if (!knots_[k].closed()) norm_ += gap.lpNorm<1>();
   }
 }
 

@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-#include "ocp/problem.hpp"
+#include "ocp/linearization.hpp"
 #include "solvers/value.hpp"
 
 namespace conddp {
@@ -13,13 +13,16 @@ namespace conddp {
 ///
 /// The rollout contracts gaps by x⁺ = f ⊕ (α − 1) f̄, so that to first order δx_{k+1} = G δf + α f̄.
 /// Tangent vectors at f and at x_{k+1} differ on curved spaces: G = Ad exp(f̄), the identity where
-/// the space is flat or the gap closed.
+/// the space is flat or the gap closed. What rounding leaves of a closed gap counts as none.
 class GapTransport {
  public:
   explicit GapTransport(const StateManifold& manifold);
 
   /// Prepares G for this gap (ndx).
   void set(const Eigen::Ref<const Eigen::VectorXd>& gap);
+  /// A closed gap.
+  void close() { none_ = identity_ = true; }
+  bool closed() const { return none_; }
 
   /// δ ← G δ + f̄.
   void push(Eigen::Ref<Eigen::VectorXd> delta) const;
@@ -31,9 +34,26 @@ class GapTransport {
 
  private:
   const StateManifold& manifold_;
-  bool identity_ = true;
+  bool none_ = true, identity_ = true;
   Eigen::VectorXd gap_, minus_gap_;
   std::vector<double> G_, wrt_dx_;  // blocks by rows, StateManifold::kBlockSize apart
+};
+
+/// The gaps of all knots of a linearised iterate.
+class Gaps {
+ public:
+  explicit Gaps(const ShootingProblem& problem);
+
+  /// Takes those of a linearisation; none of them where a solver keeps gaps closed (`open` false).
+  void set(const Linearization& linearization, bool open);
+  const GapTransport& operator[](int k) const { return knots_[k]; }
+  /// Σ‖gap‖₁; 0 where all are closed.
+  double norm() const { return norm_; }
+  bool closed() const { return norm_ == 0; }
+
+ private:
+  std::vector<GapTransport> knots_;
+  double norm_ = 0;
 };
 
 }  // namespace conddp

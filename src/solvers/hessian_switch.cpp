@@ -1,12 +1,17 @@
 #include "solvers/hessian_switch.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace conddp {
 namespace {
 
-/// Iterations over which convergence is judged to be slow or not.
+/// Fewest iterations over which convergence is judged.
 constexpr int kWatchedIterations = 10;
+/// What an exact Hessian costs for each of its directions, in Gauss-Newton iterations; and how many
+/// exact iterations a solve is taken to need.
+constexpr double kDirectionCost = 1;
+constexpr double kExactIterations = 4;
 
 }  // namespace
 
@@ -22,22 +27,32 @@ HessianUse hessian_use(const SolverOptions& options) {
   return HessianUse::when_slow;
 }
 
-HessianSwitch::HessianSwitch(HessianUse use, Acts& acts, Linearization& linearization)
-    : use_(use), acts_(acts), linearization_(linearization) {
+HessianSwitch::HessianSwitch(HessianUse use, double tolerance, Acts& acts,
+                             Linearization& linearization)
+    : use_(use), tolerance_(tolerance), acts_(acts), linearization_(linearization) {
   if (use == HessianUse::gauss_newton) return;
+  Eigen::Index nz = 0;
+  for (const KnotLinearization& knot : linearization.knots) nz = std::max(nz, knot.gradient.size());
+  exact_cost_ = 1 + kDirectionCost * static_cast<double>(nz);
   acts.reserve_lagrangian_hessian();
   for (const KnotLinearization& knot : linearization.knots) other_.push_back(knot.hessian);
 }
 
 void HessianSwitch::reset() { exact_wanted_ = use_ == HessianUse::exact; }
 
-/// Every kWatchedIterations: neither has the stationarity fallen by a factor of ten, nor is the
-/// cost still falling much; then Gauss-Newton is in the slow tail of its convergence.
+/// An exact Hessian takes as many passes as there are directions, so what it saves has to be worth
+/// that. Over a window that is itself no longer than a fraction of the price, the stationarity's
+/// rate of convergence tells how many iterations Gauss-Newton still needs; exact ones are taken to
+/// need kExactIterations. As long as the cost falls much, that rate says nothing.
 void HessianSwitch::watch(const IterationRecord& row) {
   if (use_ != HessianUse::when_slow || exact_wanted_) return;
-  if (row.iteration > 0 && row.iteration < watched_iteration_ + kWatchedIterations) return;
-  exact_wanted_ = row.iteration > 0 && row.stationarity > 0.1 * watched_stationarity_ &&
-                  watched_cost_ - row.cost < 0.1 * std::abs(row.cost);
+  const int window = std::max(kWatchedIterations, static_cast<int>(exact_cost_ / 2));
+  if (row.iteration > 0 && row.iteration < watched_iteration_ + window) return;
+  if (row.iteration > 0 && watched_cost_ - row.cost < 0.1 * std::abs(row.cost)) {
+    const double decades = std::log10(watched_stationarity_ / row.stationarity) / window;
+    const double wanted = std::log10(row.stationarity / tolerance_);
+    exact_wanted_ = !(wanted <= decades * kExactIterations * exact_cost_);
+  }
   watched_iteration_ = row.iteration;
   watched_stationarity_ = row.stationarity;
   watched_cost_ = row.cost;
@@ -54,9 +69,10 @@ void HessianSwitch::begin_iterate() {
   exact_known_ = false;
 }
 
-void HessianSwitch::evaluate_exact(const Trajectory& trajectory, const Eigen::MatrixXd& costates) {
+void HessianSwitch::evaluate_exact(const Trajectory& trajectory, const Eigen::MatrixXd& costates,
+                                   const Augmentation* augmentation) {
   use(true);
-  acts_.lagrangian_hessian(trajectory, costates, linearization_);
+  acts_.lagrangian_hessian(trajectory, costates, linearization_, augmentation);
   exact_known_ = true;
 }
 

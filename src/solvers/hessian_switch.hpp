@@ -19,8 +19,9 @@ HessianUse hessian_use(const SolverOptions& options);
 /// linearisation and the other here; and when a solve turns from the former to the latter.
 class HessianSwitch {
  public:
-  /// Allocates what exact Hessians need, where they may be used.
-  HessianSwitch(HessianUse use, Acts& acts, Linearization& linearization);
+  /// Allocates what exact Hessians need, where they may be used. `tolerance` is that of the
+  /// stationarity.
+  HessianSwitch(HessianUse use, double tolerance, Acts& acts, Linearization& linearization);
 
   /// At the start of a solve.
   void reset();
@@ -35,7 +36,8 @@ class HessianSwitch {
   /// Whether the iterate should get exact Hessians.
   bool exact_wanted() const { return exact_wanted_; }
   /// Gives it those with these co-states (ndx x (N + 1)).
-  void evaluate_exact(const Trajectory& trajectory, const Eigen::MatrixXd& costates);
+  void evaluate_exact(const Trajectory& trajectory, const Eigen::MatrixXd& costates,
+                      const Augmentation* augmentation = nullptr);
   /// Whether the iterate has them.
   bool exact_known() const { return exact_known_; }
 
@@ -45,6 +47,8 @@ class HessianSwitch {
 
  private:
   HessianUse use_;
+  double tolerance_;
+  double exact_cost_ = 0;  ///< of an iteration, in Gauss-Newton iterations
   Acts& acts_;
   Linearization& linearization_;
   std::vector<Eigen::MatrixXd> other_;  ///< the set that is not in the linearisation

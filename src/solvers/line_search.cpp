@@ -23,20 +23,21 @@ LineSearch::LineSearch(const ShootingProblem& problem, const SolverOptions::Line
       dx_(problem.ndx()) {
   int largest = 0;
   for (int k = 0; k < problem.knots(); ++k) largest = std::max(largest, problem.nu(k));
-  excess_.resize(largest);
+  followed_.resize(largest);
 }
 
-double LineSearch::applied_slope(int lane, const Adjoint& adjoint, const Trajectory& trajectory) {
+double LineSearch::applied_slope(int lane, const Adjoint& adjoint, const Feedback& feedback,
+                                 const Trajectory& trajectory) {
   lanes_.extract(lane, trial_);
   double slope = 0;
   int offset = 0;
   for (int k = 0; k < trajectory.knots(); ++k) {
     const int nu = trajectory.nu(k);
     manifold_.difference(trajectory.x(k).data(), trial_.x(k).data(), dx_.data());
-    auto excess = excess_.head(nu);
-    excess = trial_.u(k) - trajectory.u(k);
-    excess.noalias() -= adjoint.gains(k) * dx_;
-    slope += adjoint.gradient().segment(offset, nu).dot(excess);
+    auto followed = followed_.head(nu);
+    followed.noalias() = feedback.K[k] * dx_;
+    slope += adjoint.gradient().segment(offset, nu).dot(trial_.u(k) - trajectory.u(k)) -
+             adjoint.followed_gradient().segment(offset, nu).dot(followed);
     offset += nu;
   }
   return slope;
@@ -62,7 +63,8 @@ LineSearchResult LineSearch::run(Acts& acts, const MeritModel& merit, const Adjo
         continue;
       }
       const double step = steps[lane];
-      const double expected = expected_decrease(lane, step, merit, adjoint, rollout, trajectory);
+      const double expected =
+          expected_decrease(lane, step, merit, adjoint, feedback, rollout, trajectory);
       const double actual = actual_decrease(lane, step, merit);
       const bool hidden = merit.hidden(expected);
       const bool armijo = expected > 0 && actual >= options_.armijo * expected;
@@ -89,11 +91,11 @@ double LineSearch::actual_decrease(int lane, double step, const MeritModel& meri
 }
 
 double LineSearch::expected_decrease(int lane, double step, const MeritModel& merit,
-                                     const Adjoint& adjoint, const RolloutOptions& rollout,
-                                     const Trajectory& trajectory) {
+                                     const Adjoint& adjoint, const Feedback& feedback,
+                                     const RolloutOptions& rollout, const Trajectory& trajectory) {
   double slope = step * merit.slope;
-  if (rollout.clamp_controls) {
-    slope = applied_slope(lane, adjoint, trajectory);
+  if (rollout.clamp_controls && !merit.slope_within_bounds) {
+    slope = applied_slope(lane, adjoint, feedback, trajectory);
     if (rollout.contract_gaps) slope += step * adjoint.gap_slope();
   }
   return step * merit.penalty * merit.gap_norm - slope;

@@ -12,10 +12,13 @@ struct MeritModel {
   double gap_norm = 0;  ///< Σ‖gap‖₁ of the iterate
   double penalty = 0;   ///< ν, above the dynamics' multipliers so that closing gaps is descent
   double slope = 0;     ///< ∇J·d of the model's full step
-  double rounding = 0;  ///< size of J's rounding errors
+  bool slope_within_bounds = false;  ///< that step meets no bound on its way
+  double rounding = 0;               ///< size of J's rounding errors
   double value() const { return cost + penalty * gap_norm; }
   /// Derivative of φ along the step: gaps shrink by (1 − α).
   double merit_slope() const { return slope - penalty * gap_norm; }
+  /// Whether the step lowers the merit at first, as far as rounding lets it be seen.
+  bool descends() const { return merit_slope() < 0 || hidden(merit_slope()); }
   /// Whether rounding hides a change of that size.
   bool hidden(double change) const;
 };
@@ -36,9 +39,10 @@ struct LineSearchResult {
 /// its half instead where that lowers the merit more (down to 1/8). A trial that is not finite is
 /// rejected.
 ///
-/// Without clamping the first-order decrease of a step α is −α (∇J·d − ν Σ‖gap‖₁). With clamping it
+/// Where the model's step meets no bound the first-order decrease of a step α is
+/// −α (∇J·d − ν Σ‖gap‖₁). Otherwise it
 /// is that of the controls which the rollout really applied (Bertsekas' rule for projected steps),
-/// −Σ ∇_u Lᵀ (δu_α − K δx_α) − α (Σ λᵀ gap − ν Σ‖gap‖₁), with the adjoint's K.
+/// −Σ ∇_u Lᵀ (δu_α − K δx_α) − α (Σ λᵀ gap − ν Σ‖gap‖₁), with the adjoint along that policy.
 ///
 /// Where the decrease of the first step is lost in the merit's rounding, Armijo's rule is blind:
 /// then that step passes if the merit changes by no more than rounding, and is marked so. The
@@ -55,14 +59,16 @@ class LineSearch {
  private:
   double actual_decrease(int lane, double step, const MeritModel& merit) const;
   double expected_decrease(int lane, double step, const MeritModel& merit, const Adjoint& adjoint,
-                           const RolloutOptions& rollout, const Trajectory& trajectory);
-  double applied_slope(int lane, const Adjoint& adjoint, const Trajectory& trajectory);
+                           const Feedback& feedback, const RolloutOptions& rollout,
+                           const Trajectory& trajectory);
+  double applied_slope(int lane, const Adjoint& adjoint, const Feedback& feedback,
+                       const Trajectory& trajectory);
 
   SolverOptions::LineSearch options_;
   StateManifold manifold_;
   LaneRollout lanes_;
-  Trajectory trial_;             ///< of one lane
-  Eigen::VectorXd dx_, excess_;  ///< scratch: δx, and δu − K δx
+  Trajectory trial_;               ///< of one lane
+  Eigen::VectorXd dx_, followed_;  ///< scratch: δx, and K δx
 };
 
 }  // namespace conddp

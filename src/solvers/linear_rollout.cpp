@@ -5,72 +5,70 @@
 namespace conddp {
 
 LinearRollout::LinearRollout(const ShootingProblem& problem, const ControlBounds& bounds)
-    : bounds_(bounds), gap_(problem.manifold()), dx_(problem.ndx()), lambda_(problem.ndx()) {
-  int largest = problem.ndx();
-  for (int k = 0; k < problem.knots(); ++k) {
-    largest = std::max(largest, problem.ndx() + problem.nu(k));
+    : bounds_(bounds), ndx_(problem.ndx()), lambda_(problem.ndx()) {
+  int largest = ndx_;
+  for (int k = 0; k <= problem.knots(); ++k) {
+    const int nz = ndx_ + (k < problem.knots() ? problem.nu(k) : 0);
+    z_.push_back(Eigen::VectorXd::Zero(nz));
+    largest = std::max(largest, nz);
   }
-  z_.resize(largest);
   product_.resize(largest);
 }
 
-ModelStep LinearRollout::run(const Linearization& linearization, const Trajectory& trajectory,
-                             const Feedback& feedback, const BackwardSweep& sweep, bool open_gaps,
-                             bool clamp) {
+void LinearRollout::run(const Linearization& linearization, const Trajectory& trajectory,
+                        const Gaps& gaps, const Feedback& feedback, bool clamp) {
   const int N = bounds_.knots();
-  const int ndx = static_cast<int>(dx_.size());
-  ModelStep step;
-  dx_.setZero();
-  for (int k = 0; k <= N; ++k) {
+  slope_ = 0;
+  z_[0].head(ndx_).setZero();
+  for (int k = 0; k < N; ++k) {
     const KnotLinearization& knot = linearization.knots[k];
-    auto z = z_.head(ndx + knot.nu());
-    auto product = product_.head(z.size());
-    z.head(ndx) = dx_;
-    if (k < N) {
-      auto du = z.tail(knot.nu());
-      du = feedback.k[k];
-      du.noalias() += feedback.K[k] * dx_;
-      if (clamp) {
-        const auto u = trajectory.u(k);
-        du = du.cwiseMin(bounds_.upper(k) - u).cwiseMax(bounds_.lower(k) - u);
-      }
+    const auto dx = z_[k].head(ndx_);
+    auto du = z_[k].tail(knot.nu());
+    du = feedback.k[k];
+    du.noalias() += feedback.K[k] * dx;
+    if (clamp) {
+      const auto u = trajectory.u(k);
+      du = du.cwiseMin(bounds_.upper(k) - u).cwiseMax(bounds_.lower(k) - u);
     }
-    product.noalias() = knot.hessian * z;
-    step.slope += knot.gradient.dot(z);
-    step.curvature += z.dot(product);
-    if (k == N) break;
-    knot.apply(z, dx_);
-    if (open_gaps) {
-      gap_.set(linearization.gap.col(k));
-      gap_.push(dx_);
-    }
-    const ValueFunction& next = sweep.value(k + 1);
-    lambda_ = next.Vx;
-    lambda_.noalias() += next.Vxx * dx_;
-    step.multiplier = std::max(step.multiplier, lambda_.lpNorm<Eigen::Infinity>());
+    slope_ += knot.gradient.dot(z_[k]);
+    auto next = z_[k + 1].head(ndx_);
+    knot.apply(z_[k], next);
+    gaps[k].push(next);
   }
-  return step;
+  slope_ += linearization.knots[N].gradient.dot(z_[N]);
 }
 
-int LinearRollout::revise(const Linearization& linearization, const Feedback& feedback,
-                          bool open_gaps, bool release, StagePolicy& policy) {
-  const int ndx = static_cast<int>(dx_.size());
-  int changes = 0;
-  dx_.setZero();
-  for (int k = 0; k < bounds_.knots(); ++k) {
-    const KnotLinearization& knot = linearization.knots[k];
-    auto z = z_.head(ndx + knot.nu());
-    z.head(ndx) = dx_;
-    auto du = z.tail(knot.nu());
-    du = feedback.k[k];
-    du.noalias() += feedback.K[k] * dx_;
-    changes += policy.revise(k, z.head(ndx), du, release);
-    knot.apply(z, dx_);
-    if (open_gaps) {
-      gap_.set(linearization.gap.col(k));
-      gap_.push(dx_);
-    }
+void LinearRollout::apply(const StateManifold& manifold, Trajectory& trajectory) const {
+  for (int k = 0; k <= bounds_.knots(); ++k) {
+    double* x = trajectory.x(k).data();
+    if (k > 0) manifold.integrate(x, z_[k].data(), x);
+    if (k < bounds_.knots()) trajectory.u(k) += du(k);
   }
+}
+
+double LinearRollout::curvature(const Linearization& linearization) {
+  double sum = 0;
+  for (std::size_t k = 0; k < z_.size(); ++k) {
+    auto product = product_.head(z_[k].size());
+    product.noalias() = linearization.knots[k].hessian * z_[k];
+    sum += z_[k].dot(product);
+  }
+  return sum;
+}
+
+double LinearRollout::multiplier(const BackwardSweep& sweep) {
+  double largest = 0;
+  for (int k = 1; k <= bounds_.knots(); ++k) {
+    lambda_ = sweep.value(k).Vx;
+    lambda_.noalias() += sweep.value(k).Vxx * dx(k);
+    largest = std::max(largest, lambda_.lpNorm<Eigen::Infinity>());
+  }
+  return largest;
+}
+
+int LinearRollout::revise(bool release, StagePolicy& policy) const {
+  int changes = 0;
+  for (int k = 0; k < bounds_.knots(); ++k) changes += policy.revise(k, dx(k), du(k), release);
   return changes;
 }
 

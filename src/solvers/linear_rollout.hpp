@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include <Eigen/Core>
 
 #include "ocp/acts.hpp"
@@ -10,32 +12,37 @@
 
 namespace conddp {
 
-/// What the quadratic model says of a sweep's full step d = (δx, δu).
-struct ModelStep {
-  double slope = 0;       ///< ∇J·d: exact derivative of the cost along the rollout at α = 0
-  double curvature = 0;   ///< dᵀ Hessian d
-  double multiplier = 0;  ///< largest |V_x + V_xx δx|: the dynamics' multipliers of the QP
-};
-
-/// Rolls a sweep's policy out through the linear model: δx_0 = 0, δu = k + K δx,
-/// δx⁺ = G (f_x δx + f_u δu) + gap.
+/// A sweep's policy rolled out through the linear model, its full step d = (δx, δu): δx_0 = 0,
+/// δu = k + K δx, δx⁺ = G (f_x δx + f_u δu) + gap.
 class LinearRollout {
  public:
   LinearRollout(const ShootingProblem& problem, const ControlBounds& bounds);
 
   /// With `clamp`, δu is cut where u + δu would leave its bounds, as the rollout proper does.
-  ModelStep run(const Linearization& linearization, const Trajectory& trajectory,
-                const Feedback& feedback, const BackwardSweep& sweep, bool open_gaps, bool clamp);
+  void run(const Linearization& linearization, const Trajectory& trajectory, const Gaps& gaps,
+           const Feedback& feedback, bool clamp);
 
-  /// Shows every knot's step, not cut off, to the policy for revision of its active set
-  /// (StagePolicy::revise); returns how many entries changed.
-  int revise(const Linearization& linearization, const Feedback& feedback, bool open_gaps,
-             bool release, StagePolicy& policy);
+  /// The step at node k (ndx), and at a knot (nu).
+  auto dx(int k) const { return z_[k].head(ndx_); }
+  auto du(int k) const { return z_[k].tail(z_[k].size() - ndx_); }
+  /// Moves a trajectory by the full step.
+  void apply(const StateManifold& manifold, Trajectory& trajectory) const;
+  /// ∇J·d: exact derivative of the cost along the rollout at α = 0.
+  double slope() const { return slope_; }
+  /// dᵀ Hessian d.
+  double curvature(const Linearization& linearization);
+  /// Largest |V_x + V_xx δx| after the first node: the dynamics' multipliers of the QP.
+  double multiplier(const BackwardSweep& sweep);
+  /// Shows every knot's step to the policy for revision of its active set (StagePolicy::revise);
+  /// returns how many entries changed.
+  int revise(bool release, StagePolicy& policy) const;
 
  private:
   const ControlBounds& bounds_;
-  GapTransport gap_;
-  Eigen::VectorXd z_, dx_, product_, lambda_;
+  int ndx_;
+  std::vector<Eigen::VectorXd> z_;  ///< (δx, δu) of every node
+  double slope_ = 0;
+  Eigen::VectorXd product_, lambda_;
 };
 
 }  // namespace conddp

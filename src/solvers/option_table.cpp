@@ -57,6 +57,14 @@ constexpr std::array kTable = {
                .min_excluded = true,
                .max_excluded = true,
                .access = CONDDP_ACCESS(tolerances.constraint)},
+    OptionInfo{.name = "tolerances.complementarity",
+               .doc = "Largest product of a multiplier and the distance from its bound at "
+                      "convergence, in the cost's unit.",
+               .min = 0,
+               .max = kInfinity,
+               .min_excluded = true,
+               .max_excluded = true,
+               .access = CONDDP_ACCESS(tolerances.complementarity)},
     OptionInfo{.name = "regularization.kind",
                .doc = "Add it to V_xx through the dynamics (state) or to Q_uu (control).",
                .choices = kRegularizationKinds,
@@ -118,6 +126,34 @@ constexpr std::array kTable = {
                .max = 1e6,
                .min_excluded = true,
                .access = CONDDP_ACCESS(line_search.merit_margin)},
+    OptionInfo{.name = "augmented_lagrangian.initial_penalty",
+               .doc = "First penalty of every constraint; cost per squared constraint unit.",
+               .min = 0,
+               .max = kInfinity,
+               .min_excluded = true,
+               .max_excluded = true,
+               .access = CONDDP_ACCESS(augmented_lagrangian.initial_penalty)},
+    OptionInfo{.name = "augmented_lagrangian.penalty_factor",
+               .doc = "Factor by which the penalty of a constraint grows.",
+               .min = 1,
+               .max = 1e6,
+               .min_excluded = true,
+               .access = CONDDP_ACCESS(augmented_lagrangian.penalty_factor)},
+    OptionInfo{.name = "augmented_lagrangian.max_penalty",
+               .doc = "Penalty beyond which none grows.",
+               .min = 0,
+               .max = kInfinity,
+               .min_excluded = true,
+               .max_excluded = true,
+               .access = CONDDP_ACCESS(augmented_lagrangian.max_penalty)},
+    OptionInfo{.name = "augmented_lagrangian.sufficient_decrease",
+               .doc = "A penalty grows where the violation exceeds this share of what it was at "
+                      "the last update.",
+               .min = 0,
+               .max = 1,
+               .min_excluded = true,
+               .max_excluded = true,
+               .access = CONDDP_ACCESS(augmented_lagrangian.sufficient_decrease)},
     OptionInfo{.name = "box_qp.max_iterations",
                .doc = "Projected Newton steps of one stage problem.",
                .min = 1,
@@ -245,6 +281,12 @@ std::vector<std::string> SolverOptions::validate() const {
     messages.push_back(
         fmt::format("regularization.min ({}) must be at most regularization.max ({})",
                     regularization.min, regularization.max));
+  }
+  if (augmented_lagrangian.initial_penalty > augmented_lagrangian.max_penalty) {
+    messages.push_back(
+        fmt::format("augmented_lagrangian.initial_penalty ({}) must be at most "
+                    "augmented_lagrangian.max_penalty ({})",
+                    augmented_lagrangian.initial_penalty, augmented_lagrangian.max_penalty));
   }
   if (regularization.initial > regularization.max) {
     messages.push_back(

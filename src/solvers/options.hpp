@@ -16,8 +16,8 @@ namespace conddp {
 enum class RegularizationKind { state, control };
 
 /// Second derivatives that the sweep uses. `automatic` leaves the choice to the solver: exact for
-/// ddp, Gauss-Newton for ilqr and ilqr_clip, and for the others Gauss-Newton unless its convergence
-/// turns out to be slow.
+/// ddp, Gauss-Newton for ilqr and ilqr_clip, and for the others Gauss-Newton with
+/// secant corrections until exact ones pay (docs/solvers.md).
 enum class HessianChoice { automatic, gauss_newton, exact };
 
 /// Everything that can be set about a DDP solve. The defaults serve the whole catalogue.
@@ -32,6 +32,7 @@ struct SolverOptions {
     double stationarity = 1e-6;
     double gap = 1e-9;
     double constraint = 1e-6;
+    double complementarity = 1e-6;
   } tolerances;
 
   struct Regularization {
@@ -49,6 +50,14 @@ struct SolverOptions {
     double armijo = 1e-4;
     double merit_margin = 1.5;
   } line_search;
+
+  /// Of solvers that minimise an augmented Lagrangian.
+  struct AugmentedLagrangian {
+    double initial_penalty = 0.1;
+    double penalty_factor = 10;
+    double max_penalty = 1e8;
+    double sufficient_decrease = 0.25;
+  } augmented_lagrangian;
 
   struct BoxQp {
     int max_iterations = 100;

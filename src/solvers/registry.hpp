@@ -54,5 +54,6 @@ SolverInfo ddp();
 SolverInfo box_ddp();
 SolverInfo fddp();
 SolverInfo box_fddp();
+SolverInfo altro();
 
 }  // namespace conddp

@@ -25,6 +25,9 @@ struct Residuals {
   int constraint_knot = -1;
 };
 
+/// SolveResult::failed_quantity of a solve that ends because its cost has no more digits.
+inline constexpr std::string_view kRoundedCost = "rounding of the cost";
+
 /// Wall-clock seconds, in all and by act.
 struct SolveTimes {
   double total = 0;
@@ -39,11 +42,16 @@ struct SolveResult {
   explicit SolveResult(const ShootingProblem& problem)
       : trajectory(problem.create_trajectory()),
         feedback(problem),
-        costates(Eigen::MatrixXd::Zero(problem.ndx(), problem.knots() + 1)) {}
+        costates(Eigen::MatrixXd::Zero(problem.ndx(), problem.knots() + 1)),
+        state_gradient(Eigen::MatrixXd::Zero(problem.ndx(), problem.knots() + 1)),
+        constraint_values(Eigen::VectorXd::Zero(problem.constraint_rows())),
+        constraint_multipliers(constraint_values) {}
 
   SolveStatus status = SolveStatus::diverged;
-  std::string message;  ///< one sentence: the cause, with knot and quantity
-  std::string start;    ///< one sentence: what of the guess was used
+  std::string message;          ///< one sentence: the cause, with knot and quantity
+  int failed_knot = -1;         ///< where the solve failed, −1: at no knot in particular
+  std::string failed_quantity;  ///< what was not finite or not definite there, may be empty
+  std::string start;            ///< one sentence: what of the guess was used
   double cost = std::numeric_limits<double>::quiet_NaN();
   int iterations = 0;
   Residuals residuals;
@@ -56,9 +64,14 @@ struct SolveResult {
   /// Adjoint co-states at `trajectory`, ndx x (N + 1): multipliers of f(x_k, u_k) ⊖ x_{k+1} are the
   /// columns k + 1.
   Eigen::MatrixXd costates;
+  /// ∇_x of the Lagrangian at these co-states, ndx x (N + 1): −Kᵀ ∇_u where they follow a policy.
+  Eigen::MatrixXd state_gradient;
   /// ∇_u of the Lagrangian without the bounds' terms, one a knot: a control at its lower bound has
   /// the multiplier max(0, entry), at its upper bound max(0, −entry).
   std::vector<Eigen::VectorXd> control_gradient;
+  /// g and ν of all constraint rows of the problem (ShootingProblem::constraints()); zero where a
+  /// constraint is switched off.
+  Eigen::VectorXd constraint_values, constraint_multipliers;
   std::vector<IterationRecord> log;
 };
 

@@ -46,6 +46,11 @@ class StagePolicy {
   virtual void assume(int knot, const Eigen::Ref<const Eigen::VectorXd>& gradient) {
     (void)knot, (void)gradient;
   }
+  /// Whether the active set holds a control at a bound.
+  virtual bool holds(int knot, int i) const {
+    (void)knot, (void)i;
+    return false;
+  }
   /// Keeps a copy of the active set and what is said about it below, and goes back to it.
   virtual void remember() {}
   virtual void recall() {}

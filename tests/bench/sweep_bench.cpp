@@ -97,8 +97,9 @@ void sweep(benchmark::State& state) {
   const auto policy = unconstrained_stage(problem);
   BackwardSweep backward(problem, bounds);
   Feedback feedback(problem);
+  const Gaps gaps(problem);  // closed
   for (auto _ : state) {
-    if (backward.run(linearization, trajectory, false, {}, *policy, feedback) >= 0) {
+    if (backward.run(linearization, trajectory, gaps, {}, *policy, feedback) >= 0) {
       state.SkipWithError("a stage has no minimum");
       break;
     }

@@ -101,7 +101,8 @@ TEST(Bench, FailuresStayInTheTable) {
   ASSERT_EQ(report["runs"].size(), 2u);
   EXPECT_EQ(report["runs"][0]["status"], "max_iterations");
   EXPECT_FALSE(report["runs"][0]["solved"].get<bool>());
-  EXPECT_EQ(report["runs"][0]["options"], (Json{{"max_iterations", 2}}));
+  EXPECT_EQ(report["runs"][0]["options"],
+            (Json{{"max_iterations", 2}, {"tolerances.stationarity", 1e-9}}));
   EXPECT_EQ(report["summary"][0]["failures"], (Json{{"max_iterations", 1}}));
 }
 

@@ -1,4 +1,5 @@
 #include <cstdlib>
+#include <map>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -47,6 +48,31 @@ TEST(Check, JsonFitsItsSchema) {
       EXPECT_TRUE(fits("check", r.out)) << r.out;
       EXPECT_EQ(Json::parse(r.out).contains("derivatives"), derivatives);
     }
+}
+
+TEST(Check, ListsThePhasesInWhichACostCounts) {
+  const ProcessResult r = run_conddp(
+      {"check", source("problems/biped_steps.yaml"), "--json", "--set", "costs.cone.knots=[0]"});
+  ASSERT_EQ(r.exit_code, 0) << r.err;
+  std::map<std::string, Json> phases;
+  const Json summary = Json::parse(r.out);
+  for (const Json& cost : summary["costs"]) phases[cost["name"]] = cost["phases"];
+  EXPECT_EQ(phases["effort"].size(), 7u);
+  // By its knots, and by the node at which a swing ends.
+  EXPECT_EQ(phases["cone"].size(), 1u);
+  EXPECT_EQ(phases["swing_right"], (Json{"right_1", "double_2"}));
+  const ProcessResult none =
+      run_conddp({"check", source("problems/biped_steps.yaml"), "--set", "costs.effort.weight=0"});
+  EXPECT_NE(none.out.find("effort: control, 0 rows, quadratic, weight 0, in no phase"),
+            std::string::npos)
+      << none.out;
+}
+
+TEST(Check, ShowsTheStepsOfRefinedPhases) {
+  const ProcessResult r =
+      run_conddp({"check", kArm, "--set", "phases.0.refine={first: 2, ratio: 0.5}"});
+  EXPECT_NE(r.out.find("reach: 35 knots of 0.0025 to 0.01 s, 0.3375 s"), std::string::npos)
+      << r.out << r.err;
 }
 
 TEST(Check, DerivativesNameRowsAndColumns) {

@@ -31,7 +31,7 @@ TEST(Compare, NamesWhatDiffersUnlessTheToleranceAllowsIt) {
   const std::string file = folder.write("other.json", other.dump());
   const ProcessResult r = run_conddp({"compare", kGolden, file});
   EXPECT_EQ(r.exit_code, 1) << r.err;
-  EXPECT_TRUE(has(r.out, "  cost: 0.0185886764 instead of 0.0184046301 (difference ")) << r.out;
+  EXPECT_TRUE(has(r.out, "  cost: 0.0185886722 instead of 0.0184046259 (difference ")) << r.out;
   EXPECT_EQ(std::count(r.out.begin(), r.out.end(), '\n'), 2) << r.out;
   EXPECT_EQ(run_conddp({"compare", kGolden, file, "--tolerance", "cost_relative=0.02"}).exit_code,
             0);

@@ -38,10 +38,32 @@ class HyqTrot : public testing::Test {
     if (!trot || !reference)
       GTEST_SKIP() << kNoForeignRobots << " and beside it reference/hyq_trot.json";
     reference_ = *reference;
-    spec_ = read_problem(trot->file, trot->settings, diagnostics_);
+    trot_ = *trot;
+    read({});
+  }
+
+  /// The trot with further settings.
+  void read(const std::vector<std::string>& overrides) {
+    std::vector<std::string> settings = trot_.settings;
+    settings.insert(settings.end(), overrides.begin(), overrides.end());
+    spec_ = read_problem(trot_.file, settings, diagnostics_);
     ASSERT_TRUE(spec_) << format_diagnostics(diagnostics_, false);
     built_ = build_problem(*spec_, {}, diagnostics_);
     ASSERT_TRUE(built_) << format_diagnostics(diagnostics_, false);
+  }
+
+  /// box_fddp is there within so many iterations, and plain Gauss-Newton steps, which come from
+  /// another side, end at the same cost.
+  void expect_quick(int iterations, double cost) {
+    SolverOptions options = spec_->solver.options;
+    const SolveResult result = solve(*built_->problem, "box_fddp", options, built_->guess);
+    EXPECT_EQ(result.status, SolveStatus::converged) << result.message;
+    EXPECT_LE(result.iterations, iterations);
+    EXPECT_NEAR(result.cost, cost, 1e-9 * cost);
+    options.hessian = HessianChoice::gauss_newton;
+    const SolveResult plain = solve(*built_->problem, "box_fddp", options, built_->guess);
+    EXPECT_EQ(plain.status, SolveStatus::converged) << plain.message;
+    EXPECT_NEAR(plain.cost, cost, 1e-9 * cost);
   }
 
   /// What a knot of the figures has, against ours.
@@ -80,6 +102,7 @@ class HyqTrot : public testing::Test {
     }
   }
 
+  ForeignProblem trot_;
   Json reference_;
   Diagnostics diagnostics_;
   std::optional<ProblemSpec> spec_;
@@ -137,6 +160,19 @@ TEST_F(HyqTrot, HasCrocoddylsOptimalCost) {
     EXPECT_EQ(result.status, SolveStatus::converged) << solver;
     EXPECT_NEAR(result.cost, optimum, 1e-9 * optimum) << solver;
   }
+}
+
+TEST_F(HyqTrot, ConvergesQuickly) { expect_quick(13, reference_["optimum"]["cost"]); }
+
+// Crocoddyl's BoxFDDP ends at the same costs, after 79 and 54 iterations.
+TEST_F(HyqTrot, ConvergesQuicklyWithWeakMotors) {
+  read({"constraints.torque={bounds: control, lower: -60, upper: 60}"});
+  expect_quick(20, 4.98860191029);
+}
+
+TEST_F(HyqTrot, ConvergesQuicklyOnASlipperyFloor) {
+  read({"contacts.defaults.friction=0.15"});
+  expect_quick(25, 3.5411302063);
 }
 
 }  // namespace

@@ -45,6 +45,25 @@ Solved solve_ready(const std::string& name) {
   return s;
 }
 
+/// How far a contact's frame comes from where it was when the contact began, m: the largest over
+/// all times that it is held. A knot's step moves the foot to where the next node has it.
+double largest_slip(const Solved& s, const ContactSpec& contact) {
+  Vector3<double> stood{};
+  bool standing = false;
+  double largest = 0;
+  for (int k = 0; k < s.built->problem->knots(); ++k) {
+    bool held = false;
+    for (const Contact& c : s.system(k).contacts().contacts())
+      held = held || c.name == contact.name.value;
+    if (held && !standing) stood = s.position(k, contact.frame.value);
+    standing = held;
+    if (!held) continue;
+    const Vector3<double> slip = s.position(k + 1, contact.frame.value) - stood;
+    largest = std::max(largest, std::sqrt(squared_norm(slip)));
+  }
+  return largest;
+}
+
 TEST(QuadrupedTrot, AdvancesOnFeetThatNeitherSlipNorDrag) {
   const Solved s = solve_ready("quadruped_trot");
   ASSERT_EQ(s.result->status, SolveStatus::converged) << s.result->message;
@@ -61,24 +80,72 @@ TEST(QuadrupedTrot, AdvancesOnFeetThatNeitherSlipNorDrag) {
   for (const ContactSpec& contact : s.spec->contacts) {
     const std::string& frame = contact.frame.value;
     double height = 0;
-    Vector3<double> stood{};
-    bool standing = false;
-    for (int k = 0; k < N; ++k) {
-      bool held = false;
-      for (const Contact& c : s.system(k).contacts().contacts())
-        held = held || c.name == contact.name.value;
-      const Vector3<double> p = s.position(k, frame);
-      height = std::max(height, p.z - s.position(0, frame).z);
-      if (held && !standing) stood = p;
-      standing = held;
-      // The knot's step moves the foot to where the next node has it.
-      if (held) {
-        EXPECT_LT(std::sqrt(squared_norm(s.position(k + 1, frame) - stood)), 1e-3)
-            << frame << " at knot " << k;
-      }
-    }
+    for (int k = 0; k < N; ++k)
+      height = std::max(height, s.position(k, frame).z - s.position(0, frame).z);
+    EXPECT_LT(largest_slip(s, contact), 1e-3) << frame;
     EXPECT_GE(height, 0.04) << frame;
   }
+}
+
+class SteppingProblem : public testing::TestWithParam<std::string> {};
+
+/// Every foot lands where its swing is to end, stays there while it stands, and lifts in between.
+TEST_P(SteppingProblem, FeetLandOnTheirPlacesAndStayThere) {
+  const Solved s = solve_ready(GetParam());
+  ASSERT_EQ(s.result->status, SolveStatus::converged) << s.result->message;
+  const ShootingProblem& problem = *s.built->problem;
+  for (const ContactSpec& contact : s.spec->contacts) {
+    const std::string& frame = contact.frame.value;
+    const auto held = [&](int k) {
+      const auto& held_now = s.system(k).contacts().contacts();
+      return std::any_of(held_now.begin(), held_now.end(),
+                         [&](const Contact& c) { return c.name == contact.name.value; });
+    };
+    int landings = 0;
+    double height = 0, missed = 0, above = 0, slip = 0;
+    Vector3<double> stood = s.position(0, frame);
+    Vector3<double> wanted = stood;
+    for (int k = 0; k < problem.knots(); ++k) {
+      const Vector3<double> p = s.position(k, frame);
+      height = std::max(height, p.z - stood.z);
+      const KnotView& knot = problem.knot(k);
+      for (const CostTerm& term : knot.model->costs())
+        if (term.name == "swing_" + contact.name.value && knot.parameters[term.weight] > 0)
+          for (int i = 0; i < 3; ++i) wanted[i] = knot.parameters[term.parameters + i];
+      if (!held(k)) continue;
+      if (k > 0 && !held(k - 1)) {
+        ++landings;
+        stood = p;
+        missed = std::max(missed, std::sqrt(squared_norm(stood - wanted)));
+        above = std::max(above, std::abs(stood.z - wanted.z));
+      }
+      slip = std::max(slip, std::sqrt(squared_norm(s.position(k + 1, frame) - stood)));
+    }
+    EXPECT_GE(landings, 1);
+    EXPECT_LT(missed, 5e-3) << frame;
+    EXPECT_LT(above, 1e-3) << frame;
+    // Legs that land fast, and soles, turn on by the square of a step's angle.
+    const bool trots = GetParam().starts_with("quadruped_trot");
+    EXPECT_LT(slip, trots ? 1e-3 : 2e-3) << frame;
+    EXPECT_GE(height, 0.04) << frame;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Ready, SteppingProblem,
+                         testing::Values("quadruped_trot", "quadruped_pace_turn", "quadruped_walk",
+                                         "quadruped_bound", "quadruped_jump",
+                                         "quadruped_trot_slope", "biped_steps", "hopper_jump"),
+                         [](const auto& name) { return name.param; });
+
+TEST(QuadrupedPaceTurn, TurnsAndGoesAlongItsArc) {
+  const Solved s = solve_ready("quadruped_pace_turn");
+  ASSERT_EQ(s.result->status, SolveStatus::converged);
+  const auto x = s.trajectory().x(s.built->problem->knots());
+  // A chord of an arc of 0.3 m and 0.6 rad.
+  const double chord = 0.3 * std::sin(0.3) / 0.3;
+  EXPECT_NEAR(x[0], chord * std::cos(0.3), 0.005);
+  EXPECT_NEAR(x[1], chord * std::sin(0.3), 0.005);
+  EXPECT_NEAR(2 * std::atan2(x[5], x[6]), 0.6, 0.01);
 }
 
 TEST(QuadrupedTrot, ForcesCarryTheWeightAndStayInTheirCones) {

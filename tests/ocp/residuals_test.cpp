@@ -4,6 +4,7 @@
 
 #include "support/knot_case.hpp"
 #include "support/named_residuals.hpp"
+#include "support/robots.hpp"
 
 namespace conddp {
 namespace {
@@ -47,6 +48,28 @@ TEST(Residuals, GradientsOfEveryResidualThroughEveryActivationAreThoseOfDualNumb
                 << name << " activation " << static_cast<int>(kind) << " direction " << d;
         }
     }
+}
+
+TEST(Residuals, GradientsOnFiveRobotsAreThoseOfDualNumbers) {
+  RandomNumbers random(18);
+  for (const TestRobot& robot : five_robots()) {
+    const auto model_of = load(robot);
+    const auto system = std::make_shared<MultibodySystem>(model_of, Actuation::full(*model_of));
+    const KnotModel shape(system, Integrator::semi_implicit_euler);
+    for (const auto& [name, residual] : named_residuals(system, shape, 3)) {
+      auto model = std::make_shared<KnotModel>(system, Integrator::semi_implicit_euler);
+      model->add_cost("cost", residual, {});
+      const KnotCase c = make_case(name, model, random);
+      KnotWorkspace<double> work(*model);
+      model->differentiate(
+          KnotInput<double>{c.x.data(), c.u.data(), c.parameters.data(), c.dt, c.dt}, work, true);
+      double scale = 1;
+      for (double g : work.gradient) scale = std::max(scale, std::abs(g));
+      for (int d = 0; d < model->nz(); ++d)
+        EXPECT_NEAR(work.gradient[d], directional_derivative(c, d).cost, 1e-9 * scale)
+            << robot.name << ' ' << name << " direction " << d;
+    }
+  }
 }
 
 TEST(Residuals, DeclaredStructureCoversEveryDependence) {

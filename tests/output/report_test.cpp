@@ -4,6 +4,7 @@
 
 #include "output/motion_scene.hpp"
 #include "output/solution_json.hpp"
+#include "output/solution_members.hpp"
 #include "problem_file/read_problem.hpp"
 
 namespace conddp {
@@ -117,7 +118,8 @@ TEST_F(Report, WithoutItsProblemASolutionStillHasCurves) {
 TEST_F(Report, ASolutionOfAnotherShapeIsRefused) {
   load("cartpole_swingup.yaml");
   document_["trajectory"]["x"].erase(0);
-  EXPECT_THROW(report_data({entry()}), std::invalid_argument);
+  EXPECT_THROW(report_data({entry()}), MalformedSolution);
+  EXPECT_THROW(check_report_document(document_), MalformedSolution);
 }
 
 TEST(ReportPage, NoTextCanLeaveItsElement) {

@@ -165,10 +165,11 @@ INSTANTIATE_TEST_SUITE_P(
 INSTANTIATE_TEST_SUITE_P(
     Rest, BadPendulum,
     testing::Values(
-        Mistake{"OtherConstraint", "bounds: control", "bounds: §configuration",
-                "'configuration' is no quantity that can have bounds", "accepted: control"},
-        Mistake{"NoBounds", "bounds: control, lower: -3, upper: 3", "residual: state",
-                "12:11: the constraint 'torque' lacks the key 'bounds'"},
+        Mistake{"OtherConstraint", "bounds: control", "bounds: §force",
+                "'force' is no quantity that can have bounds",
+                "accepted: control, state, configuration, velocity"},
+        Mistake{"NoBounds", "bounds: control, lower: -3, upper: 3", "upper: 3",
+                "12:11: the constraint 'torque' lacks the key 'residual' or 'bounds'"},
         Mistake{"NoLimits", ", lower: -3, upper: 3", "", "12:11: the bounds 'torque' need"},
         Mistake{"FromUrdf", "lower: -3, upper: 3", "from: §urdf",
                 "a closed-form system has no URDF"},

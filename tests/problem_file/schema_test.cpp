@@ -37,7 +37,7 @@ TEST(Schema, RefusesWhatTheReaderRefuses) {
   const std::pair<const char*, const char*> mistakes[] = {
       {"weight: 0.5", "wieght: 0.5"},       {"knots: 4", "knots: 0"},
       {"dt: 0.1", "dt: 0.1, duration: 2"},  {"conddp: 1", "conddp: 2"},
-      {"residual: control", "residual: x"}, {"bounds: control", "bounds: state"},
+      {"residual: control", "residual: x"}, {"bounds: control", "bounds: forces"},
       {"name: box_ddp", "max_iter: 3"},     {"type: pendulum", "type: pendulum, arm: 1"}};
   std::vector<Json> documents = {parse_to_json(std::string(kPendulum))};
   for (const auto& [from, to] : mistakes) {
@@ -72,6 +72,8 @@ TEST(Schema, HasTheReadersKeys) {
   const auto robot = [](const char* from, const char* to) { return replaced(kCartpole, from, to); };
   EXPECT_EQ(accepted_keys(std::string(kPendulum) + "zzzzzzzz: 1\n"), schema_keys(schema));
   EXPECT_EQ(accepted_keys(with("dt: 0.1", "dt: 0.1, zzzzzzzz: 1")), schema_keys(d["phase"]));
+  EXPECT_EQ(accepted_keys(with("dt: 0.1", "dt: 0.1, refine: {zzzzzzzz: 1}")),
+            schema_keys(d["phase"]["properties"]["refine"]));
   EXPECT_EQ(accepted_keys(with("weight: 0.5", "swing: {zzzzzzzz: 1}")), schema_keys(d["swing"]));
   EXPECT_EQ(accepted_keys(std::string(kPendulum) + "contacts: {a: {zzzzzzzz: 1}}\n"),
             schema_keys(d["contact"]));
@@ -79,11 +81,33 @@ TEST(Schema, HasTheReadersKeys) {
             schema_keys(d["contact_defaults"]));
   EXPECT_EQ(accepted_keys(std::string(kPendulum) + "contacts: {a: {baumgarte: {zzzzzzzz: 1}}}\n"),
             schema_keys(d["contact"]["properties"]["baumgarte"]));
+  const auto collision = [](const std::string& text) {
+    return std::string(kPendulum) + "collision: {" + text + "}\n";
+  };
+  EXPECT_EQ(accepted_keys(collision("zzzzzzzz: 1")),
+            schema_keys(schema["properties"]["collision"]));
+  EXPECT_EQ(accepted_keys(collision("shapes: {a: {zzzzzzzz: 1}}")), schema_keys(d["shape"]));
+  EXPECT_EQ(accepted_keys(collision("obstacles: {a: {zzzzzzzz: 1}}")), schema_keys(d["obstacle"]));
+  for (const std::string form : {"sphere", "capsule", "half_space"})
+    EXPECT_EQ(accepted_keys(collision("obstacles: {a: {" + form + ": {zzzzzzzz: 1}}}")),
+              schema_keys(d[form]));
+  const auto gait = [&](const char* keys) {
+    return std::string(kPendulum) + "gait: {type: jump, " + keys + "}\n";
+  };
+  const Json& g = d["gait"]["properties"];
+  EXPECT_EQ(accepted_keys(gait("zzzzzzzz: 1")), schema_keys(d["gait"]));
+  EXPECT_EQ(accepted_keys(gait("step: {zzzzzzzz: 1}")), schema_keys(g["step"]));
+  EXPECT_EQ(accepted_keys(gait("stand: {zzzzzzzz: 1}")), schema_keys(g["stand"]));
   EXPECT_EQ(accepted_keys(with("weight: 0.5", "zzzzzzzz: 1")), schema_keys(d["cost"]));
   EXPECT_EQ(accepted_keys(with("weight: 10", "zzzzzzzz: 1")), schema_keys(d["terminal_cost"]));
   EXPECT_EQ(accepted_keys(with("terminal:", "terminal:\n  zzzzzzzz: 1")),
             schema_keys(schema["properties"]["terminal"]));
   EXPECT_EQ(accepted_keys(with("lower: -3", "zzzzzzzz: 1")), schema_keys(d["constraint"]));
+  EXPECT_EQ(accepted_keys(with("bounds: control, lower: -3", "residual: state, zzzzzzzz: 1")),
+            schema_keys(d["residual_constraint"]));
+  EXPECT_EQ(accepted_keys(
+                with("terminal:", "terminal:\n  constraints: {a: {residual: state, zzzzzzzz: 1}}")),
+            schema_keys(d["terminal_constraint"]));
   EXPECT_EQ(accepted_keys(with("{values: {theta: 0.1}}", "{zzzzzzzz: 1}")),
             schema_keys(d["state"]));
   EXPECT_EQ(accepted_keys(with("weight: 0.5", "activation: {kind: smooth_l1, zzzzzzzz: 1}")),
@@ -95,7 +119,8 @@ TEST(Schema, HasTheReadersKeys) {
                                "[1, 2], zzzzzzzz: 1}]}}\nsolver:")),
             schema_keys(d["keyframe"]));
   EXPECT_EQ(accepted_keys(with("name: box_ddp", "zzzzzzzz: 1")), schema_keys(d["solver"]));
-  for (const char* group : {"tolerances", "regularization", "line_search", "box_qp"})
+  for (const char* group :
+       {"tolerances", "regularization", "line_search", "augmented_lagrangian", "box_qp"})
     EXPECT_EQ(
         accepted_keys(with("name: box_ddp", (std::string(group) + ": {zzzzzzzz: 1}").c_str())),
         schema_keys(d["solver"]["properties"][group]));
@@ -276,8 +301,9 @@ struct SchemaWalk {
     static const std::set<std::string> kKeys = {"weights", "direction", "A",
                                                 "B",       "c",         "merit_margin"};
     if (kKeys.contains(key) || path.ends_with("/state")) return true;
-    for (const char* group : {"/regularization", "/line_search", "/box_qp", "/gains",
-                              "/multipliers", "/log/items", "/trajectory", "/worst", "/residuals"})
+    for (const char* group :
+         {"/regularization", "/line_search", "/augmented_lagrangian", "/box_qp", "/gains",
+          "/multipliers", "/log/items", "/trajectory", "/worst", "/residuals"})
       if (path.find(group) != std::string::npos) return true;
     return key == "cost" || key == "cost_by_name" || key == "state" || key == "tolerance" ||
            key == "values";

@@ -14,7 +14,7 @@ namespace {
 
 using nlohmann::json;
 
-RobotModel load(const TestRobot& robot) {
+RobotModel load_checked(const TestRobot& robot) {
   UrdfOptions options;
   options.base = robot.base;
   UrdfResult result = load_urdf(robot.urdf, options);
@@ -59,7 +59,7 @@ void expect_same_as_pinocchio(const TestRobot& robot) {
   std::ifstream file(fixture_path(robot));
   ASSERT_TRUE(file) << "no fixture: run scripts/peers/robot_fixtures.py";
   const json fixture = json::parse(file);
-  const RobotModel model = load(robot);
+  const RobotModel model = load_checked(robot);
   expect_same_joints(model, fixture);
   for (const json& sample : fixture["samples"]) expect_same_sample(model, sample);
 }
@@ -104,7 +104,7 @@ TEST(OurRobots, LoadWithoutAnyWarning) {
 }
 
 TEST(OurRobots, TheCartPoleIsTheTextbookOne) {
-  const RobotModel model = load(our_robots()[0]);
+  const RobotModel model = load_checked(our_robots()[0]);
   ASSERT_EQ(model.nv, 2);
   EXPECT_EQ(model.joints[0].name, "slider");
   EXPECT_EQ(model.joints[1].name, "hinge");
@@ -125,7 +125,7 @@ TEST(OurRobots, TheQuadrupedStandsOnItsFeet) {
   const auto robots = our_robots();
   const auto robot = std::find_if(robots.begin(), robots.end(),
                                   [](const TestRobot& r) { return r.name == "quadruped"; });
-  const RobotModel model = load(*robot);
+  const RobotModel model = load_checked(*robot);
   EXPECT_NEAR(model.total_mass(), 50, 1e-12);
   std::vector<double> q = model.neutral_configuration();
   q[2] = 0.57;

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "solvers/constrained.hpp"
 #include "solvers/problems.hpp"
 #include "solvers/registry.hpp"
 
@@ -129,6 +130,15 @@ TEST(Allocation, NoneInAnIterationAfterTheFirst) {
         }
       }
     }
+  }
+}
+
+TEST(Allocation, NoneWithConstraintsNorInNewtonSteps) {
+  for (const auto& [name, problem, control, cost] : testing::published_cases()) {
+    const Count count = count_allocations(problem, *find_solver("altro"),
+                                          testing::constant_controls(problem, control), {});
+    EXPECT_GE(count.iterations, 5) << name;
+    EXPECT_EQ(count.allocations, 0) << name;
   }
 }
 

@@ -15,6 +15,7 @@ struct Iterate {
       : bounds(problem),
         acts(problem),
         linearization(problem),
+        gaps(problem),
         trajectory(std::move(guess)),
         adjoint(problem, bounds),
         sweep(problem, bounds),
@@ -22,9 +23,10 @@ struct Iterate {
         feedback(problem),
         rollout(problem, bounds) {
     acts.differentiate(trajectory, linearization);
-    EXPECT_EQ(sweep.run(linearization, trajectory, true, {}, *policy, feedback), -1);
-    adjoint.compute(linearization, trajectory, true, feedback);
-    model = rollout.run(linearization, trajectory, feedback, sweep, true, box);
+    gaps.set(linearization, true);
+    EXPECT_EQ(sweep.run(linearization, trajectory, gaps, {}, *policy, feedback), -1);
+    adjoint.compute(linearization, trajectory, gaps, feedback);
+    rollout.run(linearization, trajectory, gaps, feedback, box);
   }
   /// J along the gap-contracting rollout.
   double cost(double step, LaneRollout& lanes, bool clamp = false) {
@@ -37,13 +39,13 @@ struct Iterate {
   ControlBounds bounds;
   Acts acts;
   Linearization linearization;
+  Gaps gaps;
   Trajectory trajectory;
   Adjoint adjoint;
   BackwardSweep sweep;
   std::unique_ptr<StagePolicy> policy;
   Feedback feedback;
   LinearRollout rollout;
-  ModelStep model;
 };
 
 /// Quadrotor states that do not follow from the controls, rotations included.
@@ -65,7 +67,7 @@ TEST(Merit, SlopeIsTheDerivativeOfTheCostAlongTheRolloutOnAManifold) {
   LaneRollout lanes(problem);
   const double h = 1e-6;
   const double numeric = (at.cost(h, lanes) - at.cost(-h, lanes)) / (2 * h);
-  EXPECT_NEAR(at.model.slope, numeric, 1e-6 * std::abs(numeric));
+  EXPECT_NEAR(at.rollout.slope(), numeric, 1e-6 * std::abs(numeric));
 }
 
 TEST(Merit, AdjointGivesTheSameSlopeFromTheControlsAppliedWithAnyPolicy) {
@@ -79,7 +81,7 @@ TEST(Merit, AdjointGivesTheSameSlopeFromTheControlsAppliedWithAnyPolicy) {
   Feedback half = at.feedback;
   for (Eigen::MatrixXd& K : half.K) K *= 0.5;
   for (const Feedback& policy : {Feedback(problem), half, at.feedback}) {
-    at.adjoint.compute(at.linearization, at.trajectory, true, policy);
+    at.adjoint.compute(at.linearization, at.trajectory, at.gaps, policy);
     double slope = h * at.adjoint.gap_slope();
     Eigen::VectorXd dx(problem.ndx());
     for (int k = 0; k < problem.knots(); ++k) {
@@ -87,7 +89,7 @@ TEST(Merit, AdjointGivesTheSameSlopeFromTheControlsAppliedWithAnyPolicy) {
       const Eigen::VectorXd excess = trial.u(k) - at.trajectory.u(k) - policy.K[k] * dx;
       slope += at.adjoint.gradient().segment(at.bounds.offset(k), problem.nu(k)).dot(excess);
     }
-    EXPECT_NEAR(slope / h, at.model.slope, 1e-4 * std::abs(at.model.slope));
+    EXPECT_NEAR(slope / h, at.rollout.slope(), 1e-4 * std::abs(at.rollout.slope()));
   }
 }
 
@@ -112,10 +114,11 @@ TEST(Merit, WeightAboveTheMultipliersMakesTheDirectionDescend) {
   const ShootingProblem problem = testing::quadrotor_move();
   Iterate at(problem, open_gap_guess(problem), false);
   const double gap_norm = at.linearization.gap.lpNorm<1>();
-  MeritModel merit{.gap_norm = gap_norm, .slope = at.model.slope};
-  merit.penalty = at.model.multiplier;
+  MeritModel merit{.gap_norm = gap_norm, .slope = at.rollout.slope()};
+  merit.penalty = at.rollout.multiplier(at.sweep);
   // ∇J·d ≤ max|λ| Σ‖gap‖₁ − dᵀHd for the QP's solution d.
-  EXPECT_LE(merit.merit_slope(), -at.model.curvature + 1e-9 * at.model.curvature);
+  const double curvature = at.rollout.curvature(at.linearization);
+  EXPECT_LE(merit.merit_slope(), -curvature + 1e-9 * curvature);
 }
 
 TEST(Merit, EveryIterationKeepsTheWeightAboveTheMultipliersAndContractsTheGaps) {
@@ -124,7 +127,9 @@ TEST(Merit, EveryIterationKeepsTheWeightAboveTheMultipliersAndContractsTheGaps) 
     ShootingProblem problem;
   } cases[] = {{"fddp", testing::quadrotor_move()}, {"box_fddp", testing::quadrotor_move(0.5, 2)}};
   for (const auto& [solver, problem] : cases) {
-    const SolveResult result = solve(problem, solver, {}, open_gap_guess(problem, 0.02));
+    // With exact Hessians, as all steps are rollouts then.
+    const SolveResult result =
+        solve(problem, solver, {.hessian = HessianChoice::exact}, open_gap_guess(problem, 0.02));
     EXPECT_EQ(result.status, SolveStatus::converged) << solver << ": " << result.message;
     const double multiplier = result.costates.rightCols(problem.knots()).cwiseAbs().maxCoeff();
     EXPECT_GE(result.log.back().penalty, multiplier) << solver;

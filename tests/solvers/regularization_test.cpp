@@ -54,18 +54,21 @@ struct Swept {
       : bounds(problem),
         acts(problem),
         linearization(problem),
+        gaps(problem),
         trajectory(problem.create_trajectory()),
         sweep(problem, bounds),
         policy(unconstrained_stage(problem)),
         feedback(problem) {
     acts.differentiate(trajectory, linearization);
+    gaps.set(linearization, true);
   }
   int run(RegularizationKind kind, double weight) {
-    return sweep.run(linearization, trajectory, true, {kind, weight}, *policy, feedback);
+    return sweep.run(linearization, trajectory, gaps, {kind, weight}, *policy, feedback);
   }
   ControlBounds bounds;
   Acts acts;
   Linearization linearization;
+  Gaps gaps;
   Trajectory trajectory;
   BackwardSweep sweep;
   std::unique_ptr<StagePolicy> policy;

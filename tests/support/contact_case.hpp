@@ -50,6 +50,8 @@ inline std::vector<ContactCase> contact_cases() {
     robot.name = "mimic_" + robot.name;
     robots.push_back(std::move(robot));
   }
+  for (const TestRobot& robot : five_robots())
+    robots.push_back({"our_" + robot.name, *load(robot)});
   RandomNumbers random(17);
   std::vector<ContactCase> cases;
   for (const TestModel& r : robots) {
@@ -64,6 +66,7 @@ inline std::vector<ContactCase> contact_cases() {
     cases.push_back({r.name + "_normal", robot, {contact(0, K::normal, A::world_aligned)}});
     cases.push_back({r.name + "_local_normal", robot, {contact(1, K::normal, A::local)}});
     cases.push_back({r.name + "_planar", robot, {contact(0, K::planar, A::world_aligned)}});
+    cases.push_back({r.name + "_local_planar", robot, {contact(1, K::planar, A::local)}});
     cases.push_back({r.name + "_point", robot, {contact(0, K::point, A::world_aligned)}});
     if (robot->nv < 8) continue;
     cases.push_back({r.name + "_surface", robot, {contact(0, K::surface, A::world_aligned)}});

@@ -10,6 +10,29 @@
 
 namespace conddp {
 
+/// Pairs of shapes of every kind: on each `frame_step`-th frame against shapes of the world and
+/// those on another frame. A frame that does not move has a pair, too.
+inline std::vector<DistancePair> distance_pairs(const RobotModel& robot, int frame_step = 1) {
+  std::vector<DistancePair> pairs;
+  const int n = static_cast<int>(robot.frames.size());
+  for (int f = 0; f < n; f += frame_step) {
+    const Capsule capsule{f, {0.1, -0.05, 0.2}, {-0.1, 0.1, 0.05}, 0.04};
+    const Capsule sphere{f, {0.1, 0.2, -0.1}, {0.1, 0.2, -0.1}, 0.1};
+    const Capsule world{-1, {0.3, 0.1, -0.2}, {0.1, 0.3, 0.4}, 0.03};
+    const Capsule point{-1, {0.3, 0.1, 0.2}, {0.3, 0.1, 0.2}, 0.05};
+    pairs.push_back({capsule, world});
+    pairs.push_back({sphere, world});
+    pairs.push_back({capsule, point});
+    pairs.push_back({capsule, HalfSpace{{0.36, -0.48, 0.8}, 0.1}});
+    pairs.push_back({sphere, HalfSpace{{0, 0, 1}, -0.2}});
+    const int other = (f + 1 + f / 2) % n;
+    if (other == f) continue;
+    pairs.push_back({capsule, Capsule{other, {-0.1, 0, 0.1}, {0.2, 0.05, 0}, 0.05}});
+    pairs.push_back({sphere, Capsule{other, {0, 0, 0.1}, {0, 0, 0.1}, 0.05}});
+  }
+  return pairs;
+}
+
 /// Every residual that a robot's knots can have, by name: what tests of all residuals run through.
 /// A new residual is one more line here. Of the frames every `frame_step`-th one.
 inline std::vector<std::pair<std::string, std::shared_ptr<const Residual>>> named_residuals(
@@ -30,7 +53,9 @@ inline std::vector<std::pair<std::string, std::shared_ptr<const Residual>>> name
       {"control", control_residual(model.ndx(), model.nu())},
       {"acceleration", acceleration_residual(*system, model.ndx(), rows)},
       {"com", com_position_residual(system)},
-      {"control_gravity", control_gravity_residual(system, model.ndx())}};
+      {"control_gravity", control_gravity_residual(system, model.ndx())},
+      {"momentum", centroidal_momentum_residual(system)},
+      {"distance", distance_residual(system, distance_pairs(robot, frame_step))}};
   if (model.has_control_memory()) all.emplace_back("rate", control_rate_residual(*system));
   for (int f = 0; f < static_cast<int>(robot.frames.size()); f += frame_step) {
     const std::string& name = robot.frames[f].name;

@@ -2,6 +2,7 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,21 @@ inline std::vector<TestRobot> our_robots() {
           {"quadruped", folder / "quadruped.urdf", Base::floating},
           {"free_body", folder / "free_body.urdf", Base::floating},
           {"quadrotor", folder / "quadrotor.urdf", Base::floating}};
+}
+
+/// Five robots with every kind of base: what derivatives are checked on by name.
+inline std::vector<TestRobot> five_robots() {
+  using Base = UrdfOptions::Base;
+  const std::filesystem::path folder = std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/robots";
+  return {{"quadruped", folder / "quadruped.urdf", Base::floating},
+          {"biped", folder / "biped.urdf", Base::floating},
+          {"hopper", folder / "hopper.urdf", Base::planar},
+          {"arm7", folder / "arm7.urdf", Base::fixed},
+          {"double_pendulum", folder / "double_pendulum.urdf", Base::fixed}};
+}
+
+inline std::shared_ptr<const RobotModel> load(const TestRobot& robot) {
+  return std::make_shared<RobotModel>(*load_urdf(robot.urdf, {.base = robot.base}).model);
 }
 
 /// The folder of robots that are not part of the product: CONDDP_ROBOTS_DIR, else a folder

@@ -1,0 +1,155 @@
+#include <algorithm>
+#include <cstdlib>
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <fmt/format.h>
+
+#include "argument_checks.hpp"
+#include "commands.hpp"
+#include "exit_codes.hpp"
+#include "messages.hpp"
+#include "output/solution_members.hpp"
+#include "output/solved_problem.hpp"
+#include "problem_file/solution_document.hpp"
+#include "report_file.hpp"
+#include "streams.hpp"
+
+namespace conddp {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ReportArguments {
+  std::vector<std::string> solutions;
+  std::string problem;
+  std::string file;
+  bool open = false;
+};
+
+constexpr std::string_view kKeys[] = {"problem",      "tool",        "solver",
+                                      "status",       "message",     "cost",
+                                      "residuals",    "iterations",  "time_s",
+                                      "cost_by_name", "gains",       "trajectory",
+                                      "multipliers",  "log",         "dropped_constraints",
+                                      "diagnosis",    "certificate", "initial_guess_used"};
+
+/// What tells solutions apart: the solver where the others have another one, else the folder.
+std::vector<std::string> labels(const std::vector<std::string>& files,
+                                const std::vector<OrderedJson>& documents) {
+  std::vector<std::string> solvers, folders;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    solvers.push_back(solution_text(documents[i], "solver"));
+    std::error_code error;
+    folders.push_back(fs::absolute(files[i], error).parent_path().filename().string());
+  }
+  const auto differ = [](std::vector<std::string> names) {
+    std::sort(names.begin(), names.end());
+    return std::adjacent_find(names.begin(), names.end()) == names.end();
+  };
+  if (differ(solvers)) return solvers;
+  return differ(folders) ? folders : files;
+}
+
+/// Shows a file with the program that the desktop has for it; what that says is not ours.
+void open_in_browser(const std::string& file) {
+  const pid_t child = fork();
+  if (child == 0) {
+    execlp("xdg-open", "xdg-open", file.c_str(), static_cast<char*>(nullptr));
+    _exit(127);
+  }
+  int status = 0;
+  if (child < 0 || waitpid(child, &status, 0) < 0 || !WIFEXITED(status) || WEXITSTATUS(status) != 0)
+    print_error("the report could not be opened", "open " + file + " in a browser");
+}
+
+int report(const ReportArguments& arguments) {
+  if (!reports_can_be_made()) return kExitBadInput;
+  Diagnostics diagnostics;
+  std::vector<OrderedJson> documents;
+  for (const std::string& file : arguments.solutions)
+    if (const auto document = load_solution_document(file, kKeys, {}, diagnostics))
+      documents.emplace_back(*document);
+  if (documents.size() < arguments.solutions.size()) {
+    print_messages(diagnostics, Verbosity::kNormal);
+    return kExitBadInput;
+  }
+  std::vector<std::optional<SolvedProblem>> problems;
+  std::vector<ReportEntry> entries;
+  std::string file;
+  try {
+    for (std::size_t i = 0; i < documents.size(); ++i) {
+      file = arguments.solutions[i];
+      check_report_document(documents[i]);
+    }
+    const std::vector<std::string> names = labels(arguments.solutions, documents);
+    for (std::size_t i = 0; i < documents.size(); ++i) {
+      file = arguments.solutions[i];
+      Diagnostics about;
+      problems.push_back(rebuild_problem(documents[i], file, arguments.problem, about));
+      // Without its problem a solution still has curves: what is missing is no error here.
+      std::string remark;
+      if (!problems.back())
+        remark =
+            "drawn without its robot, limits and costs over time, because its problem cannot be "
+            "built: " +
+            (about.list().empty() ? "" : about.list().front().message);
+      for (Diagnostic d : about.list()) {
+        if (d.severity == Severity::kError) d.severity = Severity::kWarning;
+        diagnostics.add(std::move(d));
+      }
+      entries.push_back({.label = names[i], .document = documents[i], .remark = remark});
+    }
+    for (std::size_t i = 0; i < entries.size(); ++i)
+      if (problems[i]) {
+        entries[i].spec = problems[i]->spec.get();
+        entries[i].built = &problems[i]->built;
+      }
+    const fs::path out = arguments.file.empty()
+                             ? fs::path(arguments.solutions.front()).replace_filename("report.html")
+                             : fs::path(arguments.file);
+    const std::string written = write_report(entries, out);
+    print_messages(diagnostics, Verbosity::kNormal);
+    print_result(written + "\n");
+    if (arguments.open) open_in_browser(written);
+    return kExitConverged;
+  } catch (const MalformedSolution& malformed) {
+    diagnostics.add({.file = file, .message = malformed.message});
+  } catch (const OrderedJson::exception& error) {
+    diagnostics.add({.file = file, .message = error.what()});
+  }
+  print_messages(diagnostics, Verbosity::kNormal);
+  return kExitBadInput;
+}
+
+}  // namespace
+
+void add_report_command(CLI::App& app, Command& chosen) {
+  CLI::App* command =
+      app.add_subcommand("report", "Make a page for the browser that shows solutions");
+  const auto a = std::make_shared<ReportArguments>();
+  command
+      ->add_option("FILE", a->solutions,
+                   "Solutions; the first one's robot is solid, others are "
+                   "ghosts")
+      ->required()
+      ->type_name("FILE.json");
+  command
+      ->add_option("-o,--output", a->file,
+                   "The page; report.html beside the first solution if nothing is said")
+      ->type_name("FILE.html")
+      ->check(not_empty());
+  command
+      ->add_option("--problem", a->problem,
+                   "Problem file; the one that each solution names if nothing is said")
+      ->type_name("FILE.yaml");
+  command->add_flag("--open", a->open, "Open the page with xdg-open");
+  command->footer(
+      "One file that needs no network: the robot in 3-D with contact forces, a time line, every "
+      "curve with its limits, the convergence of the solver, and how to reproduce it. Where the "
+      "problem of a solution is not there any more, its curves are.");
+  command->callback([a, &chosen] { chosen = [a] { return report(*a); }; });
+}
+
+}  // namespace conddp

@@ -1,0 +1,119 @@
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "commands.hpp"
+#include "exit_codes.hpp"
+#include "messages.hpp"
+#include "output/certificate_report.hpp"
+#include "output/json_text.hpp"
+#include "output/solution_certificate.hpp"
+#include "output/solution_members.hpp"
+#include "output/solved_problem.hpp"
+#include "problem_file/expand_problem.hpp"
+#include "problem_file/solution_document.hpp"
+#include "streams.hpp"
+
+namespace conddp {
+namespace {
+
+struct VerifyArguments {
+  std::string solution;
+  std::string problem;
+  bool json = false;
+  bool quiet = false;
+};
+
+/// Whether the problem that the solution writes down is the one that was built.
+Check check_configuration(const OrderedJson& document, const ProblemSpec& spec,
+                          const BuiltProblem& built) {
+  OrderedJson claimed = solution_member(document["problem"], "configuration");
+  OrderedJson actual = expand_problem(spec, built);
+  for (OrderedJson* json : {&claimed, &actual})
+    if (json->is_object()) json->erase("initial_guess");
+  // The file's text is what counts: numbers there and here are rounded alike.
+  actual = OrderedJson::parse(actual.dump());
+  Check check{"configuration"};
+  const OrderedJson patch = OrderedJson::diff(actual, claimed);
+  if (patch.empty()) return check;
+  check.holds = false;
+  check.message = "differs from the problem at " + patch[0]["path"].get<std::string>();
+  if (patch.size() > 1) check.message += fmt::format(" and {} more places", patch.size() - 1);
+  return check;
+}
+
+int print(const VerifyArguments& arguments, const ProblemSpec& spec,
+          const SolutionCertificate& certificate) {
+  if (arguments.json) {
+    print_result(json_text(OrderedJson{{"format", "conddp.verify/1"},
+                                       {"solution", arguments.solution},
+                                       {"problem", spec.file.string()},
+                                       {"name", spec.name.value},
+                                       {"certificate", certificate_json(certificate)}}));
+  } else if (!arguments.quiet) {
+    print_result(
+        fmt::format("{}: the certificate {}\n", spec.name.value, certificate_line(certificate)));
+    print_result(certificate_table(certificate));
+    if (!certificate.replay) return kExitNotConverged;
+    print_result(fmt::format("  replay {}\n", replay_line(certificate)));
+    for (const std::string& warning : replay_warnings(certificate))
+      print_result(fmt::format("  warning {}\n", warning));
+  }
+  return certificate.checks.holds() ? kExitConverged : kExitNotConverged;
+}
+
+int verify(const VerifyArguments& arguments) {
+  Diagnostics diagnostics;
+  const auto give_up = [&] {
+    print_messages(diagnostics, Verbosity::kNormal);
+    return kExitBadInput;
+  };
+  constexpr std::string_view kKeys[] = {
+      "problem",      "solver",     "status",      "cost",
+      "cost_by_name", "iterations", "residuals",   "dropped_constraints",
+      "trajectory",   "gains",      "multipliers", "log"};
+  const auto loaded = load_solution_document(arguments.solution, kKeys, {}, diagnostics);
+  if (!loaded) return give_up();
+  const OrderedJson document(*loaded);
+  try {
+    const auto problem =
+        rebuild_problem(document, arguments.solution, arguments.problem, diagnostics);
+    if (!problem) return give_up();
+    const auto& [spec, built] = *problem;
+    print_messages(diagnostics, arguments.quiet ? Verbosity::kQuiet : Verbosity::kNormal);
+    SolutionCertificate certificate = certify_solution(document, *spec, built, true);
+    auto& checks = certificate.checks.checks;
+    checks.insert(checks.begin(), check_configuration(document, *spec, built));
+    return print(arguments, *spec, certificate);
+  } catch (const MalformedSolution& malformed) {
+    diagnostics.add({.file = arguments.solution,
+                     .message = "the solution cannot be used: " + malformed.message});
+  } catch (const OrderedJson::exception& error) {
+    diagnostics.add({.file = arguments.solution,
+                     .message = fmt::format("the solution cannot be used: {}", error.what())});
+  }
+  return give_up();
+}
+
+}  // namespace
+
+void add_verify_command(CLI::App& app, Command& chosen) {
+  CLI::App* command = app.add_subcommand("verify", "Check a solution by code that no solver uses");
+  const auto a = std::make_shared<VerifyArguments>();
+  command->add_option("FILE", a->solution, "Solution")->required()->type_name("FILE.json");
+  command
+      ->add_option("--problem", a->problem,
+                   "Problem file; the one that the solution names if nothing is said")
+      ->type_name("FILE.yaml");
+  auto* quiet = command->add_flag("--quiet", a->quiet, "Print nothing but errors");
+  command->add_flag("--json", a->json, "Print JSON on stdout")->excludes(quiet);
+  command->footer(
+      "Simulates every knot again and compares costs, gaps, bounds, multipliers and the gradient "
+      "of "
+      "the Lagrangian with what the solution says of itself. Exit status 0 if all of it holds, 1 "
+      "if "
+      "not.");
+  command->callback([a, &chosen] { chosen = [a] { return verify(*a); }; });
+}
+
+}  // namespace conddp

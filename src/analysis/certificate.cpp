@@ -1,0 +1,480 @@
+#include "analysis/certificate.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <random>
+
+#include <fmt/format.h>
+
+#include "analysis/lagrangian_gradient.hpp"
+#include "solvers/status.hpp"
+
+namespace conddp {
+namespace {
+
+/// What two evaluations of one quantity may differ by, relative to the size of its terms: rounding
+/// in another order, and what badly conditioned contacts make of it.
+constexpr double kRounding = 1e-10;
+/// The same for an entry of the gradient, relative to its own terms, and to the largest ones of its
+/// knot: terms that cancel on the way to an entry leave rounding there.
+constexpr double kOwnRounding = 1e-11;
+constexpr double kKnotRounding = 1e-12;
+
+const std::string kDiverged(to_string(SolveStatus::diverged));
+
+/// The largest of some quantities and where it is.
+struct Worst {
+  double value = 0;
+  double size = 0;  ///< of its terms
+  int knot = -1;
+  int entry = -1;
+
+  /// Not-a-number counts as the largest.
+  void meet(double candidate, double candidate_size, int k, int i) {
+    if (std::isnan(value) || !(std::isnan(candidate) || candidate > value)) return;
+    *this = {candidate, candidate_size, k, i};
+  }
+};
+
+/// What rounding of the answer's own numbers does to the figures, where they are so badly
+/// conditioned (contacts far from where they hold, speeds beyond all measure) that the tolerances
+/// above do not cover it.
+struct Noise {
+  double cost = 0, gap = 0, stationarity = 0, state = 0;
+};
+
+class Judge {
+ public:
+  Judge(const ShootingProblem& problem, const SolutionClaims& claims, const Noise& noise = {})
+      : problem_(problem), claims_(claims), noise_(noise) {}
+
+  /// What changes when all states and controls move by 10⁻¹³ of themselves.
+  static Noise measure_noise(const ShootingProblem& problem, const SolutionClaims& claims) {
+    constexpr double kMove = 1e-13;
+    constexpr double kMargin = 10;
+    SolutionClaims moved = claims;
+    std::mt19937_64 engine(2);
+    const auto move = [&](double& number) {
+      number *= 1 + kMove * (2 * static_cast<double>(engine() >> 11) * 0x1p-53 - 1);
+    };
+    for (int k = 0; k <= problem.knots(); ++k) {
+      for (double& number : moved.trajectory.x(k)) move(number);
+      if (k == problem.knots()) break;
+      for (double& number : moved.trajectory.u(k)) move(number);
+    }
+    Judge here(problem, claims), there(problem, moved);
+    here.evaluate();
+    there.evaluate();
+    const Eigen::MatrixXd directions = here.some_directions();
+    const LagrangianGradient a = here.gradient(directions), b = there.gradient(directions);
+    double stationarity = 0;
+    for (std::size_t k = 0; k < a.control.size(); ++k)
+      if (a.control[k].size() > 0)
+        stationarity = std::max(stationarity, (a.control[k] - b.control[k]).cwiseAbs().maxCoeff());
+    const auto measured = [](double change) {
+      return std::isfinite(change) ? kMargin * change : 0;
+    };
+    return {measured(std::abs(here.cost_ - there.cost_)),
+            measured((here.gaps_ - there.gaps_).cwiseAbs().maxCoeff()), measured(stationarity),
+            measured((a.state - b.state).cwiseAbs().maxCoeff())};
+  }
+
+  Certificate run() {
+    check_times();
+    check_initial_state();
+    check_quaternions();
+    evaluate();
+    check_costs();
+    figure("gap", claims_.gap, gap_, state_rounding());
+    check_bounds();
+    check_gradient();
+    check_status();
+    return std::move(certificate_);
+  }
+
+ private:
+  void add(Check check) { certificate_.checks.push_back(std::move(check)); }
+
+  const std::string& tangent(int i) const {
+    static const std::string none;
+    return i >= 0 && i < static_cast<int>(claims_.tangent_names.size()) ? claims_.tangent_names[i]
+                                                                        : none;
+  }
+  const std::string& control(int i) const {
+    static const std::string none;
+    return i >= 0 && i < static_cast<int>(claims_.control_names.size()) ? claims_.control_names[i]
+                                                                        : none;
+  }
+
+  /// An answer that ended in numbers that are not finite leaves figures open; others may not.
+  bool agree(double claimed, double found, double tolerance) const {
+    if (std::isnan(claimed)) return claims_.status == kDiverged;
+    return std::abs(claimed - found) <= tolerance;
+  }
+
+  void figure(std::string name, double claimed, double found, double tolerance,
+              std::string place = {}) {
+    add({std::move(name),
+         agree(claimed, found, tolerance),
+         claimed,
+         found,
+         tolerance,
+         std::move(place),
+         {}});
+  }
+  void figure(std::string name, double claimed, const Worst& found, double tolerance) {
+    figure(std::move(name), claimed, found.value, tolerance,
+           found.knot < 0 ? "" : place_text(problem_, found.knot, tangent(found.entry)));
+  }
+
+  void check_times() {
+    Worst worst;
+    for (int k = 0; k <= problem_.knots(); ++k)
+      worst.meet(std::abs(claims_.times[k] - problem_.times()[k]), 0, k, -1);
+    const double tolerance = 1e-12 * std::max(1.0, problem_.times().back());
+    const bool holds = worst.value <= tolerance;
+    const int k = std::max(worst.knot, 0);
+    add({"times", holds, claims_.times[holds ? problem_.knots() : k],
+         problem_.times()[holds ? problem_.knots() : k], tolerance,
+         holds ? "" : place_text(problem_, k, ""), ""});
+  }
+
+  void check_initial_state() {
+    const int ndx = problem_.ndx();
+    Eigen::VectorXd off(ndx);
+    problem_.manifold().difference(problem_.initial_state().data(), claims_.trajectory.x(0).data(),
+                                   off.data());
+    Worst worst;
+    for (int i = 0; i < ndx; ++i) worst.meet(std::abs(off[i]), 0, 0, i);
+    const double size = claims_.trajectory.x(0).lpNorm<Eigen::Infinity>();
+    figure("initial state", 0, worst, 1e-12 * std::max(1.0, size));
+  }
+
+  void check_quaternions() {
+    if (problem_.manifold().curved().empty()) return;
+    Worst worst;
+    for (int k = 0; k <= problem_.knots(); ++k)
+      for (const auto& segment : problem_.manifold().curved()) {
+        const int first = segment.x + (segment.part == StateManifold::Part::se3 ? 3 : 0);
+        const double length = claims_.trajectory.x(k).segment<4>(first).norm();
+        worst.meet(std::abs(length - 1), 0, k, -1);
+      }
+    figure("unit quaternions", 0, worst, 1e-9);
+  }
+
+  /// Simulates every knot from its own state.
+  void evaluate() {
+    const int N = problem_.knots(), ndx = problem_.ndx();
+    gaps_.resize(ndx, N);
+    values_.resize(problem_.constraint_rows());
+    std::map<const KnotModel*, std::unique_ptr<KnotWorkspace<double>>> memory;
+    for (int k = 0; k <= N; ++k) {
+      const KnotView& view = problem_.knot(k);
+      auto& work = memory[view.model];
+      if (!work) work = std::make_unique<KnotWorkspace<double>>(*view.model);
+      const auto x = claims_.trajectory.x(k);
+      const double* u = k < N ? claims_.trajectory.u(k).data() : nullptr;
+      view.model->evaluate(
+          KnotInput<double>{x.data(), u, view.parameters, view.dt, view.cost_scale}, *work);
+      for (std::size_t t = 0; t < view.model->costs().size(); ++t)
+        add_cost((k == N ? "terminal/" : "") + view.model->costs()[t].name, work->term_costs[t]);
+      std::copy(work->constraint.begin(), work->constraint.end(),
+                values_.data() + problem_.constraint_offset(k));
+      if (k == N) break;
+      problem_.manifold().difference(claims_.trajectory.x(k + 1).data(), work->next().data(),
+                                     gaps_.col(k).data());
+      const double size =
+          Eigen::Map<const Eigen::VectorXd>(work->next().data(), problem_.nx()).cwiseAbs().sum();
+      for (int i = 0; i < ndx; ++i) gap_.meet(std::abs(gaps_(i, k)), size, k, i);
+      largest_state_ =
+          std::max({largest_state_, x.lpNorm<Eigen::Infinity>(), size / problem_.nx()});
+    }
+  }
+
+  void add_cost(const std::string& name, double cost) {
+    cost_ += cost;
+    cost_size_ += std::abs(cost);
+    for (auto& [known, sum] : costs_)
+      if (known == name) {
+        sum += cost;
+        return;
+      }
+    costs_.emplace_back(name, cost);
+  }
+
+  double state_rounding() const { return 1e-11 * std::max(1.0, largest_state_) + noise_.gap; }
+
+  void check_costs() {
+    const double tolerance = kRounding * std::max(1e-6, cost_size_) + noise_.cost;
+    figure("cost", claims_.cost, cost_, tolerance);
+    std::map<std::string, double> claimed(claims_.cost_by_name.begin(), claims_.cost_by_name.end());
+    for (const auto& [name, found] : costs_) {
+      const auto claim = claimed.find(name);
+      if (claim == claimed.end()) {
+        add({"cost " + name, false, Check::kNone, found, Check::kNone, "", "is not in the answer"});
+        continue;
+      }
+      figure("cost " + name, claim->second, found, tolerance);
+      claimed.erase(claim);
+    }
+    for (const auto& [name, value] : claimed)
+      add({"cost " + name, false, value, Check::kNone, Check::kNone, "",
+           "the problem has no such cost"});
+  }
+
+  void check_bounds() {
+    Worst violation, product, negative;
+    for (int k = 0; k < problem_.knots(); ++k) {
+      const KnotModel& model = *problem_.knot(k).model;
+      for (int i = 0; i < problem_.nu(k); ++i) {
+        const double u = claims_.trajectory.u(k)[i];
+        for (const bool upper : {false, true}) {
+          const double bound = upper ? model.control_upper()[i] : model.control_lower()[i];
+          const double z = (upper ? claims_.upper_multipliers : claims_.lower_multipliers)[k][i];
+          negative.meet(-z, 0, k, i);
+          if (std::isfinite(bound)) {
+            const double outside = upper ? u - bound : bound - u;
+            violation.meet(outside, std::abs(bound), k, i);
+            product.meet(std::abs(z * outside), std::abs(z) * std::max(1.0, std::abs(bound)), k, i);
+          } else if (z != 0) {
+            product.meet(std::numeric_limits<double>::infinity(), 0, k, i);
+          }
+        }
+      }
+    }
+    for (const NodeConstraint& constraint : problem_.constraints())
+      check_constraint(constraint, violation, product, negative);
+    const auto at = [&](const Worst& w) {
+      if (w.knot < 0) return std::string();
+      return place_text(problem_, w.knot, w.entry >= 0 ? control(w.entry) : constraint_name(w));
+    };
+    found_constraint_ = violation.value;
+    // Constraint values near zero come from terms that are not, which their size does not show.
+    const bool constrained = !problem_.constraints().empty();
+    const double tolerance = constrained ? kRounding : 1e-14;
+    const double value = constrained ? 1 : 0;
+    const double multiplier = constrained ? claims_.multipliers.lpNorm<Eigen::Infinity>() : 0;
+    figure("constraint violation", claims_.constraint, violation.value,
+           tolerance * std::max(value, violation.size), at(violation));
+    figure("complementarity", claims_.complementarity, product.value,
+           tolerance * std::max(multiplier, product.size), at(product));
+    found_complementarity_ = product.value;
+    if (negative.knot >= 0)
+      add({"signs of multipliers", false, Check::kNone, negative.value, 0, at(negative),
+           "a multiplier has the wrong sign"});
+  }
+
+  /// Distance of the value from its set, and whether the multiplier lies in the set's normal cone
+  /// there. A constraint's place among those of the problem is told by a negative entry.
+  void check_constraint(const NodeConstraint& c, Worst& violation, Worst& product,
+                        Worst& negative) {
+    const int place = -2 - static_cast<int>(&c - problem_.constraints().data());
+    const int n = c.term->rows;
+    const double* g = values_.data() + c.row;
+    const double* nu = claims_.multipliers.data() + c.row;
+    if (c.term->kind != ConstraintKind::second_order_cone) {
+      for (int i = 0; i < n; ++i) {
+        violation.meet(std::max(c.lower[i] - g[i], g[i] - c.upper[i]), std::abs(g[i]), c.node,
+                       place);
+        if (nu[i] == 0 || c.lower[i] == c.upper[i]) continue;
+        const double bound = nu[i] > 0 ? c.upper[i] : c.lower[i];
+        const double inside = nu[i] > 0 ? bound - g[i] : g[i] - bound;
+        if (std::isfinite(bound))
+          product.meet(std::abs(nu[i]) * std::max(0.0, inside),
+                       std::abs(nu[i]) * std::max(1.0, std::abs(bound)), c.node, place);
+        else
+          negative.meet(std::abs(nu[i]), 0, c.node, place);
+      }
+      return;
+    }
+    const Eigen::Map<const Eigen::VectorXd> value(g, n), multiplier(nu, n);
+    violation.meet(distance_to_cone(value), value.lpNorm<1>(), c.node, place);
+    product.meet(std::abs(value.dot(multiplier)), value.cwiseAbs().dot(multiplier.cwiseAbs()),
+                 c.node, place);
+    const double off = distance_to_cone(-multiplier);
+    if (off > kRounding * multiplier.norm()) negative.meet(off, 0, c.node, place);
+  }
+
+  /// Of (v, t) from the cone ‖v‖ ≤ t.
+  static double distance_to_cone(const Eigen::VectorXd& s) {
+    const double v = s.head(s.size() - 1).norm(), t = s[s.size() - 1];
+    if (v <= t) return 0;
+    if (v <= -t) return s.norm();
+    return (v - t) / std::sqrt(2.0);
+  }
+
+  std::string constraint_name(const Worst& w) const {
+    if (w.entry > -2) return {};
+    return "constraint '" + problem_.constraints()[-2 - w.entry].term->name + "'";
+  }
+
+  LagrangianGradient gradient(const Eigen::MatrixXd& directions) const {
+    return lagrangian_gradient(problem_, claims_.trajectory, gaps_, claims_.costates,
+                               claims_.multipliers, directions);
+  }
+
+  void check_gradient() {
+    if (std::isnan(claims_.stationarity) && claims_.status == kDiverged) return;
+    const Eigen::MatrixXd directions = some_directions();
+    const LagrangianGradient some = gradient(directions);
+    Worst stationarity;
+    stationarity_rounding_ = kOwnRounding;
+    for (int k = 0; k < problem_.knots(); ++k)
+      for (int i = 0; i < problem_.nu(k); ++i) {
+        const double zl = claims_.lower_multipliers[k][i], zu = claims_.upper_multipliers[k][i];
+        const double size = some.control_size[k][i] + std::abs(zl) + std::abs(zu);
+        stationarity.meet(std::abs(some.control[k][i] - zl + zu), size, k, i);
+        stationarity_rounding_ =
+            std::max(stationarity_rounding_,
+                     kOwnRounding * size + kKnotRounding * some.control_size[k].maxCoeff());
+      }
+    stationarity_rounding_ += noise_.stationarity;
+    found_stationarity_ = stationarity.value;
+    figure("stationarity", claims_.stationarity, stationarity.value, stationarity_rounding_,
+           stationarity.knot < 0
+               ? ""
+               : place_text(problem_, stationarity.knot, control(stationarity.entry)));
+    state_gradient_size_ = some.state_size.maxCoeff();
+    if (compare_states(some, directions).value <= 1)
+      add({"co-states", true, Check::kNone, Check::kNone, Check::kNone, "", ""});
+    else
+      name_costate();
+  }
+
+  /// Random directions, in which a gradient that is not what is claimed of it shows as well as in
+  /// its entries; every entry where there are few.
+  Eigen::MatrixXd some_directions() const {
+    constexpr int kFew = 4;
+    const int n = problem_.ndx();
+    if (n <= kFew) return Eigen::MatrixXd::Identity(n, n);
+    std::mt19937_64 engine(1);
+    Eigen::MatrixXd directions(n, kFew);
+    for (double& entry : directions.reshaped())
+      entry = 2 * static_cast<double>(engine() >> 11) * 0x1p-53 - 1;
+    return directions;
+  }
+
+  /// The co-states' own equation: what the answer says of ∇_x of the Lagrangian, in some
+  /// directions, as a multiple of what rounding may do.
+  Worst compare_states(const LagrangianGradient& found, const Eigen::MatrixXd& directions) const {
+    const Eigen::MatrixXd claimed = directions.transpose() * claims_.state_gradient;
+    const Eigen::MatrixXd size =
+        found.state_size + directions.cwiseAbs().transpose() * claims_.state_gradient.cwiseAbs();
+    Worst excess;
+    for (Eigen::Index k = 0; k < claimed.cols(); ++k)
+      for (Eigen::Index i = 0; i < claimed.rows(); ++i) {
+        const double tolerance = kOwnRounding * std::max(1.0, size(i, k)) +
+                                 kKnotRounding * size.col(k).maxCoeff() + noise_.state;
+        excess.meet(std::abs(found.state(i, k) - claimed(i, k)) / tolerance, tolerance,
+                    static_cast<int>(k), static_cast<int>(i));
+      }
+    return excess;
+  }
+
+  /// The entry that is furthest from what is claimed of it.
+  void name_costate() {
+    const Eigen::MatrixXd all = Eigen::MatrixXd::Identity(problem_.ndx(), problem_.ndx());
+    const LagrangianGradient full = gradient(all);
+    const Worst worst = compare_states(full, all);
+    const int k = std::max(worst.knot, 0), i = std::max(worst.entry, 0);
+    add({"co-states", false, claims_.state_gradient(i, k), full.state(i, k), worst.size,
+         place_text(problem_, k, tangent(i)), ""});
+  }
+
+  /// Converged means that all residuals are under tolerance at once; ∇_x of the Lagrangian is then
+  /// as small as a feedback K makes it of stationarity that is left.
+  void check_status() {
+    const auto& t = claims_.tolerances;
+    const bool under = claims_.stationarity <= t.stationarity && claims_.gap <= t.gap &&
+                       claims_.constraint <= t.constraint &&
+                       claims_.complementarity <= t.constraint;
+    if (claims_.converged != under) {
+      add({"status", false, Check::kNone, Check::kNone, Check::kNone, "",
+           claims_.converged
+               ? "'converged', but a claimed residual is above its tolerance"
+               : fmt::format("'{}', but all claimed residuals are under their tolerances",
+                             claims_.status)});
+      return;
+    }
+    if (!claims_.converged) {
+      add({"status", true, Check::kNone, Check::kNone, Check::kNone, "", ""});
+      return;
+    }
+    double gain = 1;
+    for (const Eigen::MatrixXd& K : claims_.gains)
+      if (K.size() > 0) gain = std::max(gain, K.cwiseAbs().colwise().sum().maxCoeff());
+    const double state_tolerance =
+        kFeedbackMargin * gain * t.stationarity + kRounding * std::max(1.0, state_gradient_size_);
+    std::string above;
+    const auto need = [&](const char* what, double found, double limit) {
+      if (found <= limit) return;
+      above += fmt::format("{}{} is {:.2g}, tolerance {:.2g}", above.empty() ? "" : "; ", what,
+                           found, limit);
+    };
+    need("stationarity", found_stationarity_, t.stationarity + stationarity_rounding_);
+    need("gap", gap_.value, t.gap + state_rounding());
+    need("constraint violation", found_constraint_, t.constraint);
+    need("complementarity", found_complementarity_, t.constraint);
+    need("the Lagrangian's gradient in the states",
+         claims_.state_gradient.lpNorm<Eigen::Infinity>(), state_tolerance);
+    add({"status", above.empty(), Check::kNone, Check::kNone, Check::kNone, "",
+         above.empty() ? "" : "'converged', but " + above});
+  }
+
+  /// The gains of the file are those of a sweep at the answer; its co-states belong to the sweep
+  /// before.
+  static constexpr double kFeedbackMargin = 10;
+
+  const ShootingProblem& problem_;
+  const SolutionClaims& claims_;
+  const Noise noise_;
+  Certificate certificate_;
+  std::vector<std::pair<std::string, double>> costs_;
+  double cost_ = 0, cost_size_ = 0;
+  Eigen::MatrixXd gaps_;
+  Eigen::VectorXd values_;  ///< of the constraints
+  Worst gap_;
+  double largest_state_ = 0, state_gradient_size_ = 0;
+  double found_constraint_ = 0, found_complementarity_ = 0;
+  double found_stationarity_ = 0, stationarity_rounding_ = 0;
+};
+
+}  // namespace
+
+SolutionClaims::SolutionClaims(const ShootingProblem& problem)
+    : trajectory(problem.create_trajectory()),
+      costates(Eigen::MatrixXd::Zero(problem.ndx(), problem.knots() + 1)),
+      state_gradient(Eigen::MatrixXd::Zero(problem.ndx(), problem.knots() + 1)),
+      multipliers(Eigen::VectorXd::Zero(problem.constraint_rows())) {
+  for (int k = 0; k < problem.knots(); ++k) {
+    lower_multipliers.emplace_back(Eigen::VectorXd::Zero(problem.nu(k)));
+    upper_multipliers.emplace_back(Eigen::VectorXd::Zero(problem.nu(k)));
+    gains.emplace_back(Eigen::MatrixXd::Zero(problem.nu(k), problem.ndx()));
+  }
+}
+
+bool Certificate::holds() const { return failures() == 0; }
+
+int Certificate::failures() const {
+  return static_cast<int>(
+      std::count_if(checks.begin(), checks.end(), [](const Check& c) { return !c.holds; }));
+}
+
+Certificate certify(const ShootingProblem& problem, const SolutionClaims& claims) {
+  Certificate certificate = Judge(problem, claims).run();
+  if (certificate.holds()) return certificate;
+  return Judge(problem, claims, Judge::measure_noise(problem, claims)).run();
+}
+
+std::string place_text(const ShootingProblem& problem, int knot, const std::string& quantity) {
+  std::string text = fmt::format("knot {}", knot);
+  if (knot < problem.knots())
+    text += fmt::format(" (phase '{}')", problem.phases()[problem.knot(knot).phase].name);
+  else
+    text += " (the last node)";
+  return quantity.empty() ? text : text + ", " + quantity;
+}
+
+}  // namespace conddp

@@ -1,0 +1,213 @@
+#include "analysis/replay.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <optional>
+
+#include "systems/multibody.hpp"
+
+namespace conddp {
+namespace {
+
+/// Looks for limits that are broken at one instant after the other.
+class LimitWatch {
+ public:
+  void look(const System& system, const SystemData<double>& data, const double* x, int knot,
+            double time, bool at_knot) {
+    const auto* robot = dynamic_cast<const MultibodySystem*>(&system);
+    if (robot == nullptr) return;
+    instant_ = {knot, time, at_knot};
+    joints(*robot, x);
+    if (system.kind() != SystemKind::impulse)
+      contacts(*robot, static_cast<const MultibodySystem::Data<double>&>(data));
+  }
+
+  std::vector<BrokenLimit> broken() const {
+    std::vector<BrokenLimit> list;
+    for (const auto& [name, entry] : excess_)
+      if (entry.worst.excess > kSlack) {
+        list.push_back(entry.worst);
+        list.back().between = entry.at_knots < entry.worst.excess;
+      }
+    return list;
+  }
+
+ private:
+  /// Limits that a plan meets exactly are missed by rounding.
+  static constexpr double kSlack = 1e-6;
+
+  struct Instant {
+    int knot;
+    double time;
+    bool at_knot;
+  };
+  struct Entry {
+    BrokenLimit worst;
+    double at_knots = 0;
+  };
+
+  void meet(const std::string& quantity, const char* unit, double excess) {
+    if (!(excess > 0)) return;
+    Entry& entry = excess_[quantity];
+    if (instant_.at_knot) entry.at_knots = std::max(entry.at_knots, excess);
+    if (excess > entry.worst.excess)
+      entry.worst = {quantity, unit, excess, instant_.knot, instant_.time, false};
+  }
+
+  void joints(const MultibodySystem& system, const double* x) {
+    for (int j = 0; j < system.robot().joint_count(); ++j) {
+      const auto q = system.position_index(j), v = system.velocity_index(j);
+      if (!q || !v || system.robot().joints[j].type == JointType::floating) continue;
+      const MultibodySystem::JointLimits limits = system.limits(j);
+      const std::string& name = system.robot().joints[j].name;
+      const bool slides = system.robot().joints[j].type == JointType::prismatic;
+      meet("position of " + name, slides ? "m" : "rad",
+           std::max(limits.lower - x[*q], x[*q] - limits.upper));
+      meet("velocity of " + name, slides ? "m/s" : "rad/s", std::abs(x[*v]) - limits.max_velocity);
+    }
+  }
+
+  /// The ground cannot hold a foot back.
+  void contacts(const MultibodySystem& system, const MultibodySystem::Data<double>& data) {
+    for (int i = 0; i < system.contacts().count(); ++i) {
+      const Contact& contact = system.contacts().contacts()[i];
+      if (contact.kind == ContactKind::planar) continue;
+      const ContactData<double>& at = data.contacts.contacts[i];
+      const Vector3<double> force =
+          contact.axes == FrameAxes::local ? at.local.linear : contact_force_in_world(at).linear;
+      meet("pull of " + contact.name, "N", -dot(force, contact.normal));
+    }
+  }
+
+  Instant instant_{};
+  std::map<std::string, Entry> excess_;
+};
+
+/// Memory of one knot model's system in scalar arithmetic.
+struct Stepper {
+  explicit Stepper(const KnotModel& model)
+      : data(model.system().create_data(double{})), work(model.system(), model.integrator()) {}
+  std::unique_ptr<SystemData<double>> data;
+  IntegratorWorkspace<double> work;
+};
+
+class Player {
+ public:
+  Player(const ShootingProblem& problem, const Trajectory& trajectory,
+         const std::vector<Eigen::MatrixXd>& gains, int substeps)
+      : problem_(problem), trajectory_(trajectory), gains_(gains), substeps_(substeps) {
+    span_.setConstant(problem.ndx(), kSmallSpan);
+    Eigen::VectorXd off(problem.ndx());
+    for (int k = 0; k <= problem.knots(); ++k) {
+      problem.manifold().difference(trajectory.x(0).data(), trajectory.x(k).data(), off.data());
+      span_ = span_.cwiseMax(off.cwiseAbs());
+    }
+  }
+
+  ReplayRun run(bool feedback, LimitWatch* watch) {
+    ReplayRun result;
+    Eigen::VectorXd x =
+        Eigen::Map<const Eigen::VectorXd>(problem_.initial_state().data(), problem_.nx());
+    for (int k = 0; k < problem_.knots(); ++k) {
+      step(k, feedback, x, watch, result);
+      if (!x.allFinite()) {
+        result.lost_at = k;
+        return result;
+      }
+      compare(k + 1, x, result);
+    }
+    return result;
+  }
+
+ private:
+  /// Of what hardly moves, a hundredth of a unit counts as its way.
+  static constexpr double kSmallSpan = 0.01;
+
+  Eigen::VectorXd control(int k, bool feedback, const Eigen::VectorXd& x, ReplayRun& result) {
+    Eigen::VectorXd u = trajectory_.u(k);
+    if (!feedback || u.size() == 0) return u;
+    Eigen::VectorXd off(problem_.ndx());
+    problem_.manifold().difference(trajectory_.x(k).data(), x.data(), off.data());
+    u += gains_[k] * off;
+    const KnotModel& model = *problem_.knot(k).model;
+    for (Eigen::Index i = 0; i < u.size(); ++i) {
+      const double inside =
+          std::max(model.control_lower()[i], std::min(u[i], model.control_upper()[i]));
+      result.saturated += inside != u[i] && inside != trajectory_.u(k)[i];
+      u[i] = inside;
+    }
+    return u;
+  }
+
+  void step(int k, bool feedback, Eigen::VectorXd& x, LimitWatch* watch, ReplayRun& result) {
+    const KnotView& view = problem_.knot(k);
+    const System& system = view.model->system();
+    auto& memory = memory_[view.model];
+    if (!memory) memory = std::make_unique<Stepper>(*view.model);
+    const Eigen::VectorXd u = control(k, feedback, x, result);
+    const int steps = view.dt > 0 ? substeps_ : 1;
+    for (int s = 0; s < steps; ++s) {
+      system.evaluate(x.data(), u.data(), *memory->data);
+      if (watch != nullptr)
+        watch->look(system, *memory->data, x.data(), k, problem_.times()[k] + s * view.dt / steps,
+                    s == 0);
+      integrate(system, view.model->integrator(), x.data(), u.data(), view.dt / steps,
+                *memory->data, memory->work);
+      std::copy(memory->work.next.begin(), memory->work.next.end(), x.data());
+      if (view.model->has_control_memory()) x.tail(u.size()) = u;
+    }
+  }
+
+  void compare(int k, const Eigen::VectorXd& x, ReplayRun& result) {
+    Eigen::VectorXd off(problem_.ndx());
+    problem_.manifold().difference(trajectory_.x(k).data(), x.data(), off.data());
+    const int own = problem_.terminal().model->system().ndx();  // without the control memory
+    Eigen::Index entry = 0;
+    const double worst = off.head(own).cwiseAbs().maxCoeff(&entry);
+    if (worst > result.deviation) {
+      result.deviation = worst;
+      result.knot = k;
+      result.entry = static_cast<int>(entry);
+    }
+    result.final_state = worst;
+    result.relative = std::max(result.relative,
+                               off.head(own).cwiseAbs().cwiseQuotient(span_.head(own)).maxCoeff());
+  }
+
+  const ShootingProblem& problem_;
+  const Trajectory& trajectory_;
+  const std::vector<Eigen::MatrixXd>& gains_;
+  const int substeps_;
+  Eigen::VectorXd span_;
+  std::map<const KnotModel*, std::unique_ptr<Stepper>> memory_;
+};
+
+std::string why_impossible(const ShootingProblem& problem, const Trajectory& trajectory) {
+  for (const Phase& phase : problem.phases())
+    if (phase.model->integrator() == Integrator::discrete)
+      return "a discrete system has no time between its knots";
+  for (int k = 0; k < problem.knots(); ++k)
+    if (!trajectory.x(k).allFinite() || !trajectory.u(k).allFinite())
+      return "the trajectory is not finite";
+  return {};
+}
+
+}  // namespace
+
+Replay replay(const ShootingProblem& problem, const Trajectory& trajectory,
+              const std::vector<Eigen::MatrixXd>& gains, int substeps) {
+  Replay result;
+  result.impossible = why_impossible(problem, trajectory);
+  if (!result.impossible.empty()) return result;
+  result.substeps = substeps;
+  Player player(problem, trajectory, gains, substeps);
+  LimitWatch watch;
+  result.controls = player.run(false, nullptr);
+  result.feedback = player.run(true, &watch);
+  result.broken = watch.broken();
+  return result;
+}
+
+}  // namespace conddp

@@ -1,0 +1,319 @@
+#include "output/solution_certificate.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "output/contact_forces.hpp"
+#include "output/solution_members.hpp"
+#include "problem_file/expand_problem.hpp"
+
+namespace conddp {
+namespace {
+
+using Json = OrderedJson;
+
+const Json& at(const Json& document, std::initializer_list<const char*> path) {
+  const Json* value = &document;
+  for (const char* key : path) value = &solution_member(*value, key);
+  return *value;
+}
+
+/// A number, or not-a-number where the answer leaves it open.
+double number(const Json& value, const char* what) {
+  if (value.is_null()) return Check::kNone;
+  if (!value.is_number()) throw MalformedSolution{fmt::format("'{}' is no number", what)};
+  return value.get<double>();
+}
+
+Eigen::VectorXd vector(const Json& list, const char* what) {
+  Eigen::VectorXd v(list.size());
+  for (std::size_t i = 0; i < list.size(); ++i) v[i] = number(list[i], what);
+  return v;
+}
+
+/// Collects what does not fit, and the claims of a document that fits.
+class Reader {
+ public:
+  Reader(const Json& document, const ProblemSpec& spec, const BuiltProblem& built)
+      : document_(document), spec_(spec), built_(built), problem_(*built.problem) {}
+
+  SolutionCertificate judge(bool with_replay) {
+    const auto began = std::chrono::steady_clock::now();
+    SolutionCertificate result;
+    compare();
+    result.tangent_names = tangent_columns(built_);
+    if (with_replay && claims_)
+      result.replay = replay(problem_, claims_->trajectory, claims_->gains);
+    result.checks = std::move(certificate_);
+    result.time_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+    return result;
+  }
+
+ private:
+  void compare() {
+    statement("name", at(document_, {"problem", "name"}), spec_.name.value);
+    statement("solver", at(document_, {"solver"}), spec_.solver.name.value);
+    statement("options", at(document_, {"problem", "options"}),
+              expand_options(spec_.solver.options));
+    statement("knots", at(document_, {"problem", "knots"}), problem_.knots());
+    columns("x", built_.state_columns);
+    columns("u", built_.control_columns);
+    phases();
+    sizes();
+    if (!fits_) return;
+    claims_.emplace(problem_);
+    read_claims();
+    const Certificate numbers = certify(problem_, *claims_);
+    certificate_.checks.insert(certificate_.checks.end(), numbers.checks.begin(),
+                               numbers.checks.end());
+    dropped();
+    forces();
+    log();
+  }
+
+  void add(Check check) { certificate_.checks.push_back(std::move(check)); }
+
+  /// A statement in words or whole numbers, which has to be the problem's own.
+  bool statement(std::string name, const Json& claimed, const Json& actual) {
+    // By keys: a document that was read has them in another order.
+    const bool holds = Json::diff(actual, claimed).empty();
+    std::string message;
+    if (!holds)
+      message = claimed.is_structured() ? difference(claimed, actual)
+                                        : fmt::format("{} in the answer, {} in the problem",
+                                                      claimed.dump(), actual.dump());
+    add({std::move(name), holds, Check::kNone, Check::kNone, Check::kNone, "", std::move(message)});
+    return holds;
+  }
+
+  static std::string difference(const Json& claimed, const Json& actual) {
+    const Json patch = Json::diff(actual, claimed);
+    const Json::json_pointer place(patch.at(0).at("path").get<std::string>());
+    const auto value = [&](const Json& json) {
+      return json.contains(place) ? json.at(place).dump() : std::string("nothing");
+    };
+    return fmt::format("{}: {} in the answer, {} in the problem{}", place.to_string(),
+                       value(claimed), value(actual),
+                       patch.size() > 1 ? fmt::format(" ({} more differ)", patch.size() - 1) : "");
+  }
+
+  void columns(const char* kind, const std::vector<Column>& actual) {
+    Json names = Json::array(), units = Json::array();
+    for (const Column& column : actual) {
+      names.push_back(column.name);
+      units.push_back(column.unit);
+    }
+    statement(fmt::format("columns of {}", kind), at(document_, {"trajectory", "columns", kind}),
+              names);
+    statement(fmt::format("units of {}", kind), at(document_, {"trajectory", "units", kind}),
+              units);
+  }
+
+  void phases() {
+    Json actual = Json::array();
+    int first = 0;
+    for (const Phase& phase : problem_.phases()) {
+      actual.push_back({{"name", phase.name}, {"first_knot", first}, {"knots", phase.knots()}});
+      first += phase.knots();
+    }
+    statement("phases", at(document_, {"trajectory", "phases"}), actual);
+  }
+
+  void size(const std::string& name, const Json& list, int expected) {
+    if (!list.is_array()) throw MalformedSolution{fmt::format("'{}' is no list", name)};
+    if (static_cast<int>(list.size()) == expected) return;
+    fits_ = false;
+    add({name, false, Check::kNone, Check::kNone, Check::kNone, "",
+         fmt::format("{} entries in the answer, {} in the problem", list.size(), expected)});
+  }
+
+  /// One row of numbers a node or knot; `columns` says how many a knot has.
+  template <class Columns>
+  void rows(const std::string& name, const Json& list, int count, Columns columns) {
+    size(name, list, count);
+    for (int k = 0; k < std::min<int>(count, static_cast<int>(list.size())); ++k)
+      size(fmt::format("{}[{}]", name, k), list[k], columns(k));
+  }
+
+  void sizes() {
+    const int N = problem_.knots();
+    const auto nx = [&](int) { return problem_.nx(); };
+    const auto ndx = [&](int) { return problem_.ndx(); };
+    const auto nu = [&](int k) { return problem_.nu(k); };
+    size("trajectory.t", at(document_, {"trajectory", "t"}), N + 1);
+    rows("trajectory.x", at(document_, {"trajectory", "x"}), N + 1, nx);
+    rows("trajectory.u", at(document_, {"trajectory", "u"}), N, nu);
+    const Json& multipliers = at(document_, {"multipliers"});
+    rows("multipliers.costates", at(multipliers, {"costates"}), N + 1, ndx);
+    rows("multipliers.state_gradient", at(multipliers, {"state_gradient"}), N + 1, ndx);
+    for (const char* kind : {"control_lower", "control_upper"})
+      if (multipliers.contains(kind))
+        rows(fmt::format("multipliers.{}", kind), multipliers.at(kind), N, nu);
+    check_constraint_list(multipliers);
+    const Json& K = at(document_, {"gains", "K"});
+    rows("gains.K", K, N, nu);
+    for (int k = 0; fits_ && k < N; ++k)
+      rows(fmt::format("gains.K[{}]", k), K[k], problem_.nu(k), ndx);
+    rows("gains.k", at(document_, {"gains", "k"}), N, nu);
+    if (fits_) add({"shapes", true, Check::kNone, Check::kNone, Check::kNone, "", ""});
+  }
+
+  /// Whether the constraints of all nodes are there, in their order and with as many rows.
+  void check_constraint_list(const Json& multipliers) {
+    const auto& constraints = problem_.constraints();
+    if (constraints.empty()) return;
+    const Json& list = at(multipliers, {"constraints"});
+    size("multipliers.constraints", list, static_cast<int>(constraints.size()));
+    for (std::size_t i = 0; fits_ && i < constraints.size(); ++i) {
+      const std::string what = fmt::format("multipliers.constraints[{}]", i);
+      if (solution_text(list[i], "name") != constraints[i].term->name ||
+          at(list[i], {"node"}) != constraints[i].node)
+        throw MalformedSolution{fmt::format("'{}' is not the constraint '{}' of node {}", what,
+                                            constraints[i].term->name, constraints[i].node)};
+      size(what, at(list[i], {"multiplier"}), constraints[i].term->rows);
+    }
+  }
+
+  void read_claims() {
+    SolutionClaims& c = *claims_;
+    const int N = problem_.knots();
+    const Json& trajectory = at(document_, {"trajectory"});
+    for (int k = 0; k <= N; ++k) {
+      c.times.push_back(number(trajectory["t"][k], "trajectory.t"));
+      c.trajectory.x(k) = vector(trajectory["x"][k], "trajectory.x");
+      if (k < N) c.trajectory.u(k) = vector(trajectory["u"][k], "trajectory.u");
+    }
+    c.status = solution_text(document_, "status");
+    c.converged = c.status == to_string(SolveStatus::converged);
+    c.cost = number(at(document_, {"cost"}), "cost");
+    const Json& costs = at(document_, {"cost_by_name"});
+    if (!costs.is_object()) throw MalformedSolution{"'cost_by_name' is no object"};
+    for (const auto& [name, value] : costs.items())
+      c.cost_by_name.emplace_back(name, number(value, "cost_by_name"));
+    const Json& residuals = at(document_, {"residuals"});
+    c.stationarity = number(at(residuals, {"stationarity"}), "residuals.stationarity");
+    c.gap = number(at(residuals, {"gap"}), "residuals.gap");
+    c.constraint = number(at(residuals, {"constraint"}), "residuals.constraint");
+    c.complementarity = number(at(residuals, {"complementarity"}), "residuals.complementarity");
+    c.tolerances = spec_.solver.options.tolerances;
+    const Json& multipliers = document_["multipliers"];
+    for (int k = 0; k <= N; ++k) {
+      c.costates.col(k) = vector(multipliers["costates"][k], "multipliers.costates");
+      c.state_gradient.col(k) =
+          vector(multipliers["state_gradient"][k], "multipliers.state_gradient");
+    }
+    for (int k = 0; k < N; ++k) {
+      if (multipliers.contains("control_lower"))
+        c.lower_multipliers[k] = vector(multipliers["control_lower"][k], "control_lower");
+      if (multipliers.contains("control_upper"))
+        c.upper_multipliers[k] = vector(multipliers["control_upper"][k], "control_upper");
+    }
+    for (std::size_t i = 0; i < problem_.constraints().size(); ++i) {
+      const NodeConstraint& constraint = problem_.constraints()[i];
+      c.multipliers.segment(constraint.row, constraint.term->rows) =
+          vector(multipliers["constraints"][i]["multiplier"], "multipliers.constraints");
+    }
+    const Json& K = document_["gains"]["K"];
+    for (int k = 0; k < N; ++k)
+      for (int i = 0; i < problem_.nu(k); ++i) c.gains[k].row(i) = vector(K[k][i], "gains.K");
+    c.tangent_names = tangent_columns(built_);
+    for (const Column& column : built_.control_columns) c.control_names.push_back(column.name);
+  }
+
+  void dropped() {
+    const Json& list = at(document_, {"dropped_constraints"});
+    size("dropped_constraints", list, static_cast<int>(built_.dropped.size()));
+    for (std::size_t i = 0; i < std::min(list.size(), built_.dropped.size()); ++i) {
+      const DroppedConstraint& constraint = built_.dropped[i];
+      if (!statement("dropped constraint", at(list[i], {"name"}), constraint.name)) continue;
+      const double claimed = number(at(list[i], {"violation"}), "violation");
+      const double found = violation(constraint, problem_, claims_->trajectory);
+      add({"violation of dropped " + constraint.name, open_or_near(claimed, found, 1e-12), claimed,
+           found, 1e-12 * std::max(1.0, std::abs(found)), "", ""});
+    }
+  }
+
+  bool open_or_near(double claimed, double found, double tolerance) const {
+    if (std::isnan(claimed)) return claims_->status == to_string(SolveStatus::diverged);
+    return std::abs(claimed - found) <= tolerance * std::max(1.0, std::abs(found));
+  }
+
+  void forces() {
+    const ContactForces found = contact_forces(spec_, problem_, claims_->trajectory);
+    const Json& claimed = at(document_, {"trajectory", "contact_forces"});
+    size("contact_forces", claimed, found.contacts);
+    for (const auto& contact : found.contacts) {
+      Check check{"force of " + contact.name};
+      const Json& rows = at(claimed, {contact.name.c_str()});
+      const int width = contact.torque ? 6 : 3;
+      double worst = -1;
+      for (int k = 0; k < problem_.knots() && check.message.empty(); ++k) {
+        const Json row = k < static_cast<int>(rows.size()) ? rows[k] : Json("missing");
+        const bool held = contact.wrench[k].has_value();
+        if (held ? !row.is_array() || static_cast<int>(row.size()) != width : !row.is_null()) {
+          check.holds = false;
+          check.place = place_text(problem_, k, "");
+          check.message = held ? "a force should stand here" : "the contact is not held here";
+          break;
+        }
+        for (int i = 0; held && i < width; ++i) {
+          const double claim = number(row[i], "contact_forces"), force = (*contact.wrench[k])[i];
+          const double size = std::abs(claim - force) / std::max(1.0, std::abs(force));
+          if (!(size > worst) && !std::isnan(size)) continue;
+          if (std::isnan(claim) && !std::isfinite(force)) continue;
+          worst = size;
+          check.claimed = claim;
+          check.found = force;
+          check.tolerance = kForceTolerance * std::max(1.0, std::abs(force));
+          check.place = place_text(problem_, k, "");
+          check.holds = size <= kForceTolerance;
+          if (!check.holds) break;
+        }
+        if (!check.holds) break;
+      }
+      if (check.holds) check.place.clear();
+      add(std::move(check));
+    }
+  }
+
+  void size(const std::string& name, const Json& object,
+            const std::vector<ContactForces::OfContact>& contacts) {
+    if (object.is_object() && object.size() == contacts.size()) return;
+    add({name, false, Check::kNone, Check::kNone, Check::kNone, "",
+         fmt::format("of {} contacts in the answer, {} in the problem", object.size(),
+                     contacts.size())});
+  }
+
+  /// The last row of the log is the answer itself.
+  void log() {
+    const Json& log = solution_list(document_, "log");
+    if (log.empty()) return;
+    const Json& last = log.back();
+    statement("iterations", at(document_, {"iterations"}), at(last, {"iteration"}));
+    const double cost = number(at(last, {"cost"}), "log");
+    add({"cost in the log", open_or_near(cost, claims_->cost, 1e-12), cost, claims_->cost,
+         1e-12 * std::max(1.0, std::abs(cost)), "", ""});
+  }
+
+  static constexpr double kForceTolerance = 1e-9;
+
+  const Json& document_;
+  const ProblemSpec& spec_;
+  const BuiltProblem& built_;
+  const ShootingProblem& problem_;
+  std::optional<SolutionClaims> claims_;
+  Certificate certificate_;
+  bool fits_ = true;
+};
+
+}  // namespace
+
+SolutionCertificate certify_solution(const OrderedJson& document, const ProblemSpec& spec,
+                                     const BuiltProblem& built, bool with_replay) {
+  return Reader(document, spec, built).judge(with_replay);
+}
+
+}  // namespace conddp

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "ocp/augmentation.hpp"
+#include "solvers/control_bounds.hpp"
+#include "solvers/options.hpp"
+
+namespace conddp {
+
+/// How well the constraints hold at an iterate.
+struct ConstraintNorms {
+  Extremum violation;          ///< largest distance from a set
+  double complementarity = 0;  ///< largest complementarity()
+};
+
+/// Multipliers and penalties of all constraints, and how they change between the minimisations of
+/// the augmented Lagrangian (Howell, Jackson, Manchester 2019; cones as in Jackson et al. 2021).
+///
+/// The multipliers that belong to values g are ν⁺ = ρ (g + ν/ρ − Π_C(g + ν/ρ)), projected by their
+/// definition: the gradient of the augmented Lagrangian at ν is that of the Lagrangian at ν⁺. The
+/// augmented Lagrangian has a continuous gradient wherever a constraint becomes active, so that
+/// line searches see no jump. Each constraint, by name, has its penalty.
+class AugmentedLagrangian {
+ public:
+  AugmentedLagrangian(const ShootingProblem& problem, const SolverOptions& options);
+
+  /// Multipliers (a number per constraint row of the problem) and first penalties.
+  void start(const Eigen::VectorXd& multipliers);
+
+  const Augmentation& augmentation() const { return augmentation_; }
+  /// Takes the values of an iterate and computes ν⁺ of them.
+  ConstraintNorms measure(const Eigen::VectorXd& values);
+  /// ν⁺ of the last measure.
+  const Eigen::VectorXd& multipliers() const { return next_; }
+
+  /// Ends one minimisation: ν ← ν⁺, and the penalty of a constraint grows where its violation has
+  /// not fallen enough since the last time.
+  void update();
+  /// Takes multipliers that were found otherwise, with the first penalties.
+  void adopt(const Eigen::VectorXd& multipliers);
+  /// The constraint for which penalties no longer help: its penalty is at the limit and its
+  /// violation, above tolerance, does not fall. Empty if there is none.
+  const std::string& hopeless() const { return hopeless_; }
+  double largest_penalty() const;
+
+ private:
+  /// A constraint's nodes and what has become of it.
+  struct Group {
+    std::string name;
+    std::vector<int> constraints;  ///< into ShootingProblem::constraints()
+    double penalty = 0;
+    double violation = 0;  ///< at the last measure
+    double before = 0;     ///< the same at the last update
+    int stalled = 0;       ///< updates at the limit without progress
+  };
+  void write(const Group& group);
+
+  const ShootingProblem& problem_;
+  SolverOptions::AugmentedLagrangian options_;
+  double tolerance_;
+  std::vector<Group> groups_;
+  Augmentation augmentation_;
+  Eigen::VectorXd multipliers_, next_;
+  std::string hopeless_;
+};
+
+}  // namespace conddp

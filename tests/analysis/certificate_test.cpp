@@ -1,0 +1,113 @@
+// Constraints with multipliers that are known from the optimality conditions by hand.
+#include "analysis/certificate.hpp"
+
+#include <gtest/gtest.h>
+
+#include "solvers/problems.hpp"
+
+namespace conddp {
+namespace {
+
+/// One step x⁺ = x + u from the origin, ½ ‖u − wish‖², and a constraint on where it ends.
+ShootingProblem one_step(const std::vector<double>& wish, ConstraintKind kind,
+                         const std::vector<double>& bounds) {
+  const int n = static_cast<int>(wish.size());
+  const auto system = linear_system(Eigen::MatrixXd::Identity(n, n),
+                                    Eigen::MatrixXd::Identity(n, n), Eigen::VectorXd::Zero(n));
+  auto running = std::make_shared<KnotModel>(system, Integrator::discrete);
+  running->add_cost("effort", control_residual(n, n), {});
+  auto end = std::make_shared<KnotModel>(system, Integrator::none);
+  end->add_constraint(make_constraint("end", state_residual(end->manifold()), kind));
+  std::vector<double> cost = wish, constraint(n, 0.0);
+  cost.push_back(1);
+  constraint.insert(constraint.end(), bounds.begin(), bounds.end());
+  constraint.push_back(1);
+  std::vector<Phase> phases;
+  phases.push_back(
+      {.name = "go", .model = running, .dt = {1}, .cost_scale = {1}, .parameters = cost});
+  return ShootingProblem(
+      std::vector<double>(n, 0.0), std::move(phases),
+      {.name = "end", .model = end, .dt = {0}, .cost_scale = {1}, .parameters = constraint});
+}
+
+/// Claims of a step u that ends the motion, with the same co-state and multiplier everywhere.
+SolutionClaims claims_of(const ShootingProblem& problem, const Eigen::VectorXd& u,
+                         const Eigen::VectorXd& multiplier, double cost) {
+  SolutionClaims claims(problem);
+  claims.times = problem.times();
+  claims.converged = true;
+  claims.status = "converged";
+  claims.trajectory.u(0) = u;
+  claims.trajectory.x(1) = u;
+  claims.costates.colwise() = multiplier;
+  claims.multipliers = multiplier;
+  claims.cost = cost;
+  claims.cost_by_name = {{"effort", cost}};
+  claims.stationarity = claims.gap = claims.constraint = claims.complementarity = 0;
+  return claims;
+}
+
+std::string failures(const Certificate& certificate) {
+  std::string names;
+  for (const Check& check : certificate.checks)
+    if (!check.holds) names += "[" + check.name + "]";
+  return names;
+}
+
+Eigen::VectorXd vector(std::initializer_list<double> values) {
+  return Eigen::Map<const Eigen::VectorXd>(values.begin(),
+                                           static_cast<Eigen::Index>(values.size()));
+}
+
+constexpr double kFree = std::numeric_limits<double>::infinity();
+
+TEST(CertificateOfConstraints, HoldsAtAnEqualityWithEitherSign) {
+  for (const double goal : {1.0, -1.0}) {
+    const ShootingProblem problem = one_step({0}, ConstraintKind::bounds, {goal, goal});
+    EXPECT_EQ(failures(certify(problem, claims_of(problem, vector({goal}), vector({-goal}), 0.5))),
+              "");
+  }
+}
+
+TEST(CertificateOfConstraints, SignsSayAtWhichBound) {
+  const ShootingProblem above = one_step({0}, ConstraintKind::bounds, {1, kFree});
+  SolutionClaims claims = claims_of(above, vector({1}), vector({-1}), 0.5);
+  EXPECT_EQ(failures(certify(above, claims)), "");
+  claims.multipliers[0] = 1;
+  const std::string found = failures(certify(above, claims));
+  EXPECT_NE(found.find("[signs of multipliers]"), std::string::npos) << found;
+  EXPECT_NE(found.find("[co-states]"), std::string::npos) << found;
+}
+
+TEST(CertificateOfConstraints, FindsAViolationAndABoundThatIsNotMet) {
+  const ShootingProblem problem = one_step({0}, ConstraintKind::bounds, {1.5, kFree});
+  // Stationary, but half a unit short.
+  const std::string short_of =
+      failures(certify(problem, claims_of(problem, vector({1}), vector({-1}), 0.5)));
+  EXPECT_NE(short_of.find("[constraint violation]"), std::string::npos) << short_of;
+  const ShootingProblem loose = one_step({0}, ConstraintKind::bounds, {0.5, kFree});
+  const std::string beyond =
+      failures(certify(loose, claims_of(loose, vector({1}), vector({-1}), 0.5)));
+  EXPECT_NE(beyond.find("[complementarity]"), std::string::npos) << beyond;
+}
+
+TEST(CertificateOfConstraints, KnowsSecondOrderCones) {
+  const ShootingProblem problem = one_step({1, 0}, ConstraintKind::second_order_cone, {});
+  // The point of the cone |v| ≤ t nearest to (1, 0).
+  const SolutionClaims good = claims_of(problem, vector({0.5, 0.5}), vector({0.5, -0.5}), 0.25);
+  EXPECT_EQ(failures(certify(problem, good)), "");
+  SolutionClaims wrong = good;
+  wrong.multipliers = -wrong.multipliers;
+  EXPECT_NE(failures(certify(problem, wrong)).find("[signs of multipliers]"), std::string::npos);
+  // Outside: (1, 0) is 1/√2 from the cone.
+  SolutionClaims outside = claims_of(problem, vector({1, 0}), vector({0, 0}), 0);
+  outside.converged = false;
+  outside.status = "max_iterations";
+  outside.constraint = std::sqrt(0.5);
+  EXPECT_EQ(failures(certify(problem, outside)), "");
+  outside.constraint = 1;
+  EXPECT_EQ(failures(certify(problem, outside)), "[constraint violation]");
+}
+
+}  // namespace
+}  // namespace conddp

@@ -1,0 +1,102 @@
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "process.hpp"
+
+namespace conddp {
+namespace {
+
+const std::string kPendulum = source("problems/pendulum_swingup.yaml");
+
+/// The data in a page.
+nlohmann::json data_of(const std::filesystem::path& page) {
+  const std::string text = read_file(page), open = "id=\"report-data\">";
+  const std::size_t from = text.find(open) + open.size();
+  return nlohmann::json::parse(text.substr(from, text.find("</script>", from) - from));
+}
+
+class ReportCommand : public testing::Test {
+ protected:
+  /// Solves the pendulum into a folder and returns the solution's file.
+  std::string solve(const std::string& folder, const std::string& solver,
+                    const std::string& problem = kPendulum) {
+    const ProcessResult r = run_conddp(
+        {"solve", problem, "--quiet", "--solver", solver, "-o", folder_.path() / folder});
+    EXPECT_EQ(r.exit_code, 0) << r.err;
+    return folder_.path() / folder / "solution.json";
+  }
+  TemporaryFolder folder_;
+};
+
+TEST_F(ReportCommand, SeveralSolutionsShareAPageUnderTheirSolvers) {
+  const std::string page = folder_.path() / "both.html";
+  const ProcessResult r =
+      run_conddp({"report", solve("a", "box_fddp"), solve("b", "box_ddp"), "-o", page});
+  EXPECT_EQ(r.exit_code, 0) << r.err;
+  EXPECT_EQ(r.out, page + "\n");
+  const nlohmann::json data = data_of(page);
+  ASSERT_EQ(data["solutions"].size(), 2u);
+  EXPECT_EQ(data["solutions"][0]["label"], "box_fddp");
+  EXPECT_EQ(data["solutions"][1]["label"], "box_ddp");
+  EXPECT_EQ(data["solutions"][1]["head"]["status"], "converged");
+  EXPECT_FALSE(data["solutions"][0]["scene"].is_null());
+  EXPECT_EQ(data["solutions"][0]["remark"], "");
+}
+
+TEST_F(ReportCommand, ThePageStandsBesideTheFirstSolutionAndLabelsAreFoldersForOneSolver) {
+  const ProcessResult r = run_conddp({"report", solve("a", "box_fddp"), solve("b", "box_fddp")});
+  EXPECT_EQ(r.exit_code, 0) << r.err;
+  const nlohmann::json data = data_of(folder_.path() / "a/report.html");
+  EXPECT_EQ(data["solutions"][0]["label"], "a");
+  EXPECT_EQ(data["solutions"][1]["label"], "b");
+}
+
+TEST_F(ReportCommand, ASolutionWhoseProblemIsGoneIsDrawnWithItsCurvesAndARemark) {
+  const std::string problem = folder_.write("gone.yaml", read_file(kPendulum));
+  const std::string solution = solve("a", "box_fddp", problem);
+  std::filesystem::remove(problem);
+  const ProcessResult r = run_conddp({"report", solution});
+  EXPECT_EQ(r.exit_code, 0) << r.err;
+  EXPECT_NE(r.err.find("warning: its problem"), std::string::npos) << r.err;
+  const nlohmann::json entry = data_of(folder_.path() / "a/report.html")["solutions"][0];
+  EXPECT_TRUE(entry["scene"].is_null());
+  EXPECT_NE(entry["remark"].get<std::string>().find("is not there"), std::string::npos);
+  EXPECT_EQ(entry["curves"]["x"]["values"].size(), 2u);
+  EXPECT_EQ(run_conddp({"report", solution, "--problem", kPendulum}).err.find("is not there"),
+            std::string::npos);
+}
+
+TEST_F(ReportCommand, ABadSolutionIsRefusedAndNothingIsWritten) {
+  const std::string solution = solve("a", "box_fddp");
+  const nlohmann::json good = nlohmann::json::parse(read_file(solution));
+  const auto refused = [&](const std::string& text) {
+    const std::string file = folder_.write("bad.json", text);
+    const ProcessResult r = run_conddp({"report", file, "-o", folder_.path() / "bad.html"});
+    EXPECT_EQ(r.exit_code, 2) << text.substr(0, 80);
+    EXPECT_NE(r.err.find("bad.json"), std::string::npos) << r.err;
+    EXPECT_FALSE(std::filesystem::exists(folder_.path() / "bad.html"));
+  };
+  refused("{");
+  refused("{}");
+  refused(R"({"format": "conddp.solution/1"})");
+  for (const char* key : {"trajectory", "problem", "solver", "log", "residuals"}) {
+    nlohmann::json bad = good;
+    bad.erase(key);
+    refused(bad.dump());
+    bad[key] = 7;
+    refused(bad.dump());
+  }
+  for (const char* key : {"t", "x", "u", "columns", "phases"}) {
+    nlohmann::json bad = good;
+    bad["trajectory"].erase(key);
+    refused(bad.dump());
+    bad["trajectory"][key] = {1, 2};
+    refused(bad.dump());
+  }
+  nlohmann::json bad = good;
+  bad["trajectory"]["phases"][0]["knots"] = 1000000;
+  refused(bad.dump());
+}
+
+}  // namespace
+}  // namespace conddp

@@ -1,0 +1,112 @@
+// Every pattern of a diagnosis, provoked by a problem that ends that way.
+#include "analysis/diagnosis.hpp"
+
+#include <gtest/gtest.h>
+
+#include "problem_file/build.hpp"
+#include "problem_file/read_problem.hpp"
+#include "solvers/registry.hpp"
+
+namespace conddp {
+namespace {
+
+struct Provocation {
+  std::string name;
+  DiagnosisPattern pattern;
+  std::string quantity;
+  std::string problem;
+  std::vector<std::string> settings;
+  std::vector<std::string> drop;
+};
+
+class DiagnosisOf : public testing::TestWithParam<Provocation> {};
+
+TEST_P(DiagnosisOf, ARealSolve) {
+  const Provocation& p = GetParam();
+  Diagnostics out;
+  const auto file = std::filesystem::path(CONDDP_SOURCE_DIR) / "problems" / (p.problem + ".yaml");
+  const auto spec = read_problem(file, p.settings, out);
+  ASSERT_TRUE(spec) << format_diagnostics(out, false);
+  const auto built = build_problem(*spec, {.drop = p.drop}, out);
+  ASSERT_TRUE(built) << format_diagnostics(out, false);
+  const SolveResult result =
+      solve(*built->problem, spec->solver.name.value, spec->solver.options, built->guess);
+  const Diagnosis d = diagnose(result, spec->solver.options);
+  EXPECT_EQ(to_string(d.pattern), to_string(p.pattern)) << result.message << "\n" << d.message;
+  EXPECT_EQ(d.quantity, p.quantity);
+  EXPECT_FALSE(d.message.empty());
+  const bool normal = p.pattern == DiagnosisPattern::normal;
+  EXPECT_EQ(d.remedy.empty(), normal);
+  EXPECT_EQ(d.knot < 0, normal) << d.knot;
+  EXPECT_LT(d.knot, built->problem->knots());
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Patterns, DiagnosisOf,
+    testing::Values(
+        Provocation{"Normal", DiagnosisPattern::normal, "", "pendulum_swingup", {}, {}},
+        Provocation{"Unfinished",
+                    DiagnosisPattern::unfinished,
+                    "stationarity",
+                    "cartpole_swingup",
+                    {"solver.max_iterations=2"},
+                    {}},
+        // Controls that no pendulum survives.
+        Provocation{"Growth",
+                    DiagnosisPattern::growth,
+                    "cost or next state",
+                    "acrobot_swingup",
+                    {"solver.name=ilqr", "initial_guess.controls={constant: 1.0e+200}"},
+                    {"torque"}},
+        // Control weights that are lost beside a regularisation which must not grow.
+        Provocation{"Indefinite",
+                    DiagnosisPattern::indefinite,
+                    "Q_uu",
+                    "acrobot_swingup",
+                    {"solver={name: box_fddp, regularization: {max: 1.0e-5}}",
+                     "initial_guess.states={keyframes: [{time: 0.5, state: {values: {theta1: 100, "
+                     "omega1: 100}}}]}"},
+                    {}},
+        Provocation{"RoundingFloor",
+                    DiagnosisPattern::rounding_floor,
+                    "stationarity",
+                    "quadrotor_waypoints",
+                    {"solver.tolerances={stationarity: 1.0e-18}"},
+                    {}},
+        // Full steps or none, from controls that the states do not follow.
+        Provocation{"OpenGaps",
+                    DiagnosisPattern::open_gaps,
+                    "gap",
+                    "quadrotor_waypoints",
+                    {"solver={name: box_fddp, line_search: {min_step: 0.9}, regularization: {max: "
+                     "1.0e-5}}",
+                     "initial_guess.controls={random: {seed: 3, scale: 3}}"},
+                    {}},
+        // Bang-bang controls, stages that know nothing of each other's bounds.
+        Provocation{"AlternatingActiveSet",
+                    DiagnosisPattern::alternating_active_set,
+                    "active set of the control bounds",
+                    "cartpole_swingup",
+                    {"solver={name: box_ddp, max_iterations: 100, box_qp: {horizon_sweeps: 0}}",
+                     "costs.effort.weight=1.0e-9"},
+                    {}},
+        // Clipping does not descend, and regularisation grows.
+        Provocation{"Plateau",
+                    DiagnosisPattern::plateau,
+                    "stationarity",
+                    "car_parking",
+                    {"solver={name: ilqr_clip, max_iterations: 100}"},
+                    {}},
+        // Closed gaps and only full steps.
+        Provocation{"NoDescent",
+                    DiagnosisPattern::no_descent,
+                    "merit",
+                    "acrobot_swingup",
+                    {"solver={name: box_ddp, line_search: {min_step: 0.9}, regularization: {max: "
+                     "1.0e-5}}",
+                     "initial_guess.controls={constant: 3}"},
+                    {}}),
+    [](const auto& p) { return p.param.name; });
+
+}  // namespace
+}  // namespace conddp

@@ -1,0 +1,63 @@
+// The shapes of a motion round obstacles keep apart, measured by a search that no solver shares.
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "problem_file/build.hpp"
+#include "problem_file/read_problem.hpp"
+#include "problem_file/shape_pairs.hpp"
+#include "robot/frames.hpp"
+#include "solvers/registry.hpp"
+#include "support/segments.hpp"
+
+namespace conddp {
+namespace {
+
+using Eigen::Vector3d;
+
+Vector3d put(const Vector3<double>& a) { return {a.x, a.y, a.z}; }
+
+double distance_of(const DistancePair& pair, const Plant& plant, const std::vector<double>& x) {
+  const auto ends = [&](const Capsule& c) {
+    SE3<double> m = SE3<double>::identity();
+    if (c.frame >= 0) m = placement_in_state(*plant.multibody, x, c.frame);
+    return std::pair(put(m.R * c.from + m.p), put(m.R * c.to + m.p));
+  };
+  const auto [a0, a1] = ends(pair.first);
+  if (const auto* solid = std::get_if<HalfSpace>(&pair.second))
+    return std::min(put(solid->normal).dot(a0), put(solid->normal).dot(a1)) - solid->offset -
+           pair.first.radius;
+  const Capsule& second = std::get<Capsule>(pair.second);
+  const auto [b0, b1] = ends(second);
+  return searched_distance(a0, a1, b0, b1) - pair.first.radius - second.radius;
+}
+
+TEST(ArmObstacles, KeepsItsDistanceFromTheBallThePoleAndItself) {
+  Diagnostics diagnostics;
+  const auto spec = read_problem(
+      std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/arm_obstacles.yaml", {}, diagnostics);
+  ASSERT_TRUE(spec);
+  const auto built = build_problem(*spec, {}, diagnostics);
+  ASSERT_TRUE(built);
+  const SolveResult result =
+      solve(*built->problem, spec->solver.name.value, spec->solver.options, built->guess);
+  ASSERT_EQ(result.status, SolveStatus::converged) << result.message;
+  const CostSpec& cost = spec->costs[0];
+  std::set<std::string> touched;  // the pairs that come as near as they may
+  for (const ShapePair& pair : shape_pairs(cost, *spec, built->plant, diagnostics)) {
+    double smallest = kUnlimited;
+    for (int k = 0; k <= built->problem->knots(); ++k) {
+      const auto x = result.trajectory.x(k);
+      const double d = distance_of(pair.shapes, built->plant, {x.begin(), x.end()});
+      smallest = std::min(smallest, d);
+    }
+    // The barrier is soft: it is pushed in by a tenth of a millimetre.
+    const std::string name = pair.first + "-" + pair.second;
+    EXPECT_GE(smallest, *cost.margin - 2e-4) << name;
+    if (smallest < *cost.margin + 1e-4) touched.insert(name);
+  }
+  EXPECT_EQ(touched, (std::set<std::string>{"forearm-hand", "hand-ball", "hand-pole"}));
+}
+
+}  // namespace
+}  // namespace conddp

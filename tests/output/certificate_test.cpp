@@ -1,0 +1,385 @@
+// The certificate of an answer holds, and of no answer in which something is changed.
+#include <functional>
+#include <map>
+
+#include <gtest/gtest.h>
+
+#include "output/certificate_report.hpp"
+#include "output/solution_certificate.hpp"
+#include "output/solution_json.hpp"
+#include "output/solution_members.hpp"
+#include "problem_file/read_problem.hpp"
+#include "solvers/registry.hpp"
+
+namespace conddp {
+namespace {
+
+/// A ready problem and the document of its answer.
+struct Answer {
+  explicit Answer(const std::string& name, const std::vector<std::string>& settings = {},
+                  const BuildOptions& options = {}) {
+    Diagnostics out;
+    const auto file = std::filesystem::path(CONDDP_SOURCE_DIR) / "problems" / (name + ".yaml");
+    auto read = read_problem(file, settings, out);
+    if (!read) throw std::runtime_error(format_diagnostics(out, false));
+    spec = *std::move(read);
+    auto made = build_problem(spec, options, out);
+    if (!made) throw std::runtime_error(format_diagnostics(out, false));
+    built = *std::move(made);
+    const SolverInfo& solver = *find_solver(spec.solver.name.value);
+    const SolveResult result = solve(*built.problem, solver, spec.solver.options, built.guess);
+    document = OrderedJson::parse(solution_json({spec, built, solver, result, {}}).dump());
+  }
+  SolutionCertificate judge(const OrderedJson& changed) const {
+    return certify_solution(changed, spec, built, false);
+  }
+  ProblemSpec spec;
+  BuiltProblem built;
+  OrderedJson document;
+};
+
+std::string failures(const SolutionCertificate& certificate) {
+  std::string names;
+  for (const Check& check : certificate.checks.checks)
+    if (!check.holds) names += "[" + check.name + "]";
+  return names;
+}
+
+OrderedJson& knot(OrderedJson& rows) { return rows[rows.size() / 2]; }
+
+void add_to(OrderedJson& number, double change) { number = number.get<double>() + change; }
+
+/// A way to change an answer, and the check that has to find it. Returns false where the answer has
+/// nothing of the kind.
+struct Corruption {
+  std::string name;
+  std::string found_by;
+  std::function<bool(OrderedJson&)> apply;
+};
+
+const std::vector<Corruption>& corruptions() {
+  static const std::vector<Corruption> list = {
+      {"a control", "gap",
+       [](OrderedJson& d) {
+         add_to(knot(d["trajectory"]["u"])[0], 1e-6);
+         return true;
+       }},
+      {"a state", "gap",
+       [](OrderedJson& d) {
+         add_to(knot(d["trajectory"]["x"])[0], 1e-8);
+         return true;
+       }},
+      {"the initial state", "initial state",
+       [](OrderedJson& d) {
+         add_to(d["trajectory"]["x"][0][0], 1e-9);
+         return true;
+       }},
+      {"the sign of a co-state", "co-states",
+       [](OrderedJson& d) {
+         for (OrderedJson& entry : knot(d["multipliers"]["costates"])) entry = -entry.get<double>();
+         return true;
+       }},
+      {"one entry of a co-state", "co-states",
+       [](OrderedJson& d) {
+         add_to(knot(d["multipliers"]["costates"]).back(), 1e-5);
+         return true;
+       }},
+      {"the gradient in a state", "co-states",
+       [](OrderedJson& d) {
+         add_to(knot(d["multipliers"]["state_gradient"])[0], 1e-5);
+         return true;
+       }},
+      {"the sign of a bound's multiplier", "signs of multipliers",
+       [](OrderedJson& d) {
+         if (!d["multipliers"].contains("control_lower")) return false;
+         for (OrderedJson& row : d["multipliers"]["control_lower"])
+           for (OrderedJson& entry : row)
+             if (entry.get<double>() > 1e-3) {
+               entry = -entry.get<double>();
+               return true;
+             }
+         return false;
+       }},
+      {"a multiplier of a bound that is not met", "complementarity",
+       [](OrderedJson& d) {
+         if (!d["multipliers"].contains("control_upper")) return false;
+         const OrderedJson& lower = d["multipliers"]["control_lower"];
+         for (std::size_t k = 0; k < lower.size(); ++k)
+           for (std::size_t i = 0; i < lower[k].size(); ++i)
+             if (lower[k][i].get<double>() > 1e-3) {
+               d["multipliers"]["control_upper"][k][i] = 1;
+               return true;
+             }
+         return false;
+       }},
+      {"the cost", "cost",
+       [](OrderedJson& d) {
+         d["cost"] = d["cost"].get<double>() * (1 + 1e-8);
+         return true;
+       }},
+      {"no cost", "cost",
+       [](OrderedJson& d) {
+         d["cost"] = nullptr;
+         return true;
+       }},
+      {"a cost by name", "cost ",
+       [](OrderedJson& d) {
+         OrderedJson& cost = d["cost_by_name"].front();
+         cost = cost.get<double>() * 1.0001;
+         return true;
+       }},
+      {"a cost's name", "cost another",
+       [](OrderedJson& d) {
+         d["cost_by_name"]["another"] = d["cost_by_name"].front();
+         d["cost_by_name"].erase(d["cost_by_name"].begin());
+         return true;
+       }},
+      {"a residual", "stationarity",
+       [](OrderedJson& d) {
+         add_to(d["residuals"]["stationarity"], 1e-8);
+         return true;
+       }},
+      {"the violation", "constraint violation",
+       [](OrderedJson& d) {
+         d["residuals"]["constraint"] = 1e-7;
+         return true;
+       }},
+      {"the status", "status",
+       [](OrderedJson& d) {
+         d["status"] = "max_iterations";
+         return true;
+       }},
+      {"a time", "times",
+       [](OrderedJson& d) {
+         add_to(knot(d["trajectory"]["t"]), 1e-6);
+         return true;
+       }},
+      {"a knot", "trajectory.x",
+       [](OrderedJson& d) {
+         for (const char* kind : {"t", "x", "u"})
+           d["trajectory"][kind].erase(d["trajectory"][kind].size() / 2);
+         return true;
+       }},
+      {"an entry of a row", "trajectory.u",
+       [](OrderedJson& d) {
+         OrderedJson& rows = d["trajectory"]["u"];
+         rows[1].erase(0);
+         return true;
+       }},
+      {"the names of two columns", "columns of x",
+       [](OrderedJson& d) {
+         OrderedJson& names = d["trajectory"]["columns"]["x"];
+         std::swap(names[0], names[1]);
+         return true;
+       }},
+      {"the numbers of two columns", "gap",
+       [](OrderedJson& d) {
+         for (OrderedJson& row : d["trajectory"]["x"])
+           std::swap(row[row.size() - 2], row[row.size() - 1]);
+         return true;
+       }},
+      {"a phase", "phases",
+       [](OrderedJson& d) {
+         d["trajectory"]["phases"][0]["name"] = "other";
+         return true;
+       }},
+      {"a tolerance", "options",
+       [](OrderedJson& d) {
+         d["problem"]["options"]["tolerances"]["stationarity"] = 1;
+         return true;
+       }},
+      {"the solver", "solver",
+       [](OrderedJson& d) {
+         d["solver"] = d["solver"] == "ddp" ? "ilqr" : "ddp";
+         return true;
+       }},
+      {"the iterations", "iterations",
+       [](OrderedJson& d) {
+         d["iterations"] = d["iterations"].get<int>() + 1;
+         return true;
+       }},
+      {"the last row of the log", "cost in the log",
+       [](OrderedJson& d) {
+         add_to(d["log"].back()["cost"], 1e-3);
+         return true;
+       }},
+      {"a quaternion", "unit quaternions",
+       [](OrderedJson& d) {
+         const OrderedJson& names = d["trajectory"]["columns"]["x"];
+         for (std::size_t i = 0; i < names.size(); ++i)
+           if (names[i].get<std::string>().ends_with("/qw")) {
+             for (std::size_t j = i - 3; j <= i; ++j)
+               knot(d["trajectory"]["x"])[j] = knot(d["trajectory"]["x"])[j].get<double>() * 1.001;
+             return true;
+           }
+         return false;
+       }},
+      {"a contact force", "force of ",
+       [](OrderedJson& d) {
+         for (OrderedJson& rows : d["trajectory"]["contact_forces"])
+           for (OrderedJson& row : rows)
+             if (row.is_array()) {
+               add_to(row[0], 1e-3);
+               return true;
+             }
+         return false;
+       }},
+      {"when a contact is held", "force of ",
+       [](OrderedJson& d) {
+         for (OrderedJson& rows : d["trajectory"]["contact_forces"])
+           for (OrderedJson& row : rows)
+             if (row.is_array()) {
+               row = nullptr;
+               return true;
+             }
+         return false;
+       }},
+  };
+  return list;
+}
+
+class CertificateOf : public testing::TestWithParam<std::string> {};
+
+TEST_P(CertificateOf, AnAnswerHoldsAndOfNoneThatIsChanged) {
+  const Answer answer(GetParam());
+  const SolutionCertificate good = answer.judge(answer.document);
+  EXPECT_TRUE(good.checks.holds()) << certificate_table(good);
+  int applied = 0;
+  for (const Corruption& corruption : corruptions()) {
+    OrderedJson changed = answer.document;
+    if (!corruption.apply(changed)) continue;
+    ++applied;
+    const SolutionCertificate certificate = answer.judge(changed);
+    EXPECT_NE(failures(certificate).find("[" + corruption.found_by), std::string::npos)
+        << corruption.name << ": " << failures(certificate);
+  }
+  EXPECT_GE(applied, 22);
+}
+
+// A closed form with bounds that are met, pendulums of a URDF, poses in SE(3), an impact of a
+// planar hopper, and impacts of four feet.
+INSTANTIATE_TEST_SUITE_P(Problems, CertificateOf,
+                         testing::Values("pendulum_swingup", "cartpole_swingup", "body_reorient",
+                                         "quadrotor_waypoints", "hopper_jump", "quadruped_bound"),
+                         [](const auto& name) { return name.param; });
+
+TEST(Certificate, OfEveryReadyProblemHolds) {
+  for (const auto& entry :
+       std::filesystem::directory_iterator(std::filesystem::path(CONDDP_SOURCE_DIR) / "problems")) {
+    if (entry.path().extension() != ".yaml") continue;
+    const Answer answer(entry.path().stem());
+    const SolutionCertificate certificate = answer.judge(answer.document);
+    EXPECT_TRUE(certificate.checks.holds()) << entry.path() << "\n"
+                                            << certificate_table(certificate);
+  }
+}
+
+TEST(Certificate, OfAnotherRobotDoesNotHold) {
+  const Answer own("cartpole_swingup");
+  const Answer other("cartpole_swingup",
+                     {"robot.payloads={pole: {mass: 0.01}}", "solver.max_iterations=1"});
+  EXPECT_NE(failures(other.judge(own.document)).find("[gap]"), std::string::npos);
+}
+
+TEST(Certificate, OfAnotherStepDoesNotHold) {
+  const Answer own("cartpole_swingup");
+  const Answer other("cartpole_swingup", {"phases.0.dt=0.0301", "solver.max_iterations=1"});
+  const std::string found = failures(other.judge(own.document));
+  for (const char* check : {"[times]", "[gap]", "[cost]"})
+    EXPECT_NE(found.find(check), std::string::npos) << check << found;
+}
+
+/// What an answer says holds too where it says that it is none.
+TEST(Certificate, OfUnconvergedAnswersHolds) {
+  for (const std::string solver : {"ilqr", "ilqr_clip", "ddp", "box_ddp", "fddp", "box_fddp"})
+    for (const std::string iterations : {"0", "1", "4"})
+      for (const std::string problem :
+           {"cartpole_swingup", "quadrotor_waypoints", "quadruped_jump"}) {
+        BuildOptions options;
+        const bool bounds = solver.find("box") == 0 || solver == "ilqr_clip";
+        if (!bounds)
+          options.drop = {problem == "cartpole_swingup"      ? "force"
+                          : problem == "quadrotor_waypoints" ? "thrust"
+                                                             : "torque"};
+        const Answer answer(problem,
+                            {"solver={name: " + solver + ", max_iterations: " + iterations + "}"},
+                            options);
+        EXPECT_NE(answer.document["status"], "converged");
+        const SolutionCertificate certificate = answer.judge(answer.document);
+        EXPECT_TRUE(certificate.checks.holds())
+            << problem << " " << solver << " " << iterations << "\n"
+            << certificate_table(certificate);
+      }
+}
+
+/// Far from every answer, where the last digits of costs and gradients mean nothing.
+TEST(Certificate, OfBadlyConditionedIteratesHolds) {
+  for (const std::string solver : {"ilqr_clip", "box_ddp", "box_fddp"})
+    for (const std::string seed : {"1", "2", "3"})
+      for (const std::string problem : {"arm_reach", "hopper_jump", "quadrotor_waypoints"}) {
+        const Answer answer(problem,
+                            {"solver={name: " + solver + ", max_iterations: 1}",
+                             "initial_guess.controls={random: {seed: " + seed + ", scale: 30}}"});
+        const SolutionCertificate certificate = answer.judge(answer.document);
+        EXPECT_TRUE(certificate.checks.holds()) << problem << " " << solver << " " << seed << "\n"
+                                                << certificate_table(certificate);
+      }
+}
+
+TEST(Certificate, FindsAGapThatIsHidden) {
+  Answer answer("cartpole_swingup", {"solver={name: box_fddp, max_iterations: 0}",
+                                     "initial_guess.states={keyframes: [{time: 3, state: up}]}",
+                                     "robot.configurations={up: {joints: {hinge: 3.14}}}"});
+  ASSERT_GT(answer.document["residuals"]["gap"].get<double>(), 1e-6)
+      << "the answer should have a gap";
+  EXPECT_TRUE(answer.judge(answer.document).checks.holds());
+  answer.document["residuals"]["gap"] = 0;
+  EXPECT_EQ(failures(answer.judge(answer.document)), "[gap]");
+}
+
+TEST(Certificate, OfAStatusThatIsTooGoodDoesNotHold) {
+  Answer answer("cartpole_swingup", {"solver.max_iterations=3"});
+  ASSERT_EQ(answer.document["status"], "max_iterations");
+  answer.document["status"] = "converged";
+  EXPECT_EQ(failures(answer.judge(answer.document)), "[status]");
+}
+
+/// Claims that agree with each other, but not with the problem.
+TEST(Certificate, OfResidualsThatAreTooGoodDoesNotHold) {
+  Answer answer("cartpole_swingup", {"solver.max_iterations=3"});
+  answer.document["status"] = "converged";
+  answer.document["residuals"] = {
+      {"stationarity", 0}, {"gap", 0}, {"constraint", 0}, {"complementarity", 0}};
+  const std::string found = failures(answer.judge(answer.document));
+  EXPECT_NE(found.find("[stationarity]"), std::string::npos) << found;
+  EXPECT_NE(found.find("[status]"), std::string::npos) << found;
+}
+
+TEST(Certificate, KnowsWhatWasDropped) {
+  Answer answer("arm_reach", {"solver.name=fddp"}, {.drop = {"torque"}});
+  EXPECT_TRUE(answer.judge(answer.document).checks.holds());
+  add_to(answer.document["dropped_constraints"][0]["violation"], -1e-3);
+  EXPECT_EQ(failures(answer.judge(answer.document)), "[violation of dropped torque]");
+}
+
+TEST(Certificate, OfADocumentWithoutItsKeysIsNone) {
+  const Answer answer("pendulum_swingup");
+  for (const char* key : {"problem", "status", "cost", "residuals", "trajectory", "multipliers",
+                          "gains", "log", "dropped_constraints"}) {
+    OrderedJson changed = answer.document;
+    changed.erase(key);
+    EXPECT_THROW(answer.judge(changed), MalformedSolution) << key;
+  }
+}
+
+TEST(Certificate, ADivergedSolveSaysNothingFalse) {
+  const Answer answer("acrobot_swingup",
+                      {"initial_guess.controls={constant: 1.0e+200}", "solver.name=ilqr"},
+                      {.drop = {"torque"}});
+  EXPECT_EQ(answer.document["status"], "diverged");
+  const SolutionCertificate certificate = answer.judge(answer.document);
+  EXPECT_TRUE(certificate.checks.holds()) << certificate_table(certificate);
+}
+
+}  // namespace
+}  // namespace conddp

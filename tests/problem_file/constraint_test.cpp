@@ -1,0 +1,200 @@
+#include <gtest/gtest.h>
+
+#include "ocp/acts.hpp"
+#include "problem_text.hpp"
+#include "solvers/registry.hpp"
+
+namespace conddp {
+namespace {
+
+/// The small pendulum with constraints and altro.
+std::string with(const std::string& constraints, const std::string& terminal = "") {
+  std::string text = replaced(kPendulum, "name: box_ddp", "name: altro");
+  text = replaced(text, "constraints:\n", "constraints:\n" + constraints);
+  if (!terminal.empty())
+    text = replaced(text, "terminal:\n", "terminal:\n  constraints:\n" + terminal);
+  return text;
+}
+
+const std::string kStanding = R"(conddp: 1
+robot: {urdf: robots/quadruped.urdf, base: floating}
+contacts:
+  LF: {frame: lf_foot, friction: 0.5}
+  RF: {frame: rf_foot, friction: 0.5, max_normal_force: 300}
+initial_state: {base: {position: [0, 0, 0.57]}}
+phases:
+  - {name: stand, knots: 3, dt: 0.1, contacts: all}
+  - {name: fly, knots: 2, dt: 0.1}
+costs: {effort: {residual: control}}
+)";
+
+std::vector<NodeConstraint> named(const ShootingProblem& problem, const std::string& name) {
+  std::vector<NodeConstraint> list;
+  for (const NodeConstraint& c : problem.constraints())
+    if (c.term->name == name) list.push_back(c);
+  return list;
+}
+
+TEST(Constraints, BoundsOnTheStateHoldAtAllNodesButTheFirst) {
+  const Loaded loaded(
+      with("  speed: {bounds: velocity, lower: -2, upper: 5}\n"
+           "  here: {bounds: state, lower: {theta: -1}, phases: second}\n"));
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const auto speed = named(*loaded.built->problem, "speed");
+  ASSERT_EQ(speed.size(), 10u);
+  EXPECT_EQ(speed.front().node, 1);
+  EXPECT_EQ(speed.back().node, 10);
+  EXPECT_EQ(speed[0].term->rows, 1);
+  EXPECT_EQ(speed[0].lower[0], -2);
+  EXPECT_EQ(speed[0].upper[0], 5);
+  const auto here = named(*loaded.built->problem, "here");
+  ASSERT_EQ(here.size(), 6u);
+  EXPECT_EQ(here.front().node, 4);
+  EXPECT_EQ(here.back().node, 9);
+}
+
+TEST(Constraints, LimitsOfTheUrdfBoundTheCoordinatesThatHaveThem) {
+  const Loaded loaded(std::string(kCartpole) +
+                      "constraints: {rail: {bounds: configuration, from: urdf}}\n"
+                      "solver: {name: altro}\n");
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const auto rail = named(*loaded.built->problem, "rail");
+  ASSERT_FALSE(rail.empty());
+  const auto limits = loaded.built->plant.multibody->limits(0);
+  EXPECT_EQ(rail[0].lower[0], limits.lower);
+  EXPECT_EQ(rail[0].upper[0], limits.upper);
+}
+
+TEST(Constraints, ResidualsTakeEqualitiesBoundsLengthsAndCones) {
+  const Loaded loaded(
+      with("  fixed: {residual: state, equals: {theta: 0.2}, knots: [2, 3]}\n"
+           "  between: {residual: state, columns: omega, lower: -1, upper: [1]}\n"
+           "  far: {residual: state, reference: [4, 0], at_least: 1, at_most: 9}\n"
+           "  cone: {residual: state, cone: second_order, slope: 2, knots: [5]}\n",
+           "    goal: {residual: state, reference: [1, 0]}\n"));
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const ShootingProblem& problem = *loaded.built->problem;
+  const auto fixed = named(problem, "fixed");
+  ASSERT_EQ(fixed.size(), 2u);
+  EXPECT_EQ(fixed[0].node, 2);
+  EXPECT_EQ(fixed[0].lower[0], 0.2);
+  EXPECT_EQ(fixed[0].upper[0], 0.2);
+  EXPECT_TRUE(std::isinf(fixed[0].upper[1]));
+  EXPECT_EQ(named(problem, "between")[0].term->rows, 1);
+  const auto far = named(problem, "far");
+  EXPECT_EQ(far[0].term->kind, ConstraintKind::norm);
+  EXPECT_EQ(far[0].lower[0], 1);
+  EXPECT_EQ(far[0].upper[0], 9);
+  const auto cone = named(problem, "cone");
+  ASSERT_EQ(cone.size(), 1u);
+  EXPECT_EQ(cone[0].term->kind, ConstraintKind::second_order_cone);
+  EXPECT_EQ(cone[0].term->slope, 2);
+  const auto goal = named(problem, "goal");
+  ASSERT_EQ(goal.size(), 1u);
+  EXPECT_EQ(goal[0].node, problem.knots());
+
+  Evaluation evaluation(problem);
+  Trajectory t = problem.create_trajectory();
+  t.x(problem.knots()) << 1.5, -2;
+  Acts(problem).evaluate(t, evaluation);
+  EXPECT_EQ(evaluation.constraint[goal[0].row], 0.5);
+  EXPECT_EQ(evaluation.constraint[goal[0].row + 1], -2);
+}
+
+TEST(Constraints, FrictionConesAreExactOrPyramidsWhereTheContactIsHeld) {
+  const Loaded loaded(kStanding +
+                      "constraints:\n"
+                      "  exact: {residual: friction_cone, cone: second_order, safety: 0.8}\n"
+                      "  same: {residual: contact_force, contacts: LF, cone: second_order}\n"
+                      "  pyramid: {residual: friction_cone, contacts: LF, faces: 6}\n"
+                      "solver: {name: altro}\n");
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const ShootingProblem& problem = *loaded.built->problem;
+  const auto exact = named(problem, "exact");
+  // Three knots: a cone of each foot, and the limit of one normal force.
+  ASSERT_EQ(exact.size(), 9u);
+  EXPECT_EQ(exact[0].term->kind, ConstraintKind::second_order_cone);
+  EXPECT_EQ(exact[2].term->kind, ConstraintKind::bounds);
+  EXPECT_EQ(exact[2].upper[0], 300);
+  EXPECT_EQ(named(problem, "pyramid")[0].term->rows, 7);
+
+  // The cone of a force that stands on its surface has distance 0 in both.
+  Evaluation evaluation(problem);
+  Trajectory t = problem.create_trajectory();
+  Acts(problem).evaluate(t, evaluation);
+  const auto same = named(problem, "same");
+  const Eigen::Vector3d a = evaluation.constraint.segment(exact[0].row, 3);
+  const Eigen::Vector3d b = evaluation.constraint.segment(same[0].row, 3);
+  EXPECT_NEAR(a[2], 0.8 * b[2], 1e-9 * std::abs(b[2]));
+  EXPECT_NEAR(a[0], b[0], 1e-9);
+  EXPECT_NE(b[2], 0);
+}
+
+TEST(Constraints, WhatContradictsIsFoundBeforeSolving) {
+  const std::pair<std::string, const char*> cases[] = {
+      {with("  speed: {bounds: velocity, lower: 2, upper: 1}\n"), "no value of 'omega' keeps"},
+      {with("  a: {residual: state, columns: theta, at_least: 2, at_most: 1}\n"),
+       "no length is at least 2 and at most 1"},
+      {with("  up: {residual: state, columns: theta, lower: 1}\n"),
+       "the initial state violates the constraint 'up' by 0.9"},
+      {with("  a: {bounds: state, upper: {theta: 1}}\n"
+            "  b: {residual: state, columns: theta, reference: 2, equals: 0, knots: [3]}\n"),
+       "'b' and 'a' contradict each other at knot 3"},
+      {with("  a: {residual: control, equals: 4}\n"),
+       "'a' and the bounds on the control contradict each other at knot 0"}};
+  for (const auto& [text, message] : cases) {
+    const Loaded loaded(text);
+    EXPECT_FALSE(loaded.built) << message;
+    EXPECT_NE(loaded.all().find(message), std::string::npos) << loaded.all();
+  }
+}
+
+TEST(Constraints, WhatCannotBeSaidIsRefused) {
+  const std::pair<std::string, const char*> cases[] = {
+      {with("  a: {residual: state, equals: 0, lower: 1}\n"), "lower"},
+      {with("  a: {residual: state, columns: theta, cone: second_order}\n"),
+       "a cone needs a residual of two rows or more"},
+      {with("  a: {residual: state, cone: pyramid}\n"), "has no such cone"},
+      {with("  a: {residual: state, slope: 2}\n"), "a slope belongs to cones"},
+      {with("  a: {upper: 1}\n"), "lacks the key 'residual' or 'bounds'"},
+      {with("  a: {bounds: velocity, from: urdf}\n"), "has no URDF"},
+      {with("  a: {bounds: velocity}\n"), "need 'lower', 'upper' or 'from: urdf'"},
+      {with("", "    a: {bounds: state, lower: 1}\n"), "bounds stand among the constraints"},
+      {with("", "    a: {residual: control}\n"), "there is none at the terminal node"},
+      {with("  a: {residual: state, knots: [12]}\n"), "running knots are numbered from 0 to 9"}};
+  for (const auto& [text, message] : cases) {
+    const Loaded loaded(text);
+    EXPECT_FALSE(loaded.built) << message;
+    EXPECT_NE(loaded.all().find(message), std::string::npos) << message << "\n" << loaded.all();
+  }
+}
+
+TEST(Constraints, SolversThatCannotKeepThemSayWhoCanAndHowToDropThem) {
+  Loaded loaded(replaced(with("  speed: {bounds: velocity, upper: 5}\n",
+                              "    goal: {residual: state, reference: [1, 0]}\n"),
+                         "altro", "box_ddp"));
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  EXPECT_EQ(usable_solver(*loaded.spec, *loaded.built->problem, loaded.diagnostics), nullptr);
+  const std::string text = loaded.all();
+  EXPECT_NE(text.find("box_ddp cannot keep the constraint 'speed'"), std::string::npos) << text;
+  EXPECT_NE(text.find("altro can"), std::string::npos) << text;
+  EXPECT_NE(text.find("--drop speed --drop goal"), std::string::npos) << text;
+}
+
+TEST(Constraints, DroppedOnesAreNotInTheProblemButTheirViolationIsKnown) {
+  const Loaded loaded(with("  speed: {bounds: velocity, upper: 5}\n",
+                           "    goal: {residual: state, reference: [1, 0]}\n"),
+                      {}, {.drop = {"goal", "speed"}});
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const ShootingProblem& problem = *loaded.built->problem;
+  EXPECT_TRUE(problem.constraints().empty());
+  ASSERT_EQ(loaded.built->dropped.size(), 2u);
+  Trajectory t = problem.create_trajectory();
+  t.x(3)[1] = 7;
+  t.x(problem.knots()) << 1.5, 0;
+  for (const DroppedConstraint& dropped : loaded.built->dropped)
+    EXPECT_EQ(violation(dropped, problem, t), dropped.name == "speed" ? 2 : 0.5) << dropped.name;
+}
+
+}  // namespace
+}  // namespace conddp
