@@ -1,6 +1,7 @@
 #include "output/json_text.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace conddp {
 namespace {
@@ -36,6 +37,14 @@ std::string json_text(const OrderedJson& value) {
   std::string text;
   write(value, 0, false, text);
   return text + '\n';
+}
+
+OrderedJson eight_digits(double value) {
+  if (!std::isfinite(value)) return nullptr;
+  if (value == 0 || value == std::round(value)) return value;
+  const double scale = std::pow(10.0, 7 - std::floor(std::log10(std::abs(value))));
+  const double rounded = std::round(value * scale) / scale;
+  return std::isfinite(rounded) ? rounded : value;
 }
 
 }  // namespace conddp

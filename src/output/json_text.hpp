@@ -11,4 +11,8 @@ namespace conddp {
 /// finite.
 std::string json_text(const OrderedJson& value);
 
+/// A number for the eye, rounded to eight digits: more than a screen shows, half of what a double
+/// takes. Null for what is not finite.
+OrderedJson eight_digits(double value);
+
 }  // namespace conddp

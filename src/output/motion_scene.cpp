@@ -8,6 +8,7 @@
 #include <openssl/evp.h>
 
 #include "output/closed_form_scene.hpp"
+#include "output/scene_obstacles.hpp"
 #include "robot/frames.hpp"
 #include "robot/kinematics.hpp"
 #include "robot/text_file.hpp"
@@ -181,14 +182,19 @@ OrderedJson bodies_json(const BuiltProblem& built) {
   return bodies;
 }
 
-/// Frames whose way is worth seeing: those that costs speak of.
+/// Frames whose way is worth seeing: those that costs and constraints speak of, but those of
+/// contacts, whose ways are drawn anyway.
 std::map<std::string, int> watched_frames(const ProblemSpec& spec, const RobotModel& robot) {
   std::map<std::string, int> frames;
+  const auto watch = [&](const CostSpec& cost) {
+    if (!cost.frame) return;
+    if (const auto frame = robot.find_frame(cost.frame->value)) frames[cost.frame->value] = *frame;
+  };
   for (const auto* costs : {&spec.costs, &spec.terminal_costs})
-    for (const CostSpec& cost : *costs)
-      if (cost.frame)
-        if (const auto frame = robot.find_frame(cost.frame->value))
-          frames[cost.frame->value] = *frame;
+    for (const CostSpec& cost : *costs) watch(cost);
+  for (const auto* constraints : {&spec.constraints, &spec.terminal_constraints})
+    for (const ConstraintSpec& constraint : *constraints) watch(constraint.function);
+  for (const ContactSpec& contact : spec.contacts) frames.erase(contact.frame.value);
   return frames;
 }
 
@@ -213,7 +219,11 @@ OrderedJson contact_json(const ContactSpec& contact, const Frame& frame) {
 
 OrderedJson motion_scene(const ProblemSpec& spec, const BuiltProblem& built,
                          const Trajectory& trajectory) {
-  if (!built.plant.multibody) return closed_form_scene(*spec.system, trajectory);
+  if (!built.plant.multibody) {
+    OrderedJson scene = closed_form_scene(*spec.system, trajectory);
+    if (!scene.is_null()) scene["obstacles"] = obstacles_json(spec, built);
+    return scene;
+  }
   const MultibodySystem& system = *built.plant.multibody;
   const RobotModel& robot = built.plant.robot();
   OrderedJson poses = OrderedJson::array(), com = OrderedJson::array();
@@ -248,9 +258,13 @@ OrderedJson motion_scene(const ProblemSpec& spec, const BuiltProblem& built,
       append(contacts[i]["normals"], world_normal(spec.contacts[i], placement));
     }
   }
-  return {{"bodies", bodies_json(built)},    {"poses", std::move(poses)},
-          {"com", std::move(com)},           {"paths", std::move(paths)},
-          {"contacts", std::move(contacts)}, {"gravity", vector_json(spec.gravity)}};
+  return {{"bodies", bodies_json(built)},
+          {"poses", std::move(poses)},
+          {"com", std::move(com)},
+          {"paths", std::move(paths)},
+          {"contacts", std::move(contacts)},
+          {"obstacles", obstacles_json(spec, built)},
+          {"collision_shapes", collision_shapes_json(spec, robot)}};
 }
 
 }  // namespace conddp

@@ -13,7 +13,8 @@ namespace conddp {
 ///   poses: per node the position and quaternion (x y z w) of every body in the world, one list;
 ///   contacts: name, the body that carries it and the placement there, friction, half_size, and per
 ///           node the position and the normal;
-///   com: per node; paths: per node the positions of the frames that costs speak of.
+///   com: per node; paths: per node the positions of the frames that costs and constraints speak
+///   of; obstacles and collision_shapes: see scene_obstacles.hpp.
 /// Lengths in metres, rounded to a micrometre. Meshes stand as files beside the URDF, where they
 /// are at hand.
 OrderedJson motion_scene(const ProblemSpec& spec, const BuiltProblem& built,

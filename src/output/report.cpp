@@ -6,23 +6,15 @@
 
 #include <fmt/format.h>
 
+#include "output/constraint_curves.hpp"
 #include "output/motion_scene.hpp"
 #include "output/solution_members.hpp"
 
 namespace conddp {
 namespace {
 
-/// Eight digits: more than a screen shows, half of what a double takes.
-OrderedJson rounded(double x) {
-  if (!std::isfinite(x)) return nullptr;
-  if (x == 0 || x == std::round(x)) return x;
-  const double scale = std::pow(10.0, 7 - std::floor(std::log10(std::abs(x))));
-  const double value = std::round(x * scale) / scale;
-  return std::isfinite(value) ? value : x;
-}
-
 OrderedJson rounded(const OrderedJson& value) {
-  if (value.is_number_float()) return rounded(value.get<double>());
+  if (value.is_number_float()) return eight_digits(value.get<double>());
   if (!value.is_array() && !value.is_object()) return value;
   OrderedJson copy = value;
   for (OrderedJson& part : copy) part = rounded(part);
@@ -70,25 +62,43 @@ OrderedJson bounds_json(const ShootingProblem& problem, std::size_t columns, boo
     for (int k = 0; k < problem.knots(); ++k) {
       const KnotModel& model = *problem.knot(k).model;
       const auto& bounds = upper ? model.control_upper() : model.control_lower();
-      list.push_back(c < bounds.size() ? rounded(bounds[c]) : OrderedJson(nullptr));
+      list.push_back(c < bounds.size() ? eight_digits(bounds[c]) : OrderedJson(nullptr));
     }
     lists.push_back(std::move(list));
   }
   return lists;
 }
 
-/// Largest absolute entry of each part of a list.
+/// Largest absolute number in nested lists.
+double largest_entry(const OrderedJson& value) {
+  if (!value.is_array()) return std::abs(number(value));
+  double largest = 0;
+  for (const OrderedJson& part : value) largest = std::fmax(largest, largest_entry(part));
+  return largest;
+}
+
+/// The same of each part of a list.
 OrderedJson largest_entries(const OrderedJson& list) {
   OrderedJson norms = OrderedJson::array();
-  const auto largest = [](const auto& self, const OrderedJson& value) -> double {
-    if (!value.is_array()) return std::abs(number(value));
-    double norm = 0;
-    for (const OrderedJson& part : value) norm = std::fmax(norm, self(self, part));
-    return norm;
-  };
   for (const OrderedJson& part : list)
-    norms.push_back(part.empty() ? OrderedJson(nullptr) : rounded(largest(largest, part)));
+    norms.push_back(part.empty() ? OrderedJson(nullptr) : eight_digits(largest_entry(part)));
   return norms;
+}
+
+/// The largest multiplier of each constraint over the nodes, null where it does not hold; names of
+/// the last node begin with "terminal/".
+OrderedJson multipliers_by_name(const OrderedJson& constraints, std::size_t nodes) {
+  OrderedJson curves = OrderedJson::object();
+  for (const OrderedJson& constraint : constraints) {
+    const auto node = constraint["node"].get<std::size_t>();
+    std::string name = constraint["name"].get<std::string>();
+    if (node + 1 == nodes) name = "terminal/" + name;
+    if (!curves.contains(name)) curves[name] = OrderedJson(nodes, nullptr);
+    OrderedJson& here = curves[name][node];
+    const double largest = largest_entry(constraint["multiplier"]);
+    here = eight_digits(here.is_null() ? largest : std::fmax(here.get<double>(), largest));
+  }
+  return curves;
 }
 
 OrderedJson curves_json(const OrderedJson& document) {
@@ -104,6 +114,9 @@ OrderedJson curves_json(const OrderedJson& document) {
   if (document.contains("multipliers")) {
     const OrderedJson& multipliers = document["multipliers"];
     json["costates"] = largest_entries(multipliers["costates"]);
+    if (multipliers.contains("constraints"))
+      json["constraint_multipliers"] =
+          multipliers_by_name(multipliers["constraints"], trajectory["t"].size());
     for (const char* side : {"control_lower", "control_upper"})
       if (multipliers.contains(side))
         json["u"][fmt::format("{}_multipliers", side)] =
@@ -136,9 +149,10 @@ OrderedJson entry_json(const ReportEntry& entry) {
   OrderedJson costs = OrderedJson::object();
   for (const auto& [name, values] : costs_by_node(problem, trajectory)) {
     costs[name] = OrderedJson::array();
-    for (const double value : values) costs[name].push_back(rounded(value));
+    for (const double value : values) costs[name].push_back(eight_digits(value));
   }
   json["curves"]["costs"] = std::move(costs);
+  json["curves"]["constraints"] = constraint_curves(*entry.spec, *entry.built, trajectory);
   json["scene"] = motion_scene(*entry.spec, *entry.built, trajectory);
   return json;
 }
@@ -149,6 +163,18 @@ const OrderedJson& list_of(const OrderedJson& object, const char* key, std::size
   if (list.size() != size)
     throw MalformedSolution{fmt::format("'{}' should have {} entries", key, size)};
   return list;
+}
+
+void check_multipliers(const OrderedJson& multipliers, std::size_t nodes) {
+  solution_list(multipliers, "costates");
+  if (!multipliers.contains("constraints")) return;
+  for (const OrderedJson& constraint : solution_list(multipliers, "constraints")) {
+    solution_text(constraint, "name");
+    solution_list(constraint, "multiplier");
+    const OrderedJson& node = solution_member(constraint, "node");
+    if (!node.is_number_unsigned() || node.get<std::size_t>() >= nodes)
+      throw MalformedSolution{"a multiplier belongs to no node of its trajectory"};
+  }
 }
 
 }  // namespace
@@ -184,7 +210,7 @@ void check_report_document(const OrderedJson& document) {
       throw MalformedSolution{"a phase lies outside of its trajectory"};
   }
   if (document.contains("gains")) solution_list(document["gains"], "K");
-  if (document.contains("multipliers")) solution_list(document["multipliers"], "costates");
+  if (document.contains("multipliers")) check_multipliers(document["multipliers"], nodes);
   solution_list(document, "log");
 }
 

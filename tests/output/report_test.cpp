@@ -1,37 +1,9 @@
-#include "output/report.hpp"
-
-#include <gtest/gtest.h>
-
 #include "output/motion_scene.hpp"
-#include "output/solution_json.hpp"
 #include "output/solution_members.hpp"
-#include "problem_file/read_problem.hpp"
+#include "report_fixture.hpp"
 
 namespace conddp {
 namespace {
-
-/// A ready problem with its first guess as the answer.
-class Report : public testing::Test {
- protected:
-  void load(const std::string& name) {
-    Diagnostics out;
-    spec_ = read_problem(std::filesystem::path(CONDDP_SOURCE_DIR) / "problems" / name, {}, out);
-    ASSERT_TRUE(spec_) << format_diagnostics(out, false);
-    built_ = build_problem(*spec_, {}, out);
-    ASSERT_TRUE(built_) << format_diagnostics(out, false);
-    result_ = std::make_unique<SolveResult>(
-        solve(*built_->problem, "box_fddp", {.max_iterations = 1}, built_->guess));
-    document_ = solution_json({*spec_, *built_, *find_solver("box_fddp"), *result_, {}});
-  }
-  ReportEntry entry() const {
-    return {.label = "box_fddp", .document = document_, .spec = &*spec_, .built = &*built_};
-  }
-
-  std::optional<ProblemSpec> spec_;
-  std::optional<BuiltProblem> built_;
-  std::unique_ptr<SolveResult> result_;
-  OrderedJson document_;
-};
 
 SE3<double> read_placement(const OrderedJson& list, std::size_t at) {
   const auto number = [&](std::size_t i) { return list[at + i].get<double>(); };

@@ -1,6 +1,6 @@
 # cmake -D SOURCE=<tests/report> -D WORK=<folder> -D NODE= -D NPM= -D CHROMIUM= -D CONDDP=<tool>
 #       -D ROOT=<source tree> -P browser_test.cmake
-# Fetches what drives the browser, at the versions of package-lock.json, and runs report.test.mjs.
+# Fetches what drives the browser, at the versions of package-lock.json, and runs *.test.mjs.
 file(COPY ${SOURCE}/ DESTINATION ${WORK} PATTERN node_modules EXCLUDE)
 execute_process(
   COMMAND ${NPM} ci --ignore-scripts --no-audit --no-fund
@@ -10,7 +10,7 @@ if(failed)
 endif()
 execute_process(
   COMMAND ${CMAKE_COMMAND} -E env CONDDP=${CONDDP} CONDDP_SOURCE=${ROOT}
-    CONDDP_CHROMIUM=${CHROMIUM} ${NODE} --test report.test.mjs
+    CONDDP_CHROMIUM=${CHROMIUM} ${NODE} --test --test-reporter=spec
   WORKING_DIRECTORY ${WORK} RESULT_VARIABLE failed)
 if(failed)
   message(FATAL_ERROR "reports do not pass in the browser")

@@ -1,75 +1,11 @@
 // Reports in a real browser: node --test report.test.mjs
-// CONDDP names the tool, CONDDP_SOURCE the source tree, CONDDP_CHROMIUM the browser.
+// browser.mjs says what it needs.
 import assert from 'node:assert/strict';
-import {execFileSync} from 'node:child_process';
-import {mkdtempSync, readFileSync, rmSync, statSync, writeFileSync} from 'node:fs';
-import {tmpdir} from 'node:os';
+import {readFileSync, statSync, writeFileSync} from 'node:fs';
 import {join} from 'node:path';
-import {after, before, test} from 'node:test';
-import {pathToFileURL} from 'node:url';
-import {chromium} from 'playwright-core';
-
-const tool = process.env.CONDDP, source = process.env.CONDDP_SOURCE;
-const folder = mkdtempSync(join(tmpdir(), 'conddp_report_'));
-let browser;
-
-before(async () => {
-  browser = await chromium.launch({
-    executablePath: process.env.CONDDP_CHROMIUM,
-    args: ['--no-sandbox', '--disable-quic', '--no-first-run', '--disable-background-networking',
-           '--disable-component-update', '--disable-sync', '--use-angle=swiftshader',
-           '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'],
-  });
-});
-
-after(async () => {
-  await browser?.close();
-  rmSync(folder, {recursive: true, force: true});
-});
-
-function run(...args) {
-  return execFileSync(tool, args, {encoding: 'utf8', cwd: source, stdio: ['ignore', 'pipe', 'pipe']});
-}
-
-/// Solves a problem; returns its answer and the report's file.
-function solve(problem, name, ...options) {
-  const out = join(folder, name);
-  run('solve', problem, '-o', out, '--report', ...options);
-  return {
-    solution: JSON.parse(readFileSync(join(out, 'solution.json'), 'utf8')),
-    json: join(out, 'solution.json'),
-    page: join(out, 'report.html'),
-  };
-}
-
-/// Waits for a condition in the page. (Playwright's own way evaluates text, which the page forbids.)
-async function until(page, condition) {
-  for (let tries = 0; tries < 400; ++tries) {
-    if (await page.evaluate(condition)) return;
-    await page.waitForTimeout(25);
-  }
-  assert.fail(`never: ${condition}`);
-}
-
-/// Opens a page and keeps what it complains about and asks the network for.
-async function open(file, options = {}) {
-  const context = await browser.newContext({viewport: {width: 1280, height: 900}, ...options});
-  const page = await context.newPage();
-  const complaints = [], requests = [];
-  page.on('console', message => {
-    if (message.type() === 'error' || message.type() === 'warning') complaints.push(message.text());
-  });
-  page.on('pageerror', error => complaints.push(String(error)));
-  page.on('request', request => {
-    if (!/^(file|data|blob):/.test(request.url())) requests.push(request.url());
-  });
-  await page.goto(pathToFileURL(file).href);
-  await until(page, () => window.conddp !== undefined);
-  return {page, context, complaints, requests};
-}
-
-/// Complaints of the software renderer about itself are not ours.
-const ours = complaints => complaints.filter(text => !/GPU stall|swiftshader|GL Driver Message/i.test(text));
+import {test} from 'node:test';
+import {folder, open, ours, run, solve, source, until} from './browser.mjs';
+import {footPosition, legChain} from './leg_kinematics.mjs';
 
 /// World position of a contact's frame as it stands in the scene.
 const contactInScene = (page, index) => page.evaluate(i =>
@@ -145,49 +81,6 @@ test('feet in the scene are where the trajectory says, to a millimetre', async (
   await context.close();
 });
 
-/// Joints and fixed placements from the base to a link, read from the text of a URDF.
-function legChain(urdf, link) {
-  const chain = [];
-  while (true) {
-    const joint = [...urdf.matchAll(/<joint name="([^"]+)" type="([^"]+)">([\s\S]*?)<\/joint>/g)].find(
-        ([, , , body]) => body.includes(`<child link="${link}"`));
-    if (!joint) return chain;
-    const [, name, type, body] = joint;
-    const numbers = (tag, attribute, otherwise) => {
-      const found = body.match(new RegExp(`<${tag}[^>]*${attribute}="([^"]+)"`));
-      return found ? found[1].split(/\s+/).map(Number) : otherwise;
-    };
-    chain.unshift({name, type, xyz: numbers('origin', 'xyz', [0, 0, 0]), rpy: numbers('origin', 'rpy', [0, 0, 0]),
-                   axis: numbers('axis', 'xyz', [1, 0, 0])});
-    link = body.match(/<parent link="([^"]+)"/)[1];
-  }
-}
-
-function rotation([x, y, z, w]) {
-  return [[1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-          [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-          [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]];
-}
-
-const about = (axis, angle) => {
-  const s = Math.sin(angle / 2) / Math.hypot(...axis);
-  return rotation([...axis.map(a => a * s), Math.cos(angle / 2)]);
-};
-const times = (A, B) => A.map(row => B[0].map((_, j) => row.reduce((sum, a, i) => sum + a * B[i][j], 0)));
-const turn = (A, v) => A.map(row => row.reduce((sum, a, i) => sum + a * v[i], 0));
-
-function footPosition(chain, value) {
-  let R = rotation(['qx', 'qy', 'qz', 'qw'].map(c => value(`base/${c}`)));
-  let p = ['x', 'y', 'z'].map(c => value(`base/${c}`));
-  for (const {name, type, xyz, rpy, axis} of chain) {
-    p = turn(R, xyz).map((d, i) => d + p[i]);
-    for (const [unit, angle] of [[[0, 0, 1], rpy[2]], [[0, 1, 0], rpy[1]], [[1, 0, 0], rpy[0]]])
-      R = times(R, about(unit, angle));
-    if (type !== 'fixed') R = times(R, about(axis, value(`q/${name}`)));
-  }
-  return p;
-}
-
 test('the trot is smaller than 1.5 MB', async t => {
   const {page: file} = solve(join(source, 'problems/quadruped_trot.yaml'), 'size');
   assert.ok(statSync(file).size < 1.5e6, String(statSync(file).size));
@@ -207,13 +100,16 @@ system: {type: double_integrator, dimension: 1}
 initial_state: {state: [1, 0]}
 phases: [{name: ${JSON.stringify(name)}, knots: 20, dt: 0.1}]
 costs: {${JSON.stringify(name)}: {residual: control}}
+constraints: {${JSON.stringify(name)}: {residual: state, columns: [q/0], at_most: 2}}
 terminal: {costs: {goal: {residual: state, weight: 10}}}
+solver: {name: altro}
 `);
   const {page: file} = solve(problem, 'hostile');
   const {page, context, complaints, requests} = await open(file);
   assert.equal(await page.evaluate(() => window.hacked), undefined);
   assert.equal(await page.locator('img').count(), 0);
   assert.ok((await page.textContent('#band')).includes(name));
+  assert.ok((await page.locator('#plots figcaption').allTextContents()).some(text => text.includes(name)));
   assert.deepEqual(ours(complaints), []);
   assert.deepEqual(requests, []);
   await context.close();

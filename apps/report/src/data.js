@@ -15,6 +15,18 @@ function prepare(solution) {
     const contact = contacts.find(c => c.name === name) ?? null;
     return {name, contact, forces: forces[name]};
   });
+  for (const constraint of solution.curves.constraints ?? []) spread(constraint, t.length);
+}
+
+/// Constraints hold at some nodes: their lists get a place for each node.
+function spread(constraint, nodes) {
+  const {first, violation, rows} = constraint;
+  const over = list => Array(first).fill(null).concat(list, Array(nodes - first - list.length).fill(null));
+  constraint.nodes = violation.filter(v => v !== null).length;
+  constraint.violation = over(violation);
+  for (const row of rows)
+    for (const key of ['values', 'lower', 'upper'])
+      if (Array.isArray(row[key])) row[key] = over(row[key]);
 }
 
 /// The last node that is not after a time, and how far it is to the next one (0 to 1). Of nodes at

@@ -12,6 +12,14 @@ export function element(tag, attributes = {}, ...children) {
   return node;
 }
 
+/// A table of texts; marked rows stand out.
+export function table(id, names, rows, marked = () => false) {
+  return element('div', {class: 'wide'}, element('table', {id},
+      element('thead', {}, element('tr', {}, ...names.map(n => element('th', {}, n)))),
+      element('tbody', {}, ...rows.map((cells, i) => element('tr', marked(i) ? {class: 'violated'} : {},
+          ...cells.map(cell => element('td', {}, cell instanceof Node ? cell : String(cell ?? ''))))))));
+}
+
 /// A button that is on or off.
 export function toggle(label, title, on, change) {
   const button = element('button', {type: 'button', title, 'aria-pressed': String(on)}, label);

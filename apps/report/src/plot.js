@@ -2,6 +2,7 @@
 // demand.
 import uPlot from 'uplot';
 import {color, element, figure} from './dom.js';
+import {drawMarks, markClamped, markViolated, shadeLimits} from './plot_marks.js';
 
 const height = 210;
 
@@ -14,70 +15,14 @@ function powersOfTen(u, axis, low, high) {
   return ticks;
 }
 
-/// Where a value lies outside everything that lines in view may take.
-function shadeLimits(u, limits) {
-  const {ctx, bbox} = u;
-  ctx.save();
-  ctx.beginPath();
-  ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
-  ctx.clip();
-  const shown = limits.filter((limit, i) => limit && u.series[i + 1].show);
-  const bottoms = shown.map(l => l.lower).filter(x => x !== null);
-  const tops = shown.map(l => l.upper).filter(x => x !== null);
-  ctx.fillStyle = color('grid');
-  if (bottoms.length === shown.length && bottoms.length > 0) {
-    const y = u.valToPos(Math.min(...bottoms), 'y', true);
-    ctx.fillRect(bbox.left, y, bbox.width, bbox.top + bbox.height - y);
-  }
-  if (tops.length === shown.length && tops.length > 0) {
-    const y = u.valToPos(Math.max(...tops), 'y', true);
-    ctx.fillRect(bbox.left, bbox.top, bbox.width, y - bbox.top);
-  }
-  ctx.strokeStyle = color('faint');
-  ctx.setLineDash([4, 4]);
-  ctx.lineWidth = 1;
-  for (const value of new Set([...bottoms, ...tops])) {
-    const y = u.valToPos(value, 'y', true);
-    ctx.beginPath();
-    ctx.moveTo(bbox.left, y);
-    ctx.lineTo(bbox.left + bbox.width, y);
-    ctx.stroke();
-  }
-  ctx.restore();
-}
-
-/// Spans in which a value is at its limit, drawn thick.
-function markClamped(u, lines) {
-  const {ctx, bbox} = u;
-  const [x] = u.data;
-  ctx.save();
-  ctx.beginPath();
-  ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
-  ctx.clip();
-  ctx.lineCap = 'round';
-  lines.forEach((line, i) => {
-    if (!line.clamped || !u.series[i + 1].show) return;
-    ctx.strokeStyle = line.color;
-    ctx.lineWidth = 5 * devicePixelRatio;
-    line.clamped.forEach((at, k) => {
-      const y = u.data[i + 1][k];
-      if (!at || y === null || y === undefined || k + 1 >= x.length) return;
-      ctx.beginPath();
-      ctx.moveTo(u.valToPos(x[k], 'x', true), u.valToPos(y, 'y', true));
-      ctx.lineTo(u.valToPos(x[k + 1], 'x', true), u.valToPos(y, 'y', true));
-      ctx.stroke();
-    });
-  });
-  ctx.restore();
-}
-
 export class Plot {
-  /// `lines`: {label, values, color, dash, solution, steps, limit: {lower, upper}, clamped}. With a
-  /// player, the plot shows its time and a click sets it.
+  /// `lines`: {label, values, color, dash, solution, steps, limit: {lower, upper}, clamped, violated}.
+  /// With a player, the plot shows its time and a click sets it. `marks`: {at, text}.
   constructor(holder, {title, unit, hint, x, xLabel, xUnit, lines, log = false, player = null, marks = []}) {
     this.title = title;
     this.lines = lines;
     this.player = player;
+    this.marks = marks;
     const save = element('button', {type: 'button', title: 'Save this plot as a picture',
                                     onclick: () => this.savePicture()}, 'PNG');
     this.caption = element('span', {}, unit ? `${title} [${unit}]` : title);
@@ -103,7 +48,7 @@ export class Plot {
                  dash: line.dash,
                  width: 1.6,
                  pxAlign: 0,
-                 points: {show: x.length < 60, size: 4},
+                 points: {show: line.values.filter(v => v !== null && v !== undefined).length < 60, size: 4},
                  paths: line.steps ? uPlot.paths.stepped({align: 1}) : undefined,
                  value: (_, v) => `${figure(v)}${unit && v !== null ? ` ${unit}` : ''}`,
                }))],
@@ -114,7 +59,8 @@ export class Plot {
         }],
         draw: [u => {
           markClamped(u, lines);
-          this.drawMarks(u, marks);
+          markViolated(u, lines);
+          drawMarks(u, marks);
         }],
       },
     };
@@ -122,23 +68,6 @@ export class Plot {
     if (player) this.addNeedle();
     this.observer = new ResizeObserver(() => this.resize(holder));
     this.observer.observe(holder);
-  }
-
-  /// Vertical lines with a name: where a stage of a solver begins.
-  drawMarks(u, marks) {
-    const {ctx, bbox} = u;
-    ctx.save();
-    ctx.strokeStyle = ctx.fillStyle = color('faint');
-    ctx.font = `${11 * devicePixelRatio}px system-ui`;
-    for (const {at, text} of marks) {
-      const x = u.valToPos(at, 'x', true);
-      ctx.beginPath();
-      ctx.moveTo(x, bbox.top);
-      ctx.lineTo(x, bbox.top + bbox.height);
-      ctx.stroke();
-      ctx.fillText(text, x + 4, bbox.top + 12 * devicePixelRatio);
-    }
-    ctx.restore();
   }
 
   addNeedle() {
@@ -151,8 +80,21 @@ export class Plot {
       const box = this.u.over.getBoundingClientRect();
       this.player.seek(this.u.posToVal(event.clientX - box.left, 'x'));
     });
-    this.player.listen(() => this.moveNeedle());
+    this.player.listen(() => {
+      this.moveNeedle();
+      this.readLater();
+    });
     this.moveNeedle();
+    this.readLater();
+  }
+
+  /// Once the time rests, the legend has the values there, until the pointer asks for others.
+  readLater() {
+    clearTimeout(this.reading);
+    this.reading = setTimeout(() => {
+      if (this.player.playing || this.u.cursor.left >= 0) return;
+      this.u.setLegend({idx: this.u.valToIdx(this.player.time)});
+    }, 120);
   }
 
   moveNeedle() {

@@ -3,6 +3,7 @@ import * as THREE from 'three';
 import {STLLoader} from 'three/examples/jsm/loaders/STLLoader.js';
 import {OBJLoader} from 'three/examples/jsm/loaders/OBJLoader.js';
 import {forceParts, nodeAt} from './data.js';
+import {roundForm} from './obstacles.js';
 import {lineColor} from './palette.js';
 
 const defaultColor = '#8a929b';
@@ -106,6 +107,7 @@ export class Robot {
       return group;
     });
     this.addBones(tint);
+    this.addShapes(tint);
     this.addContacts(ghost);
     this.addPaths(tint);
     this.next = {position: new THREE.Vector3(), quaternion: new THREE.Quaternion()};
@@ -124,6 +126,18 @@ export class Robot {
     this.bones.lines.frustumCulled = false;
     this.bones.lines.visible = false;
     this.root.add(this.bones.lines);
+  }
+
+  /// What obstacles are kept clear of.
+  addShapes(color) {
+    this.shapes = (this.scene.collision_shapes ?? []).map(shape => {
+      const mesh = new THREE.Mesh(roundForm(shape), new THREE.MeshBasicMaterial(
+          {color, wireframe: true, transparent: true, opacity: 0.35}));
+      mesh.name = shape.name;
+      mesh.visible = false;
+      this.bodies[shape.body].add(mesh);
+      return mesh;
+    });
   }
 
   addContacts(ghost) {
@@ -172,7 +186,8 @@ export class Robot {
 
   addPaths(tint) {
     this.paths = new THREE.Group();
-    Object.values(this.scene.paths).forEach((path, i) => this.paths.add(polyline(path, lineColor(i))));
+    const ways = [...this.scene.contacts.map(contact => contact.positions), ...Object.values(this.scene.paths)];
+    ways.forEach((way, i) => this.paths.add(polyline(way, lineColor(i))));
     this.com = new THREE.Group();
     this.comMarker = new THREE.Mesh(new THREE.SphereGeometry(0.018, 18, 12),
                                     new THREE.MeshStandardMaterial({color: tint}));

@@ -1,5 +1,5 @@
 // What stands above and below motion and plots: results, diagnosis, certificate, how to reproduce.
-import {element, figure} from './dom.js';
+import {element, figure, table} from './dom.js';
 
 const fact = (name, value) => element('li', {}, `${name} `, element('b', {}, value));
 
@@ -41,11 +41,9 @@ export function comparisonTable(solutions, changeVisible) {
                    figure(t.total, 3), figure(t.differentiate, 3), figure(t.sweep, 3),
                    figure(t.rollout, 3), figure(r.stationarity, 2), figure(r.gap, 2),
                    figure(r.constraint, 2)];
-    return element('tr', {}, element('td', {}, box), ...cells.map(c => element('td', {}, String(c))));
+    return [box, ...cells];
   });
-  return element('div', {class: 'wide'}, element('table', {id: 'comparison'},
-      element('thead', {}, element('tr', {}, ...names.map(n => element('th', {}, n)))),
-      element('tbody', {}, ...rows)));
+  return table('comparison', names, rows);
 }
 
 /// Any value as nested lists of keys and values.
@@ -56,18 +54,23 @@ function tree(value) {
       element('tr', {}, element('th', {}, key), element('td', {}, tree(part))))));
 }
 
-function block(title, id, value) {
-  if (value === undefined || value === null) return null;
-  const content = typeof value === 'string' ? element('p', {}, value) : tree(value);
-  return element('div', {}, element('h2', {}, title), element('div', {class: 'wide', id}, content));
+/// What was checked of an answer, without the statements that are no figures and hold.
+function certificate({checks, holds}) {
+  const shown = checks.filter(check => !check.holds || (check.claimed ?? check.found ?? null) !== null);
+  const failed = checks.filter(check => !check.holds).length;
+  const text = holds ? `All ${checks.length} statements of the answer hold, evaluated by code that no solver uses.`
+                     : `${failed} of ${checks.length} statements of the answer do not hold.`;
+  return element('div', {id: 'certificate'}, element('h2', {}, 'Certificate'), element('p', {}, text),
+      table(null, ['statement', 'claimed', 'found', 'tolerance', 'where', ''],
+            shown.map(c => [c.name, figure(c.claimed, 9), figure(c.found, 9), figure(c.tolerance, 2), c.place,
+                            c.holds ? 'holds' : c.message || 'does not hold']),
+            i => !shown[i].holds));
 }
 
 export function writeFoot(holder, solutions) {
   for (const {label, head} of solutions) {
     if (solutions.length > 1) holder.append(element('h2', {}, label));
-    for (const part of [block('Diagnosis', 'diagnosis', head.diagnosis),
-                        block('Certificate', 'certificate', head.certificate)])
-      if (part) holder.append(part);
+    if (head.certificate) holder.append(certificate(head.certificate));
     const {configuration, options, ...problem} = head.problem;
     holder.append(element('h2', {}, 'To reproduce it'),
         element('div', {class: 'wide'}, tree({problem, tool: head.tool, guess: head.initial_guess_used})),

@@ -1,34 +1,12 @@
-// The scene in 3-D: robots, ground, surfaces under feet, camera.
+// The scene in 3-D: robots, ground, obstacles, camera.
 import * as THREE from 'three';
 import {OrbitControls} from 'three/examples/jsm/controls/OrbitControls.js';
+import {nodeAt} from './data.js';
 import {color, element, toggle} from './dom.js';
+import {Ground} from './ground.js';
+import {Obstacles} from './obstacles.js';
 import {lineColor} from './palette.js';
 import {Robot} from './robot.js';
-
-/// Squares on which feet stand, turned as the surface is.
-function groundPatches(solution) {
-  const group = new THREE.Group();
-  const form = new THREE.CircleGeometry(0.09, 32);
-  const surface = new THREE.MeshStandardMaterial(
-      {color: '#b9a77c', side: THREE.DoubleSide, transparent: true, opacity: 0.55});
-  for (const {contact, forces} of solution.contacts) {
-    if (!contact) continue;
-    let before = false;
-    forces.forEach((force, k) => {
-      const now = force !== null;
-      if (now && !before) {
-        const patch = new THREE.Mesh(form, surface);
-        patch.position.fromArray(contact.positions, 3 * k);
-        const normal = new THREE.Vector3().fromArray(contact.normals, 3 * k).normalize();
-        patch.position.addScaledVector(normal, -0.003);
-        patch.quaternion.setFromUnitVectors(new THREE.Vector3(0, 0, 1), normal);
-        group.add(patch);
-      }
-      before = now;
-    });
-  }
-  return group;
-}
 
 export class Viewer {
   constructor(holder, solutions, player) {
@@ -67,9 +45,10 @@ export class Viewer {
     });
     this.robot = this.robots.find(robot => robot);
     this.box = this.robot.bounds();
-    this.ground = groundPatches(first);
-    this.scene.add(this.ground);
-    this.addGrid();
+    this.first = first;
+    this.obstacles = new Obstacles(first.scene.obstacles, this.box);
+    this.ground = new Ground(first, this.box);
+    this.scene.add(this.obstacles.root, this.ground.root);
     this.addCamera();
     this.addSwitches();
     this.follow = false;
@@ -78,18 +57,6 @@ export class Viewer {
     new ResizeObserver(() => this.resize()).observe(holder);
     player.listen(() => this.show());
     this.show();
-  }
-
-  addGrid() {
-    const box = this.box;
-    const size = box.getSize(new THREE.Vector3());
-    const span = Math.max(2, Math.ceil(2.5 * Math.max(size.x, size.y, size.z)));
-    this.grid?.removeFromParent();
-    this.grid = new THREE.GridHelper(span, Math.min(60, 2 * span), color('line'), color('grid'));
-    this.grid.rotateX(Math.PI / 2);
-    const center = box.getCenter(new THREE.Vector3());
-    this.grid.position.set(Math.round(center.x), Math.round(center.y), 0);
-    this.scene.add(this.grid);
   }
 
   addCamera() {
@@ -112,12 +79,21 @@ export class Viewer {
       for (const robot of this.robots) if (robot) change(robot, on);
       this.show();
     };
+    const {contacts, com, collision_shapes: shapes = [], obstacles} = this.first.scene;
+    const one = (object, on) => { object.visible = on; this.draw(); };
     const parts = [
-      toggle('Forces', 'Contact forces', true, on => { this.robot.forces.visible = on; this.draw(); }),
-      toggle('Cones', 'Friction cones', true, on => { this.robot.cones.visible = on; this.draw(); }),
+      ...(contacts.length === 0 ? [] : [
+        toggle('Forces', 'Contact forces', true, on => one(this.robot.forces, on)),
+        toggle('Cones', 'Friction cones', true, on => one(this.robot.cones, on))]),
       toggle('Paths', 'Ways of feet and other frames', true, all((r, on) => { r.paths.visible = on; })),
-      toggle('CoM', 'Centre of mass and its way', true, all((r, on) => { r.com.visible = on; })),
-      toggle('Joints', 'Lines between joints', false, all((r, on) => { r.bones.lines.visible = on; })),
+      ...(com.length === 0 ? [] : [
+        toggle('CoM', 'Centre of mass and its way', true, all((r, on) => { r.com.visible = on; })),
+        toggle('Joints', 'Lines between joints', false, all((r, on) => { r.bones.lines.visible = on; }))]),
+      ...(obstacles.length === 0 ? [] : [
+        toggle('Obstacles', 'Obstacles and bounds on positions', true, on => one(this.obstacles.root, on))]),
+      ...(shapes.length === 0 ? [] : [
+        toggle('Shapes', 'Shapes that keep clear of obstacles', false,
+               all((r, on) => { for (const shape of r.shapes) shape.visible = on; }))]),
       this.followButton = toggle('Follow', 'The camera goes with the robot (F)', false,
                                  on => { this.follow = on; this.lastCom = null; this.show(); }),
       element('button', {type: 'button', title: 'Back to the first view', onclick: () => {
@@ -139,7 +115,7 @@ export class Viewer {
 
   setTheme() {
     if (!this.ready) return;
-    this.addGrid();
+    this.ground.setTheme();
     this.draw();
   }
 
@@ -155,6 +131,8 @@ export class Viewer {
 
   show() {
     for (const robot of this.robots) robot?.show(this.player.time);
+    const {k, share} = nodeAt(this.first.curves.t, this.player.time);
+    this.obstacles.show(k, share);
     if (this.follow) {
       const com = this.robot.comMarker.position;
       if (this.lastCom) {

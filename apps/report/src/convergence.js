@@ -1,0 +1,62 @@
+// How the solver got there: the columns of its log over iterations, its stages, and the diagnosis.
+import {element} from './dom.js';
+
+/// Where a solver updates its multipliers, and where Newton's method begins.
+export function stageMarks(log) {
+  const marks = [];
+  log.forEach((row, i) => {
+    if (i === 0) return;
+    const before = log[i - 1];
+    if (row.outer > before.outer) marks.push({at: row.iteration, text: `outer ${row.outer}`});
+    if (row.newton > 0 && before.newton === 0) marks.push({at: row.iteration, text: 'Newton'});
+  });
+  return marks;
+}
+
+function diagnosisText({head}) {
+  const {message, remedy} = head.diagnosis ?? {};
+  return [message, remedy].filter(part => part).map(part => part[0].toUpperCase() + part.slice(1)).join('. ');
+}
+
+function diagnoses(solutions) {
+  return element('div', {id: 'diagnosis'}, ...solutions.map(solution => {
+    const text = diagnosisText(solution);
+    if (!text) return null;
+    return element('p', {}, solutions.length > 1 ? element('b', {}, `${solution.label}: `) : null, `${text}.`);
+  }));
+}
+
+/// Lines of columns of the log: [name, column] or, without what is not positive, [name, column, true].
+const columns = (...list) => ({head}) => list.map(([name, key, positive]) => ({
+  name,
+  values: head.log.map(row => {
+    const value = row[key] ?? null;
+    return positive && !(value > 0) ? null : value;
+  }),
+}));
+
+const used = key => ({head}) => head.log.some(row => row[key] > 0);
+
+export function addConvergence(collection) {
+  const {solutions} = collection;
+  const staged = solutions.some(s => stageMarks(s.head.log).length > 0);
+  collection.heading('Convergence');
+  collection.holder.append(diagnoses(solutions));
+  collection.overIterations({title: 'Cost and merit',
+    hint: staged ? 'Upright lines: the solver updates its multipliers (outer), or Newton’s method begins.' : null,
+    of: columns(['cost', 'cost'], ['merit', 'merit'])});
+  collection.overIterations({title: 'Residuals', log: true, hint: 'Logarithmic; zero is left out.',
+    of: columns(['stationarity', 'stationarity', true], ['gap', 'gap', true],
+                ['violation', 'constraint', true], ['complementarity', 'complementarity', true])});
+  collection.overIterations({title: 'Step length', of: columns(['step', 'step'])});
+  collection.overIterations({title: 'Regularisation and penalties', log: true,
+    hint: 'Logarithmic; zero is left out.',
+    of: columns(['regularisation', 'regularization', true], ['penalty of gaps', 'penalty', true],
+                ['penalty of constraints', 'constraint_penalty', true])});
+  collection.overIterations({title: 'Decrease of the merit', log: true,
+    hint: 'Logarithmic; what is not a decrease is left out.',
+    of: columns(['expected', 'expected_decrease', true], ['actual', 'actual_decrease', true])});
+  const counts = [['clamped controls', 'clamped_controls'], ['changes of the active set', 'active_set_changes'],
+                  ['active rows', 'active_rows']].filter(([, key]) => solutions.some(used(key)));
+  collection.overIterations({title: 'Active set', of: columns(...counts)});
+}

@@ -1,0 +1,94 @@
+// What feet stand on: marks where they hold, the planes of these places, and a grid.
+import * as THREE from 'three';
+import {color} from './dom.js';
+
+const up = new THREE.Vector3(0, 0, 1);
+const sand = '#b9a77c';
+
+/// Every place and normal of a contact while it holds: {point, normal, begins}.
+function* holds(solution) {
+  for (const {contact, forces} of solution.contacts) {
+    if (!contact) continue;
+    let before = false;
+    for (let k = 0; k < forces.length; ++k) {
+      const now = forces[k] !== null;
+      if (now)
+        yield {point: new THREE.Vector3().fromArray(contact.positions, 3 * k),
+               normal: new THREE.Vector3().fromArray(contact.normals, 3 * k).normalize(), begins: !before};
+      before = now;
+    }
+  }
+}
+
+/// The planes on which contacts hold, each with its points; those within 2 cm are one.
+export function surfacesOf(solution) {
+  const planes = [];
+  for (const {point, normal} of holds(solution)) {
+    let plane = planes.find(p => p.normal.dot(normal) > 0.9998 && Math.abs(p.normal.dot(point) - p.height) < 0.02);
+    if (!plane) planes.push(plane = {normal, height: normal.dot(point), points: []});
+    plane.points.push(point);
+  }
+  return planes;
+}
+
+function footprints(solution) {
+  const group = new THREE.Group();
+  const form = new THREE.CircleGeometry(0.07, 32);
+  const material = new THREE.MeshStandardMaterial(
+      {color: sand, side: THREE.DoubleSide, transparent: true, opacity: 0.55});
+  for (const {point, normal, begins} of holds(solution)) {
+    if (!begins) continue;
+    const mark = new THREE.Mesh(form, material);
+    mark.position.copy(point).addScaledVector(normal, -0.003);
+    mark.quaternion.setFromUnitVectors(up, normal);
+    group.add(mark);
+  }
+  return group;
+}
+
+/// A rectangle under all points of a plane.
+function slab(plane) {
+  const turn = new THREE.Quaternion().setFromUnitVectors(up, plane.normal);
+  const back = turn.clone().invert();
+  const box = new THREE.Box3().setFromPoints(plane.points.map(p => p.clone().applyQuaternion(back)));
+  const size = box.getSize(new THREE.Vector3()).addScalar(0.3);
+  const mesh = new THREE.Mesh(
+      new THREE.PlaneGeometry(size.x, size.y),
+      new THREE.MeshStandardMaterial({color: sand, side: THREE.DoubleSide, transparent: true, opacity: 0.4}));
+  mesh.quaternion.copy(turn);
+  mesh.position.copy(box.getCenter(new THREE.Vector3()).setZ(box.min.z - 0.005).applyQuaternion(turn));
+  return mesh;
+}
+
+export class Ground {
+  constructor(solution, view) {
+    this.root = new THREE.Group();
+    this.view = view;
+    this.surfaces = surfacesOf(solution);
+    // The grid lies where all feet stand if that is one slope, else at height zero.
+    const [only] = this.surfaces;
+    this.slope = this.surfaces.length === 1 && only.normal.z > 0.5 && only.normal.z < 0.9998 ? only : null;
+    this.root.add(footprints(solution));
+    for (const plane of this.surfaces)
+      if (plane !== this.slope && (plane.normal.z < 0.9998 || Math.abs(plane.height) > 0.02))
+        this.root.add(slab(plane));
+    this.setTheme();
+  }
+
+  /// The grid has its colours in its vertices: another theme needs another one.
+  setTheme() {
+    const size = this.view.getSize(new THREE.Vector3()), center = this.view.getCenter(new THREE.Vector3());
+    const span = Math.max(2, Math.ceil(2.5 * Math.max(size.x, size.y, size.z)));
+    this.grid?.removeFromParent();
+    this.grid?.dispose();
+    this.grid = new THREE.GridHelper(span, Math.min(60, 2 * span), color('line'), color('grid'));
+    this.grid.rotateX(Math.PI / 2);
+    this.grid.position.set(Math.round(center.x), Math.round(center.y), 0);
+    if (this.slope) {
+      const {normal, height} = this.slope;
+      this.grid.quaternion.premultiply(new THREE.Quaternion().setFromUnitVectors(up, normal));
+      this.grid.position.set(center.x, center.y, (height - normal.x * center.x - normal.y * center.y) / normal.z);
+    }
+    this.root.add(this.grid);
+  }
+}

@@ -1,0 +1,107 @@
+// What stands in the way of a motion, and bounds on positions.
+import * as THREE from 'three';
+
+const outsideColor = '#d55e00', insideColor = '#56b4e9';
+const up = new THREE.Vector3(0, 0, 1), along = new THREE.Vector3(0, 1, 0);
+
+const vector = numbers => new THREE.Vector3(...numbers);
+
+/// A capsule or a sphere, also of a robot's body.
+export function roundForm(shape) {
+  if (shape.kind === 'sphere')
+    return new THREE.SphereGeometry(shape.radius, 28, 18).translate(...shape.center);
+  const from = vector(shape.from), to = vector(shape.to), way = to.clone().sub(from);
+  const turn = new THREE.Quaternion().setFromUnitVectors(along, way.clone().normalize());
+  const middle = from.add(to).multiplyScalar(0.5);
+  return new THREE.CapsuleGeometry(shape.radius, way.length(), 8, 24).applyQuaternion(turn)
+      .translate(middle.x, middle.y, middle.z);
+}
+
+function surface(inside) {
+  return new THREE.MeshStandardMaterial({
+    color: inside ? insideColor : outsideColor, transparent: true, opacity: inside ? 0.15 : 0.5,
+    side: inside ? THREE.DoubleSide : THREE.FrontSide, depthWrite: !inside, roughness: 0.8});
+}
+
+function half(shape, view) {
+  const size = 1.3 * view.getSize(new THREE.Vector3()).length();
+  const normal = vector(shape.normal);
+  const material = surface(false);
+  material.side = THREE.DoubleSide;
+  material.opacity = 0.16;
+  material.depthWrite = false;
+  const mesh = new THREE.Mesh(new THREE.PlaneGeometry(size, size), material);
+  mesh.quaternion.setFromUnitVectors(up, normal);
+  // A square of the plane that lies nearest to the motion.
+  const center = view.getCenter(new THREE.Vector3());
+  const height = normal.dot(center.clone().sub(vector(shape.point)));
+  mesh.position.copy(center.addScaledVector(normal, -height));
+  return mesh;
+}
+
+function disc(shape) {
+  const form = new THREE.CylinderGeometry(shape.radius, shape.radius, 0.3 * shape.radius, 40)
+      .rotateX(Math.PI / 2);
+  const mesh = new THREE.Mesh(form, surface(shape.inside));
+  mesh.quaternion.setFromUnitVectors(up, vector(shape.normal));
+  return mesh;
+}
+
+/// Along an axis without a bound it goes as far as the motion does; an equality becomes a thin bar.
+function box(shape, view) {
+  const thin = 0.008 * view.getSize(new THREE.Vector3()).length();
+  const low = ['x', 'y', 'z'].map((axis, i) => shape.lower[i] ?? view.min[axis]);
+  const high = ['x', 'y', 'z'].map((axis, i) => shape.upper[i] ?? view.max[axis]);
+  const form = new THREE.BoxGeometry(...low.map((l, i) => Math.max(thin, high[i] - l)));
+  const mesh = new THREE.Mesh(form, surface(true));
+  mesh.position.set(...low.map((l, i) => (l + high[i]) / 2));
+  mesh.add(new THREE.LineSegments(new THREE.EdgesGeometry(form),
+                                  new THREE.LineBasicMaterial({color: insideColor})));
+  return mesh;
+}
+
+function objectOf(shape, view) {
+  switch (shape.kind) {
+    case 'half_space':
+      return half(shape, view);
+    case 'box':
+      return box(shape, view);
+    case 'disc':
+      return disc(shape);
+    case 'sphere': {
+      const mesh = new THREE.Mesh(roundForm({...shape, center: [0, 0, 0]}), surface(shape.inside));
+      return mesh;
+    }
+    default:
+      return new THREE.Mesh(roundForm(shape), surface(false));
+  }
+}
+
+export class Obstacles {
+  /// `view`: the box in which the motion takes place; it grows to hold what has a size.
+  constructor(shapes, view) {
+    this.root = new THREE.Group();
+    this.moving = [];
+    const sized = shapes.filter(s => s.kind !== 'half_space' && s.kind !== 'box');
+    const rest = shapes.filter(s => !sized.includes(s));
+    for (const shape of [...sized, ...rest]) {
+      const object = objectOf(shape, view);
+      object.name = shape.name;
+      if (shape.center) object.position.fromArray(shape.center);
+      if (shape.centers) {
+        object.position.fromArray(shape.centers);
+        this.moving.push({object, centers: shape.centers});
+      }
+      this.root.add(object);
+      if (sized.includes(shape)) view.expandByObject(object);
+    }
+  }
+
+  /// Moves those that move to where they are between two nodes.
+  show(k, share) {
+    for (const {object, centers} of this.moving) {
+      const next = Math.min(3 * k + 3, centers.length - 3);
+      object.position.fromArray(centers, 3 * k).lerp(new THREE.Vector3().fromArray(centers, next), share);
+    }
+  }
+}

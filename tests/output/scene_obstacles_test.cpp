@@ -1,0 +1,70 @@
+#include "output/scene_obstacles.hpp"
+
+#include "report_fixture.hpp"
+
+namespace conddp {
+namespace {
+
+TEST_F(Report, ObstaclesOfTheFileAndShapesOnLinksAreInTheScene) {
+  load("arm_obstacles.yaml");
+  const OrderedJson list = obstacles_json(*spec_, *built_);
+  EXPECT_EQ(named(list, "ball")["kind"], "sphere");
+  EXPECT_EQ(named(list, "ball")["center"], (OrderedJson{0.6, 0.0, 0.4}));
+  EXPECT_EQ(named(list, "ball")["radius"], 0.2);
+  EXPECT_EQ(named(list, "pole")["to"], (OrderedJson{0.6, 0.0, 1.2}));
+  EXPECT_EQ(named(list, "table")["normal"], (OrderedJson{0.0, 0.0, 1.0}));
+
+  const RobotModel& robot = built_->plant.robot();
+  const OrderedJson shapes = collision_shapes_json(*spec_, robot);
+  ASSERT_EQ(shapes.size(), spec_->collision.shapes.size());
+  const Frame& frame = robot.frames[*robot.find_frame("link_5")];
+  const OrderedJson& forearm = named(shapes, "forearm");
+  EXPECT_EQ(forearm["body"], frame.joint + 1);
+  const Vector3<double> end = frame.placement.R * Vector3<double>{0, 0, 0.14} + frame.placement.p;
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR(forearm["to"][i].get<double>(), end[i], 1e-12);
+}
+
+TEST_F(Report, ConstraintsOnPositionsBecomeDiscsBallsAndBoxes) {
+  load("unicycle_obstacles.yaml");
+  const OrderedJson discs = obstacles_json(*spec_, *built_);
+  const OrderedJson& disc = named(discs, "disc_3");
+  EXPECT_EQ(disc["kind"], "disc");
+  EXPECT_EQ(disc["center"], (OrderedJson{2.25, 2.25, 0.0}));
+  EXPECT_EQ(disc["normal"], (OrderedJson{0, 0, 1}));
+  EXPECT_EQ(disc["radius"], 0.425);
+  EXPECT_EQ(disc["inside"], false);
+  EXPECT_EQ(named(discs, "terminal/goal")["lower"], (OrderedJson{3.0, 3.0, nullptr}));
+
+  load("arm_waypoint.yaml",
+       {"constraints.clear={residual: frame_position, frame: tip, reference: [0.1, 0, 0.2], "
+        "at_least: 0.3, at_most: 5}",
+        "constraints.low={residual: frame_position, frame: tip, reference: [0, 0, 0], upper: {z: "
+        "1.5}}",
+        "constraints.moving={residual: frame_position, frame: tip, at_least: 0.1, reference: "
+        "{times: [0, 1.2], values: [[0, 0, 0], [0, 0, 6]]}}"});
+  const OrderedJson list = obstacles_json(*spec_, *built_);
+  const OrderedJson& ball = named(list, "clear");
+  EXPECT_EQ(ball["kind"], "sphere");
+  EXPECT_EQ(ball["center"], (OrderedJson{0.1, 0.0, 0.2}));
+  EXPECT_EQ(ball["radius"], 0.3);
+  int around = 0;
+  for (const OrderedJson& entry : list)
+    around += entry["name"] == "clear" && entry["radius"] == 5.0 && entry["inside"] == true;
+  EXPECT_EQ(around, 1);
+  EXPECT_EQ(named(list, "low")["upper"], (OrderedJson{nullptr, nullptr, 1.5}));
+  EXPECT_EQ(named(list, "through")["lower"], (OrderedJson{0.7, nullptr, -0.2}));
+  const OrderedJson& centers = named(list, "moving")["centers"];
+  ASSERT_EQ(centers.size(), 3u * 61);
+  EXPECT_NEAR(centers[3 * 30 + 2].get<double>(), 3, 1e-7);
+  for (const OrderedJson& entry : list) EXPECT_NE(entry["name"], "speed");
+}
+
+TEST_F(Report, BoundsOnCoordinatesThatAreNoPositionsAreNotDrawn) {
+  load("double_integrator_limits.yaml");
+  const OrderedJson list = obstacles_json(*spec_, *built_);
+  ASSERT_EQ(list.size(), 1u);  // the goal
+  EXPECT_EQ(list[0]["lower"], (OrderedJson{1.0, nullptr, nullptr}));
+}
+
+}  // namespace
+}  // namespace conddp

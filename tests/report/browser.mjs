@@ -1,0 +1,74 @@
+// What the browser tests share. CONDDP names the tool, CONDDP_SOURCE the source tree, CONDDP_CHROMIUM
+// the browser.
+import assert from 'node:assert/strict';
+import {execFileSync} from 'node:child_process';
+import {mkdtempSync, readFileSync, rmSync} from 'node:fs';
+import {tmpdir} from 'node:os';
+import {join} from 'node:path';
+import {after, before} from 'node:test';
+import {pathToFileURL} from 'node:url';
+import {chromium} from 'playwright-core';
+
+const tool = process.env.CONDDP;
+export const source = process.env.CONDDP_SOURCE;
+/// For the files of one test run.
+export const folder = mkdtempSync(join(tmpdir(), 'conddp_report_'));
+let browser;
+
+before(async () => {
+  browser = await chromium.launch({
+    executablePath: process.env.CONDDP_CHROMIUM,
+    args: ['--no-sandbox', '--disable-quic', '--no-first-run', '--disable-background-networking',
+           '--disable-component-update', '--disable-sync', '--use-angle=swiftshader',
+           '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'],
+  });
+});
+
+after(async () => {
+  await browser?.close();
+  rmSync(folder, {recursive: true, force: true});
+});
+
+export function run(...args) {
+  return execFileSync(tool, args, {encoding: 'utf8', cwd: source, stdio: ['ignore', 'pipe', 'pipe']});
+}
+
+/// Solves a problem; returns its answer and the report's file.
+export function solve(problem, name, ...options) {
+  const out = join(folder, name);
+  run('solve', problem, '-o', out, '--report', ...options);
+  return {
+    solution: JSON.parse(readFileSync(join(out, 'solution.json'), 'utf8')),
+    json: join(out, 'solution.json'),
+    page: join(out, 'report.html'),
+  };
+}
+
+/// Waits for a condition in the page. (Playwright's own way evaluates text, which the page forbids.)
+export async function until(page, condition) {
+  for (let tries = 0; tries < 400; ++tries) {
+    if (await page.evaluate(condition)) return;
+    await page.waitForTimeout(25);
+  }
+  assert.fail(`never: ${condition}`);
+}
+
+/// Opens a page and keeps what it complains about and asks the network for.
+export async function open(file, options = {}) {
+  const context = await browser.newContext({viewport: {width: 1280, height: 900}, ...options});
+  const page = await context.newPage();
+  const complaints = [], requests = [];
+  page.on('console', message => {
+    if (message.type() === 'error' || message.type() === 'warning') complaints.push(message.text());
+  });
+  page.on('pageerror', error => complaints.push(String(error)));
+  page.on('request', request => {
+    if (!/^(file|data|blob):/.test(request.url())) requests.push(request.url());
+  });
+  await page.goto(pathToFileURL(file).href);
+  await until(page, () => window.conddp !== undefined);
+  return {page, context, complaints, requests};
+}
+
+/// Complaints of the software renderer about itself are not ours.
+export const ours = complaints => complaints.filter(text => !/GPU stall|swiftshader|GL Driver Message/i.test(text));
