@@ -5,7 +5,7 @@
 #include "comparison_arguments.hpp"
 #include "exit_codes.hpp"
 #include "messages.hpp"
-#include "problem_file/solution_document.hpp"
+#include "problem_file/json_document.hpp"
 #include "streams.hpp"
 
 namespace conddp {
@@ -18,7 +18,7 @@ struct CompareArguments {
 };
 
 std::optional<nlohmann::json> load(const std::string& file, Diagnostics& out) {
-  auto solution = load_solution_document(file, kComparedKeys, {}, out);
+  auto solution = load_document(file, kSolutionDocument, kComparedKeys, {}, out);
   if (!solution) return std::nullopt;
   const auto defect = comparison_defect(*solution);
   if (!defect) return solution;

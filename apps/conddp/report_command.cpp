@@ -1,18 +1,21 @@
 #include <algorithm>
 #include <cstdlib>
+#include <memory>
+#include <set>
 
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <fmt/format.h>
 
+#include "analysis/solution_members.hpp"
 #include "argument_checks.hpp"
 #include "commands.hpp"
 #include "exit_codes.hpp"
 #include "messages.hpp"
-#include "output/solution_members.hpp"
+#include "output/bench_runs.hpp"
 #include "output/solved_problem.hpp"
-#include "problem_file/solution_document.hpp"
+#include "problem_file/json_document.hpp"
 #include "report_file.hpp"
 #include "streams.hpp"
 
@@ -24,6 +27,7 @@ namespace fs = std::filesystem;
 struct ReportArguments {
   std::vector<std::string> solutions;
   std::string problem;
+  std::string bench;
   std::string file;
   bool open = false;
 };
@@ -64,56 +68,90 @@ void open_in_browser(const std::string& file) {
     print_error("the report could not be opened", "open " + file + " in a browser");
 }
 
+/// The files of the command line; nothing where one of them cannot be used.
+struct Documents {
+  std::vector<OrderedJson> solutions;
+  std::optional<OrderedJson> bench;
+};
+
+std::optional<Documents> load_documents(const ReportArguments& arguments, Diagnostics& out) {
+  Documents documents;
+  for (const std::string& file : arguments.solutions)
+    if (const auto document = load_document(file, kSolutionDocument, kKeys, {}, out))
+      documents.solutions.emplace_back(*document);
+  if (!arguments.bench.empty())
+    if (const auto document = load_document(arguments.bench, kBenchDocument, kBenchKeys, {}, out))
+      documents.bench = *document;
+  if (out.has_errors()) return std::nullopt;
+  return documents;
+}
+
+/// Builds the problem of a solution for its entry. Without it a solution still has curves: what is
+/// missing is no error here.
+std::unique_ptr<SolvedProblem> problem_of(ReportEntry& entry, const std::string& file,
+                                          const std::string& problem_file, Diagnostics& out) {
+  Diagnostics about;
+  std::unique_ptr<SolvedProblem> problem;
+  if (auto built = rebuild_problem(entry.document, file, problem_file, about)) {
+    problem = std::make_unique<SolvedProblem>(*std::move(built));
+    entry.spec = problem->spec.get();
+    entry.built = &problem->built;
+  } else {
+    entry.remark =
+        "drawn without its robot, limits and costs over time, because its problem cannot be "
+        "built: " +
+        (about.list().empty() ? "" : about.list().front().message);
+  }
+  for (Diagnostic d : about.list()) {
+    if (d.severity == Severity::kError) d.severity = Severity::kWarning;
+    out.add(std::move(d));
+  }
+  return problem;
+}
+
+/// The page's data; `file` is set to the one that is at work.
+OrderedJson data_of(const Documents& documents, const ReportArguments& arguments, std::string& file,
+                    Diagnostics& out) {
+  const std::size_t count = documents.solutions.size();
+  std::set<std::string> problem_names;
+  for (std::size_t i = 0; i < count; ++i) {
+    file = arguments.solutions[i];
+    check_report_document(documents.solutions[i]);
+    problem_names.insert(solution_text(documents.solutions[i]["problem"], "name"));
+  }
+  const std::vector<std::string> names = labels(arguments.solutions, documents.solutions);
+  std::vector<std::unique_ptr<SolvedProblem>> problems;  // entries point at them
+  std::vector<ReportEntry> entries;
+  for (std::size_t i = 0; i < count; ++i) {
+    file = arguments.solutions[i];
+    entries.push_back({.label = names[i], .document = documents.solutions[i]});
+    problems.push_back(problem_of(entries.back(), file, arguments.problem, out));
+  }
+  OrderedJson data = report_data(entries);
+  if (documents.bench) {
+    file = arguments.bench;
+    data["bench"] = bench_runs(*documents.bench, problem_names);
+  }
+  return data;
+}
+
 int report(const ReportArguments& arguments) {
   if (!reports_can_be_made()) return kExitBadInput;
   Diagnostics diagnostics;
-  std::vector<OrderedJson> documents;
-  for (const std::string& file : arguments.solutions)
-    if (const auto document = load_solution_document(file, kKeys, {}, diagnostics))
-      documents.emplace_back(*document);
-  if (documents.size() < arguments.solutions.size()) {
-    print_messages(diagnostics, Verbosity::kNormal);
-    return kExitBadInput;
-  }
-  std::vector<std::optional<SolvedProblem>> problems;
-  std::vector<ReportEntry> entries;
   std::string file;
   try {
-    for (std::size_t i = 0; i < documents.size(); ++i) {
-      file = arguments.solutions[i];
-      check_report_document(documents[i]);
+    if (const auto documents = load_documents(arguments, diagnostics)) {
+      const OrderedJson data = data_of(*documents, arguments, file, diagnostics);
+      const fs::path out =
+          arguments.file.empty()
+              ? fs::path(arguments.solutions.front()).replace_filename("report.html")
+              : fs::path(arguments.file);
+      const std::string written = write_report(data, out);
+      print_messages(diagnostics, Verbosity::kNormal);
+      print_result(written + "\n");
+      if (arguments.open) open_in_browser(written);
+      return kExitConverged;
     }
-    const std::vector<std::string> names = labels(arguments.solutions, documents);
-    for (std::size_t i = 0; i < documents.size(); ++i) {
-      file = arguments.solutions[i];
-      Diagnostics about;
-      problems.push_back(rebuild_problem(documents[i], file, arguments.problem, about));
-      // Without its problem a solution still has curves: what is missing is no error here.
-      std::string remark;
-      if (!problems.back())
-        remark =
-            "drawn without its robot, limits and costs over time, because its problem cannot be "
-            "built: " +
-            (about.list().empty() ? "" : about.list().front().message);
-      for (Diagnostic d : about.list()) {
-        if (d.severity == Severity::kError) d.severity = Severity::kWarning;
-        diagnostics.add(std::move(d));
-      }
-      entries.push_back({.label = names[i], .document = documents[i], .remark = remark});
-    }
-    for (std::size_t i = 0; i < entries.size(); ++i)
-      if (problems[i]) {
-        entries[i].spec = problems[i]->spec.get();
-        entries[i].built = &problems[i]->built;
-      }
-    const fs::path out = arguments.file.empty()
-                             ? fs::path(arguments.solutions.front()).replace_filename("report.html")
-                             : fs::path(arguments.file);
-    const std::string written = write_report(entries, out);
-    print_messages(diagnostics, Verbosity::kNormal);
-    print_result(written + "\n");
-    if (arguments.open) open_in_browser(written);
-    return kExitConverged;
   } catch (const MalformedSolution& malformed) {
     diagnostics.add({.file = file, .message = malformed.message});
   } catch (const OrderedJson::exception& error) {
@@ -144,6 +182,11 @@ void add_report_command(CLI::App& app, Command& chosen) {
       ->add_option("--problem", a->problem,
                    "Problem file; the one that each solution names if nothing is said")
       ->type_name("FILE.yaml");
+  command
+      ->add_option("--bench", a->bench,
+                   "Add a table of what 'conddp bench' measured of the same problems")
+      ->type_name("bench.json")
+      ->check(not_empty());
   command->add_flag("--open", a->open, "Open the page with xdg-open");
   command->footer(
       "One file that needs no network: the robot in 3-D with contact forces, a time line, every "

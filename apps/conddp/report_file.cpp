@@ -13,10 +13,9 @@ bool reports_can_be_made() {
   return false;
 }
 
-std::string write_report(const std::vector<ReportEntry>& entries,
-                         const std::filesystem::path& file) {
+std::string write_report(const OrderedJson& data, const std::filesystem::path& file) {
   AtomicFiles files;
-  files.add(file, report_page(std::string(report_template()), report_data(entries)));
+  files.add(file, report_page(std::string(report_template()), data));
   files.commit();
   return file.string();
 }

@@ -123,10 +123,10 @@ int solve_file(const SolveArguments& arguments) {
   for (const auto& path : write_solution(solution, document, folder))
     written.push_back(path.string());
   if (arguments.report)
-    written.push_back(write_report({{.label = std::string(solver->name),
-                                     .document = document,
-                                     .spec = &*spec,
-                                     .built = &*built}},
+    written.push_back(write_report(report_data({{.label = std::string(solver->name),
+                                                 .document = document,
+                                                 .spec = &*spec,
+                                                 .built = &*built}}),
                                    folder / "report.html"));
   if (arguments.json) {
     OrderedJson head = solution_head(solution);

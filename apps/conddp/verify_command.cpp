@@ -2,16 +2,16 @@
 
 #include <fmt/format.h>
 
+#include "analysis/solution_members.hpp"
 #include "commands.hpp"
 #include "exit_codes.hpp"
 #include "messages.hpp"
 #include "output/certificate_report.hpp"
 #include "output/json_text.hpp"
 #include "output/solution_certificate.hpp"
-#include "output/solution_members.hpp"
 #include "output/solved_problem.hpp"
 #include "problem_file/expand_problem.hpp"
-#include "problem_file/solution_document.hpp"
+#include "problem_file/json_document.hpp"
 #include "streams.hpp"
 
 namespace conddp {
@@ -72,7 +72,7 @@ int verify(const VerifyArguments& arguments) {
       "problem",      "solver",     "status",      "cost",
       "cost_by_name", "iterations", "residuals",   "dropped_constraints",
       "trajectory",   "gains",      "multipliers", "log"};
-  const auto loaded = load_solution_document(arguments.solution, kKeys, {}, diagnostics);
+  const auto loaded = load_document(arguments.solution, kSolutionDocument, kKeys, {}, diagnostics);
   if (!loaded) return give_up();
   const OrderedJson document(*loaded);
   try {

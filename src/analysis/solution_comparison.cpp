@@ -8,6 +8,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "analysis/solution_members.hpp"
+
 namespace conddp {
 namespace {
 
@@ -16,20 +18,10 @@ using Matrix = std::vector<std::vector<double>>;
 
 constexpr const char* kQuaternion[] = {"qx", "qy", "qz", "qw"};
 
-struct Malformed {
-  std::string message;
-};
-
-const Json& member(const Json& object, const char* key) {
-  if (!object.is_object() || !object.contains(key))
-    throw Malformed{fmt::format("'{}' is missing", key)};
-  return object[key];
-}
-
 /// A number, not-a-number for null.
 double read_number(const Json& value, const std::string& what) {
   if (value.is_null()) return std::numeric_limits<double>::quiet_NaN();
-  if (!value.is_number()) throw Malformed{fmt::format("{} is no number", what)};
+  if (!value.is_number()) throw MalformedSolution{fmt::format("{} is no number", what)};
   return value.get<double>();
 }
 
@@ -37,8 +29,8 @@ using NamedValues = std::map<std::string, double>;
 
 NamedValues read_named(const Json& solution, const char* key) {
   NamedValues values;
-  const Json& object = member(solution, key);
-  if (!object.is_object()) throw Malformed{fmt::format("'{}' has no names", key)};
+  const Json& object = solution_member(solution, key);
+  if (!object.is_object()) throw MalformedSolution{fmt::format("'{}' has no names", key)};
   for (const auto& [name, value] : object.items())
     values[name] = read_number(value, fmt::format("{}.{}", key, name));
   return values;
@@ -53,18 +45,18 @@ struct Table {
 /// A row has a number for each column; or none, at an impulse, which has no controls.
 Table read_table(const Json& trajectory, const char* kind, std::size_t rows) {
   Table table;
-  const Json& names = member(member(trajectory, "columns"), kind);
-  if (!names.is_array()) throw Malformed{fmt::format("'columns.{}' is no list", kind)};
+  const Json& names = solution_member(solution_member(trajectory, "columns"), kind);
+  if (!names.is_array()) throw MalformedSolution{fmt::format("'columns.{}' is no list", kind)};
   for (const Json& name : names) {
-    if (!name.is_string()) throw Malformed{fmt::format("'columns.{}' has no names", kind)};
+    if (!name.is_string()) throw MalformedSolution{fmt::format("'columns.{}' has no names", kind)};
     table.names.push_back(name);
   }
-  const Json& list = member(trajectory, kind);
-  if (!list.is_array() || list.size() != rows)
-    throw Malformed{fmt::format("'{}' should have {} rows", kind, rows)};
+  const Json& list = solution_list(trajectory, kind);
+  if (list.size() != rows)
+    throw MalformedSolution{fmt::format("'{}' should have {} rows", kind, rows)};
   for (const Json& numbers : list) {
     if (!numbers.is_array() || (!numbers.empty() && numbers.size() != table.names.size()))
-      throw Malformed{
+      throw MalformedSolution{
           fmt::format("a row of '{}' should have {} numbers", kind, table.names.size())};
     auto& row = table.rows.emplace_back();
     for (const Json& value : numbers) row.push_back(read_number(value, kind));
@@ -75,20 +67,18 @@ Table read_table(const Json& trajectory, const char* kind, std::size_t rows) {
 /// What is compared of a solution.
 struct Compared {
   explicit Compared(const Json& solution) {
-    const Json& word = member(solution, "status");
-    if (!word.is_string()) throw Malformed{"'status' is no word"};
-    status = word;
-    cost = read_number(member(solution, "cost"), "the cost");
+    status = solution_text(solution, "status");
+    cost = read_number(solution_member(solution, "cost"), "the cost");
     costs = read_named(solution, "cost_by_name");
     residuals = read_named(solution, "residuals");
-    const Json& trajectory = member(solution, "trajectory");
-    const Json& t = member(trajectory, "t");
-    if (!t.is_array() || t.empty()) throw Malformed{"'trajectory.t' is no list of times"};
+    const Json& trajectory = solution_member(solution, "trajectory");
+    const Json& t = solution_member(trajectory, "t");
+    if (!t.is_array() || t.empty()) throw MalformedSolution{"'trajectory.t' is no list of times"};
     for (const Json& time : t) times.push_back(read_number(time, "a time"));
     x = read_table(trajectory, "x", times.size());
     u = read_table(trajectory, "u", times.size() - 1);
     for (const auto& row : x.rows)
-      if (row.empty()) throw Malformed{"a row of 'x' is empty"};
+      if (row.empty()) throw MalformedSolution{"a row of 'x' is empty"};
   }
 
   std::string status;
@@ -279,7 +269,7 @@ std::vector<Difference> compare_solutions(const Json& golden, const Json& actual
 std::optional<std::string> comparison_defect(const Json& solution) {
   try {
     const Compared compared(solution);
-  } catch (const Malformed& malformed) {
+  } catch (const MalformedSolution& malformed) {
     return malformed.message;
   }
   return std::nullopt;

@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include "output/solution_json.hpp"
+#include "problem_file/json_document.hpp"
 #include "problem_file/read_problem.hpp"
-#include "problem_file/solution_document.hpp"
 
 namespace conddp {
 namespace {
@@ -34,7 +34,7 @@ std::optional<std::string> golden_defect(const Json& answer) {
 }  // namespace
 
 std::optional<GoldenCase> load_golden(const std::filesystem::path& file, Diagnostics& out) {
-  auto answer = load_solution_document(file, kGoldenKeys, {}, out);
+  auto answer = load_document(file, kSolutionDocument, kGoldenKeys, {}, out);
   if (!answer) return std::nullopt;
   if (auto defect = golden_defect(*answer)) {
     out.add({.file = file.string(), .message = "this is no golden file: " + *defect});

@@ -207,7 +207,7 @@ OrderedJson contact_json(const ContactSpec& contact, const Frame& frame) {
   OrderedJson json = {{"name", contact.name.value},
                       {"body", frame.joint + 1},
                       {"placement", placement_json(frame.placement)},
-                      {"friction", contact.friction},
+                      {"friction", contact.kind == ContactKind::normal ? 0 : contact.friction},
                       {"half_size", nullptr},
                       {"positions", OrderedJson::array()},
                       {"normals", OrderedJson::array()}};

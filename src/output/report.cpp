@@ -6,9 +6,9 @@
 
 #include <fmt/format.h>
 
+#include "analysis/solution_members.hpp"
 #include "output/constraint_curves.hpp"
 #include "output/motion_scene.hpp"
-#include "output/solution_members.hpp"
 
 namespace conddp {
 namespace {

@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "analysis/solution_members.hpp"
 #include "output/contact_forces.hpp"
-#include "output/solution_members.hpp"
 #include "problem_file/expand_problem.hpp"
 
 namespace conddp {

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "output/solution_members.hpp"
+#include "analysis/solution_members.hpp"
 #include "problem_file/read_problem.hpp"
 
 namespace conddp {

@@ -4,8 +4,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "analysis/solution_members.hpp"
 #include "problem_file/data_table.hpp"
-#include "problem_file/solution_document.hpp"
+#include "problem_file/json_document.hpp"
 #include "problem_file/source_text.hpp"
 
 namespace conddp {
@@ -13,23 +14,15 @@ namespace {
 
 using Json = nlohmann::json;
 
-struct Malformed {
-  std::string message;
-};
-
-const Json& member(const Json& object, const char* key) {
-  if (!object.is_object() || !object.contains(key))
-    throw Malformed{fmt::format("'{}' is missing", key)};
-  return object[key];
-}
-
 std::vector<std::string> read_names(const Json& array, const char* what) {
   std::vector<std::string> names;
-  if (!array.is_array()) throw Malformed{fmt::format("'{}' is no list", what)};
+  if (!array.is_array()) throw MalformedSolution{fmt::format("'{}' is no list", what)};
   for (const Json& name : array) {
-    if (!name.is_string()) throw Malformed{fmt::format("'{}' has an entry that is no name", what)};
+    if (!name.is_string())
+      throw MalformedSolution{fmt::format("'{}' has an entry that is no name", what)};
     if (std::find(names.begin(), names.end(), name.get_ref<const std::string&>()) != names.end())
-      throw Malformed{fmt::format("'{}' stands twice in {}", name.get<std::string>(), what)};
+      throw MalformedSolution{
+          fmt::format("'{}' stands twice in {}", name.get<std::string>(), what)};
     names.push_back(name);
   }
   return names;
@@ -39,35 +32,35 @@ std::vector<std::string> read_names(const Json& array, const char* what) {
 void append_row(const Json& array, std::size_t count, const std::string& what,
                 std::vector<std::optional<double>>& row) {
   if (!array.is_array() || array.size() != count)
-    throw Malformed{fmt::format("{} should have {} numbers", what, count)};
+    throw MalformedSolution{fmt::format("{} should have {} numbers", what, count)};
   for (const Json& value : array) {
     if (value.is_null())
       row.emplace_back();
     else if (value.is_number() && std::isfinite(value.get<double>()))
       row.push_back(value.get<double>());
     else
-      throw Malformed{fmt::format("{} has an entry that is no finite number", what)};
+      throw MalformedSolution{fmt::format("{} has an entry that is no finite number", what)};
   }
 }
 
 DataTable read_trajectory(const Json& solution) {
-  const Json& trajectory = member(solution, "trajectory");
-  const Json& columns = member(trajectory, "columns");
+  const Json& trajectory = solution_member(solution, "trajectory");
+  const Json& columns = solution_member(trajectory, "columns");
   DataTable table;
-  const auto x_names = read_names(member(columns, "x"), "trajectory.columns.x");
-  const auto u_names = read_names(member(columns, "u"), "trajectory.columns.u");
+  const auto x_names = read_names(solution_member(columns, "x"), "trajectory.columns.x");
+  const auto u_names = read_names(solution_member(columns, "u"), "trajectory.columns.u");
   table.columns = x_names;
   table.state_columns = x_names.size();
   table.columns.insert(table.columns.end(), u_names.begin(), u_names.end());
-  const Json& t = member(trajectory, "t");
-  const Json& x = member(trajectory, "x");
-  const Json& u = member(trajectory, "u");
+  const Json& t = solution_member(trajectory, "t");
+  const Json& x = solution_member(trajectory, "x");
+  const Json& u = solution_member(trajectory, "u");
   if (!t.is_array() || !x.is_array() || !u.is_array() || t.empty() || x.size() != t.size() ||
       u.size() + 1 != t.size())
-    throw Malformed{"the lists t, x and u of its trajectory do not fit together"};
+    throw MalformedSolution{"the lists t, x and u of its trajectory do not fit together"};
   for (std::size_t k = 0; k < t.size(); ++k) {
     if (!t[k].is_number() || (k > 0 && t[k].get<double>() < table.times.back()))
-      throw Malformed{"its times do not increase"};
+      throw MalformedSolution{"its times do not increase"};
     if (k > 0 && t[k].get<double>() == table.times.back()) {
       // An impulse takes no time: what holds after it stands for the moment.
       table.times.pop_back();
@@ -90,13 +83,13 @@ DataTable read_trajectory(const Json& solution) {
 std::optional<DataTable> parse_solution(const std::string& text, const std::string& name,
                                         Diagnostics& out) {
   constexpr std::string_view kKeys[] = {"trajectory"};
-  const auto solution = parse_solution_document(text, name, kKeys, out);
+  const auto solution = parse_document(text, name, kSolutionDocument, kKeys, out);
   if (!solution) return std::nullopt;
   try {
     DataTable table = read_trajectory(*solution);
     table.file = name;
     return table;
-  } catch (const Malformed& e) {
+  } catch (const MalformedSolution& e) {
     out.add({.file = name, .message = "the solution cannot be used: " + e.message});
   }
   return std::nullopt;

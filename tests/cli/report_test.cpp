@@ -98,5 +98,44 @@ TEST_F(ReportCommand, ABadSolutionIsRefusedAndNothingIsWritten) {
   refused(bad.dump());
 }
 
+TEST_F(ReportCommand, WhatBenchMeasuredOfTheSameProblemsIsInThePage) {
+  const std::string solution = solve("a", "box_fddp");
+  const ProcessResult measured =
+      run_conddp({"bench", kPendulum, source("problems/cartpole_swingup_closed_form.yaml"),
+                  "--solvers", "box_fddp,fddp", "--repeat", "0", "-o", folder_.path() / "bench"});
+  ASSERT_EQ(measured.exit_code, 0) << measured.err;
+  const std::string file = folder_.path() / "bench/bench.json";
+  const ProcessResult r = run_conddp({"report", solution, "--bench", file});
+  EXPECT_EQ(r.exit_code, 0) << r.err;
+  const nlohmann::json bench = data_of(folder_.path() / "a/report.html")["bench"];
+  ASSERT_EQ(bench["runs"].size(), 2u);
+  EXPECT_EQ(bench["runs"][0]["solver"], "box_fddp");
+  EXPECT_EQ(bench["runs"][0]["problem"], "pendulum_swingup");
+  EXPECT_EQ(bench["runs"][1]["status"], "refused");
+
+  const nlohmann::json good = nlohmann::json::parse(read_file(file));
+  const auto refused = [&](const nlohmann::json& document, const std::string& why) {
+    const std::string bad = folder_.write("bad.json", document.dump());
+    const ProcessResult p =
+        run_conddp({"report", solution, "--bench", bad, "-o", folder_.path() / "bad.html"});
+    EXPECT_EQ(p.exit_code, 2);
+    EXPECT_NE(p.err.find(why), std::string::npos) << p.err;
+    EXPECT_FALSE(std::filesystem::exists(folder_.path() / "bad.html"));
+  };
+  refused(nlohmann::json::parse(read_file(solution)), "no benchmark of conddp");
+  nlohmann::json bad = good;
+  bad["runs"] = 7;
+  refused(bad, "'runs' is no list");
+  bad = good;
+  bad["runs"][0]["residuals"] = nullptr;
+  refused(bad, "'residuals' is no object");
+  bad = good;
+  bad["machine"] = "mine";
+  refused(bad, "'machine' is no object");
+  bad = good;
+  for (nlohmann::json& run : bad["runs"]) run["problem"] = "another";
+  refused(bad, "no run on a problem of this page");
+}
+
 }  // namespace
 }  // namespace conddp

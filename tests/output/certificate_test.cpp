@@ -4,10 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include "analysis/solution_members.hpp"
 #include "output/certificate_report.hpp"
 #include "output/solution_certificate.hpp"
 #include "output/solution_json.hpp"
-#include "output/solution_members.hpp"
 #include "problem_file/read_problem.hpp"
 #include "solvers/registry.hpp"
 

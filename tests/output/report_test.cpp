@@ -1,5 +1,5 @@
+#include "analysis/solution_members.hpp"
 #include "output/motion_scene.hpp"
-#include "output/solution_members.hpp"
 #include "report_fixture.hpp"
 
 namespace conddp {

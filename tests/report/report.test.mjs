@@ -119,9 +119,15 @@ test('two solutions share plots, a table and the scene; one of them can be hidde
   const a = solve(join(source, 'problems/hopper_jump.yaml'), 'pair_a');
   const b = solve(join(source, 'problems/hopper_jump.yaml'), 'pair_b', '--set', 'costs.effort.weight=0.1');
   const file = join(folder, 'pair.html');
-  run('report', a.json, b.json, '-o', file);
+  run('bench', join(source, 'problems/hopper_jump.yaml'), '--solvers', 'box_fddp,ilqr', '--repeat', '0',
+      '-o', join(folder, 'pair_bench'));
+  run('report', a.json, b.json, '--bench', join(folder, 'pair_bench/bench.json'), '-o', file);
   const {page, context, complaints, requests} = await open(file);
   assert.equal(await page.locator('#comparison tbody tr').count(), 2);
+  const measured = await page.locator('#bench tbody tr').allTextContents();
+  assert.equal(measured.length, 2);
+  assert.match(measured[0], /hopper_jump.*box_fddp.*solved/);
+  assert.match(measured[1], /ilqr.*refused/);
   assert.equal(await page.locator('#view canvas').count(), 1);
   const shown = () => page.evaluate(() => ({
     robots: window.conddp.viewer.robots.map(r => r.root.visible),

@@ -3,7 +3,7 @@
 export function readData() {
   const data = JSON.parse(document.getElementById('report-data').textContent);
   for (const solution of data.solutions) prepare(solution);
-  return data.solutions;
+  return data;
 }
 
 function prepare(solution) {

@@ -1,3 +1,4 @@
+import {benchTable} from './bench.js';
 import {readData} from './data.js';
 import {element} from './dom.js';
 import {Player} from './player.js';
@@ -10,7 +11,7 @@ const byId = id => document.getElementById(id);
 const root = document.documentElement;
 
 function start() {
-  const solutions = readData();
+  const {solutions, bench} = readData();
   const player = new Player(Math.max(...solutions.map(s => s.duration)));
   root.dataset.theme = matchMedia('(prefers-color-scheme: dark)').matches ? 'dark' : 'light';
 
@@ -31,6 +32,7 @@ function start() {
   viewer = new Viewer(byId('view'), solutions, player);
   new Timeline(byId('timeline'), solutions[0], player);
   plots = makePlots(byId('plots'), solutions, player);
+  if (bench) byId('foot').append(benchTable(bench));
   writeFoot(byId('foot'), solutions);
   document.addEventListener('keydown', event => {
     if (event.ctrlKey || event.metaKey || event.altKey) return;

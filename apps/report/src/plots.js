@@ -19,11 +19,14 @@ function groupOf(name) {
   return titles[family] ?? (family || 'States');
 }
 
+/// Nothing of what has no unit.
+const unitOf = ({units}, c) => (units[c] === '1' ? '' : units[c] ?? '');
+
 function addColumns(collection, key, {steps, limits}) {
   const groups = new Map();
   for (const {curves} of collection.solutions)
     curves[key].names.forEach((name, c) => {
-      const unit = curves[key].units[c] ?? '';
+      const unit = unitOf(curves[key], c);
       const id = `${groupOf(name)}|${unit}`;
       if (!groups.has(id)) groups.set(id, {title: groupOf(name), unit});
     });
@@ -33,9 +36,9 @@ function addColumns(collection, key, {steps, limits}) {
       unit,
       hint: limits ? 'Shaded: beyond the limits. Thick: at a limit.' : null,
       of: ({curves}) => {
-        const {names, units, values, lower, upper} = curves[key];
+        const {names, values, lower, upper} = curves[key];
         return names.map((name, c) => ({name, c})).filter(({name, c}) =>
-            groupOf(name) === title && (units[c] ?? '') === unit).map(({name, c}) => {
+            groupOf(name) === title && unitOf(curves[key], c) === unit).map(({name, c}) => {
           const line = {name: name.replace(/^(q|v|u|base)\//, ''), values: values[c], steps};
           if (limits && lower) Object.assign(line, limitOf(values[c], lower[c], upper[c]));
           return line;

@@ -231,7 +231,8 @@ export class Robot {
   /// The force that acts between two nodes, at the contact's place on the body as it is drawn.
   showForce(entry, k) {
     const parts = k < entry.forces.length ? forceParts(entry, k) : null;
-    entry.force.visible = entry.cone.visible = parts !== null;
+    entry.force.visible = parts !== null;
+    entry.cone.visible = parts !== null && entry.contact.friction > 0;
     if (!parts) return;
     const index = this.scene.contacts.indexOf(entry.contact);
     const at = this.contactPosition(index);

@@ -1,4 +1,4 @@
-#include "problem_file/solution_document.hpp"
+#include "problem_file/json_document.hpp"
 
 #include <algorithm>
 #include <array>
@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "analysis/solution_members.hpp"
 #include "problem_file/source_text.hpp"
 
 namespace conddp {
@@ -14,10 +15,6 @@ namespace {
 
 using Json = nlohmann::json;
 using Keys = std::span<const std::string_view>;
-
-struct Malformed {
-  std::string message;
-};
 
 /// The place of a byte of the text (the end of the text where it is shorter).
 Mark mark_at(const std::string& text, std::size_t byte, int source, const Diagnostics& out) {
@@ -35,14 +32,14 @@ Json parse(const std::string& text, Keys wanted_keys) {
   bool wanted = true;  // whether the values are kept; it is asked for those that are not, too
   std::array<std::set<std::string>, kMaxDepth + 2> keys;  // of the objects that are open
   const auto keep = [&](int depth, Json::parse_event_t event, Json& value) {
-    if (depth > kMaxDepth) throw Malformed{"it is nested too deeply"};
+    if (depth > kMaxDepth) throw MalformedSolution{"it is nested too deeply"};
     if (event == Json::parse_event_t::object_start) keys[depth + 1].clear();
     if (wanted && event == Json::parse_event_t::value && ++values > kMaxValues)
-      throw Malformed{fmt::format("it has more than {} values", kMaxValues)};
+      throw MalformedSolution{fmt::format("it has more than {} values", kMaxValues)};
     if (event != Json::parse_event_t::key) return true;
     const std::string& key = value.get_ref<const std::string&>();
     if (!keys[depth].insert(key).second)
-      throw Malformed{fmt::format("the key '{}' is given twice", key)};
+      throw MalformedSolution{fmt::format("the key '{}' is given twice", key)};
     if (depth == 1)
       wanted = key == "format" ||
                std::find(wanted_keys.begin(), wanted_keys.end(), key) != wanted_keys.end();
@@ -60,32 +57,31 @@ std::string reason(const Json::exception& e) {
   return std::string(text);
 }
 
-void check_format(const Json& solution) {
-  constexpr std::string_view kFamily = "conddp.solution/", kVersion = "1";
-  if (!solution.is_object() || !solution.contains("format")) throw Malformed{"'format' is missing"};
-  const Json& format = solution["format"];
-  if (!format.is_string() || !format.get_ref<const std::string&>().starts_with(kFamily))
-    throw Malformed{"it is no solution of conddp"};
-  if (const std::string version = format.get<std::string>().substr(kFamily.size());
+void check_format(const Json& document, const DocumentKind& kind) {
+  constexpr std::string_view kVersion = "1";
+  const Json& format = solution_member(document, "format");
+  if (!format.is_string() || !format.get_ref<const std::string&>().starts_with(kind.family))
+    throw MalformedSolution{fmt::format("it is no {} of conddp", kind.word)};
+  if (const std::string version = format.get<std::string>().substr(kind.family.size());
       version != kVersion)
-    throw Malformed{
+    throw MalformedSolution{
         fmt::format("it has format {}, and this version reads format {}", version, kVersion)};
 }
 
 }  // namespace
 
-std::optional<Json> parse_solution_document(const std::string& text, const std::string& name,
-                                            Keys keys, Diagnostics& out) {
+std::optional<Json> parse_document(const std::string& text, const std::string& name,
+                                   const DocumentKind& kind, Keys keys, Diagnostics& out) {
   const int source = out.add_source(name, text);
   try {
-    Json solution = parse(text, keys);
-    check_format(solution);
-    return solution;
+    Json document = parse(text, keys);
+    check_format(document, kind);
+    return document;
   } catch (const Json::parse_error& e) {
     out.error({mark_at(text, e.byte > 0 ? e.byte - 1 : 0, source, out), {}},
               "not valid JSON: " + reason(e));
-  } catch (const Malformed& e) {
-    out.error({{source, 0, 0}, {}}, fmt::format("the solution cannot be used: {}", e.message));
+  } catch (const MalformedSolution& e) {
+    out.error({{source, 0, 0}, {}}, fmt::format("the {} cannot be used: {}", kind.word, e.message));
   } catch (const Json::out_of_range& e) {
     // "number overflow parsing '1e999'": the place is where that number stands.
     const std::string_view what = e.what();
@@ -93,19 +89,20 @@ std::optional<Json> parse_solution_document(const std::string& text, const std::
     const std::string_view number =
         what.substr(open, what.rfind('\'') > open ? what.rfind('\'') - open : 0);
     const std::size_t byte = number.size() > 1 ? text.find(number.substr(1)) : 0;
-    out.error({mark_at(text, byte, source, out), {}}, "a number of the solution is out of range");
+    out.error({mark_at(text, byte, source, out), {}},
+              fmt::format("a number of the {} is out of range", kind.word));
   } catch (const Json::exception& e) {
-    out.error({{source, 0, 0}, {}}, fmt::format("the solution cannot be used: {}", reason(e)));
+    out.error({{source, 0, 0}, {}}, fmt::format("the {} cannot be used: {}", kind.word, reason(e)));
   }
   return std::nullopt;
 }
 
-std::optional<Json> load_solution_document(const std::filesystem::path& file, Keys keys,
-                                           const Place& place, Diagnostics& out) {
+std::optional<Json> load_document(const std::filesystem::path& file, const DocumentKind& kind,
+                                  Keys keys, const Place& place, Diagnostics& out) {
   std::string sha256;
   const auto text = read_text(file, kMaxDataBytes, place, sha256, out);
   if (!text) return std::nullopt;
-  return parse_solution_document(*text, file.string(), keys, out);
+  return parse_document(*text, file.string(), kind, keys, out);
 }
 
 }  // namespace conddp

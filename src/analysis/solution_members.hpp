@@ -1,0 +1,37 @@
+#pragma once
+
+#include <string>
+
+#include <fmt/format.h>
+
+namespace conddp {
+
+/// Thrown where a document that conddp should have written has not the shape that it should have.
+struct MalformedSolution {
+  std::string message;
+};
+
+/// A member of an object, which must be there. `Json`: nlohmann's, with or without the keys' order.
+template <class Json>
+const Json& solution_member(const Json& object, const char* key) {
+  const auto found = object.find(key);
+  if (!object.is_object() || found == object.end())
+    throw MalformedSolution{fmt::format("'{}' is missing", key)};
+  return *found;
+}
+
+/// A member that must be a text, or a list.
+template <class Json>
+std::string solution_text(const Json& object, const char* key) {
+  const Json& value = solution_member(object, key);
+  if (!value.is_string()) throw MalformedSolution{fmt::format("'{}' is no text", key)};
+  return value.template get<std::string>();
+}
+template <class Json>
+const Json& solution_list(const Json& object, const char* key) {
+  const Json& value = solution_member(object, key);
+  if (!value.is_array()) throw MalformedSolution{fmt::format("'{}' is no list", key)};
+  return value;
+}
+
+}  // namespace conddp
