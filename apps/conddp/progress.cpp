@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "analysis/diagnosis.hpp"
+#include "ocp/by_name.hpp"
 #include "output/certificate_report.hpp"
 #include "streams.hpp"
 

@@ -6,6 +6,7 @@
 #include <Eigen/Cholesky>
 
 #include "ocp/acts.hpp"
+#include "ocp/by_name.hpp"
 
 namespace conddp {
 namespace {

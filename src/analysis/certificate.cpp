@@ -389,7 +389,7 @@ class Judge {
     const auto& t = claims_.tolerances;
     const bool under = claims_.stationarity <= t.stationarity && claims_.gap <= t.gap &&
                        claims_.constraint <= t.constraint &&
-                       claims_.complementarity <= t.constraint;
+                       claims_.complementarity <= t.complementarity;
     if (claims_.converged != under) {
       add({"status", false, Check::kNone, Check::kNone, Check::kNone, "",
            claims_.converged
@@ -416,7 +416,7 @@ class Judge {
     need("stationarity", found_stationarity_, t.stationarity + stationarity_rounding_);
     need("gap", gap_.value, t.gap + state_rounding());
     need("constraint violation", found_constraint_, t.constraint);
-    need("complementarity", found_complementarity_, t.constraint);
+    need("complementarity", found_complementarity_, t.complementarity);
     need("the Lagrangian's gradient in the states",
          claims_.state_gradient.lpNorm<Eigen::Infinity>(), state_tolerance);
     add({"status", above.empty(), Check::kNone, Check::kNone, Check::kNone, "",

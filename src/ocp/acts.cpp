@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -405,54 +404,6 @@ int Acts::simulate(Trajectory& trajectory, bool clamp_controls) {
   if (rollout.first_bad_knot[0] >= 0) return rollout.first_bad_knot[0];
   rollout.extract(0, trajectory);
   return -1;
-}
-
-std::vector<std::pair<std::string, std::vector<double>>> costs_by_node(
-    const ShootingProblem& problem, const Trajectory& trajectory) {
-  std::vector<std::pair<std::string, std::vector<double>>> costs;
-  const auto cost_of = [&](const std::string& name) -> std::vector<double>& {
-    for (auto& [known, values] : costs)
-      if (known == name) return values;
-    return costs.emplace_back(name, std::vector<double>(problem.knots() + 1)).second;
-  };
-  std::map<const KnotModel*, std::unique_ptr<KnotWorkspace<double>>> work;
-  for (int k = 0; k <= problem.knots(); ++k) {
-    const KnotView& view = problem.knot(k);
-    auto& mine = work[view.model];
-    if (!mine) mine = std::make_unique<KnotWorkspace<double>>(*view.model);
-    const double* u = k < problem.knots() ? trajectory.u(k).data() : nullptr;
-    view.model->evaluate(
-        KnotInput<double>{trajectory.x(k).data(), u, view.parameters, view.dt, view.cost_scale},
-        *mine);
-    for (std::size_t t = 0; t < view.model->costs().size(); ++t)
-      cost_of((k == problem.knots() ? "terminal/" : "") + view.model->costs()[t].name)[k] +=
-          mine->term_costs[t];
-  }
-  return costs;
-}
-
-std::vector<std::pair<std::string, double>> cost_by_name(const ShootingProblem& problem,
-                                                         const Trajectory& trajectory) {
-  std::vector<std::pair<std::string, double>> sums;
-  for (const auto& [name, values] : costs_by_node(problem, trajectory))
-    sums.emplace_back(name, std::accumulate(values.begin(), values.end(), 0.0));
-  return sums;
-}
-
-std::vector<ConstraintViolation> violations_by_name(const ShootingProblem& problem,
-                                                    const Eigen::VectorXd& values) {
-  std::vector<ConstraintViolation> list;
-  for (const NodeConstraint& c : problem.constraints()) {
-    const std::string name = (c.node == problem.knots() ? "terminal/" : "") + c.term->name;
-    auto entry = std::find_if(list.begin(), list.end(),
-                              [&](const ConstraintViolation& v) { return v.name == name; });
-    if (entry == list.end()) entry = list.insert(entry, {name, 0, -1});
-    const double distance = distance_to_set(*c.term, values.data() + c.row, c.lower, c.upper);
-    if (distance <= entry->value) continue;
-    entry->value = distance;
-    entry->node = c.node;
-  }
-  return list;
 }
 
 }  // namespace conddp

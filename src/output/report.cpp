@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "analysis/solution_members.hpp"
+#include "ocp/by_name.hpp"
 #include "output/constraint_curves.hpp"
 #include "output/motion_scene.hpp"
 

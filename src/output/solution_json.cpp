@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "conddp_version.hpp"
+#include "ocp/by_name.hpp"
 #include "output/contact_forces.hpp"
 #include "output/log_columns.hpp"
 #include "problem_file/expand_problem.hpp"

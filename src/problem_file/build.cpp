@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "ocp/acts.hpp"
+#include "ocp/by_name.hpp"
 #include "ocp/contradiction.hpp"
 #include "problem_file/memory_need.hpp"
 #include "problem_file/phase_grid.hpp"

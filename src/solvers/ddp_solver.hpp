@@ -39,28 +39,35 @@ class DdpSolver {
  private:
   bool start(const Trajectory& guess);
   bool linearize();
+  void measure_iterate();
   void differentiate();
   bool converged();
+  bool may_continue();
+  bool budget_left();
+  void finish();
+  void confirm_status();
+  void sweep_for_gains();
+
+  // ddp_step.cpp
+  bool take_step();
+  bool sweep_with_regularization();
+  int sweep_backward(double regularization);
+  void correct_direction();
+  void measure_direction();
+  bool model_step();
+  bool search();
+  bool stationarity_fell();
+  double projected_stationarity() const;
+  double gap_weight() const;
+
+  // ddp_constraints.cpp
+  void start_constraints();
   void measure_constraints();
   bool inner_converged() const;
   bool next_multipliers();
   bool newton_converges();
   bool recover();
-  bool may_continue();
-  bool budget_left();
-  bool take_step();
-  void correct_direction();
-  bool model_step();
-  bool search();
-  double projected_stationarity() const;
-  double gap_weight() const;
-  bool stationarity_fell();
-  bool sweep_with_regularization();
-  int sweep_backward(double regularization);
-  void measure_direction();
-  void finish();
-  void confirm_status();
-  void sweep_for_gains();
+
   // These return false, so that the step in which the solve ends can return their value.
   bool end(SolveStatus status, std::string message);
   bool end_diverged();

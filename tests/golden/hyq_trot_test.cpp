@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "ocp/acts.hpp"
+#include "ocp/by_name.hpp"
 #include "problem_file/build.hpp"
 #include "problem_file/read_problem.hpp"
 #include "solvers/registry.hpp"

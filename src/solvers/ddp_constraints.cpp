@@ -1,0 +1,146 @@
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "solvers/ddp_solver.hpp"
+
+namespace conddp {
+namespace {
+
+/// Minimisations of an augmented Lagrangian end early: at a stationarity and a relative decrease of
+/// the merit that get smaller from one to the next.
+constexpr double kFirstInnerTolerance = 1e-1, kFirstInnerDecrease = 1e-3;
+/// A short step's small decrease says nothing.
+constexpr double kLongStep = 0.1;
+/// Minimisations that may end without a step before the solve does.
+constexpr int kRecoveries = 20;
+constexpr double kTighter = 0.1, kLastInnerDecrease = 1e-8;
+/// Violation, gap and stationarity below which the projected Newton method is tried, how much
+/// smaller they have to be after it failed, and its steps at most.
+constexpr double kFirstNewtonThreshold = 3e-3, kNextNewtonThreshold = 0.1;
+constexpr int kNewtonSteps = 20, kDampedNewtonSteps = 2;
+constexpr double kNewtonGoal = 1e-12;
+
+}  // namespace
+
+/// Before a solve: the first penalties, and no multipliers.
+void DdpSolver::start_constraints() {
+  inner_tolerance_ = kFirstInnerTolerance;
+  inner_decrease_ = kFirstInnerDecrease;
+  inner_start_ = recoveries_ = 0;
+  newton_threshold_ = kFirstNewtonThreshold;
+  by_newton_ = false;
+  if (constraints_) constraints_->start(result_.constraint_multipliers);
+}
+
+void DdpSolver::measure_constraints() {
+  const Extremum bounds = bounds_.violation(trajectory_);
+  row_.constraint = bounds.value;
+  row_.constraint_knot = bounds.knot;
+  if (!constraints_) return;
+  const ConstraintNorms norms = constraints_->measure(linearization_.constraint);
+  if (!(norms.violation.value <= row_.constraint)) {
+    row_.constraint = norms.violation.value;
+    row_.constraint_knot = norms.violation.knot;
+  }
+  row_.complementarity = norms.complementarity;
+  row_.constraint_penalty = constraints_->largest_penalty();
+}
+
+/// Whether the augmented Lagrangian is minimised well enough for better multipliers.
+bool DdpSolver::inner_converged() const {
+  if (row_.gap > std::max(options_.tolerances.gap, 1e-2 * row_.constraint)) return false;
+  if (row_.stationarity <= std::max(inner_tolerance_, options_.tolerances.stationarity))
+    return true;
+  return row_.iteration > inner_start_ && row_.step >= kLongStep &&
+         row_.actual_decrease <= inner_decrease_ * std::abs(merit_.cost);
+}
+
+/// Ends a minimisation of the augmented Lagrangian and begins the next at the same iterate. False
+/// where the solve ends.
+bool DdpSolver::next_multipliers() {
+  constraints_->update();
+  if (!constraints_->hopeless().empty()) {
+    return end(SolveStatus::infeasible,
+               fmt::format("the constraint '{}' is violated whatever its penalty: {}",
+                           constraints_->hopeless(), residual_text()));
+  }
+  ++row_.outer;
+  inner_tolerance_ *= kTighter;
+  inner_decrease_ = std::max(kTighter * inner_decrease_, kLastInnerDecrease);
+  inner_start_ = row_.iteration;
+  at_rounding_floor_ = false;
+  regularization_ = RegularizationSchedule(options_.regularization);
+  differentiate();
+  if (!linearized_) return end_diverged();
+  merit_.cost = linearization_.total_cost() + linearization_.augmentation.sum();
+  row_.stationarity = bounds_.projected_norm(adjoint_.gradient(), trajectory_).value;
+  return true;
+}
+
+/// Where a minimisation gets no further, other multipliers and penalties may.
+bool DdpSolver::recover() {
+  const bool stuck = result_.status == SolveStatus::line_search_failed ||
+                     result_.status == SolveStatus::regularization_limit;
+  if (!constraints_ || !stuck || row_.constraint <= options_.tolerances.constraint) return false;
+  return ++recoveries_ <= kRecoveries && next_multipliers();
+}
+
+/// Tries to end the solve by Newton's method on the active constraints. Its steps are iterations.
+/// Where they do not meet the tolerances the iterate before them stands; where only its
+/// multipliers do not, minimisation goes on from Newton's iterate.
+bool DdpSolver::newton_converges() {
+  if (!newton_ || std::max({row_.stationarity, row_.gap, row_.constraint}) > newton_threshold_)
+    return false;
+  const IterationRecord row = row_;
+  newton_->start(trajectory_, constraints_->multipliers(), augmentation_->penalty,
+                 direction_.feedback());
+  const auto& tolerance = options_.tolerances;
+  int damped = 0;
+  for (int i = 0; i < kNewtonSteps && row_.iteration < options_.max_iterations; ++i) {
+    if (newton_->norms().largest() <= kNewtonGoal || !newton_->step()) break;
+    const KktNorms& norms = newton_->norms();
+    ++row_.iteration;
+    ++row_.newton;
+    row_.cost = row_.merit = newton_->cost();
+    row_.stationarity = norms.stationarity.value;
+    row_.stationarity_knot = norms.stationarity.knot;
+    row_.gap = norms.gap.value;
+    row_.gap_knot = norms.gap.knot;
+    row_.constraint = norms.violation.value;
+    row_.constraint_knot = norms.violation.knot;
+    row_.complementarity = norms.complementarity;
+    row_.step = newton_->step_length();
+    row_.active_rows = newton_->active_rows();
+    row_.regularization = row_.expected_decrease = row_.actual_decrease = 0;
+    row_.trials = row_.clamped_controls = row_.active_set_changes = 0;
+    row_.time_s = elapsed();
+    result_.log.push_back(row_);
+    if (options_.on_iteration) options_.on_iteration(row_);
+    damped += newton_->step_length() < 1;
+    if (damped > kDampedNewtonSteps) break;
+  }
+  newton_threshold_ = kNextNewtonThreshold * std::max({row.stationarity, row.gap, row.constraint});
+  if (newton_->norms().stationarity.value > tolerance.stationarity ||
+      newton_->norms().gap.value > tolerance.gap ||
+      newton_->norms().violation.value > tolerance.constraint) {
+    const int iteration = row_.iteration;
+    const int newton = row_.newton;
+    row_ = row;
+    row_.iteration = iteration;
+    row_.newton = newton;
+    return false;
+  }
+  before_ = trajectory_;
+  trajectory_ = newton_->trajectory();
+  constraints_->adopt(newton_->multipliers());
+  differentiate();
+  if (!linearized_) return false;
+  measure_iterate();
+  by_newton_ = row_.stationarity <= tolerance.stationarity &&
+               row_.complementarity <= tolerance.complementarity;
+  return by_newton_;
+}
+
+}  // namespace conddp
