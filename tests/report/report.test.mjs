@@ -81,13 +81,18 @@ test('feet in the scene are where the trajectory says, to a millimetre', async (
   await context.close();
 });
 
-test('the trot is smaller than 1.5 MB', async t => {
+test('the trot is smaller than 1.5 MB and opens in two seconds', async t => {
   const {page: file} = solve(join(source, 'problems/quadruped_trot.yaml'), 'size');
   assert.ok(statSync(file).size < 1.5e6, String(statSync(file).size));
-  const {page, context} = await open(file);
-  const loaded = await page.evaluate(() => performance.getEntriesByType('navigation')[0].domContentLoadedEventEnd);
-  t.diagnostic(`there after ${loaded.toFixed(0)} ms`);
-  await context.close();
+  let fastest = Infinity;  // of three: other programs may be at work
+  for (let i = 0; i < 3; ++i) {
+    const {page, context} = await open(file);
+    fastest = Math.min(fastest, await page.evaluate(
+        () => performance.getEntriesByType('navigation')[0].domContentLoadedEventEnd));
+    await context.close();
+  }
+  t.diagnostic(`there after ${fastest.toFixed(0)} ms`);
+  assert.ok(fastest < 2000, `${fastest} ms`);
 });
 
 test('hostile names stay text', async () => {
@@ -157,6 +162,7 @@ test('2000 knots are drawn without complaint', async t => {
     return (performance.now() - start) / 100;
   });
   t.diagnostic(`${scripted.toFixed(1)} ms a frame besides drawing`);
+  assert.ok(scripted < 8, 'half of what sixty frames a second leave');
   assert.equal(await page.evaluate(() => window.conddp.plots[0].u.data[0].length), 2001);
   assert.deepEqual(ours(complaints), []);
   await context.close();
@@ -181,5 +187,65 @@ test('a plot is saved as a picture by one click', async () => {
   const png = readFileSync(await download.path());
   assert.equal(png.subarray(1, 4).toString(), 'PNG');
   assert.ok(png.length > 3000);
+  await context.close();
+});
+
+test('a click in the legend hides a line', async () => {
+  const {page: file} = solve(join(source, 'problems/cartpole_swingup.yaml'), 'legend');
+  const {page, context} = await open(file);
+  const shown = () => page.evaluate(() => window.conddp.plots[0].u.series.map(s => s.show));
+  await page.locator('#plots figure').first().locator('.u-legend .u-series').nth(1).locator('th').click();
+  assert.equal((await shown())[1], false);
+  // At rest the legend reads the values at the player's time.
+  await page.keyboard.press('End');
+  await page.mouse.move(0, 0);
+  await page.waitForTimeout(300);
+  const read = await page.evaluate(() => window.conddp.plots[0].u.legend.idx);
+  assert.equal(read, await page.evaluate(() => window.conddp.plots[0].u.data[0].length - 1));
+  await context.close();
+});
+
+test('on paper the page is light and has no buttons', async () => {
+  const {page: file} = solve(join(source, 'problems/hopper_jump.yaml'), 'paper');
+  const {page, context, complaints} = await open(file, {colorScheme: 'dark'});
+  await page.emulateMedia({media: 'print'});
+  assert.equal(await page.locator('#play').isVisible(), false);
+  assert.equal(await page.locator('figcaption button').first().isVisible(), false);
+  const theme = () => page.getAttribute('html', 'data-theme');
+  await page.evaluate(() => window.dispatchEvent(new Event('beforeprint')));
+  assert.equal(await theme(), 'light');
+  await page.evaluate(() => window.dispatchEvent(new Event('afterprint')));
+  assert.equal(await theme(), 'dark');
+  assert.ok((await page.pdf()).length > 20000);
+  assert.deepEqual(ours(complaints), []);
+  await context.close();
+});
+
+test('meshes beside the URDF are drawn', async () => {
+  writeFileSync(join(folder, 'wedge.obj'), 'v 0 0 0\nv 0.5 0 0\nv 0 0.25 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n');
+  const inertial = '<inertial><mass value="1"/><inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial>';
+  writeFileSync(join(folder, 'wedge.urdf'), `<robot name="wedge"><link name="world"/><link name="arm">${inertial}
+<visual><origin xyz="0 0 -1"/><geometry><mesh filename="wedge.obj" scale="2 2 1"/></geometry></visual></link>
+<joint name="j" type="continuous"><parent link="world"/><child link="arm"/><axis xyz="0 0 1"/></joint></robot>`);
+  const problem = join(folder, 'wedge.yaml');
+  writeFileSync(problem, `conddp: 1
+name: wedge
+robot: {urdf: wedge.urdf, base: fixed}
+initial_state: {joints: {j: 0.1}}
+phases: [{name: swing, knots: 10, dt: 0.02}]
+costs: {effort: {residual: control}}
+`);
+  const {page: file} = solve(problem, 'wedge');
+  const {page, context, complaints, requests} = await open(file);
+  const size = await page.evaluate(() => {
+    const mesh = [];
+    window.conddp.viewer.robot.bodies[1].traverse(part => { if (part.isMesh) mesh.push(part); });
+    mesh[0].geometry.computeBoundingBox();
+    return {count: mesh.length, max: mesh[0].geometry.boundingBox.max.toArray(), scale: mesh[0].parent.scale.toArray(),
+            at: mesh[0].parent.position.toArray()};
+  });
+  assert.deepEqual(size, {count: 1, max: [0.5, 0.25, 1], scale: [2, 2, 1], at: [0, 0, -1]});
+  assert.deepEqual(ours(complaints), []);
+  assert.deepEqual(requests, []);
   await context.close();
 });

@@ -13,12 +13,14 @@ function cellsOf(run) {
           (run.dropped_constraints ?? []).map(c => c.name).join(', ')];
 }
 
+const solves = repeat => (repeat > 0 ? `Median of timed solves (${repeat}) after one to warm up` : 'One solve');
+
 export function benchTable({machine, request, runs}) {
   const names = ['problem', 'solver', 'instance', 'end', 'iterations', 'time, ms', 'spread', 'differentiate',
                  'sweep', 'rollout', 'cost', 'above the best', 'stationarity', 'gap', 'violation', 'without'];
   const on = machine.processor ? ` on ${machine.processor}` : '';
   return element('div', {id: 'bench'}, element('h2', {}, 'Measured by bench'),
-      element('p', {class: 'hint'}, `Medians of ${request.repeat} solves after one to warm up${on}; every answer ` +
-          'measured by the same check, from its trajectory alone.'),
-      table(null, names, runs.map(cellsOf), i => !runs[i].solved));
+      element('p', {class: 'hint'}, `${solves(request.repeat)}${on}; every answer measured by the ` +
+          'same check, from its trajectory alone.'),
+      table(null, names, runs.map(cellsOf), i => !runs[i].solved && runs[i].status !== 'refused'));
 }

@@ -16,11 +16,12 @@ function start() {
   root.dataset.theme = matchMedia('(prefers-color-scheme: dark)').matches ? 'dark' : 'light';
 
   let plots = [], viewer = null;
-  const changeTheme = () => {
-    root.dataset.theme = root.dataset.theme === 'dark' ? 'light' : 'dark';
+  const setTheme = theme => {
+    root.dataset.theme = theme;
     viewer.setTheme();
     for (const plot of plots) plot.setTheme();
   };
+  const changeTheme = () => setTheme(root.dataset.theme === 'dark' ? 'light' : 'dark');
   const themeButton = element('button', {type: 'button', class: 'theme', id: 'theme',
                                          title: 'Dark or light (D)', onclick: changeTheme}, '◐');
   writeHead(byId('head'), solutions, themeButton);
@@ -39,6 +40,13 @@ function start() {
     if (event.key === 'f' || event.key === 'F') viewer.followButton?.click();
     if (event.key === 'd' || event.key === 'D') changeTheme();
   });
+  // Paper is light.
+  let onScreen = root.dataset.theme;
+  window.addEventListener('beforeprint', () => {
+    onScreen = root.dataset.theme;
+    setTheme('light');
+  });
+  window.addEventListener('afterprint', () => setTheme(onScreen));
   // For those who script the page.
   window.conddp = {solutions, player, viewer, plots};
 }

@@ -1,5 +1,8 @@
 // A robot's bodies, contacts and paths as objects of three.js, moved along a trajectory.
 import * as THREE from 'three';
+import {Line2} from 'three/examples/jsm/lines/Line2.js';
+import {LineGeometry} from 'three/examples/jsm/lines/LineGeometry.js';
+import {LineMaterial} from 'three/examples/jsm/lines/LineMaterial.js';
 import {STLLoader} from 'three/examples/jsm/loaders/STLLoader.js';
 import {OBJLoader} from 'three/examples/jsm/loaders/OBJLoader.js';
 import {forceParts, nodeAt} from './data.js';
@@ -68,10 +71,11 @@ function place(object, numbers, at) {
   object.quaternion.fromArray(numbers, at + 3);
 }
 
-function polyline(numbers, color, width = 1) {
-  const form = new THREE.BufferGeometry();
-  form.setAttribute('position', new THREE.Float32BufferAttribute(numbers, 3));
-  return new THREE.Line(form, new THREE.LineBasicMaterial({color, linewidth: width}));
+/// Two pixels wide at any distance.
+function polyline(numbers, color) {
+  const line = new Line2(new LineGeometry().setPositions(numbers), new LineMaterial({color, linewidth: 2}));
+  line.frustumCulled = false;
+  return line;
 }
 
 /// An arrow of unit length along +z.
@@ -257,18 +261,22 @@ export class Robot {
     return foot.position.clone().applyQuaternion(body.quaternion).add(body.position);
   }
 
-  /// What all of the motion fits into: everything that moves, at some times.
-  bounds() {
+  /// What the robot fits into at a time.
+  boundsAt(time) {
     const box = new THREE.Box3(), one = new THREE.Box3();
-    const moving = this.bodies.slice(1);
-    const samples = 12, duration = this.solution.duration;
-    for (let i = 0; i <= samples; ++i) {
-      this.show(duration * i / samples);
-      for (const body of moving) {
-        body.updateMatrixWorld(true);
-        box.union(one.setFromObject(body));
-      }
+    this.show(time);
+    for (const body of this.bodies.slice(1)) {
+      body.updateMatrixWorld(true);
+      box.union(one.setFromObject(body));
     }
+    return box;
+  }
+
+  /// What all of the motion fits into, at some times.
+  bounds() {
+    const box = new THREE.Box3();
+    const samples = 12;
+    for (let i = 0; i <= samples; ++i) box.union(this.boundsAt(this.solution.duration * i / samples));
     return box;
   }
 }

@@ -46,14 +46,6 @@ export function comparisonTable(solutions, changeVisible) {
   return table('comparison', names, rows);
 }
 
-/// Any value as nested lists of keys and values.
-function tree(value) {
-  if (value === null || typeof value !== 'object') return document.createTextNode(String(value ?? '–'));
-  const entries = Object.entries(value);
-  return element('table', {}, element('tbody', {}, ...entries.map(([key, part]) =>
-      element('tr', {}, element('th', {}, key), element('td', {}, tree(part))))));
-}
-
 /// What was checked of an answer, without the statements that are no figures and hold.
 function certificate({checks, holds}) {
   const shown = checks.filter(check => !check.holds || (check.claimed ?? check.found ?? null) !== null);
@@ -67,15 +59,34 @@ function certificate({checks, holds}) {
             i => !shown[i].holds));
 }
 
+const listed = object => Object.entries(object ?? {}).map(([name, value]) => `${name} ${value}`).join(', ');
+
+/// What somebody needs who wants the same answer: rows of names and texts.
+function reproduction({problem, tool, solver, initial_guess_used: guess, dropped_constraints: dropped = []}) {
+  const file = ({file: name, sha256}) => `${name} (SHA-256 ${sha256})`;
+  const settings = [...(problem.overrides ?? []).map(setting => `--set ${setting}`), ...dropped.map(c => `--drop ${c.name}`)];
+  return [
+    ['problem', file(problem)],
+    ...(problem.robots ?? []).map(robot => ['robot', file(robot)]),
+    ...(problem.data_files ?? []).map(data => ['data', file(data)]),
+    ['settings', settings.join(' ')],
+    ['solver', solver],
+    ['first guess', `states: ${guess.states}; controls: ${guess.controls}; used: ${guess.used}`],
+    ['random seed', guess.seed],
+    ['conddp', `${tool.version}, revision ${tool.revision}${tool.modified ? ' with changes' : ''}`],
+    ['build', listed(tool.build)],
+    ['libraries', listed(tool.libraries)],
+  ].filter(([, text]) => text !== '' && text !== null && text !== undefined);
+}
+
 export function writeFoot(holder, solutions) {
   for (const {label, head} of solutions) {
     if (solutions.length > 1) holder.append(element('h2', {}, label));
-    if (head.certificate) holder.append(certificate(head.certificate));
-    const {configuration, options, ...problem} = head.problem;
+    if (head.certificate?.checks) holder.append(certificate(head.certificate));
     holder.append(element('h2', {}, 'To reproduce it'),
-        element('div', {class: 'wide'}, tree({problem, tool: head.tool, guess: head.initial_guess_used})),
+        table('reproduction', [], reproduction(head).map(([name, text]) => [element('b', {}, name), text])),
         element('details', {}, element('summary', {}, 'The problem with every default'),
-                element('pre', {}, JSON.stringify(configuration, null, 2))));
+                element('pre', {}, JSON.stringify(head.problem.configuration, null, 2))));
   }
   holder.append(element('p', {class: 'keys'}, 'Keys: ', element('kbd', {}, 'space'), ' play or pause, ',
       element('kbd', {}, '←'), ' ', element('kbd', {}, '→'), ' knot by knot, ', element('kbd', {}, 'Home'),

@@ -50,8 +50,8 @@ export class Viewer {
     this.ground = new Ground(first, this.box);
     this.scene.add(this.obstacles.root, this.ground.root);
     this.addCamera();
+    this.follow = this.speck;
     this.addSwitches();
-    this.follow = false;
     this.ready = true;
     this.resize();
     new ResizeObserver(() => this.resize()).observe(holder);
@@ -59,19 +59,51 @@ export class Viewer {
     this.show();
   }
 
+  /// The camera at its first place: where it sees all of the motion, or the robot alone where the
+  /// motion would make it a speck; then it follows.
   addCamera() {
-    const box = this.box;
-    this.camera = new THREE.PerspectiveCamera(40, 1, 0.01, 200);
+    this.camera = new THREE.PerspectiveCamera(40, this.aspect(), 0.01, 400);
     this.camera.up.set(0, 0, 1);
     this.controls = new OrbitControls(this.camera, this.renderer.domElement);
     this.controls.addEventListener('change', () => this.draw());
+    const robot = this.robot.boundsAt(this.player.time);
+    const length = box => box.getSize(new THREE.Vector3()).length();
+    this.speck = length(this.box) > 15 * length(robot);
+    const box = this.speck ? robot.expandByScalar(length(robot)) : this.box;
     const center = box.getCenter(new THREE.Vector3());
-    const distance = 1.55 * box.getSize(new THREE.Vector3()).length();
+    const back = new THREE.Vector3(0.5, -0.8, 0.35).normalize();
     this.controls.target.copy(center);
-    this.camera.position.copy(center).add(
-        new THREE.Vector3(0.5, -0.8, 0.35).normalize().multiplyScalar(Math.max(0.5, distance)));
+    this.camera.position.copy(center).addScaledVector(back, this.distance(box, back));
     this.controls.update();
     this.lastCom = null;
+  }
+
+  resetView() {
+    this.controls.dispose();
+    this.addCamera();
+    this.draw();
+  }
+
+  /// How far back a camera that looks at the middle of a box sees all of it.
+  distance(box, back) {
+    const right = new THREE.Vector3().crossVectors(this.camera.up, back).normalize();
+    const up = new THREE.Vector3().crossVectors(back, right);
+    const center = box.getCenter(new THREE.Vector3());
+    const vertical = Math.tan(THREE.MathUtils.degToRad(this.camera.fov / 2));
+    const horizontal = vertical * this.camera.aspect;
+    let distance = 0.5;
+    for (const x of [box.min.x, box.max.x])
+      for (const y of [box.min.y, box.max.y])
+        for (const z of [box.min.z, box.max.z]) {
+          const corner = new THREE.Vector3(x, y, z).sub(center);
+          distance = Math.max(distance, corner.dot(back) + 1.12 * Math.max(
+              Math.abs(corner.dot(right)) / horizontal, Math.abs(corner.dot(up)) / vertical));
+        }
+    return distance;
+  }
+
+  aspect() {
+    return this.holder.clientWidth / Math.max(1, this.holder.clientHeight) || 1;
   }
 
   addSwitches() {
@@ -94,14 +126,9 @@ export class Viewer {
       ...(shapes.length === 0 ? [] : [
         toggle('Shapes', 'Shapes that keep clear of obstacles', false,
                all((r, on) => { for (const shape of r.shapes) shape.visible = on; }))]),
-      this.followButton = toggle('Follow', 'The camera goes with the robot (F)', false,
+      this.followButton = toggle('Follow', 'The camera goes with the robot (F)', this.follow,
                                  on => { this.follow = on; this.lastCom = null; this.show(); }),
-      element('button', {type: 'button', title: 'Back to the first view', onclick: () => {
-        const old = this.controls;
-        this.addCamera();
-        old.dispose();
-        this.resize();
-      }}, 'Reset'),
+      element('button', {type: 'button', title: 'Back to the first view', onclick: () => this.resetView()}, 'Reset'),
     ];
     this.holder.append(element('div', {class: 'switches'}, ...parts));
   }
@@ -124,7 +151,7 @@ export class Viewer {
     const {clientWidth: w, clientHeight: h} = this.holder;
     if (w === 0 || h === 0) return;
     this.renderer.setSize(w, h, false);
-    this.camera.aspect = w / h;
+    this.camera.aspect = this.aspect();
     this.camera.updateProjectionMatrix();
     this.draw();
   }
