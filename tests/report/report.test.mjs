@@ -34,6 +34,15 @@ for (const name of problems) {
     const middle = await page.evaluate(() => window.conddp.player.time);
     assert.ok(Math.abs(middle - times[times.length - 1] / 2) < 0.02 * times[times.length - 1], String(middle));
 
+    // A pointer in a plot shows its time in the band.
+    assert.equal(await page.locator('#band .pointer').isVisible(), false);
+    const over = await page.locator('#plots .u-over').first().boundingBox();
+    await page.mouse.move(over.x + over.width / 2, over.y + over.height / 2);
+    const pointed = await page.evaluate(() => window.conddp.player.pointed);
+    const mark = await page.locator('#band .pointer').boundingBox();
+    assert.ok(Math.abs((mark.x - band.x) / band.width - pointed / times[times.length - 1]) < 0.01);
+    await page.mouse.move(0, 0);
+
     // Playing moves on and pauses.
     await page.keyboard.press('Home');
     await page.keyboard.press('Space');

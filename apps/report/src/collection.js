@@ -52,7 +52,7 @@ export class Collection {
 
   /// `of(solution)` gives [{name, values, ...}] or nothing; lines of one name share their colour,
   /// those of one solution their dashes.
-  add({title, unit, hint, xOf, xLabel, xUnit, of, log, overTime, marks = []}) {
+  add({title, unit, hint, xOf, xLabel, xUnit, of, log, soft, overTime, marks = []}) {
     const names = [];
     const parts = this.solutions.map((solution, i) => {
       const x = xOf(solution);
@@ -73,7 +73,7 @@ export class Collection {
         line.dash = this.solutions.length > 1 ? solutionDash(line.solution) : lineDash(line.rank);
       }
     const joined = join(parts);
-    const plot = new Plot(this.holder, {title, unit, hint, ...joined, xLabel, xUnit, log, marks,
+    const plot = new Plot(this.holder, {title, unit, hint, ...joined, xLabel, xUnit, log, soft, marks,
                                         player: overTime ? this.player : null});
     joined.lines.forEach((line, i) => {
       if (line.rank >= lineLimit) plot.u.setSeries(i + 1, {show: false});

@@ -7,7 +7,7 @@ export function stageMarks(log) {
   log.forEach((row, i) => {
     if (i === 0) return;
     const before = log[i - 1];
-    if (row.outer > before.outer) marks.push({at: row.iteration, text: `outer ${row.outer}`});
+    if (row.outer > before.outer) marks.push({at: row.iteration, text: String(row.outer)});
     if (row.newton > 0 && before.newton === 0) marks.push({at: row.iteration, text: 'Newton'});
   });
   return marks;
@@ -39,11 +39,14 @@ const used = key => ({head}) => head.log.some(row => row[key] > 0);
 
 export function addConvergence(collection) {
   const {solutions} = collection;
-  const staged = solutions.some(s => stageMarks(s.head.log).length > 0);
+  const staged = stageMarks(solutions[0].head.log).length > 0;
   collection.heading('Convergence');
   collection.holder.append(diagnoses(solutions));
+  if (staged)
+    collection.holder.append(element('p', {class: 'hint'},
+        'Upright lines: updates of the multipliers with their number, and where Newton’s method begins' +
+        (solutions.length > 1 ? ` (${solutions[0].label}).` : '.')));
   collection.overIterations({title: 'Cost and merit',
-    hint: staged ? 'Upright lines: the solver updates its multipliers (outer), or Newton’s method begins.' : null,
     of: columns(['cost', 'cost'], ['merit', 'merit'])});
   collection.overIterations({title: 'Residuals', log: true, hint: 'Logarithmic; zero is left out.',
     of: columns(['stationarity', 'stationarity', true], ['gap', 'gap', true],

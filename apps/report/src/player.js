@@ -7,6 +7,8 @@ export class Player {
     this.speed = 1;
     this.playing = false;
     this.listeners = [];
+    this.pointed = null;  // the time under the pointer in a plot
+    this.onPoint = () => {};
     this.last = null;
   }
 
@@ -16,6 +18,12 @@ export class Player {
 
   notify() {
     for (const listener of this.listeners) listener(this);
+  }
+
+  point(time) {
+    if (time === this.pointed) return;
+    this.pointed = time;
+    this.onPoint(time);
   }
 
   seek(time) {

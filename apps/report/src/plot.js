@@ -15,10 +15,26 @@ function powersOfTen(u, axis, low, high) {
   return ticks;
 }
 
+/// The range of an axis around its lines and, if given, from one value at least to another.
+function rangeWith(soft) {
+  const side = value => ({pad: 0.1, soft: value, mode: value === undefined ? 0 : 1});
+  return (u, low, high) => {
+    if (low === null) return [null, null];
+    if (low === high && !soft) return [low - Math.max(1, Math.abs(low)), high + Math.max(1, Math.abs(high))];
+    return uPlot.rangeNum(low, high, {min: side(soft?.[0]), max: side(soft?.[1])});
+  };
+}
+
+/// The range of a logarithmic axis that shows limits as well.
+const rangeWithLimits = lines => (u, low, high) => {
+  const tops = lines.map(l => l.limit?.upper).filter(x => x > 0);
+  return low === null ? [null, null] : uPlot.rangeLog(low, Math.max(high, ...tops.map(t => 10 * t)), 10, true);
+};
+
 export class Plot {
   /// `lines`: {label, values, color, dash, solution, steps, limit: {lower, upper}, clamped, violated}.
   /// With a player, the plot shows its time and a click sets it. `marks`: {at, text}.
-  constructor(holder, {title, unit, hint, x, xLabel, xUnit, lines, log = false, player = null, marks = []}) {
+  constructor(holder, {title, unit, hint, x, xLabel, xUnit, lines, log = false, soft = null, player = null, marks = []}) {
     this.title = title;
     this.lines = lines;
     this.player = player;
@@ -36,10 +52,10 @@ export class Plot {
       width: Math.max(260, holder.clientWidth - 18),
       height,
       cursor: {sync: {key: player ? 'time' : 'iterations', setSeries: false}, drag: {x: true, y: false}},
-      scales: {x: {time: false}, y: log ? {distr: 3} : {range: {min: {pad: 0.1, soft: null}, max: {pad: 0.1}}}},
+      scales: {x: {time: false}, y: log ? {distr: 3, range: rangeWithLimits(lines)} : {range: rangeWith(soft)}},
       axes: [{...axis, label: xUnit ? `${xLabel}, ${xUnit}` : xLabel, labelSize: 18, size: 36,
               labelFont: '12px system-ui', font: '11px system-ui'},
-             {...axis, size: 58, font: '11px system-ui', splits: log ? powersOfTen : undefined,
+             {...axis, size: 58, font: '11px system-ui', splits: log ? powersOfTen : undefined, filter: log ? (u, ticks) => ticks : undefined,
               values: (_, ticks) => ticks.map(v => (v === null ? '' : String(Number(v.toPrecision(4)))))}],
       series: [{label: xLabel, value: (_, v) => (v === null ? '–' : `${figure(v)}${xUnit ? ` ${xUnit}` : ''}`)},
                ...lines.map(line => ({
@@ -57,6 +73,7 @@ export class Plot {
         drawClear: [u => {
           if (lines.some(l => l.limit)) shadeLimits(u, lines.map(l => l.limit ?? null));
         }],
+        setCursor: player ? [u => player.point(u.cursor.left >= 0 ? u.posToVal(u.cursor.left, 'x') : null)] : [],
         draw: [u => {
           markClamped(u, lines);
           markViolated(u, lines);

@@ -78,20 +78,24 @@ export const markViolated = (u, lines) => inside(u, ctx => {
   });
 });
 
-/// Upright lines with a name: where a stage of a solver begins.
-export const drawMarks = (u, marks) => inside(u, (ctx, bbox) => {
+/// Upright lines with a name above them: where a stage of a solver begins.
+export function drawMarks({ctx, bbox, valToPos}, marks) {
+  ctx.save();
   ctx.strokeStyle = ctx.fillStyle = color('faint');
   ctx.font = `${11 * devicePixelRatio}px system-ui`;
+  ctx.textAlign = 'center';
   let free = -Infinity;  // where the last name ends
   for (const {at, text} of marks) {
-    const x = u.valToPos(at, 'x', true);
+    const x = valToPos(at, 'x', true);
     if (x < bbox.left || x > bbox.left + bbox.width) continue;
     ctx.beginPath();
     ctx.moveTo(x, bbox.top);
     ctx.lineTo(x, bbox.top + bbox.height);
     ctx.stroke();
-    if (x < free) continue;
-    ctx.fillText(text, x + 4, bbox.top + 12 * devicePixelRatio);
-    free = x + 8 + ctx.measureText(text).width;
+    const half = ctx.measureText(text).width / 2;
+    if (x - half < free) continue;
+    ctx.fillText(text, x, bbox.top - 3 * devicePixelRatio);
+    free = x + half + 4;
   }
-});
+  ctx.restore();
+}

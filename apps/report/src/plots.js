@@ -75,6 +75,7 @@ function addForces(collection) {
   collection.overTime({
     title: 'Share of the friction cone',
     hint: 'Tangential force over μ times normal force: above 1 the foot slides.',
+    soft: [0, 1.1],
     of: s => part(p => p?.use ?? null)(s).map(line => ({...line, limit: {lower: null, upper: 1}})),
   });
 }

@@ -4,11 +4,12 @@ import {nodeAt, phaseAt} from './data.js';
 
 const speeds = [0.1, 0.25, 0.5, 1, 2];
 
+const percent = (value, duration) => `${(duration > 0 ? 100 * value / duration : 0).toFixed(3)}%`;
+
 function bar(from, to, duration, attributes, text = '') {
-  const percent = value => `${(100 * value / duration).toFixed(3)}%`;
   const node = element('div', {class: 'bar', ...attributes}, text);
-  node.style.left = percent(from);
-  node.style.width = percent(to - from);
+  node.style.left = percent(from, duration);
+  node.style.width = percent(to - from, duration);
   return node;
 }
 
@@ -61,7 +62,8 @@ export class Timeline {
       band.append(row);
     }
     this.needle = element('div', {class: 'needle'});
-    this.track = element('div', {class: 'track'}, this.needle);
+    this.pointer = element('div', {class: 'pointer'});
+    this.track = element('div', {class: 'track'}, this.needle, this.pointer);
     band.append(this.track);
     const seek = event => {
       const box = this.track.getBoundingClientRect();
@@ -77,6 +79,11 @@ export class Timeline {
     holder.append(band);
     this.addKeys();
     player.listen(() => this.show());
+    player.onPoint = time => {
+      this.pointer.hidden = time === null || time < 0 || time > duration;
+      this.pointer.style.left = percent(time ?? 0, duration);
+    };
+    player.onPoint(null);
     this.show();
   }
 
@@ -122,7 +129,7 @@ export class Timeline {
   show() {
     const {time, duration, playing} = this.player;
     this.button.textContent = playing ? '❚❚ Pause' : '▶ Play';
-    this.needle.style.left = `${duration > 0 ? 100 * time / duration : 0}%`;
+    this.needle.style.left = percent(time, duration);
     const {k} = nodeAt(this.solution.curves.t, time);
     const phase = phaseAt(this.solution, k);
     this.read.textContent = `${time.toFixed(3)} s · knot ${k} · ${phase?.name ?? ''}`;
