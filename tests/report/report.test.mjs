@@ -258,3 +258,16 @@ costs: {effort: {residual: control}}
   assert.deepEqual(requests, []);
   await context.close();
 });
+
+test('an answer that diverged is shown without complaint', async () => {
+  const {page: file, solution} = solve(
+      join(source, 'problems/quadruped_trot.yaml'), 'diverged', '--solver', 'ilqr', '--drop', 'torque',
+      '--set', 'initial_guess={controls: {constant: 1.0e+200}}');
+  assert.equal(solution.status, 'diverged');
+  const {page, context, complaints} = await open(file);
+  assert.equal(await page.textContent('#status'), 'diverged');
+  assert.ok((await page.textContent('#diagnosis')).length > 20);
+  await page.keyboard.press('End');
+  assert.deepEqual(ours(complaints), []);
+  await context.close();
+});

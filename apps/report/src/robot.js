@@ -3,73 +3,10 @@ import * as THREE from 'three';
 import {Line2} from 'three/examples/jsm/lines/Line2.js';
 import {LineGeometry} from 'three/examples/jsm/lines/LineGeometry.js';
 import {LineMaterial} from 'three/examples/jsm/lines/LineMaterial.js';
-import {STLLoader} from 'three/examples/jsm/loaders/STLLoader.js';
-import {OBJLoader} from 'three/examples/jsm/loaders/OBJLoader.js';
 import {forceParts, nodeAt} from './data.js';
 import {roundForm} from './obstacles.js';
 import {lineColor} from './palette.js';
-
-const defaultColor = '#8a929b';
-
-function material(shape, ghost, tint) {
-  const [r, g, b, a] = shape.color ?? [];
-  const color = shape.color ? new THREE.Color().setRGB(r, g, b, THREE.SRGBColorSpace)
-                            : new THREE.Color(defaultColor);
-  if (ghost) color.lerp(new THREE.Color(tint), 0.6);
-  const opacity = (shape.color ? a : 1) * (ghost ? 0.3 : 1);
-  return new THREE.MeshStandardMaterial(
-      {color, roughness: 0.65, metalness: 0.1, transparent: opacity < 1, opacity, depthWrite: !ghost});
-}
-
-function bytes(base64) {
-  const text = atob(base64);
-  const data = new Uint8Array(text.length);
-  for (let i = 0; i < text.length; ++i) data[i] = text.charCodeAt(i);
-  return data;
-}
-
-function geometry(shape) {
-  switch (shape.kind) {
-    case 'box':
-      return new THREE.BoxGeometry(...shape.size);
-    case 'sphere':
-      return new THREE.SphereGeometry(shape.radius, 24, 16);
-    case 'cylinder':
-      return new THREE.CylinderGeometry(shape.radius, shape.radius, shape.length, 24)
-          .rotateX(Math.PI / 2);
-    case 'ellipsoid':
-      return new THREE.SphereGeometry(1, 24, 16).scale(...shape.radii);
-    case 'stl':
-      return new STLLoader().parse(bytes(shape.data).buffer).scale(...shape.scale);
-    default:
-      return null;
-  }
-}
-
-function shapeObject(shape, ghost, tint) {
-  const surface = material(shape, ghost, tint);
-  let object = null;
-  try {
-    if (shape.kind === 'obj') {
-      object = new OBJLoader().parse(new TextDecoder().decode(bytes(shape.data)));
-      object.scale.set(...shape.scale);
-      object.traverse(part => { if (part.isMesh) part.material = surface; });
-    } else {
-      const form = geometry(shape);
-      if (form) object = new THREE.Mesh(form, surface);
-    }
-  } catch (error) {
-    console.warn(`a mesh of ${shape.link} cannot be read`);
-  }
-  if (!object) return null;
-  place(object, shape.placement, 0);
-  return object;
-}
-
-function place(object, numbers, at) {
-  object.position.fromArray(numbers, at);
-  object.quaternion.fromArray(numbers, at + 3);
-}
+import {place, shapeObject} from './shapes.js';
 
 /// Two pixels wide at any distance.
 function polyline(numbers, color) {

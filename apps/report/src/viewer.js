@@ -62,7 +62,7 @@ export class Viewer {
   /// The camera at its first place: where it sees all of the motion, or the robot alone where the
   /// motion would make it a speck; then it follows.
   addCamera() {
-    this.camera = new THREE.PerspectiveCamera(40, this.aspect(), 0.01, 400);
+    this.camera = new THREE.PerspectiveCamera(40, this.aspect(), 0.01);
     this.camera.up.set(0, 0, 1);
     this.controls = new OrbitControls(this.camera, this.renderer.domElement);
     this.controls.addEventListener('change', () => this.draw());
@@ -73,7 +73,10 @@ export class Viewer {
     const center = box.getCenter(new THREE.Vector3());
     const back = new THREE.Vector3(0.5, -0.8, 0.35).normalize();
     this.controls.target.copy(center);
-    this.camera.position.copy(center).addScaledVector(back, this.distance(box, back));
+    const distance = this.distance(box, back);
+    this.camera.position.copy(center).addScaledVector(back, distance);
+    this.camera.far = 50 * distance;
+    this.camera.updateProjectionMatrix();
     this.controls.update();
     this.lastCom = null;
   }
