@@ -131,7 +131,8 @@ double complementarity(const ConstraintTerm& term, const double* values, const d
     for (int i = 0; i < n; ++i) {
       const double bound = multipliers[i] > 0 ? upper[i] : lower[i];
       const double inside = multipliers[i] > 0 ? bound - values[i] : values[i] - bound;
-      if (multipliers[i] == 0) continue;
+      // An equality has a multiplier wherever it stands: what it is off is its violation.
+      if (multipliers[i] == 0 || lower[i] == upper[i]) continue;
       const double product = std::isfinite(bound) ? std::abs(multipliers[i]) * std::max(inside, 0.0)
                                                   : std::abs(multipliers[i]);
       largest = std::max(largest, product);

@@ -71,8 +71,8 @@ double distance_to_set(const ConstraintTerm& term, const double* values, const d
                        const double* upper);
 
 /// Whether multipliers and values are complementary: largest |ν_i (g_i − bound)|, with the bound
-/// that the sign of ν_i names (upper if positive), where g lies inside; |νᵀg| of a cone. A sign
-/// that names an infinite bound counts |ν_i|, and the part of ν outside of the polar cone its norm.
+/// that ν_i's sign names (upper if positive), where g lies inside and bounds differ; |νᵀg| of a
+/// cone. Signs of infinite bounds count |ν_i|, the part of ν outside of the polar cone its norm.
 double complementarity(const ConstraintTerm& term, const double* values, const double* lower,
                        const double* upper, const double* multipliers);
 

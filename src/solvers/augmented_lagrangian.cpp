@@ -11,14 +11,17 @@ constexpr int kPatience = 5;
 constexpr double kNoProgress = 0.9;
 /// Smaller violations, and those below a few tolerances, are rounding and no contradiction.
 constexpr double kContradiction = 1e-5;
+/// What the next change of the multipliers has to be, as a share of the last one.
+constexpr double kTighter = 0.1;
 
 }  // namespace
 
 AugmentedLagrangian::AugmentedLagrangian(const ShootingProblem& problem,
-                                         const SolverOptions& options)
+                                         const SolverOptions& options, MultiplierSchedule schedule)
     : problem_(problem),
       options_(options.augmented_lagrangian),
       tolerance_(options.tolerances.constraint),
+      schedule_(schedule),
       augmentation_(problem),
       multipliers_(Eigen::VectorXd::Zero(problem.constraint_rows())),
       next_(multipliers_) {
@@ -38,7 +41,7 @@ void AugmentedLagrangian::start(const Eigen::VectorXd& multipliers) {
   hopeless_.clear();
   for (Group& group : groups_) {
     group.penalty = options_.initial_penalty;
-    group.before = std::numeric_limits<double>::infinity();
+    group.before = group.allowed = std::numeric_limits<double>::infinity();
     group.stalled = 0;
     write(group);
   }
@@ -64,7 +67,7 @@ void AugmentedLagrangian::write(const Group& group) {
 ConstraintNorms AugmentedLagrangian::measure(const Eigen::VectorXd& values) {
   ConstraintNorms norms;
   for (Group& group : groups_) {
-    group.violation = 0;
+    group.violation = group.change = 0;
     for (const int i : group.constraints) {
       const NodeConstraint& c = problem_.constraints()[i];
       const double* g = values.data() + c.row;
@@ -79,6 +82,9 @@ ConstraintNorms AugmentedLagrangian::measure(const Eigen::VectorXd& values) {
       else
         outside_cone(next.data(), c.term->rows, next.data());
       next *= group.penalty;
+      const double change =
+          (next - multipliers_.segment(c.row, c.term->rows)).lpNorm<Eigen::Infinity>();
+      group.change = std::max(group.change, change / group.penalty);
       norms.complementarity = std::max(norms.complementarity,
                                        complementarity(*c.term, g, c.lower, c.upper, next.data()));
     }
@@ -87,13 +93,12 @@ ConstraintNorms AugmentedLagrangian::measure(const Eigen::VectorXd& values) {
 }
 
 void AugmentedLagrangian::update() {
-  multipliers_ = next_;
   for (Group& group : groups_) {
-    // A constraint that held before has not had multipliers yet.
-    const bool enough = group.violation <= 0.1 * tolerance_ || group.before <= tolerance_ ||
-                        group.violation <= options_.sufficient_decrease * group.before;
     const bool at_limit = group.penalty >= options_.max_penalty;
-    if (!enough)
+    const bool grows = schedule_ == MultiplierSchedule::always ? grows_after_update(group)
+                                                               : grows_instead_of_update(group);
+    if (!grows || at_limit || schedule_ == MultiplierSchedule::always) take_multipliers(group);
+    if (grows)
       group.penalty = std::min(group.penalty * options_.penalty_factor, options_.max_penalty);
     const bool progress = group.violation <= kNoProgress * group.before;
     const bool violated = group.violation > std::max(10 * tolerance_, kContradiction);
@@ -102,6 +107,25 @@ void AugmentedLagrangian::update() {
     group.before = group.violation;
     write(group);
   }
+}
+
+void AugmentedLagrangian::take_multipliers(const Group& group) {
+  for (const int i : group.constraints) {
+    const NodeConstraint& c = problem_.constraints()[i];
+    multipliers_.segment(c.row, c.term->rows) = next_.segment(c.row, c.term->rows);
+  }
+}
+
+/// A constraint that held before has not had multipliers yet.
+bool AugmentedLagrangian::grows_after_update(const Group& group) const {
+  return group.violation > 0.1 * tolerance_ && group.before > tolerance_ &&
+         group.violation > options_.sufficient_decrease * group.before;
+}
+
+bool AugmentedLagrangian::grows_instead_of_update(Group& group) {
+  if (group.change > std::max(group.allowed, 0.1 * tolerance_)) return true;
+  if (group.change > tolerance_) group.allowed = kTighter * group.change;
+  return false;
 }
 
 double AugmentedLagrangian::largest_penalty() const {

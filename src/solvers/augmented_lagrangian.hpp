@@ -15,6 +15,17 @@ struct ConstraintNorms {
   double complementarity = 0;  ///< largest complementarity()
 };
 
+/// When multipliers change and when penalties grow, at the end of a minimisation.
+enum class MultiplierSchedule {
+  /// Multipliers always; the penalty where the violation has not fallen enough (ALTRO).
+  always,
+  /// A bound-constrained Lagrangian (Conn, Gould, Toint 1991; Jallet et al. 2025): multipliers
+  /// where
+  /// the change that they ask for is within a tolerance, which then gets tighter; elsewhere the
+  /// penalty grows and they stay.
+  bound_constrained_lagrangian,
+};
+
 /// Multipliers and penalties of all constraints, and how they change between the minimisations of
 /// the augmented Lagrangian (Howell, Jackson, Manchester 2019; cones as in Jackson et al. 2021).
 ///
@@ -24,7 +35,8 @@ struct ConstraintNorms {
 /// line searches see no jump. Each constraint, by name, has its penalty.
 class AugmentedLagrangian {
  public:
-  AugmentedLagrangian(const ShootingProblem& problem, const SolverOptions& options);
+  AugmentedLagrangian(const ShootingProblem& problem, const SolverOptions& options,
+                      MultiplierSchedule schedule);
 
   /// Multipliers (a number per constraint row of the problem) and first penalties.
   void start(const Eigen::VectorXd& multipliers);
@@ -35,8 +47,7 @@ class AugmentedLagrangian {
   /// ν⁺ of the last measure.
   const Eigen::VectorXd& multipliers() const { return next_; }
 
-  /// Ends one minimisation: ν ← ν⁺, and the penalty of a constraint grows where its violation has
-  /// not fallen enough since the last time.
+  /// Ends one minimisation: ν ← ν⁺ and penalties grow as the schedule has it.
   void update();
   /// Takes multipliers that were found otherwise, with the first penalties.
   void adopt(const Eigen::VectorXd& multipliers);
@@ -53,13 +64,19 @@ class AugmentedLagrangian {
     double penalty = 0;
     double violation = 0;  ///< at the last measure
     double before = 0;     ///< the same at the last update
+    double change = 0;     ///< at the last measure: largest |ν⁺ − ν|/ρ
+    double allowed = 0;    ///< what that may be for ν to change
     int stalled = 0;       ///< updates at the limit without progress
   };
+  void take_multipliers(const Group& group);
+  bool grows_after_update(const Group& group) const;
+  bool grows_instead_of_update(Group& group);
   void write(const Group& group);
 
   const ShootingProblem& problem_;
   SolverOptions::AugmentedLagrangian options_;
   double tolerance_;
+  MultiplierSchedule schedule_;
   std::vector<Group> groups_;
   Augmentation augmentation_;
   Eigen::VectorXd multipliers_, next_;

@@ -53,7 +53,7 @@ DdpSolver::DdpSolver(const ShootingProblem& problem, const DdpRecipe& recipe,
       before_(problem.create_trajectory()),
       result_(problem) {
   if (!recipe.constraints || problem.constraints().empty()) return;
-  constraints_.emplace(problem, options);
+  constraints_.emplace(problem, options, recipe.multipliers);
   augmentation_ = &constraints_->augmentation();
   if (recipe.newton) newton_.emplace(problem, acts_);
 }

@@ -23,7 +23,8 @@ struct DdpRecipe {
   bool clamp_controls = false;  ///< the rollout projects every control on its bounds
   bool box_stage = false;       ///< stage problems respect the bounds
   bool constraints = false;     ///< constraints enter as an augmented Lagrangian
-  bool newton = false;          ///< which a projected Newton method ends
+  MultiplierSchedule multipliers = MultiplierSchedule::always;
+  bool newton = false;  ///< which a projected Newton method ends
   /// Exact second derivatives wait until the gaps are closed.
   HessianUse hessian = HessianUse::gauss_newton;
 };

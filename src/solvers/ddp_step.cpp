@@ -226,8 +226,9 @@ int DdpSolver::sweep_backward(double regularization) {
   for (bool exact : {true, false}) {
     if (exact && !hessian_.exact_known()) continue;
     hessian_.use(exact);
-    const int bad_knot = direction_.find(linearization_, trajectory_, gaps_, adjoint_, merit_,
-                                         {options_.regularization.kind, regularization});
+    const int bad_knot =
+        direction_.find(linearization_, trajectory_, gaps_, adjoint_, merit_,
+                        {options_.regularization.kind, regularization}, augmentation_);
     if (bad_knot < 0 || !exact) return bad_knot;
   }
   return -1;

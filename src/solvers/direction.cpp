@@ -1,8 +1,16 @@
 #include "solvers/direction.hpp"
 
+#include <algorithm>
+#include <limits>
 #include <utility>
 
 namespace conddp {
+namespace {
+
+/// Revisions of constraint rows that may go by without fewer changes than ever before.
+constexpr int kPatience = 4;
+
+}  // namespace
 
 Direction::Direction(const ShootingProblem& problem, const ControlBounds& bounds,
                      const Recipe& recipe, const SolverOptions::BoxQp& options)
@@ -16,6 +24,7 @@ Direction::Direction(const ShootingProblem& problem, const ControlBounds& bounds
       feedback_(problem),
       secants_(bounds) {
   if (horizon_sweeps_ == 0) return;
+  if (!problem.constraints().empty()) constraints_.emplace(problem);
   remembered_.emplace(
       Remembered{Feedback(problem),
                  std::vector<ValueFunction>(problem.knots() + 1, ValueFunction(problem.ndx())),
@@ -23,23 +32,38 @@ Direction::Direction(const ShootingProblem& problem, const ControlBounds& bounds
   for (int k = 0; k < problem.knots(); ++k) remembered_->Quu.push_back(sweep_.Quu(k));
 }
 
+int Direction::find(Linearization& linearization, const Trajectory& trajectory, const Gaps& gaps,
+                    const Adjoint& adjoint, const MeritModel& merit,
+                    SweepRegularization regularization, const Augmentation* augmentation) {
+  const bool augmented = constraints_ && augmentation != nullptr;
+  if (augmented) constraints_->start(linearization, *augmentation);
+  const int bad_knot =
+      search(linearization, trajectory, gaps, adjoint, merit, regularization, augmented);
+  if (augmented && constraints_->restore(linearization)) {
+    linear_rollout_.run(linearization, trajectory, gaps, feedback_,
+                        recipe_.clamp_controls && !within_bounds_);
+  }
+  return bad_knot;
+}
+
 /// Sweeps until the linear rollout confirms the active set that the sweep assumed, from the set
 /// that the iteration before ended with. Where sets alternate instead of settling, the set of the
 /// iterate itself may grow until the step is feasible; the model says whether that step is better
 /// than that of stages which each find their own set.
-int Direction::find(const Linearization& linearization, const Trajectory& trajectory,
-                    const Gaps& gaps, const Adjoint& adjoint, const MeritModel& merit,
-                    SweepRegularization regularization) {
+int Direction::search(Linearization& linearization, const Trajectory& trajectory, const Gaps& gaps,
+                      const Adjoint& adjoint, const MeritModel& merit,
+                      SweepRegularization regularization, bool augmented) {
   const auto sweep = [&](bool hold) {
     return sweep_.run(linearization, trajectory, gaps, regularization, *policy_, feedback_, hold);
   };
   const auto roll = [&](bool clamp) {
     linear_rollout_.run(linearization, trajectory, gaps, feedback_, clamp);
   };
-  // Whether the set that the last sweep assumed holds all along the horizon.
-  const auto confirmed = [&](bool release) {
+  // How much of what the last sweep assumed does not hold all along the horizon.
+  const auto revise = [&](bool release) {
     roll(false);
-    return linear_rollout_.revise(release, *policy_) == 0;
+    const int rows = augmented ? constraints_->revise(linear_rollout_, linearization) : 0;
+    return linear_rollout_.revise(release, *policy_) + rows;
   };
   const auto model_decrease = [&] {
     roll(recipe_.clamp_controls);
@@ -56,16 +80,23 @@ int Direction::find(const Linearization& linearization, const Trajectory& trajec
     }
   }
   active_set_known_ = true;
+  int fewest = std::numeric_limits<int>::max(), since = 0;
   for (int i = 0; i < limit; ++i) {
-    within_bounds_ = confirmed(true);
+    const int changes = revise(true);
+    within_bounds_ = changes == 0;
     if (within_bounds_) return -1;
+    since = changes < fewest ? 0 : since + 1;
+    fewest = std::min(fewest, changes);
+    if (augmented && since > kPatience) break;
     if (sweep(true) >= 0) break;
   }
+  if (augmented) constraints_->restore(linearization);
+  augmented = false;
   for (int k = 0; k < problem_.knots(); ++k) {
     policy_->assume(k, adjoint.gradient().segment(bounds_.offset(k), problem_.nu(k)));
   }
   bool feasible = false;
-  for (int i = 0; i < limit && !feasible && sweep(true) < 0; ++i) feasible = confirmed(false);
+  for (int i = 0; i < limit && !feasible && sweep(true) < 0; ++i) feasible = revise(false) == 0;
   const double held = feasible ? model_decrease() : 0;
   remember();
   const int bad_knot = sweep(false);

@@ -6,6 +6,7 @@
 
 #include "solvers/adjoint.hpp"
 #include "solvers/backward_sweep.hpp"
+#include "solvers/horizon_constraints.hpp"
 #include "solvers/line_search.hpp"
 #include "solvers/linear_rollout.hpp"
 #include "solvers/secant_memory.hpp"
@@ -26,9 +27,11 @@ class Direction {
   /// Forgets the active set and the gains of the solve before.
   void reset();
   /// Fills feedback() around an iterate and rolls it out through the linear model. Returns the knot
-  /// whose stage has no minimum, or −1.
-  int find(const Linearization& linearization, const Trajectory& trajectory, const Gaps& gaps,
-           const Adjoint& adjoint, const MeritModel& merit, SweepRegularization regularization);
+  /// whose stage has no minimum, or −1. With an augmentation the linearisation is that of the
+  /// augmented Lagrangian; it is changed on the way and comes back as it was.
+  int find(Linearization& linearization, const Trajectory& trajectory, const Gaps& gaps,
+           const Adjoint& adjoint, const MeritModel& merit, SweepRegularization regularization,
+           const Augmentation* augmentation = nullptr);
 
   /// After a sweep without regularisation: corrects k by what former steps tell about the Hessian.
   void correct(const Linearization& linearization, const Trajectory& trajectory, const Gaps& gaps);
@@ -61,6 +64,9 @@ class Direction {
     std::vector<ValueFunction> values;
     std::vector<Eigen::MatrixXd> Quu;
   };
+  int search(Linearization& linearization, const Trajectory& trajectory, const Gaps& gaps,
+             const Adjoint& adjoint, const MeritModel& merit, SweepRegularization regularization,
+             bool augmented);
   void remember();
   void recall();
 
@@ -71,6 +77,7 @@ class Direction {
   BackwardSweep sweep_;
   std::unique_ptr<StagePolicy> policy_;
   LinearRollout linear_rollout_;
+  std::optional<HorizonConstraints> constraints_;
   Feedback feedback_;
   SecantMemory secants_;
   bool corrected_ = false;

@@ -22,8 +22,9 @@ class LinearRollout {
   void run(const Linearization& linearization, const Trajectory& trajectory, const Gaps& gaps,
            const Feedback& feedback, bool clamp);
 
-  /// The step at node k (ndx), and at a knot (nu).
+  /// The step at node k (ndx), with the control where there is one (nz), and that alone (nu).
   auto dx(int k) const { return z_[k].head(ndx_); }
+  const Eigen::VectorXd& z(int k) const { return z_[k]; }
   auto du(int k) const { return z_[k].tail(z_[k].size() - ndx_); }
   /// Moves a trajectory by the full step.
   void apply(const StateManifold& manifold, Trajectory& trajectory) const;

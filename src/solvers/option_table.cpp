@@ -147,8 +147,8 @@ constexpr std::array kTable = {
                .max_excluded = true,
                .access = CONDDP_ACCESS(augmented_lagrangian.max_penalty)},
     OptionInfo{.name = "augmented_lagrangian.sufficient_decrease",
-               .doc = "A penalty grows where the violation exceeds this share of what it was at "
-                      "the last update.",
+               .doc = "Of altro: a penalty grows where the violation exceeds this share of what it "
+                      "was at the last update.",
                .min = 0,
                .max = 1,
                .min_excluded = true,

@@ -55,5 +55,6 @@ SolverInfo box_ddp();
 SolverInfo fddp();
 SolverInfo box_fddp();
 SolverInfo altro();
+SolverInfo proxddp();
 
 }  // namespace conddp

@@ -67,6 +67,19 @@ class HyqTrot : public testing::Test {
     EXPECT_NEAR(plain.cost, cost, 1e-9 * cost);
   }
 
+  /// The solver holds all constraints after so many iterations.
+  SolveResult expect_constrained(const char* solver, int iterations) {
+    SolverOptions options;
+    options.max_iterations = 200;
+    SolveResult result = solve(*built_->problem, solver, options, built_->guess);
+    EXPECT_EQ(result.status, SolveStatus::converged) << solver << ": " << result.message;
+    EXPECT_LE(result.iterations, iterations) << solver;
+    EXPECT_LE(result.residuals.constraint, 1e-6) << solver;
+    EXPECT_LE(result.residuals.stationarity, 1e-6) << solver;
+    EXPECT_LE(result.residuals.complementarity, 1e-6) << solver;
+    return result;
+  }
+
   /// What a knot of the figures has, against ours.
   void expect_same_knot(const Json& knot) const {
     const int k = knot["t"];
@@ -174,6 +187,34 @@ TEST_F(HyqTrot, ConvergesQuicklyWithWeakMotors) {
 TEST_F(HyqTrot, ConvergesQuicklyOnASlipperyFloor) {
   read({"contacts.defaults.friction=0.15"});
   expect_quick(25, 3.5411302063);
+}
+
+constexpr const char* kSixty = "constraints.torque={bounds: control, lower: -60, upper: 60}";
+constexpr const char* kSlippery = "contacts.defaults.friction=0.15";
+constexpr const char* kPyramid =
+    "constraints.grip={residual: friction_cone, contacts: all, faces: 4, inner: false}";
+constexpr const char* kCone =
+    "constraints.grip={residual: friction_cone, contacts: all, cone: second_order}";
+
+// Aligator's ProxDDP converges on this from the quasi-static guess with none of its first mu.
+TEST_F(HyqTrot, HardConesAndWeakMotorsOnASlipperyFloor) {
+  for (const char* cone : {kPyramid, kCone}) {
+    read({kSixty, kSlippery, cone});
+    const SolveResult altro = expect_constrained("altro", 45);
+    const SolveResult proxddp = expect_constrained("proxddp", 45);
+    EXPECT_NEAR(altro.cost, proxddp.cost, 1e-6 * altro.cost) << cone;
+    // The outer pyramid holds more than the cone.
+    EXPECT_NEAR(altro.cost, cone == kPyramid ? 6.67678 : 6.91456, 1e-4) << cone;
+  }
+}
+
+TEST_F(HyqTrot, HardConesWithTheRobotsOwnMotors) {
+  for (const char* cone : {kPyramid, kCone}) {
+    read({cone});
+    EXPECT_NEAR(expect_constrained("proxddp", 15).cost, reference_["optimum"]["cost"], 1e-7);
+    read({kSlippery, cone});
+    EXPECT_GT(expect_constrained("proxddp", 15).cost, reference_["optimum"]["cost"]);
+  }
 }
 
 }  // namespace

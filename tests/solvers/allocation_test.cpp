@@ -135,10 +135,12 @@ TEST(Allocation, NoneInAnIterationAfterTheFirst) {
 
 TEST(Allocation, NoneWithConstraintsNorInNewtonSteps) {
   for (const auto& [name, problem, control, cost] : testing::published_cases()) {
-    const Count count = count_allocations(problem, *find_solver("altro"),
-                                          testing::constant_controls(problem, control), {});
-    EXPECT_GE(count.iterations, 5) << name;
-    EXPECT_EQ(count.allocations, 0) << name;
+    for (const char* solver : {"altro", "proxddp"}) {
+      const Count count = count_allocations(problem, *find_solver(solver),
+                                            testing::constant_controls(problem, control), {});
+      EXPECT_GE(count.iterations, 5) << name << ' ' << solver;
+      EXPECT_EQ(count.allocations, 0) << name << ' ' << solver;
+    }
   }
 }
 

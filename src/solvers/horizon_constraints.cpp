@@ -1,0 +1,169 @@
+#include "solvers/horizon_constraints.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace conddp {
+namespace {
+
+/// What the model of P may be off, as a share of the largest P of the horizon, and of the cone's
+/// own P, whose slope changes all along.
+constexpr double kExact = 1e-9;
+constexpr double kConeShare = 0.02;
+
+double bound_slope(double s, double lower, double upper) {
+  return s <= lower || s >= upper ? 1 : 0;
+}
+
+}  // namespace
+
+HorizonConstraints::HorizonConstraints(const ShootingProblem& problem)
+    : problem_(problem), nodes_(problem.knots() + 1), cone_slope_(problem.constraints().size()) {
+  for (Eigen::VectorXd* rows : {&base_, &around_, &shifted_, &outside_, &slope_})
+    *rows = Eigen::VectorXd::Zero(problem.constraint_rows());
+  int rows = 0, columns = 0;
+  for (std::size_t i = 0; i < problem.constraints().size(); ++i) {
+    const NodeConstraint& c = problem.constraints()[i];
+    Node& node = nodes_[c.node];
+    const KnotModel& model = *problem.knot(c.node).model;
+    node.constraints.push_back(static_cast<int>(i));
+    node.gradient.resize(model.nz());
+    node.hessian.resize(model.nz(), model.nz());
+    rows = std::max(rows, c.term->rows);
+    columns = std::max(columns, model.nz());
+    if (!c.term->has_bounds()) cone_slope_[i].setZero(c.term->rows, c.term->rows);
+  }
+  new_slope_.resize(rows, rows);
+  new_outside_.resize(rows);
+  weight_.resize(rows);
+  product_.resize(rows, columns);
+}
+
+void HorizonConstraints::start(const Linearization& linearization,
+                               const Augmentation& augmentation) {
+  augmentation_ = &augmentation;
+  base_ = linearization.constraint + augmentation.shift;
+  around_ = base_;
+  for (Node& node : nodes_) node.changed = false;
+  for (std::size_t i = 0; i < cone_slope_.size(); ++i) {
+    const NodeConstraint& c = problem_.constraints()[i];
+    const double* s = base_.data() + c.row;
+    if (!c.term->has_bounds()) {
+      outside_cone(s, c.term->rows, outside_.data() + c.row);
+      outside_cone_derivative(s, c.term->rows, cone_slope_[i].data());
+      continue;
+    }
+    for (int r = 0; r < c.term->rows; ++r) {
+      outside_[c.row + r] = outside_bounds(s[r], c.lower[r], c.upper[r]);
+      slope_[c.row + r] = bound_slope(s[r], c.lower[r], c.upper[r]);
+    }
+  }
+}
+
+int HorizonConstraints::revise(const LinearRollout& step, Linearization& linearization) {
+  largest_ = 0;
+  for (int k = 0; k <= problem_.knots(); ++k) {
+    for (const int i : nodes_[k].constraints) {
+      const NodeConstraint& c = problem_.constraints()[i];
+      auto s = shifted_.segment(c.row, c.term->rows);
+      s = base_.segment(c.row, c.term->rows);
+      s.noalias() +=
+          linearization.knots[k].C.middleRows(c.row - problem_.constraint_offset(k), c.term->rows) *
+          step.z(k);
+      largest_ = std::max(largest_, outside_.segment(c.row, c.term->rows).cwiseAbs().maxCoeff());
+    }
+  }
+  int changes = 0;
+  for (int k = 0; k <= problem_.knots(); ++k) {
+    Node& node = nodes_[k];
+    for (const int i : node.constraints) {
+      const NodeConstraint& c = problem_.constraints()[i];
+      changes += c.term->has_bounds() ? revise_bounds(c, linearization.knots[k], node)
+                                      : revise_cone(c, i, linearization.knots[k], node);
+    }
+  }
+  return changes;
+}
+
+bool HorizonConstraints::revise_bounds(const NodeConstraint& c, KnotLinearization& knot,
+                                       Node& node) {
+  const int offset = problem_.constraint_offset(c.node);
+  bool changed = false;
+  for (int r = 0; r < c.term->rows; ++r) {
+    const int row = c.row + r;
+    const double s = shifted_[row];
+    const double outside = outside_bounds(s, c.lower[r], c.upper[r]);
+    const double model = outside_[row] + slope_[row] * (s - around_[row]);
+    if (std::abs(outside - model) <= kExact * largest_) continue;
+    keep(knot, node);
+    changed = true;
+    const double slope = bound_slope(s, c.lower[r], c.upper[r]);
+    const double before = outside_[row] - slope_[row] * (around_[row] - base_[row]);
+    const double after = outside - slope * (s - base_[row]);
+    const double rho = augmentation_->penalty[row];
+    const auto C = knot.C.row(row - offset);
+    knot.gradient += rho * (after - before) * C.transpose();
+    if (slope != slope_[row])
+      knot.hessian.noalias() += rho * (slope - slope_[row]) * C.transpose() * C;
+    outside_[row] = outside;
+    slope_[row] = slope;
+    around_[row] = s;
+  }
+  return changed;
+}
+
+bool HorizonConstraints::revise_cone(const NodeConstraint& c, int index, KnotLinearization& knot,
+                                     Node& node) {
+  const int n = c.term->rows;
+  const auto s = shifted_.segment(c.row, n);
+  auto around = around_.segment(c.row, n);
+  auto outside = outside_.segment(c.row, n);
+  Eigen::MatrixXd& slope = cone_slope_[index];
+  auto new_outside = new_outside_.head(n);
+  outside_cone(s.data(), n, new_outside.data());
+  auto error = weight_.head(n);
+  error = new_outside - outside;
+  error.noalias() -= slope * (s - around);
+  const double allowed = std::max(kExact * largest_, kConeShare * new_outside.norm());
+  if (error.norm() <= allowed) return false;
+  keep(knot, node);
+  Eigen::Map<Eigen::MatrixXd> new_slope(new_slope_.data(), n, n);
+  outside_cone_derivative(s.data(), n, new_slope.data());
+  const auto base = base_.segment(c.row, n);
+  const double rho = augmentation_->penalty[c.row];
+  auto weight = weight_.head(n);
+  weight = new_outside - outside;
+  weight.noalias() -= new_slope * (s - base);
+  weight.noalias() += slope * (around - base);
+  const auto C = knot.C.middleRows(c.row - problem_.constraint_offset(c.node), n);
+  knot.gradient.noalias() += rho * (C.transpose() * weight);
+  slope = new_slope - slope;
+  auto product = product_.topLeftCorner(n, C.cols());
+  product.noalias() = slope * C;
+  knot.hessian.noalias() += rho * (C.transpose() * product);
+  slope = new_slope;
+  outside = new_outside;
+  around = s;
+  return true;
+}
+
+void HorizonConstraints::keep(const KnotLinearization& knot, Node& node) {
+  if (node.changed) return;
+  node.gradient = knot.gradient;
+  node.hessian = knot.hessian;
+  node.changed = true;
+}
+
+bool HorizonConstraints::restore(Linearization& linearization) {
+  bool changed = false;
+  for (std::size_t k = 0; k < nodes_.size(); ++k) {
+    if (!nodes_[k].changed) continue;
+    linearization.knots[k].gradient = nodes_[k].gradient;
+    linearization.knots[k].hessian = nodes_[k].hessian;
+    nodes_[k].changed = false;
+    changed = true;
+  }
+  return changed;
+}
+
+}  // namespace conddp

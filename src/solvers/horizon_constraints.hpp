@@ -1,0 +1,57 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "ocp/augmentation.hpp"
+#include "ocp/linearization.hpp"
+#include "solvers/linear_rollout.hpp"
+
+namespace conddp {
+
+/// An augmented Lagrangian in the linear model of the whole horizon.
+///
+/// Its terms ½ ρ dist²(g + shift, C) are quadratic as long as g + shift stays on one side of each
+/// bound, and a linearisation knows the sides of the iterate alone: a full step that crosses others
+/// meets penalties that the sweep has not seen, and line searches cut it off there. With g replaced
+/// by g + ∂g z, the derivative of dist² is P(s) = s − Π_C(s) at s = g + ∂g z + shift. Around a step
+/// z* it is taken as P(s*) + P'(s*)(s − s*), which enters the node's gradient and Hessian in place
+/// of what the iterate had there. Sweeps and revisions alternate: Newton's method on the convex,
+/// piecewise quadratic model, semismooth for its kinks.
+class HorizonConstraints {
+ public:
+  explicit HorizonConstraints(const ShootingProblem& problem);
+
+  /// Takes an iterate's linearisation, which was made with this augmentation.
+  void start(const Linearization& linearization, const Augmentation& augmentation);
+  /// Models the rows around the step instead where the present model is off there. Returns how many
+  /// constraints changed.
+  int revise(const LinearRollout& step, Linearization& linearization);
+  /// Gives the linearisation back its own gradients and Hessians. Returns whether they had changed.
+  bool restore(Linearization& linearization);
+
+ private:
+  struct Node {
+    std::vector<int> constraints;  ///< into ShootingProblem::constraints()
+    bool changed = false;
+    Eigen::VectorXd gradient;  ///< the node's own, once changed
+    Eigen::MatrixXd hessian;
+  };
+  bool revise_bounds(const NodeConstraint& c, KnotLinearization& knot, Node& node);
+  bool revise_cone(const NodeConstraint& c, int index, KnotLinearization& knot, Node& node);
+  void keep(const KnotLinearization& knot, Node& node);
+
+  const ShootingProblem& problem_;
+  const Augmentation* augmentation_ = nullptr;
+  std::vector<Node> nodes_;
+  // A number per constraint row: s of the iterate, of the step that the model was made around, of
+  // the step that is looked at; P at the second, and its slope where rows have bounds.
+  Eigen::VectorXd base_, around_, shifted_, outside_, slope_;
+  std::vector<Eigen::MatrixXd> cone_slope_;  ///< per constraint, empty unless a cone
+  Eigen::MatrixXd new_slope_, product_;      ///< scratch
+  Eigen::VectorXd new_outside_, weight_;
+  double largest_ = 0;  ///< |P|
+};
+
+}  // namespace conddp

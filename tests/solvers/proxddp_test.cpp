@@ -1,0 +1,189 @@
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "solvers/constrained.hpp"
+#include "solvers/dense_convex.hpp"
+#include "solvers/registry.hpp"
+
+namespace conddp {
+namespace {
+
+using testing::Added;
+using testing::controls_of;
+using testing::cuts;
+using testing::dense_optimum;
+using testing::LinearQuadratic;
+using testing::make_dense;
+using testing::with_constraints;
+
+SolverOptions strict() {
+  SolverOptions options;
+  options.tolerances.stationarity = 1e-9;
+  options.tolerances.constraint = 1e-9;
+  options.max_iterations = 500;
+  options.max_time_s = 20;
+  return options;
+}
+
+SolveResult run(const ShootingProblem& problem, std::string_view solver = "proxddp") {
+  return solve(problem, solver, strict(), problem.create_trajectory());
+}
+
+double distance(const SolveResult& a, const SolveResult& b) {
+  return (controls_of(a.trajectory) - controls_of(b.trajectory)).cwiseAbs().maxCoeff();
+}
+
+ShootingProblem sliding_mass() {
+  return testing::tracking_problem(double_integrator(1), Integrator::rk4, 20, 0.1, {0, 0},
+                                   {{1, 0}, {1, 1}, {0.1}, {1, 1}}, -3, 3);
+}
+
+TEST(Proxddp, ReachesOptimaOfThePublishedCases) {
+  for (const auto& [name, problem, control, cost] : testing::published_cases()) {
+    SolverOptions options;
+    options.tolerances.constraint = 1e-8;
+    const SolveResult result =
+        solve(problem, "proxddp", options, testing::constant_controls(problem, control));
+    EXPECT_EQ(result.status, SolveStatus::converged) << name << ": " << result.message;
+    // Between discs there are several ways, 2e-4 from each other.
+    EXPECT_NEAR(result.cost, cost, (name == "three obstacles" ? 3e-4 : 1e-4) * cost) << name;
+    EXPECT_LE(result.residuals.constraint, 1e-8) << name;
+    EXPECT_LE(result.residuals.stationarity, 1e-6) << name;
+    EXPECT_LE(result.residuals.complementarity, 1e-6) << name;
+    EXPECT_LE(result.iterations, 100) << name;
+  }
+}
+
+TEST(Proxddp, SolvesConvexProblemsAsAnIndependentMethodAndAltroDo) {
+  for (const unsigned seed : {1u, 2u, 3u, 4u, 5u, 6u}) {
+    const LinearQuadratic lq(seed, 4, {3, 2}, 8, -3, 3);
+    const ShootingProblem problem = with_constraints(*lq.problem, cuts(lq));
+    const Eigen::VectorXd expected = dense_optimum(problem, make_dense(lq, problem, -3, 3));
+    const SolveResult result = run(problem);
+    EXPECT_EQ(result.status, SolveStatus::converged) << seed << ": " << result.message;
+    EXPECT_LT((controls_of(result.trajectory) - expected).cwiseAbs().maxCoeff(), 1e-7) << seed;
+    EXPECT_LT(distance(result, run(problem, "altro")), 1e-7) << seed;
+    EXPECT_GT(result.constraint_multipliers.cwiseAbs().maxCoeff(), 1e-3) << seed;
+  }
+}
+
+TEST(Proxddp, AgreesWithAltroOnLongerConvexProblems) {
+  for (const unsigned seed : {11u, 12u}) {
+    const LinearQuadratic lq(seed, 10, {6, 5}, 15, -5, 5);
+    const SolveResult free = run(*lq.problem, "box_fddp");
+    ASSERT_EQ(free.status, SolveStatus::converged) << free.message;
+    const ShootingProblem problem =
+        with_constraints(*lq.problem, cuts(*lq.problem, free.trajectory));
+    const SolveResult result = run(problem);
+    EXPECT_EQ(result.status, SolveStatus::converged) << seed << ": " << result.message;
+    EXPECT_GT(distance(result, free), 1e-2) << seed;
+    EXPECT_LT(distance(result, run(problem, "altro")), 1e-7) << seed;
+  }
+}
+
+// The linear model of a linear-quadratic problem is the problem. Where the sweeps find the active
+// rows of the whole horizon, one full step minimises the augmented Lagrangian, whatever rows and
+// bounds on the control it crosses.
+TEST(Proxddp, OneStepMinimisesTheAugmentedLagrangianOfALinearQuadraticProblem) {
+  for (const unsigned seed : {1u, 2u, 3u, 4u, 5u, 6u}) {
+    const LinearQuadratic lq(seed, 4, {3, 2}, 8, -3, 3);
+    std::vector<Added> bounds = cuts(lq);
+    bounds.pop_back();
+    const ShootingProblem problem = with_constraints(*lq.problem, bounds);
+    const SolveResult result = run(problem);
+    ASSERT_EQ(result.status, SolveStatus::converged) << result.message;
+    int outer = 0;
+    for (const IterationRecord& row : result.log) {
+      if (row.iteration > 0) {
+        EXPECT_EQ(row.step, 1) << seed << ' ' << row.iteration;
+      }
+      outer = row.outer;
+    }
+    EXPECT_LE(result.iterations, outer + 1) << seed;
+  }
+}
+
+TEST(Proxddp, MultipliersMakeTheLagrangianStationary) {
+  const LinearQuadratic lq(2, 4, {3, 2}, 8, -3, 3);
+  const ShootingProblem problem = with_constraints(*lq.problem, cuts(lq));
+  const SolveResult result = run(problem);
+  const testing::Dense dense = make_dense(lq, problem, -3, 3);
+  const Eigen::VectorXd gradient = dense.H * controls_of(result.trajectory) + dense.g +
+                                   dense.G.transpose() * result.constraint_multipliers;
+  int at = 0;
+  for (int k = 0; k < problem.knots(); ++k)
+    for (int i = 0; i < problem.nu(k); ++i, ++at)
+      EXPECT_NEAR(gradient[at],
+                  std::abs(result.trajectory.u(k)[i]) == 3 ? result.control_gradient[k][i] : 0.0,
+                  1e-8);
+}
+
+TEST(Proxddp, RedundantConstraintsDoNoHarm) {
+  const LinearQuadratic lq(3, 4, {3, 2}, 8, -3, 3);
+  std::vector<Added> list = cuts(lq);
+  list.push_back(list[1]);
+  list.back().name = "end again";
+  list.push_back(list[2]);
+  list.back().name = "cone again";
+  const ShootingProblem twice = with_constraints(*lq.problem, list);
+  const ShootingProblem once = with_constraints(*lq.problem, cuts(lq));
+  const SolveResult result = run(twice);
+  EXPECT_EQ(result.status, SolveStatus::converged) << result.message;
+  EXPECT_LT(distance(result, run(once)), 1e-7);
+}
+
+TEST(Proxddp, PenaltiesGrowOnlyWhereMultipliersStay) {
+  const auto cases = testing::published_cases();
+  const SolveResult result =
+      solve(cases[2].problem, "proxddp", {}, testing::constant_controls(cases[2].problem, 0.01));
+  const SolverOptions::AugmentedLagrangian defaults;
+  const double largest = result.log.back().constraint_penalty;
+  const double growths = std::log10(largest / defaults.initial_penalty);
+  EXPECT_NEAR(growths, std::round(growths), 1e-9);
+  EXPECT_LT(growths, result.log.back().outer);
+}
+
+TEST(Proxddp, ContradictionsEndAsInfeasibleAndNameTheConstraint) {
+  const ShootingProblem mass = sliding_mass();
+  // With 3 N for 2 s the mass gets no further than 3 m at rest.
+  const ShootingProblem too_far = with_constraints(mass, {testing::goal_constraint(mass, {5, 0})});
+  SolveResult result = run(too_far);
+  EXPECT_EQ(result.status, SolveStatus::infeasible) << result.message;
+  EXPECT_NE(result.message.find("'terminal/goal'"), std::string::npos) << result.message;
+  Added other = testing::goal_constraint(mass, {0.5, 0});
+  other.name = "other";
+  result = run(with_constraints(mass, {testing::goal_constraint(mass, {1, 0}), other}));
+  EXPECT_EQ(result.status, SolveStatus::infeasible) << result.message;
+}
+
+TEST(Proxddp, NumbersThatAreNoneEndAsDiverged) {
+  const ShootingProblem mass = sliding_mass();
+  const SolveResult result = run(with_constraints(
+      mass, {testing::goal_constraint(mass, {std::numeric_limits<double>::quiet_NaN(), 0})}));
+  EXPECT_EQ(result.status, SolveStatus::diverged) << result.message;
+}
+
+TEST(Proxddp, WithoutConstraintsItIsBoxFddp) {
+  const ShootingProblem problem = testing::cartpole_swing_up(3);
+  const Trajectory guess = testing::constant_controls(problem, 0.01);
+  const SolveResult a = solve(problem, "proxddp", {}, guess);
+  const SolveResult b = solve(problem, "box_fddp", {}, guess);
+  EXPECT_EQ(a.cost, b.cost);
+  EXPECT_EQ(a.iterations, b.iterations);
+}
+
+TEST(Proxddp, ResultsAreTheSameBitsWithTwoThreads) {
+  const auto cases = testing::published_cases();
+  const Trajectory guess = testing::constant_controls(cases[2].problem, cases[2].control);
+  SolverOptions options;
+  const SolveResult one = solve(cases[2].problem, "proxddp", options, guess);
+  options.threads = 2;
+  const SolveResult two = solve(cases[2].problem, "proxddp", options, guess);
+  EXPECT_EQ(one.iterations, two.iterations);
+  EXPECT_EQ(controls_of(one.trajectory), controls_of(two.trajectory));
+  EXPECT_EQ(one.constraint_multipliers, two.constraint_multipliers);
+}
+
+}  // namespace
+}  // namespace conddp
