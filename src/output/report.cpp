@@ -166,6 +166,13 @@ const OrderedJson& list_of(const OrderedJson& object, const char* key, std::size
   return list;
 }
 
+/// A member that must be a list of objects.
+void check_objects(const OrderedJson& object, const char* key) {
+  for (const OrderedJson& entry : solution_list(object, key))
+    if (!entry.is_object())
+      throw MalformedSolution{fmt::format("'{}' has an entry that is no object", key)};
+}
+
 void check_multipliers(const OrderedJson& multipliers, std::size_t nodes) {
   solution_list(multipliers, "costates");
   if (!multipliers.contains("constraints")) return;
@@ -212,7 +219,8 @@ void check_report_document(const OrderedJson& document) {
   }
   if (document.contains("gains")) solution_list(document["gains"], "K");
   if (document.contains("multipliers")) check_multipliers(document["multipliers"], nodes);
-  solution_list(document, "log");
+  check_objects(document, "log");
+  if (document.contains("certificate")) check_objects(document["certificate"], "checks");
 }
 
 OrderedJson report_data(const std::vector<ReportEntry>& entries) {

@@ -96,6 +96,16 @@ TEST_F(ReportCommand, ABadSolutionIsRefusedAndNothingIsWritten) {
   nlohmann::json bad = good;
   bad["trajectory"]["phases"][0]["knots"] = 1000000;
   refused(bad.dump());
+  bad = good;
+  bad["log"][0] = 7;
+  refused(bad.dump());
+  bad = good;
+  bad["certificate"] = {{"holds", true}, {"checks", {1, 2}}};
+  refused(bad.dump());
+  bad = good;
+  bad["multipliers"]["constraints"] = {
+      {{"name", "a"}, {"node", 1000000}, {"value", {0}}, {"multiplier", {0}}}};
+  refused(bad.dump());
 }
 
 TEST_F(ReportCommand, WhatBenchMeasuredOfTheSameProblemsIsInThePage) {

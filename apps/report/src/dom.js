@@ -37,7 +37,7 @@ export const color = name =>
 
 /// A number as a person reads it.
 export function figure(value, digits = 5) {
-  if (value === null || value === undefined || Number.isNaN(value)) return '–';
+  if (typeof value !== 'number' || Number.isNaN(value)) return '–';
   if (value === 0) return '0';
   const size = Math.abs(value);
   if (size >= 1e-3 && size < 1e6) return String(Number(value.toPrecision(digits)));
