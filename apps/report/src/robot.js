@@ -15,7 +15,7 @@ function polyline(numbers, color) {
   return line;
 }
 
-/// An arrow of unit length along +z.
+/// An arrow of unit length along +z, which shines through what is before it.
 function arrow(color) {
   const group = new THREE.Group();
   const surface = new THREE.MeshStandardMaterial({color, roughness: 0.5});
@@ -24,6 +24,8 @@ function arrow(color) {
       surface);
   const tip = new THREE.Mesh(
       new THREE.ConeGeometry(0.024, 0.06, 14).rotateX(Math.PI / 2).translate(0, 0, 0.03), surface);
+  const through = new THREE.MeshBasicMaterial({color, transparent: true, opacity: 0.4, depthTest: false});
+  for (const part of [shaft, tip]) part.add(new THREE.Mesh(part.geometry, through));
   group.add(shaft, tip);
   group.userData = {shaft, tip};
   return group;
