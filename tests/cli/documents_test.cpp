@@ -217,6 +217,10 @@ TEST(CommandLineReference, MentionsEverySubcommandAndFlag) {
   }
 }
 
+TEST(Gallery, ShowsEveryReadyProblem) {
+  EXPECT_EQ(std::system((source("scripts/gallery") + " --check").c_str()), 0);
+}
+
 TEST(CommandLineReference, HasTheExitCodes) {
   const std::string text = read_file(source("docs/command_line.md"));
   const std::string help = run_conddp({"--help"}).out;
