@@ -28,6 +28,7 @@ constexpr LogColumn kColumns[] = {
     {"constraint_knot", "", true, [](const Row& r) -> double { return r.constraint_knot; }},
     {"complementarity", "", false, [](const Row& r) { return r.complementarity; }},
     {"constraint_penalty", "", false, [](const Row& r) { return r.constraint_penalty; }},
+    {"barrier", "", false, [](const Row& r) { return r.barrier; }},
     {"time", "s", false, [](const Row& r) { return r.time_s; }},
 };
 

@@ -96,6 +96,9 @@ OrderedJson expand_options(const SolverOptions& options) {
       json[std::string(info.name.substr(0, dot))][std::string(info.name.substr(dot + 1))] =
           std::move(value);
   }
+  json["options"] = OrderedJson::object();
+  for (const auto& [name, value] : options.ipopt)
+    std::visit([&, key = name](const auto& v) { json["options"][key] = v; }, value);
   return json;
 }
 

@@ -1,9 +1,12 @@
+#include <cmath>
 #include <limits>
 #include <map>
 
 #include <fmt/format.h>
 
+#include "nlp/ipopt_options.hpp"
 #include "problem_file/read_sections.hpp"
+#include "robot/near_names.hpp"
 #include "solvers/option_table.hpp"
 
 namespace conddp {
@@ -25,6 +28,41 @@ void read_option(const YamlReader& reader, const OptionInfo& info, SolverOptions
   const auto number = reader.number();
   if (!number) return;
   if (const auto wrong = info.set(options, *number)) reader.error(*wrong);
+}
+
+std::optional<IpoptValue> read_ipopt_value(const std::string& name, const YamlReader& reader) {
+  if (!reader.is_number()) {
+    auto text = reader.text();
+    if (!text) return std::nullopt;
+    return IpoptValue(*std::move(text));
+  }
+  const auto number = reader.number();
+  if (!number) return std::nullopt;
+  const bool whole = *number == std::floor(*number) && std::abs(*number) < 2e9;
+  if (whole && is_integer_option(name)) return IpoptValue(static_cast<int>(*number));
+  return IpoptValue(*number);
+}
+
+/// The library knows names, types and ranges.
+void read_ipopt_options(const YamlReader& reader, IpoptOptions& options) {
+  const auto entries = reader.named_entries();
+  if (!entries) return;
+  for (const auto& [name, value] : *entries) {
+    auto read = read_ipopt_value(name.value, value);
+    if (!read) continue;
+    const auto fault = check_ipopt_option(name.value, *read);
+    if (!fault) {
+      options.emplace_back(name.value, *std::move(read));
+    } else if (fault->kind == IpoptOptionFault::Kind::value) {
+      value.error(fault->message);
+    } else {
+      reader.diagnostics().error(
+          name.place, fault->message,
+          fault->kind == IpoptOptionFault::Kind::unknown
+              ? name_hint(name.value, ipopt_option_names(), "options of Ipopt")
+              : "");
+    }
+  }
 }
 
 }  // namespace
@@ -49,6 +87,7 @@ SolverSpec read_solver(const YamlReader& reader) {
     }
   }
   for (auto& [name, group] : groups) group.finish();
+  if (const auto r = map.find("options")) read_ipopt_options(*r, solver.options.ipopt);
   if (!reader.diagnostics().has_errors())
     for (const std::string& message : solver.options.validate()) reader.error(message);
   return solver;

@@ -100,21 +100,9 @@ bool DdpSolver::newton_converges() {
   int damped = 0;
   for (int i = 0; i < kNewtonSteps && row_.iteration < options_.max_iterations; ++i) {
     if (newton_->norms().largest() <= kNewtonGoal || !newton_->step()) break;
-    const KktNorms& norms = newton_->norms();
     ++row_.iteration;
     ++row_.newton;
-    row_.cost = row_.merit = newton_->cost();
-    row_.stationarity = norms.stationarity.value;
-    row_.stationarity_knot = norms.stationarity.knot;
-    row_.gap = norms.gap.value;
-    row_.gap_knot = norms.gap.knot;
-    row_.constraint = norms.violation.value;
-    row_.constraint_knot = norms.violation.knot;
-    row_.complementarity = norms.complementarity;
-    row_.step = newton_->step_length();
-    row_.active_rows = newton_->active_rows();
-    row_.regularization = row_.expected_decrease = row_.actual_decrease = 0;
-    row_.trials = row_.clamped_controls = row_.active_set_changes = 0;
+    newton_->describe(row_);
     row_.time_s = elapsed();
     result_.log.push_back(row_);
     if (options_.on_iteration) options_.on_iteration(row_);

@@ -2,34 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
 #include <fmt/format.h>
 
+#include "ocp/stopwatch.hpp"
 #include "solvers/finite_check.hpp"
-#include "solvers/stopwatch.hpp"
+#include "solvers/guess.hpp"
 
 namespace conddp {
 namespace {
 
 /// Rows of the log that are reserved at most before the first iteration.
 constexpr int kReservedRows = 10000;
-
-void check_shape(const ShootingProblem& problem, const Trajectory& guess) {
-  bool fits = guess.knots() == problem.knots() && guess.nx() == problem.nx();
-  for (int k = 0; fits && k < problem.knots(); ++k) fits = guess.nu(k) == problem.nu(k);
-  if (!fits) throw std::invalid_argument("the guess does not have the shape of the problem");
-}
-
-/// Puts the quaternions of the guess' states on the unit sphere.
-void normalize_states(const ShootingProblem& problem, Trajectory& trajectory) {
-  for (int k = 0; k <= problem.knots(); ++k) {
-    if (trajectory.x(k).allFinite() && !problem.manifold().normalize(trajectory.x(k).data())) {
-      throw std::invalid_argument(
-          fmt::format("state {} of the guess: a quaternion is far from unit length", k));
-    }
-  }
-}
 
 }  // namespace
 
@@ -88,19 +72,11 @@ SolveResult DdpSolver::solve(const Trajectory& guess) {
 /// Where the first iteration starts. With closed gaps the states follow from the controls.
 bool DdpSolver::start(const Trajectory& guess) {
   trajectory_ = guess;
-  const int clamped = recipe_.clamp_controls ? bounds_.clamp(trajectory_) : 0;
   result_.start = recipe_.open_gaps ? "states and controls of the guess"
                                     : "controls of the guess, simulated from the initial state";
-  if (clamped > 0) {
-    result_.start += fmt::format("; {} control {} moved to a bound", clamped,
-                                 clamped == 1 ? "entry" : "entries");
-  }
-  const Eigen::Map<const Eigen::VectorXd> x0(problem_.initial_state().data(), problem_.nx());
+  if (recipe_.clamp_controls) result_.start += clamp_guess(bounds_, trajectory_);
   if (recipe_.open_gaps) {
-    const double off = (trajectory_.x(0) - x0).lpNorm<Eigen::Infinity>();
-    if (off != 0) result_.start += fmt::format("; x_0 corrected by {:.2g}", off);
-    trajectory_.x(0) = x0;
-    normalize_states(problem_, trajectory_);
+    result_.start += correct_states(problem_, trajectory_);
     return true;
   }
   const Stopwatch watch(result_.times.evaluate);

@@ -3,9 +3,9 @@
 
 #include <fmt/format.h>
 
+#include "ocp/stopwatch.hpp"
 #include "solvers/ddp_solver.hpp"
 #include "solvers/finite_check.hpp"
-#include "solvers/stopwatch.hpp"
 
 namespace conddp {
 namespace {

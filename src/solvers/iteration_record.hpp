@@ -28,6 +28,7 @@ struct IterationRecord {
   int trials = 0;                 ///< step lengths tried, over all regularisations
   int clamped_controls = 0;       ///< control entries that the stage problems held at a bound
   int active_set_changes = 0;     ///< changes of their states in the last sweep
+  double barrier = 0;             ///< parameter μ of an interior-point method
   double time_s = 0;              ///< since the solve began
 };
 

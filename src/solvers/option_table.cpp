@@ -277,6 +277,13 @@ std::vector<std::string> SolverOptions::validate() const {
   for (const OptionInfo& info : kTable) {
     if (auto wrong = info.check(*this)) messages.push_back(*std::move(wrong));
   }
+  for (const auto& [name, value] : ipopt) {
+    if (auto fault = check_ipopt_option(name, value)) messages.push_back(std::move(fault->message));
+    if (name == "hessian_approximation" && value != IpoptValue("exact") &&
+        hessian != HessianChoice::automatic)
+      messages.emplace_back(
+          "hessian must be automatic where Ipopt's option 'hessian_approximation' is not exact");
+  }
   if (regularization.min > regularization.max) {
     messages.push_back(
         fmt::format("regularization.min ({}) must be at most regularization.max ({})",

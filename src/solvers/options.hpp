@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "nlp/ipopt_options.hpp"
 #include "solvers/iteration_record.hpp"
 
 namespace conddp {
@@ -64,6 +65,9 @@ struct SolverOptions {
     double armijo = 0.1;
     int horizon_sweeps = 20;
   } box_qp;
+
+  /// Ipopt's own, by its names, of the solver `ipopt`.
+  IpoptOptions ipopt;
 
   /// Called with every row of the log as soon as it is known; the row lives during the call only.
   std::function<void(const IterationRecord&)> on_iteration;

@@ -315,7 +315,7 @@ void ProjectedNewton::set_target() {
   }
 }
 
-bool ProjectedNewton::step() {
+bool ProjectedNewton::step(double growth) {
   const double was = norms_.largest();
   before_ = trajectory_;
   if (!solve_quadratic()) {
@@ -334,13 +334,28 @@ bool ProjectedNewton::step() {
     bounds_.clamp(trajectory_);
     multipliers_ = multipliers_before_ + step_length_ * (target_ - multipliers_before_);
     linearize();
-    if (norms_.largest() < (1 - 0.1 * step_length_) * was) return true;
+    if (norms_.largest() < (1 - 0.1 * step_length_) * growth * was) return true;
   }
   trajectory_ = before_;
   multipliers_ = multipliers_before_;
   step_length_ = 0;
   linearize();
   return false;
+}
+
+void ProjectedNewton::describe(IterationRecord& row) const {
+  row.cost = row.merit = cost();
+  row.stationarity = norms_.stationarity.value;
+  row.stationarity_knot = norms_.stationarity.knot;
+  row.gap = norms_.gap.value;
+  row.gap_knot = norms_.gap.knot;
+  row.constraint = norms_.violation.value;
+  row.constraint_knot = norms_.violation.knot;
+  row.complementarity = norms_.complementarity;
+  row.step = step_length_;
+  row.active_rows = active_rows();
+  row.regularization = row.barrier = row.expected_decrease = row.actual_decrease = 0;
+  row.trials = row.clamped_controls = row.active_set_changes = 0;
 }
 
 int ProjectedNewton::active_rows() const {

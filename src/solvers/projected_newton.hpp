@@ -6,6 +6,7 @@
 #include "ocp/acts.hpp"
 #include "solvers/adjoint.hpp"
 #include "solvers/backward_sweep.hpp"
+#include "solvers/iteration_record.hpp"
 #include "solvers/stage_policy.hpp"
 
 namespace conddp {
@@ -40,16 +41,23 @@ class ProjectedNewton {
   void start(const Trajectory& trajectory, const Eigen::VectorXd& multipliers,
              const Eigen::VectorXd& penalty, const Feedback& feedback);
   /// One step. False, with the iterate unchanged, where none of a few step lengths makes the
-  /// largest norm smaller.
-  bool step();
+  /// largest norm smaller than `growth` times what it was. Growth lets a step through that changes
+  /// many active rows at once.
+  bool step(double growth = 1);
 
   const KktNorms& norms() const { return norms_; }
   double step_length() const { return step_length_; }
   int active_rows() const;
+  /// Writes what is known of the iterate and the step to it into a row of the log.
+  void describe(IterationRecord& row) const;
   double cost() const { return linearization_.total_cost(); }
   const Trajectory& trajectory() const { return trajectory_; }
   /// Of all constraint rows.
   const Eigen::VectorXd& multipliers() const { return multipliers_; }
+  /// Derivatives of the iterate, whose gradients have the multipliers of active rows.
+  const Linearization& linearization() const { return linearization_; }
+  /// Its co-states and control gradients, along feedback().
+  const Adjoint& adjoint() const { return adjoint_; }
   /// The policy of the last step, which keeps to the active constraints.
   const Feedback& feedback() const { return feedback_; }
 

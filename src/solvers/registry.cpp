@@ -57,8 +57,8 @@ std::string refuse_constraint(const SolverInfo& solver, const ShootingProblem& p
 }  // namespace
 
 std::span<const SolverInfo> solvers() {
-  static const std::array kSolvers = {ilqr(), ilqr_clip(), ddp(),   box_ddp(),
-                                      fddp(), box_fddp(),  altro(), proxddp()};
+  static const std::array kSolvers = {ilqr(),     ilqr_clip(), ddp(),     box_ddp(), fddp(),
+                                      box_fddp(), altro(),     proxddp(), ipopt()};
   return kSolvers;
 }
 

@@ -56,5 +56,6 @@ SolverInfo fddp();
 SolverInfo box_fddp();
 SolverInfo altro();
 SolverInfo proxddp();
+SolverInfo ipopt();
 
 }  // namespace conddp

@@ -115,6 +115,21 @@ TEST(Solve, SignalsLeaveTheBestIterate) {
   }
 }
 
+TEST(Solve, IpoptEndsInTheMiddleWithWholeFilesAndACertificate) {
+  const TemporaryFolder folder;
+  const std::string problem = source("problems/acrobot_swingup.yaml");
+  const ProcessResult r =
+      run_conddp({"solve", problem, "--solver", "ipopt", "-v", "-o", folder.path() / "out"},
+                 {.signal = SIGINT, .signal_after = "\n    3 "});
+  EXPECT_EQ(r.exit_code, 128 + SIGINT) << r.err;
+  EXPECT_EQ(Json::parse(read_file(folder.path() / "out/solution.json"))["status"], "interrupted");
+  EXPECT_EQ(run_conddp({"verify", folder.path() / "out/solution.json"}).exit_code, 0);
+  const ProcessResult late = run_conddp(
+      {"solve", problem, "--solver", "ipopt", "--max-time", "0", "-o", folder.path() / "late"});
+  EXPECT_EQ(late.exit_code, 1) << late.err;
+  EXPECT_EQ(run_conddp({"verify", folder.path() / "late/solution.json"}).exit_code, 0);
+}
+
 TEST(Solve, AWarmStartFromItsOwnSolutionIsQuick) {
   const TemporaryFolder folder;
   run_conddp({"solve", kPendulum, "-o", folder.path()});

@@ -33,11 +33,14 @@ TEST(LinearQuadratic, EverySolverTakesOneFullStepToTheDenseOptimumWithRiccatisGa
       const SolveResult result = solve(*lq.problem, solver, {}, guess);
       SCOPED_TRACE(fmt::format("{} seed {}: {}", solver.name, seed, result.message));
       EXPECT_EQ(result.status, SolveStatus::converged);
-      EXPECT_EQ(result.iterations, 1);
-      ASSERT_EQ(result.log.size(), 2u);
-      EXPECT_EQ(result.log[1].step, 1);
-      EXPECT_EQ(result.log[1].trials, 1);
-      EXPECT_EQ(result.log[1].regularization, 0);
+      // An interior-point method takes steps towards bounds that are not active, too.
+      if (solver.name != "ipopt") {
+        EXPECT_EQ(result.iterations, 1);
+        ASSERT_EQ(result.log.size(), 2u);
+        EXPECT_EQ(result.log[1].step, 1);
+        EXPECT_EQ(result.log[1].trials, 1);
+        EXPECT_EQ(result.log[1].regularization, 0);
+      }
       EXPECT_LE(distance(result.trajectory, optimum), 1e-9);
       EXPECT_NEAR(result.cost, lq.cost(optimum), 1e-9 * std::abs(lq.cost(optimum)));
       ASSERT_TRUE(result.feedback_regularization);

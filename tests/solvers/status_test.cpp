@@ -53,7 +53,8 @@ TEST(Status, MaxIterations) {
         solve(problem, solver, {.max_iterations = 3}, constant_controls(problem, 0.1));
     EXPECT_EQ(result.status, SolveStatus::max_iterations) << solver.name;
     EXPECT_EQ(result.iterations, 3);
-    EXPECT_EQ(result.log.size(), 4u);
+    EXPECT_GE(result.log.size(), 4u);
+    EXPECT_LE(result.log.size(), solver.name == "ipopt" ? 5u : 4u) << "back to the best iterate";
     EXPECT_TRUE(finite(result));
     EXPECT_NE(result.message.find("stationarity"), std::string::npos) << result.message;
     EXPECT_EQ(result.log.back().cost, result.cost);

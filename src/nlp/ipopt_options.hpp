@@ -1,0 +1,31 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace conddp {
+
+/// Options of Ipopt by their own names, in the order given.
+using IpoptValue = std::variant<int, double, std::string>;
+using IpoptOptions = std::vector<std::pair<std::string, IpoptValue>>;
+
+/// The names of all options that a caller may set, in alphabetical order.
+const std::vector<std::string>& ipopt_option_names();
+
+/// What is wrong with an option, if anything: a name that Ipopt does not know, one that the caller
+/// sets by other means, a value of another type or out of range.
+struct IpoptOptionFault {
+  enum class Kind { unknown, reserved, value } kind;
+  std::string message;
+};
+/// Whether the values of an option that Ipopt knows are whole numbers.
+bool is_integer_option(std::string_view name);
+
+std::optional<IpoptOptionFault> check_ipopt_option(std::string_view name, const IpoptValue& value);
+
+}  // namespace conddp

@@ -1,0 +1,116 @@
+// Variables, rows and where derivatives can be non-zero: what never changes of a transcription.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "nlp/transcription.hpp"
+
+namespace conddp {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// Makes a column of a curved segment stand for all of them, which charts mix.
+void close_over_segments(const StateManifold& manifold, std::vector<bool>& columns) {
+  for (const StateManifold::Segment& s : manifold.curved()) {
+    const auto first = columns.begin() + s.dx;
+    if (std::find(first, first + s.n, true) != first + s.n) std::fill(first, first + s.n, true);
+  }
+}
+
+}  // namespace
+
+void Transcription::add_variables() {
+  int count = 0;
+  for (int k = 0; k <= problem_.knots(); ++k) {
+    base_.push_back(count - first_column(k));
+    count += problem_.knot(k).model->nz() - first_column(k);
+  }
+  lower_ = Eigen::VectorXd::Constant(count, -kInfinity);
+  upper_ = Eigen::VectorXd::Constant(count, kInfinity);
+  for (int k = 0; k < problem_.knots(); ++k) {
+    const KnotModel& model = *problem_.knot(k).model;
+    for (int i = 0; i < model.nu(); ++i) {
+      lower_[base_[k] + model.ndx() + i] = model.control_lower()[i];
+      upper_[base_[k] + model.ndx() + i] = model.control_upper()[i];
+    }
+  }
+}
+
+void Transcription::add_row(const NodeConstraint& constraint, int first, int count, double lower,
+                            double upper) {
+  const int k = constraint.node;
+  const KnotModel& model = *problem_.knot(k).model;
+  const int offset = first - problem_.constraint_offset(k);
+  std::vector<bool> depends(model.nz(), false);
+  for (const auto& [row, column] : model.constraint_pattern())
+    if (row >= offset && row < offset + count) depends[column] = true;
+  close_over_segments(problem_.manifold(), depends);
+  Row row{&constraint, first, count, {}};
+  for (int c = first_column(k); c < model.nz(); ++c)
+    if (depends[c]) row.columns.push_back(c);
+  if (row.columns.empty()) return;
+  const int index = static_cast<int>(row_lower_.size());
+  for (const int c : row.columns) jacobian_.add(index, base_[k] + c);
+  row_lower_.conservativeResize(index + 1);
+  row_upper_.conservativeResize(index + 1);
+  row_lower_[index] = lower;
+  row_upper_[index] = upper;
+  rows_[k].push_back(std::move(row));
+}
+
+void Transcription::add_rows() {
+  const int ndx = problem_.ndx();
+  auto constraint = problem_.constraints().begin();
+  for (int k = 0; k <= problem_.knots(); ++k) {
+    for (; constraint != problem_.constraints().end() && constraint->node == k; ++constraint) {
+      const int n = constraint->term->rows;
+      if (!constraint->term->has_bounds()) {
+        add_row(*constraint, constraint->row, n, 0, kInfinity);
+        continue;
+      }
+      for (int i = 0; i < n; ++i)
+        if (std::isfinite(constraint->lower[i]) || std::isfinite(constraint->upper[i]))
+          add_row(*constraint, constraint->row + i, 1, constraint->lower[i], constraint->upper[i]);
+    }
+    if (k == problem_.knots()) break;
+    const int first = static_cast<int>(row_lower_.size());
+    gap_row_.push_back(first);
+    row_lower_.conservativeResize(first + ndx);
+    row_upper_.conservativeResize(first + ndx);
+    row_lower_.tail(ndx).setZero();
+    row_upper_.tail(ndx).setZero();
+    for (int c = first_column(k); c < problem_.knot(k).model->nz(); ++c)
+      for (int i = 0; i < ndx; ++i) jacobian_.add(first + i, base_[k] + c);
+    for (int i = 0; i < ndx; ++i) jacobian_.add(first + i, base_[k + 1] + i);
+  }
+}
+
+/// Exact Hessians fill the block of a knot, as the dynamics do; Gauss-Newton ones have gaps.
+void Transcription::index_hessian() {
+  hessian_entries_.resize(problem_.knots() + 1);
+  for (int k = 0; k <= problem_.knots(); ++k) {
+    const KnotModel& model = *problem_.knot(k).model;
+    const int nz = model.nz();
+    std::vector<std::vector<bool>> used(nz, std::vector<bool>(nz, !options_.gauss_newton));
+    if (options_.gauss_newton) {
+      for (const auto& [row, column] : model.hessian_pattern())
+        used[row][column] = used[column][row] = true;
+      for (auto& row : used) close_over_segments(problem_.manifold(), row);
+      for (const StateManifold::Segment& s : problem_.manifold().curved())
+        for (int c = 0; c < nz; ++c) {
+          bool any = false;
+          for (int i = 0; i < s.n; ++i) any = any || used[s.dx + i][c];
+          for (int i = 0; i < s.n; ++i) used[s.dx + i][c] = any;
+        }
+    }
+    for (int c = first_column(k); c < nz; ++c)
+      for (int r = c; r < nz; ++r) {
+        if (!used[r][c]) continue;
+        hessian_entries_[k].emplace_back(r, c);
+        hessian_.add(base_[k] + r, base_[k] + c);
+      }
+  }
+}
+
+}  // namespace conddp

@@ -1,0 +1,348 @@
+#include "solvers/ipopt_solver.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "solvers/backward_sweep.hpp"
+#include "solvers/finite_check.hpp"
+#include "solvers/guess.hpp"
+#include "solvers/regularization.hpp"
+#include "solvers/stage_policy.hpp"
+
+namespace conddp {
+namespace {
+
+using End = InteriorPointEnd;
+
+/// Rotation from the centre of its chart at which an iterate becomes the new centre, rad: charts
+/// end at π.
+constexpr double kLargestAngle = 2;
+/// Newton steps on the active set at most, and when they are enough.
+constexpr int kNewtonSteps = 10;
+constexpr double kNewtonGoal = 1e-12;
+/// How much larger such a step may make the norms: bounds at which multiplier and distance are
+/// alike are told apart by trying.
+constexpr double kNewtonGrowth = 10;
+/// Smallest curvature by which multipliers are compared with distances from a bound.
+constexpr double kSmallestCurvature = 1e-8;
+/// Rows of the log that are reserved at most before the first iteration.
+constexpr int kReservedRows = 10000;
+
+double seconds_since(std::chrono::steady_clock::time_point began) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+}
+
+bool wants_limited_memory(const IpoptOptions& options) {
+  return std::any_of(options.begin(), options.end(), [](const auto& option) {
+    const auto* text = std::get_if<std::string>(&option.second);
+    return option.first == "hessian_approximation" && text != nullptr && *text != "exact";
+  });
+}
+
+}  // namespace
+
+IpoptSolver::IpoptSolver(const ShootingProblem& problem, const SolverOptions& options)
+    : problem_(problem),
+      options_(options),
+      gauss_newton_(options.hessian == HessianChoice::gauss_newton),
+      bounds_(problem),
+      acts_(problem, options.threads),
+      transcription_(
+          problem, acts_,
+          {.gauss_newton = gauss_newton_, .cone_smoothing = 0.1 * options.tolerances.constraint}),
+      newton_(problem, acts_),
+      best_(Eigen::VectorXd::Zero(transcription_.variables())),
+      result_(problem) {}
+
+SolveResult IpoptSolver::solve(const Trajectory& guess) {
+  began_ = std::chrono::steady_clock::now();
+  check_shape(problem_, guess);
+  result_ = SolveResult(problem_);
+  result_.log.reserve(std::min(options_.max_iterations, kReservedRows) + kNewtonSteps + 1);
+  row_ = IterationRecord();
+  row_.exact_hessian = !gauss_newton_ && !wants_limited_memory(options_.ipopt);
+  iterations_before_ = 0;
+  Trajectory start = guess;
+  result_.start = "states and controls of the guess";
+  result_.start += clamp_guess(bounds_, start);
+  result_.start += correct_states(problem_, start);
+  result_.trajectory = start;
+
+  const InteriorPointAnswer answer = run_ipopt(start);
+  const double newton_began = elapsed();
+  cross_over(answer);
+  set_status(answer);
+  result_.iterations = row_.iteration;
+  result_.times.total = elapsed();
+  result_.times.sweep += result_.times.total - newton_began;
+  return std::move(result_);
+}
+
+/// Runs Ipopt, again from the last iterate wherever that has left the middle of its charts.
+InteriorPointAnswer IpoptSolver::run_ipopt(const Trajectory& start) {
+  transcription_.set_center(start);
+  Eigen::VectorXd y = transcription_.point_of(start);
+  InteriorPointSettings settings{
+      .dual_tolerance = options_.tolerances.stationarity,
+      .violation_tolerance = std::min(options_.tolerances.gap, options_.tolerances.constraint),
+      .complementarity_tolerance = options_.tolerances.complementarity,
+      .options = options_.ipopt};
+  InteriorPointAnswer answer;
+  for (;;) {
+    stop_ = Stop::none;
+    const double began = elapsed();
+    settings.max_iterations = options_.max_iterations - iterations_before_;
+    answer = minimise(transcription_, y, settings,
+                      [this](const InteriorPointIterate& iterate) { return note(iterate); });
+    result_.times.differentiate += answer.evaluation_seconds;
+    result_.times.sweep += elapsed() - began - answer.evaluation_seconds;
+    if (stop_ != Stop::recenter) return answer;
+    iterations_before_ = row_.iteration;
+    transcription_.set_point(answer.point.y.data());
+    transcription_.recenter_multipliers(answer.point.rows.data());
+    const Trajectory center = transcription_.trajectory();
+    transcription_.set_center(center);
+    y = best_ = transcription_.point_of(center);
+    settings.warm = &answer.point;
+    settings.warm_barrier = answer.barrier;
+  }
+}
+
+/// Records an iterate; false where Ipopt should stop.
+bool IpoptSolver::note(const InteriorPointIterate& iterate) {
+  const bool again = iterations_before_ > 0 && iterate.iteration == 0;
+  transcription_.set_point(iterate.y);
+  const Evaluation& values = transcription_.evaluation();
+  row_.iteration = iterations_before_ + iterate.iteration;
+  row_.cost = row_.merit = values.cost.sum();
+  row_.stationarity = iterate.dual_infeasibility;
+  row_.stationarity_knot = -1;
+  row_.gap = values.gap.size() == 0 ? 0 : values.gap.cwiseAbs().maxCoeff();
+  row_.gap_knot = -1;
+  row_.constraint = violation(row_.constraint_knot);
+  row_.complementarity = iterate.complementarity;
+  row_.barrier = iterate.barrier;
+  row_.step = iterate.step;
+  row_.regularization = iterate.regularization;
+  row_.trials = iterate.trials;
+  row_.time_s = elapsed();
+  // The restoration phase has an optimality of its own.
+  const double error =
+      std::max({row_.gap, row_.constraint, row_.stationarity, row_.complementarity});
+  if (row_.iteration == 0 || again || (!iterate.restoration && error < best_error_)) {
+    best_ = Eigen::Map<const Eigen::VectorXd>(iterate.y, best_.size());
+    best_error_ = error;
+  }
+  if (!again) {
+    result_.log.push_back(row_);
+    if (options_.on_iteration) options_.on_iteration(row_);
+  }
+  if (options_.interrupted && options_.interrupted()) {
+    stop_ = Stop::interrupted;
+  } else if (elapsed() >= options_.max_time_s) {
+    stop_ = Stop::time_limit;
+  } else if (!iterate.restoration && row_.iteration < options_.max_iterations &&
+             transcription_.chart_angle() > kLargestAngle) {
+    stop_ = Stop::recenter;
+  }
+  return stop_ == Stop::none;
+}
+
+/// Of constraints and control bounds at the transcription's point.
+double IpoptSolver::violation(int& knot) {
+  const Extremum bounds = bounds_.violation(transcription_.trajectory());
+  double worst = bounds.value;
+  knot = bounds.knot;
+  const Eigen::VectorXd& values = transcription_.evaluation().constraint;
+  for (const NodeConstraint& c : problem_.constraints()) {
+    const double distance = distance_to_set(*c.term, values.data() + c.row, c.lower, c.upper);
+    if (distance <= worst) continue;
+    worst = distance;
+    knot = c.node;
+  }
+  return worst;
+}
+
+/// An interior point stays away from bounds. A control belongs at one if its multiplier would move
+/// it further than that, were the bound not there.
+void IpoptSolver::snap_controls(const InteriorPointAnswer& answer, Trajectory& trajectory) const {
+  Trajectory lower = problem_.create_trajectory(), upper = lower;
+  transcription_.read_controls(answer.point.lower.data(), lower);
+  transcription_.read_controls(answer.point.upper.data(), upper);
+  for (int k = 0; k < problem_.knots(); ++k) {
+    auto u = trajectory.u(k);
+    for (int i = 0; i < u.size(); ++i) {
+      const int column = problem_.ndx() + i;
+      const double curvature =
+          std::max(kSmallestCurvature, newton_.linearization().knots[k].hessian(column, column));
+      const double low = bounds_.lower(k)[i], up = bounds_.upper(k)[i];
+      if ((u[i] - low) * curvature < lower.u(k)[i]) u[i] = low;
+      if ((up - u[i]) * curvature < upper.u(k)[i]) u[i] = up;
+    }
+  }
+}
+
+/// Gains of a sweep at a trajectory, with constraints as penalties of the costs' own size.
+Feedback IpoptSolver::find_gains(const Trajectory& trajectory, const Eigen::VectorXd& multipliers,
+                                 std::optional<double>& regularization) {
+  Feedback gains(problem_);
+  Linearization linearization(problem_);
+  acts_.differentiate(trajectory, linearization);
+  Augmentation augmentation(problem_);
+  for (const NodeConstraint& c : problem_.constraints())
+    augmentation.penalty.segment(c.row, c.term->rows)
+        .setConstant(std::max(kSmallestCurvature,
+                              linearization.knots[c.node].hessian.diagonal().maxCoeff()));
+  penalty_ = augmentation.penalty.cwiseMax(kSmallestCurvature);
+  augmentation.shift = multipliers.cwiseQuotient(penalty_);
+  acts_.differentiate(trajectory, linearization, &augmentation);
+  if (find_non_finite(linearization)) return gains;
+  Gaps gaps(problem_);
+  gaps.set(linearization, true);
+  BackwardSweep sweep(problem_, bounds_);
+  const auto policy = box_stage(problem_, options_.box_qp);
+  SolverOptions::Regularization from_zero = options_.regularization;
+  from_zero.initial = 0;
+  RegularizationSchedule schedule(from_zero);
+  do {
+    if (sweep.run(linearization, trajectory, gaps, {options_.regularization.kind, schedule.value()},
+                  *policy, gains) >= 0)
+      continue;
+    regularization = schedule.value();
+    return gains;
+  } while (schedule.increase());
+  return Feedback(problem_);
+}
+
+/// From Ipopt's answer, or the best iterate, to the answer that is returned.
+void IpoptSolver::cross_over(const InteriorPointAnswer& answer) {
+  const bool good = answer.end == End::solved || answer.end == End::acceptable;
+  transcription_.set_point(good ? answer.point.y.data() : best_.data());
+  Eigen::MatrixXd costates;
+  Eigen::VectorXd multipliers;
+  transcription_.read_multipliers(answer.point.rows.data(), costates, multipliers);
+  if (!multipliers.allFinite()) multipliers.setZero();
+  Trajectory trajectory = transcription_.trajectory();
+  bounds_.clamp(trajectory);
+  start_newton(trajectory, multipliers);
+  if (good && (newton_.active_rows() > 0 || !under_tolerances(newton_.norms()))) {
+    const double before = newton_.norms().largest();
+    Trajectory snapped = trajectory;
+    snap_controls(answer, snapped);
+    start_newton(snapped, multipliers);
+    for (int i = 0; i < kNewtonSteps && newton_.norms().largest() > kNewtonGoal; ++i) {
+      if (!newton_.step(kNewtonGrowth)) break;
+      result_.feedback_regularization = 0;
+      ++row_.newton;
+      ++row_.iteration;
+      record();
+    }
+    if (row_.newton == 0 || newton_.norms().largest() > before)
+      start_newton(trajectory, multipliers);
+  }
+  // The last row is the answer.
+  if (std::isfinite(newton_.cost()) && !result_.log.empty() &&
+      result_.log.back().cost != newton_.cost())
+    record();
+  write_result();
+}
+
+/// Around a trajectory, with gains that belong to it.
+void IpoptSolver::start_newton(const Trajectory& trajectory, const Eigen::VectorXd& multipliers) {
+  result_.feedback_regularization.reset();
+  const Feedback gains = find_gains(trajectory, multipliers, result_.feedback_regularization);
+  newton_.start(trajectory, multipliers, penalty_, gains);
+}
+
+/// Logs the iterate of Newton's method.
+void IpoptSolver::record() {
+  newton_.describe(row_);
+  row_.time_s = elapsed();
+  result_.log.push_back(row_);
+  if (options_.on_iteration) options_.on_iteration(row_);
+}
+
+void IpoptSolver::write_result() {
+  if (find_non_finite(newton_.linearization())) {
+    result_.feedback_regularization.reset();
+    return;
+  }
+  const KktNorms& norms = newton_.norms();
+  result_.trajectory = newton_.trajectory();
+  result_.cost = newton_.cost();
+  result_.residuals = {.stationarity = norms.stationarity.value,
+                       .gap = norms.gap.value,
+                       .constraint = norms.violation.value,
+                       .complementarity = norms.complementarity,
+                       .stationarity_knot = norms.stationarity.knot,
+                       .gap_knot = norms.gap.knot,
+                       .constraint_knot = norms.violation.knot};
+  result_.feedback = newton_.feedback();
+  result_.costates = newton_.adjoint().costates();
+  result_.state_gradient = newton_.adjoint().state_gradient();
+  for (int k = 0; k < problem_.knots(); ++k)
+    result_.control_gradient.push_back(
+        newton_.adjoint().gradient().segment(bounds_.offset(k), problem_.nu(k)));
+  result_.constraint_values = newton_.linearization().constraint;
+  result_.constraint_multipliers = newton_.multipliers();
+}
+
+bool IpoptSolver::under_tolerances(const KktNorms& norms) const {
+  const auto& t = options_.tolerances;
+  return norms.stationarity.value <= t.stationarity && norms.gap.value <= t.gap &&
+         norms.violation.value <= t.constraint && norms.complementarity <= t.complementarity;
+}
+
+void IpoptSolver::set_status(const InteriorPointAnswer& answer) {
+  const auto end = [&](SolveStatus status, const std::string& message) {
+    result_.status = status;
+    result_.message = fmt::format("{}: {}", message, residual_text());
+  };
+  if (under_tolerances(newton_.norms()))
+    return end(SolveStatus::converged, "all residuals are under tolerance");
+  if (stop_ == Stop::interrupted) return end(SolveStatus::interrupted, "interrupted");
+  if (stop_ == Stop::time_limit)
+    return end(SolveStatus::time_limit,
+               fmt::format("not converged within {} s", options_.max_time_s));
+  const std::string text = "Ipopt: " + answer.message;
+  switch (answer.end) {
+    case End::max_iterations:
+      return end(SolveStatus::max_iterations,
+                 fmt::format("not converged after {} iterations", row_.iteration));
+    case End::time_limit:
+      return end(SolveStatus::time_limit, text);
+    case End::infeasible:
+      return end(SolveStatus::infeasible, text);
+    case End::no_factorization:
+      return end(SolveStatus::regularization_limit, text);
+    case End::diverging:
+    case End::not_finite:
+      return end(SolveStatus::diverged, text);
+    case End::solved:
+    case End::acceptable:
+      // What is no row of the program: constraints on the given state alone.
+      if (result_.residuals.constraint > options_.tolerances.constraint &&
+          result_.residuals.constraint_knot == 0)
+        return end(SolveStatus::infeasible, "the initial state itself violates a constraint");
+      return end(SolveStatus::line_search_failed, text + ", but not all of this solve's");
+    case End::stopped:
+    case End::no_step:
+    case End::failed:
+      return end(SolveStatus::line_search_failed, text);
+  }
+}
+
+std::string IpoptSolver::residual_text() const {
+  const auto at = [](int knot) { return knot < 0 ? "" : fmt::format(" (knot {})", knot); };
+  const Residuals& r = result_.residuals;
+  return fmt::format(
+      "stationarity {:.1e}{}, gap {:.1e}{}, constraint violation {:.1e}{}, complementarity {:.1e}",
+      r.stationarity, at(r.stationarity_knot), r.gap, at(r.gap_knot), r.constraint,
+      at(r.constraint_knot), r.complementarity);
+}
+
+double IpoptSolver::elapsed() const { return seconds_since(began_); }
+
+}  // namespace conddp

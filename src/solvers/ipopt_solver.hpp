@@ -1,0 +1,62 @@
+#pragma once
+
+#include <chrono>
+#include <optional>
+
+#include "nlp/interior_point.hpp"
+#include "nlp/transcription.hpp"
+#include "solvers/control_bounds.hpp"
+#include "solvers/options.hpp"
+#include "solvers/projected_newton.hpp"
+#include "solvers/solve_result.hpp"
+
+namespace conddp {
+
+/// Direct transcription: the whole problem as a sparse nonlinear program for Ipopt, whose answer a
+/// few steps of Newton's method on its active set take from the interior to the bounds.
+class IpoptSolver {
+ public:
+  IpoptSolver(const ShootingProblem& problem, const SolverOptions& options);
+
+  SolveResult solve(const Trajectory& guess);
+
+ private:
+  /// Why the callback stopped Ipopt.
+  enum class Stop { none, recenter, time_limit, interrupted };
+
+  InteriorPointAnswer run_ipopt(const Trajectory& start);
+  bool note(const InteriorPointIterate& iterate);
+  double violation(int& knot);
+  void snap_controls(const InteriorPointAnswer& answer, Trajectory& trajectory) const;
+  Feedback find_gains(const Trajectory& trajectory, const Eigen::VectorXd& multipliers,
+                      std::optional<double>& regularization);
+  void cross_over(const InteriorPointAnswer& answer);
+  void start_newton(const Trajectory& trajectory, const Eigen::VectorXd& multipliers);
+  void record();
+  void write_result();
+  void set_status(const InteriorPointAnswer& answer);
+  bool under_tolerances(const KktNorms& norms) const;
+  std::string residual_text() const;
+  double elapsed() const;
+
+  const ShootingProblem& problem_;
+  SolverOptions options_;
+  bool gauss_newton_;
+  ControlBounds bounds_;
+  Acts acts_;
+  Transcription transcription_;
+  ProjectedNewton newton_;
+  Stop stop_ = Stop::none;
+  int iterations_before_ = 0;  ///< of earlier runs of Ipopt in this solve
+  IterationRecord row_;
+  /// The best iterate: that of the least optimality error, which is the largest of gap, violation,
+  /// dual infeasibility and complementarity.
+  Eigen::VectorXd best_;
+  double best_error_ = 0;
+  /// Of constraint rows: by what multipliers are compared with distances from a bound.
+  Eigen::VectorXd penalty_;
+  SolveResult result_;
+  std::chrono::steady_clock::time_point began_;
+};
+
+}  // namespace conddp

@@ -1,0 +1,24 @@
+// Ready problems by direct transcription: derivatives, and optima beside the known answers.
+#include <set>
+
+#include "support/transcribed_problem.hpp"
+
+namespace conddp {
+namespace {
+
+/// From their guesses these lead to another local optimum than the DDP family finds.
+const std::set<std::string> kOtherOptimum = {"car_parking", "unicycle_obstacles"};
+
+class Transcribed : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(Transcribed, HasTheDerivativesOfItsDifferences) { testing::check_transcription(GetParam()); }
+
+TEST_P(Transcribed, HasTheKnownOptimum) {
+  testing::expect_known_optimum(GetParam(), kOtherOptimum.count(GetParam()) > 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Ready, Transcribed, ::testing::ValuesIn(testing::ready_problems(false)),
+                         [](const auto& name) { return name.param; });
+
+}  // namespace
+}  // namespace conddp

@@ -1,0 +1,181 @@
+#include "nlp/interior_point.hpp"
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include <gtest/gtest.h>
+
+namespace conddp {
+namespace {
+
+using End = InteriorPointEnd;
+
+/// Problem 71 of Hock and Schittkowski (1981): minimise y₀ y₃ (y₀ + y₁ + y₂) + y₂ subject to
+/// y₀ y₁ y₂ y₃ ≥ 25, ‖y‖² = 40, 1 ≤ y ≤ 5. Its optimum is 17.0140173.
+class HockSchittkowski71 : public NonlinearProgram {
+ public:
+  explicit HockSchittkowski71(double square = 40) {
+    lower_ = Eigen::VectorXd::Constant(4, 1);
+    upper_ = Eigen::VectorXd::Constant(4, 5);
+    row_lower_ = Eigen::Vector2d(25, square);
+    row_upper_ = Eigen::Vector2d(std::numeric_limits<double>::infinity(), square);
+    for (int r = 0; r < 2; ++r)
+      for (int c = 0; c < 4; ++c) jacobian_.add(r, c);
+    for (int c = 0; c < 4; ++c)
+      for (int r = c; r < 4; ++r) hessian_.add(r, c);
+  }
+  void set_point(const double* y) override { y_ = Eigen::Vector4d(y); }
+  double objective() override {
+    if (broken) return std::nan("");
+    return y_[0] * y_[3] * (y_[0] + y_[1] + y_[2]) + y_[2];
+  }
+  void gradient(double* out) override {
+    out[0] = y_[3] * (2 * y_[0] + y_[1] + y_[2]);
+    out[1] = y_[0] * y_[3];
+    out[2] = y_[0] * y_[3] + 1;
+    out[3] = y_[0] * (y_[0] + y_[1] + y_[2]);
+  }
+  void constraints(double* out) override {
+    out[0] = y_.prod();
+    out[1] = y_.squaredNorm();
+  }
+  void jacobian(double* out) override {
+    for (int c = 0; c < 4; ++c) {
+      out[c] = y_.prod() / y_[c];
+      out[4 + c] = 2 * y_[c];
+    }
+  }
+  void hessian(double weight, const double* m, double* out) override {
+    Eigen::Matrix4d H = Eigen::Matrix4d::Zero();
+    H(0, 0) = weight * 2 * y_[3];
+    H(1, 0) = H(2, 0) = weight * y_[3];
+    H(3, 0) = weight * (2 * y_[0] + y_[1] + y_[2]);
+    H(3, 1) = H(3, 2) = weight * y_[0];
+    for (int c = 0; c < 4; ++c)
+      for (int r = c; r < 4; ++r) {
+        H(r, c) += r == c ? 2 * m[1] : m[0] * y_.prod() / (y_[r] * y_[c]);
+        *out++ = H(r, c);
+      }
+  }
+
+  bool broken = false;
+
+ private:
+  Eigen::Vector4d y_;
+};
+
+const Eigen::VectorXd kStart = Eigen::Vector4d(1, 5, 5, 1);
+
+bool go_on(const InteriorPointIterate&) { return true; }
+
+TEST(InteriorPoint, FindsAPublishedOptimumInSilence) {
+  HockSchittkowski71 program;
+  ::testing::internal::CaptureStdout();
+  int iterates = 0;
+  const InteriorPointAnswer answer =
+      minimise(program, kStart, {}, [&](const InteriorPointIterate& iterate) {
+        EXPECT_EQ(iterate.iteration, iterates++);
+        return true;
+      });
+  EXPECT_EQ(::testing::internal::GetCapturedStdout(), "");
+  EXPECT_EQ(answer.end, End::solved);
+  program.set_point(answer.point.y.data());
+  EXPECT_NEAR(program.objective(), 17.0140173, 1e-6);
+  EXPECT_GT(iterates, 3);
+  // ∇f + Jᵀ rows − lower + upper = 0.
+  Eigen::VectorXd gradient(4), jacobian(8);
+  program.gradient(gradient.data());
+  program.jacobian(jacobian.data());
+  gradient += answer.point.rows[0] * jacobian.head(4) + answer.point.rows[1] * jacobian.tail(4);
+  gradient += answer.point.upper - answer.point.lower;
+  EXPECT_LE(gradient.lpNorm<Eigen::Infinity>(), 1e-6);
+  EXPECT_GT(answer.point.lower[0], 0.5);
+}
+
+TEST(InteriorPoint, ReadsNoFileOfTheWorkingFolder) {
+  const auto before = std::filesystem::current_path();
+  const auto folder = std::filesystem::path(::testing::TempDir()) / "conddp_ipopt_folder";
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder / "ipopt.opt") << "max_iter 1\n";
+  std::filesystem::current_path(folder);
+  HockSchittkowski71 program;
+  const InteriorPointAnswer answer = minimise(program, kStart, {}, go_on);
+  std::filesystem::current_path(before);
+  std::filesystem::remove_all(folder);
+  EXPECT_EQ(answer.end, End::solved);
+}
+
+TEST(InteriorPoint, EndsHaveTheirNames) {
+  HockSchittkowski71 program;
+  EXPECT_EQ(minimise(program, kStart, {.max_iterations = 2}, go_on).end, End::max_iterations);
+  const auto stop = [](const InteriorPointIterate& i) { return i.iteration < 3; };
+  const InteriorPointAnswer stopped = minimise(program, kStart, {}, stop);
+  EXPECT_EQ(stopped.end, End::stopped);
+  EXPECT_GT(stopped.barrier, 0);
+  EXPECT_EQ(stopped.point.y.size(), 4);
+  HockSchittkowski71 contradiction(3);  // ‖y‖² = 3 with y ≥ 1
+  EXPECT_EQ(minimise(contradiction, kStart, {}, go_on).end, End::infeasible);
+  program.broken = true;
+  EXPECT_EQ(minimise(program, kStart, {}, go_on).end, End::not_finite);
+}
+
+TEST(InteriorPoint, GoesOnFromAnEarlierAnswer) {
+  HockSchittkowski71 program;
+  int cold = 0, warm = 0;
+  const InteriorPointAnswer first =
+      minimise(program, kStart, {}, [&](const InteriorPointIterate&) { return ++cold > 0; });
+  const InteriorPointAnswer second =
+      minimise(program, first.point.y, {.warm = &first.point, .warm_barrier = first.barrier},
+               [&](const InteriorPointIterate&) { return ++warm > 0; });
+  EXPECT_EQ(second.end, End::solved);
+  EXPECT_LE(warm, 3);
+  EXPECT_LT(warm, cold);
+}
+
+TEST(InteriorPoint, OptionsReachTheLibrary) {
+  HockSchittkowski71 program;
+  EXPECT_EQ(minimise(program, kStart,
+                     {.options = {{"tol", 1e3},
+                                  {"dual_inf_tol", 1e6},
+                                  {"constr_viol_tol", 1e6},
+                                  {"compl_inf_tol", 1e6}}},
+                     [](const InteriorPointIterate& i) { return i.iteration == 0; })
+                .end,
+            End::solved);
+  EXPECT_THROW(minimise(program, kStart, {.options = {{"tolerance", 1e-3}}}, go_on),
+               std::invalid_argument);
+}
+
+TEST(IpoptOptions, AreCheckedByNameAndType) {
+  using Kind = IpoptOptionFault::Kind;
+  EXPECT_FALSE(check_ipopt_option("mu_strategy", "adaptive"));
+  EXPECT_FALSE(check_ipopt_option("tol", 1e-6));
+  EXPECT_FALSE(check_ipopt_option("tol", 1));
+  EXPECT_FALSE(check_ipopt_option("acceptable_iter", 3));
+  EXPECT_FALSE(check_ipopt_option("acceptable_iter", 3.0));
+  EXPECT_EQ(check_ipopt_option("mu_stratgy", "adaptive")->kind, Kind::unknown);
+  EXPECT_EQ(check_ipopt_option("print_level", 5)->kind, Kind::reserved);
+  const auto message = [](const char* name, const IpoptValue& value) {
+    const auto fault = check_ipopt_option(name, value);
+    EXPECT_TRUE(fault && fault->kind == Kind::value) << name;
+    return fault ? fault->message : "";
+  };
+  EXPECT_EQ(message("mu_strategy", "fast"),
+            "Ipopt's option 'mu_strategy' must be one of monotone, adaptive");
+  EXPECT_EQ(message("mu_strategy", 1),
+            "Ipopt's option 'mu_strategy' must be one of monotone, adaptive");
+  EXPECT_EQ(message("tol", -1.0), "Ipopt's option 'tol' must be more than 0, not -1");
+  EXPECT_EQ(message("tol", "small"), "Ipopt's option 'tol' must be a number");
+  EXPECT_EQ(message("acceptable_iter", 2.5),
+            "Ipopt's option 'acceptable_iter' must be a whole number, not 2.5");
+  EXPECT_EQ(message("acceptable_iter", -2),
+            "Ipopt's option 'acceptable_iter' must be at least 0, not -2");
+  EXPECT_NE(std::find(ipopt_option_names().begin(), ipopt_option_names().end(), "mu_init"),
+            ipopt_option_names().end());
+  EXPECT_EQ(std::find(ipopt_option_names().begin(), ipopt_option_names().end(), "max_iter"),
+            ipopt_option_names().end());
+}
+
+}  // namespace
+}  // namespace conddp

@@ -1,0 +1,177 @@
+#include "nlp/transcription.hpp"
+
+#include "solvers/constrained.hpp"
+#include "support/nlp_derivatives.hpp"
+
+namespace conddp {
+namespace {
+
+using testing::Added;
+using testing::kFree;
+
+/// A quadrotor with bounds on its whole state, a norm of its speed and a cone of its rates.
+ShootingProblem constrained_quadrotor() {
+  const ShootingProblem free = testing::quadrotor_move(0, 20);
+  const auto coordinates = [&](std::vector<int> list) {
+    return coordinate_residual(free.manifold(), std::move(list));
+  };
+  std::vector<double> low(12, -5), up(12, kFree);
+  low[1] = -kFree;
+  up[2] = 3;
+  return testing::with_constraints(free, {{.name = "room",
+                                           .residual = state_residual(free.manifold()),
+                                           .reference = free.initial_state(),
+                                           .lower = low,
+                                           .upper = up,
+                                           .first = 1,
+                                           .last = 50},
+                                          {.name = "speed",
+                                           .residual = coordinates({7, 8, 9}),
+                                           .kind = ConstraintKind::norm,
+                                           .reference = {0, 0, 0},
+                                           .lower = {-kFree},
+                                           .upper = {4},
+                                           .first = 5,
+                                           .last = 40},
+                                          {.name = "cone",
+                                           .residual = coordinates({10, 11, 12}),
+                                           .kind = ConstraintKind::second_order_cone,
+                                           .reference = {0.1, 0.2, -3},
+                                           .first = 2,
+                                           .last = 50,
+                                           .slope = 0.8}});
+}
+
+/// A trajectory with rotations that differ from those of the initial state.
+Trajectory random_trajectory(const ShootingProblem& problem, double size, std::mt19937_64& engine) {
+  Trajectory t = problem.create_trajectory();
+  for (int k = 0; k <= t.knots(); ++k) {
+    const Eigen::VectorXd dx = size * testing::random_vector(problem.ndx(), engine);
+    Eigen::VectorXd moved = t.x(k);
+    problem.manifold().integrate(moved.data(), dx.data(), moved.data());
+    if (k > 0) t.x(k) = moved;
+    if (k < t.knots()) t.u(k) = 3 * size * testing::random_vector(problem.nu(k), engine);
+  }
+  return t;
+}
+
+TEST(Transcription, DerivativesAgreeWithDifferencesFarFromTheChartsCentres) {
+  std::mt19937_64 engine(5);
+  std::vector<ShootingProblem> problems;
+  problems.push_back(testing::pendulum_swing_up(3));
+  problems.push_back(constrained_quadrotor());
+  problems.push_back(testing::landing());
+  for (auto& published : testing::published_cases())
+    problems.push_back(std::move(published.problem));
+  for (const ShootingProblem& problem : problems) {
+    Acts acts(problem);
+    Transcription program(problem, acts, {});
+    for (const double size : {0.1, 0.6}) {
+      SCOPED_TRACE(size);
+      program.set_center(random_trajectory(problem, size, engine));
+      const Eigen::VectorXd y = program.point_of(random_trajectory(problem, size, engine));
+      testing::check_derivatives(program, y, engine, 1e-6);
+    }
+  }
+}
+
+TEST(Transcription, PointsStandForTrajectories) {
+  std::mt19937_64 engine(6);
+  const ShootingProblem problem = constrained_quadrotor();
+  Acts acts(problem);
+  Transcription program(problem, acts, {});
+  program.set_center(random_trajectory(problem, 0.5, engine));
+  const Trajectory trajectory = random_trajectory(problem, 0.5, engine);
+  const Eigen::VectorXd y = program.point_of(trajectory);
+  program.set_point(y.data());
+  Eigen::VectorXd off(problem.ndx());
+  for (int k = 0; k <= problem.knots(); ++k) {
+    problem.manifold().difference(trajectory.x(k).data(), program.trajectory().x(k).data(),
+                                  off.data());
+    EXPECT_LE(off.lpNorm<Eigen::Infinity>(), 1e-12) << k;
+  }
+  EXPECT_GT(program.chart_angle(), 0.1);
+  program.set_center(trajectory);
+  const Eigen::VectorXd centred = program.point_of(trajectory);
+  program.set_point(centred.data());
+  EXPECT_LE(program.chart_angle(), 1e-12);
+}
+
+/// With closed gaps the gradient of the program's Lagrangian by u is s ℓ_u + f_uᵀ λ + Cᵀ ν,
+/// whatever charts and cones are.
+TEST(Transcription, MultipliersMeanTheSameAsTheSolvers) {
+  std::mt19937_64 engine(7);
+  const ShootingProblem problem = constrained_quadrotor();
+  Acts acts(problem);
+  Transcription program(problem, acts, {});
+  Trajectory trajectory = problem.create_trajectory();
+  for (int k = 0; k < trajectory.knots(); ++k)
+    trajectory.u(k).array() = 2.5 + 0.1 * testing::random_vector(4, engine).array();
+  ASSERT_EQ(acts.simulate(trajectory), -1);
+  program.set_center(random_trajectory(problem, 0.3, engine));
+  const Eigen::VectorXd y = program.point_of(trajectory);
+  program.set_point(y.data());
+  Eigen::VectorXd rows = testing::random_vector(program.rows(), engine);
+  const Eigen::VectorXd gradient = testing::lagrangian_gradient(program, 1, rows);
+  Eigen::MatrixXd costates;
+  Eigen::VectorXd nu;
+  program.read_multipliers(rows.data(), costates, nu);
+  Linearization linearization(problem);
+  acts.differentiate(trajectory, linearization);
+  int at = 0;
+  for (int k = 0; k < problem.knots(); ++k) {
+    const KnotLinearization& knot = linearization.knots[k];
+    const Eigen::VectorXd expected =
+        knot.gradient + knot.dense_jacobian().transpose() * costates.col(k + 1) +
+        knot.C.transpose() * nu.segment(problem.constraint_offset(k), knot.C.rows());
+    if (k > 0) at += problem.ndx();
+    EXPECT_LE((gradient.segment(at, 4) - expected.tail(4)).lpNorm<Eigen::Infinity>(), 1e-9) << k;
+    at += 4;
+  }
+  // The same co-states in charts that are centred on the trajectory.
+  program.recenter_multipliers(rows.data());
+  program.set_center(trajectory);
+  const Eigen::VectorXd centred = program.point_of(trajectory);
+  program.set_point(centred.data());
+  Eigen::MatrixXd again;
+  program.read_multipliers(rows.data(), again, nu);
+  EXPECT_LE((again - costates).lpNorm<Eigen::Infinity>(), 1e-9);
+}
+
+TEST(Transcription, GaussNewtonHessiansAreThoseOfTheActs) {
+  const ShootingProblem problem = testing::pendulum_swing_up(3);
+  Acts acts(problem);
+  Transcription program(problem, acts, {.gauss_newton = true});
+  std::mt19937_64 engine(8);
+  const Trajectory trajectory = random_trajectory(problem, 0.5, engine);
+  const Eigen::VectorXd y = program.point_of(trajectory);
+  program.set_point(y.data());
+  Linearization linearization(problem);
+  acts.differentiate(trajectory, linearization);
+  const Eigen::VectorXd multipliers = testing::random_vector(program.rows(), engine);
+  const Eigen::VectorXd d = testing::random_vector(program.variables(), engine);
+  const Eigen::VectorXd product = testing::hessian_times(program, 2, multipliers, d);
+  EXPECT_NEAR(product[0], 2 * linearization.knots[0].hessian(2, 2) * d[0], 1e-12);
+  EXPECT_LE((product.segment(1, 3) - 2 * linearization.knots[1].hessian * d.segment(1, 3)).norm(),
+            1e-12);
+}
+
+TEST(Transcription, ConstraintsOnTheGivenStateAloneAreNoRows) {
+  const ShootingProblem free = testing::cartpole_swing_up(3);
+  const auto with_first = [&](int first) {
+    return testing::with_constraints(free, {{.name = "track",
+                                             .residual = coordinate_residual(free.manifold(), {0}),
+                                             .reference = {0},
+                                             .lower = {-1},
+                                             .upper = {1},
+                                             .first = first,
+                                             .last = 100}});
+  };
+  const ShootingProblem all = with_first(0), later = with_first(1);
+  Acts acts_of_all(all), acts_of_later(later);
+  EXPECT_EQ(Transcription(all, acts_of_all, {}).rows(),
+            Transcription(later, acts_of_later, {}).rows());
+}
+
+}  // namespace
+}  // namespace conddp

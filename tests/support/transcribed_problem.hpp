@@ -1,0 +1,95 @@
+#pragma once
+
+#include <filesystem>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "nlp/transcription.hpp"
+#include "output/golden_case.hpp"
+#include "output/solution_certificate.hpp"
+#include "output/solution_json.hpp"
+#include "problem_file/build.hpp"
+#include "problem_file/read_problem.hpp"
+#include "solvers/registry.hpp"
+#include "support/nlp_derivatives.hpp"
+
+/// Ready problems by direct transcription.
+namespace conddp::testing {
+
+/// Names of the ready problems with a robot on legs, or of those without.
+inline std::vector<std::string> ready_problems(bool legged) {
+  std::vector<std::string> names;
+  const auto folder = std::filesystem::path(CONDDP_SOURCE_DIR) / "problems";
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    const std::string name = entry.path().stem().string();
+    const bool on_legs = name.starts_with("quadruped") || name.starts_with("biped");
+    if (entry.path().extension() == ".yaml" && on_legs == legged) names.push_back(name);
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+struct ReadyProblem {
+  explicit ReadyProblem(const std::string& name, const std::vector<std::string>& settings = {}) {
+    const auto file = std::filesystem::path(CONDDP_SOURCE_DIR) / "problems" / (name + ".yaml");
+    Diagnostics out;
+    auto read = read_problem(file, settings, out);
+    if (!read) throw std::runtime_error(format_diagnostics(out, false));
+    spec = *std::move(read);
+    auto made = build_problem(spec, {}, out);
+    if (!made) throw std::runtime_error(format_diagnostics(out, false));
+    built = *std::move(made);
+  }
+  ProblemSpec spec;
+  BuiltProblem built;
+};
+
+inline double known_cost(const std::string& name) {
+  Diagnostics out;
+  const auto file = std::filesystem::path(CONDDP_SOURCE_DIR) / "tests/golden" / (name + ".json");
+  return load_golden(file, out).value().answer.at("cost").get<double>();
+}
+
+/// Gradient, Jacobian and Hessian near the guess.
+inline void check_transcription(const std::string& name) {
+  const ReadyProblem ready(name);
+  const ShootingProblem& problem = *ready.built.problem;
+  Acts acts(problem);
+  Transcription program(problem, acts, {});
+  program.set_center(ready.built.guess);
+  std::mt19937_64 engine(11);
+  const Eigen::VectorXd y =
+      program.point_of(ready.built.guess) + 0.05 * random_vector(program.variables(), engine);
+  check_derivatives(program, y, engine, 1e-5);
+}
+
+/// Solves a problem by `ipopt` from its guess, or from its own solver's answer, and expects the
+/// known optimum with a certificate that holds.
+inline void expect_known_optimum(const std::string& name, bool from_answer) {
+  const ReadyProblem ready(name, {"solver.name=ipopt"});
+  Trajectory start = ready.built.guess;
+  SolverOptions options = ready.spec.solver.options;
+  if (from_answer) {
+    const ReadyProblem own(name);
+    start = solve(*own.built.problem, own.spec.solver.name.value, own.spec.solver.options, start)
+                .trajectory;
+    options.ipopt = {{"mu_init", 1e-6}, {"bound_push", 1e-8}, {"bound_frac", 1e-8}};
+  }
+  const SolverInfo& solver = *find_solver("ipopt");
+  const SolveResult result = solve(*ready.built.problem, solver, options, start);
+  EXPECT_EQ(result.status, SolveStatus::converged) << result.message;
+  const double cost = known_cost(name);
+  EXPECT_NEAR(result.cost, cost, 1e-6 * std::abs(cost));
+  ProblemSpec spec = ready.spec;
+  spec.solver.options = options;
+  const OrderedJson document =
+      OrderedJson::parse(solution_json({spec, ready.built, solver, result, {}}).dump());
+  for (const Check& check : certify_solution(document, spec, ready.built, false).checks.checks)
+    EXPECT_TRUE(check.holds) << check.name << ": claimed " << check.claimed << ", found "
+                             << check.found << ' ' << check.message;
+}
+
+}  // namespace conddp::testing
