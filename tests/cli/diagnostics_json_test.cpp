@@ -56,8 +56,8 @@ TEST(DiagnosticsJson, UsageErrorsWithWhatIsAccepted) {
   const Json flag = diagnostics({"solve", "x", "--sovler", "ilqr", "--diagnostics", "json"}).at(0);
   EXPECT_EQ(flag["hint"], "did you mean '--solver'?");
   const Json value = diagnostics({"solve", "x", "--solver", "boxddp", "--diagnostics=json"}).at(0);
-  EXPECT_EQ(value["hint"], "did you mean 'box_ddp' or 'box_fddp'?");
-  EXPECT_EQ(value["accepted"].size(), 7u);
+  EXPECT_EQ(value["hint"], "did you mean 'box_ddp' or 'box_fddp' or 'proxddp'?");
+  EXPECT_EQ(value["accepted"].size(), 9u);
   const Json kind = diagnostics({"list", "--diagnostics=json", "slovers"}).at(0);
   EXPECT_EQ(kind["hint"], "did you mean 'solvers'?");
   diagnostics({"--diagnostics=json"});
