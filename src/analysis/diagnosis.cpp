@@ -98,10 +98,11 @@ Diagnosis open_gaps(const Window& w) {
 
 Diagnosis slow_feasibility(const Window& w) {
   return {DiagnosisPattern::slow_feasibility,
-          fmt::format("full steps, but the violation falls slowly: {:.1e} after {:.1e} {} steps "
+          fmt::format("full steps, but the violation falls slowly: {:.1e}{} after {:.1e} {} steps "
                       "before",
-                      w.last().constraint, w.first().constraint, w.steps()),
-          -1, "constraint violation", "a larger penalty to begin with, or one that grows faster"};
+                      w.last().constraint, at(w.last().constraint_knot), w.first().constraint,
+                      w.steps()),
+          w.last().constraint_knot, "constraint violation", "a larger penalty to begin with, or one that grows faster"};
 }
 
 Diagnosis alternating(const Window& w) {

@@ -18,8 +18,8 @@ namespace conddp {
 
 /// x ⊖ reference, all ndx rows. Parameter: a state (nx of the manifold).
 std::shared_ptr<const Residual> state_residual(const StateManifold& manifold);
-/// Chosen flat coordinates: x[i] − reference, one row per index into the state. Used for joint
-/// positions and velocities. Parameter: one number per index.
+/// Chosen coordinates, of flat parts and of the positions of poses: x[i] − reference, one row per
+/// index into the state. Used for joint positions and velocities. Parameter: one number per index.
 std::shared_ptr<const Residual> coordinate_residual(const StateManifold& manifold,
                                                     std::vector<int> state_indices);
 /// u − reference. Parameter: nu numbers.

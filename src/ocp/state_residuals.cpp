@@ -57,7 +57,12 @@ class CoordinateResidual : public ResidualBase<CoordinateResidual> {
  public:
   CoordinateResidual(const StateManifold& manifold, std::vector<int> indices)
       : ResidualBase(structure(manifold, indices), static_cast<int>(indices.size()), false),
-        indices_(std::move(indices)) {}
+        indices_(std::move(indices)) {
+    for (const int index : indices_) {
+      const StateManifold::Segment& home = home_of(manifold, index);
+      poses_.push_back(home.part == StateManifold::Part::flat ? -1 : home.x);
+    }
+  }
 
   template <class S>
   void evaluate_as(const ResidualInput<S>& in, S* r) const {
@@ -66,25 +71,42 @@ class CoordinateResidual : public ResidualBase<CoordinateResidual> {
   template <class S>
   void differentiate_as(const ResidualInput<S>& in, S* r, S* jacobian) const {
     evaluate_as(in, r);
-    std::fill_n(jacobian, indices_.size(), S(1.0));
+    for (std::size_t i = 0; i < indices_.size(); ++i) {
+      if (poses_[i] < 0) {
+        *jacobian++ = S(1.0);
+        continue;
+      }
+      // The tangent is in the body's axes: p ⊕ δ = p + R δ to first order.
+      const S* q = in.x + poses_[i] + 3;
+      const Matrix3<S> R = rotation_matrix(Quaternion<S>{q[0], q[1], q[2], q[3]});
+      for (int c = 0; c < 3; ++c) *jacobian++ = R(indices_[i] - poses_[i], c);
+    }
   }
 
  private:
+  /// The part of the state in which a coordinate lies.
+  static const StateManifold::Segment& home_of(const StateManifold& manifold, int index) {
+    for (const auto& segment : manifold.segments()) {
+      const bool flat = segment.part == StateManifold::Part::flat;
+      if (!flat && segment.part != StateManifold::Part::se3) continue;
+      if (index >= segment.x && index < segment.x + (flat ? segment.n : 3)) return segment;
+    }
+    throw std::invalid_argument("not a coordinate of the state");
+  }
   static std::vector<RowBlock> structure(const StateManifold& manifold,
                                          const std::vector<int>& indices) {
     std::vector<RowBlock> blocks;
-    for (int index : indices) {
-      const StateManifold::Segment* home = nullptr;
-      for (const auto& segment : manifold.segments())
-        if (segment.part == StateManifold::Part::flat && index >= segment.x &&
-            index < segment.x + segment.n)
-          home = &segment;
-      if (home == nullptr) throw std::invalid_argument("not a flat coordinate of the state");
-      blocks.push_back({1, {home->dx + index - home->x}});
+    for (const int index : indices) {
+      const StateManifold::Segment& home = home_of(manifold, index);
+      if (home.part == StateManifold::Part::flat)
+        blocks.push_back({1, {home.dx + index - home.x}});
+      else
+        blocks.push_back({1, column_range(home.dx, 3)});
     }
     return blocks;
   }
   std::vector<int> indices_;
+  std::vector<int> poses_;  ///< where the pose starts whose position it is, −1 of flat coordinates
 };
 
 std::vector<RowBlock> diagonal_blocks(int first_column, int count) {

@@ -122,6 +122,16 @@ Picture picture(const QuadrotorParameters& p) {
       }};
 }
 
+Picture picture(const LanderParameters&) {
+  return {{{"lander",
+            0,
+            {box(1, 1, 0.6, {0, 0, 0.8, 0, 0, 0, 1}), box(1.6, 0.1, 0.5, {0, 0, 0.25, 0, 0, 0, 1}),
+             box(0.1, 1.6, 0.5, {0, 0, 0.25, 0, 0, 0, 1})}}},
+          [](const double* x) {
+            return std::vector<Picture::Pose>{{x[0], x[1], x[2], 0, 0, 0, 1}};
+          }};
+}
+
 }  // namespace
 
 OrderedJson closed_form_scene(const SystemSpec& system, const Trajectory& trajectory) {

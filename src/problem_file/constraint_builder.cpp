@@ -136,6 +136,33 @@ void add_friction_cone(const ConstraintSpec& spec, const CostContext& context, B
   list.push_back(std::move(limits));
 }
 
+/// The constraint from each of its centers; one without centers as it is.
+void add_centers(const BuiltConstraint& constraint, std::vector<BuiltConstraint>& list,
+                 Diagnostics& out) {
+  if (constraint.spec->centers.empty()) return list.push_back(constraint);
+  const CostResidual& residual = constraint.function.residual;
+  for (const Located<std::vector<double>>& center : constraint.spec->centers) {
+    if (static_cast<int>(center.value.size()) != residual.parameters.nx())
+      return out.error(center.place, fmt::format("a center has {} numbers here, not {}",
+                                                 residual.parameters.nx(), center.value.size()));
+    list.push_back(constraint);
+    list.back().function.reference = TimeSeries(residual.parameters, center.value);
+  }
+}
+
+/// The residual of a constraint; from centers, measured from the origin at first.
+CostSpec function_of(const ConstraintSpec& spec) {
+  CostSpec function = spec.function;
+  if (spec.centers.empty()) return function;
+  ReferenceValueSpec origin{.place = spec.centers.front().place};
+  if (function.kind == ResidualKind::kFramePosition || function.kind == ResidualKind::kComPosition)
+    origin.pose = PoseSpec{.place = origin.place, .position = Vector3<double>::zero()};
+  else
+    origin.components = ComponentsSpec{.place = origin.place, .scalar = 0.0};
+  function.reference = ReferenceSpec{.place = origin.place, .values = {origin}};
+  return function;
+}
+
 /// The set of a constraint whose residual is built.
 bool set_bounds(BuiltConstraint& built, Diagnostics& out) {
   const ConstraintSpec& spec = *built.spec;
@@ -192,7 +219,7 @@ std::vector<BuiltConstraint> build_constraints(const std::vector<ConstraintSpec>
       if (auto built = build_state_bounds(spec, context, out)) list.push_back(std::move(*built));
       continue;
     }
-    for (BuiltCost& function : build_costs({spec.function}, context, out)) {
+    for (BuiltCost& function : build_costs({function_of(spec)}, context, out)) {
       function.spec = &spec.function;
       if (function.contact.contact >= 0 && spec.function.cone.second_order) {
         add_friction_cone(spec, context, std::move(function), list, out);
@@ -200,7 +227,7 @@ std::vector<BuiltConstraint> build_constraints(const std::vector<ConstraintSpec>
       }
       BuiltConstraint built{.spec = &spec};
       built.function = std::move(function);
-      if (set_bounds(built, out)) list.push_back(std::move(built));
+      if (set_bounds(built, out)) add_centers(built, list, out);
     }
   }
   return list;

@@ -17,12 +17,13 @@ const std::vector<std::string> kPoseNames = {"x", "y", "z", "rx", "ry", "rz"};
 const std::vector<std::string> kMomentumNames = {"px", "py", "pz", "lx", "ly", "lz"};
 const std::vector<std::string> kTwistNames = {"vx", "vy", "vz", "wx", "wy", "wz"};
 
-/// Whether a state index lies in a flat part of the manifold.
-bool is_flat(const StateManifold& manifold, int index) {
-  for (const auto& segment : manifold.segments())
-    if (segment.part == StateManifold::Part::flat && index >= segment.x &&
-        index < segment.x + segment.n)
-      return true;
+/// Whether a state index is a coordinate on its own: in a flat part, or of the position of a pose.
+bool is_coordinate(const StateManifold& manifold, int index) {
+  using Part = StateManifold::Part;
+  for (const auto& segment : manifold.segments()) {
+    const int count = segment.part == Part::flat ? segment.n : segment.part == Part::se3 ? 3 : 0;
+    if (index >= segment.x && index < segment.x + count) return true;
+  }
   return false;
 }
 
@@ -44,17 +45,17 @@ void set_state_limits(const MultibodySystem& system, CostResidual& result) {
 bool choose_columns(const CostSpec& cost, const System& system, CostResidual& result,
                     Diagnostics& out) {
   const ComponentNames all = state_names(system);
-  std::vector<std::string> flat, chosen;
+  std::vector<std::string> free, chosen;
   for (int i = 0; i < system.nx(); ++i)
-    if (is_flat(system.manifold(), i)) flat.push_back(all.names[i]);
+    if (is_coordinate(system.manifold(), i)) free.push_back(all.names[i]);
   for (const Name& name : *cost.columns) {
     const auto found = std::find(all.names.begin(), all.names.end(), name.value);
-    if (found == all.names.end() || std::find(flat.begin(), flat.end(), name.value) == flat.end()) {
+    if (found == all.names.end() || std::find(free.begin(), free.end(), name.value) == free.end()) {
       out.error(name.place,
                 found == all.names.end()
                     ? fmt::format("the state has no column '{}'", name.value)
-                    : fmt::format("'{}' is part of a pose and cannot be chosen alone", name.value),
-                name_hint(name.value, flat, "columns that can be chosen"));
+                    : fmt::format("'{}' is part of a rotation and cannot be chosen alone", name.value),
+                name_hint(name.value, free, "columns that can be chosen"));
       return false;
     }
     chosen.push_back(name.value);

@@ -115,7 +115,10 @@ OrderedJson expand_constraint(const ConstraintSpec& constraint, const ProblemSpe
     return json;
   }
   json = expand_residual(function, spec, plant, terminal);
-  if (OrderedJson reference = expand_reference(function); !reference.is_null())
+  for (const Located<std::vector<double>>& center : constraint.centers)
+    json["centers"].push_back(center.value);
+  if (OrderedJson reference = expand_reference(function);
+      !reference.is_null() && constraint.centers.empty())
     json["reference"] = std::move(reference);
   if (constraint.at_least) json["at_least"] = *constraint.at_least;
   if (constraint.at_most) json["at_most"] = *constraint.at_most;

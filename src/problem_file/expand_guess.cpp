@@ -16,7 +16,8 @@ OrderedJson expand_states_guess(const GuessSpec& guess) {
     entry["state"] = expand_state(keyframe.state);
     keyframes.push_back(std::move(entry));
   }
-  return {{"keyframes", std::move(keyframes)}};
+  return {{"keyframes", std::move(keyframes)},
+          {"interpolation", word_of(kInterpolationWords, guess.interpolation)}};
 }
 
 OrderedJson expand_controls_guess(const GuessSpec& guess) {

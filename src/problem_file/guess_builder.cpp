@@ -135,7 +135,10 @@ class GuessBuilder {
       if (state) series.append(when, *state);
     }
     if (!good) return std::nullopt;
-    used_.states = fmt::format("interpolated between {} keyframes", guess().keyframes.size());
+    const bool cubic = guess().interpolation == Interpolation::kCubic;
+    if (cubic) series.make_cubic();
+    used_.states = fmt::format("interpolated between {} keyframes{}", guess().keyframes.size(),
+                               cubic ? " by a cubic spline" : "");
     return series;
   }
 

@@ -54,6 +54,7 @@ std::shared_ptr<const System> make_system(const ProblemSpec& spec, Diagnostics& 
           },
           [](const PlanarQuadrotorParameters& p) -> Result { return planar_quadrotor(p); },
           [](const QuadrotorParameters& p) -> Result { return quadrotor(p); },
+          [](const LanderParameters& p) -> Result { return lander(p); },
       },
       spec.system->parameters);
 }

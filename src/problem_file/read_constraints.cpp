@@ -100,6 +100,51 @@ void read_set(YamlMap& map, ConstraintSpec& constraint) {
   }
 }
 
+/// Points, and lines of points: {from, to, count} with both ends.
+void add_centers(const YamlReader& reader, std::vector<Located<std::vector<double>>>& centers) {
+  constexpr int kMostPoints = 10'000;
+  if (!reader.is_map()) {
+    if (auto point = reader.numbers()) centers.push_back({std::move(*point), reader.place()});
+    return;
+  }
+  YamlMap line(reader);
+  const auto from = line.require("from"), to = line.require("to"), count = line.require("count");
+  if (!from || !to || !count) return;
+  const auto begin = from->numbers();
+  if (!begin) return;
+  const auto end = to->numbers(begin->size(), "as many as 'from' has");
+  const auto points = count->integer(2, kMostPoints);
+  if (!end || !points) return;
+  for (long long i = 0; i < *points; ++i) {
+    const double share = static_cast<double>(i) / static_cast<double>(*points - 1);
+    std::vector<double> point(begin->size());
+    for (std::size_t c = 0; c < point.size(); ++c)
+      point[c] = (1 - share) * (*begin)[c] + share * (*end)[c];
+    centers.push_back({std::move(point), reader.place()});
+  }
+}
+
+void read_centers(YamlMap& map, ConstraintSpec& constraint) {
+  const auto reader = map.find("centers");
+  if (!reader) return;
+  map.exclusive({"centers", "reference"});
+  const auto items = reader->items();
+  if (!items) return;
+  for (const YamlReader& item : *items) add_centers(item, constraint.centers);
+  if (items->empty()) reader->error("there is no center");
+  const CostSpec& function = constraint.function;
+  const bool of_points =
+      function.kind == ResidualKind::kFramePosition ||
+      function.kind == ResidualKind::kComPosition || function.kind == ResidualKind::kControl ||
+      function.kind == ResidualKind::kJointPosition ||
+      (function.kind == ResidualKind::kState && function.columns);
+  if (!of_points)
+    reader->error("a constraint from centers needs a residual that is a point",
+                  "frame_position, com_position, joint_position, control, or state with 'columns'");
+  else if (!constraint.at_least && !constraint.at_most)
+    reader->error("a constraint from centers needs 'at_least' or 'at_most'");
+}
+
 void read_constraint(const Name& name, const YamlReader& reader,
                      const std::filesystem::path& folder, bool terminal, ProblemSpec& spec) {
   YamlMap map(reader);
@@ -126,6 +171,7 @@ void read_constraint(const Name& name, const YamlReader& reader,
   constraint.function.name = name;
   if (!read_residual(map, folder, terminal, true, constraint.function)) return;
   read_set(map, constraint);
+  read_centers(map, constraint);
   (terminal ? spec.terminal_constraints : spec.constraints).push_back(std::move(constraint));
 }
 

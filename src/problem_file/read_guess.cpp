@@ -49,6 +49,9 @@ void read_states(const YamlReader& reader, const std::filesystem::path& folder, 
       for (const YamlReader& item : *items) guess.keyframes.push_back(read_keyframe(item));
       if (items->empty()) r->error("there is no keyframe");
     }
+    if (const auto way = map.find("interpolation"))
+      guess.interpolation =
+          way->choice(kInterpolationWords, "interpolation").value_or(guess.interpolation);
   } else {
     guess.states = States::kFile;
     guess.states_file = read_data_file(map, folder);

@@ -44,6 +44,12 @@ struct KeyframeSpec {
   StateSpec state;
 };
 
+/// How knots get their values from those between which they lie.
+enum class Interpolation {
+  kLinear,  ///< along the shortest way
+  kCubic,   ///< by a natural cubic spline
+};
+
 /// Where the first trajectory comes from.
 struct GuessSpec {
   enum class States { kInitial, kInterpolate, kKeyframes, kFile };
@@ -51,6 +57,7 @@ struct GuessSpec {
   States states = States::kInitial;
   Place states_place;
   std::vector<KeyframeSpec> keyframes;
+  Interpolation interpolation = Interpolation::kLinear;  ///< between keyframes
   std::optional<DataFileSpec> states_file;
   Controls controls = Controls::kZero;
   Place controls_place;

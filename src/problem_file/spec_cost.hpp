@@ -104,6 +104,8 @@ struct ConstraintSpec {
   bool from_urdf = false;
   Place from_place;
   std::optional<ComponentsSpec> equals, lower, upper;
+  /// References for each of which the constraint holds, instead of one.
+  std::vector<Located<std::vector<double>>> centers;
   std::optional<double> at_least, at_most;  ///< of the residual's norm
   double slope = 1;                         ///< of a cone
 };

@@ -80,7 +80,7 @@ struct SystemSpec {
   Place place;
   std::variant<DoubleIntegratorSpec, LinearSpec, PendulumParameters, CartpoleParameters,
                AcrobotParameters, UnicycleSpec, CarSpec, PlanarQuadrotorParameters,
-               QuadrotorParameters>
+               QuadrotorParameters, LanderParameters>
       parameters;
 };
 

@@ -10,7 +10,7 @@ namespace conddp {
 /// `type` of the alternatives of SystemSpec::parameters, in their order.
 inline constexpr std::string_view kSystemTypes[] = {
     "double_integrator", "linear", "pendulum",         "cartpole", "acrobot",
-    "unicycle",          "car",    "planar_quadrotor", "quadrotor"};
+    "unicycle",          "car",    "planar_quadrotor", "quadrotor", "lander"};
 static_assert(std::size(kSystemTypes) == std::variant_size_v<decltype(SystemSpec::parameters)>);
 
 /// The scalar parameters of a closed-form system: calls `field(key, value, range)` for each, with a
@@ -52,6 +52,10 @@ void for_each_field([[maybe_unused]] P& p, [[maybe_unused]] Field&& field) {
     field("jz", p.jz, kPositive);
     field("arm", p.arm, kPositive);
     field("torque_ratio", p.torque_ratio, kPositive);
+    field("gravity", p.gravity, kAnyNumber);
+  } else if constexpr (std::is_same_v<Parameters, LanderParameters>) {
+    field("mass", p.mass, kPositive);
+    field("fuel_rate", p.fuel_rate, kNotNegative);
     field("gravity", p.gravity, kAnyNumber);
   }
 }

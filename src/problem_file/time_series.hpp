@@ -19,8 +19,13 @@ class TimeSeries {
   bool empty() const { return times_.empty(); }
   double last_time() const { return times_.back(); }
 
-  /// Along the shortest way between neighbours (geodesic on curved parts); outside, the nearest
-  /// end.
+  /// Makes interpolate() a natural cubic spline through the values: on flat parts that with
+  /// continuous second derivatives and none at the ends; on curved parts the same bends are added
+  /// to the geodesics in tangent coordinates. To be called after the last append().
+  void make_cubic();
+
+  /// Along the shortest way between neighbours (geodesic on curved parts) or the spline; outside,
+  /// the nearest end.
   std::vector<double> interpolate(double time) const;
   /// The last value not later than `time` (within rounding), or the first one.
   const std::vector<double>& hold(double time) const;
@@ -29,6 +34,7 @@ class TimeSeries {
   StateManifold manifold_;
   std::vector<double> times_;
   std::vector<std::vector<double>> values_;
+  std::vector<std::vector<double>> bends_;  ///< second derivatives at the values; empty: linear
 };
 
 /// Manifolds of references: a rotation (quaternion), and a pose whose position and rotation are

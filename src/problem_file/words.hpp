@@ -65,6 +65,10 @@ inline constexpr Choice<PairsSpec::Choice> kPairsWords[] = {
 inline constexpr Choice<GuessSpec::States> kStatesGuessWords[] = {
     {"initial", GuessSpec::States::kInitial}, {"interpolate", GuessSpec::States::kInterpolate}};
 
+inline constexpr Choice<Interpolation> kInterpolationWords[] = {
+    {"linear", Interpolation::kLinear, "straight from one to the next, rotations the shortest way"},
+    {"cubic", Interpolation::kCubic, "by a natural cubic spline"}};
+
 inline constexpr Choice<GuessSpec::Controls> kControlsGuessWords[] = {
     {"zero", GuessSpec::Controls::kZero},
     {"quasi_static", GuessSpec::Controls::kQuasiStatic},

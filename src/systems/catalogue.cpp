@@ -233,6 +233,32 @@ class Quadrotor : public ClosedFormSystem<Quadrotor> {
   QuadrotorParameters p_;
 };
 
+class Lander : public ClosedFormSystem<Lander> {
+ public:
+  explicit Lander(const LanderParameters& p)
+      : ClosedFormSystem(SystemKind::first_order, StateManifold::flat(7), 3), p_(p) {
+    for (const char* name : {"x", "y", "z"}) state_columns_.push_back({name, "m"});
+    for (const char* name : {"vx", "vy", "vz"}) state_columns_.push_back({name, "m/s"});
+    state_columns_.push_back({"burnt", "kg"});
+    for (const char* name : {"tx", "ty", "tz"}) control_columns_.push_back({name, "N"});
+  }
+  template <class S>
+  void rate(const S* x, const S* u, S* f) const {
+    const S per_mass = S(1.0) / (S(p_.mass) - x[6]);
+    S square(kThrustRounding * kThrustRounding);
+    for (int i = 0; i < 3; ++i) {
+      f[i] = x[3 + i];
+      f[3 + i] = u[i] * per_mass;
+      square += u[i] * u[i];
+    }
+    f[5] -= S(p_.gravity);
+    f[6] = S(p_.fuel_rate) * sqrt(square);
+  }
+
+ private:
+  LanderParameters p_;
+};
+
 }  // namespace
 
 std::shared_ptr<const System> double_integrator(int dimension) {
@@ -260,6 +286,9 @@ std::shared_ptr<const System> planar_quadrotor(const PlanarQuadrotorParameters& 
 }
 std::shared_ptr<const System> quadrotor(const QuadrotorParameters& p) {
   return std::make_shared<Quadrotor>(p);
+}
+std::shared_ptr<const System> lander(const LanderParameters& p) {
+  return std::make_shared<Lander>(p);
 }
 
 }  // namespace conddp

@@ -43,6 +43,17 @@ TEST(Solve, ConvergesAndWritesItsFiles) {
   EXPECT_EQ(solution["problem"]["sha256"].get<std::string>().size(), 64u);
 }
 
+TEST(Solve, TheCertificateOfAnInfeasibleAnswerHolds) {
+  // What is written after the last update of the multipliers belongs to these.
+  const TemporaryFolder folder;
+  const ProcessResult r =
+      run_conddp({"solve", source("problems/double_integrator_limits.yaml"), "--set",
+                  "terminal.constraints.goal.reference=[9, 0]", "-o", folder.path()});
+  EXPECT_EQ(r.exit_code, 1) << r.err;
+  EXPECT_NE(r.out.find("infeasible"), std::string::npos) << r.out;
+  EXPECT_NE(r.out.find("certificate   holds"), std::string::npos) << r.out;
+}
+
 TEST(Solve, TheDefaultFolderIsNamedAfterTheProblem) {
   const TemporaryFolder folder;
   const ProcessResult r = run_conddp({"solve", kPendulum, "--quiet"}, {.folder = folder.path()});

@@ -83,6 +83,8 @@ TEST(ConstraintSet, DistanceAndComplementarityTellASolutionFromItsNeighbours) {
   EXPECT_EQ(complementarity(box, values, lower, upper, right), 0);
   EXPECT_EQ(complementarity(box, values, lower, upper, wrong_side), 4);
   EXPECT_EQ(complementarity(box, values, lower, upper, no_bound), 4);
+  const double short_of[] = {1.0, -0.5, 0.5}, pulls[] = {0, 7, 0};  // an equality has no inside
+  EXPECT_EQ(complementarity(box, short_of, lower, upper, pulls), 0);
   const double off[] = {1.5, -0.1, -2};
   EXPECT_EQ(distance_to_set(box, off, lower, upper), 2);
 

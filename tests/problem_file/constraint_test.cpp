@@ -130,6 +130,47 @@ TEST(Constraints, FrictionConesAreExactOrPyramidsWhereTheContactIsHeld) {
   EXPECT_NE(b[2], 0);
 }
 
+TEST(Constraints, FromCentersAreOneForEachOfThem) {
+  const Loaded loaded(
+      with("  posts: {residual: state, columns: [theta, omega], at_least: 0.5, knots: [2],\n"
+           "          centers: [[3, 4], {from: [1, 0], to: [2, 6], count: 4}]}\n"));
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const ShootingProblem& problem = *loaded.built->problem;
+  std::vector<NodeConstraint> posts;
+  for (const NodeConstraint& c : named(problem, "posts"))
+    if (c.node == 2) posts.push_back(c);
+  ASSERT_EQ(posts.size(), 5u);
+  Trajectory t = problem.create_trajectory();
+  t.x(2) << 1, 1;
+  Evaluation evaluation(problem);
+  Acts(problem).evaluate(t, evaluation);
+  const double expected[] = {std::hypot(2, 3), 1, std::hypot(1 / 3., 1), std::hypot(2 / 3., 3),
+                             std::hypot(1, 5)};
+  for (int i = 0; i < 5; ++i) {
+    EXPECT_NEAR(evaluation.constraint[posts[i].row], expected[i], 1e-12);
+    EXPECT_EQ(posts[i].lower[0], 0.5);
+  }
+}
+
+TEST(Constraints, PositionsOfAPoseHaveColumns) {
+  const Loaded loaded(R"(conddp: 1
+system: {type: quadrotor}
+initial_state: {values: {x: 1, y: 2, z: 3}}
+phases: [{knots: 3, dt: 0.1}]
+costs: {effort: {residual: control}}
+constraints: {hall: {residual: state, columns: [z, x], upper: [5, 6]}}
+solver: {name: altro}
+)");
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const ShootingProblem& problem = *loaded.built->problem;
+  Evaluation evaluation(problem);
+  Acts(problem).evaluate(problem.create_trajectory(), evaluation);
+  const auto hall = named(problem, "hall");
+  ASSERT_FALSE(hall.empty());
+  EXPECT_EQ(evaluation.constraint[hall[0].row], 3);
+  EXPECT_EQ(evaluation.constraint[hall[0].row + 1], 1);
+}
+
 TEST(Constraints, WhatContradictsIsFoundBeforeSolving) {
   const std::pair<std::string, const char*> cases[] = {
       {with("  speed: {bounds: velocity, lower: 2, upper: 1}\n"), "no value of 'omega' keeps"},
@@ -161,6 +202,19 @@ TEST(Constraints, WhatCannotBeSaidIsRefused) {
       {with("  a: {bounds: velocity}\n"), "need 'lower', 'upper' or 'from: urdf'"},
       {with("", "    a: {bounds: state, lower: 1}\n"), "bounds stand among the constraints"},
       {with("", "    a: {residual: control}\n"), "there is none at the terminal node"},
+      {with("  a: {residual: state, columns: theta, centers: [[1]]}\n"),
+       "a constraint from centers needs 'at_least' or 'at_most'"},
+      {with("  a: {residual: state, columns: theta, at_least: 1, centers: []}\n"),
+       "there is no center"},
+      {with("  a: {residual: state, columns: theta, at_least: 1, centers: [[9], [1, 2]]}\n"),
+       "a center has 1 numbers here, not 2"},
+      {with("  a: {residual: state, columns: theta, at_least: 1, centers: [{from: [1], to: [2, 3], "
+            "count: 3}]}\n"),
+       "as many as 'from' has"},
+      {with("  a: {residual: state, at_least: 1, centers: [[1, 2]]}\n"),
+       "needs a residual that is a point"},
+      {with("  a: {residual: state, columns: theta, reference: 3, at_least: 1, centers: [[9]]}\n"),
+       "centers"},
       {with("  a: {residual: state, knots: [12]}\n"), "running knots are numbered from 0 to 9"}};
   for (const auto& [text, message] : cases) {
     const Loaded loaded(text);

@@ -148,7 +148,9 @@ terminal:
                "  here: {bounds: state, lower: {theta: -1}, phases: second}\n"
                "  fixed: {residual: state, equals: {theta: 0.2}, knots: [2, 3]}\n"
                "  far: {residual: state, columns: theta, reference: 4, at_least: 1, at_most: 9}\n"
-               "  cone: {residual: state, cone: second_order, slope: 2, knots: [5]}\n"),
+               "  cone: {residual: state, cone: second_order, slope: 2, knots: [5]}\n"
+               "  posts: {residual: state, columns: theta, at_least: 1, centers: [[4], {from: [5], "
+               "to: [7], count: 3}]}\n"),
       "terminal:\n  costs:\n    goal: {residual: state, reference: {values: {theta: 1}}, weight: "
       "10}\n"
       "solver: {name: box_ddp}\n",
@@ -179,6 +181,9 @@ solver: {name: altro}
   texts.push_back(replaced(kPendulum, "solver:",
                            "initial_guess: {states: {keyframes: [{knot: 2, "
                            "state: [1, 2]}]}, controls: gravity}\nsolver:"));
+  texts.push_back(replaced(kPendulum, "solver:",
+                           "initial_guess: {states: {interpolation: cubic, keyframes: [{knot: 2, "
+                           "state: [1, 2]}, {knot: 5, state: [0, 1]}]}}\nsolver:"));
   return texts;
 }
 

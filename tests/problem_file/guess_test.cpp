@@ -39,6 +39,18 @@ TEST(Guess, PassesThroughKeyframes) {
   EXPECT_NEAR(loaded.built->guess.x(10)[1], 1, 1e-12);
 }
 
+TEST(Guess, PassesThroughKeyframesByASpline) {
+  const std::string keyframes =
+      "keyframes: [{knot: 4, state: [2, 0]}, {knot: 7, state: [3, 1]}, {knot: 10, state: [0, 0]}]";
+  const Loaded straight(with_guess("{states: {" + keyframes + "}}"));
+  const Loaded bent(with_guess("{states: {" + keyframes + ", interpolation: cubic}}"));
+  ASSERT_TRUE(straight.built && bent.built) << straight.all() << bent.all();
+  for (const int knot : {0, 4, 7, 10})
+    EXPECT_NEAR(bent.built->guess.x(knot)[0], straight.built->guess.x(knot)[0], 1e-12);
+  EXPECT_GT(bent.built->guess.x(6)[0], straight.built->guess.x(6)[0] + 0.05);
+  EXPECT_NE(bent.built->guess_used.states.find("cubic spline"), std::string::npos);
+}
+
 TEST(Guess, ConstantAndRandomControls) {
   const Loaded a(with_guess("{controls: {constant: 2, random: {seed: 7, scale: 0.5}}}"));
   const Loaded b(with_guess("{controls: {constant: {torque: 2}, random: {seed: 7, scale: 0.5}}}"));

@@ -118,6 +118,14 @@ TEST(Schema, HasTheReadersKeys) {
                                "initial_guess: {states: {keyframes: [{time: 1, state: "
                                "[1, 2], zzzzzzzz: 1}]}}\nsolver:")),
             schema_keys(d["keyframe"]));
+  EXPECT_EQ(accepted_keys(with("solver:",
+                               "initial_guess: {states: {keyframes: [{time: 1, state: [1, 2]}], "
+                               "zzzzzzzz: 1}}\nsolver:")),
+            schema_keys(d["initial_guess"]["properties"]["states"]["anyOf"][1]));
+  EXPECT_EQ(accepted_keys(with("bounds: control, lower: -3",
+                               "residual: state, columns: theta, at_least: 1, "
+                               "centers: [{from: [4], zzzzzzzz: 1}]")),
+            schema_keys(d["line_of_centers"]));
   EXPECT_EQ(accepted_keys(with("name: box_ddp", "zzzzzzzz: 1")), schema_keys(d["solver"]));
   for (const char* group :
        {"tolerances", "regularization", "line_search", "augmented_lagrangian", "box_qp"})
@@ -189,6 +197,8 @@ TEST(Schema, HasTheReadersDefaults) {
   EXPECT_EQ(of("planar_quadrotor", "arm"), PlanarQuadrotorParameters().arm);
   EXPECT_EQ(of("quadrotor", "jz"), QuadrotorParameters().jz);
   EXPECT_EQ(of("quadrotor", "torque_ratio"), QuadrotorParameters().torque_ratio);
+  EXPECT_EQ(of("lander", "fuel_rate"), LanderParameters().fuel_rate);
+  EXPECT_EQ(of("lander", "mass"), LanderParameters().mass);
   EXPECT_EQ(d["cost"]["properties"]["weight"]["default"], CostSpec().weight);
   EXPECT_EQ(d["activation"]["anyOf"][1]["properties"]["epsilon"]["default"],
             ActivationSpec().epsilon);

@@ -19,6 +19,37 @@ TEST(TimeSeries, InterpolatesAndHoldsFlatValues) {
   EXPECT_EQ(series.hold(2 - 1e-12)[0], 20);  // rounding of accumulated times
 }
 
+TEST(TimeSeries, ACubicSplineIsSmoothAndStraightAtItsEnds) {
+  TimeSeries series(StateManifold::flat(1));
+  const double times[] = {0, 1, 1.5, 3, 4}, values[] = {2, -1, 0, 5, 4};
+  for (int i = 0; i < 5; ++i) series.append(times[i], {values[i]});
+  series.make_cubic();
+  const auto at = [&](double t) { return series.interpolate(t)[0]; };
+  const double h = 1e-4;
+  for (int i = 0; i < 5; ++i) EXPECT_NEAR(at(times[i]), values[i], 1e-12);
+  const auto slope = [&](double t, double side) { return side * (at(t + side * h) - at(t)) / h; };
+  const auto bend = [&](double t, double side) {
+    return (at(t) - 2 * at(t + side * h) + at(t + 2 * side * h)) / (h * h);
+  };
+  for (int i = 1; i < 4; ++i) {
+    EXPECT_NEAR(slope(times[i], 1), slope(times[i], -1), 1e-2);
+    EXPECT_NEAR(bend(times[i], 1), bend(times[i], -1), 2e-2);
+  }
+  EXPECT_NEAR(bend(0, 1), 0, 1e-2);
+  EXPECT_NEAR(bend(4, -1), 0, 1e-2);
+  EXPECT_GT(std::abs(bend(1, 1)), 1);
+}
+
+TEST(TimeSeries, ASplineOfStraightMotionIsStraightAlsoOfRotations) {
+  TimeSeries series(rotation_manifold());
+  for (int i = 0; i < 4; ++i)
+    series.append(i, {0, 0, std::sin(0.2 * i), std::cos(0.2 * i)});
+  series.make_cubic();
+  const std::vector<double> q = series.interpolate(1.3);
+  EXPECT_NEAR(q[2], std::sin(0.26), 1e-12);
+  EXPECT_NEAR(q[3], std::cos(0.26), 1e-12);
+}
+
 TEST(TimeSeries, RotationsFollowTheShortestWay) {
   TimeSeries series(rotation_manifold());
   const double half = 0.75;  // half of 1.5 rad about z

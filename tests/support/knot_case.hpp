@@ -116,7 +116,8 @@ inline std::vector<std::pair<std::string, std::shared_ptr<const System>>> test_s
       {"unicycle", unicycle()},
       {"car", car(2.0, 0.03)},
       {"planar_quadrotor", planar_quadrotor({})},
-      {"quadrotor", quadrotor({})}};
+      {"quadrotor", quadrotor({})},
+      {"lander", lander({})}};
   RandomRobotOptions arm{.joints = 5, .wrenches = 2};
   RandomRobotOptions flying{.joints = 4, .floating = true, .wrenches = 2};
   auto bolted = std::make_shared<RobotModel>(random_robot(3, arm));

@@ -56,6 +56,10 @@ inline std::vector<std::pair<std::string, std::shared_ptr<const Residual>>> name
       {"control_gravity", control_gravity_residual(system, model.ndx())},
       {"momentum", centroidal_momentum_residual(system)},
       {"distance", distance_residual(system, distance_pairs(robot, frame_step))}};
+  for (const auto& segment : model.manifold().segments())
+    if (segment.part == StateManifold::Part::se3)
+      all.emplace_back("position of a pose",
+                       coordinate_residual(model.manifold(), {segment.x + 2, segment.x}));
   if (model.has_control_memory()) all.emplace_back("rate", control_rate_residual(*system));
   for (int f = 0; f < static_cast<int>(robot.frames.size()); f += frame_step) {
     const std::string& name = robot.frames[f].name;

@@ -267,9 +267,26 @@ TEST(Catalogue, UnicycleDrivesAnArc) {
   }
 }
 
+TEST(Catalogue, LanderBurnsWhatItsThrustCosts) {
+  const auto system = lander({.mass = 25, .fuel_rate = 2e-3, .gravity = 3.5});
+  const std::vector<double> x = {1, 2, 30, -4, 5, -6, 5}, u = {30, -40, 120};
+  const std::vector<double> rate = rate_of(*system, x, u);
+  EXPECT_EQ(rate[0], -4);
+  EXPECT_EQ(rate[1], 5);
+  EXPECT_EQ(rate[2], -6);
+  EXPECT_NEAR(rate[3], 1.5, 1e-14);
+  EXPECT_NEAR(rate[4], -2, 1e-14);
+  EXPECT_NEAR(rate[5], 6 - 3.5, 1e-14);
+  EXPECT_NEAR(rate[6], 2e-3 * 130, 1e-10);  // ‖T‖ = 130 N
+  // Without thrust it falls, and its Jacobians are finite there.
+  const std::vector<double> fall = rate_of(*system, x, {0, 0, 0});
+  EXPECT_EQ(fall[5], -3.5);
+  EXPECT_NEAR(fall[6], 0, 1e-5);
+}
+
 TEST(Catalogue, EverySystemNamesItsColumns) {
   for (const auto& system : {double_integrator(2), pendulum({}), cartpole({}), acrobot({}),
-                             unicycle(), car(2, 0.03), planar_quadrotor({}), quadrotor({})}) {
+                             unicycle(), car(2, 0.03), planar_quadrotor({}), quadrotor({}), lander({})}) {
     EXPECT_EQ(static_cast<int>(system->state_columns().size()), system->nx());
     EXPECT_EQ(static_cast<int>(system->control_columns().size()), system->nu());
   }
