@@ -27,6 +27,8 @@ std::string what(DerivativeKind kind) {
       return "dynamics";
     case DerivativeKind::residual:
       return "residual";
+    case DerivativeKind::constraint:
+      return "constraint";
     case DerivativeKind::gradient:
       break;
   }
@@ -52,18 +54,23 @@ OrderedJson derivatives_json(const std::vector<DerivativeComparison>& comparison
     const bool terminal = c.phase == phases;
     const Phase& phase = terminal ? problem.terminal() : problem.phases()[c.phase];
     std::string row = "cost";
-    std::string cost;
+    std::string cost, constraint;
     if (c.kind == DerivativeKind::dynamics) row = tangent[c.row];
     if (c.kind == DerivativeKind::residual) {
-      const CostTerm& term = phase.model->costs()[c.cost];
+      const CostTerm& term = phase.model->costs()[c.term];
       cost = term.name;
       row = residual_rows(term, terminal, spec, built)[c.row];
+    }
+    if (c.kind == DerivativeKind::constraint) {
+      constraint = phase.model->constraints()[c.term].name;
+      row = fmt::format("row {}", c.row);
     }
     const bool within = c.error <= kDerivativeTolerance;
     holds = holds && within;
     list.push_back({{"phase", phase.name},
                     {"derivative", what(c.kind)},
                     {"cost", cost},
+                    {"constraint", constraint},
                     {"knots", c.knots},
                     {"entries", c.entries},
                     {"holds", within},
@@ -89,6 +96,7 @@ std::string derivatives_text(const OrderedJson& derivatives) {
     const auto& worst = c["worst"];
     std::string name = c["derivative"].get<std::string>();
     if (const std::string cost = c["cost"]; !cost.empty()) name += " of " + cost;
+    if (const std::string of = c["constraint"]; !of.empty()) name += " " + of;
     const auto& error = worst["relative_error"];
     text += fmt::format(
         "  {:<6}{}, {}: worst {} at d {} / d {}: {}, by dual numbers {} (knot {}{})\n",

@@ -17,6 +17,7 @@ using D = Dual<Lane>;
 struct KnotDerivatives {
   Eigen::MatrixXd dynamics;                ///< ndx x nz
   std::vector<Eigen::MatrixXd> residuals;  ///< rows x nz, one a cost
+  Eigen::MatrixXd constraints;             ///< constraint rows x nz
   Eigen::MatrixXd gradient;                ///< 1 x nz
 };
 
@@ -40,6 +41,9 @@ class DualKnot {
   }
 
   double cost() const { return batch_.work.cost.d[0]; }
+  Eigen::VectorXd constraints() const {
+    return derivatives(batch_.work.constraint.data(), model_.constraint_rows());
+  }
 
   Eigen::VectorXd next() {
     const AlignedVector<D>& next = batch_.work.next();
@@ -76,8 +80,10 @@ class DualKnot {
 KnotDerivatives reference_derivatives(const KnotView& knot, const Trajectory& trajectory, int k) {
   const KnotModel& model = *knot.model;
   const bool terminal = model.integrator() == Integrator::none;
-  KnotDerivatives out{
-      Eigen::MatrixXd(terminal ? 0 : model.ndx(), model.nz()), {}, Eigen::MatrixXd(1, model.nz())};
+  KnotDerivatives out{Eigen::MatrixXd(terminal ? 0 : model.ndx(), model.nz()),
+                      {},
+                      Eigen::MatrixXd(model.constraint_rows(), model.nz()),
+                      Eigen::MatrixXd(1, model.nz())};
   for (const CostTerm& term : model.costs())
     out.residuals.emplace_back(term.residual->size(), model.nz());
   for (int c = 0; c < model.nz(); ++c) {
@@ -85,6 +91,7 @@ KnotDerivatives reference_derivatives(const KnotView& knot, const Trajectory& tr
     if (!terminal) out.dynamics.col(c) = dual.next();
     for (std::size_t t = 0; t < model.costs().size(); ++t)
       out.residuals[t].col(c) = dual.residual(model.costs()[t]);
+    out.constraints.col(c) = dual.constraints();
     out.gradient(0, c) = dual.cost();
   }
   return out;
@@ -127,6 +134,7 @@ KnotDerivatives analytic_derivatives(const KnotView& knot, const Trajectory& tra
   out.dynamics = terminal ? Eigen::MatrixXd(0, model.nz()) : linearization.dense_jacobian();
   for (const CostTerm& term : model.costs())
     out.residuals.push_back(residual_jacobian(model, term, batch, *data));
+  out.constraints = linearization.C;
   out.gradient = linearization.gradient.transpose();
   return out;
 }
@@ -161,6 +169,13 @@ double gradient_unit(const KnotView& knot) {
   for (const CostTerm& term : knot.model->costs())
     unit += knot.cost_scale * knot.parameters[term.weight];
   return unit > 0 ? unit : 1;
+}
+
+/// Constraints of one name, as those of all contacts, are one to users.
+int first_of_name(const std::vector<ConstraintTerm>& constraints, std::size_t term) {
+  const auto same = [&](const ConstraintTerm& c) { return c.name == constraints[term].name; };
+  return static_cast<int>(std::find_if(constraints.begin(), constraints.end(), same) -
+                          constraints.begin());
 }
 
 /// First and last knot of a run of n, and others evenly between them.
@@ -199,11 +214,11 @@ std::vector<DerivativeComparison> check_derivatives(const ShootingProblem& probl
   Acts acts(problem);
   Linearization linearization(problem);
   std::map<std::tuple<int, DerivativeKind, int>, DerivativeComparison> worst;
-  const auto entry = [&](int phase, DerivativeKind kind, int cost) -> DerivativeComparison& {
-    DerivativeComparison& c = worst[{phase, kind, cost}];
+  const auto entry = [&](int phase, DerivativeKind kind, int term) -> DerivativeComparison& {
+    DerivativeComparison& c = worst[{phase, kind, term}];
     c.kind = kind;
     c.phase = phase;
-    c.cost = cost;
+    c.term = term;
     return c;
   };
   for (const bool displaced : {false, true}) {
@@ -226,6 +241,11 @@ std::vector<DerivativeComparison> check_derivatives(const ShootingProblem& probl
         for (int t = 0; t < costs; ++t)
           compare(analytic.residuals[t], reference.residuals[t], 1, k, displaced,
                   entry(p, DerivativeKind::residual, t));
+        const std::vector<ConstraintTerm>& constraints = knot.model->constraints();
+        for (std::size_t t = 0; t < constraints.size(); ++t)
+          compare(analytic.constraints.middleRows(constraints[t].row, constraints[t].rows),
+                  reference.constraints.middleRows(constraints[t].row, constraints[t].rows), 1, k,
+                  displaced, entry(p, DerivativeKind::constraint, first_of_name(constraints, t)));
         if (costs > 0)
           compare(analytic.gradient, reference.gradient, gradient_unit(knot), k, displaced,
                   entry(p, DerivativeKind::gradient, -1));

@@ -9,9 +9,10 @@ namespace conddp {
 
 /// What a derivative is one of.
 enum class DerivativeKind {
-  dynamics,  ///< ∂x⁺/∂z of a knot, rows in the tangent space of the next state
-  residual,  ///< ∂r/∂z of one cost's residual
-  gradient,  ///< ∇_z of a knot's cost, one row
+  dynamics,    ///< ∂x⁺/∂z of a knot, rows in the tangent space of the next state
+  residual,    ///< ∂r/∂z of one cost's residual
+  constraint,  ///< ∂g/∂z of one constraint
+  gradient,    ///< ∇_z of a knot's cost, one row
 };
 
 /// A derivative of a phase, compared with the reference: the entry that is furthest off.
@@ -19,7 +20,8 @@ enum class DerivativeKind {
 struct DerivativeComparison {
   DerivativeKind kind = DerivativeKind::dynamics;
   int phase = 0;            ///< index; the number of phases stands for the terminal node
-  int cost = -1;            ///< of a residual: index into the knot model's costs
+  int term = -1;            ///< of a residual or constraint: index into those of the knot
+                            ///< model, the first of its name
   std::vector<int> knots;   ///< at which it was compared
   long long entries = 0;    ///< numbers compared
   int row = 0, column = 0;  ///< of the worst entry

@@ -102,7 +102,8 @@ Diagnosis slow_feasibility(const Window& w) {
                       "before",
                       w.last().constraint, at(w.last().constraint_knot), w.first().constraint,
                       w.steps()),
-          w.last().constraint_knot, "constraint violation", "a larger penalty to begin with, or one that grows faster"};
+          w.last().constraint_knot, "constraint violation",
+          "a larger penalty to begin with, or one that grows faster"};
 }
 
 Diagnosis alternating(const Window& w) {

@@ -51,11 +51,12 @@ bool choose_columns(const CostSpec& cost, const System& system, CostResidual& re
   for (const Name& name : *cost.columns) {
     const auto found = std::find(all.names.begin(), all.names.end(), name.value);
     if (found == all.names.end() || std::find(free.begin(), free.end(), name.value) == free.end()) {
-      out.error(name.place,
-                found == all.names.end()
-                    ? fmt::format("the state has no column '{}'", name.value)
-                    : fmt::format("'{}' is part of a rotation and cannot be chosen alone", name.value),
-                name_hint(name.value, free, "columns that can be chosen"));
+      out.error(
+          name.place,
+          found == all.names.end()
+              ? fmt::format("the state has no column '{}'", name.value)
+              : fmt::format("'{}' is part of a rotation and cannot be chosen alone", name.value),
+          name_hint(name.value, free, "columns that can be chosen"));
       return false;
     }
     chosen.push_back(name.value);

@@ -133,11 +133,11 @@ void read_centers(YamlMap& map, ConstraintSpec& constraint) {
   for (const YamlReader& item : *items) add_centers(item, constraint.centers);
   if (items->empty()) reader->error("there is no center");
   const CostSpec& function = constraint.function;
-  const bool of_points =
-      function.kind == ResidualKind::kFramePosition ||
-      function.kind == ResidualKind::kComPosition || function.kind == ResidualKind::kControl ||
-      function.kind == ResidualKind::kJointPosition ||
-      (function.kind == ResidualKind::kState && function.columns);
+  const bool of_points = function.kind == ResidualKind::kFramePosition ||
+                         function.kind == ResidualKind::kComPosition ||
+                         function.kind == ResidualKind::kControl ||
+                         function.kind == ResidualKind::kJointPosition ||
+                         (function.kind == ResidualKind::kState && function.columns);
   if (!of_points)
     reader->error("a constraint from centers needs a residual that is a point",
                   "frame_position, com_position, joint_position, control, or state with 'columns'");

@@ -9,7 +9,7 @@ namespace conddp {
 
 /// `type` of the alternatives of SystemSpec::parameters, in their order.
 inline constexpr std::string_view kSystemTypes[] = {
-    "double_integrator", "linear", "pendulum",         "cartpole", "acrobot",
+    "double_integrator", "linear", "pendulum",         "cartpole",  "acrobot",
     "unicycle",          "car",    "planar_quadrotor", "quadrotor", "lander"};
 static_assert(std::size(kSystemTypes) == std::variant_size_v<decltype(SystemSpec::parameters)>);
 

@@ -62,6 +62,7 @@ bool DdpSolver::inner_converged() const {
 bool DdpSolver::next_multipliers() {
   constraints_->update();
   if (!constraints_->hopeless().empty()) {
+    linearized_ = false;  // what is written belongs to the last multipliers
     return end(SolveStatus::infeasible,
                fmt::format("the constraint '{}' is violated whatever its penalty: {}",
                            constraints_->hopeless(), residual_text()));

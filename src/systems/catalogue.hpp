@@ -63,8 +63,9 @@ struct LanderParameters {
   double mass = 40, fuel_rate = 5e-4, gravity = 3.71;
 };
 /// A point mass on its thrust T, z upwards: m r̈ = T − m gravity e_z. It burns b of its mass:
-/// m = mass − b, ḃ = fuel_rate ‖T‖ (kg/s per N). x = (r, ṙ, b), u = T. After Açıkmeşe and Ploen, "Convex programming approach to powered descent
-/// guidance for Mars landing" (2007). At T = 0 its length is rounded by kThrustRounding.
+/// m = mass − b, ḃ = fuel_rate ‖T‖ (kg/s per N). x = (r, ṙ, b), u = T. After Açıkmeşe and Ploen,
+/// "Convex programming approach to powered descent guidance for Mars landing" (2007). At T = 0 its
+/// length is rounded by kThrustRounding.
 std::shared_ptr<const System> lander(const LanderParameters& p);
 inline constexpr double kThrustRounding = 1e-3;  ///< N
 

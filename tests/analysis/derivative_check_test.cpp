@@ -65,8 +65,11 @@ ShootingProblem one_phase(const std::shared_ptr<KnotModel>& model, int knots = 5
   phase.cost_scale.assign(knots, 0.1);
   const std::size_t n = model->parameter_count();
   phase.parameters.assign(knots * n, 0.0);
-  for (int k = 0; k < knots; ++k)
+  for (int k = 0; k < knots; ++k) {
     for (const CostTerm& term : model->costs()) phase.parameters[k * n + term.weight] = 1;
+    for (const ConstraintTerm& term : model->constraints())
+      phase.parameters[k * n + term.active()] = 1;
+  }
   Phase terminal{.name = "terminal",
                  .model = std::make_shared<KnotModel>(model->shared_system(), Integrator::none),
                  .dt = {0.0},
@@ -88,6 +91,29 @@ const DerivativeComparison& find(const std::vector<DerivativeComparison>& all,
   throw std::logic_error("there is no such derivative");
 }
 
+TEST(DerivativeCheck, ConstraintsAreComparedByTheirNames) {
+  const auto compared = [](Mistake mistake) {
+    auto model = std::make_shared<KnotModel>(pendulum({}), Integrator::rk4);
+    const auto add = [&](const char* name, Mistake kind) {
+      model->add_constraint(make_constraint(
+          name, std::make_shared<SuspectResidual>(model->ndx(), kind), ConstraintKind::bounds));
+    };
+    add("other", Mistake::kNone);
+    add("suspect", Mistake::kNone);
+    add("suspect", mistake);
+    const ShootingProblem problem = one_phase(model);
+    return check_derivatives(problem, problem.create_trajectory());
+  };
+  const auto right = compared(Mistake::kNone);
+  ASSERT_EQ(right.size(), 3u);  // dynamics and two constraints
+  EXPECT_EQ(right[1].kind, DerivativeKind::constraint);
+  EXPECT_EQ(right[2].term, 1);
+  for (const DerivativeComparison& c : right) EXPECT_LT(c.error, 1e-12);
+  const auto wrong = compared(Mistake::kSign);
+  EXPECT_LT(wrong[1].error, 1e-12);
+  EXPECT_GT(wrong[2].error, 1);
+}
+
 TEST(DerivativeCheck, RightDerivativesAreRight) {
   const auto all = check_with(Mistake::kNone);
   ASSERT_EQ(all.size(), 3u);
@@ -102,7 +128,7 @@ TEST(DerivativeCheck, AWrongJacobianOfAResidualIsNamed) {
   const auto all = check_with(Mistake::kSign);
   const DerivativeComparison& c = find(all, DerivativeKind::residual);
   EXPECT_GT(c.error, 1);
-  EXPECT_EQ(c.cost, 0);
+  EXPECT_EQ(c.term, 0);
   EXPECT_EQ(c.row, 1);
   EXPECT_EQ(c.column, 1);
   EXPECT_TRUE(c.displaced);  // at u = 0 both are zero

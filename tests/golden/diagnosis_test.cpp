@@ -102,8 +102,9 @@ INSTANTIATE_TEST_SUITE_P(
                     DiagnosisPattern::slow_feasibility,
                     "constraint violation",
                     "unicycle_obstacles",
-                    {"solver.max_iterations=60", "solver.augmented_lagrangian={initial_penalty: "
-                                                 "0.01, penalty_factor: 1.1}"},
+                    {"solver.max_iterations=60",
+                     "solver.augmented_lagrangian={initial_penalty: "
+                     "0.01, penalty_factor: 1.1}"},
                     {}},
         // Closed gaps and only full steps.
         Provocation{"NoDescent",

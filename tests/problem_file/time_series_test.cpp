@@ -42,8 +42,7 @@ TEST(TimeSeries, ACubicSplineIsSmoothAndStraightAtItsEnds) {
 
 TEST(TimeSeries, ASplineOfStraightMotionIsStraightAlsoOfRotations) {
   TimeSeries series(rotation_manifold());
-  for (int i = 0; i < 4; ++i)
-    series.append(i, {0, 0, std::sin(0.2 * i), std::cos(0.2 * i)});
+  for (int i = 0; i < 4; ++i) series.append(i, {0, 0, std::sin(0.2 * i), std::cos(0.2 * i)});
   series.make_cubic();
   const std::vector<double> q = series.interpolate(1.3);
   EXPECT_NEAR(q[2], std::sin(0.26), 1e-12);

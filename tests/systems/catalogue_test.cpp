@@ -285,8 +285,9 @@ TEST(Catalogue, LanderBurnsWhatItsThrustCosts) {
 }
 
 TEST(Catalogue, EverySystemNamesItsColumns) {
-  for (const auto& system : {double_integrator(2), pendulum({}), cartpole({}), acrobot({}),
-                             unicycle(), car(2, 0.03), planar_quadrotor({}), quadrotor({}), lander({})}) {
+  for (const auto& system :
+       {double_integrator(2), pendulum({}), cartpole({}), acrobot({}), unicycle(), car(2, 0.03),
+        planar_quadrotor({}), quadrotor({}), lander({})}) {
     EXPECT_EQ(static_cast<int>(system->state_columns().size()), system->nx());
     EXPECT_EQ(static_cast<int>(system->control_columns().size()), system->nu());
   }
