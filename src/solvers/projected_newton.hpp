@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "ocp/acts.hpp"
+#include "solvers/active_rows.hpp"
 #include "solvers/adjoint.hpp"
 #include "solvers/backward_sweep.hpp"
 #include "solvers/iteration_record.hpp"
@@ -24,10 +25,8 @@ struct KktNorms {
 /// and the gradient of the Lagrangian, whose exact Hessian it uses. States and controls move
 /// together; the gaps are unknowns like the rest.
 ///
-/// Active are equalities, rows of inequalities and bounds on the control at which value plus
-/// multiplier/ρ lies outside of the set, and cones on whose surface (one row, with the surface's
-/// curvature) or tip (all rows) the point nearest to that lies. The set is found anew at each
-/// iterate.
+/// Which constraints and control bounds are active is found anew at each iterate and revised by its
+/// step (ActiveRows), until the step is the solution of the quadratic problem with inequalities.
 ///
 /// The step is the solution of the equality-constrained quadratic problem of the horizon, by the
 /// proximal method of multipliers: a Riccati sweep with the active rows as penalties, then sweeps
@@ -47,7 +46,7 @@ class ProjectedNewton {
 
   const KktNorms& norms() const { return norms_; }
   double step_length() const { return step_length_; }
-  int active_rows() const;
+  int active_rows() const { return rows_.count(); }
   /// Writes what is known of the iterate and the step to it into a row of the log.
   void describe(IterationRecord& row) const;
   double cost() const { return linearization_.total_cost(); }
@@ -62,26 +61,11 @@ class ProjectedNewton {
   const Feedback& feedback() const { return feedback_; }
 
  private:
-  /// The active rows of a node: value + A z = 0 to first order.
-  struct Rows {
-    Eigen::MatrixXd A;  ///< rows x nz, the first `count` in use, as of the others
-    Eigen::VectorXd value, multiplier;
-    Eigen::VectorXd correction;  ///< what the step adds to the multiplier
-    std::vector<int> source;     ///< constraint row of the problem (a cone's first), or control
-    std::vector<int> kind;
-    int count = 0;
-  };
   void linearize();
-  void find_active(int node);
-  void add_cone(const NodeConstraint& constraint, const Eigen::Ref<const Eigen::MatrixXd>& C,
-                Rows& rows);
-  void add_controls(int node);
   void measure();
   bool solve_quadratic();
-  void add_curvature(int node, double penalty);
-  double correct(double penalty, bool first);
+  bool solve_on_rows(double penalty);
   bool sweep();
-  void set_target();
 
   const ShootingProblem& problem_;
   Acts& acts_;
@@ -91,15 +75,15 @@ class ProjectedNewton {
   BackwardSweep sweep_;
   std::unique_ptr<StagePolicy> policy_;
   Gaps gaps_;
+  ActiveRows rows_;
   Feedback feedback_;
   Trajectory trajectory_, before_;
   Augmentation lagrangian_;  ///< multipliers alone
   Eigen::VectorXd multipliers_, multipliers_before_, target_, penalty_;
-  std::vector<Rows> rows_;                        ///< per node
-  std::vector<std::vector<int>> constraints_of_;  ///< node, into problem.constraints()
-  std::vector<Eigen::MatrixXd> gauss_newton_;
+  std::vector<Eigen::VectorXd> cost_gradient_;
+  std::vector<Eigen::MatrixXd> gauss_newton_, exact_;
   std::vector<Eigen::VectorXd> step_;  ///< z of each node
-  Eigen::VectorXd z_, scratch_;
+  Eigen::VectorXd scratch_;
   KktNorms norms_;
   double step_length_ = 0;
 };
