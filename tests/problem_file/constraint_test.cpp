@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "ocp/acts.hpp"
+#include "problem_file/memory_need.hpp"
 #include "problem_text.hpp"
 #include "solvers/registry.hpp"
 
@@ -188,6 +189,15 @@ TEST(Constraints, WhatContradictsIsFoundBeforeSolving) {
     EXPECT_FALSE(loaded.built) << message;
     EXPECT_NE(loaded.all().find(message), std::string::npos) << loaded.all();
   }
+}
+
+TEST(Constraints, CountWhereMemoryIsShort) {
+  EXPECT_GT(memory_need(100, 4, 2, 1, {.constraints = 1, .rows = 2}), memory_need(100, 4, 2, 1));
+  const Loaded loaded(replaced(with("  posts: {residual: state, columns: theta, at_least: 0.1,\n"
+                                    "          centers: [{from: [5], to: [9], count: 10000}]}\n"),
+                               "knots: 4", "knots: 1000000"));
+  EXPECT_FALSE(loaded.built);
+  EXPECT_NE(loaded.all().find("GiB of memory"), std::string::npos) << loaded.all();
 }
 
 TEST(Constraints, WhatCannotBeSaidIsRefused) {
