@@ -75,9 +75,8 @@ TEST_P(LastStage, ConvergesQuadratically) {
 
 INSTANTIATE_TEST_SUITE_P(Altro, LastStage,
                          testing::Values("double_integrator_limits", "cartpole_goal",
-                                         "unicycle_obstacles", "unicycle_escape",
-                                         "car_parking_goal", "arm_waypoint",
-                                         "quadruped_trot_cones"),
+                                         "unicycle_obstacles", "car_parking_goal", "arm_waypoint",
+                                         "arm_reach_pose", "powered_descent"),
                          [](const auto& p) { return p.param; });
 
 }  // namespace
