@@ -195,7 +195,7 @@ TEST(Constraints, CountWhereMemoryIsShort) {
   EXPECT_GT(memory_need(100, 4, 2, 1, {.constraints = 1, .rows = 2}), memory_need(100, 4, 2, 1));
   const Loaded loaded(replaced(with("  posts: {residual: state, columns: theta, at_least: 0.1,\n"
                                     "          centers: [{from: [5], to: [9], count: 10000}]}\n"),
-                               "knots: 4", "knots: 1000000"));
+                               "knots: 4", "knots: 900000"));
   EXPECT_FALSE(loaded.built);
   EXPECT_NE(loaded.all().find("GiB of memory"), std::string::npos) << loaded.all();
 }
