@@ -37,8 +37,9 @@ def arguments():
     parser = argparse.ArgumentParser(prog="scripts/peers/compare", description=(
         "Solves the same problems with conddp, Crocoddyl and Aligator, one thread each, and "
         "prints tables in Markdown."))
-    parser.add_argument("--robots", default=str(ROOT.parent / "shared/robots"),
-                        help="folder with hyq.urdf, talos_reduced.urdf, panda.urdf")
+    parser.add_argument("--robots", default=os.environ.get("CONDDP_ROBOTS_DIR", ""),
+                        help="folder with hyq.urdf, talos_reduced.urdf, panda.urdf "
+                             "(by default CONDDP_ROBOTS_DIR)")
     parser.add_argument("--case", action="append", choices=list(CASES), help="only these cases")
     parser.add_argument("--file", action="append", default=[], help="a problem file besides")
     parser.add_argument("--repeat", type=int, default=21, help="timed runs of each solver")
