@@ -286,7 +286,7 @@ const SolverInfo* usable_solver(const ProblemSpec& spec, const ShootingProblem& 
   const SolverInfo* solver = find_solver(spec.solver.name.value);
   const auto reason = refuse(*solver, problem);
   if (!reason) return solver;
-  const bool of_control = problem.constraints().empty() || solver->constraints;
+  const bool of_control = keeps_constraints(*solver, problem);
   std::string names;
   for (const ControlBoundsSpec& bounds : spec.control_bounds)
     if (of_control) names += " --drop " + bounds.name.value;

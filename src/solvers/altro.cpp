@@ -25,7 +25,7 @@ SolverInfo altro() {
   return {.name = "altro",
           .description = "augmented Lagrangian around multiple shooting; all constraints",
           .control_bounds = BoundSupport::exact,
-          .constraints = true,
+          .constraints = ConstraintSupport::all,
           .open_gaps = true,
           .exact_hessian = true,
           .run = run};

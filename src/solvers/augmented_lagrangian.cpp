@@ -128,6 +128,18 @@ bool AugmentedLagrangian::grows_instead_of_update(Group& group) {
   return false;
 }
 
+void AugmentedLagrangian::add(const Eigen::VectorXd& change, double step) {
+  multipliers_ += step * change;
+  for (const Group& group : groups_) write(group);
+}
+
+void AugmentedLagrangian::set_penalty(double penalty) {
+  for (Group& group : groups_) {
+    group.penalty = penalty;
+    write(group);
+  }
+}
+
 double AugmentedLagrangian::largest_penalty() const {
   double largest = 0;
   for (const Group& group : groups_) largest = std::max(largest, group.penalty);

@@ -24,6 +24,8 @@ enum class MultiplierSchedule {
   /// the change that they ask for is within a tolerance, which then gets tighter; elsewhere the
   /// penalty grows and they stay.
   bound_constrained_lagrangian,
+  /// A sweep gives the multipliers along with its step; penalties belong to the merit alone.
+  by_the_sweep,
 };
 
 /// Multipliers and penalties of all constraints, and how they change between the minimisations of
@@ -49,6 +51,10 @@ class AugmentedLagrangian {
 
   /// Ends one minimisation: ν ← ν⁺ and penalties grow as the schedule has it.
   void update();
+  /// ν ← ν + step · change, where sweeps find multipliers.
+  void add(const Eigen::VectorXd& change, double step);
+  /// One penalty of all constraints from now on.
+  void set_penalty(double penalty);
   /// Takes multipliers that were found otherwise, with the first penalties.
   void adopt(const Eigen::VectorXd& multipliers);
   /// The constraint for which penalties no longer help: its penalty is at the limit and its

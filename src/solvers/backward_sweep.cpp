@@ -38,6 +38,7 @@ int BackwardSweep::run(const Linearization& linearization, const Trajectory& tra
                        const Gaps& gaps, SweepRegularization regularization, StagePolicy& policy,
                        Feedback& feedback, bool hold) {
   const int N = bounds_.knots();
+  policy.begin_horizon(linearization, gaps);
   policy.begin_sweep(hold);
   values_[N].Vx = linearization.knots[N].gradient;
   values_[N].Vxx = linearization.knots[N].hessian;
@@ -51,7 +52,7 @@ int BackwardSweep::run(const Linearization& linearization, const Trajectory& tra
     propagation_.propagate(knot, open ? next_ : values_[k + 1], q_);
     Quu_[k] = q_.Quu();
     if (!solve_stage(k, trajectory, knot, regularization, policy, feedback)) return k;
-    form_value(values_[k], feedback.k[k], regularization.weight == 0);
+    form_value(values_[k], feedback.k[k], regularization.weight == 0 && policy.minimizes_freely());
     if (!all_finite(values_[k].Vx) || !all_finite(values_[k].Vxx)) return k;
   }
   return -1;
@@ -61,7 +62,10 @@ bool BackwardSweep::solve_stage(int k, const Trajectory& trajectory, const KnotL
                                 SweepRegularization regularization, StagePolicy& policy,
                                 Feedback& feedback) {
   const int nu = q_.nu(), ndx = q_.ndx();
-  if (nu == 0) return true;
+  if (nu == 0) {
+    policy.pass(k);
+    return true;
+  }
   const bool regular = regularization.weight > 0;
   columns_.resize(q_.nz(), nu);
   auto columns = regular ? columns_.view() : q_.Qzz_lanes().block(q_.nz(), ndx, nu).view();

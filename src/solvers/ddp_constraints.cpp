@@ -16,6 +16,8 @@ constexpr double kLongStep = 0.1;
 /// Minimisations that may end without a step before the solve does.
 constexpr int kRecoveries = 20;
 constexpr double kTighter = 0.1, kLastInnerDecrease = 1e-8;
+/// A merit's penalty is raised by so many times what its slope lacks.
+constexpr double kPenaltyMargin = 2;
 /// Violation, gap and stationarity below which the projected Newton method is tried, how much
 /// smaller they have to be after it failed, and its steps at most.
 constexpr double kFirstNewtonThreshold = 3e-3, kNextNewtonThreshold = 0.1;
@@ -80,11 +82,46 @@ bool DdpSolver::next_multipliers() {
   return true;
 }
 
+/// The step of stages that keep equalities does not depend on the penalty, but descends on the
+/// augmented Lagrangian only if that is large enough: then its slope is at most −½ dᵀHd (Nocedal,
+/// Wright, section 18.4). Raises it where it is not, for a new linearisation and sweep.
+bool DdpSolver::merit_needs_penalty() {
+  if (direction_.null_space() == nullptr || !constraints_) return false;
+  double square = 0;
+  for (const NodeConstraint& c : problem_.constraints())
+    for (int i = 0; i < c.term->rows; ++i)
+      square += std::pow(linearization_.constraint[c.row + i] - c.lower[i], 2);
+  const double penalty = constraints_->largest_penalty();
+  // Along the step the rows go from c to 0: their penalty is ½ ρ c² less, and curved by ρ c².
+  const double curvature = std::max(direction_.curvature(linearization_) - penalty * square, 0.0);
+  const double missing = direction_.step().slope() + 0.5 * curvature;
+  if (!(square > 0) || missing <= 0 || merit_.hidden(missing)) return false;
+  const double wanted = std::max(penalty + kPenaltyMargin * missing / square,
+                                 options_.augmented_lagrangian.penalty_factor * penalty);
+  if (wanted > options_.augmented_lagrangian.max_penalty) return false;
+  constraints_->set_penalty(wanted);
+  return true;
+}
+
+/// Equalities that contradict each other are why a solve that keeps them did not converge.
+void DdpSolver::name_contradiction() {
+  if (direction_.null_space() == nullptr || result_.status == SolveStatus::converged ||
+      result_.status == SolveStatus::interrupted || result_.status == SolveStatus::time_limit)
+    return;
+  const double off = direction_.null_space()->contradiction();
+  if (!(off > options_.tolerances.constraint)) return;
+  end(SolveStatus::infeasible,
+      fmt::format("the linearised equality constraints contradict each other by {:.1e}: {}", off,
+                  residual_text()));
+}
+
 /// Where a minimisation gets no further, other multipliers and penalties may.
 bool DdpSolver::recover() {
   const bool stuck = result_.status == SolveStatus::line_search_failed ||
                      result_.status == SolveStatus::regularization_limit;
-  if (!constraints_ || !stuck || row_.constraint <= options_.tolerances.constraint) return false;
+  if (!constraints_ || direction_.null_space() != nullptr || !stuck ||
+      row_.constraint <= options_.tolerances.constraint)
+    return false;
   return ++recoveries_ <= kRecoveries && next_multipliers();
 }
 

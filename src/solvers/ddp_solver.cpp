@@ -29,7 +29,10 @@ DdpSolver::DdpSolver(const ShootingProblem& problem, const DdpRecipe& recipe,
       gaps_(problem),
       adjoint_(problem, bounds_),
       direction_(problem, bounds_,
-                 {.clamp_controls = recipe.clamp_controls, .box_stage = recipe.box_stage},
+                 {.clamp_controls = recipe.clamp_controls,
+                  .box_stage = recipe.box_stage,
+                  .null_space = recipe.multipliers == MultiplierSchedule::by_the_sweep &&
+                                !problem.constraints().empty()},
                  options.box_qp),
       line_search_(problem, options.line_search),
       regularization_(options.regularization),
@@ -132,7 +135,7 @@ bool DdpSolver::converged() {
     end(SolveStatus::converged, residual_text());
     return true;
   }
-  if (!constraints_) return false;
+  if (!constraints_ || direction_.null_space() != nullptr) return false;
   if (newton_converges()) {
     end(SolveStatus::converged, residual_text());
     return true;
@@ -203,6 +206,7 @@ void DdpSolver::finish() {
     result_.constraint_multipliers = constraints_->multipliers();
   }
   confirm_status();
+  name_contradiction();
   result_.costates = adjoint_.costates();
   result_.state_gradient = adjoint_.state_gradient();
   for (int k = 0; k < problem_.knots(); ++k) {

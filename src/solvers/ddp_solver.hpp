@@ -66,6 +66,8 @@ class DdpSolver {
   void measure_constraints();
   bool inner_converged() const;
   bool next_multipliers();
+  bool merit_needs_penalty();
+  void name_contradiction();
   bool newton_converges();
   bool recover();
 
@@ -91,6 +93,7 @@ class DdpSolver {
   std::optional<AugmentedLagrangian> constraints_;
   const Augmentation* augmentation_ = nullptr;
   std::optional<ProjectedNewton> newton_;
+  const Eigen::VectorXd* multiplier_change_ = nullptr;  ///< of the last sweep's full step
   double newton_threshold_ = 0;  ///< violation and stationarity below which Newton is tried
   bool by_newton_ = false;       ///< the solve ended with it
   double inner_tolerance_ = 0, inner_decrease_ = 0;  ///< of the minimisation that is under way

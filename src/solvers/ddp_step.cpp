@@ -31,6 +31,13 @@ bool DdpSolver::take_step() {
   row_.trials = 0;
   for (;;) {
     if (!sweep_with_regularization()) return false;
+    if (merit_needs_penalty()) {
+      differentiate();
+      measure_iterate();
+      continue;
+    }
+    if (direction_.null_space() != nullptr)
+      multiplier_change_ = &direction_.null_space()->find_multipliers(direction_.step());
     correct_direction();
     measure_direction();
     bool descent = merit_.descends();
@@ -57,6 +64,11 @@ bool DdpSolver::take_step() {
     }
     if (!regularization_.increase()) return end_without_step(descent);
     if (!budget_left()) return false;
+  }
+  // Multipliers of steps that the merit cuts short belong to a model that does not hold there.
+  if (multiplier_change_ != nullptr && search_.step == 1) {
+    constraints_->add(*multiplier_change_, 1);
+    linearized_ = false;
   }
   const double share = search_.actual_decrease / search_.expected_decrease;
   const bool quadratic = merit_.hidden(search_.expected_decrease) ||

@@ -23,6 +23,11 @@ Direction::Direction(const ShootingProblem& problem, const ControlBounds& bounds
       linear_rollout_(problem, bounds),
       feedback_(problem),
       secants_(bounds) {
+  if (recipe.null_space) {
+    auto stages = std::make_unique<NullSpaceStage>(problem);
+    null_space_ = stages.get();
+    policy_ = std::move(stages);
+  }
   if (horizon_sweeps_ == 0) return;
   if (!problem.constraints().empty()) constraints_.emplace(problem);
   remembered_.emplace(

@@ -9,6 +9,7 @@
 #include "solvers/horizon_constraints.hpp"
 #include "solvers/line_search.hpp"
 #include "solvers/linear_rollout.hpp"
+#include "solvers/null_space_stage.hpp"
 #include "solvers/secant_memory.hpp"
 
 namespace conddp {
@@ -20,6 +21,7 @@ class Direction {
   struct Recipe {
     bool clamp_controls = false;
     bool box_stage = false;
+    bool null_space = false;  ///< equality constraints are kept by the stages
   };
   Direction(const ShootingProblem& problem, const ControlBounds& bounds, const Recipe& recipe,
             const SolverOptions::BoxQp& options);
@@ -46,6 +48,8 @@ class Direction {
 
   const Feedback& feedback() const { return feedback_; }
   const StagePolicy& policy() const { return *policy_; }
+  /// The stages that keep equality constraints, null where the recipe has none.
+  NullSpaceStage* null_space() { return null_space_; }
   /// The policy's full step in the linear model, cut off at bounds as the rollout proper is.
   const LinearRollout& step() const { return linear_rollout_; }
   /// Whether that step meets no bound on its way: nothing had to be cut off.
@@ -76,6 +80,7 @@ class Direction {
   int horizon_sweeps_;
   BackwardSweep sweep_;
   std::unique_ptr<StagePolicy> policy_;
+  NullSpaceStage* null_space_ = nullptr;
   LinearRollout linear_rollout_;
   std::optional<HorizonConstraints> constraints_;
   Feedback feedback_;

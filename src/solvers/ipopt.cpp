@@ -17,7 +17,7 @@ SolverInfo ipopt() {
   return {.name = "ipopt",
           .description = "direct transcription to a sparse nonlinear program; all constraints",
           .control_bounds = BoundSupport::exact,
-          .constraints = true,
+          .constraints = ConstraintSupport::all,
           .open_gaps = true,
           .exact_hessian = true,
           .run = run};

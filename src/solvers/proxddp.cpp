@@ -25,7 +25,7 @@ SolverInfo proxddp() {
   return {.name = "proxddp",
           .description = "proximal augmented Lagrangian around multiple shooting; all constraints",
           .control_bounds = BoundSupport::exact,
-          .constraints = true,
+          .constraints = ConstraintSupport::all,
           .open_gaps = true,
           .exact_hessian = true,
           .run = run};

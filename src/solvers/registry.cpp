@@ -43,22 +43,41 @@ std::string list_solvers(BoundSupport support) {
   return list_solvers([support](const SolverInfo& info) { return info.control_bounds == support; });
 }
 
-std::string refuse_constraint(const SolverInfo& solver, const ShootingProblem& problem) {
-  const NodeConstraint& first = problem.constraints().front();
-  const int phase = problem.knot(first.node).phase;
-  const std::string can = list_solvers([](const SolverInfo& info) { return info.constraints; });
-  return fmt::format("{} cannot keep the constraint '{}' ({}); {}", solver.name, first.term->name,
-                     first.node == problem.knots()
-                         ? "terminal node"
-                         : fmt::format("phase '{}'", problem.phases()[phase].name),
-                     can.empty() ? "no solver can" : can + " can");
+bool is_equality(const NodeConstraint& c) {
+  if (!c.term->has_bounds()) return false;
+  for (int i = 0; i < c.term->rows; ++i)
+    if (c.lower[i] != c.upper[i]) return false;
+  return true;
+}
+
+bool keeps(const SolverInfo& solver, const NodeConstraint& constraint) {
+  return solver.constraints == ConstraintSupport::all ||
+         (solver.constraints == ConstraintSupport::equalities && is_equality(constraint));
+}
+
+/// Why the solver cannot take the problem because of its constraints, if so.
+std::optional<std::string> refuse_constraint(const SolverInfo& solver,
+                                             const ShootingProblem& problem) {
+  for (const NodeConstraint& c : problem.constraints()) {
+    if (keeps(solver, c)) continue;
+    const int phase = problem.knot(c.node).phase;
+    const std::string can = list_solvers([&](const SolverInfo& info) { return keeps(info, c); });
+    return fmt::format(
+        "{} cannot keep the {} '{}' ({}); {}", solver.name,
+        solver.constraints == ConstraintSupport::equalities ? "inequality" : "constraint",
+        c.term->name,
+        c.node == problem.knots() ? "terminal node"
+                                  : fmt::format("phase '{}'", problem.phases()[phase].name),
+        can.empty() ? "no solver can" : can + " can");
+  }
+  return std::nullopt;
 }
 
 }  // namespace
 
 std::span<const SolverInfo> solvers() {
-  static const std::array kSolvers = {ilqr(),     ilqr_clip(), ddp(),     box_ddp(), fddp(),
-                                      box_fddp(), altro(),     proxddp(), ipopt()};
+  static const std::array kSolvers = {ilqr(),     ilqr_clip(), ddp(),   box_ddp(), fddp(),
+                                      box_fddp(), intro(),     altro(), proxddp(), ipopt()};
   return kSolvers;
 }
 
@@ -69,9 +88,12 @@ const SolverInfo* find_solver(std::string_view name) {
   return nullptr;
 }
 
+bool keeps_constraints(const SolverInfo& solver, const ShootingProblem& problem) {
+  return !refuse_constraint(solver, problem);
+}
+
 std::optional<std::string> refuse(const SolverInfo& solver, const ShootingProblem& problem) {
-  if (!solver.constraints && !problem.constraints().empty())
-    return refuse_constraint(solver, problem);
+  if (auto reason = refuse_constraint(solver, problem)) return reason;
   if (solver.control_bounds != BoundSupport::refused || !problem.has_control_bounds()) {
     return std::nullopt;
   }

@@ -17,12 +17,15 @@ enum class BoundSupport {
   refused,
 };
 
+/// Which constraints, besides bounds on the control, a solver keeps.
+enum class ConstraintSupport { none, equalities, all };
+
 /// A solver of the family: what it is called, what it can, and how to run it.
 struct SolverInfo {
   std::string_view name;
   std::string_view description;  ///< one line
   BoundSupport control_bounds = BoundSupport::refused;
-  bool constraints = false;          ///< keeps constraints other than bounds on the control
+  ConstraintSupport constraints = ConstraintSupport::none;
   bool open_gaps = false;            ///< starts from states that do not follow from the controls
   bool gauss_newton_hessian = true;  ///< can leave the dynamics' second derivatives out
   bool exact_hessian = false;        ///< can use them
@@ -34,6 +37,8 @@ struct SolverInfo {
 std::span<const SolverInfo> solvers();
 /// The solver of this name, or null.
 const SolverInfo* find_solver(std::string_view name);
+/// Whether the solver keeps all constraints of the problem but bounds on the control.
+bool keeps_constraints(const SolverInfo& solver, const ShootingProblem& problem);
 /// Why the solver cannot take the problem: the constraint, and the solvers that can. Empty if it
 /// can.
 std::optional<std::string> refuse(const SolverInfo& solver, const ShootingProblem& problem);
@@ -54,6 +59,7 @@ SolverInfo ddp();
 SolverInfo box_ddp();
 SolverInfo fddp();
 SolverInfo box_fddp();
+SolverInfo intro();
 SolverInfo altro();
 SolverInfo proxddp();
 SolverInfo ipopt();

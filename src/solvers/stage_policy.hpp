@@ -4,7 +4,8 @@
 
 #include <Eigen/Core>
 
-#include "ocp/problem.hpp"
+#include "ocp/linearization.hpp"
+#include "solvers/gap_transport.hpp"
 #include "solvers/options.hpp"
 
 namespace conddp {
@@ -30,6 +31,14 @@ class StagePolicy {
   /// no minimum, because (the free block of) Q_uu is not positive definite.
   virtual bool solve(const StageProblem& stage, Eigen::Ref<Eigen::VectorXd> k,
                      Eigen::Ref<Eigen::MatrixXd> Kt) = 0;
+  /// Called before each sweep with what it goes through.
+  virtual void begin_horizon(const Linearization& linearization, const Gaps& gaps) {
+    (void)linearization, (void)gaps;
+  }
+  /// Called in place of `solve` at a knot without controls.
+  virtual void pass(int knot) { (void)knot; }
+  /// Whether K minimises the stage in all entries of the control that it does not leave alone.
+  virtual bool minimizes_freely() const { return true; }
   /// Called before each sweep. With `hold` the sweep keeps the active set that `revise` left
   /// instead of finding one knot by knot.
   virtual void begin_sweep(bool hold) { (void)hold; }

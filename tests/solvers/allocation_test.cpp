@@ -145,6 +145,16 @@ TEST(Allocation, NoneWithConstraintsNorInNewtonSteps) {
   }
 }
 
+TEST(Allocation, NoneWithEqualitiesInTheNullSpace) {
+  const ShootingProblem parking = testing::unicycle_parking();
+  const ShootingProblem problem =
+      testing::with_constraints(parking, {testing::goal_constraint(parking, {3, 3, 0})});
+  const Count count = count_allocations(problem, *find_solver("intro"),
+                                        testing::constant_controls(problem, 0.01), {});
+  EXPECT_GE(count.iterations, 5);
+  EXPECT_EQ(count.allocations, 0);
+}
+
 TEST(Allocation, NoneWithOpenGapsNorAtTheRoundingFloor) {
   const ShootingProblem problem = testing::quadrotor_move(0.5, 2);
   Trajectory guess = testing::constant_controls(problem, 1.2);
