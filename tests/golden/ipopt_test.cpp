@@ -6,8 +6,8 @@
 namespace conddp {
 namespace {
 
-/// From their guesses these lead to another local optimum than the DDP family finds, or to none within
-/// minutes.
+/// From their guesses these lead to another local optimum than the DDP family finds, or within
+/// minutes to none.
 const std::set<std::string> kOtherOptimum = {"arm_maze", "car_parking", "car_parking_goal",
                                              "unicycle_escape", "unicycle_obstacles"};
 
