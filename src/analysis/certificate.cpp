@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/feasibility.hpp"
 #include "analysis/lagrangian_gradient.hpp"
 #include "solvers/status.hpp"
 
@@ -23,20 +24,6 @@ constexpr double kOwnRounding = 1e-11;
 constexpr double kKnotRounding = 1e-12;
 
 const std::string kDiverged(to_string(SolveStatus::diverged));
-
-/// The largest of some quantities and where it is.
-struct Worst {
-  double value = 0;
-  double size = 0;  ///< of its terms
-  int knot = -1;
-  int entry = -1;
-
-  /// Not-a-number counts as the largest.
-  void meet(double candidate, double candidate_size, int k, int i) {
-    if (std::isnan(value) || !(std::isnan(candidate) || candidate > value)) return;
-    *this = {candidate, candidate_size, k, i};
-  }
-};
 
 /// What rounding of the answer's own numbers does to the figures, where they are so badly
 /// conditioned (contacts far from where they hold, speeds beyond all measure) that the tolerances
@@ -225,27 +212,7 @@ class Judge {
   }
 
   void check_bounds() {
-    Worst violation, product, negative;
-    for (int k = 0; k < problem_.knots(); ++k) {
-      const KnotModel& model = *problem_.knot(k).model;
-      for (int i = 0; i < problem_.nu(k); ++i) {
-        const double u = claims_.trajectory.u(k)[i];
-        for (const bool upper : {false, true}) {
-          const double bound = upper ? model.control_upper()[i] : model.control_lower()[i];
-          const double z = (upper ? claims_.upper_multipliers : claims_.lower_multipliers)[k][i];
-          negative.meet(-z, 0, k, i);
-          if (std::isfinite(bound)) {
-            const double outside = upper ? u - bound : bound - u;
-            violation.meet(outside, std::abs(bound), k, i);
-            product.meet(std::abs(z * outside), std::abs(z) * std::max(1.0, std::abs(bound)), k, i);
-          } else if (z != 0) {
-            product.meet(std::numeric_limits<double>::infinity(), 0, k, i);
-          }
-        }
-      }
-    }
-    for (const NodeConstraint& constraint : problem_.constraints())
-      check_constraint(constraint, violation, product, negative);
+    const auto [violation, product, negative] = measure_feasibility(problem_, claims_, values_);
     const auto at = [&](const Worst& w) {
       if (w.knot < 0) return std::string();
       return place_text(problem_, w.knot, w.entry >= 0 ? control(w.entry) : constraint_name(w));
@@ -266,48 +233,9 @@ class Judge {
            "a multiplier has the wrong sign"});
   }
 
-  /// Distance of the value from its set, and whether the multiplier lies in the set's normal cone
-  /// there. A constraint's place among those of the problem is told by a negative entry.
-  void check_constraint(const NodeConstraint& c, Worst& violation, Worst& product,
-                        Worst& negative) {
-    const int place = -2 - static_cast<int>(&c - problem_.constraints().data());
-    const int n = c.term->rows;
-    const double* g = values_.data() + c.row;
-    const double* nu = claims_.multipliers.data() + c.row;
-    if (c.term->kind != ConstraintKind::second_order_cone) {
-      for (int i = 0; i < n; ++i) {
-        violation.meet(std::max(c.lower[i] - g[i], g[i] - c.upper[i]), std::abs(g[i]), c.node,
-                       place);
-        if (nu[i] == 0 || c.lower[i] == c.upper[i]) continue;
-        const double bound = nu[i] > 0 ? c.upper[i] : c.lower[i];
-        const double inside = nu[i] > 0 ? bound - g[i] : g[i] - bound;
-        if (std::isfinite(bound))
-          product.meet(std::abs(nu[i]) * std::max(0.0, inside),
-                       std::abs(nu[i]) * std::max(1.0, std::abs(bound)), c.node, place);
-        else
-          negative.meet(std::abs(nu[i]), 0, c.node, place);
-      }
-      return;
-    }
-    const Eigen::Map<const Eigen::VectorXd> value(g, n), multiplier(nu, n);
-    violation.meet(distance_to_cone(value), value.lpNorm<1>(), c.node, place);
-    product.meet(std::abs(value.dot(multiplier)), value.cwiseAbs().dot(multiplier.cwiseAbs()),
-                 c.node, place);
-    const double off = distance_to_cone(-multiplier);
-    if (off > kRounding * multiplier.norm()) negative.meet(off, 0, c.node, place);
-  }
-
-  /// Of (v, t) from the cone ‖v‖ ≤ t.
-  static double distance_to_cone(const Eigen::VectorXd& s) {
-    const double v = s.head(s.size() - 1).norm(), t = s[s.size() - 1];
-    if (v <= t) return 0;
-    if (v <= -t) return s.norm();
-    return (v - t) / std::sqrt(2.0);
-  }
-
   std::string constraint_name(const Worst& w) const {
-    if (w.entry > -2) return {};
-    return "constraint '" + problem_.constraints()[-2 - w.entry].term->name + "'";
+    const int place = constraint_of(w);
+    return place < 0 ? "" : "constraint '" + problem_.constraints()[place].term->name + "'";
   }
 
   LagrangianGradient gradient(const Eigen::MatrixXd& directions) const {

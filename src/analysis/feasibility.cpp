@@ -1,0 +1,87 @@
+#include "analysis/feasibility.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace conddp {
+namespace {
+
+/// A cone's multiplier may lie this share of its length outside of the normal cone: rounding.
+constexpr double kRounding = 1e-10;
+
+/// Entries of Worst that stand for constraints: −2 for the first, and downward.
+int entry_of(int constraint) { return -2 - constraint; }
+
+/// Of (v, t) from the cone ‖v‖ ≤ t.
+double distance_to_cone(const Eigen::VectorXd& s) {
+  const double v = s.head(s.size() - 1).norm(), t = s[s.size() - 1];
+  if (v <= t) return 0;
+  if (v <= -t) return s.norm();
+  return (v - t) / std::sqrt(2.0);
+}
+
+void meet_control_bounds(const ShootingProblem& problem, const SolutionClaims& claims, int k,
+                         Feasibility& found) {
+  const KnotModel& model = *problem.knot(k).model;
+  for (int i = 0; i < problem.nu(k); ++i) {
+    const double u = claims.trajectory.u(k)[i];
+    for (const bool upper : {false, true}) {
+      const double bound = upper ? model.control_upper()[i] : model.control_lower()[i];
+      const double z = (upper ? claims.upper_multipliers : claims.lower_multipliers)[k][i];
+      found.negative.meet(-z, 0, k, i);
+      if (std::isfinite(bound)) {
+        const double outside = upper ? u - bound : bound - u;
+        found.violation.meet(outside, std::abs(bound), k, i);
+        found.product.meet(std::abs(z * outside), std::abs(z) * std::max(1.0, std::abs(bound)), k,
+                           i);
+      } else if (z != 0) {
+        found.product.meet(std::numeric_limits<double>::infinity(), 0, k, i);
+      }
+    }
+  }
+}
+
+void meet_rows(const NodeConstraint& c, const double* g, const double* nu, int entry,
+               Feasibility& found) {
+  for (int i = 0; i < c.term->rows; ++i) {
+    found.violation.meet(std::max(c.lower[i] - g[i], g[i] - c.upper[i]), std::abs(g[i]), c.node,
+                         entry);
+    if (nu[i] == 0 || c.lower[i] == c.upper[i]) continue;
+    const double bound = nu[i] > 0 ? c.upper[i] : c.lower[i];
+    const double inside = nu[i] > 0 ? bound - g[i] : g[i] - bound;
+    if (std::isfinite(bound))
+      found.product.meet(std::abs(nu[i]) * std::max(0.0, inside),
+                         std::abs(nu[i]) * std::max(1.0, std::abs(bound)), c.node, entry);
+    else
+      found.negative.meet(std::abs(nu[i]), 0, c.node, entry);
+  }
+}
+
+void meet_cone(const NodeConstraint& c, const double* g, const double* nu, int entry,
+               Feasibility& found) {
+  const Eigen::Map<const Eigen::VectorXd> value(g, c.term->rows), multiplier(nu, c.term->rows);
+  found.violation.meet(distance_to_cone(value), value.lpNorm<1>(), c.node, entry);
+  found.product.meet(std::abs(value.dot(multiplier)), value.cwiseAbs().dot(multiplier.cwiseAbs()),
+                     c.node, entry);
+  const double off = distance_to_cone(-multiplier);
+  if (off > kRounding * multiplier.norm()) found.negative.meet(off, 0, c.node, entry);
+}
+
+}  // namespace
+
+Feasibility measure_feasibility(const ShootingProblem& problem, const SolutionClaims& claims,
+                                const Eigen::VectorXd& values) {
+  Feasibility found;
+  for (int k = 0; k < problem.knots(); ++k) meet_control_bounds(problem, claims, k, found);
+  for (std::size_t i = 0; i < problem.constraints().size(); ++i) {
+    const NodeConstraint& c = problem.constraints()[i];
+    const auto meet = c.term->kind == ConstraintKind::second_order_cone ? meet_cone : meet_rows;
+    meet(c, values.data() + c.row, claims.multipliers.data() + c.row, entry_of(static_cast<int>(i)),
+         found);
+  }
+  return found;
+}
+
+int constraint_of(const Worst& worst) { return worst.entry > -2 ? -1 : -2 - worst.entry; }
+
+}  // namespace conddp
