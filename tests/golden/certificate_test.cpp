@@ -1,0 +1,29 @@
+// The certificate of every ready problem's answer holds.
+#include "output/certificate_report.hpp"
+#include "support/transcribed_problem.hpp"
+
+namespace conddp {
+namespace {
+
+class CertificateOf : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(CertificateOf, TheAnswerHolds) {
+  const testing::ReadyProblem ready(GetParam());
+  const SolverInfo& solver = *find_solver(ready.spec.solver.name.value);
+  const SolveResult result =
+      solve(*ready.built.problem, solver, ready.spec.solver.options, ready.built.guess);
+  const OrderedJson document =
+      OrderedJson::parse(solution_json({ready.spec, ready.built, solver, result, {}}).dump());
+  const SolutionCertificate certificate =
+      certify_solution(document, ready.spec, ready.built, false);
+  EXPECT_TRUE(certificate.checks.holds()) << certificate_table(certificate);
+}
+
+const auto name_of = [](const auto& name) { return name.param; };
+INSTANTIATE_TEST_SUITE_P(Ready, CertificateOf, ::testing::ValuesIn(testing::ready_problems(false)),
+                         name_of);
+INSTANTIATE_TEST_SUITE_P(Legs, CertificateOf, ::testing::ValuesIn(testing::ready_problems(true)),
+                         name_of);
+
+}  // namespace
+}  // namespace conddp
