@@ -1,0 +1,51 @@
+#pragma once
+
+#include <array>
+#include <utility>
+#include <vector>
+
+#include "systems/contact_candidate.hpp"
+#include "systems/system.hpp"
+
+namespace conddp {
+
+/// Forces of dry friction that together oppose a slip the most: at most `budget` in sum, each ≥ 0,
+/// along ± the tangents. Pairs: f_i ⊥ s_i = γ ± v_t, and γ ⊥ s_γ = budget − Σ f_i.
+struct FrictionIndices {
+  int count = 0;  ///< directions: 2 a tangent, positive sign first; 0: no friction
+  std::array<int, 4> force{}, slip{};  ///< f_i and s_i
+  int gamma = 0, rest = 0;             ///< γ and s_γ
+};
+
+/// Where the controls w of a stepping system stand: the actuators u, then the accelerations a, then
+/// forces and the slacks of their complementarity conditions, all of which belong to the end of the
+/// step. Forces are means over the step, N or Nm.
+struct SteppingLayout {
+  struct Candidate {
+    int force = 0, gap = 0;  ///< f_n and s_n = φ, or φ + f_n/stiffness
+    FrictionIndices friction;
+  };
+  /// One side of a stop: its force ≥ 0 away from the limit, and the distance from it.
+  struct Stop {
+    int joint = 0;
+    bool upper = false;
+    int force = 0, distance = 0;
+  };
+
+  int actuators = 0;     ///< u: the first so many
+  int acceleration = 0;  ///< where a starts
+  int nv = 0;
+  std::vector<Candidate> candidates;  ///< in the order of the description, as the next two
+  std::vector<Stop> stops;            ///< finite sides, lower before upper
+  std::vector<FrictionIndices> frictions;
+  std::vector<std::pair<int, int>> pairs;  ///< all complementarity conditions: 0 ≤ w_i ⊥ w_j ≥ 0
+  std::vector<Column> columns;             ///< names and units of all of w
+
+  int size() const { return static_cast<int>(columns.size()); }
+
+  /// For a robot of one-DoF joints with these actuators.
+  SteppingLayout(const RobotModel& robot, const std::vector<Column>& actuator_columns,
+                 const ImplicitContacts& contacts);
+};
+
+}  // namespace conddp

@@ -1,0 +1,125 @@
+// The geometry of contact candidates: known figures, and derivatives against differences.
+#include "systems/candidate_geometry.hpp"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "robot/kinematics.hpp"
+#include "support/random_robot.hpp"
+
+namespace conddp {
+namespace {
+
+struct Case {
+  std::string name;
+  ContactCandidate candidate;
+  std::optional<Vector3<double>> plane;
+};
+
+/// A frame on the body of the last joint, and one on another branch or near the root.
+std::vector<Case> cases(const RobotModel& model) {
+  int tip = 0, other = 0;
+  for (int i = 0; i < static_cast<int>(model.frames.size()); ++i) {
+    if (model.frames[i].joint == model.joint_count() - 1) tip = i;
+    if (model.frames[i].joint == model.joint_count() / 2) other = i;
+  }
+  const ContactSphere sphere{tip, {0.1, -0.2, 0.3}, 0.05};
+  const Vector3<double> normal{0.6, 0, 0.8};
+  std::vector<Case> all;
+  const auto add = [&](const std::string& name, auto against, bool planar = false) {
+    ContactCandidate c{name, sphere, against, 0.5, {}};
+    all.push_back(
+        {name, c,
+         planar ? std::optional<Vector3<double>>(Vector3<double>{0, 1, 0}) : std::nullopt});
+  };
+  add("ground", ContactHalfSpace{-1, {0, 0, 1}, -0.3});
+  add("slope in a plane", ContactHalfSpace{-1, normal, 0.1}, true);
+  add("moving half-space", ContactHalfSpace{other, normal, 0.1});
+  add("sphere of the world", ContactSphere{-1, {5, 4, 3}, 0.2});
+  add("sphere of the robot", ContactSphere{other, {3, 0.1, 2}, 0.2});
+  add("box of the world",
+      ContactBox{-1, {Matrix3<double>::identity(), {8, 1, 0}}, {0.1, 0.2, 0.3}});
+  add("box of the robot", ContactBox{other, {Matrix3<double>::identity(), {0, 9, 1}}, {1, 1, 1}});
+  // So large that the sphere is inside.
+  add("inside of a box", ContactBox{other, SE3<double>::identity(), {40, 50, 60}});
+  return all;
+}
+
+CandidateRows<double> rows_at(const RobotModel& model, const CandidateGeometry& geometry,
+                              const std::vector<double>& q, bool slopes = false) {
+  RobotData<double> data(model);
+  update_placements(model, q.data(), data);
+  auto out = geometry.create_rows<double>();
+  if (slopes)
+    geometry.differentiate(data, out);
+  else
+    geometry.evaluate(data, out);
+  return out;
+}
+
+TEST(CandidateGeometry, DerivativesAgreeWithDifferences) {
+  const RobotModel model = random_robot(7, {.joints = 6, .branching = 0.6});
+  RandomNumbers random(3);
+  const std::vector<double> q = random_state(model, random).q;
+  const double h = 1e-6;
+  for (const Case& c : cases(model)) {
+    SCOPED_TRACE(c.name);
+    const CandidateGeometry geometry(model, c.candidate, c.plane);
+    const int k = static_cast<int>(geometry.columns().size());
+    const int n = 1 + geometry.tangents();
+    ASSERT_GT(k, 0);
+    const CandidateRows<double> at = rows_at(model, geometry, q, true);
+    double largest = 0;
+    for (int i = 0; i < k; ++i) {
+      std::vector<double> up = q, down = q;
+      up[geometry.columns()[i]] += h;
+      down[geometry.columns()[i]] -= h;
+      const auto above = rows_at(model, geometry, up), below = rows_at(model, geometry, down);
+      EXPECT_NEAR(at.rows[i], (above.gap - below.gap) / (2 * h), 1e-7) << "gap, column " << i;
+      for (int e = 0; e < n * k; ++e) {
+        EXPECT_NEAR(at.slopes[i * n * k + e], (above.rows[e] - below.rows[e]) / (2 * h), 1e-7)
+            << "row " << e / k << ", column " << e % k << " by " << i;
+        largest = std::max(largest, std::abs(at.slopes[i * n * k + e]));
+      }
+    }
+    EXPECT_GT(largest, 1e-3);
+    for (int r = 0; r < n; ++r) {
+      EXPECT_NEAR(squared_norm(at.directions[r]), 1, 1e-12);
+      for (int s = 0; s < r; ++s) EXPECT_NEAR(dot(at.directions[r], at.directions[s]), 0, 1e-12);
+    }
+  }
+}
+
+TEST(CandidateGeometry, KnownGaps) {
+  const RobotModel model = random_robot(7, {.joints = 2});
+  const auto gap = [&](const ContactSphere& sphere, auto against) {
+    const CandidateGeometry geometry(model, {"pair", sphere, against, 0.5, {}}, {});
+    return rows_at(model, geometry, {0, 0});
+  };
+  const ContactSphere ball{-1, {3, 0, 4}, 0.5};
+  EXPECT_DOUBLE_EQ(gap(ball, ContactHalfSpace{-1, {0, 0, 1}, 1}).gap, 2.5);
+  EXPECT_DOUBLE_EQ(gap(ball, ContactSphere{-1, {0, 0, 0}, 1}).gap, 3.5);
+  const ContactBox box{-1, SE3<double>::identity(), {1, 1, 1}};
+  EXPECT_DOUBLE_EQ(gap(ball, box).gap, std::sqrt(4 + 9) - 0.5);
+  // Inside, the nearest face counts.
+  const auto inside = gap({-1, {0.2, 0, -0.7}, 0}, box);
+  EXPECT_NEAR(inside.gap, -0.3, 1e-15);
+  EXPECT_DOUBLE_EQ(inside.directions[0].z, -1);
+}
+
+TEST(CandidateGeometry, FloatingJointsAreRefusedByName) {
+  const RobotModel model = random_robot(7, {.joints = 2, .floating = true});
+  int tip = 0;
+  for (int i = 0; i < static_cast<int>(model.frames.size()); ++i)
+    if (model.frames[i].joint == model.joint_count() - 1) tip = i;
+  try {
+    CandidateGeometry({model, {"toe", {tip, {}, 0}, ContactHalfSpace{}, 0.5, {}}, {}});
+    FAIL() << "accepted";
+  } catch (const std::invalid_argument& e) {
+    EXPECT_NE(std::string(e.what()).find("toe"), std::string::npos) << e.what();
+  }
+}
+
+}  // namespace
+}  // namespace conddp
