@@ -1,0 +1,270 @@
+#include "analysis/contact_simulator.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+#include "analysis/linear_complementarity.hpp"
+
+namespace conddp {
+namespace {
+
+/// Slower than that a contact counts as sticking when its pyramid is turned, m/s.
+constexpr double kSlip = 1e-10;
+
+}  // namespace
+
+std::string_view to_string(StepStatus status) {
+  switch (status) {
+    case StepStatus::solved:
+      return "solved";
+    case StepStatus::unsolved:
+      return "unsolved";
+    case StepStatus::no_contact:
+      return "no contact forces found";
+    case StepStatus::not_finite:
+      break;
+  }
+  return "not finite";
+}
+
+/// All complementary pairs 0 ≤ z ⊥ w ≥ 0 at an iterate: z are impulses (N s) or slacks of speed
+/// (m/s), w = value + slope dv + coupling z velocities or impulses.
+struct ContactSimulator::Pairs {
+  Eigen::VectorXd value;
+  Eigen::MatrixXd slope;     ///< pairs x nv
+  Eigen::MatrixXd push;      ///< pairs x nv: transposed, generalised impulses per unit of z
+  Eigen::MatrixXd coupling;  ///< pairs x pairs
+  std::vector<bool> budget;  ///< whether w is an impulse and z a speed, else the other way round
+
+  Pairs(int count, int nv)
+      : value(Eigen::VectorXd::Zero(count)),
+        slope(Eigen::MatrixXd::Zero(count, nv)),
+        push(Eigen::MatrixXd::Zero(count, nv)),
+        coupling(Eigen::MatrixXd::Zero(count, count)),
+        budget(count, false) {}
+};
+
+ContactSimulator::ContactSimulator(const ContactPlant& plant, ContactSimulatorOptions options)
+    : plant_(plant),
+      options_(options),
+      slopes_(plant_),
+      pyramid_(Eigen::VectorXd::Zero(plant.contacts.candidates.size())) {
+  for (const ContactCandidate& candidate : plant_.contacts.candidates) {
+    const int tangents = tangent_count(plant_.contacts, candidate);
+    pairs_ += tangents == 0 ? 1 : 2 + 2 * tangents;
+  }
+  for (const JointStop& stop : plant_.contacts.stops)
+    pairs_ += (stop.lower > -kUnlimited) + (stop.upper < kUnlimited);
+  pairs_ += 3 * static_cast<int>(plant_.contacts.frictions.size());
+}
+
+/// Values and slopes with respect to v at the iterate, one direction of dual numbers at a time.
+void ContactSimulator::linearize(const StepStart& start, const ContactStep& at, bool with_forces) {
+  const int n = plant_.nv();
+  const std::size_t count = plant_.contacts.candidates.size();
+  gap_.resize(count);
+  rows_.assign(count, Eigen::Matrix3Xd::Zero(3, n));
+  slope_.assign(count, Eigen::Matrix3Xd::Zero(3, n));
+  A_.resize(n, n);
+  impulse_.resize(n);
+  using D = Dual<double>;
+  for (int i = 0; i < n; ++i) {
+    std::vector<D> v(n);
+    for (int j = 0; j < n; ++j) v[j] = D(at.v[j], i == j ? 1.0 : 0.0);
+    const auto& instants = slopes_.end(start, v.data());
+    std::vector<D> pushed(n, D(0.0));
+    if (with_forces) slopes_.add_forces(start.h, at.forces, pushed);
+    for (std::size_t c = 0; c < count; ++c) {
+      gap_[c] = instants[c].gap.v;
+      for (int r = 0; r < 3; ++r) {
+        D velocity(0.0);
+        for (int j = 0; j < n; ++j) {
+          velocity = velocity + instants[c].rows[r * n + j] * v[j];
+          rows_[c](r, j) = instants[c].rows[r * n + j].v;
+        }
+        slope_[c](r, i) = velocity.d;
+      }
+      slope_[c](0, i) = rows_[c](0, i);  // of the gap over h
+    }
+    const std::vector<D>& needed = slopes_.free_impulse(start, v.data());
+    for (int j = 0; j < n; ++j) {
+      impulse_[j] = needed[j].v;
+      A_(j, i) = needed[j].d - pushed[j].d;
+    }
+  }
+}
+
+ContactSimulator::Pairs ContactSimulator::assemble(const StepStart& start, const ContactStep& at,
+                                                   bool with_slopes) const {
+  Pairs pairs(pairs_, plant_.nv());
+  int row = 0;
+  /// Friction along a basis of tangents: both signs of each, then the slack of speed. The budget is
+  /// constant plus factor times the pair `normal`.
+  const auto friction = [&](const Eigen::MatrixXd& tangents, const Eigen::MatrixXd& slopes,
+                            double constant, double factor, int normal) {
+    const int first = row, slack = row + 2 * static_cast<int>(tangents.rows());
+    for (int t = 0; t < tangents.rows(); ++t)
+      for (const double sign : {1.0, -1.0}) {
+        pairs.value[row] = sign * tangents.row(t).dot(at.v);
+        pairs.slope.row(row) = sign * slopes.row(t);
+        pairs.push.row(row) = sign * tangents.row(t);
+        pairs.coupling(row++, slack) = 1;
+      }
+    pairs.value[slack] = constant;
+    pairs.budget[slack] = true;
+    if (normal >= 0) pairs.coupling(slack, normal) = factor;
+    pairs.coupling.row(slack).segment(first, slack - first).setConstant(-1);
+    ++row;
+  };
+  for (std::size_t c = 0; c < plant_.contacts.candidates.size(); ++c) {
+    const ContactCandidate& candidate = plant_.contacts.candidates[c];
+    const int normal = row, tangents = tangent_count(plant_.contacts, candidate);
+    pairs.value[row] = gap_[c] / start.h;
+    pairs.slope.row(row) = pairs.push.row(row) = rows_[c].row(0);
+    if (candidate.stiffness)
+      pairs.coupling(row, row) = 1 / (*candidate.stiffness * start.h * start.h);
+    ++row;
+    if (tangents == 0) continue;
+    Eigen::MatrixXd turn = Eigen::MatrixXd::Identity(tangents, tangents);
+    if (tangents == 2) turn = Eigen::Rotation2Dd(-pyramid_[c]).toRotationMatrix();
+    const Eigen::MatrixXd basis = turn * rows_[c].middleRows(1, tangents);
+    friction(basis, with_slopes ? turn * slope_[c].middleRows(1, tangents) : basis, 0,
+             candidate.friction, normal);
+  }
+  const auto joint = [&](int index) {
+    Eigen::RowVectorXd axis = Eigen::RowVectorXd::Zero(plant_.nv());
+    axis[plant_.robot->joints[index].v] = 1;
+    return axis;
+  };
+  for (const JointStop& stop : plant_.contacts.stops) {
+    const Eigen::RowVectorXd axis = joint(stop.joint);
+    const double q = axis.dot(start.q) + start.h * axis.dot(at.v);
+    for (const bool lower : {true, false}) {
+      const double limit = lower ? stop.lower : stop.upper, sign = lower ? 1 : -1;
+      if (!std::isfinite(limit)) continue;
+      pairs.value[row] = sign * (q - limit) / start.h;
+      pairs.slope.row(row) = pairs.push.row(row) = sign * axis;
+      ++row;
+    }
+  }
+  for (const JointFriction& dry : plant_.contacts.frictions) {
+    const Eigen::RowVectorXd axis = joint(dry.joint);
+    friction(axis, axis, dry.limit * start.h, 0, -1);
+  }
+  return pairs;
+}
+
+/// The forces that the impulses z stand for.
+StepForces ContactSimulator::forces(const Eigen::VectorXd& z, double h) const {
+  StepForces f(plant_.contacts);
+  int row = 0;
+  for (std::size_t c = 0; c < plant_.contacts.candidates.size(); ++c) {
+    const int tangents = tangent_count(plant_.contacts, plant_.contacts.candidates[c]);
+    f.contact(0, c) = z[row++] / h;
+    if (tangents == 0) continue;
+    for (int t = 0; t < tangents; ++t, row += 2) f.contact(1 + t, c) = (z[row] - z[row + 1]) / h;
+    ++row;
+    if (tangents == 2)
+      f.contact.col(c).tail<2>() = Eigen::Rotation2Dd(pyramid_[c]) * f.contact.col(c).tail<2>();
+  }
+  for (std::size_t s = 0; s < plant_.contacts.stops.size(); ++s) {
+    const JointStop& stop = plant_.contacts.stops[s];
+    if (std::isfinite(stop.lower)) f.stop_lower[s] = z[row++] / h;
+    if (std::isfinite(stop.upper)) f.stop_upper[s] = z[row++] / h;
+  }
+  for (std::size_t d = 0; d < plant_.contacts.frictions.size(); ++d, row += 3)
+    f.friction[d] = (z[row] - z[row + 1]) / h;
+  return f;
+}
+
+/// Turns the pyramids of a cone to where slip and force would both point: along the slip that there
+/// would be without friction at that contact. The largest angle by which a slip is off its pyramid.
+double ContactSimulator::turn_pyramids(const StepStart& start, const ContactStep& at) {
+  double off = 0;
+  if (plant_.contacts.friction != FrictionModel::cone) return off;
+  for (std::size_t c = 0; c < plant_.contacts.candidates.size(); ++c) {
+    if (tangent_count(plant_.contacts, plant_.contacts.candidates[c]) != 2) continue;
+    const Eigen::Matrix2Xd tangents = rows_[c].bottomRows<2>();
+    const Eigen::Vector2d slip = tangents * at.v, force = at.forces.contact.col(c).tail<2>();
+    // A quarter of a turn makes the same pyramid.
+    if (at.forces.contact(0, c) > 0 && slip.norm() > kSlip)
+      off = std::max(off, std::abs(std::remainder(std::atan2(slip.y(), slip.x()) - pyramid_[c],
+                                                  std::numbers::pi / 2)));
+    const Eigen::Matrix2d mobility =
+        start.h * tangents * A_.partialPivLu().solve(tangents.transpose());
+    const Eigen::Vector2d along = slip - 0.5 * mobility.trace() * force;
+    if (along.norm() > 0) pyramid_[c] = std::atan2(along.y(), along.x());
+  }
+  return off;
+}
+
+/// Of the equations at the iterate with impulses z; linearize() must have seen the iterate.
+double ContactSimulator::residual(const StepStart& start, const ContactStep& at,
+                                  const Eigen::VectorXd& z) const {
+  const double scale = impulse_scale(plant_, start.h);
+  const Pairs pairs = assemble(start, at, false);
+  const Eigen::VectorXd w = pairs.value + pairs.coupling * z;
+  double worst = (impulse_ - pairs.push.transpose() * z).cwiseAbs().maxCoeff() / scale;
+  for (int i = 0; i < pairs_; ++i) {
+    const double gap =
+        pairs.budget[i] ? std::min(w[i] / scale, z[i]) : std::min(w[i], z[i] / scale);
+    worst = std::max(worst, std::abs(gap));
+  }
+  return worst;
+}
+
+ContactStep ContactSimulator::step(const StepStart& start) {
+  ContactStep at{StepStatus::unsolved,        start.q, start.v,
+                 StepForces(plant_.contacts), 0,       kUnlimited};
+  const auto give_up = [&](StepStatus status) {
+    ContactStep still{status, start.q, start.v, StepForces(plant_.contacts), at.iterations};
+    still.residual = kUnlimited;
+    return still;
+  };
+  if (!start.q.allFinite() || !start.v.allFinite() || !start.applied.allFinite())
+    return give_up(StepStatus::not_finite);
+  pyramid_.setZero();
+  ContactStep best = at;
+  linearize(start, at, true);
+  for (int k = 0; k < options_.max_iterations; ++k) {
+    const bool careful = k >= options_.max_iterations / 2;
+    std::optional<Eigen::VectorXd> z;
+    Eigen::VectorXd dv;
+    for (const bool exact : {true, false}) {
+      if (exact && careful) continue;
+      if (!exact) linearize(start, at, false);
+      const Pairs pairs = assemble(start, at, exact);
+      if (!A_.allFinite() || !impulse_.allFinite() || !pairs.value.allFinite())
+        return give_up(StepStatus::not_finite);
+      const Eigen::PartialPivLU<Eigen::MatrixXd> lu(A_);
+      const Eigen::MatrixXd pushed = lu.solve(pairs.push.transpose());
+      const Eigen::VectorXd free = lu.solve(impulse_);
+      z = solve_lcp(pairs.slope * pushed + pairs.coupling, pairs.value - pairs.slope * free);
+      if (!z) continue;
+      dv = pushed * *z - free;
+      break;
+    }
+    if (!z) return best.residual < kUnlimited ? best : give_up(StepStatus::no_contact);
+    at.v += dv;
+    at.q = start.q + start.h * at.v;
+    at.forces = forces(*z, start.h);
+    at.iterations = k + 1;
+    if (!at.v.allFinite() || !at.forces.finite()) return give_up(StepStatus::not_finite);
+    linearize(start, at, true);
+    const double before = at.residual;
+    at.residual = residual(start, at, *z) + turn_pyramids(start, at);
+    if (!(at.residual < kUnlimited)) return give_up(StepStatus::not_finite);
+    if (at.residual < best.residual) best = at;
+    // On to the last digits while Newton's method still gains some.
+    if (best.residual <= options_.tolerance && at.residual >= 0.1 * before) break;
+    if (best.residual <= kRounding) break;
+  }
+  if (best.residual <= options_.tolerance) best.status = StepStatus::solved;
+  return best;
+}
+
+}  // namespace conddp

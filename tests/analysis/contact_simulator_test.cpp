@@ -1,0 +1,306 @@
+#include "analysis/contact_simulator.hpp"
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "support/contact_plants.hpp"
+
+namespace conddp {
+namespace {
+
+constexpr double kGravity = 9.81;
+
+/// Takes a step and moves the start to its end.
+ContactStep advance(ContactSimulator& simulator, const ContactPlant& plant, StepStart& start) {
+  const ContactStep step = simulator.step(start);
+  EXPECT_EQ(step.status, StepStatus::solved) << step.residual;
+  const double scale = impulse_scale(plant, start.h);
+  EXPECT_LT(stepping_residual(plant, start, step.v, step.forces).cwiseAbs().maxCoeff(),
+            1e-9 * scale);
+  start.q = step.q;
+  start.v = step.v;
+  return step;
+}
+
+StepStart sliding_puck(const ContactPlant& plant, double h) {
+  StepStart start = at_rest(plant, h);
+  start.v << 1, 2, 0;
+  return start;
+}
+
+StepStart standing_block(const ContactPlant& plant, double h) {
+  StepStart start = at_rest(plant, h);
+  start.q[velocity_index(plant, "base_z")] = 0.5;
+  return start;
+}
+
+/// A bare mass that slides on a plane in space.
+ContactPlant puck(FrictionModel friction) {
+  const std::string text =
+      R"(<robot name="puck"><link name="table"/><link name="a"/><link name="b"/>
+    <link name="puck"><inertial><mass value="2"/>
+      <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+    <joint name="x" type="prismatic"><parent link="table"/><child link="a"/><axis xyz="1 0 0"/>
+      <limit lower="-9" upper="9" effort="1" velocity="1"/></joint>
+    <joint name="y" type="prismatic"><parent link="a"/><child link="b"/><axis xyz="0 1 0"/>
+      <limit lower="-9" upper="9" effort="1" velocity="1"/></joint>
+    <joint name="z" type="prismatic"><parent link="b"/><child link="puck"/><axis xyz="0 0 1"/>
+      <limit lower="-9" upper="9" effort="1" velocity="1"/></joint></robot>)";
+  ContactPlant plant;
+  plant.robot = std::make_shared<RobotModel>(*parse_urdf(text, "puck").model);
+  plant.contacts.candidates = {on_ground(plant, "puck", 0.3)};
+  plant.contacts.friction = friction;
+  return plant;
+}
+
+TEST(ContactSimulator, BlockStaysBelowTheFrictionAngle) {
+  const double angle = std::atan(0.49);
+  const ContactPlant plant = block_on_slope(0.5, angle);
+  ContactSimulator simulator(plant);
+  StepStart start = standing_block(plant, 0.01);
+  for (int k = 0; k < 50; ++k) {
+    const ContactStep step = advance(simulator, plant, start);
+    EXPECT_LT(step.v.cwiseAbs().maxCoeff(), 1e-12);
+    EXPECT_NEAR(step.forces.contact.row(0).sum(), kGravity * std::cos(angle), 1e-9);
+    EXPECT_NEAR(step.forces.contact.row(1).sum(), -kGravity * std::sin(angle), 1e-9);
+  }
+}
+
+TEST(ContactSimulator, BlockSlidesAboveTheFrictionAngle) {
+  const double angle = std::atan(0.6), h = 0.01;
+  const ContactPlant plant = block_on_slope(0.5, angle);
+  ContactSimulator simulator(plant);
+  StepStart start = standing_block(plant, h);
+  const double a = kGravity * (std::sin(angle) - 0.5 * std::cos(angle));
+  for (int k = 1; k <= 50; ++k) {
+    const ContactStep step = advance(simulator, plant, start);
+    EXPECT_NEAR(step.v[0], k * h * a, 1e-10);
+    EXPECT_NEAR(step.v[1], 0, 1e-12);
+    EXPECT_NEAR(step.v[2], 0, 1e-12);
+    for (int c = 0; c < 2; ++c)
+      EXPECT_NEAR(step.forces.contact(1, c), -0.5 * step.forces.contact(0, c), 1e-9);
+  }
+}
+
+TEST(ContactSimulator, FallingBlockLandsWithoutReboundOrPenetration) {
+  const double h = 0.01;
+  const ContactPlant plant = block_on_slope(0.5);
+  ContactSimulator simulator(plant);
+  StepStart start = standing_block(plant, h);
+  start.q[1] += 0.2;
+  bool landed = false;
+  double height = 0.2;
+  for (int k = 1; k <= 60; ++k) {
+    const ContactStep step = advance(simulator, plant, start);
+    height -= h * k * h * kGravity;
+    landed = landed || height < 0;
+    EXPECT_GE(step.q[1], 0.5 - 1e-12);
+    if (!landed) {
+      EXPECT_NEAR(step.v[1], -k * h * kGravity, 1e-10);
+      EXPECT_EQ(step.forces.contact.cwiseAbs().maxCoeff(), 0);
+    } else {
+      EXPECT_NEAR(step.q[1], 0.5, 1e-12);
+    }
+  }
+  EXPECT_TRUE(landed);
+  EXPECT_LT(start.v.cwiseAbs().maxCoeff(), 1e-12);
+}
+
+TEST(ContactSimulator, PushedBlockSticksSlipsAndSticksAgain) {
+  const double h = 0.01, grip = 0.5 * kGravity;
+  const ContactPlant plant = block_on_slope(0.5);
+  ContactSimulator simulator(plant);
+  StepStart start = standing_block(plant, h);
+  double speed = 0;
+  int stopped = -1;
+  for (int k = 0; k < 100; ++k) {
+    // Up to 1.5 times the grip within half a second, then nothing.
+    const double push = k < 50 ? 1.5 * grip * (k + 1) / 50 : 0;
+    start.applied[0] = push;
+    const ContactStep step = advance(simulator, plant, start);
+    speed = std::max(0.0, speed + h * (push - grip));
+    EXPECT_NEAR(step.v[0], speed, 1e-10) << "step " << k;
+    if (k > 50 && speed == 0 && stopped < 0) stopped = k;
+  }
+  EXPECT_GT(stopped, 51);
+  EXPECT_LT(stopped, 90);
+}
+
+/// A force high up tips the block over its front corner instead of sliding it.
+TEST(ContactSimulator, HighFrictionTipsTheBlock) {
+  const double h = 0.001;
+  const ContactPlant plant = block_on_slope(2, std::atan(1.2));
+  ContactSimulator simulator(plant);
+  StepStart start = standing_block(plant, h);
+  for (int k = 0; k < 100; ++k) {
+    const ContactStep step = advance(simulator, plant, start);
+    EXPECT_EQ(step.forces.contact(0, 0), 0) << "the rear corner lifts";
+    EXPECT_GT(step.forces.contact(0, 1), 0);
+  }
+  // It turns about that corner: (1/6 + 1/2) m l² α = m g l (sin − cos)/2 at first.
+  const double angle = std::atan(1.2);
+  const double slope = kGravity * (std::sin(angle) - std::cos(angle)) / 2 / (1.0 / 6 + 0.5);
+  EXPECT_NEAR(start.v[2], 0.1 * slope, 0.01 * slope);
+}
+
+TEST(ContactSimulator, CopiesOfContactsChangeNothing) {
+  ContactPlant plant = block_on_slope(0.5, std::atan(0.6));
+  const auto once = plant.contacts.candidates;
+  for (int copy = 0; copy < 3; ++copy)
+    plant.contacts.candidates.insert(plant.contacts.candidates.end(), once.begin(), once.end());
+  ContactSimulator simulator(plant);
+  StepStart start = standing_block(plant, 0.01);
+  for (int k = 0; k < 20; ++k) advance(simulator, plant, start);
+  const double angle = std::atan(0.6);
+  EXPECT_NEAR(start.v[0], 0.2 * kGravity * (std::sin(angle) - 0.5 * std::cos(angle)), 1e-10);
+}
+
+TEST(ContactSimulator, JointStopsHoldTheAcrobotsElbow) {
+  ContactPlant plant = contact_plant("acrobot", {"elbow"});
+  const int elbow = plant.robot->find_joint("elbow").value();
+  const double limit = std::numbers::pi / 2;
+  plant.contacts.stops = {{elbow, -limit, limit}};
+  ContactSimulator simulator(plant);
+  StepStart start = at_rest(plant, 0.01);
+  start.applied[1] = 8;
+  int stopped = 0;
+  for (int k = 0; k < 200; ++k) {
+    const ContactStep step = advance(simulator, plant, start);
+    EXPECT_LE(step.q[1], limit + 1e-11);
+    EXPECT_EQ(step.forces.stop_lower[0], 0);
+    if (step.forces.stop_upper[0] > 0) {
+      ++stopped;
+      EXPECT_NEAR(step.q[1], limit, 1e-11);
+    }
+  }
+  EXPECT_GT(stopped, 20);
+}
+
+/// A ball that hits a spring stays in it for half a period, π √(m/k); each step in it is
+/// v⁺ = (v − h k x/m)/(1 + h² k/m).
+TEST(ContactSimulator, SoftWallIsASpring) {
+  const double k = 200, h = 1e-4, m = 2;
+  ContactPlant plant = puck(FrictionModel::polyhedron);
+  ContactCandidate& wall = plant.contacts.candidates[0];
+  wall.friction = 0;
+  wall.against = ContactHalfSpace{.normal = {-1, 0, 0}, .offset = -0.1};
+  wall.stiffness = k;
+  ContactSimulator simulator(plant);
+  StepStart start = at_rest(plant, h);
+  start.v[0] = 1;
+  double x = -0.1, v = 1, touched = 0;
+  for (int i = 0; i < 6000; ++i) {
+    const double inside = (v - h * k * x / m) / (1 + h * h * k / m);
+    if (x + h * inside > 0) {
+      v = inside;
+      touched += h;
+    }
+    x += h * v;
+    const ContactStep step = advance(simulator, plant, start);
+    EXPECT_NEAR(step.v[0], v, 1e-9);
+    EXPECT_NEAR(step.forces.contact(0, 0), k * std::max(0.0, x), 1e-6);
+  }
+  EXPECT_LT(v, 0) << "it has come back";
+  EXPECT_NEAR(touched, std::numbers::pi * std::sqrt(m / k), 1e-3);
+}
+
+TEST(ContactSimulator, DryFrictionOfAJointStopsIt) {
+  const double h = 0.01, limit = 4.905;
+  ContactPlant plant = contact_plant("push_box", {"box_x"});
+  plant.contacts.frictions = {{plant.robot->find_joint("box_x").value(), limit}};
+  ContactSimulator simulator(plant);
+  StepStart start = at_rest(plant, h);
+  const int x = velocity_index(plant, "box_x");
+  start.v[x] = -1;
+  double speed = -1;
+  for (int k = 0; k < 60; ++k) {
+    start.applied[x] = k < 40 ? 0 : 0.1 * (k - 40);
+    const ContactStep step = advance(simulator, plant, start);
+    speed = std::min(0.0, speed + h * limit);
+    EXPECT_NEAR(step.v[x], speed, 1e-10);
+    if (speed < 0) {
+      EXPECT_NEAR(step.forces.friction[0], limit, 1e-9);
+    } else if (k >= 40) {
+      EXPECT_NEAR(step.forces.friction[0], -start.applied[x], 1e-9);
+    }
+  }
+}
+
+TEST(ContactSimulator, NumbersThatAreNotFiniteAreAStatus) {
+  const ContactPlant plant = block_on_slope(0.5);
+  ContactSimulator simulator(plant);
+  for (const double bad :
+       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    StepStart start = standing_block(plant, 0.01);
+    start.v[2] = bad;
+    EXPECT_EQ(simulator.step(start).status, StepStatus::not_finite);
+  }
+  StepStart start = standing_block(plant, 0.01);
+  start.v[2] = 1e200;
+  const ContactStep step = simulator.step(start);
+  EXPECT_NE(step.status, StepStatus::solved);
+  EXPECT_TRUE(step.q.allFinite() && step.v.allFinite() && step.forces.finite());
+}
+
+TEST(ContactSimulator, ConeOpposesTheSlipInSpace) {
+  const double h = 0.01;
+  const ContactPlant plant = puck(FrictionModel::cone);
+  ContactSimulator simulator(plant);
+  StepStart start = sliding_puck(plant, h);
+  const Eigen::Vector3d along = start.v.normalized();
+  double speed = start.v.norm();
+  for (int k = 0; k < 100; ++k) {
+    const ContactStep step = advance(simulator, plant, start);
+    speed = std::max(0.0, speed - h * 0.3 * kGravity);
+    EXPECT_NEAR((step.v - speed * along).norm(), 0, 1e-9) << "step " << k;
+    EXPECT_LE(step.forces.contact.col(0).tail<2>().norm(), 0.3 * step.forces.contact(0, 0) + 1e-8);
+  }
+}
+
+TEST(ContactSimulator, PyramidIsWeakerBetweenItsEdges) {
+  const double h = 0.01;
+  const ContactPlant plant = puck(FrictionModel::polyhedron);
+  ContactSimulator simulator(plant);
+  StepStart start = sliding_puck(plant, h);
+  const ContactStep step = advance(simulator, plant, start);
+  // All of it along the tangent that slips faster.
+  EXPECT_NEAR(step.v[0], 1, 1e-12);
+  EXPECT_NEAR(step.v[1], 2 - h * 0.3 * kGravity, 1e-10);
+}
+
+/// Midpoints of the free acrobot keep its energy, backward Euler loses it.
+TEST(ContactSimulator, MidpointSchemeKeepsTheEnergy) {
+  for (const SteppingScheme scheme :
+       {SteppingScheme::backward_euler, SteppingScheme::variational_midpoint}) {
+    ContactPlant plant = contact_plant("acrobot", {});
+    plant.contacts.scheme = scheme;
+    ContactSimulator simulator(plant);
+    StepStart start = at_rest(plant, 0.01);
+    start.q << 1, 0.5;
+    RobotData<double> data(*plant.robot);
+    const auto energy = [&](const Eigen::VectorXd& q, const Eigen::VectorXd& v) {
+      update_placements(*plant.robot, q.data(), data);
+      update_velocities(*plant.robot, v.data(), data);
+      update_composite_inertias(*plant.robot, data);
+      return kinetic_energy(*plant.robot, data) + potential_energy(*plant.robot, data);
+    };
+    const double before = energy(start.q, start.v);
+    double worst = 0;
+    for (int k = 0; k < 500; ++k) {
+      const ContactStep step = advance(simulator, plant, start);
+      // The discrete velocity is that of the midpoint.
+      const Eigen::VectorXd middle = step.q - 0.005 * step.v;
+      worst = std::max(worst, std::abs(energy(middle, step.v) - before));
+    }
+    if (scheme == SteppingScheme::variational_midpoint)
+      EXPECT_LT(worst, 0.02);
+    else
+      EXPECT_GT(worst, 1);
+  }
+}
+
+}  // namespace
+}  // namespace conddp

@@ -1,0 +1,56 @@
+#include "analysis/linear_complementarity.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "support/random_numbers.hpp"
+
+namespace conddp {
+namespace {
+
+void expect_solution(const Eigen::MatrixXd& M, const Eigen::VectorXd& q) {
+  const auto z = solve_lcp(M, q);
+  ASSERT_TRUE(z);
+  const Eigen::VectorXd w = M * *z + q;
+  EXPECT_GE(z->minCoeff(), 0);
+  EXPECT_LT(z->cwiseMin(w).cwiseAbs().maxCoeff(), 1e-9);
+}
+
+TEST(LinearComplementarity, PositiveDefiniteProblems) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  for (int n = 1; n < 20; ++n) {
+    const Eigen::MatrixXd a = Eigen::MatrixXd::NullaryExpr(n, n, [&] { return normal(random); });
+    const Eigen::VectorXd q = Eigen::VectorXd::NullaryExpr(n, [&] { return normal(random); });
+    expect_solution(a * a.transpose() + 0.1 * Eigen::MatrixXd::Identity(n, n), q);
+  }
+}
+
+/// Rows that are copies of one another, as contacts that hold the same thing make them.
+TEST(LinearComplementarity, RedundantRowsDoNotCycle) {
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  for (int rank = 1; rank < 5; ++rank) {
+    Eigen::MatrixXd rows(4 * rank, rank);
+    const Eigen::MatrixXd some =
+        Eigen::MatrixXd::NullaryExpr(rank, rank, [&] { return normal(random); });
+    rows << some, some, some, 2 * some;
+    const Eigen::VectorXd speed = -Eigen::VectorXd::Ones(rank);
+    Eigen::VectorXd q(4 * rank);
+    q << speed, speed, speed, 2 * speed;
+    expect_solution(rows * rows.transpose(), q);
+  }
+}
+
+TEST(LinearComplementarity, SaysWhereThereIsNoSolution) {
+  // w = −z − 1 is never positive.
+  EXPECT_FALSE(solve_lcp(-Eigen::MatrixXd::Identity(1, 1), -Eigen::VectorXd::Ones(1)));
+  EXPECT_FALSE(solve_lcp(Eigen::MatrixXd::Zero(2, 2), -Eigen::VectorXd::Ones(2)));
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(solve_lcp(Eigen::MatrixXd::Identity(1, 1), Eigen::VectorXd::Constant(1, nan)));
+}
+
+}  // namespace
+}  // namespace conddp
