@@ -1,0 +1,27 @@
+#pragma once
+
+#include <functional>
+
+#include "analysis/certificate.hpp"
+#include "analysis/contact_measures.hpp"
+#include "analysis/contact_replay.hpp"
+
+namespace conddp {
+
+/// What is found out about a motion that found its own contacts.
+struct ContactCertificate {
+  ContactMeasures measures;
+  std::optional<ContactReplay> replay;
+};
+
+/// The statements that a converged answer makes by being one: that its steps are those of its
+/// plant, that each pair of force and distance is complementary, that nothing penetrates or pulls,
+/// that friction obeys Coulomb, that no force acts at a distance. Each claims 0.
+/// docs/verification.md has the formulas and tolerances. `place` names a step and what is meant
+/// there.
+std::vector<Check> contact_checks(
+    const ContactMotion& motion, const ContactMeasures& measures,
+    const SolverOptions::Tolerances& tolerances,
+    const std::function<std::string(int knot, const std::string& what)>& place);
+
+}  // namespace conddp

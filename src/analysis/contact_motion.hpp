@@ -1,0 +1,24 @@
+#pragma once
+
+#include <optional>
+
+#include "analysis/stepping_equations.hpp"
+#include "ocp/problem.hpp"
+
+namespace conddp {
+
+/// A motion that found its own contacts, in the terms of its plant: N steps between N + 1 nodes.
+struct ContactMotion {
+  ContactPlant plant;
+  std::vector<double> h;              ///< s, one a step
+  std::vector<Eigen::VectorXd> q, v;  ///< one a node
+  std::vector<Eigen::VectorXd> u;     ///< actuators, one a step
+  std::vector<StepForces> forces;     ///< of each step, at its end
+  Eigen::VectorXd u_lower, u_upper;   ///< bounds on the actuators
+
+  int steps() const { return static_cast<int>(h.size()); }
+  StepStart start(int k) const { return {q[k], v[k], applied(u[k]), h[k]}; }
+  Eigen::VectorXd applied(const Eigen::VectorXd& controls) const;
+};
+
+}  // namespace conddp

@@ -1,0 +1,100 @@
+#include "analysis/contact_replay.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace conddp {
+namespace {
+
+/// Of what hardly moves, a hundredth of a unit counts as its way.
+constexpr double kSmallSpan = 0.01;
+
+class Player {
+ public:
+  explicit Player(const ContactMotion& motion, const std::vector<Eigen::MatrixXd>& gains)
+      : motion_(motion), gains_(gains), simulator_(motion.plant) {
+    const int n = motion.plant.nv();
+    span_.setConstant(2 * n, kSmallSpan);
+    for (int k = 0; k <= motion.steps(); ++k)
+      span_ = span_.cwiseMax((state(k) - state(0)).cwiseAbs());
+  }
+
+  ReplayRun run(int substeps, bool each_anew, bool feedback) {
+    ReplayRun result;
+    Eigen::VectorXd x = state(0);
+    for (int k = 0; k < motion_.steps(); ++k) {
+      if (each_anew) x = state(k);
+      if (!step(k, substeps, feedback, x, result)) {
+        result.lost_at = k;
+        return result;
+      }
+      compare(k + 1, x, result);
+    }
+    return result;
+  }
+
+ private:
+  Eigen::VectorXd state(int node) const {
+    Eigen::VectorXd x(2 * motion_.plant.nv());
+    x << motion_.q[node], motion_.v[node];
+    return x;
+  }
+
+  bool step(int k, int substeps, bool feedback, Eigen::VectorXd& x, ReplayRun& result) {
+    const int n = motion_.plant.nv();
+    Eigen::VectorXd u = motion_.u[k];
+    if (feedback) {
+      u += gains_[k].topLeftCorner(u.size(), 2 * n) * (x - state(k));
+      for (Eigen::Index i = 0; i < u.size(); ++i) {
+        const double inside = std::clamp(u[i], motion_.u_lower[i], motion_.u_upper[i]);
+        result.saturated += inside != u[i];
+        u[i] = inside;
+      }
+    }
+    for (int s = 0; s < substeps; ++s) {
+      const ContactStep taken =
+          simulator_.step({x.head(n), x.tail(n), motion_.applied(u), motion_.h[k] / substeps});
+      if (taken.status != StepStatus::solved) return false;
+      x << taken.q, taken.v;
+    }
+    return x.allFinite();
+  }
+
+  void compare(int node, const Eigen::VectorXd& x, ReplayRun& result) const {
+    const Eigen::VectorXd off = (x - state(node)).cwiseAbs();
+    Eigen::Index entry = 0;
+    const double worst = off.maxCoeff(&entry);
+    if (worst > result.deviation) {
+      result.deviation = worst;
+      result.knot = node;
+      result.entry = static_cast<int>(entry);
+    }
+    result.final_state = worst;
+    result.relative = std::max(result.relative, off.cwiseQuotient(span_).maxCoeff());
+  }
+
+  const ContactMotion& motion_;
+  const std::vector<Eigen::MatrixXd>& gains_;
+  ContactSimulator simulator_;
+  Eigen::VectorXd span_;
+};
+
+}  // namespace
+
+ContactReplay replay_contacts(const ContactMotion& motion,
+                              const std::vector<Eigen::MatrixXd>& gains, int substeps) {
+  Player player(motion, gains);
+  ContactReplay replay;
+  replay.substeps = substeps;
+  replay.each_step = player.run(1, true, false);
+  replay.each_step_fine = player.run(substeps, true, false);
+  replay.controls = player.run(1, false, false);
+  replay.controls_fine = player.run(substeps, false, false);
+  const bool has_gains =
+      static_cast<int>(gains.size()) == motion.steps() &&
+      std::any_of(gains.begin(), gains.end(), [](const auto& K) { return !K.isZero(0); });
+  if (has_gains) replay.feedback_fine = player.run(substeps, false, true);
+  return replay;
+}
+
+}  // namespace conddp

@@ -1,0 +1,173 @@
+// A motion of the simulator passes all checks; one in which something is changed fails by name.
+#include "analysis/contact_certificate.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "support/contact_plants.hpp"
+
+namespace conddp {
+namespace {
+
+/// A block that is thrown, lands, slides and stops, with dry friction and a stop on its way along
+/// x.
+ContactMotion thrown_block() {
+  ContactMotion motion;
+  motion.plant = block_on_slope(0.5);
+  const int x = motion.plant.robot->find_joint("base_x").value();
+  motion.plant.contacts.stops = {{x, -kUnlimited, 0.3}};
+  motion.plant.contacts.frictions = {{x, 0.2}};
+  StepStart start = at_rest(motion.plant, 0.01);
+  start.q[1] = 0.6;
+  start.v << 2, 0, 0;
+  motion.q.push_back(start.q);
+  motion.v.push_back(start.v);
+  ContactSimulator simulator(motion.plant);
+  for (int k = 0; k < 60; ++k) {
+    motion.u.push_back(Eigen::VectorXd::Constant(1, k > 40 ? 2 : 0));
+    start.applied = motion.applied(motion.u.back());
+    const ContactStep step = simulator.step(start);
+    EXPECT_EQ(step.status, StepStatus::solved);
+    motion.h.push_back(start.h);
+    motion.q.push_back(start.q = step.q);
+    motion.v.push_back(start.v = step.v);
+    motion.forces.push_back(step.forces);
+  }
+  motion.u_lower = Eigen::VectorXd::Constant(1, -5);
+  motion.u_upper = Eigen::VectorXd::Constant(1, 5);
+  return motion;
+}
+
+std::vector<Check> judge(const ContactMotion& motion) {
+  return contact_checks(motion, measure_contacts(motion), {},
+                        [](int, const std::string& what) { return what; });
+}
+
+std::string failures(const ContactMotion& motion) {
+  std::string names;
+  for (const Check& check : judge(motion))
+    if (!check.holds) names += "[" + check.name + "]";
+  return names;
+}
+
+/// The first step in which the lower front corner carries something.
+int carrying(const ContactMotion& motion) {
+  for (int k = 0; k < motion.steps(); ++k)
+    if (motion.forces[k].contact(0, 1) > 1) return k;
+  return -1;
+}
+
+TEST(ContactCertificate, HoldsForASimulatedMotion) {
+  const ContactMotion motion = thrown_block();
+  EXPECT_EQ(failures(motion), "");
+  const ContactMeasures measures = measure_contacts(motion);
+  EXPECT_LT(measures.stepping.value, 1e-11);
+  EXPECT_LT(measures.complementarity.value, 1e-11);
+  EXPECT_LT(measures.work.value, 1e-11);
+  EXPECT_GT(motion.forces[carrying(motion)].contact(0, 1), 1);
+}
+
+/// Work of friction: what is left of the block's energy when it rests again is that of its height.
+TEST(ContactCertificate, EnergyBalances) {
+  const ContactMotion motion = thrown_block();
+  const ContactMeasures measures = measure_contacts(motion);
+  EXPECT_NEAR(measures.energy_start, 2 + 9.81 * 0.6, 1e-9);
+  EXPECT_NEAR(measures.energy_end, 9.81 * 0.5, 1e-9);
+  EXPECT_LT(measures.work_contacts, -0.3);
+  // Backward Euler on landing and stopping: half m times the square of each jump of velocity.
+  double jumps = 0;
+  for (int k = 0; k < motion.steps(); ++k)
+    jumps += 0.5 * (motion.v[k + 1] - motion.v[k]).squaredNorm();
+  EXPECT_NEAR(measures.stepping_loss(), jumps, 1e-9);
+}
+
+TEST(ContactCertificate, ChangedForce) {
+  ContactMotion motion = thrown_block();
+  motion.forces[carrying(motion)].contact(0, 1) += 1e-4;
+  EXPECT_NE(failures(motion).find("[contact stepping]"), std::string::npos) << failures(motion);
+}
+
+TEST(ContactCertificate, ForceAtADistance) {
+  ContactMotion motion = thrown_block();
+  motion.forces[0].contact(0, 2) = 1e-3;
+  EXPECT_NE(failures(motion).find("[force at a distance]"), std::string::npos) << failures(motion);
+  EXPECT_NE(failures(motion).find("[contact complementarity]"), std::string::npos);
+}
+
+TEST(ContactCertificate, Penetration) {
+  ContactMotion motion = thrown_block();
+  for (int k = carrying(motion) + 1; k <= motion.steps(); ++k) motion.q[k][1] -= 2e-6;
+  EXPECT_NE(failures(motion).find("[contact penetration]"), std::string::npos) << failures(motion);
+  EXPECT_EQ(failures(motion).find("[contact stepping]"), std::string::npos)
+      << "all else is as before";
+}
+
+TEST(ContactCertificate, PullingForce) {
+  ContactMotion motion = thrown_block();
+  const int k = carrying(motion);
+  // Both corners together carry the same.
+  const double much = motion.forces[k].contact(0, 0) + motion.forces[k].contact(0, 1) + 1;
+  motion.forces[k].contact(0, 0) = -1;
+  motion.forces[k].contact(0, 1) = much;
+  EXPECT_NE(failures(motion).find("[contact pull]"), std::string::npos) << failures(motion);
+}
+
+TEST(ContactCertificate, SignOfFriction) {
+  ContactMotion motion = thrown_block();
+  motion.forces[carrying(motion)].contact.row(1) *= -1;
+  const std::string names = failures(motion);
+  EXPECT_NE(names.find("[contact friction]"), std::string::npos) << names;
+  EXPECT_NE(names.find("[contact dissipation]"), std::string::npos) << names;
+  EXPECT_EQ(names.find("[contact friction cone]"), std::string::npos) << names;
+}
+
+TEST(ContactCertificate, FrictionBeyondItsCone) {
+  ContactMotion motion = thrown_block();
+  motion.forces[carrying(motion)].contact(1, 1) *= 1.001;
+  EXPECT_NE(failures(motion).find("[contact friction cone]"), std::string::npos)
+      << failures(motion);
+}
+
+TEST(ContactCertificate, StopsAndDryFriction) {
+  ContactMotion motion = thrown_block();
+  motion.forces[1].stop_upper[0] = 0.1;
+  EXPECT_NE(failures(motion).find("[force at a distance]"), std::string::npos) << failures(motion);
+  motion = thrown_block();
+  motion.forces[1].friction[0] = 0.1;
+  EXPECT_NE(failures(motion).find("[contact friction]"), std::string::npos) << failures(motion);
+}
+
+TEST(ContactCertificate, NumbersThatAreMissingFail) {
+  ContactMotion motion = thrown_block();
+  motion.forces[3].contact(0, 0) = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_NE(failures(motion).find("[contact stepping]"), std::string::npos) << failures(motion);
+}
+
+TEST(ContactReplay, FollowsWhatTheSimulatorMade) {
+  const ContactMotion motion = thrown_block();
+  const ContactReplay replay = replay_contacts(motion, {});
+  EXPECT_LT(replay.each_step.deviation, 1e-10);
+  EXPECT_LT(replay.controls.deviation, 1e-10);
+  EXPECT_EQ(replay.controls.lost_at, -1);
+  EXPECT_FALSE(replay.feedback_fine);
+  // Ten times finer: where it rests does not change, when it lands does.
+  EXPECT_GT(replay.controls_fine.deviation, 1e-4);
+  EXPECT_LT(replay.controls_fine.final_state, 0.02);
+}
+
+TEST(ContactReplay, FeedbackBringsTheMotionBack) {
+  ContactMotion motion = thrown_block();
+  // The plan claims to end elsewhere: only feedback tries to go there.
+  for (int k = 45; k <= motion.steps(); ++k) motion.q[k][0] += 0.01;
+  Eigen::MatrixXd gain = Eigen::MatrixXd::Zero(3, 6);
+  gain(0, 0) = -1000;
+  const std::vector<Eigen::MatrixXd> gains(motion.steps(), gain);
+  const ContactReplay replay = replay_contacts(motion, gains);
+  ASSERT_TRUE(replay.feedback_fine);
+  EXPECT_GT(replay.feedback_fine->saturated, 0);
+}
+
+}  // namespace
+}  // namespace conddp
