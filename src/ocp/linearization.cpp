@@ -1,6 +1,33 @@
 #include "ocp/linearization.hpp"
 
+#include "spatial/lane_part.hpp"
+
 namespace conddp {
+namespace {
+
+/// out = Fᵀ x, a lane of columns at a time.
+void multiply_transposed(const Eigen::MatrixXd& F, const double* x, double* out) {
+  const int rows = static_cast<int>(F.rows()), cols = static_cast<int>(F.cols());
+  for (int col = 0; col < cols; col += kLaneWidth) {
+    const int count = std::min(kLaneWidth, cols - col);
+    Lane sum[kLaneWidth];
+#pragma GCC unroll 8
+    for (int c = 0; c < kLaneWidth; ++c) sum[c] = Lane(0.0);
+    const double* from = F.data() + col * rows;
+    for (int row = 0; row < rows; row += kLaneWidth) {
+      const Lane part = load_some(x + row, rows - row);
+#pragma GCC unroll 8
+      for (int c = 0; c < kLaneWidth; ++c)
+        if (c < count) sum[c] += load_some(from + c * rows + row, rows - row) * part;
+    }
+    transpose_lanes(sum);
+#pragma GCC unroll 8
+    for (int c = 1; c < kLaneWidth; ++c) sum[0] += sum[c];
+    store_some(out + col, sum[0], count);
+  }
+}
+
+}  // namespace
 
 void KnotLinearization::apply(const Eigen::Ref<const Eigen::VectorXd>& z,
                               Eigen::Ref<Eigen::VectorXd> out) const {
@@ -23,10 +50,7 @@ void KnotLinearization::apply(const Eigen::Ref<const Eigen::VectorXd>& z,
 void KnotLinearization::apply_transpose(const Eigen::Ref<const Eigen::VectorXd>& lambda,
                                         Eigen::Ref<Eigen::VectorXd> out,
                                         Eigen::Ref<Eigen::VectorXd> scratch) const {
-  if (!semi_implicit) {
-    out.noalias() = F.transpose() * lambda;
-    return;
-  }
+  if (!semi_implicit) return multiply_transposed(F, lambda.data(), out.data());
   const int nv = static_cast<int>(F.rows());
   const auto lq = lambda.head(nv);
   auto mu = scratch.head(nv);
@@ -36,7 +60,7 @@ void KnotLinearization::apply_transpose(const Eigen::Ref<const Eigen::VectorXd>&
     mu.segment(at, n) = lambda.segment(nv + at, n);
     mu.segment(at, n).noalias() += dt * (H[s].topLeftCorner(n, n).transpose() * lq.segment(at, n));
   }
-  out.noalias() = F.transpose() * mu;
+  multiply_transposed(F, mu.data(), out.data());
   int flat = 0;
   for (std::size_t s = 0; s <= curved.size(); ++s) {
     const int end = s < curved.size() ? curved[s].dx : nv;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "solvers/lane_copy.hpp"
 #include "solvers/lane_gemm.hpp"
 
 namespace conddp {
@@ -28,7 +29,7 @@ BackwardSweep::BackwardSweep(const ShootingProblem& problem, const ControlBounds
       propagation_(problem.ndx(), largest_nu(problem)),
       q_(problem.ndx(), largest_nu(problem)),
       columns_(problem.ndx() + largest_nu(problem), largest_nu(problem)),
-      Kt_(problem.ndx(), largest_nu(problem)),
+      Kt_(problem.ndx() + 1, largest_nu(problem)),
       M_(problem.ndx(), largest_nu(problem)),
       w_(largest_nu(problem)) {
   for (int k = 0; k < problem.knots(); ++k) Quu_.emplace_back(problem.nu(k), problem.nu(k));
@@ -52,8 +53,8 @@ int BackwardSweep::run(const Linearization& linearization, const Trajectory& tra
     propagation_.propagate(knot, open ? next_ : values_[k + 1], q_);
     Quu_[k] = q_.Quu();
     if (!solve_stage(k, trajectory, knot, regularization, policy, feedback)) return k;
-    form_value(values_[k], feedback.k[k], regularization.weight == 0 && policy.minimizes_freely());
-    if (!all_finite(values_[k].Vx) || !all_finite(values_[k].Vxx)) return k;
+    const bool true_gains = regularization.weight == 0 && policy.minimizes_freely();
+    if (!form_value(values_[k], feedback.k[k], true_gains)) return k;
   }
   return -1;
 }
@@ -77,8 +78,7 @@ bool BackwardSweep::solve_stage(int k, const Trajectory& trajectory, const KnotL
       columns.bottomRows(nu).diagonal().array() += regularization.weight;
     }
   }
-  Kt_.resize(ndx, nu);
-  auto Kt = Kt_.view();
+  Kt_.resize(ndx + 1, nu);
   const StageProblem stage{k,
                            columns.topRows(ndx),
                            columns.bottomRows(nu),
@@ -86,38 +86,35 @@ bool BackwardSweep::solve_stage(int k, const Trajectory& trajectory, const KnotL
                            trajectory.u(k),
                            bounds_.lower(k),
                            bounds_.upper(k)};
-  if (!policy.solve(stage, feedback.k[k], Kt)) return false;
+  if (!policy.solve(stage, feedback.k[k], Kt_.block())) return false;
   transpose(Kt_.data(), Kt_.stride(), ndx, nu, feedback.K[k].data(), nu);
   return true;
 }
 
-void BackwardSweep::form_value(ValueFunction& value, const Eigen::VectorXd& k, bool true_gains) {
+bool BackwardSweep::form_value(ValueFunction& value, const Eigen::VectorXd& k, bool true_gains) {
   const int nu = q_.nu(), ndx = q_.ndx();
-  value.Vx = q_.Qx();
-  if (nu == 0) {
-    value.Vxx = q_.Qxx();
-    return;
-  }
   LaneMatrix& Q = q_.Qzz_lanes();
-  const auto Kt = Kt_.view();
-  // V_xx in the lower triangle, where Q_xx is.
-  const LaneBlock Kt_block = Kt_.block(ndx, 0, nu);
-  const LaneBlock Vxx = Q.block(ndx, 0, ndx);
-  if (!true_gains) {
-    // (Kᵀ Q_uu + Q_xu) K vanishes only where K minimises with the true Q_uu.
-    M_.resize(ndx, nu);
-    M_.view() = q_.Qxu();
-    multiply(Store::add, M_.block(), Kt_block, {Q.col(ndx) + ndx, 1, Q.stride()});
-    multiply_lower(Store::add, Vxx, M_.block(), Factor::transposed(Kt_));
+  // V_xx in the lower triangle, where Q_xx is, and V_x where Q_x is.
+  const LaneBlock Vxx = Q.block(ndx, 0, ndx), Vx{q_.Qz().data(), Q.stride(), ndx, 1};
+  if (nu > 0) {
+    const LaneBlock Kt = Kt_.block(ndx, 0, nu), Qxu = Q.block(ndx, ndx, nu);
+    if (!true_gains) {
+      // (Kᵀ Q_uu + Q_xu) K vanishes only where K minimises with the true Q_uu.
+      M_.resize(ndx, nu);
+      M_.view() = q_.Qxu();
+      multiply(Store::add, M_.block(), Kt, {Q.col(ndx) + ndx, 1, Q.stride()});
+      multiply_lower(Store::add, Vxx, M_.block(), Factor::transposed(Kt_));
+    }
+    multiply_lower(Store::add, Vxx, Kt, {Q.col(ndx), Q.stride(), 1});
+    auto w = w_.head(nu);
+    w = q_.Qu();
+    w.noalias() += q_.Quu() * k;
+    // The last whole lane reaches into Q_u, which is not needed any more.
+    multiply(Store::add, Vx, Kt, {w.data(), 1, nu});
+    multiply(Store::add, Vx, Qxu, {k.data(), 1, nu});
   }
-  multiply_lower(Store::add, Vxx, Kt_block, {Q.col(ndx), Q.stride(), 1});
-  mirror_lower(Vxx);
-  value.Vxx = q_.Qxx();
-  auto w = w_.head(nu);
-  w = q_.Qu();
-  w.noalias() += q_.Quu() * k;
-  value.Vx.noalias() += Kt * w;
-  value.Vx.noalias() += q_.Qxu() * k;
+  value.Vx = q_.Qx();
+  return copy_symmetric(Vxx, value.Vxx.data(), ndx) && all_finite(value.Vx);
 }
 
 }  // namespace conddp

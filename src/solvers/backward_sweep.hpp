@@ -47,8 +47,9 @@ class BackwardSweep {
  private:
   bool solve_stage(int k, const Trajectory& trajectory, const KnotLinearization& knot,
                    SweepRegularization regularization, StagePolicy& policy, Feedback& feedback);
-  /// `true_gains`: K comes from second derivatives without regularisation.
-  void form_value(ValueFunction& value, const Eigen::VectorXd& k, bool true_gains);
+  /// `true_gains`: K comes from second derivatives without regularisation. False where the value is
+  /// not finite.
+  bool form_value(ValueFunction& value, const Eigen::VectorXd& k, bool true_gains);
 
   const ControlBounds& bounds_;
   std::vector<ValueFunction> values_;  ///< N + 1
@@ -57,7 +58,7 @@ class BackwardSweep {
   ValuePropagation propagation_;
   ActionValue q_;
   LaneMatrix columns_;  ///< nz x nu: control columns of Q_zz, regularised
-  LaneMatrix Kt_;       ///< ndx x nu
+  LaneMatrix Kt_;       ///< ndx x nu, and one row more
   LaneMatrix M_;        ///< ndx x nu
   Eigen::VectorXd w_;   ///< nu
 };

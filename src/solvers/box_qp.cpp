@@ -69,9 +69,9 @@ bool BoxQp::update_free_set(const VectorIn& lower, const VectorIn& upper, bool t
 
 bool BoxQp::factor_free_block(const MatrixIn& H) {
   for (int j = 0; j < free_count_; ++j) {
-    for (int i = j; i < free_count_; ++i) factor_(i, j) = H(free_[i], free_[j]);
+    for (int i = j; i < free_count_; ++i) factor_.col(j)[i] = H(free_[i], free_[j]);
   }
-  return cholesky_in_place(factor_.topLeftCorner(free_count_, free_count_));
+  return cholesky_in_place(free_factor());
 }
 
 bool BoxQp::free_gradient_vanishes(double rounding) const {

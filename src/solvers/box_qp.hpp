@@ -40,7 +40,7 @@ class BoxQp {
     return {free_.data(), static_cast<std::size_t>(free_count_)};
   }
   /// Cholesky factor L of the free block of H at the solution.
-  auto free_factor() const { return factor_.topLeftCorner(free_count_, free_count_); }
+  LaneBlock free_factor() { return factor_.block(free_count_, 0, free_count_); }
   int iterations() const { return iterations_; }
 
  private:
@@ -59,7 +59,7 @@ class BoxQp {
   int free_count_ = 0;
   int iterations_ = 0;
   Eigen::VectorXd x_, gradient_, direction_, step_, trial_, H_step_;
-  Eigen::MatrixXd factor_;
+  LaneMatrix factor_;
   LaneMatrix rhs_;  // one row
   std::vector<int> free_;
 };

@@ -14,9 +14,9 @@ class BoxStage : public StagePolicy {
       : qp_(max_nu, options.max_iterations, options.armijo),
         lower_(max_nu),
         upper_(max_nu),
+        factor_(max_nu, max_nu),
         rhs_(problem.ndx() + 1, max_nu),
         before_(max_nu) {
-    factor_.resize(max_nu, max_nu);
     free_.reserve(max_nu);
     for (int k = 0; k < problem.knots(); ++k) {
       const int nu = problem.nu(k);
@@ -32,8 +32,7 @@ class BoxStage : public StagePolicy {
     hold_ = hold;
   }
 
-  bool solve(const StageProblem& stage, Eigen::Ref<Eigen::VectorXd> k,
-             Eigen::Ref<Eigen::MatrixXd> Kt) override {
+  bool solve(const StageProblem& stage, Eigen::Ref<Eigen::VectorXd> k, LaneBlock Kt) override {
     const int nu = static_cast<int>(k.size());
     std::vector<BoundState>& active = standing_.active[stage.knot];
     std::copy(active.begin(), active.end(), before_.begin());
@@ -61,12 +60,11 @@ class BoxStage : public StagePolicy {
     // Feedback acts on the free controls alone: K_f = −Q_ff⁻¹ Q_fx.
     const auto free = qp_.free();
     const int count = static_cast<int>(free.size());
-    rhs_.resize(static_cast<int>(Kt.rows()), count);
-    auto rhs = rhs_.view();
-    for (int j = 0; j < count; ++j) rhs.col(j) = -stage.Qxu.col(free[j]);
+    rhs_.resize(Kt.rows, count);
+    for (int j = 0; j < count; ++j) stage.negate(free[j], rhs_.block(), j);
     solve_rows_in_place(qp_.free_factor(), rhs_.block());
-    Kt.setZero();
-    for (int j = 0; j < count; ++j) Kt.col(free[j]) = rhs.col(j);
+    Kt.view().setZero();
+    for (int j = 0; j < count; ++j) Kt.view().col(free[j]) = rhs_.view().col(j);
     for (int i = 0; i < nu; ++i) standing_.changes += active[i] != before_[i];
     count_and_keep(stage, active);
     return true;
@@ -142,8 +140,8 @@ class BoxStage : public StagePolicy {
 
   /// The stage's minimum with the entries that `active` holds put at their bounds.
   bool solve_held(const StageProblem& stage, const std::vector<BoundState>& active,
-                  Eigen::Ref<Eigen::VectorXd> k, Eigen::Ref<Eigen::MatrixXd> Kt) {
-    const int nu = static_cast<int>(k.size()), ndx = static_cast<int>(Kt.rows());
+                  Eigen::Ref<Eigen::VectorXd> k, LaneBlock Kt) {
+    const int nu = Kt.cols, ndx = Kt.rows - 1;
     free_.clear();
     for (int i = 0; i < nu; ++i) {
       if (active[i] == BoundState::free)
@@ -152,27 +150,25 @@ class BoxStage : public StagePolicy {
         k[i] = active[i] == BoundState::at_lower ? lower_[i] : upper_[i];
     }
     const int count = static_cast<int>(free_.size());
-    auto factor = factor_.topLeftCorner(count, count);
+    factor_.resize(count, count);
+    auto factor = factor_.view();
     // One solve for both: the gradient is one more row of right-hand sides.
     rhs_.resize(ndx + 1, count);
-    auto rhs = rhs_.view();
+    const LaneBlock solution = count == nu ? Kt : rhs_.block();
+    auto rhs = solution.view();
     for (int a = 0; a < count; ++a) {
       for (int b = a; b < count; ++b) factor(b, a) = stage.Quu(free_[b], free_[a]);
-      double gradient = stage.Qu[free_[a]];
-      if (count < nu) {
-        for (int i = 0; i < nu; ++i)
-          if (active[i] != BoundState::free) gradient += stage.Quu(i, free_[a]) * k[i];
-      }
-      rhs.col(a).head(ndx) = -stage.Qxu.col(free_[a]);
-      rhs(ndx, a) = -gradient;
+      stage.negate(free_[a], solution, a);
+      if (count == nu) continue;
+      for (int i = 0; i < nu; ++i)
+        if (active[i] != BoundState::free) rhs(ndx, a) -= stage.Quu(i, free_[a]) * k[i];
     }
-    if (!cholesky_in_place(factor)) return false;
-    solve_rows_in_place(factor, rhs_.block());
-    if (count < nu) Kt.setZero();
-    for (int a = 0; a < count; ++a) {
-      k[free_[a]] = rhs(ndx, a);
-      Kt.col(free_[a]) = rhs.col(a).head(ndx);
-    }
+    if (!cholesky_in_place(factor_.block())) return false;
+    solve_rows_in_place(factor_.block(), solution);
+    for (int a = 0; a < count; ++a) k[free_[a]] = rhs(ndx, a);
+    if (count == nu) return true;
+    Kt.view().setZero();
+    for (int a = 0; a < count; ++a) Kt.view().col(free_[a]) = rhs.col(a);
     return true;
   }
 
@@ -180,9 +176,8 @@ class BoxStage : public StagePolicy {
   bool hold_ = false;
   std::vector<Kept> kept_;
   std::vector<int> free_;
-  Eigen::MatrixXd factor_;
   Eigen::VectorXd lower_, upper_;
-  LaneMatrix rhs_;
+  LaneMatrix factor_, rhs_;
   Standing standing_;
   Standing remembered_;
   std::vector<BoundState> before_;

@@ -82,17 +82,6 @@ void multiply_tiles(Store mode, bool lower, LaneBlock C, LaneBlock A, Factor B) 
   }
 }
 
-inline void load_columns(Lane (&x)[kLaneWidth], const double* from, int stride, int count) {
-#pragma GCC unroll 8
-  for (int c = 0; c < kLaneWidth; ++c) x[c] = c < count ? load_lane(from + c * stride) : Lane(0.0);
-}
-
-inline void store_columns(const Lane (&x)[kLaneWidth], double* to, int stride, int count) {
-#pragma GCC unroll 8
-  for (int c = 0; c < kLaneWidth; ++c)
-    if (c < count) store_lane(to + c * stride, x[c]);
-}
-
 }  // namespace
 
 void multiply(Store store, LaneBlock C, LaneBlock A, Factor B) {
@@ -101,36 +90,6 @@ void multiply(Store store, LaneBlock C, LaneBlock A, Factor B) {
 
 void multiply_lower(Store store, LaneBlock C, LaneBlock A, Factor B) {
   multiply_tiles(store, true, C, A, B);
-}
-
-void transpose(const double* from, int from_stride, int rows, int cols, double* to, int to_stride) {
-  const int whole_rows = rows / kLaneWidth * kLaneWidth;
-  const int whole_cols = cols / kLaneWidth * kLaneWidth;
-  Lane x[kLaneWidth];
-  for (int col = 0; col < whole_cols; col += kLaneWidth)
-    for (int row = 0; row < whole_rows; row += kLaneWidth) {
-      load_columns(x, from + col * from_stride + row, from_stride, kLaneWidth);
-      transpose_lanes(x);
-      store_columns(x, to + row * to_stride + col, to_stride, kLaneWidth);
-    }
-  for (int row = 0; row < rows; ++row)
-    for (int col = row < whole_rows ? whole_cols : 0; col < cols; ++col)
-      to[row * to_stride + col] = from[col * from_stride + row];
-}
-
-void mirror_lower(LaneBlock A) {
-  Lane x[kLaneWidth];
-  for (int col = 0; col < A.cols; col += kLaneWidth) {
-    const int cols = std::min(kLaneWidth, A.cols - col);
-    double* square = A.data + col * A.stride + col;
-    for (int c = 1; c < cols; ++c)
-      for (int r = 0; r < c; ++r) square[c * A.stride + r] = square[r * A.stride + c];
-    for (int row = col + kLaneWidth; row < A.rows; row += kLaneWidth) {
-      load_columns(x, A.data + col * A.stride + row, A.stride, kLaneWidth);
-      transpose_lanes(x);
-      store_columns(x, A.data + row * A.stride + col, A.stride, std::min(kLaneWidth, A.rows - row));
-    }
-  }
 }
 
 }  // namespace conddp

@@ -28,9 +28,4 @@ void multiply(Store store, LaneBlock C, LaneBlock A, Factor B);
 /// The lower triangle of the same; entries above the diagonal become undefined.
 void multiply_lower(Store store, LaneBlock C, LaneBlock A, Factor B);
 
-/// to (cols x rows) ← fromᵀ, by columns with these strides.
-void transpose(const double* from, int from_stride, int rows, int cols, double* to, int to_stride);
-/// The upper triangle of a square matrix ← the lower one.
-void mirror_lower(LaneBlock A);
-
 }  // namespace conddp

@@ -30,7 +30,8 @@ NullSpaceStage::NullSpaceStage(const ShootingProblem& problem)
     largest_rows = std::max(largest_rows, rows);
     largest_nu = std::max(largest_nu, nu);
   }
-  for (Eigen::MatrixXd* m : {&basis_, &reduced_, &QZ_}) m->resize(largest_nu, largest_nu);
+  for (Eigen::MatrixXd* m : {&basis_, &QZ_}) m->resize(largest_nu, largest_nu);
+  reduced_ = LaneMatrix(largest_nu, largest_nu);
   affine_.resize(largest_nu, ndx + 1);
   product_ = rhs_ = affine_;
   for (Eigen::VectorXd* v : {&row_, &pulled_}) v->resize(ndx + largest_nu);
@@ -112,9 +113,8 @@ void NullSpaceStage::complete_basis(const Node& node, int nu) {
   }
 }
 
-bool NullSpaceStage::solve(const StageProblem& stage, Eigen::Ref<Eigen::VectorXd> k,
-                           Eigen::Ref<Eigen::MatrixXd> Kt) {
-  const int nu = static_cast<int>(k.size()), ndx = static_cast<int>(Kt.rows());
+bool NullSpaceStage::solve(const StageProblem& stage, Eigen::Ref<Eigen::VectorXd> k, LaneBlock Kt) {
+  const int nu = Kt.cols, ndx = Kt.rows - 1;
   Node& node = nodes_[stage.knot];
   collect(stage.knot);
   eliminate(stage.knot, nu);
@@ -134,16 +134,17 @@ bool NullSpaceStage::solve(const StageProblem& stage, Eigen::Ref<Eigen::VectorXd
     if (r > 0) product.noalias() += node.Quu * affine;
     auto rhs = rhs_.topRows(free);
     rhs.noalias() = -Z.transpose() * product;
-    auto reduced = reduced_.topLeftCorner(free, free);
+    reduced_.resize(free, free);
+    auto reduced = reduced_.view();
     auto QZ = QZ_.topLeftCorner(nu, free);
     QZ.noalias() = node.Quu * Z;
     reduced.noalias() = Z.transpose() * QZ;
-    if (!cholesky_in_place(reduced)) return false;
+    if (!cholesky_in_place(reduced_.block())) return false;
     reduced.triangularView<Eigen::Lower>().solveInPlace(rhs);
     reduced.transpose().triangularView<Eigen::Upper>().solveInPlace(rhs);
     affine.noalias() += Z * rhs;
   }
-  Kt = affine.leftCols(ndx).transpose();
+  Kt.view().topRows(ndx) = affine.leftCols(ndx).transpose();
   k = affine.col(ndx);
   return true;
 }

@@ -3,6 +3,7 @@
 #include <memory>
 #include <vector>
 
+#include "solvers/lane_matrix.hpp"
 #include "solvers/linear_rollout.hpp"
 #include "solvers/row_elimination.hpp"
 #include "solvers/stage_policy.hpp"
@@ -24,8 +25,7 @@ class NullSpaceStage : public StagePolicy {
   explicit NullSpaceStage(const ShootingProblem& problem);
 
   void begin_horizon(const Linearization& linearization, const Gaps& gaps) override;
-  bool solve(const StageProblem& stage, Eigen::Ref<Eigen::VectorXd> k,
-             Eigen::Ref<Eigen::MatrixXd> Kt) override;
+  bool solve(const StageProblem& stage, Eigen::Ref<Eigen::VectorXd> k, LaneBlock Kt) override;
   void pass(int knot) override;
   bool minimizes_freely() const override { return false; }
 
@@ -57,8 +57,9 @@ class NullSpaceStage : public StagePolicy {
   std::vector<Node> nodes_;
   double contradiction_ = 0;
   Eigen::VectorXd multipliers_;
-  Eigen::MatrixXd basis_;                                  ///< nu x nu: Q₁, Z
-  Eigen::MatrixXd reduced_, QZ_, affine_, product_, rhs_;  ///< scratch
+  Eigen::MatrixXd basis_;                        ///< nu x nu: Q₁, Z
+  Eigen::MatrixXd QZ_, affine_, product_, rhs_;  ///< scratch
+  LaneMatrix reduced_{0, 0};                     ///< scratch
   Eigen::VectorXd row_, pulled_, costate_, eta_, y_, above_, gradient_;
 };
 

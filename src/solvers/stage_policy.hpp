@@ -6,6 +6,7 @@
 
 #include "ocp/linearization.hpp"
 #include "solvers/gap_transport.hpp"
+#include "solvers/lane_matrix.hpp"
 #include "solvers/options.hpp"
 
 namespace conddp {
@@ -19,6 +20,9 @@ struct StageProblem {
   Eigen::Ref<const Eigen::VectorXd> Qu;            ///< nu
   Eigen::Ref<const Eigen::VectorXd> u;             ///< the knot's present control
   Eigen::Ref<const Eigen::VectorXd> lower, upper;  ///< of the control, infinite where free
+
+  /// The right-hand side of a control i: column j of `to` (ndx + 1 rows) ← −(Q_xu; Q_uᵀ).
+  void negate(int i, LaneBlock to, int j) const;
 };
 
 /// How a solver minimises over the control of a knot. Workspaces are sized at construction; the
@@ -27,10 +31,10 @@ class StagePolicy {
  public:
   virtual ~StagePolicy() = default;
 
-  /// Writes the update δu = k + K δx (`Kt` is K transposed, ndx x nu). False where the stage has
-  /// no minimum, because (the free block of) Q_uu is not positive definite.
-  virtual bool solve(const StageProblem& stage, Eigen::Ref<Eigen::VectorXd> k,
-                     Eigen::Ref<Eigen::MatrixXd> Kt) = 0;
+  /// Writes the update δu = k + K δx: `Kt` is K transposed, ndx x nu, and below it one more row
+  /// whose content does not matter. False where the stage has no minimum, because (the free block
+  /// of) Q_uu is not positive definite.
+  virtual bool solve(const StageProblem& stage, Eigen::Ref<Eigen::VectorXd> k, LaneBlock Kt) = 0;
   /// Called before each sweep with what it goes through.
   virtual void begin_horizon(const Linearization& linearization, const Gaps& gaps) {
     (void)linearization, (void)gaps;

@@ -1,7 +1,11 @@
 #include "solvers/value.hpp"
 
+#include <cstring>
+
 #include "solvers/curved_blocks.hpp"
+#include "solvers/lane_copy.hpp"
 #include "solvers/lane_gemm.hpp"
+#include "spatial/lane_part.hpp"
 
 namespace conddp {
 namespace {
@@ -10,19 +14,106 @@ using StateBlock = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
 
 CurvedBlock block(const StateBlock& B, int n) { return {B.data(), n, 6}; }
 
+/// Q ← H in the lower triangle, and there + P in as many rows and columns as P has.
+void copy_lower(const Eigen::MatrixXd& H, LaneMatrix* P, LaneMatrix& Q) {
+  const int n = static_cast<int>(H.rows()), added = P == nullptr ? 0 : P->rows();
+  for (int j = 0; j < n; ++j) {
+    const double* from = H.col(j).data();
+    double* to = Q.col(j);
+    for (int row = j / kLaneWidth * kLaneWidth; row < n; row += kLaneWidth) {
+      Lane x = load_some(from + row, n - row);
+      if (j < added && row < added) x += load_lane(P->col(j) + row);
+      store_lane(to + row, x);
+    }
+  }
+}
+
+/// Row i of a block that acts on n coordinates, minus the identity's if asked.
+template <int n>
+struct PaddedRows {
+  static constexpr int kLanes = (n + kLaneWidth - 1) / kLaneWidth;
+  Lane at[n][kLanes];
+
+  PaddedRows(const StateBlock& B, bool minus_identity) {
+    for (int i = 0; i < n; ++i)
+      for (int l = 0; l < kLanes; ++l)
+        for (int r = 0; r < kLaneWidth; ++r) {
+          const int j = l * kLaneWidth + r;
+          at[i][l].set(r, j < n ? B(i, j) - (minus_identity && i == j ? 1 : 0) : 0);
+        }
+  }
+  /// sum += Bᵀ x.
+  void add(const double* x, Lane (&sum)[kLanes]) const {
+    for (int i = 0; i < n; ++i)
+      for (int l = 0; l < kLanes; ++l) sum[l] += at[i][l] * Lane(x[i]);
+  }
+};
+
+/// Where the blocks of V_xx are, by columns, from a row of the upper ones on.
+struct ValueRows {
+  const double *upper, *lower;
+  int stride, nv, left;  ///< `left`: rows there are
+
+  Lane P11(int j) const { return load_some(upper + j * stride, left); }
+  Lane P21(int j) const { return load_some(lower + j * stride, left); }
+  Lane P12(int j) const { return load_some(upper + (nv + j) * stride, left); }
+  Lane P22(int j) const { return load_some(lower + (nv + j) * stride, left); }
+};
+
+/// The columns of one curved segment in a lane of rows: there
+/// P₁₁ ← P₁₁ A, M = dt P₁₁ H + P₁₂ and P₂₂ ← P₂₂ + dt (P₂₁ H + M).
+template <int n>
+void transform_columns_of(const ValueRows& V, const StateBlock& A, const StateBlock& H, Lane dt,
+                          int first, double* P11, double* M, double* P22, int stride) {
+  Lane a[n], c[n];
+  for (int k = 0; k < n; ++k) a[k] = V.P11(first + k), c[k] = V.P21(first + k);
+  for (int j = 0; j < n; ++j) {
+    Lane aA = a[0] * Lane(A(0, j)), aH = a[0] * Lane(H(0, j)), cH = c[0] * Lane(H(0, j));
+    for (int k = 1; k < n; ++k) {
+      aA += a[k] * Lane(A(k, j));
+      aH += a[k] * Lane(H(k, j));
+      cH += c[k] * Lane(H(k, j));
+    }
+    const Lane m = dt * aH + V.P12(first + j);
+    store_lane(P11 + j * stride, aA);
+    store_lane(M + j * stride, m);
+    store_lane(P22 + j * stride, V.P22(first + j) + dt * (cH + m));
+  }
+}
+
+/// The rows of one curved segment in all columns: P₂₂ += dt (H − I)ᵀ M, then M ← Aᵀ M and
+/// P₁₁ ← Aᵀ P₁₁.
+template <int n>
+void transform_rows_of(const StateBlock& A, const StateBlock& H, Lane dt, int cols, double* P11,
+                       double* M, double* P22, int stride) {
+  const PaddedRows<n> by_A(A, false), by_H(H, true);
+  constexpr int kLanes = PaddedRows<n>::kLanes;
+  for (int j = 0; j < cols; ++j, P11 += stride, M += stride, P22 += stride) {
+    Lane aP[kLanes], aM[kLanes], hM[kLanes];
+    for (int l = 0; l < kLanes; ++l) aP[l] = aM[l] = hM[l] = Lane(0.0);
+    by_A.add(P11, aP);
+    by_A.add(M, aM);
+    by_H.add(M, hM);
+    double sum[kLanes * kLaneWidth];
+    for (int l = 0; l < kLanes; ++l) store_lane(sum + l * kLaneWidth, dt * hM[l]);
+    std::memcpy(P11, aP, n * sizeof(double));
+    std::memcpy(M, aM, n * sizeof(double));
+    for (int i = 0; i < n; ++i) P22[i] += sum[i];
+  }
+}
+
 }  // namespace
 
 ActionValue::ActionValue(int ndx, int max_nu)
-    : ndx_(ndx), nu_(max_nu), gradient_(ndx + max_nu), hessian_(ndx + max_nu, ndx + max_nu) {}
+    : ndx_(ndx), nu_(max_nu), gradient_(ndx + max_nu, 1), hessian_(ndx + max_nu, ndx + max_nu) {}
 
 ValuePropagation::ValuePropagation(int ndx, int max_nu)
     : scratch_(ndx),
       pulled_(ndx + max_nu),
       Ft_(ndx + max_nu, ndx),
       FtP_(ndx + max_nu, ndx),
-      M_(ndx, ndx),
-      T_(ndx, ndx),
       P11_(ndx, ndx),
+      P12_(ndx, ndx),
       P22_(ndx, ndx),
       columns_(ndx, max_nu),
       columns2_(ndx, max_nu) {}
@@ -30,68 +121,70 @@ ValuePropagation::ValuePropagation(int ndx, int max_nu)
 void ValuePropagation::propagate(const KnotLinearization& knot, const ValueFunction& next,
                                  ActionValue& q) {
   q.resize(knot.nu());
-  auto pulled = pulled_.head(q.nz());
+  const int rows = static_cast<int>(knot.F.rows()), nz = q.nz();
+  auto pulled = pulled_.head(nz);
   knot.apply_transpose(next.Vx, pulled, scratch_);
   q.Qz() = knot.gradient + pulled;
-  q.Qzz() = knot.hessian;
-  const int rows = static_cast<int>(knot.F.rows());
-  Ft_.resize(q.nz(), rows);
-  FtP_.resize(q.nz(), rows);
-  transpose(knot.F.data(), rows, rows, q.nz(), Ft_.data(), Ft_.stride());
+  Ft_.resize(nz, rows);
+  FtP_.resize(nz, rows);
+  transpose(knot.F.data(), rows, rows, nz, Ft_.data(), Ft_.stride());
+  LaneMatrix& Q = q.Qzz_lanes();
   if (knot.semi_implicit) {
-    add_semi_implicit(knot, next.Vxx, q);
+    // Qzz gains E P̃₁₁ Eᵀ + E P̃₁₂ F + (E P̃₁₂ F)ᵀ + Fᵀ P̃₂₂ F, where Eᵀ picks δq. Of that the lower
+    // triangle is formed: its columns δq are Fᵀ (F P̃₂₂ + P̃₂₁) and, where the rows are δq too,
+    // P̃₁₁ + P̃₁₂ F.
+    transform(knot, next.Vxx);
+    copy_lower(knot.hessian, &P11_, Q);
+    multiply_lower(Store::add, Q.block(rows, 0, rows), P12_.block(), Factor::of_eigen(knot.F));
+    multiply(Store::set, FtP_.block(), Ft_.block(), Factor::of(P22_));
+    for (int j = 0; j < rows; ++j)
+      for (int row = 0; row < rows; row += kLaneWidth) {
+        double* sum = FtP_.col(j) + row;
+        store_lane(sum, load_lane(sum) + load_lane(P12_.col(j) + row));
+      }
   } else {
+    copy_lower(knot.hessian, nullptr, Q);
     multiply(Store::set, FtP_.block(), Ft_.block(), Factor::of_eigen(next.Vxx));
-    multiply_lower(Store::add, q.Qzz_lanes().block(), Ft_.block(), Factor::transposed(FtP_));
   }
-  mirror_lower(q.Qzz_lanes().block());
+  multiply_lower(Store::add, Q.block(), Ft_.block(), Factor::transposed(FtP_));
+  mirror_lower(Q.block(), q.ndx());
 }
 
-/// With M = dt P₁₁ H + P₁₂ the transformed blocks are P̃₁₁ = Aᵀ P₁₁ A, P̃₁₂ = Aᵀ M and
-/// P̃₂₂ = P₂₂ + dt (Hᵀ M + P₂₁ H); then Qzz gains E P̃₁₁ Eᵀ + E P̃₁₂ F + (E P̃₁₂ F)ᵀ + Fᵀ P̃₂₂ F,
-/// where Eᵀ picks δq. Of that the lower triangle is formed: its columns δq are
-/// Fᵀ (F P̃₂₂ + P̃₂₁) and, where the rows are δq too, P̃₁₁ + P̃₁₂ F.
-void ValuePropagation::add_semi_implicit(const KnotLinearization& knot, const Eigen::MatrixXd& Vxx,
-                                         ActionValue& q) {
-  const int nv = static_cast<int>(knot.F.rows());
-  const double dt = knot.dt;
-  for (LaneMatrix* X : {&M_, &T_, &P11_, &P22_}) X->resize(nv, nv);
-  auto M = M_.flat(), T = T_.flat(), P11 = P11_.flat(), P22 = P22_.flat();
-  const auto rows = [&](const std::vector<StateBlock>& B, LaneMatrix& X) {
+/// With M = dt P₁₁ H + P₁₂ the blocks of V_xx in (δq, δv⁺) are P̃₁₁ = Aᵀ P₁₁ A, P̃₁₂ = Aᵀ M and
+/// P̃₂₂ = P₂₂ + dt (Hᵀ M + P₂₁ H). A and H are the identity but for their blocks: one pass forms all
+/// as if they had none in the rows, a second one mends the rows that they have.
+void ValuePropagation::transform(const KnotLinearization& knot, const Eigen::MatrixXd& Vxx) {
+  const int nv = static_cast<int>(knot.F.rows()), v_stride = static_cast<int>(Vxx.outerStride());
+  const Lane dt(knot.dt);
+  for (LaneMatrix* X : {&P11_, &P12_, &P22_}) X->resize(nv, nv);
+  const int stride = P11_.stride();
+  for (int row = 0; row < nv; row += kLaneWidth) {
+    const ValueRows V{Vxx.data() + row, Vxx.data() + nv + row, v_stride, nv, nv - row};
+    const auto flat = [&](int begin, int end) {
+      for (int j = begin; j < end; ++j) {
+        const Lane a = V.P11(j), m = dt * a + V.P12(j);
+        store_lane(P11_.col(j) + row, a);
+        store_lane(P12_.col(j) + row, m);
+        store_lane(P22_.col(j) + row, V.P22(j) + dt * (V.P21(j) + m));
+      }
+    };
+    int done = 0;
     for (std::size_t s = 0; s < knot.curved.size(); ++s) {
-      const int at = knot.curved[s].dx;
-      transform_rows(block(B[s], knot.curved[s].n), X.data() + at, X.stride(), nv);
+      const int at = knot.curved[s].dx, n = knot.curved[s].n;
+      flat(done, at);
+      (n == 6 ? transform_columns_of<6>
+              : transform_columns_of<3>)(V, knot.A[s], knot.H[s], dt, at, P11_.col(at) + row,
+                                         P12_.col(at) + row, P22_.col(at) + row, stride);
+      done = at + n;
     }
-  };
-  const auto columns = [&](const std::vector<StateBlock>& B, LaneMatrix& X) {
-    for (std::size_t s = 0; s < knot.curved.size(); ++s) {
-      const int at = knot.curved[s].dx;
-      transform_columns(block(B[s], knot.curved[s].n), X.col(at), X.stride(), nv);
-    }
-  };
-
-  P11_.view() = Vxx.topLeftCorner(nv, nv);
-  P22_.view() = Vxx.bottomRightCorner(nv, nv);
-  M = P11;
-  columns(knot.H, M_);
-  T_.view() = Vxx.topRightCorner(nv, nv);
-  M = dt * M + T;
-  T_.view() = Vxx.bottomLeftCorner(nv, nv);
-  columns(knot.H, T_);
-  P22 += dt * T;
-  T = M;
-  rows(knot.H, T_);
-  P22 += dt * T;
-  rows(knot.A, M_);  // P̃₁₂
-  columns(knot.A, P11_);
-  rows(knot.A, P11_);  // P̃₁₁
-
-  LaneMatrix& Q = q.Qzz_lanes();
-  Q.view().topLeftCorner(nv, nv) += P11_.view();
-  multiply_lower(Store::add, Q.block(nv, 0, nv), M_.block(), Factor::of_eigen(knot.F));
-  multiply(Store::set, FtP_.block(), Ft_.block(), Factor::of(P22_));
-  FtP_.view().topRows(nv) += M_.view();
-  multiply_lower(Store::add, Q.block(), Ft_.block(), Factor::transposed(FtP_));
+    flat(done, nv);
+  }
+  for (std::size_t s = 0; s < knot.curved.size(); ++s) {
+    const int at = knot.curved[s].dx;
+    (knot.curved[s].n == 6 ? transform_rows_of<6>
+                           : transform_rows_of<3>)(knot.A[s], knot.H[s], dt, nv, P11_.data() + at,
+                                                   P12_.data() + at, P22_.data() + at, stride);
+  }
 }
 
 void ValuePropagation::regularize_state(const KnotLinearization& knot, double mu,

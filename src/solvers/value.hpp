@@ -20,7 +20,8 @@ struct ValueFunction {
 };
 
 /// Quadratic model of a knot's cost plus the cost to go, in z = (δx, δu): memory for the largest
-/// knot of a problem, shaped for one knot at a time.
+/// knot of a problem, shaped for one knot at a time. Of the Hessian the lower triangle and the
+/// columns of the controls are kept.
 class ActionValue {
  public:
   ActionValue(int ndx, int max_nu);
@@ -39,29 +40,28 @@ class ActionValue {
   StridedView Qzz() { return hessian_.view(); }
   ConstStridedView Qzz() const { return hessian_.view(); }
   LaneMatrix& Qzz_lanes() { return hessian_; }
+  LaneBlock Qz_lanes() { return gradient_.block(nz(), 0, 1); }
   auto Qx() const { return Qz().head(ndx_); }
   auto Qu() const { return Qz().tail(nu_); }
-  auto Qxx() const { return Qzz().topLeftCorner(ndx_, ndx_); }
   auto Qxu() const { return Qzz().topRightCorner(ndx_, nu_); }
   auto Quu() const { return Qzz().bottomRightCorner(nu_, nu_); }
 
  private:
   int ndx_;
   int nu_ = 0;
-  Eigen::VectorXd gradient_;
-  LaneMatrix hessian_;
+  LaneMatrix gradient_, hessian_;
 };
 
 /// Carries a value function backward through a knot's dynamics δx⁺ = T δz:
 ///   Q_z = gradient + Tᵀ V_x,  Q_zz = Hessian + Tᵀ V_xx T.
 /// Where the dynamics have semi-implicit Euler's structure, δv⁺ = F δz and δq⁺ = A δq + dt H δv⁺,
-/// V_xx is first transformed to (δq, δv⁺) by blocks, so that only products with F's nv rows remain.
+/// V_xx is first transformed to (δq, δv⁺), so that only products with F's nv rows remain.
 /// Workspaces are sized at construction.
 class ValuePropagation {
  public:
   ValuePropagation(int ndx, int max_nu);
 
-  /// Fills `q` (both triangles), which it shapes for the knot.
+  /// Fills `q`, which it shapes for the knot.
   void propagate(const KnotLinearization& knot, const ValueFunction& next, ActionValue& q);
 
   /// `columns` (nz x nu) ← (Q_xu; Q_uu) + μ Tᵀ T_u: the control columns as they would be with
@@ -70,13 +70,13 @@ class ValuePropagation {
                         Eigen::Ref<Eigen::MatrixXd> columns);
 
  private:
-  void add_semi_implicit(const KnotLinearization& knot, const Eigen::MatrixXd& Vxx, ActionValue& q);
+  void transform(const KnotLinearization& knot, const Eigen::MatrixXd& Vxx);
 
   Eigen::VectorXd scratch_, pulled_;
-  LaneMatrix Ft_, FtP_;           // nz x rows of F
-  LaneMatrix M_, T_, P11_, P22_;  // nv x nv
-  Eigen::MatrixXd columns_;       // ndx x nu
-  Eigen::MatrixXd columns2_;      // ndx x nu
+  LaneMatrix Ft_, FtP_;         // nz x rows of F
+  LaneMatrix P11_, P12_, P22_;  // nv x nv, zeros in their padding
+  Eigen::MatrixXd columns_;     // ndx x nu
+  Eigen::MatrixXd columns2_;    // ndx x nu
 };
 
 }  // namespace conddp

@@ -101,7 +101,7 @@ TEST(BoxQp, FactorBelongsToTheFreeBlockOfTheSolution) {
     std::vector<BoundState> active(6, BoundState::free);
     ASSERT_EQ(solver.solve(qp.H, qp.g, qp.lower, qp.upper, active), BoxQp::Status::solved);
     const auto free = solver.free();
-    const Eigen::MatrixXd L = solver.free_factor().triangularView<Eigen::Lower>();
+    const Eigen::MatrixXd L = solver.free_factor().view().triangularView<Eigen::Lower>();
     const Eigen::MatrixXd product = L * L.transpose();
     for (std::size_t a = 0; a < free.size(); ++a) {
       for (std::size_t b = 0; b < free.size(); ++b) {

@@ -1,8 +1,11 @@
 #include "solvers/lane_gemm.hpp"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "solvers/curved_blocks.hpp"
+#include "solvers/lane_copy.hpp"
 
 // The products of the sweep against Eigen's, over all shapes of tiles.
 
@@ -61,7 +64,31 @@ TEST(LaneGemm, LowerTriangleAndItsMirrorImage) {
   }
 }
 
-TEST(LaneGemm, Transposes) {
+TEST(LaneCopy, SymmetricMatricesFromTheirLowerTriangles) {
+  for (const int n : kRows) {
+    const Eigen::MatrixXd A = whole_numbers(n, n, 4);
+    Eigen::MatrixXd expected = A.selfadjointView<Eigen::Lower>();
+    Eigen::MatrixXd copy(n, n);
+    LaneMatrix lanes = lanes_of(A);
+    for (int j = 1; j < n; ++j) lanes.view().col(j).head(j).setConstant(NAN);
+    EXPECT_TRUE(copy_symmetric(lanes.block(), copy.data(), n)) << n;
+    EXPECT_EQ(copy, expected) << n;
+    for (const int first : {1, n / 2, n - 1}) {
+      LaneMatrix half = lanes_of(A);
+      mirror_lower(half.block(), first);
+      EXPECT_EQ(half.view().rightCols(n - first), expected.rightCols(n - first)) << n;
+      EXPECT_EQ(Eigen::MatrixXd(half.view().triangularView<Eigen::Lower>()),
+                Eigen::MatrixXd(A.triangularView<Eigen::Lower>()))
+          << n;
+    }
+    for (const double rubbish : {NAN, INFINITY}) {
+      lanes.view()(n - 1, n / 2) = rubbish;
+      EXPECT_FALSE(copy_symmetric(lanes.block(), copy.data(), n)) << n;
+    }
+  }
+}
+
+TEST(LaneCopy, Transposes) {
   for (const int m : kRows)
     for (const int n : kRows) {
       const Eigen::MatrixXd A = whole_numbers(m, n, 1);

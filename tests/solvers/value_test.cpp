@@ -74,8 +74,12 @@ TEST(ValuePropagation, BothFormsEqualTheDenseFormula) {
         propagation.propagate(knot, next, q);
         const Eigen::MatrixXd T = knot.dense_jacobian();
         expect_close(q.Qz(), knot.gradient + T.transpose() * next.Vx);
-        expect_close(q.Qzz(), knot.hessian + T.transpose() * next.Vxx * T);
-        EXPECT_EQ(Eigen::MatrixXd(q.Qzz()), Eigen::MatrixXd(q.Qzz().transpose()));
+        const Eigen::MatrixXd expected = knot.hessian + T.transpose() * next.Vxx * T;
+        const Eigen::MatrixXd lower = q.Qzz().triangularView<Eigen::Lower>();
+        expect_close(lower, expected.triangularView<Eigen::Lower>());
+        EXPECT_EQ(Eigen::MatrixXd(q.Qxu()),
+                  Eigen::MatrixXd(q.Qzz().bottomLeftCorner(nu, ndx).transpose()));
+        EXPECT_EQ(Eigen::MatrixXd(q.Quu()), Eigen::MatrixXd(q.Quu().transpose()));
       }
     }
   }
@@ -97,7 +101,7 @@ TEST(ValuePropagation, SemiImplicitEqualsTheSameDynamicsWrittenDensely) {
     propagation.propagate(knot, next, a);
     propagation.propagate(dense, next, b);
     expect_close(a.Qz(), b.Qz());
-    expect_close(a.Qzz(), b.Qzz());
+    expect_close(a.Qzz().triangularView<Eigen::Lower>(), b.Qzz().triangularView<Eigen::Lower>());
   }
 }
 
@@ -180,28 +184,45 @@ TEST(GapTransport, IsTheDerivativeOfTheContractedState) {
   expect_close(delta, numeric, 1e-8);
 }
 
-TEST(Cholesky, SolvesRowsAndRefusesWhatIsNotPositiveDefinite) {
+bool factor(const Eigen::MatrixXd& A, LaneMatrix& L) {
+  L.view() = A;
+  return cholesky_in_place(L.block());
+}
+
+TEST(Cholesky, SolvesRows) {
   Random random(6);
+  for (const int n : {0, 1, 5, 6, 7, 8, 12, 13, 23}) {
+    const Eigen::MatrixXd B = random.matrix(n, n);
+    const Eigen::MatrixXd A = B * B.transpose() + Eigen::MatrixXd::Identity(n, n);
+    LaneMatrix factors(n, n);
+    ASSERT_TRUE(factor(A, factors));
+    const Eigen::MatrixXd L = factors.view().triangularView<Eigen::Lower>();
+    expect_close(L * L.transpose(), A);
+    for (const int rows : {1, 4, 19, 37, 77}) {
+      const Eigen::MatrixXd rhs = random.matrix(rows, n);
+      LaneMatrix X(rows, n);
+      X.view() = rhs;
+      solve_rows_in_place(factors.block(), X.block());
+      expect_close(X.view() * A, rhs);
+    }
+  }
+}
+
+TEST(Cholesky, RefusesWhatIsNotPositiveDefinite) {
+  Random random(7);
   const Eigen::MatrixXd B = random.matrix(7, 7);
   const Eigen::MatrixXd A = B * B.transpose() + Eigen::MatrixXd::Identity(7, 7);
-  Eigen::MatrixXd L = A;
-  ASSERT_TRUE(cholesky_in_place(L));
-  for (const int rows : {1, 4, 19}) {
-    const Eigen::MatrixXd rhs = random.matrix(rows, 7);
-    LaneMatrix X(rows, 7);
-    X.view() = rhs;
-    solve_rows_in_place(L, X.block());
-    expect_close(X.view() * A, rhs);
-  }
+  LaneMatrix L(7, 7);
+  ASSERT_TRUE(factor(A, L));
   Eigen::MatrixXd indefinite = A;
   indefinite(6, 6) = -1;
-  EXPECT_FALSE(cholesky_in_place(indefinite));
+  EXPECT_FALSE(factor(indefinite, L));
   Eigen::MatrixXd singular = random.matrix(7, 3);
   singular = (singular * singular.transpose()).eval();
-  EXPECT_FALSE(cholesky_in_place(singular));
+  EXPECT_FALSE(factor(singular, L));
   Eigen::MatrixXd nan = A;
   nan(2, 2) = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_FALSE(cholesky_in_place(nan));
+  EXPECT_FALSE(factor(nan, L));
 }
 
 }  // namespace
