@@ -4,7 +4,7 @@ import crocoddyl
 import numpy as np
 import pinocchio as pin
 
-from references import pose, vector_values, weights_over_knots
+from references import pose, states, vector_values, weights_over_knots
 from robot import Robot, components, require
 
 AXES = {"world": pin.LOCAL_WORLD_ALIGNED, "local": pin.LOCAL}
@@ -158,9 +158,9 @@ class Translation:
 
     def make_state(self, cost, k):
         require("columns" not in cost, "columns of the residual state")
-        reference = self.robot.state(cost["reference"])
+        reference = states(self.robot, self.problem, cost)(k)
         residual = crocoddyl.ResidualModelState(self.state, reference, self.actuation.nu)
-        return residual, self.robot.state_names(), None, None
+        return residual, self.robot.state_names(), None, tuple(reference)
 
     def joint_part(self, cost, prefix):
         """A residual on some joints is one on the state with no weight on the others."""

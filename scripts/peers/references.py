@@ -11,19 +11,29 @@ def node_times(phases):
     return np.concatenate([[0.0], np.cumsum(steps)])
 
 
+def landing(robot, swing, number, at, start):
+    """Where a swing ends that begins at a point; `start` is where the frame is at first."""
+    if "landing" in swing:
+        return np.array(swing["landing"])
+    if "displaced" in swing:
+        return robot.displacement(swing["displaced"][number], robot.initial) * start
+    return at + swing["step"]
+
+
 def smooth_swing(robot, problem, cost):
     """Way-points at all nodes of a frame that swings: s² (3 − 2 s) along the line, and above it by
     16 height s² (1 − s)²."""
     swing, phases = cost["swing"], problem["phases"]
     at = robot.placement(robot.frame(cost["frame"]), robot.initial).translation
-    points, first, p = {}, 0, 0
+    start, points, swings_before, first, p = at, {}, [], 0, 0
     while p < len(phases):
         swings, end, knots = phases[p]["name"] in cost["phases"], p, 0
         while end < len(phases) and (phases[end]["name"] in cost["phases"]) == swings:
             knots += phases[end]["knots"]
             end += 1
         if swings:
-            to = np.array(swing["landing"]) if "landing" in swing else at + swing["step"]
+            to = landing(robot, swing, len(swings_before), at, start)
+            swings_before.append(p)
             for k in range(knots + 1):
                 s = k / knots
                 points[first + k] = at + s * s * (3 - 2 * s) * (to - at)
@@ -35,15 +45,48 @@ def smooth_swing(robot, problem, cost):
 
 def weights_over_knots(problem, name):
     """The weight of a running cost at each knot, 0 where it does not count. A phase may have a weight
-    of its own; a swing also counts at the knot after its phases, at which the frame touches down."""
+    of its own; a swing also counts at the knot after its phases, at which the frame touches down, a moment
+    that is not multiplied by the time step."""
     cost = problem["costs"][name]
-    weights = []
+    weights, steps = [], []
     for phase in problem["phases"]:
+        steps += [phase["dt"]] * phase["knots"]
         weight = phase["weights"].get(name, cost["weight"])
         weights += [weight if phase["name"] in cost["phases"] else 0.0] * phase["knots"]
     if "swing" in cost:
-        weights = [w or before for w, before in zip(weights, [0.0, *weights])]
+        weights = [w or before / dt for w, before, dt in zip(weights, [0.0, *weights], steps)]
     return [w if k in cost.get("knots", [k]) else 0.0 for k, w in enumerate(weights)]
+
+
+def over_nodes(problem, spec):
+    """The function of the node that a list of values over time means: its two values around a node and
+    the share of the second one."""
+    times = node_times(problem["phases"])
+    places = spec["times"] if "times" in spec else [times[k] for k in spec["knots"]]
+
+    if len(places) == 1:
+        return lambda k: (spec["values"][0], spec["values"][0], 0.0)
+
+    def around(k):
+        i = int(np.clip(np.searchsorted(places, times[k], side="right") - 1, 0, len(places) - 2))
+        share = (times[k] - places[i]) / (places[i + 1] - places[i])
+        return spec["values"][i], spec["values"][i + 1], float(np.clip(share, 0, 1))
+
+    return around
+
+
+def states(robot, problem, cost):
+    """A function of the node for a reference that is a state: between two of them along the geodesic."""
+    spec = cost["reference"]
+    if not isinstance(spec, dict) or "values" not in spec:
+        fixed = robot.state(spec)
+        return lambda k: fixed
+    around = over_nodes(problem, spec)
+
+    def value(k):
+        first, second, share = around(k)
+        return robot.between(robot.state(first), robot.state(second), share)
+    return value
 
 
 def vector_values(robot, problem, cost, named, constant):
@@ -61,10 +104,12 @@ def vector_values(robot, problem, cost, named, constant):
         require(not isinstance(spec, dict) or "file" not in spec, "references from files")
         fixed = value(spec)
         return lambda k: fixed
-    times = node_times(problem["phases"])
-    places = spec["times"] if "times" in spec else [times[k] for k in spec["knots"]]
-    values = np.array([value(entry) for entry in spec["values"]])
-    return lambda k: np.array([np.interp(times[k], places, column) for column in values.T])
+    around = over_nodes(problem, spec)
+
+    def at_node(k):
+        first, second, share = around(k)
+        return (1 - share) * value(first) + share * value(second)
+    return at_node
 
 
 def pose(robot, cost):

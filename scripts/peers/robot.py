@@ -72,7 +72,7 @@ class Robot:
             return np.array(spec["state"])
         if "configuration" in spec:
             q = self.state(spec["configuration"])[:self.model.nq].copy()
-        require(not set(spec) - {"configuration", "base", "joints", "velocity"},
+        require(not set(spec) - {"configuration", "base", "joints", "velocity", "displaced"},
                 f"a state with {sorted(spec)}")
         base = spec.get("base", {})
         q[0:3] = base.get("position", q[0:3]) if self.floating else q[0:3]
@@ -80,12 +80,25 @@ class Robot:
             q[3:7] = base["orientation"]
         for name, value in spec.get("joints", {}).items():
             q[self.model.joints[self.model.getJointId(name)].idx_q] = value
+        if "displaced" in spec:
+            place = self.displacement(spec["displaced"], q) * pin.XYZQUATToSE3(q[:7])
+            q[:7] = pin.SE3ToXYZQUAT(place)
         velocity = spec.get("velocity", {})
         if "base" in velocity:
             v[0:6] = velocity["base"]["linear"] + velocity["base"]["angular"]
         for name, value in velocity.get("joints", {}).items():
             v[self.model.joints[self.model.getJointId(name)].idx_v] = value
         return np.concatenate([q, v])
+
+    def displacement(self, motion, q):
+        """What moves the world with a base that goes x, y, yaw in its own heading."""
+        require(self.floating, "a displaced state of a base that does not float")
+        base = pin.XYZQUATToSE3(q[:7])
+        ahead = base.rotation[:, 0]
+        heading = pin.exp3(np.array([0, 0, np.arctan2(ahead[1], ahead[0])]))
+        turn, at = pin.exp3(np.array([0, 0, motion[2]])), base.translation
+        step = heading @ np.array([motion[0], motion[1], 0.0])
+        return pin.SE3(turn, at + step - turn @ at)
 
     def state_names(self):
         """Names of the tangent components of a state."""
@@ -103,6 +116,12 @@ class Robot:
         data = self.model.createData()
         pin.framesForwardKinematics(self.model, data, state[:self.model.nq])
         return data.oMf[frame].copy()
+
+    def between(self, first, second, share):
+        """The state at a share of the way from one to another."""
+        nq = self.model.nq
+        q = pin.interpolate(self.model, first[:nq], second[:nq], share)
+        return np.concatenate([q, (1 - share) * first[nq:] + share * second[nq:]])
 
     def center_of_mass(self, state):
         return pin.centerOfMass(self.model, self.model.createData(),
