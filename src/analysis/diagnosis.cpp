@@ -47,6 +47,13 @@ class Window {
   int steps_;
 };
 
+/// Whether the log is that of an interior-point method, whose steps follow a barrier and no
+/// penalty.
+bool interior_point(const SolveResult& r) {
+  return std::any_of(r.log.begin(), r.log.end(),
+                     [](const IterationRecord& row) { return row.barrier > 0; });
+}
+
 std::string at(int knot) { return knot < 0 ? std::string() : fmt::format(" at knot {}", knot); }
 
 Diagnosis growth(const SolveResult& r) {
@@ -72,6 +79,17 @@ Diagnosis indefinite(const SolveResult& r) {
           r.failed_knot, r.failed_quantity,
           "a cost on every control of that knot; solver.regularization.kind: control; a larger "
           "solver.regularization.max"};
+}
+
+Diagnosis infeasible(const IterationRecord& last) {
+  return {
+      DiagnosisPattern::infeasible,
+      fmt::format("the constraints cannot all be kept: violation {:.1e}{}, and no step that "
+                  "lowers it",
+                  last.constraint, at(last.constraint_knot)),
+      last.constraint_knot, "constraint violation",
+      "wider bounds, more time for the motion, or without a constraint (--drop) to see what the "
+      "others ask for; a minimum of the violation can also be a local one: another first guess"};
 }
 
 Diagnosis rounding_floor(const SolveResult& r, const IterationRecord& last) {
@@ -136,7 +154,11 @@ Diagnosis no_descent(const SolveResult& r, const IterationRecord& last) {
           fmt::format("no step lowers the merit; stationarity {:.1e}{}", last.stationarity,
                       at(last.stationarity_knot)),
           last.stationarity_knot, "merit",
-          r.residuals.gap > 0
+          interior_point(r)
+              ? "derivatives ('conddp check --derivatives'), costs and constraints that are not "
+                "smooth, a first guess nearer to what is possible, solver.options: {mu_strategy: "
+                "adaptive}"
+          : r.residuals.gap > 0
               ? "derivatives ('conddp check --derivatives'), costs that are not smooth, a first "
                 "guess with smaller gaps"
               : "derivatives ('conddp check --derivatives'), costs that are not smooth, a smaller "
@@ -179,6 +201,8 @@ std::string_view to_string(DiagnosisPattern pattern) {
       return "growth";
     case DiagnosisPattern::indefinite:
       return "indefinite";
+    case DiagnosisPattern::infeasible:
+      return "infeasible";
     case DiagnosisPattern::rounding_floor:
       return "rounding_floor";
     case DiagnosisPattern::open_gaps:
@@ -202,6 +226,13 @@ Diagnosis diagnose(const SolveResult& result, const SolverOptions& options) {
     return {DiagnosisPattern::normal,
             fmt::format("normal convergence in {} iterations", result.iterations), -1, "", ""};
   if (lost(result)) return growth(result);
+  if (result.status == SolveStatus::infeasible) return infeasible(result.log.back());
+  if (interior_point(result)) {
+    return result.status == SolveStatus::line_search_failed ||
+                   result.status == SolveStatus::regularization_limit
+               ? no_descent(result, result.log.back())
+               : unfinished(result, options, result.log.back());
+  }
   if (result.status == SolveStatus::regularization_limit) return indefinite(result);
   const Window w(result.log);
   const IterationRecord& last = w.last();

@@ -16,6 +16,8 @@ enum class DiagnosisPattern {
   growth,
   /// A stage problem has no minimum.
   indefinite,
+  /// No way was found to lower the violation of the constraints any further.
+  infeasible,
   /// What is left to gain drowns in the rounding of the cost.
   rounding_floor,
   /// The gaps of the dynamics do not close.

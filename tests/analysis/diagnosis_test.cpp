@@ -32,7 +32,7 @@ TEST(Diagnosis, NamesAreDistinct) {
   std::set<std::string_view> names;
   for (int i = 0; i <= static_cast<int>(DiagnosisPattern::unfinished); ++i)
     names.insert(to_string(static_cast<DiagnosisPattern>(i)));
-  EXPECT_EQ(names.size(), 10u);
+  EXPECT_EQ(names.size(), 11u);
 }
 
 TEST(Diagnosis, GapsThatStayOpenComeBeforeEverythingElse) {
@@ -74,6 +74,36 @@ TEST(Diagnosis, AFewRowsShowNoPattern) {
   const Diagnosis d = diagnosis_of(3, [](int, IterationRecord& r) { r.step = 0.01; });
   EXPECT_EQ(d.pattern, DiagnosisPattern::unfinished);
   EXPECT_EQ(d.knot, 7);
+}
+
+TEST(Diagnosis, InfeasibleProblemsAreNotAskedForLargerPenalties) {
+  const Diagnosis d = diagnosis_of(
+      8,
+      [](int, IterationRecord& r) {
+        r.constraint = 2;
+        r.constraint_knot = 4;
+      },
+      SolveStatus::infeasible);
+  EXPECT_EQ(d.pattern, DiagnosisPattern::infeasible);
+  EXPECT_EQ(d.knot, 4);
+  EXPECT_EQ(d.remedy.find("penalty"), std::string::npos) << d.remedy;
+}
+
+TEST(Diagnosis, AnInteriorPointMethodIsGivenNoAdviceOnRegularisation) {
+  for (const SolveStatus status :
+       {SolveStatus::max_iterations, SolveStatus::time_limit, SolveStatus::line_search_failed,
+        SolveStatus::regularization_limit}) {
+    const Diagnosis d = diagnosis_of(
+        12,
+        [](int, IterationRecord& r) {
+          r.step = 0.1;
+          r.regularization = 1;
+          r.barrier = 1e-3;
+        },
+        status);
+    EXPECT_EQ(d.remedy.find("solver.regularization"), std::string::npos) << d.remedy;
+    EXPECT_EQ(d.remedy.find("line_search"), std::string::npos) << d.remedy;
+  }
 }
 
 TEST(Diagnosis, OnlyTheLastRowsCount) {

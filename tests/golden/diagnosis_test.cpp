@@ -67,6 +67,13 @@ INSTANTIATE_TEST_SUITE_P(
                      "initial_guess.states={keyframes: [{time: 0.5, state: {values: {theta1: 100, "
                      "omega1: 100}}}]}"},
                     {}},
+        // A mass that gets no further than 1.2 m with its speed limited.
+        Provocation{"Infeasible",
+                    DiagnosisPattern::infeasible,
+                    "constraint violation",
+                    "double_integrator_limits",
+                    {"terminal.constraints.goal.reference=[5, 0]"},
+                    {}},
         Provocation{"RoundingFloor",
                     DiagnosisPattern::rounding_floor,
                     "stationarity",
