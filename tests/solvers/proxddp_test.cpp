@@ -34,11 +34,6 @@ double distance(const SolveResult& a, const SolveResult& b) {
   return (controls_of(a.trajectory) - controls_of(b.trajectory)).cwiseAbs().maxCoeff();
 }
 
-ShootingProblem sliding_mass() {
-  return testing::tracking_problem(double_integrator(1), Integrator::rk4, 20, 0.1, {0, 0},
-                                   {{1, 0}, {1, 1}, {0.1}, {1, 1}}, -3, 3);
-}
-
 TEST(Proxddp, ReachesOptimaOfThePublishedCases) {
   for (const auto& [name, problem, control, cost] : testing::published_cases()) {
     SolverOptions options;
@@ -104,35 +99,6 @@ TEST(Proxddp, OneStepMinimisesTheAugmentedLagrangianOfALinearQuadraticProblem) {
   }
 }
 
-TEST(Proxddp, MultipliersMakeTheLagrangianStationary) {
-  const LinearQuadratic lq(2, 4, {3, 2}, 8, -3, 3);
-  const ShootingProblem problem = with_constraints(*lq.problem, cuts(lq));
-  const SolveResult result = run(problem);
-  const testing::Dense dense = make_dense(lq, problem, -3, 3);
-  const Eigen::VectorXd gradient = dense.H * controls_of(result.trajectory) + dense.g +
-                                   dense.G.transpose() * result.constraint_multipliers;
-  int at = 0;
-  for (int k = 0; k < problem.knots(); ++k)
-    for (int i = 0; i < problem.nu(k); ++i, ++at)
-      EXPECT_NEAR(gradient[at],
-                  std::abs(result.trajectory.u(k)[i]) == 3 ? result.control_gradient[k][i] : 0.0,
-                  1e-8);
-}
-
-TEST(Proxddp, RedundantConstraintsDoNoHarm) {
-  const LinearQuadratic lq(3, 4, {3, 2}, 8, -3, 3);
-  std::vector<Added> list = cuts(lq);
-  list.push_back(list[1]);
-  list.back().name = "end again";
-  list.push_back(list[2]);
-  list.back().name = "cone again";
-  const ShootingProblem twice = with_constraints(*lq.problem, list);
-  const ShootingProblem once = with_constraints(*lq.problem, cuts(lq));
-  const SolveResult result = run(twice);
-  EXPECT_EQ(result.status, SolveStatus::converged) << result.message;
-  EXPECT_LT(distance(result, run(once)), 1e-7);
-}
-
 TEST(Proxddp, PenaltiesGrowOnlyWhereMultipliersStay) {
   const auto cases = testing::published_cases();
   const SolveResult result =
@@ -142,47 +108,6 @@ TEST(Proxddp, PenaltiesGrowOnlyWhereMultipliersStay) {
   const double growths = std::log10(largest / defaults.initial_penalty);
   EXPECT_NEAR(growths, std::round(growths), 1e-9);
   EXPECT_LT(growths, result.log.back().outer);
-}
-
-TEST(Proxddp, ContradictionsEndAsInfeasibleAndNameTheConstraint) {
-  const ShootingProblem mass = sliding_mass();
-  // With 3 N for 2 s the mass gets no further than 3 m at rest.
-  const ShootingProblem too_far = with_constraints(mass, {testing::goal_constraint(mass, {5, 0})});
-  SolveResult result = run(too_far);
-  EXPECT_EQ(result.status, SolveStatus::infeasible) << result.message;
-  EXPECT_NE(result.message.find("'terminal/goal'"), std::string::npos) << result.message;
-  Added other = testing::goal_constraint(mass, {0.5, 0});
-  other.name = "other";
-  result = run(with_constraints(mass, {testing::goal_constraint(mass, {1, 0}), other}));
-  EXPECT_EQ(result.status, SolveStatus::infeasible) << result.message;
-}
-
-TEST(Proxddp, NumbersThatAreNoneEndAsDiverged) {
-  const ShootingProblem mass = sliding_mass();
-  const SolveResult result = run(with_constraints(
-      mass, {testing::goal_constraint(mass, {std::numeric_limits<double>::quiet_NaN(), 0})}));
-  EXPECT_EQ(result.status, SolveStatus::diverged) << result.message;
-}
-
-TEST(Proxddp, WithoutConstraintsItIsBoxFddp) {
-  const ShootingProblem problem = testing::cartpole_swing_up(3);
-  const Trajectory guess = testing::constant_controls(problem, 0.01);
-  const SolveResult a = solve(problem, "proxddp", {}, guess);
-  const SolveResult b = solve(problem, "box_fddp", {}, guess);
-  EXPECT_EQ(a.cost, b.cost);
-  EXPECT_EQ(a.iterations, b.iterations);
-}
-
-TEST(Proxddp, ResultsAreTheSameBitsWithTwoThreads) {
-  const auto cases = testing::published_cases();
-  const Trajectory guess = testing::constant_controls(cases[2].problem, cases[2].control);
-  SolverOptions options;
-  const SolveResult one = solve(cases[2].problem, "proxddp", options, guess);
-  options.threads = 2;
-  const SolveResult two = solve(cases[2].problem, "proxddp", options, guess);
-  EXPECT_EQ(one.iterations, two.iterations);
-  EXPECT_EQ(controls_of(one.trajectory), controls_of(two.trajectory));
-  EXPECT_EQ(one.constraint_multipliers, two.constraint_multipliers);
 }
 
 }  // namespace

@@ -1,0 +1,116 @@
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "solvers/constrained.hpp"
+#include "solvers/dense_convex.hpp"
+#include "solvers/registry.hpp"
+
+// What holds of every solver that takes constraints of all kinds into DDP sweeps.
+
+namespace conddp {
+namespace {
+
+using testing::Added;
+using testing::controls_of;
+using testing::cuts;
+using testing::LinearQuadratic;
+using testing::with_constraints;
+
+SolverOptions strict() {
+  SolverOptions options;
+  options.tolerances.stationarity = 1e-9;
+  options.tolerances.constraint = 1e-9;
+  options.max_iterations = 500;
+  return options;
+}
+
+class ConstrainedSolver : public ::testing::TestWithParam<const char*> {
+ protected:
+  SolveResult run(const ShootingProblem& problem) const {
+    return solve(problem, GetParam(), strict(), problem.create_trajectory());
+  }
+};
+
+INSTANTIATE_TEST_SUITE_P(Registered, ConstrainedSolver, ::testing::Values("altro", "proxddp"),
+                         [](const auto& solver) { return std::string(solver.param); });
+
+/// 1 kg, at most 3 N for 2 s: it gets no further than 3 m at rest.
+ShootingProblem sliding_mass() {
+  return testing::tracking_problem(double_integrator(1), Integrator::rk4, 20, 0.1, {0, 0},
+                                   {{1, 0}, {1, 1}, {0.1}, {1, 1}}, -3, 3);
+}
+
+TEST_P(ConstrainedSolver, MultipliersMakeTheLagrangianStationary) {
+  const LinearQuadratic lq(2, 4, {3, 2}, 8, -3, 3);
+  const ShootingProblem problem = with_constraints(*lq.problem, cuts(lq));
+  const SolveResult result = run(problem);
+  ASSERT_EQ(result.status, SolveStatus::converged) << result.message;
+  const testing::Dense dense = testing::make_dense(lq, problem, -3, 3);
+  const Eigen::VectorXd gradient = dense.H * controls_of(result.trajectory) + dense.g +
+                                   dense.G.transpose() * result.constraint_multipliers;
+  int at = 0;
+  for (int k = 0; k < problem.knots(); ++k)
+    for (int i = 0; i < problem.nu(k); ++i, ++at)
+      EXPECT_NEAR(gradient[at],
+                  std::abs(result.trajectory.u(k)[i]) == 3 ? result.control_gradient[k][i] : 0.0,
+                  1e-8);
+}
+
+TEST_P(ConstrainedSolver, RedundantConstraintsDoNoHarm) {
+  const LinearQuadratic lq(3, 4, {3, 2}, 8, -3, 3);
+  std::vector<Added> list = cuts(lq);
+  list.push_back(list[1]);
+  list.back().name = "end again";
+  list.push_back(list[2]);
+  list.back().name = "cone again";
+  const SolveResult twice = run(with_constraints(*lq.problem, list));
+  const SolveResult once = run(with_constraints(*lq.problem, cuts(lq)));
+  EXPECT_EQ(twice.status, SolveStatus::converged) << twice.message;
+  EXPECT_LT((controls_of(twice.trajectory) - controls_of(once.trajectory)).cwiseAbs().maxCoeff(),
+            1e-7);
+}
+
+TEST_P(ConstrainedSolver, ContradictionsEndAsInfeasibleAndNameTheConstraint) {
+  const ShootingProblem mass = sliding_mass();
+  SolveResult result = run(with_constraints(mass, {testing::goal_constraint(mass, {5, 0})}));
+  EXPECT_EQ(result.status, SolveStatus::infeasible) << result.message;
+  EXPECT_NE(result.message.find("'terminal/goal'"), std::string::npos) << result.message;
+  EXPECT_GT(result.residuals.constraint, 1);
+
+  Added other = testing::goal_constraint(mass, {0.5, 0});
+  other.name = "other";
+  result = run(with_constraints(mass, {testing::goal_constraint(mass, {1, 0}), other}));
+  EXPECT_EQ(result.status, SolveStatus::infeasible) << result.message;
+}
+
+TEST_P(ConstrainedSolver, NumbersThatAreNoneEndAsDiverged) {
+  const ShootingProblem mass = sliding_mass();
+  const SolveResult result = run(with_constraints(
+      mass, {testing::goal_constraint(mass, {std::numeric_limits<double>::quiet_NaN(), 0})}));
+  EXPECT_EQ(result.status, SolveStatus::diverged) << result.message;
+}
+
+TEST_P(ConstrainedSolver, WithoutConstraintsItIsBoxFddp) {
+  const ShootingProblem problem = testing::cartpole_swing_up(3);
+  const Trajectory guess = testing::constant_controls(problem, 0.01);
+  const SolveResult a = solve(problem, GetParam(), {}, guess);
+  const SolveResult b = solve(problem, "box_fddp", {}, guess);
+  EXPECT_EQ(a.cost, b.cost);
+  EXPECT_EQ(a.iterations, b.iterations);
+}
+
+TEST_P(ConstrainedSolver, ResultsAreTheSameBitsWithTwoThreads) {
+  const auto cases = testing::published_cases();
+  const Trajectory guess = testing::constant_controls(cases[2].problem, cases[2].control);
+  SolverOptions options;
+  const SolveResult one = solve(cases[2].problem, GetParam(), options, guess);
+  options.threads = 2;
+  const SolveResult two = solve(cases[2].problem, GetParam(), options, guess);
+  EXPECT_EQ(one.iterations, two.iterations);
+  EXPECT_EQ(controls_of(one.trajectory), controls_of(two.trajectory));
+  EXPECT_EQ(one.constraint_multipliers, two.constraint_multipliers);
+}
+
+}  // namespace
+}  // namespace conddp
