@@ -2,13 +2,9 @@
 
 #include <limits>
 #include <string>
-#include <utility>
 #include <vector>
 
-#include <Eigen/Core>
-
-#include "ocp/acts.hpp"
-#include "solvers/options.hpp"
+#include "analysis/solution_claims.hpp"
 
 namespace conddp {
 
@@ -23,32 +19,6 @@ struct Check {
   double tolerance = kNone;  ///< by which the two may differ
   std::string place;         ///< "knot 12 (phase 'swing'), v/elbow", empty where it has none
   std::string message;       ///< what does not hold, empty where the figures say it
-};
-
-/// All that an answer states, in numbers; what it leaves open is not a number.
-struct SolutionClaims {
-  explicit SolutionClaims(const ShootingProblem& problem);
-
-  Trajectory trajectory;
-  std::vector<double> times;  ///< N + 1
-  bool converged = false;
-  std::string status;
-  double cost = Check::kNone;
-  std::vector<std::pair<std::string, double>> cost_by_name;
-  double stationarity = Check::kNone;
-  double gap = Check::kNone;
-  double constraint = Check::kNone;
-  double complementarity = Check::kNone;
-  SolverOptions::Tolerances tolerances;
-  Eigen::MatrixXd costates;        ///< ndx x (N + 1)
-  Eigen::MatrixXd state_gradient;  ///< ndx x (N + 1): ∇_x of the Lagrangian
-  /// Multipliers of the control bounds, one vector a knot; zero where the answer has none.
-  std::vector<Eigen::VectorXd> lower_multipliers, upper_multipliers;
-  /// Multipliers of the constraints, one a constraint row of the problem.
-  Eigen::VectorXd multipliers;
-  std::vector<Eigen::MatrixXd> gains;  ///< K, nu x ndx, one a knot
-  /// How places are called.
-  std::vector<std::string> tangent_names, control_names;
 };
 
 /// The statements of an answer that were checked; it holds where all of them do.

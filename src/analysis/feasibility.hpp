@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-#include "analysis/certificate.hpp"
+#include "analysis/solution_claims.hpp"
 
 namespace conddp {
 

@@ -20,9 +20,8 @@ enum class MultiplierSchedule {
   /// Multipliers always; the penalty where the violation has not fallen enough (ALTRO).
   always,
   /// A bound-constrained Lagrangian (Conn, Gould, Toint 1991; Jallet et al. 2025): multipliers
-  /// where
-  /// the change that they ask for is within a tolerance, which then gets tighter; elsewhere the
-  /// penalty grows and they stay.
+  /// where the change that they ask for is within a tolerance, which then gets tighter; elsewhere
+  /// the penalty grows and they stay.
   bound_constrained_lagrangian,
   /// A sweep gives the multipliers along with its step; penalties belong to the merit alone.
   by_the_sweep,

@@ -76,4 +76,14 @@ Extremum ControlBounds::projected_norm(const Eigen::VectorXd& gradient,
   return worst;
 }
 
+Extremum largest_violation(const ShootingProblem& problem, const ControlBounds& bounds,
+                           const Trajectory& trajectory, const Eigen::VectorXd& constraint) {
+  Extremum worst = bounds.violation(trajectory);
+  for (const NodeConstraint& c : problem.constraints()) {
+    const double distance = distance_to_set(*c.term, constraint.data() + c.row, c.lower, c.upper);
+    if (!(distance <= worst.value)) worst = {distance, c.node};
+  }
+  return worst;
+}
+
 }  // namespace conddp

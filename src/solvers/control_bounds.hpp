@@ -43,4 +43,9 @@ class ControlBounds {
   Eigen::VectorXd lower_, upper_;
 };
 
+/// Largest violation of control bounds and constraints, from the values of all constraint rows; not
+/// finite where a value is not.
+Extremum largest_violation(const ShootingProblem& problem, const ControlBounds& bounds,
+                           const Trajectory& trajectory, const Eigen::VectorXd& constraint);
+
 }  // namespace conddp

@@ -33,6 +33,7 @@ bool DdpSolver::take_step() {
     if (!sweep_with_regularization()) return false;
     if (merit_needs_penalty()) {
       differentiate();
+      if (!linearized_) return end_diverged();
       measure_iterate();
       continue;
     }

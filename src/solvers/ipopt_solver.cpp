@@ -121,7 +121,10 @@ bool IpoptSolver::note(const InteriorPointIterate& iterate) {
   row_.stationarity_knot = -1;
   row_.gap = values.gap.size() == 0 ? 0 : values.gap.cwiseAbs().maxCoeff();
   row_.gap_knot = -1;
-  row_.constraint = violation(row_.constraint_knot);
+  const Extremum violation =
+      largest_violation(problem_, bounds_, transcription_.trajectory(), values.constraint);
+  row_.constraint = violation.value;
+  row_.constraint_knot = violation.knot;
   row_.complementarity = iterate.complementarity;
   row_.barrier = iterate.barrier;
   row_.step = iterate.step;
@@ -148,21 +151,6 @@ bool IpoptSolver::note(const InteriorPointIterate& iterate) {
     stop_ = Stop::recenter;
   }
   return stop_ == Stop::none;
-}
-
-/// Of constraints and control bounds at the transcription's point.
-double IpoptSolver::violation(int& knot) {
-  const Extremum bounds = bounds_.violation(transcription_.trajectory());
-  double worst = bounds.value;
-  knot = bounds.knot;
-  const Eigen::VectorXd& values = transcription_.evaluation().constraint;
-  for (const NodeConstraint& c : problem_.constraints()) {
-    const double distance = distance_to_set(*c.term, values.data() + c.row, c.lower, c.upper);
-    if (distance <= worst) continue;
-    worst = distance;
-    knot = c.node;
-  }
-  return worst;
 }
 
 /// An interior point stays away from bounds. A control belongs at one if its multiplier would move

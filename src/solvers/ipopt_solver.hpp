@@ -26,7 +26,6 @@ class IpoptSolver {
 
   InteriorPointAnswer run_ipopt(const Trajectory& start);
   bool note(const InteriorPointIterate& iterate);
-  double violation(int& knot);
   void snap_controls(const InteriorPointAnswer& answer, Trajectory& trajectory) const;
   Feedback find_gains(const Trajectory& trajectory, const Eigen::VectorXd& multipliers,
                       std::optional<double>& regularization);

@@ -150,8 +150,8 @@ bool NullSpaceStage::solve(const StageProblem& stage, Eigen::Ref<Eigen::VectorXd
 }
 
 const Eigen::VectorXd& NullSpaceStage::find_multipliers(const LinearRollout& step) {
-  int passed =
-      0;  // rows of this node that the one before had to keep, with their multipliers above_
+  // Rows of this node that the one before had to keep, with their multipliers above_.
+  int passed = 0;
   for (int k = 0; k <= problem_.knots(); ++k) {
     Node& node = nodes_[k];
     const int nu = k < problem_.knots() ? problem_.nu(k) : 0, count = node.system.count();

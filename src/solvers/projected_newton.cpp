@@ -79,15 +79,12 @@ void ProjectedNewton::linearize() {
 
 void ProjectedNewton::measure() {
   norms_.stationarity = bounds_.projected_norm(adjoint_.gradient(), trajectory_);
-  norms_.violation = bounds_.violation(trajectory_);
+  norms_.violation = largest_violation(problem_, bounds_, trajectory_, linearization_.constraint);
   norms_.complementarity = 0;
   for (const NodeConstraint& c : problem_.constraints()) {
     norms_.complementarity = std::max(
         norms_.complementarity, complementarity(*c.term, linearization_.constraint.data() + c.row,
                                                 c.lower, c.upper, multipliers_.data() + c.row));
-    const double distance =
-        distance_to_set(*c.term, linearization_.constraint.data() + c.row, c.lower, c.upper);
-    if (!(distance <= norms_.violation.value)) norms_.violation = {distance, c.node};
   }
   norms_.gap = {};
   for (int k = 0; k < problem_.knots(); ++k) {
