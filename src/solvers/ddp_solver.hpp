@@ -10,6 +10,7 @@
 #include "solvers/direction.hpp"
 #include "solvers/hessian_switch.hpp"
 #include "solvers/line_search.hpp"
+#include "solvers/model_step.hpp"
 #include "solvers/options.hpp"
 #include "solvers/projected_newton.hpp"
 #include "solvers/regularization.hpp"
@@ -59,7 +60,6 @@ class DdpSolver {
   bool search();
   bool stationarity_fell();
   double projected_stationarity() const;
-  double gap_weight() const;
 
   // ddp_constraints.cpp
   void start_constraints();
@@ -89,6 +89,7 @@ class DdpSolver {
   Adjoint adjoint_;
   Direction direction_;
   LineSearch line_search_;
+  ModelStep model_step_;
   RegularizationSchedule regularization_;
   std::optional<AugmentedLagrangian> constraints_;
   const Augmentation* augmentation_ = nullptr;

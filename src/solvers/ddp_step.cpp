@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -14,10 +15,16 @@ namespace {
 /// to fall.
 constexpr double kShortestBlindStep = 1.0 / 16;
 constexpr double kBlindProgress = 0.999;
-/// Shares of the expected decrease that a model step has to reach, and that its gaps, weighted by
-/// their multipliers, may reach.
+/// Shares of the expected decrease that a model step has to reach, that its gaps, weighted by their
+/// multipliers, may reach, and up to which they are left as they are.
 constexpr double kModelStepDecrease = 0.1;
 constexpr double kModelStepGaps = 0.5;
+constexpr double kNegligibleGaps = 0.05;
+/// The same share from which on a rollout is the shorter way, and the share of the gaps that a
+/// correction may leave.
+constexpr double kHopelessGaps = 10;
+constexpr double kSlowCorrection = 0.5;
+constexpr int kGapCorrections = 3;
 /// Shares of the expected decrease between which a full step is one of a quadratic function: ½ of
 /// the decrease at first is what a perfect model would give.
 constexpr double kQuadraticFrom = 0.3, kQuadraticTo = 0.8;
@@ -131,33 +138,49 @@ void DdpSolver::measure_direction() {
   merit_.penalty = options_.line_search.merit_margin * multiplier;
 }
 
-/// The full step of the linear model, judged when it is linearised, which the next iteration needs
-/// anyway: as long as full steps go well that saves the rollout. Its gaps are of second order. They
-/// are judged by what closing them will cost, to first order Σ λᵀ gap: the merit's ν Σ‖gap‖₁ would
-/// reject good steps near the optimum (Maratos' effect).
+/// The full step of the linear model instead of a rollout, as long as full steps go well. What it
+/// leaves of gaps is judged by what closing them will cost, to first order Σ λᵀ gap: the merit's
+/// ν Σ‖gap‖₁ would reject good steps near the optimum (Maratos' effect).
 bool DdpSolver::model_step() {
   if (!recipe_.open_gaps || constraints_ || !direction_.within_bounds() ||
       hessian_.exact_wanted() || regularization_.value() > 0 || full_steps_ < full_steps_wanted_) {
     return false;
   }
   // The step that should be the last one closes the gaps.
-  if (row_.stationarity * row_.stationarity <=
-      options_.tolerances.stationarity * last_stationarity_) {
-    return false;
-  }
+  const bool last = row_.stationarity * row_.stationarity <=
+                    options_.tolerances.stationarity * last_stationarity_;
   before_ = trajectory_;
   const double closed_cost = merit_.cost + adjoint_.gap_slope();
   const double expected = adjoint_.gap_slope() - merit_.slope;
-  direction_.step().apply(problem_.manifold(), trajectory_);
-  bounds_.clamp(trajectory_);  // rounding
+  const bool hidden = merit_.hidden(expected);
+  const auto costates = adjoint_.costates().rightCols(problem_.knots());
+  const bool close = last || hidden;
+  double weight = 0, actual = 0, gap = std::numeric_limits<double>::infinity();
+  {
+    const Stopwatch watch(result_.times.rollout);
+    model_step_.take(acts_, direction_.step(), trajectory_);
+    for (int corrections = 0;; ++corrections) {
+      const double former_gap = gap;
+      weight = costates.cwiseProduct(model_step_.gap()).lpNorm<1>();
+      gap = model_step_.gap().lpNorm<Eigen::Infinity>();
+      const bool small =
+          close ? gap <= options_.tolerances.gap : weight <= kNegligibleGaps * expected;
+      const bool hopeless =
+          !(gap <= kSlowCorrection * former_gap) || (!hidden && weight > kHopelessGaps * expected);
+      if (small || hopeless || corrections == kGapCorrections) break;
+      model_step_.correct(acts_, linearization_, direction_.feedback(), trajectory_);
+    }
+    actual = closed_cost - model_step_.cost() - costates.cwiseProduct(model_step_.gap()).sum();
+  }
   ++row_.trials;
-  differentiate();
-  const double actual = closed_cost - linearization_.total_cost() - adjoint_.gap_slope();
-  const bool accepted =
-      linearized_ &&
-      (merit_.hidden(expected)
-           ? merit_.hidden(actual) && projected_stationarity() < kBlindProgress * row_.stationarity
-           : actual >= kModelStepDecrease * expected && gap_weight() <= kModelStepGaps * expected);
+  bool accepted =
+      hidden ? merit_.hidden(actual)
+             : actual >= kModelStepDecrease * expected && weight <= kModelStepGaps * expected;
+  if (last && !(gap <= options_.tolerances.gap)) accepted = false;
+  linearized_ = linearized_ && !accepted;
+  if (accepted && hidden && !stationarity_fell()) {
+    accepted = linearized_ = false;
+  }
   if (accepted) {
     search_ = {.accepted = true,
                .step = 1,
@@ -166,19 +189,13 @@ bool DdpSolver::model_step() {
                .trials = 1};
     return true;
   }
-  full_steps_wanted_ *= 2;
-  full_steps_ = 0;
+  if (!last) {
+    full_steps_wanted_ *= 2;
+    full_steps_ = 0;
+  }
   trajectory_ = before_;
-  differentiate();
+  if (!linearized_) differentiate();
   return false;
-}
-
-/// Σ|λᵢ gapᵢ| of the iterate.
-double DdpSolver::gap_weight() const {
-  return adjoint_.costates()
-      .rightCols(problem_.knots())
-      .cwiseProduct(linearization_.gap)
-      .lpNorm<1>();
 }
 
 double DdpSolver::projected_stationarity() const {

@@ -75,15 +75,17 @@ Gaps::Gaps(const ShootingProblem& problem)
     : knots_(problem.knots(), GapTransport(problem.manifold())) {}
 
 void Gaps::set(const Linearization& linearization, bool open) {
+  if (open) return set(linearization.gap);
+  norm_ = 0;
+  for (GapTransport& knot : knots_) knot.close();
+}
+
+void Gaps::set(const Eigen::MatrixXd& gap) {
   norm_ = 0;
   for (std::size_t k = 0; k < knots_.size(); ++k) {
-    if (!open) {
-      knots_[k].close();
-      continue;
-    }
-    const auto gap = linearization.gap.col(static_cast<Eigen::Index>(k));
-    knots_[k].set(gap);
-    if (!knots_[k].closed()) norm_ += gap.lpNorm<1>();
+    const auto column = gap.col(static_cast<Eigen::Index>(k));
+    knots_[k].set(column);
+    if (!knots_[k].closed()) norm_ += column.lpNorm<1>();
   }
 }
 

@@ -46,6 +46,8 @@ class Gaps {
 
   /// Takes those of a linearisation; none of them where a solver keeps gaps closed (`open` false).
   void set(const Linearization& linearization, bool open);
+  /// Takes these (ndx x N).
+  void set(const Eigen::MatrixXd& gap);
   const GapTransport& operator[](int k) const { return knots_[k]; }
   /// Σ‖gap‖₁; 0 where all are closed.
   double norm() const { return norm_; }

@@ -38,6 +38,18 @@ void LinearRollout::run(const Linearization& linearization, const Trajectory& tr
   slope_ += linearization.knots[N].gradient.dot(z_[N]);
 }
 
+void LinearRollout::respond(const Linearization& linearization, const Gaps& gaps,
+                            const Feedback& feedback) {
+  z_[0].head(ndx_).setZero();
+  for (int k = 0; k < bounds_.knots(); ++k) {
+    const KnotLinearization& knot = linearization.knots[k];
+    z_[k].tail(knot.nu()).noalias() = feedback.K[k] * z_[k].head(ndx_);
+    auto next = z_[k + 1].head(ndx_);
+    knot.apply(z_[k], next);
+    gaps[k].push(next);
+  }
+}
+
 void LinearRollout::apply(const StateManifold& manifold, Trajectory& trajectory) const {
   for (int k = 0; k <= bounds_.knots(); ++k) {
     double* x = trajectory.x(k).data();

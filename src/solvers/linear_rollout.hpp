@@ -21,6 +21,8 @@ class LinearRollout {
   /// With `clamp`, δu is cut where u + δu would leave its bounds, as the rollout proper does.
   void run(const Linearization& linearization, const Trajectory& trajectory, const Gaps& gaps,
            const Feedback& feedback, bool clamp);
+  /// What the policy makes of gaps alone: δu = K δx without k.
+  void respond(const Linearization& linearization, const Gaps& gaps, const Feedback& feedback);
 
   /// The step at node k (ndx), with the control where there is one (nz), and that alone (nu).
   auto dx(int k) const { return z_[k].head(ndx_); }

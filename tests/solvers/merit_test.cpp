@@ -70,6 +70,36 @@ TEST(Merit, SlopeIsTheDerivativeOfTheCostAlongTheRolloutOnAManifold) {
   EXPECT_NEAR(at.rollout.slope(), numeric, 1e-6 * std::abs(numeric));
 }
 
+TEST(ModelStep, EveryCorrectionTakesTheGapsOneOrderDown) {
+  const ShootingProblem problem = testing::quadrotor_move();
+  Trajectory guess = testing::constant_controls(problem, 1.3);
+  ASSERT_EQ(Acts(problem).simulate(guess), -1);
+  Iterate at(problem, guess, false);
+  ModelStep moved(problem, at.bounds);
+  constexpr int kCorrections = 2;
+  const auto gaps_of_step = [&](double size) {
+    Feedback scaled = at.feedback;
+    for (Eigen::VectorXd& k : scaled.k) k *= size;
+    at.rollout.run(at.linearization, at.trajectory, at.gaps, scaled, false);
+    Trajectory trajectory = at.trajectory;
+    moved.take(at.acts, at.rollout, trajectory);
+    std::vector<double> gaps{moved.gap().norm()};
+    for (int i = 0; i < kCorrections; ++i) {
+      moved.correct(at.acts, at.linearization, scaled, trajectory);
+      gaps.push_back(moved.gap().norm());
+    }
+    EXPECT_DOUBLE_EQ(moved.cost(), [&] {
+      Evaluation evaluation(problem);
+      at.acts.evaluate(trajectory, evaluation);
+      return evaluation.cost.sum();
+    }());
+    return gaps;
+  };
+  const std::vector<double> whole = gaps_of_step(0.1), half = gaps_of_step(0.05);
+  for (int i = 0; i <= kCorrections; ++i)
+    EXPECT_NEAR(std::log2(whole[i] / half[i]), 2 + i, 0.3) << i;
+}
+
 TEST(Merit, AdjointGivesTheSameSlopeFromTheControlsAppliedWithAnyPolicy) {
   const ShootingProblem problem = testing::quadrotor_move();
   Iterate at(problem, open_gap_guess(problem), false);

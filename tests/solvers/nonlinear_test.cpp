@@ -162,7 +162,9 @@ TEST(Nonlinear, ThreadsDoNotChangeABit) {
 TEST(Nonlinear, WarmStartFromTheAnswerConvergesAtOnce) {
   const ShootingProblem problem = testing::unicycle_parking(1);
   for (const char* name : {"box_ddp", "box_fddp"}) {
-    const SolveResult first = solve(problem, name, {}, constant_controls(problem, 0.01));
+    // Gradients that do not vanish quite are others along other policies.
+    const SolveResult first = solve(problem, name, {.tolerances = {.stationarity = 1e-7}},
+                                    constant_controls(problem, 0.01));
     const SolveResult again = solve(problem, name, {}, first.trajectory);
     EXPECT_EQ(again.status, SolveStatus::converged);
     EXPECT_EQ(again.iterations, 0);

@@ -1,0 +1,38 @@
+#pragma once
+
+#include "ocp/acts.hpp"
+#include "solvers/gap_transport.hpp"
+#include "solvers/linear_rollout.hpp"
+
+namespace conddp {
+
+/// The full step of the linear model, and what becomes of it: all knots are evaluated at once, each
+/// from the state that the model gives it, where a rollout goes from knot to knot. Its gaps are of
+/// second order. A correction moves the states by what the policy makes of these gaps in the same
+/// linear model, after which they are of third order (a second-order correction of Maratos' effect;
+/// Nocedal, Wright, section 18.3); every further one takes the step's length off once more.
+class ModelStep {
+ public:
+  ModelStep(const ShootingProblem& problem, const ControlBounds& bounds);
+
+  /// Moves a trajectory by the step and evaluates it there.
+  void take(Acts& acts, const LinearRollout& step, Trajectory& trajectory);
+  /// Closes the gaps to first order and evaluates the trajectory again. `linearization` is that
+  /// before the step.
+  void correct(Acts& acts, const Linearization& linearization, const Feedback& feedback,
+               Trajectory& trajectory);
+
+  double cost() const { return evaluation_.cost.sum(); }
+  const Eigen::MatrixXd& gap() const { return evaluation_.gap; }
+
+ private:
+  void evaluate(Acts& acts, const LinearRollout& step, Trajectory& trajectory);
+
+  const ControlBounds& bounds_;
+  StateManifold manifold_;
+  Evaluation evaluation_;
+  Gaps gaps_;
+  LinearRollout response_;
+};
+
+}  // namespace conddp
