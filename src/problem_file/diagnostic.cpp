@@ -79,7 +79,8 @@ Diagnostic Diagnostics::at(const Place& place, Severity severity, std::string me
           .path = place.path,
           .severity = severity,
           .message = std::move(message),
-          .hint = std::move(hint)};
+          .hint = std::move(hint),
+          .source = place.mark.source};
 }
 
 void Diagnostics::error(const Place& place, std::string message, std::string hint,
@@ -104,13 +105,14 @@ void Diagnostics::add(Diagnostic diagnostic) {
   list_.push_back(std::move(diagnostic));
 }
 
-std::string Diagnostics::source_line(const std::string& file, int line) const {
-  if (line < 1) return {};
+std::string Diagnostics::source_line(const Diagnostic& diagnostic) const {
+  if (diagnostic.line < 1) return {};
+  if (diagnostic.source >= 0) return std::string(sources_[diagnostic.source].line(diagnostic.line));
   for (const Source& source : sources_)
-    if (source.name == file) return std::string(source.line(line));
-  std::ifstream stream(file);
+    if (source.name == diagnostic.file) return std::string(source.line(diagnostic.line));
+  std::ifstream stream(diagnostic.file);
   std::string text;
-  for (int i = 0; i < line; ++i)
+  for (int i = 0; i < diagnostic.line; ++i)
     if (!std::getline(stream, text)) return {};
   if (text.ends_with('\r')) text.pop_back();
   return text;
@@ -147,7 +149,7 @@ std::string format_diagnostics(const Diagnostics& diagnostics, bool colour, Seve
     text += wrap_text(fmt::format("{}{}:{} {}{}:{} {}", bold, place, end, tint,
                                   severity_name(d.severity), end, d.message),
                       width, 0, 4);
-    const std::string line = diagnostics.source_line(d.file, d.line);
+    const std::string line = diagnostics.source_line(d);
     if (!line.empty() && d.column > 0) text += excerpt(line, d.column, width, green, end);
     if (!d.hint.empty())
       text += wrap_text(fmt::format("{}hint:{} {}", bold, end, d.hint), width, 2, 8);

@@ -20,6 +20,8 @@ struct Diagnostic {
   std::string message;
   std::string hint;                   ///< what to do about it, may be empty
   std::vector<std::string> accepted;  ///< names accepted at this place, where that is a short list
+  int source =
+      -1;  ///< the text among those that Diagnostics knows, of which several may have one name
 };
 
 /// A place in a text that Diagnostics knows.
@@ -78,8 +80,8 @@ class Diagnostics {
   /// Remembers a data file, once.
   void add_data_file(InputFile file);
   const std::vector<InputFile>& data_files() const { return data_files_; }
-  /// The line of a file or of a text made known, empty if there is none.
-  std::string source_line(const std::string& file, int line) const;
+  /// The line of a text or file at which a diagnostic points, empty if there is none.
+  std::string source_line(const Diagnostic& diagnostic) const;
 
  private:
   struct Source {

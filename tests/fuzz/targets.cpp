@@ -35,7 +35,7 @@ void check_diagnostics(const Diagnostics& diagnostics, const std::string& name, 
             "a message is text without control characters");
     promise((d.line > 0) == (d.column > 0), "line and column come together");
     if (d.line <= 0 || d.file != name) continue;
-    const std::string line = diagnostics.source_line(d.file, d.line);
+    const std::string line = diagnostics.source_line(d);
     promise(d.column <= count_characters(line) + 1, "a column lies in its line");
   }
   promise(good || !format_diagnostics(diagnostics, false).empty(), "errors are printed");

@@ -16,6 +16,12 @@ TEST(Override, ReplacesAndAddsValues) {
   EXPECT_EQ(loaded.built->problem->initial_state()[0], 0.5);
 }
 
+TEST(Override, AnErrorQuotesTheSettingThatItIsIn) {
+  const Loaded loaded(std::string(kPendulum), {"solver.max_iterations=7", "solver.nmae=3"});
+  EXPECT_NE(loaded.all().find("\n  solver.nmae=3\n         ^\n"), std::string::npos)
+      << loaded.all();
+}
+
 struct BadSetting {
   const char* setting;
   int column;
