@@ -66,7 +66,10 @@ std::optional<Activation> build_activation(const CostSpec& cost, const CostResid
   if (cost.weights) {
     const auto weights = resolve(*cost.weights, residual.rows, 1.0, out);
     if (!weights) return std::nullopt;
-    activation.weights = *weights;
+    // Without weights sums are rounded in another way than with weights of 1: what is the same is
+    // built the same.
+    if (std::any_of(weights->begin(), weights->end(), [](double w) { return w != 1; }))
+      activation.weights = *weights;
   }
   return activation;
 }
