@@ -37,13 +37,15 @@ BackwardSweep::BackwardSweep(const ShootingProblem& problem, const ControlBounds
 
 int BackwardSweep::run(const Linearization& linearization, const Trajectory& trajectory,
                        const Gaps& gaps, SweepRegularization regularization, StagePolicy& policy,
-                       Feedback& feedback, bool hold) {
+                       Feedback& feedback, bool hold, std::optional<int> from) {
   const int N = bounds_.knots();
   policy.begin_horizon(linearization, gaps);
   policy.begin_sweep(hold);
-  values_[N].Vx = linearization.knots[N].gradient;
-  values_[N].Vxx = linearization.knots[N].hessian;
-  for (int k = N - 1; k >= 0; --k) {
+  if (!from) {
+    values_[N].Vx = linearization.knots[N].gradient;
+    values_[N].Vxx = linearization.knots[N].hessian;
+  }
+  for (int k = from.value_or(N - 1); k >= 0; --k) {
     const KnotLinearization& knot = linearization.knots[k];
     const bool open = !gaps[k].closed();
     if (open) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "ocp/acts.hpp"
@@ -29,10 +30,11 @@ class BackwardSweep {
 
   /// Fills `feedback`, for the full step that closes the gaps. Returns the knot
   /// whose stage has no minimum or is not finite, or −1 where all went well. `hold` is passed on
-  /// to the policy.
+  /// to the policy. With `from` the sweep begins at that knot: what stands behind it is as the
+  /// sweep before saw it, and so are its values and its part of `feedback`.
   int run(const Linearization& linearization, const Trajectory& trajectory, const Gaps& gaps,
           SweepRegularization regularization, StagePolicy& policy, Feedback& feedback,
-          bool hold = false);
+          bool hold = false, std::optional<int> from = {});
 
   /// Value at node k after a sweep, with respect to δx_k.
   const ValueFunction& value(int k) const { return values_[k]; }

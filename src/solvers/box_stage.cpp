@@ -28,7 +28,7 @@ class BoxStage : public StagePolicy {
   }
 
   void begin_sweep(bool hold) override {
-    standing_.clamped = standing_.changes = 0;
+    standing_.changes = 0;
     hold_ = hold;
   }
 
@@ -48,7 +48,7 @@ class BoxStage : public StagePolicy {
       if (hold_ && !solved) return false;
       if (hold_ ||
           (solved && (k.array() >= lower.array()).all() && (k.array() <= upper.array()).all())) {
-        count_and_keep(stage, active);
+        keep(stage, active);
         return true;
       }
     }
@@ -66,7 +66,7 @@ class BoxStage : public StagePolicy {
     Kt.view().setZero();
     for (int j = 0; j < count; ++j) Kt.view().col(free[j]) = rhs_.view().col(j);
     for (int i = 0; i < nu; ++i) standing_.changes += active[i] != before_[i];
-    count_and_keep(stage, active);
+    keep(stage, active);
     return true;
   }
 
@@ -107,7 +107,13 @@ class BoxStage : public StagePolicy {
   void remember() override { remembered_ = standing_; }
   void recall() override { standing_ = remembered_; }
 
-  int clamped_controls() const override { return standing_.clamped; }
+  int clamped_controls() const override {
+    int count = 0;
+    for (const auto& knot : standing_.active)
+      count +=
+          static_cast<int>(knot.size() - std::count(knot.begin(), knot.end(), BoundState::free));
+    return count;
+  }
   int active_set_changes() const override { return standing_.changes; }
 
  private:
@@ -120,19 +126,17 @@ class BoxStage : public StagePolicy {
   /// Where the controls of all knots stand, kept from sweep to sweep, and what is said of that.
   struct Standing {
     std::vector<std::vector<BoundState>> active;
-    int clamped = 0;
     int changes = 0;
   };
 
-  /// Counts the clamped controls of a stage and keeps what `revise` needs of it.
-  void count_and_keep(const StageProblem& stage, const std::vector<BoundState>& active) {
+  /// Keeps what `revise` needs of a stage.
+  void keep(const StageProblem& stage, const std::vector<BoundState>& active) {
     const int nu = static_cast<int>(active.size());
     Kept& kept = kept_[stage.knot];
     kept.lower = lower_.head(nu);
     kept.upper = upper_.head(nu);
     const auto free = std::count(active.begin(), active.end(), BoundState::free);
     if (free == nu) return;
-    standing_.clamped += nu - static_cast<int>(free);
     kept.Qxu = stage.Qxu;
     kept.Quu = stage.Quu;
     kept.Qu = stage.Qu;

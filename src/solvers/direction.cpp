@@ -58,8 +58,14 @@ int Direction::find(Linearization& linearization, const Trajectory& trajectory, 
 int Direction::search(Linearization& linearization, const Trajectory& trajectory, const Gaps& gaps,
                       const Adjoint& adjoint, const MeritModel& merit,
                       SweepRegularization regularization, bool augmented) {
+  // Held sweeps after held ones go through what stands before the last change of the set alone.
+  std::optional<int> last_change;
+  bool held_before = false;
   const auto sweep = [&](bool hold) {
-    return sweep_.run(linearization, trajectory, gaps, regularization, *policy_, feedback_, hold);
+    const std::optional<int> from = hold && held_before ? last_change : std::nullopt;
+    held_before = hold;
+    return sweep_.run(linearization, trajectory, gaps, regularization, *policy_, feedback_, hold,
+                      from);
   };
   const auto roll = [&](bool clamp) {
     linear_rollout_.run(linearization, trajectory, gaps, feedback_, clamp);
@@ -68,7 +74,10 @@ int Direction::search(Linearization& linearization, const Trajectory& trajectory
   const auto revise = [&](bool release) {
     roll(false);
     const int rows = augmented ? constraints_->revise(linear_rollout_, linearization) : 0;
-    return linear_rollout_.revise(release, *policy_) + rows;
+    last_change.reset();
+    const int changes = linear_rollout_.revise(release, *policy_, last_change);
+    if (rows > 0) last_change.reset();
+    return changes + rows;
   };
   const auto model_decrease = [&] {
     roll(recipe_.clamp_controls);
@@ -101,6 +110,7 @@ int Direction::search(Linearization& linearization, const Trajectory& trajectory
     policy_->assume(k, adjoint.gradient().segment(bounds_.offset(k), problem_.nu(k)));
   }
   bool feasible = false;
+  last_change.reset();
   for (int i = 0; i < limit && !feasible && sweep(true) < 0; ++i) feasible = revise(false) == 0;
   const double held = feasible ? model_decrease() : 0;
   remember();

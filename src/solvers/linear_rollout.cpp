@@ -78,9 +78,13 @@ double LinearRollout::multiplier(const BackwardSweep& sweep) {
   return largest;
 }
 
-int LinearRollout::revise(bool release, StagePolicy& policy) const {
+int LinearRollout::revise(bool release, StagePolicy& policy, std::optional<int>& last) const {
   int changes = 0;
-  for (int k = 0; k < bounds_.knots(); ++k) changes += policy.revise(k, dx(k), du(k), release);
+  for (int k = 0; k < bounds_.knots(); ++k) {
+    const int here = policy.revise(k, dx(k), du(k), release);
+    if (here > 0) last = k;
+    changes += here;
+  }
   return changes;
 }
 

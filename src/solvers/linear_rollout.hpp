@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -37,8 +38,8 @@ class LinearRollout {
   /// Largest |V_x + V_xx δx| after the first node: the dynamics' multipliers of the QP.
   double multiplier(const BackwardSweep& sweep);
   /// Shows every knot's step to the policy for revision of its active set (StagePolicy::revise);
-  /// returns how many entries changed.
-  int revise(bool release, StagePolicy& policy) const;
+  /// returns how many entries changed. `last` ← the last knot at which one did, if any.
+  int revise(bool release, StagePolicy& policy, std::optional<int>& last) const;
 
  private:
   const ControlBounds& bounds_;

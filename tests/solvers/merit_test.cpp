@@ -70,6 +70,25 @@ TEST(Merit, SlopeIsTheDerivativeOfTheCostAlongTheRolloutOnAManifold) {
   EXPECT_NEAR(at.rollout.slope(), numeric, 1e-6 * std::abs(numeric));
 }
 
+TEST(BackwardSweep, FromAKnotIsTheWholeSweepWhereNothingBehindItChanged) {
+  const ShootingProblem problem = testing::quadrotor_move();
+  Iterate at(problem, open_gap_guess(problem), false);
+  constexpr int kChanged = 7;
+  at.linearization.knots[kChanged].gradient *= 2;
+  const auto sweep = [&](std::optional<int> from) {
+    EXPECT_EQ(at.sweep.run(at.linearization, at.trajectory, at.gaps, {}, *at.policy, at.feedback,
+                           true, from),
+              -1);
+    return at.feedback;
+  };
+  const Feedback before = at.feedback, part = sweep(kChanged), whole = sweep({});
+  EXPECT_NE(part.k[0], before.k[0]);
+  for (int k = 0; k < problem.knots(); ++k) {
+    EXPECT_EQ(part.k[k], whole.k[k]) << k;
+    EXPECT_EQ(part.K[k], whole.K[k]) << k;
+  }
+}
+
 TEST(ModelStep, EveryCorrectionTakesTheGapsOneOrderDown) {
   const ShootingProblem problem = testing::quadrotor_move();
   Trajectory guess = testing::constant_controls(problem, 1.3);
