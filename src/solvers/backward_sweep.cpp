@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "solvers/finite_check.hpp"
 #include "solvers/lane_copy.hpp"
 #include "solvers/lane_gemm.hpp"
 
@@ -12,12 +13,6 @@ int largest_nu(const ShootingProblem& problem) {
   int largest = 0;
   for (int k = 0; k < problem.knots(); ++k) largest = std::max(largest, problem.nu(k));
   return largest;
-}
-
-/// Like Eigen's allFinite, but vectorised.
-template <class Matrix>
-bool all_finite(const Matrix& A) {
-  return (A.array() * 0.0).sum() == 0;
 }
 
 }  // namespace

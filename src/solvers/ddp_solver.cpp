@@ -173,8 +173,8 @@ void DdpSolver::differentiate() {
   adjoint_.compute(linearization_, trajectory_, gaps_, direction_.feedback());
   linearized_ = std::isfinite(linearization_.total_cost()) &&
                 std::isfinite(linearization_.augmentation.sum()) &&
-                linearization_.gap.allFinite() && adjoint_.costates().allFinite() &&
-                adjoint_.gradient().allFinite();
+                all_finite(linearization_.gap) && all_finite(adjoint_.costates()) &&
+                all_finite(adjoint_.gradient());
   const bool closed = !recipe_.open_gaps || linearization_.max_gap() <= options_.tolerances.gap;
   if (hessian_.exact_wanted() && linearized_ && closed) {
     hessian_.evaluate_exact(trajectory_, adjoint_.costates(), augmentation_);

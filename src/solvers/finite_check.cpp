@@ -10,10 +10,10 @@ std::optional<NonFinite> find_non_finite(const Linearization& linearization) {
     const KnotLinearization& knot = linearization.knots[k];
     if (!std::isfinite(linearization.cost[k])) return NonFinite{k, "cost"};
     if (!std::isfinite(linearization.augmentation[k])) return NonFinite{k, "constraint"};
-    if (k < N && !linearization.gap.col(k).allFinite()) return NonFinite{k, "next state"};
-    if (!knot.gradient.allFinite()) return NonFinite{k, "cost gradient"};
-    if (!knot.F.allFinite()) return NonFinite{k, "dynamics Jacobian"};
-    if (!knot.hessian.allFinite()) return NonFinite{k, "Hessian"};
+    if (k < N && !all_finite(linearization.gap.col(k))) return NonFinite{k, "next state"};
+    if (!all_finite(knot.gradient)) return NonFinite{k, "cost gradient"};
+    if (!all_finite(knot.F)) return NonFinite{k, "dynamics Jacobian"};
+    if (!all_finite(knot.hessian)) return NonFinite{k, "Hessian"};
   }
   return std::nullopt;
 }

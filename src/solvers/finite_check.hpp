@@ -7,6 +7,12 @@
 
 namespace conddp {
 
+/// Like Eigen's allFinite, but vectorised.
+template <class Matrix>
+bool all_finite(const Matrix& A) {
+  return (A.array() * 0.0).sum() == 0;
+}
+
 /// Where a linearisation is not finite.
 struct NonFinite {
   int knot;
