@@ -67,6 +67,16 @@ void meet_cone(const NodeConstraint& c, const double* g, const double* nu, int e
   if (off > kRounding * multiplier.norm()) found.negative.meet(off, 0, c.node, entry);
 }
 
+/// Pairs (z, s): the smaller one vanishes and may have any multiplier, the larger one has none.
+void meet_pairs(const NodeConstraint& c, const double* g, const double* nu, int entry,
+                Feasibility& found) {
+  for (int i = 0; i < c.term->rows; i += 2) {
+    const int smaller = g[i] < g[i + 1] ? i : i + 1, larger = 2 * i + 1 - smaller;
+    found.violation.meet(std::abs(g[smaller]), std::abs(g[larger]), c.node, entry);
+    found.product.meet(std::abs(nu[larger] * g[larger]), std::abs(nu[larger]), c.node, entry);
+  }
+}
+
 }  // namespace
 
 Feasibility measure_feasibility(const ShootingProblem& problem, const SolutionClaims& claims,
@@ -75,7 +85,7 @@ Feasibility measure_feasibility(const ShootingProblem& problem, const SolutionCl
   for (int k = 0; k < problem.knots(); ++k) meet_control_bounds(problem, claims, k, found);
   for (std::size_t i = 0; i < problem.constraints().size(); ++i) {
     const NodeConstraint& c = problem.constraints()[i];
-    const auto meet = c.term->kind == ConstraintKind::second_order_cone ? meet_cone : meet_rows;
+    const auto meet = c.term->is_cone() ? meet_cone : c.term->has_pairs() ? meet_pairs : meet_rows;
     meet(c, values.data() + c.row, claims.multipliers.data() + c.row, entry_of(static_cast<int>(i)),
          found);
   }

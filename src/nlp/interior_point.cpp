@@ -219,8 +219,7 @@ constexpr std::array kMeanings = {
             "there are more equations than variables"},
 };
 
-/// Ipopt pushes starting points away from bounds; one that goes on should stay where it is.
-constexpr double kWarmPush = 1e-9, kSmallestWarmBarrier = 1e-11;
+constexpr double kSmallestWarmBarrier = 1e-11;
 
 void set_options(Ipopt::OptionsList& list, const InteriorPointSettings& settings) {
   list.SetStringValue("sb", "yes");
@@ -238,7 +237,7 @@ void set_options(Ipopt::OptionsList& list, const InteriorPointSettings& settings
   list.SetNumericValue("mu_init", std::max(settings.warm_barrier, kSmallestWarmBarrier));
   for (const char* push :
        {"bound_push", "bound_frac", "slack_bound_push", "slack_bound_frac", "mult_bound_push"})
-    list.SetNumericValue(std::string("warm_start_") + push, kWarmPush);
+    list.SetNumericValue(std::string("warm_start_") + push, settings.warm_push);
 }
 
 }  // namespace

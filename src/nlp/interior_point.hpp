@@ -68,6 +68,9 @@ struct InteriorPointSettings {
   /// The multipliers and the barrier of an earlier solve to go on from, if there is one.
   const PrimalDualPoint* warm = nullptr;
   double warm_barrier = 0;
+  /// How far variables and slacks are pushed from their bounds then: one that goes on should stay
+  /// where it is.
+  double warm_push = 1e-9;
 };
 
 /// Minimises a nonlinear program by Ipopt from a point. `on_iterate` is told of every iterate and

@@ -9,6 +9,8 @@ namespace {
 
 /// Weight that stands for none where the Lagrangian's Hessian is asked for without the cost.
 constexpr double kNoWeight = 1e-30;
+/// Multiplier times value up to which a variable may stand at zero: more than a barrier leaves.
+constexpr double kAtZero = 1e-8;
 
 }  // namespace
 
@@ -20,6 +22,7 @@ Transcription::Transcription(const ShootingProblem& problem, Acts& acts, const O
       charts_(problem.knots() + 1, StateChart(problem.manifold())),
       next_(charts_),
       rows_(problem.knots() + 1),
+      epsilon_(options.epsilon),
       trajectory_(problem.create_trajectory()),
       evaluation_(problem),
       linearization_(problem),
@@ -131,7 +134,7 @@ const Evaluation& Transcription::evaluation() {
 
 double Transcription::objective() {
   evaluate();
-  return evaluation_.cost.sum();
+  return evaluation_.cost.sum() + penalty_value(y_.data());
 }
 
 void Transcription::gradient(double* out) {
@@ -141,6 +144,11 @@ void Transcription::gradient(double* out) {
     z = linearization_.knots[k].gradient;
     if (k > 0) charts_[k].pull(z.head(problem_.ndx()));
     for (int c = first_column(k); c < z.size(); ++c) out[base_[k] + c] = z[c];
+  }
+  if (!is_penalty()) return;
+  for (const Pair& pair : pairs_) {
+    out[pair.z] += y_[pair.s] / epsilon_;
+    out[pair.s] += y_[pair.z] / epsilon_;
   }
 }
 
@@ -157,12 +165,19 @@ double Transcription::cone_value(const double* g, int n, double* slope) const {
   return g[n - 1] - root + e;
 }
 
+double Transcription::row_value(const Row& row, const double* g, double* slope) const {
+  if (is_cone(row)) return cone_value(g, row.count, slope);
+  if (has_pairs(row)) return pair_value(options_.relaxation, g, row.count, epsilon_, slope);
+  if (slope != nullptr) *slope = 1;
+  return *g;
+}
+
 void Transcription::constraints(double* out) {
   evaluate();
   for (int k = 0; k <= problem_.knots(); ++k) {
     for (const Row& row : rows_[k]) {
       const double* g = evaluation_.constraint.data() + row.first;
-      *out++ = is_cone(row) ? cone_value(g, row.count, nullptr) : *g;
+      *out++ = row_value(row, g, nullptr);
     }
     if (k == problem_.knots()) break;
     for (int i = 0; i < problem_.ndx(); ++i) *out++ = gap_rows_(i, k);
@@ -190,8 +205,8 @@ void Transcription::jacobian(double* out) {
     for (const Row& row : rows_[k]) {
       const auto C = knot.C.middleRows(row.first - problem_.constraint_offset(k), row.count);
       auto z = z_.head(nz);
-      if (is_cone(row)) {
-        cone_value(linearization_.constraint.data() + row.first, row.count, slope_.data());
+      if (row.count > 1) {
+        row_value(row, linearization_.constraint.data() + row.first, slope_.data());
         z.noalias() = C.transpose() * slope_.head(row.count);
       } else {
         z = C.row(0);
@@ -205,8 +220,7 @@ void Transcription::jacobian(double* out) {
       next_[k + 1].push_rows(matrix_);
       if (k > 0) charts_[k].pull_columns(matrix_);
     }
-    for (int c = first_column(k); c < nz; ++c)
-      for (int i = 0; i < ndx; ++i) *out++ = matrix_(i, c);
+    for (const auto& [i, c] : gap_entries_[k]) *out++ = matrix_(i, c);
     for (int i = 0; i < ndx; ++i) *out++ = -1;
   }
 }
@@ -220,11 +234,7 @@ void Transcription::spread(const double* rows) {
     for (const Row& row : rows_[k]) {
       const double multiplier = *rows++;
       double* nu = lagrangian_.multiplier.data() + row.first;
-      if (!is_cone(row)) {
-        *nu = multiplier;
-        continue;
-      }
-      cone_value(linearization_.constraint.data() + row.first, row.count, nu);
+      row_value(row, linearization_.constraint.data() + row.first, nu);
       for (int i = 0; i < row.count; ++i) nu[i] *= multiplier;
     }
     if (k == problem_.knots()) break;
@@ -239,6 +249,66 @@ void Transcription::read_multipliers(const double* rows, Eigen::MatrixXd& costat
   spread(rows);
   costates = costates_;
   nu = lagrangian_.multiplier;
+  if (pairs_.empty()) return;
+  // The Lagrangian's gradient without what the pairs contribute.
+  Eigen::VectorXd slope(variables()), entries(jacobian_.size());
+  gradient(slope.data());
+  jacobian(entries.data());
+  std::vector<bool> is_pair(this->rows(), false);
+  for (const auto& list : rows_)
+    for (const Row& row : list) is_pair[row.index] = has_pairs(row);
+  for (int e = 0; e < jacobian_.size(); ++e)
+    if (!is_pair[jacobian_.rows[e]])
+      slope[jacobian_.columns[e]] += rows[jacobian_.rows[e]] * entries[e];
+  for (const Pair& pair : pairs_) {
+    const bool first = y_[pair.z] <= y_[pair.s];
+    const int smaller = first ? pair.z : pair.s, larger = first ? pair.s : pair.z;
+    nu[pair.row + (first ? 0 : 1)] = -slope[smaller] + (is_penalty() ? y_[larger] / epsilon_ : 0);
+    // The other one has some where it stands at zero as well.
+    const double rest = slope[larger] - (is_penalty() ? y_[smaller] / epsilon_ : 0);
+    nu[pair.row + (first ? 1 : 0)] =
+        rest * std::abs(y_[larger]) <= kAtZero ? -std::max(0.0, rest) : 0;
+  }
+}
+
+double Transcription::penalty_value(const double* y) const {
+  if (!is_penalty()) return 0;
+  double sum = 0;
+  for (const Pair& pair : pairs_) sum += y[pair.z] * y[pair.s];
+  return sum / epsilon_;
+}
+
+void Transcription::relax(double epsilon) {
+  epsilon_ = epsilon;
+  for (const Pair& pair : pairs_) {
+    const auto& bounds = problem_.knot(pair.node).model->control_upper();
+    const int first = base_[pair.node] + problem_.ndx();
+    for (const int v : {pair.z, pair.s}) upper_[v] = bounds[v - first];
+  }
+  const bool equal = options_.relaxation == PairRelaxation::fischer_burmeister;
+  for (const auto& rows : rows_)
+    for (const Row& row : rows) {
+      if (!has_pairs(row)) continue;
+      row_lower_[row.index] = equal ? 0 : -std::numeric_limits<double>::infinity();
+      row_upper_[row.index] = equal ? 0 : epsilon;
+    }
+}
+
+void Transcription::fix_pairs(const double* y) {
+  for (const Pair& pair : pairs_) upper_[y[pair.z] <= y[pair.s] ? pair.z : pair.s] = 0;
+  for (const auto& rows : rows_)
+    for (const Row& row : rows) {
+      if (!has_pairs(row)) continue;
+      row_lower_[row.index] = -std::numeric_limits<double>::infinity();
+      row_upper_[row.index] = std::numeric_limits<double>::infinity();
+    }
+}
+
+double Transcription::pair_distance(const double* y) const {
+  double largest = 0;
+  for (const Pair& pair : pairs_)
+    largest = std::max(largest, std::abs(std::min(y[pair.z], y[pair.s])));
+  return largest;
 }
 
 void Transcription::recenter_multipliers(double* rows) {
@@ -258,6 +328,22 @@ void Transcription::add_cone_curvature(const Row& row, double weight,
   along.noalias() = C.transpose() * v;
   hessian.noalias() -= (weight / root) * (C.transpose() * C);
   hessian.noalias() += (weight / (root * root * root)) * along * along.transpose();
+}
+
+/// weight Cᵀ ∇²h C of pairs.
+void Transcription::add_pair_curvature(const Row& row, double weight,
+                                       Eigen::Ref<Eigen::MatrixXd> hessian) {
+  const std::vector<RowBlock>& blocks = row.constraint->term->blocks;
+  for (int i = 0; i < row.count; i += 2) {
+    const double* g = linearization_.constraint.data() + row.first + i;
+    const int at = row.first - row.constraint->row + i;
+    const int z = blocks[at].columns[0], s = blocks[at + 1].columns[0];
+    const Eigen::Vector3d h = weight * pair_curvature(options_.relaxation, g[0], g[1], epsilon_);
+    hessian(z, z) += h[0];
+    hessian(s, s) += h[2];
+    hessian(z, s) += h[1];
+    hessian(s, z) += h[1];
+  }
 }
 
 /// The curvature of the next node's chart, where the dynamics lead into it.
@@ -292,6 +378,7 @@ void Transcription::hessian(double weight, const double* multipliers, double* ou
     int row_index = k == 0 ? 0 : gap_row_[k - 1] + ndx;
     for (const Row& row : rows_[k]) {
       const double multiplier = multipliers[row_index++];
+      if (has_pairs(row)) add_pair_curvature(row, multiplier, H);
       if (!is_cone(row)) continue;
       // Convex where the multiplier has the sign that it has at a solution.
       if (!options_.gauss_newton || multiplier < 0) add_cone_curvature(row, multiplier, H);
@@ -317,6 +404,13 @@ void Transcription::hessian(double weight, const double* multipliers, double* ou
         charts_[k].pull_hessian(H);
       }
     }
+    if (is_penalty())
+      for (const Pair& pair : pairs_)
+        if (pair.node == k) {
+          const int z = pair.z - base_[k], s = pair.s - base_[k];
+          H(z, s) += weight / epsilon_;
+          H(s, z) += weight / epsilon_;
+        }
     for (const auto& [r, c] : hessian_entries_[k]) *out++ = H(r, c);
   }
 }

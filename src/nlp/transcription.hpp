@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "nlp/nonlinear_program.hpp"
+#include "nlp/pair_relaxation.hpp"
 #include "nlp/state_chart.hpp"
 #include "ocp/acts.hpp"
 
@@ -17,12 +18,20 @@ namespace conddp {
 ///   h = t − √(‖v‖² + ε²) + ε ≥ 0,
 /// which is smooth, concave, never without a gradient, and weaker by ε at most.
 ///
+/// Complementary pairs become what PairRelaxation says, with bounds z ≥ 0 and s ≥ 0 on the controls
+/// that they are.
+///
+/// Gap rows and Hessians have the entries that can be non-zero and no others, where the structure
+/// of the problem tells them: flat configurations, costs and constraints of some columns.
+///
 /// Constraints at node 0 that do not depend on the control are no rows: nothing can change them.
 class Transcription : public NonlinearProgram {
  public:
   struct Options {
     bool gauss_newton = false;     ///< Hessians without second derivatives of f, residuals and g
     double cone_smoothing = 1e-7;  ///< ε, in the unit of t
+    PairRelaxation relaxation = PairRelaxation::elementwise;
+    double epsilon = 1;  ///< of the relaxation, at first
   };
   Transcription(const ShootingProblem& problem, Acts& acts, const Options& options);
 
@@ -37,6 +46,15 @@ class Transcription : public NonlinearProgram {
   void set_center(const Trajectory& trajectory);
   /// The point that stands for a trajectory; its x_0 is ignored.
   Eigen::VectorXd point_of(const Trajectory& trajectory) const;
+  /// Sets ε of the relaxed pairs. Values at the present point change.
+  void relax(double epsilon);
+  /// Fixes the smaller one of each pair at a point to zero, and leaves the relaxed rows out. The
+  /// next `relax` takes that back.
+  void fix_pairs(const double* y);
+  /// Largest |min(z, s)| of all pairs at a point.
+  double pair_distance(const double* y) const;
+  bool has_pairs() const { return !pairs_.empty(); }
+
   /// The trajectory at the present point.
   const Trajectory& trajectory() const { return trajectory_; }
   /// Copies what belongs to controls out of a vector with a number for each variable.
@@ -47,6 +65,8 @@ class Transcription : public NonlinearProgram {
   /// Multipliers of the rows at the present point in the conventions of the Lagrangian
   /// Σ λ_{k+1}ᵀ (f ⊖ x_{k+1}) + Σ νᵀ g: λ as ndx x (N + 1), its first column zero, and ν of all
   /// constraint rows of the problem.
+  /// Of a pair the smaller one has the multiplier that makes the Lagrangian stationary, the other
+  /// none unless it stands at zero as well.
   void read_multipliers(const double* rows, Eigen::MatrixXd& costates, Eigen::VectorXd& nu);
   /// The multipliers that mean the same with the present states as centres.
   void recenter_multipliers(double* rows);
@@ -55,25 +75,38 @@ class Transcription : public NonlinearProgram {
   const Evaluation& evaluation();
 
  private:
-  /// A row that comes from constraint rows of a node: one of them, or all of a cone.
+  /// A row that comes from constraint rows of a node: one of them, all of a cone, or pairs.
   struct Row {
     const NodeConstraint* constraint;
     int first;                 ///< constraint row of the problem
-    int count;                 ///< 1, or those of the cone
+    int count;                 ///< 1, or those of the cone or the pairs
     std::vector<int> columns;  ///< of z on which it depends, without x_0
+    int index;                 ///< among the program's rows
+  };
+  /// Two variables that are complementary, at a node, and their first constraint row.
+  struct Pair {
+    int node, z, s, row;
   };
 
   void add_variables();
   void add_rows();
   void add_row(const NodeConstraint& constraint, int first, int count, double lower, double upper);
+  void add_pairs(const NodeConstraint& constraint);
+  void add_gap_rows(int node);
   void index_hessian();
-  bool is_cone(const Row& row) const { return !row.constraint->term->has_bounds(); }
+  bool is_cone(const Row& row) const { return row.constraint->term->is_cone(); }
+  bool has_pairs(const Row& row) const { return row.constraint->term->has_pairs(); }
+  /// The value of a row of the program at its constraint rows g, and its derivative by them.
+  double row_value(const Row& row, const double* g, double* slope) const;
+  bool is_penalty() const { return options_.relaxation == PairRelaxation::penalty; }
+  double penalty_value(const double* y) const;
   int first_column(int node) const { return node == 0 ? problem_.ndx() : 0; }
   void evaluate();
   void differentiate();
   void read_charts(const Eigen::MatrixXd& gap);
   double cone_value(const double* g, int n, double* slope) const;
   void add_cone_curvature(const Row& row, double weight, Eigen::Ref<Eigen::MatrixXd> hessian);
+  void add_pair_curvature(const Row& row, double weight, Eigen::Ref<Eigen::MatrixXd> hessian);
   void spread(const double* rows);
   void fill_dynamics(const KnotLinearization& knot);
   void add_gap_curvature(int k, Eigen::Ref<Eigen::MatrixXd> hessian);
@@ -87,6 +120,10 @@ class Transcription : public NonlinearProgram {
   std::vector<int> base_;               ///< variable of column 0 of z, node by node
   std::vector<std::vector<Row>> rows_;  ///< by node
   std::vector<int> gap_row_;            ///< first one of each knot
+  /// Of each knot, (row, column) of ∂f/∂z in the order of the gap rows' entries.
+  std::vector<std::vector<std::pair<int, int>>> gap_entries_;
+  std::vector<Pair> pairs_;
+  double epsilon_;
   std::vector<std::vector<std::pair<int, int>>> hessian_entries_;  ///< of z, node by node
 
   Eigen::VectorXd y_;

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "nlp/transcription.hpp"
+#include "systems/stepping_system.hpp"
 
 namespace conddp {
 namespace {
@@ -46,11 +47,11 @@ void Transcription::add_row(const NodeConstraint& constraint, int first, int cou
   for (const auto& [row, column] : model.constraint_pattern())
     if (row >= offset && row < offset + count) depends[column] = true;
   close_over_segments(problem_.manifold(), depends);
-  Row row{&constraint, first, count, {}};
+  Row row{&constraint, first, count, {}, static_cast<int>(row_lower_.size())};
   for (int c = first_column(k); c < model.nz(); ++c)
     if (depends[c]) row.columns.push_back(c);
   if (row.columns.empty()) return;
-  const int index = static_cast<int>(row_lower_.size());
+  const int index = row.index;
   for (const int c : row.columns) jacobian_.add(index, base_[k] + c);
   row_lower_.conservativeResize(index + 1);
   row_upper_.conservativeResize(index + 1);
@@ -59,13 +60,62 @@ void Transcription::add_row(const NodeConstraint& constraint, int first, int cou
   rows_[k].push_back(std::move(row));
 }
 
-void Transcription::add_rows() {
+/// Controls that are complementary: their bounds, and the relaxed rows.
+void Transcription::add_pairs(const NodeConstraint& constraint) {
+  const ConstraintTerm& term = *constraint.term;
+  const int variable = base_[constraint.node];
+  const bool by_node = options_.relaxation == PairRelaxation::inner_product;
+  for (int i = 0; i < term.rows; i += 2) {
+    const int z = variable + term.blocks[i].columns[0],
+              s = variable + term.blocks[i + 1].columns[0];
+    pairs_.push_back({constraint.node, z, s, constraint.row + i});
+    for (const int v : {z, s}) lower_[v] = std::max(lower_[v], 0.0);
+    if (!by_node && !is_penalty()) add_row(constraint, constraint.row + i, 2, -kInfinity, 0);
+  }
+  if (by_node && term.rows > 0) add_row(constraint, constraint.row, term.rows, -kInfinity, 0);
+}
+
+/// The gap (f(x, u) ⊖ c) − w: with semi-implicit Euler on a flat space each configuration depends
+/// on itself, on its velocity and on that velocity's own columns.
+void Transcription::add_gap_rows(int k) {
   const int ndx = problem_.ndx();
+  const KnotModel& model = *problem_.knot(k).model;
+  const int first = static_cast<int>(row_lower_.size());
+  gap_row_.push_back(first);
+  row_lower_.conservativeResize(first + ndx);
+  row_upper_.conservativeResize(first + ndx);
+  row_lower_.tail(ndx).setZero();
+  row_upper_.tail(ndx).setZero();
+  const bool linear = has_linear_step(model.system()) && model.semi_implicit() && !curved_;
+  const int nv = ndx / 2;
+  // The accelerations of a stepping system are controls of their own.
+  const auto depends = [&](int row, int column) {
+    if (!linear) return true;
+    const int joint = row % nv;
+    const auto& stepping = static_cast<const SteppingSystem&>(model.system());
+    return (column < ndx && column % nv == joint && (row < nv || column >= nv)) ||
+           column == ndx + stepping.layout().acceleration + joint;
+  };
+  std::vector<std::pair<int, int>>& entries = gap_entries_.emplace_back();
+  for (int c = first_column(k); c < model.nz(); ++c)
+    for (int i = 0; i < ndx; ++i)
+      if (depends(i, c)) {
+        entries.emplace_back(i, c);
+        jacobian_.add(first + i, base_[k] + c);
+      }
+  for (int i = 0; i < ndx; ++i) jacobian_.add(first + i, base_[k + 1] + i);
+}
+
+void Transcription::add_rows() {
   auto constraint = problem_.constraints().begin();
   for (int k = 0; k <= problem_.knots(); ++k) {
     for (; constraint != problem_.constraints().end() && constraint->node == k; ++constraint) {
       const int n = constraint->term->rows;
-      if (!constraint->term->has_bounds()) {
+      if (constraint->term->has_pairs()) {
+        add_pairs(*constraint);
+        continue;
+      }
+      if (constraint->term->is_cone()) {
         add_row(*constraint, constraint->row, n, 0, kInfinity);
         continue;
       }
@@ -73,27 +123,35 @@ void Transcription::add_rows() {
         if (std::isfinite(constraint->lower[i]) || std::isfinite(constraint->upper[i]))
           add_row(*constraint, constraint->row + i, 1, constraint->lower[i], constraint->upper[i]);
     }
-    if (k == problem_.knots()) break;
-    const int first = static_cast<int>(row_lower_.size());
-    gap_row_.push_back(first);
-    row_lower_.conservativeResize(first + ndx);
-    row_upper_.conservativeResize(first + ndx);
-    row_lower_.tail(ndx).setZero();
-    row_upper_.tail(ndx).setZero();
-    for (int c = first_column(k); c < problem_.knot(k).model->nz(); ++c)
-      for (int i = 0; i < ndx; ++i) jacobian_.add(first + i, base_[k] + c);
-    for (int i = 0; i < ndx; ++i) jacobian_.add(first + i, base_[k + 1] + i);
+    if (k < problem_.knots()) add_gap_rows(k);
   }
+  relax(options_.epsilon);
 }
 
-/// Exact Hessians fill the block of a knot, as the dynamics do; Gauss-Newton ones have gaps.
+/// Exact Hessians fill the block of a knot, as the dynamics do, unless those are linear;
+/// Gauss-Newton ones have gaps.
 void Transcription::index_hessian() {
   hessian_entries_.resize(problem_.knots() + 1);
   for (int k = 0; k <= problem_.knots(); ++k) {
     const KnotModel& model = *problem_.knot(k).model;
     const int nz = model.nz();
-    std::vector<std::vector<bool>> used(nz, std::vector<bool>(nz, !options_.gauss_newton));
-    if (options_.gauss_newton) {
+    const bool sparse = options_.gauss_newton || k == problem_.knots() ||
+                        (has_linear_step(model.system()) && !curved_);
+    std::vector<std::vector<bool>> used(nz, std::vector<bool>(nz, !sparse));
+    for (const Row& row : rows_[k])
+      if (has_pairs(row))
+        for (int i = 0; i < row.count; i += 2) {
+          const auto& blocks = row.constraint->term->blocks;
+          const int at = row.first - row.constraint->row + i;
+          const int z = blocks[at].columns[0], s = blocks[at + 1].columns[0];
+          used[z][s] = used[s][z] = used[z][z] = used[s][s] = true;
+        }
+    if (is_penalty())
+      for (const Pair& pair : pairs_)
+        if (pair.node == k)
+          used[pair.z - base_[k]][pair.s - base_[k]] = used[pair.s - base_[k]][pair.z - base_[k]] =
+              true;
+    if (sparse) {
       for (const auto& [row, column] : model.hessian_pattern())
         used[row][column] = used[column][row] = true;
       for (auto& row : used) close_over_segments(problem_.manifold(), row);

@@ -51,7 +51,13 @@ ConstraintTerm make_constraint(std::string name, std::shared_ptr<const Residual>
   if (kind == ConstraintKind::second_order_cone && (residual->size() < 2 || !(slope > 0)))
     throw std::invalid_argument("constraint " + term.name +
                                 ": a cone has two rows or more and a positive slope");
-  if (kind == ConstraintKind::bounds) {
+  const auto is_entry = [](const RowBlock& b) { return b.rows == 1 && b.columns.size() == 1; };
+  if (kind == ConstraintKind::complementarity &&
+      (residual->size() % 2 != 0 ||
+       !std::all_of(residual->blocks().begin(), residual->blocks().end(), is_entry)))
+    throw std::invalid_argument("constraint " + term.name +
+                                ": complementary rows are pairs of single columns");
+  if (kind == ConstraintKind::bounds || kind == ConstraintKind::complementarity) {
     term.rows = residual->size();
     term.blocks = residual->blocks();
   } else {
@@ -118,6 +124,13 @@ double distance_to_set(const ConstraintTerm& term, const double* values, const d
     return largest;
   }
   const int n = term.rows;
+  if (term.has_pairs()) {
+    for (int i = 0; i < n; i += 2) {
+      const double smaller = std::abs(values[i] < values[i + 1] ? values[i] : values[i + 1]);
+      if (!(smaller <= largest)) largest = smaller;
+    }
+    return largest;
+  }
   const double t = values[n - 1], a = std::sqrt(tangential_square(values, n));
   if (a <= t) return 0;
   return a <= -t ? std::hypot(a, t) : (a - t) * std::sqrt(0.5);
@@ -136,6 +149,13 @@ double complementarity(const ConstraintTerm& term, const double* values, const d
       const double product = std::isfinite(bound) ? std::abs(multipliers[i]) * std::max(inside, 0.0)
                                                   : std::abs(multipliers[i]);
       largest = std::max(largest, product);
+    }
+    return largest;
+  }
+  if (term.has_pairs()) {
+    for (int i = 0; i < n; i += 2) {
+      const int larger = values[i] > values[i + 1] ? i : i + 1;
+      largest = std::max(largest, std::abs(multipliers[larger] * values[larger]));
     }
     return largest;
   }

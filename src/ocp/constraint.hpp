@@ -13,12 +13,15 @@ namespace conddp {
 /// - bounds: lower ≤ g ≤ upper row by row, where g is the residual; equal bounds are an equality;
 /// - norm: lower ≤ ‖r‖ ≤ upper, where r is the residual; g = ‖r‖ is one row;
 /// - second_order_cone: ‖(g_0, …, g_{n−2})‖ ≤ g_{n−1}, where g is the residual with its last row
-///   times `slope`.
-enum class ConstraintKind { bounds, norm, second_order_cone };
+///   times `slope`;
+/// - complementarity: 0 ≤ g_{2i} ⊥ g_{2i+1} ≥ 0 for each pair of rows, where g is the residual,
+/// each
+///   row of which is one entry of the control.
+enum class ConstraintKind { bounds, norm, second_order_cone, complementarity };
 
 /// A constraint of a knot model. Its numbers in a knot's parameters, in this order: the residual's
-/// parameters; lower and upper bounds, a number per row each (not of cones); a switch that is 0
-/// where the constraint is left out and 1 elsewhere.
+/// parameters; lower and upper bounds, a number per row each (not of cones and pairs); a switch
+/// that is 0 where the constraint is left out and 1 elsewhere.
 struct ConstraintTerm {
   std::string name;
   std::shared_ptr<const Residual> residual;
@@ -33,7 +36,9 @@ struct ConstraintTerm {
   /// block of a norm or cone, its column.
   std::vector<std::pair<int, int>> entries;
 
-  bool has_bounds() const { return kind != ConstraintKind::second_order_cone; }
+  bool has_bounds() const { return kind == ConstraintKind::bounds || kind == ConstraintKind::norm; }
+  bool is_cone() const { return kind == ConstraintKind::second_order_cone; }
+  bool has_pairs() const { return kind == ConstraintKind::complementarity; }
   /// Where bounds and switch start in the knot's parameters.
   int lower() const { return parameters + residual->parameter_count(); }
   int upper() const { return lower() + rows; }
@@ -45,7 +50,8 @@ struct ConstraintTerm {
 };
 
 /// Without row and column offsets, which belong to the model. Throws std::invalid_argument where a
-/// cone has fewer than two rows or the slope is not positive.
+/// cone has fewer than two rows or the slope is not positive, or complementary rows are no pairs of
+/// single columns.
 ConstraintTerm make_constraint(std::string name, std::shared_ptr<const Residual> residual,
                                ConstraintKind kind, double slope = 1);
 
@@ -65,14 +71,16 @@ void outside_cone(const S* s, int n, S* p);
 template <class S>
 void outside_cone_derivative(const S* s, int n, S* derivative);
 
-/// How far values are from the set of a constraint: ∞-norm of outside_bounds, ‖outside_cone‖.
+/// How far values are from the set of a constraint: ∞-norm of outside_bounds, ‖outside_cone‖,
+/// largest |min(z, s)| of pairs.
 /// `values`, and the bounds if it has any, hold `rows` numbers.
 double distance_to_set(const ConstraintTerm& term, const double* values, const double* lower,
                        const double* upper);
 
 /// Whether multipliers and values are complementary: largest |ν_i (g_i − bound)|, with the bound
 /// that ν_i's sign names (upper if positive), where g lies inside and bounds differ; |νᵀg| of a
-/// cone. Signs of infinite bounds count |ν_i|, the part of ν outside of the polar cone its norm.
+/// cone; |ν_i g_i| of the larger one of a pair. Signs of infinite bounds count |ν_i|, the part of ν
+/// outside of the polar cone its norm.
 double complementarity(const ConstraintTerm& term, const double* values, const double* lower,
                        const double* upper, const double* multipliers);
 

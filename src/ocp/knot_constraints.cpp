@@ -28,7 +28,7 @@ S form_value(const ConstraintTerm& term, const S* r, S* g) {
 template <class S>
 void form_jacobian(const ConstraintTerm& term, const S* r, const S& norm, const S* residual,
                    S* jacobian) {
-  if (term.kind == ConstraintKind::bounds) {
+  if (term.kind == ConstraintKind::bounds || term.has_pairs()) {
     const int n = term.residual->jacobian_size();
     for (int i = 0; i < n; ++i) jacobian[i] = residual[i];
     return;
@@ -61,6 +61,14 @@ S augment(const ConstraintTerm& term, const KnotInput<S>& in, const S* g, S* shi
       if (curvature != nullptr)
         curvature[i] = select(shifted[i] <= lower[i], penalty[i],
                               select(shifted[i] >= upper[i], penalty[i], S(0.0)));
+    }
+  } else if (term.has_pairs()) {
+    // The smaller one of a pair, whatever its multiplier, is the one that has to vanish.
+    for (int i = 0; i < n; ++i) {
+      const auto larger = i % 2 == 0 ? g[i] > g[i + 1] : g[i] >= g[i - 1];
+      weight[i] = select(larger, min(shifted[i], S(0.0)), shifted[i]);
+      if (curvature != nullptr)
+        curvature[i] = select(larger, select(shifted[i] <= S(0.0), penalty[i], S(0.0)), penalty[i]);
     }
   } else {
     outside_cone(shifted, n, weight);
@@ -131,7 +139,7 @@ void KnotModel::differentiate_constraints(const KnotInput<S>& in, KnotWorkspace<
     work.augmentation +=
         augment<S>(term, in, g, work.shifted_.data(), weight, hessian ? curvature : nullptr);
     // Rows inside their set have no multiplier and no curvature.
-    const int curvatures = term.has_bounds() ? term.rows : term.rows * term.rows;
+    const int curvatures = term.is_cone() ? term.rows * term.rows : term.rows;
     if (all_zero(weight, term.rows) && (!hessian || all_zero(curvature, curvatures))) continue;
     if (hessian) work.rest_is_zero_ = false;
     const int* pair = constraint_pattern_index_[t].data();
@@ -145,7 +153,7 @@ void KnotModel::differentiate_constraints(const KnotInput<S>& in, KnotWorkspace<
           work.gradient[block.columns[c]] += column[i] * weight[row + i];
         if (!hessian) continue;
         for (int i = 0; i < rows; ++i) {
-          if (term.has_bounds()) {
+          if (!term.is_cone()) {
             *weighted++ = curvature[row + i] * column[i];
             continue;
           }

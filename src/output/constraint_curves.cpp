@@ -45,6 +45,7 @@ std::vector<Named> by_name(const ShootingProblem& problem) {
 /// What is left to the nearest bound, negative outside.
 double margin(const NodeConstraint& c, const double* g) {
   const int n = c.term->rows;
+  if (c.term->has_pairs()) return -distance_to_set(*c.term, g, c.lower, c.upper);
   if (!c.term->has_bounds()) {
     double square = 0;
     for (int i = 0; i + 1 < n; ++i) square += g[i] * g[i];

@@ -29,6 +29,8 @@ constexpr LogColumn kColumns[] = {
     {"complementarity", "", false, [](const Row& r) { return r.complementarity; }},
     {"constraint_penalty", "", false, [](const Row& r) { return r.constraint_penalty; }},
     {"barrier", "", false, [](const Row& r) { return r.barrier; }},
+    {"relaxation", "", false, [](const Row& r) { return r.relaxation; }},
+    {"fallbacks", "", true, [](const Row& r) { return double(r.fallbacks); }},
     {"time", "s", false, [](const Row& r) { return r.time_s; }},
 };
 

@@ -258,7 +258,8 @@ std::optional<BuiltProblem> build_problem(const ProblemSpec& spec, const BuildOp
   const std::vector<BuiltConstraint> dropped = take_dropped(options.drop, constraints);
   const std::vector<BuiltConstraint> dropped_at_end = take_dropped(options.drop, at_end);
   const PhaseBounds bounds = collect_bounds(spec, options, built, out);
-  const PhaseContext phase_context{spec, *contacts, built.plant.system, *integrator, memory, times};
+  PhaseContext phase_context{spec,   *contacts, built.plant.system,  *integrator,
+                             memory, times,     built.plant.stepping};
   std::vector<Phase> phases = build_phases(phase_context, {costs, constraints}, bounds, out);
   if (out.has_errors()) return std::nullopt;
   Phase terminal =
@@ -268,6 +269,7 @@ std::optional<BuiltProblem> build_problem(const ProblemSpec& spec, const BuildOp
   std::vector<double> start = *initial;
   if (memory) start.insert(start.end(), previous.begin(), previous.end());
   settle_initial_state(start, constraints, spec.solver.options.tolerances.constraint, phases, out);
+  phase_context.stepping = nullptr;
   keep_dropped(phase_context, start, dropped, dropped_at_end, built, out);
   if (out.has_errors()) return std::nullopt;
   built.problem =
@@ -286,6 +288,10 @@ const SolverInfo* usable_solver(const ProblemSpec& spec, const ShootingProblem& 
   const SolverInfo* solver = find_solver(spec.solver.name.value);
   const auto reason = refuse(*solver, problem);
   if (!reason) return solver;
+  if (spec.stepping) {
+    out.error(spec.solver.name.place, *reason, "write 'solver: {name: ipopt}'");
+    return nullptr;
+  }
   const bool of_control = keeps_constraints(*solver, problem);
   std::string names;
   for (const ControlBoundsSpec& bounds : spec.control_bounds)

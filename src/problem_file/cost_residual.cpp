@@ -109,8 +109,9 @@ std::optional<std::vector<int>> choose_joints(const CostSpec& cost, const RobotM
   return joints;
 }
 
-void make_joint_residual(const CostSpec& cost, const MultibodySystem& system, int ndx,
-                         CostResidual& result, Diagnostics& out) {
+void make_joint_residual(const CostSpec& cost, const Plant& plant, int ndx, CostResidual& result,
+                         Diagnostics& out) {
+  const MultibodySystem& system = *plant.multibody;
   const auto joints = choose_joints(cost, system.robot(), result, out);
   if (!joints) return;
   const bool position = cost.kind == ResidualKind::kJointPosition;
@@ -126,7 +127,7 @@ void make_joint_residual(const CostSpec& cost, const MultibodySystem& system, in
     result.upper.push_back(position ? limits.upper : limits.max_velocity);
   }
   result.residual = cost.kind == ResidualKind::kJointAcceleration
-                        ? acceleration_residual(system, ndx, result.indices)
+                        ? acceleration_residual(*plant.system, ndx, result.indices)
                         : coordinate_residual(system.manifold(), result.indices);
 }
 
@@ -202,11 +203,11 @@ std::optional<CostResidual> make_cost_residual(const CostSpec& cost, const Probl
       }
       break;
     case ResidualKind::kControl:
-      result.residual = control_residual(ndx, system.nu());
-      result.rows = result.references = control_names(system);
-      result.parameters = StateManifold::flat(system.nu());
-      result.lower = system.control_lower();
-      result.upper = system.control_upper();
+      result.residual = control_residual(ndx, plant.actuated().nu());
+      result.rows = result.references = control_names(plant.actuated());
+      result.parameters = StateManifold::flat(plant.actuated().nu());
+      result.lower = plant.actuated().control_lower();
+      result.upper = plant.actuated().control_upper();
       break;
     case ResidualKind::kControlRate:
       result.residual = control_rate_residual(system);
@@ -215,7 +216,7 @@ std::optional<CostResidual> make_cost_residual(const CostSpec& cost, const Probl
     case ResidualKind::kJointPosition:
     case ResidualKind::kJointVelocity:
     case ResidualKind::kJointAcceleration:
-      make_joint_residual(cost, *plant.multibody, ndx, result, out);
+      make_joint_residual(cost, plant, ndx, result, out);
       break;
     case ResidualKind::kFramePosition:
     case ResidualKind::kFrameRotation:

@@ -3,22 +3,24 @@
 namespace conddp {
 namespace {
 
-OrderedJson expand_form(const SphereSpec& sphere) {
-  return {{"sphere", {{"radius", sphere.radius}, {"center", expand_vector(sphere.center)}}}};
-}
 OrderedJson expand_form(const CapsuleSpec& capsule) {
   return {{"capsule",
            {{"radius", capsule.radius},
             {"from", expand_vector(capsule.from)},
             {"to", expand_vector(capsule.to)}}}};
 }
+
+}  // namespace
+
+OrderedJson expand_form(const SphereSpec& sphere) {
+  return {{"sphere", {{"radius", sphere.radius}, {"center", expand_vector(sphere.center)}}}};
+}
+
 OrderedJson expand_form(const HalfSpaceSpec& half_space) {
   return {
       {"half_space",
        {{"normal", expand_vector(half_space.normal)}, {"point", expand_vector(half_space.point)}}}};
 }
-
-}  // namespace
 
 OrderedJson expand_collision(const CollisionSpec& collision) {
   const auto form = [](const auto& shape) {

@@ -112,6 +112,10 @@ OrderedJson expand_problem(const ProblemSpec& spec, const BuiltProblem& built) {
   json["running_costs"] = word_of(kRunningCostsWords, spec.running_costs);
   if (!spec.contacts.empty()) json["contacts"] = expand_contacts(spec.contacts);
   if (!spec.system) json["collision"] = expand_collision(spec.collision);
+  if (spec.stepping) {
+    json["contact_candidates"] = expand_candidates(spec.candidates);
+    json["stepping"] = expand_stepping(*spec.stepping);
+  }
   json["phases"] = expand_phases(spec);
   json["costs"] = expand_costs(spec.costs, spec, built.plant, false);
   json["constraints"] = expand_constraints(spec, built.plant);

@@ -33,6 +33,12 @@ OrderedJson expand_contact_names(const ContactNames& names, const ProblemSpec& s
 
 // expand_collision.cpp
 OrderedJson expand_collision(const CollisionSpec& collision);
+OrderedJson expand_form(const SphereSpec& sphere);
+OrderedJson expand_form(const HalfSpaceSpec& half_space);
+
+// expand_stepping.cpp
+OrderedJson expand_candidates(const std::vector<CandidateSpec>& candidates);
+OrderedJson expand_stepping(const SteppingSpec& stepping);
 
 // expand_costs.cpp
 OrderedJson expand_costs(const std::vector<CostSpec>& costs, const ProblemSpec& spec,

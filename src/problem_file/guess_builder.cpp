@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "ocp/stepping_residual.hpp"
+
 namespace conddp {
 namespace {
 
@@ -143,12 +145,17 @@ class GuessBuilder {
   }
 
   void fill_controls(Trajectory& trajectory) {
-    const ComponentNames names = control_names(*plant_.system);
+    const ComponentNames names = control_names(plant_.actuated());
+    if (plant_.stepping) fill_contacts(trajectory);
     switch (guess().controls) {
       case Controls::kZero:
         used_.controls = "zero";
         break;
       case Controls::kQuasiStatic:
+        if (plant_.stepping)
+          return out_.error(guess().controls_place,
+                            "contacts that are found have no forces that could be guessed so",
+                            "write 'controls: zero'");
         if (!plant_.multibody && plant_.system->kind() != SystemKind::second_order)
           return out_.error(guess().controls_place,
                             "this system has no gravity that controls could hold it against");
@@ -164,12 +171,14 @@ class GuessBuilder {
         used_.controls = "constant";
         for (int k = 0; k < problem_.knots(); ++k)
           if (problem_.nu(k) > 0)
-            trajectory.u(k) = Eigen::Map<const Eigen::VectorXd>(values->data(), values->size());
+            trajectory.u(k).head(names.size()) =
+                Eigen::Map<const Eigen::VectorXd>(values->data(), values->size());
         break;
       }
       case Controls::kFile: {
         const DataFileSpec& file = *guess().controls_file;
-        const auto series = from_file(file, false, StateManifold::flat(names.size()));
+        const int columns = plant_.system->nu();
+        const auto series = from_file(file, false, StateManifold::flat(columns));
         if (!series) return;
         used_.controls = describe(file, series);
         for (int k = 0; k < problem_.knots(); ++k) {
@@ -187,7 +196,41 @@ class GuessBuilder {
         fmt::format(", plus {} times normal random numbers of seed {}", random.scale, random.seed);
     NormalNumbers normal(random.seed);
     for (int k = 0; k < problem_.knots(); ++k)
-      for (int i = 0; i < problem_.nu(k); ++i) trajectory.u(k)[i] += random.scale * normal.next();
+      for (int i = 0; i < std::min(problem_.nu(k), names.size()); ++i)
+        trajectory.u(k)[i] += random.scale * normal.next();
+  }
+
+  /// Contacts that are found: forces a little inside of their bounds, slacks as the guessed states
+  /// have them or a little inside. The accelerations are those of the guessed states.
+  void fill_contacts(Trajectory& trajectory) {
+    constexpr double kInside = 0.01;
+    const SteppingSystem& system = *plant_.stepping;
+    const SteppingLayout& w = system.layout();
+    const int nv = system.nv();
+    const auto data = system.create_data(double{});
+    const auto residual = stepping_residual(plant_.stepping);
+    std::vector<double> rows(residual->size());
+    for (int k = 0; k < problem_.knots(); ++k) {
+      auto u = trajectory.u(k);
+      for (const auto& [z, s] : w.pairs) u[z] = u[s] = kInside;
+      const double dt = problem_.knot(k).dt;
+      u.segment(w.acceleration, nv) =
+          (trajectory.x(k + 1).tail(nv) - trajectory.x(k).tail(nv)) / dt;
+      // Behind the equations of motion each row is linear in one slack, with slope 1.
+      residual->evaluate({trajectory.x(k).data(), u.data(), &dt, *data}, rows.data());
+      const double* row = rows.data() + nv;
+      const auto set = [&](int slack) { u[slack] = std::max(kInside, u[slack] - *row++); };
+      const auto set_friction = [&](const FrictionIndices& f) {
+        for (int i = 0; i < f.count; ++i) set(f.slip[i]);
+        if (f.count > 0) set(f.rest);
+      };
+      for (const SteppingLayout::Candidate& c : w.candidates) {
+        set(c.gap);
+        set_friction(c.friction);
+      }
+      for (const SteppingLayout::Stop& stop : w.stops) set(stop.distance);
+      for (const FrictionIndices& f : w.frictions) set_friction(f);
+    }
   }
 
   std::optional<TimeSeries> from_file(const DataFileSpec& file, bool states,

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "problem_file/phase_grid.hpp"
+#include "problem_file/stepping_builder.hpp"
 #include "robot/near_names.hpp"
 
 namespace conddp {
@@ -157,12 +158,12 @@ PhaseBounds unbounded(const ProblemSpec& spec, const Plant& plant) {
 std::optional<PhaseBounds> build_control_bounds(const ControlBoundsSpec& constraint,
                                                 const ProblemSpec& spec, const Plant& plant,
                                                 Diagnostics& out) {
-  const ComponentNames names = control_names(*plant.system);
+  const ComponentNames names = control_names(plant.actuated());
   const int errors = out.error_count();
   std::vector<double> lower(names.names.size(), -kUnlimited), upper(names.names.size(), kUnlimited);
   if (constraint.from_urdf) {
-    lower = plant.system->control_lower();
-    upper = plant.system->control_upper();
+    lower = plant.actuated().control_lower();
+    upper = plant.actuated().control_upper();
     const auto finite = [](double v) { return std::isfinite(v); };
     if (!plant.multibody)
       out.error(constraint.from_place, "a closed-form system has no URDF",
@@ -182,8 +183,11 @@ std::optional<PhaseBounds> build_control_bounds(const ControlBoundsSpec& constra
   const std::vector<bool> named = phases_named(constraint.phases, spec, out);
   if (out.error_count() > errors) return std::nullopt;
   PhaseBounds bounds = unbounded(spec, plant);
-  for (std::size_t p = 0; p < named.size(); ++p)
-    if (named[p]) bounds.lower[p] = lower, bounds.upper[p] = upper;
+  for (std::size_t p = 0; p < named.size(); ++p) {
+    if (!named[p]) continue;
+    std::copy(lower.begin(), lower.end(), bounds.lower[p].begin());
+    std::copy(upper.begin(), upper.end(), bounds.upper[p].begin());
+  }
   return bounds;
 }
 
@@ -235,6 +239,7 @@ std::vector<Phase> build_phases(const PhaseContext& context, const KnotContents&
       for (const int c : kept)
         fresh->add_constraint(
             make_term(constraints[c], residual_in(constraints[c].function, context, p)));
+      if (context.stepping) add_stepping_terms(context.stepping, *fresh);
       if (!impulse) fresh->set_control_bounds(bounds.lower[p], bounds.upper[p]);
       model = std::move(fresh);
     }
@@ -251,6 +256,8 @@ std::vector<Phase> build_phases(const PhaseContext& context, const KnotContents&
       for (std::size_t i = 0; i < kept.size(); ++i)
         write_parameters(constraints[kept[i]], model->constraints()[i], time,
                          switches[kept[i]][first + k] != 0, parameters);
+      if (context.stepping)
+        write_stepping_parameters(*model, phase.dt[k], spec.stepping->regularization, parameters);
     }
     phases.push_back(std::move(phase));
     first += n;

@@ -33,6 +33,8 @@ struct PhaseContext {
   Integrator integrator;
   bool control_memory;
   const std::vector<double>& times;  ///< of all nodes, s
+  /// Where steps find their own contacts: adds what they have to obey.
+  std::shared_ptr<const SteppingSystem> stepping;
 };
 
 /// What stands in the knots of a problem. Vectors that are left out are empty.

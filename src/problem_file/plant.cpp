@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "problem_file/plant_robot.hpp"
+#include "problem_file/stepping_builder.hpp"
 #include "robot/combine.hpp"
 #include "robot/frames.hpp"
 #include "robot/kinematics.hpp"
@@ -113,6 +114,10 @@ std::optional<Plant> build_plant(const ProblemSpec& spec, Diagnostics& out) {
   }
   plant.system = plant.multibody;
   if (!check_mimic_limits(plant, out)) return std::nullopt;
+  if (!spec.stepping) return plant;
+  plant.stepping = build_stepping(spec, plant, out);
+  if (!plant.stepping) return std::nullopt;
+  plant.system = plant.stepping;
   return plant;
 }
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "problem_file/spec.hpp"
-#include "systems/multibody.hpp"
+#include "systems/stepping_system.hpp"
 
 namespace conddp {
 
@@ -23,9 +23,13 @@ struct PlantPart {
 struct Plant {
   std::shared_ptr<const System> system;
   std::shared_ptr<const MultibodySystem> multibody;  ///< the same system, null if closed-form
-  std::vector<PlantPart> parts;                      ///< empty if closed-form
+  /// The same system, where steps find their own contacts; `multibody` is the robot in it.
+  std::shared_ptr<const SteppingSystem> stepping;
+  std::vector<PlantPart> parts;  ///< empty if closed-form
 
   const RobotModel& robot() const { return multibody->robot(); }
+  /// The system whose controls are the actuators alone.
+  const System& actuated() const { return stepping ? *multibody : *system; }
 };
 
 /// Loads the robots or makes the closed-form system. Notes of the URDF files (what is ignored) are

@@ -14,6 +14,8 @@ void read_point(YamlMap& map, std::string_view key, Vector3<double>& point) {
   if (const auto r = map.find(key)) point = read_vector3(*r, "[x, y, z] in m").value_or(point);
 }
 
+}  // namespace
+
 SphereSpec read_sphere(const YamlReader& reader) {
   SphereSpec sphere;
   YamlMap map(reader);
@@ -22,6 +24,18 @@ SphereSpec read_sphere(const YamlReader& reader) {
   read_point(map, "center", sphere.center);
   return sphere;
 }
+
+HalfSpaceSpec read_half_space(const YamlReader& reader) {
+  HalfSpaceSpec half_space;
+  YamlMap map(reader);
+  if (!map.valid()) return half_space;
+  if (const auto r = map.find("normal"))
+    half_space.normal = read_direction(*r).value_or(half_space.normal);
+  read_point(map, "point", half_space.point);
+  return half_space;
+}
+
+namespace {
 
 CapsuleSpec read_capsule(const YamlReader& reader) {
   CapsuleSpec capsule;
@@ -36,16 +50,6 @@ CapsuleSpec read_capsule(const YamlReader& reader) {
       to->error("the capsule has length 0", "write 'sphere: {radius: ..., center: [...]}'");
   }
   return capsule;
-}
-
-HalfSpaceSpec read_half_space(const YamlReader& reader) {
-  HalfSpaceSpec half_space;
-  YamlMap map(reader);
-  if (!map.valid()) return half_space;
-  if (const auto r = map.find("normal"))
-    half_space.normal = read_direction(*r).value_or(half_space.normal);
-  read_point(map, "point", half_space.point);
-  return half_space;
 }
 
 /// The keys that say what a shape is; nothing, with an error, unless there is exactly one.

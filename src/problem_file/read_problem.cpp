@@ -79,6 +79,21 @@ ProblemSpec read_document(const YamlReader& reader, const std::filesystem::path&
     spec.collision = read_collision(*r);
     if (spec.system) r->error("a closed-form system has no links that could carry shapes");
   }
+  if (const auto r = map.find("contact_candidates")) {
+    spec.candidates = read_candidates(*r);
+    spec.stepping = SteppingSpec{.place = r->place()};
+    if (spec.system) r->error("a closed-form system has no frames that could touch anything");
+  }
+  if (const auto r = map.find("stepping")) {
+    spec.stepping = read_stepping(*r);
+    if (spec.system) r->error("a closed-form system has no joints that could be stopped");
+  }
+  if (spec.stepping) {
+    map.exclusive({"contact_candidates", "contacts"});
+    map.exclusive({"contact_candidates", "gait"});
+    map.exclusive({"stepping", "contacts"});
+    map.exclusive({"stepping", "gait"});
+  }
   map.exclusive({"phases", "gait"});
   std::optional<GaitSpec> gait;
   if (const auto walk = map.find("gait")) {

@@ -47,6 +47,13 @@ std::optional<Vector3<double>> read_direction(const YamlReader& reader);
 // read_collision.cpp
 CollisionSpec read_collision(const YamlReader& reader);
 PairsSpec read_pairs(const YamlReader& reader);
+SphereSpec read_sphere(const YamlReader& reader);
+HalfSpaceSpec read_half_space(const YamlReader& reader);
+
+// read_stepping.cpp
+std::vector<CandidateSpec> read_candidates(const YamlReader& reader);
+SteppingSpec read_stepping(const YamlReader& reader);
+
 // read_gait.cpp
 GaitSpec read_gait(const YamlReader& reader, const std::vector<ContactSpec>& contacts);
 

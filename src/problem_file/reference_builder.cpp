@@ -151,7 +151,7 @@ std::optional<std::vector<std::string>> file_columns(const CostSpec& cost,
     return std::nullopt;
   }
   const ComponentNames states = state_names(*plant.system);
-  if (cost.kind == ResidualKind::kControl) return control_names(*plant.system).names;
+  if (cost.kind == ResidualKind::kControl) return control_names(plant.actuated()).names;
   if (cost.kind == ResidualKind::kState && !cost.columns) return states.names;
   if (cost.kind == ResidualKind::kState || cost.kind == ResidualKind::kJointPosition ||
       cost.kind == ResidualKind::kJointVelocity) {

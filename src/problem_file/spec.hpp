@@ -8,6 +8,7 @@
 #include "problem_file/spec_cost.hpp"
 #include "problem_file/spec_robot.hpp"
 #include "problem_file/spec_solver.hpp"
+#include "problem_file/spec_stepping.hpp"
 
 namespace conddp {
 
@@ -88,6 +89,8 @@ struct ProblemSpec {
   RunningCosts running_costs = RunningCosts::kRate;
   std::vector<ContactSpec> contacts;
   CollisionSpec collision;
+  std::vector<CandidateSpec> candidates;
+  std::optional<SteppingSpec> stepping;  ///< there wherever candidates are
   std::vector<PhaseSpec> phases;
   std::vector<CostSpec> costs;
   std::vector<ControlBoundsSpec> control_bounds;

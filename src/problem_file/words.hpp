@@ -53,6 +53,11 @@ inline constexpr Choice<GaitType> kGaitWords[] = {
     {"stand", GaitType::stand}, {"walk", GaitType::walk},   {"trot", GaitType::trot},
     {"pace", GaitType::pace},   {"bound", GaitType::bound}, {"jump", GaitType::jump}};
 
+inline constexpr Choice<SteppingScheme> kSchemeWords[] = {
+    {"backward_euler", SteppingScheme::backward_euler}};
+/// Whether all joint limits of the URDF are stops.
+inline constexpr Choice<bool> kJointLimitWords[] = {{"none", false}, {"urdf", true}};
+
 /// Whether a friction cone is of second order.
 inline constexpr Choice<bool> kConeWords[] = {{"pyramid", false}, {"second_order", true}};
 

@@ -58,6 +58,16 @@ void ActiveRows::choose(const Linearization& linearization, const Eigen::VectorX
       }
       continue;
     }
+    if (c.term->has_pairs()) {
+      // Both count where both vanish and the larger one's multiplier pushes it below zero.
+      for (int i = 0; i < n; i += 2) {
+        const int smaller = g[i] <= g[i + 1] ? i : i + 1, larger = 2 * i + 1 - smaller;
+        sides_[c.row + smaller] = kEquality;
+        sides_[c.row + larger] =
+            g[larger] + nu[larger] / penalty[c.row + larger] < 0 ? kLower : kInactive;
+      }
+      continue;
+    }
     double square = 0, length = 0;
     for (int i = 0; i + 1 < n; ++i) {
       square += std::pow(g[i] + nu[i] / penalty[c.row], 2);
@@ -130,7 +140,15 @@ bool ActiveRows::revise(const Linearization& linearization, const Trajectory& tr
       auto values = predicted_.head(n);
       values = linearization.constraint.segment(c.row, n);
       values.noalias() += linearization.knots[k].C.middleRows(c.row - offset, n) * step[k];
-      if (!c.term->has_bounds()) {
+      if (c.term->has_pairs()) {
+        for (int i = 0; i < n; ++i) {
+          Side& side = sides_[c.row + i];
+          if (side == kLower && target_[c.row + i] >= 0) set(side, kInactive);
+          if (side == kInactive && values[i] < -kViolated) set(side, kLower);
+        }
+        continue;
+      }
+      if (c.term->is_cone()) {
         set(sides_[c.row], revised_cone(c, linearization, values));
         continue;
       }
@@ -184,8 +202,8 @@ void ActiveRows::build(int node, const Linearization& linearization,
     const int n = c.term->rows;
     const auto C = linearization.knots[node].C.middleRows(c.row - offset, n);
     const auto g = linearization.constraint.segment(c.row, n);
-    if (!c.term->has_bounds() && sides_[c.row] == kInactive) continue;
-    if (!c.term->has_bounds() && sides_[c.row] == kSurface) {
+    if (c.term->is_cone() && sides_[c.row] == kInactive) continue;
+    if (c.term->is_cone() && sides_[c.row] == kSurface) {
       const double length = g.head(n - 1).norm();
       auto row = rows.A.row(rows.count);
       row = -C.row(n - 1);
@@ -195,11 +213,11 @@ void ActiveRows::build(int node, const Linearization& linearization,
       continue;
     }
     for (int i = 0; i < n; ++i) {
-      const bool tip = !c.term->has_bounds();
+      const bool tip = c.term->is_cone();
       const Side side = sides_[c.row + i];
       if (!tip && side == kInactive) continue;
       rows.A.row(rows.count) = C.row(i);
-      const double bound = tip ? 0 : side == kUpper ? c.upper[i] : c.lower[i];
+      const double bound = !c.term->has_bounds() ? 0 : side == kUpper ? c.upper[i] : c.lower[i];
       add_row(rows, tip ? kConeTip : kBounds, c.row + i, index, g[i] - bound,
               multipliers[c.row + i]);
     }

@@ -13,10 +13,11 @@ namespace conddp {
 /// The constraints and control bounds that count as equations in a step of Newton's method: rows
 /// value + A z = 0 of each node, with multipliers and what the step adds to them.
 ///
-/// Equalities always count. Of bounds and cones choose() tells by an iterate which do: those at
-/// which value plus multiplier/ρ lies outside of the set. A cone counts with its surface (one row,
-/// which has curvature) or its tip (all rows). revise() tells it by a step: rows that push the
-/// wrong way no longer count, and what the step would violate does.
+/// Equalities always count, and so does the smaller one of each complementary pair. Of bounds and
+/// cones choose() tells by an iterate which do: those at which value plus multiplier/ρ lies outside
+/// of the set. A cone counts with its surface (one row, which has curvature) or its tip (all rows).
+/// revise() tells it by a step: rows that push the wrong way no longer count, and what the step
+/// would violate does.
 class ActiveRows {
  public:
   ActiveRows(const ShootingProblem& problem, const ControlBounds& bounds);

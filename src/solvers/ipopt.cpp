@@ -1,12 +1,20 @@
 #include "solvers/ipopt_solver.hpp"
 #include "solvers/registry.hpp"
+#include "solvers/restarts.hpp"
 
 namespace conddp {
 namespace {
 
 SolveResult run(const ShootingProblem& problem, const SolverOptions& options,
                 const Trajectory& guess) {
-  return IpoptSolver(problem, options).solve(guess);
+  if (options.restarts.count == 0) return IpoptSolver(problem, options).solve(guess);
+  SolverOptions silent = options;
+  silent.on_iteration = nullptr;
+  silent.threads = 1;
+  const Trajectory start = best_start(problem, options, guess, [&](const Trajectory& t) {
+    return IpoptSolver(problem, silent).solve(t);
+  });
+  return IpoptSolver(problem, options).solve(start);
 }
 
 }  // namespace
@@ -18,6 +26,7 @@ SolverInfo ipopt() {
           .description = "direct transcription to a sparse nonlinear program; all constraints",
           .control_bounds = BoundSupport::exact,
           .constraints = ConstraintSupport::all,
+          .complementarity = true,
           .open_gaps = true,
           .exact_hessian = true,
           .run = run};

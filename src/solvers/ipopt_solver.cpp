@@ -49,12 +49,20 @@ IpoptSolver::IpoptSolver(const ShootingProblem& problem, const SolverOptions& op
       gauss_newton_(options.hessian == HessianChoice::gauss_newton),
       bounds_(problem),
       acts_(problem, options.threads),
-      transcription_(
-          problem, acts_,
-          {.gauss_newton = gauss_newton_, .cone_smoothing = 0.1 * options.tolerances.constraint}),
       newton_(problem, acts_),
-      best_(Eigen::VectorXd::Zero(transcription_.variables())),
-      result_(problem) {}
+      result_(problem) {
+  make_transcription(options.complementarity.relaxation);
+}
+
+void IpoptSolver::make_transcription(PairRelaxation relaxation) {
+  transcription_ = std::make_unique<Transcription>(
+      problem_, acts_,
+      Transcription::Options{.gauss_newton = gauss_newton_,
+                             .cone_smoothing = 0.1 * options_.tolerances.constraint,
+                             .relaxation = relaxation,
+                             .epsilon = options_.complementarity.initial});
+  best_ = Eigen::VectorXd::Zero(transcription_->variables());
+}
 
 SolveResult IpoptSolver::solve(const Trajectory& guess) {
   began_ = std::chrono::steady_clock::now();
@@ -70,7 +78,10 @@ SolveResult IpoptSolver::solve(const Trajectory& guess) {
   result_.start += correct_states(problem_, start);
   result_.trajectory = start;
 
-  const InteriorPointAnswer answer = run_ipopt(start);
+  transcription_->set_center(start);
+  const InteriorPointAnswer answer =
+      transcription_->has_pairs() ? run_relaxations(start)
+                                  : run_ipopt(transcription_->point_of(start), default_settings());
   const double newton_began = elapsed();
   cross_over(answer);
   set_status(answer);
@@ -80,31 +91,31 @@ SolveResult IpoptSolver::solve(const Trajectory& guess) {
   return std::move(result_);
 }
 
+InteriorPointSettings IpoptSolver::default_settings() const {
+  return {.dual_tolerance = options_.tolerances.stationarity,
+          .violation_tolerance = std::min(options_.tolerances.gap, options_.tolerances.constraint),
+          .complementarity_tolerance = options_.tolerances.complementarity,
+          .options = options_.ipopt};
+}
+
 /// Runs Ipopt, again from the last iterate wherever that has left the middle of its charts.
-InteriorPointAnswer IpoptSolver::run_ipopt(const Trajectory& start) {
-  transcription_.set_center(start);
-  Eigen::VectorXd y = transcription_.point_of(start);
-  InteriorPointSettings settings{
-      .dual_tolerance = options_.tolerances.stationarity,
-      .violation_tolerance = std::min(options_.tolerances.gap, options_.tolerances.constraint),
-      .complementarity_tolerance = options_.tolerances.complementarity,
-      .options = options_.ipopt};
+InteriorPointAnswer IpoptSolver::run_ipopt(Eigen::VectorXd y, InteriorPointSettings settings) {
   InteriorPointAnswer answer;
   for (;;) {
     stop_ = Stop::none;
     const double began = elapsed();
     settings.max_iterations = options_.max_iterations - iterations_before_;
-    answer = minimise(transcription_, y, settings,
+    answer = minimise(*transcription_, y, settings,
                       [this](const InteriorPointIterate& iterate) { return note(iterate); });
     result_.times.differentiate += answer.evaluation_seconds;
     result_.times.sweep += elapsed() - began - answer.evaluation_seconds;
     if (stop_ != Stop::recenter) return answer;
     iterations_before_ = row_.iteration;
-    transcription_.set_point(answer.point.y.data());
-    transcription_.recenter_multipliers(answer.point.rows.data());
-    const Trajectory center = transcription_.trajectory();
-    transcription_.set_center(center);
-    y = best_ = transcription_.point_of(center);
+    transcription_->set_point(answer.point.y.data());
+    transcription_->recenter_multipliers(answer.point.rows.data());
+    const Trajectory center = transcription_->trajectory();
+    transcription_->set_center(center);
+    y = best_ = transcription_->point_of(center);
     settings.warm = &answer.point;
     settings.warm_barrier = answer.barrier;
   }
@@ -113,8 +124,8 @@ InteriorPointAnswer IpoptSolver::run_ipopt(const Trajectory& start) {
 /// Records an iterate; false where Ipopt should stop.
 bool IpoptSolver::note(const InteriorPointIterate& iterate) {
   const bool again = iterations_before_ > 0 && iterate.iteration == 0;
-  transcription_.set_point(iterate.y);
-  const Evaluation& values = transcription_.evaluation();
+  transcription_->set_point(iterate.y);
+  const Evaluation& values = transcription_->evaluation();
   row_.iteration = iterations_before_ + iterate.iteration;
   row_.cost = row_.merit = values.cost.sum();
   row_.stationarity = iterate.dual_infeasibility;
@@ -122,7 +133,7 @@ bool IpoptSolver::note(const InteriorPointIterate& iterate) {
   row_.gap = values.gap.size() == 0 ? 0 : values.gap.cwiseAbs().maxCoeff();
   row_.gap_knot = -1;
   const Extremum violation =
-      largest_violation(problem_, bounds_, transcription_.trajectory(), values.constraint);
+      largest_violation(problem_, bounds_, transcription_->trajectory(), values.constraint);
   row_.constraint = violation.value;
   row_.constraint_knot = violation.knot;
   row_.complementarity = iterate.complementarity;
@@ -147,7 +158,7 @@ bool IpoptSolver::note(const InteriorPointIterate& iterate) {
   } else if (elapsed() >= options_.max_time_s) {
     stop_ = Stop::time_limit;
   } else if (!iterate.restoration && row_.iteration < options_.max_iterations &&
-             transcription_.chart_angle() > kLargestAngle) {
+             transcription_->chart_angle() > kLargestAngle) {
     stop_ = Stop::recenter;
   }
   return stop_ == Stop::none;
@@ -157,8 +168,8 @@ bool IpoptSolver::note(const InteriorPointIterate& iterate) {
 /// it further than that, were the bound not there.
 void IpoptSolver::snap_controls(const InteriorPointAnswer& answer, Trajectory& trajectory) const {
   Trajectory lower = problem_.create_trajectory(), upper = lower;
-  transcription_.read_controls(answer.point.lower.data(), lower);
-  transcription_.read_controls(answer.point.upper.data(), upper);
+  transcription_->read_controls(answer.point.lower.data(), lower);
+  transcription_->read_controls(answer.point.upper.data(), upper);
   for (int k = 0; k < problem_.knots(); ++k) {
     auto u = trajectory.u(k);
     for (int i = 0; i < u.size(); ++i) {
@@ -207,12 +218,12 @@ Feedback IpoptSolver::find_gains(const Trajectory& trajectory, const Eigen::Vect
 /// From Ipopt's answer, or the best iterate, to the answer that is returned.
 void IpoptSolver::cross_over(const InteriorPointAnswer& answer) {
   const bool good = answer.end == End::solved || answer.end == End::acceptable;
-  transcription_.set_point(good ? answer.point.y.data() : best_.data());
+  transcription_->set_point(good ? answer.point.y.data() : best_.data());
   Eigen::MatrixXd costates;
   Eigen::VectorXd multipliers;
-  transcription_.read_multipliers(answer.point.rows.data(), costates, multipliers);
+  transcription_->read_multipliers(answer.point.rows.data(), costates, multipliers);
   if (!multipliers.allFinite()) multipliers.setZero();
-  Trajectory trajectory = transcription_.trajectory();
+  Trajectory trajectory = transcription_->trajectory();
   bounds_.clamp(trajectory);
   start_newton(trajectory, multipliers);
   if (good && (newton_.active_rows() > 0 || !under_tolerances(newton_.norms()))) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <memory>
 #include <optional>
 
 #include "nlp/interior_point.hpp"
@@ -14,6 +15,10 @@ namespace conddp {
 
 /// Direct transcription: the whole problem as a sparse nonlinear program for Ipopt, whose answer a
 /// few steps of Newton's method on its active set take from the interior to the bounds.
+///
+/// Complementary pairs are relaxed, and a sequence of solves tightens them, each from the last
+/// one's answer; the last solve has the smaller one of each pair fixed to zero
+/// (ipopt_relaxation.cpp).
 class IpoptSolver {
  public:
   IpoptSolver(const ShootingProblem& problem, const SolverOptions& options);
@@ -24,7 +29,16 @@ class IpoptSolver {
   /// Why the callback stopped Ipopt.
   enum class Stop { none, recenter, time_limit, interrupted };
 
-  InteriorPointAnswer run_ipopt(const Trajectory& start);
+  InteriorPointAnswer run_ipopt(Eigen::VectorXd y, InteriorPointSettings settings);
+  InteriorPointSettings default_settings() const;
+  void make_transcription(PairRelaxation relaxation);
+
+  // ipopt_relaxation.cpp
+  InteriorPointAnswer run_relaxations(const Trajectory& start);
+  InteriorPointAnswer tighten(const Trajectory& start);
+  bool polish(InteriorPointAnswer& answer);
+  bool is_complementary(const InteriorPointAnswer& answer) const;
+
   bool note(const InteriorPointIterate& iterate);
   void snap_controls(const InteriorPointAnswer& answer, Trajectory& trajectory) const;
   Feedback find_gains(const Trajectory& trajectory, const Eigen::VectorXd& multipliers,
@@ -43,7 +57,7 @@ class IpoptSolver {
   bool gauss_newton_;
   ControlBounds bounds_;
   Acts acts_;
-  Transcription transcription_;
+  std::unique_ptr<Transcription> transcription_;
   ProjectedNewton newton_;
   Stop stop_ = Stop::none;
   int iterations_before_ = 0;  ///< of earlier runs of Ipopt in this solve

@@ -29,6 +29,8 @@ struct IterationRecord {
   int clamped_controls = 0;       ///< control entries that the stage problems held at a bound
   int active_set_changes = 0;     ///< changes of their states in the last sweep
   double barrier = 0;             ///< parameter μ of an interior-point method
+  double relaxation = 0;          ///< ε of relaxed complementarity
+  int fallbacks = 0;              ///< ways to relax it that were given up so far
   double time_s = 0;              ///< since the solve began
 };
 

@@ -12,6 +12,10 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::string_view kRegularizationKinds[] = {"state", "control"};
 constexpr std::string_view kHessianChoices[] = {"automatic", "gauss_newton", "exact"};
 
+constexpr std::string_view kPairRelaxations[] = {"elementwise", "inner_product",
+                                                 "fischer_burmeister", "penalty"};
+constexpr std::string_view kRelaxationFallbacks[] = {"automatic", "none"};
+
 #define CONDDP_ACCESS(member) [](SolverOptions& o) -> OptionInfo::Reference { return &o.member; }
 
 constexpr std::array kTable = {
@@ -173,6 +177,56 @@ constexpr std::array kTable = {
                .min = 0,
                .max = 1e6,
                .access = CONDDP_ACCESS(box_qp.horizon_sweeps)},
+    OptionInfo{.name = "complementarity.relaxation",
+               .doc =
+                   "Of ipopt: complementary pairs z, s as z s <= epsilon each, as their sum over "
+                   "a knot, as smoothed Fischer-Burmeister equations, or as an exact penalty "
+                   "1/epsilon.",
+               .choices = kPairRelaxations,
+               .access = CONDDP_ACCESS(complementarity.relaxation)},
+    OptionInfo{.name = "complementarity.fallback",
+               .doc = "Where that finds no answer: try the other relaxations, or none.",
+               .choices = kRelaxationFallbacks,
+               .access = CONDDP_ACCESS(complementarity.fallback)},
+    OptionInfo{.name = "complementarity.initial",
+               .doc = "First epsilon.",
+               .min = 0,
+               .max = kInfinity,
+               .min_excluded = true,
+               .max_excluded = true,
+               .access = CONDDP_ACCESS(complementarity.initial)},
+    OptionInfo{.name = "complementarity.factor",
+               .doc = "Factor by which epsilon shrinks from one solve to the next.",
+               .min = 0,
+               .max = 1,
+               .min_excluded = true,
+               .max_excluded = true,
+               .access = CONDDP_ACCESS(complementarity.factor)},
+    OptionInfo{.name = "complementarity.final",
+               .doc = "Last epsilon, where the pairs are not complementary to tolerance before.",
+               .min = 0,
+               .max = kInfinity,
+               .min_excluded = true,
+               .max_excluded = true,
+               .access = CONDDP_ACCESS(complementarity.final)},
+    OptionInfo{.name = "restarts.count",
+               .doc = "Of ipopt: further solves from random perturbations of the guess, each in a "
+                      "process of its own; the best answer counts.",
+               .min = 0,
+               .max = 1000,
+               .access = CONDDP_ACCESS(restarts.count)},
+    OptionInfo{.name = "restarts.seed",
+               .doc = "Seed of their random numbers.",
+               .min = 0,
+               .max = 1e9,
+               .access = CONDDP_ACCESS(restarts.seed)},
+    OptionInfo{.name = "restarts.spread",
+               .doc = "Standard deviation of what is added to the states and controls of the "
+                      "guess, in their units.",
+               .min = 0,
+               .max = kInfinity,
+               .max_excluded = true,
+               .access = CONDDP_ACCESS(restarts.spread)},
 };
 #undef CONDDP_ACCESS
 
@@ -294,6 +348,11 @@ std::vector<std::string> SolverOptions::validate() const {
         fmt::format("augmented_lagrangian.initial_penalty ({}) must be at most "
                     "augmented_lagrangian.max_penalty ({})",
                     augmented_lagrangian.initial_penalty, augmented_lagrangian.max_penalty));
+  }
+  if (complementarity.final > complementarity.initial) {
+    messages.push_back(
+        fmt::format("complementarity.final ({}) must be at most complementarity.initial ({})",
+                    complementarity.final, complementarity.initial));
   }
   if (regularization.initial > regularization.max) {
     messages.push_back(

@@ -23,7 +23,8 @@ struct OptionInfo {
   bool max_excluded = false;
   std::span<const std::string_view> choices;  ///< names in the enum's order, empty for numbers
 
-  using Reference = std::variant<int*, double*, RegularizationKind*, HessianChoice*>;
+  using Reference = std::variant<int*, double*, RegularizationKind*, HessianChoice*,
+                                 PairRelaxation*, RelaxationFallback*>;
   Reference (*access)(SolverOptions& options);
 
   OptionValue get(const SolverOptions& options) const;

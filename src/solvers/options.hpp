@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "nlp/ipopt_options.hpp"
+#include "nlp/pair_relaxation.hpp"
 #include "solvers/iteration_record.hpp"
 
 namespace conddp {
@@ -20,6 +21,10 @@ enum class RegularizationKind { state, control };
 /// ddp, Gauss-Newton for ilqr and ilqr_clip, and for the others Gauss-Newton with
 /// secant corrections until exact ones pay (docs/solvers.md).
 enum class HessianChoice { automatic, gauss_newton, exact };
+
+/// What is done where complementary pairs relaxed in one way find no answer: the other ways are
+/// tried one after the other, or none is.
+enum class RelaxationFallback { automatic, none };
 
 /// Everything that can be set about a DDP solve. The defaults serve the whole catalogue.
 /// solvers/option_table.hpp lists the same options by name, with ranges and a sentence each.
@@ -65,6 +70,23 @@ struct SolverOptions {
     double armijo = 0.1;
     int horizon_sweeps = 20;
   } box_qp;
+
+  /// Of complementary pairs, of the solver `ipopt`.
+  struct Complementarity {
+    PairRelaxation relaxation = PairRelaxation::elementwise;
+    RelaxationFallback fallback = RelaxationFallback::automatic;
+    double initial = 0.01;
+    double factor = 0.1;
+    double final = 1e-12;
+  } complementarity;
+
+  /// Further solves from random perturbations of the guess, of the solver `ipopt`; the best answer
+  /// counts.
+  struct Restarts {
+    int count = 0;
+    int seed = 0;
+    double spread = 0.1;
+  } restarts;
 
   /// Ipopt's own, by its names, of the solver `ipopt`.
   IpoptOptions ipopt;

@@ -51,6 +51,7 @@ bool is_equality(const NodeConstraint& c) {
 }
 
 bool keeps(const SolverInfo& solver, const NodeConstraint& constraint) {
+  if (constraint.term->has_pairs()) return solver.complementarity;
   return solver.constraints == ConstraintSupport::all ||
          (solver.constraints == ConstraintSupport::equalities && is_equality(constraint));
 }

@@ -26,6 +26,7 @@ struct SolverInfo {
   std::string_view description;  ///< one line
   BoundSupport control_bounds = BoundSupport::refused;
   ConstraintSupport constraints = ConstraintSupport::none;
+  bool complementarity = false;      ///< keeps 0 ≤ z ⊥ s ≥ 0
   bool open_gaps = false;            ///< starts from states that do not follow from the controls
   bool gauss_newton_hessian = true;  ///< can leave the dynamics' second derivatives out
   bool exact_hessian = false;        ///< can use them

@@ -385,7 +385,9 @@ void MultibodySystem::gravity_torques(Data<S>& data, bool derivative) const {
   template void MultibodySystem::evaluate_as(const S*, const S*, Data<S>&) const;                \
   template void MultibodySystem::differentiate_as(const S*, const S*, Data<S>&) const;           \
   template void MultibodySystem::update_kinematics_as(const S*, Data<S>&) const;                 \
-  template void MultibodySystem::gravity_torques(Data<S>&, bool) const;
+  template void MultibodySystem::gravity_torques(Data<S>&, bool) const;                          \
+  template void MultibodySystem::applied_forces(const S*, const S*, Data<S>&) const;             \
+  template void MultibodySystem::add_passive_slopes(const S*, S*) const;
 CONDDP_FOR_EACH_SCALAR(CONDDP_INSTANTIATE)
 #undef CONDDP_INSTANTIATE
 

@@ -136,6 +136,12 @@ class MultibodySystem : public SystemBase<MultibodySystem> {
   /// Composite inertias must be current.
   template <class S>
   void gravity_torques(Data<S>& data, bool derivative) const;
+  /// B u + passive forces at the velocity v of the state, into data.force.
+  template <class S>
+  void applied_forces(const S* v, const S* u, Data<S>& data) const;
+  /// Adds to ∂tau/∂v (nv x nv by columns) what passive forces change.
+  template <class S>
+  void add_passive_slopes(const S* v, S* tau_v) const;
 
  private:
   /// The robot's full configuration and velocity in a state.
@@ -145,11 +151,6 @@ class MultibodySystem : public SystemBase<MultibodySystem> {
   };
   template <class S>
   Coordinates<S> full_coordinates(const S* x, Data<S>& data) const;
-  template <class S>
-  void applied_forces(const S* v, const S* u, Data<S>& data) const;
-  /// Adds to ∂tau/∂v what passive forces change.
-  template <class S>
-  void add_passive_slopes(const S* v, S* tau_v) const;
   template <class S>
   MassFactors<S> mass_factors(const Data<S>& data) const;
   /// Kinematics and the factors of M.

@@ -118,6 +118,24 @@ costs:
   level: {residual: joint_position, joints: ["joint_1", "joint_*"]}
 terminal: {costs: {clear: {residual: distance, pairs: obstacles}}}
 )");
+  texts.push_back(R"(conddp: 1
+robot: {urdf: robots/finger_spinner.urdf}
+contact_candidates:
+  tip: {frame: tip, radius: 0.05, against: {frame: spinner, sphere: {radius: 0.25}}}
+  floor: {frame: tip, point: [0, 0, 0.1], friction: 0, stiffness: 200}
+  wall: {frame: tip, against: {half_space: {normal: [0, 0, 2], point: [0, 0, -3]}}}
+  block: {frame: tip, friction: 0.7,
+          against: {box: {size: [1, 2, 3], placement: {position: [5, 0, 0], rpy: [0, 0, 1]}}}}
+stepping:
+  plane: [0, 2, 0]
+  joint_limits: {shoulder: [-2, 2], elbow: [null, 3]}
+  joint_friction: {shoulder: 0.1}
+  regularization: 0.01
+initial_state: {}
+phases: [{knots: 3, dt: 0.1}]
+costs: {effort: {residual: control, weight: 0.1}}
+solver: {name: ipopt}
+)");
   const std::string_view legged = R"(conddp: 1
 robot: {urdf: robots/quadruped.urdf, base: floating}
 contacts:

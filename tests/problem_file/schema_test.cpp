@@ -91,6 +91,15 @@ TEST(Schema, HasTheReadersKeys) {
   for (const std::string form : {"sphere", "capsule", "half_space"})
     EXPECT_EQ(accepted_keys(collision("obstacles: {a: {" + form + ": {zzzzzzzz: 1}}}")),
               schema_keys(d[form]));
+  const auto candidate = [](const std::string& text) {
+    return std::string(kPendulum) + "contact_candidates: {a: {" + text + "}}\n";
+  };
+  EXPECT_EQ(accepted_keys(candidate("zzzzzzzz: 1")), schema_keys(d["contact_candidate"]));
+  EXPECT_EQ(accepted_keys(candidate("against: {zzzzzzzz: 1}")),
+            schema_keys(d["touched"]["anyOf"][1]));
+  EXPECT_EQ(accepted_keys(candidate("against: {box: {zzzzzzzz: 1}}")), schema_keys(d["box"]));
+  EXPECT_EQ(accepted_keys(std::string(kPendulum) + "stepping: {zzzzzzzz: 1}\n"),
+            schema_keys(d["stepping"]));
   const auto gait = [&](const char* keys) {
     return std::string(kPendulum) + "gait: {type: jump, " + keys + "}\n";
   };

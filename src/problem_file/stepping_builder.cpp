@@ -1,0 +1,138 @@
+#include "problem_file/stepping_builder.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "ocp/stepping_residual.hpp"
+
+namespace conddp {
+namespace {
+
+constexpr const char* kEquations = "stepping";
+constexpr const char* kPairs = "complementarity";
+constexpr const char* kRegularization = "contact_regularization";
+
+std::optional<ContactCandidate> build_candidate(const CandidateSpec& spec, const Plant& plant,
+                                                Diagnostics& out) {
+  const auto frame = find_frame(plant.robot(), spec.frame, "", out);
+  int other = -1;
+  if (spec.against.frame) {
+    const auto found = find_frame(plant.robot(), *spec.against.frame, "", out);
+    if (!found) return std::nullopt;
+    other = *found;
+  }
+  if (!frame) return std::nullopt;
+  ContactCandidate candidate{.name = spec.name.value,
+                             .sphere = {*frame, spec.point, spec.radius},
+                             .friction = spec.friction,
+                             .stiffness = spec.stiffness};
+  if (const auto* half_space = std::get_if<HalfSpaceSpec>(&spec.against.form)) {
+    candidate.against =
+        ContactHalfSpace{other, half_space->normal, dot(half_space->normal, half_space->point)};
+  } else if (const auto* sphere = std::get_if<SphereSpec>(&spec.against.form)) {
+    candidate.against = ContactSphere{other, sphere->center, sphere->radius};
+  } else {
+    const auto& box = std::get<BoxSpec>(spec.against.form);
+    SE3<double> placement = SE3<double>::identity();
+    if (box.placement.position) placement.p = *box.placement.position;
+    if (box.placement.orientation) placement.R = rotation_matrix(*box.placement.orientation);
+    candidate.against = ContactBox{other, placement, 0.5 * box.size};
+  }
+  return candidate;
+}
+
+/// The joints that the file names, else all with limits.
+void build_stops(const ProblemSpec& spec, const Plant& plant, ImplicitContacts& contacts,
+                 Diagnostics& out) {
+  const RobotModel& robot = plant.robot();
+  for (int j = 0; spec.stepping->all_limits && j < robot.joint_count(); ++j)
+    contacts.stops.push_back({j, robot.joints[j].lower, robot.joints[j].upper});
+  for (const auto& [name, limits] : spec.stepping->joint_limits)
+    if (const auto joint = find_joint(robot, name, "", out))
+      contacts.stops.push_back({*joint, limits[0], limits[1]});
+}
+
+void check_frozen_keys(const ProblemSpec& spec, Diagnostics& out) {
+  for (const PhaseSpec& phase : spec.phases)
+    if (phase.restitution || phase.contacts.all || !phase.contacts.names.empty())
+      out.error(phase.name.place, "contacts that are found are not named by phases",
+                "leave 'contacts' and 'impulse' out");
+  if (spec.integrator && spec.integrator->value != Integrator::semi_implicit_euler)
+    out.error(spec.integrator->place, "contacts that are found have a stepping scheme of their own",
+              "leave 'integrator' out, or write 'integrator: semi_implicit_euler'");
+  for (const auto* list : {&spec.costs, &spec.terminal_costs})
+    for (const CostSpec& cost : *list) {
+      if (cost.name.value == kRegularization)
+        out.error(cost.name.place, fmt::format("'{}' is the name of a cost of contacts that are "
+                                               "found",
+                                               kRegularization));
+      if (cost.kind == ResidualKind::kControlRate)
+        out.error(cost.residual.place, "contacts that are found allow no cost on 'control_rate'");
+    }
+  for (const auto* list : {&spec.constraints, &spec.terminal_constraints})
+    for (const ConstraintSpec& constraint : *list)
+      if (const Name& name = constraint.function.name;
+          name.value == kEquations || name.value == kPairs)
+        out.error(name.place, fmt::format("'{}' is the name of a constraint of contacts that are "
+                                          "found",
+                                          name.value));
+}
+
+}  // namespace
+
+std::shared_ptr<const SteppingSystem> build_stepping(const ProblemSpec& spec, const Plant& plant,
+                                                     Diagnostics& out) {
+  const int errors = out.error_count();
+  check_frozen_keys(spec, out);
+  ImplicitContacts contacts{.scheme = spec.stepping->scheme, .plane = spec.stepping->plane};
+  for (const CandidateSpec& candidate : spec.candidates)
+    if (auto built = build_candidate(candidate, plant, out))
+      contacts.candidates.push_back(std::move(*built));
+  build_stops(spec, plant, contacts, out);
+  for (const auto& [name, limit] : spec.stepping->joint_friction)
+    if (const auto joint = find_joint(plant.robot(), name, "", out))
+      contacts.frictions.push_back({*joint, limit});
+  if (out.error_count() > errors) return nullptr;
+  try {
+    return std::make_shared<SteppingSystem>(plant.multibody, std::move(contacts));
+  } catch (const std::invalid_argument& e) {
+    out.error(spec.stepping->place, e.what());
+    return nullptr;
+  }
+}
+
+void add_stepping_terms(const std::shared_ptr<const SteppingSystem>& system, KnotModel& model) {
+  model.add_constraint(
+      make_constraint(kEquations, stepping_residual(system), ConstraintKind::bounds));
+  model.add_constraint(
+      make_constraint(kPairs, stepping_pairs_residual(*system), ConstraintKind::complementarity));
+  const SteppingLayout& w = system->layout();
+  std::vector<int> forces;
+  const auto add_friction = [&](const FrictionIndices& f) {
+    if (f.count == 0) return;
+    forces.insert(forces.end(), f.force.begin(), f.force.begin() + f.count);
+    forces.push_back(f.gamma);
+  };
+  for (const SteppingLayout::Candidate& c : w.candidates) {
+    forces.push_back(c.force);
+    add_friction(c.friction);
+  }
+  for (const SteppingLayout::Stop& stop : w.stops) forces.push_back(stop.force);
+  for (const FrictionIndices& f : w.frictions) add_friction(f);
+  model.add_cost(kRegularization, chosen_controls_residual(system->ndx(), forces), {});
+}
+
+void write_stepping_parameters(const KnotModel& model, double dt, double regularization,
+                               double* parameters) {
+  const auto& constraints = model.constraints();
+  const ConstraintTerm& equations = constraints[constraints.size() - 2];
+  parameters[equations.parameters] = dt;
+  std::fill_n(parameters + equations.lower(), 2 * equations.rows, 0.0);
+  parameters[equations.active()] = parameters[constraints.back().active()] = 1;
+  parameters[model.costs().back().weight] = regularization;
+}
+
+}  // namespace conddp

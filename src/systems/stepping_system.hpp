@@ -1,0 +1,53 @@
+#pragma once
+
+#include "systems/candidate_geometry.hpp"
+#include "systems/multibody.hpp"
+#include "systems/stepping_layout.hpp"
+
+namespace conddp {
+
+/// A robot whose steps are implicit: the control is w = (u, a, forces, slacks) as SteppingLayout
+/// says, and the dynamics are a alone. That a and the forces obey the equations of motion and of
+/// contact at the end of the step, q⁺ = q ⊕ h v⁺ and v⁺ = v + h a, are constraints
+/// (stepping_residual, and one on the pairs). So every step of a trajectory may find out itself
+/// which contacts are closed.
+class SteppingSystem : public SystemBase<SteppingSystem> {
+ public:
+  /// Throws std::invalid_argument where a joint floats or mimics another one.
+  SteppingSystem(std::shared_ptr<const MultibodySystem> robot, ImplicitContacts contacts);
+
+  template <class S>
+  struct Data : MultibodySystem::Data<S> {
+    explicit Data(const SteppingSystem& system);
+    MultibodySystem::Data<S> end;  ///< of the robot at the end of the step
+    AlignedVector<S> q, v;         ///< there
+    std::vector<CandidateRows<S>> candidates;
+  };
+
+  const MultibodySystem& multibody() const { return *robot_; }
+  const ImplicitContacts& contacts() const { return contacts_; }
+  const SteppingLayout& layout() const { return layout_; }
+  const std::vector<CandidateGeometry>& geometry() const { return geometry_; }
+
+  template <class S>
+  void evaluate_as(const S* x, const S* w, Data<S>& data) const;
+  template <class S>
+  void differentiate_as(const S* x, const S* w, Data<S>& data) const;
+  template <class S>
+  void update_kinematics_as(const S* x, Data<S>& data) const;
+  /// Data at the end of a step of h: q, v, the robot's kinematics, inertia matrix and bias forces,
+  /// applied forces, and the candidates' rows, with slopes if asked for.
+  template <class S>
+  void take_step(const S* x, const S* w, const S& h, bool slopes, Data<S>& data) const;
+
+ private:
+  std::shared_ptr<const MultibodySystem> robot_;
+  ImplicitContacts contacts_;
+  SteppingLayout layout_;
+  std::vector<CandidateGeometry> geometry_;
+};
+
+/// Whether x⁺ is a linear function of x and u, so that its second derivatives vanish.
+bool has_linear_step(const System& system);
+
+}  // namespace conddp
