@@ -10,7 +10,7 @@ namespace {
 /// Weight that stands for none where the Lagrangian's Hessian is asked for without the cost.
 constexpr double kNoWeight = 1e-30;
 /// Multiplier times value up to which a variable may stand at zero: more than a barrier leaves.
-constexpr double kAtZero = 1e-8;
+constexpr double kAtZero = 1e-6;
 
 }  // namespace
 

@@ -126,7 +126,9 @@ double distance_to_set(const ConstraintTerm& term, const double* values, const d
   const int n = term.rows;
   if (term.has_pairs()) {
     for (int i = 0; i < n; i += 2) {
-      const double smaller = std::abs(values[i] < values[i + 1] ? values[i] : values[i + 1]);
+      // The first comparison picks what is not a number, wherever it stands.
+      const bool first = !(values[i] >= values[i + 1]) && !std::isnan(values[i + 1]);
+      const double smaller = std::abs(values[first ? i : i + 1]);
       if (!(smaller <= largest)) largest = smaller;
     }
     return largest;
