@@ -202,14 +202,15 @@ constexpr std::array kTable = {
                .min_excluded = true,
                .max_excluded = true,
                .access = CONDDP_ACCESS(complementarity.factor)},
-    OptionInfo{.name = "complementarity.final",
-               .doc = "Last epsilon, where the pairs are not complementary to tolerance before, in the "
-                      "product of the pairs' units.",
-               .min = 0,
-               .max = kInfinity,
-               .min_excluded = true,
-               .max_excluded = true,
-               .access = CONDDP_ACCESS(complementarity.final)},
+    OptionInfo{
+        .name = "complementarity.final",
+        .doc = "Last epsilon, where the pairs are not complementary to tolerance before, in the "
+               "product of the pairs' units.",
+        .min = 0,
+        .max = kInfinity,
+        .min_excluded = true,
+        .max_excluded = true,
+        .access = CONDDP_ACCESS(complementarity.final)},
     OptionInfo{.name = "restarts.count",
                .doc = "Of ipopt: further solves from random perturbations of the guess, each in a "
                       "process of its own; the best answer counts.",
