@@ -164,8 +164,8 @@ class Measure {
   void works() {
     const Eigen::VectorXd& v = motion_.v[k_ + 1];
     out_.work_controls += motion_.h[k_] * motion_.applied(motion_.u[k_]).dot(v);
-    for (std::size_t i = 0; i < plant_.damping.size(); ++i)
-      out_.work_damping -= motion_.h[k_] * plant_.damping[i] * v[i] * v[i];
+    for (int i = 0; i < plant_.nv(); ++i)
+      out_.work_damping -= motion_.h[k_] * mechanics_.resistance(i, v[i]) * v[i];
   }
 
   const ContactMotion& motion_;

@@ -34,7 +34,7 @@ struct ContactMeasures {
   double energy_start = 0, energy_end = 0;  ///< J
   double work_controls = 0;                 ///< Σ h uᵀBᵀv⁺, J
   double work_contacts = 0;                 ///< of contacts, stops, dry friction; not above 0
-  double work_damping = 0;                  ///< J
+  double work_damping = 0;                  ///< of damping and smoothed friction, J
   /// What the stepping scheme itself loses or gains: the rest of the balance, J.
   double stepping_loss() const {
     return energy_start + work_controls + work_contacts + work_damping - energy_end;

@@ -173,9 +173,18 @@ template <class S>
 const std::vector<S>& ContactMechanics<S>::load(const S* q, const S* v, const S* a) {
   inverse_dynamics(*plant_.robot, q, v, a, data_);
   load_.assign(data_.tau.begin(), data_.tau.end());
-  for (std::size_t i = 0; i < plant_.damping.size(); ++i)
-    load_[i] = load_[i] + S(plant_.damping[i]) * v[i];
+  for (int i = 0; i < plant_.nv(); ++i) load_[i] = load_[i] + resistance(i, v[i]);
   return load_;
+}
+
+template <class S>
+S ContactMechanics<S>::resistance(int i, const S& v) const {
+  S force(0.0);
+  if (!plant_.damping.empty()) force = S(plant_.damping[i]) * v;
+  if (plant_.smooth_friction.empty() || plant_.smooth_friction[i] == 0) return force;
+  // Beyond 20 tanh is ±1 to the last digit, and exp stays finite.
+  const S x = max(S(-20.0), min(S(20.0), v * (1 / plant_.friction_velocity)));
+  return force + S(plant_.smooth_friction[i]) * (S(1.0) - S(2.0) / (exp(x + x) + S(1.0)));
 }
 
 template <class S>

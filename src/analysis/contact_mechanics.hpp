@@ -13,6 +13,9 @@ struct ContactPlant {
   std::shared_ptr<const RobotModel> robot;
   std::vector<double> B;        ///< nv x nu by columns: generalised forces of the controls
   std::vector<double> damping;  ///< nv, N s/m or Nm s/rad; empty: none
+  /// nv, N or Nm, smoothed: −smooth_friction·tanh(v / friction_velocity); empty: none.
+  std::vector<double> smooth_friction;
+  double friction_velocity = 0.01;  ///< m/s or rad/s
   ImplicitContacts contacts;
 
   int nv() const { return robot->nv; }
@@ -47,8 +50,10 @@ class ContactMechanics {
 
   /// Gaps, directions and rows of all candidates at q.
   const std::vector<ContactInstant<S>>& look(const S* q);
-  /// M(q) a + c(q, v) + damping v, less external wrenches: nv numbers.
+  /// M(q) a + c(q, v) + resistance(v), less external wrenches: nv numbers.
   const std::vector<S>& load(const S* q, const S* v, const S* a);
+  /// What damping and smoothed friction take from joint i.
+  S resistance(int i, const S& v) const;
   /// ∂T/∂q of the kinetic energy T = ½ vᵀ M(q) v at fixed v. What a joint's rotation does to it is
   /// the power of its subtree's momentum on the rate of the joint's axis.
   const std::vector<S>& kinetic_slope(const S* q, const S* v);

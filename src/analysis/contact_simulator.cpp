@@ -12,6 +12,19 @@
 namespace conddp {
 namespace {
 
+/// Where pivoting meets a tie that rounding decides wrongly, a little compliance resolves it;
+/// Newton's iterations see how little it changes.
+std::optional<Eigen::VectorXd> solve_nearly(Eigen::MatrixXd M, const Eigen::VectorXd& q) {
+  const double size = M.size() == 0 ? 0 : M.cwiseAbs().maxCoeff();
+  double added = 0;
+  for (const double share : {0.0, 1e-13, 1e-12, 1e-11, 1e-10}) {
+    M.diagonal().array() += share * size - added;
+    added = share * size;
+    if (auto z = solve_lcp(M, q)) return z;
+  }
+  return std::nullopt;
+}
+
 /// Slower than that a contact counts as sticking when its pyramid is turned, m/s.
 constexpr double kSlip = 1e-10;
 
@@ -243,7 +256,7 @@ ContactStep ContactSimulator::step(const StepStart& start) {
       const Eigen::PartialPivLU<Eigen::MatrixXd> lu(A_);
       const Eigen::MatrixXd pushed = lu.solve(pairs.push.transpose());
       const Eigen::VectorXd free = lu.solve(impulse_);
-      z = solve_lcp(pairs.slope * pushed + pairs.coupling, pairs.value - pairs.slope * free);
+      z = solve_nearly(pairs.slope * pushed + pairs.coupling, pairs.value - pairs.slope * free);
       if (!z) continue;
       dv = pushed * *z - free;
       break;

@@ -39,7 +39,7 @@ void SteppingEquations<S>::backward_euler(const StepStart& start, const S* v) {
   for (int i = 0; i < n; ++i) impulse_[i] = S(start.h) * load[i];
 }
 
-/// M(q̄⁺) v⁺ − M(q̄⁻) v⁻ + h/2 (C(q̄⁺, v⁺) + C(q̄⁻, v⁻)) with C = g − ∂T/∂q + damping: the discrete
+/// M(q̄⁺) v⁺ − M(q̄⁻) v⁻ + h/2 (C(q̄⁺, v⁺) + C(q̄⁻, v⁻)) with C = g − ∂T/∂q + resistance: the discrete
 /// Euler-Lagrange equations of the midpoint rule (Marsden and West 2001).
 template <class S>
 void SteppingEquations<S>::variational_midpoint(const StepStart& start, const S* v) {
@@ -58,8 +58,8 @@ void SteppingEquations<S>::variational_midpoint(const StepStart& start, const S*
     add(0.5 * start.h - sign, mechanics_.load(q_.data(), zero.data(), zero.data()));
     add(sign, mechanics_.load(q_.data(), zero.data(), velocity));
     add(-0.5 * start.h, mechanics_.kinetic_slope(q_.data(), velocity));
-    for (std::size_t i = 0; i < plant_.damping.size(); ++i)
-      impulse_[i] = impulse_[i] + S(0.5 * start.h * plant_.damping[i]) * velocity[i];
+    for (int i = 0; i < n; ++i)
+      impulse_[i] = impulse_[i] + S(0.5 * start.h) * mechanics_.resistance(i, velocity[i]);
   };
   half(v, 1);
   half(before.data(), -1);
