@@ -5,6 +5,7 @@
 #include "analysis/diagnosis.hpp"
 #include "ocp/by_name.hpp"
 #include "output/certificate_report.hpp"
+#include "output/contact_report.hpp"
 #include "streams.hpp"
 
 namespace conddp {
@@ -45,6 +46,8 @@ std::string summary_text(const Solution& s, const SolutionCertificate* certifica
   if (!diagnosis.remedy.empty()) text += fmt::format("  try           {}\n", diagnosis.remedy);
   if (certificate != nullptr)
     text += fmt::format("  certificate   {}\n", certificate_line(*certificate));
+  if (certificate != nullptr && certificate->contacts)
+    text += fmt::format("  contacts      {}\n", contact_summary(*certificate->contacts));
   text += fmt::format("  first guess   states: {}; controls: {}\n", s.built.guess_used.states,
                       s.built.guess_used.controls);
   for (const DroppedConstraint& c : s.built.dropped)

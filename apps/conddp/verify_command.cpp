@@ -7,6 +7,7 @@
 #include "exit_codes.hpp"
 #include "messages.hpp"
 #include "output/certificate_report.hpp"
+#include "output/contact_report.hpp"
 #include "output/json_text.hpp"
 #include "output/solution_certificate.hpp"
 #include "output/solved_problem.hpp"
@@ -54,6 +55,10 @@ int print(const VerifyArguments& arguments, const ProblemSpec& spec,
     print_result(
         fmt::format("{}: the certificate {}\n", spec.name.value, certificate_line(certificate)));
     print_result(certificate_table(certificate));
+    if (certificate.contacts)
+      for (const std::string& line :
+           contact_lines(*certificate.contacts, certificate.tangent_names))
+        print_result(fmt::format("  {}\n", line));
     if (!certificate.replay) return kExitNotConverged;
     print_result(fmt::format("  replay {}\n", replay_line(certificate)));
     for (const std::string& warning : replay_warnings(certificate))

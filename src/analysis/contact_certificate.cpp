@@ -4,6 +4,13 @@
 
 namespace conddp {
 
+ContactCertificate certify_contacts(const ContactMotion& motion) {
+  ContactCertificate result{measure_contacts(motion), contact_sequence(motion), {}, {}};
+  for (const ContactCandidate& candidate : motion.plant.contacts.candidates)
+    result.candidates.push_back(candidate.name);
+  return result;
+}
+
 std::vector<Check> contact_checks(
     const ContactMotion& motion, const ContactMeasures& measures,
     const SolverOptions::Tolerances& tolerances,

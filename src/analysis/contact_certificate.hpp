@@ -5,14 +5,20 @@
 #include "analysis/certificate.hpp"
 #include "analysis/contact_measures.hpp"
 #include "analysis/contact_replay.hpp"
+#include "analysis/contact_sequence.hpp"
 
 namespace conddp {
 
 /// What is found out about a motion that found its own contacts.
 struct ContactCertificate {
   ContactMeasures measures;
+  std::vector<ContactStretch> sequence;
+  std::vector<std::string> candidates;  ///< their names
   std::optional<ContactReplay> replay;
 };
+
+/// Measures, sequence and names; no replay.
+ContactCertificate certify_contacts(const ContactMotion& motion);
 
 /// The statements that a converged answer makes by being one: that its steps are those of its
 /// plant, that each pair of force and distance is complementary, that nothing penetrates or pulls,

@@ -21,4 +21,8 @@ struct ContactMotion {
   Eigen::VectorXd applied(const Eigen::VectorXd& controls) const;
 };
 
+/// A trajectory of a problem whose steps find their own contacts (SteppingSystem); none of others.
+std::optional<ContactMotion> contact_motion(const ShootingProblem& problem,
+                                            const Trajectory& trajectory);
+
 }  // namespace conddp

@@ -6,7 +6,7 @@
 #include <memory>
 #include <optional>
 
-#include "systems/multibody.hpp"
+#include "systems/stepping_system.hpp"
 
 namespace conddp {
 namespace {
@@ -185,9 +185,12 @@ class Player {
 };
 
 std::string why_impossible(const ShootingProblem& problem, const Trajectory& trajectory) {
-  for (const Phase& phase : problem.phases())
+  for (const Phase& phase : problem.phases()) {
     if (phase.model->integrator() == Integrator::discrete)
       return "a discrete system has no time between its knots";
+    if (dynamic_cast<const SteppingSystem*>(&phase.model->system()) != nullptr)
+      return "steps that find their own contacts are replayed by a simulator of contacts";
+  }
   for (int k = 0; k < problem.knots(); ++k)
     if (!trajectory.x(k).allFinite() || !trajectory.u(k).allFinite())
       return "the trajectory is not finite";

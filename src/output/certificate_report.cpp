@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "output/contact_report.hpp"
 #include "problem_file/diagnostic.hpp"
 
 namespace conddp {
@@ -93,6 +94,8 @@ OrderedJson certificate_json(const SolutionCertificate& certificate) {
   OrderedJson json = {{"holds", certificate.checks.holds()},
                       {"checks", std::move(checks)},
                       {"time_s", certificate.time_s}};
+  if (certificate.contacts)
+    json["contacts"] = contact_certificate_json(*certificate.contacts, certificate.tangent_names);
   if (!certificate.replay) return json;
   json["replay"] = replay_json(certificate);
   json["warnings"] = replay_warnings(certificate);

@@ -47,6 +47,7 @@ class Reader {
     result.tangent_names = tangent_columns(built_);
     if (with_replay && claims_)
       result.replay = replay(problem_, claims_->trajectory, claims_->gains);
+    result.contacts = judge_contacts(with_replay);
     result.checks = std::move(certificate_);
     result.time_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
     return result;
@@ -72,6 +73,21 @@ class Reader {
     dropped();
     forces();
     log();
+  }
+
+  /// Of steps that find their own contacts; only a converged answer claims anything of them.
+  std::optional<ContactCertificate> judge_contacts(bool with_replay) {
+    if (!claims_) return std::nullopt;
+    const auto motion = contact_motion(problem_, claims_->trajectory);
+    if (!motion) return std::nullopt;
+    ContactCertificate result = certify_contacts(*motion);
+    if (claims_->converged)
+      for (Check& check : contact_checks(
+               *motion, result.measures, claims_->tolerances,
+               [&](int k, const std::string&what) { return place_text(problem_, k, what); }))
+        add(std::move(check));
+    if (with_replay) result.replay = replay_contacts(*motion, claims_->gains);
+    return result;
   }
 
   void add(Check check) { certificate_.checks.push_back(std::move(check)); }

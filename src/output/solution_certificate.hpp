@@ -1,6 +1,6 @@
 #pragma once
 
-#include "analysis/certificate.hpp"
+#include "analysis/contact_certificate.hpp"
 #include "analysis/replay.hpp"
 #include "problem_file/build.hpp"
 #include "problem_file/ordered_json.hpp"
@@ -9,16 +9,17 @@ namespace conddp {
 
 /// What was found out about a solution.
 struct SolutionCertificate {
-  Certificate checks;            ///< what decides
-  std::optional<Replay> replay;  ///< what is worth knowing besides, if asked for
+  Certificate checks;                          ///< what decides
+  std::optional<Replay> replay;                ///< what is worth knowing besides, if asked for
+  std::optional<ContactCertificate> contacts;  ///< where steps find their own contacts
   std::vector<std::string> tangent_names;
   double time_s = 0;  ///< that it took
 };
 
 /// Judges the document of a solution against its problem: shapes and names, options, dropped
-/// constraints, contact forces and the log, and everything that certify() judges; if asked for,
-/// plays it back on a finer grid, too. Where shapes do not fit, nothing else is compared. Throws
-/// MalformedSolution where the document lacks keys.
+/// constraints, contact forces and the log, and everything that certify() and contact_checks()
+/// judge; if asked for, plays it back on a finer grid, too. Where shapes do not fit, nothing else
+/// is compared. Throws MalformedSolution where the document lacks keys.
 SolutionCertificate certify_solution(const OrderedJson& document, const ProblemSpec& spec,
                                      const BuiltProblem& built, bool with_replay);
 

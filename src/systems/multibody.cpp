@@ -134,7 +134,8 @@ MultibodySystem::MultibodySystem(std::shared_ptr<const RobotModel> robot, Actuat
       robot_(std::move(robot)),
       mimics_(*robot_),
       actuation_(std::move(actuation)),
-      contacts_(*robot_, mimics_, std::move(contacts)) {
+      contacts_(*robot_, mimics_, std::move(contacts)),
+      passive_(passive) {
   state_columns_ = state_names(*robot_, mimics_);
   control_columns_ = actuation_.columns;
   control_lower_ = actuation_.lower;

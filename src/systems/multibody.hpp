@@ -100,6 +100,7 @@ class MultibodySystem : public SystemBase<MultibodySystem> {
   /// Its B has the rows of the system's velocity: GᵀB where joints mimic others.
   const Actuation& actuation() const { return actuation_; }
   const ContactSet& contacts() const { return contacts_; }
+  const PassiveForces& passive() const { return passive_; }
   /// Velocity indices on which controls act, ascending.
   std::vector<int> actuated_rows() const;
 
@@ -186,6 +187,7 @@ class MultibodySystem : public SystemBase<MultibodySystem> {
   std::shared_ptr<const RobotModel> weightless_;  ///< of impulses: no gravity, no wrenches
   std::vector<ColumnSolver::Entry> entries_;      ///< non-zeros of B
   ColumnSolver solver_;
+  PassiveForces passive_;
   std::vector<PassiveJoint> passive_joints_;
 };
 

@@ -6,44 +6,10 @@
 
 #include "analysis/solution_members.hpp"
 #include "output/certificate_report.hpp"
-#include "output/solution_certificate.hpp"
-#include "output/solution_json.hpp"
-#include "problem_file/read_problem.hpp"
-#include "solvers/registry.hpp"
+#include "support/answer.hpp"
 
 namespace conddp {
 namespace {
-
-/// A ready problem and the document of its answer.
-struct Answer {
-  explicit Answer(const std::string& name, const std::vector<std::string>& settings = {},
-                  const BuildOptions& options = {}) {
-    Diagnostics out;
-    const auto file = std::filesystem::path(CONDDP_SOURCE_DIR) / "problems" / (name + ".yaml");
-    auto read = read_problem(file, settings, out);
-    if (!read) throw std::runtime_error(format_diagnostics(out, false));
-    spec = *std::move(read);
-    auto made = build_problem(spec, options, out);
-    if (!made) throw std::runtime_error(format_diagnostics(out, false));
-    built = *std::move(made);
-    const SolverInfo& solver = *find_solver(spec.solver.name.value);
-    const SolveResult result = solve(*built.problem, solver, spec.solver.options, built.guess);
-    document = OrderedJson::parse(solution_json({spec, built, solver, result, {}}).dump());
-  }
-  SolutionCertificate judge(const OrderedJson& changed) const {
-    return certify_solution(changed, spec, built, false);
-  }
-  ProblemSpec spec;
-  BuiltProblem built;
-  OrderedJson document;
-};
-
-std::string failures(const SolutionCertificate& certificate) {
-  std::string names;
-  for (const Check& check : certificate.checks.checks)
-    if (!check.holds) names += "[" + check.name + "]";
-  return names;
-}
 
 OrderedJson& knot(OrderedJson& rows) { return rows[rows.size() / 2]; }
 

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "output/solution_certificate.hpp"
+#include "output/solution_json.hpp"
+#include "problem_file/read_problem.hpp"
+#include "solvers/registry.hpp"
+
+namespace conddp {
+
+struct ProblemText {
+  std::string yaml;
+};
+
+/// A problem, ready or given as text, and the document of its answer.
+struct Answer {
+  explicit Answer(const std::string& name, const std::vector<std::string>& settings = {},
+                  const BuildOptions& options = {}) {
+    Diagnostics out;
+    const auto file = std::filesystem::path(CONDDP_SOURCE_DIR) / "problems" / (name + ".yaml");
+    solve_and_write(read_problem(file, settings, out), options, out);
+  }
+  /// Of a text as it might stand in a file of problems/.
+  explicit Answer(const ProblemText& text) {
+    Diagnostics out;
+    const auto file = std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/text.yaml";
+    solve_and_write(read_problem_text(text.yaml, file, {}, out), {}, out);
+  }
+  Answer(const Answer&) = delete;
+  SolutionCertificate judge(const OrderedJson& changed) const {
+    return certify_solution(changed, spec, built, false);
+  }
+  ProblemSpec spec;
+  BuiltProblem built;
+  OrderedJson document;
+  std::optional<SolveResult> result;
+
+ private:
+  void solve_and_write(std::optional<ProblemSpec> read, const BuildOptions& options,
+                       Diagnostics& out) {
+    if (!read) throw std::runtime_error(format_diagnostics(out, false));
+    spec = *std::move(read);
+    auto made = build_problem(spec, options, out);
+    if (!made) throw std::runtime_error(format_diagnostics(out, false));
+    built = *std::move(made);
+    const SolverInfo& solver = *find_solver(spec.solver.name.value);
+    result.emplace(solve(*built.problem, solver, spec.solver.options, built.guess));
+    document = OrderedJson::parse(solution_json({spec, built, solver, *result, {}}).dump());
+  }
+};
+
+inline std::string failures(const SolutionCertificate& certificate) {
+  std::string names;
+  for (const Check& check : certificate.checks.checks)
+    if (!check.holds) names += "[" + check.name + "]";
+  return names;
+}
+
+}  // namespace conddp
