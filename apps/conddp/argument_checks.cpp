@@ -6,6 +6,7 @@
 
 #include "problem_file/strict_number.hpp"
 #include "robot/near_names.hpp"
+#include "solvers/registry.hpp"
 
 namespace conddp {
 
@@ -14,6 +15,12 @@ CLI::Validator not_empty() {
             return argument.empty() ? std::string("the value is empty") : std::string();
           },
           "TEXT", "not empty"};
+}
+
+CLI::Validator solver_name() {
+  std::vector<std::string> names;
+  for (const SolverInfo& info : solvers()) names.emplace_back(info.name);
+  return CLI::IsMember(std::move(names));
 }
 
 CLI::Validator number_between(double lower, double upper, const std::string& words) {

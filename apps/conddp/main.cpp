@@ -33,6 +33,7 @@ void add_commands(CLI::App& app, Command& chosen) {
   add_solve_command(app, chosen);
   add_check_command(app, chosen);
   add_verify_command(app, chosen);
+  add_contacts_command(app, chosen);
   add_bench_command(app, chosen);
   add_compare_command(app, chosen);
   add_regress_command(app, chosen);

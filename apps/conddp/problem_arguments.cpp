@@ -1,16 +1,14 @@
 #include "problem_arguments.hpp"
 
-#include "solvers/registry.hpp"
+#include "argument_checks.hpp"
 
 namespace conddp {
 
 void add_problem_arguments(CLI::App& command, ProblemArguments& arguments) {
-  std::vector<std::string> solver_names;
-  for (const SolverInfo& info : solvers()) solver_names.emplace_back(info.name);
   command.add_option("FILE", arguments.file, "Problem file")->required()->type_name("FILE.yaml");
   command.add_option("--solver", arguments.solver, "Solver instead of the file's")
       ->type_name("NAME")
-      ->check(CLI::IsMember(solver_names));
+      ->check(solver_name());
   command
       .add_option("--drop", arguments.drop, "Leave this constraint out; its violation is reported")
       ->type_name("NAME")
