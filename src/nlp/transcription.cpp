@@ -9,7 +9,8 @@ namespace {
 
 /// Weight that stands for none where the Lagrangian's Hessian is asked for without the cost.
 constexpr double kNoWeight = 1e-30;
-/// Values up to which the larger one of a pair may stand at zero as well: more than a barrier leaves.
+/// Values up to which the larger one of a pair may stand at zero as well: more than a barrier
+/// leaves.
 constexpr double kAtZero = 1e-5;
 
 }  // namespace
@@ -266,8 +267,7 @@ void Transcription::read_multipliers(const double* rows, Eigen::MatrixXd& costat
     nu[pair.row + (first ? 0 : 1)] = -slope[smaller] + (is_penalty() ? y_[larger] / epsilon_ : 0);
     // The other one has some where it stands at zero as well.
     const double rest = slope[larger] - (is_penalty() ? y_[smaller] / epsilon_ : 0);
-    nu[pair.row + (first ? 1 : 0)] =
-        std::abs(y_[larger]) <= kAtZero ? -std::max(0.0, rest) : 0;
+    nu[pair.row + (first ? 1 : 0)] = std::abs(y_[larger]) <= kAtZero ? -std::max(0.0, rest) : 0;
   }
 }
 

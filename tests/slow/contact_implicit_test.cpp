@@ -1,5 +1,6 @@
 // Motions that find their own contacts, beside what mechanics says of them.
 #include "robot/kinematics.hpp"
+#include "support/random_numbers.hpp"
 #include "support/transcribed_problem.hpp"
 
 namespace conddp {
@@ -23,7 +24,9 @@ void expect_exact_contacts(const ReadyProblem& ready, const SolveResult& result)
       EXPECT_LE(std::abs(std::min(result.trajectory.u(k)[z], result.trajectory.u(k)[s])), kMinForm)
           << system.layout().columns[z].name << " at knot " << k;
     update_placements(system.multibody().robot(), result.trajectory.x(k + 1).data(), data);
-    for (const CandidateGeometry& geometry : system.geometry()) {
+    for (std::size_t c = 0; c < system.geometry().size(); ++c) {
+      if (system.contacts().candidates[c].stiffness) continue;  // soft: meant to give way
+      const CandidateGeometry& geometry = system.geometry()[c];
       auto rows = geometry.create_rows<double>();
       geometry.evaluate(data, rows);
       EXPECT_GE(rows.gap, -kMinForm) << "knot " << k + 1;
@@ -69,6 +72,47 @@ TEST(BlockOnASlope, RestartsGiveTheSameAnswerEveryTimeAndNoneThatIsWorse) {
   EXPECT_EQ(first.status, SolveStatus::converged) << first.message;
   EXPECT_EQ(first.cost, second.cost);
   EXPECT_LE(first.cost, solve_ready(ReadyProblem("block_slope")).cost + 1e-9);
+}
+
+/// Ready problems from their guesses, and from one with random numbers added to the controls.
+class FindsItsContacts
+    : public ::testing::TestWithParam<std::tuple<std::string, std::optional<int>>> {};
+
+TEST_P(FindsItsContacts, Exactly) {
+  const auto& [name, seed] = GetParam();
+  const ReadyProblem ready(name);
+  Trajectory start = ready.built.guess;
+  if (seed) {
+    RandomNumbers random(*seed);
+    const int actuators = ready.built.plant.stepping->layout().actuators;
+    for (int k = 0; k < start.knots(); ++k)
+      for (int i = 0; i < actuators; ++i) start.u(k)[i] += random.uniform(-0.1, 0.1);
+  }
+  const SolveResult result = solve(*ready.built.problem, "ipopt", ready.spec.solver.options, start);
+  expect_exact_contacts(ready, result);
+}
+
+std::string case_name(const ::testing::TestParamInfo<FindsItsContacts::ParamType>& info) {
+  const auto& [name, seed] = info.param;
+  return name + (seed ? "_seed_" + std::to_string(*seed) : "");
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Ready, FindsItsContacts,
+    ::testing::Combine(::testing::Values("block_slope", "block_drag", "cartpole_friction",
+                                         "cartpole_walls", "push_box", "finger_spinner"),
+                       ::testing::Values(std::optional<int>(), std::optional<int>(1),
+                                         std::optional<int>(2))),
+    case_name);
+
+TEST(PushedBox, Moves) {
+  const SolveResult result = solve_ready(ReadyProblem("push_box"));
+  EXPECT_GT(last(result, 0), 0.3);
+}
+
+TEST(DraggedBlock, Arrives) {
+  const SolveResult result = solve_ready(ReadyProblem("block_drag"));
+  EXPECT_NEAR(last(result, 0), 5, 1e-6);
 }
 
 TEST(ContactsThatAreFound, AreRefusedByAllSolversButIpopt) {
