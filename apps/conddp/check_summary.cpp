@@ -82,7 +82,7 @@ OrderedJson costs_json(const std::vector<CostSpec>& costs, const BuiltProblem& b
 OrderedJson constraints_json(const ProblemSpec& spec, const BuiltProblem& built) {
   OrderedJson list = OrderedJson::array();
   const auto add = [&](const std::string& name, const std::string& on, bool terminal,
-                       bool from_urdf, OrderedJson phases) {
+                       bool from_urdf, Softness softness, OrderedJson phases) {
     const bool dropped = std::any_of(built.dropped.begin(), built.dropped.end(),
                                      [&](const DroppedConstraint& d) { return d.name == name; });
     list.push_back({{"name", name},
@@ -90,16 +90,17 @@ OrderedJson constraints_json(const ProblemSpec& spec, const BuiltProblem& built)
                     {"terminal", terminal},
                     {"from_urdf", from_urdf},
                     {"phases", std::move(phases)},
+                    {"soft", softness == Softness::hard ? "no" : word_of(kSoftWords, softness)},
                     {"dropped", dropped}});
   };
   for (const ControlBoundsSpec& bounds : spec.control_bounds)
-    add(bounds.name.value, "control", false, bounds.from_urdf,
+    add(bounds.name.value, "control", false, bounds.from_urdf, Softness::hard,
         expand_phase_names(bounds.phases, spec));
   for (const bool terminal : {false, true})
     for (const ConstraintSpec& c : terminal ? spec.terminal_constraints : spec.constraints)
       add(c.function.name.value,
           c.bounded ? word_of(kBoundedWords, c.bounded->value) : c.function.residual.value,
-          terminal, c.from_urdf,
+          terminal, c.from_urdf, c.softness,
           terminal ? OrderedJson::array() : expand_phase_names(c.function.phases, spec));
   return list;
 }
@@ -230,7 +231,8 @@ std::string check_text(const OrderedJson& s) {
         constraint["from_urdf"].get<bool>() ? " from the URDF" : "",
         constraint["terminal"].get<bool>() ? "at the last node"
                                            : "in " + comma_list(constraint["phases"]),
-        constraint["dropped"].get<bool>() ? "; dropped" : "");
+        (text_of(constraint["soft"]) == "no" ? "" : "; soft: " + text_of(constraint["soft"])) +
+            (constraint["dropped"].get<bool>() ? "; dropped" : ""));
   text += fmt::format("  {:<16}{} ({}): {}\n", "solver", text_of(s["solver"]["name"]),
                       text_of(s["solver"]["description"]),
                       bounds_text(text_of(s["solver"]["control_bounds"])));

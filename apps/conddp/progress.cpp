@@ -41,6 +41,9 @@ std::string summary_text(const Solution& s, const SolutionCertificate* certifica
     text += fmt::format("    {:<20} violated by {:.2e}{}\n", v.name, v.value,
                         v.node < 0 ? "" : fmt::format(" at node {}", v.node));
   }
+  for (const ConstraintViolation& v : soft_violations(*s.built.problem, r.constraint_values))
+    text += fmt::format("    {:<20} soft, off by {:.2e}{}\n", v.name, v.value,
+                        v.node < 0 ? "" : fmt::format(" at node {}", v.node));
   const Diagnosis diagnosis = diagnose(r, s.spec.solver.options);
   if (!good) text += fmt::format("  diagnosis     {}\n", diagnosis.message);
   if (!diagnosis.remedy.empty()) text += fmt::format("  try           {}\n", diagnosis.remedy);
@@ -50,6 +53,8 @@ std::string summary_text(const Solution& s, const SolutionCertificate* certifica
     text += fmt::format("  contacts      {}\n", contact_summary(*certificate->contacts));
   text += fmt::format("  first guess   states: {}; controls: {}\n", s.built.guess_used.states,
                       s.built.guess_used.controls);
+  if (s.built.guess_used.multipliers != "none")
+    text += fmt::format("                multipliers: {}\n", s.built.guess_used.multipliers);
   for (const DroppedConstraint& c : s.built.dropped)
     text += fmt::format("  dropped       {}: violated by {:.3g}\n", c.name,
                         violation(c, *s.built.problem, r.trajectory));

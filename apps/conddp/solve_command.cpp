@@ -81,6 +81,7 @@ SolveResult solve_showing_progress(const BuiltProblem& built, const SolverInfo& 
     status.show(row);
     if (text && verbosity == Verbosity::kVerbose) table.print(row);
   };
+  if (solver.constraints == ConstraintSupport::all) options.multipliers = built.multipliers;
   return solve(*built.problem, solver, options, built.guess);
 }
 

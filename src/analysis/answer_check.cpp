@@ -7,6 +7,7 @@
 
 #include "ocp/acts.hpp"
 #include "ocp/by_name.hpp"
+#include "ocp/soft_constraint.hpp"
 
 namespace conddp {
 namespace {
@@ -133,7 +134,7 @@ AnswerCheck check_answer(const ShootingProblem& problem, const Trajectory& traje
   if (!linearization.cost.allFinite() || !linearization.gap.allFinite() ||
       !std::all_of(linearization.knots.begin(), linearization.knots.end(), finite))
     return check;
-  check.cost = linearization.total_cost();
+  check.cost = linearization.total_cost() + linear_soft_cost(problem, linearization.constraint);
   Eigen::VectorXd start(problem.ndx());
   problem.manifold().difference(problem.initial_state().data(), trajectory.x(0).data(),
                                 start.data());
@@ -145,9 +146,8 @@ AnswerCheck check_answer(const ShootingProblem& problem, const Trajectory& traje
   adjoint_pass(problem, trajectory, linearization, bound_tolerance, check);
   for (const NodeConstraint& c : problem.constraints())
     check.complementarity =
-        std::max(check.complementarity,
-                 complementarity(*c.term, linearization.constraint.data() + c.row, c.lower, c.upper,
-                                 constraint_multipliers.data() + c.row));
+        std::max(check.complementarity, complementarity(c, linearization.constraint.data() + c.row,
+                                                        constraint_multipliers.data() + c.row));
   return check;
 }
 

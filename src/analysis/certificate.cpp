@@ -10,6 +10,7 @@
 
 #include "analysis/feasibility.hpp"
 #include "analysis/lagrangian_gradient.hpp"
+#include "ocp/soft_constraint.hpp"
 #include "solvers/status.hpp"
 
 namespace conddp {
@@ -167,6 +168,11 @@ class Judge {
           KnotInput<double>{x.data(), u, view.parameters, view.dt, view.cost_scale}, *work);
       for (std::size_t t = 0; t < view.model->costs().size(); ++t)
         add_cost((k == N ? "terminal/" : "") + view.model->costs()[t].name, work->term_costs[t]);
+      for (const ConstraintTerm& term : view.model->constraints())
+        if (term.softness != Softness::hard)
+          add_cost((k == N ? "terminal/" : "") + term.name,
+                   soft_cost(term, work->constraint.data() + term.row, view.parameters,
+                             view.cost_scale));
       std::copy(work->constraint.begin(), work->constraint.end(),
                 values_.data() + problem_.constraint_offset(k));
       if (k == N) break;

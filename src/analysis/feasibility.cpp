@@ -41,11 +41,24 @@ void meet_control_bounds(const ShootingProblem& problem, const SolutionClaims& c
   }
 }
 
+/// A soft constraint: its multiplier stays within the limit, and where it does not hold the part
+/// of the multiplier that pushes back is at it.
+void meet_limit(const NodeConstraint& c, double outside, double pushing, double size, int entry,
+                Feasibility& found) {
+  found.product.meet(outside * std::abs(c.limit - pushing), c.limit * std::max(1.0, outside),
+                     c.node, entry);
+  if (size > (1 + kRounding) * c.limit) found.negative.meet(size - c.limit, 0, c.node, entry);
+}
+
 void meet_rows(const NodeConstraint& c, const double* g, const double* nu, int entry,
                Feasibility& found) {
   for (int i = 0; i < c.term->rows; ++i) {
-    found.violation.meet(std::max(c.lower[i] - g[i], g[i] - c.upper[i]), std::abs(g[i]), c.node,
-                         entry);
+    const double above = g[i] - c.upper[i], below = c.lower[i] - g[i];
+    if (c.is_soft())
+      meet_limit(c, std::max({above, below, 0.0}), above > 0 ? nu[i] : -nu[i], std::abs(nu[i]),
+                 entry, found);
+    else
+      found.violation.meet(std::max(below, above), std::abs(g[i]), c.node, entry);
     if (nu[i] == 0 || c.lower[i] == c.upper[i]) continue;
     const double bound = nu[i] > 0 ? c.upper[i] : c.lower[i];
     const double inside = nu[i] > 0 ? bound - g[i] : g[i] - bound;
@@ -60,9 +73,15 @@ void meet_rows(const NodeConstraint& c, const double* g, const double* nu, int e
 void meet_cone(const NodeConstraint& c, const double* g, const double* nu, int entry,
                Feasibility& found) {
   const Eigen::Map<const Eigen::VectorXd> value(g, c.term->rows), multiplier(nu, c.term->rows);
-  found.violation.meet(distance_to_cone(value), value.lpNorm<1>(), c.node, entry);
-  found.product.meet(std::abs(value.dot(multiplier)), value.cwiseAbs().dot(multiplier.cwiseAbs()),
-                     c.node, entry);
+  const double outside = distance_to_cone(value);
+  if (!c.is_soft()) {
+    found.violation.meet(outside, value.lpNorm<1>(), c.node, entry);
+  } else if (multiplier.norm() > (1 + kRounding) * c.limit) {
+    found.negative.meet(multiplier.norm() - c.limit, 0, c.node, entry);
+  }
+  const double paid = c.is_soft() ? c.limit * outside : 0;
+  found.product.meet(std::abs(value.dot(multiplier) - paid),
+                     value.cwiseAbs().dot(multiplier.cwiseAbs()) + paid, c.node, entry);
   const double off = distance_to_cone(-multiplier);
   if (off > kRounding * multiplier.norm()) found.negative.meet(off, 0, c.node, entry);
 }

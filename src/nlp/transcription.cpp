@@ -62,6 +62,22 @@ Eigen::VectorXd Transcription::point_of(const Trajectory& trajectory) const {
     if (k < problem_.knots())
       y.segment(base_[k] + problem_.ndx(), problem_.nu(k)) = trajectory.u(k);
   }
+  if (slacks_.empty()) return y;
+  Evaluation here(problem_);
+  acts_.evaluate(trajectory, here);
+  auto lower = row_lower_.begin(), upper = row_upper_.begin();
+  for (int k = 0; k <= problem_.knots(); ++k) {
+    for (const Row& row : rows_[k]) {
+      const double value = row_value(row, here.constraint.data() + row.first, nullptr);
+      for (int s = row.first_slack; s < row.first_slack + row.slacks; ++s)
+        y[slacks_[s].variable] =
+            std::max(0.0, slacks_[s].sign > 0 ? *lower - value : value - *upper);
+      ++lower, ++upper;
+    }
+    if (k == problem_.knots()) break;
+    lower += problem_.ndx();
+    upper += problem_.ndx();
+  }
   return y;
 }
 
@@ -135,7 +151,9 @@ const Evaluation& Transcription::evaluation() {
 
 double Transcription::objective() {
   evaluate();
-  return evaluation_.cost.sum() + penalty_value(y_.data());
+  double sum = evaluation_.cost.sum() + penalty_value(y_.data());
+  for (const Slack& slack : slacks_) sum += slack.price * y_[slack.variable];
+  return sum;
 }
 
 void Transcription::gradient(double* out) {
@@ -146,6 +164,7 @@ void Transcription::gradient(double* out) {
     if (k > 0) charts_[k].pull(z.head(problem_.ndx()));
     for (int c = first_column(k); c < z.size(); ++c) out[base_[k] + c] = z[c];
   }
+  for (const Slack& slack : slacks_) out[slack.variable] = slack.price;
   if (!is_penalty()) return;
   for (const Pair& pair : pairs_) {
     out[pair.z] += y_[pair.s] / epsilon_;
@@ -177,8 +196,10 @@ void Transcription::constraints(double* out) {
   evaluate();
   for (int k = 0; k <= problem_.knots(); ++k) {
     for (const Row& row : rows_[k]) {
-      const double* g = evaluation_.constraint.data() + row.first;
-      *out++ = row_value(row, g, nullptr);
+      double value = row_value(row, evaluation_.constraint.data() + row.first, nullptr);
+      for (int s = row.first_slack; s < row.first_slack + row.slacks; ++s)
+        value += slacks_[s].sign * y_[slacks_[s].variable];
+      *out++ = value;
     }
     if (k == problem_.knots()) break;
     for (int i = 0; i < problem_.ndx(); ++i) *out++ = gap_rows_(i, k);
@@ -214,6 +235,7 @@ void Transcription::jacobian(double* out) {
       }
       if (k > 0) charts_[k].pull(z.head(ndx));
       for (const int c : row.columns) *out++ = z[c];
+      for (int s = row.first_slack; s < row.first_slack + row.slacks; ++s) *out++ = slacks_[s].sign;
     }
     if (k == problem_.knots()) break;
     fill_dynamics(knot);
@@ -309,6 +331,34 @@ double Transcription::pair_distance(const double* y) const {
   for (const Pair& pair : pairs_)
     largest = std::max(largest, std::abs(std::min(y[pair.z], y[pair.s])));
   return largest;
+}
+
+void Transcription::write_multipliers(const Eigen::MatrixXd& costates, const Eigen::VectorXd& nu,
+                                      const std::vector<Eigen::VectorXd>& control_gradient,
+                                      Eigen::VectorXd& rows, Eigen::VectorXd& lower,
+                                      Eigen::VectorXd& upper) const {
+  rows = Eigen::VectorXd::Zero(this->rows());
+  lower = upper = Eigen::VectorXd::Zero(variables());
+  int index = 0;
+  for (int k = 0; k <= problem_.knots(); ++k) {
+    for (const Row& row : rows_[k]) {
+      // The last row of a cone has the gradient 1.
+      const double multiplier = nu[row.first + row.count - 1];
+      rows[index++] = multiplier;
+      for (int s = row.first_slack; s < row.first_slack + row.slacks; ++s)
+        lower[slacks_[s].variable] =
+            std::max(0.0, slacks_[s].price + slacks_[s].sign * multiplier);
+    }
+    if (k == problem_.knots()) break;
+    rows.segment(index, problem_.ndx()) = costates.col(k + 1);
+    index += problem_.ndx();
+    for (int i = 0; i < problem_.nu(k); ++i) {
+      const int variable = base_[k] + problem_.ndx() + i;
+      const double gradient = control_gradient[k][i];
+      if (std::isfinite(lower_[variable])) lower[variable] = std::max(0.0, gradient);
+      if (std::isfinite(upper_[variable])) upper[variable] = std::max(0.0, -gradient);
+    }
+  }
 }
 
 void Transcription::recenter_multipliers(double* rows) {

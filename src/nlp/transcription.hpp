@@ -24,6 +24,9 @@ namespace conddp {
 /// Gap rows and Hessians have the entries that can be non-zero and no others, where the structure
 /// of the problem tells them: flat configurations, costs and constraints of some columns.
 ///
+/// A row of a constraint that is soft by its distance has a slack s ≥ 0 for each of its bounds, by
+/// which it may be missed at the price of its limit. Slacks follow all other variables.
+///
 /// Constraints at node 0 that do not depend on the control are no rows: nothing can change them.
 class Transcription : public NonlinearProgram {
  public:
@@ -68,6 +71,12 @@ class Transcription : public NonlinearProgram {
   /// Of a pair the smaller one has the multiplier that makes the Lagrangian stationary, the other
   /// none unless it stands at zero as well.
   void read_multipliers(const double* rows, Eigen::MatrixXd& costates, Eigen::VectorXd& nu);
+  /// The other way round, at the present point with its states as centres: the multipliers of rows,
+  /// and of variables from ∇_u of the Lagrangian without them.
+  void write_multipliers(const Eigen::MatrixXd& costates, const Eigen::VectorXd& nu,
+                         const std::vector<Eigen::VectorXd>& control_gradient,
+                         Eigen::VectorXd& rows, Eigen::VectorXd& lower,
+                         Eigen::VectorXd& upper) const;
   /// The multipliers that mean the same with the present states as centres.
   void recenter_multipliers(double* rows);
 
@@ -82,6 +91,12 @@ class Transcription : public NonlinearProgram {
     int count;                 ///< 1, or those of the cone or the pairs
     std::vector<int> columns;  ///< of z on which it depends, without x_0
     int index;                 ///< among the program's rows
+    int first_slack = 0, slacks = 0;  ///< among slacks_
+  };
+  /// What a soft row may miss a bound by, added to the row with a sign.
+  struct Slack {
+    int variable;
+    double sign, price;
   };
   /// Two variables that are complementary, at a node, and their first constraint row.
   struct Pair {
@@ -91,6 +106,7 @@ class Transcription : public NonlinearProgram {
   void add_variables();
   void add_rows();
   void add_row(const NodeConstraint& constraint, int first, int count, double lower, double upper);
+  void add_slacks(Row& row, int index, double lower, double upper);
   void add_pairs(const NodeConstraint& constraint);
   void add_gap_rows(int node);
   void index_hessian();
@@ -131,9 +147,10 @@ class Transcription : public NonlinearProgram {
   bool evaluated_ = false, differentiated_ = false;
   Evaluation evaluation_;
   Linearization linearization_;
-  Eigen::MatrixXd coordinates_;                ///< w of every node, ndx x (N + 1)
-  Eigen::MatrixXd gap_rows_;                   ///< ndx x N: gaps in the charts
-  Eigen::MatrixXd mu_, costates_;              ///< multipliers of gap rows, and as co-states
+  Eigen::MatrixXd coordinates_;    ///< w of every node, ndx x (N + 1)
+  Eigen::MatrixXd gap_rows_;       ///< ndx x N: gaps in the charts
+  Eigen::MatrixXd mu_, costates_;  ///< multipliers of gap rows, and as co-states
+  std::vector<Slack> slacks_;
   Augmentation lagrangian_;                    ///< ν
   Eigen::VectorXd image_, image_coordinates_;  ///< of f(x_k, u_k)
   Eigen::VectorXd z_, z_scratch_, slope_;

@@ -57,7 +57,25 @@ void Transcription::add_row(const NodeConstraint& constraint, int first, int cou
   row_upper_.conservativeResize(index + 1);
   row_lower_[index] = lower;
   row_upper_[index] = upper;
+  if (constraint.is_soft()) add_slacks(row, index, lower, upper);
   rows_[k].push_back(std::move(row));
+}
+
+/// The surface's multiplier η of a cone, whose gradient is √2 long, stands for η √2.
+void Transcription::add_slacks(Row& row, int index, double lower, double upper) {
+  row.first_slack = static_cast<int>(slacks_.size());
+  const double limit = row.constraint->limit;
+  const auto add = [&](double sign) {
+    slacks_.push_back({variables(), sign, is_cone(row) ? limit * std::sqrt(0.5) : limit});
+    jacobian_.add(index, variables());
+    lower_.conservativeResize(variables() + 1);
+    upper_.conservativeResize(lower_.size());
+    lower_[lower_.size() - 1] = 0;
+    upper_[upper_.size() - 1] = kInfinity;
+    ++row.slacks;
+  };
+  if (std::isfinite(lower)) add(1);
+  if (std::isfinite(upper)) add(-1);
 }
 
 /// Controls that are complementary: their bounds, and the relaxed rows.

@@ -5,7 +5,27 @@
 #include <memory>
 #include <numeric>
 
+#include "ocp/soft_constraint.hpp"
+
 namespace conddp {
+namespace {
+
+std::string name_of(const ShootingProblem& problem, const NodeConstraint& c) {
+  return (c.node == problem.knots() ? "terminal/" : "") + c.term->name;
+}
+
+void add_violation(const std::string& name, const Eigen::VectorXd& values, const NodeConstraint& c,
+                   std::vector<ConstraintViolation>& list) {
+  auto entry = std::find_if(list.begin(), list.end(),
+                            [&](const ConstraintViolation& v) { return v.name == name; });
+  if (entry == list.end()) entry = list.insert(entry, {name, 0, -1});
+  const double distance = distance_to_set(*c.term, values.data() + c.row, c.lower, c.upper);
+  if (distance <= entry->value) return;
+  entry->value = distance;
+  entry->node = c.node;
+}
+
+}  // namespace
 
 std::vector<std::pair<std::string, std::vector<double>>> costs_by_node(
     const ShootingProblem& problem, const Trajectory& trajectory) {
@@ -27,6 +47,10 @@ std::vector<std::pair<std::string, std::vector<double>>> costs_by_node(
     for (std::size_t t = 0; t < view.model->costs().size(); ++t)
       cost_of((k == problem.knots() ? "terminal/" : "") + view.model->costs()[t].name)[k] +=
           mine->term_costs[t];
+    for (const ConstraintTerm& term : view.model->constraints())
+      if (term.softness != Softness::hard)
+        cost_of((k == problem.knots() ? "terminal/" : "") + term.name)[k] +=
+            soft_cost(term, mine->constraint.data() + term.row, view.parameters, view.cost_scale);
   }
   return costs;
 }
@@ -43,15 +67,17 @@ std::vector<ConstraintViolation> violations_by_name(const ShootingProblem& probl
                                                     const Eigen::VectorXd& values) {
   std::vector<ConstraintViolation> list;
   for (const NodeConstraint& c : problem.constraints()) {
-    const std::string name = (c.node == problem.knots() ? "terminal/" : "") + c.term->name;
-    auto entry = std::find_if(list.begin(), list.end(),
-                              [&](const ConstraintViolation& v) { return v.name == name; });
-    if (entry == list.end()) entry = list.insert(entry, {name, 0, -1});
-    const double distance = distance_to_set(*c.term, values.data() + c.row, c.lower, c.upper);
-    if (distance <= entry->value) continue;
-    entry->value = distance;
-    entry->node = c.node;
+    if (c.is_soft()) continue;
+    add_violation(name_of(problem, c), values, c, list);
   }
+  return list;
+}
+
+std::vector<ConstraintViolation> soft_violations(const ShootingProblem& problem,
+                                                 const Eigen::VectorXd& values) {
+  std::vector<ConstraintViolation> list;
+  for (const NodeConstraint& c : problem.soft_constraints())
+    add_violation(name_of(problem, c), values, c, list);
   return list;
 }
 

@@ -29,4 +29,8 @@ struct ConstraintViolation {
 std::vector<ConstraintViolation> violations_by_name(const ShootingProblem& problem,
                                                     const Eigen::VectorXd& values);
 
+/// The same of soft constraints, which are not among those.
+std::vector<ConstraintViolation> soft_violations(const ShootingProblem& problem,
+                                                 const Eigen::VectorXd& values);
+
 }  // namespace conddp

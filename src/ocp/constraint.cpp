@@ -46,8 +46,8 @@ int ConstraintTerm::jacobian_size() const {
 }
 
 ConstraintTerm make_constraint(std::string name, std::shared_ptr<const Residual> residual,
-                               ConstraintKind kind, double slope) {
-  ConstraintTerm term{.name = std::move(name), .kind = kind, .slope = slope};
+                               ConstraintKind kind, double slope, Softness softness) {
+  ConstraintTerm term{.name = std::move(name), .kind = kind, .slope = slope, .softness = softness};
   if (kind == ConstraintKind::second_order_cone && (residual->size() < 2 || !(slope > 0)))
     throw std::invalid_argument("constraint " + term.name +
                                 ": a cone has two rows or more and a positive slope");

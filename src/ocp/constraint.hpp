@@ -19,14 +19,24 @@ namespace conddp {
 ///   row of which is one entry of the control.
 enum class ConstraintKind { bounds, norm, second_order_cone, complementarity };
 
+/// What happens where a constraint does not hold:
+/// - hard: it has to hold at a solution;
+/// - l1: it costs its weight times the distance from the set (rows of bounds one by one, the norm
+///   of a cone's). That is exact: as long as multipliers stay below the weight it holds like a hard
+///   one. Solvers see a constraint whose multipliers the weight limits;
+/// - l2: it costs half the weight times the square of the distance. That is a cost, and smooth.
+/// Both are multiplied by the knot's cost scale, as all costs are.
+enum class Softness { hard, l1, l2 };
+
 /// A constraint of a knot model. Its numbers in a knot's parameters, in this order: the residual's
 /// parameters; lower and upper bounds, a number per row each (not of cones and pairs); a switch
-/// that is 0 where the constraint is left out and 1 elsewhere.
+/// that is 0 where the constraint is left out and 1 elsewhere; of a soft one its weight.
 struct ConstraintTerm {
   std::string name;
   std::shared_ptr<const Residual> residual;
   ConstraintKind kind = ConstraintKind::bounds;
-  double slope = 1;              ///< of a cone
+  double slope = 1;  ///< of a cone
+  Softness softness = Softness::hard;
   std::vector<RowBlock> blocks;  ///< the structure of ∂g/∂z
   int rows = 0;
   int row = 0;         ///< its first row among the constraint rows of the knot
@@ -43,6 +53,8 @@ struct ConstraintTerm {
   int lower() const { return parameters + residual->parameter_count(); }
   int upper() const { return lower() + rows; }
   int active() const { return lower() + (has_bounds() ? 2 * rows : 0); }
+  int weight() const { return active() + 1; }
+  int parameter_end() const { return active() + (softness == Softness::hard ? 1 : 2); }
   /// Whether g depends on the control of a node with ndx tangent coordinates.
   bool depends_on_control(int ndx) const;
   /// Numbers in the packed ∂g/∂z.
@@ -53,7 +65,8 @@ struct ConstraintTerm {
 /// cone has fewer than two rows or the slope is not positive, or complementary rows are no pairs of
 /// single columns.
 ConstraintTerm make_constraint(std::string name, std::shared_ptr<const Residual> residual,
-                               ConstraintKind kind, double slope = 1);
+                               ConstraintKind kind, double slope = 1,
+                               Softness softness = Softness::hard);
 
 /// s − the point of [lower, upper] nearest to s.
 template <class S>

@@ -36,7 +36,7 @@ std::optional<Contradiction> find_contradiction(const ShootingProblem& problem) 
       model.evaluate(
           KnotInput<double>{x0.data(), u.data(), view.parameters, view.dt, view.cost_scale}, *mine);
     }
-    if (c.term->kind != ConstraintKind::bounds) continue;
+    if (c.term->kind != ConstraintKind::bounds || c.is_soft()) continue;
     int row = 0;
     for (const RowBlock& block : c.term->blocks) {
       const int at = row;

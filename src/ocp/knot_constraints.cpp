@@ -2,6 +2,7 @@
 
 #include "ocp/gauss_newton.hpp"
 #include "ocp/knot_model.hpp"
+#include "ocp/soft_constraint.hpp"
 
 namespace conddp {
 namespace {
@@ -44,23 +45,38 @@ void form_jacobian(const ConstraintTerm& term, const S* r, const S& norm, const 
     jacobian[column * term.rows + row] = S(row == term.rows - 1 ? term.slope : 1.0) * *residual++;
 }
 
-/// The multiplier that the augmentation gives to each row, its value ½ penalty dist² + νᵀg, and,
+/// What an augmentation asks of a constraint's rows.
+template <class S>
+struct Penalty {
+  const S* penalty;
+  const S* shift;
+  const S* multiplier;
+};
+
+/// What a constraint adds to the cost, soft or by the augmentation: ½ penalty dist² + νᵀg, linear
+/// where the weight of a soft one limits it. With the multiplier that this gives to each row and,
 /// where asked for, ∂weight/∂g: a diagonal, or all of a cone's.
 template <class S>
-S augment(const ConstraintTerm& term, const KnotInput<S>& in, const S* g, S* shifted, S* weight,
-          S* curvature) {
+S augment(const ConstraintTerm& term, const KnotInput<S>& in, const Penalty<S>& given, const S* g,
+          S* shifted, S* weight, S* curvature) {
   S value(0.0);
-  const S* penalty = in.penalty + term.row;
+  const S* penalty = given.penalty;
   const int n = term.rows;
-  for (int i = 0; i < n; ++i) shifted[i] = g[i] + in.shift[term.row + i];
+  const bool limited = term.softness == Softness::l1;
+  const S most = limited ? in.cost_scale * in.parameters[term.weight()] : S(0.0);
+  const auto limit = [&](int row) { return most / max(penalty[row], S(1e-200)); };
+  for (int i = 0; i < n; ++i) shifted[i] = g[i] + given.shift[i];
   if (term.has_bounds()) {
     const S* lower = in.parameters + term.lower();
     const S* upper = in.parameters + term.upper();
     for (int i = 0; i < n; ++i) {
-      weight[i] = outside_bounds(shifted[i], lower[i], upper[i]);
-      if (curvature != nullptr)
-        curvature[i] = select(shifted[i] <= lower[i], penalty[i],
-                              select(shifted[i] >= upper[i], penalty[i], S(0.0)));
+      const S outside = outside_bounds(shifted[i], lower[i], upper[i]);
+      weight[i] = limited ? limit_outside(outside, limit(i)) : outside;
+      value += penalty[i] * weight[i] * (outside - S(0.5) * weight[i]);
+      if (curvature == nullptr) continue;
+      curvature[i] = select(shifted[i] <= lower[i], penalty[i],
+                            select(shifted[i] >= upper[i], penalty[i], S(0.0)));
+      if (limited) curvature[i] = select(abs(outside) <= limit(i), curvature[i], S(0.0));
     }
   } else if (term.has_pairs()) {
     // The smaller one of a pair, whatever its multiplier, is the one that has to vanish.
@@ -74,13 +90,17 @@ S augment(const ConstraintTerm& term, const KnotInput<S>& in, const S* g, S* shi
     outside_cone(shifted, n, weight);
     if (curvature != nullptr) {
       outside_cone_derivative(shifted, n, curvature);
+      if (limited) limit_cone_derivative(weight, n, limit(0), curvature);
       for (int i = 0; i < n * n; ++i) curvature[i] *= penalty[0];
     }
+    // ½ p² up to the limit, from there on as steep as it is there: p·q − ½ q² with q cut off.
+    for (int i = 0; i < n; ++i) shifted[i] = weight[i];
+    if (limited) limit_cone(n, limit(0), weight);
+    for (int i = 0; i < n; ++i) value += penalty[0] * weight[i] * (shifted[i] - S(0.5) * weight[i]);
   }
   for (int i = 0; i < n; ++i) {
-    value += S(0.5) * penalty[i] * weight[i] * weight[i];
-    value += in.multiplier[term.row + i] * g[i];
-    weight[i] = penalty[i] * weight[i] + in.multiplier[term.row + i];
+    value += given.multiplier[i] * g[i];
+    weight[i] = penalty[i] * weight[i] + given.multiplier[i];
   }
   return value;
 }
@@ -101,7 +121,7 @@ int KnotModel::add_constraint(ConstraintTerm term) {
     row += block.rows;
   }
   constraint_rows_ += term.rows;
-  parameter_count_ = term.active() + 1;
+  parameter_count_ = term.parameter_end();
   const int parameters = constraints_.emplace_back(std::move(term)).parameters;
   index_hessian();
   return parameters;
@@ -115,10 +135,31 @@ void KnotModel::evaluate_constraints(const KnotInput<S>& in, KnotWorkspace<S>& w
     term.residual->evaluate(input, work.residual_.data());
     S* g = work.constraint.data() + term.row;
     form_value(term, work.residual_.data(), g);
-    if (in.penalty != nullptr)
-      work.augmentation +=
-          augment<S>(term, in, g, work.shifted_.data(), work.weight_.data(), nullptr);
+    add_penalty<S>(term, in, work, nullptr);
   }
+}
+
+template <class S>
+bool KnotModel::add_penalty(const ConstraintTerm& term, const KnotInput<S>& in,
+                            KnotWorkspace<S>& work, S* curvature) const {
+  Penalty<S> given;
+  if (term.softness == Softness::l2) {
+    S* of_rows = work.soft_.data();
+    const S weight = in.cost_scale * in.parameters[term.weight()] * in.parameters[term.active()];
+    for (int i = 0; i < term.rows; ++i) {
+      of_rows[i] = weight;
+      of_rows[term.rows + i] = S(0.0);
+    }
+    given = {of_rows, of_rows + term.rows, of_rows + term.rows};
+  } else if (in.penalty != nullptr) {
+    given = {in.penalty + term.row, in.shift + term.row, in.multiplier + term.row};
+  } else {
+    return false;
+  }
+  const S value = augment<S>(term, in, given, work.constraint.data() + term.row,
+                             work.shifted_.data(), work.weight_.data(), curvature);
+  (term.softness == Softness::l2 ? work.cost : work.augmentation) += value;
+  return true;
 }
 
 template <class S>
@@ -135,9 +176,7 @@ void KnotModel::differentiate_constraints(const KnotInput<S>& in, KnotWorkspace<
     const S norm = form_value(term, work.residual_.data(), g);
     S* jacobian = work.constraint_jacobian.data() + term.jacobian;
     form_jacobian(term, work.residual_.data(), norm, work.residual_jacobian_.data(), jacobian);
-    if (in.penalty == nullptr) continue;
-    work.augmentation +=
-        augment<S>(term, in, g, work.shifted_.data(), weight, hessian ? curvature : nullptr);
+    if (!add_penalty<S>(term, in, work, hessian ? curvature : nullptr)) continue;
     // Rows inside their set have no multiplier and no curvature.
     const int curvatures = term.is_cone() ? term.rows * term.rows : term.rows;
     if (all_zero(weight, term.rows) && (!hessian || all_zero(curvature, curvatures))) continue;

@@ -324,6 +324,7 @@ KnotWorkspace<S>::KnotWorkspace(const KnotModel& model)
   shifted_.assign(constraint_rows, S(0.0));
   weight_.assign(constraint_rows, S(0.0));
   curvature_.assign(constraint_rows * constraint_rows, S(0.0));
+  soft_.assign(2 * constraint_rows, S(0.0));
   residual_.assign(rows, S(0.0));
   residual_jacobian_.assign(entries, S(0.0));
   weighted_jacobian_.assign(entries, S(0.0));

@@ -116,6 +116,12 @@ class KnotModel {
   void differentiate_constraints(const KnotInput<S>& in, KnotWorkspace<S>& work,
                                  bool hessian) const;
 
+  /// What a constraint whose value is known adds to cost or augmentation, its multipliers and, if
+  /// asked for, curvature. False where it adds nothing.
+  template <class S>
+  bool add_penalty(const ConstraintTerm& term, const KnotInput<S>& in, KnotWorkspace<S>& work,
+                   S* curvature) const;
+
   /// Writes the pattern of Hessians and its indices from costs and constraints.
   void index_hessian();
 
@@ -150,7 +156,7 @@ class KnotWorkspace {
   const AlignedVector<S>& state_blocks() const { return integrator_.state_blocks; }
   const AlignedVector<S>& step_blocks() const { return integrator_.step_blocks; }
 
-  S cost;                                ///< Σ of term_costs
+  S cost;                                ///< Σ of term_costs, and of what l2-soft constraints cost
   AlignedVector<S> term_costs;           ///< scaled cost of each term
   AlignedVector<S> gradient;             ///< nz: of cost and augmentation
   AlignedVector<S> hessian;              ///< in the order of hessian_pattern()
@@ -172,6 +178,7 @@ class KnotWorkspace {
   AlignedVector<S> residual_jacobian_, weighted_jacobian_;
   AlignedVector<S> term_gradient_;
   AlignedVector<S> shifted_, weight_, curvature_;  ///< of one constraint: rows, rows, rows²
+  AlignedVector<S> soft_;  ///< penalty and zeros of a constraint that is soft by a square
 };
 
 }  // namespace conddp

@@ -73,8 +73,12 @@ ShootingProblem::ShootingProblem(std::vector<double> initial_state, std::vector<
     for (const ConstraintTerm& term : view.model->constraints()) {
       if (view.parameters[term.active()] == 0) continue;
       const double* lower = term.has_bounds() ? view.parameters + term.lower() : nullptr;
-      constraints_.push_back({k, &term, constraint_offset_.back() + term.row, lower,
-                              lower == nullptr ? nullptr : lower + term.rows});
+      NodeConstraint constraint{k, &term, constraint_offset_.back() + term.row, lower,
+                                lower == nullptr ? nullptr : lower + term.rows};
+      if (term.softness == Softness::l1)
+        constraint.limit = view.cost_scale * view.parameters[term.weight()];
+      if (term.softness != Softness::l2) constraints_.push_back(constraint);
+      if (constraint.is_soft()) soft_constraints_.push_back(constraint);
     }
     constraint_offset_.push_back(constraint_offset_.back() + view.model->constraint_rows());
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <span>
 #include <string>
@@ -37,6 +38,11 @@ struct NodeConstraint {
   int row;              ///< its first one among the constraint rows of the problem
   const double* lower;  ///< term->rows numbers, as `upper`; null of a cone
   const double* upper;
+  /// Of one that is soft by its distance what its multipliers cannot exceed: row by row, of a cone
+  /// their norm.
+  double limit = std::numeric_limits<double>::infinity();
+
+  bool is_soft() const { return term->softness != Softness::hard; }
 };
 
 /// Times of the nodes before, between and after steps of these lengths, from 0 on: one more than
@@ -68,8 +74,11 @@ class ShootingProblem {
   /// Time of each node, s: N + 1 numbers.
   const std::vector<double>& times() const { return times_; }
   bool has_control_bounds() const;
-  /// The constraints of all nodes in order, but bounds on the control. Views into this problem.
+  /// The constraints of all nodes in order, but bounds on the control and those that are soft by a
+  /// square, which are costs. Views into this problem.
   const std::vector<NodeConstraint>& constraints() const { return constraints_; }
+  /// All that are soft, in order.
+  const std::vector<NodeConstraint>& soft_constraints() const { return soft_constraints_; }
   /// The constraint rows of a node start here among those of the problem, used or not.
   int constraint_offset(int k) const { return constraint_offset_[k]; }
   int constraint_rows() const { return constraint_offset_.back(); }
@@ -83,7 +92,7 @@ class ShootingProblem {
   Phase terminal_;
   std::vector<KnotView> views_;
   std::vector<double> times_;
-  std::vector<NodeConstraint> constraints_;
+  std::vector<NodeConstraint> constraints_, soft_constraints_;
   std::vector<int> constraint_offset_;
 };
 

@@ -32,13 +32,16 @@ struct Named {
 
 std::vector<Named> by_name(const ShootingProblem& problem) {
   std::vector<Named> list;
-  for (const NodeConstraint& constraint : problem.constraints()) {
-    const std::string name = constraint_name(problem, constraint);
+  const auto add = [&](const NodeConstraint& constraint, const char* kind) {
+    const std::string name = constraint_name(problem, constraint) + kind;
     auto entry = std::find_if(list.begin(), list.end(),
                               [&](const Named& named) { return named.name == name; });
     if (entry == list.end()) entry = list.insert(entry, {name, {}});
     entry->at.push_back(constraint);
-  }
+  };
+  for (const NodeConstraint& constraint : problem.constraints())
+    if (!constraint.is_soft()) add(constraint, "");
+  for (const NodeConstraint& constraint : problem.soft_constraints()) add(constraint, " (soft)");
   return list;
 }
 

@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 
 #include "analysis/solution_members.hpp"
+#include "ocp/acts.hpp"
+#include "ocp/by_name.hpp"
 #include "output/contact_forces.hpp"
 #include "problem_file/expand_problem.hpp"
 
@@ -70,6 +72,7 @@ class Reader {
     const Certificate numbers = certify(problem_, *claims_);
     certificate_.checks.insert(certificate_.checks.end(), numbers.checks.begin(),
                                numbers.checks.end());
+    soft();
     dropped();
     forces();
     log();
@@ -237,6 +240,22 @@ class Reader {
       for (int i = 0; i < problem_.nu(k); ++i) c.gains[k].row(i) = vector(K[k][i], "gains.K");
     c.tangent_names = tangent_columns(built_);
     for (const Column& column : built_.control_columns) c.control_names.push_back(column.name);
+  }
+
+  void soft() {
+    Evaluation evaluation(problem_);
+    Acts(problem_).evaluate(claims_->trajectory, evaluation);
+    const std::vector<ConstraintViolation> found = soft_violations(problem_, evaluation.constraint);
+    if (found.empty() && !document_.contains("soft_constraints")) return;
+    const Json& list = at(document_, {"soft_constraints"});
+    size("soft_constraints", list, static_cast<int>(found.size()));
+    for (std::size_t i = 0; i < std::min(list.size(), found.size()); ++i) {
+      if (!statement("soft constraint", at(list[i], {"name"}), found[i].name)) continue;
+      const double claimed = number(at(list[i], {"violation"}), "violation");
+      const double tolerance = 1e-10 * std::max(1.0, std::abs(found[i].value));
+      add({"violation of soft " + found[i].name, open_or_near(claimed, found[i].value, 1e-10),
+           claimed, found[i].value, tolerance, "", ""});
+    }
   }
 
   void dropped() {

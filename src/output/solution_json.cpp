@@ -48,6 +48,7 @@ OrderedJson residuals_json(const Residuals& r) {
 OrderedJson guess_json(const Solution& s) {
   OrderedJson guess = {{"states", s.built.guess_used.states},
                        {"controls", s.built.guess_used.controls},
+                       {"multipliers", s.built.guess_used.multipliers},
                        {"seed", nullptr},
                        {"used", s.result.start}};
   if (s.built.guess_used.seed) guess["seed"] = *s.built.guess_used.seed;
@@ -141,10 +142,9 @@ OrderedJson matrix_json(const Eigen::MatrixXd& columns) {
   return rows;
 }
 
-OrderedJson constraints_json(const Solution& s) {
+OrderedJson violations_json(const std::vector<ConstraintViolation>& violations) {
   OrderedJson list = OrderedJson::array();
-  for (const ConstraintViolation& v :
-       violations_by_name(*s.built.problem, s.result.constraint_values))
+  for (const ConstraintViolation& v : violations)
     list.push_back({{"name", v.name}, {"violation", finite_or_null(v.value)}, {"node", v.node}});
   return list;
 }
@@ -215,6 +215,7 @@ OrderedJson nulls_json(const OrderedJson& json, const SolveResult& result) {
   add("residuals", json["residuals"], unknown);
   add("initial_guess_used.seed", json["initial_guess_used"]["seed"], "nothing is random");
   add("constraints", json["constraints"], unknown);
+  add("soft_constraints", json["soft_constraints"], unknown);
   add("dropped_constraints", json["dropped_constraints"], unknown);
   if (!json.contains("trajectory")) return list;
   add("trajectory.x", json["trajectory"]["x"], unknown);
@@ -232,6 +233,7 @@ OrderedJson nulls_json(const OrderedJson& json, const SolveResult& result) {
 
 OrderedJson head(const Solution& s) {
   const SolveResult& r = s.result;
+  const Eigen::VectorXd& values = r.constraint_values;
   OrderedJson costs = OrderedJson::object();
   for (const auto& [name, value] : cost_by_name(*s.built.problem, r.trajectory))
     costs[name] = finite_or_null(value);
@@ -258,7 +260,8 @@ OrderedJson head(const Solution& s) {
             {"rollout", r.times.rollout}}},
           {"initial_guess_used", guess_json(s)},
           {"diagnosis", diagnosis_json(diagnose(r, s.spec.solver.options))},
-          {"constraints", constraints_json(s)},
+          {"constraints", violations_json(violations_by_name(*s.built.problem, values))},
+          {"soft_constraints", violations_json(soft_violations(*s.built.problem, values))},
           {"dropped_constraints", std::move(dropped)}};
 }
 

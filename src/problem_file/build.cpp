@@ -7,6 +7,7 @@
 #include "ocp/acts.hpp"
 #include "ocp/by_name.hpp"
 #include "ocp/contradiction.hpp"
+#include "problem_file/dual_guess_reader.hpp"
 #include "problem_file/memory_need.hpp"
 #include "problem_file/phase_grid.hpp"
 #include "problem_file/shape_pairs.hpp"
@@ -279,6 +280,13 @@ std::optional<BuiltProblem> build_problem(const ProblemSpec& spec, const BuildOp
   auto guess = build_guess({spec, built.plant, states, *built.problem}, built.guess_used, out);
   if (!guess || out.has_errors()) return std::nullopt;
   built.guess = std::move(*guess);
+  if (spec.guess.multipliers_file) {
+    const DataFileSpec& file = *spec.guess.multipliers_file;
+    const auto duals = read_dual_guess(file.path, file.file.place, *built.problem, out);
+    if (!duals) return std::nullopt;
+    built.multipliers = duals->guess;
+    built.guess_used.multipliers = duals->text;
+  }
   built.data_files = out.data_files();
   return built;
 }
@@ -320,8 +328,9 @@ double violation(const DroppedConstraint& constraint, const ShootingProblem& pro
   if (constraint.alone) {
     Evaluation evaluation(*constraint.alone);
     Acts(*constraint.alone).evaluate(trajectory, evaluation);
-    for (const auto& part : violations_by_name(*constraint.alone, evaluation.constraint))
-      largest = std::max(largest, part.value);
+    for (const auto& list : {violations_by_name(*constraint.alone, evaluation.constraint),
+                             soft_violations(*constraint.alone, evaluation.constraint)})
+      for (const ConstraintViolation& part : list) largest = std::max(largest, part.value);
     return largest;
   }
   for (int k = 0; k < problem.knots(); ++k) {

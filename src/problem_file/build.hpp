@@ -30,6 +30,7 @@ struct BuiltProblem {
   std::vector<Column> control_columns;
   Trajectory guess;
   GuessUsed guess_used;
+  std::shared_ptr<const DualGuess> multipliers;  ///< to start from, null: none
   std::vector<DroppedConstraint> dropped;
   std::vector<InputFile> data_files;  ///< read for references and the guess
 };

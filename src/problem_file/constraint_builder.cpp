@@ -40,6 +40,31 @@ std::vector<int> flat_indices(const StateManifold& manifold) {
   return indices;
 }
 
+/// Bounds on the control that are soft, and so no bounds to a solver.
+std::optional<BuiltConstraint> build_soft_control_bounds(const ConstraintSpec& spec,
+                                                         const CostContext& context,
+                                                         Diagnostics& out) {
+  if (spec.from_urdf && !context.plant.multibody) {
+    out.error(spec.from_place, "a closed-form system has no URDF", "give 'lower' and 'upper'");
+    return std::nullopt;
+  }
+  auto control = make_cost_residual(spec.function, context.spec, context.plant, context.ndx, out);
+  if (!control) return std::nullopt;
+  const std::size_t n = control->rows.names.size();
+  BuiltConstraint built{.spec = &spec};
+  built.lower.assign(n, -kUnlimited);
+  built.upper.assign(n, kUnlimited);
+  if (spec.from_urdf) {
+    built.lower = control->lower;
+    built.upper = control->upper;
+  }
+  const auto all = [](int) { return true; };
+  if (!narrow(spec, control->rows, all, built.lower, built.upper, out)) return std::nullopt;
+  TimeSeries zero(control->parameters, std::vector<double>(n, 0.0));
+  built.function = {&spec.function, std::move(*control), {}, {}, std::move(zero)};
+  return built;
+}
+
 /// Bounds on those coordinates of the state that have one.
 std::optional<BuiltConstraint> build_state_bounds(const ConstraintSpec& spec,
                                                   const CostContext& context, Diagnostics& out) {
@@ -216,7 +241,10 @@ std::vector<BuiltConstraint> build_constraints(const std::vector<ConstraintSpec>
   std::vector<BuiltConstraint> list;
   for (const ConstraintSpec& spec : specs) {
     if (spec.bounded) {
-      if (auto built = build_state_bounds(spec, context, out)) list.push_back(std::move(*built));
+      const auto build = spec.bounded->value == BoundedQuantity::kControl
+                             ? build_soft_control_bounds
+                             : build_state_bounds;
+      if (auto built = build(spec, context, out)) list.push_back(std::move(*built));
       continue;
     }
     for (BuiltCost& function : build_costs({function_of(spec)}, context, out)) {
@@ -236,7 +264,7 @@ std::vector<BuiltConstraint> build_constraints(const std::vector<ConstraintSpec>
 ConstraintTerm make_term(const BuiltConstraint& constraint,
                          std::shared_ptr<const Residual> residual) {
   return make_constraint(constraint.spec->function.name.value, std::move(residual), constraint.kind,
-                         constraint.slope);
+                         constraint.slope, constraint.spec->softness);
 }
 
 void write_parameters(const BuiltConstraint& constraint, const ConstraintTerm& term, double time,
@@ -249,6 +277,7 @@ void write_parameters(const BuiltConstraint& constraint, const ConstraintTerm& t
   std::copy(constraint.lower.begin(), constraint.lower.end(), parameters + term.lower());
   std::copy(constraint.upper.begin(), constraint.upper.end(), parameters + term.upper());
   parameters[term.active()] = active ? 1 : 0;
+  if (term.softness != Softness::hard) parameters[term.weight()] = constraint.spec->weight;
 }
 
 }  // namespace conddp

@@ -106,10 +106,16 @@ OrderedJson expand_constraint(const ConstraintSpec& constraint, const ProblemSpe
     if (constraint.lower) json["lower"] = expand_components(*constraint.lower);
     if (constraint.upper) json["upper"] = expand_components(*constraint.upper);
   };
+  const auto softness = [&] {
+    if (constraint.softness == Softness::hard) return;
+    json["soft"] = word_of(kSoftWords, constraint.softness);
+    json["weight"] = constraint.weight;
+  };
   if (constraint.bounded) {
     json["bounds"] = word_of(kBoundedWords, constraint.bounded->value);
     if (constraint.from_urdf) json["from"] = "urdf";
     bounds();
+    softness();
     // Named phases leave the last node out, so that all of them are not named here.
     if (function.phases) json["phases"] = expand_names(*function.phases);
     return json;
@@ -132,6 +138,7 @@ OrderedJson expand_constraint(const ConstraintSpec& constraint, const ProblemSpe
   } else if (is_zero(constraint)) {
     json["equals"] = 0.0;
   }
+  softness();
   if (!terminal) expand_place(function, spec, json);
   return json;
 }

@@ -9,6 +9,7 @@ namespace conddp {
 struct GuessUsed {
   std::string states;
   std::string controls;
+  std::string multipliers = "none";
   std::optional<std::uint64_t> seed;
 };
 

@@ -325,6 +325,7 @@ void settle_initial_state(const std::vector<double>& initial_state,
     double& active = phase.parameters[term.active()];
     if (active == 0 || term.depends_on_control(model.ndx())) continue;
     active = 0;
+    if (term.softness != Softness::hard) continue;
     const double* lower = phase.parameters.data() + term.lower();
     const double violation =
         distance_to_set(term, work.constraint.data() + term.row, lower, lower + term.rows);

@@ -53,7 +53,8 @@ std::vector<Phase> build_phases(const PhaseContext& context, const KnotContents&
 Phase build_terminal(const PhaseContext& context, const KnotContents& running,
                      const KnotContents& terminal, Diagnostics& out);
 
-/// Constraints on the initial state alone cannot be influenced: checks and switches them off.
+/// Constraints on the initial state alone cannot be influenced: checks those that are hard, and
+/// switches them off.
 void settle_initial_state(const std::vector<double>& initial_state,
                           const std::vector<BuiltConstraint>& constraints, double tolerance,
                           std::vector<Phase>& phases, Diagnostics& out);

@@ -21,6 +21,23 @@ void read_bounds(YamlMap& map, const Name& name, Spec& spec) {
         fmt::format("the bounds '{}' need 'lower', 'upper' or 'from: urdf'", name.value));
 }
 
+/// Whether and how a constraint is soft.
+void read_softness(YamlMap& map, ConstraintSpec& constraint) {
+  const auto weight = map.find("weight");
+  const auto soft = map.find("soft");
+  if (!soft) {
+    if (weight)
+      weight->error("only soft constraints have a weight", "write 'soft: l1' or 'soft: l2' too");
+    return;
+  }
+  constraint.softness = soft->choice(kSoftWords, "soft version").value_or(Softness::l2);
+  if (weight)
+    constraint.weight = weight->number(kNotNegative).value_or(1);
+  else
+    soft->error("a soft constraint needs a 'weight'",
+                "what a unit of distance costs (l1), or half of it a unit squared (l2)");
+}
+
 void read_bounded(YamlMap& map, const Name& name, ProblemSpec& spec) {
   const auto r = map.find("bounds");
   const auto bounded = r->choice(kBoundedWords, "quantity that can have bounds");
@@ -28,7 +45,9 @@ void read_bounded(YamlMap& map, const Name& name, ProblemSpec& spec) {
     map.ignore_others();
     return;
   }
-  if (*bounded == BoundedQuantity::kControl) {
+  const auto softness = map.find("soft"), weight = map.find("weight");
+  const bool soft = softness || weight;
+  if (*bounded == BoundedQuantity::kControl && !soft) {
     ControlBoundsSpec bounds{.name = name};
     read_bounds(map, name, bounds);
     if (const auto p = map.find("phases")) bounds.phases = p->name_or_names();
@@ -38,7 +57,12 @@ void read_bounded(YamlMap& map, const Name& name, ProblemSpec& spec) {
   ConstraintSpec constraint;
   constraint.function.name = name;
   constraint.function.residual = {"state", r->place()};
+  if (*bounded == BoundedQuantity::kControl) {
+    constraint.function.residual.value = "control";
+    constraint.function.kind = ResidualKind::kControl;
+  }
   constraint.bounded = {*bounded, r->place()};
+  read_softness(map, constraint);
   read_bounds(map, name, constraint);
   if (const auto p = map.find("phases")) constraint.function.phases = p->name_or_names();
   spec.constraints.push_back(std::move(constraint));
@@ -172,6 +196,7 @@ void read_constraint(const Name& name, const YamlReader& reader,
   if (!read_residual(map, folder, terminal, true, constraint.function)) return;
   read_set(map, constraint);
   read_centers(map, constraint);
+  read_softness(map, constraint);
   (terminal ? spec.terminal_constraints : spec.constraints).push_back(std::move(constraint));
 }
 

@@ -69,6 +69,8 @@ struct GuessSpec {
     double scale = 0;  ///< standard deviation, in the control's unit
   };
   std::optional<Random> random;
+  /// A former solution whose multipliers are taken as well.
+  std::optional<DataFileSpec> multipliers_file;
 };
 
 /// The format of problem files that is read, the value of their key `conddp`.

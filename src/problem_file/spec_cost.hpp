@@ -108,6 +108,8 @@ struct ConstraintSpec {
   std::vector<Located<std::vector<double>>> centers;
   std::optional<double> at_least, at_most;  ///< of the residual's norm
   double slope = 1;                         ///< of a cone
+  Softness softness = Softness::hard;
+  double weight = 1;  ///< of a soft one
 };
 
 /// Bounds on the control.

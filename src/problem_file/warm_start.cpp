@@ -14,6 +14,7 @@ void set_warm_start(const std::string& file, ProblemSpec& spec, Diagnostics& out
                 .controls = GuessSpec::Controls::kFile,
                 .controls_place = place,
                 .controls_file = data};
+  if (path.extension() == ".json") spec.guess.multipliers_file = data;
 }
 
 }  // namespace conddp

@@ -95,6 +95,11 @@ inline constexpr Choice<BoundedQuantity> kBoundedWords[] = {
     {"configuration", BoundedQuantity::kConfiguration, "the same of positions"},
     {"velocity", BoundedQuantity::kVelocity, "the same of velocities"}};
 
+inline constexpr Choice<Softness> kSoftWords[] = {
+    {"l1", Softness::l1,
+     "weight times the distance: exact, it holds wherever its multiplier stays below the weight"},
+    {"l2", Softness::l2, "half the weight times the squared distance: smooth, and never exact"}};
+
 /// The first word of a value; empty if it has none.
 template <class E, std::size_t N>
 std::string word_of(const Choice<E> (&table)[N], E value) {

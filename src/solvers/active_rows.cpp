@@ -38,6 +38,11 @@ ActiveRows::ActiveRows(const ShootingProblem& problem, const ControlBounds& boun
     most = std::max(most, m);
   }
   scratch_.resize(largest);
+  int cone = 0;
+  for (const NodeConstraint& c : problem.constraints())
+    if (c.is_soft() && !c.term->has_bounds()) cone = std::max(cone, c.term->rows);
+  slope_.resize(cone, cone);
+  product_.resize(cone, largest);
   predicted_.resize(most);
 }
 
@@ -51,10 +56,12 @@ void ActiveRows::choose(const Linearization& linearization, const Eigen::VectorX
       for (int i = 0; i < n; ++i) {
         const double outside =
             outside_bounds(g[i] + nu[i] / penalty[c.row + i], c.lower[i], c.upper[i]);
-        sides_[c.row + i] = c.lower[i] == c.upper[i] ? kEquality
-                            : outside < 0            ? kLower
-                            : outside > 0            ? kUpper
-                                                     : kInactive;
+        sides_[c.row + i] = std::abs(outside) > c.limit / penalty[c.row + i]
+                                ? (outside < 0 ? kBelow : kAbove)
+                            : c.lower[i] == c.upper[i] ? kEquality
+                            : outside < 0              ? kLower
+                            : outside > 0              ? kUpper
+                                                       : kInactive;
       }
       continue;
     }
@@ -75,6 +82,11 @@ void ActiveRows::choose(const Linearization& linearization, const Eigen::VectorX
     }
     const double a = std::sqrt(square), t = g[n - 1] + nu[n - 1] / penalty[c.row];
     sides_[c.row] = a <= t ? kInactive : a <= -t || length == 0 ? kTip : kSurface;
+    if (!c.is_soft() || sides_[c.row] == kInactive) continue;
+    const double outside = a <= -t ? std::hypot(a, t) : (a - t) * std::sqrt(0.5);
+    const double limit = c.limit / penalty[c.row];
+    if (outside > limit && distance_to_set(*c.term, g, nullptr, nullptr) > 0)
+      sides_[c.row] = kOutside;
   }
   for (int k = 0; k <= problem_.knots(); ++k) build(k, linearization, multipliers);
   write_multipliers(linearization, false, multipliers);
@@ -97,6 +109,9 @@ void ActiveRows::choose_controls(const Trajectory& trajectory, const Adjoint& ad
 ActiveRows::Side ActiveRows::revised_bound(const NodeConstraint& c, int i, double value,
                                            double multiplier) {
   const Side side = sides_[c.row + i];
+  if (side == kBelow) return value <= c.lower[i] ? kBelow : back_inside(c, i, kLower);
+  if (side == kAbove) return value >= c.upper[i] ? kAbove : back_inside(c, i, kUpper);
+  if (side != kInactive && std::abs(multiplier) > c.limit) return multiplier < 0 ? kBelow : kAbove;
   if (side == kEquality) return side;
   if (side == kLower) return multiplier < 0 ? kLower : kInactive;
   if (side == kUpper) return multiplier > 0 ? kUpper : kInactive;
@@ -113,6 +128,15 @@ ActiveRows::Side ActiveRows::revised_cone(const NodeConstraint& c,
   const int n = c.term->rows;
   const auto nu = target_.segment(c.row, n);
   const bool sloped = linearization.constraint.segment(c.row, n - 1).squaredNorm() > 0;
+  if (c.is_soft()) {
+    const auto distance = [&](const double* s) {
+      return distance_to_set(*c.term, s, nullptr, nullptr);
+    };
+    if (sides_[c.row] == kOutside && distance(values.data()) > 0) return kOutside;
+    if (sides_[c.row] == kOutside) return sloped ? kSurface : kTip;
+    const bool here = distance(linearization.constraint.data() + c.row) > 0;
+    if (sides_[c.row] != kInactive && nu.norm() > c.limit && here) return kOutside;
+  }
   if (sides_[c.row] == kSurface) return nu[n - 1] < 0 ? kSurface : kInactive;
   if (sides_[c.row] == kTip) {
     if (nu.head(n - 1).norm() <= -nu[n - 1] || !sloped) return kTip;
@@ -203,6 +227,10 @@ void ActiveRows::build(int node, const Linearization& linearization,
     const auto C = linearization.knots[node].C.middleRows(c.row - offset, n);
     const auto g = linearization.constraint.segment(c.row, n);
     if (c.term->is_cone() && sides_[c.row] == kInactive) continue;
+    if (c.term->is_cone() && sides_[c.row] == kOutside) {
+      build_outside(rows, index, linearization);
+      continue;
+    }
     if (c.term->is_cone() && sides_[c.row] == kSurface) {
       const double length = g.head(n - 1).norm();
       auto row = rows.A.row(rows.count);
@@ -217,11 +245,47 @@ void ActiveRows::build(int node, const Linearization& linearization,
       const Side side = sides_[c.row + i];
       if (!tip && side == kInactive) continue;
       rows.A.row(rows.count) = C.row(i);
+      if (side == kBelow || side == kAbove) {
+        add_row(rows, kLimit, c.row + i, index, 0, side == kBelow ? -c.limit : c.limit);
+        continue;
+      }
       const double bound = !c.term->has_bounds() ? 0 : side == kUpper ? c.upper[i] : c.lower[i];
       add_row(rows, tip ? kConeTip : kBounds, c.row + i, index, g[i] - bound,
               multipliers[c.row + i]);
     }
   }
+}
+
+/// A soft cone that does not hold pushes with all it has, straight towards itself.
+void ActiveRows::build_outside(Rows& rows, int index, const Linearization& linearization) {
+  const NodeConstraint& c = problem_.constraints()[index];
+  const int n = c.term->rows, offset = problem_.constraint_offset(c.node);
+  auto push = predicted_.head(n);
+  outside_cone(linearization.constraint.data() + c.row, n, push.data());
+  push *= c.limit / push.norm();
+  for (int i = 0; i < n; ++i) {
+    rows.A.row(rows.count) = linearization.knots[c.node].C.row(c.row - offset + i);
+    add_row(rows, kLimit, c.row + i, index, 0, push[i]);
+  }
+}
+
+/// Its curvature: that of the distance, times the limit.
+void ActiveRows::add_outside_curvature(int index, KnotLinearization& knot,
+                                       const Eigen::VectorXd& values) {
+  const NodeConstraint& c = problem_.constraints()[index];
+  const int n = c.term->rows;
+  auto p = predicted_.head(n);
+  outside_cone(values.data() + c.row, n, p.data());
+  Eigen::Map<Eigen::MatrixXd> slope(slope_.data(), n, n);
+  outside_cone_derivative(values.data() + c.row, n, slope.data());
+  const double distance = p.norm();
+  p /= distance;
+  slope.noalias() -= p * p.transpose();
+  slope *= c.limit / distance;
+  const auto C = knot.C.middleRows(c.row - problem_.constraint_offset(c.node), n);
+  auto product = product_.topLeftCorner(n, C.cols());
+  product.noalias() = slope * C;
+  knot.hessian.noalias() += C.transpose() * product;
 }
 
 void ActiveRows::build_controls(int node, const Trajectory& trajectory, const Adjoint& adjoint) {
@@ -251,6 +315,12 @@ void ActiveRows::add_curvature(double penalty, Linearization& linearization) {
     const Rows& rows = rows_[k];
     KnotLinearization& knot = linearization.knots[k];
     for (int r = 0; r < rows.count; ++r) {
+      if (rows.kind[r] == kLimit) {
+        const NodeConstraint& c = problem_.constraints()[rows.constraint[r]];
+        if (!c.term->has_bounds() && rows.source[r] == c.row)
+          add_outside_curvature(rows.constraint[r], knot, linearization.constraint);
+        continue;
+      }
       knot.hessian.noalias() += penalty * rows.A.row(r).transpose() * rows.A.row(r);
       if (rows.kind[r] != kConeSurface) continue;
       const NodeConstraint& c = problem_.constraints()[rows.constraint[r]];
@@ -273,6 +343,7 @@ double ActiveRows::correct(double penalty, const std::vector<Eigen::VectorXd>* s
   for (int k = 0; k <= problem_.knots(); ++k) {
     Rows& rows = rows_[k];
     for (int r = 0; r < rows.count; ++r) {
+      if (rows.kind[r] == kLimit) continue;
       double rest = rows.value[r];
       if (step != nullptr) rest += rows.A.row(r).dot((*step)[k]);
       largest = std::max(largest, std::abs(rest));
@@ -290,8 +361,11 @@ void ActiveRows::write_multipliers(const Linearization& linearization, bool corr
   for (const Rows& rows : rows_)
     for (int r = 0; r < rows.count; ++r) {
       const double value = rows.multiplier[r] + (corrected ? rows.correction[r] : 0);
-      if (rows.kind[r] == kBounds || rows.kind[r] == kConeTip) multipliers[rows.source[r]] = value;
-      if (rows.kind[r] != kConeSurface) continue;
+      if (rows.kind[r] == kControl) continue;
+      if (rows.kind[r] != kConeSurface) {
+        multipliers[rows.source[r]] = value;
+        continue;
+      }
       const NodeConstraint& c = problem_.constraints()[rows.constraint[r]];
       const int n = c.term->rows - 1;
       const auto v = linearization.constraint.segment(c.row, n);
@@ -302,7 +376,8 @@ void ActiveRows::write_multipliers(const Linearization& linearization, bool corr
 
 int ActiveRows::count() const {
   int count = 0;
-  for (const Rows& rows : rows_) count += rows.count;
+  for (const Rows& rows : rows_)
+    for (int r = 0; r < rows.count; ++r) count += rows.kind[r] != kLimit;
   return count;
 }
 

@@ -17,7 +17,8 @@ namespace conddp {
 /// cones choose() tells by an iterate which do: those at which value plus multiplier/ρ lies outside
 /// of the set. A cone counts with its surface (one row, which has curvature) or its tip (all rows).
 /// revise() tells it by a step: rows that push the wrong way no longer count, and what the step
-/// would violate does.
+/// would violate does. A soft constraint whose multiplier is at its limit does not
+/// count, but its multiplier stays in the gradients.
 class ActiveRows {
  public:
   ActiveRows(const ShootingProblem& problem, const ControlBounds& bounds);
@@ -47,9 +48,20 @@ class ActiveRows {
   int count() const;
 
  private:
-  enum Kind { kBounds, kConeSurface, kConeTip, kControl };
-  /// How a constraint row counts. Of a cone the first row tells it.
-  enum Side : signed char { kLower = -1, kInactive, kUpper, kEquality, kSurface, kTip };
+  enum Kind { kBounds, kConeSurface, kConeTip, kControl, kLimit };
+  /// How a constraint row counts. Of a cone the first row tells it. The last three: beyond what the
+  /// limit of a soft constraint holds.
+  enum Side : signed char {
+    kLower = -1,
+    kInactive,
+    kUpper,
+    kEquality,
+    kSurface,
+    kTip,
+    kBelow,
+    kAbove,
+    kOutside
+  };
   struct Rows {
     Eigen::MatrixXd A;  ///< rows x nz, the first `count` in use, as of the others
     Eigen::VectorXd value, multiplier, correction;
@@ -58,9 +70,15 @@ class ActiveRows {
     std::vector<Kind> kind;
     int count = 0;
   };
+  /// How a row of bounds counts that a step brings back from beyond its limit.
+  static Side back_inside(const NodeConstraint& c, int row, Side side) {
+    return c.lower[row] == c.upper[row] ? kEquality : side;
+  }
   void build(int node, const Linearization& linearization, const Eigen::VectorXd& multipliers);
   void add_row(Rows& rows, Kind kind, int source, int constraint, double value, double multiplier);
   void build_controls(int node, const Trajectory& trajectory, const Adjoint& adjoint);
+  void build_outside(Rows& rows, int index, const Linearization& linearization);
+  void add_outside_curvature(int index, KnotLinearization& knot, const Eigen::VectorXd& values);
   Side revised_bound(const NodeConstraint& constraint, int row, double value, double multiplier);
   Side revised_cone(const NodeConstraint& constraint, const Linearization& linearization,
                     const Eigen::Ref<const Eigen::VectorXd>& values) const;
@@ -72,6 +90,7 @@ class ActiveRows {
   std::vector<Side> sides_;                       ///< of the constraint rows
   std::vector<Side> control_sides_;               ///< of the controls, as ControlBounds has them
   Eigen::VectorXd target_, scratch_, predicted_;
+  Eigen::MatrixXd slope_, product_;  ///< of one soft cone: rows x rows, rows x columns
 };
 
 }  // namespace conddp

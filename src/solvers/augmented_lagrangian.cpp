@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "ocp/soft_constraint.hpp"
+
 namespace conddp {
 namespace {
 
@@ -11,6 +13,9 @@ constexpr int kPatience = 5;
 constexpr double kNoProgress = 0.9;
 /// Smaller violations, and those below a few tolerances, are rounding and no contradiction.
 constexpr double kContradiction = 1e-5;
+/// The same as sufficient_decrease, of soft constraints: a large penalty leaves them little
+/// curvature within their limits, and multipliers find their way without.
+constexpr double kSoftDecrease = 0.7;
 /// What the next change of the multipliers has to be, as a share of the last one.
 constexpr double kTighter = 0.1;
 
@@ -24,7 +29,8 @@ AugmentedLagrangian::AugmentedLagrangian(const ShootingProblem& problem,
       schedule_(schedule),
       augmentation_(problem),
       multipliers_(Eigen::VectorXd::Zero(problem.constraint_rows())),
-      next_(multipliers_) {
+      next_(multipliers_),
+      shifted_(multipliers_) {
   for (std::size_t i = 0; i < problem.constraints().size(); ++i) {
     const NodeConstraint& c = problem.constraints()[i];
     const std::string name = (c.node == problem.knots() ? "terminal/" : "") + c.term->name;
@@ -32,6 +38,7 @@ AugmentedLagrangian::AugmentedLagrangian(const ShootingProblem& problem,
                               [&](const Group& g) { return g.name == name; });
     if (group == groups_.end()) group = groups_.insert(group, Group{.name = name});
     group->constraints.push_back(static_cast<int>(i));
+    group->soft = c.is_soft();
   }
   start(multipliers_);
 }
@@ -71,22 +78,19 @@ ConstraintNorms AugmentedLagrangian::measure(const Eigen::VectorXd& values) {
     for (const int i : group.constraints) {
       const NodeConstraint& c = problem_.constraints()[i];
       const double* g = values.data() + c.row;
-      const double distance = distance_to_set(*c.term, g, c.lower, c.upper);
+      const double distance = violation(c, g);
       if (!(distance <= group.violation)) group.violation = distance;
       if (!(distance <= norms.violation.value)) norms.violation = {distance, c.node};
       auto next = next_.segment(c.row, c.term->rows);
-      next = values.segment(c.row, c.term->rows) + augmentation_.shift.segment(c.row, c.term->rows);
-      if (c.term->has_bounds())
-        for (int r = 0; r < c.term->rows; ++r)
-          next[r] = outside_bounds(next[r], c.lower[r], c.upper[r]);
-      else
-        outside_cone(next.data(), c.term->rows, next.data());
-      next *= group.penalty;
+      shifted_.head(next.size()) =
+          values.segment(c.row, next.size()) + augmentation_.shift.segment(c.row, next.size());
+      next_multipliers(c, shifted_.data(), group.penalty, next.data());
       const double change =
           (next - multipliers_.segment(c.row, c.term->rows)).lpNorm<Eigen::Infinity>();
       group.change = std::max(group.change, change / group.penalty);
-      norms.complementarity = std::max(norms.complementarity,
-                                       complementarity(*c.term, g, c.lower, c.upper, next.data()));
+      // Where a soft one is missed at its limit nothing more can be asked of it.
+      if (c.is_soft()) group.violation = group.change;
+      norms.complementarity = std::max(norms.complementarity, complementarity(c, g, next.data()));
     }
   }
   return norms;
@@ -101,7 +105,8 @@ void AugmentedLagrangian::update() {
     if (grows)
       group.penalty = std::min(group.penalty * options_.penalty_factor, options_.max_penalty);
     const bool progress = group.violation <= kNoProgress * group.before;
-    const bool violated = group.violation > std::max(10 * tolerance_, kContradiction);
+    const bool violated =
+        !group.soft && group.violation > std::max(10 * tolerance_, kContradiction);
     group.stalled = at_limit && !progress && violated ? group.stalled + 1 : 0;
     if (group.stalled >= kPatience && hopeless_.empty()) hopeless_ = group.name;
     group.before = group.violation;
@@ -119,7 +124,8 @@ void AugmentedLagrangian::take_multipliers(const Group& group) {
 /// A constraint that held before has not had multipliers yet.
 bool AugmentedLagrangian::grows_after_update(const Group& group) const {
   return group.violation > 0.1 * tolerance_ && group.before > tolerance_ &&
-         group.violation > options_.sufficient_decrease * group.before;
+         group.violation >
+             (group.soft ? kSoftDecrease : options_.sufficient_decrease) * group.before;
 }
 
 bool AugmentedLagrangian::grows_instead_of_update(Group& group) {

@@ -66,8 +66,9 @@ class AugmentedLagrangian {
   struct Group {
     std::string name;
     std::vector<int> constraints;  ///< into ShootingProblem::constraints()
+    bool soft = false;
     double penalty = 0;
-    double violation = 0;  ///< at the last measure
+    double violation = 0;  ///< at the last measure; of a soft one `change`
     double before = 0;     ///< the same at the last update
     double change = 0;     ///< at the last measure: largest |ν⁺ − ν|/ρ
     double allowed = 0;    ///< what that may be for ν to change
@@ -85,6 +86,7 @@ class AugmentedLagrangian {
   std::vector<Group> groups_;
   Augmentation augmentation_;
   Eigen::VectorXd multipliers_, next_;
+  Eigen::VectorXd shifted_;  ///< of one constraint
   std::string hopeless_;
 };
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "ocp/soft_constraint.hpp"
+
 namespace conddp {
 namespace {
 
@@ -80,7 +82,7 @@ Extremum largest_violation(const ShootingProblem& problem, const ControlBounds& 
                            const Trajectory& trajectory, const Eigen::VectorXd& constraint) {
   Extremum worst = bounds.violation(trajectory);
   for (const NodeConstraint& c : problem.constraints()) {
-    const double distance = distance_to_set(*c.term, constraint.data() + c.row, c.lower, c.upper);
+    const double distance = violation(c, constraint.data() + c.row);
     if (!(distance <= worst.value)) worst = {distance, c.node};
   }
   return worst;

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "ocp/soft_constraint.hpp"
 #include "solvers/ddp_solver.hpp"
 
 namespace conddp {
@@ -26,14 +27,21 @@ constexpr double kNewtonGoal = 1e-12;
 
 }  // namespace
 
-/// Before a solve: the first penalties, and no multipliers.
+/// Before a solve: the first penalties, and multipliers where there are some to start from.
 void DdpSolver::start_constraints() {
   inner_tolerance_ = kFirstInnerTolerance;
   inner_decrease_ = kFirstInnerDecrease;
   inner_start_ = recoveries_ = 0;
   newton_threshold_ = kFirstNewtonThreshold;
   by_newton_ = false;
-  if (constraints_) constraints_->start(result_.constraint_multipliers);
+  if (!constraints_) return;
+  const bool known = options_.multipliers != nullptr;
+  constraints_->start(known ? options_.multipliers->constraints : result_.constraint_multipliers);
+}
+
+/// What constraints that are soft by their distance cost, which no act knows of.
+double DdpSolver::soft_cost() const {
+  return constraints_ ? linear_soft_cost(problem_, linearization_.constraint) : 0;
 }
 
 void DdpSolver::measure_constraints() {

@@ -78,6 +78,7 @@ bool DdpSolver::start(const Trajectory& guess) {
   trajectory_ = guess;
   result_.start = recipe_.open_gaps ? "states and controls of the guess"
                                     : "controls of the guess, simulated from the initial state";
+  if (constraints_ && options_.multipliers) result_.start += "; its multipliers";
   if (recipe_.clamp_controls) result_.start += clamp_guess(bounds_, trajectory_);
   if (recipe_.open_gaps) {
     result_.start += correct_states(problem_, trajectory_);
@@ -110,8 +111,8 @@ bool DdpSolver::linearize() {
 
 /// Residuals and merit of the linearised iterate.
 void DdpSolver::measure_iterate() {
-  row_.cost = linearization_.total_cost();
-  merit_.cost = row_.cost + linearization_.augmentation.sum();
+  row_.cost = linearization_.total_cost() + soft_cost();
+  merit_.cost = linearization_.total_cost() + linearization_.augmentation.sum();
   merit_.gap_norm = gaps_.norm();
   merit_.rounding = adjoint_.cost_rounding(linearization_, trajectory_);
   row_.merit = merit_.value();
@@ -186,7 +187,7 @@ void DdpSolver::finish() {
   if (!linearized_) differentiate();
   result_.trajectory = trajectory_;
   if (find_non_finite(linearization_)) return;
-  result_.cost = linearization_.total_cost();
+  result_.cost = linearization_.total_cost() + soft_cost();
   Residuals& residuals = result_.residuals;
   const Extremum stationarity = bounds_.projected_norm(adjoint_.gradient(), trajectory_);
   residuals.stationarity = stationarity.value;
@@ -202,10 +203,8 @@ void DdpSolver::finish() {
   residuals.constraint = row_.constraint;
   residuals.constraint_knot = row_.constraint_knot;
   residuals.complementarity = row_.complementarity;
-  if (constraints_) {
-    result_.constraint_values = linearization_.constraint;
-    result_.constraint_multipliers = constraints_->multipliers();
-  }
+  result_.constraint_values = linearization_.constraint;
+  if (constraints_) result_.constraint_multipliers = constraints_->multipliers();
   confirm_status();
   name_contradiction();
   result_.costates = adjoint_.costates();

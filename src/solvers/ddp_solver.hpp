@@ -64,6 +64,7 @@ class DdpSolver {
   // ddp_constraints.cpp
   void start_constraints();
   void measure_constraints();
+  double soft_cost() const;
   bool inner_converged() const;
   bool next_multipliers();
   bool merit_needs_penalty();

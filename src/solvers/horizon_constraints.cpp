@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ocp/soft_constraint.hpp"
+
 namespace conddp {
 namespace {
 
@@ -11,8 +13,24 @@ namespace {
 constexpr double kExact = 1e-9;
 constexpr double kConeShare = 0.02;
 
-double bound_slope(double s, double lower, double upper) {
-  return s <= lower || s >= upper ? 1 : 0;
+/// P of a row of bounds at s, and its slope; of a soft one within its limit.
+double outside_row(const NodeConstraint& c, int r, double s, double limit) {
+  return limit_outside(outside_bounds(s, c.lower[r], c.upper[r]), limit);
+}
+double row_slope(const NodeConstraint& c, int r, double s, double limit) {
+  const double outside = outside_bounds(s, c.lower[r], c.upper[r]);
+  return (s <= c.lower[r] || s >= c.upper[r]) && std::abs(outside) <= limit ? 1 : 0;
+}
+
+/// P of a cone at s, and its derivative.
+void outside_cone_at(const NodeConstraint& c, const double* s, double limit, double* p,
+                     double* derivative) {
+  outside_cone(s, c.term->rows, p);
+  if (derivative != nullptr) {
+    outside_cone_derivative(s, c.term->rows, derivative);
+    if (c.is_soft()) limit_cone_derivative(p, c.term->rows, limit, derivative);
+  }
+  if (c.is_soft()) limit_cone(c.term->rows, limit, p);
 }
 
 }  // namespace
@@ -48,14 +66,14 @@ void HorizonConstraints::start(const Linearization& linearization,
   for (std::size_t i = 0; i < cone_slope_.size(); ++i) {
     const NodeConstraint& c = problem_.constraints()[i];
     const double* s = base_.data() + c.row;
+    const double limit = c.limit / augmentation.penalty[c.row];
     if (!c.term->has_bounds()) {
-      outside_cone(s, c.term->rows, outside_.data() + c.row);
-      outside_cone_derivative(s, c.term->rows, cone_slope_[i].data());
+      outside_cone_at(c, s, limit, outside_.data() + c.row, cone_slope_[i].data());
       continue;
     }
     for (int r = 0; r < c.term->rows; ++r) {
-      outside_[c.row + r] = outside_bounds(s[r], c.lower[r], c.upper[r]);
-      slope_[c.row + r] = bound_slope(s[r], c.lower[r], c.upper[r]);
+      outside_[c.row + r] = outside_row(c, r, s[r], limit);
+      slope_[c.row + r] = row_slope(c, r, s[r], limit);
     }
   }
 }
@@ -91,16 +109,15 @@ bool HorizonConstraints::revise_bounds(const NodeConstraint& c, KnotLinearizatio
   bool changed = false;
   for (int r = 0; r < c.term->rows; ++r) {
     const int row = c.row + r;
-    const double s = shifted_[row];
-    const double outside = outside_bounds(s, c.lower[r], c.upper[r]);
+    const double s = shifted_[row], rho = augmentation_->penalty[row], limit = c.limit / rho;
+    const double outside = outside_row(c, r, s, limit);
     const double model = outside_[row] + slope_[row] * (s - around_[row]);
     if (std::abs(outside - model) <= kExact * largest_) continue;
     keep(knot, node);
     changed = true;
-    const double slope = bound_slope(s, c.lower[r], c.upper[r]);
+    const double slope = row_slope(c, r, s, limit);
     const double before = outside_[row] - slope_[row] * (around_[row] - base_[row]);
     const double after = outside - slope * (s - base_[row]);
-    const double rho = augmentation_->penalty[row];
     const auto C = knot.C.row(row - offset);
     knot.gradient += rho * (after - before) * C.transpose();
     if (slope != slope_[row])
@@ -120,7 +137,8 @@ bool HorizonConstraints::revise_cone(const NodeConstraint& c, int index, KnotLin
   auto outside = outside_.segment(c.row, n);
   Eigen::MatrixXd& slope = cone_slope_[index];
   auto new_outside = new_outside_.head(n);
-  outside_cone(s.data(), n, new_outside.data());
+  const double rho = augmentation_->penalty[c.row], limit = c.limit / rho;
+  outside_cone_at(c, s.data(), limit, new_outside.data(), nullptr);
   auto error = weight_.head(n);
   error = new_outside - outside;
   error.noalias() -= slope * (s - around);
@@ -128,9 +146,8 @@ bool HorizonConstraints::revise_cone(const NodeConstraint& c, int index, KnotLin
   if (error.norm() <= allowed) return false;
   keep(knot, node);
   Eigen::Map<Eigen::MatrixXd> new_slope(new_slope_.data(), n, n);
-  outside_cone_derivative(s.data(), n, new_slope.data());
+  outside_cone_at(c, s.data(), limit, new_outside.data(), new_slope.data());
   const auto base = base_.segment(c.row, n);
-  const double rho = augmentation_->penalty[c.row];
   auto weight = weight_.head(n);
   weight = new_outside - outside;
   weight.noalias() -= new_slope * (s - base);

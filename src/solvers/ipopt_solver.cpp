@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "ocp/soft_constraint.hpp"
 #include "solvers/backward_sweep.hpp"
 #include "solvers/finite_check.hpp"
 #include "solvers/guess.hpp"
@@ -27,6 +28,8 @@ constexpr double kNewtonGoal = 1e-12;
 constexpr double kNewtonGrowth = 10;
 /// Smallest curvature by which multipliers are compared with distances from a bound.
 constexpr double kSmallestCurvature = 1e-8;
+/// The barrier to begin with where all multipliers are known.
+constexpr double kWarmBarrier = 1e-9;
 /// Rows of the log that are reserved at most before the first iteration.
 constexpr int kReservedRows = 10000;
 
@@ -74,6 +77,8 @@ SolveResult IpoptSolver::solve(const Trajectory& guess) {
   iterations_before_ = 0;
   Trajectory start = guess;
   result_.start = "states and controls of the guess";
+  if (options_.multipliers && options_.multipliers->costates.size() > 0)
+    result_.start += "; its multipliers";
   result_.start += clamp_guess(bounds_, start);
   result_.start += correct_states(problem_, start);
   result_.trajectory = start;
@@ -101,6 +106,15 @@ InteriorPointSettings IpoptSolver::default_settings() const {
 /// Runs Ipopt, again from the last iterate wherever that has left the middle of its charts.
 InteriorPointAnswer IpoptSolver::run_ipopt(Eigen::VectorXd y, InteriorPointSettings settings) {
   InteriorPointAnswer answer;
+  PrimalDualPoint known;
+  if (const DualGuess* duals = options_.multipliers.get();
+      duals != nullptr && duals->costates.size() > 0) {
+    known.y = y;
+    transcription_.write_multipliers(duals->costates, duals->constraints, duals->control_gradient,
+                                     known.rows, known.lower, known.upper);
+    settings.warm = &known;
+    settings.warm_barrier = kWarmBarrier;
+  }
   for (;;) {
     stop_ = Stop::none;
     const double began = elapsed();
@@ -127,7 +141,7 @@ bool IpoptSolver::note(const InteriorPointIterate& iterate) {
   transcription_->set_point(iterate.y);
   const Evaluation& values = transcription_->evaluation();
   row_.iteration = iterations_before_ + iterate.iteration;
-  row_.cost = row_.merit = values.cost.sum();
+  row_.cost = row_.merit = values.cost.sum() + linear_soft_cost(problem_, values.constraint);
   row_.stationarity = iterate.dual_infeasibility;
   row_.stationarity_knot = -1;
   row_.gap = values.gap.size() == 0 ? 0 : values.gap.cwiseAbs().maxCoeff();

@@ -2,11 +2,13 @@
 
 #include <functional>
 #include <limits>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "nlp/ipopt_options.hpp"
 #include "nlp/pair_relaxation.hpp"
+#include "solvers/dual_guess.hpp"
 #include "solvers/iteration_record.hpp"
 
 namespace conddp {
@@ -90,6 +92,9 @@ struct SolverOptions {
 
   /// Ipopt's own, by its names, of the solver `ipopt`.
   IpoptOptions ipopt;
+
+  /// Multipliers to start from, beside the guess, of solvers that have multipliers of constraints.
+  std::shared_ptr<const DualGuess> multipliers;
 
   /// Called with every row of the log as soon as it is known; the row lives during the call only.
   std::function<void(const IterationRecord&)> on_iteration;

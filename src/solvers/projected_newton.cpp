@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "ocp/soft_constraint.hpp"
+
 namespace conddp {
 namespace {
 
@@ -82,9 +84,9 @@ void ProjectedNewton::measure() {
   norms_.violation = largest_violation(problem_, bounds_, trajectory_, linearization_.constraint);
   norms_.complementarity = 0;
   for (const NodeConstraint& c : problem_.constraints()) {
-    norms_.complementarity = std::max(
-        norms_.complementarity, complementarity(*c.term, linearization_.constraint.data() + c.row,
-                                                c.lower, c.upper, multipliers_.data() + c.row));
+    norms_.complementarity =
+        std::max(norms_.complementarity, complementarity(c, linearization_.constraint.data() + c.row,
+                                                         multipliers_.data() + c.row));
   }
   norms_.gap = {};
   for (int k = 0; k < problem_.knots(); ++k) {
@@ -182,6 +184,10 @@ bool ProjectedNewton::step(double growth) {
   step_length_ = 0;
   linearize();
   return false;
+}
+
+double ProjectedNewton::cost() const {
+  return linearization_.total_cost() + linear_soft_cost(problem_, linearization_.constraint);
 }
 
 void ProjectedNewton::describe(IterationRecord& row) const {

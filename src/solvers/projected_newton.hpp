@@ -49,7 +49,7 @@ class ProjectedNewton {
   int active_rows() const { return rows_.count(); }
   /// Writes what is known of the iterate and the step to it into a row of the log.
   void describe(IterationRecord& row) const;
-  double cost() const { return linearization_.total_cost(); }
+  double cost() const;
   const Trajectory& trajectory() const { return trajectory_; }
   /// Of all constraint rows.
   const Eigen::VectorXd& multipliers() const { return multipliers_; }

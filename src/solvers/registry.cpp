@@ -44,7 +44,7 @@ std::string list_solvers(BoundSupport support) {
 }
 
 bool is_equality(const NodeConstraint& c) {
-  if (!c.term->has_bounds()) return false;
+  if (!c.term->has_bounds() || c.is_soft()) return false;
   for (int i = 0; i < c.term->rows; ++i)
     if (c.lower[i] != c.upper[i]) return false;
   return true;
@@ -56,6 +56,20 @@ bool keeps(const SolverInfo& solver, const NodeConstraint& constraint) {
          (solver.constraints == ConstraintSupport::equalities && is_equality(constraint));
 }
 
+/// Why multipliers are not those of a problem of this shape, if so.
+std::optional<std::string> misfit(const ShootingProblem& problem, const DualGuess& guess) {
+  const int N = problem.knots();
+  bool fits = guess.constraints.size() == problem.constraint_rows() &&
+              (guess.costates.size() == 0 ||
+               (guess.costates.rows() == problem.ndx() && guess.costates.cols() == N + 1)) &&
+              (guess.control_gradient.empty() ||
+               static_cast<int>(guess.control_gradient.size()) == N);
+  for (std::size_t k = 0; fits && k < guess.control_gradient.size(); ++k)
+    fits = guess.control_gradient[k].size() == problem.nu(static_cast<int>(k));
+  if (fits) return std::nullopt;
+  return "the multipliers to start from do not have the shape of the problem";
+}
+
 /// Why the solver cannot take the problem because of its constraints, if so.
 std::optional<std::string> refuse_constraint(const SolverInfo& solver,
                                              const ShootingProblem& problem) {
@@ -63,13 +77,15 @@ std::optional<std::string> refuse_constraint(const SolverInfo& solver,
     if (keeps(solver, c)) continue;
     const int phase = problem.knot(c.node).phase;
     const std::string can = list_solvers([&](const SolverInfo& info) { return keeps(info, c); });
-    return fmt::format(
-        "{} cannot keep the {} '{}' ({}); {}", solver.name,
-        solver.constraints == ConstraintSupport::equalities ? "inequality" : "constraint",
-        c.term->name,
-        c.node == problem.knots() ? "terminal node"
-                                  : fmt::format("phase '{}'", problem.phases()[phase].name),
-        can.empty() ? "no solver can" : can + " can");
+    return fmt::format("{} cannot keep the {} '{}' ({}); {}", solver.name,
+                       c.is_soft()                                           ? "soft constraint"
+                       : solver.constraints == ConstraintSupport::equalities ? "inequality"
+                                                                             : "constraint",
+                       c.term->name,
+                       c.node == problem.knots()
+                           ? "terminal node"
+                           : fmt::format("phase '{}'", problem.phases()[phase].name),
+                       can.empty() ? "no solver can" : can + " can");
   }
   return std::nullopt;
 }
@@ -118,6 +134,8 @@ SolveResult solve(const ShootingProblem& problem, const SolverInfo& solver,
       !solver.gauss_newton_hessian) {
     wrong = fmt::format("hessian: {} always uses the exact one", solver.name);
   }
+  if (wrong.empty() && options.multipliers)
+    wrong = misfit(problem, *options.multipliers).value_or("");
   if (!wrong.empty()) throw std::invalid_argument(wrong);
   return solver.run(problem, options, guess);
 }

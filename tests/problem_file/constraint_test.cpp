@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "ocp/acts.hpp"
+#include "ocp/by_name.hpp"
 #include "problem_file/memory_need.hpp"
 #include "problem_text.hpp"
 #include "solvers/registry.hpp"
@@ -258,6 +259,64 @@ TEST(Constraints, DroppedOnesAreNotInTheProblemButTheirViolationIsKnown) {
   t.x(problem.knots()) << 1.5, 0;
   for (const DroppedConstraint& dropped : loaded.built->dropped)
     EXPECT_EQ(violation(dropped, problem, t), dropped.name == "speed" ? 2 : 0.5) << dropped.name;
+}
+
+TEST(SoftConstraints, AreCostsOrHaveLimits) {
+  const Loaded loaded(
+      with("  speed: {bounds: velocity, lower: -2, upper: 5, soft: l1, weight: 3}\n"
+           "  near: {residual: state, columns: theta, at_most: 1, soft: l2, weight: 7}\n",
+           "    rest: {residual: state, columns: omega, soft: l1, weight: 4}\n"));
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const ShootingProblem& problem = *loaded.built->problem;
+  const auto speed = named(problem, "speed");
+  ASSERT_EQ(speed.size(), 10u);
+  EXPECT_DOUBLE_EQ(speed[0].limit, 3 * 0.1);
+  EXPECT_DOUBLE_EQ(speed[8].limit, 3 * 0.05);
+  EXPECT_DOUBLE_EQ(speed[9].limit, 3) << "nothing is a rate at the last node";
+  EXPECT_DOUBLE_EQ(named(problem, "rest")[0].limit, 4);
+  EXPECT_TRUE(named(problem, "near").empty());
+  EXPECT_EQ(problem.soft_constraints().size(), 10u + 9u + 1u);
+
+  Trajectory t = problem.create_trajectory();
+  t.x(2) << 3, 8;
+  const double expected = 0.1 * 0.5 * 7 * (3 - 1) * (3 - 1);
+  Evaluation evaluation(problem);
+  Acts(problem).evaluate(t, evaluation);
+  const double effort = 0;
+  EXPECT_NEAR(evaluation.cost[2], effort + expected, 1e-7);
+  double near = 0, fast = 0;
+  for (const auto& [name, value] : cost_by_name(problem, t)) {
+    if (name == "near") near = value;
+    if (name == "speed") fast = value;
+  }
+  EXPECT_NEAR(near, expected, 1e-7);
+  EXPECT_DOUBLE_EQ(fast, 0.1 * 3 * (8 - 5));
+  const auto misses = soft_violations(problem, evaluation.constraint);
+  ASSERT_EQ(misses.size(), 4u) << "two at running knots, two at the last node";
+  EXPECT_EQ(misses[0].name, "speed");
+  EXPECT_DOUBLE_EQ(misses[0].value, 3);
+  EXPECT_EQ(misses[0].node, 2);
+}
+
+TEST(SoftConstraints, OnTheControlAreNoBoundsToASolver) {
+  const Loaded loaded(replaced(kPendulum, "{bounds: control, lower: -3, upper: 3}",
+                               "{bounds: control, lower: -3, upper: 3, soft: l2, weight: 10}"));
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const ShootingProblem& problem = *loaded.built->problem;
+  EXPECT_FALSE(problem.has_control_bounds());
+  EXPECT_EQ(problem.soft_constraints().size(), 10u);
+  EXPECT_FALSE(refuse(*find_solver("fddp"), problem));
+  Trajectory t = problem.create_trajectory();
+  t.u(1)[0] = -5;
+  Evaluation evaluation(problem);
+  Acts(problem).evaluate(t, evaluation);
+  EXPECT_NEAR(evaluation.cost[1], 0.1 * (0.5 * 0.5 * 25 + 0.5 * 10 * 4), 1e-12);
+}
+
+TEST(SoftConstraints, OfTheInitialStateAreNoError) {
+  const Loaded loaded(
+      with("  fast: {residual: state, columns: omega, equals: 9, soft: l1, weight: 1}\n"));
+  EXPECT_TRUE(loaded.built) << loaded.all();
 }
 
 }  // namespace

@@ -17,6 +17,8 @@ struct Added {
   std::vector<double> reference, lower, upper;
   int first = 0, last = 0;
   double slope = 1;
+  Softness softness = Softness::hard;
+  double weight = 0;  ///< of a soft one
 };
 
 inline void add_constraints(const std::vector<Added>& list, int first_node, Phase& phase) {
@@ -27,7 +29,8 @@ inline void add_constraints(const std::vector<Added>& list, int first_node, Phas
   for (const Added& added : list) {
     if (added.first > last_node || added.last < first_node) continue;
     here.push_back(&added);
-    model->add_constraint(make_constraint(added.name, added.residual, added.kind, added.slope));
+    model->add_constraint(
+        make_constraint(added.name, added.residual, added.kind, added.slope, added.softness));
   }
   std::vector<double> parameters;
   for (int k = 0; k < phase.knots(); ++k) {
@@ -38,6 +41,7 @@ inline void add_constraints(const std::vector<Added>& list, int first_node, Phas
         parameters.insert(parameters.end(), part->begin(), part->end());
       const int node = first_node + k;
       parameters.push_back(added->first <= node && node <= added->last ? 1 : 0);
+      if (added->softness != Softness::hard) parameters.push_back(added->weight);
     }
   }
   phase.model = std::move(model);

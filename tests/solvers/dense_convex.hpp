@@ -47,22 +47,43 @@ inline Dense make_dense(const LinearQuadratic& lq, const ShootingProblem& proble
   return dense;
 }
 
-/// The nearest point of the constraints' sets; rows that are switched off are free.
+/// How much of the way from s to its nearest point in the constraint's set ADMM goes, with penalty
+/// 1: all of it where it is hard, the proximal step of the penalty where it is soft.
+inline double share_of_way(const ShootingProblem& problem, const NodeConstraint& c,
+                           double distance) {
+  if (!c.is_soft() || distance == 0) return 1;
+  const KnotView& knot = problem.knot(c.node);
+  const double weight = knot.cost_scale * knot.parameters[c.term->weight()];
+  return c.term->softness == Softness::l1 ? std::min(1.0, weight / distance)
+                                          : weight / (weight + 1);
+}
+
+inline void move_towards(const ShootingProblem& problem, const NodeConstraint& c,
+                         const Eigen::VectorXd& s, Eigen::VectorXd& z) {
+  const int n = c.term->rows;
+  if (c.term->has_bounds()) {
+    for (int i = 0; i < n; ++i) {
+      const double off = s[c.row + i] - std::clamp(s[c.row + i], c.lower[i], c.upper[i]);
+      z[c.row + i] = s[c.row + i] - share_of_way(problem, c, std::abs(off)) * off;
+    }
+    return;
+  }
+  const double t = s[c.row + n - 1], a = s.segment(c.row, n - 1).norm();
+  if (a <= t) return;
+  const double share = a <= -t ? 0 : 0.5 * (1 + t / a);
+  Eigen::VectorXd off = s.segment(c.row, n);
+  off.head(n - 1) *= 1 - share;
+  off[n - 1] -= share * a;
+  z.segment(c.row, n) -= share_of_way(problem, c, off.norm()) * off;
+}
+
+/// The nearest point of the constraints' sets, and of soft ones the proximal point; rows that are
+/// switched off are free.
 inline Eigen::VectorXd nearest(const ShootingProblem& problem, const Eigen::VectorXd& s) {
   Eigen::VectorXd z = s;
-  for (const NodeConstraint& c : problem.constraints()) {
-    if (c.term->has_bounds()) {
-      for (int i = 0; i < c.term->rows; ++i)
-        z[c.row + i] = std::clamp(s[c.row + i], c.lower[i], c.upper[i]);
-      continue;
-    }
-    const int n = c.term->rows;
-    const double t = s[c.row + n - 1], a = s.segment(c.row, n - 1).norm();
-    if (a <= t) continue;
-    const double share = a <= -t ? 0 : 0.5 * (1 + t / a);
-    z.segment(c.row, n - 1) *= share;
-    z[c.row + n - 1] = share * a;
-  }
+  for (const NodeConstraint& c : problem.constraints())
+    if (!c.is_soft()) move_towards(problem, c, s, z);
+  for (const NodeConstraint& c : problem.soft_constraints()) move_towards(problem, c, s, z);
   return z;
 }
 

@@ -1,0 +1,73 @@
+// Multipliers to start from: a solve from an answer of its own is done at once.
+#include <gtest/gtest.h>
+
+#include "solvers/constrained.hpp"
+#include "solvers/dense_convex.hpp"
+#include "solvers/registry.hpp"
+
+namespace conddp {
+namespace {
+
+std::shared_ptr<DualGuess> multipliers_of(const SolveResult& result) {
+  auto guess = std::make_shared<DualGuess>();
+  guess->constraints = result.constraint_multipliers;
+  guess->costates = result.costates;
+  guess->control_gradient = result.control_gradient;
+  return guess;
+}
+
+SolverOptions strict() {
+  SolverOptions options;
+  options.tolerances.constraint = 1e-8;
+  return options;
+}
+
+class DualGuesses : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(DualGuesses, OfAnOwnAnswerEndInTwoIterations) {
+  for (const auto& [name, problem, control, cost] : testing::published_cases()) {
+    SolverOptions options = strict();
+    const SolveResult cold =
+        solve(problem, GetParam(), options, testing::constant_controls(problem, control));
+    ASSERT_EQ(cold.status, SolveStatus::converged) << name << ": " << cold.message;
+    options.multipliers = multipliers_of(cold);
+    const SolveResult warm = solve(problem, GetParam(), options, cold.trajectory);
+    EXPECT_EQ(warm.status, SolveStatus::converged) << name << ": " << warm.message;
+    EXPECT_LE(warm.iterations, 2) << name;
+    EXPECT_GT(cold.iterations, 3) << name;
+    EXPECT_NEAR(warm.cost, cold.cost, 1e-6 * cold.cost) << name;
+    EXPECT_NE(warm.start.find("multipliers"), std::string::npos) << warm.start;
+  }
+}
+
+TEST_P(DualGuesses, DoTheWorkThatTheTrajectoryAloneLeaves) {
+  int with = 0, without = 0;
+  for (const unsigned seed : {1u, 2u, 3u}) {
+    const testing::LinearQuadratic lq(seed, 4, {3, 2}, 8, -3, 3);
+    const ShootingProblem problem = testing::with_constraints(*lq.problem, testing::cuts(lq));
+    SolverOptions options = strict();
+    const SolveResult cold = solve(problem, GetParam(), options, problem.create_trajectory());
+    ASSERT_EQ(cold.status, SolveStatus::converged) << cold.message;
+    without += solve(problem, GetParam(), options, cold.trajectory).iterations;
+    options.multipliers = multipliers_of(cold);
+    with += solve(problem, GetParam(), options, cold.trajectory).iterations;
+  }
+  EXPECT_LE(with, 6);
+  EXPECT_LT(with, without);
+}
+
+TEST_P(DualGuesses, OfAnotherShapeAreRefused) {
+  const testing::LinearQuadratic lq(1, 4, {3, 2}, 8, -3, 3);
+  const ShootingProblem problem = testing::with_constraints(*lq.problem, testing::cuts(lq));
+  SolverOptions options;
+  auto guess = std::make_shared<DualGuess>();
+  guess->constraints = Eigen::VectorXd::Zero(problem.constraint_rows() + 1);
+  options.multipliers = guess;
+  EXPECT_THROW(solve(problem, GetParam(), options, problem.create_trajectory()),
+               std::invalid_argument);
+}
+
+INSTANTIATE_TEST_SUITE_P(Solvers, DualGuesses, ::testing::Values("altro", "proxddp", "ipopt"));
+
+}  // namespace
+}  // namespace conddp

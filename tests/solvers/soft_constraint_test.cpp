@@ -1,0 +1,185 @@
+#include "ocp/soft_constraint.hpp"
+
+#include <gtest/gtest.h>
+
+#include "solvers/dense_convex.hpp"
+#include "solvers/registry.hpp"
+
+namespace conddp {
+namespace {
+
+using testing::Added;
+using testing::controls_of;
+using testing::cuts;
+using testing::dense_optimum;
+using testing::LinearQuadratic;
+using testing::make_dense;
+using testing::with_constraints;
+
+constexpr double kBound = 3;
+
+SolveResult run(const ShootingProblem& problem, std::string_view solver) {
+  SolverOptions options;
+  options.tolerances.stationarity = options.tolerances.constraint = 1e-9;
+  options.tolerances.complementarity = 1e-9;
+  options.max_iterations = 500;
+  options.max_time_s = 20;
+  return solve(problem, solver, options, problem.create_trajectory());
+}
+
+/// Cuts of every kind, all of them soft; `which` alone, or all where that is negative.
+std::vector<Added> soft_cuts(const LinearQuadratic& lq, Softness softness, double weight,
+                             int which = -1) {
+  std::vector<Added> list;
+  int i = 0;
+  for (Added& cut : cuts(lq)) {
+    if (which >= 0 && i++ != which) continue;
+    cut.softness = softness;
+    cut.weight = weight;
+    list.push_back(cut);
+  }
+  return list;
+}
+
+Eigen::VectorXd values_of(const ShootingProblem& problem, const SolveResult& result) {
+  Evaluation evaluation(problem);
+  Acts(problem).evaluate(result.trajectory, evaluation);
+  return evaluation.constraint;
+}
+
+double largest_miss(const ShootingProblem& problem, const SolveResult& result) {
+  const Eigen::VectorXd g = values_of(problem, result);
+  double largest = 0;
+  for (const NodeConstraint& c : problem.soft_constraints())
+    largest = std::max(largest, distance_to_set(*c.term, g.data() + c.row, c.lower, c.upper));
+  return largest;
+}
+
+class SoftByDistance : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(SoftByDistance, HasTheOptimumOfAnIndependentMethod) {
+  for (const unsigned seed : {1u, 2u, 3u}) {
+    const LinearQuadratic lq(seed, 4, {3, 2}, 8, -kBound, kBound);
+    for (const double weight : {0.1, 0.5}) {
+      const ShootingProblem problem =
+          with_constraints(*lq.problem, soft_cuts(lq, Softness::l1, weight));
+      const Eigen::VectorXd expected =
+          dense_optimum(problem, make_dense(lq, problem, -kBound, kBound));
+      const SolveResult result = run(problem, GetParam());
+      EXPECT_EQ(result.status, SolveStatus::converged) << seed << ": " << result.message;
+      EXPECT_LT((controls_of(result.trajectory) - expected).cwiseAbs().maxCoeff(), 1e-6)
+          << seed << ", weight " << weight;
+      EXPECT_GT(largest_miss(problem, result), 1e-2) << "nothing is missed, so nothing is tested";
+      EXPECT_EQ(result.residuals.constraint, 0) << "what is soft cannot be violated";
+      double largest = 0;
+      for (const NodeConstraint& c : problem.constraints()) {
+        const auto nu = result.constraint_multipliers.segment(c.row, c.term->rows);
+        largest = std::max(largest, c.term->has_bounds() ? nu.lpNorm<Eigen::Infinity>() / c.limit
+                                                         : nu.norm() / c.limit);
+      }
+      EXPECT_NEAR(largest, 1, 1e-9) << "the multiplier of what is missed is at its limit";
+    }
+  }
+}
+
+TEST_P(SoftByDistance, HoldsLikeAHardOneAboveItsMultipliers) {
+  for (const unsigned seed : {1u, 2u, 3u}) {
+    const LinearQuadratic lq(seed, 4, {3, 2}, 8, -kBound, kBound);
+    // Ipopt gets stuck at the tip of a soft cone, where its smooth surface and the slack meet.
+    std::vector<Added> list = cuts(lq);
+    if (std::string_view(GetParam()) == "ipopt") list.pop_back();
+    const ShootingProblem hard = with_constraints(*lq.problem, list);
+    const SolveResult best = run(hard, "altro");
+    ASSERT_EQ(best.status, SolveStatus::converged);
+    const double weight = 2 * best.constraint_multipliers.cwiseAbs().maxCoeff() / 0.25;
+    for (Added& cut : list) cut.softness = Softness::l1, cut.weight = weight;
+    const ShootingProblem soft = with_constraints(*lq.problem, list);
+    const SolveResult result = run(soft, GetParam());
+    EXPECT_EQ(result.status, SolveStatus::converged) << seed << ": " << result.message;
+    EXPECT_NEAR(result.cost, best.cost, 1e-7 * best.cost) << seed;
+    EXPECT_LT((controls_of(result.trajectory) - controls_of(best.trajectory)).cwiseAbs().maxCoeff(),
+              1e-6)
+        << seed;
+    EXPECT_LT(largest_miss(soft, result), 1e-8) << seed;
+  }
+}
+
+TEST_P(SoftByDistance, CostsWhatItsDistancesCost) {
+  const LinearQuadratic lq(1, 4, {3, 2}, 8, -kBound, kBound);
+  const ShootingProblem problem = with_constraints(*lq.problem, soft_cuts(lq, Softness::l1, 0.3));
+  const SolveResult result = run(problem, GetParam());
+  Evaluation free(*lq.problem);
+  Acts(*lq.problem).evaluate(result.trajectory, free);
+  double penalty = 0;
+  const Eigen::VectorXd g = values_of(problem, result);
+  for (const NodeConstraint& c : problem.soft_constraints()) {
+    const double weight = 0.3 * problem.knot(c.node).cost_scale;
+    if (!c.term->has_bounds()) {
+      penalty += weight * distance_to_set(*c.term, g.data() + c.row, nullptr, nullptr);
+      continue;
+    }
+    for (int i = 0; i < c.term->rows; ++i)
+      penalty += weight * std::max({0.0, g[c.row + i] - c.upper[i], c.lower[i] - g[c.row + i]});
+  }
+  EXPECT_GT(penalty, 1e-2);
+  EXPECT_NEAR(result.cost, free.cost.sum() + penalty, 1e-10);
+  EXPECT_NEAR(result.log.back().cost, result.cost, 1e-10);
+}
+
+INSTANTIATE_TEST_SUITE_P(Solvers, SoftByDistance, ::testing::Values("altro", "proxddp", "ipopt"));
+
+class SoftBySquare : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(SoftBySquare, HasTheOptimumOfAnIndependentMethod) {
+  for (const unsigned seed : {1u, 2u, 3u}) {
+    const bool bounded = std::string_view(GetParam()) != "fddp" &&
+                         std::string_view(GetParam()) != "ilqr" &&
+                         std::string_view(GetParam()) != "intro";
+    const double bound = bounded ? kBound : testing::kFree;
+    const LinearQuadratic lq(seed, 4, {3, 2}, 8, -bound, bound);
+    const ShootingProblem problem = with_constraints(*lq.problem, soft_cuts(lq, Softness::l2, 5));
+    const Eigen::VectorXd expected = dense_optimum(problem, make_dense(lq, problem, -bound, bound));
+    const SolveResult result = run(problem, GetParam());
+    EXPECT_EQ(result.status, SolveStatus::converged) << seed << ": " << result.message;
+    EXPECT_LT((controls_of(result.trajectory) - expected).cwiseAbs().maxCoeff(), 1e-6) << seed;
+    EXPECT_GT(largest_miss(problem, result), 1e-2);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Solvers, SoftBySquare,
+                         ::testing::Values("ilqr", "fddp", "box_ddp", "box_fddp", "intro", "altro",
+                                           "proxddp", "ipopt"));
+
+/// Where a soft cone is missed its penalty has curvature, which decides how fast Newton's method
+/// is.
+TEST(SoftConstraints, AConeThatIsMissedEndsInFewNewtonSteps) {
+  int missed = 0;
+  for (const unsigned seed : {1u, 2u, 3u, 4u, 5u, 6u}) {
+    const LinearQuadratic lq(seed, 4, {3, 2}, 8, -kBound, kBound);
+    const ShootingProblem problem =
+        with_constraints(*lq.problem, soft_cuts(lq, Softness::l1, 0.05, 2));
+    const SolveResult result = run(problem, "altro");
+    EXPECT_EQ(result.status, SolveStatus::converged) << seed << ": " << result.message;
+    missed += largest_miss(problem, result) > 1e-2;
+    EXPECT_LE(result.log.back().newton, 5) << seed;
+  }
+  EXPECT_GE(missed, 1);
+}
+
+TEST(SoftConstraints, AreRefusedOnlyWhereTheyAreNoCost) {
+  const LinearQuadratic lq(1, 4, {3, 2}, 8, -testing::kFree, testing::kFree);
+  const ShootingProblem by_distance = with_constraints(*lq.problem, soft_cuts(lq, Softness::l1, 1));
+  const ShootingProblem by_square = with_constraints(*lq.problem, soft_cuts(lq, Softness::l2, 1));
+  for (const SolverInfo& solver : solvers()) {
+    const bool all = solver.constraints == ConstraintSupport::all;
+    EXPECT_EQ(refuse(solver, by_distance).has_value(), !all) << solver.name;
+    EXPECT_FALSE(refuse(solver, by_square)) << solver.name;
+  }
+  EXPECT_NE(
+      refuse(*find_solver("intro"), by_distance)->find("cannot keep the soft constraint 'cone'"),
+      std::string::npos)
+      << *refuse(*find_solver("intro"), by_distance);
+}
+
+}  // namespace
+}  // namespace conddp
