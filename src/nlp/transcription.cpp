@@ -346,8 +346,7 @@ void Transcription::write_multipliers(const Eigen::MatrixXd& costates, const Eig
       const double multiplier = nu[row.first + row.count - 1];
       rows[index++] = multiplier;
       for (int s = row.first_slack; s < row.first_slack + row.slacks; ++s)
-        lower[slacks_[s].variable] =
-            std::max(0.0, slacks_[s].price + slacks_[s].sign * multiplier);
+        lower[slacks_[s].variable] = std::max(0.0, slacks_[s].price + slacks_[s].sign * multiplier);
     }
     if (k == problem_.knots()) break;
     rows.segment(index, problem_.ndx()) = costates.col(k + 1);

@@ -83,6 +83,11 @@ SolveResult IpoptSolver::solve(const Trajectory& guess) {
   result_.start += correct_states(problem_, start);
   result_.trajectory = start;
 
+  if (options_.multipliers && !transcription_->has_pairs() && newton_is_enough(start)) {
+    result_.iterations = row_.iteration;
+    result_.times.total = result_.times.sweep = elapsed();
+    return std::move(result_);
+  }
   transcription_->set_center(start);
   const InteriorPointAnswer answer =
       transcription_->has_pairs() ? run_relaxations(start)
@@ -103,14 +108,37 @@ InteriorPointSettings IpoptSolver::default_settings() const {
           .options = options_.ipopt};
 }
 
+/// From multipliers near a solution Newton's method on the active set has nothing left for an
+/// interior point to do, which would leave the bounds first.
+bool IpoptSolver::newton_is_enough(const Trajectory& start) {
+  start_newton(start, options_.multipliers->constraints);
+  record();
+  while (!under_tolerances(newton_.norms()) && row_.iteration < kNewtonSteps && newton_.step()) {
+    result_.feedback_regularization = 0;
+    ++row_.newton;
+    ++row_.iteration;
+    record();
+  }
+  if (under_tolerances(newton_.norms())) {
+    write_result();
+    set_status({});
+    return true;
+  }
+  result_.log.clear();
+  const bool exact = row_.exact_hessian;
+  row_ = IterationRecord();
+  row_.exact_hessian = exact;
+  return false;
+}
+
 /// Runs Ipopt, again from the last iterate wherever that has left the middle of its charts.
 InteriorPointAnswer IpoptSolver::run_ipopt(Eigen::VectorXd y, InteriorPointSettings settings) {
   InteriorPointAnswer answer;
   PrimalDualPoint known;
   if (const DualGuess* duals = options_.multipliers.get();
-      duals != nullptr && duals->costates.size() > 0) {
+      duals != nullptr && duals->costates.size() > 0 && !transcription_->has_pairs()) {
     known.y = y;
-    transcription_.write_multipliers(duals->costates, duals->constraints, duals->control_gradient,
+    transcription_->write_multipliers(duals->costates, duals->constraints, duals->control_gradient,
                                      known.rows, known.lower, known.upper);
     settings.warm = &known;
     settings.warm_barrier = kWarmBarrier;

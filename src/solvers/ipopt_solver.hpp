@@ -39,6 +39,7 @@ class IpoptSolver {
   bool polish(InteriorPointAnswer& answer);
   bool is_complementary(const InteriorPointAnswer& answer) const;
 
+  bool newton_is_enough(const Trajectory& start);
   bool note(const InteriorPointIterate& iterate);
   void snap_controls(const InteriorPointAnswer& answer, Trajectory& trajectory) const;
   Feedback find_gains(const Trajectory& trajectory, const Eigen::VectorXd& multipliers,

@@ -84,9 +84,9 @@ void ProjectedNewton::measure() {
   norms_.violation = largest_violation(problem_, bounds_, trajectory_, linearization_.constraint);
   norms_.complementarity = 0;
   for (const NodeConstraint& c : problem_.constraints()) {
-    norms_.complementarity =
-        std::max(norms_.complementarity, complementarity(c, linearization_.constraint.data() + c.row,
-                                                         multipliers_.data() + c.row));
+    norms_.complementarity = std::max(
+        norms_.complementarity,
+        complementarity(c, linearization_.constraint.data() + c.row, multipliers_.data() + c.row));
   }
   norms_.gap = {};
   for (int k = 0; k < problem_.knots(); ++k) {

@@ -59,11 +59,11 @@ bool keeps(const SolverInfo& solver, const NodeConstraint& constraint) {
 /// Why multipliers are not those of a problem of this shape, if so.
 std::optional<std::string> misfit(const ShootingProblem& problem, const DualGuess& guess) {
   const int N = problem.knots();
-  bool fits = guess.constraints.size() == problem.constraint_rows() &&
-              (guess.costates.size() == 0 ||
-               (guess.costates.rows() == problem.ndx() && guess.costates.cols() == N + 1)) &&
-              (guess.control_gradient.empty() ||
-               static_cast<int>(guess.control_gradient.size()) == N);
+  bool fits =
+      guess.constraints.size() == problem.constraint_rows() &&
+      (guess.costates.size() == 0 ||
+       (guess.costates.rows() == problem.ndx() && guess.costates.cols() == N + 1)) &&
+      (guess.control_gradient.empty() || static_cast<int>(guess.control_gradient.size()) == N);
   for (std::size_t k = 0; fits && k < guess.control_gradient.size(); ++k)
     fits = guess.control_gradient[k].size() == problem.nu(static_cast<int>(k));
   if (fits) return std::nullopt;
