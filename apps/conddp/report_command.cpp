@@ -32,12 +32,25 @@ struct ReportArguments {
   bool open = false;
 };
 
-constexpr std::string_view kKeys[] = {"problem",      "tool",        "solver",
-                                      "status",       "message",     "cost",
-                                      "residuals",    "iterations",  "time_s",
-                                      "cost_by_name", "gains",       "trajectory",
-                                      "multipliers",  "log",         "dropped_constraints",
-                                      "diagnosis",    "certificate", "initial_guess_used"};
+constexpr std::string_view kKeys[] = {"problem",
+                                      "tool",
+                                      "solver",
+                                      "status",
+                                      "message",
+                                      "cost",
+                                      "residuals",
+                                      "iterations",
+                                      "time_s",
+                                      "cost_by_name",
+                                      "gains",
+                                      "trajectory",
+                                      "multipliers",
+                                      "log",
+                                      "soft_constraints",
+                                      "dropped_constraints",
+                                      "diagnosis",
+                                      "certificate",
+                                      "initial_guess_used"};
 
 /// What tells solutions apart: the solver where the others have another one, else the folder.
 std::vector<std::string> labels(const std::vector<std::string>& files,

@@ -73,10 +73,19 @@ int verify(const VerifyArguments& arguments) {
     print_messages(diagnostics, Verbosity::kNormal);
     return kExitBadInput;
   };
-  constexpr std::string_view kKeys[] = {
-      "problem",      "solver",     "status",      "cost",
-      "cost_by_name", "iterations", "residuals",   "dropped_constraints",
-      "trajectory",   "gains",      "multipliers", "log"};
+  constexpr std::string_view kKeys[] = {"problem",
+                                        "solver",
+                                        "status",
+                                        "cost",
+                                        "cost_by_name",
+                                        "iterations",
+                                        "residuals",
+                                        "soft_constraints",
+                                        "dropped_constraints",
+                                        "trajectory",
+                                        "gains",
+                                        "multipliers",
+                                        "log"};
   const auto loaded = load_document(arguments.solution, kSolutionDocument, kKeys, {}, diagnostics);
   if (!loaded) return give_up();
   const OrderedJson document(*loaded);
