@@ -87,10 +87,10 @@ class Transcription : public NonlinearProgram {
   /// A row that comes from constraint rows of a node: one of them, all of a cone, or pairs.
   struct Row {
     const NodeConstraint* constraint;
-    int first;                 ///< constraint row of the problem
-    int count;                 ///< 1, or those of the cone or the pairs
-    std::vector<int> columns;  ///< of z on which it depends, without x_0
-    int index;                 ///< among the program's rows
+    int first;                        ///< constraint row of the problem
+    int count;                        ///< 1, or those of the cone or the pairs
+    std::vector<int> columns;         ///< of z on which it depends, without x_0
+    int index;                        ///< among the program's rows
     int first_slack = 0, slacks = 0;  ///< among slacks_
   };
   /// What a soft row may miss a bound by, added to the row with a sign.

@@ -139,7 +139,7 @@ InteriorPointAnswer IpoptSolver::run_ipopt(Eigen::VectorXd y, InteriorPointSetti
       duals != nullptr && duals->costates.size() > 0 && !transcription_->has_pairs()) {
     known.y = y;
     transcription_->write_multipliers(duals->costates, duals->constraints, duals->control_gradient,
-                                     known.rows, known.lower, known.upper);
+                                      known.rows, known.lower, known.upper);
     settings.warm = &known;
     settings.warm_barrier = kWarmBarrier;
   }
