@@ -296,9 +296,9 @@ struct SchemaWalk {
   static bool states_unit(const std::string& words) {
     for (const char* unit : {" unit", "quaternion", "Quaternion"})
       if (words.find(unit) != std::string::npos) return true;
-    static const std::set<std::string> kUnits = {"m",        "s",        "kg",  "kg m²", "m/s²",
-                                                 "rad",      "N",        "Nm",  "m/s",   "rad/s",
-                                                 "Nm per N", "Nm s/rad", "1/s", "1/s²"};
+    static const std::set<std::string> kUnits = {"m",     "s",        "kg",       "kg m²", "m/s²",
+                                                 "J",     "rad",      "N",        "Nm",    "m/s",
+                                                 "rad/s", "Nm per N", "Nm s/rad", "1/s",   "1/s²"};
     // A unit stands at the end of a clause: "..., rad or m".
     std::string clause;
     for (const char c : words + ",") {
