@@ -15,6 +15,9 @@ constexpr const char* kEquations = "stepping";
 constexpr const char* kPairs = "complementarity";
 constexpr const char* kRegularization = "contact_regularization";
 
+/// How far a normal may point out of the plane of a planar robot.
+constexpr double kOutOfPlane = 1e-6;
+
 std::optional<ContactCandidate> build_candidate(const CandidateSpec& spec, const Plant& plant,
                                                 Diagnostics& out) {
   const auto frame = find_frame(plant.robot(), spec.frame, "", out);
@@ -25,6 +28,13 @@ std::optional<ContactCandidate> build_candidate(const CandidateSpec& spec, const
     other = *found;
   }
   if (!frame) return std::nullopt;
+  const auto body = [&](int f) { return f < 0 ? -1 : plant.robot().frames[f].joint; };
+  if (body(*frame) == body(other)) {
+    out.error(
+        spec.against.frame ? spec.against.frame->place : spec.frame.place,
+        fmt::format("'{}' and what it may touch do not move against each other", spec.name.value));
+    return std::nullopt;
+  }
   ContactCandidate candidate{.name = spec.name.value,
                              .sphere = {*frame, spec.point, spec.radius},
                              .friction = spec.friction,
@@ -42,6 +52,18 @@ std::optional<ContactCandidate> build_candidate(const CandidateSpec& spec, const
     candidate.against = ContactBox{other, placement, 0.5 * box.size};
   }
   return candidate;
+}
+
+/// In a plane the tangent is that of the plane, and none to a surface that faces out of it.
+void check_plane(const CandidateSpec& spec, const SteppingSpec& stepping, Diagnostics& out) {
+  const auto* half_space = std::get_if<HalfSpaceSpec>(&spec.against.form);
+  if (!stepping.plane || half_space == nullptr || spec.against.frame ||
+      std::abs(dot(*stepping.plane, half_space->normal)) <= kOutOfPlane)
+    return;
+  out.error(stepping.place,
+            fmt::format("'{}' touches a surface that is not upright to the plane of the motion",
+                        spec.name.value),
+            "'plane' is the direction in which nothing moves, [0, 1, 0] for motions in x and z");
 }
 
 /// The joints that the file names, else all with limits.
@@ -88,9 +110,11 @@ std::shared_ptr<const SteppingSystem> build_stepping(const ProblemSpec& spec, co
   const int errors = out.error_count();
   check_frozen_keys(spec, out);
   ImplicitContacts contacts{.scheme = spec.stepping->scheme, .plane = spec.stepping->plane};
-  for (const CandidateSpec& candidate : spec.candidates)
+  for (const CandidateSpec& candidate : spec.candidates) {
+    check_plane(candidate, *spec.stepping, out);
     if (auto built = build_candidate(candidate, plant, out))
       contacts.candidates.push_back(std::move(*built));
+  }
   build_stops(spec, plant, contacts, out);
   for (const auto& [name, limit] : spec.stepping->joint_friction)
     if (const auto joint = find_joint(plant.robot(), name, "", out))

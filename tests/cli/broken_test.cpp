@@ -60,7 +60,7 @@ INSTANTIATE_TEST_SUITE_P(Groups, Broken, testing::ValuesIn(broken_groups()),
 TEST(BrokenInputs, TheInputsThatTheyChangeAreGood) {
   const TemporaryFolder folder;
   write_good_inputs(folder);
-  for (const std::string problem : {"pendulum", "tracking", "arm", "legs", "gait"}) {
+  for (const std::string problem : {"pendulum", "tracking", "arm", "legs", "gait", "block"}) {
     const ProcessResult r =
         run_conddp({"solve", problem + ".yaml", "-o", "out"}, {.folder = folder.path()});
     EXPECT_EQ(r.exit_code, 0) << r.err;
