@@ -254,7 +254,9 @@ ContactStep ContactSimulator::step(const StepStart& start) {
       if (!A_.allFinite() || !impulse_.allFinite() || !pairs.value.allFinite())
         return give_up(StepStatus::not_finite);
       const Eigen::PartialPivLU<Eigen::MatrixXd> lu(A_);
-      const Eigen::MatrixXd pushed = lu.solve(pairs.push.transpose());
+      // Without pairs there is nothing to solve, not even for no columns: that reads the first one.
+      Eigen::MatrixXd pushed(A_.rows(), pairs.push.rows());
+      if (pushed.size() > 0) pushed = lu.solve(pairs.push.transpose());
       const Eigen::VectorXd free = lu.solve(impulse_);
       z = solve_nearly(pairs.slope * pushed + pairs.coupling, pairs.value - pairs.slope * free);
       if (!z) continue;
