@@ -10,6 +10,7 @@
 
 #include "analysis/feasibility.hpp"
 #include "analysis/lagrangian_gradient.hpp"
+#include "analysis/place_text.hpp"
 #include "ocp/soft_constraint.hpp"
 #include "solvers/status.hpp"
 
@@ -388,15 +389,6 @@ Certificate certify(const ShootingProblem& problem, const SolutionClaims& claims
   Certificate certificate = Judge(problem, claims).run();
   if (certificate.holds()) return certificate;
   return Judge(problem, claims, Judge::measure_noise(problem, claims)).run();
-}
-
-std::string place_text(const ShootingProblem& problem, int knot, const std::string& quantity) {
-  std::string text = fmt::format("knot {}", knot);
-  if (knot < problem.knots())
-    text += fmt::format(" (phase '{}')", problem.phases()[problem.knot(knot).phase].name);
-  else
-    text += " (the last node)";
-  return quantity.empty() ? text : text + ", " + quantity;
 }
 
 }  // namespace conddp

@@ -35,7 +35,4 @@ struct Certificate {
 /// formulas and tolerances.
 Certificate certify(const ShootingProblem& problem, const SolutionClaims& claims);
 
-/// "knot 12 (phase 'swing'), v/elbow"; the last part only where there is a name.
-std::string place_text(const ShootingProblem& problem, int knot, const std::string& quantity);
-
 }  // namespace conddp

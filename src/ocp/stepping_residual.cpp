@@ -216,11 +216,8 @@ class SteppingResidual : public ResidualBase<SteppingResidual> {
           r);
     }
     for (const SteppingLayout::Stop& stop : w.stops) {
-      const JointStop& limits =
-          *std::find_if(system_->contacts().stops.begin(), system_->contacts().stops.end(),
-                        [&](const JointStop& s) { return s.joint == stop.joint; });
-      *r++ = u[stop.distance] - (stop.upper ? S(limits.upper) - data.q[stop.joint]
-                                            : data.q[stop.joint] - S(limits.lower));
+      const S above = data.q[stop.joint] - S(stop.limit);
+      *r++ = u[stop.distance] - (stop.upper ? -above : above);
     }
     for (std::size_t i = 0; i < w.frictions.size(); ++i) {
       const JointFriction& friction = system_->contacts().frictions[i];

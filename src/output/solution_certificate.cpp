@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/place_text.hpp"
 #include "analysis/solution_members.hpp"
 #include "ocp/acts.hpp"
 #include "ocp/by_name.hpp"

@@ -92,8 +92,8 @@ InteriorPointAnswer IpoptSolver::tighten(const Trajectory& start) {
 }
 
 /// Solves once more with the smaller one of each pair fixed to zero, which leaves nothing relaxed;
-/// false, with the answer as it was, where that fails.
-bool IpoptSolver::polish(InteriorPointAnswer& answer) {
+/// the answer stays as it was where that fails.
+void IpoptSolver::polish(InteriorPointAnswer& answer) {
   transcription_->fix_pairs(answer.point.y.data());
   Eigen::VectorXd y = answer.point.y.cwiseMin(transcription_->upper());
   InteriorPointSettings settings = default_settings();
@@ -102,9 +102,7 @@ bool IpoptSolver::polish(InteriorPointAnswer& answer) {
   row_.relaxation = 0;
   InteriorPointAnswer fixed = run_ipopt(y, settings);
   iterations_before_ = row_.iteration;
-  if (!is_good(fixed)) return false;
-  answer = std::move(fixed);
-  return true;
+  if (is_good(fixed)) answer = std::move(fixed);
 }
 
 }  // namespace conddp

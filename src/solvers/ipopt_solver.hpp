@@ -36,7 +36,7 @@ class IpoptSolver {
   // ipopt_relaxation.cpp
   InteriorPointAnswer run_relaxations(const Trajectory& start);
   InteriorPointAnswer tighten(const Trajectory& start);
-  bool polish(InteriorPointAnswer& answer);
+  void polish(InteriorPointAnswer& answer);
   bool is_complementary(const InteriorPointAnswer& answer) const;
 
   bool newton_is_enough(const Trajectory& start);

@@ -55,7 +55,9 @@ Child begin(int restart, const std::function<double()>& run) {
     _exit(written ? 0 : 1);
   }
   close(ends[1]);
-  return {process, ends[0], restart};
+  if (process > 0) return {process, ends[0], restart};
+  close(ends[0]);
+  return {};
 }
 
 double finish(const Child& child) {

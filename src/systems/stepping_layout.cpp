@@ -50,10 +50,11 @@ SteppingLayout::SteppingLayout(const RobotModel& robot, const std::vector<Column
   }
   for (const JointStop& stop : contacts.stops)
     for (const bool upper : {false, true}) {
-      if (!std::isfinite(upper ? stop.upper : stop.lower)) continue;
+      const double limit = upper ? stop.upper : stop.lower;
+      if (!std::isfinite(limit)) continue;
       const std::string prefix =
           "stop/" + robot.joints[stop.joint].name + (upper ? "/upper" : "/lower");
-      Stop indices{.joint = stop.joint, .upper = upper};
+      Stop indices{.joint = stop.joint, .upper = upper, .limit = limit};
       indices.force = add(columns, prefix + "/f", turns(stop.joint) ? "Nm" : "N");
       indices.distance = add(columns, prefix + "/distance", turns(stop.joint) ? "rad" : "m");
       pairs.emplace_back(indices.force, indices.distance);

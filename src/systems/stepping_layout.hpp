@@ -29,6 +29,7 @@ struct SteppingLayout {
   struct Stop {
     int joint = 0;
     bool upper = false;
+    double limit = 0;  ///< rad or m
     int force = 0, distance = 0;
   };
 

@@ -32,6 +32,17 @@ std::vector<double> values(const SteppingSystem& system, const Residual& residua
   return r;
 }
 
+TEST(SteppingSystem, RefusesWhatItsStepsAreNot) {
+  const auto system = stepping_robot(true);
+  const auto robot = std::make_shared<MultibodySystem>(system->multibody());
+  ImplicitContacts contacts = system->contacts();
+  contacts.scheme = SteppingScheme::variational_midpoint;
+  EXPECT_THROW(SteppingSystem(robot, contacts), std::invalid_argument);
+  contacts = system->contacts();
+  contacts.friction = FrictionModel::cone;
+  EXPECT_THROW(SteppingSystem(robot, contacts), std::invalid_argument);
+}
+
 TEST(SteppingResidual, DerivativesAgreeWithDifferences) {
   for (const bool planar : {false, true}) {
     const auto system = stepping_robot(planar);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "solvers/lq.hpp"
+#include "solvers/options.hpp"
 
 /// Constraints put on the problems of problems.hpp and lq.hpp, and published cases with them.
 namespace conddp::testing {
@@ -20,6 +21,14 @@ struct Added {
   Softness softness = Softness::hard;
   double weight = 0;  ///< of a soft one
 };
+
+/// Tolerances that leave nothing but rounding between the answers of two solvers.
+inline SolverOptions tight_options() {
+  SolverOptions options;
+  options.tolerances.stationarity = options.tolerances.constraint = 1e-9;
+  options.max_iterations = 500;
+  return options;
+}
 
 inline void add_constraints(const std::vector<Added>& list, int first_node, Phase& phase) {
   const int last_node = first_node + phase.knots() - 1;

@@ -17,18 +17,10 @@ using testing::cuts;
 using testing::LinearQuadratic;
 using testing::with_constraints;
 
-SolverOptions strict() {
-  SolverOptions options;
-  options.tolerances.stationarity = 1e-9;
-  options.tolerances.constraint = 1e-9;
-  options.max_iterations = 500;
-  return options;
-}
-
 class ConstrainedSolver : public ::testing::TestWithParam<const char*> {
  protected:
   SolveResult run(const ShootingProblem& problem) const {
-    return solve(problem, GetParam(), strict(), problem.create_trajectory());
+    return solve(problem, GetParam(), testing::tight_options(), problem.create_trajectory());
   }
 };
 

@@ -16,9 +16,7 @@ using testing::LinearQuadratic;
 using testing::with_constraints;
 
 SolverOptions strict() {
-  SolverOptions options;
-  options.tolerances.stationarity = 1e-9;
-  options.tolerances.constraint = 1e-9;
+  SolverOptions options = testing::tight_options();
   options.max_iterations = 200;
   return options;
 }

@@ -18,10 +18,7 @@ using testing::make_dense;
 using testing::with_constraints;
 
 SolverOptions strict() {
-  SolverOptions options;
-  options.tolerances.stationarity = 1e-9;
-  options.tolerances.constraint = 1e-9;
-  options.max_iterations = 500;
+  SolverOptions options = testing::tight_options();
   options.max_time_s = 20;
   return options;
 }

@@ -19,10 +19,8 @@ using testing::with_constraints;
 constexpr double kBound = 3;
 
 SolveResult run(const ShootingProblem& problem, std::string_view solver) {
-  SolverOptions options;
-  options.tolerances.stationarity = options.tolerances.constraint = 1e-9;
+  SolverOptions options = testing::tight_options();
   options.tolerances.complementarity = 1e-9;
-  options.max_iterations = 500;
   options.max_time_s = 20;
   return solve(problem, solver, options, problem.create_trajectory());
 }
