@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "solvers/problems.hpp"
 #include "solvers/registry.hpp"
+#include "support/small_problems.hpp"
 
 namespace conddp {
 namespace {

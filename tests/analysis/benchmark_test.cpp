@@ -4,7 +4,7 @@
 
 #include "analysis/performance_profile.hpp"
 #include "analysis/random_instance.hpp"
-#include "solvers/problems.hpp"
+#include "support/small_problems.hpp"
 
 namespace conddp {
 namespace {

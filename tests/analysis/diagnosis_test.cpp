@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "solvers/problems.hpp"
+#include "support/small_problems.hpp"
 
 namespace conddp {
 namespace {

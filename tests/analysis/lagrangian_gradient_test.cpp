@@ -4,8 +4,8 @@
 
 #include "analysis/certificate.hpp"
 #include "analysis/replay.hpp"
-#include "solvers/problems.hpp"
 #include "solvers/registry.hpp"
+#include "support/small_problems.hpp"
 
 namespace conddp {
 namespace {

@@ -1,6 +1,6 @@
 #include "nlp/transcription.hpp"
 
-#include "solvers/constrained.hpp"
+#include "support/constrained_problems.hpp"
 #include "support/nlp_derivatives.hpp"
 
 namespace conddp {

@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include "solvers/constrained.hpp"
-#include "solvers/problems.hpp"
 #include "solvers/registry.hpp"
+#include "support/constrained_problems.hpp"
+#include "support/small_problems.hpp"
 
 // The sanitizers bring a malloc of their own.
 #if defined(__SANITIZE_ADDRESS__) || !defined(__GLIBC__)

@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include "solvers/constrained.hpp"
-#include "solvers/dense_convex.hpp"
 #include "solvers/registry.hpp"
+#include "support/constrained_problems.hpp"
+#include "support/dense_convex.hpp"
 
 // What holds of every solver that takes constraints of all kinds into DDP sweeps.
 

@@ -1,9 +1,9 @@
 // Multipliers to start from: a solve from an answer of its own is done at once.
 #include <gtest/gtest.h>
 
-#include "solvers/constrained.hpp"
-#include "solvers/dense_convex.hpp"
 #include "solvers/registry.hpp"
+#include "support/constrained_problems.hpp"
+#include "support/dense_convex.hpp"
 
 namespace conddp {
 namespace {

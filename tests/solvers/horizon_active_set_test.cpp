@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "solvers/lq.hpp"
 #include "solvers/registry.hpp"
+#include "support/linear_quadratic.hpp"
 
 namespace conddp::testing {
 namespace {

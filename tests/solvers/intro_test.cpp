@@ -2,10 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include "solvers/constrained.hpp"
-#include "solvers/dense_convex.hpp"
 #include "solvers/registry.hpp"
 #include "solvers/row_elimination.hpp"
+#include "support/constrained_problems.hpp"
+#include "support/dense_convex.hpp"
 
 namespace conddp {
 namespace {

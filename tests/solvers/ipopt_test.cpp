@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "solvers/constrained.hpp"
 #include "solvers/registry.hpp"
+#include "support/constrained_problems.hpp"
 
 namespace conddp {
 namespace {

@@ -1,9 +1,8 @@
-#include "solvers/lq.hpp"
-
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "solvers/registry.hpp"
+#include "support/linear_quadratic.hpp"
 
 namespace conddp {
 namespace {

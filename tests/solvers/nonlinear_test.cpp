@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "solvers/problems.hpp"
 #include "solvers/registry.hpp"
+#include "support/small_problems.hpp"
 
 namespace conddp {
 namespace {

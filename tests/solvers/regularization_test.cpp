@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "solvers/backward_sweep.hpp"
-#include "solvers/problems.hpp"
 #include "solvers/registry.hpp"
+#include "support/small_problems.hpp"
 
 namespace conddp {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "solvers/dense_convex.hpp"
 #include "solvers/registry.hpp"
+#include "support/dense_convex.hpp"
 
 namespace conddp {
 namespace {

@@ -1,36 +1,9 @@
-#pragma once
+#include "support/constrained_problems.hpp"
 
-#include <memory>
-#include <string>
-#include <vector>
-
-#include "solvers/lq.hpp"
-#include "solvers/options.hpp"
-
-/// Constraints put on the problems of problems.hpp and lq.hpp, and published cases with them.
 namespace conddp::testing {
+namespace {
 
-/// A constraint on the nodes first … last (N is the terminal node) with the same numbers.
-struct Added {
-  std::string name;
-  std::shared_ptr<const Residual> residual;
-  ConstraintKind kind = ConstraintKind::bounds;
-  std::vector<double> reference, lower, upper;
-  int first = 0, last = 0;
-  double slope = 1;
-  Softness softness = Softness::hard;
-  double weight = 0;  ///< of a soft one
-};
-
-/// Tolerances that leave nothing but rounding between the answers of two solvers.
-inline SolverOptions tight_options() {
-  SolverOptions options;
-  options.tolerances.stationarity = options.tolerances.constraint = 1e-9;
-  options.max_iterations = 500;
-  return options;
-}
-
-inline void add_constraints(const std::vector<Added>& list, int first_node, Phase& phase) {
+void add_constraints(const std::vector<Added>& list, int first_node, Phase& phase) {
   const int last_node = first_node + phase.knots() - 1;
   auto model = std::make_shared<KnotModel>(*phase.model);
   const int before = phase.model->parameter_count();
@@ -57,8 +30,16 @@ inline void add_constraints(const std::vector<Added>& list, int first_node, Phas
   phase.parameters = std::move(parameters);
 }
 
-inline ShootingProblem with_constraints(const ShootingProblem& problem,
-                                        const std::vector<Added>& list) {
+}  // namespace
+
+SolverOptions tight_options() {
+  SolverOptions options;
+  options.tolerances.stationarity = options.tolerances.constraint = 1e-9;
+  options.max_iterations = 500;
+  return options;
+}
+
+ShootingProblem with_constraints(const ShootingProblem& problem, const std::vector<Added>& list) {
   std::vector<Phase> phases = problem.phases();
   int first = 0;
   for (Phase& phase : phases) {
@@ -70,8 +51,7 @@ inline ShootingProblem with_constraints(const ShootingProblem& problem,
   return ShootingProblem(problem.initial_state(), std::move(phases), std::move(terminal));
 }
 
-/// x_N = goal.
-inline Added goal_constraint(const ShootingProblem& problem, std::vector<double> goal) {
+Added goal_constraint(const ShootingProblem& problem, std::vector<double> goal) {
   const std::vector<double> zero(problem.ndx(), 0.0);
   return {.name = "goal",
           .residual = state_residual(problem.manifold()),
@@ -82,15 +62,7 @@ inline Added goal_constraint(const ShootingProblem& problem, std::vector<double>
           .last = problem.knots()};
 }
 
-/// ALTRO's cases (Howell, Jackson, Manchester 2019), with the cost of their optimum.
-struct PublishedCase {
-  std::string name;
-  ShootingProblem problem;
-  double control;  ///< of the guess
-  double cost;
-};
-
-inline std::vector<PublishedCase> published_cases() {
+std::vector<PublishedCase> published_cases() {
   std::vector<PublishedCase> cases;
   const auto with_goal = [&](const std::string& name, const ShootingProblem& free,
                              std::vector<double> goal, double control, double cost,

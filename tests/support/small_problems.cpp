@@ -1,32 +1,18 @@
-#pragma once
+#include "support/small_problems.hpp"
 
 #include <cmath>
 #include <filesystem>
-#include <memory>
 #include <random>
 
-#include <Eigen/Dense>
-
-#include "ocp/acts.hpp"
-#include "ocp/residuals.hpp"
 #include "robot/urdf.hpp"
 #include "spatial/so3.hpp"
-#include "systems/catalogue.hpp"
 #include "systems/multibody.hpp"
 
-/// Small problems on which several solver tests stand.
 namespace conddp::testing {
 
-/// Σ ½ (x − x_ref)ᵀ diag(q) (x − x_ref) + ½ uᵀ diag(r) u along the way, ½ (·)ᵀ diag(qf) (·) at the
-/// end; running costs times dt where `rates`.
-struct TrackingCost {
-  std::vector<double> goal, q, r, qf;
-  bool rates = true;
-};
-
-inline Phase tracking_phase(std::shared_ptr<const System> system, Integrator integrator, int knots,
-                            double dt, const TrackingCost& cost, double limit_low, double limit_up,
-                            const std::string& name = "all") {
+Phase tracking_phase(std::shared_ptr<const System> system, Integrator integrator, int knots,
+                     double dt, const TrackingCost& cost, double limit_low, double limit_up,
+                     const std::string& name) {
   auto model = std::make_shared<KnotModel>(system, integrator);
   std::vector<double> one(cost.goal);
   one.push_back(1);
@@ -47,46 +33,42 @@ inline Phase tracking_phase(std::shared_ptr<const System> system, Integrator int
   return phase;
 }
 
-inline Phase terminal_phase(std::shared_ptr<const System> system, TrackingCost cost) {
+Phase terminal_phase(std::shared_ptr<const System> system, TrackingCost cost) {
   cost.q = cost.qf;
   return tracking_phase(std::move(system), Integrator::none, 1, 0, cost, 0, 0, "end");
 }
 
-inline constexpr double kFree = std::numeric_limits<double>::infinity();
-
-inline ShootingProblem tracking_problem(const std::shared_ptr<const System>& system,
-                                        Integrator integrator, int knots, double dt,
-                                        std::vector<double> start, const TrackingCost& cost,
-                                        double low = -kFree, double up = kFree) {
+ShootingProblem tracking_problem(const std::shared_ptr<const System>& system, Integrator integrator,
+                                 int knots, double dt, std::vector<double> start,
+                                 const TrackingCost& cost, double low, double up) {
   return ShootingProblem(std::move(start),
                          {tracking_phase(system, integrator, knots, dt, cost, low, up)},
                          terminal_phase(system, cost));
 }
 
-inline ShootingProblem pendulum_swing_up(double limit = kFree) {
+ShootingProblem pendulum_swing_up(double limit) {
   return tracking_problem(pendulum({}), Integrator::rk4, 50, 0.06, {0, 0},
                           {{M_PI, 0}, {1e-3, 1e-3}, {1e-3}, {10, 10}}, -limit, limit);
 }
 
-inline ShootingProblem cartpole_swing_up(double limit = kFree,
-                                         Integrator integrator = Integrator::rk4) {
+ShootingProblem cartpole_swing_up(double limit, Integrator integrator) {
   return tracking_problem(cartpole({}), integrator, 100, 0.05, {0, 0, 0, 0},
                           {{0, M_PI, 0, 0}, {0.01, 0.01, 0.01, 0.01}, {0.1}, {100, 100, 100, 100}},
                           -limit, limit);
 }
 
-inline ShootingProblem acrobot_swing_up(double limit = kFree) {
+ShootingProblem acrobot_swing_up(double limit) {
   return tracking_problem(acrobot({}), Integrator::rk4, 100, 0.05, {-M_PI / 2, 0, 0, 0},
                           {{M_PI / 2, 0, 0, 0}, {1, 1, 1, 1}, {0.01}, {100, 100, 100, 100}}, -limit,
                           limit);
 }
 
-inline ShootingProblem unicycle_parking(double limit = kFree) {
+ShootingProblem unicycle_parking(double limit) {
   return tracking_problem(unicycle(), Integrator::rk4, 100, 0.05, {0, 0, 0},
                           {{3, 3, 0}, {1, 1, 1}, {0.5, 0.5}, {10, 10, 10}}, -limit, limit);
 }
 
-inline ShootingProblem quadrotor_move(double limit_low = -kFree, double limit_up = kFree) {
+ShootingProblem quadrotor_move(double limit_low, double limit_up) {
   const std::vector<double> running = {1e-2, 1e-2, 1e-2, 1e-2, 1e-2, 1e-2,
                                        1e-3, 1e-3, 1e-3, 1e-3, 1e-3, 1e-3};
   const std::vector<double> final(12, 10.0);
@@ -99,8 +81,7 @@ inline ShootingProblem quadrotor_move(double limit_low = -kFree, double limit_up
                           limit_low, limit_up);
 }
 
-/// The hopper falls from 5 cm, its foot stops at an impulse, and it comes to rest on its leg.
-inline ShootingProblem landing(double limit = kFree) {
+ShootingProblem landing(double limit) {
   const UrdfResult urdf =
       load_urdf(std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/robots/hopper.urdf",
                 {.base = UrdfOptions::Base::planar,
@@ -129,15 +110,13 @@ inline ShootingProblem landing(double limit = kFree) {
       terminal_phase(in_the_air, cost));
 }
 
-/// Sets every control of a trajectory.
-inline Trajectory constant_controls(const ShootingProblem& problem, double u) {
+Trajectory constant_controls(const ShootingProblem& problem, double u) {
   Trajectory guess = problem.create_trajectory();
   for (int k = 0; k < problem.knots(); ++k) guess.u(k).setConstant(u);
   return guess;
 }
 
-/// Random states (flat spaces) and controls.
-inline Trajectory random_guess(const ShootingProblem& problem, unsigned seed, double size = 1) {
+Trajectory random_guess(const ShootingProblem& problem, unsigned seed, double size) {
   std::mt19937 engine(seed);
   std::normal_distribution<double> normal(0, size);
   Trajectory guess = problem.create_trajectory();

@@ -1,27 +1,14 @@
-#pragma once
+#include "support/dense_convex.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 #include <gtest/gtest.h>
 
-#include "solvers/constrained.hpp"
-
-/// Convex problems with constraints, and their optimum by a method that shares nothing with the
-/// solvers.
 namespace conddp::testing {
+namespace {
 
-/// A convex problem in all controls: ½ Uᵀ H U + gᵀ U with G U + d in the sets of its constraints
-/// and U between bounds.
-struct Dense {
-  Eigen::MatrixXd H, G;
-  Eigen::VectorXd g, d;
-  double low, up;
-};
-
-inline Eigen::VectorXd values_at(const ShootingProblem& problem, Acts& acts,
-                                 const Eigen::VectorXd& U) {
+Eigen::VectorXd values_at(const ShootingProblem& problem, Acts& acts, const Eigen::VectorXd& U) {
   Trajectory t = problem.create_trajectory();
   int at = 0;
   for (int k = 0; k < problem.knots(); ++k) {
@@ -34,23 +21,9 @@ inline Eigen::VectorXd values_at(const ShootingProblem& problem, Acts& acts,
   return evaluation.constraint;
 }
 
-inline Dense make_dense(const LinearQuadratic& lq, const ShootingProblem& problem, double low,
-                        double up) {
-  Dense dense{.low = low, .up = up};
-  lq.condense(dense.H, dense.g);
-  const int n = static_cast<int>(dense.g.size());
-  Acts acts(problem);
-  dense.d = values_at(problem, acts, Eigen::VectorXd::Zero(n));
-  dense.G.resize(dense.d.size(), n);
-  for (int i = 0; i < n; ++i)
-    dense.G.col(i) = values_at(problem, acts, Eigen::VectorXd::Unit(n, i)) - dense.d;
-  return dense;
-}
-
 /// How much of the way from s to its nearest point in the constraint's set ADMM goes, with penalty
 /// 1: all of it where it is hard, the proximal step of the penalty where it is soft.
-inline double share_of_way(const ShootingProblem& problem, const NodeConstraint& c,
-                           double distance) {
+double share_of_way(const ShootingProblem& problem, const NodeConstraint& c, double distance) {
   if (!c.is_soft() || distance == 0) return 1;
   const KnotView& knot = problem.knot(c.node);
   const double weight = knot.cost_scale * knot.parameters[c.term->weight()];
@@ -58,8 +31,8 @@ inline double share_of_way(const ShootingProblem& problem, const NodeConstraint&
                                           : weight / (weight + 1);
 }
 
-inline void move_towards(const ShootingProblem& problem, const NodeConstraint& c,
-                         const Eigen::VectorXd& s, Eigen::VectorXd& z) {
+void move_towards(const ShootingProblem& problem, const NodeConstraint& c, const Eigen::VectorXd& s,
+                  Eigen::VectorXd& z) {
   const int n = c.term->rows;
   if (c.term->has_bounds()) {
     for (int i = 0; i < n; ++i) {
@@ -79,7 +52,7 @@ inline void move_towards(const ShootingProblem& problem, const NodeConstraint& c
 
 /// The nearest point of the constraints' sets, and of soft ones the proximal point; rows that are
 /// switched off are free.
-inline Eigen::VectorXd nearest(const ShootingProblem& problem, const Eigen::VectorXd& s) {
+Eigen::VectorXd nearest(const ShootingProblem& problem, const Eigen::VectorXd& s) {
   Eigen::VectorXd z = s;
   for (const NodeConstraint& c : problem.constraints())
     if (!c.is_soft()) move_towards(problem, c, s, z);
@@ -87,8 +60,21 @@ inline Eigen::VectorXd nearest(const ShootingProblem& problem, const Eigen::Vect
   return z;
 }
 
-/// The optimum by ADMM with an exact factor: nothing in common with the solvers.
-inline Eigen::VectorXd dense_optimum(const ShootingProblem& problem, const Dense& p) {
+}  // namespace
+
+Dense make_dense(const LinearQuadratic& lq, const ShootingProblem& problem, double low, double up) {
+  Dense dense{.low = low, .up = up};
+  lq.condense(dense.H, dense.g);
+  const int n = static_cast<int>(dense.g.size());
+  Acts acts(problem);
+  dense.d = values_at(problem, acts, Eigen::VectorXd::Zero(n));
+  dense.G.resize(dense.d.size(), n);
+  for (int i = 0; i < n; ++i)
+    dense.G.col(i) = values_at(problem, acts, Eigen::VectorXd::Unit(n, i)) - dense.d;
+  return dense;
+}
+
+Eigen::VectorXd dense_optimum(const ShootingProblem& problem, const Dense& p) {
   const int n = static_cast<int>(p.g.size()), m = static_cast<int>(p.d.size());
   Eigen::MatrixXd A(m + n, n);
   A << p.G, Eigen::MatrixXd::Identity(n, n);
@@ -112,7 +98,7 @@ inline Eigen::VectorXd dense_optimum(const ShootingProblem& problem, const Dense
   return U;
 }
 
-inline Eigen::VectorXd controls_of(const Trajectory& t) {
+Eigen::VectorXd controls_of(const Trajectory& t) {
   int n = 0;
   for (int k = 0; k < t.knots(); ++k) n += t.nu(k);
   Eigen::VectorXd U(n);
@@ -124,8 +110,7 @@ inline Eigen::VectorXd controls_of(const Trajectory& t) {
   return U;
 }
 
-/// Constraints that cut an optimum off, of every kind.
-inline std::vector<Added> cuts(const ShootingProblem& problem, const Trajectory& best) {
+std::vector<Added> cuts(const ShootingProblem& problem, const Trajectory& best) {
   const int N = problem.knots(), nu = problem.nu(0);
   double largest = 0;
   for (int k = 4; k <= N; ++k) largest = std::max(largest, std::abs(best.x(k)[0]));
@@ -156,9 +141,6 @@ inline std::vector<Added> cuts(const ShootingProblem& problem, const Trajectory&
            .slope = 0.5}};
 }
 
-/// Those that cut off the optimum without any bound.
-inline std::vector<Added> cuts(const LinearQuadratic& lq) {
-  return cuts(*lq.problem, lq.dense_optimum());
-}
+std::vector<Added> cuts(const LinearQuadratic& lq) { return cuts(*lq.problem, lq.dense_optimum()); }
 
 }  // namespace conddp::testing

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <limits>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <Eigen/Dense>
+
+#include "ocp/acts.hpp"
+#include "ocp/residuals.hpp"
+#include "systems/catalogue.hpp"
+
+/// Small problems on which several solver tests stand.
+namespace conddp::testing {
+
+/// Σ ½ (x − x_ref)ᵀ diag(q) (x − x_ref) + ½ uᵀ diag(r) u along the way, ½ (·)ᵀ diag(qf) (·) at the
+/// end; running costs times dt where `rates`.
+struct TrackingCost {
+  std::vector<double> goal, q, r, qf;
+  bool rates = true;
+};
+
+/// Knots of one system with that cost, its controls between the limits.
+Phase tracking_phase(std::shared_ptr<const System> system, Integrator integrator, int knots,
+                     double dt, const TrackingCost& cost, double limit_low, double limit_up,
+                     const std::string& name = "all");
+
+/// The terminal node with the cost `qf`.
+Phase terminal_phase(std::shared_ptr<const System> system, TrackingCost cost);
+
+inline constexpr double kFree = std::numeric_limits<double>::infinity();
+
+/// One phase and its terminal node.
+ShootingProblem tracking_problem(const std::shared_ptr<const System>& system, Integrator integrator,
+                                 int knots, double dt, std::vector<double> start,
+                                 const TrackingCost& cost, double low = -kFree, double up = kFree);
+
+/// Swing-ups and motions of the systems of the catalogue, controls within ± limit.
+ShootingProblem pendulum_swing_up(double limit = kFree);
+ShootingProblem cartpole_swing_up(double limit = kFree, Integrator integrator = Integrator::rk4);
+ShootingProblem acrobot_swing_up(double limit = kFree);
+ShootingProblem unicycle_parking(double limit = kFree);
+ShootingProblem quadrotor_move(double limit_low = -kFree, double limit_up = kFree);
+
+/// The hopper falls from 5 cm, its foot stops at an impulse, and it comes to rest on its leg.
+ShootingProblem landing(double limit = kFree);
+
+/// Sets every control of a trajectory.
+Trajectory constant_controls(const ShootingProblem& problem, double u);
+
+/// Random states (flat spaces) and controls.
+Trajectory random_guess(const ShootingProblem& problem, unsigned seed, double size = 1);
+
+}  // namespace conddp::testing
