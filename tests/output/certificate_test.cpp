@@ -225,19 +225,20 @@ TEST_P(CertificateOf, AnAnswerHoldsAndOfNoneThatIsChanged) {
 // A closed form with bounds that are met, pendulums of a URDF, poses in SE(3), an impact of a
 // planar hopper, and impacts of four feet.
 INSTANTIATE_TEST_SUITE_P(Problems, CertificateOf,
-                         testing::Values("pendulum_swingup", "cartpole_swingup", "body_reorient",
-                                         "quadrotor_waypoints", "hopper_jump", "quadruped_bound"),
+                         testing::Values("pendulum_swingup", "double_pendulum_swingup",
+                                         "body_reorient", "quadrotor_waypoints", "hopper_jump",
+                                         "quadruped_bound"),
                          [](const auto& name) { return name.param; });
 
 TEST(Certificate, OfAnotherRobotDoesNotHold) {
-  const Answer own("cartpole_swingup");
+  const Answer own("cartpole_swingup", {"solver.max_iterations=3"});
   const Answer other("cartpole_swingup",
                      {"robot.payloads={pole: {mass: 0.01}}", "solver.max_iterations=1"});
   EXPECT_NE(failures(other.judge(own.document)).find("[gap]"), std::string::npos);
 }
 
 TEST(Certificate, OfAnotherStepDoesNotHold) {
-  const Answer own("cartpole_swingup");
+  const Answer own("cartpole_swingup", {"solver.max_iterations=3"});
   const Answer other("cartpole_swingup", {"phases.0.dt=0.0301", "solver.max_iterations=1"});
   const std::string found = failures(other.judge(own.document));
   for (const char* check : {"[times]", "[gap]", "[cost]"})
@@ -249,7 +250,8 @@ TEST(Certificate, OfUnconvergedAnswersHolds) {
   for (const std::string solver : {"ilqr", "ilqr_clip", "ddp", "box_ddp", "fddp", "box_fddp"})
     for (const std::string iterations : {"0", "1", "4"})
       for (const std::string problem :
-           {"cartpole_swingup", "quadrotor_waypoints", "quadruped_jump"}) {
+           {"cartpole_swingup", "quadrotor_waypoints", "hopper_jump", "quadruped_jump"}) {
+        if (problem == "quadruped_jump" && solver != "box_fddp") continue;  // the largest
         BuildOptions options;
         const bool bounds = solver.find("box") == 0 || solver == "ilqr_clip";
         if (!bounds)
