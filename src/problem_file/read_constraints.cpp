@@ -204,7 +204,7 @@ void read_constraint(const Name& name, const YamlReader& reader,
 
 void read_constraints(const YamlReader& reader, const std::filesystem::path& folder, bool terminal,
                       ProblemSpec& spec) {
-  if (const auto entries = reader.named_entries())
+  if (const auto entries = reader.named_entries("write '{torque: {bounds: control, from: urdf}}'"))
     for (const auto& [name, value] : *entries) read_constraint(name, value, folder, terminal, spec);
 }
 

@@ -72,7 +72,7 @@ std::optional<Vector3<double>> read_direction(const YamlReader& reader) {
 
 std::vector<ContactSpec> read_contacts(const YamlReader& reader) {
   std::vector<ContactSpec> contacts;
-  const auto entries = reader.named_entries();
+  const auto entries = reader.named_entries("write '{LF: {frame: lf_foot}}'");
   if (!entries) return contacts;
   ContactSpec defaults;
   for (const auto& [name, value] : *entries) {

@@ -210,7 +210,7 @@ bool read_residual(YamlMap& map, const std::filesystem::path& folder, bool termi
 std::vector<CostSpec> read_costs(const YamlReader& reader, const std::filesystem::path& folder,
                                  bool terminal) {
   std::vector<CostSpec> costs;
-  if (const auto entries = reader.named_entries())
+  if (const auto entries = reader.named_entries("write '{effort: {residual: control}}'"))
     for (const auto& [name, value] : *entries)
       costs.push_back(read_cost(name, value, folder, terminal));
   return costs;

@@ -71,7 +71,7 @@ PhaseSpec read_phase(const YamlReader& reader, std::size_t index) {
 
 std::vector<PhaseSpec> read_phases(const YamlReader& reader) {
   std::vector<PhaseSpec> phases;
-  const auto items = reader.items();
+  const auto items = reader.items("write '[{knots: 100, dt: 0.01}]'");
   if (!items) return phases;
   if (items->empty()) reader.error("there is no phase", "write '- {knots: 100, dt: 0.01}'");
   long long knots = 0;

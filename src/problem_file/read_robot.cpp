@@ -55,7 +55,7 @@ PassiveSpec read_passive(const YamlReader& reader) {
 
 RobotSpec read_robot(const YamlReader& reader, const std::filesystem::path& folder) {
   RobotSpec robot{.place = reader.place()};
-  YamlMap map(reader);
+  YamlMap map(reader, "write '{urdf: robot.urdf}'");
   if (const auto r = map.require("urdf")) {
     robot.urdf = r->name().value_or(Name{});
     robot.path = folder / robot.urdf.value;

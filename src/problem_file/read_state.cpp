@@ -62,7 +62,7 @@ StateSpec read_state_keys(YamlMap& map) {
 }
 
 std::optional<StateSpec> read_state(const YamlReader& reader) {
-  YamlMap map(reader);
+  YamlMap map(reader, "write '{joints: {knee: 0.5}}' or '{configuration: NAME}'");
   if (!map.valid()) return std::nullopt;
   return read_state_keys(map);
 }

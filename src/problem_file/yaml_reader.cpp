@@ -80,8 +80,8 @@ std::optional<Name> YamlReader::name() const {
   return Name{node_->text, place()};
 }
 
-std::optional<std::vector<YamlReader>> YamlReader::items() const {
-  if (!is_sequence()) return expected("a list"), std::nullopt;
+std::optional<std::vector<YamlReader>> YamlReader::items(std::string_view hint) const {
+  if (!is_sequence()) return expected("a list", std::string(hint)), std::nullopt;
   std::vector<YamlReader> readers;
   readers.reserve(node_->items.size());
   for (std::size_t i = 0; i < node_->items.size(); ++i)
@@ -156,8 +156,9 @@ std::optional<std::size_t> YamlReader::choose(const std::vector<std::string>& wo
   return std::nullopt;
 }
 
-std::optional<std::vector<std::pair<Name, YamlReader>>> YamlReader::named_entries() const {
-  if (!is_map()) return expected("a mapping from names to values"), std::nullopt;
+std::optional<std::vector<std::pair<Name, YamlReader>>> YamlReader::named_entries(
+    std::string_view hint) const {
+  if (!is_map()) return expected("a mapping from names to values", std::string(hint)), std::nullopt;
   std::vector<std::pair<Name, YamlReader>> entries;
   for (const YamlNode::Entry& entry : node_->entries) {
     const std::string path = path_.empty() ? entry.key : path_ + "." + entry.key;
@@ -170,8 +171,9 @@ std::optional<std::vector<std::pair<Name, YamlReader>>> YamlReader::named_entrie
   return entries;
 }
 
-YamlMap::YamlMap(const YamlReader& reader) : reader_(reader), valid_(reader.is_map()) {
-  if (!valid_) reader_.expected("a mapping");
+YamlMap::YamlMap(const YamlReader& reader, std::string_view hint)
+    : reader_(reader), valid_(reader.is_map()) {
+  if (!valid_) reader_.expected("a mapping", std::string(hint));
 }
 
 std::optional<YamlReader> YamlMap::find(std::string_view key) {

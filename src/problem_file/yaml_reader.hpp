@@ -61,8 +61,8 @@ class YamlReader {
   /// A word or quoted text, not empty.
   std::optional<std::string> text() const;
   std::optional<Name> name() const;
-  /// The elements of a list, or nothing with an error.
-  std::optional<std::vector<YamlReader>> items() const;
+  /// The elements of a list, or nothing with an error, whose hint may show what to write.
+  std::optional<std::vector<YamlReader>> items(std::string_view hint = {}) const;
   std::optional<std::vector<double>> numbers() const;
   /// Exactly `count` numbers; `what` says what they are: "[x, y, z] in m".
   std::optional<std::vector<double>> numbers(std::size_t count, std::string_view what) const;
@@ -80,8 +80,10 @@ class YamlReader {
   }
   std::optional<std::size_t> choose(const std::vector<std::string>& words,
                                     std::string_view what) const;
-  /// Keys with free names (costs, joints, ...) in the order of the file; not for fixed keys.
-  std::optional<std::vector<std::pair<Name, YamlReader>>> named_entries() const;
+  /// Keys with free names (costs, joints, ...) in the order of the file; not for fixed keys. The
+  /// hint of an error may show what to write.
+  std::optional<std::vector<std::pair<Name, YamlReader>>> named_entries(
+      std::string_view hint = {}) const;
 
  private:
   const YamlNode* node_;
@@ -90,11 +92,11 @@ class YamlReader {
 };
 
 /// A mapping with a fixed set of keys. Ask for every key that is accepted; `finish` (or the
-/// destructor) reports the others. If the node is no mapping that is reported and every key is
-/// absent.
+/// destructor) reports the others. If the node is no mapping that is reported, with a hint that may
+/// show what to write, and every key is absent.
 class YamlMap {
  public:
-  explicit YamlMap(const YamlReader& reader);
+  explicit YamlMap(const YamlReader& reader, std::string_view hint = {});
   ~YamlMap() { finish(); }
   YamlMap(const YamlMap&) = delete;
   YamlMap& operator=(const YamlMap&) = delete;
