@@ -12,6 +12,10 @@ struct EnvironmentInfo {
 inline constexpr EnvironmentInfo kNoColor{"NO_COLOR", "if not empty, nothing is coloured"};
 inline constexpr EnvironmentInfo kTerm{
     "TERM", "if 'dumb' or empty, nothing is coloured and no progress is shown"};
-inline constexpr EnvironmentInfo kEnvironment[] = {kNoColor, kTerm};
+/// Read by processor_check.cpp, before anything else runs.
+inline constexpr EnvironmentInfo kInstructions{
+    "CONDDP_INSTRUCTIONS",
+    "'avx2' or 'avx512' forces one path of a conddp that has both; unset, the widest is taken"};
+inline constexpr EnvironmentInfo kEnvironment[] = {kNoColor, kTerm, kInstructions};
 
 }  // namespace conddp

@@ -1,41 +1,125 @@
-// Compiled for any x86-64, unlike the rest of the tool: before anything of that runs, it looks
-// whether the processor has the instructions that the rest was compiled to, and says what is
-// missing instead of ending at an illegal instruction.
+// Compiled for any x86-64, unlike the rest of the tool: before anything of that runs, it chooses
+// the instructions. Where a tool for wider registers lies beside this one (cmake/wider_tool.cmake)
+// and the processor has what that needs, it becomes that tool; where the processor lacks what this
+// one was compiled to, it says what is missing instead of ending at an illegal instruction.
+#include <cstdlib>
+#include <cstring>
+
 #include <unistd.h>
+
+// From cmake/processor_features.cmake, where X("name") stands for each instruction set that
+// matters: CONDDP_PROCESSOR_FEATURES, CONDDP_INSTRUCTION_SET (the path of this tool: "avx2") and,
+// if there is a wider tool, CONDDP_WIDER_FEATURES and CONDDP_WIDER_SET.
+#ifndef CONDDP_WIDER_SET
+#define CONDDP_WIDER_SET ""
+#define CONDDP_WIDER_FEATURES
+#endif
 
 namespace {
 
+constexpr const char* kVariable = "CONDDP_INSTRUCTIONS";
+
 /// As strings and streams are compiled for the other processor, it does without.
 struct Text {
-  char characters[512];
-  unsigned size = 0;
+  char characters[1024] = {};
+  std::size_t size = 0;
 
   void add(const char* words) {
-    while (*words != 0 && size < sizeof(characters)) characters[size++] = *words++;
+    while (*words != 0 && size + 1 < sizeof(characters)) characters[size++] = *words++;
+    characters[size] = 0;
   }
 };
 
-/// Before the constructors of all other objects.
-__attribute__((constructor(101))) void check_processor() {
-  __builtin_cpu_init();
-  Text message;
-  message.add("conddp: error: this processor lacks");
-  const unsigned found_nothing = message.size;
-#define X(feature)                            \
-  if (__builtin_cpu_supports(feature) == 0) { \
-    message.add(" ");                         \
-    message.add(feature);                     \
-  }
-  // X("name") for every instruction set that matters, from cmake/processor_features.cmake.
-  CONDDP_PROCESSOR_FEATURES
-#undef X
-  if (message.size == found_nothing) return;
-  message.add(
-      ", which this conddp was compiled for\n"
-      "  hint: compile it on this machine (preset release) or for all with avx2 (preset "
-      "portable)\n");
+[[noreturn]] void fail(const Text& message) {
   if (write(2, message.characters, message.size) < 0) _exit(3);
   _exit(2);
+}
+
+#define X(feature)                            \
+  if (__builtin_cpu_supports(feature) == 0) { \
+    missing.add(" ");                         \
+    missing.add(feature);                     \
+  }
+
+/// The instruction sets of this tool that the processor lacks.
+Text missing_here() {
+  Text missing;
+  CONDDP_PROCESSOR_FEATURES
+  return missing;
+}
+
+/// Those of the wider tool.
+Text missing_for_wider() {
+  Text missing;
+  CONDDP_WIDER_FEATURES
+  return missing;
+}
+#undef X
+
+void report_unknown_path(const char* wanted) {
+  Text message;
+  message.add("conddp: error: ");
+  message.add(kVariable);
+  message.add(" is '");
+  message.add(wanted);
+  message.add("', but this conddp has ");
+  message.add(CONDDP_INSTRUCTION_SET);
+  if (*CONDDP_WIDER_SET != 0) message.add(" and " CONDDP_WIDER_SET);
+  message.add(
+      "\n"
+      "  hint: leave the variable unset for the widest that the processor has\n");
+  fail(message);
+}
+
+void report_missing(const Text& missing, const char* whose, const char* hint) {
+  Text message;
+  message.add("conddp: error: this processor lacks");
+  message.add(missing.characters);
+  message.add(", which ");
+  message.add(whose);
+  message.add(" was compiled for\n  hint: ");
+  message.add(hint);
+  message.add("\n");
+  fail(message);
+}
+
+/// Returns only where the wider tool cannot be run; `path` is where it was looked for.
+void become_wider(char** argv, Text& path) {
+  char self[sizeof(path.characters)];
+  const ssize_t size = readlink("/proc/self/exe", self, sizeof(self) - 1);
+  if (size <= 0) return;
+  self[size] = 0;
+  path.add(self);
+  path.add("-" CONDDP_WIDER_SET);
+  execve(path.characters, argv, environ);
+}
+
+/// Before the constructors of all other objects. The C library hands them what main gets.
+__attribute__((constructor(101))) void choose_instructions(int, char** argv, char**) {
+  __builtin_cpu_init();
+  const char* wanted = std::getenv(kVariable);
+  if (wanted != nullptr && *wanted == 0) wanted = nullptr;
+  const bool has_wider = *CONDDP_WIDER_SET != 0;
+  if (wanted == nullptr) {
+    Text path;
+    if (has_wider && missing_for_wider().size == 0) become_wider(argv, path);
+  } else if (has_wider && std::strcmp(wanted, CONDDP_WIDER_SET) == 0) {
+    if (const Text missing = missing_for_wider(); missing.size > 0)
+      report_missing(missing, "the " CONDDP_WIDER_SET " path",
+                     "leave CONDDP_INSTRUCTIONS unset for the widest that the processor has");
+    Text path, message;
+    become_wider(argv, path);
+    message.add("conddp: error: the " CONDDP_WIDER_SET " path cannot be run: ");
+    message.add(path.characters);
+    message.add("\n  hint: keep that file beside conddp, or leave CONDDP_INSTRUCTIONS unset\n");
+    fail(message);
+  } else if (std::strcmp(wanted, CONDDP_INSTRUCTION_SET) != 0) {
+    report_unknown_path(wanted);
+  }
+  if (const Text missing = missing_here(); missing.size > 0)
+    report_missing(missing, "this conddp",
+                   "compile it on this machine (preset release) or for all with avx2 (preset "
+                   "portable)");
 }
 
 }  // namespace

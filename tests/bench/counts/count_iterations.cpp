@@ -6,165 +6,14 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <map>
 
-#include "ocp/contact_cones.hpp"
-#include "ocp/residuals.hpp"
-#include "robot/urdf.hpp"
+#include "problems.hpp"
 #include "solvers/ddp_solver.hpp"
-#include "systems/multibody.hpp"
 
 namespace conddp {
 namespace {
 
 constexpr int kIterations = 6;
-constexpr int kKnots = 16;
-
-using Pose = std::map<std::string, double>;  // by joint
-
-std::shared_ptr<MultibodySystem> system_of(const std::string& name, UrdfOptions::Base base) {
-  const auto urdf = load_urdf(std::string(CONDDP_SOURCE_DIR) + "/problems/robots/" + name + ".urdf",
-                              {.base = base});
-  const auto robot = std::make_shared<const RobotModel>(urdf.model.value());
-  return std::make_shared<MultibodySystem>(robot, Actuation::full(*robot));
-}
-
-int frame_of(const MultibodySystem& system, const std::string& name) {
-  return system.robot().find_frame(name).value();
-}
-
-/// At rest; a floating base at this height.
-std::vector<double> state_of(const MultibodySystem& system, double height, const Pose& pose) {
-  std::vector<double> x = system.manifold().neutral();
-  if (height > 0) x[2] = height;
-  const auto& joints = system.robot().joints;
-  for (std::size_t j = 0; j < joints.size(); ++j)
-    if (const auto at = pose.find(joints[j].name); at != pose.end())
-      x[system.position_index(static_cast<int>(j)).value()] = at->second;
-  return x;
-}
-
-/// Costs of a model with the parameters that all its knots have.
-class PhaseMaker {
- public:
-  PhaseMaker(std::shared_ptr<const MultibodySystem> system, Integrator integrator)
-      : system_(std::move(system)), model_(std::make_shared<KnotModel>(system_, integrator)) {
-    if (integrator != Integrator::none)
-      model_->set_control_bounds(system_->actuation().lower, system_->actuation().upper);
-  }
-
-  void add(const char* name, std::shared_ptr<const Residual> residual,
-           const std::vector<double>& reference, double weight, Activation activation = {}) {
-    model_->add_cost(name, std::move(residual), std::move(activation));
-    parameters_.insert(parameters_.end(), reference.begin(), reference.end());
-    parameters_.push_back(weight);
-  }
-  void add_posture(const std::vector<double>& x, double weight) {
-    add("posture", state_residual(model_->manifold()), x, weight);
-  }
-  void add_effort() {
-    add("effort", control_residual(model_->ndx(), model_->nu()),
-        std::vector<double>(model_->nu(), 0.0), 1e-3);
-  }
-  void add_cones(const LinearCone& cone) {
-    for (int i = 0; i < system_->contacts().count(); ++i)
-      add("cone", contact_cone_residual(system_, i, model_->ndx(), cone), {}, 10,
-          {.kind = ActivationKind::quadratic_barrier, .lower = cone.lower, .upper = cone.upper});
-  }
-
-  Phase make(int knots, double dt) const {
-    Phase phase{.name = "phase",
-                .model = model_,
-                .dt = std::vector<double>(knots, dt),
-                .cost_scale = std::vector<double>(knots, dt > 0 ? dt : 1),
-                .parameters = {}};
-    for (int k = 0; k < knots; ++k)
-      phase.parameters.insert(phase.parameters.end(), parameters_.begin(), parameters_.end());
-    return phase;
-  }
-  const std::shared_ptr<const MultibodySystem>& system() const { return system_; }
-  int ndx() const { return model_->ndx(); }
-
- private:
-  std::shared_ptr<const MultibodySystem> system_;
-  std::shared_ptr<KnotModel> model_;
-  std::vector<double> parameters_;
-};
-
-Phase rest_at(const std::shared_ptr<const MultibodySystem>& system, const std::vector<double>& x) {
-  PhaseMaker end(system, Integrator::none);
-  end.add_posture(x, 10);
-  return end.make(1, 0);
-}
-
-/// Two diagonal swings on the spot.
-ShootingProblem trot() {
-  const auto system = system_of("quadruped", UrdfOptions::Base::floating);
-  Pose pose;
-  for (const char* leg : {"LF", "RF", "LH", "RH"}) {
-    const double bend = leg[1] == 'F' ? 0.75 : -0.75;
-    pose[std::string(leg) + "_HAA"] = -0.2;
-    pose[std::string(leg) + "_HFE"] = bend;
-    pose[std::string(leg) + "_KFE"] = -2 * bend;
-  }
-  const std::vector<double> standing = state_of(*system, 0.57, pose);
-  const auto swing = [&](const std::vector<std::string>& on, const std::vector<std::string>& up) {
-    std::vector<Contact> contacts;
-    for (const std::string& foot : on)
-      contacts.push_back({.name = foot, .frame = frame_of(*system, foot), .kd = 50});
-    PhaseMaker phase(system->with_contacts(contacts), Integrator::semi_implicit_euler);
-    phase.add_posture(standing, 10);
-    phase.add_effort();
-    phase.add_cones(friction_pyramid({}, 4, false, {0, 0, 1}));
-    for (const std::string& foot : up) {
-      const double x = foot[1] == 'f' ? 0.37 : -0.37, y = foot[0] == 'l' ? 0.32 : -0.32;
-      phase.add("swing", frame_position_residual(phase.system(), frame_of(*system, foot)),
-                {x, y, 0.04}, 1e3);
-    }
-    return phase.make(kKnots / 2, 0.02);
-  };
-  return ShootingProblem(standing,
-                         {swing({"lf_foot", "rh_foot"}, {"rf_foot", "lh_foot"}),
-                          swing({"rf_foot", "lh_foot"}, {"lf_foot", "rh_foot"})},
-                         rest_at(system, standing));
-}
-
-/// A tool goes to a placement.
-ShootingProblem reach() {
-  const auto system = system_of("arm7", UrdfOptions::Base::fixed);
-  const std::vector<double> ready =
-      state_of(*system, 0, {{"joint_2", 0.4}, {"joint_4", -1.2}, {"joint_6", 1.54}});
-  PhaseMaker phase(system, Integrator::semi_implicit_euler), end(system, Integrator::none);
-  phase.add_posture(ready, 1);
-  phase.add("effort", control_gravity_residual(system, phase.ndx()), {}, 1e-3);
-  end.add("tool", frame_placement_residual(system, frame_of(*system, "tool")),
-          {0.35, 0.45, 0.4, 1, 0, 0, 0}, 1e3);
-  end.add_posture(ready, 1);
-  return ShootingProblem(ready, {phase.make(kKnots, 0.02)}, end.make(1, 0));
-}
-
-/// A biped lowers its centre of mass on two soles.
-ShootingProblem squat() {
-  const auto system = system_of("biped", UrdfOptions::Base::floating);
-  Pose pose{{"torso_pitch", 0.1}};
-  for (const char* side : {"l", "r"}) {
-    const std::string leg(side);
-    pose[leg + "_hip_pitch"] = pose[leg + "_ankle_pitch"] = -0.4;
-    pose[leg + "_knee"] = 0.8;
-    pose[leg + "_elbow"] = -0.6;
-  }
-  const std::vector<double> standing = state_of(*system, 0.7832, pose);
-  std::vector<Contact> soles;
-  for (const char* sole : {"l_sole", "r_sole"})
-    soles.push_back(
-        {.name = sole, .frame = frame_of(*system, sole), .kind = ContactKind::surface, .kd = 50});
-  PhaseMaker phase(system->with_contacts(soles), Integrator::semi_implicit_euler);
-  phase.add_posture(standing, 1);
-  phase.add_effort();
-  phase.add_cones(wrench_cone({.min_normal = 20}, 0.09, 0.04, true));
-  phase.add("height", com_position_residual(phase.system()), {0.03, 0, 0.65}, 1e3);
-  return ShootingProblem(standing, {phase.make(kKnots, 0.02)}, rest_at(system, standing));
-}
 
 /// Work that the compiler cannot leave out.
 void burn(long rounds) {
@@ -194,8 +43,7 @@ int run(const ShootingProblem& problem, long rounds) {
 
 int main(int argc, char** argv) {
   using namespace conddp;
-  const std::map<std::string, ShootingProblem (*)()> cases{
-      {"trot", trot}, {"reach", reach}, {"squat", squat}};
+  const auto& cases = counted_problems();
   const bool burns = argc == 4 && std::strcmp(argv[2], "--burn") == 0;
   const auto found = argc == 2 || burns ? cases.find(argv[1]) : cases.end();
   if (found == cases.end()) {
