@@ -109,12 +109,12 @@ OrderedJson phases_json(const ShootingProblem& problem) {
   OrderedJson list = OrderedJson::array();
   for (const Phase& phase : problem.phases()) {
     double duration = 0;
-    for (const double dt : phase.dt) duration += dt;
+    for (const double dt : phase.dt) duration += phase.instant ? 0 : dt;
     const auto [shortest, longest] = std::minmax_element(phase.dt.begin(), phase.dt.end());
     list.push_back({{"name", phase.name},
                     {"knots", phase.knots()},
-                    {"dt_s", *longest},
-                    {"shortest_dt_s", *shortest},
+                    {"dt_s", phase.instant ? 0 : *longest},
+                    {"shortest_dt_s", phase.instant ? 0 : *shortest},
                     {"duration_s", duration}});
   }
   return list;
@@ -176,7 +176,8 @@ std::string bounds_text(const std::string& word) {
 OrderedJson check_summary(const ProblemSpec& spec, const BuiltProblem& built,
                           const SolverInfo& solver) {
   const ShootingProblem& problem = *built.problem;
-  const KnotModel& model = *problem.knot(0).model;
+  // A knot that chooses the first state says nothing of the others.
+  const KnotModel& model = *problem.knot(problem.phases().front().instant ? 1 : 0).model;
   OrderedJson guess = {{"states", built.guess_used.states},
                        {"controls", built.guess_used.controls},
                        {"seed", nullptr}};

@@ -46,8 +46,6 @@ OrderedJson derivatives_json(const std::vector<DerivativeComparison>& comparison
   const ShootingProblem& problem = *built.problem;
   const int phases = static_cast<int>(problem.phases().size());
   const Names tangent = tangent_columns(built);
-  Names columns = tangent;
-  for (const Column& control : built.control_columns) columns.push_back(control.name);
   OrderedJson list = OrderedJson::array();
   bool holds = true;
   for (const DerivativeComparison& c : comparisons) {
@@ -65,6 +63,10 @@ OrderedJson derivatives_json(const std::vector<DerivativeComparison>& comparison
       constraint = phase.model->constraints()[c.term].name;
       row = fmt::format("row {}", c.row);
     }
+    Names columns = tangent;
+    const auto& controls =
+        phase.instant ? phase.model->system().control_columns() : built.control_columns;
+    for (const Column& control : controls) columns.push_back(control.name);
     const bool within = c.error <= kDerivativeTolerance;
     holds = holds && within;
     list.push_back({{"phase", phase.name},

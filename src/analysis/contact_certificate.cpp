@@ -5,7 +5,8 @@
 namespace conddp {
 
 ContactCertificate certify_contacts(const ContactMotion& motion) {
-  ContactCertificate result{measure_contacts(motion), contact_sequence(motion), {}, {}};
+  ContactCertificate result{
+      measure_contacts(motion), contact_sequence(motion), {}, motion.first_knot, {}};
   for (const ContactCandidate& candidate : motion.plant.contacts.candidates)
     result.candidates.push_back(candidate.name);
   return result;

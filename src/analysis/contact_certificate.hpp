@@ -14,6 +14,7 @@ struct ContactCertificate {
   ContactMeasures measures;
   std::vector<ContactStretch> sequence;
   std::vector<std::string> candidates;  ///< their names
+  int first_knot = 0;                   ///< at which the sequence begins
   std::optional<ContactReplay> replay;
 };
 

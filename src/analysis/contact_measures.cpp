@@ -45,7 +45,8 @@ class Measure {
           stepping_residual(plant_, motion_.start(k), motion_.v[k + 1], motion_.forces[k]);
       Eigen::Index row = 0;
       const double worst = residual.cwiseAbs().maxCoeff(&row);
-      out_.stepping.meet(worst / (motion_.h[k] * weight_), k, joint_of(static_cast<int>(row)));
+      out_.stepping.meet(worst / (motion_.h[k] * weight_), motion_.first_knot + k,
+                         joint_of(static_cast<int>(row)));
       candidates();
       between();
       stops();
@@ -78,21 +79,22 @@ class Measure {
 
   /// One side of a rigid pair 0 ≤ f ⊥ φ ≥ 0.
   void pair(double f, double gap, const std::string& name) {
-    out_.complementarity.meet(std::abs(std::min(f, gap)), k_, name);
-    out_.product.meet(std::abs(f * gap), k_, name);
-    out_.signs.meet(-f / weight_, k_, name);
-    if (f > kActs * weight_) out_.distant.meet(gap, k_, name);
+    out_.complementarity.meet(std::abs(std::min(f, gap)), knot(), name);
+    out_.product.meet(std::abs(f * gap), knot(), name);
+    out_.signs.meet(-f / weight_, knot(), name);
+    if (f > kActs * weight_) out_.distant.meet(gap, knot(), name);
   }
 
   void friction(const Eigen::Vector2d& f, const Eigen::Vector2d& v, double budget, bool pyramid,
                 const std::string& name) {
-    out_.friction.meet((f - project(f - v, budget, pyramid)).lpNorm<Eigen::Infinity>(), k_, name);
+    out_.friction.meet((f - project(f - v, budget, pyramid)).lpNorm<Eigen::Infinity>(), knot(),
+                       name);
     const double used = pyramid ? f.cwiseAbs().sum() : f.norm();
     const double speed = pyramid ? v.lpNorm<Eigen::Infinity>() : v.norm();
-    out_.cone.meet((f.norm() - budget) / weight_, k_, name);
-    out_.dissipation.meet(std::abs(f.dot(v) + budget * speed) / weight_, k_, name);
-    if (budget > kActs * weight_ && used < kInside * budget) out_.slip.meet(speed, k_, name);
-    out_.work.meet(motion_.h[k_] * f.dot(v), k_, name);
+    out_.cone.meet((f.norm() - budget) / weight_, knot(), name);
+    out_.dissipation.meet(std::abs(f.dot(v) + budget * speed) / weight_, knot(), name);
+    if (budget > kActs * weight_ && used < kInside * budget) out_.slip.meet(speed, knot(), name);
+    out_.work.meet(motion_.h[k_] * f.dot(v), knot(), name);
     out_.work_contacts += motion_.h[k_] * f.dot(v);
   }
 
@@ -106,10 +108,10 @@ class Measure {
       const Eigen::Vector3d force = motion_.forces[k_].contact.col(c);
       const double soft = candidate.stiffness ? force[0] / *candidate.stiffness : 0;
       pair(force[0], at.gap + soft, candidate.name);
-      if (!candidate.stiffness) out_.penetration.meet(-at.gap, k_, candidate.name);
+      if (!candidate.stiffness) out_.penetration.meet(-at.gap, knot(), candidate.name);
       // The way of the gap, not its speed at the end: that differs by the path's curvature.
       const double work = force[0] * (at.gap - before[c]);
-      if (!candidate.stiffness) out_.work.meet(work, k_, candidate.name);
+      if (!candidate.stiffness) out_.work.meet(work, knot(), candidate.name);
       out_.work_contacts += work;
       const int tangents = tangent_count(plant_.contacts, candidate);
       if (tangents == 0) continue;
@@ -130,7 +132,7 @@ class Measure {
           gaps(motion_.q[k_] + share * (motion_.q[k_ + 1] - motion_.q[k_]));
       for (std::size_t c = 0; c < gap.size(); ++c)
         if (!plant_.contacts.candidates[c].stiffness)
-          out_.between.meet(-gap[c], k_, plant_.contacts.candidates[c].name);
+          out_.between.meet(-gap[c], knot(), plant_.contacts.candidates[c].name);
     }
   }
 
@@ -143,8 +145,8 @@ class Measure {
         if (!std::isfinite(limit)) return;
         const double gap = sign * (q - limit);
         pair(force, gap, "stop of " + joint.name);
-        out_.penetration.meet(-gap, k_, "stop of " + joint.name);
-        out_.work.meet(force * sign * (q - before), k_, "stop of " + joint.name);
+        out_.penetration.meet(-gap, knot(), "stop of " + joint.name);
+        out_.work.meet(force * sign * (q - before), knot(), "stop of " + joint.name);
         out_.work_contacts += force * sign * (q - before);
       };
       side(motion_.forces[k_].stop_lower[s], stop.lower, 1);
@@ -167,6 +169,9 @@ class Measure {
     for (int i = 0; i < plant_.nv(); ++i)
       out_.work_damping -= motion_.h[k_] * mechanics_.resistance(i, v[i]) * v[i];
   }
+
+  /// The present step, as the problem counts.
+  int knot() const { return motion_.first_knot + k_; }
 
   const ContactMotion& motion_;
   const ContactPlant& plant_;

@@ -44,17 +44,20 @@ StepForces forces_of(const SteppingSystem& system, const Eigen::VectorXd& w) {
 
 std::optional<ContactMotion> contact_motion(const ShootingProblem& problem,
                                             const Trajectory& trajectory) {
-  const auto* system = dynamic_cast<const SteppingSystem*>(&problem.knot(0).model->system());
+  const int first = problem.phases().front().instant ? 1 : 0;
+  const KnotModel& model = *problem.knot(first).model;
+  const auto* system = dynamic_cast<const SteppingSystem*>(&model.system());
   if (system == nullptr) return std::nullopt;
   ContactMotion motion;
+  motion.first_knot = first;
   motion.plant = plant_of(*system);
   const int nv = system->nv(), actuators = system->layout().actuators;
   const auto bounds = [&](const auto& all) {
     return Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(all.data(), actuators));
   };
-  motion.u_lower = bounds(problem.knot(0).model->control_lower());
-  motion.u_upper = bounds(problem.knot(0).model->control_upper());
-  for (int k = 0; k <= problem.knots(); ++k) {
+  motion.u_lower = bounds(model.control_lower());
+  motion.u_upper = bounds(model.control_upper());
+  for (int k = first; k <= problem.knots(); ++k) {
     motion.q.push_back(trajectory.x(k).head(nv));
     motion.v.push_back(trajectory.x(k).segment(nv, nv));
     if (k == problem.knots()) break;

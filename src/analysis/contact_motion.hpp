@@ -10,6 +10,7 @@ namespace conddp {
 /// A motion that found its own contacts, in the terms of its plant: N steps between N + 1 nodes.
 struct ContactMotion {
   ContactPlant plant;
+  int first_knot = 0;                 ///< of the problem: 1 where a knot chooses the first state
   std::vector<double> h;              ///< s, one a step
   std::vector<Eigen::VectorXd> q, v;  ///< one a node
   std::vector<Eigen::VectorXd> u;     ///< actuators, one a step

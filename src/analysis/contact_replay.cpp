@@ -25,7 +25,7 @@ class Player {
     for (int k = 0; k < motion_.steps(); ++k) {
       if (each_anew) x = state(k);
       if (!step(k, substeps, feedback, x, result)) {
-        result.lost_at = k;
+        result.lost_at = motion_.first_knot + k;
         return result;
       }
       compare(k + 1, x, result);
@@ -44,7 +44,7 @@ class Player {
     const int n = motion_.plant.nv();
     Eigen::VectorXd u = motion_.u[k];
     if (feedback) {
-      u += gains_[k].topLeftCorner(u.size(), 2 * n) * (x - state(k));
+      u += gains_[motion_.first_knot + k].topLeftCorner(u.size(), 2 * n) * (x - state(k));
       for (Eigen::Index i = 0; i < u.size(); ++i) {
         const double inside = std::clamp(u[i], motion_.u_lower[i], motion_.u_upper[i]);
         result.saturated += inside != u[i];
@@ -66,7 +66,7 @@ class Player {
     const double worst = off.maxCoeff(&entry);
     if (worst > result.deviation) {
       result.deviation = worst;
-      result.knot = node;
+      result.knot = motion_.first_knot + node;
       result.entry = static_cast<int>(entry);
     }
     result.final_state = worst;

@@ -6,6 +6,8 @@ namespace conddp {
 
 ShootingProblem perturb_initial_state(const ShootingProblem& problem, double size,
                                       std::uint64_t seed) {
+  // A first state that is chosen stays what it is chosen from.
+  if (problem.phases().front().instant) size = 0;
   std::mt19937_64 engine(seed);
   const KnotModel& model = *problem.knot(0).model;
   const int memory = model.has_control_memory() ? model.nu() : 0;

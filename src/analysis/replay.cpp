@@ -147,10 +147,11 @@ class Player {
     auto& memory = memory_[view.model];
     if (!memory) memory = std::make_unique<Stepper>(*view.model);
     const Eigen::VectorXd u = control(k, feedback, x, result);
-    const int steps = view.dt > 0 ? substeps_ : 1;
+    const bool choice = problem_.phases()[view.phase].instant;
+    const int steps = view.dt > 0 && !choice ? substeps_ : 1;
     for (int s = 0; s < steps; ++s) {
       system.evaluate(x.data(), u.data(), *memory->data);
-      if (watch != nullptr)
+      if (watch != nullptr && !choice)
         watch->look(system, *memory->data, x.data(), k, problem_.times()[k] + s * view.dt / steps,
                     s == 0);
       integrate(system, view.model->integrator(), x.data(), u.data(), view.dt / steps,

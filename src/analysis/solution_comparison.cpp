@@ -42,8 +42,10 @@ struct Table {
   Matrix rows;
 };
 
-/// A row has a number for each column; or none, at an impulse, which has no controls.
-Table read_table(const Json& trajectory, const char* kind, std::size_t rows) {
+/// A row has a number for each column; or none, at an impulse. Where the first state is chosen the
+/// first controls are the choice, which the second state shows: they are left out.
+Table read_table(const Json& trajectory, const char* kind, std::size_t rows,
+                 bool first_is_choice = false) {
   Table table;
   const Json& names = solution_member(solution_member(trajectory, "columns"), kind);
   if (!names.is_array()) throw MalformedSolution{fmt::format("'columns.{}' is no list", kind)};
@@ -55,6 +57,10 @@ Table read_table(const Json& trajectory, const char* kind, std::size_t rows) {
   if (list.size() != rows)
     throw MalformedSolution{fmt::format("'{}' should have {} rows", kind, rows)};
   for (const Json& numbers : list) {
+    if (first_is_choice && table.rows.empty()) {
+      table.rows.emplace_back();
+      continue;
+    }
     if (!numbers.is_array() || (!numbers.empty() && numbers.size() != table.names.size()))
       throw MalformedSolution{
           fmt::format("a row of '{}' should have {} numbers", kind, table.names.size())};
@@ -76,7 +82,7 @@ struct Compared {
     if (!t.is_array() || t.empty()) throw MalformedSolution{"'trajectory.t' is no list of times"};
     for (const Json& time : t) times.push_back(read_number(time, "a time"));
     x = read_table(trajectory, "x", times.size());
-    u = read_table(trajectory, "u", times.size() - 1);
+    u = read_table(trajectory, "u", times.size() - 1, times.size() > 1 && times[1] == times[0]);
     for (const auto& row : x.rows)
       if (row.empty()) throw MalformedSolution{"a row of 'x' is empty"};
   }

@@ -16,7 +16,7 @@ bool may_rest(const Activation& activation) {
 }  // namespace
 
 KnotModel::KnotModel(std::shared_ptr<const System> system, Integrator integrator,
-                     bool control_memory)
+                     bool control_memory, int held_memory)
     : system_(std::move(system)), manifold_(system_->manifold()), integrator_(integrator) {
   const bool discrete = system_->kind() == SystemKind::discrete;
   if (integrator != Integrator::none && discrete != (integrator == Integrator::discrete))
@@ -30,10 +30,11 @@ KnotModel::KnotModel(std::shared_ptr<const System> system, Integrator integrator
     throw std::invalid_argument("an impulse needs the integrator of impulses, and only it");
   if (impulse && control_memory)
     throw std::invalid_argument("an impulse has no control to remember");
-  if (control_memory) {
-    memory_ = system_->nu();
-    manifold_.append(StateManifold::Part::flat, memory_);
-  }
+  if (control_memory && held_memory > 0)
+    throw std::invalid_argument("a memory is of the control or held, not both");
+  held_ = held_memory > 0;
+  memory_ = held_ ? held_memory : control_memory ? system_->nu() : 0;
+  if (memory_ > 0) manifold_.append(StateManifold::Part::flat, memory_);
   lower_.assign(nu(), -std::numeric_limits<double>::infinity());
   upper_.assign(nu(), std::numeric_limits<double>::infinity());
 }
@@ -109,13 +110,17 @@ void KnotModel::append_control_memory(const KnotInput<S>& in, KnotWorkspace<S>& 
                                       bool derivatives) const {
   const IntegratorWorkspace<S>& base = work.integrator_;
   std::copy(base.next.begin(), base.next.end(), work.next_.begin());
-  for (int i = 0; i < memory_; ++i) work.next_[system_->nx() + i] = in.u[i];
+  const S* kept = held_ ? in.x + system_->nx() : in.u;
+  for (int i = 0; i < memory_; ++i) work.next_[system_->nx() + i] = kept[i];
   if (!derivatives) return;
   const int n = system_->ndx(), rows = ndx();
-  const int base_rows = integrator_ == Integrator::semi_implicit_euler ? system_->nv() : n;
+  const int base_rows = is_structured(integrator_) ? system_->nv() : n;
   const int top = n - base_rows;
   for (int c = 0; c < nz(); ++c) {
-    if (c >= n && c < rows) continue;  // the next state does not depend on the previous control
+    if (c >= n && c < rows) {  // of the memory, on which nothing else of the next state depends
+      if (held_) work.F_[c * rows + c] = S(1.0);
+      continue;
+    }
     const int base_column = c < n ? c : c - memory_;
     S* out = &work.F_[c * rows];
     for (int i = 0; i < base_rows; ++i) out[top + i] = base.F[base_column * base_rows + i];
@@ -141,7 +146,7 @@ void KnotModel::append_control_memory(const KnotInput<S>& in, KnotWorkspace<S>& 
       }
       if (!curved && c < top) out[c] += S(1.0);
     }
-    for (int i = 0; i < memory_; ++i) out[n + i] = S(c == rows + i ? 1.0 : 0.0);
+    for (int i = 0; i < memory_; ++i) out[n + i] = S(!held_ && c == rows + i ? 1.0 : 0.0);
   }
 }
 
@@ -302,7 +307,7 @@ KnotWorkspace<S>::KnotWorkspace(const KnotModel& model)
       augmentation(0.0),
       constraint(model.constraint_rows(), S(0.0)),
       constraint_jacobian(model.constraint_pattern().size(), S(0.0)),
-      memory_(model.has_control_memory()),
+      memory_(model.nx() > model.system().nx()),
       system_(model.system().create_data(S{})),
       integrator_(model.system(), model.integrator()),
       term_gradient_(model.nz(), S(0.0)) {

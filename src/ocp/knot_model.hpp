@@ -44,11 +44,12 @@ class KnotWorkspace;
 /// Immutable once a problem holds it. The knots differ in KnotInput alone.
 ///
 /// The state is the system's, followed by the previous control where `control_memory` is set (for
-/// costs on the control rate). z = (tangent at x, u) has nz = ndx + nu entries.
+/// costs on the control rate), or by numbers that the knot hands on as they are (`held_memory`). z
+/// = (tangent at x, u) has nz = ndx + nu entries.
 class KnotModel {
  public:
   KnotModel(std::shared_ptr<const System> system, Integrator integrator,
-            bool control_memory = false);
+            bool control_memory = false, int held_memory = 0);
 
   /// Adds a cost; returns the index at which its parameters (reference, then weight) start.
   int add_cost(std::string name, std::shared_ptr<const Residual> residual, Activation activation);
@@ -61,7 +62,7 @@ class KnotModel {
   const std::shared_ptr<const System>& shared_system() const { return system_; }
   const StateManifold& manifold() const { return manifold_; }
   Integrator integrator() const { return integrator_; }
-  bool has_control_memory() const { return memory_ > 0; }
+  bool has_control_memory() const { return memory_ > 0 && !held_; }
   const std::vector<CostTerm>& costs() const { return costs_; }
   const std::vector<ConstraintTerm>& constraints() const { return constraints_; }
   /// Rows of all constraints of a knot.
@@ -129,6 +130,7 @@ class KnotModel {
   StateManifold manifold_;
   Integrator integrator_;
   int memory_ = 0;
+  bool held_ = false;  ///< the memory stays what it is
   int parameter_count_ = 0;
   std::vector<CostTerm> costs_;
   std::vector<double> lower_, upper_;

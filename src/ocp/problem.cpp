@@ -63,7 +63,7 @@ ShootingProblem::ShootingProblem(std::vector<double> initial_state, std::vector<
       views_.push_back({phase.model.get(),
                         phase.parameters.data() + k * phase.model->parameter_count(), phase.dt[k],
                         phase.cost_scale[k], p});
-      if (&phase != &terminal_) steps.push_back(phase.dt[k]);
+      if (&phase != &terminal_) steps.push_back(phase.instant ? 0 : phase.dt[k]);
     }
   }
   times_ = node_times(steps);

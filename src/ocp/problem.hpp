@@ -18,6 +18,7 @@ struct Phase {
   std::vector<double> dt;          ///< s, one a knot
   std::vector<double> cost_scale;  ///< what running costs are multiplied by: usually dt
   std::vector<double> parameters;  ///< parameter_count() numbers a knot, knot after knot
+  bool instant = false;            ///< takes no time, whatever dt is to the integrator
 
   int knots() const { return static_cast<int>(dt.size()); }
 };
@@ -74,6 +75,8 @@ class ShootingProblem {
   /// Time of each node, s: N + 1 numbers.
   const std::vector<double>& times() const { return times_; }
   bool has_control_bounds() const;
+  /// Whether a running knot takes no time: an impulse, or a phase that is instant.
+  bool takes_no_time(int k) const { return times_[k] == times_[k + 1]; }
   /// The constraints of all nodes in order, but bounds on the control and those that are soft by a
   /// square, which are costs. Views into this problem.
   const std::vector<NodeConstraint>& constraints() const { return constraints_; }

@@ -27,6 +27,32 @@ std::shared_ptr<const Residual> control_residual(int ndx, int nu);
 /// (u − previous u) per step: the difference, in control units. Needs a model with control memory:
 /// the state ends with the previous control. No parameters.
 std::shared_ptr<const Residual> control_rate_residual(const System& system);
+/// A first state that a knot without time has chosen, x₀ ⊕ S m: the state x₀ from which it did, the
+/// tangent coordinates that it could move, and m at the end of the states of all later nodes.
+struct ChosenStart {
+  std::vector<double> state;
+  std::vector<int> coordinates;
+};
+/// x ⊖ ((x₀ ⊕ S m) + offset), all ndx rows of the system's state: how far the state is from the
+/// first one. The offset is added to the numbers of the state, positions of poses among them; it is
+/// zero for quaternions. Needs a model whose memory holds m. No parameters.
+std::shared_ptr<const Residual> cycle_residual(const StateManifold& manifold,
+                                               const ChosenStart& start,
+                                               std::vector<double> offset);
+/// A row of a linear combination: the sum of factors times numbers of the state's flat parts and of
+/// the control, and a constant.
+struct LinearCombination {
+  struct Term {
+    double factor;
+    bool of_control;
+    int index;    ///< into the state or the control
+    int tangent;  ///< of the state: into tangent vectors
+  };
+  std::vector<Term> terms;  ///< no coordinate twice
+  double constant = 0;
+};
+/// One row each. No parameters. ndx is that of the knot model.
+std::shared_ptr<const Residual> combination_residual(int ndx, std::vector<LinearCombination> rows);
 /// Accelerations of a second-order system at chosen velocity indices minus reference
 /// (parameter: one number per index).
 std::shared_ptr<const Residual> acceleration_residual(const System& system, int ndx,

@@ -37,7 +37,7 @@ struct StepBlocks {
   std::vector<std::string> names;
   std::vector<int> forces;  ///< entries of the control that act in the equations of motion, past u
 
-  explicit StepBlocks(const SteppingSystem& system) : n_(system.nv()) {
+  StepBlocks(const SteppingSystem& system, int ndx) : n_(system.nv()), ndx_(ndx) {
     const SteppingLayout& w = system.layout();
     motion(system);
     for (std::size_t c = 0; c < w.candidates.size(); ++c) {
@@ -68,9 +68,9 @@ struct StepBlocks {
     RowBlock block{1, {}};
     if (position) block.columns = joints;
     for (const int j : joints) block.columns.push_back(n_ + j);
-    for (const int j : joints) block.columns.push_back(2 * n_ + w.acceleration + j);
+    for (const int j : joints) block.columns.push_back(ndx_ + w.acceleration + j);
     std::sort(entries.begin(), entries.end());
-    for (const int i : entries) block.columns.push_back(2 * n_ + i);
+    for (const int i : entries) block.columns.push_back(ndx_ + i);
     blocks.push_back(std::move(block));
     names.push_back(name);
   }
@@ -98,14 +98,15 @@ struct StepBlocks {
     for (const auto& f : w.frictions)
       forces.insert(forces.end(), f.force.begin(), f.force.begin() + 2);
     std::sort(forces.begin(), forces.end());
-    RowBlock block{n_, column_range(0, 2 * n_ + w.actuators + n_)};
-    for (const int i : forces) block.columns.push_back(2 * n_ + i);
+    RowBlock block{n_, column_range(0, 2 * n_)};
+    for (int i = 0; i < w.actuators + n_; ++i) block.columns.push_back(ndx_ + i);
+    for (const int i : forces) block.columns.push_back(ndx_ + i);
     blocks.push_back(std::move(block));
     for (const Joint& joint : system.multibody().robot().joints)
       names.push_back("motion/" + joint.name);
   }
 
-  int n_;
+  int n_, ndx_;
 };
 
 class SteppingResidual : public ResidualBase<SteppingResidual> {
@@ -344,21 +345,21 @@ class SteppingResidual : public ResidualBase<SteppingResidual> {
 
 }  // namespace
 
-std::shared_ptr<const Residual> stepping_residual(const SystemPointer& system) {
-  return std::make_shared<SteppingResidual>(system, StepBlocks(*system));
+std::shared_ptr<const Residual> stepping_residual(const SystemPointer& system, int ndx) {
+  return std::make_shared<SteppingResidual>(system, StepBlocks(*system, ndx));
 }
 
 std::vector<std::string> stepping_row_names(const SteppingSystem& system) {
-  return StepBlocks(system).names;
+  return StepBlocks(system, system.ndx()).names;
 }
 
-std::shared_ptr<const Residual> stepping_pairs_residual(const SteppingSystem& system) {
+std::shared_ptr<const Residual> stepping_pairs_residual(const SteppingSystem& system, int ndx) {
   std::vector<int> indices;
   for (const auto& [z, s] : system.layout().pairs) {
     indices.push_back(z);
     indices.push_back(s);
   }
-  return chosen_controls_residual(system.ndx(), indices);
+  return chosen_controls_residual(ndx, indices);
 }
 
 std::shared_ptr<const Residual> chosen_controls_residual(int ndx, const std::vector<int>& indices) {

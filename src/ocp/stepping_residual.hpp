@@ -12,15 +12,15 @@ namespace conddp {
 /// - of each candidate: s_n − φ(q⁺) [− f_n/stiffness], s_i − (γ ± D(q⁺) v⁺) for each direction of
 ///   friction, s_γ − (μ f_n − Σ f_i);
 /// - of each stop: its distance from the limit; of each dry friction the rows of a candidate's.
-/// Parameter: the step h, s.
+/// Parameter: the step h, s. ndx is that of the knot model.
 std::shared_ptr<const Residual> stepping_residual(
-    const std::shared_ptr<const SteppingSystem>& system);
+    const std::shared_ptr<const SteppingSystem>& system, int ndx);
 /// The rows' names, for messages and files.
 std::vector<std::string> stepping_row_names(const SteppingSystem& system);
 
 /// z_0, s_0, z_1, s_1, …: the complementary pairs of a stepping system, for a constraint of kind
-/// complementarity. No parameters.
-std::shared_ptr<const Residual> stepping_pairs_residual(const SteppingSystem& system);
+/// complementarity. ndx is that of the knot model. No parameters.
+std::shared_ptr<const Residual> stepping_pairs_residual(const SteppingSystem& system, int ndx);
 
 /// Chosen entries of the control. ndx is that of the knot model. No parameters.
 std::shared_ptr<const Residual> chosen_controls_residual(int ndx, const std::vector<int>& indices);

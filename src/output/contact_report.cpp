@@ -92,7 +92,7 @@ OrderedJson contact_certificate_json(const ContactCertificate& certificate,
   }
   OrderedJson sequence = OrderedJson::array();
   for (const ContactStretch& stretch : certificate.sequence)
-    sequence.push_back({{"first_knot", stretch.first},
+    sequence.push_back({{"first_knot", certificate.first_knot + stretch.first},
                         {"knots", stretch.steps},
                         {"closed", closed_names(certificate, stretch)}});
   OrderedJson json = {{"figures", std::move(figures)},

@@ -180,6 +180,10 @@ class Writer {
     int k = 0, number = 0;
     open_phases_.assign(used_.size(), OrderedJson::array());
     for (const OrderedJson& phase : original) {
+      if (phase.contains("choose")) {  // the first state is chosen as it was
+        list.push_back(phase);
+        continue;
+      }
       const std::string base = phase["name"];
       for (int end = k + phase["knots"].get<int>(); k < end; ++number) {
         const ContactStretch& stretch = stretch_of(k);
@@ -235,7 +239,7 @@ class Writer {
         for (auto& knot : term["knots"]) {
           const int k = knot.get<int>();
           knot = k + std::count_if(impulses_.begin(), impulses_.end(),
-                                   [&](int first) { return first <= k; });
+                                   [&](int first) { return first + motion_.first_knot <= k; });
         }
     }
   }
@@ -319,7 +323,7 @@ class Writer {
 
   OrderedJson guess() const {
     OrderedJson states = OrderedJson::array(), controls = OrderedJson::array();
-    for (const Column& column : built_.state_columns) states.push_back(column.name);
+    for (const Column& column : built_.plant.system->state_columns()) states.push_back(column.name);
     for (int i = 0; i < motion_.u_lower.size(); ++i)
       controls.push_back(built_.control_columns[i].name);
     const std::string file = relative(options_.solution);

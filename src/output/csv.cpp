@@ -55,7 +55,12 @@ std::string trajectory_csv(const Solution& s) {
   const Trajectory& trajectory = s.result.trajectory;
   std::string text = "t [s],phase";
   std::set<std::string> used;
-  for (const Column& column : s.built.state_columns) {
+  // Where the first state is chosen the motion begins with the choice, which the states then
+  // carry along.
+  const int first = problem.phases().front().instant ? 1 : 0;
+  const int states = first > 0 ? s.built.plant.system->nx() : trajectory.nx();
+  for (int i = 0; i < states; ++i) {
+    const Column& column = s.built.state_columns[i];
     used.insert(column.name);
     text += ',' + with_unit(cell(column.name), column.unit);
   }
@@ -65,16 +70,16 @@ std::string trajectory_csv(const Solution& s) {
   const ContactForces forces = contact_forces(s.spec, problem, trajectory);
   text += contact_headers(forces) + '\n';
   double written = -std::numeric_limits<double>::infinity();
-  for (int k = 0; k <= problem.knots(); ++k) {
+  for (int k = first; k <= problem.knots(); ++k) {
     const bool last = k == problem.knots();
-    const bool impulse = !last && problem.knot(k).model->integrator() == Integrator::impulse;
+    const bool impulse = !last && problem.takes_no_time(k);
     const int phase = problem.knot(k).phase;
     // Readers of such files want times that increase, and an impulse takes none.
     written = std::max(problem.times()[k],
                        std::nextafter(written, std::numeric_limits<double>::infinity()));
     text +=
         cell(written) + ',' + cell(last ? problem.terminal().name : problem.phases()[phase].name);
-    for (int i = 0; i < trajectory.nx(); ++i) text += ',' + cell(trajectory.x(k)[i]);
+    for (int i = 0; i < states; ++i) text += ',' + cell(trajectory.x(k)[i]);
     for (std::size_t i = 0; i < s.built.control_columns.size(); ++i)
       text += last || impulse ? "," : ',' + cell(trajectory.u(k)[i]);
     text += contact_cells(forces, k, !last && !impulse) + '\n';

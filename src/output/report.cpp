@@ -55,6 +55,11 @@ OrderedJson by_columns(const OrderedJson& rows, std::size_t columns) {
   return lists;
 }
 
+/// Whether the controls of a knot choose the initial state.
+bool is_choice(const ShootingProblem& problem, int k) {
+  return problem.phases()[problem.knot(k).phase].instant;
+}
+
 /// Control bounds per column and knot, null where there is none.
 OrderedJson bounds_json(const ShootingProblem& problem, std::size_t columns, bool upper) {
   OrderedJson lists = OrderedJson::array();
@@ -63,7 +68,8 @@ OrderedJson bounds_json(const ShootingProblem& problem, std::size_t columns, boo
     for (int k = 0; k < problem.knots(); ++k) {
       const KnotModel& model = *problem.knot(k).model;
       const auto& bounds = upper ? model.control_upper() : model.control_lower();
-      list.push_back(c < bounds.size() ? eight_digits(bounds[c]) : OrderedJson(nullptr));
+      list.push_back(c < bounds.size() && !is_choice(problem, k) ? eight_digits(bounds[c])
+                                                                 : OrderedJson(nullptr));
     }
     lists.push_back(std::move(list));
   }
@@ -143,8 +149,14 @@ OrderedJson entry_json(const ReportEntry& entry) {
                       {"scene", nullptr}};
   if (entry.built == nullptr) return json;
   const ShootingProblem& problem = *entry.built->problem;
-  const Trajectory trajectory = trajectory_of(entry.document, problem);
+  Trajectory trajectory = trajectory_of(entry.document, problem);
   OrderedJson& u = json["curves"]["u"];
+  if (is_choice(problem, 0)) {
+    // The motion begins with the state that was chosen.
+    for (OrderedJson& values : u["values"]) values[0] = nullptr;
+    for (OrderedJson& values : json["curves"]["x"]["values"]) values[0] = values[1];
+    trajectory.x(0) = trajectory.x(1);
+  }
   u["lower"] = bounds_json(problem, u["names"].size(), false);
   u["upper"] = bounds_json(problem, u["names"].size(), true);
   OrderedJson costs = OrderedJson::object();

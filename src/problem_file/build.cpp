@@ -8,6 +8,7 @@
 #include "ocp/by_name.hpp"
 #include "ocp/contradiction.hpp"
 #include "problem_file/dual_guess_reader.hpp"
+#include "problem_file/initial_choice.hpp"
 #include "problem_file/memory_need.hpp"
 #include "problem_file/phase_grid.hpp"
 #include "problem_file/shape_pairs.hpp"
@@ -54,7 +55,7 @@ std::vector<double> node_times(const ProblemSpec& spec, Diagnostics& out) {
       out.error(phase.knots.place, fmt::format("the motion lasts {:.3g} s up to the end of phase "
                                                "'{}', more than {:.0e} s",
                                                end, phase.name.value, kLongest));
-    else if (!phase.restitution && !(end - shortest < end))
+    else if (!phase.takes_no_time() && !(end - shortest < end))
       out.error(phase.knots.place,
                 fmt::format("steps of {:.3g} s vanish beside the time {:.3g} s", shortest, end));
     else
@@ -191,9 +192,12 @@ std::vector<double> previous_control(const ProblemSpec& spec, const Plant& plant
   return resolve(*given, control_names(*plant.system), 0.0, out).value_or(std::vector<double>{});
 }
 
-void name_columns(bool memory, BuiltProblem& built) {
+void name_columns(bool memory, const InitialChoice* remembered, BuiltProblem& built) {
   built.state_columns = built.plant.system->state_columns();
   built.control_columns = built.plant.system->control_columns();
+  if (remembered != nullptr)
+    for (const Column& chosen : remembered->system->control_columns())
+      built.state_columns.push_back({"start/" + chosen.name, chosen.unit});
   if (!memory) return;
   for (const Column& control : built.control_columns)
     built.state_columns.push_back({"previous/" + control.name, control.unit});
@@ -242,7 +246,12 @@ std::optional<BuiltProblem> build_problem(const ProblemSpec& spec, const BuildOp
   const auto previous = previous_control(spec, built.plant, memory, out);
   if (!integrator || !initial) return std::nullopt;
 
-  const int ndx = system.ndx() + (memory ? system.nu() : 0);
+  const auto start_choice = build_initial_choice(spec, built.plant, *initial, memory, out);
+  if (!start_choice.valid) return std::nullopt;
+  const InitialChoice* choice = start_choice.choice ? &*start_choice.choice : nullptr;
+  if (choice != nullptr) built.plant.start = ChosenStart{choice->state, choice->coordinates};
+  const int held = choice != nullptr && choice->remembered ? choice->system->nu() : 0;
+  const int ndx = system.ndx() + (memory ? system.nu() : held);
   const int errors = out.error_count();
   check_memory(spec, ndx, system.nu(), out);
   check_impulses(spec, memory, out);
@@ -259,8 +268,8 @@ std::optional<BuiltProblem> build_problem(const ProblemSpec& spec, const BuildOp
   const std::vector<BuiltConstraint> dropped = take_dropped(options.drop, constraints);
   const std::vector<BuiltConstraint> dropped_at_end = take_dropped(options.drop, at_end);
   const PhaseBounds bounds = collect_bounds(spec, options, built, out);
-  PhaseContext phase_context{spec,   *contacts, built.plant.system,  *integrator,
-                             memory, times,     built.plant.stepping};
+  PhaseContext phase_context{spec,   *contacts, built.plant.system,   *integrator,
+                             memory, times,     built.plant.stepping, choice};
   std::vector<Phase> phases = build_phases(phase_context, {costs, constraints}, bounds, out);
   if (out.has_errors()) return std::nullopt;
   Phase terminal =
@@ -269,6 +278,7 @@ std::optional<BuiltProblem> build_problem(const ProblemSpec& spec, const BuildOp
 
   std::vector<double> start = *initial;
   if (memory) start.insert(start.end(), previous.begin(), previous.end());
+  start.resize(start.size() + held, 0.0);
   settle_initial_state(start, constraints, spec.solver.options.tolerances.constraint, phases, out);
   phase_context.stepping = nullptr;
   keep_dropped(phase_context, start, dropped, dropped_at_end, built, out);
@@ -276,7 +286,7 @@ std::optional<BuiltProblem> build_problem(const ProblemSpec& spec, const BuildOp
   built.problem =
       std::make_shared<ShootingProblem>(std::move(start), std::move(phases), std::move(terminal));
   report_contradiction(spec, *built.problem, out);
-  name_columns(memory, built);
+  name_columns(memory, held > 0 ? choice : nullptr, built);
   auto guess = build_guess({spec, built.plant, states, *built.problem}, built.guess_used, out);
   if (!guess || out.has_errors()) return std::nullopt;
   built.guess = std::move(*guess);
@@ -335,6 +345,7 @@ double violation(const DroppedConstraint& constraint, const ShootingProblem& pro
   }
   for (int k = 0; k < problem.knots(); ++k) {
     const std::size_t phase = problem.knot(k).phase;
+    if (problem.phases()[phase].instant) continue;
     for (int i = 0; i < trajectory.nu(k); ++i) {
       largest = std::max(largest, constraint.bounds->lower[phase][i] - trajectory.u(k)[i]);
       largest = std::max(largest, trajectory.u(k)[i] - constraint.bounds->upper[phase][i]);

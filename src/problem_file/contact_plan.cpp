@@ -41,7 +41,7 @@ std::optional<Contact> make_contact(const ContactSpec& spec, const Plant& plant,
 
 void warn_of_instability(const ContactSpec& spec, const PhaseSpec& phase, Integrator integrator,
                          Diagnostics& out) {
-  if (phase.restitution || is_stable(integrator, spec.kp, spec.kd, phase.dt)) return;
+  if (phase.takes_no_time() || is_stable(integrator, spec.kp, spec.kd, phase.dt)) return;
   out.warning(
       spec.baumgarte_place,
       fmt::format("the contact '{}' is stabilised more stiffly (kp {} 1/s², kd {} 1/s) than "

@@ -42,6 +42,69 @@ void set_state_limits(const MultibodySystem& system, CostResidual& result) {
   }
 }
 
+/// The columns of the rows by name: of the state where that has one, else of the control.
+std::optional<std::vector<LinearCombination>> find_combinations(const CostSpec& cost,
+                                                                const System& system,
+                                                                Diagnostics& out) {
+  std::vector<std::string> known{"constant"};
+  std::vector<LinearCombination::Term> terms{{}};
+  for (const auto& segment : system.manifold().segments())
+    for (int i = 0; segment.part == StateManifold::Part::flat && i < segment.n; ++i) {
+      known.push_back(system.state_columns()[segment.x + i].name);
+      terms.push_back({0, false, segment.x + i, segment.dx + i});
+    }
+  for (int i = 0; i < system.nu(); ++i) {
+    const std::string& name = system.control_columns()[i].name;
+    const bool taken = std::find(known.begin(), known.end(), name) != known.end();
+    known.push_back((taken ? "u/" : "") + name);
+    terms.push_back({0, true, i, -1});
+  }
+  std::vector<LinearCombination> rows;
+  bool good = true;
+  for (const NamedNumbers& given : cost.combinations) {
+    LinearCombination& row = rows.emplace_back();
+    for (const auto& [name, factor] : given) {
+      const auto found = std::find(known.begin(), known.end(), name.value);
+      if (found == known.end()) {
+        out.error(name.place,
+                  fmt::format("'{}' is no column of the state or control that can be combined",
+                              name.value),
+                  name_hint(name.value, known, "columns"), known);
+        good = false;
+      } else if (found == known.begin()) {
+        row.constant = factor;
+      } else {
+        row.terms.push_back(terms[found - known.begin()]);
+        row.terms.back().factor = factor;
+      }
+    }
+    if (!row.terms.empty() || !good) continue;
+    out.error(cost.residual.place, "a row combines nothing", "give the factor of a column");
+    good = false;
+  }
+  if (!good) return std::nullopt;
+  return rows;
+}
+
+/// By number of the state; rotations have no sum.
+std::optional<std::vector<double>> cycle_offset(const CostSpec& cost, const Plant& plant,
+                                                Diagnostics& out) {
+  const System& system = *plant.system;
+  if (!cost.offset) return std::vector<double>(system.nx(), 0.0);
+  auto offset = resolve(*cost.offset, state_names(system), 0.0, out);
+  if (!offset) return std::nullopt;
+  for (const auto& segment : system.manifold().curved()) {
+    const int first = segment.x + (segment.part == StateManifold::Part::se3 ? 3 : 0);
+    for (int i = first; i < first + 4; ++i) {
+      if ((*offset)[i] == 0) continue;
+      out.error(cost.offset->place, "an offset cannot be added to a rotation",
+                "positions, joints and velocities can have one");
+      return std::nullopt;
+    }
+  }
+  return offset;
+}
+
 bool choose_columns(const CostSpec& cost, const System& system, CostResidual& result,
                     Diagnostics& out) {
   const ComponentNames all = state_names(system);
@@ -208,6 +271,20 @@ std::optional<CostResidual> make_cost_residual(const CostSpec& cost, const Probl
       result.parameters = StateManifold::flat(plant.actuated().nu());
       result.lower = plant.actuated().control_lower();
       result.upper = plant.actuated().control_upper();
+      break;
+    case ResidualKind::kCombination: {
+      std::vector<std::string> rows;
+      for (std::size_t i = 0; i < cost.combinations.size(); ++i)
+        rows.push_back(std::to_string(i + 1));
+      if (auto combinations = find_combinations(cost, system, out))
+        result.residual = combination_residual(ndx, std::move(*combinations));
+      result.rows = {"rows", std::move(rows)};
+      break;
+    }
+    case ResidualKind::kCycle:
+      if (const auto offset = cycle_offset(cost, plant, out))
+        result.residual = cycle_residual(system.manifold(), *plant.start, *offset);
+      result.rows = tangent_names(system);
       break;
     case ResidualKind::kControlRate:
       result.residual = control_rate_residual(system);

@@ -70,6 +70,9 @@ OrderedJson expand_residual(const CostSpec& cost, const ProblemSpec& spec, const
     json["contacts"] = expand_contact_names(held ? spec.last_contacts() : cost.contacts, spec);
   }
   if (info.is_cone) expand_cone(cost, json);
+  for (const NamedNumbers& row : cost.combinations) json["rows"].push_back(expand_numbers(row));
+  if (cost.kind == ResidualKind::kCycle)
+    json["offset"] = cost.offset ? expand_components(*cost.offset) : OrderedJson(0.0);
   if (info.of_shapes) json["pairs"] = expand_pairs(cost, spec, plant);
   return json;
 }
@@ -150,7 +153,7 @@ OrderedJson expand_phase_names(const std::optional<std::vector<Name>>& names,
   if (names) return expand_names(*names);
   OrderedJson all = OrderedJson::array();
   for (const PhaseSpec& phase : spec.phases)
-    if (!phase.restitution) all.push_back(phase.name.value);
+    if (!phase.takes_no_time()) all.push_back(phase.name.value);
   return all;
 }
 

@@ -24,10 +24,24 @@ void expand_plant(const ProblemSpec& spec, OrderedJson& json) {
   json["gravity"] = expand_vector(spec.gravity);
 }
 
+OrderedJson expand_choice(const ChoiceSpec& choice) {
+  if (choice.coordinates.form != ComponentsSpec::Form::kMap) return "all";
+  OrderedJson names = OrderedJson::array();
+  for (const auto& entry : choice.coordinates.map) names.push_back(entry.first.value);
+  return names;
+}
+
 OrderedJson expand_phases(const ProblemSpec& spec) {
   OrderedJson json = OrderedJson::array();
   for (const PhaseSpec& phase : spec.phases) {
     OrderedJson entry = {{"name", phase.name.value}};
+    if (phase.choice) {
+      entry["choose"] = expand_choice(*phase.choice);
+      if (phase.choice->lower) entry["lower"] = expand_components(*phase.choice->lower);
+      if (phase.choice->upper) entry["upper"] = expand_components(*phase.choice->upper);
+      json.push_back(std::move(entry));
+      continue;
+    }
     if (phase.restitution) {
       entry["impulse"] = expand_contact_names(phase.contacts, spec);
       entry["restitution"] = *phase.restitution;
@@ -64,8 +78,7 @@ OrderedJson expand_terminal(const ProblemSpec& spec, const Plant& plant) {
 /// That of the knots that take time.
 Integrator integrator_of(const ShootingProblem& problem) {
   for (int k = 0; k < problem.knots(); ++k)
-    if (const Integrator rule = problem.knot(k).model->integrator(); rule != Integrator::impulse)
-      return rule;
+    if (!problem.takes_no_time(k)) return problem.knot(k).model->integrator();
   return default_integrator(problem.knot(0).model->system().kind());
 }
 
@@ -103,7 +116,7 @@ OrderedJson expand_options(const SolverOptions& options) {
 }
 
 OrderedJson expand_problem(const ProblemSpec& spec, const BuiltProblem& built) {
-  const KnotModel& model = *built.problem->knot(0).model;
+  const KnotModel& model = *built.problem->terminal().model;
   OrderedJson json = {{"conddp", kProblemFormat}, {"name", spec.name.value}};
   if (!spec.description.empty()) json["description"] = spec.description;
   expand_plant(spec, json);

@@ -38,6 +38,8 @@ OrderedJson neutral_reference(const CostSpec& cost) {
     case ResidualKind::kCenterOfPressure:
     case ResidualKind::kDistance:
     case ResidualKind::kContactVelocity:
+    case ResidualKind::kCycle:
+    case ResidualKind::kCombination:
       break;
   }
   return nullptr;

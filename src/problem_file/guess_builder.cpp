@@ -47,14 +47,28 @@ class GuessBuilder {
     fill_states(guess);
     if (out_.error_count() == errors) fill_controls(guess);
     if (out_.error_count() > errors) return std::nullopt;
+    if (chooses()) choose_start(guess);
     const int memory = problem_.nx() - plant_.system->nx();
     for (int k = 1; memory > 0 && k <= problem_.knots(); ++k)
-      guess.x(k).tail(memory) = guess.u(k - 1);
+      guess.x(k).tail(memory) = guess.u(chooses() ? 0 : k - 1);
     return guess;
   }
 
  private:
   const GuessSpec& guess() const { return spec_.guess; }
+  bool chooses() const { return problem_.phases().front().instant; }
+  bool has_controls(int k) const { return problem_.nu(k) > 0 && !(k == 0 && chooses()); }
+
+  /// The displacement from the initial state to the guess of the next one, as far as it may go.
+  void choose_start(Trajectory& trajectory) const {
+    const StateManifold& manifold = plant_.system->manifold();
+    const KnotModel& model = *problem_.knot(0).model;
+    Eigen::VectorXd off(manifold.ndx());
+    manifold.difference(trajectory.x(0).data(), trajectory.x(1).data(), off.data());
+    for (int i = 0; i < problem_.nu(0); ++i)
+      trajectory.u(0)[i] = std::clamp(off[plant_.start->coordinates[i]], model.control_lower()[i],
+                                      model.control_upper()[i]);
+  }
   double time(int k) const { return problem_.times()[k]; }
 
   void fill_states(Trajectory& trajectory) {
@@ -161,8 +175,9 @@ class GuessBuilder {
                             "this system has no gravity that controls could hold it against");
         used_.controls = "those that hold the guessed states against gravity";
         for (int k = 0; k < problem_.knots(); ++k)
-          trajectory.u(k) =
-              quasi_static_control(problem_.knot(k).model->system(), trajectory.x(k).data());
+          if (has_controls(k))
+            trajectory.u(k) =
+                quasi_static_control(problem_.knot(k).model->system(), trajectory.x(k).data());
         keep_bounds(trajectory);
         break;
       case Controls::kConstant: {
@@ -170,7 +185,7 @@ class GuessBuilder {
         if (!values) return;
         used_.controls = "constant";
         for (int k = 0; k < problem_.knots(); ++k)
-          if (problem_.nu(k) > 0)
+          if (has_controls(k))
             trajectory.u(k).head(names.size()) =
                 Eigen::Map<const Eigen::VectorXd>(values->data(), values->size());
         break;
@@ -182,7 +197,7 @@ class GuessBuilder {
         if (!series) return;
         used_.controls = describe(file, series);
         for (int k = 0; k < problem_.knots(); ++k) {
-          if (problem_.nu(k) == 0) continue;
+          if (!has_controls(k)) continue;
           const std::vector<double>& u = series->hold(time(k));
           trajectory.u(k) = Eigen::Map<const Eigen::VectorXd>(u.data(), u.size());
         }
@@ -196,7 +211,7 @@ class GuessBuilder {
         fmt::format(", plus {} times normal random numbers of seed {}", random.scale, random.seed);
     NormalNumbers normal(random.seed);
     for (int k = 0; k < problem_.knots(); ++k)
-      for (int i = 0; i < std::min(problem_.nu(k), names.size()); ++i)
+      for (int i = 0; has_controls(k) && i < std::min(problem_.nu(k), names.size()); ++i)
         trajectory.u(k)[i] += random.scale * normal.next();
   }
 
@@ -208,9 +223,9 @@ class GuessBuilder {
     const SteppingLayout& w = system.layout();
     const int nv = system.nv();
     const auto data = system.create_data(double{});
-    const auto residual = stepping_residual(plant_.stepping);
+    const auto residual = stepping_residual(plant_.stepping, problem_.ndx());
     std::vector<double> rows(residual->size());
-    for (int k = 0; k < problem_.knots(); ++k) {
+    for (int k = chooses() ? 1 : 0; k < problem_.knots(); ++k) {
       auto u = trajectory.u(k);
       for (const auto& [z, s] : w.pairs) u[z] = u[s] = kInside;
       const double dt = problem_.knot(k).dt;
@@ -262,7 +277,7 @@ class GuessBuilder {
   }
 
   /// Whether a former solution has the states (or controls) of this problem and no others: then it
-  /// is one of the same system. Control memory follows from the controls.
+  /// is one of the same system. What states remember follows from the other columns.
   bool fits(const DataFileSpec& file, const DataTable& table, bool states) {
     if (!table.state_columns) return true;
     const auto middle = table.columns.begin() + static_cast<std::ptrdiff_t>(*table.state_columns);
@@ -275,7 +290,7 @@ class GuessBuilder {
       std::vector<std::string> rest;
       for (const std::string& name : names)
         if (std::find(others.begin(), others.end(), name) == others.end() &&
-            !name.starts_with("previous/"))
+            !name.starts_with("previous/") && !name.starts_with("start/"))
           rest.push_back(name);
       return rest;
     };

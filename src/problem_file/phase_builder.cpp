@@ -14,6 +14,11 @@
 namespace conddp {
 namespace {
 
+/// Some residuals need a control whatever they are on, others by what they combine.
+bool needs_control(const BuiltCost& cost) {
+  return residual_info(cost.spec->kind).needs_control || cost.residual.residual->needs_control();
+}
+
 /// The phases in which a cost is on. Costs on a contact are on while it is held, and impulses have
 /// only the costs that name them.
 std::vector<bool> phases_of(const BuiltCost& cost, const PhaseContext& context, Diagnostics& out) {
@@ -23,10 +28,15 @@ std::vector<bool> phases_of(const BuiltCost& cost, const PhaseContext& context, 
     const PhaseSpec& phase = context.spec.phases[p];
     if (cost.contact.contact >= 0 && !context.contacts.find(p, cost.contact.contact))
       in_phase[p] = false;
-    if (!phase.restitution || !in_phase[p]) continue;
-    if (!c.phases)
+    if (!phase.takes_no_time() || !in_phase[p]) continue;
+    if (phase.choice && c.phases) {
+      out.error(c.name.place, fmt::format("'{}' is no place for costs and constraints: it chooses "
+                                          "the state of the knot after it",
+                                          phase.name.value));
       in_phase[p] = false;
-    else if (residual_info(c.kind).needs_control)
+    } else if (!c.phases)
+      in_phase[p] = false;
+    else if (needs_control(cost))
       out.error(c.residual.place,
                 fmt::format("the residual '{}' needs a control, and the impulse '{}' has none",
                             c.residual.value, phase.name.value));
@@ -36,7 +46,7 @@ std::vector<bool> phases_of(const BuiltCost& cost, const PhaseContext& context, 
 
 /// What running costs of a phase are multiplied by, knot by knot.
 std::vector<double> cost_scales(const PhaseSpec& phase, const ProblemSpec& spec) {
-  const bool rate = spec.running_costs == RunningCosts::kRate && !phase.restitution;
+  const bool rate = spec.running_costs == RunningCosts::kRate && !phase.takes_no_time();
   return rate ? phase_steps(phase) : std::vector<double>(phase.knots.value, 1.0);
 }
 
@@ -122,6 +132,19 @@ std::shared_ptr<const Residual> residual_in(const BuiltCost& cost, const PhaseCo
   return cost.contact.make(
       std::static_pointer_cast<const MultibodySystem>(context.contacts.system(phase)),
       *context.contacts.find(phase, cost.contact.contact));
+}
+
+/// The knot that chooses the initial state.
+Phase choice_phase(const PhaseSpec& given, const InitialChoice& choice) {
+  auto model =
+      std::make_shared<KnotModel>(choice.system, Integrator::explicit_euler, choice.remembered);
+  model->set_control_bounds(choice.lower, choice.upper);
+  return {.name = given.name.value,
+          .model = std::move(model),
+          .dt = {1.0},
+          .cost_scale = {1.0},
+          .parameters = {},
+          .instant = true};
 }
 
 }  // namespace
@@ -225,14 +248,20 @@ std::vector<Phase> build_phases(const PhaseContext& context, const KnotContents&
   for (std::size_t p = 0; p < spec.phases.size(); ++p) {
     const PhaseSpec& given = spec.phases[p];
     const int n = given.knots.value;
+    if (given.choice) {
+      phases.push_back(choice_phase(given, *context.start));
+      first += n;
+      continue;
+    }
     const std::vector<int> active = active_in(weights, first, n);
     const std::vector<int> kept = active_in(switches, first, n);
     const auto& system = context.contacts.system(p);
     auto& model = models[{active, kept, bounds.lower[p], bounds.upper[p], system.get()}];
     if (!model) {
       const bool impulse = given.restitution.has_value();
-      auto fresh = std::make_shared<KnotModel>(
-          system, impulse ? Integrator::impulse : context.integrator, context.control_memory);
+      auto fresh =
+          std::make_shared<KnotModel>(system, impulse ? Integrator::impulse : context.integrator,
+                                      context.control_memory, context.held_memory());
       for (const int c : active)
         fresh->add_cost(costs[c].spec->name.value, residual_in(costs[c], context, p),
                         costs[c].activation);
@@ -267,9 +296,15 @@ std::vector<Phase> build_phases(const PhaseContext& context, const KnotContents&
 
 Phase build_terminal(const PhaseContext& context, const KnotContents& running,
                      const KnotContents& terminal, Diagnostics& out) {
-  auto model =
-      std::make_shared<KnotModel>(context.system, Integrator::none, context.control_memory);
+  auto model = std::make_shared<KnotModel>(context.system, Integrator::none, context.control_memory,
+                                           context.held_memory());
   const std::size_t node = context.contacts.terminal();
+  const auto is_without_control = [&](const BuiltCost& function) {
+    if (function.contact.contact >= 0 || !function.residual.residual->needs_control()) return true;
+    out.error(function.spec->residual.place,
+              "this combination needs a control, and there is none at the terminal node");
+    return false;
+  };
   // Whether the node holds the contact of a residual; one that is named and not held is an error.
   const auto is_held = [&](const BuiltCost& function) {
     const int contact = function.contact.contact;
@@ -285,12 +320,13 @@ Phase build_terminal(const PhaseContext& context, const KnotContents& running,
   };
   std::vector<const BuiltCost*> costs;
   for (const BuiltCost& cost : terminal.costs)
-    if (is_held(cost)) costs.push_back(&cost);
+    if (is_held(cost) && is_without_control(cost)) costs.push_back(&cost);
   for (const BuiltCost& cost : running.costs)
     if (touches_down_at_the_end(cost, context, out)) costs.push_back(&cost);
   std::vector<const BuiltConstraint*> constraints;
   for (const BuiltConstraint& constraint : terminal.constraints)
-    if (is_held(constraint.function)) constraints.push_back(&constraint);
+    if (is_held(constraint.function) && is_without_control(constraint.function))
+      constraints.push_back(&constraint);
   for (const BuiltConstraint& constraint : running.constraints)
     if (constraint.at_last_node) constraints.push_back(&constraint);
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "problem_file/constraint_builder.hpp"
+#include "problem_file/initial_choice.hpp"
 
 namespace conddp {
 
@@ -35,6 +36,9 @@ struct PhaseContext {
   const std::vector<double>& times;  ///< of all nodes, s
   /// Where steps find their own contacts: adds what they have to obey.
   std::shared_ptr<const SteppingSystem> stepping;
+  const InitialChoice* start = nullptr;  ///< how the initial state is chosen, null: it is given
+
+  int held_memory() const { return start && start->remembered ? start->system->nu() : 0; }
 };
 
 /// What stands in the knots of a problem. Vectors that are left out are empty.

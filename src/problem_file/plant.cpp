@@ -24,16 +24,19 @@ Overloaded(Cases...) -> Overloaded<Cases...>;  // some compilers do not deduce i
 
 /// The step of a discrete system: all phases must have it.
 std::optional<double> common_step(const ProblemSpec& spec, Diagnostics& out) {
-  const double dt = spec.phases.front().dt;
+  const PhaseSpec& first = spec.phases[spec.phases.front().choice && spec.phases.size() > 1];
+  const double dt = first.dt;
   for (const PhaseSpec& phase : spec.phases)
-    if (phase.refine) {
+    if (phase.choice) {
+      continue;
+    } else if (phase.refine) {
       out.error(phase.name.place, "the steps of this system must have the same length",
                 fmt::format("leave 'refine' out of '{}'", phase.name.value));
       return std::nullopt;
     } else if (phase.dt != dt) {
       out.error(phase.name.place, "the phases of this system must have the same dt",
-                fmt::format("'{}' has {}, '{}' has {}", spec.phases.front().name.value, dt,
-                            phase.name.value, phase.dt));
+                fmt::format("'{}' has {}, '{}' has {}", first.name.value, dt, phase.name.value,
+                            phase.dt));
       return std::nullopt;
     }
   return dt;

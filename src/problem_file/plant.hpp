@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "ocp/residuals.hpp"
 #include "problem_file/spec.hpp"
 #include "systems/stepping_system.hpp"
 
@@ -25,7 +26,8 @@ struct Plant {
   std::shared_ptr<const MultibodySystem> multibody;  ///< the same system, null if closed-form
   /// The same system, where steps find their own contacts; `multibody` is the robot in it.
   std::shared_ptr<const SteppingSystem> stepping;
-  std::vector<PlantPart> parts;  ///< empty if closed-form
+  std::vector<PlantPart> parts;      ///< empty if closed-form
+  std::optional<ChosenStart> start;  ///< where the first state is chosen
 
   const RobotModel& robot() const { return multibody->robot(); }
   /// The system whose controls are the actuators alone.

@@ -107,6 +107,18 @@ void read_contact_keys(YamlMap& map, const ResidualInfo& info, bool constraint, 
   }
 }
 
+/// One map of factors, or a list of such.
+void read_combinations(const YamlReader& reader, CostSpec& cost) {
+  if (reader.is_map()) {
+    cost.combinations.push_back(read_named_numbers(reader));
+    return;
+  }
+  const auto items = reader.items();
+  if (!items) return;
+  if (items->empty()) reader.error("there is no row", "write 'rows: [{theta: 1, omega: 0.5}]'");
+  for (const YamlReader& item : *items) cost.combinations.push_back(read_named_numbers(item));
+}
+
 void read_selection(YamlMap& map, const ResidualInfo& info, CostSpec& cost) {
   const auto unfit = [&](const YamlReader& reader, std::string_view key) {
     reader.error(fmt::format("the residual '{}' has no '{}'", info.name, key));
@@ -131,6 +143,15 @@ void read_selection(YamlMap& map, const ResidualInfo& info, CostSpec& cost) {
   if (const auto r = map.find("axes")) {
     cost.axes = r->choice(kAxesWords, "system of axes").value_or(cost.axes);
     if (!info.takes_axes) unfit(*r, "axes");
+  }
+  if (info.kind == ResidualKind::kCombination) {
+    if (const auto r = map.require("rows")) read_combinations(*r, cost);
+  } else if (const auto r = map.find("rows")) {
+    unfit(*r, "rows");
+  }
+  if (const auto r = map.find("offset")) {
+    cost.offset = read_components(*r);
+    if (info.kind != ResidualKind::kCycle) unfit(*r, "offset");
   }
   if (info.of_shapes) {
     if (const auto r = map.require("pairs")) cost.pairs = read_pairs(*r);

@@ -22,6 +22,27 @@ void read_impulse(YamlMap& map, const YamlReader& impulse, PhaseSpec& phase) {
                "write '- {impulse: [contacts]}', and the phase after it as another entry");
 }
 
+/// `choose: all`, a name or a list of names of tangent coordinates, which may end in `*`.
+void read_choice(YamlMap& map, const YamlReader& choose, PhaseSpec& phase) {
+  phase.knots = {1, choose.place()};
+  ChoiceSpec choice;
+  choice.coordinates.place = choose.place();
+  if (choose.is_scalar() && choose.node().text == "all") {
+    choice.coordinates.scalar = 1;
+  } else if (const auto names = choose.name_or_names()) {
+    choice.coordinates.form = ComponentsSpec::Form::kMap;
+    for (const Name& name : *names) choice.coordinates.map.emplace_back(name, 1.0);
+  }
+  if (const auto r = map.find("lower")) choice.lower = read_components(*r);
+  if (const auto r = map.find("upper")) choice.upper = read_components(*r);
+  for (const char* key :
+       {"knots", "dt", "duration", "refine", "contacts", "restitution", "weights"})
+    if (const auto r = map.find(key))
+      r->error(fmt::format("the choice of the initial state takes no time: it has no '{}'", key),
+               "write '- {choose: all}', and the phase after it as another entry");
+  phase.choice = std::move(choice);
+}
+
 RefineSpec read_refine(const YamlReader& reader, int knots) {
   RefineSpec refine;
   YamlMap map(reader);
@@ -44,10 +65,19 @@ PhaseSpec read_phase(const YamlReader& reader, std::size_t index) {
   YamlMap map(reader);
   if (const auto r = map.find("name")) phase.name = r->name().value_or(phase.name);
   if (const auto r = map.find("weights")) phase.weights = read_named_numbers(*r, kNotNegative);
+  map.exclusive({"impulse", "choose"});
   if (const auto r = map.find("impulse")) {
     read_impulse(map, *r, phase);
     return phase;
   }
+  if (const auto r = map.find("choose")) {
+    read_choice(map, *r, phase);
+    return phase;
+  }
+  for (const char* key : {"lower", "upper"})
+    if (const auto r = map.find(key))
+      r->error(fmt::format("'{}' belongs to the choice of the initial state", key),
+               "write '- {choose: all, lower: -1, upper: 1}'");
   if (const auto r = map.find("restitution"))
     r->error("'restitution' belongs to impulses",
              "write '- {impulse: [contacts], restitution: 0}'");
@@ -83,6 +113,16 @@ std::vector<PhaseSpec> read_phases(const YamlReader& reader) {
     if (!names.insert(name.value).second)
       reader.diagnostics().error(name.place,
                                  fmt::format("two phases have the name '{}'", name.value));
+  }
+  for (std::size_t i = 1; i < phases.size(); ++i)
+    if (phases[i].choice)
+      reader.diagnostics().error(phases[i].knots.place,
+                                 "only the first phase can choose the initial state");
+  if (!phases.empty() && phases[0].choice) {
+    if (phases.size() == 1)
+      reader.diagnostics().error(phases[0].knots.place, "no phase follows that takes time");
+    else
+      phases[0].contacts = phases[1].restitution ? ContactNames{} : phases[1].contacts;
   }
   if (knots > kMaxKnots)
     reader.error(fmt::format("the phases have more than {} knots together", kMaxKnots));

@@ -58,6 +58,8 @@ std::optional<ReferenceValueSpec> read_value(const YamlReader& reader, ResidualK
     case ResidualKind::kCenterOfPressure:
     case ResidualKind::kDistance:
     case ResidualKind::kContactVelocity:
+    case ResidualKind::kCycle:
+    case ResidualKind::kCombination:
       break;
   }
   return std::nullopt;

@@ -51,6 +51,12 @@ constexpr ResidualInfo kTable[] = {
     {"contact_velocity", kContactVelocity,
      "velocity of a contact in the directions that it holds, in its axes, m/s and rad/s", true,
      false, false, false, false, false, false, true},
+    {"cycle", kCycle,
+     "the state minus the first one, which a phase 'choose' chooses, and minus an offset", false,
+     false, false, false, false},
+    {"combination", kCombination,
+     "linear combinations of columns of the state and of the control, in their units", false, false,
+     false, false, false},
 };
 
 }  // namespace

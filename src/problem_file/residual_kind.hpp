@@ -26,6 +26,8 @@ enum class ResidualKind {
   kCenterOfPressure,
   kDistance,
   kContactVelocity,
+  kCycle,
+  kCombination,
 };
 
 /// What the reader has to know about a residual.

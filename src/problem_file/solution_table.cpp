@@ -69,7 +69,9 @@ DataTable read_trajectory(const Json& solution) {
     table.times.push_back(t[k]);
     auto& row = table.rows.emplace_back();
     append_row(x[k], x_names.size(), fmt::format("trajectory.x[{}]", k), row);
-    const bool controlled = k < u.size() && !(u[k].is_array() && u[k].empty());
+    // Where no time passes there is no control, or a choice of the state.
+    const bool passes = k + 1 < t.size() && t[k] != t[k + 1];
+    const bool controlled = k < u.size() && passes && !(u[k].is_array() && u[k].empty());
     if (controlled)
       append_row(u[k], u_names.size(), fmt::format("trajectory.u[{}]", k), row);
     else

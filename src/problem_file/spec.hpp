@@ -20,6 +20,12 @@ struct RefineSpec {
   double ratio = 0.5;
 };
 
+/// A first knot without time, whose controls move the initial state.
+struct ChoiceSpec {
+  ComponentsSpec coordinates;                  ///< 1: may be moved
+  std::optional<ComponentsSpec> lower, upper;  ///< of the displacement, in the coordinates' units
+};
+
 /// A run of knots: all that the file says about it.
 struct PhaseSpec {
   Name name;
@@ -29,6 +35,9 @@ struct PhaseSpec {
   ContactNames contacts;
   /// Of an impulse at the contacts: one knot that takes no time.
   std::optional<double> restitution;
+  std::optional<ChoiceSpec> choice;  ///< of a first phase that is one
+
+  bool takes_no_time() const { return restitution || choice; }
   /// Weights that costs have in this phase instead of their own.
   NamedNumbers weights;
 };

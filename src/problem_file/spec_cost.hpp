@@ -86,6 +86,9 @@ struct CostSpec {
   ContactNames contacts{.all = true};
   FrictionConeSpec cone;
   std::optional<SwingSpec> swing;
+  std::optional<ComponentsSpec> offset;  ///< of a cycle, to the first state's columns
+  /// Of combinations: the factors of a row by column; `constant` is added.
+  std::vector<NamedNumbers> combinations;
   PairsSpec pairs;
   /// Of distances without an activation: the lower end of their barrier, m.
   std::optional<double> margin;

@@ -130,9 +130,9 @@ std::shared_ptr<const SteppingSystem> build_stepping(const ProblemSpec& spec, co
 
 void add_stepping_terms(const std::shared_ptr<const SteppingSystem>& system, KnotModel& model) {
   model.add_constraint(
-      make_constraint(kEquations, stepping_residual(system), ConstraintKind::bounds));
-  model.add_constraint(
-      make_constraint(kPairs, stepping_pairs_residual(*system), ConstraintKind::complementarity));
+      make_constraint(kEquations, stepping_residual(system, model.ndx()), ConstraintKind::bounds));
+  model.add_constraint(make_constraint(kPairs, stepping_pairs_residual(*system, model.ndx()),
+                                       ConstraintKind::complementarity));
   const SteppingLayout& w = system->layout();
   std::vector<int> forces;
   const auto add_friction = [&](const FrictionIndices& f) {
@@ -146,7 +146,7 @@ void add_stepping_terms(const std::shared_ptr<const SteppingSystem>& system, Kno
   }
   for (const SteppingLayout::Stop& stop : w.stops) forces.push_back(stop.force);
   for (const FrictionIndices& f : w.frictions) add_friction(f);
-  model.add_cost(kRegularization, chosen_controls_residual(system->ndx(), forces), {});
+  model.add_cost(kRegularization, chosen_controls_residual(model.ndx(), forces), {});
 }
 
 void write_stepping_parameters(const KnotModel& model, double dt, double regularization,

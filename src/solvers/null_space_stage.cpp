@@ -13,6 +13,7 @@ NullSpaceStage::NullSpaceStage(const ShootingProblem& problem)
       multipliers_(Eigen::VectorXd::Zero(problem.constraint_rows())) {
   for (const NodeConstraint& c : problem.constraints()) {
     for (int r = 0; r < c.term->rows; ++r) {
+      if (std::isinf(c.lower[r])) continue;  // the row is free
       nodes_[c.node].rows.push_back(c.row + r);
       nodes_[c.node].target.push_back(c.lower[r]);
     }

@@ -43,10 +43,12 @@ std::string list_solvers(BoundSupport support) {
   return list_solvers([support](const SolverInfo& info) { return info.control_bounds == support; });
 }
 
+/// Rows may be free, too: those that `equals` does not name.
 bool is_equality(const NodeConstraint& c) {
   if (!c.term->has_bounds() || c.is_soft()) return false;
   for (int i = 0; i < c.term->rows; ++i)
-    if (c.lower[i] != c.upper[i]) return false;
+    if (c.lower[i] != c.upper[i] && (std::isfinite(c.lower[i]) || std::isfinite(c.upper[i])))
+      return false;
   return true;
 }
 

@@ -46,7 +46,7 @@ TEST(SteppingSystem, RefusesWhatItsStepsAreNot) {
 TEST(SteppingResidual, DerivativesAgreeWithDifferences) {
   for (const bool planar : {false, true}) {
     const auto system = stepping_robot(planar);
-    const auto residual = stepping_residual(system);
+    const auto residual = stepping_residual(system, system->ndx());
     const Point p = random_point(*system, 3);
     const auto data = system->create_data(double{});
     system->differentiate(p.x.data(), p.w.data(), *data);
@@ -88,7 +88,7 @@ TEST(SteppingResidual, EquationsOfMotionAreThoseOfInverseDynamics) {
   Point p = random_point(*system, 5);
   const SteppingLayout& layout = system->layout();
   for (std::size_t i = layout.acceleration + layout.nv; i < p.w.size(); ++i) p.w[i] = 0;
-  const std::vector<double> r = values(*system, *stepping_residual(system), p);
+  const std::vector<double> r = values(*system, *stepping_residual(system, system->ndx()), p);
   const RobotModel& model = system->multibody().robot();
   std::vector<double> q(layout.nv), v(layout.nv), a(layout.nv);
   for (int i = 0; i < layout.nv; ++i) {

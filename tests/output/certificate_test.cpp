@@ -230,6 +230,25 @@ INSTANTIATE_TEST_SUITE_P(Problems, CertificateOf,
                                          "quadruped_bound"),
                          [](const auto& name) { return name.param; });
 
+TEST(Certificate, OfAPeriodicMotionKnowsItsChoiceAndItsLink) {
+  const Answer own("pendulum_cycle");
+  const SolutionCertificate good = own.judge(own.document);
+  EXPECT_TRUE(good.checks.holds()) << certificate_table(good);
+  OrderedJson changed = own.document;
+  add_to(changed["trajectory"]["u"][0][0], 1e-6);
+  EXPECT_NE(failures(own.judge(changed)).find("[gap]"), std::string::npos) << "the choice";
+  changed = own.document;
+  for (OrderedJson& entry : changed["multipliers"]["constraints"])
+    if (entry["name"] == "cycle") add_to(entry["multiplier"][1], 1e-4);
+  ASSERT_NE(changed, own.document);
+  EXPECT_NE(failures(own.judge(changed)).find("[co-states]"), std::string::npos)
+      << "its multiplier";
+  const Answer further("pendulum_cycle", {"terminal.constraints.cycle.offset={theta: 0.001}",
+                                          "solver.max_iterations=1"});
+  EXPECT_NE(failures(further.judge(own.document)).find("[constraint violation]"),
+            std::string::npos);
+}
+
 TEST(Certificate, OfAnotherRobotDoesNotHold) {
   const Answer own("cartpole_swingup", {"solver.max_iterations=3"});
   const Answer other("cartpole_swingup",

@@ -161,6 +161,37 @@ TEST(ContactOutput, AStandingFootIsPushedUpAndNothingIsWrittenInTheAir) {
   }
 }
 
+/// The motion begins with the state that is chosen, of which the JSON tells how.
+TEST(ChosenStartOutput, BeginsWithTheChosenStateInTheCsvFile) {
+  Diagnostics out;
+  const auto spec = read_problem(
+      std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/pendulum_cycle.yaml", {}, out);
+  ASSERT_TRUE(spec) << format_diagnostics(out, false);
+  const auto built = build_problem(*spec, {}, out);
+  ASSERT_TRUE(built) << format_diagnostics(out, false);
+  Trajectory guess = built->guess;
+  guess.u(0) << 0.3, -0.7;
+  Acts(*built->problem).simulate(guess);
+  const SolveResult result = solve(*built->problem, "altro", {.max_iterations = 0}, guess);
+  const Solution solution{*spec, *built, *find_solver("altro"), result, {}};
+  const auto table = parse_csv(trajectory_csv(solution), "trajectory.csv", out);
+  ASSERT_TRUE(table) << format_diagnostics(out, false);
+  EXPECT_EQ(table->columns, (std::vector<std::string>{"theta", "omega", "torque"}));
+  ASSERT_EQ(table->rows.size(), 101u);
+  EXPECT_EQ(table->times[0], 0);
+  EXPECT_EQ(table->times[1], 0.02);
+  EXPECT_EQ(*table->rows[0][0], 0.3);
+  EXPECT_EQ(*table->rows[0][1], -0.7);
+
+  const OrderedJson trajectory = solution_json(solution)["trajectory"];
+  EXPECT_EQ(trajectory["u"][0], OrderedJson({0.3, -0.7}));
+  EXPECT_EQ(trajectory["x"][1], OrderedJson({0.3, -0.7, 0.3, -0.7}));
+  const auto former = parse_solution(json_text(solution_json(solution)), "solution.json", out);
+  ASSERT_TRUE(former) << format_diagnostics(out, false);
+  EXPECT_EQ(former->times, table->times) << "a first guess begins with it, too";
+  EXPECT_EQ(*former->rows[0][1], -0.7);
+}
+
 TEST(JsonText, KeepsRowsOnOneLine) {
   const OrderedJson json = {
       {"a", {1, 2.5, nullptr}}, {"m", {{1, 2}, {3, 4}}}, {"e", OrderedJson::array()}};

@@ -136,6 +136,17 @@ phases: [{knots: 3, dt: 0.1}]
 costs: {effort: {residual: control, weight: 0.1}}
 solver: {name: ipopt}
 )");
+  texts.push_back(R"(conddp: 1
+system: {type: pendulum}
+initial_state: {}
+phases: [{name: start, choose: [theta, "om*"], lower: -1, upper: {theta: 2}}, {knots: 3, dt: 0.1}]
+costs: {mix: {residual: combination, rows: {theta: 1, constant: -2}}}
+constraints: {mixed: {residual: combination, rows: [{torque: 1, omega: 3}, {omega: 1}], upper: [2, null]}}
+terminal:
+  constraints: {cycle: {residual: cycle, offset: {theta: 0.5}, equals: {omega: 0}}}
+  costs: {near: {residual: cycle}}
+solver: {name: altro}
+)");
   const std::string_view legged = R"(conddp: 1
 robot: {urdf: robots/quadruped.urdf, base: floating}
 contacts:
@@ -341,7 +352,8 @@ TEST(Expand, ShowsEveryDefaultOfTheSchema) {
                                              "/definitions/cost/faces",
                                              "/definitions/cost/inner",
                                              "/definitions/cost/safety",
-                                             "/definitions/phase/restitution"};
+                                             "/definitions/phase/restitution",
+                                             "/definitions/phase/weights"};
   for (const std::string& key : walk.missing())
     EXPECT_TRUE(conditional.contains(key)) << key << " has a default that an expansion lacks";
   std::set<std::string> unseen = walk.unseen();

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "problem_file/plant.hpp"
+#include "systems/initial_choice.hpp"
+
+namespace conddp {
+
+/// How a first knot without time chooses the initial state.
+struct InitialChoice {
+  std::shared_ptr<const System> system;
+  std::vector<double> state;         ///< from which
+  std::vector<int> coordinates;      ///< tangent coordinates that it moves
+  std::vector<double> lower, upper;  ///< of the displacement
+  bool remembered = false;           ///< all later nodes know what was chosen
+};
+
+struct BuiltInitialChoice {
+  bool valid = true;
+  std::optional<InitialChoice> choice;  ///< nothing where the initial state is given
+};
+
+/// From the first phase; what does not fit is reported. `control_memory`: the states end with the
+/// previous control already.
+BuiltInitialChoice build_initial_choice(const ProblemSpec& spec, const Plant& plant,
+                                        const std::vector<double>& state, bool control_memory,
+                                        Diagnostics& out);
+
+}  // namespace conddp
