@@ -34,6 +34,32 @@ terminal:
 solver: {name: ipopt, max_iterations: 400}
 )";
 
+/// The problem with phases that is made of an answer is solved and certified, by each solver.
+void expect_refined(const Answer& answer, const ContactMotion& motion,
+                    const std::vector<const char*>& solvers) {
+  ScheduleOptions options;
+  options.folder = testing::TempDir();
+  options.solution = options.folder / (answer.spec.name.value + "_solution.json");
+  std::ofstream(options.solution) << answer.document.dump();
+  for (const char* name : solvers) {
+    const SolverInfo& solver = *find_solver(name);
+    options.solver = name;
+    options.keeps_constraints = solver.constraints == ConstraintSupport::all;
+    const ContactSchedule schedule = contact_schedule(answer.spec, answer.built, motion, options);
+    Diagnostics out;
+    const auto spec =
+        read_problem_text(yaml_text(schedule.problem), options.folder / "refined.yaml", {}, out);
+    ASSERT_TRUE(spec) << format_diagnostics(out, false);
+    const auto built = build_problem(*spec, {}, out);
+    ASSERT_TRUE(built) << format_diagnostics(out, false);
+    const SolveResult refined = solve(*built->problem, solver, spec->solver.options, built->guess);
+    EXPECT_EQ(refined.status, SolveStatus::converged) << name << ": " << refined.message;
+    const auto document =
+        OrderedJson::parse(solution_json({*spec, *built, solver, refined, {}}).dump());
+    EXPECT_EQ(failures(certify_solution(document, *spec, *built, false)), "") << name;
+  }
+}
+
 TEST(ContactHandOver, TheHoppersSequenceIsRefined) {
   const Answer hop(ProblemText{kHop});
   const auto motion = contact_motion(*hop.built.problem, hop.result->trajectory);
@@ -45,28 +71,25 @@ TEST(ContactHandOver, TheHoppersSequenceIsRefined) {
   for (const ContactStretch& stretch : found.sequence)
     flies |= stretch.closed == std::vector<bool>{false, false};
   EXPECT_TRUE(flies);
+  expect_refined(hop, *motion, {"proxddp", "box_fddp"});
+}
 
-  ScheduleOptions options;
-  options.folder = testing::TempDir();
-  options.solution = options.folder / "hop_solution.json";
-  std::ofstream(options.solution) << hop.document.dump();
-  for (const char* name : {"proxddp", "box_fddp"}) {
-    const SolverInfo& solver = *find_solver(name);
-    options.solver = name;
-    options.keeps_constraints = solver.constraints == ConstraintSupport::all;
-    const ContactSchedule schedule = contact_schedule(hop.spec, hop.built, *motion, options);
-    Diagnostics out;
-    const auto spec =
-        read_problem_text(yaml_text(schedule.problem), options.folder / "hop.yaml", {}, out);
-    ASSERT_TRUE(spec) << format_diagnostics(out, false);
-    const auto built = build_problem(*spec, {}, out);
-    ASSERT_TRUE(built) << format_diagnostics(out, false);
-    const SolveResult refined = solve(*built->problem, solver, spec->solver.options, built->guess);
-    EXPECT_EQ(refined.status, SolveStatus::converged) << name << ": " << refined.message;
-    const auto document =
-        OrderedJson::parse(solution_json({*spec, *built, solver, refined, {}}).dump());
-    EXPECT_EQ(failures(certify_solution(document, *spec, *built, false)), "") << name;
-  }
+/// A first state that is chosen stays one, and the link of the last state with it.
+TEST(ContactHandOver, APeriodicGaitStaysPeriodic) {
+  const Answer gait("raibert_gait");
+  ASSERT_EQ(gait.result->status, SolveStatus::converged) << gait.result->message;
+  const auto motion = contact_motion(*gait.built.problem, gait.result->trajectory);
+  ASSERT_TRUE(motion);
+  EXPECT_EQ(motion->steps(), 20);
+  EXPECT_EQ(motion->first_knot, 1);
+  EXPECT_NEAR(motion->q[20][0] - motion->q[0][0], 0.5, 1e-9);
+  EXPECT_LT((motion->q[20] - motion->q[0]).tail(3).cwiseAbs().maxCoeff(), 1e-9);
+  EXPECT_LT((motion->v[20] - motion->v[0]).cwiseAbs().maxCoeff(), 1e-9);
+  const ContactCertificate found = certify_contacts(*motion);
+  EXPECT_GE(found.sequence.size(), 2u) << "it touches the ground and leaves it";
+  EXPECT_LE(found.measures.stepping.value, 1e-9);
+  EXPECT_LE(found.measures.penetration.value, 1e-9);
+  expect_refined(gait, *motion, {"proxddp"});
 }
 
 }  // namespace

@@ -60,6 +60,12 @@ inline std::vector<std::pair<std::string, std::shared_ptr<const Residual>>> name
     if (segment.part == StateManifold::Part::se3)
       all.emplace_back("position of a pose",
                        coordinate_residual(model.manifold(), {segment.x + 2, segment.x}));
+  if (!rows.empty() && model.nu() > 0)
+    all.emplace_back(
+        "combination",
+        combination_residual(
+            model.ndx(),
+            {{{{2, false, velocities[0], system->nv() + rows[0]}, {-3, true, 0, -1}}, 0.5}}));
   if (model.has_control_memory()) all.emplace_back("rate", control_rate_residual(*system));
   for (int f = 0; f < static_cast<int>(robot.frames.size()); f += frame_step) {
     const std::string& name = robot.frames[f].name;
