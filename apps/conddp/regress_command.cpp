@@ -136,6 +136,7 @@ int regress(const RegressArguments& arguments) {
   Regression regression(arguments);
   for (const GoldenCase& golden : cases) {
     regression.run(golden);
+    finish_results();  // a line a problem at once, in a pipe too; the last call reports errors
     if (InterruptGuard::signal() != 0) return kExitSignalBase + InterruptGuard::signal();
   }
   return regression.finish();
