@@ -36,6 +36,9 @@ struct StepBlocks {
   std::vector<RowBlock> blocks;
   std::vector<std::string> names;
   std::vector<int> forces;  ///< entries of the control that act in the equations of motion, past u
+  /// One for each row behind those of motion: the constant derivatives by entries of the control,
+  /// which are the last ones of the row.
+  std::vector<std::vector<double>> constants;
 
   StepBlocks(const SteppingSystem& system, int ndx) : n_(system.nv()), ndx_(ndx) {
     const SteppingLayout& w = system.layout();
@@ -45,45 +48,58 @@ struct StepBlocks {
       const ContactCandidate& candidate = system.contacts().candidates[c];
       const std::vector<int>& joints = system.geometry()[c].columns();
       const std::string name = "contact/" + candidate.name;
-      std::vector<int> entries{at.gap};
-      if (candidate.stiffness) entries.push_back(at.force);
+      Entries entries{{at.gap, 1}};
+      if (candidate.stiffness) entries.emplace_back(at.force, -1 / *candidate.stiffness);
       add(name + "/gap", w, joints, true, entries);
-      friction(name, w, joints, true, at.friction, at.force);
+      friction(name, w, joints, true, at.friction);
+      if (at.friction.count > 0)
+        budget(name, w, at.friction, {{at.force, -candidate.friction}});
     }
     for (const SteppingLayout::Stop& stop : w.stops)
       add("stop/" + system.multibody().robot().joints[stop.joint].name +
               (stop.upper ? "/upper" : "/lower"),
-          w, {stop.joint}, true, {stop.distance});
+          w, {stop.joint}, true, {{stop.distance, 1}});
     for (std::size_t i = 0; i < w.frictions.size(); ++i) {
       const int joint = system.contacts().frictions[i].joint;
-      friction("friction/" + system.multibody().robot().joints[joint].name, w, {joint}, false,
-               w.frictions[i], -1);
+      const std::string name = "friction/" + system.multibody().robot().joints[joint].name;
+      friction(name, w, {joint}, false, w.frictions[i]);
+      budget(name, w, w.frictions[i], {});
     }
   }
 
  private:
+  /// Entries of the control and the constant derivatives by them.
+  using Entries = std::vector<std::pair<int, double>>;
+
   /// A row that depends on q (if asked for), v and a of some joints, and on entries of the control.
   void add(const std::string& name, const SteppingLayout& w, const std::vector<int>& joints,
-           bool position, std::vector<int> entries) {
+           bool position, Entries entries) {
     RowBlock block{1, {}};
     if (position) block.columns = joints;
     for (const int j : joints) block.columns.push_back(n_ + j);
     for (const int j : joints) block.columns.push_back(ndx_ + w.acceleration + j);
     std::sort(entries.begin(), entries.end());
-    for (const int i : entries) block.columns.push_back(ndx_ + i);
+    std::vector<double>& slopes = constants.emplace_back();
+    for (const auto& [i, slope] : entries) {
+      block.columns.push_back(ndx_ + i);
+      slopes.push_back(slope);
+    }
     blocks.push_back(std::move(block));
     names.push_back(name);
   }
 
   void friction(const std::string& name, const SteppingLayout& w, const std::vector<int>& joints,
-                bool position, const FrictionIndices& f, int normal) {
+                bool position, const FrictionIndices& f) {
     for (int i = 0; i < f.count; ++i)
-      add(name + "/slip" + std::to_string(i), w, joints, position, {f.slip[i], f.gamma});
-    if (f.count == 0) return;
-    std::vector<int> entries(f.force.begin(), f.force.begin() + f.count);
-    entries.push_back(f.rest);
-    if (normal >= 0) entries.push_back(normal);
-    add(name + "/budget", w, {}, false, entries);
+      add(name + "/slip" + std::to_string(i), w, joints, position, {{f.slip[i], 1}, {f.gamma, -1}});
+  }
+
+  /// What friction has left; `entries`: what its budget comes from.
+  void budget(const std::string& name, const SteppingLayout& w, const FrictionIndices& f,
+              Entries entries) {
+    for (int i = 0; i < f.count; ++i) entries.emplace_back(f.force[i], 1);
+    entries.emplace_back(f.rest, 1);
+    add(name + "/budget", w, {}, false, std::move(entries));
   }
 
   /// The block of the equations of motion: q, v, u, a, then forces.
@@ -115,6 +131,7 @@ class SteppingResidual : public ResidualBase<SteppingResidual> {
       : ResidualBase(structure.blocks, 1, true),
         system_(std::move(system)),
         n_(system_->nv()),
+        constants_(structure.constants),
         force_column_(system_->layout().size(), -1) {
     for (std::size_t i = 0; i < structure.forces.size(); ++i)
       force_column_[structure.forces[i]] =
@@ -137,23 +154,24 @@ class SteppingResidual : public ResidualBase<SteppingResidual> {
     const S h = in.parameters[0];
     jacobian = differentiate_motion(in.u, h, data, jacobian);
     const SteppingLayout& w = system_->layout();
+    const std::vector<double>* row = constants_.data();
     for (std::size_t c = 0; c < w.candidates.size(); ++c)
-      jacobian = differentiate_candidate(static_cast<int>(c), h, data, jacobian);
+      jacobian = differentiate_candidate(static_cast<int>(c), h, data, row, jacobian);
     for (const SteppingLayout::Stop& stop : w.stops) {
       const S slope(stop.upper ? 1.0 : -1.0);
       *jacobian++ = slope;
       *jacobian++ = h * slope;
       *jacobian++ = h * h * slope;
-      *jacobian++ = S(1.0);
+      jacobian = write_constants(*row++, jacobian);
     }
     for (const FrictionIndices& f : w.frictions) {
-      for (int i = 0; i < 2; ++i) {
+      for (int i = 0; i < f.count; ++i) {
         const S slope(i == 0 ? -1.0 : 1.0);
         *jacobian++ = slope;
         *jacobian++ = h * slope;
-        jacobian = write_entries({{f.slip[i], 1}, {f.gamma, -1}}, jacobian);
+        jacobian = write_constants(*row++, jacobian);
       }
-      jacobian = write_entries({{f.force[0], 1}, {f.force[1], 1}, {f.rest, 1}}, jacobian);
+      jacobian = write_constants(*row++, jacobian);
     }
   }
 
@@ -242,13 +260,9 @@ class SteppingResidual : public ResidualBase<SteppingResidual> {
     return r;
   }
 
-  /// The entries of a row in the order of their columns.
   template <class S>
-  static S* write_entries(std::initializer_list<std::pair<int, double>> entries, S* jacobian) {
-    std::pair<int, double> sorted[6];
-    const auto end = std::copy(entries.begin(), entries.end(), sorted);
-    std::sort(sorted, end);
-    for (const auto* e = sorted; e != end; ++e) *jacobian++ = S(e->second);
+  static S* write_constants(const std::vector<double>& slopes, S* jacobian) {
+    for (const double slope : slopes) *jacobian++ = S(slope);
     return jacobian;
   }
 
@@ -294,9 +308,8 @@ class SteppingResidual : public ResidualBase<SteppingResidual> {
 
   template <class S>
   S* differentiate_candidate(int c, const S& h, const SteppingSystem::Data<S>& data,
-                             S* jacobian) const {
+                             const std::vector<double>*& row_constants, S* jacobian) const {
     const SteppingLayout::Candidate& at = system_->layout().candidates[c];
-    const ContactCandidate& candidate = system_->contacts().candidates[c];
     const std::vector<int>& joints = system_->geometry()[c].columns();
     const CandidateRows<S>& rows = data.candidates[c];
     const int k = static_cast<int>(joints.size()), m = static_cast<int>(rows.rows.size());
@@ -306,10 +319,7 @@ class SteppingResidual : public ResidualBase<SteppingResidual> {
       jacobian[2 * k + j] = h * jacobian[k + j];
     }
     jacobian += 3 * k;
-    if (candidate.stiffness)
-      jacobian = write_entries({{at.gap, 1}, {at.force, -1 / *candidate.stiffness}}, jacobian);
-    else
-      *jacobian++ = S(1.0);
+    jacobian = write_constants(*row_constants++, jacobian);
     const FrictionIndices& f = at.friction;
     for (int i = 0; i < f.count; ++i) {
       const S sign(i % 2 == 0 ? -1.0 : 1.0);
@@ -321,25 +331,15 @@ class SteppingResidual : public ResidualBase<SteppingResidual> {
         jacobian[k + j] = h * jacobian[j] + sign * rows.rows[row * k + j];
         jacobian[2 * k + j] = h * jacobian[k + j];
       }
-      jacobian = write_entries({{f.slip[i], 1}, {f.gamma, -1}}, jacobian + 3 * k);
+      jacobian = write_constants(*row_constants++, jacobian + 3 * k);
     }
-    if (f.count == 2)
-      return write_entries(
-          {{f.force[0], 1}, {f.force[1], 1}, {f.rest, 1}, {at.force, -candidate.friction}},
-          jacobian);
-    if (f.count == 4)
-      return write_entries({{f.force[0], 1},
-                            {f.force[1], 1},
-                            {f.force[2], 1},
-                            {f.force[3], 1},
-                            {f.rest, 1},
-                            {at.force, -candidate.friction}},
-                           jacobian);
+    if (f.count > 0) jacobian = write_constants(*row_constants++, jacobian);
     return jacobian;
   }
 
   SystemPointer system_;
   int n_;
+  std::vector<std::vector<double>> constants_;
   std::vector<int> force_column_;  ///< of entries of w, in the block of the equations of motion
 };
 

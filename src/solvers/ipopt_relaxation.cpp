@@ -101,6 +101,7 @@ void IpoptSolver::polish(InteriorPointAnswer& answer) {
   settings.warm_barrier = kLeastBarrier;
   row_.relaxation = 0;
   InteriorPointAnswer fixed = run_ipopt(y, settings);
+  ++row_.outer;
   iterations_before_ = row_.iteration;
   if (is_good(fixed)) answer = std::move(fixed);
 }

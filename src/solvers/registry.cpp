@@ -1,5 +1,6 @@
 #include "solvers/registry.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <stdexcept>
@@ -72,13 +73,21 @@ std::optional<std::string> misfit(const ShootingProblem& problem, const DualGues
   return "the multipliers to start from do not have the shape of the problem";
 }
 
-/// Why the solver cannot take the problem because of its constraints, if so.
+bool keeps_all(const SolverInfo& solver, const ShootingProblem& problem) {
+  if (problem.has_control_bounds() && solver.control_bounds != BoundSupport::exact) return false;
+  return std::all_of(problem.constraints().begin(), problem.constraints().end(),
+                     [&](const NodeConstraint& c) { return keeps(solver, c); });
+}
+
+/// Why the solver cannot take the problem because of its constraints, if so. What is advised are
+/// the solvers that keep all of them.
 std::optional<std::string> refuse_constraint(const SolverInfo& solver,
                                              const ShootingProblem& problem) {
   for (const NodeConstraint& c : problem.constraints()) {
     if (keeps(solver, c)) continue;
     const int phase = problem.knot(c.node).phase;
-    const std::string can = list_solvers([&](const SolverInfo& info) { return keeps(info, c); });
+    const std::string can =
+        list_solvers([&](const SolverInfo& info) { return keeps_all(info, problem); });
     return fmt::format("{} cannot keep the {} '{}' ({}); {}", solver.name,
                        c.is_soft()                                           ? "soft constraint"
                        : solver.constraints == ConstraintSupport::equalities ? "inequality"
@@ -87,7 +96,7 @@ std::optional<std::string> refuse_constraint(const SolverInfo& solver,
                        c.node == problem.knots()
                            ? "terminal node"
                            : fmt::format("phase '{}'", problem.phases()[phase].name),
-                       can.empty() ? "no solver can" : can + " can");
+                       can.empty() ? "no solver can keep them all" : can + " can");
   }
   return std::nullopt;
 }

@@ -99,10 +99,10 @@ std::string case_name(const ::testing::TestParamInfo<FindsItsContacts::ParamType
 
 INSTANTIATE_TEST_SUITE_P(
     Ready, FindsItsContacts,
-    ::testing::Combine(::testing::Values("block_slope", "block_drag", "cartpole_friction",
-                                         "cartpole_walls", "push_box", "finger_spinner"),
-                       ::testing::Values(std::optional<int>(), std::optional<int>(1),
-                                         std::optional<int>(2))),
+    ::testing::Combine(
+        ::testing::Values("block_slope", "block_drag", "cartpole_friction", "cartpole_walls",
+                          "push_box", "finger_spinner", "acrobot_limits"),
+        ::testing::Values(std::optional<int>(), std::optional<int>(1), std::optional<int>(2))),
     case_name);
 
 TEST(PushedBox, Moves) {
@@ -125,7 +125,7 @@ TEST(ContactsThatAreFound, AreRefusedByAllSolversButIpopt) {
     }
     ASSERT_TRUE(reason) << solver.name;
     EXPECT_EQ(reason->find(std::string(solver.name) + " cannot keep the"), 0u) << *reason;
-    EXPECT_NE(reason->find("ipopt"), std::string::npos) << *reason;
+    EXPECT_NE(reason->find("; ipopt can"), std::string::npos) << *reason;
   }
 }
 
