@@ -52,8 +52,7 @@ struct StepBlocks {
       if (candidate.stiffness) entries.emplace_back(at.force, -1 / *candidate.stiffness);
       add(name + "/gap", w, joints, true, entries);
       friction(name, w, joints, true, at.friction);
-      if (at.friction.count > 0)
-        budget(name, w, at.friction, {{at.force, -candidate.friction}});
+      if (at.friction.count > 0) budget(name, w, at.friction, {{at.force, -candidate.friction}});
     }
     for (const SteppingLayout::Stop& stop : w.stops)
       add("stop/" + system.multibody().robot().joints[stop.joint].name +
@@ -198,12 +197,7 @@ class SteppingResidual : public ResidualBase<SteppingResidual> {
   template <class S>
   void write_values(const S* u, const SteppingSystem::Data<S>& data, S* r) const {
     const SteppingLayout& w = system_->layout();
-    const RobotData<S>& end = data.end.robot;
-    const S* a = u + w.acceleration;
-    for (int i = 0; i < n_; ++i) {
-      r[i] = end.bias[i] - data.end.force[i];
-      for (int j = 0; j < n_; ++j) r[i] += (i > j ? end.M[j * n_ + i] : end.M[i * n_ + j]) * a[j];
-    }
+    std::copy_n(data.motion.data(), n_, r);
     for (std::size_t c = 0; c < w.candidates.size(); ++c) {
       const std::vector<int>& joints = system_->geometry()[c].columns();
       const int k = static_cast<int>(joints.size());
@@ -270,10 +264,16 @@ class SteppingResidual : public ResidualBase<SteppingResidual> {
   S* differentiate_motion(const S* u, const S& h, SteppingSystem::Data<S>& data,
                           S* jacobian) const {
     const SteppingLayout& w = system_->layout();
-    RobotData<S>& end = data.end.robot;
-    // By q⁺: that of inverse dynamics less that of Jᵀf.
     S* by_q = jacobian;
-    std::copy_n(end.tau_q.data(), n_ * n_, by_q);
+    S* by_v = jacobian + n_ * n_;
+    S* by_u = jacobian + 2 * n_ * n_;
+    S* by_a = by_u + n_ * w.actuators;
+    std::copy_n(data.motion_q.data(), n_ * n_, by_q);
+    std::copy_n(data.motion_v.data(), n_ * n_, by_v);
+    std::copy_n(data.motion_a.data(), n_ * n_, by_a);
+    const std::vector<double>& B = system_->multibody().actuation().B;
+    for (int i = 0; i < n_ * w.actuators; ++i) by_u[i] = S(-B[i]);
+    const S h2 = h * h;
     for (std::size_t c = 0; c < w.candidates.size(); ++c) {
       const std::vector<int>& joints = system_->geometry()[c].columns();
       const CandidateRows<S>& rows = data.candidates[c];
@@ -284,25 +284,19 @@ class SteppingResidual : public ResidualBase<SteppingResidual> {
         S* column = jacobian + force_column_[entry] * n_;
         for (int j = 0; j < k; ++j) column[joints[j]] = S(-sign) * rows.rows[row * k + j];
         for (int i = 0; i < k; ++i)
-          for (int j = 0; j < k; ++j)
-            by_q[joints[i] * n_ + joints[j]] -= force * rows.slopes[i * m + row * k + j];
+          for (int j = 0; j < k; ++j) {
+            // J is that of q⁺ = q + h v + h² a.
+            const int e = joints[i] * n_ + joints[j];
+            const S slope = force * rows.slopes[i * m + row * k + j];
+            by_q[e] -= slope;
+            by_v[e] -= h * slope;
+            by_a[e] -= h2 * slope;
+          }
       });
     }
     for_each_joint_force([&](int entry, int joint, double sign) {
       jacobian[force_column_[entry] * n_ + joint] = S(-sign);
     });
-    const std::vector<double>& B = system_->multibody().actuation().B;
-    S* by_u = jacobian + 2 * n_ * n_;
-    for (int i = 0; i < n_ * w.actuators; ++i) by_u[i] = S(-B[i]);
-    // By v and a by way of q⁺ and v⁺, then those of M a by a itself.
-    S* by_v = jacobian + n_ * n_;
-    S* by_a = by_u + n_ * w.actuators;
-    for (int j = 0; j < n_; ++j)
-      for (int i = 0; i < n_; ++i) {
-        const int e = j * n_ + i;
-        by_v[e] = h * by_q[e] + end.tau_v[e];
-        by_a[e] = h * by_v[e] + (i > j ? end.M[j * n_ + i] : end.M[i * n_ + j]);
-      }
     return jacobian + n_ * static_cast<int>(blocks().front().columns.size());
   }
 

@@ -54,7 +54,8 @@ inline constexpr Choice<GaitType> kGaitWords[] = {
     {"pace", GaitType::pace},   {"bound", GaitType::bound}, {"jump", GaitType::jump}};
 
 inline constexpr Choice<SteppingScheme> kSchemeWords[] = {
-    {"backward_euler", SteppingScheme::backward_euler}};
+    {"backward_euler", SteppingScheme::backward_euler},
+    {"variational_midpoint", SteppingScheme::variational_midpoint}};
 /// Whether all joint limits of the URDF are stops.
 inline constexpr Choice<bool> kJointLimitWords[] = {{"none", false}, {"urdf", true}};
 

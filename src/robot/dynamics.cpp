@@ -327,6 +327,7 @@ S potential_energy(const RobotModel& model, const RobotData<S>& data) {
   template S kinetic_energy(const RobotModel&, const RobotData<S>&);                              \
   template S potential_energy(const RobotModel&, const RobotData<S>&);
 CONDDP_FOR_EACH_KERNEL_SCALAR(CONDDP_INSTANTIATE)
+CONDDP_INSTANTIATE(Dual<Dual<Lane>>)  // Hessians of what takes derivatives itself
 #undef CONDDP_INSTANTIATE
 
 }  // namespace conddp

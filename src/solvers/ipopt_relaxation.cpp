@@ -18,6 +18,9 @@ constexpr double kLooseTolerance = 1e-3, kTightTolerance = 1e-8;
 constexpr int kFailures = 2;
 /// Smallest barrier with which the next solve starts.
 constexpr double kLeastBarrier = 1e-9;
+/// Of the last solve, whose bounds are those of the answer, and what it leaves of multiplier times
+/// distance.
+constexpr double kPolishBarrier = 1e-11, kPolishComplementarity = 1e-11;
 /// The barrier with which a solve starts, and the tolerance to which it is solved, as a share of
 /// its epsilon.
 constexpr double kBarrierShare = 0.1;
@@ -91,19 +94,25 @@ InteriorPointAnswer IpoptSolver::tighten(const Trajectory& start) {
   return last;
 }
 
-/// Solves once more with the smaller one of each pair fixed to zero, which leaves nothing relaxed;
-/// the answer stays as it was where that fails.
+/// Solves once more with the smaller one of each pair fixed to zero, which leaves nothing relaxed,
+/// and then with a barrier so small that what belongs at a bound can be put there without harm to
+/// the equations. The answer stays as it was where that fails.
 void IpoptSolver::polish(InteriorPointAnswer& answer) {
   transcription_->fix_pairs(answer.point.y.data());
-  Eigen::VectorXd y = answer.point.y.cwiseMin(transcription_->upper());
   InteriorPointSettings settings = default_settings();
-  settings.warm = &answer.point;
-  settings.warm_barrier = kLeastBarrier;
   row_.relaxation = 0;
-  InteriorPointAnswer fixed = run_ipopt(y, settings);
-  ++row_.outer;
-  iterations_before_ = row_.iteration;
-  if (is_good(fixed)) answer = std::move(fixed);
+  for (const double barrier : {kLeastBarrier, kPolishBarrier}) {
+    const Eigen::VectorXd y = answer.point.y.cwiseMin(transcription_->upper());
+    settings.warm = &answer.point;
+    settings.warm_barrier = barrier;
+    InteriorPointAnswer fixed = run_ipopt(y, settings);
+    ++row_.outer;
+    iterations_before_ = row_.iteration;
+    if (!is_good(fixed)) return;
+    answer = std::move(fixed);
+    if (row_.iteration >= options_.max_iterations) return;
+    settings.complementarity_tolerance = kPolishComplementarity;
+  }
 }
 
 }  // namespace conddp

@@ -273,6 +273,8 @@ void IpoptSolver::cross_over(const InteriorPointAnswer& answer) {
     Trajectory snapped = trajectory;
     snap_controls(answer, snapped);
     start_newton(snapped, multipliers);
+    const bool snapped_is_better =
+        newton_.norms().largest() < before || under_tolerances(newton_.norms());
     for (int i = 0; i < kNewtonSteps && newton_.norms().largest() > kNewtonGoal; ++i) {
       if (!newton_.step(kNewtonGrowth)) break;
       result_.feedback_regularization = 0;
@@ -281,7 +283,7 @@ void IpoptSolver::cross_over(const InteriorPointAnswer& answer) {
       record();
     }
     if (row_.newton == 0 || newton_.norms().largest() > before)
-      start_newton(trajectory, multipliers);
+      start_newton(snapped_is_better ? snapped : trajectory, multipliers);
   }
   // The last row is the answer.
   if (std::isfinite(newton_.cost()) && !result_.log.empty() &&

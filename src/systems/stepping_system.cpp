@@ -6,6 +6,15 @@
 #include "robot/kinematics.hpp"
 
 namespace conddp {
+namespace {
+
+/// An entry of a symmetric matrix of which the lower triangle is stored, n x n by columns.
+template <class S>
+const S& symmetric(const AlignedVector<S>& m, int i, int j, int n) {
+  return i > j ? m[j * n + i] : m[i * n + j];
+}
+
+}  // namespace
 
 SteppingSystem::SteppingSystem(std::shared_ptr<const MultibodySystem> robot,
                                ImplicitContacts contacts)
@@ -17,8 +26,6 @@ SteppingSystem::SteppingSystem(std::shared_ptr<const MultibodySystem> robot,
     if (joint.type == JointType::floating)
       throw std::invalid_argument("the joint '" + joint.name +
                                   "' floats, which contacts that are found do not allow");
-  if (contacts_.scheme != SteppingScheme::backward_euler)
-    throw std::invalid_argument("steps are those of backward Euler alone");
   if (contacts_.friction != FrictionModel::polyhedron)
     throw std::invalid_argument("friction is bounded by polyhedra alone");
   if (!robot_->mimic_map().identity())
@@ -27,6 +34,11 @@ SteppingSystem::SteppingSystem(std::shared_ptr<const MultibodySystem> robot,
         "allow");
   for (const ContactCandidate& candidate : contacts_.candidates)
     geometry_.emplace_back(robot_->robot(), candidate, contacts_.plane);
+  if (contacts_.scheme == SteppingScheme::variational_midpoint) {
+    free_ = robot_->robot();
+    free_.gravity = Vector3<double>::zero();
+    free_.wrenches.clear();
+  }
   nu_ = layout_.size();
   state_columns_ = robot_->state_columns();
   control_columns_ = layout_.columns;
@@ -41,7 +53,13 @@ SteppingSystem::Data<S>::Data(const SteppingSystem& system)
     : MultibodySystem::Data<S>(system.multibody()),
       end(system.multibody()),
       q(system.nq(), S(0.0)),
-      v(system.nv(), S(0.0)) {
+      v(system.nv(), S(0.0)),
+      motion(system.nv(), S(0.0)),
+      motion_q(system.nv() * system.nv(), S(0.0)),
+      motion_v(motion_q),
+      motion_a(motion_q) {
+  if (system.contacts().scheme == SteppingScheme::variational_midpoint)
+    half.emplace(system.multibody().robot());
   for (const CandidateGeometry& geometry : system.geometry())
     candidates.push_back(geometry.create_rows<S>());
 }
@@ -78,19 +96,74 @@ void SteppingSystem::take_step(const S* x, const S* w, const S& h, bool slopes,
   RobotData<S>& end = data.end.robot;
   update_placements(model, data.q.data(), end);
   update_velocities(model, data.v.data(), end);
-  mass_matrix(model, end);
-  bias_forces(model, data.v.data(), end);
-  robot_->applied_forces(data.v.data(), w, data.end);
   for (std::size_t c = 0; c < geometry_.size(); ++c) {
     if (slopes)
       geometry_[c].differentiate(end, data.candidates[c]);
     else
       geometry_[c].evaluate(end, data.candidates[c]);
   }
+  if (data.half)
+    variational_midpoint(x, w, h, slopes, data);
+  else
+    backward_euler(w, h, slopes, data);
+}
+
+template <class S>
+void SteppingSystem::backward_euler(const S* w, const S& h, bool slopes, Data<S>& data) const {
+  const int n = nv();
+  const RobotModel& model = robot_->robot();
+  RobotData<S>& end = data.end.robot;
+  const S* a = w + layout_.acceleration;
+  mass_matrix(model, end);
+  bias_forces(model, data.v.data(), end);
+  robot_->applied_forces(data.v.data(), w, data.end);
+  for (int i = 0; i < n; ++i) {
+    data.motion[i] = end.bias[i] - data.end.force[i];
+    for (int j = 0; j < n; ++j) data.motion[i] += symmetric(end.M, i, j, n) * a[j];
+  }
   if (!slopes) return;
-  std::copy_n(a, nv(), end.acceleration.begin());
+  std::copy_n(a, n, end.acceleration.begin());
   inverse_dynamics_derivatives(model, data.v.data(), end);
   robot_->add_passive_slopes(data.v.data(), end.tau_v.data());
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < n; ++i) {
+      const int e = j * n + i;
+      data.motion_q[e] = end.tau_q[e];
+      data.motion_v[e] = h * end.tau_q[e] + end.tau_v[e];
+      data.motion_a[e] = h * data.motion_v[e] + symmetric(end.M, i, j, n);
+    }
+}
+
+template <class S>
+void SteppingSystem::variational_midpoint(const S* x, const S* w, const S& h, bool slopes,
+                                          Data<S>& data) const {
+  const int n = nv();
+  HalfStep<S>& half = *data.half;
+  AlignedVector<S>& passive = data.end.robot.tau_v;
+  for (AlignedVector<S>* part : {&data.motion, &data.motion_q, &data.motion_v})
+    std::fill(part->begin(), part->end(), S(0.0));
+  for (const double sign : {-1.0, 1.0}) {
+    const S* v = sign < 0 ? x + nq() : data.v.data();
+    const S shift = S(0.5 * sign) * h, weight = S(sign) / h;
+    for (int i = 0; i < n; ++i) half.position[i] = x[i] + shift * v[i];
+    update_half_step(robot_->robot(), free_, v, slopes, half);
+    robot_->applied_forces(v, w, data.end);
+    for (int i = 0; i < n; ++i)
+      data.motion[i] += weight * half.momentum[i] + S(0.5) * (half.load[i] - data.end.force[i]);
+    if (!slopes) continue;
+    std::fill(passive.begin(), passive.end(), S(0.0));
+    robot_->add_passive_slopes(v, passive.data());
+    for (int j = 0; j < n; ++j)
+      for (int i = 0; i < n; ++i) {
+        const int e = j * n + i;
+        const S by_q = weight * half.momentum_q[e] + S(0.5) * half.load_q[e];
+        const S by_v = shift * by_q + weight * symmetric(half.mass(), i, j, n) +
+                       S(0.5) * (half.load_v(i, j) + passive[e]);
+        data.motion_q[e] += by_q;
+        data.motion_v[e] += by_v;
+        if (sign > 0) data.motion_a[e] = h * by_v;
+      }
+  }
 }
 
 #define CONDDP_INSTANTIATE(S)                                                         \

@@ -1,16 +1,19 @@
 #pragma once
 
+#include <optional>
+
 #include "systems/candidate_geometry.hpp"
+#include "systems/half_step.hpp"
 #include "systems/multibody.hpp"
 #include "systems/stepping_layout.hpp"
 
 namespace conddp {
 
 /// A robot whose steps are implicit: the control is w = (u, a, forces, slacks) as SteppingLayout
-/// says, and the dynamics are a alone. That a and the forces obey the equations of motion and of
-/// contact at the end of the step, q⁺ = q ⊕ h v⁺ and v⁺ = v + h a, are constraints
-/// (stepping_residual, and one on the pairs). So every step of a trajectory may find out itself
-/// which contacts are closed.
+/// says, and the dynamics are a alone. That a and the forces obey the equations of motion of the
+/// scheme and those of contact at the end of the step, q⁺ = q ⊕ h v⁺ and v⁺ = v + h a, are
+/// constraints (stepping_residual, and one on the pairs). So every step of a trajectory may find
+/// out itself which contacts are closed.
 class SteppingSystem : public SystemBase<SteppingSystem> {
  public:
   /// Throws std::invalid_argument where a joint floats or mimics another one.
@@ -21,6 +24,10 @@ class SteppingSystem : public SystemBase<SteppingSystem> {
     explicit Data(const SteppingSystem& system);
     MultibodySystem::Data<S> end;  ///< of the robot at the end of the step
     AlignedVector<S> q, v;         ///< there
+    /// nv: what the equations of motion leave for contacts, stops and dry friction of joints, N or
+    /// Nm, and its derivatives (nv x nv by columns) by q, v and a at the knot.
+    AlignedVector<S> motion, motion_q, motion_v, motion_a;
+    std::optional<HalfStep<S>> half;  ///< of the variational midpoint rule
     std::vector<CandidateRows<S>> candidates;
   };
 
@@ -35,13 +42,22 @@ class SteppingSystem : public SystemBase<SteppingSystem> {
   void differentiate_as(const S* x, const S* w, Data<S>& data) const;
   template <class S>
   void update_kinematics_as(const S* x, Data<S>& data) const;
-  /// Data at the end of a step of h: q, v, the robot's kinematics, inertia matrix and bias forces,
-  /// applied forces, and the candidates' rows, with slopes if asked for.
+  /// Data of a step of h: q, v and the robot's kinematics at its end, the equations of motion, and
+  /// the candidates' rows, with slopes if asked for.
   template <class S>
   void take_step(const S* x, const S* w, const S& h, bool slopes, Data<S>& data) const;
 
  private:
+  /// M(q⁺) a + c(q⁺, v⁺) − B u.
+  template <class S>
+  void backward_euler(const S* w, const S& h, bool slopes, Data<S>& data) const;
+  /// (P⁺ − P⁻)/h + ½ (C⁺ + C⁻) − B u, with momentum and load halfway (HalfStep) through this step
+  /// and the one before, at q ± ½ h v of its own velocity.
+  template <class S>
+  void variational_midpoint(const S* x, const S* w, const S& h, bool slopes, Data<S>& data) const;
+
   std::shared_ptr<const MultibodySystem> robot_;
+  RobotModel free_;  ///< without gravity and external wrenches, of the midpoint rule alone
   ImplicitContacts contacts_;
   SteppingLayout layout_;
   std::vector<CandidateGeometry> geometry_;

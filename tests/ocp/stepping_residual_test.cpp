@@ -32,54 +32,95 @@ std::vector<double> values(const SteppingSystem& system, const Residual& residua
   return r;
 }
 
-TEST(SteppingSystem, RefusesWhatItsStepsAreNot) {
+TEST(SteppingSystem, RefusesFrictionThatItDoesNotHave) {
   const auto system = stepping_robot(true);
-  const auto robot = std::make_shared<MultibodySystem>(system->multibody());
   ImplicitContacts contacts = system->contacts();
-  contacts.scheme = SteppingScheme::variational_midpoint;
-  EXPECT_THROW(SteppingSystem(robot, contacts), std::invalid_argument);
-  contacts = system->contacts();
   contacts.friction = FrictionModel::cone;
-  EXPECT_THROW(SteppingSystem(robot, contacts), std::invalid_argument);
+  EXPECT_THROW(SteppingSystem(std::make_shared<MultibodySystem>(system->multibody()), contacts),
+               std::invalid_argument);
 }
 
-TEST(SteppingResidual, DerivativesAgreeWithDifferences) {
-  for (const bool planar : {false, true}) {
-    const auto system = stepping_robot(planar);
-    const auto residual = stepping_residual(system, system->ndx());
-    const Point p = random_point(*system, 3);
-    const auto data = system->create_data(double{});
-    system->differentiate(p.x.data(), p.w.data(), *data);
-    std::vector<double> r(residual->size()), packed(residual->jacobian_size());
-    residual->differentiate(ResidualInput<double>{p.x.data(), p.w.data(), &kStep, *data}, r.data(),
-                            packed.data());
-    const std::vector<double> same = values(*system, *residual, p);
-    const int nz = system->ndx() + system->nu();
-    std::vector<double> jacobian(residual->size() * nz, 0.0);
-    const double* entry = packed.data();
-    int first = 0;
-    for (const RowBlock& block : residual->blocks()) {
-      EXPECT_TRUE(std::is_sorted(block.columns.begin(), block.columns.end()));
-      for (const int c : block.columns)
-        for (int i = 0; i < block.rows; ++i) jacobian[(first + i) * nz + c] += *entry++;
-      first += block.rows;
+class SteppingDerivatives : public ::testing::TestWithParam<std::tuple<bool, SteppingScheme>> {};
+
+TEST_P(SteppingDerivatives, AgreeWithDifferences) {
+  const auto& [planar, scheme] = GetParam();
+  const auto system = stepping_robot(planar, scheme);
+  const auto residual = stepping_residual(system, system->ndx());
+  const Point p = random_point(*system, 3);
+  const auto data = system->create_data(double{});
+  system->differentiate(p.x.data(), p.w.data(), *data);
+  std::vector<double> r(residual->size()), packed(residual->jacobian_size());
+  residual->differentiate(ResidualInput<double>{p.x.data(), p.w.data(), &kStep, *data}, r.data(),
+                          packed.data());
+  const std::vector<double> same = values(*system, *residual, p);
+  const int nz = system->ndx() + system->nu();
+  std::vector<double> jacobian(residual->size() * nz, 0.0);
+  const double* entry = packed.data();
+  int first = 0;
+  for (const RowBlock& block : residual->blocks()) {
+    EXPECT_TRUE(std::is_sorted(block.columns.begin(), block.columns.end()));
+    for (const int c : block.columns)
+      for (int i = 0; i < block.rows; ++i) jacobian[(first + i) * nz + c] += *entry++;
+    first += block.rows;
+  }
+  const auto names = stepping_row_names(*system);
+  ASSERT_EQ(static_cast<int>(names.size()), residual->size());
+  for (int c = 0; c < nz; ++c) {
+    constexpr double kDifference = 1e-6;
+    Point up = p, down = p;
+    double& a = c < system->ndx() ? up.x[c] : up.w[c - system->ndx()];
+    double& b = c < system->ndx() ? down.x[c] : down.w[c - system->ndx()];
+    a += kDifference;
+    b -= kDifference;
+    const auto above = values(*system, *residual, up), below = values(*system, *residual, down);
+    for (int i = 0; i < residual->size(); ++i) {
+      EXPECT_EQ(r[i], same[i]);
+      EXPECT_NEAR(jacobian[i * nz + c], (above[i] - below[i]) / (2 * kDifference), 2e-6)
+          << names[i] << " by column " << c;
     }
-    const auto names = stepping_row_names(*system);
-    ASSERT_EQ(static_cast<int>(names.size()), residual->size());
-    for (int c = 0; c < nz; ++c) {
-      constexpr double kDifference = 1e-6;
-      Point up = p, down = p;
-      double& a = c < system->ndx() ? up.x[c] : up.w[c - system->ndx()];
-      double& b = c < system->ndx() ? down.x[c] : down.w[c - system->ndx()];
-      a += kDifference;
-      b -= kDifference;
-      const auto above = values(*system, *residual, up), below = values(*system, *residual, down);
-      for (int i = 0; i < residual->size(); ++i) {
-        EXPECT_EQ(r[i], same[i]);
-        EXPECT_NEAR(jacobian[i * nz + c], (above[i] - below[i]) / (2 * kDifference), 2e-6)
-            << names[i] << " by column " << c;
-      }
-    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Schemes, SteppingDerivatives,
+    ::testing::Combine(::testing::Bool(), ::testing::Values(SteppingScheme::backward_euler,
+                                                            SteppingScheme::variational_midpoint)));
+
+/// Momentum is ∂T/∂v, the load what bias forces are without the change of the momentum, and both
+/// follow from kinetic energy alone by differences.
+TEST(HalfStep, IsThatOfKineticEnergy) {
+  const auto system = stepping_robot(false, SteppingScheme::variational_midpoint);
+  RobotModel robot = system->multibody().robot();
+  robot.wrenches.clear();  // they have no energy
+  RobotModel free = robot;
+  free.gravity = Vector3<double>::zero();
+  RandomNumbers random(9);
+  std::vector<double> q(robot.nq), v(robot.nv);
+  for (double& x : q) x = random.uniform(-1, 1);
+  for (double& x : v) x = random.uniform(-2, 2);
+  const auto energy = [&](const std::vector<double>& at, const std::vector<double>& speed) {
+    RobotData<double> data(robot);
+    update_placements(robot, at.data(), data);
+    update_velocities(robot, speed.data(), data);
+    update_composite_inertias(robot, data);
+    return kinetic_energy(robot, data) - potential_energy(robot, data);
+  };
+  HalfStep<double> half(robot);
+  std::copy(q.begin(), q.end(), half.position.begin());
+  update_half_step(robot, free, v.data(), false, half);
+  constexpr double kDifference = 1e-6;
+  for (int i = 0; i < robot.nv; ++i) {
+    const auto slope = [&](std::vector<double>& x) {
+      const double before = x[i];
+      x[i] = before + kDifference;
+      const double above = energy(q, v);
+      x[i] = before - kDifference;
+      const double below = energy(q, v);
+      x[i] = before;
+      return (above - below) / (2 * kDifference);
+    };
+    EXPECT_NEAR(half.momentum[i], slope(v), 1e-7) << i;
+    EXPECT_NEAR(half.load[i], -slope(q), 1e-6) << i;
   }
 }
 

@@ -105,6 +105,14 @@ INSTANTIATE_TEST_SUITE_P(
         ::testing::Values(std::optional<int>(), std::optional<int>(1), std::optional<int>(2))),
     case_name);
 
+TEST(AcrobotBetweenStops, SwingsHigherWhereStepsLoseNoEnergy) {
+  const SolveResult damped = solve_ready(ReadyProblem("acrobot_limits"));
+  const ReadyProblem midpoint("acrobot_limits", {"stepping.scheme=variational_midpoint"});
+  const SolveResult kept = solve_ready(midpoint);
+  expect_exact_contacts(midpoint, kept);
+  EXPECT_LT(kept.cost, damped.cost);
+}
+
 TEST(PushedBox, Moves) {
   const SolveResult result = solve_ready(ReadyProblem("push_box"));
   EXPECT_GT(last(result, 0), 0.3);

@@ -1,0 +1,59 @@
+// The equations of a step as the solver has them, beside the certificate's own.
+#include "analysis/stepping_equations.hpp"
+
+#include <gtest/gtest.h>
+
+#include "analysis/contact_motion.hpp"
+#include "ocp/stepping_residual.hpp"
+#include "support/stepping_robot.hpp"
+
+namespace conddp {
+namespace {
+
+constexpr double kStep = 0.04;
+
+ShootingProblem one_step(const std::shared_ptr<const SteppingSystem>& system,
+                         std::vector<double> start) {
+  auto model = std::make_shared<KnotModel>(system, Integrator::semi_implicit_euler);
+  auto end = std::make_shared<KnotModel>(system, Integrator::none);
+  return {std::move(start), {{"step", model, {kStep}, {kStep}, {}}}, {"end", end, {0}, {1}, {}}};
+}
+
+TEST(SteppingEquations, AreThoseOfTheSolver) {
+  for (const SteppingScheme scheme :
+       {SteppingScheme::backward_euler, SteppingScheme::variational_midpoint}) {
+    const auto system = stepping_robot(true, scheme);
+    const int n = system->nv();
+    RandomNumbers random(11);
+    std::vector<double> start(system->nx());
+    for (double& x : start) x = random.uniform(-1, 1);
+    const ShootingProblem problem = one_step(system, start);
+    Trajectory trajectory = problem.create_trajectory();
+    trajectory.x(0) = Eigen::Map<const Eigen::VectorXd>(start.data(), system->nx());
+    for (double& w : trajectory.u(0)) w = random.uniform(-2, 2);
+    const auto a = trajectory.u(0).segment(system->layout().acceleration, n);
+    trajectory.x(1).tail(n) = trajectory.x(0).tail(n) + kStep * a;
+    trajectory.x(1).head(n) = trajectory.x(0).head(n) + kStep * trajectory.x(1).tail(n);
+
+    const std::optional<ContactMotion> motion = contact_motion(problem, trajectory);
+    ASSERT_TRUE(motion);
+    const std::vector<double> applied = motion->plant.applied(motion->u[0].data());
+    const StepStart from{.q = motion->q[0],
+                         .v = motion->v[0],
+                         .applied = Eigen::Map<const Eigen::VectorXd>(applied.data(), n),
+                         .h = kStep};
+    const Eigen::VectorXd impulse =
+        stepping_residual(motion->plant, from, motion->v[1], motion->forces[0]);
+
+    const auto residual = stepping_residual(system, system->ndx());
+    const auto data = system->create_data(double{});
+    Eigen::VectorXd rows(residual->size());
+    residual->evaluate({trajectory.x(0).data(), trajectory.u(0).data(), &kStep, *data},
+                       rows.data());
+    EXPECT_GT(impulse.cwiseAbs().maxCoeff(), 0.01);
+    EXPECT_LT((kStep * rows.head(n) - impulse).cwiseAbs().maxCoeff(), 1e-11);
+  }
+}
+
+}  // namespace
+}  // namespace conddp
