@@ -1,4 +1,6 @@
 // Motions that find their own contacts, beside what mechanics says of them.
+#include <algorithm>
+
 #include "robot/kinematics.hpp"
 #include "support/random_numbers.hpp"
 #include "support/transcribed_problem.hpp"
@@ -116,6 +118,50 @@ TEST(AcrobotBetweenStops, SwingsHigherWhereStepsLoseNoEnergy) {
 TEST(PushedBox, Moves) {
   const SolveResult result = solve_ready(ReadyProblem("push_box"));
   EXPECT_GT(last(result, 0), 0.3);
+}
+
+TEST(FootedHopper, LeavesTheGroundAndArrives) {
+  const ReadyProblem ready("footed_hopper");
+  const SolveResult result = solve_ready(ready);
+  expect_exact_contacts(ready, result);
+  EXPECT_NEAR(last(result, 0), 4, 0.01);
+  EXPECT_NEAR(last(result, 1), 1.5, 0.01);
+  const auto& candidates = ready.built.plant.stepping->layout().candidates;
+  int flying = 0;
+  for (int k = 0; k < result.trajectory.knots(); ++k)
+    flying += std::all_of(candidates.begin(), candidates.end(),
+                          [&](const auto& c) { return result.trajectory.u(k)[c.gap] > 0.1; });
+  EXPECT_GT(flying, 20);
+}
+
+TEST(PushedRoundAPost, Arrives) {
+  const ReadyProblem ready("push_obstacle");
+  const SolveResult result = solve_ready(ready);
+  expect_exact_contacts(ready, result);
+  EXPECT_NEAR(last(result, 0), 0.3, 2e-3);
+  EXPECT_NEAR(last(result, 1), 0.4, 2e-3);
+  EXPECT_NEAR(last(result, 2), 4.71238898038469, 2e-3);
+}
+
+/// With that much left to the last solve, contacts are guessed from pairs that are far from zero:
+/// element by element that ends at no answer.
+TEST(RelaxationFallback, TakesTheNextOneWhereOneFails) {
+  const std::vector<std::string> coarse = {"solver.complementarity.initial=0.3",
+                                           "solver.complementarity.final=0.3"};
+  const ReadyProblem ready("cartpole_walls", coarse);
+  const SolveResult result = solve_ready(ready);
+  expect_exact_contacts(ready, result);
+  EXPECT_EQ(result.log.front().fallbacks, 0);
+  EXPECT_GT(result.log.back().fallbacks, 0);
+  for (std::size_t i = 1; i < result.log.size(); ++i) {
+    EXPECT_GE(result.log[i].fallbacks, result.log[i - 1].fallbacks) << i;
+    EXPECT_GE(result.log[i].outer, result.log[i - 1].outer) << i;
+  }
+  std::vector<std::string> alone = coarse;
+  alone.emplace_back("solver.complementarity.fallback=none");
+  const SolveResult without = solve_ready(ReadyProblem("cartpole_walls", alone));
+  EXPECT_NE(without.status, SolveStatus::converged);
+  EXPECT_EQ(without.log.back().fallbacks, 0);
 }
 
 TEST(DraggedBlock, Arrives) {

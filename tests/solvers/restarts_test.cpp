@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "problems.hpp"
+#include "support/small_problems.hpp"
 
 namespace conddp {
 namespace {
