@@ -139,6 +139,13 @@ void AugmentedLagrangian::add(const Eigen::VectorXd& change, double step) {
   for (const Group& group : groups_) write(group);
 }
 
+void AugmentedLagrangian::relax() {
+  for (Group& group : groups_) {
+    group.penalty = std::max(group.penalty / options_.penalty_factor, options_.initial_penalty);
+    write(group);
+  }
+}
+
 void AugmentedLagrangian::set_penalty(double penalty) {
   for (Group& group : groups_) {
     group.penalty = penalty;

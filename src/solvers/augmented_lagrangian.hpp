@@ -52,6 +52,8 @@ class AugmentedLagrangian {
   void update();
   /// ν ← ν + step · change, where sweeps find multipliers.
   void add(const Eigen::VectorXd& change, double step);
+  /// Penalties fall, where multipliers hold the constraints without them.
+  void relax();
   /// One penalty of all constraints from now on.
   void set_penalty(double penalty);
   /// Takes multipliers that were found otherwise, with the first penalties.

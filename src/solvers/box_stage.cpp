@@ -100,6 +100,21 @@ class BoxStage : public StagePolicy {
     }
   }
 
+  void assume_sides(int knot, const Eigen::Ref<const Eigen::VectorXd>& side) override {
+    for (int i = 0; i < side.size(); ++i) {
+      BoundState& state = standing_.active[knot][i];
+      const BoundState now = side[i] < 0   ? BoundState::at_lower
+                             : side[i] > 0 ? BoundState::at_upper
+                                           : BoundState::free;
+      standing_.changes += state != now;
+      state = now;
+    }
+  }
+
+  void release() override {
+    for (auto& knot : standing_.active) std::fill(knot.begin(), knot.end(), BoundState::free);
+  }
+
   bool holds(int knot, int i) const override {
     return standing_.active[knot][i] != BoundState::free;
   }

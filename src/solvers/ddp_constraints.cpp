@@ -14,6 +14,8 @@ namespace {
 constexpr double kFirstInnerTolerance = 1e-1, kFirstInnerDecrease = 1e-3;
 /// A short step's small decrease says nothing.
 constexpr double kLongStep = 0.1;
+/// How often penalties may be lowered because of rounding.
+constexpr int kRelaxations = 20;
 /// Minimisations that may end without a step before the solve does.
 constexpr int kRecoveries = 20;
 constexpr double kTighter = 0.1, kLastInnerDecrease = 1e-8;
@@ -31,7 +33,7 @@ constexpr double kNewtonGoal = 1e-12;
 void DdpSolver::start_constraints() {
   inner_tolerance_ = kFirstInnerTolerance;
   inner_decrease_ = kFirstInnerDecrease;
-  inner_start_ = recoveries_ = 0;
+  inner_start_ = recoveries_ = relaxations_ = 0;
   newton_threshold_ = kFirstNewtonThreshold;
   by_newton_ = false;
   if (!constraints_) return;
@@ -67,10 +69,30 @@ bool DdpSolver::inner_converged() const {
          row_.actual_decrease <= inner_decrease_ * std::abs(merit_.cost);
 }
 
+/// Whether multipliers and penalties have done their work, and what is left of the stationarity is
+/// rounding: ρ times that of the constraints' values.
+bool DdpSolver::hidden_by_rounding() const {
+  const auto& tolerance = options_.tolerances;
+  return inner_tolerance_ <= tolerance.stationarity && row_.constraint <= tolerance.constraint &&
+         row_.complementarity <= tolerance.complementarity && row_.gap <= tolerance.gap &&
+         merit_.hidden(row_.actual_decrease);
+}
+
 /// Ends a minimisation of the augmented Lagrangian and begins the next at the same iterate. False
 /// where the solve ends.
 bool DdpSolver::next_multipliers() {
   constraints_->update();
+  if (hidden_by_rounding()) {
+    if (++relaxations_ > kRelaxations) {
+      linearized_ = false;
+      result_.failed_quantity = kRoundedCost;
+      return end(SolveStatus::line_search_failed,
+                 fmt::format("rounding hides what is left of the stationarity, whatever the "
+                             "penalties of the constraints: {}",
+                             residual_text()));
+    }
+    constraints_->relax();
+  }
   if (!constraints_->hopeless().empty()) {
     linearized_ = false;  // what is written belongs to the last multipliers
     return end(SolveStatus::infeasible,

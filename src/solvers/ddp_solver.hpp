@@ -67,6 +67,7 @@ class DdpSolver {
   double soft_cost() const;
   bool inner_converged() const;
   bool next_multipliers();
+  bool hidden_by_rounding() const;
   bool merit_needs_penalty();
   void name_contradiction();
   bool newton_converges();
@@ -100,8 +101,9 @@ class DdpSolver {
   bool by_newton_ = false;       ///< the solve ended with it
   double inner_tolerance_ = 0, inner_decrease_ = 0;  ///< of the minimisation that is under way
   int recoveries_ = 0;                               ///< minimisations that ended without a step
-  int inner_start_ = 0;                              ///< iteration at which it began
-  Trajectory trajectory_;                            ///< the iterate
+  int relaxations_ = 0;             ///< of penalties whose rounding hid the stationarity
+  int inner_start_ = 0;             ///< iteration at which it began
+  Trajectory trajectory_;           ///< the iterate
   Trajectory before_;               ///< the iterate before the last step, should that be taken back
   bool linearized_ = false;         ///< linearization_ belongs to trajectory_
   bool at_rounding_floor_ = false;  ///< the merit is blind and stationarity does not fall

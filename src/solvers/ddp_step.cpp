@@ -28,6 +28,9 @@ constexpr int kGapCorrections = 3;
 /// Shares of the expected decrease between which a full step is one of a quadratic function: ½ of
 /// the decrease at first is what a perfect model would give.
 constexpr double kQuadraticFrom = 0.3, kQuadraticTo = 0.8;
+/// What states after a full step may be off the linear model, as a share of the step, for descents
+/// through that model.
+constexpr double kModelMismatch = 1e-9;
 /// Share of the gaps' weight in the merit that pays for what the model's step costs.
 constexpr double kGapShare = 0.7;
 
@@ -47,9 +50,22 @@ bool DdpSolver::take_step() {
     if (direction_.null_space() != nullptr)
       multiplier_change_ = &direction_.null_space()->find_multipliers(direction_.step());
     correct_direction();
+    const MeritModel former_merit = merit_;
     measure_direction();
     bool descent = merit_.descends();
-    if (model_step() || (descent && search())) break;
+    const bool found = model_step() || (descent && search());
+    if (direction_.descended() && !(found && search_.by_rounding) &&
+        !(found && search_.step == 1 &&
+          direction_.mismatch(before_, trajectory_) <= kModelMismatch)) {
+      // The model does not hold that far: a direction that stays near the iterate does better.
+      direction_.decline_descent();
+      merit_ = former_merit;
+      at_rounding_floor_ = false;
+      if (found) trajectory_ = before_;
+      linearized_ = true;
+      continue;
+    }
+    if (found) break;
     if (direction_.corrected()) {
       at_rounding_floor_ = false;
       direction_.undo_correction(linearization_, trajectory_, gaps_);
@@ -86,6 +102,8 @@ bool DdpSolver::take_step() {
   } else {
     direction_.forget_steps();
   }
+  if (search_.step == 1)
+    direction_.allow_descent(direction_.mismatch(before_, trajectory_) <= kModelMismatch);
   full_steps_ = search_.step == 1 && quadratic ? full_steps_ + 1 : 0;
   row_.step = search_.step;
   row_.expected_decrease = search_.expected_decrease;

@@ -29,7 +29,10 @@ Direction::Direction(const ShootingProblem& problem, const ControlBounds& bounds
     policy_ = std::move(stages);
   }
   if (horizon_sweeps_ == 0) return;
-  if (!problem.constraints().empty()) constraints_.emplace(problem);
+  if (!problem.constraints().empty()) {
+    constraints_.emplace(problem);
+    descent_.emplace(problem, bounds);
+  }
   remembered_.emplace(
       Remembered{Feedback(problem),
                  std::vector<ValueFunction>(problem.knots() + 1, ValueFunction(problem.ndx())),
@@ -41,6 +44,7 @@ int Direction::find(Linearization& linearization, const Trajectory& trajectory, 
                     const Adjoint& adjoint, const MeritModel& merit,
                     SweepRegularization regularization, const Augmentation* augmentation) {
   const bool augmented = constraints_ && augmentation != nullptr;
+  descended_ = false;
   if (augmented) constraints_->start(linearization, *augmentation);
   const int bad_knot =
       search(linearization, trajectory, gaps, adjoint, merit, regularization, augmented);
@@ -73,7 +77,7 @@ int Direction::search(Linearization& linearization, const Trajectory& trajectory
   // How much of what the last sweep assumed does not hold all along the horizon.
   const auto revise = [&](bool release) {
     roll(false);
-    const int rows = augmented ? constraints_->revise(linear_rollout_, linearization) : 0;
+    const int rows = augmented ? constraints_->revise(linear_rollout_.z(), linearization) : 0;
     last_change.reset();
     const int changes = linear_rollout_.revise(release, *policy_, last_change);
     if (rows > 0) last_change.reset();
@@ -85,7 +89,7 @@ int Direction::search(Linearization& linearization, const Trajectory& trajectory
   };
   const int limit = horizon_sweeps_;
   within_bounds_ = limit == 0 && !recipe_.clamp_controls;
-  if (limit == 0 || !active_set_known_ || sweep(true) >= 0) {
+  if (limit == 0 || !(active_set_known_ || declined_) || (!declined_ && sweep(true) >= 0)) {
     const int bad_knot = sweep(false);
     if (bad_knot >= 0) return bad_knot;
     if (limit == 0) {
@@ -94,15 +98,27 @@ int Direction::search(Linearization& linearization, const Trajectory& trajectory
     }
   }
   active_set_known_ = true;
-  int fewest = std::numeric_limits<int>::max(), since = 0;
-  for (int i = 0; i < limit; ++i) {
-    const int changes = revise(true);
-    within_bounds_ = changes == 0;
-    if (within_bounds_) return -1;
-    since = changes < fewest ? 0 : since + 1;
-    fewest = std::min(fewest, changes);
-    if (augmented && since > kPatience) break;
-    if (sweep(true) >= 0) break;
+  const auto settle = [&] {
+    int fewest = std::numeric_limits<int>::max(), since = 0;
+    for (int i = 0; i < limit; ++i) {
+      const int changes = revise(true);
+      within_bounds_ = changes == 0;
+      if (within_bounds_) return true;
+      since = changes < fewest ? 0 : since + 1;
+      fewest = std::min(fewest, changes);
+      if (augmented && since > kPatience) break;
+      if (sweep(true) >= 0) break;
+    }
+    return false;
+  };
+  if (!declined_ && settle()) return -1;
+  descended_ = augmented && descent_allowed_ && !declined_ &&
+               descend(linearization, trajectory, gaps, adjoint, regularization);
+  if (descended_) {
+    last_change.reset();
+    if (sweep(true) < 0 && settle()) return -1;
+    descent_->write(feedback_);
+    return -1;
   }
   if (augmented) constraints_->restore(linearization);
   augmented = false;
@@ -122,6 +138,29 @@ int Direction::search(Linearization& linearization, const Trajectory& trajectory
   within_bounds_ = true;
   roll(false);
   return -1;
+}
+
+/// From the iterate itself down the augmented Lagrangian of the horizon, with bounds as penalties.
+/// False where a stage has no minimum.
+bool Direction::descend(Linearization& linearization, const Trajectory& trajectory,
+                        const Gaps& gaps, const Adjoint& adjoint,
+                        SweepRegularization regularization) {
+  constraints_->restore(linearization);
+  constraints_->restart();
+  linear_rollout_.respond(linearization, gaps, feedback_);
+  descent_->start(linear_rollout_, trajectory, adjoint.gradient(), sweep_, *constraints_,
+                  linearization);
+  policy_->release();
+  bool swept = true;
+  for (int i = 0; i < horizon_sweeps_; ++i) {
+    swept =
+        sweep_.run(linearization, trajectory, gaps, regularization, *policy_, feedback_, true) < 0;
+    if (!swept) break;
+    linear_rollout_.run(linearization, trajectory, gaps, feedback_, false);
+    if (descent_->advance(linear_rollout_, *constraints_, linearization)) break;
+  }
+  descent_->leave(*policy_, linearization);
+  return swept;
 }
 
 void Direction::correct(const Linearization& linearization, const Trajectory& trajectory,
@@ -161,7 +200,7 @@ void Direction::forget_steps() {
 
 void Direction::reset() {
   forget_steps();
-  active_set_known_ = false;
+  active_set_known_ = descent_allowed_ = declined_ = false;
   for (Eigen::VectorXd& k : feedback_.k) k.setZero();
   for (Eigen::MatrixXd& K : feedback_.K) K.setZero();
 }

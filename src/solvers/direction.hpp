@@ -7,6 +7,7 @@
 #include "solvers/adjoint.hpp"
 #include "solvers/backward_sweep.hpp"
 #include "solvers/horizon_constraints.hpp"
+#include "solvers/horizon_descent.hpp"
 #include "solvers/line_search.hpp"
 #include "solvers/linear_rollout.hpp"
 #include "solvers/null_space_stage.hpp"
@@ -52,8 +53,22 @@ class Direction {
   NullSpaceStage* null_space() { return null_space_; }
   /// The policy's full step in the linear model, cut off at bounds as the rollout proper is.
   const LinearRollout& step() const { return linear_rollout_; }
+  /// How far two iterates are from being that step apart, as a share of it.
+  double mismatch(const Trajectory& from, const Trajectory& to) {
+    return linear_rollout_.mismatch(problem_.manifold(), from, to);
+  }
   /// Whether that step meets no bound on its way: nothing had to be cut off.
   bool within_bounds() const { return within_bounds_; }
+  /// Whether find() may end a search that does not settle by a descent through the linear model of
+  /// the horizon, whose full step is good where that model is.
+  void allow_descent(bool allowed) {
+    descent_allowed_ = allowed;
+    declined_ = false;
+  }
+  /// That the last find()'s descent was no good: the next one stays near the iterate.
+  void decline_descent() { declined_ = true; }
+  /// Whether the last find() did.
+  bool descended() const { return descended_; }
   /// dᵀ Hessian d of the step.
   double curvature(const Linearization& linearization) {
     return linear_rollout_.curvature(linearization);
@@ -71,6 +86,8 @@ class Direction {
   int search(Linearization& linearization, const Trajectory& trajectory, const Gaps& gaps,
              const Adjoint& adjoint, const MeritModel& merit, SweepRegularization regularization,
              bool augmented);
+  bool descend(Linearization& linearization, const Trajectory& trajectory, const Gaps& gaps,
+               const Adjoint& adjoint, SweepRegularization regularization);
   void remember();
   void recall();
 
@@ -83,12 +100,16 @@ class Direction {
   NullSpaceStage* null_space_ = nullptr;
   LinearRollout linear_rollout_;
   std::optional<HorizonConstraints> constraints_;
+  std::optional<HorizonDescent> descent_;
   Feedback feedback_;
   SecantMemory secants_;
   bool corrected_ = false;
   std::optional<Remembered> remembered_;  ///< where sweeps are compared
   bool active_set_known_ = false;         ///< the policy holds one of the whole horizon
   bool within_bounds_ = false;
+  bool descent_allowed_ = false;
+  bool descended_ = false;
+  bool declined_ = false;
 };
 
 }  // namespace conddp

@@ -12,6 +12,8 @@ constexpr int kWatchedIterations = 10;
 /// exact iterations a solve is taken to need.
 constexpr double kDirectionCost = 1;
 constexpr double kExactIterations = 4;
+/// What rounding makes of equal Hessians, relative to their largest entry.
+constexpr double kSameHessian = 1e-12;
 
 }  // namespace
 
@@ -27,6 +29,15 @@ HessianUse hessian_use(const SolverOptions& options) {
   return HessianUse::when_slow;
 }
 
+bool same_hessian(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
+  double largest = 0, apart = 0;
+  for (Eigen::Index i = 0; i < a.size(); ++i) {
+    largest = std::max(largest, std::abs(a.data()[i]));
+    apart = std::max(apart, std::abs(a.data()[i] - b.data()[i]));
+  }
+  return apart <= kSameHessian * largest;
+}
+
 HessianSwitch::HessianSwitch(HessianUse use, double tolerance, Acts& acts,
                              Linearization& linearization)
     : use_(use), tolerance_(tolerance), acts_(acts), linearization_(linearization) {
@@ -38,7 +49,10 @@ HessianSwitch::HessianSwitch(HessianUse use, double tolerance, Acts& acts,
   for (const KnotLinearization& knot : linearization.knots) other_.push_back(knot.hessian);
 }
 
-void HessianSwitch::reset() { exact_wanted_ = use_ == HessianUse::exact; }
+void HessianSwitch::reset() {
+  exact_wanted_ = use_ == HessianUse::exact;
+  same_ = false;
+}
 
 /// An exact Hessian takes as many passes as there are directions, so what it saves has to be worth
 /// that. Over a window that is itself no longer than a fraction of the price, the stationarity's
@@ -59,7 +73,7 @@ void HessianSwitch::watch(const IterationRecord& row) {
 }
 
 bool HessianSwitch::turn() {
-  if (use_ != HessianUse::when_slow || exact_wanted_) return false;
+  if (use_ != HessianUse::when_slow || exact_wanted_ || same_) return false;
   exact_wanted_ = true;
   return true;
 }
@@ -74,6 +88,13 @@ void HessianSwitch::evaluate_exact(const Trajectory& trajectory, const Eigen::Ma
   use(true);
   acts_.lagrangian_hessian(trajectory, costates, linearization_, augmentation);
   exact_known_ = true;
+  if (use_ != HessianUse::when_slow) return;
+  same_ = true;
+  for (std::size_t k = 0; k < other_.size() && same_; ++k)
+    same_ = same_hessian(linearization_.knots[k].hessian, other_[k]);
+  if (!same_) return;
+  use(false);
+  exact_known_ = exact_wanted_ = false;
 }
 
 void HessianSwitch::use(bool exact) {

@@ -15,6 +15,10 @@ enum class HessianUse { gauss_newton, when_slow, exact };
 /// What the options ask for, where a solver can do either.
 HessianUse hessian_use(const SolverOptions& options);
 
+/// Whether Hessians differ by rounding alone: those of problems without curvature in dynamics and
+/// residuals do.
+bool same_hessian(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
+
 /// The Hessians of a linearisation in two sets, Gauss-Newton and exact, of which one is in the
 /// linearisation and the other here; and when a solve turns from the former to the latter.
 class HessianSwitch {
@@ -35,7 +39,8 @@ class HessianSwitch {
   void begin_iterate();
   /// Whether the iterate should get exact Hessians.
   bool exact_wanted() const { return exact_wanted_; }
-  /// Gives it those with these co-states (ndx x (N + 1)).
+  /// Gives it those with these co-states (ndx x (N + 1)). Where they turn out to be the
+  /// Gauss-Newton ones they are known no more, nor wanted before the next slow window.
   void evaluate_exact(const Trajectory& trajectory, const Eigen::MatrixXd& costates,
                       const Augmentation* augmentation = nullptr);
   /// Whether the iterate has them.
@@ -55,6 +60,7 @@ class HessianSwitch {
   bool exact_wanted_ = false;
   bool exact_known_ = false;
   bool exact_in_use_ = false;
+  bool same_ = false;          ///< the last exact Hessians were those of Gauss-Newton
   int watched_iteration_ = 0;  ///< the iterate that convergence is compared with
   double watched_cost_ = 0;
   double watched_stationarity_ = 0;

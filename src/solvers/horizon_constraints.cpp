@@ -37,16 +37,19 @@ void outside_cone_at(const NodeConstraint& c, const double* s, double limit, dou
 
 HorizonConstraints::HorizonConstraints(const ShootingProblem& problem)
     : problem_(problem), nodes_(problem.knots() + 1), cone_slope_(problem.constraints().size()) {
-  for (Eigen::VectorXd* rows : {&base_, &around_, &shifted_, &outside_, &slope_})
+  for (Eigen::VectorXd* rows : {&base_, &around_, &shifted_, &outside_, &slope_, &along_})
     *rows = Eigen::VectorXd::Zero(problem.constraint_rows());
   int rows = 0, columns = 0;
+  for (int k = 0; k <= problem.knots(); ++k) {
+    const int nz = problem.knot(k).model->nz();
+    nodes_[k].gradient.resize(nz);
+    nodes_[k].hessian.resize(nz, nz);
+  }
   for (std::size_t i = 0; i < problem.constraints().size(); ++i) {
     const NodeConstraint& c = problem.constraints()[i];
     Node& node = nodes_[c.node];
     const KnotModel& model = *problem.knot(c.node).model;
     node.constraints.push_back(static_cast<int>(i));
-    node.gradient.resize(model.nz());
-    node.hessian.resize(model.nz(), model.nz());
     rows = std::max(rows, c.term->rows);
     columns = std::max(columns, model.nz());
     if (!c.term->has_bounds()) cone_slope_[i].setZero(c.term->rows, c.term->rows);
@@ -61,8 +64,13 @@ void HorizonConstraints::start(const Linearization& linearization,
                                const Augmentation& augmentation) {
   augmentation_ = &augmentation;
   base_ = linearization.constraint + augmentation.shift;
-  around_ = base_;
   for (Node& node : nodes_) node.changed = false;
+  restart();
+}
+
+void HorizonConstraints::restart() {
+  const Augmentation& augmentation = *augmentation_;
+  around_ = base_;
   for (std::size_t i = 0; i < cone_slope_.size(); ++i) {
     const NodeConstraint& c = problem_.constraints()[i];
     const double* s = base_.data() + c.row;
@@ -78,19 +86,23 @@ void HorizonConstraints::start(const Linearization& linearization,
   }
 }
 
-int HorizonConstraints::revise(const LinearRollout& step, Linearization& linearization) {
-  largest_ = 0;
-  for (int k = 0; k <= problem_.knots(); ++k) {
+/// g + ∂g z + ν/ρ of all rows.
+void HorizonConstraints::shift(const std::vector<Eigen::VectorXd>& z,
+                               const Linearization& linearization, Eigen::VectorXd& values) const {
+  values = base_;
+  for (int k = 0; k <= problem_.knots(); ++k)
     for (const int i : nodes_[k].constraints) {
       const NodeConstraint& c = problem_.constraints()[i];
-      auto s = shifted_.segment(c.row, c.term->rows);
-      s = base_.segment(c.row, c.term->rows);
-      s.noalias() +=
+      values.segment(c.row, c.term->rows).noalias() +=
           linearization.knots[k].C.middleRows(c.row - problem_.constraint_offset(k), c.term->rows) *
-          step.z(k);
-      largest_ = std::max(largest_, outside_.segment(c.row, c.term->rows).cwiseAbs().maxCoeff());
+          z[k];
     }
-  }
+}
+
+int HorizonConstraints::revise(const std::vector<Eigen::VectorXd>& z,
+                               Linearization& linearization) {
+  shift(z, linearization, shifted_);
+  largest_ = outside_.lpNorm<Eigen::Infinity>();
   int changes = 0;
   for (int k = 0; k <= problem_.knots(); ++k) {
     Node& node = nodes_[k];
@@ -140,8 +152,10 @@ bool HorizonConstraints::revise_cone(const NodeConstraint& c, int index, KnotLin
   const double rho = augmentation_->penalty[c.row], limit = c.limit / rho;
   outside_cone_at(c, s.data(), limit, new_outside.data(), nullptr);
   auto error = weight_.head(n);
+  auto difference = product_.col(0).head(n);
   error = new_outside - outside;
-  error.noalias() -= slope * (s - around);
+  difference = s - around;
+  error.noalias() -= slope * difference;
   const double allowed = std::max(kExact * largest_, kConeShare * new_outside.norm());
   if (error.norm() <= allowed) return false;
   keep(knot, node);
@@ -150,8 +164,10 @@ bool HorizonConstraints::revise_cone(const NodeConstraint& c, int index, KnotLin
   const auto base = base_.segment(c.row, n);
   auto weight = weight_.head(n);
   weight = new_outside - outside;
-  weight.noalias() -= new_slope * (s - base);
-  weight.noalias() += slope * (around - base);
+  difference = s - base;
+  weight.noalias() -= new_slope * difference;
+  difference = around - base;
+  weight.noalias() += slope * difference;
   const auto C = knot.C.middleRows(c.row - problem_.constraint_offset(c.node), n);
   knot.gradient.noalias() += rho * (C.transpose() * weight);
   slope = new_slope - slope;
@@ -162,6 +178,46 @@ bool HorizonConstraints::revise_cone(const NodeConstraint& c, int index, KnotLin
   outside = new_outside;
   around = s;
   return true;
+}
+
+void HorizonConstraints::set_path(const std::vector<Eigen::VectorXd>& z,
+                                  const std::vector<Eigen::VectorXd>& to,
+                                  const Linearization& linearization) {
+  shift(z, linearization, shifted_);
+  shift(to, linearization, along_);
+  along_ -= shifted_;
+}
+
+double HorizonConstraints::slope_beyond_model(double alpha) {
+  double sum = 0;
+  for (std::size_t i = 0; i < cone_slope_.size(); ++i) {
+    const NodeConstraint& c = problem_.constraints()[i];
+    const int n = c.term->rows;
+    const double rho = augmentation_->penalty[c.row], limit = c.limit / rho;
+    if (c.term->has_bounds()) {
+      for (int r = 0; r < n; ++r) {
+        const int row = c.row + r;
+        const double s = shifted_[row] + alpha * along_[row];
+        const double model = outside_[row] + slope_[row] * (s - around_[row]);
+        sum += rho * (outside_row(c, r, s, limit) - model) * along_[row];
+      }
+      continue;
+    }
+    const auto along = along_.segment(c.row, n);
+    auto s = weight_.head(n);
+    auto outside = new_outside_.head(n);
+    s = shifted_.segment(c.row, n) + alpha * along;
+    outside_cone_at(c, s.data(), limit, outside.data(), nullptr);
+    outside -= outside_.segment(c.row, n);
+    s -= around_.segment(c.row, n);
+    outside.noalias() -= cone_slope_[i] * s;
+    sum += rho * outside.dot(along);
+  }
+  return sum;
+}
+
+void HorizonConstraints::keep(const Linearization& linearization) {
+  for (std::size_t k = 0; k < nodes_.size(); ++k) keep(linearization.knots[k], nodes_[k]);
 }
 
 void HorizonConstraints::keep(const KnotLinearization& knot, Node& node) {

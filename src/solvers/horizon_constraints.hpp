@@ -6,7 +6,6 @@
 
 #include "ocp/augmentation.hpp"
 #include "ocp/linearization.hpp"
-#include "solvers/linear_rollout.hpp"
 
 namespace conddp {
 
@@ -25,9 +24,18 @@ class HorizonConstraints {
 
   /// Takes an iterate's linearisation, which was made with this augmentation.
   void start(const Linearization& linearization, const Augmentation& augmentation);
-  /// Models the rows around the step instead where the present model is off there. Returns how many
-  /// constraints changed.
-  int revise(const LinearRollout& step, Linearization& linearization);
+  /// Begins again with the same iterate, after restore().
+  void restart();
+  /// Models the rows around the step z of each node instead where the present model is off there.
+  /// Returns how many constraints changed.
+  int revise(const std::vector<Eigen::VectorXd>& z, Linearization& linearization);
+  /// Keeps the linearisation's own gradients and Hessians, which others are about to change too.
+  void keep(const Linearization& linearization);
+  /// Gets slope_beyond_model ready for d = to − z, where the model was made around z.
+  void set_path(const std::vector<Eigen::VectorXd>& z, const std::vector<Eigen::VectorXd>& to,
+                const Linearization& linearization);
+  /// How much more the derivative of the penalties along d is at z + α d than the model has it.
+  double slope_beyond_model(double alpha);
   /// Gives the linearisation back its own gradients and Hessians. Returns whether they had changed.
   bool restore(Linearization& linearization);
 
@@ -41,6 +49,8 @@ class HorizonConstraints {
   bool revise_bounds(const NodeConstraint& c, KnotLinearization& knot, Node& node);
   bool revise_cone(const NodeConstraint& c, int index, KnotLinearization& knot, Node& node);
   void keep(const KnotLinearization& knot, Node& node);
+  void shift(const std::vector<Eigen::VectorXd>& z, const Linearization& linearization,
+             Eigen::VectorXd& values) const;
 
   const ShootingProblem& problem_;
   const Augmentation* augmentation_ = nullptr;
@@ -48,6 +58,7 @@ class HorizonConstraints {
   // A number per constraint row: s of the iterate, of the step that the model was made around, of
   // the step that is looked at; P at the second, and its slope where rows have bounds.
   Eigen::VectorXd base_, around_, shifted_, outside_, slope_;
+  Eigen::VectorXd along_;                    ///< ∂g d of a path
   std::vector<Eigen::MatrixXd> cone_slope_;  ///< per constraint, empty unless a cone
   Eigen::MatrixXd new_slope_, product_;      ///< scratch
   Eigen::VectorXd new_outside_, weight_;

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "ocp/soft_constraint.hpp"
+#include "solvers/hessian_switch.hpp"
 
 namespace conddp {
 namespace {
@@ -61,6 +62,7 @@ void ProjectedNewton::start(const Trajectory& trajectory, const Eigen::VectorXd&
   penalty_ = penalty;
   feedback_ = feedback;
   step_length_ = 0;
+  curved_ = true;
   linearize();
 }
 
@@ -120,9 +122,7 @@ bool ProjectedNewton::solve_quadratic() {
     gauss_newton_[k] = linearization_.knots[k].hessian;
     curvature = std::max(curvature, gauss_newton_[k].diagonal().maxCoeff());
   }
-  lagrangian_.multiplier = multipliers_;
-  acts_.lagrangian_hessian(trajectory_, adjoint_.costates(), linearization_, &lagrangian_);
-  for (std::size_t k = 0; k < exact_.size(); ++k) exact_[k] = linearization_.knots[k].hessian;
+  if (curved_) evaluate_exact_hessian();
   const double penalty = kRowPenalty * std::max(curvature, 1e-6);
   for (int revision = 0;; ++revision) {
     if (!solve_on_rows(penalty)) return false;
@@ -134,6 +134,16 @@ bool ProjectedNewton::solve_quadratic() {
   return true;
 }
 
+void ProjectedNewton::evaluate_exact_hessian() {
+  lagrangian_.multiplier = multipliers_;
+  acts_.lagrangian_hessian(trajectory_, adjoint_.costates(), linearization_, &lagrangian_);
+  curved_ = false;
+  for (std::size_t k = 0; k < exact_.size(); ++k) {
+    exact_[k] = linearization_.knots[k].hessian;
+    curved_ = curved_ || !same_hessian(exact_[k], gauss_newton_[k]);
+  }
+}
+
 /// The step that keeps the active rows. Where the exact Hessian is not convex on them, the
 /// Gauss-Newton one is taken.
 bool ProjectedNewton::solve_on_rows(double penalty) {
@@ -142,6 +152,7 @@ bool ProjectedNewton::solve_on_rows(double penalty) {
   rows_.add_gradient(true, linearization_);
   const double before = rows_.correct(penalty, nullptr, linearization_);
   for (const bool exact : {true, false}) {
+    if (exact && !curved_) continue;
     for (std::size_t k = 0; k < exact_.size(); ++k)
       linearization_.knots[k].hessian = exact ? exact_[k] : gauss_newton_[k];
     rows_.add_curvature(penalty, linearization_);

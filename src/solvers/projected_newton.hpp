@@ -64,6 +64,7 @@ class ProjectedNewton {
   void linearize();
   void measure();
   bool solve_quadratic();
+  void evaluate_exact_hessian();
   bool solve_on_rows(double penalty);
   bool sweep();
 
@@ -86,6 +87,7 @@ class ProjectedNewton {
   Eigen::VectorXd scratch_;
   KktNorms norms_;
   double step_length_ = 0;
+  bool curved_ = true;  ///< the exact Hessian is another one than Gauss-Newton's
 };
 
 }  // namespace conddp

@@ -59,6 +59,13 @@ class StagePolicy {
   virtual void assume(int knot, const Eigen::Ref<const Eigen::VectorXd>& gradient) {
     (void)knot, (void)gradient;
   }
+  /// Holds the controls of this knot at their lower bounds where `side` is negative, at their upper
+  /// ones where it is positive; the others are free. After a sweep.
+  virtual void assume_sides(int knot, const Eigen::Ref<const Eigen::VectorXd>& side) {
+    (void)knot, (void)side;
+  }
+  /// Lets all controls go.
+  virtual void release() {}
   /// Whether the active set holds a control at a bound.
   virtual bool holds(int knot, int i) const {
     (void)knot, (void)i;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "solvers/registry.hpp"
+#include "support/conic_problems.hpp"
 #include "support/constrained_problems.hpp"
 #include "support/small_problems.hpp"
 
@@ -142,6 +143,25 @@ TEST(Allocation, NoneWithConstraintsNorInNewtonSteps) {
       EXPECT_GE(count.iterations, 5) << name << ' ' << solver;
       EXPECT_EQ(count.allocations, 0) << name << ' ' << solver;
     }
+  }
+}
+
+TEST(Allocation, NoneInDescentsThroughTheModelOfTheHorizon) {
+  const testing::ConicLinearQuadratic conic(1, {.nx = 12,
+                                                .nu = 6,
+                                                .knots = 40,
+                                                .equalities = 1,
+                                                .boxes = 4,
+                                                .cones = 1,
+                                                .terminal = 2,
+                                                .control = 0.3,
+                                                .slack = 1,
+                                                .spectral_radius = 1.02});
+  for (const char* solver : {"altro", "proxddp"}) {
+    const Count count = count_allocations(*conic.problem, *find_solver(solver),
+                                          conic.problem->create_trajectory(), {});
+    EXPECT_GE(count.iterations, 5) << solver;
+    EXPECT_EQ(count.allocations, 0) << solver;
   }
 }
 

@@ -19,10 +19,13 @@ void add_constraints(const std::vector<Added>& list, int first_node, Phase& phas
     const auto old = phase.parameters.begin() + k * before;
     parameters.insert(parameters.end(), old, old + before);
     for (const Added* added : here) {
-      for (const auto* part : {&added->reference, &added->lower, &added->upper})
-        parameters.insert(parameters.end(), part->begin(), part->end());
       const int node = first_node + k;
-      parameters.push_back(added->first <= node && node <= added->last ? 1 : 0);
+      const bool on = added->first <= node && node <= added->last;
+      const bool own = on && !added->references.empty();
+      const auto& reference = own ? added->references[node - added->first] : added->reference;
+      for (const auto* part : {&reference, &added->lower, &added->upper})
+        parameters.insert(parameters.end(), part->begin(), part->end());
+      parameters.push_back(on ? 1 : 0);
       if (added->softness != Softness::hard) parameters.push_back(added->weight);
     }
   }

@@ -11,7 +11,8 @@
 /// cases with them.
 namespace conddp::testing {
 
-/// A constraint on the nodes first … last (N is the terminal node) with the same numbers.
+/// A constraint on the nodes first … last (N is the terminal node) with the same numbers, but for
+/// references where each of these nodes has its own.
 struct Added {
   std::string name;
   std::shared_ptr<const Residual> residual;
@@ -20,7 +21,8 @@ struct Added {
   int first = 0, last = 0;
   double slope = 1;
   Softness softness = Softness::hard;
-  double weight = 0;  ///< of a soft one
+  double weight = 0;                                 ///< of a soft one
+  std::vector<std::vector<double>> references = {};  ///< of each of the nodes, instead of one
 };
 
 /// Tolerances that leave nothing but rounding between the answers of two solvers.

@@ -5,7 +5,7 @@
 namespace conddp::testing {
 
 LinearQuadratic::LinearQuadratic(unsigned seed, int nx_, std::vector<int> nu, int knots_per_phase,
-                                 double low, double up)
+                                 double low, double up, double spectral_radius)
     : nx(nx_) {
   std::mt19937 engine(seed);
   std::normal_distribution<double> normal;
@@ -24,6 +24,7 @@ LinearQuadratic::LinearQuadratic(unsigned seed, int nx_, std::vector<int> nu, in
   for (std::size_t p = 0; p < nu.size(); ++p) {
     Knot knot;
     knot.A = Eigen::MatrixXd::Identity(nx, nx) + 0.2 * matrix(nx, nx);
+    if (spectral_radius > 0) knot.A *= spectral_radius / knot.A.eigenvalues().cwiseAbs().maxCoeff();
     knot.B = matrix(nx, nu[p]);
     knot.c = 0.3 * matrix(nx, 1);
     const Eigen::VectorXd q = weights(nx), r = weights(nu[p]);

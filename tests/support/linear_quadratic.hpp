@@ -22,9 +22,10 @@ struct LinearQuadratic {
   std::unique_ptr<ShootingProblem> problem;
 
   /// Random numbers from the seed, `knots_per_phase` knots with each of the numbers of controls,
-  /// all controls between `low` and `up`.
+  /// all controls between `low` and `up`. A is scaled to the spectral radius if that is not 0: as
+  /// they come, many states grow without bound.
   LinearQuadratic(unsigned seed, int nx_, std::vector<int> nu, int knots_per_phase, double low,
-                  double up);
+                  double up, double spectral_radius = 0);
 
   int N() const { return static_cast<int>(knots.size()); }
 

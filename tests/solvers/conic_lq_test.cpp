@@ -1,0 +1,86 @@
+#include <gtest/gtest.h>
+
+#include "support/conic_optimality.hpp"
+
+// Random conic problems of intermediate size.
+
+namespace conddp::testing {
+namespace {
+
+const ConicSize kMiddle{.nx = 12,
+                        .nu = 6,
+                        .knots = 40,
+                        .equalities = 1,
+                        .boxes = 4,
+                        .cones = 1,
+                        .terminal = 2,
+                        .control = 1};
+
+TEST(ConicLinearQuadratic, SolversAgreeWithEachOtherAndWithIpopt) {
+  for (const double slack : {0.3, 3.0, 20.0}) {
+    ConicSize size = kMiddle;
+    size.slack = slack;
+    for (const unsigned seed : {1u, 2u}) {
+      expect_agreement(ConicLinearQuadratic(seed, size), {"altro", "proxddp", "ipopt"});
+    }
+  }
+}
+
+// Here controls at bounds and rows taken as they come alternate from sweep to sweep.
+TEST(ConicLinearQuadratic, FewIterationsSufficeWhereActiveSetsAlternate) {
+  ConicSize size = kMiddle;
+  size.control = 0.3;
+  size.slack = 1;
+  size.spectral_radius = 1.02;
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    const ConicLinearQuadratic conic(seed, size);
+    for (const SolveResult& result : expect_agreement(conic, {"altro", "proxddp"}))
+      EXPECT_LE(result.iterations, 60) << seed;
+  }
+}
+
+TEST(ConicLinearQuadratic, EqualitiesAloneAreSolvedByIntroToo) {
+  const ConicSize size{.nx = 20, .nu = 10, .knots = 60, .equalities = 4, .terminal = 5};
+  for (const unsigned seed : {1u, 2u}) {
+    const auto results =
+        expect_agreement(ConicLinearQuadratic(seed, size), {"intro", "altro", "proxddp"});
+    EXPECT_EQ(results[0].iterations, 1);
+  }
+}
+
+// Every constraint three times: multipliers are not unique, controls are.
+TEST(ConicLinearQuadratic, CopiesOfConstraintsDoNoHarm) {
+  ConicSize size = kMiddle;
+  size.slack = 3;
+  for (const unsigned seed : {1u, 2u}) {
+    const auto once = expect_agreement(ConicLinearQuadratic(seed, size), {"altro"});
+    size.copies = 3;
+    for (const SolveResult& result :
+         expect_agreement(ConicLinearQuadratic(seed, size), {"altro", "proxddp"}))
+      EXPECT_LT(control_distance(result, once[0]), 1e-7) << seed;
+    size.copies = 1;
+  }
+}
+
+// The known point is on the boundary of every box and at the tip of every cone.
+TEST(ConicLinearQuadratic, SetsWithoutAnInteriorHaveASolutionOrAName) {
+  ConicSize size = kMiddle;
+  size.slack = 0;
+  for (const unsigned seed : {1u, 2u}) {
+    const ConicLinearQuadratic conic(seed, size);
+    for (const char* solver : {"altro", "proxddp"}) expect_answer(conic, solver);
+  }
+}
+
+TEST(ConicLinearQuadratic, ContradictionsAreNamed) {
+  ConicSize size = kMiddle;
+  size.contradictions = 1;
+  const ConicLinearQuadratic conic(1, size);
+  for (const char* solver : {"altro", "proxddp"}) {
+    const SolveResult result = solve_strictly(conic, solver);
+    EXPECT_EQ(result.status, SolveStatus::infeasible) << solver << ": " << result.message;
+  }
+}
+
+}  // namespace
+}  // namespace conddp::testing

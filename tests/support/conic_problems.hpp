@@ -1,0 +1,65 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "support/constrained_problems.hpp"
+
+/// Random convex conic linear-quadratic problems that have a solution.
+namespace conddp::testing {
+
+/// C z − reference with z = (x, u), or x alone where C has no more columns. Parameter: the
+/// reference.
+class AffineResidual : public ResidualBase<AffineResidual> {
+ public:
+  AffineResidual(Eigen::MatrixXd C, int nx)
+      : ResidualBase({{static_cast<int>(C.rows()), column_range(0, static_cast<int>(C.cols()))}},
+                     static_cast<int>(C.rows()), C.cols() > nx),
+        nx_(nx),
+        C_(std::move(C)) {}
+
+  template <class S>
+  void evaluate_as(const ResidualInput<S>& in, S* r) const {
+    for (int i = 0; i < size(); ++i) {
+      r[i] = -in.parameters[i];
+      for (int j = 0; j < C_.cols(); ++j) r[i] += (j < nx_ ? in.x[j] : in.u[j - nx_]) * C_(i, j);
+    }
+  }
+  template <class S>
+  void differentiate_as(const ResidualInput<S>& in, S* r, S* jacobian) const {
+    evaluate_as(in, r);
+    for (int i = 0; i < C_.size(); ++i) jacobian[i] = S(C_.data()[i]);
+  }
+
+  const Eigen::MatrixXd& matrix() const { return C_; }
+
+ private:
+  int nx_;
+  Eigen::MatrixXd C_;
+};
+
+/// How many of what a random problem has at a knot.
+struct ConicSize {
+  int nx, nu, knots;
+  int equalities, boxes, cones;  ///< rows, rows, cones of `cone_rows` each
+  int cone_rows = 4;
+  int terminal = 0;        ///< equalities of the last state
+  double control = kFree;  ///< |u| at most
+  double slack = 0.3;      ///< how far inside the boxes and cones the known point is at most
+  double spectral_radius = 1;
+  int copies = 1;          ///< how often every constraint is there
+  int contradictions = 0;  ///< further equalities of the last state that cannot hold
+};
+
+/// A random problem whose constraints are met by a random motion, and do not let the optimum
+/// without them be: Jacobians are dense in state and control, but for the terminal ones.
+struct ConicLinearQuadratic {
+  LinearQuadratic lq;
+  double control;
+  std::vector<Added> constraints;
+  std::unique_ptr<ShootingProblem> problem;
+
+  ConicLinearQuadratic(unsigned seed, const ConicSize& size);
+};
+
+}  // namespace conddp::testing
