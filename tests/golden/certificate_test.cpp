@@ -1,4 +1,8 @@
-// The certificate of every ready problem's answer holds.
+// The certificate of every ready problem's answer holds; those of `ipopt` have theirs looked at where
+// they are compared with the known optimum.
+#include <fstream>
+#include <iterator>
+
 #include "output/certificate_report.hpp"
 #include "support/transcribed_problem.hpp"
 
@@ -19,8 +23,18 @@ TEST_P(CertificateOf, TheAnswerHolds) {
   EXPECT_TRUE(certificate.checks.holds()) << certificate_table(certificate);
 }
 
+/// Those that another solver than `ipopt` solves.
+std::vector<std::string> by_recursion(std::vector<std::string> names) {
+  std::erase_if(names, [](const std::string& name) {
+    std::ifstream file(std::filesystem::path(CONDDP_SOURCE_DIR) / "problems" / (name + ".yaml"));
+    const std::string text(std::istreambuf_iterator<char>(file), {});
+    return text.find("name: ipopt") != std::string::npos;
+  });
+  return names;
+}
+
 const auto name_of = [](const auto& name) { return name.param; };
-INSTANTIATE_TEST_SUITE_P(Ready, CertificateOf, ::testing::ValuesIn(testing::ready_problems(false)),
+INSTANTIATE_TEST_SUITE_P(Ready, CertificateOf, ::testing::ValuesIn(by_recursion(testing::ready_problems(false))),
                          name_of);
 INSTANTIATE_TEST_SUITE_P(Legs, CertificateOf, ::testing::ValuesIn(testing::ready_problems(true)),
                          name_of);

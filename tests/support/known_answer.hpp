@@ -1,0 +1,30 @@
+#pragma once
+
+#include <filesystem>
+
+#include <gtest/gtest.h>
+
+#include "output/golden_case.hpp"
+
+namespace conddp::testing {
+
+/// The answer of a case's problem, solved again.
+inline nlohmann::json solve_again(const GoldenCase& golden) {
+  Diagnostics diagnostics;
+  const auto outcome = solve_golden(golden, {}, diagnostics);
+  EXPECT_TRUE(outcome) << format_diagnostics(diagnostics, false);
+  return outcome ? outcome->answer : nlohmann::json();
+}
+
+/// Expects that the problem of a golden file has its answer still.
+inline void expect_known_answer(const std::filesystem::path& file) {
+  Diagnostics diagnostics;
+  const auto golden = load_golden(file, diagnostics);
+  ASSERT_TRUE(golden) << format_diagnostics(diagnostics, false);
+  const nlohmann::json actual = solve_again(*golden);
+  EXPECT_EQ(actual.at("status"), "converged") << actual.at("message");
+  for (const Difference& d : compare_solutions(golden->answer, actual))
+    ADD_FAILURE() << golden->name << ": " << d.quantity << ": " << d.message;
+}
+
+}  // namespace conddp::testing
