@@ -51,8 +51,9 @@ TEST(Compare, RefusesWhatIsNoSolution) {
 TEST(Regress, ReadyProblemsHaveTheirKnownAnswers) {
   const TemporaryFolder folder;
   const std::string report = folder.path() / "report.xml";
-  const ProcessResult r = run_conddp({"regress", kGolden, source("tests/golden/quadruped_trot.json"),
-                                      source("tests/golden/block_slope.json"), "--junit", report});
+  const ProcessResult r =
+      run_conddp({"regress", kGolden, source("tests/golden/quadruped_trot.json"),
+                  source("tests/golden/block_slope.json"), "--junit", report});
   EXPECT_EQ(r.exit_code, 0) << r.out << r.err;
   EXPECT_TRUE(has(r.out, "3 agree, 0 differ\n")) << r.out;
   EXPECT_TRUE(has(read_file(report), "name=\"quadruped_trot\"")) << read_file(report);

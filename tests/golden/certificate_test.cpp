@@ -1,5 +1,5 @@
-// The certificate of every ready problem's answer holds; those of `ipopt` have theirs looked at where
-// they are compared with the known optimum.
+// The certificate of every ready problem's answer holds; those of `ipopt` have theirs looked at
+// where they are compared with the known optimum.
 #include <fstream>
 #include <iterator>
 
@@ -34,7 +34,8 @@ std::vector<std::string> by_recursion(std::vector<std::string> names) {
 }
 
 const auto name_of = [](const auto& name) { return name.param; };
-INSTANTIATE_TEST_SUITE_P(Ready, CertificateOf, ::testing::ValuesIn(by_recursion(testing::ready_problems(false))),
+INSTANTIATE_TEST_SUITE_P(Ready, CertificateOf,
+                         ::testing::ValuesIn(by_recursion(testing::ready_problems(false))),
                          name_of);
 INSTANTIATE_TEST_SUITE_P(Legs, CertificateOf, ::testing::ValuesIn(testing::ready_problems(true)),
                          name_of);

@@ -1,5 +1,6 @@
 // Ready problems that take long, against their known answers.
 #include "support/known_answer.hpp"
+
 #include "support/transcribed_problem.hpp"
 
 namespace conddp {
