@@ -102,7 +102,7 @@ bool DdpSolver::take_step() {
   } else {
     direction_.forget_steps();
   }
-  if (search_.step == 1)
+  if (search_.step == 1 && direction_.can_descend())
     direction_.allow_descent(direction_.mismatch(before_, trajectory_) <= kModelMismatch);
   full_steps_ = search_.step == 1 && quadratic ? full_steps_ + 1 : 0;
   row_.step = search_.step;

@@ -53,6 +53,8 @@ class Direction {
   NullSpaceStage* null_space() { return null_space_; }
   /// The policy's full step in the linear model, cut off at bounds as the rollout proper is.
   const LinearRollout& step() const { return linear_rollout_; }
+  /// Whether there is anything to descend through: bounds and rows of a horizon.
+  bool can_descend() const { return descent_.has_value(); }
   /// How far two iterates are from being that step apart, as a share of it.
   double mismatch(const Trajectory& from, const Trajectory& to) {
     return linear_rollout_.mismatch(problem_.manifold(), from, to);

@@ -14,14 +14,21 @@ const std::set<std::string> kOtherOptimum = {
 
 class Transcribed : public ::testing::TestWithParam<std::string> {};
 
-TEST_P(Transcribed, HasTheDerivativesOfItsDifferences) { testing::check_transcription(GetParam()); }
+class TranscribedDerivatives : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(TranscribedDerivatives, AreThoseOfDifferences) { testing::check_transcription(GetParam()); }
 
 TEST_P(Transcribed, HasTheKnownOptimum) {
   testing::expect_known_optimum(GetParam(), kOtherOptimum.count(GetParam()) > 0);
 }
 
+const auto name_of = [](const auto& name) { return name.param; };
 INSTANTIATE_TEST_SUITE_P(Ready, Transcribed, ::testing::ValuesIn(testing::ready_problems(false)),
-                         [](const auto& name) { return name.param; });
+                         name_of);
+INSTANTIATE_TEST_SUITE_P(Ready, TranscribedDerivatives,
+                         ::testing::ValuesIn(testing::ready_problems(false)), name_of);
+INSTANTIATE_TEST_SUITE_P(Slow, TranscribedDerivatives,
+                         ::testing::ValuesIn(testing::slow_problems()), name_of);
 
 }  // namespace
 }  // namespace conddp

@@ -1,25 +1,25 @@
 // Ready problems that take long, against their known answers.
 #include "support/known_answer.hpp"
 
+#include "output/certificate_report.hpp"
 #include "support/transcribed_problem.hpp"
 
 namespace conddp {
 namespace {
 
-std::vector<std::filesystem::path> answers() {
-  std::vector<std::filesystem::path> files;
-  for (const auto& entry : std::filesystem::directory_iterator(testing::slow_answers()))
-    files.push_back(entry.path());
-  std::sort(files.begin(), files.end());
-  return files;
+class SlowAnswer : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(SlowAnswer, IsFoundAgainAndItsCertificateHolds) {
+  const nlohmann::json answer =
+      testing::expect_known_answer(testing::slow_answers() / (GetParam() + ".json"));
+  const testing::ReadyProblem ready(GetParam());
+  const SolutionCertificate certificate =
+      certify_solution(OrderedJson::parse(answer.dump()), ready.spec, ready.built, false);
+  EXPECT_TRUE(certificate.checks.holds()) << certificate_table(certificate);
 }
 
-class SlowAnswer : public ::testing::TestWithParam<std::filesystem::path> {};
-
-TEST_P(SlowAnswer, IsFoundAgain) { testing::expect_known_answer(GetParam()); }
-
-INSTANTIATE_TEST_SUITE_P(Golden, SlowAnswer, ::testing::ValuesIn(answers()),
-                         [](const auto& file) { return file.param.stem().string(); });
+INSTANTIATE_TEST_SUITE_P(Golden, SlowAnswer, ::testing::ValuesIn(testing::slow_problems()),
+                         [](const auto& name) { return name.param; });
 
 }  // namespace
 }  // namespace conddp

@@ -147,16 +147,7 @@ TEST(Allocation, NoneWithConstraintsNorInNewtonSteps) {
 }
 
 TEST(Allocation, NoneInDescentsThroughTheModelOfTheHorizon) {
-  const testing::ConicLinearQuadratic conic(1, {.nx = 12,
-                                                .nu = 6,
-                                                .knots = 40,
-                                                .equalities = 1,
-                                                .boxes = 4,
-                                                .cones = 1,
-                                                .terminal = 2,
-                                                .control = 0.3,
-                                                .slack = 1,
-                                                .spectral_radius = 1.02});
+  const testing::ConicLinearQuadratic conic(1, testing::alternating_size());
   for (const char* solver : {"altro", "proxddp"}) {
     const Count count = count_allocations(*conic.problem, *find_solver(solver),
                                           conic.problem->create_trajectory(), {});

@@ -7,18 +7,9 @@
 namespace conddp::testing {
 namespace {
 
-const ConicSize kMiddle{.nx = 12,
-                        .nu = 6,
-                        .knots = 40,
-                        .equalities = 1,
-                        .boxes = 4,
-                        .cones = 1,
-                        .terminal = 2,
-                        .control = 1};
-
 TEST(ConicLinearQuadratic, SolversAgreeWithEachOtherAndWithIpopt) {
   for (const double slack : {0.3, 3.0, 20.0}) {
-    ConicSize size = kMiddle;
+    ConicSize size = middle_size();
     size.slack = slack;
     for (const unsigned seed : {1u, 2u}) {
       expect_agreement(ConicLinearQuadratic(seed, size), {"altro", "proxddp", "ipopt"});
@@ -26,14 +17,9 @@ TEST(ConicLinearQuadratic, SolversAgreeWithEachOtherAndWithIpopt) {
   }
 }
 
-// Here controls at bounds and rows taken as they come alternate from sweep to sweep.
 TEST(ConicLinearQuadratic, FewIterationsSufficeWhereActiveSetsAlternate) {
-  ConicSize size = kMiddle;
-  size.control = 0.3;
-  size.slack = 1;
-  size.spectral_radius = 1.02;
   for (unsigned seed = 1; seed <= 6; ++seed) {
-    const ConicLinearQuadratic conic(seed, size);
+    const ConicLinearQuadratic conic(seed, alternating_size());
     for (const SolveResult& result : expect_agreement(conic, {"altro", "proxddp"}))
       EXPECT_LE(result.iterations, 60) << seed;
   }
@@ -50,7 +36,7 @@ TEST(ConicLinearQuadratic, EqualitiesAloneAreSolvedByIntroToo) {
 
 // Every constraint three times: multipliers are not unique, controls are.
 TEST(ConicLinearQuadratic, CopiesOfConstraintsDoNoHarm) {
-  ConicSize size = kMiddle;
+  ConicSize size = middle_size();
   size.slack = 3;
   for (const unsigned seed : {1u, 2u}) {
     const auto once = expect_agreement(ConicLinearQuadratic(seed, size), {"altro"});
@@ -64,7 +50,7 @@ TEST(ConicLinearQuadratic, CopiesOfConstraintsDoNoHarm) {
 
 // The known point is on the boundary of every box and at the tip of every cone.
 TEST(ConicLinearQuadratic, SetsWithoutAnInteriorHaveASolutionOrAName) {
-  ConicSize size = kMiddle;
+  ConicSize size = middle_size();
   size.slack = 0;
   for (const unsigned seed : {1u, 2u}) {
     const ConicLinearQuadratic conic(seed, size);
@@ -73,7 +59,7 @@ TEST(ConicLinearQuadratic, SetsWithoutAnInteriorHaveASolutionOrAName) {
 }
 
 TEST(ConicLinearQuadratic, ContradictionsAreNamed) {
-  ConicSize size = kMiddle;
+  ConicSize size = middle_size();
   size.contradictions = 1;
   const ConicLinearQuadratic conic(1, size);
   for (const char* solver : {"altro", "proxddp"}) {

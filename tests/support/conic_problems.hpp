@@ -51,6 +51,27 @@ struct ConicSize {
   int contradictions = 0;  ///< further equalities of the last state that cannot hold
 };
 
+/// With constraints of every kind.
+inline ConicSize middle_size() {
+  return {.nx = 12,
+          .nu = 6,
+          .knots = 40,
+          .equalities = 1,
+          .boxes = 4,
+          .cones = 1,
+          .terminal = 2,
+          .control = 1};
+}
+
+/// One where controls at bounds and rows taken as they come alternate from sweep to sweep.
+inline ConicSize alternating_size() {
+  ConicSize size = middle_size();
+  size.control = 0.3;
+  size.slack = 1;
+  size.spectral_radius = 1.02;
+  return size;
+}
+
 /// A random problem whose constraints are met by a random motion, and do not let the optimum
 /// without them be: Jacobians are dense in state and control, but for the terminal ones.
 struct ConicLinearQuadratic {

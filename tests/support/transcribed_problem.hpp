@@ -24,6 +24,15 @@ inline std::filesystem::path slow_answers() {
   return std::filesystem::path(CONDDP_SOURCE_DIR) / "tests/golden/slow";
 }
 
+/// Names of the problems of those.
+inline std::vector<std::string> slow_problems() {
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(slow_answers()))
+    names.push_back(entry.path().stem().string());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
 /// Names of the ready problems with a robot on legs, or of those without; the slow ones left out.
 inline std::vector<std::string> ready_problems(bool legged) {
   std::vector<std::string> names;
