@@ -43,6 +43,7 @@ DdpSolver::DdpSolver(const ShootingProblem& problem, const DdpRecipe& recipe,
   if (!recipe.constraints || problem.constraints().empty()) return;
   constraints_.emplace(problem, options, recipe.multipliers);
   augmentation_ = &constraints_->augmentation();
+  affine_probe_.emplace(problem);
   if (recipe.newton) newton_.emplace(problem, acts_);
 }
 
@@ -56,7 +57,7 @@ SolveResult DdpSolver::solve(const Trajectory& guess) {
   direction_.reset();
   search_ = LineSearchResult();
   merit_ = MeritModel();
-  linearized_ = false;
+  linearized_ = affine_known_ = false;
   at_rounding_floor_ = false;
   full_steps_ = 0;
   full_steps_wanted_ = 1;

@@ -6,6 +6,7 @@
 
 #include "ocp/acts.hpp"
 #include "solvers/adjoint.hpp"
+#include "solvers/affine_probe.hpp"
 #include "solvers/augmented_lagrangian.hpp"
 #include "solvers/direction.hpp"
 #include "solvers/hessian_switch.hpp"
@@ -95,6 +96,8 @@ class DdpSolver {
   RegularizationSchedule regularization_;
   std::optional<AugmentedLagrangian> constraints_;
   const Augmentation* augmentation_ = nullptr;
+  std::optional<AffineProbe> affine_probe_;  ///< where there are constraints
+  bool affine_known_ = false;                ///< that has been asked in this solve
   std::optional<ProjectedNewton> newton_;
   const Eigen::VectorXd* multiplier_change_ = nullptr;  ///< of the last sweep's full step
   double newton_threshold_ = 0;  ///< violation and stationarity below which Newton is tried

@@ -28,9 +28,6 @@ constexpr int kGapCorrections = 3;
 /// Shares of the expected decrease between which a full step is one of a quadratic function: ½ of
 /// the decrease at first is what a perfect model would give.
 constexpr double kQuadraticFrom = 0.3, kQuadraticTo = 0.8;
-/// What states after a full step may be off the linear model, as a share of the step, for descents
-/// through that model.
-constexpr double kModelMismatch = 1e-9;
 /// Share of the gaps' weight in the merit that pays for what the model's step costs.
 constexpr double kGapShare = 0.7;
 
@@ -54,10 +51,9 @@ bool DdpSolver::take_step() {
     measure_direction();
     bool descent = merit_.descends();
     const bool found = model_step() || (descent && search());
-    if (direction_.descended() && !(found && search_.by_rounding) &&
-        !(found && search_.step == 1 &&
-          direction_.mismatch(before_, trajectory_) <= kModelMismatch)) {
-      // The model does not hold that far: a direction that stays near the iterate does better.
+    if (direction_.descended() && !(found && (search_.by_rounding || search_.step == 1))) {
+      // The cost's model does not hold that far: a direction that stays near the iterate does
+      // better.
       direction_.decline_descent();
       merit_ = former_merit;
       at_rounding_floor_ = false;
@@ -102,8 +98,7 @@ bool DdpSolver::take_step() {
   } else {
     direction_.forget_steps();
   }
-  if (search_.step == 1 && direction_.can_descend())
-    direction_.allow_descent(direction_.mismatch(before_, trajectory_) <= kModelMismatch);
+  if (search_.step == 1) direction_.admit_descent();
   full_steps_ = search_.step == 1 && quadratic ? full_steps_ + 1 : 0;
   row_.step = search_.step;
   row_.expected_decrease = search_.expected_decrease;
@@ -274,9 +269,18 @@ int DdpSolver::sweep_backward(double regularization) {
   for (bool exact : {true, false}) {
     if (exact && !hessian_.exact_known()) continue;
     hessian_.use(exact);
-    const int bad_knot =
-        direction_.find(linearization_, trajectory_, gaps_, adjoint_, merit_,
-                        {options_.regularization.kind, regularization}, augmentation_);
+    const auto find = [&] {
+      return direction_.find(linearization_, trajectory_, gaps_, adjoint_, merit_,
+                             {options_.regularization.kind, regularization}, augmentation_);
+    };
+    int bad_knot = find();
+    if (direction_.lacked_descent() && !affine_known_) {
+      affine_known_ = true;
+      if (affine_probe_->holds(acts_, trajectory_, linearization_)) {
+        direction_.allow_descent();
+        bad_knot = find();
+      }
+    }
     if (bad_knot < 0 || !exact) return bad_knot;
   }
   return -1;

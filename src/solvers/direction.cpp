@@ -44,7 +44,7 @@ int Direction::find(Linearization& linearization, const Trajectory& trajectory, 
                     const Adjoint& adjoint, const MeritModel& merit,
                     SweepRegularization regularization, const Augmentation* augmentation) {
   const bool augmented = constraints_ && augmentation != nullptr;
-  descended_ = false;
+  descended_ = lacked_descent_ = false;
   if (augmented) constraints_->start(linearization, *augmentation);
   const int bad_knot =
       search(linearization, trajectory, gaps, adjoint, merit, regularization, augmented);
@@ -120,6 +120,7 @@ int Direction::search(Linearization& linearization, const Trajectory& trajectory
     descent_->write(feedback_);
     return -1;
   }
+  lacked_descent_ = augmented && !descent_allowed_;
   if (augmented) constraints_->restore(linearization);
   augmented = false;
   for (int k = 0; k < problem_.knots(); ++k) {

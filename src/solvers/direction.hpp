@@ -53,22 +53,18 @@ class Direction {
   NullSpaceStage* null_space() { return null_space_; }
   /// The policy's full step in the linear model, cut off at bounds as the rollout proper is.
   const LinearRollout& step() const { return linear_rollout_; }
-  /// Whether there is anything to descend through: bounds and rows of a horizon.
-  bool can_descend() const { return descent_.has_value(); }
-  /// How far two iterates are from being that step apart, as a share of it.
-  double mismatch(const Trajectory& from, const Trajectory& to) {
-    return linear_rollout_.mismatch(problem_.manifold(), from, to);
-  }
+  /// Whether the last find() ended a search that did not settle without the descent that there
+  /// could have been.
+  bool lacked_descent() const { return lacked_descent_; }
   /// Whether that step meets no bound on its way: nothing had to be cut off.
   bool within_bounds() const { return within_bounds_; }
   /// Whether find() may end a search that does not settle by a descent through the linear model of
-  /// the horizon, whose full step is good where that model is.
-  void allow_descent(bool allowed) {
-    descent_allowed_ = allowed;
-    declined_ = false;
-  }
+  /// the horizon: a good step where that model is true.
+  void allow_descent() { descent_allowed_ = true; }
   /// That the last find()'s descent was no good: the next one stays near the iterate.
   void decline_descent() { declined_ = true; }
+  /// That an iterate has been found: what was declined at the last one may be tried again.
+  void admit_descent() { declined_ = false; }
   /// Whether the last find() did.
   bool descended() const { return descended_; }
   /// dᵀ Hessian d of the step.
@@ -110,6 +106,7 @@ class Direction {
   bool active_set_known_ = false;         ///< the policy holds one of the whole horizon
   bool within_bounds_ = false;
   bool descent_allowed_ = false;
+  bool lacked_descent_ = false;
   bool descended_ = false;
   bool declined_ = false;
 };

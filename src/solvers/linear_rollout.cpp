@@ -58,18 +58,6 @@ void LinearRollout::apply(const StateManifold& manifold, Trajectory& trajectory)
   }
 }
 
-double LinearRollout::mismatch(const StateManifold& manifold, const Trajectory& from,
-                               const Trajectory& to) {
-  double off = 0, largest = 0;
-  for (int k = 1; k <= bounds_.knots(); ++k) {
-    manifold.difference(from.x(k).data(), to.x(k).data(), lambda_.data());
-    largest = std::max(largest, dx(k).lpNorm<Eigen::Infinity>());
-    lambda_ -= dx(k);
-    off = std::max(off, lambda_.lpNorm<Eigen::Infinity>());
-  }
-  return off / largest;
-}
-
 double LinearRollout::curvature(const Linearization& linearization) {
   double sum = 0;
   for (std::size_t k = 0; k < z_.size(); ++k) {

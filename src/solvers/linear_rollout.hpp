@@ -32,9 +32,6 @@ class LinearRollout {
   auto du(int k) const { return z_[k].tail(z_[k].size() - ndx_); }
   /// Moves a trajectory by the full step.
   void apply(const StateManifold& manifold, Trajectory& trajectory) const;
-  /// How far two trajectories are from being this step apart, as a share of its largest entry of
-  /// the state.
-  double mismatch(const StateManifold& manifold, const Trajectory& from, const Trajectory& to);
   /// ∇J·d: exact derivative of the cost along the rollout at α = 0.
   double slope() const { return slope_; }
   /// dᵀ Hessian d.

@@ -2,7 +2,7 @@
 
 #include "support/conic_optimality.hpp"
 
-// Random conic problems of intermediate size.
+// Random conic problems of intermediate size; tests/slow has those of full size.
 
 namespace conddp::testing {
 namespace {
@@ -26,7 +26,7 @@ TEST(ConicLinearQuadratic, FewIterationsSufficeWhereActiveSetsAlternate) {
 }
 
 TEST(ConicLinearQuadratic, EqualitiesAloneAreSolvedByIntroToo) {
-  const ConicSize size{.nx = 20, .nu = 10, .knots = 60, .equalities = 4, .terminal = 5};
+  const ConicSize size = equality_size();
   for (const unsigned seed : {1u, 2u}) {
     const auto results =
         expect_agreement(ConicLinearQuadratic(seed, size), {"intro", "altro", "proxddp"});

@@ -51,11 +51,19 @@ struct ConicSize {
   int contradictions = 0;  ///< further equalities of the last state that cannot hold
 };
 
+/// Sanitizers, which make products of matrices a hundred times as long, look for errors that do not
+/// depend on sizes.
+#ifdef __SANITIZE_ADDRESS__
+constexpr bool kSmallSizes = true;
+#else
+constexpr bool kSmallSizes = false;
+#endif
+
 /// With constraints of every kind.
 inline ConicSize middle_size() {
-  return {.nx = 12,
-          .nu = 6,
-          .knots = 40,
+  return {.nx = kSmallSizes ? 8 : 12,
+          .nu = kSmallSizes ? 4 : 6,
+          .knots = kSmallSizes ? 15 : 40,
           .equalities = 1,
           .boxes = 4,
           .cones = 1,
@@ -70,6 +78,23 @@ inline ConicSize alternating_size() {
   size.slack = 1;
   size.spectral_radius = 1.02;
   return size;
+}
+
+/// With equalities alone, of every knot and of the last state.
+inline ConicSize equality_size() {
+  return {.nx = kSmallSizes ? 8 : 20,
+          .nu = kSmallSizes ? 5 : 10,
+          .knots = kSmallSizes ? 15 : 60,
+          .equalities = kSmallSizes ? 2 : 4,
+          .boxes = 0,
+          .cones = 0,
+          .terminal = kSmallSizes ? 3 : 5};
+}
+
+/// One of 2226 rows, with the largest numbers of states, controls and knots that are promised.
+inline ConicSize large_size() {
+  return {
+      .nx = 40, .nu = 20, .knots = 100, .equalities = 2, .boxes = 8, .cones = 3, .terminal = 26};
 }
 
 /// A random problem whose constraints are met by a random motion, and do not let the optimum
