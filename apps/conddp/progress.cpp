@@ -22,6 +22,20 @@ void ProgressTable::print(const IterationRecord& row) {
                   row.regularization, row.time_s));
 }
 
+namespace {
+
+/// How long phases last whose duration was chosen.
+std::string durations_line(const Solution& s) {
+  std::string text;
+  for (const Phase& phase : s.built.problem->phases())
+    if (const auto& free = phase.model->free_duration())
+      text += fmt::format("{}{} {:.9g} s", text.empty() ? "" : ", ", phase.name,
+                          s.result.trajectory.u(0)[free->memory]);
+  return text.empty() ? text : fmt::format("  durations     {}\n", text);
+}
+
+}  // namespace
+
 std::string summary_text(const Solution& s, const SolutionCertificate* certificate,
                          const std::vector<std::string>& written, bool colour, int notes) {
   const SolveResult& r = s.result;
@@ -35,6 +49,7 @@ std::string summary_text(const Solution& s, const SolutionCertificate* certifica
   text += fmt::format("  cost          {:.9g}\n", r.cost);
   for (const auto& [name, value] : cost_by_name(*s.built.problem, r.trajectory))
     text += fmt::format("    {:<20} {:.6g}\n", name, value);
+  text += durations_line(s);
   text += fmt::format("  residuals     stationarity {:.2e}, gap {:.2e}, constraint {:.2e}\n",
                       r.residuals.stationarity, r.residuals.gap, r.residuals.constraint);
   for (const ConstraintViolation& v : violations_by_name(*s.built.problem, r.constraint_values)) {

@@ -119,15 +119,16 @@ class Judge {
   }
 
   void check_times() {
+    const std::vector<double> times = problem_.times(claims_.trajectory);
     Worst worst;
     for (int k = 0; k <= problem_.knots(); ++k)
-      worst.meet(std::abs(claims_.times[k] - problem_.times()[k]), 0, k, -1);
-    const double tolerance = 1e-12 * std::max(1.0, problem_.times().back());
+      worst.meet(std::abs(claims_.times[k] - times[k]), 0, k, -1);
+    const double tolerance = 1e-12 * std::max(1.0, times.back());
     const bool holds = worst.value <= tolerance;
     const int k = std::max(worst.knot, 0);
     add({"times", holds, claims_.times[holds ? problem_.knots() : k],
-         problem_.times()[holds ? problem_.knots() : k], tolerance,
-         holds ? "" : place_text(problem_, k, ""), ""});
+         times[holds ? problem_.knots() : k], tolerance, holds ? "" : place_text(problem_, k, ""),
+         ""});
   }
 
   void check_initial_state() {

@@ -97,7 +97,11 @@ class Player {
  public:
   Player(const ShootingProblem& problem, const Trajectory& trajectory,
          const std::vector<Eigen::MatrixXd>& gains, int substeps)
-      : problem_(problem), trajectory_(trajectory), gains_(gains), substeps_(substeps) {
+      : problem_(problem),
+        trajectory_(trajectory),
+        gains_(gains),
+        substeps_(substeps),
+        times_(problem.times(trajectory)) {
     span_.setConstant(problem.ndx(), kSmallSpan);
     Eigen::VectorXd off(problem.ndx());
     for (int k = 0; k <= problem.knots(); ++k) {
@@ -149,13 +153,13 @@ class Player {
     const Eigen::VectorXd u = control(k, feedback, x, result);
     const bool choice = problem_.phases()[view.phase].instant;
     const int steps = view.dt > 0 && !choice ? substeps_ : 1;
+    const double dt = view.model->step(view.dt, x.data()) / steps;
     for (int s = 0; s < steps; ++s) {
       system.evaluate(x.data(), u.data(), *memory->data);
       if (watch != nullptr && !choice)
-        watch->look(system, *memory->data, x.data(), k, problem_.times()[k] + s * view.dt / steps,
-                    s == 0);
-      integrate(system, view.model->integrator(), x.data(), u.data(), view.dt / steps,
-                *memory->data, memory->work);
+        watch->look(system, *memory->data, x.data(), k, times_[k] + s * dt, s == 0);
+      integrate(system, view.model->integrator(), x.data(), u.data(), dt, *memory->data,
+                memory->work);
       std::copy(memory->work.next.begin(), memory->work.next.end(), x.data());
       if (view.model->has_control_memory()) x.tail(u.size()) = u;
     }
@@ -181,6 +185,7 @@ class Player {
   const Trajectory& trajectory_;
   const std::vector<Eigen::MatrixXd>& gains_;
   const int substeps_;
+  const std::vector<double> times_;
   Eigen::VectorXd span_;
   std::map<const KnotModel*, std::unique_ptr<Stepper>> memory_;
 };

@@ -64,16 +64,17 @@ void state_rate(const System& system, const S* x, const SystemData<S>& data, S* 
   }
 }
 
-/// R = ∂rate/∂z given X = ∂x/∂z.
+/// R = ∂rate/∂z given X = ∂x/∂z, of which a column by dt may follow.
 template <class S>
-void state_rate_derivative(const System& system, const SystemData<S>& data,
+void state_rate_derivative(const System& system, const SystemData<S>& data, int columns,
                            const AlignedVector<S>& X, AlignedVector<S>& R) {
   const int n = system.ndx(), nz = n + system.nu(), rows = system.rows(), top = n - rows;
-  for (int c = 0; c < nz; ++c) {
+  for (int c = 0; c < columns; ++c) {
     const S* xc = &X[c * n];
     S* r = &R[c * n];
+    const bool of_control = c >= n && c < nz;
     for (int i = 0; i < top; ++i) r[i] = xc[top + i];
-    for (int i = 0; i < rows; ++i) r[top + i] = c < n ? S(0.0) : data.fu[(c - n) * rows + i];
+    for (int i = 0; i < rows; ++i) r[top + i] = of_control ? data.fu[(c - n) * rows + i] : S(0.0);
     for (int k = 0; k < n; ++k)
       for (int i = 0; i < rows; ++i) r[top + i] += data.fx[k * rows + i] * xc[k];
   }
@@ -87,7 +88,7 @@ void add_scaled(const S& factor, const AlignedVector<S>& in, AlignedVector<S>& o
 
 /// Displacement (and its derivative) at which stage i, or the end of the step, stands.
 template <class S>
-void accumulate(const double* row, int count, const S& dt, bool derivatives,
+void accumulate(const double* row, int count, const S& dt, bool derivatives, int nz,
                 IntegratorWorkspace<S>& work, AlignedVector<S>& theta, AlignedVector<S>& Theta) {
   std::fill(theta.begin(), theta.end(), S(0.0));
   if (derivatives) std::fill(Theta.begin(), Theta.end(), S(0.0));
@@ -95,18 +96,22 @@ void accumulate(const double* row, int count, const S& dt, bool derivatives,
     if (row[j] == 0) continue;
     const S factor = dt * S(row[j]);
     add_scaled(factor, work.stages[j].k, theta);
-    if (derivatives) add_scaled(factor, work.stages[j].K, Theta);
+    if (!derivatives) continue;
+    add_scaled(factor, work.stages[j].K, Theta);
+    if (work.columns == nz) continue;
+    S* by_step = &Theta[nz * theta.size()];
+    for (std::size_t i = 0; i < theta.size(); ++i) by_step[i] += S(row[j]) * work.stages[j].k[i];
   }
 }
 
 /// X = ∂(x ⊕ θ)/∂z for a displacement with derivative Theta.
 template <class S>
-void displaced_state_derivative(const StateManifold& manifold, int nz,
+void displaced_state_derivative(const StateManifold& manifold, int columns,
                                 const AlignedVector<S>& theta, const AlignedVector<S>& Theta,
                                 IntegratorWorkspace<S>& work, S* X) {
   const int n = manifold.ndx();
   manifold.integrate_jacobians(theta.data(), work.wrt_x.data(), work.wrt_dx.data());
-  for (int c = 0; c < nz; ++c) {
+  for (int c = 0; c < columns; ++c) {
     S* column = X + c * n;
     for (int i = 0; i < n; ++i) column[i] = Theta[c * n + i];
     apply_blocks(manifold, work.wrt_dx.data(), column);
@@ -127,11 +132,11 @@ void displaced_state_derivative(const StateManifold& manifold, int nz,
 
 /// K = ∂(Jr⁻¹(θ) rate)/∂z, where K holds ∂rate/∂z at first.
 template <class S>
-void pull_back_derivative(const StateManifold& manifold, int nz,
+void pull_back_derivative(const StateManifold& manifold, int columns,
                           typename IntegratorWorkspace<S>::Stage& stage,
                           IntegratorWorkspace<S>& work) {
   const int n = manifold.ndx();
-  for (int c = 0; c < nz; ++c) apply_blocks(manifold, work.inverse.data(), &stage.K[c * n]);
+  for (int c = 0; c < columns; ++c) apply_blocks(manifold, work.inverse.data(), &stage.K[c * n]);
   // The inverse Jacobian moves with θ: one dual direction for all curved segments at once.
   S change[6][6];
   for (int d = 0; d < 6; ++d) {
@@ -147,7 +152,7 @@ void pull_back_derivative(const StateManifold& manifold, int nz,
           for (int j = 0; j < segment.n; ++j)
             change[d][i] += block[i * segment.n + j].d * stage.rate[segment.dx + j];
         }
-        for (int c = 0; c < nz; ++c)
+        for (int c = 0; c < columns; ++c)
           for (int i = 0; i < segment.n; ++i)
             stage.K[c * n + segment.dx + i] += change[d][i] * stage.Theta[c * n + segment.dx + d];
       }
@@ -161,10 +166,10 @@ void runge_kutta(const System& system, Integrator integrator, const S* x, const 
                  bool derivatives, SystemData<S>& data, IntegratorWorkspace<S>& work) {
   const RungeKuttaRule& rule = runge_kutta_rule(integrator);
   const StateManifold& manifold = system.manifold();
-  const int nz = system.ndx() + system.nu();
+  const int nz = system.ndx() + system.nu(), columns = work.columns;
   for (int s = 0; s < rule.stages; ++s) {
     auto& stage = work.stages[s];
-    accumulate(rule.a[s], s, dt, derivatives, work, stage.theta, stage.Theta);
+    accumulate(rule.a[s], s, dt, derivatives, nz, work, stage.theta, stage.Theta);
     manifold.integrate(x, stage.theta.data(), stage.x.data());
     if (s > 0) {
       if (derivatives)
@@ -179,15 +184,15 @@ void runge_kutta(const System& system, Integrator integrator, const S* x, const 
       apply_blocks(manifold, work.inverse.data(), stage.k.data());
     }
     if (!derivatives) continue;
-    displaced_state_derivative(manifold, nz, stage.theta, stage.Theta, work, stage.X.data());
-    state_rate_derivative(system, data, stage.X, stage.K);
-    if (!manifold.curved().empty() && s > 0) pull_back_derivative(manifold, nz, stage, work);
+    displaced_state_derivative(manifold, columns, stage.theta, stage.Theta, work, stage.X.data());
+    state_rate_derivative(system, data, columns, stage.X, stage.K);
+    if (!manifold.curved().empty() && s > 0) pull_back_derivative(manifold, columns, stage, work);
   }
   auto& last = work.stages.back();
-  accumulate(rule.b, rule.stages, dt, derivatives, work, last.theta, last.Theta);
+  accumulate(rule.b, rule.stages, dt, derivatives, nz, work, last.theta, last.Theta);
   manifold.integrate(x, last.theta.data(), work.next.data());
   if (derivatives)
-    displaced_state_derivative(manifold, nz, last.theta, last.Theta, work, work.F.data());
+    displaced_state_derivative(manifold, columns, last.theta, last.Theta, work, work.F.data());
 }
 
 /// v⁺ = v + dt a and q⁺ = q ⊕ dt v⁺.
@@ -213,12 +218,15 @@ void jump(const System& system, const S* x, const SystemData<S>& data,
 }  // namespace
 
 template <class S>
-IntegratorWorkspace<S>::IntegratorWorkspace(const System& system, Integrator integrator)
-    : next(system.nx(), S(0.0)), tangent(system.ndx(), S(0.0)) {
+IntegratorWorkspace<S>::IntegratorWorkspace(const System& system, Integrator integrator,
+                                            bool by_step)
+    : next(system.nx(), S(0.0)),
+      columns(system.ndx() + system.nu() + (by_step ? 1 : 0)),
+      tangent(system.ndx(), S(0.0)) {
   if (integrator == Integrator::none) return;
-  const int n = system.ndx(), nz = n + system.nu();
+  const int n = system.ndx();
   const std::size_t blocks = kBlock * system.manifold().curved().size();
-  F.assign((is_structured(integrator) ? system.nv() : n) * nz, S(0.0));
+  F.assign((is_structured(integrator) ? system.nv() : n) * columns, S(0.0));
   if (is_structured(integrator)) {
     state_blocks.assign(blocks, S(0.0));
     step_blocks.assign(blocks, S(0.0));
@@ -235,9 +243,9 @@ IntegratorWorkspace<S>::IntegratorWorkspace(const System& system, Integrator int
     stage.x.assign(system.nx(), S(0.0));
     stage.rate.assign(n, S(0.0));
     stage.k.assign(n, S(0.0));
-    stage.Theta.assign(n * nz, S(0.0));
-    stage.X.assign(n * nz, S(0.0));
-    stage.K.assign(n * nz, S(0.0));
+    stage.Theta.assign(n * columns, S(0.0));
+    stage.X.assign(n * columns, S(0.0));
+    stage.K.assign(n * columns, S(0.0));
   }
 }
 
@@ -285,6 +293,8 @@ void integrate_derivatives(const System& system, Integrator integrator, const S*
       for (int i = 0; i < nv * n; ++i) work.F[i] = dt * data.fx[i];
       for (int i = 0; i < nv; ++i) work.F[(nv + i) * nv + i] += S(1.0);
       for (int i = 0; i < nv * system.nu(); ++i) work.F[nv * n + i] = dt * data.fu[i];
+      if (const int nz = n + system.nu(); work.columns > nz)
+        std::copy(data.f.begin(), data.f.end(), work.F.begin() + nv * nz);
       system.manifold().integrate_jacobians(work.tangent.data(), work.state_blocks.data(),
                                             work.step_blocks.data());
       break;

@@ -34,17 +34,20 @@ const RungeKuttaRule& runge_kutta_rule(Integrator integrator);
 /// Memory of an integrator for one knot of a system.
 template <class S>
 struct IntegratorWorkspace {
-  IntegratorWorkspace(const System& system, Integrator integrator);
+  /// `by_step`: with the derivative by dt, a further column of F. Not of impulses and discrete
+  /// systems, which know no dt.
+  IntegratorWorkspace(const System& system, Integrator integrator, bool by_step = false);
 
   AlignedVector<S> next;          ///< nx
-  AlignedVector<S> F;             ///< rows x nz by columns, see integrate_derivatives
+  AlignedVector<S> F;             ///< rows x columns by columns, see integrate_derivatives
+  int columns;                    ///< nz, or nz + 1 with the derivative by dt
   AlignedVector<S> state_blocks;  ///< structured rules: ∂q⁺/∂q per curved segment (by rows)
   AlignedVector<S> step_blocks;   ///< structured rules: ∂q⁺/∂(dt v⁺) per curved segment
 
   AlignedVector<S> tangent;  ///< ndx
   struct Stage {
     AlignedVector<S> theta, x, rate, k;  ///< displacement from the knot, state there, ẋ, θ̇
-    AlignedVector<S> Theta, X, K;        ///< derivatives of theta, x, k, ndx x nz by columns
+    AlignedVector<S> Theta, X, K;        ///< derivatives of theta, x, k, ndx x columns
   };
   std::vector<Stage> stages;
   AlignedVector<S> wrt_x, wrt_dx, inverse;  ///< blocks per curved segment
@@ -64,7 +67,8 @@ inline bool is_structured(Integrator integrator) {
 
 /// The same with the derivative of the step with respect to z = (tangent at x, u) in work.F: for
 /// structured rules the nv rows of the next velocity (the blocks tell the rest), else all ndx
-/// rows. The system's data must have been differentiated at (x, u).
+/// rows. The system's data must have been differentiated at (x, u). The column by dt follows where
+/// the workspace has one: of structured rules that of the next velocity, too.
 template <class S>
 void integrate_derivatives(const System& system, Integrator integrator, const S* x, const S* u,
                            const S& dt, SystemData<S>& data, IntegratorWorkspace<S>& work);

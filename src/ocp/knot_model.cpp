@@ -94,6 +94,15 @@ void KnotModel::set_control_bounds(std::vector<double> lower, std::vector<double
   upper_ = std::move(upper);
 }
 
+void KnotModel::set_free_duration(const FreeDuration& duration) {
+  if (!held_ || duration.memory < 0 || duration.memory >= memory_)
+    throw std::invalid_argument("a free duration needs its place in a held memory");
+  if (integrator_ == Integrator::none || integrator_ == Integrator::discrete ||
+      integrator_ == Integrator::impulse)
+    throw std::invalid_argument("what knows no time step has no free duration");
+  duration_ = duration;
+}
+
 bool KnotModel::has_control_bounds() const {
   const auto finite = [](double a) { return std::isfinite(a); };
   return std::any_of(lower_.begin(), lower_.end(), finite) ||
@@ -104,6 +113,25 @@ int KnotModel::jacobian_rows() const {
   if (integrator_ == Integrator::none) return 0;
   return semi_implicit() ? system_->nv() : ndx();
 }
+
+namespace {
+
+/// From the step dt v⁺ to the tangent at q⁺, in the curved parts of a column.
+template <class S>
+void turn_steps(const StateManifold& manifold, const S* step, S* out) {
+  for (const auto& segment : manifold.curved()) {
+    const int m = segment.n;
+    S turned[6];
+    for (int i = 0; i < m; ++i) {
+      turned[i] = S(0.0);
+      for (int j = 0; j < m; ++j) turned[i] += step[i * m + j] * out[segment.dx + j];
+    }
+    for (int i = 0; i < m; ++i) out[segment.dx + i] = turned[i];
+    step += StateManifold::kBlockSize;
+  }
+}
+
+}  // namespace
 
 template <class S>
 void KnotModel::append_control_memory(const KnotInput<S>& in, KnotWorkspace<S>& work,
@@ -126,28 +154,52 @@ void KnotModel::append_control_memory(const KnotInput<S>& in, KnotWorkspace<S>& 
     for (int i = 0; i < base_rows; ++i) out[top + i] = base.F[base_column * base_rows + i];
     for (int i = 0; i < top; ++i) out[i] = in.dt * out[top + i];
     if (top > 0) {
+      turn_steps(system_->manifold(), base.step_blocks.data(), out);
       const S* state = base.state_blocks.data();
-      const S* step = base.step_blocks.data();
       bool curved = false;
       for (const auto& segment : system_->manifold().curved()) {
         const int m = segment.n;
-        S rotated[6];
-        for (int i = 0; i < m; ++i) {
-          rotated[i] = S(0.0);
-          for (int j = 0; j < m; ++j) rotated[i] += step[i * m + j] * out[segment.dx + j];
-        }
-        for (int i = 0; i < m; ++i) out[segment.dx + i] = rotated[i];
         if (c >= segment.dx && c < segment.dx + m) {
           curved = true;
           for (int i = 0; i < m; ++i) out[segment.dx + i] += state[i * m + c - segment.dx];
         }
         state += StateManifold::kBlockSize;
-        step += StateManifold::kBlockSize;
       }
       if (!curved && c < top) out[c] += S(1.0);
     }
     for (int i = 0; i < memory_; ++i) out[n + i] = S(!held_ && c == rows + i ? 1.0 : 0.0);
   }
+}
+
+/// What a knot is given, with the time step and the costs' scale of its free duration.
+template <class S>
+KnotInput<S> KnotModel::at_its_duration(const KnotInput<S>& given) const {
+  KnotInput<S> in = given;
+  if (!duration_) return in;
+  in.dt = step(given.dt, given.x);
+  if (duration_->scales_cost) in.cost_scale = given.cost_scale * duration_share(given.x);
+  return in;
+}
+
+/// The column of the free duration T: ∂x⁺/∂T, of which the integrator gives ∂/∂dt, and the slope of
+/// costs that grow with T.
+template <class S>
+void KnotModel::append_duration(const KnotInput<S>& given, KnotWorkspace<S>& work) const {
+  const IntegratorWorkspace<S>& base = work.integrator_;
+  const int n = system_->ndx(), rows = ndx(), column = n + duration_->memory;
+  const int base_rows = is_structured(integrator_) ? system_->nv() : n;
+  const int top = n - base_rows;
+  const S* by_step = &base.F[(n + nu()) * base_rows];
+  S* out = &work.F_[column * rows];
+  for (int i = 0; i < base_rows; ++i) out[top + i] = by_step[i];
+  // q⁺ = q ⊕ dt v⁺
+  const S dt = step(given.dt, given.x);
+  for (int i = 0; i < top; ++i) out[i] = base.next[system_->nq() + i] + dt * by_step[i];
+  if (top > 0) turn_steps(system_->manifold(), base.step_blocks.data(), out);
+  const S share = given.dt * S(1 / duration_->written);
+  for (int i = 0; i < n; ++i) out[i] *= share;
+  if (duration_->scales_cost)
+    work.gradient[column] += work.cost / given.x[system_->nx() + duration_->memory];
 }
 
 template <class S>
@@ -269,7 +321,8 @@ void KnotModel::differentiate_costs(const KnotInput<S>& in, KnotWorkspace<S>& wo
 }
 
 template <class S>
-void KnotModel::evaluate(const KnotInput<S>& in, KnotWorkspace<S>& work) const {
+void KnotModel::evaluate(const KnotInput<S>& given, KnotWorkspace<S>& work) const {
+  const KnotInput<S> in = at_its_duration(given);
   if (integrator_ == Integrator::none) {
     system_->update_kinematics(in.x, *work.system_);
     evaluate_costs(in, work);
@@ -284,7 +337,9 @@ void KnotModel::evaluate(const KnotInput<S>& in, KnotWorkspace<S>& work) const {
 }
 
 template <class S>
-void KnotModel::differentiate(const KnotInput<S>& in, KnotWorkspace<S>& work, bool hessian) const {
+void KnotModel::differentiate(const KnotInput<S>& given, KnotWorkspace<S>& work,
+                              bool hessian) const {
+  const KnotInput<S> in = at_its_duration(given);
   if (integrator_ == Integrator::none) {
     system_->update_kinematics(in.x, *work.system_);
     differentiate_costs(in, work, hessian);
@@ -296,6 +351,7 @@ void KnotModel::differentiate(const KnotInput<S>& in, KnotWorkspace<S>& work, bo
   differentiate_constraints(in, work, hessian);
   integrate_derivatives(*system_, integrator_, in.x, in.u, in.dt, *work.system_, work.integrator_);
   if (memory_ > 0) append_control_memory(in, work, true);
+  if (duration_) append_duration(given, work);
 }
 
 template <class S>
@@ -309,7 +365,7 @@ KnotWorkspace<S>::KnotWorkspace(const KnotModel& model)
       constraint_jacobian(model.constraint_pattern().size(), S(0.0)),
       memory_(model.nx() > model.system().nx()),
       system_(model.system().create_data(S{})),
-      integrator_(model.system(), model.integrator()),
+      integrator_(model.system(), model.integrator(), model.free_duration().has_value()),
       term_gradient_(model.nz(), S(0.0)) {
   if (memory_) {
     next_.assign(model.nx(), S(0.0));

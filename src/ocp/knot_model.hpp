@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -37,6 +38,14 @@ struct KnotInput {
   const S* multiplier = nullptr;
 };
 
+/// Where the duration of a phase is free: a number of the held memory is that duration, s, and the
+/// phase's steps are as given where it is the written one.
+struct FreeDuration {
+  int memory;               ///< which number
+  double written;           ///< s
+  bool scales_cost = true;  ///< running costs are rates
+};
+
 template <class S>
 class KnotWorkspace;
 
@@ -57,6 +66,14 @@ class KnotModel {
   int add_constraint(ConstraintTerm term);
   /// Elementwise bounds on the control; infinite where there is none.
   void set_control_bounds(std::vector<double> lower, std::vector<double> upper);
+  /// Needs a held memory, and a system that knows time. Soft constraints have to be none.
+  void set_free_duration(const FreeDuration& duration);
+  const std::optional<FreeDuration>& free_duration() const { return duration_; }
+  /// The time step at a state, from the given one.
+  template <class S>
+  S step(const S& dt, const S* x) const {
+    return duration_ ? dt * duration_share(x) : dt;
+  }
 
   const System& system() const { return *system_; }
   const std::shared_ptr<const System>& shared_system() const { return system_; }
@@ -102,6 +119,15 @@ class KnotModel {
   template <class S>
   friend class KnotWorkspace;
 
+  /// Free duration by the written one.
+  template <class S>
+  S duration_share(const S* x) const {
+    return x[system_->nx() + duration_->memory] * S(1 / duration_->written);
+  }
+  template <class S>
+  KnotInput<S> at_its_duration(const KnotInput<S>& given) const;
+  template <class S>
+  void append_duration(const KnotInput<S>& given, KnotWorkspace<S>& work) const;
   template <class S>
   void append_control_memory(const KnotInput<S>& in, KnotWorkspace<S>& work,
                              bool derivatives) const;
@@ -131,6 +157,7 @@ class KnotModel {
   Integrator integrator_;
   int memory_ = 0;
   bool held_ = false;  ///< the memory stays what it is
+  std::optional<FreeDuration> duration_;
   int parameter_count_ = 0;
   std::vector<CostTerm> costs_;
   std::vector<double> lower_, upper_;

@@ -86,6 +86,23 @@ ShootingProblem::ShootingProblem(std::vector<double> initial_state, std::vector<
     throw std::invalid_argument("the initial state has the wrong size");
 }
 
+bool ShootingProblem::has_free_durations() const {
+  return std::any_of(phases_.begin(), phases_.end(),
+                     [](const Phase& phase) { return phase.model->free_duration().has_value(); });
+}
+
+std::vector<double> ShootingProblem::times(const Trajectory& trajectory) const {
+  if (!has_free_durations()) return times_;
+  std::vector<double> times{0};
+  for (int k = 0; k < knots(); ++k) {
+    const KnotView& view = views_[k];
+    const double step =
+        phases_[view.phase].instant ? 0 : view.model->step(view.dt, trajectory.x(k).data());
+    times.push_back(times.back() + step);
+  }
+  return times;
+}
+
 bool ShootingProblem::has_control_bounds() const {
   for (const Phase& phase : phases_)
     if (phase.model->has_control_bounds()) return true;

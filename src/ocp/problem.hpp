@@ -74,6 +74,9 @@ class ShootingProblem {
   const StateManifold& manifold() const { return views_.front().model->manifold(); }
   /// Time of each node, s: N + 1 numbers.
   const std::vector<double>& times() const { return times_; }
+  /// The same of a trajectory, where phases last as long as its states say (FreeDuration).
+  std::vector<double> times(const Trajectory& trajectory) const;
+  bool has_free_durations() const;
   bool has_control_bounds() const;
   /// Whether a running knot takes no time: an impulse, or a phase that is instant.
   bool takes_no_time(int k) const { return times_[k] == times_[k + 1]; }

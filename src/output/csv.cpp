@@ -69,14 +69,14 @@ std::string trajectory_csv(const Solution& s) {
         ',' + with_unit(cell((used.contains(column.name) ? "u/" : "") + column.name), column.unit);
   const ContactForces forces = contact_forces(s.spec, problem, trajectory);
   text += contact_headers(forces) + '\n';
+  const std::vector<double> times = problem.times(trajectory);
   double written = -std::numeric_limits<double>::infinity();
   for (int k = first; k <= problem.knots(); ++k) {
     const bool last = k == problem.knots();
     const bool impulse = !last && problem.takes_no_time(k);
     const int phase = problem.knot(k).phase;
     // Readers of such files want times that increase, and an impulse takes none.
-    written = std::max(problem.times()[k],
-                       std::nextafter(written, std::numeric_limits<double>::infinity()));
+    written = std::max(times[k], std::nextafter(written, std::numeric_limits<double>::infinity()));
     text +=
         cell(written) + ',' + cell(last ? problem.terminal().name : problem.phases()[phase].name);
     for (int i = 0; i < states; ++i) text += ',' + cell(trajectory.x(k)[i]);

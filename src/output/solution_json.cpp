@@ -33,7 +33,7 @@ OrderedJson problem_json(const Solution& s) {
           {"data_files", std::move(data_files)},
           {"overrides", s.overrides},
           {"knots", s.built.problem->knots()},
-          {"duration_s", s.built.problem->times().back()},
+          {"duration_s", s.built.problem->times(s.result.trajectory).back()},
           {"options", expand_options(s.spec.solver.options)},
           {"configuration", expand_problem(s.spec, s.built)}};
 }
@@ -100,7 +100,7 @@ OrderedJson trajectory_json(const Solution& s) {
             {"x", columns_json(s.built.state_columns, &Column::unit)},
             {"u", columns_json(s.built.control_columns, &Column::unit)}}},
           {"phases", std::move(phases)},
-          {"t", problem.times()},
+          {"t", problem.times(trajectory)},
           {"x", std::move(x)},
           {"u", std::move(u)},
           {"contact_forces", contact_forces_json(s)}};

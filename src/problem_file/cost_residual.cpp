@@ -42,8 +42,15 @@ void set_state_limits(const MultibodySystem& system, CostResidual& result) {
   }
 }
 
+/// Whether a constant, as a running cost, costs time.
+bool time_counts(const ProblemSpec& spec) {
+  return std::any_of(spec.phases.begin(), spec.phases.end(),
+                     [](const PhaseSpec& phase) { return phase.free_duration.has_value(); });
+}
+
 /// The columns of the rows by name: of the state where that has one, else of the control.
 std::optional<std::vector<LinearCombination>> find_combinations(const CostSpec& cost,
+                                                                const ProblemSpec& spec,
                                                                 const System& system,
                                                                 Diagnostics& out) {
   std::vector<std::string> known{"constant"};
@@ -78,7 +85,8 @@ std::optional<std::vector<LinearCombination>> find_combinations(const CostSpec& 
         row.terms.back().factor = factor;
       }
     }
-    if (!row.terms.empty() || !good) continue;
+    const bool costs_time = row.constant != 0 && time_counts(spec);
+    if (!row.terms.empty() || costs_time || !good) continue;
     out.error(cost.residual.place, "a row combines nothing", "give the factor of a column");
     good = false;
   }
@@ -276,7 +284,7 @@ std::optional<CostResidual> make_cost_residual(const CostSpec& cost, const Probl
       std::vector<std::string> rows;
       for (std::size_t i = 0; i < cost.combinations.size(); ++i)
         rows.push_back(std::to_string(i + 1));
-      if (auto combinations = find_combinations(cost, system, out))
+      if (auto combinations = find_combinations(cost, spec, system, out))
         result.residual = combination_residual(ndx, std::move(*combinations));
       result.rows = {"rows", std::move(rows)};
       break;

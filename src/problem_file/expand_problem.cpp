@@ -26,6 +26,7 @@ void expand_plant(const ProblemSpec& spec, OrderedJson& json) {
 
 OrderedJson expand_choice(const ChoiceSpec& choice) {
   if (choice.coordinates.form != ComponentsSpec::Form::kMap) return "all";
+  if (choice.coordinates.map.empty()) return "none";
   OrderedJson names = OrderedJson::array();
   for (const auto& entry : choice.coordinates.map) names.push_back(entry.first.value);
   return names;
@@ -52,6 +53,9 @@ OrderedJson expand_phases(const ProblemSpec& spec) {
         entry["refine"] = {{"first", phase.refine->first},
                            {"last", phase.refine->last},
                            {"ratio", phase.refine->ratio}};
+      if (phase.free_duration)
+        entry["free_duration"] = {{"lower", phase.free_duration->lower},
+                                  {"upper", phase.free_duration->upper}};
       if (!spec.contacts.empty()) entry["contacts"] = expand_contact_names(phase.contacts, spec);
     }
     entry["weights"] = expand_numbers(phase.weights);

@@ -3,33 +3,17 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
-#include <random>
 
 #include <fmt/format.h>
 
 #include "ocp/stepping_residual.hpp"
+#include "problem_file/normal_numbers.hpp"
 
 namespace conddp {
 namespace {
 
 using States = GuessSpec::States;
 using Controls = GuessSpec::Controls;
-
-/// Normal numbers by Box and Muller, so that a seed gives the same ones with every standard
-/// library.
-class NormalNumbers {
- public:
-  explicit NormalNumbers(std::uint64_t seed) : engine_(seed) {}
-  double next() {
-    const double radius = std::sqrt(-2 * std::log(1 - uniform()));
-    return radius * std::cos(2 * std::numbers::pi * uniform());
-  }
-
- private:
-  double uniform() { return static_cast<double>(engine_() >> 11) * 0x1p-53; }
-  std::mt19937_64 engine_;
-};
 
 class GuessBuilder {
  public:
@@ -65,9 +49,14 @@ class GuessBuilder {
     const KnotModel& model = *problem_.knot(0).model;
     Eigen::VectorXd off(manifold.ndx());
     manifold.difference(trajectory.x(0).data(), trajectory.x(1).data(), off.data());
+    Eigen::VectorXd asked(problem_.nu(0));
+    for (std::size_t i = 0; i < plant_.start->coordinates.size(); ++i)
+      asked[i] = off[plant_.start->coordinates[i]];
+    for (std::size_t p = 0; p < problem_.phases().size(); ++p)
+      if (const auto& free = problem_.phases()[p].model->free_duration())
+        asked[free->memory] = durations_.empty() ? free->written : durations_[p];
     for (int i = 0; i < problem_.nu(0); ++i)
-      trajectory.u(0)[i] = std::clamp(off[plant_.start->coordinates[i]], model.control_lower()[i],
-                                      model.control_upper()[i]);
+      trajectory.u(0)[i] = std::clamp(asked[i], model.control_lower()[i], model.control_upper()[i]);
   }
   double time(int k) const { return problem_.times()[k]; }
 
@@ -261,8 +250,31 @@ class GuessBuilder {
     std::optional<DataTable>& table = entry->second;
     if (!fresh) return table;
     table = load_data_table(file.path, file.file.place, out_);
-    if (table && table->state_columns) warn_of_duration(file, table->times.back());
+    if (table && table->state_columns && !take_durations(*table))
+      warn_of_duration(file, table->times.back());
     return table;
+  }
+
+  /// A former solution with as many nodes at different times tells how long phases lasted whose
+  /// duration is free; its nodes are those of this problem.
+  bool take_durations(DataTable& table) {
+    if (!problem_.has_free_durations()) return false;
+    std::vector<double> times;
+    std::vector<std::size_t> row;  // of each node
+    for (const double t : problem_.times()) {
+      if (times.empty() || t != times.back()) times.push_back(t);
+      row.push_back(times.size() - 1);
+    }
+    if (table.times.size() != times.size()) return false;
+    durations_.clear();
+    int first = 0;
+    for (const Phase& phase : problem_.phases()) {
+      const int last = first + phase.knots();
+      durations_.push_back(table.times[row[last]] - table.times[row[first]]);
+      first = last;
+    }
+    table.times = std::move(times);
+    return true;
   }
 
   void warn_of_duration(const DataFileSpec& file, double lasts) {
@@ -322,6 +334,7 @@ class GuessBuilder {
     int knots = 0, control = -1;
     double worst = 0;
     for (int k = 0; k < problem_.knots(); ++k) {
+      if (!has_controls(k)) continue;
       const KnotModel& model = *problem_.knot(k).model;
       bool cut = false;
       for (int i = 0; i < problem_.nu(k); ++i) {
@@ -373,6 +386,7 @@ class GuessBuilder {
   GuessUsed& used_;
   Diagnostics& out_;
   std::map<std::filesystem::path, std::optional<DataTable>> tables_;
+  std::vector<double> durations_;  ///< of a former solution's phases, s
 };
 
 }  // namespace

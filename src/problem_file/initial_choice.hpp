@@ -4,18 +4,20 @@
 #include <optional>
 #include <vector>
 
+#include "ocp/knot_model.hpp"
 #include "problem_file/plant.hpp"
 #include "systems/initial_choice.hpp"
 
 namespace conddp {
 
-/// How a first knot without time chooses the initial state.
+/// How a first knot without time chooses the initial state, and how long phases last.
 struct InitialChoice {
   std::shared_ptr<const System> system;
-  std::vector<double> state;         ///< from which
-  std::vector<int> coordinates;      ///< tangent coordinates that it moves
-  std::vector<double> lower, upper;  ///< of the displacement
-  bool remembered = false;           ///< all later nodes know what was chosen
+  std::vector<double> state;                           ///< from which
+  std::vector<int> coordinates;                        ///< tangent coordinates that it moves
+  std::vector<double> lower, upper;                    ///< of the displacement, then of durations
+  bool remembered = false;                             ///< all later nodes know what was chosen
+  std::vector<std::optional<FreeDuration>> durations;  ///< by phase
 };
 
 struct BuiltInitialChoice {

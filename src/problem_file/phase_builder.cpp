@@ -241,7 +241,7 @@ std::vector<Phase> build_phases(const PhaseContext& context, const KnotContents&
     switches.push_back(schedule(context, constraint.function, false, out));
   if (out.has_errors()) return {};
   using Structure = std::tuple<std::vector<int>, std::vector<int>, std::vector<double>,
-                               std::vector<double>, const System*>;
+                               std::vector<double>, const System*, int>;
   std::map<Structure, std::shared_ptr<const KnotModel>> models;
   std::vector<Phase> phases;
   int first = 0;
@@ -256,7 +256,9 @@ std::vector<Phase> build_phases(const PhaseContext& context, const KnotContents&
     const std::vector<int> active = active_in(weights, first, n);
     const std::vector<int> kept = active_in(switches, first, n);
     const auto& system = context.contacts.system(p);
-    auto& model = models[{active, kept, bounds.lower[p], bounds.upper[p], system.get()}];
+    const std::optional<FreeDuration> duration = context.free_duration(p);
+    auto& model = models[{active, kept, bounds.lower[p], bounds.upper[p], system.get(),
+                          duration ? duration->memory : -1}];
     if (!model) {
       const bool impulse = given.restitution.has_value();
       auto fresh =
@@ -270,6 +272,7 @@ std::vector<Phase> build_phases(const PhaseContext& context, const KnotContents&
             make_term(constraints[c], residual_in(constraints[c].function, context, p)));
       if (context.stepping) add_stepping_terms(context.stepping, *fresh);
       if (!impulse) fresh->set_control_bounds(bounds.lower[p], bounds.upper[p]);
+      if (duration) fresh->set_free_duration(*duration);
       model = std::move(fresh);
     }
     Phase phase{.name = given.name.value, .model = model};

@@ -38,6 +38,9 @@ struct PhaseContext {
   std::shared_ptr<const SteppingSystem> stepping;
   const InitialChoice* start = nullptr;  ///< how the initial state is chosen, null: it is given
 
+  std::optional<FreeDuration> free_duration(std::size_t phase) const {
+    return start ? start->durations[phase] : std::nullopt;
+  }
   int held_memory() const { return start && start->remembered ? start->system->nu() : 0; }
 };
 

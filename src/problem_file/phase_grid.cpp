@@ -1,6 +1,7 @@
 #include "problem_file/phase_grid.hpp"
 
 #include <cmath>
+#include <numeric>
 
 namespace conddp {
 
@@ -18,6 +19,11 @@ std::vector<double> phase_steps(const PhaseSpec& phase) {
   std::vector<double> steps = relative_steps(phase);
   for (double& step : steps) step *= phase.dt;
   return steps;
+}
+
+double phase_duration(const PhaseSpec& phase) {
+  const std::vector<double> steps = relative_steps(phase);
+  return phase.dt * std::accumulate(steps.begin(), steps.end(), 0.0);
 }
 
 }  // namespace conddp

@@ -16,19 +16,21 @@ void read_impulse(YamlMap& map, const YamlReader& impulse, PhaseSpec& phase) {
   phase.restitution = 0;
   static const NumberRange kRestitution{0, 1, false, false, "a number from 0 to 1"};
   map.number("restitution", *phase.restitution, kRestitution);
-  for (const char* key : {"knots", "dt", "duration", "refine", "contacts"})
+  for (const char* key : {"knots", "dt", "duration", "free_duration", "refine", "contacts"})
     if (const auto r = map.find(key))
       r->error(fmt::format("an impulse takes no time: it has no '{}'", key),
                "write '- {impulse: [contacts]}', and the phase after it as another entry");
 }
 
-/// `choose: all`, a name or a list of names of tangent coordinates, which may end in `*`.
+/// `choose: all`, `none`, a name or a list of names of tangent coordinates, which may end in `*`.
 void read_choice(YamlMap& map, const YamlReader& choose, PhaseSpec& phase) {
   phase.knots = {1, choose.place()};
   ChoiceSpec choice;
   choice.coordinates.place = choose.place();
   if (choose.is_scalar() && choose.node().text == "all") {
     choice.coordinates.scalar = 1;
+  } else if (choose.is_scalar() && choose.node().text == "none") {
+    choice.coordinates.form = ComponentsSpec::Form::kMap;
   } else if (const auto names = choose.name_or_names()) {
     choice.coordinates.form = ComponentsSpec::Form::kMap;
     for (const Name& name : *names) choice.coordinates.map.emplace_back(name, 1.0);
@@ -36,7 +38,7 @@ void read_choice(YamlMap& map, const YamlReader& choose, PhaseSpec& phase) {
   if (const auto r = map.find("lower")) choice.lower = read_components(*r);
   if (const auto r = map.find("upper")) choice.upper = read_components(*r);
   for (const char* key :
-       {"knots", "dt", "duration", "refine", "contacts", "restitution", "weights"})
+       {"knots", "dt", "duration", "free_duration", "refine", "contacts", "restitution", "weights"})
     if (const auto r = map.find(key))
       r->error(fmt::format("the choice of the initial state takes no time: it has no '{}'", key),
                "write '- {choose: all}', and the phase after it as another entry");
@@ -58,6 +60,21 @@ RefineSpec read_refine(const YamlReader& reader, int knots) {
     reader.error("nothing is refined", "give 'first', 'last' or both");
   }
   return refine;
+}
+
+/// By default a phase lasts between a tenth and ten times as long as the file says.
+FreeDurationSpec read_free_duration(const YamlReader& reader, double written) {
+  constexpr double kMost = 10;
+  FreeDurationSpec free{reader.place(), written / kMost, written * kMost};
+  YamlMap map(reader, "write '{lower: 0.5, upper: 2}', in s");
+  map.number("lower", free.lower, kPositive);
+  map.number("upper", free.upper, kPositive);
+  if (map.valid() && written > 0 && !(free.lower <= written && written <= free.upper))
+    reader.error(
+        fmt::format("the phase lasts {:.6g} s as it is written, which does not lie between "
+                    "{:.6g} and {:.6g}",
+                    written, free.lower, free.upper));
+  return free;
 }
 
 PhaseSpec read_phase(const YamlReader& reader, std::size_t index) {
@@ -92,6 +109,8 @@ PhaseSpec read_phase(const YamlReader& reader, std::size_t index) {
     phase.dt = duration / std::accumulate(steps.begin(), steps.end(), 0.0);
   }
   map.number("dt", phase.dt, kPositive);
+  if (const auto r = map.find("free_duration"))
+    phase.free_duration = read_free_duration(*r, phase_duration(phase));
   if (map.valid() && !map.find("duration") && !map.find("dt"))
     reader.error("a phase needs 'dt', the time step in s, or 'duration'");
   return phase;

@@ -26,12 +26,19 @@ struct ChoiceSpec {
   std::optional<ComponentsSpec> lower, upper;  ///< of the displacement, in the coordinates' units
 };
 
+/// Within which bounds a phase may last as long as the solver likes, s.
+struct FreeDurationSpec {
+  Place place;
+  double lower = 0, upper = 0;
+};
+
 /// A run of knots: all that the file says about it.
 struct PhaseSpec {
   Name name;
   Located<int> knots;
   double dt = 0;  ///< regular step, s; 0 of an impulse
   std::optional<RefineSpec> refine;
+  std::optional<FreeDurationSpec> free_duration;
   ContactNames contacts;
   /// Of an impulse at the contacts: one knot that takes no time.
   std::optional<double> restitution;

@@ -7,19 +7,17 @@ namespace {
 
 class InitialChoice : public ClosedFormSystem<InitialChoice> {
  public:
-  InitialChoice(const System& of, std::vector<int> coordinates,
-                const std::vector<std::string>& names)
-      : ClosedFormSystem(SystemKind::first_order, of.manifold(),
-                         static_cast<int>(coordinates.size())),
+  InitialChoice(const System& of, std::vector<int> coordinates, std::vector<Column> controls)
+      : ClosedFormSystem(SystemKind::first_order, of.manifold(), static_cast<int>(controls.size())),
         coordinates_(std::move(coordinates)) {
     state_columns_ = of.state_columns();
-    for (const std::string& name : names) control_columns_.push_back({name, ""});
+    control_columns_ = std::move(controls);
   }
 
   template <class S>
   void rate(const S*, const S* u, S* f) const {
     for (int i = 0; i < ndx(); ++i) f[i] = S(0.0);
-    for (int i = 0; i < nu(); ++i) f[coordinates_[i]] = u[i];
+    for (std::size_t i = 0; i < coordinates_.size(); ++i) f[coordinates_[i]] = u[i];
   }
 
  private:
@@ -29,8 +27,8 @@ class InitialChoice : public ClosedFormSystem<InitialChoice> {
 }  // namespace
 
 std::shared_ptr<const System> initial_choice(const System& of, const std::vector<int>& coordinates,
-                                             const std::vector<std::string>& names) {
-  return std::make_shared<InitialChoice>(of, coordinates, names);
+                                             const std::vector<Column>& controls) {
+  return std::make_shared<InitialChoice>(of, coordinates, controls);
 }
 
 }  // namespace conddp

@@ -147,6 +147,14 @@ terminal:
   costs: {near: {residual: cycle}}
 solver: {name: altro}
 )");
+  texts.push_back(R"(conddp: 1
+system: {type: pendulum}
+initial_state: {}
+phases: [{name: start, choose: none}, {knots: 3, dt: 0.1, free_duration: {}},
+         {knots: 4, duration: 2, refine: {first: 1}, free_duration: {lower: 0.5}}]
+costs: {time: {residual: combination, rows: {constant: 1}}}
+solver: {name: ipopt}
+)");
   const std::string_view legged = R"(conddp: 1
 robot: {urdf: robots/quadruped.urdf, base: floating}
 contacts:

@@ -16,12 +16,17 @@ SolveResult solve_ready(const ReadyProblem& ready) {
   return solve(*ready.built.problem, "ipopt", ready.spec.solver.options, ready.built.guess);
 }
 
+/// The first knot that takes time.
+int first_step(const ReadyProblem& ready) {
+  return ready.built.problem->phases().front().instant ? 1 : 0;
+}
+
 /// Largest |min(z, s)| of all pairs, and largest penetration at the knots, measured on the robot.
 void expect_exact_contacts(const ReadyProblem& ready, const SolveResult& result) {
   EXPECT_EQ(result.status, SolveStatus::converged) << result.message;
   const SteppingSystem& system = *ready.built.plant.stepping;
   RobotData<double> data(system.multibody().robot());
-  for (int k = 0; k < result.trajectory.knots(); ++k) {
+  for (int k = first_step(ready); k < result.trajectory.knots(); ++k) {
     for (const auto& [z, s] : system.layout().pairs)
       EXPECT_LE(std::abs(std::min(result.trajectory.u(k)[z], result.trajectory.u(k)[s])), kMinForm)
           << system.layout().columns[z].name << " at knot " << k;
@@ -87,7 +92,7 @@ TEST_P(FindsItsContacts, Exactly) {
   if (seed) {
     RandomNumbers random(*seed);
     const int actuators = ready.built.plant.stepping->layout().actuators;
-    for (int k = 0; k < start.knots(); ++k)
+    for (int k = first_step(ready); k < start.knots(); ++k)
       for (int i = 0; i < actuators; ++i) start.u(k)[i] += random.uniform(-0.1, 0.1);
   }
   const SolveResult result = solve(*ready.built.problem, "ipopt", ready.spec.solver.options, start);
@@ -103,7 +108,8 @@ INSTANTIATE_TEST_SUITE_P(
     Ready, FindsItsContacts,
     ::testing::Combine(
         ::testing::Values("block_slope", "block_drag", "cartpole_friction", "cartpole_walls",
-                          "push_box", "finger_spinner", "acrobot_limits"),
+                          "push_box", "finger_spinner", "acrobot_limits", "planar_biped_gait",
+                          "planar_quadruped_gait"),
         ::testing::Values(std::optional<int>(), std::optional<int>(1), std::optional<int>(2))),
     case_name);
 
@@ -132,6 +138,64 @@ TEST(FootedHopper, LeavesTheGroundAndArrives) {
     flying += std::all_of(candidates.begin(), candidates.end(),
                           [&](const auto& c) { return result.trajectory.u(k)[c.gap] > 0.1; });
   EXPECT_GT(flying, 20);
+}
+
+/// What a foot does over a cycle.
+struct Steps {
+  int in_the_air = 0;      ///< knots
+  int lifts = 0;           ///< how often it leaves the ground, the last knot before the first
+  double highest = 0;      ///< m
+  double slid = 0;         ///< m, while it touched the ground
+  double borne_there = 0;  ///< the largest normal force meanwhile, N
+};
+
+Steps steps_of(const ReadyProblem& ready, const SolveResult& result,
+               const SteppingLayout::Candidate& foot) {
+  constexpr double kOff = 1e-5, kSlides = 1e-3;  // m, m/s
+  Steps steps;
+  const int last = result.trajectory.knots() - 1, first = first_step(ready);
+  const auto gap = [&](int k) { return result.trajectory.u(k)[foot.gap]; };
+  for (int k = first; k <= last; ++k) {
+    const auto u = result.trajectory.u(k);
+    steps.highest = std::max(steps.highest, gap(k));
+    if (gap(k) > kOff) {
+      ++steps.in_the_air;
+      steps.lifts += gap(k == first ? last : k - 1) <= kOff;
+      continue;
+    }
+    const double slip = 0.5 * (u[foot.friction.slip[0]] - u[foot.friction.slip[1]]);
+    steps.slid += std::abs(slip) * ready.built.problem->knot(k).dt;
+    if (std::abs(slip) > kSlides) steps.borne_there = std::max(steps.borne_there, u[foot.force]);
+  }
+  return steps;
+}
+
+TEST(PlanarBiped, StepsAndDoesNotSlide) {
+  const ReadyProblem ready("planar_biped_gait");
+  const SolveResult result = solve_ready(ready);
+  expect_exact_contacts(ready, result);
+  for (const auto& foot : ready.built.plant.stepping->layout().candidates) {
+    const Steps steps = steps_of(ready, result, foot);
+    EXPECT_EQ(steps.lifts, 1);
+    EXPECT_GE(steps.in_the_air, 5);
+    EXPECT_GE(steps.highest, 0.05 - 1e-6);
+    EXPECT_LT(steps.slid, 1e-3);
+  }
+}
+
+/// Diagonal pairs take turns. Hind feet slide for a step before they lift, with little load.
+TEST(PlanarQuadruped, TrotsAndHardlySlides) {
+  const ReadyProblem ready("planar_quadruped_gait");
+  const SolveResult result = solve_ready(ready);
+  expect_exact_contacts(ready, result);
+  for (const auto& foot : ready.built.plant.stepping->layout().candidates) {
+    const Steps steps = steps_of(ready, result, foot);
+    EXPECT_EQ(steps.lifts, 1);
+    EXPECT_GE(steps.in_the_air, 8);
+    EXPECT_GE(steps.highest, 0.03 - 1e-6);
+    EXPECT_LT(steps.slid, 0.03);
+    EXPECT_LT(steps.borne_there, 0.2 * 11.6 * 9.81);
+  }
 }
 
 TEST(PushedRoundAPost, Arrives) {

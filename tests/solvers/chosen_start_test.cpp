@@ -22,8 +22,8 @@ std::vector<double> plain(const Eigen::VectorXd& v) { return {v.data(), v.data()
 ShootingProblem choosing(const LinearQuadratic& lq, double reach, const Link& link) {
   const int n = lq.nx;
   std::vector<int> all(n);
-  std::vector<std::string> names;
-  for (int i = 0; i < n; ++i) all[i] = i, names.push_back(std::to_string(i));
+  std::vector<Column> names;
+  for (int i = 0; i < n; ++i) all[i] = i, names.push_back({std::to_string(i), ""});
   const auto first = initial_choice(lq.problem->knot(0).model->system(), all, names);
   auto choice = std::make_shared<KnotModel>(first, Integrator::explicit_euler, true);
   choice->set_control_bounds(std::vector<double>(n, -reach), std::vector<double>(n, reach));

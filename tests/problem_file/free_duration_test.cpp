@@ -1,0 +1,240 @@
+// Phases that last as long as the solver likes.
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+#include <gtest/gtest.h>
+
+#include "analysis/derivative_check.hpp"
+#include "analysis/replay.hpp"
+#include "ocp/acts.hpp"
+#include "problem_text.hpp"
+#include "solvers/registry.hpp"
+
+namespace conddp {
+namespace {
+
+/// A mass moves one metre from rest to rest, as fast as its force allows.
+const std::string kFastest = R"(conddp: 1
+system: {type: double_integrator, dimension: 1}
+initial_state: {state: [0, 0]}
+integrator: rk2
+phases:
+  - {name: start, choose: none}
+  - {name: push, knots: 10, duration: 1, free_duration: {lower: 0.1, upper: 10}}
+  - {name: brake, knots: 10, duration: 1, free_duration: {}}
+costs:
+  time: {residual: combination, rows: {constant: 1}, weight: 2}
+constraints:
+  force: {bounds: control, lower: -1, upper: 2}
+terminal:
+  constraints:
+    there: {residual: state, reference: [1, 0]}
+solver: {name: ipopt}
+)";
+
+/// The small pendulum, whose second phase has a free duration and costs that grow with it.
+const std::string kFreePendulum =
+    replaced(replaced(replaced(kPendulum, "name: box_ddp", "name: ipopt"), "phases:\n",
+                      "phases:\n  - {name: start, choose: omega, lower: -1, upper: 1}\n"),
+             "dt: 0.05}", "dt: 0.05, free_duration: {lower: 0.1, upper: 2}}");
+
+/// All of a robot that floats, with the duration of one phase free.
+std::string floating(const std::string& integrator) {
+  return "conddp: 1\nrobot:\n  urdf: robots/free_body.urdf\n  base: floating\n"
+         "  actuation: {thrusters: [{name: a, frame: body}, "
+         "{name: b, frame: body, direction: [1, 2, 3]}]}\n"
+         "initial_state: {base: {position: [1, 2, 3], rpy: [0.3, -0.2, 0.5]}}\n"
+         "integrator: " +
+         integrator +
+         "\nphases:\n  - {name: start, choose: \"base/v*\"}\n"
+         "  - {name: free, knots: 3, dt: 0.1, free_duration: {}}\n"
+         "  - {name: given, knots: 2, dt: 0.2}\n"
+         "costs: {effort: {residual: control, weight: 0.3}, way: {residual: state}}\n"
+         "solver: {name: ipopt}\n";
+}
+
+TEST(FreeDuration, IsChosenAtFirstAndHeld) {
+  const Loaded loaded(kFastest);
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const ShootingProblem& problem = *loaded.built->problem;
+  EXPECT_EQ(problem.nx(), 4);
+  EXPECT_EQ(problem.nu(0), 2);
+  EXPECT_EQ(problem.knot(0).model->control_lower(), (std::vector<double>{0.1, 0.1}));
+  EXPECT_EQ(problem.knot(0).model->control_upper(), (std::vector<double>{10, 10}));
+  Trajectory t = loaded.built->guess;
+  EXPECT_EQ(t.u(0)[0], 1);
+  EXPECT_EQ(t.x(7)[3], 1);
+  t.u(0) << 2, 0.5;
+  ASSERT_EQ(Acts(problem).simulate(t), -1);
+  const std::vector<double> times = problem.times(t);
+  EXPECT_NEAR(times[1], 0, 1e-15);
+  EXPECT_NEAR(times[6], 1, 1e-12);
+  EXPECT_NEAR(times[11], 2, 1e-12);
+  EXPECT_NEAR(times[21], 2.5, 1e-12);
+  EXPECT_EQ(problem.times()[21], 2) << "as the file has it";
+  EXPECT_EQ(loaded.built->state_columns[2].name, "start/duration/push");
+  EXPECT_EQ(loaded.built->state_columns[3].unit, "s");
+}
+
+TEST(FreeDuration, StepsAreThoseOfThatDuration) {
+  for (const char* integrator : {"semi_implicit_euler", "explicit_euler", "rk2", "rk3", "rk4"}) {
+    const std::string text = floating(integrator);
+    const Loaded free(text), longer(replaced(text, "knots: 3, dt: 0.1", "knots: 3, dt: 0.25"));
+    ASSERT_TRUE(free.built && longer.built) << free.all() << longer.all();
+    const auto end = [](const Loaded& loaded) {
+      Trajectory t = loaded.built->guess;
+      for (int k = 0; k < t.knots(); ++k)
+        for (int i = 0; i < t.u(k).size(); ++i) t.u(k)[i] = std::sin(1 + 3 * k + i);
+      t.u(0).tail(1)[0] = 0.75;
+      EXPECT_EQ(Acts(*loaded.built->problem).simulate(t), -1);
+      Evaluation values(*loaded.built->problem);
+      Acts(*loaded.built->problem).evaluate(t, values);
+      return std::pair(Eigen::VectorXd(t.x(t.knots())), values.cost.sum());
+    };
+    EXPECT_LT((end(free).first - end(longer).first).cwiseAbs().maxCoeff(), 1e-13) << integrator;
+    EXPECT_NEAR(end(free).second, end(longer).second, 1e-12 * end(free).second) << integrator;
+  }
+}
+
+TEST(FreeDuration, HasTheDerivativesOfDualNumbers) {
+  for (const std::string& text :
+       {kFastest, kFreePendulum, replaced(kFreePendulum, "rk4", "rk3"),
+        replaced(kFreePendulum, "integrator: rk4", "integrator: rk4\nrunning_costs: sum"),
+        floating("semi_implicit_euler"), floating("explicit_euler"), floating("rk4")}) {
+    const Loaded loaded(text);
+    ASSERT_TRUE(loaded.built) << loaded.all();
+    for (const DerivativeComparison& c :
+         check_derivatives(*loaded.built->problem, loaded.built->guess))
+      EXPECT_LT(c.error, 1e-9) << "phase " << c.phase << ", row " << c.row << ", column "
+                               << c.column << text;
+  }
+}
+
+/// With forces of at most 2 forwards and 1 backwards the mass is pushed for √(1/3) s and braked for
+/// twice as long.
+TEST(FreeDuration, OfADoubleIntegratorIsThatOfFullThrustAndFullBrakes) {
+  const Loaded loaded(kFastest);
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const SolveResult result =
+      solve(*loaded.built->problem, "ipopt", loaded.spec->solver.options, loaded.built->guess);
+  ASSERT_EQ(result.status, SolveStatus::converged) << result.message;
+  EXPECT_NEAR(result.cost, std::sqrt(3), 1e-7);
+  EXPECT_NEAR(loaded.built->problem->times(result.trajectory).back(), result.cost, 1e-7);
+  double forwards = 0, backwards = 0;
+  const std::vector<double> times = loaded.built->problem->times(result.trajectory);
+  for (int k = 1; k < result.trajectory.knots(); ++k) {
+    const double force = result.trajectory.u(k)[0], step = times[k + 1] - times[k];
+    (force > 0 ? forwards : backwards) += std::abs(force) * step;
+  }
+  EXPECT_NEAR(forwards, 2 / std::sqrt(3), 1e-6);
+  EXPECT_NEAR(backwards, 2 / std::sqrt(3), 1e-6);
+}
+
+/// The best duration is one that cannot be improved upon by giving another.
+TEST(FreeDuration, IsTheBestOne) {
+  const std::string costs = replaced(
+      kFreePendulum, "costs:\n",
+      "costs:\n  time: {residual: combination, rows: {constant: 1, theta: 0}, weight: 0.3}\n");
+  const std::string text = replaced(costs, "choose: omega, lower: -1, upper: 1", "choose: none");
+  for (const char* solver : {"box_fddp", "altro", "proxddp", "ipopt"}) {
+    const Loaded free(text);
+    ASSERT_TRUE(free.built) << free.all();
+    const SolveResult best = solve(*free.built->problem, solver, {}, free.built->guess);
+    ASSERT_EQ(best.status, SolveStatus::converged) << solver << ": " << best.message;
+    const double duration = best.trajectory.u(0)[0];
+    EXPECT_GT(duration, 0.11) << solver;
+    EXPECT_LT(duration, 1.9) << solver;
+    for (const double factor : {1.0, 0.97, 1.03}) {
+      const std::string fixed_text =
+          replaced(replaced(text, "  - {name: start, choose: none}\n", ""),
+                   "dt: 0.05, free_duration: {lower: 0.1, upper: 2}",
+                   "duration: " + std::to_string(duration * factor));
+      const Loaded fixed(fixed_text);
+      ASSERT_TRUE(fixed.built) << fixed.all();
+      const SolveResult other = solve(*fixed.built->problem, "ipopt", {}, fixed.built->guess);
+      ASSERT_EQ(other.status, SolveStatus::converged) << other.message;
+      if (factor == 1)
+        EXPECT_NEAR(other.cost, best.cost, 1e-6 * best.cost) << solver;
+      else
+        EXPECT_GT(other.cost, best.cost * (1 + 1e-5)) << solver;
+    }
+  }
+}
+
+/// A hopper whose hop is periodic, with contacts, flight and an impact, chooses its first state and
+/// how long it pushes, flies and catches itself.
+TEST(FreeDuration, OfAHopperWithContactsAndAnImpact) {
+  std::stringstream file;
+  file << std::ifstream(kProblems / "hopper_cycle.yaml").rdbuf();
+  std::string text = file.str();
+  const std::string bounds = ", free_duration: {lower: 0.1, upper: 0.4}}";
+  text = replaced(text, "knots: 20, dt: 0.01, contacts: all}",
+                  "knots: 20, dt: 0.01, contacts: all" + bounds);
+  text = replaced(text, "knots: 25, dt: 0.01}", "knots: 25, dt: 0.01" + bounds);
+  text = replaced(
+      text,
+      "phases: flight, weight: 100,\n               swing: {height: 0.08, step: [0.3, 0, 0]}}",
+      "phases: flight, weight: 0.1, reference: [0, 0, 0.1]}");
+  const Loaded loaded(text);
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  for (const DerivativeComparison& c :
+       check_derivatives(*loaded.built->problem, loaded.built->guess))
+    EXPECT_LT(c.error, 1e-6) << "phase " << c.phase << ", row " << c.row << ", column " << c.column;
+  const SolveResult result =
+      solve(*loaded.built->problem, "altro", loaded.spec->solver.options, loaded.built->guess);
+  ASSERT_EQ(result.status, SolveStatus::converged) << result.message;
+  const std::vector<double> times = loaded.built->problem->times(result.trajectory);
+  EXPECT_NEAR(times[46] - times[21], result.trajectory.u(0).tail(1)[0], 1e-9) << "the flight";
+  EXPECT_LT(times.back(), 0.5) << "shorter than the 0.6 s of the file";
+}
+
+TEST(FreeDuration, BeginsWithThatOfAFormerSolution) {
+  const std::filesystem::path file = ::testing::TempDir() + "free_duration.json";
+  std::ofstream(file) << R"({"format": "conddp.solution/1", "trajectory": {
+    "columns": {"x": ["q/0", "v/0", "start/duration/push", "start/duration/brake"], "u": ["u/0"]},
+    "t": [0, 0, 0.3, 0.6, 1.1, 1.6],
+    "x": [[0, 0, 0, 0], [0, 0, 0.6, 1], [1, 2, 0.6, 1], [3, 4, 0.6, 1], [5, 6, 0.6, 1],
+          [7, 8, 0.6, 1]],
+    "u": [[0.6, 1], [2], [2], [-1], [-0.5]]}})";
+  const std::string text =
+      replaced(replaced(kFastest, "knots: 10", "knots: 2"), "knots: 10", "knots: 2");
+  const Loaded loaded(text + "initial_guess: {file: " + file.string() + "}\n");
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const Trajectory& guess = loaded.built->guess;
+  EXPECT_DOUBLE_EQ(guess.u(0)[0], 0.6);
+  EXPECT_DOUBLE_EQ(guess.u(0)[1], 1);
+  for (int k = 1; k <= 5; ++k) {
+    EXPECT_DOUBLE_EQ(guess.x(k)[2], 0.6);
+    EXPECT_DOUBLE_EQ(guess.x(k)[3], 1);
+  }
+  for (int k = 2; k <= 5; ++k) EXPECT_DOUBLE_EQ(guess.x(k)[0], 2 * k - 3) << "node by node";
+  EXPECT_EQ(guess.u(4)[0], -0.5);
+  EXPECT_EQ(loaded.diagnostics.list().size(), 0u) << loaded.all();
+}
+
+/// The choice is no control that a guess could hold against gravity or cut off.
+TEST(FreeDuration, LeavesGuessedControlsAlone) {
+  const std::string torque = "constraints:\n  force: {bounds: control, lower: -5, upper: 5}\n";
+  const std::string text = replaced(
+      floating("rk4"), "solver:", torque + "initial_guess: {controls: quasi_static}\nsolver:");
+  const Loaded loaded(text);
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  EXPECT_DOUBLE_EQ(loaded.built->guess.u(0).tail(1)[0], 0.3);
+}
+
+TEST(FreeDuration, IsReplayedInItsOwnTime) {
+  const Loaded loaded(kFreePendulum);
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const SolveResult result =
+      solve(*loaded.built->problem, "ipopt", loaded.spec->solver.options, loaded.built->guess);
+  ASSERT_EQ(result.status, SolveStatus::converged) << result.message;
+  const double written = 0.3;
+  ASSERT_GT(std::abs(result.trajectory.u(0)[1] - written), 0.05);
+  const Replay replayed = replay(*loaded.built->problem, result.trajectory, result.feedback.K, 1);
+  EXPECT_LT(replayed.controls.deviation, 1e-7);
+  EXPECT_LT(replayed.feedback.deviation, 1e-7);
+}
+
+}  // namespace
+}  // namespace conddp
