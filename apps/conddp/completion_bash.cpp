@@ -7,7 +7,7 @@ namespace conddp {
 namespace {
 
 /// What a case of the script does for a value.
-std::string action(const OptionDoc& option) {
+std::string bash_action(const OptionDoc& option) {
   if (!option.choices.empty()) return fmt::format("words='{}'", fmt::join(option.choices, " "));
   if (option.folder) return "folders=1";
   if (!option.suffixes.empty())
@@ -57,7 +57,7 @@ std::string bash_completion(const CommandDoc& root) {
     for (std::size_t i = 0; i < command.positionals.size(); ++i)
       places += fmt::format("      '{} '{}) {} ;;\n", command.short_name(),
                             command.positionals[i].repeatable ? "*" : std::to_string(i),
-                            action(command.positionals[i]));
+                            bash_action(command.positionals[i]));
   }
   const auto waits = [](const OptionDoc&) { return "flag=$word"; };
   return fmt::format(R"(# bash completion of conddp, written by 'conddp completion bash'
@@ -102,7 +102,7 @@ _conddp() {{
 }}
 complete -F _conddp conddp
 )",
-                     all_value_cases(root, waits), all_value_cases(root, action), flag_cases,
+                     all_value_cases(root, waits), all_value_cases(root, bash_action), flag_cases,
                      places);
 }
 

@@ -21,7 +21,7 @@ std::string escape(std::string_view text) {
 }
 
 /// ":message:action" of a value.
-std::string action(const OptionDoc& option) {
+std::string zsh_action(const OptionDoc& option) {
   const std::string message = ":" + escape(option.value);
   if (!option.choices.empty())
     return fmt::format("{}:({})", message, fmt::join(option.choices, " "));
@@ -38,13 +38,14 @@ std::string specifications(const CommandDoc& command, const std::string& margin)
       const std::string others =
           option.repeatable ? "*" : fmt::format("({})", fmt::join(option.names, " "));
       const bool equals = !option.value.empty() && name.starts_with("--");
-      text += fmt::format("{}'{}{}{}[{}]{}' \\\n", margin, others, name, equals ? "=" : "",
-                          escape(option.description), option.value.empty() ? "" : action(option));
+      text +=
+          fmt::format("{}'{}{}{}[{}]{}' \\\n", margin, others, name, equals ? "=" : "",
+                      escape(option.description), option.value.empty() ? "" : zsh_action(option));
     }
   for (std::size_t i = 0; i < command.positionals.size(); ++i)
     text += fmt::format("{}'{}{}' \\\n", margin,
                         command.positionals[i].repeatable ? "*" : std::to_string(i + 1),
-                        action(command.positionals[i]));
+                        zsh_action(command.positionals[i]));
   return text;
 }
 

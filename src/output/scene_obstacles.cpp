@@ -10,21 +10,22 @@
 namespace conddp {
 namespace {
 
-OrderedJson vector_json(const Vector3<double>& v) { return {v.x, v.y, v.z}; }
+OrderedJson coordinates_json(const Vector3<double>& v) { return {v.x, v.y, v.z}; }
 
 OrderedJson form_json(const SphereSpec& sphere) {
-  return {{"kind", "sphere"}, {"center", vector_json(sphere.center)}, {"radius", sphere.radius}};
+  return {
+      {"kind", "sphere"}, {"center", coordinates_json(sphere.center)}, {"radius", sphere.radius}};
 }
 OrderedJson form_json(const CapsuleSpec& capsule) {
   return {{"kind", "capsule"},
-          {"from", vector_json(capsule.from)},
-          {"to", vector_json(capsule.to)},
+          {"from", coordinates_json(capsule.from)},
+          {"to", coordinates_json(capsule.to)},
           {"radius", capsule.radius}};
 }
 OrderedJson form_json(const HalfSpaceSpec& half_space) {
   return {{"kind", "half_space"},
-          {"normal", vector_json(half_space.normal)},
-          {"point", vector_json(half_space.point)}};
+          {"normal", coordinates_json(half_space.normal)},
+          {"point", coordinates_json(half_space.point)}};
 }
 
 template <class Shape>
@@ -123,7 +124,7 @@ void append_round(const OnPosition& one, const ShootingProblem& problem, Ordered
   if (moves)
     json["centers"] = std::move(centers);
   else
-    json["center"] = vector_json(center);
+    json["center"] = coordinates_json(center);
   if (axes == 2)
     json["normal"] = {one.row[0] < 0 ? 1 : 0, one.row[1] < 0 ? 1 : 0, one.row[2] < 0 ? 1 : 0};
   for (const bool inside : {false, true}) {

@@ -2,11 +2,12 @@
 
 #include <fmt/format.h>
 
+#include "problem_file/row_names.hpp"
+
 namespace conddp {
 namespace {
 
 const std::vector<std::string> kWrenchNames = {"fx", "fy", "fz", "tx", "ty", "tz"};
-const std::vector<std::string> kTwistNames = {"vx", "vy", "vz", "wx", "wy", "wz"};
 const std::vector<std::string> kDirectionNames = {"normal", "tangent"};
 
 /// The normal in the world of a contact whose cone is asked for.

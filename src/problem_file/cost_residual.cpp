@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "problem_file/row_names.hpp"
 #include "problem_file/shape_pairs.hpp"
 #include "problem_file/time_series.hpp"
 #include "robot/near_names.hpp"
@@ -15,7 +16,6 @@ const std::vector<std::string> kPositionNames = {"x", "y", "z"};
 const std::vector<std::string> kRotationNames = {"rx", "ry", "rz"};
 const std::vector<std::string> kPoseNames = {"x", "y", "z", "rx", "ry", "rz"};
 const std::vector<std::string> kMomentumNames = {"px", "py", "pz", "lx", "ly", "lz"};
-const std::vector<std::string> kTwistNames = {"vx", "vy", "vz", "wx", "wy", "wz"};
 
 /// Whether a state index is a coordinate on its own: in a flat part, or of the position of a pose.
 bool is_coordinate(const StateManifold& manifold, int index) {
