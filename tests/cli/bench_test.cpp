@@ -13,8 +13,6 @@ namespace {
 using Json = nlohmann::json;
 using Words = std::vector<std::string>;
 
-const std::string kPendulum = source("problems/pendulum_swingup.yaml");
-
 /// What `bench --json` prints, one timed solve each.
 Json bench(const Words& more, const std::string& problem = kPendulum) {
   Words arguments = {"bench", problem, "--repeat", "0", "--json"};

@@ -12,7 +12,6 @@ namespace {
 using Json = nlohmann::json;
 
 const std::string kArm = source("problems/arm_reach.yaml");
-const std::string kPendulum = source("problems/pendulum_swingup.yaml");
 
 bool fits(const std::string& schema, const std::string& document) {
   const TemporaryFolder folder;

@@ -30,8 +30,6 @@ std::vector<Json> diagnostics(const std::vector<std::string>& arguments, int exi
   return list;
 }
 
-const std::string kPendulum = source("problems/pendulum_swingup.yaml");
-
 TEST(DiagnosticsJson, APlaceInAFile) {
   const TemporaryFolder folder;
   const std::string file = folder.write("p.yaml", "conddp: 1\nsytem: {type: pendulum}\n");

@@ -53,5 +53,7 @@ class TemporaryFolder {
 std::string read_file(const std::filesystem::path& file);
 /// A file of the source tree.
 std::string source(const std::string& name);
+/// A ready problem that is solved at once.
+inline const std::string kPendulum = source("problems/pendulum_swingup.yaml");
 
 }  // namespace conddp

@@ -9,7 +9,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-const std::string kPendulum = source("problems/pendulum_swingup.yaml");
 const std::string kGolden = source("tests/golden/pendulum_swingup.json");
 
 bool has(const std::string& text, const std::string& part) {

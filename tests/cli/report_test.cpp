@@ -6,8 +6,6 @@
 namespace conddp {
 namespace {
 
-const std::string kPendulum = source("problems/pendulum_swingup.yaml");
-
 /// The data in a page.
 nlohmann::json data_of(const std::filesystem::path& page) {
   const std::string text = read_file(page), open = "id=\"report-data\">";

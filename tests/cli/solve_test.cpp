@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "long_problem.hpp"
 #include "process.hpp"
 
 namespace conddp {
@@ -14,20 +15,7 @@ namespace {
 using Json = nlohmann::json;
 using Files = std::vector<std::string>;
 
-const std::string kPendulum = source("problems/pendulum_swingup.yaml");
 const Files kOutputs = {"iterations.csv", "solution.json", "trajectory.csv"};
-
-/// A problem that takes long: many knots, tolerances that cannot be reached.
-constexpr const char* kLong = R"(conddp: 1
-name: long
-system: {type: acrobot}
-initial_state: {values: {theta1: -1.5}}
-phases: [{knots: 4000, dt: 0.005}]
-costs: {effort: {residual: control, weight: 0.01}}
-terminal: {costs: {up: {residual: state, reference: [1.57, 0, 0, 0], weight: 100}}}
-initial_guess: {controls: {random: {seed: 1, scale: 1}}}
-solver: {name: ilqr, max_iterations: 1000000, tolerances: {stationarity: 1e-300}}
-)";
 
 TEST(Solve, ConvergesAndWritesItsFiles) {
   const TemporaryFolder folder;

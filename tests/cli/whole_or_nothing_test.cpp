@@ -16,7 +16,6 @@ namespace {
 using Json = nlohmann::json;
 using Contents = std::map<std::string, std::string>;
 
-const std::string kPendulum = source("problems/pendulum_swingup.yaml");
 const std::vector<std::string> kNames = {"iterations.csv", "solution.json", "trajectory.csv"};
 
 Contents contents(const std::filesystem::path& folder) {

@@ -15,7 +15,7 @@ namespace {
 
 using Data = MultibodySystem::Data<double>;
 
-class BringYourOwnLegs : public testing::TestWithParam<std::string> {};
+class BringYourOwnLegs : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(BringYourOwnLegs, StandMakeAStepAndStandAgain) {
   const auto urdf = foreign_robot_folder() / (GetParam() + ".urdf");
@@ -78,7 +78,7 @@ TEST_P(BringYourOwnLegs, StandMakeAStepAndStandAgain) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Robots, BringYourOwnLegs,
-                         testing::Values("hyq", "anymal_b", "solo12", "bolt", "talos_reduced"),
+                         ::testing::Values("hyq", "anymal_b", "solo12", "bolt", "talos_reduced"),
                          [](const auto& test) { return test.param; });
 
 }  // namespace

@@ -60,7 +60,7 @@ solver: {{name: box_fddp}}
                      reach.step, reach.frame, pose_text(model, reach.frame, reach.goal));
 }
 
-class BringYourOwn : public testing::TestWithParam<Reach> {};
+class BringYourOwn : public ::testing::TestWithParam<Reach> {};
 
 TEST_P(BringYourOwn, HandReachesItsPoseWithATorqueLimitActive) {
   const Reach& reach = GetParam();
@@ -101,24 +101,24 @@ TEST_P(BringYourOwn, HandReachesItsPoseWithATorqueLimitActive) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Arms, BringYourOwn,
-                         testing::Values(Reach{"panda",
-                                               "panda_hand",
-                                               {"panda_finger_joint1", "panda_finger_joint2"},
-                                               {0, -0.3, 0, -2, 0, 1.7, 0.8},
-                                               {0.8, 0.3, -0.2, -1.4, 0.4, 1.9, 0.2},
-                                               0.0025},
-                                         Reach{"ur5",
-                                               "tool0",
-                                               {},
-                                               {0, -1.2, 1.5, -0.3, 1.5, 0},
-                                               {1.0, -0.8, 1.0, 0.4, 1.0, 0.7},
-                                               0.0025},
-                                         Reach{"kinova",
-                                               "j2s6s200_end_effector",
-                                               {},
-                                               {0, 2.9, 1.5, 0, 1.8, 0},
-                                               {1.0, 2.4, 2.2, 0.8, 2.4, 0.6},
-                                               0.0015}),
+                         ::testing::Values(Reach{"panda",
+                                                 "panda_hand",
+                                                 {"panda_finger_joint1", "panda_finger_joint2"},
+                                                 {0, -0.3, 0, -2, 0, 1.7, 0.8},
+                                                 {0.8, 0.3, -0.2, -1.4, 0.4, 1.9, 0.2},
+                                                 0.0025},
+                                           Reach{"ur5",
+                                                 "tool0",
+                                                 {},
+                                                 {0, -1.2, 1.5, -0.3, 1.5, 0},
+                                                 {1.0, -0.8, 1.0, 0.4, 1.0, 0.7},
+                                                 0.0025},
+                                           Reach{"kinova",
+                                                 "j2s6s200_end_effector",
+                                                 {},
+                                                 {0, 2.9, 1.5, 0, 1.8, 0},
+                                                 {1.0, 2.4, 2.2, 0.8, 2.4, 0.6},
+                                                 0.0015}),
                          [](const auto& arm) { return arm.param.robot; });
 
 }  // namespace

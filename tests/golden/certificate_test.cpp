@@ -33,12 +33,11 @@ std::vector<std::string> by_recursion(std::vector<std::string> names) {
   return names;
 }
 
-const auto name_of = [](const auto& name) { return name.param; };
 INSTANTIATE_TEST_SUITE_P(Ready, CertificateOf,
                          ::testing::ValuesIn(by_recursion(testing::ready_problems(false))),
-                         name_of);
+                         testing::name_of);
 INSTANTIATE_TEST_SUITE_P(Legs, CertificateOf, ::testing::ValuesIn(testing::ready_problems(true)),
-                         name_of);
+                         testing::name_of);
 
 }  // namespace
 }  // namespace conddp

@@ -19,7 +19,7 @@ struct Provocation {
   std::vector<std::string> drop;
 };
 
-class DiagnosisOf : public testing::TestWithParam<Provocation> {};
+class DiagnosisOf : public ::testing::TestWithParam<Provocation> {};
 
 TEST_P(DiagnosisOf, ARealSolve) {
   const Provocation& p = GetParam();
@@ -43,7 +43,7 @@ TEST_P(DiagnosisOf, ARealSolve) {
 
 INSTANTIATE_TEST_SUITE_P(
     Patterns, DiagnosisOf,
-    testing::Values(
+    ::testing::Values(
         Provocation{"Normal", DiagnosisPattern::normal, "", "pendulum_swingup", {}, {}},
         Provocation{"Unfinished",
                     DiagnosisPattern::unfinished,

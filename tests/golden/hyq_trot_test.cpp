@@ -31,7 +31,7 @@ MatrixXd matrix_of(const Json& rows) {
   return m;
 }
 
-class HyqTrot : public testing::Test {
+class HyqTrot : public ::testing::Test {
  protected:
   void SetUp() override {
     const auto trot = hyq_trot();

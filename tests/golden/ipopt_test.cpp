@@ -22,13 +22,12 @@ TEST_P(Transcribed, HasTheKnownOptimum) {
   testing::expect_known_optimum(GetParam(), kOtherOptimum.count(GetParam()) > 0);
 }
 
-const auto name_of = [](const auto& name) { return name.param; };
 INSTANTIATE_TEST_SUITE_P(Ready, Transcribed, ::testing::ValuesIn(testing::ready_problems(false)),
-                         name_of);
+                         testing::name_of);
 INSTANTIATE_TEST_SUITE_P(Ready, TranscribedDerivatives,
-                         ::testing::ValuesIn(testing::ready_problems(false)), name_of);
+                         ::testing::ValuesIn(testing::ready_problems(false)), testing::name_of);
 INSTANTIATE_TEST_SUITE_P(Slow, TranscribedDerivatives,
-                         ::testing::ValuesIn(testing::slow_problems()), name_of);
+                         ::testing::ValuesIn(testing::slow_problems()), testing::name_of);
 
 }  // namespace
 }  // namespace conddp

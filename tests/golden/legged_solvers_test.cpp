@@ -12,11 +12,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kProblems = fs::path(CONDDP_SOURCE_DIR) / "problems";
+const fs::path kReadyProblems = fs::path(CONDDP_SOURCE_DIR) / "problems";
 
 std::vector<std::string> legged_problems() {
   std::vector<std::string> names;
-  for (const auto& entry : fs::directory_iterator(kProblems)) {
+  for (const auto& entry : fs::directory_iterator(kReadyProblems)) {
     if (entry.path().extension() != ".yaml") continue;
     Diagnostics out;
     const auto spec = read_problem(entry.path(), {}, out);
@@ -30,7 +30,7 @@ std::vector<std::string> legged_problems() {
 void expect_solved(const std::string& name, const std::string& solver, const std::string& guess) {
   SCOPED_TRACE(name + " by " + solver);
   Diagnostics out;
-  const auto spec = read_problem(kProblems / (name + ".yaml"),
+  const auto spec = read_problem(kReadyProblems / (name + ".yaml"),
                                  {"initial_guess=" + guess, "solver.name=" + solver}, out);
   ASSERT_TRUE(spec) << format_diagnostics(out, false);
   const bool bounded = solver == "box_fddp";
@@ -43,14 +43,14 @@ void expect_solved(const std::string& name, const std::string& solver, const std
   EXPECT_LE(result.residuals.constraint, 0);
 }
 
-class LeggedProblem : public testing::TestWithParam<std::string> {};
+class LeggedProblem : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(LeggedProblem, IsSolvedFromTheQuasiStaticGuess) {
   for (const char* solver : {"box_fddp", "fddp"})
     expect_solved(GetParam(), solver, "{states: initial, controls: quasi_static}");
 }
 
-INSTANTIATE_TEST_SUITE_P(Ready, LeggedProblem, testing::ValuesIn(legged_problems()),
+INSTANTIATE_TEST_SUITE_P(Ready, LeggedProblem, ::testing::ValuesIn(legged_problems()),
                          [](const auto& name) { return name.param; });
 
 TEST(LeggedMotion, InTheAirAndInStepsIsSolvedFromKeyframesThatDoNotSatisfyTheDynamics) {

@@ -87,7 +87,7 @@ TEST(QuadrupedTrot, AdvancesOnFeetThatNeitherSlipNorDrag) {
   }
 }
 
-class SteppingProblem : public testing::TestWithParam<std::string> {};
+class SteppingProblem : public ::testing::TestWithParam<std::string> {};
 
 /// Every foot lands where its swing is to end, stays there while it stands, and lifts in between.
 TEST_P(SteppingProblem, FeetLandOnTheirPlacesAndStayThere) {
@@ -132,9 +132,9 @@ TEST_P(SteppingProblem, FeetLandOnTheirPlacesAndStayThere) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Ready, SteppingProblem,
-                         testing::Values("quadruped_trot", "quadruped_pace_turn", "quadruped_walk",
-                                         "quadruped_bound", "quadruped_jump",
-                                         "quadruped_trot_slope", "biped_steps", "hopper_jump"),
+                         ::testing::Values("quadruped_trot", "quadruped_pace_turn",
+                                           "quadruped_walk", "quadruped_bound", "quadruped_jump",
+                                           "quadruped_trot_slope", "biped_steps", "hopper_jump"),
                          [](const auto& name) { return name.param; });
 
 TEST(QuadrupedPaceTurn, TurnsAndGoesAlongItsArc) {

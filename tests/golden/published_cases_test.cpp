@@ -12,7 +12,7 @@
 namespace conddp {
 namespace {
 
-SolveResult solve_ready(const std::string& name) {
+SolveResult solve_by_altro(const std::string& name) {
   Diagnostics out;
   const auto file = std::filesystem::path(CONDDP_SOURCE_DIR) / "problems" / (name + ".yaml");
   const auto spec = read_problem(file, {}, out);
@@ -29,11 +29,11 @@ struct Published {
   double exit, polished;
 };
 
-class PublishedCase : public testing::TestWithParam<Published> {};
+class PublishedCase : public ::testing::TestWithParam<Published> {};
 
 TEST_P(PublishedCase, IsMet) {
   const Published& p = GetParam();
-  const SolveResult result = solve_ready(p.problem);
+  const SolveResult result = solve_by_altro(p.problem);
   EXPECT_EQ(result.status, SolveStatus::converged) << result.message;
   EXPECT_LE(result.residuals.constraint, 1e-8);
   EXPECT_LE(result.residuals.stationarity, 1e-6);
@@ -43,19 +43,20 @@ TEST_P(PublishedCase, IsMet) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Altro, PublishedCase,
-                         testing::Values(Published{"double_integrator_limits", 0.743623, 0.744087},
-                                         Published{"pendulum_goal", 0.024546, 0.018405},
-                                         Published{"cartpole_goal", 1.551983, 1.495874},
-                                         Published{"unicycle_obstacles", 9.43399, 9.43375}),
+                         ::testing::Values(Published{"double_integrator_limits", 0.743623,
+                                                     0.744087},
+                                           Published{"pendulum_goal", 0.024546, 0.018405},
+                                           Published{"cartpole_goal", 1.551983, 1.495874},
+                                           Published{"unicycle_obstacles", 9.43399, 9.43375}),
                          [](const auto& p) { return p.param.problem; });
 
 /// What Newton's method makes smaller: its iterates violate constraints or leave gaps.
 double infeasibility(const IterationRecord& r) { return std::max(r.constraint, r.gap); }
 
-class LastStage : public testing::TestWithParam<std::string> {};
+class LastStage : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(LastStage, ConvergesQuadratically) {
-  const SolveResult result = solve_ready(GetParam());
+  const SolveResult result = solve_by_altro(GetParam());
   ASSERT_EQ(result.status, SolveStatus::converged) << result.message;
   std::size_t first = result.log.size() - 1;
   while (first > 0 && result.log[first].newton > result.log[first - 1].newton) --first;
@@ -74,9 +75,9 @@ TEST_P(LastStage, ConvergesQuadratically) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Altro, LastStage,
-                         testing::Values("double_integrator_limits", "cartpole_goal",
-                                         "unicycle_obstacles", "car_parking_goal", "arm_waypoint",
-                                         "arm_reach_pose", "powered_descent"),
+                         ::testing::Values("double_integrator_limits", "cartpole_goal",
+                                           "unicycle_obstacles", "car_parking_goal", "arm_waypoint",
+                                           "arm_reach_pose", "powered_descent"),
                          [](const auto& p) { return p.param; });
 
 }  // namespace

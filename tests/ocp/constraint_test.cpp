@@ -12,7 +12,7 @@ namespace {
 std::vector<std::vector<double>> points(int n) {
   RandomNumbers random(3);
   std::vector<std::vector<double>> list;
-  for (int i = 0; i < 40; ++i) list.push_back(random_vector(n, random, 2));
+  for (int i = 0; i < 40; ++i) list.push_back(random.numbers(n, 2));
   std::vector<double> axis(n, 0.0);
   for (const double t : {-1.0, 0.0, 1.0}) {
     axis[n - 1] = t;
@@ -155,15 +155,6 @@ std::vector<KnotCase> constrained_cases() {
       set_bounds(cases.back(), random);
     }
   return cases;
-}
-
-ShootingProblem problem_of(const KnotCase& c, int count) {
-  Phase phase{
-      "knots", c.model, std::vector<double>(count, c.dt), std::vector<double>(count, c.dt), {}};
-  for (int k = 0; k < count; ++k)
-    phase.parameters.insert(phase.parameters.end(), c.parameters.begin(), c.parameters.end());
-  auto end = std::make_shared<KnotModel>(c.model->shared_system(), Integrator::none);
-  return {c.x, {phase}, Phase{"terminal", end, {0.0}, {1.0}, {}}};
 }
 
 Augmentation random_augmentation(const ShootingProblem& problem) {

@@ -8,17 +8,6 @@
 namespace conddp {
 namespace {
 
-/// A problem of `count` knots around a case, so that the acts of problems can be tested on it.
-ShootingProblem problem_of(const KnotCase& c, int count) {
-  Phase phase{
-      "knots", c.model, std::vector<double>(count, c.dt), std::vector<double>(count, c.dt), {}};
-  for (int k = 0; k < count; ++k)
-    phase.parameters.insert(phase.parameters.end(), c.parameters.begin(), c.parameters.end());
-  auto end = std::make_shared<KnotModel>(c.model->shared_system(), Integrator::none,
-                                         c.model->has_control_memory());
-  return {c.x, {phase}, Phase{"terminal", end, {0.0}, {1.0}, {}}};
-}
-
 Trajectory random_trajectory(const ShootingProblem& problem, std::uint64_t seed) {
   RandomNumbers random(seed);
   Trajectory t = problem.create_trajectory();
@@ -197,7 +186,7 @@ TEST(KnotModel, RungeKuttaRulesHaveTheirOrderOnCurvedSpaces) {
   const auto system = std::make_shared<MultibodySystem>(robot, Actuation::full(*robot));
   RandomNumbers random(31);
   std::vector<double> x0 = random_manifold_state(system->manifold(), random, 1.0);
-  const std::vector<double> u = random_vector(system->nu(), random, 1.0);
+  const std::vector<double> u = random.numbers(system->nu(), 1.0);
   const auto final_state = [&](Integrator rule, int steps) {
     KnotModel model(system, rule);
     KnotWorkspace<double> work(model);

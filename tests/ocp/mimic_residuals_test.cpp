@@ -100,7 +100,7 @@ TEST(MimicResiduals, ControlGravityAtRestIsWhatAcceleratesAllJoints) {
     RobotState state = random_mimic_state(robot, random);
     std::vector<double> x = system->reduce_configuration(state.q);
     x.resize(system->nx(), 0.0);
-    const std::vector<double> u = random_vector(system->nu(), random, 2);
+    const std::vector<double> u = random.numbers(system->nu(), 2);
     const auto data = system->create_data(double{});
     system->evaluate(x.data(), u.data(), *data);
     const auto residual = control_gravity_residual(system, system->ndx());

@@ -31,7 +31,7 @@ TEST(Residuals, GradientsOfEveryResidualThroughEveryActivationAreThoseOfDualNumb
         for (const ActivationKind kind : kinds) {
           auto model = std::make_shared<KnotModel>(system, Integrator::semi_implicit_euler, memory);
           const int n = residual->size();
-          std::vector<double> weights = random_vector(n, random, 1);
+          std::vector<double> weights = random.numbers(n, 1);
           for (double& w : weights) w = 0.1 + std::abs(w);
           model->add_cost(
               "cost", residual,
@@ -121,7 +121,7 @@ TEST(Activations, HessiansAreTheDerivativesOfTheirGradients) {
                                     ActivationKind::smooth_l1, ActivationKind::smooth_l2}) {
     const Activation a{
         kind, {0.5, 1, 2, 3}, std::vector<double>(n, -0.3), std::vector<double>(n, 0.4), 0.2};
-    const std::vector<double> at = random_vector(n, random, 1);
+    const std::vector<double> at = random.numbers(n, 1);
     double gradient[n], diagonal[n], rank_one;
     a.differentiate(at.data(), n, gradient, diagonal, rank_one);
     for (int j = 0; j < n; ++j) {

@@ -13,8 +13,6 @@ namespace {
 
 OrderedJson& knot(OrderedJson& rows) { return rows[rows.size() / 2]; }
 
-void add_to(OrderedJson& number, double change) { number = number.get<double>() + change; }
-
 /// A way to change an answer, and the check that has to find it. Returns false where the answer has
 /// nothing of the kind.
 struct Corruption {

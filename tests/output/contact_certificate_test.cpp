@@ -49,8 +49,6 @@ OrderedJson& control(OrderedJson& document, int knot, const std::string& name) {
   return document["trajectory"]["u"][knot][column(document, "u", name)];
 }
 
-void add_to(OrderedJson& number, double change) { number = number.get<double>() + change; }
-
 std::string failures_after(const std::function<void(OrderedJson&)>& change) {
   OrderedJson document = pushed_block().document;
   change(document);

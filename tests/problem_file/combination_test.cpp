@@ -8,15 +8,15 @@
 namespace conddp {
 namespace {
 
-std::string with(const std::string& constraint) {
+std::string with_line(const std::string& constraint) {
   return replaced(replaced(kPendulum, "name: box_ddp", "name: altro"), "constraints:\n",
                   "constraints:\n  line: " + constraint + "\n");
 }
 
 TEST(Combination, AddsFactorsTimesColumns) {
   const Loaded loaded(
-      with("{residual: combination, rows: [{omega: 2, theta: -1, constant: 0.5}, "
-           "{torque: 3, theta: 1}], upper: [1, 4], knots: [2]}"));
+      with_line("{residual: combination, rows: [{omega: 2, theta: -1, constant: 0.5}, "
+                "{torque: 3, theta: 1}], upper: [1, 4], knots: [2]}"));
   ASSERT_TRUE(loaded.built) << loaded.all();
   const ShootingProblem& problem = *loaded.built->problem;
   ASSERT_EQ(problem.constraints().size(), 1u);
@@ -33,8 +33,8 @@ TEST(Combination, AddsFactorsTimesColumns) {
 }
 
 TEST(Combination, HoldsAtASolution) {
-  const Loaded loaded(
-      with("{residual: combination, rows: {torque: 1, omega: 1}, upper: 0.5, phases: second}"));
+  const Loaded loaded(with_line(
+      "{residual: combination, rows: {torque: 1, omega: 1}, upper: 0.5, phases: second}"));
   ASSERT_TRUE(loaded.built) << loaded.all();
   const ShootingProblem& problem = *loaded.built->problem;
   const SolveResult result = solve(problem, "altro", {}, loaded.built->guess);

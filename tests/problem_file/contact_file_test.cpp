@@ -31,10 +31,10 @@ initial_guess: {controls: quasi_static}
 )";
 
 TEST(ContactFile, MistakesAreSaidWithTheirPlace) {
-  struct Mistake {
+  struct Said {
     const char *from, *to, *says;
   };
-  const Mistake mistakes[] = {
+  const Said mistakes[] = {
       {"frame: lf_foot", "frame: lf_fot", "4:15: the robot has no frame 'lf_fot'"},
       {"{frame: lf_foot}", "{type: point}", "4:7: 'contacts.LF' lacks the key 'frame'"},
       {"{frame: lf_foot}", "{frame: lf_foot, type: edge}", "4:30: 'edge' is no type of contact"},
@@ -65,7 +65,7 @@ TEST(ContactFile, MistakesAreSaidWithTheirPlace) {
        "terminal: {contacts: [], costs: {a: {residual: contact_velocity}}}\ninitial_guess",
        "19:48: the last node holds no contact"},
   };
-  for (const Mistake& m : mistakes) {
+  for (const Said& m : mistakes) {
     const Loaded loaded(replaced(kStepping, m.from, m.to));
     EXPECT_FALSE(loaded.built) << m.to;
     EXPECT_TRUE(loaded.first_error().starts_with(m.says)) << m.to << '\n' << loaded.all();

@@ -105,11 +105,11 @@ void expect_factors(int n, const std::vector<Dual<double>>& L, const std::vector
       for (int i = a; i < n; ++i) {
         const Dual<double> left = i == a ? Dual<double>(1.0) : L[a * n + i];
         const Dual<double> right = i == b ? Dual<double>(1.0) : L[b * n + i];
-        const Dual<double> D = L[i * n + i];
-        difference -= left * D * right;
-        size.v += std::abs(left.v * D.v * right.v);
-        size.d += std::abs(left.d * D.v * right.v) + std::abs(left.v * D.d * right.v) +
-                  std::abs(left.v * D.v * right.d);
+        const Dual<double> pivot = L[i * n + i];
+        difference -= left * pivot * right;
+        size.v += std::abs(left.v * pivot.v * right.v);
+        size.d += std::abs(left.d * pivot.v * right.v) + std::abs(left.v * pivot.d * right.v) +
+                  std::abs(left.v * pivot.v * right.d);
       }
       largest = {std::max(largest.v, size.v), std::max(largest.d, size.d)};
       worst = {std::max(worst.v, std::abs(difference.v)),

@@ -6,27 +6,13 @@
 #include "robot/combine.hpp"
 #include "robot/urdf.hpp"
 #include "support/simple_kinematics.hpp"
+#include "urdf_text.hpp"
 
 namespace conddp {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 
-const char* const kBody =
-    R"(<inertial><origin xyz="0.1 0.02 -0.3" rpy="0.1 0.2 0.3"/><mass value="2"/>
-       <inertia ixx="0.05" ixy="0.001" ixz="0.002" iyy="0.06" iyz="0" izz="0.07"/></inertial>)";
-
-std::string link(const std::string& name, const std::string& content = kBody) {
-  return "<link name=\"" + name + "\">" + content + "</link>\n";
-}
-std::string joint(const std::string& name, const std::string& type, const std::string& parent,
-                  const std::string& child, const std::string& content = "") {
-  return "<joint name=\"" + name + "\" type=\"" + type + "\"><parent link=\"" + parent +
-         "\"/><child link=\"" + child + "\"/>" + content + "</joint>\n";
-}
-std::string robot(const std::string& content) {
-  return "<robot name=\"r\">\n" + content + "</robot>\n";
-}
 const char* const kOrigin = R"(<origin xyz="0.1 -0.2 0.3" rpy="0.4 -0.5 0.6"/>)";
 
 RobotModel built(const std::string& xml, const UrdfOptions& options = {}) {
@@ -71,11 +57,13 @@ bool has_note(const UrdfResult& result, const std::string& fragment) {
 }
 
 TEST(UrdfOrder, IsDepthFirstByJointNameThroughFixedJoints) {
-  const RobotModel model = built(robot(
-      link("root") + link("z") + link("a") + link("m") + link("under_m") + link("under_a") +
-      joint("c_z", "continuous", "root", "z") + joint("b_m", "fixed", "root", "m") +
-      joint("z_under_m", "continuous", "m", "under_m") + joint("a_a", "continuous", "root", "a") +
-      joint("x_under_a", "continuous", "a", "under_a")));
+  const RobotModel model = built(robot_element(
+      link_element("root") + link_element("z") + link_element("a") + link_element("m") +
+      link_element("under_m") + link_element("under_a") +
+      joint_element("c_z", "continuous", "root", "z") + joint_element("b_m", "fixed", "root", "m") +
+      joint_element("z_under_m", "continuous", "m", "under_m") +
+      joint_element("a_a", "continuous", "root", "a") +
+      joint_element("x_under_a", "continuous", "a", "under_a")));
   EXPECT_EQ(joint_names(model), (std::vector<std::string>{"a_a", "x_under_a", "z_under_m", "c_z"}));
   EXPECT_EQ(model.joints[1].parent, 0);
   EXPECT_EQ(model.joints[2].parent, -1);
@@ -83,9 +71,9 @@ TEST(UrdfOrder, IsDepthFirstByJointNameThroughFixedJoints) {
 
 TEST(UrdfAxes, AreTurnedToZWithoutRoundingForCoordinateAxes) {
   for (const char* axis : {"1 0 0", "0 1 0", "0 0 1", "-1 0 0", "0 -1 0", "0 0 -1", "0 -2 0"}) {
-    const RobotModel model = built(
-        robot(link("a") + link("b") +
-              joint("j", "continuous", "a", "b", std::string("<axis xyz=\"") + axis + "\"/>")));
+    const RobotModel model = built(robot_element(
+        link_element("a") + link_element("b") +
+        joint_element("j", "continuous", "a", "b", std::string("<axis xyz=\"") + axis + "\"/>")));
     for (const double element : model.joints[0].placement.R.m)
       EXPECT_TRUE(element == 0 || element == 1 || element == -1) << axis;
     expect_equal(simple_frame_placement(model, {0}, "b"), SE3<double>::identity(), 0);
@@ -99,7 +87,8 @@ TEST(UrdfAxes, TurnAndSlideTheLinkAboutTheAxisOfTheFile) {
   const std::string tag = "<axis xyz=\"0.2 -0.3 -0.6\"/>";
   const std::string limit = "<limit lower=\"-1\" upper=\"1\" effort=\"5\" velocity=\"6\"/>";
   const RobotModel turning =
-      built(robot(link("a") + link("b") + joint("j", "revolute", "a", "b", tag + limit)));
+      built(robot_element(link_element("a") + link_element("b") +
+                          joint_element("j", "revolute", "a", "b", tag + limit)));
   const Quaternion<double> half{axis.x * std::sin(q / 2), axis.y * std::sin(q / 2),
                                 axis.z * std::sin(q / 2), std::cos(q / 2)};
   expect_equal(simple_frame_placement(turning, {q}, "b"),
@@ -109,23 +98,25 @@ TEST(UrdfAxes, TurnAndSlideTheLinkAboutTheAxisOfTheFile) {
   EXPECT_EQ(turning.joints[0].max_effort, 5);
   EXPECT_EQ(turning.joints[0].max_velocity, 6);
   const RobotModel sliding =
-      built(robot(link("a") + link("b") + joint("j", "prismatic", "a", "b", tag + limit)));
+      built(robot_element(link_element("a") + link_element("b") +
+                          joint_element("j", "prismatic", "a", "b", tag + limit)));
   expect_equal(simple_frame_placement(sliding, {q}, "b"), {Matrix3<double>::identity(), q * axis});
 }
 
 TEST(UrdfAxes, OfAnotherLengthAreNormalisedWithAWarning) {
-  const UrdfResult result = parse_urdf(
-      robot(link("a") + link("b") + joint("j", "continuous", "a", "b", "<axis xyz=\"0 3 0\"/>")),
-      "f");
+  const UrdfResult result =
+      parse_urdf(robot_element(link_element("a") + link_element("b") +
+                               joint_element("j", "continuous", "a", "b", "<axis xyz=\"0 3 0\"/>")),
+                 "f");
   ASSERT_TRUE(result.model);
   EXPECT_EQ(problem_with(result, "has length 3 and is normalised"), "j");
 }
 
 TEST(UrdfLimits, AContinuousJointHasNoneOnItsAngle) {
-  const RobotModel model =
-      built(robot(link("a") + link("b") +
-                  joint("j", "continuous", "a", "b",
-                        "<limit lower=\"-1\" upper=\"1\" effort=\"5\" velocity=\"6\"/>")));
+  const RobotModel model = built(robot_element(
+      link_element("a") + link_element("b") +
+      joint_element("j", "continuous", "a", "b",
+                    "<limit lower=\"-1\" upper=\"1\" effort=\"5\" velocity=\"6\"/>")));
   EXPECT_EQ(model.nq, 1);
   EXPECT_EQ(model.joints[0].lower, -kUnlimited);
   EXPECT_EQ(model.joints[0].upper, kUnlimited);
@@ -134,8 +125,9 @@ TEST(UrdfLimits, AContinuousJointHasNoneOnItsAngle) {
 
 TEST(UrdfLimits, ZeroOnesAreKeptWithAWarning) {
   const UrdfResult result =
-      parse_urdf(robot(link("a") + link("b") +
-                       joint("j", "revolute", "a", "b", "<limit effort=\"0\" velocity=\"0\"/>")),
+      parse_urdf(robot_element(link_element("a") + link_element("b") +
+                               joint_element("j", "revolute", "a", "b",
+                                             "<limit effort=\"0\" velocity=\"0\"/>")),
                  "f");
   ASSERT_TRUE(result.model);
   EXPECT_EQ(result.model->joints[0].max_effort, 0);
@@ -145,11 +137,14 @@ TEST(UrdfLimits, ZeroOnesAreKeptWithAWarning) {
 }
 
 TEST(UrdfMerging, AFixedLinkAddsItsInertiaAndKeepsItsFrames) {
-  const std::string tail = joint("weld", "fixed", "b", "c", kOrigin) +
-                           joint("j", "continuous", "a", "b", "<axis xyz=\"0 1 0\"/>");
-  const RobotModel merged = built(robot(link("a") + link("b") + link("c") + tail));
-  const RobotModel upper = built(robot(link("a") + link("b") + link("c", "") + tail));
-  const RobotModel lower = built(robot(link("a") + link("b", "") + link("c") + tail));
+  const std::string tail = joint_element("weld", "fixed", "b", "c", kOrigin) +
+                           joint_element("j", "continuous", "a", "b", "<axis xyz=\"0 1 0\"/>");
+  const RobotModel merged =
+      built(robot_element(link_element("a") + link_element("b") + link_element("c") + tail));
+  const RobotModel upper =
+      built(robot_element(link_element("a") + link_element("b") + link_element("c", "") + tail));
+  const RobotModel lower =
+      built(robot_element(link_element("a") + link_element("b", "") + link_element("c") + tail));
   ASSERT_EQ(merged.joint_count(), 1);
   Inertia<double> sum = upper.joints[0].inertia;
   sum += lower.joints[0].inertia;
@@ -163,13 +158,13 @@ TEST(UrdfMerging, AFixedLinkAddsItsInertiaAndKeepsItsFrames) {
 
 TEST(UrdfLocking, EqualsTheFreeJointHeldAtTheValue) {
   for (const char* type : {"revolute", "prismatic"}) {
-    const std::string xml =
-        robot(link("a") + link("b") + link("c") +
-              joint("i", "continuous", "a", "b", std::string(kOrigin) + "<axis xyz=\"1 0 0\"/>") +
-              joint("j", type, "b", "c",
-                    std::string(kOrigin) + "<axis xyz=\"0.6 0 0.8\"/>"
-                                           "<limit lower=\"-2\" upper=\"2\" effort=\"1\" "
-                                           "velocity=\"1\"/>"));
+    const std::string xml = robot_element(
+        link_element("a") + link_element("b") + link_element("c") +
+        joint_element("i", "continuous", "a", "b", std::string(kOrigin) + "<axis xyz=\"1 0 0\"/>") +
+        joint_element("j", type, "b", "c",
+                      std::string(kOrigin) + "<axis xyz=\"0.6 0 0.8\"/>"
+                                             "<limit lower=\"-2\" upper=\"2\" effort=\"1\" "
+                                             "velocity=\"1\"/>"));
     const RobotModel open = built(xml);
     const RobotModel locked = built(xml, {.locked_joints = {{"j", 1.3}}});
     ASSERT_EQ(joint_names(locked), std::vector<std::string>{"i"});
@@ -182,37 +177,41 @@ TEST(UrdfLocking, EqualsTheFreeJointHeldAtTheValue) {
 }
 
 TEST(UrdfPayload, EqualsAnotherBodyWeldedToTheLink) {
-  const std::string tail = joint("j", "continuous", "a", "b", "<axis xyz=\"0 1 0\"/>");
+  const std::string tail = joint_element("j", "continuous", "a", "b", "<axis xyz=\"0 1 0\"/>");
   const std::string load =
       R"(<inertial><origin xyz="0.1 0.2 0.3"/><mass value="4"/>
          <inertia ixx="0.1" ixy="0" ixz="0.01" iyy="0.2" iyz="0" izz="0.25"/></inertial>)";
-  const RobotModel welded = built(robot(link("a") + link("b") + link("load", load) + tail +
-                                        joint("weld", "fixed", "b", "load")));
+  const RobotModel welded =
+      built(robot_element(link_element("a") + link_element("b") + link_element("load", load) +
+                          tail + joint_element("weld", "fixed", "b", "load")));
   UrdfOptions options;
   options.payloads.push_back({.link = "b",
                               .mass = 4,
                               .com = {0.1, 0.2, 0.3},
                               .inertia = Symmetric3<double>{0.1, 0, 0.01, 0.2, 0, 0.25}});
-  const RobotModel loaded = built(robot(link("a") + link("b") + tail), options);
+  const RobotModel loaded =
+      built(robot_element(link_element("a") + link_element("b") + tail), options);
   expect_equal(loaded.joints[0].inertia, welded.joints[0].inertia);
 }
 
 TEST(UrdfRotors, AddToTheJointAndMakeAMasslessLinkRegular) {
-  const std::string xml = robot(link("a") + link("b", "") + joint("j", "continuous", "a", "b"));
+  const std::string xml = robot_element(link_element("a") + link_element("b", "") +
+                                        joint_element("j", "continuous", "a", "b"));
   EXPECT_FALSE(parse_urdf(xml, "f").model);
   EXPECT_EQ(built(xml, {.rotor_inertia = {{"j", 0.01}}}).joints[0].rotor_inertia, 0.01);
 }
 
 TEST(UrdfRegularity, AMasslessBodyBetweenCrossedAxesIsAccepted) {
   const RobotModel model =
-      built(robot(link("a") + link("b", "") + link("c") +
-                  joint("j", "continuous", "a", "b", "<axis xyz=\"0 1 0\"/>") +
-                  joint("k", "continuous", "b", "c", "<axis xyz=\"1 0 0\"/>")));
+      built(robot_element(link_element("a") + link_element("b", "") + link_element("c") +
+                          joint_element("j", "continuous", "a", "b", "<axis xyz=\"0 1 0\"/>") +
+                          joint_element("k", "continuous", "b", "c", "<axis xyz=\"1 0 0\"/>")));
   EXPECT_EQ(model.nv, 2);
 }
 
 TEST(UrdfBase, FloatingPutsTheRootLinkOnAFreeJoint) {
-  const RobotModel model = built(robot(link("a") + link("b") + joint("j", "continuous", "a", "b")),
+  const RobotModel model = built(robot_element(link_element("a") + link_element("b") +
+                                               joint_element("j", "continuous", "a", "b")),
                                  {.base = UrdfOptions::Base::floating});
   EXPECT_EQ(joint_names(model), (std::vector<std::string>{"base", "j"}));
   EXPECT_EQ(model.nq, 8);
@@ -224,14 +223,15 @@ TEST(UrdfBase, FloatingPutsTheRootLinkOnAFreeJoint) {
 }
 
 TEST(UrdfBase, ANameThatTheFileHasIsNotTakenAgain) {
-  const RobotModel model =
-      built(robot(link("a") + link("b") + joint("base", "continuous", "a", "b")),
-            {.base = UrdfOptions::Base::floating});
+  const RobotModel model = built(robot_element(link_element("a") + link_element("b") +
+                                               joint_element("base", "continuous", "a", "b")),
+                                 {.base = UrdfOptions::Base::floating});
   EXPECT_EQ(joint_names(model), (std::vector<std::string>{"base_", "base"}));
 }
 
 TEST(UrdfBase, PlanarSlidesAlongXAndYAndTurnsAboutZ) {
-  const RobotModel model = built(robot(link("a")), {.base = UrdfOptions::Base::planar});
+  const RobotModel model =
+      built(robot_element(link_element("a")), {.base = UrdfOptions::Base::planar});
   EXPECT_EQ(joint_names(model), (std::vector<std::string>{"base_x", "base_y", "base_yaw"}));
   expect_equal(simple_frame_placement(model, {1, 2, kPi / 2}, "a"),
                {{{0, -1, 0, 1, 0, 0, 0, 0, 1}}, {1, 2, 0}});
@@ -239,9 +239,10 @@ TEST(UrdfBase, PlanarSlidesAlongXAndYAndTurnsAboutZ) {
 }
 
 TEST(UrdfBase, APlanarJointOfTheFileMovesInThePlaneAcrossItsAxis) {
-  const RobotModel model = built(robot(
-      link("world", "") + link("a") +
-      joint("slide", "planar", "world", "a", "<origin xyz=\"0 0 1\"/><axis xyz=\"0 1 0\"/>")));
+  const RobotModel model =
+      built(robot_element(link_element("world", "") + link_element("a") +
+                          joint_element("slide", "planar", "world", "a",
+                                        "<origin xyz=\"0 0 1\"/><axis xyz=\"0 1 0\"/>")));
   EXPECT_EQ(joint_names(model), (std::vector<std::string>{"slide_x", "slide_y", "slide_yaw"}));
   EXPECT_TRUE(model.find_frame("slide"));
   const SE3<double> moved = simple_frame_placement(model, {0.3, -0.4, 0.5}, "a");
@@ -253,9 +254,10 @@ TEST(UrdfBase, APlanarJointOfTheFileMovesInThePlaneAcrossItsAxis) {
 }
 
 TEST(UrdfBase, AFloatingJointAtTheRootIsAFloatingBase) {
-  const std::string xml = robot(link("world", "") + link("shelf", "") + link("a") +
-                                joint("bolts", "fixed", "world", "shelf") +
-                                joint("free", "floating", "shelf", "a", "<origin xyz=\"0 0 1\"/>"));
+  const std::string xml =
+      robot_element(link_element("world", "") + link_element("shelf", "") + link_element("a") +
+                    joint_element("bolts", "fixed", "world", "shelf") +
+                    joint_element("free", "floating", "shelf", "a", "<origin xyz=\"0 0 1\"/>"));
   for (const auto base : {UrdfOptions::Base::fixed, UrdfOptions::Base::floating}) {
     const UrdfResult result = parse_urdf(xml, "f", {.base = base});
     ASSERT_TRUE(result.model);
@@ -270,22 +272,23 @@ TEST(UrdfBase, AFloatingJointAtTheRootIsAFloatingBase) {
 TEST(UrdfBase, AFixedOneStandsWhereItIsPlaced) {
   UrdfOptions options;
   options.placement = SE3<double>{{{0, -1, 0, 1, 0, 0, 0, 0, 1}}, {1, 2, 3}};
-  const std::string xml =
-      robot(link("a") + link("b") + joint("j", "continuous", "a", "b", kOrigin));
+  const std::string xml = robot_element(link_element("a") + link_element("b") +
+                                        joint_element("j", "continuous", "a", "b", kOrigin));
   const SE3<double> moved = simple_frame_placement(built(xml, options), {0.4}, "b");
   expect_equal(moved, *options.placement * simple_frame_placement(built(xml), {0.4}, "b"));
 }
 
 TEST(UrdfBase, WithoutAnyMovingJointIsAWarning) {
-  const UrdfResult result = parse_urdf(robot(link("a")), "f");
+  const UrdfResult result = parse_urdf(robot_element(link_element("a")), "f");
   ASSERT_TRUE(result.model);
   EXPECT_EQ(problem_with(result, "no joint of the robot moves"), "");
 }
 
 std::string three_joints(const std::string& mimic_j, const std::string& mimic_k) {
-  return robot(link("a") + link("b") + link("c") + link("d") + joint("i", "continuous", "a", "b") +
-               joint("j", "continuous", "b", "c", mimic_j) +
-               joint("k", "continuous", "c", "d", mimic_k));
+  return robot_element(link_element("a") + link_element("b") + link_element("c") +
+                       link_element("d") + joint_element("i", "continuous", "a", "b") +
+                       joint_element("j", "continuous", "b", "c", mimic_j) +
+                       joint_element("k", "continuous", "c", "d", mimic_k));
 }
 
 TEST(UrdfMimic, IsANoteUnlessEnforced) {
@@ -319,10 +322,11 @@ TEST(UrdfMimic, AFollowerThatIsLockedFollowsNobody) {
 }
 
 TEST(UrdfNotes, TellWhatTheModelLeavesOut) {
-  const UrdfResult result = parse_urdf(
-      robot(link("a") + link("b") +
-            joint("j", "continuous", "a", "b", "<dynamics damping=\"0.1\" friction=\"0.2\"/>")),
-      "f");
+  const UrdfResult result =
+      parse_urdf(robot_element(link_element("a") + link_element("b") +
+                               joint_element("j", "continuous", "a", "b",
+                                             "<dynamics damping=\"0.1\" friction=\"0.2\"/>")),
+                 "f");
   ASSERT_TRUE(result.model);
   EXPECT_EQ(result.model->joints[0].damping, 0.1);
   EXPECT_EQ(result.model->joints[0].friction, 0.2);
@@ -332,12 +336,12 @@ TEST(UrdfNotes, TellWhatTheModelLeavesOut) {
 }
 
 TEST(UrdfWarnings, MisspeltElementsAndAttributesAreNamed) {
-  const UrdfResult result =
-      parse_urdf(robot(link("a") + link("b", std::string(kBody) + "<inertail/>") +
-                       joint("j", "continuous", "a", "b",
-                             "<axiss/><limit efort=\"1\" effort=\"1\" "
-                             "velocity=\"1\"/>")),
-                 "f");
+  const UrdfResult result = parse_urdf(
+      robot_element(link_element("a") + link_element("b", std::string(kBody) + "<inertail/>") +
+                    joint_element("j", "continuous", "a", "b",
+                                  "<axiss/><limit efort=\"1\" effort=\"1\" "
+                                  "velocity=\"1\"/>")),
+      "f");
   ASSERT_TRUE(result.model);
   EXPECT_EQ(problem_with(result, "<inertail> is not a URDF element"), "b");
   EXPECT_EQ(problem_with(result, "<axiss> is not a URDF element"), "j");
@@ -348,10 +352,11 @@ TEST(UrdfWarnings, AnImpossibleInertiaOnAPartOfAHeavierBodyIsOne) {
   const std::string placeholder =
       R"(<inertial><mass value="1e-6"/><inertia ixx="1e-6" ixy="1e-6" ixz="1e-6" iyy="1e-6"
          iyz="1e-6" izz="1e-6"/></inertial>)";
-  const UrdfResult result =
-      parse_urdf(robot(link("a") + link("b") + link("foot", placeholder) +
-                       joint("j", "continuous", "a", "b") + joint("weld", "fixed", "b", "foot")),
-                 "f");
+  const UrdfResult result = parse_urdf(
+      robot_element(link_element("a") + link_element("b") + link_element("foot", placeholder) +
+                    joint_element("j", "continuous", "a", "b") +
+                    joint_element("weld", "fixed", "b", "foot")),
+      "f");
   EXPECT_TRUE(result.model);
   EXPECT_EQ(problem_with(result, "its inertia is one that no body has"), "foot");
 }

@@ -6,33 +6,22 @@
 #include <gtest/gtest.h>
 
 #include "robot/urdf.hpp"
+#include "urdf_text.hpp"
 
 namespace conddp {
 namespace {
 
-constexpr const char* kInertial =
-    R"(<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>)";
-
-std::string link(const std::string& name, const std::string& content = kInertial) {
-  return "<link name=\"" + name + "\">" + content + "</link>\n";
-}
-std::string joint(const std::string& name, const std::string& type, const std::string& parent,
-                  const std::string& child, const std::string& content = "") {
-  return "<joint name=\"" + name + "\" type=\"" + type + "\"><parent link=\"" + parent +
-         "\"/><child link=\"" + child + "\"/>" + content + "</joint>\n";
-}
-std::string robot(const std::string& content) {
-  return "<robot name=\"r\">\n" + content + "</robot>\n";
-}
 /// base -> arm by a continuous joint "j" with more content.
 std::string one_joint(const std::string& content, const std::string& type = "continuous") {
-  return robot(link("base") + link("arm") + joint("j", type, "base", "arm", content));
+  return robot_element(link_element("base") + link_element("arm") +
+                       joint_element("j", type, "base", "arm", content));
 }
 std::string inertial(const std::string& mass, const std::string& moments) {
   return "<inertial><mass value=\"" + mass + "\"/><inertia " + moments + "/></inertial>";
 }
 std::string with_arm(const std::string& content) {
-  return robot(link("base") + link("arm", content) + joint("j", "continuous", "base", "arm"));
+  return robot_element(link_element("base") + link_element("arm", content) +
+                       joint_element("j", "continuous", "base", "arm"));
 }
 
 struct Rejection {
@@ -61,46 +50,56 @@ std::vector<Rejection> rejections() {
       {"crossed", "<robot name=\"r\">\n<link>\n</joint></robot>", "", "</joint> where <link>", 3},
       {"two_roots", "<robot name=\"r\"/>\n<robot name=\"s\"/>", "", "second root", 2},
       {"unquoted", "<robot name=r/>", "", "not quoted"},
-      {"attribute_twice", robot("<link name=\"a\" name=\"b\"/>"), "", "given twice", 2},
+      {"attribute_twice", robot_element("<link name=\"a\" name=\"b\"/>"), "", "given twice", 2},
       {"open_declaration", "<?xml version=\"1.0\"", "", "never closed"},
       {"entities", "<!DOCTYPE r [<!ENTITY a \"b\">]><robot name=\"r\"/>", "", "document type"},
       {"sdf", "<sdf version=\"1.6\"><model/></sdf>", "", "root element is <sdf>"},
-      {"xacro_element", robot("<xacro:arm name=\"a\"/>"), "", "xacro file", 2},
-      {"xacro_expression", robot("\n<link name=\"${side}_arm\"/>"), "", "xacro file", 3},
+      {"xacro_element", robot_element("<xacro:arm name=\"a\"/>"), "", "xacro file", 2},
+      {"xacro_expression", robot_element("\n<link name=\"${side}_arm\"/>"), "", "xacro file", 3},
       {"robot_without_name", "<robot><link name=\"a\"/></robot>", "", "has no name"},
-      {"no_links", robot(""), "", "no links"},
-      {"link_without_name", robot("<link/>"), "", "a link has no name", 2},
-      {"name_with_comma", robot(link("a,b")), "a,b", "a name may not hold"},
-      {"link_twice", robot(link("a") + link("a")), "a", "a second link of this name", 3},
+      {"no_links", robot_element(""), "", "no links"},
+      {"link_without_name", robot_element("<link/>"), "", "a link has no name", 2},
+      {"name_with_comma", robot_element(link_element("a,b")), "a,b", "a name may not hold"},
+      {"link_twice", robot_element(link_element("a") + link_element("a")), "a",
+       "a second link of this name", 3},
       {"joint_twice",
-       robot(link("a") + link("b") + link("c") + joint("j", "fixed", "a", "b") +
-             joint("j", "fixed", "a", "c")),
+       robot_element(link_element("a") + link_element("b") + link_element("c") +
+                     joint_element("j", "fixed", "a", "b") + joint_element("j", "fixed", "a", "c")),
        "j", "a second joint of this name", 6},
-      {"link_in_link", robot(link("a", link("b"))), "a", "<link> stands inside <link>"},
+      {"link_in_link", robot_element(link_element("a", link_element("b"))), "a",
+       "<link> stands inside <link>"},
       {"unknown_type", one_joint("", "revolut"), "j", "unknown type 'revolut'"},
-      {"no_type", robot(link("a") + "<joint name=\"j\"><parent link=\"a\"/></joint>"), "j",
+      {"no_type",
+       robot_element(link_element("a") + "<joint name=\"j\"><parent link=\"a\"/></joint>"), "j",
        "has no type"},
       {"no_parent",
-       robot(link("a") + link("b") +
-             "<joint name=\"j\" type=\"fixed\">\n<child link=\"b\"/></joint>"),
+       robot_element(link_element("a") + link_element("b") +
+                     "<joint name=\"j\" type=\"fixed\">\n<child link=\"b\"/></joint>"),
        "j", "has no parent link", 4},
-      {"parent_missing", robot(link("base") + link("arm") + joint("j", "fixed", "bsae", "arm")),
+      {"parent_missing",
+       robot_element(link_element("base") + link_element("arm") +
+                     joint_element("j", "fixed", "bsae", "arm")),
        "j", "parent link 'bsae' does not exist", 4},
-      {"child_missing", robot(link("base") + joint("j", "fixed", "base", "arm")), "j",
+      {"child_missing",
+       robot_element(link_element("base") + joint_element("j", "fixed", "base", "arm")), "j",
        "child link 'arm' does not exist"},
-      {"own_parent", robot(link("a") + joint("j", "fixed", "a", "a")), "j", "parent and child"},
+      {"own_parent", robot_element(link_element("a") + joint_element("j", "fixed", "a", "a")), "j",
+       "parent and child"},
       {"two_parents",
-       robot(link("a") + link("b") + link("c") + joint("j", "fixed", "a", "c") +
-             joint("k", "fixed", "b", "c")),
+       robot_element(link_element("a") + link_element("b") + link_element("c") +
+                     joint_element("j", "fixed", "a", "c") + joint_element("k", "fixed", "b", "c")),
        "c", "two parents, through joints 'j' and 'k'", 6},
-      {"detached_part", robot(link("a") + link("b") + link("c") + joint("j", "fixed", "a", "b")),
+      {"detached_part",
+       robot_element(link_element("a") + link_element("b") + link_element("c") +
+                     joint_element("j", "fixed", "a", "b")),
        "c", "2 separate parts, with the root links a, c", 4},
       {"detached_loop",
-       robot(link("a") + link("b") + link("c") + joint("j", "fixed", "b", "c") +
-             joint("k", "fixed", "c", "b")),
+       robot_element(link_element("a") + link_element("b") + link_element("c") +
+                     joint_element("j", "fixed", "b", "c") + joint_element("k", "fixed", "c", "b")),
        "b", "form a loop"},
       {"loop",
-       robot(link("a") + link("b") + joint("j", "fixed", "a", "b") + joint("k", "fixed", "b", "a")),
+       robot_element(link_element("a") + link_element("b") + joint_element("j", "fixed", "a", "b") +
+                     joint_element("k", "fixed", "b", "a")),
        "a", "form a loop"},
       {"mass_not_a_number", with_arm(inertial("1kg", "")), "arm", "<mass> value: '1kg' is not"},
       {"mass_nan", with_arm(inertial("nan", "")), "arm", "'nan' is not a finite number"},
@@ -124,8 +123,7 @@ std::vector<Rejection> rejections() {
                 "<inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"1\" iyz=\"0\" "
                 "izz=\"1\"/></inertial>"),
        "j", "overflows"},
-      {"second_inertial", with_arm(std::string(kInertial) + kInertial), "arm",
-       "a second <inertial>"},
+      {"second_inertial", with_arm(std::string(kBody) + kBody), "arm", "a second <inertial>"},
       {"second_origin", one_joint("<origin/><origin/>"), "j", "a second <origin>"},
       {"origin_quaternion", one_joint("<origin xyz=\"0 0 0\" quat_xyzw=\"0 0 0 1\"/>"), "j",
        "attribute quat_xyzw"},
@@ -146,30 +144,35 @@ std::vector<Rejection> rejections() {
       {"mimics_itself", one_joint("<mimic joint=\"j\"/>"), "j", "mimics itself"},
       {"mimics_missing", one_joint("<mimic joint=\"k\"/>"), "j", "'k', which does not exist"},
       {"mimic_cycle",
-       robot(link("a") + link("b") + link("c") +
-             joint("j", "continuous", "a", "b", "<mimic joint=\"k\"/>") +
-             joint("k", "continuous", "b", "c", "<mimic joint=\"j\"/>")),
+       robot_element(link_element("a") + link_element("b") + link_element("c") +
+                     joint_element("j", "continuous", "a", "b", "<mimic joint=\"k\"/>") +
+                     joint_element("k", "continuous", "b", "c", "<mimic joint=\"j\"/>")),
        "j", "cycle"},
       {"floating_in_the_middle",
-       robot(link("a") + link("b") + link("c") + joint("j", "continuous", "a", "b") +
-             joint("k", "floating", "b", "c")),
+       robot_element(link_element("a") + link_element("b") + link_element("c") +
+                     joint_element("j", "continuous", "a", "b") +
+                     joint_element("k", "floating", "b", "c")),
        "k", "accepted only where its parent is the root link"},
       {"planar_in_the_middle",
-       robot(link("a") + link("b") + link("c") + joint("j", "continuous", "a", "b") +
-             joint("k", "planar", "b", "c")),
+       robot_element(link_element("a") + link_element("b") + link_element("c") +
+                     joint_element("j", "continuous", "a", "b") +
+                     joint_element("k", "planar", "b", "c")),
        "k", "here the parent moves with joint 'j'"},
-      {"base_twice", robot(link("a") + link("b") + joint("k", "floating", "a", "b")), "k",
-       "a floating joint of its own", 0,
+      {"base_twice",
+       robot_element(link_element("a") + link_element("b") +
+                     joint_element("k", "floating", "a", "b")),
+       "k", "a floating joint of its own", 0,
        with([](UrdfOptions& o) { o.base = UrdfOptions::Base::floating; })},
       {"massless_leaf", with_arm(""), "j", "nothing that it moves (arm) has inertia"},
       {"massless_between_parallel_axes",
-       robot(link("a") + link("b", "") + link("c") +
-             joint("j", "continuous", "a", "b", "<axis xyz=\"0 1 0\"/>") +
-             joint("k", "continuous", "b", "c", "<axis xyz=\"0 1 0\"/>")),
+       robot_element(link_element("a") + link_element("b", "") + link_element("c") +
+                     joint_element("j", "continuous", "a", "b", "<axis xyz=\"0 1 0\"/>") +
+                     joint_element("k", "continuous", "b", "c", "<axis xyz=\"0 1 0\"/>")),
        "j", "inertia matrix is singular"},
       {"point_on_its_axis", with_arm(inertial("1", diagonal + R"(ixx="0" iyy="0" izz="0")")), "j",
        "inertia matrix is singular"},
-      {"floating_point", robot(link("a", inertial("1", diagonal + R"(ixx="0" iyy="0" izz="0")"))),
+      {"floating_point",
+       robot_element(link_element("a", inertial("1", diagonal + R"(ixx="0" iyy="0" izz="0")"))),
        "base", "inertia matrix is singular", 0,
        with([](UrdfOptions& o) { o.base = UrdfOptions::Base::floating; })},
       {"lock_unknown", one_joint(""), "jj", "no such joint", 0,
@@ -195,9 +198,10 @@ std::vector<Rejection> rejections() {
       {"rotor_negative", one_joint(""), "j", "rotor inertia -1", 4,
        with([](UrdfOptions& o) { o.rotor_inertia["j"] = -1; })},
       {"leader_locked",
-       robot(link("a") + link("b") + link("c") + joint("j", "continuous", "a", "b") +
-             joint("k", "continuous", "b", "c",
-                   "<mimic joint=\"j\" multiplier=\"2\" offset=\"1\"/>")),
+       robot_element(link_element("a") + link_element("b") + link_element("c") +
+                     joint_element("j", "continuous", "a", "b") +
+                     joint_element("k", "continuous", "b", "c",
+                                   "<mimic joint=\"j\" multiplier=\"2\" offset=\"1\"/>")),
        "k", "follow joint 'j', which has no coordinate", 0, with([](UrdfOptions& o) {
          o.enforce_mimic = true;
          o.locked_joints["j"] = 0.5;
@@ -235,11 +239,11 @@ std::string joined_hints(const UrdfResult& result) {
 }
 
 TEST(UrdfHints, SuggestNamesForMisspeltOnes) {
-  EXPECT_NE(
-      joined_hints(
-          parse_urdf(robot(link("base") + link("arm") + joint("j", "fixed", "bsae", "arm")), "f"))
-          .find("did you mean 'base'?"),
-      std::string::npos);
+  EXPECT_NE(joined_hints(parse_urdf(robot_element(link_element("base") + link_element("arm") +
+                                                  joint_element("j", "fixed", "bsae", "arm")),
+                                    "f"))
+                .find("did you mean 'base'?"),
+            std::string::npos);
   UrdfOptions options;
   options.locked_joints["elbow"] = 0;
   EXPECT_NE(joined_hints(parse_urdf(one_joint(""), "f", options)).find("joints: j"),
@@ -251,9 +255,10 @@ TEST(UrdfHints, AMimicOfALockedJointTellsTheValueToLockItAt) {
   options.enforce_mimic = true;
   options.locked_joints["j"] = 0.5;
   const UrdfResult result =
-      parse_urdf(robot(link("a") + link("b") + link("c") + joint("j", "continuous", "a", "b") +
-                       joint("k", "continuous", "b", "c",
-                             "<mimic joint=\"j\" multiplier=\"2\" offset=\"1\"/>")),
+      parse_urdf(robot_element(link_element("a") + link_element("b") + link_element("c") +
+                               joint_element("j", "continuous", "a", "b") +
+                               joint_element("k", "continuous", "b", "c",
+                                             "<mimic joint=\"j\" multiplier=\"2\" offset=\"1\"/>")),
                  "f", options);
   EXPECT_NE(joined_hints(result).find("lock it too, at 2"), std::string::npos);
 }
@@ -268,7 +273,7 @@ TEST(UrdfFile, MustBeARegularFileOfModestSize) {
   EXPECT_NE(message("/tmp").find("is a folder"), std::string::npos);
   EXPECT_NE(message("/dev/zero").find("is not a regular file"), std::string::npos);
   const auto large = std::filesystem::path(testing::TempDir()) / "conddp_large.urdf";
-  std::ofstream(large) << robot(link("a") + std::string(17 << 20, ' '));
+  std::ofstream(large) << robot_element(link_element("a") + std::string(17 << 20, ' '));
   EXPECT_NE(message(large).find("larger than 16 MiB"), std::string::npos);
   std::filesystem::remove(large);
 }
@@ -276,15 +281,17 @@ TEST(UrdfFile, MustBeARegularFileOfModestSize) {
 TEST(UrdfFile, DeepNestingAndLongChainsDoNotOverflowTheStack) {
   std::string nested;
   for (int i = 0; i < 200'000; ++i) nested += "<a>";
-  EXPECT_NE(parse_urdf(robot(nested), "f").problems.at(0).message.find("nested deeper than 64"),
-            std::string::npos);
+  EXPECT_NE(
+      parse_urdf(robot_element(nested), "f").problems.at(0).message.find("nested deeper than 64"),
+      std::string::npos);
   const auto chain = [](int links) {
-    std::string text = link("l0");
+    std::string text = link_element("l0");
     for (int i = 1; i < links; ++i) {
       const std::string n = std::to_string(i);
-      text += link("l" + n) + joint("j" + n, "continuous", "l" + std::to_string(i - 1), "l" + n);
+      text += link_element("l" + n) +
+              joint_element("j" + n, "continuous", "l" + std::to_string(i - 1), "l" + n);
     }
-    return robot(text);
+    return robot_element(text);
   };
   const UrdfResult longest = parse_urdf(chain(10'000), "f");
   ASSERT_TRUE(longest.model);
@@ -298,10 +305,11 @@ TEST(UrdfFile, PartsThatAreNotReadCannotFail) {
       "<visual><geometry><mesh/></geometry><material name=\"%n\"/></visual>"
       "<collision><geometry><box size=\"%s%n\"/></geometry></collision>";
   const UrdfResult result = parse_urdf(
-      robot("<material name=\"%n%s\"><color/></material>\n" + link("base", visual) + link("arm") +
-            joint("j", "continuous", "base", "arm", "<safety_controller/>") +
-            "<gazebo><joint name=\"j\"/><mass value=\"x\"/></gazebo>"
-            "<transmission name=\"t\"><joint name=\"j\"/></transmission>"),
+      robot_element("<material name=\"%n%s\"><color/></material>\n" + link_element("base", visual) +
+                    link_element("arm") +
+                    joint_element("j", "continuous", "base", "arm", "<safety_controller/>") +
+                    "<gazebo><joint name=\"j\"/><mass value=\"x\"/></gazebo>"
+                    "<transmission name=\"t\"><joint name=\"j\"/></transmission>"),
       "f");
   ASSERT_TRUE(result.model);
   EXPECT_TRUE(result.problems.empty());

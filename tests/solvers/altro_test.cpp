@@ -16,7 +16,7 @@ using testing::LinearQuadratic;
 using testing::make_dense;
 using testing::with_constraints;
 
-SolverOptions strict() {
+SolverOptions altro_options() {
   SolverOptions options;
   options.tolerances.constraint = 1e-8;
   options.augmented_lagrangian.sufficient_decrease = 0.1;
@@ -31,7 +31,7 @@ TEST(Altro, ReachesThePublishedOptimaExactly) {
       if (closed) {
         ASSERT_EQ(Acts(problem).simulate(guess), -1);
       }
-      const SolveResult result = solve(problem, "altro", strict(), guess);
+      const SolveResult result = solve(problem, "altro", altro_options(), guess);
       EXPECT_EQ(result.status, SolveStatus::converged) << name << ": " << result.message;
       EXPECT_NEAR(result.cost, cost, 1e-4 * cost) << name;
       EXPECT_LE(result.residuals.constraint, 1e-8) << name;
@@ -45,7 +45,7 @@ TEST(Altro, ReachesThePublishedOptimaExactly) {
 TEST(Altro, NewtonTakesAConvergedPenaltySolutionToRoundingInFewSteps) {
   for (const auto& [name, problem, control, cost] : testing::published_cases()) {
     const SolveResult result =
-        solve(problem, "altro", strict(), testing::constant_controls(problem, control));
+        solve(problem, "altro", altro_options(), testing::constant_controls(problem, control));
     int steps = 0;
     for (const IterationRecord& row : result.log) {
       steps = std::max(steps, row.newton);
@@ -64,7 +64,7 @@ TEST(Altro, SolvesConvexProblemsAsAnIndependentMethodDoes) {
     const LinearQuadratic lq(seed, 4, {3, 2}, 8, -3, 3);
     const ShootingProblem problem = with_constraints(*lq.problem, cuts(lq));
     const Eigen::VectorXd expected = dense_optimum(problem, make_dense(lq, problem, -3, 3));
-    SolverOptions options = strict();
+    SolverOptions options = altro_options();
     options.tolerances.stationarity = 1e-9;
     const SolveResult result = solve(problem, "altro", options, problem.create_trajectory());
     EXPECT_EQ(result.status, SolveStatus::converged) << seed << ": " << result.message;

@@ -16,7 +16,7 @@ std::shared_ptr<DualGuess> multipliers_of(const SolveResult& result) {
   return guess;
 }
 
-SolverOptions strict() {
+SolverOptions small_violations() {
   SolverOptions options;
   options.tolerances.constraint = 1e-8;
   return options;
@@ -26,7 +26,7 @@ class DualGuesses : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(DualGuesses, OfAnOwnAnswerEndInTwoIterations) {
   for (const auto& [name, problem, control, cost] : testing::published_cases()) {
-    SolverOptions options = strict();
+    SolverOptions options = small_violations();
     const SolveResult cold =
         solve(problem, GetParam(), options, testing::constant_controls(problem, control));
     ASSERT_EQ(cold.status, SolveStatus::converged) << name << ": " << cold.message;
@@ -48,7 +48,7 @@ TEST_P(DualGuesses, DoTheWorkThatTheTrajectoryAloneLeaves) {
     // Ipopt gets stuck at the tip of a cone, where its smooth surface has no curvature.
     if (std::string_view(GetParam()) == "ipopt") cuts.pop_back();
     const ShootingProblem problem = testing::with_constraints(*lq.problem, cuts);
-    SolverOptions options = strict();
+    SolverOptions options = small_violations();
     const SolveResult cold = solve(problem, GetParam(), options, problem.create_trajectory());
     ASSERT_EQ(cold.status, SolveStatus::converged) << cold.message;
     without += solve(problem, GetParam(), options, cold.trajectory).iterations;

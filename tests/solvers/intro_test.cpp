@@ -4,6 +4,7 @@
 
 #include "solvers/registry.hpp"
 #include "solvers/row_elimination.hpp"
+#include "support/conic_optimality.hpp"
 #include "support/constrained_problems.hpp"
 #include "support/dense_convex.hpp"
 
@@ -15,14 +16,10 @@ using testing::controls_of;
 using testing::LinearQuadratic;
 using testing::with_constraints;
 
-SolverOptions strict() {
+SolverOptions intro_options() {
   SolverOptions options = testing::tight_options();
   options.max_iterations = 200;
   return options;
-}
-
-double distance(const SolveResult& a, const SolveResult& b) {
-  return (controls_of(a.trajectory) - controls_of(b.trajectory)).cwiseAbs().maxCoeff();
 }
 
 Added equality(const std::string& name, const ShootingProblem& problem, std::vector<int> columns,
@@ -112,7 +109,7 @@ TEST(Intro, SolvesLinearQuadraticProblemsInOneStep) {
     for (const bool open : {false, true}) {
       const Trajectory guess =
           open ? testing::random_guess(problem, seed) : problem.create_trajectory();
-      const SolveResult result = solve(problem, "intro", strict(), guess);
+      const SolveResult result = solve(problem, "intro", intro_options(), guess);
       EXPECT_EQ(result.status, SolveStatus::converged) << seed << ": " << result.message;
       EXPECT_EQ(result.iterations, 1) << seed;
       EXPECT_LT(
@@ -128,11 +125,11 @@ TEST(Intro, AgreesWithTheOthersOnEqualities) {
   const LinearQuadratic lq(4, 5, {3, 2}, 8, -testing::kFree, testing::kFree);
   const ShootingProblem problem = with_constraints(*lq.problem, equalities(*lq.problem));
   const Trajectory guess = problem.create_trajectory();
-  const SolveResult result = solve(problem, "intro", strict(), guess);
+  const SolveResult result = solve(problem, "intro", intro_options(), guess);
   for (const char* other : {"altro", "proxddp"}) {
-    const SolveResult its = solve(problem, other, strict(), guess);
+    const SolveResult its = solve(problem, other, intro_options(), guess);
     EXPECT_EQ(its.status, SolveStatus::converged) << its.message;
-    EXPECT_LT(distance(result, its), 1e-7) << other;
+    EXPECT_LT(testing::control_distance(result, its), 1e-7) << other;
     EXPECT_LT((result.constraint_multipliers - its.constraint_multipliers).cwiseAbs().maxCoeff(),
               1e-5)
         << other;
@@ -175,10 +172,10 @@ TEST(Intro, DependentRowsDoNoHarm) {
   more.push_back(equality("way again", *lq.problem, {1}, {-0.2}, 5, 5));
   const ShootingProblem once = with_constraints(*lq.problem, list);
   const ShootingProblem twice = with_constraints(*lq.problem, more);
-  const SolveResult a = solve(once, "intro", strict(), once.create_trajectory());
-  const SolveResult b = solve(twice, "intro", strict(), twice.create_trajectory());
+  const SolveResult a = solve(once, "intro", intro_options(), once.create_trajectory());
+  const SolveResult b = solve(twice, "intro", intro_options(), twice.create_trajectory());
   EXPECT_EQ(b.status, SolveStatus::converged) << b.message;
-  EXPECT_LT(distance(a, b), 1e-7);
+  EXPECT_LT(testing::control_distance(a, b), 1e-7);
 }
 
 TEST(Intro, ContradictionsEndAsInfeasible) {
@@ -186,7 +183,7 @@ TEST(Intro, ContradictionsEndAsInfeasible) {
   std::vector<Added> list = equalities(*lq.problem);
   list.push_back(equality("elsewhere", *lq.problem, {1}, {0.5}, 5, 5));
   const ShootingProblem problem = with_constraints(*lq.problem, list);
-  const SolveResult result = solve(problem, "intro", strict(), problem.create_trajectory());
+  const SolveResult result = solve(problem, "intro", intro_options(), problem.create_trajectory());
   EXPECT_EQ(result.status, SolveStatus::infeasible) << result.message;
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "solvers/registry.hpp"
+#include "support/conic_optimality.hpp"
 #include "support/constrained_problems.hpp"
 #include "support/dense_convex.hpp"
 
@@ -17,18 +18,14 @@ using testing::LinearQuadratic;
 using testing::make_dense;
 using testing::with_constraints;
 
-SolverOptions strict() {
+SolverOptions proxddp_options() {
   SolverOptions options = testing::tight_options();
   options.max_time_s = 20;
   return options;
 }
 
 SolveResult run(const ShootingProblem& problem, std::string_view solver = "proxddp") {
-  return solve(problem, solver, strict(), problem.create_trajectory());
-}
-
-double distance(const SolveResult& a, const SolveResult& b) {
-  return (controls_of(a.trajectory) - controls_of(b.trajectory)).cwiseAbs().maxCoeff();
+  return solve(problem, solver, proxddp_options(), problem.create_trajectory());
 }
 
 TEST(Proxddp, ReachesOptimaOfThePublishedCases) {
@@ -55,7 +52,7 @@ TEST(Proxddp, SolvesConvexProblemsAsAnIndependentMethodAndAltroDo) {
     const SolveResult result = run(problem);
     EXPECT_EQ(result.status, SolveStatus::converged) << seed << ": " << result.message;
     EXPECT_LT((controls_of(result.trajectory) - expected).cwiseAbs().maxCoeff(), 1e-7) << seed;
-    EXPECT_LT(distance(result, run(problem, "altro")), 1e-7) << seed;
+    EXPECT_LT(testing::control_distance(result, run(problem, "altro")), 1e-7) << seed;
     EXPECT_GT(result.constraint_multipliers.cwiseAbs().maxCoeff(), 1e-3) << seed;
   }
 }
@@ -69,8 +66,8 @@ TEST(Proxddp, AgreesWithAltroOnLongerConvexProblems) {
         with_constraints(*lq.problem, cuts(*lq.problem, free.trajectory));
     const SolveResult result = run(problem);
     EXPECT_EQ(result.status, SolveStatus::converged) << seed << ": " << result.message;
-    EXPECT_GT(distance(result, free), 1e-2) << seed;
-    EXPECT_LT(distance(result, run(problem, "altro")), 1e-7) << seed;
+    EXPECT_GT(testing::control_distance(result, free), 1e-2) << seed;
+    EXPECT_LT(testing::control_distance(result, run(problem, "altro")), 1e-7) << seed;
   }
 }
 

@@ -53,6 +53,9 @@ struct Answer {
   }
 };
 
+/// Changes a number in the place where it stands.
+inline void add_to(OrderedJson& number, double change) { number = number.get<double>() + change; }
+
 inline std::string failures(const SolutionCertificate& certificate) {
   std::string names;
   for (const Check& check : certificate.checks.checks)

@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include "ocp/knot_batch.hpp"
+#include "ocp/problem.hpp"
 #include "ocp/residuals.hpp"
 #include "robot/model.hpp"
 #include "support/random_robot.hpp"
@@ -31,12 +32,6 @@ inline std::vector<double> random_manifold_state(const StateManifold& manifold,
   for (double& d : dx) d = random.uniform(-size, size);
   manifold.integrate(x.data(), dx.data(), x.data());
   return x;
-}
-
-inline std::vector<double> random_vector(int n, RandomNumbers& random, double size) {
-  std::vector<double> v(n);
-  for (double& a : v) a = random.uniform(-size, size);
-  return v;
 }
 
 /// The derivative of next state and cost along one direction of z, by dual numbers through
@@ -77,7 +72,7 @@ inline KnotCase make_case(std::string name, std::shared_ptr<KnotModel> model,
   KnotCase c;
   c.name = std::move(name);
   c.x = random_manifold_state(model->manifold(), random, 1.2);
-  c.u = random_vector(model->nu(), random, 2);
+  c.u = random.numbers(model->nu(), 2);
   if (model->integrator() == Integrator::impulse) c.dt = 0;
   c.parameters.resize(model->parameter_count());
   for (const CostTerm& term : model->costs()) {
@@ -152,6 +147,17 @@ inline std::vector<Integrator> integrators_of(const System& system) {
   }
   return {Integrator::semi_implicit_euler, Integrator::explicit_euler, Integrator::rk2,
           Integrator::rk3, Integrator::rk4};
+}
+
+/// Knots of the case one after another, from its state, and a terminal node without costs.
+inline ShootingProblem problem_of(const KnotCase& c, int count) {
+  Phase phase{
+      "knots", c.model, std::vector<double>(count, c.dt), std::vector<double>(count, c.dt), {}};
+  for (int k = 0; k < count; ++k)
+    phase.parameters.insert(phase.parameters.end(), c.parameters.begin(), c.parameters.end());
+  auto end = std::make_shared<KnotModel>(c.model->shared_system(), Integrator::none,
+                                         c.model->has_control_memory());
+  return {c.x, {phase}, Phase{"terminal", end, {0.0}, {1.0}, {}}};
 }
 
 }  // namespace conddp

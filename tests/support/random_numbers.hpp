@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdint>
 #include <random>
+#include <vector>
 
 #include "spatial/se3.hpp"
 
@@ -19,6 +20,12 @@ class RandomNumbers {
   /// 0 .. n − 1.
   int index(int n) { return static_cast<int>(uniform(0, n)); }
   bool chance(double probability) { return uniform(0, 1) < probability; }
+  /// n numbers in ±size.
+  std::vector<double> numbers(int n, double size) {
+    std::vector<double> a(static_cast<std::size_t>(n));
+    for (double& value : a) value = uniform(-size, size);
+    return a;
+  }
   /// Three coordinates in ±size.
   Vector3<double> vector(double size) {
     const double x = uniform(-size, size), y = uniform(-size, size);

@@ -24,6 +24,9 @@ inline std::filesystem::path slow_answers() {
   return std::filesystem::path(CONDDP_SOURCE_DIR) / "tests/golden/slow";
 }
 
+/// Names a test by its parameter, a string.
+inline constexpr auto name_of = [](const auto& test) { return test.param; };
+
 /// Names of the problems of those.
 inline std::vector<std::string> slow_problems() {
   std::vector<std::string> names;

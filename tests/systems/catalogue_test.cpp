@@ -14,12 +14,6 @@ using D = Dual<double>;
 using Eigen::Map;
 using Eigen::VectorXd;
 
-std::vector<double> random_numbers(int n, RandomNumbers& random, double size) {
-  std::vector<double> a(n);
-  for (double& value : a) value = random.uniform(-size, size);
-  return a;
-}
-
 std::vector<double> rate_of(const System& system, const std::vector<double>& x,
                             const std::vector<double>& u) {
   const auto data = system.create_data(double{});
@@ -68,8 +62,8 @@ void expect_power_balance(const System& system, Energy energy, Power power) {
   RandomNumbers random(101);
   const int n = system.nv();
   for (int repeat = 0; repeat < 50; ++repeat) {
-    const std::vector<double> x = random_numbers(2 * n, random, 3);
-    const std::vector<double> u = random_numbers(system.nu(), random, 5);
+    const std::vector<double> x = random.numbers(2 * n, 3);
+    const std::vector<double> u = random.numbers(system.nu(), 5);
     const std::vector<double> a = rate_of(system, x, u);
     std::vector<D> moving(2 * n);
     for (int i = 0; i < n; ++i) {
@@ -85,7 +79,7 @@ template <class Energy>
 void expect_conserved(const System& system, Energy energy) {
   RandomNumbers random(102);
   const int n = system.nv();
-  const std::vector<double> start = random_numbers(2 * n, random, 1.5), none(system.nu(), 0.0);
+  const std::vector<double> start = random.numbers(2 * n, 1.5), none(system.nu(), 0.0);
   VectorXd x = Map<const VectorXd>(start.data(), 2 * n);
   const auto data = system.create_data(double{});
   const auto rate = [&](const VectorXd& at) {
@@ -145,7 +139,7 @@ TEST(Catalogue, CartpoleIsTheRobotOfItsUrdf) {
   const auto formula = cartpole({});
   RandomNumbers random(103);
   for (int repeat = 0; repeat < 50; ++repeat) {
-    const std::vector<double> x = random_numbers(4, random, 3), u = random_numbers(1, random, 10);
+    const std::vector<double> x = random.numbers(4, 3), u = random.numbers(1, 10);
     const std::vector<double> a = rate_of(robot, x, u), b = rate_of(*formula, x, u);
     for (int i = 0; i < 2; ++i) EXPECT_NEAR(a[i], b[i], 1e-12 * (1 + std::abs(b[i])));
   }
@@ -168,9 +162,9 @@ TEST(Catalogue, QuadrotorIsTheRobotOfItsUrdfWithThrusters) {
   RandomNumbers random(104);
   for (int repeat = 0; repeat < 50; ++repeat) {
     std::vector<double> x = robot.manifold().neutral();
-    const std::vector<double> dx = random_numbers(robot.ndx(), random, 2);
+    const std::vector<double> dx = random.numbers(robot.ndx(), 2);
     robot.manifold().integrate(x.data(), dx.data(), x.data());
-    const std::vector<double> u = random_numbers(4, random, 3);
+    const std::vector<double> u = random.numbers(4, 3);
     const std::vector<double> a = rate_of(robot, x, u), b = rate_of(*formula, x, u);
     double scale = 1;
     for (double value : b) scale = std::max(scale, std::abs(value));
@@ -192,7 +186,7 @@ TEST(Catalogue, PlanarQuadrotorIsTheQuadrotorInAPlane) {
                                   .gravity = p.gravity});
   RandomNumbers random(105);
   for (int repeat = 0; repeat < 20; ++repeat) {
-    const std::vector<double> x = random_numbers(6, random, 2), u = random_numbers(2, random, 5);
+    const std::vector<double> x = random.numbers(6, 2), u = random.numbers(2, 5);
     const double s = std::sin(x[2]), c = std::cos(x[2]), omega = x[5];
     // World to body for a turn by θ about −y: (c x + s z, −s x + c z).
     const double vx = c * x[3] + s * x[4], vz = -s * x[3] + c * x[4];
@@ -215,7 +209,7 @@ TEST(Catalogue, CarIsTheReferenceFormula) {
   const auto system = car(2.0, 0.03);
   RandomNumbers random(106);
   for (int repeat = 0; repeat < 50; ++repeat) {
-    const std::vector<double> x = random_numbers(4, random, 5);
+    const std::vector<double> x = random.numbers(4, 5);
     const std::vector<double> u = {random.uniform(-0.5, 0.5), random.uniform(-2, 2)};
     const long double f = h * x[3], w = u[0];
     const long double b =
@@ -236,7 +230,7 @@ TEST(Catalogue, CarsWheelsDoNotSlip) {
   const auto system = car(d, h);
   RandomNumbers random(107);
   for (int repeat = 0; repeat < 50; ++repeat) {
-    const std::vector<double> x = random_numbers(4, random, 4);
+    const std::vector<double> x = random.numbers(4, 4);
     const std::vector<double> u = {random.uniform(-0.6, 0.6), 0};
     const std::vector<double> y = rate_of(*system, x, u);
     const auto heading = [](double angle) {

@@ -85,23 +85,23 @@ TEST(Mimic, AccelerationsAreThoseOfTheRobotWithExplicitConstraints) {
 }
 
 TEST(Mimic, DerivativesAreThoseOfDualNumbers) {
-  using D = Dual<Lane>;
+  using LaneDual = Dual<Lane>;
   RandomNumbers random(62);
   for (const auto& [name, model] : mimic_robots()) {
     const auto system = system_of(model);
     const auto data = system->create_data(double{});
-    const auto dual = system->create_data(D{});
+    const auto dual = system->create_data(LaneDual{});
     const std::vector<double> x = state_of(*system, random_mimic_state(model, random));
     const std::vector<double> u = random_controls(system->nu(), random);
     system->differentiate(x.data(), u.data(), *data);
     const int n = system->nv();
     double scale = 1;
     for (double a : data->fx) scale = std::max(scale, std::abs(a));
-    AlignedVector<D> xd(system->nx()), ud(system->nu()), direction(system->ndx());
+    AlignedVector<LaneDual> xd(system->nx()), ud(system->nu()), direction(system->ndx());
     for (int c = 0; c < system->ndx() + system->nu(); ++c) {
       std::copy(x.begin(), x.end(), xd.begin());
       std::copy(u.begin(), u.end(), ud.begin());
-      std::fill(direction.begin(), direction.end(), D(0.0));
+      std::fill(direction.begin(), direction.end(), LaneDual(0.0));
       if (c < system->ndx()) {
         direction[c].d = Lane(1.0);
         system->manifold().integrate(xd.data(), direction.data(), xd.data());

@@ -35,12 +35,6 @@ std::vector<double> joined(std::vector<double> q, const std::vector<double>& v) 
   return q;
 }
 
-std::vector<double> random_numbers(int n, RandomNumbers& random, double size) {
-  std::vector<double> a(n);
-  for (double& value : a) value = random.uniform(-size, size);
-  return a;
-}
-
 MatrixXd full_mass_matrix(const RobotModel& model, const std::vector<double>& q) {
   RobotData<double> data(model);
   update_placements(model, q.data(), data);
@@ -160,7 +154,7 @@ TEST(Multibody, EnergyFallsWithDampingAndStaysWithout) {
   const auto free = make_system(model, Actuation::full(model));
   const auto damped = make_system(model, Actuation::full(model), {true, true, 0.3});
   const std::vector<double> start =
-      joined(random_numbers(model.nq, random, 1), random_numbers(model.nv, random, 0.5));
+      joined(random.numbers(model.nq, 1), random.numbers(model.nv, 0.5));
   const std::vector<double> u(free->nu(), 0.0);
   const double first = energy(model, start);
   std::vector<double> x = start, y = start;
@@ -268,7 +262,7 @@ TEST(Multibody, TreesOfOneModelMoveIndependently) {
   std::vector<std::vector<double>> controls;
   for (const RobotModel& tree : trees) {
     states.push_back(random_state(tree, random));
-    controls.push_back(random_numbers(Actuation::full(tree).nu, random, 10));
+    controls.push_back(random.numbers(Actuation::full(tree).nu, 10));
     q = joined(q, states.back().q);
     v = joined(v, states.back().v);
     u = joined(u, controls.back());
@@ -310,7 +304,7 @@ TEST(Multibody, LockedJointIsTheLimitOfAJointThatCannotAccelerate) {
   RobotState state = random_state(heavy, random);
   state.q[held] = angle;
   state.v[held] = 0;
-  std::vector<double> u = random_numbers(heavy.nv, random, 20);
+  std::vector<double> u = random.numbers(heavy.nv, 20);
   const auto a = make_system(heavy, Actuation::full(heavy));
   const auto data = a->create_data(double{});
   a->evaluate(joined(state.q, state.v).data(), u.data(), *data);
