@@ -1,4 +1,3 @@
-#include <cstdlib>
 #include <map>
 
 #include <gtest/gtest.h>
@@ -12,14 +11,6 @@ namespace {
 using Json = nlohmann::json;
 
 const std::string kArm = source("problems/arm_reach.yaml");
-
-bool fits(const std::string& schema, const std::string& document) {
-  const TemporaryFolder folder;
-  const std::string command = source("scripts/validate_json") + " " +
-                              source("schemas/" + schema + ".schema.json") + " " +
-                              folder.write("document.json", document);
-  return std::system(command.c_str()) == 0;
-}
 
 Json solution_of(const std::filesystem::path& folder) {
   return Json::parse(read_file(folder / "solution.json"));
@@ -44,7 +35,7 @@ TEST(Check, JsonFitsItsSchema) {
       if (derivatives) arguments.push_back("--derivatives");
       const ProcessResult r = run_conddp(arguments);
       EXPECT_EQ(r.exit_code, 0) << r.err;
-      EXPECT_TRUE(fits("check", r.out)) << r.out;
+      EXPECT_TRUE(fits_schema("check", r.out)) << r.out;
       EXPECT_EQ(Json::parse(r.out).contains("derivatives"), derivatives);
     }
 }
@@ -100,7 +91,7 @@ TEST(Check, TheExpandedFileIsSolvedToTheSameCost) {
   const std::string file = folder.write("expanded.yaml", expanded.out);
   EXPECT_EQ(run_conddp({"check", file, "--expand"}).out, expanded.out);
   const ProcessResult json = run_conddp({"check", kPendulum, "--expand", "--json"});
-  EXPECT_TRUE(fits("problem", json.out)) << json.out;
+  EXPECT_TRUE(fits_schema("problem", json.out)) << json.out;
   run_conddp({"solve", kPendulum, "-o", folder.path() / "a", "--quiet"});
   run_conddp({"solve", file, "-o", folder.path() / "b", "--quiet"});
   const Json a = solution_of(folder.path() / "a"), b = solution_of(folder.path() / "b");
@@ -220,7 +211,7 @@ solver: {name: ilqr}
 )");
   EXPECT_EQ(solve(problem, "out").exit_code, 1);
   const std::string text = read_file(file("out"));
-  EXPECT_TRUE(fits("solution", text));
+  EXPECT_TRUE(fits_schema("solution", text));
   const Json s = Json::parse(text);
   EXPECT_EQ(s["status"], "diverged");
   EXPECT_TRUE(s["cost"].is_null());

@@ -1,6 +1,7 @@
 #include "process.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 #include <fstream>
 #include <stdexcept>
 
@@ -82,6 +83,14 @@ std::string read_file(const std::filesystem::path& file) {
 
 std::string source(const std::string& name) {
   return (std::filesystem::path(CONDDP_SOURCE_DIR) / name).string();
+}
+
+bool fits_schema(const std::string& schema, const std::string& document) {
+  const TemporaryFolder folder;
+  const std::string command = source("scripts/validate_json") + " " +
+                              source("schemas/" + schema + ".schema.json") + " " +
+                              folder.write("document.json", document);
+  return std::system(command.c_str()) == 0;
 }
 
 }  // namespace conddp

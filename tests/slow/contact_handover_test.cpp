@@ -38,7 +38,7 @@ solver: {name: ipopt, max_iterations: 400}
 void expect_refined(const Answer& answer, const ContactMotion& motion,
                     const std::vector<const char*>& solvers) {
   ScheduleOptions options;
-  options.folder = testing::TempDir();
+  options.folder = ::testing::TempDir();
   options.solution = options.folder / (answer.spec.name.value + "_solution.json");
   std::ofstream(options.solution) << answer.document.dump();
   for (const char* name : solvers) {

@@ -18,7 +18,7 @@ using testing::with_constraints;
 
 constexpr double kBound = 3;
 
-SolveResult run(const ShootingProblem& problem, std::string_view solver) {
+SolveResult solve_soft(const ShootingProblem& problem, std::string_view solver) {
   SolverOptions options = testing::tight_options();
   options.tolerances.complementarity = 1e-9;
   options.max_time_s = 20;
@@ -63,7 +63,7 @@ TEST_P(SoftByDistance, HasTheOptimumOfAnIndependentMethod) {
           with_constraints(*lq.problem, soft_cuts(lq, Softness::l1, weight));
       const Eigen::VectorXd expected =
           dense_optimum(problem, make_dense(lq, problem, -kBound, kBound));
-      const SolveResult result = run(problem, GetParam());
+      const SolveResult result = solve_soft(problem, GetParam());
       EXPECT_EQ(result.status, SolveStatus::converged) << seed << ": " << result.message;
       EXPECT_LT((controls_of(result.trajectory) - expected).cwiseAbs().maxCoeff(), 1e-6)
           << seed << ", weight " << weight;
@@ -87,12 +87,12 @@ TEST_P(SoftByDistance, HoldsLikeAHardOneAboveItsMultipliers) {
     std::vector<Added> list = cuts(lq);
     if (std::string_view(GetParam()) == "ipopt") list.pop_back();
     const ShootingProblem hard = with_constraints(*lq.problem, list);
-    const SolveResult best = run(hard, "altro");
+    const SolveResult best = solve_soft(hard, "altro");
     ASSERT_EQ(best.status, SolveStatus::converged);
     const double weight = 2 * best.constraint_multipliers.cwiseAbs().maxCoeff() / 0.25;
     for (Added& cut : list) cut.softness = Softness::l1, cut.weight = weight;
     const ShootingProblem soft = with_constraints(*lq.problem, list);
-    const SolveResult result = run(soft, GetParam());
+    const SolveResult result = solve_soft(soft, GetParam());
     EXPECT_EQ(result.status, SolveStatus::converged) << seed << ": " << result.message;
     EXPECT_NEAR(result.cost, best.cost, 1e-7 * best.cost) << seed;
     EXPECT_LT((controls_of(result.trajectory) - controls_of(best.trajectory)).cwiseAbs().maxCoeff(),
@@ -105,7 +105,7 @@ TEST_P(SoftByDistance, HoldsLikeAHardOneAboveItsMultipliers) {
 TEST_P(SoftByDistance, CostsWhatItsDistancesCost) {
   const LinearQuadratic lq(1, 4, {3, 2}, 8, -kBound, kBound);
   const ShootingProblem problem = with_constraints(*lq.problem, soft_cuts(lq, Softness::l1, 0.3));
-  const SolveResult result = run(problem, GetParam());
+  const SolveResult result = solve_soft(problem, GetParam());
   Evaluation free(*lq.problem);
   Acts(*lq.problem).evaluate(result.trajectory, free);
   double penalty = 0;
@@ -137,7 +137,7 @@ TEST_P(SoftBySquare, HasTheOptimumOfAnIndependentMethod) {
     const LinearQuadratic lq(seed, 4, {3, 2}, 8, -bound, bound);
     const ShootingProblem problem = with_constraints(*lq.problem, soft_cuts(lq, Softness::l2, 5));
     const Eigen::VectorXd expected = dense_optimum(problem, make_dense(lq, problem, -bound, bound));
-    const SolveResult result = run(problem, GetParam());
+    const SolveResult result = solve_soft(problem, GetParam());
     EXPECT_EQ(result.status, SolveStatus::converged) << seed << ": " << result.message;
     EXPECT_LT((controls_of(result.trajectory) - expected).cwiseAbs().maxCoeff(), 1e-6) << seed;
     EXPECT_GT(largest_miss(problem, result), 1e-2);
@@ -156,7 +156,7 @@ TEST(SoftConstraints, AConeThatIsMissedEndsInFewNewtonSteps) {
     const LinearQuadratic lq(seed, 4, {3, 2}, 8, -kBound, kBound);
     const ShootingProblem problem =
         with_constraints(*lq.problem, soft_cuts(lq, Softness::l1, 0.05, 2));
-    const SolveResult result = run(problem, "altro");
+    const SolveResult result = solve_soft(problem, "altro");
     EXPECT_EQ(result.status, SolveStatus::converged) << seed << ": " << result.message;
     missed += largest_miss(problem, result) > 1e-2;
     EXPECT_LE(result.log.back().newton, 5) << seed;
