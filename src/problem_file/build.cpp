@@ -305,7 +305,12 @@ const SolverInfo* usable_solver(const ProblemSpec& spec, const ShootingProblem& 
                                 Diagnostics& out) {
   const SolverInfo* solver = find_solver(spec.solver.name.value);
   const auto reason = refuse(*solver, problem);
-  if (!reason) return solver;
+  if (!reason) {
+    const auto legs = refuse_legs(*solver, problem, spec.solver.options.legs);
+    if (!legs) return solver;
+    out.error(spec.solver.name.place, *legs, "leave 'legs' out, or write a smaller number");
+    return nullptr;
+  }
   if (spec.stepping) {
     out.error(spec.solver.name.place, *reason, "write 'solver: {name: ipopt}'");
     return nullptr;

@@ -1,21 +1,13 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <vector>
 
-#include "ocp/acts.hpp"
-#include "solvers/control_bounds.hpp"
-#include "solvers/gap_transport.hpp"
-#include "solvers/stage_policy.hpp"
-#include "solvers/value.hpp"
+#include "solvers/leg_sweep.hpp"
+#include "solvers/stage_sweep.hpp"
 
 namespace conddp {
-
-/// What a sweep adds to its stage problems.
-struct SweepRegularization {
-  RegularizationKind kind = RegularizationKind::state;
-  double weight = 0;
-};
 
 /// The Riccati sweep of every DDP solver: from the last node to the first it prepares the next
 /// value (gap), lets a policy solve the stage with regularised second derivatives, and forms the
@@ -24,9 +16,14 @@ struct SweepRegularization {
 ///   V_xx = Q_xx + Kᵀ Q_uu K + Kᵀ Q_ux + Q_xu K.
 /// Without regularisation the rows of Q_uu K + Q_ux that K does not leave out are zero: then
 ///   V_xx = Q_xx + Kᵀ Q_ux.
+///
+/// With several legs, sweeps whose policy is affine go by them (LegSweep): those without
+/// regularisation that hold their active set, or have no bounds on the control. The policies' steps
+/// through the linear model are the same; gains and values before the last leg belong to values at
+/// the ends of legs that are near the true ones.
 class BackwardSweep {
  public:
-  BackwardSweep(const ShootingProblem& problem, const ControlBounds& bounds);
+  BackwardSweep(const ShootingProblem& problem, const ControlBounds& bounds, Legs legs = {});
 
   /// Fills `feedback`, for the full step that closes the gaps. Returns the knot
   /// whose stage has no minimum or is not finite, or −1 where all went well. `hold` is passed on
@@ -46,23 +43,16 @@ class BackwardSweep {
     Quu_.swap(other_Quu);
   }
 
- private:
-  bool solve_stage(int k, const Trajectory& trajectory, const KnotLinearization& knot,
-                   SweepRegularization regularization, StagePolicy& policy, Feedback& feedback);
-  /// `true_gains`: K comes from second derivatives without regularisation. False where the value is
-  /// not finite.
-  bool form_value(ValueFunction& value, const Eigen::VectorXd& k, bool true_gains);
+  /// Whether sweeps may go by legs, where there are several.
+  void use_legs(bool use) { use_legs_ = use; }
 
+ private:
   const ControlBounds& bounds_;
   std::vector<ValueFunction> values_;  ///< N + 1
   std::vector<Eigen::MatrixXd> Quu_;
-  ValueFunction next_;
-  ValuePropagation propagation_;
-  ActionValue q_;
-  LaneMatrix columns_;  ///< nz x nu: control columns of Q_zz, regularised
-  LaneMatrix Kt_;       ///< ndx x nu, and one row more
-  LaneMatrix M_;        ///< ndx x nu
-  Eigen::VectorXd w_;   ///< nu
+  StageSweep stage_;
+  std::unique_ptr<LegSweep> legs_;  ///< where there are several
+  bool bounded_, use_legs_ = true;
 };
 
 }  // namespace conddp

@@ -4,20 +4,18 @@
 #include "solvers/box_qp.hpp"
 #include "solvers/cholesky.hpp"
 #include "solvers/stage_policy.hpp"
+#include "solvers/stage_sweep.hpp"
 
 namespace conddp {
 namespace {
 
 class BoxStage : public StagePolicy {
  public:
-  BoxStage(const ShootingProblem& problem, int max_nu, const SolverOptions::BoxQp& options)
-      : qp_(max_nu, options.max_iterations, options.armijo),
-        lower_(max_nu),
-        upper_(max_nu),
-        factor_(max_nu, max_nu),
-        rhs_(problem.ndx() + 1, max_nu),
-        before_(max_nu) {
-    free_.reserve(max_nu);
+  BoxStage(const ShootingProblem& problem, int max_nu, const SolverOptions::BoxQp& options,
+           int legs) {
+    const int rows = legs > 1 ? parametric_rows(problem) : problem.ndx();
+    scratch_.reserve(legs);
+    for (int leg = 0; leg < legs; ++leg) scratch_.emplace_back(rows, max_nu, options);
     for (int k = 0; k < problem.knots(); ++k) {
       const int nu = problem.nu(k);
       standing_.active.emplace_back(nu);
@@ -34,39 +32,40 @@ class BoxStage : public StagePolicy {
 
   bool solve(const StageProblem& stage, Eigen::Ref<Eigen::VectorXd> k, LaneBlock Kt) override {
     const int nu = static_cast<int>(k.size());
+    Scratch& scratch = scratch_[stage.leg];
     std::vector<BoundState>& active = standing_.active[stage.knot];
-    std::copy(active.begin(), active.end(), before_.begin());
-    auto lower = lower_.head(nu);
-    auto upper = upper_.head(nu);
+    std::copy(active.begin(), active.end(), scratch.before.begin());
+    auto lower = scratch.lower.head(nu);
+    auto upper = scratch.upper.head(nu);
     lower = stage.lower - stage.u;
     upper = stage.upper - stage.u;
     const bool unbound =
         std::all_of(active.begin(), active.end(), [](auto a) { return a == BoundState::free; });
     // Most knots are far from every bound: there the free minimum is that of the QP.
     if (hold_ || unbound) {
-      const bool solved = solve_held(stage, active, k, Kt);
+      const bool solved = solve_held(stage, active, scratch, k, Kt);
       if (hold_ && !solved) return false;
       if (hold_ ||
           (solved && (k.array() >= lower.array()).all() && (k.array() <= upper.array()).all())) {
-        keep(stage, active);
+        keep(stage, active, scratch);
         return true;
       }
     }
-    if (qp_.solve(stage.Quu, stage.Qu, lower, upper, active) ==
+    if (scratch.qp.solve(stage.Quu, stage.Qu, lower, upper, active) ==
         BoxQp::Status::not_positive_definite) {
       return false;
     }
-    k = qp_.x();
+    k = scratch.qp.x();
     // Feedback acts on the free controls alone: K_f = −Q_ff⁻¹ Q_fx.
-    const auto free = qp_.free();
+    const auto free = scratch.qp.free();
     const int count = static_cast<int>(free.size());
-    rhs_.resize(Kt.rows, count);
-    for (int j = 0; j < count; ++j) stage.negate(free[j], rhs_.block(), j);
-    solve_rows_in_place(qp_.free_factor(), rhs_.block());
+    scratch.rhs.resize(Kt.rows, count);
+    for (int j = 0; j < count; ++j) stage.negate(free[j], scratch.rhs.block(), j);
+    solve_rows_in_place(scratch.qp.free_factor(), scratch.rhs.block());
     Kt.view().setZero();
-    for (int j = 0; j < count; ++j) Kt.view().col(free[j]) = rhs_.view().col(j);
-    for (int i = 0; i < nu; ++i) standing_.changes += active[i] != before_[i];
-    keep(stage, active);
+    for (int j = 0; j < count; ++j) Kt.view().col(free[j]) = scratch.rhs.view().col(j);
+    for (int i = 0; i < nu; ++i) standing_.changes += active[i] != scratch.before[i];
+    keep(stage, active, scratch);
     return true;
   }
 
@@ -89,6 +88,10 @@ class BoxStage : public StagePolicy {
     }
     standing_.changes += changes;
     return changes;
+  }
+
+  void change_gradient(int knot, const Eigen::Ref<const Eigen::VectorXd>& change) override {
+    kept_[knot].Qu += change;
   }
 
   void assume(int knot, const Eigen::Ref<const Eigen::VectorXd>& gradient) override {
@@ -138,6 +141,24 @@ class BoxStage : public StagePolicy {
     Eigen::VectorXd Qu, lower, upper;
   };
 
+  /// Memory of one stage.
+  struct Scratch {
+    Scratch(int rows, int max_nu, const SolverOptions::BoxQp& options)
+        : qp(max_nu, options.max_iterations, options.armijo),
+          lower(max_nu),
+          upper(max_nu),
+          factor(max_nu, max_nu),
+          rhs(rows + 1, max_nu),
+          before(max_nu) {
+      free.reserve(max_nu);
+    }
+    BoxQp qp;
+    Eigen::VectorXd lower, upper;
+    LaneMatrix factor, rhs;
+    std::vector<BoundState> before;
+    std::vector<int> free;
+  };
+
   /// Where the controls of all knots stand, kept from sweep to sweep, and what is said of that.
   struct Standing {
     std::vector<std::vector<BoundState>> active;
@@ -145,70 +166,66 @@ class BoxStage : public StagePolicy {
   };
 
   /// Keeps what `revise` needs of a stage.
-  void keep(const StageProblem& stage, const std::vector<BoundState>& active) {
+  void keep(const StageProblem& stage, const std::vector<BoundState>& active,
+            const Scratch& scratch) {
     const int nu = static_cast<int>(active.size());
     Kept& kept = kept_[stage.knot];
-    kept.lower = lower_.head(nu);
-    kept.upper = upper_.head(nu);
+    kept.lower = scratch.lower.head(nu);
+    kept.upper = scratch.upper.head(nu);
     const auto free = std::count(active.begin(), active.end(), BoundState::free);
     if (free == nu) return;
-    kept.Qxu = stage.Qxu;
+    kept.Qxu = stage.Qxu.topRows(kept.Qxu.rows());
     kept.Quu = stage.Quu;
     kept.Qu = stage.Qu;
   }
 
   /// The stage's minimum with the entries that `active` holds put at their bounds.
-  bool solve_held(const StageProblem& stage, const std::vector<BoundState>& active,
-                  Eigen::Ref<Eigen::VectorXd> k, LaneBlock Kt) {
-    const int nu = Kt.cols, ndx = Kt.rows - 1;
-    free_.clear();
+  static bool solve_held(const StageProblem& stage, const std::vector<BoundState>& active,
+                         Scratch& scratch, Eigen::Ref<Eigen::VectorXd> k, LaneBlock Kt) {
+    const int nu = Kt.cols, rows = Kt.rows - 1;
+    std::vector<int>& free = scratch.free;
+    free.clear();
     for (int i = 0; i < nu; ++i) {
       if (active[i] == BoundState::free)
-        free_.push_back(i);
+        free.push_back(i);
       else
-        k[i] = active[i] == BoundState::at_lower ? lower_[i] : upper_[i];
+        k[i] = active[i] == BoundState::at_lower ? scratch.lower[i] : scratch.upper[i];
     }
-    const int count = static_cast<int>(free_.size());
-    factor_.resize(count, count);
-    auto factor = factor_.view();
+    const int count = static_cast<int>(free.size());
+    scratch.factor.resize(count, count);
+    auto factor = scratch.factor.view();
     // One solve for both: the gradient is one more row of right-hand sides.
-    rhs_.resize(ndx + 1, count);
-    const LaneBlock solution = count == nu ? Kt : rhs_.block();
+    scratch.rhs.resize(rows + 1, count);
+    const LaneBlock solution = count == nu ? Kt : scratch.rhs.block();
     auto rhs = solution.view();
     for (int a = 0; a < count; ++a) {
-      for (int b = a; b < count; ++b) factor(b, a) = stage.Quu(free_[b], free_[a]);
-      stage.negate(free_[a], solution, a);
+      for (int b = a; b < count; ++b) factor(b, a) = stage.Quu(free[b], free[a]);
+      stage.negate(free[a], solution, a);
       if (count == nu) continue;
       for (int i = 0; i < nu; ++i)
-        if (active[i] != BoundState::free) rhs(ndx, a) -= stage.Quu(i, free_[a]) * k[i];
+        if (active[i] != BoundState::free) rhs(rows, a) -= stage.Quu(i, free[a]) * k[i];
     }
-    if (!cholesky_in_place(factor_.block())) return false;
-    solve_rows_in_place(factor_.block(), solution);
-    for (int a = 0; a < count; ++a) k[free_[a]] = rhs(ndx, a);
+    if (!cholesky_in_place(scratch.factor.block())) return false;
+    solve_rows_in_place(scratch.factor.block(), solution);
+    for (int a = 0; a < count; ++a) k[free[a]] = rhs(rows, a);
     if (count == nu) return true;
     Kt.view().setZero();
-    for (int a = 0; a < count; ++a) Kt.view().col(free_[a]) = rhs.col(a);
+    for (int a = 0; a < count; ++a) Kt.view().col(free[a]) = rhs.col(a);
     return true;
   }
 
-  BoxQp qp_;
-  bool hold_ = false;
   std::vector<Kept> kept_;
-  std::vector<int> free_;
-  Eigen::VectorXd lower_, upper_;
-  LaneMatrix factor_, rhs_;
+  std::vector<Scratch> scratch_;  ///< of stages that are solved at once
+  bool hold_ = false;
   Standing standing_;
   Standing remembered_;
-  std::vector<BoundState> before_;
 };
 
 }  // namespace
 
 std::unique_ptr<StagePolicy> box_stage(const ShootingProblem& problem,
-                                       const SolverOptions::BoxQp& options) {
-  int max_nu = 0;
-  for (int k = 0; k < problem.knots(); ++k) max_nu = std::max(max_nu, problem.nu(k));
-  return std::make_unique<BoxStage>(problem, max_nu, options);
+                                       const SolverOptions::BoxQp& options, int legs) {
+  return std::make_unique<BoxStage>(problem, largest_nu(problem), options, legs);
 }
 
 }  // namespace conddp

@@ -32,7 +32,8 @@ DdpSolver::DdpSolver(const ShootingProblem& problem, const DdpRecipe& recipe,
                  {.clamp_controls = recipe.clamp_controls,
                   .box_stage = recipe.box_stage,
                   .null_space = recipe.multipliers == MultiplierSchedule::by_the_sweep &&
-                                !problem.constraints().empty()},
+                                !problem.constraints().empty(),
+                  .legs = {recipe.legs ? options.legs : 1, options.threads}},
                  options.box_qp),
       line_search_(problem, options.line_search),
       model_step_(problem, bounds_),
@@ -242,6 +243,7 @@ void DdpSolver::confirm_status() {
 /// Without regularisation if possible: a follower of the trajectory wants the true gains.
 void DdpSolver::sweep_for_gains() {
   const Stopwatch watch(result_.times.sweep);
+  direction_.use_one_leg();
   SolverOptions::Regularization from_zero = options_.regularization;
   from_zero.initial = 0;
   RegularizationSchedule schedule(from_zero);

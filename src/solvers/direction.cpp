@@ -18,8 +18,9 @@ Direction::Direction(const ShootingProblem& problem, const ControlBounds& bounds
       bounds_(bounds),
       recipe_(recipe),
       horizon_sweeps_(recipe.box_stage ? options.horizon_sweeps : 0),
-      sweep_(problem, bounds),
-      policy_(recipe.box_stage ? box_stage(problem, options) : unconstrained_stage(problem)),
+      sweep_(problem, bounds, recipe.legs),
+      policy_(recipe.box_stage ? box_stage(problem, options, recipe.legs.count)
+                               : unconstrained_stage(problem)),
       linear_rollout_(problem, bounds),
       feedback_(problem),
       secants_(bounds) {
@@ -201,6 +202,7 @@ void Direction::forget_steps() {
 
 void Direction::reset() {
   forget_steps();
+  sweep_.use_legs(true);
   active_set_known_ = descent_allowed_ = declined_ = false;
   for (Eigen::VectorXd& k : feedback_.k) k.setZero();
   for (Eigen::MatrixXd& K : feedback_.K) K.setZero();

@@ -23,12 +23,15 @@ class Direction {
     bool clamp_controls = false;
     bool box_stage = false;
     bool null_space = false;  ///< equality constraints are kept by the stages
+    Legs legs;                ///< of sweeps with box-constrained stages
   };
   Direction(const ShootingProblem& problem, const ControlBounds& bounds, const Recipe& recipe,
             const SolverOptions::BoxQp& options);
 
   /// Forgets the active set and the gains of the solve before.
   void reset();
+  /// From here to the next reset() sweeps go from end to start, whose gains are the true ones.
+  void use_one_leg() { sweep_.use_legs(false); }
   /// Fills feedback() around an iterate and rolls it out through the linear model. Returns the knot
   /// whose stage has no minimum, or −1. With an augmentation the linearisation is that of the
   /// augmented Lagrangian; it is changed on the way and comes back as it was.

@@ -71,6 +71,17 @@ void GapTransport::pull(ValueFunction& value) const {
   }
 }
 
+void GapTransport::pull(LaneBlock L, Eigen::VectorXd& s) const {
+  if (none_) return;
+  s.noalias() += L.view() * gap_;
+  if (identity_) return;
+  for (std::size_t i = 0; i < manifold_.curved().size(); ++i) {
+    const auto& segment = manifold_.curved()[i];
+    const CurvedBlock G{G_.data() + i * StateManifold::kBlockSize, segment.n, segment.n};
+    transform_columns(G, L.data + segment.dx * L.stride, L.stride, L.rows);
+  }
+}
+
 Gaps::Gaps(const ShootingProblem& problem)
     : knots_(problem.knots(), GapTransport(problem.manifold())) {}
 

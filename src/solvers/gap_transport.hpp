@@ -31,6 +31,9 @@ class GapTransport {
   /// The value at x_{k+1} as a function of δf at a full step: V_x ← Gᵀ (V_x + V_xx f̄),
   /// V_xx ← Gᵀ V_xx G.
   void pull(ValueFunction& value) const;
+  /// Linear terms of parameters in that value, a row each (L, by ndx), likewise: s ← s + L f̄,
+  /// L ← L G.
+  void pull(LaneBlock L, Eigen::VectorXd& s) const;
 
  private:
   const StateManifold& manifold_;

@@ -12,6 +12,7 @@ SolveResult run(const ShootingProblem& problem, const SolverOptions& options,
                     .box_stage = true,
                     .constraints = true,
                     .multipliers = MultiplierSchedule::bound_constrained_lagrangian,
+                    .legs = true,
                     .hessian = hessian_use(options)},
                    options)
       .solve(guess);
@@ -28,6 +29,7 @@ SolverInfo proxddp() {
           .constraints = ConstraintSupport::all,
           .open_gaps = true,
           .exact_hessian = true,
+          .legs = true,
           .run = run};
 }
 

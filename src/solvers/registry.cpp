@@ -130,6 +130,17 @@ std::optional<std::string> refuse(const SolverInfo& solver, const ShootingProble
                      list_solvers(BoundSupport::clipped));
 }
 
+std::optional<std::string> refuse_legs(const SolverInfo& solver, const ShootingProblem& problem,
+                                       int legs) {
+  if (legs > 1 && !solver.legs)
+    return fmt::format("legs: {} sweeps the horizon in one leg; {} can do it in several",
+                       solver.name, list_solvers([](const SolverInfo& info) { return info.legs; }));
+  if (legs > problem.knots())
+    return fmt::format("legs: {} of them need as many knots, and the horizon has {}", legs,
+                       problem.knots());
+  return std::nullopt;
+}
+
 SolveResult solve(const ShootingProblem& problem, const SolverInfo& solver,
                   const SolverOptions& options, const Trajectory& guess) {
   std::string wrong;
@@ -145,6 +156,7 @@ SolveResult solve(const ShootingProblem& problem, const SolverInfo& solver,
       !solver.gauss_newton_hessian) {
     wrong = fmt::format("hessian: {} always uses the exact one", solver.name);
   }
+  if (wrong.empty()) wrong = refuse_legs(solver, problem, options.legs).value_or("");
   if (wrong.empty() && options.multipliers)
     wrong = misfit(problem, *options.multipliers).value_or("");
   if (!wrong.empty()) throw std::invalid_argument(wrong);

@@ -30,6 +30,7 @@ struct SolverInfo {
   bool open_gaps = false;            ///< starts from states that do not follow from the controls
   bool gauss_newton_hessian = true;  ///< can leave the dynamics' second derivatives out
   bool exact_hessian = false;        ///< can use them
+  bool legs = false;                 ///< can sweep the horizon by legs
   SolveResult (*run)(const ShootingProblem& problem, const SolverOptions& options,
                      const Trajectory& guess) = nullptr;
 };
@@ -44,9 +45,13 @@ bool keeps_constraints(const SolverInfo& solver, const ShootingProblem& problem)
 /// can.
 std::optional<std::string> refuse(const SolverInfo& solver, const ShootingProblem& problem);
 
+/// Why the solver cannot sweep the problem's horizon in so many legs. Empty if it can.
+std::optional<std::string> refuse_legs(const SolverInfo& solver, const ShootingProblem& problem,
+                                       int legs);
+
 /// Solves a problem from a guess. Throws std::invalid_argument where the options are not valid, the
-/// solver refuses the problem or lacks the Hessian asked for, or the guess has another shape; every
-/// other end is a status.
+/// solver refuses the problem, the legs or the Hessian asked for, or the guess has another shape;
+/// every other end is a status.
 SolveResult solve(const ShootingProblem& problem, const SolverInfo& solver,
                   const SolverOptions& options, const Trajectory& guess);
 /// The same by name; an unknown name is a std::invalid_argument.

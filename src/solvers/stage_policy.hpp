@@ -15,13 +15,15 @@ namespace conddp {
 /// ½ δuᵀ Q_uu δu + (Q_u + Q_ux δx)ᵀ δu, where Q_uu and Q_ux may be regularised.
 struct StageProblem {
   int knot;
-  Eigen::Ref<const Eigen::MatrixXd> Qxu;           ///< ndx x nu
+  /// ndx x nu. Sweeps by legs have more rows: linear terms of parameters beside the state.
+  Eigen::Ref<const Eigen::MatrixXd> Qxu;
   Eigen::Ref<const Eigen::MatrixXd> Quu;           ///< nu x nu
   Eigen::Ref<const Eigen::VectorXd> Qu;            ///< nu
   Eigen::Ref<const Eigen::VectorXd> u;             ///< the knot's present control
   Eigen::Ref<const Eigen::VectorXd> lower, upper;  ///< of the control, infinite where free
+  int leg = 0;  ///< stages of different legs may be solved at once
 
-  /// The right-hand side of a control i: column j of `to` (ndx + 1 rows) ← −(Q_xu; Q_uᵀ).
+  /// The right-hand side of a control i: column j of `to` (a row more than Q_xu) ← −(Q_xu; Q_uᵀ).
   void negate(int i, LaneBlock to, int j) const;
 };
 
@@ -31,9 +33,9 @@ class StagePolicy {
  public:
   virtual ~StagePolicy() = default;
 
-  /// Writes the update δu = k + K δx: `Kt` is K transposed, ndx x nu, and below it one more row
-  /// whose content does not matter. False where the stage has no minimum, because (the free block
-  /// of) Q_uu is not positive definite.
+  /// Writes the update δu = k + K δx: `Kt` is K transposed, as large as Q_xu, and below it one more
+  /// row whose content does not matter. False where the stage has no minimum, because (the free
+  /// block of) Q_uu is not positive definite.
   virtual bool solve(const StageProblem& stage, Eigen::Ref<Eigen::VectorXd> k, LaneBlock Kt) = 0;
   /// Called before each sweep with what it goes through.
   virtual void begin_horizon(const Linearization& linearization, const Gaps& gaps) {
@@ -53,6 +55,11 @@ class StagePolicy {
                      const Eigen::Ref<const Eigen::VectorXd>& du, bool release) {
     (void)knot, (void)dx, (void)du, (void)release;
     return 0;
+  }
+  /// That the linear term Q_u of a knot is another one by `change` since the sweep met it, and the
+  /// policy's k with it.
+  virtual void change_gradient(int knot, const Eigen::Ref<const Eigen::VectorXd>& change) {
+    (void)knot, (void)change;
   }
   /// Holds what stands at a bound of this knot and wants to leave it downhill on the far side, by
   /// the gradient of the iterate; all else is free.
@@ -90,7 +97,8 @@ std::unique_ptr<StagePolicy> unconstrained_stage(const ShootingProblem& problem)
 /// That set is blind to what the knots before it do. `revise` and held sweeps alternate towards the
 /// active set of the whole horizon's box-constrained QP (the primal-dual active-set method of
 /// Hintermüller, Ito, Kunisch 2002, one sweep an iteration).
+/// `legs`: of how many legs stages may be solved at once.
 std::unique_ptr<StagePolicy> box_stage(const ShootingProblem& problem,
-                                       const SolverOptions::BoxQp& options);
+                                       const SolverOptions::BoxQp& options, int legs = 1);
 
 }  // namespace conddp

@@ -50,7 +50,7 @@ Eigen::MatrixXd random_definite(RandomNumbers& random, int n) {
   return Eigen::MatrixXd::Identity(n, n) + A * A.transpose() / n;
 }
 
-ShootingProblem problem_of(const Size& size) {
+ShootingProblem problem_of(const Size& size, int count = kKnots) {
   const auto system = std::make_shared<Masses>(size.floating, size.nv, size.nu);
   const auto phase = [&](Integrator integrator, int knots) {
     return Phase{.name = "all",
@@ -60,7 +60,7 @@ ShootingProblem problem_of(const Size& size) {
                  .parameters = {}};
   };
   return ShootingProblem(system->manifold().neutral(),
-                         {phase(Integrator::semi_implicit_euler, kKnots)},
+                         {phase(Integrator::semi_implicit_euler, count)},
                          phase(Integrator::none, 1));
 }
 
@@ -109,6 +109,36 @@ void sweep(benchmark::State& state) {
   count_knots(state, kKnots);
 }
 BENCHMARK(sweep)->DenseRange(0, 2);
+
+/// The same with two legs, or one, swept by that many threads.
+void sweep_by_legs(benchmark::State& state) {
+  constexpr int kLong = 50;
+  const Legs legs{static_cast<int>(state.range(1)), static_cast<int>(state.range(2))};
+  const ShootingProblem problem = problem_of(kSizes[state.range(0)], kLong);
+  const Linearization linearization = linearization_of(problem);
+  const ControlBounds bounds(problem);
+  const Trajectory trajectory = problem.create_trajectory();
+  const auto policy = box_stage(problem, {}, legs.count);
+  BackwardSweep backward(problem, bounds, legs);
+  Feedback feedback(problem);
+  const Gaps gaps(problem);  // closed
+  // The first sweep goes from end to start.
+  backward.run(linearization, trajectory, gaps, {}, *policy, feedback, true);
+  for (auto _ : state) {
+    if (backward.run(linearization, trajectory, gaps, {}, *policy, feedback, true) >= 0) {
+      state.SkipWithError("a stage has no minimum");
+      break;
+    }
+    benchmark::DoNotOptimize(feedback.k.front().data());
+  }
+  state.SetLabel(kSizes[state.range(0)].name);
+  count_knots(state, kLong);
+}
+BENCHMARK(sweep_by_legs)
+    ->ArgNames({"", "legs", "threads"})
+    ->ArgsProduct({{0, 1, 2}, {1}, {1}})
+    ->ArgsProduct({{0, 1, 2}, {2}, {1, 2}})
+    ->UseRealTime();
 
 /// Its propagation of the value through the dynamics alone.
 void propagation(benchmark::State& state) {

@@ -1,0 +1,43 @@
+// Sweeps by legs around the guess of every ready problem that proxddp takes.
+#include <gtest/gtest.h>
+
+#include "problem_file/build.hpp"
+#include "problem_file/read_problem.hpp"
+#include "solvers/registry.hpp"
+#include "support/foreign_problems.hpp"
+#include "support/leg_comparison.hpp"
+
+namespace conddp {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Whether there was anything to sweep: not where another solver is needed, or regularisation.
+bool expect_equal(const fs::path& file, const std::vector<std::string>& settings = {}) {
+  Diagnostics out;
+  const auto spec = read_problem(file, settings, out);
+  const auto built = spec ? build_problem(*spec, {}, out) : std::nullopt;
+  EXPECT_TRUE(built) << format_diagnostics(out, false);
+  if (!built || refuse(*find_solver("proxddp"), *built->problem)) return false;
+  if (!testing::LeggedIterate(*built->problem, built->guess, {}).begin()) return false;
+  SCOPED_TRACE(file.stem().string());
+  testing::expect_equal_by_legs(*built->problem, built->guess);
+  return true;
+}
+
+TEST(LegSweep, StepsOfReadyProblemsAreThoseOfTheSweepFromEndToStart) {
+  int swept = 0;
+  for (const auto& entry : fs::directory_iterator(fs::path(CONDDP_SOURCE_DIR) / "problems"))
+    if (entry.path().extension() == ".yaml") swept += expect_equal(entry.path());
+  EXPECT_GE(swept, 30);
+}
+
+TEST(LegSweep, StepsOfForeignRobotsAreThoseOfTheSweepFromEndToStart) {
+  for (const auto& foreign : {hyq_trot(), talos_squat()}) {
+    if (!foreign) GTEST_SKIP() << kNoForeignRobots;
+    EXPECT_TRUE(expect_equal(foreign->file, foreign->settings));
+  }
+}
+
+}  // namespace
+}  // namespace conddp

@@ -1,0 +1,214 @@
+// Sweeps of a horizon in legs: the same step as from end to start, for any number of them.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "solvers/registry.hpp"
+#include "support/conic_problems.hpp"
+#include "support/constrained_problems.hpp"
+#include "support/leg_comparison.hpp"
+
+namespace conddp {
+namespace {
+
+using testing::LeggedIterate;
+using testing::LinearQuadratic;
+
+TEST(LegSweep, LegsCoverTheHorizonAndTheLastIsTwiceAsLongAsTheOthers) {
+  EXPECT_EQ(LegSweep::split(60, 2), (std::vector<int>{0, 20, 60}));
+  EXPECT_EQ(LegSweep::split(50, 4), (std::vector<int>{0, 10, 20, 30, 50}));
+  EXPECT_EQ(LegSweep::split(17, 3), (std::vector<int>{0, 4, 8, 17}));
+  EXPECT_EQ(LegSweep::split(3, 3), (std::vector<int>{0, 1, 2, 3}));
+  for (int knots = 1; knots < 30; ++knots)
+    for (int legs = 1; legs <= knots; ++legs) {
+      const std::vector<int> first = LegSweep::split(knots, legs);
+      ASSERT_EQ(static_cast<int>(first.size()), legs + 1);
+      EXPECT_EQ(first.back(), knots);
+      for (int i = 0; i < legs; ++i) EXPECT_LT(first[i], first[i + 1]) << knots << ' ' << legs;
+    }
+}
+
+TEST(LegSweep, StepOfALinearQuadraticProblemIsThatOfTheDenseSystem) {
+  for (unsigned seed = 1; seed <= 8; ++seed) {
+    const LinearQuadratic lq(seed, 2 + seed % 5, {3, 1, 2}, 4, -testing::kFree, testing::kFree, 1);
+    Eigen::MatrixXd multipliers;
+    const Trajectory optimum = lq.dense_optimum(&multipliers);
+    Trajectory guess = testing::random_guess(*lq.problem, 100 + seed);
+    guess.x(0) = lq.x0;
+    for (const int legs : {2, 3, 5, 12}) {
+      SCOPED_TRACE(fmt::format("seed {}, {} legs", seed, legs));
+      LeggedIterate iterate(*lq.problem, guess, {.count = legs});
+      ASSERT_TRUE(iterate.begin());
+      iterate.sweep_another_cost();
+      iterate.sweep();
+      for (int k = 0; k < lq.N(); ++k) {
+        const Eigen::VectorXd& z = iterate.step()[k];
+        EXPECT_LT((guess.x(k) + z.head(lq.nx) - optimum.x(k)).cwiseAbs().maxCoeff(), 1e-9);
+        EXPECT_LT((guess.u(k) + z.tail(z.size() - lq.nx) - optimum.u(k)).cwiseAbs().maxCoeff(),
+                  1e-9);
+        EXPECT_LT((iterate.costates[k] - multipliers.col(k + 1)).cwiseAbs().maxCoeff(), 1e-8);
+      }
+    }
+  }
+}
+
+TEST(LegSweep, StepsAreThoseOfTheSweepFromEndToStart) {
+  // Open gaps on SE(3), an impulse, bounds that are active, unstable motions.
+  const struct {
+    const char* name;
+    double u;
+    ShootingProblem problem;
+  } cases[] = {{"acrobot", 0.01, testing::acrobot_swing_up()},
+               {"pendulum", 0.01, testing::pendulum_swing_up(1)},
+               {"cartpole, limited", 0.01, testing::cartpole_swing_up(3)},
+               {"quadrotor", 1.3, testing::quadrotor_move()},
+               {"quadrotor, limited", 1.3, testing::quadrotor_move(0.5, 2)},
+               {"landing, limited", 0.01, testing::landing(60)}};
+  for (const auto& [name, u, problem] : cases) {
+    SCOPED_TRACE(name);
+    Trajectory guess = testing::constant_controls(problem, u);
+    testing::expect_equal_by_legs(problem, guess);
+    Eigen::VectorXd delta(problem.ndx());
+    for (int k = 1; k <= problem.knots(); ++k) {
+      for (int i = 0; i < delta.size(); ++i) delta[i] = 0.1 * std::sin(k * (i + 1.0));
+      const Eigen::VectorXd from = guess.x(k);
+      problem.manifold().integrate(from.data(), delta.data(), guess.x(k).data());
+    }
+    testing::expect_equal_by_legs(problem, guess);
+  }
+}
+
+TEST(LegSweep, StepsAreTheSameWithConstraints) {
+  for (const auto& [name, problem, control, cost] : testing::published_cases()) {
+    SCOPED_TRACE(name);
+    testing::expect_equal_by_legs(problem, testing::constant_controls(problem, control));
+  }
+  for (unsigned seed = 1; seed <= 3; ++seed) {
+    const testing::ConicLinearQuadratic conic(seed, testing::middle_size());
+    testing::expect_equal_by_legs(*conic.problem, testing::random_guess(*conic.problem, seed));
+  }
+}
+
+/// Sweeps a problem of twelve knots twice, the second time with `change` in the Hessian of a node's
+/// last rows and columns. Returns the knot without a minimum then.
+int bad_knot(const LinearQuadratic& lq, int legs, int node, const Eigen::MatrixXd& change) {
+  const Trajectory guess = testing::random_guess(*lq.problem, 1);
+  const ControlBounds bounds(*lq.problem);
+  Linearization linearization(*lq.problem);
+  Acts(*lq.problem).differentiate(guess, linearization);
+  Gaps gaps(*lq.problem);
+  gaps.set(linearization, true);
+  BackwardSweep sweep(*lq.problem, bounds, {.count = legs});
+  const auto policy = box_stage(*lq.problem, {}, legs);
+  Feedback feedback(*lq.problem);
+  EXPECT_EQ(sweep.run(linearization, guess, gaps, {}, *policy, feedback), -1);
+  Eigen::MatrixXd& hessian = linearization.knots[node].hessian;
+  hessian.bottomRightCorner(change.rows(), change.cols()) += change;
+  return sweep.run(linearization, guess, gaps, {}, *policy, feedback);
+}
+
+TEST(LegSweep, AStageWithoutMinimumIsNamedAsFromEndToStart) {
+  const LinearQuadratic lq(3, 4, {2}, 12, -testing::kFree, testing::kFree, 1);
+  for (const int knot : {2, 10})
+    for (const int legs : {1, 3})
+      EXPECT_EQ(bad_knot(lq, legs, knot, -1e3 * Eigen::MatrixXd::Identity(2, 2)), knot);
+}
+
+// What follows the first leg may leave it without a minimum though each of its stages has one with
+// the value of the sweep before.
+TEST(LegSweep, AMinimumThatWhatFollowsTakesAwayIsMissed) {
+  const LinearQuadratic lq(5, 3, {2}, 12, -testing::kFree, testing::kFree, 1);
+  Eigen::MatrixXd change = Eigen::MatrixXd::Zero(5, 5);
+  change.topLeftCorner(3, 3).diagonal().setConstant(-1e3);
+  const int first_of_last_leg = LegSweep::split(12, 2)[1];
+  for (const int legs : {1, 2, 4})
+    EXPECT_EQ(bad_knot(lq, legs, first_of_last_leg, change), first_of_last_leg - 1) << legs;
+}
+
+TEST(LegSweep, BitsAreTheSameForAnyNumberOfThreads) {
+  const ShootingProblem problem = testing::quadrotor_move(0.5, 2);
+  const Trajectory guess = testing::constant_controls(problem, 1.3);
+  for (const int legs : {2, 5}) {
+    LeggedIterate one(problem, guess, {legs, 1}), two(problem, guess, {legs, 2});
+    for (LeggedIterate* iterate : {&one, &two}) {
+      ASSERT_TRUE(iterate->begin());
+      iterate->sweep_another_cost();
+      iterate->sweep();
+    }
+    EXPECT_EQ(one.step(), two.step());
+    EXPECT_EQ(one.costates, two.costates);
+    EXPECT_EQ(one.feedback.K, two.feedback.K);
+  }
+}
+
+/// The largest difference between the gains of two answers, as a share of the largest gain.
+double gain_difference(const SolveResult& a, const SolveResult& b) {
+  double off = 0, largest = 0;
+  for (std::size_t k = 0; k < a.feedback.K.size(); ++k) {
+    if (a.feedback.K[k].size() == 0) continue;
+    off = std::max(off, (a.feedback.K[k] - b.feedback.K[k]).cwiseAbs().maxCoeff());
+    largest = std::max(largest, b.feedback.K[k].cwiseAbs().maxCoeff());
+  }
+  return off / largest;
+}
+
+TEST(ProxddpByLegs, HasTheAnswersAndTheGainsOfOneLeg) {
+  for (const auto& [name, problem, control, cost] : testing::published_cases()) {
+    const Trajectory guess = testing::constant_controls(problem, control);
+    SolverOptions options;
+    options.tolerances.stationarity = options.tolerances.constraint = 1e-7;
+    const SolveResult one = solve(problem, "proxddp", options, guess);
+    ASSERT_EQ(one.status, SolveStatus::converged) << name << ": " << one.message;
+    for (const int legs : {2, 3, 5}) {
+      SCOPED_TRACE(fmt::format("{}, {} legs", name, legs));
+      options.legs = legs;
+      const SolveResult several = solve(problem, "proxddp", options, guess);
+      EXPECT_EQ(several.status, SolveStatus::converged) << several.message;
+      EXPECT_NEAR(several.cost, one.cost, 1e-7 * std::abs(one.cost));
+      EXPECT_LT(gain_difference(several, one), 1e-4);
+      ASSERT_TRUE(several.feedback_regularization);
+      EXPECT_EQ(several.feedback_regularization, one.feedback_regularization);
+    }
+  }
+}
+
+TEST(ProxddpByLegs, ThreadsDoNotChangeABit) {
+  for (const auto& [name, problem, control, cost] : testing::published_cases()) {
+    const Trajectory guess = testing::constant_controls(problem, control);
+    for (const int legs : {2, 3}) {
+      const auto run = [&](int threads) {
+        SolverOptions options;
+        options.max_iterations = 60;
+        options.threads = threads;
+        options.legs = legs;
+        return solve(problem, "proxddp", options, guess);
+      };
+      const SolveResult one = run(1), two = run(2);
+      ASSERT_EQ(one.log.size(), two.log.size()) << name;
+      EXPECT_EQ(one.cost, two.cost) << name;
+      EXPECT_EQ(one.costates, two.costates) << name;
+      EXPECT_EQ(one.feedback.K, two.feedback.K) << name;
+      for (int k = 0; k < problem.knots(); ++k)
+        EXPECT_TRUE(one.trajectory.u(k) == two.trajectory.u(k)) << name;
+    }
+  }
+}
+
+TEST(ProxddpByLegs, OtherSolversAndMoreLegsThanKnotsAreRefused) {
+  const ShootingProblem problem = testing::unicycle_parking();
+  const Trajectory guess = testing::constant_controls(problem, 0.01);
+  for (const SolverInfo& solver : solvers())
+    EXPECT_EQ(refuse_legs(solver, problem, 2).has_value(), solver.name != "proxddp") << solver.name;
+  for (const SolverInfo& solver : solvers())
+    EXPECT_FALSE(refuse_legs(solver, problem, 1)) << solver.name;
+  const SolverInfo& proxddp = *find_solver("proxddp");
+  EXPECT_FALSE(refuse_legs(proxddp, problem, problem.knots()));
+  EXPECT_TRUE(refuse_legs(proxddp, problem, problem.knots() + 1));
+  EXPECT_THROW(solve(problem, "box_fddp", {.legs = 2}, guess), std::invalid_argument);
+  EXPECT_THROW(solve(problem, "proxddp", {.legs = problem.knots() + 1}, guess),
+               std::invalid_argument);
+  EXPECT_EQ(solve(problem, "proxddp", {.legs = problem.knots()}, guess).status,
+            SolveStatus::converged);
+}
+
+}  // namespace
+}  // namespace conddp

@@ -1,0 +1,125 @@
+#pragma once
+
+#include <algorithm>
+#include <memory>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "solvers/linear_rollout.hpp"
+
+/// Sweeps by legs beside the one from end to start.
+namespace conddp::testing {
+
+/// A linearised iterate, swept in some number of legs.
+class LeggedIterate {
+ public:
+  /// Rows of constraints enter as an augmented Lagrangian with that penalty.
+  LeggedIterate(const ShootingProblem& problem, const Trajectory& guess, Legs legs,
+                double penalty = 10)
+      : problem_(problem),
+        bounds_(problem),
+        linearization_(problem),
+        gaps_(problem),
+        trajectory_(guess),
+        sweep_(problem, bounds_, legs),
+        policy_(box_stage(problem, {}, legs.count)),
+        rollout_(problem, bounds_),
+        feedback(problem) {
+    Acts acts(problem);
+    Augmentation augmentation(problem);
+    augmentation.penalty.setConstant(penalty);
+    bounds_.clamp(trajectory_);
+    acts.differentiate(trajectory_, linearization_,
+                       problem.constraints().empty() ? nullptr : &augmentation);
+    gaps_.set(linearization_, true);
+  }
+
+  /// Finds the active set of each stage, from end to start. False where one has no minimum.
+  bool begin() { return run(false) < 0; }
+  /// A sweep with that set around another cost, after which values at the ends of legs are those of
+  /// that one.
+  void sweep_another_cost() {
+    const auto scale_later_nodes = [&](double factor) {
+      for (int k = problem_.knots() / 2; k <= problem_.knots(); ++k)
+        linearization_.knots[k].hessian *= factor;
+    };
+    scale_later_nodes(4);
+    EXPECT_LT(run(true), 0);
+    scale_later_nodes(0.25);
+  }
+  /// A sweep with that set, rolled out through the linear model.
+  void sweep() {
+    ASSERT_LT(run(true), 0);
+    rollout_.run(linearization_, trajectory_, gaps_, feedback, false);
+    costates.clear();
+    for (int k = 1; k <= problem_.knots(); ++k)
+      costates.emplace_back(sweep_.value(k).Vx + sweep_.value(k).Vxx * rollout_.dx(k));
+  }
+  /// What the policy would change of its active set.
+  int revise() {
+    std::optional<int> last;
+    return rollout_.revise(true, *policy_, last);
+  }
+  const std::vector<Eigen::VectorXd>& step() const { return rollout_.z(); }
+
+ private:
+  int run(bool hold) {
+    return sweep_.run(linearization_, trajectory_, gaps_, {}, *policy_, feedback, hold);
+  }
+
+  const ShootingProblem& problem_;
+  ControlBounds bounds_;
+  Linearization linearization_;
+  Gaps gaps_;
+  Trajectory trajectory_;
+  BackwardSweep sweep_;
+  std::unique_ptr<StagePolicy> policy_;
+  LinearRollout rollout_;
+
+ public:
+  Feedback feedback;
+  std::vector<Eigen::VectorXd> costates;  ///< of the nodes 1 … N
+};
+
+/// Largest difference as a share of the largest number.
+inline double relative_difference(const std::vector<Eigen::VectorXd>& a,
+                                  const std::vector<Eigen::VectorXd>& b) {
+  double off = 0, largest = 0;
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    off = std::max(off, (a[k] - b[k]).lpNorm<Eigen::Infinity>());
+    largest = std::max(largest, b[k].lpNorm<Eigen::Infinity>());
+  }
+  return largest > 0 ? off / largest : off;
+}
+
+/// Expects that a sweep by legs around an iterate gives the step and the co-states of the one from
+/// end to start, whatever the values at the ends of legs that it starts from.
+inline void expect_equal_by_legs(const ShootingProblem& problem, const Trajectory& guess,
+                                 double tolerance = 1e-9) {
+  LeggedIterate one(problem, guess, {});
+  ASSERT_TRUE(one.begin());
+  one.sweep();
+  const int changes = one.revise();
+  for (const int legs : {2, 3, 5}) {
+    if (legs > problem.knots()) continue;
+    SCOPED_TRACE(std::to_string(legs) + " legs");
+    LeggedIterate several(problem, guess, {.count = legs});
+    ASSERT_TRUE(several.begin());
+    several.sweep_another_cost();
+    several.sweep();
+    EXPECT_LT(relative_difference(several.step(), one.step()), tolerance);
+    EXPECT_LT(relative_difference(several.costates, one.costates), tolerance);
+    EXPECT_EQ(several.revise(), changes);
+    // Legs have gains of their own: no sweep from end to start took their place.
+    const int end = LegSweep::split(problem.knots(), legs)[1];
+    double gains = 0, changes_of_gains = 0;
+    for (int k = 0; k < end; ++k) {
+      gains += one.feedback.K[k].squaredNorm();
+      changes_of_gains += (several.feedback.K[k] - one.feedback.K[k]).squaredNorm();
+    }
+    EXPECT_EQ(changes_of_gains > 0, gains > 0);
+  }
+}
+
+}  // namespace conddp::testing
