@@ -95,7 +95,7 @@ void adjoint_pass(const ShootingProblem& problem, const Trajectory& trajectory,
   const int N = problem.knots(), ndx = problem.ndx();
   check.stationarity = check.complementarity = 0;
   Eigen::VectorXd lambda = linearization.knots[N].gradient;
-  Eigen::MatrixXd value = linearization.knots[N].hessian;
+  Eigen::MatrixXd value = linearization.knots[N].hessian();
   for (int k = N - 1; k >= 0; --k) {
     const KnotLinearization& knot = linearization.knots[k];
     const KnotModel& model = *problem.knot(k).model;
@@ -112,7 +112,7 @@ void adjoint_pass(const ShootingProblem& problem, const Trajectory& trajectory,
       else
         check.stationarity = std::max(check.stationarity, std::abs(g));
     }
-    const Eigen::MatrixXd K = riccati_step(knot.hessian, jacobian, free, value);
+    const Eigen::MatrixXd K = riccati_step(knot.hessian(), jacobian, free, value);
     lambda = gradient.head(ndx) + K.transpose() * gradient.tail(problem.nu(k));
   }
 }
@@ -129,7 +129,7 @@ AnswerCheck check_answer(const ShootingProblem& problem, const Trajectory& traje
   if (multipliers_known) lagrangian.multiplier = constraint_multipliers;
   acts.differentiate(trajectory, linearization, &lagrangian);
   const auto finite = [](const KnotLinearization& knot) {
-    return knot.gradient.allFinite() && knot.hessian.allFinite() && knot.F.allFinite();
+    return knot.gradient.allFinite() && knot.hessian().allFinite() && knot.F.allFinite();
   };
   if (!linearization.cost.allFinite() || !linearization.gap.allFinite() ||
       !std::all_of(linearization.knots.begin(), linearization.knots.end(), finite))

@@ -67,7 +67,7 @@ void Transcription::hessian(double weight, const double* multipliers, double* ou
     const KnotLinearization& knot = linearization_.knots[k];
     const int nz = static_cast<int>(knot.gradient.size());
     Eigen::MatrixXd& H = block_;
-    H = weight * knot.hessian;
+    H = weight * knot.hessian();
     int row_index = k == 0 ? 0 : gap_row_[k - 1] + ndx;
     for (const Row& row : rows_[k]) {
       const double multiplier = multipliers[row_index++];

@@ -171,10 +171,10 @@ struct Acts::Impl {
     };
     scatter_lanes(work.gradient.data(), model.nz(),
                   place([](KnotLinearization& knot) { return knot.gradient.data(); }), group.count);
-    if (work.rest_is_zero())
-      for (int l = 0; l < group.count; ++l) out.knots[group.knots[l]].hessian.setZero();
-    (work.rest_is_zero() ? lasting_hessians : hessians)[group.model](
-        work.hessian.data(), place([](KnotLinearization& knot) { return knot.hessian.data(); }),
+    const HessianFill fill = work.rest_is_zero() ? HessianFill::lasting : HessianFill::pattern;
+    (fill == HessianFill::lasting ? lasting_hessians : hessians)[group.model](
+        work.hessian.data(),
+        place([fill](KnotLinearization& knot) { return knot.hessian.change(fill).data(); }),
         group.count);
     constraints[group.model](work.constraint_jacobian.data(),
                              place([](KnotLinearization& knot) { return knot.C.data(); }),
@@ -273,7 +273,7 @@ void Acts::lagrangian_hessian(const Trajectory& trajectory, const Eigen::MatrixX
         transposed_dynamics(model, batch.work, batch.dt, batch.lambda.data(), batch.tangent.data(),
                             batch.pulled.data());
       for (int l = 0; l < group.count; ++l) {
-        auto column = out.knots[group.knots[l]].hessian.col(d);
+        auto column = out.knots[group.knots[l]].hessian.change().col(d);
         for (int c = 0; c < nz; ++c)
           column[c] = batch.work.gradient[c].d[l] + (running ? batch.pulled[c].d[l] : 0.0);
       }
@@ -281,7 +281,7 @@ void Acts::lagrangian_hessian(const Trajectory& trajectory, const Eigen::MatrixX
     // The derivative of the gradient along the manifold differs from the Hessian by an
     // antisymmetric (Lie bracket) term alone.
     for (int l = 0; l < group.count; ++l) {
-      Eigen::MatrixXd& h = out.knots[group.knots[l]].hessian;
+      Eigen::MatrixXd& h = out.knots[group.knots[l]].hessian.change();
       for (int c = 0; c < nz; ++c)
         for (int r = 0; r < c; ++r) h(r, c) = h(c, r) = 0.5 * (h(r, c) + h(c, r));
     }

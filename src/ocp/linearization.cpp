@@ -90,7 +90,8 @@ Linearization::Linearization(const ShootingProblem& problem)
     KnotLinearization& knot = knots[k];
     knot.ndx = model.ndx();
     knot.gradient = Eigen::VectorXd::Zero(model.nz());
-    knot.hessian = Eigen::MatrixXd::Zero(model.nz(), model.nz());
+    knot.hessian =
+        KnotHessian(model.nz(), std::span(model.hessian_pattern()).first(model.lasting_entries()));
     knot.F = Eigen::MatrixXd::Zero(model.jacobian_rows(), model.nz());
     knot.C = Eigen::MatrixXd::Zero(model.constraint_rows(), model.nz());
     knot.dt = problem.knot(k).dt;

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 
+#include "ocp/knot_hessian.hpp"
 #include "ocp/problem.hpp"
 
 namespace conddp {
@@ -14,7 +15,7 @@ namespace conddp {
 /// and H are the identity but for a block per curved segment.
 struct KnotLinearization {
   Eigen::VectorXd gradient;  ///< nz: of cost and augmentation
-  Eigen::MatrixXd hessian;   ///< nz x nz symmetric: of the same, or of the Lagrangian
+  KnotHessian hessian;       ///< nz x nz: of the same, or of the Lagrangian
   Eigen::MatrixXd F;         ///< jacobian_rows x nz
   Eigen::MatrixXd C;         ///< ∂g/∂z of the constraint rows x nz
   bool semi_implicit = false;

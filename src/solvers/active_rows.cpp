@@ -285,7 +285,7 @@ void ActiveRows::add_outside_curvature(int index, KnotLinearization& knot,
   const auto C = knot.C.middleRows(c.row - problem_.constraint_offset(c.node), n);
   auto product = product_.topLeftCorner(n, C.cols());
   product.noalias() = slope * C;
-  knot.hessian.noalias() += C.transpose() * product;
+  knot.hessian.change().noalias() += C.transpose() * product;
 }
 
 void ActiveRows::build_controls(int node, const Trajectory& trajectory, const Adjoint& adjoint) {
@@ -321,7 +321,7 @@ void ActiveRows::add_curvature(double penalty, Linearization& linearization) {
           add_outside_curvature(rows.constraint[r], knot, linearization.constraint);
         continue;
       }
-      knot.hessian.noalias() += penalty * rows.A.row(r).transpose() * rows.A.row(r);
+      knot.hessian.change().noalias() += penalty * rows.A.row(r).transpose() * rows.A.row(r);
       if (rows.kind[r] != kConeSurface) continue;
       const NodeConstraint& c = problem_.constraints()[rows.constraint[r]];
       const int n = c.term->rows - 1;
@@ -331,8 +331,9 @@ void ActiveRows::add_curvature(double penalty, Linearization& linearization) {
       auto along = scratch_.head(C.cols());
       along.noalias() = C.transpose() * v;
       along /= length;
-      for (int i = 0; i < n; ++i) knot.hessian.noalias() += scale * C.row(i).transpose() * C.row(i);
-      knot.hessian.noalias() -= scale * along * along.transpose();
+      for (int i = 0; i < n; ++i)
+        knot.hessian.change().noalias() += scale * C.row(i).transpose() * C.row(i);
+      knot.hessian.change().noalias() -= scale * along * along.transpose();
     }
   }
 }

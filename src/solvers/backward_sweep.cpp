@@ -26,7 +26,7 @@ int BackwardSweep::run(const Linearization& linearization, const Trajectory& tra
   if (legs_) from.reset();
   if (!from) {
     values_[N].Vx = linearization.knots[N].gradient;
-    values_[N].Vxx = linearization.knots[N].hessian;
+    values_[N].Vxx = linearization.knots[N].hessian();
   }
   for (int k = from.value_or(N - 1); k >= 0; --k) {
     stage_.propagate(horizon, k, values_[k + 1]);

@@ -13,7 +13,7 @@ std::optional<NonFinite> find_non_finite(const Linearization& linearization) {
     if (k < N && !all_finite(linearization.gap.col(k))) return NonFinite{k, "next state"};
     if (!all_finite(knot.gradient)) return NonFinite{k, "cost gradient"};
     if (!all_finite(knot.F)) return NonFinite{k, "dynamics Jacobian"};
-    if (!all_finite(knot.hessian)) return NonFinite{k, "Hessian"};
+    if (!all_finite(knot.hessian())) return NonFinite{k, "Hessian"};
   }
   return std::nullopt;
 }

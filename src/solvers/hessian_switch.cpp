@@ -46,7 +46,7 @@ HessianSwitch::HessianSwitch(HessianUse use, double tolerance, Acts& acts,
   for (const KnotLinearization& knot : linearization.knots) nz = std::max(nz, knot.gradient.size());
   exact_cost_ = 1 + kDirectionCost * static_cast<double>(nz);
   acts.reserve_lagrangian_hessian();
-  for (const KnotLinearization& knot : linearization.knots) other_.push_back(knot.hessian);
+  for (const KnotLinearization& knot : linearization.knots) other_.push_back(knot.hessian());
 }
 
 void HessianSwitch::reset() {
@@ -91,7 +91,7 @@ void HessianSwitch::evaluate_exact(const Trajectory& trajectory, const Eigen::Ma
   if (use_ != HessianUse::when_slow) return;
   same_ = true;
   for (std::size_t k = 0; k < other_.size() && same_; ++k)
-    same_ = same_hessian(linearization_.knots[k].hessian, other_[k]);
+    same_ = same_hessian(linearization_.knots[k].hessian(), other_[k]);
   if (!same_) return;
   use(false);
   exact_known_ = exact_wanted_ = false;
@@ -100,7 +100,7 @@ void HessianSwitch::evaluate_exact(const Trajectory& trajectory, const Eigen::Ma
 void HessianSwitch::use(bool exact) {
   if (exact == exact_in_use_) return;
   for (std::size_t k = 0; k < other_.size(); ++k) {
-    linearization_.knots[k].hessian.swap(other_[k]);
+    linearization_.knots[k].hessian.change().swap(other_[k]);
   }
   exact_in_use_ = exact;
 }

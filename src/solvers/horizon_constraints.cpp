@@ -133,7 +133,7 @@ bool HorizonConstraints::revise_bounds(const NodeConstraint& c, KnotLinearizatio
     const auto C = knot.C.row(row - offset);
     knot.gradient += rho * (after - before) * C.transpose();
     if (slope != slope_[row])
-      knot.hessian.noalias() += rho * (slope - slope_[row]) * C.transpose() * C;
+      knot.hessian.change().noalias() += rho * (slope - slope_[row]) * C.transpose() * C;
     outside_[row] = outside;
     slope_[row] = slope;
     around_[row] = s;
@@ -173,7 +173,7 @@ bool HorizonConstraints::revise_cone(const NodeConstraint& c, int index, KnotLin
   slope = new_slope - slope;
   auto product = product_.topLeftCorner(n, C.cols());
   product.noalias() = slope * C;
-  knot.hessian.noalias() += rho * (C.transpose() * product);
+  knot.hessian.change().noalias() += rho * (C.transpose() * product);
   slope = new_slope;
   outside = new_outside;
   around = s;
@@ -223,7 +223,7 @@ void HorizonConstraints::keep(const Linearization& linearization) {
 void HorizonConstraints::keep(const KnotLinearization& knot, Node& node) {
   if (node.changed) return;
   node.gradient = knot.gradient;
-  node.hessian = knot.hessian;
+  node.hessian = knot.hessian();
   node.changed = true;
 }
 
@@ -232,7 +232,7 @@ bool HorizonConstraints::restore(Linearization& linearization) {
   for (std::size_t k = 0; k < nodes_.size(); ++k) {
     if (!nodes_[k].changed) continue;
     linearization.knots[k].gradient = nodes_[k].gradient;
-    linearization.knots[k].hessian = nodes_[k].hessian;
+    linearization.knots[k].hessian.change() = nodes_[k].hessian;
     nodes_[k].changed = false;
     changed = true;
   }

@@ -53,7 +53,7 @@ double HorizonDescent::step_length(const LinearRollout& minimum, HorizonConstrai
     auto d = d_.head(point_[k].size());
     auto product = product_.head(point_[k].size());
     d = minimum.z(static_cast<int>(k)) - point_[k];
-    product.noalias() = knot.hessian * d;
+    product.noalias() = knot.hessian() * d;
     slope += knot.gradient.dot(d) + point_[k].dot(product);
     curvature += d.dot(product);
   }

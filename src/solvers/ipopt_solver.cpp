@@ -217,7 +217,7 @@ void IpoptSolver::snap_controls(const InteriorPointAnswer& answer, Trajectory& t
     for (int i = 0; i < u.size(); ++i) {
       const int column = problem_.ndx() + i;
       const double curvature =
-          std::max(kSmallestCurvature, newton_.linearization().knots[k].hessian(column, column));
+          std::max(kSmallestCurvature, newton_.linearization().knots[k].hessian()(column, column));
       const double low = bounds_.lower(k)[i], up = bounds_.upper(k)[i];
       if ((u[i] - low) * curvature < lower.u(k)[i]) u[i] = low;
       if ((up - u[i]) * curvature < upper.u(k)[i]) u[i] = up;
@@ -235,7 +235,7 @@ Feedback IpoptSolver::find_gains(const Trajectory& trajectory, const Eigen::Vect
   for (const NodeConstraint& c : problem_.constraints())
     augmentation.penalty.segment(c.row, c.term->rows)
         .setConstant(std::max(kSmallestCurvature,
-                              linearization.knots[c.node].hessian.diagonal().maxCoeff()));
+                              linearization.knots[c.node].hessian().diagonal().maxCoeff()));
   penalty_ = augmentation.penalty.cwiseMax(kSmallestCurvature);
   augmentation.shift = multipliers.cwiseQuotient(penalty_);
   acts_.differentiate(trajectory, linearization, &augmentation);

@@ -62,7 +62,7 @@ double LinearRollout::curvature(const Linearization& linearization) {
   double sum = 0;
   for (std::size_t k = 0; k < z_.size(); ++k) {
     auto product = product_.head(z_[k].size());
-    product.noalias() = linearization.knots[k].hessian * z_[k];
+    product.noalias() = linearization.knots[k].hessian() * z_[k];
     sum += z_[k].dot(product);
   }
   return sum;

@@ -59,7 +59,7 @@ void PenalizedBounds::set(int k, int i, double outside, KnotLinearization& knot)
   outside_[at] = outside;
   if ((was < 0) == (outside < 0) && (was > 0) == (outside > 0)) return;
   knot.gradient[column] += w * (model(k, i, base_[at], outside) - model(k, i, base_[at], was));
-  knot.hessian(column, column) += w * ((outside != 0) - (was != 0));
+  knot.hessian.change()(column, column) += w * ((outside != 0) - (was != 0));
 }
 
 double PenalizedBounds::slope_beyond_model(const std::vector<Eigen::VectorXd>& z,

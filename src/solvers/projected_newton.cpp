@@ -48,7 +48,7 @@ ProjectedNewton::ProjectedNewton(const ShootingProblem& problem, Acts& acts)
       scratch_(problem.ndx()) {
   acts.reserve_lagrangian_hessian();
   for (int k = 0; k <= problem.knots(); ++k) {
-    gauss_newton_.push_back(linearization_.knots[k].hessian);
+    gauss_newton_.push_back(linearization_.knots[k].hessian());
     cost_gradient_.push_back(linearization_.knots[k].gradient);
     step_.push_back(Eigen::VectorXd::Zero(problem.knot(k).model->nz()));
   }
@@ -69,8 +69,6 @@ void ProjectedNewton::start(const Trajectory& trajectory, const Eigen::VectorXd&
 /// Derivatives, active rows, co-states and norms of the iterate.
 void ProjectedNewton::linearize() {
   lagrangian_.multiplier.setZero();
-  // Entries that are zero by the costs' structure are left alone, and the last step filled them.
-  for (KnotLinearization& knot : linearization_.knots) knot.hessian.setZero();
   acts_.differentiate(trajectory_, linearization_, &lagrangian_);
   for (int k = 0; k <= problem_.knots(); ++k) cost_gradient_[k] = linearization_.knots[k].gradient;
   rows_.choose(linearization_, penalty_, multipliers_);
@@ -119,7 +117,7 @@ bool ProjectedNewton::sweep() {
 bool ProjectedNewton::solve_quadratic() {
   double curvature = 0;
   for (std::size_t k = 0; k < gauss_newton_.size(); ++k) {
-    gauss_newton_[k] = linearization_.knots[k].hessian;
+    gauss_newton_[k] = linearization_.knots[k].hessian();
     curvature = std::max(curvature, gauss_newton_[k].diagonal().maxCoeff());
   }
   if (curved_) evaluate_exact_hessian();
@@ -139,7 +137,7 @@ void ProjectedNewton::evaluate_exact_hessian() {
   acts_.lagrangian_hessian(trajectory_, adjoint_.costates(), linearization_, &lagrangian_);
   curved_ = false;
   for (std::size_t k = 0; k < exact_.size(); ++k) {
-    exact_[k] = linearization_.knots[k].hessian;
+    exact_[k] = linearization_.knots[k].hessian();
     curved_ = curved_ || !same_hessian(exact_[k], gauss_newton_[k]);
   }
 }
@@ -154,7 +152,7 @@ bool ProjectedNewton::solve_on_rows(double penalty) {
   for (const bool exact : {true, false}) {
     if (exact && !curved_) continue;
     for (std::size_t k = 0; k < exact_.size(); ++k)
-      linearization_.knots[k].hessian = exact ? exact_[k] : gauss_newton_[k];
+      linearization_.knots[k].hessian.change() = exact ? exact_[k] : gauss_newton_[k];
     rows_.add_curvature(penalty, linearization_);
     if (sweep()) break;
     if (!exact) return false;

@@ -14,14 +14,16 @@ using StateBlock = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
 
 CurvedBlock block(const StateBlock& B, int n) { return {B.data(), n, 6}; }
 
-/// Q ← H in the lower triangle, and there + P in as many rows and columns as P has.
-void copy_lower(const Eigen::MatrixXd& H, LaneMatrix* P, LaneMatrix& Q) {
+/// Q ← the Hessian in the lower triangle, and there + P in as many rows and columns as P has. What
+/// is known to be zero is not read: most of the Hessian, where barriers rest.
+void copy_lower(const KnotHessian& hessian, LaneMatrix* P, LaneMatrix& Q) {
+  const Eigen::MatrixXd& H = hessian();
   const int n = static_cast<int>(H.rows()), added = P == nullptr ? 0 : P->rows();
   for (int j = 0; j < n; ++j) {
     const double* from = H.col(j).data();
     double* to = Q.col(j);
     for (int row = j / kLaneWidth * kLaneWidth; row < n; row += kLaneWidth) {
-      Lane x = load_some(from + row, n - row);
+      Lane x = hessian.fills(row, j) ? load_some(from + row, n - row) : Lane(0.0);
       if (j < added && row < added) x += load_lane(P->col(j) + row);
       store_lane(to + row, x);
     }

@@ -71,7 +71,7 @@ Linearization linearization_of(const ShootingProblem& problem) {
     const int nz = static_cast<int>(knot.gradient.size());
     const int rows = static_cast<int>(knot.F.rows());
     knot.gradient = random_matrix(random, nz, 1);
-    knot.hessian = random_definite(random, nz);
+    knot.hessian.change() = random_definite(random, nz);
     if (rows == 0) continue;
     knot.F = 0.3 * random_matrix(random, rows, nz) / std::sqrt(rows);
     for (std::size_t s = 0; s < knot.curved.size(); ++s) {

@@ -153,9 +153,9 @@ TEST_F(HyqTrot, KnotsHaveTheSameDerivatives) {
       compare(jacobian.rightCols(m), knot["Fu"], "Fu");
       compare(ours.gradient.head(n), knot["Lx"], "Lx");
       compare(ours.gradient.tail(m), knot["Lu"], "Lu");
-      compare(ours.hessian.topLeftCorner(n, n), knot["Lxx"], "Lxx");
-      compare(ours.hessian.topRightCorner(n, m), knot["Lxu"], "Lxu");
-      compare(ours.hessian.bottomRightCorner(m, m), knot["Luu"], "Luu");
+      compare(ours.hessian().topLeftCorner(n, n), knot["Lxx"], "Lxx");
+      compare(ours.hessian().topRightCorner(n, m), knot["Lxu"], "Lxu");
+      compare(ours.hessian().bottomRightCorner(m, m), knot["Luu"], "Luu");
     }
 }
 

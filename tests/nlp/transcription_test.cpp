@@ -151,8 +151,8 @@ TEST(Transcription, GaussNewtonHessiansAreThoseOfTheActs) {
   const Eigen::VectorXd multipliers = testing::random_vector(program.rows(), engine);
   const Eigen::VectorXd d = testing::random_vector(program.variables(), engine);
   const Eigen::VectorXd product = testing::hessian_times(program, 2, multipliers, d);
-  EXPECT_NEAR(product[0], 2 * linearization.knots[0].hessian(2, 2) * d[0], 1e-12);
-  EXPECT_LE((product.segment(1, 3) - 2 * linearization.knots[1].hessian * d.segment(1, 3)).norm(),
+  EXPECT_NEAR(product[0], 2 * linearization.knots[0].hessian()(2, 2) * d[0], 1e-12);
+  EXPECT_LE((product.segment(1, 3) - 2 * linearization.knots[1].hessian() * d.segment(1, 3)).norm(),
             1e-12);
 }
 

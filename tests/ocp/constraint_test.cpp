@@ -291,10 +291,10 @@ TEST(Constraints, GaussNewtonHessiansOfLinearConstraintsAreExact) {
     Acts acts(problem);
     Linearization lin(problem);
     acts.differentiate(t, lin, &augmentation);
-    const Eigen::MatrixXd gauss_newton = lin.knots[0].hessian;
+    const Eigen::MatrixXd gauss_newton = lin.knots[0].hessian();
     acts.lagrangian_hessian(t, Eigen::MatrixXd::Zero(problem.ndx(), 2), lin, &augmentation);
     EXPECT_GT(gauss_newton.norm(), 0);
-    EXPECT_LT((gauss_newton - lin.knots[0].hessian).cwiseAbs().maxCoeff(), 1e-12);
+    EXPECT_LT((gauss_newton - lin.knots[0].hessian()).cwiseAbs().maxCoeff(), 1e-12);
   }
 }
 
@@ -306,7 +306,7 @@ TEST(Constraints, GaussNewtonHessiansAreWithoutNegativeCurvature) {
     Acts acts(problem);
     Linearization lin(problem);
     acts.differentiate(trajectory_of(c, problem), lin, &augmentation);
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(lin.knots[0].hessian);
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(lin.knots[0].hessian());
     EXPECT_GT(eigen.eigenvalues()[0], -1e-10 * (1 + eigen.eigenvalues().maxCoeff())) << c.name;
   }
 }
@@ -322,7 +322,7 @@ TEST(Constraints, AugmentedResultsAreTheSameBitsWithOneAndTwoThreads) {
     two.differentiate(t, b, &augmentation);
     EXPECT_EQ(a.augmentation, b.augmentation) << c.name;
     for (std::size_t k = 0; k < a.knots.size(); ++k) {
-      EXPECT_EQ(a.knots[k].hessian, b.knots[k].hessian) << c.name;
+      EXPECT_EQ(a.knots[k].hessian(), b.knots[k].hessian()) << c.name;
       EXPECT_EQ(a.knots[k].C, b.knots[k].C) << c.name;
     }
   }

@@ -120,10 +120,51 @@ TEST(Acts, ResultsAreTheSameBitsWithOneAndTwoThreads) {
     EXPECT_EQ(a.cost, b.cost) << c.name;
     EXPECT_EQ(a.gap, b.gap) << c.name;
     for (std::size_t k = 0; k < a.knots.size(); ++k) {
-      EXPECT_EQ(a.knots[k].hessian, b.knots[k].hessian) << c.name;
+      EXPECT_EQ(a.knots[k].hessian(), b.knots[k].hessian()) << c.name;
       EXPECT_EQ(a.knots[k].F, b.knots[k].F) << c.name;
     }
   }
+}
+
+TEST(Acts, NothingIsLeftOfTheHessianBefore) {
+  bool barriers_rested = false, barriers_worked = false;
+  RandomNumbers random(12);
+  for (const auto& [name, system] : test_systems()) {
+    if (system->nu() == 0) continue;
+    auto model = std::make_shared<KnotModel>(system, integrators_of(*system).front());
+    model->add_cost("state", state_residual(model->manifold()), {});
+    model->add_cost("effort", control_residual(model->ndx(), model->nu()),
+                    {.kind = ActivationKind::quadratic_barrier,
+                     .lower = std::vector<double>(model->nu(), -100),
+                     .upper = std::vector<double>(model->nu(), 100)});
+    const KnotCase c = make_case(name, model, random);
+    const ShootingProblem problem = problem_of(c, kLaneWidth + 1);
+    Acts acts(problem, 1);
+    Linearization used(problem);
+    const Eigen::MatrixXd costates = Eigen::MatrixXd::Ones(problem.ndx(), problem.knots() + 1);
+    for (const double effort : {1000, 1, 1000, 1}) {
+      Trajectory t = random_trajectory(problem, 31);
+      for (int k = 0; k < problem.knots(); ++k) t.u(k) *= effort;
+      const auto expect_as_new = [&](const char* after) {
+        Linearization fresh(problem);
+        acts.differentiate(t, fresh);
+        acts.differentiate(t, used);
+        for (std::size_t k = 0; k < used.knots.size(); ++k) {
+          const KnotHessian &now = used.knots[k].hessian, &expected = fresh.knots[k].hessian;
+          EXPECT_EQ(now(), expected()) << name << " after " << after;
+          EXPECT_EQ(now.fill(), expected.fill()) << name << " after " << after;
+          barriers_rested |= now.fill() == HessianFill::lasting;
+          barriers_worked |= now.fill() == HessianFill::pattern;
+        }
+      };
+      expect_as_new("another iterate");
+      acts.lagrangian_hessian(t, costates, used);
+      EXPECT_EQ(used.knots[0].hessian.fill(), HessianFill::all);
+      expect_as_new("an exact Hessian");
+    }
+  }
+  EXPECT_TRUE(barriers_rested);
+  EXPECT_TRUE(barriers_worked);
 }
 
 /// φ(δ) = cost + λᵀ (f(z ⊕ δ) ⊖ f(z)) differentiated along direction j at δ = step·e_i.
@@ -167,7 +208,7 @@ TEST(Acts, LagrangianHessianIsTheSecondDerivativeOnTheManifold) {
     RandomNumbers random(9);
     for (int i = 0; i < problem.ndx(); ++i) costates(i, 1) = random.uniform(-1, 1);
     acts.lagrangian_hessian(t, costates, lin);
-    const Eigen::MatrixXd& h = lin.knots[0].hessian;
+    const Eigen::MatrixXd& h = lin.knots[0].hessian();
     const double scale = 1 + h.cwiseAbs().maxCoeff();
     const double step = 1e-4;
     for (int i = 0; i < c.model->nz(); ++i)

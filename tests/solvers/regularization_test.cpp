@@ -78,7 +78,7 @@ struct Swept {
 TEST(BackwardSweep, NamesTheKnotWhoseStageHasNoMinimum) {
   const ShootingProblem problem = integrator_problem(1);
   Swept swept(problem);
-  swept.linearization.knots[1].hessian(1, 1) = -100;
+  swept.linearization.knots[1].hessian.change()(1, 1) = -100;
   EXPECT_EQ(swept.run(RegularizationKind::control, 0), 1);
   EXPECT_EQ(swept.run(RegularizationKind::control, 10), 1);
   EXPECT_EQ(swept.run(RegularizationKind::control, 200), -1);

@@ -33,7 +33,7 @@ KnotLinearization random_knot(Random& random, int ndx, int nu, bool semi_implici
   KnotLinearization knot;
   knot.ndx = ndx;
   knot.gradient = random.vector(ndx + nu);
-  knot.hessian = random.symmetric(ndx + nu);
+  knot.hessian.change() = random.symmetric(ndx + nu);
   knot.F = random.matrix(semi_implicit ? ndx / 2 : ndx, ndx + nu);
   knot.semi_implicit = semi_implicit;
   knot.dt = 0.3;
@@ -74,7 +74,7 @@ TEST(ValuePropagation, BothFormsEqualTheDenseFormula) {
         propagation.propagate(knot, next, q);
         const Eigen::MatrixXd T = knot.dense_jacobian();
         expect_close(q.Qz(), knot.gradient + T.transpose() * next.Vx);
-        const Eigen::MatrixXd expected = knot.hessian + T.transpose() * next.Vxx * T;
+        const Eigen::MatrixXd expected = knot.hessian() + T.transpose() * next.Vxx * T;
         const Eigen::MatrixXd lower = q.Qzz().triangularView<Eigen::Lower>();
         expect_close(lower, expected.triangularView<Eigen::Lower>());
         EXPECT_EQ(Eigen::MatrixXd(q.Qxu()),
@@ -82,6 +82,33 @@ TEST(ValuePropagation, BothFormsEqualTheDenseFormula) {
         EXPECT_EQ(Eigen::MatrixXd(q.Quu()), Eigen::MatrixXd(q.Quu().transpose()));
       }
     }
+  }
+}
+
+TEST(ValuePropagation, EntriesThatAreKnownToBeZeroAreNotMissed) {
+  Random random(6);
+  for (const bool semi_implicit : {true, false}) {
+    const int ndx = 28, nu = 5, nz = ndx + nu;
+    KnotLinearization knot = random_knot(random, ndx, nu, semi_implicit);
+    // The diagonal, and some columns down to the last row.
+    std::vector<std::pair<int, int>> lasting;
+    for (int j = 0; j < nz; ++j)
+      for (int i = j; i < nz; ++i)
+        if (i == j || j % 7 == 0) lasting.emplace_back(i, j);
+    KnotHessian hessian(nz, lasting);
+    for (const auto& [i, j] : lasting)
+      hessian.change(HessianFill::lasting)(i, j) = hessian.change(HessianFill::lasting)(j, i) =
+          knot.hessian()(i, j);
+    knot.hessian.change() = hessian();
+    ValueFunction next(ndx);
+    next.Vxx = random.symmetric(ndx);
+    ValuePropagation propagation(ndx, nu);
+    ActionValue all(ndx, nu), some(ndx, nu);
+    propagation.propagate(knot, next, all);
+    knot.hessian = hessian;
+    propagation.propagate(knot, next, some);
+    EXPECT_EQ(Eigen::MatrixXd(all.Qzz().triangularView<Eigen::Lower>()),
+              Eigen::MatrixXd(some.Qzz().triangularView<Eigen::Lower>()));
   }
 }
 

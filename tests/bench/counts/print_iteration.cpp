@@ -43,7 +43,7 @@ int run(const ShootingProblem& problem) {
   acts.differentiate(guess, linearization);
   for (int k = 0; k <= problem.knots(); ++k) {
     print("gradient", k, linearization.knots[k].gradient);
-    print("hessian", k, linearization.knots[k].hessian);
+    print("hessian", k, linearization.knots[k].hessian());
     print("F", k, linearization.knots[k].F);
   }
   const ControlBounds bounds(problem);
