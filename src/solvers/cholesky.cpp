@@ -6,14 +6,11 @@
 #include <limits>
 #include <utility>
 
+#include "solvers/tile_size.hpp"
 #include "spatial/lane_transpose.hpp"
 
 namespace conddp {
 namespace {
-
-/// A tile of right-hand sides that stays in registers, as in lane_gemm.cpp.
-constexpr int kTileLanes = kLaneWidth == 8 ? 4 : 2;
-constexpr int kTileCols = 6;
 
 /// The part of a factor that a tile meets.
 struct FactorPart {
@@ -24,7 +21,7 @@ struct FactorPart {
   const double* reciprocal;  ///< of L's diagonal, from that column on
 };
 
-/// Columns of a tile ← those of B.
+/// A tile of right-hand sides, which stays in registers: columns of B.
 template <int kLanes, int kCols>
 struct TileSums {
   Lane at[kCols][kLanes];
@@ -165,11 +162,11 @@ void solve_rows_in_place(LaneBlock L, LaneBlock B) {
       lane += width;
     }
   };
-  for (int first = 0; first < n; first += kTileCols)
-    columns(kForward, first, std::min(kTileCols, n - first));
-  for (int first = (n + kTileCols - 1) / kTileCols * kTileCols - kTileCols; first >= 0;
-       first -= kTileCols)
-    columns(kBackward, first, std::min(kTileCols, n - first));
+  const int tile_cols = even_tile_cols(lanes, n);
+  for (int first = 0; first < n; first += tile_cols)
+    columns(kForward, first, std::min(tile_cols, n - first));
+  for (int first = (n - 1) / tile_cols * tile_cols; first >= 0; first -= tile_cols)
+    columns(kBackward, first, std::min(tile_cols, n - first));
 }
 
 }  // namespace conddp

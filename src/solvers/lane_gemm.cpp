@@ -4,15 +4,11 @@
 #include <array>
 #include <utility>
 
+#include "solvers/tile_size.hpp"
 #include "spatial/lane_transpose.hpp"
 
 namespace conddp {
 namespace {
-
-/// A tile's size: its sums, a column of A and one number of B fit the registers, of which there are
-/// 32 with AVX-512 and 16 without.
-constexpr int kTileLanes = kLaneWidth == 8 ? 4 : 2;
-constexpr int kTileCols = 6;
 
 template <int kLanes, int kCols>
 void tile(Store mode, int inner, const double* __restrict A, int a_stride, Factor B,
@@ -65,8 +61,9 @@ constexpr auto kTiles = all_tiles(std::make_integer_sequence<int, kTileLanes>())
 
 void multiply_tiles(Store mode, bool lower, LaneBlock C, LaneBlock A, Factor B) {
   const int lanes = (C.rows + kLaneWidth - 1) / kLaneWidth;
-  for (int col = 0; col < C.cols; col += kTileCols) {
-    const int cols = std::min(kTileCols, C.cols - col);
+  const int tile_cols = even_tile_cols(lanes, C.cols);
+  for (int col = 0; col < C.cols; col += tile_cols) {
+    const int cols = std::min(tile_cols, C.cols - col);
     const Factor factor{B.data + col * B.column_step, B.row_step, B.column_step};
     for (int lane = lower ? col / kLaneWidth : 0; lane < lanes;) {
       const int left = lanes - lane;
