@@ -77,7 +77,7 @@ int LegSweep::sweep_last(const SweptHorizon& horizon, StagePolicy& policy, Feedb
                          std::vector<ValueFunction>& values, std::vector<Eigen::MatrixXd>& Quu) {
   const KnotLinearization& end = horizon.linearization.knots[knots_];
   values[knots_].Vx = end.gradient;
-  values[knots_].Vxx = end.hessian;
+  values[knots_].Vxx = end.hessian();
   const int leg = static_cast<int>(legs_.size());
   for (int k = knots_ - 1; k >= legs_.back().last(); --k) {
     last_.propagate(horizon, k, values[k + 1]);

@@ -101,7 +101,7 @@ int bad_knot(const LinearQuadratic& lq, int legs, int node, const Eigen::MatrixX
   const auto policy = box_stage(*lq.problem, {}, legs);
   Feedback feedback(*lq.problem);
   EXPECT_EQ(sweep.run(linearization, guess, gaps, {}, *policy, feedback), -1);
-  Eigen::MatrixXd& hessian = linearization.knots[node].hessian;
+  Eigen::MatrixXd& hessian = linearization.knots[node].hessian.change();
   hessian.bottomRightCorner(change.rows(), change.cols()) += change;
   return sweep.run(linearization, guess, gaps, {}, *policy, feedback);
 }

@@ -42,7 +42,7 @@ class LeggedIterate {
   void sweep_another_cost() {
     const auto scale_later_nodes = [&](double factor) {
       for (int k = problem_.knots() / 2; k <= problem_.knots(); ++k)
-        linearization_.knots[k].hessian *= factor;
+        linearization_.knots[k].hessian.change() *= factor;
     };
     scale_later_nodes(4);
     EXPECT_LT(run(true), 0);
