@@ -1,11 +1,16 @@
 #include "ocp/knot_hessian.hpp"
 
+#include <set>
+
+#include "spatial/lane.hpp"
+
 namespace conddp {
 
 KnotHessian::KnotHessian(int nz, std::span<const std::pair<int, int>> lasting)
-    : matrix_(Eigen::MatrixXd::Zero(nz, nz)), fill_(HessianFill::lasting), lasting_lanes_(nz, 0) {
-  for (const auto& [row, column] : lasting)
-    lasting_lanes_[column] |= std::uint64_t{1} << lane_bit(row);
+    : matrix_(Eigen::MatrixXd::Zero(nz, nz)), fill_(HessianFill::lasting) {
+  std::set<std::pair<int, int>> places;
+  for (const auto& [row, column] : lasting) places.emplace(column, row / kLaneWidth * kLaneWidth);
+  for (const auto& [column, row] : places) lasting_lanes_.push_back({row, column});
 }
 
 }  // namespace conddp

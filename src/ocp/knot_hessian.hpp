@@ -1,13 +1,10 @@
 #pragma once
 
-#include <cstdint>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include <Eigen/Core>
-
-#include "spatial/lane.hpp"
 
 namespace conddp {
 
@@ -36,19 +33,17 @@ class KnotHessian {
   }
 
   HessianFill fill() const { return fill_; }
-  /// Whether the kLaneWidth entries of a column of the lower triangle from `row` on, a multiple of
-  /// kLaneWidth, can be other than zero.
-  bool fills(int row, int column) const {
-    return fill_ != HessianFill::lasting || (lasting_lanes_[column] >> lane_bit(row) & 1) != 0;
-  }
+  /// Where kLaneWidth entries of a column of the lower triangle begin of which some are lasting.
+  struct LanePlace {
+    int row;  ///< a multiple of kLaneWidth
+    int column;
+  };
+  const std::vector<LanePlace>& lasting_lanes() const { return lasting_lanes_; }
 
  private:
-  /// The last bit stands for all lanes from there on.
-  static int lane_bit(int row) { return row < 63 * kLaneWidth ? row / kLaneWidth : 63; }
-
   Eigen::MatrixXd matrix_;
   HessianFill fill_ = HessianFill::all;
-  std::vector<std::uint64_t> lasting_lanes_;  ///< by column, a bit a lane of rows
+  std::vector<LanePlace> lasting_lanes_;
 };
 
 }  // namespace conddp

@@ -1,34 +1,8 @@
 #include "ocp/linearization.hpp"
 
-#include "spatial/lane_part.hpp"
+#include "ocp/transposed_product.hpp"
 
 namespace conddp {
-namespace {
-
-/// out = Fᵀ x, a lane of columns at a time.
-void multiply_transposed(const Eigen::MatrixXd& F, const double* x, double* out) {
-  const int rows = static_cast<int>(F.rows()), cols = static_cast<int>(F.cols());
-  for (int col = 0; col < cols; col += kLaneWidth) {
-    const int count = std::min(kLaneWidth, cols - col);
-    Lane sum[kLaneWidth];
-#pragma GCC unroll 8
-    for (int c = 0; c < kLaneWidth; ++c) sum[c] = Lane(0.0);
-    const double* from = F.data() + col * rows;
-    for (int row = 0; row < rows; row += kLaneWidth) {
-      const Lane part = load_some(x + row, rows - row);
-#pragma GCC unroll 8
-      for (int c = 0; c < kLaneWidth; ++c)
-        if (c < count) sum[c] += load_some(from + c * rows + row, rows - row) * part;
-    }
-    transpose_lanes(sum);
-#pragma GCC unroll 8
-    for (int c = 1; c < kLaneWidth; ++c) sum[0] += sum[c];
-    store_some(out + col, sum[0], count);
-  }
-}
-
-}  // namespace
-
 void KnotLinearization::apply(const Eigen::Ref<const Eigen::VectorXd>& z,
                               Eigen::Ref<Eigen::VectorXd> out) const {
   if (!semi_implicit) {

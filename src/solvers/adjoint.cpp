@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "ocp/transposed_product.hpp"
+
 namespace conddp {
 
 Adjoint::Adjoint(const ShootingProblem& problem, const ControlBounds& bounds)
@@ -41,7 +43,7 @@ void Adjoint::compute(const Linearization& linearization, const Trajectory& traj
     for (int i = 0; i < knot.nu(); ++i)
       followed[i] = bounds_.at_bound(k, i, trajectory.u(k)[i]) ? 0 : gradient[i];
     auto passed_on = state_gradient_.col(k);
-    passed_on.noalias() = feedback.K[k].transpose() * followed;
+    multiply_transposed(feedback.K[k], followed.data(), passed_on.data());
     costates_.col(k) += passed_on;
     passed_on = -passed_on;
   }

@@ -34,23 +34,24 @@ class BoxStage : public StagePolicy {
     const int nu = static_cast<int>(k.size());
     Scratch& scratch = scratch_[stage.leg];
     std::vector<BoundState>& active = standing_.active[stage.knot];
-    std::copy(active.begin(), active.end(), scratch.before.begin());
-    auto lower = scratch.lower.head(nu);
-    auto upper = scratch.upper.head(nu);
+    Kept& kept = kept_[stage.knot];
+    Eigen::VectorXd &lower = kept.lower, &upper = kept.upper;
     lower = stage.lower - stage.u;
     upper = stage.upper - stage.u;
     const bool unbound =
         std::all_of(active.begin(), active.end(), [](auto a) { return a == BoundState::free; });
     // Most knots are far from every bound: there the free minimum is that of the QP.
     if (hold_ || unbound) {
-      const bool solved = solve_held(stage, active, scratch, k, Kt);
+      const bool solved = unbound ? stage.solve_free(scratch.factor, k, Kt)
+                                  : solve_held(stage, active, kept, scratch, k, Kt);
       if (hold_ && !solved) return false;
       if (hold_ ||
           (solved && (k.array() >= lower.array()).all() && (k.array() <= upper.array()).all())) {
-        keep(stage, active, scratch);
+        if (!unbound) keep(stage, kept);
         return true;
       }
     }
+    std::copy(active.begin(), active.end(), scratch.before.begin());
     if (scratch.qp.solve(stage.Quu, stage.Qu, lower, upper, active) ==
         BoxQp::Status::not_positive_definite) {
       return false;
@@ -65,7 +66,7 @@ class BoxStage : public StagePolicy {
     Kt.view().setZero();
     for (int j = 0; j < count; ++j) Kt.view().col(free[j]) = scratch.rhs.view().col(j);
     for (int i = 0; i < nu; ++i) standing_.changes += active[i] != scratch.before[i];
-    keep(stage, active, scratch);
+    if (count < nu) keep(stage, kept);
     return true;
   }
 
@@ -145,15 +146,12 @@ class BoxStage : public StagePolicy {
   struct Scratch {
     Scratch(int rows, int max_nu, const SolverOptions::BoxQp& options)
         : qp(max_nu, options.max_iterations, options.armijo),
-          lower(max_nu),
-          upper(max_nu),
           factor(max_nu, max_nu),
           rhs(rows + 1, max_nu),
           before(max_nu) {
       free.reserve(max_nu);
     }
     BoxQp qp;
-    Eigen::VectorXd lower, upper;
     LaneMatrix factor, rhs;
     std::vector<BoundState> before;
     std::vector<int> free;
@@ -165,23 +163,17 @@ class BoxStage : public StagePolicy {
     int changes = 0;
   };
 
-  /// Keeps what `revise` needs of a stage.
-  void keep(const StageProblem& stage, const std::vector<BoundState>& active,
-            const Scratch& scratch) {
-    const int nu = static_cast<int>(active.size());
-    Kept& kept = kept_[stage.knot];
-    kept.lower = scratch.lower.head(nu);
-    kept.upper = scratch.upper.head(nu);
-    const auto free = std::count(active.begin(), active.end(), BoundState::free);
-    if (free == nu) return;
+  /// Keeps what `revise` needs of a stage where something is held.
+  static void keep(const StageProblem& stage, Kept& kept) {
     kept.Qxu = stage.Qxu.topRows(kept.Qxu.rows());
     kept.Quu = stage.Quu;
     kept.Qu = stage.Qu;
   }
 
-  /// The stage's minimum with the entries that `active` holds put at their bounds.
+  /// The stage's minimum with the entries that `active` holds, one at least, put at their bounds.
   static bool solve_held(const StageProblem& stage, const std::vector<BoundState>& active,
-                         Scratch& scratch, Eigen::Ref<Eigen::VectorXd> k, LaneBlock Kt) {
+                         const Kept& kept, Scratch& scratch, Eigen::Ref<Eigen::VectorXd> k,
+                         LaneBlock Kt) {
     const int nu = Kt.cols, rows = Kt.rows - 1;
     std::vector<int>& free = scratch.free;
     free.clear();
@@ -189,26 +181,24 @@ class BoxStage : public StagePolicy {
       if (active[i] == BoundState::free)
         free.push_back(i);
       else
-        k[i] = active[i] == BoundState::at_lower ? scratch.lower[i] : scratch.upper[i];
+        k[i] = active[i] == BoundState::at_lower ? kept.lower[i] : kept.upper[i];
     }
     const int count = static_cast<int>(free.size());
     scratch.factor.resize(count, count);
     auto factor = scratch.factor.view();
     // One solve for both: the gradient is one more row of right-hand sides.
     scratch.rhs.resize(rows + 1, count);
-    const LaneBlock solution = count == nu ? Kt : scratch.rhs.block();
+    const LaneBlock solution = scratch.rhs.block();
     auto rhs = solution.view();
     for (int a = 0; a < count; ++a) {
       for (int b = a; b < count; ++b) factor(b, a) = stage.Quu(free[b], free[a]);
       stage.negate(free[a], solution, a);
-      if (count == nu) continue;
       for (int i = 0; i < nu; ++i)
         if (active[i] != BoundState::free) rhs(rows, a) -= stage.Quu(i, free[a]) * k[i];
     }
     if (!cholesky_in_place(scratch.factor.block())) return false;
     solve_rows_in_place(scratch.factor.block(), solution);
     for (int a = 0; a < count; ++a) k[free[a]] = rhs(rows, a);
-    if (count == nu) return true;
     Kt.view().setZero();
     for (int a = 0; a < count; ++a) Kt.view().col(free[a]) = rhs.col(a);
     return true;

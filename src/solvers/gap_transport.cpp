@@ -14,10 +14,6 @@ using BlockMap =
     Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor, 6, 6>>;
 using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1>;
 
-BlockMap block(const std::vector<double>& blocks, std::size_t s, int n) {
-  return {blocks.data() + s * StateManifold::kBlockSize, n, n};
-}
-
 }  // namespace
 
 GapTransport::GapTransport(const StateManifold& manifold)
@@ -42,7 +38,8 @@ void GapTransport::push(Eigen::Ref<Eigen::VectorXd> delta) const {
     for (std::size_t s = 0; s < manifold_.curved().size(); ++s) {
       const auto& segment = manifold_.curved()[s];
       const SmallVector part = delta.segment(segment.dx, segment.n);
-      delta.segment(segment.dx, segment.n).noalias() = block(G_, s, segment.n) * part;
+      delta.segment(segment.dx, segment.n).noalias() =
+          BlockMap(block(s), segment.n, segment.n) * part;
     }
   }
   if (!none_) delta += gap_;
@@ -53,7 +50,8 @@ void GapTransport::pull(Eigen::Ref<Eigen::VectorXd> lambda) const {
   for (std::size_t s = 0; s < manifold_.curved().size(); ++s) {
     const auto& segment = manifold_.curved()[s];
     const SmallVector part = lambda.segment(segment.dx, segment.n);
-    lambda.segment(segment.dx, segment.n).noalias() = block(G_, s, segment.n).transpose() * part;
+    lambda.segment(segment.dx, segment.n).noalias() =
+        BlockMap(block(s), segment.n, segment.n).transpose() * part;
   }
 }
 
@@ -65,7 +63,7 @@ void GapTransport::pull(ValueFunction& value) const {
   const int ndx = static_cast<int>(value.Vxx.rows());
   for (std::size_t s = 0; s < manifold_.curved().size(); ++s) {
     const auto& segment = manifold_.curved()[s];
-    const CurvedBlock G{G_.data() + s * StateManifold::kBlockSize, segment.n, segment.n};
+    const CurvedBlock G{block(s), segment.n, segment.n};
     transform_rows(G, value.Vxx.data() + segment.dx, ndx, ndx);
     transform_columns(G, value.Vxx.col(segment.dx).data(), ndx, ndx);
   }
@@ -77,9 +75,16 @@ void GapTransport::pull(LaneBlock L, Eigen::VectorXd& s) const {
   if (identity_) return;
   for (std::size_t i = 0; i < manifold_.curved().size(); ++i) {
     const auto& segment = manifold_.curved()[i];
-    const CurvedBlock G{G_.data() + i * StateManifold::kBlockSize, segment.n, segment.n};
+    const CurvedBlock G{block(i), segment.n, segment.n};
     transform_columns(G, L.data + segment.dx * L.stride, L.stride, L.rows);
   }
+}
+
+void GapTransport::pull_gradient(const ValueFunction& value, Eigen::Ref<Eigen::VectorXd> Vx) const {
+  Vx = value.Vx;
+  if (none_) return;
+  Vx.noalias() += value.Vxx * gap_;
+  pull(Vx);
 }
 
 Gaps::Gaps(const ShootingProblem& problem)

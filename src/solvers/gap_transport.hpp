@@ -34,6 +34,14 @@ class GapTransport {
   /// Linear terms of parameters in that value, a row each (L, by ndx), likewise: s ← s + L f̄,
   /// L ← L G.
   void pull(LaneBlock L, Eigen::VectorXd& s) const;
+  /// `Vx` ← that of the same.
+  void pull_gradient(const ValueFunction& value, Eigen::Ref<Eigen::VectorXd> Vx) const;
+  /// Whether G is the identity.
+  bool flat() const { return identity_; }
+  /// G on a curved segment of n coordinates, n x n by rows.
+  const double* block(std::size_t segment) const {
+    return G_.data() + segment * StateManifold::kBlockSize;
+  }
 
  private:
   const StateManifold& manifold_;

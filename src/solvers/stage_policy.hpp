@@ -25,6 +25,9 @@ struct StageProblem {
 
   /// The right-hand side of a control i: column j of `to` (a row more than Q_xu) ← −(Q_xu; Q_uᵀ).
   void negate(int i, LaneBlock to, int j) const;
+  /// The minimum without bounds, k = −Q_uu⁻¹ Q_u and K = −Q_uu⁻¹ Q_ux, by Cholesky's factorisation,
+  /// for which `factor` has room; as in `StagePolicy::solve`.
+  bool solve_free(LaneMatrix& factor, Eigen::Ref<Eigen::VectorXd> k, LaneBlock Kt) const;
 };
 
 /// How a solver minimises over the control of a knot. Workspaces are sized at construction; the
@@ -87,7 +90,7 @@ class StagePolicy {
   virtual int active_set_changes() const { return 0; }
 };
 
-/// k = −Q_uu⁻¹ Q_u, K = −Q_uu⁻¹ Q_ux, by Cholesky's factorisation. Ignores the bounds.
+/// The minimum without the bounds.
 std::unique_ptr<StagePolicy> unconstrained_stage(const ShootingProblem& problem);
 
 /// k minimises the stage at δx = 0 subject to lower ≤ u + k ≤ upper; K has zero rows for clamped

@@ -23,8 +23,7 @@ int parametric_rows(const ShootingProblem& problem) {
 }
 
 StageSweep::StageSweep(const ShootingProblem& problem, bool parametric)
-    : next_(problem.ndx()),
-      propagation_(problem.ndx(), largest_nu(problem)),
+    : propagation_(problem.ndx(), largest_nu(problem)),
       q_(problem.ndx(), largest_nu(problem)),
       columns_(problem.ndx() + largest_nu(problem), largest_nu(problem)),
       Kt_((parametric ? parametric_rows(problem) : problem.ndx()) + 1, largest_nu(problem)),
@@ -32,12 +31,7 @@ StageSweep::StageSweep(const ShootingProblem& problem, bool parametric)
       w_(largest_nu(problem)) {}
 
 void StageSweep::propagate(const SweptHorizon& horizon, int k, const ValueFunction& next) {
-  const GapTransport& gap = horizon.gaps[k];
-  if (!gap.closed()) {
-    next_ = next;
-    gap.pull(next_);
-  }
-  propagation_.propagate(horizon.linearization.knots[k], gap.closed() ? next : next_, q_);
+  propagation_.propagate(horizon.linearization.knots[k], next, q_, &horizon.gaps[k]);
 }
 
 bool StageSweep::solve(const SweptHorizon& horizon, int k, SweepRegularization regularization,

@@ -58,7 +58,6 @@ class StageSweep {
  private:
   bool solve(const StageProblem& stage, StagePolicy& policy, Feedback& feedback);
 
-  ValueFunction next_;
   ValuePropagation propagation_;
   ActionValue q_;
   LaneMatrix columns_;  ///< nz x nu: control columns of Q_zz, regularised

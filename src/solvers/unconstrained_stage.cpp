@@ -12,15 +12,7 @@ class UnconstrainedStage : public StagePolicy {
   explicit UnconstrainedStage(int max_nu) : factor_(max_nu, max_nu) {}
 
   bool solve(const StageProblem& stage, Eigen::Ref<Eigen::VectorXd> k, LaneBlock Kt) override {
-    const int nu = Kt.cols;
-    factor_.resize(nu, nu);
-    factor_.view() = stage.Quu;
-    if (!cholesky_in_place(factor_.block())) return false;
-    // One solve for both: the gradient is one more row of right-hand sides.
-    for (int j = 0; j < nu; ++j) stage.negate(j, Kt, j);
-    solve_rows_in_place(factor_.block(), Kt);
-    k = Kt.view().row(Kt.rows - 1).transpose();
-    return true;
+    return stage.solve_free(factor_, k, Kt);
   }
 
  private:
@@ -36,6 +28,21 @@ void StageProblem::negate(int i, LaneBlock to, int j) const {
   for (int row = 0; row < rows; row += kLaneWidth)
     store_lane(column + row, -load_some(from + row, rows - row));
   column[rows] = -Qu[i];
+}
+
+bool StageProblem::solve_free(LaneMatrix& factor, Eigen::Ref<Eigen::VectorXd> k,
+                              LaneBlock Kt) const {
+  const int nu = Kt.cols;
+  factor.resize(nu, nu);
+  for (int j = 0; j < nu; ++j)
+    for (int row = j / kLaneWidth * kLaneWidth; row < nu; row += kLaneWidth)
+      store_lane(factor.col(j) + row, load_some(Quu.col(j).data() + row, nu - row));
+  if (!cholesky_in_place(factor.block())) return false;
+  // One solve for both: the gradient is one more row of right-hand sides.
+  for (int j = 0; j < nu; ++j) negate(j, Kt, j);
+  solve_rows_in_place(factor.block(), Kt);
+  for (int j = 0; j < nu; ++j) k[j] = Kt.data[j * Kt.stride + Kt.rows - 1];
+  return true;
 }
 
 std::unique_ptr<StagePolicy> unconstrained_stage(const ShootingProblem& problem) {

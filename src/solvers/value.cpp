@@ -3,6 +3,7 @@
 #include <cstring>
 
 #include "solvers/curved_blocks.hpp"
+#include "solvers/gap_transport.hpp"
 #include "solvers/lane_copy.hpp"
 #include "solvers/lane_gemm.hpp"
 #include "spatial/lane_part.hpp"
@@ -12,22 +13,55 @@ namespace {
 
 using StateBlock = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
 
+/// By how much a Hessian has to have more lanes than filled ones for these to be listed.
+constexpr int kListedShare = 4;
+
 CurvedBlock block(const StateBlock& B, int n) { return {B.data(), n, 6}; }
 
+/// Q ← P in the lower triangle, in as many rows and columns as P has, and zero elsewhere.
+void copy_lower(LaneMatrix* P, LaneMatrix& Q) {
+  const int n = Q.cols(), added = P == nullptr ? 0 : P->rows();
+  for (int j = 0; j < n; ++j) {
+    double* to = Q.col(j);
+    int row = j / kLaneWidth * kLaneWidth;
+    if (j < added)
+      for (; row < added; row += kLaneWidth) store_lane(to + row, load_lane(P->col(j) + row));
+    for (; row < n; row += kLaneWidth) store_lane(to + row, Lane(0.0));
+  }
+}
+
 /// Q ← the Hessian in the lower triangle, and there + P in as many rows and columns as P has. What
-/// is known to be zero is not read: most of the Hessian, where barriers rest.
+/// is known to be zero is not read where it is most of the Hessian.
 void copy_lower(const KnotHessian& hessian, LaneMatrix* P, LaneMatrix& Q) {
   const Eigen::MatrixXd& H = hessian();
   const int n = static_cast<int>(H.rows()), added = P == nullptr ? 0 : P->rows();
+  const int lanes = (n + kLaneWidth - 1) / kLaneWidth;
+  // To go through filled lanes one by one pays where they are a small part of all.
+  const bool sparse = kListedShare * static_cast<int>(hessian.lasting_lanes().size()) <= n * lanes;
+  if (hessian.fill() == HessianFill::lasting && sparse) {
+    copy_lower(P, Q);
+    for (const auto [row, column] : hessian.lasting_lanes()) {
+      double* sum = Q.col(column) + row;
+      store_lane(sum, load_lane(sum) + load_some(H.col(column).data() + row, n - row));
+    }
+    return;
+  }
   for (int j = 0; j < n; ++j) {
     const double* from = H.col(j).data();
     double* to = Q.col(j);
     for (int row = j / kLaneWidth * kLaneWidth; row < n; row += kLaneWidth) {
-      Lane x = hessian.fills(row, j) ? load_some(from + row, n - row) : Lane(0.0);
+      Lane x = load_some(from + row, n - row);
       if (j < added && row < added) x += load_lane(P->col(j) + row);
       store_lane(to + row, x);
     }
   }
+}
+
+/// G B, where G is given by rows.
+template <int n>
+void multiply_block(const double* G, const StateBlock& B, StateBlock& product) {
+  const Eigen::Map<const Eigen::Matrix<double, n, n, Eigen::RowMajor>> left(G);
+  product.topLeftCorner<n, n>().noalias() = left * B.topLeftCorner<n, n>();
 }
 
 /// Row i of a block that acts on n coordinates, minus the identity's if asked.
@@ -112,6 +146,9 @@ ActionValue::ActionValue(int ndx, int max_nu)
 ValuePropagation::ValuePropagation(int ndx, int max_nu)
     : scratch_(ndx),
       pulled_(ndx + max_nu),
+      moved_(ndx),
+      GA_(ndx / 3),
+      GH_(GA_.size()),
       Ft_(ndx + max_nu, ndx),
       FtP_(ndx + max_nu, ndx),
       P11_(ndx, ndx),
@@ -121,11 +158,22 @@ ValuePropagation::ValuePropagation(int ndx, int max_nu)
       columns2_(ndx, max_nu) {}
 
 void ValuePropagation::propagate(const KnotLinearization& knot, const ValueFunction& next,
-                                 ActionValue& q) {
+                                 ActionValue& q, const GapTransport* gap) {
   q.resize(knot.nu());
   const int rows = static_cast<int>(knot.F.rows()), nz = q.nz();
+  const bool open = gap != nullptr && !gap->closed();
+  // Where a gap turns V_xx, semi-implicit dynamics take that into their few blocks: G A and G H.
+  const bool turned = open && !gap->flat(), copied = turned && !knot.semi_implicit;
+  if (copied) {
+    moved_ = next;
+    gap->pull(moved_);
+  } else if (open) {
+    gap->pull_gradient(next, moved_.Vx);
+  }
+  const Eigen::VectorXd& Vx = open ? moved_.Vx : next.Vx;
+  const Eigen::MatrixXd& Vxx = copied ? moved_.Vxx : next.Vxx;
   auto pulled = pulled_.head(nz);
-  knot.apply_transpose(next.Vx, pulled, scratch_);
+  knot.apply_transpose(Vx, pulled, scratch_);
   q.Qz() = knot.gradient + pulled;
   Ft_.resize(nz, rows);
   FtP_.resize(nz, rows);
@@ -135,7 +183,14 @@ void ValuePropagation::propagate(const KnotLinearization& knot, const ValueFunct
     // Qzz gains E P̃₁₁ Eᵀ + E P̃₁₂ F + (E P̃₁₂ F)ᵀ + Fᵀ P̃₂₂ F, where Eᵀ picks δq. Of that the lower
     // triangle is formed: its columns δq are Fᵀ (F P̃₂₂ + P̃₂₁) and, where the rows are δq too,
     // P̃₁₁ + P̃₁₂ F.
-    transform(knot, next.Vxx);
+    if (turned) {
+      for (std::size_t s = 0; s < knot.curved.size(); ++s) {
+        const auto multiply = knot.curved[s].n == 6 ? multiply_block<6> : multiply_block<3>;
+        multiply(gap->block(s), knot.A[s], GA_[s]);
+        multiply(gap->block(s), knot.H[s], GH_[s]);
+      }
+    }
+    transform(knot, turned ? GA_ : knot.A, turned ? GH_ : knot.H, Vxx);
     copy_lower(knot.hessian, &P11_, Q);
     multiply_lower(Store::add, Q.block(rows, 0, rows), P12_.block(), Factor::of_eigen(knot.F));
     multiply(Store::set, FtP_.block(), Ft_.block(), Factor::of(P22_));
@@ -146,7 +201,7 @@ void ValuePropagation::propagate(const KnotLinearization& knot, const ValueFunct
       }
   } else {
     copy_lower(knot.hessian, nullptr, Q);
-    multiply(Store::set, FtP_.block(), Ft_.block(), Factor::of_eigen(next.Vxx));
+    multiply(Store::set, FtP_.block(), Ft_.block(), Factor::of_eigen(Vxx));
   }
   multiply_lower(Store::add, Q.block(), Ft_.block(), Factor::transposed(FtP_));
   mirror_lower(Q.block(), q.ndx());
@@ -155,7 +210,8 @@ void ValuePropagation::propagate(const KnotLinearization& knot, const ValueFunct
 /// With M = dt P₁₁ H + P₁₂ the blocks of V_xx in (δq, δv⁺) are P̃₁₁ = Aᵀ P₁₁ A, P̃₁₂ = Aᵀ M and
 /// P̃₂₂ = P₂₂ + dt (Hᵀ M + P₂₁ H). A and H are the identity but for their blocks: one pass forms all
 /// as if they had none in the rows, a second one mends the rows that they have.
-void ValuePropagation::transform(const KnotLinearization& knot, const Eigen::MatrixXd& Vxx) {
+void ValuePropagation::transform(const KnotLinearization& knot, const StateBlocks& A,
+                                 const StateBlocks& H, const Eigen::MatrixXd& Vxx) {
   const int nv = static_cast<int>(knot.F.rows()), v_stride = static_cast<int>(Vxx.outerStride());
   const Lane dt(knot.dt);
   for (LaneMatrix* X : {&P11_, &P12_, &P22_}) X->resize(nv, nv);
@@ -175,7 +231,7 @@ void ValuePropagation::transform(const KnotLinearization& knot, const Eigen::Mat
       const int at = knot.curved[s].dx, n = knot.curved[s].n;
       flat(done, at);
       (n == 6 ? transform_columns_of<6>
-              : transform_columns_of<3>)(V, knot.A[s], knot.H[s], dt, at, P11_.col(at) + row,
+              : transform_columns_of<3>)(V, A[s], H[s], dt, at, P11_.col(at) + row,
                                          P12_.col(at) + row, P22_.col(at) + row, stride);
       done = at + n;
     }
@@ -184,7 +240,7 @@ void ValuePropagation::transform(const KnotLinearization& knot, const Eigen::Mat
   for (std::size_t s = 0; s < knot.curved.size(); ++s) {
     const int at = knot.curved[s].dx;
     (knot.curved[s].n == 6 ? transform_rows_of<6>
-                           : transform_rows_of<3>)(knot.A[s], knot.H[s], dt, nv, P11_.data() + at,
+                           : transform_rows_of<3>)(A[s], H[s], dt, nv, P11_.data() + at,
                                                    P12_.data() + at, P22_.data() + at, stride);
   }
 }

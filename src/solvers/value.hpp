@@ -52,6 +52,8 @@ class ActionValue {
   LaneMatrix gradient_, hessian_;
 };
 
+class GapTransport;
+
 /// Carries a value function backward through a knot's dynamics δx⁺ = T δz:
 ///   Q_z = gradient + Tᵀ V_x,  Q_zz = Hessian + Tᵀ V_xx T.
 /// Where the dynamics have semi-implicit Euler's structure, δv⁺ = F δz and δq⁺ = A δq + dt H δv⁺,
@@ -61,8 +63,10 @@ class ValuePropagation {
  public:
   ValuePropagation(int ndx, int max_nu);
 
-  /// Fills `q`, which it shapes for the knot.
-  void propagate(const KnotLinearization& knot, const ValueFunction& next, ActionValue& q);
+  /// Fills `q`, which it shapes for the knot. `next` is the value at x_{k+1}, and `gap` what
+  /// stands between the knot's dynamics and that node, if anything does.
+  void propagate(const KnotLinearization& knot, const ValueFunction& next, ActionValue& q,
+                 const GapTransport* gap = nullptr);
 
   /// `columns` (nz x nu) ← (Q_xu; Q_uu) + μ Tᵀ T_u: the control columns as they would be with
   /// V_xx + μ I at the next node.
@@ -70,9 +74,15 @@ class ValuePropagation {
                         Eigen::Ref<Eigen::MatrixXd> columns);
 
  private:
-  void transform(const KnotLinearization& knot, const Eigen::MatrixXd& Vxx);
+  /// A knot's blocks of δq⁺ = A δq + dt H δv⁺.
+  using StateBlocks = std::vector<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>;
+
+  void transform(const KnotLinearization& knot, const StateBlocks& A, const StateBlocks& H,
+                 const Eigen::MatrixXd& Vxx);
 
   Eigen::VectorXd scratch_, pulled_;
+  ValueFunction moved_;  // the next value, moved over a gap
+  StateBlocks GA_, GH_;
   LaneMatrix Ft_, FtP_;         // nz x rows of F
   LaneMatrix P11_, P12_, P22_;  // nv x nv, zeros in their padding
   Eigen::MatrixXd columns_;     // ndx x nu

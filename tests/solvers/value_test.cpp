@@ -181,6 +181,35 @@ TEST(GapTransport, ValueAfterAGapIsTheValueOfTheMovedArgument) {
   }
 }
 
+TEST(GapTransport, PropagationOverAGapIsThatOfThePulledValue) {
+  Random random(7);
+  StateManifold manifold;
+  manifold.append(Part::se3);
+  manifold.append(Part::flat, 2);
+  manifold.append(Part::so3);
+  manifold.append(Part::flat, 3 + 14);
+  const int ndx = manifold.ndx(), nu = 4;
+  GapTransport transport(manifold);
+  ValuePropagation propagation(ndx, nu);
+  for (const double size : {0.5, 0.0}) {
+    transport.set(size * random.vector(ndx));
+    for (const bool semi_implicit : {true, false}) {
+      const auto curved = semi_implicit ? manifold.curved() : std::vector<StateManifold::Segment>();
+      const KnotLinearization knot = random_knot(random, ndx, nu, semi_implicit, curved);
+      ValueFunction next(ndx);
+      next.Vx = random.vector(ndx);
+      next.Vxx = random.symmetric(ndx);
+      ActionValue over(ndx, nu), from_pulled(ndx, nu);
+      propagation.propagate(knot, next, over, &transport);
+      transport.pull(next);
+      propagation.propagate(knot, next, from_pulled);
+      expect_close(over.Qz(), from_pulled.Qz());
+      expect_close(over.Qzz().triangularView<Eigen::Lower>(),
+                   from_pulled.Qzz().triangularView<Eigen::Lower>());
+    }
+  }
+}
+
 // x⁺ = f ⊕ (α − 1) gap with f = (x⁺_old ⊕ gap) ⊕ ε δf: its derivative by ε and α at (0, 0).
 TEST(GapTransport, IsTheDerivativeOfTheContractedState) {
   Random random(5);
