@@ -20,6 +20,7 @@ constexpr LogColumn kColumns[] = {
     {"expected_decrease", "", false, [](const Row& r) { return r.expected_decrease; }},
     {"actual_decrease", "", false, [](const Row& r) { return r.actual_decrease; }},
     {"trials", "", true, [](const Row& r) -> double { return r.trials; }},
+    {"sweeps", "", true, [](const Row& r) -> double { return r.sweeps; }},
     {"clamped_controls", "", true, [](const Row& r) -> double { return r.clamped_controls; }},
     {"active_set_changes", "", true, [](const Row& r) -> double { return r.active_set_changes; }},
     {"outer", "", true, [](const Row& r) -> double { return r.outer; }},

@@ -96,6 +96,20 @@ ConstraintNorms AugmentedLagrangian::measure(const Eigen::VectorXd& values) {
   return norms;
 }
 
+bool AugmentedLagrangian::idle(const Eigen::VectorXd& values) const {
+  for (const NodeConstraint& c : problem_.constraints()) {
+    const int n = c.term->rows;
+    const auto shifted = values.segment(c.row, n) + augmentation_.shift.segment(c.row, n);
+    if (!c.term->has_bounds()) {
+      if (!(shifted.head(n - 1).norm() < shifted[n - 1])) return false;
+      continue;
+    }
+    for (int r = 0; r < n; ++r)
+      if (!(c.lower[r] < shifted[r] && shifted[r] < c.upper[r])) return false;
+  }
+  return true;
+}
+
 void AugmentedLagrangian::update() {
   for (Group& group : groups_) {
     const bool at_limit = group.penalty >= options_.max_penalty;

@@ -45,6 +45,9 @@ class AugmentedLagrangian {
   const Augmentation& augmentation() const { return augmentation_; }
   /// Takes the values of an iterate and computes ν⁺ of them.
   ConstraintNorms measure(const Eigen::VectorXd& values);
+  /// Whether all values lie strictly inside of their sets, shifted as they are: then the
+  /// constraints add nothing to the cost, nor to its derivatives.
+  bool idle(const Eigen::VectorXd& values) const;
   /// ν⁺ of the last measure.
   const Eigen::VectorXd& multipliers() const { return next_; }
 

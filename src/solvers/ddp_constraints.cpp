@@ -81,6 +81,7 @@ bool DdpSolver::hidden_by_rounding() const {
 /// Ends a minimisation of the augmented Lagrangian and begins the next at the same iterate. False
 /// where the solve ends.
 bool DdpSolver::next_multipliers() {
+  const bool idle = constraints_->idle(linearization_.constraint);
   constraints_->update();
   if (hidden_by_rounding()) {
     if (++relaxations_ > kRelaxations) {
@@ -105,7 +106,8 @@ bool DdpSolver::next_multipliers() {
   inner_start_ = row_.iteration;
   at_rounding_floor_ = false;
   regularization_ = RegularizationSchedule(options_.regularization);
-  differentiate();
+  // As long as all rows are strictly inside of their sets they have no derivatives to change.
+  if (!linearized_ || !(idle && constraints_->idle(linearization_.constraint))) differentiate();
   if (!linearized_) return end_diverged();
   merit_.cost = linearization_.total_cost() + linearization_.augmentation.sum();
   row_.stationarity = bounds_.projected_norm(adjoint_.gradient(), trajectory_).value;

@@ -36,6 +36,7 @@ constexpr double kGapShare = 0.7;
 /// Sweeps and searches, with more regularisation after every failure, until a step is accepted.
 bool DdpSolver::take_step() {
   row_.trials = 0;
+  const int sweeps_before = direction_.sweeps();
   for (;;) {
     if (!sweep_with_regularization()) return false;
     if (merit_needs_penalty()) {
@@ -100,6 +101,7 @@ bool DdpSolver::take_step() {
   }
   if (search_.step == 1) direction_.admit_descent();
   full_steps_ = search_.step == 1 && quadratic ? full_steps_ + 1 : 0;
+  row_.sweeps = direction_.sweeps() - sweeps_before;
   row_.step = search_.step;
   row_.expected_decrease = search_.expected_decrease;
   row_.actual_decrease = search_.actual_decrease;

@@ -63,12 +63,14 @@ int Direction::find(Linearization& linearization, const Trajectory& trajectory, 
 int Direction::search(Linearization& linearization, const Trajectory& trajectory, const Gaps& gaps,
                       const Adjoint& adjoint, const MeritModel& merit,
                       SweepRegularization regularization, bool augmented) {
-  // Held sweeps after held ones go through what stands before the last change of the set alone.
+  // Held sweeps after held ones go through what stands before the last change alone: of the active
+  // set or of the model's rows.
   std::optional<int> last_change;
   bool held_before = false;
   const auto sweep = [&](bool hold) {
     const std::optional<int> from = hold && held_before ? last_change : std::nullopt;
     held_before = hold;
+    ++sweeps_;
     return sweep_.run(linearization, trajectory, gaps, regularization, *policy_, feedback_, hold,
                       from);
   };
@@ -78,10 +80,13 @@ int Direction::search(Linearization& linearization, const Trajectory& trajectory
   // How much of what the last sweep assumed does not hold all along the horizon.
   const auto revise = [&](bool release) {
     roll(false);
-    const int rows = augmented ? constraints_->revise(linear_rollout_.z(), linearization) : 0;
+    std::optional<int> last_row;
+    const int rows =
+        augmented ? constraints_->revise(linear_rollout_.z(), linearization, last_row) : 0;
     last_change.reset();
     const int changes = linear_rollout_.revise(release, *policy_, last_change);
-    if (rows > 0) last_change.reset();
+    last_change = std::max(last_change, last_row);
+    if (last_row == problem_.knots()) last_change.reset();  // there every sweep begins
     return changes + rows;
   };
   const auto model_decrease = [&] {
@@ -155,6 +160,7 @@ bool Direction::descend(Linearization& linearization, const Trajectory& trajecto
   policy_->release();
   bool swept = true;
   for (int i = 0; i < horizon_sweeps_; ++i) {
+    ++sweeps_;
     swept =
         sweep_.run(linearization, trajectory, gaps, regularization, *policy_, feedback_, true) < 0;
     if (!swept) break;
@@ -203,6 +209,7 @@ void Direction::forget_steps() {
 void Direction::reset() {
   forget_steps();
   sweep_.use_legs(true);
+  sweeps_ = 0;
   active_set_known_ = descent_allowed_ = declined_ = false;
   for (Eigen::VectorXd& k : feedback_.k) k.setZero();
   for (Eigen::MatrixXd& K : feedback_.K) K.setZero();

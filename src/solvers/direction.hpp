@@ -50,6 +50,8 @@ class Direction {
   /// Forgets former steps.
   void forget_steps();
 
+  /// Sweeps begun since reset(), of the whole horizon or of its beginning.
+  int sweeps() const { return sweeps_; }
   const Feedback& feedback() const { return feedback_; }
   const StagePolicy& policy() const { return *policy_; }
   /// The stages that keep equality constraints, null where the recipe has none.
@@ -105,6 +107,7 @@ class Direction {
   Feedback feedback_;
   SecantMemory secants_;
   bool corrected_ = false;
+  int sweeps_ = 0;
   std::optional<Remembered> remembered_;  ///< where sweeps are compared
   bool active_set_known_ = false;         ///< the policy holds one of the whole horizon
   bool within_bounds_ = false;

@@ -99,8 +99,8 @@ void HorizonConstraints::shift(const std::vector<Eigen::VectorXd>& z,
     }
 }
 
-int HorizonConstraints::revise(const std::vector<Eigen::VectorXd>& z,
-                               Linearization& linearization) {
+int HorizonConstraints::revise(const std::vector<Eigen::VectorXd>& z, Linearization& linearization,
+                               std::optional<int>& last) {
   shift(z, linearization, shifted_);
   largest_ = outside_.lpNorm<Eigen::Infinity>();
   int changes = 0;
@@ -108,8 +108,11 @@ int HorizonConstraints::revise(const std::vector<Eigen::VectorXd>& z,
     Node& node = nodes_[k];
     for (const int i : node.constraints) {
       const NodeConstraint& c = problem_.constraints()[i];
-      changes += c.term->has_bounds() ? revise_bounds(c, linearization.knots[k], node)
-                                      : revise_cone(c, i, linearization.knots[k], node);
+      const bool changed = c.term->has_bounds() ? revise_bounds(c, linearization.knots[k], node)
+                                                : revise_cone(c, i, linearization.knots[k], node);
+      if (!changed) continue;
+      ++changes;
+      last = k;
     }
   }
   return changes;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -27,8 +28,9 @@ class HorizonConstraints {
   /// Begins again with the same iterate, after restore().
   void restart();
   /// Models the rows around the step z of each node instead where the present model is off there.
-  /// Returns how many constraints changed.
-  int revise(const std::vector<Eigen::VectorXd>& z, Linearization& linearization);
+  /// Returns how many constraints changed. `last` ← the last node at which one did, if any.
+  int revise(const std::vector<Eigen::VectorXd>& z, Linearization& linearization,
+             std::optional<int>& last);
   /// Keeps the linearisation's own gradients and Hessians, which others are about to change too.
   void keep(const Linearization& linearization);
   /// Gets slope_beyond_model ready for d = to − z, where the model was made around z.

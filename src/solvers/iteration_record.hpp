@@ -26,12 +26,13 @@ struct IterationRecord {
   double expected_decrease = 0;   ///< of the merit, to first order
   double actual_decrease = 0;     ///< of the merit
   int trials = 0;                 ///< step lengths tried, over all regularisations
-  int clamped_controls = 0;       ///< control entries that the stage problems held at a bound
-  int active_set_changes = 0;     ///< changes of their states in the last sweep
-  double barrier = 0;             ///< parameter μ of an interior-point method
-  double relaxation = 0;          ///< ε of relaxed complementarity
-  int fallbacks = 0;              ///< ways to relax it that were given up so far
-  double time_s = 0;              ///< since the solve began
+  int sweeps = 0;              ///< backward passes begun, over all regularisations and active sets
+  int clamped_controls = 0;    ///< control entries that the stage problems held at a bound
+  int active_set_changes = 0;  ///< changes of their states in the last sweep
+  double barrier = 0;          ///< parameter μ of an interior-point method
+  double relaxation = 0;       ///< ε of relaxed complementarity
+  int fallbacks = 0;           ///< ways to relax it that were given up so far
+  double time_s = 0;           ///< since the solve began
 };
 
 }  // namespace conddp

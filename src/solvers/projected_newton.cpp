@@ -97,6 +97,7 @@ void ProjectedNewton::measure() {
 
 /// A sweep and the step of its policy in the linear model.
 bool ProjectedNewton::sweep() {
+  ++sweeps_;
   if (sweep_.run(linearization_, trajectory_, gaps_, {}, *policy_, feedback_) >= 0) return false;
   auto dx = scratch_.head(problem_.ndx());
   dx.setZero();
@@ -169,6 +170,7 @@ bool ProjectedNewton::solve_on_rows(double penalty) {
 
 bool ProjectedNewton::step(double growth) {
   const double was = norms_.largest();
+  sweeps_ = 0;
   before_ = trajectory_;
   if (!solve_quadratic()) {
     linearize();
@@ -210,6 +212,7 @@ void ProjectedNewton::describe(IterationRecord& row) const {
   row.complementarity = norms_.complementarity;
   row.step = step_length_;
   row.active_rows = active_rows();
+  row.sweeps = sweeps_;
   row.regularization = row.barrier = row.expected_decrease = row.actual_decrease = 0;
   row.trials = row.clamped_controls = row.active_set_changes = 0;
 }

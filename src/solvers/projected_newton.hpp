@@ -87,6 +87,7 @@ class ProjectedNewton {
   Eigen::VectorXd scratch_;
   KktNorms norms_;
   double step_length_ = 0;
+  int sweeps_ = 0;      ///< of the last step
   bool curved_ = true;  ///< the exact Hessian is another one than Gauss-Newton's
 };
 

@@ -36,7 +36,11 @@ Json json_of(const Trajectory& trajectory) {
 Json json_of(const SolveResult& result) {
   Json log = Json::array();
   for (const IterationRecord& row : result.log)
-    log.push_back({{"cost", row.cost}, {"gap", row.gap}, {"time", row.time_s}});
+    log.push_back({{"cost", row.cost},
+                   {"gap", row.gap},
+                   {"sweeps", row.sweeps},
+                   {"trials", row.trials},
+                   {"time", row.time_s}});
   return {{"total", result.times.total},
           {"differentiate", result.times.differentiate},
           {"sweep", result.times.sweep},

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 #include "solvers/registry.hpp"
@@ -33,6 +35,25 @@ TEST(HorizonActiveSet, MostBoxConstrainedLinearQuadraticProblemsTakeOneStep) {
   }
   EXPECT_GE(one_step, 30);
   EXPECT_LT(2 * held, stage_by_stage);
+}
+
+// A stage by itself takes one sweep an iteration; each revision of the horizon's set another one.
+TEST(HorizonActiveSet, SweepsAreCounted) {
+  const LinearQuadratic lq(1, 4, {2, 3}, 12, -0.4, 0.3);
+  for (const int horizon_sweeps : {0, 60}) {
+    SolverOptions options;
+    options.box_qp.horizon_sweeps = horizon_sweeps;
+    const SolveResult result =
+        solve(*lq.problem, "box_fddp", options, lq.problem->create_trajectory());
+    ASSERT_GT(result.iterations, 0);
+    EXPECT_EQ(result.log.front().sweeps, 0);
+    int most = 0;
+    for (const IterationRecord& row : result.log) {
+      EXPECT_GE(row.sweeps, std::min(row.iteration, 1));
+      most = std::max(most, row.sweeps);
+    }
+    EXPECT_EQ(most > 1, horizon_sweeps > 0);
+  }
 }
 
 // Active sets that do not settle within the sweeps allowed must not keep a solver from converging.
