@@ -85,12 +85,25 @@ class LimitWatch {
   std::map<std::string, Entry> excess_;
 };
 
-/// Memory of one knot model's system in scalar arithmetic.
+/// What moves the states of one knot model, and its memory in scalar arithmetic. The slopes of a
+/// collocation belong to whole steps: its parts are integrated by an explicit rule.
 struct Stepper {
-  explicit Stepper(const KnotModel& model)
-      : data(model.system().create_data(double{})), work(model.system(), model.integrator()) {}
+  explicit Stepper(const KnotModel& model) : Stepper(model, inside(model)) {}
+  const System& system;
+  Integrator integrator;
   std::unique_ptr<SystemData<double>> data;
   IntegratorWorkspace<double> work;
+
+ private:
+  static const System* inside(const KnotModel& model) {
+    const auto* collocation = dynamic_cast<const CollocationSystem*>(&model.system());
+    return collocation ? collocation->inside().get() : nullptr;
+  }
+  Stepper(const KnotModel& model, const System* inside)
+      : system(inside ? *inside : model.system()),
+        integrator(inside ? Integrator::rk4 : model.integrator()),
+        data(system.create_data(double{})),
+        work(system, integrator) {}
 };
 
 class Player {
@@ -147,9 +160,9 @@ class Player {
 
   void step(int k, bool feedback, Eigen::VectorXd& x, LimitWatch* watch, ReplayRun& result) {
     const KnotView& view = problem_.knot(k);
-    const System& system = view.model->system();
     auto& memory = memory_[view.model];
     if (!memory) memory = std::make_unique<Stepper>(*view.model);
+    const System& system = memory->system;
     const Eigen::VectorXd u = control(k, feedback, x, result);
     const bool choice = problem_.phases()[view.phase].instant;
     const int steps = view.dt > 0 && !choice ? substeps_ : 1;
@@ -158,10 +171,9 @@ class Player {
       system.evaluate(x.data(), u.data(), *memory->data);
       if (watch != nullptr && !choice)
         watch->look(system, *memory->data, x.data(), k, times_[k] + s * dt, s == 0);
-      integrate(system, view.model->integrator(), x.data(), u.data(), dt, *memory->data,
-                memory->work);
+      integrate(system, memory->integrator, x.data(), u.data(), dt, *memory->data, memory->work);
       std::copy(memory->work.next.begin(), memory->work.next.end(), x.data());
-      if (view.model->has_control_memory()) x.tail(u.size()) = u;
+      if (view.model->has_control_memory()) x.tail(system.nu()) = u.head(system.nu());
     }
   }
 

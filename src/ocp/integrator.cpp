@@ -25,13 +25,19 @@ const RungeKuttaRule& runge_kutta_rule(Integrator integrator) {
   }
 }
 
+std::optional<LobattoRule> lobatto_rule(Integrator integrator) {
+  if (integrator == Integrator::trapezoidal) return LobattoRule::trapezoidal;
+  if (integrator == Integrator::hermite_simpson) return LobattoRule::hermite_simpson;
+  return std::nullopt;
+}
+
 namespace {
 
 constexpr int kBlock = StateManifold::kBlockSize;
 
 bool is_runge_kutta(Integrator integrator) {
   return integrator != Integrator::none && integrator != Integrator::discrete &&
-         !is_structured(integrator);
+         !is_structured(integrator) && !lobatto_rule(integrator);
 }
 
 /// Applies the diagonal blocks of curved segments to a column of ndx entries, in place.
@@ -215,6 +221,18 @@ void jump(const System& system, const S* x, const SystemData<S>& data,
   std::copy(data.f.begin(), data.f.end(), work.next.begin() + system.nq());
 }
 
+/// The last stage of a rule that ends with the step.
+template <class S>
+void collocate(const System& system, const S* x, const S* w, const S& dt, bool derivatives,
+               const SystemData<S>& data, IntegratorWorkspace<S>& work) {
+  const auto& collocation = static_cast<const CollocationSystem&>(system);
+  const int last = collocation.later_stages();
+  collocation.stage(last, x, w, dt, data, work.next.data());
+  if (derivatives)
+    collocation.differentiate_stage(last, x, w, dt, data, work.columns > system.ndx() + system.nu(),
+                                    work.F.data());
+}
+
 }  // namespace
 
 template <class S>
@@ -264,6 +282,10 @@ void integrate(const System& system, Integrator integrator, const S* x, const S*
     case Integrator::semi_implicit_euler:
       semi_implicit_euler(system, x, dt, data, work);
       break;
+    case Integrator::trapezoidal:
+    case Integrator::hermite_simpson:
+      collocate(system, x, u, dt, false, data, work);
+      break;
     default:
       runge_kutta(system, integrator, x, u, dt, false, data, work);
   }
@@ -299,6 +321,10 @@ void integrate_derivatives(const System& system, Integrator integrator, const S*
                                             work.step_blocks.data());
       break;
     }
+    case Integrator::trapezoidal:
+    case Integrator::hermite_simpson:
+      collocate(system, x, u, dt, true, data, work);
+      break;
     default:
       runge_kutta(system, integrator, x, u, dt, true, data, work);
   }

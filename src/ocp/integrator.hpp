@@ -1,8 +1,9 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
-#include "systems/system.hpp"
+#include "systems/collocation_system.hpp"
 
 namespace conddp {
 
@@ -11,6 +12,7 @@ namespace conddp {
 /// system gives the next velocity, the configuration stays, and the time step must be 0.
 /// `rk2` is the midpoint rule, `rk3` Kutta's (1/6, 4/6, 1/6). On curved spaces Runge-Kutta rules
 /// work in exponential coordinates at the knot's state (Munthe-Kaas), which keeps their order.
+/// `trapezoidal` and `hermite_simpson` are the implicit rules of a CollocationSystem.
 enum class Integrator {
   none,
   discrete,
@@ -19,7 +21,9 @@ enum class Integrator {
   explicit_euler,
   rk2,
   rk3,
-  rk4
+  rk4,
+  trapezoidal,
+  hermite_simpson
 };
 
 /// An explicit Runge-Kutta rule: stage i starts at Σ a_ij k_j, the step is Σ b_i k_i.
@@ -30,6 +34,8 @@ struct RungeKuttaRule {
 };
 /// The rule of explicit_euler, rk2, rk3 or rk4.
 const RungeKuttaRule& runge_kutta_rule(Integrator integrator);
+/// The rule that a CollocationSystem needs for it; of trapezoidal and hermite_simpson alone.
+std::optional<LobattoRule> lobatto_rule(Integrator integrator);
 
 /// Memory of an integrator for one knot of a system.
 template <class S>

@@ -30,10 +30,15 @@ KnotModel::KnotModel(std::shared_ptr<const System> system, Integrator integrator
     throw std::invalid_argument("an impulse needs the integrator of impulses, and only it");
   if (impulse && control_memory)
     throw std::invalid_argument("an impulse has no control to remember");
+  const auto* collocation = dynamic_cast<const CollocationSystem*>(system_.get());
+  if (integrator != Integrator::none &&
+      lobatto_rule(integrator) != (collocation ? std::optional(collocation->rule()) : std::nullopt))
+    throw std::invalid_argument(
+        "a collocation system needs the integrator of its rule, and only it");
   if (control_memory && held_memory > 0)
     throw std::invalid_argument("a memory is of the control or held, not both");
   held_ = held_memory > 0;
-  memory_ = held_ ? held_memory : control_memory ? system_->nu() : 0;
+  memory_ = held_ ? held_memory : control_memory ? system_->actuators() : 0;
   if (memory_ > 0) manifold_.append(StateManifold::Part::flat, memory_);
   lower_.assign(nu(), -std::numeric_limits<double>::infinity());
   upper_.assign(nu(), std::numeric_limits<double>::infinity());

@@ -31,10 +31,11 @@ std::optional<Integrator> choose_integrator(const ProblemSpec& spec, const Syste
                 "write 'integrator: discrete' or leave the key out");
   if (!discrete && integrator == Integrator::discrete)
     return fail("this system is continuous: it needs an integrator",
-                "accepted: semi_implicit_euler, explicit_euler, rk2, rk3, rk4");
+                "accepted: semi_implicit_euler, explicit_euler, rk2, rk3, rk4, trapezoidal, "
+                "hermite_simpson");
   if (integrator == Integrator::semi_implicit_euler && system.kind() != SystemKind::second_order)
     return fail("semi-implicit Euler needs positions and velocities, which this system has not",
-                "accepted: explicit_euler, rk2, rk3, rk4");
+                "accepted: explicit_euler, rk2, rk3, rk4, trapezoidal, hermite_simpson");
   return integrator;
 }
 
@@ -188,8 +189,8 @@ std::vector<double> previous_control(const ProblemSpec& spec, const Plant& plant
   const auto& given = spec.initial_state.previous_control;
   if (given && !memory)
     out.error(given->place, "'previous_control' serves costs on 'control_rate' only");
-  if (!given) return std::vector<double>(plant.system->nu(), 0.0);
-  return resolve(*given, control_names(*plant.system), 0.0, out).value_or(std::vector<double>{});
+  if (!given) return std::vector<double>(plant.actuated().nu(), 0.0);
+  return resolve(*given, control_names(plant.actuated()), 0.0, out).value_or(std::vector<double>{});
 }
 
 void name_columns(bool memory, const InitialChoice* remembered, BuiltProblem& built) {
@@ -199,7 +200,7 @@ void name_columns(bool memory, const InitialChoice* remembered, BuiltProblem& bu
     for (const Column& chosen : remembered->system->control_columns())
       built.state_columns.push_back({"start/" + chosen.name, chosen.unit});
   if (!memory) return;
-  for (const Column& control : built.control_columns)
+  for (const Column& control : built.plant.actuated().control_columns())
     built.state_columns.push_back({"previous/" + control.name, control.unit});
 }
 
@@ -251,7 +252,7 @@ std::optional<BuiltProblem> build_problem(const ProblemSpec& spec, const BuildOp
   const InitialChoice* choice = start_choice.choice ? &*start_choice.choice : nullptr;
   if (choice != nullptr) built.plant.start = ChosenStart{choice->state, choice->coordinates};
   const int held = choice != nullptr && choice->remembered ? choice->system->nu() : 0;
-  const int ndx = system.ndx() + (memory ? system.nu() : held);
+  const int ndx = system.ndx() + (memory ? system.actuators() : held);
   const int errors = out.error_count();
   check_memory(spec, ndx, system.nu(), out);
   check_impulses(spec, memory, out);
@@ -269,7 +270,8 @@ std::optional<BuiltProblem> build_problem(const ProblemSpec& spec, const BuildOp
   const std::vector<BuiltConstraint> dropped_at_end = take_dropped(options.drop, at_end);
   const PhaseBounds bounds = collect_bounds(spec, options, built, out);
   PhaseContext phase_context{spec,   *contacts, built.plant.system,   *integrator,
-                             memory, times,     built.plant.stepping, choice};
+                             memory, times,     built.plant.stepping, built.plant.collocation,
+                             choice};
   std::vector<Phase> phases = build_phases(phase_context, {costs, constraints}, bounds, out);
   if (out.has_errors()) return std::nullopt;
   Phase terminal =
@@ -281,6 +283,7 @@ std::optional<BuiltProblem> build_problem(const ProblemSpec& spec, const BuildOp
   start.resize(start.size() + held, 0.0);
   settle_initial_state(start, constraints, spec.solver.options.tolerances.constraint, phases, out);
   phase_context.stepping = nullptr;
+  phase_context.collocation = nullptr;
   keep_dropped(phase_context, start, dropped, dropped_at_end, built, out);
   if (out.has_errors()) return std::nullopt;
   built.problem =
@@ -323,8 +326,10 @@ const SolverInfo* usable_solver(const ProblemSpec& spec, const ShootingProblem& 
     for (const ConstraintSpec& constraint : *list)
       if (!of_control) names += " --drop " + constraint.function.name.value;
   out.error(spec.solver.name.place, *reason,
-            fmt::format("choose one of them with --solver, or leave the {} out with{}",
-                        of_control ? "bounds" : "constraints", names));
+            names.empty()
+                ? "choose one of them with --solver"
+                : fmt::format("choose one of them with --solver, or leave the {} out with{}",
+                              of_control ? "bounds" : "constraints", names));
   return nullptr;
 }
 

@@ -295,8 +295,8 @@ std::optional<CostResidual> make_cost_residual(const CostSpec& cost, const Probl
       result.rows = tangent_names(system);
       break;
     case ResidualKind::kControlRate:
-      result.residual = control_rate_residual(system);
-      result.rows = control_names(system);
+      result.residual = control_rate_residual(plant.actuated());
+      result.rows = control_names(plant.actuated());
       break;
     case ResidualKind::kJointPosition:
     case ResidualKind::kJointVelocity:

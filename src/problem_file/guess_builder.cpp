@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "ocp/stepping_residual.hpp"
+#include "problem_file/collocation_builder.hpp"
 #include "problem_file/normal_numbers.hpp"
 
 namespace conddp {
@@ -34,13 +35,16 @@ class GuessBuilder {
     if (chooses()) choose_start(guess);
     const int memory = problem_.nx() - plant_.system->nx();
     for (int k = 1; memory > 0 && k <= problem_.knots(); ++k)
-      guess.x(k).tail(memory) = guess.u(chooses() ? 0 : k - 1);
+      guess.x(k).tail(memory) = guess.u(chooses() ? 0 : k - 1).head(memory);
+    if (plant_.collocation) fill_slopes(guess);
     return guess;
   }
 
  private:
   const GuessSpec& guess() const { return spec_.guess; }
   bool chooses() const { return problem_.phases().front().instant; }
+  /// The system whose controls are guessed: slopes of collocation follow from them and the states.
+  const System& guessed() const { return plant_.collocation ? plant_.actuated() : *plant_.system; }
   bool has_controls(int k) const { return problem_.nu(k) > 0 && !(k == 0 && chooses()); }
 
   /// The displacement from the initial state to the guess of the next one, as far as it may go.
@@ -163,10 +167,11 @@ class GuessBuilder {
           return out_.error(guess().controls_place,
                             "this system has no gravity that controls could hold it against");
         used_.controls = "those that hold the guessed states against gravity";
-        for (int k = 0; k < problem_.knots(); ++k)
-          if (has_controls(k))
-            trajectory.u(k) =
-                quasi_static_control(problem_.knot(k).model->system(), trajectory.x(k).data());
+        for (int k = 0; k < problem_.knots(); ++k) {
+          if (!has_controls(k)) continue;
+          const System& system = plant_.collocation ? guessed() : problem_.knot(k).model->system();
+          trajectory.u(k).head(system.nu()) = quasi_static_control(system, trajectory.x(k).data());
+        }
         keep_bounds(trajectory);
         break;
       case Controls::kConstant: {
@@ -181,14 +186,14 @@ class GuessBuilder {
       }
       case Controls::kFile: {
         const DataFileSpec& file = *guess().controls_file;
-        const int columns = plant_.system->nu();
+        const int columns = guessed().nu();
         const auto series = from_file(file, false, StateManifold::flat(columns));
         if (!series) return;
         used_.controls = describe(file, series);
         for (int k = 0; k < problem_.knots(); ++k) {
           if (!has_controls(k)) continue;
           const std::vector<double>& u = series->hold(time(k));
-          trajectory.u(k) = Eigen::Map<const Eigen::VectorXd>(u.data(), u.size());
+          trajectory.u(k).head(columns) = Eigen::Map<const Eigen::VectorXd>(u.data(), columns);
         }
         break;
       }
@@ -234,6 +239,16 @@ class GuessBuilder {
       }
       for (const SteppingLayout::Stop& stop : w.stops) set(stop.distance);
       for (const FrictionIndices& f : w.frictions) set_friction(f);
+    }
+  }
+
+  void fill_slopes(Trajectory& trajectory) const {
+    for (int k = 0; k < problem_.knots(); ++k) {
+      if (!has_controls(k)) continue;
+      const KnotView& knot = problem_.knot(k);
+      const double* x = trajectory.x(k).data();
+      guess_slopes(*plant_.collocation, x, trajectory.x(k + 1).data(), knot.model->step(knot.dt, x),
+                   trajectory.u(k).data());
     }
   }
 
@@ -296,13 +311,14 @@ class GuessBuilder {
     const std::vector<std::string> found = states ? std::vector(table.columns.begin(), middle)
                                                   : std::vector(middle, table.columns.end());
     const std::vector<std::string> wanted =
-        (states ? state_names(*plant_.system) : control_names(*plant_.system)).names;
+        (states ? state_names(*plant_.system) : control_names(guessed())).names;
     const auto without = [](const std::vector<std::string>& names,
                             const std::vector<std::string>& others) {
       std::vector<std::string> rest;
       for (const std::string& name : names)
         if (std::find(others.begin(), others.end(), name) == others.end() &&
-            !name.starts_with("previous/") && !name.starts_with("start/"))
+            !name.starts_with("previous/") && !name.starts_with("start/") &&
+            !name.starts_with("slope_"))
           rest.push_back(name);
       return rest;
     };
@@ -360,8 +376,8 @@ class GuessBuilder {
 
   std::vector<std::string> file_columns(const DataFileSpec& file, bool states) {
     if (file.columns.empty())
-      return states ? state_names(*plant_.system).names : control_names(*plant_.system).names;
-    const std::size_t count = states ? plant_.system->nx() : plant_.system->nu();
+      return (states ? state_names(*plant_.system) : control_names(guessed())).names;
+    const std::size_t count = states ? plant_.system->nx() : guessed().nu();
     std::vector<std::string> columns;
     for (const Name& name : file.columns) columns.push_back(name.value);
     if (columns.size() != count)

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "problem_file/collocation_builder.hpp"
 #include "problem_file/phase_grid.hpp"
 #include "problem_file/stepping_builder.hpp"
 #include "robot/near_names.hpp"
@@ -273,6 +274,7 @@ std::vector<Phase> build_phases(const PhaseContext& context, const KnotContents&
       if (context.stepping) add_stepping_terms(context.stepping, *fresh);
       if (!impulse) fresh->set_control_bounds(bounds.lower[p], bounds.upper[p]);
       if (duration) fresh->set_free_duration(*duration);
+      if (context.collocation) add_collocation_terms(context.collocation, *fresh);
       model = std::move(fresh);
     }
     Phase phase{.name = given.name.value, .model = model};
@@ -290,6 +292,7 @@ std::vector<Phase> build_phases(const PhaseContext& context, const KnotContents&
                          switches[kept[i]][first + k] != 0, parameters);
       if (context.stepping)
         write_stepping_parameters(*model, phase.dt[k], spec.stepping->regularization, parameters);
+      if (context.collocation) write_collocation_parameters(*model, phase.dt[k], parameters);
     }
     phases.push_back(std::move(phase));
     first += n;

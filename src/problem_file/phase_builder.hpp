@@ -36,6 +36,8 @@ struct PhaseContext {
   const std::vector<double>& times;  ///< of all nodes, s
   /// Where steps find their own contacts: adds what they have to obey.
   std::shared_ptr<const SteppingSystem> stepping;
+  /// Where the integrator collocates: adds what the slopes of its stages have to obey.
+  std::shared_ptr<const CollocationSystem> collocation;
   const InitialChoice* start = nullptr;  ///< how the initial state is chosen, null: it is given
 
   std::optional<FreeDuration> free_duration(std::size_t phase) const {

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "problem_file/collocation_builder.hpp"
 #include "problem_file/plant_robot.hpp"
 #include "problem_file/stepping_builder.hpp"
 #include "robot/combine.hpp"
@@ -89,7 +90,7 @@ std::optional<Plant> build_plant(const ProblemSpec& spec, Diagnostics& out) {
   Plant plant;
   if (spec.system) {
     plant.system = make_system(spec, out);
-    if (!plant.system) return std::nullopt;
+    if (!plant.system || !collocate(spec, plant, out)) return std::nullopt;
     return plant;
   }
   std::vector<RobotModel> trees;
@@ -117,7 +118,10 @@ std::optional<Plant> build_plant(const ProblemSpec& spec, Diagnostics& out) {
   }
   plant.system = plant.multibody;
   if (!check_mimic_limits(plant, out)) return std::nullopt;
-  if (!spec.stepping) return plant;
+  if (!spec.stepping) {
+    if (!collocate(spec, plant, out)) return std::nullopt;
+    return plant;
+  }
   plant.stepping = build_stepping(spec, plant, out);
   if (!plant.stepping) return std::nullopt;
   plant.system = plant.stepping;

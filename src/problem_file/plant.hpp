@@ -7,6 +7,7 @@
 
 #include "ocp/residuals.hpp"
 #include "problem_file/spec.hpp"
+#include "systems/collocation_system.hpp"
 #include "systems/stepping_system.hpp"
 
 namespace conddp {
@@ -26,12 +27,17 @@ struct Plant {
   std::shared_ptr<const MultibodySystem> multibody;  ///< the same system, null if closed-form
   /// The same system, where steps find their own contacts; `multibody` is the robot in it.
   std::shared_ptr<const SteppingSystem> stepping;
+  /// The same system, where the integrator collocates; around `multibody` if that is there.
+  std::shared_ptr<const CollocationSystem> collocation;
   std::vector<PlantPart> parts;      ///< empty if closed-form
   std::optional<ChosenStart> start;  ///< where the first state is chosen
 
   const RobotModel& robot() const { return multibody->robot(); }
   /// The system whose controls are the actuators alone.
-  const System& actuated() const { return stepping ? *multibody : *system; }
+  const System& actuated() const {
+    if (collocation) return *collocation->inside();
+    return stepping ? *multibody : *system;
+  }
 };
 
 /// Loads the robots or makes the closed-form system. Notes of the URDF files (what is ignored) are

@@ -19,6 +19,11 @@ inline constexpr Choice<Integrator> kIntegratorWords[] = {
     {"rk3", Integrator::rk3, "Kutta's rule, third order"},
     {"rk4", Integrator::rk4,
      "the classical Runge-Kutta rule, fourth order; the default of first-order systems"},
+    {"trapezoidal", Integrator::trapezoidal,
+     "collocation by the trapezoidal rule: implicit, second order; needs a solver that keeps "
+     "equality constraints"},
+    {"hermite_simpson", Integrator::hermite_simpson,
+     "collocation by Hermite and Simpson's rule (Lobatto IIIA): implicit, fourth order; the same"},
     {"discrete", Integrator::discrete,
      "none: of systems that give the next state themselves (linear, car)"}};
 

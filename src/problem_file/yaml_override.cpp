@@ -12,7 +12,7 @@
 namespace conddp {
 namespace {
 
-constexpr int kMaxDepth = 64;
+constexpr int kMaxLevels = 64;
 
 /// The child that a step of the path leads to; nothing with an error where there is none.
 YamlNode* descend(YamlNode& node, const std::string& step, const Place& place, Diagnostics& out) {
@@ -53,9 +53,9 @@ void apply_override(YamlNode& root, const std::string& setting, Diagnostics& out
               "write --set key.path=value, for example --set solver.max_iterations=50");
     return;
   }
-  if (std::count(setting.begin(), setting.begin() + static_cast<long>(equals), '.') >= kMaxDepth)
+  if (std::count(setting.begin(), setting.begin() + static_cast<long>(equals), '.') >= kMaxLevels)
     return out.error({{source, 1, 1}, {}},
-                     fmt::format("the key path is deeper than {} levels", kMaxDepth));
+                     fmt::format("the key path is deeper than {} levels", kMaxLevels));
   YamlNode* node = &root;
   for (std::size_t start = 0; start < equals;) {
     const std::size_t end = std::min(setting.find('.', start), equals);

@@ -28,6 +28,8 @@ struct SystemData {
   AlignedVector<S> f;   ///< acceleration, tangent velocity, next state or next velocity
   AlignedVector<S> fx;  ///< rows x ndx, with respect to a tangent vector at x
   AlignedVector<S> fu;  ///< rows x nu
+  /// Memory of the later stages of an implicit step (CollocationSystem); null of other systems.
+  std::unique_ptr<SystemData<S>> later;
 };
 
 /// A named column of a state or control, with its unit.
@@ -47,6 +49,8 @@ class System {
   int nx() const { return manifold_.nx(); }
   int ndx() const { return manifold_.ndx(); }
   int nu() const { return nu_; }
+  /// How many of the controls drive the system, the first ones; others are unknowns of a step.
+  virtual int actuators() const { return nu_; }
   /// Numbers in q and in v of a second-order system's state (q, v).
   int nq() const { return nx() - nv(); }
   int nv() const { return ndx() / 2; }

@@ -304,7 +304,7 @@ TEST(BadFile, AcceptedWordsAreData) {
   const Loaded loaded(replaced(kPendulum, "rk4", "euler"));
   ASSERT_TRUE(loaded.error());
   EXPECT_EQ(loaded.error()->path, "integrator");
-  EXPECT_EQ(loaded.error()->accepted.size(), 6u);
+  EXPECT_EQ(loaded.error()->accepted.size(), 8u);
 }
 
 TEST(BadFile, NothingIsDroppedTwice) {

@@ -1,0 +1,134 @@
+#include "systems/collocation_system.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace conddp {
+namespace {
+
+/// The rows of the later stages of a rule: h Σ_j velocity[j] k_j, and of the positions of
+/// second-order systems h · time · v + h² Σ_j position[j] k_j (A and A² of the rule).
+struct StageRow {
+  double time;
+  double velocity[3];
+  double position[3];
+};
+struct Rule {
+  int later;
+  StageRow rows[2];
+  const char* names[2];
+};
+
+const Rule& table(LobattoRule rule) {
+  static const Rule trapezoidal{1, {{1, {1.0 / 2, 1.0 / 2}, {1.0 / 4, 1.0 / 4}}}, {"end"}};
+  static const Rule hermite_simpson{
+      2,
+      {{0.5, {5.0 / 24, 1.0 / 3, -1.0 / 24}, {1.0 / 16, 1.0 / 12, -1.0 / 48}},
+       {1, {1.0 / 6, 2.0 / 3, 1.0 / 6}, {1.0 / 6, 1.0 / 3, 0}}},
+      {"middle", "end"}};
+  return rule == LobattoRule::trapezoidal ? trapezoidal : hermite_simpson;
+}
+
+/// The unit of a quantity's change in time.
+std::string rate_unit(const std::string& unit) {
+  if (unit == "1") return "1/s";
+  return unit.ends_with("/s") ? unit + "²" : unit + "/s";
+}
+
+}  // namespace
+
+CollocationSystem::CollocationSystem(std::shared_ptr<const System> inside, LobattoRule rule)
+    : System(inside->kind(), inside->manifold(), 0), inside_(std::move(inside)), rule_(rule) {
+  if (!manifold_.curved().empty())
+    throw std::invalid_argument("collocation needs a flat state space");
+  if (kind_ != SystemKind::second_order && kind_ != SystemKind::first_order)
+    throw std::invalid_argument("collocation needs a system that gives slopes");
+  state_columns_ = inside_->state_columns();
+  control_columns_ = inside_->control_columns();
+  control_lower_ = inside_->control_lower();
+  control_upper_ = inside_->control_upper();
+  for (int i = 0; i < later_stages(); ++i)
+    for (int row = 0; row < rows(); ++row) {
+      const Column& state = state_columns_[ndx() - rows() + row];
+      control_columns_.push_back({std::string("slope_") + table(rule_).names[i] + "/" + state.name,
+                                  rate_unit(state.unit)});
+    }
+  nu_ = static_cast<int>(control_columns_.size());
+  control_lower_.resize(nu_, -std::numeric_limits<double>::infinity());
+  control_upper_.resize(nu_, std::numeric_limits<double>::infinity());
+}
+
+int CollocationSystem::later_stages() const { return table(rule_).later; }
+
+template <class S>
+CollocationSystem::Later<S>::Later(const CollocationSystem& system,
+                                   std::unique_ptr<SystemData<S>> inside_data)
+    : inside(std::move(inside_data)),
+      x(system.nx(), S(0.0)),
+      X(system.ndx() * (system.ndx() + system.nu() + 1), S(0.0)) {}
+
+template <class S>
+void CollocationSystem::stage(int i, const S* x, const S* w, const S& h, const SystemData<S>& data,
+                              S* out) const {
+  const StageRow& row = table(rule_).rows[i - 1];
+  const int n = rows(), top = ndx() - n;
+  for (int r = 0; r < n; ++r) {
+    S velocity = S(row.velocity[0]) * data.f[r], position = S(row.position[0]) * data.f[r];
+    for (int j = 1; j <= later_stages(); ++j) {
+      velocity += S(row.velocity[j]) * w[slopes(j) + r];
+      position += S(row.position[j]) * w[slopes(j) + r];
+    }
+    if (top > 0) out[r] = x[r] + h * (S(row.time) * x[top + r] + h * position);
+    out[top + r] = x[top + r] + h * velocity;
+  }
+}
+
+template <class S>
+void CollocationSystem::differentiate_stage(int i, const S* x, const S* w, const S& h,
+                                            const SystemData<S>& data, bool by_step, S* X) const {
+  const StageRow& row = table(rule_).rows[i - 1];
+  const int n = rows(), top = ndx() - n, nz = ndx() + nu();
+  std::fill_n(X, ndx() * (nz + (by_step ? 1 : 0)), S(0.0));
+  // What a slope at stage j does: into the column of what the slope depends on.
+  const auto add = [&](int j, int r, const S& slope, S* column) {
+    column[top + r] += h * S(row.velocity[j]) * slope;
+    if (top > 0) column[r] += h * h * S(row.position[j]) * slope;
+  };
+  for (int c = 0; c < ndx(); ++c) {
+    S* column = X + c * ndx();
+    column[c] = S(1.0);
+    if (top > 0 && c >= top) column[c - top] = h * S(row.time);
+    for (int r = 0; r < n; ++r) add(0, r, data.fx[c * n + r], column);
+  }
+  for (int c = 0; c < actuators(); ++c)
+    for (int r = 0; r < n; ++r) add(0, r, data.fu[c * n + r], X + (ndx() + c) * ndx());
+  for (int j = 1; j <= later_stages(); ++j)
+    for (int r = 0; r < n; ++r) add(j, r, S(1.0), X + (ndx() + slopes(j) + r) * ndx());
+  if (!by_step) return;
+  S* column = X + nz * ndx();
+  for (int r = 0; r < n; ++r) {
+    if (top > 0) column[r] = S(row.time) * x[top + r];
+    for (int j = 0; j <= later_stages(); ++j) {
+      const S& slope = j == 0 ? data.f[r] : w[slopes(j) + r];
+      column[top + r] += S(row.velocity[j]) * slope;
+      if (top > 0) column[r] += S(2 * row.position[j]) * h * slope;
+    }
+  }
+}
+
+#define CONDDP_INSTANTIATE(S)                                                                     \
+  std::unique_ptr<SystemData<S>> CollocationSystem::create_data(S) const {                        \
+    auto data = inside_->create_data(S{});                                                        \
+    data->fu.assign(rows() * nu(), S(0.0)); /* the columns of slopes stay zero */                 \
+    data->later = std::make_unique<Later<S>>(*this, inside_->create_data(S{}));                   \
+    return data;                                                                                  \
+  }                                                                                               \
+  template struct CollocationSystem::Later<S>;                                                    \
+  template void CollocationSystem::stage(int, const S*, const S*, const S&, const SystemData<S>&, \
+                                         S*) const;                                               \
+  template void CollocationSystem::differentiate_stage(int, const S*, const S*, const S&,         \
+                                                       const SystemData<S>&, bool, S*) const;
+CONDDP_FOR_EACH_SCALAR(CONDDP_INSTANTIATE)
+#undef CONDDP_INSTANTIATE
+
+}  // namespace conddp

@@ -1,0 +1,204 @@
+// Steps of collocation: their order, their derivatives, and what they are good for.
+#include <cmath>
+
+#include <Eigen/Dense>
+#include <gtest/gtest.h>
+
+#include "ocp/collocation_residual.hpp"
+#include "support/random_robot.hpp"
+#include "systems/catalogue.hpp"
+#include "systems/multibody.hpp"
+
+namespace conddp {
+namespace {
+
+Integrator integrator_of(LobattoRule rule) {
+  return rule == LobattoRule::trapezoidal ? Integrator::trapezoidal : Integrator::hermite_simpson;
+}
+
+/// Goes through steps of one length, with controls that are held.
+class March {
+ public:
+  /// By an explicit rule.
+  March(const std::shared_ptr<const System>& system, Integrator rule)
+      : model_(system, rule), work_(model_), w_(model_.nu(), 0.0) {}
+  March(const std::shared_ptr<const CollocationSystem>& system)
+      : model_(with_constraint(system)), work_(model_), w_(model_.nu(), 0.0) {}
+
+  const KnotModel& model() const { return model_; }
+  const KnotWorkspace<double>& work() const { return work_; }
+
+  void differentiate(const std::vector<double>& x, const std::vector<double>& w, double h) {
+    std::vector<double> parameters(model_.parameter_count(), 0.0);
+    for (const ConstraintTerm& term : model_.constraints()) {
+      parameters[term.parameters] = h;
+      parameters[term.active()] = 1;
+    }
+    model_.differentiate(KnotInput<double>{x.data(), w.data(), parameters.data(), h, 1.0}, work_,
+                         false);
+  }
+
+  /// ∂g/∂z of the last call.
+  Eigen::MatrixXd constraint_jacobian() const {
+    Eigen::MatrixXd C = Eigen::MatrixXd::Zero(model_.constraint_rows(), model_.nz());
+    const auto& pattern = model_.constraint_pattern();
+    for (std::size_t i = 0; i < pattern.size(); ++i)
+      C(pattern[i].first, pattern[i].second) = work_.constraint_jacobian[i];
+    return C;
+  }
+
+  /// The state after `steps` of h. The slopes of each step are found by Newton's method.
+  std::vector<double> go(std::vector<double> x, const std::vector<double>& u, double h, int steps) {
+    std::copy(u.begin(), u.end(), w_.begin());
+    const int m = static_cast<int>(u.size()), unknown = model_.nu() - m;
+    for (int k = 0; k < steps; ++k) {
+      differentiate(x, w_, h);
+      for (int i = 0; unknown > 0 && i < 20; ++i) {
+        const Eigen::Map<const Eigen::VectorXd> g(work_.constraint.data(), unknown);
+        const Eigen::VectorXd change =
+            constraint_jacobian().rightCols(unknown).partialPivLu().solve(g);
+        for (int j = 0; j < unknown; ++j) w_[m + j] -= change[j];
+        differentiate(x, w_, h);
+        if (change.lpNorm<Eigen::Infinity>() < 1e-13) break;
+      }
+      x.assign(work_.next().begin(), work_.next().end());
+    }
+    return x;
+  }
+
+ private:
+  static KnotModel with_constraint(const std::shared_ptr<const CollocationSystem>& system) {
+    KnotModel model(system, integrator_of(system->rule()));
+    model.add_constraint(make_constraint("collocation", collocation_residual(system, model.ndx()),
+                                         ConstraintKind::bounds));
+    return model;
+  }
+
+  KnotModel model_;
+  KnotWorkspace<double> work_;
+  std::vector<double> w_;
+};
+
+struct Course {
+  std::string name;
+  std::shared_ptr<const System> system;
+  std::vector<double> x, u;
+};
+
+std::vector<Course> motions() {
+  const auto robot = std::make_shared<RobotModel>(random_robot(7, {.joints = 3}));
+  const auto arm =
+      std::make_shared<MultibodySystem>(robot, Actuation::joints(*robot, {robot->joints[1].name}));
+  return {{"pendulum", pendulum({}), {0.5, -1}, {0.8}},
+          {"cartpole", cartpole({}), {0.1, 2, 0.3, -1}, {2}},
+          {"unicycle", unicycle(), {0, 0, 0.2}, {1, 1.5}},
+          {"robot", arm, {0.3, -0.4, 0.5, 0.2, -0.1, 0.4}, {1}}};
+}
+
+class CollocationOfARule : public ::testing::TestWithParam<LobattoRule> {};
+
+TEST_P(CollocationOfARule, HasItsOrder) {
+  const double order = GetParam() == LobattoRule::trapezoidal ? 2 : 4;
+  for (const Course& motion : motions()) {
+    SCOPED_TRACE(motion.name);
+    constexpr double kTime = 1;
+    constexpr int kFine = 4000;
+    const std::vector<double> exact =
+        March(motion.system, Integrator::rk4).go(motion.x, motion.u, kTime / kFine, kFine);
+    March march(std::make_shared<CollocationSystem>(motion.system, GetParam()));
+    double error[2];
+    for (const int half : {0, 1}) {
+      const int steps = half == 0 ? 40 : 80;
+      const std::vector<double> end = march.go(motion.x, motion.u, kTime / steps, steps);
+      error[half] = 0;
+      for (std::size_t i = 0; i < end.size(); ++i)
+        error[half] = std::max(error[half], std::abs(end[i] - exact[i]));
+    }
+    EXPECT_NEAR(std::log2(error[0] / error[1]), order, 0.2) << error[0] << ", " << error[1];
+    EXPECT_GT(error[1], 1e-12);
+  }
+}
+
+TEST_P(CollocationOfARule, HasTheDerivativesOfDifferences) {
+  constexpr double kStep = 0.07, kDifference = 1e-6;
+  for (const Course& motion : motions()) {
+    SCOPED_TRACE(motion.name);
+    March march(std::make_shared<CollocationSystem>(motion.system, GetParam()));
+    const KnotModel& model = march.model();
+    std::vector<double> w = motion.u;
+    RandomNumbers random(3);
+    while (static_cast<int>(w.size()) < model.nu()) w.push_back(random.uniform(-2, 2));
+    march.differentiate(motion.x, w, kStep);
+    const Eigen::MatrixXd C = march.constraint_jacobian();
+    const Eigen::MatrixXd F =
+        Eigen::Map<const Eigen::MatrixXd>(march.work().F().data(), model.ndx(), model.nz());
+    for (int c = 0; c < model.nz(); ++c) {
+      Eigen::VectorXd next[2], value[2];
+      for (const int side : {0, 1}) {
+        std::vector<double> x = motion.x, v = w;
+        (c < model.ndx() ? x[c] : v[c - model.ndx()]) += side == 0 ? -kDifference : kDifference;
+        march.differentiate(x, v, kStep);
+        next[side] = Eigen::Map<const Eigen::VectorXd>(march.work().next().data(), model.nx());
+        value[side] = Eigen::Map<const Eigen::VectorXd>(march.work().constraint.data(), C.rows());
+      }
+      const auto off = [&](const Eigen::VectorXd* both, const Eigen::MatrixXd& by) {
+        return ((both[1] - both[0]) / (2 * kDifference) - by.col(c)).lpNorm<Eigen::Infinity>();
+      };
+      EXPECT_LE(off(next, F), 1e-8) << c;
+      EXPECT_LE(off(value, C), 1e-6) << c;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Rules, CollocationOfARule,
+                         ::testing::Values(LobattoRule::trapezoidal, LobattoRule::hermite_simpson),
+                         [](const auto& rule) {
+                           return rule.param == LobattoRule::trapezoidal ? "Trapezoidal"
+                                                                         : "HermiteSimpson";
+                         });
+
+/// A pendulum in honey: its speed follows the torque within a thousandth of a second.
+TEST(Collocation, CarriesAStiffSystemAtStepsOfWhichRungeKuttaDiverges) {
+  const auto stiff = pendulum({.inertia = 1, .damping = 1000});
+  constexpr double kStep = 0.02;
+  constexpr int kSteps = 50;
+  const std::vector<double> x{1, 0}, u{0};
+  const std::vector<double> lost = March(stiff, Integrator::rk4).go(x, u, kStep, kSteps);
+  EXPECT_FALSE(std::abs(lost[0]) < 1e3) << lost[0];
+  const std::vector<double> exact = March(stiff, Integrator::rk4).go(x, u, 5e-4, 2000);
+  for (const LobattoRule rule : {LobattoRule::trapezoidal, LobattoRule::hermite_simpson}) {
+    const std::vector<double> end =
+        March(std::make_shared<CollocationSystem>(stiff, rule)).go(x, u, kStep, kSteps);
+    EXPECT_NEAR(end[0], exact[0], 1e-3);
+  }
+}
+
+TEST(Collocation, NeedsAFlatStateSpaceAndASlope) {
+  EXPECT_THROW(CollocationSystem(quadrotor({}), LobattoRule::trapezoidal), std::invalid_argument);
+  EXPECT_THROW(CollocationSystem(car(2, 0.03), LobattoRule::hermite_simpson),
+               std::invalid_argument);
+}
+
+TEST(Collocation, GoesWithTheIntegratorOfItsRuleAlone) {
+  const auto system = std::make_shared<CollocationSystem>(pendulum({}), LobattoRule::trapezoidal);
+  EXPECT_NO_THROW(KnotModel(system, Integrator::trapezoidal));
+  EXPECT_NO_THROW(KnotModel(system, Integrator::none));
+  for (const Integrator other :
+       {Integrator::hermite_simpson, Integrator::rk4, Integrator::semi_implicit_euler})
+    EXPECT_THROW(KnotModel(system, other), std::invalid_argument);
+  EXPECT_THROW(KnotModel(pendulum({}), Integrator::trapezoidal), std::invalid_argument);
+}
+
+TEST(Collocation, NamesItsSlopesAndTheirUnits) {
+  const auto system =
+      std::make_shared<CollocationSystem>(cartpole({}), LobattoRule::hermite_simpson);
+  std::string names;
+  for (const Column& column : system->control_columns())
+    names += column.name + " " + column.unit + ", ";
+  EXPECT_EQ(names,
+            "force N, slope_middle/vx m/s², slope_middle/omega rad/s², slope_end/vx m/s², "
+            "slope_end/omega rad/s², ");
+}
+
+}  // namespace
+}  // namespace conddp

@@ -1,0 +1,182 @@
+// Collocation as the integrator of a problem file.
+#include <cmath>
+
+#include "analysis/certificate.hpp"
+#include "analysis/derivative_check.hpp"
+#include "analysis/replay.hpp"
+#include "nlp/transcription.hpp"
+#include "ocp/acts.hpp"
+#include "problem_file/collocation_builder.hpp"
+#include "problem_text.hpp"
+#include "solvers/registry.hpp"
+#include "support/nlp_derivatives.hpp"
+
+namespace conddp {
+namespace {
+
+/// A pendulum swings up to rest in a given time with the least effort, which is exact for controls
+/// that are held: what is left is the error of the dynamics.
+std::string swing_up(const std::string& integrator, int knots, const std::string& solver) {
+  return "conddp: 1\nsystem: {type: pendulum}\ninitial_state: {values: {theta: 0}}\nintegrator: " +
+         integrator + "\nphases:\n  - {name: swing, knots: " + std::to_string(knots) +
+         ", duration: 2}\n"
+         "costs: {effort: {residual: control}}\n"
+         "constraints: {torque: {bounds: control, lower: -4, upper: 4}}\n"
+         "terminal: {constraints: {up: {residual: state, reference: {values: {theta: 3.14159}}}}}\n"
+         "initial_guess: {states: {keyframes: [{time: 2, state: {values: {theta: 3.14159}}}]}}\n"
+         "solver: {name: " +
+         solver +
+         ", max_iterations: 1000, tolerances: {stationarity: 1.0e-9, constraint: 1.0e-9, gap: "
+         "1.0e-9}}\n";
+}
+
+SolveResult solve(const Loaded& loaded) {
+  return conddp::solve(*loaded.built->problem, *find_solver(loaded.spec->solver.name.value),
+                       loaded.spec->solver.options, loaded.built->guess);
+}
+
+class CollocationProblem : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(CollocationProblem, HasTheSameOptimumWithAllItsSolvers) {
+  std::vector<SolveResult> results;
+  for (const char* solver : {"ipopt", "altro", "proxddp"}) {
+    const Loaded loaded(swing_up(GetParam(), 20, solver));
+    ASSERT_TRUE(loaded.built) << loaded.all();
+    results.push_back(solve(loaded));
+    EXPECT_EQ(results.back().status, SolveStatus::converged) << solver;
+    EXPECT_NEAR(results.back().cost, results.front().cost, 1e-6 * results.front().cost) << solver;
+  }
+}
+
+TEST_P(CollocationProblem, HasDerivativesThatAgreeWithDifferences) {
+  std::mt19937_64 engine(2);
+  for (const std::string& text :
+       {swing_up(GetParam(), 4, "ipopt"),
+        replaced(
+            replaced(kCartpole, "phases:", std::string("integrator: ") + GetParam() + "\nphases:"),
+            "dt: 0.1}]", "dt: 0.1}]\nsolver: {name: ipopt}\n")}) {
+    const Loaded loaded(text);
+    ASSERT_TRUE(loaded.built) << loaded.all();
+    const ShootingProblem& problem = *loaded.built->problem;
+    for (const DerivativeComparison& c : check_derivatives(problem, loaded.built->guess))
+      EXPECT_LE(c.error, 1e-9) << static_cast<int>(c.kind) << " " << c.term;
+    Acts acts(problem);
+    Transcription program(problem, acts, {});
+    const Eigen::VectorXd y = program.point_of(loaded.built->guess);
+    testing::check_derivatives(program, y + 0.3 * testing::random_vector(y.size(), engine), engine,
+                               1e-6);
+  }
+}
+
+/// A duration that is chosen: h is a number of the state.
+TEST_P(CollocationProblem, MayLastAsLongAsItLikes) {
+  const Loaded loaded(std::string(R"(conddp: 1
+system: {type: double_integrator, dimension: 1}
+initial_state: {state: [0, 0]}
+integrator: )") + GetParam() +
+                      R"(
+phases:
+  - {name: start, choose: none}
+  - {name: push, knots: 10, duration: 1, free_duration: {lower: 0.1, upper: 10}}
+  - {name: brake, knots: 10, duration: 1, free_duration: {lower: 0.1, upper: 10}}
+costs:
+  time: {residual: combination, rows: {constant: 1}, weight: 2}
+constraints:
+  force: {bounds: control, lower: -1, upper: 2}
+terminal:
+  constraints:
+    there: {residual: state, reference: [1, 0]}
+solver: {name: ipopt}
+)");
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const ShootingProblem& problem = *loaded.built->problem;
+  for (const DerivativeComparison& c : check_derivatives(problem, loaded.built->guess))
+    EXPECT_LE(c.error, 1e-9) << static_cast<int>(c.kind) << " " << c.term;
+  const SolveResult result = solve(loaded);
+  EXPECT_EQ(result.status, SolveStatus::converged);
+  // Full thrust for 1/√3 s, full brakes for twice as long.
+  EXPECT_NEAR(problem.times(result.trajectory).back(), std::sqrt(3.0), 1e-6);
+}
+
+TEST_P(CollocationProblem, IsGuessedWithSlopesThatItsSolutionHas) {
+  const Loaded loaded(swing_up(GetParam(), 20, "ipopt"));
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const CollocationSystem& system = *loaded.built->plant.collocation;
+  const SolveResult result = solve(loaded);
+  for (int k = 0; k < result.trajectory.knots(); ++k) {
+    Eigen::VectorXd w = result.trajectory.u(k);
+    w.tail(w.size() - 1).setConstant(7);
+    guess_slopes(system, result.trajectory.x(k).data(), result.trajectory.x(k + 1).data(), 0.1,
+                 w.data());
+    EXPECT_LE((w - result.trajectory.u(k)).lpNorm<Eigen::Infinity>(), 1e-7) << k;
+  }
+}
+
+TEST_P(CollocationProblem, HasCostsOnActuatorsAlone) {
+  const Loaded loaded(replaced(swing_up(GetParam(), 40, "ipopt"), "effort: {residual: control}",
+                               "effort: {residual: control}, rate: {residual: control_rate}"));
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const ShootingProblem& problem = *loaded.built->problem;
+  EXPECT_EQ(problem.nx(), 3);  // of which the last one is the previous torque
+  EXPECT_EQ(loaded.built->state_columns.back().name, "previous/torque");
+  for (const CostTerm& cost : problem.knot(0).model->costs())
+    EXPECT_EQ(cost.residual->size(), 1) << cost.name;
+  for (const DerivativeComparison& c : check_derivatives(problem, loaded.built->guess))
+    EXPECT_LE(c.error, 1e-9) << static_cast<int>(c.kind) << " " << c.term;
+  const SolveResult result = solve(loaded);
+  EXPECT_EQ(result.status, SolveStatus::converged);
+  EXPECT_NEAR(result.trajectory.x(3)[2], result.trajectory.u(2)[0], 1e-9);
+  // Feedback on the previous torque as well.
+  EXPECT_LE(replay(problem, result.trajectory, result.feedback.K).feedback.deviation, 0.1);
+}
+
+TEST_P(CollocationProblem, IsRefusedByNameWhereEqualitiesAreNotKept) {
+  Loaded loaded(replaced(swing_up(GetParam(), 5, "box_ddp"), "terminal:", "# terminal:"));
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  EXPECT_EQ(usable_solver(*loaded.spec, *loaded.built->problem, loaded.diagnostics), nullptr);
+  const std::string message = loaded.first_error();
+  EXPECT_NE(message.find("'collocation'"), std::string::npos) << message;
+  EXPECT_NE(message.find("altro, proxddp"), std::string::npos) << message;
+}
+
+INSTANTIATE_TEST_SUITE_P(Rules, CollocationProblem,
+                         ::testing::Values("trapezoidal", "hermite_simpson"),
+                         [](const auto& rule) { return std::string(rule.param); });
+
+/// Both rules are of order 4, so the optima on one grid of controls come together with order 4.
+TEST(CollocationOptimum, ApproachesThatOfRungeKuttaWithOrderFour) {
+  double off[2];
+  for (const int half : {0, 1}) {
+    const int knots = half == 0 ? 20 : 40;
+    double cost[2];
+    for (const int rule : {0, 1}) {
+      const Loaded loaded(swing_up(rule == 0 ? "rk4" : "hermite_simpson", knots, "ipopt"));
+      ASSERT_TRUE(loaded.built) << loaded.all();
+      const SolveResult result = solve(loaded);
+      ASSERT_EQ(result.status, SolveStatus::converged);
+      cost[rule] = result.cost;
+    }
+    off[half] = std::abs(cost[1] - cost[0]);
+  }
+  EXPECT_GT(std::log2(off[0] / off[1]), 3) << off[0] << ", " << off[1];
+}
+
+/// What the plan promises is what its controls do: the error between them has the rule's order.
+TEST(CollocationOptimum, IsReplayedWithAnErrorOfItsOrder) {
+  for (const auto& [integrator, order] :
+       {std::pair{"trapezoidal", 2.0}, std::pair{"hermite_simpson", 4.0}}) {
+    double off[2];
+    for (const int half : {0, 1}) {
+      const Loaded loaded(swing_up(integrator, half == 0 ? 40 : 80, "ipopt"));
+      ASSERT_TRUE(loaded.built) << loaded.all();
+      const SolveResult result = solve(loaded);
+      const Replay played = replay(*loaded.built->problem, result.trajectory, result.feedback.K);
+      ASSERT_EQ(played.impossible, "");
+      off[half] = played.controls.deviation;
+    }
+    EXPECT_NEAR(std::log2(off[0] / off[1]), order, 0.4) << integrator << " " << off[1];
+  }
+}
+
+}  // namespace
+}  // namespace conddp
