@@ -66,26 +66,30 @@ void write_collocation_parameters(const KnotModel& model, double dt, double* par
   parameters[term.active()] = 1;
 }
 
-void guess_slopes(const CollocationSystem& system, const double* x, const double* next, double h,
-                  double* w) {
+void guess_slopes(const CollocationSystem& system, const ShootingProblem& problem,
+                  Trajectory& trajectory) {
   const System& inside = *system.inside();
   const auto data = inside.create_data(double{});
   const int n = system.ndx(), rows = system.rows(), top = n - rows;
-  const auto slope = [&](const double* at, std::vector<double>& k) {
-    inside.evaluate(at, w, *data);
-    for (int i = 0; i < top; ++i) k[i] = at[top + i];
-    std::copy_n(data->f.data(), rows, k.begin() + top);
+  // ẋ, of which the last rows are the slopes.
+  const auto rate = [&](const Eigen::VectorXd& x, const double* w) {
+    inside.evaluate(x.data(), w, *data);
+    Eigen::VectorXd k(n);
+    k << x.segment(top, top), Eigen::Map<const Eigen::VectorXd>(data->f.data(), rows);
+    return k;
   };
-  std::vector<double> begin(n), end(n);
-  slope(x, begin);
-  slope(next, end);
-  const int last = system.later_stages();
-  std::copy_n(end.data() + top, rows, w + system.slopes(last));
-  if (last == 1) return;
-  std::vector<double> middle(n), k(n);
-  for (int i = 0; i < n; ++i) middle[i] = 0.5 * (x[i] + next[i]) + h / 8 * (begin[i] - end[i]);
-  slope(middle.data(), k);
-  std::copy_n(k.data() + top, rows, w + system.slopes(1));
+  for (int k = 0; k < problem.knots(); ++k) {
+    const KnotView& knot = problem.knot(k);
+    if (problem.phases()[knot.phase].instant) continue;
+    auto w = trajectory.u(k);
+    const double h = knot.model->step(knot.dt, trajectory.x(k).data());
+    const Eigen::VectorXd x = trajectory.x(k).head(n), next = trajectory.x(k + 1).head(n);
+    const Eigen::VectorXd begin = rate(x, w.data()), end = rate(next, w.data());
+    w.segment(system.slopes(system.later_stages()), rows) = end.tail(rows);
+    if (system.later_stages() == 1) continue;
+    const Eigen::VectorXd middle = 0.5 * (x + next) + h / 8 * (begin - end);
+    w.segment(system.slopes(1), rows) = rate(middle, w.data()).tail(rows);
+  }
 }
 
 }  // namespace conddp

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "ocp/knot_model.hpp"
+#include "ocp/problem.hpp"
 #include "problem_file/plant.hpp"
 
 namespace conddp {
@@ -16,10 +16,10 @@ void add_collocation_terms(const std::shared_ptr<const CollocationSystem>& syste
 /// Writes its numbers into the parameters of a knot.
 void write_collocation_parameters(const KnotModel& model, double dt, double* parameters);
 
-/// The slopes of a step from a state to the next one, at the stages of the curve through both (a
-/// cubic of Hermite and Simpson's), into w behind the actuators: they obey the constraint where the
+/// The slopes of each step, from its state and actuators and the next state, at the stages of the
+/// curve through both states (a cubic of Hermite and Simpson's): they obey the constraint where the
 /// step meets the next state.
-void guess_slopes(const CollocationSystem& system, const double* x, const double* next, double h,
-                  double* w);
+void guess_slopes(const CollocationSystem& system, const ShootingProblem& problem,
+                  Trajectory& trajectory);
 
 }  // namespace conddp

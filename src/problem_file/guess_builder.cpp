@@ -36,7 +36,7 @@ class GuessBuilder {
     const int memory = problem_.nx() - plant_.system->nx();
     for (int k = 1; memory > 0 && k <= problem_.knots(); ++k)
       guess.x(k).tail(memory) = guess.u(chooses() ? 0 : k - 1).head(memory);
-    if (plant_.collocation) fill_slopes(guess);
+    if (plant_.collocation) guess_slopes(*plant_.collocation, problem_, guess);
     return guess;
   }
 
@@ -239,16 +239,6 @@ class GuessBuilder {
       }
       for (const SteppingLayout::Stop& stop : w.stops) set(stop.distance);
       for (const FrictionIndices& f : w.frictions) set_friction(f);
-    }
-  }
-
-  void fill_slopes(Trajectory& trajectory) const {
-    for (int k = 0; k < problem_.knots(); ++k) {
-      if (!has_controls(k)) continue;
-      const KnotView& knot = problem_.knot(k);
-      const double* x = trajectory.x(k).data();
-      guess_slopes(*plant_.collocation, x, trajectory.x(k + 1).data(), knot.model->step(knot.dt, x),
-                   trajectory.u(k).data());
     }
   }
 

@@ -1,5 +1,7 @@
 // Collocation as the integrator of a problem file.
 #include <cmath>
+#include <fstream>
+#include <sstream>
 
 #include "analysis/certificate.hpp"
 #include "analysis/derivative_check.hpp"
@@ -48,68 +50,60 @@ TEST_P(CollocationProblem, HasTheSameOptimumWithAllItsSolvers) {
   }
 }
 
-TEST_P(CollocationProblem, HasDerivativesThatAgreeWithDifferences) {
+/// First derivatives by dual numbers, those and Hessians by differences beside the guess.
+void expect_true_derivatives(const BuiltProblem& built) {
   std::mt19937_64 engine(2);
+  for (const DerivativeComparison& c : check_derivatives(*built.problem, built.guess))
+    EXPECT_LE(c.error, 1e-9) << static_cast<int>(c.kind) << " " << c.term;
+  Acts acts(*built.problem);
+  Transcription program(*built.problem, acts, {});
+  const Eigen::VectorXd y = program.point_of(built.guess);
+  testing::check_derivatives(program, y + 0.3 * testing::random_vector(y.size(), engine), engine,
+                             1e-6);
+}
+
+TEST_P(CollocationProblem, HasDerivativesThatAgreeWithDifferences) {
+  const std::string collocation = std::string("integrator: ") + GetParam() + "\n";
   for (const std::string& text :
        {swing_up(GetParam(), 4, "ipopt"),
-        replaced(
-            replaced(kCartpole, "phases:", std::string("integrator: ") + GetParam() + "\nphases:"),
-            "dt: 0.1}]", "dt: 0.1}]\nsolver: {name: ipopt}\n")}) {
+        std::string(kCartpole) + "solver: {name: ipopt}\n" + collocation}) {
     const Loaded loaded(text);
     ASSERT_TRUE(loaded.built) << loaded.all();
-    const ShootingProblem& problem = *loaded.built->problem;
-    for (const DerivativeComparison& c : check_derivatives(problem, loaded.built->guess))
-      EXPECT_LE(c.error, 1e-9) << static_cast<int>(c.kind) << " " << c.term;
-    Acts acts(problem);
-    Transcription program(problem, acts, {});
-    const Eigen::VectorXd y = program.point_of(loaded.built->guess);
-    testing::check_derivatives(program, y + 0.3 * testing::random_vector(y.size(), engine), engine,
-                               1e-6);
+    expect_true_derivatives(*loaded.built);
   }
 }
 
 /// A duration that is chosen: h is a number of the state.
-TEST_P(CollocationProblem, MayLastAsLongAsItLikes) {
-  const Loaded loaded(std::string(R"(conddp: 1
-system: {type: double_integrator, dimension: 1}
-initial_state: {state: [0, 0]}
-integrator: )") + GetParam() +
-                      R"(
-phases:
-  - {name: start, choose: none}
-  - {name: push, knots: 10, duration: 1, free_duration: {lower: 0.1, upper: 10}}
-  - {name: brake, knots: 10, duration: 1, free_duration: {lower: 0.1, upper: 10}}
-costs:
-  time: {residual: combination, rows: {constant: 1}, weight: 2}
-constraints:
-  force: {bounds: control, lower: -1, upper: 2}
-terminal:
-  constraints:
-    there: {residual: state, reference: [1, 0]}
-solver: {name: ipopt}
-)");
+TEST_P(CollocationProblem, HasDerivativesByADurationThatIsChosen) {
+  const Loaded loaded(replaced(replaced(swing_up(GetParam(), 4, "ipopt"), "phases:\n",
+                                        "phases:\n  - {name: start, choose: none}\n"),
+                               "duration: 2}",
+                               "duration: 2, free_duration: {lower: 0.5, upper: 4}}"));
   ASSERT_TRUE(loaded.built) << loaded.all();
-  const ShootingProblem& problem = *loaded.built->problem;
-  for (const DerivativeComparison& c : check_derivatives(problem, loaded.built->guess))
-    EXPECT_LE(c.error, 1e-9) << static_cast<int>(c.kind) << " " << c.term;
+  expect_true_derivatives(*loaded.built);
+}
+
+TEST_P(CollocationProblem, IsAsFastAsTheForceAllows) {
+  std::ifstream file(kProblems / "double_integrator_fastest.yaml");
+  std::stringstream text;
+  text << file.rdbuf();
+  const Loaded loaded(
+      replaced(text.str(), "integrator: rk2", std::string("integrator: ") + GetParam()));
+  ASSERT_TRUE(loaded.built) << loaded.all();
   const SolveResult result = solve(loaded);
   EXPECT_EQ(result.status, SolveStatus::converged);
-  // Full thrust for 1/√3 s, full brakes for twice as long.
-  EXPECT_NEAR(problem.times(result.trajectory).back(), std::sqrt(3.0), 1e-6);
+  EXPECT_NEAR(loaded.built->problem->times(result.trajectory).back(), std::sqrt(2.0), 1e-6);
 }
 
 TEST_P(CollocationProblem, IsGuessedWithSlopesThatItsSolutionHas) {
   const Loaded loaded(swing_up(GetParam(), 20, "ipopt"));
   ASSERT_TRUE(loaded.built) << loaded.all();
-  const CollocationSystem& system = *loaded.built->plant.collocation;
   const SolveResult result = solve(loaded);
-  for (int k = 0; k < result.trajectory.knots(); ++k) {
-    Eigen::VectorXd w = result.trajectory.u(k);
-    w.tail(w.size() - 1).setConstant(7);
-    guess_slopes(system, result.trajectory.x(k).data(), result.trajectory.x(k + 1).data(), 0.1,
-                 w.data());
-    EXPECT_LE((w - result.trajectory.u(k)).lpNorm<Eigen::Infinity>(), 1e-7) << k;
-  }
+  Trajectory guess = result.trajectory;
+  for (int k = 0; k < guess.knots(); ++k) guess.u(k).tail(guess.nu(k) - 1).setConstant(7);
+  guess_slopes(*loaded.built->plant.collocation, *loaded.built->problem, guess);
+  for (int k = 0; k < guess.knots(); ++k)
+    EXPECT_LE((guess.u(k) - result.trajectory.u(k)).lpNorm<Eigen::Infinity>(), 1e-7) << k;
 }
 
 TEST_P(CollocationProblem, HasCostsOnActuatorsAlone) {
@@ -119,10 +113,9 @@ TEST_P(CollocationProblem, HasCostsOnActuatorsAlone) {
   const ShootingProblem& problem = *loaded.built->problem;
   EXPECT_EQ(problem.nx(), 3);  // of which the last one is the previous torque
   EXPECT_EQ(loaded.built->state_columns.back().name, "previous/torque");
+  expect_true_derivatives(*loaded.built);
   for (const CostTerm& cost : problem.knot(0).model->costs())
     EXPECT_EQ(cost.residual->size(), 1) << cost.name;
-  for (const DerivativeComparison& c : check_derivatives(problem, loaded.built->guess))
-    EXPECT_LE(c.error, 1e-9) << static_cast<int>(c.kind) << " " << c.term;
   const SolveResult result = solve(loaded);
   EXPECT_EQ(result.status, SolveStatus::converged);
   EXPECT_NEAR(result.trajectory.x(3)[2], result.trajectory.u(2)[0], 1e-9);
