@@ -124,6 +124,27 @@ TEST_F(GuessFromFile, ReadsAFormerSolution) {
   EXPECT_NE(loaded.built->guess_used.states.find("s.json"), std::string::npos);
 }
 
+/// Those of collocation belong to its steps: they are found anew, or not needed.
+TEST_F(GuessFromFile, TakesTheActuatorsAloneOfASolutionWithSlopes) {
+  const std::string file = write("s.json", R"({"format": "conddp.solution/1", "gains": [[[1]]],
+    "trajectory": {"columns": {"x": ["theta", "omega"], "u": ["torque", "slope_end/omega"]},
+                   "t": [0, 0.7], "x": [[0.1, 0], [2, 0]], "u": [[3, 99]]}})");
+  for (const char* integrator : {"rk4", "trapezoidal", "hermite_simpson"}) {
+    const Loaded loaded(replaced(with_guess("{file: " + file + "}"), "integrator: rk4",
+                                 std::string("integrator: ") + integrator));
+    ASSERT_TRUE(loaded.built) << loaded.all();
+    const Trajectory& guess = loaded.built->guess;
+    const System& system = loaded.built->plant.actuated();
+    const auto data = system.create_data(double{});
+    for (int k = 0; k < guess.knots(); ++k) {
+      EXPECT_EQ(guess.u(k)[0], 3) << integrator;
+      system.evaluate(guess.x(k + 1).data(), guess.u(k).data(), *data);
+      const double slope = guess.nu(k) > 1 ? guess.u(k)[guess.nu(k) - 1] : data->f[0];
+      EXPECT_NEAR(slope, data->f[0], 1e-12) << integrator << " " << k;
+    }
+  }
+}
+
 TEST_F(GuessFromFile, GainsMayBeMany) {
   std::string text = R"({"format": "conddp.solution/1", "gains": [0)";
   for (int i = 0; i < 5'500'000; ++i) text += ",0";
