@@ -2,10 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
 
+#include <Eigen/Dense>
+
+#include "ocp/collocation_residual.hpp"
 #include "systems/stepping_system.hpp"
 
 namespace conddp {
@@ -85,25 +89,98 @@ class LimitWatch {
   std::map<std::string, Entry> excess_;
 };
 
-/// What moves the states of one knot model, and its memory in scalar arithmetic. The slopes of a
-/// collocation belong to whole steps: its parts are integrated by an explicit rule.
-struct Stepper {
-  explicit Stepper(const KnotModel& model) : Stepper(model, inside(model)) {}
-  const System& system;
-  Integrator integrator;
-  std::unique_ptr<SystemData<double>> data;
-  IntegratorWorkspace<double> work;
+/// A step of a collocation, whose slopes follow from the state and the actuators.
+class CollocationStep {
+ public:
+  CollocationStep(const std::shared_ptr<const CollocationSystem>& system, Integrator integrator)
+      : model_(system, integrator), actuators_(system->actuators()), w_(model_.nu(), 0.0) {
+    model_.add_constraint(make_constraint("collocation", collocation_residual(system, model_.ndx()),
+                                          ConstraintKind::bounds));
+    parameters_.assign(model_.parameter_count(), 0.0);
+    work_ = std::make_unique<KnotWorkspace<double>>(model_);
+  }
+
+  /// The next state, by Newton's method from the slopes of the step before; NaN where it fails.
+  std::vector<double> go(const double* x, const double* u, double h) {
+    const int unknown = model_.constraint_rows();
+    const ConstraintTerm& term = model_.constraints().front();
+    std::copy_n(u, actuators_, w_.begin());
+    parameters_[term.parameters] = h;
+    parameters_[term.active()] = 1;
+    Eigen::MatrixXd by_slopes(unknown, unknown);
+    Eigen::Map<Eigen::VectorXd> slopes(w_.data() + actuators_, unknown);
+    for (int i = 0; i < kIterations; ++i) {
+      model_.differentiate(KnotInput<double>{x, w_.data(), parameters_.data(), h, 1.0}, *work_,
+                           false);
+      const Eigen::Map<const Eigen::VectorXd> off(work_->constraint.data(), unknown);
+      if (off.lpNorm<Eigen::Infinity>() <= kRounding * (1 + h * slopes.lpNorm<Eigen::Infinity>()))
+        return {work_->next().begin(), work_->next().end()};
+      by_slopes.setZero();
+      const auto& pattern = model_.constraint_pattern();
+      const int first = model_.ndx() + actuators_;
+      for (std::size_t e = 0; e < pattern.size(); ++e)
+        if (const auto& [row, column] = pattern[e]; column >= first)
+          by_slopes(row, column - first) = work_->constraint_jacobian[e];
+      slopes -= by_slopes.partialPivLu().solve(off);
+    }
+    slopes.setZero();
+    return std::vector<double>(model_.nx(), std::numeric_limits<double>::quiet_NaN());
+  }
 
  private:
-  static const System* inside(const KnotModel& model) {
-    const auto* collocation = dynamic_cast<const CollocationSystem*>(&model.system());
-    return collocation ? collocation->inside().get() : nullptr;
+  static constexpr int kIterations = 30;
+  static constexpr double kRounding = 1e-13;
+
+  KnotModel model_;
+  int actuators_;
+  std::vector<double> w_, parameters_;
+  std::unique_ptr<KnotWorkspace<double>> work_;
+};
+
+/// What moves the states of one knot model, and its memory in scalar arithmetic. Of a collocation
+/// the slopes of a plan belong to its whole steps, and those of parts are found anew.
+class Stepper {
+ public:
+  explicit Stepper(const KnotModel& model) : Stepper(model, inside(model)) {}
+
+  /// The system without slopes.
+  const System& system() const { return system_; }
+  /// Its data at (x, u), before a step from there.
+  const SystemData<double>& look(const double* x, const double* u) {
+    system_.evaluate(x, u, *data_);
+    return *data_;
   }
-  Stepper(const KnotModel& model, const System* inside)
-      : system(inside ? *inside : model.system()),
-        integrator(inside ? Integrator::rk4 : model.integrator()),
-        data(system.create_data(double{})),
-        work(system, integrator) {}
+  /// A step of dt from where it was looked at, in place.
+  void go(const double* u, double dt, double* x) {
+    if (implicit_) {
+      const std::vector<double> next = implicit_->go(x, u, dt);
+      std::copy(next.begin(), next.end(), x);
+      return;
+    }
+    integrate(system_, integrator_, x, u, dt, *data_, *work_);
+    std::copy(work_->next.begin(), work_->next.end(), x);
+  }
+
+ private:
+  using Collocation = std::shared_ptr<const CollocationSystem>;
+  static Collocation inside(const KnotModel& model) {
+    return std::dynamic_pointer_cast<const CollocationSystem>(model.shared_system());
+  }
+  Stepper(const KnotModel& model, const Collocation& collocation)
+      : system_(collocation ? *collocation->inside() : model.system()),
+        integrator_(model.integrator()),
+        data_(system_.create_data(double{})) {
+    if (collocation)
+      implicit_.emplace(collocation, integrator_);
+    else
+      work_.emplace(system_, integrator_);
+  }
+
+  const System& system_;
+  Integrator integrator_;
+  std::unique_ptr<SystemData<double>> data_;
+  std::optional<IntegratorWorkspace<double>> work_;
+  std::optional<CollocationStep> implicit_;
 };
 
 class Player {
@@ -162,17 +239,16 @@ class Player {
     const KnotView& view = problem_.knot(k);
     auto& memory = memory_[view.model];
     if (!memory) memory = std::make_unique<Stepper>(*view.model);
-    const System& system = memory->system;
+    const System& system = memory->system();
     const Eigen::VectorXd u = control(k, feedback, x, result);
     const bool choice = problem_.phases()[view.phase].instant;
     const int steps = view.dt > 0 && !choice ? substeps_ : 1;
     const double dt = view.model->step(view.dt, x.data()) / steps;
     for (int s = 0; s < steps; ++s) {
-      system.evaluate(x.data(), u.data(), *memory->data);
+      const SystemData<double>& data = memory->look(x.data(), u.data());
       if (watch != nullptr && !choice)
-        watch->look(system, *memory->data, x.data(), k, times_[k] + s * dt, s == 0);
-      integrate(system, memory->integrator, x.data(), u.data(), dt, *memory->data, memory->work);
-      std::copy(memory->work.next.begin(), memory->work.next.end(), x.data());
+        watch->look(system, data, x.data(), k, times_[k] + s * dt, s == 0);
+      memory->go(u.data(), dt, x.data());
       if (view.model->has_control_memory()) x.tail(system.nu()) = u.head(system.nu());
     }
   }

@@ -171,5 +171,23 @@ TEST(CollocationOptimum, IsReplayedWithAnErrorOfItsOrder) {
   }
 }
 
+/// Explicit rules would diverge on the replay's grid too, ten times as fine.
+TEST(CollocationOptimum, IsReplayedOnAStiffSystem) {
+  for (const char* integrator : {"trapezoidal", "hermite_simpson"}) {
+    const Loaded loaded(replaced(swing_up(integrator, 20, "ipopt"), "type: pendulum",
+                                 "type: pendulum, inertia: 1, damping: 1000, gravity: 0"));
+    ASSERT_TRUE(loaded.built) << loaded.all();
+    Trajectory plan = loaded.built->guess;
+    for (int k = 0; k <= plan.knots(); ++k) plan.x(k).setZero();
+    for (int k = 0; k < plan.knots(); ++k) plan.u(k)[0] = 4;
+    const std::vector<Eigen::MatrixXd> gains(plan.knots(),
+                                             Eigen::MatrixXd::Zero(plan.nu(0), plan.x(0).size()));
+    const Replay played = replay(*loaded.built->problem, plan, gains);
+    EXPECT_EQ(played.controls.lost_at, -1) << integrator;
+    // The torque over the damping, for 2 s.
+    EXPECT_NEAR(played.controls.final_state, 0.008, 1e-4) << integrator;
+  }
+}
+
 }  // namespace
 }  // namespace conddp
