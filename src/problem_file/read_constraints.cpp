@@ -86,10 +86,12 @@ void read_set(YamlMap& map, ConstraintSpec& constraint) {
                "leave the key out");
     return r;
   };
-  if (const auto r = map.find("from"))
-    r->error("a URDF has bounds of controls, configurations and velocities alone",
-             "write 'bounds: control', 'bounds: configuration' or 'bounds: velocity' instead of "
-             "'residual', or 'lower' and 'upper' instead of 'from'");
+  // Asked for only where it stands, so that it is not listed among the accepted keys.
+  if (map.valid() && map.reader().node().find("from") != nullptr)
+    map.find("from")->error(
+        "a URDF has bounds of controls, configurations and velocities alone",
+        "write 'bounds: control', 'bounds: configuration' or 'bounds: velocity' instead of "
+        "'residual', or 'lower' and 'upper' instead of 'from'");
   if (const auto r = given("equals")) constraint.equals = read_components(*r);
   if (const auto r = given("lower")) constraint.lower = read_components(*r);
   if (const auto r = given("upper")) constraint.upper = read_components(*r);
