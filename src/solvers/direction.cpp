@@ -9,6 +9,9 @@ namespace {
 
 /// Revisions of constraint rows that may go by without fewer changes than ever before.
 constexpr int kPatience = 4;
+/// What the constraints' model may be off at a step, in the norm of the Hessian H: the squared
+/// distance of the step from the model's minimum, as a share of dᵀHd.
+constexpr double kModelError = 1e-6;
 
 }  // namespace
 
@@ -46,7 +49,10 @@ int Direction::find(Linearization& linearization, const Trajectory& trajectory, 
                     SweepRegularization regularization, const Augmentation* augmentation) {
   const bool augmented = constraints_ && augmentation != nullptr;
   descended_ = lacked_descent_ = false;
-  if (augmented) constraints_->start(linearization, *augmentation);
+  if (augmented) {
+    constraints_->start(linearization, *augmentation);
+    constraints_->expect(linearization);
+  }
   const int bad_knot =
       search(linearization, trajectory, gaps, adjoint, merit, regularization, augmented);
   if (augmented && constraints_->restore(linearization)) {
@@ -81,8 +87,13 @@ int Direction::search(Linearization& linearization, const Trajectory& trajectory
   const auto revise = [&](bool release) {
     roll(false);
     std::optional<int> last_row;
-    const int rows =
-        augmented ? constraints_->revise(linear_rollout_.z(), linearization, last_row) : 0;
+    int rows = 0;
+    if (augmented) {
+      // The minimum of an affine problem's model is that of the problem; others give a step.
+      const double allowed =
+          descent_allowed_ ? 0 : kModelError * linear_rollout_.curvature(linearization);
+      rows = constraints_->revise(linear_rollout_.z(), allowed, linearization, last_row);
+    }
     last_change.reset();
     const int changes = linear_rollout_.revise(release, *policy_, last_change);
     last_change = std::max(last_change, last_row);
@@ -109,6 +120,7 @@ int Direction::search(Linearization& linearization, const Trajectory& trajectory
     for (int i = 0; i < limit; ++i) {
       const int changes = revise(true);
       within_bounds_ = changes == 0;
+      if (within_bounds_ && augmented) constraints_->settle();
       if (within_bounds_) return true;
       since = changes < fewest ? 0 : since + 1;
       fewest = std::min(fewest, changes);
@@ -210,6 +222,7 @@ void Direction::reset() {
   forget_steps();
   sweep_.use_legs(true);
   sweeps_ = 0;
+  if (constraints_) constraints_->reset();
   active_set_known_ = descent_allowed_ = declined_ = false;
   for (Eigen::VectorXd& k : feedback_.k) k.setZero();
   for (Eigen::MatrixXd& K : feedback_.K) K.setZero();

@@ -37,7 +37,8 @@ void outside_cone_at(const NodeConstraint& c, const double* s, double limit, dou
 
 HorizonConstraints::HorizonConstraints(const ShootingProblem& problem)
     : problem_(problem), nodes_(problem.knots() + 1), cone_slope_(problem.constraints().size()) {
-  for (Eigen::VectorXd* rows : {&base_, &around_, &shifted_, &outside_, &slope_, &along_})
+  for (Eigen::VectorXd* rows :
+       {&base_, &around_, &shifted_, &found_, &outside_, &slope_, &along_, &inside_, &multiplier_})
     *rows = Eigen::VectorXd::Zero(problem.constraint_rows());
   int rows = 0, columns = 0;
   for (int k = 0; k <= problem.knots(); ++k) {
@@ -99,10 +100,47 @@ void HorizonConstraints::shift(const std::vector<Eigen::VectorXd>& z,
     }
 }
 
-int HorizonConstraints::revise(const std::vector<Eigen::VectorXd>& z, Linearization& linearization,
-                               std::optional<int>& last) {
+void HorizonConstraints::evaluate(const Eigen::VectorXd& s, Eigen::VectorXd& outside) const {
+  for (const NodeConstraint& c : problem_.constraints()) {
+    const double limit = c.limit / augmentation_->penalty[c.row];
+    if (!c.term->has_bounds()) {
+      outside_cone_at(c, s.data() + c.row, limit, outside.data() + c.row, nullptr);
+      continue;
+    }
+    for (int r = 0; r < c.term->rows; ++r)
+      outside[c.row + r] = outside_row(c, r, s[c.row + r], limit);
+  }
+}
+
+int HorizonConstraints::revise(const std::vector<Eigen::VectorXd>& z, double allowed,
+                               Linearization& linearization, std::optional<int>& last) {
   shift(z, linearization, shifted_);
-  largest_ = outside_.lpNorm<Eigen::Infinity>();
+  evaluate(shifted_, found_);
+  return squared_error() <= allowed ? 0 : revise(linearization, last);
+}
+
+/// Σ ρ |P(s) − model|² at what was found.
+double HorizonConstraints::squared_error() {
+  double sum = 0;
+  for (std::size_t i = 0; i < cone_slope_.size(); ++i) {
+    const NodeConstraint& c = problem_.constraints()[i];
+    const int n = c.term->rows;
+    auto error = weight_.head(n);
+    auto moved = new_outside_.head(n);
+    moved = shifted_.segment(c.row, n) - around_.segment(c.row, n);
+    error = found_.segment(c.row, n) - outside_.segment(c.row, n);
+    if (c.term->has_bounds())
+      error -= slope_.segment(c.row, n).cwiseProduct(moved);
+    else
+      error.noalias() -= cone_slope_[i] * moved;
+    sum += augmentation_->penalty[c.row] * error.squaredNorm();
+  }
+  return sum;
+}
+
+/// Around shifted_, with P found_ there.
+int HorizonConstraints::revise(Linearization& linearization, std::optional<int>& last) {
+  allowed_ = kExact * outside_.lpNorm<Eigen::Infinity>();
   int changes = 0;
   for (int k = 0; k <= problem_.knots(); ++k) {
     Node& node = nodes_[k];
@@ -118,6 +156,22 @@ int HorizonConstraints::revise(const std::vector<Eigen::VectorXd>& z, Linearizat
   return changes;
 }
 
+void HorizonConstraints::expect(Linearization& linearization) {
+  if (!settled_) return;
+  settled_ = false;
+  // Multipliers stay about what they were, whatever the penalty.
+  shifted_ = inside_ + multiplier_.cwiseQuotient(augmentation_->penalty);
+  evaluate(shifted_, found_);
+  std::optional<int> last;
+  revise(linearization, last);
+}
+
+void HorizonConstraints::settle() {
+  inside_ = shifted_ - found_;
+  multiplier_ = found_.cwiseProduct(augmentation_->penalty);
+  settled_ = true;
+}
+
 bool HorizonConstraints::revise_bounds(const NodeConstraint& c, KnotLinearization& knot,
                                        Node& node) {
   const int offset = problem_.constraint_offset(c.node);
@@ -125,9 +179,9 @@ bool HorizonConstraints::revise_bounds(const NodeConstraint& c, KnotLinearizatio
   for (int r = 0; r < c.term->rows; ++r) {
     const int row = c.row + r;
     const double s = shifted_[row], rho = augmentation_->penalty[row], limit = c.limit / rho;
-    const double outside = outside_row(c, r, s, limit);
+    const double outside = found_[row];
     const double model = outside_[row] + slope_[row] * (s - around_[row]);
-    if (std::abs(outside - model) <= kExact * largest_) continue;
+    if (std::abs(outside - model) <= allowed_) continue;
     keep(knot, node);
     changed = true;
     const double slope = row_slope(c, r, s, limit);
@@ -153,13 +207,13 @@ bool HorizonConstraints::revise_cone(const NodeConstraint& c, int index, KnotLin
   Eigen::MatrixXd& slope = cone_slope_[index];
   auto new_outside = new_outside_.head(n);
   const double rho = augmentation_->penalty[c.row], limit = c.limit / rho;
-  outside_cone_at(c, s.data(), limit, new_outside.data(), nullptr);
+  new_outside = found_.segment(c.row, n);
   auto error = weight_.head(n);
   auto difference = product_.col(0).head(n);
   error = new_outside - outside;
   difference = s - around;
   error.noalias() -= slope * difference;
-  const double allowed = std::max(kExact * largest_, kConeShare * new_outside.norm());
+  const double allowed = std::max(allowed_, kConeShare * new_outside.norm());
   if (error.norm() <= allowed) return false;
   keep(knot, node);
   Eigen::Map<Eigen::MatrixXd> new_slope(new_slope_.data(), n, n);

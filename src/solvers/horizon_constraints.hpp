@@ -27,10 +27,19 @@ class HorizonConstraints {
   void start(const Linearization& linearization, const Augmentation& augmentation);
   /// Begins again with the same iterate, after restore().
   void restart();
+  /// Forgets what settle() kept.
+  void reset() { settled_ = false; }
+  /// After start(): models the rows around where settle() found them last, the next time only.
+  void expect(Linearization& linearization);
   /// Models the rows around the step z of each node instead where the present model is off there.
-  /// Returns how many constraints changed. `last` ← the last node at which one did, if any.
-  int revise(const std::vector<Eigen::VectorXd>& z, Linearization& linearization,
+  /// Nothing changes where Σ ρ |error of P|² is allowed. Returns how many constraints changed.
+  /// `last` ← the last node at which one did, if any.
+  int revise(const std::vector<Eigen::VectorXd>& z, double allowed, Linearization& linearization,
              std::optional<int>& last);
+  /// That the last revise() changed nothing: keeps where it found the rows for the next iterate. An
+  /// iterate is off the linear model by what is small beside its step, but may be large beside
+  /// |P| = |ν|/ρ, and then says less of the rows that will be active.
+  void settle();
   /// Keeps the linearisation's own gradients and Hessians, which others are about to change too.
   void keep(const Linearization& linearization);
   /// Gets slope_beyond_model ready for d = to − z, where the model was made around z.
@@ -51,6 +60,9 @@ class HorizonConstraints {
   bool revise_bounds(const NodeConstraint& c, KnotLinearization& knot, Node& node);
   bool revise_cone(const NodeConstraint& c, int index, KnotLinearization& knot, Node& node);
   void keep(const KnotLinearization& knot, Node& node);
+  double squared_error();
+  int revise(Linearization& linearization, std::optional<int>& last);
+  void evaluate(const Eigen::VectorXd& s, Eigen::VectorXd& outside) const;
   void shift(const std::vector<Eigen::VectorXd>& z, const Linearization& linearization,
              Eigen::VectorXd& values) const;
 
@@ -58,13 +70,16 @@ class HorizonConstraints {
   const Augmentation* augmentation_ = nullptr;
   std::vector<Node> nodes_;
   // A number per constraint row: s of the iterate, of the step that the model was made around, of
-  // the step that is looked at; P at the second, and its slope where rows have bounds.
-  Eigen::VectorXd base_, around_, shifted_, outside_, slope_;
+  // the step that is looked at; P at the second, its slope there where rows have bounds, and P at
+  // the third.
+  Eigen::VectorXd base_, around_, shifted_, outside_, slope_, found_;
+  Eigen::VectorXd inside_, multiplier_;      ///< Π(s) and ρ P(s) of a step that settled
+  bool settled_ = false;                     ///< these are known
   Eigen::VectorXd along_;                    ///< ∂g d of a path
   std::vector<Eigen::MatrixXd> cone_slope_;  ///< per constraint, empty unless a cone
   Eigen::MatrixXd new_slope_, product_;      ///< scratch
   Eigen::VectorXd new_outside_, weight_;
-  double largest_ = 0;  ///< |P|
+  double allowed_ = 0;  ///< what the model of P may be off
 };
 
 }  // namespace conddp

@@ -29,7 +29,7 @@ void HorizonDescent::start(const LinearRollout& step, const Trajectory& trajecto
   for (std::size_t k = 0; k < point_.size(); ++k) point_[k] = step.z(static_cast<int>(k));
   constraints.keep(linearization);
   std::optional<int> last;
-  constraints.revise(point_, linearization, last);
+  constraints.revise(point_, 0, linearization, last);
   penalties_.start(trajectory, gradient, sweep);
   penalties_.revise(point_, linearization);
 }
@@ -41,7 +41,7 @@ bool HorizonDescent::advance(const LinearRollout& minimum, HorizonConstraints& c
     point_[k] += step * (minimum.z(static_cast<int>(k)) - point_[k]);
   std::optional<int> last;
   const int changes =
-      constraints.revise(point_, linearization, last) + penalties_.revise(point_, linearization);
+      constraints.revise(point_, 0, linearization, last) + penalties_.revise(point_, linearization);
   return step == 0 || (step == 1 && changes == 0);
 }
 
