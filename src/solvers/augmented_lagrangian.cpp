@@ -1,6 +1,7 @@
 #include "solvers/augmented_lagrangian.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "ocp/soft_constraint.hpp"
@@ -18,6 +19,19 @@ constexpr double kContradiction = 1e-5;
 constexpr double kSoftDecrease = 0.7;
 /// What the next change of the multipliers has to be, as a share of the last one.
 constexpr double kTighter = 0.1;
+/// How many times the size of the first values may be missed before a soft constraint's first
+/// penalty asks for the limit of its multiplier.
+constexpr double kReach = 10;
+
+/// How far values g lie from the origin of a cone, or at most from a bound.
+double size(const NodeConstraint& c, const Eigen::Ref<const Eigen::VectorXd>& g) {
+  if (!c.term->has_bounds()) return g.norm();
+  double largest = 0;
+  for (int r = 0; r < c.term->rows; ++r)
+    for (const double bound : {c.lower[r], c.upper[r]})
+      if (std::isfinite(bound)) largest = std::max(largest, std::abs(g[r] - bound));
+  return largest;
+}
 
 }  // namespace
 
@@ -47,17 +61,34 @@ void AugmentedLagrangian::start(const Eigen::VectorXd& multipliers) {
   multipliers_ = next_ = multipliers;
   hopeless_.clear();
   for (Group& group : groups_) {
-    group.penalty = options_.initial_penalty;
+    group.penalty = group.first_penalty = options_.initial_penalty;
     group.before = group.allowed = std::numeric_limits<double>::infinity();
     group.stalled = 0;
     write(group);
   }
 }
 
+bool AugmentedLagrangian::fit_soft(const Eigen::VectorXd& values) {
+  bool changed = false;
+  for (Group& group : groups_) {
+    if (!group.soft) continue;
+    for (const int i : group.constraints) {
+      const NodeConstraint& c = problem_.constraints()[i];
+      const double reach = kReach * size(c, values.segment(c.row, c.term->rows));
+      if (!(reach * group.first_penalty > c.limit)) continue;
+      group.first_penalty = c.limit / reach;
+      changed = true;
+    }
+    group.penalty = group.first_penalty;
+    write(group);
+  }
+  return changed;
+}
+
 void AugmentedLagrangian::adopt(const Eigen::VectorXd& multipliers) {
   multipliers_ = next_ = multipliers;
   for (Group& group : groups_) {
-    group.penalty = options_.initial_penalty;
+    group.penalty = group.first_penalty;
     write(group);
   }
 }
@@ -155,9 +186,14 @@ void AugmentedLagrangian::add(const Eigen::VectorXd& change, double step) {
 
 void AugmentedLagrangian::relax() {
   for (Group& group : groups_) {
-    group.penalty = std::max(group.penalty / options_.penalty_factor, options_.initial_penalty);
+    group.penalty = std::max(group.penalty / options_.penalty_factor, group.first_penalty);
     write(group);
   }
+}
+
+bool AugmentedLagrangian::may_relax() const {
+  return std::any_of(groups_.begin(), groups_.end(),
+                     [](const Group& group) { return group.penalty > group.first_penalty; });
 }
 
 void AugmentedLagrangian::set_penalty(double penalty) {

@@ -42,6 +42,12 @@ class AugmentedLagrangian {
   /// Multipliers (a number per constraint row of the problem) and first penalties.
   void start(const Eigen::VectorXd& multipliers);
 
+  /// Lowers the first penalties of soft constraints, by the values of the first iterate, as far as
+  /// those may be missed ten times over within the limits of the multipliers: beyond them the
+  /// penalty has no curvature, and steps know of a kink only when they have crossed it. Returns
+  /// whether one is lower now. After start().
+  bool fit_soft(const Eigen::VectorXd& values);
+
   const Augmentation& augmentation() const { return augmentation_; }
   /// Takes the values of an iterate and computes ν⁺ of them.
   ConstraintNorms measure(const Eigen::VectorXd& values);
@@ -57,6 +63,8 @@ class AugmentedLagrangian {
   void add(const Eigen::VectorXd& change, double step);
   /// Penalties fall, where multipliers hold the constraints without them.
   void relax();
+  /// Whether there is one that is not its first penalty.
+  bool may_relax() const;
   /// One penalty of all constraints from now on.
   void set_penalty(double penalty);
   /// Takes multipliers that were found otherwise, with the first penalties.
@@ -72,6 +80,7 @@ class AugmentedLagrangian {
     std::string name;
     std::vector<int> constraints;  ///< into ShootingProblem::constraints()
     bool soft = false;
+    double first_penalty = 0;
     double penalty = 0;
     double violation = 0;  ///< at the last measure; of a soft one `change`
     double before = 0;     ///< the same at the last update

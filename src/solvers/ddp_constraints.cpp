@@ -41,6 +41,13 @@ void DdpSolver::start_constraints() {
   constraints_->start(known ? options_.multipliers->constraints : result_.constraint_multipliers);
 }
 
+/// At the first iterate, of which the derivatives then belong to the penalties that fit.
+void DdpSolver::fit_penalties() {
+  if (!constraints_) return;
+  differentiate();
+  if (linearized_ && constraints_->fit_soft(linearization_.constraint)) linearized_ = false;
+}
+
 /// What constraints that are soft by their distance cost, which no act knows of.
 double DdpSolver::soft_cost() const {
   return constraints_ ? linear_soft_cost(problem_, linearization_.constraint) : 0;
@@ -73,9 +80,11 @@ bool DdpSolver::inner_converged() const {
 /// rounding: ρ times that of the constraints' values.
 bool DdpSolver::hidden_by_rounding() const {
   const auto& tolerance = options_.tolerances;
-  return inner_tolerance_ <= tolerance.stationarity && row_.constraint <= tolerance.constraint &&
-         row_.complementarity <= tolerance.complementarity && row_.gap <= tolerance.gap &&
-         merit_.hidden(row_.actual_decrease);
+  if (row_.constraint > tolerance.constraint || row_.gap > tolerance.gap ||
+      row_.complementarity > tolerance.complementarity)
+    return false;
+  return at_rounding_floor_ ||
+         (inner_tolerance_ <= tolerance.stationarity && merit_.hidden(row_.actual_decrease));
 }
 
 /// Ends a minimisation of the augmented Lagrangian and begins the next at the same iterate. False
@@ -147,13 +156,14 @@ void DdpSolver::name_contradiction() {
                   residual_text()));
 }
 
-/// Where a minimisation gets no further, other multipliers and penalties may.
+/// Where a minimisation gets no further, other multipliers and penalties may: by rounding, lower
+/// ones.
 bool DdpSolver::recover() {
   const bool stuck = result_.status == SolveStatus::line_search_failed ||
                      result_.status == SolveStatus::regularization_limit;
-  if (!constraints_ || direction_.null_space() != nullptr || !stuck ||
-      row_.constraint <= options_.tolerances.constraint)
-    return false;
+  if (!constraints_ || direction_.null_space() != nullptr || !stuck) return false;
+  const bool by_rounding = at_rounding_floor_ && constraints_->may_relax();
+  if (row_.constraint <= options_.tolerances.constraint && !by_rounding) return false;
   return ++recoveries_ <= kRecoveries && next_multipliers();
 }
 

@@ -66,6 +66,7 @@ SolveResult DdpSolver::solve(const Trajectory& guess) {
   start_constraints();
 
   if (start(guess)) {
+    fit_penalties();
     while (linearize() && !converged() && may_continue() && (take_step() || recover()))
       ++row_.iteration;
     finish();

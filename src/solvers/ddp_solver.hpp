@@ -65,6 +65,7 @@ class DdpSolver {
 
   // ddp_constraints.cpp
   void start_constraints();
+  void fit_penalties();
   void measure_constraints();
   double soft_cost() const;
   bool inner_converged() const;

@@ -124,6 +124,23 @@ TEST_P(SoftByDistance, CostsWhatItsDistancesCost) {
   EXPECT_NEAR(result.log.back().cost, result.cost, 1e-10);
 }
 
+// With this penalty values of 1e-4 would ask for the limit already, and nearly all rows lie beyond.
+TEST(SoftPenalty, BeginsWithAPenaltyWithinItsLimits) {
+  const LinearQuadratic lq(1, 4, {3, 2}, 8, -kBound, kBound);
+  const ShootingProblem problem = with_constraints(*lq.problem, soft_cuts(lq, Softness::l1, 0.3));
+  SolverOptions options = testing::tight_options();
+  options.tolerances.complementarity = 1e-9;
+  options.augmented_lagrangian.initial_penalty = 1e3;
+  for (const char* solver : {"altro", "proxddp"}) {
+    const SolveResult usual = solve_soft(problem, solver);
+    const SolveResult result = solve(problem, solver, options, problem.create_trajectory());
+    EXPECT_EQ(result.status, SolveStatus::converged) << solver << ": " << result.message;
+    EXPECT_NEAR(result.cost, usual.cost, 1e-8 * usual.cost) << solver;
+    EXPECT_LT(result.log.front().constraint_penalty, 1) << solver;
+    EXPECT_LE(result.iterations, usual.iterations + 5) << solver;
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Solvers, SoftByDistance, ::testing::Values("altro", "proxddp", "ipopt"));
 
 class SoftBySquare : public ::testing::TestWithParam<const char*> {};
