@@ -14,6 +14,7 @@
 #include "output/gnuplot.hpp"
 #include "output/json_text.hpp"
 #include "robot/near_names.hpp"
+#include "solvers/guess.hpp"
 #include "solvers/option_table.hpp"
 #include "status_line.hpp"
 #include "streams.hpp"
@@ -38,7 +39,7 @@ struct BenchArguments {
   bool json = false;
 };
 
-constexpr const char* kInitialState = "initial_state";
+constexpr const char *kInitialState = "initial_state", *kGuess = "guess";
 
 std::vector<const SolverInfo*> choose_solvers(const std::string& list, Diagnostics& out) {
   std::vector<const SolverInfo*> chosen;
@@ -88,14 +89,13 @@ class Bench {
       : arguments_(arguments),
         solvers_(std::move(solvers)),
         status_(message_format() == MessageFormat::kText && terminal_of(2).redraws) {
-    const auto perturbations = named_numbers(arguments.perturbations);
-    if (!perturbations.empty()) perturbation_ = perturbations.at(kInitialState);
     BenchmarkRequest& request = report_.request;
     for (const SolverInfo* solver : solvers_) request.solvers.emplace_back(solver->name);
     request.repeat = arguments.repeat;
-    request.instances = perturbation_ ? arguments.instances : 0;
+    for (const auto& [name, value] : named_numbers(arguments.perturbations))
+      request.perturbations[name] = value;
+    request.instances = request.perturbations.empty() ? 0 : arguments.instances;
     request.seed = arguments.seed;
-    request.perturbation = perturbation_.value_or(0);
     request.drop = arguments.drop;
     request.settings = arguments.settings;
     for (const auto& [name, value] : named_numbers(arguments.tolerances))
@@ -104,7 +104,7 @@ class Bench {
 
   /// False after a signal.
   bool run(BenchProblem& problem) {
-    if (!perturbation_) return run(problem, std::nullopt);
+    if (report_.request.perturbations.empty()) return run(problem, std::nullopt);
     for (int i = 0; i < arguments_.instances; ++i)
       if (!run(problem, arguments_.seed + i)) return false;
     return true;
@@ -128,8 +128,8 @@ class Bench {
         add(problem, built, *built.problem, built.guess, *solver, seed);
       } else {
         const ShootingProblem instance =
-            perturb_initial_state(*built.problem, *perturbation_, *seed);
-        Trajectory guess = built.guess;
+            perturb_initial_state(*built.problem, perturbation(kInitialState), *seed);
+        Trajectory guess = perturb_guess(instance, built.guess, perturbation(kGuess), *seed);
         guess.x(0) =
             Eigen::Map<const Eigen::VectorXd>(instance.initial_state().data(), instance.nx());
         add(problem, built, instance, guess, *solver, seed);
@@ -137,6 +137,11 @@ class Bench {
       if (InterruptGuard::signal() != 0) return false;
     }
     return true;
+  }
+
+  /// 0: not asked for.
+  double perturbation(const std::string& name) const {
+    return report_.request.perturbations.value(name, 0.0);
   }
 
   void add(const BenchProblem& problem, const BuiltProblem& built, const ShootingProblem& instance,
@@ -183,7 +188,6 @@ class Bench {
 
   const BenchArguments& arguments_;
   std::vector<const SolverInfo*> solvers_;
-  std::optional<double> perturbation_;
   BenchmarkReport report_;
   StatusLine status_;
 };
@@ -252,9 +256,11 @@ void add_bench_command(CLI::App& app, Command& chosen) {
       command
           ->add_option("--perturb", a->perturbations,
                        "Solve random instances: initial_state=S moves the initial state by a "
-                       "tangent vector with entries within S")
+                       "tangent vector with entries within S, guess=S adds normal numbers of "
+                       "standard deviation S to the guess; repeatable")
           ->type_name("NAME=NUMBER")
-          ->check(named_number({kInitialState}, 0, 1e6, "a number, at least 0"));
+          ->allow_extra_args(false)
+          ->check(named_number({kInitialState, kGuess}, 0, 1e6, "a number, at least 0"));
   command->add_option("--instances", a->instances, "Random instances of each problem")
       ->type_name("N")
       ->check(kInstances)

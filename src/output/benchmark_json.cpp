@@ -22,7 +22,9 @@ OrderedJson request_json(const BenchmarkRequest& request) {
           {"repeat", request.repeat},
           {"instances", request.instances},
           {"seed", request.seed},
-          {"perturb", {{"initial_state", request.perturbation}}},
+          {"perturb",
+           {{"initial_state", request.perturbations.value("initial_state", 0.0)},
+            {"guess", request.perturbations.value("guess", 0.0)}}},
           {"drop", request.drop},
           {"overrides", request.settings},
           {"tolerances", request.tolerances}};

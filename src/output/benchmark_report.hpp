@@ -39,7 +39,8 @@ struct BenchmarkRequest {
   int repeat = 0;
   int instances = 0;  ///< 0: the problems as they are
   std::uint64_t seed = 0;
-  double perturbation = 0;  ///< of the initial state
+  /// How far instances lie from their problem: `initial_state`, `guess`.
+  OrderedJson perturbations = OrderedJson::object();
   std::vector<std::string> drop;
   std::vector<std::string> settings;
   OrderedJson tolerances = OrderedJson::object();  ///< those of the command line

@@ -159,9 +159,16 @@ TextTable summary_table(const BenchmarkReport& report) {
 std::string heading(const BenchmarkEntry& entry, const BenchmarkRequest& request, bool markdown) {
   std::string text = fmt::format("{}{} ({} knots, {} states, {} controls", markdown ? "### " : "",
                                  entry.problem, entry.knots, entry.states, entry.controls);
-  if (request.instances > 0)
-    text += fmt::format("; {} initial states within {:g}, seeds {} to {}", request.instances,
-                        request.perturbation, request.seed, request.seed + request.instances - 1);
+  if (request.instances > 0) {
+    text += fmt::format("; {} instances", request.instances);
+    if (const auto initial = request.perturbations.find("initial_state");
+        initial != request.perturbations.end())
+      text += fmt::format(", initial states within {:g}", initial->get<double>());
+    if (const auto guess = request.perturbations.find("guess");
+        guess != request.perturbations.end())
+      text += fmt::format(", guesses with deviation {:g}", guess->get<double>());
+    text += fmt::format(", seeds {} to {}", request.seed, request.seed + request.instances - 1);
+  }
   text += ")\n";
   if (markdown) text += '\n';
   if (entry.options.empty()) return text;

@@ -6,9 +6,9 @@
 
 #include <fmt/format.h>
 
+#include "ocp/normal_numbers.hpp"
 #include "ocp/stepping_residual.hpp"
 #include "problem_file/collocation_builder.hpp"
-#include "problem_file/normal_numbers.hpp"
 
 namespace conddp {
 namespace {

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "ocp/normal_numbers.hpp"
+
 namespace conddp {
 
 void check_shape(const ShootingProblem& problem, const Trajectory& guess) {
@@ -30,6 +32,20 @@ std::string correct_states(const ShootingProblem& problem, Trajectory& trajector
     }
   }
   return off == 0 ? "" : fmt::format("; x_0 corrected by {:.2g}", off);
+}
+
+Trajectory perturb_guess(const ShootingProblem& problem, const Trajectory& guess, double spread,
+                         std::uint64_t seed) {
+  Trajectory start = guess;
+  NormalNumbers normal(seed);
+  Eigen::VectorXd dx(problem.ndx());
+  for (int k = 0; k <= problem.knots(); ++k) {
+    for (double& d : dx) d = spread * normal.next();
+    if (k > 0) problem.manifold().integrate(guess.x(k).data(), dx.data(), start.x(k).data());
+    if (k == problem.knots()) break;
+    for (int i = 0; i < problem.nu(k); ++i) start.u(k)[i] += spread * normal.next();
+  }
+  return start;
 }
 
 }  // namespace conddp

@@ -1,36 +1,21 @@
 #include "solvers/restarts.hpp"
 
-#include <cmath>
 #include <limits>
-#include <numbers>
-#include <random>
 
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "solvers/guess.hpp"
+
 namespace conddp {
 namespace {
 
-/// The guess of a restart, 0: unchanged. Normal numbers by Box and Muller, the same with every
-/// standard library.
-Trajectory perturbed(const ShootingProblem& problem, const SolverOptions& options,
-                     const Trajectory& guess, int restart) {
-  Trajectory start = guess;
-  if (restart == 0) return start;
-  std::mt19937_64 engine(static_cast<std::uint64_t>(options.restarts.seed) * 1000003 + restart);
-  const auto uniform = [&] { return static_cast<double>(engine() >> 11) * 0x1p-53; };
-  const auto normal = [&] {
-    const double radius = std::sqrt(-2 * std::log(1 - uniform()));
-    return options.restarts.spread * radius * std::cos(2 * std::numbers::pi * uniform());
-  };
-  Eigen::VectorXd dx(problem.ndx());
-  for (int k = 0; k <= problem.knots(); ++k) {
-    for (double& d : dx) d = normal();
-    if (k > 0) problem.manifold().integrate(guess.x(k).data(), dx.data(), start.x(k).data());
-    if (k == problem.knots()) break;
-    for (int i = 0; i < problem.nu(k); ++i) start.u(k)[i] += normal();
-  }
-  return start;
+/// The guess of a restart, 0: unchanged.
+Trajectory start_of(const ShootingProblem& problem, const SolverOptions& options,
+                    const Trajectory& guess, int restart) {
+  if (restart == 0) return guess;
+  const auto seed = static_cast<std::uint64_t>(options.restarts.seed) * 1000003 + restart;
+  return perturb_guess(problem, guess, options.restarts.spread, seed);
 }
 
 struct Child {
@@ -89,13 +74,13 @@ Trajectory best_start(const ShootingProblem& problem, const SolverOptions& optio
   for (int i = 0; i <= options.restarts.count; ++i) {
     if (static_cast<int>(running.size()) == options.threads) wait_for_first();
     running.push_back(begin(i, [&] {
-      const SolveResult result = solve(perturbed(problem, options, guess, i));
+      const SolveResult result = solve(start_of(problem, options, guess, i));
       return result.status == SolveStatus::converged ? result.cost
                                                      : std::numeric_limits<double>::infinity();
     }));
   }
   while (!running.empty()) wait_for_first();
-  return perturbed(problem, options, guess, best);
+  return start_of(problem, options, guess, best);
 }
 
 }  // namespace conddp

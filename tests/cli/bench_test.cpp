@@ -135,6 +135,25 @@ TEST(Bench, InstancesFollowFromTheirSeeds) {
   EXPECT_EQ(third, (Json{three[4], three[5]}));
 }
 
+TEST(Bench, GuessesFollowFromTheirSeedsToo) {
+  const Words two = {"--solvers", "box_fddp", "--perturb", "guess=0.1", "--instances", "2"};
+  const Json report = bench(two);
+  EXPECT_EQ(report["request"]["perturb"], (Json{{"initial_state", 0.0}, {"guess", 0.1}}));
+  const Json runs = answers(report);
+  EXPECT_EQ(runs, answers(bench(two)));
+  // The same problem from elsewhere: another way to the same optimum.
+  ASSERT_EQ(runs.size(), 2u);
+  const Json unperturbed = answers(bench({"--solvers", "box_fddp"}));
+  for (const Json& run : runs) {
+    EXPECT_NEAR(run[4].get<double>(), unperturbed[0][4].get<double>(), 1e-6);
+    EXPECT_NE(run[4], unperturbed[0][4]);
+  }
+  EXPECT_NE(runs[0][4], runs[1][4]);
+  Words both = two;
+  both.insert(both.end(), {"--perturb", "initial_state=0.1"});
+  EXPECT_NE(answers(bench(both))[0][4], runs[0][4]);
+}
+
 TEST(Bench, AFolderIsItsProblemsAndHasASummary) {
   const TemporaryFolder folder;
   std::string text = read_file(kPendulum);
