@@ -30,6 +30,7 @@ StepForces forces_of(const SteppingSystem& system, const Eigen::VectorXd& w) {
     forces.contact(0, c) = w[at.force];
     for (int i = 0; i < at.friction.count; i += 2)
       forces.contact(1 + i / 2, c) = w[at.friction.force[i]] - w[at.friction.force[i + 1]];
+    for (int i = 0; at.cone.present && i < 2; ++i) forces.contact(1 + i, c) = w[at.cone.force[i]];
   }
   for (const SteppingLayout::Stop& stop : layout.stops)
     for (std::size_t s = 0; s < contacts.stops.size(); ++s)

@@ -27,6 +27,8 @@ std::optional<Eigen::VectorXd> solve_nearly(Eigen::MatrixXd M, const Eigen::Vect
 
 /// Slower than that a contact counts as sticking when its pyramid is turned, m/s.
 constexpr double kSlip = 1e-10;
+/// Residual from which on a contact that slips faster than kClearSlip keeps to slipping.
+constexpr double kNearStep = 1e-3, kClearSlip = 1e-6;
 
 }  // namespace
 
@@ -65,7 +67,8 @@ ContactSimulator::ContactSimulator(const ContactPlant& plant, ContactSimulatorOp
     : plant_(plant),
       options_(options),
       slopes_(plant_),
-      pyramid_(Eigen::VectorXd::Zero(plant.contacts.candidates.size())) {
+      pyramid_(Eigen::VectorXd::Zero(plant.contacts.candidates.size())),
+      heading_(Eigen::Matrix2Xd::Zero(2, plant.contacts.candidates.size())) {
   for (const ContactCandidate& candidate : plant_.contacts.candidates) {
     const int tangents = tangent_count(plant_.contacts, candidate);
     pairs_ += tangents == 0 ? 1 : 2 + 2 * tangents;
@@ -142,6 +145,14 @@ ContactSimulator::Pairs ContactSimulator::assemble(const StepStart& start, const
       pairs.coupling(row, row) = 1 / (*candidate.stiffness * start.h * start.h);
     ++row;
     if (tangents == 0) continue;
+    if (tangents == 2 && !heading_.col(c).isZero(0)) {
+      // Friction goes with the normal force; the pairs of the pyramid stay as they are, at rest.
+      pairs.push.row(normal) -=
+          candidate.friction * heading_.col(c).transpose() * rows_[c].bottomRows<2>();
+      pairs.value.segment(row, 5).setOnes();
+      row += 5;
+      continue;
+    }
     Eigen::MatrixXd turn = Eigen::MatrixXd::Identity(tangents, tangents);
     if (tangents == 2) turn = Eigen::Rotation2Dd(-pyramid_[c]).toRotationMatrix();
     const Eigen::MatrixXd basis = turn * rows_[c].middleRows(1, tangents);
@@ -181,7 +192,10 @@ StepForces ContactSimulator::forces(const Eigen::VectorXd& z, double h) const {
     if (tangents == 0) continue;
     for (int t = 0; t < tangents; ++t, row += 2) f.contact(1 + t, c) = (z[row] - z[row + 1]) / h;
     ++row;
-    if (tangents == 2)
+    if (tangents == 2 && !heading_.col(c).isZero(0))
+      f.contact.col(c).tail<2>() =
+          -plant_.contacts.candidates[c].friction * f.contact(0, c) * heading_.col(c);
+    else if (tangents == 2)
       f.contact.col(c).tail<2>() = Eigen::Rotation2Dd(pyramid_[c]) * f.contact.col(c).tail<2>();
   }
   for (std::size_t s = 0; s < plant_.contacts.stops.size(); ++s) {
@@ -195,24 +209,54 @@ StepForces ContactSimulator::forces(const Eigen::VectorXd& z, double h) const {
 }
 
 /// Turns the pyramids of a cone to where slip and force would both point: along the slip that there
-/// would be without friction at that contact. The largest angle by which a slip is off its pyramid.
-double ContactSimulator::turn_pyramids(const StepStart& start, const ContactStep& at) {
+/// would be without friction at that contact. Near a solution those that slip keep to that, against
+/// the heading of the last slip: pyramids that are all but parallel have solutions beside it. The
+/// largest angle by which a slip is off its pyramid or heading.
+double ContactSimulator::turn_pyramids(const StepStart& start, const ContactStep& at,
+                                       double residual) {
   double off = 0;
   if (plant_.contacts.friction != FrictionModel::cone) return off;
+  std::vector<std::pair<std::size_t, Eigen::Vector2d>> slips;
   for (std::size_t c = 0; c < plant_.contacts.candidates.size(); ++c) {
     if (tangent_count(plant_.contacts, plant_.contacts.candidates[c]) != 2) continue;
     const Eigen::Matrix2Xd tangents = rows_[c].bottomRows<2>();
     const Eigen::Vector2d slip = tangents * at.v, force = at.forces.contact.col(c).tail<2>();
-    // A quarter of a turn makes the same pyramid.
-    if (at.forces.contact(0, c) > 0 && slip.norm() > kSlip)
-      off = std::max(off, std::abs(std::remainder(std::atan2(slip.y(), slip.x()) - pyramid_[c],
-                                                  std::numbers::pi / 2)));
+    const bool bears = at.forces.contact(0, c) > 0, kept = !heading_.col(c).isZero(0);
+    const double angle = std::atan2(slip.y(), slip.x());
+    if (kept) {
+      const double turn = angle - std::atan2(heading_(1, c), heading_(0, c));
+      if (bears) off = std::max(off, std::abs(std::remainder(turn, 2 * std::numbers::pi)));
+    } else if (bears && slip.norm() > kSlip) {
+      // A quarter of a turn makes the same pyramid.
+      off = std::max(off, std::abs(std::remainder(angle - pyramid_[c], std::numbers::pi / 2)));
+    }
     const Eigen::Matrix2d mobility =
         start.h * tangents * A_.partialPivLu().solve(tangents.transpose());
     const Eigen::Vector2d along = slip - 0.5 * mobility.trace() * force;
     if (along.norm() > 0) pyramid_[c] = std::atan2(along.y(), along.x());
+    if (bears && slip.norm() > kClearSlip) slips.emplace_back(c, slip.normalized());
   }
+  heading_.setZero();
+  if (residual + off < kNearStep)
+    for (const auto& [c, heading] : slips) heading_.col(c) = heading;
   return off;
+}
+
+/// A_ with what friction changes where the headings of contacts that keep to slipping turn.
+Eigen::MatrixXd ContactSimulator::turning_slope(const StepStart& start,
+                                                const ContactStep& at) const {
+  Eigen::MatrixXd slope = A_;
+  for (std::size_t c = 0; c < rows_.size(); ++c) {
+    if (heading_.col(c).isZero(0)) continue;
+    const Eigen::Vector2d heading = heading_.col(c);
+    const double speed = heading.dot(rows_[c].bottomRows<2>() * at.v);
+    const double impulse =
+        start.h * plant_.contacts.candidates[c].friction * at.forces.contact(0, c);
+    const Eigen::Matrix2d across = Eigen::Matrix2d::Identity() - heading * heading.transpose();
+    slope +=
+        impulse / speed * rows_[c].bottomRows<2>().transpose() * across * slope_[c].bottomRows<2>();
+  }
+  return slope;
 }
 
 /// Of the equations at the iterate with impulses z; linearize() must have seen the iterate.
@@ -241,6 +285,7 @@ ContactStep ContactSimulator::step(const StepStart& start) {
   if (!start.q.allFinite() || !start.v.allFinite() || !start.applied.allFinite())
     return give_up(StepStatus::not_finite);
   pyramid_.setZero();
+  heading_.setZero();
   ContactStep best = at;
   linearize(start, at, true);
   for (int k = 0; k < options_.max_iterations; ++k) {
@@ -253,7 +298,7 @@ ContactStep ContactSimulator::step(const StepStart& start) {
       const Pairs pairs = assemble(start, at, exact);
       if (!A_.allFinite() || !impulse_.allFinite() || !pairs.value.allFinite())
         return give_up(StepStatus::not_finite);
-      const Eigen::PartialPivLU<Eigen::MatrixXd> lu(A_);
+      const Eigen::PartialPivLU<Eigen::MatrixXd> lu(turning_slope(start, at));
       // Without pairs there is nothing to solve, not even for no columns: that reads the first one.
       Eigen::MatrixXd pushed(A_.rows(), pairs.push.rows());
       if (pushed.size() > 0) pushed = lu.solve(pairs.push.transpose());
@@ -271,7 +316,8 @@ ContactStep ContactSimulator::step(const StepStart& start) {
     if (!at.v.allFinite() || !at.forces.finite()) return give_up(StepStatus::not_finite);
     linearize(start, at, true);
     const double before = at.residual;
-    at.residual = residual(start, at, *z) + turn_pyramids(start, at);
+    at.residual = residual(start, at, *z);
+    at.residual += turn_pyramids(start, at, at.residual);
     if (!(at.residual < kUnlimited)) return give_up(StepStatus::not_finite);
     if (at.residual < best.residual) best = at;
     // On to the last digits while Newton's method still gains some.

@@ -38,7 +38,8 @@ struct ContactSimulatorOptions {
 /// problem is solved by pivoting, until the step itself satisfies all of it. Where pivoting ends on
 /// a ray, the derivatives of forces' directions are left out (then the problem has a solution by
 /// Anitescu and Potra 1997). With a friction cone in space the pyramid is turned at every iteration
-/// until one of its edges lies along slip and force: so its answer is that of the cone.
+/// until one of its edges lies along slip and force, and near the solution friction is put against
+/// the slip itself: so its answer is that of the cone.
 class ContactSimulator {
  public:
   explicit ContactSimulator(const ContactPlant& plant, ContactSimulatorOptions options = {});
@@ -54,16 +55,18 @@ class ContactSimulator {
   void linearize(const StepStart& start, const ContactStep& at, bool with_forces);
   Pairs assemble(const StepStart& start, const ContactStep& at, bool with_slopes) const;
   StepForces forces(const Eigen::VectorXd& z, double h) const;
-  double turn_pyramids(const StepStart& start, const ContactStep& at);
+  double turn_pyramids(const StepStart& start, const ContactStep& at, double residual);
+  Eigen::MatrixXd turning_slope(const StepStart& start, const ContactStep& at) const;
   double residual(const StepStart& start, const ContactStep& at, const Eigen::VectorXd& z) const;
 
   const ContactPlant plant_;
   ContactSimulatorOptions options_;
   SteppingEquations<Dual<double>> slopes_;
   int pairs_ = 0;
-  Eigen::VectorXd pyramid_;  ///< angle by which each candidate's first tangent is turned
-  Eigen::VectorXd impulse_;  ///< free impulse at the iterate
-  Eigen::MatrixXd A_;        ///< its slope with respect to v, less that of the forces
+  Eigen::VectorXd pyramid_;   ///< angle by which each candidate's first tangent is turned
+  Eigen::Matrix2Xd heading_;  ///< of the slip of those that keep to slipping, else zero
+  Eigen::VectorXd impulse_;   ///< free impulse at the iterate
+  Eigen::MatrixXd A_;         ///< its slope with respect to v, less that of the forces
   /// Of each candidate at the iterate: the gap; the rows; slopes of gap and of velocities.
   std::vector<double> gap_;
   std::vector<Eigen::Matrix3Xd> rows_, slope_;

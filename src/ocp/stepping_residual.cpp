@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "ocp/stepping_rows.hpp"
+
 namespace conddp {
 namespace {
 
@@ -31,102 +33,9 @@ class ChosenControls : public ResidualBase<ChosenControls> {
   std::vector<int> indices_;
 };
 
-/// The structure of the rows of a stepping system.
-struct StepBlocks {
-  std::vector<RowBlock> blocks;
-  std::vector<std::string> names;
-  std::vector<int> forces;  ///< entries of the control that act in the equations of motion, past u
-  /// One for each row behind those of motion: the constant derivatives by entries of the control,
-  /// which are the last ones of the row.
-  std::vector<std::vector<double>> constants;
-
-  StepBlocks(const SteppingSystem& system, int ndx) : n_(system.nv()), ndx_(ndx) {
-    const SteppingLayout& w = system.layout();
-    motion(system);
-    for (std::size_t c = 0; c < w.candidates.size(); ++c) {
-      const SteppingLayout::Candidate& at = w.candidates[c];
-      const ContactCandidate& candidate = system.contacts().candidates[c];
-      const std::vector<int>& joints = system.geometry()[c].columns();
-      const std::string name = "contact/" + candidate.name;
-      Entries entries{{at.gap, 1}};
-      if (candidate.stiffness) entries.emplace_back(at.force, -1 / *candidate.stiffness);
-      add(name + "/gap", w, joints, true, entries);
-      friction(name, w, joints, true, at.friction);
-      if (at.friction.count > 0) budget(name, w, at.friction, {{at.force, -candidate.friction}});
-    }
-    for (const SteppingLayout::Stop& stop : w.stops)
-      add("stop/" + system.multibody().robot().joints[stop.joint].name +
-              (stop.upper ? "/upper" : "/lower"),
-          w, {stop.joint}, true, {{stop.distance, 1}});
-    for (std::size_t i = 0; i < w.frictions.size(); ++i) {
-      const int joint = system.contacts().frictions[i].joint;
-      const std::string name = "friction/" + system.multibody().robot().joints[joint].name;
-      friction(name, w, {joint}, false, w.frictions[i]);
-      budget(name, w, w.frictions[i], {});
-    }
-  }
-
- private:
-  /// Entries of the control and the constant derivatives by them.
-  using Entries = std::vector<std::pair<int, double>>;
-
-  /// A row that depends on q (if asked for), v and a of some joints, and on entries of the control.
-  void add(const std::string& name, const SteppingLayout& w, const std::vector<int>& joints,
-           bool position, Entries entries) {
-    RowBlock block{1, {}};
-    if (position) block.columns = joints;
-    for (const int j : joints) block.columns.push_back(n_ + j);
-    for (const int j : joints) block.columns.push_back(ndx_ + w.acceleration + j);
-    std::sort(entries.begin(), entries.end());
-    std::vector<double>& slopes = constants.emplace_back();
-    for (const auto& [i, slope] : entries) {
-      block.columns.push_back(ndx_ + i);
-      slopes.push_back(slope);
-    }
-    blocks.push_back(std::move(block));
-    names.push_back(name);
-  }
-
-  void friction(const std::string& name, const SteppingLayout& w, const std::vector<int>& joints,
-                bool position, const FrictionIndices& f) {
-    for (int i = 0; i < f.count; ++i)
-      add(name + "/slip" + std::to_string(i), w, joints, position, {{f.slip[i], 1}, {f.gamma, -1}});
-  }
-
-  /// What friction has left; `entries`: what its budget comes from.
-  void budget(const std::string& name, const SteppingLayout& w, const FrictionIndices& f,
-              Entries entries) {
-    for (int i = 0; i < f.count; ++i) entries.emplace_back(f.force[i], 1);
-    entries.emplace_back(f.rest, 1);
-    add(name + "/budget", w, {}, false, std::move(entries));
-  }
-
-  /// The block of the equations of motion: q, v, u, a, then forces.
-  void motion(const SteppingSystem& system) {
-    const SteppingLayout& w = system.layout();
-    for (const auto& c : w.candidates) {
-      forces.push_back(c.force);
-      forces.insert(forces.end(), c.friction.force.begin(),
-                    c.friction.force.begin() + c.friction.count);
-    }
-    for (const auto& s : w.stops) forces.push_back(s.force);
-    for (const auto& f : w.frictions)
-      forces.insert(forces.end(), f.force.begin(), f.force.begin() + 2);
-    std::sort(forces.begin(), forces.end());
-    RowBlock block{n_, column_range(0, 2 * n_)};
-    for (int i = 0; i < w.actuators + n_; ++i) block.columns.push_back(ndx_ + i);
-    for (const int i : forces) block.columns.push_back(ndx_ + i);
-    blocks.push_back(std::move(block));
-    for (const Joint& joint : system.multibody().robot().joints)
-      names.push_back("motion/" + joint.name);
-  }
-
-  int n_, ndx_;
-};
-
 class SteppingResidual : public ResidualBase<SteppingResidual> {
  public:
-  SteppingResidual(SystemPointer system, const StepBlocks& structure)
+  SteppingResidual(SystemPointer system, const SteppingRows& structure)
       : ResidualBase(structure.blocks, 1, true),
         system_(std::move(system)),
         n_(system_->nv()),
@@ -155,7 +64,7 @@ class SteppingResidual : public ResidualBase<SteppingResidual> {
     const SteppingLayout& w = system_->layout();
     const std::vector<double>* row = constants_.data();
     for (std::size_t c = 0; c < w.candidates.size(); ++c)
-      jacobian = differentiate_candidate(static_cast<int>(c), h, data, row, jacobian);
+      jacobian = differentiate_candidate(static_cast<int>(c), in.u, h, data, row, jacobian);
     for (const SteppingLayout::Stop& stop : w.stops) {
       const S slope(stop.upper ? 1.0 : -1.0);
       *jacobian++ = slope;
@@ -181,6 +90,7 @@ class SteppingResidual : public ResidualBase<SteppingResidual> {
     use(at.force, 0, 1.0);
     for (int i = 0; i < at.friction.count; ++i)
       use(at.friction.force[i], 1 + i / 2, i % 2 == 0 ? 1.0 : -1.0);
+    for (int i = 0; at.cone.present && i < 2; ++i) use(at.cone.force[i], 1 + i, 1.0);
   }
 
   /// The generalised force of a joint's own forces: use(entry of the control, joint, sign).
@@ -218,15 +128,14 @@ class SteppingResidual : public ResidualBase<SteppingResidual> {
       *r = u[at.gap] - rows.gap;
       if (candidate.stiffness) *r -= S(1 / *candidate.stiffness) * u[at.force];
       ++r;
-      r = write_friction(
-          at.friction, S(candidate.friction) * u[at.force], u,
-          [&](int tangent) {
-            S speed(0.0);
-            for (int j = 0; j < k; ++j)
-              speed += rows.rows[(1 + tangent) * k + j] * data.v[joints[j]];
-            return speed;
-          },
-          r);
+      const S budget = S(candidate.friction) * u[at.force];
+      const auto speed = [&](int tangent) {
+        S sum(0.0);
+        for (int j = 0; j < k; ++j) sum += rows.rows[(1 + tangent) * k + j] * data.v[joints[j]];
+        return sum;
+      };
+      r = write_friction(at.friction, budget, u, speed, r);
+      if (at.cone.present) r = write_cone(at.cone, budget, u, speed, r);
     }
     for (const SteppingLayout::Stop& stop : w.stops) {
       const S above = data.q[stop.joint] - S(stop.limit);
@@ -252,6 +161,20 @@ class SteppingResidual : public ResidualBase<SteppingResidual> {
     }
     *r++ = u[f.rest] - rest;
     return r;
+  }
+
+  /// γ e − v_t, f_t + budget e, s − (1 − ‖e‖²).
+  template <class S, class Speed>
+  static S* write_cone(const ConeIndices& cone, const S& budget, const S* u, Speed speed, S* r) {
+    S rest = u[cone.rest] - S(1.0);
+    for (int i = 0; i < 2; ++i) {
+      const S e = u[cone.use[i]];
+      r[i] = u[cone.speed] * e - speed(i);
+      r[2 + i] = u[cone.force[i]] + budget * e;
+      rest += e * e;
+    }
+    r[4] = rest;
+    return r + ConeIndices::kRows;
   }
 
   template <class S>
@@ -301,12 +224,11 @@ class SteppingResidual : public ResidualBase<SteppingResidual> {
   }
 
   template <class S>
-  S* differentiate_candidate(int c, const S& h, const SteppingSystem::Data<S>& data,
+  S* differentiate_candidate(int c, const S* u, const S& h, const SteppingSystem::Data<S>& data,
                              const std::vector<double>*& row_constants, S* jacobian) const {
     const SteppingLayout::Candidate& at = system_->layout().candidates[c];
-    const std::vector<int>& joints = system_->geometry()[c].columns();
     const CandidateRows<S>& rows = data.candidates[c];
-    const int k = static_cast<int>(joints.size()), m = static_cast<int>(rows.rows.size());
+    const int k = static_cast<int>(system_->geometry()[c].columns().size());
     for (int j = 0; j < k; ++j) {
       jacobian[j] = -rows.rows[j];
       jacobian[k + j] = h * jacobian[j];
@@ -316,19 +238,45 @@ class SteppingResidual : public ResidualBase<SteppingResidual> {
     jacobian = write_constants(*row_constants++, jacobian);
     const FrictionIndices& f = at.friction;
     for (int i = 0; i < f.count; ++i) {
-      const S sign(i % 2 == 0 ? -1.0 : 1.0);
-      const int row = 1 + i / 2;
-      for (int j = 0; j < k; ++j) {
-        S speed(0.0);
-        for (int l = 0; l < k; ++l) speed += rows.slopes[j * m + row * k + l] * data.v[joints[l]];
-        jacobian[j] = sign * speed;
-        jacobian[k + j] = h * jacobian[j] + sign * rows.rows[row * k + j];
-        jacobian[2 * k + j] = h * jacobian[k + j];
-      }
-      jacobian = write_constants(*row_constants++, jacobian + 3 * k);
+      jacobian = differentiate_speed(c, i / 2, i % 2 == 0 ? -1 : 1, h, data, jacobian);
+      jacobian = write_constants(*row_constants++, jacobian);
     }
     if (f.count > 0) jacobian = write_constants(*row_constants++, jacobian);
+    if (!at.cone.present) return jacobian;
+    const ConeIndices& cone = at.cone;
+    const S mu(system_->contacts().candidates[c].friction);
+    for (int i = 0; i < 2; ++i) {
+      jacobian = differentiate_speed(c, i, -1, h, data, jacobian);
+      *jacobian++ = u[cone.speed];
+      *jacobian++ = u[cone.use[i]];
+    }
+    for (int i = 0; i < 2; ++i) {
+      *jacobian++ = mu * u[cone.use[i]];
+      *jacobian++ = S(1.0);
+      *jacobian++ = mu * u[at.force];
+    }
+    for (int i = 0; i < 2; ++i) *jacobian++ = S(2.0) * u[cone.use[i]];
+    *jacobian++ = S(1.0);
+    row_constants += ConeIndices::kRows;
     return jacobian;
+  }
+
+  /// Derivatives by q, v and a of sign times the velocity along a tangent of a candidate.
+  template <class S>
+  S* differentiate_speed(int c, int tangent, double sign, const S& h,
+                         const SteppingSystem::Data<S>& data, S* jacobian) const {
+    const std::vector<int>& joints = system_->geometry()[c].columns();
+    const CandidateRows<S>& rows = data.candidates[c];
+    const int k = static_cast<int>(joints.size()), m = static_cast<int>(rows.rows.size());
+    const int row = 1 + tangent;
+    for (int j = 0; j < k; ++j) {
+      S speed(0.0);
+      for (int l = 0; l < k; ++l) speed += rows.slopes[j * m + row * k + l] * data.v[joints[l]];
+      jacobian[j] = S(sign) * speed;
+      jacobian[k + j] = h * jacobian[j] + S(sign) * rows.rows[row * k + j];
+      jacobian[2 * k + j] = h * jacobian[k + j];
+    }
+    return jacobian + 3 * k;
   }
 
   SystemPointer system_;
@@ -340,11 +288,11 @@ class SteppingResidual : public ResidualBase<SteppingResidual> {
 }  // namespace
 
 std::shared_ptr<const Residual> stepping_residual(const SystemPointer& system, int ndx) {
-  return std::make_shared<SteppingResidual>(system, StepBlocks(*system, ndx));
+  return std::make_shared<SteppingResidual>(system, SteppingRows(*system, ndx));
 }
 
 std::vector<std::string> stepping_row_names(const SteppingSystem& system) {
-  return StepBlocks(system, system.ndx()).names;
+  return SteppingRows(system, system.ndx()).names;
 }
 
 std::shared_ptr<const Residual> stepping_pairs_residual(const SteppingSystem& system, int ndx) {

@@ -10,7 +10,8 @@ namespace conddp {
 /// What vanishes in every step of a stepping system, at its end q⁺, v⁺:
 /// - the equations of motion M(q⁺) a + c(q⁺, v⁺) − B u − Σ Jᵀf (backward Euler, as a = (v⁺ − v)/h);
 /// - of each candidate: s_n − φ(q⁺) [− f_n/stiffness], s_i − (γ ± D(q⁺) v⁺) for each direction of
-///   friction, s_γ − (μ f_n − Σ f_i);
+///   friction, s_γ − (μ f_n − Σ f_i); with a cone instead (ConeIndices) γ e − v_t, f_t + μ f_n e
+///   and s − (1 − ‖e‖²);
 /// - of each stop: its distance from the limit; of each dry friction the rows of a candidate's.
 /// Parameter: the step h, s. ndx is that of the knot model.
 std::shared_ptr<const Residual> stepping_residual(

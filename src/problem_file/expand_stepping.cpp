@@ -36,7 +36,8 @@ OrderedJson expand_candidates(const std::vector<CandidateSpec>& candidates) {
 }
 
 OrderedJson expand_stepping(const SteppingSpec& stepping) {
-  OrderedJson json = {{"scheme", word_of(kSchemeWords, stepping.scheme)}};
+  OrderedJson json = {{"scheme", word_of(kSchemeWords, stepping.scheme)},
+                      {"friction", word_of(kFrictionWords, stepping.friction)}};
   if (stepping.plane) json["plane"] = expand_vector(*stepping.plane);
   json["joint_limits"] = OrderedJson::object();
   for (const auto& [name, limits] : stepping.joint_limits) {

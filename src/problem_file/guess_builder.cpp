@@ -41,6 +41,9 @@ class GuessBuilder {
   }
 
  private:
+  /// How far guessed forces and slacks stand off their bounds.
+  static constexpr double kInside = 0.01;
+
   const GuessSpec& guess() const { return spec_.guess; }
   bool chooses() const { return problem_.phases().front().instant; }
   /// The system whose controls are guessed: slopes of collocation follow from them and the states.
@@ -212,7 +215,6 @@ class GuessBuilder {
   /// Contacts that are found: forces a little inside of their bounds, slacks as the guessed states
   /// have them or a little inside. The accelerations are those of the guessed states.
   void fill_contacts(Trajectory& trajectory) {
-    constexpr double kInside = 0.01;
     const SteppingSystem& system = *plant_.stepping;
     const SteppingLayout& w = system.layout();
     const int nv = system.nv();
@@ -233,13 +235,32 @@ class GuessBuilder {
         for (int i = 0; i < f.count; ++i) set(f.slip[i]);
         if (f.count > 0) set(f.rest);
       };
-      for (const SteppingLayout::Candidate& c : w.candidates) {
+      for (std::size_t i = 0; i < w.candidates.size(); ++i) {
+        const SteppingLayout::Candidate& c = w.candidates[i];
         set(c.gap);
         set_friction(c.friction);
+        if (c.cone.present) row = guess_cone(c, system.contacts().candidates[i], row, u);
       }
       for (const SteppingLayout::Stop& stop : w.stops) set(stop.distance);
       for (const FrictionIndices& f : w.frictions) set_friction(f);
     }
+  }
+
+  /// Friction as the guessed slip has it, a little inside of the cone. `row`: that of the slip
+  /// along the first tangent, which has been evaluated without a share of friction. Returns the row
+  /// past those of the cone.
+  static const double* guess_cone(const SteppingLayout::Candidate& at,
+                                  const ContactCandidate& candidate, const double* row,
+                                  Eigen::Ref<Eigen::VectorXd> u) {
+    const ConeIndices& cone = at.cone;
+    u[cone.speed] = std::max(std::hypot(row[0], row[1]) * (1 + kInside), kInside);
+    u[cone.rest] = 1;
+    for (int i = 0; i < 2; ++i) {
+      u[cone.use[i]] = -row[i] / u[cone.speed];
+      u[cone.force[i]] = -candidate.friction * u[at.force] * u[cone.use[i]];
+      u[cone.rest] -= u[cone.use[i]] * u[cone.use[i]];
+    }
+    return row + ConeIndices::kRows;
   }
 
   std::optional<TimeSeries> from_file(const DataFileSpec& file, bool states,

@@ -110,6 +110,8 @@ SteppingSpec read_stepping(const YamlReader& reader) {
   if (!map.valid()) return stepping;
   if (const auto r = map.find("scheme"))
     stepping.scheme = r->choice(kSchemeWords, "stepping scheme").value_or(stepping.scheme);
+  if (const auto r = map.find("friction"))
+    stepping.friction = r->choice(kFrictionWords, "friction model").value_or(stepping.friction);
   if (const auto r = map.find("plane")) stepping.plane = read_direction(*r);
   if (const auto r = map.find("joint_limits")) read_joint_limits(*r, stepping);
   if (const auto r = map.find("joint_friction"))

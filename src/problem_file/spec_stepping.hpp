@@ -35,11 +35,12 @@ struct CandidateSpec {
 struct SteppingSpec {
   Place place;
   SteppingScheme scheme = SteppingScheme::backward_euler;
+  FrictionModel friction = FrictionModel::polyhedron;
   std::optional<Vector3<double>> plane;  ///< unit normal
   bool all_limits = false;               ///< every joint's limits of the URDF are stops
   std::vector<std::pair<Name, std::array<double, 2>>> joint_limits;
   NamedNumbers joint_friction;
-  /// Weight of ½ f², of forces and slip speeds, a rate.
+  /// Weight of ½ f², of forces, slip speeds and shares of friction, a rate.
   double regularization = 1e-3;
 };
 

@@ -109,7 +109,9 @@ std::shared_ptr<const SteppingSystem> build_stepping(const ProblemSpec& spec, co
                                                      Diagnostics& out) {
   const int errors = out.error_count();
   check_frozen_keys(spec, out);
-  ImplicitContacts contacts{.scheme = spec.stepping->scheme, .plane = spec.stepping->plane};
+  ImplicitContacts contacts{.scheme = spec.stepping->scheme,
+                            .friction = spec.stepping->friction,
+                            .plane = spec.stepping->plane};
   for (const CandidateSpec& candidate : spec.candidates) {
     check_plane(candidate, *spec.stepping, out);
     if (auto built = build_candidate(candidate, plant, out))
@@ -143,6 +145,11 @@ void add_stepping_terms(const std::shared_ptr<const SteppingSystem>& system, Kno
   for (const SteppingLayout::Candidate& c : w.candidates) {
     forces.push_back(c.force);
     add_friction(c.friction);
+    if (!c.cone.present) continue;
+    // The share of friction too: nothing else tells it where no force acts and nothing slips.
+    forces.insert(forces.end(), c.cone.force.begin(), c.cone.force.end());
+    forces.insert(forces.end(), c.cone.use.begin(), c.cone.use.end());
+    forces.push_back(c.cone.speed);
   }
   for (const SteppingLayout::Stop& stop : w.stops) forces.push_back(stop.force);
   for (const FrictionIndices& f : w.frictions) add_friction(f);

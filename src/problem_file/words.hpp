@@ -61,6 +61,9 @@ inline constexpr Choice<GaitType> kGaitWords[] = {
 inline constexpr Choice<SteppingScheme> kSchemeWords[] = {
     {"backward_euler", SteppingScheme::backward_euler},
     {"variational_midpoint", SteppingScheme::variational_midpoint}};
+/// How friction of contacts that are found is bounded.
+inline constexpr Choice<FrictionModel> kFrictionWords[] = {
+    {"polyhedron", FrictionModel::polyhedron}, {"cone", FrictionModel::cone}};
 /// Whether all joint limits of the URDF are stops.
 inline constexpr Choice<bool> kJointLimitWords[] = {{"none", false}, {"urdf", true}};
 

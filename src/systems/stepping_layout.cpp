@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include <fmt/format.h>
+
 namespace conddp {
 namespace {
 
@@ -27,6 +29,19 @@ FrictionIndices add_friction(SteppingLayout& layout, const std::string& prefix, 
   return f;
 }
 
+/// Of two tangents: forces first, then what they follow from.
+ConeIndices add_cone(SteppingLayout& layout, const std::string& prefix) {
+  ConeIndices cone{.present = true};
+  for (int i = 0; i < 2; ++i)
+    cone.force[i] = add(layout.columns, fmt::format("{}/ft{}", prefix, i + 1), "N");
+  for (int i = 0; i < 2; ++i)
+    cone.use[i] = add(layout.columns, fmt::format("{}/use{}", prefix, i + 1), "");
+  cone.speed = add(layout.columns, prefix + "/slip_speed", "m/s");
+  cone.rest = add(layout.columns, prefix + "/use_left", "");
+  layout.pairs.emplace_back(cone.speed, cone.rest);
+  return cone;
+}
+
 }  // namespace
 
 SteppingLayout::SteppingLayout(const RobotModel& robot, const std::vector<Column>& actuator_columns,
@@ -44,7 +59,10 @@ SteppingLayout::SteppingLayout(const RobotModel& robot, const std::vector<Column
     indices.force = add(columns, prefix + "/fn", "N");
     indices.gap = add(columns, prefix + "/gap", "m");
     pairs.emplace_back(indices.force, indices.gap);
-    if (c.friction > 0)
+    // Along one tangent the cone is the pyramid.
+    if (c.friction > 0 && contacts.friction == FrictionModel::cone && !contacts.plane)
+      indices.cone = add_cone(*this, prefix);
+    else if (c.friction > 0)
       indices.friction = add_friction(*this, prefix, contacts.plane ? 1 : 2, "N", "m/s");
     candidates.push_back(indices);
   }

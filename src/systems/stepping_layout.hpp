@@ -17,13 +17,27 @@ struct FrictionIndices {
   int gamma = 0, rest = 0;             ///< γ and s_γ
 };
 
+/// Friction within the cone ‖f_t‖ ≤ μ f_n that opposes a slip v_t along two tangents the most, by
+/// the share e of friction that is used: f_t = −μ f_n e and v_t = γ e with ‖e‖ ≤ 1 and the one pair
+/// γ ⊥ s = 1 − ‖e‖². Where f_n > 0 these are the conditions of the cone, (μ f_n, f_t) ⊥ (γ, v_t) in
+/// cones of second order; with them all rows have full rank at the tip of the cone too, where the
+/// cone's own have not.
+struct ConeIndices {
+  /// In the stepping equations: v_t = γ e, f_t = −μ f_n e, s = 1 − ‖e‖².
+  static constexpr int kRows = 5;
+  bool present = false;
+  std::array<int, 2> force{}, use{};  ///< f_t and e, along the tangents
+  int speed = 0, rest = 0;            ///< γ and s
+};
+
 /// Where the controls w of a stepping system stand: the actuators u, then the accelerations a, then
 /// forces and the slacks of their complementarity conditions, all of which belong to the end of the
 /// step. Forces are means over the step, N or Nm.
 struct SteppingLayout {
   struct Candidate {
-    int force = 0, gap = 0;  ///< f_n and s_n = φ, or φ + f_n/stiffness
-    FrictionIndices friction;
+    int force = 0, gap = 0;    ///< f_n and s_n = φ, or φ + f_n/stiffness
+    FrictionIndices friction;  ///< by a pyramid
+    ConeIndices cone;          ///< or by the cone
   };
   /// One side of a stop: its force ≥ 0 away from the limit, and the distance from it.
   struct Stop {

@@ -26,8 +26,6 @@ SteppingSystem::SteppingSystem(std::shared_ptr<const MultibodySystem> robot,
     if (joint.type == JointType::floating)
       throw std::invalid_argument("the joint '" + joint.name +
                                   "' floats, which contacts that are found do not allow");
-  if (contacts_.friction != FrictionModel::polyhedron)
-    throw std::invalid_argument("friction is bounded by polyhedra alone");
   if (!robot_->mimic_map().identity())
     throw std::invalid_argument(
         "a joint mimics another one, which contacts that are found do not "

@@ -260,6 +260,33 @@ TEST(ContactSimulator, ConeOpposesTheSlipInSpace) {
   }
 }
 
+/// Cones that are all but parallel, on feet whose loads and slips belong together.
+TEST(ContactSimulator, ConesOfThreeFeetOpposeTheSlipOfTheirBody) {
+  const double h = 0.02, friction = 0.3, mass = 0.5;
+  ContactPlant plant = contact_plant("puck", {});
+  plant.contacts.plane.reset();
+  plant.contacts.friction = FrictionModel::cone;
+  for (const char* foot : {"foot_1", "foot_2", "foot_3"})
+    plant.contacts.candidates.push_back(on_ground(plant, foot, friction));
+  ContactSimulator simulator(plant);
+  for (const double heading : {0.0, 0.5404195, 2.0, -1.2}) {
+    StepStart start = at_rest(plant, h);
+    start.q[velocity_index(plant, "base_z")] = 0.02;
+    const Eigen::Vector2d along(std::cos(heading), std::sin(heading));
+    double speed = 0;
+    // Pushed from rest, then alone until it stands.
+    for (int k = 0; k < 25; ++k) {
+      const double push = k < 5 ? 6 : 0;
+      start.applied.head<2>() = push * along;
+      const ContactStep step = advance(simulator, plant, start);
+      speed = std::max(0.0, speed + h * (push / mass - friction * kGravity));
+      EXPECT_NEAR((step.v.head<2>() - speed * along).norm(), 0, 1e-9) << k;
+      EXPECT_NEAR(step.v.tail<4>().norm(), 0, 1e-9) << k;
+    }
+    EXPECT_EQ(speed, 0);
+  }
+}
+
 TEST(ContactSimulator, PyramidIsWeakerBetweenItsEdges) {
   const double h = 0.01;
   const ContactPlant plant = puck(FrictionModel::polyhedron);

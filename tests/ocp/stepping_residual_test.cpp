@@ -32,19 +32,26 @@ std::vector<double> values(const SteppingSystem& system, const Residual& residua
   return r;
 }
 
-TEST(SteppingSystem, RefusesFrictionThatItDoesNotHave) {
-  const auto system = stepping_robot(true);
-  ImplicitContacts contacts = system->contacts();
-  contacts.friction = FrictionModel::cone;
-  EXPECT_THROW(SteppingSystem(std::make_shared<MultibodySystem>(system->multibody()), contacts),
-               std::invalid_argument);
+TEST(SteppingLayout, AlongOneTangentTheConeIsThePyramid) {
+  const auto names = [](bool planar, FrictionModel friction) {
+    const auto system = stepping_robot(planar, SteppingScheme::backward_euler, friction);
+    std::vector<std::string> list;
+    for (const Column& column : system->layout().columns) list.push_back(column.name);
+    return list;
+  };
+  EXPECT_EQ(names(true, FrictionModel::cone), names(true, FrictionModel::polyhedron));
+  const auto cone = names(false, FrictionModel::cone);
+  EXPECT_NE(cone, names(false, FrictionModel::polyhedron));
+  EXPECT_EQ(std::count(cone.begin(), cone.end(), "contact/ball/ft2"), 1);
+  EXPECT_EQ(std::count(cone.begin(), cone.end(), "contact/pad/ft2"), 0);  // without friction
 }
 
-class SteppingDerivatives : public ::testing::TestWithParam<std::tuple<bool, SteppingScheme>> {};
+class SteppingDerivatives
+    : public ::testing::TestWithParam<std::tuple<bool, SteppingScheme, FrictionModel>> {};
 
 TEST_P(SteppingDerivatives, AgreeWithDifferences) {
-  const auto& [planar, scheme] = GetParam();
-  const auto system = stepping_robot(planar, scheme);
+  const auto& [planar, scheme, friction] = GetParam();
+  const auto system = stepping_robot(planar, scheme, friction);
   const auto residual = stepping_residual(system, system->ndx());
   const Point p = random_point(*system, 3);
   const auto data = system->create_data(double{});
@@ -81,10 +88,12 @@ TEST_P(SteppingDerivatives, AgreeWithDifferences) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Schemes, SteppingDerivatives,
-    ::testing::Combine(::testing::Bool(), ::testing::Values(SteppingScheme::backward_euler,
-                                                            SteppingScheme::variational_midpoint)));
+INSTANTIATE_TEST_SUITE_P(Schemes, SteppingDerivatives,
+                         ::testing::Combine(::testing::Bool(),
+                                            ::testing::Values(SteppingScheme::backward_euler,
+                                                              SteppingScheme::variational_midpoint),
+                                            ::testing::Values(FrictionModel::polyhedron,
+                                                              FrictionModel::cone)));
 
 /// Momentum is ∂T/∂v, the load what bias forces are without the change of the momentum, and both
 /// follow from kinetic energy alone by differences.

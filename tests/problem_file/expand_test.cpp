@@ -136,6 +136,7 @@ phases: [{knots: 3, dt: 0.1}]
 costs: {effort: {residual: control, weight: 0.1}}
 solver: {name: ipopt}
 )");
+  texts.push_back(replaced(texts.back(), "plane: [0, 2, 0]", "friction: cone"));
   texts.push_back(R"(conddp: 1
 system: {type: pendulum}
 initial_state: {}

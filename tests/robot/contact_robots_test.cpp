@@ -105,6 +105,12 @@ TEST(ContactRobotPostures, AreAsTheFilesSay) {
   expect_near(block("corner_4"), -0.5, 0, 1);
   EXPECT_LT(Posture("block", {{"base_pitch", 0.1}})("corner_2").z, -0.5);
 
+  const Posture puck("puck", {{"base_y", 1}, {"base_z", 0.02}, {"base_yaw", std::numbers::pi}});
+  expect_near(puck("foot_1"), -0.08, 1, 0);
+  const Posture tilted("puck", {{"base_z", 0.02}, {"base_roll", 0.1}});
+  EXPECT_GT(tilted("foot_2").z, 0);
+  EXPECT_LT(tilted("foot_3").z, 0);
+
   const double a = std::acos(0.75);
   const Posture hopper(
       "footed_hopper",

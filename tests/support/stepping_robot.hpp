@@ -11,7 +11,8 @@ namespace conddp {
 /// without friction, rigid and soft, against the world and against its own bodies, stops, and dry
 /// friction.
 inline std::shared_ptr<const SteppingSystem> stepping_robot(
-    bool planar, SteppingScheme scheme = SteppingScheme::backward_euler) {
+    bool planar, SteppingScheme scheme = SteppingScheme::backward_euler,
+    FrictionModel friction = FrictionModel::polyhedron) {
   const auto robot = std::make_shared<RobotModel>(random_robot(7, {.joints = 5, .branching = 0.6}));
   int tip = 0, other = 0;
   for (int i = 0; i < static_cast<int>(robot->frames.size()); ++i) {
@@ -19,7 +20,7 @@ inline std::shared_ptr<const SteppingSystem> stepping_robot(
     if (robot->frames[i].joint == robot->joint_count() / 2) other = i;
   }
   const ContactSphere sphere{tip, {0.1, -0.2, 0.3}, 0.05};
-  ImplicitContacts contacts{.scheme = scheme};
+  ImplicitContacts contacts{.scheme = scheme, .friction = friction};
   contacts.candidates = {{"ground", sphere, ContactHalfSpace{-1, {0, 0, 1}, -2}, 0.5, {}},
                          {"ball", sphere, ContactSphere{other, {3, 0.1, 2}, 0.2}, 0.3, {}},
                          {"pad", sphere, ContactHalfSpace{-1, {0.6, 0, 0.8}, -2}, 0, 200.0}};
