@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "robot/kinematics.hpp"
+#include "solvers/guess.hpp"
 #include "support/random_numbers.hpp"
 #include "support/transcribed_problem.hpp"
 
@@ -112,6 +113,30 @@ INSTANTIATE_TEST_SUITE_P(
                           "planar_quadruped_gait"),
         ::testing::Values(std::optional<int>(), std::optional<int>(1), std::optional<int>(2))),
     case_name);
+
+/// The same from guesses in which every state and control is off, as 'conddp bench --perturb
+/// guess=0.01 --instances 2' makes them.
+class FindsItsContactsFromARandomGuess
+    : public ::testing::TestWithParam<std::tuple<std::string, int>> {};
+
+TEST_P(FindsItsContactsFromARandomGuess, Exactly) {
+  const auto& [name, seed] = GetParam();
+  const ReadyProblem ready(name);
+  const ShootingProblem& problem = *ready.built.problem;
+  expect_exact_contacts(ready, solve(problem, "ipopt", ready.spec.solver.options,
+                                     perturb_guess(problem, ready.built.guess, 0.01, seed)));
+}
+
+INSTANTIATE_TEST_SUITE_P(Ready, FindsItsContactsFromARandomGuess,
+                         ::testing::Combine(::testing::Values("block_slope", "block_drag",
+                                                              "push_box", "cartpole_friction",
+                                                              "cartpole_walls", "finger_spinner",
+                                                              "acrobot_limits", "raibert_gait"),
+                                            ::testing::Values(1, 2)),
+                         [](const auto& test) {
+                           return std::get<0>(test.param) + "_seed_" +
+                                  std::to_string(std::get<1>(test.param));
+                         });
 
 TEST(AcrobotBetweenStops, SwingsHigherWhereStepsLoseNoEnergy) {
   const SolveResult damped = solve_ready(ReadyProblem("acrobot_limits"));
