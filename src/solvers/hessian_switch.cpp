@@ -12,6 +12,12 @@ constexpr int kWatchedIterations = 10;
 /// exact iterations a solve is taken to need.
 constexpr double kDirectionCost = 1;
 constexpr double kExactIterations = 4;
+/// What exact iterations may cost, in Gauss-Newton iterations, before their convergence is judged;
+/// and fewest of them.
+constexpr double kExactTrial = 1000;
+constexpr int kFewestExact = 8;
+/// Bounds how often the window doubles.
+constexpr int kMostDoublings = 10;
 /// What rounding makes of equal Hessians, relative to their largest entry.
 constexpr double kSameHessian = 1e-12;
 
@@ -51,21 +57,44 @@ HessianSwitch::HessianSwitch(HessianUse use, double tolerance, Acts& acts,
 
 void HessianSwitch::reset() {
   exact_wanted_ = use_ == HessianUse::exact;
-  same_ = false;
+  for_good_ = same_ = false;
+  returns_ = 0;
+}
+
+/// Iterations over which the convergence of the set in use is judged. Whenever exact Hessians have
+/// been given up, Gauss-Newton ones get twice as many.
+int HessianSwitch::window() const {
+  if (exact_wanted_) return std::max(kFewestExact, static_cast<int>(kExactTrial / exact_cost_));
+  return std::max(kWatchedIterations, static_cast<int>(exact_cost_ / 2))
+         << std::min(returns_, kMostDoublings);
 }
 
 /// An exact Hessian takes as many passes as there are directions, so what it saves has to be worth
 /// that. Over a window that is itself no longer than a fraction of the price, the stationarity's
 /// rate of convergence tells how many iterations Gauss-Newton still needs; exact ones are taken to
 /// need kExactIterations. As long as the cost falls much, that rate says nothing.
+bool HessianSwitch::gauss_newton_is_slow(const IterationRecord& row) const {
+  if (watched_cost_ - row.cost >= 0.1 * std::abs(row.cost)) return false;
+  const double decades = std::log10(watched_stationarity_ / row.stationarity) / window();
+  const double wanted = std::log10(row.stationarity / tolerance_);
+  return !(wanted <= decades * kExactIterations * exact_cost_);
+}
+
+/// Far from an optimum exact Hessians are as slow as others. They stay if, at their rate, the end
+/// is no further away than what they have taken already.
+bool HessianSwitch::exact_is_slow(const IterationRecord& row) const {
+  return !(std::log10(row.stationarity / tolerance_) <=
+           std::log10(watched_stationarity_ / row.stationarity));
+}
+
 void HessianSwitch::watch(const IterationRecord& row) {
-  if (use_ != HessianUse::when_slow || exact_wanted_) return;
-  const int window = std::max(kWatchedIterations, static_cast<int>(exact_cost_ / 2));
-  if (row.iteration > 0 && row.iteration < watched_iteration_ + window) return;
-  if (row.iteration > 0 && watched_cost_ - row.cost < 0.1 * std::abs(row.cost)) {
-    const double decades = std::log10(watched_stationarity_ / row.stationarity) / window;
-    const double wanted = std::log10(row.stationarity / tolerance_);
-    exact_wanted_ = !(wanted <= decades * kExactIterations * exact_cost_);
+  if (use_ != HessianUse::when_slow || for_good_) return;
+  if (row.iteration > 0) {
+    if (row.iteration < watched_iteration_ + window()) return;
+    if (exact_wanted_ ? exact_is_slow(row) : gauss_newton_is_slow(row)) {
+      if (exact_wanted_) ++returns_;
+      exact_wanted_ = !exact_wanted_;
+    }
   }
   watched_iteration_ = row.iteration;
   watched_stationarity_ = row.stationarity;
@@ -74,7 +103,7 @@ void HessianSwitch::watch(const IterationRecord& row) {
 
 bool HessianSwitch::turn() {
   if (use_ != HessianUse::when_slow || exact_wanted_ || same_) return false;
-  exact_wanted_ = true;
+  exact_wanted_ = for_good_ = true;
   return true;
 }
 

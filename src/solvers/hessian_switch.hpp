@@ -20,7 +20,7 @@ HessianUse hessian_use(const SolverOptions& options);
 bool same_hessian(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
 
 /// The Hessians of a linearisation in two sets, Gauss-Newton and exact, of which one is in the
-/// linearisation and the other here; and when a solve turns from the former to the latter.
+/// linearisation and the other here; and when a solve turns from the former to the latter, or back.
 class HessianSwitch {
  public:
   /// Allocates what exact Hessians need, where they may be used. `tolerance` is that of the
@@ -29,9 +29,10 @@ class HessianSwitch {
 
   /// At the start of a solve.
   void reset();
-  /// With every row of the log: watches for slow convergence.
+  /// With every row of the log: watches for slow convergence, with either set.
   void watch(const IterationRecord& row);
-  /// Turns to exact Hessians where convergence may decide that. Returns whether that is news.
+  /// Turns to exact Hessians for good, where convergence may decide that. Returns whether that is
+  /// news.
   bool turn();
 
   /// Forgets the exact Hessians and puts the Gauss-Newton ones into the linearisation, as
@@ -51,6 +52,10 @@ class HessianSwitch {
   bool exact_in_use() const { return exact_in_use_; }
 
  private:
+  bool gauss_newton_is_slow(const IterationRecord& row) const;
+  bool exact_is_slow(const IterationRecord& row) const;
+  int window() const;
+
   HessianUse use_;
   double tolerance_;
   double exact_cost_ = 0;  ///< of an iteration, in Gauss-Newton iterations
@@ -60,7 +65,9 @@ class HessianSwitch {
   bool exact_wanted_ = false;
   bool exact_known_ = false;
   bool exact_in_use_ = false;
+  bool for_good_ = false;      ///< exact Hessians are not given up
   bool same_ = false;          ///< the last exact Hessians were those of Gauss-Newton
+  int returns_ = 0;            ///< how often exact Hessians were given up
   int watched_iteration_ = 0;  ///< the iterate that convergence is compared with
   double watched_cost_ = 0;
   double watched_stationarity_ = 0;
