@@ -93,8 +93,8 @@ class Bench {
     for (const SolverInfo* solver : solvers_) request.solvers.emplace_back(solver->name);
     request.repeat = arguments.repeat;
     for (const auto& [name, value] : named_numbers(arguments.perturbations))
-      request.perturbations[name] = value;
-    request.instances = request.perturbations.empty() ? 0 : arguments.instances;
+      (name == kGuess ? request.guess_spread : request.initial_state_size) = value;
+    request.instances = arguments.perturbations.empty() ? 0 : arguments.instances;
     request.seed = arguments.seed;
     request.drop = arguments.drop;
     request.settings = arguments.settings;
@@ -104,7 +104,7 @@ class Bench {
 
   /// False after a signal.
   bool run(BenchProblem& problem) {
-    if (report_.request.perturbations.empty()) return run(problem, std::nullopt);
+    if (arguments_.perturbations.empty()) return run(problem, std::nullopt);
     for (int i = 0; i < arguments_.instances; ++i)
       if (!run(problem, arguments_.seed + i)) return false;
     return true;
@@ -127,9 +127,11 @@ class Bench {
       if (!seed) {
         add(problem, built, *built.problem, built.guess, *solver, seed);
       } else {
+        const BenchmarkRequest& asked = report_.request;
         const ShootingProblem instance =
-            perturb_initial_state(*built.problem, perturbation(kInitialState), *seed);
-        Trajectory guess = perturb_guess(instance, built.guess, perturbation(kGuess), *seed);
+            perturb_initial_state(*built.problem, asked.initial_state_size.value_or(0), *seed);
+        Trajectory guess =
+            perturb_guess(instance, built.guess, asked.guess_spread.value_or(0), *seed);
         guess.x(0) =
             Eigen::Map<const Eigen::VectorXd>(instance.initial_state().data(), instance.nx());
         add(problem, built, instance, guess, *solver, seed);
@@ -137,11 +139,6 @@ class Bench {
       if (InterruptGuard::signal() != 0) return false;
     }
     return true;
-  }
-
-  /// 0: not asked for.
-  double perturbation(const std::string& name) const {
-    return report_.request.perturbations.value(name, 0.0);
   }
 
   void add(const BenchProblem& problem, const BuiltProblem& built, const ShootingProblem& instance,

@@ -23,8 +23,8 @@ OrderedJson request_json(const BenchmarkRequest& request) {
           {"instances", request.instances},
           {"seed", request.seed},
           {"perturb",
-           {{"initial_state", request.perturbations.value("initial_state", 0.0)},
-            {"guess", request.perturbations.value("guess", 0.0)}}},
+           {{"initial_state", request.initial_state_size.value_or(0)},
+            {"guess", request.guess_spread.value_or(0)}}},
           {"drop", request.drop},
           {"overrides", request.settings},
           {"tolerances", request.tolerances}};

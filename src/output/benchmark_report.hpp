@@ -39,8 +39,9 @@ struct BenchmarkRequest {
   int repeat = 0;
   int instances = 0;  ///< 0: the problems as they are
   std::uint64_t seed = 0;
-  /// How far instances lie from their problem: `initial_state`, `guess`.
-  OrderedJson perturbations = OrderedJson::object();
+  /// How far instances lie from their problem, where that was asked for: see perturb_initial_state
+  /// and perturb_guess.
+  std::optional<double> initial_state_size, guess_spread;
   std::vector<std::string> drop;
   std::vector<std::string> settings;
   OrderedJson tolerances = OrderedJson::object();  ///< those of the command line

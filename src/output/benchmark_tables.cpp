@@ -161,12 +161,10 @@ std::string heading(const BenchmarkEntry& entry, const BenchmarkRequest& request
                                  entry.problem, entry.knots, entry.states, entry.controls);
   if (request.instances > 0) {
     text += fmt::format("; {} instances", request.instances);
-    if (const auto initial = request.perturbations.find("initial_state");
-        initial != request.perturbations.end())
-      text += fmt::format(", initial states within {:g}", initial->get<double>());
-    if (const auto guess = request.perturbations.find("guess");
-        guess != request.perturbations.end())
-      text += fmt::format(", guesses with deviation {:g}", guess->get<double>());
+    if (request.initial_state_size)
+      text += fmt::format(", initial states within {:g}", *request.initial_state_size);
+    if (request.guess_spread)
+      text += fmt::format(", guesses with deviation {:g}", *request.guess_spread);
     text += fmt::format(", seeds {} to {}", request.seed, request.seed + request.instances - 1);
   }
   text += ")\n";

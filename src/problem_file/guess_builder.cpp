@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 
 #include "ocp/normal_numbers.hpp"
-#include "ocp/stepping_residual.hpp"
 #include "problem_file/collocation_builder.hpp"
+#include "problem_file/stepping_builder.hpp"
 
 namespace conddp {
 namespace {
@@ -41,9 +41,6 @@ class GuessBuilder {
   }
 
  private:
-  /// How far guessed forces and slacks stand off their bounds.
-  static constexpr double kInside = 0.01;
-
   const GuessSpec& guess() const { return spec_.guess; }
   bool chooses() const { return problem_.phases().front().instant; }
   /// The system whose controls are guessed: slopes of collocation follow from them and the states.
@@ -156,7 +153,7 @@ class GuessBuilder {
 
   void fill_controls(Trajectory& trajectory) {
     const ComponentNames names = control_names(plant_.actuated());
-    if (plant_.stepping) fill_contacts(trajectory);
+    if (plant_.stepping) guess_contacts(plant_.stepping, problem_, trajectory);
     switch (guess().controls) {
       case Controls::kZero:
         used_.controls = "zero";
@@ -210,57 +207,6 @@ class GuessBuilder {
     for (int k = 0; k < problem_.knots(); ++k)
       for (int i = 0; has_controls(k) && i < std::min(problem_.nu(k), names.size()); ++i)
         trajectory.u(k)[i] += random.scale * normal.next();
-  }
-
-  /// Contacts that are found: forces a little inside of their bounds, slacks as the guessed states
-  /// have them or a little inside. The accelerations are those of the guessed states.
-  void fill_contacts(Trajectory& trajectory) {
-    const SteppingSystem& system = *plant_.stepping;
-    const SteppingLayout& w = system.layout();
-    const int nv = system.nv();
-    const auto data = system.create_data(double{});
-    const auto residual = stepping_residual(plant_.stepping, problem_.ndx());
-    std::vector<double> rows(residual->size());
-    for (int k = chooses() ? 1 : 0; k < problem_.knots(); ++k) {
-      auto u = trajectory.u(k);
-      for (const auto& [z, s] : w.pairs) u[z] = u[s] = kInside;
-      const double dt = problem_.knot(k).dt;
-      u.segment(w.acceleration, nv) =
-          (trajectory.x(k + 1).tail(nv) - trajectory.x(k).tail(nv)) / dt;
-      // Behind the equations of motion each row is linear in one slack, with slope 1.
-      residual->evaluate({trajectory.x(k).data(), u.data(), &dt, *data}, rows.data());
-      const double* row = rows.data() + nv;
-      const auto set = [&](int slack) { u[slack] = std::max(kInside, u[slack] - *row++); };
-      const auto set_friction = [&](const FrictionIndices& f) {
-        for (int i = 0; i < f.count; ++i) set(f.slip[i]);
-        if (f.count > 0) set(f.rest);
-      };
-      for (std::size_t i = 0; i < w.candidates.size(); ++i) {
-        const SteppingLayout::Candidate& c = w.candidates[i];
-        set(c.gap);
-        set_friction(c.friction);
-        if (c.cone.present) row = guess_cone(c, system.contacts().candidates[i], row, u);
-      }
-      for (const SteppingLayout::Stop& stop : w.stops) set(stop.distance);
-      for (const FrictionIndices& f : w.frictions) set_friction(f);
-    }
-  }
-
-  /// Friction as the guessed slip has it, a little inside of the cone. `row`: that of the slip
-  /// along the first tangent, which has been evaluated without a share of friction. Returns the row
-  /// past those of the cone.
-  static const double* guess_cone(const SteppingLayout::Candidate& at,
-                                  const ContactCandidate& candidate, const double* row,
-                                  Eigen::Ref<Eigen::VectorXd> u) {
-    const ConeIndices& cone = at.cone;
-    u[cone.speed] = std::max(std::hypot(row[0], row[1]) * (1 + kInside), kInside);
-    u[cone.rest] = 1;
-    for (int i = 0; i < 2; ++i) {
-      u[cone.use[i]] = -row[i] / u[cone.speed];
-      u[cone.force[i]] = -candidate.friction * u[at.force] * u[cone.use[i]];
-      u[cone.rest] -= u[cone.use[i]] * u[cone.use[i]];
-    }
-    return row + ConeIndices::kRows;
   }
 
   std::optional<TimeSeries> from_file(const DataFileSpec& file, bool states,

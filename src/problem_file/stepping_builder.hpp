@@ -1,6 +1,6 @@
 #pragma once
 
-#include "ocp/knot_model.hpp"
+#include "ocp/problem.hpp"
 #include "problem_file/plant.hpp"
 
 namespace conddp {
@@ -16,5 +16,10 @@ void add_stepping_terms(const std::shared_ptr<const SteppingSystem>& system, Kno
 /// Writes their numbers into the parameters of a knot.
 void write_stepping_parameters(const KnotModel& model, double dt, double regularization,
                                double* parameters);
+
+/// What stands behind the actuators in the controls: the accelerations of the guessed states,
+/// forces a little inside of their bounds, slacks as the states have them or a little inside.
+void guess_contacts(const std::shared_ptr<const SteppingSystem>& system,
+                    const ShootingProblem& problem, Trajectory& trajectory);
 
 }  // namespace conddp
