@@ -197,7 +197,7 @@ void guess_contacts(const std::shared_ptr<const SteppingSystem>& system,
     auto u = trajectory.u(k);
     for (const auto& [z, s] : w.pairs) u[z] = u[s] = kInside;
     u.segment(w.acceleration, nv) =
-        (trajectory.x(k + 1).tail(nv) - trajectory.x(k).tail(nv)) / knot.dt;
+        (trajectory.x(k + 1).segment(nv, nv) - trajectory.x(k).segment(nv, nv)) / knot.dt;
     // Behind the equations of motion each row is linear in one slack, with slope 1.
     residual->evaluate({trajectory.x(k).data(), u.data(), &knot.dt, *data}, rows.data());
     const double* row = rows.data() + nv;

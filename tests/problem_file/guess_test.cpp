@@ -270,5 +270,30 @@ TEST_F(GuessFromFile, ReferencesComeFromFilesToo) {
   EXPECT_NEAR(p[model.costs()[1].parameters], 5 + 2.0 / 7, 1e-12);
 }
 
+/// Also where a chosen first state, which a cycle refers to, stands behind the velocities.
+TEST(Guess, AccelerationsOfFoundContactsAreThoseOfTheGuessedStates) {
+  for (const bool chosen : {false, true}) {
+    const Loaded loaded(
+        "conddp: 1\n"
+        "robot: {urdf: robots/acrobot.urdf, actuation: {joints: [elbow]}}\n"
+        "initial_state: {}\n"
+        "stepping: {joint_limits: {elbow: [-1.5, 1.5]}}\n"
+        "phases:\n" +
+        std::string(chosen ? "  - {choose: [q/elbow, v/elbow]}\n" : "") +
+        "  - {knots: 2, dt: 0.1}\n"
+        "costs:\n  effort: {residual: control}\n" +
+        (chosen ? "terminal: {constraints: {cycle: {residual: cycle}}}\n" : "") +
+        "initial_guess: {states: {keyframes: [{time: 0, state: {}}, "
+        "{time: 0.2, state: {velocity: {joints: {shoulder: 2, elbow: -4}}}}]}}\n"
+        "solver: {name: ipopt}\n");
+    ASSERT_TRUE(loaded.built) << loaded.all();
+    for (int k = 0; k < 2; ++k) {
+      const auto u = loaded.built->guess.u(k + (chosen ? 1 : 0));
+      EXPECT_NEAR(u[1], 10, 1e-12) << chosen << k;
+      EXPECT_NEAR(u[2], -20, 1e-12) << chosen << k;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace conddp
