@@ -3,10 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include "ocp/collocation_residual.hpp"
 #include "solvers/registry.hpp"
 #include "support/conic_problems.hpp"
 #include "support/constrained_problems.hpp"
 #include "support/small_problems.hpp"
+#include "systems/catalogue.hpp"
 
 // The sanitizers bring a malloc of their own.
 #if defined(__SANITIZE_ADDRESS__) || !defined(__GLIBC__)
@@ -142,6 +144,41 @@ TEST(Allocation, NoneWithConstraintsNorInNewtonSteps) {
                                             testing::constant_controls(problem, control), {});
       EXPECT_GE(count.iterations, 5) << name << ' ' << solver;
       EXPECT_EQ(count.allocations, 0) << name << ' ' << solver;
+    }
+  }
+}
+
+/// A cart-pole whose steps are implicit.
+ShootingProblem collocated_cartpole(LobattoRule rule) {
+  const auto system = std::make_shared<CollocationSystem>(cartpole({}), rule);
+  const Integrator integrator =
+      rule == LobattoRule::trapezoidal ? Integrator::trapezoidal : Integrator::hermite_simpson;
+  std::vector<double> effort(system->nu(), 0.0);
+  effort[0] = 0.1;
+  const double dt = 0.05;
+  const ShootingProblem free = testing::tracking_problem(
+      system, integrator, 40, dt, {0, 0, 0, 0},
+      {{0, M_PI, 0, 0}, {0.01, 0.01, 0.01, 0.01}, effort, {100, 100, 100, 100}});
+  const std::vector<double> zero(system->later_stages() * system->rows(), 0.0);
+  return testing::with_constraints(free, {{.name = "collocation",
+                                           .residual = collocation_residual(system, free.ndx()),
+                                           .reference = {dt},
+                                           .lower = zero,
+                                           .upper = zero,
+                                           .first = 0,
+                                           .last = 39}});
+}
+
+TEST(Allocation, NoneWhereStepsAreImplicit) {
+  for (const LobattoRule rule : {LobattoRule::trapezoidal, LobattoRule::hermite_simpson}) {
+    const ShootingProblem problem = collocated_cartpole(rule);
+    for (const char* solver : {"altro", "proxddp", "intro"}) {
+      SolverOptions options;
+      options.max_iterations = 60;
+      const Count count = count_allocations(problem, *find_solver(solver),
+                                            testing::constant_controls(problem, 0.01), options);
+      EXPECT_GE(count.iterations, 5) << solver;
+      EXPECT_EQ(count.allocations, 0) << solver;
     }
   }
 }
