@@ -113,6 +113,25 @@ std::optional<std::vector<double>> cycle_offset(const CostSpec& cost, const Plan
   return offset;
 }
 
+/// Of the columns that can be chosen those that a name means, several where it ends in `*`; none is
+/// reported.
+std::vector<std::string> find_columns(const std::vector<std::string>& all,
+                                      const std::vector<std::string>& free, const Name& name,
+                                      Diagnostics& out) {
+  std::vector<std::string> found;
+  std::copy_if(free.begin(), free.end(), std::back_inserter(found),
+               [&](const std::string& column) { return fits(name.value, column); });
+  if (!found.empty()) return found;
+  const bool rotation = std::any_of(
+      all.begin(), all.end(), [&](const std::string& column) { return fits(name.value, column); });
+  out.error(name.place,
+            rotation
+                ? fmt::format("'{}' is part of a rotation and cannot be chosen alone", name.value)
+                : fmt::format("the state has no column '{}'", name.value),
+            name_hint(name.value, free, "columns that can be chosen"));
+  return found;
+}
+
 bool choose_columns(const CostSpec& cost, const System& system, CostResidual& result,
                     Diagnostics& out) {
   const ComponentNames all = state_names(system);
@@ -120,18 +139,14 @@ bool choose_columns(const CostSpec& cost, const System& system, CostResidual& re
   for (int i = 0; i < system.nx(); ++i)
     if (is_coordinate(system.manifold(), i)) free.push_back(all.names[i]);
   for (const Name& name : *cost.columns) {
-    const auto found = std::find(all.names.begin(), all.names.end(), name.value);
-    if (found == all.names.end() || std::find(free.begin(), free.end(), name.value) == free.end()) {
-      out.error(
-          name.place,
-          found == all.names.end()
-              ? fmt::format("the state has no column '{}'", name.value)
-              : fmt::format("'{}' is part of a rotation and cannot be chosen alone", name.value),
-          name_hint(name.value, free, "columns that can be chosen"));
-      return false;
+    const auto found = find_columns(all.names, free, name, out);
+    if (found.empty()) return false;
+    for (const std::string& column : found) {
+      if (std::find(chosen.begin(), chosen.end(), column) != chosen.end()) continue;
+      chosen.push_back(column);
+      const auto at = std::find(all.names.begin(), all.names.end(), column);
+      result.indices.push_back(static_cast<int>(at - all.names.begin()));
     }
-    chosen.push_back(name.value);
-    result.indices.push_back(static_cast<int>(found - all.names.begin()));
   }
   result.rows = result.references = {"chosen columns", chosen};
   return true;

@@ -107,8 +107,11 @@ std::optional<Actuation> make_actuation(const std::vector<PlantPart>& parts,
   }
   if (out.error_count() > errors) return std::nullopt;
   if (thrusters.empty() && joints.empty()) {
+    const bool drivable = std::any_of(model.joints.begin(), model.joints.end(),
+                                      [](const auto& j) { return j.type != JointType::floating; });
     out.error(parts.front().spec->place, "nothing is actuated",
-              "give 'actuation: full', joints or thrusters");
+              drivable ? "give 'actuation: full', joints or thrusters"
+                       : "no joint moves: give 'actuation: {thrusters: [...]}'");
     return std::nullopt;
   }
   return Actuation::thrusters(model, thrusters, joints);

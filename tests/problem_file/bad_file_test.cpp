@@ -230,6 +230,9 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"ColumnTwice",
                 "phases:", "costs: {c: {residual: state, columns: [q/hinge, §q/hinge]}}\nphases:",
                 "'q/hinge' stands twice in the list"},
+        Mistake{"ColumnPattern",
+                "phases:", "costs: {c: {residual: state, columns: [§vel*]}}\nphases:",
+                "the state has no column 'vel*'"},
         Mistake{
             "FileColumnTwice", "phases:",
             "costs: {c: {residual: state, reference: {file: a.csv, columns: [a, §a]}}}\nphases:",

@@ -173,6 +173,28 @@ solver: {name: altro}
   EXPECT_EQ(evaluation.constraint[hall[0].row + 1], 1);
 }
 
+TEST(Constraints, ColumnsAreChosenByPatternsToo) {
+  const Loaded loaded(R"(conddp: 1
+system: {type: quadrotor}
+initial_state: {values: {x: 1, y: 2, z: 3, vx: 4, vy: 5, vz: 6, wz: 7}}
+phases: [{knots: 3, dt: 0.1}]
+costs: {effort: {residual: control}}
+constraints: {slow: {residual: state, columns: ["w*", vy, "v*", "*"], upper: 10}}
+solver: {name: altro}
+)");
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const ShootingProblem& problem = *loaded.built->problem;
+  Evaluation evaluation(problem);
+  Acts(problem).evaluate(problem.create_trajectory(), evaluation);
+  const auto slow = named(problem, "slow");
+  ASSERT_FALSE(slow.empty());
+  // In the order of the patterns, each once, without the numbers of the rotation.
+  const std::vector<double> expected = {0, 0, 7, 5, 4, 6, 1, 2, 3};
+  ASSERT_EQ(slow[0].term->rows, static_cast<int>(expected.size()));
+  for (std::size_t i = 0; i < expected.size(); ++i)
+    EXPECT_EQ(evaluation.constraint[slow[0].row + static_cast<int>(i)], expected[i]) << i;
+}
+
 TEST(Constraints, WhatContradictsIsFoundBeforeSolving) {
   const std::pair<std::string, const char*> cases[] = {
       {with("  speed: {bounds: velocity, lower: 2, upper: 1}\n"), "no value of 'omega' keeps"},
