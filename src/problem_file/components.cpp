@@ -2,21 +2,14 @@
 
 #include <utility>
 
+#include <fnmatch.h>
+
 #include <fmt/format.h>
 
 #include "robot/near_names.hpp"
 
 namespace conddp {
 namespace {
-
-/// How well a name of the file fits a component: 0 not at all, more is better.
-std::size_t fit(const std::string& pattern, const std::string& name) {
-  if (name.empty()) return 0;
-  if (pattern == name) return std::string::npos;
-  if (!pattern.ends_with('*')) return 0;
-  const std::string_view stem = std::string_view(pattern).substr(0, pattern.size() - 1);
-  return name.starts_with(stem) ? pattern.size() : 0;
-}
 
 std::vector<std::string> column_names(const std::vector<Column>& columns) {
   std::vector<std::string> names;
@@ -78,7 +71,16 @@ std::optional<std::vector<double>> resolve(const ComponentsSpec& spec, const Com
   return values;
 }
 
+std::size_t fit(const std::string& pattern, const std::string& name) {
+  if (name.empty()) return 0;
+  if (pattern == name) return std::string::npos;
+  if (!is_pattern(pattern)) return 0;
+  return fnmatch(pattern.c_str(), name.c_str(), FNM_NOESCAPE) == 0 ? pattern.size() : 0;
+}
+
 bool fits(const std::string& pattern, const std::string& name) { return fit(pattern, name) > 0; }
+
+bool is_pattern(const std::string& name) { return name.find('*') != std::string::npos; }
 
 std::string list_of(const ComponentNames& names) {
   std::string list;

@@ -113,7 +113,7 @@ std::optional<std::vector<double>> cycle_offset(const CostSpec& cost, const Plan
   return offset;
 }
 
-/// Of the columns that can be chosen those that a name means, several where it ends in `*`; none is
+/// Of the columns that can be chosen those that a name means, several where it has a `*`; none is
 /// reported.
 std::vector<std::string> find_columns(const std::vector<std::string>& all,
                                       const std::vector<std::string>& free, const Name& name,
@@ -152,21 +152,6 @@ bool choose_columns(const CostSpec& cost, const System& system, CostResidual& re
   return true;
 }
 
-/// The joints that a name means, several where it ends in `*`; none is reported.
-std::vector<int> find_joints(const RobotModel& robot, const Name& name, Diagnostics& out) {
-  std::vector<int> found;
-  if (!name.value.ends_with('*')) {
-    if (const auto joint = find_joint(robot, name, "", out)) found.push_back(*joint);
-    return found;
-  }
-  for (int i = 0; i < robot.joint_count(); ++i)
-    if (is_independent(robot, i) && fits(name.value, robot.joints[i].name)) found.push_back(i);
-  if (found.empty())
-    out.error(name.place, fmt::format("'{}' fits none of the joints", name.value),
-              name_hint(name.value, joint_names(robot), "joints"));
-  return found;
-}
-
 /// Joints of a residual: those named, else all. Writes names and limits.
 std::optional<std::vector<int>> choose_joints(const CostSpec& cost, const RobotModel& robot,
                                               CostResidual& result, Diagnostics& out) {
@@ -174,7 +159,7 @@ std::optional<std::vector<int>> choose_joints(const CostSpec& cost, const RobotM
   bool known = true;
   if (cost.joints) {
     for (const Name& name : *cost.joints) {
-      const std::vector<int> found = find_joints(robot, name, out);
+      const std::vector<int> found = find_joints(robot, name, "", out);
       known &= !found.empty();
       for (const int joint : found)
         if (std::find(joints.begin(), joints.end(), joint) == joints.end()) joints.push_back(joint);

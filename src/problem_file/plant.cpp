@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "problem_file/collocation_builder.hpp"
+#include "problem_file/components.hpp"
 #include "problem_file/plant_robot.hpp"
 #include "problem_file/stepping_builder.hpp"
 #include "robot/combine.hpp"
@@ -189,6 +190,22 @@ std::optional<int> find_joint(const RobotModel& robot, const Name& name, const s
     out.error(name.place, fmt::format("the robot has no joint '{}'", full),
               name_hint(full, joint_names(robot), "joints"));
   return std::nullopt;
+}
+
+std::vector<int> find_joints(const RobotModel& robot, const Name& name, const std::string& prefix,
+                             Diagnostics& out) {
+  std::vector<int> found;
+  if (!is_pattern(name.value)) {
+    if (const auto joint = find_joint(robot, name, prefix, out)) found.push_back(*joint);
+    return found;
+  }
+  const std::string full = prefix + name.value;
+  for (int i = 0; i < robot.joint_count(); ++i)
+    if (is_independent(robot, i) && fits(full, robot.joints[i].name)) found.push_back(i);
+  if (found.empty())
+    out.error(name.place, fmt::format("'{}' fits none of the joints", full),
+              name_hint(full, joint_names(robot), "joints"));
+  return found;
 }
 
 }  // namespace conddp

@@ -64,5 +64,8 @@ std::optional<int> find_frame(const RobotModel& robot, const Name& name, const s
 /// The index of an independent joint.
 std::optional<int> find_joint(const RobotModel& robot, const Name& name, const std::string& prefix,
                               Diagnostics& out);
+/// The independent joints that a name means, several where it has a `*`; none is reported.
+std::vector<int> find_joints(const RobotModel& robot, const Name& name, const std::string& prefix,
+                             Diagnostics& out);
 
 }  // namespace conddp

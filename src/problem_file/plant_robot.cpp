@@ -87,8 +87,9 @@ std::optional<Actuation> make_actuation(const std::vector<PlantPart>& parts,
       if (is_independent(model, joint)) joints.push_back(model.joints[joint].name);
     }
     for (const Name& name : spec.joints)
-      if (const auto joint = find_joint(model, name, part.prefix, out))
-        joints.push_back(model.joints[*joint].name);
+      for (const int joint : find_joints(model, name, part.prefix, out))
+        if (std::find(joints.begin(), joints.end(), model.joints[joint].name) == joints.end())
+          joints.push_back(model.joints[joint].name);
     for (const ThrusterSpec& t : spec.thrusters) {
       const std::string name = part.prefix + t.name.value;
       const auto frame = find_frame(model, t.frame, part.prefix, out);

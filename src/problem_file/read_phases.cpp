@@ -22,7 +22,7 @@ void read_impulse(YamlMap& map, const YamlReader& impulse, PhaseSpec& phase) {
                "write '- {impulse: [contacts]}', and the phase after it as another entry");
 }
 
-/// `choose: all`, `none`, a name or a list of names of tangent coordinates, which may end in `*`.
+/// `choose: all`, `none`, a name or a list of names of tangent coordinates, which may have a `*`.
 void read_choice(YamlMap& map, const YamlReader& choose, PhaseSpec& phase) {
   phase.knots = {1, choose.place()};
   ChoiceSpec choice;

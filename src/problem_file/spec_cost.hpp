@@ -68,7 +68,7 @@ struct PairsSpec {
   enum class Choice { kNamed, kObstacles, kSelf, kAll };
   Place place;
   Choice choice = Choice::kNamed;
-  std::vector<std::array<Name, 2>> named;  ///< names may end in `*`
+  std::vector<std::array<Name, 2>> named;  ///< names may have a `*`
 };
 
 struct CostSpec {

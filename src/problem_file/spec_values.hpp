@@ -13,7 +13,7 @@ namespace conddp {
 using NamedNumbers = std::vector<std::pair<Name, double>>;
 
 /// Values of the components of a vector: one number for all, a list with one entry a component
-/// (null: none), or a mapping from component names to numbers. The names may end in `*`.
+/// (null: none), or a mapping from component names to numbers. The names may have a `*`.
 struct ComponentsSpec {
   enum class Form { kScalar, kList, kMap };
   Place place;

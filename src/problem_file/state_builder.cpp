@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "problem_file/joint_values.hpp"
 #include "problem_file/planar_motion.hpp"
 #include "robot/near_names.hpp"
 
@@ -81,12 +82,11 @@ void StateBuilder::apply(const StateSpec& spec, const PlantPart& part,
   if (spec.base) apply_base(*spec.base, part, x);
   if (spec.base_velocity) apply_base_velocity(*spec.base_velocity, part, x);
   if (spec.displaced) apply_displacement(*spec.displaced, part, x);
-  for (const auto& [name, value] : spec.joints)
-    if (const auto joint = find_joint(robot, name, part.prefix, out_))
-      x[*plant_.multibody->position_index(*joint)] = value;
-  for (const auto& [name, value] : spec.joint_velocities)
-    if (const auto joint = find_joint(robot, name, part.prefix, out_))
-      x[*plant_.multibody->velocity_index(*joint)] = value;
+  for (const auto& [joint, value] : values_of_joints(robot, spec.joints, part.prefix, out_))
+    x[*plant_.multibody->position_index(joint)] = value;
+  for (const auto& [joint, value] :
+       values_of_joints(robot, spec.joint_velocities, part.prefix, out_))
+    x[*plant_.multibody->velocity_index(joint)] = value;
   for (const NamedState& part_spec : spec.robots) {
     const Name& name = part_spec.name;
     const StateSpec& state = part_spec.state;

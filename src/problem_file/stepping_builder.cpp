@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "ocp/stepping_residual.hpp"
+#include "problem_file/joint_values.hpp"
 
 namespace conddp {
 namespace {
@@ -74,9 +75,8 @@ void build_stops(const ProblemSpec& spec, const Plant& plant, ImplicitContacts& 
   const RobotModel& robot = plant.robot();
   for (int j = 0; spec.stepping->all_limits && j < robot.joint_count(); ++j)
     contacts.stops.push_back({j, robot.joints[j].lower, robot.joints[j].upper});
-  for (const auto& [name, limits] : spec.stepping->joint_limits)
-    if (const auto joint = find_joint(robot, name, "", out))
-      contacts.stops.push_back({*joint, limits[0], limits[1]});
+  for (const auto& [joint, limits] : values_of_joints(robot, spec.stepping->joint_limits, "", out))
+    contacts.stops.push_back({joint, limits[0], limits[1]});
 }
 
 void check_frozen_keys(const ProblemSpec& spec, Diagnostics& out) {
@@ -136,9 +136,9 @@ std::shared_ptr<const SteppingSystem> build_stepping(const ProblemSpec& spec, co
       contacts.candidates.push_back(std::move(*built));
   }
   build_stops(spec, plant, contacts, out);
-  for (const auto& [name, limit] : spec.stepping->joint_friction)
-    if (const auto joint = find_joint(plant.robot(), name, "", out))
-      contacts.frictions.push_back({*joint, limit});
+  for (const auto& [joint, limit] :
+       values_of_joints(plant.robot(), spec.stepping->joint_friction, "", out))
+    contacts.frictions.push_back({joint, limit});
   if (out.error_count() > errors) return nullptr;
   try {
     return std::make_shared<SteppingSystem>(plant.multibody, std::move(contacts));

@@ -254,6 +254,8 @@ INSTANTIATE_TEST_SUITE_P(
                 "there is no configuration 'upp'", "did you mean 'up'?"},
         Mistake{"ConfigurationJoint", "{hinge: 3}", "{§hing: 3}", "the robot has no joint 'hing'",
                 "did you mean 'hinge'?"},
+        Mistake{"ConfigurationPattern", "{hinge: 3}", "{§'*_knee': 3}",
+                "'*_knee' fits none of the joints", "joints: slider, hinge"},
         Mistake{"ConfigurationVelocity", "{hinge: 3}}",
                 "{hinge: 3}, velocity: {joints: {hinge: 1}}}",
                 "6:9: a configuration has 'base' and 'joints' only"},

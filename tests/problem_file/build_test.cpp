@@ -143,6 +143,25 @@ TEST(Build, RobotsTakeReferencesFromConfigurations) {
   EXPECT_EQ(p[model.costs()[4].parameters + 1], 3);
 }
 
+TEST(Build, JointsAreNamedByPatternsOfWhichTheNearestWins) {
+  const Loaded loaded(R"(conddp: 1
+robots:
+  one: {urdf: robots/arm7.urdf, actuation: {joints: [joint_7, "joint_*"]},
+        configurations: {bent: {joints: {joint_2: 0.5, "*_3": 0.3, "*": 0.1, "j*_4": 0.4}}}}
+  two: {urdf: robots/double_pendulum.urdf, actuation: {joints: ["*oul*"]}}
+initial_state: {robots: {one: {configuration: bent, velocity: {joints: {"*_1": 2}}}}}
+phases: [{knots: 2, dt: 0.1}]
+)");
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const std::vector<double>& x = loaded.built->problem->initial_state();
+  EXPECT_EQ(std::vector<double>(x.begin(), x.begin() + 9),
+            (std::vector<double>{0.1, 0.5, 0.3, 0.4, 0.1, 0.1, 0.1, 0, 0}));
+  EXPECT_EQ(x[9], 2);
+  EXPECT_EQ(std::count(x.begin() + 9, x.end(), 0.0), 8);
+  ASSERT_EQ(loaded.built->control_columns.size(), 8u);
+  EXPECT_EQ(loaded.built->control_columns[7].name, "u/two/shoulder");
+}
+
 TEST(Build, SeveralRobotsShareAProblem) {
   const Loaded loaded(R"(conddp: 1
 robots:

@@ -128,7 +128,7 @@ contact_candidates:
           against: {box: {size: [1, 2, 3], placement: {position: [5, 0, 0], rpy: [0, 0, 1]}}}}
 stepping:
   plane: [0, 2, 0]
-  joint_limits: {shoulder: [-2, 2], elbow: [null, 3]}
+  joint_limits: {"*": [-2, 2], elbow: [null, 3]}
   joint_friction: {shoulder: 0.1}
   regularization: 0.01
 initial_state: {}
