@@ -6,11 +6,8 @@
 #include <fmt/format.h>
 
 #include "ocp/soft_constraint.hpp"
-#include "solvers/backward_sweep.hpp"
 #include "solvers/finite_check.hpp"
 #include "solvers/guess.hpp"
-#include "solvers/regularization.hpp"
-#include "solvers/stage_policy.hpp"
 
 namespace conddp {
 namespace {
@@ -20,14 +17,6 @@ using End = InteriorPointEnd;
 /// Rotation from the centre of its chart at which an iterate becomes the new centre, rad: charts
 /// end at π.
 constexpr double kLargestAngle = 2;
-/// Newton steps on the active set at most, and when they are enough.
-constexpr int kNewtonSteps = 10;
-constexpr double kNewtonGoal = 1e-12;
-/// How much larger such a step may make the norms: bounds at which multiplier and distance are
-/// alike are told apart by trying.
-constexpr double kNewtonGrowth = 10;
-/// Smallest curvature by which multipliers are compared with distances from a bound.
-constexpr double kSmallestCurvature = 1e-8;
 /// The barrier to begin with where all multipliers are known.
 constexpr double kWarmBarrier = 1e-9;
 /// Rows of the log that are reserved at most before the first iteration.
@@ -75,6 +64,8 @@ SolveResult IpoptSolver::solve(const Trajectory& guess) {
   row_ = IterationRecord();
   row_.exact_hessian = !gauss_newton_ && !wants_limited_memory(options_.ipopt);
   iterations_before_ = 0;
+  former_.reset();
+  scales_.reset();
   Trajectory start = guess;
   result_.start = "states and controls of the guess";
   if (options_.multipliers && options_.multipliers->costates.size() > 0)
@@ -89,11 +80,12 @@ SolveResult IpoptSolver::solve(const Trajectory& guess) {
     return std::move(result_);
   }
   transcription_->set_center(start);
-  const InteriorPointAnswer answer =
-      transcription_->has_pairs() ? run_relaxations(start)
-                                  : run_ipopt(transcription_->point_of(start), default_settings());
+  InteriorPointAnswer answer = transcription_->has_pairs()
+                                   ? run_relaxations(start)
+                                   : run_ipopt(transcription_->point_of(start), default_settings());
   const double newton_began = elapsed();
   cross_over(answer);
+  if (!transcription_->has_pairs()) refine(answer);
   set_status(answer);
   result_.iterations = row_.iteration;
   result_.times.total = elapsed();
@@ -136,7 +128,8 @@ InteriorPointAnswer IpoptSolver::run_ipopt(Eigen::VectorXd y, InteriorPointSetti
   InteriorPointAnswer answer;
   PrimalDualPoint known;
   if (const DualGuess* duals = options_.multipliers.get();
-      duals != nullptr && duals->costates.size() > 0 && !transcription_->has_pairs()) {
+      duals != nullptr && settings.warm == nullptr && duals->costates.size() > 0 &&
+      !transcription_->has_pairs()) {
     known.y = y;
     transcription_->write_multipliers(duals->costates, duals->constraints, duals->control_gradient,
                                       known.rows, known.lower, known.upper);
@@ -206,99 +199,6 @@ bool IpoptSolver::note(const InteriorPointIterate& iterate) {
   return stop_ == Stop::none;
 }
 
-/// An interior point stays away from bounds. A control belongs at one if its multiplier would move
-/// it further than that, were the bound not there.
-void IpoptSolver::snap_controls(const InteriorPointAnswer& answer, Trajectory& trajectory) const {
-  Trajectory lower = problem_.create_trajectory(), upper = lower;
-  transcription_->read_controls(answer.point.lower.data(), lower);
-  transcription_->read_controls(answer.point.upper.data(), upper);
-  for (int k = 0; k < problem_.knots(); ++k) {
-    auto u = trajectory.u(k);
-    for (int i = 0; i < u.size(); ++i) {
-      const int column = problem_.ndx() + i;
-      const double curvature =
-          std::max(kSmallestCurvature, newton_.linearization().knots[k].hessian()(column, column));
-      const double low = bounds_.lower(k)[i], up = bounds_.upper(k)[i];
-      if ((u[i] - low) * curvature < lower.u(k)[i]) u[i] = low;
-      if ((up - u[i]) * curvature < upper.u(k)[i]) u[i] = up;
-    }
-  }
-}
-
-/// Gains of a sweep at a trajectory, with constraints as penalties of the costs' own size.
-Feedback IpoptSolver::find_gains(const Trajectory& trajectory, const Eigen::VectorXd& multipliers,
-                                 std::optional<double>& regularization) {
-  Feedback gains(problem_);
-  Linearization linearization(problem_);
-  acts_.differentiate(trajectory, linearization);
-  Augmentation augmentation(problem_);
-  for (const NodeConstraint& c : problem_.constraints())
-    augmentation.penalty.segment(c.row, c.term->rows)
-        .setConstant(std::max(kSmallestCurvature,
-                              linearization.knots[c.node].hessian().diagonal().maxCoeff()));
-  penalty_ = augmentation.penalty.cwiseMax(kSmallestCurvature);
-  augmentation.shift = multipliers.cwiseQuotient(penalty_);
-  acts_.differentiate(trajectory, linearization, &augmentation);
-  if (find_non_finite(linearization)) return gains;
-  Gaps gaps(problem_);
-  gaps.set(linearization, true);
-  BackwardSweep sweep(problem_, bounds_);
-  const auto policy = box_stage(problem_, options_.box_qp);
-  SolverOptions::Regularization from_zero = options_.regularization;
-  from_zero.initial = 0;
-  RegularizationSchedule schedule(from_zero);
-  do {
-    if (sweep.run(linearization, trajectory, gaps, {options_.regularization.kind, schedule.value()},
-                  *policy, gains) >= 0)
-      continue;
-    regularization = schedule.value();
-    return gains;
-  } while (schedule.increase());
-  return Feedback(problem_);
-}
-
-/// From Ipopt's answer, or the best iterate, to the answer that is returned.
-void IpoptSolver::cross_over(const InteriorPointAnswer& answer) {
-  const bool good = answer.end == End::solved || answer.end == End::acceptable;
-  transcription_->set_point(good ? answer.point.y.data() : best_.data());
-  Eigen::MatrixXd costates;
-  Eigen::VectorXd multipliers;
-  transcription_->read_multipliers(answer.point.rows.data(), costates, multipliers);
-  if (!multipliers.allFinite()) multipliers.setZero();
-  Trajectory trajectory = transcription_->trajectory();
-  bounds_.clamp(trajectory);
-  start_newton(trajectory, multipliers);
-  if (good && (newton_.active_rows() > 0 || !under_tolerances(newton_.norms()))) {
-    const double before = newton_.norms().largest();
-    Trajectory snapped = trajectory;
-    snap_controls(answer, snapped);
-    start_newton(snapped, multipliers);
-    const bool snapped_is_better =
-        newton_.norms().largest() < before || under_tolerances(newton_.norms());
-    for (int i = 0; i < kNewtonSteps && newton_.norms().largest() > kNewtonGoal; ++i) {
-      if (!newton_.step(kNewtonGrowth)) break;
-      result_.feedback_regularization = 0;
-      ++row_.newton;
-      ++row_.iteration;
-      record();
-    }
-    if (row_.newton == 0 || newton_.norms().largest() > before)
-      start_newton(snapped_is_better ? snapped : trajectory, multipliers);
-  }
-  // The last row is the answer.
-  if (std::isfinite(newton_.cost()) && !result_.log.empty() &&
-      result_.log.back().cost != newton_.cost())
-    record();
-  write_result();
-}
-
-/// Around a trajectory, with gains that belong to it.
-void IpoptSolver::start_newton(const Trajectory& trajectory, const Eigen::VectorXd& multipliers) {
-  result_.feedback_regularization.reset();
-  const Feedback gains = find_gains(trajectory, multipliers, result_.feedback_regularization);
-  newton_.start(trajectory, multipliers, penalty_, gains);
-}
-
 /// Logs the iterate of Newton's method.
 void IpoptSolver::record() {
   newton_.describe(row_);
@@ -325,6 +225,7 @@ void IpoptSolver::write_result() {
   result_.feedback = newton_.feedback();
   result_.costates = newton_.adjoint().costates();
   result_.state_gradient = newton_.adjoint().state_gradient();
+  result_.control_gradient.clear();
   for (int k = 0; k < problem_.knots(); ++k)
     result_.control_gradient.push_back(
         newton_.adjoint().gradient().segment(bounds_.offset(k), problem_.nu(k)));

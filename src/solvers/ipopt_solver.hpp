@@ -28,6 +28,8 @@ class IpoptSolver {
  private:
   /// Why the callback stopped Ipopt.
   enum class Stop { none, recenter, time_limit, interrupted };
+  /// On the active set, at most.
+  static constexpr int kNewtonSteps = 10;
 
   InteriorPointAnswer run_ipopt(Eigen::VectorXd y, InteriorPointSettings settings);
   InteriorPointSettings default_settings() const;
@@ -39,13 +41,24 @@ class IpoptSolver {
   void polish(InteriorPointAnswer& answer);
   bool is_complementary(const InteriorPointAnswer& answer) const;
 
-  bool newton_is_enough(const Trajectory& start);
-  bool note(const InteriorPointIterate& iterate);
+  // ipopt_cross_over.cpp
+  /// Multiplier over distance of control bounds and constraint rows; 0 where there is none.
+  struct BoundRatios {
+    Trajectory lower, upper;
+    Eigen::VectorXd rows;
+  };
+  BoundRatios bound_ratios(const InteriorPointAnswer& answer, const Trajectory& trajectory,
+                           const Eigen::VectorXd& multipliers) const;
+  void compare_ratios(BoundRatios ratios);
   void snap_controls(const InteriorPointAnswer& answer, Trajectory& trajectory) const;
   Feedback find_gains(const Trajectory& trajectory, const Eigen::VectorXd& multipliers,
                       std::optional<double>& regularization);
   void cross_over(const InteriorPointAnswer& answer);
   void start_newton(const Trajectory& trajectory, const Eigen::VectorXd& multipliers);
+  void refine(InteriorPointAnswer& answer);
+
+  bool newton_is_enough(const Trajectory& start);
+  bool note(const InteriorPointIterate& iterate);
   void record();
   void write_result();
   void set_status(const InteriorPointAnswer& answer);
@@ -69,6 +82,8 @@ class IpoptSolver {
   double best_error_ = 0;
   /// Of constraint rows: by what multipliers are compared with distances from a bound.
   Eigen::VectorXd penalty_;
+  /// Of the answer before, if Ipopt goes on from it, and the means with those of this one.
+  std::optional<BoundRatios> former_, scales_;
   SolveResult result_;
   std::chrono::steady_clock::time_point began_;
 };

@@ -1,0 +1,203 @@
+// From Ipopt's answer to the one that is returned.
+#include <algorithm>
+#include <cmath>
+
+#include "solvers/backward_sweep.hpp"
+#include "solvers/finite_check.hpp"
+#include "solvers/ipopt_solver.hpp"
+#include "solvers/regularization.hpp"
+#include "solvers/stage_policy.hpp"
+
+namespace conddp {
+namespace {
+
+using End = InteriorPointEnd;
+
+/// When Newton steps on the active set are enough.
+constexpr double kNewtonGoal = 1e-12;
+/// How much larger such a step may make the norms: bounds at which multiplier and distance are
+/// alike are told apart by trying.
+constexpr double kNewtonGrowth = 10;
+/// Smallest curvature by which multipliers are compared with distances from a bound.
+constexpr double kSmallestCurvature = 1e-8;
+/// Ipopt's tolerances where its answer was not good enough, in parts of what they were before, and
+/// the smallest one.
+constexpr double kTighter = 1e-2;
+constexpr double kTightest = 1e-13;
+/// Smallest distance from a bound that is told from none.
+constexpr double kLeastDistance = 1e-16;
+
+}  // namespace
+
+/// Of every control bound and constraint row that is one, its multiplier over the distance from it.
+IpoptSolver::BoundRatios IpoptSolver::bound_ratios(const InteriorPointAnswer& answer,
+                                                   const Trajectory& trajectory,
+                                                   const Eigen::VectorXd& multipliers) const {
+  const auto ratio = [](double multiplier, double distance) {
+    return std::abs(multiplier) / std::max(distance, kLeastDistance);
+  };
+  BoundRatios ratios{problem_.create_trajectory(), problem_.create_trajectory(),
+                     Eigen::VectorXd::Zero(multipliers.size())};
+  transcription_->read_controls(answer.point.lower.data(), ratios.lower);
+  transcription_->read_controls(answer.point.upper.data(), ratios.upper);
+  for (int k = 0; k < problem_.knots(); ++k)
+    for (int i = 0; i < problem_.nu(k); ++i) {
+      const double u = trajectory.u(k)[i];
+      ratios.lower.u(k)[i] = ratio(ratios.lower.u(k)[i], u - bounds_.lower(k)[i]);
+      ratios.upper.u(k)[i] = ratio(ratios.upper.u(k)[i], bounds_.upper(k)[i] - u);
+    }
+  for (const NodeConstraint& c : problem_.constraints())
+    for (int i = 0; c.lower != nullptr && i < c.term->rows; ++i) {
+      const double nu = multipliers[c.row + i], g = newton_.linearization().constraint[c.row + i];
+      if (c.lower[i] < c.upper[i])
+        ratios.rows[c.row + i] = ratio(nu, nu > 0 ? c.upper[i] - g : g - c.lower[i]);
+    }
+  return ratios;
+}
+
+/// An interior point stays away from bounds. A control belongs at one if its multiplier would move
+/// it further than that, were the bound not there: by its curvature or, of the later of two
+/// answers, by the mean of both ratios.
+void IpoptSolver::snap_controls(const InteriorPointAnswer& answer, Trajectory& trajectory) const {
+  Trajectory lower = problem_.create_trajectory(), upper = lower;
+  transcription_->read_controls(answer.point.lower.data(), lower);
+  transcription_->read_controls(answer.point.upper.data(), upper);
+  for (int k = 0; k < problem_.knots(); ++k) {
+    auto u = trajectory.u(k);
+    for (int i = 0; i < u.size(); ++i) {
+      const int column = problem_.ndx() + i;
+      const double curvature =
+          std::max(kSmallestCurvature, newton_.linearization().knots[k].hessian()(column, column));
+      const double low = bounds_.lower(k)[i], up = bounds_.upper(k)[i];
+      if ((u[i] - low) * (scales_ ? scales_->lower.u(k)[i] : curvature) < lower.u(k)[i]) u[i] = low;
+      if ((up - u[i]) * (scales_ ? scales_->upper.u(k)[i] : curvature) < upper.u(k)[i]) u[i] = up;
+    }
+  }
+}
+
+/// Gains of a sweep at a trajectory, with constraints as penalties of the costs' own size.
+Feedback IpoptSolver::find_gains(const Trajectory& trajectory, const Eigen::VectorXd& multipliers,
+                                 std::optional<double>& regularization) {
+  Feedback gains(problem_);
+  Linearization linearization(problem_);
+  acts_.differentiate(trajectory, linearization);
+  Augmentation augmentation(problem_);
+  for (const NodeConstraint& c : problem_.constraints())
+    augmentation.penalty.segment(c.row, c.term->rows)
+        .setConstant(std::max(kSmallestCurvature,
+                              linearization.knots[c.node].hessian().diagonal().maxCoeff()));
+  penalty_ = augmentation.penalty.cwiseMax(kSmallestCurvature);
+  augmentation.shift = multipliers.cwiseQuotient(penalty_);
+  acts_.differentiate(trajectory, linearization, &augmentation);
+  if (find_non_finite(linearization)) return gains;
+  Gaps gaps(problem_);
+  gaps.set(linearization, true);
+  BackwardSweep sweep(problem_, bounds_);
+  const auto policy = box_stage(problem_, options_.box_qp);
+  SolverOptions::Regularization from_zero = options_.regularization;
+  from_zero.initial = 0;
+  RegularizationSchedule schedule(from_zero);
+  do {
+    if (sweep.run(linearization, trajectory, gaps, {options_.regularization.kind, schedule.value()},
+                  *policy, gains) >= 0)
+      continue;
+    regularization = schedule.value();
+    return gains;
+  } while (schedule.increase());
+  return Feedback(problem_);
+}
+
+/// From Ipopt's answer, or the best iterate, to the answer that is returned.
+void IpoptSolver::cross_over(const InteriorPointAnswer& answer) {
+  const bool good = answer.end == End::solved || answer.end == End::acceptable;
+  transcription_->set_point(good ? answer.point.y.data() : best_.data());
+  Eigen::MatrixXd costates;
+  Eigen::VectorXd multipliers;
+  transcription_->read_multipliers(answer.point.rows.data(), costates, multipliers);
+  if (!multipliers.allFinite()) multipliers.setZero();
+  Trajectory trajectory = transcription_->trajectory();
+  bounds_.clamp(trajectory);
+  start_newton(trajectory, multipliers);
+  if (good) compare_ratios(bound_ratios(answer, trajectory, multipliers));
+  if (good && (newton_.active_rows() > 0 || !under_tolerances(newton_.norms()))) {
+    const double before = newton_.norms().largest();
+    Trajectory snapped = trajectory;
+    snap_controls(answer, snapped);
+    start_newton(snapped, multipliers);
+    const bool snapped_is_better =
+        newton_.norms().largest() < before || under_tolerances(newton_.norms());
+    for (int i = 0; i < kNewtonSteps && newton_.norms().largest() > kNewtonGoal; ++i) {
+      if (!newton_.step(kNewtonGrowth)) break;
+      result_.feedback_regularization = 0;
+      ++row_.newton;
+      ++row_.iteration;
+      record();
+    }
+    if (row_.newton == 0 || newton_.norms().largest() > before)
+      start_newton(snapped_is_better ? snapped : trajectory, multipliers);
+  }
+  // The last row is the answer.
+  if (std::isfinite(newton_.cost()) && !result_.log.empty() &&
+      result_.log.back().cost != newton_.cost())
+    record();
+  write_result();
+}
+
+/// From one answer to the next the barrier falls. At an active bound so does the distance, and the
+/// ratio grows; at another one the multiplier falls, and the ratio with it. So the geometric mean
+/// of both is a scale by which the later multiplier and distance tell the bounds apart, whatever
+/// their units.
+void IpoptSolver::compare_ratios(BoundRatios ratios) {
+  if (former_) {
+    scales_ = ratios;
+    for (int k = 0; k < problem_.knots(); ++k) {
+      scales_->lower.u(k).array() =
+          (ratios.lower.u(k).array() * former_->lower.u(k).array()).sqrt();
+      scales_->upper.u(k).array() =
+          (ratios.upper.u(k).array() * former_->upper.u(k).array()).sqrt();
+    }
+    scales_->rows.array() = (ratios.rows.array() * former_->rows.array()).sqrt();
+  }
+  former_ = std::move(ratios);
+}
+
+/// Around a trajectory, with gains that belong to it.
+void IpoptSolver::start_newton(const Trajectory& trajectory, const Eigen::VectorXd& multipliers) {
+  result_.feedback_regularization.reset();
+  const Feedback gains = find_gains(trajectory, multipliers, result_.feedback_regularization);
+  if (scales_) penalty_ = (scales_->rows.array() > 0).select(scales_->rows, penalty_);
+  newton_.start(trajectory, multipliers, penalty_, gains);
+}
+
+/// A slack of 1e-5 whose multiplier is as small is complementary to Ipopt's tolerances, but such a
+/// bound is neither active nor free, and Newton's method may not find out which. So Ipopt goes on
+/// to where the two are further apart. Until then an answer may look worse than the one before.
+void IpoptSolver::refine(InteriorPointAnswer& answer) {
+  InteriorPointSettings settings = default_settings();
+  double least = newton_.norms().largest();
+  Trajectory trajectory = newton_.trajectory();
+  Eigen::VectorXd multipliers = newton_.multipliers();
+  while (answer.end == End::solved && stop_ == Stop::none && !under_tolerances(newton_.norms()) &&
+         settings.tolerance * kTighter >= kTightest) {
+    settings.tolerance *= kTighter;
+    settings.dual_tolerance *= kTighter;
+    settings.complementarity_tolerance *= kTighter;
+    settings.warm = &answer.point;
+    settings.warm_barrier = answer.barrier;
+    iterations_before_ = row_.iteration;
+    InteriorPointAnswer tighter = run_ipopt(answer.point.y, settings);
+    if (tighter.end != End::solved) break;
+    answer = std::move(tighter);
+    cross_over(answer);
+    if (newton_.norms().largest() > least) continue;
+    least = newton_.norms().largest();
+    trajectory = newton_.trajectory();
+    multipliers = newton_.multipliers();
+  }
+  if (under_tolerances(newton_.norms()) || newton_.norms().largest() == least) return;
+  start_newton(trajectory, multipliers);
+  record();
+  write_result();
+}
+
+}  // namespace conddp
