@@ -196,13 +196,6 @@ bool AugmentedLagrangian::may_relax() const {
                      [](const Group& group) { return group.penalty > group.first_penalty; });
 }
 
-void AugmentedLagrangian::set_penalty(double penalty) {
-  for (Group& group : groups_) {
-    group.penalty = penalty;
-    write(group);
-  }
-}
-
 double AugmentedLagrangian::largest_penalty() const {
   double largest = 0;
   for (const Group& group : groups_) largest = std::max(largest, group.penalty);

@@ -65,8 +65,6 @@ class AugmentedLagrangian {
   void relax();
   /// Whether there is one that is not its first penalty.
   bool may_relax() const;
-  /// One penalty of all constraints from now on.
-  void set_penalty(double penalty);
   /// Takes multipliers that were found otherwise, with the first penalties.
   void adopt(const Eigen::VectorXd& multipliers);
   /// The constraint for which penalties no longer help: its penalty is at the limit and its

@@ -19,8 +19,6 @@ constexpr int kRelaxations = 20;
 /// Minimisations that may end without a step before the solve does.
 constexpr int kRecoveries = 20;
 constexpr double kTighter = 0.1, kLastInnerDecrease = 1e-8;
-/// A merit's penalty is raised by so many times what its slope lacks.
-constexpr double kPenaltyMargin = 2;
 /// Violation, gap and stationarity below which the projected Newton method is tried, how much
 /// smaller they have to be after it failed, and its steps at most.
 constexpr double kFirstNewtonThreshold = 3e-3, kNextNewtonThreshold = 0.1;
@@ -120,27 +118,6 @@ bool DdpSolver::next_multipliers() {
   if (!linearized_) return end_diverged();
   merit_.cost = linearization_.total_cost() + linearization_.augmentation.sum();
   row_.stationarity = bounds_.projected_norm(adjoint_.gradient(), trajectory_).value;
-  return true;
-}
-
-/// The step of stages that keep equalities does not depend on the penalty, but descends on the
-/// augmented Lagrangian only if that is large enough: then its slope is at most −½ dᵀHd (Nocedal,
-/// Wright, section 18.4). Raises it where it is not, for a new linearisation and sweep.
-bool DdpSolver::merit_needs_penalty() {
-  if (direction_.null_space() == nullptr || !constraints_) return false;
-  double square = 0;
-  for (const NodeConstraint& c : problem_.constraints())
-    for (int i = 0; i < c.term->rows; ++i)
-      square += std::pow(linearization_.constraint[c.row + i] - c.lower[i], 2);
-  const double penalty = constraints_->largest_penalty();
-  // Along the step the rows go from c to 0: their penalty is ½ ρ c² less, and curved by ρ c².
-  const double curvature = std::max(direction_.curvature(linearization_) - penalty * square, 0.0);
-  const double missing = direction_.step().slope() + 0.5 * curvature;
-  if (!(square > 0) || missing <= 0 || merit_.hidden(missing)) return false;
-  const double wanted = std::max(penalty + kPenaltyMargin * missing / square,
-                                 options_.augmented_lagrangian.penalty_factor * penalty);
-  if (wanted > options_.augmented_lagrangian.max_penalty) return false;
-  constraints_->set_penalty(wanted);
   return true;
 }
 

@@ -14,6 +14,9 @@ namespace {
 
 /// Rows of the log that are reserved at most before the first iteration.
 constexpr int kReservedRows = 10000;
+/// The straight steps of an equality search close gaps no earlier than the solve ends. There exact
+/// second derivatives wait until the gaps are this small.
+constexpr double kNearlyClosed = 1e-3;
 
 }  // namespace
 
@@ -45,6 +48,7 @@ DdpSolver::DdpSolver(const ShootingProblem& problem, const DdpRecipe& recipe,
   constraints_.emplace(problem, options, recipe.multipliers);
   augmentation_ = &constraints_->augmentation();
   affine_probe_.emplace(problem);
+  if (direction_.null_space() != nullptr) equality_search_.emplace(problem, options.line_search);
   if (recipe.newton) newton_.emplace(problem, acts_);
 }
 
@@ -115,8 +119,14 @@ bool DdpSolver::linearize() {
 /// Residuals and merit of the linearised iterate.
 void DdpSolver::measure_iterate() {
   row_.cost = linearization_.total_cost() + soft_cost();
-  merit_.cost = linearization_.total_cost() + linearization_.augmentation.sum();
-  merit_.gap_norm = gaps_.norm();
+  merit_.cost = linearization_.total_cost();
+  if (equality_search_) {
+    merit_.gap_norm =
+        equality_search_->infeasibility(linearization_.gap, linearization_.constraint);
+  } else {
+    merit_.cost += linearization_.augmentation.sum();
+    merit_.gap_norm = gaps_.norm();
+  }
   merit_.rounding = adjoint_.cost_rounding(linearization_, trajectory_);
   row_.merit = merit_.value();
   const Extremum stationarity = bounds_.projected_norm(adjoint_.gradient(), trajectory_);
@@ -179,7 +189,8 @@ void DdpSolver::differentiate() {
                 std::isfinite(linearization_.augmentation.sum()) &&
                 all_finite(linearization_.gap) && all_finite(adjoint_.costates()) &&
                 all_finite(adjoint_.gradient());
-  const bool closed = !recipe_.open_gaps || linearization_.max_gap() <= options_.tolerances.gap;
+  const double open = equality_search_ ? kNearlyClosed : options_.tolerances.gap;
+  const bool closed = !recipe_.open_gaps || linearization_.max_gap() <= open;
   if (hessian_.exact_wanted() && linearized_ && closed) {
     hessian_.evaluate_exact(trajectory_, adjoint_.costates(), augmentation_);
   }

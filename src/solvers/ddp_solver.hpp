@@ -9,6 +9,7 @@
 #include "solvers/affine_probe.hpp"
 #include "solvers/augmented_lagrangian.hpp"
 #include "solvers/direction.hpp"
+#include "solvers/equality_search.hpp"
 #include "solvers/hessian_switch.hpp"
 #include "solvers/line_search.hpp"
 #include "solvers/model_step.hpp"
@@ -71,7 +72,6 @@ class DdpSolver {
   bool inner_converged() const;
   bool next_multipliers();
   bool hidden_by_rounding() const;
-  bool merit_needs_penalty();
   void name_contradiction();
   bool newton_converges();
   bool recover();
@@ -94,6 +94,7 @@ class DdpSolver {
   Adjoint adjoint_;
   Direction direction_;
   LineSearch line_search_;
+  std::optional<EqualitySearch> equality_search_;  ///< where stages keep equalities
   ModelStep model_step_;
   RegularizationSchedule regularization_;
   std::optional<AugmentedLagrangian> constraints_;

@@ -39,12 +39,6 @@ bool DdpSolver::take_step() {
   const int sweeps_before = direction_.sweeps();
   for (;;) {
     if (!sweep_with_regularization()) return false;
-    if (merit_needs_penalty()) {
-      differentiate();
-      if (!linearized_) return end_diverged();
-      measure_iterate();
-      continue;
-    }
     if (direction_.null_space() != nullptr)
       multiplier_change_ = &direction_.null_space()->find_multipliers(direction_.step());
     correct_direction();
@@ -86,9 +80,8 @@ bool DdpSolver::take_step() {
     if (!regularization_.increase()) return end_without_step(descent);
     if (!budget_left()) return false;
   }
-  // Multipliers of steps that the merit cuts short belong to a model that does not hold there.
-  if (multiplier_change_ != nullptr && search_.step == 1) {
-    constraints_->add(*multiplier_change_, 1);
+  if (multiplier_change_ != nullptr) {
+    constraints_->add(*multiplier_change_, search_.step);
     linearized_ = false;
   }
   const double share = search_.actual_decrease / search_.expected_decrease;
@@ -112,7 +105,8 @@ bool DdpSolver::take_step() {
   row_.active_set_changes = direction_.policy().active_set_changes();
   if (search_.step >= options_.regularization.decrease_step) {
     regularization_.decrease();
-  } else if (search_.step <= options_.regularization.increase_step) {
+  } else if (search_.step <= options_.regularization.increase_step && !equality_search_) {
+    // (Rows have to be met whatever the weight: it does not make the step shorter there.)
     regularization_.increase();
   }
   return true;
@@ -132,6 +126,12 @@ void DdpSolver::correct_direction() {
 /// The model's view of the full step; the weight of the gaps is kept above its multipliers.
 void DdpSolver::measure_direction() {
   const Stopwatch watch(result_.times.sweep);
+  if (equality_search_) {
+    equality_search_->measure(linearization_, trajectory_, *augmentation_,
+                              constraints_->multipliers(), direction_.step(),
+                              direction_.curvature(linearization_), merit_);
+    return;
+  }
   merit_.slope = direction_.step().slope();
   merit_.slope_within_bounds = direction_.within_bounds();
   // Co-states without gains say little of the cost's rounding.
@@ -224,7 +224,11 @@ bool DdpSolver::search() {
   for (double first_step = 1; first_step >= kShortestBlindStep; first_step /= 2) {
     {
       const Stopwatch watch(result_.times.rollout);
-      search_ = line_search_.run(acts_, merit_, adjoint_, linearization_.gap, direction_.feedback(),
+      search_ =
+          equality_search_
+              ? equality_search_->run(acts_, merit_, linearization_, direction_.step(),
+                                      direction_.feedback(), first_step, trajectory_)
+              : line_search_.run(acts_, merit_, adjoint_, linearization_.gap, direction_.feedback(),
                                  {.contract_gaps = recipe_.open_gaps,
                                   .clamp_controls = recipe_.clamp_controls,
                                   .augmentation = augmentation_},
@@ -272,8 +276,10 @@ int DdpSolver::sweep_backward(double regularization) {
     if (exact && !hessian_.exact_known()) continue;
     hessian_.use(exact);
     const auto find = [&] {
-      return direction_.find(linearization_, trajectory_, gaps_, adjoint_, merit_,
-                             {options_.regularization.kind, regularization}, augmentation_);
+      return direction_.find(
+          linearization_, trajectory_, gaps_, adjoint_, merit_,
+          {options_.regularization.kind, regularization, equality_search_.has_value()},
+          augmentation_);
     };
     int bad_knot = find();
     if (direction_.lacked_descent() && !affine_known_) {

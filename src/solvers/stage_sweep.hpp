@@ -14,6 +14,9 @@ namespace conddp {
 struct SweepRegularization {
   RegularizationKind kind = RegularizationKind::state;
   double weight = 0;
+  /// Whether the value knows of a weight on the controls: ½ μ‖δu‖² is a cost of the model then, and
+  /// rows that have to be met are met by all controls in front of them.
+  bool in_model = false;
 };
 
 int largest_nu(const ShootingProblem& problem);

@@ -97,6 +97,18 @@ TEST(BackwardSweep, RegularizationChangesTheGainsAsItsKindSays) {
   EXPECT_NEAR(swept.feedback.K[2](0, 0), -3.25 / 4.25, 1e-15);
 }
 
+// A weight in the model is a cost of the problem: 3 more on the controls.
+TEST(BackwardSweep, AWeightInTheModelIsOneOfTheCosts) {
+  const ShootingProblem problem = integrator_problem(1), heavier = integrator_problem(4);
+  Swept swept(problem), expected(heavier);
+  ASSERT_EQ(expected.run(RegularizationKind::control, 0), -1);
+  ASSERT_EQ(swept.sweep.run(swept.linearization, swept.trajectory, swept.gaps,
+                            {RegularizationKind::control, 3, true}, *swept.policy, swept.feedback),
+            -1);
+  for (int k = 0; k < problem.knots(); ++k)
+    EXPECT_NEAR(swept.feedback.K[k](0, 0), expected.feedback.K[k](0, 0), 1e-15) << k;
+}
+
 // Pitfall 19: whatever the gains, the value is that of the policy u = ū + k + K δx. Here gains are
 // regularised, so that the formula of the unconstrained minimum would not hold.
 TEST(BackwardSweep, ValueIsTheCostOfThePolicyAlsoWhereItsGainsAreNotOptimal) {

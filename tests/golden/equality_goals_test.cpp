@@ -1,0 +1,50 @@
+// Goals that are equalities, by the solver that keeps them in the stages: whatever else the ready
+// problems ask for is left out.
+#include <gtest/gtest.h>
+
+#include "output/certificate_report.hpp"
+#include "output/solution_json.hpp"
+#include "problem_file/build.hpp"
+#include "problem_file/read_problem.hpp"
+#include "solvers/registry.hpp"
+
+namespace conddp {
+namespace {
+
+struct Goal {
+  std::string problem;
+  std::vector<std::string> drop;
+  int iterations;  ///< at most
+};
+
+class EqualityGoal : public ::testing::TestWithParam<Goal> {};
+
+TEST_P(EqualityGoal, IsReachedAndCertified) {
+  const Goal& goal = GetParam();
+  Diagnostics out;
+  const auto file =
+      std::filesystem::path(CONDDP_SOURCE_DIR) / "problems" / (goal.problem + ".yaml");
+  const auto spec = read_problem(file, {"solver.name=intro"}, out);
+  ASSERT_TRUE(spec) << format_diagnostics(out, false);
+  const auto built = build_problem(*spec, {.drop = goal.drop}, out);
+  ASSERT_TRUE(built) << format_diagnostics(out, false);
+  const SolverInfo& solver = *find_solver(spec->solver.name.value);
+  const SolveResult result = solve(*built->problem, solver, spec->solver.options, built->guess);
+  ASSERT_EQ(result.status, SolveStatus::converged) << result.message;
+  EXPECT_LE(result.iterations, goal.iterations);
+  const OrderedJson document =
+      OrderedJson::parse(solution_json({*spec, *built, solver, result, {}}).dump());
+  const SolutionCertificate certificate = certify_solution(document, *spec, *built, false);
+  EXPECT_TRUE(certificate.checks.holds()) << certificate_table(certificate);
+}
+
+INSTANTIATE_TEST_SUITE_P(Ready, EqualityGoal,
+                         ::testing::Values(Goal{"cartpole_goal", {"force"}, 120},
+                                           Goal{"acrobot_goal", {"torque"}, 80},
+                                           Goal{"arm_maze", {"torque", "clear"}, 60},
+                                           Goal{"hopper_cycle", {"torque", "cone"}, 30},
+                                           Goal{"cartpole_collocation", {"force"}, 40}),
+                         [](const auto& test) { return test.param.problem; });
+
+}  // namespace
+}  // namespace conddp

@@ -1,0 +1,105 @@
+#include "solvers/equality_search.hpp"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "solvers/augmented_lagrangian.hpp"
+#include "solvers/null_space_stage.hpp"
+#include "solvers/registry.hpp"
+#include "support/constrained_problems.hpp"
+#include "support/small_problems.hpp"
+
+namespace conddp {
+namespace {
+
+/// An iterate with open gaps, multipliers and a step that keeps the linear equations.
+struct Iterate {
+  explicit Iterate(const ShootingProblem& problem)
+      : bounds(problem),
+        acts(problem),
+        linearization(problem),
+        gaps(problem),
+        trajectory(testing::random_guess(problem, 3, 0.3)),
+        lagrangian(problem, {}, MultiplierSchedule::by_the_sweep),
+        stages(problem),
+        sweep(problem, bounds, {}),
+        feedback(problem),
+        step(problem, bounds),
+        search(problem, {}) {
+    lagrangian.start(Eigen::VectorXd::LinSpaced(problem.constraint_rows(), -1, 2));
+    acts.differentiate(trajectory, linearization, &lagrangian.augmentation());
+    lagrangian.measure(linearization.constraint);
+    gaps.set(linearization, true);
+    EXPECT_EQ(sweep.run(linearization, trajectory, gaps, {}, stages, feedback), -1);
+    step.run(linearization, trajectory, gaps, feedback, false);
+    merit.cost = linearization.total_cost();
+    merit.gap_norm = search.infeasibility(linearization.gap, linearization.constraint);
+    search.measure(linearization, trajectory, lagrangian.augmentation(), lagrangian.multipliers(),
+                   step, step.curvature(linearization), merit);
+  }
+  double merit_of(const Trajectory& trial) {
+    Evaluation evaluation(acts.problem());
+    acts.evaluate(trial, evaluation);
+    return evaluation.cost.sum() +
+           merit.penalty * search.infeasibility(evaluation.gap, evaluation.constraint);
+  }
+  ControlBounds bounds;
+  Acts acts;
+  Linearization linearization;
+  Gaps gaps;
+  Trajectory trajectory;
+  AugmentedLagrangian lagrangian;
+  NullSpaceStage stages;
+  BackwardSweep sweep;
+  Feedback feedback;
+  LinearRollout step;
+  EqualitySearch search;
+  MeritModel merit;
+};
+
+ShootingProblem goal_problem() {
+  const ShootingProblem swing = testing::cartpole_swing_up();
+  return testing::with_constraints(swing, {testing::goal_constraint(swing, {0, M_PI, 0, 0})});
+}
+
+TEST(EqualitySearch, TheMeritsSlopeIsItsDerivativeAlongTheStep) {
+  const ShootingProblem problem = goal_problem();
+  Iterate iterate(problem);
+  EXPECT_NEAR(iterate.merit_of(iterate.trajectory), iterate.merit.value(),
+              1e-12 * iterate.merit.value());
+  EXPECT_LT(iterate.merit.merit_slope(), 0);
+  const double length = 1e-6;
+  Trajectory moved = iterate.trajectory;
+  for (int k = 0; k <= problem.knots(); ++k) {
+    const Eigen::VectorXd dx = length * iterate.step.dx(k);
+    problem.manifold().integrate(iterate.trajectory.x(k).data(), dx.data(), moved.x(k).data());
+    if (k < problem.knots()) moved.u(k) += length * iterate.step.du(k);
+  }
+  EXPECT_NEAR((iterate.merit_of(moved) - iterate.merit.value()) / length,
+              iterate.merit.merit_slope(), 1e-3 * std::abs(iterate.merit.merit_slope()));
+}
+
+TEST(EqualitySearch, TakesTheTrialThatLowersTheMeritMore) {
+  const ShootingProblem problem = goal_problem();
+  Iterate iterate(problem);
+  Trajectory trajectory = iterate.trajectory;
+  const LineSearchResult found =
+      iterate.search.run(iterate.acts, iterate.merit, iterate.linearization, iterate.step,
+                         iterate.feedback, 1, trajectory);
+  ASSERT_TRUE(found.accepted);
+  EXPECT_NEAR(iterate.merit.value() - iterate.merit_of(trajectory), found.actual_decrease,
+              1e-9 * iterate.merit.value());
+  double steps[kLaneWidth];
+  for (double& step : steps) step = found.step;
+  LaneRollout lanes(problem);
+  iterate.acts.roll_out(iterate.trajectory, iterate.linearization.gap, iterate.feedback, steps,
+                        {.contract_gaps = true}, lanes);
+  Trajectory rolled = problem.create_trajectory();
+  lanes.extract(0, rolled);
+  // A rollout that leaves the finite numbers is no better either.
+  EXPECT_FALSE(iterate.merit_of(rolled) < iterate.merit_of(trajectory));
+}
+
+}  // namespace
+}  // namespace conddp
