@@ -122,6 +122,8 @@ bool ProjectedNewton::solve_quadratic() {
     curvature = std::max(curvature, gauss_newton_[k].diagonal().maxCoeff());
   }
   if (curved_) evaluate_exact_hessian();
+  for (std::size_t k = 0; curved_ && k < exact_.size(); ++k)
+    curvature = std::max(curvature, exact_[k].diagonal().cwiseAbs().maxCoeff());
   const double penalty = kRowPenalty * std::max(curvature, 1e-6);
   for (int revision = 0;; ++revision) {
     if (!solve_on_rows(penalty)) return false;
@@ -186,6 +188,7 @@ bool ProjectedNewton::step(double growth) {
         trajectory_.u(k) = before_.u(k) + step_length_ * step_[k].tail(problem_.nu(k));
     }
     bounds_.clamp(trajectory_);
+    if (step_length_ == 1) rows_.hold_controls(trajectory_);
     multipliers_ = multipliers_before_ + step_length_ * (target_ - multipliers_before_);
     linearize();
     if (norms_.largest() < (1 - 0.1 * step_length_) * growth * was) return true;

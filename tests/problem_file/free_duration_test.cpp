@@ -131,6 +131,35 @@ TEST(FreeDuration, OfADoubleIntegratorIsThatOfFullThrustAndFullBrakes) {
   EXPECT_NEAR(backwards, 2 / std::sqrt(3), 1e-6);
 }
 
+/// Controls at their bounds nearly everywhere and nothing but time in the cost: which bounds are
+/// active is hard to see, and has to be exact for gaps to close.
+TEST(FreeDuration, OfAQuadrotorWithControlsAtTheirBounds) {
+  const Loaded loaded(R"(conddp: 1
+system: {type: planar_quadrotor}
+initial_state: {values: {z: 1}}
+integrator: rk4
+phases:
+  - {name: start, choose: none}
+  - {name: move, knots: 60, duration: 2, free_duration: {lower: 0.1, upper: 20}}
+costs:
+  time: {residual: combination, rows: {constant: 1}, weight: 2}
+constraints:
+  limits: {bounds: control, lower: 0, upper: 8}
+terminal:
+  constraints:
+    goal: {residual: state, reference: {values: {x: 3, z: 2}}}
+solver: {name: ipopt}
+)");
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const SolveResult result = solve(*loaded.built->problem, *find_solver("ipopt"),
+                                   loaded.spec->solver.options, loaded.built->guess);
+  ASSERT_EQ(result.status, SolveStatus::converged) << result.message;
+  int inside = 0;
+  for (int k = 1; k < loaded.built->problem->knots(); ++k)
+    for (const double u : result.trajectory.u(k)) inside += u > 0 && u < 8;
+  EXPECT_LE(inside, 10);
+}
+
 /// The best duration is one that cannot be improved upon by giving another.
 TEST(FreeDuration, IsTheBestOne) {
   const std::string costs = replaced(
