@@ -20,6 +20,7 @@ CASES = {
     "HyQ trot, μ 0.15": ("tests/foreign/hyq_trot.yaml", ("contacts.defaults.friction=0.15",), ()),
     "quadruped trot": ("problems/quadruped_trot.yaml", (), ()),
     "arm reach": ("problems/arm_reach.yaml", (), ()),
+    "arm reach in a second": ("problems/arm_reach.yaml", ("phases.0.knots=100",), ("torque",)),
     "Talos squat": ("tests/foreign/talos_squat.yaml", (), ("torque",)),
 }
 

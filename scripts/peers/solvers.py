@@ -32,13 +32,17 @@ class Row:
     guess_cost: float = np.nan
     guess_gap: float = np.nan
     best_cost: float = np.nan          # the lowest that it reaches
-    step: float = np.nan               # differentiate + sweep + rollout, an iteration
-    parts: tuple = ()
+    parts: tuple = ()                  # differentiate, sweep, rollout with a full step: each once
+    iteration: float = np.nan          # of a whole solve
     iterations: int | None = None      # to the tolerance
     to_tolerance: float = np.nan
     whole: float = np.nan              # with the solver's own test of convergence
     whole_iterations: int | None = None
     converged: bool = False
+
+    @property
+    def step(self):
+        return sum(self.parts) if self.parts else np.nan
 
 
 @dataclass
@@ -111,9 +115,8 @@ class Conddp:
         whole = self.run(repeat, 1e-6)
         row.whole = median(run["total"] for run in whole["runs"])
         row.whole_iterations, row.converged = whole["iterations"], whole["status"] == "converged"
-        row.parts = tuple(median(run[part] for run in whole["runs"]) / whole["iterations"]
-                          for part in ("differentiate", "sweep", "rollout"))
-        row.step = sum(row.parts)
+        row.iteration = row.whole / row.whole_iterations
+        row.parts = tuple(whole["acts"][part] for part in ("differentiate", "sweep", "rollout"))
         return row
 
 
@@ -172,8 +175,8 @@ class Crocoddyl:
         runs = [self.timed(solver, MOST_ITERATIONS) for _ in range(WARM_UP + repeat)]
         row.whole = median(took for took, _ in runs[WARM_UP:])
         row.whole_iterations, row.converged = solver.iter + 1, runs[-1][1]
+        row.iteration = row.whole / row.whole_iterations
         row.parts = self.parts(max(repeat, 50))
-        row.step = sum(row.parts)
         return row
 
     def parts(self, repeat):
@@ -231,7 +234,7 @@ class Aligator:
         row.converged, row.whole_iterations, seconds, _, _ = self.run(
             1e-6, MOST_OF_ALIGATOR, WARM_UP + repeat)
         row.whole = median(seconds[WARM_UP:])
-        row.step = row.whole / row.whole_iterations
+        row.iteration = row.whole / row.whole_iterations
         return row
 
 

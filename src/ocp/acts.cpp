@@ -10,6 +10,7 @@
 
 #include "ocp/knot_batch.hpp"
 #include "ocp/lane_transfer.hpp"
+#include "ocp/rollout.hpp"
 #include "ocp/transposed_dynamics.hpp"
 
 namespace conddp {
@@ -90,6 +91,8 @@ struct Acts::Impl {
       for (const KnotModel* model : models)
         of_thread.push_back(std::make_unique<KnotBatch<Lane>>(*model));
     duals.resize(threads);
+    for (const KnotModel* model : models)
+      singles.push_back(std::make_unique<KnotBatch<double>>(*model));
   }
 
   /// Calls act(group, thread) for every group, in parallel where there are threads.
@@ -205,6 +208,7 @@ struct Acts::Impl {
   std::vector<int> model_of_knot;
   std::vector<std::vector<std::unique_ptr<KnotBatch<Lane>>>> lanes;        ///< thread, model
   std::vector<std::vector<std::unique_ptr<KnotBatch<Dual<Lane>>>>> duals;  ///< made when needed
+  std::vector<std::unique_ptr<KnotBatch<double>>> singles;  ///< of rollouts, by model
 };
 
 Acts::Acts(const ShootingProblem& problem, int threads)
@@ -291,81 +295,53 @@ void Acts::lagrangian_hessian(const Trajectory& trajectory, const Eigen::MatrixX
 void Acts::roll_out(const Trajectory& reference, const Eigen::MatrixXd& gap,
                     const Feedback& feedback, const double* step_lengths,
                     const RolloutOptions& options, LaneRollout& out) {
-  const int nx = problem_.nx(), n = problem_.ndx(), N = problem_.knots();
-  const StateManifold& manifold = problem_.manifold();
   Lane alpha;
   for (int l = 0; l < kLaneWidth; ++l) {
     alpha.set(l, step_lengths[l]);
     out.first_bad_knot[l] = -1;
   }
-  for (int i = 0; i < nx; ++i) out.x[i] = Lane(problem_.initial_state()[i]);
-  out.cost = Lane(0.0);
-  Lane* u = out.u.data();
-  for (int k = 0; k <= N; ++k) {
-    const KnotView& view = problem_.knot(k);
-    const KnotModel& model = *view.model;
-    KnotBatch<Lane>& batch = *impl_->lanes[0][impl_->model_of_knot[k]];
-    const Lane* x = out.x.data() + k * nx;
-    for (int i = 0; i < model.parameter_count(); ++i) batch.parameters[i] = view.parameters[i];
-    batch.dt = view.dt;
-    batch.cost_scale = view.cost_scale;
-    batch.augmented = options.augmentation != nullptr;
-    if (batch.augmented) {
-      const int first = problem_.constraint_offset(k);
-      for (int i = 0; i < model.constraint_rows(); ++i) {
-        batch.penalty[i] = options.augmentation->penalty[first + i];
-        batch.shift[i] = options.augmentation->shift[first + i];
-        batch.multiplier[i] = options.augmentation->multiplier[first + i];
-      }
-    }
-    if (k < N) {
-      for (int i = 0; i < nx; ++i) batch.x[i] = reference.x(k)[i];
-      manifold.difference(batch.x.data(), x, batch.tangent.data());
-      const auto ubar = reference.u(k);
-      for (int i = 0; i < model.nu(); ++i) u[i] = Lane(ubar[i]) + alpha * Lane(feedback.k[k][i]);
-      const double* K = feedback.K[k].data();
-      for (int j = 0; j < n; ++j)
-        for (int i = 0; i < model.nu(); ++i) u[i] += Lane(K[j * model.nu() + i]) * batch.tangent[j];
-      if (options.clamp_controls)
-        for (int i = 0; i < model.nu(); ++i)
-          u[i] = max(Lane(model.control_lower()[i]), min(Lane(model.control_upper()[i]), u[i]));
-    }
-    model.evaluate(batch.at(x, u), batch.work);
-    out.cost += batch.work.cost;
-    out.cost += batch.work.augmentation;
-    Lane check = out.cost;
-    if (k < N) {
-      Lane* after = out.x.data() + (k + 1) * nx;
-      if (options.contract_gaps) {
-        for (int i = 0; i < n; ++i) batch.tangent[i] = (alpha - Lane(1.0)) * Lane(gap(i, k));
-        manifold.integrate(batch.work.next().data(), batch.tangent.data(), after);
-      } else {
-        std::copy(batch.work.next().begin(), batch.work.next().end(), after);
-      }
-      for (int i = 0; i < nx; ++i) check += after[i];
-      u += model.nu();
-    }
-    // A sum is finite only if its terms are; zero times it is then zero.
-    bool alive = false;
-    for (int l = 0; l < kLaneWidth; ++l) {
-      if (out.first_bad_knot[l] < 0 && !(check[l] * 0.0 == 0.0)) out.first_bad_knot[l] = k;
-      alive = alive || out.first_bad_knot[l] < 0;
-    }
-    if (!alive) return;
-  }
+  const auto batch_of = [&](int k) -> KnotBatch<Lane>& {
+    return *impl_->lanes[0][impl_->model_of_knot[k]];
+  };
+  conddp::roll_out(problem_, reference, gap, feedback, alpha, options, batch_of, out.x.data(),
+                   out.u.data(), out.cost, [&](int k, Lane check) {
+                     // A sum is finite only if its terms are; zero times it is then zero.
+                     bool alive = false;
+                     for (int l = 0; l < kLaneWidth; ++l) {
+                       if (out.first_bad_knot[l] < 0 && !(check[l] * 0.0 == 0.0))
+                         out.first_bad_knot[l] = k;
+                       alive = alive || out.first_bad_knot[l] < 0;
+                     }
+                     return alive;
+                   });
+}
+
+void Acts::roll_out(const Trajectory& reference, const Eigen::MatrixXd& gap,
+                    const Feedback& feedback, double step_length, const RolloutOptions& options,
+                    SingleRollout& out) {
+  out.first_bad_knot = -1;
+  const auto batch_of = [&](int k) -> KnotBatch<double>& {
+    return *impl_->singles[impl_->model_of_knot[k]];
+  };
+  conddp::roll_out(problem_, reference, gap, feedback, step_length, options, batch_of,
+                   out.trajectory.x(0).data(),
+                   problem_.knots() > 0 ? out.trajectory.u(0).data() : nullptr, out.cost,
+                   [&](int k, double check) {
+                     if (!std::isfinite(check)) out.first_bad_knot = k;
+                     return out.first_bad_knot < 0;
+                   });
 }
 
 int Acts::simulate(Trajectory& trajectory, bool clamp_controls) {
   Feedback none(problem_);
-  LaneRollout rollout(problem_);
-  const double steps[kLaneWidth] = {};
+  SingleRollout rollout(problem_);
   // Feedback zero: the reference's states do not matter, as long as they are finite.
   for (int k = 0; k <= trajectory.knots(); ++k)
     trajectory.x(k) =
         Eigen::Map<const Eigen::VectorXd>(problem_.initial_state().data(), problem_.nx());
-  roll_out(trajectory, Eigen::MatrixXd(), none, steps, {.clamp_controls = clamp_controls}, rollout);
-  if (rollout.first_bad_knot[0] >= 0) return rollout.first_bad_knot[0];
-  rollout.extract(0, trajectory);
+  roll_out(trajectory, Eigen::MatrixXd(), none, 0.0, {.clamp_controls = clamp_controls}, rollout);
+  if (rollout.first_bad_knot >= 0) return rollout.first_bad_knot;
+  trajectory = rollout.trajectory;
   return -1;
 }
 

@@ -36,6 +36,15 @@ struct LaneRollout {
   void extract(int lane, Trajectory& trajectory) const;
 };
 
+/// One trajectory rolled out alone.
+struct SingleRollout {
+  explicit SingleRollout(const ShootingProblem& problem)
+      : trajectory(problem.create_trajectory()) {}
+  double cost = 0;  ///< with the augmentation
+  Trajectory trajectory;
+  int first_bad_knot = -1;  ///< as in LaneRollout
+};
+
 /// How a rollout treats gaps and bounds.
 struct RolloutOptions {
   bool contract_gaps = false;   ///< x_{k+1} = f ⊕ (α − 1) gap instead of f (multiple shooting)
@@ -72,6 +81,9 @@ class Acts {
   /// from x_0 = the problem's initial state. `gap` is that of the reference.
   void roll_out(const Trajectory& reference, const Eigen::MatrixXd& gap, const Feedback& feedback,
                 const double* step_lengths, const RolloutOptions& options, LaneRollout& out);
+  /// The same for a single step length, in less time. A lane's numbers are the same up to rounding.
+  void roll_out(const Trajectory& reference, const Eigen::MatrixXd& gap, const Feedback& feedback,
+                double step_length, const RolloutOptions& options, SingleRollout& out);
   /// Simulates the trajectory's controls from the initial state, overwriting its states; clamps
   /// the controls first if asked. Returns the first knot with a non-finite result, or −1.
   int simulate(Trajectory& trajectory, bool clamp_controls = false);

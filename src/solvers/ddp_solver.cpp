@@ -60,6 +60,7 @@ SolveResult DdpSolver::solve(const Trajectory& guess) {
   regularization_ = RegularizationSchedule(options_.regularization);
   row_ = IterationRecord();
   direction_.reset();
+  line_search_.reset();
   search_ = LineSearchResult();
   merit_ = MeritModel();
   linearized_ = affine_known_ = false;

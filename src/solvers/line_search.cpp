@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace conddp {
 namespace {
@@ -10,6 +11,12 @@ namespace {
 constexpr double kVisible = 10;
 /// Down to this length an acceptable step gives way to its half if that lowers the merit more.
 constexpr double kShortestCompared = 0.125;
+/// Share of the first-order decrease from which on half a step lowers a parabola less.
+constexpr double kBetterThanHalf = 1.0 / 3;
+
+double actual_decrease(double cost, double step, const MeritModel& merit) {
+  return merit.cost - cost + step * merit.penalty * merit.gap_norm;
+}
 
 }  // namespace
 
@@ -19,86 +26,114 @@ LineSearch::LineSearch(const ShootingProblem& problem, const SolverOptions::Line
     : options_(options),
       manifold_(problem.manifold()),
       lanes_(problem),
-      trial_(problem.create_trajectory()),
+      trial_(problem),
       dx_(problem.ndx()) {
   int largest = 0;
   for (int k = 0; k < problem.knots(); ++k) largest = std::max(largest, problem.nu(k));
   followed_.resize(largest);
 }
 
-double LineSearch::applied_slope(int lane, const Adjoint& adjoint, const Feedback& feedback,
-                                 const Trajectory& trajectory) {
-  lanes_.extract(lane, trial_);
-  double slope = 0;
-  int offset = 0;
-  for (int k = 0; k < trajectory.knots(); ++k) {
-    const int nu = trajectory.nu(k);
-    manifold_.difference(trajectory.x(k).data(), trial_.x(k).data(), dx_.data());
-    auto followed = followed_.head(nu);
-    followed.noalias() = feedback.K[k] * dx_;
-    slope += adjoint.gradient().segment(offset, nu).dot(trial_.u(k) - trajectory.u(k)) -
-             adjoint.followed_gradient().segment(offset, nu).dot(followed);
-    offset += nu;
-  }
-  return slope;
-}
-
 LineSearchResult LineSearch::run(Acts& acts, const MeritModel& merit, const Adjoint& adjoint,
                                  const Eigen::MatrixXd& gap, const Feedback& feedback,
                                  const RolloutOptions& rollout, double first_step,
                                  Trajectory& trajectory) {
+  const Ray ray{merit, adjoint, gap, feedback, rollout, trajectory};
   LineSearchResult result;
+  result.accepted = first_step_likely_ && try_alone(acts, ray, first_step, result);
   double next_step = first_step;
-  while (next_step >= options_.min_step) {
-    double steps[kLaneWidth];
-    for (double& step : steps) {
-      step = next_step;
-      next_step /= 2;
-    }
-    acts.roll_out(trajectory, gap, feedback, steps, rollout, lanes_);
-    for (int lane = 0; lane < kLaneWidth && steps[lane] >= options_.min_step; ++lane) {
-      ++result.trials;
-      if (lanes_.first_bad_knot[lane] >= 0) {
-        if (result.first_bad_knot < 0) result.first_bad_knot = lanes_.first_bad_knot[lane];
-        continue;
-      }
-      const double step = steps[lane];
-      const double expected =
-          expected_decrease(lane, step, merit, adjoint, feedback, rollout, trajectory);
-      const double actual = actual_decrease(lane, step, merit);
-      const bool hidden = merit.hidden(expected);
-      const bool armijo = expected > 0 && actual >= options_.armijo * expected;
-      if (!armijo && !(hidden && step == first_step && merit.hidden(actual))) continue;
-      if (!hidden && lane + 1 < kLaneWidth && steps[lane + 1] >= kShortestCompared &&
-          lanes_.first_bad_knot[lane + 1] < 0 &&
-          actual_decrease(lane + 1, steps[lane + 1], merit) > actual) {
-        continue;
-      }
-      result.accepted = true;
-      result.by_rounding = hidden;
-      result.step = step;
-      result.expected_decrease = expected;
-      result.actual_decrease = actual;
-      lanes_.extract(lane, trajectory);
-      return result;
-    }
-  }
+  while (!result.accepted && next_step >= options_.min_step)
+    result.accepted = try_lanes(acts, ray, first_step, next_step, result);
+  first_step_likely_ = result.accepted && result.step == first_step;
+  if (result.accepted) std::swap(trajectory, trial_.trajectory);
   return result;
 }
 
-double LineSearch::actual_decrease(int lane, double step, const MeritModel& merit) const {
-  return merit.cost - lanes_.cost[lane] + step * merit.penalty * merit.gap_norm;
+/// The first step, without a look at its half. What does not convince is left to the lanes.
+bool LineSearch::try_alone(Acts& acts, const Ray& ray, double step, LineSearchResult& result) {
+  acts.roll_out(ray.from, ray.gap, ray.feedback, step, ray.rollout, trial_);
+  if (trial_.first_bad_knot >= 0) return false;
+  const double expected = expected_decrease(ray, step);
+  const double actual = actual_decrease(trial_.cost, step, ray.merit);
+  const bool hidden = ray.merit.hidden(expected);
+  if (!(hidden ? ray.merit.hidden(actual)
+               : expected > 0 && actual >= std::max(kBetterThanHalf, options_.armijo) * expected))
+    return false;
+  result = {.accepted = true,
+            .step = step,
+            .expected_decrease = expected,
+            .actual_decrease = actual,
+            .trials = 1,
+            .by_rounding = hidden};
+  return true;
 }
 
-double LineSearch::expected_decrease(int lane, double step, const MeritModel& merit,
-                                     const Adjoint& adjoint, const Feedback& feedback,
-                                     const RolloutOptions& rollout, const Trajectory& trajectory) {
-  double slope = step * merit.slope;
-  if (rollout.clamp_controls && !merit.slope_within_bounds) {
-    slope = applied_slope(lane, adjoint, feedback, trajectory);
-    if (rollout.contract_gaps) slope += step * adjoint.gap_slope();
+/// As many steps as there are lanes; `next_step` ← the one after them.
+bool LineSearch::try_lanes(Acts& acts, const Ray& ray, double first_step, double& next_step,
+                           LineSearchResult& result) {
+  double steps[kLaneWidth];
+  for (double& step : steps) {
+    step = next_step;
+    next_step /= 2;
   }
-  return step * merit.penalty * merit.gap_norm - slope;
+  acts.roll_out(ray.from, ray.gap, ray.feedback, steps, ray.rollout, lanes_);
+  for (int lane = 0; lane < kLaneWidth && steps[lane] >= options_.min_step; ++lane) {
+    ++result.trials;
+    if (lanes_.first_bad_knot[lane] >= 0) {
+      if (result.first_bad_knot < 0) result.first_bad_knot = lanes_.first_bad_knot[lane];
+      continue;
+    }
+    const double step = steps[lane];
+    if (applies_slope(ray)) lanes_.extract(lane, trial_.trajectory);
+    const double expected = expected_decrease(ray, step);
+    const double actual = actual_decrease(lanes_.cost[lane], step, ray.merit);
+    const bool hidden = ray.merit.hidden(expected);
+    const bool armijo = expected > 0 && actual >= options_.armijo * expected;
+    if (!armijo && !(hidden && step == first_step && ray.merit.hidden(actual))) continue;
+    if (!hidden && lane + 1 < kLaneWidth && steps[lane + 1] >= kShortestCompared &&
+        lanes_.first_bad_knot[lane + 1] < 0 &&
+        actual_decrease(lanes_.cost[lane + 1], steps[lane + 1], ray.merit) > actual) {
+      continue;
+    }
+    result.by_rounding = hidden;
+    result.step = step;
+    result.expected_decrease = expected;
+    result.actual_decrease = actual;
+    lanes_.extract(lane, trial_.trajectory);
+    return true;
+  }
+  return false;
+}
+
+/// Whether the decrease to expect is that of the controls which the rollout applied.
+bool LineSearch::applies_slope(const Ray& ray) const {
+  return ray.rollout.clamp_controls && !ray.merit.slope_within_bounds;
+}
+
+/// Of the merit, to first order; trial_ is looked at where applies_slope().
+double LineSearch::expected_decrease(const Ray& ray, double step) {
+  double slope = step * ray.merit.slope;
+  if (applies_slope(ray)) {
+    slope = applied_slope(ray);
+    if (ray.rollout.contract_gaps) slope += step * ray.adjoint.gap_slope();
+  }
+  return step * ray.merit.penalty * ray.merit.gap_norm - slope;
+}
+
+double LineSearch::applied_slope(const Ray& ray) {
+  const Trajectory& from = ray.from;
+  const Trajectory& to = trial_.trajectory;
+  double slope = 0;
+  int offset = 0;
+  for (int k = 0; k < from.knots(); ++k) {
+    const int nu = from.nu(k);
+    manifold_.difference(from.x(k).data(), to.x(k).data(), dx_.data());
+    auto followed = followed_.head(nu);
+    followed.noalias() = ray.feedback.K[k] * dx_;
+    slope += ray.adjoint.gradient().segment(offset, nu).dot(to.u(k) - from.u(k)) -
+             ray.adjoint.followed_gradient().segment(offset, nu).dot(followed);
+    offset += nu;
+  }
+  return slope;
 }
 
 }  // namespace conddp

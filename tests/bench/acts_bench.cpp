@@ -129,6 +129,14 @@ void add_case(const Case& c) {
                     {.contract_gaps = true, .clamp_controls = true}, out);
     };
   });
+  add_act(c, "roll_out_alone", [](Acts& acts, const Case& at) {
+    Evaluation evaluation(at.problem());
+    acts.evaluate(at.iterate.trajectory, evaluation);
+    return [&acts, &at, gap = evaluation.gap, out = SingleRollout(at.problem())]() mutable {
+      acts.roll_out(at.iterate.trajectory, gap, at.iterate.feedback, 1.0,
+                    {.contract_gaps = true, .clamp_controls = true}, out);
+    };
+  });
   add_part(c, "dynamics", [](const KnotModel& model, KnotBatch<Lane>& batch) {
     return [&model, &batch, data = std::shared_ptr(model.system().create_data(Lane()))] {
       model.system().differentiate(batch.x.data(), batch.u.data(), *data);

@@ -2,7 +2,10 @@
 //
 // Solves a problem again and again in one process, after a warm-up, and prints as JSON what each
 // run took, by act and by iteration, with the guess and the answer: what scripts/peers/compare sets
-// beside other solvers.
+// beside other solvers. Each act alone is timed at the answer too: once all derivatives, one sweep,
+// one rollout.
+#include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <iostream>
 
@@ -12,12 +15,16 @@
 
 #include "problem_file/build.hpp"
 #include "problem_file/read_problem.hpp"
+#include "solvers/backward_sweep.hpp"
 #include "solvers/registry.hpp"
 
 namespace conddp {
 namespace {
 
 using Json = nlohmann::json;
+
+/// Least calls of which a median is taken.
+constexpr int kActRepeat = 50;
 
 struct Arguments {
   std::string file, solver;
@@ -48,6 +55,50 @@ Json json_of(const SolveResult& result) {
           {"log", log}};
 }
 
+/// The middle of what `repeat` calls of an act take, in seconds.
+template <class F>
+double median_time(int repeat, F act) {
+  std::vector<double> times;
+  for (int i = 0; i < repeat; ++i) {
+    const auto began = std::chrono::steady_clock::now();
+    act();
+    times.push_back(
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count());
+  }
+  const auto middle = times.begin() + repeat / 2;
+  std::nth_element(times.begin(), middle, times.end());
+  return *middle;
+}
+
+/// What the acts of an iteration take at an answer, each once: derivatives, the sweep of a DDP
+/// solver (with box-constrained stages where controls have bounds), a rollout of its full step.
+Json acts_at(const ShootingProblem& problem, const SolverOptions& options,
+             const SolveResult& answer, int repeat) {
+  Acts acts(problem, options.threads);
+  Linearization linearization(problem);
+  acts.differentiate(answer.trajectory, linearization);
+  Gaps gaps(problem);
+  gaps.set(linearization, true);
+  const ControlBounds bounds(problem);
+  BackwardSweep sweep(problem, bounds);
+  const auto policy = problem.has_control_bounds() ? box_stage(problem, options.box_qp)
+                                                   : unconstrained_stage(problem);
+  Feedback feedback(problem);
+  SingleRollout rollout(problem);
+  const auto differentiate = [&] { acts.differentiate(answer.trajectory, linearization); };
+  const auto go_back = [&] {
+    sweep.run(linearization, answer.trajectory, gaps, {}, *policy, feedback);
+  };
+  const RolloutOptions closing{.contract_gaps = true,
+                               .clamp_controls = problem.has_control_bounds()};
+  const auto roll_out = [&] {
+    acts.roll_out(answer.trajectory, linearization.gap, feedback, 1.0, closing, rollout);
+  };
+  return {{"differentiate", median_time(repeat, differentiate)},
+          {"sweep", median_time(repeat, go_back)},
+          {"rollout", median_time(repeat, roll_out)}};
+}
+
 int run(const Arguments& arguments) {
   Diagnostics diagnostics;
   auto spec = read_problem(arguments.file, arguments.settings, diagnostics);
@@ -68,10 +119,16 @@ int run(const Arguments& arguments) {
     last = solve(problem, *solver, spec->solver.options, built->guess);
     runs.push_back(json_of(last));
   }
-  const Json out = {{"knots", problem.knots()},           {"solver", solver->name},
-                    {"status", to_string(last.status)},   {"cost", last.cost},
-                    {"iterations", last.iterations},      {"guess", json_of(built->guess)},
-                    {"answer", json_of(last.trajectory)}, {"runs", runs}};
+  const Json out = {{"knots", problem.knots()},
+                    {"solver", solver->name},
+                    {"status", to_string(last.status)},
+                    {"cost", last.cost},
+                    {"iterations", last.iterations},
+                    {"guess", json_of(built->guess)},
+                    {"answer", json_of(last.trajectory)},
+                    {"runs", runs},
+                    {"acts", acts_at(problem, spec->solver.options, last,
+                                     std::max(arguments.repeat, kActRepeat))}};
   std::cout << out.dump() << '\n';
   return 0;
 }

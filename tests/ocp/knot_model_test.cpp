@@ -274,9 +274,14 @@ TEST(Acts, ARolloutWithFullStepAndContractedGapsClosesThem) {
   double steps[kLaneWidth];
   for (int l = 0; l < kLaneWidth; ++l) steps[l] = std::pow(0.5, l);
   acts.roll_out(t, before.gap, none, steps, {.contract_gaps = true}, rollout);
+  SingleRollout alone(problem);
   for (int l = 0; l < kLaneWidth; ++l) {
     Trajectory moved = problem.create_trajectory();
     rollout.extract(l, moved);
+    acts.roll_out(t, before.gap, none, steps[l], {.contract_gaps = true}, alone);
+    EXPECT_NEAR(alone.cost, rollout.cost[l], 1e-12 * std::abs(alone.cost));
+    for (int k = 0; k <= problem.knots(); ++k)
+      EXPECT_LT((alone.trajectory.x(k) - moved.x(k)).norm(), 1e-12 * moved.x(k).norm()) << k;
     acts.evaluate(moved, after);
     EXPECT_LT((after.gap - (1 - steps[l]) * before.gap).cwiseAbs().maxCoeff(), 1e-9) << steps[l];
     EXPECT_NEAR(after.cost.sum(), rollout.cost[l], 1e-10 * std::abs(rollout.cost[l]));
@@ -297,6 +302,9 @@ TEST(Acts, ALaneThatDivergesNamesItsKnotAndLeavesTheOthersAlone) {
   acts.roll_out(problem.create_trajectory(), Eigen::MatrixXd(), feedback, steps, {}, rollout);
   EXPECT_EQ(rollout.first_bad_knot[0], 2);
   for (int l = 1; l < kLaneWidth; ++l) EXPECT_EQ(rollout.first_bad_knot[l], -1);
+  SingleRollout alone(problem);
+  acts.roll_out(problem.create_trajectory(), Eigen::MatrixXd(), feedback, 1.0, {}, alone);
+  EXPECT_EQ(alone.first_bad_knot, 2);
 }
 
 }  // namespace

@@ -158,6 +158,34 @@ TEST(Merit, GapsContractByOneMinusTheStepExactly) {
   }
 }
 
+TEST(LineSearch, TakesTheSameStepAloneAsInLanes) {
+  const ShootingProblem problem = testing::quadrotor_move();
+  Trajectory guess = testing::constant_controls(problem, 1.3);
+  Acts(problem).simulate(guess);
+  Iterate at(problem, guess, false);
+  LineSearch search(problem, {});
+  constexpr double kShort = 0.1;  // where the model is good
+  for (Eigen::VectorXd& k : at.feedback.k) k *= kShort;
+  const MeritModel merit{.cost = at.linearization.total_cost(),
+                         .slope = kShort * at.rollout.slope()};
+  const auto run = [&](const MeritModel& by, Trajectory& trajectory) {
+    return search.run(at.acts, by, at.adjoint, at.linearization.gap, at.feedback, {}, 1,
+                      trajectory);
+  };
+  Trajectory alone = guess, in_lanes = guess, none = guess;
+  const LineSearchResult first = run(merit, alone);
+  EXPECT_TRUE(first.accepted);
+  EXPECT_EQ(first.trials, 1);
+  // A slope that no step can live up to: after that a search goes to the lanes at once.
+  MeritModel hopeless = merit;
+  hopeless.slope *= 1e6;
+  EXPECT_FALSE(run(hopeless, none).accepted);
+  const LineSearchResult second = run(merit, in_lanes);
+  EXPECT_EQ(second.step, first.step);
+  EXPECT_NEAR(second.actual_decrease, first.actual_decrease, 1e-12 * merit.cost);
+  EXPECT_LT((alone.x(problem.knots()) - in_lanes.x(problem.knots())).norm(), 1e-10);
+}
+
 // Pitfall 8: a weight below the multipliers can make closing the gaps look like ascent.
 TEST(Merit, WeightAboveTheMultipliersMakesTheDirectionDescend) {
   const ShootingProblem problem = testing::quadrotor_move();
