@@ -39,11 +39,12 @@ LineSearchResult LineSearch::run(Acts& acts, const MeritModel& merit, const Adjo
                                  Trajectory& trajectory) {
   const Ray ray{merit, adjoint, gap, feedback, rollout, trajectory};
   LineSearchResult result;
-  result.accepted = first_step_likely_ && try_alone(acts, ray, first_step, result);
+  result.accepted = confidence_ >= kEnoughConfidence && try_alone(acts, ray, first_step, result);
   double next_step = first_step;
   while (!result.accepted && next_step >= options_.min_step)
     result.accepted = try_lanes(acts, ray, first_step, next_step, result);
-  first_step_likely_ = result.accepted && result.step == first_step;
+  const bool first = result.accepted && result.step == first_step;
+  confidence_ = std::clamp(confidence_ + (first ? 1 : -1), 0, kMostConfidence);
   if (result.accepted) std::swap(trajectory, trial_.trajectory);
   return result;
 }

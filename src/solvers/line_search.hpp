@@ -37,9 +37,9 @@ struct LineSearchResult {
 /// Armijo's rule on the merit over the step lengths 1, ½, ¼, ..., tried kLaneWidth at a time in the
 /// lanes of one rollout. The largest acceptable one is taken, but, as the lanes tell at no cost,
 /// its half instead where that lowers the merit more (down to 1/8). A trial that is not finite is
-/// rejected. After a search that took its first step, the first step is tried alone, in less time
-/// than the lanes need, and taken where the merit falls by a third of the first-order decrease: on
-/// the parabola through both, its half lowers the merit less.
+/// rejected. The first step is tried alone, in less time than the lanes need, as long as most
+/// searches of late took it; it is taken then where the merit falls by a third of the first-order
+/// decrease: on the parabola through both, its half lowers the merit less.
 ///
 /// Where the model's step meets no bound the first-order decrease of a step α is
 /// −α (∇J·d − ν Σ‖gap‖₁). Otherwise it
@@ -59,7 +59,7 @@ class LineSearch {
                        const RolloutOptions& rollout, double first_step, Trajectory& trajectory);
 
   /// Forgets how the last search went.
-  void reset() { first_step_likely_ = true; }
+  void reset() { confidence_ = kMostConfidence; }
 
  private:
   /// Where a search is: what it starts from and follows.
@@ -78,12 +78,16 @@ class LineSearch {
   double expected_decrease(const Ray& ray, double step);
   double applied_slope(const Ray& ray);
 
+  /// A counter with saturation, as of branch predictors: one short step in a row of full ones
+  /// changes nothing, two in a row do.
+  static constexpr int kMostConfidence = 3, kEnoughConfidence = 2;
+
   SolverOptions::LineSearch options_;
   StateManifold manifold_;
   LaneRollout lanes_;
   SingleRollout trial_;            ///< or one of the lanes
   Eigen::VectorXd dx_, followed_;  ///< scratch: δx, and K δx
-  bool first_step_likely_ = true;
+  int confidence_ = kMostConfidence;
 };
 
 }  // namespace conddp
