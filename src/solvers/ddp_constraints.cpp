@@ -19,6 +19,9 @@ constexpr int kRelaxations = 20;
 /// Minimisations that may end without a step before the solve does.
 constexpr int kRecoveries = 20;
 constexpr double kTighter = 0.1, kLastInnerDecrease = 1e-8;
+/// Where the stationarity is not confirmed: the share of what should be enough that is asked for,
+/// and of the tolerance at least.
+constexpr double kGoalMargin = 0.5, kLeastGoal = 1e-4;
 /// Violation, gap and stationarity below which the projected Newton method is tried, how much
 /// smaller they have to be after it failed, and its steps at most.
 constexpr double kFirstNewtonThreshold = 3e-3, kNextNewtonThreshold = 0.1;
@@ -34,6 +37,7 @@ void DdpSolver::start_constraints() {
   inner_start_ = recoveries_ = relaxations_ = 0;
   newton_threshold_ = kFirstNewtonThreshold;
   by_newton_ = false;
+  stationarity_goal_ = options_.tolerances.stationarity;
   if (!constraints_) return;
   const bool known = options_.multipliers != nullptr;
   constraints_->start(known ? options_.multipliers->constraints : result_.constraint_multipliers);
@@ -142,6 +146,19 @@ bool DdpSolver::recover() {
   const bool by_rounding = at_rounding_floor_ && constraints_->may_relax();
   if (row_.constraint <= options_.tolerances.constraint && !by_rounding) return false;
   return ++recoveries_ <= kRecoveries && next_multipliers();
+}
+
+/// Whether a stationarity under tolerance is so along other gains, too. If it is not, the goal is
+/// what should be enough then.
+bool DdpSolver::confirmed() {
+  const double tolerance = options_.tolerances.stationarity;
+  if (!plain_adjoint_ || stationarity_goal_ <= kLeastGoal * tolerance) return true;
+  const std::optional<double> found = plain_adjoint_->stationarity(
+      acts_, trajectory_, gaps_, options_.regularization, constraints_->multipliers());
+  if (!found || !(*found > tolerance)) return true;
+  stationarity_goal_ =
+      std::max(kGoalMargin * row_.stationarity * tolerance / *found, kLeastGoal * tolerance);
+  return false;
 }
 
 /// Tries to end the solve by Newton's method on the active constraints. Its steps are iterations.

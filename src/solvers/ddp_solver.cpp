@@ -48,6 +48,7 @@ DdpSolver::DdpSolver(const ShootingProblem& problem, const DdpRecipe& recipe,
   constraints_.emplace(problem, options, recipe.multipliers);
   augmentation_ = &constraints_->augmentation();
   affine_probe_.emplace(problem);
+  plain_adjoint_.emplace(problem, bounds_);
   if (direction_.null_space() != nullptr) equality_search_.emplace(problem, options.line_search);
   if (recipe.newton) newton_.emplace(problem, acts_);
 }
@@ -145,9 +146,9 @@ void DdpSolver::measure_iterate() {
 
 bool DdpSolver::converged() {
   const auto& tolerance = options_.tolerances;
-  if (row_.stationarity <= tolerance.stationarity && row_.gap <= tolerance.gap &&
+  if (row_.stationarity <= stationarity_goal_ && row_.gap <= tolerance.gap &&
       row_.constraint <= tolerance.constraint &&
-      row_.complementarity <= tolerance.complementarity) {
+      row_.complementarity <= tolerance.complementarity && confirmed()) {
     end(SolveStatus::converged, residual_text());
     return true;
   }

@@ -14,6 +14,7 @@
 #include "solvers/line_search.hpp"
 #include "solvers/model_step.hpp"
 #include "solvers/options.hpp"
+#include "solvers/plain_adjoint.hpp"
 #include "solvers/projected_newton.hpp"
 #include "solvers/regularization.hpp"
 #include "solvers/solve_result.hpp"
@@ -73,6 +74,7 @@ class DdpSolver {
   bool next_multipliers();
   bool hidden_by_rounding() const;
   void name_contradiction();
+  bool confirmed();
   bool newton_converges();
   bool recover();
 
@@ -102,6 +104,8 @@ class DdpSolver {
   std::optional<AffineProbe> affine_probe_;  ///< where there are constraints
   bool affine_known_ = false;                ///< that has been asked in this solve
   std::optional<ProjectedNewton> newton_;
+  std::optional<PlainAdjoint> plain_adjoint_;  ///< where there are constraints
+  double stationarity_goal_ = 0;               ///< below its tolerance where that was not enough
   const Eigen::VectorXd* multiplier_change_ = nullptr;  ///< of the last sweep's full step
   double newton_threshold_ = 0;  ///< violation and stationarity below which Newton is tried
   bool by_newton_ = false;       ///< the solve ended with it

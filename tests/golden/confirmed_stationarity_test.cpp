@@ -1,0 +1,33 @@
+// What a solver with stiff gains says of its own stationarity holds along other gains, too.
+#include <gtest/gtest.h>
+
+#include "analysis/answer_check.hpp"
+#include "analysis/random_instance.hpp"
+#include "problem_file/build.hpp"
+#include "problem_file/read_problem.hpp"
+#include "solvers/registry.hpp"
+
+namespace conddp {
+namespace {
+
+TEST(ConfirmedStationarity, HoldsWhereThePenaltiesMakeGainsStiff) {
+  Diagnostics out;
+  const auto spec =
+      read_problem(std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/unicycle_escape.yaml",
+                   {"solver.name=proxddp"}, out);
+  ASSERT_TRUE(spec) << format_diagnostics(out, false);
+  const auto built = build_problem(*spec, {}, out);
+  ASSERT_TRUE(built) << format_diagnostics(out, false);
+  for (const std::uint64_t seed : {2u, 3u, 4u}) {
+    const ShootingProblem problem = perturb_initial_state(*built->problem, 0.1, seed);
+    const SolveResult result = solve(problem, "proxddp", spec->solver.options, built->guess);
+    EXPECT_EQ(result.status, SolveStatus::converged) << seed << ": " << result.message;
+    const AnswerCheck check =
+        check_answer(problem, result.trajectory, spec->solver.options.tolerances.constraint,
+                     result.constraint_multipliers);
+    EXPECT_LE(check.stationarity, 2 * spec->solver.options.tolerances.stationarity) << seed;
+  }
+}
+
+}  // namespace
+}  // namespace conddp
