@@ -93,8 +93,8 @@ INSTANTIATE_TEST_SUITE_P(
         Provocation{"AlternatingActiveSet",
                     DiagnosisPattern::alternating_active_set,
                     "active set of the control bounds",
-                    "cartpole_swingup",
-                    {"solver={name: box_ddp, max_iterations: 100, box_qp: {horizon_sweeps: 0}}",
+                    "acrobot_swingup",
+                    {"solver={name: box_ddp, max_iterations: 60, box_qp: {horizon_sweeps: 0}}",
                      "costs.effort.weight=1.0e-9"},
                     {}},
         // Clipping does not descend, and regularisation grows.
