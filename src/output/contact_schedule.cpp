@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "output/contact_surfaces.hpp"
 #include "output/softened_constraint.hpp"
 #include "problem_file/expand_problem.hpp"
 
@@ -27,6 +28,7 @@ class Writer {
         built_(built),
         motion_(motion),
         options_(options),
+        surfaces_(motion),
         sequence_(contact_sequence(motion, options.sequence)),
         json_(expand_problem(spec, built)) {}
 
@@ -37,7 +39,6 @@ class Writer {
     json_["integrator"] = "semi_implicit_euler";
     find_contacts();
     json_["contacts"] = contacts();
-    place_shapes();
     phases();
     rename_phases(json_["costs"]);
     rename_phases(json_["constraints"]);
@@ -54,16 +55,24 @@ class Writer {
   }
 
  private:
-  /// What becomes of a candidate somewhere in the schedule.
+  /// A contact of the schedule: a candidate at a surface with one normal, held along it alone or
+  /// along the tangents, too.
   struct Used {
-    bool held = false, guided = false, slides = false, plane = false;
+    std::size_t candidate;
+    Vector3<double> normal;
+    bool guided;
+    std::string name;
   };
 
   const CandidateSpec& candidate(std::size_t c) const { return spec_.candidates[c]; }
-  /// The contact along the normal alone.
-  std::string guide(std::size_t c) const { return candidate(c).name.value + "_normal"; }
-  std::string name(std::size_t c, const ContactStretch& stretch) const {
-    return is_held(c, stretch) ? candidate(c).name.value : guide(c);
+  const std::string& name(std::size_t c, const ContactStretch& stretch) const {
+    return std::find_if(used_.begin(), used_.end(),
+                        [&](const Used& used) { return is(used, c, stretch); })
+        ->name;
+  }
+  bool is(const Used& used, std::size_t c, const ContactStretch& stretch) const {
+    return used.candidate == c && used.guided != is_held(c, stretch) &&
+           is_same_normal(used.normal, surfaces_.normal(c, stretch.first));
   }
 
   /// Whether a closed candidate is held along its tangents, too: where it does not slide, and in a
@@ -71,7 +80,7 @@ class Writer {
   bool is_held(std::size_t c, const ContactStretch& stretch) const {
     if (stretch.slides[c]) return false;
     if (!spec_.stepping->plane) return true;
-    for (std::size_t other = 0; other < used_.size(); ++other)
+    for (std::size_t other = 0; other < stretch.closed.size(); ++other)
       if (other != c && stretch.closed[other] && !stretch.slides[other] && body(other) == body(c) &&
           (load(other, stretch) > load(c, stretch) ||
            (load(other, stretch) == load(c, stretch) && other < c)))
@@ -90,54 +99,67 @@ class Writer {
   }
 
   void find_contacts() {
-    used_.resize(spec_.candidates.size());
     for (const ContactStretch& stretch : sequence_)
-      for (std::size_t c = 0; c < used_.size(); ++c) {
+      for (std::size_t c = 0; c < stretch.closed.size(); ++c) {
         if (!stretch.closed[c]) continue;
-        check(candidate(c));
-        (is_held(c, stretch) ? used_[c].held : used_[c].guided) = true;
-        used_[c].slides = used_[c].slides || stretch.slides[c];
+        check(c, stretch);
+        if (std::none_of(used_.begin(), used_.end(),
+                         [&](const Used& used) { return is(used, c, stretch); }))
+          add_contact(c, stretch);
       }
   }
 
-  void check(const CandidateSpec& used) const {
+  void check(std::size_t c, const ContactStretch& stretch) const {
+    const CandidateSpec& used = candidate(c);
     const auto refuse = [&](const char* what) {
       throw NoSchedule{fmt::format("the contact '{}' {}", used.name.value, what)};
     };
     if (used.against.frame) refuse("is with a body of the robot: a schedule has the world alone");
-    if (!std::holds_alternative<HalfSpaceSpec>(used.against.form))
-      refuse("is with a sphere or box: a schedule has planes alone");
     if (used.stiffness) refuse("is soft: contacts of a schedule are rigid");
     if (squared_norm(used.point) != 0)
       refuse("is not at the origin of its frame: give the robot a frame there");
+    if (!surfaces_.touched(c, stretch.first, stretch.first + stretch.steps))
+      refuse(
+          "moves round an edge or along a curved surface: a contact of a schedule has one normal");
   }
 
-  OrderedJson contacts() {
+  /// The first normal of a candidate has its name, further ones a number behind it.
+  void add_contact(std::size_t c, const ContactStretch& stretch) {
+    const Vector3<double>& normal = surfaces_.normal(c, stretch.first);
+    const std::string& own = candidate(c).name.value;
+    const bool guided = !is_held(c, stretch);
+    const auto number = 1 + std::count_if(used_.begin(), used_.end(), [&](const Used& used) {
+                          return used.candidate == c && used.guided == guided;
+                        });
+    std::string name = own + (guided ? "_normal" : "");
+    if (number > 1) name += fmt::format("_{}", number);
+    used_.push_back({c, normal, guided, name});
+    const auto note = [&](std::string text) {
+      if (std::find(notes_.begin(), notes_.end(), text) == notes_.end())
+        notes_.push_back(std::move(text));
+    };
+    if (stretch.slides[c])
+      note(fmt::format("'{}' slides: there it is held along the normal alone, without friction",
+                       own));
+    if (!guided && candidate(c).radius > 0)
+      note(fmt::format("the middle of '{}' is held, so that it does not roll", own));
+  }
+
+  OrderedJson contacts() const {
     OrderedJson json = OrderedJson::object();
-    for (std::size_t c = 0; c < used_.size(); ++c) {
-      if (used_[c].held) json[candidate(c).name.value] = contact(c, false);
-      if (used_[c].guided) json[guide(c)] = contact(c, true);
-      if (used_[c].slides)
-        notes_.push_back(
-            fmt::format("'{}' slides: there it is held along the normal alone, without "
-                        "friction",
-                        candidate(c).name.value));
-      if (used_[c].held && candidate(c).radius > 0)
-        notes_.push_back(fmt::format("the middle of '{}' is held, so that it does not roll",
-                                     candidate(c).name.value));
-    }
+    for (const Used& used : used_) json[used.name] = contact(used);
     return json;
   }
 
-  OrderedJson contact(std::size_t c, bool guided) const {
-    const CandidateSpec& from = candidate(c);
-    const Vector3<double>& n = std::get<HalfSpaceSpec>(from.against.form).normal;
+  OrderedJson contact(const Used& used) const {
+    const CandidateSpec& from = candidate(used.candidate);
+    const Vector3<double>& n = used.normal;
     OrderedJson json = {{"frame", from.frame.value},
-                        {"type", guided                  ? "normal"
+                        {"type", used.guided             ? "normal"
                                  : spec_.stepping->plane ? "planar"
                                                          : "point"},
                         {"normal", {n.x, n.y, n.z}}};
-    if (!guided && spec_.stepping->plane) {
+    if (!used.guided && spec_.stepping->plane) {
       const Vector3<double> t = cross(*spec_.stepping->plane, n);
       json["tangent"] = {t.x, t.y, t.z};
     }
@@ -149,36 +171,57 @@ class Writer {
     return json;
   }
 
-  std::string shape(std::size_t c) const { return candidate(c).name.value + "_shape"; }
-  std::string plane(std::size_t c) const { return candidate(c).name.value + "_plane"; }
-
-  /// What may not penetrate: every candidate that is a ball or point over a plane of the world.
-  void place_shapes() {
-    for (std::size_t c = 0; c < used_.size(); ++c) {
-      const auto* solid = std::get_if<HalfSpaceSpec>(&candidate(c).against.form);
-      if (solid == nullptr || candidate(c).against.frame || candidate(c).stiffness) continue;
-      const Vector3<double>& center = candidate(c).point;
-      // A point is a ball over a plane that lies deeper by its radius.
-      const double radius = candidate(c).radius > 0 ? candidate(c).radius : kPointRadius;
-      const Vector3<double> on_plane =
-          solid->point - (radius - candidate(c).radius) * solid->normal;
-      json_["collision"]["shapes"][shape(c)] = {
-          {"frame", candidate(c).frame.value},
-          {"sphere", {{"radius", radius}, {"center", {center.x, center.y, center.z}}}}};
-      json_["collision"]["obstacles"][plane(c)] = {
-          {"half_space",
-           {{"normal", {solid->normal.x, solid->normal.y, solid->normal.z}},
-            {"point", {on_plane.x, on_plane.y, on_plane.z}}}}};
-      used_[c].plane = true;
-    }
+  /// What tells the obstacles of a candidate from each other: the faces of a box.
+  std::string suffix(std::size_t c, int surface) const {
+    return surfaces_.count(c) > 1 ? fmt::format("_face_{}", surface + 1) : "";
   }
 
-  /// Runs of steps with the same contacts in the same phase of the problem and of the same length.
+  /// The names of a candidate's shape and of a surface, which are made where nobody asked before.
+  OrderedJson pair(std::size_t c, int surface) {
+    const std::string& own = candidate(c).name.value;
+    const std::string shape = own + "_shape", obstacle = own + "_obstacle" + suffix(c, surface);
+    const Vector3<double>& center = candidate(c).point;
+    // A point is a ball over a surface that lies deeper by its radius.
+    const double radius = candidate(c).radius > 0 ? candidate(c).radius : point_radius(c);
+    json_["collision"]["shapes"][shape] = {
+        {"frame", candidate(c).frame.value},
+        {"sphere", {{"radius", radius}, {"center", {center.x, center.y, center.z}}}}};
+    json_["collision"]["obstacles"][obstacle] =
+        surfaces_.obstacle(c, surface, radius - candidate(c).radius);
+    return {shape, obstacle};
+  }
+
+  /// At most half of what it touches, m.
+  double point_radius(std::size_t c) const {
+    const auto* sphere = std::get_if<SphereSpec>(&candidate(c).against.form);
+    return sphere == nullptr ? kPointRadius : std::min(kPointRadius, 0.5 * sphere->radius);
+  }
+
+  /// Of each open candidate the surface that it has to stay off from a step on.
+  std::vector<std::optional<int>> surfaces_ahead(const ContactStretch& stretch, int k) const {
+    std::vector<std::optional<int>> list(stretch.closed.size());
+    for (std::size_t c = 0; c < list.size(); ++c)
+      if (!stretch.closed[c] && surfaces_.count(c) > 0)
+        list[c] = surfaces_.count(c) == 1 ? 0 : surfaces_.longest_outside(c, k);
+    return list;
+  }
+
+  /// Whether these are still the ones at a later step.
+  bool are_ahead(const std::vector<std::optional<int>>& list, const ContactStretch& stretch,
+                 int k) const {
+    for (std::size_t c = 0; c < list.size(); ++c)
+      if (!stretch.closed[c] && surfaces_.count(c) > 1 &&
+          !(list[c] ? surfaces_.is_outside(c, *list[c], k) : !surfaces_.longest_outside(c, k)))
+        return false;
+    return true;
+  }
+
+  /// Runs of steps with the same contacts in the same phase of the problem and of the same length,
+  /// in which open candidates stay off the same faces of boxes.
   void phases() {
     const OrderedJson original = json_["phases"];
     OrderedJson list = OrderedJson::array();
     int k = 0, number = 0;
-    open_phases_.assign(used_.size(), OrderedJson::array());
     for (const OrderedJson& phase : original) {
       if (phase.contains("choose")) {  // the first state is chosen as it was
         list.push_back(phase);
@@ -190,16 +233,23 @@ class Writer {
         const std::string own = fmt::format("{}_{}", base, number);
         if (k == stretch.first && stretch.lands()) land(stretch, own, list);
         const int first = k;
+        const auto ahead = surfaces_ahead(stretch, first);
         while (k < end && k < stretch.first + stretch.steps &&
-               std::abs(motion_.h[k] - motion_.h[first]) <= 1e-12 * motion_.h[first])
+               std::abs(motion_.h[k] - motion_.h[first]) <= 1e-12 * motion_.h[first] &&
+               are_ahead(ahead, stretch, k))
           ++k;
         OrderedJson entry = {{"name", own}, {"knots", k - first}, {"dt", motion_.h[first]}};
         entry["contacts"] = names(stretch);
         if (phase.contains("weights")) entry["weights"] = phase["weights"];
         list.push_back(std::move(entry));
         renamed_[base].push_back(own);
-        for (std::size_t c = 0; c < used_.size(); ++c)
-          if (!stretch.closed[c]) open_phases_[c].push_back(own);
+        for (std::size_t c = 0; c < ahead.size(); ++c) {
+          if (ahead[c])
+            open_phases_[{c, *ahead[c]}].push_back(own);
+          else if (!stretch.closed[c] && surfaces_.count(c) > 0)
+            notes_.push_back(fmt::format("nothing keeps '{}' off the box in the phase '{}'",
+                                         candidate(c).name.value, own));
+        }
       }
     }
     json_["phases"] = std::move(list);
@@ -209,7 +259,9 @@ class Writer {
     const std::string own = before + "_landing";
     list.push_back({{"name", own}, {"impulse", names(stretch)}, {"restitution", 0}});
     for (std::size_t c = 0; c < stretch.landing.size(); ++c)
-      if (stretch.landing[c]) landings_[own].push_back({shape(c), plane(c)});
+      if (stretch.landing[c])
+        landings_[own].push_back(
+            pair(c, *surfaces_.touched(c, stretch.first, stretch.first + stretch.steps)));
     impulses_.push_back(stretch.first);
   }
 
@@ -246,16 +298,14 @@ class Writer {
 
   void add_constraints() {
     OrderedJson& constraints = json_["constraints"];
-    if (!json_["contacts"].empty())
+    if (!used_.empty())
       constraints["contact_cones"] = {{"residual", "friction_cone"}, {"contacts", "all"}};
-    for (std::size_t c = 0; c < used_.size(); ++c) {
-      if (!used_[c].plane || open_phases_[c].empty()) continue;
+    for (const auto& [off, phases] : open_phases_) {
+      const auto& [c, surface] = off;
       OrderedJson pairs = OrderedJson::array();
-      pairs.push_back({shape(c), plane(c)});
-      constraints["contact_height_" + candidate(c).name.value] = {{"residual", "distance"},
-                                                                  {"pairs", pairs},
-                                                                  {"lower", -kGrazing},
-                                                                  {"phases", open_phases_[c]}};
+      pairs.push_back(pair(c, surface));
+      constraints["contact_height_" + candidate(c).name.value + suffix(c, surface)] = {
+          {"residual", "distance"}, {"pairs", pairs}, {"lower", -kGrazing}, {"phases", phases}};
     }
     for (const auto& [phase, landing] : landings_)
       constraints["contact_" + phase] = {
@@ -348,19 +398,19 @@ class Writer {
   }
 
   static constexpr double kPointRadius = 0.01;  // m
-  /// Of heights that are kept: a contact that rests may be so far off, m.
-  static constexpr double kGrazing = 1e-4;
 
   const ProblemSpec& spec_;
   const BuiltProblem& built_;
   const ContactMotion& motion_;
   const ScheduleOptions& options_;
+  const ContactSurfaces surfaces_;
   const std::vector<ContactStretch> sequence_;
   OrderedJson json_;
   std::vector<std::string> notes_;
   std::vector<Used> used_;
   std::map<std::string, std::vector<std::string>> renamed_;
-  std::vector<OrderedJson> open_phases_;         ///< of each candidate
+  /// Of candidates and surfaces that they stay off.
+  std::map<std::pair<std::size_t, int>, OrderedJson> open_phases_;
   std::map<std::string, OrderedJson> landings_;  ///< pairs that touch at each impulse
   std::vector<int> impulses_;                    ///< steps before which they are
 };

@@ -31,8 +31,9 @@ struct NoSchedule {
 /// contacts that its motion found are scheduled: a phase for each run of steps with the same closed
 /// candidates, an impulse where some of them land, and the motion as first guess. Stops of joints
 /// become bounds on their positions, friction becomes cones. For solvers that keep no constraints
-/// these and the problem's own become costs. Throws NoSchedule where the motion touches something
-/// that no contact of a problem file can be: what moves, a box, a sphere, a soft wall.
+/// these and the problem's own become costs. Of a box the faces count that the motion touches or
+/// stays in front of. Throws NoSchedule where the motion touches something that no contact of a
+/// problem file can be: what moves, a soft wall, a surface whose normal turns under the contact.
 ContactSchedule contact_schedule(const ProblemSpec& spec, const BuiltProblem& built,
                                  const ContactMotion& motion, const ScheduleOptions& options);
 

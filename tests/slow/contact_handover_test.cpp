@@ -1,4 +1,4 @@
-// A hopper finds its contacts; the schedule of them is refined by solvers of the DDP family.
+// Motions find their contacts; the schedules of them are refined by solvers of the DDP family.
 #include <fstream>
 
 #include <gtest/gtest.h>
@@ -34,62 +34,144 @@ terminal:
 solver: {name: ipopt, max_iterations: 400}
 )";
 
+/// A block falls on a box while it is pushed to the side.
+constexpr const char* kBox = R"(conddp: 1
+name: box
+robot: {urdf: robots/block.urdf, actuation: {joints: [base_x]}}
+initial_state: {joints: {base_x: 2, base_z: 0.8}}
+contact_candidates:
+  rear: {frame: corner_1, friction: 0.5,
+         against: {box: {size: [4, 1, 0.4], placement: {position: [2, 0, 0]}}}}
+  front: {frame: corner_2, friction: 0.5,
+          against: {box: {size: [4, 1, 0.4], placement: {position: [2, 0, 0]}}}}
+stepping: {plane: [0, 1, 0]}
+phases: [{name: fall, knots: 16, dt: 0.02}]
+costs: {effort: {residual: control, weight: 1.0e-2}}
+terminal:
+  constraints:
+    there: {residual: joint_position, joints: [base_x], reference: 2.1}
+    rest: {residual: joint_velocity, joints: [base_x]}
+solver: {name: ipopt}
+)";
+
+/// A block falls with one corner on top of a ball; a torque keeps it level.
+constexpr const char* kBall = R"(conddp: 1
+name: ball
+robot: {urdf: robots/block.urdf, actuation: {joints: [base_x, base_pitch]}}
+initial_state: {joints: {base_z: 0.6}}
+contact_candidates:
+  corner: {frame: corner_1, friction: 0.5, against: {sphere: {radius: 1, center: [-0.5, 0, -1]}}}
+stepping: {plane: [0, 1, 0]}
+phases: [{name: fall, knots: 20, dt: 0.02}]
+costs: {effort: {residual: control, weight: 1.0e-2}}
+terminal: {constraints: {there: {residual: state, reference: {joints: {base_z: 0.5}}}}}
+solver: {name: ipopt}
+)";
+
 /// The problem with phases that is made of an answer is solved and certified, by each solver.
-void expect_refined(const Answer& answer, const ContactMotion& motion,
-                    const std::vector<const char*>& solvers) {
-  ScheduleOptions options;
-  options.folder = ::testing::TempDir();
-  options.solution = options.folder / (answer.spec.name.value + "_solution.json");
-  std::ofstream(options.solution) << answer.document.dump();
-  for (const char* name : solvers) {
+class HandOver {
+ public:
+  explicit HandOver(const Answer& answer)
+      : answer_(answer),
+        motion_(*contact_motion(*answer.built.problem, answer.result->trajectory)) {
+    EXPECT_EQ(answer.result->status, SolveStatus::converged) << answer.result->message;
+    const ContactCertificate found = certify_contacts(motion_);
+    EXPECT_LE(found.measures.complementarity.value, 1e-6);
+    EXPECT_LE(found.measures.penetration.value, 1e-6);
+  }
+  const ContactMotion& motion() const { return motion_; }
+
+  void expect_refined(const char* name) {
     const SolverInfo& solver = *find_solver(name);
-    options.solver = name;
-    options.keeps_constraints = solver.constraints == ConstraintSupport::all;
-    const ContactSchedule schedule = contact_schedule(answer.spec, answer.built, motion, options);
+    ScheduleOptions options{.solver = name,
+                            .keeps_constraints = solver.constraints == ConstraintSupport::all,
+                            .folder = ::testing::TempDir()};
+    options.solution = options.folder / (answer_.spec.name.value + "_solution.json");
+    std::ofstream(options.solution) << answer_.document.dump();
+    problem = contact_schedule(answer_.spec, answer_.built, motion_, options).problem;
     Diagnostics out;
     const auto spec =
-        read_problem_text(yaml_text(schedule.problem), options.folder / "refined.yaml", {}, out);
+        read_problem_text(yaml_text(problem), options.folder / "refined.yaml", {}, out);
     ASSERT_TRUE(spec) << format_diagnostics(out, false);
     const auto built = build_problem(*spec, {}, out);
     ASSERT_TRUE(built) << format_diagnostics(out, false);
-    const SolveResult refined = solve(*built->problem, solver, spec->solver.options, built->guess);
-    EXPECT_EQ(refined.status, SolveStatus::converged) << name << ": " << refined.message;
+    refined.emplace(solve(*built->problem, solver, spec->solver.options, built->guess));
+    EXPECT_EQ(refined->status, SolveStatus::converged) << name << ": " << refined->message;
     const auto document =
-        OrderedJson::parse(solution_json({*spec, *built, solver, refined, {}}).dump());
+        OrderedJson::parse(solution_json({*spec, *built, solver, *refined, {}}).dump());
     EXPECT_EQ(failures(certify_solution(document, *spec, *built, false)), "") << name;
   }
-}
+
+  OrderedJson problem;                 ///< of the last schedule
+  std::optional<SolveResult> refined;  ///< and its answer
+
+ private:
+  const Answer& answer_;
+  ContactMotion motion_;
+};
 
 TEST(ContactHandOver, TheHoppersSequenceIsRefined) {
   const Answer hop(ProblemText{kHop});
-  const auto motion = contact_motion(*hop.built.problem, hop.result->trajectory);
-  ASSERT_TRUE(motion);
-  const ContactCertificate found = certify_contacts(*motion);
-  EXPECT_LE(found.measures.complementarity.value, 1e-6);
-  EXPECT_LE(found.measures.penetration.value, 1e-6);
+  HandOver hand_over(hop);
   bool flies = false;
-  for (const ContactStretch& stretch : found.sequence)
+  for (const ContactStretch& stretch : contact_sequence(hand_over.motion()))
     flies |= stretch.closed == std::vector<bool>{false, false};
   EXPECT_TRUE(flies);
-  expect_refined(hop, *motion, {"proxddp", "box_fddp"});
+  for (const char* solver : {"proxddp", "box_fddp"}) hand_over.expect_refined(solver);
+}
+
+TEST(ContactHandOver, ABlockLandsOnABox) {
+  const Answer box(ProblemText{kBox});
+  HandOver hand_over(box);
+  hand_over.expect_refined("box_fddp");
+  ASSERT_TRUE(hand_over.refined);
+  const OrderedJson& obstacles = hand_over.problem["collision"]["obstacles"];
+  ASSERT_TRUE(obstacles.contains("front_obstacle_face_5"));
+  EXPECT_EQ(obstacles["front_obstacle_face_5"]["half_space"]["normal"],
+            (OrderedJson{0.0, 0.0, 1.0}));
+  const Trajectory& refined = hand_over.refined->trajectory;
+  EXPECT_NEAR(refined.x(refined.knots())[0], 2.1, 1e-2);
+  EXPECT_NEAR(refined.x(refined.knots())[1], 0.7, 2e-2);
+}
+
+TEST(ContactHandOver, ABlockRestsOnABall) {
+  const Answer ball(ProblemText{kBall});
+  HandOver hand_over(ball);
+  hand_over.expect_refined("box_fddp");
+  ASSERT_TRUE(hand_over.refined);
+  const OrderedJson& normal = hand_over.problem["contacts"]["corner"]["normal"];
+  EXPECT_NEAR(normal[2].get<double>(), 1, 1e-3);
+  EXPECT_TRUE(hand_over.problem["collision"]["obstacles"]["corner_obstacle"].contains("sphere"));
+  const Trajectory& refined = hand_over.refined->trajectory;
+  EXPECT_NEAR(refined.x(refined.knots())[1], 0.5, 1e-2);
+}
+
+TEST(ContactHandOver, ASoftWallIsRefusedByName) {
+  const Answer walls("cartpole_walls");
+  try {
+    HandOver(walls).expect_refined("box_fddp");
+    ADD_FAILURE() << "a schedule with a soft wall";
+  } catch (const NoSchedule& none) {
+    EXPECT_NE(none.reason.find("is soft: contacts of a schedule are rigid"), std::string::npos)
+        << none.reason;
+  }
 }
 
 /// A first state that is chosen stays one, and the link of the last state with it.
 TEST(ContactHandOver, APeriodicGaitStaysPeriodic) {
   const Answer gait("raibert_gait");
-  ASSERT_EQ(gait.result->status, SolveStatus::converged) << gait.result->message;
-  const auto motion = contact_motion(*gait.built.problem, gait.result->trajectory);
-  ASSERT_TRUE(motion);
-  EXPECT_EQ(motion->steps(), 20);
-  EXPECT_EQ(motion->first_knot, 1);
-  EXPECT_NEAR(motion->q[20][0] - motion->q[0][0], 0.5, 1e-9);
-  EXPECT_LT((motion->q[20] - motion->q[0]).tail(3).cwiseAbs().maxCoeff(), 1e-9);
-  EXPECT_LT((motion->v[20] - motion->v[0]).cwiseAbs().maxCoeff(), 1e-9);
-  const ContactCertificate found = certify_contacts(*motion);
+  HandOver hand_over(gait);
+  const ContactMotion& motion = hand_over.motion();
+  EXPECT_EQ(motion.steps(), 20);
+  EXPECT_EQ(motion.first_knot, 1);
+  EXPECT_NEAR(motion.q[20][0] - motion.q[0][0], 0.5, 1e-9);
+  EXPECT_LT((motion.q[20] - motion.q[0]).tail(3).cwiseAbs().maxCoeff(), 1e-9);
+  EXPECT_LT((motion.v[20] - motion.v[0]).cwiseAbs().maxCoeff(), 1e-9);
+  const ContactCertificate found = certify_contacts(motion);
   EXPECT_GE(found.sequence.size(), 2u) << "it touches the ground and leaves it";
   EXPECT_LE(found.measures.stepping.value, 1e-9);
   EXPECT_LE(found.measures.penetration.value, 1e-9);
-  expect_refined(gait, *motion, {"proxddp"});
+  hand_over.expect_refined("proxddp");
 }
 
 }  // namespace
