@@ -219,7 +219,7 @@ constexpr std::array kMeanings = {
             "there are more equations than variables"},
 };
 
-constexpr double kSmallestWarmBarrier = 1e-11;
+constexpr double kSmallestWarmBarrier = 1e-13;
 
 void set_options(Ipopt::OptionsList& list, const InteriorPointSettings& settings) {
   list.SetStringValue("sb", "yes");

@@ -1,5 +1,7 @@
 // Complementary pairs: the solves that tighten their relaxation.
 #include <algorithm>
+#include <array>
+#include <cmath>
 
 #include "solvers/ipopt_solver.hpp"
 
@@ -18,9 +20,16 @@ constexpr double kLooseTolerance = 1e-3, kTightTolerance = 1e-8;
 constexpr int kFailures = 2;
 /// Smallest barrier with which the next solve starts.
 constexpr double kLeastBarrier = 1e-9;
-/// Of the last solve, whose bounds are those of the answer, and what it leaves of multiplier times
-/// distance.
-constexpr double kPolishBarrier = 1e-11, kPolishComplementarity = 1e-11;
+/// From which epsilon on the pairs may be told apart already, which is tried once, and how much the
+/// cost may rise by it.
+constexpr double kPolishFrom = 1e-6;
+constexpr double kPolishRise = 1e-4;
+/// Of the last solves, whose bounds are those of the answer, and what they leave of multiplier
+/// times distance. A bound that hardly pushes is missed by the root of that, and so is
+/// stationarity.
+constexpr std::array<double, 3> kPolishBarriers = {kLeastBarrier, 1e-11, 1e-13};
+/// Iterations that each of them is worth in a trial, and the last one always.
+constexpr std::array<int, 3> kPolishIterations = {40, 20, 20};
 /// The barrier with which a solve starts, and the tolerance to which it is solved, as a share of
 /// its epsilon.
 constexpr double kBarrierShare = 0.1;
@@ -58,7 +67,7 @@ InteriorPointAnswer IpoptSolver::run_relaxations(const Trajectory& start) {
   return answer;
 }
 
-/// Solves with smaller and smaller epsilon until the pairs are complementary.
+/// Solves with smaller and smaller epsilon until the pairs are complementary, or can be told apart.
 InteriorPointAnswer IpoptSolver::tighten(const Trajectory& start) {
   const auto& schedule = options_.complementarity;
   InteriorPointSettings settings = default_settings();
@@ -67,9 +76,10 @@ InteriorPointAnswer IpoptSolver::tighten(const Trajectory& start) {
     settings.dual_tolerance = std::max(options_.tolerances.stationarity, tolerance);
     settings.complementarity_tolerance = std::max(options_.tolerances.complementarity, tolerance);
   };
-  InteriorPointAnswer last;
+  InteriorPointAnswer last, good;  // good: one whose pairs may be told apart
   Eigen::VectorXd y = transcription_->point_of(start);
   int failures = 0;
+  bool tried = false;
   for (double epsilon = schedule.initial;;
        epsilon = std::max(schedule.final, epsilon * schedule.factor)) {
     row_.relaxation = epsilon;
@@ -82,7 +92,15 @@ InteriorPointAnswer IpoptSolver::tighten(const Trajectory& start) {
     iterations_before_ = row_.iteration;
     if (stop_ != Stop::none || row_.iteration >= options_.max_iterations) return answer;
     failures = is_good(answer) ? 0 : failures + 1;
-    if (!answer.point.y.allFinite() || failures == kFailures) return answer;
+    if (!answer.point.y.allFinite() || failures == kFailures)
+      return is_good(good) && polish(good, false) ? good : answer;
+    if (failures == 0 && epsilon <= kPolishFrom && epsilon > schedule.final && !tried) {
+      tried = true;
+      InteriorPointAnswer polished = answer;
+      if (polish(polished, true) && crosses_over(polished)) return polished;
+      if (stop_ != Stop::none || row_.iteration >= options_.max_iterations) return answer;
+    }
+    if (failures == 0 && epsilon <= kPolishFrom) good = answer;
     last = std::move(answer);
     y = last.point.y;
     settings.warm = is_good(last) ? &last.point : nullptr;
@@ -90,29 +108,55 @@ InteriorPointAnswer IpoptSolver::tighten(const Trajectory& start) {
         transcription_->pair_distance(y.data()) <= kComplementary * options_.tolerances.constraint)
       break;
   }
-  polish(last);
+  polish(last, false);
   return last;
 }
 
+/// Whether an answer under all tolerances follows from a polished one. If so it is the result.
+bool IpoptSolver::crosses_over(const InteriorPointAnswer& polished) {
+  cross_over(polished);
+  crossed_over_ = under_tolerances(newton_.norms());
+  iterations_before_ = row_.iteration;
+  if (crossed_over_) return true;
+  row_.newton = 0;
+  former_.reset();
+  scales_.reset();
+  return false;
+}
+
 /// Solves once more with the smaller one of each pair fixed to zero, which leaves nothing relaxed,
-/// and then with a barrier so small that what belongs at a bound can be put there without harm to
-/// the equations. The answer stays as it was where that fails.
-void IpoptSolver::polish(InteriorPointAnswer& answer) {
+/// and then with barriers so small that what belongs at a bound can be put there without harm to
+/// the equations. The answer stays as it was where that fails, or where the cost rises: then it was
+/// the wrong one of some pair. A trial has to come to the second barrier in few iterations.
+bool IpoptSolver::polish(InteriorPointAnswer& answer, bool trial) {
+  const auto cost_at = [&](const InteriorPointAnswer& at) {
+    transcription_->set_point(at.point.y.data());
+    return transcription_->evaluation().cost.sum();
+  };
+  const double before = cost_at(answer);
   transcription_->fix_pairs(answer.point.y.data());
   InteriorPointSettings settings = default_settings();
   row_.relaxation = 0;
-  for (const double barrier : {kLeastBarrier, kPolishBarrier}) {
-    const Eigen::VectorXd y = answer.point.y.cwiseMin(transcription_->upper());
-    settings.warm = &answer.point;
+  InteriorPointAnswer best = answer;
+  int solves = 0;
+  for (const double barrier : kPolishBarriers) {
+    const Eigen::VectorXd y = best.point.y.cwiseMin(transcription_->upper());
+    settings.warm = &best.point;
     settings.warm_barrier = barrier;
+    if (solves > 0) settings.complementarity_tolerance = barrier;
+    if (trial || solves == 2) settings.max_iterations = kPolishIterations[solves];
     InteriorPointAnswer fixed = run_ipopt(y, settings);
     ++row_.outer;
     iterations_before_ = row_.iteration;
-    if (!is_good(fixed)) return;
-    answer = std::move(fixed);
-    if (row_.iteration >= options_.max_iterations) return;
-    settings.complementarity_tolerance = kPolishComplementarity;
+    if (!is_good(fixed)) break;
+    if (solves == 0 && cost_at(fixed) > before + kPolishRise * (1 + std::abs(before))) break;
+    ++solves;
+    best = std::move(fixed);
+    if (row_.iteration >= options_.max_iterations) break;
   }
+  if (solves < (trial ? 2 : 1)) return false;
+  answer = std::move(best);
+  return true;
 }
 
 }  // namespace conddp

@@ -66,6 +66,7 @@ SolveResult IpoptSolver::solve(const Trajectory& guess) {
   iterations_before_ = 0;
   former_.reset();
   scales_.reset();
+  crossed_over_ = false;
   Trajectory start = guess;
   result_.start = "states and controls of the guess";
   if (options_.multipliers && options_.multipliers->costates.size() > 0)
@@ -84,7 +85,7 @@ SolveResult IpoptSolver::solve(const Trajectory& guess) {
                                    ? run_relaxations(start)
                                    : run_ipopt(transcription_->point_of(start), default_settings());
   const double newton_began = elapsed();
-  cross_over(answer);
+  if (!crossed_over_) cross_over(answer);
   if (!transcription_->has_pairs()) refine(answer);
   set_status(answer);
   result_.iterations = row_.iteration;
@@ -94,7 +95,8 @@ SolveResult IpoptSolver::solve(const Trajectory& guess) {
 }
 
 InteriorPointSettings IpoptSolver::default_settings() const {
-  return {.dual_tolerance = options_.tolerances.stationarity,
+  return {.max_iterations = options_.max_iterations,
+          .dual_tolerance = options_.tolerances.stationarity,
           .violation_tolerance = std::min(options_.tolerances.gap, options_.tolerances.constraint),
           .complementarity_tolerance = options_.tolerances.complementarity,
           .options = options_.ipopt};
@@ -126,6 +128,7 @@ bool IpoptSolver::newton_is_enough(const Trajectory& start) {
 /// Runs Ipopt, again from the last iterate wherever that has left the middle of its charts.
 InteriorPointAnswer IpoptSolver::run_ipopt(Eigen::VectorXd y, InteriorPointSettings settings) {
   InteriorPointAnswer answer;
+  const int allowed = settings.max_iterations;
   PrimalDualPoint known;
   if (const DualGuess* duals = options_.multipliers.get();
       duals != nullptr && settings.warm == nullptr && duals->costates.size() > 0 &&
@@ -139,7 +142,7 @@ InteriorPointAnswer IpoptSolver::run_ipopt(Eigen::VectorXd y, InteriorPointSetti
   for (;;) {
     stop_ = Stop::none;
     const double began = elapsed();
-    settings.max_iterations = options_.max_iterations - iterations_before_;
+    settings.max_iterations = std::min(allowed, options_.max_iterations - iterations_before_);
     answer = minimise(*transcription_, y, settings,
                       [this](const InteriorPointIterate& iterate) { return note(iterate); });
     result_.times.differentiate += answer.evaluation_seconds;

@@ -38,7 +38,8 @@ class IpoptSolver {
   // ipopt_relaxation.cpp
   InteriorPointAnswer run_relaxations(const Trajectory& start);
   InteriorPointAnswer tighten(const Trajectory& start);
-  void polish(InteriorPointAnswer& answer);
+  bool polish(InteriorPointAnswer& answer, bool trial);
+  bool crosses_over(const InteriorPointAnswer& polished);
   bool is_complementary(const InteriorPointAnswer& answer) const;
 
   // ipopt_cross_over.cpp
@@ -74,6 +75,7 @@ class IpoptSolver {
   std::unique_ptr<Transcription> transcription_;
   ProjectedNewton newton_;
   Stop stop_ = Stop::none;
+  bool crossed_over_ = false;  ///< the result is written
   int iterations_before_ = 0;  ///< of earlier runs of Ipopt in this solve
   IterationRecord row_;
   /// The best iterate: that of the least optimality error, which is the largest of gap, violation,
