@@ -78,7 +78,7 @@ class Writer {
   /// Whether a closed candidate is held along its tangents, too: where it does not slide, and in a
   /// plane only the one of a body that carries most, as two would hold more than a body can do.
   bool is_held(std::size_t c, const ContactStretch& stretch) const {
-    if (stretch.slides[c]) return false;
+    if (stretch.slides[c] || candidate(c).friction == 0) return false;
     if (!spec_.stepping->plane) return true;
     for (std::size_t other = 0; other < stretch.closed.size(); ++other)
       if (other != c && stretch.closed[other] && !stretch.slides[other] && body(other) == body(c) &&
@@ -138,7 +138,7 @@ class Writer {
       if (std::find(notes_.begin(), notes_.end(), text) == notes_.end())
         notes_.push_back(std::move(text));
     };
-    if (stretch.slides[c])
+    if (stretch.slides[c] && candidate(c).friction > 0)
       note(fmt::format("'{}' slides: there it is held along the normal alone, without friction",
                        own));
     if (!guided && candidate(c).radius > 0)
@@ -163,7 +163,7 @@ class Writer {
       const Vector3<double> t = cross(*spec_.stepping->plane, n);
       json["tangent"] = {t.x, t.y, t.z};
     }
-    json["friction"] = from.friction;
+    if (from.friction > 0) json["friction"] = from.friction;
     json["min_normal_force"] = 0;
     // Stops what is left of a touch-down within a few steps, and is stable for every step.
     const double longest = *std::max_element(motion_.h.begin(), motion_.h.end());

@@ -38,7 +38,7 @@ solver: {name: ipopt, max_iterations: 400}
 constexpr const char* kBox = R"(conddp: 1
 name: box
 robot: {urdf: robots/block.urdf, actuation: {joints: [base_x]}}
-initial_state: {joints: {base_x: 2, base_z: 0.8}}
+initial_state: {joints: {base_x: 2, base_z: 0.72}}
 contact_candidates:
   rear: {frame: corner_1, friction: 0.5,
          against: {box: {size: [4, 1, 0.4], placement: {position: [2, 0, 0]}}}}
@@ -132,6 +132,17 @@ TEST(ContactHandOver, ABlockLandsOnABox) {
   const Trajectory& refined = hand_over.refined->trajectory;
   EXPECT_NEAR(refined.x(refined.knots())[0], 2.1, 1e-2);
   EXPECT_NEAR(refined.x(refined.knots())[1], 0.7, 2e-2);
+}
+
+TEST(ContactHandOver, WithoutFrictionABoxHoldsAlongItsNormalAlone) {
+  std::string text = kBox;
+  for (std::size_t at; (at = text.find("friction: 0.5")) != std::string::npos;)
+    text.replace(at, 13, "friction: 0");
+  const Answer box(ProblemText{text});
+  HandOver hand_over(box);
+  hand_over.expect_refined("box_fddp");
+  EXPECT_TRUE(hand_over.problem["contacts"].contains("front_normal"));
+  EXPECT_FALSE(hand_over.problem["contacts"].contains("front"));
 }
 
 TEST(ContactHandOver, ABlockRestsOnABall) {
