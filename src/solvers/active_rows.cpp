@@ -301,18 +301,6 @@ void ActiveRows::build_controls(int node, const Trajectory& trajectory, const Ad
   }
 }
 
-void ActiveRows::hold_controls(Trajectory& trajectory) const {
-  for (int k = 0; k < problem_.knots(); ++k) {
-    const Rows& rows = rows_[k];
-    for (int r = 0; r < rows.count; ++r) {
-      if (rows.kind[r] != kControl) continue;
-      const int i = rows.source[r];
-      const bool low = control_sides_[bounds_.offset(k) + i] == kLower;
-      trajectory.u(k)[i] = low ? bounds_.lower(k)[i] : bounds_.upper(k)[i];
-    }
-  }
-}
-
 void ActiveRows::add_gradient(bool with_controls, Linearization& linearization) const {
   for (int k = 0; k <= problem_.knots(); ++k) {
     const Rows& rows = rows_[k];

@@ -34,8 +34,6 @@ class ActiveRows {
               const Adjoint& adjoint, const Eigen::VectorXd& multipliers,
               const std::vector<Eigen::VectorXd>& step);
 
-  /// Puts the controls that count on their bounds, which a step meets to rounding alone.
-  void hold_controls(Trajectory& trajectory) const;
   /// Adds the rows' multipliers to the gradients; those of control bounds as well if asked for.
   void add_gradient(bool with_controls, Linearization& linearization) const;
   /// Adds penalty · AᵀA and the curvature of the cones' surfaces to the Hessians.

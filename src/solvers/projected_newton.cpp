@@ -14,6 +14,8 @@ namespace {
 /// multipliers are corrected for it.
 constexpr double kRowPenalty = 1e5;
 constexpr int kCorrections = 10;
+/// Curvature below which a cost counts as linear, and the exact Hessian's stands for it.
+constexpr double kLeastCurvature = 1e-6;
 constexpr double kExactRows = 1e-9;
 /// How often a step revises the active rows before it is taken as it is.
 constexpr int kRevisions = 10;
@@ -122,9 +124,10 @@ bool ProjectedNewton::solve_quadratic() {
     curvature = std::max(curvature, gauss_newton_[k].diagonal().maxCoeff());
   }
   if (curved_) evaluate_exact_hessian();
-  for (std::size_t k = 0; curved_ && k < exact_.size(); ++k)
-    curvature = std::max(curvature, exact_[k].diagonal().cwiseAbs().maxCoeff());
-  const double penalty = kRowPenalty * std::max(curvature, 1e-6);
+  if (curvature < kLeastCurvature && curved_)
+    for (const Eigen::MatrixXd& hessian : exact_)
+      curvature = std::max(curvature, hessian.diagonal().cwiseAbs().maxCoeff());
+  const double penalty = kRowPenalty * std::max(curvature, kLeastCurvature);
   for (int revision = 0;; ++revision) {
     if (!solve_on_rows(penalty)) return false;
     if (revision == kRevisions ||
@@ -188,7 +191,6 @@ bool ProjectedNewton::step(double growth) {
         trajectory_.u(k) = before_.u(k) + step_length_ * step_[k].tail(problem_.nu(k));
     }
     bounds_.clamp(trajectory_);
-    if (step_length_ == 1) rows_.hold_controls(trajectory_);
     multipliers_ = multipliers_before_ + step_length_ * (target_ - multipliers_before_);
     linearize();
     if (norms_.largest() < (1 - 0.1 * step_length_) * growth * was) return true;

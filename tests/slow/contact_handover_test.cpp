@@ -38,7 +38,7 @@ solver: {name: ipopt, max_iterations: 400}
 constexpr const char* kBox = R"(conddp: 1
 name: box
 robot: {urdf: robots/block.urdf, actuation: {joints: [base_x]}}
-initial_state: {joints: {base_x: 2, base_z: 0.72}}
+initial_state: {joints: {base_x: 2, base_z: 0.8}}
 contact_candidates:
   rear: {frame: corner_1, friction: 0.5,
          against: {box: {size: [4, 1, 0.4], placement: {position: [2, 0, 0]}}}}
