@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <Eigen/Cholesky>
 
@@ -12,22 +13,23 @@
 namespace conddp {
 namespace {
 
-/// How a control stands to the bound that its gradient pushes it against.
+/// How a control stands to its bounds.
 struct BoundRelation {
-  bool near = false;    ///< at a bound, within the tolerance
-  double distance = 0;  ///< from that bound
-  bool lower = false;
+  bool near = false;                 ///< at one, within the tolerance
+  std::optional<double> distance{};  ///< from the one against which descent pushes it, if at that
 };
 
-BoundRelation relate(const KnotModel& model, int i, double u, double tolerance) {
+BoundRelation relate(const KnotModel& model, int i, double u, double gradient, double tolerance) {
+  const double lower = model.control_lower()[i], upper = model.control_upper()[i];
   const auto close = [&](double bound) {
     return std::isfinite(bound) &&
            std::abs(u - bound) <= tolerance * std::max(1.0, std::abs(bound));
   };
-  const double lower = model.control_lower()[i], upper = model.control_upper()[i];
-  if (u <= lower || close(lower)) return {true, std::abs(u - lower), true};
-  if (u >= upper || close(upper)) return {true, std::abs(u - upper), false};
-  return {};
+  const bool at_lower = u <= lower || close(lower), at_upper = u >= upper || close(upper);
+  BoundRelation relation{.near = at_lower || at_upper};
+  if (at_lower && gradient > 0) relation.distance = std::abs(u - lower);
+  if (at_upper && gradient < 0) relation.distance = std::abs(u - upper);
+  return relation;
 }
 
 /// K of the stage min over the free controls; rows of the others are zero. `value` is the Hessian
@@ -105,10 +107,10 @@ void adjoint_pass(const ShootingProblem& problem, const Trajectory& trajectory,
     std::vector<int> free;
     for (int i = 0; i < problem.nu(k); ++i) {
       const double g = gradient[ndx + i];
-      const BoundRelation bound = relate(model, i, trajectory.u(k)[i], bound_tolerance);
+      const BoundRelation bound = relate(model, i, trajectory.u(k)[i], g, bound_tolerance);
       if (!bound.near) free.push_back(i);
-      if (bound.near && (bound.lower ? g > 0 : g < 0))
-        check.complementarity = std::max(check.complementarity, std::abs(g) * bound.distance);
+      if (bound.distance)
+        check.complementarity = std::max(check.complementarity, std::abs(g) * *bound.distance);
       else
         check.stationarity = std::max(check.stationarity, std::abs(g));
     }

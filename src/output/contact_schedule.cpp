@@ -13,9 +13,6 @@
 namespace conddp {
 namespace {
 
-/// Of costs that stand for constraints: while the motion runs, and at single nodes. Larger ones
-/// make stages that a solver without constraints hardly gets to the end of.
-constexpr double kRunningWeight = 100, kNodeWeight = 1000;
 /// First penalty of solvers that keep constraints: the guess nearly satisfies them, and a small one
 /// would first give that away.
 constexpr double kPenalty = 100;
@@ -44,7 +41,7 @@ class Writer {
     rename_phases(json_["constraints"]);
     add_constraints();
     leave_out_steps();
-    if (!options_.keeps_constraints) soften();
+    if (!options_.keeps_constraints) soften_constraints(json_, notes_);
     json_.erase("initial_guess");
     paths(json_, spec_.file.parent_path());
     json_["initial_guess"] = guess();
@@ -349,26 +346,6 @@ class Writer {
       }
       json_[section] = std::move(kept);
     }
-  }
-
-  void soften() {
-    const auto move = [&](OrderedJson& constraints, OrderedJson& costs, double weight) {
-      OrderedJson kept = OrderedJson::object();
-      for (const auto& [key, constraint] : constraints.items()) {
-        if (constraint.value("bounds", "") == "control") {
-          kept[key] = constraint;
-          continue;
-        }
-        OrderedJson cost = softened(constraint, key.ends_with("_landing") ? kNodeWeight : weight);
-        if (cost.is_null())
-          notes_.push_back(fmt::format("the constraint '{}' is left out", key));
-        else
-          costs[key] = std::move(cost);
-      }
-      constraints = std::move(kept);
-    };
-    move(json_["constraints"], json_["costs"], kRunningWeight);
-    move(json_["terminal"]["constraints"], json_["terminal"]["costs"], kNodeWeight);
   }
 
   OrderedJson guess() const {

@@ -1,6 +1,32 @@
 #include "output/softened_constraint.hpp"
 
+#include <fmt/format.h>
+
 namespace conddp {
+namespace {
+
+/// Of costs that stand for constraints: while the motion runs, and at single nodes. Larger ones
+/// make stages that a solver without constraints hardly gets to the end of.
+constexpr double kRunningWeight = 100, kNodeWeight = 1000;
+
+void move_to_costs(OrderedJson& constraints, OrderedJson& costs, double weight,
+                   std::vector<std::string>& notes) {
+  OrderedJson kept = OrderedJson::object();
+  for (const auto& [key, constraint] : constraints.items()) {
+    if (constraint.value("bounds", "") == "control") {
+      kept[key] = constraint;
+      continue;
+    }
+    OrderedJson cost = softened(constraint, key.ends_with("_landing") ? kNodeWeight : weight);
+    if (cost.is_null())
+      notes.push_back(fmt::format("the constraint '{}' is left out", key));
+    else
+      costs[key] = std::move(cost);
+  }
+  constraints = std::move(kept);
+}
+
+}  // namespace
 
 OrderedJson softened(const OrderedJson& constraint, double weight) {
   OrderedJson cost = constraint;
@@ -27,6 +53,12 @@ OrderedJson softened(const OrderedJson& constraint, double weight) {
   bound("upper", "upper");
   cost["activation"] = std::move(activation);
   return cost;
+}
+
+void soften_constraints(OrderedJson& problem, std::vector<std::string>& notes) {
+  move_to_costs(problem["constraints"], problem["costs"], kRunningWeight, notes);
+  OrderedJson& terminal = problem["terminal"];
+  move_to_costs(terminal["constraints"], terminal["costs"], kNodeWeight, notes);
 }
 
 }  // namespace conddp

@@ -116,6 +116,16 @@ TEST(AnswerCheck, ABoundTakesTheGradientThatPushesAgainstIt) {
               1e-12 * free_slope);
 }
 
+TEST(AnswerCheck, AFixedControlMayBePushedEitherWay) {
+  for (const double control : {-2.0, 0.7}) {
+    ASSERT_GT(check_answer(one_step(), simulated(one_step(), control)).stationarity, 1e-2);
+    const ShootingProblem fixed = one_step(control, control);
+    const AnswerCheck check = check_answer(fixed, simulated(fixed, control));
+    EXPECT_EQ(check.stationarity, 0) << control;
+    EXPECT_EQ(check.complementarity, 0) << control;
+  }
+}
+
 TEST(AnswerCheck, AnswersOfAllSolversAreStationary) {
   const ShootingProblem bounded = quadrotor_move(0, 6), swing_up = testing::pendulum_swing_up(3);
   for (const ShootingProblem* problem : {&bounded, &swing_up})

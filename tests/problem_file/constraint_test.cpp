@@ -37,6 +37,16 @@ std::vector<NodeConstraint> named(const ShootingProblem& problem, const std::str
   return list;
 }
 
+/// Where a constraint first holds, its values with every state at the initial one.
+std::vector<double> initial_values(const ShootingProblem& problem, const std::string& name) {
+  Evaluation evaluation(problem);
+  Acts(problem).evaluate(problem.create_trajectory(), evaluation);
+  const auto list = named(problem, name);
+  if (list.empty()) return {};
+  const auto values = evaluation.constraint.segment(list[0].row, list[0].term->rows);
+  return {values.begin(), values.end()};
+}
+
 TEST(Constraints, BoundsOnTheStateHoldAtAllNodesButTheFirst) {
   const Loaded loaded(
       with("  speed: {bounds: velocity, lower: -2, upper: 5}\n"
@@ -164,13 +174,7 @@ constraints: {hall: {residual: state, columns: [z, x], upper: [5, 6]}}
 solver: {name: altro}
 )");
   ASSERT_TRUE(loaded.built) << loaded.all();
-  const ShootingProblem& problem = *loaded.built->problem;
-  Evaluation evaluation(problem);
-  Acts(problem).evaluate(problem.create_trajectory(), evaluation);
-  const auto hall = named(problem, "hall");
-  ASSERT_FALSE(hall.empty());
-  EXPECT_EQ(evaluation.constraint[hall[0].row], 3);
-  EXPECT_EQ(evaluation.constraint[hall[0].row + 1], 1);
+  EXPECT_EQ(initial_values(*loaded.built->problem, "hall"), (std::vector<double>{3, 1}));
 }
 
 TEST(Constraints, ColumnsAreChosenByPatternsToo) {
@@ -183,16 +187,9 @@ constraints: {slow: {residual: state, columns: ["w*", vy, "v*", "*"], upper: 10}
 solver: {name: altro}
 )");
   ASSERT_TRUE(loaded.built) << loaded.all();
-  const ShootingProblem& problem = *loaded.built->problem;
-  Evaluation evaluation(problem);
-  Acts(problem).evaluate(problem.create_trajectory(), evaluation);
-  const auto slow = named(problem, "slow");
-  ASSERT_FALSE(slow.empty());
   // In the order of the patterns, each once, without the numbers of the rotation.
-  const std::vector<double> expected = {0, 0, 7, 5, 4, 6, 1, 2, 3};
-  ASSERT_EQ(slow[0].term->rows, static_cast<int>(expected.size()));
-  for (std::size_t i = 0; i < expected.size(); ++i)
-    EXPECT_EQ(evaluation.constraint[slow[0].row + static_cast<int>(i)], expected[i]) << i;
+  EXPECT_EQ(initial_values(*loaded.built->problem, "slow"),
+            (std::vector<double>{0, 0, 7, 5, 4, 6, 1, 2, 3}));
 }
 
 TEST(Constraints, WhatContradictsIsFoundBeforeSolving) {
