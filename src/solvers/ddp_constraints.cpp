@@ -19,6 +19,9 @@ constexpr int kRelaxations = 20;
 /// Minimisations that may end without a step before the solve does.
 constexpr int kRecoveries = 20;
 constexpr double kTighter = 0.1, kLastInnerDecrease = 1e-8;
+/// Of minimisations that end above the tolerance of the stationarity though the constraints hold:
+/// the share of it that they have been asked for when that is taken for rounding.
+constexpr double kHopelessGoal = 1e-6;
 /// Where the stationarity is not confirmed: the share of what should be enough that is asked for,
 /// and of the tolerance at least.
 constexpr double kGoalMargin = 0.5, kLeastGoal = 1e-4;
@@ -86,7 +89,8 @@ bool DdpSolver::hidden_by_rounding() const {
       row_.complementarity > tolerance.complementarity)
     return false;
   return at_rounding_floor_ ||
-         (inner_tolerance_ <= tolerance.stationarity && merit_.hidden(row_.actual_decrease));
+         (inner_tolerance_ <= tolerance.stationarity && merit_.hidden(row_.actual_decrease)) ||
+         inner_tolerance_ <= kHopelessGoal * tolerance.stationarity;
 }
 
 /// Ends a minimisation of the augmented Lagrangian and begins the next at the same iterate. False
@@ -94,6 +98,7 @@ bool DdpSolver::hidden_by_rounding() const {
 bool DdpSolver::next_multipliers() {
   const bool idle = constraints_->idle(linearization_.constraint);
   constraints_->update();
+  const auto& tolerance = options_.tolerances;
   if (hidden_by_rounding()) {
     if (++relaxations_ > kRelaxations) {
       linearized_ = false;
@@ -104,6 +109,7 @@ bool DdpSolver::next_multipliers() {
                              residual_text()));
     }
     constraints_->relax();
+    inner_tolerance_ = std::max(inner_tolerance_, tolerance.stationarity);
   }
   if (!constraints_->hopeless().empty()) {
     linearized_ = false;  // what is written belongs to the last multipliers

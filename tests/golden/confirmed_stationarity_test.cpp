@@ -10,16 +10,17 @@
 namespace conddp {
 namespace {
 
-TEST(ConfirmedStationarity, HoldsWhereThePenaltiesMakeGainsStiff) {
+/// Solves a ready problem by proxddp from some initial states, and checks the answers.
+void expect_confirmed(const std::string& name, double size, std::vector<std::uint64_t> seeds) {
   Diagnostics out;
   const auto spec =
-      read_problem(std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/unicycle_escape.yaml",
+      read_problem(std::filesystem::path(CONDDP_SOURCE_DIR) / "problems" / (name + ".yaml"),
                    {"solver.name=proxddp"}, out);
   ASSERT_TRUE(spec) << format_diagnostics(out, false);
   const auto built = build_problem(*spec, {}, out);
   ASSERT_TRUE(built) << format_diagnostics(out, false);
-  for (const std::uint64_t seed : {2u, 3u, 4u}) {
-    const ShootingProblem problem = perturb_initial_state(*built->problem, 0.1, seed);
+  for (const std::uint64_t seed : seeds) {
+    const ShootingProblem problem = perturb_initial_state(*built->problem, size, seed);
     const SolveResult result = solve(problem, "proxddp", spec->solver.options, built->guess);
     EXPECT_EQ(result.status, SolveStatus::converged) << seed << ": " << result.message;
     const AnswerCheck check =
@@ -27,6 +28,14 @@ TEST(ConfirmedStationarity, HoldsWhereThePenaltiesMakeGainsStiff) {
                      result.constraint_multipliers);
     EXPECT_LE(check.stationarity, 2 * spec->solver.options.tolerances.stationarity) << seed;
   }
+}
+
+TEST(ConfirmedStationarity, HoldsWhereThePenaltiesMakeGainsStiff) {
+  expect_confirmed("unicycle_escape", 0.1, {2, 3, 4});
+}
+
+TEST(ConfirmedStationarity, IsReachedWhereRoundingOfPenaltiesWasInTheWay) {
+  expect_confirmed("arm_maze", 0, {1});
 }
 
 }  // namespace
