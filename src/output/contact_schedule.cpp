@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "output/contact_surfaces.hpp"
+#include "output/relative_paths.hpp"
 #include "output/softened_constraint.hpp"
 #include "problem_file/expand_problem.hpp"
 
@@ -43,7 +44,7 @@ class Writer {
     leave_out_steps();
     if (!options_.keeps_constraints) soften_constraints(json_, notes_);
     json_.erase("initial_guess");
-    paths(json_, spec_.file.parent_path());
+    make_paths_relative(json_, spec_.file.parent_path(), options_.folder);
     json_["initial_guess"] = guess();
     json_["solver"] = {{"name", options_.solver}};
     if (options_.keeps_constraints && options_.solver != "ipopt")
@@ -353,25 +354,9 @@ class Writer {
     for (const Column& column : built_.plant.system->state_columns()) states.push_back(column.name);
     for (int i = 0; i < motion_.u_lower.size(); ++i)
       controls.push_back(built_.control_columns[i].name);
-    const std::string file = relative(options_.solution);
+    const std::string file = relative_path(options_.solution, options_.folder);
     return {{"states", {{"file", file}, {"columns", states}}},
             {"controls", {{"file", file}, {"columns", controls}}}};
-  }
-
-  std::string relative(const std::filesystem::path& file) const {
-    return std::filesystem::proximate(file, options_.folder.empty() ? "." : options_.folder)
-        .generic_string();
-  }
-
-  /// Files that the problem names relative to its own folder.
-  void paths(OrderedJson& json, const std::filesystem::path& from) const {
-    if (!json.is_structured()) return;
-    for (auto& [key, value] : json.items()) {
-      if (value.is_string() && (key == "urdf" || key == "file"))
-        value = relative(from / value.get<std::string>());
-      else
-        paths(value, from);
-    }
   }
 
   static constexpr double kPointRadius = 0.01;  // m

@@ -107,8 +107,9 @@ Feedback IpoptSolver::find_gains(const Trajectory& trajectory, const Eigen::Vect
   return Feedback(problem_);
 }
 
-/// From Ipopt's answer, or the best iterate, to the answer that is returned.
-void IpoptSolver::cross_over(const InteriorPointAnswer& answer) {
+/// From Ipopt's answer, or the best iterate, to the answer that is returned. `goes_on`: it is one
+/// to which Ipopt went on from the answer before.
+void IpoptSolver::cross_over(const InteriorPointAnswer& answer, bool goes_on) {
   const bool good = answer.end == End::solved || answer.end == End::acceptable;
   transcription_->set_point(good ? answer.point.y.data() : best_.data());
   Eigen::MatrixXd costates;
@@ -118,7 +119,7 @@ void IpoptSolver::cross_over(const InteriorPointAnswer& answer) {
   Trajectory trajectory = transcription_->trajectory();
   bounds_.clamp(trajectory);
   start_newton(trajectory, multipliers);
-  if (good) compare_ratios(bound_ratios(answer, trajectory, multipliers));
+  if (good) compare_ratios(bound_ratios(answer, trajectory, multipliers), goes_on);
   if (good && (newton_.active_rows() > 0 || !under_tolerances(newton_.norms()))) {
     const double before = newton_.norms().largest();
     Trajectory snapped = trajectory;
@@ -126,14 +127,15 @@ void IpoptSolver::cross_over(const InteriorPointAnswer& answer) {
     start_newton(snapped, multipliers);
     const bool snapped_is_better =
         newton_.norms().largest() < before || under_tolerances(newton_.norms());
-    for (int i = 0; i < kNewtonSteps && newton_.norms().largest() > kNewtonGoal; ++i) {
+    int steps = 0;
+    for (; steps < kNewtonSteps && newton_.norms().largest() > kNewtonGoal; ++steps) {
       if (!newton_.step(kNewtonGrowth)) break;
       result_.feedback_regularization = 0;
       ++row_.newton;
       ++row_.iteration;
       record();
     }
-    if (row_.newton == 0 || newton_.norms().largest() > before)
+    if (steps == 0 || newton_.norms().largest() > before)
       start_newton(snapped_is_better ? snapped : trajectory, multipliers);
   }
   // The last row is the answer.
@@ -147,16 +149,15 @@ void IpoptSolver::cross_over(const InteriorPointAnswer& answer) {
 /// ratio grows; at another one the multiplier falls, and the ratio with it. So the geometric mean
 /// of both is a scale by which the later multiplier and distance tell the bounds apart, whatever
 /// their units.
-void IpoptSolver::compare_ratios(BoundRatios ratios) {
-  if (former_) {
+void IpoptSolver::compare_ratios(BoundRatios ratios, bool goes_on) {
+  scales_.reset();
+  if (goes_on) {
     scales_ = ratios;
     for (int k = 0; k < problem_.knots(); ++k) {
-      scales_->lower.u(k).array() =
-          (ratios.lower.u(k).array() * former_->lower.u(k).array()).sqrt();
-      scales_->upper.u(k).array() =
-          (ratios.upper.u(k).array() * former_->upper.u(k).array()).sqrt();
+      scales_->lower.u(k).array() = (ratios.lower.u(k).array() * former_.lower.u(k).array()).sqrt();
+      scales_->upper.u(k).array() = (ratios.upper.u(k).array() * former_.upper.u(k).array()).sqrt();
     }
-    scales_->rows.array() = (ratios.rows.array() * former_->rows.array()).sqrt();
+    scales_->rows.array() = (ratios.rows.array() * former_.rows.array()).sqrt();
   }
   former_ = std::move(ratios);
 }
@@ -188,7 +189,7 @@ void IpoptSolver::refine(InteriorPointAnswer& answer) {
     InteriorPointAnswer tighter = run_ipopt(answer.point.y, settings);
     if (tighter.end != End::solved) break;
     answer = std::move(tighter);
-    cross_over(answer);
+    cross_over(answer, true);
     if (newton_.norms().largest() > least) continue;
     least = newton_.norms().largest();
     trajectory = newton_.trajectory();

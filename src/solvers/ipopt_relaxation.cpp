@@ -117,11 +117,7 @@ bool IpoptSolver::crosses_over(const InteriorPointAnswer& polished) {
   cross_over(polished);
   crossed_over_ = under_tolerances(newton_.norms());
   iterations_before_ = row_.iteration;
-  if (crossed_over_) return true;
-  row_.newton = 0;
-  former_.reset();
-  scales_.reset();
-  return false;
+  return crossed_over_;
 }
 
 /// Solves once more with the smaller one of each pair fixed to zero, which leaves nothing relaxed,

@@ -64,7 +64,6 @@ SolveResult IpoptSolver::solve(const Trajectory& guess) {
   row_ = IterationRecord();
   row_.exact_hessian = !gauss_newton_ && !wants_limited_memory(options_.ipopt);
   iterations_before_ = 0;
-  former_.reset();
   scales_.reset();
   crossed_over_ = false;
   Trajectory start = guess;

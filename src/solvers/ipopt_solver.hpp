@@ -50,11 +50,11 @@ class IpoptSolver {
   };
   BoundRatios bound_ratios(const InteriorPointAnswer& answer, const Trajectory& trajectory,
                            const Eigen::VectorXd& multipliers) const;
-  void compare_ratios(BoundRatios ratios);
+  void compare_ratios(BoundRatios ratios, bool goes_on);
   void snap_controls(const InteriorPointAnswer& answer, Trajectory& trajectory) const;
   Feedback find_gains(const Trajectory& trajectory, const Eigen::VectorXd& multipliers,
                       std::optional<double>& regularization);
-  void cross_over(const InteriorPointAnswer& answer);
+  void cross_over(const InteriorPointAnswer& answer, bool goes_on = false);
   void start_newton(const Trajectory& trajectory, const Eigen::VectorXd& multipliers);
   void refine(InteriorPointAnswer& answer);
 
@@ -84,8 +84,9 @@ class IpoptSolver {
   double best_error_ = 0;
   /// Of constraint rows: by what multipliers are compared with distances from a bound.
   Eigen::VectorXd penalty_;
-  /// Of the answer before, if Ipopt goes on from it, and the means with those of this one.
-  std::optional<BoundRatios> former_, scales_;
+  BoundRatios former_;  ///< of the last answer that was crossed over from
+  /// Where Ipopt went on from the answer before: the means of both answers' ratios.
+  std::optional<BoundRatios> scales_;
   SolveResult result_;
   std::chrono::steady_clock::time_point began_;
 };

@@ -157,14 +157,17 @@ TEST(ContactHandOver, ABlockRestsOnABall) {
   EXPECT_NEAR(refined.x(refined.knots())[1], 0.5, 1e-2);
 }
 
-TEST(ContactHandOver, ASoftWallIsRefusedByName) {
-  const Answer walls("cartpole_walls");
-  try {
-    HandOver(walls).expect_refined("box_fddp");
-    ADD_FAILURE() << "a schedule with a soft wall";
-  } catch (const NoSchedule& none) {
-    EXPECT_NE(none.reason.find("is soft: contacts of a schedule are rigid"), std::string::npos)
-        << none.reason;
+TEST(ContactHandOver, WhatNoScheduledContactCanBeIsRefusedByName) {
+  for (const auto& [name, reason] :
+       {std::pair{"cartpole_walls", "is soft: contacts of a schedule are rigid"},
+        std::pair{"finger_spinner", "is with a body of the robot"}}) {
+    const Answer answer(name);
+    try {
+      HandOver(answer).expect_refined("box_fddp");
+      ADD_FAILURE() << "a schedule of " << name;
+    } catch (const NoSchedule& none) {
+      EXPECT_NE(none.reason.find(reason), std::string::npos) << none.reason;
+    }
   }
 }
 
