@@ -19,8 +19,8 @@ constexpr int kRelaxations = 20;
 /// Minimisations that may end without a step before the solve does.
 constexpr int kRecoveries = 20;
 constexpr double kTighter = 0.1, kLastInnerDecrease = 1e-8;
-/// Of minimisations that end above the tolerance of the stationarity though the constraints hold:
-/// the share of it that they have been asked for when that is taken for rounding.
+/// A minimisation that was asked for this share of the stationarity's tolerance, and ends above the
+/// tolerance though the constraints hold, is stopped by rounding.
 constexpr double kHopelessGoal = 1e-6;
 /// Where the stationarity is not confirmed: the share of what should be enough that is asked for,
 /// and of the tolerance at least.
