@@ -1,23 +1,55 @@
 #include "ocp/linearization.hpp"
 
-#include "ocp/transposed_product.hpp"
+#include "ocp/matrix_vector.hpp"
 
 namespace conddp {
+namespace {
+
+using StateBlock = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
+template <int n>
+using Part = Eigen::Map<Eigen::Matrix<double, n, 1>>;
+template <int n>
+using ConstPart = Eigen::Map<const Eigen::Matrix<double, n, 1>>;
+
+/// δq ← A δq₀ + dt H δv on a curved segment.
+template <int n>
+void step_curved(const StateBlock& A, const StateBlock& H, double dt, const double* dq0,
+                 const double* dv, double* dq) {
+  Part<n> sum(dq);
+  sum.noalias() = H.topLeftCorner<n, n>() * ConstPart<n>(dv);
+  sum *= dt;
+  sum.noalias() += A.topLeftCorner<n, n>() * ConstPart<n>(dq0);
+}
+
+/// The transposed of that: μ ← λ_v + dt Hᵀ λ_q and, later, out += Aᵀ λ_q.
+template <int n>
+void pull_step(const StateBlock& H, double dt, const double* lq, const double* lv, double* mu) {
+  Part<n> sum(mu);
+  sum.noalias() = H.topLeftCorner<n, n>().transpose() * ConstPart<n>(lq);
+  sum = ConstPart<n>(lv) + dt * sum;
+}
+template <int n>
+void add_pulled(const StateBlock& A, const double* lq, double* out) {
+  Part<n>(out).noalias() += A.topLeftCorner<n, n>().transpose() * ConstPart<n>(lq);
+}
+
+}  // namespace
+
 void KnotLinearization::apply(const Eigen::Ref<const Eigen::VectorXd>& z,
                               Eigen::Ref<Eigen::VectorXd> out) const {
   if (!semi_implicit) {
-    out.noalias() = F * z;
+    multiply(F, z.data(), out.data());
     return;
   }
   const int nv = static_cast<int>(F.rows());
   auto dq = out.head(nv);
   auto dv = out.tail(nv);
-  dv.noalias() = F * z;
+  multiply(F, z.data(), dv.data());
   dq = z.head(nv) + dt * dv;
   for (std::size_t s = 0; s < curved.size(); ++s) {
     const int at = curved[s].dx, n = curved[s].n;
-    dq.segment(at, n).noalias() = A[s].topLeftCorner(n, n) * z.segment(at, n);
-    dq.segment(at, n).noalias() += dt * (H[s].topLeftCorner(n, n) * dv.segment(at, n));
+    (n == 6 ? step_curved<6> : step_curved<3>)(A[s], H[s], dt, z.data() + at, dv.data() + at,
+                                               dq.data() + at);
   }
 }
 
@@ -31,8 +63,8 @@ void KnotLinearization::apply_transpose(const Eigen::Ref<const Eigen::VectorXd>&
   mu = lambda.tail(nv) + dt * lq;
   for (std::size_t s = 0; s < curved.size(); ++s) {
     const int at = curved[s].dx, n = curved[s].n;
-    mu.segment(at, n) = lambda.segment(nv + at, n);
-    mu.segment(at, n).noalias() += dt * (H[s].topLeftCorner(n, n).transpose() * lq.segment(at, n));
+    (n == 6 ? pull_step<6> : pull_step<3>)(H[s], dt, lq.data() + at, lambda.data() + nv + at,
+                                           mu.data() + at);
   }
   multiply_transposed(F, mu.data(), out.data());
   int flat = 0;
@@ -41,7 +73,7 @@ void KnotLinearization::apply_transpose(const Eigen::Ref<const Eigen::VectorXd>&
     out.segment(flat, end - flat) += lq.segment(flat, end - flat);
     if (s == curved.size()) break;
     const int at = curved[s].dx, n = curved[s].n;
-    out.segment(at, n).noalias() += A[s].topLeftCorner(n, n).transpose() * lq.segment(at, n);
+    (n == 6 ? add_pulled<6> : add_pulled<3>)(A[s], lq.data() + at, out.data() + at);
     flat = at + n;
   }
 }

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "ocp/transposed_product.hpp"
+#include "ocp/matrix_vector.hpp"
 
 namespace conddp {
 

@@ -17,6 +17,8 @@ constexpr int kReservedRows = 10000;
 /// The straight steps of an equality search close gaps no earlier than the solve ends. There exact
 /// second derivatives wait until the gaps are this small.
 constexpr double kNearlyClosed = 1e-3;
+/// What a correction of a model step is taken to leave of the gaps before one has been seen.
+constexpr double kFirstCorrection = 0.1;
 
 }  // namespace
 
@@ -64,10 +66,12 @@ SolveResult DdpSolver::solve(const Trajectory& guess) {
   line_search_.reset();
   search_ = LineSearchResult();
   merit_ = MeritModel();
-  linearized_ = affine_known_ = false;
+  linearized_ = differentiated_ = affine_known_ = false;
   at_rounding_floor_ = false;
   full_steps_ = 0;
   full_steps_wanted_ = 1;
+  first_look_suffices_ = false;
+  correction_leaves_ = kFirstCorrection;
   hessian_.reset();
   start_constraints();
 
@@ -184,7 +188,8 @@ bool DdpSolver::budget_left() {
 void DdpSolver::differentiate() {
   const Stopwatch watch(result_.times.differentiate);
   hessian_.begin_iterate();
-  acts_.differentiate(trajectory_, linearization_, augmentation_);
+  if (!differentiated_) acts_.differentiate(trajectory_, linearization_, augmentation_);
+  differentiated_ = false;
   gaps_.set(linearization_, recipe_.open_gaps);
   adjoint_.compute(linearization_, trajectory_, gaps_, direction_.feedback());
   linearized_ = std::isfinite(linearization_.total_cost()) &&

@@ -60,6 +60,7 @@ class DdpSolver {
   int sweep_backward(double regularization);
   void correct_direction();
   void measure_direction();
+  void weigh_gaps();
   bool model_step();
   bool search();
   bool stationarity_fell();
@@ -116,10 +117,13 @@ class DdpSolver {
   Trajectory trajectory_;           ///< the iterate
   Trajectory before_;               ///< the iterate before the last step, should that be taken back
   bool linearized_ = false;         ///< linearization_ belongs to trajectory_
+  bool differentiated_ = false;     ///< its dynamics and costs do, the rest is still to be found
   bool at_rounding_floor_ = false;  ///< the merit is blind and stationarity does not fall
   int full_steps_ = 0;              ///< accepted one after the other
   int full_steps_wanted_ = 1;       ///< before the linear model's step is tried
-  double last_stationarity_ = 0;    ///< of the iterate before
+  bool first_look_suffices_ = false;  ///< the last model step needed no correction
+  double correction_leaves_ = 0;      ///< share of the gaps, at the last correction
+  double last_stationarity_ = 0;      ///< of the iterate before
   MeritModel merit_;
   LineSearchResult search_;
   IterationRecord row_;

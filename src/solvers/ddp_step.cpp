@@ -44,8 +44,12 @@ bool DdpSolver::take_step() {
     correct_direction();
     const MeritModel former_merit = merit_;
     measure_direction();
-    bool descent = merit_.descends();
-    const bool found = model_step() || (descent && search());
+    bool descent = true, found = model_step();
+    if (!found) {
+      weigh_gaps();
+      descent = merit_.descends();
+      found = descent && search();
+    }
     if (direction_.descended() && !(found && (search_.by_rounding || search_.step == 1))) {
       // The cost's model does not hold that far: a direction that stays near the iterate does
       // better.
@@ -61,6 +65,7 @@ bool DdpSolver::take_step() {
       at_rounding_floor_ = false;
       direction_.undo_correction(linearization_, trajectory_, gaps_);
       measure_direction();
+      weigh_gaps();
       descent = merit_.descends();
       if (descent && search()) break;
     }
@@ -123,7 +128,7 @@ void DdpSolver::correct_direction() {
   }
 }
 
-/// The model's view of the full step; the weight of the gaps is kept above its multipliers.
+/// The model's view of the full step.
 void DdpSolver::measure_direction() {
   const Stopwatch watch(result_.times.sweep);
   if (equality_search_) {
@@ -139,7 +144,13 @@ void DdpSolver::measure_direction() {
     adjoint_.compute(linearization_, trajectory_, gaps_, direction_.feedback());
     merit_.rounding = adjoint_.cost_rounding(linearization_, trajectory_);
   }
-  if (!recipe_.open_gaps) return;
+}
+
+/// Keeps the weight of the gaps above their multipliers in the model. A pass over all values, so
+/// only what looks at the merit asks for it.
+void DdpSolver::weigh_gaps() {
+  if (!recipe_.open_gaps || equality_search_) return;
+  const Stopwatch watch(result_.times.sweep);
   if (!gaps_.closed() && !merit_.slope_within_bounds && merit_.penalty > 0) {
     // Without a settled active set the policy's value says nothing of the QP's multipliers: the
     // weight stays what it was, or grows until it turns the model's step into descent (Nocedal,
@@ -170,29 +181,44 @@ bool DdpSolver::model_step() {
   const bool hidden = merit_.hidden(expected);
   const auto costates = adjoint_.costates().rightCols(problem_.knots());
   const bool close = last || hidden;
-  double weight = 0, actual = 0, gap = std::numeric_limits<double>::infinity();
-  {
-    const Stopwatch watch(result_.times.rollout);
-    model_step_.take(acts_, direction_.step(), trajectory_);
-    for (int corrections = 0;; ++corrections) {
-      const double former_gap = gap;
-      weight = costates.cwiseProduct(model_step_.gap()).lpNorm<1>();
-      gap = model_step_.gap().lpNorm<Eigen::Infinity>();
-      const bool small =
-          close ? gap <= options_.tolerances.gap : weight <= kNegligibleGaps * expected;
-      const bool hopeless =
-          !(gap <= kSlowCorrection * former_gap) || (!hidden && weight > kHopelessGaps * expected);
-      if (small || hopeless || corrections == kGapCorrections) break;
-      model_step_.correct(acts_, linearization_, direction_.feedback(), trajectory_);
+  double weight = 0, gap = 0;
+  bool small = false, ahead = false;
+  // The last look at the step becomes that of the next iterate, if it can be told to be the last.
+  const auto look = [&](bool at_last, bool correct) {
+    const Stopwatch watch(at_last ? result_.times.differentiate : result_.times.rollout);
+    const auto how = at_last ? ModelStep::Look::differentiate : ModelStep::Look::evaluate;
+    if (at_last) hessian_.begin_iterate();
+    if (correct) {
+      model_step_.correct(acts_, direction_.feedback(), how, linearization_, trajectory_);
+    } else {
+      model_step_.take(acts_, direction_.step(), how, linearization_, trajectory_);
     }
-    actual = closed_cost - model_step_.cost() - costates.cwiseProduct(model_step_.gap()).sum();
+    ahead = at_last;
+    linearized_ = linearized_ && !at_last;
+    weight = costates.cwiseProduct(model_step_.gap()).lpNorm<1>();
+    gap = model_step_.gap().lpNorm<Eigen::Infinity>();
+    small = close ? gap <= options_.tolerances.gap : weight <= kNegligibleGaps * expected;
+  };
+  look(first_look_suffices_ && !close, false);
+  first_look_suffices_ = small;
+  const bool hopeless = !std::isfinite(gap) || (!hidden && weight > kHopelessGaps * expected);
+  for (int corrections = 0; !small && !hopeless && corrections < kGapCorrections; ++corrections) {
+    const double former_gap = gap;
+    look(correction_leaves_ * (close ? gap : weight) <=
+             (close ? options_.tolerances.gap : kNegligibleGaps * expected),
+         true);
+    correction_leaves_ = gap / former_gap;
+    if (!(gap <= kSlowCorrection * former_gap)) break;
   }
+  const double actual =
+      closed_cost - model_step_.cost() - costates.cwiseProduct(model_step_.gap()).sum();
   ++row_.trials;
   bool accepted =
       hidden ? merit_.hidden(actual)
              : actual >= kModelStepDecrease * expected && weight <= kModelStepGaps * expected;
   if (last && !(gap <= options_.tolerances.gap)) accepted = false;
   linearized_ = linearized_ && !accepted;
+  differentiated_ = accepted && ahead;
   if (accepted && hidden && !stationarity_fell()) {
     accepted = linearized_ = false;
   }
@@ -202,6 +228,8 @@ bool DdpSolver::model_step() {
                .expected_decrease = expected,
                .actual_decrease = actual,
                .trials = 1};
+    // Nothing weighed the gaps, but the log says what weight they would have.
+    merit_.penalty = options_.line_search.merit_margin * costates.lpNorm<Eigen::Infinity>();
     return true;
   }
   if (!last) {

@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include "ocp/matrix_vector.hpp"
 #include "solvers/curved_blocks.hpp"
 
 namespace conddp {
@@ -10,9 +11,18 @@ namespace {
 /// Gaps up to this size are what rounding leaves of a closed one.
 constexpr double kRounding = 4 * std::numeric_limits<double>::epsilon();
 
-using BlockMap =
-    Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor, 6, 6>>;
-using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1>;
+/// part ← B part, or Bᵀ part, for a block by rows.
+template <int n>
+void transform_part(const double* B, bool transposed, double* part) {
+  const Eigen::Map<const Eigen::Matrix<double, n, n, Eigen::RowMajor>> block(B);
+  Eigen::Map<Eigen::Matrix<double, n, 1>> to(part);
+  const Eigen::Matrix<double, n, 1> from = to;
+  if (transposed) {
+    to.noalias() = block.transpose() * from;
+  } else {
+    to.noalias() = block * from;
+  }
+}
 
 }  // namespace
 
@@ -37,9 +47,8 @@ void GapTransport::push(Eigen::Ref<Eigen::VectorXd> delta) const {
   if (!identity_) {
     for (std::size_t s = 0; s < manifold_.curved().size(); ++s) {
       const auto& segment = manifold_.curved()[s];
-      const SmallVector part = delta.segment(segment.dx, segment.n);
-      delta.segment(segment.dx, segment.n).noalias() =
-          BlockMap(block(s), segment.n, segment.n) * part;
+      (segment.n == 6 ? transform_part<6> : transform_part<3>)(block(s), false,
+                                                               delta.data() + segment.dx);
     }
   }
   if (!none_) delta += gap_;
@@ -49,9 +58,8 @@ void GapTransport::pull(Eigen::Ref<Eigen::VectorXd> lambda) const {
   if (identity_) return;
   for (std::size_t s = 0; s < manifold_.curved().size(); ++s) {
     const auto& segment = manifold_.curved()[s];
-    const SmallVector part = lambda.segment(segment.dx, segment.n);
-    lambda.segment(segment.dx, segment.n).noalias() =
-        BlockMap(block(s), segment.n, segment.n).transpose() * part;
+    (segment.n == 6 ? transform_part<6> : transform_part<3>)(block(s), true,
+                                                             lambda.data() + segment.dx);
   }
 }
 
@@ -83,7 +91,7 @@ void GapTransport::pull(LaneBlock L, Eigen::VectorXd& s) const {
 void GapTransport::pull_gradient(const ValueFunction& value, Eigen::Ref<Eigen::VectorXd> Vx) const {
   Vx = value.Vx;
   if (none_) return;
-  Vx.noalias() += value.Vxx * gap_;
+  multiply_add(value.Vxx, gap_.data(), Vx.data());
   pull(Vx);
 }
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "ocp/matrix_vector.hpp"
+
 namespace conddp {
 
 LinearRollout::LinearRollout(const ShootingProblem& problem, const ControlBounds& bounds)
@@ -25,7 +27,7 @@ void LinearRollout::run(const Linearization& linearization, const Trajectory& tr
     const auto dx = z_[k].head(ndx_);
     auto du = z_[k].tail(knot.nu());
     du = feedback.k[k];
-    du.noalias() += feedback.K[k] * dx;
+    multiply_add(feedback.K[k], dx.data(), du.data());
     if (clamp) {
       const auto u = trajectory.u(k);
       du = du.cwiseMin(bounds_.upper(k) - u).cwiseMax(bounds_.lower(k) - u);
@@ -43,7 +45,7 @@ void LinearRollout::respond(const Linearization& linearization, const Gaps& gaps
   z_[0].head(ndx_).setZero();
   for (int k = 0; k < bounds_.knots(); ++k) {
     const KnotLinearization& knot = linearization.knots[k];
-    z_[k].tail(knot.nu()).noalias() = feedback.K[k] * z_[k].head(ndx_);
+    multiply(feedback.K[k], z_[k].data(), z_[k].data() + ndx_);
     auto next = z_[k + 1].head(ndx_);
     knot.apply(z_[k], next);
     gaps[k].push(next);
@@ -62,7 +64,7 @@ double LinearRollout::curvature(const Linearization& linearization) {
   double sum = 0;
   for (std::size_t k = 0; k < z_.size(); ++k) {
     auto product = product_.head(z_[k].size());
-    product.noalias() = linearization.knots[k].hessian() * z_[k];
+    multiply(linearization.knots[k].hessian(), z_[k].data(), product.data());
     sum += z_[k].dot(product);
   }
   return sum;
@@ -72,7 +74,7 @@ double LinearRollout::multiplier(const BackwardSweep& sweep) {
   double largest = 0;
   for (int k = 1; k <= bounds_.knots(); ++k) {
     lambda_ = sweep.value(k).Vx;
-    lambda_.noalias() += sweep.value(k).Vxx * dx(k);
+    multiply_add(sweep.value(k).Vxx, dx(k).data(), lambda_.data());
     largest = std::max(largest, lambda_.lpNorm<Eigen::Infinity>());
   }
   return largest;

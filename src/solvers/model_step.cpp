@@ -9,21 +9,29 @@ ModelStep::ModelStep(const ShootingProblem& problem, const ControlBounds& bounds
       gaps_(problem),
       response_(problem, bounds) {}
 
-void ModelStep::take(Acts& acts, const LinearRollout& step, Trajectory& trajectory) {
-  evaluate(acts, step, trajectory);
+void ModelStep::take(Acts& acts, const LinearRollout& step, Look look, Linearization& linearization,
+                     Trajectory& trajectory) {
+  look_at(acts, step, look, linearization, trajectory);
 }
 
-void ModelStep::correct(Acts& acts, const Linearization& linearization, const Feedback& feedback,
-                        Trajectory& trajectory) {
+void ModelStep::correct(Acts& acts, const Feedback& feedback, Look look,
+                        Linearization& linearization, Trajectory& trajectory) {
   gaps_.set(evaluation_.gap);
   response_.respond(linearization, gaps_, feedback);
-  evaluate(acts, response_, trajectory);
+  look_at(acts, response_, look, linearization, trajectory);
 }
 
-void ModelStep::evaluate(Acts& acts, const LinearRollout& step, Trajectory& trajectory) {
+void ModelStep::look_at(Acts& acts, const LinearRollout& step, Look look,
+                        Linearization& linearization, Trajectory& trajectory) {
   step.apply(manifold_, trajectory);
   bounds_.clamp(trajectory);
-  acts.evaluate(trajectory, evaluation_);
+  if (look == Look::evaluate) {
+    acts.evaluate(trajectory, evaluation_);
+    return;
+  }
+  acts.differentiate(trajectory, linearization);
+  evaluation_.gap = linearization.gap;
+  evaluation_.cost = linearization.cost;
 }
 
 }  // namespace conddp

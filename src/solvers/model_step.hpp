@@ -15,18 +15,24 @@ class ModelStep {
  public:
   ModelStep(const ShootingProblem& problem, const ControlBounds& bounds);
 
-  /// Moves a trajectory by the step and evaluates it there.
-  void take(Acts& acts, const LinearRollout& step, Trajectory& trajectory);
-  /// Closes the gaps to first order and evaluates the trajectory again. `linearization` is that
-  /// before the step.
-  void correct(Acts& acts, const Linearization& linearization, const Feedback& feedback,
+  /// Whether a trajectory is evaluated, or differentiated at once since it will be the next
+  /// iterate: the derivatives then overwrite those of the iterate before.
+  enum class Look { evaluate, differentiate };
+
+  /// Moves a trajectory by the step and looks at it there. `linearization` is that before the step.
+  void take(Acts& acts, const LinearRollout& step, Look look, Linearization& linearization,
+            Trajectory& trajectory);
+  /// Closes the gaps to first order and looks at the trajectory again. `linearization` is that
+  /// before the step, or of the trajectory where that has been differentiated.
+  void correct(Acts& acts, const Feedback& feedback, Look look, Linearization& linearization,
                Trajectory& trajectory);
 
   double cost() const { return evaluation_.cost.sum(); }
   const Eigen::MatrixXd& gap() const { return evaluation_.gap; }
 
  private:
-  void evaluate(Acts& acts, const LinearRollout& step, Trajectory& trajectory);
+  void look_at(Acts& acts, const LinearRollout& step, Look look, Linearization& linearization,
+               Trajectory& trajectory);
 
   const ControlBounds& bounds_;
   StateManifold manifold_;

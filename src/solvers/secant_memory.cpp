@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ocp/matrix_vector.hpp"
+
 namespace conddp {
 namespace {
 
@@ -54,10 +56,10 @@ void SecantMemory::observe(const Feedback& feedback, const BackwardSweep& sweep,
   stack(feedback.k, new_d_);
   for (int k = 0; k < bounds_.knots(); ++k) {
     const auto d = new_d_.segment(bounds_.offset(k), feedback.k[k].size());
-    new_g_.segment(bounds_.offset(k), d.size()).noalias() = -sweep.Quu(k) * d;
+    multiply(sweep.Quu(k), d.data(), new_g_.data() + bounds_.offset(k));
   }
   new_d_.array() *= free_.array();
-  new_g_.array() *= free_.array();
+  new_g_.array() *= -free_.array();
   ratio_ = 1;
   if (observed_ && stepped_) {
     ratio_ = std::sqrt(std::max(0.0, new_d_.dot(new_g_) / d_.dot(g_)));
@@ -77,9 +79,8 @@ void SecantMemory::add_pair(const BackwardSweep& sweep) {
   pair.w = d_ - new_d_;
   pair.curvature = pair.s.dot(pair.y);
   for (int k = 0; k < bounds_.knots(); ++k) {
-    const int nu = static_cast<int>(sweep.Quu(k).rows());
-    Ms_.segment(bounds_.offset(k), nu).noalias() =
-        sweep.Quu(k) * pair.s.segment(bounds_.offset(k), nu);
+    const int at = bounds_.offset(k);
+    multiply(sweep.Quu(k), pair.s.data() + at, Ms_.data() + at);
   }
   const double model = pair.s.dot(Ms_);
   if (!(pair.curvature * kLargestFactor > model && pair.curvature < kLargestFactor * model)) {

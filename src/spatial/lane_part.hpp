@@ -1,8 +1,10 @@
 #pragma once
 
+#include <cstdint>
+
 #include "spatial/lane_transpose.hpp"
 
-#if defined(__AVX512F__)
+#if defined(__AVX__)
 #include <immintrin.h>
 #endif
 
@@ -12,6 +14,10 @@ namespace conddp {
 inline Lane load_part(const double* from, int count) {
 #if defined(__AVX512F__)
   return Lane(Lane::Vector(_mm512_maskz_loadu_pd(static_cast<__mmask8>((1 << count) - 1), from)));
+#elif defined(__AVX__)
+  static constexpr std::int64_t kMasks[] = {-1, -1, -1, -1, 0, 0, 0, 0};
+  const __m256i mask = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(kMasks + 4 - count));
+  return Lane(Lane::Vector(_mm256_maskload_pd(from, mask)));
 #else
   Lane x(0.0);
   for (int i = 0; i < count; ++i) x.set(i, from[i]);

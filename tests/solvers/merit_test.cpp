@@ -89,7 +89,44 @@ TEST(BackwardSweep, FromAKnotIsTheWholeSweepWhereNothingBehindItChanged) {
   }
 }
 
+TEST(ModelStep, ALastLookLeavesTheDerivativesOfTheNextIterate) {
+  using Look = ModelStep::Look;
+  const ShootingProblem problem = testing::quadrotor_move();
+  Trajectory guess = testing::constant_controls(problem, 1.3);
+  ASSERT_EQ(Acts(problem).simulate(guess), -1);
+  Iterate at(problem, guess, false);
+  ModelStep evaluated(problem, at.bounds), differentiated(problem, at.bounds);
+  for (Eigen::VectorXd& k : at.feedback.k) k *= 0.1;
+  at.rollout.run(at.linearization, at.trajectory, at.gaps, at.feedback, false);
+  Trajectory plain = at.trajectory, ahead = at.trajectory;
+  Linearization linearization = at.linearization, expected(problem);
+  const auto compare = [&] {
+    for (int k = 0; k <= problem.knots(); ++k) EXPECT_EQ(plain.x(k), ahead.x(k)) << k;
+    EXPECT_LT((evaluated.gap() - differentiated.gap()).norm(), 1e-14);
+    EXPECT_NEAR(evaluated.cost(), differentiated.cost(), 1e-14 * evaluated.cost());
+  };
+  evaluated.take(at.acts, at.rollout, Look::evaluate, at.linearization, plain);
+  differentiated.take(at.acts, at.rollout, Look::evaluate, linearization, ahead);
+  compare();
+  evaluated.correct(at.acts, at.feedback, Look::evaluate, at.linearization, plain);
+  differentiated.correct(at.acts, at.feedback, Look::differentiate, linearization, ahead);
+  compare();
+  at.acts.differentiate(ahead, expected);
+  for (int k = 0; k <= problem.knots(); ++k) {
+    EXPECT_EQ(linearization.knots[k].F, expected.knots[k].F) << k;
+    EXPECT_EQ(linearization.knots[k].gradient, expected.knots[k].gradient) << k;
+    EXPECT_EQ(linearization.knots[k].hessian(), expected.knots[k].hessian()) << k;
+  }
+  // From there gaps close by the derivatives that are there now, faster than by those before.
+  const double before = differentiated.gap().norm();
+  evaluated.correct(at.acts, at.feedback, Look::evaluate, at.linearization, plain);
+  differentiated.correct(at.acts, at.feedback, Look::evaluate, linearization, ahead);
+  EXPECT_LT(differentiated.gap().norm(), 0.1 * evaluated.gap().norm());
+  EXPECT_LT(differentiated.gap().norm(), 1e-3 * before);
+}
+
 TEST(ModelStep, EveryCorrectionTakesTheGapsOneOrderDown) {
+  using Look = ModelStep::Look;
   const ShootingProblem problem = testing::quadrotor_move();
   Trajectory guess = testing::constant_controls(problem, 1.3);
   ASSERT_EQ(Acts(problem).simulate(guess), -1);
@@ -101,10 +138,10 @@ TEST(ModelStep, EveryCorrectionTakesTheGapsOneOrderDown) {
     for (Eigen::VectorXd& k : scaled.k) k *= size;
     at.rollout.run(at.linearization, at.trajectory, at.gaps, scaled, false);
     Trajectory trajectory = at.trajectory;
-    moved.take(at.acts, at.rollout, trajectory);
+    moved.take(at.acts, at.rollout, Look::evaluate, at.linearization, trajectory);
     std::vector<double> gaps{moved.gap().norm()};
     for (int i = 0; i < kCorrections; ++i) {
-      moved.correct(at.acts, at.linearization, scaled, trajectory);
+      moved.correct(at.acts, scaled, Look::evaluate, at.linearization, trajectory);
       gaps.push_back(moved.gap().norm());
     }
     EXPECT_DOUBLE_EQ(moved.cost(), [&] {
