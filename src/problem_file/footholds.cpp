@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "problem_file/phase_builder.hpp"
+#include "problem_file/named_phases.hpp"
 #include "problem_file/planar_motion.hpp"
 
 namespace conddp {

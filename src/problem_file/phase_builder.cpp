@@ -8,9 +8,9 @@
 #include <fmt/format.h>
 
 #include "problem_file/collocation_builder.hpp"
+#include "problem_file/named_phases.hpp"
 #include "problem_file/phase_grid.hpp"
 #include "problem_file/stepping_builder.hpp"
-#include "robot/near_names.hpp"
 
 namespace conddp {
 namespace {
@@ -103,16 +103,6 @@ std::vector<int> active_in(const std::vector<std::vector<double>>& weights, int 
   return active;
 }
 
-void check_phase_weights(const ProblemSpec& spec, Diagnostics& out) {
-  std::vector<std::string> names;
-  for (const CostSpec& cost : spec.costs) names.push_back(cost.name.value);
-  for (const PhaseSpec& phase : spec.phases)
-    for (const auto& [name, value] : phase.weights)
-      if (std::find(names.begin(), names.end(), name.value) == names.end())
-        out.error(name.place, fmt::format("there is no cost '{}'", name.value),
-                  name_hint(name.value, names, "costs"));
-}
-
 /// Whether a swing ends at the last node: it lasts until then, and the node holds the foot.
 bool touches_down_at_the_end(const BuiltCost& cost, const PhaseContext& context, Diagnostics& out) {
   if (!cost.spec->swing || !phases_of(cost, context, out).back()) return false;
@@ -149,29 +139,6 @@ Phase choice_phase(const PhaseSpec& given, const InitialChoice& choice) {
 }
 
 }  // namespace
-
-std::vector<bool> phases_named(const std::optional<std::vector<Name>>& names,
-                               const ProblemSpec& spec) {
-  std::vector<bool> named(spec.phases.size(), !names.has_value());
-  if (!names) return named;
-  for (std::size_t p = 0; p < named.size(); ++p)
-    named[p] = std::any_of(names->begin(), names->end(), [&](const Name& name) {
-      return name.value == spec.phases[p].name.value;
-    });
-  return named;
-}
-
-std::vector<bool> phases_named(const std::optional<std::vector<Name>>& names,
-                               const ProblemSpec& spec, Diagnostics& out) {
-  std::vector<std::string> known;
-  for (const PhaseSpec& phase : spec.phases) known.push_back(phase.name.value);
-  if (names)
-    for (const Name& name : *names)
-      if (std::find(known.begin(), known.end(), name.value) == known.end())
-        out.error(name.place, fmt::format("there is no phase '{}'", name.value),
-                  name_hint(name.value, known, "phases"));
-  return phases_named(names, spec);
-}
 
 PhaseBounds unbounded(const ProblemSpec& spec, const Plant& plant) {
   const std::vector<double> none(plant.system->nu(), kUnlimited);
@@ -235,7 +202,7 @@ std::vector<Phase> build_phases(const PhaseContext& context, const KnotContents&
                                 const PhaseBounds& bounds, Diagnostics& out) {
   const ProblemSpec& spec = context.spec;
   const auto& [costs, constraints] = contents;
-  check_phase_weights(spec, out);
+  check_phases(spec, out);
   std::vector<std::vector<double>> weights, switches;
   for (const BuiltCost& cost : costs) weights.push_back(schedule(context, cost, true, out));
   for (const BuiltConstraint& constraint : constraints)

@@ -19,13 +19,6 @@ PhaseBounds unbounded(const ProblemSpec& spec, const Plant& plant);
 void intersect(const PhaseBounds& other, const Name& name, const Plant& plant, PhaseBounds& bounds,
                Diagnostics& out);
 
-/// The indices of the phases named, all if nothing is named; unknown names are reported.
-std::vector<bool> phases_named(const std::optional<std::vector<Name>>& names,
-                               const ProblemSpec& spec, Diagnostics& out);
-/// The same without a report of unknown names.
-std::vector<bool> phases_named(const std::optional<std::vector<Name>>& names,
-                               const ProblemSpec& spec);
-
 /// How knot models are made from a problem's costs.
 struct PhaseContext {
   const ProblemSpec& spec;

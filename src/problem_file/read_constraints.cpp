@@ -130,6 +130,18 @@ void read_set(YamlMap& map, ConstraintSpec& constraint) {
   }
 }
 
+/// Positions that lie between or equal numbers of the world are measured from its origin.
+void measure_from_origin(const YamlReader& reader, ConstraintSpec& constraint) {
+  CostSpec& function = constraint.function;
+  const bool position =
+      function.kind == ResidualKind::kFramePosition || function.kind == ResidualKind::kComPosition;
+  const bool said = constraint.equals || constraint.lower || constraint.upper;
+  if (!position || !said || function.reference) return;
+  const PoseSpec origin{.place = reader.place(), .position = Vector3<double>::zero()};
+  function.reference = {.place = reader.place(),
+                        .values = {{.place = reader.place(), .pose = origin}}};
+}
+
 /// Points, and lines of points: {from, to, count} with both ends.
 void add_centers(const YamlReader& reader, std::vector<Located<std::vector<double>>>& centers) {
   constexpr int kMostPoints = 10'000;
@@ -201,6 +213,7 @@ void read_constraint(const Name& name, const YamlReader& reader,
   constraint.function.name = name;
   if (!read_residual(map, folder, terminal, true, constraint.function)) return;
   read_set(map, constraint);
+  measure_from_origin(reader, constraint);
   read_centers(map, constraint);
   read_softness(map, constraint);
   (terminal ? spec.terminal_constraints : spec.constraints).push_back(std::move(constraint));

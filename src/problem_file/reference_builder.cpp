@@ -45,8 +45,7 @@ class ReferenceBuilder {
         [[fallthrough]];
       case ResidualKind::kFrameRotation:
       case ResidualKind::kFramePlacement:
-        out_.error(cost_.name.place,
-                   fmt::format("the cost '{}' needs a reference", cost_.name.value),
+        out_.error(cost_.name.place, fmt::format("'{}' needs a reference", cost_.name.value),
                    "a configuration's name, 'initial', or numbers");
         return std::nullopt;
       default:

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "problem_file/footholds.hpp"
-#include "problem_file/phase_builder.hpp"
+#include "problem_file/named_phases.hpp"
 
 namespace conddp {
 namespace {

@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "problem_file/other_words.hpp"
 #include "problem_file/strict_number.hpp"
-#include "robot/near_names.hpp"
 
 namespace conddp {
 
@@ -148,10 +148,8 @@ std::optional<std::size_t> YamlReader::choose(const std::vector<std::string>& wo
   for (const std::string& word : words) list += (list.empty() ? "" : ", ") + word;
   const std::string found =
       is_scalar() ? fmt::format("'{}'", node_->text) : std::string(kind_name(*node_));
-  std::string hint;
-  if (is_scalar())
-    if (const auto near = near_names(node_->text, words); !near.empty())
-      hint = fmt::format("did you mean '{}'? ", near.front());
+  std::string hint = is_scalar() ? meaning_question(node_->text, words) : std::string();
+  if (!hint.empty()) hint += ' ';
   out_->error(place(), fmt::format("{} is no {}", found, what), hint + "accepted: " + list, words);
   return std::nullopt;
 }
@@ -243,9 +241,8 @@ void YamlMap::finish() {
     const std::string path = reader_.place().path;
     std::string list;
     for (const std::string& key : known_) list += (list.empty() ? "" : ", ") + key;
-    const auto near = near_names(entry.key, known_);
-    const std::string hint =
-        near.empty() ? "accepted: " + list : fmt::format("did you mean '{}'?", near.front());
+    std::string hint = meaning_question(entry.key, known_);
+    if (hint.empty()) hint = "accepted: " + list;
     reader_.diagnostics().error({entry.mark, path.empty() ? entry.key : path + "." + entry.key},
                                 path.empty()
                                     ? fmt::format("there is no key '{}'", entry.key)

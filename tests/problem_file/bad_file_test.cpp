@@ -55,6 +55,8 @@ INSTANTIATE_TEST_SUITE_P(
                 "did you mean 'integrator'?"},
         Mistake{"UnknownInside", "weight: 0.5", "§wieght: 0.5",
                 "there is no key 'wieght' in 'costs.effort'", "did you mean 'weight'"},
+        Mistake{"WordOfAnotherTool", "bounds: control,", "bounds: control, §max: 3,",
+                "there is no key 'max' in 'constraints.torque'", "did you mean 'upper'?"},
         Mistake{"FarFromAnyKey", "name: test", "§zzzzzz: test", "there is no key 'zzzzzz'",
                 "accepted: conddp, name"},
         Mistake{"Contacts", "costs:\n", "contacts: §{}\ncosts:\n",
@@ -278,7 +280,7 @@ INSTANTIATE_TEST_SUITE_P(
                 "the robot has no frame 'tpi'", "did you mean 'tip'?"},
         Mistake{"FrameWithoutReference",
                 "phases:", "costs: {§c: {residual: frame_position, frame: tip}}\nphases:",
-                "the cost 'c' needs a reference"},
+                "'c' needs a reference"},
         Mistake{"PoseWithoutPosition", "phases:",
                 "costs: {c: {residual: frame_placement, frame: tip, reference: §{rpy: [0, 0, "
                 "0]}}}\nphases:",

@@ -49,6 +49,13 @@ TEST(Build, WeightsFollowKnotsAndPhases) {
   EXPECT_EQ(problem.phases()[0].model, problem.phases()[1].model);
 }
 
+TEST(Build, PhasesAreNamedByPatterns) {
+  const Loaded loaded(replaced(kPendulum, "weight: 0.5", "weight: 0.5, phases: 'sec*'"));
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  EXPECT_EQ(loaded.built->problem->phases()[0].model->costs().size(), 0u);
+  EXPECT_EQ(loaded.built->problem->phases()[1].model->costs().size(), 1u);
+}
+
 TEST(Build, RunningCostsCanBeSums) {
   const Loaded loaded(replaced(kPendulum, "integrator", "running_costs: sum\nintegrator"));
   ASSERT_TRUE(loaded.built) << loaded.all();

@@ -47,6 +47,28 @@ std::vector<double> initial_values(const ShootingProblem& problem, const std::st
   return {values.begin(), values.end()};
 }
 
+TEST(Constraints, BoundsOfAPositionWithoutReferenceAreInTheWorld) {
+  const Loaded loaded(
+      kStanding +
+      "constraints:\n"
+      "  foot: {residual: frame_position, frame: lf_foot, lower: {z: 0.05}, knots: [2]}\n"
+      "  mass: {residual: com_position, equals: {x: 0.1}, knots: [2]}\n");
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const ShootingProblem& problem = *loaded.built->problem;
+  EXPECT_EQ(named(problem, "foot").front().lower[2], 0.05);
+  const Loaded measured(
+      kStanding +
+      "constraints:\n"
+      "  foot: {residual: frame_position, frame: lf_foot, reference: [0, 0, 0], "
+      "lower: {z: 0.05}, knots: [2]}\n"
+      "  mass: {residual: com_position, reference: [0, 0, 0], equals: {x: 0.1}, knots: [2]}\n");
+  ASSERT_TRUE(measured.built) << measured.all();
+  for (const char* name : {"foot", "mass"}) {
+    EXPECT_FALSE(initial_values(problem, name).empty());
+    EXPECT_EQ(initial_values(problem, name), initial_values(*measured.built->problem, name));
+  }
+}
+
 TEST(Constraints, BoundsOnTheStateHoldAtAllNodesButTheFirst) {
   const Loaded loaded(
       with("  speed: {bounds: velocity, lower: -2, upper: 5}\n"

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "problem_file/other_words.hpp"
 #include "problem_file/residual_kind.hpp"
 #include "problem_text.hpp"
 #include "schema_document.hpp"
@@ -47,6 +48,29 @@ TEST(Schema, RefusesWhatTheReaderRefuses) {
   const std::vector<bool> bad = violations(documents);
   EXPECT_FALSE(bad[0]);
   for (std::size_t i = 1; i < bad.size(); ++i) EXPECT_TRUE(bad[i]) << mistakes[i - 1].second;
+}
+
+/// All names of properties and all words of enumerations in a part of the schema.
+void collect_words(const Json& part, std::set<std::string>& words) {
+  if (part.is_array())
+    for (const Json& item : part) collect_words(item, words);
+  if (!part.is_object()) return;
+  for (const auto& [key, value] : part.items()) {
+    if (key == "properties")
+      for (const auto& [name, unused] : value.items()) words.insert(name);
+    if (key == "enum" || key == "const")
+      for (const Json& word : key == "enum" ? value : Json::array({value}))
+        if (word.is_string()) words.insert(word.get<std::string>());
+    collect_words(value, words);
+  }
+}
+
+TEST(Schema, HasEveryWordThatStandsForOneOfAnotherTool) {
+  std::set<std::string> words;
+  collect_words(load_schema(), words);
+  EXPECT_TRUE(words.count("frame_placement") && words.count("at_least"));
+  for (const OtherWords& entry : other_words())
+    EXPECT_TRUE(words.count(std::string(entry.ours))) << entry.ours;
 }
 
 /// The keys that the reader accepts where `text` has the unknown key `zzzzzzzz`.

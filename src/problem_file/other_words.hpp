@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace conddp {
+
+/// A key or a choice of the problem file, and what other tools call it.
+struct OtherWords {
+  std::string_view ours;
+  std::vector<std::string_view> theirs;
+};
+
+/// All that are known.
+const std::vector<OtherWords>& other_words();
+
+/// What an unknown word may have meant, as a question: names of `accepted` that are written nearly
+/// so, else those for which other tools use this word ('max' for 'upper'). Empty if there are none.
+std::string meaning_question(std::string_view word, const std::vector<std::string>& accepted);
+
+}  // namespace conddp
