@@ -86,11 +86,12 @@ void meet_cone(const NodeConstraint& c, const double* g, const double* nu, int e
   if (off > kRounding * multiplier.norm()) found.negative.meet(off, 0, c.node, entry);
 }
 
-/// Pairs (z, s): the smaller one vanishes and may have any multiplier, the larger one has none.
+/// Pairs (z, s): the smaller one vanishes and may have any multiplier, the larger one has none; of
+/// equal ones the second counts as larger, here and in the solvers.
 void meet_pairs(const NodeConstraint& c, const double* g, const double* nu, int entry,
                 Feasibility& found) {
   for (int i = 0; i < c.term->rows; i += 2) {
-    const int smaller = g[i] < g[i + 1] ? i : i + 1, larger = 2 * i + 1 - smaller;
+    const int smaller = g[i] <= g[i + 1] ? i : i + 1, larger = 2 * i + 1 - smaller;
     found.violation.meet(std::abs(g[smaller]), std::abs(g[larger]), c.node, entry);
     found.product.meet(std::abs(nu[larger] * g[larger]), std::abs(nu[larger]), c.node, entry);
   }

@@ -92,8 +92,8 @@ double distance_to_set(const ConstraintTerm& term, const double* values, const d
 
 /// Whether multipliers and values are complementary: largest |ν_i (g_i − bound)|, with the bound
 /// that ν_i's sign names (upper if positive), where g lies inside and bounds differ; |νᵀg| of a
-/// cone; |ν_i g_i| of the larger one of a pair. Signs of infinite bounds count |ν_i|, the part of ν
-/// outside of the polar cone its norm.
+/// cone; |ν_i g_i| of a pair's larger one (the second of equals). Signs of infinite bounds count
+/// |ν_i|, the part of ν outside of the polar cone its norm.
 double complementarity(const ConstraintTerm& term, const double* values, const double* lower,
                        const double* upper, const double* multipliers);
 

@@ -160,5 +160,13 @@ TEST(Softened, ConstraintsBecomeCosts) {
   EXPECT_TRUE(softened({{"residual", "state"}, {"at_least", 1}}, 10).is_null());
 }
 
+TEST(ContactCertificate, OfAnAnswerStoppedWhilePairsAreEqualHoldsWhatItClaims) {
+  const Answer answer("puck_slide",
+                      {"solver.complementarity.relaxation=fischer_burmeister",
+                       "solver.complementarity.fallback=none", "solver.max_iterations=20"});
+  EXPECT_EQ(answer.result->status, SolveStatus::max_iterations);
+  EXPECT_EQ(failures(answer.judge(answer.document)), "");
+}
+
 }  // namespace
 }  // namespace conddp
