@@ -73,13 +73,21 @@ class Writer {
            is_same_normal(used.normal, surfaces_.normal(c, stretch.first));
   }
 
-  /// Whether a closed candidate is held along its tangents, too: where it does not slide, and in a
+  bool moves(std::size_t c, const ContactStretch& stretch) const {
+    return stretch.slides[c] || rolls(c, stretch);
+  }
+  bool rolls(std::size_t c, const ContactStretch& stretch) const {
+    return candidate(c).radius > 0 && !stretch.slides[c] &&
+           surfaces_.travels(c, stretch.first, stretch.first + stretch.steps,
+                             ContactSequenceOptions{}.slip);
+  }
+  /// Whether a closed candidate is held along its tangents, too: where it does not move, and in a
   /// plane only the one of a body that carries most, as two would hold more than a body can do.
   bool is_held(std::size_t c, const ContactStretch& stretch) const {
-    if (stretch.slides[c] || candidate(c).friction == 0) return false;
+    if (moves(c, stretch) || candidate(c).friction == 0) return false;
     if (!spec_.stepping->plane) return true;
     for (std::size_t other = 0; other < stretch.closed.size(); ++other)
-      if (other != c && stretch.closed[other] && !stretch.slides[other] && body(other) == body(c) &&
+      if (other != c && stretch.closed[other] && !moves(other, stretch) && body(other) == body(c) &&
           (load(other, stretch) > load(c, stretch) ||
            (load(other, stretch) == load(c, stretch) && other < c)))
         return false;
@@ -136,9 +144,9 @@ class Writer {
       if (std::find(notes_.begin(), notes_.end(), text) == notes_.end())
         notes_.push_back(std::move(text));
     };
-    if (stretch.slides[c] && candidate(c).friction > 0)
-      note(fmt::format("'{}' slides: there it is held along the normal alone, without friction",
-                       own));
+    if (moves(c, stretch) && candidate(c).friction > 0)
+      note(fmt::format("'{}' {}: there it is held along the normal alone, without friction", own,
+                       rolls(c, stretch) ? "rolls" : "slides"));
     if (!guided && candidate(c).radius > 0)
       note(fmt::format("the middle of '{}' is held, so that it does not roll", own));
   }

@@ -1,6 +1,7 @@
 #include "output/contact_surfaces.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace conddp {
 namespace {
@@ -56,6 +57,16 @@ std::optional<int> ContactSurfaces::touched(std::size_t candidate, int first, in
   for (int s = 0; s < count(candidate); ++s)
     if (is_same_normal(n, plane(candidate, s).normal)) return s;
   return std::nullopt;
+}
+
+bool ContactSurfaces::travels(std::size_t candidate, int first, int last, double speed) const {
+  const std::vector<Look>& looks = looks_[candidate];
+  for (int k = first; k < last; ++k) {
+    const Vector3<double> way = looks[k + 1].center - looks[k].center;
+    const Vector3<double> along = way - dot(way, looks[k].normal) * looks[k].normal;
+    if (squared_norm(along) > std::pow(speed * motion_.h[k], 2)) return true;
+  }
+  return false;
 }
 
 bool ContactSurfaces::is_outside(std::size_t candidate, int surface, int node) const {

@@ -28,6 +28,9 @@ class ContactSurfaces {
   const Vector3<double>& normal(std::size_t candidate, int node) const {
     return looks_[candidate][node].normal;
   }
+  /// Whether the middle of the candidate's sphere moves along the surface between these nodes,
+  /// faster than `speed` (m/s) in one of the steps.
+  bool travels(std::size_t candidate, int first, int last, double speed) const;
   /// Whether the candidate lies outside of a surface at a node: for a box, in front of that face.
   bool is_outside(std::size_t candidate, int surface, int node) const;
   /// The surface outside of which the candidate is for the longest time from a node on; none where

@@ -68,6 +68,19 @@ terminal: {constraints: {there: {residual: state, reference: {joints: {base_z: 0
 solver: {name: ipopt}
 )";
 
+/// A wheel is pulled along and rolls.
+constexpr const char* kWheel = R"(conddp: 1
+name: wheel
+robot: {urdf: robots/block.urdf, actuation: {joints: [base_x]}}
+initial_state: {joints: {base_z: 0.3}}
+contact_candidates: {rim: {frame: body, radius: 0.3, friction: 0.8}}
+stepping: {plane: [0, 1, 0]}
+phases: [{name: roll, knots: 20, dt: 0.02}]
+costs: {effort: {residual: control, weight: 1.0e-2}}
+terminal: {constraints: {there: {residual: joint_position, joints: [base_x], reference: 0.1}}}
+solver: {name: ipopt}
+)";
+
 /// The problem with phases that is made of an answer is solved and certified, by each solver.
 class HandOver {
  public:
@@ -155,6 +168,16 @@ TEST(ContactHandOver, ABlockRestsOnABall) {
   EXPECT_TRUE(hand_over.problem["collision"]["obstacles"]["corner_obstacle"].contains("sphere"));
   const Trajectory& refined = hand_over.refined->trajectory;
   EXPECT_NEAR(refined.x(refined.knots())[1], 0.5, 1e-2);
+}
+
+TEST(ContactHandOver, AWheelThatRollsMayGoOn) {
+  const Answer wheel(ProblemText{kWheel});
+  HandOver hand_over(wheel);
+  hand_over.expect_refined("proxddp");
+  ASSERT_TRUE(hand_over.refined);
+  EXPECT_EQ(hand_over.problem["contacts"]["rim_normal"]["type"], "normal");
+  const Trajectory& refined = hand_over.refined->trajectory;
+  EXPECT_NEAR(refined.x(refined.knots())[0], 0.1, 1e-6);
 }
 
 TEST(ContactHandOver, WhatNoScheduledContactCanBeIsRefusedByName) {
