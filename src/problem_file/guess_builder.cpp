@@ -8,7 +8,7 @@
 
 #include "ocp/normal_numbers.hpp"
 #include "problem_file/collocation_builder.hpp"
-#include "problem_file/stepping_builder.hpp"
+#include "problem_file/contact_guess.hpp"
 
 namespace conddp {
 namespace {
@@ -159,10 +159,10 @@ class GuessBuilder {
         used_.controls = "zero";
         break;
       case Controls::kQuasiStatic:
-        if (plant_.stepping)
-          return out_.error(guess().controls_place,
-                            "contacts that are found have no forces that could be guessed so",
-                            "write 'controls: zero'");
+        if (plant_.stepping) {
+          hold_by_contacts(trajectory);
+          break;
+        }
         if (!plant_.multibody && plant_.system->kind() != SystemKind::second_order)
           return out_.error(guess().controls_place,
                             "this system has no gravity that controls could hold it against");
@@ -207,6 +207,17 @@ class GuessBuilder {
     for (int k = 0; k < problem_.knots(); ++k)
       for (int i = 0; has_controls(k) && i < std::min(problem_.nu(k), names.size()); ++i)
         trajectory.u(k)[i] += random.scale * normal.next();
+  }
+
+  void hold_by_contacts(Trajectory& trajectory) {
+    const HeldGuess held = guess_held_contacts(
+        plant_.stepping, problem_, spec_.solver.options.complementarity.initial, trajectory);
+    used_.controls = "those that hold the guessed states together with contact forces";
+    if (held.unheld > 0)
+      used_.controls += fmt::format(
+          " as far as they can: in {} of {} steps something is left, {:.3g} "
+          "at most, in knot {}",
+          held.unheld, held.steps, held.worst, held.worst_knot);
   }
 
   std::optional<TimeSeries> from_file(const DataFileSpec& file, bool states,

@@ -18,8 +18,6 @@ constexpr const char* kRegularization = "contact_regularization";
 
 /// How far a normal may point out of the plane of a planar robot.
 constexpr double kOutOfPlane = 1e-6;
-/// How far guessed forces and slacks stand off their bounds.
-constexpr double kInside = 0.01;
 
 std::optional<ContactCandidate> build_candidate(const CandidateSpec& spec, const Plant& plant,
                                                 Diagnostics& out) {
@@ -105,22 +103,6 @@ void check_frozen_keys(const ProblemSpec& spec, Diagnostics& out) {
                                           name.value));
 }
 
-/// Friction as the guessed slip has it, a little inside of the cone. `row`: that of the slip along
-/// the first tangent, which has been evaluated without a share of friction. Returns the row past
-/// those of the cone.
-const double* guess_cone(const SteppingLayout::Candidate& at, const ContactCandidate& candidate,
-                         const double* row, Eigen::Ref<Eigen::VectorXd> u) {
-  const ConeIndices& cone = at.cone;
-  u[cone.speed] = std::max(std::hypot(row[0], row[1]) * (1 + kInside), kInside);
-  u[cone.rest] = 1;
-  for (int i = 0; i < 2; ++i) {
-    u[cone.use[i]] = -row[i] / u[cone.speed];
-    u[cone.force[i]] = -candidate.friction * u[at.force] * u[cone.use[i]];
-    u[cone.rest] -= u[cone.use[i]] * u[cone.use[i]];
-  }
-  return row + ConeIndices::kRows;
-}
-
 }  // namespace
 
 std::shared_ptr<const SteppingSystem> build_stepping(const ProblemSpec& spec, const Plant& plant,
@@ -182,39 +164,6 @@ void write_stepping_parameters(const KnotModel& model, double dt, double regular
   std::fill_n(parameters + equations.lower(), 2 * equations.rows, 0.0);
   parameters[equations.active()] = parameters[constraints.back().active()] = 1;
   parameters[model.costs().back().weight] = regularization;
-}
-
-void guess_contacts(const std::shared_ptr<const SteppingSystem>& system,
-                    const ShootingProblem& problem, Trajectory& trajectory) {
-  const SteppingLayout& w = system->layout();
-  const int nv = system->nv();
-  const auto data = system->create_data(double{});
-  const auto residual = stepping_residual(system, problem.ndx());
-  std::vector<double> rows(residual->size());
-  for (int k = 0; k < problem.knots(); ++k) {
-    const KnotView& knot = problem.knot(k);
-    if (problem.phases()[knot.phase].instant) continue;
-    auto u = trajectory.u(k);
-    for (const auto& [z, s] : w.pairs) u[z] = u[s] = kInside;
-    u.segment(w.acceleration, nv) =
-        (trajectory.x(k + 1).segment(nv, nv) - trajectory.x(k).segment(nv, nv)) / knot.dt;
-    // Behind the equations of motion each row is linear in one slack, with slope 1.
-    residual->evaluate({trajectory.x(k).data(), u.data(), &knot.dt, *data}, rows.data());
-    const double* row = rows.data() + nv;
-    const auto set = [&](int slack) { u[slack] = std::max(kInside, u[slack] - *row++); };
-    const auto set_friction = [&](const FrictionIndices& f) {
-      for (int i = 0; i < f.count; ++i) set(f.slip[i]);
-      if (f.count > 0) set(f.rest);
-    };
-    for (std::size_t i = 0; i < w.candidates.size(); ++i) {
-      const SteppingLayout::Candidate& c = w.candidates[i];
-      set(c.gap);
-      set_friction(c.friction);
-      if (c.cone.present) row = guess_cone(c, system->contacts().candidates[i], row, u);
-    }
-    for (const SteppingLayout::Stop& stop : w.stops) set(stop.distance);
-    for (const FrictionIndices& f : w.frictions) set_friction(f);
-  }
 }
 
 }  // namespace conddp

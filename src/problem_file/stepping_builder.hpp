@@ -17,9 +17,4 @@ void add_stepping_terms(const std::shared_ptr<const SteppingSystem>& system, Kno
 void write_stepping_parameters(const KnotModel& model, double dt, double regularization,
                                double* parameters);
 
-/// What stands behind the actuators in the controls: the accelerations of the guessed states,
-/// forces a little inside of their bounds, slacks as the states have them or a little inside.
-void guess_contacts(const std::shared_ptr<const SteppingSystem>& system,
-                    const ShootingProblem& problem, Trajectory& trajectory);
-
 }  // namespace conddp
