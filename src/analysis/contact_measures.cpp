@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/contact_sweeps.hpp"
+#include "analysis/rigid_step.hpp"
 #include "robot/dynamics.hpp"
 
 namespace conddp {
@@ -13,20 +15,6 @@ constexpr double kActs = 1e-6;
 /// Inside the cone: below this share of what friction could do.
 constexpr double kInside = 0.99;
 constexpr int kSubsteps = 10;
-
-/// The nearest point of {‖f‖ ≤ radius}: of the Euclidean disc, or of the pyramid |f₁| + |f₂| ≤
-/// radius.
-Eigen::Vector2d project(const Eigen::Vector2d& f, double radius, bool pyramid) {
-  radius = std::max(0.0, radius);
-  if (!pyramid) return f.norm() <= radius ? f : Eigen::Vector2d(f * (radius / f.norm()));
-  if (f.cwiseAbs().sum() <= radius) return f;
-  // Soft thresholding: both entries shrink by the same amount, none below zero.
-  const Eigen::Vector2d size = f.cwiseAbs();
-  double shrink = (size.sum() - radius) / 2;
-  if (shrink > size.minCoeff()) shrink = size.maxCoeff() - radius;
-  const Eigen::Vector2d left = (size.array() - shrink).cwiseMax(0);
-  return {std::copysign(left.x(), f.x()), std::copysign(left.y(), f.y())};
-}
 
 class Measure {
  public:
@@ -60,7 +48,7 @@ class Measure {
  private:
   std::string joint_of(int row) const {
     for (const Joint& joint : plant_.robot->joints)
-      if (joint.v == row) return joint.name;
+      if (joint.v <= row && row < joint.v + joint.nv()) return joint.name;
     return {};
   }
 
@@ -87,8 +75,8 @@ class Measure {
 
   void friction(const Eigen::Vector2d& f, const Eigen::Vector2d& v, double budget, bool pyramid,
                 const std::string& name) {
-    out_.friction.meet((f - project(f - v, budget, pyramid)).lpNorm<Eigen::Infinity>(), knot(),
-                       name);
+    out_.friction.meet((f - nearest_friction(f - v, budget, pyramid)).lpNorm<Eigen::Infinity>(),
+                       knot(), name);
     const double used = pyramid ? f.cwiseAbs().sum() : f.norm();
     const double speed = pyramid ? v.lpNorm<Eigen::Infinity>() : v.norm();
     out_.cone.meet((f.norm() - budget) / weight_, knot(), name);
@@ -124,12 +112,14 @@ class Measure {
     }
   }
 
-  /// Along the straight way of a step.
+  /// Along the straight way of a step, or the screw of a floating base.
   void between() {
+    Eigen::VectorXd whole(plant_.nv()), q = motion_.q[k_];
+    configuration_difference(*plant_.robot, q.data(), motion_.q[k_ + 1].data(), whole.data());
     for (int s = 1; s < kSubsteps; ++s) {
-      const double share = static_cast<double>(s) / kSubsteps;
-      const std::vector<double> gap =
-          gaps(motion_.q[k_] + share * (motion_.q[k_ + 1] - motion_.q[k_]));
+      const Eigen::VectorXd part = static_cast<double>(s) / kSubsteps * whole;
+      move_configuration(*plant_.robot, motion_.q[k_].data(), part.data(), q.data());
+      const std::vector<double> gap = gaps(q);
       for (std::size_t c = 0; c < gap.size(); ++c)
         if (!plant_.contacts.candidates[c].stiffness)
           out_.between.meet(-gap[c], knot(), plant_.contacts.candidates[c].name);

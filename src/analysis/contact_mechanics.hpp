@@ -8,7 +8,7 @@
 
 namespace conddp {
 
-/// A robot of joints with one degree of freedom, and what it may touch.
+/// A robot, whose base may float, and what it may touch.
 struct ContactPlant {
   std::shared_ptr<const RobotModel> robot;
   std::vector<double> B;        ///< nv x nu by columns: generalised forces of the controls
@@ -18,6 +18,7 @@ struct ContactPlant {
   double friction_velocity = 0.01;  ///< m/s or rad/s
   ImplicitContacts contacts;
 
+  int nq() const { return robot->nq; }
   int nv() const { return robot->nv; }
   int nu() const { return nv() == 0 ? 0 : static_cast<int>(B.size()) / nv(); }
   /// The generalised forces B u.

@@ -13,8 +13,9 @@ ContactPlant plant_of(const SteppingSystem& system) {
   plant.contacts = system.contacts();
   const PassiveForces& passive = robot.passive();
   for (const Joint& joint : plant.robot->joints) {
-    if (passive.damping) plant.damping.push_back(joint.damping);
-    if (passive.friction) plant.smooth_friction.push_back(joint.friction);
+    if (passive.damping) plant.damping.insert(plant.damping.end(), joint.nv(), joint.damping);
+    if (passive.friction)
+      plant.smooth_friction.insert(plant.smooth_friction.end(), joint.nv(), joint.friction);
   }
   plant.friction_velocity = passive.friction_velocity;
   return plant;
@@ -52,15 +53,15 @@ std::optional<ContactMotion> contact_motion(const ShootingProblem& problem,
   ContactMotion motion;
   motion.first_knot = first;
   motion.plant = plant_of(*system);
-  const int nv = system->nv(), actuators = system->layout().actuators;
+  const int nq = system->nq(), nv = system->nv(), actuators = system->layout().actuators;
   const auto bounds = [&](const auto& all) {
     return Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(all.data(), actuators));
   };
   motion.u_lower = bounds(model.control_lower());
   motion.u_upper = bounds(model.control_upper());
   for (int k = first; k <= problem.knots(); ++k) {
-    motion.q.push_back(trajectory.x(k).head(nv));
-    motion.v.push_back(trajectory.x(k).segment(nv, nv));
+    motion.q.push_back(trajectory.x(k).head(nq));
+    motion.v.push_back(trajectory.x(k).segment(nq, nv));
     if (k == problem.knots()) break;
     motion.h.push_back(problem.knot(k).dt);
     motion.u.push_back(trajectory.u(k).head(actuators));

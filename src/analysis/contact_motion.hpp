@@ -12,7 +12,7 @@ struct ContactMotion {
   ContactPlant plant;
   int first_knot = 0;                 ///< of the problem: 1 where a knot chooses the first state
   std::vector<double> h;              ///< s, one a step
-  std::vector<Eigen::VectorXd> q, v;  ///< one a node
+  std::vector<Eigen::VectorXd> q, v;  ///< nq and nv numbers, one a node
   std::vector<Eigen::VectorXd> u;     ///< actuators, one a step
   std::vector<StepForces> forces;     ///< of each step, at its end
   Eigen::VectorXd u_lower, u_upper;   ///< bounds on the actuators

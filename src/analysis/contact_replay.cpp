@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/rigid_step.hpp"
+
 namespace conddp {
 namespace {
 
@@ -13,10 +15,9 @@ class Player {
  public:
   explicit Player(const ContactMotion& motion, const std::vector<Eigen::MatrixXd>& gains)
       : motion_(motion), gains_(gains), simulator_(motion.plant) {
-    const int n = motion.plant.nv();
-    span_.setConstant(2 * n, kSmallSpan);
+    span_.setConstant(2 * motion.plant.nv(), kSmallSpan);
     for (int k = 0; k <= motion.steps(); ++k)
-      span_ = span_.cwiseMax((state(k) - state(0)).cwiseAbs());
+      span_ = span_.cwiseMax(deviation(state(k), 0).cwiseAbs());
   }
 
   ReplayRun run(int substeps, bool each_anew, bool feedback) {
@@ -35,16 +36,25 @@ class Player {
 
  private:
   Eigen::VectorXd state(int node) const {
-    Eigen::VectorXd x(2 * motion_.plant.nv());
+    Eigen::VectorXd x(motion_.plant.nq() + motion_.plant.nv());
     x << motion_.q[node], motion_.v[node];
     return x;
   }
 
-  bool step(int k, int substeps, bool feedback, Eigen::VectorXd& x, ReplayRun& result) {
+  /// x ⊖ that of a node: 2 nv numbers.
+  Eigen::VectorXd deviation(const Eigen::VectorXd& x, int node) const {
     const int n = motion_.plant.nv();
+    Eigen::VectorXd off(2 * n);
+    configuration_difference(*motion_.plant.robot, motion_.q[node].data(), x.data(), off.data());
+    off.tail(n) = x.tail(n) - motion_.v[node];
+    return off;
+  }
+
+  bool step(int k, int substeps, bool feedback, Eigen::VectorXd& x, ReplayRun& result) {
+    const int n = motion_.plant.nv(), nq = motion_.plant.nq();
     Eigen::VectorXd u = motion_.u[k];
     if (feedback) {
-      u += gains_[motion_.first_knot + k].topLeftCorner(u.size(), 2 * n) * (x - state(k));
+      u += gains_[motion_.first_knot + k].topLeftCorner(u.size(), 2 * n) * deviation(x, k);
       for (Eigen::Index i = 0; i < u.size(); ++i) {
         const double inside = std::clamp(u[i], motion_.u_lower[i], motion_.u_upper[i]);
         result.saturated += inside != u[i];
@@ -53,7 +63,7 @@ class Player {
     }
     for (int s = 0; s < substeps; ++s) {
       const ContactStep taken =
-          simulator_.step({x.head(n), x.tail(n), motion_.applied(u), motion_.h[k] / substeps});
+          simulator_.step({x.head(nq), x.tail(n), motion_.applied(u), motion_.h[k] / substeps});
       if (taken.status != StepStatus::solved) return false;
       x << taken.q, taken.v;
     }
@@ -61,7 +71,7 @@ class Player {
   }
 
   void compare(int node, const Eigen::VectorXd& x, ReplayRun& result) const {
-    const Eigen::VectorXd off = (x - state(node)).cwiseAbs();
+    const Eigen::VectorXd off = deviation(x, node).cwiseAbs();
     Eigen::Index entry = 0;
     const double worst = off.maxCoeff(&entry);
     if (worst > result.deviation) {

@@ -8,6 +8,7 @@
 #include <Eigen/LU>
 
 #include "analysis/linear_complementarity.hpp"
+#include "analysis/rigid_step.hpp"
 
 namespace conddp {
 namespace {
@@ -104,7 +105,7 @@ void ContactSimulator::linearize(const StepStart& start, const ContactStep& at, 
         }
         slope_[c](r, i) = velocity.d;
       }
-      slope_[c](0, i) = rows_[c](0, i);  // of the gap over h
+      slope_[c](0, i) = instants[c].gap.d / start.h;
     }
     const std::vector<D>& needed = slopes_.free_impulse(start, v.data());
     for (int j = 0; j < n; ++j) {
@@ -140,7 +141,8 @@ ContactSimulator::Pairs ContactSimulator::assemble(const StepStart& start, const
     const ContactCandidate& candidate = plant_.contacts.candidates[c];
     const int normal = row, tangents = tangent_count(plant_.contacts, candidate);
     pairs.value[row] = gap_[c] / start.h;
-    pairs.slope.row(row) = pairs.push.row(row) = rows_[c].row(0);
+    pairs.push.row(row) = rows_[c].row(0);
+    pairs.slope.row(row) = with_slopes ? slope_[c].row(0) : rows_[c].row(0);
     if (candidate.stiffness)
       pairs.coupling(row, row) = 1 / (*candidate.stiffness * start.h * start.h);
     ++row;
@@ -166,7 +168,7 @@ ContactSimulator::Pairs ContactSimulator::assemble(const StepStart& start, const
   };
   for (const JointStop& stop : plant_.contacts.stops) {
     const Eigen::RowVectorXd axis = joint(stop.joint);
-    const double q = axis.dot(start.q) + start.h * axis.dot(at.v);
+    const double q = start.q[plant_.robot->joints[stop.joint].q] + start.h * axis.dot(at.v);
     for (const bool lower : {true, false}) {
       const double limit = lower ? stop.lower : stop.upper, sign = lower ? 1 : -1;
       if (!std::isfinite(limit)) continue;
@@ -275,6 +277,18 @@ double ContactSimulator::residual(const StepStart& start, const ContactStep& at,
 }
 
 ContactStep ContactSimulator::step(const StepStart& start) {
+  ContactStep taken = step_by_pivoting(start);
+  if (taken.status == StepStatus::solved || taken.status == StepStatus::not_finite) return taken;
+  ContactStep from{StepStatus::unsolved,        start.q,          start.v,
+                   StepForces(plant_.contacts), taken.iterations, kUnlimited};
+  const ContactStep swept = step_by_sweeps(start, from);
+  if (!(swept.residual < taken.residual)) return taken;
+  taken = swept;
+  if (taken.residual <= options_.tolerance) taken.status = StepStatus::solved;
+  return taken;
+}
+
+ContactStep ContactSimulator::step_by_pivoting(const StepStart& start) {
   ContactStep at{StepStatus::unsolved,        start.q, start.v,
                  StepForces(plant_.contacts), 0,       kUnlimited};
   const auto give_up = [&](StepStatus status) {
@@ -310,7 +324,8 @@ ContactStep ContactSimulator::step(const StepStart& start) {
     }
     if (!z) return best.residual < kUnlimited ? best : give_up(StepStatus::no_contact);
     at.v += dv;
-    at.q = start.q + start.h * at.v;
+    const Eigen::VectorXd reach = start.h * at.v;
+    move_configuration(*plant_.robot, start.q.data(), reach.data(), at.q.data());
     at.forces = forces(*z, start.h);
     at.iterations = k + 1;
     if (!at.v.allFinite() || !at.forces.finite()) return give_up(StepStatus::not_finite);

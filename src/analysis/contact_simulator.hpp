@@ -39,7 +39,9 @@ struct ContactSimulatorOptions {
 /// a ray, the derivatives of forces' directions are left out (then the problem has a solution by
 /// Anitescu and Potra 1997). With a friction cone in space the pyramid is turned at every iteration
 /// until one of its edges lies along slip and force, and near the solution friction is put against
-/// the slip itself: so its answer is that of the cone.
+/// the slip itself: so its answer is that of the cone. Where all that fails, as it does where many
+/// contacts of one body share its load and slide, impulses are found by sweeps (sweep_impulses)
+/// inside of Newton's iterations.
 class ContactSimulator {
  public:
   explicit ContactSimulator(const ContactPlant& plant, ContactSimulatorOptions options = {});
@@ -49,6 +51,7 @@ class ContactSimulator {
 
  private:
   struct Pairs;
+  struct ImpulseRows;
   /// Residuals below are rounding.
   static constexpr double kRounding = 1e-14;
 
@@ -57,6 +60,10 @@ class ContactSimulator {
   StepForces forces(const Eigen::VectorXd& z, double h) const;
   double turn_pyramids(const StepStart& start, const ContactStep& at, double residual);
   Eigen::MatrixXd turning_slope(const StepStart& start, const ContactStep& at) const;
+  ContactStep step_by_pivoting(const StepStart& start);
+  ContactStep step_by_sweeps(const StepStart& start, const ContactStep& from);
+  ImpulseRows impulse_rows(const StepStart& start, const ContactStep& at) const;
+  StepForces forces_of_rows(const Eigen::VectorXd& p, double h) const;
   double residual(const StepStart& start, const ContactStep& at, const Eigen::VectorXd& z) const;
 
   const ContactPlant plant_;
@@ -67,7 +74,8 @@ class ContactSimulator {
   Eigen::Matrix2Xd heading_;  ///< of the slip of those that keep to slipping, else zero
   Eigen::VectorXd impulse_;   ///< free impulse at the iterate
   Eigen::MatrixXd A_;         ///< its slope with respect to v, less that of the forces
-  /// Of each candidate at the iterate: the gap; the rows; slopes of gap and of velocities.
+  /// Of each candidate at the iterate: the gap; the rows; slopes of the gap over h and of
+  /// velocities.
   std::vector<double> gap_;
   std::vector<Eigen::Matrix3Xd> rows_, slope_;
 };

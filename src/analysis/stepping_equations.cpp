@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/rigid_step.hpp"
+
 namespace conddp {
 
 StepForces::StepForces(const ImplicitContacts& contacts)
@@ -26,15 +28,19 @@ const std::vector<S>& SteppingEquations<S>::free_impulse(const StepStart& start,
   return impulse_;
 }
 
+template <class S>
+void SteppingEquations<S>::reach_end(const StepStart& start, const S* v) {
+  for (int i = 0; i < plant_.nv(); ++i) reach_[i] = S(start.h) * v[i];
+  move_configuration(*plant_.robot, start.q.data(), reach_.data(), q_.data());
+}
+
 /// h (M(q⁺)(v⁺ − v)/h + c(q⁺, v⁺)).
 template <class S>
 void SteppingEquations<S>::backward_euler(const StepStart& start, const S* v) {
   const int n = plant_.nv();
   std::vector<S> a(n);
-  for (int i = 0; i < n; ++i) {
-    q_[i] = S(start.q[i]) + S(start.h) * v[i];
-    a[i] = (v[i] - S(start.v[i])) * S(1 / start.h);
-  }
+  reach_end(start, v);
+  for (int i = 0; i < n; ++i) a[i] = (v[i] - S(start.v[i])) * S(1 / start.h);
   const std::vector<S>& load = mechanics_.load(q_.data(), v, a.data());
   for (int i = 0; i < n; ++i) impulse_[i] = S(start.h) * load[i];
 }
@@ -68,7 +74,7 @@ void SteppingEquations<S>::variational_midpoint(const StepStart& start, const S*
 template <class S>
 const std::vector<ContactInstant<S>>& SteppingEquations<S>::end(const StepStart& start,
                                                                 const S* v) {
-  for (int i = 0; i < plant_.nv(); ++i) q_[i] = S(start.q[i]) + S(start.h) * v[i];
+  reach_end(start, v);
   instants_ = &mechanics_.look(q_.data());
   return *instants_;
 }

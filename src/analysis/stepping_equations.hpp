@@ -21,7 +21,7 @@ struct StepForces {
 
 /// Where a step begins, what drives it, and how long it takes.
 struct StepStart {
-  Eigen::VectorXd q, v;
+  Eigen::VectorXd q, v;     ///< nq, nv
   Eigen::VectorXd applied;  ///< nv: generalised forces of the controls
   double h = 0;             ///< s
 };
@@ -32,7 +32,11 @@ template <class S>
 class SteppingEquations {
  public:
   explicit SteppingEquations(const ContactPlant& plant)
-      : plant_(plant), mechanics_(plant), q_(plant.nv()), impulse_(plant.nv()) {}
+      : plant_(plant),
+        mechanics_(plant),
+        q_(plant.nq()),
+        reach_(plant.nv()),
+        impulse_(plant.nv()) {}
 
   /// What inertia, gravity and controls leave for the contacts, with the velocity v after the step.
   const std::vector<S>& free_impulse(const StepStart& start, const S* v);
@@ -42,13 +46,15 @@ class SteppingEquations {
   void add_forces(double h, const StepForces& forces, std::vector<S>& impulse) const;
 
  private:
+  /// q_ at the end of a step that arrives with the velocity v: q ⊕ h v.
+  void reach_end(const StepStart& start, const S* v);
   void backward_euler(const StepStart& start, const S* v);
   void variational_midpoint(const StepStart& start, const S* v);
 
   const ContactPlant& plant_;
   ContactMechanics<S> mechanics_;
   const std::vector<ContactInstant<S>>* instants_ = nullptr;
-  std::vector<S> q_, impulse_;
+  std::vector<S> q_, reach_, impulse_;
 };
 
 /// The residual of a step, impulses in N s or N m s: zero for a step that the plant takes.

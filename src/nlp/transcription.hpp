@@ -110,6 +110,7 @@ class Transcription : public NonlinearProgram {
   void add_pairs(const NodeConstraint& constraint);
   void add_gap_rows(int node);
   void index_hessian();
+  void add_step_curvature(const KnotModel& model, std::vector<std::vector<bool>>& used) const;
   bool is_cone(const Row& row) const { return row.constraint->term->is_cone(); }
   bool has_pairs(const Row& row) const { return row.constraint->term->has_pairs(); }
   /// The value of a row of the program at its constraint rows g, and its derivative by them.

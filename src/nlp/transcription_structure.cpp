@@ -93,8 +93,8 @@ void Transcription::add_pairs(const NodeConstraint& constraint) {
   if (by_node && term.rows > 0) add_row(constraint, constraint.row, term.rows, -kInfinity, 0);
 }
 
-/// The gap (f(x, u) ⊖ c) − w: with semi-implicit Euler on a flat space each configuration depends
-/// on itself, on its velocity and on that velocity's own columns.
+/// The gap (f(x, u) ⊖ c) − w: with the steps of a stepping system each configuration depends on
+/// itself, on its velocity and on that velocity's acceleration, all of a curved part on all of it.
 void Transcription::add_gap_rows(int k) {
   const int ndx = problem_.ndx();
   const KnotModel& model = *problem_.knot(k).model;
@@ -104,15 +104,24 @@ void Transcription::add_gap_rows(int k) {
   row_upper_.conservativeResize(first + ndx);
   row_lower_.tail(ndx).setZero();
   row_upper_.tail(ndx).setZero();
-  const bool linear = has_linear_step(model.system()) && model.semi_implicit() && !curved_;
+  const bool linear = has_linear_step(model.system()) && model.semi_implicit();
   const int nv = ndx / 2;
+  const auto belong = [&](int a, int b) {
+    if (a == b) return true;
+    for (const StateManifold::Segment& s : problem_.manifold().curved())
+      if (s.dx <= a && a < s.dx + s.n && s.dx <= b && b < s.dx + s.n) return true;
+    return false;
+  };
   // The accelerations of a stepping system are controls of their own.
   const auto depends = [&](int row, int column) {
     if (!linear) return true;
-    const int joint = row % nv;
-    const auto& stepping = static_cast<const SteppingSystem&>(model.system());
-    return (column < ndx && column % nv == joint && (row < nv || column >= nv)) ||
-           column == ndx + stepping.layout().acceleration + joint;
+    const int first_a =
+        ndx + static_cast<const SteppingSystem&>(model.system()).layout().acceleration;
+    const bool is_a = column >= first_a && column < first_a + nv;
+    if (column >= ndx && !is_a) return false;
+    const int joint = is_a ? column - first_a : column % nv;
+    if (row < nv) return belong(row, joint);
+    return joint == row - nv && (is_a || column >= nv);
   };
   std::vector<std::pair<int, int>>& entries = gap_entries_.emplace_back();
   for (int c = first_column(k); c < model.nz(); ++c)
@@ -146,15 +155,32 @@ void Transcription::add_rows() {
   relax(options_.epsilon);
 }
 
-/// Exact Hessians fill the block of a knot, as the dynamics do, unless those are linear;
-/// Gauss-Newton ones have gaps.
+/// The entries that the curvature of steps on curved parts fills.
+void Transcription::add_step_curvature(const KnotModel& model,
+                                       std::vector<std::vector<bool>>& used) const {
+  if (!has_linear_step(model.system())) return;
+  const int ndx = problem_.ndx(), nv = ndx / 2;
+  const int first_a =
+      ndx + static_cast<const SteppingSystem&>(model.system()).layout().acceleration;
+  for (const StateManifold::Segment& s : problem_.manifold().curved()) {
+    std::vector<int> columns;
+    for (const int first : {0, nv, first_a})
+      for (int i = 0; i < s.n; ++i) columns.push_back(first + s.dx + i);
+    for (const int a : columns)
+      for (const int b : columns) used[a][b] = true;
+  }
+}
+
+/// Exact Hessians fill the block of a knot, as the dynamics do, unless those are linear, or so but
+/// on curved parts, which depend on themselves, their velocities and accelerations; Gauss-Newton
+/// ones have gaps.
 void Transcription::index_hessian() {
   hessian_entries_.resize(problem_.knots() + 1);
   for (int k = 0; k <= problem_.knots(); ++k) {
     const KnotModel& model = *problem_.knot(k).model;
     const int nz = model.nz();
     const bool sparse = options_.gauss_newton || k == problem_.knots() ||
-                        (has_linear_step(model.system()) && !curved_);
+                        (has_linear_step(model.system()) && (!curved_ || model.semi_implicit()));
     std::vector<std::vector<bool>> used(nz, std::vector<bool>(nz, !sparse));
     for (const Row& row : rows_[k])
       if (has_pairs(row))
@@ -179,6 +205,7 @@ void Transcription::index_hessian() {
           for (int i = 0; i < s.n; ++i) any = any || used[s.dx + i][c];
           for (int i = 0; i < s.n; ++i) used[s.dx + i][c] = any;
         }
+      if (!options_.gauss_newton && k < problem_.knots()) add_step_curvature(model, used);
     }
     for (int c = first_column(k); c < nz; ++c)
       for (int r = c; r < nz; ++r) {

@@ -93,15 +93,15 @@ class SteppingResidual : public ResidualBase<SteppingResidual> {
     for (int i = 0; at.cone.present && i < 2; ++i) use(at.cone.force[i], 1 + i, 1.0);
   }
 
-  /// The generalised force of a joint's own forces: use(entry of the control, joint, sign).
+  /// The generalised force of a joint's own forces: use(entry of the control, velocity, sign).
   template <class F>
   void for_each_joint_force(F use) const {
     const SteppingLayout& w = system_->layout();
     for (const SteppingLayout::Stop& stop : w.stops)
-      use(stop.force, stop.joint, stop.upper ? -1.0 : 1.0);
+      use(stop.force, stop.velocity, stop.upper ? -1.0 : 1.0);
     for (std::size_t i = 0; i < w.frictions.size(); ++i)
       for (int k = 0; k < 2; ++k)
-        use(w.frictions[i].force[k], system_->contacts().frictions[i].joint, k == 0 ? 1.0 : -1.0);
+        use(w.frictions[i].force[k], w.friction_velocities[i], k == 0 ? 1.0 : -1.0);
   }
 
   template <class S>
@@ -138,13 +138,14 @@ class SteppingResidual : public ResidualBase<SteppingResidual> {
       if (at.cone.present) r = write_cone(at.cone, budget, u, speed, r);
     }
     for (const SteppingLayout::Stop& stop : w.stops) {
-      const S above = data.q[stop.joint] - S(stop.limit);
+      const S above = data.q[stop.position] - S(stop.limit);
       *r++ = u[stop.distance] - (stop.upper ? -above : above);
     }
     for (std::size_t i = 0; i < w.frictions.size(); ++i) {
       const JointFriction& friction = system_->contacts().frictions[i];
       r = write_friction(
-          w.frictions[i], S(friction.limit), u, [&](int) { return data.v[friction.joint]; }, r);
+          w.frictions[i], S(friction.limit), u,
+          [&](int) { return data.v[w.friction_velocities[i]]; }, r);
     }
   }
 
@@ -220,6 +221,9 @@ class SteppingResidual : public ResidualBase<SteppingResidual> {
     for_each_joint_force([&](int entry, int joint, double sign) {
       jacobian[force_column_[entry] * n_ + joint] = S(-sign);
     });
+    const auto& curved = system_->configurations().curved();
+    for (std::size_t p = 0; p < curved.size(); ++p)
+      system_->bend(data, static_cast<int>(p), h, n_, curved[p].dx, by_q, by_v, by_a);
     return jacobian + n_ * static_cast<int>(blocks().front().columns.size());
   }
 
@@ -234,6 +238,7 @@ class SteppingResidual : public ResidualBase<SteppingResidual> {
       jacobian[k + j] = h * jacobian[j];
       jacobian[2 * k + j] = h * jacobian[k + j];
     }
+    bend_row(c, h, data, jacobian);
     jacobian += 3 * k;
     jacobian = write_constants(*row_constants++, jacobian);
     const FrictionIndices& f = at.friction;
@@ -276,7 +281,22 @@ class SteppingResidual : public ResidualBase<SteppingResidual> {
       jacobian[k + j] = h * jacobian[j] + S(sign) * rows.rows[row * k + j];
       jacobian[2 * k + j] = h * jacobian[k + j];
     }
+    bend_row(c, h, data, jacobian);
     return jacobian + 3 * k;
+  }
+
+  /// Of a candidate's row by q, v and a: what floating bases change.
+  template <class S>
+  void bend_row(int c, const S& h, const SteppingSystem::Data<S>& data, S* row) const {
+    const std::vector<int>& columns = system_->geometry()[c].columns();
+    const int k = static_cast<int>(columns.size());
+    const auto& curved = system_->configurations().curved();
+    for (std::size_t p = 0; p < curved.size(); ++p) {
+      const auto at = std::find(columns.begin(), columns.end(), curved[p].dx);
+      if (at == columns.end()) continue;
+      system_->bend(data, static_cast<int>(p), h, 1, static_cast<int>(at - columns.begin()), row,
+                    row + k, row + 2 * k);
+    }
   }
 
   SystemPointer system_;

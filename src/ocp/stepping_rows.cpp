@@ -22,11 +22,11 @@ SteppingRows::SteppingRows(const SteppingSystem& system, int ndx) : n_(system.nv
   for (const SteppingLayout::Stop& stop : w.stops)
     add("stop/" + system.multibody().robot().joints[stop.joint].name +
             (stop.upper ? "/upper" : "/lower"),
-        w, {stop.joint}, true, {{stop.distance, 1}});
+        w, {stop.velocity}, true, {{stop.distance, 1}});
   for (std::size_t i = 0; i < w.frictions.size(); ++i) {
     const int joint = system.contacts().frictions[i].joint;
     const std::string name = "friction/" + system.multibody().robot().joints[joint].name;
-    friction(name, w, {joint}, false, w.frictions[i]);
+    friction(name, w, {w.friction_velocities[i]}, false, w.frictions[i]);
     budget(name, w, w.frictions[i], {});
   }
 }
@@ -77,8 +77,9 @@ void SteppingRows::motion(const SteppingSystem& system) {
   for (int i = 0; i < w.actuators + n_; ++i) block.columns.push_back(ndx_ + i);
   for (const int i : forces) block.columns.push_back(ndx_ + i);
   blocks.push_back(std::move(block));
-  for (const Joint& joint : system.multibody().robot().joints)
-    names.push_back("motion/" + joint.name);
+  // "a/" of the accelerations' names, which belong to the same coordinates.
+  for (int i = 0; i < n_; ++i)
+    names.push_back("motion" + w.columns[w.acceleration + i].name.substr(1));
 }
 
 void SteppingRows::add_curved(const std::string& name, const SteppingLayout& w,

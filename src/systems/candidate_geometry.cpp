@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <stdexcept>
 
 namespace conddp {
 namespace {
@@ -80,15 +79,17 @@ CandidateGeometry::CandidateGeometry(const RobotModel& model, const ContactCandi
     half_sizes_ = box.half_sizes;
   }
   for (int j = 0; j < model.joint_count(); ++j) {
-    const Drive drive{j, moves(model, j, first_joint_), moves(model, j, second_joint_)};
-    if (!drive.first && !drive.second) continue;
-    if (model.joints[j].type == JointType::floating)
-      throw std::invalid_argument("contact candidate " + candidate.name +
-                                  " is moved by the floating joint " + model.joints[j].name +
-                                  ": candidates need joints of one degree of freedom");
-    columns_.push_back(model.joints[j].v);
-    drives_.push_back(drive);
+    const bool first = moves(model, j, first_joint_), second = moves(model, j, second_joint_);
+    if (!first && !second) continue;
+    const Joint& joint = model.joints[j];
+    for (int d = 0; d < joint.nv(); ++d) {
+      columns_.push_back(joint.v + d);
+      roots_.push_back(model.root[j]);
+      drives_.push_back({j, joint.type == JointType::floating ? d : -1, first, second});
+    }
   }
+  if (first_joint_ >= 0) first_root_ = model.root[first_joint_];
+  if (second_joint_ >= 0) second_root_ = model.root[second_joint_];
 }
 
 template <class S>
@@ -97,15 +98,36 @@ CandidateRows<S> CandidateGeometry::create_rows() const {
   const std::size_t k = columns_.size(), size = (1 + tangents_) * k;
   out.rows.assign(size, S(0.0));
   out.slopes.assign(size * k, S(0.0));
+  out.axes.assign(k, Motion<S>::zero());
   return out;
 }
 
 template <class S>
-CandidateGeometry::Pose<S> CandidateGeometry::pose(const RobotData<S>& data, int joint,
+CandidateGeometry::Pose<S> CandidateGeometry::pose(const RobotData<S>& data, int joint, int root,
                                                    const SE3<double>& placement) const {
   if (joint < 0) return {placement.p.cast<S>(), placement.R.cast<S>()};
-  const SE3<S> m = data.placement[joint] * placement;
+  SE3<S> m = data.placement[joint] * placement;
+  if (root >= 0) m = data.root[root] * m;
   return {m.p, m.R};
+}
+
+template <class S>
+void CandidateGeometry::update_axes(const RobotData<S>& data, CandidateRows<S>& out) const {
+  for (std::size_t j = 0; j < drives_.size(); ++j) {
+    Motion<S>& axis = out.axes[j];
+    axis = data.axis[drives_[j].joint];
+    if (const int d = drives_[j].direction; d >= 0) {
+      axis = Motion<S>::zero();
+      (d < 3 ? axis.linear : axis.angular)[d % 3] = S(1.0);
+    }
+    if (roots_[j] >= 0) axis = act(data.root[roots_[j]], axis);
+  }
+}
+
+/// A floating joint moves its own directions, too.
+bool CandidateGeometry::carries(const Drive& i, const Drive& j) const {
+  const bool before = i.joint < j.joint || (i.joint == j.joint && i.direction >= 0);
+  return before && ((i.first && j.first) || (i.second && j.second));
 }
 
 template <class S>
@@ -135,8 +157,9 @@ CandidateGeometry::Touch<S> CandidateGeometry::touch(const Vector3<S>& center,
 
 template <class S>
 void CandidateGeometry::evaluate(const RobotData<S>& data, CandidateRows<S>& out) const {
-  const Pose<S> first = pose(data, first_joint_, first_),
-                second = pose(data, second_joint_, second_);
+  const Pose<S> first = pose(data, first_joint_, first_root_, first_),
+                second = pose(data, second_joint_, second_root_, second_);
+  update_axes(data, out);
   const Touch<S> t = touch(first.p, second);
   out.gap = t.gap;
   out.point = first.p - S(radius_) * t.directions[0];
@@ -144,7 +167,7 @@ void CandidateGeometry::evaluate(const RobotData<S>& data, CandidateRows<S>& out
   const int k = static_cast<int>(drives_.size());
   for (int r = 0; r <= tangents_; ++r) out.directions[r] = t.directions[r];
   for (int j = 0; j < k; ++j) {
-    const Motion<S>& axis = data.axis[drives_[j].joint];
+    const Motion<S>& axis = out.axes[j];
     Vector3<S> velocity = Vector3<S>::zero();
     if (drives_[j].first) velocity += axis.linear + cross(axis.angular, out.point);
     if (drives_[j].second) velocity -= axis.linear + cross(axis.angular, opposite);
@@ -156,15 +179,15 @@ template <class S>
 void CandidateGeometry::differentiate(const RobotData<S>& data, CandidateRows<S>& out) const {
   using D = Dual<S>;
   evaluate(data, out);
-  const Pose<S> first = pose(data, first_joint_, first_),
-                second = pose(data, second_joint_, second_);
+  const Pose<S> first = pose(data, first_joint_, first_root_, first_),
+                second = pose(data, second_joint_, second_root_, second_);
   const int k = static_cast<int>(drives_.size());
   const auto along = [](const Vector3<S>& value, const Vector3<S>& slope) {
     return Vector3<D>{{value.x, slope.x}, {value.y, slope.y}, {value.z, slope.z}};
   };
   for (int i = 0; i < k; ++i) {
-    // What joint i moves, to first order: points, axes of the body and of the joints behind it.
-    const Motion<S>& axis = data.axis[drives_[i].joint];
+    // What drive i moves, to first order: points, axes of the body and of the joints behind it.
+    const Motion<S>& axis = out.axes[i];
     const auto shift = [&](const Vector3<S>& p, bool moved) {
       return along(p, moved ? axis.linear + cross(axis.angular, p) : Vector3<S>::zero());
     };
@@ -181,11 +204,9 @@ void CandidateGeometry::differentiate(const RobotData<S>& data, CandidateRows<S>
     const Vector3<D> point = center - D(radius_) * t.directions[0];
     const Vector3<D> opposite = center - (D(radius_) + t.gap) * t.directions[0];
     for (int j = 0; j < k; ++j) {
-      // Joint i carries the axis of joint j if it comes before it on the way to a body of both.
-      const bool carried = i < j && ((drives_[i].first && drives_[j].first) ||
-                                     (drives_[i].second && drives_[j].second));
-      const Motion<S>& other = data.axis[drives_[j].joint];
-      const Motion<S> change = carried ? cross(axis, other) : Motion<S>::zero();
+      const Motion<S>& other = out.axes[j];
+      const Motion<S> change =
+          carries(drives_[i], drives_[j]) ? cross(axis, other) : Motion<S>::zero();
       const Vector3<D> linear = along(other.linear, change.linear);
       const Vector3<D> angular = along(other.angular, change.angular);
       Vector3<D> velocity = Vector3<D>::zero();

@@ -51,8 +51,15 @@ SteppingLayout::SteppingLayout(const RobotModel& robot, const std::vector<Column
       nv(robot.nv),
       columns(actuator_columns) {
   const auto turns = [&](int joint) { return robot.joints[joint].type == JointType::revolute; };
-  for (int j = 0; j < robot.joint_count(); ++j)
-    add(columns, "a/" + robot.joints[j].name, turns(j) ? "rad/s²" : "m/s²");
+  for (int j = 0; j < robot.joint_count(); ++j) {
+    const std::string name = "a/" + robot.joints[j].name;
+    if (robot.joints[j].type != JointType::floating) {
+      add(columns, name, turns(j) ? "rad/s²" : "m/s²");
+      continue;
+    }
+    for (const char* axis : {"x", "y", "z"}) add(columns, name + "/v" + axis, "m/s²");
+    for (const char* axis : {"x", "y", "z"}) add(columns, name + "/w" + axis, "rad/s²");
+  }
   for (const ContactCandidate& c : contacts.candidates) {
     const std::string prefix = "contact/" + c.name;
     Candidate indices;
@@ -72,16 +79,22 @@ SteppingLayout::SteppingLayout(const RobotModel& robot, const std::vector<Column
       if (!std::isfinite(limit)) continue;
       const std::string prefix =
           "stop/" + robot.joints[stop.joint].name + (upper ? "/upper" : "/lower");
-      Stop indices{.joint = stop.joint, .upper = upper, .limit = limit};
+      Stop indices{.joint = stop.joint,
+                   .position = robot.joints[stop.joint].q,
+                   .velocity = robot.joints[stop.joint].v,
+                   .upper = upper,
+                   .limit = limit};
       indices.force = add(columns, prefix + "/f", turns(stop.joint) ? "Nm" : "N");
       indices.distance = add(columns, prefix + "/distance", turns(stop.joint) ? "rad" : "m");
       pairs.emplace_back(indices.force, indices.distance);
       stops.push_back(indices);
     }
-  for (const JointFriction& friction : contacts.frictions)
+  for (const JointFriction& friction : contacts.frictions) {
+    friction_velocities.push_back(robot.joints[friction.joint].v);
     frictions.push_back(add_friction(*this, "friction/" + robot.joints[friction.joint].name, 1,
                                      turns(friction.joint) ? "Nm" : "N",
                                      turns(friction.joint) ? "rad/s" : "m/s"));
+  }
 }
 
 }  // namespace conddp

@@ -42,6 +42,7 @@ struct SteppingLayout {
   /// One side of a stop: its force ≥ 0 away from the limit, and the distance from it.
   struct Stop {
     int joint = 0;
+    int position = 0, velocity = 0;  ///< where it stands in configurations and velocities
     bool upper = false;
     double limit = 0;  ///< rad or m
     int force = 0, distance = 0;
@@ -53,12 +54,13 @@ struct SteppingLayout {
   std::vector<Candidate> candidates;  ///< in the order of the description, as the next two
   std::vector<Stop> stops;            ///< finite sides, lower before upper
   std::vector<FrictionIndices> frictions;
+  std::vector<int> friction_velocities;  ///< where the joints of those stand in velocities
   std::vector<std::pair<int, int>> pairs;  ///< all complementarity conditions: 0 ≤ w_i ⊥ w_j ≥ 0
   std::vector<Column> columns;             ///< names and units of all of w
 
   int size() const { return static_cast<int>(columns.size()); }
 
-  /// For a robot of one-DoF joints with these actuators.
+  /// For a robot with these actuators.
   SteppingLayout(const RobotModel& robot, const std::vector<Column>& actuator_columns,
                  const ImplicitContacts& contacts);
 };

@@ -22,10 +22,14 @@ SteppingSystem::SteppingSystem(std::shared_ptr<const MultibodySystem> robot,
       robot_(std::move(robot)),
       contacts_(std::move(contacts)),
       layout_(robot_->robot(), robot_->control_columns(), contacts_) {
+  for (const StateManifold::Segment& s : manifold().segments())
+    if (s.dx < nv()) configurations_.append(s.part, std::min(s.n, nv() - s.dx));
   for (const Joint& joint : robot_->robot().joints)
-    if (joint.type == JointType::floating)
+    if (joint.type == JointType::floating &&
+        contacts_.scheme == SteppingScheme::variational_midpoint)
       throw std::invalid_argument("the joint '" + joint.name +
-                                  "' floats, which contacts that are found do not allow");
+                                  "' floats, which the scheme 'variational_midpoint' does not "
+                                  "allow: 'backward_euler' does");
   if (!robot_->mimic_map().identity())
     throw std::invalid_argument(
         "a joint mimics another one, which contacts that are found do not "
@@ -55,7 +59,10 @@ SteppingSystem::Data<S>::Data(const SteppingSystem& system)
       motion(system.nv(), S(0.0)),
       motion_q(system.nv() * system.nv(), S(0.0)),
       motion_v(motion_q),
-      motion_a(motion_q) {
+      motion_a(motion_q),
+      reach(system.nv(), S(0.0)),
+      wrt_q(StateManifold::kBlockSize * system.configurations().curved().size(), S(0.0)),
+      wrt_reach(wrt_q) {
   if (system.contacts().scheme == SteppingScheme::variational_midpoint)
     half.emplace(system.multibody().robot());
   for (const CandidateGeometry& geometry : system.geometry())
@@ -88,7 +95,15 @@ void SteppingSystem::take_step(const S* x, const S* w, const S& h, bool slopes,
   const S* a = w + layout_.acceleration;
   for (int i = 0; i < nv(); ++i) {
     data.v[i] = x[nq() + i] + h * a[i];
-    data.q[i] = x[i] + h * data.v[i];
+    data.reach[i] = h * data.v[i];
+  }
+  if (configurations_.curved().empty()) {
+    for (int i = 0; i < nv(); ++i) data.q[i] = x[i] + h * data.v[i];
+  } else {
+    configurations_.integrate(x, data.reach.data(), data.q.data());
+    if (slopes)
+      configurations_.integrate_jacobians(data.reach.data(), data.wrt_q.data(),
+                                          data.wrt_reach.data());
   }
   const RobotModel& model = robot_->robot();
   RobotData<S>& end = data.end.robot;
@@ -104,6 +119,30 @@ void SteppingSystem::take_step(const S* x, const S* w, const S& h, bool slopes,
     variational_midpoint(x, w, h, slopes, data);
   else
     backward_euler(w, h, slopes, data);
+}
+
+template <class S>
+void SteppingSystem::bend(const Data<S>& data, int part, const S& h, int rows, int first, S* by_q,
+                          S* by_v, S* by_a) const {
+  constexpr int kMost = 6;
+  const int n = configurations_.curved()[part].n;
+  const S* wrt_q = data.wrt_q.data() + StateManifold::kBlockSize * part;
+  const S* wrt_reach = data.wrt_reach.data() + StateManifold::kBlockSize * part;
+  for (int r = 0; r < rows; ++r) {
+    const auto entry = [&](int i) { return (first + i) * rows + r; };
+    S there[kMost];
+    for (int i = 0; i < n; ++i) there[i] = by_q[entry(i)];
+    for (int j = 0; j < n; ++j) {
+      S turned(0.0), excess = -there[j];
+      for (int i = 0; i < n; ++i) {
+        turned += there[i] * wrt_q[i * n + j];
+        excess += there[i] * wrt_reach[i * n + j];
+      }
+      by_q[entry(j)] = turned;
+      by_v[entry(j)] += h * excess;
+      by_a[entry(j)] += h * h * excess;
+    }
+  }
 }
 
 template <class S>
@@ -164,12 +203,13 @@ void SteppingSystem::variational_midpoint(const S* x, const S* w, const S& h, bo
   }
 }
 
-#define CONDDP_INSTANTIATE(S)                                                         \
-  template struct SteppingSystem::Data<S>;                                            \
-  template void SteppingSystem::evaluate_as(const S*, const S*, Data<S>&) const;      \
-  template void SteppingSystem::differentiate_as(const S*, const S*, Data<S>&) const; \
-  template void SteppingSystem::update_kinematics_as(const S*, Data<S>&) const;       \
-  template void SteppingSystem::take_step(const S*, const S*, const S&, bool, Data<S>&) const;
+#define CONDDP_INSTANTIATE(S)                                                                  \
+  template struct SteppingSystem::Data<S>;                                                     \
+  template void SteppingSystem::evaluate_as(const S*, const S*, Data<S>&) const;               \
+  template void SteppingSystem::differentiate_as(const S*, const S*, Data<S>&) const;          \
+  template void SteppingSystem::update_kinematics_as(const S*, Data<S>&) const;                \
+  template void SteppingSystem::take_step(const S*, const S*, const S&, bool, Data<S>&) const; \
+  template void SteppingSystem::bend(const Data<S>&, int, const S&, int, int, S*, S*, S*) const;
 CONDDP_FOR_EACH_SCALAR(CONDDP_INSTANTIATE)
 #undef CONDDP_INSTANTIATE
 

@@ -16,7 +16,8 @@ namespace conddp {
 /// out itself which contacts are closed.
 class SteppingSystem : public SystemBase<SteppingSystem> {
  public:
-  /// Throws std::invalid_argument where a joint floats or mimics another one.
+  /// Throws std::invalid_argument where a joint mimics another one, or floats with the midpoint
+  /// rule, whose steps are on flat spaces.
   SteppingSystem(std::shared_ptr<const MultibodySystem> robot, ImplicitContacts contacts);
 
   template <class S>
@@ -28,6 +29,8 @@ class SteppingSystem : public SystemBase<SteppingSystem> {
     /// Nm, and its derivatives (nv x nv by columns) by q, v and a at the knot.
     AlignedVector<S> motion, motion_q, motion_v, motion_a;
     std::optional<HalfStep<S>> half;  ///< of the variational midpoint rule
+    /// Derivatives of q⁺ = q ⊕ h v⁺ by q and by h v⁺ on curved parts (StateManifold's blocks).
+    AlignedVector<S> reach, wrt_q, wrt_reach;
     std::vector<CandidateRows<S>> candidates;
   };
 
@@ -35,6 +38,8 @@ class SteppingSystem : public SystemBase<SteppingSystem> {
   const ImplicitContacts& contacts() const { return contacts_; }
   const SteppingLayout& layout() const { return layout_; }
   const std::vector<CandidateGeometry>& geometry() const { return geometry_; }
+  /// The space of configurations: its curved parts are floating bases.
+  const StateManifold& configurations() const { return configurations_; }
 
   template <class S>
   void evaluate_as(const S* x, const S* w, Data<S>& data) const;
@@ -46,6 +51,12 @@ class SteppingSystem : public SystemBase<SteppingSystem> {
   /// the candidates' rows, with slopes if asked for.
   template <class S>
   void take_step(const S* x, const S* w, const S& h, bool slopes, Data<S>& data) const;
+  /// Corrects derivatives by q, v and a (rows x columns each, by columns) that were formed as if
+  /// q⁺ were q + h v⁺: on a curved part whose columns start at `first`, the derivative by q is that
+  /// by the tangents at q⁺. `part`: which of the curved ones; after take_step with slopes.
+  template <class S>
+  void bend(const Data<S>& data, int part, const S& h, int rows, int first, S* by_q, S* by_v,
+            S* by_a) const;
 
  private:
   /// M(q⁺) a + c(q⁺, v⁺) − B u.
@@ -57,13 +68,15 @@ class SteppingSystem : public SystemBase<SteppingSystem> {
   void variational_midpoint(const S* x, const S* w, const S& h, bool slopes, Data<S>& data) const;
 
   std::shared_ptr<const MultibodySystem> robot_;
+  StateManifold configurations_;
   RobotModel free_;  ///< without gravity and external wrenches, of the midpoint rule alone
   ImplicitContacts contacts_;
   SteppingLayout layout_;
   std::vector<CandidateGeometry> geometry_;
 };
 
-/// Whether x⁺ is a linear function of x and u, so that its second derivatives vanish.
+/// Whether x⁺ is a linear function of x and u, so that its second derivatives vanish, but on curved
+/// parts of the configuration.
 bool has_linear_step(const System& system);
 
 }  // namespace conddp

@@ -4,6 +4,7 @@
 #include <limits>
 #include <numbers>
 
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 #include "support/contact_plants.hpp"
@@ -83,6 +84,71 @@ TEST(ContactSimulator, BlockSlidesAboveTheFrictionAngle) {
     for (int c = 0; c < 2; ++c)
       EXPECT_NEAR(step.forces.contact(1, c), -0.5 * step.forces.contact(0, c), 1e-9);
   }
+}
+
+TEST(ContactSimulator, CrateRestsOnItsCorners) {
+  for (const FrictionModel friction : {FrictionModel::polyhedron, FrictionModel::cone}) {
+    const ContactPlant plant = crate(0.5, friction);
+    ContactSimulator simulator(plant);
+    StepStart start = crate_start(0.1, 0, 0.01);
+    for (int k = 0; k < 20; ++k) {
+      const ContactStep step = advance(simulator, plant, start);
+      EXPECT_LT(step.v.cwiseAbs().maxCoeff(), 1e-12);
+      EXPECT_NEAR(step.forces.contact.row(0).sum(), kGravity, 1e-9);
+      EXPECT_LT(step.forces.contact.bottomRows<2>().cwiseAbs().maxCoeff(), 1e-9);
+    }
+  }
+}
+
+TEST(ContactSimulator, SlidingCrateSlowsDownByFriction) {
+  const double h = 0.01, friction = 0.3;
+  const ContactPlant plant = crate(friction, FrictionModel::cone);
+  ContactSimulator simulator(plant);
+  StepStart start = crate_start(0.1, 0, h);
+  const Eigen::Vector2d heading(0.8, 0.6);
+  start.v.head(2) = heading;
+  for (int k = 1; k <= 50; ++k) {
+    advance(simulator, plant, start);
+    const double speed = std::max(0.0, 1 - k * h * friction * kGravity);
+    EXPECT_LT((start.v.head(2) - speed * heading).norm(), 1e-9) << k;
+    EXPECT_LT(start.v.tail(4).norm(), 1e-9) << k;
+  }
+  EXPECT_LT(start.v.norm(), 1e-12);
+}
+
+/// Backward Euler in the body's axes: M (v⁺ − v)/h = (m g, 0) − v⁺ × M v⁺ without contact.
+TEST(ContactSimulator, SpinningCrateFliesByItsDefinition) {
+  const double h = 0.01;
+  const ContactPlant plant = crate(0.5);
+  ContactSimulator simulator(plant);
+  StepStart start = crate_start(3, 0.3, h);
+  start.v << 1, -0.5, 2, 3, -4, 5;
+  for (int k = 0; k < 30; ++k) {
+    const Eigen::VectorXd before = start.v;
+    advance(simulator, plant, start);
+    const Eigen::Quaterniond turned(start.q[6], start.q[3], start.q[4], start.q[5]);
+    const Eigen::Vector3d v = start.v.head<3>(), w = start.v.tail<3>();
+    const Eigen::Vector3d rate = turned.conjugate() * Eigen::Vector3d(0, 0, -kGravity) - w.cross(v);
+    EXPECT_LT((start.v.head<3>() - before.head<3>() - h * rate).norm(), 1e-12) << k;
+    EXPECT_LT((w - before.tail<3>()).norm(), 1e-12) << k;  // a cube has no favourite axis
+    EXPECT_NEAR(turned.norm(), 1, 1e-13) << k;
+  }
+}
+
+TEST(ContactSimulator, TiltedCrateLandsTumblesAndComesToRest) {
+  const ContactPlant plant = crate(0.5, FrictionModel::cone);
+  ContactSimulator simulator(plant);
+  ContactMechanics<double> mechanics(plant);
+  StepStart start = crate_start(0.25, 0.5, 0.01);
+  start.v << 0.3, 0.2, 0, 1, 2, 0.5;
+  ContactStep last{.forces = StepForces(plant.contacts)};
+  for (int k = 0; k < 150; ++k) {
+    last = advance(simulator, plant, start);
+    for (const auto& instant : mechanics.look(start.q.data())) EXPECT_GE(instant.gap, -1e-9) << k;
+  }
+  EXPECT_LT(start.v.norm(), 1e-6);
+  EXPECT_NEAR(start.q[2], 0.1, 1e-6);
+  EXPECT_NEAR(last.forces.contact.row(0).sum(), kGravity, 1e-6);
 }
 
 TEST(ContactSimulator, FallingBlockLandsWithoutReboundOrPenetration) {

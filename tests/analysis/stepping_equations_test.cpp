@@ -19,21 +19,33 @@ ShootingProblem one_step(const std::shared_ptr<const SteppingSystem>& system,
   return {std::move(start), {{"step", model, {kStep}, {kStep}, {}}}, {"end", end, {0}, {1}, {}}};
 }
 
+struct Kind {
+  SteppingScheme scheme;
+  bool floating;
+};
+
 TEST(SteppingEquations, AreThoseOfTheSolver) {
-  for (const SteppingScheme scheme :
-       {SteppingScheme::backward_euler, SteppingScheme::variational_midpoint}) {
-    const auto system = stepping_robot(true, scheme);
+  for (const auto& [scheme, floating] :
+       {Kind{SteppingScheme::backward_euler, false}, Kind{SteppingScheme::backward_euler, true},
+        Kind{SteppingScheme::variational_midpoint, false}}) {
+    const auto system = stepping_robot(true, scheme, FrictionModel::polyhedron, floating);
     const int n = system->nv();
     RandomNumbers random(11);
-    std::vector<double> start(system->nx());
-    for (double& x : start) x = random.uniform(-1, 1);
+    std::vector<double> start = system->manifold().neutral(), off(system->ndx());
+    for (double& x : off) x = random.uniform(-1, 1);
+    system->manifold().integrate(start.data(), off.data(), start.data());
     const ShootingProblem problem = one_step(system, start);
     Trajectory trajectory = problem.create_trajectory();
     trajectory.x(0) = Eigen::Map<const Eigen::VectorXd>(start.data(), system->nx());
     for (double& w : trajectory.u(0)) w = random.uniform(-2, 2);
     const auto a = trajectory.u(0).segment(system->layout().acceleration, n);
-    trajectory.x(1).tail(n) = trajectory.x(0).tail(n) + kStep * a;
-    trajectory.x(1).head(n) = trajectory.x(0).head(n) + kStep * trajectory.x(1).tail(n);
+    const Eigen::VectorXd v = trajectory.x(0).tail(n) + kStep * a;
+    std::vector<double> step(2 * n);
+    for (int i = 0; i < n; ++i) {
+      step[i] = kStep * v[i];
+      step[n + i] = kStep * a[i];
+    }
+    system->manifold().integrate(start.data(), step.data(), trajectory.x(1).data());
 
     const std::optional<ContactMotion> motion = contact_motion(problem, trajectory);
     ASSERT_TRUE(motion);

@@ -19,7 +19,10 @@ struct Point {
 Point random_point(const SteppingSystem& system, std::uint64_t seed) {
   RandomNumbers random(seed);
   Point p;
-  for (int i = 0; i < system.nx(); ++i) p.x.push_back(random.uniform(-1, 1));
+  std::vector<double> off;
+  for (int i = 0; i < system.ndx(); ++i) off.push_back(random.uniform(-1, 1));
+  p.x = system.manifold().neutral();
+  system.manifold().integrate(p.x.data(), off.data(), p.x.data());
   for (int i = 0; i < system.nu(); ++i) p.w.push_back(random.uniform(-2, 2));
   return p;
 }
@@ -47,11 +50,11 @@ TEST(SteppingLayout, AlongOneTangentTheConeIsThePyramid) {
 }
 
 class SteppingDerivatives
-    : public ::testing::TestWithParam<std::tuple<bool, SteppingScheme, FrictionModel>> {};
+    : public ::testing::TestWithParam<std::tuple<bool, SteppingScheme, FrictionModel, bool>> {};
 
 TEST_P(SteppingDerivatives, AgreeWithDifferences) {
-  const auto& [planar, scheme, friction] = GetParam();
-  const auto system = stepping_robot(planar, scheme, friction);
+  const auto& [planar, scheme, friction, floating] = GetParam();
+  const auto system = stepping_robot(planar, scheme, friction, floating);
   const auto residual = stepping_residual(system, system->ndx());
   const Point p = random_point(*system, 3);
   const auto data = system->create_data(double{});
@@ -74,12 +77,18 @@ TEST_P(SteppingDerivatives, AgreeWithDifferences) {
   ASSERT_EQ(static_cast<int>(names.size()), residual->size());
   for (int c = 0; c < nz; ++c) {
     constexpr double kDifference = 1e-6;
-    Point up = p, down = p;
-    double& a = c < system->ndx() ? up.x[c] : up.w[c - system->ndx()];
-    double& b = c < system->ndx() ? down.x[c] : down.w[c - system->ndx()];
-    a += kDifference;
-    b -= kDifference;
-    const auto above = values(*system, *residual, up), below = values(*system, *residual, down);
+    const auto beside = [&](double off) {
+      Point moved = p;
+      if (c >= system->ndx()) {
+        moved.w[c - system->ndx()] += off;
+      } else {
+        std::vector<double> direction(system->ndx(), 0.0);
+        direction[c] = off;
+        system->manifold().integrate(p.x.data(), direction.data(), moved.x.data());
+      }
+      return values(*system, *residual, moved);
+    };
+    const auto above = beside(kDifference), below = beside(-kDifference);
     for (int i = 0; i < residual->size(); ++i) {
       EXPECT_EQ(r[i], same[i]);
       EXPECT_NEAR(jacobian[i * nz + c], (above[i] - below[i]) / (2 * kDifference), 2e-6)
@@ -93,7 +102,46 @@ INSTANTIATE_TEST_SUITE_P(Schemes, SteppingDerivatives,
                                             ::testing::Values(SteppingScheme::backward_euler,
                                                               SteppingScheme::variational_midpoint),
                                             ::testing::Values(FrictionModel::polyhedron,
-                                                              FrictionModel::cone)));
+                                                              FrictionModel::cone),
+                                            ::testing::Values(false)));
+INSTANTIATE_TEST_SUITE_P(
+    FloatingBase, SteppingDerivatives,
+    ::testing::Combine(::testing::Bool(), ::testing::Values(SteppingScheme::backward_euler),
+                       ::testing::Values(FrictionModel::polyhedron, FrictionModel::cone),
+                       ::testing::Values(true)));
+
+/// x⁺ of the dynamics is where the equations are evaluated: q ⊕ h v⁺ with v⁺ = v + h a.
+TEST(SteppingSystem, AFloatingBaseMovesByTheVelocityAfterTheStep) {
+  const auto system =
+      stepping_robot(false, SteppingScheme::backward_euler, FrictionModel::polyhedron, true);
+  const Point p = random_point(*system, 11);
+  const int nq = system->nq(), nv = system->nv();
+  ASSERT_EQ(nq, nv + 1);
+  const auto data = system->create_data(double{});
+  auto& step = static_cast<SteppingSystem::Data<double>&>(*data);
+  system->take_step(p.x.data(), p.w.data(), kStep, false, step);
+  const KnotModel model(system, Integrator::semi_implicit_euler);
+  KnotWorkspace<double> work(model);
+  model.evaluate(KnotInput<double>{p.x.data(), p.w.data(), nullptr, kStep, 1}, work);
+  const auto& next = work.next();
+  for (int i = 0; i < nq; ++i) EXPECT_NEAR(step.q[i], next[i], 1e-14) << i;
+  for (int i = 0; i < nv; ++i) EXPECT_NEAR(step.v[i], next[nq + i], 1e-14) << i;
+  // The pose itself, by many small screws.
+  constexpr int kParts = 1000;
+  std::vector<double> off(2 * nv, 0.0), x(p.x);
+  for (int i = 0; i < nv; ++i) off[i] = kStep / kParts * step.v[i];
+  for (int s = 0; s < kParts; ++s) system->manifold().integrate(x.data(), off.data(), x.data());
+  for (int i = 0; i < nq; ++i) EXPECT_NEAR(step.q[i], x[i], 1e-11) << i;
+}
+
+TEST(SteppingSystem, TheMidpointRuleRefusesAFloatingBaseByName) {
+  try {
+    stepping_robot(false, SteppingScheme::variational_midpoint, FrictionModel::polyhedron, true);
+    FAIL() << "accepted";
+  } catch (const std::invalid_argument& e) {
+    EXPECT_NE(std::string(e.what()).find("variational_midpoint"), std::string::npos) << e.what();
+  }
+}
 
 /// Momentum is ∂T/∂v, the load what bias forces are without the change of the momentum, and both
 /// follow from kinetic energy alone by differences.

@@ -131,7 +131,9 @@ INSTANTIATE_TEST_SUITE_P(
     Ready, FindsItsContactsFromARandomGuess,
     ::testing::Combine(::testing::Values("block_slope", "block_drag", "push_box",
                                          "cartpole_friction", "cartpole_walls", "finger_spinner",
-                                         "acrobot_limits", "raibert_gait", "footed_hopper"),
+                                         "acrobot_limits", "raibert_gait", "footed_hopper",
+                                         "push_obstacle", "puck_slide", "planar_biped_gait",
+                                         "planar_quadruped_gait"),
                        ::testing::Values(1, 2)),
     [](const auto& test) {
       return std::get<0>(test.param) + "_seed_" + std::to_string(std::get<1>(test.param));
@@ -216,6 +218,46 @@ TEST(PlanarBiped, StepsAndDoesNotSlide) { expect_steps("planar_biped_gait", 5, 0
 /// Diagonal pairs take turns. Hind feet slide for a step before they lift, with little load.
 TEST(PlanarQuadruped, TrotsAndHardlySlides) {
   expect_steps("planar_quadruped_gait", 8, 0.03, 0.03, 0.2 * 11.6 * 9.81);
+}
+
+/// A crate of 1 kg on its lower corners bears its weight, and slides by friction alone.
+TEST(Crate, RestsAndSlidesAsMechanicsSays) {
+  const double h = 0.025, friction = 0.5, speed = 1;
+  const std::string start = "initial_state.velocity.base.linear=[";
+  for (const double v : {0.0, speed}) {
+    const ReadyProblem ready("crate_tumble",
+                             {start + std::to_string(v) + ", 0, 0]", "initial_guess.states=initial",
+                              "constraints.pull={bounds: control, lower: 0, upper: 0}"});
+    const SolveResult result = solve_ready(ready);
+    expect_exact_contacts(ready, result);
+    for (int k = 0; k < result.trajectory.knots(); ++k) {
+      double normal = 0;
+      for (const auto& c : ready.built.plant.stepping->layout().candidates)
+        normal += result.trajectory.u(k)[c.force];
+      EXPECT_NEAR(normal, 9.81, 1e-5) << k;
+      EXPECT_NEAR(result.trajectory.x(k + 1)[7], std::max(0.0, v - (k + 1) * h * friction * 9.81),
+                  1e-5)
+          << k;
+      EXPECT_NEAR(result.trajectory.x(k + 1)[2], 0.1, 1e-6) << k;
+    }
+  }
+}
+
+TEST(Crate, IsTippedOverAnEdge) {
+  const ReadyProblem ready("crate_tumble");
+  const SolveResult result = solve_ready(ready);
+  expect_exact_contacts(ready, result);
+  const auto end = result.trajectory.x(result.trajectory.knots());
+  EXPECT_NEAR(end[0], 0.3, 0.01);
+  EXPECT_NEAR(std::abs(end[4]), std::sqrt(0.5), 0.01);  // a quarter of a turn about y
+  EXPECT_NEAR(end[2], 0.1, 1e-6);
+  // Its weight is more than the hand can lift: an edge of it is on the ground for most of the time.
+  const auto& candidates = ready.built.plant.stepping->layout().candidates;
+  int borne = 0;
+  for (int k = 0; k < result.trajectory.knots(); ++k)
+    borne += std::any_of(candidates.begin(), candidates.end(),
+                         [&](const auto& c) { return result.trajectory.u(k)[c.force] > 1; });
+  EXPECT_GE(borne, result.trajectory.knots() / 2);
 }
 
 TEST(PushedRoundAPost, Arrives) {

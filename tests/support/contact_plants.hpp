@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -44,6 +45,27 @@ inline ContactPlant block_on_slope(double friction, double angle = 0) {
   for (const char* corner : {"corner_1", "corner_2", "corner_3", "corner_4"})
     plant.contacts.candidates.push_back(on_ground(plant, corner, friction));
   return plant;
+}
+
+/// The crate of 1 kg, a cube of 0.2 m, that floats above ground with all its corners.
+inline ContactPlant crate(double friction, FrictionModel model = FrictionModel::polyhedron) {
+  const auto file = std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/robots/crate.urdf";
+  ContactPlant plant;
+  plant.robot =
+      std::make_shared<RobotModel>(*load_urdf(file, {.base = UrdfOptions::Base::floating}).model);
+  plant.contacts.friction = model;
+  for (int i = 1; i <= 8; ++i)
+    plant.contacts.candidates.push_back(on_ground(plant, "corner_" + std::to_string(i), friction));
+  return plant;
+}
+
+/// The crate's pose with its middle at a height and turned by an angle about y; at rest.
+inline StepStart crate_start(double z, double pitch, double h) {
+  StepStart start{Eigen::VectorXd::Zero(7), Eigen::VectorXd::Zero(6), Eigen::VectorXd::Zero(6), h};
+  start.q[2] = z;
+  start.q[4] = std::sin(pitch / 2);
+  start.q[6] = std::cos(pitch / 2);
+  return start;
 }
 
 /// The start of a step at rest in the zero configuration.

@@ -12,8 +12,9 @@ namespace conddp {
 /// friction.
 inline std::shared_ptr<const SteppingSystem> stepping_robot(
     bool planar, SteppingScheme scheme = SteppingScheme::backward_euler,
-    FrictionModel friction = FrictionModel::polyhedron) {
-  const auto robot = std::make_shared<RobotModel>(random_robot(7, {.joints = 5, .branching = 0.6}));
+    FrictionModel friction = FrictionModel::polyhedron, bool floating = false) {
+  const auto robot = std::make_shared<RobotModel>(
+      random_robot(7, {.joints = 5, .floating = floating, .branching = 0.6}));
   int tip = 0, other = 0;
   for (int i = 0; i < static_cast<int>(robot->frames.size()); ++i) {
     if (robot->frames[i].joint == robot->joint_count() - 1) tip = i;

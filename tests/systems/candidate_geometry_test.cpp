@@ -7,6 +7,7 @@
 
 #include "robot/kinematics.hpp"
 #include "support/random_robot.hpp"
+#include "systems/state_manifold.hpp"
 
 namespace conddp {
 namespace {
@@ -58,8 +59,25 @@ CandidateRows<double> rows_at(const RobotModel& model, const CandidateGeometry& 
   return out;
 }
 
-TEST(CandidateGeometry, DerivativesAgreeWithDifferences) {
-  const RobotModel model = random_robot(7, {.joints = 6, .branching = 0.6});
+/// q moved by h along a direction of its tangent space.
+std::vector<double> moved(const RobotModel& model, const std::vector<double>& q, int direction,
+                          double h) {
+  StateManifold space;
+  for (const Joint& joint : model.joints)
+    joint.type == JointType::floating ? space.append(StateManifold::Part::se3)
+                                      : space.append(StateManifold::Part::flat, 1);
+  std::vector<double> off(model.nv, 0.0), out(model.nq);
+  off[direction] = h;
+  space.integrate(q.data(), off.data(), out.data());
+  return out;
+}
+
+class CandidateDerivatives : public ::testing::TestWithParam<bool> {};
+INSTANTIATE_TEST_SUITE_P(Bases, CandidateDerivatives, ::testing::Bool(),
+                         [](const auto& test) { return test.param ? "floating" : "bolted"; });
+
+TEST_P(CandidateDerivatives, AgreeWithDifferences) {
+  const RobotModel model = random_robot(7, {.joints = 6, .floating = GetParam(), .branching = 0.6});
   RandomNumbers random(3);
   const std::vector<double> q = random_state(model, random).q;
   const double h = 1e-6;
@@ -72,10 +90,10 @@ TEST(CandidateGeometry, DerivativesAgreeWithDifferences) {
     const CandidateRows<double> at = rows_at(model, geometry, q, true);
     double largest = 0;
     for (int i = 0; i < k; ++i) {
-      std::vector<double> up = q, down = q;
-      up[geometry.columns()[i]] += h;
-      down[geometry.columns()[i]] -= h;
-      const auto above = rows_at(model, geometry, up), below = rows_at(model, geometry, down);
+      const auto beside = [&](double off) {
+        return rows_at(model, geometry, moved(model, q, geometry.columns()[i], off));
+      };
+      const auto above = beside(h), below = beside(-h);
       EXPECT_NEAR(at.rows[i], (above.gap - below.gap) / (2 * h), 1e-7) << "gap, column " << i;
       for (int e = 0; e < n * k; ++e) {
         EXPECT_NEAR(at.slopes[i * n * k + e], (above.rows[e] - below.rows[e]) / (2 * h), 1e-7)
@@ -108,16 +126,31 @@ TEST(CandidateGeometry, KnownGaps) {
   EXPECT_DOUBLE_EQ(inside.directions[0].z, -1);
 }
 
-TEST(CandidateGeometry, FloatingJointsAreRefusedByName) {
-  const RobotModel model = random_robot(7, {.joints = 2, .floating = true});
-  int tip = 0;
+/// The rows of a floating body are those of its corner's velocity.
+TEST(CandidateGeometry, AFloatingBodysRowsAreThoseOfItsPointsVelocity) {
+  const RobotModel model = random_robot(7, {.joints = 1, .floating = true});
+  int base = 0;
   for (int i = 0; i < static_cast<int>(model.frames.size()); ++i)
-    if (model.frames[i].joint == model.joint_count() - 1) tip = i;
-  try {
-    CandidateGeometry({model, {"toe", {tip, {}, 0}, ContactHalfSpace{}, 0.5, {}}, {}});
-    FAIL() << "accepted";
-  } catch (const std::invalid_argument& e) {
-    EXPECT_NE(std::string(e.what()).find("toe"), std::string::npos) << e.what();
+    if (model.frames[i].joint == 0) base = i;
+  const SE3<double>& frame = model.frames[base].placement;
+  const CandidateGeometry geometry(
+      model, {"toe", {base, {0.1, 0.2, 0.3}, 0}, ContactHalfSpace{-1, {0, 0, 1}, 0.4}, 0.5, {}},
+      {});
+  EXPECT_EQ(geometry.columns(), (std::vector<int>{0, 1, 2, 3, 4, 5}));
+  RandomNumbers random(3);
+  const RobotState state = random_state(model, random);
+  const auto at = rows_at(model, geometry, state.q);
+  const Matrix3<double> R =
+      rotation_matrix(Quaternion<double>{state.q[3], state.q[4], state.q[5], state.q[6]});
+  const Vector3<double> arm = frame.p + frame.R * Vector3<double>{0.1, 0.2, 0.3};
+  EXPECT_NEAR(at.gap, state.q[2] + (R * arm).z - 0.4, 1e-12);
+  const Vector3<double> linear{state.v[0], state.v[1], state.v[2]},
+      angular{state.v[3], state.v[4], state.v[5]};
+  const Vector3<double> velocity = R * (linear + cross(angular, arm));
+  for (int r = 0; r < 3; ++r) {
+    double speed = 0;
+    for (int i = 0; i < 6; ++i) speed += at.rows[r * 6 + i] * state.v[i];
+    EXPECT_NEAR(speed, dot(at.directions[r], velocity), 1e-12) << r;
   }
 }
 
