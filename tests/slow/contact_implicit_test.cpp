@@ -260,6 +260,20 @@ TEST(Crate, IsTippedOverAnEdge) {
   EXPECT_GE(borne, result.trajectory.knots() / 2);
 }
 
+TEST(QuadrupedInSpace, Hops) {
+  const ReadyProblem ready("quadruped_hop");
+  const SolveResult result = solve_ready(ready);
+  expect_exact_contacts(ready, result);
+  EXPECT_NEAR(last(result, 0), 0.2, 0.02);
+  const auto& candidates = ready.built.plant.stepping->layout().candidates;
+  int flying = 0;
+  for (int k = 1; k < result.trajectory.knots(); ++k)
+    flying += std::all_of(candidates.begin(), candidates.end(), [&](const auto& c) {
+      return result.trajectory.u(k)[c.gap] > 1e-3 && result.trajectory.u(k)[c.force] < 1e-6;
+    });
+  EXPECT_GE(flying, 5);
+}
+
 TEST(PushedRoundAPost, Arrives) {
   const ReadyProblem ready("push_obstacle");
   const SolveResult result = solve_ready(ready);
