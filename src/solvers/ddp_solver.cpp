@@ -18,7 +18,7 @@ constexpr int kReservedRows = 10000;
 /// second derivatives wait until the gaps are this small.
 constexpr double kNearlyClosed = 1e-3;
 /// What a correction of a model step is taken to leave of the gaps before one has been seen.
-constexpr double kFirstCorrection = 0.1;
+constexpr double kFirstCorrection = 1;
 
 }  // namespace
 

@@ -147,15 +147,40 @@ TEST(Nonlinear, AutomaticTurnsToExactHessiansWhereGaussNewtonIsSlowAndOnlyThere)
 
 // Pitfall 17.
 TEST(Nonlinear, ThreadsDoNotChangeABit) {
-  const ShootingProblem problem = testing::quadrotor_move(0.5, 2);
-  const Trajectory guess = constant_controls(problem, 1.22625);
-  const SolveResult one = solve(problem, "box_fddp", {.threads = 1}, guess);
-  const SolveResult two = solve(problem, "box_fddp", {.threads = 2}, guess);
-  ASSERT_EQ(one.log.size(), two.log.size());
-  EXPECT_EQ(one.cost, two.cost);
-  for (int k = 0; k < problem.knots(); ++k) {
-    EXPECT_TRUE(one.trajectory.u(k) == two.trajectory.u(k));
-    EXPECT_TRUE(one.trajectory.x(k + 1) == two.trajectory.x(k + 1));
+  const struct {
+    const char* name;
+    ShootingProblem problem;
+    double control;
+  } cases[] = {{"quadrotor", testing::quadrotor_move(), 1.22625},
+               {"quadrotor, limited", testing::quadrotor_move(0.5, 2), 1.22625},
+               {"cartpole, limited", testing::cartpole_swing_up(3), 0.01},
+               {"landing, limited", testing::landing(60), 0.01}};
+  for (const auto& [name, problem, control] : cases) {
+    const Trajectory guess = constant_controls(problem, control);
+    for (const char* solver : {"ilqr_clip", "box_ddp", "fddp", "box_fddp"}) {
+      if (refuse(*find_solver(solver), problem)) continue;
+      const auto run = [&](int threads) {
+        return solve(problem, solver, {.max_iterations = 60, .threads = threads}, guess);
+      };
+      const SolveResult one = run(1), two = run(2);
+      EXPECT_GE(one.iterations, 3) << name << ", " << solver;
+      EXPECT_EQ(one.message, two.message) << name << ", " << solver;
+      ASSERT_EQ(one.log.size(), two.log.size()) << name << ", " << solver;
+      for (std::size_t i = 0; i < one.log.size(); ++i) {
+        const IterationRecord &a = one.log[i], &b = two.log[i];
+        EXPECT_TRUE(a.cost == b.cost && a.merit == b.merit && a.stationarity == b.stationarity &&
+                    a.gap == b.gap && a.sweeps == b.sweeps && a.trials == b.trials &&
+                    a.clamped_controls == b.clamped_controls &&
+                    a.active_set_changes == b.active_set_changes)
+            << name << ", " << solver << ", iteration " << i;
+      }
+      for (int k = 0; k < problem.knots(); ++k) {
+        EXPECT_TRUE(one.trajectory.u(k) == two.trajectory.u(k)) << name << ", " << solver;
+        EXPECT_TRUE(one.trajectory.x(k + 1) == two.trajectory.x(k + 1)) << name << ", " << solver;
+        EXPECT_TRUE(one.feedback.K[k] == two.feedback.K[k]) << name << ", " << solver;
+        EXPECT_TRUE(one.feedback.k[k] == two.feedback.k[k]) << name << ", " << solver;
+      }
+    }
   }
 }
 
