@@ -116,9 +116,10 @@ ConstraintNorms AugmentedLagrangian::measure(const Eigen::VectorXd& values) {
       shifted_.head(next.size()) =
           values.segment(c.row, next.size()) + augmentation_.shift.segment(c.row, next.size());
       next_multipliers(c, shifted_.data(), group.penalty, next.data());
-      const double change =
-          (next - multipliers_.segment(c.row, c.term->rows)).lpNorm<Eigen::Infinity>();
-      group.change = std::max(group.change, change / group.penalty);
+      auto change = shifted_.head(next.size());
+      change = next - multipliers_.segment(c.row, next.size());
+      norms.dual_gain += change.squaredNorm() / group.penalty;
+      group.change = std::max(group.change, change.lpNorm<Eigen::Infinity>() / group.penalty);
       // Where a soft one is missed at its limit nothing more can be asked of it.
       if (c.is_soft()) group.violation = group.change;
       norms.complementarity = std::max(norms.complementarity, complementarity(c, g, next.data()));
@@ -141,13 +142,13 @@ bool AugmentedLagrangian::idle(const Eigen::VectorXd& values) const {
   return true;
 }
 
-void AugmentedLagrangian::update() {
+void AugmentedLagrangian::update(bool minimized) {
   for (Group& group : groups_) {
     const bool at_limit = group.penalty >= options_.max_penalty;
     const bool grows = schedule_ == MultiplierSchedule::always ? grows_after_update(group)
                                                                : grows_instead_of_update(group);
     if (!grows || at_limit || schedule_ == MultiplierSchedule::always) take_multipliers(group);
-    if (grows)
+    if (grows && minimized)
       group.penalty = std::min(group.penalty * options_.penalty_factor, options_.max_penalty);
     const bool progress = group.violation <= kNoProgress * group.before;
     const bool violated =

@@ -13,6 +13,7 @@ namespace conddp {
 struct ConstraintNorms {
   Extremum violation;          ///< largest distance from a set
   double complementarity = 0;  ///< largest complementarity()
+  double dual_gain = 0;  ///< Σ |ν⁺ − ν|²/ρ: what ν⁺ raises the dual function by, to first order
 };
 
 /// When multipliers change and when penalties grow, at the end of a minimisation.
@@ -57,8 +58,9 @@ class AugmentedLagrangian {
   /// ν⁺ of the last measure.
   const Eigen::VectorXd& multipliers() const { return next_; }
 
-  /// Ends one minimisation: ν ← ν⁺ and penalties grow as the schedule has it.
-  void update();
+  /// Ends one minimisation: ν ← ν⁺ and penalties grow as the schedule has it; no penalty grows
+  /// where the minimisation was not one.
+  void update(bool minimized = true);
   /// ν ← ν + step · change, where sweeps find multipliers.
   void add(const Eigen::VectorXd& change, double step);
   /// Penalties fall, where multipliers hold the constraints without them.

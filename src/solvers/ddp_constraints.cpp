@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 
 #include "ocp/soft_constraint.hpp"
+#include "ocp/stopwatch.hpp"
 #include "solvers/ddp_solver.hpp"
+#include "solvers/finite_check.hpp"
 
 namespace conddp {
 namespace {
@@ -22,6 +24,8 @@ constexpr double kTighter = 0.1, kLastInnerDecrease = 1e-8;
 /// A minimisation that was asked for this share of the stationarity's tolerance, and ends above the
 /// tolerance though the constraints hold, is stopped by rounding.
 constexpr double kHopelessGoal = 1e-6;
+/// How many times what new multipliers gain a step may gain in a minimisation that is done.
+constexpr double kDualShare = 10;
 /// Where the stationarity is not confirmed: the share of what should be enough that is asked for,
 /// and of the tolerance at least.
 constexpr double kGoalMargin = 0.5, kLeastGoal = 1e-4;
@@ -69,6 +73,7 @@ void DdpSolver::measure_constraints() {
     row_.constraint_knot = norms.violation.knot;
   }
   row_.complementarity = norms.complementarity;
+  dual_gain_ = norms.dual_gain;
   row_.constraint_penalty = constraints_->largest_penalty();
 }
 
@@ -79,6 +84,14 @@ bool DdpSolver::inner_converged() const {
     return true;
   return row_.iteration > inner_start_ && row_.step >= kLongStep &&
          row_.actual_decrease <= inner_decrease_ * std::abs(merit_.cost);
+}
+
+/// Whether the minimisation that has ended left no more to gain than other multipliers will. One
+/// that ended early because its steps gain little may still be dominated by them: then violations
+/// are its own, and say nothing against the penalties.
+bool DdpSolver::minimized() const {
+  return row_.stationarity <= std::max(inner_tolerance_, options_.tolerances.stationarity) ||
+         row_.actual_decrease <= kDualShare * dual_gain_ || merit_.hidden(row_.actual_decrease);
 }
 
 /// Whether multipliers and penalties have done their work, and what is left of the stationarity is
@@ -97,9 +110,11 @@ bool DdpSolver::hidden_by_rounding() const {
 /// where the solve ends.
 bool DdpSolver::next_multipliers() {
   const bool idle = constraints_->idle(linearization_.constraint);
-  constraints_->update();
+  const bool by_rounding = hidden_by_rounding();
+  *former_augmentation_ = *augmentation_;
+  constraints_->update(minimized());
   const auto& tolerance = options_.tolerances;
-  if (hidden_by_rounding()) {
+  if (by_rounding) {
     if (++relaxations_ > kRelaxations) {
       linearized_ = false;
       result_.failed_quantity = kRoundedCost;
@@ -124,11 +139,26 @@ bool DdpSolver::next_multipliers() {
   at_rounding_floor_ = false;
   regularization_ = RegularizationSchedule(options_.regularization);
   // As long as all rows are strictly inside of their sets they have no derivatives to change.
-  if (!linearized_ || !(idle && constraints_->idle(linearization_.constraint))) differentiate();
+  if (!linearized_ || !(idle && constraints_->idle(linearization_.constraint))) {
+    // Relaxed penalties are to have their own rounding.
+    if (linearized_ && !by_rounding && !hessian_.exact_wanted())
+      change_augmentation();
+    else
+      differentiate();
+  }
   if (!linearized_) return end_diverged();
   merit_.cost = linearization_.total_cost() + linearization_.augmentation.sum();
   row_.stationarity = bounds_.projected_norm(adjoint_.gradient(), trajectory_).value;
   return true;
+}
+
+/// The derivatives of the iterate, known with the former augmentation, with the present one.
+void DdpSolver::change_augmentation() {
+  const Stopwatch watch(result_.times.differentiate);
+  if (!augmentation_change_->apply(*former_augmentation_, *augmentation_, linearization_)) return;
+  adjoint_.compute(linearization_, trajectory_, gaps_, direction_.feedback());
+  linearized_ = std::isfinite(linearization_.augmentation.sum()) &&
+                all_finite(adjoint_.costates()) && all_finite(adjoint_.gradient());
 }
 
 /// Equalities that contradict each other are why a solve that keeps them did not converge.

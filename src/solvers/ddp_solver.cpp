@@ -49,6 +49,8 @@ DdpSolver::DdpSolver(const ShootingProblem& problem, const DdpRecipe& recipe,
   if (!recipe.constraints || problem.constraints().empty()) return;
   constraints_.emplace(problem, options, recipe.multipliers);
   augmentation_ = &constraints_->augmentation();
+  former_augmentation_.emplace(problem);
+  augmentation_change_.emplace(problem);
   affine_probe_.emplace(problem);
   plain_adjoint_.emplace(problem, bounds_);
   if (direction_.null_space() != nullptr) equality_search_.emplace(problem, options.line_search);

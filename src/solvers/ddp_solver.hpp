@@ -7,6 +7,7 @@
 #include "ocp/acts.hpp"
 #include "solvers/adjoint.hpp"
 #include "solvers/affine_probe.hpp"
+#include "solvers/augmentation_change.hpp"
 #include "solvers/augmented_lagrangian.hpp"
 #include "solvers/direction.hpp"
 #include "solvers/equality_search.hpp"
@@ -73,6 +74,8 @@ class DdpSolver {
   double soft_cost() const;
   bool inner_converged() const;
   bool next_multipliers();
+  void change_augmentation();
+  bool minimized() const;
   bool hidden_by_rounding() const;
   void name_contradiction();
   bool confirmed();
@@ -102,6 +105,8 @@ class DdpSolver {
   RegularizationSchedule regularization_;
   std::optional<AugmentedLagrangian> constraints_;
   const Augmentation* augmentation_ = nullptr;
+  std::optional<Augmentation> former_augmentation_;  ///< the one before the last update
+  std::optional<AugmentationChange> augmentation_change_;
   std::optional<AffineProbe> affine_probe_;  ///< where there are constraints
   bool affine_known_ = false;                ///< that has been asked in this solve
   std::optional<ProjectedNewton> newton_;
@@ -111,6 +116,7 @@ class DdpSolver {
   double newton_threshold_ = 0;  ///< violation and stationarity below which Newton is tried
   bool by_newton_ = false;       ///< the solve ended with it
   double inner_tolerance_ = 0, inner_decrease_ = 0;  ///< of the minimisation that is under way
+  double dual_gain_ = 0;                             ///< ConstraintNorms::dual_gain
   int recoveries_ = 0;                               ///< minimisations that ended without a step
   int relaxations_ = 0;             ///< of penalties whose rounding hid the stationarity
   int inner_start_ = 0;             ///< iteration at which it began

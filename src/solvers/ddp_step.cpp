@@ -168,7 +168,7 @@ void DdpSolver::weigh_gaps() {
 /// leaves of gaps is judged by what closing them will cost, to first order Σ λᵀ gap: the merit's
 /// ν Σ‖gap‖₁ would reject good steps near the optimum (Maratos' effect).
 bool DdpSolver::model_step() {
-  if (!recipe_.open_gaps || constraints_ || !direction_.within_bounds() ||
+  if (!recipe_.open_gaps || equality_search_ || !direction_.within_bounds() ||
       hessian_.exact_wanted() || regularization_.value() > 0 || full_steps_ < full_steps_wanted_) {
     return false;
   }
@@ -180,7 +180,8 @@ bool DdpSolver::model_step() {
   const double expected = adjoint_.gap_slope() - merit_.slope;
   const bool hidden = merit_.hidden(expected);
   const auto costates = adjoint_.costates().rightCols(problem_.knots());
-  const bool close = last || hidden;
+  // Multipliers change where gaps are closed alone.
+  const bool close = last || hidden || constraints_;
   double weight = 0, gap = 0;
   bool small = false, ahead = false;
   // The last look at the step becomes that of the next iterate, if it can be told to be the last.
@@ -189,9 +190,10 @@ bool DdpSolver::model_step() {
     const auto how = at_last ? ModelStep::Look::differentiate : ModelStep::Look::evaluate;
     if (at_last) hessian_.begin_iterate();
     if (correct) {
-      model_step_.correct(acts_, direction_.feedback(), how, linearization_, trajectory_);
+      model_step_.correct(acts_, direction_.feedback(), how, linearization_, trajectory_,
+                          augmentation_);
     } else {
-      model_step_.take(acts_, direction_.step(), how, linearization_, trajectory_);
+      model_step_.take(acts_, direction_.step(), how, linearization_, trajectory_, augmentation_);
     }
     ahead = at_last;
     linearized_ = linearized_ && !at_last;
@@ -310,10 +312,10 @@ int DdpSolver::sweep_backward(double regularization) {
           augmentation_);
     };
     int bad_knot = find();
-    if (direction_.lacked_descent() && !affine_known_) {
+    if (direction_.unsettled() && !affine_known_) {
       affine_known_ = true;
       if (affine_probe_->holds(acts_, trajectory_, linearization_)) {
-        direction_.allow_descent();
+        direction_.trust_model();
         bad_knot = find();
       }
     }

@@ -48,7 +48,7 @@ int Direction::find(Linearization& linearization, const Trajectory& trajectory, 
                     const Adjoint& adjoint, const MeritModel& merit,
                     SweepRegularization regularization, const Augmentation* augmentation) {
   const bool augmented = constraints_ && augmentation != nullptr;
-  descended_ = lacked_descent_ = false;
+  descended_ = unsettled_ = false;
   if (augmented) {
     constraints_->start(linearization, *augmentation);
     constraints_->expect(linearization);
@@ -56,8 +56,10 @@ int Direction::find(Linearization& linearization, const Trajectory& trajectory, 
   const int bad_knot =
       search(linearization, trajectory, gaps, adjoint, merit, regularization, augmented);
   if (augmented && constraints_->restore(linearization)) {
-    linear_rollout_.run(linearization, trajectory, gaps, feedback_,
-                        recipe_.clamp_controls && !within_bounds_);
+    if (within_bounds_)
+      linear_rollout_.measure_slope(linearization);  // of the step that settled the search
+    else
+      linear_rollout_.run(linearization, trajectory, gaps, feedback_, recipe_.clamp_controls);
   }
   return bad_knot;
 }
@@ -91,7 +93,7 @@ int Direction::search(Linearization& linearization, const Trajectory& trajectory
     if (augmented) {
       // The minimum of an affine problem's model is that of the problem; others give a step.
       const double allowed =
-          descent_allowed_ ? 0 : kModelError * linear_rollout_.curvature(linearization);
+          model_true_ ? 0 : kModelError * linear_rollout_.curvature(linearization);
       rows = constraints_->revise(linear_rollout_.z(), allowed, linearization, last_row);
     }
     last_change.reset();
@@ -130,15 +132,14 @@ int Direction::search(Linearization& linearization, const Trajectory& trajectory
     return false;
   };
   if (!declined_ && settle()) return -1;
-  descended_ = augmented && descent_allowed_ && !declined_ &&
-               descend(linearization, trajectory, gaps, adjoint, regularization);
+  unsettled_ = augmented && !declined_;
+  descended_ = unsettled_ && descend(linearization, trajectory, gaps, adjoint, regularization);
   if (descended_) {
     last_change.reset();
     if (sweep(true) < 0 && settle()) return -1;
     descent_->write(feedback_);
     return -1;
   }
-  lacked_descent_ = augmented && !descent_allowed_;
   if (augmented) constraints_->restore(linearization);
   augmented = false;
   for (int k = 0; k < problem_.knots(); ++k) {
@@ -223,7 +224,7 @@ void Direction::reset() {
   sweep_.use_legs(true);
   sweeps_ = 0;
   if (constraints_) constraints_->reset();
-  active_set_known_ = descent_allowed_ = declined_ = false;
+  active_set_known_ = model_true_ = declined_ = false;
   for (Eigen::VectorXd& k : feedback_.k) k.setZero();
   for (Eigen::MatrixXd& K : feedback_.K) K.setZero();
 }

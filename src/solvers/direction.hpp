@@ -58,19 +58,18 @@ class Direction {
   NullSpaceStage* null_space() { return null_space_; }
   /// The policy's full step in the linear model, cut off at bounds as the rollout proper is.
   const LinearRollout& step() const { return linear_rollout_; }
-  /// Whether the last find() ended a search that did not settle without the descent that there
-  /// could have been.
-  bool lacked_descent() const { return lacked_descent_; }
+  /// Whether the last find() met a search for the constraints' rows that did not settle.
+  bool unsettled() const { return unsettled_; }
   /// Whether that step meets no bound on its way: nothing had to be cut off.
   bool within_bounds() const { return within_bounds_; }
-  /// Whether find() may end a search that does not settle by a descent through the linear model of
-  /// the horizon: a good step where that model is true.
-  void allow_descent() { descent_allowed_ = true; }
+  /// That dynamics and constraints are affine: the model's exact minimum is worth its sweeps.
+  void trust_model() { model_true_ = true; }
   /// That the last find()'s descent was no good: the next one stays near the iterate.
   void decline_descent() { declined_ = true; }
   /// That an iterate has been found: what was declined at the last one may be tried again.
   void admit_descent() { declined_ = false; }
-  /// Whether the last find() did.
+  /// Whether the last find() ended a search that did not settle by a descent through the linear
+  /// model of the horizon.
   bool descended() const { return descended_; }
   /// dᵀ Hessian d of the step.
   double curvature(const Linearization& linearization) {
@@ -111,8 +110,8 @@ class Direction {
   std::optional<Remembered> remembered_;  ///< where sweeps are compared
   bool active_set_known_ = false;         ///< the policy holds one of the whole horizon
   bool within_bounds_ = false;
-  bool descent_allowed_ = false;
-  bool lacked_descent_ = false;
+  bool model_true_ = false;
+  bool unsettled_ = false;
   bool descended_ = false;
   bool declined_ = false;
 };

@@ -36,11 +36,14 @@ void outside_cone_at(const NodeConstraint& c, const double* s, double limit, dou
 }  // namespace
 
 HorizonConstraints::HorizonConstraints(const ShootingProblem& problem)
-    : problem_(problem), nodes_(problem.knots() + 1), cone_slope_(problem.constraints().size()) {
+    : problem_(problem),
+      nodes_(problem.knots() + 1),
+      cone_slope_(problem.constraints().size()),
+      update_(problem) {
   for (Eigen::VectorXd* rows :
        {&base_, &around_, &shifted_, &found_, &outside_, &slope_, &along_, &inside_, &multiplier_})
     *rows = Eigen::VectorXd::Zero(problem.constraint_rows());
-  int rows = 0, columns = 0;
+  int rows = 0;
   for (int k = 0; k <= problem.knots(); ++k) {
     const int nz = problem.knot(k).model->nz();
     nodes_[k].gradient.resize(nz);
@@ -49,16 +52,14 @@ HorizonConstraints::HorizonConstraints(const ShootingProblem& problem)
   for (std::size_t i = 0; i < problem.constraints().size(); ++i) {
     const NodeConstraint& c = problem.constraints()[i];
     Node& node = nodes_[c.node];
-    const KnotModel& model = *problem.knot(c.node).model;
     node.constraints.push_back(static_cast<int>(i));
     rows = std::max(rows, c.term->rows);
-    columns = std::max(columns, model.nz());
     if (!c.term->has_bounds()) cone_slope_[i].setZero(c.term->rows, c.term->rows);
   }
   new_slope_.resize(rows, rows);
   new_outside_.resize(rows);
   weight_.resize(rows);
-  product_.resize(rows, columns);
+  difference_.resize(rows);
 }
 
 void HorizonConstraints::start(const Linearization& linearization,
@@ -152,6 +153,7 @@ int HorizonConstraints::revise(Linearization& linearization, std::optional<int>&
       ++changes;
       last = k;
     }
+    if (!update_.empty()) update_.apply(linearization.knots[k].hessian);
   }
   return changes;
 }
@@ -189,8 +191,7 @@ bool HorizonConstraints::revise_bounds(const NodeConstraint& c, KnotLinearizatio
     const double after = outside - slope * (s - base_[row]);
     const auto C = knot.C.row(row - offset);
     knot.gradient += rho * (after - before) * C.transpose();
-    if (slope != slope_[row])
-      knot.hessian.change().noalias() += rho * (slope - slope_[row]) * C.transpose() * C;
+    if (slope != slope_[row]) update_.add(C, rho * (slope - slope_[row]));
     outside_[row] = outside;
     slope_[row] = slope;
     around_[row] = s;
@@ -209,7 +210,7 @@ bool HorizonConstraints::revise_cone(const NodeConstraint& c, int index, KnotLin
   const double rho = augmentation_->penalty[c.row], limit = c.limit / rho;
   new_outside = found_.segment(c.row, n);
   auto error = weight_.head(n);
-  auto difference = product_.col(0).head(n);
+  auto difference = difference_.head(n);
   error = new_outside - outside;
   difference = s - around;
   error.noalias() -= slope * difference;
@@ -227,10 +228,8 @@ bool HorizonConstraints::revise_cone(const NodeConstraint& c, int index, KnotLin
   weight.noalias() += slope * difference;
   const auto C = knot.C.middleRows(c.row - problem_.constraint_offset(c.node), n);
   knot.gradient.noalias() += rho * (C.transpose() * weight);
-  slope = new_slope - slope;
-  auto product = product_.topLeftCorner(n, C.cols());
-  product.noalias() = slope * C;
-  knot.hessian.change().noalias() += rho * (C.transpose() * product);
+  slope = rho * (new_slope - slope);
+  update_.add(C, slope);
   slope = new_slope;
   outside = new_outside;
   around = s;
@@ -289,7 +288,8 @@ bool HorizonConstraints::restore(Linearization& linearization) {
   for (std::size_t k = 0; k < nodes_.size(); ++k) {
     if (!nodes_[k].changed) continue;
     linearization.knots[k].gradient = nodes_[k].gradient;
-    linearization.knots[k].hessian.change() = nodes_[k].hessian;
+    KnotHessian& hessian = linearization.knots[k].hessian;
+    hessian.change(hessian.fill()).swap(nodes_[k].hessian);
     nodes_[k].changed = false;
     changed = true;
   }

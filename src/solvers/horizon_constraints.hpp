@@ -7,6 +7,7 @@
 
 #include "ocp/augmentation.hpp"
 #include "ocp/linearization.hpp"
+#include "solvers/low_rank_update.hpp"
 
 namespace conddp {
 
@@ -77,8 +78,9 @@ class HorizonConstraints {
   bool settled_ = false;                     ///< these are known
   Eigen::VectorXd along_;                    ///< ∂g d of a path
   std::vector<Eigen::MatrixXd> cone_slope_;  ///< per constraint, empty unless a cone
-  Eigen::MatrixXd new_slope_, product_;      ///< scratch
-  Eigen::VectorXd new_outside_, weight_;
+  LowRankUpdate update_;                     ///< of the Hessian of one node
+  Eigen::MatrixXd new_slope_;                ///< scratch
+  Eigen::VectorXd new_outside_, weight_, difference_;
   double allowed_ = 0;  ///< what the model of P may be off
 };
 

@@ -40,6 +40,11 @@ void LinearRollout::run(const Linearization& linearization, const Trajectory& tr
   slope_ += linearization.knots[N].gradient.dot(z_[N]);
 }
 
+void LinearRollout::measure_slope(const Linearization& linearization) {
+  slope_ = 0;
+  for (std::size_t k = 0; k < z_.size(); ++k) slope_ += linearization.knots[k].gradient.dot(z_[k]);
+}
+
 void LinearRollout::respond(const Linearization& linearization, const Gaps& gaps,
                             const Feedback& feedback) {
   z_[0].head(ndx_).setZero();

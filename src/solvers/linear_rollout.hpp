@@ -22,6 +22,8 @@ class LinearRollout {
   /// With `clamp`, δu is cut where u + δu would leave its bounds, as the rollout proper does.
   void run(const Linearization& linearization, const Trajectory& trajectory, const Gaps& gaps,
            const Feedback& feedback, bool clamp);
+  /// The slope of the same step with other gradients of the knots.
+  void measure_slope(const Linearization& linearization);
   /// What the policy makes of gaps alone: δu = K δx without k.
   void respond(const Linearization& linearization, const Gaps& gaps, const Feedback& feedback);
 

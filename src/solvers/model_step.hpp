@@ -21,18 +21,19 @@ class ModelStep {
 
   /// Moves a trajectory by the step and looks at it there. `linearization` is that before the step.
   void take(Acts& acts, const LinearRollout& step, Look look, Linearization& linearization,
-            Trajectory& trajectory);
+            Trajectory& trajectory, const Augmentation* augmentation = nullptr);
   /// Closes the gaps to first order and looks at the trajectory again. `linearization` is that
   /// before the step, or of the trajectory where that has been differentiated.
   void correct(Acts& acts, const Feedback& feedback, Look look, Linearization& linearization,
-               Trajectory& trajectory);
+               Trajectory& trajectory, const Augmentation* augmentation = nullptr);
 
-  double cost() const { return evaluation_.cost.sum(); }
+  /// With the augmentation, where there is one.
+  double cost() const { return evaluation_.cost.sum() + evaluation_.augmentation.sum(); }
   const Eigen::MatrixXd& gap() const { return evaluation_.gap; }
 
  private:
   void look_at(Acts& acts, const LinearRollout& step, Look look, Linearization& linearization,
-               Trajectory& trajectory);
+               Trajectory& trajectory, const Augmentation* augmentation);
 
   const ControlBounds& bounds_;
   StateManifold manifold_;

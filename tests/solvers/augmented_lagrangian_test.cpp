@@ -47,5 +47,36 @@ TEST(AugmentedLagrangian, EqualitiesAreNeverIdle) {
   EXPECT_FALSE(constraints.idle(Eigen::VectorXd::Zero(conic.problem->constraint_rows())));
 }
 
+class Schedules : public ::testing::TestWithParam<MultiplierSchedule> {};
+
+// What is violated at a point that is no minimum speaks against no penalty.
+TEST_P(Schedules, RaiseNoPenaltyWhereNothingWasMinimized) {
+  ConicSize size = middle_size();
+  size.boxes = size.cones = 0;
+  const ConicLinearQuadratic conic(1, size);
+  AugmentedLagrangian constraints(*conic.problem, {}, GetParam());
+  const double first = constraints.largest_penalty();
+  Eigen::VectorXd bounds = Eigen::VectorXd::Zero(conic.problem->constraint_rows());
+  int rows = 0;  // of constraints that are there at their nodes
+  for (const NodeConstraint& c : conic.problem->constraints())
+    for (int r = 0; r < c.term->rows; ++r, ++rows) bounds[c.row + r] = c.lower[r];
+  // A row that is 1 off asks for |ν⁺ − ν|² / ρ = ρ.
+  double off = 1;
+  const auto values = [&] { return Eigen::VectorXd(bounds.array() + off); };
+  EXPECT_NEAR(constraints.measure(values()).dual_gain, first * rows, 1e-12);
+  constraints.update();
+  for (const bool minimized : {false, false, true}) {
+    off *= 1.5;
+    constraints.measure(values());
+    EXPECT_EQ(constraints.largest_penalty(), first);
+    constraints.update(minimized);
+  }
+  EXPECT_GT(constraints.largest_penalty(), first);
+}
+
+INSTANTIATE_TEST_SUITE_P(AugmentedLagrangian, Schedules,
+                         ::testing::Values(MultiplierSchedule::always,
+                                           MultiplierSchedule::bound_constrained_lagrangian));
+
 }  // namespace
 }  // namespace conddp::testing

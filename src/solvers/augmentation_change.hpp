@@ -1,0 +1,38 @@
+#pragma once
+
+#include <vector>
+
+#include "ocp/augmentation.hpp"
+#include "ocp/linearization.hpp"
+#include "solvers/low_rank_update.hpp"
+
+namespace conddp {
+
+/// Takes a linearisation with Gauss-Newton Hessians from one augmentation of its constraints to
+/// another at the same iterate. The values g and derivatives ∂g are known, so that only the rows
+/// that have or get a multiplier are looked at: nothing is differentiated again.
+class AugmentationChange {
+ public:
+  explicit AugmentationChange(const ShootingProblem& problem);
+
+  /// `linearization` was made with `from`; afterwards it is what differentiation with `to` gives,
+  /// up to rounding. Both have no multipliers besides their shifts. Returns whether it changed.
+  bool apply(const Augmentation& from, const Augmentation& to, Linearization& linearization);
+
+ private:
+  /// ½ ρ dist²(g + shift, C) of a constraint as a function of g: its gradient and Hessian.
+  struct Term {
+    double value = 0;
+    Eigen::VectorXd gradient;
+    Eigen::MatrixXd hessian;  ///< n x n; of rows with bounds in its first column, a diagonal
+  };
+  void evaluate(const NodeConstraint& c, const Augmentation& augmentation,
+                const Eigen::VectorXd& values, Term& term);
+
+  const ShootingProblem& problem_;
+  Term before_, after_;
+  Eigen::VectorXd shifted_, outside_, slope_;
+  LowRankUpdate update_;
+};
+
+}  // namespace conddp
