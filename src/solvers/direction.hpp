@@ -64,6 +64,7 @@ class Direction {
   bool within_bounds() const { return within_bounds_; }
   /// That dynamics and constraints are affine: the model's exact minimum is worth its sweeps.
   void trust_model() { model_true_ = true; }
+  bool trusts_model() const { return model_true_; }
   /// That the last find()'s descent was no good: the next one stays near the iterate.
   void decline_descent() { declined_ = true; }
   /// That an iterate has been found: what was declined at the last one may be tried again.
