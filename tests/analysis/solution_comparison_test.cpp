@@ -46,6 +46,19 @@ TEST(SolutionComparison, AQuaternionAndItsNegativeAreTheSameRotation) {
   EXPECT_EQ(first(solution(), other), "");
 }
 
+TEST(SolutionComparison, SlipSpeedsThatNoForceTellsDoNotMatter) {
+  const auto with = [](const char* name, double value) {
+    Json j = solution();
+    j["trajectory"]["columns"]["u"] = {"u/elbow", name};
+    j["trajectory"]["u"] = {{3.0, value}};
+    return j;
+  };
+  for (const char* slack : {"contact/toe/slip_t-", "contact/toe/slip_speed", "contact/toe/use1"})
+    EXPECT_EQ(first(with(slack, 0.0), with(slack, 0.1)), "") << slack;
+  for (const char* force : {"contact/toe/fn", "contact/toe/ft+", "friction/hip/slip_t+"})
+    EXPECT_NE(first(with(force, 0.0), with(force, 0.1)), "") << force;
+}
+
 TEST(SolutionComparison, NamesWhatDiffersAndWhere) {
   const auto changed = [](auto change) {
     Json other = solution();
