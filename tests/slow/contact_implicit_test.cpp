@@ -133,7 +133,7 @@ INSTANTIATE_TEST_SUITE_P(
                                          "cartpole_friction", "cartpole_walls", "finger_spinner",
                                          "acrobot_limits", "raibert_gait", "footed_hopper",
                                          "push_obstacle", "puck_slide", "planar_biped_gait",
-                                         "planar_quadruped_gait"),
+                                         "planar_quadruped_gait", "crate_tumble", "quadruped_hop"),
                        ::testing::Values(1, 2)),
     [](const auto& test) {
       return std::get<0>(test.param) + "_seed_" + std::to_string(std::get<1>(test.param));
