@@ -43,12 +43,15 @@ for (const name of problems) {
     assert.ok(Math.abs((mark.x - band.x) / band.width - pointed / times[times.length - 1]) < 0.01);
     await page.mouse.move(0, 0);
 
-    // Playing moves on and pauses.
+    // Playing moves on and pauses; so slowly that the shortest motion is not over before.
     await page.keyboard.press('Home');
+    for (let i = 0; i < 3; i++) await page.keyboard.press('[');
     await page.keyboard.press('Space');
-    await until(page, () => window.conddp.player.time > 0.05);
+    await until(page, () => window.conddp.player.time > 0.005);
+    assert.equal(await page.evaluate(() => window.conddp.player.playing), true);
     await page.keyboard.press('Space');
     assert.equal(await page.evaluate(() => window.conddp.player.playing), false);
+    for (let i = 0; i < 3; i++) await page.keyboard.press(']');
 
     // The curves are those of the solution.
     const controls = await page.evaluate(() => {
