@@ -204,8 +204,8 @@ class Comparison {
   /// Slacks of contacts that are found: where a force acts, velocities and forces say what they
   /// are, and where none does nothing but their small weight.
   static bool is_slack(const std::string& name) {
-    return name.starts_with("contact/") &&
-           (name.find("/slip_") != std::string::npos || name.find("/use") != std::string::npos);
+    const std::string last = name.substr(name.rfind('/') + 1);
+    return name.starts_with("contact/") && (last.starts_with("slip_") || last.starts_with("use"));
   }
 
   static bool is_quaternion(const std::vector<std::string>& names, std::size_t c) {

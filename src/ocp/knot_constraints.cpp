@@ -1,8 +1,9 @@
+#include <limits>
 #include <stdexcept>
 
+#include "ocp/augmented_term.hpp"
 #include "ocp/gauss_newton.hpp"
 #include "ocp/knot_model.hpp"
-#include "ocp/soft_constraint.hpp"
 
 namespace conddp {
 namespace {
@@ -45,66 +46,6 @@ void form_jacobian(const ConstraintTerm& term, const S* r, const S& norm, const 
     jacobian[column * term.rows + row] = S(row == term.rows - 1 ? term.slope : 1.0) * *residual++;
 }
 
-/// What an augmentation asks of a constraint's rows.
-template <class S>
-struct Penalty {
-  const S* penalty;
-  const S* shift;
-  const S* multiplier;
-};
-
-/// What a constraint adds to the cost, soft or by the augmentation: ½ penalty dist² + νᵀg, linear
-/// where the weight of a soft one limits it. With the multiplier that this gives to each row and,
-/// where asked for, ∂weight/∂g: a diagonal, or all of a cone's.
-template <class S>
-S augment(const ConstraintTerm& term, const KnotInput<S>& in, const Penalty<S>& given, const S* g,
-          S* shifted, S* weight, S* curvature) {
-  S value(0.0);
-  const S* penalty = given.penalty;
-  const int n = term.rows;
-  const bool limited = term.softness == Softness::l1;
-  const S most = limited ? in.cost_scale * in.parameters[term.weight()] : S(0.0);
-  const auto limit = [&](int row) { return most / max(penalty[row], S(1e-200)); };
-  for (int i = 0; i < n; ++i) shifted[i] = g[i] + given.shift[i];
-  if (term.has_bounds()) {
-    const S* lower = in.parameters + term.lower();
-    const S* upper = in.parameters + term.upper();
-    for (int i = 0; i < n; ++i) {
-      const S outside = outside_bounds(shifted[i], lower[i], upper[i]);
-      weight[i] = limited ? limit_outside(outside, limit(i)) : outside;
-      value += penalty[i] * weight[i] * (outside - S(0.5) * weight[i]);
-      if (curvature == nullptr) continue;
-      curvature[i] = select(shifted[i] <= lower[i], penalty[i],
-                            select(shifted[i] >= upper[i], penalty[i], S(0.0)));
-      if (limited) curvature[i] = select(abs(outside) <= limit(i), curvature[i], S(0.0));
-    }
-  } else if (term.has_pairs()) {
-    // The smaller one of a pair, whatever its multiplier, is the one that has to vanish.
-    for (int i = 0; i < n; ++i) {
-      const auto larger = i % 2 == 0 ? g[i] > g[i + 1] : g[i] >= g[i - 1];
-      weight[i] = select(larger, min(shifted[i], S(0.0)), shifted[i]);
-      if (curvature != nullptr)
-        curvature[i] = select(larger, select(shifted[i] <= S(0.0), penalty[i], S(0.0)), penalty[i]);
-    }
-  } else {
-    outside_cone(shifted, n, weight);
-    if (curvature != nullptr) {
-      outside_cone_derivative(shifted, n, curvature);
-      if (limited) limit_cone_derivative(weight, n, limit(0), curvature);
-      for (int i = 0; i < n * n; ++i) curvature[i] *= penalty[0];
-    }
-    // ½ p² up to the limit, from there on as steep as it is there: p·q − ½ q² with q cut off.
-    for (int i = 0; i < n; ++i) shifted[i] = weight[i];
-    if (limited) limit_cone(n, limit(0), weight);
-    for (int i = 0; i < n; ++i) value += penalty[0] * weight[i] * (shifted[i] - S(0.5) * weight[i]);
-  }
-  for (int i = 0; i < n; ++i) {
-    value += given.multiplier[i] * g[i];
-    weight[i] = penalty[i] * weight[i] + given.multiplier[i];
-  }
-  return value;
-}
-
 }  // namespace
 
 int KnotModel::add_constraint(ConstraintTerm term) {
@@ -142,7 +83,7 @@ void KnotModel::evaluate_constraints(const KnotInput<S>& in, KnotWorkspace<S>& w
 template <class S>
 bool KnotModel::add_penalty(const ConstraintTerm& term, const KnotInput<S>& in,
                             KnotWorkspace<S>& work, S* curvature) const {
-  Penalty<S> given;
+  RowPenalty<S> given;
   if (term.softness == Softness::l2) {
     S* of_rows = work.soft_.data();
     const S weight = in.cost_scale * in.parameters[term.weight()] * in.parameters[term.active()];
@@ -156,7 +97,10 @@ bool KnotModel::add_penalty(const ConstraintTerm& term, const KnotInput<S>& in,
   } else {
     return false;
   }
-  const S value = augment<S>(term, in, given, work.constraint.data() + term.row,
+  const RowSet<S> set{in.parameters + term.lower(), in.parameters + term.upper(),
+                      term.softness == Softness::l1 ? in.cost_scale * in.parameters[term.weight()]
+                                                    : S(std::numeric_limits<double>::infinity())};
+  const S value = augment<S>(term, set, given, work.constraint.data() + term.row,
                              work.shifted_.data(), work.weight_.data(), curvature);
   (term.softness == Softness::l2 ? work.cost : work.augmentation) += value;
   return true;

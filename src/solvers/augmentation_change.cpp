@@ -1,9 +1,8 @@
 #include "solvers/augmentation_change.hpp"
 
 #include <algorithm>
-#include <cmath>
 
-#include "ocp/soft_constraint.hpp"
+#include "ocp/augmented_term.hpp"
 
 namespace conddp {
 
@@ -13,43 +12,18 @@ AugmentationChange::AugmentationChange(const ShootingProblem& problem)
   for (const NodeConstraint& c : problem.constraints()) rows = std::max(rows, c.term->rows);
   for (Term* term : {&before_, &after_}) {
     term->gradient.setZero(rows);
-    term->hessian.setZero(rows, rows);
+    term->curvature.setZero(rows * rows);
   }
   shifted_.setZero(rows);
-  outside_.setZero(rows);
-  slope_.setZero(rows * rows);
 }
 
 void AugmentationChange::evaluate(const NodeConstraint& c, const Augmentation& augmentation,
                                   const Eigen::VectorXd& values, Term& term) {
-  const int n = c.term->rows;
-  const double rho = augmentation.penalty[c.row], limit = c.limit / rho;
-  auto shifted = shifted_.head(n);
-  shifted = values.segment(c.row, n) + augmentation.shift.segment(c.row, n);
-  auto gradient = term.gradient.head(n);
-  if (c.term->has_bounds()) {
-    term.value = 0;
-    for (int r = 0; r < n; ++r) {
-      const double s = shifted[r], outside = outside_bounds(s, c.lower[r], c.upper[r]);
-      const double cut = limit_outside(outside, limit);
-      const bool curved = (s <= c.lower[r] || s >= c.upper[r]) && std::abs(outside) <= limit;
-      term.value += rho * cut * (outside - 0.5 * cut);
-      gradient[r] = rho * cut;
-      term.hessian(r, 0) = curved ? rho : 0;
-    }
-    return;
-  }
-  auto outside = outside_.head(n);
-  outside_cone(shifted.data(), n, outside.data());
-  outside_cone_derivative(shifted.data(), n, slope_.data());
-  gradient = outside;
-  if (c.is_soft()) {
-    limit_cone_derivative(outside.data(), n, limit, slope_.data());
-    limit_cone(n, limit, gradient.data());
-  }
-  term.value = rho * gradient.dot(outside - 0.5 * gradient);
-  gradient *= rho;
-  term.hessian.topLeftCorner(n, n) = rho * Eigen::Map<const Eigen::MatrixXd>(slope_.data(), n, n);
+  term.value = augment<double>(
+      *c.term, {c.lower, c.upper, c.limit},
+      {augmentation.penalty.data() + c.row, augmentation.shift.data() + c.row,
+       augmentation.multiplier.data() + c.row},
+      values.data() + c.row, shifted_.data(), term.gradient.data(), term.curvature.data());
 }
 
 bool AugmentationChange::apply(const Augmentation& from, const Augmentation& to,
@@ -71,15 +45,13 @@ bool AugmentationChange::apply(const Augmentation& from, const Augmentation& to,
       knot.gradient += gradient[r] * C.row(r).transpose();
       changed = true;
     }
-    if (c.term->has_bounds()) {
-      for (int r = 0; r < n; ++r) {
-        const double curvature = after_.hessian(r, 0) - before_.hessian(r, 0);
-        if (curvature != 0) update_.add(C.row(r), curvature);
-      }
-    } else {
-      auto hessian = after_.hessian.topLeftCorner(n, n);
-      hessian -= before_.hessian.topLeftCorner(n, n);
-      if ((hessian.array() != 0).any()) update_.add(C, hessian);
+    auto curvature = after_.curvature.head(c.term->is_cone() ? n * n : n);
+    curvature -= before_.curvature.head(curvature.size());
+    if (!c.term->is_cone()) {
+      for (int r = 0; r < n; ++r)
+        if (curvature[r] != 0) update_.add(C.row(r), curvature[r]);
+    } else if ((curvature.array() != 0).any()) {
+      update_.add(C, Eigen::Map<const Eigen::MatrixXd>(curvature.data(), n, n));
     }
     const bool last_of_node = i + 1 == constraints.size() || constraints[i + 1].node != c.node;
     if (!last_of_node || update_.empty()) continue;

@@ -16,22 +16,21 @@ class AugmentationChange {
   explicit AugmentationChange(const ShootingProblem& problem);
 
   /// `linearization` was made with `from`; afterwards it is what differentiation with `to` gives,
-  /// up to rounding. Both have no multipliers besides their shifts. Returns whether it changed.
+  /// up to rounding. Returns whether it changed.
   bool apply(const Augmentation& from, const Augmentation& to, Linearization& linearization);
 
  private:
-  /// ½ ρ dist²(g + shift, C) of a constraint as a function of g: its gradient and Hessian.
+  /// What an augmentation adds to the cost, as a function of a constraint's values g.
   struct Term {
     double value = 0;
-    Eigen::VectorXd gradient;
-    Eigen::MatrixXd hessian;  ///< n x n; of rows with bounds in its first column, a diagonal
+    Eigen::VectorXd gradient, curvature;  ///< by rows; the curvature of a cone n x n
   };
   void evaluate(const NodeConstraint& c, const Augmentation& augmentation,
                 const Eigen::VectorXd& values, Term& term);
 
   const ShootingProblem& problem_;
   Term before_, after_;
-  Eigen::VectorXd shifted_, outside_, slope_;
+  Eigen::VectorXd shifted_;  ///< scratch
   LowRankUpdate update_;
 };
 

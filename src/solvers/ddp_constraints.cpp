@@ -113,7 +113,6 @@ bool DdpSolver::next_multipliers() {
   const bool by_rounding = hidden_by_rounding();
   *former_augmentation_ = *augmentation_;
   constraints_->update(minimized());
-  const auto& tolerance = options_.tolerances;
   if (by_rounding) {
     if (++relaxations_ > kRelaxations) {
       linearized_ = false;
@@ -124,7 +123,7 @@ bool DdpSolver::next_multipliers() {
                              residual_text()));
     }
     constraints_->relax();
-    inner_tolerance_ = std::max(inner_tolerance_, tolerance.stationarity);
+    inner_tolerance_ = std::max(inner_tolerance_, options_.tolerances.stationarity);
   }
   if (!constraints_->hopeless().empty()) {
     linearized_ = false;  // what is written belongs to the last multipliers

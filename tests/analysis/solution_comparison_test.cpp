@@ -55,7 +55,8 @@ TEST(SolutionComparison, SlipSpeedsThatNoForceTellsDoNotMatter) {
   };
   for (const char* slack : {"contact/toe/slip_t-", "contact/toe/slip_speed", "contact/toe/use1"})
     EXPECT_EQ(first(with(slack, 0.0), with(slack, 0.1)), "") << slack;
-  for (const char* force : {"contact/toe/fn", "contact/toe/ft+", "friction/hip/slip_t+"})
+  for (const char* force : {"contact/toe/fn", "contact/toe/ft+", "contact/use/fn",
+                            "contact/slip_1/fn", "friction/hip/slip_t+"})
     EXPECT_NE(first(with(force, 0.0), with(force, 0.1)), "") << force;
 }
 

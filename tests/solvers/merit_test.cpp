@@ -48,6 +48,13 @@ struct Iterate {
   LinearRollout rollout;
 };
 
+/// What a quadrotor's states become under constant controls: no gaps.
+Trajectory simulated_guess(const ShootingProblem& problem) {
+  Trajectory guess = testing::constant_controls(problem, 1.3);
+  EXPECT_EQ(Acts(problem).simulate(guess), -1);
+  return guess;
+}
+
 /// Quadrotor states that do not follow from the controls, rotations included.
 Trajectory open_gap_guess(const ShootingProblem& problem, double size = 0.2) {
   Trajectory guess = testing::constant_controls(problem, 1.3);
@@ -92,9 +99,7 @@ TEST(BackwardSweep, FromAKnotIsTheWholeSweepWhereNothingBehindItChanged) {
 TEST(ModelStep, ALastLookLeavesTheDerivativesOfTheNextIterate) {
   using Look = ModelStep::Look;
   const ShootingProblem problem = testing::quadrotor_move();
-  Trajectory guess = testing::constant_controls(problem, 1.3);
-  ASSERT_EQ(Acts(problem).simulate(guess), -1);
-  Iterate at(problem, guess, false);
+  Iterate at(problem, simulated_guess(problem), false);
   ModelStep evaluated(problem, at.bounds), differentiated(problem, at.bounds);
   for (Eigen::VectorXd& k : at.feedback.k) k *= 0.1;
   at.rollout.run(at.linearization, at.trajectory, at.gaps, at.feedback, false);
@@ -128,9 +133,7 @@ TEST(ModelStep, ALastLookLeavesTheDerivativesOfTheNextIterate) {
 TEST(ModelStep, EveryCorrectionTakesTheGapsOneOrderDown) {
   using Look = ModelStep::Look;
   const ShootingProblem problem = testing::quadrotor_move();
-  Trajectory guess = testing::constant_controls(problem, 1.3);
-  ASSERT_EQ(Acts(problem).simulate(guess), -1);
-  Iterate at(problem, guess, false);
+  Iterate at(problem, simulated_guess(problem), false);
   ModelStep moved(problem, at.bounds);
   constexpr int kCorrections = 2;
   const auto gaps_of_step = [&](double size) {
