@@ -5,28 +5,10 @@
 #include "argument_checks.hpp"
 
 namespace conddp {
-namespace {
-
-struct NamedTolerance {
-  const char* name;
-  double ComparisonTolerances::*member;
-};
-
-constexpr NamedTolerance kTolerances[] = {
-    {"cost_relative", &ComparisonTolerances::cost_relative},
-    {"residual_factor", &ComparisonTolerances::residual_factor},
-    {"residual_floor", &ComparisonTolerances::residual_floor},
-    {"trajectory_absolute", &ComparisonTolerances::trajectory_absolute},
-    {"trajectory_relative", &ComparisonTolerances::trajectory_relative},
-    {"rotation", &ComparisonTolerances::rotation},
-};
-
-}  // namespace
-
 void add_comparison_tolerances(CLI::App& command, std::vector<std::string>& values) {
   std::vector<std::string> names;
   std::string list;
-  for (const NamedTolerance& tolerance : kTolerances) {
+  for (const NamedTolerance& tolerance : kNamedTolerances) {
     names.emplace_back(tolerance.name);
     list += fmt::format("{}{} ({})", list.empty() ? "" : ", ", tolerance.name,
                         ComparisonTolerances().*tolerance.member);
@@ -37,10 +19,10 @@ void add_comparison_tolerances(CLI::App& command, std::vector<std::string>& valu
       ->check(named_number(names, 0, 1e300, "a number, at least 0"));
 }
 
-ComparisonTolerances comparison_tolerances(const std::vector<std::string>& values) {
-  ComparisonTolerances tolerances;
+ComparisonTolerances comparison_tolerances(const std::vector<std::string>& values,
+                                           ComparisonTolerances tolerances) {
   for (const auto& [name, value] : named_numbers(values))
-    for (const NamedTolerance& tolerance : kTolerances)
+    for (const NamedTolerance& tolerance : kNamedTolerances)
       if (name == tolerance.name) tolerances.*tolerance.member = value;
   return tolerances;
 }

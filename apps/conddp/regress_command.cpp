@@ -46,8 +46,9 @@ class Regression {
                                outcome->answer.at("status").get<std::string>(), iterations));
       return bless(golden, *outcome);
     }
-    const auto differences = compare_solutions(golden.answer, outcome->answer,
-                                               comparison_tolerances(arguments_.tolerances));
+    const auto differences =
+        compare_solutions(golden.answer, outcome->answer,
+                          comparison_tolerances(arguments_.tolerances, golden.tolerances));
     const int known = golden.answer.at("iterations");
     print_result(fmt::format("{}: {} ({} iterations{}, {:.3f} s)\n", golden.name,
                              differences.empty() ? "agrees" : "DIFFERS", iterations,

@@ -22,6 +22,20 @@ struct ComparisonTolerances {
   double rotation = 1e-3;
 };
 
+/// What users call them: on the command line and in golden files.
+struct NamedTolerance {
+  const char* name;
+  double ComparisonTolerances::*member;
+};
+inline constexpr NamedTolerance kNamedTolerances[] = {
+    {"cost_relative", &ComparisonTolerances::cost_relative},
+    {"residual_factor", &ComparisonTolerances::residual_factor},
+    {"residual_floor", &ComparisonTolerances::residual_floor},
+    {"trajectory_absolute", &ComparisonTolerances::trajectory_absolute},
+    {"trajectory_relative", &ComparisonTolerances::trajectory_relative},
+    {"rotation", &ComparisonTolerances::rotation},
+};
+
 /// One thing in which two solutions differ.
 struct Difference {
   std::string quantity;  ///< e.g. "cost", "trajectory q/elbow at knot 12 (t = 0.12 s)"

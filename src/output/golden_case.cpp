@@ -1,5 +1,7 @@
 #include "output/golden_case.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "output/solution_json.hpp"
@@ -11,8 +13,36 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::string_view kGoldenKeys[] = {"problem", "solver",       "iterations", "status",
-                                            "cost",    "cost_by_name", "residuals",  "trajectory"};
+constexpr std::string_view kGoldenKeys[] = {"problem",   "solver",     "iterations",
+                                            "status",    "cost",       "cost_by_name",
+                                            "residuals", "trajectory", "tolerances"};
+
+const NamedTolerance* find_tolerance(const std::string& name) {
+  const auto found =
+      std::find_if(std::begin(kNamedTolerances), std::end(kNamedTolerances),
+                   [&](const NamedTolerance& tolerance) { return name == tolerance.name; });
+  return found == std::end(kNamedTolerances) ? nullptr : found;
+}
+
+std::string tolerance_names() {
+  std::string names;
+  for (const NamedTolerance& tolerance : kNamedTolerances)
+    names += (names.empty() ? "" : ", ") + std::string(tolerance.name);
+  return names;
+}
+
+/// What is wrong with the tolerances of a golden file.
+std::optional<std::string> tolerances_defect(const Json& answer) {
+  if (!answer.contains("tolerances")) return std::nullopt;
+  if (!answer["tolerances"].is_object()) return "'tolerances' has no names";
+  for (const auto& [name, value] : answer["tolerances"].items()) {
+    if (find_tolerance(name) == nullptr)
+      return fmt::format("there is no tolerance '{}': accepted names: {}", name, tolerance_names());
+    if (!value.is_number() || !(value.get<double>() >= 0))
+      return fmt::format("'tolerances.{}' is no number of at least 0", name);
+  }
+  return std::nullopt;
+}
 
 /// What misses in the entries that a golden file has besides those that are compared.
 std::optional<std::string> golden_defect(const Json& answer) {
@@ -28,6 +58,7 @@ std::optional<std::string> golden_defect(const Json& answer) {
   }
   if (!answer.contains("iterations") || !answer["iterations"].is_number_integer())
     return "'iterations' is missing";
+  if (auto defect = tolerances_defect(answer)) return defect;
   return comparison_defect(answer);
 }
 
@@ -45,6 +76,9 @@ std::optional<GoldenCase> load_golden(const std::filesystem::path& file, Diagnos
   golden.problem_file =
       (file.parent_path() / problem["file"].get<std::string>()).lexically_normal();
   golden.overrides = problem.value("overrides", std::vector<std::string>());
+  if (answer->contains("tolerances"))
+    for (const auto& [tolerance, value] : (*answer)["tolerances"].items())
+      golden.tolerances.*find_tolerance(tolerance)->member = value;
   golden.answer = *std::move(answer);
   return golden;
 }
@@ -82,6 +116,7 @@ std::string golden_text(const GoldenCase& golden, const Json& answer) {
                    .lexically_relative(fs::absolute(golden.file).lexically_normal().parent_path())
                    .string()},
       {"overrides", golden.overrides}};
+  if (golden.answer.contains("tolerances")) part["tolerances"] = golden.answer["tolerances"];
   return part.dump() + '\n';
 }
 

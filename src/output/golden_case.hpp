@@ -16,12 +16,14 @@ namespace conddp {
 
 /// A golden file: a problem and what is known of its answer. It is a solution.json with the
 /// compared entries alone, numbers rounded to ten digits; `problem.file` is relative to its folder,
-/// and `problem.overrides` are settings as --set takes them.
+/// and `problem.overrides` are settings as --set takes them. `tolerances`, by their names, say how
+/// far apart answers may be where the problem leaves more open than others do.
 struct GoldenCase {
   std::string name;            ///< the file's, without suffix
   std::filesystem::path file;  ///< the golden file
   std::filesystem::path problem_file;
   std::vector<std::string> overrides;
+  ComparisonTolerances tolerances;
   nlohmann::json answer;
 };
 

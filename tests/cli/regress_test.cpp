@@ -108,6 +108,25 @@ TEST(Regress, BlessShowsTheDifferenceAndWritesTheNewAnswer) {
   EXPECT_EQ(read_file(copy.folder.path() / "problem.json"), before);
 }
 
+TEST(Regress, TolerancesOfAGoldenFileHoldForItAloneAndSurviveBlessing) {
+  const Copy copy;
+  const std::string golden = copy.folder.path() / "problem.json";
+  Json answer = Json::parse(read_file(golden));
+  answer["tolerances"] = {{"cost_relative", 0.1}, {"trajectory_absolute", 0.1}};
+  copy.folder.write("problem.json", answer.dump());
+  const std::vector<std::string> heavier = {"--set", "costs.effort.weight=1.01e-3"};
+  EXPECT_EQ(copy.regress(heavier).exit_code, 0);
+  const ProcessResult strict =
+      copy.regress({"--set", "costs.effort.weight=1.01e-3", "--tolerance", "cost_relative=1e-6"});
+  EXPECT_EQ(strict.exit_code, 1) << strict.out;
+  answer["iterations"] = 1;
+  copy.folder.write("problem.json", answer.dump());
+  EXPECT_TRUE(has(copy.regress({"--bless"}).out, "1 written"));
+  const Json blessed = Json::parse(read_file(golden));
+  EXPECT_NE(blessed["iterations"], 1);
+  EXPECT_EQ(blessed["tolerances"], answer["tolerances"]);
+}
+
 TEST(Regress, AProblemThatCannotBeReadIsAnErrorAndTheOthersAreSolved) {
   const Copy copy;
   Json golden = Json::parse(read_file(copy.folder.path() / "problem.json"));

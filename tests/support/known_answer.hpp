@@ -24,7 +24,7 @@ inline nlohmann::json expect_known_answer(const std::filesystem::path& file) {
   if (!golden) return {};
   nlohmann::json actual = solve_again(*golden);
   EXPECT_EQ(actual.at("status"), "converged") << actual.at("message");
-  for (const Difference& d : compare_solutions(golden->answer, actual))
+  for (const Difference& d : compare_solutions(golden->answer, actual, golden->tolerances))
     ADD_FAILURE() << golden->name << ": " << d.quantity << ": " << d.message;
   return actual;
 }
