@@ -170,21 +170,13 @@ void Transcription::gradient(double* out) {
   }
 }
 
-/// h of a cone at g, and its derivative (n numbers) where asked for.
-double Transcription::cone_value(const double* g, int n, double* slope) const {
-  const double e = options_.cone_smoothing;
-  double square = e * e;
-  for (int i = 0; i + 1 < n; ++i) square += g[i] * g[i];
-  const double root = std::sqrt(square);
-  if (slope != nullptr) {
-    for (int i = 0; i + 1 < n; ++i) slope[i] = -g[i] / root;
-    slope[n - 1] = 1;
-  }
-  return g[n - 1] - root + e;
+ConeRow Transcription::cone_row(const Row& row) const {
+  return {row.constraint->is_soft() ? ConeRow::Form::distance : ConeRow::Form::surface,
+          options_.cone_smoothing};
 }
 
 double Transcription::row_value(const Row& row, const double* g, double* slope) const {
-  if (is_cone(row)) return cone_value(g, row.count, slope);
+  if (is_cone(row)) return cone_row(row).value(g, row.count, slope);
   if (has_pairs(row)) return pair_value(options_.relaxation, g, row.count, epsilon_, slope);
   if (slope != nullptr) *slope = 1;
   return *g;
@@ -200,7 +192,11 @@ void Transcription::constraints(double* out) {
       *out++ = value;
     }
     if (k == problem_.knots()) break;
-    for (int i = 0; i < problem_.ndx(); ++i) *out++ = gap_rows_(i, k);
+    Eigen::Map<Eigen::VectorXd> gap(out, problem_.ndx());
+    gap = gap_rows_.col(k);
+    for (const int i : kinematic_rows_[k])
+      gap[i] -= problem_.knot(k).dt * gap[problem_.ndx() / 2 + i];
+    out += problem_.ndx();
   }
 }
 
@@ -241,8 +237,10 @@ void Transcription::jacobian(double* out) {
       next_[k + 1].push_rows(matrix_);
       if (k > 0) charts_[k].pull_columns(matrix_);
     }
+    for (const int i : kinematic_rows_[k]) matrix_(i, i) = 1;
     for (const auto& [i, c] : gap_entries_[k]) *out++ = matrix_(i, c);
     for (int i = 0; i < ndx; ++i) *out++ = -1;
+    out = std::fill_n(out, kinematic_rows_[k].size(), knot.dt);
   }
 }
 
@@ -260,6 +258,8 @@ void Transcription::spread(const double* rows) {
     }
     if (k == problem_.knots()) break;
     for (int i = 0; i < problem_.ndx(); ++i) mu_(i, k) = *rows++;
+    for (const int i : kinematic_rows_[k])
+      mu_(problem_.ndx() / 2 + i, k) -= problem_.knot(k).dt * mu_(i, k);
     costates_.col(k + 1) = mu_.col(k);
     if (curved_) next_[k + 1].push_transposed(costates_.col(k + 1));
   }
@@ -331,6 +331,11 @@ double Transcription::pair_distance(const double* y) const {
   return largest;
 }
 
+void Transcription::push_gap_multipliers(int node, double* gap_rows) const {
+  for (const int i : kinematic_rows_[node])
+    gap_rows[problem_.ndx() / 2 + i] += problem_.knot(node).dt * gap_rows[i];
+}
+
 void Transcription::write_multipliers(const Eigen::MatrixXd& costates, const Eigen::VectorXd& nu,
                                       const std::vector<Eigen::VectorXd>& control_gradient,
                                       Eigen::VectorXd& rows, Eigen::VectorXd& lower,
@@ -340,14 +345,15 @@ void Transcription::write_multipliers(const Eigen::MatrixXd& costates, const Eig
   int index = 0;
   for (int k = 0; k <= problem_.knots(); ++k) {
     for (const Row& row : rows_[k]) {
-      // The last row of a cone has the gradient 1.
-      const double multiplier = nu[row.first + row.count - 1];
+      const double multiplier =
+          is_cone(row) ? cone_row(row).multiplier(nu.data() + row.first, row.count) : nu[row.first];
       rows[index++] = multiplier;
       for (int s = row.first_slack; s < row.first_slack + row.slacks; ++s)
         lower[slacks_[s].variable] = std::max(0.0, slacks_[s].price + slacks_[s].sign * multiplier);
     }
     if (k == problem_.knots()) break;
     rows.segment(index, problem_.ndx()) = costates.col(k + 1);
+    push_gap_multipliers(k, rows.data() + index);
     index += problem_.ndx();
     for (int i = 0; i < problem_.nu(k); ++i) {
       const int variable = base_[k] + problem_.ndx() + i;
@@ -360,8 +366,10 @@ void Transcription::write_multipliers(const Eigen::MatrixXd& costates, const Eig
 
 void Transcription::recenter_multipliers(double* rows) {
   spread(rows);
-  for (int k = 0; k < problem_.knots(); ++k)
-    for (int i = 0; i < problem_.ndx(); ++i) rows[gap_row_[k] + i] = costates_(i, k + 1);
+  for (int k = 0; k < problem_.knots(); ++k) {
+    std::copy_n(costates_.col(k + 1).data(), problem_.ndx(), rows + gap_row_[k]);
+    push_gap_multipliers(k, rows + gap_row_[k]);
+  }
 }
 
 }  // namespace conddp

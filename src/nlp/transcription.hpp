@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "nlp/cone_row.hpp"
 #include "nlp/nonlinear_program.hpp"
 #include "nlp/pair_relaxation.hpp"
 #include "nlp/state_chart.hpp"
@@ -14,9 +15,10 @@ namespace conddp {
 /// Variables, node by node: coordinates w_k of the state in the node's chart (k ≥ 1; x_0 is given)
 /// and the control u_k. Rows, node by node: the constraints that hold there, then the gap in the
 /// chart of the next node, (f(x_k, u_k) ⊖ c_{k+1}) − w_{k+1} = 0, which is linear in w_{k+1}.
-/// Bounds and norms are the constraint's own rows. A second-order cone ‖v‖ ≤ t is the row
-///   h = t − √(‖v‖² + ε²) + ε ≥ 0,
-/// which is smooth, concave, never without a gradient, and weaker by ε at most.
+/// Where q⁺ = q + dt v⁺ on a flat part, its row is (q_k + dt v_{k+1}) − q_{k+1} = 0 instead: the
+/// row above less dt times that of v⁺, with three entries and no curvature. Bounds and norms are
+/// the constraint's own rows. A second-order cone is a ConeRow: that of its surface, or where it is
+/// soft that of its distance.
 ///
 /// Complementary pairs become what PairRelaxation says, with bounds z ≥ 0 and s ≥ 0 on the controls
 /// that they are.
@@ -109,9 +111,12 @@ class Transcription : public NonlinearProgram {
   void add_slacks(Row& row, int index, double lower, double upper);
   void add_pairs(const NodeConstraint& constraint);
   void add_gap_rows(int node);
+  /// Flat rows of q⁺ = q + dt v⁺ of a knot, unless its system's steps are linear anyway.
+  std::vector<int> find_kinematic_rows(int node) const;
   void index_hessian();
   void add_step_curvature(const KnotModel& model, std::vector<std::vector<bool>>& used) const;
   bool is_cone(const Row& row) const { return row.constraint->term->is_cone(); }
+  ConeRow cone_row(const Row& row) const;
   bool has_pairs(const Row& row) const { return row.constraint->term->has_pairs(); }
   /// The value of a row of the program at its constraint rows g, and its derivative by them.
   double row_value(const Row& row, const double* g, double* slope) const;
@@ -121,10 +126,10 @@ class Transcription : public NonlinearProgram {
   void evaluate();
   void differentiate();
   void read_charts(const Eigen::MatrixXd& gap);
-  double cone_value(const double* g, int n, double* slope) const;
-  void add_cone_curvature(const Row& row, double weight, Eigen::Ref<Eigen::MatrixXd> hessian);
   void add_pair_curvature(const Row& row, double weight, Eigen::Ref<Eigen::MatrixXd> hessian);
   void spread(const double* rows);
+  /// Multipliers of gap rows of a knot from those of f ⊖ c − w.
+  void push_gap_multipliers(int node, double* gap_rows) const;
   void fill_dynamics(const KnotLinearization& knot);
   void add_gap_curvature(int k, Eigen::Ref<Eigen::MatrixXd> hessian);
 
@@ -139,6 +144,7 @@ class Transcription : public NonlinearProgram {
   std::vector<int> gap_row_;            ///< first one of each knot
   /// Of each knot, (row, column) of ∂f/∂z in the order of the gap rows' entries.
   std::vector<std::vector<std::pair<int, int>>> gap_entries_;
+  std::vector<std::vector<int>> kinematic_rows_;  ///< of each knot, among its gap rows
   std::vector<Pair> pairs_;
   double epsilon_;
   std::vector<std::vector<std::pair<int, int>>> hessian_entries_;  ///< of z, node by node

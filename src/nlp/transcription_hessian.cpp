@@ -1,5 +1,3 @@
-#include <cmath>
-
 #include "nlp/transcription.hpp"
 
 namespace conddp {
@@ -9,19 +7,6 @@ namespace {
 constexpr double kNoWeight = 1e-30;
 
 }  // namespace
-
-/// weight Cᵀ ∇²h C of a cone.
-void Transcription::add_cone_curvature(const Row& row, double weight,
-                                       Eigen::Ref<Eigen::MatrixXd> hessian) {
-  const int k = row.constraint->node, n = row.count - 1;
-  const auto C = linearization_.knots[k].C.middleRows(row.first - problem_.constraint_offset(k), n);
-  const auto v = linearization_.constraint.segment(row.first, n);
-  const double root = std::sqrt(v.squaredNorm() + std::pow(options_.cone_smoothing, 2));
-  auto along = z_.head(C.cols());
-  along.noalias() = C.transpose() * v;
-  hessian.noalias() -= (weight / root) * (C.transpose() * C);
-  hessian.noalias() += (weight / (root * root * root)) * along * along.transpose();
-}
 
 /// weight Cᵀ ∇²h C of pairs.
 void Transcription::add_pair_curvature(const Row& row, double weight,
@@ -74,7 +59,10 @@ void Transcription::hessian(double weight, const double* multipliers, double* ou
       if (has_pairs(row)) add_pair_curvature(row, multiplier, H);
       if (!is_cone(row)) continue;
       // Convex where the multiplier has the sign that it has at a solution.
-      if (!options_.gauss_newton || multiplier < 0) add_cone_curvature(row, multiplier, H);
+      if (!options_.gauss_newton || multiplier < 0)
+        cone_row(row).add_curvature(
+            linearization_.constraint.segment(row.first, row.count),
+            knot.C.middleRows(row.first - problem_.constraint_offset(k), row.count), multiplier, H);
     }
     if (curved_) {
       if (!options_.gauss_newton) {

@@ -93,6 +93,18 @@ void Transcription::add_pairs(const NodeConstraint& constraint) {
   if (by_node && term.rows > 0) add_row(constraint, constraint.row, term.rows, -kInfinity, 0);
 }
 
+std::vector<int> Transcription::find_kinematic_rows(int node) const {
+  const KnotModel& model = *problem_.knot(node).model;
+  if (!model.semi_implicit() || has_linear_step(model.system())) return {};
+  std::vector<bool> is_flat(problem_.ndx() / 2, true);
+  for (const StateManifold::Segment& s : problem_.manifold().curved())
+    std::fill_n(is_flat.begin() + s.dx, s.n, false);
+  std::vector<int> rows;
+  for (int i = 0; i < problem_.ndx() / 2; ++i)
+    if (is_flat[i]) rows.push_back(i);
+  return rows;
+}
+
 /// The gap (f(x, u) ⊖ c) − w: with the steps of a stepping system each configuration depends on
 /// itself, on its velocity and on that velocity's acceleration, all of a curved part on all of it.
 void Transcription::add_gap_rows(int k) {
@@ -113,7 +125,9 @@ void Transcription::add_gap_rows(int k) {
     return false;
   };
   // The accelerations of a stepping system are controls of their own.
+  const std::vector<int>& kinematic = kinematic_rows_.emplace_back(find_kinematic_rows(k));
   const auto depends = [&](int row, int column) {
+    if (std::binary_search(kinematic.begin(), kinematic.end(), row)) return column == row;
     if (!linear) return true;
     const int first_a =
         ndx + static_cast<const SteppingSystem&>(model.system()).layout().acceleration;
@@ -131,6 +145,7 @@ void Transcription::add_gap_rows(int k) {
         jacobian_.add(first + i, base_[k] + c);
       }
   for (int i = 0; i < ndx; ++i) jacobian_.add(first + i, base_[k + 1] + i);
+  for (const int i : kinematic) jacobian_.add(first + i, base_[k + 1] + nv + i);
 }
 
 void Transcription::add_rows() {

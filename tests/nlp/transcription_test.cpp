@@ -42,6 +42,10 @@ ShootingProblem constrained_quadrotor() {
                                            .slope = 0.8}});
 }
 
+ShootingProblem euler_cartpole() {
+  return testing::cartpole_swing_up(20, Integrator::semi_implicit_euler);
+}
+
 /// A trajectory with rotations that differ from those of the initial state.
 Trajectory random_trajectory(const ShootingProblem& problem, double size, std::mt19937_64& engine) {
   Trajectory t = problem.create_trajectory();
@@ -61,6 +65,7 @@ TEST(Transcription, DerivativesAgreeWithDifferencesFarFromTheChartsCentres) {
   problems.push_back(testing::pendulum_swing_up(3));
   problems.push_back(constrained_quadrotor());
   problems.push_back(testing::landing());
+  problems.push_back(euler_cartpole());
   for (auto& published : testing::published_cases())
     problems.push_back(std::move(published.problem));
   for (const ShootingProblem& problem : problems) {
@@ -99,14 +104,13 @@ TEST(Transcription, PointsStandForTrajectories) {
 
 /// With closed gaps the gradient of the program's Lagrangian by u is s ℓ_u + f_uᵀ λ + Cᵀ ν,
 /// whatever charts and cones are.
-TEST(Transcription, MultipliersMeanTheSameAsTheSolvers) {
+void expect_multipliers_of_solvers(const ShootingProblem& problem, double control) {
   std::mt19937_64 engine(7);
-  const ShootingProblem problem = constrained_quadrotor();
   Acts acts(problem);
   Transcription program(problem, acts, {});
   Trajectory trajectory = problem.create_trajectory();
   for (int k = 0; k < trajectory.knots(); ++k)
-    trajectory.u(k).array() = 2.5 + 0.1 * testing::random_vector(4, engine).array();
+    trajectory.u(k).array() = control + 0.1 * testing::random_vector(problem.nu(k), engine).array();
   ASSERT_EQ(acts.simulate(trajectory), -1);
   program.set_center(random_trajectory(problem, 0.3, engine));
   const Eigen::VectorXd y = program.point_of(trajectory);
@@ -125,8 +129,11 @@ TEST(Transcription, MultipliersMeanTheSameAsTheSolvers) {
         knot.gradient + knot.dense_jacobian().transpose() * costates.col(k + 1) +
         knot.C.transpose() * nu.segment(problem.constraint_offset(k), knot.C.rows());
     if (k > 0) at += problem.ndx();
-    EXPECT_LE((gradient.segment(at, 4) - expected.tail(4)).lpNorm<Eigen::Infinity>(), 1e-9) << k;
-    at += 4;
+    const int controls = problem.nu(k);
+    EXPECT_LE((gradient.segment(at, controls) - expected.tail(controls)).lpNorm<Eigen::Infinity>(),
+              1e-9)
+        << k;
+    at += controls;
   }
   // The same co-states in charts that are centred on the trajectory.
   program.recenter_multipliers(rows.data());
@@ -136,6 +143,52 @@ TEST(Transcription, MultipliersMeanTheSameAsTheSolvers) {
   Eigen::MatrixXd again;
   program.read_multipliers(rows.data(), again, nu);
   EXPECT_LE((again - costates).lpNorm<Eigen::Infinity>(), 1e-9);
+}
+
+TEST(Transcription, MultipliersMeanTheSameAsTheSolvers) {
+  expect_multipliers_of_solvers(constrained_quadrotor(), 2.5);
+  expect_multipliers_of_solvers(euler_cartpole(), 0);
+}
+
+TEST(Transcription, FindsTheRowsMultipliersThatStandForCostates) {
+  std::mt19937_64 engine(9);
+  const ShootingProblem problem = euler_cartpole();
+  Acts acts(problem);
+  Transcription program(problem, acts, {});
+  const Trajectory trajectory = random_trajectory(problem, 0.3, engine);
+  program.set_center(trajectory);
+  const Eigen::VectorXd y = program.point_of(trajectory);
+  program.set_point(y.data());
+  const Eigen::VectorXd rows = testing::random_vector(program.rows(), engine);
+  Eigen::MatrixXd costates;
+  Eigen::VectorXd nu, again, lower, upper;
+  program.read_multipliers(rows.data(), costates, nu);
+  const std::vector<Eigen::VectorXd> gradient(problem.knots(), Eigen::VectorXd::Zero(1));
+  program.write_multipliers(costates, nu, gradient, again, lower, upper);
+  EXPECT_LE((again - rows).lpNorm<Eigen::Infinity>(), 1e-14);
+}
+
+/// q + dt v⁺ − q⁺, but for the first knot's q, which is given.
+TEST(Transcription, FlatConfigurationsHaveRowsOfThreeEntries) {
+  std::mt19937_64 engine(10);
+  const ShootingProblem problem = euler_cartpole();
+  Acts acts(problem);
+  Transcription program(problem, acts, {});
+  const Eigen::VectorXd y = testing::random_vector(program.variables(), engine);
+  program.set_point(y.data());
+  Eigen::VectorXd values(program.jacobian_structure().size()), rows(program.rows());
+  program.jacobian(values.data());
+  program.constraints(rows.data());
+  std::vector<std::vector<double>> entries(program.rows());
+  for (int i = 0; i < values.size(); ++i)
+    entries[program.jacobian_structure().rows[i]].push_back(values[i]);
+  for (int k = 1; k < problem.knots(); ++k)
+    for (int i = 0; i < 2; ++i) {
+      const double dt = problem.knot(k).dt;
+      EXPECT_EQ(entries[4 * k + i], (std::vector<double>{1, -1, dt}));
+      const auto x = program.trajectory().x(k), next = program.trajectory().x(k + 1);
+      EXPECT_NEAR(rows[4 * k + i], x[i] + dt * next[2 + i] - next[i], 1e-12);
+    }
 }
 
 TEST(Transcription, GaussNewtonHessiansAreThoseOfTheActs) {

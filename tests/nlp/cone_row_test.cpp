@@ -1,0 +1,107 @@
+#include "nlp/cone_row.hpp"
+
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "ocp/constraint.hpp"
+#include "support/nlp_derivatives.hpp"
+
+namespace conddp {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr std::array kConeForms = {ConeRow::Form::surface, ConeRow::Form::distance};
+
+Vector3d cone_slope(const ConeRow& row, const Vector3d& g) {
+  Vector3d slope;
+  row.value(g.data(), 3, slope.data());
+  return slope;
+}
+
+TEST(ConeRow, HasTheDerivativesOfItsDifferencesAlsoAtTheTip) {
+  std::mt19937_64 engine(1);
+  constexpr double kStep = 1e-6;
+  for (const ConeRow::Form form : kConeForms)
+    for (const Vector3d& g :
+         {Vector3d(0.3, -0.2, 0.7), Vector3d(0, 0, 0.5), Vector3d(1, 2, -0.4), Vector3d(0, 0, 0)}) {
+      const ConeRow row{form, 0.1};
+      const Eigen::MatrixXd C = Eigen::MatrixXd::Random(3, 4);
+      Eigen::MatrixXd curvature = Eigen::MatrixXd::Zero(4, 4);
+      row.add_curvature(g, C, 0.7, curvature);
+      const Eigen::VectorXd d = testing::random_vector(4, engine);
+      const Vector3d ahead = g + kStep * C * d, behind = g - kStep * C * d;
+      EXPECT_NEAR((row.value(ahead.data(), 3, nullptr) - row.value(behind.data(), 3, nullptr)) /
+                      (2 * kStep),
+                  cone_slope(row, g).dot(C * d), 1e-8);
+      const Eigen::VectorXd bend =
+          C.transpose() * (cone_slope(row, ahead) - cone_slope(row, behind)) / (2 * kStep);
+      EXPECT_LE((0.7 * bend - curvature * d).lpNorm<Eigen::Infinity>(), 1e-7);
+    }
+}
+
+TEST(ConeRow, IsPositiveInsideAndNegativeOutside) {
+  for (const ConeRow::Form form : kConeForms) {
+    const ConeRow row{form, 1e-9};
+    for (const double share : {0.0, 0.5, 0.99, 1.01, 2.0}) {
+      const Vector3d g(0.6 * share, 0.8 * share, 1);
+      EXPECT_EQ(row.value(g.data(), 3, nullptr) > 0, share < 1) << share;
+    }
+    const Vector3d below(0.1, 0, -1);
+    EXPECT_LT(row.value(below.data(), 3, nullptr), 0);
+  }
+}
+
+TEST(ConeRow, IsWeakerByItsSmoothingAtMost) {
+  std::mt19937_64 engine(2);
+  for (const ConeRow::Form form : kConeForms)
+    for (int i = 0; i < 100; ++i) {
+      const Vector3d g = testing::random_vector(3, engine);
+      const double smooth = ConeRow{form, 0.01}.value(g.data(), 3, nullptr);
+      const double sharp = ConeRow{form, 0}.value(g.data(), 3, nullptr);
+      EXPECT_GE(smooth, sharp);
+      EXPECT_LE(smooth, sharp + 0.01);
+    }
+}
+
+TEST(ConeRow, OfTheDistanceSaysHowFarOutsidePointsAre) {
+  const ConeRow row{ConeRow::Form::distance, 0};
+  const Vector3d g(3, 4, 1);
+  Vector3d outside;
+  outside_cone(g.data(), 3, outside.data());
+  EXPECT_NEAR(-row.value(g.data(), 3, nullptr), std::numbers::sqrt2 * outside.norm(), 1e-14);
+}
+
+/// On the axis, where forces of feet that stand still are.
+TEST(ConeRow, OfTheSurfaceBendsOnTheAxisAsTheHeightAboveTheTipTells) {
+  Eigen::MatrixXd curvature = Eigen::MatrixXd::Zero(3, 3);
+  ConeRow{ConeRow::Form::surface, 1e-9}.add_curvature(
+      Vector3d(0, 0, 5), Eigen::MatrixXd::Identity(3, 3), 1, curvature);
+  EXPECT_LE((curvature + Vector3d(0.2, 0.2, 0).asDiagonal().toDenseMatrix()).norm(), 1e-12);
+}
+
+TEST(ConeRow, HasMultipliersInThePolarConeEverywhere) {
+  std::mt19937_64 engine(3);
+  for (const ConeRow::Form form : kConeForms)
+    for (int i = 0; i < 100; ++i) {
+      const Vector3d nu = -cone_slope({form, 0.01}, testing::random_vector(3, engine));
+      EXPECT_LE(nu.head(2).norm(), -nu[2] + 1e-15);
+    }
+}
+
+TEST(ConeRow, FindsTheMultiplierThatStandsForAVectorOnTheSurface) {
+  for (const ConeRow::Form form : kConeForms) {
+    const ConeRow row{form, 0};
+    const Vector3d nu = -2.5 * cone_slope(row, Vector3d(1.8, 2.4, 3));
+    EXPECT_NEAR(row.multiplier(nu.data(), 3), -2.5, 1e-14);
+  }
+  const Vector3d slope = cone_slope({ConeRow::Form::surface, 0}, Vector3d(1.8, 2.4, 3));
+  EXPECT_NEAR(slope.norm(), 1, 1e-15);
+}
+
+}  // namespace
+}  // namespace conddp
