@@ -219,6 +219,10 @@ constexpr std::array kMeanings = {
             "there are more equations than variables"},
 };
 
+/// Approximate minimum fill, and no permutation by the size of entries.
+constexpr std::array<std::pair<const char*, int>, 2> kMinimumFill = {
+    {{"mumps_pivot_order", 2}, {"mumps_permuting_scaling", 0}}};
+
 constexpr double kSmallestWarmBarrier = 1e-13;
 
 void set_options(Ipopt::OptionsList& list, const InteriorPointSettings& settings) {
@@ -231,6 +235,10 @@ void set_options(Ipopt::OptionsList& list, const InteriorPointSettings& settings
   list.SetNumericValue("constr_viol_tol", settings.violation_tolerance);
   list.SetNumericValue("compl_inf_tol", settings.complementarity_tolerance);
   list.SetNumericValue("acceptable_constr_viol_tol", settings.dual_tolerance);
+  if (settings.minimum_fill)
+    for (const auto& [name, value] : kMinimumFill)
+      // An Ipopt without MUMPS does not know them.
+      if (!check_ipopt_option(name, value)) list.SetIntegerValue(name, value);
   for (const auto& [name, value] : settings.options) set_option(list, name, value);
   if (settings.warm == nullptr) return;
   list.SetStringValue("warm_start_init_point", "yes");

@@ -63,7 +63,10 @@ struct InteriorPointSettings {
   /// Of Ipopt's scaled optimality error, and of its parts without scaling.
   double tolerance = 1e-8;
   double dual_tolerance = 1e-6, violation_tolerance = 1e-9, complementarity_tolerance = 1e-6;
-  /// Ipopt's own options, which go before the numbers above.
+  /// MUMPS orders systems by minimum fill and as they are, without permuting large entries to the
+  /// diagonal first: for horizons, whose systems are bands, and singular where a bound rests.
+  bool minimum_fill = false;
+  /// Ipopt's own options, which go before what is above.
   IpoptOptions options;
   /// The multipliers and the barrier of an earlier solve to go on from, if there is one.
   const PrimalDualPoint* warm = nullptr;

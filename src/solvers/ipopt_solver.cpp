@@ -98,6 +98,7 @@ InteriorPointSettings IpoptSolver::default_settings() const {
           .dual_tolerance = options_.tolerances.stationarity,
           .violation_tolerance = std::min(options_.tolerances.gap, options_.tolerances.constraint),
           .complementarity_tolerance = options_.tolerances.complementarity,
+          .minimum_fill = !transcription_->has_pairs(),
           .options = options_.ipopt};
 }
 
