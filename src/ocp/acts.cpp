@@ -117,8 +117,8 @@ struct Acts::Impl {
     const bool running = model.integrator() != Integrator::none;
     const double* from[kLaneWidth];
     const auto gather = [&](int n, AlignedVector<S>& to, auto place) {
-      for (int l = 0; l < kLaneWidth; ++l) from[l] = place(group.knots[l]);
-      gather_lanes(from, n, [&to](int i, Lane value) { lane_of(to[i]) = value; });
+      for (int l = 0; l < group.count; ++l) from[l] = place(group.knots[l]);
+      gather_lanes(from, group.count, n, [&to](int i, Lane value) { lane_of(to[i]) = value; });
     };
     gather(model.nx(), batch.x, [&](int k) { return t.x(k).data(); });
     gather(model.parameter_count(), batch.parameters,

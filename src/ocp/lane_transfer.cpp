@@ -5,16 +5,23 @@
 namespace conddp {
 
 void scatter_lanes(const Lane* from, int n, double* const* to, int knots) {
-  int i = 0;
-  Lane x[kLaneWidth];
-  for (; i + kLaneWidth <= n; i += kLaneWidth) {
+  with_lanes_of(knots, [&](auto lanes) {
+    constexpr int kLanes = decltype(lanes)::value;
+    Lane x[kLaneWidth];
+    int i = 0;
+    for (; i + kLaneWidth <= n; i += kLaneWidth) {
 #pragma GCC unroll 8
-    for (int j = 0; j < kLaneWidth; ++j) x[j] = from[i + j];
-    transpose_lanes(x);
-    for (int l = 0; l < knots; ++l) store_lane(to[l] + i, x[l]);
-  }
-  for (; i < n; ++i)
-    for (int l = 0; l < knots; ++l) to[l][i] = from[i][l];
+      for (int j = 0; j < kLaneWidth; ++j) x[j] = from[i + j];
+      transpose_lanes<kLanes>(x);
+      for (int l = 0; l < knots; ++l) store_lane(to[l] + i, x[l]);
+    }
+    const int left = n - i;
+    if (left == 0) return;
+#pragma GCC unroll 8
+    for (int j = 0; j < kLaneWidth; ++j) x[j] = j < left ? from[i + j] : Lane(0.0);
+    transpose_lanes<kLanes>(x);
+    for (int l = 0; l < knots; ++l) store_part(to[l] + i, x[l], left);
+  });
 }
 
 LaneScatter LaneScatter::matrix(const std::vector<std::pair<int, int>>& entries, int rows,
@@ -48,20 +55,22 @@ LaneScatter::LaneScatter(const std::vector<int>& entry_at)
 }
 
 void LaneScatter::operator()(const Lane* entries, double* const* to, int knots) const {
-  const Lane zero(0.0);
-  Lane x[kLaneWidth];
-  for (const Run& run : runs_) {
+  with_lanes_of(knots, [&](auto lanes) {
+    constexpr int kLanes = decltype(lanes)::value;
+    const Lane zero(0.0);
+    Lane x[kLaneWidth];
+    for (const Run& run : runs_) {
 #pragma GCC unroll 8
-    for (int j = 0; j < kLaneWidth; ++j)
-      x[j] = *(run.entries[j] < 0 ? &zero : entries + run.entries[j]);
-    transpose_lanes(x);
-    if (run_length_ == kLaneWidth) {
-      for (int l = 0; l < knots; ++l) store_lane(to[l] + run.at, x[l]);
-    } else {
-      for (int l = 0; l < knots; ++l)
-        for (int j = 0; j < run_length_; ++j) to[l][run.at + j] = x[l][j];
+      for (int j = 0; j < kLaneWidth; ++j)
+        x[j] = *(run.entries[j] < 0 ? &zero : entries + run.entries[j]);
+      transpose_lanes<kLanes>(x);
+      if (run_length_ == kLaneWidth) {
+        for (int l = 0; l < knots; ++l) store_lane(to[l] + run.at, x[l]);
+      } else {
+        for (int l = 0; l < knots; ++l) store_part(to[l] + run.at, x[l], run_length_);
+      }
     }
-  }
+  });
 }
 
 }  // namespace conddp

@@ -1,33 +1,49 @@
 #pragma once
 
 #include <array>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
-#include "spatial/lane_transpose.hpp"
+#include "spatial/lane_part.hpp"
 
 namespace conddp {
 
 /// Between numbers of a knot that stand side by side and lanes, one knot in each: in squares of
 /// kLaneWidth that are transposed in registers.
 
-/// Calls put(i, lane) for i < n, where lane l holds from[l][i].
+/// Calls act with the smallest power of two that is no less than `knots`, as a constant: so many
+/// lanes are worth moving.
+template <int kLanes = 1, class F>
+void with_lanes_of(int knots, F act) {
+  if constexpr (kLanes < kLaneWidth) {
+    if (knots > kLanes) return with_lanes_of<2 * kLanes>(knots, act);
+  }
+  act(std::integral_constant<int, kLanes>());
+}
+
+/// Calls put(i, lane) for i < n, where lane l holds from[l][i] for l < knots. The lanes behind hold
+/// the numbers of some of these knots.
 template <class F>
-void gather_lanes(const double* const (&from)[kLaneWidth], int n, F put) {
-  int i = 0;
-  Lane x[kLaneWidth];
-  for (; i + kLaneWidth <= n; i += kLaneWidth) {
+void gather_lanes(const double* const* from, int knots, int n, F put) {
+  with_lanes_of(knots, [&](auto lanes) {
+    constexpr int kLanes = decltype(lanes)::value;
+    const double* of_lane[kLanes];
+    for (int l = 0; l < kLanes; ++l) of_lane[l] = from[l < knots ? l : knots - 1];
+    const auto take = [&](int i, int count, auto load) {
+      Lane x[kLaneWidth];
 #pragma GCC unroll 8
-    for (int l = 0; l < kLaneWidth; ++l) x[l] = load_lane(from[l] + i);
-    transpose_lanes(x);
+      for (int l = 0; l < kLaneWidth; ++l) x[l] = l < kLanes ? load(of_lane[l] + i) : x[kLanes - 1];
+      transpose_lanes(x);
 #pragma GCC unroll 8
-    for (int j = 0; j < kLaneWidth; ++j) put(i + j, x[j]);
-  }
-  for (; i < n; ++i) {
-    Lane single;
-    for (int l = 0; l < kLaneWidth; ++l) single.set(l, from[l][i]);
-    put(i, single);
-  }
+      for (int j = 0; j < kLaneWidth; ++j)
+        if (j < count) put(i + j, x[j]);
+    };
+    int i = 0;
+    for (; i + kLaneWidth <= n; i += kLaneWidth) take(i, kLaneWidth, load_lane);
+    if (const int left = n - i; left > 0)
+      take(i, left, [left](const double* at) { return load_part(at, left); });
+  });
 }
 
 /// to[l][i] = lane l of from[i] for i < n, in the first `knots` lanes.

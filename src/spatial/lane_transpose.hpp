@@ -17,23 +17,29 @@ inline Lane pick(Lane a, Lane b) {
 #endif
 }
 
-/// Exchanges the quadrants off the diagonal in every square of 2 kHalf rows and lanes.
-template <int kHalf, int... kIndex>
+/// Exchanges the quadrants off the diagonal in every square of 2 kHalf rows and lanes, as far as
+/// the first kRows rows of the result come from them.
+template <int kRows, int kHalf, int... kIndex>
 inline void exchange_quadrants(Lane (&x)[kLaneWidth], std::integer_sequence<int, kIndex...> lanes) {
+  constexpr int kNeeded = (kRows + kHalf - 1) / kHalf * kHalf;
 #pragma GCC unroll 8
-  for (int r = 0; r < kLaneWidth; ++r) {
+  for (int r = 0; r < kNeeded; ++r) {
     if ((r & kHalf) != 0) continue;
     const Lane a = x[r], b = x[r + kHalf];
     x[r] = pick<((kIndex & kHalf) != 0 ? kLaneWidth + kIndex - kHalf : kIndex)...>(a, b);
+    if (r + kHalf >= kNeeded) continue;
     x[r + kHalf] = pick<((kIndex & kHalf) != 0 ? kLaneWidth + kIndex : kIndex + kHalf)...>(a, b);
   }
-  if constexpr (kHalf > 1) exchange_quadrants<kHalf / 2>(x, lanes);
+  if constexpr (kHalf > 1) exchange_quadrants<kRows, kHalf / 2>(x, lanes);
 }
 }  // namespace detail
 
-/// Lane i of vector j becomes lane j of vector i.
+/// Lane i of vector j becomes lane j of vector i, for i < kRows; what the other vectors hold then
+/// is of no use.
+template <int kRows = kLaneWidth>
 inline void transpose_lanes(Lane (&x)[kLaneWidth]) {
-  detail::exchange_quadrants<kLaneWidth / 2>(x, std::make_integer_sequence<int, kLaneWidth>());
+  detail::exchange_quadrants<kRows, kLaneWidth / 2>(x,
+                                                    std::make_integer_sequence<int, kLaneWidth>());
 }
 
 /// kLaneWidth numbers from or to anywhere.

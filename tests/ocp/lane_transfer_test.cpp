@@ -1,5 +1,7 @@
 #include "ocp/lane_transfer.hpp"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "spatial/aligned.hpp"
@@ -10,20 +12,26 @@ namespace {
 double number(int lane, int i) { return 1000 * lane + i; }
 
 TEST(LaneTransfer, GatheringTakesEveryNumberOfEveryKnot) {
-  for (int n = 0; n <= 3 * kLaneWidth + 1; ++n) {
-    std::vector<std::vector<double>> knots(kLaneWidth, std::vector<double>(n));
-    const double* from[kLaneWidth];
-    for (int l = 0; l < kLaneWidth; ++l) {
-      for (int i = 0; i < n; ++i) knots[l][i] = number(l, i);
-      from[l] = knots[l].data();
+  for (int n = 0; n <= 3 * kLaneWidth + 1; ++n)
+    for (int count = 1; count <= kLaneWidth; ++count) {
+      std::vector<std::vector<double>> knots(count, std::vector<double>(n));
+      std::vector<const double*> from(count);
+      for (int l = 0; l < count; ++l) {
+        for (int i = 0; i < n; ++i) knots[l][i] = number(l, i);
+        from[l] = knots[l].data();
+      }
+      int numbers = 0;
+      gather_lanes(from.data(), count, n, [&](int i, Lane value) {
+        EXPECT_EQ(i, numbers++);
+        for (int l = 0; l < count; ++l) EXPECT_EQ(value[l], number(l, i)) << n << " " << count;
+        for (int l = count; l < kLaneWidth; ++l) {
+          // Numbers of some knot of the group.
+          EXPECT_EQ(std::fmod(value[l], 1000), i) << n << " " << count;
+          EXPECT_LT(value[l], 1000 * count);
+        }
+      });
+      EXPECT_EQ(numbers, n);
     }
-    int count = 0;
-    gather_lanes(from, n, [&](int i, Lane value) {
-      EXPECT_EQ(i, count++);
-      for (int l = 0; l < kLaneWidth; ++l) EXPECT_EQ(value[l], number(l, i));
-    });
-    EXPECT_EQ(count, n);
-  }
 }
 
 TEST(LaneTransfer, ScatteringWritesWhatBelongsToTheKnotsAndNothingElse) {
