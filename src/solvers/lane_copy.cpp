@@ -91,8 +91,11 @@ bool copy_symmetric(LaneBlock A, double* to, int to_stride) {
   Lane x[kLaneWidth];
   Lane finite(0.0);  // a sum of zeros, unless a number is not finite
   const auto check = [&] {
+    // One square does not wait for the other: the sum of its columns comes first.
+    Lane sum = x[0];
 #pragma GCC unroll 8
-    for (int c = 0; c < kLaneWidth; ++c) finite += x[c] * Lane(0.0);
+    for (int c = 1; c < kLaneWidth; ++c) sum += x[c];
+    finite += sum * Lane(0.0);
   };
   for (int col = 0; col < A.cols; col += kLaneWidth) {
     const int cols = A.cols - col;

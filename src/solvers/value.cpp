@@ -18,43 +18,33 @@ constexpr int kListedShare = 4;
 
 CurvedBlock block(const StateBlock& B, int n) { return {B.data(), n, 6}; }
 
-/// Q ← P in the lower triangle, in as many rows and columns as P has, and zero elsewhere.
-void copy_lower(LaneMatrix* P, LaneMatrix& Q) {
-  const int n = Q.cols(), added = P == nullptr ? 0 : P->rows();
-  for (int j = 0; j < n; ++j) {
-    double* to = Q.col(j);
-    int row = j / kLaneWidth * kLaneWidth;
-    if (j < added)
-      for (; row < added; row += kLaneWidth) store_lane(to + row, load_lane(P->col(j) + row));
-    for (; row < n; row += kLaneWidth) store_lane(to + row, Lane(0.0));
-  }
+/// Q += P in the lower triangle, in as many rows and columns as P has.
+void add_lower(LaneMatrix& P, LaneMatrix& Q) {
+  for (int j = 0; j < P.cols(); ++j)
+    for (int row = j / kLaneWidth * kLaneWidth; row < P.rows(); row += kLaneWidth) {
+      double* sum = Q.col(j) + row;
+      store_lane(sum, load_lane(sum) + load_lane(P.col(j) + row));
+    }
 }
 
-/// Q ← the Hessian in the lower triangle, and there + P in as many rows and columns as P has. What
-/// is known to be zero is not read where it is most of the Hessian.
-void copy_lower(const KnotHessian& hessian, LaneMatrix* P, LaneMatrix& Q) {
+/// Q += the Hessian in the lower triangle. What is known to be zero is not read where it is most of
+/// the Hessian.
+void add_lower(const KnotHessian& hessian, LaneMatrix& Q) {
   const Eigen::MatrixXd& H = hessian();
-  const int n = static_cast<int>(H.rows()), added = P == nullptr ? 0 : P->rows();
+  const int n = static_cast<int>(H.rows());
   const int lanes = (n + kLaneWidth - 1) / kLaneWidth;
+  const auto add = [&](int row, int column) {
+    double* sum = Q.col(column) + row;
+    store_lane(sum, load_lane(sum) + load_some(H.col(column).data() + row, n - row));
+  };
   // To go through filled lanes one by one pays where they are a small part of all.
-  const bool sparse = kListedShare * static_cast<int>(hessian.lasting_lanes().size()) <= n * lanes;
-  if (hessian.fill() == HessianFill::lasting && sparse) {
-    copy_lower(P, Q);
-    for (const auto [row, column] : hessian.lasting_lanes()) {
-      double* sum = Q.col(column) + row;
-      store_lane(sum, load_lane(sum) + load_some(H.col(column).data() + row, n - row));
-    }
+  if (hessian.fill() == HessianFill::lasting &&
+      kListedShare * static_cast<int>(hessian.lasting_lanes().size()) <= n * lanes) {
+    for (const auto [row, column] : hessian.lasting_lanes()) add(row, column);
     return;
   }
-  for (int j = 0; j < n; ++j) {
-    const double* from = H.col(j).data();
-    double* to = Q.col(j);
-    for (int row = j / kLaneWidth * kLaneWidth; row < n; row += kLaneWidth) {
-      Lane x = load_some(from + row, n - row);
-      if (j < added && row < added) x += load_lane(P->col(j) + row);
-      store_lane(to + row, x);
-    }
-  }
+  for (int j = 0; j < n; ++j)
+    for (int row = j / kLaneWidth * kLaneWidth; row < n; row += kLaneWidth) add(row, j);
 }
 
 /// G B, where G is given by rows.
@@ -191,8 +181,6 @@ void ValuePropagation::propagate(const KnotLinearization& knot, const ValueFunct
       }
     }
     transform(knot, turned ? GA_ : knot.A, turned ? GH_ : knot.H, Vxx);
-    copy_lower(knot.hessian, &P11_, Q);
-    multiply_lower(Store::add, Q.block(rows, 0, rows), P12_.block(), Factor::of_eigen(knot.F));
     multiply(Store::set, FtP_.block(), Ft_.block(), Factor::of(P22_));
     for (int j = 0; j < rows; ++j)
       for (int row = 0; row < rows; row += kLaneWidth) {
@@ -200,10 +188,15 @@ void ValuePropagation::propagate(const KnotLinearization& knot, const ValueFunct
         store_lane(sum, load_lane(sum) + load_lane(P12_.col(j) + row));
       }
   } else {
-    copy_lower(knot.hessian, nullptr, Q);
     multiply(Store::set, FtP_.block(), Ft_.block(), Factor::of_eigen(Vxx));
   }
-  multiply_lower(Store::add, Q.block(), Ft_.block(), Factor::transposed(FtP_));
+  // The product of the whole lower triangle comes first: nothing has to be there before.
+  multiply_lower(Store::set, Q.block(), Ft_.block(), Factor::transposed(FtP_));
+  if (knot.semi_implicit) {
+    multiply_lower(Store::add, Q.block(rows, 0, rows), P12_.block(), Factor::of_eigen(knot.F));
+    add_lower(P11_, Q);
+  }
+  add_lower(knot.hessian, Q);
   mirror_lower(Q.block(), q.ndx());
 }
 
