@@ -47,7 +47,8 @@ LaneScatter::LaneScatter(const std::vector<int>& entry_at)
   for (int at = 0; at < size; ++at) {
     if (entry_at[at] < 0) continue;
     Run& run = runs_.emplace_back();
-    run.at = std::min(at, size - run_length_);
+    // From a whole lane on: a store that crosses lines of the cache takes two.
+    run.at = std::min(at / kLaneWidth * kLaneWidth, size - run_length_);
     run.entries.fill(-1);
     std::copy_n(&entry_at[run.at], run_length_, run.entries.begin());
     at = run.at + run_length_ - 1;
