@@ -6,10 +6,11 @@ import platform
 import sys
 
 os.environ["OMP_NUM_THREADS"] = "1"  # before a peer is loaded
+os.environ.pop("LD_PRELOAD", None)  # what it named is loaded here, and is not for our tools
 
 import kernels  # noqa: E402
 import solvers  # noqa: E402
-from conddp_tool import ROOT, Untranslatable  # noqa: E402
+from conddp_tool import NATIVE, PEERS, ROOT, Untranslatable  # noqa: E402
 from table import equality_table, kernel_table, solver_table  # noqa: E402
 
 SIXTY = "constraints.torque={bounds: control, lower: -60, upper: 60}"
@@ -34,6 +35,11 @@ def processor():
                      if line.startswith("model name")), platform.machine())
 
 
+def is_loaded(library):
+    with open("/proc/self/maps", encoding="utf-8") as lines:
+        return any(line.rstrip().endswith(str(library)) for line in lines)
+
+
 def arguments():
     parser = argparse.ArgumentParser(prog="scripts/peers/compare", description=(
         "Solves the same problems with conddp, Crocoddyl and Aligator, one thread each, and "
@@ -45,6 +51,8 @@ def arguments():
     parser.add_argument("--file", action="append", default=[], help="a problem file besides")
     parser.add_argument("--repeat", type=int, default=21, help="timed runs of each solver")
     parser.add_argument("--no-kernels", action="store_true", help="solvers alone")
+    parser.add_argument("--native", action="store_true",
+                        help="Crocoddyl and Pinocchio compiled for this machine")
     return parser.parse_args()
 
 
@@ -62,6 +70,8 @@ def settings_for(file, folder):
 
 def main():
     wanted = arguments()
+    if wanted.native and not is_loaded(NATIVE / "libcrocoddyl_native.so"):
+        sys.exit("scripts/peers/compare: --native: build/peers/native/libcrocoddyl_native.so is not loaded")
     cases = {name: CASES[name] for name in wanted.case or ([] if wanted.file else CASES)}
     for file in wanted.file:
         cases[os.path.basename(file)] = (os.path.abspath(file), (), ())
@@ -74,11 +84,12 @@ def main():
                                            wanted.repeat, name not in WITHOUT_ALIGATOR))
         except Untranslatable as refusal:
             print(f"{name}: left out: {refusal}", file=sys.stderr)
-    print(f"{processor()}; {solvers.versions()}.\n")
+    print(f"{processor()}; {solvers.versions(wanted.native)}.\n")
     print(solver_table(results))
     print(equality_table(results))
     if not wanted.no_kernels:
-        print(kernel_table(kernels.compare(wanted.robots)))
+        print(kernel_table(kernels.compare(wanted.robots, NATIVE if wanted.native else PEERS),
+                           "compiled here" if wanted.native else "wheel"))
 
 
 main()

@@ -6,6 +6,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 BINARIES = ROOT / "build/release/bin"
+PEERS = ROOT / "build/peers"
+NATIVE = PEERS / "native"
 
 
 class Untranslatable(Exception):

@@ -6,7 +6,6 @@ import os
 
 from conddp_tool import BINARIES, ROOT, output_of
 
-PEERS = ROOT / "build/peers"
 #: our benchmark's name of a robot: (URDF in problems/robots or in the folder of others, base)
 ROBOTS = {
     "quadruped": ("problems/robots/quadruped.urdf", "floating"),
@@ -26,8 +25,8 @@ ROWS = {
 }
 
 
-def pinocchio_times(urdf, base):
-    lines = output_of([PEERS / "pinocchio_kernels", urdf, base]).splitlines()
+def pinocchio_times(folder, urdf, base):
+    lines = output_of([folder / "pinocchio_kernels", urdf, base]).splitlines()
     return {name: float(time) for name, time in (line.split() for line in lines)}
 
 
@@ -44,14 +43,15 @@ def our_times(folder):
     return times
 
 
-def compare(folder):
+def compare(folder, peers):
+    """`folder` has the robots, `peers` the program with Pinocchio's algorithms."""
     ours = our_times(os.path.abspath(folder))
     table = {}
     for robot, (path, base) in ROBOTS.items():
         urdf = ROOT / path if "/" in path else os.path.join(os.path.abspath(folder), path)
         if not os.path.exists(urdf) or (robot, "rnea", "double") not in ours:
             continue
-        theirs = pinocchio_times(urdf, base)
+        theirs = pinocchio_times(peers, urdf, base)
         table[robot] = [
             (row, sum(theirs[name] for name in algorithms),
              *(math.fsum(ours[robot, name, scalar] for name in benchmarks)

@@ -53,10 +53,14 @@ class Comparison:
     optimum: dict = field(default_factory=dict)  # by whether bounds were dropped
 
 
-def versions():
-    return (f"Crocoddyl {crocoddyl.__version__}, Aligator {version('libaligator')} and Pinocchio "
-            f"{pinocchio.__version__} as wheels of the Python index (generic x86-64), "
-            "conddp compiled for this machine")
+def versions(native):
+    both = f"Crocoddyl {crocoddyl.__version__} and Pinocchio {pinocchio.__version__}"
+    aligator = f"Aligator {version('libaligator')}"
+    wheels = "of the Python index (generic x86-64)"
+    if native:
+        return (f"{both} compiled for this machine like conddp, {aligator} as the wheel {wheels} "
+                "with Crocoddyl's models as compiled here")
+    return f"{both} and {aligator} as wheels {wheels}, conddp compiled for this machine"
 
 
 def vectors(rows):

@@ -62,11 +62,11 @@ def equality_table(results):
     return "\n".join(lines) + "\n"
 
 
-def kernel_table(robots):
-    lines = ["| µs a call | | Pinocchio, wheel | conddp `double` | conddp lanes | wheel / lanes |",
+def kernel_table(robots, build):
+    lines = [f"| µs a call | | Pinocchio, {build} | conddp `double` | conddp lanes | Pinocchio / lanes |",
              "|---|---|---|---|---|---|"]
     for robot, rows in robots.items():
-        for i, (name, wheel, scalar, lanes) in enumerate(rows):
-            lines.append(f"| {robot if i == 0 else ''} | {name} | {number(wheel)} "
-                         f"| {number(scalar)} | {number(lanes)} | {ratio(wheel, lanes)} |")
+        for i, (name, theirs, scalar, lanes) in enumerate(rows):
+            lines.append(f"| {robot if i == 0 else ''} | {name} | {number(theirs)} "
+                         f"| {number(scalar)} | {number(lanes)} | {ratio(theirs, lanes)} |")
     return "\n".join(lines) + "\n"
