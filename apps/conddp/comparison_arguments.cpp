@@ -5,6 +5,7 @@
 #include "argument_checks.hpp"
 
 namespace conddp {
+
 void add_comparison_tolerances(CLI::App& command, std::vector<std::string>& values) {
   std::vector<std::string> names;
   std::string list;
