@@ -192,15 +192,15 @@ class Bench {
 int bench(const BenchArguments& arguments) {
   Diagnostics diagnostics;
   auto solvers = choose_solvers(arguments.solvers, diagnostics);
-  std::deque<BenchProblem> problems =
+  std::optional<std::deque<BenchProblem>> problems =
       read_bench_problems(arguments.inputs, arguments.settings, arguments.drop, diagnostics);
-  for (BenchProblem& problem : problems) apply(arguments, problem.spec.solver.options);
   print_messages(diagnostics, Verbosity::kNormal);
-  if (diagnostics.has_errors()) return kExitBadInput;
+  if (!problems || diagnostics.has_errors()) return kExitBadInput;
+  for (BenchProblem& problem : *problems) apply(arguments, problem.spec.solver.options);
   const InterruptGuard guard;
   if (!arguments.folder.empty()) create_folder(arguments.folder);
   Bench bench(arguments, std::move(solvers));
-  for (BenchProblem& problem : problems)
+  for (BenchProblem& problem : *problems)
     if (!bench.run(problem)) break;
   bench.finish();
   return InterruptGuard::signal() != 0 ? kExitSignalBase + InterruptGuard::signal()

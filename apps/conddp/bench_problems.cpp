@@ -35,6 +35,15 @@ void check_drop(const std::deque<BenchProblem>& problems, const std::vector<std:
                 name_hint(name, names, "constraints"), names);
 }
 
+/// Whether an error says in which problem file it is. One in a robot's file does not.
+bool names_file(const Diagnostics& diagnostics, const std::string& file) {
+  const auto& list = diagnostics.list();
+  return std::any_of(list.begin(), list.end(), [&](const Diagnostic& d) {
+    return d.severity == Severity::kError &&
+           (d.file == file || d.message.find(fmt::format("'{}'", file)) != std::string::npos);
+  });
+}
+
 }  // namespace
 
 const BuiltProblem* BenchProblem::build(const std::vector<std::string>& drop, Diagnostics& out) {
@@ -63,19 +72,24 @@ const BuiltProblem& BenchProblem::fitting(const SolverInfo& solver,
   return *built_.at(without);
 }
 
-std::deque<BenchProblem> read_bench_problems(const std::vector<std::string>& inputs,
-                                             const std::vector<std::string>& settings,
-                                             const std::vector<std::string>& drop,
-                                             Diagnostics& out) {
+std::optional<std::deque<BenchProblem>> read_bench_problems(
+    const std::vector<std::string>& inputs, const std::vector<std::string>& settings,
+    const std::vector<std::string>& drop, Diagnostics& out) {
   std::deque<BenchProblem> problems;
+  bool complete = true;
   for (const auto& file : input_files(inputs, ".yaml", out)) {
     Diagnostics own;
     if (auto spec = read_problem(file, settings, own))
       problems.emplace_back(*std::move(spec)).build({}, own);
     print_messages(own, Verbosity::kQuiet);
-    if (own.has_errors()) out.error({}, fmt::format("'{}' cannot be used", file.string()));
+    if (!own.has_errors()) continue;
+    complete = false;
+    if (!names_file(own, file.string()))
+      out.error({}, fmt::format("'{}' cannot be used", file.string()));
   }
-  check_drop(problems, drop, out);
+  // Which constraints there are is known of all problems or not at all.
+  if (complete) check_drop(problems, drop, out);
+  if (!complete || out.has_errors()) return std::nullopt;
   return problems;
 }
 

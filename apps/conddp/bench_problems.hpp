@@ -34,11 +34,11 @@ class BenchProblem {
   std::map<std::vector<std::string>, std::optional<BuiltProblem>> built_;
 };
 
-/// Reads and builds problem files, and those in folders. What is wrong with one is printed, and an
-/// error in `out`; so is a constraint to drop that no problem has.
-std::deque<BenchProblem> read_bench_problems(const std::vector<std::string>& inputs,
-                                             const std::vector<std::string>& settings,
-                                             const std::vector<std::string>& drop,
-                                             Diagnostics& out);
+/// Reads and builds problem files, and those in folders; nothing where something is wrong. What is
+/// wrong with a problem is printed. A problem that these messages do not name, and a constraint to
+/// drop that none has, are errors in `out`.
+std::optional<std::deque<BenchProblem>> read_bench_problems(
+    const std::vector<std::string>& inputs, const std::vector<std::string>& settings,
+    const std::vector<std::string>& drop, Diagnostics& out);
 
 }  // namespace conddp

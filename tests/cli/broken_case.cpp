@@ -41,7 +41,8 @@ BrokenCase read_case(const YAML::Node& node) {
   BrokenCase broken{.name = node["name"].as<std::string>(""), .node = node};
   for (const auto& entry : node) {
     const std::string key = entry.first.Scalar();
-    const std::vector<std::string> known = {"name", "change", "write", "make", "run", "says"};
+    const std::vector<std::string> known = {"name", "change", "write", "make",
+                                            "run",  "says",   "lacks"};
     if (std::find(known.begin(), known.end(), key) == known.end())
       throw std::runtime_error(fmt::format("{}: a case has no key '{}'", broken.name, key));
   }
@@ -49,6 +50,7 @@ BrokenCase read_case(const YAML::Node& node) {
   if (node["run"]) broken.arguments.clear();
   for (const YAML::Node& argument : node["run"]) broken.arguments.push_back(content(argument));
   for (const YAML::Node& line : node["says"]) broken.says.push_back(line.Scalar());
+  for (const YAML::Node& text : node["lacks"]) broken.lacks.push_back(text.Scalar());
   if (broken.name.empty() || broken.says.empty())
     throw std::runtime_error(fmt::format("a case lacks its name or 'says': {}", broken.name));
   return broken;

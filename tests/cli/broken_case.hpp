@@ -13,8 +13,9 @@ namespace conddp {
 struct BrokenCase {
   std::string name;
   std::vector<std::string> arguments;
-  std::vector<std::string> says;  ///< beginnings of lines on stderr
-  YAML::Node node;                ///< all of it
+  std::vector<std::string> says;   ///< beginnings of lines on stderr
+  std::vector<std::string> lacks;  ///< texts that are nowhere there
+  YAML::Node node;                 ///< all of it
 
   /// Puts the good inputs and this case's own into a folder.
   void prepare(const TemporaryFolder& folder) const;

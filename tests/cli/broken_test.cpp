@@ -42,6 +42,8 @@ void expect_refused(const BrokenCase& broken) {
   EXPECT_EQ(r.exit_code, 2) << r.err;
   EXPECT_EQ(r.out, "");
   EXPECT_TRUE(says(r.err, broken.says));
+  for (const std::string& text : broken.lacks)
+    EXPECT_EQ(r.err.find(text), std::string::npos) << text << "\nin\n" << r.err;
   EXPECT_EQ(folder.files(), before);
 }
 
