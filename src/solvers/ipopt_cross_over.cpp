@@ -76,8 +76,8 @@ void IpoptSolver::snap_controls(const InteriorPointAnswer& answer, Trajectory& t
 }
 
 /// Gains of a sweep at a trajectory, with constraints as penalties of the costs' own size.
-Feedback IpoptSolver::find_gains(const Trajectory& trajectory, const Eigen::VectorXd& multipliers,
-                                 std::optional<double>& regularization) {
+Feedback IpoptSolver::find_gains(const Trajectory& trajectory, const Eigen::VectorXd& multipliers) {
+  gain_regularization_.reset();
   Feedback gains(problem_);
   Linearization linearization(problem_);
   acts_.differentiate(trajectory, linearization);
@@ -101,14 +101,15 @@ Feedback IpoptSolver::find_gains(const Trajectory& trajectory, const Eigen::Vect
     if (sweep.run(linearization, trajectory, gaps, {options_.regularization.kind, schedule.value()},
                   *policy, gains) >= 0)
       continue;
-    regularization = schedule.value();
+    gain_regularization_ = schedule.value();
     return gains;
   } while (schedule.increase());
   return Feedback(problem_);
 }
 
-/// From Ipopt's answer, or the best iterate, to the answer that is returned. `goes_on`: it is one
-/// to which Ipopt went on from the answer before.
+/// From Ipopt's answer, or the best iterate, to one that may be returned: the best of it, of what
+/// it is with entries put on their bounds, and of Newton's iterates from there. `goes_on`: it is an
+/// answer to which Ipopt went on from the one before.
 void IpoptSolver::cross_over(const InteriorPointAnswer& answer, bool goes_on) {
   const bool good = answer.end == End::solved || answer.end == End::acceptable;
   transcription_->set_point(good ? answer.point.y.data() : best_.data());
@@ -119,30 +120,21 @@ void IpoptSolver::cross_over(const InteriorPointAnswer& answer, bool goes_on) {
   Trajectory trajectory = transcription_->trajectory();
   bounds_.clamp(trajectory);
   start_newton(trajectory, multipliers);
-  if (good) compare_ratios(bound_ratios(answer, trajectory, multipliers), goes_on);
-  if (good && (newton_.active_rows() > 0 || !under_tolerances(newton_.norms()))) {
-    const double before = newton_.norms().largest();
-    Trajectory snapped = trajectory;
-    snap_controls(answer, snapped);
-    start_newton(snapped, multipliers);
-    const bool snapped_is_better =
-        newton_.norms().largest() < before || under_tolerances(newton_.norms());
-    int steps = 0;
-    for (; steps < kNewtonSteps && newton_.norms().largest() > kNewtonGoal; ++steps) {
-      if (!newton_.step(kNewtonGrowth)) break;
-      result_.feedback_regularization = 0;
-      ++row_.newton;
-      ++row_.iteration;
-      record();
-    }
-    if (steps == 0 || newton_.norms().largest() > before)
-      start_newton(snapped_is_better ? snapped : trajectory, multipliers);
-  }
-  // The last row is the answer.
-  if (std::isfinite(newton_.cost()) && !result_.log.empty() &&
-      result_.log.back().cost != newton_.cost())
+  consider();
+  if (!good) return;
+  compare_ratios(bound_ratios(answer, trajectory, multipliers), goes_on);
+  if (newton_.active_rows() == 0 && under_tolerances(newton_.norms())) return;
+  snap_controls(answer, trajectory);
+  start_newton(trajectory, multipliers);
+  consider(true);
+  for (int i = 0; i < kNewtonSteps && newton_.norms().largest() > kNewtonGoal; ++i) {
+    if (!newton_.step(kNewtonGrowth)) break;
+    gain_regularization_ = 0;
+    ++row_.newton;
+    ++row_.iteration;
     record();
-  write_result();
+    consider();
+  }
 }
 
 /// From one answer to the next the barrier falls. At an active bound so does the distance, and the
@@ -164,8 +156,7 @@ void IpoptSolver::compare_ratios(BoundRatios ratios, bool goes_on) {
 
 /// Around a trajectory, with gains that belong to it.
 void IpoptSolver::start_newton(const Trajectory& trajectory, const Eigen::VectorXd& multipliers) {
-  result_.feedback_regularization.reset();
-  const Feedback gains = find_gains(trajectory, multipliers, result_.feedback_regularization);
+  const Feedback gains = find_gains(trajectory, multipliers);
   if (scales_) penalty_ = (scales_->rows.array() > 0).select(scales_->rows, penalty_);
   newton_.start(trajectory, multipliers, penalty_, gains);
 }
@@ -175,11 +166,8 @@ void IpoptSolver::start_newton(const Trajectory& trajectory, const Eigen::Vector
 /// to where the two are further apart. Until then an answer may look worse than the one before.
 void IpoptSolver::refine(InteriorPointAnswer& answer) {
   InteriorPointSettings settings = default_settings();
-  double least = newton_.norms().largest();
-  Trajectory trajectory = newton_.trajectory();
-  Eigen::VectorXd multipliers = newton_.multipliers();
-  while (answer.end == End::solved && stop_ == Stop::none && !under_tolerances(newton_.norms()) &&
-         settings.tolerance * kTighter >= kTightest) {
+  while (answer.end == End::solved && stop_ == Stop::none && !choice_.is_solution() &&
+         row_.iteration < options_.max_iterations && settings.tolerance * kTighter >= kTightest) {
     settings.tolerance *= kTighter;
     settings.dual_tolerance *= kTighter;
     settings.complementarity_tolerance *= kTighter;
@@ -190,15 +178,7 @@ void IpoptSolver::refine(InteriorPointAnswer& answer) {
     if (tighter.end != End::solved) break;
     answer = std::move(tighter);
     cross_over(answer, true);
-    if (newton_.norms().largest() > least) continue;
-    least = newton_.norms().largest();
-    trajectory = newton_.trajectory();
-    multipliers = newton_.multipliers();
   }
-  if (under_tolerances(newton_.norms()) || newton_.norms().largest() == least) return;
-  start_newton(trajectory, multipliers);
-  record();
-  write_result();
 }
 
 }  // namespace conddp

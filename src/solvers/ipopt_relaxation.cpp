@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <vector>
 
 #include "solvers/ipopt_solver.hpp"
 
@@ -29,7 +30,7 @@ constexpr double kPolishRise = 1e-4;
 /// stationarity.
 constexpr std::array<double, 3> kPolishBarriers = {kLeastBarrier, 1e-11, 1e-13};
 /// Iterations that each of them is worth in a trial, and the last one always.
-constexpr std::array<int, 3> kPolishIterations = {40, 20, 20};
+constexpr std::array<int, 3> kPolishIterations = {40, 40, 40};
 /// The barrier with which a solve starts, and the tolerance to which it is solved, as a share of
 /// its epsilon.
 constexpr double kBarrierShare = 0.1;
@@ -114,10 +115,19 @@ InteriorPointAnswer IpoptSolver::tighten(const Trajectory& start) {
 
 /// Whether an answer under all tolerances follows from a polished one. If so it is the result.
 bool IpoptSolver::crosses_over(const InteriorPointAnswer& polished) {
-  cross_over(polished);
-  crossed_over_ = under_tolerances(newton_.norms());
+  cross_over_from_polished(polished);
+  crossed_over_ = choice_.is_solution();
   iterations_before_ = row_.iteration;
   return crossed_over_;
+}
+
+/// A smaller barrier tells better what belongs at a bound, but is further from what its system of
+/// equations can resolve. So where no answer follows from the last polished one, one may from those
+/// before.
+void IpoptSolver::cross_over_from_polished(const InteriorPointAnswer& polished) {
+  cross_over(polished);
+  for (; !looser_.empty() && !choice_.is_solution(); looser_.pop_back()) cross_over(looser_.back());
+  looser_.clear();
 }
 
 /// Solves once more with the smaller one of each pair fixed to zero, which leaves nothing relaxed,
@@ -133,26 +143,37 @@ bool IpoptSolver::polish(InteriorPointAnswer& answer, bool trial) {
   transcription_->fix_pairs(answer.point.y.data());
   InteriorPointSettings settings = default_settings();
   row_.relaxation = 0;
-  InteriorPointAnswer best = answer;
-  int solves = 0;
+  std::vector<InteriorPointAnswer> polished;
+  polished.reserve(kPolishBarriers.size());
   for (const double barrier : kPolishBarriers) {
-    const Eigen::VectorXd y = best.point.y.cwiseMin(transcription_->upper());
-    settings.warm = &best.point;
+    const std::size_t solves = polished.size();
+    const PrimalDualPoint& from = polished.empty() ? answer.point : polished.back().point;
+    settings.warm = &from;
     settings.warm_barrier = barrier;
     if (solves > 0) settings.complementarity_tolerance = barrier;
     if (trial || solves == 2) settings.max_iterations = kPolishIterations[solves];
-    InteriorPointAnswer fixed = run_ipopt(y, settings);
+    InteriorPointAnswer fixed = run_ipopt(from.y.cwiseMin(transcription_->upper()), settings);
     ++row_.outer;
     iterations_before_ = row_.iteration;
+    if (fixed.end == End::max_iterations && is_as_asked(row_)) fixed.end = End::acceptable;
     if (!is_good(fixed)) break;
     if (solves == 0 && cost_at(fixed) > before + kPolishRise * (1 + std::abs(before))) break;
-    ++solves;
-    best = std::move(fixed);
+    polished.push_back(std::move(fixed));
     if (row_.iteration >= options_.max_iterations) break;
   }
-  if (solves < (trial ? 2 : 1)) return false;
-  answer = std::move(best);
+  if (polished.size() < (trial ? 2 : 1)) return false;
+  answer = std::move(polished.back());
+  polished.pop_back();
+  looser_ = std::move(polished);
   return true;
+}
+
+/// Whether the last iterate of a solve is an answer, although rounding kept that solve from the
+/// tolerances of its small barrier.
+bool IpoptSolver::is_as_asked(const IterationRecord& last) const {
+  const auto& t = options_.tolerances;
+  return last.stationarity <= t.stationarity && last.gap <= t.gap &&
+         last.constraint <= t.constraint && last.complementarity <= t.complementarity;
 }
 
 }  // namespace conddp

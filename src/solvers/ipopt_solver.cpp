@@ -42,6 +42,7 @@ IpoptSolver::IpoptSolver(const ShootingProblem& problem, const SolverOptions& op
       bounds_(problem),
       acts_(problem, options.threads),
       newton_(problem, acts_),
+      choice_(options.tolerances),
       result_(problem) {
   make_transcription(options.complementarity.relaxation);
 }
@@ -65,6 +66,8 @@ SolveResult IpoptSolver::solve(const Trajectory& guess) {
   row_.exact_hessian = !gauss_newton_ && !wants_limited_memory(options_.ipopt);
   iterations_before_ = 0;
   scales_.reset();
+  choice_.forget();
+  looser_.clear();
   crossed_over_ = false;
   Trajectory start = guess;
   result_.start = "states and controls of the guess";
@@ -84,8 +87,9 @@ SolveResult IpoptSolver::solve(const Trajectory& guess) {
                                    ? run_relaxations(start)
                                    : run_ipopt(transcription_->point_of(start), default_settings());
   const double newton_began = elapsed();
-  if (!crossed_over_) cross_over(answer);
+  if (!crossed_over_) cross_over_from_polished(answer);
   if (!transcription_->has_pairs()) refine(answer);
+  log_answer();
   set_status(answer);
   result_.iterations = row_.iteration;
   result_.times.total = elapsed();
@@ -107,17 +111,19 @@ InteriorPointSettings IpoptSolver::default_settings() const {
 bool IpoptSolver::newton_is_enough(const Trajectory& start) {
   start_newton(start, options_.multipliers->constraints);
   record();
-  while (!under_tolerances(newton_.norms()) && row_.iteration < kNewtonSteps && newton_.step()) {
-    result_.feedback_regularization = 0;
+  consider();
+  while (!choice_.is_solution() && row_.iteration < kNewtonSteps && newton_.step()) {
+    gain_regularization_ = 0;
     ++row_.newton;
     ++row_.iteration;
     record();
+    consider();
   }
-  if (under_tolerances(newton_.norms())) {
-    write_result();
+  if (choice_.is_solution()) {
     set_status({});
     return true;
   }
+  choice_.forget();
   result_.log.clear();
   const bool exact = row_.exact_hessian;
   row_ = IterationRecord();
@@ -210,11 +216,32 @@ void IpoptSolver::record() {
   if (options_.on_iteration) options_.on_iteration(row_);
 }
 
+/// Makes the iterate of Newton's method the answer where it is better than the answer so far.
+void IpoptSolver::consider(bool preferred) {
+  if (!choice_.take(newton_.norms(), preferred)) return;
+  answer_row_ = row_;
+  newton_.describe(answer_row_);
+  write_result();
+}
+
+/// Makes the row of the answer the last one of the log.
+void IpoptSolver::log_answer() {
+  if (!choice_.has_answer() || !std::isfinite(answer_row_.cost) || result_.log.empty()) return;
+  const IterationRecord& last = result_.log.back();
+  if (last.cost == answer_row_.cost && last.newton == answer_row_.newton) return;
+  // What is counted goes on.
+  answer_row_.iteration = row_.iteration;
+  answer_row_.outer = row_.outer;
+  answer_row_.newton = row_.newton;
+  answer_row_.time_s = elapsed();
+  result_.log.push_back(answer_row_);
+  if (options_.on_iteration) options_.on_iteration(answer_row_);
+}
+
 void IpoptSolver::write_result() {
-  if (find_non_finite(newton_.linearization())) {
-    result_.feedback_regularization.reset();
-    return;
-  }
+  result_.feedback_regularization.reset();
+  if (find_non_finite(newton_.linearization())) return;
+  result_.feedback_regularization = gain_regularization_;
   const KktNorms& norms = newton_.norms();
   result_.trajectory = newton_.trajectory();
   result_.cost = newton_.cost();
@@ -237,9 +264,7 @@ void IpoptSolver::write_result() {
 }
 
 bool IpoptSolver::under_tolerances(const KktNorms& norms) const {
-  const auto& t = options_.tolerances;
-  return norms.stationarity.value <= t.stationarity && norms.gap.value <= t.gap &&
-         norms.violation.value <= t.constraint && norms.complementarity <= t.complementarity;
+  return AnswerChoice::excess(norms, options_.tolerances) <= 1;
 }
 
 void IpoptSolver::set_status(const InteriorPointAnswer& answer) {
@@ -247,7 +272,7 @@ void IpoptSolver::set_status(const InteriorPointAnswer& answer) {
     result_.status = status;
     result_.message = fmt::format("{}: {}", message, residual_text());
   };
-  if (under_tolerances(newton_.norms()))
+  if (choice_.is_solution())
     return end(SolveStatus::converged, "all residuals are under tolerance");
   if (stop_ == Stop::interrupted) return end(SolveStatus::interrupted, "interrupted");
   if (stop_ == Stop::time_limit)
@@ -269,6 +294,9 @@ void IpoptSolver::set_status(const InteriorPointAnswer& answer) {
       return end(SolveStatus::diverged, text);
     case End::solved:
     case End::acceptable:
+      if (row_.iteration >= options_.max_iterations)
+        return end(SolveStatus::max_iterations,
+                   fmt::format("not converged after {} iterations", row_.iteration));
       // What is no row of the program: constraints on the given state alone.
       if (result_.residuals.constraint > options_.tolerances.constraint &&
           result_.residuals.constraint_knot == 0)

@@ -3,9 +3,11 @@
 #include <chrono>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "nlp/interior_point.hpp"
 #include "nlp/transcription.hpp"
+#include "solvers/answer_choice.hpp"
 #include "solvers/control_bounds.hpp"
 #include "solvers/options.hpp"
 #include "solvers/projected_newton.hpp"
@@ -40,6 +42,8 @@ class IpoptSolver {
   InteriorPointAnswer tighten(const Trajectory& start);
   bool polish(InteriorPointAnswer& answer, bool trial);
   bool crosses_over(const InteriorPointAnswer& polished);
+  void cross_over_from_polished(const InteriorPointAnswer& polished);
+  bool is_as_asked(const IterationRecord& last) const;
   bool is_complementary(const InteriorPointAnswer& answer) const;
 
   // ipopt_cross_over.cpp
@@ -52,8 +56,7 @@ class IpoptSolver {
                            const Eigen::VectorXd& multipliers) const;
   void compare_ratios(BoundRatios ratios, bool goes_on);
   void snap_controls(const InteriorPointAnswer& answer, Trajectory& trajectory) const;
-  Feedback find_gains(const Trajectory& trajectory, const Eigen::VectorXd& multipliers,
-                      std::optional<double>& regularization);
+  Feedback find_gains(const Trajectory& trajectory, const Eigen::VectorXd& multipliers);
   void cross_over(const InteriorPointAnswer& answer, bool goes_on = false);
   void start_newton(const Trajectory& trajectory, const Eigen::VectorXd& multipliers);
   void refine(InteriorPointAnswer& answer);
@@ -61,7 +64,9 @@ class IpoptSolver {
   bool newton_is_enough(const Trajectory& start);
   bool note(const InteriorPointIterate& iterate);
   void record();
+  void consider(bool preferred = false);
   void write_result();
+  void log_answer();
   void set_status(const InteriorPointAnswer& answer);
   bool under_tolerances(const KktNorms& norms) const;
   std::string residual_text() const;
@@ -75,7 +80,12 @@ class IpoptSolver {
   std::unique_ptr<Transcription> transcription_;
   ProjectedNewton newton_;
   Stop stop_ = Stop::none;
-  bool crossed_over_ = false;  ///< the result is written
+  AnswerChoice choice_;         ///< the answer so far is the result
+  IterationRecord answer_row_;  ///< its row of the log
+  /// Polished answers with larger barriers than the one that is crossed over from first, from the
+  /// largest one on.
+  std::vector<InteriorPointAnswer> looser_;
+  bool crossed_over_ = false;  ///< nothing is left to cross over from
   int iterations_before_ = 0;  ///< of earlier runs of Ipopt in this solve
   IterationRecord row_;
   /// The best iterate: that of the least optimality error, which is the largest of gap, violation,
@@ -84,6 +94,8 @@ class IpoptSolver {
   double best_error_ = 0;
   /// Of constraint rows: by what multipliers are compared with distances from a bound.
   Eigen::VectorXd penalty_;
+  /// Of the sweep that gave the gains of Newton's iterate, if one did.
+  std::optional<double> gain_regularization_;
   BoundRatios former_;  ///< of the last answer that was crossed over from
   /// Where Ipopt went on from the answer before: the means of both answers' ratios.
   std::optional<BoundRatios> scales_;

@@ -175,6 +175,35 @@ TEST(Ipopt, BudgetsAreKeptAndTheBestIterateIsReturned) {
   EXPECT_TRUE(result.costates.allFinite());
 }
 
+/// With weights so large rounding keeps Newton's method above its goal: it goes on, and its
+/// iterates are now better, now worse.
+TEST(Ipopt, TheAnswerIsTheBestIterateOfNewtonsMethod) {
+  int last_was_not_the_best = 0;
+  for (const double weight : {1e4, 1e5, 1e6}) {
+    const ShootingProblem free =
+        testing::tracking_problem(pendulum({}), Integrator::rk4, 50, 0.06, {0, 0},
+                                  {{M_PI, 0}, {weight, weight}, {weight}, {weight, weight}}, -3, 3);
+    const ShootingProblem problem =
+        with_constraints(free, {testing::goal_constraint(free, {M_PI, 0})});
+    const SolverOptions options{.tolerances = {.stationarity = 1e-12 * weight}};
+    const SolveResult result =
+        solve(problem, "ipopt", options, testing::constant_controls(problem, 0.1));
+    EXPECT_EQ(result.status, SolveStatus::converged) << result.message;
+    const double answer = result.residuals.stationarity;
+    double last = 0;
+    for (std::size_t i = 1; i < result.log.size(); ++i) {
+      const IterationRecord& row = result.log[i];
+      if (row.newton == result.log[i - 1].newton) continue;
+      // Newton's iterates are under tolerance in all else.
+      last = row.stationarity;
+      EXPECT_LE(answer, last) << weight << ", iteration " << row.iteration;
+    }
+    last_was_not_the_best += answer < last;
+    EXPECT_EQ(result.log.back().cost, result.cost);
+  }
+  EXPECT_GE(last_was_not_the_best, 1);
+}
+
 TEST(Ipopt, LogsWhatItDoes) {
   const auto cases = testing::published_cases();
   SolverOptions options;
