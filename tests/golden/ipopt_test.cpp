@@ -1,6 +1,8 @@
 // Ready problems by direct transcription: derivatives, and optima beside the known answers.
 #include <set>
 
+#include <fmt/format.h>
+
 #include "support/transcribed_problem.hpp"
 
 namespace conddp {
@@ -27,6 +29,18 @@ INSTANTIATE_TEST_SUITE_P(Ready, TranscribedDerivatives,
                          ::testing::ValuesIn(testing::ready_problems(false)), testing::name_of);
 INSTANTIATE_TEST_SUITE_P(Slow, TranscribedDerivatives,
                          ::testing::ValuesIn(testing::slow_problems()), testing::name_of);
+
+/// Ipopt's first answer, after 26 iterations, is not good enough; it may go on to a better one.
+TEST(TranscribedArm, BudgetsThatEndBetweenTwoAnswersAreUsedUp) {
+  for (const int budget : {25, 26, 27, 28}) {
+    const testing::ReadyProblem ready(
+        "arm_fastest", {"solver.name=ipopt", fmt::format("solver.max_iterations={}", budget)});
+    const SolveResult result =
+        solve(*ready.built.problem, "ipopt", ready.spec.solver.options, ready.built.guess);
+    EXPECT_EQ(result.status, SolveStatus::max_iterations) << result.message;
+    EXPECT_EQ(result.iterations, budget);
+  }
+}
 
 }  // namespace
 }  // namespace conddp
