@@ -27,20 +27,26 @@ target_link_libraries(conddp_options INTERFACE conddp_abi)
 
 # Left out: a warning that contradicts designated initialisers, and those of g++'s optimiser that are
 # wrong about the standard library's strings and about its own AVX-512 intrinsics in version 12; the
-# sanitizers look for the real ones.
+# sanitizers look for the real ones. Code that sanitizers instrument brings further wrong ones, for which
+# g++'s manual advises against -Werror with them: there warnings stay warnings.
 target_compile_options(conddp_options INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wno-psabi
   -Wno-missing-field-initializers
   "$<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized;-Wno-restrict;-Wno-stringop-overflow>"
   "$<$<CXX_COMPILER_ID:GNU>:-Wno-array-bounds>"
+  "$<$<AND:$<CXX_COMPILER_ID:GNU>,$<CONFIG:Sanitize>>:-Wno-uninitialized>"
   -fno-math-errno -ffp-contract=fast
-  $<$<BOOL:${CONDDP_WERROR}>:-Werror>
+  $<$<AND:$<BOOL:${CONDDP_WERROR}>,$<NOT:$<CONFIG:Sanitize>>>:-Werror>
   $<$<AND:$<BOOL:${CONDDP_PCH}>,$<CXX_COMPILER_ID:GNU>>:-fpch-preprocess>)
 
 target_compile_definitions(conddp_options INTERFACE
   $<$<CONFIG:Debug,Sanitize>:_GLIBCXX_ASSERTIONS>)
 
-# The build type of the preset "sanitize": like RelWithDebInfo, with assertions.
-set(CMAKE_CXX_FLAGS_SANITIZE "-O1 -g1 -fno-omit-frame-pointer" CACHE STRING
-  "Flags of the build type Sanitize")
+# The build type of the preset "sanitize". project() has put an empty string for it into the cache, which
+# another set() would leave there. -Og because the sanitizers' checks are most of the code: it compiles
+# no slower than -O0 and in half the time of -O1.
+if(NOT CMAKE_CXX_FLAGS_SANITIZE)
+  set(CMAKE_CXX_FLAGS_SANITIZE "-Og -fno-omit-frame-pointer" CACHE STRING
+    "Flags of the build type Sanitize" FORCE)
+endif()
 mark_as_advanced(CMAKE_CXX_FLAGS_SANITIZE)

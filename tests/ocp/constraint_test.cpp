@@ -4,6 +4,7 @@
 
 #include "ocp/acts.hpp"
 #include "support/knot_case.hpp"
+#include "support/sizes.hpp"
 
 namespace conddp {
 namespace {
@@ -217,7 +218,7 @@ TEST(Constraints, JacobiansAndAugmentedGradientsAreThoseOfDualNumbers) {
     Acts acts(problem);
     Linearization lin(problem);
     acts.differentiate(trajectory_of(c, problem), lin, &augmentation);
-    for (int d = 0; d < c.model->nz(); ++d) {
+    for (int d = 0; d < c.model->nz(); d += kDirectionStride) {
       const Slope expected = slope_along(c, augmentation, d);
       EXPECT_NEAR(lin.knots[0].gradient[d], expected.cost, 1e-10 * (1 + std::abs(expected.cost)))
           << c.name << " direction " << d;

@@ -3,6 +3,7 @@
 #include "ocp/residuals.hpp"
 #include "support/contact_case.hpp"
 #include "support/knot_case.hpp"
+#include "support/sizes.hpp"
 
 namespace conddp {
 namespace {
@@ -44,7 +45,7 @@ void expect_gradients_of_dual_numbers(const std::shared_ptr<const MultibodySyste
                          work, true);
     double scale = 1;
     for (double g : work.gradient) scale = std::max(scale, std::abs(g));
-    for (int d = 0; d < model->nz(); ++d)
+    for (int d = 0; d < model->nz(); d += kDirectionStride)
       EXPECT_NEAR(work.gradient[d], directional_derivative(c, d).cost, 1e-8 * scale)
           << named.name << " direction " << d;
   }

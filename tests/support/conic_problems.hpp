@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "support/constrained_problems.hpp"
+#include "support/sizes.hpp"
 
 /// Random convex conic linear-quadratic problems that have a solution.
 namespace conddp::testing {
@@ -50,14 +51,6 @@ struct ConicSize {
   int copies = 1;          ///< how often every constraint is there
   int contradictions = 0;  ///< further equalities of the last state that cannot hold
 };
-
-/// Sanitizers, which make products of matrices a hundred times as long, look for errors that do not
-/// depend on sizes.
-#ifdef __SANITIZE_ADDRESS__
-constexpr bool kSmallSizes = true;
-#else
-constexpr bool kSmallSizes = false;
-#endif
 
 /// With constraints of every kind.
 inline ConicSize middle_size() {
