@@ -250,6 +250,7 @@ std::optional<BuiltProblem> build_problem(const ProblemSpec& spec, const BuildOp
   const auto start_choice = build_initial_choice(spec, built.plant, *initial, memory, out);
   if (!start_choice.valid) return std::nullopt;
   const InitialChoice* choice = start_choice.choice ? &*start_choice.choice : nullptr;
+  if (choice == nullptr) states.check_limits(spec.initial_state, *initial);
   if (choice != nullptr) built.plant.start = ChosenStart{choice->state, choice->coordinates};
   const int held = choice != nullptr && choice->remembered ? choice->system->nu() : 0;
   const int ndx = system.ndx() + (memory ? system.actuators() : held);

@@ -1,6 +1,7 @@
 #include "problem_file/state_builder.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -9,6 +10,12 @@
 #include "robot/near_names.hpp"
 
 namespace conddp {
+namespace {
+
+/// How far outside of its limits a joint may be by rounding, relative to its position or 1.
+constexpr double kLimitRounding = 1e-9;
+
+}  // namespace
 
 StateBuilder::StateBuilder(const Plant& plant, Diagnostics& out) : plant_(plant), out_(out) {}
 
@@ -47,6 +54,29 @@ std::optional<std::vector<double>> StateBuilder::checked(std::vector<double> x,
   if (plant_.system->manifold().normalize(x.data())) return x;
   out_.error(place, "a quaternion of the state has not length 1", "the order is x, y, z, w");
   return std::nullopt;
+}
+
+void StateBuilder::check_limits(const StateSpec& spec, const std::vector<double>& initial) const {
+  if (!plant_.multibody) return;
+  for (int i = 0; i < plant_.robot().joint_count(); ++i) {
+    const Joint& joint = plant_.robot().joints[i];
+    const auto index = plant_.multibody->position_index(i);
+    if (joint.type == JointType::floating || !index) continue;
+    const double q = initial[*index];
+    const double slack = kLimitRounding * std::max(1.0, std::abs(q));
+    if (q >= joint.lower - slack && q <= joint.upper + slack) continue;
+    const bool turns = joint.type == JointType::revolute;
+    const auto said = std::find_if(spec.joints.begin(), spec.joints.end(),
+                                   [&](const auto& s) { return s.first.value == joint.name; });
+    std::string hint;
+    if (turns && std::abs(q) > 2 * M_PI)
+      hint = fmt::format("angles are in rad: {0:.6g}° is {1:.4g} rad", q, q * M_PI / 180);
+    out_.warning(said == spec.joints.end() ? spec.place : said->first.place,
+                 fmt::format("the initial state has the joint '{}' at {:.6g} {}, outside of its "
+                             "limits, {:.6g} to {:.6g}",
+                             joint.name, q, turns ? "rad" : "m", joint.lower, joint.upper),
+                 hint);
+  }
 }
 
 std::optional<std::vector<double>> StateBuilder::named(const Name& name) const {

@@ -18,6 +18,8 @@ class StateBuilder {
   std::optional<std::vector<double>> build(const StateSpec& spec) const;
   /// The state of a configuration (at rest), or the initial one for "initial".
   std::optional<std::vector<double>> named(const Name& name) const;
+  /// Warns of joints that an initial state has outside of their limits.
+  void check_limits(const StateSpec& spec, const std::vector<double>& initial) const;
   /// From here on "initial" is known.
   void set_initial(std::vector<double> state) { initial_ = std::move(state); }
   const std::vector<double>& initial() const { return initial_; }

@@ -25,8 +25,9 @@ void YamlReader::expected(std::string_view what, std::string hint) const {
   std::string found(kind_name(*node_));
   if (is_scalar()) {
     constexpr std::size_t kShown = 40;
-    found += fmt::format(" ('{}{}')", node_->text.substr(0, kShown),
-                         node_->text.size() > kShown ? "..." : "");
+    const std::string text =
+        node_->text.substr(0, kShown) + (node_->text.size() > kShown ? "..." : "");
+    found = is_number() ? text : fmt::format("{} ('{}')", found, text);
   }
   error(fmt::format("{} is expected here, not {}", what, found), std::move(hint));
 }

@@ -92,7 +92,7 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"Octal", "dt: 0.1", "dt: §010",
                 "a positive number is expected here, and '010' has a leading zero"},
         Mistake{"Negative", "weight: 0.5", "weight: §-1",
-                "a number that is not negative is expected here, not a number ('-1')"},
+                "a number that is not negative is expected here, not -1"},
         Mistake{"ZeroStep", "dt: 0.1", "dt: §0", "a positive number"},
         Mistake{"NoStep", ", dt: 0.1", "", "7:5: a phase needs 'dt'"},
         Mistake{"StepAndDuration", "dt: 0.1", "dt: 0.1, §duration: 1",

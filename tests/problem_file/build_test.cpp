@@ -23,6 +23,31 @@ TEST(Build, PhasesHaveTheirKnotsAndSteps) {
   EXPECT_EQ(problem.phases()[0].model->control_upper(), std::vector<double>{3});
 }
 
+TEST(Build, WarnsOfJointsThatStartOutsideOfTheirLimits) {
+  const auto warnings = [](const std::string& text) {
+    const Loaded loaded(text);
+    EXPECT_TRUE(loaded.built) << loaded.all();
+    std::string all;
+    for (const Diagnostic& d : loaded.diagnostics.list())
+      if (d.severity == Severity::kWarning)
+        all += fmt::format("{}:{}: {} ({})\n", d.line, d.column, d.message, d.hint);
+    return all;
+  };
+  const auto from = [](const char* state) {
+    return replaced(kCartpole, "{configuration: up}", state);
+  };
+  EXPECT_EQ(warnings(from("{joints: {slider: 2.4}}")), "");
+  EXPECT_EQ(warnings(from("{joints: {slider: -3}}")),
+            "7:26: the initial state has the joint 'slider' at -3 m, outside of its limits, -2.4 "
+            "to 2.4 ()\n");
+  const std::string degrees = R"(conddp: 1
+robot: {urdf: robots/planar_quadruped.urdf}
+initial_state: {joints: {LF_hip: 60}}
+phases: [{name: only, knots: 5, dt: 0.1}]
+)";
+  EXPECT_NE(warnings(degrees).find("angles are in rad: 60° is 1.047 rad"), std::string::npos);
+}
+
 TEST(Build, PhasesOfOneStructureShareTheirModel) {
   const Loaded same{std::string(kPendulum)};
   ASSERT_TRUE(same.built);
