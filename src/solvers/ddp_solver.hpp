@@ -65,6 +65,7 @@ class DdpSolver {
   bool model_step();
   bool search();
   bool stationarity_fell();
+  bool decrease_was_quadratic(bool by_model);
   double projected_stationarity() const;
 
   // ddp_constraints.cpp

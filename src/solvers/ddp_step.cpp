@@ -36,6 +36,7 @@ constexpr double kGapShare = 0.7;
 /// Sweeps and searches, with more regularisation after every failure, until a step is accepted.
 bool DdpSolver::take_step() {
   row_.trials = 0;
+  bool by_model = false;
   const int sweeps_before = direction_.sweeps();
   for (;;) {
     if (!sweep_with_regularization()) return false;
@@ -45,6 +46,7 @@ bool DdpSolver::take_step() {
     const MeritModel former_merit = merit_;
     measure_direction();
     bool descent = true, found = model_step();
+    by_model = found;
     if (!found) {
       weigh_gaps();
       descent = merit_.descends();
@@ -89,9 +91,7 @@ bool DdpSolver::take_step() {
     constraints_->add(*multiplier_change_, search_.step);
     linearized_ = false;
   }
-  const double share = search_.actual_decrease / search_.expected_decrease;
-  const bool quadratic = merit_.hidden(search_.expected_decrease) ||
-                         (share >= kQuadraticFrom && share <= kQuadraticTo);
+  const bool quadratic = decrease_was_quadratic(by_model);
   if (search_.step == 1 && direction_.within_bounds() && quadratic) {
     direction_.step_taken();
   } else {
@@ -115,6 +115,19 @@ bool DdpSolver::take_step() {
     regularization_.increase();
   }
   return true;
+}
+
+/// Whether the decrease of the full step was that of a quadratic function. As long as a line search
+/// closes gaps, their weight is most of what the merit gains, and the cost alone is compared with
+/// its model.
+bool DdpSolver::decrease_was_quadratic(bool by_model) {
+  if (merit_.hidden(search_.expected_decrease)) return true;
+  double share = search_.actual_decrease / search_.expected_decrease;
+  if (!by_model && !equality_search_ && !gaps_.closed() && search_.step == 1) {
+    const double model = -merit_.slope - 0.5 * direction_.curvature(linearization_);
+    share = 0.5 * (search_.actual_decrease - merit_.penalty * merit_.gap_norm) / model;
+  }
+  return share >= kQuadraticFrom && share <= kQuadraticTo;
 }
 
 /// Gauss-Newton's steps learn from each other, where the Hessian is not to be just that.

@@ -55,9 +55,8 @@ Trajectory simulated_guess(const ShootingProblem& problem) {
   return guess;
 }
 
-/// Quadrotor states that do not follow from the controls, rotations included.
-Trajectory open_gap_guess(const ShootingProblem& problem, double size = 0.2) {
-  Trajectory guess = testing::constant_controls(problem, 1.3);
+/// Turns and moves a quadrotor's states by up to `size` after the first one.
+Trajectory with_gaps(Trajectory guess, const ShootingProblem& problem, double size) {
   for (int k = 1; k <= problem.knots(); ++k) {
     Eigen::VectorXd delta(12);
     for (int i = 0; i < 12; ++i) delta[i] = size * std::sin(k * (i + 1.0));
@@ -65,6 +64,11 @@ Trajectory open_gap_guess(const ShootingProblem& problem, double size = 0.2) {
     problem.manifold().integrate(from.data(), delta.data(), guess.x(k).data());
   }
   return guess;
+}
+
+/// Quadrotor states that do not follow from the controls, rotations included.
+Trajectory open_gap_guess(const ShootingProblem& problem, double size = 0.2) {
+  return with_gaps(testing::constant_controls(problem, 1.3), problem, size);
 }
 
 // Pitfall 9: on SE(3) the slope holds only if gaps transport tangent vectors.
@@ -128,6 +132,22 @@ TEST(ModelStep, ALastLookLeavesTheDerivativesOfTheNextIterate) {
   differentiated.correct(at.acts, at.feedback, Look::evaluate, linearization, ahead);
   EXPECT_LT(differentiated.gap().norm(), 0.1 * evaluated.gap().norm());
   EXPECT_LT(differentiated.gap().norm(), 1e-3 * before);
+}
+
+// The merit's ratio says little of a step that closed gaps, since their weight is most of it.
+TEST(ModelStep, FollowsTheFullStepThatClosedTheGuessedGapsWhereTheCostWentAsItsModel) {
+  const ShootingProblem problem = testing::quadrotor_move();
+  const Trajectory optimum =
+      solve(problem, "ddp", {}, testing::constant_controls(problem, 1.22625)).trajectory;
+  SolverOptions options;
+  options.max_iterations = 2;
+  const SolveResult result = solve(problem, "fddp", options, with_gaps(optimum, problem, 0.003));
+  ASSERT_EQ(result.log.size(), 3u);
+  EXPECT_EQ(result.log[1].step, 1);
+  EXPECT_GT(result.log[1].actual_decrease, 0.8 * result.log[1].expected_decrease);
+  EXPECT_LT(result.log[1].gap, 1e-12);
+  EXPECT_EQ(result.log[2].step, 1);
+  EXPECT_GT(result.log[2].gap, 1e-12) << "of second order, where a rollout closes gaps";
 }
 
 TEST(ModelStep, EveryCorrectionTakesTheGapsOneOrderDown) {
