@@ -177,8 +177,8 @@ TEST(Ipopt, BudgetsAreKeptAndTheBestIterateIsReturned) {
 
 /// With weights so large rounding keeps Newton's method above its goal: it goes on, and its
 /// iterates are now better, now worse.
+// The tolerances are those of rounding, so Newton's last iterate is not always its best.
 TEST(Ipopt, TheAnswerIsTheBestIterateOfNewtonsMethod) {
-  int last_was_not_the_best = 0;
   for (const double weight : {1e4, 1e5, 1e6}) {
     const ShootingProblem free =
         testing::tracking_problem(pendulum({}), Integrator::rk4, 50, 0.06, {0, 0},
@@ -189,19 +189,18 @@ TEST(Ipopt, TheAnswerIsTheBestIterateOfNewtonsMethod) {
     const SolveResult result =
         solve(problem, "ipopt", options, testing::constant_controls(problem, 0.1));
     EXPECT_EQ(result.status, SolveStatus::converged) << result.message;
-    const double answer = result.residuals.stationarity;
-    double last = 0;
+    int newton = 0;
     for (std::size_t i = 1; i < result.log.size(); ++i) {
       const IterationRecord& row = result.log[i];
       if (row.newton == result.log[i - 1].newton) continue;
+      ++newton;
       // Newton's iterates are under tolerance in all else.
-      last = row.stationarity;
-      EXPECT_LE(answer, last) << weight << ", iteration " << row.iteration;
+      EXPECT_LE(result.residuals.stationarity, row.stationarity)
+          << weight << ", iteration " << row.iteration;
     }
-    last_was_not_the_best += answer < last;
+    EXPECT_GE(newton, 1) << weight;
     EXPECT_EQ(result.log.back().cost, result.cost);
   }
-  EXPECT_GE(last_was_not_the_best, 1);
 }
 
 TEST(Ipopt, LogsWhatItDoes) {
