@@ -195,7 +195,7 @@ int bench(const BenchArguments& arguments) {
   std::optional<std::deque<BenchProblem>> problems =
       read_bench_problems(arguments.inputs, arguments.settings, arguments.drop, diagnostics);
   print_messages(diagnostics, Verbosity::kNormal);
-  if (!problems || diagnostics.has_errors()) return kExitBadInput;
+  if (!problems) return kExitBadInput;
   for (BenchProblem& problem : *problems) apply(arguments, problem.spec.solver.options);
   const InterruptGuard guard;
   if (!arguments.folder.empty()) create_folder(arguments.folder);

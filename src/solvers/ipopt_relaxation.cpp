@@ -30,7 +30,7 @@ constexpr double kPolishRise = 1e-4;
 /// stationarity.
 constexpr std::array<double, 3> kPolishBarriers = {kLeastBarrier, 1e-11, 1e-13};
 /// Iterations that each of them is worth in a trial, and the last one always.
-constexpr std::array<int, 3> kPolishIterations = {40, 40, 40};
+constexpr int kPolishIterations = 40;
 /// The barrier with which a solve starts, and the tolerance to which it is solved, as a share of
 /// its epsilon.
 constexpr double kBarrierShare = 0.1;
@@ -151,7 +151,7 @@ bool IpoptSolver::polish(InteriorPointAnswer& answer, bool trial) {
     settings.warm = &from;
     settings.warm_barrier = barrier;
     if (solves > 0) settings.complementarity_tolerance = barrier;
-    if (trial || solves == 2) settings.max_iterations = kPolishIterations[solves];
+    if (trial || solves == 2) settings.max_iterations = kPolishIterations;
     InteriorPointAnswer fixed = run_ipopt(from.y.cwiseMin(transcription_->upper()), settings);
     ++row_.outer;
     iterations_before_ = row_.iteration;
@@ -171,9 +171,10 @@ bool IpoptSolver::polish(InteriorPointAnswer& answer, bool trial) {
 /// Whether the last iterate of a solve is an answer, although rounding kept that solve from the
 /// tolerances of its small barrier.
 bool IpoptSolver::is_as_asked(const IterationRecord& last) const {
-  const auto& t = options_.tolerances;
-  return last.stationarity <= t.stationarity && last.gap <= t.gap &&
-         last.constraint <= t.constraint && last.complementarity <= t.complementarity;
+  return under_tolerances({.stationarity = {last.stationarity, last.stationarity_knot},
+                           .gap = {last.gap, last.gap_knot},
+                           .violation = {last.constraint, last.constraint_knot},
+                           .complementarity = last.complementarity});
 }
 
 }  // namespace conddp

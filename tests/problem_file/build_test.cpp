@@ -24,15 +24,6 @@ TEST(Build, PhasesHaveTheirKnotsAndSteps) {
 }
 
 TEST(Build, WarnsOfJointsThatStartOutsideOfTheirLimits) {
-  const auto warnings = [](const std::string& text) {
-    const Loaded loaded(text);
-    EXPECT_TRUE(loaded.built) << loaded.all();
-    std::string all;
-    for (const Diagnostic& d : loaded.diagnostics.list())
-      if (d.severity == Severity::kWarning)
-        all += fmt::format("{}:{}: {} ({})\n", d.line, d.column, d.message, d.hint);
-    return all;
-  };
   const auto from = [](const char* state) {
     return replaced(kCartpole, "{configuration: up}", state);
   };

@@ -226,16 +226,6 @@ TEST(Baumgarte, IsCalledStableExactlyWhereErrorsDieAway) {
   EXPECT_GT(unstable, 10);
 }
 
-std::string warnings(const std::string& text) {
-  const Loaded loaded(text);
-  EXPECT_TRUE(loaded.built) << loaded.all();
-  std::string all;
-  for (const Diagnostic& d : loaded.diagnostics.list())
-    if (d.severity == Severity::kWarning)
-      all += fmt::format("{}:{}: {} ({})\n", d.line, d.column, d.message, d.hint);
-  return all;
-}
-
 TEST(Baumgarte, WarnsOfStepsThatDoNotCarryItAndSaysWhy) {
   const auto with = [](const char* gains) {
     return replaced(kStepping, "{frame: lf_foot}",

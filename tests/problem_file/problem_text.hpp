@@ -3,6 +3,7 @@
 #include <string>
 #include <string_view>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "problem_file/build.hpp"
@@ -76,5 +77,16 @@ struct Loaded {
   std::optional<ProblemSpec> spec;
   std::optional<BuiltProblem> built;
 };
+
+/// "line:column: message (hint)" of the warnings that a correct text gets, a line each.
+inline std::string warnings(const std::string& text) {
+  const Loaded loaded(text);
+  EXPECT_TRUE(loaded.built) << loaded.all();
+  std::string lines;
+  for (const Diagnostic& d : loaded.diagnostics.list())
+    if (d.severity == Severity::kWarning)
+      lines += fmt::format("{}:{}: {} ({})\n", d.line, d.column, d.message, d.hint);
+  return lines;
+}
 
 }  // namespace conddp

@@ -175,9 +175,8 @@ TEST(Ipopt, BudgetsAreKeptAndTheBestIterateIsReturned) {
   EXPECT_TRUE(result.costates.allFinite());
 }
 
-/// With weights so large rounding keeps Newton's method above its goal: it goes on, and its
-/// iterates are now better, now worse.
-// The tolerances are those of rounding, so Newton's last iterate is not always its best.
+/// With weights so large rounding keeps Newton's method above its goal: it goes on, and its last
+/// iterate is not always its best.
 TEST(Ipopt, TheAnswerIsTheBestIterateOfNewtonsMethod) {
   for (const double weight : {1e4, 1e5, 1e6}) {
     const ShootingProblem free =
