@@ -17,6 +17,7 @@ Transcription::Transcription(const ShootingProblem& problem, Acts& acts, const O
     : problem_(problem),
       acts_(acts),
       options_(options),
+      gauss_newton_(options.gauss_newton),
       curved_(!problem.manifold().curved().empty()),
       charts_(problem.knots() + 1, StateChart(problem.manifold())),
       next_(charts_),
@@ -132,8 +133,18 @@ void Transcription::evaluate() {
   evaluated_ = true;
 }
 
+bool Transcription::has_cones() const {
+  return std::any_of(rows_.begin(), rows_.end(), [this](const std::vector<Row>& rows) {
+    return std::any_of(rows.begin(), rows.end(), [this](const Row& row) { return is_cone(row); });
+  });
+}
+
 void Transcription::differentiate() {
   if (differentiated_) return;
+  if (exact_in_place_) {
+    for (KnotLinearization& knot : linearization_.knots) knot.hessian.change().setZero();
+    exact_in_place_ = false;
+  }
   acts_.differentiate(trajectory_, linearization_);
   read_charts(linearization_.gap);
   evaluation_.gap = linearization_.gap;

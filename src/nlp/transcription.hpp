@@ -47,6 +47,10 @@ class Transcription : public NonlinearProgram {
   void jacobian(double* out) override;
   void hessian(double weight, const double* multipliers, double* out) override;
 
+  /// Whether the next Hessians are Gauss-Newton's, with zeros where only exact ones have entries.
+  /// They are in any case where the options say so.
+  void use_gauss_newton(bool use) { gauss_newton_ = use || options_.gauss_newton; }
+
   /// Makes the states of a trajectory the centres of the charts. Points mean other states then.
   void set_center(const Trajectory& trajectory);
   /// The point that stands for a trajectory; its x_0 is ignored.
@@ -59,6 +63,7 @@ class Transcription : public NonlinearProgram {
   /// Largest |min(z, s)| of all pairs at a point.
   double pair_distance(const double* y) const;
   bool has_pairs() const { return !pairs_.empty(); }
+  bool has_cones() const;
 
   /// The trajectory at the present point.
   const Trajectory& trajectory() const { return trajectory_; }
@@ -136,6 +141,8 @@ class Transcription : public NonlinearProgram {
   const ShootingProblem& problem_;
   Acts& acts_;
   Options options_;
+  bool gauss_newton_;
+  bool exact_in_place_ = false;  ///< the linearisation's Hessians are exact
   bool curved_;
   std::vector<StateChart> charts_;      ///< of nodes 0 … N; that of node 0 is not used
   std::vector<StateChart> next_;        ///< the same charts at f(x_{k−1}, u_{k−1})

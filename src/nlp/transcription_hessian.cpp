@@ -39,7 +39,12 @@ void Transcription::add_gap_curvature(int k, Eigen::Ref<Eigen::MatrixXd> hessian
 void Transcription::hessian(double weight, const double* multipliers, double* out) {
   spread(multipliers);
   const int ndx = problem_.ndx();
-  if (!options_.gauss_newton) {
+  if (gauss_newton_ && exact_in_place_) {
+    differentiated_ = false;
+    differentiate();
+  }
+  if (!gauss_newton_) {
+    exact_in_place_ = true;
     // Acts have the cost with weight one.
     if (weight == 0) weight = kNoWeight;
     lagrangian_.multiplier /= weight;
@@ -59,13 +64,13 @@ void Transcription::hessian(double weight, const double* multipliers, double* ou
       if (has_pairs(row)) add_pair_curvature(row, multiplier, H);
       if (!is_cone(row)) continue;
       // Convex where the multiplier has the sign that it has at a solution.
-      if (!options_.gauss_newton || multiplier < 0)
+      if (!gauss_newton_ || multiplier < 0)
         cone_row(row).add_curvature(
             linearization_.constraint.segment(row.first, row.count),
             knot.C.middleRows(row.first - problem_.constraint_offset(k), row.count), multiplier, H);
     }
     if (curved_) {
-      if (!options_.gauss_newton) {
+      if (!gauss_newton_) {
         auto gradient = z_scratch_.head(nz);
         gradient.setZero();
         if (k < problem_.knots()) {

@@ -19,6 +19,8 @@ using End = InteriorPointEnd;
 constexpr double kLargestAngle = 2;
 /// The barrier to begin with where all multipliers are known.
 constexpr double kWarmBarrier = 1e-9;
+/// Directions of a knot from which on exact Hessians are dear.
+constexpr int kDearDirections = 30;
 /// Rows of the log that are reserved at most before the first iteration.
 constexpr int kReservedRows = 10000;
 
@@ -64,6 +66,7 @@ SolveResult IpoptSolver::solve(const Trajectory& guess) {
   result_.log.reserve(std::min(options_.max_iterations, kReservedRows) + kNewtonSteps + 1);
   row_ = IterationRecord();
   row_.exact_hessian = !gauss_newton_ && !wants_limited_memory(options_.ipopt);
+  alternates_ = row_.exact_hessian && alternation_pays();
   iterations_before_ = 0;
   scales_.reset();
   choice_.forget();
@@ -104,6 +107,18 @@ InteriorPointSettings IpoptSolver::default_settings() const {
           .complementarity_tolerance = options_.tolerances.complementarity,
           .minimum_fill = !transcription_->has_pairs(),
           .options = options_.ipopt};
+}
+
+/// Exact Hessians take a pass for each direction of a knot; cheap ones are taken throughout. What
+/// stands in the way at cones is the curvature of their tips, which both have.
+bool IpoptSolver::alternation_pays() const {
+  if (options_.hessian != HessianChoice::automatic || transcription_->has_pairs() ||
+      transcription_->has_cones())
+    return false;
+  int directions = 0;
+  for (int k = 0; k < problem_.knots(); ++k)
+    directions = std::max(directions, problem_.knot(k).model->nz());
+  return directions >= kDearDirections;
 }
 
 /// From multipliers near a solution Newton's method on the active set has nothing left for an
@@ -168,6 +183,15 @@ InteriorPointAnswer IpoptSolver::run_ipopt(Eigen::VectorXd y, InteriorPointSetti
 /// Records an iterate; false where Ipopt should stop.
 bool IpoptSolver::note(const InteriorPointIterate& iterate) {
   const bool again = iterations_before_ > 0 && iterate.iteration == 0;
+  if (alternates_) {
+    if (iterate.iteration > 0) {
+      row_.exact_hessian = !alternation_.gauss_newton();
+      alternation_.watch(iterate);
+    } else if (!again) {
+      alternation_.begin(iterate);
+    }
+    transcription_->use_gauss_newton(alternation_.gauss_newton());
+  }
   transcription_->set_point(iterate.y);
   const Evaluation& values = transcription_->evaluation();
   row_.iteration = iterations_before_ + iterate.iteration;

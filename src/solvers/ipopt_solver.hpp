@@ -9,6 +9,7 @@
 #include "nlp/transcription.hpp"
 #include "solvers/answer_choice.hpp"
 #include "solvers/control_bounds.hpp"
+#include "solvers/hessian_alternation.hpp"
 #include "solvers/options.hpp"
 #include "solvers/projected_newton.hpp"
 #include "solvers/solve_result.hpp"
@@ -61,6 +62,7 @@ class IpoptSolver {
   void start_newton(const Trajectory& trajectory, const Eigen::VectorXd& multipliers);
   void refine(InteriorPointAnswer& answer);
 
+  bool alternation_pays() const;
   bool newton_is_enough(const Trajectory& start);
   bool note(const InteriorPointIterate& iterate);
   void record();
@@ -75,6 +77,8 @@ class IpoptSolver {
   const ShootingProblem& problem_;
   SolverOptions options_;
   bool gauss_newton_;
+  bool alternates_ = false;  ///< between exact and Gauss-Newton Hessians
+  HessianAlternation alternation_;
   ControlBounds bounds_;
   Acts acts_;
   std::unique_ptr<Transcription> transcription_;

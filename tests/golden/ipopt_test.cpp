@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/random_instance.hpp"
 #include "support/transcribed_problem.hpp"
 
 namespace conddp {
@@ -29,6 +30,18 @@ INSTANTIATE_TEST_SUITE_P(Ready, TranscribedDerivatives,
                          ::testing::ValuesIn(testing::ready_problems(false)), testing::name_of);
 INSTANTIATE_TEST_SUITE_P(Slow, TranscribedDerivatives,
                          ::testing::ValuesIn(testing::slow_problems()), testing::name_of);
+
+/// From this initial state exact Hessians throughout do not end within 200 iterations.
+TEST(TranscribedTrot, ConvergesFromAnotherInitialStateInDozensOfIterations) {
+  const testing::ReadyProblem ready("quadruped_trot",
+                                    {"solver.name=ipopt", "solver.max_iterations=100"});
+  const ShootingProblem problem = perturb_initial_state(*ready.built.problem, 0.1, 2);
+  const SolveResult result = solve(problem, "ipopt", ready.spec.solver.options, ready.built.guess);
+  EXPECT_EQ(result.status, SolveStatus::converged) << result.message;
+  const SolveResult ours = solve(problem, "box_fddp", ready.spec.solver.options, ready.built.guess);
+  EXPECT_EQ(ours.status, SolveStatus::converged) << ours.message;
+  EXPECT_NEAR(result.cost, ours.cost, 1e-6 * ours.cost);
+}
 
 /// Ipopt's first answer, after 26 iterations, is not good enough; it may go on to a better one.
 TEST(TranscribedArm, BudgetsThatEndBetweenTwoAnswersAreUsedUp) {

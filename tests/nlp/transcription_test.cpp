@@ -209,6 +209,43 @@ TEST(Transcription, GaussNewtonHessiansAreThoseOfTheActs) {
             1e-12);
 }
 
+/// Whatever was asked for before, at this point or another.
+TEST(Transcription, HessiansMayChangeTheirKindFromOneToTheNext) {
+  std::mt19937_64 engine(9);
+  for (const ShootingProblem& problem :
+       {constrained_quadrotor(), testing::landing(), euler_cartpole()}) {
+    Acts acts(problem);
+    Transcription exact(problem, acts, {}), alternating(problem, acts, {});
+    Transcription gauss_newton(problem, acts, {.gauss_newton = true});
+    const Trajectory center = random_trajectory(problem, 0.1, engine);
+    for (Transcription* program : {&exact, &alternating, &gauss_newton})
+      program->set_center(center);
+    const Eigen::VectorXd multipliers = testing::random_vector(exact.rows(), engine);
+    const Eigen::VectorXd d = testing::random_vector(exact.variables(), engine);
+    Eigen::VectorXd y;
+    double apart = 0;
+    for (const auto& [moves, is_exact] : {std::pair{true, true},
+                                          {false, false},
+                                          {false, true},
+                                          {true, false},
+                                          {true, true},
+                                          {true, false}}) {
+      if (moves) y = exact.point_of(random_trajectory(problem, 0.3, engine));
+      for (Transcription* program : {&exact, &alternating, &gauss_newton})
+        program->set_point(y.data());
+      alternating.use_gauss_newton(!is_exact);
+      const Eigen::VectorXd wanted =
+          testing::hessian_times(is_exact ? exact : gauss_newton, 2, multipliers, d);
+      const Eigen::VectorXd got = testing::hessian_times(alternating, 2, multipliers, d);
+      EXPECT_LE((got - wanted).norm(), 1e-12 * wanted.norm());
+      apart = std::max(
+          apart, (got - testing::hessian_times(is_exact ? gauss_newton : exact, 2, multipliers, d))
+                     .norm());
+    }
+    EXPECT_GT(apart, 1e-3);
+  }
+}
+
 TEST(Transcription, ConstraintsOnTheGivenStateAloneAreNoRows) {
   const ShootingProblem free = testing::cartpole_swing_up(3);
   const auto with_first = [&](int first) {
