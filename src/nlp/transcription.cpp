@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 namespace conddp {
@@ -133,10 +134,14 @@ void Transcription::evaluate() {
   evaluated_ = true;
 }
 
-bool Transcription::has_cones() const {
-  return std::any_of(rows_.begin(), rows_.end(), [this](const std::vector<Row>& rows) {
-    return std::any_of(rows.begin(), rows.end(), [this](const Row& row) { return is_cone(row); });
-  });
+bool Transcription::has_mixed_rows() const {
+  const auto is_control = [this](int column) { return column >= problem_.ndx(); };
+  for (const std::vector<Row>& rows : rows_)
+    for (const Row& row : rows) {
+      const auto controls = std::count_if(row.columns.begin(), row.columns.end(), is_control);
+      if (controls > 0 && controls < std::ssize(row.columns)) return true;
+    }
+  return false;
 }
 
 void Transcription::differentiate() {

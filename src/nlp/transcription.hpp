@@ -63,7 +63,8 @@ class Transcription : public NonlinearProgram {
   /// Largest |min(z, s)| of all pairs at a point.
   double pair_distance(const double* y) const;
   bool has_pairs() const { return !pairs_.empty(); }
-  bool has_cones() const;
+  /// Whether a row of a constraint depends on a state and a control together, as contact forces do.
+  bool has_mixed_rows() const;
 
   /// The trajectory at the present point.
   const Trajectory& trajectory() const { return trajectory_; }

@@ -109,11 +109,12 @@ InteriorPointSettings IpoptSolver::default_settings() const {
           .options = options_.ipopt};
 }
 
-/// Exact Hessians take a pass for each direction of a knot; cheap ones are taken throughout. What
-/// stands in the way at cones is the curvature of their tips, which both have.
+/// Exact Hessians take a pass for each direction of a knot; cheap ones are taken throughout. So are
+/// those of constrained contact forces, whose curvature Gauss-Newton's would leave out: its steps
+/// lead far away.
 bool IpoptSolver::alternation_pays() const {
   if (options_.hessian != HessianChoice::automatic || transcription_->has_pairs() ||
-      transcription_->has_cones())
+      transcription_->has_mixed_rows())
     return false;
   int directions = 0;
   for (int k = 0; k < problem_.knots(); ++k)

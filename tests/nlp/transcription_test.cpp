@@ -209,6 +209,31 @@ TEST(Transcription, GaussNewtonHessiansAreThoseOfTheActs) {
             1e-12);
 }
 
+TEST(Transcription, KnowsRowsThatTieStatesToControls) {
+  const auto is_mixed = [](const ShootingProblem& problem) {
+    Acts acts(problem);
+    return Transcription(problem, acts, {}).has_mixed_rows();
+  };
+  EXPECT_FALSE(is_mixed(constrained_quadrotor()));
+  EXPECT_FALSE(is_mixed(testing::landing()));  // a cone of thrust, another one of positions
+  const ShootingProblem free = euler_cartpole();
+  for (const bool mixed : {false, true}) {
+    std::vector<LinearCombination> rows(1);
+    rows[0].terms = {{.factor = 1, .of_control = true, .index = 0, .tangent = 0}};
+    if (mixed)
+      rows[0].terms.push_back({.factor = 0.5, .of_control = false, .index = 2, .tangent = 2});
+    EXPECT_EQ(is_mixed(testing::with_constraints(
+                  free, {{.name = "sum",
+                          .residual = combination_residual(free.ndx(), std::move(rows)),
+                          .reference = {},
+                          .lower = {-kFree},
+                          .upper = {10},
+                          .first = 1,
+                          .last = 5}})),
+              mixed);
+  }
+}
+
 /// Whatever was asked for before, at this point or another.
 TEST(Transcription, HessiansMayChangeTheirKindFromOneToTheNext) {
   std::mt19937_64 engine(9);
