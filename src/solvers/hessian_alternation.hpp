@@ -11,8 +11,8 @@ namespace conddp {
 /// method then adds shortens steps in all directions; Gauss-Newton's is convex as it is, and takes
 /// a fraction of the time. Near a solution the exact one converges quadratically. So Gauss-Newton's
 /// is taken until its steps turn out to be poor or its convergence slow, and the exact one until it
-/// has been regularised. Where neither is good no more than changing would come of that, so there
-/// is twice the patience with both whenever exact ones have been given up.
+/// has been regularised. The patience with both doubles whenever exact ones are given up: where
+/// neither is good, changing at every step would leave neither the time to get on.
 class HessianAlternation {
  public:
   /// With the first iterate, whose next step is Gauss-Newton's.

@@ -43,6 +43,22 @@ TEST(TranscribedTrot, ConvergesFromAnotherInitialStateInDozensOfIterations) {
   EXPECT_NEAR(result.cost, ours.cost, 1e-6 * ours.cost);
 }
 
+/// Gauss-Newton's to begin with where exact ones are dear, unless constraints on contact forces or
+/// the file want them.
+TEST(TranscribedHessians, BeginAsSuitsTheProblem) {
+  const auto begins_exact = [](const std::string& name, const std::string& hessian) {
+    const testing::ReadyProblem ready(
+        name, {"solver.name=ipopt", "solver.hessian=" + hessian, "solver.max_iterations=1"});
+    const SolveResult result =
+        solve(*ready.built.problem, "ipopt", ready.spec.solver.options, ready.built.guess);
+    return result.log.at(1).exact_hessian;
+  };
+  EXPECT_FALSE(begins_exact("quadruped_trot", "automatic"));
+  EXPECT_TRUE(begins_exact("quadruped_trot", "exact"));
+  EXPECT_TRUE(begins_exact("biped_step_cones", "automatic"));
+  EXPECT_TRUE(begins_exact("arm_reach", "automatic"));
+}
+
 /// Ipopt's first answer, after 26 iterations, is not good enough; it may go on to a better one.
 TEST(TranscribedArm, BudgetsThatEndBetweenTwoAnswersAreUsedUp) {
   for (const int budget : {25, 26, 27, 28}) {
