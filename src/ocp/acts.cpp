@@ -9,6 +9,7 @@
 #include <tbb/task_arena.h>
 
 #include "ocp/knot_batch.hpp"
+#include "ocp/knot_second_derivatives.hpp"
 #include "ocp/lane_transfer.hpp"
 #include "ocp/rollout.hpp"
 #include "ocp/transposed_dynamics.hpp"
@@ -91,6 +92,7 @@ struct Acts::Impl {
       for (const KnotModel* model : models)
         of_thread.push_back(std::make_unique<KnotBatch<Lane>>(*model));
     duals.resize(threads);
+    seconds.resize(threads);
     for (const KnotModel* model : models)
       singles.push_back(std::make_unique<KnotBatch<double>>(*model));
   }
@@ -199,6 +201,54 @@ struct Acts::Impl {
     store_blocks(work.step_blocks(), &KnotLinearization::H);
   }
 
+  /// Hessians of cost + λᵀf of a group's knots: the derivatives of gradients that dual numbers
+  /// give.
+  void differentiate_gradients(const Group& group, const Trajectory& trajectory,
+                               const Eigen::MatrixXd& costates, const Augmentation* augmentation,
+                               KnotBatch<Dual<Lane>>& batch, Linearization& out) const {
+    using D = Dual<Lane>;
+    const KnotModel& model = *models[group.model];
+    const int n = model.ndx(), nz = model.nz(), nx = model.nx();
+    for (auto* constants : {&batch.parameters, &batch.penalty, &batch.shift, &batch.multiplier})
+      for (D& a : *constants) a.d = Lane(0.0);
+    batch.dt.d = batch.cost_scale.d = Lane(0.0);
+    const bool running = model.integrator() != Integrator::none;
+    if (running)
+      for (int i = 0; i < n; ++i) {
+        batch.lambda[i] = D(0.0);
+        for (int l = 0; l < kLaneWidth; ++l)
+          batch.lambda[i].v.set(l, costates(i, group.knots[l] + 1));
+      }
+    for (int d = 0; d < nz; ++d) {
+      load(group, trajectory, augmentation, batch);
+      for (int i = 0; i < nx; ++i) batch.x[i].d = Lane(0.0);
+      for (int i = 0; i < model.nu(); ++i) batch.u[i].d = Lane(0.0);
+      if (d < n) {
+        for (int i = 0; i < n; ++i) batch.tangent[i] = D(0.0);
+        batch.tangent[d].d = Lane(1.0);
+        model.manifold().integrate(batch.x.data(), batch.tangent.data(), batch.x.data());
+      } else {
+        batch.u[d - n].d = Lane(1.0);
+      }
+      model.differentiate(batch.input(), batch.work, false);
+      if (running)
+        transposed_dynamics(model, batch.work, batch.dt, batch.lambda.data(), batch.tangent.data(),
+                            batch.pulled.data());
+      for (int l = 0; l < group.count; ++l) {
+        auto column = out.knots[group.knots[l]].hessian.change().col(d);
+        for (int c = 0; c < nz; ++c)
+          column[c] = batch.work.gradient[c].d[l] + (running ? batch.pulled[c].d[l] : 0.0);
+      }
+    }
+    // The derivative of the gradient along the manifold differs from the Hessian by an
+    // antisymmetric (Lie bracket) term alone.
+    for (int l = 0; l < group.count; ++l) {
+      Eigen::MatrixXd& h = out.knots[group.knots[l]].hessian.change();
+      for (int c = 0; c < nz; ++c)
+        for (int r = 0; r < c; ++r) h(r, c) = h(c, r) = 0.5 * (h(r, c) + h(c, r));
+    }
+  }
+
   const ShootingProblem& problem;
   int threads;
   tbb::task_arena arena;
@@ -208,6 +258,8 @@ struct Acts::Impl {
   std::vector<int> model_of_knot;
   std::vector<std::vector<std::unique_ptr<KnotBatch<Lane>>>> lanes;        ///< thread, model
   std::vector<std::vector<std::unique_ptr<KnotBatch<Dual<Lane>>>>> duals;  ///< made when needed
+  /// As duals; null where a model has none.
+  std::vector<std::vector<std::unique_ptr<KnotSecondDerivatives>>> seconds;
   std::vector<std::unique_ptr<KnotBatch<double>>> singles;  ///< of rollouts, by model
 };
 
@@ -236,59 +288,41 @@ void Acts::differentiate(const Trajectory& trajectory, Linearization& out,
   });
 }
 
-void Acts::reserve_lagrangian_hessian() {
-  for (auto& of_thread : impl_->duals)
-    if (of_thread.empty())
-      for (const KnotModel* model : impl_->models)
-        of_thread.push_back(std::make_unique<KnotBatch<Dual<Lane>>>(*model));
+void Acts::reserve_lagrangian_hessian(bool by_parts) {
+  for (int t = 0; t < impl_->threads; ++t) {
+    auto& of_thread = impl_->seconds[t];
+    if (!of_thread.empty()) continue;
+    for (std::size_t m = 0; m < impl_->models.size(); ++m) {
+      const KnotModel& model = *impl_->models[m];
+      impl_->duals[t].push_back(std::make_unique<KnotBatch<Dual<Lane>>>(model));
+      of_thread.push_back(
+          by_parts ? KnotSecondDerivatives::make(model, *impl_->lanes[t][m], *impl_->duals[t][m])
+                   : nullptr);
+    }
+  }
 }
 
 void Acts::lagrangian_hessian(const Trajectory& trajectory, const Eigen::MatrixXd& costates,
                               Linearization& out, const Augmentation* augmentation) {
-  using D = Dual<Lane>;
   reserve_lagrangian_hessian();
   impl_->for_each_group([&](const Group& group, int thread) {
+    KnotSecondDerivatives* parts = impl_->seconds[thread][group.model].get();
+    if (parts == nullptr)
+      return impl_->differentiate_gradients(group, trajectory, costates, augmentation,
+                                            *impl_->duals[thread][group.model], out);
     const KnotModel& model = *impl_->models[group.model];
-    KnotBatch<D>& batch = *impl_->duals[thread][group.model];
-    const int n = model.ndx(), nz = model.nz(), nx = model.nx();
-    for (auto* constants : {&batch.parameters, &batch.penalty, &batch.shift, &batch.multiplier})
-      for (D& a : *constants) a.d = Lane(0.0);
-    batch.dt.d = batch.cost_scale.d = Lane(0.0);
-    const bool running = model.integrator() != Integrator::none;
-    if (running)
-      for (int i = 0; i < n; ++i) {
-        batch.lambda[i] = D(0.0);
-        for (int l = 0; l < kLaneWidth; ++l)
-          batch.lambda[i].v.set(l, costates(i, group.knots[l] + 1));
-      }
-    for (int d = 0; d < nz; ++d) {
-      impl_->load(group, trajectory, augmentation, batch);
-      for (int i = 0; i < nx; ++i) batch.x[i].d = Lane(0.0);
-      for (int i = 0; i < model.nu(); ++i) batch.u[i].d = Lane(0.0);
-      if (d < n) {
-        for (int i = 0; i < n; ++i) batch.tangent[i] = D(0.0);
-        batch.tangent[d].d = Lane(1.0);
-        model.manifold().integrate(batch.x.data(), batch.tangent.data(), batch.x.data());
-      } else {
-        batch.u[d - n].d = Lane(1.0);
-      }
-      model.differentiate(batch.input(), batch.work, false);
-      if (running)
-        transposed_dynamics(model, batch.work, batch.dt, batch.lambda.data(), batch.tangent.data(),
-                            batch.pulled.data());
-      for (int l = 0; l < group.count; ++l) {
-        auto column = out.knots[group.knots[l]].hessian.change().col(d);
-        for (int c = 0; c < nz; ++c)
-          column[c] = batch.work.gradient[c].d[l] + (running ? batch.pulled[c].d[l] : 0.0);
-      }
+    KnotBatch<Lane>& batch = *impl_->lanes[thread][group.model];
+    impl_->load(group, trajectory, augmentation, batch);
+    if (model.integrator() != Integrator::none) {
+      const double* from[kLaneWidth];
+      for (int l = 0; l < group.count; ++l) from[l] = costates.col(group.knots[l] + 1).data();
+      gather_lanes(from, group.count, model.ndx(),
+                   [&batch](int i, Lane value) { batch.lambda[i] = value; });
     }
-    // The derivative of the gradient along the manifold differs from the Hessian by an
-    // antisymmetric (Lie bracket) term alone.
-    for (int l = 0; l < group.count; ++l) {
-      Eigen::MatrixXd& h = out.knots[group.knots[l]].hessian.change();
-      for (int c = 0; c < nz; ++c)
-        for (int r = 0; r < c; ++r) h(r, c) = h(c, r) = 0.5 * (h(r, c) + h(c, r));
-    }
+    const AlignedVector<Lane>& hessian = parts->compute(batch.lambda.data());
+    double* to[kLaneWidth];
+    for (int l = 0; l < group.count; ++l) to[l] = out.knots[group.knots[l]].hessian.change().data();
+    scatter_lanes(hessian.data(), static_cast<int>(hessian.size()), to, group.count);
   });
 }
 

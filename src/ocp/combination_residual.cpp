@@ -10,6 +10,7 @@ class CombinationResidual : public ResidualBase<CombinationResidual> {
   CombinationResidual(int ndx, std::vector<LinearCombination> rows, bool needs_control)
       : ResidualBase(structure(ndx, rows), 0, needs_control), rows_(std::move(rows)) {}
 
+  Reads reads() const override { return Reads::kinematics; }
   template <class S>
   void evaluate_as(const ResidualInput<S>& in, S* r) const {
     for (std::size_t i = 0; i < rows_.size(); ++i) {
@@ -35,7 +36,7 @@ class CombinationResidual : public ResidualBase<CombinationResidual> {
       };
       std::sort(row.terms.begin(), row.terms.end(),
                 [&](const auto& a, const auto& b) { return column(a) < column(b); });
-      RowBlock& block = blocks.emplace_back(RowBlock{1, {}});
+      RowBlock& block = blocks.emplace_back(RowBlock{1, {}, true});
       for (const auto& term : row.terms) block.columns.push_back(column(term));
     }
     return blocks;

@@ -85,6 +85,7 @@ class ContactForce : public ResidualBase<ContactForce> {
         contact_(std::move(contact)),
         axes_(axes) {}
 
+  Reads reads() const override { return Reads::forces; }
   template <class S>
   void evaluate_as(const ResidualInput<S>& in, S* r) const {
     const ContactData<S>& data = contact_.data(in);
@@ -120,6 +121,7 @@ class ContactCone : public ResidualBase<ContactCone> {
   }
 
   const LinearImage* linear_image() const override { return &image_; }
+  Reads reads() const override { return Reads::forces; }
   template <class S>
   void evaluate_as(const ResidualInput<S>& in, S* r) const {
     const ContactData<S>& data = contact_.data(in);
@@ -155,6 +157,7 @@ class FrictionCone : public ResidualBase<FrictionCone> {
         friction_(friction),
         normal_(normal) {}
 
+  Reads reads() const override { return Reads::forces; }
   template <class S>
   void evaluate_as(const ResidualInput<S>& in, S* r) const {
     Vector3<S> tangential;

@@ -21,6 +21,7 @@ class CycleResidual : public ResidualBase<CycleResidual> {
     }
   }
 
+  Reads reads() const override { return Reads::kinematics; }
   template <class S>
   void evaluate_as(const ResidualInput<S>& in, S* r) const {
     std::size_t curved = 0;

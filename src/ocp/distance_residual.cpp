@@ -174,6 +174,7 @@ class Distance : public ResidualBase<Distance> {
         system_(std::move(system)),
         pairs_(std::move(pairs)) {}
 
+  Reads reads() const override { return Reads::kinematics; }
   template <class S>
   void evaluate_as(const ResidualInput<S>& in, S* r) const {
     for (const PairOf& pair : pairs_) {

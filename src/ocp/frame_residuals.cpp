@@ -57,6 +57,7 @@ class FramePosition : public ResidualBase<FramePosition> {
   explicit FramePosition(FrameOf frame)
       : ResidualBase({{3, frame.columns()}}, 3, false), frame_(std::move(frame)) {}
 
+  Reads reads() const override { return Reads::kinematics; }
   template <class S>
   void evaluate_as(const ResidualInput<S>& in, S* r) const {
     const Vector3<S> p = frame_.placement(in).p;
@@ -77,6 +78,7 @@ class FrameRotation : public ResidualBase<FrameRotation> {
   explicit FrameRotation(FrameOf frame)
       : ResidualBase({{3, frame.columns()}}, 4, false), frame_(std::move(frame)) {}
 
+  Reads reads() const override { return Reads::kinematics; }
   template <class S>
   void evaluate_as(const ResidualInput<S>& in, S* r) const {
     const Quaternion<S> q = quaternion(frame_.placement(in).R);
@@ -103,6 +105,7 @@ class FramePlacement : public ResidualBase<FramePlacement> {
   explicit FramePlacement(FrameOf frame)
       : ResidualBase({{6, frame.columns()}}, 7, false), frame_(std::move(frame)) {}
 
+  Reads reads() const override { return Reads::kinematics; }
   template <class S>
   void evaluate_as(const ResidualInput<S>& in, S* r) const {
     const SE3<S> m = frame_.placement(in);
@@ -141,6 +144,7 @@ class FrameVelocity : public ResidualBase<FrameVelocity> {
         frame_(std::move(frame)),
         axes_(axes) {}
 
+  Reads reads() const override { return Reads::kinematics; }
   template <class S>
   void evaluate_as(const ResidualInput<S>& in, S* r) const {
     const Motion<S> v = frame_velocity(frame_.robot(), frame_.data(in), frame_.frame(), axes_);
@@ -179,6 +183,7 @@ class ContactVelocity : public ResidualBase<ContactVelocity> {
         axes_(contact.axes),
         directions_(held_directions(contact)) {}
 
+  Reads reads() const override { return Reads::kinematics; }
   template <class S>
   void evaluate_as(const ResidualInput<S>& in, S* r) const {
     const Motion<S> v = frame_velocity(frame_.robot(), frame_.data(in), frame_.frame(), axes_);
@@ -223,6 +228,7 @@ class CentroidalMomentum : public ResidualBase<CentroidalMomentum> {
         system_(std::move(system)),
         columns_(system_->mimic_map(), column_range(0, system_->robot().nv)) {}
 
+  Reads reads() const override { return Reads::kinematics; }
   template <class S>
   void evaluate_as(const ResidualInput<S>& in, S* r) const {
     const Force<S> h = centroidal_momentum(system_->robot(), FrameOf::data(in));
@@ -254,6 +260,7 @@ class ComPosition : public ResidualBase<ComPosition> {
         system_(std::move(system)),
         columns_(system_->mimic_map(), column_range(0, system_->robot().nv)) {}
 
+  Reads reads() const override { return Reads::kinematics; }
   template <class S>
   void evaluate_as(const ResidualInput<S>& in, S* r) const {
     const Vector3<S> c = center_of_mass(system_->robot(), FrameOf::data(in));
@@ -280,6 +287,7 @@ class ControlGravity : public ResidualBase<ControlGravity> {
         system_(std::move(system)),
         rows_(system_->actuated_rows()) {}
 
+  Reads reads() const override { return Reads::kinematics; }
   template <class S>
   void evaluate_as(const ResidualInput<S>& in, S* r) const {
     auto& data = multibody_data(in);

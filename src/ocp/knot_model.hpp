@@ -118,6 +118,7 @@ class KnotModel {
  private:
   template <class S>
   friend class KnotWorkspace;
+  friend class KnotSecondDerivatives;
 
   /// Free duration by the written one.
   template <class S>
@@ -197,6 +198,7 @@ class KnotWorkspace {
 
  private:
   friend class KnotModel;
+  friend class KnotSecondDerivatives;
 
   bool rest_is_zero_ = true;
   bool memory_;

@@ -24,7 +24,12 @@ struct ResidualInput {
 struct RowBlock {
   int rows;
   std::vector<int> columns;
+  bool affine = false;  ///< their Jacobian is constant
 };
+
+/// What of a system's data a residual reads: what update_kinematics writes, besides that the forces
+/// of contacts and their derivatives, or whatever there is.
+enum class Reads { kinematics, forces, everything };
 
 class Residual;
 
@@ -46,6 +51,7 @@ class Residual {
   int parameter_count() const { return parameter_count_; }
   /// Whether it makes sense only where there is a control.
   bool needs_control() const { return needs_control_; }
+  virtual Reads reads() const { return Reads::everything; }
   /// The structure of its Jacobian: blocks of rows in order.
   const std::vector<RowBlock>& blocks() const { return blocks_; }
   /// Of what it is a linear image, null if of nothing: costs form their Hessians from that.

@@ -11,6 +11,7 @@ class StateResidual : public ResidualBase<StateResidual> {
   explicit StateResidual(const StateManifold& manifold)
       : ResidualBase(structure(manifold), manifold.nx(), false), manifold_(manifold) {}
 
+  Reads reads() const override { return Reads::kinematics; }
   template <class S>
   void evaluate_as(const ResidualInput<S>& in, S* r) const {
     manifold_.difference(in.parameters, in.x, r);
@@ -44,7 +45,7 @@ class StateResidual : public ResidualBase<StateResidual> {
     std::vector<RowBlock> blocks;
     for (const auto& segment : manifold.segments()) {
       if (segment.part == StateManifold::Part::flat)
-        for (int i = 0; i < segment.n; ++i) blocks.push_back({1, {segment.dx + i}});
+        for (int i = 0; i < segment.n; ++i) blocks.push_back({1, {segment.dx + i}, true});
       else
         blocks.push_back({segment.n, column_range(segment.dx, segment.n)});
     }
@@ -64,6 +65,7 @@ class CoordinateResidual : public ResidualBase<CoordinateResidual> {
     }
   }
 
+  Reads reads() const override { return Reads::kinematics; }
   template <class S>
   void evaluate_as(const ResidualInput<S>& in, S* r) const {
     for (std::size_t i = 0; i < indices_.size(); ++i) r[i] = in.x[indices_[i]] - in.parameters[i];
@@ -99,7 +101,7 @@ class CoordinateResidual : public ResidualBase<CoordinateResidual> {
     for (const int index : indices) {
       const StateManifold::Segment& home = home_of(manifold, index);
       if (home.part == StateManifold::Part::flat)
-        blocks.push_back({1, {home.dx + index - home.x}});
+        blocks.push_back({1, {home.dx + index - home.x}, true});
       else
         blocks.push_back({1, column_range(home.dx, 3)});
     }
@@ -111,7 +113,7 @@ class CoordinateResidual : public ResidualBase<CoordinateResidual> {
 
 std::vector<RowBlock> diagonal_blocks(int first_column, int count) {
   std::vector<RowBlock> blocks;
-  for (int i = 0; i < count; ++i) blocks.push_back({1, {first_column + i}});
+  for (int i = 0; i < count; ++i) blocks.push_back({1, {first_column + i}, true});
   return blocks;
 }
 
@@ -119,6 +121,7 @@ class ControlResidual : public ResidualBase<ControlResidual> {
  public:
   ControlResidual(int ndx, int nu) : ResidualBase(diagonal_blocks(ndx, nu), nu, true) {}
 
+  Reads reads() const override { return Reads::kinematics; }
   template <class S>
   void evaluate_as(const ResidualInput<S>& in, S* r) const {
     for (int i = 0; i < size(); ++i) r[i] = in.u[i] - in.parameters[i];
@@ -136,6 +139,7 @@ class ControlRateResidual : public ResidualBase<ControlRateResidual> {
       : ResidualBase(structure(system_manifold.ndx(), nu), 0, true),
         previous_(system_manifold.nx()) {}
 
+  Reads reads() const override { return Reads::kinematics; }
   template <class S>
   void evaluate_as(const ResidualInput<S>& in, S* r) const {
     for (int i = 0; i < size(); ++i) r[i] = in.u[i] - in.x[previous_ + i];
@@ -152,7 +156,7 @@ class ControlRateResidual : public ResidualBase<ControlRateResidual> {
  private:
   static std::vector<RowBlock> structure(int ndx, int nu) {
     std::vector<RowBlock> blocks;
-    for (int i = 0; i < nu; ++i) blocks.push_back({1, {ndx + i, ndx + nu + i}});
+    for (int i = 0; i < nu; ++i) blocks.push_back({1, {ndx + i, ndx + nu + i}, true});
     return blocks;
   }
   int previous_;  ///< where the previous control starts in the state

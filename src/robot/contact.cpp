@@ -32,6 +32,14 @@ bool turns_against_body(const Contact& contact) {
   return direction_count(contact) > 0 && contact.axes == FrameAxes::world_aligned;
 }
 
+/// Calls act_on(column, velocity index) for all degrees of freedom that move the contact.
+template <class F>
+void for_each_dof(const RobotModel& model, const Contact& contact, F act_on) {
+  int c = columns_of(model, contact);
+  for (int j = model.frames[contact.frame].joint; j >= 0; j = model.joints[j].parent)
+    for (int k = model.joints[j].nv() - 1; k >= 0; --k) act_on(--c, model.joints[j].v + k);
+}
+
 /// The position error in the frame's axes.
 template <class S>
 Vector3<S> position_error(const Contact& contact, const ContactData<S>& at) {
@@ -204,16 +212,24 @@ template <class S>
 void subtract_direction_derivative(const RobotModel& model, const Contact& contact,
                                    const ContactData<S>& at, AlignedVector<S>& tau_q) {
   if (!turns_against_body(contact)) return;
-  const auto for_each_dof = [&](auto act_on) {
-    int c = columns_of(model, contact);
-    for (int j = model.frames[contact.frame].joint; j >= 0; j = model.joints[j].parent)
-      for (int k = model.joints[j].nv() - 1; k >= 0; --k) act_on(--c, model.joints[j].v + k);
-  };
-  for_each_dof([&](int column, int at_column) {
+  for_each_dof(model, contact, [&](int column, int at_column) {
     const Vector3<S> change = cross(at.local.linear, angular(at.frame_jacobian, column));
-    for_each_dof([&](int row, int at_row) {
+    for_each_dof(model, contact, [&](int row, int at_row) {
       tau_q[at_column * model.nv + at_row] -= dot(linear(at.frame_jacobian, row), change);
     });
+  });
+}
+
+template <class S>
+void subtract_direction_gradient(const RobotModel& model, const Contact& contact,
+                                 const ContactData<S>& at, const S* w, AlignedVector<S>& wrt_q) {
+  if (!turns_against_body(contact)) return;
+  Vector3<S> velocity = Vector3<S>::zero();
+  for_each_dof(model, contact, [&](int row, int at_row) {
+    velocity += w[at_row] * linear(at.frame_jacobian, row);
+  });
+  for_each_dof(model, contact, [&](int column, int at_column) {
+    wrt_q[at_column] -= dot(velocity, cross(at.local.linear, angular(at.frame_jacobian, column)));
   });
 }
 
@@ -231,7 +247,9 @@ void subtract_direction_derivative(const RobotModel& model, const Contact& conta
   template void add_contact_wrench(const RobotModel&, const Contact&, const ContactData<S>&, \
                                    AlignedVector<Force<S>>&);                                \
   template void subtract_direction_derivative(const RobotModel&, const Contact&,             \
-                                              const ContactData<S>&, AlignedVector<S>&);
+                                              const ContactData<S>&, AlignedVector<S>&);     \
+  template void subtract_direction_gradient(const RobotModel&, const Contact&,               \
+                                            const ContactData<S>&, const S*, AlignedVector<S>&);
 CONDDP_FOR_EACH_KERNEL_SCALAR(CONDDP_INSTANTIATE)
 #undef CONDDP_INSTANTIATE
 

@@ -95,6 +95,12 @@ template <class S>
 void subtract_direction_derivative(const RobotModel& model, const Contact& contact,
                                    const ContactData<S>& at, AlignedVector<S>& tau_q);
 
+/// The same contracted with w (nv): subtracts the gradient of wᵀ Jᵀ·(forces of the rows) from wrt_q
+/// (nv).
+template <class S>
+void subtract_direction_gradient(const RobotModel& model, const Contact& contact,
+                                 const ContactData<S>& at, const S* w, AlignedVector<S>& wrt_q);
+
 /// The force and torque on the robot in world axes, at the frame's origin (N, Nm).
 template <class S>
 Force<S> contact_force_in_world(const ContactData<S>& at) {

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "systems/dense_ldlt.hpp"
+#include "systems/multibody_second_derivatives.hpp"
 
 namespace conddp {
 namespace {
@@ -64,13 +65,6 @@ void add_joint(const RobotModel& model, int index, Actuation& actuation) {
   actuation.columns.push_back({"u/" + joint.name, joint.type == JointType::revolute ? "Nm" : "N"});
   actuation.lower.push_back(-joint.max_effort);
   actuation.upper.push_back(joint.max_effort);
-}
-
-/// 1/(1 + exp(2 v/scale)), so that tanh(v/scale) = 1 − 2·logistic; clamped where it saturates to
-/// rounding, which keeps exp finite.
-template <class S>
-S logistic(const S& v, double scale) {
-  return S(1.0) / (S(1.0) + exp(max(S(-40.0), min(S(40.0), v * S(2 / scale)))));
 }
 
 }  // namespace
@@ -260,29 +254,12 @@ MultibodySystem::Coordinates<S> MultibodySystem::full_coordinates(const S* x, Da
   return {data.mimic.q.data(), data.mimic.v.data()};
 }
 
-template <class S>
-void MultibodySystem::applied_forces(const S* v, const S* u, Data<S>& data) const {
-  std::fill(data.force.begin(), data.force.end(), S(0.0));
-  for (const auto& e : entries_) data.force[e.row] += u[e.column] * S(e.value);
-  for (const PassiveJoint& joint : passive_joints_) {
-    S& force = data.force[joint.row];
-    force -= v[joint.row] * S(joint.damping);
-    if (joint.friction > 0)
-      force -=
-          S(joint.friction) * (S(1.0) - S(2.0) * logistic(v[joint.row], joint.friction_velocity));
-  }
-}
-
-template <class S>
-void MultibodySystem::add_passive_slopes(const S* v, S* tau_v) const {
-  for (const PassiveJoint& joint : passive_joints_) {
-    S& slope = tau_v[joint.row * (nv() + 1)];
-    slope += S(joint.damping);
-    if (joint.friction > 0) {
-      const S h = logistic(v[joint.row], joint.friction_velocity);
-      slope += S(4 * joint.friction / joint.friction_velocity) * (S(1.0) - h) * h;
-    }
-  }
+std::unique_ptr<SecondDerivatives> MultibodySystem::second_derivatives(
+    SystemData<Lane>& at, SystemData<Dual<Lane>>& moving) const {
+  if (kind() == SystemKind::impulse || !mimics_.identity() || !robot_->wrenches.empty())
+    return nullptr;
+  return std::make_unique<MultibodySecondDerivatives>(*this, static_cast<Data<Lane>&>(at),
+                                                      static_cast<Data<Dual<Lane>>&>(moving));
 }
 
 template <class S>
@@ -386,9 +363,7 @@ void MultibodySystem::gravity_torques(Data<S>& data, bool derivative) const {
   template void MultibodySystem::evaluate_as(const S*, const S*, Data<S>&) const;                \
   template void MultibodySystem::differentiate_as(const S*, const S*, Data<S>&) const;           \
   template void MultibodySystem::update_kinematics_as(const S*, Data<S>&) const;                 \
-  template void MultibodySystem::gravity_torques(Data<S>&, bool) const;                          \
-  template void MultibodySystem::applied_forces(const S*, const S*, Data<S>&) const;             \
-  template void MultibodySystem::add_passive_slopes(const S*, S*) const;
+  template void MultibodySystem::gravity_torques(Data<S>&, bool) const;
 CONDDP_FOR_EACH_SCALAR(CONDDP_INSTANTIATE)
 #undef CONDDP_INSTANTIATE
 

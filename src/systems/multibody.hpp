@@ -143,8 +143,15 @@ class MultibodySystem : public SystemBase<MultibodySystem> {
   /// Adds to ∂tau/∂v (nv x nv by columns) what passive forces change.
   template <class S>
   void add_passive_slopes(const S* v, S* tau_v) const;
+  /// Adds the same to the gradient of wᵀtau by v (nv).
+  template <class S>
+  void add_passive_slopes(const S* v, const S* w, S* gradient) const;
+  std::unique_ptr<SecondDerivatives> second_derivatives(
+      SystemData<Lane>& at, SystemData<Dual<Lane>>& moving) const override;
 
  private:
+  friend class MultibodySecondDerivatives;
+
   /// The robot's full configuration and velocity in a state.
   template <class S>
   struct Coordinates {
@@ -179,6 +186,9 @@ class MultibodySystem : public SystemBase<MultibodySystem> {
     int row;
     double damping, friction, friction_velocity;
   };
+  template <class S>
+  static S slope(const PassiveJoint& joint, const S& v);
+
   std::shared_ptr<const RobotModel> robot_;
   MimicMap mimics_;
   Actuation actuation_;

@@ -7,6 +7,7 @@
 
 #include "spatial/aligned.hpp"
 #include "spatial/dual.hpp"
+#include "systems/second_derivatives.hpp"
 #include "systems/state_manifold.hpp"
 
 namespace conddp {
@@ -72,6 +73,12 @@ class System {
   virtual void update_kinematics(const S* x, SystemData<S>& data) const = 0;
   CONDDP_FOR_EACH_SCALAR(CONDDP_DECLARE)
 #undef CONDDP_DECLARE
+  /// Second derivatives on two of the system's workspaces, which have to outlive them. Null of a
+  /// system that has none but those of `differentiate` in dual numbers.
+  virtual std::unique_ptr<SecondDerivatives> second_derivatives(
+      SystemData<Lane>& /*at*/, SystemData<Dual<Lane>>& /*moving*/) const {
+    return nullptr;
+  }
 
  protected:
   System(SystemKind kind, StateManifold manifold, int nu)

@@ -119,6 +119,12 @@ void add_case(const Case& c) {
       acts.lagrangian_hessian(at.iterate.trajectory, at.iterate.costates, out);
     };
   });
+  add_act(c, "lagrangian_hessian_by_dual_numbers", [](Acts& acts, const Case& at) {
+    acts.reserve_lagrangian_hessian(false);
+    return [&acts, &at, out = Linearization(at.problem())]() mutable {
+      acts.lagrangian_hessian(at.iterate.trajectory, at.iterate.costates, out);
+    };
+  });
   add_act(c, "roll_out", [](Acts& acts, const Case& at) {
     std::vector<double> steps(kLaneWidth, 1.0);
     for (int l = 1; l < kLaneWidth; ++l) steps[l] = steps[l - 1] / 2;

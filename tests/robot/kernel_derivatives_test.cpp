@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "robot/inverse_dynamics_gradient.hpp"
 #include "support/kernel_probe.hpp"
 
 // First derivatives of the kernels against dual numbers through the kernels themselves, which are
@@ -97,6 +98,37 @@ TEST_P(KernelDerivatives, InverseDynamics) {
     expect_close(analytic["tau_q"], wrt_q["tau"], kTolerance, "tau_q");
     expect_close(analytic["tau_v"], wrt_v["tau"], kTolerance, "tau_v");
   });
+}
+
+// Rows of the derivatives and of M, contracted with w.
+TEST_P(KernelDerivatives, GradientOfWeightedInverseDynamics) {
+  RobotModel free = model();
+  free.wrenches.clear();
+  const int n = free.nv;
+  RandomNumbers random(55 + GetParam());
+  const RobotState x = random_state(free, random);
+  const std::vector<double> w = random.numbers(n, 1);
+  RobotData<double> data(free);
+  forward_dynamics(free, x.q.data(), x.v.data(), x.tau.data(), data);
+  AlignedVector<Force<double>> applied;
+  for (int i = 0; i < free.joint_count(); ++i)
+    applied.push_back({random.vector(3), random.vector(3)});
+  inverse_dynamics_derivatives(free, x.v.data(), data, &applied);
+  std::vector<double> expected_q(n), expected_v(n), expected_a(n);
+  for (int c = 0; c < n; ++c)
+    for (int r = 0; r < n; ++r) {
+      expected_q[c] += w[r] * data.tau_q[c * n + r];
+      expected_v[c] += w[r] * data.tau_v[c * n + r];
+      expected_a[c] += w[r] * data.M[std::min(r, c) * n + std::max(r, c)];
+    }
+  InverseDynamicsGradient<double> gradient(free);
+  inverse_dynamics_gradient(free, x.v.data(), w.data(), data, &applied, gradient);
+  const auto numbers = [](const AlignedVector<double>& a) {
+    return std::vector<double>(a.begin(), a.end());
+  };
+  expect_close(numbers(gradient.wrt_q), expected_q, kTolerance, "by q");
+  expect_close(numbers(gradient.wrt_v), expected_v, kTolerance, "by v");
+  expect_close(numbers(gradient.wrt_a), expected_a, kTolerance, "by a");
 }
 
 // a(q, v, τ) from M a = τ − bias: a_q = −M⁻¹ τ_q and a_v = −M⁻¹ τ_v at that acceleration.
