@@ -138,8 +138,8 @@ void MultibodySecondDerivatives::move(const Dual<Lane>* x, int d, Lane* gradient
 
 void MultibodySecondDerivatives::finish(Lane* gradients) {
   for (int j = 0; j < nz_; ++j) {
-    const Lane* a = j < 2 * n_ ? &at_.fx[j * n_] : &at_.fu[(j - 2 * n_) * n_];
-    const Lane* force = &at_.contacts.force_z[j * m_];
+    const Lane* a = j < 2 * n_ ? at_.fx.data() + j * n_ : at_.fu.data() + (j - 2 * n_) * n_;
+    const Lane* force = at_.contacts.force_z.data() + j * m_;
     for (int d = 0; d < n_; ++d) {
       if (free_[d]) continue;
       const Lane* coupling = &coupling_[d * (n_ + m_)];
