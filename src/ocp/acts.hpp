@@ -73,7 +73,7 @@ class Acts {
                      const Augmentation* augmentation = nullptr);
   /// Allocates what lagrangian_hessian needs, for callers that may want it later. Not `by_parts`,
   /// Hessians come from dual numbers through all of `differentiate`: the reference for those
-  /// that KnotSecondDerivatives knows in less time.
+  /// that KnotSecondDerivatives knows in less time. The first call decides.
   void reserve_lagrangian_hessian(bool by_parts = true);
   /// Replaces the Hessians of `out` by the exact ones of the cost + Σ λ_{k+1}ᵀ f(x_k, u_k), with
   /// co-states λ (ndx x (N + 1), column k belongs to node k), exact to second order on manifolds.

@@ -4,6 +4,7 @@
 
 #include "ocp/constraint_form.hpp"
 #include "ocp/gauss_newton.hpp"
+#include "ocp/transposed_dynamics.hpp"
 
 namespace conddp {
 
@@ -161,44 +162,29 @@ ResidualInput<Dual<Lane>> KnotSecondDerivatives::moving_input(const Term& term) 
           *moving_.work.system_};
 }
 
-Dual<Lane> KnotSecondDerivatives::form_moving_value(const Term& term) {
-  term.residual->evaluate(moving_input(term), moving_residual_.data());
-  if (term.blocks != &term.residual->blocks())
-    return form_value(*term.constraint, moving_residual_.data(), moving_value_.data());
-  std::copy_n(moving_residual_.begin(), term.residual->size(), moving_value_.begin());
-  return D(1.0);
-}
-
 void KnotSecondDerivatives::weigh_forces() {
+  if (!reads_forces_) return;
   for (std::size_t row = 0; row < force_weights_.size(); ++row) {
     Lane sum(0.0);
-    if (reads_forces_) system_->move_force(static_cast<int>(row));
+    system_->move_force(static_cast<int>(row));
     for (const Term& term : terms_) {
       if (!term.active || term.residual->reads() != Reads::forces) continue;
-      form_moving_value(term);
+      term.residual->evaluate(moving_input(term), moving_residual_.data());
+      const bool formed = term.blocks != &term.residual->blocks();
+      if (formed) form_value(*term.constraint, moving_residual_.data(), moving_value_.data());
+      const D* value = formed ? moving_value_.data() : moving_residual_.data();
       int rows = 0;
       for (const RowBlock& block : *term.blocks) rows += block.rows;
-      for (int i = 0; i < rows; ++i) sum += term.weights[i] * moving_value_[i].d;
+      for (int i = 0; i < rows; ++i) sum += term.weights[i] * value[i].d;
     }
     force_weights_[row] = sum;
   }
 }
 
 void KnotSecondDerivatives::weigh_system(const Lane* costates) {
-  // x⁺ = (q ⊕ dt v⁺, v + dt a): what a unit of v⁺ changes, times dt.
-  const int n = model_.system().nv();
-  const Lane& dt = at_.dt;
-  for (int i = 0; i < n; ++i) system_weights_[i] = costates[n + i] + dt * costates[i];
-  const Lane* step = at_.work.step_blocks().data();
-  for (const auto& s : model_.manifold().curved()) {
-    for (int j = 0; j < s.n; ++j) {
-      Lane sum(0.0);
-      for (int i = 0; i < s.n; ++i) sum += step[i * s.n + j] * costates[s.dx + i];
-      system_weights_[s.dx + j] = costates[n + s.dx + j] + dt * sum;
-    }
-    step += StateManifold::kBlockSize;
-  }
-  for (Lane& weight : system_weights_) weight = dt * weight;
+  // v⁺ = v + dt a.
+  pull_back_to_velocity(model_, at_.work, at_.dt, costates, system_weights_.data());
+  for (Lane& weight : system_weights_) weight = at_.dt * weight;
 }
 
 void KnotSecondDerivatives::differentiate_terms(int d, Lane* column) {

@@ -55,8 +55,6 @@ class KnotSecondDerivatives {
   /// Adds the curvature of q ⊕ dt v⁺ in q and v⁺.
   void add_curved_steps(const Lane* costates);
   ResidualInput<D> moving_input(const Term& term);
-  /// Value of a term's rows at the moving point, into moving_value_; its norm where that counts.
-  D form_moving_value(const Term& term);
 
   const KnotModel& model_;
   KnotBatch<Lane>& at_;

@@ -1,18 +1,10 @@
 #include "robot/dynamics.hpp"
 
+#include "robot/body_forces.hpp"
 #include "robot/wrenches.hpp"
 
 namespace conddp {
 namespace {
-
-/// momentum and net inertial force of every body from v and a.
-template <class S>
-void body_forces(const RobotModel& model, RobotData<S>& data) {
-  for (int i = 0; i < model.joint_count(); ++i) {
-    data.momentum[i] = data.body[i] * data.v[i];
-    data.force[i] = data.body[i] * data.a[i] + cross(data.v[i], data.momentum[i]);
-  }
-}
 
 template <class S>
 Vector3<S> unit(int k) {
@@ -162,14 +154,7 @@ template <class S>
 void inverse_dynamics_derivatives(const RobotModel& model, const S* v, RobotData<S>& data,
                                   const AlignedVector<Force<S>>* applied) {
   const int n = model.nv;
-  update_accelerations(model, v, data.acceleration.data(), data);
-  update_derivative_columns(model, data);
-  body_forces(model, data);
-  if (applied != nullptr)
-    for (int i = 0; i < model.joint_count(); ++i) data.force[i] = data.force[i] - (*applied)[i];
-  for (int i = 0; i < model.joint_count(); ++i)
-    data.inertia_rate[i] = rotational_inertia_rate(data.body[i], data.v[i]);
-
+  start_inverse_dynamics_derivatives(model, v, data, applied);
   for (int i = model.joint_count() - 1; i >= 0; --i) {
     const Joint& joint = model.joints[i];
     const Force<S>& h = data.momentum[i];

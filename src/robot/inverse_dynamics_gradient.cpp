@@ -1,6 +1,6 @@
 #include "robot/inverse_dynamics_gradient.hpp"
 
-#include "robot/kinematics.hpp"
+#include "robot/body_forces.hpp"
 
 namespace conddp {
 
@@ -17,8 +17,7 @@ template <class S>
 void inverse_dynamics_gradient(const RobotModel& model, const S* v, const S* w, RobotData<S>& data,
                                const AlignedVector<Force<S>>* applied,
                                InverseDynamicsGradient<S>& out) {
-  update_accelerations(model, v, data.acceleration.data(), data);
-  update_derivative_columns(model, data);
+  start_inverse_dynamics_derivatives(model, v, data, applied);
   for (int i = 0; i < model.joint_count(); ++i) {
     const Joint& joint = model.joints[i];
     const S* x = w + joint.v;
@@ -30,10 +29,6 @@ void inverse_dynamics_gradient(const RobotModel& model, const S* v, const S* w, 
       out.virtual_velocity[i] = out.virtual_velocity[joint.parent] + x[0] * data.axis[i];
     out.virtual_momentum[i] = Force<S>::zero();
     out.lever[i] = Vector3<S>::zero();
-    data.momentum[i] = data.body[i] * data.v[i];
-    data.force[i] = data.body[i] * data.a[i] + cross(data.v[i], data.momentum[i]);
-    if (applied != nullptr) data.force[i] = data.force[i] - (*applied)[i];
-    data.inertia_rate[i] = rotational_inertia_rate(data.body[i], data.v[i]);
   }
   for (int i = model.joint_count() - 1; i >= 0; --i) {
     const Joint& joint = model.joints[i];

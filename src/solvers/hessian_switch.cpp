@@ -8,8 +8,9 @@ namespace {
 
 /// Fewest iterations over which convergence is judged.
 constexpr int kWatchedIterations = 10;
-/// What an exact Hessian costs for each of its directions, in Gauss-Newton iterations; and how many
-/// exact iterations a solve is taken to need.
+/// What an exact Hessian is taken to cost for each of its directions, in Gauss-Newton iterations:
+/// by parts it is less, but earlier turns gain nothing. And how many exact iterations a solve is
+/// taken to need.
 constexpr double kDirectionCost = 1;
 constexpr double kExactIterations = 4;
 /// What exact iterations may cost, in Gauss-Newton iterations, before their convergence is judged;
@@ -69,10 +70,10 @@ int HessianSwitch::window() const {
          << std::min(returns_, kMostDoublings);
 }
 
-/// An exact Hessian takes as many passes as there are directions, so what it saves has to be worth
-/// that. Over a window that is itself no longer than a fraction of the price, the stationarity's
-/// rate of convergence tells how many iterations Gauss-Newton still needs; exact ones are taken to
-/// need kExactIterations. As long as the cost falls much, that rate says nothing.
+/// An exact Hessian takes a pass for each direction, so what it saves has to be worth that. Over a
+/// window that is itself no longer than a fraction of the price, the stationarity's rate of
+/// convergence tells how many iterations Gauss-Newton still needs; exact ones are taken to need
+/// kExactIterations. As long as the cost falls much, that rate says nothing.
 bool HessianSwitch::gauss_newton_is_slow(const IterationRecord& row) const {
   if (watched_cost_ - row.cost >= 0.1 * std::abs(row.cost)) return false;
   const double decades = std::log10(watched_stationarity_ / row.stationarity) / window();

@@ -4,8 +4,9 @@
 
 namespace conddp {
 
-MultibodySecondDerivatives::MultibodySecondDerivatives(const System& system, System::Data<Lane>& at,
-                                                       System::Data<Dual<Lane>>& moving)
+MultibodySecondDerivatives::MultibodySecondDerivatives(const MultibodySystem& system,
+                                                       MultibodySystem::Data<Lane>& at,
+                                                       MultibodySystem::Data<Dual<Lane>>& moving)
     : system_(system),
       at_(at),
       moving_(moving),
@@ -41,10 +42,15 @@ void MultibodySecondDerivatives::start(const Dual<Lane>* x) {
     moving_.contacts.force_z[i] = D(slopes[i], Lane(0.0));
 }
 
-void MultibodySecondDerivatives::move_force(int row) {
-  for (int r = 0; r < m_; ++r)
-    moving_.contacts.force[r] = D(at_.contacts.force[r], Lane(r == row ? 1.0 : 0.0));
+template <class Slope>
+void MultibodySecondDerivatives::set_forces(const Slope& slope) {
+  if (m_ == 0) return;
+  for (int r = 0; r < m_; ++r) moving_.contacts.force[r] = D(at_.contacts.force[r], slope(r));
   system_.contacts().distribute_forces(system_.robot(), moving_.contacts);
+}
+
+void MultibodySecondDerivatives::move_force(int row) {
+  set_forces([row](int r) { return Lane(r == row ? 1.0 : 0.0); });
 }
 
 void MultibodySecondDerivatives::weigh(const Lane* of_f, const Lane* of_forces) {
@@ -107,7 +113,7 @@ void MultibodySecondDerivatives::move(const Dual<Lane>* x, int d, Lane* gradient
   velocity_moves_ = of_velocity;
   ContactSet::Data<D>& c = moving_.contacts;
   if (of_velocity || (of_configuration && !free_[d])) {
-    move_force(-1);
+    set_forces([](int) { return Lane(0.0); });
     differentiate_balance(x);
     Lane* column = gradients + d * nz_;
     for (int i = 0; i < n_; ++i) {
@@ -130,10 +136,7 @@ void MultibodySecondDerivatives::move(const Dual<Lane>* x, int d, Lane* gradient
               c.contacts[i].jacobian[k * rows + r].d * weight_[columns[k]];
     }
   }
-  if (m_ == 0) return;
-  for (int r = 0; r < m_; ++r)
-    c.force[r] = D(at_.contacts.force[r], at_.contacts.force_z[d * m_ + r]);
-  system_.contacts().distribute_forces(system_.robot(), c);
+  set_forces([this, d](int r) { return at_.contacts.force_z[d * m_ + r]; });
 }
 
 void MultibodySecondDerivatives::finish(Lane* gradients) {

@@ -12,9 +12,8 @@ namespace conddp {
 /// give. After Nganga, Wensing (IEEE RA-L 2021), with contacts.
 class MultibodySecondDerivatives : public SecondDerivatives {
  public:
-  using System = MultibodySystem;
-  MultibodySecondDerivatives(const System& system, System::Data<Lane>& at,
-                             System::Data<Dual<Lane>>& moving);
+  MultibodySecondDerivatives(const MultibodySystem& system, MultibodySystem::Data<Lane>& at,
+                             MultibodySystem::Data<Dual<Lane>>& moving);
 
   int forces() const override { return m_; }
   void start(const Dual<Lane>* x) override;
@@ -31,9 +30,13 @@ class MultibodySecondDerivatives : public SecondDerivatives {
   /// The gradient of wᵀr at the moving point with accelerations and forces that stay, into
   /// gradient_; r of the contacts is what does not vanish.
   void differentiate_balance(const D* x);
-  const System& system_;
-  System::Data<Lane>& at_;
-  System::Data<D>& moving_;
+  /// Gives the forces of `moving` these derivatives, one for each row of the contacts.
+  template <class Slope>
+  void set_forces(const Slope& slope);
+
+  const MultibodySystem& system_;
+  MultibodySystem::Data<Lane>& at_;
+  MultibodySystem::Data<D>& moving_;
   int n_, m_, nz_;
   /// Coordinates of the configuration on which inverse dynamics and contacts do not depend: the
   /// position of a floating base.

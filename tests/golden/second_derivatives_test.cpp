@@ -1,11 +1,10 @@
 // Exact Hessians of the ready problems: by parts, and by dual numbers through everything.
+#include "support/second_derivatives.hpp"
+
 #include <gtest/gtest.h>
 
-#include "ocp/acts.hpp"
-#include "ocp/knot_second_derivatives.hpp"
 #include "problem_file/build.hpp"
 #include "problem_file/read_problem.hpp"
-#include "support/random_numbers.hpp"
 
 namespace conddp {
 namespace {
@@ -26,35 +25,6 @@ Trajectory perturbed(const ShootingProblem& problem, const Trajectory& guess,
   return t;
 }
 
-/// Whether a running node is known by parts.
-bool known_by_parts(const ShootingProblem& problem) {
-  const KnotModel& model = *problem.knot(0).model;
-  KnotBatch<Lane> at(model);
-  KnotBatch<Dual<Lane>> moving(model);
-  return KnotSecondDerivatives::make(model, at, moving) != nullptr;
-}
-
-void expect_equal_hessians(const ShootingProblem& problem, const Trajectory& guess) {
-  RandomNumbers random(23);
-  const Trajectory t = perturbed(problem, guess, random);
-  Eigen::MatrixXd costates(problem.ndx(), problem.knots() + 1);
-  for (double& l : costates.reshaped()) l = random.uniform(-1, 1);
-  Augmentation augmentation(problem);
-  augmentation.penalty.setConstant(3);
-  augmentation.multiplier.setConstant(0.4);
-  Acts by_parts(problem), reference(problem);
-  reference.reserve_lagrangian_hessian(false);
-  Linearization a(problem), b(problem);
-  by_parts.lagrangian_hessian(t, costates, a, &augmentation);
-  reference.lagrangian_hessian(t, costates, b, &augmentation);
-  for (int k = 0; k <= problem.knots(); ++k) {
-    const Eigen::MatrixXd &got = a.knots[k].hessian(), &expected = b.knots[k].hessian();
-    if (!expected.allFinite()) continue;
-    ASSERT_LT((got - expected).cwiseAbs().maxCoeff(), 1e-9 * (1 + expected.cwiseAbs().maxCoeff()))
-        << "knot " << k;
-  }
-}
-
 TEST(SecondDerivatives, OfReadyProblemsAreThoseOfDualNumbersThroughEverything) {
   int known = 0;
   for (const auto& entry : fs::directory_iterator(fs::path(CONDDP_SOURCE_DIR) / "problems")) {
@@ -64,12 +34,18 @@ TEST(SecondDerivatives, OfReadyProblemsAreThoseOfDualNumbersThroughEverything) {
     const auto spec = read_problem(entry.path(), {}, out);
     const auto built = spec ? build_problem(*spec, {}, out) : std::nullopt;
     ASSERT_TRUE(built) << format_diagnostics(out, false);
-    const bool by_parts = known_by_parts(*built->problem);
+    const ShootingProblem& problem = *built->problem;
+    const bool by_parts = known_by_parts(*problem.knot(0).model);
     known += by_parts;
     if (entry.path().stem().string().starts_with("quadruped_trot")) {
       EXPECT_TRUE(by_parts);
     }
-    expect_equal_hessians(*built->problem, built->guess);
+    RandomNumbers random(23);
+    Augmentation augmentation(problem);
+    augmentation.penalty.setConstant(3);
+    augmentation.multiplier.setConstant(0.4);
+    expect_hessians_of_dual_numbers(problem, perturbed(problem, built->guess, random), augmentation,
+                                    random);
     if (HasFatalFailure()) return;
   }
   EXPECT_GE(known, 12);

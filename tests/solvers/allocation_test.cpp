@@ -7,8 +7,11 @@
 #include "solvers/registry.hpp"
 #include "support/conic_problems.hpp"
 #include "support/constrained_problems.hpp"
+#include "support/random_robot.hpp"
+#include "support/second_derivatives.hpp"
 #include "support/small_problems.hpp"
 #include "systems/catalogue.hpp"
+#include "systems/multibody.hpp"
 
 // The sanitizers bring a malloc of their own.
 #if defined(__SANITIZE_ADDRESS__) || !defined(__GLIBC__)
@@ -180,6 +183,58 @@ TEST(Allocation, NoneWhereStepsAreImplicit) {
       EXPECT_GE(count.iterations, 5) << solver;
       EXPECT_EQ(count.allocations, 0) << solver;
     }
+  }
+}
+
+/// An arm whose tip stays on a plane, with costs of its contact's force and of a frame's position.
+ShootingProblem arm_on_a_plane() {
+  const auto robot = std::make_shared<RobotModel>(random_robot(5, {.joints = 5, .wrenches = 0}));
+  int tip = 0;
+  for (int i = 0; i < static_cast<int>(robot->frames.size()); ++i)
+    if (robot->frames[i].joint == robot->joint_count() - 1) tip = i;
+  const auto system = std::make_shared<MultibodySystem>(
+      robot, Actuation::full(*robot), PassiveForces{},
+      std::vector<Contact>{
+          {.name = "tip", .frame = tip, .kind = ContactKind::normal, .kp = 20, .kd = 9}});
+  const auto model = std::make_shared<KnotModel>(system, Integrator::semi_implicit_euler);
+  const int nv = system->nv(), nu = system->nu();
+  model->add_cost("state", state_residual(model->manifold()),
+                  {.weights = std::vector<double>(2 * nv, 0.1)});
+  model->add_cost("control", control_residual(model->ndx(), nu),
+                  {.weights = std::vector<double>(nu, 0.1)});
+  model->add_cost("force", contact_force_residual(system, 0, model->ndx()),
+                  {.weights = {0.01, 0.01, 0.01}});
+  model->add_cost("reach", frame_position_residual(system, tip), {.weights = {50, 50, 50}});
+  // References, each with a weight after it.
+  std::vector<double> one(2 * nv, 0.0);
+  one.push_back(1);
+  one.insert(one.end(), nu, 0.0);
+  one.push_back(1);
+  one.insert(one.end(), {0, 0, 0, 1, 0.3, -0.4, 0.5, 1});
+  Phase phase{.name = "all", .model = model};
+  for (int k = 0; k < 20; ++k) {
+    phase.dt.push_back(0.05);
+    phase.cost_scale.push_back(0.05);
+    phase.parameters.insert(phase.parameters.end(), one.begin(), one.end());
+  }
+  return ShootingProblem(std::vector<double>(2 * nv, 0.2), {phase},
+                         testing::terminal_phase(system, {.goal = std::vector<double>(2 * nv, 0.0),
+                                                          .qf = std::vector<double>(2 * nv, 1.0)}));
+}
+
+TEST(Allocation, NoneWithExactHessiansOfARobotByParts) {
+  const ShootingProblem problem = arm_on_a_plane();
+  ASSERT_TRUE(known_by_parts(*problem.knot(0).model));
+  for (const char* solver : {"ddp", "fddp", "altro", "proxddp"}) {
+    SolverOptions options;
+    options.tolerances.stationarity = 1e-300;
+    options.max_iterations = 30;
+    options.hessian = HessianChoice::exact;
+    Trajectory guess = testing::constant_controls(problem, 0);
+    ASSERT_EQ(Acts(problem).simulate(guess), -1);
+    const Count count = count_allocations(problem, *find_solver(solver), guess, options);
+    EXPECT_GE(count.iterations, 3) << solver;
+    EXPECT_EQ(count.allocations, 0) << solver;
   }
 }
 
