@@ -143,8 +143,9 @@ bool redundant(const MultibodySystem& system) {
 TEST(SecondDerivatives, HessiansByPartsAreThoseOfDualNumbersThroughEverything) {
   RandomNumbers random(41);
   int known = 0;
+  const int stride = kSmallSizes ? 20 : 1;
   const std::vector<ContactCase> cases = contact_cases();
-  for (std::size_t i = 0; i < cases.size(); i += kDirectionStride)
+  for (std::size_t i = 0; i < cases.size(); i += stride)
     for (const bool contacts : {false, true}) {
       const ContactCase& c = cases[i];
       const auto system = held_system(c, contacts);
@@ -161,7 +162,7 @@ TEST(SecondDerivatives, HessiansByPartsAreThoseOfDualNumbersThroughEverything) {
       expect_equal_hessians(knot, random);
       if (HasFatalFailure()) return;
     }
-  EXPECT_GE(known, 40 / kDirectionStride);
+  EXPECT_GE(known, 40 / stride);
 }
 
 TEST(SecondDerivatives, ModelsThatArePartlyUnknownAreLeftToDualNumbers) {
