@@ -111,8 +111,13 @@ std::vector<GoldenCase> new_cases(const RegressArguments& arguments, Diagnostics
   namespace fs = std::filesystem;
   std::vector<GoldenCase> cases;
   if (arguments.added.empty()) return cases;
-  if (arguments.inputs.size() != 1 || !fs::is_directory(arguments.inputs.front())) {
+  if (arguments.inputs.size() != 1) {
     out.error({}, "with --add there is one argument, the folder of the golden files");
+    return cases;
+  }
+  if (!fs::is_directory(arguments.inputs.front())) {
+    out.error({}, fmt::format("'{}' is no folder", arguments.inputs.front()),
+              "golden files are added to a folder that is there");
     return cases;
   }
   for (const std::string& problem : arguments.added) {
@@ -128,13 +133,21 @@ int regress(const RegressArguments& arguments) {
   Diagnostics diagnostics;
   std::vector<GoldenCase> cases = new_cases(arguments, diagnostics);
   const bool adding = !arguments.added.empty();
-  for (const auto& file : adding ? std::vector<std::filesystem::path>()
-                                 : input_files(arguments.inputs, ".json", diagnostics))
-    if (auto golden = load_golden(file, diagnostics)) cases.push_back(*std::move(golden));
+  const auto files = adding ? std::vector<std::filesystem::path>()
+                            : input_files(arguments.inputs, ".json", diagnostics);
   print_messages(diagnostics, Verbosity::kNormal);
   if (diagnostics.has_errors()) return kExitBadInput;
   const InterruptGuard guard;
   Regression regression(arguments);
+  for (const auto& file : files) {
+    Diagnostics of_file;
+    auto golden = load_golden(file, of_file);
+    print_messages(of_file, Verbosity::kNormal);
+    if (golden)
+      cases.push_back(*std::move(golden));
+    else
+      regression.fail(file.stem().string(), of_file);
+  }
   for (const GoldenCase& golden : cases) {
     regression.run(golden);
     finish_results();  // a line a problem at once, in a pipe too; the last call reports errors

@@ -13,6 +13,7 @@
 #include "commands.hpp"
 #include "exit_codes.hpp"
 #include "messages.hpp"
+#include "output/atomic_file.hpp"
 #include "output/bench_runs.hpp"
 #include "output/solved_problem.hpp"
 #include "problem_file/json_document.hpp"
@@ -159,10 +160,12 @@ int report(const ReportArguments& arguments) {
           arguments.file.empty()
               ? fs::path(arguments.solutions.front()).replace_filename("report.html")
               : fs::path(arguments.file);
-      const std::string written = write_report(data, out);
+      AtomicFiles files;
+      files.add(out, report_text(data));
+      files.commit();
       print_messages(diagnostics, Verbosity::kNormal);
-      print_result(written + "\n");
-      if (arguments.open) open_in_browser(written);
+      print_result(out.string() + "\n");
+      if (arguments.open) open_in_browser(out.string());
       return kExitConverged;
     }
   } catch (const MalformedSolution& malformed) {

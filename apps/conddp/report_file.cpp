@@ -2,7 +2,6 @@
 
 #include "embedded_report.hpp"
 #include "messages.hpp"
-#include "output/atomic_file.hpp"
 
 namespace conddp {
 
@@ -13,11 +12,8 @@ bool reports_can_be_made() {
   return false;
 }
 
-std::string write_report(const OrderedJson& data, const std::filesystem::path& file) {
-  AtomicFiles files;
-  files.add(file, report_page(std::string(report_template()), data));
-  files.commit();
-  return file.string();
+std::string report_text(const OrderedJson& data) {
+  return report_page(std::string(report_template()), data);
 }
 
 }  // namespace conddp

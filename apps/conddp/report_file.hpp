@@ -1,8 +1,6 @@
 #pragma once
 
-#include <filesystem>
 #include <string>
-#include <vector>
 
 #include "output/report.hpp"
 
@@ -11,8 +9,7 @@ namespace conddp {
 /// Whether the page of reports is built in. If not, prints an error that says what is missing.
 bool reports_can_be_made();
 
-/// Writes the page of a report with its data (report_data()), whole or, with an OutputError, not at
-/// all. Returns its path.
-std::string write_report(const OrderedJson& data, const std::filesystem::path& file);
+/// The page of a report with its data (report_data()).
+std::string report_text(const OrderedJson& data);
 
 }  // namespace conddp

@@ -120,15 +120,15 @@ int solve_file(const SolveArguments& arguments) {
   std::optional<SolutionCertificate> certificate;
   if (!arguments.no_verify) certificate = certify_solution(document, *spec, *built, false);
   if (certificate) add_certificate(certificate_json(*certificate), document);
-  std::vector<std::string> written;
-  for (const auto& path : write_solution(solution, document, folder))
-    written.push_back(path.string());
+  std::string page;
   if (arguments.report)
-    written.push_back(write_report(report_data({{.label = std::string(solver->name),
-                                                 .document = document,
-                                                 .spec = &*spec,
-                                                 .built = &*built}}),
-                                   folder / "report.html"));
+    page = report_text(report_data({{.label = std::string(solver->name),
+                                     .document = document,
+                                     .spec = &*spec,
+                                     .built = &*built}}));
+  std::vector<std::string> written;
+  for (const auto& path : write_solution(solution, document, folder, page))
+    written.push_back(path.string());
   if (arguments.json) {
     OrderedJson head = solution_head(solution);
     if (certificate) add_certificate(certificate_json(*certificate), head);

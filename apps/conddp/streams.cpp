@@ -19,7 +19,9 @@ void remember(bool failed) {
 }  // namespace
 
 void prepare_streams() {
+  // Writing then fails, and the error says why.
   std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);
   // open() takes the lowest free number; 1 and 2 are opened for reading only, so that writing
   // fails.
   for (int descriptor = 0; descriptor <= 2; ++descriptor)

@@ -215,28 +215,39 @@ class Comparison {
     return true;
   }
 
+  /// The largest difference of the knots. One that is not finite is larger than all others: numbers
+  /// that are missing agree with nothing.
+  struct Worst {
+    double difference = 0;
+    std::size_t knot = 0;
+
+    void take(std::size_t k, double of_knot) {
+      if (!std::isfinite(of_knot)) of_knot = std::numeric_limits<double>::infinity();
+      if (!(of_knot > difference)) return;
+      difference = of_knot;
+      knot = k;
+    }
+  };
+
   void column(const std::string& name, const Matrix& a, const Matrix& b, std::size_t c) {
-    double largest = 0, worst = 0;
-    std::size_t at = 0;
+    double largest = 0;
+    Worst worst;
     for (std::size_t k = 0; k < a.size(); ++k) {
       if (a[k].empty()) continue;
-      largest = std::max(largest, std::abs(a[k][c]));
-      const double difference = std::abs(a[k][c] - b[k][c]);
-      if (!(difference <= worst)) {
-        worst = difference;
-        at = k;
-      }
+      if (std::isfinite(a[k][c])) largest = std::max(largest, std::abs(a[k][c]));
+      worst.take(k, std::abs(a[k][c] - b[k][c]));
     }
     const double allowed =
         tolerances_.trajectory_absolute + tolerances_.trajectory_relative * largest;
-    if (!(worst <= allowed))
-      add(fmt::format("trajectory {} at knot {} (t = {:.4g} s)", name, at, golden_.times[at]),
-          fmt::format("{:.6g} instead of {:.6g} (tolerance {:.2e})", b[at][c], a[at][c], allowed));
+    if (worst.difference <= allowed) return;
+    const std::size_t at = worst.knot;
+    add(fmt::format("trajectory {} at knot {} (t = {:.4g} s)", name, at, golden_.times[at]),
+        fmt::format("{} instead of {} (tolerance {:.2e})", number_text(b[at][c]),
+                    number_text(a[at][c]), allowed));
   }
 
   void rotations(const std::string& name, const Matrix& a, const Matrix& b, std::size_t c) {
-    double worst = 0;
-    std::size_t at = 0;
+    Worst worst;
     for (std::size_t k = 0; k < a.size(); ++k) {
       if (a[k].empty()) continue;
       // sin of half the angle from the vector part of a⁻¹ b: accurate where the angle is small.
@@ -244,16 +255,16 @@ class Comparison {
       const double x = p[3] * q[0] - p[0] * q[3] - p[1] * q[2] + p[2] * q[1];
       const double y = p[3] * q[1] - p[1] * q[3] - p[2] * q[0] + p[0] * q[2];
       const double z = p[3] * q[2] - p[2] * q[3] - p[0] * q[1] + p[1] * q[0];
-      const double angle = 2 * std::asin(std::min(1.0, std::sqrt(x * x + y * y + z * z)));
-      if (!(angle <= worst)) {
-        worst = angle;
-        at = k;
-      }
+      const double sine = std::sqrt(x * x + y * y + z * z);
+      worst.take(k, std::isfinite(sine) ? 2 * std::asin(std::min(1.0, sine)) : sine);
     }
-    if (!(worst <= tolerances_.rotation))
-      add(fmt::format("trajectory {} at knot {} (t = {:.4g} s)",
-                      name.substr(0, name.size() - 2) + "rotation", at, golden_.times[at]),
-          fmt::format("turned by {:.3g} rad (tolerance {:.2e})", worst, tolerances_.rotation));
+    if (worst.difference <= tolerances_.rotation) return;
+    add(fmt::format("trajectory {} at knot {} (t = {:.4g} s)",
+                    name.substr(0, name.size() - 2) + "rotation", worst.knot,
+                    golden_.times[worst.knot]),
+        std::isfinite(worst.difference) ? fmt::format("turned by {:.3g} rad (tolerance {:.2e})",
+                                                      worst.difference, tolerances_.rotation)
+                                        : "not finite");
   }
 
   const Compared& golden_;

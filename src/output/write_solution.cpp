@@ -8,14 +8,16 @@ namespace conddp {
 
 std::vector<std::filesystem::path> write_solution(const Solution& solution,
                                                   const OrderedJson& document,
-                                                  const std::filesystem::path& folder) {
+                                                  const std::filesystem::path& folder,
+                                                  const std::string& page) {
   create_folder(folder);
-  const std::vector<std::filesystem::path> paths = {
-      folder / "solution.json", folder / "trajectory.csv", folder / "iterations.csv"};
+  std::vector<std::filesystem::path> paths = {folder / "solution.json", folder / "trajectory.csv",
+                                              folder / "iterations.csv"};
   AtomicFiles files;
   files.add(paths[0], json_text(document));
   files.add(paths[1], trajectory_csv(solution));
   files.add(paths[2], iterations_csv(solution));
+  if (!page.empty()) files.add(paths.emplace_back(folder / "report.html"), page);
   files.commit();
   return paths;
 }

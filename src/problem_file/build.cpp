@@ -305,6 +305,23 @@ std::optional<BuiltProblem> build_problem(const ProblemSpec& spec, const BuildOp
   return built;
 }
 
+namespace {
+
+/// Where a file says what its solver refuses: at the solver's name, or, as it is not the file that
+/// names it, at what is refused.
+Place refused_place(const ProblemSpec& spec, bool of_control) {
+  const Place& named = spec.solver.name.place;
+  if (named.mark.source >= 0) return named;
+  if (spec.stepping && spec.stepping->place.mark.source >= 0) return spec.stepping->place;
+  if (spec.stepping && !spec.candidates.empty()) return spec.candidates.front().name.place;
+  if (of_control && !spec.control_bounds.empty()) return spec.control_bounds.front().name.place;
+  for (const auto* list : {&spec.constraints, &spec.terminal_constraints})
+    if (!of_control && !list->empty()) return list->front().function.name.place;
+  return named;
+}
+
+}  // namespace
+
 const SolverInfo* usable_solver(const ProblemSpec& spec, const ShootingProblem& problem,
                                 Diagnostics& out) {
   const SolverInfo* solver = find_solver(spec.solver.name.value);
@@ -315,18 +332,19 @@ const SolverInfo* usable_solver(const ProblemSpec& spec, const ShootingProblem& 
     out.error(spec.solver.name.place, *legs, "leave 'legs' out, or write a smaller number");
     return nullptr;
   }
+  const bool of_control = keeps_constraints(*solver, problem);
+  const Place place = refused_place(spec, of_control);
   if (spec.stepping) {
-    out.error(spec.solver.name.place, *reason, "write 'solver: {name: ipopt}'");
+    out.error(place, *reason, "write 'solver: {name: ipopt}'");
     return nullptr;
   }
-  const bool of_control = keeps_constraints(*solver, problem);
   std::string names;
   for (const ControlBoundsSpec& bounds : spec.control_bounds)
     if (of_control) names += " --drop " + bounds.name.value;
   for (const auto* list : {&spec.constraints, &spec.terminal_constraints})
     for (const ConstraintSpec& constraint : *list)
       if (!of_control) names += " --drop " + constraint.function.name.value;
-  out.error(spec.solver.name.place, *reason,
+  out.error(place, *reason,
             names.empty()
                 ? "choose one of them with --solver"
                 : fmt::format("choose one of them with --solver, or leave the {} out with{}",

@@ -43,7 +43,7 @@ void DdpSolver::start_constraints() {
   inner_decrease_ = kFirstInnerDecrease;
   inner_start_ = recoveries_ = relaxations_ = 0;
   newton_threshold_ = kFirstNewtonThreshold;
-  by_newton_ = false;
+  by_newton_ = newton_taken_back_ = false;
   stationarity_goal_ = options_.tolerances.stationarity;
   if (!constraints_) return;
   const bool known = options_.multipliers != nullptr;
@@ -224,6 +224,7 @@ bool DdpSolver::newton_converges() {
       newton_->norms().violation.value > tolerance.constraint) {
     const int iteration = row_.iteration;
     const int newton = row_.newton;
+    newton_taken_back_ = iteration > row.iteration;
     row_ = row;
     row_.iteration = iteration;
     row_.newton = newton;

@@ -120,6 +120,7 @@ bool DdpSolver::linearize() {
   row_.time_s = elapsed();
   hessian_.watch(row_);
   result_.log.push_back(row_);
+  newton_taken_back_ = false;
   if (options_.on_iteration) options_.on_iteration(row_);
   return true;
 }
@@ -228,6 +229,7 @@ void DdpSolver::finish() {
   residuals.complementarity = row_.complementarity;
   result_.constraint_values = linearization_.constraint;
   if (constraints_) result_.constraint_multipliers = constraints_->multipliers();
+  if (newton_taken_back_) end_log();
   confirm_status();
   name_contradiction();
   result_.costates = adjoint_.costates();
@@ -242,6 +244,20 @@ void DdpSolver::finish() {
     return;
   }
   sweep_for_gains();
+}
+
+/// The last row of the log is the answer. Newton's last step, of which it was, is taken back.
+void DdpSolver::end_log() {
+  IterationRecord row = row_;
+  row.cost = result_.cost;
+  row.stationarity = result_.residuals.stationarity;
+  row.stationarity_knot = result_.residuals.stationarity_knot;
+  row.gap = result_.residuals.gap;
+  row.gap_knot = result_.residuals.gap_knot;
+  row.step = row.expected_decrease = row.actual_decrease = 0;
+  row.trials = row.sweeps = 0;
+  row.time_s = result_.log.back().time_s;
+  result_.log.back() = row;
 }
 
 /// The co-states of the last sweep may put an answer under tolerance that ended otherwise.

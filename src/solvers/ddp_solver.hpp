@@ -52,6 +52,7 @@ class DdpSolver {
   bool may_continue();
   bool budget_left();
   void finish();
+  void end_log();
   void confirm_status();
   void sweep_for_gains();
 
@@ -64,7 +65,7 @@ class DdpSolver {
   void weigh_gaps();
   bool model_step();
   bool search();
-  bool stationarity_fell();
+  bool blind_step_progresses();
   bool decrease_was_quadratic(bool by_model);
   double projected_stationarity() const;
 
@@ -114,8 +115,9 @@ class DdpSolver {
   std::optional<PlainAdjoint> plain_adjoint_;  ///< where there are constraints
   double stationarity_goal_ = 0;               ///< below its tolerance where that was not enough
   const Eigen::VectorXd* multiplier_change_ = nullptr;  ///< of the last sweep's full step
-  double newton_threshold_ = 0;  ///< violation and stationarity below which Newton is tried
-  bool by_newton_ = false;       ///< the solve ended with it
+  double newton_threshold_ = 0;     ///< violation and stationarity below which Newton is tried
+  bool by_newton_ = false;          ///< the solve ended with it
+  bool newton_taken_back_ = false;  ///< the last row of the log is of a step that does not stand
   double inner_tolerance_ = 0, inner_decrease_ = 0;  ///< of the minimisation that is under way
   double dual_gain_ = 0;                             ///< ConstraintNorms::dual_gain
   int recoveries_ = 0;                               ///< minimisations that ended without a step

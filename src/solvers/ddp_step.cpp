@@ -236,7 +236,7 @@ bool DdpSolver::model_step() {
   if (last && !(gap <= options_.tolerances.gap)) accepted = false;
   linearized_ = linearized_ && !accepted;
   differentiated_ = accepted && ahead;
-  if (accepted && hidden && !stationarity_fell()) {
+  if (accepted && hidden && !blind_step_progresses()) {
     accepted = linearized_ = false;
   }
   if (accepted) {
@@ -263,7 +263,7 @@ double DdpSolver::projected_stationarity() const {
 }
 
 /// Line search along the sweep's policy. A step that the merit is too coarse to judge counts only
-/// if stationarity falls.
+/// if it progresses otherwise.
 bool DdpSolver::search() {
   before_ = trajectory_;
   for (double first_step = 1; first_step >= kShortestBlindStep; first_step /= 2) {
@@ -282,7 +282,7 @@ bool DdpSolver::search() {
     row_.trials += search_.trials;
     if (!search_.accepted) return false;
     linearized_ = false;
-    if (!search_.by_rounding || stationarity_fell()) return true;
+    if (!search_.by_rounding || blind_step_progresses()) return true;
     trajectory_ = before_;
     differentiate();
   }
@@ -290,9 +290,15 @@ bool DdpSolver::search() {
   return false;
 }
 
-bool DdpSolver::stationarity_fell() {
+/// Whether stationarity fell, or gaps where there is none to fall: a cost that is constant weighs
+/// them with nothing.
+bool DdpSolver::blind_step_progresses() {
   differentiate();
-  return linearized_ && projected_stationarity() < kBlindProgress * row_.stationarity;
+  if (!linearized_) return false;
+  if (projected_stationarity() < kBlindProgress * row_.stationarity) return true;
+  return row_.gap > options_.tolerances.gap &&
+         projected_stationarity() <= options_.tolerances.stationarity &&
+         linearization_.max_gap() < kBlindProgress * row_.gap;
 }
 
 bool DdpSolver::sweep_with_regularization() {

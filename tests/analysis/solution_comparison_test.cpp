@@ -60,6 +60,20 @@ TEST(SolutionComparison, SlipSpeedsThatNoForceTellsDoNotMatter) {
     EXPECT_NE(first(with(force, 0.0), with(force, 0.1)), "") << force;
 }
 
+TEST(SolutionComparison, MissingNumbersAgreeWithNothing) {
+  for (const int column : {2, 4}) {  // of a rotation, and of a number
+    Json good = solution();
+    good["trajectory"]["t"] = {0.0, 0.1, 0.2};
+    good["trajectory"]["x"].push_back({0.0, 0.0, 0.6, 0.8, 1.0});
+    good["trajectory"]["u"].push_back({3.0});
+    Json bad = good;
+    bad["trajectory"]["x"][1][column] = nullptr;
+    for (const auto& [golden, actual] : {std::pair(good, bad), {bad, good}, {bad, bad}})
+      EXPECT_TRUE(first(golden, actual).ends_with("at knot 1 (t = 0.1 s)"))
+          << first(golden, actual);
+  }
+}
+
 TEST(SolutionComparison, NamesWhatDiffersAndWhere) {
   const auto changed = [](auto change) {
     Json other = solution();

@@ -19,7 +19,7 @@ void limit_resources(const ProcessOptions& options) {
     const rlimit limit{static_cast<rlim_t>(options.limit_file_size),
                        static_cast<rlim_t>(options.limit_file_size)};
     setrlimit(RLIMIT_FSIZE, &limit);
-    signal(SIGXFSZ, SIG_IGN);  // writing fails instead
+    signal(SIGXFSZ, SIG_DFL);
   }
   const auto limit = [](auto resource, long value) {
     const rlimit both{static_cast<rlim_t>(value), static_cast<rlim_t>(value)};

@@ -140,6 +140,22 @@ TEST(Regress, AProblemThatCannotBeReadIsAnErrorAndTheOthersAreSolved) {
   EXPECT_TRUE(has(read_file(report), "errors=\"1\"")) << read_file(report);
 }
 
+TEST(Regress, AGoldenFileThatCannotBeReadIsAnErrorAndTheOthersAreSolved) {
+  const Copy copy;
+  copy.folder.write("cut.json", read_file(kGolden).substr(0, 400));
+  const ProcessResult r = copy.regress({});
+  EXPECT_EQ(r.exit_code, 2);
+  EXPECT_TRUE(has(r.err, "cut.json:")) << r.err;
+  EXPECT_TRUE(has(r.out, "1 agree, 0 differ, 1 cannot be solved\n")) << r.out;
+}
+
+TEST(Regress, GoldenFilesAreAddedToAFolderThatIsThere) {
+  const TemporaryFolder folder;
+  const ProcessResult r = run_conddp({"regress", folder.path() / "none", "--add", kPendulum});
+  EXPECT_EQ(r.exit_code, 2);
+  EXPECT_TRUE(has(r.err, "none' is no folder")) << r.err;
+}
+
 TEST(Regress, NothingIsAddedOverAGoldenFileThatIsThere) {
   const Copy copy;
   const ProcessResult r = copy.regress({"--add", copy.problem});

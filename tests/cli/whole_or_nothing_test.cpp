@@ -70,6 +70,17 @@ TEST_F(WholeOrNothing, AnotherFileThatCannotBeReplacedLeavesAllAsTheyWere) {
   }
 }
 
+TEST_F(WholeOrNothing, AReportThatCannotBeReplacedLeavesTheFormerOutput) {
+  std::filesystem::create_directory(out_ / "report.html");
+  std::vector<std::string> with_report = other_;
+  with_report.push_back("--report");
+  const ProcessResult r = run_conddp(with_report);
+  EXPECT_EQ(r.exit_code, 2);
+  EXPECT_NE(r.err.find("report"), std::string::npos) << r.err;
+  std::filesystem::remove(out_ / "report.html");
+  expect_former_output();
+}
+
 TEST_F(WholeOrNothing, AReadOnlyFolderIsLeftAlone) {
   if (geteuid() == 0) GTEST_SKIP() << "root may write everywhere";
   chmod(out_.c_str(), 0555);

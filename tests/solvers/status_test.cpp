@@ -139,6 +139,25 @@ TEST(Status, LineSearchFailedWhereNoStepIsAllowedToBeShortEnough) {
 }
 
 // Crocoddyl's and Aligator's defect: steps accepted because they are small.
+TEST(Status, GapsCloseWhereNothingCosts) {
+  for (const double limit : {testing::kFree, 10.0}) {
+    const std::vector<double> none(4, 0.0);
+    const ShootingProblem problem = testing::tracking_problem(
+        cartpole({}), Integrator::rk4, 20, 0.05, none, {none, none, {0.0}, none}, -limit, limit);
+    Trajectory guess = testing::constant_controls(problem, 1);
+    for (int k = 1; k <= problem.knots(); ++k) guess.x(k)[0] = 0.3 * k;
+    for (const SolverInfo& solver : solvers()) {
+      if (refuse(solver, problem)) continue;
+      const SolveResult result = solve(problem, solver, {}, guess);
+      EXPECT_EQ(result.status, SolveStatus::converged) << solver.name << ": " << result.message;
+      if (solver.name != "ipopt") {
+        EXPECT_LE(result.iterations, 3) << solver.name;
+      }
+      EXPECT_EQ(result.cost, 0) << solver.name;
+    }
+  }
+}
+
 TEST(Status, RoundingFloorEndsAsLineSearchFailedAtTheBestIterate) {
   const ShootingProblem problem = testing::quadrotor_move();
   SolverOptions options;
