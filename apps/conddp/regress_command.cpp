@@ -39,7 +39,10 @@ class Regression {
     const auto outcome = solve_golden(golden, options_, diagnostics);
     if (InterruptGuard::signal() != 0) return;
     print_messages(diagnostics, Verbosity::kQuiet);
-    if (!outcome) return fail(golden.name, diagnostics);
+    if (!outcome) {
+      print_result(fmt::format("{}: cannot be solved\n", golden.name));
+      return fail(golden.name, diagnostics);
+    }
     const int iterations = outcome->answer.at("iterations");
     if (golden.answer.is_null()) {
       print_result(fmt::format("{}: new, {}, {} iterations\n", golden.name,
@@ -74,7 +77,6 @@ class Regression {
         cases_.back().error = d.message;
         break;
       }
-    print_result(fmt::format("{}: cannot be solved\n", name));
   }
 
   int finish() {
@@ -148,6 +150,7 @@ int regress(const RegressArguments& arguments) {
     else
       regression.fail(file.stem().string(), of_file);
   }
+  if (cases.empty()) return kExitBadInput;
   for (const GoldenCase& golden : cases) {
     regression.run(golden);
     finish_results();  // a line a problem at once, in a pipe too; the last call reports errors

@@ -12,6 +12,7 @@
 #include "problem_file/memory_need.hpp"
 #include "problem_file/phase_grid.hpp"
 #include "problem_file/shape_pairs.hpp"
+#include "problem_file/stepping_builder.hpp"
 #include "robot/near_names.hpp"
 
 namespace conddp {
@@ -251,6 +252,7 @@ std::optional<BuiltProblem> build_problem(const ProblemSpec& spec, const BuildOp
   if (!start_choice.valid) return std::nullopt;
   const InitialChoice* choice = start_choice.choice ? &*start_choice.choice : nullptr;
   if (choice == nullptr) states.check_limits(spec.initial_state, *initial);
+  if (choice == nullptr && built.plant.stepping) warn_of_overlaps(spec, built.plant, *initial, out);
   if (choice != nullptr) built.plant.start = ChosenStart{choice->state, choice->coordinates};
   const int held = choice != nullptr && choice->remembered ? choice->system->nu() : 0;
   const int ndx = system.ndx() + (memory ? system.actuators() : held);

@@ -104,7 +104,9 @@ std::optional<BuiltConstraint> build_state_bounds(const ConstraintSpec& spec,
   }
   if (names.empty())
     return fail(spec.bounded->place, "no coordinate of the state is bounded here",
-                "rotations and floating bases have no coordinates to bound; name others");
+                spec.from_urdf ? "the URDF limits none of them: give 'lower' and 'upper'"
+                               : "rotations and floating bases have no coordinates to bound; name "
+                                 "others");
   const int n = static_cast<int>(names.size());
   chosen.rows = chosen.references = {"bounded coordinates", names};
   chosen.parameters = StateManifold::flat(n);

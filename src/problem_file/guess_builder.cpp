@@ -133,6 +133,9 @@ class GuessBuilder {
         }
         when = time(keyframe.knot->value);
       }
+      if (const double end = time(problem_.knots()); keyframe.time && when > end * (1 + 1e-9))
+        out_.warning(keyframe.time->place,
+                     fmt::format("the motion ends at {:.6g} s, before this keyframe", end));
       if (series.empty() && when > 0) series.append(0, states_.initial());
       if (!series.empty() && when <= series.last_time()) {
         out_.error(keyframe.place, "keyframes must stand in the order of time");

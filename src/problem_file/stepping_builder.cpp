@@ -16,6 +16,8 @@ constexpr const char* kEquations = "stepping";
 constexpr const char* kPairs = "complementarity";
 constexpr const char* kRegularization = "contact_regularization";
 
+/// Overlaps that are no more than what placements are rounded to, m.
+constexpr double kRoundedOverlap = 1e-3;
 /// How far a normal may point out of the plane of a planar robot.
 constexpr double kOutOfPlane = 1e-6;
 
@@ -127,6 +129,26 @@ std::shared_ptr<const SteppingSystem> build_stepping(const ProblemSpec& spec, co
   } catch (const std::invalid_argument& e) {
     out.error(spec.stepping->place, e.what());
     return nullptr;
+  }
+}
+
+void warn_of_overlaps(const ProblemSpec& spec, const Plant& plant, const std::vector<double>& state,
+                      Diagnostics& out) {
+  const auto data = plant.multibody->create_data(double{});
+  plant.multibody->update_kinematics(state.data(), *data);
+  const RobotData<double>& placements =
+      static_cast<const MultibodySystem::Data<double>&>(*data).robot;
+  const ImplicitContacts& contacts = plant.stepping->contacts();
+  for (const ContactCandidate& candidate : contacts.candidates) {
+    if (candidate.stiffness) continue;
+    const CandidateGeometry geometry(plant.robot(), candidate, contacts.plane);
+    auto rows = geometry.create_rows<double>();
+    geometry.evaluate(placements, rows);
+    if (rows.gap >= -kRoundedOverlap) continue;
+    out.warning(spec.initial_state.place,
+                fmt::format("the initial state has '{}' {:.3g} m inside what it may only touch",
+                            candidate.name, -rows.gap),
+                "the first step would throw them apart");
   }
 }
 

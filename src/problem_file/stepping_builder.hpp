@@ -10,6 +10,10 @@ namespace conddp {
 std::shared_ptr<const SteppingSystem> build_stepping(const ProblemSpec& spec, const Plant& plant,
                                                      Diagnostics& out);
 
+/// Warns where a state (nx numbers) has bodies overlap that cannot: a first step throws them apart.
+void warn_of_overlaps(const ProblemSpec& spec, const Plant& plant, const std::vector<double>& state,
+                      Diagnostics& out);
+
 /// Adds the equations of a step, its complementary pairs and the regularisation of its forces, by
 /// the names `stepping`, `complementarity` and `contact_regularization`, as the last terms.
 void add_stepping_terms(const std::shared_ptr<const SteppingSystem>& system, KnotModel& model);

@@ -39,6 +39,46 @@ phases: [{name: only, knots: 5, dt: 0.1}]
   EXPECT_NE(warnings(degrees).find("angles are in rad: 60° is 1.047 rad"), std::string::npos);
 }
 
+TEST(Build, WarnsOfBodiesThatStartInsideOfWhatTheyMayOnlyTouch) {
+  const auto block = [](double height, const std::string& more) {
+    return fmt::format(R"(conddp: 1
+robot: {{urdf: robots/block.urdf, actuation: {{joints: [base_x]}}}}
+initial_state: {{joints: {{base_z: {}}}}}
+contact_candidates: {{rear: {{frame: corner_1, against: {{half_space: {{point: [0, 0, 0]}}}}{}}}}}
+stepping: {{plane: [0, 1, 0]}}
+phases: [{{knots: 4, dt: 0.05}}]
+initial_guess: {{states: initial, controls: zero}}
+solver: {{name: ipopt}}
+)",
+                       height, more);
+  };
+  EXPECT_EQ(warnings(block(2, "")), "");
+  EXPECT_EQ(warnings(block(-3, ", stiffness: 1000")), "");
+  const std::string said = warnings(block(-3, ""));
+  EXPECT_TRUE(said.starts_with("3:16: the initial state has 'rear' 3")) << said;
+  EXPECT_NE(said.find("m inside what it may only touch"), std::string::npos) << said;
+}
+
+TEST(Build, SaysWhereTheUrdfLimitsNothing) {
+  const Loaded loaded(R"(conddp: 1
+robot: {urdf: robots/double_pendulum.urdf}
+initial_state: {}
+phases: [{knots: 4, dt: 0.05}]
+constraints: {range: {bounds: configuration, from: urdf}}
+)");
+  ASSERT_NE(loaded.error(), nullptr);
+  EXPECT_EQ(loaded.error()->hint, "the URDF limits none of them: give 'lower' and 'upper'");
+}
+
+TEST(Build, WarnsOfKeyframesAfterTheEnd) {
+  const auto at = [](const char* time) {
+    return std::string(kCartpole) + "initial_guess: {states: {keyframes: [{time: " + time +
+           ", state: up}]}}\n";
+  };
+  EXPECT_EQ(warnings(at("0.5")), "");
+  EXPECT_EQ(warnings(at("5")), "9:45: the motion ends at 0.5 s, before this keyframe ()\n");
+}
+
 TEST(Build, PhasesOfOneStructureShareTheirModel) {
   const Loaded same{std::string(kPendulum)};
   ASSERT_TRUE(same.built);
