@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "problem_file/collocation_builder.hpp"
 #include "problem_file/named_phases.hpp"
@@ -138,6 +139,21 @@ Phase choice_phase(const PhaseSpec& given, const InitialChoice& choice) {
           .instant = true};
 }
 
+/// Says which controls have no bound although the URDF is to give it.
+void warn_of_unbounded(const ControlBoundsSpec& constraint, const std::vector<std::string>& names,
+                       const std::vector<double>& lower, const std::vector<double>& upper,
+                       Diagnostics& out) {
+  std::vector<std::string> without;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (std::isinf(lower[i]) && std::isinf(upper[i])) without.push_back("'" + names[i] + "'");
+  if (without.empty()) return;
+  if (without.size() == names.size())
+    return out.warning(constraint.from_place, "the URDF gives no effort limit to any control");
+  out.warning(constraint.from_place,
+              fmt::format("the URDF gives no effort limit to {}", fmt::join(without, ", ")),
+              "without 'lower' and 'upper' for it a control stays unbounded");
+}
+
 }  // namespace
 
 PhaseBounds unbounded(const ProblemSpec& spec, const Plant& plant) {
@@ -155,13 +171,9 @@ std::optional<PhaseBounds> build_control_bounds(const ControlBoundsSpec& constra
   if (constraint.from_urdf) {
     lower = plant.actuated().control_lower();
     upper = plant.actuated().control_upper();
-    const auto finite = [](double v) { return std::isfinite(v); };
     if (!plant.multibody)
       out.error(constraint.from_place, "a closed-form system has no URDF",
                 "give 'lower' and 'upper'");
-    else if (std::none_of(lower.begin(), lower.end(), finite) &&
-             std::none_of(upper.begin(), upper.end(), finite))
-      out.warning(constraint.from_place, "the URDF gives no effort limit to any control");
   }
   const auto narrow = [&](const std::optional<ComponentsSpec>& given, std::vector<double>& bounds,
                           double none, auto better) {
@@ -173,6 +185,7 @@ std::optional<PhaseBounds> build_control_bounds(const ControlBoundsSpec& constra
   narrow(constraint.upper, upper, kUnlimited, [](double a, double b) { return std::min(a, b); });
   const std::vector<bool> named = phases_named(constraint.phases, spec, out);
   if (out.error_count() > errors) return std::nullopt;
+  if (constraint.from_urdf) warn_of_unbounded(constraint, names.names, lower, upper, out);
   PhaseBounds bounds = unbounded(spec, plant);
   for (std::size_t p = 0; p < named.size(); ++p) {
     if (!named[p]) continue;

@@ -82,7 +82,9 @@ std::optional<Actuation> make_actuation(const std::vector<PlantPart>& parts,
   std::vector<std::string> joints;
   for (const PlantPart& part : parts) {
     const ActuationSpec& spec = part.spec->actuation;
-    for (int i = 0; spec.full && i < part.joint_count; ++i) {
+    // A base has no motors: those that a planar one stands on are its first three joints.
+    const int first = part.spec->base == UrdfOptions::Base::planar ? 3 : 0;
+    for (int i = first; spec.full && i < part.joint_count; ++i) {
       const int joint = part.first_joint + i;
       if (is_independent(model, joint)) joints.push_back(model.joints[joint].name);
     }

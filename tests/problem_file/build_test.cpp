@@ -70,6 +70,34 @@ constraints: {range: {bounds: configuration, from: urdf}}
   EXPECT_EQ(loaded.error()->hint, "the URDF limits none of them: give 'lower' and 'upper'");
 }
 
+TEST(Build, WarnsOfControlsThatTheUrdfDoesNotLimit) {
+  const auto with = [](const char* bounds) {
+    return std::string(R"(conddp: 1
+robot: {urdf: robots/acrobot.urdf}
+initial_state: {}
+phases: [{knots: 4, dt: 0.05}]
+constraints: {torque: {bounds: control, )") +
+           bounds + "}}\n";
+  };
+  const std::string all = warnings(with("from: urdf"));
+  EXPECT_TRUE(all.starts_with("5:47: the URDF gives no effort limit to 'u/shoulder' (")) << all;
+  EXPECT_EQ(warnings(with("from: urdf, lower: -5, upper: 5")), "");
+}
+
+TEST(Build, PlanarBasesHaveNoMotors) {
+  const std::string text = R"(conddp: 1
+robot: {urdf: robots/hopper.urdf, base: planar}
+initial_state: {}
+phases: [{knots: 4, dt: 0.05}]
+)";
+  const Loaded full(text);
+  ASSERT_TRUE(full.built) << full.all();
+  EXPECT_EQ(full.built->problem->nu(0), 2);
+  const Loaded named(text, {"robot.actuation={joints: [base_x, hip]}"});
+  ASSERT_TRUE(named.built) << named.all();
+  EXPECT_EQ(named.built->problem->nu(0), 2);
+}
+
 TEST(Build, WarnsOfKeyframesAfterTheEnd) {
   const auto at = [](const char* time) {
     return std::string(kCartpole) + "initial_guess: {states: {keyframes: [{time: " + time +
