@@ -31,36 +31,22 @@ LegJoint::LegJoint(int ndx)
       dx_(ndx),
       rhs_(ndx) {}
 
-bool LegJoint::meet(ParametricLeg& leg, const ValueFunction& next) {
-  p_ = next.Vx;
-  delta_.view() = next.Vxx - leg.end_weight();
-  factor(leg.S());
-  GtDelta_.resize(rank_, ndx_);
-  multiply(Store::set, GtDelta_.block(), Gt_.block(), Factor::of(delta_));
-  E_.resize(rank_, rank_);
-  multiply_lower(Store::set, E_.block(), GtDelta_.block(), Factor::transposed(Gt_));
-  E_.view().diagonal().array() += 1;
-  if (!cholesky_in_place(E_.block())) return false;
-  if (rank_ == 0) return true;
-  const double pivot = E_.view().diagonal().minCoeff();
-  return pivot * pivot >= kSmallestPivot;
-}
-
 /// Cholesky's factor of −S by columns, of which each takes the largest pivot that is left, scaled
 /// to a diagonal of ones. What rounding leaves is no part of it.
-void LegJoint::factor(LaneMatrix& S) {
+void LegJoint::factor(const ParametricLeg& leg) {
+  const auto S = leg.S().view();
   auto& scale = rhs_;
   auto& left = dx_;
   auto full = product_.view();
   for (int i = 0; i < ndx_; ++i) {
-    const double diagonal = -S.view()(i, i);
+    const double diagonal = -S(i, i);
     scale[i] = diagonal > 0 ? std::sqrt(diagonal) : 0;
     left[i] = diagonal > 0 ? 1 : 0;
   }
   for (int j = 0; j < ndx_; ++j)
     for (int i = j; i < ndx_; ++i) {
       const double scales = scale[i] * scale[j];
-      full(i, j) = scales > 0 ? -S.view()(i, j) / scales : 0;
+      full(i, j) = scales > 0 ? -S(i, j) / scales : 0;
       full(j, i) = full(i, j);
     }
   LaneMatrix& G = work_;
@@ -79,6 +65,20 @@ void LegJoint::factor(LaneMatrix& S) {
   }
   Gt_.resize(rank_, ndx_);
   Gt_.view() = G.view().leftCols(rank_).transpose() * scale.asDiagonal();
+}
+
+bool LegJoint::meet(ParametricLeg& leg, const ValueFunction& next) {
+  p_ = next.Vx;
+  delta_.view() = next.Vxx - leg.end_weight();
+  GtDelta_.resize(rank_, ndx_);
+  multiply(Store::set, GtDelta_.block(), Gt_.block(), Factor::of(delta_));
+  E_.resize(rank_, rank_);
+  multiply_lower(Store::set, E_.block(), GtDelta_.block(), Factor::transposed(Gt_));
+  E_.view().diagonal().array() += 1;
+  if (!cholesky_in_place(E_.block())) return false;
+  if (rank_ == 0) return true;
+  const double pivot = E_.view().diagonal().minCoeff();
+  return pivot * pivot >= kSmallestPivot;
 }
 
 void LegJoint::form_value(ParametricLeg& leg, const ValueFunction& own, ValueFunction& value) {

@@ -15,7 +15,9 @@ class LegJoint {
  public:
   explicit LegJoint(int ndx);
 
-  /// After the leg's sweep, with the true value at its end. False where E is not safely positive
+  /// After the leg's sweep: the factor G.
+  void factor(const ParametricLeg& leg);
+  /// After that, with the true value at the leg's end. False where E is not safely positive
   /// definite: the leg's sweep says nothing then.
   bool meet(ParametricLeg& leg, const ValueFunction& next);
   /// After that: what the leg's value at its first node, `own` for θ = 0, becomes as the true value
@@ -27,8 +29,6 @@ class LegJoint {
   const Eigen::VectorXd& dx() const { return dx_; }
 
  private:
-  void factor(LaneMatrix& S);
-
   int ndx_, rank_ = 0;  ///< of G
   LaneMatrix delta_, Gt_, GtDelta_, E_, work_, product_, sum_;
   LaneMatrix y_;  ///< a row

@@ -34,7 +34,7 @@ LegSweep::LegSweep(const ShootingProblem& problem, const Legs& legs)
       team_(std::make_unique<Team>(std::min(legs.threads, legs.count))) {
   const std::vector<int> first = split(knots_, legs.count);
   for (int leg = 0; leg + 1 < legs.count; ++leg) {
-    legs_.emplace_back(problem, leg, first[leg], first[leg + 1]);
+    legs_.emplace_back(problem, leg, first[leg], first[leg + 1], team_->threads);
     joints_.emplace_back(problem.ndx());
   }
 }
@@ -59,16 +59,21 @@ std::optional<int> LegSweep::run(const SweptHorizon& horizon, StagePolicy& polic
   if (!started_) return std::nullopt;
   const int count = static_cast<int>(legs_.size());
   team_->for_each(count + 1, [&](int i) {
-    if (i < count)
-      swept_[i] = legs_[i].sweep(horizon, policy, feedback, values, Quu);
-    else
+    if (i == count) {
       bad_knot_ = sweep_last(horizon, policy, feedback, values, Quu);
+    } else {
+      swept_[i] = legs_[i].sweep(horizon, policy, feedback, values, Quu);
+      if (swept_[i]) joints_[i].factor(legs_[i]);
+    }
   });
   if (bad_knot_ >= 0) return bad_knot_;
   if (std::find(swept_.begin(), swept_.end(), 0) != swept_.end() || !join(values))
     return std::nullopt;
-  team_->for_each(
-      count, [&](int i) { legs_[i].apply(horizon, joints_[i].theta(), policy, feedback, values); });
+  const int parts = team_->threads;
+  team_->for_each(count * parts, [&](int i) {
+    const int leg = i / parts;
+    legs_[leg].apply(i % parts, horizon, joints_[leg].theta(), policy, feedback, values);
+  });
   for (int i = 0; i < count; ++i) legs_[i].end_weight() = true_values_[i].Vxx;
   return -1;
 }

@@ -14,7 +14,8 @@ void transform(const StateBlock& B, const StateManifold::Segment& segment, LaneB
 
 }  // namespace
 
-ParametricLeg::ParametricLeg(const ShootingProblem& problem, int index, int first, int last)
+ParametricLeg::ParametricLeg(const ShootingProblem& problem, int index, int first, int last,
+                             int parts)
     : index_(index),
       first_(first),
       last_(last),
@@ -28,12 +29,12 @@ ParametricLeg::ParametricLeg(const ShootingProblem& problem, int index, int firs
       pulled_(ndx_, ndx_),
       columns_(ndx_, ndx_),
       stacked_(parametric_rows(problem), largest_nu(problem)),
-      s_(ndx_),
-      costate_(ndx_),
-      gradient_(ndx_ + largest_nu(problem)),
-      scratch_(ndx_) {
+      s_(ndx_) {
   for (int k = first; k < last; ++k) Kt_.emplace_back(ndx_, problem.nu(k));
   Lt_.back().view().setIdentity();
+  for (int part = 0; part < parts; ++part)
+    scratch_.push_back({Eigen::VectorXd(ndx_), Eigen::VectorXd(ndx_ + largest_nu(problem)),
+                        Eigen::VectorXd(ndx_)});
 }
 
 bool ParametricLeg::sweep(const SweptHorizon& horizon, StagePolicy& policy, Feedback& feedback,
@@ -97,20 +98,23 @@ void ParametricLeg::form_parameters(int k, const Eigen::VectorXd& feedforward) {
   s_.noalias() += B.view() * feedforward;
 }
 
-void ParametricLeg::apply(const SweptHorizon& horizon, const Eigen::VectorXd& theta,
+void ParametricLeg::apply(int part, const SweptHorizon& horizon, const Eigen::VectorXd& theta,
                           StagePolicy& policy, Feedback& feedback,
                           std::vector<ValueFunction>& values) {
-  for (int k = first_; k < last_; ++k) {
+  auto& [costate, gradients, product] = scratch_[part];
+  const int parts = static_cast<int>(scratch_.size()), knots = last_ - first_;
+  const int end = first_ + knots * (part + 1) / parts;
+  for (int k = first_ + knots * part / parts; k < end; ++k) {
     values[k].Vx.noalias() += Lt_[k - first_].view().transpose() * theta;
     const int nu = static_cast<int>(feedback.k[k].size());
     feedback.k[k].noalias() += Kt_[k - first_].transpose() * theta;
     bool held = false;
     for (int i = 0; i < nu; ++i) held = held || policy.holds(k, i);
     if (!held) continue;
-    costate_.noalias() = Lt_[k + 1 - first_].view().transpose() * theta;
-    horizon.gaps[k].pull(costate_);
-    auto gradient = gradient_.head(ndx_ + nu);
-    horizon.linearization.knots[k].apply_transpose(costate_, gradient, scratch_);
+    costate.noalias() = Lt_[k + 1 - first_].view().transpose() * theta;
+    horizon.gaps[k].pull(costate);
+    auto gradient = gradients.head(ndx_ + nu);
+    horizon.linearization.knots[k].apply_transpose(costate, gradient, product);
     policy.change_gradient(k, gradient.tail(nu));
   }
 }

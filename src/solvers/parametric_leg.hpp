@@ -16,8 +16,8 @@ namespace conddp {
 /// it is to that of the true value, the nearer K is to the true gains.
 class ParametricLeg {
  public:
-  /// The knots first … last − 1.
-  ParametricLeg(const ShootingProblem& problem, int index, int first, int last);
+  /// The knots first … last − 1, to which θ is applied in so many parts.
+  ParametricLeg(const ShootingProblem& problem, int index, int first, int last, int parts);
 
   int first() const { return first_; }
   int last() const { return last_; }
@@ -31,13 +31,18 @@ class ParametricLeg {
   /// Lᵀ (ndx x ndx), s, and S in its lower triangle, at its first node.
   LaneMatrix& Lt() { return Lt_.front(); }
   const Eigen::VectorXd& s() const { return s_; }
-  LaneMatrix& S() { return S_; }
+  const LaneMatrix& S() const { return S_; }
 
-  /// After a sweep: linear terms of values, policy and feedback for this θ.
-  void apply(const SweptHorizon& horizon, const Eigen::VectorXd& theta, StagePolicy& policy,
-             Feedback& feedback, std::vector<ValueFunction>& values);
+  /// After a sweep: linear terms of values, policy and feedback for this θ, in one part of the
+  /// knots. Parts may be done side by side.
+  void apply(int part, const SweptHorizon& horizon, const Eigen::VectorXd& theta,
+             StagePolicy& policy, Feedback& feedback, std::vector<ValueFunction>& values);
 
  private:
+  struct Scratch {
+    Eigen::VectorXd costate, gradient, product;
+  };
+
   void pull_parameters(const SweptHorizon& horizon, int k);
   bool solve(const SweptHorizon& horizon, int k, StagePolicy& policy, Feedback& feedback);
   void form_parameters(int k, const Eigen::VectorXd& feedforward);
@@ -49,7 +54,8 @@ class ParametricLeg {
   std::vector<Eigen::MatrixXd> Kt_;       ///< K_θ transposed (ndx x nu), of its knots
   LaneMatrix S_, Zt_, pulled_, columns_;  ///< Zt: (f_x f_u)ᵀ L⁺ transposed, ndx x nz
   LaneMatrix stacked_;                    ///< linear terms of a stage: of the state, of θ
-  Eigen::VectorXd s_, costate_, gradient_, scratch_;
+  Eigen::VectorXd s_;
+  std::vector<Scratch> scratch_;  ///< by part
 };
 
 }  // namespace conddp

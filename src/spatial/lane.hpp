@@ -37,7 +37,8 @@ struct alignas(8 * kLaneWidth) Lane {
   Vector v;
 
   Lane() = default;
-  Lane(double a) : v(Vector{} + a) {}  // NOLINT(google-explicit-constructor): a broadcast
+  /// A broadcast: a − 0 is a to the bit, so that no instruction is left of it, which a + 0 is not.
+  Lane(double a) : v(a - Vector{}) {}  // NOLINT(google-explicit-constructor)
   explicit Lane(Vector a) : v(a) {}
 
   double operator[](int lane) const { return v[lane]; }
