@@ -7,6 +7,7 @@
 #include "problem_file/expand_sections.hpp"
 #include "problem_file/system_fields.hpp"
 #include "problem_file/words.hpp"
+#include "systems/multibody.hpp"
 
 namespace conddp {
 namespace {
@@ -105,6 +106,19 @@ OrderedJson constraints_json(const ProblemSpec& spec, const BuiltProblem& built)
   return list;
 }
 
+std::string_view phase_kind(const Phase& phase) {
+  if (phase.model->system().kind() == SystemKind::impulse) return "impulse";
+  return phase.instant ? "choice" : "motion";
+}
+
+/// The contacts that are closed in a phase.
+OrderedJson contacts_of(const Phase& phase) {
+  OrderedJson names = OrderedJson::array();
+  if (const auto* system = dynamic_cast<const MultibodySystem*>(&phase.model->system()))
+    for (const Contact& contact : system->contacts().contacts()) names.push_back(contact.name);
+  return names;
+}
+
 OrderedJson phases_json(const ShootingProblem& problem) {
   OrderedJson list = OrderedJson::array();
   for (const Phase& phase : problem.phases()) {
@@ -112,10 +126,28 @@ OrderedJson phases_json(const ShootingProblem& problem) {
     for (const double dt : phase.dt) duration += phase.instant ? 0 : dt;
     const auto [shortest, longest] = std::minmax_element(phase.dt.begin(), phase.dt.end());
     list.push_back({{"name", phase.name},
+                    {"kind", phase_kind(phase)},
+                    {"contacts", contacts_of(phase)},
                     {"knots", phase.knots()},
                     {"dt_s", phase.instant ? 0 : *longest},
                     {"shortest_dt_s", phase.instant ? 0 : *shortest},
                     {"duration_s", duration}});
+  }
+  return list;
+}
+
+/// What may touch what at any time.
+OrderedJson candidates_json(const ProblemSpec& spec) {
+  constexpr const char* kForms[] = {"half-space", "sphere", "box"};
+  OrderedJson list = OrderedJson::array();
+  for (const CandidateSpec& candidate : spec.candidates) {
+    const TouchedSpec& touched = candidate.against;
+    list.push_back({{"name", candidate.name.value},
+                    {"frame", candidate.frame.value},
+                    {"radius_m", candidate.radius},
+                    {"against", kForms[touched.form.index()]},
+                    {"of", touched.frame ? touched.frame->value : "world"},
+                    {"friction", candidate.friction}});
   }
   return list;
 }
@@ -151,6 +183,28 @@ std::string step_text(const OrderedJson& phase) {
                shortest = phase["shortest_dt_s"].get<double>();
   if (shortest == longest) return fmt::format("{:.9g}", longest);
   return fmt::format("{:.3g} to {:.9g}", shortest, longest);
+}
+
+std::string phase_text(const OrderedJson& phase) {
+  const std::string contacts = comma_list(phase["contacts"]);
+  if (phase["kind"] == "choice") return "the first state is chosen";
+  if (phase["kind"] == "impulse") return "an impulse at " + contacts;
+  return fmt::format("{} knots of {} s, {:.9g} s{}", phase["knots"].get<int>(), step_text(phase),
+                     phase["duration_s"].get<double>(),
+                     contacts.empty() ? "" : ", in contact: " + contacts);
+}
+
+std::string candidate_lines(const OrderedJson& candidates) {
+  std::string text;
+  for (const auto& candidate : candidates) {
+    const double radius = candidate["radius_m"].get<double>();
+    text += fmt::format("  {:<16}{}: a {} at {} against a {} of {}, friction {:g}\n",
+                        text.empty() ? "may touch" : "", text_of(candidate["name"]),
+                        radius > 0 ? fmt::format("sphere of {:g} m", radius) : "point",
+                        text_of(candidate["frame"]), text_of(candidate["against"]),
+                        text_of(candidate["of"]), candidate["friction"].get<double>());
+  }
+  return text;
 }
 
 std::string plant_lines(const OrderedJson& s) {
@@ -197,6 +251,7 @@ OrderedJson check_summary(const ProblemSpec& spec, const BuiltProblem& built,
           {"knots", problem.knots()},
           {"duration_s", problem.times().back()},
           {"phases", phases_json(problem)},
+          {"contact_candidates", candidates_json(spec)},
           {"costs", costs_json(spec.costs, built, false)},
           {"terminal_costs", costs_json(spec.terminal_costs, built, true)},
           {"constraints", constraints_json(spec, built)},
@@ -217,10 +272,9 @@ std::string check_text(const OrderedJson& s) {
   text += fmt::format("  {:<16}{} knots, {:.9g} s\n", "horizon", s["knots"].get<int>(),
                       s["duration_s"].get<double>());
   for (const auto& phase : s["phases"])
-    text +=
-        fmt::format("  {:<16}{}: {} knots of {} s, {:.9g} s\n",
-                    &phase == &s["phases"].front() ? "phases" : "", text_of(phase["name"]),
-                    phase["knots"].get<int>(), step_text(phase), phase["duration_s"].get<double>());
+    text += fmt::format("  {:<16}{}: {}\n", &phase == &s["phases"].front() ? "phases" : "",
+                        text_of(phase["name"]), phase_text(phase));
+  text += candidate_lines(s["contact_candidates"]);
   text += cost_lines(s["costs"], "costs");
   text += cost_lines(s["terminal_costs"], "terminal costs");
   for (const auto& constraint : s["constraints"])

@@ -251,7 +251,13 @@ std::optional<BuiltProblem> build_problem(const ProblemSpec& spec, const BuildOp
   const auto start_choice = build_initial_choice(spec, built.plant, *initial, memory, out);
   if (!start_choice.valid) return std::nullopt;
   const InitialChoice* choice = start_choice.choice ? &*start_choice.choice : nullptr;
-  if (choice == nullptr) states.check_limits(spec.initial_state, *initial);
+  if (choice == nullptr)
+    states.check_limits("the initial state", *initial, [&](const std::string& joint) {
+      const StateSpec& state = spec.initial_state;
+      const auto said = std::find_if(state.joints.begin(), state.joints.end(),
+                                     [&](const auto& s) { return s.first.value == joint; });
+      return said == state.joints.end() ? state.place : said->first.place;
+    });
   if (choice == nullptr && built.plant.stepping) warn_of_overlaps(spec, built.plant, *initial, out);
   if (choice != nullptr) built.plant.start = ChosenStart{choice->state, choice->coordinates};
   const int held = choice != nullptr && choice->remembered ? choice->system->nu() : 0;

@@ -1,6 +1,7 @@
 #include "problem_file/reference_builder.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -34,6 +35,31 @@ class ReferenceBuilder {
       return std::vector{linear.x, linear.y, linear.z, angular.x, angular.y, angular.z};
     }
     return from_pose(*spec.pose);
+  }
+
+  /// Warns of positions outside of the joints' limits; whether there are any. Zero may stand for a
+  /// joint that is not mentioned, and the initial state has been looked at.
+  bool check_limits(const ReferenceValueSpec& spec, const std::vector<double>& value) const {
+    if (cost_.kind != ResidualKind::kState && cost_.kind != ResidualKind::kJointPosition)
+      return false;
+    if (spec.name && spec.name->value == "initial") return false;
+    std::vector<double> x(plant_.system->manifold().nx(), std::nan(""));
+    for (std::size_t i = 0; i < value.size(); ++i) {
+      const std::size_t entry = residual_.indices.empty() ? i : residual_.indices[i];
+      if (entry < x.size() && value[i] != 0) x[entry] = value[i];
+    }
+    const auto place_of = [&](const std::string& joint) {
+      Place place = spec.place;
+      const auto look = [&](const auto& named) {
+        for (const auto& [name, number] : named)
+          if (name.value == joint || name.value == "q/" + joint) place = name.place;
+      };
+      if (spec.components) look(spec.components->map);
+      if (spec.state) look(spec.state->joints);
+      return place;
+    };
+    return states_.check_limits(fmt::format("the reference of '{}'", cost_.name.value), x,
+                                place_of);
   }
 
   /// What stands for a reference that the file leaves out.
@@ -218,7 +244,7 @@ std::optional<TimeSeries> build_reference(const CostSpec& cost, const CostResidu
     return series_of(*spec.file, *table, *columns, manifold, out);
   }
   TimeSeries series(manifold);
-  bool complete = true;
+  bool complete = true, outside = false;
   for (std::size_t i = 0; i < spec.values.size(); ++i) {
     double time = spec.times.empty() ? 0.0 : spec.times[i].value;
     if (!spec.knots.empty()) {
@@ -233,7 +259,9 @@ std::optional<TimeSeries> build_reference(const CostSpec& cost, const CostResidu
     }
     const auto value = builder.value(spec.values[i]);
     complete &= value.has_value();
-    if (value) series.append(time, *value);
+    if (!value) continue;
+    outside = outside || builder.check_limits(spec.values[i], *value);
+    series.append(time, *value);
   }
   if (!complete) return std::nullopt;
   return series;

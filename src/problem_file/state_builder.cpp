@@ -56,27 +56,29 @@ std::optional<std::vector<double>> StateBuilder::checked(std::vector<double> x,
   return std::nullopt;
 }
 
-void StateBuilder::check_limits(const StateSpec& spec, const std::vector<double>& initial) const {
-  if (!plant_.multibody) return;
+bool StateBuilder::check_limits(std::string_view subject, const std::vector<double>& x,
+                                const std::function<Place(const std::string&)>& place_of) const {
+  if (!plant_.multibody) return false;
+  bool outside = false;
   for (int i = 0; i < plant_.robot().joint_count(); ++i) {
     const Joint& joint = plant_.robot().joints[i];
     const auto index = plant_.multibody->position_index(i);
-    if (joint.type == JointType::floating || !index) continue;
-    const double q = initial[*index];
+    if (joint.type == JointType::floating || !index || std::isnan(x[*index])) continue;
+    const double q = x[*index];
     const double slack = kLimitRounding * std::max(1.0, std::abs(q));
     if (q >= joint.lower - slack && q <= joint.upper + slack) continue;
+    outside = true;
     const bool turns = joint.type == JointType::revolute;
-    const auto said = std::find_if(spec.joints.begin(), spec.joints.end(),
-                                   [&](const auto& s) { return s.first.value == joint.name; });
     std::string hint;
     if (turns && std::abs(q) > 2 * M_PI)
       hint = fmt::format("angles are in rad: {0:.6g}° is {1:.4g} rad", q, q * M_PI / 180);
-    out_.warning(said == spec.joints.end() ? spec.place : said->first.place,
-                 fmt::format("the initial state has the joint '{}' at {:.6g} {}, outside of its "
-                             "limits, {:.6g} to {:.6g}",
-                             joint.name, q, turns ? "rad" : "m", joint.lower, joint.upper),
+    out_.warning(place_of(joint.name),
+                 fmt::format("{} has the joint '{}' at {:.6g} {}, outside of its limits, {:.6g} "
+                             "to {:.6g}",
+                             subject, joint.name, q, turns ? "rad" : "m", joint.lower, joint.upper),
                  hint);
   }
+  return outside;
 }
 
 std::optional<std::vector<double>> StateBuilder::named(const Name& name) const {

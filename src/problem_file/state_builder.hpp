@@ -1,7 +1,9 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "problem_file/components.hpp"
@@ -18,8 +20,11 @@ class StateBuilder {
   std::optional<std::vector<double>> build(const StateSpec& spec) const;
   /// The state of a configuration (at rest), or the initial one for "initial".
   std::optional<std::vector<double>> named(const Name& name) const;
-  /// Warns of joints that an initial state has outside of their limits.
-  void check_limits(const StateSpec& spec, const std::vector<double>& initial) const;
+  /// Warns of joints that a state has outside of their limits, each at the place that `place_of`
+  /// has for its name; entries that are no numbers are left out. `subject` has the joints. Whether
+  /// there are any.
+  bool check_limits(std::string_view subject, const std::vector<double>& x,
+                    const std::function<Place(const std::string&)>& place_of) const;
   /// From here on "initial" is known.
   void set_initial(std::vector<double> state) { initial_ = std::move(state); }
   const std::vector<double>& initial() const { return initial_; }

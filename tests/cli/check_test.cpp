@@ -28,8 +28,23 @@ TEST(Check, SaysWhatItUnderstood) {
     EXPECT_NE(r.out.find(words), std::string::npos) << words << "\n" << r.out;
 }
 
+TEST(Check, ListsContactsOfPhasesAndThoseThatMayBeFound) {
+  const ProcessResult scheduled = run_conddp({"check", source("problems/hopper_cycle.yaml")});
+  for (const char* words :
+       {"start: the first state is chosen\n", "push: 20 knots of 0.01 s, 0.2 s, in contact: foot\n",
+        "flight: 25 knots of 0.01 s, 0.25 s\n", "touch_down: an impulse at foot\n"})
+    EXPECT_NE(scheduled.out.find(words), std::string::npos) << words << "\n" << scheduled.out;
+  const ProcessResult found = run_conddp({"check", source("problems/raibert_gait.yaml")});
+  EXPECT_NE(
+      found.out.find("  may touch       foot: a sphere of 0.05 m at foot against a half-space "
+                     "of world, friction 0.5\n"),
+      std::string::npos)
+      << found.out;
+}
+
 TEST(Check, JsonFitsItsSchema) {
-  for (const std::string& file : {kArm, kPendulum})
+  for (const std::string& file :
+       {kArm, kPendulum, source("problems/hopper_cycle.yaml"), source("problems/push_box.yaml")})
     for (const bool derivatives : {false, true}) {
       std::vector<std::string> arguments = {"check", file, "--json"};
       if (derivatives) arguments.push_back("--derivatives");

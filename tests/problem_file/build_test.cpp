@@ -39,6 +39,31 @@ phases: [{name: only, knots: 5, dt: 0.1}]
   EXPECT_NE(warnings(degrees).find("angles are in rad: 60° is 1.047 rad"), std::string::npos);
 }
 
+TEST(Build, WarnsOfReferencesOutsideOfTheLimitsOfJoints) {
+  const auto towards = [](const char* cost) {
+    return fmt::format(R"(conddp: 1
+robot:
+  urdf: robots/hopper.urdf
+  base: planar
+  configurations: {{bent: {{joints: {{hip: 45, knee: -1}}}}}}
+initial_state: {{joints: {{hip: 0.5, knee: -1}}}}
+phases: [{{knots: 4, dt: 0.05}}]
+costs: {{bend: {{{}}}}}
+)",
+                       cost);
+  };
+  const std::string at =
+      " the reference of 'bend' has the joint 'hip' at 45 rad, outside of its "
+      "limits, -1.2 to 1.8 (angles are in rad: 45° is 0.7854 rad)\n";
+  EXPECT_EQ(warnings(towards("residual: joint_position, reference: {hip: 45, knee: -1}")),
+            "8:54:" + at);
+  EXPECT_EQ(warnings(towards("residual: state, reference: {joints: {hip: 45}}")), "8:54:" + at);
+  EXPECT_EQ(warnings(towards("residual: state, reference: bent")), "8:44:" + at);
+  // What is not mentioned is no wish, and the initial state warns for itself.
+  EXPECT_EQ(warnings(towards("residual: joint_position, reference: {hip: 0.4}")), "");
+  EXPECT_EQ(warnings(towards("residual: state, reference: initial")), "");
+}
+
 TEST(Build, WarnsOfBodiesThatStartInsideOfWhatTheyMayOnlyTouch) {
   const auto block = [](double height, const std::string& more) {
     return fmt::format(R"(conddp: 1
