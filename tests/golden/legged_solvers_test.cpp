@@ -59,7 +59,7 @@ TEST(LeggedMotion, InTheAirAndInStepsIsSolvedFromKeyframesThatDoNotSatisfyTheDyn
        "[{time: 0.4, state: standing}, {time: 0.55, state: leap}, {time: 0.7, state: "
        "{configuration: "
        "standing, displaced: [0.4, 0, 0]}}]"},
-      {"hopper_jump", "[{time: 0.6, state: standing}, {time: 0.92, state: landed}]"},
+      {"hopper_jump", "[{time: 0.45, state: standing}, {time: 0.77, state: landed}]"},
       {"biped_steps",
        "[{time: 0.4, state: on_right}, {time: 1.1, state: on_left}, {time: 2.2, state: arrived}]"}};
   for (const auto& [name, keyframes] : guesses)
