@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <chrono>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -66,10 +68,23 @@ int exit_code(SolveStatus status) {
   return kExitNotConverged;
 }
 
+/// About how long the certificate and the files of an answer take, in s. Both grow with the numbers
+/// that are written.
+double finishing_time(const ShootingProblem& problem) {
+  constexpr double kSecondsPerNumber = 4e-7;
+  double numbers = 0;
+  for (int k = 0; k < problem.knots(); ++k)
+    numbers += problem.nx() + 2 * problem.ndx() + problem.nu(k) * (problem.ndx() + 2.0);
+  return kSecondsPerNumber * numbers;
+}
+
 /// Progress is a line of a terminal that is redrawn, or a table where notes are wanted as well;
 /// there is none among messages for machines.
 SolveResult solve_showing_progress(const BuiltProblem& built, const SolverInfo& solver,
                                    SolverOptions options, Verbosity verbosity) {
+  // Before the first iterate there is nothing that a signal should save, and after the last one the
+  // answer is whole or not written: then signals have their usual effect.
+  std::optional<InterruptGuard> guard;
   const bool text = message_format() == MessageFormat::kText;
   StatusLine status(text && verbosity == Verbosity::kNormal && terminal_of(2).redraws);
   ProgressTable table;
@@ -78,6 +93,7 @@ SolveResult solve_showing_progress(const BuiltProblem& built, const SolverInfo& 
     return InterruptGuard::signal() != 0;
   };
   options.on_iteration = [&](const IterationRecord& row) {
+    if (!guard) guard.emplace();
     status.show(row);
     if (text && verbosity == Verbosity::kVerbose) table.print(row);
   };
@@ -86,6 +102,7 @@ SolveResult solve_showing_progress(const BuiltProblem& built, const SolverInfo& 
 }
 
 int solve_file(const SolveArguments& arguments) {
+  const auto began = std::chrono::steady_clock::now();
   Diagnostics diagnostics;
   const Verbosity verbosity = arguments.quiet     ? Verbosity::kQuiet
                               : arguments.verbose ? Verbosity::kVerbose
@@ -111,10 +128,14 @@ int solve_file(const SolveArguments& arguments) {
                                            ? std::filesystem::path("out") / spec->name.value
                                            : std::filesystem::path(arguments.folder);
   if (arguments.report && !reports_can_be_made()) return kExitBadInput;
-  const InterruptGuard guard;
   create_folder(folder);  // before the work, so that nothing is computed in vain
-  const SolveResult result =
-      solve_showing_progress(*built, *solver, spec->solver.options, verbosity);
+  // The time limit is that of the command. What it leaves to the solver may be nothing but a look
+  // at the guess.
+  SolverOptions options = spec->solver.options;
+  const std::chrono::duration<double> gone = std::chrono::steady_clock::now() - began;
+  options.max_time_s =
+      std::max(1e-3, options.max_time_s - gone.count() - finishing_time(*built->problem));
+  const SolveResult result = solve_showing_progress(*built, *solver, options, verbosity);
   const Solution solution{*spec, *built, *solver, result, overrides(arguments)};
   OrderedJson document = solution_json(solution);
   std::optional<SolutionCertificate> certificate;

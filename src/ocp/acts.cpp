@@ -8,6 +8,7 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
+#include "ocp/checkpoint.hpp"
 #include "ocp/knot_batch.hpp"
 #include "ocp/knot_second_derivatives.hpp"
 #include "ocp/lane_transfer.hpp"
@@ -47,6 +48,10 @@ void LaneRollout::extract(int lane, Trajectory& trajectory) const {
 }
 
 namespace {
+
+void pass_checkpoint_at(int knot) {
+  if ((knot + 1) % kKnotsBetweenCheckpoints == 0) pass_checkpoint();
+}
 
 /// Up to kLaneWidth knots of one model, one per lane.
 struct Group {
@@ -100,15 +105,19 @@ struct Acts::Impl {
   /// Calls act(group, thread) for every group, in parallel where there are threads.
   template <class F>
   void for_each_group(F act) {
-    if (threads == 1) {
-      for (const Group& group : groups) act(group, 0);
-      return;
-    }
-    arena.execute([&] {
-      tbb::parallel_for(std::size_t{0}, groups.size(), [&](std::size_t i) {
-        act(groups[i], tbb::this_task_arena::current_thread_index());
+    for (std::size_t first = 0; first < groups.size(); first += kKnotsBetweenCheckpoints) {
+      if (first > 0) pass_checkpoint();
+      const std::size_t end = std::min(groups.size(), first + kKnotsBetweenCheckpoints);
+      if (threads == 1) {
+        for (std::size_t i = first; i < end; ++i) act(groups[i], 0);
+        continue;
+      }
+      arena.execute([&] {
+        tbb::parallel_for(first, end, [&](std::size_t i) {
+          act(groups[i], tbb::this_task_arena::current_thread_index());
+        });
       });
-    });
+    }
   }
 
   /// Gathers a group's knots into a batch, one per lane.
@@ -340,6 +349,7 @@ void Acts::roll_out(const Trajectory& reference, const Eigen::MatrixXd& gap,
   conddp::roll_out(problem_, reference, gap, feedback, alpha, options, batch_of, out.x.data(),
                    out.u.data(), out.cost, [&](int k, Lane check) {
                      // A sum is finite only if its terms are; zero times it is then zero.
+                     pass_checkpoint_at(k);
                      bool alive = false;
                      for (int l = 0; l < kLaneWidth; ++l) {
                        if (out.first_bad_knot[l] < 0 && !(check[l] * 0.0 == 0.0))
@@ -361,6 +371,7 @@ void Acts::roll_out(const Trajectory& reference, const Eigen::MatrixXd& gap,
                    out.trajectory.x(0).data(),
                    problem_.knots() > 0 ? out.trajectory.u(0).data() : nullptr, out.cost,
                    [&](int k, double check) {
+                     pass_checkpoint_at(k);
                      if (!std::isfinite(check)) out.first_bad_knot = k;
                      return out.first_bad_knot < 0;
                    });

@@ -1,5 +1,7 @@
 #include "solvers/backward_sweep.hpp"
 
+#include "ocp/checkpoint.hpp"
+
 namespace conddp {
 
 BackwardSweep::BackwardSweep(const ShootingProblem& problem, const ControlBounds& bounds, Legs legs)
@@ -29,6 +31,7 @@ int BackwardSweep::run(const Linearization& linearization, const Trajectory& tra
     values_[N].Vxx = linearization.knots[N].hessian();
   }
   for (int k = from.value_or(N - 1); k >= 0; --k) {
+    if ((N - k) % kKnotsBetweenCheckpoints == 0) pass_checkpoint();
     stage_.propagate(horizon, k, values_[k + 1]);
     Quu_[k] = stage_.q().Quu();
     if (!stage_.solve(horizon, k, regularization, policy, feedback)) return k;

@@ -43,7 +43,7 @@ void DdpSolver::start_constraints() {
   inner_decrease_ = kFirstInnerDecrease;
   inner_start_ = recoveries_ = relaxations_ = 0;
   newton_threshold_ = kFirstNewtonThreshold;
-  by_newton_ = newton_taken_back_ = false;
+  by_newton_ = log_is_stale_ = false;
   stationarity_goal_ = options_.tolerances.stationarity;
   if (!constraints_) return;
   const bool known = options_.multipliers != nullptr;
@@ -214,6 +214,7 @@ bool DdpSolver::newton_converges() {
     newton_->describe(row_);
     row_.time_s = elapsed();
     result_.log.push_back(row_);
+    log_is_stale_ = true;  // until the iterate stands
     if (options_.on_iteration) options_.on_iteration(row_);
     damped += newton_->step_length() < 1;
     if (damped > kDampedNewtonSteps) break;
@@ -224,7 +225,6 @@ bool DdpSolver::newton_converges() {
       newton_->norms().violation.value > tolerance.constraint) {
     const int iteration = row_.iteration;
     const int newton = row_.newton;
-    newton_taken_back_ = iteration > row.iteration;
     row_ = row;
     row_.iteration = iteration;
     row_.newton = newton;
@@ -232,6 +232,7 @@ bool DdpSolver::newton_converges() {
   }
   before_ = trajectory_;
   trajectory_ = newton_->trajectory();
+  log_is_stale_ = false;
   constraints_->adopt(newton_->multipliers());
   differentiate();
   if (!linearized_) return false;

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "ocp/checkpoint.hpp"
 #include "ocp/stopwatch.hpp"
 #include "solvers/finite_check.hpp"
 #include "solvers/guess.hpp"
@@ -44,6 +45,7 @@ DdpSolver::DdpSolver(const ShootingProblem& problem, const DdpRecipe& recipe,
       model_step_(problem, bounds_),
       regularization_(options.regularization),
       trajectory_(problem.create_trajectory()),
+      step_start_(problem.create_trajectory()),
       before_(problem.create_trajectory()),
       result_(problem) {
   if (!recipe.constraints || problem.constraints().empty()) return;
@@ -69,6 +71,7 @@ SolveResult DdpSolver::solve(const Trajectory& guess) {
   search_ = LineSearchResult();
   merit_ = MeritModel();
   linearized_ = differentiated_ = affine_known_ = false;
+  stepping_ = abandoned_ = false;
   at_rounding_floor_ = false;
   full_steps_ = 0;
   full_steps_wanted_ = 1;
@@ -79,13 +82,29 @@ SolveResult DdpSolver::solve(const Trajectory& guess) {
 
   if (start(guess)) {
     fit_penalties();
-    while (linearize() && !converged() && may_continue() && (take_step() || recover()))
-      ++row_.iteration;
+    iterate();
     finish();
   }
   result_.iterations = row_.iteration;
   result_.times.total = elapsed();
   return std::move(result_);
+}
+
+/// Iterations until one of them ends the solve, or a signal or the time limit ends one of them. The
+/// first linearisation is never given up: without it there is nothing to say of the guess.
+void DdpSolver::iterate() {
+  const CheckpointScope scope([this] {
+    if (!result_.log.empty() && !budget_left()) throw Abandoned();
+  });
+  try {
+    while (linearize() && !converged() && may_continue() && (try_step() || recover()))
+      ++row_.iteration;
+  } catch (const Abandoned&) {
+    abandoned_ = true;
+    if (stepping_) trajectory_ = step_start_;
+    linearized_ = differentiated_ = false;
+    log_is_stale_ = true;
+  }
 }
 
 /// Where the first iteration starts. With closed gaps the states follow from the controls.
@@ -120,7 +139,7 @@ bool DdpSolver::linearize() {
   row_.time_s = elapsed();
   hessian_.watch(row_);
   result_.log.push_back(row_);
-  newton_taken_back_ = false;
+  log_is_stale_ = false;
   if (options_.on_iteration) options_.on_iteration(row_);
   return true;
 }
@@ -181,8 +200,7 @@ bool DdpSolver::budget_left() {
     return end(SolveStatus::interrupted, fmt::format("interrupted: {}", residual_text()));
   }
   if (elapsed() >= options_.max_time_s) {
-    return end(SolveStatus::time_limit,
-               fmt::format("not converged within {} s: {}", options_.max_time_s, residual_text()));
+    return end(SolveStatus::time_limit, "the time is up: " + residual_text());
   }
   return true;
 }
@@ -229,7 +247,7 @@ void DdpSolver::finish() {
   residuals.complementarity = row_.complementarity;
   result_.constraint_values = linearization_.constraint;
   if (constraints_) result_.constraint_multipliers = constraints_->multipliers();
-  if (newton_taken_back_) end_log();
+  if (log_is_stale_) end_log();
   confirm_status();
   name_contradiction();
   result_.costates = adjoint_.costates();
@@ -243,10 +261,12 @@ void DdpSolver::finish() {
     result_.feedback_regularization = 0;
     return;
   }
-  sweep_for_gains();
+  // Who waits for an iteration does not wait for its gains.
+  if (!abandoned_) sweep_for_gains();
 }
 
-/// The last row of the log is the answer. Newton's last step, of which it was, is taken back.
+/// Makes the last row of the log that of the answer, where it was of a step that does not stand or
+/// of other gains.
 void DdpSolver::end_log() {
   IterationRecord row = row_;
   row.cost = result_.cost;

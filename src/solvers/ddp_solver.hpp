@@ -45,6 +45,7 @@ class DdpSolver {
 
  private:
   bool start(const Trajectory& guess);
+  void iterate();
   bool linearize();
   void measure_iterate();
   void differentiate();
@@ -57,6 +58,7 @@ class DdpSolver {
   void sweep_for_gains();
 
   // ddp_step.cpp
+  bool try_step();
   bool take_step();
   bool sweep_with_regularization();
   int sweep_backward(double regularization);
@@ -115,16 +117,19 @@ class DdpSolver {
   std::optional<PlainAdjoint> plain_adjoint_;  ///< where there are constraints
   double stationarity_goal_ = 0;               ///< below its tolerance where that was not enough
   const Eigen::VectorXd* multiplier_change_ = nullptr;  ///< of the last sweep's full step
-  double newton_threshold_ = 0;     ///< violation and stationarity below which Newton is tried
-  bool by_newton_ = false;          ///< the solve ended with it
-  bool newton_taken_back_ = false;  ///< the last row of the log is of a step that does not stand
+  double newton_threshold_ = 0;  ///< violation and stationarity below which Newton is tried
+  bool by_newton_ = false;       ///< the solve ended with it
+  bool log_is_stale_ = false;    ///< the last row of the log is not that of the iterate
   double inner_tolerance_ = 0, inner_decrease_ = 0;  ///< of the minimisation that is under way
   double dual_gain_ = 0;                             ///< ConstraintNorms::dual_gain
   int recoveries_ = 0;                               ///< minimisations that ended without a step
   int relaxations_ = 0;             ///< of penalties whose rounding hid the stationarity
   int inner_start_ = 0;             ///< iteration at which it began
   Trajectory trajectory_;           ///< the iterate
+  Trajectory step_start_;           ///< what the step under way began with
   Trajectory before_;               ///< the iterate before the last step, should that be taken back
+  bool stepping_ = false;           ///< a step is under way that began at step_start_
+  bool abandoned_ = false;          ///< an iteration was given up half-way
   bool linearized_ = false;         ///< linearization_ belongs to trajectory_
   bool differentiated_ = false;     ///< its dynamics and costs do, the rest is still to be found
   bool at_rounding_floor_ = false;  ///< the merit is blind and stationarity does not fall

@@ -33,6 +33,15 @@ constexpr double kGapShare = 0.7;
 
 }  // namespace
 
+/// A step that can be given up half-way.
+bool DdpSolver::try_step() {
+  step_start_ = trajectory_;
+  stepping_ = true;
+  const bool taken = take_step();
+  stepping_ = false;
+  return taken;
+}
+
 /// Sweeps and searches, with more regularisation after every failure, until a step is accepted.
 bool DdpSolver::take_step() {
   row_.trials = 0;

@@ -300,9 +300,7 @@ void IpoptSolver::set_status(const InteriorPointAnswer& answer) {
   if (choice_.is_solution())
     return end(SolveStatus::converged, "all residuals are under tolerance");
   if (stop_ == Stop::interrupted) return end(SolveStatus::interrupted, "interrupted");
-  if (stop_ == Stop::time_limit)
-    return end(SolveStatus::time_limit,
-               fmt::format("not converged within {} s", options_.max_time_s));
+  if (stop_ == Stop::time_limit) return end(SolveStatus::time_limit, "the time is up");
   const std::string text = "Ipopt: " + answer.message;
   switch (answer.end) {
     case End::max_iterations:

@@ -85,6 +85,33 @@ TEST(Status, InterruptedKeepsTheIterateReached) {
   EXPECT_LT(result.cost, result.log[0].cost);
 }
 
+TEST(Status, LongIterationsAreGivenUpHalfWayAtAWholeIterate) {
+  // More knots than lanes between two checkpoints: derivatives, sweeps and rollouts have several
+  // each.
+  const ShootingProblem problem =
+      testing::tracking_problem(pendulum({}), Integrator::rk4, 20000, 1e-3, {0, 0},
+                                {{M_PI, 0}, {1e-3, 1e-3}, {1e-3}, {10, 10}}, -3, 3);
+  std::set<int> ended_at;
+  for (const char* name : {"box_fddp", "altro"})
+    for (const int last_poll : {2, 11, 30, 64, 150, 250}) {
+      SolverOptions options;
+      int polls = 0;
+      options.interrupted = [&] { return ++polls >= last_poll; };
+      const SolveResult result = solve(problem, name, options, constant_controls(problem, 0.1));
+      SCOPED_TRACE(fmt::format("{}, poll {}", name, last_poll));
+      EXPECT_EQ(result.status, SolveStatus::interrupted);
+      EXPECT_EQ(polls, last_poll) << "nothing goes on after it";
+      EXPECT_TRUE(finite(result));
+      EXPECT_EQ(result.log.back().cost, result.cost);
+      EXPECT_EQ(result.log.back().stationarity, result.residuals.stationarity);
+      Evaluation evaluation(problem);
+      Acts(problem).evaluate(result.trajectory, evaluation);
+      EXPECT_NEAR(evaluation.cost.sum(), result.cost, 1e-9 * result.cost);
+      ended_at.insert(result.iterations);
+    }
+  EXPECT_GT(ended_at.size(), 1u);
+}
+
 TEST(Status, DivergedWhereTheGuessCannotBeSimulated) {
   const ShootingProblem problem = testing::cartpole_swing_up();
   Trajectory guess = constant_controls(problem, 0);
