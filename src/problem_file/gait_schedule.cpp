@@ -124,6 +124,12 @@ class GaitSchedule {
     return name;
   }
 
+  /// The key that says how long a phase is.
+  const Place& place_of_length(bool first, bool last) const {
+    const Place& key = first ? gait_.begin.place : last ? gait_.end.place : gait_.period.place;
+    return key;
+  }
+
   void make_phases() {
     std::set<int> changes = {0};
     for (int foot = 0; foot < foot_count(); ++foot)
@@ -138,7 +144,7 @@ class GaitSchedule {
       if (from > 0 && gait_.impulses) add_impulse(from);
       const std::vector<Name> held = standing(from);
       add_phase({.name = {phase_name(from, held), gait_.place},
-                 .knots = {to - from, gait_.place},
+                 .knots = {to - from, place_of_length(from == 0, to == end_)},
                  .dt = gait_.dt.value,
                  .contacts = {.names = held}},
                 from, from);

@@ -54,6 +54,16 @@ TEST(Gait, TrotLiftsDiagonalPairsInTurn) {
                                      "10: RF LH", "10: LF RF LH RH"}));
 }
 
+TEST(Gait, PhasesNameTheKeyThatSaysHowLongTheyAre) {
+  const Loaded loaded(
+      with_gait("type: trot, period: 0.4, dt: 0.02, stand: {begin: 0.3, end: 0.1}"));
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const std::vector<PhaseSpec>& phases = loaded.spec->phases;
+  EXPECT_EQ(phases.front().knots.place.path, "gait.stand.begin");
+  EXPECT_EQ(phases[1].knots.place.path, "gait.period");
+  EXPECT_EQ(phases.back().knots.place.path, "gait.stand.end");
+}
+
 TEST(Gait, TypesLiftTheirFeetTogether) {
   const std::pair<const char*, Lines> cases[] = {
       {"type: stand, dt: 0.02", {"20: LF RF LH RH"}},
