@@ -8,9 +8,7 @@
 
 namespace conddp {
 int KnotModel::add_constraint(ConstraintTerm term) {
-  if (term.residual->needs_control() && nu() == 0)
-    throw std::invalid_argument("constraint " + term.name +
-                                " needs a control, which this node has not");
+  check_fit("constraint " + term.name, *term.residual);
   term.row = constraint_rows_;
   term.parameters = parameter_count_;
   term.jacobian = static_cast<int>(constraint_pattern_.size());

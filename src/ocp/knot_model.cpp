@@ -44,10 +44,19 @@ KnotModel::KnotModel(std::shared_ptr<const System> system, Integrator integrator
   upper_.assign(nu(), std::numeric_limits<double>::infinity());
 }
 
+void KnotModel::check_fit(const std::string& what, const Residual& residual) const {
+  if (residual.needs_control() && nu() == 0)
+    throw std::invalid_argument(what + " needs a control, which this node has not");
+  for (const RowBlock& block : residual.blocks())
+    for (const int column : block.columns)
+      if (column < 0 || column >= nz())
+        throw std::invalid_argument(what + " depends on column " + std::to_string(column) +
+                                    ", and a knot has " + std::to_string(nz()));
+}
+
 int KnotModel::add_cost(std::string name, std::shared_ptr<const Residual> residual,
                         Activation activation) {
-  if (residual->needs_control() && nu() == 0)
-    throw std::invalid_argument("cost " + name + " needs a control, which this node has not");
+  check_fit("cost " + name, *residual);
   CostTerm& term = costs_.emplace_back();
   term.name = std::move(name);
   term.parameters = parameter_count_;
@@ -289,14 +298,19 @@ KnotWorkspace<S>::KnotWorkspace(const KnotModel& model)
     F_.assign(model.jacobian_rows() * model.nz(), S(0.0));
   }
   int rows = 0, entries = 0;
+  const auto make_room = [&](const Residual& residual) {
+    rows = std::max(rows, residual.size());
+    entries = std::max(entries, residual.jacobian_size());
+  };
   for (const CostTerm& term : model.costs()) {
-    rows = std::max(rows, term.residual->size());
-    entries = std::max(entries, term.residual->jacobian_size());
+    make_room(*term.residual);
+    // A residual may have fewer rows than the one of which it is an image.
+    if (const LinearImage* image = term.residual->linear_image()) make_room(*image->of);
   }
   int constraint_rows = 0;
   for (const ConstraintTerm& term : model.constraints()) {
-    rows = std::max(rows, term.residual->size());
-    entries = std::max({entries, term.residual->jacobian_size(), term.jacobian_size()});
+    make_room(*term.residual);
+    entries = std::max(entries, term.jacobian_size());
     constraint_rows = std::max(constraint_rows, term.rows);
   }
   shifted_.assign(constraint_rows, S(0.0));

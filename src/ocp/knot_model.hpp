@@ -53,14 +53,15 @@ class KnotWorkspace;
 /// Immutable once a problem holds it. The knots differ in KnotInput alone.
 ///
 /// The state is the system's, followed by the previous control where `control_memory` is set (for
-/// costs on the control rate), or by numbers that the knot hands on as they are (`held_memory`). z
-/// = (tangent at x, u) has nz = ndx + nu entries.
+/// residuals on the control rate), or by numbers that the knot hands on as they are
+/// (`held_memory`). z = (tangent at x, u) has nz = ndx + nu entries.
 class KnotModel {
  public:
   KnotModel(std::shared_ptr<const System> system, Integrator integrator,
             bool control_memory = false, int held_memory = 0);
 
-  /// Adds a cost; returns the index at which its parameters (reference, then weight) start.
+  /// Adds a cost whose residual depends on columns of z alone; returns the index at which its
+  /// parameters (reference, then weight) start.
   int add_cost(std::string name, std::shared_ptr<const Residual> residual, Activation activation);
   /// Adds a constraint; returns the index at which its parameters start (ConstraintTerm).
   int add_constraint(ConstraintTerm term);
@@ -149,6 +150,10 @@ class KnotModel {
   template <class S>
   bool add_penalty(const ConstraintTerm& term, const KnotInput<S>& in, KnotWorkspace<S>& work,
                    S* curvature) const;
+
+  /// Throws std::invalid_argument where a residual needs a control or columns of z that knots of
+  /// this model do not have, as one on the control rate does without a control memory.
+  void check_fit(const std::string& what, const Residual& residual) const;
 
   /// Writes the pattern of Hessians and its indices from costs and constraints.
   void index_hessian();

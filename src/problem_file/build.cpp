@@ -171,25 +171,19 @@ void report_contradiction(const ProblemSpec& spec, const ShootingProblem& proble
                         found->first, other, node, found->lower, found->upper));
 }
 
-bool uses_control_rate(const ProblemSpec& spec) {
-  return std::any_of(spec.costs.begin(), spec.costs.end(),
-                     [](const CostSpec& cost) { return cost.kind == ResidualKind::kControlRate; });
-}
-
 /// Controls that are remembered cannot pass an impulse.
 void check_impulses(const ProblemSpec& spec, bool memory, Diagnostics& out) {
   for (const PhaseSpec& phase : spec.phases)
     if (memory && phase.restitution)
       out.error(phase.name.place,
-                "an impulse interrupts the controls: costs on 'control_rate' cannot pass it");
+                "an impulse interrupts the controls: 'control_rate' cannot pass it");
 }
 
 /// The control before the first knot, the last part of a state with control memory.
 std::vector<double> previous_control(const ProblemSpec& spec, const Plant& plant, bool memory,
                                      Diagnostics& out) {
   const auto& given = spec.initial_state.previous_control;
-  if (given && !memory)
-    out.error(given->place, "'previous_control' serves costs on 'control_rate' only");
+  if (given && !memory) out.error(given->place, "'previous_control' serves 'control_rate' only");
   if (!given) return std::vector<double>(plant.actuated().nu(), 0.0);
   return resolve(*given, control_names(plant.actuated()), 0.0, out).value_or(std::vector<double>{});
 }
@@ -244,7 +238,7 @@ std::optional<BuiltProblem> build_problem(const ProblemSpec& spec, const BuildOp
   StateBuilder states(built.plant, out);
   const auto initial = states.build(spec.initial_state);
   if (initial) states.set_initial(*initial);
-  const bool memory = uses_control_rate(spec);
+  const bool memory = spec.first_use(ResidualKind::kControlRate) != nullptr;
   const auto previous = previous_control(spec, built.plant, memory, out);
   if (!integrator || !initial) return std::nullopt;
 

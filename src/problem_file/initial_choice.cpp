@@ -10,17 +10,6 @@
 namespace conddp {
 namespace {
 
-/// The first cost or constraint that needs the first state, null if there is none.
-const CostSpec* first_cycle(const ProblemSpec& spec) {
-  for (const auto* list : {&spec.costs, &spec.terminal_costs})
-    for (const CostSpec& cost : *list)
-      if (cost.kind == ResidualKind::kCycle) return &cost;
-  for (const auto* list : {&spec.constraints, &spec.terminal_constraints})
-    for (const ConstraintSpec& constraint : *list)
-      if (constraint.function.kind == ResidualKind::kCycle) return &constraint.function;
-  return nullptr;
-}
-
 const PhaseSpec* first_free_duration(const ProblemSpec& spec) {
   for (const PhaseSpec& phase : spec.phases)
     if (phase.free_duration) return &phase;
@@ -71,7 +60,7 @@ void add_durations(const ProblemSpec& spec, InitialChoice& choice, std::vector<C
 BuiltInitialChoice build_initial_choice(const ProblemSpec& spec, const Plant& plant,
                                         const std::vector<double>& state, bool control_memory,
                                         Diagnostics& out) {
-  const CostSpec* cycle = first_cycle(spec);
+  const CostSpec* cycle = spec.first_use(ResidualKind::kCycle);
   const PhaseSpec& phase = spec.phases.front();
   if (!check_free_durations(spec, *plant.system, out)) return {.valid = false, .choice = {}};
   if (!phase.choice) {
@@ -83,7 +72,7 @@ BuiltInitialChoice build_initial_choice(const ProblemSpec& spec, const Plant& pl
   }
   if (control_memory) {
     out.error(phase.knots.place,
-              "costs on 'control_rate' and the choice of the initial state exclude each other");
+              "'control_rate' and the choice of the initial state exclude each other");
     return {.valid = false, .choice = {}};
   }
   const ComponentNames names = tangent_names(*plant.system);

@@ -127,6 +127,17 @@ struct ProblemSpec {
     for (const PhaseSpec& phase : phases) n += phase.knots.value;
     return n;
   }
+  /// The first cost or constraint, at running knots or the last node, with this residual; null if
+  /// there is none.
+  const CostSpec* first_use(ResidualKind kind) const {
+    for (const auto* list : {&costs, &terminal_costs})
+      for (const CostSpec& cost : *list)
+        if (cost.kind == kind) return &cost;
+    for (const auto* list : {&constraints, &terminal_constraints})
+      for (const ConstraintSpec& constraint : *list)
+        if (!constraint.bounded && constraint.function.kind == kind) return &constraint.function;
+    return nullptr;
+  }
 };
 
 }  // namespace conddp

@@ -82,7 +82,7 @@ struct StateSpec {
   std::optional<std::vector<double>> state;
   /// By column name.
   NamedNumbers values;
-  /// Of problems with costs on the control rate.
+  /// Of problems that use the control rate.
   std::optional<ComponentsSpec> previous_control;
 };
 

@@ -88,14 +88,13 @@ void check_frozen_keys(const ProblemSpec& spec, Diagnostics& out) {
     out.error(spec.integrator->place, "contacts that are found have a stepping scheme of their own",
               "leave 'integrator' out, or write 'integrator: semi_implicit_euler'");
   for (const auto* list : {&spec.costs, &spec.terminal_costs})
-    for (const CostSpec& cost : *list) {
+    for (const CostSpec& cost : *list)
       if (cost.name.value == kRegularization)
         out.error(cost.name.place, fmt::format("'{}' is the name of a cost of contacts that are "
                                                "found",
                                                kRegularization));
-      if (cost.kind == ResidualKind::kControlRate)
-        out.error(cost.residual.place, "contacts that are found allow no cost on 'control_rate'");
-    }
+  if (const CostSpec* rate = spec.first_use(ResidualKind::kControlRate))
+    out.error(rate->residual.place, "contacts that are found do not support 'control_rate'");
   for (const auto* list : {&spec.constraints, &spec.terminal_constraints})
     for (const ConstraintSpec& constraint : *list)
       if (const Name& name = constraint.function.name;
