@@ -279,8 +279,7 @@ void add_bench_command(CLI::App& app, Command& chosen) {
       ->add_option("-o,--output", a->folder,
                    "Folder for the tables (bench.json, bench.csv, bench.md) and performance "
                    "profiles (profiles.svg, if gnuplot is installed)")
-      ->type_name("FOLDER")
-      ->check(not_empty());
+      ->type_name("FOLDER");
   command->add_flag("--json", a->json, "Print JSON (conddp schema bench) instead of tables");
   command->callback([a, &chosen] { chosen = [a] { return bench(*a); }; });
 }

@@ -20,7 +20,8 @@ std::vector<fs::path> input_files(const std::vector<std::string>& arguments,
     std::vector<fs::path> found;
     for (fs::directory_iterator entry(argument, error), end; !error && entry != end;
          entry.increment(error))
-      if (entry->path().extension() == suffix && !fs::is_directory(entry->path()))
+      if (std::error_code unknown;
+          entry->path().extension() == suffix && !entry->is_directory(unknown))
         found.push_back(entry->path());
     if (error)
       out.error({}, fmt::format("'{}' cannot be read: {}", argument, error.message()));

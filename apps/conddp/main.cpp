@@ -1,9 +1,11 @@
 #include <exception>
+#include <filesystem>
 #include <new>
 #include <string>
 
 #include <fmt/format.h>
 
+#include "argument_checks.hpp"
 #include "commands.hpp"
 #include "conddp_version.hpp"
 #include "exit_codes.hpp"
@@ -58,6 +60,14 @@ void add_diagnostics_option(CLI::App& app) {
       ->check(CLI::IsMember({"text", "json"}));
 }
 
+/// No path is an empty text, such as what the shell makes of a variable that is not set.
+void check_paths(CLI::App& command) {
+  for (CLI::Option* option : command.get_options()) {
+    const OptionDoc doc = describe(*option);
+    if (doc.folder || !doc.suffixes.empty()) option->check(not_empty());
+  }
+}
+
 void report_usage(const CLI::App& app, const CLI::ParseError& error, const CommandWords& words) {
   Diagnostics diagnostics;
   diagnostics.add(usage_error(app, error, words));
@@ -78,8 +88,10 @@ int run(int argc, char** argv) {
   app.require_subcommand(1);
   app.set_version_flag("--version", version_text(), "Print the version and how it was built");
   add_diagnostics_option(app);
-  for (CLI::App* command : app.get_subcommands([](CLI::App*) { return true; }))
+  for (CLI::App* command : app.get_subcommands([](CLI::App*) { return true; })) {
     add_diagnostics_option(*command);
+    check_paths(*command);
+  }
 
   const CommandWords words = read_words(app, {argv + std::min(argc, 1), argv + argc});
   if (words.value_of(kDiagnostics) == "json") set_message_format(MessageFormat::kJson);
@@ -103,6 +115,13 @@ int run_and_report(int argc, char** argv) {
     return run(argc, argv);
   } catch (const OutputError& error) {
     print_error(error.what());
+    return kExitBadInput;
+  } catch (const std::filesystem::filesystem_error& error) {
+    // What the user's files and folders are like: the current one is gone, links go in a circle.
+    const std::string path = error.path1().string();
+    print_error(fmt::format("{} cannot be reached: {}",
+                            path.empty() ? "the current folder" : "'" + path + "'",
+                            error.code().message()));
     return kExitBadInput;
   } catch (const std::bad_alloc&) {
     print_error("there is not enough memory");

@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 
 #include "analysis/solution_members.hpp"
-#include "argument_checks.hpp"
 #include "commands.hpp"
 #include "exit_codes.hpp"
 #include "messages.hpp"
@@ -192,8 +191,7 @@ void add_report_command(CLI::App& app, Command& chosen) {
   command
       ->add_option("-o,--output", a->file,
                    "The page; report.html beside the first solution if nothing is said")
-      ->type_name("FILE.html")
-      ->check(not_empty());
+      ->type_name("FILE.html");
   command
       ->add_option("--problem", a->problem,
                    "Problem file; the one that each solution names if nothing is said")
@@ -201,8 +199,7 @@ void add_report_command(CLI::App& app, Command& chosen) {
   command
       ->add_option("--bench", a->bench,
                    "Add a table of what 'conddp bench' measured of the same problems")
-      ->type_name("bench.json")
-      ->check(not_empty());
+      ->type_name("bench.json");
   command->add_flag("--open", a->open, "Open the page with xdg-open");
   command->footer(
       "One file that needs no network: the robot in 3-D with contact forces, a time line, every "

@@ -175,8 +175,7 @@ void add_solve_command(CLI::App& app, Command& chosen) {
   command
       ->add_option("-o,--output", a->folder,
                    "Folder for the outputs; out/<problem name> if nothing is said")
-      ->type_name("FOLDER")
-      ->check(not_empty());
+      ->type_name("FOLDER");
   command
       ->add_option("--warm-start", a->warm_start,
                    "Start from the states and controls of a former solution.json, interpolated "

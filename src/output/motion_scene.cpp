@@ -71,7 +71,9 @@ std::filesystem::path find_mesh(const std::string& name, const std::filesystem::
     return exists(name.substr(kFile.size())) ? name.substr(kFile.size()) : "";
   if (!name.starts_with(kPackage)) return exists(folder / name) ? folder / name : "";
   const std::filesystem::path inside = name.substr(kPackage.size());
-  std::filesystem::path base = std::filesystem::absolute(folder);
+  if (inside.empty()) return {};
+  // Of the file: a file in the current folder has a folder without a name.
+  std::filesystem::path base = std::filesystem::absolute(urdf).parent_path();
   for (int up = 0; up < 6; ++up, base = base.parent_path()) {
     if (exists(base / inside)) return base / inside;
     const std::filesystem::path rest = inside.lexically_relative(*inside.begin());

@@ -48,9 +48,11 @@ Sources sources(const OrderedJson& document) {
 fs::path find_problem(const std::string& name, const std::string& solution) {
   std::error_code error;
   if (fs::exists(name, error)) return name;
-  fs::path folder = fs::absolute(solution, error).parent_path();
-  for (; folder.has_relative_path(); folder = folder.parent_path())
+  const fs::path file = fs::absolute(solution, error);
+  for (fs::path folder = file; folder.has_relative_path();) {
+    folder = folder.parent_path();
     if (fs::exists(folder / name, error)) return folder / name;
+  }
   return name;
 }
 
