@@ -29,6 +29,15 @@ bool is_plain(const std::string& text) {
   return std::find(kReserved.begin(), kReserved.end(), lower) == kReserved.end();
 }
 
+/// The shortest text that is read back as the number, by readers of YAML 1.1 too: to those an
+/// exponent belongs to a number only behind a point and with its sign.
+std::string number_text(double value) {
+  std::string text = fmt::format("{}", value);
+  const std::size_t exponent = text.find('e');
+  if (exponent != text.npos && text.find('.') == text.npos) text.insert(exponent, ".0");
+  return text;
+}
+
 void write_text(const std::string& text, YAML::Emitter& out) {
   if (!is_plain(text)) out << YAML::DoubleQuoted;
   out << text;
@@ -44,7 +53,7 @@ bool fits_on_a_line(const OrderedJson& value) {
 void write(const OrderedJson& value, YAML::Emitter& out) {
   if (value.is_string()) return write_text(value.get_ref<const std::string&>(), out);
   if (value.is_null()) return void(out << YAML::Null);
-  if (value.is_number_float()) return void(out << fmt::format("{}", value.get<double>()));
+  if (value.is_number_float()) return void(out << number_text(value.get<double>()));
   if (!value.is_structured()) return void(out << value.dump());
   if (value.empty() || fits_on_a_line(value)) out << YAML::Flow;
   if (value.is_array()) {

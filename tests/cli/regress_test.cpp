@@ -94,9 +94,9 @@ TEST(Regress, AWeightThatChangesByOnePercentIsADifferenceThatCanBeRead) {
 TEST(Regress, BlessShowsTheDifferenceAndWritesTheNewAnswer) {
   const Copy copy;
   std::string text = read_file(copy.problem);
-  const std::size_t at = text.find("weight: 1e-3");
+  const std::size_t at = text.find("weight: 1.0e-3");
   ASSERT_NE(at, std::string::npos);
-  copy.folder.write("problem.yaml", text.replace(at, 12, "weight: 1.01e-3"));
+  copy.folder.write("problem.yaml", text.replace(at, 14, "weight: 1.01e-3"));
   EXPECT_EQ(copy.regress().exit_code, 1);
   const ProcessResult blessed = copy.regress({"--bless"});
   EXPECT_EQ(blessed.exit_code, 0) << blessed.err;

@@ -8,6 +8,7 @@
 #include "schema_document.hpp"
 #include "solvers/registry.hpp"
 #include "support/sizes.hpp"
+#include "yaml_1_1.hpp"
 
 namespace conddp {
 namespace {
@@ -244,6 +245,7 @@ TEST(Expand, ReadingTheTextGivesTheSameProblem) {
     const Loaded second(expansion);
     ASSERT_TRUE(second.built) << second.all() << expansion;
     EXPECT_EQ(expanded(second), expansion);
+    EXPECT_EQ(Yaml11Reader::misread(expansion), std::vector<std::string>());
     for (const int iterations : kSmallSizes ? std::vector{0} : std::vector{0, 3})
       EXPECT_EQ(cost_after(second, iterations), cost_after(first, iterations)) << expansion;
     documents.push_back(parse_to_json(expansion));
