@@ -61,6 +61,7 @@ OrderedJson expand_robot(const RobotSpec& robot) {
                      {"friction", word_of(kPassiveWords, robot.passive.friction)},
                      {"friction_velocity", robot.passive.friction_velocity}};
   json["mimic"] = word_of(kMimicWords, robot.enforce_mimic);
+  json["inertias"] = word_of(kInertiasWords, robot.inertias);
   return json;
 }
 

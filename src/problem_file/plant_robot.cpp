@@ -18,6 +18,7 @@ UrdfOptions urdf_options(const RobotSpec& spec, const std::string& prefix,
     options.payloads.push_back({payload.link.value, payload.mass, payload.com, payload.inertia});
   for (const auto& [name, value] : spec.rotor_inertia) options.rotor_inertia[name.value] = value;
   options.enforce_mimic = spec.enforce_mimic;
+  options.inertias = spec.inertias;
   options.gravity = gravity;
   options.prefix = prefix;
   if (spec.placement) {

@@ -95,6 +95,8 @@ RobotSpec read_robot(const YamlReader& reader, const std::filesystem::path& fold
   if (const auto r = map.find("passive")) robot.passive = read_passive(*r);
   if (const auto r = map.find("mimic"))
     robot.enforce_mimic = r->choice(kMimicWords, "treatment of mimic joints").value_or(false);
+  if (const auto r = map.find("inertias"))
+    robot.inertias = r->choice(kInertiasWords, "treatment of inertias").value_or(robot.inertias);
   return robot;
 }
 

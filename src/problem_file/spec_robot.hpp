@@ -61,6 +61,7 @@ struct RobotSpec {
   ActuationSpec actuation;
   PassiveSpec passive;
   bool enforce_mimic = false;
+  UrdfOptions::Inertias inertias = UrdfOptions::Inertias::as_given;
 };
 
 struct DoubleIntegratorSpec {

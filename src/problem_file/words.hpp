@@ -36,6 +36,8 @@ inline constexpr Choice<UrdfOptions::Base> kBaseWords[] = {
     {"planar", UrdfOptions::Base::planar}};
 
 inline constexpr Choice<bool> kPassiveWords[] = {{"none", false}, {"urdf", true}};
+inline constexpr Choice<UrdfOptions::Inertias> kInertiasWords[] = {
+    {"as_given", UrdfOptions::Inertias::as_given}, {"strict", UrdfOptions::Inertias::strict}};
 inline constexpr Choice<bool> kMimicWords[] = {{"ignore", false}, {"enforce", true}};
 inline constexpr Choice<bool> kActuationWords[] = {{"full", true}, {"none", false}};
 

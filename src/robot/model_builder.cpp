@@ -249,43 +249,43 @@ class Builder {
                    "' of the file is the base asked for; no other one is added");
   }
 
-  /// Real files have placeholders with impossible inertias on links that are rigidly part of a
-  /// heavier body: these are harmless, what moves with a joint must not be impossible as a whole.
+  /// Vendors' files have inertias that no body can have: placeholders, rounded digits, products
+  /// of inertia of the wrong sign. What they do to the robot as a whole is known once all are
+  /// added (`joints_with_negative_inertia`).
   void check_inertias() {
-    constexpr double kGross = 0.1;
     for (const Joint& joint : model_.joints)
       if (!std::isfinite(joint.inertia.mass + squared_norm(joint.inertia.moment) +
                          joint.inertia.rotational.xx + joint.inertia.rotational.yy +
                          joint.inertia.rotational.zz))
         report_.error(report_.has("joint", joint.name) ? at_joint(joint.name) : UrdfPlace{},
                       "the inertia that it moves overflows");
-    for (const auto& [name, link] : tree_.links_) {
-      if (!link->inertial) continue;
-      const double excess = inertia_defect(central_inertia(*link->inertial)).triangle;
-      if (excess <= kInertiaTolerance) continue;
-      const int joint = carrier(name).joint;
-      const bool harmful = joint >= 0 && excess > kGross && body_excess(joint) > kGross;
-      const std::string message = fmt::format(
-          "its inertia is one that no body has: the largest principal moment exceeds the sum of "
-          "the others by {:.2g} %",
-          100 * excess);
-      const UrdfPlace place = at_link(name, "inertial");
-      if (harmful)
-        report_.error(place, message,
-                      "check the inertia's units and that it is taken about the "
-                      "centre of mass");
-      else
-        report_.warning(place, message);
-    }
+    for (const auto& [name, link] : tree_.links_)
+      if (const auto& body = link->inertial)
+        check_inertia(name, inertia_defect(central_inertia(*body), body->mass));
   }
 
-  double body_excess(int joint) const {
-    const Inertia<double>& body = model_.joints[joint].inertia;
-    if (!(body.mass > 0)) return inertia_defect(body.rotational).triangle;
-    const double inverse = 1 / body.mass;
-    Symmetric3<double> central = body.rotational;
-    central += point_inertia(-body.mass, inverse * body.moment);
-    return inertia_defect(central).triangle;
+  void check_inertia(const std::string& link, const InertiaDefect& defect) {
+    std::string message, hint;
+    if (defect.negative > kInertiaTolerance) {
+      message = fmt::format(
+          "its inertia is not positive semidefinite: a principal moment is negative by {:.3g} % of "
+          "the largest",
+          100 * defect.negative);
+      hint = "check signs and units (kg m²)";
+    } else if (defect.triangle > kInertiaTolerance) {
+      message = fmt::format(
+          "its inertia is not physically valid: the largest principal moment exceeds the sum of "
+          "the others by {:.3g} %",
+          100 * defect.triangle);
+      hint = "check the units and that it is taken about the centre of mass";
+    } else {
+      return;
+    }
+    const UrdfPlace place = at_link(link, "inertial");
+    if (options_.inertias == UrdfOptions::Inertias::strict)
+      report_.error(place, message, hint + "; 'inertias: as_given' takes it as it is");
+    else
+      report_.warning(place, message + "; it is used as given");
   }
 
   void enforce_mimics() {

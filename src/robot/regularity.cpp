@@ -39,9 +39,8 @@ Matrix6d motion_to_inner(const SE3<double>& inner) {
   return x;
 }
 
-/// Where a joint's frame is in its parent's at a configuration without special angles.
-SE3<double> generic_placement(const Joint& joint, int index) {
-  const double q = 0.4 + 0.5 * std::sin(1.7 * index + 0.3);
+/// Where a one-axis joint's frame is in its parent's.
+SE3<double> placement_at(const Joint& joint, double q) {
   const Vector3<double> z{0, 0, 1};
   const SE3<double> moved = joint.type == JointType::revolute
                                 ? SE3<double>{rotation_about(z, q), Vector3<double>::zero()}
@@ -49,46 +48,89 @@ SE3<double> generic_placement(const Joint& joint, int index) {
   return joint.placement * moved;
 }
 
-bool singular(const Matrix6d& inertia) {
-  const Eigen::Matrix<double, 6, 1> diagonal = inertia.diagonal();
-  if (!(diagonal.minCoeff() > 0)) return true;
-  const Eigen::Matrix<double, 6, 1> scale = diagonal.cwiseSqrt().cwiseInverse();
-  const Matrix6d scaled = scale.asDiagonal() * inertia * scale.asDiagonal();
-  return Eigen::SelfAdjointEigenSolver<Matrix6d>(scaled, Eigen::EigenvaluesOnly).eigenvalues()[0] <
-         kSingular;
+/// A configuration without special angles.
+double generic_position(int index) { return 0.4 + 0.5 * std::sin(1.7 * index + 0.3); }
+
+/// Positions spread over the joint's range, or over a turn or 1 m each way where it has none.
+double sampled_position(const Joint& joint, int index, int sample) {
+  const double whole = (sample + 1) * (0.6180339887498949 + 0.7548776662466927 * (index + 1));
+  const double u = whole - std::floor(whole);
+  if (std::isfinite(joint.lower) && std::isfinite(joint.upper) && joint.lower < joint.upper)
+    return joint.lower + u * (joint.upper - joint.lower);
+  return (2 * u - 1) * (joint.type == JointType::revolute ? M_PI : 1.0);
 }
 
-}  // namespace
+/// The smallest eigenvalue of an inertia whose diagonal is scaled to 1; where an entry of the
+/// diagonal is not positive, zero or −1.
+double smallest_eigenvalue(const Matrix6d& inertia) {
+  const Eigen::Matrix<double, 6, 1> diagonal = inertia.diagonal();
+  if (!(diagonal.minCoeff() > 0)) return diagonal.minCoeff() < 0 ? -1 : 0;
+  const Eigen::Matrix<double, 6, 1> scale = diagonal.cwiseSqrt().cwiseInverse();
+  const Matrix6d scaled = scale.asDiagonal() * inertia * scale.asDiagonal();
+  return Eigen::SelfAdjointEigenSolver<Matrix6d>(scaled, Eigen::EigenvaluesOnly).eigenvalues()[0];
+}
 
-std::vector<int> joints_without_inertia(const RobotModel& model) {
+/// Joint by joint what resists its acceleration while all that is further out moves freely,
+/// relative to what would if it were held: the pivots of the factorised inertia matrix.
+template <typename Position>
+std::vector<double> relative_pivots(const RobotModel& model, const Position& position) {
   const std::size_t count = model.joints.size();
   // Articulated-body inertias (Featherstone 2008, §7.3) and, for scale, composite ones.
   std::vector<Matrix6d> articulated(count), composite(count);
   for (std::size_t i = 0; i < count; ++i)
     articulated[i] = composite[i] = dense(model.joints[i].inertia);
-  std::vector<int> found;
+  std::vector<double> relative(count, 0);
   for (int i = static_cast<int>(count) - 1; i >= 0; --i) {
     const Joint& joint = model.joints[i];
     Matrix6d& inertia = articulated[i];
     if (joint.type == JointType::floating) {
-      if (singular(inertia)) found.push_back(i);
+      relative[i] = smallest_eigenvalue(inertia);
       continue;
     }
     const int axis = joint.type == JointType::revolute ? 5 : 2;
     const double pivot = inertia(axis, axis) + joint.rotor_inertia;
-    const double whole = composite[i](axis, axis) + joint.rotor_inertia;
-    if (!(pivot > kSingular * whole)) {
-      found.push_back(i);
-    } else {
+    const double whole = std::abs(composite[i](axis, axis) + joint.rotor_inertia);
+    relative[i] = whole > 0 ? pivot / whole : pivot < 0 ? -1 : 0;
+    if (std::abs(relative[i]) > kSingular) {
       const Eigen::Matrix<double, 6, 1> column = inertia.col(axis);
       inertia -= column * column.transpose() / pivot;
     }
     if (joint.parent < 0) continue;
-    const Matrix6d x = motion_to_inner(generic_placement(joint, i));
+    const Matrix6d x = motion_to_inner(placement_at(joint, position(i)));
     articulated[joint.parent] += x.transpose() * inertia * x;
     composite[joint.parent] += x.transpose() * composite[i] * x;
   }
-  return {found.rbegin(), found.rend()};
+  return relative;
+}
+
+}  // namespace
+
+std::vector<int> joints_without_inertia(const RobotModel& model) {
+  const std::vector<double> pivots = relative_pivots(model, generic_position);
+  std::vector<int> found;
+  for (int i = 0; i < model.joint_count(); ++i)
+    if (!(pivots[i] > kSingular)) found.push_back(i);
+  return found;
+}
+
+std::vector<int> bodies_with_negative_inertia(const RobotModel& model) {
+  std::vector<int> found;
+  for (int i = 0; i < model.joint_count(); ++i)
+    if (smallest_eigenvalue(dense(model.joints[i].inertia)) < -kSingular) found.push_back(i);
+  return found;
+}
+
+std::vector<int> joints_with_negative_inertia(const RobotModel& model) {
+  std::vector<char> negative(model.joints.size(), 0);
+  for (int sample = 0; sample < kRegularitySamples; ++sample) {
+    const std::vector<double> pivots =
+        relative_pivots(model, [&](int i) { return sampled_position(model.joints[i], i, sample); });
+    for (std::size_t i = 0; i < pivots.size(); ++i) negative[i] |= pivots[i] < -kSingular;
+  }
+  std::vector<int> found;
+  for (std::size_t i = 0; i < negative.size(); ++i)
+    if (negative[i]) found.push_back(static_cast<int>(i));
+  return found;
 }
 
 }  // namespace conddp

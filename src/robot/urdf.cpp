@@ -4,6 +4,7 @@
 #include <mutex>
 
 #include <console_bridge/console.h>
+#include <fmt/format.h>
 #include <urdf_parser/urdf_parser.h>
 
 #include "robot/model_builder.hpp"
@@ -81,23 +82,96 @@ void report_parser_messages(const std::vector<ParserMessage>& messages, UrdfRepo
   flush({});
 }
 
-void check_regular(const RobotModel& model, const std::string& prefix, UrdfReport& report) {
-  for (const int index : joints_without_inertia(model)) {
-    const std::string name = model.joints[index].name.substr(prefix.size());
-    std::vector<std::string> links;
-    for (const Frame& frame : model.frames)
-      if (frame.joint == index && frame.kind == FrameKind::link)
-        links.push_back(frame.name.substr(prefix.size()));
-    const std::string message = "nothing that it moves (" + listed(links) +
-                                ") has inertia along it, so the robot's inertia matrix is singular";
-    const std::string hint =
-        "give the links mass and inertia, lock the joint, or give it a rotor inertia";
-    if (report.has("joint", name))
-      report.error(at_joint(name), message, hint);
-    else
-      report.error({"joint", name}, message, "give the root link mass and inertia");
+/// Says of joints what keeps the inertia matrix from being positive definite, and how to go on.
+class RegularityReport {
+ public:
+  RegularityReport(const RobotModel& model, const std::string& prefix, UrdfReport& report)
+      : model_(model), prefix_(prefix), report_(report) {}
+
+  void check() {
+    if (const std::vector<int> bodies = bodies_with_negative_inertia(model_); !bodies.empty()) {
+      const std::vector<int> joints = joints_with_negative_inertia(model_);
+      if (!joints.empty()) return report_negative(joints);
+      report_.warning(
+          {},
+          "the inertias that joints move rigidly (" + listed(names(bodies)) +
+              ") are not positive semidefinite; the robot's inertia matrix is positive definite "
+              "in " +
+              std::to_string(kRegularitySamples) +
+              " configurations within the limits, but may not be in others");
+    }
+    if (const std::vector<int> joints = joints_without_inertia(model_); !joints.empty())
+      report_massless(joints);
   }
-}
+
+ private:
+  std::string name(int joint) const { return model_.joints[joint].name.substr(prefix_.size()); }
+
+  std::vector<std::string> names(const std::vector<int>& joints) const {
+    std::vector<std::string> found;
+    for (const int joint : joints) found.push_back(name(joint));
+    return found;
+  }
+
+  std::string links(int joint) const {
+    std::vector<std::string> found;
+    for (const Frame& frame : model_.frames)
+      if (frame.joint == joint && frame.kind == FrameKind::link)
+        found.push_back(frame.name.substr(prefix_.size()));
+    return listed(found);
+  }
+
+  /// Joints of the file that can be locked, as keys of the problem file: to be copied.
+  std::string ways_out(const std::vector<int>& joints) const {
+    std::string locked, rotors;
+    for (const int joint : joints) {
+      if (!report_.has("joint", name(joint)) || model_.joints[joint].type == JointType::floating)
+        continue;
+      const Joint& j = model_.joints[joint];
+      const double value = j.lower <= j.upper ? std::clamp(0.0, j.lower, j.upper) : 0;
+      locked += fmt::format("{}{}: {}", locked.empty() ? "" : ", ", name(joint), value);
+      if (rotors.empty()) rotors = name(joint) + ": 1e-4";
+    }
+    if (locked.empty()) return "";
+    return ", lock what you do not need ('locked_joints: {" + locked +
+           "}'), or say what the motors' rotors add ('rotor_inertia: {" + rotors +
+           (joints.size() > 1 ? ", ...}')" : "}')");
+  }
+
+  UrdfPlace place(int joint) const {
+    return report_.has("joint", name(joint)) ? at_joint(name(joint))
+                                             : UrdfPlace{"joint", name(joint)};
+  }
+
+  std::string others(const std::vector<int>& joints) const {
+    if (joints.size() == 1) return "";
+    return "; the same holds for " + listed(names({joints.begin() + 1, joints.end()}));
+  }
+
+  void report_massless(const std::vector<int>& joints) {
+    const int first = joints.front();
+    const bool root = !report_.has("joint", name(first));
+    report_.error(
+        place(first),
+        "nothing that it moves (" + links(first) +
+            ") has inertia along it, so the robot's inertia matrix is singular" + others(joints),
+        (root ? "give the root link mass and inertia" : "give the links mass and inertia") +
+            ways_out(joints));
+  }
+
+  void report_negative(const std::vector<int>& joints) {
+    report_.error(place(joints.front()),
+                  "what it moves (" + links(joints.front()) +
+                      " and what hangs on it) has a negative inertia along it in some "
+                      "configurations, so the robot's inertia matrix is not positive definite" +
+                      others(joints),
+                  "correct the inertias that the warnings name" + ways_out(joints));
+  }
+
+  const RobotModel& model_;
+  const std::string& prefix_;
+  UrdfReport& report_;
+};
 
 void parse(std::string_view xml, const UrdfOptions& options, UrdfResult& result) {
   const XmlOutline outline = scan_xml(xml);
@@ -111,7 +185,7 @@ void parse(std::string_view xml, const UrdfOptions& options, UrdfResult& result)
     return;
   }
   if (!check_urdf_elements(outline, report)) return;
-  check_urdf_topology(outline, report);
+  check_urdf_topology(outline, options, report);
   if (report.has_errors()) return;
 
   std::vector<ParserMessage> messages;
@@ -124,7 +198,7 @@ void parse(std::string_view xml, const UrdfOptions& options, UrdfResult& result)
   check_urdf_options(*tree, options, report);
   if (report.has_errors()) return;
   RobotModel model = build_model(*tree, options, report);
-  if (!report.has_errors()) check_regular(model, options.prefix, report);
+  if (!report.has_errors()) RegularityReport(model, options.prefix, report).check();
   if (!report.has_errors()) result.model = std::move(model);
 }
 

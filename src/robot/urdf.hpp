@@ -42,6 +42,10 @@ struct UrdfOptions {
   std::map<std::string, double> rotor_inertia = {};
   /// Whether mimic joints follow their leader; otherwise they are independent, with a note.
   bool enforce_mimic = false;
+  /// What becomes of a link's inertia that is not physically valid (a principal moment that is
+  /// negative or exceeds the sum of the others). `as_given`: a warning, and an error only where the
+  /// joint-space inertia matrix is not positive definite. `strict`: an error.
+  enum class Inertias { as_given, strict } inertias = Inertias::as_given;
   Vector3<double> gravity{0, 0, -9.81};
   /// Put before every joint's and frame's name, e.g. "left/": for several trees in one problem.
   std::string prefix = {};

@@ -12,6 +12,8 @@
 namespace conddp {
 namespace {
 
+constexpr std::string_view kSpace = " \t\r\n";
+
 /// An element that is read, with its attributes; numbers > 0: so many finite numbers.
 struct AttributeRule {
   std::string_view name;
@@ -83,7 +85,6 @@ std::pair<std::string, std::string> owner(const XmlOutline& outline, int element
 
 /// Why the text is not `count` finite numbers, if it is not.
 std::optional<std::string> number_defect(std::string_view text, int count) {
-  constexpr std::string_view kSpace = " \t\r\n";
   int found = 0;
   for (std::size_t at = 0; (at = text.find_first_not_of(kSpace, at)) != text.npos; ++found) {
     const std::size_t end = std::min(text.find_first_of(kSpace, at), text.size());
@@ -108,6 +109,7 @@ void check_name(const XmlOutline& outline, int index, std::string_view attribute
   const auto name = outline.elements[index].attribute(attribute);
   if (!name) return;
   const std::string where = owner(outline, index).second;
+  if (name->empty() && index == 0) return report.warning_at(0, "", "<robot>: its name is empty");
   if (name->empty())
     return report.error_at(index, "", where + std::string(attribute) + " is empty");
   for (const char c : *name)
@@ -146,7 +148,10 @@ void check_attributes(const XmlOutline& outline, int index, const ElementRule& r
   }
 }
 
+/// Expressions, and elements that would become content of a link or joint, make a file one that has
+/// not been evaluated. Other elements are left over: an evaluated file does without them.
 void check_xacro(const XmlOutline& outline, UrdfReport& report) {
+  const bool has_links = !outline.children(0, "link").empty();
   for (int i = 0; i < static_cast<int>(outline.elements.size()); ++i) {
     const XmlElement& element = outline.elements[i];
     const bool expression =
@@ -154,10 +159,42 @@ void check_xacro(const XmlOutline& outline, UrdfReport& report) {
         std::any_of(element.attributes.begin(), element.attributes.end(), [](const auto& a) {
           return a.value.find("${") != a.value.npos || a.value.find("$(") != a.value.npos;
         });
-    if (!element.tag.starts_with("xacro:") && !expression) continue;
+    const bool xacro = element.tag.starts_with("xacro:");
+    if (!xacro && !expression) continue;
+    const XmlElement* parent = element.parent < 0 ? nullptr : &outline.elements[element.parent];
+    const bool content = parent && parent->depth > 0 && rule_of(outline, *parent);
+    if (has_links && !expression && !content) {
+      if (parent && parent->depth == 0)
+        report.warning_at(i, "",
+                          "<" + std::string(element.tag) +
+                              "> is left over from xacro and is ignored, with what is in it");
+      continue;
+    }
     return report.error_at(i, "", "this is a xacro file that has not been evaluated",
                            "run `xacro FILE > robot.urdf` first and give the result");
   }
+}
+
+bool holds_numbers(const ElementRule& rule, std::string_view attribute) {
+  return std::any_of(rule.attributes.begin(), rule.attributes.end(),
+                     [&](const AttributeRule& a) { return a.name == attribute && a.numbers > 0; });
+}
+
+/// Writes the numbers of an attribute (`written`, up to its closing quote) with one blank between
+/// them and none around: urdfdom takes no other white space. What is left of the room is blank
+/// behind the quote.
+void tidy_numbers(char* to, std::string_view written) {
+  const char quote = to[written.size()];
+  char* const end = to + written.size() + 1;
+  const char* const begin = to;
+  for (std::size_t at = 0; (at = written.find_first_not_of(kSpace, at)) != written.npos;) {
+    const std::size_t stop = std::min(written.find_first_of(kSpace, at), written.size());
+    if (to != begin) *to++ = ' ';
+    to = std::copy(written.begin() + at, written.begin() + stop, to);
+    at = stop;
+  }
+  *to++ = quote;
+  std::fill(to, end, ' ');
 }
 
 }  // namespace
@@ -241,13 +278,19 @@ bool check_urdf_elements(const XmlOutline& outline, UrdfReport& report) {
 
 std::string relevant_urdf(const XmlOutline& outline, std::string_view text) {
   std::string reduced(text.size(), ' ');
+  const auto place_of = [&](std::string_view part) { return &reduced[part.data() - text.data()]; };
   const auto keep = [&](std::string_view part) {
-    if (!part.empty()) part.copy(&reduced[part.data() - text.data()], part.size());
+    if (!part.empty()) part.copy(place_of(part), part.size());
   };
   for (const XmlElement& element : outline.elements) {
-    if (element.depth > 0 && !rule_of(outline, element)) continue;
+    const ElementRule* rule = rule_of(outline, element);
+    if (element.depth > 0 && !rule) continue;
     keep(element.start_tag);
     keep(element.end_tag);
+    if (!rule) continue;
+    for (const XmlAttribute& attribute : element.attributes)
+      if (holds_numbers(*rule, attribute.name) && !attribute.value.empty())
+        tidy_numbers(place_of(attribute.value), attribute.value);
   }
   return reduced;
 }

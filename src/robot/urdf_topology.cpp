@@ -25,7 +25,8 @@ struct JointEntry {
 
 class Topology {
  public:
-  Topology(const XmlOutline& outline, UrdfReport& report) : outline_(outline), report_(report) {}
+  Topology(const XmlOutline& outline, const UrdfOptions& options, UrdfReport& report)
+      : outline_(outline), options_(options), report_(report) {}
 
   void check() {
     collect_links();
@@ -138,15 +139,24 @@ class Topology {
       if (joint.leader.empty()) {
         report_.error_at(*mimic, joint.name, subject + "<mimic> names no joint");
       } else if (joint.leader == joint.name) {
-        report_.error_at(*mimic, joint.name, subject + "mimics itself");
+        report_mimic(*mimic, joint, "mimics itself");
       } else if (!joint_index_.contains(joint.leader)) {
-        report_.error_at(*mimic, joint.name,
-                         subject + "mimics '" + joint.leader + "', which does not exist",
-                         name_hint(joint.leader, joint_names_, "joints"));
+        report_mimic(*mimic, joint, "mimics '" + joint.leader + "', which does not exist",
+                     name_hint(joint.leader, joint_names_, "joints"));
       } else if (follows_itself(joint)) {
-        report_.error_at(*mimic, joint.name, subject + "mimic joints follow each other in a cycle");
+        report_mimic(*mimic, joint, "mimic joints follow each other in a cycle");
       }
     }
+  }
+
+  /// Whom a joint follows matters only if it does.
+  void report_mimic(int element, const JointEntry& joint, const std::string& message,
+                    std::string hint = {}) {
+    const std::string whole = "joint '" + joint.name + "': " + message;
+    if (options_.enforce_mimic)
+      report_.error_at(element, joint.name, whole, std::move(hint));
+    else
+      report_.warning_at(element, joint.name, whole + "; it is independent");
   }
 
   bool follows_itself(const JointEntry& joint) const {
@@ -206,6 +216,7 @@ class Topology {
   }
 
   const XmlOutline& outline_;
+  const UrdfOptions& options_;
   UrdfReport& report_;
   std::vector<LinkEntry> links_;
   std::vector<JointEntry> joints_;
@@ -216,8 +227,9 @@ class Topology {
 
 }  // namespace
 
-void check_urdf_topology(const XmlOutline& outline, UrdfReport& report) {
-  Topology(outline, report).check();
+void check_urdf_topology(const XmlOutline& outline, const UrdfOptions& options,
+                         UrdfReport& report) {
+  Topology(outline, options, report).check();
 }
 
 }  // namespace conddp

@@ -38,13 +38,6 @@ void check_link(const urdf::Link& link, UrdfReport& report) {
   if (body.mass < 0)
     report.error(at_link(link.name, "inertial"), fmt::format("its mass is {} kg", body.mass),
                  "a mass cannot be negative");
-  const Symmetric3<double> central{body.ixx, body.ixy, body.ixz, body.iyy, body.iyz, body.izz};
-  if (const double negative = inertia_defect(central).negative; negative > kInertiaTolerance)
-    report.error(at_link(link.name, "inertial"),
-                 fmt::format("its inertia is not positive semidefinite: a principal moment is "
-                             "negative by {:.2g} % of the largest",
-                             100 * negative),
-                 "no body has such an inertia: check signs and units (kg m²)");
   const bool rotational = body.ixx != 0 || body.iyy != 0 || body.izz != 0;
   if (body.mass == 0 && rotational)
     report.warning(at_link(link.name, "inertial"), "it has rotational inertia but no mass");
@@ -150,23 +143,24 @@ void check_payload(const urdf::ModelInterface& tree, const UrdfOptions::Payload&
   if (!payload.inertia) return;
   const Symmetric3<double>& j = *payload.inertia;
   if (!std::isfinite(j.xx + j.xy + j.xz + j.yy + j.yz + j.zz)) return fail("inertia is not finite");
-  const InertiaDefect defect = inertia_defect(j);
+  const InertiaDefect defect = inertia_defect(j, payload.mass);
   if (defect.negative > kInertiaTolerance || defect.triangle > kInertiaTolerance)
     fail(
-        "inertia is one that no body has: principal moments are positive and none exceeds the sum "
+        "inertia is not physically valid: principal moments are positive and none exceeds the sum "
         "of the others");
 }
 
 }  // namespace
 
-InertiaDefect inertia_defect(const Symmetric3<double>& central) {
+InertiaDefect inertia_defect(const Symmetric3<double>& central, double mass) {
   Eigen::Matrix3d j;
   j << central.xx, central.xy, central.xz, central.xy, central.yy, central.yz, central.xz,
       central.yz, central.zz;
   const Eigen::Vector3d moments =
       Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(j, Eigen::EigenvaluesOnly).eigenvalues();
   const double largest = moments.cwiseAbs().maxCoeff();
-  if (largest == 0) return {};
+  constexpr double kSquaredRadius = 1e-12;  // m²
+  if (largest <= kSquaredRadius * mass) return {};
   return {std::max(0.0, -moments[0] / largest),
           std::max(0.0, (moments[2] - moments[1] - moments[0]) / largest)};
 }

@@ -6,18 +6,19 @@
 
 namespace conddp {
 
-/// How far a rotational inertia about a centre of mass is from one that a body can have, relative
-/// to its largest principal moment.
+/// How far a rotational inertia about a centre of mass is from one that a body of this mass (kg)
+/// can have, relative to its largest principal moment. What is left of zeros by rounding, a radius
+/// of gyration below 1 µm, is a point mass without a defect.
 struct InertiaDefect {
   double negative = 0;  ///< of the smallest principal moment below zero
   double triangle = 0;  ///< of the largest principal moment above the sum of the others
 };
-InertiaDefect inertia_defect(const Symmetric3<double>& central);
+InertiaDefect inertia_defect(const Symmetric3<double>& central, double mass);
 
 /// Rounding in a file's digits stays below this.
 inline constexpr double kInertiaTolerance = 1e-6;
 
-/// Masses, inertias, axes and limits of every link and joint, as far as one of them alone tells.
+/// Masses, axes and limits of every link and joint, as far as one of them alone tells.
 void check_urdf_physics(const urdf::ModelInterface& tree, UrdfReport& report);
 
 /// Names, values and payloads that were asked for.

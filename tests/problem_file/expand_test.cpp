@@ -26,7 +26,7 @@ std::vector<std::string> corpus() {
 description: "two robots: one of them # flies"
 gravity: [0, 0, -1.62]
 robots:
-  arm: {urdf: robots/arm7.urdf, mimic: enforce, placement: {position: [3, 0, 0], rpy: [0, 0, 1]},
+  arm: {urdf: robots/arm7.urdf, mimic: enforce, inertias: strict, placement: {position: [3, 0, 0], rpy: [0, 0, 1]},
         locked_joints: {joint_7: 0.3}, rotor_inertia: {joint_1: 0.1}, passive: {friction: urdf},
         payloads: {link_6: {mass: 2, inertia: {ixx: 0.1, iyy: 0.1, izz: 0.1}}},
         external_wrenches: [{frame: tool}, {frame: tool, force: [1, 2, 3]}]}

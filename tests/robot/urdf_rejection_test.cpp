@@ -55,6 +55,7 @@ std::vector<Rejection> rejections() {
       {"entities", "<!DOCTYPE r [<!ENTITY a \"b\">]><robot name=\"r\"/>", "", "document type"},
       {"sdf", "<sdf version=\"1.6\"><model/></sdf>", "", "root element is <sdf>"},
       {"xacro_element", robot_element("<xacro:arm name=\"a\"/>"), "", "xacro file", 2},
+      {"xacro_in_a_link", robot_element(link_element("a", "<xacro:body/>")), "", "xacro file", 2},
       {"xacro_expression", robot_element("\n<link name=\"${side}_arm\"/>"), "", "xacro file", 3},
       {"robot_without_name", "<robot><link name=\"a\"/></robot>", "", "has no name"},
       {"no_links", robot_element(""), "", "no links"},
@@ -112,12 +113,18 @@ std::vector<Rejection> rejections() {
       {"negative_mass", with_arm(inertial("-1", diagonal + R"(ixx="1" iyy="1" izz="1")")), "arm",
        "mass is -1 kg"},
       {"negative_inertia", with_arm(inertial("1", diagonal + R"(ixx="1" iyy="1" izz="-1")")), "arm",
-       "not positive semidefinite", 3},
+       "not positive semidefinite", 3,
+       with([](UrdfOptions& o) { o.inertias = UrdfOptions::Inertias::strict; })},
       {"indefinite_inertia",
        with_arm(inertial("1", R"(ixx="1" iyy="1" izz="1" ixy="2" ixz="0" iyz="0")")), "arm",
-       "not positive semidefinite"},
+       "not positive semidefinite", 0,
+       with([](UrdfOptions& o) { o.inertias = UrdfOptions::Inertias::strict; })},
+      {"negative_along_the_joint",
+       with_arm(inertial("1", diagonal + R"(ixx="-1" iyy="1" izz="1")")), "j",
+       "inertia matrix is not positive definite", 4},
       {"triangle", with_arm(inertial("1", diagonal + R"(ixx="1" iyy="1" izz="3")")), "arm",
-       "exceeds the sum of the others"},
+       "exceeds the sum of the others", 0,
+       with([](UrdfOptions& o) { o.inertias = UrdfOptions::Inertias::strict; })},
       {"inertia_overflows",
        with_arm("<inertial><origin xyz=\"1e200 0 0\"/><mass value=\"1e200\"/>"
                 "<inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"1\" iyz=\"0\" "
@@ -141,13 +148,15 @@ std::vector<Rejection> rejections() {
       {"negative_velocity", one_joint("<limit effort=\"5\" velocity=\"-1\"/>"), "j",
        "velocity limit is -1"},
       {"negative_damping", one_joint("<dynamics damping=\"-1\"/>"), "j", "negative"},
-      {"mimics_itself", one_joint("<mimic joint=\"j\"/>"), "j", "mimics itself"},
-      {"mimics_missing", one_joint("<mimic joint=\"k\"/>"), "j", "'k', which does not exist"},
+      {"mimics_itself", one_joint("<mimic joint=\"j\"/>"), "j", "mimics itself", 0,
+       with([](UrdfOptions& o) { o.enforce_mimic = true; })},
+      {"mimics_missing", one_joint("<mimic joint=\"k\"/>"), "j", "'k', which does not exist", 0,
+       with([](UrdfOptions& o) { o.enforce_mimic = true; })},
       {"mimic_cycle",
        robot_element(link_element("a") + link_element("b") + link_element("c") +
                      joint_element("j", "continuous", "a", "b", "<mimic joint=\"k\"/>") +
                      joint_element("k", "continuous", "b", "c", "<mimic joint=\"j\"/>")),
-       "j", "cycle"},
+       "j", "cycle", 0, with([](UrdfOptions& o) { o.enforce_mimic = true; })},
       {"floating_in_the_middle",
        robot_element(link_element("a") + link_element("b") + link_element("c") +
                      joint_element("j", "continuous", "a", "b") +
