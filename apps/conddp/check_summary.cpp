@@ -80,14 +80,22 @@ OrderedJson costs_json(const std::vector<CostSpec>& costs, const BuiltProblem& b
   return list;
 }
 
+/// What a constraint is in: bounds on coordinates, or a residual in a set.
+std::string_view set_of(const ConstraintSpec& c) {
+  if (c.bounded) return "bounds";
+  if (c.function.cone.second_order) return "cone";
+  return c.at_least || c.at_most ? "norm" : "rows";
+}
+
 OrderedJson constraints_json(const ProblemSpec& spec, const BuiltProblem& built) {
   OrderedJson list = OrderedJson::array();
-  const auto add = [&](const std::string& name, const std::string& on, bool terminal,
-                       bool from_urdf, Softness softness, OrderedJson phases) {
+  const auto add = [&](const std::string& name, const std::string& on, std::string_view set,
+                       bool terminal, bool from_urdf, Softness softness, OrderedJson phases) {
     const bool dropped = std::any_of(built.dropped.begin(), built.dropped.end(),
                                      [&](const DroppedConstraint& d) { return d.name == name; });
     list.push_back({{"name", name},
                     {"on", on},
+                    {"set", set},
                     {"terminal", terminal},
                     {"from_urdf", from_urdf},
                     {"phases", std::move(phases)},
@@ -95,13 +103,13 @@ OrderedJson constraints_json(const ProblemSpec& spec, const BuiltProblem& built)
                     {"dropped", dropped}});
   };
   for (const ControlBoundsSpec& bounds : spec.control_bounds)
-    add(bounds.name.value, "control", false, bounds.from_urdf, Softness::hard,
+    add(bounds.name.value, "control", "bounds", false, bounds.from_urdf, Softness::hard,
         expand_phase_names(bounds.phases, spec));
   for (const bool terminal : {false, true})
     for (const ConstraintSpec& c : terminal ? spec.terminal_constraints : spec.constraints)
       add(c.function.name.value,
           c.bounded ? word_of(kBoundedWords, c.bounded->value) : c.function.residual.value,
-          terminal, c.from_urdf, c.softness,
+          set_of(c), terminal, c.from_urdf, c.softness,
           terminal ? OrderedJson::array() : expand_phase_names(c.function.phases, spec));
   return list;
 }
@@ -220,9 +228,35 @@ std::string plant_lines(const OrderedJson& s) {
   return text;
 }
 
-std::string bounds_text(const std::string& word) {
-  if (word == "none") return "there is nothing to keep";
-  return word == "kept" ? "keeps the control bounds" : "cuts controls off at their bounds";
+std::string constraint_text(const OrderedJson& constraint) {
+  const std::string on = text_of(constraint["on"]), set = text_of(constraint["set"]);
+  if (set == "bounds") return "bounds on " + (on == "control" ? "the control" : on);
+  if (set == "norm") return "bounds on the norm of " + on;
+  return (set == "cone" ? "second-order cone of " : "constraint on ") + on;
+}
+
+/// What the solver does with the constraints that were not dropped.
+std::string kept_text(const OrderedJson& s) {
+  const std::string word = text_of(s["solver"]["control_bounds"]);
+  const bool further = std::any_of(
+      s["constraints"].begin(), s["constraints"].end(), [](const OrderedJson& constraint) {
+        const bool bounds = constraint["on"] == "control" && constraint["set"] == "bounds";
+        return !bounds && !constraint["dropped"].get<bool>();
+      });
+  if (word == "none") return further ? "keeps the constraints" : "nothing is constrained";
+  return std::string(word == "kept" ? "keeps the control bounds"
+                                    : "cuts controls off at their bounds") +
+         (further ? (word == "kept" ? " and the constraints" : " and keeps the constraints") : "");
+}
+
+/// "q/0, v/0", of many the first ones.
+std::string column_text(const OrderedJson& columns) {
+  constexpr std::size_t kShown = 4;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(kShown, columns.size()); ++i)
+    text += (i > 0 ? ", " : "") + text_of(columns[i]);
+  if (columns.size() > kShown) text += fmt::format(" ... {}", text_of(columns.back()));
+  return text;
 }
 
 }  // namespace
@@ -268,6 +302,8 @@ std::string check_text(const OrderedJson& s) {
   text += fmt::format("  {:<16}{} numbers ({} directions), {} controls\n", "state",
                       s["state"]["numbers"].get<int>(), s["state"]["tangent"].get<int>(),
                       s["control"]["numbers"].get<int>());
+  text += fmt::format("  {:<16}state: {}; control: {}\n", "columns",
+                      column_text(s["state"]["columns"]), column_text(s["control"]["columns"]));
   text += fmt::format("  {:<16}{}\n", "integrator", text_of(s["integrator"]));
   text += fmt::format("  {:<16}{} knots, {:.9g} s\n", "horizon", s["knots"].get<int>(),
                       s["duration_s"].get<double>());
@@ -279,18 +315,15 @@ std::string check_text(const OrderedJson& s) {
   text += cost_lines(s["terminal_costs"], "terminal costs");
   for (const auto& constraint : s["constraints"])
     text += fmt::format(
-        "  {:<16}{}: {} on {}{}, {}{}\n",
-        &constraint == &s["constraints"].front() ? "constraints" : "", text_of(constraint["name"]),
-        text_of(constraint["on"]) == "control" ? "bounds" : "constraint",
-        text_of(constraint["on"]) == "control" ? "the control" : text_of(constraint["on"]),
+        "  {:<16}{}: {}{}, {}{}\n", &constraint == &s["constraints"].front() ? "constraints" : "",
+        text_of(constraint["name"]), constraint_text(constraint),
         constraint["from_urdf"].get<bool>() ? " from the URDF" : "",
         constraint["terminal"].get<bool>() ? "at the last node"
                                            : "in " + comma_list(constraint["phases"]),
         (text_of(constraint["soft"]) == "no" ? "" : "; soft: " + text_of(constraint["soft"])) +
             (constraint["dropped"].get<bool>() ? "; dropped" : ""));
   text += fmt::format("  {:<16}{} ({}): {}\n", "solver", text_of(s["solver"]["name"]),
-                      text_of(s["solver"]["description"]),
-                      bounds_text(text_of(s["solver"]["control_bounds"])));
+                      text_of(s["solver"]["description"]), kept_text(s));
   text +=
       fmt::format("  {:<16}states: {}; controls: {}\n", "first guess",
                   text_of(s["initial_guess"]["states"]), text_of(s["initial_guess"]["controls"]));

@@ -59,7 +59,7 @@ std::string summary_text(const Solution& s, const SolutionCertificate* certifica
   for (const ConstraintViolation& v : soft_violations(*s.built.problem, r.constraint_values))
     text += fmt::format("    {:<20} soft, off by {:.2e}{}\n", v.name, v.value,
                         v.node < 0 ? "" : fmt::format(" at node {}", v.node));
-  const Diagnosis diagnosis = diagnose(r, s.spec.solver.options);
+  const Diagnosis diagnosis = diagnose(*s.built.problem, r, s.spec.solver.options);
   if (!good) text += fmt::format("  diagnosis     {}\n", diagnosis.message);
   if (!diagnosis.remedy.empty()) text += fmt::format("  try           {}\n", diagnosis.remedy);
   if (certificate != nullptr)

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "analysis/contact_rank.hpp"
+
 namespace conddp {
 namespace {
 
@@ -92,14 +94,53 @@ Diagnosis infeasible(const IterationRecord& last) {
       "others ask for; a minimum of the violation can also be a local one: another first guess"};
 }
 
-Diagnosis rounding_floor(const SolveResult& r, const IterationRecord& last) {
-  return {DiagnosisPattern::rounding_floor,
-          fmt::format("rounding of the cost hides what is left to gain; stationarity ends at "
-                      "{:.1e}{}",
-                      r.residuals.stationarity, at(last.stationarity_knot)),
-          last.stationarity_knot, "stationarity",
-          "a larger solver.tolerances.stationarity (the answer is as good as the cost's digits "
-          "allow), or smaller weights of costs that stay large"};
+/// A residual above its tolerance.
+struct Missed {
+  const char* quantity;
+  const char* option;  ///< of solver.tolerances
+  double value;
+  int knot;
+};
+
+std::vector<Missed> missed(const Residuals& r, const SolverOptions::Tolerances& t) {
+  std::vector<Missed> list;
+  const auto look = [&](const Missed& m, double tolerance) {
+    if (m.value > tolerance) list.push_back(m);
+  };
+  look({"gap", "gap", r.gap, r.gap_knot}, t.gap);
+  look({"stationarity", "stationarity", r.stationarity, r.stationarity_knot}, t.stationarity);
+  look({"constraint violation", "constraint", r.constraint, r.constraint_knot}, t.constraint);
+  look({"complementarity", "complementarity", r.complementarity, -1}, t.complementarity);
+  return list;
+}
+
+/// "stationarity 1.0e-05 at knot 3, complementarity 2.0e-06".
+std::string figures(const std::vector<Missed>& list) {
+  std::string text;
+  for (const Missed& m : list)
+    text += fmt::format("{}{} {:.1e}{}", text.empty() ? "" : ", ", m.quantity, m.value, at(m.knot));
+  return text.empty() ? std::string("all residuals are under their tolerances") : text;
+}
+
+Diagnosis rounding_floor(const SolveResult& r, const SolverOptions::Tolerances& t) {
+  const std::vector<Missed> list = missed(r.residuals, t);
+  Diagnosis d{DiagnosisPattern::rounding_floor,
+              "rounding of the cost hides what is left to gain: " + figures(list), -1, "", ""};
+  bool stationary = true;
+  std::string options;
+  for (const Missed& m : list) {
+    options += fmt::format("{}solver.tolerances.{}", options.empty() ? "" : ", ", m.option);
+    stationary &= std::string_view(m.option) != "stationarity";
+  }
+  if (!list.empty()) {
+    d.knot = list.front().knot;
+    d.quantity = list.front().quantity;
+    d.remedy = "a larger " + options + " (the answer is as good as the cost's digits allow), or ";
+  }
+  d.remedy += stationary && !list.empty()
+                  ? "constraints in units in which their multipliers are smaller"
+                  : "smaller weights of costs that stay large";
+  return d;
 }
 
 Diagnosis open_gaps(const Window& w) {
@@ -121,7 +162,8 @@ Diagnosis slow_feasibility(const Window& w) {
                       w.last().constraint, at(w.last().constraint_knot), w.first().constraint,
                       w.steps()),
           w.last().constraint_knot, "constraint violation",
-          "a larger penalty to begin with, or one that grows faster"};
+          "a larger solver.augmented_lagrangian.initial_penalty, or a larger penalty_factor beside "
+          "it"};
 }
 
 Diagnosis alternating(const Window& w) {
@@ -136,24 +178,39 @@ Diagnosis alternating(const Window& w) {
           "it), or a larger solver.box_qp.horizon_sweeps"};
 }
 
-Diagnosis plateau(const Window& w, bool regularised) {
+/// What lowers a regularisation that stays: its lower end where it lies there, else a threshold for
+/// "long" steps that those which are taken reach.
+std::string less_regularisation(const Window& w, const SolverOptions& options) {
+  const auto& r = options.regularization;
+  const double step = w.median_step();
+  if (w.last().regularization <= r.min) return "a smaller solver.regularization.min";
+  if (step <= 0 || step >= r.decrease_step)
+    return "solver.regularization.factor nearer to 1, so that it does not grow past what is "
+           "needed; a smaller solver.regularization.initial";
+  const double decrease = 0.9 * step;
+  return fmt::format(
+      "solver.regularization: {{decrease_step: {:.2g}, increase_step: {:.2g}}}, so that steps as "
+      "long as these lower it; a smaller solver.regularization.initial",
+      decrease, std::min(r.increase_step, 0.4 * decrease));
+}
+
+Diagnosis plateau(const Window& w, bool regularised, const SolverOptions& options) {
   std::string message = fmt::format(
       "stationarity stands still: {:.1e}{} after {:.1e} {} steps before, with {}",
       w.last().stationarity, at(w.last().stationarity_knot), w.first().stationarity, w.steps(),
       regularised ? fmt::format("regularisation {:.1e}", w.last().regularization)
                   : fmt::format("steps of {:.2g}", w.median_step()));
   return {DiagnosisPattern::plateau, std::move(message), w.last().stationarity_knot, "stationarity",
-          regularised ? "a smaller solver.regularization.min or .initial; solver.regularization."
-                        "decrease_step below the steps that are taken"
+          regularised ? less_regularisation(w, options)
                       : "exact Hessians (solver.hessian: exact), a first guess nearer to the "
                         "answer, smoother costs (smooth_l1 with a larger epsilon)"};
 }
 
-Diagnosis no_descent(const SolveResult& r, const IterationRecord& last) {
-  return {DiagnosisPattern::no_descent,
-          fmt::format("no step lowers the merit; stationarity {:.1e}{}", last.stationarity,
-                      at(last.stationarity_knot)),
-          last.stationarity_knot, "merit",
+Diagnosis no_descent(const SolveResult& r, const SolverOptions& options,
+                     const IterationRecord& last) {
+  const std::string left = figures(missed(r.residuals, options.tolerances));
+  return {DiagnosisPattern::no_descent, "no step lowers the merit: " + left, last.stationarity_knot,
+          "merit",
           interior_point(r)
               ? "derivatives ('conddp check --derivatives'), costs and constraints that are not "
                 "smooth, a first guess nearer to what is possible, solver.options: {mu_strategy: "
@@ -167,22 +224,34 @@ Diagnosis no_descent(const SolveResult& r, const IterationRecord& last) {
 
 Diagnosis unfinished(const SolveResult& r, const SolverOptions& options,
                      const IterationRecord& last) {
-  const auto& t = options.tolerances;
-  std::string message =
-      fmt::format("the solve stopped ({}) after {} iterations", to_string(r.status), r.iterations);
+  const std::vector<Missed> list = missed(r.residuals, options.tolerances);
   Diagnosis d{
-      DiagnosisPattern::unfinished, "", last.stationarity_knot, "stationarity",
+      DiagnosisPattern::unfinished,
+      fmt::format("the solve stopped ({}) after {} iterations while it made progress: {}",
+                  to_string(r.status), r.iterations, figures(list)),
+      last.stationarity_knot, "stationarity",
       "more iterations or time (solver.max_iterations, --max-time), or go on from here with "
       "--warm-start"};
-  if (last.gap > t.gap) {
-    d.knot = last.gap_knot;
-    d.quantity = "gap";
+  if (!list.empty()) {
+    d.knot = list.front().knot;
+    d.quantity = list.front().quantity;
   }
-  d.message = fmt::format(
-      "{} while it made progress: stationarity {:.1e}, gap {:.1e}, violation "
-      "{:.1e}",
-      message, last.stationarity, last.gap, last.constraint);
   return d;
+}
+
+/// Contacts that depend on each other leave their forces to the compliance of a singular G: steps
+/// then fail for a reason that no option of the solver removes.
+Diagnosis redundant(Diagnosis stuck, const ContactRank& contacts) {
+  std::string names;
+  for (const std::string& name : contacts.contacts)
+    names += (names.empty() ? "'" : ", '") + name + "'";
+  stuck.message += fmt::format(
+      "; the contacts {} depend on each other there: {} of their {} rows "
+      "are independent",
+      names, contacts.rank, contacts.rows);
+  return {DiagnosisPattern::redundant_contacts, std::move(stuck.message), stuck.knot, "contacts",
+          "contacts that hold less (type: point, planar or normal instead of surface, or one "
+          "fewer), joints that are not locked, or a posture in which limbs are bent"};
 }
 
 bool lost(const SolveResult& r) {
@@ -191,53 +260,21 @@ bool lost(const SolveResult& r) {
   return !std::isfinite(last.cost) || !std::isfinite(last.stationarity) || !std::isfinite(last.gap);
 }
 
-}  // namespace
-
-std::string_view to_string(DiagnosisPattern pattern) {
-  switch (pattern) {
-    case DiagnosisPattern::normal:
-      return "normal";
-    case DiagnosisPattern::growth:
-      return "growth";
-    case DiagnosisPattern::indefinite:
-      return "indefinite";
-    case DiagnosisPattern::infeasible:
-      return "infeasible";
-    case DiagnosisPattern::rounding_floor:
-      return "rounding_floor";
-    case DiagnosisPattern::open_gaps:
-      return "open_gaps";
-    case DiagnosisPattern::slow_feasibility:
-      return "slow_feasibility";
-    case DiagnosisPattern::alternating_active_set:
-      return "alternating_active_set";
-    case DiagnosisPattern::plateau:
-      return "plateau";
-    case DiagnosisPattern::no_descent:
-      return "no_descent";
-    case DiagnosisPattern::unfinished:
-      break;
-  }
-  return "unfinished";
-}
-
-Diagnosis diagnose(const SolveResult& result, const SolverOptions& options) {
-  if (result.status == SolveStatus::converged)
-    return {DiagnosisPattern::normal,
-            fmt::format("normal convergence in {} iterations", result.iterations), -1, "", ""};
+/// What the log alone says of a solve that did not converge.
+Diagnosis of_log(const SolveResult& result, const SolverOptions& options) {
   if (lost(result)) return growth(result);
   if (result.status == SolveStatus::infeasible) return infeasible(result.log.back());
   if (interior_point(result)) {
     return result.status == SolveStatus::line_search_failed ||
                    result.status == SolveStatus::regularization_limit
-               ? no_descent(result, result.log.back())
+               ? no_descent(result, options, result.log.back())
                : unfinished(result, options, result.log.back());
   }
   if (result.status == SolveStatus::regularization_limit) return indefinite(result);
   const Window w(result.log);
   const IterationRecord& last = w.last();
   const auto& t = options.tolerances;
-  if (result.failed_quantity == kRoundedCost) return rounding_floor(result, last);
+  if (result.failed_quantity == kRoundedCost) return rounding_floor(result, t);
   const bool stuck = result.status == SolveStatus::line_search_failed && result.failed_knot < 0;
   if (last.gap > t.gap &&
       (stuck || (w.steps() >= kFewest && w.stands_still(&IterationRecord::gap))))
@@ -255,12 +292,59 @@ Diagnosis diagnose(const SolveResult& result, const SolverOptions& options) {
         return r.regularization > 0 && r.regularization >= options.regularization.min;
       });
       const bool small_steps = w.median_step() <= 0.25;
-      if (small_steps || regularised == w.steps()) return plateau(w, regularised == w.steps());
+      if (small_steps || regularised == w.steps())
+        return plateau(w, regularised == w.steps(), options);
     }
   }
   if (result.status == SolveStatus::line_search_failed)
-    return result.failed_knot >= 0 ? growth(result) : no_descent(result, last);
+    return result.failed_knot >= 0 ? growth(result) : no_descent(result, options, last);
   return unfinished(result, options, last);
+}
+
+}  // namespace
+
+std::string_view to_string(DiagnosisPattern pattern) {
+  switch (pattern) {
+    case DiagnosisPattern::normal:
+      return "normal";
+    case DiagnosisPattern::growth:
+      return "growth";
+    case DiagnosisPattern::indefinite:
+      return "indefinite";
+    case DiagnosisPattern::infeasible:
+      return "infeasible";
+    case DiagnosisPattern::rounding_floor:
+      return "rounding_floor";
+    case DiagnosisPattern::redundant_contacts:
+      return "redundant_contacts";
+    case DiagnosisPattern::open_gaps:
+      return "open_gaps";
+    case DiagnosisPattern::slow_feasibility:
+      return "slow_feasibility";
+    case DiagnosisPattern::alternating_active_set:
+      return "alternating_active_set";
+    case DiagnosisPattern::plateau:
+      return "plateau";
+    case DiagnosisPattern::no_descent:
+      return "no_descent";
+    case DiagnosisPattern::unfinished:
+      break;
+  }
+  return "unfinished";
+}
+
+Diagnosis diagnose(const ShootingProblem& problem, const SolveResult& result,
+                   const SolverOptions& options) {
+  if (result.status == SolveStatus::converged)
+    return {DiagnosisPattern::normal,
+            fmt::format("normal convergence in {} iterations", result.iterations), -1, "", ""};
+  Diagnosis d = of_log(result, options);
+  if (d.pattern == DiagnosisPattern::open_gaps || d.pattern == DiagnosisPattern::plateau ||
+      d.pattern == DiagnosisPattern::no_descent)
+    if (const ContactRank contacts = contact_rank(problem, result.trajectory, d.knot);
+        contacts.redundant())
+      return redundant(std::move(d), contacts);
+  return d;
 }
 
 }  // namespace conddp

@@ -3,6 +3,7 @@
 #include <string>
 #include <string_view>
 
+#include "ocp/problem.hpp"
 #include "solvers/options.hpp"
 #include "solvers/solve_result.hpp"
 
@@ -20,6 +21,8 @@ enum class DiagnosisPattern {
   infeasible,
   /// What is left to gain drowns in the rounding of the cost.
   rounding_floor,
+  /// The contacts of the knot at which the solve stands still depend on each other.
+  redundant_contacts,
   /// The gaps of the dynamics do not close.
   open_gaps,
   /// Constraints are approached slowly although full steps are taken.
@@ -46,7 +49,9 @@ struct Diagnosis {
   std::string remedy;    ///< what to try, empty where nothing has to be
 };
 
-/// Reads it off the log, the status and the options; the rows at the end count, ten at most.
-Diagnosis diagnose(const SolveResult& result, const SolverOptions& options);
+/// Reads it off the log, the status and the options; the rows at the end count, ten at most. A
+/// remedy names options with values that they accept, and residuals that are above tolerance.
+Diagnosis diagnose(const ShootingProblem& problem, const SolveResult& result,
+                   const SolverOptions& options);
 
 }  // namespace conddp

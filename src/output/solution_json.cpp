@@ -259,7 +259,7 @@ OrderedJson head(const Solution& s) {
             {"sweep", r.times.sweep},
             {"rollout", r.times.rollout}}},
           {"initial_guess_used", guess_json(s)},
-          {"diagnosis", diagnosis_json(diagnose(r, s.spec.solver.options))},
+          {"diagnosis", diagnosis_json(diagnose(*s.built.problem, r, s.spec.solver.options))},
           {"constraints", violations_json(violations_by_name(*s.built.problem, values))},
           {"soft_constraints", violations_json(soft_violations(*s.built.problem, values))},
           {"dropped_constraints", std::move(dropped)}};

@@ -40,6 +40,34 @@ Place place_of(const RobotSpec& spec, const std::string& element) {
   return spec.urdf.place;
 }
 
+/// The joints that 'full' drives. A base has no motors: those that a planar one stands on are its
+/// first three joints.
+std::vector<int> motor_joints(const PlantPart& part, const RobotModel& model) {
+  std::vector<int> list;
+  const int first = part.spec->base == UrdfOptions::Base::planar ? 3 : 0;
+  for (int joint = part.first_joint + first; joint < part.first_joint + part.joint_count; ++joint)
+    if (is_independent(model, joint)) list.push_back(joint);
+  return list;
+}
+
+/// What gives controls to robots that have none.
+std::string actuation_hint(const std::vector<PlantPart>& parts, const RobotModel& model) {
+  const auto any = [&](auto property) { return std::any_of(parts.begin(), parts.end(), property); };
+  if (any([&](const PlantPart& part) { return !motor_joints(part, model).empty(); }))
+    return "give 'actuation: full', joints or thrusters";
+  const std::string none =
+      any([](const PlantPart& part) { return !part.spec->locked_joints.empty(); })
+          ? "all joints are locked or fixed: "
+          : "no joint moves: ";
+  if (any([](const PlantPart& p) { return p.spec->base == UrdfOptions::Base::planar; }))
+    return none +
+           "'full' leaves out those of the planar base, name them in 'actuation: {joints: "
+           "[...]}'";
+  if (any([](const PlantPart& p) { return p.spec->base == UrdfOptions::Base::floating; }))
+    return none + "give 'actuation: {thrusters: [...]}'";
+  return none + "nothing is left to control";
+}
+
 }  // namespace
 
 std::optional<RobotModel> load_robot(const RobotSpec& spec, const std::string& prefix,
@@ -83,12 +111,8 @@ std::optional<Actuation> make_actuation(const std::vector<PlantPart>& parts,
   std::vector<std::string> joints;
   for (const PlantPart& part : parts) {
     const ActuationSpec& spec = part.spec->actuation;
-    // A base has no motors: those that a planar one stands on are its first three joints.
-    const int first = part.spec->base == UrdfOptions::Base::planar ? 3 : 0;
-    for (int i = first; spec.full && i < part.joint_count; ++i) {
-      const int joint = part.first_joint + i;
-      if (is_independent(model, joint)) joints.push_back(model.joints[joint].name);
-    }
+    if (spec.full)
+      for (const int joint : motor_joints(part, model)) joints.push_back(model.joints[joint].name);
     for (const Name& name : spec.joints)
       for (const int joint : find_joints(model, name, part.prefix, out))
         if (std::find(joints.begin(), joints.end(), model.joints[joint].name) == joints.end())
@@ -111,11 +135,7 @@ std::optional<Actuation> make_actuation(const std::vector<PlantPart>& parts,
   }
   if (out.error_count() > errors) return std::nullopt;
   if (thrusters.empty() && joints.empty()) {
-    const bool drivable = std::any_of(model.joints.begin(), model.joints.end(),
-                                      [](const auto& j) { return j.type != JointType::floating; });
-    out.error(parts.front().spec->place, "nothing is actuated",
-              drivable ? "give 'actuation: full', joints or thrusters"
-                       : "no joint moves: give 'actuation: {thrusters: [...]}'");
+    out.error(parts.front().spec->place, "nothing is actuated", actuation_hint(parts, model));
     return std::nullopt;
   }
   return Actuation::thrusters(model, thrusters, joints);

@@ -194,7 +194,7 @@ void parse(std::string_view xml, const UrdfOptions& options, UrdfResult& result)
   if (report.has_errors()) return;
   if (!tree || !tree->getRoot()) return report.error({}, "urdfdom could not read the file");
 
-  check_urdf_physics(*tree, report);
+  check_urdf_physics(*tree, options, report);
   check_urdf_options(*tree, options, report);
   if (report.has_errors()) return;
   RobotModel model = build_model(*tree, options, report);

@@ -54,7 +54,8 @@ void check_axis(const urdf::Joint& joint, UrdfReport& report) {
                    fmt::format("its axis has length {:.6g} and is normalised", norm));
 }
 
-void check_limits(const urdf::Joint& joint, UrdfReport& report) {
+/// What it warns of is no matter where the joint is locked.
+void check_limits(const urdf::Joint& joint, bool locked, UrdfReport& report) {
   if (!joint.limits || !moves_along_one_axis(joint)) return;
   const urdf::JointLimits& limits = *joint.limits;
   const UrdfPlace place = at_joint(joint.name, "limit");
@@ -62,18 +63,18 @@ void check_limits(const urdf::Joint& joint, UrdfReport& report) {
   if (limits.effort < 0)
     report.error(place, fmt::format("its effort limit is {} {}", limits.effort, effort_unit),
                  "an effort limit cannot be negative");
-  else if (limits.effort == 0)
+  else if (limits.effort == 0 && !locked)
     report.warning(place, "its effort limit is 0: it cannot be actuated within the URDF's limits");
   if (limits.velocity < 0)
     report.error(place, fmt::format("its velocity limit is {}", limits.velocity),
                  "a velocity limit cannot be negative");
-  else if (limits.velocity == 0)
+  else if (limits.velocity == 0 && !locked)
     report.warning(place, "its velocity limit is 0: it cannot move within the URDF's limits");
   if (joint.type == urdf::Joint::CONTINUOUS) return;
   if (limits.lower > limits.upper)
     report.error(
         place, fmt::format("its lower limit {} is above the upper {}", limits.lower, limits.upper));
-  else if (limits.lower == limits.upper)
+  else if (limits.lower == limits.upper && !locked)
     report.warning(place,
                    fmt::format("its lower and upper limits are both {}: it cannot move within the "
                                "URDF's limits",
@@ -81,9 +82,9 @@ void check_limits(const urdf::Joint& joint, UrdfReport& report) {
                    "make it fixed or lock it if that is meant; a limit that is absent reads as 0");
 }
 
-void check_joint(const urdf::Joint& joint, UrdfReport& report) {
+void check_joint(const urdf::Joint& joint, bool locked, UrdfReport& report) {
   check_axis(joint, report);
-  check_limits(joint, report);
+  check_limits(joint, locked, report);
   if (joint.dynamics && (joint.dynamics->damping < 0 || joint.dynamics->friction < 0))
     report.error(at_joint(joint.name, "dynamics"), "its damping or friction is negative");
   const bool many_axes = joint.type == urdf::Joint::FLOATING || joint.type == urdf::Joint::PLANAR;
@@ -165,9 +166,11 @@ InertiaDefect inertia_defect(const Symmetric3<double>& central, double mass) {
           std::max(0.0, (moments[2] - moments[1] - moments[0]) / largest)};
 }
 
-void check_urdf_physics(const urdf::ModelInterface& tree, UrdfReport& report) {
+void check_urdf_physics(const urdf::ModelInterface& tree, const UrdfOptions& options,
+                        UrdfReport& report) {
   for (const auto& [name, link] : tree.links_) check_link(*link, report);
-  for (const auto& [name, joint] : tree.joints_) check_joint(*joint, report);
+  for (const auto& [name, joint] : tree.joints_)
+    check_joint(*joint, options.locked_joints.contains(name), report);
 }
 
 void check_urdf_options(const urdf::ModelInterface& tree, const UrdfOptions& options,

@@ -19,7 +19,9 @@ InertiaDefect inertia_defect(const Symmetric3<double>& central, double mass);
 inline constexpr double kInertiaTolerance = 1e-6;
 
 /// Masses, axes and limits of every link and joint, as far as one of them alone tells.
-void check_urdf_physics(const urdf::ModelInterface& tree, UrdfReport& report);
+/// Joints that are locked are not warned of limits that keep them from moving.
+void check_urdf_physics(const urdf::ModelInterface& tree, const UrdfOptions& options,
+                        UrdfReport& report);
 
 /// Names, values and payloads that were asked for.
 void check_urdf_options(const urdf::ModelInterface& tree, const UrdfOptions& options,

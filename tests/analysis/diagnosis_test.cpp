@@ -1,16 +1,24 @@
 #include "analysis/diagnosis.hpp"
 
+#include <cstdio>
+#include <set>
+
 #include <gtest/gtest.h>
 
+#include "robot/urdf.hpp"
 #include "support/small_problems.hpp"
+#include "systems/multibody.hpp"
 
 namespace conddp {
 namespace {
 
 /// A log of `rows` iterations, row by row from a function.
 template <class Row>
-Diagnosis diagnosis_of(int rows, Row row, SolveStatus status = SolveStatus::max_iterations) {
-  SolveResult result(testing::pendulum_swing_up());
+Diagnosis diagnosis_of(int rows, Row row, SolveStatus status = SolveStatus::max_iterations,
+                       const ShootingProblem& problem = testing::pendulum_swing_up(),
+                       std::string_view failed = "") {
+  SolveResult result(problem);
+  result.failed_quantity = failed;
   result.status = status;
   for (int i = 0; i < rows; ++i) {
     IterationRecord r;
@@ -23,16 +31,22 @@ Diagnosis diagnosis_of(int rows, Row row, SolveStatus status = SolveStatus::max_
     result.log.push_back(r);
   }
   result.iterations = rows - 1;
-  result.residuals.stationarity = result.log.back().stationarity;
-  result.residuals.gap = result.log.back().gap;
-  return diagnose(result, {});
+  const IterationRecord& last = result.log.back();
+  result.residuals = {.stationarity = last.stationarity,
+                      .gap = last.gap,
+                      .constraint = last.constraint,
+                      .complementarity = last.complementarity,
+                      .stationarity_knot = last.stationarity_knot,
+                      .gap_knot = last.gap_knot,
+                      .constraint_knot = last.constraint_knot};
+  return diagnose(problem, result, {});
 }
 
 TEST(Diagnosis, NamesAreDistinct) {
   std::set<std::string_view> names;
   for (int i = 0; i <= static_cast<int>(DiagnosisPattern::unfinished); ++i)
     names.insert(to_string(static_cast<DiagnosisPattern>(i)));
-  EXPECT_EQ(names.size(), 11u);
+  EXPECT_EQ(names.size(), 12u);
 }
 
 TEST(Diagnosis, GapsThatStayOpenComeBeforeEverythingElse) {
@@ -104,6 +118,87 @@ TEST(Diagnosis, AnInteriorPointMethodIsGivenNoAdviceOnRegularisation) {
     EXPECT_EQ(d.remedy.find("solver.regularization"), std::string::npos) << d.remedy;
     EXPECT_EQ(d.remedy.find("line_search"), std::string::npos) << d.remedy;
   }
+}
+
+// increase_step has to stay below decrease_step, and a threshold has to be one that steps reach.
+TEST(Diagnosis, WhatItAdvisesOnRegularisationIsAcceptedAndTakesEffect) {
+  for (const double step : {0.25, 0.06, 1e-3}) {
+    const Diagnosis d = diagnosis_of(20, [=](int, IterationRecord& r) {
+      r.step = step;
+      r.regularization = 10;
+    });
+    ASSERT_EQ(d.pattern, DiagnosisPattern::plateau);
+    SolverOptions options;
+    const auto at = d.remedy.find("{decrease_step");
+    ASSERT_NE(at, std::string::npos) << d.remedy;
+    ASSERT_EQ(
+        std::sscanf(d.remedy.c_str() + at, "{decrease_step: %lf, increase_step: %lf}",
+                    &options.regularization.decrease_step, &options.regularization.increase_step),
+        2)
+        << d.remedy;
+    EXPECT_TRUE(options.validate().empty()) << d.remedy;
+    EXPECT_LE(options.regularization.decrease_step, step);
+    EXPECT_LT(options.regularization.increase_step, step);
+  }
+  const Diagnosis full = diagnosis_of(20, [](int, IterationRecord& r) { r.regularization = 10; });
+  EXPECT_EQ(full.remedy.find("decrease_step"), std::string::npos) << full.remedy;
+}
+
+TEST(Diagnosis, ALargerToleranceIsAdvisedOfTheResidualThatIsMissed) {
+  const auto ended = [](double stationarity, double complementarity) {
+    return diagnosis_of(
+        8,
+        [=](int, IterationRecord& r) {
+          r.stationarity = stationarity;
+          r.complementarity = complementarity;
+        },
+        SolveStatus::line_search_failed, testing::pendulum_swing_up(), kRoundedCost);
+  };
+  const Diagnosis pairs = ended(1e-8, 3e-5);
+  EXPECT_EQ(pairs.pattern, DiagnosisPattern::rounding_floor);
+  EXPECT_EQ(pairs.quantity, "complementarity");
+  EXPECT_NE(pairs.message.find("complementarity 3.0e-05"), std::string::npos) << pairs.message;
+  EXPECT_NE(pairs.remedy.find("solver.tolerances.complementarity"), std::string::npos);
+  EXPECT_EQ(pairs.remedy.find("stationarity"), std::string::npos) << pairs.remedy;
+  const Diagnosis gradient = ended(3e-5, 1e-8);
+  EXPECT_EQ(gradient.quantity, "stationarity");
+  EXPECT_NE(gradient.remedy.find("solver.tolerances.stationarity"), std::string::npos);
+  EXPECT_EQ(gradient.remedy.find("complementarity"), std::string::npos) << gradient.remedy;
+}
+
+/// The hopper in its plane on contacts of its foot.
+ShootingProblem standing(int contacts) {
+  const UrdfResult urdf =
+      load_urdf(std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/robots/hopper.urdf",
+                {.base = UrdfOptions::Base::planar});
+  const auto robot = std::make_shared<const RobotModel>(urdf.model.value());
+  std::vector<Contact> feet;
+  for (int i = 0; i < contacts; ++i)
+    feet.push_back({.name = "foot" + std::to_string(i), .frame = *robot->find_frame("foot")});
+  const auto system = std::make_shared<MultibodySystem>(
+      robot, Actuation::joints(*robot, {"hip", "knee"}), PassiveForces{}, feet);
+  const std::vector<double> start = {0, 0.5, 0, 0.5, -1, 0, 0, 0, 0, 0};
+  const std::vector<double> ones(10, 1);
+  return testing::tracking_problem(system, Integrator::semi_implicit_euler, 9, 0.01, start,
+                                   {.goal = start, .q = ones, .r = {1, 1}, .qf = ones});
+}
+
+// A foot that two contacts hold has four rows in its plane, two of which say the same again. The
+// row out of the plane, in which nothing moves, is no fault of a single contact.
+TEST(Diagnosis, RedundantContactsAreNamedAndNoMarginOfTheMerit) {
+  const auto open = [](const ShootingProblem& problem) {
+    return diagnosis_of(
+        12, [](int, IterationRecord& r) { r.gap = 1; }, SolveStatus::line_search_failed, problem);
+  };
+  const Diagnosis twice = open(standing(2));
+  EXPECT_EQ(twice.pattern, DiagnosisPattern::redundant_contacts);
+  EXPECT_EQ(twice.knot, 5);
+  EXPECT_NE(twice.message.find("'foot0', 'foot1' depend on each other there: 2 of their 4 rows"),
+            std::string::npos)
+      << twice.message;
+  EXPECT_EQ(twice.remedy.find("merit_margin"), std::string::npos) << twice.remedy;
+  const Diagnosis once = open(standing(1));
+  EXPECT_EQ(once.pattern, DiagnosisPattern::open_gaps) << once.message;
 }
 
 TEST(Diagnosis, OnlyTheLastRowsCount) {

@@ -28,6 +28,23 @@ TEST(Check, SaysWhatItUnderstood) {
     EXPECT_NE(r.out.find(words), std::string::npos) << words << "\n" << r.out;
 }
 
+TEST(Check, TellsBoundsFromNormsAndSaysWhatTheSolverKeeps) {
+  const std::string file = source("problems/double_integrator_limits.yaml");
+  const ProcessResult norm =
+      run_conddp({"check", file, "--set", "constraints={push: {residual: control, at_most: 3}}"});
+  EXPECT_EQ(norm.exit_code, 0) << norm.err;
+  for (const char* words : {"push: bounds on the norm of control, in move\n",
+                            "goal: constraint on state, at the last node\n",
+                            ": keeps the constraints\n", "state: q/0, v/0; control: u/0\n"})
+    EXPECT_NE(norm.out.find(words), std::string::npos) << words << "\n" << norm.out;
+  const ProcessResult both = run_conddp({"check", file});
+  EXPECT_NE(both.out.find("force: bounds on the control, in move\n"), std::string::npos)
+      << both.out;
+  EXPECT_NE(both.out.find(": keeps the control bounds and the constraints\n"), std::string::npos);
+  const ProcessResult none = run_conddp({"check", kPendulum, "--set", "constraints={}"});
+  EXPECT_NE(none.out.find(": nothing is constrained\n"), std::string::npos) << none.out;
+}
+
 TEST(Check, ListsContactsOfPhasesAndThoseThatMayBeFound) {
   const ProcessResult scheduled = run_conddp({"check", source("problems/hopper_cycle.yaml")});
   for (const char* words :

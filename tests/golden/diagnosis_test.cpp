@@ -31,7 +31,7 @@ TEST_P(DiagnosisOf, ARealSolve) {
   ASSERT_TRUE(built) << format_diagnostics(out, false);
   const SolveResult result =
       solve(*built->problem, spec->solver.name.value, spec->solver.options, built->guess);
-  const Diagnosis d = diagnose(result, spec->solver.options);
+  const Diagnosis d = diagnose(*built->problem, result, spec->solver.options);
   EXPECT_EQ(to_string(d.pattern), to_string(p.pattern)) << result.message << "\n" << d.message;
   EXPECT_EQ(d.quantity, p.quantity);
   EXPECT_FALSE(d.message.empty());

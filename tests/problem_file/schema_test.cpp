@@ -1,5 +1,6 @@
 // The reader and schemas/problem.schema.json say the same.
 #include <cmath>
+#include <cstring>
 #include <set>
 
 #include <gtest/gtest.h>
@@ -10,6 +11,7 @@
 #include "schema_document.hpp"
 #include "solvers/option_table.hpp"
 #include "solvers/registry.hpp"
+#include "systems/catalogue.hpp"
 
 namespace conddp {
 namespace {
@@ -32,6 +34,37 @@ TEST(Schema, EveryReadyProblemFitsAndBuilds) {
   }
   const std::vector<bool> bad = violations(documents);
   for (std::size_t i = 0; i < files.size(); ++i) EXPECT_FALSE(bad[i]) << files[i];
+}
+
+// Users name these columns in references, bounds and weights.
+TEST(Schema, DescribesASystemByTheNamesOfItsColumns) {
+  const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(1, 1);
+  const std::pair<const char*, std::shared_ptr<const System>> systems[] = {
+      {"double_integrator", double_integrator(1)},
+      {"linear", linear_system(one, one, Eigen::VectorXd::Zero(1))},
+      {"pendulum", pendulum({})},
+      {"cartpole", cartpole({})},
+      {"acrobot", acrobot({})},
+      {"unicycle", unicycle()},
+      {"car", car(2, 0.1)},
+      {"planar_quadrotor", planar_quadrotor({})},
+      {"quadrotor", quadrotor({})},
+      {"lander", lander({})}};
+  const Json types = load_schema().at("definitions").at("system").at("oneOf");
+  EXPECT_EQ(types.size(), std::size(systems));
+  for (const auto& [name, system] : systems)
+    for (const Json& type : types) {
+      const Json& head = type.at("properties").at("type");
+      if (head.at("const") != name) continue;
+      std::string words = head.at("description");
+      for (char& letter : words)
+        if (std::strchr("(),;", letter) != nullptr) letter = ' ';
+      words = " " + words + " ";
+      for (const auto* columns : {&system->state_columns(), &system->control_columns()})
+        for (const Column& column : *columns)
+          EXPECT_NE(words.find(" " + column.name + " "), std::string::npos)
+              << name << " does not name " << column.name << ": " << words;
+    }
 }
 
 TEST(Schema, RefusesWhatTheReaderRefuses) {

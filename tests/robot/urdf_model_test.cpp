@@ -136,6 +136,17 @@ TEST(UrdfLimits, ZeroOnesAreKeptWithAWarning) {
   EXPECT_EQ(problem_with(result, "limits are both 0"), "j");
 }
 
+TEST(UrdfLimits, ZeroOnesOfALockedJointAreNoMatter) {
+  const UrdfResult result =
+      parse_urdf(robot_element(link_element("a") + link_element("b") + link_element("c") +
+                               joint_element("j", "revolute", "a", "b",
+                                             "<limit effort=\"0\" velocity=\"0\"/>") +
+                               joint_element("k", "continuous", "b", "c")),
+                 "f", {.locked_joints = {{"j", 0}}});
+  ASSERT_TRUE(result.model);
+  EXPECT_TRUE(result.problems.empty()) << result.problems.front().message;
+}
+
 TEST(UrdfMerging, AFixedLinkAddsItsInertiaAndKeepsItsFrames) {
   const std::string tail = joint_element("weld", "fixed", "b", "c", kOrigin) +
                            joint_element("j", "continuous", "a", "b", "<axis xyz=\"0 1 0\"/>");
