@@ -158,6 +158,11 @@ int solve_file(const SolveArguments& arguments) {
     print_result(summary_text(solution, certificate ? &*certificate : nullptr, written,
                               terminal_of(1).colour, hidden_notes));
   }
+  if (certificate && !certificate->checks.computable()) {
+    print_error("the answer cannot be checked: " + certificate_line(*certificate),
+                "its numbers are so large that rounding or overflow eats what they should say");
+    return std::max(kExitNotConverged, exit_code(result.status));
+  }
   if (certificate && !certificate->checks.holds()) {
     print_error("the certificate of the answer " + certificate_line(*certificate),
                 "this is a defect of conddp; please report it with the command and its files");

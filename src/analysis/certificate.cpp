@@ -386,6 +386,12 @@ int Certificate::failures() const {
       std::count_if(checks.begin(), checks.end(), [](const Check& c) { return !c.holds; }));
 }
 
+bool Certificate::computable() const {
+  return std::none_of(checks.begin(), checks.end(), [](const Check& c) {
+    return !c.holds && !std::isnan(c.tolerance) && !std::isfinite(c.found);
+  });
+}
+
 Certificate certify(const ShootingProblem& problem, const SolutionClaims& claims) {
   Certificate certificate = Judge(problem, claims).run();
   if (certificate.holds()) return certificate;

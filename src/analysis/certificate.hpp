@@ -27,6 +27,9 @@ struct Certificate {
 
   bool holds() const;
   int failures() const;
+  /// Whether all figures that were checked are finite. Where numbers left the finite ones on the
+  /// way to them, a check that fails says nothing of whoever made the claim.
+  bool computable() const;
 };
 
 /// Judges an answer to a problem: evaluates every knot in scalar arithmetic, compares costs, gaps,

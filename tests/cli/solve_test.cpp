@@ -103,6 +103,16 @@ TEST(Solve, StopsAfterTheTimeAllowed) {
   EXPECT_EQ(Json::parse(read_file(folder.path() / "out/solution.json"))["status"], "time_limit");
 }
 
+TEST(Solve, NumbersThatLeaveTheFiniteOnesAreNoDefect) {
+  // So far from the world's origin an inertia of 1 kg m² vanishes beside m r².
+  const TemporaryFolder folder;
+  const ProcessResult r = run_conddp({"solve", source("problems/cartpole_swingup.yaml"), "--set",
+                                      "initial_state.joints.slider=1e8", "-o", folder.path()});
+  EXPECT_EQ(r.exit_code, 1) << r.err;
+  EXPECT_EQ(folder.files(), kOutputs);
+  EXPECT_EQ(r.err.find("defect"), std::string::npos) << r.err;
+}
+
 TEST(Solve, SignalsLeaveTheBestIterate) {
   for (const int number : {SIGINT, SIGTERM}) {
     const TemporaryFolder folder;
