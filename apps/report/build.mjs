@@ -1,5 +1,6 @@
 // Bundles the page of `conddp report` into one file that needs nothing else: node build.mjs OUT.html
 // Runs in this folder, or in a copy of it, with its packages installed.
+import {createHash} from 'node:crypto';
 import {readFileSync, writeFileSync} from 'node:fs';
 import {build} from 'esbuild';
 
@@ -14,5 +15,9 @@ const fill = (text, mark, content) => {
   if (parts.length !== 2) throw new Error(`index.html should have ${mark} once`);
   return parts.join(content);
 };
-writeFileSync(out, fill(fill(page, '/*STYLE*/', style.outputFiles[0].text), '/*SCRIPT*/',
-                        script.outputFiles[0].text));
+// The page's policy names its own script and style by their hashes, so that no other runs in it.
+const hash = text => `sha256-${createHash('sha256').update(text, 'utf8').digest('base64')}`;
+let filled = page;
+for (const [mark, text] of [['SCRIPT', script.outputFiles[0].text], ['STYLE', style.outputFiles[0].text]])
+  filled = fill(fill(filled, `/*${mark}-HASH*/`, hash(text)), `/*${mark}*/`, text);
+writeFileSync(out, filled);

@@ -104,6 +104,50 @@ test('the trot is smaller than 1.5 MB and opens', async t => {
   t.diagnostic(`there after ${there.toFixed(0)} ms`);
 });
 
+test('no script or style runs but those of the page, whose hashes its policy names', async () => {
+  const {page: file} = solve(join(source, 'problems/pendulum_swingup.yaml'), 'policy');
+  const text = readFileSync(file, 'utf8');
+  assert.ok(!text.includes('unsafe-inline'));
+  const foreign = join(folder, 'policy/foreign.html');
+  const parts = text.split('</body>');
+  const end = parts.pop();
+  writeFileSync(foreign, `${parts.join('</body>')}<script>window.hacked = 1</script>` +
+      `<style>footer { display: none }</style></body>${end}`);
+  const {page, context, complaints} = await open(foreign);
+  assert.equal(await page.evaluate(() => window.hacked), undefined);
+  assert.equal(await page.locator('#foot').isVisible(), true);
+  assert.equal(complaints.filter(text => /Content Security Policy/.test(text)).length, 2, complaints.join());
+  await context.close();
+});
+
+test('a mesh without normals is lit, and one with normals keeps them', async () => {
+  const triangle = normal => `solid s\nfacet normal ${normal}\nouter loop\nvertex 0 0 0\n` +
+      'vertex 0.2 0 0\nvertex 0 0.2 0\nendloop\nendfacet\nendsolid s\n';
+  const meshes = ['0 0 0', '0 1 0', 'nan nan nan'];
+  const expected = [[0, 0, 1], [0, 1, 0], [0, 0, 1]];
+  meshes.forEach((normal, i) => writeFileSync(join(folder, `mesh_${i}.stl`), triangle(normal)));
+  const urdf = readFileSync(join(source, 'problems/robots/arm7.urdf'), 'utf8');
+  const visuals = meshes.map((_, i) =>
+      `<visual><geometry><mesh filename="mesh_${i}.stl"/></geometry></visual>`).join('');
+  writeFileSync(join(folder, 'meshes.urdf'),
+                urdf.replace('<link name="link_1">', `<link name="link_1">${visuals}`));
+  const problem = join(folder, 'meshes.yaml');
+  writeFileSync(problem, readFileSync(join(source, 'problems/arm_reach.yaml'), 'utf8')
+      .replace('robots/arm7.urdf', 'meshes.urdf'));
+  const {page: file} = solve(problem, 'meshes');
+  const {page, context} = await open(file);
+  const normals = await page.evaluate(() => {
+    const found = [];
+    window.conddp.viewer.robot.root.traverse(part => {
+      if (part.isMesh && part.geometry.getAttribute('position').count === 3)
+        found.push(Array.from(part.geometry.getAttribute('normal').array.slice(0, 3)));
+    });
+    return found;
+  });
+  assert.deepEqual(normals.map(n => n.map(x => Math.round(x * 1e6) / 1e6 + 0)), expected);
+  await context.close();
+});
+
 test('hostile names stay text', async () => {
   const name = '</script><script>window.hacked=1</script>"\'&<img src=x onerror=window.hacked=2>😀';
   const problem = join(folder, 'hostile.yaml');

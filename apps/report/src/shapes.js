@@ -28,6 +28,22 @@ function bytes(base64) {
   return data;
 }
 
+/// Gives facets that came without a normal (zeros, which would be black) the one of their corners.
+function completeNormals(form) {
+  const given = form.getAttribute('normal');
+  const missing = [];
+  for (let i = 0; i < given.count; ++i) {
+    const square = given.getX(i) ** 2 + given.getY(i) ** 2 + given.getZ(i) ** 2;
+    if (!(square > 0.25 && square < 4)) missing.push(i);
+  }
+  if (missing.length === 0) return form;
+  const computed = form.clone();
+  computed.computeVertexNormals();  // three corners of its own a facet: flat
+  const corners = computed.getAttribute('normal');
+  for (const i of missing) given.setXYZ(i, corners.getX(i), corners.getY(i), corners.getZ(i));
+  return form;
+}
+
 function geometry(shape) {
   switch (shape.kind) {
     case 'box':
@@ -40,7 +56,7 @@ function geometry(shape) {
     case 'ellipsoid':
       return new THREE.SphereGeometry(1, 24, 16).scale(...shape.radii);
     case 'stl':
-      return new STLLoader().parse(bytes(shape.data).buffer).scale(...shape.scale);
+      return completeNormals(new STLLoader().parse(bytes(shape.data).buffer)).scale(...shape.scale);
     default:
       return null;
   }
