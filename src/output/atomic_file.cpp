@@ -44,6 +44,35 @@ void write_all(int descriptor, const std::string& contents, const std::filesyste
   }
 }
 
+/// Where the contents of a file go: to what it links to. Nothing but a regular file is replaced: in
+/// the place of a device, pipe or socket there would be a regular file afterwards.
+std::filesystem::path written_file(const std::filesystem::path& file) {
+  std::filesystem::path target = file;
+  constexpr int kMostLinks = 40;  // as many as the system follows
+  for (int links = 0;; ++links) {
+    std::error_code error;
+    const auto status = std::filesystem::symlink_status(target, error);
+    switch (status.type()) {
+      case std::filesystem::file_type::not_found:
+      case std::filesystem::file_type::regular:
+        return target;
+      case std::filesystem::file_type::directory:
+        fail(file, EISDIR);
+      case std::filesystem::file_type::symlink:
+        if (links == kMostLinks) fail(file, ELOOP);
+        target = target.parent_path() / std::filesystem::read_symlink(target, error);
+        if (error) fail(file, error.value());
+        break;
+      case std::filesystem::file_type::none:
+      case std::filesystem::file_type::unknown:
+        fail(file, error.value());
+      default:
+        throw OutputError(
+            fmt::format("'{}' cannot be written: it is no regular file", file.string()));
+    }
+  }
+}
+
 std::filesystem::path temporary_name(const std::filesystem::path& file, const char* kind) {
   return file.parent_path() /
          fmt::format(".{}.{}.{}.tmp", file.filename().string(), kind, ::getpid());
@@ -57,7 +86,11 @@ void remove_leftovers(const std::filesystem::path& file) {
   for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
     const std::string name = entry.path().filename().string();
     if (!name.starts_with(start) || !name.ends_with(".tmp")) continue;
-    Descriptor leftover(::open(entry.path().c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
+    // A pipe of such a name is not ours, and opening it would wait for a writer.
+    if (std::error_code unknown; !std::filesystem::is_regular_file(entry.symlink_status(unknown)))
+      continue;
+    Descriptor leftover(
+        ::open(entry.path().c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
     if (leftover.get() >= 0 && ::flock(leftover.get(), LOCK_EX | LOCK_NB) == 0)
       ::unlink(entry.path().c_str());
   }
@@ -85,9 +118,8 @@ AtomicFiles::~AtomicFiles() {
   }
 }
 
-void AtomicFiles::add(const std::filesystem::path& file, const std::string& contents) {
-  std::error_code error;
-  if (std::filesystem::is_directory(file, error)) fail(file, EISDIR);
+void AtomicFiles::add(const std::filesystem::path& name, const std::string& contents) {
+  const std::filesystem::path file = written_file(name);
   remove_leftovers(file);
   const std::filesystem::path temporary = temporary_name(file, "new");
   const int lock = create_locked(temporary, file);

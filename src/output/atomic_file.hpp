@@ -28,7 +28,8 @@ class AtomicFiles {
   /// Removes what was not committed.
   ~AtomicFiles();
 
-  /// Writes the temporary file. Throws OutputError.
+  /// Writes the temporary file. A link stays one, and what it leads to is written. Throws
+  /// OutputError, also where the name is that of a folder, device, pipe or socket.
   void add(const std::filesystem::path& file, const std::string& contents);
   /// Gives all files their names. Throws OutputError.
   void commit();

@@ -2,6 +2,9 @@
 
 #include <fstream>
 
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
 #include <unistd.h>
 
 #include <gtest/gtest.h>
@@ -82,6 +85,55 @@ TEST_F(AtomicFile, LeftoversOfTheDeadAreRemovedAndOfTheLivingKept) {
   EXPECT_EQ(read("a"), "two");
   EXPECT_EQ(read("b"), "one");
   EXPECT_EQ(count(), 2);
+}
+
+TEST_F(AtomicFile, APipeNamedLikeALeftoverIsLeftAlone) {
+  ASSERT_EQ(mkfifo((folder_ / ".a.new.1.tmp").c_str(), 0600), 0);
+  AtomicFiles files;
+  files.add(folder_ / "a", "one");  // which does not wait for a writer
+  files.commit();
+  EXPECT_EQ(read("a"), "one");
+  EXPECT_TRUE(std::filesystem::is_fifo(folder_ / ".a.new.1.tmp"));
+}
+
+TEST_F(AtomicFile, WhatIsNoRegularFileIsNotReplaced) {
+  ASSERT_EQ(mkfifo((folder_ / "pipe").c_str(), 0600), 0);
+  const int socket = ::socket(AF_UNIX, SOCK_STREAM, 0);
+  sockaddr_un address{.sun_family = AF_UNIX, .sun_path = {}};
+  (folder_ / "socket").string().copy(address.sun_path, sizeof(address.sun_path) - 1);
+  ASSERT_EQ(bind(socket, reinterpret_cast<sockaddr*>(&address), sizeof(address)), 0);
+  ::close(socket);
+  std::filesystem::create_symlink("pipe", folder_ / "link");
+  std::filesystem::create_symlink("circle", folder_ / "circle");
+  AtomicFiles files;
+  for (const char* name : {"pipe", "socket", "link", "circle"})
+    EXPECT_THROW(files.add(folder_ / name, "new"), OutputError) << name;
+  files.commit();
+  EXPECT_TRUE(std::filesystem::is_fifo(folder_ / "pipe"));
+  EXPECT_TRUE(std::filesystem::is_socket(folder_ / "socket"));
+  EXPECT_EQ(count(), 4);
+}
+
+TEST_F(AtomicFile, ALinkStaysAndItsTargetIsWritten) {
+  std::filesystem::create_directory(folder_ / "far");
+  std::ofstream(folder_ / "far/target") << "former";
+  std::filesystem::create_symlink("far/target", folder_ / "link");
+  std::filesystem::create_symlink("link", folder_ / "second");
+  std::filesystem::create_symlink("far/absent", folder_ / "dangling");
+  {
+    AtomicFiles dropped;
+    dropped.add(folder_ / "second", "dropped");
+  }
+  EXPECT_EQ(read("far/target"), "former");
+  AtomicFiles files;
+  files.add(folder_ / "second", "new");
+  files.add(folder_ / "dangling", "fresh");
+  files.commit();
+  EXPECT_EQ(read("far/target"), "new");
+  EXPECT_EQ(read("far/absent"), "fresh");
+  for (const char* name : {"link", "second", "dangling"})
+    EXPECT_TRUE(std::filesystem::is_symlink(folder_ / name)) << name;
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_ / "far"), {}), 2);
 }
 
 TEST_F(AtomicFile, ErrorsNameTheFile) {
