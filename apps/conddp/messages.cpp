@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "robot/utf8.hpp"
 #include "streams.hpp"
 #include "terminal.hpp"
 
@@ -23,7 +24,7 @@ std::string json_line(const Diagnostic& d) {
                      {"message", d.message},
                      {"hint", d.hint},
                      {"accepted", d.accepted}};
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+  return terminal_text(json.dump(-1, ' ', false, Json::error_handler_t::replace)) + "\n";
 }
 
 std::string json_lines(const Diagnostics& diagnostics, Severity least) {

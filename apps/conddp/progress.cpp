@@ -6,6 +6,7 @@
 #include "ocp/by_name.hpp"
 #include "output/certificate_report.hpp"
 #include "output/contact_report.hpp"
+#include "robot/utf8.hpp"
 #include "streams.hpp"
 
 namespace conddp {
@@ -40,11 +41,9 @@ std::string summary_text(const Solution& s, const SolutionCertificate* certifica
                          const std::vector<std::string>& written, bool colour, int notes) {
   const SolveResult& r = s.result;
   const bool good = r.status == SolveStatus::converged;
-  const char* tint = !colour ? "" : good ? "\033[1;32m" : "\033[1;33m";
-  const char* end = colour ? "\033[0m" : "";
-  std::string text =
-      fmt::format("{}: {}{}{} ({}, {} iterations, {:.3f} s)\n", s.spec.name.value, tint,
-                  to_string(r.status), end, s.solver.name, r.iterations, r.times.total);
+  const std::string head = s.spec.name.value + ": ";
+  std::string text = fmt::format("{}{} ({}, {} iterations, {:.3f} s)\n", head, to_string(r.status),
+                                 s.solver.name, r.iterations, r.times.total);
   if (!good && !r.message.empty()) text += fmt::format("  {}\n", r.message);
   text += fmt::format("  cost          {:.9g}\n", r.cost);
   for (const auto& [name, value] : cost_by_name(*s.built.problem, r.trajectory))
@@ -77,7 +76,11 @@ std::string summary_text(const Solution& s, const SolutionCertificate* certifica
     text += fmt::format("  notes         {} on what the robot's file has and conddp ignores: -v\n",
                         notes);
   for (const std::string& file : written) text += fmt::format("  written       {}\n", file);
-  return text;
+  text = terminal_text(text);
+  if (!colour) return text;
+  const std::size_t status = terminal_text(head).size();
+  text.insert(status + to_string(r.status).size(), "\033[0m");
+  return text.insert(status, good ? "\033[1;32m" : "\033[1;33m");
 }
 
 }  // namespace conddp

@@ -116,6 +116,7 @@ std::unique_ptr<SolvedProblem> problem_of(ReportEntry& entry, const std::string&
         (about.list().empty() ? "" : about.list().front().message);
   }
   for (Diagnostic d : about.list()) {
+    d.source = -1;  // `out` knows other texts; that of a file is read again
     if (d.severity == Severity::kError) d.severity = Severity::kWarning;
     out.add(std::move(d));
   }

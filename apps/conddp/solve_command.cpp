@@ -155,8 +155,8 @@ int solve_file(const SolveArguments& arguments) {
     if (certificate) add_certificate(certificate_json(*certificate), head);
     print_result(json_text(head));
   } else if (!arguments.quiet) {
-    print_result(summary_text(solution, certificate ? &*certificate : nullptr, written,
-                              terminal_of(1).colour, hidden_notes));
+    print_as_it_is(summary_text(solution, certificate ? &*certificate : nullptr, written,
+                                terminal_of(1).colour, hidden_notes));
   }
   if (certificate && !certificate->checks.computable()) {
     print_error("the answer cannot be checked: " + certificate_line(*certificate),

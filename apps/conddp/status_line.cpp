@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "robot/utf8.hpp"
 #include "streams.hpp"
 #include "terminal.hpp"
 
@@ -33,7 +34,7 @@ void StatusLine::show(const IterationRecord& row) {
 
 void StatusLine::show(const std::string& figures) {
   if (!active_) return;
-  figures_ = ", " + figures;
+  figures_ = ", " + printable(figures);
   refresh();
 }
 

@@ -7,6 +7,8 @@
 
 #include <fcntl.h>
 
+#include "robot/utf8.hpp"
+
 namespace conddp {
 namespace {
 
@@ -28,7 +30,9 @@ void prepare_streams() {
     if (::fcntl(descriptor, F_GETFD) == -1 && errno == EBADF) (void)::open("/dev/null", O_RDONLY);
 }
 
-void print_result(std::string_view text) {
+void print_result(std::string_view text) { print_as_it_is(terminal_text(text)); }
+
+void print_as_it_is(std::string_view text) {
   remember(std::fwrite(text.data(), 1, text.size(), stdout) != text.size());
 }
 

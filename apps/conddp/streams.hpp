@@ -8,8 +8,12 @@ namespace conddp {
 /// nothing, and files that are opened never take the place of a standard stream that is closed.
 void prepare_streams();
 
-/// Results, to stdout. What cannot be written is reported by finish_results().
+/// Results, to stdout, in a form that no terminal takes for commands (terminal_text): names from
+/// inputs may hold anything. What cannot be written is reported by finish_results().
 void print_result(std::string_view text);
+
+/// The same for a text that has that form, but for our own colours.
+void print_as_it_is(std::string_view text);
 
 /// Messages and progress, to stderr, at once.
 void print_message(std::string_view text);

@@ -27,8 +27,8 @@ std::string excerpt(std::string_view line, int column, int room, const char* car
     if (starts_character(c) && ++character >= first + width) break;
     if (character >= first) part += c == '\t' || c == '\r' ? ' ' : c;
   }
-  for (std::size_t bad; (bad = find_bad_character(part)) != std::string::npos;) part[bad] = '?';
-  const std::string shown = (first > 0 ? "..." : "") + part + (first + width < count ? "..." : "");
+  const std::string shown =
+      (first > 0 ? "..." : "") + masked(part) + (first + width < count ? "..." : "");
   const int indent = (first > 0 ? 3 : 0) + column - 1 - first;
   return fmt::format("  {}\n  {}{}^{}\n", shown, std::string(std::max(indent, 0), ' '), caret_start,
                      caret_end);

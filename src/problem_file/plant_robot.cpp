@@ -85,7 +85,8 @@ std::optional<RobotModel> load_robot(const RobotSpec& spec, const std::string& p
     } else {
       const Place place = place_of(spec, problem.element);
       d.path = place.path;
-      if (place.mark.source >= 0) d.file = out.source_name(place.mark.source);
+      d.source = place.mark.source;
+      if (d.source >= 0) d.file = out.source_name(d.source);
       d.line = place.mark.line;
       d.column = place.mark.column;
     }

@@ -25,6 +25,30 @@ std::size_t character_length(std::string_view text, std::size_t i) {
   return length;
 }
 
+/// Whether a terminal takes it for a command, or shows what follows elsewhere than it stands.
+bool is_control_point(unsigned code) {
+  return code < 0x20 || (code >= 0x7F && code < 0xA0) || code == 0x061C || code == 0x200E ||
+         code == 0x200F || (code >= 0x2028 && code <= 0x202E) || (code >= 0x2066 && code <= 0x2069);
+}
+
+struct Character {
+  std::string_view bytes;
+  unsigned code = 0;   ///< its code point; the byte where it is no UTF-8
+  bool valid = false;  ///< UTF-8
+  bool shown = false;  ///< any terminal shows it as it stands
+};
+
+/// The character that starts at `i`, or the byte there.
+Character character_at(std::string_view text, std::size_t i) {
+  const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(text[i + k]); };
+  const std::size_t length = character_length(text, i);
+  if (length == 0) return {text.substr(i, 1), byte(0)};
+  constexpr unsigned kFirstBits[] = {0, 0x7F, 0x1F, 0x0F, 0x07};
+  unsigned code = byte(0) & kFirstBits[length];
+  for (std::size_t k = 1; k < length; ++k) code = (code << 6) | (byte(k) & 0x3F);
+  return {text.substr(i, length), code, true, !is_control_point(code)};
+}
+
 }  // namespace
 
 std::size_t find_bad_character(std::string_view text) {
@@ -49,15 +73,42 @@ std::string printable(std::string_view text) {
   std::string shown;
   for (std::size_t i = 0; i < text.size();) {
     if (shown.size() > kLongest) return shown + "...";
-    const unsigned byte = static_cast<unsigned char>(text[i]);
-    const std::size_t length = character_length(text, i);
-    if (byte == '\n' || byte == '\t' || byte == '\r')
-      shown += byte == '\n' ? "\\n" : byte == '\t' ? "\\t" : "\\r";
-    else if (is_control(byte) || length == 0)
-      shown += fmt::format("\\x{:02X}", byte);
+    const Character c = character_at(text, i);
+    if (c.code == '\n' || c.code == '\t' || c.code == '\r')
+      shown += c.code == '\n' ? "\\n" : c.code == '\t' ? "\\t" : "\\r";
+    else if (c.shown)
+      shown += c.bytes;
     else
-      shown += text.substr(i, length);
-    i += length == 0 ? 1 : length;
+      shown +=
+          c.bytes.size() == 1 ? fmt::format("\\x{:02X}", c.code) : fmt::format("\\u{:04X}", c.code);
+    i += c.bytes.size();
+  }
+  return shown;
+}
+
+std::string terminal_text(std::string_view text) {
+  std::string shown;
+  shown.reserve(text.size());
+  for (std::size_t i = 0; i < text.size();) {
+    const Character c = character_at(text, i);
+    if (c.shown || c.code == '\n' || c.code == '\t')
+      shown += c.bytes;
+    else
+      shown += c.valid ? fmt::format("\\u{:04X}", c.code) : fmt::format("\\x{:02X}", c.code);
+    i += c.bytes.size();
+  }
+  return shown;
+}
+
+std::string masked(std::string_view text) {
+  std::string shown;
+  for (std::size_t i = 0; i < text.size();) {
+    const Character c = character_at(text, i);
+    if (c.shown)
+      shown += c.bytes;
+    else
+      shown += '?';
+    i += c.bytes.size();
   }
   return shown;
 }

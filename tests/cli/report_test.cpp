@@ -64,6 +64,26 @@ TEST_F(ReportCommand, ASolutionWhoseProblemIsGoneIsDrawnWithItsCurvesAndARemark)
             std::string::npos);
 }
 
+TEST_F(ReportCommand, WhatIsWrongWithASolutionsProblemIsShownWhereItStands) {
+  const std::string problem = folder_.write("changed.yaml", read_file(kPendulum));
+  ASSERT_EQ(run_conddp({"solve", problem, "--quiet", "-o", folder_.path() / "a", "--set",
+                        "solver.max_iterations=300", "--set", "costs.effort.weight=0.002"})
+                .exit_code,
+            0);
+  const std::string solution = folder_.path() / "a/solution.json";
+  // Wrong in the file, then in a setting of the solution.
+  for (const auto& [from, to, line] : {std::tuple("knots: 50", "knots: many", "changed.yaml:9:"),
+                                       std::tuple("  effort:", "  effert:", "--set:1:")}) {
+    std::string text = read_file(kPendulum);
+    ASSERT_NE(text.find(from), std::string::npos) << from;
+    folder_.write("changed.yaml", text.replace(text.find(from), std::string(from).size(), to));
+    const ProcessResult r = run_conddp({"report", solution});
+    EXPECT_EQ(r.exit_code, 0) << r.err;
+    EXPECT_NE(r.err.find(line), std::string::npos) << r.err;
+    EXPECT_EQ(r.err.find("conddp.solution"), std::string::npos) << r.err;
+  }
+}
+
 TEST_F(ReportCommand, ABadSolutionIsRefusedAndNothingIsWritten) {
   const std::string solution = solve("a", "box_fddp");
   const nlohmann::json good = nlohmann::json::parse(read_file(solution));

@@ -133,5 +133,49 @@ TEST(Terminal, CtrlCWritesTheBestIterate) {
   EXPECT_TRUE(std::filesystem::exists(folder.path() / "out/trajectory.csv"));
 }
 
+/// Whether a terminal would take some of the text for commands.
+bool commands_a_terminal(const std::string& text) {
+  for (const char* command : {"\x1B", "\xC2\x9B", "\xE2\x80\xA8", "\xE2\x80\xAE"})
+    if (text.find(command) != text.npos) return true;
+  return false;
+}
+
+TEST(Terminal, NamesAndPathsGiveItNoCommands) {
+  const TemporaryFolder folder;
+  const std::string raw =
+      "\xC2\x9B"
+      "31m\xE2\x80\xA8\xE2\x80\xAE";  // as UTF-8
+  std::string text = read_file(kPendulum);
+  text.replace(text.find("effort:"), 6, "\"effort" + raw + "\"");
+  text.replace(text.find("name: pendulum_swingup"), 22, "name: \"p" + raw + "\"");
+  const std::string problem = folder.write("p" + raw + ".yaml", text);
+  const std::string out = folder.path() / ("out\x1B[31m" + raw);
+  for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
+           {"solve", problem, "-o", out},
+           {"solve", problem, "-o", out, "--json"},
+           {"check", problem},
+           {"check", problem, "--expand"},
+           {"check", problem, "--json"},
+           {"check", problem, "--set", "costs." + raw + "=1"},
+           {"check", problem, "--set", "costs." + raw + "=1", "--diagnostics", "json"},
+           {"verify", out + "/solution.json"},
+           {"report", out + "/solution.json"},
+           {"compare", out + "/solution.json", out + "/solution.json"},
+           {"bench", problem, "--solvers", "box_fddp", "--repeat", "0"}}) {
+    const ProcessResult r =
+        run_in_terminal(arguments, {.environment = {"TERM=xterm", "NO_COLOR=1"}});
+    EXPECT_LE(r.exit_code, 2);
+    EXPECT_NE(r.out + r.err, "") << arguments[0];
+    EXPECT_FALSE(commands_a_terminal(r.out)) << arguments[0] << "\n" << r.out;
+    EXPECT_FALSE(commands_a_terminal(r.err)) << arguments[0] << "\n" << r.err;
+  }
+  // The same document all the same.
+  const auto json = nlohmann::json::parse(run_conddp({"check", problem, "--json"}).out);
+  EXPECT_NE(json.dump().find(raw), std::string::npos);
+  const std::string expanded = run_conddp({"check", problem, "--expand"}).out;
+  const std::string again = folder.write("again.yaml", expanded);
+  EXPECT_EQ(run_conddp({"check", again, "--expand"}).out, expanded);
+}
+
 }  // namespace
 }  // namespace conddp

@@ -31,5 +31,27 @@ TEST(Utf8, ShowsAnyBytesOnOneLine) {
   EXPECT_EQ(printable("\xC3(\xE9"), "\\xC3(\\xE9");
 }
 
+// C1, separators and marks of direction, of which terminals obey some.
+const std::string kCommands[] = {"\u0080", "\u009B", "\u2028", "\u2029",
+                                 "\u202E", "\u2066", "\u200F", "\u061C"};
+
+TEST(Utf8, ShowsNoCommandsToATerminal) {
+  EXPECT_EQ(printable("a\u009B31m\u202Eb"), "a\\u009B31m\\u202Eb");
+  for (const std::string& command : kCommands) {
+    EXPECT_EQ(printable(command).substr(0, 2), "\\u");
+    EXPECT_EQ(terminal_text(command), printable(command));
+    EXPECT_EQ(masked("a" + command + "b"), "a?b");
+  }
+  for (const char* plain : {"größe 𝛼", "\u00A0", "\u2027", "\u2030", "\u2065", "日本"})
+    for (const std::string& shown : {printable(plain), terminal_text(plain), masked(plain)})
+      EXPECT_EQ(shown, plain);
+}
+
+TEST(Utf8, LinesForATerminalKeepTheirEndsAndEscapeLikeJson) {
+  EXPECT_EQ(terminal_text("a\n\tb"), "a\n\tb");
+  EXPECT_EQ(terminal_text("\x1B[31m\r\x7F\xE9"), "\\u001B[31m\\u000D\\u007F\\xE9");
+  EXPECT_EQ(masked("a\x1B\xE9"), "a??");
+}
+
 }  // namespace
 }  // namespace conddp
