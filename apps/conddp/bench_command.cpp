@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <chrono>
+#include <deque>
 
 #include <fmt/format.h>
 
@@ -6,6 +8,7 @@
 #include "argument_checks.hpp"
 #include "bench_problems.hpp"
 #include "commands.hpp"
+#include "example_problems.hpp"
 #include "exit_codes.hpp"
 #include "interrupt.hpp"
 #include "messages.hpp"
@@ -32,12 +35,18 @@ struct BenchArguments {
   std::vector<std::string> perturbations;
   std::string folder;
   int repeat = 5;
+  bool repeat_always = false;  ///< however long a solve takes
   int threads = 0;
   int instances = 1;
   std::uint64_t seed = 1;
   double max_time = 0;
   bool json = false;
 };
+
+/// A solve longer than this is timed once unless the command line says how often, s.
+constexpr double kLongSolve = 1;
+/// Time limit of each solve where the example problems are taken, s.
+constexpr double kExampleTimeLimit = 10;
 
 constexpr const char *kInitialState = "initial_state", *kGuess = "guess";
 
@@ -83,11 +92,38 @@ OrderedJson changed_options(const SolverOptions& options) {
   return json;
 }
 
+/// "40 s", "3 min"
+std::string about(double seconds) {
+  return seconds < 90 ? fmt::format("{:.0f} s", seconds) : fmt::format("{:.0f} min", seconds / 60);
+}
+
+/// How much of a benchmark is done, and when the rest will be, if that takes as long on average.
+/// Refusals take no time and do not count.
+class Progress {
+ public:
+  explicit Progress(int runs) : runs_(runs) {}
+  void count() { ++done_; }
+  std::string text() const {
+    const std::string place = fmt::format("{} of {}", std::min(done_ + 1, runs_), runs_);
+    if (done_ == 0) return place;
+    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start_;
+    return fmt::format("{}, about {} left", place,
+                       about(elapsed.count() / done_ * (runs_ - done_)));
+  }
+
+ private:
+  const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  const int runs_;
+  int done_ = 0;
+};
+
 class Bench {
  public:
-  Bench(const BenchArguments& arguments, std::vector<const SolverInfo*> solvers)
+  Bench(const BenchArguments& arguments, std::vector<const SolverInfo*> solvers,
+        std::deque<BenchProblem>& problems)
       : arguments_(arguments),
         solvers_(std::move(solvers)),
+        progress_(count_runs(problems)),
         status_(message_format() == MessageFormat::kText && terminal_of(2).redraws) {
     BenchmarkRequest& request = report_.request;
     for (const SolverInfo* solver : solvers_) request.solvers.emplace_back(solver->name);
@@ -110,19 +146,30 @@ class Bench {
     return true;
   }
 
-  void finish() {
+  /// Whether every solver kept its word.
+  bool finish() {
     status_.erase();
     compare_costs(report_.entries);
     if (!arguments_.folder.empty()) write();
     print_result(arguments_.json ? json_text(benchmark_json(report_))
                                  : benchmark_text(report_, false));
+    return all_kept_word(report_);
   }
 
  private:
+  /// The solves there will be, without repetitions and refusals.
+  int count_runs(std::deque<BenchProblem>& problems) const {
+    int runs = 0;
+    for (BenchProblem& problem : problems)
+      for (const SolverInfo* solver : solvers_)
+        runs += !refuse(*solver, *problem.fitting(*solver, arguments_.drop).problem);
+    return runs * (arguments_.perturbations.empty() ? 1 : arguments_.instances);
+  }
+
   bool run(BenchProblem& problem, std::optional<std::uint64_t> seed) {
     for (const SolverInfo* solver : solvers_) {
       const BuiltProblem& built = problem.fitting(*solver, arguments_.drop);
-      status_.show(fmt::format("{}{}, {}", problem.spec.name.value,
+      status_.show(fmt::format("{}, {}{}, {}", progress_.text(), problem.spec.name.value,
                                seed ? fmt::format(" seed {}", *seed) : "", solver->name));
       if (!seed) {
         add(problem, built, *built.problem, built.guess, *solver, seed);
@@ -144,7 +191,10 @@ class Bench {
   void add(const BenchProblem& problem, const BuiltProblem& built, const ShootingProblem& instance,
            const Trajectory& guess, const SolverInfo& solver, std::optional<std::uint64_t> seed) {
     SolverOptions options = problem.spec.solver.options;
-    options.interrupted = [] { return InterruptGuard::signal() != 0; };
+    options.interrupted = [this] {
+      status_.refresh();
+      return InterruptGuard::signal() != 0;
+    };
     BenchmarkEntry entry{.problem = problem.spec.name.value,
                          .file = problem.spec.file.string(),
                          .sha256 = problem.spec.sha256,
@@ -155,8 +205,11 @@ class Bench {
     for (int k = 0; k < instance.knots(); ++k)
       entry.controls = std::max(entry.controls, instance.nu(k));
     Trajectory answer = guess;
-    entry.run = run_benchmark(instance, guess, solver, options, arguments_.repeat, &answer);
+    Repetition repetition{.count = arguments_.repeat};
+    if (!arguments_.repeat_always) repetition.longest_s = kLongSolve;
+    entry.run = run_benchmark(instance, guess, solver, options, repetition, &answer);
     if (InterruptGuard::signal() != 0) return;
+    if (!entry.run.times.empty()) progress_.count();
     for (const DroppedConstraint& constraint : built.dropped)
       if (!entry.run.times.empty())
         entry.left_out.push_back({constraint.name, violation(constraint, instance, answer)});
@@ -186,25 +239,45 @@ class Bench {
   const BenchArguments& arguments_;
   std::vector<const SolverInfo*> solvers_;
   BenchmarkReport report_;
+  Progress progress_;
   StatusLine status_;
 };
 
-int bench(const BenchArguments& arguments) {
+/// Where no file is named, the examples are meant, with a limit on the time.
+void take_examples(BenchArguments& arguments, Diagnostics& out) {
+  const auto folders = example_folders();
+  if (folders.empty())
+    return out.error({},
+                     "there are no example problems: no folder 'problems' with *.yaml here, "
+                     "and none installed with conddp",
+                     "name problem files, or a folder of them");
+  arguments.inputs = {folders.front().string()};
+  if (arguments.max_time == 0) arguments.max_time = kExampleTimeLimit;
+  out.note({}, fmt::format("no file is named: the problems of '{}', each solve within {} s",
+                           arguments.inputs.front(), arguments.max_time));
+}
+
+int bench(BenchArguments arguments) {
   Diagnostics diagnostics;
+  if (arguments.inputs.empty()) take_examples(arguments, diagnostics);
+  if (diagnostics.has_errors()) {
+    print_messages(diagnostics, Verbosity::kNormal);
+    return kExitBadInput;
+  }
   auto solvers = choose_solvers(arguments.solvers, diagnostics);
   std::optional<std::deque<BenchProblem>> problems =
       read_bench_problems(arguments.inputs, arguments.settings, arguments.drop, diagnostics);
-  print_messages(diagnostics, Verbosity::kNormal);
+  print_messages(diagnostics, Verbosity::kVerbose);
   if (!problems) return kExitBadInput;
   for (BenchProblem& problem : *problems) apply(arguments, problem.spec.solver.options);
   const InterruptGuard guard;
   if (!arguments.folder.empty()) create_folder(arguments.folder);
-  Bench bench(arguments, std::move(solvers));
+  Bench bench(arguments, std::move(solvers), *problems);
   for (BenchProblem& problem : *problems)
     if (!bench.run(problem)) break;
-  bench.finish();
-  return InterruptGuard::signal() != 0 ? kExitSignalBase + InterruptGuard::signal()
-                                       : kExitConverged;
+  const bool kept_word = bench.finish();
+  if (InterruptGuard::signal() != 0) return kExitSignalBase + InterruptGuard::signal();
+  return kept_word ? kExitConverged : kExitNotConverged;
 }
 
 }  // namespace
@@ -214,12 +287,15 @@ void add_bench_command(CLI::App& app, Command& chosen) {
       app.add_subcommand("bench", "Compare solvers on problems: time, iterations, answers");
   command->footer(
       "Every solver gets the same problem, guess and options, and its answer is measured by the "
-      "same check. One solve at a time; times are medians after a warm-up. Solves that fail and "
-      "problems that are refused stay in the table and leave the exit status 0.");
+      "same check. One solve at a time; times are medians after a warm-up. Without a file: the "
+      "problems in the folder 'problems', else those installed with conddp, each solve within 10 "
+      "s. Solves that fail and problems that are refused stay in the table; the exit status is 1 "
+      "where the check does not confirm an answer that a solver called converged.");
   const auto a = std::make_shared<BenchArguments>();
   const CLI::Range kThreads(1, 1024), kRepeat(0, 1000000), kInstances(1, 1000000);
-  command->add_option("FILE", a->inputs, "Problem files, or folders of them")
-      ->required()
+  command
+      ->add_option("FILE", a->inputs,
+                   "Problem files, folders of them, or names of example problems")
       ->type_name("FILE.yaml");
   command->add_option("--solvers", a->solvers, "The solvers: names with commas between, or all")
       ->type_name("NAMES")
@@ -232,7 +308,8 @@ void add_bench_command(CLI::App& app, Command& chosen) {
       ->allow_extra_args(false);
   command
       ->add_option("--repeat", a->repeat,
-                   "Timed solves after one to warm up; 0: that one alone, timed")
+                   "Timed solves after one to warm up; 0: that one alone, timed. Unless this is "
+                   "given, a solve longer than a second is timed alone, too")
       ->type_name("N")
       ->check(kRepeat)
       ->capture_default_str();
@@ -281,7 +358,10 @@ void add_bench_command(CLI::App& app, Command& chosen) {
                    "profiles (profiles.svg, if gnuplot is installed)")
       ->type_name("FOLDER");
   command->add_flag("--json", a->json, "Print JSON (conddp schema bench) instead of tables");
-  command->callback([a, &chosen] { chosen = [a] { return bench(*a); }; });
+  command->callback([a, command, &chosen] {
+    a->repeat_always = command->count("--repeat") > 0;
+    chosen = [a] { return bench(*a); };
+  });
 }
 
 }  // namespace conddp

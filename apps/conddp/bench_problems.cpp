@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "example_problems.hpp"
 #include "input_files.hpp"
 #include "messages.hpp"
 #include "problem_file/read_problem.hpp"
@@ -77,7 +78,10 @@ std::optional<std::deque<BenchProblem>> read_bench_problems(
     const std::vector<std::string>& drop, Diagnostics& out) {
   std::deque<BenchProblem> problems;
   bool complete = true;
-  for (const auto& file : input_files(inputs, ".yaml", out)) {
+  std::vector<std::string> paths;
+  for (const std::string& input : inputs)
+    if (const auto path = find_problem_file(input, out)) paths.push_back(path->string());
+  for (const auto& file : input_files(paths, ".yaml", out)) {
     Diagnostics own;
     if (auto spec = read_problem(file, settings, own))
       problems.emplace_back(*std::move(spec)).build({}, own);

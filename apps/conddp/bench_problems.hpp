@@ -34,9 +34,9 @@ class BenchProblem {
   std::map<std::vector<std::string>, std::optional<BuiltProblem>> built_;
 };
 
-/// Reads and builds problem files, and those in folders; nothing where something is wrong. What is
-/// wrong with a problem is printed. A problem that these messages do not name, and a constraint to
-/// drop that none has, are errors in `out`.
+/// Reads and builds problem files, those in folders, and examples by name; nothing where something
+/// is wrong. What is wrong with a problem is printed. A problem that these messages do not name,
+/// and a constraint to drop that none has, are errors in `out`.
 std::optional<std::deque<BenchProblem>> read_bench_problems(
     const std::vector<std::string>& inputs, const std::vector<std::string>& settings,
     const std::vector<std::string>& drop, Diagnostics& out);

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "embedded_schemas.hpp"
+#include "example_problems.hpp"
 #include "problem_file/residual_kind.hpp"
 #include "problem_file/words.hpp"
 #include "solvers/option_table.hpp"
@@ -134,6 +135,17 @@ OrderedJson list_constraints() {
   return list;
 }
 
+OrderedJson list_problems() {
+  OrderedJson list = OrderedJson::array();
+  for (const std::filesystem::path& file : example_problems()) {
+    std::string summary = example_summary(file);
+    if (summary.empty()) summary = "(nothing is said at its head)";
+    list.push_back(
+        {{"name", file.stem().string()}, {"description", summary}, {"file", file.string()}});
+  }
+  return list;
+}
+
 constexpr ListKind kKinds[] = {
     {"solvers", "solver: {name: ...}, or --solver", list_solvers},
     {"options", "solver: {option: ..., group: {option: ...}}", list_options},
@@ -143,6 +155,7 @@ constexpr ListKind kKinds[] = {
     {"systems", "system: {type: ...}", list_systems},
     {"integrators", "integrator: ...", list_integrators},
     {"constraints", "constraints: {NAME: {bounds: ...}}", list_constraints},
+    {"problems", "examples: conddp solve NAME, conddp bench", list_problems},
 };
 
 }  // namespace

@@ -6,7 +6,6 @@
 #include "output/json_text.hpp"
 #include "problem_arguments.hpp"
 #include "problem_file/expand_problem.hpp"
-#include "problem_file/read_problem.hpp"
 #include "solvers/registry.hpp"
 #include "streams.hpp"
 
@@ -23,7 +22,7 @@ struct CheckArguments : ProblemArguments {
 int check_file(const CheckArguments& arguments) {
   Diagnostics diagnostics;
   const Verbosity verbosity = arguments.verbose ? Verbosity::kVerbose : Verbosity::kNormal;
-  auto spec = read_problem(arguments.file, arguments.settings, diagnostics);
+  auto spec = read_problem_of(arguments, diagnostics);
   if (spec && !arguments.solver.empty()) spec->solver.name = {arguments.solver, {}};
   const auto built = spec ? build_problem(*spec, {.drop = arguments.drop}, diagnostics)
                           : std::optional<BuiltProblem>();

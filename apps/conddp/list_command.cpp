@@ -56,6 +56,7 @@ std::string kind_text(const ListKind& kind, int width) {
     longest = std::max(longest, entry.at("name").get<std::string>().size());
   const int column = static_cast<int>(longest) + 4;
   std::string text = wrap_text(fmt::format("{} ({})", kind.name, kind.description), width, 0, 2);
+  if (entries.empty()) text += "  none here\n";
   for (const OrderedJson& entry : entries) {
     text += entry_text(entry, 2, column, width);
     if (entry.contains("keys"))
@@ -83,7 +84,8 @@ int list(const std::string& chosen_kind, bool json) {
 }  // namespace
 
 void add_list_command(CLI::App& app, Command& chosen) {
-  CLI::App* command = app.add_subcommand("list", "List what a problem file can name");
+  CLI::App* command =
+      app.add_subcommand("list", "List what a problem file can name, and the example problems");
   command->footer("Without a kind: everything.");
   const auto kind = std::make_shared<std::string>();
   const auto json = std::make_shared<bool>(false);

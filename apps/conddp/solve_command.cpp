@@ -15,7 +15,6 @@
 #include "output/solution_json.hpp"
 #include "output/write_solution.hpp"
 #include "problem_arguments.hpp"
-#include "problem_file/read_problem.hpp"
 #include "problem_file/warm_start.hpp"
 #include "progress.hpp"
 #include "report_file.hpp"
@@ -40,7 +39,7 @@ struct SolveArguments : ProblemArguments {
 
 /// The spec with what the command line says about it.
 std::optional<ProblemSpec> read_spec(const SolveArguments& arguments, Diagnostics& out) {
-  auto spec = read_problem(arguments.file, arguments.settings, out);
+  auto spec = read_problem_of(arguments, out);
   if (!spec) return std::nullopt;
   if (!arguments.solver.empty()) spec->solver.name = {arguments.solver, {}};
   if (!arguments.warm_start.empty()) set_warm_start(arguments.warm_start, *spec, out);

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include <fmt/format.h>
+
 namespace conddp {
 namespace {
 
@@ -27,6 +29,13 @@ SolveTimes medians(const std::vector<SolveTimes>& all) {
           .rollout = middle(&SolveTimes::rollout)};
 }
 
+/// Why an answer is not taken for converged.
+std::string contradiction(const AnswerCheck& check) {
+  return fmt::format(
+      "called converged, but the check finds stationarity {:.1e}, gap {:.1e}, constraint {:.1e}",
+      check.stationarity, check.gap, check.constraint);
+}
+
 }  // namespace
 
 double median(std::vector<double> values) {
@@ -43,9 +52,10 @@ double BenchmarkRun::spread() const {
 }
 
 BenchmarkRun run_benchmark(const ShootingProblem& problem, const Trajectory& guess,
-                           const SolverInfo& solver, const SolverOptions& options, int repeat,
-                           Trajectory* answer) {
+                           const SolverInfo& solver, const SolverOptions& options,
+                           const Repetition& repetition, Trajectory* answer) {
   BenchmarkRun run{.solver = std::string(solver.name)};
+  int repeat = repetition.count;
   std::vector<SolveTimes> times;
   try {
     const SolveResult result = solve(problem, solver, options, guess);
@@ -57,7 +67,9 @@ BenchmarkRun run_benchmark(const ShootingProblem& problem, const Trajectory& gue
                              result.constraint_multipliers);
     run.solved = result.status == SolveStatus::converged && agrees(run.check, options);
     if (answer != nullptr) *answer = result.trajectory;
-    if (result.status == SolveStatus::time_limit || result.status == SolveStatus::interrupted)
+    if (!run.kept_word()) run.message = contradiction(run.check);
+    if (result.status == SolveStatus::time_limit || result.status == SolveStatus::interrupted ||
+        result.times.total > repetition.longest_s)
       repeat = 0;
     if (repeat == 0) times.push_back(result.times);
   } catch (const std::invalid_argument& refusal) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -22,19 +23,28 @@ struct BenchmarkRun {
 
   /// (largest − smallest) / median of the times.
   double spread() const;
+  /// Not so where a solver called an answer converged that the check does not confirm.
+  bool kept_word() const { return solved || status != to_string(SolveStatus::converged); }
+};
+
+/// How often a solve is timed.
+struct Repetition {
+  int count = 0;  ///< solves after one to warm up; 0: that one alone, timed
+  /// A solve that took longer is not repeated either, s.
+  double longest_s = std::numeric_limits<double>::infinity();
 };
 
 /// How far over the tolerance the check of an answer may find a residual before the solver's word
 /// is doubted: stationarity along another policy is another number.
 inline constexpr double kCheckFactor = 10;
 
-/// Solves once to warm up, then `repeat` times against the clock, one after the other. A solve that
-/// ended for want of time, and every one if `repeat` is 0, is not repeated: its own time counts.
-/// A refusal, of the problem or of an option, is a run with that status. `answer`, if wanted,
-/// receives the trajectory that was found.
+/// Solves once to warm up, then as often as is asked for against the clock, one after the other. A
+/// solve that ended for want of time, or is not to be repeated, counts itself. A refusal, of the
+/// problem or of an option, is a run with that status. `answer`, if wanted, receives the trajectory
+/// that was found.
 BenchmarkRun run_benchmark(const ShootingProblem& problem, const Trajectory& guess,
-                           const SolverInfo& solver, const SolverOptions& options, int repeat,
-                           Trajectory* answer = nullptr);
+                           const SolverInfo& solver, const SolverOptions& options,
+                           const Repetition& repetition, Trajectory* answer = nullptr);
 
 /// The middle of some numbers (of two, their mean); not-a-number of none.
 double median(std::vector<double> values);

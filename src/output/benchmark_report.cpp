@@ -39,6 +39,11 @@ void compare_costs(std::vector<BenchmarkEntry>& entries) {
   }
 }
 
+bool all_kept_word(const BenchmarkReport& report) {
+  return std::all_of(report.entries.begin(), report.entries.end(),
+                     [](const BenchmarkEntry& entry) { return entry.run.kept_word(); });
+}
+
 std::vector<SolverSummary> summarize(const BenchmarkReport& report) {
   std::vector<SolverSummary> list;
   for (const std::string& solver : report.request.solvers) {
@@ -53,8 +58,7 @@ std::vector<SolverSummary> summarize(const BenchmarkReport& report) {
       ++summary.runs;
       summary.solved += entry.run.solved;
       summary.left_out += !entry.left_out.empty();
-      if (!entry.run.solved)
-        ++failures[entry.run.status == "converged" ? "check failed" : entry.run.status];
+      if (!entry.run.solved) ++failures[entry.run.kept_word() ? entry.run.status : "check failed"];
     }
     summary.failures.assign(failures.begin(), failures.end());
     std::stable_sort(summary.failures.begin(), summary.failures.end(),

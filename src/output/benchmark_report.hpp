@@ -55,6 +55,9 @@ struct BenchmarkReport {
 /// Fills the cost excess of all entries.
 void compare_costs(std::vector<BenchmarkEntry>& entries);
 
+/// Whether the check confirms every answer that a solver called converged.
+bool all_kept_word(const BenchmarkReport& report);
+
 /// What a solver did over the whole set.
 struct SolverSummary {
   std::string solver;

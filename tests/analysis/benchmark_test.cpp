@@ -13,7 +13,7 @@ BenchmarkRun run(const char* solver, const SolverOptions& options = {}, int repe
   const ShootingProblem problem = testing::pendulum_swing_up(3);
   Trajectory guess = problem.create_trajectory();
   for (int k = 0; k < problem.knots(); ++k) guess.u(k).setConstant(0.1);
-  return run_benchmark(problem, guess, *find_solver(solver), options, repeat);
+  return run_benchmark(problem, guess, *find_solver(solver), options, {.count = repeat});
 }
 
 TEST(Benchmark, MeasuresASolve) {
@@ -30,6 +30,25 @@ TEST(Benchmark, MeasuresASolve) {
 
 TEST(Benchmark, WithoutRepetitionTheOneSolveIsTimed) {
   EXPECT_EQ(run("box_ddp", {}, 0).times.size(), 1u);
+}
+
+TEST(Benchmark, ALongSolveIsNotRepeated) {
+  const ShootingProblem problem = testing::pendulum_swing_up(3);
+  const auto times = [&](double longest_s) {
+    return run_benchmark(problem, problem.create_trajectory(), *find_solver("box_ddp"), {},
+                         {.count = 3, .longest_s = longest_s})
+        .times.size();
+  };
+  EXPECT_EQ(times(0), 1u);
+  EXPECT_EQ(times(1e9), 3u);
+}
+
+TEST(Benchmark, ASolverKeepsItsWordUnlessItCallsConvergedWhatTheCheckDoesNotConfirm) {
+  for (const char* status : {"converged", "max_iterations", "time_limit", "refused", "diverged"})
+    for (const bool solved : {false, true}) {
+      const BenchmarkRun measured{.status = status, .solved = solved};
+      EXPECT_EQ(measured.kept_word(), solved || status != std::string("converged")) << status;
+    }
 }
 
 TEST(Benchmark, ASolveThatRanOutOfTimeIsNotRepeated) {

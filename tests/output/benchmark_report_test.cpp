@@ -51,6 +51,8 @@ TEST(BenchmarkReport, SummaryCountsFailuresByTheirStatus) {
   r.entries.back().run.solved = false;  // converged, as it says
   r.entries.push_back(entry("third", "b", 1, 1));
   r.entries.back().run.status = "refused";
+  EXPECT_TRUE(all_kept_word(report()));
+  EXPECT_FALSE(all_kept_word(r));
   const auto summary = summarize(r);
   ASSERT_EQ(summary.size(), 2u);
   EXPECT_EQ(summary[0].runs, 3);

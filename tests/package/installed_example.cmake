@@ -33,6 +33,21 @@ message("${output}")
 expect_in("${output}" "converged after")
 expect_in("${output}" "largest torque 6.000 Nm")
 
+# The tool finds the examples that were installed with it, from an empty folder.
+run("installing the tool" ${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${prefix}/tool
+  --component tool)
+file(RENAME ${prefix}/tool ${prefix}/moved_tool)
+file(MAKE_DIRECTORY ${WORK_DIR}/empty)
+run("listing the examples" ${CMAKE_COMMAND} -E chdir ${WORK_DIR}/empty
+  ${prefix}/moved_tool/bin/conddp list problems)
+expect_in("${output}" "moved_tool/share/conddp/problems/arm_reach.yaml")
+run("solving an example" ${CMAKE_COMMAND} -E chdir ${WORK_DIR}/empty
+  ${prefix}/moved_tool/bin/conddp solve arm_reach)
+expect_in("${output}" "arm_reach: converged")
+run("comparing solvers on the examples" ${CMAKE_COMMAND} -E chdir ${WORK_DIR}/empty
+  ${prefix}/moved_tool/bin/conddp bench --solvers intro --repeat 0 --max-time 0.001)
+expect_in("${output}" "all problems")
+
 # The component for files brings its dependencies.
 file(WRITE ${WORK_DIR}/files/CMakeLists.txt "
 cmake_minimum_required(VERSION 3.22)
