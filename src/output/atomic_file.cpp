@@ -47,30 +47,27 @@ void write_all(int descriptor, const std::string& contents, const std::filesyste
 /// Where the contents of a file go: to what it links to. Nothing but a regular file is replaced: in
 /// the place of a device, pipe or socket there would be a regular file afterwards.
 std::filesystem::path written_file(const std::filesystem::path& file) {
-  std::filesystem::path target = file;
-  constexpr int kMostLinks = 40;  // as many as the system follows
-  for (int links = 0;; ++links) {
-    std::error_code error;
-    const auto status = std::filesystem::symlink_status(target, error);
-    switch (status.type()) {
-      case std::filesystem::file_type::not_found:
-      case std::filesystem::file_type::regular:
-        return target;
-      case std::filesystem::file_type::directory:
-        fail(file, EISDIR);
-      case std::filesystem::file_type::symlink:
-        if (links == kMostLinks) fail(file, ELOOP);
-        target = target.parent_path() / std::filesystem::read_symlink(target, error);
-        if (error) fail(file, error.value());
-        break;
-      case std::filesystem::file_type::none:
-      case std::filesystem::file_type::unknown:
-        fail(file, error.value());
-      default:
-        throw OutputError(
-            fmt::format("'{}' cannot be written: it is no regular file", file.string()));
-    }
+  std::error_code error;
+  switch (std::filesystem::status(file, error).type()) {
+    case std::filesystem::file_type::not_found:
+    case std::filesystem::file_type::regular:
+      break;
+    case std::filesystem::file_type::directory:
+      fail(file, EISDIR);
+    case std::filesystem::file_type::none:
+    case std::filesystem::file_type::unknown:
+      fail(file, error.value());
+    default:
+      throw OutputError(
+          fmt::format("'{}' cannot be written: it is no regular file", file.string()));
   }
+  constexpr int kMostLinks = 40;  // as many as the system has followed
+  std::filesystem::path target = file;
+  for (int links = 0; links < kMostLinks && std::filesystem::is_symlink(target, error); ++links) {
+    target = target.parent_path() / std::filesystem::read_symlink(target, error);
+    if (error) fail(file, error.value());
+  }
+  return target;
 }
 
 std::filesystem::path temporary_name(const std::filesystem::path& file, const char* kind) {
