@@ -149,7 +149,7 @@ class Bench {
   /// Whether every solver kept its word.
   bool finish() {
     status_.erase();
-    compare_costs(report_.entries);
+    compare_costs(report_);
     if (!arguments_.folder.empty()) write();
     print_result(arguments_.json ? json_text(benchmark_json(report_))
                                  : benchmark_text(report_, false));

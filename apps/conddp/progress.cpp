@@ -6,6 +6,7 @@
 #include "ocp/by_name.hpp"
 #include "output/certificate_report.hpp"
 #include "output/contact_report.hpp"
+#include "output/finding_report.hpp"
 #include "robot/utf8.hpp"
 #include "streams.hpp"
 
@@ -61,6 +62,13 @@ std::string summary_text(const Solution& s, const SolutionCertificate* certifica
   const Diagnosis diagnosis = diagnose(*s.built.problem, r, s.spec.solver.options);
   if (!good) text += fmt::format("  diagnosis     {}\n", diagnosis.message);
   if (!diagnosis.remedy.empty()) text += fmt::format("  try           {}\n", diagnosis.remedy);
+  const std::vector<Finding> findings =
+      certificate != nullptr ? certificate->findings : findings_of(s.spec, s.built, r.trajectory);
+  const char* heading = "findings";
+  for (const std::string& line : finding_lines(findings)) {
+    text += fmt::format("  {:<13} {}\n", heading, line);
+    heading = "";
+  }
   if (certificate != nullptr)
     text += fmt::format("  certificate   {}\n", certificate_line(*certificate));
   if (certificate != nullptr && certificate->contacts)

@@ -8,6 +8,7 @@
 #include "messages.hpp"
 #include "output/certificate_report.hpp"
 #include "output/contact_report.hpp"
+#include "output/finding_report.hpp"
 #include "output/json_text.hpp"
 #include "output/solution_certificate.hpp"
 #include "output/solved_problem.hpp"
@@ -50,6 +51,7 @@ int print(const VerifyArguments& arguments, const ProblemSpec& spec,
                                        {"solution", arguments.solution},
                                        {"problem", spec.file.string()},
                                        {"name", spec.name.value},
+                                       {"findings", findings_json(certificate.findings)},
                                        {"certificate", certificate_json(certificate)}}));
   } else if (!arguments.quiet) {
     print_result(
@@ -59,6 +61,8 @@ int print(const VerifyArguments& arguments, const ProblemSpec& spec,
       for (const std::string& line :
            contact_lines(*certificate.contacts, certificate.tangent_names))
         print_result(fmt::format("  {}\n", line));
+    for (const std::string& line : finding_lines(certificate.findings))
+      print_result(fmt::format("  finding {}\n", line));
     if (!certificate.replay) return kExitNotConverged;
     print_result(fmt::format("  replay {}\n", replay_line(certificate)));
     for (const std::string& warning : replay_warnings(certificate))
@@ -73,19 +77,13 @@ int verify(const VerifyArguments& arguments) {
     print_messages(diagnostics, Verbosity::kNormal);
     return kExitBadInput;
   };
-  constexpr std::string_view kKeys[] = {"problem",
-                                        "solver",
-                                        "status",
-                                        "cost",
-                                        "cost_by_name",
-                                        "iterations",
-                                        "residuals",
-                                        "soft_constraints",
-                                        "dropped_constraints",
-                                        "trajectory",
-                                        "gains",
-                                        "multipliers",
-                                        "log"};
+  constexpr std::string_view kKeys[] = {"problem",          "solver",
+                                        "status",           "cost",
+                                        "cost_by_name",     "iterations",
+                                        "residuals",        "findings",
+                                        "soft_constraints", "dropped_constraints",
+                                        "trajectory",       "gains",
+                                        "multipliers",      "log"};
   const auto loaded = load_document(arguments.solution, kSolutionDocument, kKeys, {}, diagnostics);
   if (!loaded) return give_up();
   const OrderedJson document(*loaded);

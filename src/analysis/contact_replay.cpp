@@ -20,6 +20,23 @@ class Player {
       span_ = span_.cwiseMax(deviation(state(k), 0).cwiseAbs());
   }
 
+  /// Steps from planned states for which the simulator, left alone, finds another solution than in
+  /// the plan's mode.
+  int find_ambiguous(ReplayRun& worst) {
+    int count = 0;
+    for (int k = 0; k < motion_.steps(); ++k) {
+      const ContactStep own = simulator_.step(motion_.start(k), planned(k));
+      const ContactStep other = simulator_.step(motion_.start(k));
+      if (own.status != StepStatus::solved || other.status != StepStatus::solved) continue;
+      if ((own.v - other.v).lpNorm<Eigen::Infinity>() <= kSame) continue;
+      ++count;
+      Eigen::VectorXd x(other.q.size() + other.v.size());
+      x << other.q, other.v;
+      compare(k + 1, x, worst);
+    }
+    return count;
+  }
+
   ReplayRun run(int substeps, bool each_anew, bool feedback) {
     ReplayRun result;
     Eigen::VectorXd x = state(0);
@@ -35,6 +52,15 @@ class Player {
   }
 
  private:
+  /// Solutions of a step whose velocities differ by less are one, rad/s or m/s: so far a plan may
+  /// be off where its pairs are at tolerance.
+  static constexpr double kSame = 1e-4;
+
+  /// Where the plan's step goes, and by which forces.
+  ContactStep planned(int k) const {
+    return {StepStatus::solved, motion_.q[k + 1], motion_.v[k + 1], motion_.forces[k]};
+  }
+
   Eigen::VectorXd state(int node) const {
     Eigen::VectorXd x(motion_.plant.nq() + motion_.plant.nv());
     x << motion_.q[node], motion_.v[node];
@@ -62,8 +88,9 @@ class Player {
       }
     }
     for (int s = 0; s < substeps; ++s) {
+      const StepStart start{x.head(nq), x.tail(n), motion_.applied(u), motion_.h[k] / substeps};
       const ContactStep taken =
-          simulator_.step({x.head(nq), x.tail(n), motion_.applied(u), motion_.h[k] / substeps});
+          substeps == 1 ? simulator_.step(start, planned(k)) : simulator_.step(start);
       if (taken.status != StepStatus::solved) return false;
       x << taken.q, taken.v;
     }
@@ -97,6 +124,7 @@ ContactReplay replay_contacts(const ContactMotion& motion,
   ContactReplay replay;
   replay.substeps = substeps;
   replay.each_step = player.run(1, true, false);
+  replay.ambiguous_steps = player.find_ambiguous(replay.ambiguous);
   replay.each_step_fine = player.run(substeps, true, false);
   replay.controls = player.run(1, false, false);
   replay.controls_fine = player.run(substeps, false, false);

@@ -10,11 +10,16 @@ namespace conddp {
 
 /// A motion with contacts that it found, stepped anew by ContactSimulator.
 struct ContactReplay {
-  int substeps = 0;     ///< of the finer grid
-  ReplayRun each_step;  ///< every step from its own planned state: as the plan's own grid has it
-  ReplayRun each_step_fine;  ///< the same in h / substeps
-  ReplayRun controls;        ///< the controls alone from the first state on, with the plan's h
-  ReplayRun controls_fine;   ///< the same in h / substeps
+  int substeps = 0;  ///< of the finer grid
+  /// Every step from its own planned state, in the plan's own contact mode where it has a solution.
+  ReplayRun each_step;
+  /// Steps of that run which have another solution than the one taken, and how far the worst of
+  /// those is from the plan.
+  int ambiguous_steps = 0;
+  ReplayRun ambiguous;
+  ReplayRun each_step_fine;                ///< the same in h / substeps
+  ReplayRun controls;                      ///< the controls alone from the first state on, likewise
+  ReplayRun controls_fine;                 ///< the same in h / substeps
   std::optional<ReplayRun> feedback_fine;  ///< with gains, where the answer has some
 };
 

@@ -63,6 +63,7 @@ std::vector<ContactStretch> contact_sequence(const ContactMotion& motion,
                                              const ContactSequenceOptions& options) {
   const std::vector<Track> all = tracks(motion, options);
   const int count = static_cast<int>(all.size());
+  const double force = options.share * impulse_scale(motion.plant, 1);
   std::vector<ContactStretch> list;
   for (int k = 0; k < motion.steps(); ++k) {
     std::vector<bool> closed(count);
@@ -71,14 +72,20 @@ std::vector<ContactStretch> contact_sequence(const ContactMotion& motion,
       ContactStretch next{.first = k, .closed = closed};
       next.slides.assign(count, false);
       next.landing.assign(count, false);
+      next.pushes.resize(count);
       for (int c = 0; c < count && k > 0; ++c)
         next.landing[c] = closed[c] && !list.back().closed[c];
       list.push_back(std::move(next));
     }
     ContactStretch& stretch = list.back();
     ++stretch.steps;
-    for (int c = 0; c < count; ++c)
+    for (int c = 0; c < count; ++c) {
       if (closed[c] && all[c].slips[k]) stretch.slides[c] = true;
+      const double pushing = motion.forces[k].contact(0, c);
+      if (closed[c] || pushing <= force) continue;
+      ++stretch.pushes[c].steps;
+      stretch.pushes[c].largest = std::max(stretch.pushes[c].largest, pushing);
+    }
   }
   return list;
 }

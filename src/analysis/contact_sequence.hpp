@@ -12,6 +12,12 @@ struct ContactStretch {
   std::vector<bool> closed;   ///< per candidate
   std::vector<bool> slides;   ///< per candidate: closed, and moves along its surface
   std::vector<bool> landing;  ///< per candidate: closes where the stretch begins, not before
+  /// Forces that no contact of the stretch accounts for: of landings, and of contacts too short.
+  struct Push {
+    int steps = 0;
+    double largest = 0;  ///< N
+  };
+  std::vector<Push> pushes;  ///< per candidate
   bool lands() const;
 };
 
@@ -24,7 +30,8 @@ struct ContactSequenceOptions {
 
 /// The sequence of contacts that a motion found, as a schedule of contacts needs it: a step has a
 /// contact where its force acts and where the candidate touches at the step's beginning already.
-/// (A step at whose end a candidate lands is one of flight with an impact at its end.)
+/// (A step at whose end a candidate lands is one of flight with an impact at its end.) Forces in
+/// steps that have no such contact are told beside it.
 std::vector<ContactStretch> contact_sequence(const ContactMotion& motion,
                                              const ContactSequenceOptions& options = {});
 

@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <Eigen/QR>
 
 #include "analysis/linear_complementarity.hpp"
 #include "analysis/rigid_step.hpp"
@@ -210,6 +211,43 @@ StepForces ContactSimulator::forces(const Eigen::VectorXd& z, double h) const {
   return f;
 }
 
+/// The other way round; slips are those of v.
+Eigen::VectorXd ContactSimulator::impulses(const StepForces& forces, const Eigen::VectorXd& v,
+                                           double h) const {
+  Eigen::VectorXd z = Eigen::VectorXd::Zero(pairs_);
+  int row = 0;
+  const auto friction = [&](const Eigen::VectorXd& force, const Eigen::VectorXd& slip) {
+    for (Eigen::Index t = 0; t < force.size(); ++t) {
+      z[row++] = h * std::max(force[t], 0.0);
+      z[row++] = h * std::max(-force[t], 0.0);
+    }
+    z[row++] = slip.cwiseAbs().maxCoeff();
+  };
+  for (std::size_t c = 0; c < plant_.contacts.candidates.size(); ++c) {
+    const int tangents = tangent_count(plant_.contacts, plant_.contacts.candidates[c]);
+    z[row++] = h * std::max(forces.contact(0, c), 0.0);
+    if (tangents == 0) continue;
+    if (tangents == 2 && !heading_.col(c).isZero(0)) {
+      row += 5;
+      continue;
+    }
+    Eigen::MatrixXd turn = Eigen::MatrixXd::Identity(tangents, tangents);
+    if (tangents == 2) turn = Eigen::Rotation2Dd(-pyramid_[c]).toRotationMatrix();
+    friction(turn * forces.contact.col(c).segment(1, tangents),
+             turn * rows_[c].middleRows(1, tangents) * v);
+  }
+  for (std::size_t s = 0; s < plant_.contacts.stops.size(); ++s) {
+    const JointStop& stop = plant_.contacts.stops[s];
+    if (std::isfinite(stop.lower)) z[row++] = h * std::max(forces.stop_lower[s], 0.0);
+    if (std::isfinite(stop.upper)) z[row++] = h * std::max(forces.stop_upper[s], 0.0);
+  }
+  for (std::size_t d = 0; d < plant_.contacts.frictions.size(); ++d) {
+    const int joint = plant_.robot->joints[plant_.contacts.frictions[d].joint].v;
+    friction(forces.friction.segment(d, 1), v.segment(joint, 1));
+  }
+  return z;
+}
+
 /// Turns the pyramids of a cone to where slip and force would both point: along the slip that there
 /// would be without friction at that contact. Near a solution those that slip keep to that, against
 /// the heading of the last slip: pyramids that are all but parallel have solutions beside it. The
@@ -288,6 +326,72 @@ ContactStep ContactSimulator::step(const StepStart& start) {
   return taken;
 }
 
+ContactStep ContactSimulator::step(const StepStart& start, const ContactStep& near) {
+  const ContactStep taken = step_in_mode(start, near);
+  return taken.status == StepStatus::solved ? taken : step(start);
+}
+
+/// Takes an iterate on by dv, with impulses z.
+void ContactSimulator::move(const StepStart& start, const Eigen::VectorXd& z,
+                            const Eigen::VectorXd& dv, ContactStep& at) {
+  at.v += dv;
+  const Eigen::VectorXd reach = start.h * at.v;
+  move_configuration(*plant_.robot, start.q.data(), reach.data(), at.q.data());
+  at.forces = forces(z, start.h);
+  ++at.iterations;
+}
+
+/// Newton's method with the pairs split as `near` has them: of each pair the smaller one vanishes.
+/// That leaves equations, the least-squares solution of which is one where contacts share a load.
+ContactStep ContactSimulator::step_in_mode(const StepStart& start, const ContactStep& near) {
+  ContactStep at{StepStatus::unsolved, start.q, near.v, near.forces, 0, kUnlimited};
+  const Eigen::VectorXd reach = start.h * at.v;
+  move_configuration(*plant_.robot, start.q.data(), reach.data(), at.q.data());
+  pyramid_.setZero();
+  heading_.setZero();
+  linearize(start, at, true);
+  turn_pyramids(start, at, 0);
+  const double scale = impulse_scale(plant_, start.h);
+  std::vector<int> active;
+  {
+    const Eigen::VectorXd z = impulses(at.forces, at.v, start.h);
+    const Pairs pairs = assemble(start, at, false);
+    const Eigen::VectorXd w = pairs.value + pairs.coupling * z;
+    for (int i = 0; i < pairs_; ++i)
+      if (pairs.budget[i] ? z[i] > w[i] / scale : z[i] / scale > w[i]) active.push_back(i);
+  }
+  ContactStep best = at;
+  for (int k = 0; k < options_.max_iterations; ++k) {
+    const Pairs pairs = assemble(start, at, true);
+    if (!A_.allFinite() || !impulse_.allFinite() || !pairs.value.allFinite()) break;
+    const Eigen::PartialPivLU<Eigen::MatrixXd> lu(turning_slope(start, at));
+    Eigen::MatrixXd pushed(A_.rows(), pairs.push.rows());
+    if (pushed.size() > 0) pushed = lu.solve(pairs.push.transpose());
+    const Eigen::VectorXd free = lu.solve(impulse_);
+    Eigen::VectorXd z = Eigen::VectorXd::Zero(pairs_);
+    if (!active.empty()) {
+      const Eigen::MatrixXd M = pairs.slope * pushed + pairs.coupling;
+      const Eigen::VectorXd q = pairs.value - pairs.slope * free;
+      const Eigen::MatrixXd some = M(active, active);
+      const Eigen::VectorXd wanted = -q(active);
+      const Eigen::VectorXd found = some.completeOrthogonalDecomposition().solve(wanted);
+      z(active) = found;
+    }
+    move(start, z, pushed * z - free, at);
+    if (!at.v.allFinite() || !at.forces.finite()) break;
+    linearize(start, at, true);
+    const double before = at.residual;
+    at.residual = residual(start, at, z);
+    at.residual += turn_pyramids(start, at, at.residual);
+    if (!(at.residual < kUnlimited)) break;
+    if (at.residual < best.residual) best = at;
+    if (best.residual <= options_.tolerance && at.residual >= 0.1 * before) break;
+    if (best.residual <= kRounding) break;
+  }
+  if (best.residual <= options_.tolerance) best.status = StepStatus::solved;
+  return best;
+}
+
 ContactStep ContactSimulator::step_by_pivoting(const StepStart& start) {
   ContactStep at{StepStatus::unsolved,        start.q, start.v,
                  StepForces(plant_.contacts), 0,       kUnlimited};
@@ -323,11 +427,7 @@ ContactStep ContactSimulator::step_by_pivoting(const StepStart& start) {
       break;
     }
     if (!z) return best.residual < kUnlimited ? best : give_up(StepStatus::no_contact);
-    at.v += dv;
-    const Eigen::VectorXd reach = start.h * at.v;
-    move_configuration(*plant_.robot, start.q.data(), reach.data(), at.q.data());
-    at.forces = forces(*z, start.h);
-    at.iterations = k + 1;
+    move(start, *z, dv, at);
     if (!at.v.allFinite() || !at.forces.finite()) return give_up(StepStatus::not_finite);
     linearize(start, at, true);
     const double before = at.residual;

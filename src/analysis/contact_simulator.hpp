@@ -48,6 +48,9 @@ class ContactSimulator {
   ContactSimulator(const ContactSimulator&) = delete;
 
   ContactStep step(const StepStart& start);
+  /// Of several solutions of a step the one in the mode of `near` (which contacts are closed, which
+  /// of those slip, and where to), if there is one; else as above. `near` gives v and forces.
+  ContactStep step(const StepStart& start, const ContactStep& near);
 
  private:
   struct Pairs;
@@ -61,6 +64,10 @@ class ContactSimulator {
   double turn_pyramids(const StepStart& start, const ContactStep& at, double residual);
   Eigen::MatrixXd turning_slope(const StepStart& start, const ContactStep& at) const;
   ContactStep step_by_pivoting(const StepStart& start);
+  ContactStep step_in_mode(const StepStart& start, const ContactStep& near);
+  void move(const StepStart& start, const Eigen::VectorXd& z, const Eigen::VectorXd& dv,
+            ContactStep& at);
+  Eigen::VectorXd impulses(const StepForces& forces, const Eigen::VectorXd& v, double h) const;
   ContactStep step_by_sweeps(const StepStart& start, const ContactStep& from);
   ImpulseRows impulse_rows(const StepStart& start, const ContactStep& at) const;
   StepForces forces_of_rows(const Eigen::VectorXd& p, double h) const;

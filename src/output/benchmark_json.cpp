@@ -82,6 +82,7 @@ OrderedJson summary_json(const BenchmarkReport& report) {
                     {"runs", summary.runs},
                     {"solved", summary.solved},
                     {"with_dropped_constraints", summary.left_out},
+                    {"solved_with_dropped_constraints", summary.solved_without},
                     {"refused", summary.refused},
                     {"failures", std::move(failures)}});
   }

@@ -20,22 +20,31 @@ InstanceKey instance_of(const BenchmarkEntry& entry) { return {entry.file, entry
 
 }  // namespace
 
-void compare_costs(std::vector<BenchmarkEntry>& entries) {
-  std::map<std::pair<InstanceKey, std::string>, double> best;
-  const auto key = [](const BenchmarkEntry& entry) {
-    return std::pair(instance_of(entry), constraints_left_out(entry));
+void compare_costs(BenchmarkReport& report) {
+  struct Group {
+    double lowest = std::numeric_limits<double>::infinity();
+    int answers = 0;
   };
-  for (const BenchmarkEntry& entry : entries) {
+  // Instances with other guesses are the same problem; with other initial states they are not.
+  const bool same_problem = !report.request.initial_state_size;
+  std::map<std::pair<InstanceKey, std::string>, Group> groups;
+  const auto group_of = [&](const BenchmarkEntry& entry) -> Group& {
+    InstanceKey instance = instance_of(entry);
+    if (same_problem) instance.second.reset();
+    return groups[{instance, constraints_left_out(entry)}];
+  };
+  for (const BenchmarkEntry& entry : report.entries) {
     if (!entry.run.solved) continue;
-    const auto [found, fresh] = best.try_emplace(key(entry), entry.run.check.cost);
-    if (!fresh) found->second = std::min(found->second, entry.run.check.cost);
+    Group& group = group_of(entry);
+    group.lowest = std::min(group.lowest, entry.run.check.cost);
+    ++group.answers;
   }
-  for (BenchmarkEntry& entry : entries) {
+  for (BenchmarkEntry& entry : report.entries) {
     if (!entry.run.solved) continue;
-    const double lowest = best.at(key(entry));
-    entry.cost_excess = entry.run.check.cost == lowest
-                            ? 0
-                            : (entry.run.check.cost - lowest) / std::max(std::abs(lowest), 1e-300);
+    const Group& group = group_of(entry);
+    if (group.answers < 2) continue;
+    const double above = entry.run.check.cost - group.lowest;
+    entry.cost_excess = above == 0 ? 0 : above / std::max(std::abs(group.lowest), 1e-300);
   }
 }
 
@@ -56,7 +65,7 @@ std::vector<SolverSummary> summarize(const BenchmarkReport& report) {
         continue;
       }
       ++summary.runs;
-      summary.solved += entry.run.solved;
+      (entry.left_out.empty() ? summary.solved : summary.solved_without) += entry.run.solved;
       summary.left_out += !entry.left_out.empty();
       if (!entry.run.solved) ++failures[entry.run.kept_word() ? entry.run.status : "check failed"];
     }

@@ -28,8 +28,8 @@ struct BenchmarkEntry {
   OrderedJson options;                ///< of the solver, those that differ from the defaults
   std::vector<LeftOut> left_out;
   BenchmarkRun run;
-  /// (cost − best) / |best| over what the solvers found for the same instance with the same
-  /// constraints; not-a-number where this one did not solve it.
+  /// (cost − best) / |best| over what was found for the same problem with the same constraints, by
+  /// all solvers and from all guesses; not-a-number where this one did not solve it, or is alone.
   double cost_excess = std::numeric_limits<double>::quiet_NaN();
 };
 
@@ -52,8 +52,8 @@ struct BenchmarkReport {
   std::vector<BenchmarkEntry> entries;
 };
 
-/// Fills the cost excess of all entries.
-void compare_costs(std::vector<BenchmarkEntry>& entries);
+/// Fills the cost excess of all entries that can be compared.
+void compare_costs(BenchmarkReport& report);
 
 /// Whether the check confirms every answer that a solver called converged.
 bool all_kept_word(const BenchmarkReport& report);
@@ -61,9 +61,10 @@ bool all_kept_word(const BenchmarkReport& report);
 /// What a solver did over the whole set.
 struct SolverSummary {
   std::string solver;
-  int runs = 0;      ///< without refusals
-  int solved = 0;    ///< of these
-  int left_out = 0;  ///< runs without a constraint
+  int runs = 0;            ///< without refusals
+  int solved = 0;          ///< of these, with all constraints
+  int left_out = 0;        ///< runs without a constraint
+  int solved_without = 0;  ///< of these, what is left of the problem
   int refused = 0;
   std::vector<std::pair<std::string, int>> failures;  ///< other ends and how often, most first
 };

@@ -96,10 +96,10 @@ std::vector<std::string> robustness_row(const std::string& solver, const Entries
     }
     if (!names.empty()) without = fmt::format("{} (off by {:.2g})", names, off);
     if (!entry->run.solved) continue;
-    ++solved;
+    solved += entry->left_out.empty();
     iterations.push_back(entry->run.iterations);
     times.push_back(1e3 * entry->run.median.total);
-    excess.push_back(entry->cost_excess);
+    if (std::isfinite(entry->cost_excess)) excess.push_back(entry->cost_excess);
     stationarity = std::max(stationarity, entry->run.check.stationarity);
     gap = std::max(gap, entry->run.check.gap);
     constraint = std::max(constraint, entry->run.check.constraint);
@@ -109,12 +109,12 @@ std::vector<std::string> robustness_row(const std::string& solver, const Entries
     failures += fmt::format("{}{} {}", failures.empty() ? "" : ", ", count, status);
   if (summary.refused > 0) failures = fmt::format("{} refused", summary.refused);
   std::vector<std::string> row = {solver, fmt::format("{}/{}", solved, runs), without};
-  if (solved == 0)
+  if (iterations.empty())
     row.resize(9);
   else
     row.insert(row.end(), {number(median(iterations), "{:.4g}"), number(median(times), "{:.4g}"),
-                           residual(median(excess)), residual(stationarity), residual(gap),
-                           residual(constraint)});
+                           excess.empty() ? "" : residual(median(excess)), residual(stationarity),
+                           residual(gap), residual(constraint)});
   row.push_back(failures);
   return row;
 }
@@ -140,7 +140,7 @@ TextTable summary_table(const BenchmarkReport& report) {
                               {"solved"},
                               {"of"},
                               {"share"},
-                              {"without a constraint"},
+                              {"solved without a constraint"},
                               {"refused"},
                               {"otherwise", false}},
                   .rows = {}};
@@ -150,7 +150,7 @@ TextTable summary_table(const BenchmarkReport& report) {
       failures += fmt::format("{}{} {}", failures.empty() ? "" : ", ", count, status);
     table.rows.push_back({s.solver, std::to_string(s.solved), std::to_string(s.runs),
                           s.runs > 0 ? fmt::format("{:.1f} %", 100.0 * s.solved / s.runs) : "",
-                          s.left_out > 0 ? std::to_string(s.left_out) : "",
+                          s.left_out > 0 ? fmt::format("{}/{}", s.solved_without, s.left_out) : "",
                           s.refused > 0 ? std::to_string(s.refused) : "", failures});
   }
   return table;

@@ -72,6 +72,13 @@ std::string contact_sequence_text(const ContactCertificate& certificate) {
     const auto names = closed_names(certificate, stretch);
     text += fmt::format("{}{} x {}", text.empty() ? "" : ", ", stretch.steps,
                         names.empty() ? "none" : fmt::format("{}", fmt::join(names, "+")));
+    std::string pushes;
+    for (std::size_t c = 0; c < stretch.pushes.size(); ++c)
+      if (const auto& push = stretch.pushes[c]; push.steps > 0)
+        pushes += fmt::format("{}{} pushes with up to {:.3g} N in {} step{}",
+                              pushes.empty() ? "" : "; ", certificate.candidates[c], push.largest,
+                              push.steps, push.steps == 1 ? "" : "s");
+    if (!pushes.empty()) text += " (" + pushes + ")";
   }
   return text;
 }
@@ -91,10 +98,18 @@ OrderedJson contact_certificate_json(const ContactCertificate& certificate,
     figures.push_back(std::move(row));
   }
   OrderedJson sequence = OrderedJson::array();
-  for (const ContactStretch& stretch : certificate.sequence)
+  for (const ContactStretch& stretch : certificate.sequence) {
+    OrderedJson pushes = OrderedJson::array();
+    for (std::size_t c = 0; c < stretch.pushes.size(); ++c)
+      if (const auto& push = stretch.pushes[c]; push.steps > 0)
+        pushes.push_back({{"contact", certificate.candidates[c]},
+                          {"knots", push.steps},
+                          {"largest_N", finite_or_null(push.largest)}});
     sequence.push_back({{"first_knot", certificate.first_knot + stretch.first},
                         {"knots", stretch.steps},
-                        {"closed", closed_names(certificate, stretch)}});
+                        {"closed", closed_names(certificate, stretch)},
+                        {"pushes", std::move(pushes)}});
+  }
   OrderedJson json = {{"figures", std::move(figures)},
                       {"energy",
                        {{"start_J", finite_or_null(m.energy_start)},
@@ -109,8 +124,11 @@ OrderedJson contact_certificate_json(const ContactCertificate& certificate,
   json["replay"] = {{"substeps", replay.substeps},
                     {"each_step", run_json(replay.each_step, tangent_names)},
                     {"each_step_fine", run_json(replay.each_step_fine, tangent_names)},
+                    {"ambiguous_steps", replay.ambiguous_steps},
                     {"controls", run_json(replay.controls, tangent_names)},
                     {"controls_fine", run_json(replay.controls_fine, tangent_names)}};
+  if (replay.ambiguous_steps > 0)
+    json["replay"]["ambiguous"] = run_json(replay.ambiguous, tangent_names);
   if (replay.feedback_fine)
     json["replay"]["feedback_fine"] = run_json(*replay.feedback_fine, tangent_names);
   return json;
@@ -147,6 +165,12 @@ std::vector<std::string> contact_lines(const ContactCertificate& certificate,
   lines.push_back(fmt::format("each step by the simulator: {}; in dt/{}: {}",
                               run_text(replay.each_step, tangent_names), replay.substeps,
                               run_text(replay.each_step_fine, tangent_names)));
+  if (replay.ambiguous_steps > 0)
+    lines.push_back(fmt::format(
+        "warning: {} step{} more than one solution; those that are not the plan's are off by up to "
+        "{}",
+        replay.ambiguous_steps, replay.ambiguous_steps == 1 ? " has" : "s have",
+        run_text(replay.ambiguous, tangent_names)));
   lines.push_back(fmt::format("controls alone by the simulator: {}; in dt/{}: {}",
                               run_text(replay.controls, tangent_names), replay.substeps,
                               run_text(replay.controls_fine, tangent_names)));

@@ -232,6 +232,7 @@ void check_report_document(const OrderedJson& document) {
   if (document.contains("gains")) solution_list(document["gains"], "K");
   if (document.contains("multipliers")) check_multipliers(document["multipliers"], nodes);
   check_objects(document, "log");
+  if (document.contains("findings")) check_objects(document, "findings");
   if (document.contains("certificate")) check_objects(document["certificate"], "checks");
 }
 

@@ -11,6 +11,7 @@
 #include "ocp/acts.hpp"
 #include "ocp/by_name.hpp"
 #include "output/contact_forces.hpp"
+#include "output/finding_report.hpp"
 #include "problem_file/expand_problem.hpp"
 
 namespace conddp {
@@ -51,6 +52,8 @@ class Reader {
     if (with_replay && claims_)
       result.replay = replay(problem_, claims_->trajectory, claims_->gains);
     result.contacts = judge_contacts(with_replay);
+    if (claims_) result.findings = findings_of(spec_, built_, claims_->trajectory);
+    findings(result.findings);
     result.checks = std::move(certificate_);
     result.time_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
     return result;
@@ -241,6 +244,34 @@ class Reader {
       for (int i = 0; i < problem_.nu(k); ++i) c.gains[k].row(i) = vector(K[k][i], "gains.K");
     c.tangent_names = tangent_columns(built_);
     for (const Column& column : built_.control_columns) c.control_names.push_back(column.name);
+  }
+
+  /// What the answer says of its motion; answers of former versions say nothing.
+  void findings(const std::vector<Finding>& found) {
+    if (!document_.contains("findings") || !claims_) return;
+    const Json& list = solution_list(document_, "findings");
+    Check check{"findings"};
+    for (std::size_t i = 0; i < std::max(list.size(), found.size()) && check.holds; ++i) {
+      const std::string claimed = i < list.size()
+                                      ? fmt::format("{} of {}", solution_text(list[i], "kind"),
+                                                    solution_text(list[i], "subject"))
+                                      : "nothing";
+      const std::string here =
+          i < found.size() ? fmt::format("{} of {}", to_string(found[i].kind), found[i].subject)
+                           : "nothing";
+      if (claimed != here) {
+        check.holds = false;
+        check.message = fmt::format("{} in the answer, {} in its motion", claimed, here);
+        continue;
+      }
+      check.claimed = number(at(list[i], {"value"}), "value");
+      check.found = found[i].value;
+      check.tolerance = 1e-6 * std::max(1e-3, std::abs(found[i].value));
+      check.holds = std::abs(check.claimed - check.found) <= check.tolerance;
+      if (!check.holds) check.message = here;
+    }
+    if (check.holds) check.claimed = check.found = check.tolerance = Check::kNone;
+    add(std::move(check));
   }
 
   void soft() {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "analysis/contact_certificate.hpp"
+#include "analysis/findings.hpp"
 #include "analysis/replay.hpp"
 #include "problem_file/build.hpp"
 #include "problem_file/ordered_json.hpp"
@@ -11,6 +12,7 @@ namespace conddp {
 struct SolutionCertificate {
   Certificate checks;                          ///< what decides
   std::optional<Replay> replay;                ///< what is worth knowing besides, if asked for
+  std::vector<Finding> findings;               ///< in the trajectory of the answer
   std::optional<ContactCertificate> contacts;  ///< where steps find their own contacts
   std::vector<std::string> tangent_names;
   double time_s = 0;  ///< that it took

@@ -5,6 +5,7 @@
 #include "conddp_version.hpp"
 #include "ocp/by_name.hpp"
 #include "output/contact_forces.hpp"
+#include "output/finding_report.hpp"
 #include "output/log_columns.hpp"
 #include "problem_file/expand_problem.hpp"
 #include "solvers/control_bounds.hpp"
@@ -260,6 +261,7 @@ OrderedJson head(const Solution& s) {
             {"rollout", r.times.rollout}}},
           {"initial_guess_used", guess_json(s)},
           {"diagnosis", diagnosis_json(diagnose(*s.built.problem, r, s.spec.solver.options))},
+          {"findings", findings_json(findings_of(s.spec, s.built, r.trajectory))},
           {"constraints", violations_json(violations_by_name(*s.built.problem, values))},
           {"soft_constraints", violations_json(soft_violations(*s.built.problem, values))},
           {"dropped_constraints", std::move(dropped)}};

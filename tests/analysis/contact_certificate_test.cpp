@@ -128,6 +128,45 @@ TEST(ContactReplay, FollowsWhatTheSimulatorMade) {
   EXPECT_LT(replay.controls_fine.final_state, 0.02);
 }
 
+/// The block's middle flies past the corner of a box: without the box it would end the step inside
+/// of it, and both the face above and that at the side can keep it out.
+ContactMotion past_a_corner(bool above) {
+  ContactMotion motion;
+  motion.plant = contact_plant("block", {"base_x"});
+  ContactCandidate middle = on_ground(motion.plant, "body", 0);
+  middle.against = ContactBox{
+      .placement = SE3<double>{Matrix3<double>::identity(), Vector3<double>{0.5, 0, 0.5}}};
+  motion.plant.contacts.candidates = {middle};
+  motion.h = {0.1};
+  motion.u = {Eigen::VectorXd::Zero(1)};
+  motion.u_lower = Eigen::VectorXd::Constant(1, -1);
+  motion.u_upper = Eigen::VectorXd::Constant(1, 1);
+  motion.q = {Eigen::Vector3d(-0.05, 1.05, 0),
+              above ? Eigen::Vector3d(0.05, 1, 0) : Eigen::Vector3d(0, 0.95, 0)};
+  motion.v = {Eigen::Vector3d(1, -1 + 0.981, 0),
+              above ? Eigen::Vector3d(1, -0.5, 0) : Eigen::Vector3d(0.5, -1, 0)};
+  motion.forces.emplace_back(motion.plant.contacts);
+  motion.forces[0].contact(0, 0) = 5;  // 1 kg loses 0.5 m/s within 0.1 s
+  return motion;
+}
+
+TEST(ContactReplay, OfSeveralSolutionsItTakesThePlansAndCountsTheOthers) {
+  int ambiguous = 0;
+  for (const bool above : {false, true}) {
+    const ContactReplay replay = replay_contacts(past_a_corner(above), {});
+    EXPECT_EQ(replay.each_step.lost_at, -1);
+    EXPECT_LT(replay.each_step.deviation, 1e-9) << (above ? "above" : "at the side");
+    EXPECT_LT(replay.controls.deviation, 1e-9);
+    ambiguous += replay.ambiguous_steps;
+    if (replay.ambiguous_steps > 0) {
+      EXPECT_NEAR(replay.ambiguous.deviation, 0.5, 1e-9);
+      EXPECT_EQ(replay.ambiguous.knot, 1);
+    }
+  }
+  // Left alone, the simulator finds one of the two.
+  EXPECT_EQ(ambiguous, 1);
+}
+
 TEST(ContactReplay, FeedbackBringsTheMotionBack) {
   ContactMotion motion = thrown_block();
   // The plan claims to end elsewhere: only feedback tries to go there.

@@ -21,6 +21,23 @@ TEST(ContactSequence, OfABlockThatFallsSlidesAndStops) {
   EXPECT_NEAR(motion.q[flight.steps][1], 0.5, 1e-9);
 }
 
+// The landing and a contact of one step are no contacts of a schedule, but nor are they nothing.
+TEST(ContactSequence, ForcesThatNoContactAccountsForAreTold) {
+  ContactMotion motion = thrown_block();
+  const auto sequence = contact_sequence(motion);
+  const ContactStretch& flight = sequence[0];
+  ASSERT_EQ(flight.pushes.size(), 4u);
+  EXPECT_EQ(flight.pushes[0].steps, 1);
+  EXPECT_EQ(flight.pushes[0].largest, motion.forces[flight.steps - 1].contact(0, 0));
+  EXPECT_EQ(flight.pushes[2].steps, 0);
+  EXPECT_EQ(sequence[1].pushes[0].steps, 0);
+  motion.forces[flight.steps + 3].contact(0, 2) = 27;
+  const auto pushed = contact_sequence(motion);
+  ASSERT_EQ(pushed.size(), 2u);
+  EXPECT_EQ(pushed[1].pushes[2].steps, 1);
+  EXPECT_EQ(pushed[1].pushes[2].largest, 27);
+}
+
 TEST(ContactSequence, WhatRestsAtTheStartDoesNotLand) {
   ContactMotion motion = thrown_block();
   const int landed = contact_sequence(motion)[1].first;

@@ -64,7 +64,7 @@ TEST_F(Contacts, WhatAMotionFoundIsScheduledAndRefined) {
   const ProcessResult written =
       run({"contacts", "out/solution.json", "-o", "scheduled.yaml", "--solver", "box_fddp"});
   EXPECT_EQ(written.exit_code, 0) << written.err;
-  EXPECT_NE(written.out.find("x none, "), std::string::npos) << written.out;
+  EXPECT_NE(written.out.find("x none ("), std::string::npos) << written.out;
   EXPECT_NE(written.out.find("rear+front"), std::string::npos) << written.out;
   EXPECT_NE(read_file(folder_.path() / "scheduled.yaml").find("impulse:"), std::string::npos);
   const ProcessResult refined = run({"solve", "scheduled.yaml", "-o", "refined"});

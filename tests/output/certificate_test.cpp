@@ -179,6 +179,18 @@ const std::vector<Corruption>& corruptions() {
            }
          return false;
        }},
+      {"the figure of a finding", "findings",
+       [](OrderedJson& d) {
+         if (d["findings"].empty()) return false;
+         OrderedJson& value = d["findings"].front()["value"];
+         value = value.get<double>() * 1.0001;
+         return true;
+       }},
+      {"a finding more", "findings",
+       [](OrderedJson& d) {
+         d["findings"].push_back({{"kind", "drift"}, {"subject", "nothing"}, {"value", 1.0}});
+         return true;
+       }},
       {"a contact force", "force of ",
        [](OrderedJson& d) {
          for (OrderedJson& rows : d["trajectory"]["contact_forces"])

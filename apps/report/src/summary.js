@@ -59,6 +59,13 @@ function certificate({checks, holds}) {
             i => !shown[i].holds));
 }
 
+/// What stands out in the motion although its problem may not ask for it.
+function findings(list) {
+  return element('div', {id: 'findings'}, element('h2', {}, 'Findings'),
+      table(null, ['what', 'where', 'try'],
+            list.map(f => [f.message, f.knot === undefined ? '' : `knot ${f.knot}, ${figure(f.time_s, 3)} s`, f.remedy ?? ''])));
+}
+
 const listed = object => Object.entries(object ?? {}).map(([name, value]) => `${name} ${value}`).join(', ');
 
 /// What somebody needs who wants the same answer: rows of names and texts.
@@ -82,6 +89,7 @@ function reproduction({problem, tool, solver, initial_guess_used: guess, dropped
 export function writeFoot(holder, solutions) {
   for (const {label, head} of solutions) {
     if (solutions.length > 1) holder.append(element('h2', {}, label));
+    if (head.findings?.length) holder.append(findings(head.findings));
     if (head.certificate?.checks) holder.append(certificate(head.certificate));
     holder.append(element('h2', {}, 'To reproduce it'),
         table('reproduction', [], reproduction(head).map(([name, text]) => [element('b', {}, name), text])),
