@@ -357,8 +357,19 @@ ContactStep ContactSimulator::step_in_mode(const StepStart& start, const Contact
     const Eigen::VectorXd z = impulses(at.forces, at.v, start.h);
     const Pairs pairs = assemble(start, at, false);
     const Eigen::VectorXd w = pairs.value + pairs.coupling * z;
+    std::vector<bool> chosen(pairs_);
     for (int i = 0; i < pairs_; ++i)
-      if (pairs.budget[i] ? z[i] > w[i] / scale : z[i] / scale > w[i]) active.push_back(i);
+      chosen[i] = pairs.budget[i] ? z[i] > w[i] / scale : z[i] / scale > w[i];
+    // Where a contact slips, an edge against the slip says how fast, also one without a force.
+    for (int b = 0; b < pairs_; ++b) {
+      if (!pairs.budget[b] || !chosen[b]) continue;
+      int slowest = -1;
+      for (int i = 0; i < pairs_; ++i)
+        if (pairs.coupling(i, b) == 1 && (slowest < 0 || w[i] < w[slowest])) slowest = i;
+      if (slowest >= 0) chosen[slowest] = true;
+    }
+    for (int i = 0; i < pairs_; ++i)
+      if (chosen[i]) active.push_back(i);
   }
   ContactStep best = at;
   for (int k = 0; k < options_.max_iterations; ++k) {

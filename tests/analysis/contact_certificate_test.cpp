@@ -130,13 +130,16 @@ TEST(ContactReplay, FollowsWhatTheSimulatorMade) {
 
 /// The block's middle flies past the corner of a box: without the box it would end the step inside
 /// of it, and both the face above and that at the side can keep it out.
+/// A corner of it flies over ground with friction meanwhile, which it does not touch.
 ContactMotion past_a_corner(bool above) {
   ContactMotion motion;
   motion.plant = contact_plant("block", {"base_x"});
   ContactCandidate middle = on_ground(motion.plant, "body", 0);
   middle.against = ContactBox{
       .placement = SE3<double>{Matrix3<double>::identity(), Vector3<double>{0.5, 0, 0.5}}};
-  motion.plant.contacts.candidates = {middle};
+  ContactCandidate corner = on_ground(motion.plant, "corner_3", 0.5);
+  corner.against = ContactHalfSpace{.offset = -5};
+  motion.plant.contacts.candidates = {middle, corner};
   motion.h = {0.1};
   motion.u = {Eigen::VectorXd::Zero(1)};
   motion.u_lower = Eigen::VectorXd::Constant(1, -1);
