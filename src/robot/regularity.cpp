@@ -1,5 +1,6 @@
 #include "robot/regularity.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/Eigenvalues>
@@ -13,6 +14,10 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
 /// Pivots below this, relative to what moves if all joints further out are held, count as zero.
 constexpr double kSingular = 1e-11;
+
+/// What is left where terms of an inertia cancel, relative to its largest entry, counts as zero
+/// too.
+constexpr double kRounding = 1e-14;
 
 Eigen::Matrix3d dense(const Matrix3<double>& a) {
   return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(a.m);
@@ -64,7 +69,8 @@ double sampled_position(const Joint& joint, int index, int sample) {
 /// diagonal is not positive, zero or −1.
 double smallest_eigenvalue(const Matrix6d& inertia) {
   const Eigen::Matrix<double, 6, 1> diagonal = inertia.diagonal();
-  if (!(diagonal.minCoeff() > 0)) return diagonal.minCoeff() < 0 ? -1 : 0;
+  if (const double least = diagonal.minCoeff(); !(least > 0))
+    return least < -kRounding * diagonal.maxCoeff() ? -1 : 0;
   const Eigen::Matrix<double, 6, 1> scale = diagonal.cwiseSqrt().cwiseInverse();
   const Matrix6d scaled = scale.asDiagonal() * inertia * scale.asDiagonal();
   return Eigen::SelfAdjointEigenSolver<Matrix6d>(scaled, Eigen::EigenvaluesOnly).eigenvalues()[0];
@@ -90,7 +96,9 @@ std::vector<double> relative_pivots(const RobotModel& model, const Position& pos
     const int axis = joint.type == JointType::revolute ? 5 : 2;
     const double pivot = inertia(axis, axis) + joint.rotor_inertia;
     const double whole = std::abs(composite[i](axis, axis) + joint.rotor_inertia);
-    relative[i] = whole > 0 ? pivot / whole : pivot < 0 ? -1 : 0;
+    const double noise =
+        kRounding * composite[i].diagonal().segment<3>(axis < 3 ? 0 : 3).cwiseAbs().maxCoeff();
+    relative[i] = std::abs(pivot) > noise ? pivot / whole : 0;
     if (std::abs(relative[i]) > kSingular) {
       const Eigen::Matrix<double, 6, 1> column = inertia.col(axis);
       inertia -= column * column.transpose() / pivot;
@@ -103,14 +111,24 @@ std::vector<double> relative_pivots(const RobotModel& model, const Position& pos
   return relative;
 }
 
+std::vector<int> without_inertia(const std::vector<double>& pivots) {
+  std::vector<int> found;
+  for (std::size_t i = 0; i < pivots.size(); ++i)
+    if (!(pivots[i] > kSingular)) found.push_back(static_cast<int>(i));
+  return found;
+}
+
 }  // namespace
 
 std::vector<int> joints_without_inertia(const RobotModel& model) {
-  const std::vector<double> pivots = relative_pivots(model, generic_position);
-  std::vector<int> found;
-  for (int i = 0; i < model.joint_count(); ++i)
-    if (!(pivots[i] > kSingular)) found.push_back(i);
-  return found;
+  return without_inertia(relative_pivots(model, generic_position));
+}
+
+std::vector<int> joints_without_inertia_at_zero(const RobotModel& model) {
+  return without_inertia(relative_pivots(model, [&](int i) {
+    const Joint& joint = model.joints[i];
+    return joint.lower <= joint.upper ? std::clamp(0.0, joint.lower, joint.upper) : 0.0;
+  }));
 }
 
 std::vector<int> bodies_with_negative_inertia(const RobotModel& model) {

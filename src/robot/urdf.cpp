@@ -101,7 +101,14 @@ class RegularityReport {
               " configurations within the limits, but may not be in others");
     }
     if (const std::vector<int> joints = joints_without_inertia(model_); !joints.empty())
-      report_massless(joints);
+      return report_massless(joints);
+    if (const std::vector<int> joints = joints_without_inertia_at_zero(model_); !joints.empty())
+      report_.warning(place(joints.front()),
+                      "at the zero configuration nothing that it moves (" + links(joints.front()) +
+                          ") has inertia along it" + others(joints) +
+                          "; the robot's inertia matrix is singular there, and solves that come "
+                          "near fail",
+                      "give the links mass and inertia" + ways_out(joints));
   }
 
  private:

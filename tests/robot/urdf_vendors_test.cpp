@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include <Eigen/Eigenvalues>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "robot/regularity.hpp"
@@ -152,6 +153,41 @@ TEST(VendorInertias, JointsWithoutInertiaAreOneErrorWhoseHintCanBeCopied) {
       << result.problems[0].hint;
   EXPECT_TRUE(parse_urdf(xml, "f", {.locked_joints = {{"f", 0.5}, {"t", 0.5}}}).model);
   EXPECT_TRUE(parse_urdf(xml, "f", {.rotor_inertia = {{"f", 1e-4}, {"t", 1e-4}}}).model);
+}
+
+/// iCub's head: a point mass behind a neck of three axes that meet.
+TEST(VendorInertias, AnInertiaMatrixThatIsSingularAtZeroIsAWarningThatNamesTheJoint) {
+  const std::string none =
+      R"(<inertial><mass value="0"/><inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/>
+         </inertial>)";
+  const std::string xml = robot_element(
+      link_element("chest") + link_element("n1") + link_element("n2", none) +
+      link_element("head", std::string("<inertial>") + kLinks[0].inertial + "</inertial>") +
+      joint_element("pitch", "continuous", "chest", "n1", "<axis xyz=\"1 0 0\"/>") +
+      joint_element("roll", "continuous", "n1", "n2", "<axis xyz=\"0 1 0\"/>") +
+      joint_element("yaw", "continuous", "n2", "head",
+                    "<origin xyz=\"0 0 0.0\"/><axis xyz=\"0.0185 -0.1108 0\"/>"));
+  const UrdfResult result = parse_urdf(xml, "f");
+  EXPECT_NE(warnings(result).find("joint 'yaw': nothing that it moves (head)"), std::string::npos)
+      << warnings(result);  // the mass is on its axis, in every configuration
+  const std::string aligned = robot_element(
+      link_element("chest") + link_element("n1", none) +
+      link_element("head", std::string("<inertial>") + kLinks[0].inertial + "</inertial>") +
+      joint_element("outer", "continuous", "chest", "n1", "<axis xyz=\"0 0 1\"/>") +
+      joint_element("inner", "revolute", "n1", "head",
+                    "<origin xyz=\"0.3 0 0\" rpy=\"0 0 0\"/><axis xyz=\"0 0 1\"/>"
+                    "<limit lower=\"-2\" upper=\"2\" effort=\"1\" velocity=\"1\"/>"));
+  // A point mass 0.1123 m from the inner axis, turned into line with the outer one.
+  const double turn = std::atan2(-0.1108, 0.0185);
+  const auto folded = aligned.find("rpy=\"0 0 0\"");
+  std::string at_zero = aligned;
+  at_zero.replace(folded, 11, "rpy=\"0 0 " + fmt::format("{}", -turn) + "\"");
+  const UrdfResult warned = parse_urdf(at_zero, "f");
+  ASSERT_TRUE(warned.model) << warnings(warned);
+  EXPECT_NE(warnings(warned).find("joint 'outer': at the zero configuration nothing that it moves"),
+            std::string::npos)
+      << warnings(warned);
+  EXPECT_EQ(warnings(parse_urdf(aligned, "f")), "");
 }
 
 TEST(VendorOddities, WhiteSpaceAroundAndBetweenNumbersHasNoMeaning) {
