@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/contact_rank.hpp"
 #include "problem_file/expand_sections.hpp"
 #include "problem_file/system_fields.hpp"
 #include "problem_file/words.hpp"
@@ -133,9 +134,13 @@ OrderedJson phases_json(const ShootingProblem& problem) {
     double duration = 0;
     for (const double dt : phase.dt) duration += phase.instant ? 0 : dt;
     const auto [shortest, longest] = std::minmax_element(phase.dt.begin(), phase.dt.end());
+    const ContactRank rank = contact_rank(phase.model->system(), problem.initial_state().data());
     list.push_back({{"name", phase.name},
                     {"kind", phase_kind(phase)},
                     {"contacts", contacts_of(phase)},
+                    {"contact_rows", rank.rows},
+                    {"contact_rank", rank.rank},
+                    {"redundant_contacts", rank.redundant},
                     {"knots", phase.knots()},
                     {"dt_s", phase.instant ? 0 : *longest},
                     {"shortest_dt_s", phase.instant ? 0 : *shortest},
@@ -197,9 +202,17 @@ std::string phase_text(const OrderedJson& phase) {
   const std::string contacts = comma_list(phase["contacts"]);
   if (phase["kind"] == "choice") return "the first state is chosen";
   if (phase["kind"] == "impulse") return "an impulse at " + contacts;
-  return fmt::format("{} knots of {} s, {:.9g} s{}", phase["knots"].get<int>(), step_text(phase),
-                     phase["duration_s"].get<double>(),
-                     contacts.empty() ? "" : ", in contact: " + contacts);
+  std::string text = fmt::format("{} knots of {} s, {:.9g} s", phase["knots"].get<int>(),
+                                 step_text(phase), phase["duration_s"].get<double>());
+  if (contacts.empty()) return text;
+  text += ", in contact: " + contacts;
+  if (!phase["redundant_contacts"].empty())
+    text += fmt::format(
+        " (redundant: {} of {} rows are independent in the initial state; forces "
+        "between {} are not determined)",
+        phase["contact_rank"].get<int>(), phase["contact_rows"].get<int>(),
+        comma_list(phase["redundant_contacts"]));
+  return text;
 }
 
 std::string candidate_lines(const OrderedJson& candidates) {

@@ -192,16 +192,16 @@ class Watch {
       const Phase& phase = problem_.phases()[problem_.knot(k).phase];
       if (&phase == before) continue;
       before = &phase;
-      const ContactRank found = contact_rank(problem_, trajectory_, k);
-      if (!found.redundant()) continue;
-      std::string all;
-      for (const std::string& name : found.contacts) all += (all.empty() ? "" : ", ") + name;
-      Finding f{FindingKind::redundant_contacts, all, static_cast<double>(found.rows - found.rank),
-                "1"};
+      const ContactRank found =
+          contact_rank(problem_.knot(k).model->system(), trajectory_.x(k).data());
+      if (found.redundant.empty()) continue;
+      const std::string names = fmt::format("{}", fmt::join(found.redundant, ", "));
+      Finding f{FindingKind::redundant_contacts, names,
+                static_cast<double>(found.rows - found.rank), "1"};
       f.message = fmt::format(
-          "the contacts {} of phase '{}' depend on each other: {} of their {} rows are "
-          "independent, and the smallest forces are taken",
-          all, phase.name, found.rank, found.rows);
+          "the contacts {} of phase '{}' depend on each other: of all {} rows {} are independent, "
+          "and the smallest forces are taken",
+          names, phase.name, found.rows, found.rank);
       add(std::move(f), k);
     }
   }

@@ -242,13 +242,9 @@ Diagnosis unfinished(const SolveResult& r, const SolverOptions& options,
 /// Contacts that depend on each other leave their forces to the compliance of a singular G: steps
 /// then fail for a reason that no option of the solver removes.
 Diagnosis redundant(Diagnosis stuck, const ContactRank& contacts) {
-  std::string names;
-  for (const std::string& name : contacts.contacts)
-    names += (names.empty() ? "'" : ", '") + name + "'";
   stuck.message += fmt::format(
-      "; the contacts {} depend on each other there: {} of their {} rows "
-      "are independent",
-      names, contacts.rank, contacts.rows);
+      "; the contacts '{}' depend on each other there: of all {} rows {} are independent",
+      fmt::join(contacts.redundant, "', '"), contacts.rows, contacts.rank);
   return {DiagnosisPattern::redundant_contacts, std::move(stuck.message), stuck.knot, "contacts",
           "contacts that hold less (type: point, planar or normal instead of surface, or one "
           "fewer), joints that are not locked, or a posture in which limbs are bent"};
@@ -341,9 +337,11 @@ Diagnosis diagnose(const ShootingProblem& problem, const SolveResult& result,
   Diagnosis d = of_log(result, options);
   if (d.pattern == DiagnosisPattern::open_gaps || d.pattern == DiagnosisPattern::plateau ||
       d.pattern == DiagnosisPattern::no_descent)
-    if (const ContactRank contacts = contact_rank(problem, result.trajectory, d.knot);
-        contacts.redundant())
-      return redundant(std::move(d), contacts);
+    if (d.knot >= 0 && d.knot < problem.knots()) {
+      const ContactRank contacts =
+          contact_rank(problem.knot(d.knot).model->system(), result.trajectory.x(d.knot).data());
+      if (!contacts.redundant.empty()) return redundant(std::move(d), contacts);
+    }
   return d;
 }
 

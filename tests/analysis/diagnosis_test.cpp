@@ -193,7 +193,7 @@ TEST(Diagnosis, RedundantContactsAreNamedAndNoMarginOfTheMerit) {
   const Diagnosis twice = open(standing(2));
   EXPECT_EQ(twice.pattern, DiagnosisPattern::redundant_contacts);
   EXPECT_EQ(twice.knot, 5);
-  EXPECT_NE(twice.message.find("'foot0', 'foot1' depend on each other there: 2 of their 4 rows"),
+  EXPECT_NE(twice.message.find("'foot0', 'foot1' depend on each other there: of all 4 rows 2 are"),
             std::string::npos)
       << twice.message;
   EXPECT_EQ(twice.remedy.find("merit_margin"), std::string::npos) << twice.remedy;

@@ -59,6 +59,21 @@ TEST(Check, ListsContactsOfPhasesAndThoseThatMayBeFound) {
       << found.out;
 }
 
+TEST(Check, NamesContactsThatAreRedundant) {
+  const std::string squat = source("problems/biped_squat.yaml");
+  const ProcessResult whole = run_conddp({"check", squat});
+  EXPECT_EQ(whole.out.find("redundant"), std::string::npos) << whole.out;
+  // Legs without ankle roll: their reciprocal screws, forces along the line through the hips, are
+  // one where the legs are parallel.
+  const ProcessResult stiff =
+      run_conddp({"check", squat, "--set", "robot.locked_joints.l_ankle_roll=0", "--set",
+                  "robot.locked_joints.r_ankle_roll=0"});
+  EXPECT_NE(stiff.out.find("in contact: left, right (redundant: 11 of 12 rows are independent in "
+                           "the initial state; forces between left, right are not determined)"),
+            std::string::npos)
+      << stiff.out << stiff.err;
+}
+
 TEST(Check, JsonFitsItsSchema) {
   for (const std::string& file :
        {kArm, kPendulum, source("problems/hopper_cycle.yaml"), source("problems/push_box.yaml")})
