@@ -9,8 +9,10 @@
 #include <fmt/format.h>
 
 #include "analysis/feasibility.hpp"
+#include "analysis/gains_check.hpp"
 #include "analysis/lagrangian_gradient.hpp"
 #include "analysis/place_text.hpp"
+#include "analysis/reduced_gradient.hpp"
 #include "ocp/soft_constraint.hpp"
 #include "solvers/status.hpp"
 
@@ -56,8 +58,7 @@ class Judge {
     Judge here(problem, claims), there(problem, moved);
     here.evaluate();
     there.evaluate();
-    const Eigen::MatrixXd directions = here.some_directions();
-    const LagrangianGradient a = here.gradient(directions), b = there.gradient(directions);
+    const LagrangianGradient a = here.gradient(), b = there.gradient();
     double stationarity = 0;
     for (std::size_t k = 0; k < a.control.size(); ++k)
       if (a.control[k].size() > 0)
@@ -186,6 +187,7 @@ class Judge {
       largest_state_ =
           std::max({largest_state_, x.lpNorm<Eigen::Infinity>(), size / problem_.nx()});
     }
+    derivatives_ = node_derivatives(problem_, claims_.trajectory, gaps_);
   }
 
   void add_cost(const std::string& name, double cost) {
@@ -246,25 +248,24 @@ class Judge {
     return place < 0 ? "" : "constraint '" + problem_.constraints()[place].term->name + "'";
   }
 
-  LagrangianGradient gradient(const Eigen::MatrixXd& directions) const {
-    return lagrangian_gradient(problem_, claims_.trajectory, gaps_, claims_.costates,
-                               claims_.multipliers, directions);
+  /// At the answer's own co-states.
+  LagrangianGradient gradient() const {
+    return lagrangian_gradient(problem_, derivatives_, claims_.costates, claims_.multipliers);
   }
 
   void check_gradient() {
     if (std::isnan(claims_.stationarity) && claims_.status == kDiverged) return;
-    const Eigen::MatrixXd directions = some_directions();
-    const LagrangianGradient some = gradient(directions);
+    const LagrangianGradient found = gradient();
     Worst stationarity;
     stationarity_rounding_ = kOwnRounding;
     for (int k = 0; k < problem_.knots(); ++k)
       for (int i = 0; i < problem_.nu(k); ++i) {
         const double zl = claims_.lower_multipliers[k][i], zu = claims_.upper_multipliers[k][i];
-        const double size = some.control_size[k][i] + std::abs(zl) + std::abs(zu);
-        stationarity.meet(std::abs(some.control[k][i] - zl + zu), size, k, i);
+        const double size = found.control_size[k][i] + std::abs(zl) + std::abs(zu);
+        stationarity.meet(std::abs(found.control[k][i] - zl + zu), size, k, i);
         stationarity_rounding_ =
             std::max(stationarity_rounding_,
-                     kOwnRounding * size + kKnotRounding * some.control_size[k].maxCoeff());
+                     kOwnRounding * size + kKnotRounding * found.control_size[k].maxCoeff());
       }
     stationarity_rounding_ += noise_.stationarity;
     found_stationarity_ = stationarity.value;
@@ -272,32 +273,37 @@ class Judge {
            stationarity.knot < 0
                ? ""
                : place_text(problem_, stationarity.knot, control(stationarity.entry)));
-    state_gradient_size_ = some.state_size.maxCoeff();
-    if (compare_states(some, directions).value <= 1)
-      add({"co-states", true, Check::kNone, Check::kNone, Check::kNone, "", ""});
-    else
-      name_costate();
+    check_costates(found);
+    measure_optimality();
+    for (Check& check : check_gains(problem_, claims_, derivatives_, gaps_)) add(std::move(check));
   }
 
-  /// Random directions, in which a gradient that is not what is claimed of it shows as well as in
-  /// its entries; every entry where there are few.
-  Eigen::MatrixXd some_directions() const {
-    constexpr int kFew = 4;
-    const int n = problem_.ndx();
-    if (n <= kFew) return Eigen::MatrixXd::Identity(n, n);
-    std::mt19937_64 engine(1);
-    Eigen::MatrixXd directions(n, kFew);
-    for (double& entry : directions.reshaped())
-      entry = 2 * static_cast<double>(engine() >> 11) * 0x1p-53 - 1;
-    return directions;
+  /// Stationarity without the answer's co-states and gains.
+  void measure_optimality() {
+    const RiccatiPolicy policy = riccati_policy(problem_, claims_.trajectory, derivatives_);
+    const auto pass = [&](const std::vector<Eigen::MatrixXd>& gains) {
+      return adjoint_pass(problem_, derivatives_, claims_.multipliers, gains);
+    };
+    const auto norm = [&](const AdjointPass& found) {
+      return project(problem_, claims_.trajectory, found.control);
+    };
+    const AdjointPass along = pass(policy.K), plain = pass({});
+    const ProjectedGradient gradient = norm(along);
+    certificate_.optimality = {gradient.stationarity, along.rounding, norm(plain).stationarity,
+                               plain.rounding, policy.decrease(along.control)};
+    // Small in either coordinates is small; where rounding blurs one, the other may tell.
+    own_stationarity_ =
+        std::min(certificate_.optimality.stationarity, certificate_.optimality.reduced_gradient);
+    costate_error_ = (along.costates - claims_.costates).lpNorm<Eigen::Infinity>();
+    costate_size_ = std::max(1.0, along.costates.lpNorm<Eigen::Infinity>());
+    if (gradient.knot >= 0)
+      own_place_ = " at " + place_text(problem_, gradient.knot, control(gradient.entry));
   }
 
-  /// The co-states' own equation: what the answer says of ∇_x of the Lagrangian, in some
-  /// directions, as a multiple of what rounding may do.
-  Worst compare_states(const LagrangianGradient& found, const Eigen::MatrixXd& directions) const {
-    const Eigen::MatrixXd claimed = directions.transpose() * claims_.state_gradient;
-    const Eigen::MatrixXd size =
-        found.state_size + directions.cwiseAbs().transpose() * claims_.state_gradient.cwiseAbs();
+  /// The co-states' own equation: what the answer says of ∇_x of the Lagrangian.
+  void check_costates(const LagrangianGradient& found) {
+    const Eigen::MatrixXd& claimed = claims_.state_gradient;
+    const Eigen::MatrixXd size = found.state_size + claimed.cwiseAbs();
     Worst excess;
     for (Eigen::Index k = 0; k < claimed.cols(); ++k)
       for (Eigen::Index i = 0; i < claimed.rows(); ++i) {
@@ -306,21 +312,17 @@ class Judge {
         excess.meet(std::abs(found.state(i, k) - claimed(i, k)) / tolerance, tolerance,
                     static_cast<int>(k), static_cast<int>(i));
       }
-    return excess;
-  }
-
-  /// The entry that is furthest from what is claimed of it.
-  void name_costate() {
-    const Eigen::MatrixXd all = Eigen::MatrixXd::Identity(problem_.ndx(), problem_.ndx());
-    const LagrangianGradient full = gradient(all);
-    const Worst worst = compare_states(full, all);
-    const int k = std::max(worst.knot, 0), i = std::max(worst.entry, 0);
-    add({"co-states", false, claims_.state_gradient(i, k), full.state(i, k), worst.size,
+    if (excess.value <= 1) {
+      add({"co-states", true, Check::kNone, Check::kNone, Check::kNone, "", ""});
+      return;
+    }
+    const int k = std::max(excess.knot, 0), i = std::max(excess.entry, 0);
+    add({"co-states", false, claimed(i, k), found.state(i, k), excess.size,
          place_text(problem_, k, tangent(i)), ""});
   }
 
-  /// Converged means that all residuals are under tolerance at once; ∇_x of the Lagrangian is then
-  /// as small as a feedback K makes it of stationarity that is left.
+  /// Converged means that all residuals are under tolerance at once, those that the answer claims
+  /// and those found without its co-states.
   void check_status() {
     const auto& t = claims_.tolerances;
     const bool under = claims_.stationarity <= t.stationarity && claims_.gap <= t.gap &&
@@ -338,11 +340,6 @@ class Judge {
       add({"status", true, Check::kNone, Check::kNone, Check::kNone, "", ""});
       return;
     }
-    double gain = 1;
-    for (const Eigen::MatrixXd& K : claims_.gains)
-      if (K.size() > 0) gain = std::max(gain, K.cwiseAbs().colwise().sum().maxCoeff());
-    const double state_tolerance =
-        kFeedbackMargin * gain * t.stationarity + kRounding * std::max(1.0, state_gradient_size_);
     std::string above;
     const auto need = [&](const char* what, double found, double limit) {
       if (found <= limit) return;
@@ -350,18 +347,22 @@ class Judge {
                            found, limit);
     };
     need("stationarity", found_stationarity_, t.stationarity + stationarity_rounding_);
+    need(("the reduced gradient" + own_place_).c_str(), own_stationarity_,
+         kPolicyMargin * t.stationarity);
     need("gap", gap_.value, t.gap + state_rounding());
     need("constraint violation", found_constraint_, t.constraint);
     need("complementarity", found_complementarity_, t.complementarity);
-    need("the Lagrangian's gradient in the states",
-         claims_.state_gradient.lpNorm<Eigen::Infinity>(), state_tolerance);
+    need("the co-states' distance from those along other gains", costate_error_,
+         kCostateMargin * t.stationarity * costate_size_);
     add({"status", above.empty(), Check::kNone, Check::kNone, Check::kNone, "",
          above.empty() ? "" : "'converged', but " + above});
   }
 
-  /// The gains of the file are those of a sweep at the answer; its co-states belong to the sweep
-  /// before.
-  static constexpr double kFeedbackMargin = 10;
+  /// Of stationarities along different policies: the answer's is that of its last sweep.
+  static constexpr double kPolicyMargin = 10;
+  /// Of co-states along different policies, relative to the largest: what is left of the gradient
+  /// reaches them times gains that sum up over the horizon.
+  static constexpr double kCostateMargin = 1000;
 
   const ShootingProblem& problem_;
   const SolutionClaims& claims_;
@@ -371,8 +372,11 @@ class Judge {
   double cost_ = 0, cost_size_ = 0;
   Eigen::MatrixXd gaps_;
   Eigen::VectorXd values_;  ///< of the constraints
+  std::vector<NodeDerivatives> derivatives_;
   Worst gap_;
-  double largest_state_ = 0, state_gradient_size_ = 0;
+  double largest_state_ = 0, own_stationarity_ = 0;
+  double costate_error_ = 0, costate_size_ = 1;
+  std::string own_place_;
   double found_constraint_ = 0, found_complementarity_ = 0;
   double found_stationarity_ = 0, stationarity_rounding_ = 0;
 };

@@ -10,6 +10,7 @@ SolutionClaims::SolutionClaims(const ShootingProblem& problem)
   for (int k = 0; k < problem.knots(); ++k) {
     lower_multipliers.emplace_back(Eigen::VectorXd::Zero(problem.nu(k)));
     upper_multipliers.emplace_back(Eigen::VectorXd::Zero(problem.nu(k)));
+    feedforward.emplace_back(Eigen::VectorXd::Zero(problem.nu(k)));
     gains.emplace_back(Eigen::MatrixXd::Zero(problem.nu(k), problem.ndx()));
   }
 }

@@ -47,6 +47,14 @@ std::string limit_text(const BrokenLimit& limit) {
                      limit.between ? ", between knots" : "");
 }
 
+OrderedJson optimality_json(const Optimality& o) {
+  return {{"stationarity", finite_or_null(o.stationarity)},
+          {"rounding", finite_or_null(o.rounding)},
+          {"reduced_gradient", finite_or_null(o.reduced_gradient)},
+          {"reduced_rounding", finite_or_null(o.reduced_rounding)},
+          {"expected_decrease", finite_or_null(o.expected_decrease)}};
+}
+
 OrderedJson run_json(const SolutionCertificate& certificate, const ReplayRun& run) {
   OrderedJson json = {{"deviation", finite_or_null(run.deviation)},
                       {"relative", finite_or_null(run.relative)},
@@ -94,6 +102,7 @@ OrderedJson certificate_json(const SolutionCertificate& certificate) {
   OrderedJson json = {{"holds", certificate.checks.holds()},
                       {"checks", std::move(checks)},
                       {"time_s", certificate.time_s}};
+  json["optimality"] = optimality_json(certificate.checks.optimality);
   if (certificate.contacts)
     json["contacts"] = contact_certificate_json(*certificate.contacts, certificate.tangent_names);
   if (!certificate.replay) return json;
@@ -131,6 +140,14 @@ std::string certificate_table(const SolutionCertificate& certificate) {
     text += '\n';
   }
   return text;
+}
+
+std::string optimality_line(const SolutionCertificate& certificate) {
+  const Optimality& o = certificate.checks.optimality;
+  return fmt::format(
+      "stationarity {:.1e} along own gains, which decides; reduced gradient {:.1e} (rounding "
+      "{:.0e}); a Newton step would gain {:.1e}",
+      o.stationarity, o.reduced_gradient, o.reduced_rounding, o.expected_decrease);
 }
 
 std::string replay_line(const SolutionCertificate& certificate) {

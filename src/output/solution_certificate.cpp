@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <tuple>
 
 #include <fmt/format.h>
 
@@ -12,6 +13,7 @@
 #include "ocp/by_name.hpp"
 #include "output/contact_forces.hpp"
 #include "output/finding_report.hpp"
+#include "output/solution_json.hpp"
 #include "problem_file/expand_problem.hpp"
 
 namespace conddp {
@@ -54,6 +56,8 @@ class Reader {
     result.contacts = judge_contacts(with_replay);
     if (claims_) result.findings = findings_of(spec_, built_, claims_->trajectory);
     findings(result.findings);
+    nulls();
+    former_certificate();
     result.checks = std::move(certificate_);
     result.time_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
     return result;
@@ -61,6 +65,7 @@ class Reader {
 
  private:
   void compare() {
+    configuration();
     statement("name", at(document_, {"problem", "name"}), spec_.name.value);
     statement("solver", at(document_, {"solver"}), spec_.solver.name.value);
     statement("options", at(document_, {"problem", "options"}),
@@ -74,12 +79,32 @@ class Reader {
     claims_.emplace(problem_);
     read_claims();
     const Certificate numbers = certify(problem_, *claims_);
+    certificate_.optimality = numbers.optimality;
     certificate_.checks.insert(certificate_.checks.end(), numbers.checks.begin(),
                                numbers.checks.end());
-    soft();
+    evaluate_constraints();
     dropped();
     forces();
     log();
+    status();
+  }
+
+  /// Whether the problem that the solution writes down is the one that was built. Where the solve
+  /// began has no part in the answer.
+  void configuration() {
+    Json claimed = at(document_, {"problem", "configuration"}),
+         actual = expand_problem(spec_, built_);
+    for (Json* json : {&claimed, &actual}) {
+      if (json->is_object()) json->erase("initial_guess");
+      // The file's text is what counts: numbers there and here are rounded alike.
+      *json = Json::parse(json->dump());
+    }
+    const Json patch = Json::diff(actual, claimed);
+    Check check{"configuration", patch.empty()};
+    if (!patch.empty())
+      check.message = "differs from the problem at " + patch[0]["path"].get<std::string>();
+    if (patch.size() > 1) check.message += fmt::format(" and {} more places", patch.size() - 1);
+    add(std::move(check));
   }
 
   /// Of steps that find their own contacts; only a converged answer claims anything of them.
@@ -242,6 +267,10 @@ class Reader {
     const Json& K = document_["gains"]["K"];
     for (int k = 0; k < N; ++k)
       for (int i = 0; i < problem_.nu(k); ++i) c.gains[k].row(i) = vector(K[k][i], "gains.K");
+    for (int k = 0; k < N; ++k) c.feedforward[k] = vector(document_["gains"]["k"][k], "gains.k");
+    c.gain_regularization = number(at(document_, {"gains", "regularization"}), "gains");
+    c.gains_regularize_states =
+        spec_.solver.options.regularization.kind == RegularizationKind::state;
     c.tangent_names = tangent_columns(built_);
     for (const Column& column : built_.control_columns) c.control_names.push_back(column.name);
   }
@@ -274,20 +303,81 @@ class Reader {
     add(std::move(check));
   }
 
-  void soft() {
+  /// Durations, and all that is said of constraints: their values row by row, and where which one
+  /// is violated most.
+  void evaluate_constraints() {
+    const double duration = number(at(document_, {"problem", "duration_s"}), "duration_s");
+    compare_number("duration", duration, problem_.times(claims_->trajectory).back(), 1e-12);
     Evaluation evaluation(problem_);
     Acts(problem_).evaluate(claims_->trajectory, evaluation);
-    const std::vector<ConstraintViolation> found = soft_violations(problem_, evaluation.constraint);
-    if (found.empty() && !document_.contains("soft_constraints")) return;
-    const Json& list = at(document_, {"soft_constraints"});
-    size("soft_constraints", list, static_cast<int>(found.size()));
-    for (std::size_t i = 0; i < std::min(list.size(), found.size()); ++i) {
-      if (!statement("soft constraint", at(list[i], {"name"}), found[i].name)) continue;
-      const double claimed = number(at(list[i], {"violation"}), "violation");
-      const double tolerance = 1e-10 * std::max(1.0, std::abs(found[i].value));
-      add({"violation of soft " + found[i].name, open_or_near(claimed, found[i].value, 1e-10),
-           claimed, found[i].value, tolerance, "", ""});
+    const Eigen::VectorXd& values = evaluation.constraint;
+    std::vector<Check> worst;  // by name
+    for (std::size_t i = 0; i < problem_.constraints().size(); ++i) {
+      const NodeConstraint& c = problem_.constraints()[i];
+      const Json& list = at(at(document_, {"multipliers", "constraints"})[i], {"value"});
+      const std::string name = "values of " + named(c);
+      size(name, list, c.term->rows);
+      auto check = std::find_if(worst.begin(), worst.end(),
+                                [&](const Check& known) { return known.name == name; });
+      if (check == worst.end()) check = worst.insert(worst.end(), Check{name});
+      for (int row = 0; row < std::min<int>(c.term->rows, static_cast<int>(list.size())); ++row)
+        if (check->holds)
+          *check = compared(name, number(list[row], "value"), values[c.row + row], kValueTolerance,
+                            place_text(problem_, c.node, ""));
     }
+    for (Check& check : worst) add(std::move(check));
+    violations("constraints", violations_by_name(problem_, values));
+    violations("soft_constraints", soft_violations(problem_, values));
+  }
+
+  void violations(const char* key, const std::vector<ConstraintViolation>& found) {
+    if (found.empty() && !document_.contains(key)) return;
+    const Json& list = solution_list(document_, key);
+    size(key, list, static_cast<int>(found.size()));
+    for (std::size_t i = 0; i < std::min(list.size(), found.size()); ++i) {
+      if (!statement(key, at(list[i], {"name"}), found[i].name)) continue;
+      const double claimed = number(at(list[i], {"violation"}), "violation");
+      compare_number("violation of " + found[i].name, claimed, found[i].value, kValueTolerance);
+      compare_place(key, at(list[i], {"node"}), found[i], claimed);
+    }
+  }
+
+  /// Where a constraint is violated most; where rounding decides that, any node or none.
+  void compare_place(const char* key, const Json& claimed, const ConstraintViolation& found,
+                     double violation) {
+    if (claimed == found.node || std::isnan(violation)) return;
+    Evaluation evaluation(problem_);
+    Acts(problem_).evaluate(claims_->trajectory, evaluation);
+    const double tolerance = kValueTolerance * std::max(1.0, std::abs(found.value));
+    const bool none = claimed == -1 && found.value <= tolerance;
+    bool same = none;
+    for (const auto* list : {&problem_.constraints(), &problem_.soft_constraints()})
+      for (const NodeConstraint& c : *list)
+        same = same || (claimed == c.node && named(c) == found.name &&
+                        distance_to_set(*c.term, evaluation.constraint.data() + c.row, c.lower,
+                                        c.upper) >= found.value - tolerance);
+    if (same) return;
+    add({fmt::format("{} {}", key, found.name), false, Check::kNone, Check::kNone, Check::kNone, "",
+         fmt::format("largest at node {}, not {}", found.node, claimed.dump())});
+  }
+
+  std::string named(const NodeConstraint& c) const {
+    return (c.node == problem_.knots() ? "terminal/" : "") + c.term->name;
+  }
+
+  Check compared(std::string name, double claimed, double found, double tolerance,
+                 std::string place = {}) const {
+    const bool holds = open_or_near(claimed, found, tolerance);
+    return {std::move(name),
+            holds,
+            claimed,
+            found,
+            tolerance * std::max(1.0, std::abs(found)),
+            holds ? "" : std::move(place),
+            ""};
+  }
+  void compare_number(std::string name, double claimed, double found, double tolerance) {
+    add(compared(std::move(name), claimed, found, tolerance));
   }
 
   void dropped() {
@@ -354,17 +444,119 @@ class Reader {
                      contacts.size())});
   }
 
-  /// The last row of the log is the answer itself.
+  /// The last row of the log is the answer itself, and rows count iterations.
   void log() {
     const Json& log = solution_list(document_, "log");
     if (log.empty()) return;
     const Json& last = log.back();
     statement("iterations", at(document_, {"iterations"}), at(last, {"iteration"}));
-    const double cost = number(at(last, {"cost"}), "log");
-    add({"cost in the log", open_or_near(cost, claims_->cost, 1e-12), cost, claims_->cost,
-         1e-12 * std::max(1.0, std::abs(cost)), "", ""});
+    compare_number("cost in the log", number(at(last, {"cost"}), "log"), claims_->cost, 1e-12);
+    compare_number("gap in the log", number(at(last, {"gap"}), "log"), claims_->gap, 1e-12);
+    compare_number("violation in the log", number(at(last, {"constraint"}), "log"),
+                   claims_->constraint, 1e-12);
+    if (claims_->converged)
+      compare_number("stationarity in the log", number(at(last, {"stationarity"}), "log"),
+                     claims_->stationarity, 1e-12);
+    for (std::size_t i = 0; i < log.size(); ++i) {
+      const Json& count = at(log[i], {"iteration"});
+      const Json& before = i == 0 ? count : log[i - 1]["iteration"];
+      if (count.is_number_integer() && (i == 0 ? count == 0 : count >= before)) continue;
+      add({"rows of the log", false, Check::kNone, Check::kNone, Check::kNone, "",
+           fmt::format("row {} is of iteration {}", i, count.dump())});
+      break;
+    }
   }
 
+  /// Of an answer that did not converge: whether what ended it is what the status says, as far as
+  /// figures tell.
+  void status() {
+    const SolverOptions& options = spec_.solver.options;
+    const std::string& status = claims_->status;
+    std::string wrong;
+    const auto is = [&](SolveStatus s) { return status == to_string(s); };
+    if (is(SolveStatus::max_iterations)) {
+      if (at(document_, {"iterations"}) < options.max_iterations) wrong = "fewer iterations";
+    } else if (is(SolveStatus::time_limit)) {
+      if (!std::isfinite(options.max_time_s)) wrong = "there was none";
+    } else if (is(SolveStatus::infeasible)) {
+      if (claims_->constraint <= options.tolerances.constraint) wrong = "the constraints hold";
+    } else if (!is(SolveStatus::converged) && !is(SolveStatus::line_search_failed) &&
+               !is(SolveStatus::regularization_limit) && !is(SolveStatus::diverged) &&
+               !is(SolveStatus::interrupted)) {
+      wrong = "there is no such status";
+    }
+    if (!wrong.empty())
+      add({"status", false, Check::kNone, Check::kNone, Check::kNone, "",
+           fmt::format("'{}', but {}", status, wrong)});
+  }
+
+  /// Nulls are counted.
+  void nulls() {
+    if (!document_.contains("nulls")) return;
+    const Json& list = solution_list(document_, "nulls");
+    for (const Json& entry : list) {
+      const std::string key = solution_text(entry, "key");
+      std::string pointer = "/" + key;
+      std::replace(pointer.begin(), pointer.end(), '.', '/');
+      const Json::json_pointer place(pointer);
+      const int found = document_.contains(place) ? count_nulls(document_.at(place)) : 0;
+      statement("nulls of " + key, at(entry, {"count"}), found);
+    }
+  }
+
+  /// What the answer says of its own certificate: what this one says.
+  void former_certificate() {
+    if (!document_.contains("certificate")) return;
+    const Json& former = document_.at("certificate");
+    statement("certificate", at(former, {"holds"}), certificate_.holds());
+    if (former.contains("optimality")) optimality(former.at("optimality"));
+    const Json& list = solution_list(former, "checks");
+    // Checks that tell of the certificate itself come last.
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      const std::string name = solution_text(list[i], "name");
+      const bool known = i < certificate_.checks.size() && certificate_.checks[i].name == name;
+      const std::string title = "certificate of " + name;
+      if (!known) {
+        add({title, false, Check::kNone, Check::kNone, Check::kNone, "", "is another check here"});
+        return;
+      }
+      const Check check = certificate_.checks[i];
+      const double slack = std::isnan(check.tolerance) ? 0 : 2 * check.tolerance;
+      const auto differs = [&](const char* key, double mine, double allowed) {
+        const double told = list[i].contains(key) ? number(list[i].at(key), key) : Check::kNone;
+        if (std::isnan(told) && !std::isfinite(mine)) return false;
+        return !(std::abs(told - mine) <= allowed);
+      };
+      const double rounding = 1e-12 * std::abs(check.claimed);
+      if (at(list[i], {"holds"}) == check.holds && !differs("claimed", check.claimed, rounding) &&
+          !differs("found", check.found, slack))
+        continue;
+      add({title, false, Check::kNone, Check::kNone, Check::kNone, "",
+           "says something else than is found here"});
+      return;
+    }
+  }
+
+  /// What rounding leaves alone of the former figures has to be found again.
+  void optimality(const Json& former) {
+    const Optimality& o = certificate_.optimality;
+    const std::tuple<const char*, double, double> figures[] = {
+        {"stationarity", o.stationarity, o.rounding},
+        {"rounding", o.rounding, o.rounding},
+        {"reduced_gradient", o.reduced_gradient, o.reduced_rounding},
+        {"reduced_rounding", o.reduced_rounding, o.reduced_rounding},
+        {"expected_decrease", o.expected_decrease, kNewtonRounding}};
+    for (const auto& [key, mine, rounding] : figures) {
+      const double told = number(at(former, {key}), key);
+      if (std::isnan(told) && !std::isfinite(mine)) continue;
+      if (std::abs(told - mine) <= 1e-3 * std::abs(mine) + 10 * rounding) continue;
+      add({"certificate of optimality", false, told, mine, Check::kNone, "",
+           fmt::format("'{}' is {:.3g} in the answer, {:.3g} here", key, told, mine)});
+    }
+  }
+
+  static constexpr double kNewtonRounding = 1e-12;
+  static constexpr double kValueTolerance = 1e-10;
   static constexpr double kForceTolerance = 1e-9;
 
   const Json& document_;

@@ -18,10 +18,10 @@ struct SolutionCertificate {
   double time_s = 0;  ///< that it took
 };
 
-/// Judges the document of a solution against its problem: shapes and names, options, dropped
-/// constraints, contact forces and the log, and everything that certify() and contact_checks()
-/// judge; if asked for, plays it back on a finer grid, too. Where shapes do not fit, nothing else
-/// is compared. Throws MalformedSolution where the document lacks keys.
+/// Judges the document of a solution against its problem: configuration, shapes and names,
+/// options, dropped constraints, contact forces and the log, and everything that certify() and
+/// contact_checks() judge; if asked for, plays it back on a finer grid, too. Where shapes do not
+/// fit, nothing else is compared. Throws MalformedSolution where the document lacks keys.
 SolutionCertificate certify_solution(const OrderedJson& document, const ProblemSpec& spec,
                                      const BuiltProblem& built, bool with_replay);
 

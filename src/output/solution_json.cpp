@@ -192,13 +192,6 @@ OrderedJson log_json(const std::vector<IterationRecord>& log) {
   return rows;
 }
 
-int count_nulls(const OrderedJson& value) {
-  if (!value.is_structured()) return value.is_null() ? 1 : 0;
-  int count = 0;
-  for (const OrderedJson& part : value) count += count_nulls(part);
-  return count;
-}
-
 /// The numbers that are null, by key, and why: JSON has no numbers that are not finite.
 OrderedJson nulls_json(const OrderedJson& json, const SolveResult& result) {
   const std::string ended =
@@ -268,6 +261,13 @@ OrderedJson head(const Solution& s) {
 }
 
 }  // namespace
+
+int count_nulls(const OrderedJson& value) {
+  if (!value.is_structured()) return value.is_null() ? 1 : 0;
+  int count = 0;
+  for (const OrderedJson& part : value) count += count_nulls(part);
+  return count;
+}
 
 OrderedJson tool_json() {
   const BuildInfo& info = build_info();

@@ -19,6 +19,9 @@ OrderedJson solution_json(const Solution& solution);
 /// Adds the certificate to a document or a head.
 void add_certificate(OrderedJson certificate, OrderedJson& document);
 
+/// How many nulls a value is or holds.
+int count_nulls(const OrderedJson& value);
+
 /// How the solve went: pattern, sentence, knot, quantity and remedy.
 OrderedJson diagnosis_json(const Diagnosis& diagnosis);
 

@@ -8,20 +8,23 @@
 namespace conddp {
 namespace {
 
-/// One step x⁺ = x + u from the origin, ½ ‖u − wish‖², and a constraint on where it ends.
+/// One step x⁺ = x + u from the origin, ½ ‖u − wish‖², and a constraint on where it ends,
+/// which is soft if it has a weight.
 ShootingProblem one_step(const std::vector<double>& wish, ConstraintKind kind,
-                         const std::vector<double>& bounds) {
+                         const std::vector<double>& bounds, double weight = 0) {
   const int n = static_cast<int>(wish.size());
   const auto system = linear_system(Eigen::MatrixXd::Identity(n, n),
                                     Eigen::MatrixXd::Identity(n, n), Eigen::VectorXd::Zero(n));
   auto running = std::make_shared<KnotModel>(system, Integrator::discrete);
   running->add_cost("effort", control_residual(n, n), {});
   auto end = std::make_shared<KnotModel>(system, Integrator::none);
-  end->add_constraint(make_constraint("end", state_residual(end->manifold()), kind));
+  end->add_constraint(make_constraint("end", state_residual(end->manifold()), kind, 1,
+                                      weight > 0 ? Softness::l1 : Softness::hard));
   std::vector<double> cost = wish, constraint(n, 0.0);
   cost.push_back(1);
   constraint.insert(constraint.end(), bounds.begin(), bounds.end());
   constraint.push_back(1);
+  if (weight > 0) constraint.push_back(weight);
   std::vector<Phase> phases;
   phases.push_back(
       {.name = "go", .model = running, .dt = {1}, .cost_scale = {1}, .parameters = cost});
@@ -107,6 +110,53 @@ TEST(CertificateOfConstraints, KnowsSecondOrderCones) {
   EXPECT_EQ(failures(certify(problem, outside)), "");
   outside.constraint = 1;
   EXPECT_EQ(failures(certify(problem, outside)), "[constraint violation]");
+}
+
+TEST(CertificateOfConstraints, ConvergedNeedsComplementarity) {
+  // Stationary and feasible, with the multiplier of a bound that is half a unit away, and no lie.
+  const ShootingProblem problem = one_step({0}, ConstraintKind::bounds, {0.5, kFree});
+  SolutionClaims claims = claims_of(problem, vector({1}), vector({-1}), 0.5);
+  claims.complementarity = 0.5;
+  EXPECT_EQ(failures(certify(problem, claims)), "[status]");
+  claims.converged = false;
+  claims.status = "max_iterations";
+  EXPECT_EQ(failures(certify(problem, claims)), "");
+}
+
+TEST(CertificateOfConstraints, MultipliersOfSoftConesStayWithinTheirLimit) {
+  // At (0.5, 0.5), on the cone, a hard one's multiplier has the norm 1/√2.
+  const auto found = [](double weight) {
+    const ShootingProblem problem = one_step({1, 0}, ConstraintKind::second_order_cone, {}, weight);
+    SolutionClaims claims = claims_of(problem, vector({0.5, 0.5}), vector({0.5, -0.5}), 0.25);
+    claims.cost_by_name.emplace_back("terminal/end", 0);
+    return failures(certify(problem, claims));
+  };
+  EXPECT_EQ(found(0.8), "");
+  EXPECT_EQ(found(0.7), "[signs of multipliers]");
+}
+
+/// One step u to the wish ½ (u − 1)² with u ≤ ½: its upper bound has the multiplier ½.
+TEST(CertificateOfBounds, MultipliersHaveTheirSign) {
+  const auto system = linear_system(Eigen::MatrixXd::Identity(1, 1),
+                                    Eigen::MatrixXd::Identity(1, 1), Eigen::VectorXd::Zero(1));
+  auto running = std::make_shared<KnotModel>(system, Integrator::discrete);
+  running->add_cost("effort", control_residual(1, 1), {});
+  running->set_control_bounds({-kFree}, {0.5});
+  auto end = std::make_shared<KnotModel>(system, Integrator::none);
+  std::vector<Phase> phases;
+  phases.push_back(
+      {.name = "go", .model = running, .dt = {1}, .cost_scale = {1}, .parameters = {1, 1}});
+  const ShootingProblem problem({0}, std::move(phases),
+                                {.name = "end", .model = end, .dt = {0}, .cost_scale = {1}});
+  SolutionClaims claims = claims_of(problem, vector({0.5}), vector({0}), 0.125);
+  claims.multipliers.resize(0);
+  claims.upper_multipliers[0] = vector({0.5});
+  EXPECT_EQ(failures(certify(problem, claims)), "");
+  // The gradient is balanced by the sum of both, but no bound pulls.
+  claims.upper_multipliers[0] = vector({0});
+  claims.lower_multipliers[0] = vector({-0.5});
+  const std::string found = failures(certify(problem, claims));
+  EXPECT_NE(found.find("[signs of multipliers]"), std::string::npos) << found;
 }
 
 }  // namespace

@@ -93,6 +93,10 @@ TEST(ConstraintSet, DistanceAndComplementarityTellASolutionFromItsNeighbours) {
   EXPECT_NEAR(distance_to_set(cone, on_cone, nullptr, nullptr), 0, 1e-15);
   EXPECT_NEAR(complementarity(cone, on_cone, nullptr, nullptr, normal), 0, 1e-14);
   EXPECT_NEAR(complementarity(cone, on_cone, nullptr, nullptr, on_cone), 50, 1e-12);
+  // Orthogonal to the value, and at the tip to all: but multipliers belong into the polar cone.
+  const double across[] = {-0.8, 0.6, 0}, inward[] = {0.6, 0.8, 1}, tip[] = {0, 0, 0};
+  EXPECT_NEAR(complementarity(cone, on_cone, nullptr, nullptr, across), std::sqrt(0.5), 1e-14);
+  EXPECT_NEAR(complementarity(cone, tip, nullptr, nullptr, inward), std::sqrt(2.0), 1e-14);
   const double outside[] = {3, 4, 0}, below[] = {0, 3, -4};
   EXPECT_NEAR(distance_to_set(cone, outside, nullptr, nullptr), 5 * std::sqrt(0.5), 1e-14);
   EXPECT_NEAR(distance_to_set(cone, below, nullptr, nullptr), 5, 1e-14);

@@ -62,6 +62,32 @@ TEST(FrictionPyramid, TouchesTheConeAtFacesOrEdges) {
   }
 }
 
+TEST(WrenchCone, InnerOnesStandInTheConeAndOuterOnesContainIt) {
+  RandomNumbers random(5);
+  const double mu = 0.7, half_x = 0.1, half_y = 0.05;
+  const LinearCone inner = wrench_cone({.friction = mu}, half_x, half_y, true);
+  const LinearCone outer = wrench_cone({.friction = mu}, half_x, half_y, false);
+  int between = 0;
+  for (int sample = 0; sample < 500; ++sample) {
+    // A force at the sole's centre.
+    VectorXd wrench = VectorXd::Zero(6);
+    wrench.head(3) << random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(0, 1.5);
+    const bool in_cone = wrench.head(2).norm() <= mu * wrench[2];
+    EXPECT_TRUE(!inside(inner, wrench, -1e-9) || in_cone);
+    EXPECT_TRUE(!in_cone || inside(outer, wrench));
+    between += inside(outer, wrench) && !inside(inner, wrench);
+  }
+  EXPECT_GT(between, 0);
+  // Along an axis the outer one bears μ f_z, the inner one μ f_z / √2.
+  VectorXd along = VectorXd::Zero(6);
+  along[2] = 1;
+  along[0] = 0.99 * mu;
+  EXPECT_TRUE(inside(outer, along));
+  EXPECT_FALSE(inside(inner, along));
+  along[0] = 0.99 * mu / std::sqrt(2.0);
+  EXPECT_TRUE(inside(inner, along));
+}
+
 TEST(FrictionPyramid, NormalForceHasTheLimitsAsked) {
   const LinearCone cone =
       friction_pyramid({.friction = 1, .min_normal = 5, .max_normal = 20}, 4, false, {0, 0.6, 0.8});

@@ -1,0 +1,130 @@
+// A seeded random walk over the numbers of answers: every change is noticed but for what the schema
+// lists as not compared.
+#include <cstdlib>
+#include <fstream>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "analysis/solution_members.hpp"
+#include "output/certificate_report.hpp"
+#include "support/answer.hpp"
+#include "support/sizes.hpp"
+
+namespace conddp {
+namespace {
+
+OrderedJson not_compared() {
+  std::ifstream file(std::filesystem::path(CONDDP_SOURCE_DIR) / "schemas/solution.schema.json");
+  return OrderedJson::parse(file).at("not_compared");
+}
+
+/// Whether the list has this place, or one above it: keys with '*' for any entry of a list or name.
+bool listed(const OrderedJson& list, const std::vector<std::string>& place,
+            const OrderedJson& document) {
+  for (const OrderedJson& entry : list) {
+    const std::string where = entry.value("where", "");
+    if (where == "constraints" && document["constraints"].empty() &&
+        document["soft_constraints"].empty())
+      continue;
+    if (where == "rounding" && !(place.size() == 3 && document[place[0]].is_array() &&
+                                 document[place[0]][std::stoi(place[1])]["violation"] < 1e-9))
+      continue;
+    std::stringstream key(entry["key"].get<std::string>());
+    std::string part;
+    std::size_t i = 0;
+    bool fits = true;
+    while (fits && std::getline(key, part, '.')) {
+      fits = i < place.size() && (part == "*" || part == place[i]);
+      ++i;
+    }
+    if (fits) return true;
+  }
+  return false;
+}
+
+/// A number somewhere in the document and the way to it; none where the walk ends at no number.
+OrderedJson* find_number(OrderedJson& document, std::mt19937_64& engine,
+                         std::vector<std::string>& place, double& scale) {
+  OrderedJson* value = &document;
+  place.clear();
+  while (value->is_structured()) {
+    if (value->empty()) return nullptr;
+    scale = 1e-3;
+    for (const OrderedJson& sibling : *value)
+      if (sibling.is_number()) scale = std::max(scale, std::abs(sibling.get<double>()));
+    const std::size_t i = engine() % value->size();
+    auto entry = value->begin();
+    std::advance(entry, static_cast<std::ptrdiff_t>(i));
+    place.push_back(value->is_object() ? entry.key() : std::to_string(i));
+    value = &*entry;
+  }
+  return value->is_number() || value->is_boolean() ? value : nullptr;
+}
+
+/// By one to a hundred hundredths of the largest number beside it: above all rounding.
+void change(OrderedJson& number, double scale, std::mt19937_64& engine) {
+  const double sign = (engine() >> 63) != 0 ? 1 : -1;
+  const double share = 0.01 + 0.99 * static_cast<double>(engine() >> 11) * 0x1p-53;
+  if (number.is_boolean())
+    number = !number.get<bool>();
+  else if (number.is_number_integer())
+    number = number.get<long long>() + static_cast<long long>(sign * (1 + engine() % 3));
+  else
+    number = number.get<double>() + sign * share * scale;
+}
+
+std::string join(const std::vector<std::string>& place) {
+  std::string text;
+  for (const std::string& part : place) text += "." + part;
+  return text;
+}
+
+class CorruptionWalk : public testing::TestWithParam<std::string> {};
+
+TEST_P(CorruptionWalk, EveryChangeIsNoticed) {
+  Answer answer(GetParam());
+  add_certificate(certificate_json(answer.judge(answer.document)), answer.document);
+  answer.document = OrderedJson::parse(answer.document.dump());
+  const SolutionCertificate good = answer.judge(answer.document);
+  ASSERT_TRUE(good.checks.holds()) << certificate_table(good);
+  const OrderedJson list = not_compared();
+  const char* asked = std::getenv("CONDDP_CORRUPTIONS");
+  const int count = asked != nullptr ? std::atoi(asked) : 5;
+  std::mt19937_64 engine(7);
+  for (int i = 0; i < count;) {
+    OrderedJson changed = answer.document;
+    std::vector<std::string> place;
+    double scale = 1;
+    OrderedJson* number = find_number(changed, engine, place, scale);
+    if (number == nullptr || listed(list, place, answer.document)) continue;
+    ++i;
+    const std::string before = number->dump();
+    change(*number, scale, engine);
+    try {
+      EXPECT_FALSE(answer.judge(changed).checks.holds())
+          << join(place) << " from " << before << " to " << number->dump();
+    } catch (const MalformedSolution&) {
+      // Noticed as well.
+    }
+  }
+}
+
+/// All kinds of fields: bounds, impacts, poses, cones, soft constraints, free durations, cycles.
+std::vector<std::string> walked_problems() {
+  std::vector<std::string> names = {"pendulum_swingup", "double_integrator_limits", "arm_reach",
+                                    "hopper_jump", "pendulum_goal"};
+  if (!kSmallSizes)
+    names.insert(names.end(),
+                 {"acrobot_swingup", "arm_waypoint", "arm_wipe", "arm_reach_pose", "body_reorient",
+                  "cartpole_goal", "double_integrator_fastest", "double_pendulum_swingup",
+                  "pendulum_cycle", "powered_descent", "unicycle_escape", "unicycle_obstacles",
+                  "quadrotor_waypoints", "quadruped_trot", "quadruped_trot_cones"});
+  return names;
+}
+
+INSTANTIATE_TEST_SUITE_P(Problems, CorruptionWalk, testing::ValuesIn(walked_problems()),
+                         [](const auto& name) { return name.param; });
+
+}  // namespace
+}  // namespace conddp
