@@ -160,7 +160,7 @@ int solve_file(const SolveArguments& arguments) {
   if (certificate && !certificate->checks.computable()) {
     print_error("the answer cannot be checked: " + certificate_line(*certificate),
                 "its numbers are so large that rounding or overflow eats what they should say");
-    return std::max(kExitNotConverged, exit_code(result.status));
+    return std::max<int>(kExitNotConverged, exit_code(result.status));
   }
   if (certificate && !certificate->checks.holds()) {
     print_error("the certificate of the answer " + certificate_line(*certificate),

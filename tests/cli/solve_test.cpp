@@ -183,5 +183,25 @@ TEST(Solve, OutputFoldersThatCannotBeMadeAreNamed) {
   EXPECT_NE(r.err.find("cannot be made"), std::string::npos) << r.err;
 }
 
+// The same list in the summaries of solve and verify and in their documents.
+TEST(Solve, SaysWhatStandsOutInTheMotion) {
+  const TemporaryFolder folder;
+  const auto run = [&](std::vector<std::string> arguments) {
+    return run_conddp(std::move(arguments), folder.path());
+  };
+  const ProcessResult solved = run({"solve", source("problems/quadruped_trot.yaml"), "--set",
+                                    "contacts.defaults.baumgarte.kd=20", "-o", "out"});
+  EXPECT_EQ(solved.exit_code, 0) << solved.err;
+  EXPECT_NE(solved.out.find("  findings      the contact '"), std::string::npos) << solved.out;
+  EXPECT_NE(solved.out.find("baumgarte: {kd: 50}"), std::string::npos) << solved.out;
+  const std::string document = read_file(folder.path() / "out/solution.json");
+  EXPECT_TRUE(fits_schema("solution", document));
+  const ProcessResult verified = run({"verify", "out/solution.json"});
+  EXPECT_EQ(verified.exit_code, 0) << verified.out;
+  EXPECT_NE(verified.out.find("\n  finding the contact '"), std::string::npos) << verified.out;
+  const ProcessResult json = run({"verify", "out/solution.json", "--json"});
+  EXPECT_EQ(nlohmann::json::parse(json.out)["findings"], nlohmann::json::parse(document)["findings"]);
+}
+
 }  // namespace
 }  // namespace conddp
