@@ -279,27 +279,28 @@ class Reader {
   void findings(const std::vector<Finding>& found) {
     if (!document_.contains("findings") || !claims_) return;
     const Json& list = solution_list(document_, "findings");
+    const Json expected = findings_json(found);
     Check check{"findings"};
-    for (std::size_t i = 0; i < std::max(list.size(), found.size()) && check.holds; ++i) {
-      const std::string claimed = i < list.size()
-                                      ? fmt::format("{} of {}", solution_text(list[i], "kind"),
-                                                    solution_text(list[i], "subject"))
-                                      : "nothing";
-      const std::string here =
-          i < found.size() ? fmt::format("{} of {}", to_string(found[i].kind), found[i].subject)
-                           : "nothing";
-      if (claimed != here) {
-        check.holds = false;
-        check.message = fmt::format("{} in the answer, {} in its motion", claimed, here);
-        continue;
+    const auto differs = [&](const std::string& what) {
+      check.holds = false;
+      check.message = what;
+    };
+    if (list.size() != expected.size())
+      differs(fmt::format("{} in the answer, {} in its motion", list.size(), expected.size()));
+    for (std::size_t i = 0; check.holds && i < expected.size(); ++i)
+      for (const auto& [key, value] : expected[i].items()) {
+        const Json& claimed = at(list[i], {key.c_str()});
+        if (key == "message" || key == "remedy") continue;
+        if (!value.is_number_float()
+                ? claimed == value
+                : compared("", number(claimed, key.c_str()), value.get<double>(), kValueTolerance)
+                      .holds)
+          continue;
+        differs(fmt::format("'{}' of {} of {}: {} in the answer, {} in its motion", key,
+                            to_string(found[i].kind), found[i].subject, claimed.dump(),
+                            value.dump()));
+        break;
       }
-      check.claimed = number(at(list[i], {"value"}), "value");
-      check.found = found[i].value;
-      check.tolerance = 1e-6 * std::max(1e-3, std::abs(found[i].value));
-      check.holds = std::abs(check.claimed - check.found) <= check.tolerance;
-      if (!check.holds) check.message = here;
-    }
-    if (check.holds) check.claimed = check.found = check.tolerance = Check::kNone;
     add(std::move(check));
   }
 

@@ -26,6 +26,8 @@ constexpr double kTighter = 1e-2;
 constexpr double kTightest = 1e-13;
 /// Smallest distance from a bound that is told from none.
 constexpr double kLeastDistance = 1e-16;
+/// Of a bound: what a Newton step leaves of the way to it.
+constexpr double kBoundRounding = 1e-14;
 
 }  // namespace
 
@@ -179,6 +181,22 @@ void IpoptSolver::refine(InteriorPointAnswer& answer) {
     answer = std::move(tighter);
     cross_over(answer, true);
   }
+}
+
+/// The gains of Newton's steps belong to the iterate before, and have active controls as stiff
+/// penalties. Where nothing but controls is bounded, a sweep at the answer gives its own; controls
+/// that rounding keeps off their bounds would be free in it.
+void IpoptSolver::sweep_at_answer() {
+  if (!choice_.is_solution() || !problem_.constraints().empty()) return;
+  Trajectory trajectory = result_.trajectory;
+  for (int k = 0; k < problem_.knots(); ++k)
+    for (int i = 0; i < problem_.nu(k); ++i)
+      for (const double bound : {bounds_.lower(k)[i], bounds_.upper(k)[i]})
+        if (std::isfinite(bound) &&
+            std::abs(trajectory.u(k)[i] - bound) <= kBoundRounding * std::max(1.0, std::abs(bound)))
+          trajectory.u(k)[i] = bound;
+  start_newton(trajectory, Eigen::VectorXd(result_.constraint_multipliers));
+  if (gain_regularization_) consider(true);
 }
 
 }  // namespace conddp

@@ -92,6 +92,7 @@ SolveResult IpoptSolver::solve(const Trajectory& guess) {
   const double newton_began = elapsed();
   if (!crossed_over_) cross_over_from_polished(answer);
   if (!transcription_->has_pairs()) refine(answer);
+  sweep_at_answer();
   log_answer();
   set_status(answer);
   result_.iterations = row_.iteration;
@@ -136,6 +137,8 @@ bool IpoptSolver::newton_is_enough(const Trajectory& start) {
     consider();
   }
   if (choice_.is_solution()) {
+    sweep_at_answer();
+    log_answer();
     set_status({});
     return true;
   }
@@ -252,8 +255,13 @@ void IpoptSolver::consider(bool preferred) {
 /// Makes the row of the answer the last one of the log.
 void IpoptSolver::log_answer() {
   if (!choice_.has_answer() || !std::isfinite(answer_row_.cost) || result_.log.empty()) return;
-  const IterationRecord& last = result_.log.back();
-  if (last.cost == answer_row_.cost && last.newton == answer_row_.newton) return;
+  IterationRecord& last = result_.log.back();
+  if (last.cost == answer_row_.cost && last.newton == answer_row_.newton) {
+    // Along the answer's gains it is another number than along those of the step that led there.
+    last.stationarity = answer_row_.stationarity;
+    last.stationarity_knot = answer_row_.stationarity_knot;
+    return;
+  }
   // What is counted goes on.
   answer_row_.iteration = row_.iteration;
   answer_row_.outer = row_.outer;

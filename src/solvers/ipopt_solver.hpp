@@ -61,6 +61,7 @@ class IpoptSolver {
   void cross_over(const InteriorPointAnswer& answer, bool goes_on = false);
   void start_newton(const Trajectory& trajectory, const Eigen::VectorXd& multipliers);
   void refine(InteriorPointAnswer& answer);
+  void sweep_at_answer();
 
   bool alternation_pays() const;
   bool newton_is_enough(const Trajectory& start);

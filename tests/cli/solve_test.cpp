@@ -187,7 +187,7 @@ TEST(Solve, OutputFoldersThatCannotBeMadeAreNamed) {
 TEST(Solve, SaysWhatStandsOutInTheMotion) {
   const TemporaryFolder folder;
   const auto run = [&](std::vector<std::string> arguments) {
-    return run_conddp(std::move(arguments), folder.path());
+    return run_conddp(std::move(arguments), {.folder = folder.path()});
   };
   const ProcessResult solved = run({"solve", source("problems/quadruped_trot.yaml"), "--set",
                                     "contacts.defaults.baumgarte.kd=20", "-o", "out"});
@@ -200,7 +200,8 @@ TEST(Solve, SaysWhatStandsOutInTheMotion) {
   EXPECT_EQ(verified.exit_code, 0) << verified.out;
   EXPECT_NE(verified.out.find("\n  finding the contact '"), std::string::npos) << verified.out;
   const ProcessResult json = run({"verify", "out/solution.json", "--json"});
-  EXPECT_EQ(nlohmann::json::parse(json.out)["findings"], nlohmann::json::parse(document)["findings"]);
+  EXPECT_EQ(nlohmann::json::parse(json.out)["findings"],
+            nlohmann::json::parse(document)["findings"]);
 }
 
 }  // namespace

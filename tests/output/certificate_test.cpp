@@ -239,9 +239,11 @@ const std::vector<Corruption>& corruptions() {
 /// What an answer has nothing of: each of it another has.
 std::string without_corruptions(const std::string& problem) {
   const std::string pose = "[a quaternion]", contacts = "[a contact force][when a contact is held]";
-  if (problem == "pendulum_swingup" || problem == "double_pendulum_swingup") return pose + contacts;
+  const std::string finding = "[the figure of a finding]";
+  if (problem == "pendulum_swingup" || problem == "double_pendulum_swingup")
+    return pose + finding + contacts;
   const std::string bound = "[the sign of a bound's multiplier]";
-  if (problem == "quadrotor_waypoints") return bound + pose + contacts;
+  if (problem == "quadrotor_waypoints") return bound + pose + finding + contacts;
   if (problem == "body_reorient") return contacts;
   return problem == "hopper_jump" ? pose : bound;
 }
