@@ -14,6 +14,8 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
 /// Pivots below this, relative to what moves if all joints further out are held, count as zero.
 constexpr double kSingular = 1e-11;
+/// In one configuration nearly singular is as bad: right angles of 1.5708 leave 1e-11.
+constexpr double kNearlySingular = 1e-8;
 
 /// What is left where terms of an inertia cancel, relative to its largest entry, counts as zero
 /// too.
@@ -111,24 +113,25 @@ std::vector<double> relative_pivots(const RobotModel& model, const Position& pos
   return relative;
 }
 
-std::vector<int> without_inertia(const std::vector<double>& pivots) {
+std::vector<int> without_inertia(const std::vector<double>& pivots, double least) {
   std::vector<int> found;
   for (std::size_t i = 0; i < pivots.size(); ++i)
-    if (!(pivots[i] > kSingular)) found.push_back(static_cast<int>(i));
+    if (!(pivots[i] > least)) found.push_back(static_cast<int>(i));
   return found;
 }
 
 }  // namespace
 
 std::vector<int> joints_without_inertia(const RobotModel& model) {
-  return without_inertia(relative_pivots(model, generic_position));
+  return without_inertia(relative_pivots(model, generic_position), kSingular);
 }
 
 std::vector<int> joints_without_inertia_at_zero(const RobotModel& model) {
-  return without_inertia(relative_pivots(model, [&](int i) {
+  const auto zero = [&](int i) {
     const Joint& joint = model.joints[i];
     return joint.lower <= joint.upper ? std::clamp(0.0, joint.lower, joint.upper) : 0.0;
-  }));
+  };
+  return without_inertia(relative_pivots(model, zero), kNearlySingular);
 }
 
 std::vector<int> bodies_with_negative_inertia(const RobotModel& model) {

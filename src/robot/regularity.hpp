@@ -11,8 +11,8 @@ namespace conddp {
 /// between two joints about one axis, a free body without rotational inertia.
 std::vector<int> joints_without_inertia(const RobotModel& model);
 
-/// The same at the zero configuration alone, clamped to the joint limits: axes that meet or align
-/// there can leave nothing that resists, though it does elsewhere.
+/// The same, or nearly so, at the zero configuration alone, clamped to the joint limits: axes that
+/// meet or align there can leave nothing that resists, though it does elsewhere.
 std::vector<int> joints_without_inertia_at_zero(const RobotModel& model);
 
 /// How many configurations `joints_with_negative_inertia` looks at.

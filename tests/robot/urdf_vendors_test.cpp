@@ -180,13 +180,16 @@ TEST(VendorInertias, AnInertiaMatrixThatIsSingularAtZeroIsAWarningThatNamesTheJo
   // A point mass 0.1123 m from the inner axis, turned into line with the outer one.
   const double turn = std::atan2(-0.1108, 0.0185);
   const auto folded = aligned.find("rpy=\"0 0 0\"");
-  std::string at_zero = aligned;
-  at_zero.replace(folded, 11, "rpy=\"0 0 " + fmt::format("{}", -turn) + "\"");
-  const UrdfResult warned = parse_urdf(at_zero, "f");
-  ASSERT_TRUE(warned.model) << warnings(warned);
-  EXPECT_NE(warnings(warned).find("joint 'outer': at the zero configuration nothing that it moves"),
-            std::string::npos)
-      << warnings(warned);
+  for (const double rounding : {0.0, 4e-6}) {  // of a right angle as 1.5708
+    std::string at_zero = aligned;
+    at_zero.replace(folded, 11, "rpy=\"0 0 " + fmt::format("{}", rounding - turn) + "\"");
+    const UrdfResult warned = parse_urdf(at_zero, "f");
+    ASSERT_TRUE(warned.model) << warnings(warned);
+    EXPECT_NE(
+        warnings(warned).find("joint 'outer': at the zero configuration nothing that it moves"),
+        std::string::npos)
+        << rounding << warnings(warned);
+  }
   EXPECT_EQ(warnings(parse_urdf(aligned, "f")), "");
 }
 
