@@ -4,10 +4,10 @@
 
 #include <fmt/format.h>
 
-#include "analysis/contact_rank.hpp"
 #include "problem_file/expand_sections.hpp"
 #include "problem_file/system_fields.hpp"
 #include "problem_file/words.hpp"
+#include "systems/contact_rank.hpp"
 #include "systems/multibody.hpp"
 
 namespace conddp {

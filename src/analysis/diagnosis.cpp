@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "analysis/contact_rank.hpp"
+#include "systems/contact_rank.hpp"
 
 namespace conddp {
 namespace {

@@ -170,11 +170,12 @@ std::optional<ContactPlan> ContactPlan::build(const ProblemSpec& spec, const Pla
     auto& system = known[{plan.held_[p], phase.restitution.value_or(-1), places}];
     if (!system && plan.held_[p].empty()) system = plant.system;
     if (!system) {
-      if (phase.restitution)
-        system = std::make_shared<MultibodySystem>(plant.multibody->shared_robot(), std::move(held),
-                                                   *phase.restitution);
-      else
-        system = plant.multibody->with_contacts(std::move(held));
+      const auto holding =
+          phase.restitution ? std::make_shared<MultibodySystem>(plant.multibody->shared_robot(),
+                                                                std::move(held), *phase.restitution)
+                            : plant.multibody->with_contacts(std::move(held));
+      holding->soften_redundant_contacts(initial.data());
+      system = holding;
     }
     plan.systems_.push_back(system);
   }

@@ -30,6 +30,10 @@ ContactSet::ContactSet(const RobotModel& model, const MimicMap& mimics,
   }
 }
 
+void ContactSet::soften(const Eigen::MatrixXd& softness) {
+  softness_.assign(softness.data(), softness.data() + softness.size());
+}
+
 template <class S>
 ContactSet::Data<S>::Data(const ContactSet& set, const RobotModel& model, int nv, int nu) {
   const int m = set.rows();
@@ -69,7 +73,11 @@ void ContactSet::update(const RobotModel& model, const RobotData<S>& robot, int 
 template <class S>
 void ContactSet::factorize(Data<S>& data) const {
   const int m = rows_;
-  data.factors = data.G;
+  const auto reset = [&] {
+    data.factors = data.G;
+    for (std::size_t i = 0; i < softness_.size(); ++i) data.factors[i] += S(softness_[i]);
+  };
+  reset();
   factorize_ldlt(m, data.factors.data());
   const S largest_inverse(1 / (10 * compliance_));
   MaskOf<S>& singular = data.compliant;
@@ -79,7 +87,7 @@ void ContactSet::factorize(Data<S>& data) const {
     singular = singular | !(inverse > S(0.0)) | !(inverse < largest_inverse);
   }
   if (!any(singular)) return;
-  data.factors = data.G;
+  reset();
   const S epsilon = select(singular, S(compliance_), S(0.0));
   for (int k = 0; k < m; ++k) data.factors[k * m + k] += epsilon;
   factorize_ldlt(m, data.factors.data());

@@ -2,6 +2,8 @@
 
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "robot/contact.hpp"
 #include "systems/mimic_map.hpp"
 
@@ -29,6 +31,9 @@ class ContactSet {
   int offset(int contact) const { return offsets_[contact]; }
   /// ε, 1/kg (for a row of angular motion 1/(kg m²)).
   double compliance() const { return compliance_; }
+  /// Adds a symmetric matrix of all rows to G in every state (ContactRank::softness), so that
+  /// J a + c + softness λ = 0.
+  void soften(const Eigen::MatrixXd& softness);
   /// Velocity indices (of the system) that move a contact.
   const std::vector<int>& columns(int contact) const { return columns_[contact].columns(); }
 
@@ -76,6 +81,7 @@ class ContactSet {
   std::vector<int> offsets_;
   int rows_ = 0;
   double compliance_ = 0;
+  std::vector<double> softness_;  ///< added to G: m x m, or nothing
 };
 
 }  // namespace conddp

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "systems/contact_rank.hpp"
 #include "systems/dense_ldlt.hpp"
 #include "systems/multibody_second_derivatives.hpp"
 
@@ -155,12 +156,16 @@ MultibodySystem::MultibodySystem(std::shared_ptr<const RobotModel> robot, Actuat
   solver_ = ColumnSolver(*robot_, !mimics_.identity(), n, contacts_, entries_, nu_);
 }
 
-std::shared_ptr<const MultibodySystem> MultibodySystem::with_contacts(
+std::shared_ptr<MultibodySystem> MultibodySystem::with_contacts(
     std::vector<Contact> contacts) const {
   auto held = std::make_shared<MultibodySystem>(*this);
   held->contacts_ = ContactSet(*robot_, mimics_, std::move(contacts));
   held->solver_ = ColumnSolver(*robot_, !mimics_.identity(), nv(), held->contacts_, entries_, nu_);
   return held;
+}
+
+void MultibodySystem::soften_redundant_contacts(const double* x) {
+  contacts_.soften(contact_rank(*this, x).softness);
 }
 
 std::vector<int> MultibodySystem::actuated_rows() const {

@@ -93,7 +93,12 @@ class MultibodySystem : public SystemBase<MultibodySystem> {
   };
 
   /// The same system with these contacts and no others.
-  std::shared_ptr<const MultibodySystem> with_contacts(std::vector<Contact> contacts) const;
+  std::shared_ptr<MultibodySystem> with_contacts(std::vector<Contact> contacts) const;
+
+  /// Gives forces of contacts that depend on each other in a state (nx numbers), or nearly so, a
+  /// compliance in every state: on the way from there to where they do not, the rigid ones would
+  /// change by orders of magnitude within milliradians.
+  void soften_redundant_contacts(const double* x);
 
   const RobotModel& robot() const { return *robot_; }
   const std::shared_ptr<const RobotModel>& shared_robot() const { return robot_; }

@@ -24,8 +24,8 @@ bool listed(const OrderedJson& list, const std::vector<std::string>& place,
             const OrderedJson& document) {
   for (const OrderedJson& entry : list) {
     const std::string where = entry.value("where", "");
-    if (where == "constraints" && document["constraints"].empty() &&
-        document["soft_constraints"].empty())
+    if (where == "constraints" && document.value("constraints", OrderedJson()).empty() &&
+        document.value("soft_constraints", OrderedJson()).empty())
       continue;
     if (where == "rounding" && !(place.size() == 3 && document[place[0]].is_array() &&
                                  document[place[0]][std::stoi(place[1])]["violation"] < 1e-9))
