@@ -47,6 +47,13 @@ LEGGED = {
     "talos_reduced.urdf": ("talos", "half_sitting", ["left_sole_link", "right_sole_link"], "surface"),
 }
 
+#: part of the URDF's path: directions in which the humanoid walks
+WALKERS = {
+    "icub.urdf": ["forward"], "icub_reduced": ["forward", "aside"], "romeo.urdf": ["forward"],
+    "romeo_small": ["forward"], "simple_humanoid.urdf": ["forward", "aside"],
+    "talos_full_v2.urdf": ["forward"], "talos_reduced.urdf": ["forward", "aside"],
+}
+
 
 def values(request):
     run = subprocess.run([BINARIES / "robot_values"], input=json.dumps(request), text=True,
@@ -235,6 +242,80 @@ def stand(urdf, spec, locked, folder):
     return solution["status"] == "converged" and sunk < 0.1, text
 
 
+def walk(urdf, spec, locked, direction, folder):
+    """Three steps of a third of the hips' height in all, as problems/biped_steps.yaml takes them."""
+    srdf, name, feet, kind = spec
+    model = pin.buildModelFromUrdf(str(urdf), pin.JointModelFreeFlyer())
+    pin.loadReferenceConfigurations(model, str(srdf_beside(urdf, srdf)), False)
+    q = model.referenceConfigurations[name].copy()
+    data = model.createData()
+    pin.framesForwardKinematics(model, data, q)
+    soles = [data.oMf[model.getFrameId(foot)].translation for foot in feet]
+    height = q[2] - soles[0][2]
+    left, right = feet if soles[0][1] > soles[1][1] else feet[::-1]
+    step = 0.17 * height
+    one = [step, 0, 0] if direction == "forward" else [0, step / 2, 0]
+    two = [2 * x for x in one]
+    joints = {joint: value for joint, value in posture(model, q).items() if joint not in locked}
+
+    def standing(shift):
+        position = [float(a + b) for a, b in zip(q[:3], shift)]
+        return {"base": {"position": position, "orientation": [float(x) for x in q[3:7]]},
+                "joints": joints}
+
+    # A step aside of the left foot is followed by one of the right foot as long, twice.
+    steps = [(left, right, one), (right, left, two if direction == "forward" else one),
+             (left, right, one)]
+    if direction == "aside":
+        steps.append((right, left, one))
+    phases, swings = [{"name": "shift", "knots": 20, "dt": 0.02, "contacts": "all"}], {}
+    for i, (foot, stance, length) in enumerate(steps):
+        phases.append({"name": f"step_{i}", "knots": 20, "dt": 0.02, "contacts": [stance]})
+        phases.append({"name": f"double_{i}", "knots": 5 if i + 1 < len(steps) else 25, "dt": 0.02,
+                       "contacts": "all"})
+        swings[f"swing_{i}"] = {
+            "residual": "frame_placement", "frame": foot, "phases": f"step_{i}", "weight": 1e4,
+            "swing": {"height": 0.07 * height, "step": [float(x) for x in length]}}
+    problem = {
+        "conddp": 1, "name": "walk",
+        "robot": {"urdf": str(urdf), "base": "floating", "locked_joints": locked,
+                  "configurations": {"standing": standing([0, 0, 0]), "arrived": standing(two)}},
+        "contacts": {"defaults": {"type": kind, "size": [0.16 * height / 0.6, 0.07 * height / 0.6],
+                                  "friction": 0.7},
+                     **{foot: {"frame": foot} for foot in feet}},
+        "initial_state": {"configuration": "standing"},
+        "phases": phases,
+        "costs": {
+            "posture": {"residual": "state", "reference": "standing", "weight": 10,
+                        "weights": {"base/x": 0, "base/y": 0.1 if direction == "forward" else 0,
+                                    "base/z": 10, "base/r*": 10,
+                                    "q/*": 0.5, "base/v*": 0.1, "base/w*": 0.1, "v/*": 0.02}},
+            "effort": {"residual": "control", "weight": 1e-3},
+            "cone": {"residual": "wrench_cone", "contacts": "all", "safety": 0.85, "weight": 10},
+            **swings},
+        "terminal": {"costs": {"arrive": {"residual": "state", "reference": "arrived",
+                                          "weight": 100}}},
+        "initial_guess": {"states": "initial", "controls": "quasi_static"},
+    }
+    solution, messages = solve(problem, folder)
+    if solution is None:
+        return False, messages
+    advised = ways_out(messages) if not locked else None
+    if solution["status"] != "converged" and advised:
+        good, text = walk(urdf, spec, advised, direction, folder)
+        return good, f"{text} ({', '.join(advised)} locked, as its warning advises)"
+    x = np.array(solution["trajectory"]["x"])
+    text = (f"{solution['status']} in {solution['iterations']} iterations; the base goes "
+            f"{np.linalg.norm(x[-1, :2] - x[0, :2]) * 100:.0f} of "
+            f"{np.linalg.norm(two) * 100:.0f} cm")
+    kinds = {}
+    for finding in solution["findings"]:
+        kinds.setdefault(finding["kind"], finding)
+    for finding in kinds.values():
+        text += f"\n      {finding['message']}"
+    return solution["status"] == "converged", text
+
+
 def entry_of(table, path):
     return next((key for key in table if key in path), None)
 
@@ -285,6 +366,18 @@ def main():
                     continue
             failed += not good
             print(f"  {path}: {'' if good else 'FAILS: '}{text}", flush=True)
+        print("\nwalks:")
+        for urdf in urdfs:
+            path = str(urdf.relative_to(root))
+            walker = entry_of(WALKERS, path)
+            if not walker or (path, "floating") not in usable:
+                continue
+            for direction in WALKERS[walker]:
+                with tempfile.TemporaryDirectory() as folder:
+                    good, text = walk(urdf, LEGGED[entry_of(LEGGED, path)],
+                                      usable[path, "floating"], direction, Path(folder))
+                failed += not good
+                print(f"  {path}, {direction}: {'' if good else 'FAILS: '}{text}", flush=True)
     return 1 if failed else 0
 
 
