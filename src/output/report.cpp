@@ -9,6 +9,7 @@
 #include "analysis/solution_members.hpp"
 #include "ocp/by_name.hpp"
 #include "output/constraint_curves.hpp"
+#include "output/found_contacts.hpp"
 #include "output/motion_scene.hpp"
 
 namespace conddp {
@@ -167,6 +168,11 @@ OrderedJson entry_json(const ReportEntry& entry) {
   json["curves"]["costs"] = std::move(costs);
   json["curves"]["constraints"] = constraint_curves(*entry.spec, *entry.built, trajectory);
   json["scene"] = motion_scene(*entry.spec, *entry.built, trajectory);
+  if (const auto motion = contact_motion(problem, trajectory)) {
+    FoundContacts found = found_contacts(*motion);
+    json["scene"]["contacts"] = std::move(found.contacts);
+    json["curves"]["contact_forces"] = std::move(found.forces);
+  }
   return json;
 }
 

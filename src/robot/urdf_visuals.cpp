@@ -38,45 +38,54 @@ SE3<double> read_origin(const XmlOutline& outline, int shape) {
   return placement;
 }
 
-/// Kind and size from <geometry>; false where there is none that is known.
-bool read_geometry(const XmlOutline& outline, int element, VisualShape& shape) {
+/// Kind and size from <geometry>.
+void read_geometry(const XmlOutline& outline, int element, VisualShape& shape) {
   const auto geometry = outline.child(element, "geometry");
-  if (!geometry) return false;
+  if (!geometry) return;
   for (const int child : outline.children(*geometry)) {
     const XmlElement& e = outline.elements[child];
+    shape.mesh = std::string(e.tag);
+    const auto radius = read_numbers<1>(e, "radius"), length = read_numbers<1>(e, "length");
     if (e.tag == "box") {
       const auto size = read_numbers<3>(e, "size");
-      if (!size) return false;
+      if (!size) return;
       shape.kind = ShapeKind::box;
       shape.size = {(*size)[0], (*size)[1], (*size)[2]};
-      return true;
-    }
-    const auto radius = read_numbers<1>(e, "radius");
-    if (e.tag == "cylinder") {
-      const auto length = read_numbers<1>(e, "length");
-      if (!radius || !length) return false;
+    } else if (e.tag == "cylinder") {
+      if (!radius || !length) return;
       shape.kind = ShapeKind::cylinder;
       shape.size = {(*radius)[0], (*length)[0], 0};
-      return true;
-    }
-    if (e.tag == "sphere") {
-      if (!radius) return false;
+    } else if (e.tag == "sphere") {
+      if (!radius) return;
       shape.kind = ShapeKind::sphere;
       shape.size = {(*radius)[0], 0, 0};
-      return true;
-    }
-    if (e.tag == "mesh") {
+    } else if (e.tag == "mesh") {
       const auto file = e.attribute("filename");
-      if (!file) return false;
+      if (!file) return;
       shape.kind = ShapeKind::mesh;
       shape.mesh = std::string(*file);
-      shape.size = {1, 1, 1};
       if (const auto scale = read_numbers<3>(e, "scale"))
         shape.size = {(*scale)[0], (*scale)[1], (*scale)[2]};
-      return true;
     }
+    return;
   }
-  return false;
+}
+
+std::optional<Inertia<double>> read_inertia(const XmlOutline& outline, int link) {
+  const auto inertial = outline.child(link, "inertial");
+  const auto mass = inertial ? outline.child(*inertial, "mass") : std::nullopt;
+  const auto matrix = inertial ? outline.child(*inertial, "inertia") : std::nullopt;
+  if (!mass || !matrix) return std::nullopt;
+  const auto kilograms = read_numbers<1>(outline.elements[*mass], "value");
+  if (!kilograms || (*kilograms)[0] <= 0) return std::nullopt;
+  const auto entry = [&](std::string_view name) {
+    const auto number = read_numbers<1>(outline.elements[*matrix], name);
+    return number ? (*number)[0] : 0.0;
+  };
+  const Symmetric3<double> central{entry("ixx"), entry("ixy"), entry("ixz"),
+                                   entry("iyy"), entry("iyz"), entry("izz")};
+  return act(read_origin(outline, *inertial),
+             inertia_about_origin((*kilograms)[0], Vector3<double>::zero(), central));
 }
 
 std::optional<std::array<double, 4>> read_color(const XmlOutline& outline, int material) {
@@ -87,14 +96,33 @@ std::optional<std::array<double, 4>> read_color(const XmlOutline& outline, int m
   return rgba;
 }
 
+using Materials = std::map<std::string_view, std::array<double, 4>>;
+
+/// The shapes of a link's elements of one tag.
+std::vector<VisualShape> read_shapes(const XmlOutline& outline, int link, std::string_view tag,
+                                     const Materials& materials) {
+  std::vector<VisualShape> shapes;
+  for (const int element : outline.children(link, tag)) {
+    VisualShape& shape = shapes.emplace_back();
+    read_geometry(outline, element, shape);
+    shape.placement = read_origin(outline, element);
+    const auto material = outline.child(element, "material");
+    if (!material) continue;
+    shape.color = read_color(outline, *material);
+    const auto known = outline.elements[*material].attribute("name");
+    if (!shape.color && known && materials.contains(*known)) shape.color = materials.at(*known);
+  }
+  return shapes;
+}
+
 }  // namespace
 
-std::vector<VisualShape> urdf_visuals(std::string_view xml) {
+std::vector<LinkVisuals> urdf_visuals(std::string_view xml) {
   const XmlOutline outline = scan_xml(xml);
-  std::vector<VisualShape> shapes;
-  if (outline.defect || outline.elements.empty()) return shapes;
+  std::vector<LinkVisuals> links;
+  if (outline.defect || outline.elements.empty()) return links;
   const int robot = 0;
-  std::map<std::string_view, std::array<double, 4>> materials;
+  Materials materials;
   for (const int material : outline.children(robot, "material")) {
     const auto name = outline.elements[material].attribute("name");
     const auto color = read_color(outline, material);
@@ -103,24 +131,12 @@ std::vector<VisualShape> urdf_visuals(std::string_view xml) {
   for (const int link : outline.children(robot, "link")) {
     const auto name = outline.elements[link].attribute("name");
     if (!name) continue;
-    for (const std::string_view tag : {"visual", "collision"}) {
-      const std::size_t before = shapes.size();
-      for (const int element : outline.children(link, tag)) {
-        VisualShape shape{.link = std::string(*name)};
-        if (!read_geometry(outline, element, shape)) continue;
-        shape.placement = read_origin(outline, element);
-        if (const auto material = outline.child(element, "material")) {
-          shape.color = read_color(outline, *material);
-          const auto known = outline.elements[*material].attribute("name");
-          if (!shape.color && known && materials.contains(*known))
-            shape.color = materials.at(*known);
-        }
-        shapes.push_back(std::move(shape));
-      }
-      if (shapes.size() > before) break;
-    }
+    links.push_back({.link = std::string(*name),
+                     .visual = read_shapes(outline, link, "visual", materials),
+                     .collision = read_shapes(outline, link, "collision", materials),
+                     .inertia = read_inertia(outline, link)});
   }
-  return shapes;
+  return links;
 }
 
 }  // namespace conddp

@@ -32,7 +32,9 @@ class Report : public testing::Test {
     ASSERT_TRUE(spec_) << format_diagnostics(out, false);
     built_ = build_problem(*spec_, {.drop = left_out}, out);
     ASSERT_TRUE(built_) << format_diagnostics(out, false);
-    const char* solver = built_->problem->constraints().empty() ? "box_fddp" : "altro";
+    const char* solver = !spec_->candidates.empty()               ? "ipopt"
+                         : built_->problem->constraints().empty() ? "box_fddp"
+                                                                  : "altro";
     result_ = std::make_unique<SolveResult>(
         solve(*built_->problem, solver, {.max_iterations = 1}, built_->guess));
     document_ = solution_json({*spec_, *built_, *find_solver(solver), *result_, {}});

@@ -303,6 +303,92 @@ costs: {effort: {residual: control}}
   await context.close();
 });
 
+/// A one-joint arm whose link looks as the URDF says; returns its problem.
+function swingingArm(name, {looks, angle = 0.1}) {
+  const inertial = '<inertial><mass value="1"/><inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial>';
+  writeFileSync(join(folder, `${name}.urdf`), `<robot name="${name}"><link name="world"/><link name="arm">${inertial}
+${looks}</link><joint name="j" type="continuous"><parent link="world"/><child link="arm"/><axis xyz="0 0 1"/></joint></robot>`);
+  const problem = join(folder, `${name}.yaml`);
+  writeFileSync(problem, `conddp: 1
+name: ${name}
+robot: {urdf: ${name}.urdf, base: fixed}
+initial_state: {joints: {j: ${angle}}}
+phases: [{name: swing, knots: 10, dt: 0.02}]
+costs: {effort: {residual: control}}
+`);
+  return problem;
+}
+
+test('links that are drawn by stand-ins are named, with the reason', async () => {
+  const looks = '<visual><geometry><mesh filename="package://nobody/arm.stl"/></geometry></visual>' +
+      '<collision><geometry><box size="1 0.2 0.1"/></geometry></collision>';
+  const {page: file} = solve(swingingArm('meshless', {looks}), 'meshless');
+  const {page, context, complaints} = await open(file);
+  assert.equal(await page.textContent('#stand-ins summary'),
+               'Drawn by stand-ins: arm – collision shape (mesh not found)');
+  assert.deepEqual(await page.locator('#stand-ins tbody td').allTextContents(),
+                   ['arm', 'collision shape', 'mesh not found: package://nobody/arm.stl']);
+  const sides = await page.evaluate(() => window.conddp.viewer.robot.bodies[1].children.filter(
+      part => part.isMesh && part.geometry.type === 'BoxGeometry').map(part => part.geometry.parameters.width));
+  assert.deepEqual(sides, [1]);
+  assert.deepEqual(ours(complaints), []);
+  await context.close();
+
+  const whole = await open(solve(join(source, 'problems/cartpole_swingup.yaml'), 'whole').page);
+  assert.equal(await whole.page.locator('#stand-ins').count(), 0);
+  await whole.context.close();
+});
+
+test('numbers of axes have room, however wide they are', async () => {
+  const {page: file} = solve(swingingArm('wide', {looks: '', angle: -1.0e+9}), 'wide');
+  const {page, context} = await open(file);
+  const axes = await page.evaluate(() => window.conddp.plots.map(({title, u}) => {
+    const axis = u.axes[1];
+    u.ctx.font = axis.font[0];
+    const widths = axis._values.map(text => u.ctx.measureText(text).width / devicePixelRatio);
+    return {title, needed: Math.max(...widths) + axis.ticks.size + axis.gap, given: u.bbox.left / devicePixelRatio};
+  }));
+  for (const {title, needed, given} of axes) assert.ok(given >= needed, `${title}: ${given} of ${needed}`);
+  assert.ok(axes.some(({needed}) => needed > 70), 'one of them is wide');
+  await context.close();
+});
+
+test('a motion that found its contacts shows their forces and when they hold', async () => {
+  const {page: file, solution} = solve(join(source, 'problems/block_slope.yaml'), 'found');
+  assert.equal(solution.status, 'converged');
+  const {page, context, complaints} = await open(file);
+  const columns = solution.trajectory.columns.u;
+  const names = columns.flatMap(c => c.match(/^contact\/(.*)\/fn$/)?.[1] ?? []);
+  assert.ok(names.length > 0);
+  // The time line: a row of each candidate, with bars where its force is.
+  const rows = await page.evaluate(() => [...document.querySelectorAll('#band .row:not(.phases)')].map(
+      row => ({name: row.querySelector('.name').textContent, bars: row.querySelectorAll('.bar').length})));
+  assert.deepEqual(rows.map(row => row.name), names);
+  const force = (name, k) => solution.trajectory.u[k][columns.indexOf(`contact/${name}/fn`)];
+  const peak = Math.max(...names.flatMap(name => solution.trajectory.u.map((_, k) => force(name, k))));
+  for (const {name, bars} of rows)
+    assert.equal(bars > 0, solution.trajectory.u.some((_, k) => force(name, k) > 1e-3 * peak), name);
+  // The plot: normal forces of the solution.
+  const plots = await page.evaluate(() => window.conddp.plots.map(({title, u, lines}) => ({
+    title, lines: lines.map(({label}, i) => ({label, values: Array.from(u.data[i + 1])}))})));
+  const normal = plots.find(({title}) => title === 'Normal force');
+  for (const {label, values} of normal.lines)
+    solution.trajectory.u.forEach((_, k) => {
+      const expected = force(label, k);
+      if (expected > 1e-3 * peak) assert.ok(Math.abs(values[k] - expected) < 1e-6 * peak, `${label} at ${k}`);
+    });
+  assert.deepEqual(plots.filter(({title}) => title === 'Controls').flatMap(({lines}) => lines).filter(
+      ({label}) => /^contact/.test(label)), []);
+  // The scene: an arrow at each contact that pushes.
+  const pushing = names.filter(name => force(name, 1) > 1e-3 * peak);
+  assert.ok(pushing.length > 0);
+  await page.evaluate(t => window.conddp.player.seek(t), (solution.trajectory.t[1] + solution.trajectory.t[2]) / 2);
+  assert.deepEqual(await page.evaluate(() => window.conddp.viewer.robot.contacts.filter(
+      c => c.force.visible).map(c => c.name)), pushing);
+  assert.deepEqual(ours(complaints), []);
+  await context.close();
+});
+
 test('an answer that diverged is shown without complaint', async () => {
   const {page: file, solution} = solve(
       join(source, 'problems/quadruped_trot.yaml'), 'diverged', '--solver', 'ilqr', '--drop', 'torque',

@@ -8,7 +8,7 @@ namespace conddp {
 namespace {
 
 TEST(UrdfVisuals, ShapesWithSizesPlacesAndColours) {
-  const auto shapes = urdf_visuals(R"(<robot name="r">
+  const auto links = urdf_visuals(R"(<robot name="r">
     <material name="red"><color rgba="1 0 0 0.5"/></material>
     <link name="a">
       <visual>
@@ -24,8 +24,10 @@ TEST(UrdfVisuals, ShapesWithSizesPlacesAndColours) {
     <link name="c"><visual><geometry>
       <mesh filename="package://p/m.stl" scale="1 1 -1"/></geometry></visual></link>
   </robot>)");
-  ASSERT_EQ(shapes.size(), 4u);
-  EXPECT_EQ(shapes[0].link, "a");
+  ASSERT_EQ(links.size(), 3u);
+  EXPECT_EQ(links[0].link, "a");
+  const auto& shapes = links[0].visual;
+  ASSERT_EQ(shapes.size(), 2u);
   EXPECT_EQ(shapes[0].kind, ShapeKind::box);
   EXPECT_EQ(shapes[0].size.z, 0.3);
   EXPECT_EQ(shapes[0].placement.p.y, 2);
@@ -34,31 +36,58 @@ TEST(UrdfVisuals, ShapesWithSizesPlacesAndColours) {
   EXPECT_EQ(shapes[1].kind, ShapeKind::cylinder);
   EXPECT_EQ(shapes[1].size.y, 2);
   EXPECT_EQ(*shapes[1].color, (std::array<double, 4>{0, 1, 0, 1})) << "kept within 0 to 1";
-  EXPECT_EQ(shapes[2].link, "b") << "the collision shape stands in for a visual one";
-  EXPECT_EQ(shapes[2].size.x, 0.25);
-  EXPECT_EQ(shapes[3].mesh, "package://p/m.stl");
-  EXPECT_EQ(shapes[3].size.z, -1);
+  ASSERT_EQ(links[0].collision.size(), 1u);
+  EXPECT_EQ(links[0].collision[0].size.x, 9);
+  EXPECT_TRUE(links[1].visual.empty());
+  EXPECT_EQ(links[1].collision.at(0).size.x, 0.25);
+  EXPECT_EQ(links[2].visual.at(0).mesh, "package://p/m.stl");
+  EXPECT_EQ(links[2].visual[0].size.z, -1);
 }
 
 TEST(UrdfVisuals, RollPitchYawIsRzRyRx) {
-  const auto shapes = urdf_visuals(R"(<robot name="r"><link name="a"><visual>
+  const auto links = urdf_visuals(R"(<robot name="r"><link name="a"><visual>
     <origin rpy="0.3 -0.4 0.5"/><geometry><sphere radius="1"/></geometry></visual></link></robot>)");
-  ASSERT_EQ(shapes.size(), 1u);
-  const Matrix3<double>& R = shapes[0].placement.R;
+  ASSERT_EQ(links.size(), 1u);
+  ASSERT_EQ(links[0].visual.size(), 1u);
+  const Matrix3<double>& R = links[0].visual[0].placement.R;
   EXPECT_NEAR(R(2, 0), std::sin(0.4), 1e-15);
   EXPECT_NEAR(R(2, 1), std::cos(0.4) * std::sin(0.3), 1e-15);
   EXPECT_NEAR(R(1, 0), std::sin(0.5) * std::cos(0.4), 1e-15);
 }
 
-TEST(UrdfVisuals, WhatCannotBeReadIsLeftOut) {
+TEST(UrdfVisuals, WhatCannotBeReadIsUnknown) {
   EXPECT_TRUE(urdf_visuals("").empty());
   EXPECT_TRUE(urdf_visuals("<robot><link").empty());
-  EXPECT_TRUE(urdf_visuals(R"(<robot><link name="a">
+  const auto links = urdf_visuals(R"(<robot><link name="a">
     <visual><geometry><box size="1 nan 1"/></geometry></visual>
     <visual><geometry><box size="1"/></geometry></visual>
     <visual><geometry><cylinder radius="1"/></geometry></visual>
-    <visual><geometry/></visual><visual/></link></robot>)")
-                  .empty());
+    <visual><geometry><capsule radius="1" length="1"/></geometry></visual>
+    <visual><geometry/></visual><visual/></link></robot>)");
+  ASSERT_EQ(links.size(), 1u);
+  ASSERT_EQ(links[0].visual.size(), 6u);
+  for (const VisualShape& shape : links[0].visual) EXPECT_EQ(shape.kind, ShapeKind::unknown);
+  EXPECT_EQ(links[0].visual[3].mesh, "capsule");
+  EXPECT_EQ(links[0].visual[5].mesh, "");
+}
+
+TEST(UrdfVisuals, InertiaIsAboutTheLinksOrigin) {
+  const auto links = urdf_visuals(R"(<robot name="r"><link name="a"><inertial>
+    <origin xyz="0 0 0.5" rpy="0 0 1.5707963267948966"/><mass value="2"/>
+    <inertia ixx="0.1" ixy="0" ixz="0" iyy="0.2" iyz="0" izz="0.3"/></inertial></link>
+    <link name="b"/>
+    <link name="c"><inertial><mass value="0"/><inertia ixx="1" iyy="1" izz="1"/></inertial></link>
+  </robot>)");
+  ASSERT_EQ(links.size(), 3u);
+  ASSERT_TRUE(links[0].inertia);
+  EXPECT_EQ(links[0].inertia->mass, 2);
+  EXPECT_NEAR(links[0].inertia->moment.z, 1, 1e-15);
+  // A quarter turn swaps x and y; 2 kg at 0.5 m add 0.5 kg m² across z.
+  EXPECT_NEAR(links[0].inertia->rotational.xx, 0.2 + 0.5, 1e-15);
+  EXPECT_NEAR(links[0].inertia->rotational.yy, 0.1 + 0.5, 1e-15);
+  EXPECT_NEAR(links[0].inertia->rotational.zz, 0.3, 1e-15);
+  EXPECT_FALSE(links[1].inertia);
+  EXPECT_FALSE(links[2].inertia);
 }
 
 }  // namespace

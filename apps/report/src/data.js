@@ -47,12 +47,16 @@ export const phaseAt = (solution, k) =>
     solution.curves.phases.find(p => k >= p.first_knot && k < p.first_knot + p.knots) ??
     solution.curves.phases[solution.curves.phases.length - 1];
 
+/// The state in whose configuration the force of a knot acts on a contact.
+export const forceNode = (contact, k) => k + contact.acts_after;
+
 /// Normal force and the share of the friction cone that is used, of a contact at a knot.
 export function forceParts(entry, k) {
   const f = entry.forces[k];
   if (!f || f[0] === null) return null;
   if (!entry.contact) return {normal: null, use: null, force: f};
-  const n = entry.contact.normals.slice(3 * k, 3 * k + 3);
+  const at = 3 * forceNode(entry.contact, k);
+  const n = entry.contact.normals.slice(at, at + 3);
   const normal = f[0] * n[0] + f[1] * n[1] + f[2] * n[2];
   const tangential = Math.hypot(f[0] - normal * n[0], f[1] - normal * n[1], f[2] - normal * n[2]);
   const limit = entry.contact.friction * normal;

@@ -1,5 +1,6 @@
 // What feet stand on: marks where they hold, the planes of these places, and a grid.
 import * as THREE from 'three';
+import {forceNode} from './data.js';
 import {color} from './dom.js';
 
 const up = new THREE.Vector3(0, 0, 1);
@@ -8,13 +9,14 @@ const sand = '#b9a77c';
 /// Every place and normal of a contact while it holds: {point, normal, begins}.
 function* holds(solution) {
   for (const {contact, forces} of solution.contacts) {
-    if (!contact) continue;
+    if (!contact?.ground) continue;
     let before = false;
     for (let k = 0; k < forces.length; ++k) {
       const now = forces[k] !== null;
+      const at = 3 * forceNode(contact, k);
       if (now)
-        yield {point: new THREE.Vector3().fromArray(contact.positions, 3 * k),
-               normal: new THREE.Vector3().fromArray(contact.normals, 3 * k).normalize(), begins: !before};
+        yield {point: new THREE.Vector3().fromArray(contact.positions, at),
+               normal: new THREE.Vector3().fromArray(contact.normals, at).normalize(), begins: !before};
       before = now;
     }
   }

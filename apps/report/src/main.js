@@ -3,7 +3,7 @@ import {readData} from './data.js';
 import {element} from './dom.js';
 import {Player} from './player.js';
 import {makePlots} from './plots.js';
-import {comparisonTable, writeFoot, writeHead} from './summary.js';
+import {comparisonTable, standIns, writeFoot, writeHead} from './summary.js';
 import {Timeline} from './timeline.js';
 import {Viewer} from './viewer.js';
 
@@ -32,6 +32,7 @@ function start() {
     }));
   viewer = new Viewer(byId('view'), solutions, player);
   new Timeline(byId('timeline'), solutions[0], player);
+  byId('stage').append(standIns(solutions) ?? '');
   plots = makePlots(byId('plots'), solutions, player);
   if (bench) byId('foot').append(benchTable(bench));
   writeFoot(byId('foot'), solutions);

@@ -15,6 +15,16 @@ function powersOfTen(u, axis, low, high) {
   return ticks;
 }
 
+/// The width of an upright axis: that of its widest number, and not less than `least`, so that most
+/// plots below each other have their times below each other.
+const axisWidth = least => (u, numbers, index, cycle) => {
+  const axis = u.axes[index];
+  if (cycle > 1) return axis._size;  // settled: another width would change the ticks again
+  u.ctx.font = axis.font[0];
+  const widest = Math.max(0, ...(numbers ?? []).map(text => u.ctx.measureText(text).width / devicePixelRatio));
+  return Math.max(least, Math.ceil(widest + axis.ticks.size + axis.gap + 2));
+};
+
 /// The range of an axis around its lines and, if given, from one value at least to another.
 function rangeWith(soft) {
   const side = value => ({pad: 0.1, soft: value, mode: value === undefined ? 0 : 1});
@@ -55,7 +65,7 @@ export class Plot {
       scales: {x: {time: false}, y: log ? {distr: 3, range: rangeWithLimits(lines)} : {range: rangeWith(soft)}},
       axes: [{...axis, label: xUnit ? `${xLabel}, ${xUnit}` : xLabel, labelSize: 18, size: 36,
               labelFont: '12px system-ui', font: '11px system-ui'},
-             {...axis, size: 58, font: '11px system-ui', splits: log ? powersOfTen : undefined, filter: log ? (u, ticks) => ticks : undefined,
+             {...axis, size: axisWidth(58), font: '11px system-ui', splits: log ? powersOfTen : undefined, filter: log ? (u, ticks) => ticks : undefined,
               values: (_, ticks) => ticks.map(v => (v === null ? '' : String(Number(v.toPrecision(4)))))}],
       series: [{label: xLabel, value: (_, v) => (v === null ? '–' : `${figure(v)}${xUnit ? ` ${xUnit}` : ''}`)},
                ...lines.map(line => ({

@@ -4,12 +4,17 @@ import {addConstraints} from './constraints.js';
 import {addConvergence} from './convergence.js';
 import {forceParts} from './data.js';
 
+/// Families of columns that implicit steps have beside the controls.
+const ofImplicitSteps = {a: 'Accelerations', contact: 'Contact variables', stop: 'Stops of joints',
+                         friction: 'Dry friction of joints'};
+const isOfImplicitSteps = name => name.includes('/') && name.slice(0, name.indexOf('/')) in ofImplicitSteps;
+
 /// Which plot a column belongs to: "q/hip" to joint positions, "base/vx" to the base's velocity, ...
 function groupOf(name) {
   const slash = name.indexOf('/');
   const family = slash < 0 ? '' : name.slice(0, slash);
   const rest = slash < 0 ? name : name.slice(slash + 1);
-  const titles = {q: 'Joint positions', v: 'Joint velocities', u: 'Controls', base: 'Base'};
+  const titles = {q: 'Joint positions', v: 'Joint velocities', u: 'Controls', base: 'Base', ...ofImplicitSteps};
   if (family === 'base') {
     if (/^q[xyzw]$/.test(rest)) return 'Base orientation (quaternion)';
     if (/^v/.test(rest)) return 'Base velocity';
@@ -22,10 +27,12 @@ function groupOf(name) {
 /// Nothing of what has no unit.
 const unitOf = ({units}, c) => (units[c] === '1' ? '' : units[c] ?? '');
 
-function addColumns(collection, key, {steps, limits}) {
+/// Plots of the columns that are wanted.
+function addColumns(collection, key, {steps, limits, wanted = () => true}) {
   const groups = new Map();
   for (const {curves} of collection.solutions)
     curves[key].names.forEach((name, c) => {
+      if (!wanted(name)) return;
       const unit = unitOf(curves[key], c);
       const id = `${groupOf(name)}|${unit}`;
       if (!groups.has(id)) groups.set(id, {title: groupOf(name), unit});
@@ -38,7 +45,7 @@ function addColumns(collection, key, {steps, limits}) {
       of: ({curves}) => {
         const {names, values, lower, upper} = curves[key];
         return names.map((name, c) => ({name, c})).filter(({name, c}) =>
-            groupOf(name) === title && unitOf(curves[key], c) === unit).map(({name, c}) => {
+            wanted(name) && groupOf(name) === title && unitOf(curves[key], c) === unit).map(({name, c}) => {
           const line = {name: name.replace(/^(q|v|u|base)\//, ''), values: values[c], steps};
           if (limits && lower) Object.assign(line, limitOf(values[c], lower[c], upper[c]));
           return line;
@@ -85,8 +92,12 @@ export function makePlots(holder, solutions, player) {
   collection.heading('Motion');
   addColumns(collection, 'x', {steps: false, limits: false});
   collection.heading('Controls');
-  addColumns(collection, 'u', {steps: true, limits: true});
+  addColumns(collection, 'u', {steps: true, limits: true, wanted: name => !isOfImplicitSteps(name)});
   addForces(collection);
+  if (solutions.some(({curves}) => curves.u.names.some(isOfImplicitSteps))) {
+    collection.heading('Variables of implicit steps');
+    addColumns(collection, 'u', {steps: true, limits: false, wanted: isOfImplicitSteps});
+  }
   collection.heading('Costs');
   collection.overTime({
     title: 'Cost of each knot by name',

@@ -3,7 +3,7 @@ import * as THREE from 'three';
 import {Line2} from 'three/examples/jsm/lines/Line2.js';
 import {LineGeometry} from 'three/examples/jsm/lines/LineGeometry.js';
 import {LineMaterial} from 'three/examples/jsm/lines/LineMaterial.js';
-import {forceParts, nodeAt} from './data.js';
+import {forceNode, forceParts, nodeAt} from './data.js';
 import {roundForm} from './obstacles.js';
 import {lineColor} from './palette.js';
 import {place, shapeObject} from './shapes.js';
@@ -178,7 +178,8 @@ export class Robot {
     entry.cone.visible = parts !== null && entry.contact.friction > 0;
     if (!parts) return;
     const index = this.scene.contacts.indexOf(entry.contact);
-    const at = this.contactPosition(index);
+    const normal = new THREE.Vector3().fromArray(entry.contact.normals, 3 * forceNode(entry.contact, k)).normalize();
+    const at = this.contactPosition(index).addScaledVector(normal, -entry.contact.radius);
     entry.force.position.copy(at);
     entry.cone.position.copy(at);
     const f = new THREE.Vector3(...parts.force.slice(0, 3));
@@ -189,8 +190,7 @@ export class Robot {
     shaft.scale.set(1, 1, Math.max(length - head, 1e-4));
     tip.position.z = length - head;
     tip.scale.setScalar(head / 0.06);
-    entry.cone.quaternion.setFromUnitVectors(
-        up, new THREE.Vector3().fromArray(entry.contact.normals, 3 * k).normalize());
+    entry.cone.quaternion.setFromUnitVectors(up, normal);
   }
 
   /// Where a contact's frame is in the scene, from the body that carries it.

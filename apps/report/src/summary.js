@@ -66,6 +66,21 @@ function findings(list) {
             list.map(f => [f.message, f.knot === undefined ? '' : `knot ${f.knot}, ${figure(f.time_s, 3)} s`, f.remedy ?? ''])));
 }
 
+/// Which links are not drawn by their visual shapes, and why: a line, and a table with the files.
+export function standIns(solutions) {
+  const list = solutions.find(s => s.scene)?.scene.stand_ins ?? [];
+  if (list.length === 0) return null;
+  const groups = new Map();
+  for (const {link, drawn_by, reasons} of list) {
+    const key = `${drawn_by} (${[...new Set(reasons.map(r => r.why))].join(', ')})`;
+    groups.set(key, [...(groups.get(key) ?? []), link]);
+  }
+  const line = [...groups].map(([key, links]) => `${links.join(', ')} – ${key}`).join('; ');
+  return element('details', {id: 'stand-ins'}, element('summary', {}, `Drawn by stand-ins: ${line}`),
+      table(null, ['link', 'drawn by', 'why'], list.map(({link, drawn_by, reasons}) =>
+          [link, drawn_by, reasons.map(({why, what}) => (what ? `${why}: ${what}` : why)).join('; ')])));
+}
+
 const listed = object => Object.entries(object ?? {}).map(([name, value]) => `${name} ${value}`).join(', ');
 
 /// What somebody needs who wants the same answer: rows of names and texts.
