@@ -111,10 +111,8 @@ std::unique_ptr<SolvedProblem> problem_of(ReportEntry& entry, const std::string&
     entry.spec = problem->spec.get();
     entry.built = &problem->built;
   } else {
-    entry.remark =
-        "drawn without its robot, limits and costs over time, because its problem cannot be "
-        "built: " +
-        (about.list().empty() ? "" : about.list().front().message);
+    entry.remark = "drawn without its robot, limits and costs over time: " +
+                   (about.list().empty() ? "" : about.list().front().message);
   }
   for (Diagnostic d : about.list()) {
     d.source = -1;  // `out` knows other texts; that of a file is read again

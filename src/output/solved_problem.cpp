@@ -1,11 +1,16 @@
 #include "output/solved_problem.hpp"
 
+#include <algorithm>
+#include <string_view>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "analysis/solution_members.hpp"
 #include "problem_file/read_problem.hpp"
+#include "problem_file/source_text.hpp"
+#include "problem_file/yaml_override.hpp"
+#include "robot/text_file.hpp"
 
 namespace conddp {
 namespace {
@@ -77,6 +82,47 @@ void compare_files(const Sources& s, const ProblemSpec& spec, const BuiltProblem
         warn_if_changed(now.file, then.sha256, now.sha256, out);
 }
 
+/// Whether a file says of itself that it is a problem or a robot: in a line "conddp: 1" or a tag.
+bool says_what_it_is(const fs::path& file) {
+  const std::string text = read_text_file(file, kMaxDataBytes).text;
+  if (text.find("<robot") != text.npos) return true;
+  constexpr std::string_view kKey = "conddp: ";
+  for (std::size_t at = text.find(kKey); at != text.npos; at = text.find(kKey, at + 1)) {
+    const std::size_t value = text.find_first_not_of(' ', at + kKey.size());
+    if ((at == 0 || text[at - 1] == '\n') && value != text.npos && text[value] >= '0' &&
+        text[value] <= '9')
+      return true;
+  }
+  return false;
+}
+
+/// Messages quote what they are about, and a solution may name any file: as its problem, in a
+/// setting, in the problem beside it. So they are shown only where they can be about problems,
+/// robots, and data whose hash the solution knows.
+bool may_be_quoted(const Diagnostics& about, const fs::path& problem, const Sources& s) {
+  if (!says_what_it_is(problem)) return false;
+  for (const Diagnostic& d : about.list())
+    if (!d.file.empty() && d.file != kSettingSource && d.file != problem.string() &&
+        !says_what_it_is(d.file))
+      return false;
+  for (const InputFile& read : about.data_files())
+    if (std::none_of(s.data_files.begin(), s.data_files.end(),
+                     [&](const InputFile& known) { return known.sha256 == read.sha256; }))
+      return false;
+  return true;
+}
+
+std::optional<SolvedProblem> build_from(const fs::path& file, const Sources& s, Diagnostics& out) {
+  auto spec = read_problem(file, s.overrides, out);
+  if (!spec) return std::nullopt;
+  spec->guess = {};
+  auto owned = std::make_unique<const ProblemSpec>(std::move(*spec));
+  auto built = build_problem(*owned, {.drop = s.drop}, out);
+  if (!built) return std::nullopt;
+  compare_files(s, *owned, *built, out);
+  return SolvedProblem{std::move(owned), std::move(*built)};
+}
+
 }  // namespace
 
 std::optional<SolvedProblem> rebuild_problem(const OrderedJson& document,
@@ -91,14 +137,19 @@ std::optional<SolvedProblem> rebuild_problem(const OrderedJson& document,
              .hint = "say with --problem where it is now"});
     return std::nullopt;
   }
-  auto spec = read_problem(file, s.overrides, out);
-  if (!spec) return std::nullopt;
-  spec->guess = {};
-  auto owned = std::make_unique<const ProblemSpec>(std::move(*spec));
-  auto built = build_problem(*owned, {.drop = s.drop}, out);
-  if (!built) return std::nullopt;
-  compare_files(s, *owned, *built, out);
-  return SolvedProblem{std::move(owned), std::move(*built)};
+  Diagnostics attempt = out;
+  auto solved = build_from(file, s, attempt);
+  const bool named_by_caller = !problem.empty() && s.overrides.empty();
+  if (!solved && !named_by_caller && !may_be_quoted(attempt, file, s)) {
+    out.add({.file = solution_file,
+             .message = fmt::format("its problem '{}' cannot be built", file.string()),
+             .hint = fmt::format("'conddp check {}'{} says why; --problem takes another file",
+                                 file.string(),
+                                 s.overrides.empty() ? "" : " with the solution's settings")});
+    return std::nullopt;
+  }
+  out = std::move(attempt);
+  return solved;
 }
 
 }  // namespace conddp

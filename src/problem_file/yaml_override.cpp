@@ -42,7 +42,7 @@ YamlNode* descend(YamlNode& node, const std::string& step, const Place& place, D
 }  // namespace
 
 void apply_override(YamlNode& root, const std::string& setting, Diagnostics& out) {
-  const int source = out.add_source("--set", setting);
+  const int source = out.add_source(kSettingSource, setting);
   if (const std::size_t bad = find_bad_character(setting); bad != std::string::npos) {
     const int column = out.character_column(source, 1, static_cast<int>(bad));
     return out.error({{source, 1, column}, {}}, describe_bad_character(setting, bad));

@@ -6,6 +6,9 @@
 
 namespace conddp {
 
+/// The name of a setting among the texts that Diagnostics knows.
+inline constexpr const char* kSettingSource = "--set";
+
 /// Applies a setting `a.b.0.c=value` to a document: names go down into mappings (created where
 /// missing), numbers into lists. The value is YAML. Places of what it puts in lie in the setting.
 void apply_override(YamlNode& root, const std::string& setting, Diagnostics& out);

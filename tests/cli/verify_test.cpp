@@ -1,4 +1,5 @@
 #include <cstdlib>
+#include <functional>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -119,6 +120,49 @@ TEST_F(Verify, TakesTheProblemFromAnotherPlace) {
   EXPECT_NE(lost.err.find("its problem 'cartpole.yaml' is not there"), std::string::npos)
       << lost.err;
   EXPECT_EQ(run({"verify", "out/solution.json", "--problem", "moved.yaml"}).exit_code, 0);
+}
+
+// A solution may name any file: of one that is no problem and no robot nothing is shown.
+TEST_F(Verify, NothingIsQuotedOfFilesThatAreNoProblems) {
+  folder_.write("text.txt", "hushhush\n");
+  folder_.write("users.txt", "conddp:x:999:hushhush\n");
+  folder_.write("text.csv", "t,hushhush\n1,hushhush\n");
+  const auto names = [](const std::string& file) {
+    return [file](Json& json) { json["problem"]["file"] = file; };
+  };
+  const auto sets = [](const std::string& setting) {
+    return [setting](Json& json) { json["problem"]["overrides"] = {setting}; };
+  };
+  const std::function<void(Json&)> forgeries[] = {names("text.txt"), names("users.txt"),
+                                                  sets("robot.urdf=text.txt"),
+                                                  sets("costs.effort.reference={file: text.csv}"),
+                                                  sets("costs.effort.reference={file: text.txt}")};
+  for (const auto& forge : forgeries) {
+    const ProcessResult verified = verify(forge);
+    EXPECT_EQ(verified.exit_code, 2);
+    EXPECT_NE(verified.err.find("' cannot be built"), std::string::npos) << verified.err;
+    EXPECT_EQ((verified.out + verified.err).find("hushhush"), std::string::npos) << verified.err;
+    for (const std::vector<std::string>& arguments :
+         {std::vector<std::string>{"report", "out/changed.json", "-o", "page.html"},
+          {"contacts", "out/changed.json", "-o", "schedule.yaml"}}) {
+      const ProcessResult r = run(arguments);
+      EXPECT_EQ((r.out + r.err).find("hushhush"), std::string::npos) << r.err;
+    }
+    if (const auto page = folder_.path() / "page.html"; std::filesystem::exists(page)) {
+      EXPECT_EQ(read_file(page).find("hushhush"), std::string::npos);
+    }
+    // A problem of the command line with settings of the solution.
+    const ProcessResult other = run({"verify", "out/changed.json", "--problem", "cartpole.yaml"});
+    EXPECT_EQ((other.out + other.err).find("hushhush"), std::string::npos) << other.err;
+  }
+  // What the command line names is, and a problem in which something is wrong.
+  const ProcessResult named = run({"verify", "out/solution.json", "--problem", "text.txt"});
+  EXPECT_EQ(named.exit_code, 2);
+  EXPECT_NE(named.err.find("hushhush"), std::string::npos) << named.err;
+  folder_.write("cartpole.yaml", problem_ + "hushhush: 1\n");
+  const ProcessResult wrong = run({"verify", "out/solution.json"});
+  EXPECT_EQ(wrong.exit_code, 2);
+  EXPECT_NE(wrong.err.find("  hushhush: 1\n"), std::string::npos) << wrong.err;
 }
 
 TEST_F(Verify, RememberWhatTheCommandLineChanged) {
