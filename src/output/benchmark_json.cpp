@@ -53,11 +53,17 @@ OrderedJson entry_json(const BenchmarkEntry& entry) {
   for (const LeftOut& constraint : entry.left_out)
     dropped.push_back(
         {{"name", constraint.name}, {"violation", finite_or_null(constraint.violation)}});
-  OrderedJson json = {
-      {"problem", entry.problem}, {"file", entry.file},     {"sha256", entry.sha256},
-      {"knots", entry.knots},     {"states", entry.states}, {"controls", entry.controls},
-      {"seed", nullptr},          {"solver", run.solver},   {"status", run.status},
-      {"message", run.message},   {"solved", run.solved}};
+  OrderedJson json = {{"problem", entry.problem},
+                      {"file", entry.file},
+                      {"sha256", entry.sha256},
+                      {"knots", entry.knots},
+                      {"states", entry.states},
+                      {"controls", entry.controls},
+                      {"seed", nullptr},
+                      {"solver", run.solver},
+                      {"status", run.status},
+                      {"message", run.message},
+                      {"solved", run.solved && entry.left_out.empty()}};
   if (entry.seed) json["seed"] = *entry.seed;
   json["dropped_constraints"] = std::move(dropped);
   json["options"] = entry.options;

@@ -89,6 +89,8 @@ TEST(Bench, DropsConstraintsOnlyForSolversThatRefuseThem) {
     EXPECT_NE(run["status"], "refused");
     ASSERT_EQ(run["dropped_constraints"].size(), 1u);
     EXPECT_EQ(run["dropped_constraints"][0]["name"], "torque");
+    EXPECT_EQ(run["status"], "converged");
+    EXPECT_FALSE(run["solved"].get<bool>());
     EXPECT_GT(run["dropped_constraints"][0]["violation"].get<double>(), 0);
     EXPECT_EQ(report["profiles"]["time"]["fddp"], Json::array());
   }
