@@ -67,14 +67,35 @@ int exit_code(SolveStatus status) {
   return kExitNotConverged;
 }
 
-/// About how long the certificate and the files of an answer take, in s. Both grow with the numbers
-/// that are written.
-double finishing_time(const ShootingProblem& problem) {
-  constexpr double kSecondsPerNumber = 4e-7;
+/// About how long the files of an answer take, and its certificate if it gets one, in s. Both grow
+/// with the numbers that are written.
+double finishing_time(const ShootingProblem& problem, bool certified) {
+  constexpr double kWrittenNumber = 4e-7, kComparedNumber = 5e-7, kEvaluatedKnot = 5e-6;
   double numbers = 0;
   for (int k = 0; k < problem.knots(); ++k)
     numbers += problem.nx() + 2 * problem.ndx() + problem.nu(k) * (problem.ndx() + 2.0);
-  return kSecondsPerNumber * numbers;
+  const double written = kWrittenNumber * numbers;
+  return certified ? written + kComparedNumber * numbers + kEvaluatedKnot * problem.knots()
+                   : written;
+}
+
+/// Reports an error at the knots where a time limit is exceeded by far before a solve has begun.
+bool leaves_time(const ProblemSpec& spec, double finishing, Diagnostics& out) {
+  constexpr double kByFar = 1;  // s
+  const double limit = spec.solver.options.max_time_s;
+  if (finishing <= limit + kByFar) return true;
+  double knots = 0;
+  const PhaseSpec* longest = &spec.phases.front();
+  for (const PhaseSpec& phase : spec.phases) {
+    knots += phase.knots.value;
+    if (phase.knots.value > longest->knots.value) longest = &phase;
+  }
+  out.error(longest->knots.place,
+            fmt::format("what follows a solve of {:.0f} knots, its certificate and files, takes "
+                        "about {:.2g} s, and the time limit is {:g} s",
+                        knots, finishing, limit),
+            "take fewer knots or a longer limit (--max-time, solver.max_time_s)");
+  return false;
 }
 
 /// Progress is a line of a terminal that is redrawn, or a table where notes are wanted as well;
@@ -116,6 +137,8 @@ int solve_file(const SolveArguments& arguments) {
   if (!built) return give_up();
   const SolverInfo* solver = usable_solver(*spec, *built->problem, diagnostics);
   if (solver == nullptr) return give_up();
+  const double finishing = finishing_time(*built->problem, !arguments.no_verify);
+  if (!leaves_time(*spec, finishing, diagnostics)) return give_up();
   print_messages(diagnostics, verbosity);
   const auto is_note = [](const Diagnostic& d) { return d.severity == Severity::kNote; };
   const int hidden_notes = arguments.verbose
@@ -132,8 +155,7 @@ int solve_file(const SolveArguments& arguments) {
   // at the guess.
   SolverOptions options = spec->solver.options;
   const std::chrono::duration<double> gone = std::chrono::steady_clock::now() - began;
-  options.max_time_s =
-      std::max(1e-3, options.max_time_s - gone.count() - finishing_time(*built->problem));
+  options.max_time_s = std::max(1e-3, options.max_time_s - gone.count() - finishing);
   const SolveResult result = solve_showing_progress(*built, *solver, options, verbosity);
   const Solution solution{*spec, *built, *solver, result, overrides(arguments)};
   OrderedJson document = solution_json(solution);

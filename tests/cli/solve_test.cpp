@@ -183,6 +183,16 @@ TEST(Solve, OutputFoldersThatCannotBeMadeAreNamed) {
   EXPECT_NE(r.err.find("cannot be made"), std::string::npos) << r.err;
 }
 
+TEST(Solve, TimeLimitsThatCertificateAndFilesAloneExceedNameTheKnots) {
+  const TemporaryFolder folder;
+  const ProcessResult r = run_conddp({"solve", kPendulum, "--set", "phases.0.knots=1000000",
+                                      "--max-time", "1.5", "-o", folder.path() / "out"});
+  EXPECT_EQ(r.exit_code, 2);
+  EXPECT_NE(r.err.find("what follows a solve of 1000000 knots"), std::string::npos) << r.err;
+  EXPECT_NE(r.err.find("--set:1:16: error"), std::string::npos) << r.err;
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "out"));
+}
+
 // The same list in the summaries of solve and verify and in their documents.
 TEST(Solve, SaysWhatStandsOutInTheMotion) {
   const TemporaryFolder folder;
