@@ -120,6 +120,8 @@ def difference(urdf, base, locked):
 
 
 def solve(problem, folder, limit=60):
+    """(solution, "") or (None, error). A robot whose warning advises to lock joints gets them locked
+    where it fails with them, and the second text says so."""
     file = folder / "problem.yaml"
     file.write_text(json.dumps(problem, indent=1))
     out = folder / "out"
@@ -128,7 +130,17 @@ def solve(problem, folder, limit=60):
     if not (out / "solution.json").exists():
         lines = [line for line in run.stderr.splitlines() if "error" in line]
         return None, (lines or [run.stderr])[0]
-    return json.loads((out / "solution.json").read_text()), run.stderr
+    solution = json.loads((out / "solution.json").read_text())
+    advised = ways_out(run.stderr)
+    robot = problem["robot"]
+    if solution["status"] == "converged" or not advised or robot.get("locked_joints"):
+        return solution, ""
+    robot["locked_joints"] = advised
+    for configuration in robot["configurations"].values():
+        for joint in advised:
+            configuration["joints"].pop(joint, None)
+    solution, _ = solve(problem, folder, limit)
+    return solution, f"with {', '.join(advised)} locked, as a warning advises: "
 
 
 def posture(model, q):
@@ -228,16 +240,12 @@ def stand(urdf, spec, locked, folder):
         "terminal": {"costs": {"stand": {"residual": "state", "reference": "standing", "weight": 100}}},
         "initial_guess": {"states": "initial", "controls": "quasi_static"},
     }
-    solution, messages = solve(problem, folder)
+    solution, text = solve(problem, folder)
     if solution is None:
-        return False, messages
-    advised = ways_out(messages) if not locked else None
-    if solution["status"] != "converged" and advised:
-        good, text = stand(urdf, spec, advised, folder)
-        return good, f"{text} ({', '.join(advised)} locked, as its warning advises)"
+        return False, text
     first, last = (np.array(solution["trajectory"]["x"][k][:3]) for k in (0, -1))
     sunk = np.abs(last - first).max()
-    text = (f"{solution['status']} in {solution['iterations']} iterations; the base ends "
+    text += (f"{solution['status']} in {solution['iterations']} iterations; the base ends "
             f"{sunk * 1000:.1f} mm from where it began")
     return solution["status"] == "converged" and sunk < 0.1, text
 
@@ -297,15 +305,11 @@ def walk(urdf, spec, locked, direction, folder):
                                           "weight": 100}}},
         "initial_guess": {"states": "initial", "controls": "quasi_static"},
     }
-    solution, messages = solve(problem, folder)
+    solution, text = solve(problem, folder)
     if solution is None:
-        return False, messages
-    advised = ways_out(messages) if not locked else None
-    if solution["status"] != "converged" and advised:
-        good, text = walk(urdf, spec, advised, direction, folder)
-        return good, f"{text} ({', '.join(advised)} locked, as its warning advises)"
+        return False, text
     x = np.array(solution["trajectory"]["x"])
-    text = (f"{solution['status']} in {solution['iterations']} iterations; the base goes "
+    text += (f"{solution['status']} in {solution['iterations']} iterations; the base goes "
             f"{np.linalg.norm(x[-1, :2] - x[0, :2]) * 100:.0f} of "
             f"{np.linalg.norm(two) * 100:.0f} cm")
     kinds = {}
