@@ -183,6 +183,19 @@ TEST(Solve, OutputFoldersThatCannotBeMadeAreNamed) {
   EXPECT_NE(r.err.find("cannot be made"), std::string::npos) << r.err;
 }
 
+// Files of so many knots take seconds.
+TEST(Solve, AnInterruptedAnswerThatTakesLongToWriteIsLeftOut) {
+  const TemporaryFolder folder;
+  const ProcessResult r =
+      run_conddp({"solve", kPendulum, "--set", "phases.0.knots=300000", "-v", "-o", folder.path()},
+                 {.signal = SIGTERM, .signal_after = "\n    0 "});
+  EXPECT_EQ(r.exit_code, 128 + SIGTERM) << r.err;
+  EXPECT_NE(r.err.find("conddp: interrupted; there was no time to write an answer\n"),
+            std::string::npos)
+      << r.err;
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "solution.json"));
+}
+
 TEST(Solve, TimeLimitsThatCertificateAndFilesAloneExceedNameTheKnots) {
   const TemporaryFolder folder;
   const ProcessResult r = run_conddp({"solve", kPendulum, "--set", "phases.0.knots=1000000",
