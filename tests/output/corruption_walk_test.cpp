@@ -19,6 +19,13 @@ OrderedJson not_compared() {
   return OrderedJson::parse(file).at("not_compared");
 }
 
+/// Whether the place is in an entry of a list whose violation is rounding.
+bool is_rounding(const std::vector<std::string>& place, const OrderedJson& document) {
+  if (place.size() != 3 || !document.at(place[0]).is_array()) return false;
+  const OrderedJson& entry = document.at(place[0]).at(std::stoi(place[1]));
+  return entry.contains("violation") && entry.at("violation") < 1e-9;
+}
+
 /// Whether the list has this place, or one above it: keys with '*' for any entry of a list or name.
 bool listed(const OrderedJson& list, const std::vector<std::string>& place,
             const OrderedJson& document) {
@@ -27,9 +34,7 @@ bool listed(const OrderedJson& list, const std::vector<std::string>& place,
     if (where == "constraints" && document.value("constraints", OrderedJson()).empty() &&
         document.value("soft_constraints", OrderedJson()).empty())
       continue;
-    if (where == "rounding" && !(place.size() == 3 && document[place[0]].is_array() &&
-                                 document[place[0]][std::stoi(place[1])]["violation"] < 1e-9))
-      continue;
+    if (where == "rounding" && !is_rounding(place, document)) continue;
     std::stringstream key(entry["key"].get<std::string>());
     std::string part;
     std::size_t i = 0;
