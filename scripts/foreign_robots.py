@@ -216,13 +216,20 @@ def srdf_beside(urdf, name):
     return found[0]
 
 
-def stand(urdf, spec, locked, folder):
-    srdf, name, feet, kind = spec
+def posed(urdf, spec):
+    """The robot on a floating base in the posture of its SRDF, its frames' places computed."""
+    srdf, name = spec[:2]
     model = pin.buildModelFromUrdf(str(urdf), pin.JointModelFreeFlyer())
     pin.loadReferenceConfigurations(model, str(srdf_beside(urdf, srdf)), False)
     q = model.referenceConfigurations[name].copy()
     data = model.createData()
     pin.framesForwardKinematics(model, data, q)
+    return model, data, q
+
+
+def stand(urdf, spec, locked, folder):
+    model, data, q = posed(urdf, spec)
+    feet, kind = spec[2:]
     base = [float(x) for x in q[:7]]
     joints = {joint: value for joint, value in posture(model, q).items() if joint not in locked}
     standing = {"base": {"position": base[:3], "orientation": base[3:]}, "joints": joints}
@@ -252,12 +259,8 @@ def stand(urdf, spec, locked, folder):
 
 def walk(urdf, spec, locked, direction, folder):
     """Three steps of a third of the hips' height in all, as problems/biped_steps.yaml takes them."""
-    srdf, name, feet, kind = spec
-    model = pin.buildModelFromUrdf(str(urdf), pin.JointModelFreeFlyer())
-    pin.loadReferenceConfigurations(model, str(srdf_beside(urdf, srdf)), False)
-    q = model.referenceConfigurations[name].copy()
-    data = model.createData()
-    pin.framesForwardKinematics(model, data, q)
+    model, data, q = posed(urdf, spec)
+    feet, kind = spec[2:]
     soles = [data.oMf[model.getFrameId(foot)].translation for foot in feet]
     height = q[2] - soles[0][2]
     left, right = feet if soles[0][1] > soles[1][1] else feet[::-1]

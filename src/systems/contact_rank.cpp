@@ -8,6 +8,8 @@ namespace conddp {
 
 ContactRank contact_rank(const System& system, const double* x) {
   constexpr double kTakesPart = 0.05;  // of a unit vector of forces
+  // Scaled eigenvalues: below the first one forces are rounding, below the second one they change
+  // faster with the posture than solvers can follow.
   constexpr double kIdle = 1e-5, kSoft = 1e-2;
   ContactRank found;
   const auto* body = dynamic_cast<const MultibodySystem*>(&system);
