@@ -2,7 +2,6 @@
 
 import argparse
 import os
-import platform
 import sys
 
 os.environ["OMP_NUM_THREADS"] = "1"  # before a peer is loaded
@@ -10,7 +9,8 @@ os.environ.pop("LD_PRELOAD", None)  # what it named is loaded here, and is not f
 
 import kernels  # noqa: E402
 import solvers  # noqa: E402
-from conddp_tool import NATIVE, PEERS, ROOT, Untranslatable  # noqa: E402
+from conddp_tool import NATIVE, PEERS, ROOT, Untranslatable, robot_settings  # noqa: E402
+from machine import processor  # noqa: E402
 from table import equality_table, kernel_table, solver_table  # noqa: E402
 
 SIXTY = "constraints.torque={bounds: control, lower: -60, upper: 60}"
@@ -27,12 +27,6 @@ CASES = {
 
 #: ProxDDP is not done there after 100 iterations, a minute.
 WITHOUT_ALIGATOR = {"Talos squat"}
-
-
-def processor():
-    with open("/proc/cpuinfo", encoding="utf-8") as lines:
-        return next((line.split(":")[1].strip() for line in lines
-                     if line.startswith("model name")), platform.machine())
 
 
 def is_loaded(library):
@@ -56,18 +50,6 @@ def arguments():
     return parser.parse_args()
 
 
-def settings_for(file, folder):
-    """Where the robots of files that are not part of the product are."""
-    if "tests/foreign" not in str(file):
-        return ()
-    with open(ROOT / file, encoding="utf-8") as lines:
-        urdf = next(line.split("/")[-1].strip() for line in lines if "urdf:" in line)
-    path = os.path.join(os.path.abspath(folder), urdf)
-    if not os.path.exists(path):
-        raise Untranslatable(f"there is no {path}: name its folder with --robots")
-    return (f"robot.urdf={path}",)
-
-
 def main():
     wanted = arguments()
     if wanted.native and not is_loaded(NATIVE / "libcrocoddyl_native.so"):
@@ -79,7 +61,7 @@ def main():
     for name, (file, settings, drop) in cases.items():
         print(f"{name} ...", file=sys.stderr)
         try:
-            where = settings_for(file, wanted.robots)
+            where = robot_settings(file, wanted.robots)
             results.append(solvers.compare(name, ROOT / file, (*where, *settings), drop,
                                            wanted.repeat, name not in WITHOUT_ALIGATOR))
         except Untranslatable as refusal:

@@ -1,11 +1,12 @@
 """The tool and its benchmark as processes: what they say of a problem, as Python objects."""
 
 import json
+import os
 import subprocess
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-BINARIES = ROOT / "build/release/bin"
+BINARIES = Path(os.environ.get("CONDDP_BINARIES", ROOT / "build/release/bin"))
 PEERS = ROOT / "build/peers"
 NATIVE = PEERS / "native"
 
@@ -23,6 +24,18 @@ def output_of(command):
 
 def settings(overrides):
     return [word for override in overrides for word in ("--set", override)]
+
+
+def robot_settings(file, folder):
+    """Where the robots of files that are not part of the product are."""
+    if "tests/foreign" not in str(file):
+        return ()
+    with open(ROOT / file, encoding="utf-8") as lines:
+        urdf = next(line.split("/")[-1].strip() for line in lines if "urdf:" in line)
+    path = os.path.join(os.path.abspath(folder), urdf)
+    if not os.path.exists(path):
+        raise Untranslatable(f"there is no {path}: name its folder with --robots")
+    return (f"robot.urdf={path}",)
 
 
 def expanded(file, overrides=()):

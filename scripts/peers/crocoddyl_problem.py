@@ -98,9 +98,17 @@ class Translation:
             point = spec["type"] == "point"
             make = crocoddyl.ContactModel3D if point else crocoddyl.ContactModel6D
             model = make(self.state, frame, at.translation if point else at,
-                         pin.LOCAL_WORLD_ALIGNED, self.actuation.nu, gains)
+                         self.force_axes(name), self.actuation.nu, gains)
             stack.addContact(name, model)
         return stack
+
+    def force_axes(self, contact):
+        """Friction cones are about the normal of the ground, wrench cones about that of the sole. The
+        axes change nothing else where a contact holds the whole frame."""
+        kinds = {cost["residual"] for cost in self.problem["costs"].values()
+                 if contact in cost.get("contacts", ())}
+        require(not {"friction_cone", "wrench_cone"} <= kinds, f"contact '{contact}': both cones")
+        return pin.LOCAL if "wrench_cone" in kinds else pin.LOCAL_WORLD_ALIGNED
 
     def terms(self, costs, k, phase):
         """(name, cost model, weight, what tells it from that of other knots) of each cost that
@@ -120,7 +128,7 @@ class Translation:
         kind = cost["residual"]
         maker = getattr(self, "make_" + kind, None)
         require(maker is not None, f"cost '{name}': residual {kind}")
-        if kind == "friction_cone":
+        if kind in ("friction_cone", "wrench_cone"):
             for contact in cost["contacts"]:
                 if contact in phase["contacts"]:
                     yield maker(name, cost, contact)
@@ -150,6 +158,19 @@ class Translation:
             np.eye(3), spec["friction"] * cost["safety"], cost["faces"], cost["inner"],
             spec["min_normal_force"], spec.get("max_normal_force", np.finfo(float).max))
         residual = crocoddyl.ResidualModelContactFrictionCone(
+            self.state, self.robot.frame(spec["frame"]), cone, self.actuation.nu, True)
+        require(cost["weights"] == 1, f"cost '{name}': weights of a cone")
+        bounds = crocoddyl.ActivationBounds(cone.lb, cone.ub)
+        return (f"{name} {contact}", crocoddyl.ActivationModelQuadraticBarrier(bounds), residual,
+                contact)
+
+    def make_wrench_cone(self, name, cost, contact):
+        spec = self.problem["contacts"][contact]
+        require(spec["normal"] == [0, 0, 1], f"contact '{contact}': a normal that is not z")
+        cone = crocoddyl.WrenchCone(
+            np.eye(3), spec["friction"] * cost["safety"], np.array(spec["size"]), 4, cost["inner"],
+            spec["min_normal_force"], spec.get("max_normal_force", np.finfo(float).max))
+        residual = crocoddyl.ResidualModelContactWrenchCone(
             self.state, self.robot.frame(spec["frame"]), cone, self.actuation.nu, True)
         require(cost["weights"] == 1, f"cost '{name}': weights of a cone")
         bounds = crocoddyl.ActivationBounds(cone.lb, cone.ub)
@@ -206,14 +227,15 @@ class Translation:
         return residual, ["x", "y", "z"], None, tuple(at)
 
     def make_frame_placement(self, cost, k):
+        at = pose(self.robot, self.problem, cost, k)
         residual = crocoddyl.ResidualModelFramePlacement(
-            self.state, self.robot.frame(cost["frame"]), pose(self.robot, cost), self.actuation.nu)
-        return residual, ["x", "y", "z", "rx", "ry", "rz"], None, None
+            self.state, self.robot.frame(cost["frame"]), at, self.actuation.nu)
+        return residual, ["x", "y", "z", "rx", "ry", "rz"], None, tuple(at.translation)
 
     def make_frame_rotation(self, cost, k):
         residual = crocoddyl.ResidualModelFrameRotation(
-            self.state, self.robot.frame(cost["frame"]), pose(self.robot, cost).rotation,
-            self.actuation.nu)
+            self.state, self.robot.frame(cost["frame"]),
+            pose(self.robot, self.problem, cost, k).rotation, self.actuation.nu)
         return residual, ["rx", "ry", "rz"], None, None
 
     def make_frame_velocity(self, cost, k):

@@ -112,9 +112,14 @@ def vector_values(robot, problem, cost, named, constant):
     return at_node
 
 
-def pose(robot, cost):
-    """A fixed reference pose."""
-    spec, frame = cost["reference"], robot.frame(cost["frame"])
+def pose(robot, problem, cost, k):
+    """A reference pose at node k: a fixed one, or that of a frame which swings and does not turn."""
+    frame = robot.frame(cost["frame"])
+    if "swing" in cost:
+        require("displaced" not in cost["swing"], "swings of a frame that turns")
+        turned = robot.placement(frame, robot.initial).rotation
+        return pin.SE3(turned, smooth_swing(robot, problem, cost)[k])
+    spec = cost["reference"]
     if isinstance(spec, str):
         return robot.placement(frame, robot.state(spec))
     require("values" not in spec and "file" not in spec, "poses that change over time")

@@ -16,6 +16,16 @@ def require(holds, what):
         raise Untranslatable(what)
 
 
+def locked(model, positions):
+    """The model with some joints fixed for ever."""
+    if not positions:
+        return model
+    q = pin.neutral(model)
+    for joint, position in positions.items():
+        q[model.joints[model.getJointId(joint)].idx_q] = position
+    return pin.buildReducedModel(model, [model.getJointId(joint) for joint in positions], q)
+
+
 class Robot:
     """Model, names of its columns, and states as vectors (q, v)."""
 
@@ -25,7 +35,7 @@ class Robot:
         self.check(spec)
         self.floating = spec["base"] == "floating"
         root = (pin.JointModelFreeFlyer(),) if self.floating else ()
-        self.model = pin.buildModelFromUrdf(spec["urdf"], *root)
+        self.model = locked(pin.buildModelFromUrdf(spec["urdf"], *root), spec["locked_joints"])
         self.model.gravity.linear = np.array(problem["gravity"])
         for joint, name in zip(self.model.joints, self.model.names):
             require(joint.nq == joint.nv or joint.nq == 7, f"continuous joint '{name}'")
@@ -43,7 +53,6 @@ class Robot:
         if spec["base"] == "fixed":
             require(spec["placement"] == {"position": [0, 0, 0], "orientation": [0, 0, 0, 1]},
                     "robot.placement")
-        require(not spec["locked_joints"], "robot.locked_joints")
         require(not spec["external_wrenches"], "robot.external_wrenches")
         require(spec["actuation"] == "full", "robot.actuation")
         require(spec["passive"]["damping"] == spec["passive"]["friction"] == "none",
