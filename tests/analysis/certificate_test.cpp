@@ -9,9 +9,9 @@ namespace conddp {
 namespace {
 
 /// One step x⁺ = x + u from the origin, ½ ‖u − wish‖², and a constraint on where it ends,
-/// which is soft if it has a weight.
+/// which is soft if it has a weight; the cost is multiplied by `effort`.
 ShootingProblem one_step(const std::vector<double>& wish, ConstraintKind kind,
-                         const std::vector<double>& bounds, double weight = 0) {
+                         const std::vector<double>& bounds, double weight = 0, double effort = 1) {
   const int n = static_cast<int>(wish.size());
   const auto system = linear_system(Eigen::MatrixXd::Identity(n, n),
                                     Eigen::MatrixXd::Identity(n, n), Eigen::VectorXd::Zero(n));
@@ -21,7 +21,7 @@ ShootingProblem one_step(const std::vector<double>& wish, ConstraintKind kind,
   end->add_constraint(make_constraint("end", state_residual(end->manifold()), kind, 1,
                                       weight > 0 ? Softness::l1 : Softness::hard));
   std::vector<double> cost = wish, constraint(n, 0.0);
-  cost.push_back(1);
+  cost.push_back(effort);
   constraint.insert(constraint.end(), bounds.begin(), bounds.end());
   constraint.push_back(1);
   if (weight > 0) constraint.push_back(weight);
@@ -123,6 +123,17 @@ TEST(CertificateOfConstraints, ConvergedNeedsComplementarity) {
   EXPECT_EQ(failures(certify(problem, claims)), "");
 }
 
+TEST(CertificateOfConstraints, MultipliersOfSoftRowsStayWithinTheirLimit) {
+  const auto found = [](double weight) {
+    const ShootingProblem problem = one_step({0}, ConstraintKind::bounds, {1, kFree}, weight);
+    SolutionClaims claims = claims_of(problem, vector({1}), vector({-1}), 0.5);
+    claims.cost_by_name.emplace_back("terminal/end", 0);
+    return failures(certify(problem, claims));
+  };
+  EXPECT_EQ(found(1.1), "");
+  EXPECT_EQ(found(0.9), "[signs of multipliers]");
+}
+
 TEST(CertificateOfConstraints, MultipliersOfSoftConesStayWithinTheirLimit) {
   // At (0.5, 0.5), on the cone, a hard one's multiplier has the norm 1/√2.
   const auto found = [](double weight) {
@@ -133,6 +144,42 @@ TEST(CertificateOfConstraints, MultipliersOfSoftConesStayWithinTheirLimit) {
   };
   EXPECT_EQ(found(0.8), "");
   EXPECT_EQ(found(0.7), "[signs of multipliers]");
+}
+
+/// A multiplier of 10¹² may be 10² off by rounding, so figures agree that differ by far more than
+/// the tolerance of what converged.
+TEST(CertificateOfConstraints, ConvergedNeedsTheComplementarityThatIsFound) {
+  constexpr double kWeight = 1e12, kShort = 1e-11;
+  const ShootingProblem problem =
+      one_step({0}, ConstraintKind::bounds, {1 - kShort, kFree}, 0, kWeight);
+  const SolutionClaims claims = claims_of(problem, vector({1}), vector({-kWeight}), 0.5 * kWeight);
+  ASSERT_GT(kWeight * kShort, claims.tolerances.complementarity);
+  EXPECT_EQ(failures(certify(problem, claims)), "[status]");
+}
+
+/// x⁺ = x + (u, 0): no control says what the second co-state is.
+TEST(CertificateOfCostates, ConvergedNeedsThoseOfOtherGains) {
+  const auto system = linear_system(Eigen::MatrixXd::Identity(2, 2), Eigen::Vector2d(1, 0),
+                                    Eigen::VectorXd::Zero(2));
+  auto running = std::make_shared<KnotModel>(system, Integrator::discrete);
+  running->add_cost("effort", control_residual(2, 1), {});
+  auto end = std::make_shared<KnotModel>(system, Integrator::none);
+  std::vector<Phase> phases;
+  phases.push_back(
+      {.name = "go", .model = running, .dt = {1}, .cost_scale = {1}, .parameters = {0, 1}});
+  const ShootingProblem problem({0, 0}, std::move(phases),
+                                {.name = "end", .model = end, .dt = {0}, .cost_scale = {1}});
+  SolutionClaims claims(problem);
+  claims.times = problem.times();
+  claims.converged = true;
+  claims.status = "converged";
+  claims.cost = claims.stationarity = claims.gap = claims.constraint = claims.complementarity = 0;
+  claims.cost_by_name = {{"effort", 0}};
+  EXPECT_EQ(failures(certify(problem, claims)), "");
+  // An honest account of a co-state that nothing but its own equation contradicts.
+  claims.costates(1, 1) = claims.costates(1, 0) = 5;
+  claims.state_gradient(1, 1) = -5;
+  EXPECT_EQ(failures(certify(problem, claims)), "[status]");
 }
 
 /// One step u to the wish ½ (u − 1)² with u ≤ ½: its upper bound has the multiplier ½.

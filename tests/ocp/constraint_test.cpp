@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "ocp/acts.hpp"
+#include "ocp/soft_constraint.hpp"
 #include "support/knot_case.hpp"
 #include "support/sizes.hpp"
 
@@ -100,6 +101,26 @@ TEST(ConstraintSet, DistanceAndComplementarityTellASolutionFromItsNeighbours) {
   const double outside[] = {3, 4, 0}, below[] = {0, 3, -4};
   EXPECT_NEAR(distance_to_set(cone, outside, nullptr, nullptr), 5 * std::sqrt(0.5), 1e-14);
   EXPECT_NEAR(distance_to_set(cone, below, nullptr, nullptr), 5, 1e-14);
+}
+
+TEST(ConstraintSet, ComplementarityOfSoftConesLimitsMultipliersAndKeepsThemInThePolarCone) {
+  const ConstraintTerm cone = make_constraint("cone", control_residual(0, 3),
+                                              ConstraintKind::second_order_cone, 1.0, Softness::l1);
+  const auto off = [&](std::vector<double> g, std::vector<double> nu) {
+    const NodeConstraint c{
+        .node = 0, .term = &cone, .row = 0, .lower = nullptr, .upper = nullptr, .limit = 2};
+    return complementarity(c, g.data(), nu.data());
+  };
+  // On the cone, with a multiplier along its normal that is within the limit, and one beyond it.
+  EXPECT_NEAR(off({3, 4, 5}, {0.6, 0.8, -1}), 0, 1e-14);
+  EXPECT_NEAR(off({3, 4, 5}, {3, 4, -5}), std::sqrt(50) - 2, 1e-14);
+  // Outside, where the multiplier is at the limit, and where it lacks half of it.
+  const double h = std::sqrt(0.5);
+  EXPECT_NEAR(off({3, 4, 0}, {0.6 * 2 * h, 0.8 * 2 * h, -2 * h}), 0, 1e-14);
+  EXPECT_NEAR(off({3, 4, 0}, {0.6 * h, 0.8 * h, -h}), 5 * h, 1e-14);
+  // Orthogonal to the value, and at the tip to all.
+  EXPECT_NEAR(off({3, 4, 5}, {-0.8, 0.6, 0}), h, 1e-14);
+  EXPECT_NEAR(off({0, 0, 0}, {0.6, 0.8, 1}), std::sqrt(2.0), 1e-14);
 }
 
 TEST(ConstraintSet, WhatIsNotANumberIsNotInsideTheSet) {
