@@ -237,6 +237,7 @@ bool DdpSolver::newton_converges() {
   differentiate();
   if (!linearized_) return false;
   measure_iterate();
+  result_.log.back() = row_;  // along the gains of the last sweep, as the answer is
   by_newton_ = row_.stationarity <= tolerance.stationarity &&
                row_.complementarity <= tolerance.complementarity;
   return by_newton_;

@@ -49,6 +49,40 @@ TEST_P(ConstrainedSolver, MultipliersMakeTheLagrangianStationary) {
                   1e-8);
 }
 
+// Rounding leaves a residual above a tolerance of nothing, where the others are under theirs.
+TEST_P(ConstrainedSolver, ConvergedMeansAllResidualsAreUnderTolerance) {
+  for (const auto& [name, problem, control, cost] : testing::published_cases())
+    for (double SolverOptions::Tolerances::*impossible :
+         {&SolverOptions::Tolerances::stationarity, &SolverOptions::Tolerances::complementarity}) {
+      SolverOptions options;
+      options.tolerances.*impossible = 1e-300;
+      options.max_iterations = 100;
+      const SolveResult result =
+          solve(problem, GetParam(), options, testing::constant_controls(problem, control));
+      const Residuals& r = result.residuals;
+      const auto& t = options.tolerances;
+      EXPECT_EQ(result.status == SolveStatus::converged,
+                r.stationarity <= t.stationarity && r.gap <= t.gap &&
+                    r.constraint <= t.constraint && r.complementarity <= t.complementarity)
+          << name << ": " << result.message;
+    }
+}
+
+// Newton's last iterate is the answer, whose residuals are along other gains than Newton's.
+TEST_P(ConstrainedSolver, TheLastRowOfTheLogIsOfTheAnswer) {
+  for (const auto& [name, problem, control, cost] : testing::published_cases()) {
+    const SolveResult result =
+        solve(problem, GetParam(), {}, testing::constant_controls(problem, control));
+    const IterationRecord& last = result.log.back();
+    EXPECT_EQ(last.iteration, result.iterations) << name;
+    EXPECT_EQ(last.cost, result.cost) << name;
+    EXPECT_EQ(last.stationarity, result.residuals.stationarity) << name;
+    EXPECT_EQ(last.gap, result.residuals.gap) << name;
+    EXPECT_EQ(last.constraint, result.residuals.constraint) << name;
+    EXPECT_EQ(last.complementarity, result.residuals.complementarity) << name;
+  }
+}
+
 TEST_P(ConstrainedSolver, RedundantConstraintsDoNoHarm) {
   const LinearQuadratic lq(3, 4, {3, 2}, 8, -3, 3);
   std::vector<Added> list = cuts(lq);
