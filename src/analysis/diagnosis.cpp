@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/holding_torques.hpp"
 #include "systems/contact_rank.hpp"
 
 namespace conddp {
@@ -250,6 +251,24 @@ Diagnosis redundant(Diagnosis stuck, const ContactRank& contacts) {
           "fewer), joints that are not locked, or a posture in which limbs are bent"};
 }
 
+/// A robot that cannot stay where it begins falls, whatever the solver does. Of a solve that only
+/// stopped too early the advice of the log stays.
+Diagnosis too_weak(Diagnosis log, const MissingTorque& lack) {
+  const std::string has =
+      lack.driven ? fmt::format("its limit is {:.3g}", lack.limit) : "it has no control";
+  log.message += fmt::format(
+      "; no controls within their limits hold the initial state at rest: '{}' would need {:.3g} "
+      "{}, {}",
+      lack.joint, lack.needed, lack.unit, has);
+  std::string remedy =
+      "limits at the joints (those of a URDF may be of motors, before their gears); controls or "
+      "locked_joints at joints that springs, rods or closed chains hold on the robot itself; "
+      "another initial state";
+  if (log.pattern == DiagnosisPattern::unfinished) remedy = log.remedy + "; " + remedy;
+  return {DiagnosisPattern::no_static_equilibrium, std::move(log.message), log.knot, "controls",
+          std::move(remedy)};
+}
+
 bool lost(const SolveResult& r) {
   if (r.status == SolveStatus::diverged || r.log.empty()) return true;
   const IterationRecord& last = r.log.back();
@@ -313,6 +332,8 @@ std::string_view to_string(DiagnosisPattern pattern) {
       return "rounding_floor";
     case DiagnosisPattern::redundant_contacts:
       return "redundant_contacts";
+    case DiagnosisPattern::no_static_equilibrium:
+      return "no_static_equilibrium";
     case DiagnosisPattern::open_gaps:
       return "open_gaps";
     case DiagnosisPattern::slow_feasibility:
@@ -335,6 +356,8 @@ Diagnosis diagnose(const ShootingProblem& problem, const SolveResult& result,
     return {DiagnosisPattern::normal,
             fmt::format("normal convergence in {} iterations", result.iterations), -1, "", ""};
   Diagnosis d = of_log(result, options);
+  if (result.status != SolveStatus::interrupted)
+    if (const auto lack = missing_torque(problem)) return too_weak(std::move(d), *lack);
   if (d.pattern == DiagnosisPattern::open_gaps || d.pattern == DiagnosisPattern::plateau ||
       d.pattern == DiagnosisPattern::no_descent)
     if (d.knot >= 0 && d.knot < problem.knots()) {

@@ -23,6 +23,8 @@ enum class DiagnosisPattern {
   rounding_floor,
   /// The contacts of the knot at which the solve stands still depend on each other.
   redundant_contacts,
+  /// The initial state lacks static equilibrium for want of torque (missing_torque()).
+  no_static_equilibrium,
   /// The gaps of the dynamics do not close.
   open_gaps,
   /// Constraints are approached slowly although full steps are taken.
@@ -49,8 +51,10 @@ struct Diagnosis {
   std::string remedy;    ///< what to try, empty where nothing has to be
 };
 
-/// Reads it off the log, the status and the options; the rows at the end count, ten at most. A
-/// remedy names options with values that they accept, and residuals that are above tolerance.
+/// Reads it off the log, the status and the options; the rows at the end count, ten at most. Where
+/// the problem itself has a reason (contacts that depend on each other, a robot too weak to stand)
+/// the pattern is that reason, and the message says what the log looks like all the same. A remedy
+/// names options with values that they accept, and residuals that are above tolerance.
 Diagnosis diagnose(const ShootingProblem& problem, const SolveResult& result,
                    const SolverOptions& options);
 
