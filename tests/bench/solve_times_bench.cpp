@@ -135,10 +135,9 @@ int run(const Arguments& arguments) {
                     {"guess", json_of(guess)},
                     {"answer", json_of(last.trajectory)},
                     {"runs", runs},
-                    {"acts", arguments.repeat > 1
-                                 ? acts_at(problem, spec->solver.options, last,
-                                           std::max(arguments.repeat, kActRepeat))
-                                 : Json()}};
+                    {"acts", arguments.repeat > 1 ? acts_at(problem, spec->solver.options, last,
+                                                            std::max(arguments.repeat, kActRepeat))
+                                                  : Json()}};
   std::cout << out.dump() << '\n';
   return 0;
 }
