@@ -152,8 +152,8 @@ Diagnosis open_gaps(const Window& w) {
                                  : fmt::format("after {:.1e} {} steps before (median step {:.2g})",
                                                w.first().gap, w.steps(), w.median_step())),
       w.last().gap_knot, "gap",
-      "a larger solver.line_search.merit_margin, which weighs gaps more; states of the first "
-      "guess that the controls can follow; more knots where the motion is fast"};
+      "states of the first guess that the controls can follow; more knots where the motion is "
+      "fast; wider bounds on the control"};
 }
 
 Diagnosis slow_feasibility(const Window& w) {

@@ -16,8 +16,10 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Two sweeps differ by what Q_uu's condition makes of the rounding of derivatives.
-constexpr double kGainTolerance = 1e-6;
+/// Two sweeps differ by what Q_uu's condition makes of the rounding of derivatives: relative
+/// tolerance of gains, the share of |J|ᵀ|V||J| that rounding is where that cancels, and where
+/// growth of the tolerance by such rounding ends.
+constexpr double kGainTolerance = 1e-6, kRounding = 1e-15, kLargestTolerance = 1e-4;
 
 /// How far the answer's gains are from those of a sweep with these Hessians, in tolerances.
 struct Deviation {
@@ -44,17 +46,26 @@ Deviation compare(const ShootingProblem& problem, const SolutionClaims& claims,
                   const std::vector<NodeDerivatives>& derivatives, const MatrixXd& gap,
                   const Linearization& model) {
   const int N = problem.knots(), ndx = problem.ndx();
+  // A proximal term is a cost of the model; the other kind is in the gains alone.
+  const bool in_model = claims.gain_regularization_kind == RegularizationKind::proximal;
+  const double model_weight = in_model ? claims.gain_regularization : 0;
   MatrixXd V = model.knots[N].hessian();
+  V.diagonal().array() += model_weight;
   VectorXd v = derivatives[N].cost;
+  // What rounding may have made of V, carried along the policy as V itself is.
+  MatrixXd error = MatrixXd::Zero(ndx, ndx);
   Deviation out;
   for (int k = N - 1; k >= 0; --k) {
     const MatrixXd& J = derivatives[k].step;
     const int nu = problem.nu(k);
-    const MatrixXd Q = model.knots[k].hessian() + J.transpose() * V * J;
+    MatrixXd Q = model.knots[k].hessian() + J.transpose() * V * J;
+    Q.diagonal().array() += model_weight;
+    const double summands =
+        (J.cwiseAbs().transpose() * V.cwiseAbs() * J.cwiseAbs()).eval().maxCoeff();
     const VectorXd q = derivatives[k].cost + J.transpose() * (v + V * gap.col(k));
     const std::vector<bool> held = held_controls(problem, claims, k);
     MatrixXd Quu = Q.bottomRightCorner(nu, nu);
-    Quu.diagonal().array() += claims.gain_regularization;
+    Quu.diagonal().array() += claims.gain_regularization - model_weight;
     MatrixXd right = -Q.bottomLeftCorner(nu, ndx);
     VectorXd step = -q.tail(nu);
     VectorXd fixed = VectorXd::Zero(nu);
@@ -73,16 +84,25 @@ Deviation compare(const ShootingProblem& problem, const SolutionClaims& claims,
     const MatrixXd K = factors.solve(right);
     const VectorXd d = factors.solve(step) + fixed;
     const double size = nu > 0 ? std::max(1e-6, K.cwiseAbs().maxCoeff()) : 1;
+    const MatrixXd J_u = J.rightCols(nu), closed_loop = J.leftCols(ndx) + J_u * K;
+    const MatrixXd carried = error * closed_loop;
+    const double rounding =
+        nu > 0 ? (kRounding * summands + (J_u.transpose() * carried).cwiseAbs().maxCoeff()) /
+                     factors.vectorD().cwiseAbs().minCoeff()
+               : 0;
+    error = closed_loop.transpose() * carried;
+    error.diagonal().array() += kRounding * summands;
+    const double tolerance = std::clamp(rounding / size, kGainTolerance, kLargestTolerance);
     const double move =
         nu > 0 ? std::max(1e-3 * claims.trajectory.u(k).lpNorm<Eigen::Infinity>() + 1e-3,
                           d.lpNorm<Eigen::Infinity>())
                : 1;
     for (int i = 0; i < nu; ++i) {
-      out.feedforward.meet(std::abs(d[i] - claims.feedforward[k][i]) / (kGainTolerance * move),
-                           kGainTolerance * move, k, i);
+      out.feedforward.meet(std::abs(d[i] - claims.feedforward[k][i]) / (tolerance * move),
+                           tolerance * move, k, i);
       for (int j = 0; j < ndx; ++j)
-        out.feedback.meet(std::abs(K(i, j) - claims.gains[k](i, j)) / (kGainTolerance * size),
-                          kGainTolerance * size, k, i);
+        out.feedback.meet(std::abs(K(i, j) - claims.gains[k](i, j)) / (tolerance * size),
+                          tolerance * size, k, i);
     }
     const auto Qux = Q.bottomLeftCorner(nu, ndx);
     const auto unregularised = Q.bottomRightCorner(nu, nu);
@@ -115,7 +135,9 @@ std::vector<Check> check_gains(const ShootingProblem& problem, const SolutionCla
                                const std::vector<NodeDerivatives>& derivatives,
                                const MatrixXd& gap) {
   if (!problem.constraints().empty() || !std::isfinite(claims.gain_regularization)) return {};
-  if (claims.gains_regularize_states && claims.gain_regularization > 0) return {};
+  if (claims.gain_regularization_kind == RegularizationKind::state &&
+      claims.gain_regularization > 0)
+    return {};
   Acts acts(problem);
   Linearization model(problem);
   acts.differentiate(claims.trajectory, model);

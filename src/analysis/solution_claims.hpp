@@ -39,7 +39,7 @@ struct SolutionClaims {
   std::vector<Eigen::MatrixXd> gains;        ///< K, nu x ndx, one a knot
   std::vector<Eigen::VectorXd> feedforward;  ///< k, nu, one a knot
   double gain_regularization = kOpen;        ///< of the sweep that gave them
-  bool gains_regularize_states = false;      ///< added to V_xx, not to Q_uu
+  RegularizationKind gain_regularization_kind = RegularizationKind::proximal;
   /// How places are called.
   std::vector<std::string> tangent_names, control_names;
 };

@@ -7,22 +7,27 @@
 #include "ocp/knot_model.hpp"
 
 namespace conddp {
+
 int KnotModel::add_constraint(ConstraintTerm term) {
   check_fit("constraint " + term.name, *term.residual);
   term.row = constraint_rows_;
   term.parameters = parameter_count_;
-  term.jacobian = static_cast<int>(constraint_pattern_.size());
-  int row = term.row;
-  for (const RowBlock& block : term.blocks) {
-    for (const int column : block.columns)
-      for (int i = 0; i < block.rows; ++i) constraint_pattern_.emplace_back(row + i, column);
-    row += block.rows;
-  }
-  constraint_rows_ += term.rows;
+  term.jacobian = add_rows(term.blocks);
   parameter_count_ = term.parameter_end();
   const int parameters = constraints_.emplace_back(std::move(term)).parameters;
   index_hessian();
   return parameters;
+}
+
+int KnotModel::add_rows(const std::vector<RowBlock>& blocks) {
+  const int first = static_cast<int>(constraint_pattern_.size());
+  for (const RowBlock& block : blocks) {
+    for (const int column : block.columns)
+      for (int i = 0; i < block.rows; ++i)
+        constraint_pattern_.emplace_back(constraint_rows_ + i, column);
+    constraint_rows_ += block.rows;
+  }
+  return first;
 }
 
 template <class S>

@@ -6,15 +6,6 @@
 #include "ocp/gauss_newton.hpp"
 
 namespace conddp {
-namespace {
-
-/// Whether a cost can have no slope and no curvature: inside its bounds a barrier has neither.
-bool may_rest(const Activation& activation) {
-  return activation.kind == ActivationKind::quadratic_barrier;
-}
-
-}  // namespace
-
 KnotModel::KnotModel(std::shared_ptr<const System> system, Integrator integrator,
                      bool control_memory, int held_memory)
     : system_(std::move(system)), manifold_(system_->manifold()), integrator_(integrator) {
@@ -64,6 +55,10 @@ int KnotModel::add_cost(std::string name, std::shared_ptr<const Residual> residu
   parameter_count_ = term.weight + 1;
   term.residual = std::move(residual);
   term.activation = std::move(activation);
+  if (term.is_barrier()) {
+    term.row = constraint_rows_;
+    term.jacobian = add_rows(term.residual->blocks());
+  }
   index_hessian();
   return term.parameters;
 }
@@ -89,7 +84,7 @@ void KnotModel::index_hessian() {
   };
   for (const bool rests : {false, true}) {
     for (std::size_t t = 0; t < costs_.size(); ++t) {
-      if (may_rest(costs_[t].activation) != rests) continue;
+      if (costs_[t].is_barrier() != rests) continue;  // inside its bounds a barrier is nothing
       std::vector<RowBlock> blocks = costs_[t].residual->blocks();
       if (costs_[t].activation.kind == ActivationKind::smooth_l2)
         blocks.push_back({1, column_range(0, n)});
@@ -134,10 +129,10 @@ void KnotModel::evaluate_costs(const KnotInput<S>& in, KnotWorkspace<S>& work) c
   for (std::size_t t = 0; t < costs_.size(); ++t) {
     const CostTerm& term = costs_[t];
     const ResidualInput<S> input{in.x, in.u, in.parameters + term.parameters, *work.system_};
-    term.residual->evaluate(input, work.residual_.data());
+    S* r = term.is_barrier() ? work.constraint.data() + term.row : work.residual_.data();
+    term.residual->evaluate(input, r);
     const S scale = in.cost_scale * in.parameters[term.weight];
-    work.term_costs[t] =
-        scale * term.activation.value(work.residual_.data(), term.residual->size());
+    work.term_costs[t] = scale * term.activation.value(r, term.residual->size());
     work.cost += work.term_costs[t];
   }
 }
@@ -181,31 +176,35 @@ void KnotModel::differentiate_costs(const KnotInput<S>& in, KnotWorkspace<S>& wo
   }
   for (std::size_t t = 0; t < costs_.size(); ++t) {
     const CostTerm& term = costs_[t];
+    const bool barrier = term.is_barrier();
     const LinearImage* image = term.residual->linear_image();
     const Residual& inner = image ? *image->of : *term.residual;
     const ResidualInput<S> input{in.x, in.u, in.parameters + term.parameters, *work.system_};
-    const bool rests = may_rest(term.activation);
-    S* r = work.residual_.data();
-    S* jacobian = work.residual_jacobian_.data();
+    S* r = barrier ? work.constraint.data() + term.row : work.residual_.data();
+    S* jacobian =
+        barrier ? work.constraint_jacobian.data() + term.jacobian : work.residual_jacobian_.data();
     S* gradient = work.activation_gradient_.data();
     S* diagonal = work.activation_diagonal_.data();
-    if (image || rests)
+    if (image && !barrier)
       term.residual->evaluate(input, r);
     else
-      inner.differentiate(input, r, jacobian);
+      term.residual->differentiate(input, r, jacobian);
     const S scale = in.cost_scale * in.parameters[term.weight];
     const int rows = term.residual->size();
     S rank_one;
     const S value = term.activation.differentiate(r, rows, gradient, diagonal, rank_one);
     work.term_costs[t] = scale * value;
     work.cost += work.term_costs[t];
-    if (rests) {
+    if (barrier) {
       if (all_zero(gradient, rows) && all_zero(diagonal, rows)) continue;
       if (hessian) work.rest_is_zero_ = false;
     }
-    if (image || rests) inner.differentiate(input, r, jacobian);
     S W[36];
-    if (image) pull_back(image->A, rows, inner.size(), diagonal, gradient, W);
+    if (image) {
+      jacobian = work.residual_jacobian_.data();
+      inner.differentiate(input, work.residual_.data(), jacobian);
+      pull_back(image->A, rows, inner.size(), diagonal, gradient, W);
+    }
     const bool dense = term.activation.kind == ActivationKind::smooth_l2;
     if (dense) std::fill(work.term_gradient_.begin(), work.term_gradient_.end(), S(0.0));
     const int* pair = pattern_index_[t].data();

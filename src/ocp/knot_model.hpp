@@ -21,6 +21,11 @@ struct CostTerm {
   Activation activation;
   int parameters = 0;  ///< where the residual's parameters start in the knot's parameters
   int weight = 0;      ///< where the weight stands in the knot's parameters
+  /// Of a barrier: where its rows stand among those of constraints, and their derivative in
+  /// constraint_pattern().
+  int row = 0, jacobian = 0;
+
+  bool is_barrier() const { return activation.kind == ActivationKind::quadratic_barrier; }
 };
 
 /// A knot's data in scalar S: views into the caller's storage.
@@ -83,7 +88,8 @@ class KnotModel {
   bool has_control_memory() const { return memory_ > 0 && !held_; }
   const std::vector<CostTerm>& costs() const { return costs_; }
   const std::vector<ConstraintTerm>& constraints() const { return constraints_; }
-  /// Rows of all constraints of a knot.
+  /// Rows of all constraints of a knot, and of barriers: what begins to cost somewhere on the way
+  /// of a step has a value and a derivative on both sides.
   int constraint_rows() const { return constraint_rows_; }
   /// Where ∂g/∂z can be non-zero: (row, column) in the order in which a workspace holds it.
   const std::vector<std::pair<int, int>>& constraint_pattern() const { return constraint_pattern_; }
@@ -155,6 +161,9 @@ class KnotModel {
   /// this model do not have, as one on the control rate does without a control memory.
   void check_fit(const std::string& what, const Residual& residual) const;
 
+  /// Room for rows whose derivative has these blocks; returns where it begins in the pattern.
+  int add_rows(const std::vector<RowBlock>& blocks);
+
   /// Writes the pattern of Hessians and its indices from costs and constraints.
   void index_hessian();
 
@@ -196,7 +205,7 @@ class KnotWorkspace {
   AlignedVector<S> gradient;             ///< nz: of cost and augmentation
   AlignedVector<S> hessian;              ///< in the order of hessian_pattern()
   S augmentation;                        ///< what constraints add to the cost
-  AlignedVector<S> constraint;           ///< g, constraint_rows()
+  AlignedVector<S> constraint;           ///< g and residuals of barriers, constraint_rows()
   AlignedVector<S> constraint_jacobian;  ///< in the order of constraint_pattern()
   /// Whether all of `hessian` behind the lasting entries is zero.
   bool rest_is_zero() const { return rest_is_zero_; }

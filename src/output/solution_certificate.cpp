@@ -269,8 +269,7 @@ class Reader {
       for (int i = 0; i < problem_.nu(k); ++i) c.gains[k].row(i) = vector(K[k][i], "gains.K");
     for (int k = 0; k < N; ++k) c.feedforward[k] = vector(document_["gains"]["k"][k], "gains.k");
     c.gain_regularization = number(at(document_, {"gains", "regularization"}), "gains");
-    c.gains_regularize_states =
-        spec_.solver.options.regularization.kind == RegularizationKind::state;
+    c.gain_regularization_kind = spec_.solver.options.regularization.kind;
     c.tangent_names = tangent_columns(built_);
     for (const Column& column : built_.control_columns) c.control_names.push_back(column.name);
   }

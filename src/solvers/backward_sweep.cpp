@@ -29,13 +29,14 @@ int BackwardSweep::run(const Linearization& linearization, const Trajectory& tra
   if (!from) {
     values_[N].Vx = linearization.knots[N].gradient;
     values_[N].Vxx = linearization.knots[N].hessian();
+    if (regularization.in_model()) values_[N].Vxx.diagonal().array() += regularization.weight;
   }
   for (int k = from.value_or(N - 1); k >= 0; --k) {
     if ((N - k) % kKnotsBetweenCheckpoints == 0) pass_checkpoint();
     stage_.propagate(horizon, k, values_[k + 1]);
     Quu_[k] = stage_.q().Quu();
     if (!stage_.solve(horizon, k, regularization, policy, feedback)) return k;
-    const bool true_gains = regularization.weight == 0 && policy.minimizes_freely();
+    const bool true_gains = !regularization.in_gains() && policy.minimizes_freely();
     if (!stage_.form_value(values_[k], feedback.k[k], true_gains)) return k;
   }
   if (legs_) legs_->start_from(values_);

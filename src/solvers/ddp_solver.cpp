@@ -42,6 +42,7 @@ DdpSolver::DdpSolver(const ShootingProblem& problem, const DdpRecipe& recipe,
                   .legs = {recipe.legs ? options.legs : 1, options.threads}},
                  options.box_qp),
       line_search_(problem, options.line_search),
+      open_gap_search_(problem, bounds_, options.line_search, recipe.clamp_controls),
       model_step_(problem, bounds_),
       regularization_(options.regularization),
       trajectory_(problem.create_trajectory()),
@@ -68,6 +69,7 @@ SolveResult DdpSolver::solve(const Trajectory& guess) {
   row_ = IterationRecord();
   direction_.reset();
   line_search_.reset();
+  open_gap_search_.reset();
   search_ = LineSearchResult();
   merit_ = MeritModel();
   linearized_ = differentiated_ = affine_known_ = false;
@@ -300,7 +302,7 @@ void DdpSolver::confirm_status() {
 /// Without regularisation if possible: a follower of the trajectory wants the true gains.
 void DdpSolver::sweep_for_gains() {
   const Stopwatch watch(result_.times.sweep);
-  direction_.use_one_leg();
+  direction_.stay_at_iterate();
   SolverOptions::Regularization from_zero = options_.regularization;
   from_zero.initial = 0;
   RegularizationSchedule schedule(from_zero);

@@ -14,6 +14,7 @@
 #include "solvers/hessian_switch.hpp"
 #include "solvers/line_search.hpp"
 #include "solvers/model_step.hpp"
+#include "solvers/open_gap_search.hpp"
 #include "solvers/options.hpp"
 #include "solvers/plain_adjoint.hpp"
 #include "solvers/projected_newton.hpp"
@@ -67,6 +68,11 @@ class DdpSolver {
   void weigh_gaps();
   bool model_step();
   bool search();
+  bool gaps_open() const {
+    return recipe_.open_gaps && !equality_search_ && gaps_.norm() > options_.tolerances.gap;
+  }
+  bool raise_for_unsettled();
+  bool regularisation_hides_descent();
   bool blind_step_progresses();
   bool decrease_was_quadratic(bool by_model);
   double projected_stationarity() const;
@@ -104,6 +110,7 @@ class DdpSolver {
   Adjoint adjoint_;
   Direction direction_;
   LineSearch line_search_;
+  OpenGapSearch open_gap_search_;
   std::optional<EqualitySearch> equality_search_;  ///< where stages keep equalities
   ModelStep model_step_;
   RegularizationSchedule regularization_;

@@ -28,8 +28,8 @@ constexpr int kGapCorrections = 3;
 /// Shares of the expected decrease between which a full step is one of a quadratic function: ½ of
 /// the decrease at first is what a perfect model would give.
 constexpr double kQuadraticFrom = 0.3, kQuadraticTo = 0.8;
-/// Share of the gaps' weight in the merit that pays for what the model's step costs.
-constexpr double kGapShare = 0.7;
+/// Regularisation up to which a direction is looked for whose active set settles.
+constexpr double kSettlingRegularization = 0.01;
 
 }  // namespace
 
@@ -49,6 +49,7 @@ bool DdpSolver::take_step() {
   const int sweeps_before = direction_.sweeps();
   for (;;) {
     if (!sweep_with_regularization()) return false;
+    if (raise_for_unsettled()) continue;
     if (direction_.null_space() != nullptr)
       multiplier_change_ = &direction_.null_space()->find_multipliers(direction_.step());
     correct_direction();
@@ -87,6 +88,7 @@ bool DdpSolver::take_step() {
         differentiate();
         continue;
       }
+      if (regularisation_hides_descent()) return end_without_step(true);
       result_.failed_quantity = kRoundedCost;
       return end(SolveStatus::line_search_failed,
                  fmt::format("the cost's rounding ({:.1e}) hides what is left to gain, and the "
@@ -168,22 +170,24 @@ void DdpSolver::measure_direction() {
   }
 }
 
-/// Keeps the weight of the gaps above their multipliers in the model. A pass over all values, so
-/// only what looks at the merit asks for it.
+/// Sets the weight of the gaps in the merit.
 void DdpSolver::weigh_gaps() {
   if (!recipe_.open_gaps || equality_search_) return;
   const Stopwatch watch(result_.times.sweep);
-  if (!gaps_.closed() && !merit_.slope_within_bounds && merit_.penalty > 0) {
-    // Without a settled active set the policy's value says nothing of the QP's multipliers: the
-    // weight stays what it was, or grows until it turns the model's step into descent (Nocedal,
-    // Wright, equation 18.36).
-    const double model = merit_.slope + 0.5 * std::max(direction_.curvature(linearization_), 0.0);
-    merit_.penalty = std::max(merit_.penalty, model / (kGapShare * merit_.gap_norm));
-    return;
+  if (!gaps_open()) {
+    open_gap_search_.reset();
+    merit_.penalty =
+        options_.line_search.merit_margin * adjoint_.costates().lpNorm<Eigen::Infinity>();
+  } else {
+    merit_.penalty = open_gap_search_.weigh(merit_, direction_.curvature(linearization_));
   }
-  const double multiplier =
-      gaps_.closed() ? adjoint_.costates().lpNorm<Eigen::Infinity>() : direction_.multiplier();
-  merit_.penalty = options_.line_search.merit_margin * multiplier;
+}
+
+/// A step far from the iterate makes the controls' active set alternate. Raises the regularisation,
+/// as far as that may help, where the direction's set has not settled though gaps are open.
+bool DdpSolver::raise_for_unsettled() {
+  return gaps_open() && direction_.set_unknown() &&
+         regularization_.value() < kSettlingRegularization && regularization_.increase();
 }
 
 /// The full step of the linear model instead of a rollout, as long as full steps go well. What it
@@ -267,6 +271,14 @@ bool DdpSolver::model_step() {
   return false;
 }
 
+/// Whether the decrease is too small to be seen because the regularisation is large: without it the
+/// model promises one, which no step has kept.
+bool DdpSolver::regularisation_hides_descent() {
+  if (regularization_.value() == 0 || sweep_backward(0) >= 0) return false;
+  measure_direction();
+  return !merit_.hidden(merit_.merit_slope());
+}
+
 double DdpSolver::projected_stationarity() const {
   return bounds_.projected_norm(adjoint_.gradient(), trajectory_).value;
 }
@@ -275,6 +287,14 @@ double DdpSolver::projected_stationarity() const {
 /// if it progresses otherwise.
 bool DdpSolver::search() {
   before_ = trajectory_;
+  if (gaps_open() && !merit_.hidden(merit_.merit_slope())) {
+    const Stopwatch watch(result_.times.rollout);
+    search_ =
+        open_gap_search_.run(acts_, merit_, linearization_, direction_, augmentation_, trajectory_);
+    row_.trials += search_.trials;
+    linearized_ = linearized_ && !search_.accepted;
+    return search_.accepted;
+  }
   for (double first_step = 1; first_step >= kShortestBlindStep; first_step /= 2) {
     {
       const Stopwatch watch(result_.times.rollout);
@@ -336,13 +356,11 @@ int DdpSolver::sweep_backward(double regularization) {
     if (exact && !hessian_.exact_known()) continue;
     hessian_.use(exact);
     const auto find = [&] {
-      return direction_.find(
-          linearization_, trajectory_, gaps_, adjoint_, merit_,
-          {options_.regularization.kind, regularization, equality_search_.has_value()},
-          augmentation_);
+      return direction_.find(linearization_, trajectory_, gaps_, adjoint_, merit_,
+                             {options_.regularization.kind, regularization}, augmentation_);
     };
     int bad_knot = find();
-    if (direction_.unsettled() && !affine_known_) {
+    if (affine_probe_ && direction_.unsettled() && !affine_known_) {
       affine_known_ = true;
       if (affine_probe_->holds(acts_, trajectory_, linearization_)) {
         direction_.trust_model();
@@ -369,8 +387,8 @@ bool DdpSolver::end_without_step(bool descent) {
     }
   }
   return end(SolveStatus::line_search_failed,
-             fmt::format("{} with the largest regularisation {:.1e}: {}", cause,
-                         regularization_.value(), residual_text()));
+             fmt::format("{} with regularisation up to {:.1e}: {}", cause, regularization_.value(),
+                         residual_text()));
 }
 
 }  // namespace conddp

@@ -33,10 +33,11 @@ Direction::Direction(const ShootingProblem& problem, const ControlBounds& bounds
     policy_ = std::move(stages);
   }
   if (horizon_sweeps_ == 0) return;
-  if (!problem.constraints().empty()) {
-    constraints_.emplace(problem);
+  constraints_.emplace(problem);
+  if (constraints_->empty())
+    constraints_.reset();
+  else
     descent_.emplace(problem, bounds);
-  }
   remembered_.emplace(
       Remembered{Feedback(problem),
                  std::vector<ValueFunction>(problem.knots() + 1, ValueFunction(problem.ndx())),
@@ -47,10 +48,11 @@ Direction::Direction(const ShootingProblem& problem, const ControlBounds& bounds
 int Direction::find(Linearization& linearization, const Trajectory& trajectory, const Gaps& gaps,
                     const Adjoint& adjoint, const MeritModel& merit,
                     SweepRegularization regularization, const Augmentation* augmentation) {
-  const bool augmented = constraints_ && augmentation != nullptr;
+  const bool augmented = constraints_ && (augmentation != nullptr ||
+                                          (models_costs_ && problem_.constraints().empty()));
   descended_ = unsettled_ = false;
   if (augmented) {
-    constraints_->start(linearization, *augmentation);
+    constraints_->start(linearization, augmentation);
     constraints_->expect(linearization);
   }
   const int bad_knot =
@@ -222,6 +224,7 @@ void Direction::forget_steps() {
 void Direction::reset() {
   forget_steps();
   sweep_.use_legs(true);
+  models_costs_ = true;
   sweeps_ = 0;
   if (constraints_) constraints_->reset();
   active_set_known_ = model_true_ = declined_ = false;

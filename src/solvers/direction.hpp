@@ -30,8 +30,12 @@ class Direction {
 
   /// Forgets the active set and the gains of the solve before.
   void reset();
-  /// From here to the next reset() sweeps go from end to start, whose gains are the true ones.
-  void use_one_leg() { sweep_.use_legs(false); }
+  /// From here to the next reset() gains are those of the iterate itself: sweeps go from end to
+  /// start, and costs are modelled at the iterate alone.
+  void stay_at_iterate() {
+    sweep_.use_legs(false);
+    models_costs_ = false;
+  }
   /// Fills feedback() around an iterate and rolls it out through the linear model. Returns the knot
   /// whose stage has no minimum, or −1. With an augmentation the linearisation is that of the
   /// augmented Lagrangian; it is changed on the way and comes back as it was.
@@ -62,6 +66,8 @@ class Direction {
   bool unsettled() const { return unsettled_; }
   /// Whether that step meets no bound on its way: nothing had to be cut off.
   bool within_bounds() const { return within_bounds_; }
+  /// Whether the controls' active set was looked for along the horizon and not found.
+  bool set_unknown() const { return horizon_sweeps_ > 0 && !within_bounds_; }
   /// That dynamics and constraints are affine: the model's exact minimum is worth its sweeps.
   void trust_model() { model_true_ = true; }
   bool trusts_model() const { return model_true_; }
@@ -76,8 +82,6 @@ class Direction {
   double curvature(const Linearization& linearization) {
     return linear_rollout_.curvature(linearization);
   }
-  /// Largest multiplier of the dynamics in the QP.
-  double multiplier() { return linear_rollout_.multiplier(sweep_); }
 
  private:
   /// What a sweep leaves besides its policy's active set, set aside while another one is tried.
@@ -107,6 +111,7 @@ class Direction {
   Feedback feedback_;
   SecantMemory secants_;
   bool corrected_ = false;
+  bool models_costs_ = true;  ///< that begin at a bound, along the step
   int sweeps_ = 0;
   std::optional<Remembered> remembered_;  ///< where sweeps are compared
   bool active_set_known_ = false;         ///< the policy holds one of the whole horizon

@@ -11,9 +11,11 @@
 
 namespace conddp {
 
-/// An augmented Lagrangian in the linear model of the whole horizon.
+/// An augmented Lagrangian in the linear model of the whole horizon, and costs that are terms of
+/// the same kind: barriers and constraints that are soft by a square, with a ρ that stays and no
+/// shift.
 ///
-/// Its terms ½ ρ dist²(g + shift, C) are quadratic as long as g + shift stays on one side of each
+/// Terms ½ ρ dist²(g + shift, C) are quadratic as long as g + shift stays on one side of each
 /// bound, and a linearisation knows the sides of the iterate alone: a full step that crosses others
 /// meets penalties that the sweep has not seen, and line searches cut it off there. With g replaced
 /// by g + ∂g z, the derivative of dist² is P(s) = s − Π_C(s) at s = g + ∂g z + shift. Around a step
@@ -24,8 +26,11 @@ class HorizonConstraints {
  public:
   explicit HorizonConstraints(const ShootingProblem& problem);
 
-  /// Takes an iterate's linearisation, which was made with this augmentation.
-  void start(const Linearization& linearization, const Augmentation& augmentation);
+  /// Whether there are none.
+  bool empty() const { return rows_.empty(); }
+  /// Takes an iterate's linearisation, which was made with this augmentation; null where the
+  /// problem has no constraints but those that are costs.
+  void start(const Linearization& linearization, const Augmentation* augmentation);
   /// Begins again with the same iterate, after restore().
   void restart();
   /// Forgets what settle() kept.
@@ -52,14 +57,29 @@ class HorizonConstraints {
   bool restore(Linearization& linearization);
 
  private:
+  /// Rows of one term.
+  struct Rows {
+    int node, row, count;
+    const double* lower;  ///< null of a cone
+    const double* upper;
+    double limit;  ///< of multipliers
+    bool cost;     ///< whose penalty stays
+  };
   struct Node {
-    std::vector<int> constraints;  ///< into ShootingProblem::constraints()
+    std::vector<int> terms;  ///< into rows_
     bool changed = false;
     Eigen::VectorXd gradient;  ///< the node's own, once changed
     Eigen::MatrixXd hessian;
   };
-  bool revise_bounds(const NodeConstraint& c, KnotLinearization& knot, Node& node);
-  bool revise_cone(const NodeConstraint& c, int index, KnotLinearization& knot, Node& node);
+  void add_barriers(int node);
+  void add_cost(int node, int row, int count, const double* lower, const double* upper,
+                double weight);
+  static double outside_row(const Rows& c, int r, double s, double limit);
+  static double row_slope(const Rows& c, int r, double s, double limit);
+  static void outside_cone_at(const Rows& c, const double* s, double limit, double* p,
+                              double* derivative);
+  bool revise_bounds(const Rows& c, KnotLinearization& knot, Node& node);
+  bool revise_cone(const Rows& c, int index, KnotLinearization& knot, Node& node);
   void keep(const KnotLinearization& knot, Node& node);
   double squared_error();
   int revise(Linearization& linearization, std::optional<int>& last);
@@ -68,8 +88,9 @@ class HorizonConstraints {
              Eigen::VectorXd& values) const;
 
   const ShootingProblem& problem_;
-  const Augmentation* augmentation_ = nullptr;
+  std::vector<Rows> rows_;
   std::vector<Node> nodes_;
+  Eigen::VectorXd penalty_;  ///< ρ, one number per constraint row
   // A number per constraint row: s of the iterate, of the step that the model was made around, of
   // the step that is looked at; P at the second, its slope there where rows have bounds, and P at
   // the third.
@@ -77,7 +98,7 @@ class HorizonConstraints {
   Eigen::VectorXd inside_, multiplier_;      ///< Π(s) and ρ P(s) of a step that settled
   bool settled_ = false;                     ///< these are known
   Eigen::VectorXd along_;                    ///< ∂g d of a path
-  std::vector<Eigen::MatrixXd> cone_slope_;  ///< per constraint, empty unless a cone
+  std::vector<Eigen::MatrixXd> cone_slope_;  ///< of each of rows_, empty unless a cone
   LowRankUpdate update_;                     ///< of the Hessian of one node
   Eigen::MatrixXd new_slope_;                ///< scratch
   Eigen::VectorXd new_outside_, weight_, difference_;

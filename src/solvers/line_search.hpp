@@ -8,10 +8,10 @@ namespace conddp {
 
 /// The merit φ = J + ν Σ‖gap‖₁ around an iterate. Closed gaps leave the cost alone.
 struct MeritModel {
-  double cost = 0;      ///< J of the iterate
-  double gap_norm = 0;  ///< Σ‖gap‖₁ of the iterate; of an EqualitySearch θ
-  double penalty = 0;   ///< ν, above the dynamics' multipliers so that closing gaps is descent
-  double slope = 0;     ///< ∇J·d of the model's full step
+  double cost = 0;                   ///< J of the iterate
+  double gap_norm = 0;               ///< Σ‖gap‖₁ of the iterate; of an EqualitySearch θ
+  double penalty = 0;                ///< ν, so large that closing gaps is descent
+  double slope = 0;                  ///< ∇J·d of the model's full step
   bool slope_within_bounds = false;  ///< that step meets no bound on its way
   double rounding = 0;               ///< size of J's rounding errors
   double value() const { return cost + penalty * gap_norm; }

@@ -7,7 +7,7 @@
 namespace conddp {
 
 LinearRollout::LinearRollout(const ShootingProblem& problem, const ControlBounds& bounds)
-    : bounds_(bounds), ndx_(problem.ndx()), lambda_(problem.ndx()) {
+    : bounds_(bounds), ndx_(problem.ndx()) {
   int largest = ndx_;
   for (int k = 0; k <= problem.knots(); ++k) {
     const int nz = ndx_ + (k < problem.knots() ? problem.nu(k) : 0);
@@ -73,16 +73,6 @@ double LinearRollout::curvature(const Linearization& linearization) {
     sum += z_[k].dot(product);
   }
   return sum;
-}
-
-double LinearRollout::multiplier(const BackwardSweep& sweep) {
-  double largest = 0;
-  for (int k = 1; k <= bounds_.knots(); ++k) {
-    lambda_ = sweep.value(k).Vx;
-    multiply_add(sweep.value(k).Vxx, dx(k).data(), lambda_.data());
-    largest = std::max(largest, lambda_.lpNorm<Eigen::Infinity>());
-  }
-  return largest;
 }
 
 int LinearRollout::revise(bool release, StagePolicy& policy, std::optional<int>& last) const {

@@ -38,8 +38,6 @@ class LinearRollout {
   double slope() const { return slope_; }
   /// dᵀ Hessian d.
   double curvature(const Linearization& linearization);
-  /// Largest |V_x + V_xx δx| after the first node: the dynamics' multipliers of the QP.
-  double multiplier(const BackwardSweep& sweep);
   /// Shows every knot's step to the policy for revision of its active set (StagePolicy::revise);
   /// returns how many entries changed. `last` ← the last knot at which one did, if any.
   int revise(bool release, StagePolicy& policy, std::optional<int>& last) const;
@@ -49,7 +47,7 @@ class LinearRollout {
   int ndx_;
   std::vector<Eigen::VectorXd> z_;  ///< (δx, δu) of every node
   double slope_ = 0;
-  Eigen::VectorXd product_, lambda_;
+  Eigen::VectorXd product_;
 };
 
 }  // namespace conddp

@@ -9,7 +9,7 @@ namespace conddp {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr std::string_view kRegularizationKinds[] = {"state", "control"};
+constexpr std::string_view kRegularizationKinds[] = {"proximal", "state", "control"};
 constexpr std::string_view kHessianChoices[] = {"automatic", "gauss_newton", "exact"};
 
 constexpr std::string_view kPairRelaxations[] = {"elementwise", "inner_product",
@@ -78,10 +78,13 @@ constexpr std::array kTable = {
                .min_excluded = true,
                .max_excluded = true,
                .access = CONDDP_ACCESS(tolerances.complementarity)},
-    OptionInfo{.name = "regularization.kind",
-               .doc = "Add it to V_xx through the dynamics (state) or to Q_uu (control).",
-               .choices = kRegularizationKinds,
-               .access = CONDDP_ACCESS(regularization.kind)},
+    OptionInfo{
+        .name = "regularization.kind",
+        .doc =
+            "What it weighs: half the squares of the whole step, in the model (proximal), or, in "
+            "the gains alone, V_xx through the dynamics (state) or Q_uu (control).",
+        .choices = kRegularizationKinds,
+        .access = CONDDP_ACCESS(regularization.kind)},
     OptionInfo{.name = "regularization.initial",
                .doc = "Regularisation of the first sweep; 0 is none.",
                .min = 0,
@@ -134,7 +137,8 @@ constexpr std::array kTable = {
                .max_excluded = true,
                .access = CONDDP_ACCESS(line_search.armijo)},
     OptionInfo{.name = "line_search.merit_margin",
-               .doc = "Weight of the gaps in the merit, as a multiple of the largest multiplier.",
+               .doc = "Weight in the merit of gaps that a step opens, as a multiple of the largest "
+                      "multiplier.",
                .min = 1,
                .max = 1e6,
                .min_excluded = true,

@@ -13,11 +13,13 @@
 
 namespace conddp {
 
-/// What regularisation adds to a stage problem of the sweep, with weight μ:
-/// `state`: μ I to V_xx of the next node, seen through the dynamics (keeps new states near the
-/// old ones); `control`: μ I to Q_uu. Only the latter turns every step into a descent as μ grows,
-/// where controls stand at bounds.
-enum class RegularizationKind { state, control };
+/// What regularisation adds, with weight μ:
+/// `proximal`: ½ μ (‖δx‖² + ‖δu‖²) to the model's cost at every node, a term of Levenberg and
+/// Marquardt that keeps the whole trajectory near the iterate; the value knows of it. To the gains
+/// of a stage alone: `state`: μ I to V_xx of the next node, seen through the dynamics; `control`:
+/// μ I to Q_uu. `state` need not turn a step into a descent, however large μ, where controls stand
+/// at bounds.
+enum class RegularizationKind { proximal, state, control };
 
 /// Second derivatives that the sweep uses. `automatic` leaves the choice to the solver: exact for
 /// ddp, Gauss-Newton for ilqr and ilqr_clip, and for the others Gauss-Newton with
@@ -45,7 +47,7 @@ struct SolverOptions {
   } tolerances;
 
   struct Regularization {
-    RegularizationKind kind = RegularizationKind::control;
+    RegularizationKind kind = RegularizationKind::proximal;
     double initial = 0;
     double min = 1e-6;
     double max = 1e10;

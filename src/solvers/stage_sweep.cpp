@@ -37,10 +37,8 @@ void StageSweep::propagate(const SweptHorizon& horizon, int k, const ValueFuncti
 bool StageSweep::solve(const SweptHorizon& horizon, int k, SweepRegularization regularization,
                        StagePolicy& policy, Feedback& feedback) {
   const int nu = q_.nu(), ndx = q_.ndx();
-  const bool in_model =
-      regularization.in_model && regularization.kind == RegularizationKind::control;
-  if (in_model) q_.add_to_Quu(regularization.weight);
-  const bool regular = regularization.weight > 0 && !in_model;
+  if (regularization.in_model()) q_.add_to_diagonal(regularization.weight);
+  const bool regular = regularization.in_gains();
   columns_.resize(q_.nz(), nu);
   auto columns = regular ? columns_.view() : q_.Qzz_lanes().block(q_.nz(), ndx, nu).view();
   if (regular) {

@@ -10,13 +10,15 @@
 
 namespace conddp {
 
-/// What a sweep adds to its stage problems.
+/// What a sweep adds to its model or to its gains.
 struct SweepRegularization {
-  RegularizationKind kind = RegularizationKind::state;
+  RegularizationKind kind = RegularizationKind::proximal;
   double weight = 0;
-  /// Whether the value knows of a weight on the controls: ½ μ‖δu‖² is a cost of the model then, and
-  /// rows that have to be met are met by all controls in front of them.
-  bool in_model = false;
+
+  /// Whether it is a cost of the model, so that the policy is that model's minimum.
+  bool in_model() const { return weight > 0 && kind == RegularizationKind::proximal; }
+  /// Whether gains are those of another matrix than the model's.
+  bool in_gains() const { return weight > 0 && kind != RegularizationKind::proximal; }
 };
 
 int largest_nu(const ShootingProblem& problem);

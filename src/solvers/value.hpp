@@ -44,9 +44,9 @@ class ActionValue {
   auto Qx() const { return Qz().head(ndx_); }
   auto Qu() const { return Qz().tail(nu_); }
   auto Qxu() const { return Qzz().topRightCorner(ndx_, nu_); }
-  /// Adds a multiple of the identity.
-  void add_to_Quu(double weight) {
-    for (int i = ndx_; i < nz(); ++i) hessian_.col(i)[i] += weight;
+  /// Adds a multiple of the identity to Qzz.
+  void add_to_diagonal(double weight) {
+    for (int i = 0; i < nz(); ++i) hessian_.col(i)[i] += weight;
   }
   auto Quu() const { return Qzz().bottomRightCorner(nu_, nu_); }
 

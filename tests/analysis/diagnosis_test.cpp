@@ -185,7 +185,7 @@ ShootingProblem standing(int contacts) {
 
 // A foot that two contacts hold has four rows in its plane, two of which say the same again. The
 // row out of the plane, in which nothing moves, is no fault of a single contact.
-TEST(Diagnosis, RedundantContactsAreNamedAndNoMarginOfTheMerit) {
+TEST(Diagnosis, RedundantContactsAreNamedAndNoGuessIsBlamed) {
   const auto open = [](const ShootingProblem& problem) {
     return diagnosis_of(
         12, [](int, IterationRecord& r) { r.gap = 1; }, SolveStatus::line_search_failed, problem);
@@ -196,7 +196,7 @@ TEST(Diagnosis, RedundantContactsAreNamedAndNoMarginOfTheMerit) {
   EXPECT_NE(twice.message.find("'foot0', 'foot1' depend on each other there: of all 4 rows 2 are"),
             std::string::npos)
       << twice.message;
-  EXPECT_EQ(twice.remedy.find("merit_margin"), std::string::npos) << twice.remedy;
+  EXPECT_EQ(twice.remedy.find("first guess"), std::string::npos) << twice.remedy;
   const Diagnosis once = open(standing(1));
   EXPECT_EQ(once.pattern, DiagnosisPattern::open_gaps) << once.message;
 }

@@ -94,16 +94,18 @@ INSTANTIATE_TEST_SUITE_P(
                     DiagnosisPattern::alternating_active_set,
                     "active set of the control bounds",
                     "acrobot_swingup",
-                    {"solver={name: box_ddp, max_iterations: 60, box_qp: {horizon_sweeps: 0}}",
+                    {"solver={name: box_ddp, max_iterations: 60, box_qp: {horizon_sweeps: 0}, "
+                     "regularization: {kind: control}}",
                      "costs.effort.weight=1.0e-9"},
                     {}},
         // Clipping does not descend, and regularisation grows.
-        Provocation{"Plateau",
-                    DiagnosisPattern::plateau,
-                    "stationarity",
-                    "car_parking",
-                    {"solver={name: ilqr_clip, max_iterations: 100}"},
-                    {}},
+        Provocation{
+            "Plateau",
+            DiagnosisPattern::plateau,
+            "stationarity",
+            "car_parking",
+            {"solver={name: ilqr_clip, max_iterations: 100, regularization: {kind: control}}"},
+            {}},
         // Penalties that begin low and hardly grow.
         Provocation{"SlowFeasibility",
                     DiagnosisPattern::slow_feasibility,

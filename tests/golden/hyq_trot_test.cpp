@@ -189,6 +189,27 @@ TEST_F(HyqTrot, ConvergesQuicklyOnASlipperyFloor) {
   expect_quick(25, 3.5411302063);
 }
 
+// Controls of zero are far away: the robot falls, and its motors are too weak for what closes all
+// gaps at once. Crocoddyl's BoxFDDP arrives at the same costs.
+TEST_F(HyqTrot, WeakMotorsBeginWithoutTorque) {
+  for (const int limit : {150, 100, 75, 60}) {
+    for (const char* friction : {"0.7", "0.15"}) {
+      const std::string bounds = "constraints.torque={bounds: control, lower: -" +
+                                 std::to_string(limit) + ", upper: " + std::to_string(limit) + "}";
+      read({bounds, std::string("contacts.defaults.friction=") + friction,
+            "initial_guess.controls=zero"});
+      SolverOptions options = spec_->solver.options;
+      options.max_iterations = 200;
+      const SolveResult zero = solve(*built_->problem, "box_fddp", options, built_->guess);
+      EXPECT_EQ(zero.status, SolveStatus::converged) << limit << ": " << zero.message;
+      read({bounds, std::string("contacts.defaults.friction=") + friction});
+      const SolveResult near = solve(*built_->problem, "box_fddp", options, built_->guess);
+      EXPECT_EQ(near.status, SolveStatus::converged) << limit << ": " << near.message;
+      EXPECT_NEAR(zero.cost, near.cost, 1e-6 * near.cost) << limit << ' ' << friction;
+    }
+  }
+}
+
 constexpr const char* kSixty = "constraints.torque={bounds: control, lower: -60, upper: 60}";
 constexpr const char* kSlippery = "contacts.defaults.friction=0.15";
 constexpr const char* kPyramid =

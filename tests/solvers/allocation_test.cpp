@@ -123,7 +123,8 @@ TEST(Allocation, NoneInAnIterationAfterTheFirst) {
            {HessianChoice::automatic, HessianChoice::gauss_newton, HessianChoice::exact}) {
         if (hessian == HessianChoice::exact && !solver.exact_hessian) continue;
         if (hessian == HessianChoice::gauss_newton && !solver.gauss_newton_hessian) continue;
-        for (RegularizationKind kind : {RegularizationKind::state, RegularizationKind::control}) {
+        for (RegularizationKind kind : {RegularizationKind::proximal, RegularizationKind::state,
+                                        RegularizationKind::control}) {
           SolverOptions options;
           options.max_iterations = 60;
           options.hessian = hessian;

@@ -21,7 +21,7 @@ double gradient_error(const ShootingProblem& problem, const SolveResult& result,
   double worst = 0;
   for (int k = 0; k < problem.knots(); k += 7) {
     for (int i = 0; i < problem.nu(k); ++i) {
-      double cost[2];
+      double cost[3];
       for (int side : {0, 1}) {
         Trajectory moved = result.trajectory;
         moved.u(k)[i] += side == 0 ? -h : h;
@@ -199,12 +199,13 @@ TEST(Nonlinear, WarmStartFromTheAnswerConvergesAtOnce) {
   }
 }
 
-// Without active bounds: only regularised controls turn every step into a descent at them.
-TEST(Nonlinear, BothRegularizationsLeadToTheSameOptimum) {
+// Without active bounds: regularised states need not turn a step into a descent at them.
+TEST(Nonlinear, AllRegularizationsLeadToTheSameOptimum) {
   const ShootingProblem problem = testing::acrobot_swing_up();
   for (const char* name : {"ilqr", "ddp", "fddp"}) {
-    double cost[2];
-    for (RegularizationKind kind : {RegularizationKind::state, RegularizationKind::control}) {
+    double cost[3];
+    for (RegularizationKind kind :
+         {RegularizationKind::proximal, RegularizationKind::state, RegularizationKind::control}) {
       SolverOptions options;
       options.regularization.kind = kind;
       options.regularization.initial = 1;
@@ -217,6 +218,7 @@ TEST(Nonlinear, BothRegularizationsLeadToTheSameOptimum) {
       EXPECT_TRUE(regularized) << name;
     }
     EXPECT_NEAR(cost[0], cost[1], 1e-6 * cost[0]) << name;
+    EXPECT_NEAR(cost[0], cost[2], 1e-6 * cost[0]) << name;
   }
 }
 

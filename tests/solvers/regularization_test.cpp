@@ -97,16 +97,22 @@ TEST(BackwardSweep, RegularizationChangesTheGainsAsItsKindSays) {
   EXPECT_NEAR(swept.feedback.K[2](0, 0), -3.25 / 4.25, 1e-15);
 }
 
-// A weight in the model is a cost of the problem: 3 more on the controls.
-TEST(BackwardSweep, AWeightInTheModelIsOneOfTheCosts) {
-  const ShootingProblem problem = integrator_problem(1), heavier = integrator_problem(4);
-  Swept swept(problem), expected(heavier);
+// A proximal weight is a cost of the problem: 3 more on the controls, on the states and at the end,
+// all of it about the iterate, so that gradients stay.
+TEST(BackwardSweep, AProximalWeightIsACostOfTheWholeStep) {
+  const ShootingProblem problem = integrator_problem(1);
+  Swept swept(problem), expected(problem);
+  for (int k = 0; k <= problem.knots(); ++k) {
+    auto& hessian = expected.linearization.knots[k].hessian.change();
+    for (int i = 0; i < hessian.rows(); ++i) hessian(i, i) += 3;
+  }
   ASSERT_EQ(expected.run(RegularizationKind::control, 0), -1);
-  ASSERT_EQ(swept.sweep.run(swept.linearization, swept.trajectory, swept.gaps,
-                            {RegularizationKind::control, 3, true}, *swept.policy, swept.feedback),
-            -1);
-  for (int k = 0; k < problem.knots(); ++k)
+  ASSERT_EQ(swept.run(RegularizationKind::proximal, 3), -1);
+  for (int k = 0; k < problem.knots(); ++k) {
     EXPECT_NEAR(swept.feedback.K[k](0, 0), expected.feedback.K[k](0, 0), 1e-15) << k;
+    EXPECT_NEAR(swept.feedback.k[k][0], expected.feedback.k[k][0], 1e-15) << k;
+  }
+  EXPECT_NEAR(swept.sweep.value(0).Vxx(0, 0), expected.sweep.value(0).Vxx(0, 0), 1e-14);
 }
 
 // Pitfall 19: whatever the gains, the value is that of the policy u = ū + k + K δx. Here gains are

@@ -1,0 +1,138 @@
+#include "solvers/open_gap_search.hpp"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "support/small_problems.hpp"
+
+namespace conddp {
+namespace {
+
+/// A step from an iterate with open gaps, and the search of its length.
+struct Step {
+  Step(const ShootingProblem& problem, const Trajectory& from, int horizon_sweeps = 60)
+      : bounds(problem),
+        acts(problem),
+        linearization(problem),
+        gaps(problem),
+        adjoint(problem, bounds),
+        direction(problem, bounds, {.clamp_controls = true, .box_stage = true},
+                  {.horizon_sweeps = horizon_sweeps}),
+        search(problem, bounds, {}, true),
+        trajectory(from) {
+    for (int i = 0; i < problem.nx(); ++i) trajectory.x(0)[i] = problem.initial_state()[i];
+    acts.differentiate(trajectory, linearization);
+    gaps.set(linearization, true);
+    EXPECT_LT(direction.find(linearization, trajectory, gaps, adjoint, merit, {}), 0);
+    merit.cost = linearization.total_cost();
+    merit.gap_norm = gaps.norm();
+    merit.slope = direction.step().slope();
+    merit.slope_within_bounds = direction.within_bounds();
+    merit.penalty = search.weigh(merit, direction.curvature(linearization));
+  }
+  LineSearchResult run() {
+    return search.run(acts, merit, linearization, direction, nullptr, trajectory);
+  }
+  /// Of the trajectory, by an evaluation that the search has no part in.
+  double merit_value() {
+    Evaluation evaluation(problem());
+    acts.evaluate(trajectory, evaluation);
+    return evaluation.cost.sum() + merit.penalty * evaluation.gap.lpNorm<1>();
+  }
+  const ShootingProblem& problem() const { return acts.problem(); }
+
+  ControlBounds bounds;
+  Acts acts;
+  Linearization linearization;
+  Gaps gaps;
+  Adjoint adjoint;
+  MeritModel merit;
+  Direction direction;
+  OpenGapSearch search;
+  Trajectory trajectory;
+};
+
+TEST(OpenGapSearch, TheWeightPaysForTheStepAndHalvesWhereLessWould) {
+  const ShootingProblem problem = testing::pendulum_swing_up();
+  const ControlBounds bounds(problem);
+  OpenGapSearch search(problem, bounds, {}, false);
+  const MeritModel costly{.gap_norm = 2, .slope = 3}, cheap{.gap_norm = 2, .slope = -9};
+  // 3 + ½·7 = 6.5 is 0.65 · 5 · 2.
+  EXPECT_DOUBLE_EQ(search.weigh(costly, 7), 5);
+  EXPECT_DOUBLE_EQ(search.weigh(cheap, 7), 2.5);
+  EXPECT_DOUBLE_EQ(search.weigh(cheap, -7), 1.25);
+  // Negative curvature is no income.
+  EXPECT_DOUBLE_EQ(search.weigh(costly, -7), 3 / 1.3);
+  search.reset();
+  EXPECT_DOUBLE_EQ(search.weigh(cheap, 7), 0);
+}
+
+TEST(OpenGapSearch, TheDecreaseIsThatOfTheMerit) {
+  for (const unsigned seed : {1u, 2u, 3u, 4u, 5u, 6u})
+    for (const double limit : {testing::kFree, 3.0}) {
+      const ShootingProblem problem = testing::cartpole_swing_up(limit);
+      Step step(problem, testing::random_guess(problem, seed, 0.5));
+      ASSERT_GT(step.merit.gap_norm, 1);
+      const LineSearchResult found = step.run();
+      ASSERT_TRUE(found.accepted) << seed;
+      EXPECT_GE(found.actual_decrease, 1e-4 * found.expected_decrease) << seed;
+      EXPECT_NEAR(step.merit_value(), step.merit.value() - found.actual_decrease,
+                  1e-9 * step.merit.value())
+          << seed << ' ' << limit;
+    }
+}
+
+// Linear dynamics: the rollout is the step of the linear model, and needs no rival.
+TEST(OpenGapSearch, TheStepToTheMinimumOfAQuadraticProblemIsOneTrial) {
+  Eigen::MatrixXd A(2, 2), B(2, 1);
+  A << 1, 0.1, 0, 1;
+  B << 0, 0.1;
+  const ShootingProblem problem =
+      testing::tracking_problem(linear_system(A, B, Eigen::VectorXd::Zero(2)), Integrator::discrete,
+                                8, 1, {1, -1}, {{0, 0}, {1, 1}, {0.5}, {3, 3}, false});
+  Step step(problem, testing::random_guess(problem, 3));
+  ASSERT_GT(step.merit.gap_norm, 1);
+  const Trajectory from = step.trajectory;
+  const LineSearchResult found = step.run();
+  ASSERT_TRUE(found.accepted);
+  EXPECT_EQ(found.step, 1);
+  EXPECT_EQ(found.trials, 1);
+  for (int k = 1; k <= problem.knots(); ++k)
+    EXPECT_LT(
+        (step.trajectory.x(k) - from.x(k) - step.direction.step().dx(k)).lpNorm<Eigen::Infinity>(),
+        1e-12)
+        << k;
+}
+
+// Rollouts would clamp what the direction did not know to stand at a bound: of each step length
+// the step of all knots at once is the only trial.
+TEST(OpenGapSearch, NothingIsRolledOutWithoutAnActiveSet) {
+  int searches = 0;
+  for (const unsigned seed : {1u, 2u, 3u, 4u, 5u, 6u, 7u, 8u}) {
+    const ShootingProblem problem = testing::cartpole_swing_up(0.5);
+    Step step(problem, testing::random_guess(problem, seed, 0.5), 1);
+    if (!step.direction.set_unknown()) continue;
+    const LineSearchResult found = step.run();
+    if (!found.accepted) continue;
+    ++searches;
+    EXPECT_EQ(found.trials, 1 + std::lround(-std::log2(found.step))) << seed;
+    EXPECT_NEAR(step.merit_value(), step.merit.value() - found.actual_decrease,
+                1e-9 * step.merit.value());
+    for (int k = 0; k < problem.knots(); ++k) EXPECT_LE(std::abs(step.trajectory.u(k)[0]), 0.5);
+  }
+  EXPECT_GE(searches, 3);
+}
+
+TEST(OpenGapSearch, TheIterateStaysWhereNoStepIsLowEnough) {
+  const ShootingProblem problem = testing::pendulum_swing_up();
+  Step step(problem, testing::random_guess(problem, 1));
+  const Trajectory from = step.trajectory;
+  step.merit.slope = -1e9;  // no step keeps such a promise
+  const LineSearchResult found = step.run();
+  EXPECT_FALSE(found.accepted);
+  for (int k = 0; k <= problem.knots(); ++k) EXPECT_EQ(step.trajectory.x(k), from.x(k)) << k;
+}
+
+}  // namespace
+}  // namespace conddp
