@@ -87,10 +87,7 @@ bool AugmentedLagrangian::fit_soft(const Eigen::VectorXd& values) {
 
 void AugmentedLagrangian::adopt(const Eigen::VectorXd& multipliers) {
   multipliers_ = next_ = multipliers;
-  for (Group& group : groups_) {
-    group.penalty = group.first_penalty;
-    write(group);
-  }
+  for (const Group& group : groups_) write(group);
 }
 
 void AugmentedLagrangian::write(const Group& group) {

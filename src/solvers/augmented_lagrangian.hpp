@@ -67,7 +67,7 @@ class AugmentedLagrangian {
   void relax();
   /// Whether there is one that is not its first penalty.
   bool may_relax() const;
-  /// Takes multipliers that were found otherwise, with the first penalties.
+  /// Takes multipliers that were found otherwise; penalties stay.
   void adopt(const Eigen::VectorXd& multipliers);
   /// The constraint for which penalties no longer help: its penalty is at the limit and its
   /// violation, above tolerance, does not fall. Empty if there is none.

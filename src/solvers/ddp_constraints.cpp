@@ -208,7 +208,9 @@ bool DdpSolver::newton_converges() {
   const auto& tolerance = options_.tolerances;
   int damped = 0;
   for (int i = 0; i < kNewtonSteps && row_.iteration < options_.max_iterations; ++i) {
-    if (newton_->norms().largest() <= kNewtonGoal || !newton_->step()) break;
+    // What is left of a violation may be little, and its product with a multiplier too much.
+    const bool complementary = i > 0 || row.complementarity <= tolerance.complementarity;
+    if ((complementary && newton_->norms().largest() <= kNewtonGoal) || !newton_->step()) break;
     ++row_.iteration;
     ++row_.newton;
     newton_->describe(row_);
@@ -220,7 +222,11 @@ bool DdpSolver::newton_converges() {
     if (damped > kDampedNewtonSteps) break;
   }
   newton_threshold_ = kNextNewtonThreshold * std::max({row.stationarity, row.gap, row.constraint});
-  if (newton_->norms().stationarity.value > tolerance.stationarity ||
+  // Multipliers of an iterate from which no step was found are no better than those that are there,
+  // and begin again with the first penalties.
+  const bool stands = row_.iteration == row.iteration &&
+                      newton_->norms().complementarity > tolerance.complementarity;
+  if (stands || newton_->norms().stationarity.value > tolerance.stationarity ||
       newton_->norms().gap.value > tolerance.gap ||
       newton_->norms().violation.value > tolerance.constraint) {
     const int iteration = row_.iteration;

@@ -49,6 +49,34 @@ TEST_P(ConstrainedSolver, MultipliersMakeTheLagrangianStationary) {
                   1e-8);
 }
 
+// Bryson and Denham (1963): a mass is thrown at a wall at a distance ℓ and comes back, with the
+// least ∫ u²/2. For ℓ ≤ 1/6 that is 4/(9 ℓ), and multipliers of the wall are as large as it is
+// near.
+TEST_P(ConstrainedSolver, ComesBackFromWallsHoweverNear) {
+  for (const int knots : {25, 50, 100, 200}) {
+    for (const double wall : {1.0 / 6, 1.0 / 9, 1.0 / 16, 1.0 / 32, 1.0 / 64}) {
+      const ShootingProblem free =
+          testing::tracking_problem(double_integrator(1), Integrator::rk4, knots, 1.0 / knots,
+                                    {0, 1}, {{0, 0}, {0, 0}, {1}, {0, 0}, true});
+      const ShootingProblem problem = with_constraints(
+          free, {testing::goal_constraint(free, {0, -1}), Added{"wall",
+                                                                state_residual(free.manifold()),
+                                                                ConstraintKind::bounds,
+                                                                {0, 0},
+                                                                {-testing::kFree, -testing::kFree},
+                                                                {wall, testing::kFree},
+                                                                0,
+                                                                knots}});
+      const SolveResult result = solve(problem, GetParam(), {}, problem.create_trajectory());
+      EXPECT_EQ(result.status, SolveStatus::converged)
+          << knots << " knots, 1/" << 1 / wall << ": " << result.message;
+      EXPECT_LE(result.iterations, 80) << knots << " knots, 1/" << 1 / wall;
+      // Controls are held over knots, and the wall holds at knots.
+      if (knots * wall > 6) EXPECT_NEAR(result.cost, 4 / (9 * wall), 0.05 * result.cost);
+    }
+  }
+}
+
 // Rounding leaves a residual above a tolerance of nothing, where the others are under theirs.
 TEST_P(ConstrainedSolver, ConvergedMeansAllResidualsAreUnderTolerance) {
   for (const auto& [name, problem, control, cost] : testing::published_cases())
