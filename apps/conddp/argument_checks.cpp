@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/random_instance.hpp"
 #include "problem_file/strict_number.hpp"
 #include "robot/near_names.hpp"
 #include "solvers/registry.hpp"
@@ -50,6 +51,12 @@ CLI::Validator named_number(const std::vector<std::string>& names, double lower,
           },
           words, "named number"};
 }
+
+CLI::Validator perturbation() {
+  return named_number({"initial_state", "guess"}, 0, kLargestSpread, "a number, 0 to 1e6");
+}
+
+CLI::Validator perturbation_seed() { return CLI::Range(0LL, kLargestSeed); }
 
 std::map<std::string, double> named_numbers(const std::vector<std::string>& arguments) {
   std::map<std::string, double> values;

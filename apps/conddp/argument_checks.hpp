@@ -21,6 +21,10 @@ CLI::Validator number_between(double lower, double upper, const std::string& wor
 CLI::Validator named_number(const std::vector<std::string>& names, double lower, double upper,
                             const std::string& words);
 
+/// How far an instance is from its problem, and which one it is.
+CLI::Validator perturbation();
+CLI::Validator perturbation_seed();
+
 /// The values of arguments that named_number let through, the last one of each name.
 std::map<std::string, double> named_numbers(const std::vector<std::string>& arguments);
 

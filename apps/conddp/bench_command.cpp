@@ -17,7 +17,6 @@
 #include "output/gnuplot.hpp"
 #include "output/json_text.hpp"
 #include "robot/near_names.hpp"
-#include "solvers/guess.hpp"
 #include "solvers/option_table.hpp"
 #include "status_line.hpp"
 #include "streams.hpp"
@@ -48,7 +47,7 @@ constexpr double kLongSolve = 1;
 /// Time limit of each solve where the example problems are taken, s.
 constexpr double kExampleTimeLimit = 10;
 
-constexpr const char *kInitialState = "initial_state", *kGuess = "guess";
+constexpr const char* kGuess = "guess";
 
 std::vector<const SolverInfo*> choose_solvers(const std::string& list, Diagnostics& out) {
   std::vector<const SolverInfo*> chosen;
@@ -177,10 +176,8 @@ class Bench {
         const BenchmarkRequest& asked = report_.request;
         const ShootingProblem instance =
             perturb_initial_state(*built.problem, asked.initial_state_size.value_or(0), *seed);
-        Trajectory guess =
-            perturb_guess(instance, built.guess, asked.guess_spread.value_or(0), *seed);
-        guess.x(0) =
-            Eigen::Map<const Eigen::VectorXd>(instance.initial_state().data(), instance.nx());
+        const Trajectory guess = guess_of_instance(
+            instance, built.guess, {.guess = asked.guess_spread.value_or(0), .seed = *seed});
         add(problem, built, instance, guess, *solver, seed);
       }
       if (InterruptGuard::signal() != 0) return false;
@@ -334,7 +331,7 @@ void add_bench_command(CLI::App& app, Command& chosen) {
                        "standard deviation S to the guess; repeatable")
           ->type_name("NAME=NUMBER")
           ->allow_extra_args(false)
-          ->check(named_number({kInitialState, kGuess}, 0, 1e6, "a number, at least 0"));
+          ->check(perturbation());
   command->add_option("--instances", a->instances, "Random instances of each problem")
       ->type_name("N")
       ->check(kInstances)
@@ -344,7 +341,7 @@ void add_bench_command(CLI::App& app, Command& chosen) {
       ->add_option("--seed", a->seed,
                    "Seed of the first instance; each further one has the next number")
       ->type_name("N")
-      ->check(CLI::Range(0, 1000000000))
+      ->check(perturbation_seed())
       ->capture_default_str()
       ->needs(perturb);
   command

@@ -50,7 +50,7 @@ std::optional<ProblemSpec> read_spec(const SolveArguments& arguments, Diagnostic
 
 /// What was changed on the command line, as settings.
 std::vector<std::string> overrides(const SolveArguments& arguments) {
-  std::vector<std::string> list = arguments.settings;
+  std::vector<std::string> list = settings_of(arguments);
   if (!arguments.solver.empty()) list.push_back("solver.name=" + arguments.solver);
   if (!arguments.warm_start.empty())
     list.push_back("initial_guess={file: " + arguments.warm_start + "}");

@@ -78,17 +78,14 @@ def load(path=RESULTS):
 def bench_words(instance, where, extra=()):
     """The arguments of bench_solve_times."""
     return [instance.file, "--solver", "box_fddp", "--repeat", "1", "--warm-up", "0",
-            "--initial-state", f"{instance.state:g}", "--guess", f"{instance.guess:g}",
-            "--seed", str(instance.seed),
-            *conddp_tool.settings((*where, *instance.overrides, SOLVER, *extra))]
+            *conddp_tool.settings((*where, *instance.overrides, instance.perturbation, SOLVER,
+                                   *extra))]
 
 
 def tool_words(instance, where):
     """The arguments of conddp for the same solve."""
-    return ["bench", instance.file, "--solvers", "box_fddp", "--repeat", "0",
-            "--perturb", f"initial_state={instance.state:g}",
-            "--perturb", f"guess={instance.guess:g}",
-            "--seed", str(instance.seed), "--instances", "1",
+    return ["solve", instance.file, "--perturb", f"initial_state={instance.state:g}",
+            "--perturb", f"guess={instance.guess:g}", "--seed", str(instance.seed),
             *conddp_tool.settings((*where, *instance.overrides, SOLVER))]
 
 

@@ -50,6 +50,11 @@ class Instance:
         return (*self.settings, f"initial_guess.controls={self.controls}")
 
     @property
+    def perturbation(self):
+        return (f"perturbation={{initial_state: {self.state:g}, guess: {self.guess:g}, "
+                f"seed: {self.seed}}}")
+
+    @property
     def name(self):
         return (f"{self.row}: {self.controls}, x0 ±{self.state:g}, guess {self.guess:g}, "
                 f"seed {self.seed}")

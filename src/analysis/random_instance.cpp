@@ -2,6 +2,8 @@
 
 #include <random>
 
+#include "solvers/guess.hpp"
+
 namespace conddp {
 
 ShootingProblem perturb_initial_state(const ShootingProblem& problem, double size,
@@ -17,6 +19,13 @@ ShootingProblem perturb_initial_state(const ShootingProblem& problem, double siz
   std::vector<double> x0 = problem.initial_state();
   problem.manifold().integrate(x0.data(), dx.data(), x0.data());
   return {std::move(x0), problem.phases(), problem.terminal()};
+}
+
+Trajectory guess_of_instance(const ShootingProblem& instance, const Trajectory& guess,
+                             const Perturbation& perturbation) {
+  Trajectory start = perturb_guess(instance, guess, perturbation.guess, perturbation.seed);
+  start.x(0) = Eigen::Map<const Eigen::VectorXd>(instance.initial_state().data(), instance.nx());
+  return start;
 }
 
 }  // namespace conddp

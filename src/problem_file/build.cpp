@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/random_instance.hpp"
 #include "ocp/acts.hpp"
 #include "ocp/by_name.hpp"
 #include "ocp/contradiction.hpp"
@@ -296,6 +297,11 @@ std::optional<BuiltProblem> build_problem(const ProblemSpec& spec, const BuildOp
   auto guess = build_guess({spec, built.plant, states, *built.problem}, built.guess_used, out);
   if (!guess || out.has_errors()) return std::nullopt;
   built.guess = std::move(*guess);
+  if (spec.perturbation.any()) {
+    built.problem = std::make_shared<ShootingProblem>(perturb_initial_state(
+        *built.problem, spec.perturbation.initial_state, spec.perturbation.seed));
+    built.guess = guess_of_instance(*built.problem, built.guess, spec.perturbation);
+  }
   if (spec.guess.multipliers_file) {
     const DataFileSpec& file = *spec.guess.multipliers_file;
     const auto duals = read_dual_guess(file.path, file.file.place, *built.problem, out);

@@ -138,6 +138,9 @@ OrderedJson expand_problem(const ProblemSpec& spec, const BuiltProblem& built) {
   json["constraints"] = expand_constraints(spec, built.plant);
   json["terminal"] = expand_terminal(spec, built.plant);
   json["initial_guess"] = expand_guess(spec.guess);
+  json["perturbation"] = {{"initial_state", spec.perturbation.initial_state},
+                          {"guess", spec.perturbation.guess},
+                          {"seed", spec.perturbation.seed}};
   json["solver"] = expand_solver(spec.solver);
   return json;
 }

@@ -14,6 +14,7 @@ namespace conddp {
 namespace {
 
 constexpr std::size_t kLongestName = 200;
+constexpr NumberRange kSpread{0, kLargestSpread, false, false, "a number from 0 to 1e6"};
 
 void read_plant(YamlMap& map, const std::filesystem::path& folder, ProblemSpec& spec) {
   const auto robot = map.find("robot");
@@ -47,6 +48,18 @@ void read_format(YamlMap& map) {
   if (version && *version != kProblemFormat)
     format->error(fmt::format("the file has format {}, and this version reads format {}", *version,
                               kProblemFormat));
+}
+
+Perturbation read_perturbation(const YamlReader& reader) {
+  Perturbation perturbation;
+  YamlMap map(reader);
+  if (!map.valid()) return perturbation;
+  if (const auto r = map.find("initial_state"))
+    perturbation.initial_state = r->number(kSpread).value_or(0);
+  if (const auto r = map.find("guess")) perturbation.guess = r->number(kSpread).value_or(0);
+  if (const auto r = map.find("seed"))
+    perturbation.seed = static_cast<std::uint64_t>(r->integer(0, kLargestSeed).value_or(1));
+  return perturbation;
 }
 
 ProblemSpec read_document(const YamlReader& reader, const std::filesystem::path& file) {
@@ -114,6 +127,7 @@ ProblemSpec read_document(const YamlReader& reader, const std::filesystem::path&
       read_constraints(*constraints, folder, true, spec);
   }
   if (const auto r = map.find("initial_guess")) spec.guess = read_guess(*r, folder);
+  if (const auto r = map.find("perturbation")) spec.perturbation = read_perturbation(*r);
   if (const auto r = map.find("solver")) spec.solver = read_solver(*r);
   if (gait && !reader.diagnostics().has_errors()) add_gait(*gait, spec, reader.diagnostics());
   return spec;

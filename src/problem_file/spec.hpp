@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "analysis/random_instance.hpp"
 #include "ocp/knot_model.hpp"
 #include "problem_file/spec_collision.hpp"
 #include "problem_file/spec_contact.hpp"
@@ -117,6 +118,7 @@ struct ProblemSpec {
   std::vector<CostSpec> terminal_costs;
   std::vector<ConstraintSpec> terminal_constraints;
   GuessSpec guess;
+  Perturbation perturbation;
   SolverSpec solver;
 
   const ContactNames& last_contacts() const {

@@ -1,5 +1,4 @@
 // bench_solve_times FILE [--solver NAME] [--drop NAME]... [--set KEY=VALUE]... [--repeat N]
-//                   [--initial-state S] [--guess S] [--seed N]
 //
 // Solves a problem again and again in one process, after a warm-up, and prints as JSON what each
 // run took, by act and by iteration, with the guess and the answer: what scripts/peers/compare sets
@@ -14,11 +13,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "analysis/random_instance.hpp"
 #include "problem_file/build.hpp"
 #include "problem_file/read_problem.hpp"
 #include "solvers/backward_sweep.hpp"
-#include "solvers/guess.hpp"
 #include "solvers/registry.hpp"
 
 namespace conddp {
@@ -33,8 +30,6 @@ struct Arguments {
   std::string file, solver;
   std::vector<std::string> drop, settings;
   int repeat = 25, warm_up = 5;
-  double initial_state = 0, guess = 0;  ///< as `conddp bench --perturb`
-  std::uint64_t seed = 0;
 };
 
 Json json_of(const Trajectory& trajectory) {
@@ -115,10 +110,8 @@ int run(const Arguments& arguments) {
     std::cerr << format_diagnostics(diagnostics, false);
     return 2;
   }
-  const ShootingProblem problem =
-      perturb_initial_state(*built->problem, arguments.initial_state, arguments.seed);
-  Trajectory guess = perturb_guess(problem, built->guess, arguments.guess, arguments.seed);
-  guess.x(0) = Eigen::Map<const Eigen::VectorXd>(problem.initial_state().data(), problem.nx());
+  const ShootingProblem& problem = *built->problem;
+  const Trajectory& guess = built->guess;
   Json runs = Json::array();
   for (int i = 0; i < arguments.warm_up; ++i) solve(problem, *solver, spec->solver.options, guess);
   SolveResult last(problem);
@@ -154,9 +147,6 @@ int main(int argc, char** argv) {
   app.add_option("--set", arguments.settings, "KEY=VALUE of the file")->allow_extra_args(false);
   app.add_option("--repeat", arguments.repeat, "Timed runs")->check(CLI::Range(1, 1000000));
   app.add_option("--warm-up", arguments.warm_up, "Runs before them")->check(CLI::Range(0, 1000000));
-  app.add_option("--initial-state", arguments.initial_state, "Spread of the initial state");
-  app.add_option("--guess", arguments.guess, "Spread of the guess");
-  app.add_option("--seed", arguments.seed, "Seed of both");
   CLI11_PARSE(app, argc, argv);
   return conddp::run(arguments);
 }

@@ -154,6 +154,31 @@ TEST(Bench, GuessesFollowFromTheirSeedsToo) {
   EXPECT_NE(answers(bench(both))[0][4], runs[0][4]);
 }
 
+// One instance of a benchmark, alone: the same cost to the last bit, and an answer that is
+// verified.
+TEST(Bench, AnInstanceIsSolvedAloneByItsSeed) {
+  const Json report = bench({"--solvers", "box_ddp", "--perturb", "initial_state=0.1", "--perturb",
+                             "guess=0.2", "--seed", "5"});
+  const TemporaryFolder folder;
+  const ProcessResult r =
+      run_conddp({"solve", kPendulum, "--solver", "box_ddp", "--perturb", "initial_state=0.1",
+                  "--perturb", "guess=0.2", "--seed", "5", "-o", folder.path()});
+  EXPECT_EQ(r.exit_code, 0) << r.err;
+  const Json solution = Json::parse(read_file(folder.path() / "solution.json"));
+  EXPECT_EQ(solution["cost"], report["runs"][0]["cost"]);
+  EXPECT_EQ(solution["iterations"], report["runs"][0]["iterations"]);
+  EXPECT_NE(solution["trajectory"]["x"][0][0], 0);
+  const ProcessResult verified = run_conddp({"verify", folder.path() / "solution.json"});
+  EXPECT_EQ(verified.exit_code, 0) << verified.out;
+  // The same as settings of the file.
+  const ProcessResult set = run_conddp({"solve", kPendulum, "--solver", "box_ddp", "--set",
+                                        "perturbation={initial_state: 0.1, guess: 0.2, seed: 5}",
+                                        "-o", folder.path() / "set"});
+  EXPECT_EQ(set.exit_code, 0) << set.err;
+  EXPECT_EQ(Json::parse(read_file(folder.path() / "set/solution.json"))["cost"], solution["cost"]);
+  EXPECT_EQ(run_conddp({"solve", kPendulum, "--seed", "5"}).exit_code, 2) << "of what?";
+}
+
 TEST(Bench, AFolderIsItsProblemsAndHasASummary) {
   const TemporaryFolder folder;
   std::string text = read_file(kPendulum);

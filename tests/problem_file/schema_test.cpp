@@ -155,6 +155,8 @@ TEST(Schema, HasTheReadersKeys) {
   EXPECT_EQ(accepted_keys(candidate("against: {zzzzzzzz: 1}")),
             schema_keys(d["touched"]["anyOf"][1]));
   EXPECT_EQ(accepted_keys(candidate("against: {box: {zzzzzzzz: 1}}")), schema_keys(d["box"]));
+  EXPECT_EQ(accepted_keys(std::string(kPendulum) + "perturbation: {zzzzzzzz: 1}\n"),
+            schema_keys(d["perturbation"]));
   EXPECT_EQ(accepted_keys(std::string(kPendulum) + "stepping: {zzzzzzzz: 1}\n"),
             schema_keys(d["stepping"]));
   const auto gait = [&](const char* keys) {
