@@ -19,7 +19,7 @@ CLI::Validator not_empty() {
 }
 
 CLI::Validator solver_name() {
-  std::vector<std::string> names;
+  std::vector<std::string> names{std::string(kAutoSolver)};
   for (const SolverInfo& info : solvers()) names.emplace_back(info.name);
   return CLI::IsMember(std::move(names));
 }

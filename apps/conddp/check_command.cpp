@@ -26,15 +26,16 @@ int check_file(const CheckArguments& arguments) {
   if (spec && !arguments.solver.empty()) spec->solver.name = {arguments.solver, {}};
   const auto built = spec ? build_problem(*spec, {.drop = arguments.drop}, diagnostics)
                           : std::optional<BuiltProblem>();
-  const SolverInfo* solver = built ? usable_solver(*spec, *built->problem, diagnostics) : nullptr;
+  const auto candidates = built ? usable_solvers(*spec, *built->problem, diagnostics)
+                                : std::vector<const SolverInfo*>();
   print_messages(diagnostics, verbosity);
-  if (solver == nullptr) return kExitBadInput;
+  if (candidates.empty()) return kExitBadInput;
   if (arguments.expand) {
     print_result(arguments.json ? json_text(expand_problem(*spec, *built))
                                 : expanded_text(*spec, *built));
     return kExitConverged;
   }
-  OrderedJson summary = check_summary(*spec, *built, *solver);
+  OrderedJson summary = check_summary(*spec, *built, candidates);
   bool holds = true;
   if (arguments.derivatives) {
     summary["derivatives"] =

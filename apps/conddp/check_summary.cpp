@@ -275,8 +275,11 @@ std::string column_text(const OrderedJson& columns) {
 }  // namespace
 
 OrderedJson check_summary(const ProblemSpec& spec, const BuiltProblem& built,
-                          const SolverInfo& solver) {
+                          const std::vector<const SolverInfo*>& candidates) {
   const ShootingProblem& problem = *built.problem;
+  const SolverInfo& solver = *candidates.front();
+  OrderedJson then = OrderedJson::array();
+  for (std::size_t i = 1; i < candidates.size(); ++i) then.push_back(candidates[i]->name);
   // A knot that chooses the first state says nothing of the others.
   const KnotModel& model = *problem.knot(problem.phases().front().instant ? 1 : 0).model;
   OrderedJson guess = {{"states", built.guess_used.states},
@@ -305,7 +308,8 @@ OrderedJson check_summary(const ProblemSpec& spec, const BuiltProblem& built,
           {"solver",
            {{"name", solver.name},
             {"description", solver.description},
-            {"control_bounds", bounds_word(solver, problem)}}},
+            {"control_bounds", bounds_word(solver, problem)},
+            {"then", std::move(then)}}},
           {"initial_guess", std::move(guess)}};
 }
 
@@ -337,6 +341,9 @@ std::string check_text(const OrderedJson& s) {
             (constraint["dropped"].get<bool>() ? "; dropped" : ""));
   text += fmt::format("  {:<16}{} ({}): {}\n", "solver", text_of(s["solver"]["name"]),
                       text_of(s["solver"]["description"]), kept_text(s));
+  if (!s["solver"]["then"].empty())
+    text += fmt::format("  {:<16}where that does not converge: {}\n", "",
+                        comma_list(s["solver"]["then"]));
   text +=
       fmt::format("  {:<16}states: {}; controls: {}\n", "first guess",
                   text_of(s["initial_guess"]["states"]), text_of(s["initial_guess"]["controls"]));

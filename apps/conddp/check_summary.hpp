@@ -1,15 +1,17 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "problem_file/build.hpp"
 #include "problem_file/ordered_json.hpp"
 
 namespace conddp {
 
-/// What conddp understood of a problem (schemas/check.schema.json, without the derivatives).
+/// What conddp understood of a problem (schemas/check.schema.json, without the derivatives), and
+/// the solvers that would be tried, one at least.
 OrderedJson check_summary(const ProblemSpec& spec, const BuiltProblem& built,
-                          const SolverInfo& solver);
+                          const std::vector<const SolverInfo*>& candidates);
 
 /// The same for people.
 std::string check_text(const OrderedJson& summary);

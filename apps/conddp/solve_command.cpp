@@ -100,8 +100,10 @@ bool leaves_time(const ProblemSpec& spec, double finishing, Diagnostics& out) {
 
 /// Progress is a line of a terminal that is redrawn, or a table where notes are wanted as well;
 /// there is none among messages for machines.
-SolveResult solve_showing_progress(const BuiltProblem& built, const SolverInfo& solver,
-                                   SolverOptions options, Verbosity verbosity) {
+SolveResult solve_showing_progress(const BuiltProblem& built,
+                                   const std::vector<const SolverInfo*>& candidates,
+                                   SolverOptions options, Verbosity verbosity,
+                                   const SolverInfo*& solver) {
   // Before the first iterate there is nothing that a signal should save, and after the last one the
   // answer is whole or not written: then signals have their usual effect.
   std::optional<InterruptGuard> guard;
@@ -117,8 +119,8 @@ SolveResult solve_showing_progress(const BuiltProblem& built, const SolverInfo& 
     status.show(row);
     if (text && verbosity == Verbosity::kVerbose) table.print(row);
   };
-  if (solver.constraints == ConstraintSupport::all) options.multipliers = built.multipliers;
-  return solve(*built.problem, solver, options, built.guess);
+  options.multipliers = built.multipliers;
+  return solve(*built.problem, candidates, options, built.guess, solver);
 }
 
 int solve_file(const SolveArguments& arguments) {
@@ -135,8 +137,8 @@ int solve_file(const SolveArguments& arguments) {
   if (!spec) return give_up();
   const auto built = build_problem(*spec, {.drop = arguments.drop}, diagnostics);
   if (!built) return give_up();
-  const SolverInfo* solver = usable_solver(*spec, *built->problem, diagnostics);
-  if (solver == nullptr) return give_up();
+  const auto candidates = usable_solvers(*spec, *built->problem, diagnostics);
+  if (candidates.empty()) return give_up();
   const double finishing = finishing_time(*built->problem, !arguments.no_verify);
   if (!leaves_time(*spec, finishing, diagnostics)) return give_up();
   print_messages(diagnostics, verbosity);
@@ -156,7 +158,8 @@ int solve_file(const SolveArguments& arguments) {
   SolverOptions options = spec->solver.options;
   const std::chrono::duration<double> gone = std::chrono::steady_clock::now() - began;
   options.max_time_s = std::max(1e-3, options.max_time_s - gone.count() - finishing);
-  const SolveResult result = solve_showing_progress(*built, *solver, options, verbosity);
+  const SolverInfo* solver = nullptr;
+  const SolveResult result = solve_showing_progress(*built, candidates, options, verbosity, solver);
   const Solution solution{*spec, *built, *solver, result, overrides(arguments)};
   OrderedJson document = solution_json(solution);
   std::optional<SolutionCertificate> certificate;

@@ -99,9 +99,11 @@ std::optional<GoldenOutcome> solve_golden(const GoldenCase& golden, const Golden
   spec->solver.options.interrupted = options.interrupted;
   const auto built = build_problem(*spec, {}, out);
   if (!built) return std::nullopt;
-  const SolverInfo* solver = usable_solver(*spec, *built->problem, out);
-  if (solver == nullptr) return std::nullopt;
-  const SolveResult result = solve(*built->problem, *solver, spec->solver.options, built->guess);
+  const auto candidates = usable_solvers(*spec, *built->problem, out);
+  if (candidates.empty()) return std::nullopt;
+  const SolverInfo* solver = nullptr;
+  const SolveResult result =
+      solve(*built->problem, candidates, spec->solver.options, built->guess, solver);
   // Through text: comparison and golden files know no order of keys.
   const OrderedJson document = solution_json({*spec, *built, *solver, result, settings});
   return GoldenOutcome{Json::parse(document.dump()), result.times.total};

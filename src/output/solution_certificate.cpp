@@ -64,10 +64,17 @@ class Reader {
   }
 
  private:
+  /// That of the file; where that leaves the choice to conddp the claimed one, if it may be.
+  std::string solver_name() const {
+    if (spec_.solver.name.value == kAutoSolver)
+      for (const SolverInfo* info : auto_solvers(problem_, spec_.solver.options))
+        if (at(document_, {"solver"}) == info->name) return std::string(info->name);
+    return spec_.solver.name.value;
+  }
   void compare() {
     configuration();
     statement("name", at(document_, {"problem", "name"}), spec_.name.value);
-    statement("solver", at(document_, {"solver"}), spec_.solver.name.value);
+    statement("solver", at(document_, {"solver"}), solver_name());
     statement("options", at(document_, {"problem", "options"}),
               expand_options(spec_.solver.options));
     statement("knots", at(document_, {"problem", "knots"}), problem_.knots());

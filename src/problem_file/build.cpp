@@ -70,9 +70,10 @@ std::vector<double> node_times(const ProblemSpec& spec, Diagnostics& out) {
 
 void check_solver(const ProblemSpec& spec, Diagnostics& out) {
   const SolverSpec& solver = spec.solver;
+  if (solver.name.value == kAutoSolver) return;
   const SolverInfo* info = find_solver(solver.name.value);
   if (info == nullptr) {
-    std::vector<std::string> names;
+    std::vector<std::string> names{std::string(kAutoSolver)};
     for (const SolverInfo& known : solvers()) names.emplace_back(known.name);
     return out.error(solver.name.place, fmt::format("there is no solver '{}'", solver.name.value),
                      name_hint(solver.name.value, names, "solvers"), names);
@@ -330,21 +331,26 @@ Place refused_place(const ProblemSpec& spec, bool of_control) {
 
 }  // namespace
 
-const SolverInfo* usable_solver(const ProblemSpec& spec, const ShootingProblem& problem,
-                                Diagnostics& out) {
+std::vector<const SolverInfo*> usable_solvers(const ProblemSpec& spec,
+                                              const ShootingProblem& problem, Diagnostics& out) {
   const SolverInfo* solver = find_solver(spec.solver.name.value);
+  if (solver == nullptr) {
+    std::vector<const SolverInfo*> list = auto_solvers(problem, spec.solver.options);
+    if (!list.empty()) return list;
+    solver = find_solver(problem.constraints().empty() ? "box_fddp" : "altro");
+  }
   const auto reason = refuse(*solver, problem);
   if (!reason) {
     const auto legs = refuse_legs(*solver, problem, spec.solver.options.legs);
-    if (!legs) return solver;
+    if (!legs) return {solver};
     out.error(spec.solver.name.place, *legs, "leave 'legs' out, or write a smaller number");
-    return nullptr;
+    return {};
   }
   const bool of_control = keeps_constraints(*solver, problem);
   const Place place = refused_place(spec, of_control);
   if (spec.stepping) {
     out.error(place, *reason, "write 'solver: {name: ipopt}'");
-    return nullptr;
+    return {};
   }
   std::string names;
   for (const ControlBoundsSpec& bounds : spec.control_bounds)
@@ -357,7 +363,7 @@ const SolverInfo* usable_solver(const ProblemSpec& spec, const ShootingProblem& 
                 ? "choose one of them with --solver"
                 : fmt::format("choose one of them with --solver, or leave the {} out with{}",
                               of_control ? "bounds" : "constraints", names));
-  return nullptr;
+  return {};
 }
 
 std::vector<std::string> tangent_columns(const BuiltProblem& built) {

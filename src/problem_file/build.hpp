@@ -40,9 +40,10 @@ struct BuiltProblem {
 std::optional<BuiltProblem> build_problem(const ProblemSpec& spec, const BuildOptions& options,
                                           Diagnostics& out);
 
-/// The solver that the spec names, unless it cannot take the problem: then the reason is reported.
-const SolverInfo* usable_solver(const ProblemSpec& spec, const ShootingProblem& problem,
-                                Diagnostics& out);
+/// The solver that the spec names, or those that `auto` tries, the first one first. None where it
+/// cannot take the problem: then the reason is reported.
+std::vector<const SolverInfo*> usable_solvers(const ProblemSpec& spec,
+                                              const ShootingProblem& problem, Diagnostics& out);
 
 /// The names of all constraints, which can be dropped.
 std::vector<std::string> constraint_names(const ProblemSpec& spec);

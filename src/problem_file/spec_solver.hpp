@@ -7,7 +7,7 @@ namespace conddp {
 
 /// The solver and its options.
 struct SolverSpec {
-  Name name{"box_fddp", {}};
+  Name name{"auto", {}};
   SolverOptions options;
 };
 

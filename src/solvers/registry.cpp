@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <stdexcept>
 
@@ -163,8 +164,61 @@ SolveResult solve(const ShootingProblem& problem, const SolverInfo& solver,
   return solver.run(problem, options, guess);
 }
 
+std::vector<const SolverInfo*> auto_solvers(const ShootingProblem& problem,
+                                            const SolverOptions& options) {
+  std::vector<std::string_view> names = {"box_fddp", "ipopt"};
+  if (!problem.constraints().empty()) names = {"altro", "proxddp", "ipopt"};
+  std::vector<const SolverInfo*> list;
+  for (const std::string_view name : names) {
+    const SolverInfo* info = find_solver(name);
+    const bool takes_hessian =
+        options.hessian == HessianChoice::automatic ||
+        (options.hessian == HessianChoice::exact ? info->exact_hessian
+                                                 : info->gauss_newton_hessian);
+    if (takes_hessian && !refuse(*info, problem) && !refuse_legs(*info, problem, options.legs))
+      list.push_back(info);
+  }
+  return list;
+}
+
+SolveResult solve(const ShootingProblem& problem, std::span<const SolverInfo* const> candidates,
+                  const SolverOptions& options, const Trajectory& guess, const SolverInfo*& used) {
+  if (candidates.empty()) throw std::invalid_argument("there is no solver for this problem");
+  const auto began = std::chrono::steady_clock::now();
+  std::optional<SolveResult> first;
+  std::string before;
+  for (const SolverInfo* solver : candidates) {
+    SolverOptions own = options;
+    if (solver->constraints != ConstraintSupport::all) own.multipliers = nullptr;
+    const std::chrono::duration<double> gone = std::chrono::steady_clock::now() - began;
+    own.max_time_s = std::max(1e-3, options.max_time_s - gone.count());
+    SolveResult result = solve(problem, *solver, own, guess);
+    const bool ends =
+        result.status == SolveStatus::converged || result.status == SolveStatus::max_iterations ||
+        result.status == SolveStatus::time_limit || result.status == SolveStatus::interrupted;
+    if (result.status == SolveStatus::converged || !first) used = solver;
+    if (result.status == SolveStatus::converged) {
+      result.message = before + result.message;
+      return result;
+    }
+    before += fmt::format("{} ended as {} after {} iterations; ", solver->name,
+                          to_string(result.status), result.iterations);
+    if (!first)
+      first = std::move(result);
+    else
+      first->message += fmt::format("; {} ended as {} after {} iterations", solver->name,
+                                    to_string(result.status), result.iterations);
+    if (ends) break;
+  }
+  return std::move(*first);
+}
+
 SolveResult solve(const ShootingProblem& problem, std::string_view solver,
                   const SolverOptions& options, const Trajectory& guess) {
+  if (solver == kAutoSolver) {
+    const SolverInfo* used = nullptr;
+    return solve(problem, auto_solvers(problem, options), options, guess, used);
+  }
   const SolverInfo* info = find_solver(solver);
   if (info == nullptr) throw std::invalid_argument(fmt::format("there is no solver '{}'", solver));
   return solve(problem, *info, options, guess);

@@ -4,6 +4,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "solvers/options.hpp"
 #include "solvers/solve_result.hpp"
@@ -49,12 +50,25 @@ std::optional<std::string> refuse(const SolverInfo& solver, const ShootingProble
 std::optional<std::string> refuse_legs(const SolverInfo& solver, const ShootingProblem& problem,
                                        int legs);
 
+/// Stands for a choice by the problem.
+inline constexpr std::string_view kAutoSolver = "auto";
+/// What `auto` tries, one after the other: ipopt alone where pairs are complementary; altro,
+/// proxddp and ipopt where there are constraints besides bounds on the control; else box_fddp and
+/// ipopt. Of these, solvers that take the Hessian and the legs asked for.
+std::vector<const SolverInfo*> auto_solvers(const ShootingProblem& problem,
+                                            const SolverOptions& options);
+
 /// Solves a problem from a guess. Throws std::invalid_argument where the options are not valid, the
 /// solver refuses the problem, the legs or the Hessian asked for, or the guess has another shape;
 /// every other end is a status.
 SolveResult solve(const ShootingProblem& problem, const SolverInfo& solver,
                   const SolverOptions& options, const Trajectory& guess);
-/// The same by name; an unknown name is a std::invalid_argument.
+/// By the first of these that converges, all within one time limit; else the answer of the first.
+/// After an end by a limit or a signal no other follows. `used` ← whose answer it is; multipliers
+/// to start from go to those that take some. Throws std::invalid_argument where there is none.
+SolveResult solve(const ShootingProblem& problem, std::span<const SolverInfo* const> candidates,
+                  const SolverOptions& options, const Trajectory& guess, const SolverInfo*& used);
+/// The same by name, `auto` included; an unknown name is a std::invalid_argument.
 SolveResult solve(const ShootingProblem& problem, std::string_view solver,
                   const SolverOptions& options, const Trajectory& guess);
 

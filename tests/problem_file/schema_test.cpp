@@ -242,7 +242,7 @@ TEST(Schema, HasTheSolversOptionsWithDefaultsAndRanges) {
     const char* top = info.max_excluded ? "exclusiveMaximum" : "maximum";
     EXPECT_EQ(entry.value(top, HUGE_VAL), info.max) << info.name;
   }
-  std::vector<std::string> names;
+  std::vector<std::string> names{"auto"};
   for (const SolverInfo& info : solvers()) names.emplace_back(info.name);
   EXPECT_EQ(solver["name"]["enum"], Json(names));
   EXPECT_EQ(solver["name"]["default"], SolverSpec().name.value);
