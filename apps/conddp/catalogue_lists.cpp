@@ -31,6 +31,10 @@ OrderedJson key(const OrderedJson& object, const std::string& name, bool require
 
 OrderedJson list_solvers() {
   OrderedJson list = OrderedJson::array();
+  list.push_back({{"name", kAutoSolver},
+                  {"description",
+                   "the default: one of these by the problem, and others where it "
+                   "does not converge; conddp check says which"}});
   for (const SolverInfo& info : solvers()) {
     const char* bounds = info.control_bounds == BoundSupport::exact     ? "exact"
                          : info.control_bounds == BoundSupport::clipped ? "clipped"

@@ -50,7 +50,7 @@ Words bash_offers(const Words& words, const std::string& folder = source("")) {
 }
 
 Words solver_names() {
-  Words names;
+  Words names{"auto"};
   for (const SolverInfo& info : solvers()) names.emplace_back(info.name);
   return names;
 }

@@ -55,7 +55,7 @@ TEST(DiagnosticsJson, UsageErrorsWithWhatIsAccepted) {
   EXPECT_EQ(flag["hint"], "did you mean '--solver'?");
   const Json value = diagnostics({"solve", "x", "--solver", "boxddp", "--diagnostics=json"}).at(0);
   EXPECT_EQ(value["hint"], "did you mean 'box_ddp' or 'box_fddp' or 'proxddp'?");
-  EXPECT_EQ(value["accepted"].size(), 10u);
+  EXPECT_EQ(value["accepted"].size(), 11u);
   const Json kind = diagnostics({"list", "--diagnostics=json", "slovers"}).at(0);
   EXPECT_EQ(kind["hint"], "did you mean 'solvers'?");
   diagnostics({"--diagnostics=json"});

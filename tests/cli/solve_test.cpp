@@ -42,6 +42,24 @@ TEST(Solve, TheCertificateOfAnInfeasibleAnswerHolds) {
   EXPECT_NE(r.out.find("certificate   holds"), std::string::npos) << r.out;
 }
 
+// Without a name the solver follows from the problem, and check says which.
+TEST(Solve, AFileThatNamesNoSolverIsSolved) {
+  const TemporaryFolder folder;
+  std::string text = read_file(source("problems/double_integrator_limits.yaml"));
+  const std::string line = "solver: {name: altro, tolerances: {constraint: 1.0e-8}}";
+  ASSERT_NE(text.find(line), std::string::npos);
+  text.erase(text.find(line));
+  const std::filesystem::path file = folder.path() / "limits.yaml";
+  std::ofstream(file) << text;
+  const ProcessResult check = run_conddp({"check", file});
+  EXPECT_NE(check.out.find("solver          altro ("), std::string::npos) << check.out;
+  EXPECT_NE(check.out.find("where that does not converge: proxddp, ipopt"), std::string::npos);
+  EXPECT_EQ(run_conddp({"solve", file, "-o", folder.path() / "out"}).exit_code, 0);
+  const Json solution = Json::parse(read_file(folder.path() / "out/solution.json"));
+  EXPECT_EQ(solution["solver"], "altro");
+  EXPECT_EQ(run_conddp({"verify", folder.path() / "out/solution.json"}).exit_code, 0);
+}
+
 TEST(Solve, TheDefaultFolderIsNamedAfterTheProblem) {
   const TemporaryFolder folder;
   const ProcessResult r = run_conddp({"solve", kPendulum, "--quiet"}, {.folder = folder.path()});

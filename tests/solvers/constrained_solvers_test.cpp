@@ -72,7 +72,9 @@ TEST_P(ConstrainedSolver, ComesBackFromWallsHoweverNear) {
           << knots << " knots, 1/" << 1 / wall << ": " << result.message;
       EXPECT_LE(result.iterations, 80) << knots << " knots, 1/" << 1 / wall;
       // Controls are held over knots, and the wall holds at knots.
-      if (knots * wall > 6) EXPECT_NEAR(result.cost, 4 / (9 * wall), 0.05 * result.cost);
+      if (knots * wall > 6) {
+        EXPECT_NEAR(result.cost, 4 / (9 * wall), 0.05 * result.cost);
+      }
     }
   }
 }
