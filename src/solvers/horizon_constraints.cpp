@@ -55,11 +55,12 @@ HorizonConstraints::HorizonConstraints(const ShootingProblem& problem)
       add_cost(c.node, c.row, c.term->rows, c.lower, c.upper,
                knot.cost_scale * knot.parameters[c.term->weight()]);
     }
+  for (int k = 0; k <= problem.knots(); ++k) add_barriers(k);
+  if (rows_.empty()) return;
   for (int k = 0; k <= problem.knots(); ++k) {
     const int nz = problem.knot(k).model->nz();
     nodes_[k].gradient.resize(nz);
     nodes_[k].hessian.resize(nz, nz);
-    add_barriers(k);
   }
   int most = 0;
   cone_slope_.resize(rows_.size());
