@@ -29,6 +29,8 @@ constexpr double kDualShare = 10;
 /// Where the stationarity is not confirmed: the share of what should be enough that is asked for,
 /// and of the tolerance at least.
 constexpr double kGoalMargin = 0.5, kLeastGoal = 1e-4;
+/// How much larger a gradient without gains may be and still counts.
+constexpr double kMostAmplified = kGoalMargin / kLeastGoal;
 /// Violation, gap and stationarity below which the projected Newton method is tried, how much
 /// smaller they have to be after it failed, and its steps at most.
 constexpr double kFirstNewtonThreshold = 3e-3, kNextNewtonThreshold = 0.1;
@@ -183,17 +185,30 @@ bool DdpSolver::recover() {
   return ++recoveries_ <= kRecoveries && next_multipliers();
 }
 
-/// Whether a stationarity under tolerance is so along other gains, too. If it is not, the goal is
-/// what should be enough then.
+/// Whether a stationarity under tolerance is so along other gains, too: those of the costs alone
+/// where constraints have stiff ones, else none. If it is not, the goal is what should be enough
+/// then.
 bool DdpSolver::confirmed() {
   const double tolerance = options_.tolerances.stationarity;
-  if (!plain_adjoint_ || stationarity_goal_ <= kLeastGoal * tolerance) return true;
-  const std::optional<double> found = plain_adjoint_->stationarity(
-      acts_, trajectory_, gaps_, options_.regularization, constraints_->multipliers());
+  if (equality_search_ || stationarity_goal_ <= kLeastGoal * tolerance) return true;
+  const std::optional<double> found =
+      plain_adjoint_
+          ? plain_adjoint_->stationarity(acts_, trajectory_, gaps_, options_.regularization,
+                                         constraints_->multipliers())
+          : reduced_stationarity();
   if (!found || !(*found > tolerance)) return true;
   stationarity_goal_ =
       std::max(kGoalMargin * row_.stationarity * tolerance / *found, kLeastGoal * tolerance);
   return false;
+}
+
+/// ‖∇_u L‖∞ without gains, the gradient of the cost as a function of the controls alone. None where
+/// the free motion makes much more of what is left than gains do: there nobody can compute it well.
+std::optional<double> DdpSolver::reduced_stationarity() {
+  free_adjoint_.compute(linearization_, trajectory_, gaps_, no_feedback_);
+  const double found = bounds_.projected_norm(free_adjoint_.gradient(), trajectory_).value;
+  if (!(found <= kMostAmplified * row_.stationarity)) return std::nullopt;
+  return found;
 }
 
 /// Tries to end the solve by Newton's method on the active constraints. Its steps are iterations.

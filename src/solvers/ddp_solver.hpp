@@ -89,6 +89,7 @@ class DdpSolver {
   bool hidden_by_rounding() const;
   void name_contradiction();
   bool confirmed();
+  std::optional<double> reduced_stationarity();
   bool newton_converges();
   bool recover();
 
@@ -108,6 +109,8 @@ class DdpSolver {
   HessianSwitch hessian_;
   Gaps gaps_;
   Adjoint adjoint_;
+  Adjoint free_adjoint_;  ///< along no_feedback_
+  Feedback no_feedback_;
   Direction direction_;
   LineSearch line_search_;
   OpenGapSearch open_gap_search_;
