@@ -23,10 +23,9 @@ def arguments():
     parser = argparse.ArgumentParser(prog="scripts/peers/starts", description=(
         "Solves problems with conddp and Crocoddyl from the same far-away starts and prints how "
         "many each solves. The exit status is 1 where Crocoddyl solves more starts of a row."))
-    robots = os.environ.get("CONDDP_ROBOTS_DIR", str(ROOT / "../shared/robots"))
+    robots = os.environ.get("CONDDP_ROBOTS_DIR", "")
     parser.add_argument("--robots", default=robots,
-                        help="folder with hyq.urdf and others (by default CONDDP_ROBOTS_DIR or "
-                             "../shared/robots)")
+                        help="folder with hyq.urdf and others (by default CONDDP_ROBOTS_DIR)")
     parser.add_argument("--quick", action="store_true", help="a fixed part of the starts")
     parser.add_argument("--row", action="append", default=[], metavar="NAME",
                         help="only rows whose name contains this")

@@ -203,7 +203,7 @@ bool DdpSolver::confirmed() {
 }
 
 /// ‖∇_u L‖∞ without gains, the gradient of the cost as a function of the controls alone. None where
-/// the free motion makes much more of what is left than gains do: there nobody can compute it well.
+/// open-loop dynamics amplify the residual too much: there it is ill-conditioned.
 std::optional<double> DdpSolver::reduced_stationarity() {
   free_adjoint_.compute(linearization_, trajectory_, gaps_, no_feedback_);
   const double found = bounds_.projected_norm(free_adjoint_.gradient(), trajectory_).value;
@@ -223,9 +223,7 @@ bool DdpSolver::newton_converges() {
   const auto& tolerance = options_.tolerances;
   int damped = 0;
   for (int i = 0; i < kNewtonSteps && row_.iteration < options_.max_iterations; ++i) {
-    // What is left of a violation may be little, and its product with a multiplier too much.
-    const bool complementary = i > 0 || row.complementarity <= tolerance.complementarity;
-    if ((complementary && newton_->norms().largest() <= kNewtonGoal) || !newton_->step()) break;
+    if (newton_->norms().largest() <= kNewtonGoal || !newton_->step()) break;
     ++row_.iteration;
     ++row_.newton;
     newton_->describe(row_);

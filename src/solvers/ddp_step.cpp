@@ -88,7 +88,7 @@ bool DdpSolver::take_step() {
         differentiate();
         continue;
       }
-      if (regularisation_hides_descent()) return end_without_step(true);
+      if (regularisation_hides_descent()) return end_without_step(merit_.descends());
       result_.failed_quantity = kRoundedCost;
       return end(SolveStatus::line_search_failed,
                  fmt::format("the cost's rounding ({:.1e}) hides what is left to gain, and the "
@@ -272,7 +272,7 @@ bool DdpSolver::model_step() {
 }
 
 /// Whether the decrease is too small to be seen because the regularisation is large: without it the
-/// model promises one, which no step has kept.
+/// model sees more than rounding. Leaves that direction's slope in the merit.
 bool DdpSolver::regularisation_hides_descent() {
   if (regularization_.value() == 0 || sweep_backward(0) >= 0) return false;
   measure_direction();

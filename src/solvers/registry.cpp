@@ -183,7 +183,8 @@ std::vector<const SolverInfo*> auto_solvers(const ShootingProblem& problem,
 
 SolveResult solve(const ShootingProblem& problem, std::span<const SolverInfo* const> candidates,
                   const SolverOptions& options, const Trajectory& guess, const SolverInfo*& used) {
-  if (candidates.empty()) throw std::invalid_argument("there is no solver for this problem");
+  if (candidates.empty())
+    throw std::invalid_argument("no solver supports this problem with these options");
   const auto began = std::chrono::steady_clock::now();
   std::optional<SolveResult> first;
   std::string before;

@@ -98,14 +98,14 @@ INSTANTIATE_TEST_SUITE_P(
                      "regularization: {kind: control}}",
                      "costs.effort.weight=1.0e-9"},
                     {}},
-        // Clipping does not descend, and regularisation grows.
-        Provocation{
-            "Plateau",
-            DiagnosisPattern::plateau,
-            "stationarity",
-            "car_parking",
-            {"solver={name: ilqr_clip, max_iterations: 100, regularization: {kind: control}}"},
-            {}},
+        // Clipping does not descend, and regularisation grows until the decrease is too small to
+        // see: that is no rounding.
+        Provocation{"Plateau",
+                    DiagnosisPattern::plateau,
+                    "stationarity",
+                    "car_parking",
+                    {"solver={name: ilqr_clip, max_iterations: 100}"},
+                    {}},
         // Penalties that begin low and hardly grow.
         Provocation{"SlowFeasibility",
                     DiagnosisPattern::slow_feasibility,

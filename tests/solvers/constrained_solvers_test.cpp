@@ -53,8 +53,9 @@ TEST_P(ConstrainedSolver, MultipliersMakeTheLagrangianStationary) {
 // least ∫ u²/2. For ℓ ≤ 1/6 that is 4/(9 ℓ), and multipliers of the wall are as large as it is
 // near.
 TEST_P(ConstrainedSolver, ComesBackFromWallsHoweverNear) {
-  for (const int knots : {25, 50, 100, 200}) {
-    for (const double wall : {1.0 / 6, 1.0 / 9, 1.0 / 16, 1.0 / 32, 1.0 / 64}) {
+  for (const int knots : {25, 50, 100, 200, 300}) {
+    for (const double fraction : {5, 6, 8, 9, 12, 16, 32, 64}) {
+      const double wall = 1 / fraction;
       const ShootingProblem free =
           testing::tracking_problem(double_integrator(1), Integrator::rk4, knots, 1.0 / knots,
                                     {0, 1}, {{0, 0}, {0, 0}, {1}, {0, 0}, true});
@@ -72,7 +73,7 @@ TEST_P(ConstrainedSolver, ComesBackFromWallsHoweverNear) {
           << knots << " knots, 1/" << 1 / wall << ": " << result.message;
       EXPECT_LE(result.iterations, 80) << knots << " knots, 1/" << 1 / wall;
       // Controls are held over knots, and the wall holds at knots.
-      if (knots * wall > 6) {
+      if (knots * wall > 6 && fraction >= 6) {
         EXPECT_NEAR(result.cost, 4 / (9 * wall), 0.05 * result.cost);
       }
     }
