@@ -28,7 +28,7 @@ constexpr double kHopelessGoal = 1e-6;
 constexpr double kDualShare = 10;
 /// Where the stationarity is not confirmed: the share of what should be enough that is asked for,
 /// and of the tolerance at least.
-constexpr double kGoalMargin = 0.5, kLeastGoal = 1e-4;
+constexpr double kGoalMargin = 0.5, kLeastGoal = 1e-5;
 /// How much larger a gradient without gains may be and still counts.
 constexpr double kMostAmplified = kGoalMargin / kLeastGoal;
 /// Violation, gap and stationarity below which the projected Newton method is tried, how much

@@ -42,8 +42,9 @@ TEST(ConfirmedStationarity, IsReachedWhereRoundingOfPenaltiesWasInTheWay) {
 // The gradient of the cost by the controls alone, which a reader computes, is under the tolerance
 // too where the free motion does not make much more of it: it was 7e-4 on quadruped_pace_turn.
 TEST(ConfirmedStationarity, HoldsWithoutGains) {
-  for (const char* name : {"acrobot_swingup", "arm_reach", "double_pendulum_swingup",
-                           "quadruped_jump", "quadruped_pace_turn", "quadruped_trot"}) {
+  for (const char* name :
+       {"acrobot_swingup", "arm_reach", "double_pendulum_swingup", "quadrotor_waypoints",
+        "quadruped_jump", "quadruped_pace_turn", "quadruped_trot"}) {
     Diagnostics out;
     const auto spec = read_problem(
         std::filesystem::path(CONDDP_SOURCE_DIR) / "problems" / (std::string(name) + ".yaml"),
