@@ -1,7 +1,6 @@
 #include "solvers/ddp_solver.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include <fmt/format.h>
 
@@ -13,13 +12,15 @@
 namespace conddp {
 namespace {
 
-/// Rows of the log that are reserved at most before the first iteration.
-constexpr int kReservedRows = 10000;
 /// The straight steps of an equality search close gaps no earlier than the solve ends. There exact
 /// second derivatives wait until the gaps are this small.
 constexpr double kNearlyClosed = 1e-3;
-/// What a correction of a model step is taken to leave of the gaps before one has been seen.
-constexpr double kFirstCorrection = 1;
+
+std::unique_ptr<OuterStrategy> make_outer(const ShootingProblem& problem, const DdpRecipe& recipe,
+                                          const SolverOptions& options, bool constrained) {
+  if (!constrained) return std::make_unique<OuterStrategy>();
+  return augmented_lagrangian_strategy(problem, options, recipe.multipliers);
+}
 
 }  // namespace
 
@@ -28,328 +29,242 @@ DdpSolver::DdpSolver(const ShootingProblem& problem, const DdpRecipe& recipe,
     : problem_(problem),
       recipe_(recipe),
       options_(options),
+      constrained_(recipe.constraints && !problem.constraints().empty()),
       bounds_(problem),
       acts_(problem, options.threads),
-      linearization_(problem),
-      hessian_(recipe.hessian, options.tolerances.stationarity, acts_, linearization_),
-      gaps_(problem),
-      adjoint_(problem, bounds_),
-      free_adjoint_(problem, bounds_),
-      no_feedback_(problem),
-      direction_(problem, bounds_,
-                 {.clamp_controls = recipe.clamp_controls,
-                  .box_stage = recipe.box_stage,
-                  .null_space = recipe.multipliers == MultiplierSchedule::by_the_sweep &&
-                                !problem.constraints().empty(),
-                  .legs = {recipe.legs ? options.legs : 1, options.threads}},
-                 options.box_qp),
-      line_search_(problem, options.line_search),
-      open_gap_search_(problem, bounds_, options.line_search, recipe.clamp_controls),
-      model_step_(problem, bounds_),
-      regularization_(options.regularization),
-      trajectory_(problem.create_trajectory()),
-      step_start_(problem.create_trajectory()),
-      before_(problem.create_trajectory()),
-      result_(problem) {
-  if (!recipe.constraints || problem.constraints().empty()) return;
-  constraints_.emplace(problem, options, recipe.multipliers);
-  augmentation_ = &constraints_->augmentation();
-  former_augmentation_.emplace(problem);
-  augmentation_change_.emplace(problem);
-  affine_probe_.emplace(problem);
-  plain_adjoint_.emplace(problem, bounds_);
-  if (direction_.null_space() != nullptr) equality_search_.emplace(problem, options.line_search);
-  if (recipe.newton) newton_.emplace(problem, acts_);
+      record_(problem, options_, constrained_),
+      iterate_(problem, bounds_, acts_, recipe_, options_, record_),
+      outer_(make_outer(problem, recipe_, options_, constrained_)),
+      globalization_(problem, bounds_, recipe_, options_, iterate_, *outer_, record_),
+      check_(problem, bounds_, options_, constrained_),
+      step_start_(problem.create_trajectory()) {
+  if (constrained_ && recipe.newton) polish_.emplace(problem, acts_, options_);
+  if (globalization_.keeps_equalities()) iterate_.exact_below = kNearlyClosed;
 }
 
 SolveResult DdpSolver::solve(const Trajectory& guess) {
-  began_ = std::chrono::steady_clock::now();
   check_shape(problem_, guess);
-  result_ = SolveResult(problem_);
-  result_.log.reserve(std::min(options_.max_iterations, kReservedRows) + 1);
-  regularization_ = RegularizationSchedule(options_.regularization);
-  row_ = IterationRecord();
-  direction_.reset();
-  line_search_.reset();
-  open_gap_search_.reset();
-  search_ = LineSearchResult();
-  merit_ = MeritModel();
-  linearized_ = differentiated_ = affine_known_ = false;
-  stepping_ = abandoned_ = false;
-  at_rounding_floor_ = false;
-  full_steps_ = 0;
-  full_steps_wanted_ = 1;
-  first_look_suffices_ = false;
-  correction_leaves_ = kFirstCorrection;
-  hessian_.reset();
-  start_constraints();
-
+  record_.begin();
+  iterate_.reset();
+  globalization_.reset();
+  check_.reset();
+  if (polish_) polish_->reset();
+  stepping_ = abandoned_ = by_newton_ = false;
+  outer_->start(options_.multipliers.get());
   if (start(guess)) {
-    fit_penalties();
     iterate();
     finish();
   }
-  result_.iterations = row_.iteration;
-  result_.times.total = elapsed();
-  return std::move(result_);
+  return record_.take();
+}
+
+/// Where the first iteration starts. With closed gaps the states follow from the controls.
+bool DdpSolver::start(const Trajectory& guess) {
+  SolveResult& result = record_.result;
+  iterate_.trajectory = guess;
+  result.start = recipe_.open_gaps ? "states and controls of the guess"
+                                   : "controls of the guess, simulated from the initial state";
+  if (constrained_ && options_.multipliers) result.start += "; its multipliers";
+  if (recipe_.clamp_controls) result.start += clamp_guess(bounds_, iterate_.trajectory);
+  if (recipe_.open_gaps) {
+    result.start += correct_states(problem_, iterate_.trajectory);
+    return true;
+  }
+  const Stopwatch watch(result.times.evaluate);
+  const int bad_knot = acts_.simulate(iterate_.trajectory);
+  if (bad_knot < 0) return true;
+  result.trajectory = guess;
+  result.failed_knot = bad_knot;
+  result.failed_quantity = "cost or next state";
+  return record_.end(SolveStatus::diverged,
+                     fmt::format("simulating the controls of the guess gives a cost or next state "
+                                 "that is not finite at knot {}",
+                                 bad_knot));
 }
 
 /// Iterations until one of them ends the solve, or a signal or the time limit ends one of them. The
 /// first linearisation is never given up: without it there is nothing to say of the guess.
 void DdpSolver::iterate() {
   const CheckpointScope scope([this] {
-    if (!result_.log.empty() && !budget_left()) throw Abandoned();
+    if (!record_.result.log.empty() && !record_.budget_left()) throw Abandoned();
   });
+  if (constrained_) {
+    iterate_.differentiate(globalization_.feedback(), outer_->augmentation());
+    if (iterate_.linearized && outer_->fit(iterate_)) iterate_.linearized = false;
+  }
   try {
-    while (linearize() && !converged() && may_continue() && (try_step() || recover()))
-      ++row_.iteration;
+    while (linearize()) {
+      if (converged() && confirm()) break;
+      if (polish_ && polish_->due(record_.row) && polish()) break;
+      if (outer_->minimized(record_.row, globalization_.merit()) && !next_minimization()) break;
+      if (!record_.may_continue() || !step()) break;
+      ++record_.row.iteration;
+    }
   } catch (const Abandoned&) {
     abandoned_ = true;
-    if (stepping_) trajectory_ = step_start_;
-    linearized_ = differentiated_ = false;
-    log_is_stale_ = true;
+    if (stepping_) iterate_.trajectory = step_start_;
+    iterate_.linearized = iterate_.differentiated = false;
+    record_.log_is_stale = true;
   }
-}
-
-/// Where the first iteration starts. With closed gaps the states follow from the controls.
-bool DdpSolver::start(const Trajectory& guess) {
-  trajectory_ = guess;
-  result_.start = recipe_.open_gaps ? "states and controls of the guess"
-                                    : "controls of the guess, simulated from the initial state";
-  if (constraints_ && options_.multipliers) result_.start += "; its multipliers";
-  if (recipe_.clamp_controls) result_.start += clamp_guess(bounds_, trajectory_);
-  if (recipe_.open_gaps) {
-    result_.start += correct_states(problem_, trajectory_);
-    return true;
-  }
-  const Stopwatch watch(result_.times.evaluate);
-  const int bad_knot = acts_.simulate(trajectory_);
-  if (bad_knot < 0) return true;
-  result_.trajectory = guess;
-  result_.failed_knot = bad_knot;
-  result_.failed_quantity = "cost or next state";
-  return end(SolveStatus::diverged,
-             fmt::format("simulating the controls of the guess gives a cost or next state that is "
-                         "not finite at knot {}",
-                         bad_knot));
 }
 
 /// Derivatives and residuals of the iterate, and its row in the log.
 bool DdpSolver::linearize() {
-  if (!linearized_) differentiate();
-  if (!linearized_) return end_diverged();
-  last_stationarity_ = row_.stationarity;
-  measure_iterate();
-  row_.time_s = elapsed();
-  hessian_.watch(row_);
-  result_.log.push_back(row_);
-  log_is_stale_ = false;
-  if (options_.on_iteration) options_.on_iteration(row_);
+  if (!iterate_.linearized)
+    iterate_.differentiate(globalization_.feedback(), outer_->augmentation());
+  if (!iterate_.linearized) return iterate_.end_diverged();
+  measure();
+  iterate_.hessian.watch(record_.row);
+  record_.log_row();
   return true;
 }
 
 /// Residuals and merit of the linearised iterate.
-void DdpSolver::measure_iterate() {
-  row_.cost = linearization_.total_cost() + soft_cost();
-  merit_.cost = linearization_.total_cost();
-  if (equality_search_) {
-    merit_.gap_norm =
-        equality_search_->infeasibility(linearization_.gap, linearization_.constraint);
-  } else {
-    merit_.cost += linearization_.augmentation.sum();
-    merit_.gap_norm = gaps_.norm();
-  }
-  merit_.rounding = adjoint_.cost_rounding(linearization_, trajectory_);
-  row_.merit = merit_.value();
-  const Extremum stationarity = bounds_.projected_norm(adjoint_.gradient(), trajectory_);
-  row_.stationarity = stationarity.value;
-  row_.stationarity_knot = stationarity.knot;
-  row_.gap = linearization_.max_gap();
-  row_.gap_knot = -1;
-  if (row_.gap > 0) {
-    Eigen::Index row = 0, column = 0;
-    linearization_.gap.cwiseAbs().maxCoeff(&row, &column);
-    row_.gap_knot = static_cast<int>(column);
-  }
-  measure_constraints();
+void DdpSolver::measure() {
+  record_.row.cost = iterate_.linearization.total_cost() + outer_->soft_cost(iterate_);
+  globalization_.measure();
+  iterate_.describe(record_.row);
+  outer_->measure(iterate_, record_.row);
 }
 
-bool DdpSolver::converged() {
+bool DdpSolver::converged() const {
+  const IterationRecord& row = record_.row;
   const auto& tolerance = options_.tolerances;
-  if (row_.stationarity <= stationarity_goal_ && row_.gap <= tolerance.gap &&
-      row_.constraint <= tolerance.constraint &&
-      row_.complementarity <= tolerance.complementarity && confirmed()) {
-    end(SolveStatus::converged, residual_text());
-    return true;
-  }
-  if (!constraints_ || direction_.null_space() != nullptr) return false;
-  if (newton_converges()) {
-    end(SolveStatus::converged, residual_text());
-    return true;
-  }
-  if (!linearized_) return !end_diverged();
-  return inner_converged() && !next_multipliers();
+  return row.stationarity <= check_.goal() && row.gap <= tolerance.gap &&
+         row.constraint <= tolerance.constraint && row.complementarity <= tolerance.complementarity;
 }
 
-bool DdpSolver::may_continue() {
-  if (row_.iteration >= options_.max_iterations) {
-    return end(SolveStatus::max_iterations, fmt::format("not converged after {} iterations: {}",
-                                                        row_.iteration, residual_text()));
-  }
-  return budget_left();
-}
-
-bool DdpSolver::budget_left() {
-  if (options_.interrupted && options_.interrupted()) {
-    return end(SolveStatus::interrupted, fmt::format("interrupted: {}", residual_text()));
-  }
-  if (elapsed() >= options_.max_time_s) {
-    return end(SolveStatus::time_limit, "the time is up: " + residual_text());
-  }
+/// Ends the solve, where the stationarity holds along other gains, too.
+bool DdpSolver::confirm() {
+  if (!globalization_.keeps_equalities() && !check_.confirm(iterate_, outer_->multipliers()))
+    return false;
+  record_.end(SolveStatus::converged, record_.residual_text());
   return true;
 }
 
-/// Derivatives and co-states of the iterate; linearized_ tells whether they are finite.
-void DdpSolver::differentiate() {
-  const Stopwatch watch(result_.times.differentiate);
-  hessian_.begin_iterate();
-  if (!differentiated_) acts_.differentiate(trajectory_, linearization_, augmentation_);
-  differentiated_ = false;
-  gaps_.set(linearization_, recipe_.open_gaps);
-  adjoint_.compute(linearization_, trajectory_, gaps_, direction_.feedback());
-  linearized_ = std::isfinite(linearization_.total_cost()) &&
-                std::isfinite(linearization_.augmentation.sum()) &&
-                all_finite(linearization_.gap) && all_finite(adjoint_.costates()) &&
-                all_finite(adjoint_.gradient());
-  const double open = equality_search_ ? kNearlyClosed : options_.tolerances.gap;
-  const bool closed = !recipe_.open_gaps || linearization_.max_gap() <= open;
-  if (hessian_.exact_wanted() && linearized_ && closed) {
-    hessian_.evaluate_exact(trajectory_, adjoint_.costates(), augmentation_);
-  }
+/// Tries to end the solve by Newton's method. Where only its multipliers are not those of a
+/// solution minimisation goes on from Newton's iterate.
+bool DdpSolver::polish() {
+  if (!polish_->run(iterate_, globalization_.feedback(), *outer_, record_)) return false;
+  iterate_.differentiate(globalization_.feedback(), outer_->augmentation());
+  if (!iterate_.linearized) return !iterate_.end_diverged();
+  measure();
+  record_.result.log.back() = record_.row;  // along the gains of the last sweep, as the answer is
+  by_newton_ = record_.row.stationarity <= options_.tolerances.stationarity &&
+               record_.row.complementarity <= options_.tolerances.complementarity;
+  if (by_newton_) record_.end(SolveStatus::converged, record_.residual_text());
+  return by_newton_;
+}
+
+/// Begins the next minimisation at the same iterate. False where the solve ends.
+bool DdpSolver::next_minimization() {
+  if (!outer_->update(iterate_, globalization_.feedback(), globalization_.merit(),
+                      globalization_.at_rounding_floor(), record_))
+    return false;
+  if (!iterate_.linearized) return iterate_.end_diverged();
+  globalization_.begin_minimization();
+  record_.row.stationarity = iterate_.stationarity().value;
+  return true;
+}
+
+/// A step that can be given up half-way. Where there is none another minimisation may have one.
+bool DdpSolver::step() {
+  step_start_ = iterate_.trajectory;
+  stepping_ = true;
+  const bool taken = globalization_.step();
+  stepping_ = false;
+  return taken ||
+         (outer_->recovers(record_, globalization_.at_rounding_floor()) && next_minimization());
 }
 
 /// Residuals, co-states and gains of the iterate that is returned.
 void DdpSolver::finish() {
-  if (!linearized_) differentiate();
-  result_.trajectory = trajectory_;
-  if (find_non_finite(linearization_)) return;
-  result_.cost = linearization_.total_cost() + soft_cost();
-  Residuals& residuals = result_.residuals;
-  const Extremum stationarity = bounds_.projected_norm(adjoint_.gradient(), trajectory_);
-  residuals.stationarity = stationarity.value;
-  residuals.stationarity_knot = stationarity.knot;
-  residuals.gap = 0;
-  for (int k = 0; k < problem_.knots(); ++k) {
-    const double gap = linearization_.gap.col(k).lpNorm<Eigen::Infinity>();
-    if (gap <= residuals.gap) continue;
-    residuals.gap = gap;
-    residuals.gap_knot = k;
-  }
-  measure_constraints();
-  residuals.constraint = row_.constraint;
-  residuals.constraint_knot = row_.constraint_knot;
-  residuals.complementarity = row_.complementarity;
-  result_.constraint_values = linearization_.constraint;
-  if (constraints_) result_.constraint_multipliers = constraints_->multipliers();
-  if (log_is_stale_) end_log();
+  if (!iterate_.linearized)
+    iterate_.differentiate(globalization_.feedback(), outer_->augmentation());
+  SolveResult& result = record_.result;
+  result.trajectory = iterate_.trajectory;
+  if (find_non_finite(iterate_.linearization)) return;
+  result.cost = iterate_.linearization.total_cost() + outer_->soft_cost(iterate_);
+  const IterationRecord& row = record_.row;
+  iterate_.describe(record_.row);
+  outer_->measure(iterate_, record_.row);
+  Residuals& residuals = result.residuals;
+  residuals.stationarity = row.stationarity;
+  residuals.stationarity_knot = row.stationarity_knot;
+  residuals.gap = row.gap;
+  residuals.gap_knot = row.gap_knot;
+  residuals.constraint = row.constraint;
+  residuals.constraint_knot = row.constraint_knot;
+  residuals.complementarity = row.complementarity;
+  result.constraint_values = iterate_.linearization.constraint;
+  if (constrained_) result.constraint_multipliers = *outer_->multipliers();
+  if (record_.log_is_stale) end_log();
   confirm_status();
   name_contradiction();
-  result_.costates = adjoint_.costates();
-  result_.state_gradient = adjoint_.state_gradient();
+  result.costates = iterate_.adjoint.costates();
+  result.state_gradient = iterate_.adjoint.state_gradient();
   for (int k = 0; k < problem_.knots(); ++k) {
-    result_.control_gradient.push_back(
-        adjoint_.gradient().segment(bounds_.offset(k), problem_.nu(k)));
+    result.control_gradient.push_back(
+        iterate_.adjoint.gradient().segment(bounds_.offset(k), problem_.nu(k)));
   }
-  if (by_newton_) {
-    result_.feedback = newton_->feedback();
-    result_.feedback_regularization = 0;
-    return;
-  }
-  // Who waits for an iteration does not wait for its gains.
-  if (!abandoned_) sweep_for_gains();
+  find_gains();
 }
 
 /// Makes the last row of the log that of the answer, where it was of a step that does not stand or
 /// of other gains.
 void DdpSolver::end_log() {
-  IterationRecord row = row_;
-  row.cost = result_.cost;
-  row.stationarity = result_.residuals.stationarity;
-  row.stationarity_knot = result_.residuals.stationarity_knot;
-  row.gap = result_.residuals.gap;
-  row.gap_knot = result_.residuals.gap_knot;
+  IterationRecord row = record_.row;
+  row.cost = record_.result.cost;
   row.step = row.expected_decrease = row.actual_decrease = 0;
   row.trials = row.sweeps = 0;
-  row.time_s = result_.log.back().time_s;
-  result_.log.back() = row;
+  row.time_s = record_.result.log.back().time_s;
+  record_.result.log.back() = row;
 }
 
 /// The co-states of the last sweep may put an answer under tolerance that ended otherwise.
 void DdpSolver::confirm_status() {
-  const Residuals& r = result_.residuals;
+  SolveResult& result = record_.result;
+  const Residuals& r = result.residuals;
   const auto& tolerance = options_.tolerances;
   if (r.stationarity > tolerance.stationarity || r.gap > tolerance.gap ||
       r.constraint > tolerance.constraint || r.complementarity > tolerance.complementarity) {
     return;
   }
-  if (result_.status == SolveStatus::converged) return;
-  result_.failed_knot = -1;
-  result_.failed_quantity.clear();
-  end(SolveStatus::converged,
+  if (result.status == SolveStatus::converged) return;
+  result.failed_knot = -1;
+  result.failed_quantity.clear();
+  record_.end(
+      SolveStatus::converged,
       fmt::format("at the end, all residuals are under tolerance: stationarity {:.1e}, gap {:.1e}, "
                   "constraint violation {:.1e}",
                   r.stationarity, r.gap, r.constraint));
 }
 
-/// Without regularisation if possible: a follower of the trajectory wants the true gains.
-void DdpSolver::sweep_for_gains() {
-  const Stopwatch watch(result_.times.sweep);
-  direction_.stay_at_iterate();
-  SolverOptions::Regularization from_zero = options_.regularization;
-  from_zero.initial = 0;
-  RegularizationSchedule schedule(from_zero);
-  do {
-    if (sweep_backward(schedule.value()) < 0) {
-      result_.feedback = direction_.feedback();
-      result_.feedback_regularization = schedule.value();
-      return;
-    }
-  } while (schedule.increase());
+/// Equalities that contradict each other are why a solve that keeps them did not converge.
+void DdpSolver::name_contradiction() {
+  const SolveStatus status = record_.result.status;
+  if (status == SolveStatus::converged || status == SolveStatus::interrupted ||
+      status == SolveStatus::time_limit)
+    return;
+  const double off = globalization_.contradiction();
+  if (!(off > options_.tolerances.constraint)) return;
+  record_.end(SolveStatus::infeasible,
+              fmt::format("the linearised equality constraints contradict each other by {:.1e}: {}",
+                          off, record_.residual_text()));
 }
 
-bool DdpSolver::end(SolveStatus status, std::string message) {
-  result_.status = status;
-  result_.message = std::move(message);
-  return false;
-}
-
-bool DdpSolver::end_diverged() {
-  const NonFinite where = find_non_finite(linearization_).value_or(NonFinite{0, "co-state"});
-  const bool first = row_.iteration == 0;
-  if (!first) trajectory_ = before_;
-  linearized_ = false;
-  result_.failed_knot = where.knot;
-  result_.failed_quantity = where.quantity;
-  return end(SolveStatus::diverged,
-             fmt::format("the {} of knot {} is not finite {}", where.quantity, where.knot,
-                         first ? "at the start" : "after the last step, which is taken back"));
-}
-
-std::string DdpSolver::residual_text() const {
-  const auto at = [](int knot) { return knot < 0 ? "" : fmt::format(" (knot {})", knot); };
-  std::string text =
-      fmt::format("stationarity {:.1e}{}", row_.stationarity, at(row_.stationarity_knot));
-  text += fmt::format(", gap {:.1e}{}", row_.gap, at(row_.gap_knot));
-  text += fmt::format(", constraint violation {:.1e}", row_.constraint);
-  if (constraints_) {
-    text += at(row_.constraint_knot);
-    text += fmt::format(", complementarity {:.1e}", row_.complementarity);
+/// A follower of the trajectory wants the true gains; who waits for an iteration does not wait for
+/// them.
+void DdpSolver::find_gains() {
+  SolveResult& result = record_.result;
+  if (by_newton_) {
+    result.feedback = polish_->feedback();
+    result.feedback_regularization = 0;
+    return;
   }
-  return text;
-}
-
-double DdpSolver::elapsed() const {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count();
+  if (abandoned_) return;
+  result.feedback_regularization = globalization_.find_gains();
+  if (result.feedback_regularization) result.feedback = globalization_.feedback();
 }
 
 }  // namespace conddp

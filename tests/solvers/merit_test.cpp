@@ -11,8 +11,8 @@ namespace conddp {
 namespace {
 
 /// A linearised iterate with a sweep and its linear rollout.
-struct Iterate {
-  Iterate(const ShootingProblem& problem, Trajectory guess, bool box)
+struct SweptIterate {
+  SweptIterate(const ShootingProblem& problem, Trajectory guess, bool box)
       : bounds(problem),
         acts(problem),
         linearization(problem),
@@ -75,7 +75,7 @@ Trajectory open_gap_guess(const ShootingProblem& problem, double size = 0.2) {
 // Pitfall 9: on SE(3) the slope holds only if gaps transport tangent vectors.
 TEST(Merit, SlopeIsTheDerivativeOfTheCostAlongTheRolloutOnAManifold) {
   const ShootingProblem problem = testing::quadrotor_move();
-  Iterate at(problem, open_gap_guess(problem), false);
+  SweptIterate at(problem, open_gap_guess(problem), false);
   LaneRollout lanes(problem);
   const double h = 1e-6;
   const double numeric = (at.cost(h, lanes) - at.cost(-h, lanes)) / (2 * h);
@@ -84,7 +84,7 @@ TEST(Merit, SlopeIsTheDerivativeOfTheCostAlongTheRolloutOnAManifold) {
 
 TEST(BackwardSweep, FromAKnotIsTheWholeSweepWhereNothingBehindItChanged) {
   const ShootingProblem problem = testing::quadrotor_move();
-  Iterate at(problem, open_gap_guess(problem), false);
+  SweptIterate at(problem, open_gap_guess(problem), false);
   constexpr int kChanged = 7;
   at.linearization.knots[kChanged].gradient *= 2;
   const auto sweep = [&](std::optional<int> from) {
@@ -101,11 +101,11 @@ TEST(BackwardSweep, FromAKnotIsTheWholeSweepWhereNothingBehindItChanged) {
   }
 }
 
-TEST(ModelStep, ALastLookLeavesTheDerivativesOfTheNextIterate) {
-  using Look = ModelStep::Look;
+TEST(FullStep, ALastTrialLeavesTheDerivativesOfTheNextIterate) {
+  using Trial = FullStep::Trial;
   const ShootingProblem problem = testing::quadrotor_move();
-  Iterate at(problem, simulated_guess(problem), false);
-  ModelStep evaluated(problem, at.bounds), differentiated(problem, at.bounds);
+  SweptIterate at(problem, simulated_guess(problem), false);
+  FullStep evaluated(problem, at.bounds), differentiated(problem, at.bounds);
   for (Eigen::VectorXd& k : at.feedback.k) k *= 0.1;
   at.rollout.run(at.linearization, at.trajectory, at.gaps, at.feedback, false);
   Trajectory plain = at.trajectory, ahead = at.trajectory;
@@ -115,11 +115,11 @@ TEST(ModelStep, ALastLookLeavesTheDerivativesOfTheNextIterate) {
     EXPECT_LT((evaluated.gap() - differentiated.gap()).norm(), 1e-14);
     EXPECT_NEAR(evaluated.cost(), differentiated.cost(), 1e-14 * evaluated.cost());
   };
-  evaluated.take(at.acts, at.rollout, Look::evaluate, at.linearization, plain);
-  differentiated.take(at.acts, at.rollout, Look::evaluate, linearization, ahead);
+  evaluated.take(at.acts, at.rollout, Trial::evaluate, at.linearization, plain);
+  differentiated.take(at.acts, at.rollout, Trial::evaluate, linearization, ahead);
   compare();
-  evaluated.correct(at.acts, at.feedback, Look::evaluate, at.linearization, plain);
-  differentiated.correct(at.acts, at.feedback, Look::differentiate, linearization, ahead);
+  evaluated.correct(at.acts, at.feedback, Trial::evaluate, at.linearization, plain);
+  differentiated.correct(at.acts, at.feedback, Trial::differentiate, linearization, ahead);
   compare();
   at.acts.differentiate(ahead, expected);
   for (int k = 0; k <= problem.knots(); ++k) {
@@ -129,14 +129,14 @@ TEST(ModelStep, ALastLookLeavesTheDerivativesOfTheNextIterate) {
   }
   // From there gaps close by the derivatives that are there now, faster than by those before.
   const double before = differentiated.gap().norm();
-  evaluated.correct(at.acts, at.feedback, Look::evaluate, at.linearization, plain);
-  differentiated.correct(at.acts, at.feedback, Look::evaluate, linearization, ahead);
+  evaluated.correct(at.acts, at.feedback, Trial::evaluate, at.linearization, plain);
+  differentiated.correct(at.acts, at.feedback, Trial::evaluate, linearization, ahead);
   EXPECT_LT(differentiated.gap().norm(), 0.1 * evaluated.gap().norm());
   EXPECT_LT(differentiated.gap().norm(), 1e-3 * before);
 }
 
 // The merit's ratio says little of a step that closed gaps, since their weight is most of it.
-TEST(ModelStep, FollowsTheFullStepThatClosedTheGuessedGapsWhereTheCostWentAsItsModel) {
+TEST(FullStep, FollowsTheFullStepThatClosedTheGuessedGapsWhereTheCostWentAsItsModel) {
   const ShootingProblem problem = testing::quadrotor_move();
   const Trajectory optimum =
       solve(problem, "ddp", {}, testing::constant_controls(problem, 1.22625)).trajectory;
@@ -150,21 +150,21 @@ TEST(ModelStep, FollowsTheFullStepThatClosedTheGuessedGapsWhereTheCostWentAsItsM
   EXPECT_GT(result.log[2].gap, 1e-12) << "of second order, where a rollout closes gaps";
 }
 
-TEST(ModelStep, EveryCorrectionTakesTheGapsOneOrderDown) {
-  using Look = ModelStep::Look;
+TEST(FullStep, EveryCorrectionTakesTheGapsOneOrderDown) {
+  using Trial = FullStep::Trial;
   const ShootingProblem problem = testing::quadrotor_move();
-  Iterate at(problem, simulated_guess(problem), false);
-  ModelStep moved(problem, at.bounds);
+  SweptIterate at(problem, simulated_guess(problem), false);
+  FullStep moved(problem, at.bounds);
   constexpr int kCorrections = 2;
   const auto gaps_of_step = [&](double size) {
     Feedback scaled = at.feedback;
     for (Eigen::VectorXd& k : scaled.k) k *= size;
     at.rollout.run(at.linearization, at.trajectory, at.gaps, scaled, false);
     Trajectory trajectory = at.trajectory;
-    moved.take(at.acts, at.rollout, Look::evaluate, at.linearization, trajectory);
+    moved.take(at.acts, at.rollout, Trial::evaluate, at.linearization, trajectory);
     std::vector<double> gaps{moved.gap().norm()};
     for (int i = 0; i < kCorrections; ++i) {
-      moved.correct(at.acts, scaled, Look::evaluate, at.linearization, trajectory);
+      moved.correct(at.acts, scaled, Trial::evaluate, at.linearization, trajectory);
       gaps.push_back(moved.gap().norm());
     }
     EXPECT_DOUBLE_EQ(moved.cost(), [&] {
@@ -181,7 +181,7 @@ TEST(ModelStep, EveryCorrectionTakesTheGapsOneOrderDown) {
 
 TEST(Merit, AdjointGivesTheSameSlopeFromTheControlsAppliedWithAnyPolicy) {
   const ShootingProblem problem = testing::quadrotor_move();
-  Iterate at(problem, open_gap_guess(problem), false);
+  SweptIterate at(problem, open_gap_guess(problem), false);
   LaneRollout lanes(problem);
   const double h = 1e-7;
   at.cost(h, lanes);
@@ -204,7 +204,7 @@ TEST(Merit, AdjointGivesTheSameSlopeFromTheControlsAppliedWithAnyPolicy) {
 
 TEST(Merit, GapsContractByOneMinusTheStepExactly) {
   const ShootingProblem problem = testing::quadrotor_move();
-  Iterate at(problem, open_gap_guess(problem), false);
+  SweptIterate at(problem, open_gap_guess(problem), false);
   LaneRollout lanes(problem);
   Trajectory next = at.trajectory;
   Evaluation evaluation(problem);
@@ -222,7 +222,7 @@ TEST(LineSearch, TakesTheSameStepAloneAsInLanes) {
   const ShootingProblem problem = testing::quadrotor_move();
   Trajectory guess = testing::constant_controls(problem, 1.3);
   Acts(problem).simulate(guess);
-  Iterate at(problem, guess, false);
+  SweptIterate at(problem, guess, false);
   LineSearch search(problem, {});
   constexpr double kShort = 0.1;  // where the model is good
   for (Eigen::VectorXd& k : at.feedback.k) k *= kShort;
@@ -252,7 +252,7 @@ TEST(Merit, TheWeightOfOpenGapsMakesTheDirectionDescend) {
   const ControlBounds bounds(problem);
   int costly = 0;
   for (const unsigned seed : {1u, 2u, 3u, 4u, 5u, 6u, 7u, 8u}) {
-    Iterate at(problem, testing::random_guess(problem, seed, 0.1), false);
+    SweptIterate at(problem, testing::random_guess(problem, seed, 0.1), false);
     MeritModel merit{.gap_norm = at.linearization.gap.lpNorm<1>(), .slope = at.rollout.slope()};
     const double curvature = at.rollout.curvature(at.linearization);
     OpenGapSearch search(problem, bounds, {}, false);

@@ -11,20 +11,21 @@ namespace conddp {
 /// second order. A correction moves the states by what the policy makes of these gaps in the same
 /// linear model, after which they are of third order (a second-order correction of Maratos' effect;
 /// Nocedal, Wright, section 18.3); every further one takes the step's length off once more.
-class ModelStep {
+class FullStep {
  public:
-  ModelStep(const ShootingProblem& problem, const ControlBounds& bounds);
+  FullStep(const ShootingProblem& problem, const ControlBounds& bounds);
 
   /// Whether a trajectory is evaluated, or differentiated at once since it will be the next
   /// iterate: the derivatives then overwrite those of the iterate before.
-  enum class Look { evaluate, differentiate };
+  enum class Trial { evaluate, differentiate };
 
-  /// Moves a trajectory by the step and looks at it there. `linearization` is that before the step.
-  void take(Acts& acts, const LinearRollout& step, Look look, Linearization& linearization,
+  /// Moves a trajectory by the step and evaluates it there. `linearization` is that before the
+  /// step.
+  void take(Acts& acts, const LinearRollout& step, Trial trial, Linearization& linearization,
             Trajectory& trajectory, const Augmentation* augmentation = nullptr);
-  /// Closes the gaps to first order and looks at the trajectory again. `linearization` is that
+  /// Closes the gaps to first order and evaluates the trajectory again. `linearization` is that
   /// before the step, or of the trajectory where that has been differentiated.
-  void correct(Acts& acts, const Feedback& feedback, Look look, Linearization& linearization,
+  void correct(Acts& acts, const Feedback& feedback, Trial trial, Linearization& linearization,
                Trajectory& trajectory, const Augmentation* augmentation = nullptr);
 
   /// With the augmentation, where there is one.
@@ -32,8 +33,8 @@ class ModelStep {
   const Eigen::MatrixXd& gap() const { return evaluation_.gap; }
 
  private:
-  void look_at(Acts& acts, const LinearRollout& step, Look look, Linearization& linearization,
-               Trajectory& trajectory, const Augmentation* augmentation);
+  void try_point(Acts& acts, const LinearRollout& step, Trial trial, Linearization& linearization,
+                 Trajectory& trajectory, const Augmentation* augmentation);
 
   const ControlBounds& bounds_;
   StateManifold manifold_;
