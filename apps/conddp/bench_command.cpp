@@ -17,6 +17,7 @@
 #include "output/gnuplot.hpp"
 #include "output/json_text.hpp"
 #include "robot/near_names.hpp"
+#include "shell_words.hpp"
 #include "solvers/option_table.hpp"
 #include "status_line.hpp"
 #include "streams.hpp"
@@ -96,8 +97,14 @@ std::string about(double seconds) {
   return seconds < 90 ? fmt::format("{:.0f} s", seconds) : fmt::format("{:.0f} min", seconds / 60);
 }
 
-/// How much of a benchmark is done, and when the rest will be, if that takes as long on average.
-/// Refusals take no time and do not count.
+/// "2.5 solves/s", "12 solves/min"
+std::string rate(double per_second) {
+  return per_second >= 1 ? fmt::format("{:.1f} solves/s", per_second)
+                         : fmt::format("{:.1f} solves/min", 60 * per_second);
+}
+
+/// How much of a benchmark is done, how fast, and when the rest will be, if that takes as long on
+/// average. Refusals take no time and do not count.
 class Progress {
  public:
   explicit Progress(int runs) : runs_(runs) {}
@@ -106,8 +113,9 @@ class Progress {
     const std::string place = fmt::format("{} of {}", std::min(done_ + 1, runs_), runs_);
     if (done_ == 0) return place;
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start_;
-    return fmt::format("{}, about {} left", place,
-                       about(elapsed.count() / done_ * (runs_ - done_)));
+    return fmt::format("{}, about {} left, {}", place,
+                       about(elapsed.count() / done_ * (runs_ - done_)),
+                       rate(done_ / elapsed.count()));
   }
 
  private:
@@ -166,23 +174,33 @@ class Bench {
   }
 
   bool run(BenchProblem& problem, std::optional<std::uint64_t> seed) {
+    const Perturbation perturbation = perturbation_of(problem, seed);
     for (const SolverInfo* solver : solvers_) {
       const BuiltProblem& built = problem.fitting(*solver, arguments_.drop);
       status_.show(fmt::format("{}, {}{}, {}", progress_.text(), problem.spec.name.value,
                                seed ? fmt::format(" seed {}", *seed) : "", solver->name));
-      if (!seed) {
+      if (!perturbation.any()) {
         add(problem, built, *built.problem, built.guess, *solver, seed);
       } else {
-        const BenchmarkRequest& asked = report_.request;
         const ShootingProblem instance =
-            perturb_initial_state(*built.problem, asked.initial_state_size.value_or(0), *seed);
-        const Trajectory guess = guess_of_instance(
-            instance, built.guess, {.guess = asked.guess_spread.value_or(0), .seed = *seed});
+            perturb_initial_state(*built.problem, perturbation.initial_state, perturbation.seed);
+        const Trajectory guess = guess_of_instance(instance, built.guess, perturbation);
         add(problem, built, instance, guess, *solver, seed);
       }
       if (InterruptGuard::signal() != 0) return false;
     }
     return true;
+  }
+
+  /// That of the file, but for what was asked for.
+  Perturbation perturbation_of(const BenchProblem& problem,
+                               std::optional<std::uint64_t> seed) const {
+    Perturbation perturbation = problem.perturbation;
+    const BenchmarkRequest& asked = report_.request;
+    perturbation.initial_state = asked.initial_state_size.value_or(perturbation.initial_state);
+    perturbation.guess = asked.guess_spread.value_or(perturbation.guess);
+    perturbation.seed = seed.value_or(perturbation.seed);
+    return perturbation;
   }
 
   void add(const BenchProblem& problem, const BuiltProblem& built, const ShootingProblem& instance,
@@ -192,15 +210,20 @@ class Bench {
       status_.refresh();
       return InterruptGuard::signal() != 0;
     };
+    if (solver.constraints == ConstraintSupport::all) options.multipliers = built.multipliers;
     BenchmarkEntry entry{.problem = problem.spec.name.value,
                          .file = problem.spec.file.string(),
                          .sha256 = problem.spec.sha256,
+                         .problem_sha256 = problem.sha256(),
                          .knots = instance.knots(),
                          .states = instance.ndx(),
                          .seed = seed,
+                         .initial_state = instance.initial_state(),
                          .options = changed_options(options)};
     for (int k = 0; k < instance.knots(); ++k)
       entry.controls = std::max(entry.controls, instance.nu(k));
+    if (built.dropped.empty() && instance.initial_state() == built.problem->initial_state())
+      entry.best_known = problem.best_known;
     Trajectory answer = guess;
     Repetition repetition{.count = arguments_.repeat};
     if (!arguments_.repeat_always) repetition.longest_s = kLongSolve;
@@ -210,7 +233,29 @@ class Bench {
     for (const DroppedConstraint& constraint : built.dropped)
       if (!entry.run.times.empty())
         entry.left_out.push_back({constraint.name, violation(constraint, instance, answer)});
+    entry.command = command_of(entry, built);
     report_.entries.push_back(std::move(entry));
+  }
+
+  /// The command line that solves an entry alone. A limit in seconds belongs to it only where it
+  /// ended the solve: no other answer depends on one.
+  std::string command_of(const BenchmarkEntry& entry, const BuiltProblem& built) const {
+    const BenchmarkRequest& asked = report_.request;
+    std::vector<std::string> words = {"conddp", "solve", entry.file, "--solver", entry.run.solver};
+    const auto add = [&words](const char* option, std::string value) {
+      words.insert(words.end(), {option, std::move(value)});
+    };
+    for (const DroppedConstraint& constraint : built.dropped) add("--drop", constraint.name);
+    for (const std::string& setting : asked.settings) add("--set", setting);
+    for (const auto& [name, value] : asked.tolerances.items())
+      add("--set", fmt::format("solver.tolerances.{}={}", name, value.get<double>()));
+    if (asked.initial_state_size)
+      add("--perturb", fmt::format("initial_state={}", *asked.initial_state_size));
+    if (asked.guess_spread) add("--perturb", fmt::format("guess={}", *asked.guess_spread));
+    if (entry.seed) add("--seed", std::to_string(*entry.seed));
+    if (entry.run.status == to_string(SolveStatus::time_limit) && arguments_.max_time > 0)
+      add("--max-time", fmt::format("{}", arguments_.max_time));
+    return shell_line(words);
   }
 
   void write() {

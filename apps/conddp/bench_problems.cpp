@@ -7,6 +7,8 @@
 #include "example_problems.hpp"
 #include "input_files.hpp"
 #include "messages.hpp"
+#include "output/best_known.hpp"
+#include "problem_file/problem_identity.hpp"
 #include "problem_file/read_problem.hpp"
 #include "robot/near_names.hpp"
 
@@ -45,6 +47,24 @@ bool names_file(const Diagnostics& diagnostics, const std::string& file) {
   });
 }
 
+/// Looks the problems up in the files beside them, if there are any.
+bool find_best_known(std::deque<BenchProblem>& problems, Diagnostics& out) {
+  std::map<std::filesystem::path, BestKnown> of_folders;
+  for (BenchProblem& problem : problems) {
+    const std::filesystem::path folder = problem.spec.file.parent_path();
+    const auto [known, fresh] = of_folders.try_emplace(folder);
+    std::error_code error;
+    if (fresh && std::filesystem::exists(folder / kBestKnownFile, error)) {
+      auto read = load_best_known(folder / kBestKnownFile, out);
+      if (!read) return false;
+      known->second = *std::move(read);
+    }
+    if (const auto found = known->second.find(problem.sha256()); found != known->second.end())
+      problem.best_known = found->second;
+  }
+  return true;
+}
+
 }  // namespace
 
 const BuiltProblem* BenchProblem::build(const std::vector<std::string>& drop, Diagnostics& out) {
@@ -73,6 +93,8 @@ const BuiltProblem& BenchProblem::fitting(const SolverInfo& solver,
   return *built_.at(without);
 }
 
+std::string BenchProblem::sha256() const { return problem_sha256(spec, *built_.at({})); }
+
 std::optional<std::deque<BenchProblem>> read_bench_problems(
     const std::vector<std::string>& inputs, const std::vector<std::string>& settings,
     const std::vector<std::string>& drop, Diagnostics& out) {
@@ -93,6 +115,7 @@ std::optional<std::deque<BenchProblem>> read_bench_problems(
   }
   // Which constraints there are is known of all problems or not at all.
   if (complete) check_drop(problems, drop, out);
+  complete = complete && find_best_known(problems, out);
   if (!complete || out.has_errors()) return std::nullopt;
   return problems;
 }

@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "problem_file/build.hpp"
@@ -17,7 +18,8 @@ inline constexpr const char* kAll = "all";
 /// dropped. It stays where it is: what is built refers to it.
 class BenchProblem {
  public:
-  explicit BenchProblem(ProblemSpec checked) : spec(std::move(checked)) {}
+  explicit BenchProblem(ProblemSpec checked)
+      : spec(std::move(checked)), perturbation(std::exchange(spec.perturbation, {})) {}
   BenchProblem(const BenchProblem&) = delete;
   BenchProblem& operator=(const BenchProblem&) = delete;
 
@@ -28,15 +30,22 @@ class BenchProblem {
   /// with all where leaving out does not help. The whole problem has been built before.
   const BuiltProblem& fitting(const SolverInfo& solver, const std::vector<std::string>& drop);
 
-  ProblemSpec spec;
+  /// The SHA-256 of the problem, which has been built before.
+  std::string sha256() const;
+
+  ProblemSpec spec;  ///< without a perturbation
+  /// That of the file, from which instances that are asked for differ in what is asked for.
+  Perturbation perturbation;
+  std::optional<double> best_known;  ///< the least cost that the file beside the problem knows
 
  private:
   std::map<std::vector<std::string>, std::optional<BuiltProblem>> built_;
 };
 
-/// Reads and builds problem files, those in folders, and examples by name; nothing where something
-/// is wrong. What is wrong with a problem is printed. A problem that these messages do not name,
-/// and a constraint to drop that none has, are errors in `out`.
+/// Reads and builds problem files, those in folders, and examples by name, and looks up what is
+/// known of their optima; nothing where something is wrong. What is wrong with a problem is
+/// printed. A problem that these messages do not name, and a constraint to drop that none has, are
+/// errors in `out`.
 std::optional<std::deque<BenchProblem>> read_bench_problems(
     const std::vector<std::string>& inputs, const std::vector<std::string>& settings,
     const std::vector<std::string>& drop, Diagnostics& out);

@@ -29,6 +29,13 @@ SolveTimes medians(const std::vector<SolveTimes>& all) {
           .rollout = middle(&SolveTimes::rollout)};
 }
 
+/// Row 0 of a log is the guess.
+int sweeps(const std::vector<IterationRecord>& log) {
+  int sum = 0;
+  for (std::size_t i = 1; i < log.size(); ++i) sum += std::max(log[i].sweeps, 1);
+  return sum;
+}
+
 /// Why an answer is not taken for converged.
 std::string contradiction(const AnswerCheck& check) {
   return fmt::format(
@@ -62,6 +69,7 @@ BenchmarkRun run_benchmark(const ShootingProblem& problem, const Trajectory& gue
     run.status = to_string(result.status);
     run.message = result.message;
     run.iterations = result.iterations;
+    run.sweeps = sweeps(result.log);
     run.claimed = result.residuals;
     run.check = check_answer(problem, result.trajectory, options.tolerances.constraint,
                              result.constraint_multipliers);

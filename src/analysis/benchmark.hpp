@@ -15,6 +15,8 @@ struct BenchmarkRun {
   std::string status;   ///< how the solve ended, or "refused"
   std::string message;  ///< why
   int iterations = 0;
+  /// Backward passes, or systems of equations where there are no passes: at least one an iteration.
+  int sweeps = 0;
   AnswerCheck check;          ///< found by check_answer
   Residuals claimed;          ///< what the solver said
   bool solved = false;        ///< converged, and the check agrees

@@ -6,11 +6,12 @@
 
 namespace conddp {
 
-/// How a solver compares with the best of all over a set of problems (Dolan, Moré 2002): the share
-/// of problems that it solves within τ times what the best solver needs.
+/// The share of a set of problems that a solver solves within τ: so many times what the best solver
+/// needs (a performance profile; Dolan, Moré 2002), or so much effort (a data profile; Moré, Wild
+/// 2009).
 struct PerformanceProfile {
   std::string solver;
-  /// (τ, share) where the share rises, τ increasing from 1 on; empty where it solves nothing.
+  /// (τ, share) where the share rises, τ increasing; empty where it solves nothing.
   std::vector<std::pair<double, double>> steps;
 
   /// The share at τ.
@@ -22,5 +23,10 @@ struct PerformanceProfile {
 /// plus their effort.
 std::vector<PerformanceProfile> performance_profiles(
     const std::vector<std::string>& solvers, const std::vector<std::vector<double>>& effort);
+
+/// The same effort, compared with nothing: a unit that no machine and no other solver changes, as
+/// backward sweeps, makes profiles that can be laid beside those of another run.
+std::vector<PerformanceProfile> data_profiles(const std::vector<std::string>& solvers,
+                                              const std::vector<std::vector<double>>& effort);
 
 }  // namespace conddp

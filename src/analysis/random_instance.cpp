@@ -8,8 +8,9 @@ namespace conddp {
 
 ShootingProblem perturb_initial_state(const ShootingProblem& problem, double size,
                                       std::uint64_t seed) {
-  // A first state that is chosen stays what it is chosen from.
-  if (problem.phases().front().instant) size = 0;
+  // A first state that is chosen stays what it is chosen from. To move by nothing would round.
+  if (size == 0 || problem.phases().front().instant)
+    return {problem.initial_state(), problem.phases(), problem.terminal()};
   std::mt19937_64 engine(seed);
   const KnotModel& model = *problem.knot(0).model;
   const int memory = model.has_control_memory() ? model.system().actuators() : 0;

@@ -53,23 +53,22 @@ OrderedJson entry_json(const BenchmarkEntry& entry) {
   for (const LeftOut& constraint : entry.left_out)
     dropped.push_back(
         {{"name", constraint.name}, {"violation", finite_or_null(constraint.violation)}});
-  OrderedJson json = {{"problem", entry.problem},
-                      {"file", entry.file},
-                      {"sha256", entry.sha256},
-                      {"knots", entry.knots},
-                      {"states", entry.states},
-                      {"controls", entry.controls},
-                      {"seed", nullptr},
-                      {"solver", run.solver},
-                      {"status", run.status},
-                      {"message", run.message},
-                      {"solved", run.solved && entry.left_out.empty()}};
+  OrderedJson json = {{"problem", entry.problem}, {"file", entry.file},
+                      {"sha256", entry.sha256},   {"problem_sha256", entry.problem_sha256},
+                      {"command", entry.command}, {"knots", entry.knots},
+                      {"states", entry.states},   {"controls", entry.controls},
+                      {"seed", nullptr},          {"initial_state", entry.initial_state},
+                      {"solver", run.solver},     {"status", run.status},
+                      {"message", run.message},   {"solved", run.solved && entry.left_out.empty()}};
   if (entry.seed) json["seed"] = *entry.seed;
   json["dropped_constraints"] = std::move(dropped);
   json["options"] = entry.options;
   if (run.status == "refused") return json;
   json["iterations"] = run.iterations;
+  json["sweeps"] = run.sweeps;
   json["cost"] = finite_or_null(run.check.cost);
+  json["best_known"] = nullptr;
+  if (entry.best_known) json["best_known"] = *entry.best_known;
   json["cost_excess"] = finite_or_null(entry.cost_excess);
   json["residuals"] = residuals(run.check.stationarity, run.check.gap, run.check.constraint,
                                 run.check.complementarity);
@@ -84,9 +83,13 @@ OrderedJson summary_json(const BenchmarkReport& report) {
   for (const SolverSummary& summary : summarize(report)) {
     OrderedJson failures = OrderedJson::object();
     for (const auto& [status, count] : summary.failures) failures[status] = count;
+    OrderedJson within = OrderedJson::object();
+    for (std::size_t i = 0; i < kCostLevels.size(); ++i)
+      within[kCostLevels[i].name] = summary.within[i];
     list.push_back({{"solver", summary.solver},
                     {"runs", summary.runs},
                     {"solved", summary.solved},
+                    {"within", std::move(within)},
                     {"with_dropped_constraints", summary.left_out},
                     {"solved_with_dropped_constraints", summary.solved_without},
                     {"refused", summary.refused},
@@ -95,11 +98,9 @@ OrderedJson summary_json(const BenchmarkReport& report) {
   return list;
 }
 
-OrderedJson profiles_json(const BenchmarkReport& report, Effort effort) {
+OrderedJson profiles_json(const std::vector<PerformanceProfile>& profiles) {
   OrderedJson json = OrderedJson::object();
-  for (const PerformanceProfile& profile :
-       performance_profiles(report.request.solvers, efforts(report, effort)))
-    json[profile.solver] = profile.steps;
+  for (const PerformanceProfile& profile : profiles) json[profile.solver] = profile.steps;
   return json;
 }
 
@@ -108,6 +109,10 @@ OrderedJson profiles_json(const BenchmarkReport& report, Effort effort) {
 OrderedJson benchmark_json(const BenchmarkReport& report) {
   OrderedJson runs = OrderedJson::array();
   for (const BenchmarkEntry& entry : report.entries) runs.push_back(entry_json(entry));
+  const std::vector<std::string>& solvers = report.request.solvers;
+  const auto against_best = [&](Effort effort) {
+    return profiles_json(performance_profiles(solvers, efforts(report, effort)));
+  };
   return {{"format", "conddp.bench/1"},
           {"tool", tool_json()},
           {"machine",
@@ -117,8 +122,9 @@ OrderedJson benchmark_json(const BenchmarkReport& report) {
           {"runs", std::move(runs)},
           {"summary", summary_json(report)},
           {"profiles",
-           {{"time", profiles_json(report, Effort::time)},
-            {"iterations", profiles_json(report, Effort::iterations)}}}};
+           {{"time", against_best(Effort::time)},
+            {"iterations", against_best(Effort::iterations)},
+            {"sweeps", profiles_json(data_profiles(solvers, efforts(report, Effort::sweeps)))}}}};
 }
 
 }  // namespace conddp

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <tuple>
 
 namespace conddp {
 namespace {
@@ -26,12 +27,9 @@ void compare_costs(BenchmarkReport& report) {
     int answers = 0;
   };
   // Instances with other guesses are the same problem; with other initial states they are not.
-  const bool same_problem = !report.request.initial_state_size;
-  std::map<std::pair<InstanceKey, std::string>, Group> groups;
+  std::map<std::tuple<std::string, std::vector<double>, std::string>, Group> groups;
   const auto group_of = [&](const BenchmarkEntry& entry) -> Group& {
-    InstanceKey instance = instance_of(entry);
-    if (same_problem) instance.second.reset();
-    return groups[{instance, constraints_left_out(entry)}];
+    return groups[{entry.file, entry.initial_state, constraints_left_out(entry)}];
   };
   for (const BenchmarkEntry& entry : report.entries) {
     if (!entry.run.solved) continue;
@@ -42,9 +40,10 @@ void compare_costs(BenchmarkReport& report) {
   for (BenchmarkEntry& entry : report.entries) {
     if (!entry.run.solved) continue;
     const Group& group = group_of(entry);
-    if (group.answers < 2) continue;
-    const double above = entry.run.check.cost - group.lowest;
-    entry.cost_excess = above == 0 ? 0 : above / std::max(std::abs(group.lowest), 1e-300);
+    if (!entry.best_known && group.answers < 2) continue;
+    const double best = entry.best_known.value_or(group.lowest);
+    const double above = entry.run.check.cost - best;
+    entry.cost_excess = above == 0 ? 0 : above / std::max(std::abs(best), 1e-300);
   }
 }
 
@@ -67,6 +66,9 @@ std::vector<SolverSummary> summarize(const BenchmarkReport& report) {
       ++summary.runs;
       (entry.left_out.empty() ? summary.solved : summary.solved_without) += entry.run.solved;
       summary.left_out += !entry.left_out.empty();
+      if (entry.run.solved && entry.left_out.empty())
+        for (std::size_t i = 0; i < kCostLevels.size(); ++i)
+          summary.within[i] += !(entry.cost_excess > kCostLevels[i].excess);
       if (!entry.run.solved) ++failures[entry.run.kept_word() ? entry.run.status : "check failed"];
     }
     summary.failures.assign(failures.begin(), failures.end());
@@ -88,7 +90,9 @@ std::vector<std::vector<double>> efforts(const BenchmarkReport& report, Effort e
     }
     if (!entry.run.solved || !entry.left_out.empty()) continue;
     const auto solver = std::find(names.begin(), names.end(), entry.run.solver) - names.begin();
-    rows.back()[solver] = effort == Effort::time ? entry.run.median.total : entry.run.iterations;
+    rows.back()[solver] = effort == Effort::time         ? entry.run.median.total
+                          : effort == Effort::iterations ? entry.run.iterations
+                                                         : entry.run.sweeps;
   }
   return rows;
 }

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -35,6 +36,22 @@ std::string status_text(const BenchmarkRun& run) {
 /// A share of the time of a solve, µs an iteration.
 std::string per_iteration(double time_s, const BenchmarkRun& run) {
   return run.times.empty() ? "" : number(1e6 * time_s / std::max(run.iterations, 1), "{:.0f}");
+}
+
+/// Heads of the columns of within_cells: how many answers end so close to the best.
+std::vector<TextTable::Column> within_columns() {
+  std::vector<TextTable::Column> columns;
+  for (const CostLevel& level : kCostLevels)
+    columns.push_back({fmt::format("within {}", level.name)});
+  return columns;
+}
+
+/// Shares of the runs.
+std::vector<std::string> within_cells(const SolverSummary& summary) {
+  std::vector<std::string> cells;
+  for (const int count : summary.within)
+    cells.push_back(summary.runs > 0 ? fmt::format("{:.1f} %", 100.0 * count / summary.runs) : "");
+  return cells;
 }
 
 TextTable solver_table(const Entries& entries) {
@@ -108,9 +125,11 @@ std::vector<std::string> robustness_row(const std::string& solver, const Entries
   for (const auto& [status, count] : summary.failures)
     failures += fmt::format("{}{} {}", failures.empty() ? "" : ", ", count, status);
   if (summary.refused > 0) failures = fmt::format("{} refused", summary.refused);
-  std::vector<std::string> row = {solver, fmt::format("{}/{}", solved, runs), without};
+  std::vector<std::string> row = {solver, fmt::format("{}/{}", solved, runs)};
+  for (std::string& cell : within_cells(summary)) row.push_back(std::move(cell));
+  row.push_back(without);
   if (iterations.empty())
-    row.resize(9);
+    row.resize(row.size() + 6);
   else
     row.insert(row.end(), {number(median(iterations), "{:.4g}"), number(median(times), "{:.4g}"),
                            excess.empty() ? "" : residual(median(excess)), residual(stationarity),
@@ -131,6 +150,8 @@ TextTable robustness_table(const std::vector<std::string>& solvers, const Entrie
                               {"constraint"},
                               {"otherwise", false}},
                   .rows = {}};
+  const auto levels = within_columns();
+  table.columns.insert(table.columns.begin() + 2, levels.begin(), levels.end());
   for (const std::string& solver : solvers) table.rows.push_back(robustness_row(solver, entries));
   return table;
 }
@@ -144,14 +165,19 @@ TextTable summary_table(const BenchmarkReport& report) {
                               {"refused"},
                               {"otherwise", false}},
                   .rows = {}};
+  const auto levels = within_columns();
+  table.columns.insert(table.columns.begin() + 4, levels.begin(), levels.end());
   for (const SolverSummary& s : summarize(report)) {
     std::string failures;
     for (const auto& [status, count] : s.failures)
       failures += fmt::format("{}{} {}", failures.empty() ? "" : ", ", count, status);
-    table.rows.push_back({s.solver, std::to_string(s.solved), std::to_string(s.runs),
-                          s.runs > 0 ? fmt::format("{:.1f} %", 100.0 * s.solved / s.runs) : "",
-                          s.left_out > 0 ? fmt::format("{}/{}", s.solved_without, s.left_out) : "",
-                          s.refused > 0 ? std::to_string(s.refused) : "", failures});
+    std::vector<std::string> row = {
+        s.solver, std::to_string(s.solved), std::to_string(s.runs),
+        s.runs > 0 ? fmt::format("{:.1f} %", 100.0 * s.solved / s.runs) : ""};
+    for (std::string& cell : within_cells(s)) row.push_back(std::move(cell));
+    row.insert(row.end(), {s.left_out > 0 ? fmt::format("{}/{}", s.solved_without, s.left_out) : "",
+                           s.refused > 0 ? std::to_string(s.refused) : "", failures});
+    table.rows.push_back(std::move(row));
   }
   return table;
 }
@@ -180,13 +206,42 @@ std::string heading(const BenchmarkEntry& entry, const BenchmarkRequest& request
   return text + (markdown ? "\n\n" : "\n");
 }
 
-/// Why solvers refused or failed, where that is one run each.
-std::string messages(const Entries& entries, bool markdown) {
+/// A line of its own for the command that solves an entry again.
+std::string command_line(const BenchmarkEntry& entry, bool markdown) {
+  return markdown ? fmt::format("  `{}`\n", entry.command) : fmt::format("    {}\n", entry.command);
+}
+
+/// Why solvers refused or failed, and how to see that again: of several instances the first one of
+/// each solver that did not refuse.
+std::string failure_lines(const Entries& entries, bool markdown) {
+  std::string text;
+  std::set<std::string> told;
+  for (const BenchmarkEntry* entry : entries) {
+    const BenchmarkRun& run = entry->run;
+    const bool refused = run.status == "refused";
+    if (run.solved || (entry->seed && (refused || !told.insert(run.solver).second))) continue;
+    text += fmt::format("{}{}{}: {}\n", markdown ? "- " : "  ", run.solver,
+                        entry->seed ? fmt::format(", seed {}", *entry->seed) : "", run.message);
+    if (!refused) text += command_line(*entry, markdown);
+  }
+  return text;
+}
+
+/// Answers that are better than what was known.
+std::string discovery_lines(const Entries& entries, bool markdown) {
   std::string text;
   for (const BenchmarkEntry* entry : entries)
-    if (!entry->run.solved)
-      text +=
-          fmt::format("{}{}: {}\n", markdown ? "- " : "  ", entry->run.solver, entry->run.message);
+    if (beats_best_known(*entry))
+      text += fmt::format("{}{}{}: {:.9g} is less than the best known cost, {:.9g}\n",
+                          markdown ? "- " : "  ", entry->run.solver,
+                          entry->seed ? fmt::format(", seed {}", *entry->seed) : "",
+                          entry->run.check.cost, *entry->best_known) +
+              command_line(*entry, markdown);
+  return text;
+}
+
+std::string messages(const Entries& entries, bool markdown) {
+  const std::string text = failure_lines(entries, markdown) + discovery_lines(entries, markdown);
   return markdown && !text.empty() ? '\n' + text : text;
 }
 
@@ -207,10 +262,9 @@ std::string benchmark_text(const BenchmarkReport& report, bool markdown) {
       entries.push_back(&report.entries[i]);
     if (problems > 0) text += '\n';
     text += heading(*entries.front(), report.request, markdown);
-    if (report.request.instances > 0)
-      text += print(robustness_table(report.request.solvers, entries));
-    else
-      text += print(solver_table(entries)) + messages(entries, markdown);
+    text += print(report.request.instances > 0 ? robustness_table(report.request.solvers, entries)
+                                               : solver_table(entries)) +
+            messages(entries, markdown);
   }
   if (problems > 1)
     text +=
@@ -220,7 +274,7 @@ std::string benchmark_text(const BenchmarkReport& report, bool markdown) {
 
 std::string benchmark_csv(const BenchmarkReport& report) {
   std::string text =
-      "problem,seed,solver,status,solved,without,iterations,time [s],time smallest [s],"
+      "problem,seed,solver,status,solved,without,iterations,sweeps,time [s],time smallest [s],"
       "time largest [s],evaluate [s],differentiate [s],sweep [s],rollout [s],cost,cost excess,"
       "stationarity,gap,constraint,complementarity\n";
   for (const BenchmarkEntry& entry : report.entries) {
@@ -231,16 +285,16 @@ std::string benchmark_csv(const BenchmarkReport& report) {
                         entry.seed ? std::to_string(*entry.seed) : "", run.solver, run.status,
                         run.solved ? 1 : 0, fmt::join(names, " "));
     if (run.times.empty()) {
-      text += ",,,,,,,,,,,,,\n";
+      text += ",,,,,,,,,,,,,,\n";
       continue;
     }
     const auto [smallest, largest] = std::minmax_element(run.times.begin(), run.times.end());
     const SolveTimes& t = run.median;
-    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", run.iterations, t.total,
-                        *smallest, *largest, t.evaluate, t.differentiate, t.sweep, t.rollout,
-                        cell(run.check.cost), cell(entry.cost_excess), cell(run.check.stationarity),
-                        cell(run.check.gap), cell(run.check.constraint),
-                        cell(run.check.complementarity));
+    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", run.iterations,
+                        run.sweeps, t.total, *smallest, *largest, t.evaluate, t.differentiate,
+                        t.sweep, t.rollout, cell(run.check.cost), cell(entry.cost_excess),
+                        cell(run.check.stationarity), cell(run.check.gap),
+                        cell(run.check.constraint), cell(run.check.complementarity));
   }
   return text;
 }

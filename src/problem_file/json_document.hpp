@@ -19,6 +19,7 @@ struct DocumentKind {
 };
 inline constexpr DocumentKind kSolutionDocument{"conddp.solution/", "solution"};
 inline constexpr DocumentKind kBenchDocument{"conddp.bench/", "benchmark"};
+inline constexpr DocumentKind kBestKnownDocument{"conddp.best_known/", "list of best known optima"};
 
 /// Reads the entries `keys` (and `format`) of a document from its text; the others are passed over
 /// without being kept, since gains and multipliers of a long solution would fill the memory.

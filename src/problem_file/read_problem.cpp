@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "problem_file/gait_schedule.hpp"
+#include "problem_file/problem_identity.hpp"
 #include "problem_file/read_sections.hpp"
 #include "problem_file/sha256.hpp"
 #include "problem_file/source_text.hpp"
@@ -148,6 +149,7 @@ std::optional<ProblemSpec> read_problem_text(const std::string& text,
   if (out.has_errors()) return std::nullopt;
   spec.text = text;
   spec.sha256 = sha256(text);
+  spec.definition = canonical_definition(*root);
   return spec;
 }
 

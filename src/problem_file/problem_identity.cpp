@@ -1,0 +1,52 @@
+#include "problem_file/problem_identity.hpp"
+
+#include <algorithm>
+
+#include <nlohmann/json.hpp>
+
+#include "problem_file/sha256.hpp"
+#include "problem_file/strict_number.hpp"
+
+namespace conddp {
+namespace {
+
+constexpr std::string_view kNotOfTheProblem[] = {"name", "description", "initial_guess",
+                                                 "perturbation", "solver"};
+
+nlohmann::json canonical(const YamlNode& node) {
+  nlohmann::json json;
+  switch (node.kind) {
+    case YamlNode::Kind::kNull:
+      break;
+    case YamlNode::Kind::kSequence:
+      json = nlohmann::json::array();
+      for (const YamlNode& item : node.items) json.push_back(canonical(item));
+      break;
+    case YamlNode::Kind::kMap:
+      json = nlohmann::json::object();
+      for (const YamlNode::Entry& entry : node.entries) json[entry.key] = canonical(entry.value);
+      break;
+    case YamlNode::Kind::kScalar:
+      json = node.text;
+      if (const auto number = parse_number(node.text).value; number && !node.quoted) json = *number;
+  }
+  return json;
+}
+
+}  // namespace
+
+std::string canonical_definition(const YamlNode& root) {
+  nlohmann::json json = canonical(root);
+  if (json.is_object())
+    for (const std::string_view key : kNotOfTheProblem) json.erase(std::string(key));
+  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+std::string problem_sha256(const ProblemSpec& spec, const BuiltProblem& built) {
+  std::string all = spec.definition;
+  for (const PlantPart& part : built.plant.parts) all += '\n' + part.sha256;
+  for (const InputFile& file : built.data_files) all += '\n' + file.sha256;
+  return sha256(all);
+}
+
+}  // namespace conddp
