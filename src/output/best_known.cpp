@@ -29,7 +29,8 @@ std::optional<BestKnown> load_best_known(const std::filesystem::path& file, Diag
     if (!problems.is_object()) throw MalformedSolution{"'problems' has no names"};
     for (const auto& [name, entry] : problems.items()) {
       of = name;
-      known[solution_text(entry, "problem_sha256")] = cost_of(entry);
+      const std::string hash = solution_text(entry, "problem_sha256");
+      known[hash] = cost_of(entry);
     }
   } catch (const MalformedSolution& e) {
     out.add({.file = file.string(),

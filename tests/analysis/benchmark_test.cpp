@@ -22,6 +22,7 @@ TEST(Benchmark, MeasuresASolve) {
   EXPECT_EQ(measured.status, "converged");
   EXPECT_TRUE(measured.solved);
   EXPECT_GT(measured.iterations, 0);
+  EXPECT_GE(measured.sweeps, measured.iterations);
   EXPECT_EQ(measured.times.size(), 3u);
   EXPECT_EQ(measured.median.total, median(measured.times));
   EXPECT_GT(measured.median.sweep, 0);
@@ -91,6 +92,20 @@ TEST(PerformanceProfile, IsTheShareWithinAMultipleOfTheBest) {
   EXPECT_EQ(zero[0].share(1), 1);
   EXPECT_EQ(zero[1].share(3.9), 0);
   EXPECT_EQ(zero[1].share(4), 1);
+}
+
+TEST(DataProfile, IsTheShareForSoMuchEffort) {
+  constexpr double kFailed = std::numeric_limits<double>::infinity();
+  const auto profiles = data_profiles({"a", "b"}, {{3, 9}, {7, kFailed}, {3, 1}, {kFailed, 8}});
+  using Steps = std::vector<std::pair<double, double>>;
+  EXPECT_EQ(profiles[0].steps, (Steps{{3, 0.5}, {7, 0.75}}));
+  EXPECT_EQ(profiles[1].steps, (Steps{{1, 0.25}, {8, 0.5}, {9, 0.75}}));
+}
+
+// The bits of a quaternion would change by a step of nothing; then it would count as another state.
+TEST(RandomInstance, LeavesTheInitialStateToTheBitWhereNothingIsAskedFor) {
+  const ShootingProblem moved = perturb_initial_state(testing::quadrotor_move(), 0.3, 1);
+  EXPECT_EQ(perturb_initial_state(moved, 0, 2).initial_state(), moved.initial_state());
 }
 
 TEST(RandomInstance, MovesTheInitialStateOnItsManifoldBySeed) {

@@ -179,6 +179,112 @@ TEST(Bench, AnInstanceIsSolvedAloneByItsSeed) {
   EXPECT_EQ(run_conddp({"solve", kPendulum, "--seed", "5"}).exit_code, 2) << "of what?";
 }
 
+/// The solution that a run's command leads to, given to a shell as it stands.
+Json solution_of(const Json& run, const TemporaryFolder& folder) {
+  const std::string command = run["command"];
+  EXPECT_TRUE(command.starts_with("conddp solve ")) << command;
+  const std::string line = "cd '" + folder.path().string() + "' && " CONDDP_BINARY +
+                           command.substr(6) + " --quiet -o answer >/dev/null 2>&1";
+  const int status = std::system(line.c_str());
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) < 2) << line;
+  return Json::parse(read_file(folder.path() / "answer/solution.json"));
+}
+
+// Every run of a benchmark by its command alone: the same to the last bit, failures included.
+TEST(Bench, ItsCommandsSolveItsRunsAgain) {
+  const TemporaryFolder folder;
+  std::string text = read_file(kPendulum);
+  text.erase(0, text.find("conddp: 1"));
+  folder.write("it's a pendulum.yaml",
+               text + "perturbation: {initial_state: 0.2, guess: 0.1, seed: 3}\n");
+  const Words common = {"bench",
+                        "it's a pendulum.yaml",
+                        "--repeat",
+                        "0",
+                        "--json",
+                        "--solvers",
+                        "ilqr_clip,box_ddp,fddp,altro,ipopt"};
+  const std::vector<Words> requests = {
+      {},
+      {"--drop", "torque"},
+      {"--set", "solver={name: ipopt, max_iterations: 30}", "--tolerance", "stationarity=1.5e-7"},
+      {"--perturb", "initial_state=0.3", "--perturb", "guess=0.25", "--seed", "8"},
+      {"--perturb", "guess=0.3", "--instances", "2", "--drop", "all"}};
+  int compared = 0;
+  for (const Words& more : requests) {
+    Words words = common;
+    words.insert(words.end(), more.begin(), more.end());
+    const ProcessResult r = run_conddp(words, {.folder = folder.path()});
+    ASSERT_EQ(r.exit_code, 0) << r.err;
+    const Json report = Json::parse(r.out);
+    for (const Json& run : report["runs"]) {
+      if (run["status"] == "refused") continue;
+      const Json solution = solution_of(run, folder);
+      EXPECT_EQ(solution["cost"], run["cost"]) << run["command"];
+      EXPECT_EQ(solution["iterations"], run["iterations"]) << run["command"];
+      EXPECT_EQ(solution["status"], run["status"]) << run["command"];
+      EXPECT_EQ(solution["trajectory"]["x"][0], run["initial_state"]) << run["command"];
+      ++compared;
+    }
+  }
+  EXPECT_EQ(compared, 4 + 5 + 4 + 4 + 10);
+}
+
+TEST(Bench, SaysOfFailuresHowToSeeThemAgain) {
+  const ProcessResult r = run_conddp({"bench", kPendulum, "--solvers", "box_ddp,fddp", "--repeat",
+                                      "0", "--set", "solver.max_iterations=2"});
+  EXPECT_EQ(r.exit_code, 0) << r.err;
+  EXPECT_NE(r.out.find("\n    conddp solve " + kPendulum +
+                       " --solver box_ddp --set solver.max_iterations=2\n"),
+            std::string::npos)
+      << r.out;
+  EXPECT_EQ(r.out.find("--solver fddp"), std::string::npos) << "a refusal needs no second look";
+}
+
+TEST(Bench, ComparesWithWhatIsKnownBesideTheProblem) {
+  const TemporaryFolder folder;
+  const std::string text = read_file(kPendulum);
+  folder.write("pendulum.yaml", text);
+  const auto run = [&](const Words& more = {}) {
+    Words words = {"bench", "pendulum.yaml", "--solvers", "box_ddp,fddp", "--repeat",
+                   "0",     "--json"};
+    words.insert(words.end(), more.begin(), more.end());
+    const ProcessResult r = run_conddp(words, {.folder = folder.path()});
+    EXPECT_EQ(r.exit_code, 0) << r.err;
+    return Json::parse(r.out);
+  };
+  const Json unknown = run()["runs"][0];
+  EXPECT_EQ(unknown["best_known"], nullptr);
+  EXPECT_EQ(unknown["cost_excess"], nullptr);
+  const auto know = [&](double cost) {
+    folder.write(
+        "best_known.json",
+        Json{{"format", "conddp.best_known/1"},
+             {"problems",
+              {{"pendulum", {{"problem_sha256", unknown["problem_sha256"]}, {"cost", cost}}}}}}
+            .dump());
+  };
+  const double cost = unknown["cost"];
+  know(0.8 * cost);
+  const Json above = run();
+  EXPECT_EQ(above["runs"][0]["best_known"], 0.8 * cost);
+  EXPECT_NEAR(above["runs"][0]["cost_excess"].get<double>(), 0.25, 1e-12);
+  EXPECT_EQ(above["summary"][0]["within"], (Json{{"1e-6", 0}, {"1e-3", 0}, {"1e-1", 0}}));
+  // From another guess it is the same problem; from another initial state, or without a constraint,
+  // or with other costs, it is not.
+  EXPECT_EQ(run({"--perturb", "guess=0.1"})["runs"][0]["best_known"], 0.8 * cost);
+  EXPECT_EQ(run({"--set", "solver.max_iterations=99"})["runs"][0]["best_known"], 0.8 * cost);
+  EXPECT_EQ(run({"--perturb", "initial_state=0.1"})["runs"][0]["best_known"], nullptr);
+  EXPECT_EQ(run({"--drop", "torque"})["runs"][0]["best_known"], 0.8 * cost);
+  EXPECT_EQ(run({"--drop", "torque"})["runs"][1]["best_known"], nullptr);
+  EXPECT_EQ(run({"--set", "constraints.torque.upper=2.5"})["runs"][0]["best_known"], nullptr);
+  know(2 * cost);
+  EXPECT_EQ(run()["summary"][0]["within"], (Json{{"1e-6", 1}, {"1e-3", 1}, {"1e-1", 1}}));
+  const ProcessResult better =
+      run_conddp({"bench", "pendulum.yaml", "--solvers", "box_ddp"}, {.folder = folder.path()});
+  EXPECT_NE(better.out.find("is less than the best known cost, "), std::string::npos) << better.out;
+}
+
 TEST(Bench, AFolderIsItsProblemsAndHasASummary) {
   const TemporaryFolder folder;
   std::string text = read_file(kPendulum);

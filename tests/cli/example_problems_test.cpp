@@ -1,4 +1,5 @@
 // The example problems: those in the folder `problems`, else those that came with the tool.
+#include <regex>
 #include <set>
 
 #include <gtest/gtest.h>
@@ -55,8 +56,14 @@ TEST_F(ExampleProblems, AreSolvedByTheirNamesFromAnywhere) {
   EXPECT_EQ(run({"verify", "out/solution.json", "--quiet"}).exit_code, 0);
   EXPECT_EQ(run({"check", "pendulum_swingup"}).exit_code, 0);
   const ProcessResult bench =
-      run({"bench", "pendulum_swingup", "--solvers", "box_fddp", "--repeat", "0"});
+      run({"bench", "pendulum_swingup", "--solvers", "box_fddp", "--repeat", "0", "--json"});
   EXPECT_EQ(bench.exit_code, 0) << bench.err;
+  const Json benched = Json::parse(bench.out)["runs"][0];
+  EXPECT_NEAR(benched["best_known"].get<double>(), benched["cost"].get<double>(), 1e-8);
+}
+
+TEST_F(ExampleProblems, HaveBestKnownOptimaThatFitTheSchema) {
+  EXPECT_TRUE(fits_schema("best_known", read_file(source("problems/best_known.json"))));
 }
 
 TEST_F(ExampleProblems, AFileAndTheFolderProblemsComeFirst) {
@@ -128,6 +135,8 @@ TEST_F(ExampleProblems, ABenchShowsHowMuchIsLeft) {
   // A solver that refuses the problem is none of the solves that are counted.
   EXPECT_NE(r.err.find(" s, 1 of 2, pendulum_swingup, box_ddp"), std::string::npos) << r.err;
   EXPECT_NE(r.err.find(" s, 2 of 2, about "), std::string::npos) << r.err;
+  EXPECT_TRUE(std::regex_search(r.err, std::regex(" left, [0-9.]+ solves/(s|min), pendulum")))
+      << r.err;
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "output/benchmark_report.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "output/text_table.hpp"
@@ -43,9 +44,11 @@ TEST(BenchmarkReport, CostsAreComparedWithTheBestOfTheSameProblem) {
 TEST(BenchmarkReport, InstancesAreComparedWithEachOtherWhereTheyAreTheSameProblem) {
   for (const bool moved : {false, true}) {
     BenchmarkReport r{.request = {.solvers = {"a"}, .instances = 2}};
-    if (moved) r.request.initial_state_size = 0.1;
     r.entries = {entry("first", "a", 2.0, 0.1), entry("first", "a", 3.0, 0.2)};
-    for (int i = 0; i < 2; ++i) r.entries[i].seed = i;
+    for (int i = 0; i < 2; ++i) {
+      r.entries[i].seed = i;
+      r.entries[i].initial_state = {1, moved ? 0.1 * i : 0};
+    }
     compare_costs(r);
     EXPECT_EQ(std::isnan(r.entries[0].cost_excess), moved);
     EXPECT_EQ(std::isnan(r.entries[1].cost_excess), moved);
@@ -53,6 +56,63 @@ TEST(BenchmarkReport, InstancesAreComparedWithEachOtherWhereTheyAreTheSameProble
       EXPECT_EQ(r.entries[1].cost_excess, 0.5);
     }
   }
+}
+
+TEST(BenchmarkReport, CostsAreComparedWithTheBestKnownWhereThatIsThere) {
+  BenchmarkReport r{.request = {.solvers = {"a", "b"}}};
+  r.entries = {entry("first", "a", 2.0, 0.1), entry("first", "b", 2.5, 0.2),
+               entry("second", "a", 1.0, 0.3)};
+  for (BenchmarkEntry& e : r.entries) e.best_known = 2.0;
+  compare_costs(r);
+  EXPECT_EQ(r.entries[0].cost_excess, 0);
+  EXPECT_EQ(r.entries[1].cost_excess, 0.25);
+  EXPECT_EQ(r.entries[2].cost_excess, -0.5) << "though it stands alone";
+  EXPECT_FALSE(beats_best_known(r.entries[0]));
+  EXPECT_TRUE(beats_best_known(r.entries[2]));
+  r.entries[2].command = "conddp solve second.yaml --solver a";
+  for (const bool markdown : {false, true}) {
+    const std::string text = benchmark_text(r, markdown);
+    EXPECT_NE(text.find("a: 1 is less than the best known cost, 2\n"), std::string::npos) << text;
+    EXPECT_NE(text.find("conddp solve second.yaml --solver a"), std::string::npos) << text;
+  }
+}
+
+TEST(BenchmarkReport, CountsAnswersByHowNearTheyAreToTheBest) {
+  BenchmarkReport r{.request = {.solvers = {"a", "b"}}};
+  r.entries = {entry("1", "a", 2, 1),       entry("1", "b", 2 * (1 + 5e-7), 1),
+               entry("2", "a", 2, 1),       entry("2", "b", 2 * (1 + 1e-4), 1),
+               entry("3", "a", 2, 1),       entry("3", "b", 2 * (1 + 1e-2), 1),
+               entry("4", "a", 2 * 1.2, 1), entry("4", "b", 2, 1),
+               entry("5", "a", 2, 1),       entry("5", "b", 1, 1),
+               entry("6", "a", 2, 1),       entry("6", "b", 1, 1)};
+  r.entries[9].run.solved = false;           // and "a" is alone, the best of its instance
+  r.entries[11].left_out = {{"torque", 1}};  // another problem, not solved as it is
+  compare_costs(r);
+  const auto summary = summarize(r);
+  EXPECT_EQ(summary[0].within, (std::array<int, 3>{5, 5, 5}));
+  EXPECT_EQ(summary[1].within, (std::array<int, 3>{2, 3, 4}));
+  const auto json = benchmark_json(r)["summary"][1]["within"];
+  EXPECT_EQ(json.dump(), R"({"1e-6":2,"1e-3":3,"1e-1":4})");
+  const std::string text = benchmark_text(r, false);
+  EXPECT_NE(text.find("within 1e-6  within 1e-3  within 1e-1"), std::string::npos) << text;
+  EXPECT_NE(text.find(" 33.3 %       50.0 %       66.7 %"), std::string::npos) << text;
+}
+
+TEST(BenchmarkReport, TellsHowToSeeAFailureAgain) {
+  BenchmarkReport r{.request = {.solvers = {"a"}, .instances = 3}};
+  for (int i = 1; i <= 3; ++i) {
+    r.entries.push_back(entry("first", "a", 2.0, 0.1));
+    r.entries.back().seed = i;
+    r.entries.back().run.solved = i == 1;
+    r.entries.back().run.message = "no descent";
+    r.entries.back().command = fmt::format("conddp solve first.yaml --seed {}", i);
+  }
+  const std::string text = benchmark_text(r, false);
+  EXPECT_NE(text.find("  a, seed 2: no descent\n    conddp solve first.yaml --seed 2\n"),
+            std::string::npos)
+      << text;
+  EXPECT_EQ(text.find("--seed 1"), std::string::npos) << "it was solved";
+  EXPECT_EQ(text.find("--seed 3"), std::string::npos) << "one of each solver is enough to see";
 }
 
 TEST(BenchmarkReport, WhatLacksAConstraintIsNotCountedAsSolved) {
@@ -68,6 +128,11 @@ TEST(BenchmarkReport, ProfilesCountWhatWasSolvedWithAllConstraints) {
   constexpr double kNone = std::numeric_limits<double>::infinity();
   const std::vector<std::vector<double>> expected = {{0.1, 0.2}, {kNone, kNone}};
   EXPECT_EQ(efforts(report(), Effort::time), expected);
+  BenchmarkReport r = report();
+  r.entries[0].run.sweeps = 12;
+  r.entries[1].run.sweeps = 25;
+  EXPECT_EQ(benchmark_json(r)["profiles"]["sweeps"].dump(),
+            R"({"a":[[12.0,0.5]],"b":[[25.0,0.5]]})");
 }
 
 TEST(BenchmarkReport, SummaryCountsFailuresByTheirStatus) {

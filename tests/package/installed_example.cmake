@@ -47,6 +47,9 @@ expect_in("${output}" "arm_reach: converged")
 run("comparing solvers on the examples" ${CMAKE_COMMAND} -E chdir ${WORK_DIR}/empty
   ${prefix}/moved_tool/bin/conddp bench --solvers intro --repeat 0 --max-time 0.001)
 expect_in("${output}" "all problems")
+run("comparing with the best known optimum" ${CMAKE_COMMAND} -E chdir ${WORK_DIR}/empty
+  ${prefix}/moved_tool/bin/conddp bench pendulum_swingup --solvers box_ddp --repeat 0 --json)
+expect_in("${output}" "\"best_known\": 0.0184046")
 
 # The component for files brings its dependencies.
 file(WRITE ${WORK_DIR}/files/CMakeLists.txt "
