@@ -37,11 +37,6 @@ class BackwardSweep {
   const ValueFunction& value(int k) const { return values_[k]; }
   /// Q_uu of a knot, without regularisation.
   const Eigen::MatrixXd& Quu(int k) const { return Quu_[k]; }
-  /// Exchanges all of these with another set of the same shape.
-  void swap_values(std::vector<ValueFunction>& other, std::vector<Eigen::MatrixXd>& other_Quu) {
-    values_.swap(other);
-    Quu_.swap(other_Quu);
-  }
 
   /// Whether sweeps may go by legs, where there are several.
   void use_legs(bool use) { use_legs_ = use; }

@@ -18,22 +18,21 @@ class BoxStage : public StagePolicy {
     for (int leg = 0; leg < legs; ++leg) scratch_.emplace_back(rows, max_nu, options);
     for (int k = 0; k < problem.knots(); ++k) {
       const int nu = problem.nu(k);
-      standing_.active.emplace_back(nu);
+      active_.emplace_back(nu);
       kept_.push_back({Eigen::MatrixXd(problem.ndx(), nu), Eigen::MatrixXd(nu, nu),
                        Eigen::VectorXd(nu), Eigen::VectorXd(nu), Eigen::VectorXd(nu)});
     }
-    remembered_ = standing_;
   }
 
   void begin_sweep(bool hold) override {
-    standing_.changes = 0;
+    changes_ = 0;
     hold_ = hold;
   }
 
   bool solve(const StageProblem& stage, Eigen::Ref<Eigen::VectorXd> k, LaneBlock Kt) override {
     const int nu = static_cast<int>(k.size());
     Scratch& scratch = scratch_[stage.leg];
-    std::vector<BoundState>& active = standing_.active[stage.knot];
+    std::vector<BoundState>& active = active_[stage.knot];
     Kept& kept = kept_[stage.knot];
     Eigen::VectorXd &lower = kept.lower, &upper = kept.upper;
     lower = stage.lower - stage.u;
@@ -65,29 +64,29 @@ class BoxStage : public StagePolicy {
     solve_rows_in_place(scratch.qp.free_factor(), scratch.rhs.block());
     Kt.view().setZero();
     for (int j = 0; j < count; ++j) Kt.view().col(free[j]) = scratch.rhs.view().col(j);
-    for (int i = 0; i < nu; ++i) standing_.changes += active[i] != scratch.before[i];
+    for (int i = 0; i < nu; ++i) changes_ += active[i] != scratch.before[i];
     if (count < nu) keep(stage, kept);
     return true;
   }
 
   int revise(int knot, const Eigen::Ref<const Eigen::VectorXd>& dx,
-             const Eigen::Ref<const Eigen::VectorXd>& du, bool release) override {
+             const Eigen::Ref<const Eigen::VectorXd>& du) override {
     const Kept& kept = kept_[knot];
-    std::vector<BoundState>& active = standing_.active[knot];
+    std::vector<BoundState>& active = active_[knot];
     int changes = 0;
     for (int i = 0; i < du.size(); ++i) {
       BoundState state = active[i];
       if (state == BoundState::free) {
         if (du[i] < kept.lower[i]) state = BoundState::at_lower;
         if (du[i] > kept.upper[i]) state = BoundState::at_upper;
-      } else if (release && kept.lower[i] < kept.upper[i]) {
+      } else if (kept.lower[i] < kept.upper[i]) {
         const double gradient = kept.Qu[i] + kept.Quu.col(i).dot(du) + kept.Qxu.col(i).dot(dx);
         if ((state == BoundState::at_lower) == (gradient < 0)) state = BoundState::free;
       }
       changes += state != active[i];
       active[i] = state;
     }
-    standing_.changes += changes;
+    changes_ += changes;
     return changes;
   }
 
@@ -95,45 +94,31 @@ class BoxStage : public StagePolicy {
     kept_[knot].Qu += change;
   }
 
-  void assume(int knot, const Eigen::Ref<const Eigen::VectorXd>& gradient) override {
-    const Kept& kept = kept_[knot];
-    for (int i = 0; i < gradient.size(); ++i) {
-      standing_.active[knot][i] = kept.lower[i] >= 0 && gradient[i] > 0   ? BoundState::at_lower
-                                  : kept.upper[i] <= 0 && gradient[i] < 0 ? BoundState::at_upper
-                                                                          : BoundState::free;
-    }
-  }
-
   void assume_sides(int knot, const Eigen::Ref<const Eigen::VectorXd>& side) override {
     for (int i = 0; i < side.size(); ++i) {
-      BoundState& state = standing_.active[knot][i];
+      BoundState& state = active_[knot][i];
       const BoundState now = side[i] < 0   ? BoundState::at_lower
                              : side[i] > 0 ? BoundState::at_upper
                                            : BoundState::free;
-      standing_.changes += state != now;
+      changes_ += state != now;
       state = now;
     }
   }
 
   void release() override {
-    for (auto& knot : standing_.active) std::fill(knot.begin(), knot.end(), BoundState::free);
+    for (auto& knot : active_) std::fill(knot.begin(), knot.end(), BoundState::free);
   }
 
-  bool holds(int knot, int i) const override {
-    return standing_.active[knot][i] != BoundState::free;
-  }
-
-  void remember() override { remembered_ = standing_; }
-  void recall() override { standing_ = remembered_; }
+  bool holds(int knot, int i) const override { return active_[knot][i] != BoundState::free; }
 
   int clamped_controls() const override {
     int count = 0;
-    for (const auto& knot : standing_.active)
+    for (const auto& knot : active_)
       count +=
           static_cast<int>(knot.size() - std::count(knot.begin(), knot.end(), BoundState::free));
     return count;
   }
-  int active_set_changes() const override { return standing_.changes; }
+  int active_set_changes() const override { return changes_; }
 
  private:
   /// What the last sweep saw at a knot; bounds are those of δu.
@@ -155,12 +140,6 @@ class BoxStage : public StagePolicy {
     LaneMatrix factor, rhs;
     std::vector<BoundState> before;
     std::vector<int> free;
-  };
-
-  /// Where the controls of all knots stand, kept from sweep to sweep, and what is said of that.
-  struct Standing {
-    std::vector<std::vector<BoundState>> active;
-    int changes = 0;
   };
 
   /// Keeps what `revise` needs of a stage where something is held.
@@ -207,8 +186,8 @@ class BoxStage : public StagePolicy {
   std::vector<Kept> kept_;
   std::vector<Scratch> scratch_;  ///< of stages that are solved at once
   bool hold_ = false;
-  Standing standing_;
-  Standing remembered_;
+  std::vector<std::vector<BoundState>> active_;  ///< of all knots, kept from sweep to sweep
+  int changes_ = 0;
 };
 
 }  // namespace

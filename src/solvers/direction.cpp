@@ -38,25 +38,19 @@ Direction::Direction(const ShootingProblem& problem, const ControlBounds& bounds
     constraints_.reset();
   else
     descent_.emplace(problem, bounds);
-  remembered_.emplace(
-      Remembered{Feedback(problem),
-                 std::vector<ValueFunction>(problem.knots() + 1, ValueFunction(problem.ndx())),
-                 {}});
-  for (int k = 0; k < problem.knots(); ++k) remembered_->Quu.push_back(sweep_.Quu(k));
 }
 
 int Direction::find(Linearization& linearization, const Trajectory& trajectory, const Gaps& gaps,
-                    const Adjoint& adjoint, const MeritModel& merit,
-                    SweepRegularization regularization, const Augmentation* augmentation) {
+                    const Adjoint& adjoint, SweepRegularization regularization,
+                    const Augmentation* augmentation) {
   const bool augmented = constraints_ && (augmentation != nullptr ||
                                           (models_costs_ && problem_.constraints().empty()));
-  descended_ = unsettled_ = false;
+  unsettled_ = false;
   if (augmented) {
     constraints_->start(linearization, augmentation);
     constraints_->expect(linearization);
   }
-  const int bad_knot =
-      search(linearization, trajectory, gaps, adjoint, merit, regularization, augmented);
+  const int bad_knot = search(linearization, trajectory, gaps, adjoint, regularization, augmented);
   if (augmented && constraints_->restore(linearization)) {
     if (within_bounds_)
       linear_rollout_.measure_slope(linearization);  // of the step that settled the search
@@ -67,12 +61,10 @@ int Direction::find(Linearization& linearization, const Trajectory& trajectory, 
 }
 
 /// Sweeps until the linear rollout confirms the active set that the sweep assumed, from the set
-/// that the iteration before ended with. Where sets alternate instead of settling, the set of the
-/// iterate itself may grow until the step is feasible; the model says whether that step is better
-/// than that of stages which each find their own set.
+/// that the iteration before ended with. Where sets alternate instead of settling, a true model is
+/// minimised by a descent; else stages find their own sets, around the rows of the iterate.
 int Direction::search(Linearization& linearization, const Trajectory& trajectory, const Gaps& gaps,
-                      const Adjoint& adjoint, const MeritModel& merit,
-                      SweepRegularization regularization, bool augmented) {
+                      const Adjoint& adjoint, SweepRegularization regularization, bool augmented) {
   // Held sweeps after held ones go through what stands before the last change alone: of the active
   // set or of the model's rows.
   std::optional<int> last_change;
@@ -88,7 +80,7 @@ int Direction::search(Linearization& linearization, const Trajectory& trajectory
     linear_rollout_.run(linearization, trajectory, gaps, feedback_, clamp);
   };
   // How much of what the last sweep assumed does not hold all along the horizon.
-  const auto revise = [&](bool release) {
+  const auto revise = [&] {
     roll(false);
     std::optional<int> last_row;
     int rows = 0;
@@ -99,18 +91,14 @@ int Direction::search(Linearization& linearization, const Trajectory& trajectory
       rows = constraints_->revise(linear_rollout_.z(), allowed, linearization, last_row);
     }
     last_change.reset();
-    const int changes = linear_rollout_.revise(release, *policy_, last_change);
+    const int changes = linear_rollout_.revise(*policy_, last_change);
     last_change = std::max(last_change, last_row);
     if (last_row == problem_.knots()) last_change.reset();  // there every sweep begins
     return changes + rows;
   };
-  const auto model_decrease = [&] {
-    roll(recipe_.clamp_controls);
-    return -(linear_rollout_.slope() + 0.5 * linear_rollout_.curvature(linearization));
-  };
   const int limit = horizon_sweeps_;
   within_bounds_ = limit == 0 && !recipe_.clamp_controls;
-  if (limit == 0 || !(active_set_known_ || declined_) || (!declined_ && sweep(true) >= 0)) {
+  if (limit == 0 || !active_set_known_ || sweep(true) >= 0) {
     const int bad_knot = sweep(false);
     if (bad_knot >= 0) return bad_knot;
     if (limit == 0) {
@@ -122,7 +110,7 @@ int Direction::search(Linearization& linearization, const Trajectory& trajectory
   const auto settle = [&] {
     int fewest = std::numeric_limits<int>::max(), since = 0;
     for (int i = 0; i < limit; ++i) {
-      const int changes = revise(true);
+      const int changes = revise();
       within_bounds_ = changes == 0;
       if (within_bounds_ && augmented) constraints_->settle();
       if (within_bounds_) return true;
@@ -133,33 +121,20 @@ int Direction::search(Linearization& linearization, const Trajectory& trajectory
     }
     return false;
   };
-  if (!declined_ && settle()) return -1;
-  unsettled_ = augmented && !declined_;
-  descended_ = unsettled_ && descend(linearization, trajectory, gaps, adjoint, regularization);
-  if (descended_) {
+  if (settle()) return -1;
+  unsettled_ = augmented;
+  if (augmented && model_true_ &&
+      descend(linearization, trajectory, gaps, adjoint, regularization)) {
     last_change.reset();
     if (sweep(true) < 0 && settle()) return -1;
     descent_->write(feedback_);
     return -1;
   }
+  active_set_known_ = false;
   if (augmented) constraints_->restore(linearization);
-  augmented = false;
-  for (int k = 0; k < problem_.knots(); ++k) {
-    policy_->assume(k, adjoint.gradient().segment(bounds_.offset(k), problem_.nu(k)));
-  }
-  bool feasible = false;
-  last_change.reset();
-  for (int i = 0; i < limit && !feasible && sweep(true) < 0; ++i) feasible = revise(false) == 0;
-  const double held = feasible ? model_decrease() : 0;
-  remember();
   const int bad_knot = sweep(false);
-  const double own = bad_knot < 0 ? model_decrease() : 0;
-  active_set_known_ = feasible && !merit.hidden(held) && (bad_knot >= 0 || own < held);
-  if (!active_set_known_) return bad_knot;
-  recall();
-  within_bounds_ = true;
-  roll(false);
-  return -1;
+  if (bad_knot < 0) roll(recipe_.clamp_controls);
+  return bad_knot;
 }
 
 /// From the iterate itself down the augmented Lagrangian of the horizon, with bounds as penalties.
@@ -227,21 +202,9 @@ void Direction::reset() {
   models_costs_ = true;
   sweeps_ = 0;
   if (constraints_) constraints_->reset();
-  active_set_known_ = model_true_ = declined_ = false;
+  active_set_known_ = model_true_ = false;
   for (Eigen::VectorXd& k : feedback_.k) k.setZero();
   for (Eigen::MatrixXd& K : feedback_.K) K.setZero();
-}
-
-void Direction::remember() {
-  policy_->remember();
-  std::swap(remembered_->feedback, feedback_);
-  sweep_.swap_values(remembered_->values, remembered_->Quu);
-}
-
-void Direction::recall() {
-  policy_->recall();
-  std::swap(remembered_->feedback, feedback_);
-  sweep_.swap_values(remembered_->values, remembered_->Quu);
 }
 
 }  // namespace conddp

@@ -8,7 +8,6 @@
 #include "solvers/backward_sweep.hpp"
 #include "solvers/horizon_constraints.hpp"
 #include "solvers/horizon_descent.hpp"
-#include "solvers/line_search.hpp"
 #include "solvers/linear_rollout.hpp"
 #include "solvers/null_space_stage.hpp"
 #include "solvers/secant_memory.hpp"
@@ -40,7 +39,7 @@ class Direction {
   /// whose stage has no minimum, or −1. With an augmentation the linearisation is that of the
   /// augmented Lagrangian; it is changed on the way and comes back as it was.
   int find(Linearization& linearization, const Trajectory& trajectory, const Gaps& gaps,
-           const Adjoint& adjoint, const MeritModel& merit, SweepRegularization regularization,
+           const Adjoint& adjoint, SweepRegularization regularization,
            const Augmentation* augmentation = nullptr);
 
   /// After a sweep without regularisation: corrects k by what former steps tell about the Hessian.
@@ -68,35 +67,20 @@ class Direction {
   bool within_bounds() const { return within_bounds_; }
   /// Whether the controls' active set was looked for along the horizon and not found.
   bool set_unknown() const { return horizon_sweeps_ > 0 && !within_bounds_; }
-  /// That dynamics and constraints are affine: the model's exact minimum is worth its sweeps.
+  /// That dynamics and constraints are affine: the model's exact minimum is worth its sweeps, and a
+  /// descent to it where active sets alternate.
   void trust_model() { model_true_ = true; }
   bool trusts_model() const { return model_true_; }
-  /// That the last find()'s descent was no good: the next one stays near the iterate.
-  void decline_descent() { declined_ = true; }
-  /// That an iterate has been found: what was declined at the last one may be tried again.
-  void admit_descent() { declined_ = false; }
-  /// Whether the last find() ended a search that did not settle by a descent through the linear
-  /// model of the horizon.
-  bool descended() const { return descended_; }
   /// dᵀ Hessian d of the step.
   double curvature(const Linearization& linearization) {
     return linear_rollout_.curvature(linearization);
   }
 
  private:
-  /// What a sweep leaves besides its policy's active set, set aside while another one is tried.
-  struct Remembered {
-    Feedback feedback;
-    std::vector<ValueFunction> values;
-    std::vector<Eigen::MatrixXd> Quu;
-  };
   int search(Linearization& linearization, const Trajectory& trajectory, const Gaps& gaps,
-             const Adjoint& adjoint, const MeritModel& merit, SweepRegularization regularization,
-             bool augmented);
+             const Adjoint& adjoint, SweepRegularization regularization, bool augmented);
   bool descend(Linearization& linearization, const Trajectory& trajectory, const Gaps& gaps,
                const Adjoint& adjoint, SweepRegularization regularization);
-  void remember();
-  void recall();
 
   const ShootingProblem& problem_;
   const ControlBounds& bounds_;
@@ -113,13 +97,10 @@ class Direction {
   bool corrected_ = false;
   bool models_costs_ = true;  ///< that begin at a bound, along the step
   int sweeps_ = 0;
-  std::optional<Remembered> remembered_;  ///< where sweeps are compared
-  bool active_set_known_ = false;         ///< the policy holds one of the whole horizon
+  bool active_set_known_ = false;  ///< the policy holds one of the whole horizon
   bool within_bounds_ = false;
   bool model_true_ = false;
   bool unsettled_ = false;
-  bool descended_ = false;
-  bool declined_ = false;
 };
 
 }  // namespace conddp

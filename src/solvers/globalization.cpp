@@ -51,7 +51,6 @@ void Globalization::reset() {
   regularization_ = RegularizationSchedule(options_.regularization);
   direction_.reset();
   line_search_.reset();
-  open_gap_search_.reset();
   full_step_search_.reset();
   search_ = LineSearchResult();
   merit_ = MeritModel();
@@ -116,22 +115,10 @@ bool Globalization::find_step(bool& by_full_step) {
     if (direction_.null_space() != nullptr)
       multiplier_change_ = &direction_.null_space()->find_multipliers(direction_.step());
     correct_direction();
-    const MeritModel former_merit = merit_;
     measure_direction();
     by_full_step = take_full_step();
     bool descends = true;
-    const bool found = by_full_step || search(descends);
-    if (direction_.descended() && !(found && (search_.by_rounding || search_.step == 1))) {
-      // The cost's model does not hold that far: a direction that stays near the iterate does
-      // better.
-      direction_.decline_descent();
-      merit_ = former_merit;
-      at_rounding_floor_ = false;
-      if (found) iterate_.trajectory = iterate_.before;
-      iterate_.linearized = true;
-      continue;
-    }
-    if (found) return true;
+    if (by_full_step || search(descends)) return true;
     if (direction_.corrected()) {
       at_rounding_floor_ = false;
       direction_.undo_correction(iterate_.linearization, iterate_.trajectory, iterate_.gaps);
@@ -162,7 +149,6 @@ void Globalization::step_taken(bool by_full_step) {
     direction_.step_taken();
   else
     direction_.forget_steps();
-  if (full) direction_.admit_descent();
   full_step_search_.step_taken(full && quadratic);
 }
 
@@ -214,7 +200,6 @@ void Globalization::weigh_gaps() {
   if (!recipe_.open_gaps || equality_search_) return;
   const Stopwatch watch(record_.result.times.sweep);
   if (!gaps_open()) {
-    open_gap_search_.reset();
     merit_.penalty =
         options_.line_search.merit_margin * iterate_.adjoint.costates().lpNorm<Eigen::Infinity>();
   } else {
@@ -223,9 +208,9 @@ void Globalization::weigh_gaps() {
 }
 
 /// A step far from the iterate makes the controls' active set alternate. Raises the regularisation,
-/// as far as that may help, where the direction's set has not settled though gaps are open.
+/// as far as that may help, where the direction's set has not settled.
 bool Globalization::raise_for_unsettled() {
-  return gaps_open() && direction_.set_unknown() &&
+  return direction_.set_unknown() && !direction_.trusts_model() &&
          regularization_.value() < kSettlingRegularization && regularization_.increase();
 }
 
@@ -340,8 +325,8 @@ int Globalization::sweep_backward(double regularization) {
     iterate_.hessian.use(exact);
     const auto find = [&] {
       return direction_.find(iterate_.linearization, iterate_.trajectory, iterate_.gaps,
-                             iterate_.adjoint, merit_,
-                             {options_.regularization.kind, regularization}, outer_.augmentation());
+                             iterate_.adjoint, {options_.regularization.kind, regularization},
+                             outer_.augmentation());
     };
     int bad_knot = find();
     if (affine_probe_ && direction_.unsettled() && !affine_known_) {

@@ -40,7 +40,7 @@ class LinearRollout {
   double curvature(const Linearization& linearization);
   /// Shows every knot's step to the policy for revision of its active set (StagePolicy::revise);
   /// returns how many entries changed. `last` ← the last knot at which one did, if any.
-  int revise(bool release, StagePolicy& policy, std::optional<int>& last) const;
+  int revise(StagePolicy& policy, std::optional<int>& last) const;
 
  private:
   const ControlBounds& bounds_;

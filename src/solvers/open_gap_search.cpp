@@ -10,12 +10,8 @@ namespace {
 
 /// Share of the gaps' weight that pays for what the model's step costs; the rest is decrease.
 constexpr double kGapShare = 0.65;
-/// What may be left of the weight from one step to the next.
-constexpr double kWeightDecay = 0.5;
 /// A rollout that reaches this share of the model's decrease needs no rival.
 constexpr double kConvincing = 0.6;
-/// From a step as short as this on, rollouts wait for a full step.
-constexpr double kShortStep = 0.125;
 
 }  // namespace
 
@@ -27,35 +23,27 @@ OpenGapSearch::OpenGapSearch(const ShootingProblem& problem, const ControlBounds
       clamp_controls_(clamp_controls),
       best_(problem.create_trajectory()),
       trial_(problem.create_trajectory()),
-      linear_(problem.create_trajectory()),
       rollout_(problem),
       evaluation_(problem),
-      gaps_(problem),
-      response_(problem, bounds),
       dx_(problem.ndx()) {}
 
 double OpenGapSearch::weigh(const MeritModel& merit, double curvature) {
   curvature_ = std::max(curvature, 0.0);
-  const double model = merit.slope + 0.5 * curvature_;
-  weight_ = std::max(model / (kGapShare * merit.gap_norm), kWeightDecay * weight_);
-  return weight_;
+  return std::max(merit.slope + 0.5 * curvature_, 0.0) / (kGapShare * merit.gap_norm);
 }
 
 LineSearchResult OpenGapSearch::run(Acts& acts, const MeritModel& merit,
                                     const Linearization& linearization, const Direction& direction,
                                     const Augmentation* augmentation, Trajectory& trajectory) {
   LineSearchResult result;
-  const bool settled = !direction.set_unknown();
   for (double step = 1; step >= options_.min_step; step /= 2) {
     const double expected = -step * merit.merit_slope();
     best_decrease_ = -std::numeric_limits<double>::infinity();
-    if (settled && trusts_rollouts_) {
-      ++result.trials;
-      try_rollout(acts, merit, linearization, direction, augmentation, step, trajectory);
-    }
+    ++result.trials;
+    try_rollout(acts, merit, linearization, direction, augmentation, step, trajectory);
     if (!(best_decrease_ >= kConvincing * (expected - 0.5 * step * step * curvature_))) {
       ++result.trials;
-      try_linear(acts, merit, linearization, direction, augmentation, step, trajectory);
+      try_linear(acts, merit, direction, augmentation, step, trajectory);
     }
     if (!(expected > 0 && best_decrease_ >= options_.armijo * expected)) continue;
     result.accepted = true;
@@ -63,10 +51,6 @@ LineSearchResult OpenGapSearch::run(Acts& acts, const MeritModel& merit,
     result.expected_decrease = expected;
     result.actual_decrease = best_decrease_;
     std::swap(trajectory, best_);
-    if (trusts_rollouts_)
-      trusts_rollouts_ = settled && step > kShortStep;
-    else
-      trusts_rollouts_ = settled && step == 1;
     return result;
   }
   return result;
@@ -93,33 +77,18 @@ void OpenGapSearch::try_rollout(Acts& acts, const MeritModel& merit,
   consider(rollout_.cost, (1 - step) * merit.gap_norm, merit, rollout_.trajectory);
 }
 
-void OpenGapSearch::try_linear(Acts& acts, const MeritModel& merit,
-                               const Linearization& linearization, const Direction& direction,
+void OpenGapSearch::try_linear(Acts& acts, const MeritModel& merit, const Direction& direction,
                                const Augmentation* augmentation, double step,
                                const Trajectory& from) {
-  linear_ = from;
+  trial_ = from;
   for (int k = 0; k <= from.knots(); ++k) {
     if (k > 0) {
       dx_ = step * direction.step().dx(k);
-      manifold_.integrate(from.x(k).data(), dx_.data(), linear_.x(k).data());
+      manifold_.integrate(from.x(k).data(), dx_.data(), trial_.x(k).data());
     }
-    if (k < from.knots()) linear_.u(k) += step * direction.step().du(k);
+    if (k < from.knots()) trial_.u(k) += step * direction.step().du(k);
   }
-  bounds_.clamp(linear_);
-  trial_ = linear_;
-  evaluate(acts, merit, augmentation);
-  if (step < 1 || !evaluation_.gap.allFinite()) return;
-  gaps_.set(evaluation_.gap);
-  response_.respond(linearization, gaps_, direction.feedback());
-  trial_ = linear_;
-  response_.apply(manifold_, trial_);
   bounds_.clamp(trial_);
-  evaluate(acts, merit, augmentation);
-}
-
-/// Of trial_.
-void OpenGapSearch::evaluate(Acts& acts, const MeritModel& merit,
-                             const Augmentation* augmentation) {
   acts.evaluate(trial_, evaluation_, augmentation);
   consider(evaluation_.cost.sum() + evaluation_.augmentation.sum(), evaluation_.gap.lpNorm<1>(),
            merit, trial_);

@@ -2,36 +2,27 @@
 
 #include "ocp/acts.hpp"
 #include "solvers/direction.hpp"
-#include "solvers/gap_transport.hpp"
 #include "solvers/line_search.hpp"
-#include "solvers/linear_rollout.hpp"
 #include "solvers/options.hpp"
 
 namespace conddp {
 
 /// The search of a step as long as gaps are open, on the merit φ = J + ν Σ‖gap‖₁ with a weight ν
 /// that is steered: it is just large enough for the step's model to pay for what the step costs
-/// (Byrd, Nocedal, Waltz 2008; Nocedal, Wright, equation 18.36), and halves where less would do. So
+/// (Byrd, Nocedal, Waltz 2008; Nocedal, Wright, equation 18.36). So
 /// it can grow no further than the model's cost does, whatever the multipliers of a policy whose
 /// active set has not settled.
 ///
-/// For each step length 1, ½, ¼, ... there are up to three trials, the best of which counts:
+/// For each step length 1, ½, ¼, ... there are up to two trials, the better one of which counts:
 /// - the rollout of the policy, which contracts all gaps by 1 − α (Mastalli et al. 2020). It is
 ///   the best one near an optimum, and takes curved dynamics as they are. Far from one it closes
 ///   gaps at any price;
 /// - the step of the linear model, x ⊕ α δx and u + α δu, in all knots at once: multiple shooting
-///   (Bock, Plitt 1984), in which no error of one knot travels through those behind it;
-/// - of the full step, that with the policy's linear response to the gaps that it leaves: a
-///   second-order correction (Nocedal, Wright, section 18.3).
-/// Rollouts are left out where the direction's active set is not known, and from a short step on
-/// until a full one has been taken.
+///   (Bock, Plitt 1984), in which no error of one knot travels through those behind it.
 class OpenGapSearch {
  public:
   OpenGapSearch(const ShootingProblem& problem, const ControlBounds& bounds,
                 const SolverOptions::LineSearch& options, bool clamp_controls);
-
-  /// Forgets former steps: at the start of a solve, and where gaps are closed.
-  void reset() { trusts_rollouts_ = true, weight_ = 0; }
 
   /// ν for a step with that curvature dᵀHd, which is remembered.
   double weigh(const MeritModel& merit, double curvature);
@@ -47,23 +38,18 @@ class OpenGapSearch {
   void try_rollout(Acts& acts, const MeritModel& merit, const Linearization& linearization,
                    const Direction& direction, const Augmentation* augmentation, double step,
                    const Trajectory& from);
-  void try_linear(Acts& acts, const MeritModel& merit, const Linearization& linearization,
-                  const Direction& direction, const Augmentation* augmentation, double step,
-                  const Trajectory& from);
-  void evaluate(Acts& acts, const MeritModel& merit, const Augmentation* augmentation);
+  void try_linear(Acts& acts, const MeritModel& merit, const Direction& direction,
+                  const Augmentation* augmentation, double step, const Trajectory& from);
 
   const ControlBounds& bounds_;
   const StateManifold& manifold_;
   SolverOptions::LineSearch options_;
   bool clamp_controls_;
-  bool trusts_rollouts_ = true;
-  double weight_ = 0, curvature_ = 0;  ///< of the step that was weighed last
-  double best_decrease_ = 0;           ///< of the merit, by the trials of the present step length
-  Trajectory best_, trial_, linear_;
+  double curvature_ = 0;      ///< of the step that was weighed last
+  double best_decrease_ = 0;  ///< of the merit, by the trials of the present step length
+  Trajectory best_, trial_;
   SingleRollout rollout_;
   Evaluation evaluation_;
-  Gaps gaps_;
-  LinearRollout response_;
   Eigen::VectorXd dx_;  ///< scratch
 };
 

@@ -52,22 +52,17 @@ class StagePolicy {
   /// instead of finding one knot by knot.
   virtual void begin_sweep(bool hold) { (void)hold; }
   /// Shown a knot's step (δx, δu) of the last sweep's policy in the linear model, without cutting
-  /// it off: holds an entry of δu that leaves its bounds there and, with `release`, lets one go
-  /// whose multiplier has the wrong sign. Returns how many entries changed.
+  /// it off: holds an entry of δu that leaves its bounds there, and lets one go whose multiplier
+  /// has the wrong sign. Returns how many entries changed.
   virtual int revise(int knot, const Eigen::Ref<const Eigen::VectorXd>& dx,
-                     const Eigen::Ref<const Eigen::VectorXd>& du, bool release) {
-    (void)knot, (void)dx, (void)du, (void)release;
+                     const Eigen::Ref<const Eigen::VectorXd>& du) {
+    (void)knot, (void)dx, (void)du;
     return 0;
   }
   /// That the linear term Q_u of a knot is another one by `change` since the sweep met it, and the
   /// policy's k with it.
   virtual void change_gradient(int knot, const Eigen::Ref<const Eigen::VectorXd>& change) {
     (void)knot, (void)change;
-  }
-  /// Holds what stands at a bound of this knot and wants to leave it downhill on the far side, by
-  /// the gradient of the iterate; all else is free.
-  virtual void assume(int knot, const Eigen::Ref<const Eigen::VectorXd>& gradient) {
-    (void)knot, (void)gradient;
   }
   /// Holds the controls of this knot at their lower bounds where `side` is negative, at their upper
   /// ones where it is positive; the others are free. After a sweep.
@@ -81,9 +76,6 @@ class StagePolicy {
     (void)knot, (void)i;
     return false;
   }
-  /// Keeps a copy of the active set and what is said about it below, and goes back to it.
-  virtual void remember() {}
-  virtual void recall() {}
   /// Control entries that the last sweep held at a bound, and how often entries changed their
   /// states in it and in the revisions since.
   virtual int clamped_controls() const { return 0; }

@@ -24,7 +24,7 @@ struct Step {
     for (int i = 0; i < problem.nx(); ++i) trajectory.x(0)[i] = problem.initial_state()[i];
     acts.differentiate(trajectory, linearization);
     gaps.set(linearization, true);
-    EXPECT_LT(direction.find(linearization, trajectory, gaps, adjoint, merit, {}), 0);
+    EXPECT_LT(direction.find(linearization, trajectory, gaps, adjoint, {}), 0);
     merit.cost = linearization.total_cost();
     merit.gap_norm = gaps.norm();
     merit.slope = direction.step().slope();
@@ -53,19 +53,16 @@ struct Step {
   Trajectory trajectory;
 };
 
-TEST(OpenGapSearch, TheWeightPaysForTheStepAndHalvesWhereLessWould) {
+TEST(OpenGapSearch, TheWeightPaysForTheStep) {
   const ShootingProblem problem = testing::pendulum_swing_up();
   const ControlBounds bounds(problem);
   OpenGapSearch search(problem, bounds, {}, false);
   const MeritModel costly{.gap_norm = 2, .slope = 3}, cheap{.gap_norm = 2, .slope = -9};
   // 3 + ½·7 = 6.5 is 0.65 · 5 · 2.
   EXPECT_DOUBLE_EQ(search.weigh(costly, 7), 5);
-  EXPECT_DOUBLE_EQ(search.weigh(cheap, 7), 2.5);
-  EXPECT_DOUBLE_EQ(search.weigh(cheap, -7), 1.25);
+  EXPECT_DOUBLE_EQ(search.weigh(cheap, 7), 0);
   // Negative curvature is no income.
   EXPECT_DOUBLE_EQ(search.weigh(costly, -7), 3 / 1.3);
-  search.reset();
-  EXPECT_DOUBLE_EQ(search.weigh(cheap, 7), 0);
 }
 
 TEST(OpenGapSearch, TheDecreaseIsThatOfTheMerit) {
@@ -105,9 +102,8 @@ TEST(OpenGapSearch, TheStepToTheMinimumOfAQuadraticProblemIsOneTrial) {
         << k;
 }
 
-// Rollouts would clamp what the direction did not know to stand at a bound: of each step length
-// the step of all knots at once is the only trial.
-TEST(OpenGapSearch, NothingIsRolledOutWithoutAnActiveSet) {
+// Where the direction does not know what stands at a bound, trials clamp it.
+TEST(OpenGapSearch, ControlsKeepTheirBoundsWithoutAnActiveSet) {
   int searches = 0;
   for (const unsigned seed : {1u, 2u, 3u, 4u, 5u, 6u, 7u, 8u}) {
     const ShootingProblem problem = testing::cartpole_swing_up(0.5);
@@ -116,7 +112,6 @@ TEST(OpenGapSearch, NothingIsRolledOutWithoutAnActiveSet) {
     const LineSearchResult found = step.run();
     if (!found.accepted) continue;
     ++searches;
-    EXPECT_EQ(found.trials, 1 + std::lround(-std::log2(found.step))) << seed;
     EXPECT_NEAR(step.merit_value(), step.merit.value() - found.actual_decrease,
                 1e-9 * step.merit.value());
     for (int k = 0; k < problem.knots(); ++k) EXPECT_LE(std::abs(step.trajectory.u(k)[0]), 0.5);

@@ -59,7 +59,7 @@ class LeggedIterate {
   /// What the policy would change of its active set.
   int revise() {
     std::optional<int> last;
-    return rollout_.revise(true, *policy_, last);
+    return rollout_.revise(*policy_, last);
   }
   const std::vector<Eigen::VectorXd>& step() const { return rollout_.z(); }
 
