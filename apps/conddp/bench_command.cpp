@@ -203,7 +203,7 @@ class Bench {
     return perturbation;
   }
 
-  void add(const BenchProblem& problem, const BuiltProblem& built, const ShootingProblem& instance,
+  void add(BenchProblem& problem, const BuiltProblem& built, const ShootingProblem& instance,
            const Trajectory& guess, const SolverInfo& solver, std::optional<std::uint64_t> seed) {
     SolverOptions options = problem.spec.solver.options;
     options.interrupted = [this] {

@@ -93,7 +93,10 @@ const BuiltProblem& BenchProblem::fitting(const SolverInfo& solver,
   return *built_.at(without);
 }
 
-std::string BenchProblem::sha256() const { return problem_sha256(spec, *built_.at({})); }
+const std::string& BenchProblem::sha256() {
+  if (sha256_.empty()) sha256_ = problem_sha256(spec, *built_.at({}));
+  return sha256_;
+}
 
 std::optional<std::deque<BenchProblem>> read_bench_problems(
     const std::vector<std::string>& inputs, const std::vector<std::string>& settings,

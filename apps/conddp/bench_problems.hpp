@@ -31,7 +31,7 @@ class BenchProblem {
   const BuiltProblem& fitting(const SolverInfo& solver, const std::vector<std::string>& drop);
 
   /// The SHA-256 of the problem, which has been built before.
-  std::string sha256() const;
+  const std::string& sha256();
 
   ProblemSpec spec;  ///< without a perturbation
   /// That of the file, from which instances that are asked for differ in what is asked for.
@@ -40,6 +40,7 @@ class BenchProblem {
 
  private:
   std::map<std::vector<std::string>, std::optional<BuiltProblem>> built_;
+  std::string sha256_;  ///< once it was asked for
 };
 
 /// Reads and builds problem files, those in folders, and examples by name, and looks up what is

@@ -1,3 +1,5 @@
+#include "solvers/augmented_strategy.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -6,9 +8,7 @@
 #include "ocp/soft_constraint.hpp"
 #include "ocp/stopwatch.hpp"
 #include "solvers/augmentation_change.hpp"
-#include "solvers/augmented_lagrangian.hpp"
 #include "solvers/finite_check.hpp"
-#include "solvers/outer_strategy.hpp"
 
 namespace conddp {
 namespace {

@@ -6,6 +6,7 @@
 
 #include "ocp/checkpoint.hpp"
 #include "ocp/stopwatch.hpp"
+#include "solvers/augmented_strategy.hpp"
 #include "solvers/finite_check.hpp"
 #include "solvers/guess.hpp"
 

@@ -61,6 +61,8 @@ class Direction {
   NullSpaceStage* null_space() { return null_space_; }
   /// The policy's full step in the linear model, cut off at bounds as the rollout proper is.
   const LinearRollout& step() const { return linear_rollout_; }
+  /// Whether constraints or barriers are rows of the horizon's model.
+  bool models_rows() const { return constraints_.has_value(); }
   /// Whether the last find() met a search for the constraints' rows that did not settle.
   bool unsettled() const { return unsettled_; }
   /// Whether that step meets no bound on its way: nothing had to be cut off.

@@ -42,9 +42,9 @@ Globalization::Globalization(const ShootingProblem& problem, const ControlBounds
       open_gap_search_(problem, bounds, options.line_search, recipe.clamp_controls),
       full_step_search_(problem, bounds, options.tolerances),
       regularization_(options.regularization) {
-  if (outer.augmentation() == nullptr) return;
-  affine_probe_.emplace(problem);
-  if (direction_.null_space() != nullptr) equality_search_.emplace(problem, options.line_search);
+  if (direction_.models_rows()) affine_probe_.emplace(problem);
+  if (outer.augmentation() != nullptr && direction_.null_space() != nullptr)
+    equality_search_.emplace(problem, options.line_search);
 }
 
 void Globalization::reset() {
@@ -55,6 +55,7 @@ void Globalization::reset() {
   search_ = LineSearchResult();
   merit_ = MeritModel();
   affine_known_ = at_rounding_floor_ = false;
+  last_stationarity_ = 0;
 }
 
 void Globalization::measure() {

@@ -79,7 +79,7 @@ class Globalization {
   OpenGapSearch open_gap_search_;
   FullStepSearch full_step_search_;
   std::optional<EqualitySearch> equality_search_;  ///< where stages keep equalities
-  std::optional<AffineProbe> affine_probe_;        ///< where there are constraints
+  std::optional<AffineProbe> affine_probe_;        ///< where the model has rows
   RegularizationSchedule regularization_;
   MeritModel merit_;
   LineSearchResult search_;

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <memory>
-
 #include "ocp/augmentation.hpp"
 #include "solvers/dual_guess.hpp"
 #include "solvers/iterate.hpp"
@@ -48,10 +46,5 @@ class OuterStrategy {
   /// That a step of this length has been taken whose sweep changes multipliers by `change`.
   virtual void add(const Eigen::VectorXd& /*change*/, double /*step*/) {}
 };
-
-/// The augmented Lagrangian's strategy, whatever its schedule of multipliers.
-std::unique_ptr<OuterStrategy> augmented_lagrangian_strategy(const ShootingProblem& problem,
-                                                             const SolverOptions& options,
-                                                             MultiplierSchedule schedule);
 
 }  // namespace conddp

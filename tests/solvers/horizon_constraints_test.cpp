@@ -114,8 +114,7 @@ ShootingProblem beyond_walls(double weight) {
   return ShootingProblem({0, 0}, {std::move(phase)}, terminal_phase(system, cost));
 }
 
-// The minimum of a piecewise quadratic problem is found in the model, by sweeps: in a step, but
-// where walls are so steep that sets alternate at first.
+// The minimum of a piecewise quadratic problem is found in the model: sweeps, but no iterations.
 TEST(HorizonConstraints, BarriersThatAStepCrossesArePartOfItsModel) {
   for (const double weight : {1.0, 100.0, 1e4}) {
     const ShootingProblem problem = beyond_walls(weight);
@@ -123,12 +122,12 @@ TEST(HorizonConstraints, BarriersThatAStepCrossesArePartOfItsModel) {
     for (const char* solver : {"box_ddp", "box_fddp"}) {
       const SolveResult result = solve(problem, solver, {}, guess);
       EXPECT_EQ(result.status, SolveStatus::converged) << solver << ": " << result.message;
-      EXPECT_LE(result.iterations, weight == 1 ? 2 : 6) << solver << ' ' << weight;
+      EXPECT_LE(result.iterations, 2) << solver << ' ' << weight;
       SolverOptions stages;
       stages.box_qp.horizon_sweeps = 0;  // each knot by itself, at the iterate's side of each wall
       const SolveResult slow = solve(problem, solver, stages, guess);
       EXPECT_EQ(slow.status, SolveStatus::converged) << solver << ": " << slow.message;
-      EXPECT_GT(slow.iterations, result.iterations) << solver << ' ' << weight;
+      EXPECT_GT(slow.iterations, 5) << solver;
       EXPECT_NEAR(result.cost, slow.cost, 1e-9 * slow.cost) << solver;
       double furthest = 0;
       for (int k = 0; k <= problem.knots(); ++k)

@@ -112,6 +112,9 @@ TEST(OpenGapSearch, ControlsKeepTheirBoundsWithoutAnActiveSet) {
     const LineSearchResult found = step.run();
     if (!found.accepted) continue;
     ++searches;
+    const long lengths = 1 + std::lround(-std::log2(found.step));
+    EXPECT_GE(found.trials, lengths) << seed;
+    EXPECT_LE(found.trials, 2 * lengths) << seed;
     EXPECT_NEAR(step.merit_value(), step.merit.value() - found.actual_decrease,
                 1e-9 * step.merit.value());
     for (int k = 0; k < problem.knots(); ++k) EXPECT_LE(std::abs(step.trajectory.u(k)[0]), 0.5);
