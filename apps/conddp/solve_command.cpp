@@ -120,6 +120,7 @@ SolveResult solve_showing_progress(const BuiltProblem& built,
     if (text && verbosity == Verbosity::kVerbose) table.print(row);
   };
   options.multipliers = built.multipliers;
+  options.homotopy = homotopy_path(built);
   return solve(*built.problem, candidates, options, built.guess, solver);
 }
 

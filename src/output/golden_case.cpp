@@ -102,8 +102,9 @@ std::optional<GoldenOutcome> solve_golden(const GoldenCase& golden, const Golden
   const auto candidates = usable_solvers(*spec, *built->problem, out);
   if (candidates.empty()) return std::nullopt;
   const SolverInfo* solver = nullptr;
-  const SolveResult result =
-      solve(*built->problem, candidates, spec->solver.options, built->guess, solver);
+  SolverOptions own = spec->solver.options;
+  own.homotopy = homotopy_path(*built);
+  const SolveResult result = solve(*built->problem, candidates, own, built->guess, solver);
   // Through text: comparison and golden files know no order of keys.
   const OrderedJson document = solution_json({*spec, *built, *solver, result, settings});
   return GoldenOutcome{Json::parse(document.dump()), result.times.total};

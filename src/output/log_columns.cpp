@@ -32,6 +32,7 @@ constexpr LogColumn kColumns[] = {
     {"barrier", "", false, [](const Row& r) { return r.barrier; }},
     {"relaxation", "", false, [](const Row& r) { return r.relaxation; }},
     {"fallbacks", "", true, [](const Row& r) { return double(r.fallbacks); }},
+    {"homotopy", "", false, [](const Row& r) { return r.homotopy; }},
     {"time", "s", false, [](const Row& r) { return r.time_s; }},
 };
 

@@ -9,6 +9,7 @@
 #include "ocp/by_name.hpp"
 #include "ocp/contradiction.hpp"
 #include "problem_file/dual_guess_reader.hpp"
+#include "problem_file/homotopy.hpp"
 #include "problem_file/initial_choice.hpp"
 #include "problem_file/memory_need.hpp"
 #include "problem_file/phase_grid.hpp"
@@ -311,6 +312,10 @@ std::optional<BuiltProblem> build_problem(const ProblemSpec& spec, const BuildOp
     built.guess_used.multipliers = duals->text;
   }
   built.data_files = out.data_files();
+  if (!spec.solver.homotopy.empty()) {
+    built.homotopy = Homotopy::build(spec, options, *built.problem, out);
+    if (!built.homotopy) return std::nullopt;
+  }
   return built;
 }
 

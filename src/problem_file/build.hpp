@@ -22,6 +22,8 @@ struct DroppedConstraint {
   std::shared_ptr<const ShootingProblem> alone;  ///< else: a problem with nothing but it
 };
 
+class Homotopy;
+
 /// A problem ready to be solved.
 struct BuiltProblem {
   Plant plant;
@@ -31,6 +33,7 @@ struct BuiltProblem {
   Trajectory guess;
   GuessUsed guess_used;
   std::shared_ptr<const DualGuess> multipliers;  ///< to start from, null: none
+  std::shared_ptr<const Homotopy> homotopy;      ///< that of the file, null: none
   std::vector<DroppedConstraint> dropped;
   std::vector<InputFile> data_files;  ///< read for references and the guess
 };
@@ -39,6 +42,9 @@ struct BuiltProblem {
 /// so on are reported with their places and near names. The spec must outlive the result.
 std::optional<BuiltProblem> build_problem(const ProblemSpec& spec, const BuildOptions& options,
                                           Diagnostics& out);
+
+/// The way to a built problem that its file asks for; null: none.
+ProblemPath homotopy_path(const BuiltProblem& built);
 
 /// The solver that the spec names, or those that `auto` tries, the first one first. None where it
 /// cannot take the problem: then the reason is reported.

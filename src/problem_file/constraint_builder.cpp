@@ -40,6 +40,17 @@ std::vector<int> flat_indices(const StateManifold& manifold) {
   return indices;
 }
 
+/// Multiplies the width of ranges, whose middles stay: positions need not have 0 in theirs.
+void widen(double scale, std::vector<double>& lower, std::vector<double>& upper) {
+  if (scale == 1) return;
+  for (std::size_t i = 0; i < lower.size(); ++i) {
+    if (std::isinf(lower[i]) || std::isinf(upper[i])) continue;
+    const double middle = 0.5 * (lower[i] + upper[i]), half = 0.5 * (upper[i] - lower[i]);
+    lower[i] = middle - scale * half;
+    upper[i] = middle + scale * half;
+  }
+}
+
 /// Bounds on the control that are soft, and so no bounds to a solver.
 std::optional<BuiltConstraint> build_soft_control_bounds(const ConstraintSpec& spec,
                                                          const CostContext& context,
@@ -57,6 +68,7 @@ std::optional<BuiltConstraint> build_soft_control_bounds(const ConstraintSpec& s
   if (spec.from_urdf) {
     built.lower = control->lower;
     built.upper = control->upper;
+    scale_efforts(spec.scale, built.lower, built.upper);
   }
   const auto all = [](int) { return true; };
   if (!narrow(spec, control->rows, all, built.lower, built.upper, out)) return std::nullopt;
@@ -85,6 +97,7 @@ std::optional<BuiltConstraint> build_state_bounds(const ConstraintSpec& spec,
   if (spec.from_urdf) {
     lower = state->lower;
     upper = state->upper;
+    widen(spec.scale, lower, upper);
   }
   const std::vector<int> flat = flat_indices(system.manifold());
   const auto wanted = [&](int i) {
@@ -232,6 +245,11 @@ bool set_bounds(BuiltConstraint& built, Diagnostics& out) {
 }
 
 }  // namespace
+
+void scale_efforts(double scale, std::vector<double>& lower, std::vector<double>& upper) {
+  for (std::vector<double>* bounds : {&lower, &upper})
+    for (double& bound : *bounds) bound *= scale;
+}
 
 bool is_zero(const ConstraintSpec& c) {
   return !c.bounded && !c.equals && !c.lower && !c.upper && !c.at_least && !c.at_most &&

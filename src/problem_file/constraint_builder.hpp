@@ -21,6 +21,9 @@ bool is_zero(const ConstraintSpec& constraint);
 std::vector<BuiltConstraint> build_constraints(const std::vector<ConstraintSpec>& specs,
                                                const CostContext& context, Diagnostics& out);
 
+/// Multiplies bounds of controls by a factor.
+void scale_efforts(double scale, std::vector<double>& lower, std::vector<double>& upper);
+
 /// The term for a knot model, with this residual.
 ConstraintTerm make_term(const BuiltConstraint& constraint,
                          std::shared_ptr<const Residual> residual);

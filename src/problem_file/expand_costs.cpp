@@ -116,7 +116,7 @@ OrderedJson expand_constraint(const ConstraintSpec& constraint, const ProblemSpe
   };
   if (constraint.bounded) {
     json["bounds"] = word_of(kBoundedWords, constraint.bounded->value);
-    if (constraint.from_urdf) json["from"] = "urdf";
+    if (constraint.from_urdf) json.update({{"from", "urdf"}, {"scale", constraint.scale}});
     bounds();
     softness();
     // Named phases leave the last node out, so that all of them are not named here.
@@ -169,7 +169,7 @@ OrderedJson expand_constraints(const ProblemSpec& spec, const Plant& plant) {
   OrderedJson json = OrderedJson::object();
   for (const ControlBoundsSpec& constraint : spec.control_bounds) {
     OrderedJson entry = {{"bounds", "control"}};
-    if (constraint.from_urdf) entry["from"] = "urdf";
+    if (constraint.from_urdf) entry.update({{"from", "urdf"}, {"scale", constraint.scale}});
     if (constraint.lower) entry["lower"] = expand_components(*constraint.lower);
     if (constraint.upper) entry["upper"] = expand_components(*constraint.upper);
     entry["phases"] = expand_phase_names(constraint.phases, spec);

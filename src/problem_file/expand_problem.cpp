@@ -1,8 +1,10 @@
 #include "problem_file/expand_problem.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "problem_file/expand_sections.hpp"
+#include "problem_file/homotopy.hpp"
 #include "problem_file/words.hpp"
 #include "problem_file/yaml_text.hpp"
 #include "solvers/option_table.hpp"
@@ -92,6 +94,23 @@ OrderedJson expand_solver(const SolverSpec& solver) {
   return json;
 }
 
+/// The numbers that differ between two problems of one shape, by their paths: what a homotopy moves
+/// once defaults and gaits are filled in.
+void add_moved(const std::string& path, const OrderedJson& from, const OrderedJson& to,
+               OrderedJson& keys) {
+  if (from.is_number() && to.is_number() && from != to)
+    keys.push_back({{"key", path}, {"from", from}, {"to", to}});
+  const std::string before = path.empty() ? "" : path + ".";
+  if (from.is_object() && to.is_object()) {
+    for (const auto& [name, part] : to.items())
+      if (from.contains(name) && !(path.empty() && (name == "solver" || name == "initial_guess")))
+        add_moved(before + name, from[name], part, keys);
+  } else if (from.is_array() && to.is_array()) {
+    for (std::size_t i = 0; i < std::min(from.size(), to.size()); ++i)
+      add_moved(before + std::to_string(i), from[i], to[i], keys);
+  }
+}
+
 std::string modeline(const std::string& text) {
   constexpr std::string_view kStart = "# yaml-language-server:";
   if (text.starts_with(kStart)) return text.substr(0, text.find_first_of("\r\n"));
@@ -142,6 +161,11 @@ OrderedJson expand_problem(const ProblemSpec& spec, const BuiltProblem& built) {
                           {"guess", spec.perturbation.guess},
                           {"seed", spec.perturbation.seed}};
   json["solver"] = expand_solver(spec.solver);
+  json["solver"]["homotopy"] = OrderedJson::array();
+  if (built.homotopy) {
+    const Homotopy::Station& start = built.homotopy->start();
+    add_moved("", expand_problem(start.spec, *start.built), json, json["solver"]["homotopy"]);
+  }
   return json;
 }
 

@@ -171,6 +171,7 @@ std::optional<PhaseBounds> build_control_bounds(const ControlBoundsSpec& constra
   if (constraint.from_urdf) {
     lower = plant.actuated().control_lower();
     upper = plant.actuated().control_upper();
+    scale_efforts(constraint.scale, lower, upper);
     if (!plant.multibody)
       out.error(constraint.from_place, "a closed-form system has no URDF",
                 "give 'lower' and 'upper'");

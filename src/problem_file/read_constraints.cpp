@@ -14,6 +14,11 @@ void read_bounds(YamlMap& map, const Name& name, Spec& spec) {
     spec.from_urdf = r->choice(kSources, "source of bounds").value_or(false);
     spec.from_place = r->place();
   }
+  if (const auto r = map.find("scale")) {
+    spec.scale = r->number(kPositive).value_or(1);
+    if (!spec.from_urdf && !map.find("from"))
+      r->error("only limits of the URDF are scaled", "write 'from: urdf' too, or other bounds");
+  }
   if (const auto r = map.find("lower")) spec.lower = read_components(*r);
   if (const auto r = map.find("upper")) spec.upper = read_components(*r);
   if (!map.find("from") && !map.find("lower") && !map.find("upper"))

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "problem_file/gait_schedule.hpp"
+#include "problem_file/homotopy_numbers.hpp"
 #include "problem_file/problem_identity.hpp"
 #include "problem_file/read_sections.hpp"
 #include "problem_file/sha256.hpp"
@@ -139,17 +140,19 @@ ProblemSpec read_document(const YamlReader& reader, const std::filesystem::path&
 std::optional<ProblemSpec> read_problem_text(const std::string& text,
                                              const std::filesystem::path& file,
                                              const std::vector<std::string>& overrides,
-                                             Diagnostics& out) {
+                                             Diagnostics& out, double homotopy_share) {
   const int source = out.add_source(file.string(), text);
   std::optional<YamlNode> root = parse_yaml(text, source, out);
   if (!root) return std::nullopt;
   for (const std::string& setting : overrides) apply_override(*root, setting, out);
+  if (!out.has_errors()) place_homotopy(*root, homotopy_share, out);
   if (out.has_errors()) return std::nullopt;
   ProblemSpec spec = read_document(YamlReader(*root, {}, out), file);
   if (out.has_errors()) return std::nullopt;
   spec.text = text;
   spec.sha256 = sha256(text);
   spec.definition = canonical_definition(*root);
+  spec.settings = overrides;
   return spec;
 }
 

@@ -16,10 +16,11 @@ std::optional<ProblemSpec> read_problem(const std::filesystem::path& file,
                                         Diagnostics& out);
 
 /// The same from a text; relative paths are resolved against the folder of `file`, which need not
-/// exist.
+/// exist. The numbers that a homotopy moves are those at a share of its way: at 1 the problem
+/// itself.
 std::optional<ProblemSpec> read_problem_text(const std::string& text,
                                              const std::filesystem::path& file,
                                              const std::vector<std::string>& overrides,
-                                             Diagnostics& out);
+                                             Diagnostics& out, double homotopy_share = 1);
 
 }  // namespace conddp

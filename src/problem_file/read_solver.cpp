@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "nlp/ipopt_options.hpp"
+#include "problem_file/homotopy_numbers.hpp"
 #include "problem_file/read_sections.hpp"
 #include "robot/near_names.hpp"
 #include "solvers/option_table.hpp"
@@ -88,6 +89,7 @@ SolverSpec read_solver(const YamlReader& reader) {
   }
   for (auto& [name, group] : groups) group.finish();
   if (const auto r = map.find("options")) read_ipopt_options(*r, solver.options.ipopt);
+  if (const auto r = map.find("homotopy")) solver.homotopy = read_homotopy(*r);
   if (!reader.diagnostics().has_errors())
     for (const std::string& message : solver.options.validate()) reader.error(message);
   return solver;

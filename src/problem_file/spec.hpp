@@ -96,9 +96,10 @@ inline constexpr int kProblemFormat = 1;
 /// A problem file, read and checked as far as it can be without its robots.
 struct ProblemSpec {
   std::filesystem::path file;
-  std::string text;        ///< of the file, without a byte-order mark
-  std::string sha256;      ///< of the bytes that were read
-  std::string definition;  ///< canonical_definition of the document with its settings
+  std::string text;                   ///< of the file, without a byte-order mark
+  std::string sha256;                 ///< of the bytes that were read
+  std::string definition;             ///< canonical_definition of the document with its settings
+  std::vector<std::string> settings;  ///< that replaced values of the file
   Name name;
   std::string description;
   std::vector<RobotSpec> robots;

@@ -106,6 +106,7 @@ struct ConstraintSpec {
   std::optional<Located<BoundedQuantity>> bounded;  ///< instead of the residual
   bool from_urdf = false;
   Place from_place;
+  double scale = 1;  ///< of the URDF's limits
   std::optional<ComponentsSpec> equals, lower, upper;
   /// References for each of which the constraint holds, instead of one.
   std::vector<Located<std::vector<double>>> centers;
@@ -120,6 +121,7 @@ struct ControlBoundsSpec {
   Name name;
   bool from_urdf = false;
   Place from_place;
+  double scale = 1;  ///< of the URDF's limits
   std::optional<ComponentsSpec> lower, upper;
   std::optional<std::vector<Name>> phases;
 };

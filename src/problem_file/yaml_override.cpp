@@ -19,17 +19,12 @@ YamlNode* descend(YamlNode& node, const std::string& step, const Place& place, D
   if (node.kind == YamlNode::Kind::kNull) {
     node = {.kind = YamlNode::Kind::kMap, .mark = place.mark};
   }
+  if (YamlNode* part = find_part(node, step)) return part;
   if (node.kind == YamlNode::Kind::kMap) {
-    for (YamlNode::Entry& entry : node.entries)
-      if (entry.key == step) return &entry.value;
     node.entries.push_back({step, place.mark, {.mark = place.mark}});
     return &node.entries.back().value;
   }
   if (node.kind == YamlNode::Kind::kSequence) {
-    std::size_t index = 0;
-    const char* end = step.data() + step.size();
-    const auto [stop, code] = std::from_chars(step.data(), end, index);
-    if (code == std::errc() && stop == end && index < node.items.size()) return &node.items[index];
     out.error(place, fmt::format("'{}' is no index into a list of {}", step, node.items.size()),
               "indices start at 0");
     return nullptr;
@@ -40,6 +35,19 @@ YamlNode* descend(YamlNode& node, const std::string& step, const Place& place, D
 }
 
 }  // namespace
+
+YamlNode* find_part(YamlNode& node, std::string_view step) {
+  if (node.kind == YamlNode::Kind::kMap) {
+    for (YamlNode::Entry& entry : node.entries)
+      if (entry.key == step) return &entry.value;
+  } else if (node.kind == YamlNode::Kind::kSequence) {
+    std::size_t index = 0;
+    const char* end = step.data() + step.size();
+    const auto [stop, code] = std::from_chars(step.data(), end, index);
+    if (code == std::errc() && stop == end && index < node.items.size()) return &node.items[index];
+  }
+  return nullptr;
+}
 
 void apply_override(YamlNode& root, const std::string& setting, Diagnostics& out) {
   const int source = out.add_source(kSettingSource, setting);

@@ -32,6 +32,7 @@ struct IterationRecord {
   double barrier = 0;          ///< parameter μ of an interior-point method
   double relaxation = 0;       ///< ε of relaxed complementarity
   int fallbacks = 0;           ///< ways to relax it that were given up so far
+  double homotopy = 1;         ///< share of the way of a homotopy, 1: the problem itself
   double time_s = 0;           ///< since the solve began
 };
 

@@ -225,8 +225,8 @@ constexpr std::array kTable = {
         .max_excluded = true,
         .access = CONDDP_ACCESS(complementarity.final)},
     OptionInfo{.name = "restarts.count",
-               .doc = "Of ipopt: further solves from random perturbations of the guess, each in a "
-                      "process of its own; the best answer counts.",
+               .doc = "Further solves from random perturbations of the guess; the best answer "
+                      "counts.",
                .min = 0,
                .max = 1000,
                .access = CONDDP_ACCESS(restarts.count)},

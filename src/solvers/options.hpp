@@ -13,6 +13,12 @@
 
 namespace conddp {
 
+class ShootingProblem;
+
+/// The problems on the way of a homotopy by their share of it, in [0, 1]: all of one shape, and at
+/// 1 the problem that is to be solved. Null where there is none. May be called by several threads.
+using ProblemPath = std::function<std::shared_ptr<const ShootingProblem>(double share)>;
+
 /// What regularisation adds, with weight μ:
 /// `proximal`: ½ μ (‖δx‖² + ‖δu‖²) to the model's cost at every node, a term of Levenberg and
 /// Marquardt that keeps the whole trajectory near the iterate; the value knows of it. To the gains
@@ -85,8 +91,7 @@ struct SolverOptions {
     double final = 1e-12;
   } complementarity;
 
-  /// Further solves from random perturbations of the guess, of the solver `ipopt`; the best answer
-  /// counts.
+  /// Further solves from random perturbations of the guess; the best answer counts.
   struct Restarts {
     int count = 0;
     int seed = 0;
@@ -99,9 +104,14 @@ struct SolverOptions {
   /// Multipliers to start from, beside the guess, of solvers that have multipliers of constraints.
   std::shared_ptr<const DualGuess> multipliers;
 
+  /// A homotopy by which to come to the answer; none: the problem is solved at once.
+  ProblemPath homotopy;
+
   /// Called with every row of the log as soon as it is known; the row lives during the call only.
+  /// Of restarts with those of the first start.
   std::function<void(const IterationRecord&)> on_iteration;
-  /// Asked once an iteration and regularisation; true ends the solve with status `interrupted`.
+  /// Asked once an iteration and regularisation; true ends the solve with status `interrupted`. Of
+  /// restarts asked by several threads, but never by two at once or during a call of the former.
   std::function<bool()> interrupted;
 
   /// One message for each option whose value is out of range, naming the option; empty if all are

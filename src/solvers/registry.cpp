@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
-#include <stdexcept>
 
 #include <fmt/format.h>
 
@@ -58,20 +56,6 @@ bool keeps(const SolverInfo& solver, const NodeConstraint& constraint) {
   if (constraint.term->has_pairs()) return solver.complementarity;
   return solver.constraints == ConstraintSupport::all ||
          (solver.constraints == ConstraintSupport::equalities && is_equality(constraint));
-}
-
-/// Why multipliers are not those of a problem of this shape, if so.
-std::optional<std::string> misfit(const ShootingProblem& problem, const DualGuess& guess) {
-  const int N = problem.knots();
-  bool fits =
-      guess.constraints.size() == problem.constraint_rows() &&
-      (guess.costates.size() == 0 ||
-       (guess.costates.rows() == problem.ndx() && guess.costates.cols() == N + 1)) &&
-      (guess.control_gradient.empty() || static_cast<int>(guess.control_gradient.size()) == N);
-  for (std::size_t k = 0; fits && k < guess.control_gradient.size(); ++k)
-    fits = guess.control_gradient[k].size() == problem.nu(static_cast<int>(k));
-  if (fits) return std::nullopt;
-  return "the multipliers to start from do not have the shape of the problem";
 }
 
 bool keeps_all(const SolverInfo& solver, const ShootingProblem& problem) {
@@ -142,28 +126,6 @@ std::optional<std::string> refuse_legs(const SolverInfo& solver, const ShootingP
   return std::nullopt;
 }
 
-SolveResult solve(const ShootingProblem& problem, const SolverInfo& solver,
-                  const SolverOptions& options, const Trajectory& guess) {
-  std::string wrong;
-  for (const std::string& message : options.validate()) {
-    if (!wrong.empty()) wrong += "; ";
-    wrong += message;
-  }
-  if (wrong.empty()) wrong = refuse(solver, problem).value_or("");
-  if (wrong.empty() && options.hessian == HessianChoice::exact && !solver.exact_hessian) {
-    wrong = fmt::format("hessian: {} has no exact Hessian", solver.name);
-  }
-  if (wrong.empty() && options.hessian == HessianChoice::gauss_newton &&
-      !solver.gauss_newton_hessian) {
-    wrong = fmt::format("hessian: {} always uses the exact one", solver.name);
-  }
-  if (wrong.empty()) wrong = refuse_legs(solver, problem, options.legs).value_or("");
-  if (wrong.empty() && options.multipliers)
-    wrong = misfit(problem, *options.multipliers).value_or("");
-  if (!wrong.empty()) throw std::invalid_argument(wrong);
-  return solver.run(problem, options, guess);
-}
-
 std::vector<const SolverInfo*> auto_solvers(const ShootingProblem& problem,
                                             const SolverOptions& options) {
   std::vector<std::string_view> names = {"box_fddp", "ipopt"};
@@ -179,50 +141,6 @@ std::vector<const SolverInfo*> auto_solvers(const ShootingProblem& problem,
       list.push_back(info);
   }
   return list;
-}
-
-SolveResult solve(const ShootingProblem& problem, std::span<const SolverInfo* const> candidates,
-                  const SolverOptions& options, const Trajectory& guess, const SolverInfo*& used) {
-  if (candidates.empty())
-    throw std::invalid_argument("no solver supports this problem with these options");
-  const auto began = std::chrono::steady_clock::now();
-  std::optional<SolveResult> first;
-  std::string before;
-  for (const SolverInfo* solver : candidates) {
-    SolverOptions own = options;
-    if (solver->constraints != ConstraintSupport::all) own.multipliers = nullptr;
-    const std::chrono::duration<double> gone = std::chrono::steady_clock::now() - began;
-    own.max_time_s = std::max(1e-3, options.max_time_s - gone.count());
-    SolveResult result = solve(problem, *solver, own, guess);
-    const bool ends =
-        result.status == SolveStatus::converged || result.status == SolveStatus::max_iterations ||
-        result.status == SolveStatus::time_limit || result.status == SolveStatus::interrupted;
-    if (result.status == SolveStatus::converged || !first) used = solver;
-    if (result.status == SolveStatus::converged) {
-      result.message = before + result.message;
-      return result;
-    }
-    before += fmt::format("{} ended as {} after {} iterations; ", solver->name,
-                          to_string(result.status), result.iterations);
-    if (!first)
-      first = std::move(result);
-    else
-      first->message += fmt::format("; {} ended as {} after {} iterations", solver->name,
-                                    to_string(result.status), result.iterations);
-    if (ends) break;
-  }
-  return std::move(*first);
-}
-
-SolveResult solve(const ShootingProblem& problem, std::string_view solver,
-                  const SolverOptions& options, const Trajectory& guess) {
-  if (solver == kAutoSolver) {
-    const SolverInfo* used = nullptr;
-    return solve(problem, auto_solvers(problem, options), options, guess, used);
-  }
-  const SolverInfo* info = find_solver(solver);
-  if (info == nullptr) throw std::invalid_argument(fmt::format("there is no solver '{}'", solver));
-  return solve(problem, *info, options, guess);
 }
 
 }  // namespace conddp

@@ -32,6 +32,7 @@ struct SolverInfo {
   bool gauss_newton_hessian = true;  ///< can leave the dynamics' second derivatives out
   bool exact_hessian = false;        ///< can use them
   bool legs = false;                 ///< can sweep the horizon by legs
+  bool concurrent = true;            ///< may run in several threads at once
   SolveResult (*run)(const ShootingProblem& problem, const SolverOptions& options,
                      const Trajectory& guess) = nullptr;
 };
@@ -58,15 +59,18 @@ inline constexpr std::string_view kAutoSolver = "auto";
 std::vector<const SolverInfo*> auto_solvers(const ShootingProblem& problem,
                                             const SolverOptions& options);
 
-/// Solves a problem from a guess. Throws std::invalid_argument where the options are not valid, the
-/// solver refuses the problem, the legs or the Hessian asked for, or the guess has another shape;
-/// every other end is a status.
+using SolverList = std::span<const SolverInfo* const>;
+
+/// Solves a problem from a guess, along a homotopy and with restarts where the options ask for
+/// them. Throws std::invalid_argument where the options are not valid, the solver refuses the
+/// problem, the legs or the Hessian asked for, or the guess has another shape; every other end is a
+/// status.
 SolveResult solve(const ShootingProblem& problem, const SolverInfo& solver,
                   const SolverOptions& options, const Trajectory& guess);
 /// By the first of these that converges, all within one time limit; else the answer of the first.
 /// After an end by a limit or a signal no other follows. `used` ← whose answer it is; multipliers
 /// to start from go to those that take some. Throws std::invalid_argument where there is none.
-SolveResult solve(const ShootingProblem& problem, std::span<const SolverInfo* const> candidates,
+SolveResult solve(const ShootingProblem& problem, SolverList candidates,
                   const SolverOptions& options, const Trajectory& guess, const SolverInfo*& used);
 /// The same by name, `auto` included; an unknown name is a std::invalid_argument.
 SolveResult solve(const ShootingProblem& problem, std::string_view solver,

@@ -10,6 +10,7 @@
 #include "ocp/acts.hpp"
 #include "solvers/iteration_record.hpp"
 #include "solvers/status.hpp"
+#include "solvers/strategy_record.hpp"
 
 namespace conddp {
 
@@ -73,6 +74,12 @@ struct SolveResult {
   /// constraint is switched off.
   Eigen::VectorXd constraint_values, constraint_multipliers;
   std::vector<IterationRecord> log;
+  /// All solves of a homotopy, in order; empty without one. Iterations, log and times above are
+  /// those of all of them together.
+  std::vector<HomotopyStep> homotopy;
+  /// Of a solve with restarts. Iterations and log above are those of the start whose answer counts,
+  /// the total time is that of all.
+  std::optional<RestartRecord> restarts;
 };
 
 }  // namespace conddp
