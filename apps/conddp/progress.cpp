@@ -14,6 +14,8 @@ namespace conddp {
 
 void ProgressTable::print(const IterationRecord& row) {
   constexpr int kRepeatHeading = 20;
+  if (row.homotopy != share_) print_message(fmt::format("homotopy at s = {:.4g}\n", row.homotopy));
+  share_ = row.homotopy;
   if (lines_++ % kRepeatHeading == 0)
     print_message(fmt::format("{:>5} {:>14} {:>12} {:>10} {:>10} {:>8} {:>6} {:>9} {:>8}\n", "iter",
                               "cost", "stationarity", "gap", "constraint", "step", "sweeps",
@@ -34,6 +36,26 @@ std::string durations_line(const Solution& s) {
       text += fmt::format("{}{} {:.9g} s", text.empty() ? "" : ", ", phase.name,
                           s.result.trajectory.u(0)[free->memory]);
   return text.empty() ? text : fmt::format("  durations     {}\n", text);
+}
+
+/// The solves of a homotopy: where each was, its iterations and, if it did not converge, its end.
+std::string homotopy_line(const std::vector<HomotopyStep>& steps) {
+  std::string text;
+  for (const HomotopyStep& step : steps)
+    text += fmt::format(
+        "{}{:.4g}: {}{}", text.empty() ? "" : ", ", step.share, step.iterations,
+        step.status == SolveStatus::converged ? "" : fmt::format(" ({})", to_string(step.status)));
+  return text.empty() ? text : fmt::format("  homotopy      iterations at s = {}\n", text);
+}
+
+std::string restart_lines(const RestartRecord& restarts) {
+  std::string text = fmt::format(
+      "  restarts      {} starts, {} converged, to {} optima; the answer is that of start {}\n",
+      restarts.starts, restarts.converged, restarts.basins.size(), restarts.answer);
+  for (const Basin& basin : restarts.basins)
+    text += fmt::format("    {:<20.9g} {} starts, the first one {}\n", basin.cost, basin.starts,
+                        basin.first);
+  return text;
 }
 
 }  // namespace
@@ -59,6 +81,8 @@ std::string summary_text(const Solution& s, const SolutionCertificate* certifica
   for (const ConstraintViolation& v : soft_violations(*s.built.problem, r.constraint_values))
     text += fmt::format("    {:<20} soft, off by {:.2e}{}\n", v.name, v.value,
                         v.node < 0 ? "" : fmt::format(" at node {}", v.node));
+  text += homotopy_line(r.homotopy);
+  if (r.restarts) text += restart_lines(*r.restarts);
   const Diagnosis diagnosis = diagnose(*s.built.problem, r, s.spec.solver.options);
   if (!good) text += fmt::format("  diagnosis     {}\n", diagnosis.message);
   if (!diagnosis.remedy.empty()) text += fmt::format("  try           {}\n", diagnosis.remedy);

@@ -16,6 +16,7 @@ class ProgressTable {
 
  private:
   int lines_ = 0;
+  double share_ = 1;  ///< of the way of a homotopy
 };
 
 /// How a solve ended, for people. `certificate` may be null; `colour`: the status in green or

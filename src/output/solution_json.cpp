@@ -211,6 +211,8 @@ OrderedJson nulls_json(const OrderedJson& json, const SolveResult& result) {
   add("constraints", json["constraints"], unknown);
   add("soft_constraints", json["soft_constraints"], unknown);
   add("dropped_constraints", json["dropped_constraints"], unknown);
+  if (json.contains("homotopy"))
+    add("homotopy", json["homotopy"], "of a problem without an iterate");
   if (!json.contains("trajectory")) return list;
   add("trajectory.x", json["trajectory"]["x"], unknown);
   add("trajectory.u", json["trajectory"]["u"], unknown);
@@ -225,6 +227,27 @@ OrderedJson nulls_json(const OrderedJson& json, const SolveResult& result) {
   return list;
 }
 
+OrderedJson homotopy_json(const std::vector<HomotopyStep>& steps) {
+  OrderedJson list = OrderedJson::array();
+  for (const HomotopyStep& step : steps)
+    list.push_back({{"share", step.share},
+                    {"status", to_string(step.status)},
+                    {"iterations", step.iterations},
+                    {"cost", finite_or_null(step.cost)},
+                    {"time_s", step.time_s}});
+  return list;
+}
+
+OrderedJson restarts_json(const RestartRecord& restarts) {
+  OrderedJson optima = OrderedJson::array();
+  for (const Basin& basin : restarts.basins)
+    optima.push_back({{"cost", basin.cost}, {"starts", basin.starts}, {"first", basin.first}});
+  return {{"starts", restarts.starts},
+          {"converged", restarts.converged},
+          {"answer", restarts.answer},
+          {"optima", std::move(optima)}};
+}
+
 OrderedJson head(const Solution& s) {
   const SolveResult& r = s.result;
   const Eigen::VectorXd& values = r.constraint_values;
@@ -236,28 +259,32 @@ OrderedJson head(const Solution& s) {
     dropped.push_back(
         {{"name", constraint.name},
          {"violation", finite_or_null(violation(constraint, *s.built.problem, r.trajectory))}});
-  return {{"format", kSolutionFormat},
-          {"problem", problem_json(s)},
-          {"tool", tool_json()},
-          {"solver", s.solver.name},
-          {"status", to_string(r.status)},
-          {"message", r.message},
-          {"cost", finite_or_null(r.cost)},
-          {"cost_by_name", std::move(costs)},
-          {"iterations", r.iterations},
-          {"residuals", residuals_json(r.residuals)},
-          {"time_s",
-           {{"total", r.times.total},
-            {"evaluate", r.times.evaluate},
-            {"differentiate", r.times.differentiate},
-            {"sweep", r.times.sweep},
-            {"rollout", r.times.rollout}}},
-          {"initial_guess_used", guess_json(s)},
-          {"diagnosis", diagnosis_json(diagnose(*s.built.problem, r, s.spec.solver.options))},
-          {"findings", findings_json(findings_of(s.spec, s.built, r.trajectory))},
-          {"constraints", violations_json(violations_by_name(*s.built.problem, values))},
-          {"soft_constraints", violations_json(soft_violations(*s.built.problem, values))},
-          {"dropped_constraints", std::move(dropped)}};
+  OrderedJson json = {
+      {"format", kSolutionFormat},
+      {"problem", problem_json(s)},
+      {"tool", tool_json()},
+      {"solver", s.solver.name},
+      {"status", to_string(r.status)},
+      {"message", r.message},
+      {"cost", finite_or_null(r.cost)},
+      {"cost_by_name", std::move(costs)},
+      {"iterations", r.iterations},
+      {"residuals", residuals_json(r.residuals)},
+      {"time_s",
+       {{"total", r.times.total},
+        {"evaluate", r.times.evaluate},
+        {"differentiate", r.times.differentiate},
+        {"sweep", r.times.sweep},
+        {"rollout", r.times.rollout}}},
+      {"initial_guess_used", guess_json(s)},
+      {"diagnosis", diagnosis_json(diagnose(*s.built.problem, r, s.spec.solver.options))},
+      {"findings", findings_json(findings_of(s.spec, s.built, r.trajectory))},
+      {"constraints", violations_json(violations_by_name(*s.built.problem, values))},
+      {"soft_constraints", violations_json(soft_violations(*s.built.problem, values))},
+      {"dropped_constraints", std::move(dropped)}};
+  if (!r.homotopy.empty()) json["homotopy"] = homotopy_json(r.homotopy);
+  if (r.restarts) json["restarts"] = restarts_json(*r.restarts);
+  return json;
 }
 
 }  // namespace

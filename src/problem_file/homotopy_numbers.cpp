@@ -1,6 +1,7 @@
 #include "problem_file/homotopy_numbers.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -65,6 +66,11 @@ YamlNode* find_number(YamlNode& root, const Name& key, Diagnostics& out) {
   return nullptr;
 }
 
+double between(double from, double to, double share) {
+  if (share == 1) return to;
+  return from * to > 0 ? from * std::pow(to / from, share) : from + share * (to - from);
+}
+
 }  // namespace
 
 std::vector<HomotopyKeySpec> read_homotopy(const YamlReader& reader) {
@@ -106,7 +112,7 @@ void place_homotopy(YamlNode& root, double share, Diagnostics& out) {
           "write that number here, too");
     *node = {.kind = YamlNode::Kind::kScalar,
              .mark = key.to.place.mark,
-             .text = fmt::format("{}", share == 1 ? to : from + share * (to - from))};
+             .text = fmt::format("{}", between(from, to, share))};
   }
 }
 

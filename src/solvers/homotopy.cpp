@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -23,22 +24,44 @@ void add(const SolveTimes& part, SolveTimes& sum) {
     sum.*time += part.*time;
 }
 
-class Homotopy {
+/// The first penalty after an answer: half way, in powers of ten, to the largest one that it
+/// needed. The first penalty of all would let go of constraints that its multipliers hold.
+double next_penalty(const SolverOptions& options, const SolveResult& last) {
+  const auto& augmented = options.augmented_lagrangian;
+  const double needed = last.log.empty() ? 0 : last.log.back().constraint_penalty;
+  if (!(needed > augmented.initial_penalty)) return augmented.initial_penalty;
+  return std::min(std::sqrt(augmented.initial_penalty * needed), augmented.max_penalty);
+}
+
+/// Where a solve begins, and what it may take.
+struct Start {
+  Trajectory guess;
+  std::shared_ptr<const DualGuess> multipliers;
+  double penalty;
+};
+
+Start start_from(const SolverOptions& options, const SolveResult& last) {
+  return {last.trajectory,
+          std::make_shared<const DualGuess>(
+              DualGuess{last.constraint_multipliers, last.costates, last.control_gradient}),
+          next_penalty(options, last)};
+}
+
+/// The solves on the way, and what they took together.
+class Way {
  public:
-  Homotopy(const SolverOptions& options, const SolveByFirst& solve)
-      : options_(options), solve_(solve) {}
+  Way(const SolverOptions& options, const SolveByFirst& solve) : options_(options), solve_(solve) {}
 
-  int left() const { return std::max(0, options_.max_iterations - iterations_); }
+  int iterations_left() const { return std::max(0, options_.max_iterations - iterations_); }
 
-  /// A solve, whose rows, iterations and times are added to those before.
   SolveResult attempt(double share, const ShootingProblem& problem, SolverList candidates,
-                      const Trajectory& guess, std::shared_ptr<const DualGuess> multipliers,
-                      int limit, const SolverInfo*& used) {
+                      const Start& start, int max_iterations, const SolverInfo*& used) {
     const double began = seconds();
     SolverOptions own = options_;
     own.homotopy = nullptr;
-    own.multipliers = std::move(multipliers);
-    own.max_iterations = limit;
+    own.multipliers = start.multipliers;
+    own.augmented_lagrangian.initial_penalty = start.penalty;
+    own.max_iterations = max_iterations;
     if (!steps_.empty()) own.max_time_s = std::max(1e-3, options_.max_time_s - began);
     if (options_.interrupted)
       own.interrupted = [this] { return interrupted_ = interrupted_ || options_.interrupted(); };
@@ -46,7 +69,7 @@ class Homotopy {
       own.on_iteration = [&](const IterationRecord& row) {
         options_.on_iteration(placed(row, share, began));
       };
-    SolveResult result = solve_(problem, candidates, own, guess, used);
+    SolveResult result = solve_(problem, candidates, own, start.guess, used);
     for (const IterationRecord& row : result.log) log_.push_back(placed(row, share, began));
     if (steps_.empty()) start_ = result.start;
     steps_.push_back({share, result.status, result.iterations, result.cost, seconds() - began});
@@ -55,6 +78,7 @@ class Homotopy {
     return result;
   }
 
+  /// Of a problem that cannot be built.
   void note_impossible(double share) {
     steps_.push_back({.share = share, .status = SolveStatus::infeasible});
   }
@@ -93,61 +117,58 @@ class Homotopy {
   std::vector<HomotopyStep> steps_;
 };
 
-std::shared_ptr<const DualGuess> multipliers_of(const SolveResult& result) {
-  return std::make_shared<const DualGuess>(
-      DualGuess{result.constraint_multipliers, result.costates, result.control_gradient});
-}
-
 }  // namespace
 
 SolveResult solve_homotopy(const ShootingProblem& problem, SolverList candidates,
                            const SolverOptions& options, const Trajectory& guess,
                            const SolveByFirst& solve, const SolverInfo*& used) {
-  Homotopy homotopy(options, solve);
-  Trajectory start = guess;
-  std::shared_ptr<const DualGuess> multipliers = options.multipliers;
-  std::string stuck = "its start cannot be built";
-  if (const auto first = options.homotopy(0)) {
-    SolveResult last = homotopy.attempt(0, *first, candidates, start, multipliers,
-                                        (options.max_iterations + 1) / 2, used);
-    stuck = fmt::format("its start ended as {}", to_string(last.status));
-    const int quick = last.iterations;
-    int converged = last.iterations;
-    double share = 0, step = kFirstStep;
-    bool ended = last.status != SolveStatus::converged;
-    if (is_limit(last.status)) start = last.trajectory;
-    while (!ended) {
-      start = last.trajectory;
-      multipliers = multipliers_of(last);
-      if (share == 1) return homotopy.answer(std::move(last));
-      const double next = std::min(1.0, share + step);
-      SolveStatus status = SolveStatus::infeasible;
-      if (const auto between = options.homotopy(next)) {
-        const int limit = std::min(std::max(kLeastLimit, converged), homotopy.left());
-        SolveResult result = homotopy.attempt(next, next == 1 ? problem : *between,
-                                              std::array{used}, start, multipliers, limit, used);
-        status = result.status;
-        if (status == SolveStatus::converged) {
-          if (result.iterations <= quick) step *= 2;
-          converged += result.iterations;
-          share = next;
-          last = std::move(result);
-          continue;
-        }
-      } else {
-        homotopy.note_impossible(next);
-      }
-      step = 0.5 * (next - share);
-      stuck = fmt::format("stuck at s = {:.4g}: the step to {:.4g} ended as {}", share, next,
-                          to_string(status));
-      ended = is_limit(status) || step < kShortestStep || homotopy.left() == 0;
+  const double first_penalty = options.augmented_lagrangian.initial_penalty;
+  Way way(options, solve);
+  Start start{guess, options.multipliers, first_penalty};
+  const auto direct = [&](const std::string& why) {
+    start.penalty = first_penalty;
+    SolveResult last = way.attempt(1, problem, candidates, start, way.iterations_left(), used);
+    last.message = fmt::format("homotopy {}; from there the problem itself: {}", why, last.message);
+    return way.answer(std::move(last));
+  };
+
+  const auto first = options.homotopy(0);
+  if (!first) return direct("without a start, which cannot be built");
+  SolveResult last =
+      way.attempt(0, *first, candidates, start, (options.max_iterations + 1) / 2, used);
+  if (is_limit(last.status)) start.guess = last.trajectory;
+  if (last.status != SolveStatus::converged)
+    return direct(fmt::format("without a start, which ended as {}", to_string(last.status)));
+
+  const int quick = last.iterations;
+  int iterations = last.iterations;  // of answers
+  double share = 0, step = kFirstStep;
+  start = start_from(options, last);
+  while (share < 1) {
+    const double next = std::min(1.0, share + step);
+    SolveStatus status = SolveStatus::infeasible;
+    if (const auto between = options.homotopy(next)) {
+      const int limit = std::min(std::max(kLeastLimit, iterations), way.iterations_left());
+      SolveResult result =
+          way.attempt(next, next == 1 ? problem : *between, std::array{used}, start, limit, used);
+      status = result.status;
+      if (status == SolveStatus::converged) last = std::move(result);
+    } else {
+      way.note_impossible(next);
     }
+    if (status == SolveStatus::converged) {
+      if (last.iterations <= quick) step *= 2;
+      iterations += last.iterations;
+      share = next;
+      start = start_from(options, last);
+      continue;
+    }
+    step = 0.5 * (next - share);
+    if (is_limit(status) || step < kShortestStep || way.iterations_left() == 0)
+      return direct(fmt::format("stuck at s = {:.4g}: the step to {:.4g} ended as {}", share, next,
+                                to_string(status)));
   }
-  SolveResult direct = homotopy.attempt(1, problem, candidates, start, std::move(multipliers),
-                                        homotopy.left(), used);
-  direct.message =
-      fmt::format("homotopy {}; from there the problem itself: {}", stuck, direct.message);
-  return homotopy.answer(std::move(direct));
+  return way.answer(std::move(last));
 }
 
 }  // namespace conddp
