@@ -180,12 +180,14 @@ class Bench {
       status_.show(fmt::format("{}, {}{}, {}", progress_.text(), problem.spec.name.value,
                                seed ? fmt::format(" seed {}", *seed) : "", solver->name));
       if (!perturbation.any()) {
-        add(problem, built, *built.problem, built.guess, *solver, seed);
+        add(problem, built, *built.problem, built.guess, *solver, seed, homotopy_path(built));
       } else {
         const ShootingProblem instance =
             perturb_initial_state(*built.problem, perturbation.initial_state, perturbation.seed);
         const Trajectory guess = guess_of_instance(instance, built.guess, perturbation);
-        add(problem, built, instance, guess, *solver, seed);
+        add(problem, built, instance, guess, *solver, seed,
+            perturb_initial_state(homotopy_path(built), perturbation.initial_state,
+                                  perturbation.seed));
       }
       if (InterruptGuard::signal() != 0) return false;
     }
@@ -204,8 +206,10 @@ class Bench {
   }
 
   void add(BenchProblem& problem, const BuiltProblem& built, const ShootingProblem& instance,
-           const Trajectory& guess, const SolverInfo& solver, std::optional<std::uint64_t> seed) {
+           const Trajectory& guess, const SolverInfo& solver, std::optional<std::uint64_t> seed,
+           ProblemPath homotopy) {
     SolverOptions options = problem.spec.solver.options;
+    options.homotopy = std::move(homotopy);
     options.interrupted = [this] {
       status_.refresh();
       return InterruptGuard::signal() != 0;

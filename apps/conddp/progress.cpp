@@ -53,8 +53,8 @@ std::string restart_lines(const RestartRecord& restarts) {
       "  restarts      {} starts, {} converged, to {} optima; the answer is that of start {}\n",
       restarts.starts, restarts.converged, restarts.basins.size(), restarts.answer);
   for (const Basin& basin : restarts.basins)
-    text += fmt::format("    {:<20.9g} {} starts, the first one {}\n", basin.cost, basin.starts,
-                        basin.first);
+    text += fmt::format("    {:<20.9g} ends of starts: {}, the first of them start {}\n",
+                        basin.cost, basin.starts, basin.first);
   return text;
 }
 

@@ -22,6 +22,15 @@ ShootingProblem perturb_initial_state(const ShootingProblem& problem, double siz
   return {std::move(x0), problem.phases(), problem.terminal()};
 }
 
+ProblemPath perturb_initial_state(ProblemPath homotopy, double size, std::uint64_t seed) {
+  if (!homotopy || size == 0) return homotopy;
+  return [=](double share) -> std::shared_ptr<const ShootingProblem> {
+    const auto problem = homotopy(share);
+    if (!problem) return nullptr;
+    return std::make_shared<const ShootingProblem>(perturb_initial_state(*problem, size, seed));
+  };
+}
+
 Trajectory guess_of_instance(const ShootingProblem& instance, const Trajectory& guess,
                              const Perturbation& perturbation) {
   Trajectory start = perturb_guess(instance, guess, perturbation.guess, perturbation.seed);

@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "ocp/problem.hpp"
+#include "solvers/options.hpp"
 
 namespace conddp {
 
@@ -25,6 +26,9 @@ struct Perturbation {
 /// seed gives the same instance with every standard library.
 ShootingProblem perturb_initial_state(const ShootingProblem& problem, double size,
                                       std::uint64_t seed);
+
+/// The same of every problem on the way of a homotopy, if there is one.
+ProblemPath perturb_initial_state(ProblemPath homotopy, double size, std::uint64_t seed);
 
 /// The guess of an instance, from that of its problem: perturb_guess, from its initial state.
 Trajectory guess_of_instance(const ShootingProblem& instance, const Trajectory& guess,
