@@ -137,6 +137,18 @@ TEST(Bench, InstancesFollowFromTheirSeeds) {
   EXPECT_EQ(third, (Json{three[4], three[5]}));
 }
 
+TEST(Bench, TheWholeWayOfAHomotopyCounts) {
+  const std::string weaker = "solver.homotopy=[{key: constraints.torque.upper, from: 12, to: 3}]";
+  const Words one = {"--solvers", "box_ddp"};
+  const Words along = {"--solvers", "box_ddp", "--set", weaker};
+  const Words instance = {"--solvers", "box_ddp",   "--set",
+                          weaker,      "--perturb", "initial_state=0.1"};
+  const Json plain = bench(one)["runs"][0], way = bench(along)["runs"][0];
+  EXPECT_EQ(way["status"], "converged");
+  EXPECT_GT(way["iterations"], plain["iterations"]);
+  EXPECT_EQ(bench(instance)["runs"][0]["status"], "converged");
+}
+
 TEST(Bench, GuessesFollowFromTheirSeedsToo) {
   const Words two = {"--solvers", "box_fddp", "--perturb", "guess=0.1", "--instances", "2"};
   const Json report = bench(two);

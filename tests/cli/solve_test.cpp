@@ -170,6 +170,45 @@ TEST(Solve, AWarmStartFromItsOwnSolutionIsQuick) {
   }
 }
 
+TEST(Solve, SaysWhichWayAHomotopyWent) {
+  const TemporaryFolder folder;
+  const ProcessResult r =
+      run_conddp({"solve", kPendulum, "-o", folder.path() / "out", "-v", "--set",
+                  "solver.homotopy=[{key: constraints.torque.lower, from: -12, to: -3}, {key: "
+                  "constraints.torque.upper, from: 12, to: 3}]"});
+  EXPECT_EQ(r.exit_code, 0) << r.err;
+  EXPECT_NE(r.out.find("  homotopy      iterations at s = 0: "), std::string::npos) << r.out;
+  EXPECT_NE(r.out.find("certificate   holds"), std::string::npos) << r.out;
+  EXPECT_NE(r.err.find("homotopy at s = 0.25\n"), std::string::npos) << r.err;
+  const std::string file = folder.path() / "out/solution.json";
+  const Json solution = Json::parse(read_file(file));
+  EXPECT_EQ(solution["homotopy"].back()["share"], 1);
+  EXPECT_EQ(solution["log"].front()["homotopy"], 0);
+  int iterations = 0;
+  for (const Json& step : solution["homotopy"]) iterations += step["iterations"].get<int>();
+  EXPECT_EQ(solution["iterations"], iterations);
+  EXPECT_EQ(run_conddp({"verify", file}).exit_code, 0);
+  EXPECT_TRUE(fits_schema("solution", read_file(file)));
+}
+
+TEST(Solve, ListsTheOptimaOfRestarts) {
+  const TemporaryFolder folder;
+  const std::string file = folder.path() / "solution.json";
+  const ProcessResult r =
+      run_conddp({"solve", source("problems/acrobot_goal.yaml"), "--set",
+                  "solver.restarts={count: 6, spread: 5}", "--threads", "2", "-o", folder.path()});
+  EXPECT_EQ(r.exit_code, 0) << r.err;
+  EXPECT_NE(r.out.find("  restarts      7 starts, "), std::string::npos) << r.out;
+  const Json restarts = Json::parse(read_file(file))["restarts"];
+  EXPECT_EQ(restarts["starts"], 7);
+  int converged = 0;
+  for (const Json& optimum : restarts["optima"]) converged += optimum["starts"].get<int>();
+  EXPECT_EQ(restarts["converged"], converged);
+  EXPECT_GE(restarts["optima"].size(), 2u) << "the acrobot's two ways to swing up";
+  EXPECT_EQ(run_conddp({"verify", file}).exit_code, 0);
+  EXPECT_TRUE(fits_schema("solution", read_file(file)));
+}
+
 TEST(Solve, ResultsDoNotDependOnThreads) {
   const TemporaryFolder folder;
   const std::string problem = source("problems/arm_reach.yaml");

@@ -364,6 +364,7 @@ TEST(Expand, ShowsEveryDefaultOfTheSchema) {
                                              "/definitions/cost/faces",
                                              "/definitions/cost/inner",
                                              "/definitions/cost/safety",
+                                             "/definitions/constraint/scale",
                                              "/definitions/phase/restitution",
                                              "/definitions/phase/weights"};
   for (const std::string& key : walk.missing())

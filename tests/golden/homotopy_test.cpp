@@ -1,0 +1,97 @@
+// Problems that are solved along a homotopy: what the solver at once does not solve, and what it
+// solves at another optimum.
+#include <gtest/gtest.h>
+
+#include "output/solution_certificate.hpp"
+#include "output/solution_json.hpp"
+#include "problem_file/read_problem.hpp"
+#include "solvers/registry.hpp"
+#include "support/foreign_problems.hpp"
+
+namespace conddp {
+namespace {
+
+struct HomotopyCase {
+  std::string name;
+  std::filesystem::path file;
+  std::vector<std::string> settings;
+  std::string homotopy;
+  std::string solver;
+  double cost;
+};
+
+void expect_solved(const HomotopyCase& c) {
+  std::vector<std::string> settings = c.settings;
+  settings.push_back("solver.name=" + c.solver);
+  settings.push_back("solver.homotopy=" + c.homotopy);
+  Diagnostics out;
+  const auto spec = read_problem(c.file, settings, out);
+  ASSERT_TRUE(spec) << format_diagnostics(out, false);
+  const auto built = build_problem(*spec, {}, out);
+  ASSERT_TRUE(built) << format_diagnostics(out, false);
+  SolverOptions options = spec->solver.options;
+  options.homotopy = homotopy_path(*built);
+  const SolverInfo& solver = *find_solver(c.solver);
+  const SolveResult result = solve(*built->problem, solver, options, built->guess);
+  ASSERT_EQ(result.status, SolveStatus::converged) << result.message;
+  EXPECT_NEAR(result.cost, c.cost, 1e-5 * c.cost);
+  EXPECT_EQ(result.homotopy.front().share, 0);
+  EXPECT_EQ(result.homotopy.back().share, 1);
+  int iterations = 0;
+  for (const HomotopyStep& step : result.homotopy) iterations += step.iterations;
+  EXPECT_EQ(result.iterations, iterations);
+  // Whoever looks at the answer sees the problem itself.
+  const OrderedJson document =
+      OrderedJson::parse(solution_json({*spec, *built, solver, result, settings}).dump());
+  EXPECT_TRUE(certify_solution(document, *spec, *built, false).checks.holds());
+}
+
+class HomotopyOf : public ::testing::TestWithParam<HomotopyCase> {};
+
+TEST_P(HomotopyOf, EndsAtACertifiedAnswer) { expect_solved(GetParam()); }
+
+std::filesystem::path example(const std::string& name) {
+  return std::filesystem::path(CONDDP_SOURCE_DIR) / "problems" / (name + ".yaml");
+}
+
+constexpr const char* kWheels =
+    "[{key: constraints.wheels.lower, from: -15, to: -5}, {key: constraints.wheels.upper, from: "
+    "15, "
+    "to: 5}]";
+
+INSTANTIATE_TEST_SUITE_P(
+    Ready, HomotopyOf,
+    ::testing::Values(
+        // Its cost is ipopt's, of the golden file; altro alone stalls.
+        HomotopyCase{"arm_fastest",
+                     example("arm_fastest"),
+                     {},
+                     "[{key: costs.effort.weight, from: 0.001, to: 1.0e-4}]",
+                     "altro",
+                     0.702336157},
+        // As at once, tests/golden/unicycle_escape.json.
+        HomotopyCase{
+            "unicycle_escape", example("unicycle_escape"), {}, kWheels, "altro", 0.331605617},
+        // Better than at once, 2.28890.
+        HomotopyCase{"quadrotor_maze",
+                     example("quadrotor_maze"),
+                     {},
+                     "[{key: constraints.pillars.at_least, from: 1, to: 4}]",
+                     "altro",
+                     2.04288942}),
+    [](const auto& test) { return test.param.name; });
+
+TEST(HomotopyOfFriction, LeadsHyqOntoASlipperyFloor) {
+  const auto trot = hyq_trot();
+  if (!trot) GTEST_SKIP() << kNoForeignRobots;
+  std::vector<std::string> settings = trot->settings;
+  settings.emplace_back(
+      "constraints.grip={residual: friction_cone, contacts: all, cone: second_order}");
+  for (const char* solver : {"altro", "proxddp"})
+    expect_solved({"hyq_trot", trot->file, settings,
+                   "[{key: contacts.defaults.friction, from: 0.7, to: 0.15}]", solver,
+                   3.61995706});  // as at once
+}
+
+}  // namespace
+}  // namespace conddp
