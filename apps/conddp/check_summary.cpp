@@ -280,6 +280,9 @@ OrderedJson check_summary(const ProblemSpec& spec, const BuiltProblem& built,
   const SolverInfo& solver = *candidates.front();
   OrderedJson then = OrderedJson::array();
   for (std::size_t i = 1; i < candidates.size(); ++i) then.push_back(candidates[i]->name);
+  OrderedJson homotopy = OrderedJson::array();
+  for (const HomotopyKeySpec& key : spec.solver.homotopy)
+    homotopy.push_back({{"key", key.key.value}, {"from", key.from.value}, {"to", key.to.value}});
   // A knot that chooses the first state says nothing of the others.
   const KnotModel& model = *problem.knot(problem.phases().front().instant ? 1 : 0).model;
   OrderedJson guess = {{"states", built.guess_used.states},
@@ -309,7 +312,9 @@ OrderedJson check_summary(const ProblemSpec& spec, const BuiltProblem& built,
            {{"name", solver.name},
             {"description", solver.description},
             {"control_bounds", bounds_word(solver, problem)},
-            {"then", std::move(then)}}},
+            {"then", std::move(then)},
+            {"homotopy", std::move(homotopy)},
+            {"restarts", spec.solver.options.restarts.count}}},
           {"initial_guess", std::move(guess)}};
 }
 
@@ -344,6 +349,11 @@ std::string check_text(const OrderedJson& s) {
   if (!s["solver"]["then"].empty())
     text += fmt::format("  {:<16}where that does not converge: {}\n", "",
                         comma_list(s["solver"]["then"]));
+  for (const auto& key : s["solver"]["homotopy"])
+    text += fmt::format("  {:<16}homotopy of {} from {} to {}\n", "", text_of(key["key"]),
+                        key["from"].get<double>(), key["to"].get<double>());
+  if (const int restarts = s["solver"]["restarts"].get<int>(); restarts > 0)
+    text += fmt::format("  {:<16}restarts: {} perturbations of the first guess\n", "", restarts);
   text +=
       fmt::format("  {:<16}states: {}; controls: {}\n", "first guess",
                   text_of(s["initial_guess"]["states"]), text_of(s["initial_guess"]["controls"]));

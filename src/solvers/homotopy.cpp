@@ -165,7 +165,8 @@ SolveResult solve_homotopy(const ShootingProblem& problem, SolverList candidates
     }
     step = 0.5 * (next - share);
     if (is_limit(status) || step < kShortestStep || way.iterations_left() == 0)
-      return direct(fmt::format("stuck at s = {:.4g}: the step to {:.4g} ended as {}", share, next,
+      return direct(fmt::format("{} at s = {:.4g}: the step to {:.4g} ended as {}",
+                                is_limit(status) ? "stopped" : "stuck", share, next,
                                 to_string(status)));
   }
   return way.answer(std::move(last));
