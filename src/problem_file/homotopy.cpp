@@ -68,6 +68,7 @@ std::shared_ptr<const Homotopy::Station> Homotopy::station(double share, Diagnos
   if (!spec) return nullptr;
   spec->guess = {};
   spec->solver = solver_;
+  spec->perturbation = perturbation_;
   auto station = std::make_shared<Station>(Station{*std::move(spec), std::nullopt});
   station->built = build_problem(station->spec, options_, out);
   return station->built ? station : nullptr;
@@ -81,6 +82,7 @@ std::shared_ptr<const Homotopy> Homotopy::build(const ProblemSpec& spec,
   homotopy->file_ = spec.file;
   homotopy->settings_ = spec.settings;
   homotopy->solver_ = spec.solver;
+  homotopy->perturbation_ = spec.perturbation;
   homotopy->solver_.homotopy.clear();
   homotopy->options_ = options;
   for (const double share : {kGenericShare, 0.0}) {

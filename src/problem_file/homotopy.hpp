@@ -33,6 +33,7 @@ class Homotopy {
   std::filesystem::path file_;
   std::vector<std::string> settings_;
   SolverSpec solver_;
+  Perturbation perturbation_;
   BuildOptions options_;
   std::shared_ptr<const Station> start_;
 };
