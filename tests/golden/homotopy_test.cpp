@@ -1,4 +1,5 @@
-// Problems that are solved along a homotopy: certified answers, at the optimum of the solver at once or at another one.
+// Problems that are solved along a homotopy: certified answers, at the optimum of the solver at
+// once or at another one.
 #include <gtest/gtest.h>
 
 #include "output/solution_certificate.hpp"
