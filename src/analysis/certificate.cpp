@@ -10,6 +10,7 @@
 
 #include "analysis/feasibility.hpp"
 #include "analysis/gains_check.hpp"
+#include "analysis/infeasibility.hpp"
 #include "analysis/lagrangian_gradient.hpp"
 #include "analysis/place_text.hpp"
 #include "analysis/reduced_gradient.hpp"
@@ -27,7 +28,8 @@ constexpr double kRounding = 1e-10;
 constexpr double kOwnRounding = 1e-11;
 constexpr double kKnotRounding = 1e-12;
 
-const std::string kDiverged(to_string(SolveStatus::diverged));
+const std::string kDiverged(to_string(SolveStatus::diverged)),
+    kInfeasible(to_string(SolveStatus::infeasible));
 
 /// What rounding of the answer's own numbers does to the figures, where they are so badly
 /// conditioned (contacts far from where they hold, speeds beyond all measure) that the tolerances
@@ -338,6 +340,7 @@ class Judge {
     }
     if (!claims_.converged) {
       add({"status", true, Check::kNone, Check::kNone, Check::kNone, "", ""});
+      if (claims_.status == kInfeasible) check_least_violation();
       return;
     }
     std::string above;
@@ -356,6 +359,21 @@ class Judge {
          kCostateMargin * t.stationarity * costate_size_);
     add({"status", above.empty(), Check::kNone, Check::kNone, Check::kNone, "",
          above.empty() ? "" : "'converged', but " + above});
+  }
+
+  /// Infeasible is what leaves no control a way, on a motion that follows from the controls.
+  void check_least_violation() {
+    const double share =
+        attainable_share(problem_, claims_.trajectory, derivatives_, values_);
+    const bool closed = gap_.value <= claims_.tolerances.gap + state_rounding();
+    add({"least violation", closed && share <= kLeastViolationShare, Check::kNone, share,
+         kLeastViolationShare, "",
+         closed ? (share <= kLeastViolationShare
+                       ? ""
+                       : fmt::format("'infeasible', but moves of the controls lower the violation "
+                                     "by {:.2g} of it, to first order",
+                                     share))
+                : "'infeasible', but the states do not follow from the controls"});
   }
 
   /// Of stationarities along different policies: the answer's is that of its last sweep.

@@ -87,8 +87,8 @@ Diagnosis indefinite(const SolveResult& r) {
 Diagnosis infeasible(const IterationRecord& last) {
   return {
       DiagnosisPattern::infeasible,
-      fmt::format("the constraints cannot all be kept: violation {:.1e}{}, and no step that "
-                  "lowers it",
+      fmt::format("the constraints cannot all be satisfied: violation {:.1e}{}, and no small "
+                  "change of the controls lowers it",
                   last.constraint, at(last.constraint_knot)),
       last.constraint_knot, "constraint violation",
       "wider bounds, more time for the motion, or without a constraint (--drop) to see what the "

@@ -33,6 +33,7 @@ constexpr LogColumn kColumns[] = {
     {"relaxation", "", false, [](const Row& r) { return r.relaxation; }},
     {"fallbacks", "", true, [](const Row& r) { return double(r.fallbacks); }},
     {"homotopy", "", false, [](const Row& r) { return r.homotopy; }},
+    {"restoration", "", true, [](const Row& r) { return double(r.restoration); }},
     {"time", "s", false, [](const Row& r) { return r.time_s; }},
 };
 

@@ -9,9 +9,10 @@
 namespace conddp {
 namespace {
 
-/// Updates at the largest penalty without progress after which a constraint is given up.
-constexpr int kPatience = 5;
-constexpr double kNoProgress = 0.9;
+/// A constraint is stalled where its penalty has grown, or would have, this often and its violation
+/// is not down to this share.
+constexpr int kPatience = 6;
+constexpr double kProgress = 0.5;
 /// Smaller violations, and those below a few tolerances, are rounding and no contradiction.
 constexpr double kContradiction = 1e-5;
 /// The same as sufficient_decrease, of soft constraints: a large penalty leaves them little
@@ -59,11 +60,12 @@ AugmentedLagrangian::AugmentedLagrangian(const ShootingProblem& problem,
 
 void AugmentedLagrangian::start(const Eigen::VectorXd& multipliers) {
   multipliers_ = next_ = multipliers;
-  hopeless_.clear();
+  stalled_.clear();
   for (Group& group : groups_) {
     group.penalty = group.first_penalty = options_.initial_penalty;
     group.before = group.allowed = std::numeric_limits<double>::infinity();
-    group.stalled = 0;
+    group.reference = std::numeric_limits<double>::infinity();
+    group.growths = 0;
     write(group);
   }
 }
@@ -147,11 +149,15 @@ void AugmentedLagrangian::update(bool minimized) {
     if (!grows || at_limit || schedule_ == MultiplierSchedule::always) take_multipliers(group);
     if (grows && minimized)
       group.penalty = std::min(group.penalty * options_.penalty_factor, options_.max_penalty);
-    const bool progress = group.violation <= kNoProgress * group.before;
     const bool violated =
         !group.soft && group.violation > std::max(10 * tolerance_, kContradiction);
-    group.stalled = at_limit && !progress && violated ? group.stalled + 1 : 0;
-    if (group.stalled >= kPatience && hopeless_.empty()) hopeless_ = group.name;
+    if (!violated || group.violation <= kProgress * group.reference) {
+      group.reference = group.violation;
+      group.growths = 0;
+    } else if ((grows && minimized) || at_limit) {
+      ++group.growths;
+    }
+    if (group.growths >= kPatience && stalled_.empty()) stalled_ = group.name;
     group.before = group.violation;
     write(group);
   }

@@ -69,9 +69,9 @@ class AugmentedLagrangian {
   bool may_relax() const;
   /// Takes multipliers that were found otherwise; penalties stay.
   void adopt(const Eigen::VectorXd& multipliers);
-  /// The constraint for which penalties no longer help: its penalty is at the limit and its
-  /// violation, above tolerance, does not fall. Empty if there is none.
-  const std::string& hopeless() const { return hopeless_; }
+  /// A constraint for which penalties do not help: its violation, above tolerance, has not halved
+  /// while its penalty grew six times, or would have beyond its limit. Empty if there is none.
+  const std::string& stalled() const { return stalled_; }
   double largest_penalty() const;
 
  private:
@@ -86,7 +86,8 @@ class AugmentedLagrangian {
     double before = 0;     ///< the same at the last update
     double change = 0;     ///< at the last measure: largest |ν⁺ − ν|/ρ
     double allowed = 0;    ///< what that may be for ν to change
-    int stalled = 0;       ///< updates at the limit without progress
+    double reference = 0;  ///< violation since whose half
+    int growths = 0;       ///< the penalty has grown this often
   };
   void take_multipliers(const Group& group);
   bool grows_after_update(const Group& group) const;
@@ -101,7 +102,7 @@ class AugmentedLagrangian {
   Augmentation augmentation_;
   Eigen::VectorXd multipliers_, next_;
   Eigen::VectorXd shifted_;  ///< of one constraint
-  std::string hopeless_;
+  std::string stalled_;
 };
 
 }  // namespace conddp

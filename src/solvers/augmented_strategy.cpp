@@ -143,11 +143,11 @@ bool AugmentedStrategy::update(Iterate& iterate, const Feedback& feedback, const
     lagrangian_.relax();
     inner_tolerance_ = std::max(inner_tolerance_, options_.tolerances.stationarity);
   }
-  if (!lagrangian_.hopeless().empty()) {
+  if (!lagrangian_.stalled().empty()) {
     iterate.linearized = false;  // what is written belongs to the last multipliers
     return record.end(SolveStatus::infeasible,
-                      fmt::format("the constraint '{}' is violated whatever its penalty: {}",
-                                  lagrangian_.hopeless(), record.residual_text()));
+                      fmt::format("the violation of '{}' does not fall as its penalty grows: {}",
+                                  lagrangian_.stalled(), record.residual_text()));
   }
   ++row.outer;
   inner_tolerance_ *= kTighter;

@@ -12,6 +12,7 @@ struct DdpRecipe {
   bool box_stage = false;       ///< stage problems respect the bounds
   bool constraints = false;     ///< constraints enter as an augmented Lagrangian
   MultiplierSchedule multipliers = MultiplierSchedule::always;
+  bool least_violation = false;  ///< what is looked for is a point of least violation
   bool newton = false;  ///< which a projected Newton method ends
   bool legs = false;    ///< sweeps may go by legs
   /// Exact second derivatives wait until the gaps are closed.

@@ -9,6 +9,7 @@
 #include "solvers/augmented_strategy.hpp"
 #include "solvers/finite_check.hpp"
 #include "solvers/guess.hpp"
+#include "solvers/least_violation.hpp"
 
 namespace conddp {
 namespace {
@@ -17,9 +18,11 @@ namespace {
 /// second derivatives wait until the gaps are this small.
 constexpr double kNearlyClosed = 1e-3;
 
-std::unique_ptr<OuterStrategy> make_outer(const ShootingProblem& problem, const DdpRecipe& recipe,
-                                          const SolverOptions& options, bool constrained) {
+std::unique_ptr<OuterStrategy> make_outer(const ShootingProblem& problem, const ControlBounds& bounds,
+                                          const DdpRecipe& recipe, const SolverOptions& options,
+                                          bool constrained) {
   if (!constrained) return std::make_unique<OuterStrategy>();
+  if (recipe.least_violation) return least_violation_strategy(problem, bounds, options);
   return augmented_lagrangian_strategy(problem, options, recipe.multipliers);
 }
 
@@ -35,7 +38,7 @@ DdpSolver::DdpSolver(const ShootingProblem& problem, const DdpRecipe& recipe,
       acts_(problem, options.threads),
       record_(problem, options_, constrained_),
       iterate_(problem, bounds_, acts_, recipe_, options_, record_),
-      outer_(make_outer(problem, recipe_, options_, constrained_)),
+      outer_(make_outer(problem, bounds_, recipe_, options_, constrained_)),
       globalization_(problem, bounds_, recipe_, options_, iterate_, *outer_, record_),
       check_(problem, bounds_, options_, constrained_),
       step_start_(problem.create_trajectory()) {
@@ -129,15 +132,13 @@ void DdpSolver::measure() {
 }
 
 bool DdpSolver::converged() const {
-  const IterationRecord& row = record_.row;
-  const auto& tolerance = options_.tolerances;
-  return row.stationarity <= check_.goal() && row.gap <= tolerance.gap &&
-         row.constraint <= tolerance.constraint && row.complementarity <= tolerance.complementarity;
+  return outer_->solved(record_.row, options_.tolerances, check_.goal());
 }
 
 /// Ends the solve, where the stationarity holds along other gains, too.
 bool DdpSolver::confirm() {
-  if (!globalization_.keeps_equalities() && !check_.confirm(iterate_, outer_->multipliers()))
+  if (!recipe_.least_violation && !globalization_.keeps_equalities() &&
+      !check_.confirm(iterate_, outer_->multipliers()))
     return false;
   record_.end(SolveStatus::converged, record_.residual_text());
   return true;

@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 
 #include <fmt/format.h>
+
+#include "solvers/joined_solves.hpp"
 
 namespace conddp {
 namespace {
@@ -16,12 +17,6 @@ constexpr int kLeastLimit = 50;
 
 bool is_limit(SolveStatus status) {
   return status == SolveStatus::time_limit || status == SolveStatus::interrupted;
-}
-
-void add(const SolveTimes& part, SolveTimes& sum) {
-  for (double SolveTimes::*time : {&SolveTimes::evaluate, &SolveTimes::differentiate,
-                                   &SolveTimes::sweep, &SolveTimes::rollout})
-    sum.*time += part.*time;
 }
 
 /// The first penalty after an answer: half way, in powers of ten, to the largest one that it
@@ -50,31 +45,23 @@ Start start_from(const SolverOptions& options, const SolveResult& last) {
 /// The solves on the way, and what they took together.
 class Way {
  public:
-  Way(const SolverOptions& options, const SolveByFirst& solve) : options_(options), solve_(solve) {}
+  Way(const SolverOptions& options, const SolveByFirst& solve)
+      : solve_(solve), solves_(options) {}
 
-  int iterations_left() const { return std::max(0, options_.max_iterations - iterations_); }
+  int iterations_left() const { return solves_.iterations_left(); }
 
   SolveResult attempt(double share, const ShootingProblem& problem, SolverList candidates,
                       const Start& start, int max_iterations, const SolverInfo*& used) {
-    const double began = seconds();
-    SolverOptions own = options_;
+    SolverOptions own = solves_.next([share](IterationRecord& row) { row.homotopy = share; });
+    const double began = solves_.seconds();
     own.homotopy = nullptr;
     own.multipliers = start.multipliers;
     own.augmented_lagrangian.initial_penalty = start.penalty;
     own.max_iterations = max_iterations;
-    if (!steps_.empty()) own.max_time_s = std::max(1e-3, options_.max_time_s - began);
-    if (options_.interrupted)
-      own.interrupted = [this] { return interrupted_ = interrupted_ || options_.interrupted(); };
-    if (options_.on_iteration)
-      own.on_iteration = [&](const IterationRecord& row) {
-        options_.on_iteration(placed(row, share, began));
-      };
     SolveResult result = solve_(problem, candidates, own, start.guess, used);
-    for (const IterationRecord& row : result.log) log_.push_back(placed(row, share, began));
-    if (steps_.empty()) start_ = result.start;
-    steps_.push_back({share, result.status, result.iterations, result.cost, seconds() - began});
-    iterations_ += result.iterations;
-    add(result.times, times_);
+    solves_.add(result);
+    steps_.push_back(
+        {share, result.status, result.iterations, result.cost, solves_.seconds() - began});
     return result;
   }
 
@@ -85,35 +72,14 @@ class Way {
 
   /// The last solve as the answer of all.
   SolveResult answer(SolveResult last) {
-    last.iterations = iterations_;
-    last.times = times_;
-    last.times.total = seconds();
-    last.log = std::move(log_);
-    last.start = std::move(start_);
+    last = solves_.answer(std::move(last));
     last.homotopy = std::move(steps_);
     return last;
   }
 
  private:
-  double seconds() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count();
-  }
-
-  IterationRecord placed(IterationRecord row, double share, double began) const {
-    row.iteration += iterations_;
-    row.time_s += began;
-    row.homotopy = share;
-    return row;
-  }
-
-  const SolverOptions& options_;
   const SolveByFirst& solve_;
-  const std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
-  bool interrupted_ = false;
-  int iterations_ = 0;
-  SolveTimes times_;
-  std::string start_;
-  std::vector<IterationRecord> log_;
+  JoinedSolves solves_;
   std::vector<HomotopyStep> steps_;
 };
 

@@ -33,6 +33,7 @@ struct IterationRecord {
   double relaxation = 0;       ///< ε of relaxed complementarity
   int fallbacks = 0;           ///< ways to relax it that were given up so far
   double homotopy = 1;         ///< share of the way of a homotopy, 1: the problem itself
+  int restoration = 0;         ///< the restoration of feasibility that it is of, 0: of none
   double time_s = 0;           ///< since the solve began
 };
 

@@ -8,6 +8,13 @@ void OuterStrategy::measure(const Iterate& iterate, IterationRecord& row) {
   row.constraint_knot = bounds.knot;
 }
 
+bool OuterStrategy::solved(const IterationRecord& row, const SolverOptions::Tolerances& tolerances,
+                           double stationarity) const {
+  return row.stationarity <= stationarity && row.gap <= tolerances.gap &&
+         row.constraint <= tolerances.constraint &&
+         row.complementarity <= tolerances.complementarity;
+}
+
 bool OuterStrategy::update(Iterate& /*iterate*/, const Feedback& /*feedback*/,
                            const MeritModel& /*merit*/, bool /*stuck*/, SolveRecord& /*record*/) {
   return true;

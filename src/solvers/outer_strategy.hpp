@@ -30,6 +30,9 @@ class OuterStrategy {
   /// Writes violation, complementarity and penalty of a linearised iterate into a row of the log.
   virtual void measure(const Iterate& iterate, IterationRecord& row);
 
+  /// Whether the solve is done, by the last row of the log; `stationarity` is what that may be.
+  virtual bool solved(const IterationRecord& row, const SolverOptions::Tolerances& tolerances,
+                      double stationarity) const;
   /// Whether the present minimisation is done, by the last row of the log.
   virtual bool minimized(const IterationRecord& /*row*/, const MeritModel& /*merit*/) const {
     return false;

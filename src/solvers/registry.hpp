@@ -33,6 +33,7 @@ struct SolverInfo {
   bool exact_hessian = false;        ///< can use them
   bool legs = false;                 ///< can sweep the horizon by legs
   bool concurrent = true;            ///< may run in several threads at once
+  /// The solver alone: where it ends as `infeasible` that is a suspicion, which solve() looks into.
   SolveResult (*run)(const ShootingProblem& problem, const SolverOptions& options,
                      const Trajectory& guess) = nullptr;
 };

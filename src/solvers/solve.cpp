@@ -7,6 +7,7 @@
 
 #include "solvers/homotopy.hpp"
 #include "solvers/registry.hpp"
+#include "solvers/restoration.hpp"
 #include "solvers/restarts.hpp"
 
 namespace conddp {
@@ -52,7 +53,10 @@ SolveResult run(const ShootingProblem& problem, const SolverInfo& solver, Solver
   options.restarts = {};
   options.homotopy = nullptr;
   if (solver.constraints != ConstraintSupport::all) options.multipliers = nullptr;
-  return solver.run(problem, options, guess);
+  return solve_with_restoration(problem, options, guess,
+                                [&](const SolverOptions& own, const Trajectory& start) {
+                                  return solver.run(problem, own, start);
+                                });
 }
 
 bool may_go_on(SolveStatus status) {

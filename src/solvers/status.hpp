@@ -16,7 +16,7 @@ enum class SolveStatus {
   regularization_limit = -3,
   /// A state, cost or derivative of an iterate is not finite.
   diverged = -4,
-  /// The constraints contradict each other.
+  /// No small change of the trajectory lowers the violation of the constraints (ViolationSlope).
   infeasible = -5,
   /// The allowed wall-clock time was used up first.
   time_limit = -6,
