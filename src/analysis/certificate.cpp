@@ -363,8 +363,7 @@ class Judge {
 
   /// Infeasible is what leaves no control a way, on a motion that follows from the controls.
   void check_least_violation() {
-    const double share =
-        attainable_share(problem_, claims_.trajectory, derivatives_, values_);
+    const double share = attainable_share(problem_, claims_.trajectory, derivatives_, values_);
     const bool closed = gap_.value <= claims_.tolerances.gap + state_rounding();
     add({"least violation", closed && share <= kLeastViolationShare, Check::kNone, share,
          kLeastViolationShare, "",

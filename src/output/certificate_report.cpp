@@ -133,8 +133,9 @@ std::string certificate_table(const SolutionCertificate& certificate) {
     if (has_figures(check) || !check.place.empty() || !check.message.empty())
       text += std::string(width - count_characters(check.name), ' ');
     if (has_figures(check))
-      text += fmt::format("  {:>17.10g} {:>17.10g} {:>10.1e}", check.claimed, check.found,
-                          check.tolerance);
+      text += fmt::format("  {:>17} {:>17.10g} {:>10.1e}",
+                          std::isnan(check.claimed) ? "" : fmt::format("{:.10g}", check.claimed),
+                          check.found, check.tolerance);
     if (!check.place.empty()) text += "  " + check.place;
     if (!check.message.empty()) text += "  " + check.message;
     text += '\n';

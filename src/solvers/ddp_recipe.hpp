@@ -13,8 +13,8 @@ struct DdpRecipe {
   bool constraints = false;     ///< constraints enter as an augmented Lagrangian
   MultiplierSchedule multipliers = MultiplierSchedule::always;
   bool least_violation = false;  ///< what is looked for is a point of least violation
-  bool newton = false;  ///< which a projected Newton method ends
-  bool legs = false;    ///< sweeps may go by legs
+  bool newton = false;           ///< which a projected Newton method ends
+  bool legs = false;             ///< sweeps may go by legs
   /// Exact second derivatives wait until the gaps are closed.
   HessianUse hessian = HessianUse::gauss_newton;
 };

@@ -18,9 +18,9 @@ namespace {
 /// second derivatives wait until the gaps are this small.
 constexpr double kNearlyClosed = 1e-3;
 
-std::unique_ptr<OuterStrategy> make_outer(const ShootingProblem& problem, const ControlBounds& bounds,
-                                          const DdpRecipe& recipe, const SolverOptions& options,
-                                          bool constrained) {
+std::unique_ptr<OuterStrategy> make_outer(const ShootingProblem& problem,
+                                          const ControlBounds& bounds, const DdpRecipe& recipe,
+                                          const SolverOptions& options, bool constrained) {
   if (!constrained) return std::make_unique<OuterStrategy>();
   if (recipe.least_violation) return least_violation_strategy(problem, bounds, options);
   return augmented_lagrangian_strategy(problem, options, recipe.multipliers);

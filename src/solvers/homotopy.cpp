@@ -45,8 +45,7 @@ Start start_from(const SolverOptions& options, const SolveResult& last) {
 /// The solves on the way, and what they took together.
 class Way {
  public:
-  Way(const SolverOptions& options, const SolveByFirst& solve)
-      : solve_(solve), solves_(options) {}
+  Way(const SolverOptions& options, const SolveByFirst& solve) : solve_(solve), solves_(options) {}
 
   int iterations_left() const { return solves_.iterations_left(); }
 

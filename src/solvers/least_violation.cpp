@@ -55,9 +55,8 @@ class LeastViolation final : public OuterStrategy {
   bool update(Iterate& iterate, const Feedback& feedback, const MeritModel& merit, bool stuck,
               SolveRecord& record) override;
   bool recovers(const SolveRecord& record, bool /*stuck*/) override {
-    return penalty_ < kMostPenalty &&
-           (record.result.status == SolveStatus::line_search_failed ||
-            record.result.status == SolveStatus::regularization_limit);
+    return penalty_ < kMostPenalty && (record.result.status == SolveStatus::line_search_failed ||
+                                       record.result.status == SolveStatus::regularization_limit);
   }
 
  private:
@@ -91,8 +90,7 @@ void LeastViolation::weigh(double penalty) {
 
 void LeastViolation::measure(const Iterate& iterate, IterationRecord& row) {
   const Eigen::VectorXd& values = iterate.linearization.constraint;
-  const Extremum largest =
-      largest_violation(problem_, iterate.bounds, iterate.trajectory, values);
+  const Extremum largest = largest_violation(problem_, iterate.bounds, iterate.trajectory, values);
   row.constraint = largest.value;
   row.constraint_knot = largest.knot;
   row.constraint_penalty = penalty_;
@@ -111,9 +109,8 @@ void LeastViolation::measure(const Iterate& iterate, IterationRecord& row) {
 
 bool LeastViolation::minimized(const IterationRecord& row, const MeritModel& merit) const {
   if (row.gap > options_.tolerances.gap) return false;
-  return share_ <= kMinimized ||
-         (row.iteration > inner_start_ && row.step >= kLongStep &&
-          row.actual_decrease <= kSmallDecrease * std::abs(merit.cost));
+  return share_ <= kMinimized || (row.iteration > inner_start_ && row.step >= kLongStep &&
+                                  row.actual_decrease <= kSmallDecrease * std::abs(merit.cost));
 }
 
 bool LeastViolation::update(Iterate& iterate, const Feedback& feedback, const MeritModel& /*merit*/,
@@ -144,6 +141,7 @@ std::string LeastViolation::violated(const Eigen::VectorXd& values) const {
     std::string name;
     double by;
     int knot;
+    bool given;  ///< by the initial state
   };
   std::vector<Worst> list;
   for (const NodeConstraint& c : problem_.constraints()) {
@@ -152,17 +150,19 @@ std::string LeastViolation::violated(const Eigen::VectorXd& values) const {
     const std::string name = (c.node == problem_.knots() ? "terminal/" : "") + c.term->name;
     const auto known =
         std::find_if(list.begin(), list.end(), [&](const Worst& w) { return w.name == name; });
+    const bool given = c.node == 0 && !c.term->depends_on_control(problem_.ndx());
     if (known == list.end())
-      list.push_back({name, by, c.node});
+      list.push_back({name, by, c.node, given});
     else if (by > known->by)
-      *known = {name, by, c.node};
+      *known = {name, by, c.node, given};
   }
   std::stable_sort(list.begin(), list.end(),
                    [](const Worst& a, const Worst& b) { return a.by > b.by; });
   std::string text;
   for (std::size_t i = 0; i < std::min(list.size(), kNamed); ++i)
-    text += fmt::format("{}'{}' by {:.2g} (knot {})", i == 0 ? "" : ", ", list[i].name, list[i].by,
-                        list[i].knot);
+    text += fmt::format(
+        "{}'{}' by {:.2g} ({})", i == 0 ? "" : ", ", list[i].name, list[i].by,
+        list[i].given ? "the initial state itself" : fmt::format("knot {}", list[i].knot));
   if (list.size() > kNamed) text += fmt::format(" and {} more", list.size() - kNamed);
   return text;
 }

@@ -92,8 +92,8 @@ SolveResult solve_with_restoration(
   }
   if (result.status == SolveStatus::infeasible) {
     result.status = SolveStatus::line_search_failed;
-    result.message = "whether a violation near this one is the least has not been decided: " +
-                     result.message;
+    result.message =
+        "whether a violation near this one is the least has not been decided: " + result.message;
   }
   result.message = note + result.message;
   return solves.answer(std::move(result));

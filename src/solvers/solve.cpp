@@ -7,8 +7,8 @@
 
 #include "solvers/homotopy.hpp"
 #include "solvers/registry.hpp"
-#include "solvers/restoration.hpp"
 #include "solvers/restarts.hpp"
+#include "solvers/restoration.hpp"
 
 namespace conddp {
 namespace {

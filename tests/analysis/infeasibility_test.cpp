@@ -1,0 +1,92 @@
+// The share of a violation that controls could take away, by hand and where a claim is false.
+#include "analysis/infeasibility.hpp"
+
+#include <gtest/gtest.h>
+
+#include "analysis/certificate.hpp"
+#include "support/small_problems.hpp"
+
+namespace conddp {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// One step x⁺ = x + u from the origin of the plane, |u| ≤ limit, that has to end at the goal or,
+/// `cone`, in the cone |x_1 − g_1| ≤ x_2 − g_2.
+ShootingProblem step_to(const Eigen::Vector2d& goal, double limit, bool cone = false) {
+  const auto system = linear_system(Eigen::Matrix2d::Identity(), Eigen::Matrix2d::Identity(),
+                                    Eigen::Vector2d::Zero());
+  auto running = std::make_shared<KnotModel>(system, Integrator::discrete);
+  running->set_control_bounds({-limit, -limit}, {limit, limit});
+  auto end = std::make_shared<KnotModel>(system, Integrator::none);
+  end->add_constraint(
+      make_constraint("end", state_residual(end->manifold()),
+                      cone ? ConstraintKind::second_order_cone : ConstraintKind::bounds));
+  std::vector<double> constraint{goal[0], goal[1]};
+  if (!cone) constraint.insert(constraint.end(), 4, 0.0);
+  constraint.push_back(1);
+  std::vector<Phase> phases;
+  phases.push_back({.name = "go", .model = running, .dt = {1}, .cost_scale = {1}});
+  return ShootingProblem(
+      {0, 0}, std::move(phases),
+      {.name = "end", .model = end, .dt = {0}, .cost_scale = {1}, .parameters = constraint});
+}
+
+double share(const ShootingProblem& problem, const Eigen::Vector2d& u,
+             const Eigen::Vector2d& value) {
+  Trajectory trajectory = problem.create_trajectory();
+  trajectory.u(0) = u;
+  trajectory.x(1) = u;
+  const auto derivatives = node_derivatives(problem, trajectory, Eigen::MatrixXd::Zero(2, 1));
+  Eigen::VectorXd values(problem.constraint_rows());
+  values.tail(2) = value;
+  return attainable_share(problem, trajectory, derivatives, values);
+}
+
+TEST(AttainableShare, OfAStepIsThatByHand) {
+  // d = (−3, −4), its direction (−0.6, −0.8): both controls have a way of 1 up.
+  EXPECT_NEAR(share(step_to({3, 4}, 1), {0, 0}, {-3, -4}), (0.6 + 0.8) / 5, 1e-14);
+  // At their bounds there is none left.
+  EXPECT_EQ(share(step_to({3, 4}, 1), {1, 1}, {-2, -3}), 0);
+  // Without bounds a control can go by its largest size, at least 1.
+  EXPECT_NEAR(share(step_to({3, 4}, kInfinity), {0, 0}, {-3, -4}), (0.6 + 0.8) / 5, 1e-14);
+  EXPECT_NEAR(share(step_to({3, 4}, kInfinity), {0, 2}, {-3, -2}), 2 * (3 + 2) / 13.0, 1e-14);
+}
+
+TEST(AttainableShare, OfAConeIsAlongItsDistance) {
+  // From (3, −1) the nearest point of the cone is (1, 1): d = (2, −2).
+  EXPECT_NEAR(share(step_to({-3, 1}, 1, true), {0, 0}, {3, -1}), (2 + 2) / 8.0, 1e-14);
+  // Below the polar cone it is the tip.
+  EXPECT_NEAR(share(step_to({-1, 3}, 1, true), {0, 0}, {1, -3}), (1 + 3) / 10.0, 1e-14);
+}
+
+/// What a certificate says of a motion that is called infeasible.
+Certificate of_infeasible(const ShootingProblem& problem, const Eigen::Vector2d& u,
+                          const Eigen::Vector2d& next) {
+  SolutionClaims claims(problem);
+  claims.times = problem.times();
+  claims.status = "infeasible";
+  claims.trajectory.u(0) = u;
+  claims.trajectory.x(1) = next;
+  claims.cost = claims.stationarity = claims.complementarity = 0;
+  claims.gap = (next - u).lpNorm<Eigen::Infinity>();
+  claims.constraint = (next - Eigen::Vector2d(3, 4)).lpNorm<Eigen::Infinity>();
+  return certify(problem, claims);
+}
+
+bool least(const Certificate& certificate) {
+  for (const Check& check : certificate.checks)
+    if (check.name == "least violation") return check.holds;
+  ADD_FAILURE() << "there is no such check";
+  return false;
+}
+
+TEST(InfeasibleIs, WhatNoControlCanImproveAlone) {
+  const ShootingProblem problem = step_to({3, 4}, 1);
+  EXPECT_TRUE(least(of_infeasible(problem, {1, 1}, {1, 1})));
+  EXPECT_FALSE(least(of_infeasible(problem, {1, 0.5}, {1, 0.5})));
+  EXPECT_FALSE(least(of_infeasible(problem, {1, 1}, {2, 1})));  // not where the controls lead
+}
+
+}  // namespace
+}  // namespace conddp

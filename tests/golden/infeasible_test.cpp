@@ -1,0 +1,109 @@
+// Motions that cannot be: called infeasible soon, by every solver, with a certificate that holds,
+// and by none before a point of least violation is found.
+#include <gtest/gtest.h>
+
+#include "output/certificate_report.hpp"
+#include "output/solution_certificate.hpp"
+#include "output/solution_json.hpp"
+#include "problem_file/read_problem.hpp"
+#include "solvers/registry.hpp"
+
+namespace conddp {
+namespace {
+
+struct ImpossibleMotion {
+  std::string name;
+  std::string file;
+  std::vector<std::string> settings;
+};
+
+struct Loaded {
+  ProblemSpec spec;
+  BuiltProblem built;
+};
+
+std::optional<Loaded> load(const ImpossibleMotion& motion) {
+  Diagnostics out;
+  auto spec = read_problem(std::filesystem::path(CONDDP_SOURCE_DIR) / "problems" / motion.file,
+                           motion.settings, out);
+  auto built = spec ? build_problem(*spec, {}, out) : std::nullopt;
+  EXPECT_TRUE(built) << format_diagnostics(out, false);
+  if (!built) return std::nullopt;
+  return Loaded{*std::move(spec), *std::move(built)};
+}
+
+const Check* least_violation(const Certificate& certificate) {
+  for (const Check& check : certificate.checks)
+    if (check.name == "least violation") return &check;
+  return nullptr;
+}
+
+SolutionCertificate certify(const Loaded& loaded, const SolverInfo& solver,
+                            const SolveResult& result, const std::vector<std::string>& settings) {
+  const OrderedJson document = OrderedJson::parse(
+      solution_json({loaded.spec, loaded.built, solver, result, settings}).dump());
+  return certify_solution(document, loaded.spec, loaded.built, false);
+}
+
+/// A goal for a heavy arm, held to 0.05 rad, with torques of 2 Nm: what they can do is to whirl.
+const ImpossibleMotion kWeakArm{
+    "weak_arm",
+    "arm_reach.yaml",
+    {"constraints.torque={bounds: control, lower: -2, upper: 2}",
+     "robot.configurations.goal={joints: {joint_2: 0.9, joint_4: -1.2, joint_6: 1.54}}",
+     "terminal={constraints: {goal: {residual: joint_position, reference: goal, lower: -0.05, "
+     "upper: 0.05}}}"}};
+
+/// A pendulum held nearly level for 1.5 s, where 2 Nm hold less than half of its weight.
+const ImpossibleMotion kHeld{
+    "held_pendulum",
+    "pendulum_goal.yaml",
+    {"phases=[{name: swing, knots: 30, duration: 1.5}, {name: hold, knots: 30, duration: 1.5}]",
+     "constraints={torque: {bounds: control, lower: -2, upper: 2}, held: {residual: state, "
+     "columns: "
+     "[theta], phases: [hold], lower: 1.5208, upper: 1.6208}}",
+     "terminal={}"}};
+
+/// A swing-up in a tenth of the time that it takes.
+const ImpossibleMotion kHurried{
+    "hurried_pendulum", "pendulum_goal.yaml", {"phases.0.duration=0.3"}};
+
+class Impossible : public ::testing::TestWithParam<ImpossibleMotion> {};
+
+TEST_P(Impossible, IsCertifiedBySolversWithConstraints) {
+  for (const char* name : {"altro", "proxddp", "ipopt"}) {
+    const auto loaded = load(GetParam());
+    ASSERT_TRUE(loaded);
+    const SolverInfo& solver = *find_solver(name);
+    const SolveResult result =
+        solve(*loaded->built.problem, solver, loaded->spec.solver.options, loaded->built.guess);
+    EXPECT_EQ(result.status, SolveStatus::infeasible) << name << ": " << result.message;
+    const SolutionCertificate certificate = certify(*loaded, solver, result, GetParam().settings);
+    EXPECT_TRUE(certificate.checks.holds()) << name << certificate_line(certificate);
+    const Check* check = least_violation(certificate.checks);
+    ASSERT_NE(check, nullptr) << name;
+    EXPECT_TRUE(check->holds) << name;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Impossible, ::testing::Values(kWeakArm, kHeld, kHurried),
+                         [](const auto& test) { return test.param.name; });
+
+/// An augmented Lagrangian that has got stuck is no point of least violation.
+TEST(Infeasible, IsNotWhatAPenaltyMethodStallsAt) {
+  auto loaded = load(kWeakArm);
+  ASSERT_TRUE(loaded);
+  const SolverInfo& solver = *find_solver("altro");
+  SolverOptions options = loaded->spec.solver.options;
+  options.max_iterations = 60;
+  SolveResult result = solver.run(*loaded->built.problem, options, loaded->built.guess);
+  result.status = SolveStatus::infeasible;
+  const SolutionCertificate certificate = certify(*loaded, solver, result, kWeakArm.settings);
+  const Check* check = least_violation(certificate.checks);
+  ASSERT_NE(check, nullptr);
+  EXPECT_FALSE(check->holds);
+  EXPECT_GT(check->found, 0.1);
+}
+
+}  // namespace
+}  // namespace conddp
