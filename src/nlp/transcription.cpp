@@ -194,8 +194,8 @@ ConeRow Transcription::cone_row(const Row& row) const {
 double Transcription::row_value(const Row& row, const double* g, double* slope) const {
   if (is_cone(row)) return cone_row(row).value(g, row.count, slope);
   if (has_pairs(row)) return pair_value(options_.relaxation, g, row.count, epsilon_, slope);
-  if (slope != nullptr) *slope = 1;
-  return *g;
+  if (slope != nullptr) *slope = row.radius > 0 ? *g / row.radius : 1;
+  return row.radius > 0 ? 0.5 * *g * *g / row.radius : *g;
 }
 
 void Transcription::constraints(double* out) {
@@ -237,12 +237,8 @@ void Transcription::jacobian(double* out) {
     for (const Row& row : rows_[k]) {
       const auto C = knot.C.middleRows(row.first - problem_.constraint_offset(k), row.count);
       auto z = z_.head(nz);
-      if (row.count > 1) {
-        row_value(row, linearization_.constraint.data() + row.first, slope_.data());
-        z.noalias() = C.transpose() * slope_.head(row.count);
-      } else {
-        z = C.row(0);
-      }
+      row_value(row, linearization_.constraint.data() + row.first, slope_.data());
+      z.noalias() = C.transpose() * slope_.head(row.count);
       if (k > 0) charts_[k].pull(z.head(ndx));
       for (const int c : row.columns) *out++ = z[c];
       for (int s = row.first_slack; s < row.first_slack + row.slacks; ++s) *out++ = slacks_[s].sign;
@@ -361,6 +357,7 @@ void Transcription::write_multipliers(const Eigen::MatrixXd& costates, const Eig
   int index = 0;
   for (int k = 0; k <= problem_.knots(); ++k) {
     for (const Row& row : rows_[k]) {
+      // Where it has a multiplier a squared norm is as steep as the norm.
       const double multiplier =
           is_cone(row) ? cone_row(row).multiplier(nu.data() + row.first, row.count) : nu[row.first];
       rows[index++] = multiplier;

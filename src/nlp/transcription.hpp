@@ -17,8 +17,8 @@ namespace conddp {
 /// chart of the next node, (f(x_k, u_k) ⊖ c_{k+1}) − w_{k+1} = 0, which is linear in w_{k+1}.
 /// Where q⁺ = q + dt v⁺ on a flat part, its row is (q_k + dt v_{k+1}) − q_{k+1} = 0 instead: the
 /// row above less dt times that of v⁺, with three entries and no curvature. Bounds and norms are
-/// the constraint's own rows. A second-order cone is a ConeRow: that of its surface, or where it is
-/// soft that of its distance.
+/// the constraint's own rows, but ‖r‖ ≤ radius is ‖r‖²/(2 radius) ≤ radius/2, which has no kink. A
+/// second-order cone is a ConeRow: that of its surface, or where it is soft that of its distance.
 ///
 /// Complementary pairs become what PairRelaxation says, with bounds z ≥ 0 and s ≥ 0 on the controls
 /// that they are.
@@ -99,6 +99,7 @@ class Transcription : public NonlinearProgram {
     int count;                        ///< 1, or those of the cone or the pairs
     std::vector<int> columns;         ///< of z on which it depends, without x_0
     int index;                        ///< among the program's rows
+    double radius = 0;                ///< of a row ‖r‖²/(2 radius) instead of ‖r‖
     int first_slack = 0, slacks = 0;  ///< among slacks_
   };
   /// What a soft row may miss a bound by, added to the row with a sign.
@@ -113,7 +114,9 @@ class Transcription : public NonlinearProgram {
 
   void add_variables();
   void add_rows();
-  void add_row(const NodeConstraint& constraint, int first, int count, double lower, double upper);
+  void add_row(const NodeConstraint& constraint, int first, int count, double lower, double upper,
+               double radius = 0);
+  void add_norm(const NodeConstraint& constraint);
   void add_slacks(Row& row, int index, double lower, double upper);
   void add_pairs(const NodeConstraint& constraint);
   void add_gap_rows(int node);

@@ -62,6 +62,10 @@ void Transcription::hessian(double weight, const double* multipliers, double* ou
     for (const Row& row : rows_[k]) {
       const double multiplier = multipliers[row_index++];
       if (has_pairs(row)) add_pair_curvature(row, multiplier, H);
+      if (row.radius > 0 && (!gauss_newton_ || multiplier > 0)) {
+        const auto C = knot.C.row(row.first - problem_.constraint_offset(k));
+        H.noalias() += (multiplier / row.radius) * C.transpose() * C;
+      }
       if (!is_cone(row)) continue;
       // Convex where the multiplier has the sign that it has at a solution.
       if (!gauss_newton_ || multiplier < 0)

@@ -39,7 +39,7 @@ void Transcription::add_variables() {
 }
 
 void Transcription::add_row(const NodeConstraint& constraint, int first, int count, double lower,
-                            double upper) {
+                            double upper, double radius) {
   const int k = constraint.node;
   const KnotModel& model = *problem_.knot(k).model;
   const int offset = first - problem_.constraint_offset(k);
@@ -47,7 +47,7 @@ void Transcription::add_row(const NodeConstraint& constraint, int first, int cou
   for (const auto& [row, column] : model.constraint_pattern())
     if (row >= offset && row < offset + count) depends[column] = true;
   close_over_segments(problem_.manifold(), depends);
-  Row row{&constraint, first, count, {}, static_cast<int>(row_lower_.size())};
+  Row row{&constraint, first, count, {}, static_cast<int>(row_lower_.size()), radius};
   for (int c = first_column(k); c < model.nz(); ++c)
     if (depends[c]) row.columns.push_back(c);
   if (row.columns.empty()) return;
@@ -59,6 +59,20 @@ void Transcription::add_row(const NodeConstraint& constraint, int first, int cou
   row_upper_[index] = upper;
   if (constraint.is_soft()) add_slacks(row, index, lower, upper);
   rows_[k].push_back(std::move(row));
+}
+
+/// A norm has a kink at 0, where a control within a disc may well be, at first and at last. Its
+/// square has none. Divided by twice the bound it is as steep as the norm there, so that a unit of
+/// it stays one. Where the norm has to stay above a bound its own row is the better one: steps that
+/// hold its tangent stay outside.
+void Transcription::add_norm(const NodeConstraint& constraint) {
+  const double lower = *constraint.lower, upper = *constraint.upper;
+  // Of a soft one the row is to be the distance.
+  const bool squared = !constraint.is_soft() && lower <= 0 && upper > 0 && std::isfinite(upper);
+  if (squared)
+    add_row(constraint, constraint.row, 1, -kInfinity, 0.5 * upper, upper);
+  else if (std::isfinite(lower) || std::isfinite(upper))
+    add_row(constraint, constraint.row, 1, lower, upper);
 }
 
 /// The surface's multiplier η of a cone, whose gradient is √2 long, stands for η √2.
@@ -159,6 +173,10 @@ void Transcription::add_rows() {
       }
       if (constraint->term->is_cone()) {
         add_row(*constraint, constraint->row, n, 0, kInfinity);
+        continue;
+      }
+      if (constraint->term->kind == ConstraintKind::norm) {
+        add_norm(*constraint);
         continue;
       }
       for (int i = 0; i < n; ++i)
