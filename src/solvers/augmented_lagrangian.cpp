@@ -23,6 +23,8 @@ constexpr double kTighter = 0.1;
 /// How many times the size of the first values may be missed before a soft constraint's first
 /// penalty asks for the limit of its multiplier.
 constexpr double kReach = 10;
+/// How many times the curvature of the costs in the controls a first penalty may have there.
+constexpr double kStiffness = 1e4;
 
 /// How far values g lie from the origin of a cone, or at most from a bound.
 double size(const NodeConstraint& c, const Eigen::Ref<const Eigen::VectorXd>& g) {
@@ -42,6 +44,7 @@ AugmentedLagrangian::AugmentedLagrangian(const ShootingProblem& problem,
       options_(options.augmented_lagrangian),
       tolerance_(options.tolerances.constraint),
       schedule_(schedule),
+      control_curvature_(problem),
       augmentation_(problem),
       multipliers_(Eigen::VectorXd::Zero(problem.constraint_rows())),
       next_(multipliers_),
@@ -83,6 +86,29 @@ bool AugmentedLagrangian::fit_soft(const Eigen::VectorXd& values) {
     }
     group.penalty = group.first_penalty;
     write(group);
+  }
+  return changed;
+}
+
+bool AugmentedLagrangian::fit_to_costs(const Linearization& linearization) {
+  const double curvature = control_curvature_.least(linearization, &augmentation_);
+  bool changed = false;
+  for (Group& group : groups_) {
+    double steepest = 0;
+    for (const int i : group.constraints) {
+      const NodeConstraint& c = problem_.constraints()[i];
+      if (c.node == problem_.knots()) continue;
+      const auto C = linearization.knots[c.node]
+                         .C.middleRows(c.row - problem_.constraint_offset(c.node), c.term->rows)
+                         .rightCols(problem_.nu(c.node));
+      steepest = std::max(steepest, C.rowwise().squaredNorm().maxCoeff());
+    }
+    if (group.penalty > group.first_penalty ||
+        !(group.first_penalty * steepest > kStiffness * curvature))
+      continue;
+    group.penalty = group.first_penalty = kStiffness * curvature / steepest;
+    write(group);
+    changed = true;
   }
   return changed;
 }

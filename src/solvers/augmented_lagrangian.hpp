@@ -4,7 +4,9 @@
 #include <vector>
 
 #include "ocp/augmentation.hpp"
+#include "ocp/linearization.hpp"
 #include "solvers/control_bounds.hpp"
+#include "solvers/control_curvature.hpp"
 #include "solvers/options.hpp"
 
 namespace conddp {
@@ -48,6 +50,12 @@ class AugmentedLagrangian {
   /// penalty has no curvature, and steps know of a kink only when they have crossed it. Returns
   /// whether one is lower now. After start().
   bool fit_soft(const Eigen::VectorXd& values);
+
+  /// Lowers the first penalties of constraints on controls to so many times the curvature that the
+  /// costs have in these, seen by the constraint's rows: a penalty many orders above makes edges of
+  /// all the cost's optimum, on which active sets do not settle. Returns whether one is lower now.
+  /// After start().
+  bool fit_to_costs(const Linearization& linearization);
 
   const Augmentation& augmentation() const { return augmentation_; }
   /// Takes the values of an iterate and computes ν⁺ of them.
@@ -98,6 +106,7 @@ class AugmentedLagrangian {
   SolverOptions::AugmentedLagrangian options_;
   double tolerance_;
   MultiplierSchedule schedule_;
+  ControlCurvature control_curvature_;
   std::vector<Group> groups_;
   Augmentation augmentation_;
   Eigen::VectorXd multipliers_, next_;

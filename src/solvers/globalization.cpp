@@ -19,6 +19,8 @@ constexpr double kBlindProgress = 0.999;
 constexpr double kQuadraticFrom = 0.3, kQuadraticTo = 0.8;
 /// Regularisation up to which a direction is looked for whose active set settles.
 constexpr double kSettlingRegularization = 0.01;
+/// What the smallest regularisation may be, in curvatures of the costs in the controls.
+constexpr double kCurvatures = 2;
 
 }  // namespace
 
@@ -41,6 +43,7 @@ Globalization::Globalization(const ShootingProblem& problem, const ControlBounds
       line_search_(problem, options.line_search),
       open_gap_search_(problem, bounds, options.line_search, recipe.clamp_controls),
       full_step_search_(problem, bounds, options.tolerances),
+      control_curvature_(problem),
       regularization_(options.regularization) {
   if (direction_.models_rows()) affine_probe_.emplace(problem);
   if (outer.augmentation() != nullptr && direction_.null_space() != nullptr)
@@ -102,10 +105,20 @@ bool Globalization::step() {
     regularization_.decrease();
   } else if (search_.step <= options_.regularization.increase_step && !equality_search_) {
     // (Rows have to be met whatever the weight: it does not make the step shorter there.)
-    regularization_.increase();
+    regularize_more();
   }
   last_stationarity_ = row.stationarity;
   return true;
+}
+
+/// More regularisation; false where it is at its limit. The smallest one is an absolute weight and
+/// may be far above the curvature that the costs have in the controls, which for thrusts in
+/// kilonewtons is 1e-8: then it holds a solve in place for hundreds of iterations.
+bool Globalization::regularize_more() {
+  if (regularization_.value() == 0 && !iterate_.hessian.exact_in_use())
+    regularization_.lower_min(
+        kCurvatures * control_curvature_.least(iterate_.linearization, outer_.augmentation()));
+  return regularization_.increase();
 }
 
 /// Directions and searches, with more regularisation after every failure, until a step is found.
@@ -133,7 +146,7 @@ bool Globalization::find_step(bool& by_full_step) {
       differentiate();
       continue;
     }
-    if (!regularization_.increase()) return end_without_step(descends);
+    if (!regularize_more()) return end_without_step(descends);
     if (!record_.budget_left()) return false;
   }
 }
@@ -212,7 +225,7 @@ void Globalization::weigh_gaps() {
 /// as far as that may help, where the direction's set has not settled.
 bool Globalization::raise_for_unsettled() {
   return direction_.set_unknown() && !direction_.trusts_model() &&
-         regularization_.value() < kSettlingRegularization && regularization_.increase();
+         regularization_.value() < kSettlingRegularization && regularize_more();
 }
 
 /// The full step of the linear model, where full steps go well.
@@ -305,7 +318,7 @@ bool Globalization::sweep() {
     const int bad_knot = sweep_backward(regularization_.value());
     if (bad_knot < 0) return true;
     if (find_non_finite(iterate_.linearization)) return iterate_.end_diverged();
-    if (!regularization_.increase()) {
+    if (!regularize_more()) {
       record_.result.failed_knot = bad_knot;
       record_.result.failed_quantity = "Q_uu";
       return record_.end(SolveStatus::regularization_limit,

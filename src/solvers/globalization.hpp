@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "solvers/affine_probe.hpp"
+#include "solvers/control_curvature.hpp"
 #include "solvers/ddp_recipe.hpp"
 #include "solvers/direction.hpp"
 #include "solvers/equality_search.hpp"
@@ -53,6 +54,7 @@ class Globalization {
   void step_taken(bool by_full_step);
   bool sweep();
   int sweep_backward(double regularization);
+  bool regularize_more();
   bool raise_for_unsettled();
   void correct_direction();
   void measure_direction();
@@ -80,6 +82,7 @@ class Globalization {
   FullStepSearch full_step_search_;
   std::optional<EqualitySearch> equality_search_;  ///< where stages keep equalities
   std::optional<AffineProbe> affine_probe_;        ///< where the model has rows
+  ControlCurvature control_curvature_;
   RegularizationSchedule regularization_;
   MeritModel merit_;
   LineSearchResult search_;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+
 #include "solvers/options.hpp"
 
 namespace conddp {
@@ -17,6 +19,8 @@ class RegularizationSchedule {
   /// False, without a change, where μ is at its largest value already.
   bool increase();
   void decrease();
+  /// Makes the smallest positive value at most this one.
+  void lower_min(double min) { options_.min = std::min(options_.min, min); }
 
  private:
   SolverOptions::Regularization options_;

@@ -38,7 +38,13 @@ INSTANTIATE_TEST_SUITE_P(
     Files, HardCases,
     ::testing::Values(HardCase{"disc_of_thrust", "ipopt", 6.45979751e-05, 30},
                       HardCase{"disc_of_thrust", "altro", 6.45979751e-05, 20},
-                      HardCase{"disc_of_thrust", "proxddp", 6.45979751e-05, 20}),
+                      HardCase{"disc_of_thrust", "proxddp", 6.45979751e-05, 20},
+                      HardCase{"mars_landing", "ipopt", 399.174711, 160},
+                      HardCase{"mars_landing", "altro", 399.174711, 80},
+                      HardCase{"mars_landing", "proxddp", 399.174711, 80},
+                      HardCase{"mars_landing_free", "ipopt", 398.061102, 100},
+                      HardCase{"mars_landing_free", "altro", 398.061102, 100},
+                      HardCase{"mars_landing_free", "proxddp", 398.061102, 100}),
     [](const auto& test) { return test.param.name + "_" + test.param.solver; });
 
 }  // namespace

@@ -22,6 +22,14 @@ TEST(RegularizationSchedule, LeavesZeroAndComesBackToIt) {
   EXPECT_EQ(schedule.value(), 0);
 }
 
+TEST(RegularizationSchedule, BeginsLowerWhereItIsToBeLower) {
+  RegularizationSchedule schedule({});
+  schedule.lower_min(1e-9);
+  schedule.lower_min(1e-7);
+  ASSERT_TRUE(schedule.increase());
+  EXPECT_EQ(schedule.value(), 1e-9);
+}
+
 TEST(RegularizationSchedule, GrowsFasterWithEveryFailureAndEndsAtItsLargestValue) {
   SolverOptions::Regularization options;
   RegularizationSchedule schedule(options);

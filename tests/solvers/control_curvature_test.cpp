@@ -1,0 +1,60 @@
+#include "solvers/control_curvature.hpp"
+
+#include <gtest/gtest.h>
+
+#include "ocp/acts.hpp"
+#include "ocp/residuals.hpp"
+#include "solvers/augmented_lagrangian.hpp"
+#include "support/constrained_problems.hpp"
+#include "support/small_problems.hpp"
+
+namespace conddp::testing {
+namespace {
+
+/// Weight 1e-3 and steps of 0.06 s, with a limit on the control that all knots violate.
+constexpr double kCurvature = 6e-5;
+ShootingProblem limited_pendulum() {
+  return with_constraints(pendulum_swing_up(), {{.name = "limit",
+                                                 .residual = control_residual(2, 1),
+                                                 .reference = {0},
+                                                 .lower = {-kFree},
+                                                 .upper = {-1},
+                                                 .first = 0,
+                                                 .last = 49}});
+}
+
+SolverOptions first_penalty(double penalty) {
+  SolverOptions options;
+  options.augmented_lagrangian.initial_penalty = penalty;
+  return options;
+}
+
+struct Linearized {
+  ShootingProblem problem = limited_pendulum();
+  AugmentedLagrangian constraints;
+  Linearization linearization{problem};
+  explicit Linearized(double penalty)
+      : constraints(problem, first_penalty(penalty), MultiplierSchedule::always) {
+    Acts(problem).differentiate(problem.create_trajectory(), linearization,
+                                &constraints.augmentation());
+  }
+};
+
+TEST(ControlCurvature, IsThatOfTheCostsWithoutPenalties) {
+  const Linearized at(10);
+  EXPECT_NEAR(at.linearization.knots[3].hessian()(2, 2), 10 + kCurvature, 1e-9);
+  EXPECT_NEAR(ControlCurvature(at.problem).least(at.linearization, &at.constraints.augmentation()) /
+                  kCurvature,
+              1, 1e-6);
+}
+
+TEST(AugmentedLagrangian, StartsWithPenaltiesThatAreNotFarStifferThanTheCosts) {
+  Linearized stiff(10), soft(0.1);
+  EXPECT_TRUE(stiff.constraints.fit_to_costs(stiff.linearization));
+  EXPECT_NEAR(stiff.constraints.largest_penalty() / (1e4 * kCurvature), 1, 1e-6);
+  EXPECT_FALSE(soft.constraints.fit_to_costs(soft.linearization));
+  EXPECT_EQ(soft.constraints.largest_penalty(), 0.1);
+}
+
+}  // namespace
+}  // namespace conddp::testing
