@@ -49,8 +49,9 @@ class AugmentedStrategy final : public OuterStrategy {
     inner_start_ = recoveries_ = relaxations_ = 0;
     lagrangian_.start(known ? known->constraints : no_multipliers_);
   }
-  bool fit(const Iterate& iterate) override {
-    const bool lower = lagrangian_.fit_to_costs(iterate.linearization);
+  bool fit(Iterate& iterate) override {
+    const bool lower = iterate.hessian.by_gauss_newton(
+        [&] { return lagrangian_.fit_to_costs(iterate.linearization); });
     return lagrangian_.fit_soft(iterate.linearization.constraint) || lower;
   }
   /// Of constraints that are soft by their distance.
@@ -131,7 +132,7 @@ bool AugmentedStrategy::update(Iterate& iterate, const Feedback& feedback, const
   const bool idle = lagrangian_.idle(iterate.linearization.constraint);
   const bool by_rounding = hidden_by_rounding(row, merit, stuck);
   former_ = lagrangian_.augmentation();
-  if (!iterate.hessian.exact_in_use()) lagrangian_.fit_to_costs(iterate.linearization);
+  iterate.hessian.by_gauss_newton([&] { return lagrangian_.fit_to_costs(iterate.linearization); });
   lagrangian_.update(to_the_end(row, merit));
   if (by_rounding) {
     if (++relaxations_ > kRelaxations) {

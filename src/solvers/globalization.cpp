@@ -115,9 +115,10 @@ bool Globalization::step() {
 /// may be far above the curvature that the costs have in the controls, which for thrusts in
 /// kilonewtons is 1e-8: then it holds a solve in place for hundreds of iterations.
 bool Globalization::regularize_more() {
-  if (regularization_.value() == 0 && !iterate_.hessian.exact_in_use())
-    regularization_.lower_min(
-        kCurvatures * control_curvature_.least(iterate_.linearization, outer_.augmentation()));
+  if (regularization_.value() == 0)
+    regularization_.lower_min(kCurvatures * iterate_.hessian.by_gauss_newton([this] {
+      return control_curvature_.least(iterate_.linearization, outer_.augmentation());
+    }));
   return regularization_.increase();
 }
 

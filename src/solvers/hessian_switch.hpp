@@ -50,6 +50,15 @@ class HessianSwitch {
   /// Puts one of the sets into the linearisation.
   void use(bool exact);
   bool exact_in_use() const { return exact_in_use_; }
+  /// What `look` returns with the iterate's Gauss-Newton Hessians in place.
+  template <class Look>
+  auto by_gauss_newton(const Look& look) {
+    const bool exact = exact_in_use_;
+    use(false);
+    const auto seen = look();
+    use(exact);
+    return seen;
+  }
 
  private:
   bool gauss_newton_is_slow(const IterationRecord& row) const;

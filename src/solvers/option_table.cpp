@@ -92,7 +92,8 @@ constexpr std::array kTable = {
                .max_excluded = true,
                .access = CONDDP_ACCESS(regularization.initial)},
     OptionInfo{.name = "regularization.min",
-               .doc = "Smallest regularisation other than 0: the first one after 0.",
+               .doc = "Smallest regularisation other than 0, the first one after 0; lower where "
+                      "the costs' curvature in the controls is.",
                .min = 0,
                .max = kInfinity,
                .min_excluded = true,
@@ -144,7 +145,9 @@ constexpr std::array kTable = {
                .min_excluded = true,
                .access = CONDDP_ACCESS(line_search.merit_margin)},
     OptionInfo{.name = "augmented_lagrangian.initial_penalty",
-               .doc = "First penalty of every constraint; cost per squared constraint unit.",
+               .doc = "First penalty of every constraint; cost per squared constraint unit. Lower "
+                      "of constraints on controls in which the costs have a curvature of less than "
+                      "a ten-thousandth of it.",
                .min = 0,
                .max = kInfinity,
                .min_excluded = true,

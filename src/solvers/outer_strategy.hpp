@@ -24,7 +24,7 @@ class OuterStrategy {
   virtual void start(const DualGuess* /*known*/) {}
   /// At the first iterate, linearised: penalties that fit its values. Returns whether the
   /// linearisation belongs to others now.
-  virtual bool fit(const Iterate& /*iterate*/) { return false; }
+  virtual bool fit(Iterate& /*iterate*/) { return false; }
   /// What constraints cost that no evaluation knows of.
   virtual double soft_cost(const Iterate& /*iterate*/) const { return 0; }
   /// Writes violation, complementarity and penalty of a linearised iterate into a row of the log.

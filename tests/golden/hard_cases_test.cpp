@@ -57,6 +57,22 @@ INSTANTIATE_TEST_SUITE_P(Files, HardCases,
                            return test.param.name + "_" + test.param.solver;
                          });
 
+// The cost's kink at zero has a curvature that is a thousand times that of the answer.
+HardCase from_zero(const std::string& name, const std::string& solver, double cost) {
+  return {
+      name, "tests/golden/hard/" + name + ".yaml", {"initial_guess.controls=zero"}, solver, cost,
+      110};
+}
+
+INSTANTIATE_TEST_SUITE_P(FromZero, HardCases,
+                         ::testing::Values(from_zero("mars_landing", "altro", 399.174711),
+                                           from_zero("mars_landing", "proxddp", 399.174711),
+                                           from_zero("mars_landing_free", "altro", 398.061102),
+                                           from_zero("mars_landing_free", "proxddp", 398.061102)),
+                         [](const auto& test) {
+                           return test.param.name + "_" + test.param.solver;
+                         });
+
 constexpr const char* kStep = "problems/biped_step_cones.yaml";
 
 INSTANTIATE_TEST_SUITE_P(
