@@ -41,7 +41,7 @@ class LeastViolation final : public OuterStrategy {
     inner_start_ = 0;
     weigh(kLeastPenalty);
   }
-  bool fit(const Iterate& iterate) override;
+  bool fit(Iterate& iterate) override;
   double soft_cost(const Iterate& iterate) const override {
     return linear_soft_cost(problem_, iterate.linearization.constraint);
   }
@@ -74,7 +74,7 @@ class LeastViolation final : public OuterStrategy {
   int inner_start_ = 0;  ///< iteration at which the present minimisation began
 };
 
-bool LeastViolation::fit(const Iterate& iterate) {
+bool LeastViolation::fit(Iterate& iterate) {
   at_start_ = slope_.violation(iterate.linearization.constraint);
   const double cost = std::abs(iterate.linearization.total_cost());
   weigh(std::clamp(2 * kFirstWeight * cost / (at_start_ * at_start_), kLeastPenalty,
