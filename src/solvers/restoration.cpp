@@ -7,11 +7,14 @@
 
 #include "solvers/ddp_solver.hpp"
 #include "solvers/joined_solves.hpp"
+#include "solvers/violation_slope.hpp"
 
 namespace conddp {
 namespace {
 
 constexpr int kMostRestorations = 3;
+/// How many times the violation at the states the one on the motion that the controls give may be.
+constexpr double kSimulated = 10;
 
 bool can_restore(const ShootingProblem& problem) {
   const auto& constraints = problem.constraints();
@@ -36,6 +39,23 @@ bool got_stuck(const SolveResult& result, const SolverOptions& options) {
   }
 }
 
+/// Whether the controls alone lead to a motion that is not much worse. Where they do states follow
+/// from them in every step, and the violation only falls.
+bool can_simulate(const ShootingProblem& problem, const Trajectory& start) {
+  Acts acts(problem, 1);
+  const ControlBounds bounds(problem);
+  Linearization linearization(problem);
+  ViolationSlope slope(problem, bounds);
+  Trajectory motion = start;
+  const auto violation = [&] {
+    acts.differentiate(motion, linearization);
+    return slope.violation(linearization.constraint);
+  };
+  const double at_states = violation();
+  bounds.clamp(motion);
+  return acts.simulate(motion) < 0 && violation() <= kSimulated * at_states;
+}
+
 /// The geometric mean of the first penalty and the largest one: the first one would let go of what
 /// has been restored.
 double next_penalty(const SolverOptions& options, double needed) {
@@ -52,7 +72,7 @@ SolveResult restore_feasibility(const ShootingProblem& problem, const SolverOpti
   own.multipliers = nullptr;
   own.legs = 1;
   return DdpSolver(problem,
-                   {.open_gaps = true,
+                   {.open_gaps = !can_simulate(problem, start),
                     .clamp_controls = true,
                     .box_stage = true,
                     .constraints = true,

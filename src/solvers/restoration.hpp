@@ -7,11 +7,12 @@
 
 namespace conddp {
 
-/// A trajectory near `start` that satisfies the hard constraints better, or violates them least:
-/// multiple shooting on cost + ½ρ Σ‖d‖² with d the distances from their sets, for a ρ that grows.
-/// The status is `converged` where the violation is under its tolerance or a hundredth of what it
-/// was, `infeasible` at a point of least violation (ViolationSlope), at which multipliers and
-/// co-states are those of the least ρ that showed it. Not of problems with complementary pairs.
+/// A trajectory near `start` that satisfies the hard constraints better, or violates them least: a
+/// minimum of cost + ½ρ Σ‖d‖², with d the distances from their sets, for a ρ that grows; from the
+/// controls alone unless the motion that they give is far worse than the states. The status is
+/// `converged` where the violation is under its tolerance or a hundredth of what it was,
+/// `infeasible` at a point of least violation (ViolationSlope), at which multipliers and co-states
+/// are those of the least ρ that showed it. Not of problems with complementary pairs.
 SolveResult restore_feasibility(const ShootingProblem& problem, const SolverOptions& options,
                                 const Trajectory& start);
 
