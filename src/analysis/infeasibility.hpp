@@ -20,6 +20,6 @@ double attainable_share(const ShootingProblem& problem, const Trajectory& trajec
                         const Eigen::VectorXd& values);
 
 /// What that share may be at a point of least violation.
-inline constexpr double kLeastViolationShare = 0.02;
+inline constexpr double kLeastViolationShare = 0.01;
 
 }  // namespace conddp

@@ -19,7 +19,7 @@ constexpr double kPenaltyFactor = 100, kMostPenalty = 1e12;
 constexpr double kRestored = 0.01;
 /// The shares of ViolationSlope at which a minimisation is done, and at which the violation is the
 /// least one.
-constexpr double kMinimized = 1e-3, kLeast = 1e-2;
+constexpr double kMinimized = 1e-3, kLeast = 5e-3;
 /// Or what a step of at least this length gains of the merit.
 constexpr double kSmallDecrease = 1e-7, kLongStep = 0.1;
 /// Violated constraints that a message names.

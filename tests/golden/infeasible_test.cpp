@@ -98,14 +98,14 @@ TEST(Infeasible, IsNotWhatAPenaltyMethodStallsAt) {
   ASSERT_TRUE(loaded);
   const SolverInfo& solver = *find_solver("altro");
   SolverOptions options = loaded->spec.solver.options;
-  options.max_iterations = 60;
+  options.max_iterations = 30;
   SolveResult result = solver.run(*loaded->built.problem, options, loaded->built.guess);
   result.status = SolveStatus::infeasible;
   const SolutionCertificate certificate = certify(*loaded, solver, result);
   const Check* check = least_violation(certificate.checks);
   ASSERT_NE(check, nullptr);
   EXPECT_FALSE(check->holds);
-  EXPECT_GT(check->found, 0.1);
+  EXPECT_GT(check->found, 0.01);
 }
 
 }  // namespace
