@@ -5,25 +5,25 @@
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
+#include "support/small_qp.hpp"
+
 namespace conddp {
 namespace {
 
+using testing::enumerate_active_sets;
+using testing::SmallQp;
+
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-struct Qp {
-  Eigen::MatrixXd H;
-  Eigen::VectorXd g, lower, upper;
-  double value(const Eigen::VectorXd& x) const { return 0.5 * x.dot(H * x) + g.dot(x); }
-};
-
-Qp random_qp(int n, std::mt19937& engine, double tightness) {
+SmallQp random_qp(int n, std::mt19937& engine, double tightness) {
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> uniform;
   const auto draw = [&] { return normal(engine); };
   const Eigen::MatrixXd B = Eigen::MatrixXd::NullaryExpr(n, n, draw);
-  Qp qp;
+  SmallQp qp;
   qp.H = B * B.transpose() + 0.1 * Eigen::MatrixXd::Identity(n, n);
   qp.g = Eigen::VectorXd::NullaryExpr(n, draw);
+  qp.A = Eigen::MatrixXd::Identity(n, n);
   qp.lower.resize(n);
   qp.upper.resize(n);
   for (int i = 0; i < n; ++i) {
@@ -36,53 +36,15 @@ Qp random_qp(int n, std::mt19937& engine, double tightness) {
   return qp;
 }
 
-/// The optimum by trying all 3ⁿ active sets: the best feasible stationary point of any.
-Eigen::VectorXd enumerate(const Qp& qp) {
-  const int n = static_cast<int>(qp.g.size());
-  Eigen::VectorXd best;
-  double best_value = kInfinity;
-  for (int code = 0, count = static_cast<int>(std::pow(3, n)); code < count; ++code) {
-    Eigen::VectorXd x = Eigen::VectorXd::Zero(n);
-    std::vector<int> free;
-    bool possible = true;
-    for (int i = 0, rest = code; i < n; ++i, rest /= 3) {
-      if (rest % 3 == 0) {
-        free.push_back(i);
-      } else {
-        x[i] = rest % 3 == 1 ? qp.lower[i] : qp.upper[i];
-        possible = possible && std::isfinite(x[i]);
-      }
-    }
-    if (!possible) continue;
-    const int m = static_cast<int>(free.size());
-    Eigen::MatrixXd Hff(m, m);
-    Eigen::VectorXd rhs(m);
-    for (int a = 0; a < m; ++a) {
-      rhs[a] = -qp.g[free[a]] - qp.H.row(free[a]).dot(x);
-      for (int b = 0; b < m; ++b) Hff(a, b) = qp.H(free[a], free[b]);
-    }
-    if (m > 0) rhs = Hff.ldlt().solve(rhs);
-    for (int a = 0; a < m; ++a) {
-      x[free[a]] = rhs[a];
-      possible = possible && rhs[a] >= qp.lower[free[a]] && rhs[a] <= qp.upper[free[a]];
-    }
-    if (possible && qp.value(x) < best_value) {
-      best_value = qp.value(x);
-      best = x;
-    }
-  }
-  return best;
-}
-
 TEST(BoxQp, EqualsEnumerationOfActiveSets) {
   std::mt19937 engine(1);
   BoxQp solver(6);
   for (int trial = 0; trial < 600; ++trial) {
     const int n = 1 + trial % 6;
-    const Qp qp = random_qp(n, engine, trial % 3 == 0 ? 0.1 : 1);
+    const SmallQp qp = random_qp(n, engine, trial % 3 == 0 ? 0.1 : 1);
     std::vector<BoundState> active(n, BoundState::free);
     ASSERT_EQ(solver.solve(qp.H, qp.g, qp.lower, qp.upper, active), BoxQp::Status::solved);
-    const Eigen::VectorXd expected = enumerate(qp);
+    const Eigen::VectorXd expected = enumerate_active_sets(qp).x;
     EXPECT_LE((solver.x() - expected).lpNorm<Eigen::Infinity>(), 1e-10) << "trial " << trial;
     for (int i = 0; i < n; ++i) {
       EXPECT_GE(solver.x()[i], qp.lower[i]);
@@ -97,7 +59,7 @@ TEST(BoxQp, FactorBelongsToTheFreeBlockOfTheSolution) {
   std::mt19937 engine(2);
   BoxQp solver(6);
   for (int trial = 0; trial < 100; ++trial) {
-    const Qp qp = random_qp(6, engine, 0.5);
+    const SmallQp qp = random_qp(6, engine, 0.5);
     std::vector<BoundState> active(6, BoundState::free);
     ASSERT_EQ(solver.solve(qp.H, qp.g, qp.lower, qp.upper, active), BoxQp::Status::solved);
     const auto free = solver.free();
@@ -116,7 +78,7 @@ TEST(BoxQp, WarmStartFromTheSolutionNeedsNoStepAndAnyStartGivesTheSame) {
   BoxQp solver(6);
   std::uniform_int_distribution<int> state(-1, 1);
   for (int trial = 0; trial < 100; ++trial) {
-    const Qp qp = random_qp(6, engine, 0.3);
+    const SmallQp qp = random_qp(6, engine, 0.3);
     std::vector<BoundState> active(6, BoundState::free);
     ASSERT_EQ(solver.solve(qp.H, qp.g, qp.lower, qp.upper, active), BoxQp::Status::solved);
     const Eigen::VectorXd x = solver.x();
@@ -134,15 +96,16 @@ TEST(BoxQp, WarmStartFromTheSolutionNeedsNoStepAndAnyStartGivesTheSame) {
 // A full projected Newton step from 0 raises the objective here, which an Armijo test with the
 // wrong sign of the free gradient would let pass.
 TEST(BoxQp, RejectsAProjectedStepThatRaisesTheObjective) {
-  Qp qp;
+  SmallQp qp;
   qp.H = (Eigen::Matrix2d() << 1, -0.99, -0.99, 1).finished();
   qp.g = Eigen::Vector2d(-0.1, -0.1);
+  qp.A = Eigen::Matrix2d::Identity();
   qp.lower = Eigen::Vector2d(-10, -0.02);
   qp.upper = Eigen::Vector2d(10, 0.02);
   const Eigen::Vector2d newton = -qp.H.ldlt().solve(qp.g);
   const Eigen::Vector2d projected = newton.cwiseMax(qp.lower).cwiseMin(qp.upper);
   ASSERT_GT(qp.value(projected), 1);
-  const Eigen::VectorXd expected = enumerate(qp);
+  const Eigen::VectorXd expected = enumerate_active_sets(qp).x;
   BoxQp solver(2);
   std::vector<BoundState> active(2, BoundState::free);
   ASSERT_EQ(solver.solve(qp.H, qp.g, qp.lower, qp.upper, active), BoxQp::Status::solved);

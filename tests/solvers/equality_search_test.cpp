@@ -14,8 +14,8 @@ namespace conddp {
 namespace {
 
 /// An iterate with open gaps, multipliers and a step that keeps the linear equations.
-struct Iterate {
-  explicit Iterate(const ShootingProblem& problem)
+struct EqualityIterate {
+  explicit EqualityIterate(const ShootingProblem& problem)
       : bounds(problem),
         acts(problem),
         linearization(problem),
@@ -65,7 +65,7 @@ ShootingProblem goal_problem() {
 
 TEST(EqualitySearch, TheMeritsSlopeIsItsDerivativeAlongTheStep) {
   const ShootingProblem problem = goal_problem();
-  Iterate iterate(problem);
+  EqualityIterate iterate(problem);
   EXPECT_NEAR(iterate.merit_of(iterate.trajectory), iterate.merit.value(),
               1e-12 * iterate.merit.value());
   EXPECT_LT(iterate.merit.merit_slope(), 0);
@@ -82,7 +82,7 @@ TEST(EqualitySearch, TheMeritsSlopeIsItsDerivativeAlongTheStep) {
 
 TEST(EqualitySearch, TakesTheTrialThatLowersTheMeritMore) {
   const ShootingProblem problem = goal_problem();
-  Iterate iterate(problem);
+  EqualityIterate iterate(problem);
   Trajectory trajectory = iterate.trajectory;
   const LineSearchResult found =
       iterate.search.run(iterate.acts, iterate.merit, iterate.linearization, iterate.step,
