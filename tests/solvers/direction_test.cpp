@@ -130,24 +130,13 @@ TEST(Direction, WithControlBoundsItIsTheQuadraticProgramsSolution) {
   EXPECT_GT(free, 30);
 }
 
-/// A linear-quadratic shape with controls in ±0.6, and rows with bounds at every node.
-ShootingProblem with_rows(const LinearQuadratic& lq, double lower, double upper, int rows) {
-  const ShootingProblem& free = *lq.problem;
-  const auto C = [&](int columns) { return Eigen::MatrixXd::Ones(rows, columns).eval(); };
-  const int N = free.knots();
-  return with_constraints(
-      free, {affine_rows(C(free.nx() + free.nu(0)), free, 0, N / 2 - 1, lower, upper),
-             affine_rows(C(free.nx() + free.nu(N - 1)), free, N / 2, N - 1, lower, upper),
-             affine_rows(C(free.nx()), free, N, N, lower, upper)});
-}
-
 // Rows of an augmented Lagrangian count where the step meets them, not where the iterate does.
 TEST(Direction, WithAnAugmentationItMinimisesThePenaltiesAsTheyAreAlongTheHorizon) {
   int held = 0, outside = 0, changed_sides = 0, unsettled = 0;
   for (unsigned seed = 1; seed <= 40; ++seed) {
     SCOPED_TRACE(fmt::format("seed {}", seed));
     const LinearQuadratic lq(1, 2 + seed % 3, {1, 2}, 3, -0.6, 0.6);
-    const ShootingProblem problem = with_rows(lq, -0.5, 0.5, 3);
+    const ShootingProblem problem = rows_at_all_nodes(lq, 3, -0.5, 0.5);
     RandomModel model(problem, seed, {.clamp_controls = true, .box_stage = true});
     Augmentation augmentation(problem);
     RandomNumbers random(100 + seed);
@@ -156,21 +145,9 @@ TEST(Direction, WithAnAugmentationItMinimisesThePenaltiesAsTheyAreAlongTheHorizo
 
     // The function that is minimised, and the same as it is around the iterate.
     const DenseHorizon dense = model.dense();
-    const int rows = problem.constraint_rows();
-    const DensePenalty penalty{dense_constraints(problem, model.linearization),
-                               model.linearization.constraint + augmentation.shift,
-                               augmentation.penalty, Eigen::VectorXd::Constant(rows, -0.5),
-                               Eigen::VectorXd::Constant(rows, 0.5)};
+    const DensePenalty penalty = penalty_of_rows(problem, model.linearization, augmentation);
     const Eigen::VectorXd here = penalty.outside(Eigen::VectorXd::Zero(dense.size()));
-    const Eigen::VectorXd gradient = penalty.gradient(Eigen::VectorXd::Zero(dense.size()));
-    const Eigen::VectorXd weight = (here.array() != 0).cast<double>() * penalty.penalty.array();
-    const Eigen::MatrixXd curvature = penalty.C.transpose() * weight.asDiagonal() * penalty.C;
-    for (int k = 0; k < dense.nodes(); ++k) {
-      KnotLinearization& knot = model.linearization.knots[k];
-      knot.gradient += dense.at(gradient, k);
-      knot.hessian.change() +=
-          curvature.block(dense.offset[k], dense.offset[k], dense.nz(k), dense.nz(k));
-    }
+    penalty.add_to(model.linearization);
     const DenseHorizon before = model.dense();
     model.adjoint.compute(model.linearization, model.trajectory, model.gaps, Feedback(problem));
     model.direction.trust_model();
@@ -214,7 +191,7 @@ TEST(Direction, InTheNullSpaceItKeepsTheEquationsOfTheDenseSystemWithItsMultipli
     SCOPED_TRACE(fmt::format("seed {}", seed));
     // Three states and six controls of two knots each: one row a knot and one at the end.
     const LinearQuadratic lq(1, 2 + seed % 3, {3, 2}, 3, -kFree, kFree);
-    const ShootingProblem problem = with_rows(lq, 0.25, 0.25, 1);
+    const ShootingProblem problem = rows_at_all_nodes(lq, 1, 0.25, 0.25);
     RandomModel model(problem, seed, {.null_space = true}, seed % 2 == 0);
     ASSERT_EQ(model.find(), -1);
     const DenseHorizon::Optimum optimum =

@@ -99,6 +99,49 @@ Added affine_rows(const Eigen::MatrixXd& C, const ShootingProblem& problem, int 
           .last = last};
 }
 
+void DensePenalty::add_to(Linearization& linearization) const {
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(C.cols());
+  const Eigen::VectorXd slope = gradient(zero);
+  const Eigen::VectorXd weight = (outside(zero).array() != 0).cast<double>() * penalty.array();
+  const Eigen::MatrixXd curvature = C.transpose() * weight.asDiagonal() * C;
+  Eigen::Index at = 0;
+  for (KnotLinearization& knot : linearization.knots) {
+    const Eigen::Index nz = knot.gradient.size();
+    knot.gradient += slope.segment(at, nz);
+    knot.hessian.change() += curvature.block(at, at, nz, nz);
+    at += nz;
+  }
+}
+
+ShootingProblem rows_at_all_nodes(const LinearQuadratic& lq, int rows, double lower, double upper) {
+  const ShootingProblem& free = *lq.problem;
+  const int N = free.knots();
+  std::vector<Added> added;
+  for (int first = 0; first < N;) {
+    int last = first;
+    while (last + 1 < N && free.knot(last + 1).phase == free.knot(first).phase) ++last;
+    const Eigen::MatrixXd C = Eigen::MatrixXd::Ones(rows, free.nx() + free.nu(first));
+    added.push_back(affine_rows(C, free, first, last, lower, upper));
+    first = last + 1;
+  }
+  added.push_back(affine_rows(Eigen::MatrixXd::Ones(rows, free.nx()), free, N, N, lower, upper));
+  return with_constraints(free, added);
+}
+
+DensePenalty penalty_of_rows(const ShootingProblem& problem, const Linearization& linearization,
+                             const Augmentation& augmentation) {
+  const int rows = problem.constraint_rows();
+  DensePenalty penalty{dense_constraints(problem, linearization),
+                       linearization.constraint + augmentation.shift, augmentation.penalty,
+                       Eigen::VectorXd(rows), Eigen::VectorXd(rows)};
+  for (const NodeConstraint& c : problem.constraints())
+    for (int i = 0; i < c.term->rows; ++i) {
+      penalty.lower[c.row + i] = c.lower[i];
+      penalty.upper[c.row + i] = c.upper[i];
+    }
+  return penalty;
+}
+
 void randomize(const ShootingProblem& problem, RandomNumbers& random,
                Linearization& linearization) {
   const auto fill = [&](auto&& matrix, double size) {

@@ -57,12 +57,20 @@ struct DensePenalty {
   Eigen::VectorXd outside(const Eigen::VectorXd& z) const;
   double value(const Eigen::VectorXd& z) const;
   Eigen::VectorXd gradient(const Eigen::VectorXd& z) const;
+  /// Puts it into the model at z = 0, as it is there.
+  void add_to(Linearization& linearization) const;
 };
 
 /// C z between bounds at the nodes first … last, which have as many controls. C has the columns of
 /// the state and those of the control, if any.
 Added affine_rows(const Eigen::MatrixXd& C, const ShootingProblem& problem, int first, int last,
                   double lower, double upper);
+
+/// The problem with the same number of such rows at every node, whose C is all ones.
+ShootingProblem rows_at_all_nodes(const LinearQuadratic& lq, int rows, double lower, double upper);
+/// The penalty that an augmentation makes of them, with the values of a linearisation.
+DensePenalty penalty_of_rows(const ShootingProblem& problem, const Linearization& linearization,
+                             const Augmentation& augmentation);
 
 /// Random numbers for a flat problem's linearisation: convex costs, dynamics that do not grow by
 /// much, gaps, constraint values and their derivatives.

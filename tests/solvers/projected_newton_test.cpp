@@ -1,0 +1,266 @@
+// Steps of Newton's method on active constraints beside those of dense quadratic programs.
+#include "solvers/projected_newton.hpp"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "solvers/newton_polish.hpp"
+#include "support/plain_sqp.hpp"
+
+namespace conddp::testing {
+namespace {
+
+constexpr double kLimit = 4;
+
+/// Newton's method at points of a PlainSqp whose solution has the speed and one control at their
+/// limits.
+struct NewtonCase {
+  NewtonCase()
+      : sqp{.plain = {.limit = kLimit}},
+        problem(sqp.problem()),
+        acts(problem),
+        solution(sqp.solution(sqp.simulated(2.2), problem)) {}
+
+  /// The solution and something more, states and controls apart.
+  PlainSqp::Point near(double size) const {
+    PlainSqp::Point p = solution;
+    RandomNumbers random(3);
+    for (int k = 0; k < sqp.plain.knots; ++k) {
+      p.x[k + 1] += size * Eigen::Vector2d(random.uniform(-1, 1), random.uniform(-1, 1));
+      p.u[k] = std::clamp(p.u[k] + size * random.uniform(-1, 1), -kLimit, kLimit);
+    }
+    p.multipliers += size * Eigen::Vector2d(0.5, -1);
+    return p;
+  }
+  void start(ProjectedNewton& newton, const PlainSqp::Point& p) const {
+    newton.start(p.trajectory(problem), sqp.rows(p.multipliers), Eigen::VectorXd::Constant(6, 10),
+                 Feedback(problem));
+  }
+
+  PlainSqp sqp;
+  ShootingProblem problem;
+  Acts acts;
+  PlainSqp::Point solution;
+};
+
+TEST(ProjectedNewton, TheSolutionOfTheseTestsHasActiveRowsAndControls) {
+  const NewtonCase at;
+  EXPECT_GT(at.solution.multipliers[0], 0.1);
+  EXPECT_EQ((at.solution.u.array().abs() > kLimit - 1e-12).count(), 1);
+  const PlainSqp::Point again = at.sqp.step(at.solution, at.problem);
+  EXPECT_LT(again.distance(at.solution.trajectory(at.problem)), 1e-12);
+}
+
+TEST(ProjectedNewton, AStepIsThatOfTheDenseQuadraticProgramWithTheExactHessian) {
+  for (const double size : {0.2, 0.05, 1e-3}) {
+    SCOPED_TRACE(size);
+    NewtonCase at;
+    ProjectedNewton newton(at.problem, at.acts);
+    PlainSqp::Point from = at.near(size);
+    at.start(newton, from);
+    // Those of rows that do not count are zero.
+    from.multipliers = {newton.multipliers()[3], newton.multipliers()[5]};
+    const PlainSqp::Point expected = at.sqp.step(from, at.problem);
+    ASSERT_TRUE(newton.step(1e3));
+    EXPECT_EQ(newton.step_length(), 1);
+    EXPECT_LT(expected.distance(newton.trajectory()), 1e-9);
+    EXPECT_LT((newton.multipliers() - at.sqp.rows(expected.multipliers)).norm(), 1e-8);
+    EXPECT_EQ(newton.active_rows(), 3);
+    const PlainSqp::Point other = at.sqp.step(from, at.problem, false);
+    EXPECT_GT(other.distance(newton.trajectory()), 1e-2 * size) << "of the costs' Hessian";
+  }
+}
+
+TEST(ProjectedNewton, StepsConvergeQuadratically) {
+  NewtonCase at;
+  ProjectedNewton newton(at.problem, at.acts);
+  at.start(newton, at.near(0.2));
+  double error = at.solution.distance(newton.trajectory());
+  EXPECT_GT(error, 0.1);
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_TRUE(newton.step());
+    const double next = at.solution.distance(newton.trajectory());
+    EXPECT_LT(next, std::max(5 * error * error, 1e-10)) << i;
+    error = next;
+  }
+  EXPECT_LT(error, 1e-9);
+  EXPECT_LT((newton.multipliers() - at.sqp.rows(at.solution.multipliers)).norm(), 1e-8);
+}
+
+TEST(ProjectedNewton, NormsAreThoseOfTheIterate) {
+  NewtonCase at;
+  ProjectedNewton newton(at.problem, at.acts);
+  PlainSqp::Point p = at.near(0.1);
+  p.x[3][1] = 1.05;
+  p.multipliers[0] = 0.5;
+  at.start(newton, p);
+  const auto lambda = at.sqp.costates(p);
+  const PlainPendulum& plain = at.sqp.plain;
+  double stationarity = 0, gap = 0, cost = plain.end_cost<double>(p.x.back());
+  int stationarity_knot = -1, gap_knot = -1;
+  for (int k = 0; k < plain.knots; ++k) {
+    const double gradient =
+        plain.stage_gradient(p.x[k], p.u[k])[2] + plain.jacobian(p.x[k]).col(2).dot(lambda[k + 1]);
+    const bool held = std::abs(p.u[k]) == kLimit && gradient * p.u[k] < 0;
+    if (!held && std::abs(gradient) > stationarity) {
+      stationarity = std::abs(gradient);
+      stationarity_knot = k;
+    }
+    const double here = (plain.next<double>(p.x[k], p.u[k]) - p.x[k + 1]).lpNorm<Eigen::Infinity>();
+    if (here > gap) {
+      gap = here;
+      gap_knot = k;
+    }
+    cost += plain.stage_cost<double>(p.x[k], p.u[k]);
+  }
+  const KktNorms& norms = newton.norms();
+  EXPECT_NEAR(norms.stationarity.value, stationarity, 1e-12);
+  EXPECT_EQ(norms.stationarity.knot, stationarity_knot);
+  EXPECT_NEAR(norms.gap.value, gap, 1e-14);
+  EXPECT_EQ(norms.gap.knot, gap_knot);
+  const double end_off = std::abs(p.x.back()[0] - 0.8);
+  EXPECT_NEAR(norms.violation.value, std::max(0.05, end_off), 1e-14);
+  EXPECT_EQ(norms.violation.knot, end_off > 0.05 ? 5 : 3);
+  EXPECT_NEAR(norms.complementarity, 0, 1e-14);
+  EXPECT_NEAR(newton.cost(), cost, 1e-13);
+  EXPECT_EQ(norms.largest(),
+            std::max({norms.stationarity.value, norms.gap.value, norms.violation.value}));
+  IterationRecord row;
+  newton.describe(row);
+  EXPECT_EQ(row.stationarity, norms.stationarity.value);
+  EXPECT_EQ(row.gap, norms.gap.value);
+  EXPECT_EQ(row.constraint, norms.violation.value);
+  EXPECT_EQ(row.cost, newton.cost());
+  EXPECT_EQ(row.step, 0);
+
+  p.multipliers[0] = 0.5;
+  p.x[3][1] = 0.99;  // 0.99 + 0.5/10 is beyond: 0.5 · 0.01
+  at.start(newton, p);
+  EXPECT_NEAR(newton.norms().complementarity, 0.005, 1e-14);
+}
+
+TEST(ProjectedNewton, WhereTheExactHessianIsNotConvexItIsThatOfTheCosts) {
+  NewtonCase at;
+  PlainSqp::Point p = at.solution;
+  p.multipliers[1] = -100;
+  const DenseHorizon exact = at.sqp.model(p, at.problem, true);
+  Eigen::MatrixXd kept(2, exact.S.cols());
+  kept << exact.S.row(exact.offset[3] + 1), exact.S.row(exact.offset[5]);
+  const Eigen::MatrixXd Z = kept.fullPivLu().kernel();
+  const Eigen::MatrixXd reduced = Z.transpose() * exact.S.transpose() * exact.H * exact.S * Z;
+  ASSERT_LT(reduced.selfadjointView<Eigen::Lower>().eigenvalues().minCoeff(), -1e-3);
+  ProjectedNewton newton(at.problem, at.acts);
+  at.start(newton, p);
+  ASSERT_TRUE(newton.step(1e6));
+  EXPECT_LT(at.sqp.step(p, at.problem, false).distance(newton.trajectory()), 1e-9);
+}
+
+TEST(ProjectedNewton, AnIterateStandsWhereNoStepLowersTheNorms) {
+  NewtonCase at;
+  ProjectedNewton newton(at.problem, at.acts);
+  at.start(newton, at.near(0.05));
+  const Trajectory from = newton.trajectory();
+  const Eigen::VectorXd multipliers = newton.multipliers();
+  EXPECT_FALSE(newton.step(1e-9)) << "no step makes that much";
+  EXPECT_EQ(newton.step_length(), 0);
+  EXPECT_EQ(newton.multipliers(), multipliers);
+  for (int k = 0; k <= from.knots(); ++k) EXPECT_EQ(newton.trajectory().x(k), from.x(k)) << k;
+  for (int k = 0; k < from.knots(); ++k) EXPECT_EQ(newton.trajectory().u(k), from.u(k)) << k;
+}
+
+/// Has multipliers and penalties, and takes those of others.
+struct KeptMultipliers : OuterStrategy {
+  explicit KeptMultipliers(const ShootingProblem& problem) : given(problem) {
+    given.penalty.setConstant(10);
+  }
+  const Augmentation* augmentation() const override { return &given; }
+  const Eigen::VectorXd* multipliers() const override { return &known; }
+  void adopt(const Eigen::VectorXd& multipliers) override { known = multipliers; }
+
+  Augmentation given;
+  Eigen::VectorXd known;
+};
+
+/// A solve that has come to a point of a NewtonCase.
+struct PolishedSolve {
+  explicit PolishedSolve(double size, int max_iterations = 100)
+      : options{.max_iterations = max_iterations},
+        bounds(at.problem),
+        record(at.problem, options, true),
+        iterate(at.problem, bounds, at.acts, recipe, options, record),
+        outer(at.problem),
+        polish(at.problem, at.acts, options) {
+    const PlainSqp::Point p = at.near(size);
+    iterate.trajectory = p.trajectory(at.problem);
+    outer.known = at.sqp.rows(p.multipliers);
+    record.begin();
+    polish.reset();
+    record.row.iteration = 7;
+    record.row.stationarity = size;
+    record.row.gap = size / 2;
+    record.row.active_rows = 99;
+  }
+  bool run() { return polish.run(iterate, Feedback(at.problem), outer, record); }
+
+  NewtonCase at;
+  SolverOptions options;
+  DdpRecipe recipe;
+  ControlBounds bounds;
+  SolveRecord record;
+  Iterate iterate;
+  KeptMultipliers outer;
+  NewtonPolish polish;
+};
+
+TEST(NewtonPolish, EndsASolveAtTheSolutionWithItsMultipliers) {
+  PolishedSolve solve(1e-3);
+  const Trajectory start = solve.iterate.trajectory;
+  solve.iterate.linearized = solve.iterate.differentiated = true;
+  ASSERT_TRUE(solve.polish.due(solve.record.row));
+  ASSERT_TRUE(solve.run());
+  EXPECT_LT(solve.at.solution.distance(solve.iterate.trajectory), 1e-10);
+  EXPECT_EQ(solve.iterate.before.x(2), start.x(2));
+  EXPECT_FALSE(solve.iterate.linearized || solve.iterate.differentiated);
+  EXPECT_LT((solve.outer.known - solve.at.sqp.rows(solve.at.solution.multipliers)).norm(), 1e-8);
+  const int steps = solve.record.row.newton;
+  EXPECT_GE(steps, 2);
+  EXPECT_LE(steps, 3);
+  EXPECT_EQ(solve.record.row.iteration, 7 + steps);
+  EXPECT_EQ(static_cast<int>(solve.record.result.log.size()), steps);
+  EXPECT_FALSE(solve.record.log_is_stale);
+  EXPECT_LE(solve.record.row.stationarity, 1e-9);
+}
+
+TEST(NewtonPolish, LeavesTheIterateWhereItDoesNotGetThereAndWaitsUntilItIsMuchNearer) {
+  PolishedSolve solve(1e-3, 8);  // one step is left
+  const Trajectory start = solve.iterate.trajectory;
+  const Eigen::VectorXd multipliers = solve.outer.known;
+  EXPECT_FALSE(solve.run());
+  EXPECT_EQ(solve.iterate.trajectory.x(2), start.x(2));
+  EXPECT_EQ(solve.outer.known, multipliers);
+  EXPECT_EQ(solve.record.row.iteration, 8);
+  EXPECT_EQ(solve.record.row.newton, 1);
+  EXPECT_EQ(solve.record.row.stationarity, 1e-3);
+  EXPECT_EQ(solve.record.row.active_rows, 99);
+  EXPECT_EQ(solve.record.result.log.size(), 1u);
+  EXPECT_EQ(solve.record.result.log[0].active_rows, 3);
+  EXPECT_TRUE(solve.record.log_is_stale);
+
+  IterationRecord row;
+  row.gap = 1.01e-4;
+  EXPECT_FALSE(solve.polish.due(row));
+  row.gap = 0.99e-4;
+  EXPECT_TRUE(solve.polish.due(row));
+  solve.polish.reset();
+  for (double IterationRecord::*norm :
+       {&IterationRecord::stationarity, &IterationRecord::gap, &IterationRecord::constraint}) {
+    IterationRecord far, near;
+    far.*norm = 3.1e-3;
+    near.*norm = 2.9e-3;
+    EXPECT_FALSE(solve.polish.due(far));
+    EXPECT_TRUE(solve.polish.due(near));
+  }
+}
+
+}  // namespace
+}  // namespace conddp::testing
