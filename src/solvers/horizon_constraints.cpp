@@ -300,7 +300,7 @@ double HorizonConstraints::slope_beyond_model(double alpha) {
         const int row = c.row + r;
         const double s = shifted_[row] + alpha * along_[row];
         const double model = outside_[row] + slope_[row] * (s - around_[row]);
-        sum += rho * (outside_row(c, r, s, limit) - model) * along_[row];
+        sum += penalty_[row] * (outside_row(c, r, s, limit) - model) * along_[row];
       }
       continue;
     }
