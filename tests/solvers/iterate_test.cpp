@@ -109,6 +109,7 @@ TEST(Iterate, ExactHessiansWaitUntilOpenGapsAreSmall) {
       return at.iterate.linearization.knots[k].hessian()(0, 0);
     };
     at.iterate.differentiate(Feedback(at.problem), nullptr);
+    EXPECT_EQ(at.iterate.gaps.closed(), !open);
     EXPECT_EQ(at.iterate.hessian.exact_known(), !open) << "closed gaps are none";
     at.iterate.exact_below = 1;
     at.iterate.differentiate(Feedback(at.problem), nullptr);

@@ -139,19 +139,24 @@ TEST(ProjectedNewton, NormsAreThoseOfTheIterate) {
   EXPECT_NEAR(newton.norms().complementarity, 0.005, 1e-14);
 }
 
+// Here the active set is that of the solution, on which the exact Hessian has a negative direction.
 TEST(ProjectedNewton, WhereTheExactHessianIsNotConvexItIsThatOfTheCosts) {
   NewtonCase at;
-  PlainSqp::Point p = at.solution;
-  p.multipliers[1] = -100;
+  PlainSqp::Point p = at.near(1e-3);
+  p.multipliers[1] = -1000;
   const DenseHorizon exact = at.sqp.model(p, at.problem, true);
-  Eigen::MatrixXd kept(2, exact.S.cols());
-  kept << exact.S.row(exact.offset[3] + 1), exact.S.row(exact.offset[5]);
+  Eigen::Index held = 0;
+  at.solution.u.cwiseAbs().maxCoeff(&held);
+  Eigen::MatrixXd kept(3, exact.S.cols());
+  kept << exact.S.row(exact.offset[3] + 1), exact.S.row(exact.offset[5]),
+      exact.S.row(exact.offset[held] + 2);
   const Eigen::MatrixXd Z = kept.fullPivLu().kernel();
   const Eigen::MatrixXd reduced = Z.transpose() * exact.S.transpose() * exact.H * exact.S * Z;
   ASSERT_LT(reduced.selfadjointView<Eigen::Lower>().eigenvalues().minCoeff(), -1e-3);
   ProjectedNewton newton(at.problem, at.acts);
   at.start(newton, p);
   ASSERT_TRUE(newton.step(1e6));
+  EXPECT_EQ(newton.active_rows(), 3);
   EXPECT_LT(at.sqp.step(p, at.problem, false).distance(newton.trajectory()), 1e-9);
 }
 

@@ -1,0 +1,117 @@
+#include "solvers/stationarity_check.hpp"
+
+#include <gtest/gtest.h>
+
+#include "support/constrained_problems.hpp"
+
+namespace conddp::testing {
+namespace {
+
+/// x⁺ = x + u, ½ x² and ½ u² of each knot, ½ x² at the end, from 1.
+ShootingProblem sum_of_controls(int knots) {
+  const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(1, 1);
+  return tracking_problem(linear_system(one, one, Eigen::VectorXd::Zero(1)), Integrator::discrete,
+                          knots, 1, {1}, {{0}, {1}, {1}, {1}, false});
+}
+
+/// A check of an iterate of that problem.
+struct Checked {
+  Checked(ShootingProblem given, bool constrained)
+      : problem(std::move(given)),
+        bounds(problem),
+        acts(problem),
+        record(problem, options, constrained),
+        iterate(problem, bounds, acts, recipe, options, record),
+        check(problem, bounds, options, constrained) {
+    iterate.trajectory = problem.create_trajectory();
+    acts.simulate(iterate.trajectory);
+    acts.differentiate(iterate.trajectory, iterate.linearization);
+    check.reset();
+  }
+
+  SolverOptions options;
+  DdpRecipe recipe;
+  ShootingProblem problem;
+  ControlBounds bounds;
+  Acts acts;
+  SolveRecord record;
+  Iterate iterate;
+  StationarityCheck check;
+};
+
+/// Two knots with the gradients ∇_u L = (0, s) along the gain K of the second one, and (−K s, s)
+/// without it.
+struct HiddenByGains : Checked {
+  HiddenByGains(double s, double K) : Checked(sum_of_controls(2), false) {
+    auto& knots = iterate.linearization.knots;
+    knots[0].gradient << 0, -K * s;
+    knots[1].gradient << 0, s;
+    knots[2].gradient << 0;
+    Feedback feedback(problem);
+    feedback.K[1](0, 0) = K;
+    iterate.adjoint.compute(iterate.linearization, iterate.trajectory, iterate.gaps, feedback);
+    EXPECT_DOUBLE_EQ(iterate.stationarity().value, s);
+  }
+};
+
+TEST(StationarityCheck, TheGoalIsTheToleranceUntilGainsAreSeenToHideSomething) {
+  HiddenByGains at(4e-7, 2);  // 8e-7 without gains
+  EXPECT_EQ(at.check.goal(), 1e-6);
+  EXPECT_TRUE(at.check.confirm(at.iterate, nullptr));
+  EXPECT_EQ(at.check.goal(), 1e-6);
+  HiddenByGains more(4e-7, 3);
+  EXPECT_FALSE(more.check.confirm(more.iterate, nullptr));
+}
+
+// 4e-6 without gains is four times the tolerance: half of a fourth of 4e-7 should be enough.
+TEST(StationarityCheck, TheGoalBecomesHalfOfWhatShouldBeEnough) {
+  HiddenByGains at(4e-7, 10);
+  EXPECT_FALSE(at.check.confirm(at.iterate, nullptr));
+  EXPECT_NEAR(at.check.goal(), 5e-8, 1e-20);
+  at.check.reset();
+  EXPECT_EQ(at.check.goal(), 1e-6);
+}
+
+TEST(StationarityCheck, MotionsThatAmplifyTooMuchSayNothing) {
+  HiddenByGains hidden(1e-7, 4.9e4), amplified(1e-7, 5.1e4);
+  EXPECT_FALSE(hidden.check.confirm(hidden.iterate, nullptr));
+  EXPECT_NEAR(hidden.check.goal(), 0.5e-6 / 4.9e4, 1e-20);
+  EXPECT_TRUE(amplified.check.confirm(amplified.iterate, nullptr));
+  EXPECT_EQ(amplified.check.goal(), 1e-6);
+}
+
+/// One knot with a constraint at its end: x = (1, 1), u = 0, ∇_u L = 1 + ν whatever the gains.
+struct ConstrainedEnd : Checked {
+  ConstrainedEnd()
+      : Checked(with_constraints(sum_of_controls(1), {goal_constraint(sum_of_controls(1), {1})}),
+                true) {
+    iterate.linearization.knots[0].gradient << 0, 0;
+    iterate.linearization.knots[1].gradient << 4e-7;  // of the augmented Lagrangian
+    iterate.adjoint.compute(iterate.linearization, iterate.trajectory, iterate.gaps,
+                            Feedback(problem));
+    EXPECT_DOUBLE_EQ(iterate.stationarity().value, 4e-7);
+  }
+  bool confirm(double nu) {
+    Eigen::VectorXd all = Eigen::VectorXd::Zero(problem.constraint_rows());
+    all[all.size() - 1] = nu;
+    return check.confirm(iterate, &all);
+  }
+};
+
+TEST(StationarityCheck, WithConstraintsTheMultipliersCountAlongTheGainsOfTheCosts) {
+  ConstrainedEnd at;
+  EXPECT_TRUE(at.confirm(-1 + 0.9e-6));
+  EXPECT_FALSE(at.confirm(-1 + 4e-6));
+  EXPECT_NEAR(at.check.goal(), 5e-8, 1e-16);
+}
+
+// 1 at no multiplier would ask for 2e-13; the least is 1e-5 of the tolerance, and then it counts.
+TEST(StationarityCheck, TheGoalIsNoLessThanAShareOfTheTolerance) {
+  ConstrainedEnd at;
+  EXPECT_FALSE(at.confirm(0));
+  EXPECT_DOUBLE_EQ(at.check.goal(), 1e-11);
+  EXPECT_TRUE(at.confirm(0));
+}
+
+}  // namespace
+}  // namespace conddp::testing
