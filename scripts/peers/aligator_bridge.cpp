@@ -91,6 +91,7 @@ python::list iterates(const std::shared_ptr<CrocoddylProblem>& crocoddyl, const 
                       const Vectors& us, double tolerance, double mu, int iterations) {
   const Problem problem = translate(*crocoddyl);
   Solver solver(tolerance, mu, iterations);
+  solver.max_al_iters = iterations;  // by default its outer loop stops after 100
   const auto recorder = std::make_shared<Recorder>();
   solver.registerCallback("recorder", recorder);
   solver.setup(problem);
@@ -104,6 +105,7 @@ python::tuple solve(const std::shared_ptr<CrocoddylProblem>& crocoddyl, const Ve
                     const Vectors& us, double tolerance, double mu, int iterations, int repeat) {
   const Problem problem = translate(*crocoddyl);
   Solver solver(tolerance, mu, iterations);
+  solver.max_al_iters = iterations;  // by default its outer loop stops after 100
   solver.setup(problem);
   python::list seconds;
   bool converged = false;

@@ -1,4 +1,4 @@
-"""Solves one start with both tools, each as its users do, and keeps what came out.
+"""Solves one start with every tool, each as its users do, and keeps what came out.
 
 A record is one line of JSON: the tool, a key of all that the answer depends on, and figures of the
 answer. A record with the same key is not computed again.
@@ -9,10 +9,14 @@ import json
 import subprocess
 import time
 from functools import cache
+from importlib.metadata import version
 from pathlib import Path
 
 import crocoddyl
 import numpy as np
+
+# After Crocoddyl, which must find its own Pinocchio before it sees Aligator's.
+import aligator_bridge
 
 import conddp_tool
 from conddp_tool import BINARIES, ROOT
@@ -26,6 +30,13 @@ SOLVER = f"solver={{name: box_fddp, max_iterations: {MOST_ITERATIONS}}}"  # repl
 #: With the default of its Box solvers, 5e-5, or with 1e-7 it stops before the check accepts some
 #: answers; 1e-10 and 1e-12 solve as many starts as this.
 STOP = 1e-9
+#: Aligator's penalty at the start. Of 15 of the farthest starts it solves 10 with this and with
+#: 1e-7, 7 with 1e-4; of 11 nearer ones 11 with this, 4 with its default, 1e-2.
+MU_INIT = 1e-6
+#: Aligator's tolerance, its default. A method of multipliers ends that far from active bounds, on
+#: either side: such controls are put on their bound before the check, which takes 1e-9.
+TOLERANCE = 1e-6
+TOOLS = ("conddp", "crocoddyl", "aligator")
 HERE = Path(__file__).resolve().parent
 RESULTS = conddp_tool.PEERS / "starts.jsonl"
 
@@ -59,7 +70,10 @@ def key_of(tool, instance, where):
     if tool == "conddp":
         return digest(contents(BINARIES / "bench_solve_times"), SOLVER, *common)
     translation = [HERE / name for name in ("crocoddyl_problem.py", "references.py", "robot.py")]
-    return digest(crocoddyl.__version__, STOP, contents(*translation), *common)
+    if tool == "crocoddyl":
+        return digest(crocoddyl.__version__, STOP, contents(*translation), *common)
+    return digest(crocoddyl.__version__, version("libaligator"), MU_INIT, TOLERANCE,
+                  contents(*translation, HERE / "aligator_bridge.cpp"), *common)
 
 
 def load(path=RESULTS):
@@ -115,16 +129,38 @@ def run_conddp(instance, where):
             "seconds": out["runs"][0]["total"], "process_seconds": time.perf_counter() - began}, out
 
 
+def vectors(guess):
+    return [crocoddyl.StdVec_VectorXs([np.array(row) for row in guess[part]]) for part in "xu"]
+
+
 def run_crocoddyl(problem, guess):
     solver = crocoddyl.SolverBoxFDDP(problem)
     solver.th_stop = STOP
-    vectors = [crocoddyl.StdVec_VectorXs([np.array(row) for row in guess[part]]) for part in "xu"]
+    start = vectors(guess)
     began = time.perf_counter()
-    converged = solver.solve(*vectors, MOST_ITERATIONS, False)
+    converged = solver.solve(*start, MOST_ITERATIONS, False)
     return {"status": "converged" if converged else "not converged", "claimed": bool(converged),
             "claimed_cost": float(solver.cost), "iterations": solver.iter + 1,
             "seconds": time.perf_counter() - began,
             "check": check(problem, list(solver.xs), list(solver.us))}
+
+
+def on_bounds(model, u):
+    """The control with entries that are within Aligator's tolerance of a bound put there."""
+    lower, upper = bounds(model)
+    u = np.where(u <= lower + TOLERANCE, lower, u)
+    return np.where(u >= upper - TOLERANCE, upper, u)
+
+
+def run_aligator(problem, guess):
+    try:
+        converged, iterations, (seconds,), xs, us = aligator_bridge.solve(
+            problem, *vectors(guess), TOLERANCE, MU_INIT, MOST_ITERATIONS, 1)
+    except RuntimeError as error:  # factorisations that fail
+        return {"status": "error", "message": str(error)[-300:]}
+    us = [on_bounds(model, u) for model, u in zip(problem.runningModels, us)]
+    return {"status": "converged" if converged else "not converged", "claimed": converged,
+            "iterations": iterations, "seconds": seconds, "check": check(problem, list(xs), us)}
 
 
 def fingerprint(guess):
@@ -138,10 +174,10 @@ def is_same_guess(first, second):
 
 
 def run(task):
-    """The records of a start that are missing: task = (instance, where, what is known of both)."""
-    instance, where, known = task
+    """The records of a start that are missing: task = (instance, where, tools, what is known)."""
+    instance, where, tools, known = task
     records = []
-    keys = {tool: key_of(tool, instance, where) for tool in ("conddp", "crocoddyl")}
+    keys = {tool: key_of(tool, instance, where) for tool in tools}
     problem = shooting_problem(instance.file, (*where, *instance.settings))
 
     def keep(tool, record):
@@ -161,13 +197,14 @@ def run(task):
             record["guess"] = fingerprint(guess)
             record["guess_costs"] = [out["runs"][0]["log"][0]["cost"], float(at_guess)]
         keep("conddp", record)
-    theirs = known.get("crocoddyl")
-    if theirs is not None and out is not None and not is_same_guess(theirs["guess"],
-                                                                    fingerprint(out["guess"])):
-        theirs = None  # the start is not the one that it solved
-    if theirs is None:
-        guess = out["guess"] if out is not None else json.loads(
+    guess = out["guess"] if out is not None else None
+    for tool, solve in (("crocoddyl", run_crocoddyl), ("aligator", run_aligator)):
+        theirs = known.get(tool)
+        if tool not in tools or theirs is not None and (
+                out is None or is_same_guess(theirs["guess"], fingerprint(guess))):
+            continue  # else the start may not be the one that it solved
+        guess = guess or json.loads(
             bench(instance, where, ("solver.max_iterations=1",)).stdout)["guess"]
         problem.x0 = np.array(guess["x"][0])
-        keep("crocoddyl", {**run_crocoddyl(problem, guess), "guess": fingerprint(guess)})
+        keep(tool, {**solve(problem, guess), "guess": fingerprint(guess)})
     return records

@@ -7,6 +7,7 @@ import os
 import shlex
 import subprocess
 import sys
+from importlib.metadata import version
 
 os.environ["OMP_NUM_THREADS"] = "1"  # before a peer is loaded
 
@@ -21,8 +22,9 @@ from machine import processor  # noqa: E402
 
 def arguments():
     parser = argparse.ArgumentParser(prog="scripts/peers/starts", description=(
-        "Solves problems with conddp and Crocoddyl from the same far-away starts and prints how "
-        "many each solves. The exit status is 1 where Crocoddyl solves more starts of a row."))
+        "Solves problems with conddp, Crocoddyl and Aligator from the same far-away starts and "
+        "prints how many each solves. The exit status is 1 where Crocoddyl solves more starts of a "
+        "row than conddp."))
     robots = os.environ.get("CONDDP_ROBOTS_DIR", "")
     parser.add_argument("--robots", default=robots,
                         help="folder with hyq.urdf and others (by default CONDDP_ROBOTS_DIR)")
@@ -32,6 +34,8 @@ def arguments():
     parser.add_argument("--limit", type=int, help="only so many starts of each row")
     parser.add_argument("--jobs", type=int, default=1, help="processes that solve")
     parser.add_argument("--again", action="store_true", help="run conddp anew")
+    parser.add_argument("--no-aligator", action="store_true",
+                        help="of Aligator only what is known already")
     parser.add_argument("--json", action="store_true", help="JSON instead of tables")
     parser.add_argument("--list-failures", action="store_true",
                         help="how to repeat every start that Crocoddyl alone solves")
@@ -52,17 +56,17 @@ def chosen(wanted):
     return picked
 
 
-def solve(picked, jobs, again):
-    """Computes what is missing and returns all records by (tool, key)."""
+def solve(picked, tools, jobs, again):
+    """Computes what these tools miss and returns all records by (tool, key)."""
     records, tasks = start_runs.load(), []
     for instance, where in picked:
         known = {}
-        for tool in ("conddp", "crocoddyl"):
+        for tool in tools:
             record = records.get((tool, start_runs.key_of(tool, instance, where)))
             if record is not None and not (again and tool == "conddp"):
                 known[tool] = record
-        if len(known) < 2:
-            tasks.append((instance, where, known))
+        if len(known) < len(tools):
+            tasks.append((instance, where, tools, known))
     start_runs.RESULTS.parent.mkdir(parents=True, exist_ok=True)
     with (multiprocessing.get_context("spawn").Pool(max(1, jobs)) as pool,
           open(start_runs.RESULTS, "a", encoding="utf-8") as file):
@@ -87,9 +91,10 @@ def revision():
 def header():
     return {"machine": processor(), "revision": revision(),
             "binary": start_runs.contents(BINARIES / "bench_solve_times"),
-            "crocoddyl": crocoddyl.__version__,
+            "crocoddyl": crocoddyl.__version__, "aligator": version("libaligator"),
             "command": os.environ.get("STARTS_COMMAND", "scripts/peers/starts").strip(),
-            "stop": start_runs.STOP, "iterations": start_runs.MOST_ITERATIONS}
+            "stop": start_runs.STOP, "mu_init": start_runs.MU_INIT,
+            "tolerance": start_runs.TOLERANCE, "iterations": start_runs.MOST_ITERATIONS}
 
 
 def as_markdown(starts):
@@ -97,14 +102,16 @@ def as_markdown(starts):
     share = "–" if row["share"] is None else f"{100 * row['share']:.1f} %"
     return "\n".join([
         f"`{about['command']}` on {about['machine']}, conddp {about['revision']} `box_fddp`, "
-        f"Crocoddyl {about['crocoddyl']} SolverBoxFDDP (th_stop {about['stop']:g}); at most "
-        f"{about['iterations']} iterations each.\n",
+        f"Crocoddyl {about['crocoddyl']} SolverBoxFDDP (th_stop {about['stop']:g}), Aligator "
+        f"{about['aligator']} SolverProxDDP (mu_init {about['mu_init']:g}, tolerance "
+        f"{about['tolerance']:g}); at most {about['iterations']} iterations each.\n",
         start_table.table(starts),
         f"conddp solves {row['conddp']} of the {row['anybody']} starts that anybody solves: "
         f"{share}.\n",
         "Local minima, which cost more than the best known answer from the same initial state: "
         + ", ".join(f"{name} {len(start_table.dearer(starts, tool))}"
-                    for name, tool in (("conddp", "conddp"), ("Crocoddyl", "crocoddyl"))) + ".\n",
+                    for tool, name in start_table.NAMES.items()) + ".\n",
+        start_table.beside_aligator(starts),
         start_table.table(starts, start_table.kind, "start"),
         start_table.disagreements(starts)])
 
@@ -114,8 +121,8 @@ def as_json(starts):
             start_table.grouped(starts, lambda start: start.instance.row).items()}
     single = [{"name": start.instance.name, "row": start.instance.row,
                "quick": start.instance.quick, "conddp_solved": start.conddp,
-               "crocoddyl_solved": start.crocoddyl,
-               "conddp": start.ours, "crocoddyl": start.theirs} for start in starts]
+               "crocoddyl_solved": start.crocoddyl, "aligator_solved": start.aligator,
+               **start.records} for start in starts]
     return json.dumps({**header(), "rows": rows, "total": start_table.counts(starts),
                        "starts": single}, indent=1)
 
@@ -145,9 +152,10 @@ def main():
         picked = chosen(wanted)
     except Untranslatable as refusal:
         sys.exit(f"scripts/peers/starts: {refusal}")
-    records = solve(picked, wanted.jobs, wanted.again)
-    starts = [start_table.Start(instance, *(records[tool, start_runs.key_of(tool, instance, where)]
-                                            for tool in ("conddp", "crocoddyl")))
+    tools = [tool for tool in start_runs.TOOLS if not (wanted.no_aligator and tool == "aligator")]
+    records = solve(picked, tools, wanted.jobs, wanted.again)
+    starts = [start_table.Start(instance, {tool: records.get(
+        (tool, start_runs.key_of(tool, instance, where))) for tool in start_runs.TOOLS})
               for instance, where in picked]
     if wanted.list_failures:
         print(failures(starts, dict(picked)))
