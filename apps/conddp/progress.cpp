@@ -16,6 +16,8 @@ void ProgressTable::print(const IterationRecord& row) {
   constexpr int kRepeatHeading = 20;
   if (row.homotopy != share_) print_message(fmt::format("homotopy at s = {:.4g}\n", row.homotopy));
   share_ = row.homotopy;
+  if (row.restoration > restoration_) print_message("restoration of feasibility\n");
+  restoration_ = row.restoration;
   if (lines_++ % kRepeatHeading == 0)
     print_message(fmt::format("{:>5} {:>14} {:>12} {:>10} {:>10} {:>8} {:>6} {:>9} {:>8}\n", "iter",
                               "cost", "stationarity", "gap", "constraint", "step", "sweeps",

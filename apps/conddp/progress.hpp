@@ -16,7 +16,8 @@ class ProgressTable {
 
  private:
   int lines_ = 0;
-  double share_ = 1;  ///< of the way of a homotopy
+  double share_ = 1;     ///< of the way of a homotopy
+  int restoration_ = 0;  ///< the restoration that rows are of, 0: none
 };
 
 /// How a solve ended, for people. `certificate` may be null; `colour`: the status in green or

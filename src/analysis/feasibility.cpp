@@ -12,14 +12,6 @@ constexpr double kRounding = 1e-10;
 /// Entries of Worst that stand for constraints: −2 for the first, and downward.
 int entry_of(int constraint) { return -2 - constraint; }
 
-/// Of (v, t) from the cone ‖v‖ ≤ t.
-double distance_to_cone(const Eigen::VectorXd& s) {
-  const double v = s.head(s.size() - 1).norm(), t = s[s.size() - 1];
-  if (v <= t) return 0;
-  if (v <= -t) return s.norm();
-  return (v - t) / std::sqrt(2.0);
-}
-
 void meet_control_bounds(const ShootingProblem& problem, const SolutionClaims& claims, int k,
                          Feasibility& found) {
   const KnotModel& model = *problem.knot(k).model;
@@ -73,7 +65,7 @@ void meet_rows(const NodeConstraint& c, const double* g, const double* nu, int e
 void meet_cone(const NodeConstraint& c, const double* g, const double* nu, int entry,
                Feasibility& found) {
   const Eigen::Map<const Eigen::VectorXd> value(g, c.term->rows), multiplier(nu, c.term->rows);
-  const double outside = distance_to_cone(value);
+  const double outside = beyond_cone(value).norm();
   if (!c.is_soft()) {
     found.violation.meet(outside, value.lpNorm<1>(), c.node, entry);
   } else if (multiplier.norm() > (1 + kRounding) * c.limit) {
@@ -82,7 +74,7 @@ void meet_cone(const NodeConstraint& c, const double* g, const double* nu, int e
   const double paid = c.is_soft() ? c.limit * outside : 0;
   found.product.meet(std::abs(value.dot(multiplier) - paid),
                      value.cwiseAbs().dot(multiplier.cwiseAbs()) + paid, c.node, entry);
-  const double off = distance_to_cone(-multiplier);
+  const double off = beyond_cone(-multiplier).norm();
   if (off > kRounding * multiplier.norm()) found.negative.meet(off, 0, c.node, entry);
 }
 
@@ -98,6 +90,17 @@ void meet_pairs(const NodeConstraint& c, const double* g, const double* nu, int 
 }
 
 }  // namespace
+
+Eigen::VectorXd beyond_cone(const Eigen::VectorXd& s) {
+  const Eigen::Index n = s.size() - 1;
+  const double v = s.head(n).norm(), t = s[n];
+  if (v <= t) return Eigen::VectorXd::Zero(n + 1);
+  if (v <= -t) return s;
+  Eigen::VectorXd d(n + 1);
+  d.head(n) = s.head(n) * (0.5 * (v - t) / v);
+  d[n] = -0.5 * (v - t);
+  return d;
+}
 
 Feasibility measure_feasibility(const ShootingProblem& problem, const SolutionClaims& claims,
                                 const Eigen::VectorXd& values) {

@@ -30,6 +30,9 @@ struct Feasibility {
   Worst negative;   ///< how far a multiplier lies outside of its set's normal cone, as it never may
 };
 
+/// (v, t) minus the nearest point of the second-order cone ‖v‖ ≤ t.
+Eigen::VectorXd beyond_cone(const Eigen::VectorXd& s);
+
 /// Of a control bound, Worst::entry is the control's; of a constraint, constraint_of gives its
 /// place among those of the problem. `values` are g of all constraint rows.
 Feasibility measure_feasibility(const ShootingProblem& problem, const SolutionClaims& claims,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/feasibility.hpp"
 #include "analysis/reduced_gradient.hpp"
 
 namespace conddp {
@@ -10,20 +11,8 @@ namespace {
 
 using Eigen::VectorXd;
 
-/// s minus the nearest point of the cone {(v, t): ‖v‖ ≤ t}.
-VectorXd from_cone(const VectorXd& s) {
-  const Eigen::Index n = s.size() - 1;
-  const double v = s.head(n).norm(), t = s[n];
-  if (v <= t) return VectorXd::Zero(n + 1);
-  if (v <= -t) return s;
-  VectorXd d(n + 1);
-  d.head(n) = s.head(n) * (0.5 * (v - t) / v);
-  d[n] = -0.5 * (v - t);
-  return d;
-}
-
 VectorXd from_set(const NodeConstraint& c, const VectorXd& g) {
-  if (c.term->is_cone()) return from_cone(g);
+  if (c.term->is_cone()) return beyond_cone(g);
   VectorXd d = VectorXd::Zero(g.size());
   if (c.term->has_pairs()) {
     for (Eigen::Index i = 0; i + 1 < g.size(); i += 2) {

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "problem_file/problem_identity.hpp"
 #include "problem_file/strict_number.hpp"
 #include "problem_file/yaml_override.hpp"
 #include "robot/near_names.hpp"
@@ -22,19 +23,12 @@ std::vector<std::string> split(const std::string& path) {
   return steps;
 }
 
-/// Sections that say how a problem is solved, or what it is called.
-bool is_no_part_of_the_problem(const std::string& section) {
-  static constexpr std::string_view kOthers[] = {"conddp",        "name",         "description",
-                                                 "initial_guess", "perturbation", "solver"};
-  return std::find(std::begin(kOthers), std::end(kOthers), section) != std::end(kOthers);
-}
-
 /// The node of a key; nothing with an error where it cannot be a number. One that the document
 /// leaves to its default is created.
 YamlNode* find_number(YamlNode& root, const Name& key, Diagnostics& out) {
   const std::vector<std::string> steps = split(key.value);
   const Place place{key.place.mark, key.value};
-  if (is_no_part_of_the_problem(steps.front())) {
+  if (!is_of_the_problem(steps.front()) || steps.front() == "conddp") {
     out.error(place, fmt::format("'{}' is no number of the problem itself", key.value),
               "a homotopy moves what the motion depends on: weights, limits, robots, phases");
     return nullptr;

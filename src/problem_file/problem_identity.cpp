@@ -35,6 +35,11 @@ nlohmann::json canonical(const YamlNode& node) {
 
 }  // namespace
 
+bool is_of_the_problem(std::string_view key) {
+  return std::find(std::begin(kNotOfTheProblem), std::end(kNotOfTheProblem), key) ==
+         std::end(kNotOfTheProblem);
+}
+
 std::string canonical_definition(const YamlNode& root) {
   nlohmann::json json = canonical(root);
   if (json.is_object())

@@ -1,16 +1,19 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "problem_file/build.hpp"
 #include "problem_file/yaml_node.hpp"
 
 namespace conddp {
 
-/// What a document says of the problem itself, the same for whatever is written another way:
-/// comments, the order of keys and the notation of numbers have no part in it, nor have the keys
-/// that say how it is solved or what it is called (name, description, initial_guess, perturbation,
-/// solver).
+/// Whether a top-level key of a problem file is of the problem itself: not so are those that say
+/// how it is solved or what it is called (name, description, initial_guess, perturbation, solver).
+bool is_of_the_problem(std::string_view key);
+
+/// What a document says of the problem itself (is_of_the_problem), the same for whatever is written
+/// another way: comments, the order of keys and the notation of numbers have no part in it.
 std::string canonical_definition(const YamlNode& root);
 
 /// The SHA-256 of a problem, unperturbed and with all its constraints: of what its file and the

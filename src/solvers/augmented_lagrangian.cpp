@@ -94,6 +94,7 @@ bool AugmentedLagrangian::fit_to_costs(const Linearization& linearization) {
   const double curvature = control_curvature_.least(linearization, &augmentation_);
   bool changed = false;
   for (Group& group : groups_) {
+    if (group.penalty > group.first_penalty) continue;
     double steepest = 0;
     for (const int i : group.constraints) {
       const NodeConstraint& c = problem_.constraints()[i];
@@ -103,9 +104,7 @@ bool AugmentedLagrangian::fit_to_costs(const Linearization& linearization) {
                          .rightCols(problem_.nu(c.node));
       steepest = std::max(steepest, C.rowwise().squaredNorm().maxCoeff());
     }
-    if (group.penalty > group.first_penalty ||
-        !(group.first_penalty * steepest > kStiffness * curvature))
-      continue;
+    if (!(group.first_penalty * steepest > kStiffness * curvature)) continue;
     group.penalty = group.first_penalty = kStiffness * curvature / steepest;
     write(group);
     changed = true;

@@ -19,15 +19,6 @@ bool is_limit(SolveStatus status) {
   return status == SolveStatus::time_limit || status == SolveStatus::interrupted;
 }
 
-/// The first penalty after an answer: half way, in powers of ten, to the largest one that it
-/// needed. The first penalty of all would let go of constraints that its multipliers hold.
-double next_penalty(const SolverOptions& options, const SolveResult& last) {
-  const auto& augmented = options.augmented_lagrangian;
-  const double needed = last.log.empty() ? 0 : last.log.back().constraint_penalty;
-  if (!(needed > augmented.initial_penalty)) return augmented.initial_penalty;
-  return std::min(std::sqrt(augmented.initial_penalty * needed), augmented.max_penalty);
-}
-
 /// Where a solve begins, and what it may take.
 struct Start {
   Trajectory guess;
@@ -39,7 +30,7 @@ Start start_from(const SolverOptions& options, const SolveResult& last) {
   return {last.trajectory,
           std::make_shared<const DualGuess>(
               DualGuess{last.constraint_multipliers, last.costates, last.control_gradient}),
-          next_penalty(options, last)};
+          next_first_penalty(options, last)};
 }
 
 /// The solves on the way, and what they took together.

@@ -1,6 +1,7 @@
 #include "solvers/joined_solves.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace conddp {
 
@@ -48,6 +49,13 @@ IterationRecord JoinedSolves::placed(IterationRecord row) const {
   row.time_s += solve_began_;
   if (mark_) mark_(row);
   return row;
+}
+
+double next_first_penalty(const SolverOptions& options, const SolveResult& last) {
+  const auto& augmented = options.augmented_lagrangian;
+  const double needed = last.log.empty() ? 0 : last.log.back().constraint_penalty;
+  if (!(needed > augmented.initial_penalty)) return augmented.initial_penalty;
+  return std::min(std::sqrt(augmented.initial_penalty * needed), augmented.max_penalty);
 }
 
 }  // namespace conddp

@@ -42,4 +42,9 @@ class JoinedSolves {
   std::vector<IterationRecord> log_;
 };
 
+/// The first penalty of a solve that goes on from where another one ended: the geometric mean of
+/// the first penalty of all and the largest one that was needed. The first one would let go of
+/// constraints that the multipliers hold, or that have been restored.
+double next_first_penalty(const SolverOptions& options, const SolveResult& last);
+
 }  // namespace conddp

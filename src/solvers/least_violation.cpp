@@ -76,6 +76,7 @@ class LeastViolation final : public OuterStrategy {
 
 bool LeastViolation::fit(Iterate& iterate) {
   at_start_ = slope_.violation(iterate.linearization.constraint);
+  if (!(at_start_ > 0)) return false;
   const double cost = std::abs(iterate.linearization.total_cost());
   weigh(std::clamp(2 * kFirstWeight * cost / (at_start_ * at_start_), kLeastPenalty,
                    kMostFirstPenalty));

@@ -56,14 +56,6 @@ bool can_simulate(const ShootingProblem& problem, const Trajectory& start) {
   return acts.simulate(motion) < 0 && violation() <= kSimulated * at_states;
 }
 
-/// The geometric mean of the first penalty and the largest one: the first one would let go of what
-/// has been restored.
-double next_penalty(const SolverOptions& options, double needed) {
-  const auto& augmented = options.augmented_lagrangian;
-  return std::clamp(std::sqrt(augmented.initial_penalty * needed), augmented.initial_penalty,
-                    augmented.max_penalty);
-}
-
 }  // namespace
 
 SolveResult restore_feasibility(const ShootingProblem& problem, const SolverOptions& options,
@@ -93,8 +85,7 @@ SolveResult solve_with_restoration(
   for (int i = 1; i <= kMostRestorations && got_stuck(result, options) && can_restore(problem) &&
                   solves.iterations_left() > 0;
        ++i) {
-    const double penalty =
-        next_penalty(options, result.log.empty() ? 0 : result.log.back().constraint_penalty);
+    const double penalty = next_first_penalty(options, result);
     note += fmt::format("stalled at iteration {}, restoration of feasibility; ",
                         options.max_iterations - solves.iterations_left());
     const auto mark = [i](IterationRecord& row) { row.restoration = i; };

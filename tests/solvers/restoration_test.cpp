@@ -82,6 +82,14 @@ TEST(LeastViolation, IsZeroWhereTheConstraintsCanBeSatisfied) {
   }
 }
 
+TEST(LeastViolation, IsFoundAtOnceWhereNothingIsViolated) {
+  const ShootingProblem free = mass();
+  const ShootingProblem problem = with_constraints(free, {testing::goal_constraint(free, {0, 0})});
+  const SolveResult result = restore_feasibility(problem, {}, problem.create_trajectory());
+  EXPECT_EQ(result.status, SolveStatus::converged) << result.message;
+  EXPECT_EQ(result.iterations, 0);
+}
+
 /// ∂‖d‖/∂u by central differences of simulated motions.
 TEST(ViolationSlope, IsThatOfDifferences) {
   const ShootingProblem free = testing::pendulum_swing_up(3);

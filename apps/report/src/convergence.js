@@ -1,13 +1,14 @@
 // How the solver got there: the columns of its log over iterations, its stages, and the diagnosis.
 import {element} from './dom.js';
 
-/// Where a homotopy comes to another problem, a solver updates its multipliers, and Newton's method begins.
+/// Where a homotopy comes to another problem, a restoration of feasibility begins, a solver updates its multipliers, and Newton's method begins.
 export function stageMarks(log) {
   const marks = [];
   log.forEach((row, i) => {
     if (i === 0) return;
     const before = log[i - 1];
     if (row.homotopy !== before.homotopy) marks.push({at: row.iteration, text: `s ${+row.homotopy.toFixed(3)}`});
+    if (row.restoration > before.restoration) marks.push({at: row.iteration, text: 'restoration'});
     if (row.outer > before.outer) marks.push({at: row.iteration, text: String(row.outer)});
     if (row.newton > 0 && before.newton === 0) marks.push({at: row.iteration, text: 'Newton'});
   });
@@ -45,7 +46,7 @@ export function addConvergence(collection) {
   collection.holder.append(diagnoses(solutions));
   if (staged)
     collection.holder.append(element('p', {class: 'hint'},
-        'Upright lines: updates of the multipliers with their number, where Newton’s method begins, and s of a homotopy' +
+        'Upright lines: updates of the multipliers with their number, where Newton’s method begins, s of a homotopy, and restorations of feasibility' +
         (solutions.length > 1 ? ` (${solutions[0].label}).` : '.')));
   collection.overIterations({title: 'Cost and merit',
     of: columns(['cost', 'cost'], ['merit', 'merit'])});
