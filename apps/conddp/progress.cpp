@@ -65,7 +65,7 @@ std::string restart_lines(const RestartRecord& restarts) {
 std::string summary_text(const Solution& s, const SolutionCertificate* certificate,
                          const std::vector<std::string>& written, bool colour, int notes) {
   const SolveResult& r = s.result;
-  const bool good = r.status == SolveStatus::converged;
+  const bool good = is_success(r.status);
   const std::string head = s.spec.name.value + ": ";
   std::string text = fmt::format("{}{} ({}, {} iterations, {:.3f} s)\n", head, to_string(r.status),
                                  s.solver.name, r.iterations, r.times.total);

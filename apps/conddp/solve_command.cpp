@@ -61,7 +61,7 @@ std::vector<std::string> overrides(const SolveArguments& arguments) {
 }
 
 int exit_code(SolveStatus status) {
-  if (status == SolveStatus::converged) return kExitConverged;
+  if (is_success(status)) return kExitConverged;
   if (status == SolveStatus::interrupted && InterruptGuard::signal() != 0)
     return kExitSignalBase + InterruptGuard::signal();
   return kExitNotConverged;

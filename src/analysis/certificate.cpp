@@ -338,6 +338,7 @@ class Judge {
                              claims_.status)});
       return;
     }
+    if (claims_.status == to_string(SolveStatus::cost_settled)) return check_settled();
     if (!claims_.converged) {
       add({"status", true, Check::kNone, Check::kNone, Check::kNone, "", ""});
       if (claims_.status == kInfeasible) check_least_violation();
@@ -359,6 +360,20 @@ class Judge {
          kCostateMargin * t.stationarity * costate_size_);
     add({"status", above.empty(), Check::kNone, Check::kNone, Check::kNone, "",
          above.empty() ? "" : "'converged', but " + above});
+  }
+
+  /// A cost that has settled is one of a motion that satisfies dynamics and constraints.
+  void check_settled() {
+    const auto& t = claims_.tolerances;
+    const bool feasible =
+        std::max(claims_.gap, gap_.value - state_rounding()) <= t.gap &&
+        std::max(claims_.constraint, found_constraint_) <= t.constraint &&
+        std::max(claims_.complementarity, found_complementarity_) <= t.complementarity;
+    std::string wrong;
+    if (!feasible) wrong = "a gap, a violation or the complementarity is above its tolerance";
+    if (t.cost_decrease == 0) wrong = "tolerances.cost_decrease is 0";
+    add({"status", wrong.empty(), Check::kNone, Check::kNone, Check::kNone, "",
+         wrong.empty() ? "" : "'cost_settled', but " + wrong});
   }
 
   /// Infeasible is what leaves no control a way, on a motion that follows from the controls.

@@ -352,9 +352,14 @@ std::string_view to_string(DiagnosisPattern pattern) {
 
 Diagnosis diagnose(const ShootingProblem& problem, const SolveResult& result,
                    const SolverOptions& options) {
-  if (result.status == SolveStatus::converged)
+  if (is_success(result.status))
     return {DiagnosisPattern::normal,
-            fmt::format("normal convergence in {} iterations", result.iterations), -1, "", ""};
+            fmt::format("{} in {} iterations",
+                        result.status == SolveStatus::converged
+                            ? "normal convergence"
+                            : "the cost settled by tolerances.cost_decrease",
+                        result.iterations),
+            -1, "", ""};
   Diagnosis d = of_log(result, options);
   if (result.status != SolveStatus::interrupted)
     if (const auto lack = missing_torque(problem)) return too_weak(std::move(d), *lack);

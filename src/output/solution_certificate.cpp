@@ -487,7 +487,8 @@ class Reader {
       if (!std::isfinite(options.max_time_s)) wrong = "there was none";
     } else if (is(SolveStatus::infeasible)) {
       if (claims_->constraint <= options.tolerances.constraint) wrong = "the constraints hold";
-    } else if (!is(SolveStatus::converged) && !is(SolveStatus::line_search_failed) &&
+    } else if (!is(SolveStatus::converged) && !is(SolveStatus::cost_settled) &&
+               !is(SolveStatus::line_search_failed) &&
                !is(SolveStatus::regularization_limit) && !is(SolveStatus::diverged) &&
                !is(SolveStatus::interrupted)) {
       wrong = "there is no such status";

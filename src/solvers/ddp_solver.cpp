@@ -1,6 +1,7 @@
 #include "solvers/ddp_solver.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -10,6 +11,7 @@
 #include "solvers/finite_check.hpp"
 #include "solvers/guess.hpp"
 #include "solvers/least_violation.hpp"
+#include "solvers/settled_cost.hpp"
 
 namespace conddp {
 namespace {
@@ -98,7 +100,7 @@ void DdpSolver::iterate() {
   }
   try {
     while (linearize()) {
-      if (converged() && confirm()) break;
+      if ((converged() && confirm()) || cost_settled()) break;
       if (polish_ && polish_->due(record_.row) && polish()) break;
       if (outer_->minimized(record_.row, globalization_.merit()) && !next_minimization()) break;
       if (!record_.may_continue() || !step()) break;
@@ -141,6 +143,16 @@ bool DdpSolver::confirm() {
       !check_.confirm(iterate_, outer_->multipliers()))
     return false;
   record_.end(SolveStatus::converged, record_.residual_text());
+  return true;
+}
+
+/// Ends the solve, where the iterate is feasible and the caller asked for no more of the cost.
+bool DdpSolver::cost_settled() {
+  const auto& tolerances = options_.tolerances;
+  if (!cost_has_settled(record_.result.log, tolerances.cost_decrease) ||
+      !outer_->solved(record_.row, tolerances, std::numeric_limits<double>::infinity()))
+    return false;
+  record_.end(SolveStatus::cost_settled, "the cost has settled: " + record_.residual_text());
   return true;
 }
 

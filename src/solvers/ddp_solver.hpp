@@ -31,6 +31,7 @@ class DdpSolver {
   void measure();
   bool converged() const;
   bool confirm();
+  bool cost_settled();
   bool polish();
   bool next_minimization();
   bool step();

@@ -93,7 +93,7 @@ SolveResult solve_homotopy(const ShootingProblem& problem, SolverList candidates
   SolveResult last =
       way.attempt(0, *first, candidates, start, (options.max_iterations + 1) / 2, used);
   if (is_limit(last.status)) start.guess = last.trajectory;
-  if (last.status != SolveStatus::converged)
+  if (!is_success(last.status))
     return direct(fmt::format("without a start, which ended as {}", to_string(last.status)));
 
   const int quick = last.iterations;
@@ -108,11 +108,11 @@ SolveResult solve_homotopy(const ShootingProblem& problem, SolverList candidates
       SolveResult result =
           way.attempt(next, next == 1 ? problem : *between, std::array{used}, start, limit, used);
       status = result.status;
-      if (status == SolveStatus::converged) last = std::move(result);
+      if (is_success(status)) last = std::move(result);
     } else {
       way.note_impossible(next);
     }
-    if (status == SolveStatus::converged) {
+    if (is_success(status)) {
       if (last.iterations <= quick) step *= 2;
       iterations += last.iterations;
       share = next;

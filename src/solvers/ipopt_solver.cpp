@@ -8,6 +8,7 @@
 #include "ocp/soft_constraint.hpp"
 #include "solvers/finite_check.hpp"
 #include "solvers/guess.hpp"
+#include "solvers/settled_cost.hpp"
 
 namespace conddp {
 namespace {
@@ -232,8 +233,20 @@ bool IpoptSolver::note(const InteriorPointIterate& iterate) {
   } else if (!iterate.restoration && row_.iteration < options_.max_iterations &&
              transcription_->chart_angle() > kLargestAngle) {
     stop_ = Stop::recenter;
+  } else if (cost_settled()) {
+    stop_ = Stop::cost_settled;
+    best_ = Eigen::Map<const Eigen::VectorXd>(iterate.y, best_.size());
   }
   return stop_ == Stop::none;
+}
+
+/// Whether Ipopt's iterate is feasible, and the caller asked for no more of the cost. With relaxed
+/// pairs the cost is that of another problem.
+bool IpoptSolver::cost_settled() const {
+  const auto& tolerances = options_.tolerances;
+  return cost_has_settled(result_.log, tolerances.cost_decrease) && !transcription_->has_pairs() &&
+         row_.gap <= tolerances.gap && row_.constraint <= tolerances.constraint &&
+         row_.complementarity <= tolerances.complementarity;
 }
 
 /// Logs the iterate of Newton's method.
@@ -307,6 +320,12 @@ void IpoptSolver::set_status(const InteriorPointAnswer& answer) {
   };
   if (choice_.is_solution())
     return end(SolveStatus::converged, "all residuals are under tolerance");
+  const Residuals& left = result_.residuals;
+  const auto& tolerances = options_.tolerances;
+  if (stop_ == Stop::cost_settled && left.gap <= tolerances.gap &&
+      left.constraint <= tolerances.constraint &&
+      left.complementarity <= tolerances.complementarity)
+    return end(SolveStatus::cost_settled, "the cost has settled");
   if (stop_ == Stop::interrupted) return end(SolveStatus::interrupted, "interrupted");
   if (stop_ == Stop::time_limit) return end(SolveStatus::time_limit, "the time is up");
   const std::string text = "Ipopt: " + answer.message;

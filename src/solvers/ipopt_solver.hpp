@@ -30,7 +30,7 @@ class IpoptSolver {
 
  private:
   /// Why the callback stopped Ipopt.
-  enum class Stop { none, recenter, time_limit, interrupted };
+  enum class Stop { none, recenter, time_limit, interrupted, cost_settled };
   /// On the active set, at most.
   static constexpr int kNewtonSteps = 10;
 
@@ -71,6 +71,7 @@ class IpoptSolver {
   void write_result();
   void log_answer();
   void set_status(const InteriorPointAnswer& answer);
+  bool cost_settled() const;
   bool under_tolerances(const KktNorms& norms) const;
   std::string residual_text() const;
   double elapsed() const;

@@ -50,6 +50,7 @@ struct SolverOptions {
     double gap = 1e-9;
     double constraint = 1e-6;
     double complementarity = 1e-6;
+    double cost_decrease = 0;
   } tolerances;
 
   struct Regularization {

@@ -91,7 +91,7 @@ class Collector {
     if (!outcome.result) return;
     ++record_.starts;
     const SolveResult& result = *outcome.result;
-    const bool converged = result.status == SolveStatus::converged;
+    const bool converged = is_success(result.status);
     if (converged) {
       ++record_.converged;
       count(result);
@@ -99,7 +99,7 @@ class Collector {
     const bool better =
         !best_.result ||
         (converged &&
-         (best_.result->status != SolveStatus::converged ||
+         (!is_success(best_.result->status) ||
           (result.cost < best_.result->cost && !equal_costs(result.cost, best_.result->cost))));
     if (!better) return;
     record_.answer = next_;

@@ -63,6 +63,7 @@ SolveResult restore_feasibility(const ShootingProblem& problem, const SolverOpti
   SolverOptions own = options;
   own.multipliers = nullptr;
   own.legs = 1;
+  own.tolerances.cost_decrease = 0;
   return DdpSolver(problem,
                    {.open_gaps = !can_simulate(problem, start),
                     .clamp_controls = true,

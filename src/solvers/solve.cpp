@@ -60,7 +60,7 @@ SolveResult run(const ShootingProblem& problem, const SolverInfo& solver, Solver
 }
 
 bool may_go_on(SolveStatus status) {
-  return status != SolveStatus::converged && status != SolveStatus::max_iterations &&
+  return !is_success(status) && status != SolveStatus::max_iterations &&
          status != SolveStatus::time_limit && status != SolveStatus::interrupted;
 }
 
@@ -77,8 +77,8 @@ SolveResult run_first(const ShootingProblem& problem, SolverList candidates,
     if (first) own.max_time_s = std::max(1e-3, options.max_time_s - gone.count());
     SolveResult result = run(problem, *solver, own, guess);
     const SolveStatus status = result.status;
-    if (status == SolveStatus::converged || !first) used = solver;
-    if (status == SolveStatus::converged) {
+    if (is_success(status) || !first) used = solver;
+    if (is_success(status)) {
       result.message = before + result.message;
       return result;
     }

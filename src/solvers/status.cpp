@@ -20,8 +20,14 @@ std::string_view to_string(SolveStatus status) {
       return "time_limit";
     case SolveStatus::interrupted:
       return "interrupted";
+    case SolveStatus::cost_settled:
+      return "cost_settled";
   }
   return "unknown";
+}
+
+bool is_success(SolveStatus status) {
+  return status == SolveStatus::converged || status == SolveStatus::cost_settled;
 }
 
 }  // namespace conddp

@@ -4,7 +4,7 @@
 
 namespace conddp {
 
-/// How a solve ended. Zero is success, every negative value a failure with outputs all the same.
+/// How a solve ended. Negative values are failures, with outputs all the same.
 enum class SolveStatus {
   /// Stationarity, dynamics gap and constraint violation are all under tolerance at once.
   converged = 0,
@@ -22,7 +22,13 @@ enum class SolveStatus {
   time_limit = -6,
   /// The caller asked to stop.
   interrupted = -7,
+  /// Feasible, and the cost falls by no more than the caller asked for (`tolerances.cost_decrease`),
+  /// while the stationarity is above its tolerance.
+  cost_settled = 1,
 };
+
+/// Whether a solve ended where its tolerances let it end: converged, or cost_settled.
+bool is_success(SolveStatus status);
 
 /// The name as it stands in outputs: "converged", "max_iterations", ...
 std::string_view to_string(SolveStatus status);

@@ -123,6 +123,25 @@ TEST(CertificateOfConstraints, ConvergedNeedsComplementarity) {
   EXPECT_EQ(failures(certify(problem, claims)), "");
 }
 
+/// A step to 1 − 2e-7 instead of 1, where it has to end: feasible by its tolerance, and no optimum.
+TEST(CertificateOfConstraints, ASettledCostNeedsAFeasibleMotionAndItsOption) {
+  constexpr double kShort = 2e-7;
+  const ShootingProblem problem = one_step({0}, ConstraintKind::equality, {1});
+  const double u = 1 - kShort;
+  SolutionClaims claims = claims_of(problem, vector({u}), vector({0}), 0.5 * u * u);
+  claims.stationarity = u;
+  claims.constraint = kShort;
+  claims.converged = false;
+  claims.status = "cost_settled";
+  claims.tolerances.cost_decrease = 1e-4;
+  EXPECT_EQ(failures(certify(problem, claims)), "");
+  SolutionClaims unasked = claims;
+  unasked.tolerances.cost_decrease = 0;
+  EXPECT_EQ(failures(certify(problem, unasked)), "[status]");
+  claims.tolerances.constraint = kShort / 2;
+  EXPECT_EQ(failures(certify(problem, claims)), "[status]");
+}
+
 TEST(CertificateOfConstraints, MultipliersOfSoftRowsStayWithinTheirLimit) {
   const auto found = [](double weight) {
     const ShootingProblem problem = one_step({0}, ConstraintKind::bounds, {1, kFree}, weight);

@@ -42,6 +42,23 @@ TEST(Solve, TheCertificateOfAnInfeasibleAnswerHolds) {
   EXPECT_NE(r.out.find("certificate   holds"), std::string::npos) << r.out;
 }
 
+TEST(Solve, EndsWhereTheCostHasSettledIfAsked) {
+  const TemporaryFolder folder;
+  const ProcessResult r =
+      run_conddp({"solve", kPendulum, "--set", "solver.tolerances.stationarity=1e-12", "--set",
+                  "solver.tolerances.cost_decrease=0.01", "-o", folder.path()});
+  EXPECT_EQ(r.exit_code, 0) << r.err;
+  EXPECT_NE(r.out.find(": cost_settled ("), std::string::npos) << r.out;
+  EXPECT_EQ(r.out.find("try  "), std::string::npos) << r.out;
+  const std::string solution = folder.path() / "solution.json";
+  EXPECT_EQ(run_conddp({"verify", solution}).exit_code, 0);
+  std::string text = read_file(solution);
+  const std::size_t status = text.find("\"cost_settled\"");
+  ASSERT_NE(status, std::string::npos);
+  std::ofstream(solution) << text.replace(status, 14, "\"converged\"");
+  EXPECT_EQ(run_conddp({"verify", solution}).exit_code, 1) << "it is not stationary";
+}
+
 // Without a name the solver follows from the problem, and check says which.
 TEST(Solve, AFileThatNamesNoSolverIsSolved) {
   const TemporaryFolder folder;

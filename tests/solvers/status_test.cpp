@@ -3,9 +3,11 @@
 #include <cmath>
 #include <set>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "solvers/registry.hpp"
+#include "support/constrained_problems.hpp"
 #include "support/sizes.hpp"
 #include "support/small_problems.hpp"
 
@@ -28,11 +30,11 @@ bool finite(const SolveResult& result) {
 
 TEST(Status, NamesAreDistinctAndOnlySuccessIsNotNegative) {
   std::set<std::string_view> names;
-  for (int i = 0; i >= -7; --i) {
+  for (int i = 1; i >= -7; --i) {
     names.insert(to_string(static_cast<SolveStatus>(i)));
-    EXPECT_EQ(static_cast<SolveStatus>(i) == SolveStatus::converged, i == 0);
+    EXPECT_EQ(is_success(static_cast<SolveStatus>(i)), i >= 0);
   }
-  EXPECT_EQ(names.size(), 8u);
+  EXPECT_EQ(names.size(), 9u);
   EXPECT_EQ(names.count("unknown"), 0u);
 }
 
@@ -60,6 +62,46 @@ TEST(Status, MaxIterations) {
     EXPECT_NE(result.message.find("stationarity"), std::string::npos) << result.message;
     EXPECT_EQ(result.log.back().cost, result.cost);
   }
+}
+
+TEST(Status, CostSettledEndsAFeasibleSolveOnceTheCostHardlyFalls) {
+  const ShootingProblem problem = testing::cartpole_swing_up();
+  constexpr double kShare = 1e-3;
+  for (const SolverInfo& solver : solvers()) {
+    if (refuse(solver, problem)) continue;
+    SCOPED_TRACE(solver.name);
+    SolverOptions options;
+    options.tolerances.stationarity = 1e-7;
+    const Trajectory guess = constant_controls(problem, 0.1);
+    const SolveResult best = solve(problem, solver, options, guess);
+    options.tolerances.cost_decrease = kShare;
+    const SolveResult result = solve(problem, solver, options, guess);
+    ASSERT_EQ(best.status, SolveStatus::converged) << best.message;
+    if (result.status == SolveStatus::converged) continue;  // Newton's last steps came first
+    EXPECT_EQ(result.status, SolveStatus::cost_settled) << result.message;
+    EXPECT_LT(result.iterations, best.iterations);
+    EXPECT_LE(result.residuals.gap, options.tolerances.gap);
+    EXPECT_LE(result.residuals.constraint, options.tolerances.constraint);
+    EXPECT_GT(result.residuals.stationarity, options.tolerances.stationarity);
+    for (std::size_t i = result.log.size() - 3; i < result.log.size(); ++i)
+      EXPECT_NEAR(result.log[i].cost, result.log[i - 1].cost, kShare * result.log[i].cost);
+  }
+}
+
+TEST(Status, CostSettledIsNotSaidOfAMotionThatViolatesConstraints) {
+  for (const auto& [of, problem, control, cost] : testing::published_cases())
+    for (const char* name : {"altro", "proxddp"}) {
+      SCOPED_TRACE(fmt::format("{} by {}", of, name));
+      SolverOptions options;
+      options.tolerances.stationarity = 1e-10;
+      options.tolerances.cost_decrease = 0.01;
+      const SolveResult result =
+          solve(problem, name, options, constant_controls(problem, control));
+      EXPECT_TRUE(is_success(result.status)) << result.message;
+      EXPECT_LE(result.residuals.constraint, options.tolerances.constraint);
+      EXPECT_LE(result.residuals.gap, options.tolerances.gap);
+      EXPECT_LE(result.residuals.complementarity, options.tolerances.complementarity);
+    }
 }
 
 TEST(Status, TimeLimit) {

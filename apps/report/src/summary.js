@@ -8,7 +8,7 @@ export function writeHead(holder, solutions, themeButton) {
   document.title = `${head.problem.name} – conddp`;
   holder.append(themeButton, element('h1', {}, head.problem.name));
   if (solutions.length === 1) {
-    const good = head.status === 'converged';
+    const good = head.status === 'converged' || head.status === 'cost_settled';
     holder.append(element('span', {class: `status ${good ? 'good' : ''}`, id: 'status'}, head.status));
     const r = head.residuals;
     holder.append(element('ul', {class: 'facts'},
