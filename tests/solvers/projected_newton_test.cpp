@@ -5,6 +5,9 @@
 #include <gtest/gtest.h>
 
 #include "solvers/newton_polish.hpp"
+#include "solvers/registry.hpp"
+#include "support/constrained_problems.hpp"
+#include "support/dense_convex.hpp"
 #include "support/plain_sqp.hpp"
 
 namespace conddp::testing {
@@ -85,6 +88,45 @@ TEST(ProjectedNewton, StepsConvergeQuadratically) {
   }
   EXPECT_LT(error, 1e-9);
   EXPECT_LT((newton.multipliers() - at.sqp.rows(at.solution.multipliers)).norm(), 1e-8);
+}
+
+/// A linear system with quadratic costs that passes a disc: nothing but the rows has curvature that
+/// Gauss-Newton's Hessian would leave out.
+TEST(ProjectedNewton, StepsConvergeQuadraticallyOnCurvedRows) {
+  const ShootingProblem free = tracking_problem(
+      double_integrator(2), Integrator::semi_implicit_euler, 8, 0.25, {-1, 0.3, 0, 0},
+      {{1, -0.1, 0, 0}, {1, 1, 0.1, 0.1}, {0.1, 0.1}, {20, 20, 5, 5}});
+  const ShootingProblem problem =
+      with_constraints(free, {{.name = "disc",
+                               .residual = coordinate_residual(free.manifold(), {0, 1}),
+                               .kind = ConstraintKind::norm,
+                               .reference = {0, 0},
+                               .lower = {0.5},
+                               .upper = {kFree},
+                               .first = 1,
+                               .last = 8}});
+  SolverOptions tight;
+  tight.tolerances.stationarity = tight.tolerances.constraint = 1e-11;
+  const SolveResult solution = solve(problem, "altro", tight, constant_controls(problem, 0));
+  ASSERT_EQ(solution.status, SolveStatus::converged) << solution.message;
+  ASSERT_GT(solution.constraint_multipliers.cwiseAbs().maxCoeff(), 0.1);
+
+  Trajectory start = solution.trajectory;
+  RandomNumbers random(5);
+  for (int k = 0; k < problem.knots(); ++k)
+    for (double& u : start.u(k)) u += 0.05 * random.uniform(-1, 1);
+  const auto error = [&](const Trajectory& t) {
+    return (controls_of(t) - controls_of(solution.trajectory)).lpNorm<Eigen::Infinity>();
+  };
+  Acts acts(problem);
+  ProjectedNewton newton(problem, acts);
+  newton.start(start, solution.constraint_multipliers,
+               Eigen::VectorXd::Constant(problem.constraint_rows(), 10), Feedback(problem));
+  // Multipliers are known exactly: the error of the first step is of second order, too.
+  for (const double largest : {2e-2, 1e-4, 1e-9}) {
+    ASSERT_TRUE(newton.step(1e3)) << largest;
+    EXPECT_LT(error(newton.trajectory()), largest);
+  }
 }
 
 TEST(ProjectedNewton, NormsAreThoseOfTheIterate) {
