@@ -1,17 +1,17 @@
 # Run by `cmake --install` with SOURCE_DIR, GENERATED_DIR, STAGE_DIR and INCLUDE_DIR set.
-# Installs the headers of all rooms below INCLUDE_DIR/conddp. Their includes name the room alone in
-# the source tree; installed they say "conddp/room/file.hpp", so that no folder of a user's project
+# Installs the headers of all layers below INCLUDE_DIR/conddp. Their includes name the layer alone in
+# the source tree; installed they say "conddp/layer/file.hpp", so that no folder of a user's project
 # can come between, and the check of the compiler's flags goes first.
 file(REMOVE_RECURSE ${STAGE_DIR})
 file(GLOB_RECURSE headers RELATIVE ${SOURCE_DIR}/src ${SOURCE_DIR}/src/*.hpp)
-set(rooms ${headers})
-list(TRANSFORM rooms REPLACE "/.*" "")
-list(REMOVE_DUPLICATES rooms)
-list(JOIN rooms "|" rooms)
+set(layers ${headers})
+list(TRANSFORM layers REPLACE "/.*" "")
+list(REMOVE_DUPLICATES layers)
+list(JOIN layers "|" layers)
 
 function(conddp_stage_header from to)
   file(READ ${from} text)
-  string(REGEX REPLACE "#include \"((${rooms})/[^\"]*)\"" "#include \"conddp/\\1\"" text "${text}")
+  string(REGEX REPLACE "#include \"((${layers})/[^\"]*)\"" "#include \"conddp/\\1\"" text "${text}")
   string(REPLACE "#include \"conddp_version.hpp\"" "#include \"conddp/version.hpp\"" text "${text}")
   string(REPLACE "#pragma once\n" "#pragma once\n\n#include \"conddp/abi.hpp\"\n" text "${text}")
   file(WRITE ${STAGE_DIR}/conddp/${to} "${text}")

@@ -4,10 +4,10 @@
 
 #include <fmt/format.h>
 
-#include "analysis/random_instance.hpp"
-#include "problem_file/strict_number.hpp"
-#include "robot/near_names.hpp"
-#include "solvers/registry.hpp"
+#include "analysis/comparison/random_instance.hpp"
+#include "base/near_names.hpp"
+#include "base/strict_number.hpp"
+#include "solvers/strategies/registry.hpp"
 
 namespace conddp {
 

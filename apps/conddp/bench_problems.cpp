@@ -4,13 +4,14 @@
 
 #include <fmt/format.h>
 
+#include "base/near_names.hpp"
 #include "example_problems.hpp"
 #include "input_files.hpp"
 #include "messages.hpp"
-#include "output/best_known.hpp"
-#include "problem_file/problem_identity.hpp"
-#include "problem_file/read_problem.hpp"
-#include "robot/near_names.hpp"
+#include "output/bench/best_known.hpp"
+#include "problem_file/build/build_problem.hpp"
+#include "problem_file/build/problem_identity.hpp"
+#include "problem_file/read/read_problem.hpp"
 
 namespace conddp {
 namespace {

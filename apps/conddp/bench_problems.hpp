@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "problem_file/build.hpp"
+#include "problem_file/build/build.hpp"
 
 namespace conddp {
 

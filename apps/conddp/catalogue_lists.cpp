@@ -7,10 +7,10 @@
 
 #include "embedded_schemas.hpp"
 #include "example_problems.hpp"
-#include "problem_file/residual_kind.hpp"
-#include "problem_file/words.hpp"
-#include "solvers/option_table.hpp"
-#include "solvers/registry.hpp"
+#include "problem_file/spec/residual_kind.hpp"
+#include "problem_file/spec/words.hpp"
+#include "solvers/common/option_table.hpp"
+#include "solvers/strategies/registry.hpp"
 
 namespace conddp {
 namespace {

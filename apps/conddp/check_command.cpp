@@ -1,12 +1,13 @@
+#include "base/json_text.hpp"
 #include "check_summary.hpp"
 #include "commands.hpp"
 #include "derivative_report.hpp"
 #include "exit_codes.hpp"
 #include "messages.hpp"
-#include "output/json_text.hpp"
 #include "problem_arguments.hpp"
-#include "problem_file/expand_problem.hpp"
-#include "solvers/registry.hpp"
+#include "problem_file/build/build_problem.hpp"
+#include "problem_file/expand/expand_problem.hpp"
+#include "solvers/strategies/registry.hpp"
 #include "streams.hpp"
 
 namespace conddp {

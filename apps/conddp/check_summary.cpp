@@ -4,11 +4,10 @@
 
 #include <fmt/format.h>
 
-#include "problem_file/expand_sections.hpp"
-#include "problem_file/system_fields.hpp"
-#include "problem_file/words.hpp"
-#include "systems/contact_rank.hpp"
-#include "systems/multibody.hpp"
+#include "problem_file/expand/expand_sections.hpp"
+#include "problem_file/spec/system_fields.hpp"
+#include "problem_file/spec/words.hpp"
+#include "systems/multibody/multibody.hpp"
 
 namespace conddp {
 namespace {
@@ -26,7 +25,7 @@ OrderedJson robots_json(const ProblemSpec& spec, const BuiltProblem& built) {
     int dof = 0;
     OrderedJson joints = OrderedJson::array();
     for (int i = part.first_joint; i < part.first_joint + part.joint_count; ++i) {
-      if (!built.plant.multibody->velocity_row(i)) continue;  // it follows another joint
+      if (!built.plant.multibody()->velocity_row(i)) continue;  // it follows another joint
       dof += model.joints[i].nv();
       joints.push_back(model.joints[i].name);
     }
@@ -123,7 +122,7 @@ std::string_view phase_kind(const Phase& phase) {
 /// The contacts that are closed in a phase.
 OrderedJson contacts_of(const Phase& phase) {
   OrderedJson names = OrderedJson::array();
-  if (const auto* system = dynamic_cast<const MultibodySystem*>(&phase.model->system()))
+  if (const auto* system = phase.model->system().as_multibody())
     for (const Contact& contact : system->contacts().contacts()) names.push_back(contact.name);
   return names;
 }
@@ -134,7 +133,7 @@ OrderedJson phases_json(const ShootingProblem& problem) {
     double duration = 0;
     for (const double dt : phase.dt) duration += phase.instant ? 0 : dt;
     const auto [shortest, longest] = std::minmax_element(phase.dt.begin(), phase.dt.end());
-    const ContactRank rank = contact_rank(phase.model->system(), problem.initial_state().data());
+    const ContactRank rank = phase.model->system().contact_rank(problem.initial_state().data());
     list.push_back({{"name", phase.name},
                     {"kind", phase_kind(phase)},
                     {"contacts", contacts_of(phase)},

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "problem_file/build.hpp"
-#include "problem_file/ordered_json.hpp"
+#include "base/ordered_json.hpp"
+#include "problem_file/build/build.hpp"
 
 namespace conddp {
 

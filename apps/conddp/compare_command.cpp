@@ -1,11 +1,11 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "base/json_document.hpp"
 #include "commands.hpp"
 #include "comparison_arguments.hpp"
 #include "exit_codes.hpp"
 #include "messages.hpp"
-#include "problem_file/json_document.hpp"
 #include "streams.hpp"
 
 namespace conddp {

@@ -5,7 +5,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "analysis/solution_comparison.hpp"
+#include "analysis/comparison/solution_comparison.hpp"
 
 namespace conddp {
 

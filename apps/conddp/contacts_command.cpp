@@ -1,17 +1,17 @@
 #include <fmt/format.h>
 
-#include "analysis/solution_members.hpp"
 #include "argument_checks.hpp"
+#include "base/atomic_file.hpp"
+#include "base/json_document.hpp"
+#include "base/solution_members.hpp"
 #include "commands.hpp"
 #include "exit_codes.hpp"
 #include "messages.hpp"
-#include "output/atomic_file.hpp"
-#include "output/contact_report.hpp"
-#include "output/contact_schedule.hpp"
-#include "output/solved_problem.hpp"
-#include "problem_file/json_document.hpp"
-#include "problem_file/yaml_text.hpp"
-#include "solvers/registry.hpp"
+#include "output/report/contact_report.hpp"
+#include "output/solution/contact_schedule.hpp"
+#include "output/solution/solved_problem.hpp"
+#include "problem_file/yaml/yaml_text.hpp"
+#include "solvers/strategies/registry.hpp"
 #include "streams.hpp"
 
 namespace conddp {

@@ -3,9 +3,9 @@
 #include <string>
 #include <vector>
 
-#include "analysis/derivative_check.hpp"
-#include "problem_file/build.hpp"
-#include "problem_file/ordered_json.hpp"
+#include "analysis/certificate/derivative_check.hpp"
+#include "base/ordered_json.hpp"
+#include "problem_file/build/build.hpp"
 
 namespace conddp {
 

@@ -5,10 +5,10 @@
 
 #include <fmt/format.h>
 
-#include "problem_file/source_text.hpp"
-#include "robot/near_names.hpp"
-#include "robot/text_file.hpp"
-#include "robot/utf8.hpp"
+#include "base/near_names.hpp"
+#include "base/source_text.hpp"
+#include "base/text_file.hpp"
+#include "base/utf8.hpp"
 
 namespace conddp {
 namespace {

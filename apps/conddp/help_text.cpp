@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "base/wrap_text.hpp"
 #include "exit_codes.hpp"
-#include "problem_file/wrap_text.hpp"
 
 namespace conddp {
 namespace {

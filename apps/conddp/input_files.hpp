@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "problem_file/diagnostic.hpp"
+#include "base/diagnostic.hpp"
 
 namespace conddp {
 

@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 
+#include "base/wrap_text.hpp"
 #include "catalogue_lists.hpp"
 #include "commands.hpp"
 #include "exit_codes.hpp"
-#include "problem_file/wrap_text.hpp"
 #include "streams.hpp"
 #include "terminal.hpp"
 

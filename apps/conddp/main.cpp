@@ -6,13 +6,13 @@
 #include <fmt/format.h>
 
 #include "argument_checks.hpp"
+#include "base/atomic_file.hpp"
+#include "base/wrap_text.hpp"
 #include "commands.hpp"
 #include "conddp_version.hpp"
 #include "exit_codes.hpp"
 #include "help_text.hpp"
 #include "messages.hpp"
-#include "output/atomic_file.hpp"
-#include "problem_file/wrap_text.hpp"
 #include "streams.hpp"
 #include "terminal.hpp"
 #include "usage.hpp"

@@ -1,9 +1,9 @@
 #include <filesystem>
 
+#include "base/atomic_file.hpp"
 #include "commands.hpp"
 #include "exit_codes.hpp"
 #include "man_page.hpp"
-#include "output/atomic_file.hpp"
 #include "streams.hpp"
 #include "subcommand_name.hpp"
 

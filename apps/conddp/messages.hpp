@@ -1,6 +1,6 @@
 #pragma once
 
-#include "problem_file/diagnostic.hpp"
+#include "base/diagnostic.hpp"
 
 namespace conddp {
 

@@ -4,7 +4,7 @@
 
 #include "argument_checks.hpp"
 #include "example_problems.hpp"
-#include "problem_file/read_problem.hpp"
+#include "problem_file/read/read_problem.hpp"
 
 namespace conddp {
 

@@ -7,7 +7,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "problem_file/spec.hpp"
+#include "problem_file/spec/spec.hpp"
 
 namespace conddp {
 

@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
-#include "analysis/diagnosis.hpp"
-#include "ocp/by_name.hpp"
-#include "output/certificate_report.hpp"
-#include "output/contact_report.hpp"
-#include "output/finding_report.hpp"
-#include "robot/utf8.hpp"
+#include "analysis/findings/diagnosis.hpp"
+#include "base/utf8.hpp"
+#include "ocp/problem/by_name.hpp"
+#include "output/report/certificate_report.hpp"
+#include "output/report/contact_report.hpp"
+#include "output/solution/finding_report.hpp"
 #include "streams.hpp"
 
 namespace conddp {

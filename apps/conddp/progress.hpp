@@ -3,9 +3,9 @@
 #include <string>
 #include <vector>
 
-#include "output/solution.hpp"
-#include "output/solution_certificate.hpp"
-#include "solvers/iteration_record.hpp"
+#include "output/report/solution_certificate.hpp"
+#include "output/solution/solution.hpp"
+#include "solvers/common/iteration_record.hpp"
 
 namespace conddp {
 

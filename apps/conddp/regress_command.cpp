@@ -1,15 +1,15 @@
 #include <fmt/format.h>
 
 #include "argument_checks.hpp"
+#include "base/atomic_file.hpp"
 #include "commands.hpp"
 #include "comparison_arguments.hpp"
 #include "exit_codes.hpp"
 #include "input_files.hpp"
 #include "interrupt.hpp"
 #include "messages.hpp"
-#include "output/atomic_file.hpp"
-#include "output/golden_case.hpp"
-#include "output/junit.hpp"
+#include "output/bench/junit.hpp"
+#include "output/solution/golden_case.hpp"
 #include "streams.hpp"
 
 namespace conddp {

@@ -8,14 +8,14 @@
 
 #include <fmt/format.h>
 
-#include "analysis/solution_members.hpp"
+#include "base/atomic_file.hpp"
+#include "base/json_document.hpp"
+#include "base/solution_members.hpp"
 #include "commands.hpp"
 #include "exit_codes.hpp"
 #include "messages.hpp"
-#include "output/atomic_file.hpp"
-#include "output/bench_runs.hpp"
-#include "output/solved_problem.hpp"
-#include "problem_file/json_document.hpp"
+#include "output/bench/bench_runs.hpp"
+#include "output/solution/solved_problem.hpp"
 #include "report_file.hpp"
 #include "streams.hpp"
 

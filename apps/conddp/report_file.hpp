@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "output/report.hpp"
+#include "output/report/report.hpp"
 
 namespace conddp {
 

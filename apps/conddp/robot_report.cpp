@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "problem_file/wrap_text.hpp"
+#include "base/wrap_text.hpp"
 
 namespace conddp {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <string>
 
-#include "output/json_text.hpp"
-#include "robot/urdf.hpp"
+#include "base/json_text.hpp"
+#include "robot/urdf/urdf.hpp"
 
 namespace conddp {
 

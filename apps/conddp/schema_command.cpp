@@ -1,10 +1,10 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "base/wrap_text.hpp"
 #include "commands.hpp"
 #include "embedded_schemas.hpp"
 #include "exit_codes.hpp"
-#include "problem_file/wrap_text.hpp"
 #include "streams.hpp"
 #include "terminal.hpp"
 

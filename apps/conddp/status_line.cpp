@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "robot/utf8.hpp"
+#include "base/utf8.hpp"
 #include "streams.hpp"
 #include "terminal.hpp"
 

@@ -3,7 +3,7 @@
 #include <chrono>
 #include <string>
 
-#include "solvers/iteration_record.hpp"
+#include "solvers/common/iteration_record.hpp"
 
 namespace conddp {
 

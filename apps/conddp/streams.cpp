@@ -7,7 +7,7 @@
 
 #include <fcntl.h>
 
-#include "robot/utf8.hpp"
+#include "base/utf8.hpp"
 
 namespace conddp {
 namespace {

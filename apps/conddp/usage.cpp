@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "base/near_names.hpp"
 #include "command_doc.hpp"
-#include "robot/near_names.hpp"
 
 namespace conddp {
 namespace {

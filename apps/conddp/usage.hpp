@@ -1,7 +1,7 @@
 #pragma once
 
+#include "base/diagnostic.hpp"
 #include "command_words.hpp"
-#include "problem_file/diagnostic.hpp"
 
 namespace conddp {
 

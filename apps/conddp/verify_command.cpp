@@ -2,17 +2,17 @@
 
 #include <fmt/format.h>
 
-#include "analysis/solution_members.hpp"
+#include "base/json_document.hpp"
+#include "base/json_text.hpp"
+#include "base/solution_members.hpp"
 #include "commands.hpp"
 #include "exit_codes.hpp"
 #include "messages.hpp"
-#include "output/certificate_report.hpp"
-#include "output/contact_report.hpp"
-#include "output/finding_report.hpp"
-#include "output/json_text.hpp"
-#include "output/solution_certificate.hpp"
-#include "output/solved_problem.hpp"
-#include "problem_file/json_document.hpp"
+#include "output/report/certificate_report.hpp"
+#include "output/report/contact_report.hpp"
+#include "output/report/solution_certificate.hpp"
+#include "output/solution/finding_report.hpp"
+#include "output/solution/solved_problem.hpp"
 #include "streams.hpp"
 
 namespace conddp {

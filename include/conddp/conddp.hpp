@@ -3,10 +3,10 @@
 #pragma once
 
 #include "conddp_version.hpp"
-#include "ocp/problem.hpp"
-#include "ocp/residuals.hpp"
-#include "robot/urdf.hpp"
-#include "solvers/registry.hpp"
+#include "ocp/problem/problem.hpp"
+#include "ocp/residuals/residuals.hpp"
+#include "robot/urdf/urdf.hpp"
+#include "solvers/strategies/registry.hpp"
 #include "systems/catalogue.hpp"
 #include "systems/closed_form.hpp"
-#include "systems/multibody.hpp"
+#include "systems/multibody/multibody.hpp"

@@ -14,7 +14,7 @@
 #include <IpTNLP.hpp>
 #include <IpTNLPAdapter.hpp>
 
-#include "ocp/stopwatch.hpp"
+#include "base/stopwatch.hpp"
 
 namespace conddp {
 namespace {

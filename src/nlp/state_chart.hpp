@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-#include "ocp/trajectory.hpp"
+#include "ocp/problem/trajectory.hpp"
 #include "spatial/aligned.hpp"
 #include "spatial/dual.hpp"
 #include "systems/state_manifold.hpp"

@@ -6,7 +6,7 @@
 #include "nlp/nonlinear_program.hpp"
 #include "nlp/pair_relaxation.hpp"
 #include "nlp/state_chart.hpp"
-#include "ocp/acts.hpp"
+#include "ocp/evaluation/acts.hpp"
 
 namespace conddp {
 

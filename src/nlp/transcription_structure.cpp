@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "nlp/transcription.hpp"
-#include "systems/stepping_system.hpp"
+#include "systems/contact/stepping_system.hpp"
 
 namespace conddp {
 namespace {
@@ -143,8 +143,7 @@ void Transcription::add_gap_rows(int k) {
   const auto depends = [&](int row, int column) {
     if (std::binary_search(kinematic.begin(), kinematic.end(), row)) return column == row;
     if (!linear) return true;
-    const int first_a =
-        ndx + static_cast<const SteppingSystem&>(model.system()).layout().acceleration;
+    const int first_a = ndx + model.system().as_stepping()->layout().acceleration;
     const bool is_a = column >= first_a && column < first_a + nv;
     if (column >= ndx && !is_a) return false;
     const int joint = is_a ? column - first_a : column % nv;
@@ -193,8 +192,7 @@ void Transcription::add_step_curvature(const KnotModel& model,
                                        std::vector<std::vector<bool>>& used) const {
   if (!has_linear_step(model.system())) return;
   const int ndx = problem_.ndx(), nv = ndx / 2;
-  const int first_a =
-      ndx + static_cast<const SteppingSystem&>(model.system()).layout().acceleration;
+  const int first_a = ndx + model.system().as_stepping()->layout().acceleration;
   for (const StateManifold::Segment& s : problem_.manifold().curved()) {
     std::vector<int> columns;
     for (const int first : {0, nv, first_a})

@@ -22,6 +22,8 @@ class CollocationSystem : public System {
 
   /// The system without the slopes, whose controls are the actuators.
   const std::shared_ptr<const System>& inside() const { return inside_; }
+  const CollocationSystem* as_collocation() const override { return this; }
+  const MultibodySystem* robot_inside() const override { return inside_->robot_inside(); }
   LobattoRule rule() const { return rule_; }
   /// Stages whose slopes are controls: 1 to later_stages(), the last one the end of the step.
   int later_stages() const;

@@ -5,8 +5,6 @@
 
 #include <Eigen/Core>
 
-#include "systems/system.hpp"
-
 namespace conddp {
 
 /// How many of the rows of a system's contacts are independent in a state, by the eigenvalues of
@@ -22,8 +20,5 @@ struct ContactRank {
   /// moderate: added to G, it raises the eigenvalues to 0.01. All rows square, or empty.
   Eigen::MatrixXd softness;
 };
-
-/// `x`: a state of nx numbers; where G is not finite there, all rows count as independent.
-ContactRank contact_rank(const System& system, const double* x);
 
 }  // namespace conddp

@@ -7,6 +7,7 @@
 
 #include "spatial/aligned.hpp"
 #include "spatial/dual.hpp"
+#include "systems/contact_rank.hpp"
 #include "systems/second_derivatives.hpp"
 #include "systems/state_manifold.hpp"
 
@@ -32,6 +33,10 @@ struct SystemData {
   /// Memory of the later stages of an implicit step (CollocationSystem); null of other systems.
   std::unique_ptr<SystemData<S>> later;
 };
+
+class MultibodySystem;
+class SteppingSystem;
+class CollocationSystem;
 
 /// A named column of a state or control, with its unit.
 struct Column {
@@ -73,6 +78,17 @@ class System {
   virtual void update_kinematics(const S* x, SystemData<S>& data) const = 0;
   CONDDP_FOR_EACH_SCALAR(CONDDP_DECLARE)
 #undef CONDDP_DECLARE
+  /// How many rows of the contacts that it holds are independent in a state of nx numbers; where
+  /// that cannot be computed there, all rows count as independent.
+  virtual ContactRank contact_rank(const double* /*x*/) const { return {}; }
+
+  /// The system itself as what it is; null where it is something else.
+  virtual const MultibodySystem* as_multibody() const { return nullptr; }
+  virtual const SteppingSystem* as_stepping() const { return nullptr; }
+  virtual const CollocationSystem* as_collocation() const { return nullptr; }
+  /// The robot that the system is, or whose steps it makes; null where there is none.
+  virtual const MultibodySystem* robot_inside() const { return as_multibody(); }
+
   /// Second derivatives on two of the system's workspaces, which have to outlive them. Null of a
   /// system that has none but those of `differentiate` in dual numbers.
   virtual std::unique_ptr<SecondDerivatives> second_derivatives(

@@ -1,8 +1,8 @@
-#include "analysis/answer_check.hpp"
+#include "analysis/certificate/answer_check.hpp"
 
 #include <gtest/gtest.h>
 
-#include "solvers/registry.hpp"
+#include "solvers/strategies/registry.hpp"
 #include "support/small_problems.hpp"
 
 namespace conddp {

@@ -1,9 +1,9 @@
-#include "analysis/benchmark.hpp"
+#include "analysis/comparison/benchmark.hpp"
 
 #include <gtest/gtest.h>
 
-#include "analysis/performance_profile.hpp"
-#include "analysis/random_instance.hpp"
+#include "analysis/comparison/performance_profile.hpp"
+#include "analysis/comparison/random_instance.hpp"
 #include "support/small_problems.hpp"
 
 namespace conddp {

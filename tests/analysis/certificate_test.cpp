@@ -1,5 +1,5 @@
 // Constraints with multipliers that are known from the optimality conditions by hand.
-#include "analysis/certificate.hpp"
+#include "analysis/certificate/certificate.hpp"
 
 #include <gtest/gtest.h>
 
@@ -126,7 +126,7 @@ TEST(CertificateOfConstraints, ConvergedNeedsComplementarity) {
 /// A step to 1 − 2e-7 instead of 1, where it has to end: feasible by its tolerance, and no optimum.
 TEST(CertificateOfConstraints, ASettledCostNeedsAFeasibleMotionAndItsOption) {
   constexpr double kShort = 2e-7;
-  const ShootingProblem problem = one_step({0}, ConstraintKind::equality, {1});
+  const ShootingProblem problem = one_step({0}, ConstraintKind::bounds, {1, 1});
   const double u = 1 - kShort;
   SolutionClaims claims = claims_of(problem, vector({u}), vector({0}), 0.5 * u * u);
   claims.stationarity = u;

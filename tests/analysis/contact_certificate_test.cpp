@@ -1,5 +1,5 @@
 // A motion of the simulator passes all checks; one in which something is changed fails by name.
-#include "analysis/contact_certificate.hpp"
+#include "analysis/contact/contact_certificate.hpp"
 
 #include <cmath>
 #include <limits>

@@ -1,4 +1,4 @@
-#include "analysis/contact_sequence.hpp"
+#include "analysis/contact/contact_sequence.hpp"
 
 #include "support/thrown_block.hpp"
 

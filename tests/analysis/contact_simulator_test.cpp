@@ -1,4 +1,4 @@
-#include "analysis/contact_simulator.hpp"
+#include "analysis/contact/contact_simulator.hpp"
 
 #include <cmath>
 #include <limits>

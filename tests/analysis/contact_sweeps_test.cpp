@@ -1,4 +1,4 @@
-#include "analysis/contact_sweeps.hpp"
+#include "analysis/contact/contact_sweeps.hpp"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "analysis/derivative_check.hpp"
+#include "analysis/certificate/derivative_check.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,13 +1,13 @@
-#include "analysis/diagnosis.hpp"
+#include "analysis/findings/diagnosis.hpp"
 
 #include <cstdio>
 #include <set>
 
 #include <gtest/gtest.h>
 
-#include "robot/urdf.hpp"
+#include "robot/urdf/urdf.hpp"
 #include "support/small_problems.hpp"
-#include "systems/multibody.hpp"
+#include "systems/multibody/multibody.hpp"
 
 namespace conddp {
 namespace {

@@ -1,14 +1,14 @@
 // The hopper of the examples in its plane, upright and bent, with motors, springs and limits that a
 // file may have.
-#include "analysis/holding_torques.hpp"
+#include "analysis/findings/holding_torques.hpp"
 
 #include <gtest/gtest.h>
 
-#include "analysis/diagnosis.hpp"
-#include "robot/urdf.hpp"
-#include "solvers/registry.hpp"
+#include "analysis/findings/diagnosis.hpp"
+#include "robot/urdf/urdf.hpp"
+#include "solvers/strategies/registry.hpp"
 #include "support/small_problems.hpp"
-#include "systems/multibody.hpp"
+#include "systems/multibody/multibody.hpp"
 
 namespace conddp {
 namespace {

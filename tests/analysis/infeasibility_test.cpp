@@ -1,9 +1,9 @@
 // The share of a violation that controls could take away, by hand and where a claim is false.
-#include "analysis/infeasibility.hpp"
+#include "analysis/certificate/infeasibility.hpp"
 
 #include <gtest/gtest.h>
 
-#include "analysis/certificate.hpp"
+#include "analysis/certificate/certificate.hpp"
 #include "support/small_problems.hpp"
 
 namespace conddp {

@@ -1,10 +1,10 @@
-#include "analysis/lagrangian_gradient.hpp"
+#include "analysis/certificate/lagrangian_gradient.hpp"
 
 #include <gtest/gtest.h>
 
-#include "analysis/certificate.hpp"
-#include "analysis/replay.hpp"
-#include "solvers/registry.hpp"
+#include "analysis/certificate/certificate.hpp"
+#include "analysis/certificate/replay.hpp"
+#include "solvers/strategies/registry.hpp"
 #include "support/small_problems.hpp"
 
 namespace conddp {

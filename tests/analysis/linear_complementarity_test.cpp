@@ -1,4 +1,4 @@
-#include "analysis/linear_complementarity.hpp"
+#include "analysis/contact/linear_complementarity.hpp"
 
 #include <cmath>
 #include <limits>

@@ -1,9 +1,9 @@
-#include "analysis/reduced_gradient.hpp"
+#include "analysis/certificate/reduced_gradient.hpp"
 
 #include <gtest/gtest.h>
 
-#include "analysis/gains_check.hpp"
-#include "analysis/solution_claims.hpp"
+#include "analysis/certificate/gains_check.hpp"
+#include "analysis/certificate/solution_claims.hpp"
 #include "support/small_problems.hpp"
 
 namespace conddp {

@@ -1,4 +1,4 @@
-#include "analysis/rigid_step.hpp"
+#include "analysis/contact/rigid_step.hpp"
 
 #include <gtest/gtest.h>
 

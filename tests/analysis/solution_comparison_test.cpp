@@ -1,4 +1,4 @@
-#include "analysis/solution_comparison.hpp"
+#include "analysis/comparison/solution_comparison.hpp"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>

@@ -1,10 +1,10 @@
 // The equations of a step as the solver has them, beside the certificate's own.
-#include "analysis/stepping_equations.hpp"
+#include "analysis/contact/stepping_equations.hpp"
 
 #include <gtest/gtest.h>
 
-#include "analysis/contact_motion.hpp"
-#include "ocp/stepping_residual.hpp"
+#include "analysis/contact/contact_motion.hpp"
+#include "ocp/residuals/stepping_residual.hpp"
 #include "support/stepping_robot.hpp"
 
 namespace conddp {

@@ -7,11 +7,12 @@
 
 #include <benchmark/benchmark.h>
 
-#include "ocp/acts.hpp"
-#include "ocp/knot_batch.hpp"
-#include "problem_file/build.hpp"
-#include "problem_file/read_problem.hpp"
-#include "solvers/registry.hpp"
+#include "ocp/evaluation/acts.hpp"
+#include "ocp/knot/knot_batch.hpp"
+#include "problem_file/build/build.hpp"
+#include "problem_file/build/build_problem.hpp"
+#include "problem_file/read/read_problem.hpp"
+#include "solvers/strategies/registry.hpp"
 #include "support/foreign_problems.hpp"
 
 namespace conddp {

@@ -6,7 +6,7 @@
 
 #include "robot/articulated_body.hpp"
 #include "robot/dynamics.hpp"
-#include "robot/urdf.hpp"
+#include "robot/urdf/urdf.hpp"
 #include "support/random_robot.hpp"
 #include "support/robots.hpp"
 

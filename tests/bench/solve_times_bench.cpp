@@ -13,10 +13,11 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "problem_file/build.hpp"
-#include "problem_file/read_problem.hpp"
-#include "solvers/backward_sweep.hpp"
-#include "solvers/registry.hpp"
+#include "problem_file/build/build.hpp"
+#include "problem_file/build/build_problem.hpp"
+#include "problem_file/read/read_problem.hpp"
+#include "solvers/riccati/backward_sweep.hpp"
+#include "solvers/strategies/registry.hpp"
 
 namespace conddp {
 namespace {

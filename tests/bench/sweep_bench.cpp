@@ -3,8 +3,8 @@
 // what they hold does not change what they cost.
 #include <benchmark/benchmark.h>
 
-#include "solvers/backward_sweep.hpp"
-#include "solvers/lane_gemm.hpp"
+#include "solvers/linalg/lane_gemm.hpp"
+#include "solvers/riccati/backward_sweep.hpp"
 #include "support/random_numbers.hpp"
 #include "systems/closed_form.hpp"
 

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "process.hpp"
-#include "solvers/registry.hpp"
+#include "solvers/strategies/registry.hpp"
 
 namespace conddp {
 namespace {

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "process.hpp"
-#include "solvers/registry.hpp"
+#include "solvers/strategies/registry.hpp"
 
 namespace conddp {
 namespace {

@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "process.hpp"
-#include "solvers/option_table.hpp"
-#include "solvers/registry.hpp"
+#include "solvers/common/option_table.hpp"
+#include "solvers/strategies/registry.hpp"
 
 namespace conddp {
 namespace {

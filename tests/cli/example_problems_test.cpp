@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "pseudo_terminal.hpp"
-#include "solvers/registry.hpp"
+#include "solvers/strategies/registry.hpp"
 
 namespace conddp {
 namespace {

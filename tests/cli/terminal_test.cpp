@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "base/wrap_text.hpp"
 #include "long_problem.hpp"
-#include "problem_file/wrap_text.hpp"
 #include "pseudo_terminal.hpp"
 
 namespace conddp {

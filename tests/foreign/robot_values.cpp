@@ -13,7 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "robot/dynamics.hpp"
-#include "robot/urdf.hpp"
+#include "robot/urdf/urdf.hpp"
 
 namespace {
 

@@ -5,13 +5,14 @@
 #include <cstdlib>
 #include <string>
 
-#include "problem_file/build.hpp"
-#include "problem_file/data_table.hpp"
-#include "problem_file/read_problem.hpp"
-#include "problem_file/strict_number.hpp"
-#include "robot/urdf.hpp"
-#include "robot/utf8.hpp"
-#include "robot/xml_outline.hpp"
+#include "base/strict_number.hpp"
+#include "base/utf8.hpp"
+#include "problem_file/build/build.hpp"
+#include "problem_file/build/build_problem.hpp"
+#include "problem_file/data/data_table.hpp"
+#include "problem_file/read/read_problem.hpp"
+#include "robot/urdf/urdf.hpp"
+#include "robot/urdf/xml_outline.hpp"
 
 namespace conddp {
 namespace {

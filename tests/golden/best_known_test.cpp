@@ -1,14 +1,15 @@
 // problems/best_known.json beside the problems that it is about, and beside their golden files.
 // scripts/best_known keeps it.
-#include "output/best_known.hpp"
+#include "output/bench/best_known.hpp"
 
 #include <fstream>
 
 #include <gtest/gtest.h>
 
-#include "output/golden_case.hpp"
-#include "problem_file/problem_identity.hpp"
-#include "problem_file/read_problem.hpp"
+#include "output/solution/golden_case.hpp"
+#include "problem_file/build/build_problem.hpp"
+#include "problem_file/build/problem_identity.hpp"
+#include "problem_file/read/read_problem.hpp"
 
 namespace conddp {
 namespace {

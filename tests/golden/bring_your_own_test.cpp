@@ -2,11 +2,12 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "problem_file/build.hpp"
-#include "problem_file/read_problem.hpp"
+#include "problem_file/build/build.hpp"
+#include "problem_file/build/build_problem.hpp"
+#include "problem_file/read/read_problem.hpp"
 #include "robot/frames.hpp"
 #include "robot/kinematics.hpp"
-#include "solvers/registry.hpp"
+#include "solvers/strategies/registry.hpp"
 #include "support/robots.hpp"
 
 namespace conddp {

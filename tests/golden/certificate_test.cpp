@@ -3,7 +3,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "output/certificate_report.hpp"
+#include "output/report/certificate_report.hpp"
 #include "support/transcribed_problem.hpp"
 
 namespace conddp {

@@ -1,12 +1,13 @@
 // What a solver with stiff gains says of its own stationarity holds along other gains, too.
 #include <gtest/gtest.h>
 
-#include "analysis/answer_check.hpp"
-#include "analysis/random_instance.hpp"
-#include "analysis/reduced_gradient.hpp"
-#include "problem_file/build.hpp"
-#include "problem_file/read_problem.hpp"
-#include "solvers/registry.hpp"
+#include "analysis/certificate/answer_check.hpp"
+#include "analysis/certificate/reduced_gradient.hpp"
+#include "analysis/comparison/random_instance.hpp"
+#include "problem_file/build/build.hpp"
+#include "problem_file/build/build_problem.hpp"
+#include "problem_file/read/read_problem.hpp"
+#include "solvers/strategies/registry.hpp"
 
 namespace conddp {
 namespace {

@@ -1,11 +1,12 @@
 // Every pattern of a diagnosis, provoked by a problem that ends that way.
-#include "analysis/diagnosis.hpp"
+#include "analysis/findings/diagnosis.hpp"
 
 #include <gtest/gtest.h>
 
-#include "problem_file/build.hpp"
-#include "problem_file/read_problem.hpp"
-#include "solvers/registry.hpp"
+#include "problem_file/build/build.hpp"
+#include "problem_file/build/build_problem.hpp"
+#include "problem_file/read/read_problem.hpp"
+#include "solvers/strategies/registry.hpp"
 
 namespace conddp {
 namespace {

@@ -1,11 +1,14 @@
 // Problems that are solved along a homotopy: certified answers, at the optimum of the solver at
 // once or at another one.
+#include "problem_file/build/homotopy.hpp"
+
 #include <gtest/gtest.h>
 
-#include "output/solution_certificate.hpp"
-#include "output/solution_json.hpp"
-#include "problem_file/read_problem.hpp"
-#include "solvers/registry.hpp"
+#include "output/report/solution_certificate.hpp"
+#include "output/solution/solution_json.hpp"
+#include "problem_file/build/build_problem.hpp"
+#include "problem_file/read/read_problem.hpp"
+#include "solvers/strategies/registry.hpp"
 #include "support/foreign_problems.hpp"
 
 namespace conddp {

@@ -5,11 +5,12 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "ocp/acts.hpp"
-#include "ocp/by_name.hpp"
-#include "problem_file/build.hpp"
-#include "problem_file/read_problem.hpp"
-#include "solvers/registry.hpp"
+#include "ocp/evaluation/acts.hpp"
+#include "ocp/problem/by_name.hpp"
+#include "problem_file/build/build.hpp"
+#include "problem_file/build/build_problem.hpp"
+#include "problem_file/read/read_problem.hpp"
+#include "solvers/strategies/registry.hpp"
 #include "support/foreign_problems.hpp"
 
 namespace conddp {

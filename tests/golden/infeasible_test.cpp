@@ -2,11 +2,12 @@
 // and by none before a point of least violation is found.
 #include <gtest/gtest.h>
 
-#include "output/certificate_report.hpp"
-#include "output/solution_certificate.hpp"
-#include "output/solution_json.hpp"
-#include "problem_file/read_problem.hpp"
-#include "solvers/registry.hpp"
+#include "output/report/certificate_report.hpp"
+#include "output/report/solution_certificate.hpp"
+#include "output/solution/solution_json.hpp"
+#include "problem_file/build/build_problem.hpp"
+#include "problem_file/read/read_problem.hpp"
+#include "solvers/strategies/registry.hpp"
 
 namespace conddp {
 namespace {

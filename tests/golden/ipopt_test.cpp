@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "analysis/random_instance.hpp"
+#include "analysis/comparison/random_instance.hpp"
 #include "support/transcribed_problem.hpp"
 
 namespace conddp {

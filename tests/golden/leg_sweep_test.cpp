@@ -1,9 +1,10 @@
 // Sweeps by legs around the guess of every ready problem that proxddp takes.
 #include <gtest/gtest.h>
 
-#include "problem_file/build.hpp"
-#include "problem_file/read_problem.hpp"
-#include "solvers/registry.hpp"
+#include "problem_file/build/build.hpp"
+#include "problem_file/build/build_problem.hpp"
+#include "problem_file/read/read_problem.hpp"
+#include "solvers/strategies/registry.hpp"
 #include "support/foreign_problems.hpp"
 #include "support/leg_comparison.hpp"
 

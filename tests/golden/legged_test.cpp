@@ -4,11 +4,12 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "problem_file/build.hpp"
-#include "problem_file/read_problem.hpp"
+#include "problem_file/build/build.hpp"
+#include "problem_file/build/build_problem.hpp"
+#include "problem_file/read/read_problem.hpp"
 #include "robot/dynamics.hpp"
 #include "robot/frames.hpp"
-#include "solvers/registry.hpp"
+#include "solvers/strategies/registry.hpp"
 
 namespace conddp {
 namespace {

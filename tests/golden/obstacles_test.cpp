@@ -3,11 +3,12 @@
 
 #include <gtest/gtest.h>
 
-#include "problem_file/build.hpp"
-#include "problem_file/read_problem.hpp"
-#include "problem_file/shape_pairs.hpp"
+#include "problem_file/build/build.hpp"
+#include "problem_file/build/build_problem.hpp"
+#include "problem_file/plant/shape_pairs.hpp"
+#include "problem_file/read/read_problem.hpp"
 #include "robot/frames.hpp"
-#include "solvers/registry.hpp"
+#include "solvers/strategies/registry.hpp"
 #include "support/segments.hpp"
 
 namespace conddp {
@@ -20,7 +21,7 @@ Vector3d put(const Vector3<double>& a) { return {a.x, a.y, a.z}; }
 double distance_of(const DistancePair& pair, const Plant& plant, const std::vector<double>& x) {
   const auto ends = [&](const Capsule& c) {
     SE3<double> m = SE3<double>::identity();
-    if (c.frame >= 0) m = placement_in_state(*plant.multibody, x, c.frame);
+    if (c.frame >= 0) m = placement_in_state(*plant.multibody(), x, c.frame);
     return std::pair(put(m.R * c.from + m.p), put(m.R * c.to + m.p));
   };
   const auto [a0, a1] = ends(pair.first);

@@ -3,8 +3,8 @@
 // soles allow, and next to it they are 12.
 #include <gtest/gtest.h>
 
-#include "analysis/derivative_check.hpp"
-#include "output/finding_report.hpp"
+#include "analysis/certificate/derivative_check.hpp"
+#include "output/solution/finding_report.hpp"
 #include "support/transcribed_problem.hpp"
 
 namespace conddp {

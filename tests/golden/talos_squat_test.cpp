@@ -2,9 +2,10 @@
 // for the same problem. Without the robot the test passes over itself.
 #include <gtest/gtest.h>
 
-#include "problem_file/build.hpp"
-#include "problem_file/read_problem.hpp"
-#include "solvers/registry.hpp"
+#include "problem_file/build/build.hpp"
+#include "problem_file/build/build_problem.hpp"
+#include "problem_file/read/read_problem.hpp"
+#include "solvers/strategies/registry.hpp"
 #include "support/foreign_problems.hpp"
 
 namespace conddp {

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "ocp/constraint.hpp"
+#include "ocp/terms/constraint.hpp"
 #include "support/nlp_derivatives.hpp"
 
 namespace conddp {

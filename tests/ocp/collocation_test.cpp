@@ -4,11 +4,11 @@
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
-#include "ocp/collocation_residual.hpp"
+#include "ocp/knot/collocation_residual.hpp"
 #include "support/random_robot.hpp"
 #include "support/sizes.hpp"
 #include "systems/catalogue.hpp"
-#include "systems/multibody.hpp"
+#include "systems/multibody/multibody.hpp"
 
 namespace conddp {
 namespace {

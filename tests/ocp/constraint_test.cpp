@@ -1,9 +1,9 @@
-#include "ocp/constraint.hpp"
+#include "ocp/terms/constraint.hpp"
 
 #include <gtest/gtest.h>
 
-#include "ocp/acts.hpp"
-#include "ocp/soft_constraint.hpp"
+#include "ocp/evaluation/acts.hpp"
+#include "ocp/problem/soft_constraint.hpp"
 #include "support/knot_case.hpp"
 #include "support/sizes.hpp"
 

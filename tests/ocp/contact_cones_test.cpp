@@ -1,4 +1,4 @@
-#include "ocp/contact_cones.hpp"
+#include "ocp/residuals/contact_cones.hpp"
 
 #include <cmath>
 #include <numbers>

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "ocp/residuals.hpp"
+#include "ocp/residuals/residuals.hpp"
 #include "support/contact_case.hpp"
 #include "support/knot_case.hpp"
 #include "support/sizes.hpp"

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "robot/kinematics.hpp"
-#include "robot/urdf.hpp"
+#include "robot/urdf/urdf.hpp"
 #include "spatial/closest_points.hpp"
 #include "support/knot_case.hpp"
 #include "support/mimic_robot.hpp"

@@ -1,8 +1,8 @@
-#include "ocp/knot_model.hpp"
+#include "ocp/knot/knot_model.hpp"
 
 #include <gtest/gtest.h>
 
-#include "ocp/acts.hpp"
+#include "ocp/evaluation/acts.hpp"
 #include "support/knot_case.hpp"
 #include "support/sizes.hpp"
 

@@ -1,4 +1,4 @@
-#include "ocp/lane_transfer.hpp"
+#include "ocp/evaluation/lane_transfer.hpp"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "ocp/matrix_vector.hpp"
+#include "ocp/evaluation/matrix_vector.hpp"
 
 #include <algorithm>
 #include <cmath>

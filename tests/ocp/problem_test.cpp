@@ -1,4 +1,4 @@
-#include "ocp/problem.hpp"
+#include "ocp/problem/problem.hpp"
 
 #include <gtest/gtest.h>
 

@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "ocp/acts.hpp"
-#include "ocp/residuals.hpp"
+#include "ocp/evaluation/acts.hpp"
+#include "ocp/residuals/residuals.hpp"
 #include "systems/catalogue.hpp"
 
 namespace conddp {

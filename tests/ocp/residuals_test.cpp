@@ -1,4 +1,4 @@
-#include "ocp/residuals.hpp"
+#include "ocp/residuals/residuals.hpp"
 
 #include <gtest/gtest.h>
 

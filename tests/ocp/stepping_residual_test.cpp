@@ -1,9 +1,9 @@
 // The equations of a step that finds its own contacts, and complementary pairs as a constraint.
-#include "ocp/stepping_residual.hpp"
+#include "ocp/residuals/stepping_residual.hpp"
 
 #include <gtest/gtest.h>
 
-#include "ocp/knot_model.hpp"
+#include "ocp/knot/knot_model.hpp"
 #include "robot/dynamics.hpp"
 #include "support/stepping_robot.hpp"
 

@@ -1,4 +1,4 @@
-#include "output/atomic_file.hpp"
+#include "base/atomic_file.hpp"
 
 #include <fstream>
 

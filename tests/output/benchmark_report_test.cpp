@@ -1,9 +1,9 @@
-#include "output/benchmark_report.hpp"
+#include "output/bench/benchmark_report.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "output/text_table.hpp"
+#include "base/text_table.hpp"
 
 namespace conddp {
 namespace {

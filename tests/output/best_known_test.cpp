@@ -1,4 +1,4 @@
-#include "output/best_known.hpp"
+#include "output/bench/best_known.hpp"
 
 #include <fstream>
 

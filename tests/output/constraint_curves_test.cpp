@@ -1,9 +1,9 @@
-#include "output/constraint_curves.hpp"
+#include "output/report/constraint_curves.hpp"
 
 #include <cmath>
 #include <limits>
 
-#include "output/contact_forces.hpp"
+#include "output/solution/contact_forces.hpp"
 #include "report_fixture.hpp"
 
 namespace conddp {

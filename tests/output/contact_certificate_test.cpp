@@ -4,10 +4,10 @@
 
 #include <gtest/gtest.h>
 
-#include "output/certificate_report.hpp"
-#include "output/contact_report.hpp"
-#include "output/contact_schedule.hpp"
-#include "output/softened_constraint.hpp"
+#include "output/report/certificate_report.hpp"
+#include "output/report/contact_report.hpp"
+#include "output/solution/contact_schedule.hpp"
+#include "output/solution/softened_constraint.hpp"
 #include "support/answer.hpp"
 
 namespace conddp {

@@ -1,10 +1,11 @@
 // What points may touch, as obstacles of a problem file, at poses that are set by hand.
-#include "output/contact_surfaces.hpp"
+#include "output/solution/contact_surfaces.hpp"
 
 #include <gtest/gtest.h>
 
-#include "problem_file/build.hpp"
-#include "problem_file/read_problem.hpp"
+#include "problem_file/build/build.hpp"
+#include "problem_file/build/build_problem.hpp"
+#include "problem_file/read/read_problem.hpp"
 
 namespace conddp {
 namespace {

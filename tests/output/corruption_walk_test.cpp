@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "analysis/solution_members.hpp"
-#include "output/certificate_report.hpp"
+#include "base/solution_members.hpp"
+#include "output/report/certificate_report.hpp"
 #include "support/answer.hpp"
 #include "support/sizes.hpp"
 

@@ -1,5 +1,5 @@
 // What stands out in motions: found where it is, silent where it is not.
-#include "output/finding_report.hpp"
+#include "output/solution/finding_report.hpp"
 
 #include <cstdio>
 #include <filesystem>
@@ -7,7 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "problem_file/read_problem.hpp"
+#include "problem_file/build/build_problem.hpp"
+#include "problem_file/read/read_problem.hpp"
 
 namespace conddp {
 namespace {
@@ -33,7 +34,7 @@ class Findings : public testing::Test {
   }
   int joint(const std::string& name) const {
     const int index = *built_->plant.robot().find_joint(name);
-    return *built_->plant.multibody->position_index(index);
+    return *built_->plant.multibody()->position_index(index);
   }
 
   std::optional<ProblemSpec> spec_;

@@ -5,9 +5,9 @@
 #include <Eigen/QR>
 #include <gtest/gtest.h>
 
-#include "analysis/lagrangian_gradient.hpp"
-#include "ocp/acts.hpp"
-#include "output/certificate_report.hpp"
+#include "analysis/certificate/lagrangian_gradient.hpp"
+#include "ocp/evaluation/acts.hpp"
+#include "output/report/certificate_report.hpp"
 #include "support/answer.hpp"
 #include "support/sizes.hpp"
 

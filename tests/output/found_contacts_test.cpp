@@ -1,5 +1,6 @@
-#include "output/found_contacts.hpp"
+#include "output/solution/found_contacts.hpp"
 
+#include "problem_file/build/build_problem.hpp"
 #include "report_fixture.hpp"
 
 namespace conddp {
@@ -56,7 +57,7 @@ TEST(FoundContacts, ForcesStandInTheWorldAtTheEndsOfTheirSteps) {
   for (int i = 0; i < 3; ++i)
     EXPECT_NEAR(found.forces["slope"][1][i].get<double>(), on_slope[i], 1e-7) << i;
 
-  const MultibodySystem& system = *built->plant.multibody;
+  const MultibodySystem& system = *built->plant.multibody();
   const double normals[2][3] = {{0, 0, 1}, {-0.6, 0, 0.8}};
   for (int c = 0; c < 2; ++c) {
     const OrderedJson& contact = found.contacts[c];

@@ -1,4 +1,4 @@
-#include "output/junit.hpp"
+#include "output/bench/junit.hpp"
 
 #include <gtest/gtest.h>
 

@@ -8,9 +8,10 @@
 
 #include <gtest/gtest.h>
 
-#include "output/report.hpp"
-#include "output/solution_json.hpp"
-#include "problem_file/read_problem.hpp"
+#include "output/report/report.hpp"
+#include "output/solution/solution_json.hpp"
+#include "problem_file/build/build_problem.hpp"
+#include "problem_file/read/read_problem.hpp"
 
 namespace conddp {
 

@@ -1,5 +1,5 @@
-#include "analysis/solution_members.hpp"
-#include "output/motion_scene.hpp"
+#include "base/solution_members.hpp"
+#include "output/report/motion_scene.hpp"
 #include "report_fixture.hpp"
 
 namespace conddp {
@@ -14,7 +14,7 @@ SE3<double> read_placement(const OrderedJson& list, std::size_t at) {
 TEST_F(Report, BodiesCarryContactFramesToTheirPlaces) {
   load("quadruped_trot.yaml");
   const OrderedJson scene = motion_scene(*spec_, *built_, result_->trajectory);
-  const MultibodySystem& system = *built_->plant.multibody;
+  const MultibodySystem& system = *built_->plant.multibody();
   const std::size_t bodies = scene["bodies"].size();
   ASSERT_EQ(bodies, system.robot().joints.size() + 1);
   ASSERT_EQ(scene["contacts"].size(), 4u);

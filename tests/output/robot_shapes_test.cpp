@@ -1,11 +1,12 @@
-#include "output/robot_shapes.hpp"
+#include "output/report/robot_shapes.hpp"
 
 #include <fstream>
 #include <map>
 
 #include <gtest/gtest.h>
 
-#include "problem_file/read_problem.hpp"
+#include "problem_file/build/build_problem.hpp"
+#include "problem_file/read/read_problem.hpp"
 
 namespace conddp {
 namespace {

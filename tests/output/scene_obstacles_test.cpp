@@ -1,4 +1,4 @@
-#include "output/scene_obstacles.hpp"
+#include "output/report/scene_obstacles.hpp"
 
 #include "report_fixture.hpp"
 

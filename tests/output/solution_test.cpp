@@ -4,12 +4,13 @@
 
 #include <gtest/gtest.h>
 
-#include "output/csv.hpp"
-#include "output/solution_json.hpp"
-#include "problem_file/data_table.hpp"
-#include "problem_file/expand_problem.hpp"
-#include "problem_file/read_problem.hpp"
-#include "problem_file/sha256.hpp"
+#include "base/sha256.hpp"
+#include "output/solution/csv.hpp"
+#include "output/solution/solution_json.hpp"
+#include "problem_file/build/build_problem.hpp"
+#include "problem_file/data/data_table.hpp"
+#include "problem_file/expand/expand_problem.hpp"
+#include "problem_file/read/read_problem.hpp"
 #include "spatial/lane.hpp"
 
 namespace conddp {

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "ocp/acts.hpp"
+#include "ocp/evaluation/acts.hpp"
 #include "problem_text.hpp"
 
 namespace conddp {

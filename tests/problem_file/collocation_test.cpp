@@ -3,14 +3,14 @@
 #include <fstream>
 #include <sstream>
 
-#include "analysis/certificate.hpp"
-#include "analysis/derivative_check.hpp"
-#include "analysis/replay.hpp"
+#include "analysis/certificate/certificate.hpp"
+#include "analysis/certificate/derivative_check.hpp"
+#include "analysis/certificate/replay.hpp"
 #include "nlp/transcription.hpp"
-#include "ocp/acts.hpp"
-#include "problem_file/collocation_builder.hpp"
+#include "ocp/evaluation/acts.hpp"
+#include "problem_file/plant/collocation_builder.hpp"
 #include "problem_text.hpp"
-#include "solvers/registry.hpp"
+#include "solvers/strategies/registry.hpp"
 #include "support/nlp_derivatives.hpp"
 
 namespace conddp {
@@ -101,7 +101,7 @@ TEST_P(CollocationProblem, IsGuessedWithSlopesThatItsSolutionHas) {
   const SolveResult result = solve(loaded);
   Trajectory guess = result.trajectory;
   for (int k = 0; k < guess.knots(); ++k) guess.u(k).tail(guess.nu(k) - 1).setConstant(7);
-  guess_slopes(*loaded.built->plant.collocation, *loaded.built->problem, guess);
+  guess_slopes(*loaded.built->plant.collocation(), *loaded.built->problem, guess);
   for (int k = 0; k < guess.knots(); ++k)
     EXPECT_LE((guess.u(k) - result.trajectory.u(k)).lpNorm<Eigen::Infinity>(), 1e-7) << k;
 }

@@ -1,10 +1,10 @@
 #include <gtest/gtest.h>
 
-#include "ocp/acts.hpp"
-#include "ocp/by_name.hpp"
-#include "problem_file/memory_need.hpp"
+#include "ocp/evaluation/acts.hpp"
+#include "ocp/problem/by_name.hpp"
+#include "problem_file/build/memory_need.hpp"
 #include "problem_text.hpp"
-#include "solvers/registry.hpp"
+#include "solvers/strategies/registry.hpp"
 
 namespace conddp {
 namespace {
@@ -94,7 +94,7 @@ TEST(Constraints, LimitsOfTheUrdfBoundTheCoordinatesThatHaveThem) {
   ASSERT_TRUE(loaded.built) << loaded.all();
   const auto rail = named(*loaded.built->problem, "rail");
   ASSERT_FALSE(rail.empty());
-  const auto limits = loaded.built->plant.multibody->limits(0);
+  const auto limits = loaded.built->plant.multibody()->limits(0);
   EXPECT_EQ(rail[0].lower[0], limits.lower);
   EXPECT_EQ(rail[0].upper[0], limits.upper);
 }

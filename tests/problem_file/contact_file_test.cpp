@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "problem_file/contact_plan.hpp"
+#include "problem_file/build/contact_plan.hpp"
 #include "problem_text.hpp"
 
 namespace conddp {
@@ -109,7 +109,7 @@ TEST(Swing, LeadsFromTheStanceOverAnArchToTheTouchDown) {
   const ShootingProblem& problem = *loaded.built->problem;
   const int frame = *loaded.built->plant.robot().find_frame("rf_foot");
   const Vector3<double> stance =
-      placement_in_state(*loaded.built->plant.multibody, problem.initial_state(), frame).p;
+      placement_in_state(*loaded.built->plant.multibody(), problem.initial_state(), frame).p;
   for (int k = 0; k < 20; ++k) {
     const CostAt cost = cost_at(problem, k, "swing");
     const bool swings = k >= 5 && k <= 15;

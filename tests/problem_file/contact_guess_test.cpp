@@ -1,7 +1,8 @@
 // Guesses of controls and contact forces of steps that find their own contacts.
 #include <cmath>
 
-#include "ocp/stepping_residual.hpp"
+#include "ocp/residuals/stepping_residual.hpp"
+#include "problem_file/build/build_problem.hpp"
 #include "problem_text.hpp"
 
 namespace conddp {
@@ -18,14 +19,14 @@ struct Held {
     if (spec) built = build_problem(*spec, {}, out);
     EXPECT_TRUE(built) << format_diagnostics(out, false);
   }
-  const SteppingSystem& system() const { return *built->plant.stepping; }
+  const SteppingSystem& system() const { return *built->plant.stepping(); }
   const SteppingLayout& layout() const { return system().layout(); }
   int first() const { return built->problem->phases().front().instant ? 1 : 0; }
   auto w(int k) const { return built->guess.u(k); }
 
   /// What is left of the equations of motion in a step.
   Eigen::VectorXd left(int k) const {
-    const auto equations = stepping_residual(built->plant.stepping, built->problem->ndx());
+    const auto equations = stepping_residual(built->plant.stepping(), built->problem->ndx());
     const auto data = system().create_data(double{});
     const double h = built->problem->knot(k).dt;
     std::vector<double> rows(equations->size());

@@ -1,10 +1,10 @@
-#include "problem_file/diagnostic.hpp"
+#include "base/diagnostic.hpp"
 
 #include <sstream>
 
 #include <gtest/gtest.h>
 
-#include "problem_file/wrap_text.hpp"
+#include "base/wrap_text.hpp"
 
 namespace conddp {
 namespace {

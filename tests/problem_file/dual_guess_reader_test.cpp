@@ -1,4 +1,4 @@
-#include "problem_file/dual_guess_reader.hpp"
+#include "problem_file/data/dual_guess_reader.hpp"
 
 #include <filesystem>
 #include <fstream>

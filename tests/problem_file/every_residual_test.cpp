@@ -3,9 +3,9 @@
 // the cost that usually accompanies it.
 #include <gtest/gtest.h>
 
-#include "analysis/derivative_check.hpp"
+#include "analysis/certificate/derivative_check.hpp"
 #include "problem_text.hpp"
-#include "solvers/registry.hpp"
+#include "solvers/strategies/registry.hpp"
 
 namespace conddp {
 namespace {

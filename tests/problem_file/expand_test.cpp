@@ -2,11 +2,11 @@
 #include <map>
 #include <set>
 
-#include "problem_file/expand_problem.hpp"
-#include "problem_file/system_fields.hpp"
-#include "problem_file/yaml_text.hpp"
+#include "problem_file/expand/expand_problem.hpp"
+#include "problem_file/spec/system_fields.hpp"
+#include "problem_file/yaml/yaml_text.hpp"
 #include "schema_document.hpp"
-#include "solvers/registry.hpp"
+#include "solvers/strategies/registry.hpp"
 #include "support/sizes.hpp"
 #include "yaml_1_1.hpp"
 

@@ -1,4 +1,5 @@
 // Contacts that are found by robots whose base floats.
+#include "problem_file/build/build_problem.hpp"
 #include "problem_text.hpp"
 
 namespace conddp {
@@ -25,7 +26,7 @@ TEST(FloatingContacts, AccelerationsAreNamedByTheTwist) {
   ASSERT_TRUE(spec) << format_diagnostics(out, false);
   const auto built = build_problem(*spec, {}, out);
   ASSERT_TRUE(built) << format_diagnostics(out, false);
-  const SteppingLayout& layout = built->plant.stepping->layout();
+  const SteppingLayout& layout = built->plant.stepping()->layout();
   const std::vector<std::string> names = {"a/base/vx", "a/base/vy", "a/base/vz",
                                           "a/base/wx", "a/base/wy", "a/base/wz"};
   for (int i = 0; i < 6; ++i) {
@@ -42,7 +43,7 @@ TEST(FloatingContacts, ACrateAtRestIsCarriedByItsLowerCorners) {
   ASSERT_TRUE(spec) << format_diagnostics(out, false);
   const auto built = build_problem(*spec, {}, out);
   ASSERT_TRUE(built) << format_diagnostics(out, false);
-  const SteppingLayout& layout = built->plant.stepping->layout();
+  const SteppingLayout& layout = built->plant.stepping()->layout();
   const auto w = built->guess.u(5);
   double sum = w[2];  // the hand along z
   for (int c = 0; c < 8; ++c) {

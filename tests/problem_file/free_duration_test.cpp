@@ -5,11 +5,11 @@
 
 #include <gtest/gtest.h>
 
-#include "analysis/derivative_check.hpp"
-#include "analysis/replay.hpp"
-#include "ocp/acts.hpp"
+#include "analysis/certificate/derivative_check.hpp"
+#include "analysis/certificate/replay.hpp"
+#include "ocp/evaluation/acts.hpp"
 #include "problem_text.hpp"
-#include "solvers/registry.hpp"
+#include "solvers/strategies/registry.hpp"
 
 namespace conddp {
 namespace {

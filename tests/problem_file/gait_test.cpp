@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "problem_file/expand_problem.hpp"
+#include "problem_file/expand/expand_problem.hpp"
 #include "schema_document.hpp"
 
 namespace conddp {
@@ -187,7 +187,7 @@ TEST(Gait, FeetLandWhereTheDisplacedStanceHasThem) {
     const Loaded loaded(with_gait(gait));
     ASSERT_TRUE(loaded.built) << loaded.all();
     const ShootingProblem& problem = *loaded.built->problem;
-    const MultibodySystem& system = *loaded.built->plant.multibody;
+    const MultibodySystem& system = *loaded.built->plant.multibody();
     const KnotView& last = problem.knot(problem.knots());
     const std::vector<double> state(last.parameters, last.parameters + problem.nx());
     const double moved = std::hypot(state[0] - 0.3, state[1] + 0.2);
@@ -399,7 +399,7 @@ phases: [{knots: 2, dt: 0.1}]
   EXPECT_NEAR(x[0], 1 + 0.1 * std::cos(0.5), 1e-12);
   EXPECT_NEAR(x[1], 2 + 0.1 * std::sin(0.5), 1e-12);
   EXPECT_NEAR(x[2], 1.5, 1e-12);
-  const int nq = loaded.built->plant.multibody->nq();
+  const int nq = loaded.built->plant.multibody()->nq();
   EXPECT_NEAR(x[nq], 3 * std::cos(1.0), 1e-12);
   EXPECT_NEAR(x[nq + 1], 3 * std::sin(1.0), 1e-12);
 }

@@ -3,7 +3,7 @@
 
 #include <unistd.h>
 
-#include "problem_file/sha256.hpp"
+#include "base/sha256.hpp"
 #include "problem_text.hpp"
 
 namespace conddp {

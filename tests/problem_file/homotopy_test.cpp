@@ -1,7 +1,7 @@
 // Homotopies of problem files, and the factor on limits of the URDF that they are often over.
-#include "problem_file/homotopy.hpp"
+#include "problem_file/build/homotopy.hpp"
 
-#include "problem_file/expand_problem.hpp"
+#include "problem_file/expand/expand_problem.hpp"
 #include "problem_text.hpp"
 
 namespace conddp {

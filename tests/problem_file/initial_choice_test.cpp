@@ -1,9 +1,10 @@
 #include <gtest/gtest.h>
 
-#include "analysis/derivative_check.hpp"
-#include "ocp/acts.hpp"
+#include "analysis/certificate/derivative_check.hpp"
+#include "ocp/evaluation/acts.hpp"
+#include "problem_file/build/build_problem.hpp"
 #include "problem_text.hpp"
-#include "solvers/registry.hpp"
+#include "solvers/strategies/registry.hpp"
 
 namespace conddp {
 namespace {

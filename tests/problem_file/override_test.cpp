@@ -1,5 +1,5 @@
 #include "problem_text.hpp"
-#include "solvers/options.hpp"
+#include "solvers/common/options.hpp"
 
 namespace conddp {
 namespace {

@@ -1,5 +1,5 @@
 // Grids that are finer where phases begin or end, and where kp draws feet that step.
-#include "problem_file/phase_grid.hpp"
+#include "problem_file/spec/phase_grid.hpp"
 
 #include "problem_text.hpp"
 
@@ -87,7 +87,7 @@ TEST(Stabilisation, DrawsFeetThatStepToWhereTheirSwingsLand) {
   ASSERT_TRUE(loaded.built) << loaded.all();
   const Vector3<double> start = drawn_to(loaded, 0);
   const int foot = *loaded.built->plant.robot().find_frame("lf_foot");
-  expect_point(start, placement_in_state(*loaded.built->plant.multibody,
+  expect_point(start, placement_in_state(*loaded.built->plant.multibody(),
                                          loaded.built->problem->initial_state(), foot)
                           .p);
   expect_point(drawn_to(loaded, 3), start + Vector3<double>{0.2, 0, 0});

@@ -1,5 +1,5 @@
 // What makes two files one problem.
-#include "problem_file/problem_identity.hpp"
+#include "problem_file/build/problem_identity.hpp"
 
 #include <gtest/gtest.h>
 

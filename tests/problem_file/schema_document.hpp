@@ -10,8 +10,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "problem_file/strict_number.hpp"
-#include "problem_file/yaml_source.hpp"
+#include "base/strict_number.hpp"
+#include "problem_file/yaml/yaml_source.hpp"
 #include "problem_text.hpp"
 
 namespace conddp {

@@ -5,12 +5,13 @@
 
 #include <gtest/gtest.h>
 
-#include "problem_file/other_words.hpp"
-#include "problem_file/residual_kind.hpp"
+#include "problem_file/build/build_problem.hpp"
+#include "problem_file/spec/residual_kind.hpp"
+#include "problem_file/yaml/other_words.hpp"
 #include "problem_text.hpp"
 #include "schema_document.hpp"
-#include "solvers/option_table.hpp"
-#include "solvers/registry.hpp"
+#include "solvers/common/option_table.hpp"
+#include "solvers/strategies/registry.hpp"
 #include "systems/catalogue.hpp"
 
 namespace conddp {

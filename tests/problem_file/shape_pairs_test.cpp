@@ -1,5 +1,5 @@
 // Which pairs of shapes a cost is on, and what is refused.
-#include "problem_file/shape_pairs.hpp"
+#include "problem_file/plant/shape_pairs.hpp"
 
 #include "problem_text.hpp"
 
@@ -105,7 +105,7 @@ TEST(Distance, CostsHalfTheSquareOfWhatLacksToTheMargin) {
   const Plant& plant = loaded.built->plant;
   const int tool = *plant.robot().find_frame("tool");
   const double height =
-      placement_in_state(*plant.multibody, problem.initial_state(), tool).p.z - 0.05;
+      placement_in_state(*plant.multibody(), problem.initial_state(), tool).p.z - 0.05;
   EXPECT_NEAR(work.cost, 0.5 * 3 * (2 - height) * (2 - height), 1e-12);
 }
 

@@ -1,4 +1,4 @@
-#include "problem_file/source_text.hpp"
+#include "base/source_text.hpp"
 
 #include <fstream>
 
@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "problem_file/sha256.hpp"
+#include "base/sha256.hpp"
 
 namespace conddp {
 namespace {

@@ -1,4 +1,4 @@
-#include "problem_file/strict_number.hpp"
+#include "base/strict_number.hpp"
 
 #include <limits>
 

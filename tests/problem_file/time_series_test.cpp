@@ -1,4 +1,4 @@
-#include "problem_file/time_series.hpp"
+#include "problem_file/data/time_series.hpp"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "problem_file/wrap_text.hpp"
+#include "base/wrap_text.hpp"
 
 #include <gtest/gtest.h>
 

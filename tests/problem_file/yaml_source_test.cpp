@@ -1,4 +1,4 @@
-#include "problem_file/yaml_source.hpp"
+#include "problem_file/yaml/yaml_source.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "problem_file/yaml_text.hpp"
+#include "problem_file/yaml/yaml_text.hpp"
 
 #include "schema_document.hpp"
 #include "yaml_1_1.hpp"

@@ -6,7 +6,7 @@
 
 #include "robot/frames.hpp"
 #include "robot/kinematics.hpp"
-#include "robot/urdf.hpp"
+#include "robot/urdf/urdf.hpp"
 
 namespace conddp {
 namespace {

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "robot/urdf.hpp"
+#include "robot/urdf/urdf.hpp"
 #include "support/robots.hpp"
 #include "support/simple_kinematics.hpp"
 

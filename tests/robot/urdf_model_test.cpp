@@ -3,8 +3,8 @@
 #include <Eigen/Core>
 #include <gtest/gtest.h>
 
-#include "robot/combine.hpp"
-#include "robot/urdf.hpp"
+#include "robot/urdf/combine.hpp"
+#include "robot/urdf/urdf.hpp"
 #include "support/simple_kinematics.hpp"
 #include "urdf_text.hpp"
 

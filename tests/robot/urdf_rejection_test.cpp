@@ -5,7 +5,7 @@
 #include <console_bridge/console.h>
 #include <gtest/gtest.h>
 
-#include "robot/urdf.hpp"
+#include "robot/urdf/urdf.hpp"
 #include "urdf_text.hpp"
 
 namespace conddp {

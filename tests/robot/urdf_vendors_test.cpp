@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "robot/regularity.hpp"
-#include "robot/urdf.hpp"
+#include "robot/urdf/regularity.hpp"
+#include "robot/urdf/urdf.hpp"
 #include "support/simple_kinematics.hpp"
 #include "urdf_text.hpp"
 

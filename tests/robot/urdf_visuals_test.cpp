@@ -1,4 +1,4 @@
-#include "robot/urdf_visuals.hpp"
+#include "robot/urdf/urdf_visuals.hpp"
 
 #include <cmath>
 

@@ -1,8 +1,8 @@
-#include "robot/xml_outline.hpp"
+#include "robot/urdf/xml_outline.hpp"
 
 #include <gtest/gtest.h>
 
-#include "robot/near_names.hpp"
+#include "base/near_names.hpp"
 
 namespace conddp {
 namespace {

@@ -3,8 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include "output/contact_schedule.hpp"
-#include "problem_file/yaml_text.hpp"
+#include "output/solution/contact_schedule.hpp"
+#include "problem_file/build/build_problem.hpp"
+#include "problem_file/yaml/yaml_text.hpp"
 #include "support/answer.hpp"
 
 namespace conddp {

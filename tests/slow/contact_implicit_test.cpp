@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "robot/kinematics.hpp"
-#include "solvers/guess.hpp"
+#include "solvers/common/guess.hpp"
 #include "support/random_numbers.hpp"
 #include "support/transcribed_problem.hpp"
 
@@ -25,7 +25,7 @@ int first_step(const ReadyProblem& ready) {
 /// Largest |min(z, s)| of all pairs, and largest penetration at the knots, measured on the robot.
 void expect_exact_contacts(const ReadyProblem& ready, const SolveResult& result) {
   EXPECT_EQ(result.status, SolveStatus::converged) << result.message;
-  const SteppingSystem& system = *ready.built.plant.stepping;
+  const SteppingSystem& system = *ready.built.plant.stepping();
   RobotData<double> data(system.multibody().robot());
   for (int k = first_step(ready); k < result.trajectory.knots(); ++k) {
     for (const auto& [z, s] : system.layout().pairs)
@@ -92,7 +92,7 @@ TEST_P(FindsItsContacts, Exactly) {
   Trajectory start = ready.built.guess;
   if (seed) {
     RandomNumbers random(*seed);
-    const int actuators = ready.built.plant.stepping->layout().actuators;
+    const int actuators = ready.built.plant.stepping()->layout().actuators;
     for (int k = first_step(ready); k < start.knots(); ++k)
       for (int i = 0; i < actuators; ++i) start.u(k)[i] += random.uniform(-0.1, 0.1);
   }
@@ -158,7 +158,7 @@ TEST(FootedHopper, LeavesTheGroundAndArrives) {
   expect_exact_contacts(ready, result);
   EXPECT_NEAR(last(result, 0), 4, 0.01);
   EXPECT_NEAR(last(result, 1), 1.5, 0.01);
-  const auto& candidates = ready.built.plant.stepping->layout().candidates;
+  const auto& candidates = ready.built.plant.stepping()->layout().candidates;
   int flying = 0;
   for (int k = 0; k < result.trajectory.knots(); ++k)
     flying += std::all_of(candidates.begin(), candidates.end(),
@@ -203,7 +203,7 @@ void expect_steps(const std::string& gait, int in_the_air, double height, double
   const ReadyProblem ready(gait);
   const SolveResult result = solve_ready(ready);
   expect_exact_contacts(ready, result);
-  for (const auto& foot : ready.built.plant.stepping->layout().candidates) {
+  for (const auto& foot : ready.built.plant.stepping()->layout().candidates) {
     const Steps steps = steps_of(ready, result, foot);
     EXPECT_EQ(steps.lifts, 1);
     EXPECT_GE(steps.in_the_air, in_the_air);
@@ -232,7 +232,7 @@ TEST(Crate, RestsAndSlidesAsMechanicsSays) {
     expect_exact_contacts(ready, result);
     for (int k = 0; k < result.trajectory.knots(); ++k) {
       double normal = 0;
-      for (const auto& c : ready.built.plant.stepping->layout().candidates)
+      for (const auto& c : ready.built.plant.stepping()->layout().candidates)
         normal += result.trajectory.u(k)[c.force];
       EXPECT_NEAR(normal, 9.81, 1e-5) << k;
       EXPECT_NEAR(result.trajectory.x(k + 1)[7], std::max(0.0, v - (k + 1) * h * friction * 9.81),
@@ -252,7 +252,7 @@ TEST(Crate, IsTippedOverAnEdge) {
   EXPECT_NEAR(std::abs(end[4]), std::sqrt(0.5), 0.01);  // a quarter of a turn about y
   EXPECT_NEAR(end[2], 0.1, 1e-6);
   // Its weight is more than the hand can lift: an edge of it is on the ground for most of the time.
-  const auto& candidates = ready.built.plant.stepping->layout().candidates;
+  const auto& candidates = ready.built.plant.stepping()->layout().candidates;
   int borne = 0;
   for (int k = 0; k < result.trajectory.knots(); ++k)
     borne += std::any_of(candidates.begin(), candidates.end(),
@@ -265,7 +265,7 @@ TEST(QuadrupedInSpace, Hops) {
   const SolveResult result = solve_ready(ready);
   expect_exact_contacts(ready, result);
   EXPECT_NEAR(last(result, 0), 0.2, 0.02);
-  const auto& candidates = ready.built.plant.stepping->layout().candidates;
+  const auto& candidates = ready.built.plant.stepping()->layout().candidates;
   int flying = 0;
   for (int k = 1; k < result.trajectory.knots(); ++k)
     flying += std::all_of(candidates.begin(), candidates.end(), [&](const auto& c) {

@@ -35,7 +35,7 @@ TEST_P(SlidingPuck, IsSlowedAlikeAlongEveryHeadingByTheCone) {
   const SolveResult result =
       solve(*ready.built.problem, "ipopt", ready.spec.solver.options, ready.built.guess);
   ASSERT_EQ(result.status, SolveStatus::converged) << result.message;
-  const int nv = ready.built.plant.stepping->nv();
+  const int nv = ready.built.plant.stepping()->nv();
   double speed = kSpeed, way = 0;
   for (int k = 1; k <= result.trajectory.knots(); ++k) {
     const double h = ready.built.problem->knot(k - 1).dt;
@@ -65,7 +65,7 @@ TEST(SlidingPuck, IsTurnedAwayByThePyramid) {
   const auto end = result.trajectory.x(result.trajectory.knots());
   // The faster tangent is slowed first, by all of the friction.
   const auto first = result.trajectory.x(1);
-  const int nv = ready.built.plant.stepping->nv();
+  const int nv = ready.built.plant.stepping()->nv();
   EXPECT_NEAR(first[nv], kSpeed * std::cos(heading) - 0.02 * kFriction * kGravity, 1e-6);
   EXPECT_NEAR(first[nv + 1], kSpeed * std::sin(heading), 1e-6);
   EXPECT_GT(std::abs(std::atan2(end[1], end[0]) - heading), 0.05);

@@ -1,7 +1,7 @@
 // Ready problems that take long, against their known answers.
 #include "support/known_answer.hpp"
 
-#include "output/certificate_report.hpp"
+#include "output/report/certificate_report.hpp"
 #include "support/transcribed_problem.hpp"
 
 namespace conddp {

@@ -2,11 +2,12 @@
 // long.
 #include <gtest/gtest.h>
 
-#include "analysis/answer_check.hpp"
-#include "analysis/random_instance.hpp"
-#include "problem_file/build.hpp"
-#include "problem_file/read_problem.hpp"
-#include "solvers/registry.hpp"
+#include "analysis/certificate/answer_check.hpp"
+#include "analysis/comparison/random_instance.hpp"
+#include "problem_file/build/build.hpp"
+#include "problem_file/build/build_problem.hpp"
+#include "problem_file/read/read_problem.hpp"
+#include "solvers/strategies/registry.hpp"
 
 namespace conddp {
 namespace {

@@ -1,6 +1,6 @@
 // Rows that count as equations: which they are and what they say, in numbers that were found by
 // hand, and beside the enumeration of all sets.
-#include "solvers/active_rows.hpp"
+#include "solvers/constraints/active_rows.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

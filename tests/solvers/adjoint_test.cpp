@@ -1,10 +1,10 @@
 // Co-states and gradients beside derivatives of costs that are rolled out apart from the solvers.
-#include "solvers/adjoint.hpp"
+#include "solvers/riccati/adjoint.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "solvers/plain_adjoint.hpp"
+#include "solvers/riccati/plain_adjoint.hpp"
 #include "support/dense_horizon.hpp"
 #include "support/linear_quadratic.hpp"
 #include "support/plain_pendulum.hpp"

@@ -3,15 +3,15 @@
 
 #include <gtest/gtest.h>
 
-#include "ocp/collocation_residual.hpp"
-#include "solvers/registry.hpp"
+#include "ocp/knot/collocation_residual.hpp"
+#include "solvers/strategies/registry.hpp"
 #include "support/conic_problems.hpp"
 #include "support/constrained_problems.hpp"
 #include "support/random_robot.hpp"
 #include "support/second_derivatives.hpp"
 #include "support/small_problems.hpp"
 #include "systems/catalogue.hpp"
-#include "systems/multibody.hpp"
+#include "systems/multibody/multibody.hpp"
 
 // The sanitizers bring a malloc of their own.
 #if defined(__SANITIZE_ADDRESS__) || !defined(__GLIBC__)

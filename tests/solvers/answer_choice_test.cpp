@@ -1,4 +1,4 @@
-#include "solvers/answer_choice.hpp"
+#include "solvers/ipopt/answer_choice.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,11 @@
-#include "solvers/augmentation_change.hpp"
+#include "solvers/constraints/augmentation_change.hpp"
 
 #include <cmath>
 #include <random>
 
 #include <gtest/gtest.h>
 
-#include "ocp/acts.hpp"
+#include "ocp/evaluation/acts.hpp"
 #include "support/dense_convex.hpp"
 
 namespace conddp {

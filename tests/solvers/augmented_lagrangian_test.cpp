@@ -1,8 +1,8 @@
-#include "solvers/augmented_lagrangian.hpp"
+#include "solvers/constraints/augmented_lagrangian.hpp"
 
 #include <gtest/gtest.h>
 
-#include "ocp/acts.hpp"
+#include "ocp/evaluation/acts.hpp"
 #include "support/conic_problems.hpp"
 
 namespace conddp::testing {

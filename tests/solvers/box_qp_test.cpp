@@ -1,4 +1,4 @@
-#include "solvers/box_qp.hpp"
+#include "solvers/riccati/box_qp.hpp"
 
 #include <random>
 

@@ -2,7 +2,7 @@
 // linear-quadratic problems.
 #include <gtest/gtest.h>
 
-#include "solvers/registry.hpp"
+#include "solvers/strategies/registry.hpp"
 #include "support/constrained_problems.hpp"
 #include "systems/initial_choice.hpp"
 

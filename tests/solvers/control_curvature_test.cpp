@@ -1,10 +1,10 @@
-#include "solvers/control_curvature.hpp"
+#include "solvers/iterate/control_curvature.hpp"
 
 #include <gtest/gtest.h>
 
-#include "ocp/acts.hpp"
-#include "ocp/residuals.hpp"
-#include "solvers/augmented_lagrangian.hpp"
+#include "ocp/evaluation/acts.hpp"
+#include "ocp/residuals/residuals.hpp"
+#include "solvers/constraints/augmented_lagrangian.hpp"
 #include "support/constrained_problems.hpp"
 #include "support/small_problems.hpp"
 

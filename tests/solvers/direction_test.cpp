@@ -1,5 +1,5 @@
 // Directions beside the dense optimum of the whole horizon's linear-quadratic model.
-#include "solvers/direction.hpp"
+#include "solvers/globalization/direction.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 // Multipliers to start from: a solve from an answer of its own is done at once.
 #include <gtest/gtest.h>
 
-#include "solvers/registry.hpp"
+#include "solvers/strategies/registry.hpp"
 #include "support/constrained_problems.hpp"
 #include "support/dense_convex.hpp"
 

@@ -1,12 +1,12 @@
-#include "solvers/equality_search.hpp"
+#include "solvers/globalization/equality_search.hpp"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "solvers/augmented_lagrangian.hpp"
-#include "solvers/null_space_stage.hpp"
-#include "solvers/registry.hpp"
+#include "solvers/constraints/augmented_lagrangian.hpp"
+#include "solvers/riccati/null_space_stage.hpp"
+#include "solvers/strategies/registry.hpp"
 #include "support/constrained_problems.hpp"
 #include "support/small_problems.hpp"
 

@@ -1,9 +1,9 @@
-#include "solvers/full_step_search.hpp"
+#include "solvers/globalization/full_step_search.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "solvers/registry.hpp"
+#include "solvers/strategies/registry.hpp"
 #include "support/linear_quadratic.hpp"
 #include "support/plain_pendulum.hpp"
 

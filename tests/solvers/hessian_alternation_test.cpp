@@ -1,4 +1,4 @@
-#include "solvers/hessian_alternation.hpp"
+#include "solvers/ipopt/hessian_alternation.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "solvers/hessian_switch.hpp"
+#include "solvers/iterate/hessian_switch.hpp"
 
 #include <cmath>
 

@@ -1,5 +1,5 @@
 // The way of a homotopy: which problems are solved, and what is counted.
-#include "solvers/homotopy.hpp"
+#include "solvers/strategies/homotopy.hpp"
 
 #include <gtest/gtest.h>
 

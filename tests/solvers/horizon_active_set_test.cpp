@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "solvers/registry.hpp"
+#include "solvers/strategies/registry.hpp"
 #include "support/linear_quadratic.hpp"
 
 namespace conddp::testing {

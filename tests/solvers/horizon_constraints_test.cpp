@@ -1,9 +1,9 @@
-#include "solvers/horizon_constraints.hpp"
+#include "solvers/constraints/horizon_constraints.hpp"
 
 #include <gtest/gtest.h>
 
-#include "ocp/acts.hpp"
-#include "solvers/registry.hpp"
+#include "ocp/evaluation/acts.hpp"
+#include "solvers/strategies/registry.hpp"
 #include "support/conic_problems.hpp"
 #include "support/small_problems.hpp"
 

@@ -1,10 +1,10 @@
 // The descent in a horizon's model beside the penalised function in dense matrices.
-#include "solvers/horizon_descent.hpp"
+#include "solvers/constraints/horizon_descent.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "solvers/adjoint.hpp"
+#include "solvers/riccati/adjoint.hpp"
 #include "support/dense_horizon.hpp"
 #include "support/linear_quadratic.hpp"
 

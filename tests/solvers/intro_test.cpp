@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "solvers/registry.hpp"
-#include "solvers/row_elimination.hpp"
+#include "solvers/linalg/row_elimination.hpp"
+#include "solvers/strategies/registry.hpp"
 #include "support/conic_optimality.hpp"
 #include "support/constrained_problems.hpp"
 #include "support/dense_convex.hpp"

@@ -1,4 +1,4 @@
-#include "solvers/iterate.hpp"
+#include "solvers/iterate/iterate.hpp"
 
 #include <limits>
 

@@ -1,11 +1,11 @@
-#include "solvers/lane_gemm.hpp"
+#include "solvers/linalg/lane_gemm.hpp"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "solvers/curved_blocks.hpp"
-#include "solvers/lane_copy.hpp"
+#include "solvers/linalg/curved_blocks.hpp"
+#include "solvers/linalg/lane_copy.hpp"
 
 // The products of the sweep against Eigen's, over all shapes of tiles.
 

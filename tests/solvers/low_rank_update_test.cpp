@@ -1,4 +1,4 @@
-#include "solvers/low_rank_update.hpp"
+#include "solvers/linalg/low_rank_update.hpp"
 
 #include <gtest/gtest.h>
 

@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include "solvers/ddp_solver.hpp"
-#include "solvers/open_gap_search.hpp"
-#include "solvers/registry.hpp"
+#include "solvers/ddp/ddp_solver.hpp"
+#include "solvers/globalization/open_gap_search.hpp"
+#include "solvers/strategies/registry.hpp"
 #include "support/small_problems.hpp"
 
 namespace conddp {

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "solvers/registry.hpp"
+#include "solvers/strategies/registry.hpp"
 #include "support/sizes.hpp"
 #include "support/small_problems.hpp"
 

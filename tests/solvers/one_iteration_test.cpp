@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "solvers/registry.hpp"
+#include "solvers/strategies/registry.hpp"
 #include "support/plain_pendulum.hpp"
 #include "support/random_numbers.hpp"
 

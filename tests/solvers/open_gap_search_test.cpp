@@ -1,4 +1,4 @@
-#include "solvers/open_gap_search.hpp"
+#include "solvers/globalization/open_gap_search.hpp"
 
 #include <cmath>
 

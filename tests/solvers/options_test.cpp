@@ -1,10 +1,10 @@
-#include "solvers/options.hpp"
+#include "solvers/common/options.hpp"
 
 #include <set>
 
 #include <gtest/gtest.h>
 
-#include "solvers/option_table.hpp"
+#include "solvers/common/option_table.hpp"
 
 namespace conddp {
 namespace {

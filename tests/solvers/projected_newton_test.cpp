@@ -1,11 +1,11 @@
 // Steps of Newton's method on active constraints beside those of dense quadratic programs.
-#include "solvers/projected_newton.hpp"
+#include "solvers/constraints/projected_newton.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "solvers/newton_polish.hpp"
-#include "solvers/registry.hpp"
+#include "solvers/constraints/newton_polish.hpp"
+#include "solvers/strategies/registry.hpp"
 #include "support/constrained_problems.hpp"
 #include "support/dense_convex.hpp"
 #include "support/plain_sqp.hpp"

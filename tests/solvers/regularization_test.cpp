@@ -1,9 +1,9 @@
-#include "solvers/regularization.hpp"
+#include "solvers/riccati/regularization.hpp"
 
 #include <gtest/gtest.h>
 
-#include "solvers/backward_sweep.hpp"
-#include "solvers/registry.hpp"
+#include "solvers/riccati/backward_sweep.hpp"
+#include "solvers/strategies/registry.hpp"
 #include "support/small_problems.hpp"
 
 namespace conddp {

@@ -1,5 +1,5 @@
 // Solves from several starts: whose answer counts, and what is told of the others.
-#include "solvers/restarts.hpp"
+#include "solvers/strategies/restarts.hpp"
 
 #include <atomic>
 #include <cmath>

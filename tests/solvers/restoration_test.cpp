@@ -1,15 +1,15 @@
 // Points of least violation against dense least squares within bounds, slopes against differences,
 // and how a solve goes on after a restoration.
-#include "solvers/restoration.hpp"
+#include "solvers/strategies/restoration.hpp"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "ocp/acts.hpp"
-#include "ocp/linearization.hpp"
-#include "solvers/registry.hpp"
-#include "solvers/violation_slope.hpp"
+#include "ocp/evaluation/acts.hpp"
+#include "ocp/evaluation/linearization.hpp"
+#include "solvers/constraints/violation_slope.hpp"
+#include "solvers/strategies/registry.hpp"
 #include "support/constrained_problems.hpp"
 
 namespace conddp {

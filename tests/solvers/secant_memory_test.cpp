@@ -1,11 +1,11 @@
 // Corrected steps beside the dense inverse of the BFGS formula.
-#include "solvers/secant_memory.hpp"
+#include "solvers/globalization/secant_memory.hpp"
 
 #include <deque>
 
 #include <gtest/gtest.h>
 
-#include "solvers/linear_rollout.hpp"
+#include "solvers/riccati/linear_rollout.hpp"
 #include "support/dense_horizon.hpp"
 
 namespace conddp::testing {

@@ -1,4 +1,4 @@
-#include "solvers/settled_cost.hpp"
+#include "solvers/common/settled_cost.hpp"
 
 #include <limits>
 

@@ -1,8 +1,8 @@
-#include "ocp/soft_constraint.hpp"
+#include "ocp/problem/soft_constraint.hpp"
 
 #include <gtest/gtest.h>
 
-#include "solvers/registry.hpp"
+#include "solvers/strategies/registry.hpp"
 #include "support/dense_convex.hpp"
 
 namespace conddp {

@@ -1,4 +1,4 @@
-#include "solvers/solve_record.hpp"
+#include "solvers/common/solve_record.hpp"
 
 #include <limits>
 

@@ -1,4 +1,4 @@
-#include "solvers/stationarity_check.hpp"
+#include "solvers/iterate/stationarity_check.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "solvers/status.hpp"
+#include "solvers/common/status.hpp"
 
 #include <cmath>
 #include <set>
@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "solvers/registry.hpp"
+#include "solvers/strategies/registry.hpp"
 #include "support/constrained_problems.hpp"
 #include "support/sizes.hpp"
 #include "support/small_problems.hpp"
@@ -95,8 +95,7 @@ TEST(Status, CostSettledIsNotSaidOfAMotionThatViolatesConstraints) {
       SolverOptions options;
       options.tolerances.stationarity = 1e-10;
       options.tolerances.cost_decrease = 0.01;
-      const SolveResult result =
-          solve(problem, name, options, constant_controls(problem, control));
+      const SolveResult result = solve(problem, name, options, constant_controls(problem, control));
       EXPECT_TRUE(is_success(result.status)) << result.message;
       EXPECT_LE(result.residuals.constraint, options.tolerances.constraint);
       EXPECT_LE(result.residuals.gap, options.tolerances.gap);

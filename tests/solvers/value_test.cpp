@@ -1,12 +1,12 @@
-#include "solvers/value.hpp"
+#include "solvers/riccati/value.hpp"
 
 #include <random>
 
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
-#include "solvers/cholesky.hpp"
-#include "solvers/gap_transport.hpp"
+#include "solvers/linalg/cholesky.hpp"
+#include "solvers/riccati/gap_transport.hpp"
 
 namespace conddp {
 namespace {

@@ -2,10 +2,10 @@
 // it has to swing, with bounds active in ever changing sets. The arm is that of docs/example.
 #include <gtest/gtest.h>
 
-#include "ocp/residuals.hpp"
-#include "robot/urdf.hpp"
-#include "solvers/registry.hpp"
-#include "systems/multibody.hpp"
+#include "ocp/residuals/residuals.hpp"
+#include "robot/urdf/urdf.hpp"
+#include "solvers/strategies/registry.hpp"
+#include "systems/multibody/multibody.hpp"
 
 namespace conddp {
 namespace {

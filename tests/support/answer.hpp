@@ -5,10 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "output/solution_certificate.hpp"
-#include "output/solution_json.hpp"
-#include "problem_file/read_problem.hpp"
-#include "solvers/registry.hpp"
+#include "output/report/solution_certificate.hpp"
+#include "output/solution/solution_json.hpp"
+#include "problem_file/build/build_problem.hpp"
+#include "problem_file/read/read_problem.hpp"
+#include "solvers/strategies/registry.hpp"
 
 namespace conddp {
 

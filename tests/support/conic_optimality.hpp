@@ -3,7 +3,7 @@
 #include <string_view>
 #include <vector>
 
-#include "solvers/registry.hpp"
+#include "solvers/strategies/registry.hpp"
 #include "support/conic_problems.hpp"
 
 /// Whether answers to random conic problems are optimal, from their matrices alone.

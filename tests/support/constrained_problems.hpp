@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "solvers/options.hpp"
+#include "solvers/common/options.hpp"
 #include "support/linear_quadratic.hpp"
 
 /// Constraints put on the problems of small_problems.hpp and linear_quadratic.hpp, and published

@@ -7,7 +7,7 @@
 #include "support/mimic_robot.hpp"
 #include "support/random_robot.hpp"
 #include "support/robots.hpp"
-#include "systems/multibody.hpp"
+#include "systems/multibody/multibody.hpp"
 
 namespace conddp {
 

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "analysis/stepping_equations.hpp"
-#include "robot/urdf.hpp"
-#include "systems/multibody.hpp"
+#include "analysis/contact/stepping_equations.hpp"
+#include "robot/urdf/urdf.hpp"
+#include "systems/multibody/multibody.hpp"
 
 namespace conddp {
 

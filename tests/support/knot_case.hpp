@@ -7,13 +7,13 @@
 
 #include <Eigen/Core>
 
-#include "ocp/knot_batch.hpp"
-#include "ocp/problem.hpp"
-#include "ocp/residuals.hpp"
+#include "ocp/knot/knot_batch.hpp"
+#include "ocp/problem/problem.hpp"
+#include "ocp/residuals/residuals.hpp"
 #include "robot/model.hpp"
 #include "support/random_robot.hpp"
 #include "systems/catalogue.hpp"
-#include "systems/multibody.hpp"
+#include "systems/multibody/multibody.hpp"
 
 namespace conddp {
 

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "output/golden_case.hpp"
+#include "output/solution/golden_case.hpp"
 
 namespace conddp::testing {
 

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "solvers/linear_rollout.hpp"
+#include "solvers/riccati/linear_rollout.hpp"
 
 /// Sweeps by legs beside the one from end to start.
 namespace conddp::testing {

@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-#include "robot/combine.hpp"
+#include "robot/urdf/combine.hpp"
 #include "support/random_robot.hpp"
 
 namespace conddp {

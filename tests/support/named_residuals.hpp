@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "ocp/knot_model.hpp"
-#include "ocp/residuals.hpp"
+#include "ocp/knot/knot_model.hpp"
+#include "ocp/residuals/residuals.hpp"
 
 namespace conddp {
 

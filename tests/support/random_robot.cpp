@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "robot/combine.hpp"
+#include "robot/urdf/combine.hpp"
 
 namespace conddp {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "robot/urdf.hpp"
+#include "robot/urdf/urdf.hpp"
 
 namespace conddp {
 

@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "ocp/acts.hpp"
-#include "ocp/knot_second_derivatives.hpp"
+#include "ocp/evaluation/acts.hpp"
+#include "ocp/knot/knot_second_derivatives.hpp"
 #include "support/random_numbers.hpp"
 
 namespace conddp {

@@ -4,9 +4,9 @@
 #include <filesystem>
 #include <random>
 
-#include "robot/urdf.hpp"
+#include "robot/urdf/urdf.hpp"
 #include "spatial/so3.hpp"
-#include "systems/multibody.hpp"
+#include "systems/multibody/multibody.hpp"
 
 namespace conddp::testing {
 

@@ -7,8 +7,8 @@
 
 #include <Eigen/Dense>
 
-#include "ocp/acts.hpp"
-#include "ocp/residuals.hpp"
+#include "ocp/evaluation/acts.hpp"
+#include "ocp/residuals/residuals.hpp"
 #include "systems/catalogue.hpp"
 
 /// Small problems on which several solver tests stand.

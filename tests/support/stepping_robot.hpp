@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "support/random_robot.hpp"
-#include "systems/stepping_system.hpp"
+#include "systems/contact/stepping_system.hpp"
 
 namespace conddp {
 

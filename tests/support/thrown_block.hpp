@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "analysis/contact_motion.hpp"
-#include "analysis/contact_simulator.hpp"
+#include "analysis/contact/contact_motion.hpp"
+#include "analysis/contact/contact_simulator.hpp"
 #include "support/contact_plants.hpp"
 
 namespace conddp {

@@ -8,12 +8,13 @@
 #include <gtest/gtest.h>
 
 #include "nlp/transcription.hpp"
-#include "output/golden_case.hpp"
-#include "output/solution_certificate.hpp"
-#include "output/solution_json.hpp"
-#include "problem_file/build.hpp"
-#include "problem_file/read_problem.hpp"
-#include "solvers/registry.hpp"
+#include "output/report/solution_certificate.hpp"
+#include "output/solution/golden_case.hpp"
+#include "output/solution/solution_json.hpp"
+#include "problem_file/build/build.hpp"
+#include "problem_file/build/build_problem.hpp"
+#include "problem_file/read/read_problem.hpp"
+#include "solvers/strategies/registry.hpp"
 #include "support/nlp_derivatives.hpp"
 
 /// Ready problems by direct transcription.

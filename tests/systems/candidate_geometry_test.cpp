@@ -1,5 +1,5 @@
 // The geometry of contact candidates: known figures, and derivatives against differences.
-#include "systems/candidate_geometry.hpp"
+#include "systems/contact/candidate_geometry.hpp"
 
 #include <cmath>
 

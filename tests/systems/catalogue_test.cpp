@@ -5,7 +5,7 @@
 
 #include "support/random_numbers.hpp"
 #include "support/robots.hpp"
-#include "systems/multibody.hpp"
+#include "systems/multibody/multibody.hpp"
 
 namespace conddp {
 namespace {

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "support/contact_case.hpp"
-#include "systems/multibody.hpp"
+#include "systems/multibody/multibody.hpp"
 
 namespace conddp {
 namespace {

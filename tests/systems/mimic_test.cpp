@@ -1,10 +1,10 @@
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
-#include "robot/urdf.hpp"
+#include "robot/urdf/urdf.hpp"
 #include "support/mimic_robot.hpp"
-#include "systems/dense_ldlt.hpp"
-#include "systems/multibody.hpp"
+#include "systems/multibody/dense_ldlt.hpp"
+#include "systems/multibody/multibody.hpp"
 
 namespace conddp {
 namespace {

@@ -1,10 +1,10 @@
-#include "systems/multibody.hpp"
+#include "systems/multibody/multibody.hpp"
 
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
-#include "robot/combine.hpp"
 #include "robot/frames.hpp"
+#include "robot/urdf/combine.hpp"
 #include "support/random_robot.hpp"
 #include "support/robots.hpp"
 

@@ -6,7 +6,7 @@
 
 #include "robot/frames.hpp"
 #include "support/contact_case.hpp"
-#include "systems/multibody.hpp"
+#include "systems/multibody/multibody.hpp"
 
 namespace conddp {
 namespace {

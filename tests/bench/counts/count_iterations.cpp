@@ -8,7 +8,7 @@
 #include <cstring>
 
 #include "problems.hpp"
-#include "solvers/ddp_solver.hpp"
+#include "solvers/ddp/ddp_solver.hpp"
 
 namespace conddp {
 namespace {

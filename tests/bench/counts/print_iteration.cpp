@@ -5,9 +5,9 @@
 #include <cmath>
 #include <cstdio>
 
-#include "ocp/acts.hpp"
+#include "ocp/evaluation/acts.hpp"
 #include "problems.hpp"
-#include "solvers/backward_sweep.hpp"
+#include "solvers/riccati/backward_sweep.hpp"
 
 namespace conddp {
 namespace {

@@ -1,9 +1,9 @@
 #include "problems.hpp"
 
-#include "ocp/contact_cones.hpp"
-#include "ocp/residuals.hpp"
-#include "robot/urdf.hpp"
-#include "systems/multibody.hpp"
+#include "ocp/residuals/contact_cones.hpp"
+#include "ocp/residuals/residuals.hpp"
+#include "robot/urdf/urdf.hpp"
+#include "systems/multibody/multibody.hpp"
 
 namespace conddp {
 namespace {

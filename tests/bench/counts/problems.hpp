@@ -5,7 +5,7 @@
 #include <map>
 #include <string>
 
-#include "ocp/problem.hpp"
+#include "ocp/problem/problem.hpp"
 
 namespace conddp {
 

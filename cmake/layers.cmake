@@ -1,0 +1,13 @@
+# The layers of src/, lowest first. A layer may include itself and the layers before it, nothing else.
+set(CONDDP_LAYERS base spatial robot systems ocp nlp solvers analysis problem_file output)
+
+# The folders of layers that have some, lowest first, with the same rule; "." is the layer's own
+# folder. scripts/check_layers reads all of these lists.
+set(CONDDP_robot_FOLDERS . urdf)
+set(CONDDP_systems_FOLDERS . multibody contact)
+set(CONDDP_ocp_FOLDERS terms residuals knot problem evaluation)
+set(CONDDP_solvers_FOLDERS
+  common linalg riccati iterate constraints globalization ddp ipopt strategies)
+set(CONDDP_analysis_FOLDERS certificate contact findings comparison)
+set(CONDDP_problem_file_FOLDERS yaml spec data plant read build expand)
+set(CONDDP_output_FOLDERS solution report bench)

@@ -1,0 +1,438 @@
+#include "analysis/certificate/certificate.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <random>
+
+#include <fmt/format.h>
+
+#include "analysis/certificate/feasibility.hpp"
+#include "analysis/certificate/gains_check.hpp"
+#include "analysis/certificate/infeasibility.hpp"
+#include "analysis/certificate/lagrangian_gradient.hpp"
+#include "analysis/certificate/place_text.hpp"
+#include "analysis/certificate/reduced_gradient.hpp"
+#include "ocp/problem/soft_constraint.hpp"
+#include "ocp/terms/soft_limit.hpp"
+#include "solvers/common/status.hpp"
+
+namespace conddp {
+namespace {
+
+/// What two evaluations of one quantity may differ by, relative to the size of its terms: rounding
+/// in another order, and what badly conditioned contacts make of it.
+constexpr double kRounding = 1e-10;
+/// The same for an entry of the gradient, relative to its own terms, and to the largest ones of its
+/// knot: terms that cancel on the way to an entry leave rounding there.
+constexpr double kOwnRounding = 1e-11;
+constexpr double kKnotRounding = 1e-12;
+
+const std::string kDiverged(to_string(SolveStatus::diverged)),
+    kInfeasible(to_string(SolveStatus::infeasible));
+
+/// What rounding of the answer's own numbers does to the figures, where they are so badly
+/// conditioned (contacts far from where they hold, speeds beyond all measure) that the tolerances
+/// above do not cover it.
+struct Noise {
+  double cost = 0, gap = 0, stationarity = 0, state = 0;
+};
+
+class Judge {
+ public:
+  Judge(const ShootingProblem& problem, const SolutionClaims& claims, const Noise& noise = {})
+      : problem_(problem), claims_(claims), noise_(noise) {}
+
+  /// What changes when all states and controls move by 10⁻¹³ of themselves.
+  static Noise measure_noise(const ShootingProblem& problem, const SolutionClaims& claims) {
+    constexpr double kMove = 1e-13;
+    constexpr double kMargin = 10;
+    SolutionClaims moved = claims;
+    std::mt19937_64 engine(2);
+    const auto move = [&](double& number) {
+      number *= 1 + kMove * (2 * static_cast<double>(engine() >> 11) * 0x1p-53 - 1);
+    };
+    for (int k = 0; k <= problem.knots(); ++k) {
+      for (double& number : moved.trajectory.x(k)) move(number);
+      if (k == problem.knots()) break;
+      for (double& number : moved.trajectory.u(k)) move(number);
+    }
+    Judge here(problem, claims), there(problem, moved);
+    here.evaluate();
+    there.evaluate();
+    const LagrangianGradient a = here.gradient(), b = there.gradient();
+    double stationarity = 0;
+    for (std::size_t k = 0; k < a.control.size(); ++k)
+      if (a.control[k].size() > 0)
+        stationarity = std::max(stationarity, (a.control[k] - b.control[k]).cwiseAbs().maxCoeff());
+    const auto measured = [](double change) {
+      return std::isfinite(change) ? kMargin * change : 0;
+    };
+    return {measured(std::abs(here.cost_ - there.cost_)),
+            measured((here.gaps_ - there.gaps_).cwiseAbs().maxCoeff()), measured(stationarity),
+            measured((a.state - b.state).cwiseAbs().maxCoeff())};
+  }
+
+  Certificate run() {
+    check_times();
+    check_initial_state();
+    check_quaternions();
+    evaluate();
+    check_costs();
+    figure("gap", claims_.gap, gap_, state_rounding());
+    check_bounds();
+    check_gradient();
+    check_status();
+    return std::move(certificate_);
+  }
+
+ private:
+  void add(Check check) { certificate_.checks.push_back(std::move(check)); }
+
+  const std::string& tangent(int i) const {
+    static const std::string none;
+    return i >= 0 && i < static_cast<int>(claims_.tangent_names.size()) ? claims_.tangent_names[i]
+                                                                        : none;
+  }
+  const std::string& control(int i) const {
+    static const std::string none;
+    return i >= 0 && i < static_cast<int>(claims_.control_names.size()) ? claims_.control_names[i]
+                                                                        : none;
+  }
+
+  /// An answer that ended in numbers that are not finite leaves figures open; others may not.
+  bool agree(double claimed, double found, double tolerance) const {
+    if (std::isnan(claimed)) return claims_.status == kDiverged;
+    return std::abs(claimed - found) <= tolerance;
+  }
+
+  void figure(std::string name, double claimed, double found, double tolerance,
+              std::string place = {}) {
+    add({std::move(name),
+         agree(claimed, found, tolerance),
+         claimed,
+         found,
+         tolerance,
+         std::move(place),
+         {}});
+  }
+  void figure(std::string name, double claimed, const Worst& found, double tolerance) {
+    figure(std::move(name), claimed, found.value, tolerance,
+           found.knot < 0 ? "" : place_text(problem_, found.knot, tangent(found.entry)));
+  }
+
+  void check_times() {
+    const std::vector<double> times = problem_.times(claims_.trajectory);
+    Worst worst;
+    for (int k = 0; k <= problem_.knots(); ++k)
+      worst.meet(std::abs(claims_.times[k] - times[k]), 0, k, -1);
+    const double tolerance = 1e-12 * std::max(1.0, times.back());
+    const bool holds = worst.value <= tolerance;
+    const int k = std::max(worst.knot, 0);
+    add({"times", holds, claims_.times[holds ? problem_.knots() : k],
+         times[holds ? problem_.knots() : k], tolerance, holds ? "" : place_text(problem_, k, ""),
+         ""});
+  }
+
+  void check_initial_state() {
+    const int ndx = problem_.ndx();
+    Eigen::VectorXd off(ndx);
+    problem_.manifold().difference(problem_.initial_state().data(), claims_.trajectory.x(0).data(),
+                                   off.data());
+    Worst worst;
+    for (int i = 0; i < ndx; ++i) worst.meet(std::abs(off[i]), 0, 0, i);
+    const double size = claims_.trajectory.x(0).lpNorm<Eigen::Infinity>();
+    figure("initial state", 0, worst, 1e-12 * std::max(1.0, size));
+  }
+
+  void check_quaternions() {
+    if (problem_.manifold().curved().empty()) return;
+    Worst worst;
+    for (int k = 0; k <= problem_.knots(); ++k)
+      for (const auto& segment : problem_.manifold().curved()) {
+        const int first = segment.x + (segment.part == StateManifold::Part::se3 ? 3 : 0);
+        const double length = claims_.trajectory.x(k).segment<4>(first).norm();
+        worst.meet(std::abs(length - 1), 0, k, -1);
+      }
+    figure("unit quaternions", 0, worst, 1e-9);
+  }
+
+  /// Simulates every knot from its own state.
+  void evaluate() {
+    const int N = problem_.knots(), ndx = problem_.ndx();
+    gaps_.resize(ndx, N);
+    values_.resize(problem_.constraint_rows());
+    std::map<const KnotModel*, std::unique_ptr<KnotWorkspace<double>>> memory;
+    for (int k = 0; k <= N; ++k) {
+      const KnotView& view = problem_.knot(k);
+      auto& work = memory[view.model];
+      if (!work) work = std::make_unique<KnotWorkspace<double>>(*view.model);
+      const auto x = claims_.trajectory.x(k);
+      const double* u = k < N ? claims_.trajectory.u(k).data() : nullptr;
+      view.model->evaluate(
+          KnotInput<double>{x.data(), u, view.parameters, view.dt, view.cost_scale}, *work);
+      for (std::size_t t = 0; t < view.model->costs().size(); ++t)
+        add_cost((k == N ? "terminal/" : "") + view.model->costs()[t].name, work->term_costs[t]);
+      for (const ConstraintTerm& term : view.model->constraints())
+        if (term.softness != Softness::hard)
+          add_cost((k == N ? "terminal/" : "") + term.name,
+                   soft_cost(term, work->constraint.data() + term.row, view.parameters,
+                             view.cost_scale));
+      std::copy(work->constraint.begin(), work->constraint.end(),
+                values_.data() + problem_.constraint_offset(k));
+      if (k == N) break;
+      problem_.manifold().difference(claims_.trajectory.x(k + 1).data(), work->next().data(),
+                                     gaps_.col(k).data());
+      const double size =
+          Eigen::Map<const Eigen::VectorXd>(work->next().data(), problem_.nx()).cwiseAbs().sum();
+      for (int i = 0; i < ndx; ++i) gap_.meet(std::abs(gaps_(i, k)), size, k, i);
+      largest_state_ =
+          std::max({largest_state_, x.lpNorm<Eigen::Infinity>(), size / problem_.nx()});
+    }
+    derivatives_ = node_derivatives(problem_, claims_.trajectory, gaps_);
+  }
+
+  void add_cost(const std::string& name, double cost) {
+    cost_ += cost;
+    cost_size_ += std::abs(cost);
+    for (auto& [known, sum] : costs_)
+      if (known == name) {
+        sum += cost;
+        return;
+      }
+    costs_.emplace_back(name, cost);
+  }
+
+  double state_rounding() const { return 1e-11 * std::max(1.0, largest_state_) + noise_.gap; }
+
+  void check_costs() {
+    const double tolerance = kRounding * std::max(1e-6, cost_size_) + noise_.cost;
+    figure("cost", claims_.cost, cost_, tolerance);
+    std::map<std::string, double> claimed(claims_.cost_by_name.begin(), claims_.cost_by_name.end());
+    for (const auto& [name, found] : costs_) {
+      const auto claim = claimed.find(name);
+      if (claim == claimed.end()) {
+        add({"cost " + name, false, Check::kNone, found, Check::kNone, "", "is not in the answer"});
+        continue;
+      }
+      figure("cost " + name, claim->second, found, tolerance);
+      claimed.erase(claim);
+    }
+    for (const auto& [name, value] : claimed)
+      add({"cost " + name, false, value, Check::kNone, Check::kNone, "",
+           "the problem has no such cost"});
+  }
+
+  void check_bounds() {
+    const auto [violation, product, negative] = measure_feasibility(problem_, claims_, values_);
+    const auto at = [&](const Worst& w) {
+      if (w.knot < 0) return std::string();
+      return place_text(problem_, w.knot, w.entry >= 0 ? control(w.entry) : constraint_name(w));
+    };
+    found_constraint_ = violation.value;
+    // Constraint values near zero come from terms that are not, which their size does not show.
+    const bool constrained = !problem_.constraints().empty();
+    const double tolerance = constrained ? kRounding : 1e-14;
+    const double value = constrained ? 1 : 0;
+    const double multiplier = constrained ? claims_.multipliers.lpNorm<Eigen::Infinity>() : 0;
+    figure("constraint violation", claims_.constraint, violation.value,
+           tolerance * std::max(value, violation.size), at(violation));
+    figure("complementarity", claims_.complementarity, product.value,
+           tolerance * std::max(multiplier, product.size), at(product));
+    found_complementarity_ = product.value;
+    if (negative.knot >= 0)
+      add({"signs of multipliers", false, Check::kNone, negative.value, 0, at(negative),
+           "a multiplier has the wrong sign"});
+  }
+
+  std::string constraint_name(const Worst& w) const {
+    const int place = constraint_of(w);
+    return place < 0 ? "" : "constraint '" + problem_.constraints()[place].term->name + "'";
+  }
+
+  /// At the answer's own co-states.
+  LagrangianGradient gradient() const {
+    return lagrangian_gradient(problem_, derivatives_, claims_.costates, claims_.multipliers);
+  }
+
+  void check_gradient() {
+    if (std::isnan(claims_.stationarity) && claims_.status == kDiverged) return;
+    const LagrangianGradient found = gradient();
+    Worst stationarity;
+    stationarity_rounding_ = kOwnRounding;
+    for (int k = 0; k < problem_.knots(); ++k)
+      for (int i = 0; i < problem_.nu(k); ++i) {
+        const double zl = claims_.lower_multipliers[k][i], zu = claims_.upper_multipliers[k][i];
+        const double size = found.control_size[k][i] + std::abs(zl) + std::abs(zu);
+        stationarity.meet(std::abs(found.control[k][i] - zl + zu), size, k, i);
+        stationarity_rounding_ =
+            std::max(stationarity_rounding_,
+                     kOwnRounding * size + kKnotRounding * found.control_size[k].maxCoeff());
+      }
+    stationarity_rounding_ += noise_.stationarity;
+    found_stationarity_ = stationarity.value;
+    figure("stationarity", claims_.stationarity, stationarity.value, stationarity_rounding_,
+           stationarity.knot < 0
+               ? ""
+               : place_text(problem_, stationarity.knot, control(stationarity.entry)));
+    check_costates(found);
+    measure_optimality();
+    for (Check& check : check_gains(problem_, claims_, derivatives_, gaps_)) add(std::move(check));
+  }
+
+  /// Stationarity without the answer's co-states and gains.
+  void measure_optimality() {
+    const RiccatiPolicy policy = riccati_policy(problem_, claims_.trajectory, derivatives_);
+    const auto pass = [&](const std::vector<Eigen::MatrixXd>& gains) {
+      return adjoint_pass(problem_, derivatives_, claims_.multipliers, gains);
+    };
+    const auto norm = [&](const AdjointPass& found) {
+      return project(problem_, claims_.trajectory, found.control);
+    };
+    const AdjointPass along = pass(policy.K), plain = pass({});
+    const ProjectedGradient gradient = norm(along);
+    certificate_.optimality = {gradient.stationarity, along.rounding, norm(plain).stationarity,
+                               plain.rounding, policy.decrease(along.control)};
+    // Small in either coordinates is small; where rounding blurs one, the other may tell.
+    own_stationarity_ =
+        std::min(certificate_.optimality.stationarity, certificate_.optimality.reduced_gradient);
+    costate_error_ = (along.costates - claims_.costates).lpNorm<Eigen::Infinity>();
+    costate_size_ = std::max(1.0, along.costates.lpNorm<Eigen::Infinity>());
+    if (gradient.knot >= 0)
+      own_place_ = " at " + place_text(problem_, gradient.knot, control(gradient.entry));
+  }
+
+  /// The co-states' own equation: what the answer says of ∇_x of the Lagrangian.
+  void check_costates(const LagrangianGradient& found) {
+    const Eigen::MatrixXd& claimed = claims_.state_gradient;
+    const Eigen::MatrixXd size = found.state_size + claimed.cwiseAbs();
+    Worst excess;
+    for (Eigen::Index k = 0; k < claimed.cols(); ++k)
+      for (Eigen::Index i = 0; i < claimed.rows(); ++i) {
+        const double tolerance = kOwnRounding * std::max(1.0, size(i, k)) +
+                                 kKnotRounding * size.col(k).maxCoeff() + noise_.state;
+        excess.meet(std::abs(found.state(i, k) - claimed(i, k)) / tolerance, tolerance,
+                    static_cast<int>(k), static_cast<int>(i));
+      }
+    if (excess.value <= 1) {
+      add({"co-states", true, Check::kNone, Check::kNone, Check::kNone, "", ""});
+      return;
+    }
+    const int k = std::max(excess.knot, 0), i = std::max(excess.entry, 0);
+    add({"co-states", false, claimed(i, k), found.state(i, k), excess.size,
+         place_text(problem_, k, tangent(i)), ""});
+  }
+
+  /// Converged means that all residuals are under tolerance at once, those that the answer claims
+  /// and those found without its co-states.
+  void check_status() {
+    const auto& t = claims_.tolerances;
+    const bool under = claims_.stationarity <= t.stationarity && claims_.gap <= t.gap &&
+                       claims_.constraint <= t.constraint &&
+                       claims_.complementarity <= t.complementarity;
+    if (claims_.converged != under) {
+      add({"status", false, Check::kNone, Check::kNone, Check::kNone, "",
+           claims_.converged
+               ? "'converged', but a claimed residual is above its tolerance"
+               : fmt::format("'{}', but all claimed residuals are under their tolerances",
+                             claims_.status)});
+      return;
+    }
+    if (claims_.status == to_string(SolveStatus::cost_settled)) return check_settled();
+    if (!claims_.converged) {
+      add({"status", true, Check::kNone, Check::kNone, Check::kNone, "", ""});
+      if (claims_.status == kInfeasible) check_least_violation();
+      return;
+    }
+    std::string above;
+    const auto need = [&](const char* what, double found, double limit) {
+      if (found <= limit) return;
+      above += fmt::format("{}{} is {:.2g}, tolerance {:.2g}", above.empty() ? "" : "; ", what,
+                           found, limit);
+    };
+    need("stationarity", found_stationarity_, t.stationarity + stationarity_rounding_);
+    need(("the reduced gradient" + own_place_).c_str(), own_stationarity_,
+         kPolicyMargin * t.stationarity);
+    need("gap", gap_.value, t.gap + state_rounding());
+    need("constraint violation", found_constraint_, t.constraint);
+    need("complementarity", found_complementarity_, t.complementarity);
+    need("the co-states' distance from those along other gains", costate_error_,
+         kCostateMargin * t.stationarity * costate_size_);
+    add({"status", above.empty(), Check::kNone, Check::kNone, Check::kNone, "",
+         above.empty() ? "" : "'converged', but " + above});
+  }
+
+  /// A cost that has settled is one of a motion that satisfies dynamics and constraints.
+  void check_settled() {
+    const auto& t = claims_.tolerances;
+    const bool feasible =
+        std::max(claims_.gap, gap_.value - state_rounding()) <= t.gap &&
+        std::max(claims_.constraint, found_constraint_) <= t.constraint &&
+        std::max(claims_.complementarity, found_complementarity_) <= t.complementarity;
+    std::string wrong;
+    if (!feasible) wrong = "a gap, a violation or the complementarity is above its tolerance";
+    if (t.cost_decrease == 0) wrong = "tolerances.cost_decrease is 0";
+    add({"status", wrong.empty(), Check::kNone, Check::kNone, Check::kNone, "",
+         wrong.empty() ? "" : "'cost_settled', but " + wrong});
+  }
+
+  /// Infeasible is what leaves no control a way, on a motion that follows from the controls.
+  void check_least_violation() {
+    const double share = attainable_share(problem_, claims_.trajectory, derivatives_, values_);
+    const bool closed = gap_.value <= claims_.tolerances.gap + state_rounding();
+    add({"least violation", closed && share <= kLeastViolationShare, Check::kNone, share,
+         kLeastViolationShare, "",
+         closed ? (share <= kLeastViolationShare
+                       ? ""
+                       : fmt::format("'infeasible', but moves of the controls lower the violation "
+                                     "by {:.2g} of it, to first order",
+                                     share))
+                : "'infeasible', but the states do not follow from the controls"});
+  }
+
+  /// Of stationarities along different policies: the answer's is that of its last sweep.
+  static constexpr double kPolicyMargin = 10;
+  /// Of co-states along different policies, relative to the largest: what is left of the gradient
+  /// reaches them times gains that sum up over the horizon.
+  static constexpr double kCostateMargin = 1000;
+
+  const ShootingProblem& problem_;
+  const SolutionClaims& claims_;
+  const Noise noise_;
+  Certificate certificate_;
+  std::vector<std::pair<std::string, double>> costs_;
+  double cost_ = 0, cost_size_ = 0;
+  Eigen::MatrixXd gaps_;
+  Eigen::VectorXd values_;  ///< of the constraints
+  std::vector<NodeDerivatives> derivatives_;
+  Worst gap_;
+  double largest_state_ = 0, own_stationarity_ = 0;
+  double costate_error_ = 0, costate_size_ = 1;
+  std::string own_place_;
+  double found_constraint_ = 0, found_complementarity_ = 0;
+  double found_stationarity_ = 0, stationarity_rounding_ = 0;
+};
+
+}  // namespace
+
+bool Certificate::holds() const { return failures() == 0; }
+
+int Certificate::failures() const {
+  return static_cast<int>(
+      std::count_if(checks.begin(), checks.end(), [](const Check& c) { return !c.holds; }));
+}
+
+bool Certificate::computable() const {
+  return std::none_of(checks.begin(), checks.end(), [](const Check& c) {
+    return !c.holds && !std::isnan(c.tolerance) && !std::isfinite(c.found);
+  });
+}
+
+Certificate certify(const ShootingProblem& problem, const SolutionClaims& claims) {
+  Certificate certificate = Judge(problem, claims).run();
+  if (certificate.holds()) return certificate;
+  return Judge(problem, claims, Judge::measure_noise(problem, claims)).run();
+}
+
+}  // namespace conddp

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <vector>
+
+#include "analysis/certificate/check.hpp"
+#include "analysis/certificate/solution_claims.hpp"
+
+namespace conddp {
+
+/// The gradient of the cost by the controls where states follow from them, with the multipliers
+/// that an answer has of its constraints, projected on the control bounds: in two systems of
+/// coordinates, neither of which knows the answer's own co-states and gains. Either is zero at the
+/// same trajectories.
+struct Optimality {
+  /// Along a policy δu = v + K δx of the certificate's own (riccati_policy), by v. This decides:
+  /// there the model's Hessian consists of the blocks Q_uu, however unstable the motion is.
+  double stationarity = Check::kNone;
+  double rounding = Check::kNone;  ///< of it (AdjointPass::rounding)
+  /// By the controls themselves, a plain adjoint: it grows as the free motion does.
+  double reduced_gradient = Check::kNone;
+  double reduced_rounding = Check::kNone;
+  /// By how much a step of Newton's method with the Gauss-Newton model would lower the cost, the
+  /// same in any coordinates.
+  double expected_decrease = Check::kNone;
+};
+
+/// The statements of an answer that were checked; it holds where all of them do.
+struct Certificate {
+  std::vector<Check> checks;
+  Optimality optimality;
+
+  bool holds() const;
+  int failures() const;
+  /// Whether all figures that were checked are finite. Where numbers left the finite ones on the
+  /// way to them, a check that fails says nothing of whoever made the claim.
+  bool computable() const;
+};
+
+/// Judges an answer to a problem: evaluates every knot in scalar arithmetic, compares costs, gaps,
+/// bounds and multipliers with what is claimed, and the gradient of the Lagrangian by dual numbers
+/// (lagrangian_gradient). Nothing of the solvers has a part in it. docs/verification.md has the
+/// formulas and tolerances.
+Certificate certify(const ShootingProblem& problem, const SolutionClaims& claims);
+
+}  // namespace conddp

@@ -1,0 +1,266 @@
+#include "analysis/certificate/derivative_check.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <random>
+
+#include "ocp/knot/knot_batch.hpp"
+
+namespace conddp {
+namespace {
+
+using D = Dual<Lane>;
+
+/// Derivatives of one knot, by whichever way.
+struct KnotDerivatives {
+  Eigen::MatrixXd dynamics;                ///< ndx x nz
+  std::vector<Eigen::MatrixXd> residuals;  ///< rows x nz, one a cost
+  Eigen::MatrixXd constraints;             ///< constraint rows x nz
+  Eigen::MatrixXd gradient;                ///< 1 x nz
+};
+
+/// A knot in dual numbers that move along one direction of z.
+class DualKnot {
+ public:
+  DualKnot(const KnotView& knot, const Trajectory& trajectory, int k, int direction)
+      : model_(*knot.model), batch_(model_) {
+    for (int i = 0; i < model_.nx(); ++i) batch_.x[i] = D(trajectory.x(k)[i]);
+    for (int i = 0; i < model_.nu(); ++i) batch_.u[i] = D(trajectory.u(k)[i]);
+    for (int i = 0; i < model_.parameter_count(); ++i) batch_.parameters[i] = D(knot.parameters[i]);
+    batch_.dt = D(knot.dt);
+    batch_.cost_scale = D(knot.cost_scale);
+    if (direction < model_.ndx()) {
+      batch_.tangent[direction].d = Lane(1.0);
+      model_.manifold().integrate(batch_.x.data(), batch_.tangent.data(), batch_.x.data());
+    } else {
+      batch_.u[direction - model_.ndx()].d = Lane(1.0);
+    }
+    model_.evaluate(batch_.input(), batch_.work);
+  }
+
+  double cost() const { return batch_.work.cost.d[0]; }
+  Eigen::VectorXd constraints() const {
+    return derivatives(batch_.work.constraint.data(), model_.constraint_rows());
+  }
+
+  Eigen::VectorXd next() {
+    const AlignedVector<D>& next = batch_.work.next();
+    for (int i = 0; i < model_.nx(); ++i) batch_.x_next[i] = D(next[i].v, Lane(0.0));
+    model_.manifold().difference(batch_.x_next.data(), next.data(), batch_.tangent.data());
+    return derivatives(batch_.tangent.data(), model_.ndx());
+  }
+
+  Eigen::VectorXd residual(const CostTerm& term) {
+    const System& system = model_.system();
+    const auto data = system.create_data(D{});
+    if (model_.integrator() == Integrator::none)
+      system.update_kinematics(batch_.x.data(), *data);
+    else
+      system.evaluate(batch_.x.data(), batch_.u.data(), *data);
+    AlignedVector<D> r(term.residual->size());
+    term.residual->evaluate(
+        {batch_.x.data(), batch_.u.data(), batch_.parameters.data() + term.parameters, *data},
+        r.data());
+    return derivatives(r.data(), term.residual->size());
+  }
+
+ private:
+  static Eigen::VectorXd derivatives(const D* values, int n) {
+    Eigen::VectorXd result(n);
+    for (int i = 0; i < n; ++i) result[i] = values[i].d[0];
+    return result;
+  }
+
+  const KnotModel& model_;
+  KnotBatch<D> batch_;
+};
+
+KnotDerivatives reference_derivatives(const KnotView& knot, const Trajectory& trajectory, int k) {
+  const KnotModel& model = *knot.model;
+  const bool terminal = model.integrator() == Integrator::none;
+  KnotDerivatives out{Eigen::MatrixXd(terminal ? 0 : model.ndx(), model.nz()),
+                      {},
+                      Eigen::MatrixXd(model.constraint_rows(), model.nz()),
+                      Eigen::MatrixXd(1, model.nz())};
+  for (const CostTerm& term : model.costs())
+    out.residuals.emplace_back(term.residual->size(), model.nz());
+  for (int c = 0; c < model.nz(); ++c) {
+    DualKnot dual(knot, trajectory, k, c);
+    if (!terminal) out.dynamics.col(c) = dual.next();
+    for (std::size_t t = 0; t < model.costs().size(); ++t)
+      out.residuals[t].col(c) = dual.residual(model.costs()[t]);
+    out.constraints.col(c) = dual.constraints();
+    out.gradient(0, c) = dual.cost();
+  }
+  return out;
+}
+
+/// The residual's Jacobian as it declares it, in the scalar that solvers use.
+Eigen::MatrixXd residual_jacobian(const KnotModel& model, const CostTerm& term,
+                                  const KnotBatch<Lane>& batch, SystemData<Lane>& data) {
+  const Residual& residual = *term.residual;
+  AlignedVector<Lane> r(residual.size()), packed(residual.jacobian_size());
+  residual.differentiate(
+      {batch.x.data(), batch.u.data(), batch.parameters.data() + term.parameters, data}, r.data(),
+      packed.data());
+  Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(residual.size(), model.nz());
+  const Lane* entry = packed.data();
+  int row = 0;
+  for (const RowBlock& block : residual.blocks()) {
+    for (const int column : block.columns)
+      for (int i = 0; i < block.rows; ++i) jacobian(row + i, column) = (*entry++)[0];
+    row += block.rows;
+  }
+  return jacobian;
+}
+
+KnotDerivatives analytic_derivatives(const KnotView& knot, const Trajectory& trajectory, int k,
+                                     const KnotLinearization& linearization) {
+  const KnotModel& model = *knot.model;
+  const System& system = model.system();
+  KnotBatch<Lane> batch(model);
+  for (int i = 0; i < model.nx(); ++i) batch.x[i] = Lane(trajectory.x(k)[i]);
+  for (int i = 0; i < model.nu(); ++i) batch.u[i] = Lane(trajectory.u(k)[i]);
+  for (int i = 0; i < model.parameter_count(); ++i) batch.parameters[i] = Lane(knot.parameters[i]);
+  const bool terminal = model.integrator() == Integrator::none;
+  const auto data = system.create_data(Lane{});
+  if (terminal)
+    system.update_kinematics(batch.x.data(), *data);
+  else
+    system.differentiate(batch.x.data(), batch.u.data(), *data);
+  KnotDerivatives out;
+  out.dynamics = terminal ? Eigen::MatrixXd(0, model.nz()) : linearization.dense_jacobian();
+  for (const CostTerm& term : model.costs())
+    out.residuals.push_back(residual_jacobian(model, term, batch, *data));
+  out.constraints = linearization.C;
+  out.gradient = linearization.gradient.transpose();
+  return out;
+}
+
+void compare(const Eigen::MatrixXd& analytic, const Eigen::MatrixXd& reference, double unit, int k,
+             bool displaced, DerivativeComparison& out) {
+  constexpr double kColumnRounding = 1e-3;
+  if (out.knots.empty() || out.knots.back() != k) out.knots.push_back(k);
+  double largest = unit;
+  for (const Eigen::MatrixXd* m : {&analytic, &reference})
+    if (m->size() > 0 && m->allFinite()) largest = std::max(largest, m->cwiseAbs().maxCoeff());
+  for (Eigen::Index c = 0; c < analytic.cols(); ++c)
+    for (Eigen::Index r = 0; r < analytic.rows(); ++r, ++out.entries) {
+      const double a = analytic(r, c), b = reference(r, c);
+      const double scale = std::max({std::abs(a), std::abs(b), kColumnRounding * largest});
+      double error = std::abs(a - b) / scale;
+      if (!std::isfinite(error)) error = std::numeric_limits<double>::infinity();
+      if (error <= out.error && out.entries > 0) continue;
+      out.row = static_cast<int>(r);
+      out.column = static_cast<int>(c);
+      out.knot = k;
+      out.displaced = displaced;
+      out.analytic = a;
+      out.reference = b;
+      out.error = error;
+    }
+}
+
+/// The size of a knot's cost gradient where its residuals and their derivatives are about 1.
+double gradient_unit(const KnotView& knot) {
+  double unit = 0;
+  for (const CostTerm& term : knot.model->costs())
+    unit += knot.cost_scale * knot.parameters[term.weight];
+  return unit > 0 ? unit : 1;
+}
+
+/// Constraints of one name, as those of all contacts, are one to users.
+int first_of_name(const std::vector<ConstraintTerm>& constraints, std::size_t term) {
+  const auto same = [&](const ConstraintTerm& c) { return c.name == constraints[term].name; };
+  return static_cast<int>(std::find_if(constraints.begin(), constraints.end(), same) -
+                          constraints.begin());
+}
+
+/// First and last knot of a run of n, and others evenly between them.
+std::vector<int> spread(int first, int n, int count) {
+  std::vector<int> knots;
+  for (int i = 0; i < count; ++i) {
+    const int k =
+        first + (count > 1 ? static_cast<int>(static_cast<long long>(n - 1) * i / (count - 1)) : 0);
+    if (knots.empty() || knots.back() != k) knots.push_back(k);
+  }
+  return knots;
+}
+
+Trajectory displaced_trajectory(const ShootingProblem& problem, const Trajectory& trajectory,
+                                const DerivativeCheckOptions& options) {
+  std::mt19937_64 engine(options.seed);
+  const auto random = [&] {
+    return options.displacement * (2 * static_cast<double>(engine() >> 11) * 0x1p-53 - 1);
+  };
+  Trajectory result = trajectory;
+  std::vector<double> dx(problem.ndx());
+  for (int k = 0; k <= problem.knots(); ++k) {
+    for (double& d : dx) d = random();
+    problem.manifold().integrate(trajectory.x(k).data(), dx.data(), result.x(k).data());
+    if (k == problem.knots()) break;
+    for (double& u : result.u(k)) u += random() * std::max(1.0, std::abs(u));
+  }
+  return result;
+}
+
+}  // namespace
+
+std::vector<DerivativeComparison> check_derivatives(const ShootingProblem& problem,
+                                                    const Trajectory& trajectory,
+                                                    const DerivativeCheckOptions& options) {
+  Acts acts(problem);
+  Linearization linearization(problem);
+  std::map<std::tuple<int, DerivativeKind, int>, DerivativeComparison> worst;
+  const auto entry = [&](int phase, DerivativeKind kind, int term) -> DerivativeComparison& {
+    DerivativeComparison& c = worst[{phase, kind, term}];
+    c.kind = kind;
+    c.phase = phase;
+    c.term = term;
+    return c;
+  };
+  for (const bool displaced : {false, true}) {
+    if (displaced && options.displacement == 0) break;
+    const Trajectory at =
+        displaced ? displaced_trajectory(problem, trajectory, options) : trajectory;
+    acts.differentiate(at, linearization);
+    int first = 0;
+    const int phases = static_cast<int>(problem.phases().size());
+    for (int p = 0; p <= phases; ++p) {
+      const int n = p < phases ? problem.phases()[p].knots() : 1;
+      for (const int k : spread(first, n, options.knots_per_phase)) {
+        const KnotView& knot = problem.knot(k);
+        const KnotDerivatives analytic = analytic_derivatives(knot, at, k, linearization.knots[k]);
+        const KnotDerivatives reference = reference_derivatives(knot, at, k);
+        if (p < phases)
+          compare(analytic.dynamics, reference.dynamics, 1, k, displaced,
+                  entry(p, DerivativeKind::dynamics, -1));
+        const int costs = static_cast<int>(knot.model->costs().size());
+        for (int t = 0; t < costs; ++t)
+          compare(analytic.residuals[t], reference.residuals[t], 1, k, displaced,
+                  entry(p, DerivativeKind::residual, t));
+        const std::vector<ConstraintTerm>& constraints = knot.model->constraints();
+        for (std::size_t t = 0; t < constraints.size(); ++t)
+          compare(analytic.constraints.middleRows(constraints[t].row, constraints[t].rows),
+                  reference.constraints.middleRows(constraints[t].row, constraints[t].rows), 1, k,
+                  displaced, entry(p, DerivativeKind::constraint, first_of_name(constraints, t)));
+        if (costs > 0)
+          compare(analytic.gradient, reference.gradient, gradient_unit(knot), k, displaced,
+                  entry(p, DerivativeKind::gradient, -1));
+      }
+      first += n;
+    }
+  }
+  std::vector<DerivativeComparison> result;
+  for (auto& [key, comparison] : worst) {
+    std::vector<int>& knots = comparison.knots;
+    std::sort(knots.begin(), knots.end());
+    knots.erase(std::unique(knots.begin(), knots.end()), knots.end());
+    result.push_back(std::move(comparison));
+  }
+  return result;
+}
+
+}  // namespace conddp

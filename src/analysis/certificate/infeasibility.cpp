@@ -1,0 +1,57 @@
+#include "analysis/certificate/infeasibility.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "analysis/certificate/feasibility.hpp"
+#include "analysis/certificate/reduced_gradient.hpp"
+
+namespace conddp {
+namespace {
+
+using Eigen::VectorXd;
+
+VectorXd from_set(const NodeConstraint& c, const VectorXd& g) {
+  if (c.term->is_cone()) return beyond_cone(g);
+  VectorXd d = VectorXd::Zero(g.size());
+  if (c.term->has_pairs()) {
+    for (Eigen::Index i = 0; i + 1 < g.size(); i += 2) {
+      const Eigen::Index smaller = g[i] <= g[i + 1] ? i : i + 1;
+      d[smaller] = g[smaller];
+    }
+    return d;
+  }
+  for (Eigen::Index i = 0; i < g.size(); ++i) {
+    if (g[i] > c.upper[i]) d[i] = g[i] - c.upper[i];
+    if (g[i] < c.lower[i]) d[i] = g[i] - c.lower[i];
+  }
+  return d;
+}
+
+}  // namespace
+
+double attainable_share(const ShootingProblem& problem, const Trajectory& trajectory,
+                        const std::vector<NodeDerivatives>& derivatives, const VectorXd& values) {
+  VectorXd distances = VectorXd::Zero(values.size());
+  for (const NodeConstraint& c : problem.constraints())
+    if (!c.is_soft())
+      distances.segment(c.row, c.term->rows) = from_set(c, values.segment(c.row, c.term->rows));
+  std::vector<NodeDerivatives> without_cost = derivatives;
+  for (NodeDerivatives& d : without_cost) d.cost.setZero();
+  const AdjointPass pass = adjoint_pass(problem, without_cost, distances, {});
+  double largest = 1;
+  for (int k = 0; k < problem.knots(); ++k)
+    for (const double u : trajectory.u(k)) largest = std::max(largest, std::abs(u));
+  double sum = 0;
+  for (int k = 0; k < problem.knots(); ++k) {
+    const KnotModel& model = *problem.knot(k).model;
+    for (int i = 0; i < problem.nu(k); ++i) {
+      const double slope = pass.control[k][i], u = trajectory.u(k)[i];
+      const double way = slope < 0 ? model.control_upper()[i] - u : u - model.control_lower()[i];
+      sum += std::abs(slope) * (std::isfinite(way) ? std::max(0.0, way) : largest);
+    }
+  }
+  return sum / distances.squaredNorm();
+}
+
+}  // namespace conddp

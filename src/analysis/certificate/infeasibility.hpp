@@ -1,0 +1,25 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "analysis/certificate/node_derivatives.hpp"
+
+namespace conddp {
+
+/// How much of the violation ‖d‖ of hard constraints, where d = g − Π(g) are the distances of their
+/// values from their sets, moves of the controls could take away to first order, as a share of it:
+///   Σ_i |∂‖d‖/∂u_i| s_i / ‖d‖,
+/// by an adjoint pass in which states follow from the controls; s_i is how far a control can go,
+/// downhill, to its bound, and without a bound its largest size anywhere, at least 1. Below 1 no
+/// such move satisfies the linearised constraints: distances from convex sets lie above their
+/// tangents. `values` are those of all constraint rows.
+double attainable_share(const ShootingProblem& problem, const Trajectory& trajectory,
+                        const std::vector<NodeDerivatives>& derivatives,
+                        const Eigen::VectorXd& values);
+
+/// What that share may be at a point of least violation.
+inline constexpr double kLeastViolationShare = 0.01;
+
+}  // namespace conddp

@@ -1,0 +1,308 @@
+#include "analysis/certificate/replay.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <memory>
+#include <optional>
+
+#include <Eigen/Dense>
+
+#include "ocp/knot/collocation_residual.hpp"
+#include "systems/contact/stepping_system.hpp"
+
+namespace conddp {
+namespace {
+
+/// Looks for limits that are broken at one instant after the other.
+class LimitWatch {
+ public:
+  void look(const System& system, const SystemData<double>& data, const double* x, int knot,
+            double time, bool at_knot) {
+    const auto* robot = system.as_multibody();
+    if (robot == nullptr) return;
+    instant_ = {knot, time, at_knot};
+    joints(*robot, x);
+    if (system.kind() != SystemKind::impulse)
+      contacts(*robot, static_cast<const MultibodySystem::Data<double>&>(data));
+  }
+
+  std::vector<BrokenLimit> broken() const {
+    std::vector<BrokenLimit> list;
+    for (const auto& [name, entry] : excess_)
+      if (entry.worst.excess > kSlack) {
+        list.push_back(entry.worst);
+        list.back().between = entry.at_knots < entry.worst.excess;
+      }
+    return list;
+  }
+
+ private:
+  /// Limits that a plan meets exactly are missed by rounding.
+  static constexpr double kSlack = 1e-6;
+
+  struct Instant {
+    int knot;
+    double time;
+    bool at_knot;
+  };
+  struct Entry {
+    BrokenLimit worst;
+    double at_knots = 0;
+  };
+
+  void meet(const std::string& quantity, const char* unit, double excess) {
+    if (!(excess > 0)) return;
+    Entry& entry = excess_[quantity];
+    if (instant_.at_knot) entry.at_knots = std::max(entry.at_knots, excess);
+    if (excess > entry.worst.excess)
+      entry.worst = {quantity, unit, excess, instant_.knot, instant_.time, false};
+  }
+
+  void joints(const MultibodySystem& system, const double* x) {
+    for (int j = 0; j < system.robot().joint_count(); ++j) {
+      const auto q = system.position_index(j), v = system.velocity_index(j);
+      if (!q || !v || system.robot().joints[j].type == JointType::floating) continue;
+      const MultibodySystem::JointLimits limits = system.limits(j);
+      const std::string& name = system.robot().joints[j].name;
+      const bool slides = system.robot().joints[j].type == JointType::prismatic;
+      meet("position of " + name, slides ? "m" : "rad",
+           std::max(limits.lower - x[*q], x[*q] - limits.upper));
+      meet("velocity of " + name, slides ? "m/s" : "rad/s", std::abs(x[*v]) - limits.max_velocity);
+    }
+  }
+
+  /// The ground cannot hold a foot back.
+  void contacts(const MultibodySystem& system, const MultibodySystem::Data<double>& data) {
+    for (int i = 0; i < system.contacts().count(); ++i) {
+      const Contact& contact = system.contacts().contacts()[i];
+      if (contact.kind == ContactKind::planar) continue;
+      const ContactData<double>& at = data.contacts.contacts[i];
+      const Vector3<double> force =
+          contact.axes == FrameAxes::local ? at.local.linear : contact_force_in_world(at).linear;
+      meet("pull of " + contact.name, "N", -dot(force, contact.normal));
+    }
+  }
+
+  Instant instant_{};
+  std::map<std::string, Entry> excess_;
+};
+
+/// A step of a collocation, whose slopes follow from the state and the actuators.
+class CollocationStep {
+ public:
+  CollocationStep(const std::shared_ptr<const CollocationSystem>& system, Integrator integrator)
+      : model_(system, integrator), actuators_(system->actuators()), w_(model_.nu(), 0.0) {
+    model_.add_constraint(make_constraint("collocation", collocation_residual(system, model_.ndx()),
+                                          ConstraintKind::bounds));
+    parameters_.assign(model_.parameter_count(), 0.0);
+    work_ = std::make_unique<KnotWorkspace<double>>(model_);
+  }
+
+  /// The next state, by Newton's method from the slopes of the step before; NaN where it fails.
+  std::vector<double> go(const double* x, const double* u, double h) {
+    const int unknown = model_.constraint_rows();
+    const ConstraintTerm& term = model_.constraints().front();
+    std::copy_n(u, actuators_, w_.begin());
+    parameters_[term.parameters] = h;
+    parameters_[term.active()] = 1;
+    Eigen::MatrixXd by_slopes(unknown, unknown);
+    Eigen::Map<Eigen::VectorXd> slopes(w_.data() + actuators_, unknown);
+    for (int i = 0; i < kIterations; ++i) {
+      model_.differentiate(KnotInput<double>{x, w_.data(), parameters_.data(), h, 1.0}, *work_,
+                           false);
+      const Eigen::Map<const Eigen::VectorXd> off(work_->constraint.data(), unknown);
+      if (off.lpNorm<Eigen::Infinity>() <= kRounding * (1 + h * slopes.lpNorm<Eigen::Infinity>()))
+        return {work_->next().begin(), work_->next().end()};
+      by_slopes.setZero();
+      const auto& pattern = model_.constraint_pattern();
+      const int first = model_.ndx() + actuators_;
+      for (std::size_t e = 0; e < pattern.size(); ++e)
+        if (const auto& [row, column] = pattern[e]; column >= first)
+          by_slopes(row, column - first) = work_->constraint_jacobian[e];
+      slopes -= by_slopes.partialPivLu().solve(off);
+    }
+    slopes.setZero();
+    return std::vector<double>(model_.nx(), std::numeric_limits<double>::quiet_NaN());
+  }
+
+ private:
+  static constexpr int kIterations = 30;
+  static constexpr double kRounding = 1e-13;
+
+  KnotModel model_;
+  int actuators_;
+  std::vector<double> w_, parameters_;
+  std::unique_ptr<KnotWorkspace<double>> work_;
+};
+
+/// What moves the states of one knot model, and its memory in scalar arithmetic. Of a collocation
+/// the slopes of a plan belong to its whole steps, and those of parts are found anew.
+class Stepper {
+ public:
+  explicit Stepper(const KnotModel& model) : Stepper(model, model.system().as_collocation()) {}
+
+  /// The system without slopes.
+  const System& system() const { return system_; }
+  /// Its data at (x, u), before a step from there.
+  const SystemData<double>& look(const double* x, const double* u) {
+    system_.evaluate(x, u, *data_);
+    return *data_;
+  }
+  /// A step of dt from where it was looked at, in place.
+  void go(const double* u, double dt, double* x) {
+    if (implicit_) {
+      const std::vector<double> next = implicit_->go(x, u, dt);
+      std::copy(next.begin(), next.end(), x);
+      return;
+    }
+    integrate(system_, integrator_, x, u, dt, *data_, *work_);
+    std::copy(work_->next.begin(), work_->next.end(), x);
+  }
+
+ private:
+  Stepper(const KnotModel& model, const CollocationSystem* collocation)
+      : system_(collocation ? *collocation->inside() : model.system()),
+        integrator_(model.integrator()),
+        data_(system_.create_data(double{})) {
+    if (collocation)
+      implicit_.emplace(
+          std::shared_ptr<const CollocationSystem>(model.shared_system(), collocation),
+          integrator_);
+    else
+      work_.emplace(system_, integrator_);
+  }
+
+  const System& system_;
+  Integrator integrator_;
+  std::unique_ptr<SystemData<double>> data_;
+  std::optional<IntegratorWorkspace<double>> work_;
+  std::optional<CollocationStep> implicit_;
+};
+
+class Player {
+ public:
+  Player(const ShootingProblem& problem, const Trajectory& trajectory,
+         const std::vector<Eigen::MatrixXd>& gains, int substeps)
+      : problem_(problem),
+        trajectory_(trajectory),
+        gains_(gains),
+        substeps_(substeps),
+        times_(problem.times(trajectory)) {
+    span_.setConstant(problem.ndx(), kSmallSpan);
+    Eigen::VectorXd off(problem.ndx());
+    for (int k = 0; k <= problem.knots(); ++k) {
+      problem.manifold().difference(trajectory.x(0).data(), trajectory.x(k).data(), off.data());
+      span_ = span_.cwiseMax(off.cwiseAbs());
+    }
+  }
+
+  ReplayRun run(bool feedback, LimitWatch* watch) {
+    ReplayRun result;
+    Eigen::VectorXd x =
+        Eigen::Map<const Eigen::VectorXd>(problem_.initial_state().data(), problem_.nx());
+    for (int k = 0; k < problem_.knots(); ++k) {
+      step(k, feedback, x, watch, result);
+      if (!x.allFinite()) {
+        result.lost_at = k;
+        return result;
+      }
+      compare(k + 1, x, result);
+    }
+    return result;
+  }
+
+ private:
+  /// Of what hardly moves, a hundredth of a unit counts as its way.
+  static constexpr double kSmallSpan = 0.01;
+
+  Eigen::VectorXd control(int k, bool feedback, const Eigen::VectorXd& x, ReplayRun& result) {
+    Eigen::VectorXd u = trajectory_.u(k);
+    if (!feedback || u.size() == 0) return u;
+    Eigen::VectorXd off(problem_.ndx());
+    problem_.manifold().difference(trajectory_.x(k).data(), x.data(), off.data());
+    u += gains_[k] * off;
+    const KnotModel& model = *problem_.knot(k).model;
+    for (Eigen::Index i = 0; i < u.size(); ++i) {
+      const double inside =
+          std::max(model.control_lower()[i], std::min(u[i], model.control_upper()[i]));
+      result.saturated += inside != u[i] && inside != trajectory_.u(k)[i];
+      u[i] = inside;
+    }
+    return u;
+  }
+
+  void step(int k, bool feedback, Eigen::VectorXd& x, LimitWatch* watch, ReplayRun& result) {
+    const KnotView& view = problem_.knot(k);
+    auto& memory = memory_[view.model];
+    if (!memory) memory = std::make_unique<Stepper>(*view.model);
+    const System& system = memory->system();
+    const Eigen::VectorXd u = control(k, feedback, x, result);
+    const bool choice = problem_.phases()[view.phase].instant;
+    const int steps = view.dt > 0 && !choice ? substeps_ : 1;
+    const double dt = view.model->step(view.dt, x.data()) / steps;
+    for (int s = 0; s < steps; ++s) {
+      const SystemData<double>& data = memory->look(x.data(), u.data());
+      if (watch != nullptr && !choice)
+        watch->look(system, data, x.data(), k, times_[k] + s * dt, s == 0);
+      memory->go(u.data(), dt, x.data());
+      if (view.model->has_control_memory()) x.tail(system.nu()) = u.head(system.nu());
+    }
+  }
+
+  void compare(int k, const Eigen::VectorXd& x, ReplayRun& result) {
+    Eigen::VectorXd off(problem_.ndx());
+    problem_.manifold().difference(trajectory_.x(k).data(), x.data(), off.data());
+    const int own = problem_.terminal().model->system().ndx();  // without the control memory
+    Eigen::Index entry = 0;
+    const double worst = off.head(own).cwiseAbs().maxCoeff(&entry);
+    if (worst > result.deviation) {
+      result.deviation = worst;
+      result.knot = k;
+      result.entry = static_cast<int>(entry);
+    }
+    result.final_state = worst;
+    result.relative = std::max(result.relative,
+                               off.head(own).cwiseAbs().cwiseQuotient(span_.head(own)).maxCoeff());
+  }
+
+  const ShootingProblem& problem_;
+  const Trajectory& trajectory_;
+  const std::vector<Eigen::MatrixXd>& gains_;
+  const int substeps_;
+  const std::vector<double> times_;
+  Eigen::VectorXd span_;
+  std::map<const KnotModel*, std::unique_ptr<Stepper>> memory_;
+};
+
+std::string why_impossible(const ShootingProblem& problem, const Trajectory& trajectory) {
+  for (const Phase& phase : problem.phases()) {
+    if (phase.model->integrator() == Integrator::discrete)
+      return "a discrete system has no time between its knots";
+    if (phase.model->system().as_stepping() != nullptr)
+      return "steps that find their own contacts are replayed by a simulator of contacts";
+  }
+  for (int k = 0; k < problem.knots(); ++k)
+    if (!trajectory.x(k).allFinite() || !trajectory.u(k).allFinite())
+      return "the trajectory is not finite";
+  return {};
+}
+
+}  // namespace
+
+Replay replay(const ShootingProblem& problem, const Trajectory& trajectory,
+              const std::vector<Eigen::MatrixXd>& gains, int substeps) {
+  Replay result;
+  result.impossible = why_impossible(problem, trajectory);
+  if (!result.impossible.empty()) return result;
+  result.substeps = substeps;
+  Player player(problem, trajectory, gains, substeps);
+  LimitWatch watch;
+  result.controls = player.run(false, nullptr);
+  result.feedback = player.run(true, &watch);
+  result.broken = watch.broken();
+  return result;
+}
+
+}  // namespace conddp

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "ocp/problem/problem.hpp"
+#include "ocp/problem/trajectory.hpp"
+#include "solvers/common/options.hpp"
+
+namespace conddp {
+
+/// All that an answer states, in numbers; what it leaves open is not a number.
+struct SolutionClaims {
+  static constexpr double kOpen = std::numeric_limits<double>::quiet_NaN();
+
+  explicit SolutionClaims(const ShootingProblem& problem);
+
+  Trajectory trajectory;
+  std::vector<double> times;  ///< N + 1
+  bool converged = false;
+  std::string status;
+  double cost = kOpen;
+  std::vector<std::pair<std::string, double>> cost_by_name;
+  double stationarity = kOpen;
+  double gap = kOpen;
+  double constraint = kOpen;
+  double complementarity = kOpen;
+  SolverOptions::Tolerances tolerances;
+  Eigen::MatrixXd costates;        ///< ndx x (N + 1)
+  Eigen::MatrixXd state_gradient;  ///< ndx x (N + 1): ∇_x of the Lagrangian
+  /// Multipliers of the control bounds, one vector a knot; zero where the answer has none.
+  std::vector<Eigen::VectorXd> lower_multipliers, upper_multipliers;
+  /// Multipliers of the constraints, one a constraint row of the problem.
+  Eigen::VectorXd multipliers;
+  std::vector<Eigen::MatrixXd> gains;        ///< K, nu x ndx, one a knot
+  std::vector<Eigen::VectorXd> feedforward;  ///< k, nu, one a knot
+  double gain_regularization = kOpen;        ///< of the sweep that gave them
+  RegularizationKind gain_regularization_kind = RegularizationKind::proximal;
+  /// How places are called.
+  std::vector<std::string> tangent_names, control_names;
+};
+
+}  // namespace conddp

@@ -1,0 +1,94 @@
+#include "analysis/comparison/benchmark.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+namespace conddp {
+namespace {
+
+bool agrees(const AnswerCheck& check, const SolverOptions& options) {
+  const auto& tolerance = options.tolerances;
+  return check.stationarity <= kCheckFactor * tolerance.stationarity &&
+         check.gap <= kCheckFactor * tolerance.gap &&
+         check.constraint <= kCheckFactor * tolerance.constraint;
+}
+
+SolveTimes medians(const std::vector<SolveTimes>& all) {
+  const auto middle = [&](double SolveTimes::*part) {
+    std::vector<double> values;
+    for (const SolveTimes& times : all) values.push_back(times.*part);
+    return median(std::move(values));
+  };
+  return {.total = middle(&SolveTimes::total),
+          .evaluate = middle(&SolveTimes::evaluate),
+          .differentiate = middle(&SolveTimes::differentiate),
+          .sweep = middle(&SolveTimes::sweep),
+          .rollout = middle(&SolveTimes::rollout)};
+}
+
+/// Row 0 of a log is the guess.
+int sweeps(const std::vector<IterationRecord>& log) {
+  int sum = 0;
+  for (std::size_t i = 1; i < log.size(); ++i) sum += std::max(log[i].sweeps, 1);
+  return sum;
+}
+
+/// Why an answer is not taken for converged.
+std::string contradiction(const AnswerCheck& check) {
+  return fmt::format(
+      "called converged, but the check finds stationarity {:.1e}, gap {:.1e}, constraint {:.1e}",
+      check.stationarity, check.gap, check.constraint);
+}
+
+}  // namespace
+
+double median(std::vector<double> values) {
+  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
+  std::sort(values.begin(), values.end());
+  const std::size_t half = values.size() / 2;
+  return values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
+}
+
+double BenchmarkRun::spread() const {
+  if (times.empty()) return std::numeric_limits<double>::quiet_NaN();
+  const auto [smallest, largest] = std::minmax_element(times.begin(), times.end());
+  return (*largest - *smallest) / median.total;
+}
+
+BenchmarkRun run_benchmark(const ShootingProblem& problem, const Trajectory& guess,
+                           const SolverInfo& solver, const SolverOptions& options,
+                           const Repetition& repetition, Trajectory* answer) {
+  BenchmarkRun run{.solver = std::string(solver.name)};
+  int repeat = repetition.count;
+  std::vector<SolveTimes> times;
+  try {
+    const SolveResult result = solve(problem, solver, options, guess);
+    run.status = to_string(result.status);
+    run.message = result.message;
+    run.iterations = result.iterations;
+    run.sweeps = sweeps(result.log);
+    run.claimed = result.residuals;
+    run.check = check_answer(problem, result.trajectory, options.tolerances.constraint,
+                             result.constraint_multipliers);
+    run.solved = result.status == SolveStatus::converged && agrees(run.check, options);
+    if (answer != nullptr) *answer = result.trajectory;
+    if (!run.kept_word()) run.message = contradiction(run.check);
+    if (result.status == SolveStatus::time_limit || result.status == SolveStatus::interrupted ||
+        result.times.total > repetition.longest_s)
+      repeat = 0;
+    if (repeat == 0) times.push_back(result.times);
+  } catch (const std::invalid_argument& refusal) {
+    run.status = "refused";
+    run.message = refusal.what();
+    return run;
+  }
+  for (int i = 0; i < repeat; ++i) times.push_back(solve(problem, solver, options, guess).times);
+  run.median = medians(times);
+  for (const SolveTimes& time : times) run.times.push_back(time.total);
+  return run;
+}
+
+}  // namespace conddp

@@ -1,0 +1,41 @@
+#include "analysis/comparison/random_instance.hpp"
+
+#include <random>
+
+#include "solvers/common/guess.hpp"
+
+namespace conddp {
+
+ShootingProblem perturb_initial_state(const ShootingProblem& problem, double size,
+                                      std::uint64_t seed) {
+  // A first state that is chosen stays what it is chosen from. To move by nothing would round.
+  if (size == 0 || problem.phases().front().instant)
+    return {problem.initial_state(), problem.phases(), problem.terminal()};
+  std::mt19937_64 engine(seed);
+  const KnotModel& model = *problem.knot(0).model;
+  const int memory = model.has_control_memory() ? model.system().actuators() : 0;
+  std::vector<double> dx(problem.ndx(), 0.0);
+  for (int i = 0; i < problem.ndx() - memory; ++i)
+    dx[i] = size * (static_cast<double>(engine() >> 11) * 0x1p-52 - 1);
+  std::vector<double> x0 = problem.initial_state();
+  problem.manifold().integrate(x0.data(), dx.data(), x0.data());
+  return {std::move(x0), problem.phases(), problem.terminal()};
+}
+
+ProblemPath perturb_initial_state(ProblemPath homotopy, double size, std::uint64_t seed) {
+  if (!homotopy || size == 0) return homotopy;
+  return [=](double share) -> std::shared_ptr<const ShootingProblem> {
+    const auto problem = homotopy(share);
+    if (!problem) return nullptr;
+    return std::make_shared<const ShootingProblem>(perturb_initial_state(*problem, size, seed));
+  };
+}
+
+Trajectory guess_of_instance(const ShootingProblem& instance, const Trajectory& guess,
+                             const Perturbation& perturbation) {
+  Trajectory start = perturb_guess(instance, guess, perturbation.guess, perturbation.seed);
+  start.x(0) = Eigen::Map<const Eigen::VectorXd>(instance.initial_state().data(), instance.nx());
+  return start;
+}
+
+}  // namespace conddp

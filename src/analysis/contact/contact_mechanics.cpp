@@ -1,0 +1,209 @@
+#include "analysis/contact/contact_mechanics.hpp"
+
+#include <cmath>
+
+#include "robot/dynamics.hpp"
+#include "robot/frames.hpp"
+
+namespace conddp {
+namespace {
+
+/// Where the body that a candidate may touch has its reference point and axes.
+struct Other {
+  int frame;
+  SE3<double> local;
+};
+Other other_of(const ContactCandidate& candidate) {
+  if (const auto* solid = std::get_if<ContactHalfSpace>(&candidate.against))
+    return {solid->frame, SE3<double>::identity()};
+  if (const auto* sphere = std::get_if<ContactSphere>(&candidate.against))
+    return {sphere->frame, {Matrix3<double>::identity(), sphere->center}};
+  const auto& box = std::get<ContactBox>(candidate.against);
+  return {box.frame, box.placement};
+}
+
+template <class S>
+S length(const Vector3<S>& a) {
+  return sqrt(squared_norm(a));
+}
+template <>
+double length(const Vector3<double>& a) {
+  return std::sqrt(squared_norm(a));
+}
+
+/// From a box about the origin: outside from the nearest point of it, inside from the nearest face.
+template <class S>
+S box_gap(const Vector3<S>& p, const Vector3<double>& half, Vector3<S>& normal) {
+  Vector3<S> off = p;
+  bool outside = false;
+  int face = 0;
+  S depth = S(0.0);
+  for (int i = 0; i < 3; ++i) {
+    const S over = abs(p[i]) - S(half[i]);
+    const bool positive = p[i] > S(0.0);
+    if (i == 0 || over > depth) {
+      face = i;
+      depth = over;
+    }
+    if (over > S(0.0)) {
+      outside = true;
+      off[i] = positive ? over : -over;
+    } else {
+      off[i] = S(0.0);
+    }
+  }
+  if (outside) {
+    const S distance = length(off);
+    normal = (S(1.0) / distance) * off;
+    return distance;
+  }
+  normal = Vector3<S>::zero();
+  normal[face] = p[face] > S(0.0) ? S(1.0) : S(-1.0);
+  return depth;
+}
+
+}  // namespace
+
+std::vector<double> ContactPlant::applied(const double* u) const {
+  std::vector<double> force(nv(), 0.0);
+  for (int j = 0; j < nu(); ++j)
+    for (int i = 0; i < nv(); ++i) force[i] += B[j * nv() + i] * u[j];
+  return force;
+}
+
+int tangent_count(const ImplicitContacts& contacts, const ContactCandidate& candidate) {
+  if (candidate.friction == 0) return 0;
+  return contacts.plane ? 1 : 2;
+}
+
+template <class S>
+ContactMechanics<S>::ContactMechanics(const ContactPlant& plant)
+    : plant_(plant), data_(*plant.robot), instants_(plant.contacts.candidates.size()) {}
+
+template <class S>
+typename ContactMechanics<S>::Body ContactMechanics<S>::body(int frame, const SE3<double>& local) {
+  const RobotModel& robot = *plant_.robot;
+  const int nv = robot.nv;
+  Body b;
+  b.rows.assign(6 * nv, S(0.0));
+  const SE3<S> offset{local.R.template cast<S>(), local.p.template cast<S>()};
+  b.placement = offset;
+  b.origin = Vector3<S>::zero();
+  if (frame < 0) return b;
+  const SE3<S> at = frame_placement(robot, data_, frame);
+  b.placement = at * offset;
+  b.origin = at.p;
+  const std::vector<int> columns = support(robot, robot.frames[frame].joint);
+  std::vector<S> jacobian(6 * columns.size(), S(0.0));
+  frame_jacobian(robot, data_, frame, FrameAxes::world_aligned, jacobian.data());
+  for (std::size_t c = 0; c < columns.size(); ++c)
+    for (int r = 0; r < 6; ++r) b.rows[r * nv + columns[c]] = jacobian[6 * c + r];
+  return b;
+}
+
+template <class S>
+void ContactMechanics<S>::touch(const ContactCandidate& candidate, const Vector3<S>& center,
+                                const SE3<S>& other, ContactInstant<S>& out) const {
+  Vector3<S>& n = out.directions[0];
+  const S radius(candidate.sphere.radius);
+  const Vector3<S> apart = center - other.p;
+  if (const auto* solid = std::get_if<ContactHalfSpace>(&candidate.against)) {
+    n = other.R * solid->normal.cast<S>();
+    out.gap = dot(n, apart) - S(solid->offset) - radius;
+  } else if (const auto* sphere = std::get_if<ContactSphere>(&candidate.against)) {
+    const S distance = length(apart);
+    n = (S(1.0) / distance) * apart;
+    out.gap = distance - S(sphere->radius) - radius;
+  } else {
+    Vector3<S> local;
+    out.gap = box_gap(transpose_times(other.R, apart),
+                      std::get<ContactBox>(candidate.against).half_sizes, local) -
+              radius;
+    n = other.R * local;
+  }
+}
+
+/// The tangents to the normal.
+template <class S>
+void ContactMechanics<S>::complete(ContactInstant<S>& out) const {
+  const Vector3<S>& n = out.directions[0];
+  if (plant_.contacts.plane) {
+    out.directions[1] = cross(plant_.contacts.plane->template cast<S>(), n);
+    out.directions[2] = Vector3<S>::zero();
+    return;
+  }
+  const double sign = n.z < S(0.0) ? -1 : 1;
+  const S scale = S(-1.0) / (S(sign) + n.z), mixed = n.x * n.y * scale;
+  out.directions[1] = {S(1.0) + S(sign) * n.x * n.x * scale, S(sign) * mixed, S(-sign) * n.x};
+  out.directions[2] = {mixed, S(sign) + n.y * n.y * scale, -n.y};
+}
+
+template <class S>
+const std::vector<ContactInstant<S>>& ContactMechanics<S>::look(const S* q) {
+  update_placements(*plant_.robot, q, data_);
+  const int nv = plant_.nv();
+  for (std::size_t i = 0; i < instants_.size(); ++i) {
+    const ContactCandidate& candidate = plant_.contacts.candidates[i];
+    ContactInstant<S>& out = instants_[i];
+    const Body first =
+        body(candidate.sphere.frame, {Matrix3<double>::identity(), candidate.sphere.center});
+    const Other place = other_of(candidate);
+    const Body second = body(place.frame, place.local);
+    touch(candidate, first.placement.p, second.placement, out);
+    complete(out);
+    out.point = first.placement.p - S(candidate.sphere.radius) * out.directions[0];
+    const Vector3<S> opposite = out.point - out.gap * out.directions[0];
+    const Vector3<S> arm = out.point - first.origin, arm2 = opposite - second.origin;
+    out.rows.assign(3 * nv, S(0.0));
+    const int rows = 1 + tangent_count(plant_.contacts, candidate);
+    for (int c = 0; c < nv; ++c) {
+      const auto velocity = [&](const Body& b, const Vector3<S>& r) {
+        const Vector3<S> linear{b.rows[c], b.rows[nv + c], b.rows[2 * nv + c]};
+        const Vector3<S> angular{b.rows[3 * nv + c], b.rows[4 * nv + c], b.rows[5 * nv + c]};
+        return linear + cross(angular, r);
+      };
+      const Vector3<S> relative = velocity(first, arm) - velocity(second, arm2);
+      for (int r = 0; r < rows; ++r) out.rows[r * nv + c] = dot(out.directions[r], relative);
+    }
+  }
+  return instants_;
+}
+
+template <class S>
+const std::vector<S>& ContactMechanics<S>::load(const S* q, const S* v, const S* a) {
+  inverse_dynamics(*plant_.robot, q, v, a, data_);
+  load_.assign(data_.tau.begin(), data_.tau.end());
+  for (int i = 0; i < plant_.nv(); ++i) load_[i] = load_[i] + resistance(i, v[i]);
+  return load_;
+}
+
+template <class S>
+S ContactMechanics<S>::resistance(int i, const S& v) const {
+  S force(0.0);
+  if (!plant_.damping.empty()) force = S(plant_.damping[i]) * v;
+  if (plant_.smooth_friction.empty() || plant_.smooth_friction[i] == 0) return force;
+  // Beyond 20 tanh is ±1 to the last digit, and exp stays finite.
+  const S x = max(S(-20.0), min(S(20.0), v * (1 / plant_.friction_velocity)));
+  return force + S(plant_.smooth_friction[i]) * (S(1.0) - S(2.0) / (exp(x + x) + S(1.0)));
+}
+
+template <class S>
+const std::vector<S>& ContactMechanics<S>::kinetic_slope(const S* q, const S* v) {
+  const RobotModel& robot = *plant_.robot;
+  update_placements(robot, q, data_);
+  update_velocities(robot, v, data_);
+  update_composite_inertias(robot, data_);
+  std::vector<Force<S>> momentum;
+  for (int j = 0; j < robot.joint_count(); ++j) momentum.push_back(data_.body[j] * data_.v[j]);
+  slope_.assign(robot.nv, S(0.0));
+  for (int j = robot.joint_count() - 1; j >= 0; --j) {
+    slope_[robot.joints[j].v] = dot(data_.psi_dot[j], momentum[j]);
+    if (robot.joints[j].parent >= 0) momentum[robot.joints[j].parent] += momentum[j];
+  }
+  return slope_;
+}
+
+template class ContactMechanics<double>;
+template class ContactMechanics<Dual<double>>;
+
+}  // namespace conddp

@@ -1,0 +1,73 @@
+#include "analysis/contact/contact_motion.hpp"
+
+#include "systems/contact/stepping_system.hpp"
+
+namespace conddp {
+namespace {
+
+ContactPlant plant_of(const SteppingSystem& system) {
+  const MultibodySystem& robot = system.multibody();
+  ContactPlant plant;
+  plant.robot = robot.shared_robot();
+  plant.B = robot.actuation().B;
+  plant.contacts = system.contacts();
+  const PassiveForces& passive = robot.passive();
+  for (const Joint& joint : plant.robot->joints) {
+    if (passive.damping) plant.damping.insert(plant.damping.end(), joint.nv(), joint.damping);
+    if (passive.friction)
+      plant.smooth_friction.insert(plant.smooth_friction.end(), joint.nv(), joint.friction);
+  }
+  plant.friction_velocity = passive.friction_velocity;
+  return plant;
+}
+
+/// The forces among the controls of a step.
+StepForces forces_of(const SteppingSystem& system, const Eigen::VectorXd& w) {
+  const SteppingLayout& layout = system.layout();
+  const ImplicitContacts& contacts = system.contacts();
+  StepForces forces(contacts);
+  for (std::size_t c = 0; c < layout.candidates.size(); ++c) {
+    const SteppingLayout::Candidate& at = layout.candidates[c];
+    forces.contact(0, c) = w[at.force];
+    for (int i = 0; i < at.friction.count; i += 2)
+      forces.contact(1 + i / 2, c) = w[at.friction.force[i]] - w[at.friction.force[i + 1]];
+    for (int i = 0; at.cone.present && i < 2; ++i) forces.contact(1 + i, c) = w[at.cone.force[i]];
+  }
+  for (const SteppingLayout::Stop& stop : layout.stops)
+    for (std::size_t s = 0; s < contacts.stops.size(); ++s)
+      if (contacts.stops[s].joint == stop.joint)
+        (stop.upper ? forces.stop_upper : forces.stop_lower)[s] = w[stop.force];
+  for (std::size_t f = 0; f < layout.frictions.size(); ++f)
+    forces.friction[f] = w[layout.frictions[f].force[0]] - w[layout.frictions[f].force[1]];
+  return forces;
+}
+
+}  // namespace
+
+std::optional<ContactMotion> contact_motion(const ShootingProblem& problem,
+                                            const Trajectory& trajectory) {
+  const int first = problem.phases().front().instant ? 1 : 0;
+  const KnotModel& model = *problem.knot(first).model;
+  const auto* system = model.system().as_stepping();
+  if (system == nullptr) return std::nullopt;
+  ContactMotion motion;
+  motion.first_knot = first;
+  motion.plant = plant_of(*system);
+  const int nq = system->nq(), nv = system->nv(), actuators = system->layout().actuators;
+  const auto bounds = [&](const auto& all) {
+    return Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(all.data(), actuators));
+  };
+  motion.u_lower = bounds(model.control_lower());
+  motion.u_upper = bounds(model.control_upper());
+  for (int k = first; k <= problem.knots(); ++k) {
+    motion.q.push_back(trajectory.x(k).head(nq));
+    motion.v.push_back(trajectory.x(k).segment(nq, nv));
+    if (k == problem.knots()) break;
+    motion.h.push_back(problem.knot(k).dt);
+    motion.u.push_back(trajectory.u(k).head(actuators));
+    motion.forces.push_back(forces_of(*system, trajectory.u(k)));
+  }
+  return motion;
+}
+
+}  // namespace conddp

@@ -1,0 +1,93 @@
+#include "analysis/contact/contact_sequence.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace conddp {
+namespace {
+
+/// One candidate over all steps.
+struct Track {
+  std::vector<bool> closed, near, slips;
+};
+
+/// Turns runs of `value` that are shorter than `shortest` and lie between others into the opposite,
+/// where `allowed` says so of every step of them.
+template <class Allowed>
+void drop_short_runs(std::vector<bool>& steps, bool value, int shortest, Allowed allowed) {
+  const int n = static_cast<int>(steps.size());
+  for (int first = 0; first < n;) {
+    int end = first;
+    while (end < n && steps[end] == steps[first]) ++end;
+    bool drop = steps[first] == value && first > 0 && end < n && end - first < shortest;
+    for (int k = first; drop && k < end; ++k) drop = allowed(k);
+    if (drop) std::fill(steps.begin() + first, steps.begin() + end, !value);
+    first = end;
+  }
+}
+
+std::vector<Track> tracks(const ContactMotion& motion, const ContactSequenceOptions& options) {
+  const int count = static_cast<int>(motion.plant.contacts.candidates.size());
+  const double force = options.share * impulse_scale(motion.plant, 1);
+  std::vector<Track> all(count);
+  ContactMechanics<double> mechanics(motion.plant);
+  std::vector<bool> touches(count);
+  for (int k = 0; k <= motion.steps(); ++k) {
+    const auto& instants = mechanics.look(motion.q[k].data());
+    for (int c = 0; c < count; ++c) {
+      if (k > 0) {
+        const Eigen::VectorXd& v = motion.v[k];
+        const Eigen::Map<const Eigen::MatrixXd> rows(instants[c].rows.data(), v.size(), 3);
+        all[c].slips.push_back((rows.rightCols<2>().transpose() * v).norm() > options.slip);
+      }
+      touches[c] = instants[c].gap <= options.gap;
+      if (k == motion.steps()) continue;
+      all[c].near.push_back(touches[c]);
+      all[c].closed.push_back(touches[c] && motion.forces[k].contact(0, c) > force);
+    }
+  }
+  for (Track& track : all) {
+    drop_short_runs(track.closed, false, options.shortest, [&](int k) { return track.near[k]; });
+    drop_short_runs(track.closed, true, options.shortest, [](int) { return true; });
+  }
+  return all;
+}
+
+}  // namespace
+
+bool ContactStretch::lands() const {
+  return std::find(landing.begin(), landing.end(), true) != landing.end();
+}
+
+std::vector<ContactStretch> contact_sequence(const ContactMotion& motion,
+                                             const ContactSequenceOptions& options) {
+  const std::vector<Track> all = tracks(motion, options);
+  const int count = static_cast<int>(all.size());
+  const double force = options.share * impulse_scale(motion.plant, 1);
+  std::vector<ContactStretch> list;
+  for (int k = 0; k < motion.steps(); ++k) {
+    std::vector<bool> closed(count);
+    for (int c = 0; c < count; ++c) closed[c] = all[c].closed[k];
+    if (list.empty() || list.back().closed != closed) {
+      ContactStretch next{.first = k, .closed = closed};
+      next.slides.assign(count, false);
+      next.landing.assign(count, false);
+      next.pushes.resize(count);
+      for (int c = 0; c < count && k > 0; ++c)
+        next.landing[c] = closed[c] && !list.back().closed[c];
+      list.push_back(std::move(next));
+    }
+    ContactStretch& stretch = list.back();
+    ++stretch.steps;
+    for (int c = 0; c < count; ++c) {
+      if (closed[c] && all[c].slips[k]) stretch.slides[c] = true;
+      const double pushing = motion.forces[k].contact(0, c);
+      if (closed[c] || pushing <= force) continue;
+      ++stretch.pushes[c].steps;
+      stretch.pushes[c].largest = std::max(stretch.pushes[c].largest, pushing);
+    }
+  }
+  return list;
+}
+
+}  // namespace conddp

@@ -1,0 +1,457 @@
+#include "analysis/contact/contact_simulator.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <Eigen/QR>
+
+#include "analysis/contact/linear_complementarity.hpp"
+#include "analysis/contact/rigid_step.hpp"
+
+namespace conddp {
+namespace {
+
+/// Where pivoting meets a tie that rounding decides wrongly, a little compliance resolves it;
+/// Newton's iterations see how little it changes.
+std::optional<Eigen::VectorXd> solve_nearly(Eigen::MatrixXd M, const Eigen::VectorXd& q) {
+  const double size = M.size() == 0 ? 0 : M.cwiseAbs().maxCoeff();
+  double added = 0;
+  for (const double share : {0.0, 1e-13, 1e-12, 1e-11, 1e-10}) {
+    M.diagonal().array() += share * size - added;
+    added = share * size;
+    if (auto z = solve_lcp(M, q)) return z;
+  }
+  return std::nullopt;
+}
+
+/// Slower than that a contact counts as sticking when its pyramid is turned, m/s.
+constexpr double kSlip = 1e-10;
+/// Residual from which on a contact that slips faster than kClearSlip keeps to slipping.
+constexpr double kNearStep = 1e-3, kClearSlip = 1e-6;
+
+}  // namespace
+
+std::string_view to_string(StepStatus status) {
+  switch (status) {
+    case StepStatus::solved:
+      return "solved";
+    case StepStatus::unsolved:
+      return "unsolved";
+    case StepStatus::no_contact:
+      return "no contact forces found";
+    case StepStatus::not_finite:
+      break;
+  }
+  return "not finite";
+}
+
+/// All complementary pairs 0 ≤ z ⊥ w ≥ 0 at an iterate: z are impulses (N s) or slacks of speed
+/// (m/s), w = value + slope dv + coupling z velocities or impulses.
+struct ContactSimulator::Pairs {
+  Eigen::VectorXd value;
+  Eigen::MatrixXd slope;     ///< pairs x nv
+  Eigen::MatrixXd push;      ///< pairs x nv: transposed, generalised impulses per unit of z
+  Eigen::MatrixXd coupling;  ///< pairs x pairs
+  std::vector<bool> budget;  ///< whether w is an impulse and z a speed, else the other way round
+
+  Pairs(int count, int nv)
+      : value(Eigen::VectorXd::Zero(count)),
+        slope(Eigen::MatrixXd::Zero(count, nv)),
+        push(Eigen::MatrixXd::Zero(count, nv)),
+        coupling(Eigen::MatrixXd::Zero(count, count)),
+        budget(count, false) {}
+};
+
+ContactSimulator::ContactSimulator(const ContactPlant& plant, ContactSimulatorOptions options)
+    : plant_(plant),
+      options_(options),
+      slopes_(plant_),
+      pyramid_(Eigen::VectorXd::Zero(plant.contacts.candidates.size())),
+      heading_(Eigen::Matrix2Xd::Zero(2, plant.contacts.candidates.size())) {
+  for (const ContactCandidate& candidate : plant_.contacts.candidates) {
+    const int tangents = tangent_count(plant_.contacts, candidate);
+    pairs_ += tangents == 0 ? 1 : 2 + 2 * tangents;
+  }
+  for (const JointStop& stop : plant_.contacts.stops)
+    pairs_ += (stop.lower > -kUnlimited) + (stop.upper < kUnlimited);
+  pairs_ += 3 * static_cast<int>(plant_.contacts.frictions.size());
+}
+
+/// Values and slopes with respect to v at the iterate, one direction of dual numbers at a time.
+void ContactSimulator::linearize(const StepStart& start, const ContactStep& at, bool with_forces) {
+  const int n = plant_.nv();
+  const std::size_t count = plant_.contacts.candidates.size();
+  gap_.resize(count);
+  rows_.assign(count, Eigen::Matrix3Xd::Zero(3, n));
+  slope_.assign(count, Eigen::Matrix3Xd::Zero(3, n));
+  A_.resize(n, n);
+  impulse_.resize(n);
+  using D = Dual<double>;
+  for (int i = 0; i < n; ++i) {
+    std::vector<D> v(n);
+    for (int j = 0; j < n; ++j) v[j] = D(at.v[j], i == j ? 1.0 : 0.0);
+    const auto& instants = slopes_.end(start, v.data());
+    std::vector<D> pushed(n, D(0.0));
+    if (with_forces) slopes_.add_forces(start.h, at.forces, pushed);
+    for (std::size_t c = 0; c < count; ++c) {
+      gap_[c] = instants[c].gap.v;
+      for (int r = 0; r < 3; ++r) {
+        D velocity(0.0);
+        for (int j = 0; j < n; ++j) {
+          velocity = velocity + instants[c].rows[r * n + j] * v[j];
+          rows_[c](r, j) = instants[c].rows[r * n + j].v;
+        }
+        slope_[c](r, i) = velocity.d;
+      }
+      slope_[c](0, i) = instants[c].gap.d / start.h;
+    }
+    const std::vector<D>& needed = slopes_.free_impulse(start, v.data());
+    for (int j = 0; j < n; ++j) {
+      impulse_[j] = needed[j].v;
+      A_(j, i) = needed[j].d - pushed[j].d;
+    }
+  }
+}
+
+ContactSimulator::Pairs ContactSimulator::assemble(const StepStart& start, const ContactStep& at,
+                                                   bool with_slopes) const {
+  Pairs pairs(pairs_, plant_.nv());
+  int row = 0;
+  /// Friction along a basis of tangents: both signs of each, then the slack of speed. The budget is
+  /// constant plus factor times the pair `normal`.
+  const auto friction = [&](const Eigen::MatrixXd& tangents, const Eigen::MatrixXd& slopes,
+                            double constant, double factor, int normal) {
+    const int first = row, slack = row + 2 * static_cast<int>(tangents.rows());
+    for (int t = 0; t < tangents.rows(); ++t)
+      for (const double sign : {1.0, -1.0}) {
+        pairs.value[row] = sign * tangents.row(t).dot(at.v);
+        pairs.slope.row(row) = sign * slopes.row(t);
+        pairs.push.row(row) = sign * tangents.row(t);
+        pairs.coupling(row++, slack) = 1;
+      }
+    pairs.value[slack] = constant;
+    pairs.budget[slack] = true;
+    if (normal >= 0) pairs.coupling(slack, normal) = factor;
+    pairs.coupling.row(slack).segment(first, slack - first).setConstant(-1);
+    ++row;
+  };
+  for (std::size_t c = 0; c < plant_.contacts.candidates.size(); ++c) {
+    const ContactCandidate& candidate = plant_.contacts.candidates[c];
+    const int normal = row, tangents = tangent_count(plant_.contacts, candidate);
+    pairs.value[row] = gap_[c] / start.h;
+    pairs.push.row(row) = rows_[c].row(0);
+    pairs.slope.row(row) = with_slopes ? slope_[c].row(0) : rows_[c].row(0);
+    if (candidate.stiffness)
+      pairs.coupling(row, row) = 1 / (*candidate.stiffness * start.h * start.h);
+    ++row;
+    if (tangents == 0) continue;
+    if (tangents == 2 && !heading_.col(c).isZero(0)) {
+      // Friction goes with the normal force; the pairs of the pyramid stay as they are, at rest.
+      pairs.push.row(normal) -=
+          candidate.friction * heading_.col(c).transpose() * rows_[c].bottomRows<2>();
+      pairs.value.segment(row, 5).setOnes();
+      row += 5;
+      continue;
+    }
+    Eigen::MatrixXd turn = Eigen::MatrixXd::Identity(tangents, tangents);
+    if (tangents == 2) turn = Eigen::Rotation2Dd(-pyramid_[c]).toRotationMatrix();
+    const Eigen::MatrixXd basis = turn * rows_[c].middleRows(1, tangents);
+    friction(basis, with_slopes ? turn * slope_[c].middleRows(1, tangents) : basis, 0,
+             candidate.friction, normal);
+  }
+  const auto joint = [&](int index) {
+    Eigen::RowVectorXd axis = Eigen::RowVectorXd::Zero(plant_.nv());
+    axis[plant_.robot->joints[index].v] = 1;
+    return axis;
+  };
+  for (const JointStop& stop : plant_.contacts.stops) {
+    const Eigen::RowVectorXd axis = joint(stop.joint);
+    const double q = start.q[plant_.robot->joints[stop.joint].q] + start.h * axis.dot(at.v);
+    for (const bool lower : {true, false}) {
+      const double limit = lower ? stop.lower : stop.upper, sign = lower ? 1 : -1;
+      if (!std::isfinite(limit)) continue;
+      pairs.value[row] = sign * (q - limit) / start.h;
+      pairs.slope.row(row) = pairs.push.row(row) = sign * axis;
+      ++row;
+    }
+  }
+  for (const JointFriction& dry : plant_.contacts.frictions) {
+    const Eigen::RowVectorXd axis = joint(dry.joint);
+    friction(axis, axis, dry.limit * start.h, 0, -1);
+  }
+  return pairs;
+}
+
+/// The forces that the impulses z stand for.
+StepForces ContactSimulator::forces(const Eigen::VectorXd& z, double h) const {
+  StepForces f(plant_.contacts);
+  int row = 0;
+  for (std::size_t c = 0; c < plant_.contacts.candidates.size(); ++c) {
+    const int tangents = tangent_count(plant_.contacts, plant_.contacts.candidates[c]);
+    f.contact(0, c) = z[row++] / h;
+    if (tangents == 0) continue;
+    for (int t = 0; t < tangents; ++t, row += 2) f.contact(1 + t, c) = (z[row] - z[row + 1]) / h;
+    ++row;
+    if (tangents == 2 && !heading_.col(c).isZero(0))
+      f.contact.col(c).tail<2>() =
+          -plant_.contacts.candidates[c].friction * f.contact(0, c) * heading_.col(c);
+    else if (tangents == 2)
+      f.contact.col(c).tail<2>() = Eigen::Rotation2Dd(pyramid_[c]) * f.contact.col(c).tail<2>();
+  }
+  for (std::size_t s = 0; s < plant_.contacts.stops.size(); ++s) {
+    const JointStop& stop = plant_.contacts.stops[s];
+    if (std::isfinite(stop.lower)) f.stop_lower[s] = z[row++] / h;
+    if (std::isfinite(stop.upper)) f.stop_upper[s] = z[row++] / h;
+  }
+  for (std::size_t d = 0; d < plant_.contacts.frictions.size(); ++d, row += 3)
+    f.friction[d] = (z[row] - z[row + 1]) / h;
+  return f;
+}
+
+/// The other way round; slips are those of v.
+Eigen::VectorXd ContactSimulator::impulses(const StepForces& forces, const Eigen::VectorXd& v,
+                                           double h) const {
+  Eigen::VectorXd z = Eigen::VectorXd::Zero(pairs_);
+  int row = 0;
+  const auto friction = [&](const Eigen::VectorXd& force, const Eigen::VectorXd& slip) {
+    for (Eigen::Index t = 0; t < force.size(); ++t) {
+      z[row++] = h * std::max(force[t], 0.0);
+      z[row++] = h * std::max(-force[t], 0.0);
+    }
+    z[row++] = slip.cwiseAbs().maxCoeff();
+  };
+  for (std::size_t c = 0; c < plant_.contacts.candidates.size(); ++c) {
+    const int tangents = tangent_count(plant_.contacts, plant_.contacts.candidates[c]);
+    z[row++] = h * std::max(forces.contact(0, c), 0.0);
+    if (tangents == 0) continue;
+    if (tangents == 2 && !heading_.col(c).isZero(0)) {
+      row += 5;
+      continue;
+    }
+    Eigen::MatrixXd turn = Eigen::MatrixXd::Identity(tangents, tangents);
+    if (tangents == 2) turn = Eigen::Rotation2Dd(-pyramid_[c]).toRotationMatrix();
+    friction(turn * forces.contact.col(c).segment(1, tangents),
+             turn * rows_[c].middleRows(1, tangents) * v);
+  }
+  for (std::size_t s = 0; s < plant_.contacts.stops.size(); ++s) {
+    const JointStop& stop = plant_.contacts.stops[s];
+    if (std::isfinite(stop.lower)) z[row++] = h * std::max(forces.stop_lower[s], 0.0);
+    if (std::isfinite(stop.upper)) z[row++] = h * std::max(forces.stop_upper[s], 0.0);
+  }
+  for (std::size_t d = 0; d < plant_.contacts.frictions.size(); ++d) {
+    const int joint = plant_.robot->joints[plant_.contacts.frictions[d].joint].v;
+    friction(forces.friction.segment(d, 1), v.segment(joint, 1));
+  }
+  return z;
+}
+
+/// Turns the pyramids of a cone to where slip and force would both point: along the slip that there
+/// would be without friction at that contact. Near a solution those that slip keep to that, against
+/// the heading of the last slip: pyramids that are all but parallel have solutions beside it. The
+/// largest angle by which a slip is off its pyramid or heading.
+double ContactSimulator::turn_pyramids(const StepStart& start, const ContactStep& at,
+                                       double residual) {
+  double off = 0;
+  if (plant_.contacts.friction != FrictionModel::cone) return off;
+  std::vector<std::pair<std::size_t, Eigen::Vector2d>> slips;
+  for (std::size_t c = 0; c < plant_.contacts.candidates.size(); ++c) {
+    if (tangent_count(plant_.contacts, plant_.contacts.candidates[c]) != 2) continue;
+    const Eigen::Matrix2Xd tangents = rows_[c].bottomRows<2>();
+    const Eigen::Vector2d slip = tangents * at.v, force = at.forces.contact.col(c).tail<2>();
+    const bool bears = at.forces.contact(0, c) > 0, kept = !heading_.col(c).isZero(0);
+    const double angle = std::atan2(slip.y(), slip.x());
+    if (kept) {
+      const double turn = angle - std::atan2(heading_(1, c), heading_(0, c));
+      if (bears) off = std::max(off, std::abs(std::remainder(turn, 2 * std::numbers::pi)));
+    } else if (bears && slip.norm() > kSlip) {
+      // A quarter of a turn makes the same pyramid.
+      off = std::max(off, std::abs(std::remainder(angle - pyramid_[c], std::numbers::pi / 2)));
+    }
+    const Eigen::Matrix2d mobility =
+        start.h * tangents * A_.partialPivLu().solve(tangents.transpose());
+    const Eigen::Vector2d along = slip - 0.5 * mobility.trace() * force;
+    if (along.norm() > 0) pyramid_[c] = std::atan2(along.y(), along.x());
+    if (bears && slip.norm() > kClearSlip) slips.emplace_back(c, slip.normalized());
+  }
+  heading_.setZero();
+  if (residual + off < kNearStep)
+    for (const auto& [c, heading] : slips) heading_.col(c) = heading;
+  return off;
+}
+
+/// A_ with what friction changes where the headings of contacts that keep to slipping turn.
+Eigen::MatrixXd ContactSimulator::turning_slope(const StepStart& start,
+                                                const ContactStep& at) const {
+  Eigen::MatrixXd slope = A_;
+  for (std::size_t c = 0; c < rows_.size(); ++c) {
+    if (heading_.col(c).isZero(0)) continue;
+    const Eigen::Vector2d heading = heading_.col(c);
+    const double speed = heading.dot(rows_[c].bottomRows<2>() * at.v);
+    const double impulse =
+        start.h * plant_.contacts.candidates[c].friction * at.forces.contact(0, c);
+    const Eigen::Matrix2d across = Eigen::Matrix2d::Identity() - heading * heading.transpose();
+    slope +=
+        impulse / speed * rows_[c].bottomRows<2>().transpose() * across * slope_[c].bottomRows<2>();
+  }
+  return slope;
+}
+
+/// Of the equations at the iterate with impulses z; linearize() must have seen the iterate.
+double ContactSimulator::residual(const StepStart& start, const ContactStep& at,
+                                  const Eigen::VectorXd& z) const {
+  const double scale = impulse_scale(plant_, start.h);
+  const Pairs pairs = assemble(start, at, false);
+  const Eigen::VectorXd w = pairs.value + pairs.coupling * z;
+  double worst = (impulse_ - pairs.push.transpose() * z).cwiseAbs().maxCoeff() / scale;
+  for (int i = 0; i < pairs_; ++i) {
+    const double gap =
+        pairs.budget[i] ? std::min(w[i] / scale, z[i]) : std::min(w[i], z[i] / scale);
+    worst = std::max(worst, std::abs(gap));
+  }
+  return worst;
+}
+
+ContactStep ContactSimulator::step(const StepStart& start) {
+  ContactStep taken = step_by_pivoting(start);
+  if (taken.status == StepStatus::solved || taken.status == StepStatus::not_finite) return taken;
+  ContactStep from{StepStatus::unsolved,        start.q,          start.v,
+                   StepForces(plant_.contacts), taken.iterations, kUnlimited};
+  const ContactStep swept = step_by_sweeps(start, from);
+  if (!(swept.residual < taken.residual)) return taken;
+  taken = swept;
+  if (taken.residual <= options_.tolerance) taken.status = StepStatus::solved;
+  return taken;
+}
+
+ContactStep ContactSimulator::step(const StepStart& start, const ContactStep& near) {
+  const ContactStep taken = step_in_mode(start, near);
+  return taken.status == StepStatus::solved ? taken : step(start);
+}
+
+/// Takes an iterate on by dv, with impulses z.
+void ContactSimulator::move(const StepStart& start, const Eigen::VectorXd& z,
+                            const Eigen::VectorXd& dv, ContactStep& at) {
+  at.v += dv;
+  const Eigen::VectorXd reach = start.h * at.v;
+  move_configuration(*plant_.robot, start.q.data(), reach.data(), at.q.data());
+  at.forces = forces(z, start.h);
+  ++at.iterations;
+}
+
+/// Newton's method with the pairs split as `near` has them: of each pair the smaller one vanishes.
+/// That leaves equations, the least-squares solution of which is one where contacts share a load.
+ContactStep ContactSimulator::step_in_mode(const StepStart& start, const ContactStep& near) {
+  ContactStep at{StepStatus::unsolved, start.q, near.v, near.forces, 0, kUnlimited};
+  const Eigen::VectorXd reach = start.h * at.v;
+  move_configuration(*plant_.robot, start.q.data(), reach.data(), at.q.data());
+  pyramid_.setZero();
+  heading_.setZero();
+  linearize(start, at, true);
+  turn_pyramids(start, at, 0);
+  const double scale = impulse_scale(plant_, start.h);
+  std::vector<int> active;
+  {
+    const Eigen::VectorXd z = impulses(at.forces, at.v, start.h);
+    const Pairs pairs = assemble(start, at, false);
+    const Eigen::VectorXd w = pairs.value + pairs.coupling * z;
+    std::vector<bool> chosen(pairs_);
+    for (int i = 0; i < pairs_; ++i)
+      chosen[i] = pairs.budget[i] ? z[i] > w[i] / scale : z[i] / scale > w[i];
+    // Where a contact slips, an edge against the slip says how fast, also one without a force.
+    for (int b = 0; b < pairs_; ++b) {
+      if (!pairs.budget[b] || !chosen[b]) continue;
+      int slowest = -1;
+      for (int i = 0; i < pairs_; ++i)
+        if (pairs.coupling(i, b) == 1 && (slowest < 0 || w[i] < w[slowest])) slowest = i;
+      if (slowest >= 0) chosen[slowest] = true;
+    }
+    for (int i = 0; i < pairs_; ++i)
+      if (chosen[i]) active.push_back(i);
+  }
+  ContactStep best = at;
+  for (int k = 0; k < options_.max_iterations; ++k) {
+    const Pairs pairs = assemble(start, at, true);
+    if (!A_.allFinite() || !impulse_.allFinite() || !pairs.value.allFinite()) break;
+    const Eigen::PartialPivLU<Eigen::MatrixXd> lu(turning_slope(start, at));
+    Eigen::MatrixXd pushed(A_.rows(), pairs.push.rows());
+    if (pushed.size() > 0) pushed = lu.solve(pairs.push.transpose());
+    const Eigen::VectorXd free = lu.solve(impulse_);
+    Eigen::VectorXd z = Eigen::VectorXd::Zero(pairs_);
+    if (!active.empty()) {
+      const Eigen::MatrixXd M = pairs.slope * pushed + pairs.coupling;
+      const Eigen::VectorXd q = pairs.value - pairs.slope * free;
+      const Eigen::MatrixXd some = M(active, active);
+      const Eigen::VectorXd wanted = -q(active);
+      const Eigen::VectorXd found = some.completeOrthogonalDecomposition().solve(wanted);
+      z(active) = found;
+    }
+    move(start, z, pushed * z - free, at);
+    if (!at.v.allFinite() || !at.forces.finite()) break;
+    linearize(start, at, true);
+    const double before = at.residual;
+    at.residual = residual(start, at, z);
+    at.residual += turn_pyramids(start, at, at.residual);
+    if (!(at.residual < kUnlimited)) break;
+    if (at.residual < best.residual) best = at;
+    if (best.residual <= options_.tolerance && at.residual >= 0.1 * before) break;
+    if (best.residual <= kRounding) break;
+  }
+  if (best.residual <= options_.tolerance) best.status = StepStatus::solved;
+  return best;
+}
+
+ContactStep ContactSimulator::step_by_pivoting(const StepStart& start) {
+  ContactStep at{StepStatus::unsolved,        start.q, start.v,
+                 StepForces(plant_.contacts), 0,       kUnlimited};
+  const auto give_up = [&](StepStatus status) {
+    ContactStep still{status, start.q, start.v, StepForces(plant_.contacts), at.iterations};
+    still.residual = kUnlimited;
+    return still;
+  };
+  if (!start.q.allFinite() || !start.v.allFinite() || !start.applied.allFinite())
+    return give_up(StepStatus::not_finite);
+  pyramid_.setZero();
+  heading_.setZero();
+  ContactStep best = at;
+  linearize(start, at, true);
+  for (int k = 0; k < options_.max_iterations; ++k) {
+    const bool careful = k >= options_.max_iterations / 2;
+    std::optional<Eigen::VectorXd> z;
+    Eigen::VectorXd dv;
+    for (const bool exact : {true, false}) {
+      if (exact && careful) continue;
+      if (!exact) linearize(start, at, false);
+      const Pairs pairs = assemble(start, at, exact);
+      if (!A_.allFinite() || !impulse_.allFinite() || !pairs.value.allFinite())
+        return give_up(StepStatus::not_finite);
+      const Eigen::PartialPivLU<Eigen::MatrixXd> lu(turning_slope(start, at));
+      // Without pairs there is nothing to solve, not even for no columns: that reads the first one.
+      Eigen::MatrixXd pushed(A_.rows(), pairs.push.rows());
+      if (pushed.size() > 0) pushed = lu.solve(pairs.push.transpose());
+      const Eigen::VectorXd free = lu.solve(impulse_);
+      z = solve_nearly(pairs.slope * pushed + pairs.coupling, pairs.value - pairs.slope * free);
+      if (!z) continue;
+      dv = pushed * *z - free;
+      break;
+    }
+    if (!z) return best.residual < kUnlimited ? best : give_up(StepStatus::no_contact);
+    move(start, *z, dv, at);
+    if (!at.v.allFinite() || !at.forces.finite()) return give_up(StepStatus::not_finite);
+    linearize(start, at, true);
+    const double before = at.residual;
+    at.residual = residual(start, at, *z);
+    at.residual += turn_pyramids(start, at, at.residual);
+    if (!(at.residual < kUnlimited)) return give_up(StepStatus::not_finite);
+    if (at.residual < best.residual) best = at;
+    // On to the last digits while Newton's method still gains some.
+    if (best.residual <= options_.tolerance && at.residual >= 0.1 * before) break;
+    if (best.residual <= kRounding) break;
+  }
+  if (best.residual <= options_.tolerance) best.status = StepStatus::solved;
+  return best;
+}
+
+}  // namespace conddp

@@ -1,0 +1,106 @@
+#include "analysis/contact/linear_complementarity.hpp"
+
+#include <cmath>
+#include <vector>
+
+namespace conddp {
+namespace {
+
+/// The tableau w − M z − d z₀ = q, with columns w, z, z₀ and the right-hand side; its first n
+/// columns are always the inverse of the basis.
+class Lemke {
+ public:
+  Lemke(const Eigen::MatrixXd& M, const Eigen::VectorXd& q)
+      : n_(static_cast<int>(q.size())), tableau_(n_, 2 * n_ + 2), basis_(n_) {
+    tableau_ << Eigen::MatrixXd::Identity(n_, n_), -M, Eigen::VectorXd::Constant(n_, -1.0), q;
+    for (int i = 0; i < n_; ++i) basis_[i] = i;
+  }
+
+  std::optional<Eigen::VectorXd> solve() {
+    int row = 0;
+    if (rhs().minCoeff(&row) >= 0) return Eigen::VectorXd::Zero(n_);
+    // z₀ enters where q is lowest, and of several such rows where it is so lexicographically.
+    for (int i = 0; i < n_; ++i)
+      if (i != row && lower_start(i, row)) row = i;
+    int entering = 2 * n_;
+    const int pivots = 50 + 20 * n_;
+    for (int k = 0; k < pivots; ++k) {
+      const int leaving = basis_[row];
+      pivot(row, entering);
+      if (!rhs().allFinite()) return std::nullopt;
+      if (leaving == 2 * n_) return answer();
+      entering = leaving < n_ ? leaving + n_ : leaving - n_;
+      row = ratio_test(entering);
+      if (row < 0) return std::nullopt;
+    }
+    return std::nullopt;
+  }
+
+ private:
+  static constexpr double kZero = 1e-12;
+
+  Eigen::MatrixXd::ConstColXpr rhs() const { return tableau_.col(2 * n_ + 1); }
+
+  bool lower_start(int i, int row) const {
+    const double difference = rhs()[i] - rhs()[row];
+    if (difference != 0) return difference < 0;
+    return i > row;  // rows of the identity: the later one is lexicographically lower
+  }
+
+  void pivot(int row, int column) {
+    tableau_.row(row) /= tableau_(row, column);
+    for (int i = 0; i < n_; ++i) {
+      if (i == row) continue;
+      const double factor = tableau_(i, column);
+      if (factor != 0) tableau_.row(i) -= factor * tableau_.row(row);
+    }
+    basis_[row] = column;
+  }
+
+  /// The row that gives way first, −1 where none does. z₀ wins every tie: then all is done.
+  int ratio_test(int column) const {
+    const double largest = tableau_.col(column).cwiseAbs().maxCoeff();
+    int best = -1;
+    for (int i = 0; i < n_; ++i) {
+      if (tableau_(i, column) <= kZero * std::max(1.0, largest)) continue;
+      if (best < 0 || gives_way_before(i, best, column)) best = i;
+    }
+    return best;
+  }
+
+  bool gives_way_before(int i, int best, int column) const {
+    const double a = tableau_(i, column), b = tableau_(best, column);
+    const auto compare = [&](int c) {
+      const double x = tableau_(i, c) / a, y = tableau_(best, c) / b;
+      const double tie = 1e-13 * std::max({1.0, std::abs(x), std::abs(y)});
+      return std::abs(x - y) <= tie ? 0 : (x < y ? -1 : 1);
+    };
+    if (const int order = compare(2 * n_ + 1); order != 0) return order < 0;
+    if (basis_[i] == 2 * n_) return true;
+    if (basis_[best] == 2 * n_) return false;
+    for (int c = 0; c < n_; ++c)
+      if (const int order = compare(c); order != 0) return order < 0;
+    return false;
+  }
+
+  Eigen::VectorXd answer() const {
+    Eigen::VectorXd z = Eigen::VectorXd::Zero(n_);
+    for (int i = 0; i < n_; ++i)
+      if (basis_[i] >= n_ && basis_[i] < 2 * n_) z[basis_[i] - n_] = std::max(0.0, rhs()[i]);
+    return z;
+  }
+
+  int n_;
+  Eigen::MatrixXd tableau_;
+  std::vector<int> basis_;
+};
+
+}  // namespace
+
+std::optional<Eigen::VectorXd> solve_lcp(const Eigen::MatrixXd& M, const Eigen::VectorXd& q) {
+  if (!M.allFinite() || !q.allFinite()) return std::nullopt;
+  if (q.size() == 0) return Eigen::VectorXd(0);
+  return Lemke(M, q).solve();
+}
+
+}  // namespace conddp

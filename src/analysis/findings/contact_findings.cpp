@@ -1,0 +1,231 @@
+#include "analysis/findings/contact_findings.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "systems/multibody/multibody.hpp"
+
+namespace conddp {
+namespace {
+
+/// A contact may move this far before it is told, m.
+constexpr double kDrift = 1e-3;
+/// From this kd h on a velocity is gone after a step.
+constexpr double kFull = 0.95;
+/// Forces below this share of the weight say nothing of friction.
+constexpr double kLight = 1e-3;
+
+const MultibodySystem* robot_at(const ShootingProblem& problem, int k) {
+  return problem.knot(k).model->system().as_multibody();
+}
+
+/// How far a frame has moved along the directions that its contact holds, m.
+double moved(const Contact& contact, const SE3<double>& from, const SE3<double>& to) {
+  const Vector3<double> way = to.p - from.p;
+  const auto along = [&](const Vector3<double>& direction) {
+    return dot(way, contact.axes == FrameAxes::local ? from.R * direction : direction);
+  };
+  if (contact.kind == ContactKind::normal) return std::abs(along(contact.normal));
+  if (contact.kind == ContactKind::planar)
+    return std::hypot(along(contact.normal), along(contact.tangent));
+  return std::sqrt(squared_norm(way));
+}
+
+class Watch {
+ public:
+  Watch(const ShootingProblem& problem, const Trajectory& trajectory, const FindingNames& names,
+        std::vector<Finding>& list)
+      : problem_(problem),
+        trajectory_(trajectory),
+        names_(names),
+        list_(list),
+        times_(problem.times(trajectory)) {}
+
+  void run() {
+    for (int k = 0; k < problem_.knots(); ++k) {
+      const MultibodySystem* system = robot_at(problem_, k);
+      if (system == nullptr) continue;
+      const auto& contacts = system->contacts().contacts();
+      if (contacts.empty()) continue;
+      for (std::size_t c = 0; c < contacts.size(); ++c)
+        if (!problem_.takes_no_time(k) && !held_before(k, contacts[c].name))
+          stance(k, contacts[c].name);
+      const auto& held = look(*system, trajectory_.x(k).data(), k);
+      for (std::size_t c = 0; c < contacts.size(); ++c) forces(k, *system, contacts[c], held[c]);
+    }
+    report();
+    ranks();
+  }
+
+ private:
+  struct Worst {
+    double value = 0;
+    int knot = -1;
+    bool impulse = false;
+  };
+  struct Drift : Worst {
+    int first = 0, last = 0;  ///< nodes of the stance
+    double dt = 0;            ///< longest step, s
+    Contact contact;
+  };
+
+  static int index_of(const MultibodySystem* system, const std::string& name) {
+    if (system == nullptr) return -1;
+    for (int c = 0; c < system->contacts().count(); ++c)
+      if (system->contacts().contacts()[c].name == name) return c;
+    return -1;
+  }
+  bool held_before(int k, const std::string& name) const {
+    return k > 0 && !problem_.takes_no_time(k - 1) &&
+           index_of(robot_at(problem_, k - 1), name) >= 0;
+  }
+
+  /// From its first knot to the last one in a row.
+  void stance(int first, const std::string& name) {
+    Drift drift;
+    drift.first = first;
+    SE3<double> start = SE3<double>::identity();
+    for (int k = first; k < problem_.knots(); ++k) {
+      const MultibodySystem* system = robot_at(problem_, k);
+      const int c = index_of(system, name);
+      if (c < 0 || (k > first && problem_.takes_no_time(k))) break;
+      if (k == first) {
+        start = look(*system, trajectory_.x(k).data(), k)[c].world;
+        drift.contact = system->contacts().contacts()[c];
+      }
+      const SE3<double> now = look(*system, trajectory_.x(k + 1).data(), k)[c].world;
+      drift.last = k + 1;
+      drift.dt = std::max(drift.dt, times_[k + 1] - times_[k]);
+      if (const double way = moved(drift.contact, start, now); way > drift.value) {
+        drift.value = way;
+        drift.knot = k + 1;
+      }
+    }
+    if (drift.value <= kDrift) return;
+    Drift& worst = drifts_[name];
+    if (drift.value > worst.value) worst = drift;
+  }
+
+  /// The contacts of knot k's system at a state, with the knot's controls.
+  const std::vector<ContactData<double>>& look(const MultibodySystem& system, const double* x,
+                                               int k) {
+    auto& data = memory_[&system];
+    if (!data) data = system.create_data(double{});
+    system.evaluate(x, trajectory_.u(k).data(), *data);
+    return static_cast<const MultibodySystem::Data<double>&>(*data).contacts.contacts;
+  }
+
+  void forces(int k, const MultibodySystem& system, const Contact& contact,
+              const ContactData<double>& at) {
+    const Vector3<double> force = contact_force_in_world(at).linear;
+    const Vector3<double> normal =
+        contact.axes == FrameAxes::local ? at.world.R * contact.normal : contact.normal;
+    const double up = dot(force, normal);
+    const bool impulse = system.kind() == SystemKind::impulse;
+    double mass = 0;
+    for (const Joint& joint : system.robot().joints) mass += joint.inertia.mass;
+    const double gravity = std::sqrt(squared_norm(system.robot().gravity));
+    const double light = kLight * mass * (impulse || gravity == 0 ? 1 : gravity);
+    if (-up > light) meet(pulls_[contact.name], -up, k, impulse);
+    if (contact.kind == ContactKind::normal || up <= light) return;
+    meet(demands_[contact.name], std::sqrt(squared_norm(force - up * normal)) / up, k, impulse);
+  }
+
+  static void meet(Worst& worst, double value, int k, bool impulse) {
+    if (value > worst.value) worst = {value, k, impulse};
+  }
+
+  void report() {
+    for (const auto& [name, drift] : drifts_) add_drift(name, drift);
+    // The greatest demand says what the ground has to give, even where it can.
+    double greatest = 0;
+    for (const auto& [name, demand] : demands_) greatest = std::max(greatest, demand.value);
+    for (const auto& [name, demand] : demands_) {
+      const auto known = names_.friction.find(name);
+      const bool beyond =
+          known != names_.friction.end() && demand.value > known->second * (1 + 1e-6);
+      if (!beyond && (demand.value < greatest || greatest == 0)) continue;
+      Finding f{FindingKind::friction_demand, name, demand.value, "1"};
+      f.message = fmt::format("the contact '{}' needs a coefficient of friction of {:.3g}", name,
+                              demand.value);
+      if (known != names_.friction.end())
+        f.message +=
+            fmt::format(", {:.3g} {}", known->second, beyond ? "is what it has" : "are there");
+      if (beyond) {
+        f.remedy = "a constraint or cost 'friction_cone' on it";
+        if (demand.impulse) f.remedy += ", a touch-down with less speed along the ground";
+      }
+      add(std::move(f), demand.knot);
+    }
+    for (const auto& [name, pull] : pulls_) {
+      Finding f{FindingKind::pull, name, pull.value, pull.impulse ? "Ns" : "N"};
+      f.message = fmt::format("the contact '{}' pulls with {:.3g} {}", name, f.value, f.unit);
+      f.remedy = "a constraint or cost 'friction_cone' on it, or 'min_normal_force'";
+      add(std::move(f), pull.knot);
+    }
+  }
+
+  /// A contact that comes to be held with the velocity v moves on by v h (1 − r)/r, r = kd h, since
+  /// a step of h leaves it (1 − r) v: with kd = 1/h that is nothing, and what is left is the step's
+  /// own error.
+  void add_drift(const std::string& name, const Drift& drift) {
+    Finding f{FindingKind::drift, name, drift.value, "m"};
+    const double kd = drift.contact.kd, r = kd * drift.dt;
+    f.message = fmt::format(
+        "the contact '{}' drifts by {:.1f} mm while it is held from {:.3g} s to {:.3g} s with kd "
+        "{:g}",
+        name, 1e3 * drift.value, times_[drift.first], times_[drift.last], kd);
+    if (r < kFull)
+      f.remedy = fmt::format("contacts.{}.baumgarte: {{kd: {:.3g}}}", name, 1 / drift.dt);
+    else
+      f.remedy = fmt::format("a smaller dt, or contacts.{}.baumgarte.kp", name);
+    add(std::move(f), drift.knot);
+  }
+
+  void ranks() {
+    const Phase* before = nullptr;
+    for (int k = 0; k < problem_.knots(); ++k) {
+      const Phase& phase = problem_.phases()[problem_.knot(k).phase];
+      if (&phase == before) continue;
+      before = &phase;
+      const ContactRank found =
+          problem_.knot(k).model->system().contact_rank(trajectory_.x(k).data());
+      if (found.redundant.empty()) continue;
+      const std::string names = fmt::format("{}", fmt::join(found.redundant, ", "));
+      Finding f{FindingKind::redundant_contacts, names,
+                static_cast<double>(found.rows - found.rank), "1"};
+      f.message = fmt::format(
+          "the contacts {} of phase '{}' depend on each other: of all {} rows {} are independent, "
+          "and the smallest forces are taken",
+          names, phase.name, found.rows, found.rank);
+      add(std::move(f), k);
+    }
+  }
+
+  void add(Finding f, int k) {
+    f.knot = k;
+    f.time = times_[k];
+    list_.push_back(std::move(f));
+  }
+
+  const ShootingProblem& problem_;
+  const Trajectory& trajectory_;
+  const FindingNames& names_;
+  std::vector<Finding>& list_;
+  const std::vector<double> times_;
+  std::map<const MultibodySystem*, std::unique_ptr<SystemData<double>>> memory_;
+  std::map<std::string, Drift> drifts_;
+  std::map<std::string, Worst> demands_, pulls_;
+};
+
+}  // namespace
+
+void find_in_contacts(const ShootingProblem& problem, const Trajectory& trajectory,
+                      const FindingNames& names, std::vector<Finding>& list) {
+  Watch(problem, trajectory, names, list).run();
+}
+
+}  // namespace conddp

@@ -1,0 +1,375 @@
+#include "analysis/findings/diagnosis.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "analysis/findings/holding_torques.hpp"
+
+namespace conddp {
+namespace {
+
+/// Rows of the log that are judged, and how many are needed to see a pattern.
+constexpr int kWindow = 10;
+constexpr int kFewest = 4;
+/// What falls by less than this factor over the window stands still.
+constexpr double kStandstill = 0.5;
+
+/// The end of a log: the rows of the last steps, and the row before them.
+class Window {
+ public:
+  explicit Window(const std::vector<IterationRecord>& log)
+      : log_(log), steps_(std::clamp(static_cast<int>(log.size()) - 1, 0, kWindow)) {}
+
+  int steps() const { return steps_; }
+  const IterationRecord& first() const { return log_[log_.size() - 1 - steps_]; }
+  const IterationRecord& last() const { return log_.back(); }
+
+  /// How many of the steps have a property.
+  template <class Property>
+  int count(Property property) const {
+    return static_cast<int>(std::count_if(log_.end() - steps_, log_.end(), property));
+  }
+  /// Whether a quantity ends at more than half of what it was at the start of the window. One good
+  /// row between bad ones is no progress.
+  bool stands_still(double IterationRecord::*quantity) const {
+    return last().*quantity > kStandstill * first().*quantity;
+  }
+  double median_step() const {
+    std::vector<double> steps;
+    for (auto row = log_.end() - steps_; row != log_.end(); ++row) steps.push_back(row->step);
+    std::nth_element(steps.begin(), steps.begin() + steps_ / 2, steps.end());
+    return steps[steps_ / 2];
+  }
+
+ private:
+  const std::vector<IterationRecord>& log_;
+  int steps_;
+};
+
+/// Whether the log is that of an interior-point method, whose steps follow a barrier and no
+/// penalty.
+bool interior_point(const SolveResult& r) {
+  return std::any_of(r.log.begin(), r.log.end(),
+                     [](const IterationRecord& row) { return row.barrier > 0; });
+}
+
+std::string at(int knot) { return knot < 0 ? std::string() : fmt::format(" at knot {}", knot); }
+
+Diagnosis growth(const SolveResult& r) {
+  const bool start = r.log.size() <= 1;
+  return {
+      DiagnosisPattern::growth,
+      fmt::format("the {}{} {}", r.failed_quantity, at(r.failed_knot),
+                  r.status == SolveStatus::diverged
+                      ? (start ? "is not finite along the first guess" : "stopped being finite")
+                      : "leaves the finite numbers in every longer step"),
+      r.failed_knot, r.failed_quantity,
+      std::string(start ? "another first guess (small controls, quasi_static, states near what is "
+                          "possible), "
+                        : "") +
+          "a smaller dt or an integrator of higher order, smaller gains kp and kd of contacts; "
+          "look for tiny masses and inertias ('conddp inspect')"};
+}
+
+Diagnosis indefinite(const SolveResult& r) {
+  return {DiagnosisPattern::indefinite,
+          fmt::format("{} stays indefinite{} with the largest regularisation", r.failed_quantity,
+                      at(r.failed_knot)),
+          r.failed_knot, r.failed_quantity,
+          "a cost on every control of that knot; solver.regularization.kind: control; a larger "
+          "solver.regularization.max"};
+}
+
+Diagnosis infeasible(const IterationRecord& last) {
+  return {
+      DiagnosisPattern::infeasible,
+      fmt::format("the constraints cannot all be satisfied: violation {:.1e}{}, and no small "
+                  "change of the controls lowers it",
+                  last.constraint, at(last.constraint_knot)),
+      last.constraint_knot, "constraint violation",
+      "wider bounds, more time for the motion, or without a constraint (--drop) to see what the "
+      "others ask for; a minimum of the violation can also be a local one: another first guess"};
+}
+
+/// A residual above its tolerance.
+struct Missed {
+  const char* quantity;
+  const char* option;  ///< of solver.tolerances
+  double value;
+  int knot;
+};
+
+std::vector<Missed> missed(const Residuals& r, const SolverOptions::Tolerances& t) {
+  std::vector<Missed> list;
+  const auto look = [&](const Missed& m, double tolerance) {
+    if (m.value > tolerance) list.push_back(m);
+  };
+  look({"gap", "gap", r.gap, r.gap_knot}, t.gap);
+  look({"stationarity", "stationarity", r.stationarity, r.stationarity_knot}, t.stationarity);
+  look({"constraint violation", "constraint", r.constraint, r.constraint_knot}, t.constraint);
+  look({"complementarity", "complementarity", r.complementarity, -1}, t.complementarity);
+  return list;
+}
+
+/// "stationarity 1.0e-05 at knot 3, complementarity 2.0e-06".
+std::string figures(const std::vector<Missed>& list) {
+  std::string text;
+  for (const Missed& m : list)
+    text += fmt::format("{}{} {:.1e}{}", text.empty() ? "" : ", ", m.quantity, m.value, at(m.knot));
+  return text.empty() ? std::string("all residuals are under their tolerances") : text;
+}
+
+Diagnosis rounding_floor(const SolveResult& r, const SolverOptions::Tolerances& t) {
+  const std::vector<Missed> list = missed(r.residuals, t);
+  Diagnosis d{DiagnosisPattern::rounding_floor,
+              "rounding of the cost hides what is left to gain: " + figures(list), -1, "", ""};
+  bool stationary = true;
+  std::string options;
+  for (const Missed& m : list) {
+    options += fmt::format("{}solver.tolerances.{}", options.empty() ? "" : ", ", m.option);
+    stationary &= std::string_view(m.option) != "stationarity";
+  }
+  if (!list.empty()) {
+    d.knot = list.front().knot;
+    d.quantity = list.front().quantity;
+    d.remedy = "a larger " + options + " (the answer is as good as the cost's digits allow), or ";
+  }
+  d.remedy += stationary && !list.empty()
+                  ? "constraints in units in which their multipliers are smaller"
+                  : "smaller weights of costs that stay large";
+  return d;
+}
+
+Diagnosis open_gaps(const Window& w) {
+  return {
+      DiagnosisPattern::open_gaps,
+      fmt::format("the gaps stay open: {:.1e}{}, {}", w.last().gap, at(w.last().gap_knot),
+                  w.steps() == 0 ? std::string("and no step lowers the merit")
+                                 : fmt::format("after {:.1e} {} steps before (median step {:.2g})",
+                                               w.first().gap, w.steps(), w.median_step())),
+      w.last().gap_knot, "gap",
+      "states of the first guess that the controls can follow; more knots where the motion is "
+      "fast; wider bounds on the control"};
+}
+
+Diagnosis slow_feasibility(const Window& w) {
+  return {DiagnosisPattern::slow_feasibility,
+          fmt::format("full steps, but the violation falls slowly: {:.1e}{} after {:.1e} {} steps "
+                      "before",
+                      w.last().constraint, at(w.last().constraint_knot), w.first().constraint,
+                      w.steps()),
+          w.last().constraint_knot, "constraint violation",
+          "a larger solver.augmented_lagrangian.initial_penalty, or a larger penalty_factor beside "
+          "it"};
+}
+
+Diagnosis alternating(const Window& w) {
+  const int changing = w.count([](const IterationRecord& r) { return r.active_set_changes > 0; });
+  return {DiagnosisPattern::alternating_active_set,
+          fmt::format("controls come to their bounds and leave them in {} of the last {} steps "
+                      "({} changes in the last one), stationarity {:.1e}{}",
+                      changing, w.steps(), w.last().active_set_changes, w.last().stationarity,
+                      at(w.last().stationarity_knot)),
+          w.last().stationarity_knot, "active set of the control bounds",
+          "a larger weight on the control (bounds are degenerate where the cost hardly depends on "
+          "it), or a larger solver.box_qp.horizon_sweeps"};
+}
+
+/// What lowers a regularisation that stays: its lower end where it lies there, else a threshold for
+/// "long" steps that those which are taken reach.
+std::string less_regularisation(const Window& w, const SolverOptions& options) {
+  const auto& r = options.regularization;
+  const double step = w.median_step();
+  if (w.last().regularization <= r.min) return "a smaller solver.regularization.min";
+  if (step <= 0 || step >= r.decrease_step)
+    return "solver.regularization.factor nearer to 1, so that it does not grow past what is "
+           "needed; a smaller solver.regularization.initial";
+  const double decrease = 0.9 * step;
+  return fmt::format(
+      "solver.regularization: {{decrease_step: {:.2g}, increase_step: {:.2g}}}, so that steps as "
+      "long as these lower it; a smaller solver.regularization.initial",
+      decrease, std::min(r.increase_step, 0.4 * decrease));
+}
+
+Diagnosis plateau(const Window& w, bool regularised, const SolverOptions& options) {
+  std::string message = fmt::format(
+      "stationarity stands still: {:.1e}{} after {:.1e} {} steps before, with {}",
+      w.last().stationarity, at(w.last().stationarity_knot), w.first().stationarity, w.steps(),
+      regularised ? fmt::format("regularisation {:.1e}", w.last().regularization)
+                  : fmt::format("steps of {:.2g}", w.median_step()));
+  return {DiagnosisPattern::plateau, std::move(message), w.last().stationarity_knot, "stationarity",
+          regularised ? less_regularisation(w, options)
+                      : "exact Hessians (solver.hessian: exact), a first guess nearer to the "
+                        "answer, smoother costs (smooth_l1 with a larger epsilon)"};
+}
+
+Diagnosis no_descent(const SolveResult& r, const SolverOptions& options,
+                     const IterationRecord& last) {
+  const std::string left = figures(missed(r.residuals, options.tolerances));
+  return {DiagnosisPattern::no_descent, "no step lowers the merit: " + left, last.stationarity_knot,
+          "merit",
+          interior_point(r)
+              ? "derivatives ('conddp check --derivatives'), costs and constraints that are not "
+                "smooth, a first guess nearer to what is possible, solver.options: {mu_strategy: "
+                "adaptive}"
+          : r.residuals.gap > 0
+              ? "derivatives ('conddp check --derivatives'), costs that are not smooth, a first "
+                "guess with smaller gaps"
+              : "derivatives ('conddp check --derivatives'), costs that are not smooth, a smaller "
+                "solver.line_search.min_step"};
+}
+
+Diagnosis unfinished(const SolveResult& r, const SolverOptions& options,
+                     const IterationRecord& last) {
+  const std::vector<Missed> list = missed(r.residuals, options.tolerances);
+  Diagnosis d{
+      DiagnosisPattern::unfinished,
+      fmt::format("the solve stopped ({}) after {} iterations while it made progress: {}",
+                  to_string(r.status), r.iterations, figures(list)),
+      last.stationarity_knot, "stationarity",
+      "more iterations or time (solver.max_iterations, --max-time), or go on from here with "
+      "--warm-start"};
+  if (!list.empty()) {
+    d.knot = list.front().knot;
+    d.quantity = list.front().quantity;
+  }
+  return d;
+}
+
+/// Contacts that depend on each other leave their forces to the compliance of a singular G: steps
+/// then fail for a reason that no option of the solver removes.
+Diagnosis redundant(Diagnosis stuck, const ContactRank& contacts) {
+  stuck.message += fmt::format(
+      "; the contacts '{}' depend on each other there: of all {} rows {} are independent",
+      fmt::join(contacts.redundant, "', '"), contacts.rows, contacts.rank);
+  return {DiagnosisPattern::redundant_contacts, std::move(stuck.message), stuck.knot, "contacts",
+          "contacts that hold less (type: point, planar or normal instead of surface, or one "
+          "fewer), joints that are not locked, or a posture in which limbs are bent"};
+}
+
+/// A robot that cannot stay where it begins falls, whatever the solver does. Of a solve that only
+/// stopped too early the advice of the log stays.
+Diagnosis too_weak(Diagnosis log, const MissingTorque& lack) {
+  const std::string has =
+      lack.driven ? fmt::format("its limit is {:.3g}", lack.limit) : "it has no control";
+  log.message += fmt::format(
+      "; no controls within their limits hold the initial state at rest: '{}' would need {:.3g} "
+      "{}, {}",
+      lack.joint, lack.needed, lack.unit, has);
+  std::string remedy =
+      "limits at the joints (those of a URDF may be of motors, before their gears); controls or "
+      "locked_joints at joints that springs, rods or closed chains hold on the robot itself; "
+      "another initial state";
+  if (log.pattern == DiagnosisPattern::unfinished) remedy = log.remedy + "; " + remedy;
+  return {DiagnosisPattern::no_static_equilibrium, std::move(log.message), log.knot, "controls",
+          std::move(remedy)};
+}
+
+bool lost(const SolveResult& r) {
+  if (r.status == SolveStatus::diverged || r.log.empty()) return true;
+  const IterationRecord& last = r.log.back();
+  return !std::isfinite(last.cost) || !std::isfinite(last.stationarity) || !std::isfinite(last.gap);
+}
+
+/// What the log alone says of a solve that did not converge.
+Diagnosis of_log(const SolveResult& result, const SolverOptions& options) {
+  if (lost(result)) return growth(result);
+  if (result.status == SolveStatus::infeasible) return infeasible(result.log.back());
+  if (interior_point(result)) {
+    return result.status == SolveStatus::line_search_failed ||
+                   result.status == SolveStatus::regularization_limit
+               ? no_descent(result, options, result.log.back())
+               : unfinished(result, options, result.log.back());
+  }
+  if (result.status == SolveStatus::regularization_limit) return indefinite(result);
+  const Window w(result.log);
+  const IterationRecord& last = w.last();
+  const auto& t = options.tolerances;
+  if (result.failed_quantity == kRoundedCost) return rounding_floor(result, t);
+  const bool stuck = result.status == SolveStatus::line_search_failed && result.failed_knot < 0;
+  if (last.gap > t.gap &&
+      (stuck || (w.steps() >= kFewest && w.stands_still(&IterationRecord::gap))))
+    return open_gaps(w);
+  if (w.steps() >= kFewest) {
+    const int full = w.count([](const IterationRecord& r) { return r.step >= 1; });
+    if (last.constraint > t.constraint && full == w.steps() &&
+        last.constraint > std::pow(kStandstill, w.steps()) * w.first().constraint)
+      return slow_feasibility(w);
+    if (last.stationarity > t.stationarity && w.stands_still(&IterationRecord::stationarity)) {
+      const int changing =
+          w.count([](const IterationRecord& r) { return r.active_set_changes > 0; });
+      if (5 * changing >= 4 * w.steps()) return alternating(w);
+      const int regularised = w.count([&](const IterationRecord& r) {
+        return r.regularization > 0 && r.regularization >= options.regularization.min;
+      });
+      const bool small_steps = w.median_step() <= 0.25;
+      if (small_steps || regularised == w.steps())
+        return plateau(w, regularised == w.steps(), options);
+    }
+  }
+  if (result.status == SolveStatus::line_search_failed)
+    return result.failed_knot >= 0 ? growth(result) : no_descent(result, options, last);
+  return unfinished(result, options, last);
+}
+
+}  // namespace
+
+std::string_view to_string(DiagnosisPattern pattern) {
+  switch (pattern) {
+    case DiagnosisPattern::normal:
+      return "normal";
+    case DiagnosisPattern::growth:
+      return "growth";
+    case DiagnosisPattern::indefinite:
+      return "indefinite";
+    case DiagnosisPattern::infeasible:
+      return "infeasible";
+    case DiagnosisPattern::rounding_floor:
+      return "rounding_floor";
+    case DiagnosisPattern::redundant_contacts:
+      return "redundant_contacts";
+    case DiagnosisPattern::no_static_equilibrium:
+      return "no_static_equilibrium";
+    case DiagnosisPattern::open_gaps:
+      return "open_gaps";
+    case DiagnosisPattern::slow_feasibility:
+      return "slow_feasibility";
+    case DiagnosisPattern::alternating_active_set:
+      return "alternating_active_set";
+    case DiagnosisPattern::plateau:
+      return "plateau";
+    case DiagnosisPattern::no_descent:
+      return "no_descent";
+    case DiagnosisPattern::unfinished:
+      break;
+  }
+  return "unfinished";
+}
+
+Diagnosis diagnose(const ShootingProblem& problem, const SolveResult& result,
+                   const SolverOptions& options) {
+  if (is_success(result.status))
+    return {DiagnosisPattern::normal,
+            fmt::format("{} in {} iterations",
+                        result.status == SolveStatus::converged
+                            ? "normal convergence"
+                            : "the cost settled by tolerances.cost_decrease",
+                        result.iterations),
+            -1, "", ""};
+  Diagnosis d = of_log(result, options);
+  if (result.status != SolveStatus::interrupted)
+    if (const auto lack = missing_torque(problem)) return too_weak(std::move(d), *lack);
+  if (d.pattern == DiagnosisPattern::open_gaps || d.pattern == DiagnosisPattern::plateau ||
+      d.pattern == DiagnosisPattern::no_descent)
+    if (d.knot >= 0 && d.knot < problem.knots()) {
+      const ContactRank contacts =
+          problem.knot(d.knot).model->system().contact_rank(result.trajectory.x(d.knot).data());
+      if (!contacts.redundant.empty()) return redundant(std::move(d), contacts);
+    }
+  return d;
+}
+
+}  // namespace conddp

@@ -1,0 +1,173 @@
+#include "base/atomic_file.hpp"
+
+#include <cerrno>
+#include <cstring>
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <fmt/format.h>
+
+namespace conddp {
+namespace {
+
+[[noreturn]] void fail(const std::filesystem::path& file, int error) {
+  throw OutputError(fmt::format("'{}' cannot be written: {}", file.string(), std::strerror(error)));
+}
+
+/// An open file descriptor.
+class Descriptor {
+ public:
+  explicit Descriptor(int number) : number_(number) {}
+  ~Descriptor() {
+    if (number_ >= 0) ::close(number_);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  int get() const { return number_; }
+  int release() { return std::exchange(number_, -1); }
+  /// Some file systems report a full disk only here.
+  bool close() { return ::close(std::exchange(number_, -1)) == 0; }
+
+ private:
+  int number_;
+};
+
+void write_all(int descriptor, const std::string& contents, const std::filesystem::path& file) {
+  for (std::size_t done = 0; done < contents.size();) {
+    const ssize_t n = ::write(descriptor, contents.data() + done, contents.size() - done);
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) fail(file, errno);
+    done += static_cast<std::size_t>(n);
+  }
+}
+
+/// Where the contents of a file go: to what it links to. Nothing but a regular file is replaced: in
+/// the place of a device, pipe or socket there would be a regular file afterwards.
+std::filesystem::path written_file(const std::filesystem::path& file) {
+  std::error_code error;
+  switch (std::filesystem::status(file, error).type()) {
+    case std::filesystem::file_type::not_found:
+    case std::filesystem::file_type::regular:
+      break;
+    case std::filesystem::file_type::directory:
+      fail(file, EISDIR);
+    case std::filesystem::file_type::none:
+    case std::filesystem::file_type::unknown:
+      fail(file, error.value());
+    default:
+      throw OutputError(
+          fmt::format("'{}' cannot be written: it is no regular file", file.string()));
+  }
+  constexpr int kMostLinks = 40;  // as many as the system has followed
+  std::filesystem::path target = file;
+  for (int links = 0; links < kMostLinks && std::filesystem::is_symlink(target, error); ++links) {
+    target = target.parent_path() / std::filesystem::read_symlink(target, error);
+    if (error) fail(file, error.value());
+  }
+  return target;
+}
+
+std::filesystem::path temporary_name(const std::filesystem::path& file, const char* kind) {
+  return file.parent_path() /
+         fmt::format(".{}.{}.{}.tmp", file.filename().string(), kind, ::getpid());
+}
+
+/// Removes what killed processes left of this file under temporary names: nobody has locked it.
+void remove_leftovers(const std::filesystem::path& file) {
+  const std::string start = "." + file.filename().string() + ".";
+  std::error_code error;
+  const std::filesystem::path folder = file.parent_path().empty() ? "." : file.parent_path();
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with(start) || !name.ends_with(".tmp")) continue;
+    // A pipe of such a name is not ours, and opening it would wait for a writer.
+    if (std::error_code unknown; !std::filesystem::is_regular_file(entry.symlink_status(unknown)))
+      continue;
+    Descriptor leftover(
+        ::open(entry.path().c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
+    if (leftover.get() >= 0 && ::flock(leftover.get(), LOCK_EX | LOCK_NB) == 0)
+      ::unlink(entry.path().c_str());
+  }
+}
+
+/// Makes a file, locked so that no other process takes it for a leftover.
+int create_locked(const std::filesystem::path& temporary, const std::filesystem::path& file) {
+  for (;;) {
+    Descriptor made(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
+    if (made.get() < 0) fail(file, errno);
+    struct stat found {};
+    if (::flock(made.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) continue;
+    if (::fstat(made.get(), &found) == 0 && found.st_nlink == 0) continue;  // taken for one already
+    return made.release();
+  }
+}
+
+}  // namespace
+
+AtomicFiles::~AtomicFiles() {
+  for (const Pending& p : pending_) {
+    ::unlink(p.temporary.c_str());
+    if (!p.former.empty()) ::unlink(p.former.c_str());
+    ::close(p.lock);
+  }
+}
+
+void AtomicFiles::add(const std::filesystem::path& name, const std::string& contents) {
+  const std::filesystem::path file = written_file(name);
+  remove_leftovers(file);
+  const std::filesystem::path temporary = temporary_name(file, "new");
+  const int lock = create_locked(temporary, file);
+  pending_.push_back({temporary, file, lock, {}});
+  Descriptor descriptor(::dup(lock));
+  if (descriptor.get() < 0) fail(file, errno);
+  write_all(descriptor.get(), contents, file);
+  // Pipes and the like cannot be flushed to a disk, which is no defect.
+  if (::fsync(descriptor.get()) != 0 && errno != EINVAL && errno != ENOTSUP) fail(file, errno);
+  if (!descriptor.close()) fail(file, errno);
+}
+
+void AtomicFiles::commit() {
+  for (Pending& p : pending_) {
+    const std::filesystem::path former = temporary_name(p.file, "former");
+    if (::link(p.file.c_str(), former.c_str()) == 0) p.former = former;
+  }
+  for (std::size_t i = pending_.size(); i-- > 0;) {
+    const Pending& p = pending_[i];
+    if (::rename(p.temporary.c_str(), p.file.c_str()) == 0) continue;
+    const int error = errno;
+    restore(i + 1);
+    fail(p.file, error);
+  }
+  for (const Pending& p : pending_) {
+    Descriptor folder(::open(p.file.parent_path().empty() ? "." : p.file.parent_path().c_str(),
+                             O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+    if (folder.get() >= 0) ::fsync(folder.get());  // so that the names survive a power cut
+    if (!p.former.empty()) ::unlink(p.former.c_str());
+    ::close(p.lock);
+  }
+  pending_.clear();
+}
+
+/// Takes back the renames of the files from `first` on.
+void AtomicFiles::restore(std::size_t first) {
+  for (std::size_t i = first; i < pending_.size(); ++i) {
+    Pending& p = pending_[i];
+    if (p.former.empty())
+      ::unlink(p.file.c_str());
+    else if (::rename(p.former.c_str(), p.file.c_str()) == 0)
+      p.former.clear();
+  }
+}
+
+void create_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error || !std::filesystem::is_directory(folder, error))
+    throw OutputError(fmt::format("the folder '{}' cannot be made: {}", folder.string(),
+                                  error ? error.message() : "something else has its name"));
+}
+
+}  // namespace conddp

@@ -1,0 +1,108 @@
+#include "base/json_document.hpp"
+
+#include <algorithm>
+#include <array>
+#include <set>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "base/solution_members.hpp"
+#include "base/source_text.hpp"
+
+namespace conddp {
+namespace {
+
+using Json = nlohmann::json;
+using Keys = std::span<const std::string_view>;
+
+/// The place of a byte of the text (the end of the text where it is shorter).
+Mark mark_at(const std::string& text, std::size_t byte, int source, const Diagnostics& out) {
+  const std::string_view before = std::string_view(text).substr(0, std::min(byte, text.size()));
+  const std::size_t start = before.rfind('\n') + 1;  // npos + 1 is 0
+  const int line = 1 + static_cast<int>(std::count(before.begin(), before.end(), '\n'));
+  const int column = out.character_column(source, line, static_cast<int>(before.size() - start));
+  return {source, line, column};
+}
+
+Json parse(const std::string& text, Keys wanted_keys) {
+  constexpr int kMaxDepth = 100;         // a configuration is as deep as a problem file may be
+  constexpr int kMaxValues = 5'000'000;  // a document takes many times the memory of its text
+  int values = 0;
+  bool wanted = true;  // whether the values are kept; it is asked for those that are not, too
+  std::array<std::set<std::string>, kMaxDepth + 2> keys;  // of the objects that are open
+  const auto keep = [&](int depth, Json::parse_event_t event, Json& value) {
+    if (depth > kMaxDepth) throw MalformedSolution{"it is nested too deeply"};
+    if (event == Json::parse_event_t::object_start) keys[depth + 1].clear();
+    if (wanted && event == Json::parse_event_t::value && ++values > kMaxValues)
+      throw MalformedSolution{fmt::format("it has more than {} values", kMaxValues)};
+    if (event != Json::parse_event_t::key) return true;
+    const std::string& key = value.get_ref<const std::string&>();
+    if (!keys[depth].insert(key).second)
+      throw MalformedSolution{fmt::format("the key '{}' is given twice", key)};
+    if (depth == 1)
+      wanted = key == "format" ||
+               std::find(wanted_keys.begin(), wanted_keys.end(), key) != wanted_keys.end();
+    return depth != 1 || wanted;
+  };
+  return Json::parse(text, keep);
+}
+
+/// What the parser says, without its own bookkeeping: "... syntax error while parsing value - ...".
+std::string reason(const Json::exception& e) {
+  const std::string_view text = e.what();
+  for (const std::string_view start : {"syntax error ", "] "})
+    if (const std::size_t at = text.find(start); at != text.npos)
+      return std::string(text.substr(at + start.size()));
+  return std::string(text);
+}
+
+void check_format(const Json& document, const DocumentKind& kind) {
+  constexpr std::string_view kVersion = "1";
+  const Json& format = solution_member(document, "format");
+  if (!format.is_string() || !format.get_ref<const std::string&>().starts_with(kind.family))
+    throw MalformedSolution{fmt::format("it is no {} of conddp", kind.word)};
+  if (const std::string version = format.get<std::string>().substr(kind.family.size());
+      version != kVersion)
+    throw MalformedSolution{
+        fmt::format("it has format {}, and this version reads format {}", version, kVersion)};
+}
+
+}  // namespace
+
+std::optional<Json> parse_document(const std::string& text, const std::string& name,
+                                   const DocumentKind& kind, Keys keys, Diagnostics& out) {
+  const int source = out.add_source(name, text);
+  try {
+    Json document = parse(text, keys);
+    check_format(document, kind);
+    return document;
+  } catch (const Json::parse_error& e) {
+    out.error({mark_at(text, e.byte > 0 ? e.byte - 1 : 0, source, out), {}},
+              "not valid JSON: " + reason(e));
+  } catch (const MalformedSolution& e) {
+    out.error({{source, 0, 0}, {}}, fmt::format("the {} cannot be used: {}", kind.word, e.message));
+  } catch (const Json::out_of_range& e) {
+    // "number overflow parsing '1e999'": the place is where that number stands.
+    const std::string_view what = e.what();
+    const std::size_t open = std::min(what.find('\''), what.size());
+    const std::string_view number =
+        what.substr(open, what.rfind('\'') > open ? what.rfind('\'') - open : 0);
+    const std::size_t byte = number.size() > 1 ? text.find(number.substr(1)) : 0;
+    out.error({mark_at(text, byte, source, out), {}},
+              fmt::format("a number of the {} is out of range", kind.word));
+  } catch (const Json::exception& e) {
+    out.error({{source, 0, 0}, {}}, fmt::format("the {} cannot be used: {}", kind.word, reason(e)));
+  }
+  return std::nullopt;
+}
+
+std::optional<Json> load_document(const std::filesystem::path& file, const DocumentKind& kind,
+                                  Keys keys, const Place& place, Diagnostics& out) {
+  std::string sha256;
+  const auto text = read_text(file, kMaxDataBytes, place, sha256, out);
+  if (!text) return std::nullopt;
+  return parse_document(*text, file.string(), kind, keys, out);
+}
+
+}  // namespace conddp

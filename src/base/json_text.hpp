@@ -1,0 +1,18 @@
+#pragma once
+
+#include <string>
+
+#include "base/ordered_json.hpp"
+
+namespace conddp {
+
+/// JSON that a person can read: objects and lists of lists indented, lists of numbers and objects
+/// without structure inside on one line. Numbers by shortest round trip, null for what is not
+/// finite.
+std::string json_text(const OrderedJson& value);
+
+/// A number for the eye, rounded to eight digits: more than a screen shows, half of what a double
+/// takes. Null for what is not finite.
+OrderedJson eight_digits(double value);
+
+}  // namespace conddp

@@ -1,0 +1,65 @@
+#include "base/near_names.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <utility>
+
+namespace conddp {
+
+// No library on both Debian 12 and Ubuntu 22.04 has an edit distance for C++, so this is the
+// textbook recurrence of the optimal string alignment distance in three rows.
+int edit_distance(std::string_view a, std::string_view b) {
+  const auto lower = [](char c) { return std::tolower(static_cast<unsigned char>(c)); };
+  const auto same = [&](char x, char y) { return lower(x) == lower(y); };
+  std::vector<int> before(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = static_cast<int>(j);
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::swap(before, last);
+    std::swap(last, row);
+    row[0] = static_cast<int>(i);
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      row[j] = std::min({last[j] + 1, row[j - 1] + 1, last[j - 1] + !same(a[i - 1], b[j - 1])});
+      if (i > 1 && j > 1 && same(a[i - 1], b[j - 2]) && same(a[i - 2], b[j - 1]))
+        row[j] = std::min(row[j], before[j - 2] + 1);
+    }
+  }
+  return row[b.size()];
+}
+
+std::vector<std::string> near_names(std::string_view name,
+                                    const std::vector<std::string>& candidates) {
+  constexpr std::size_t kLongest = 128;  // the distance is quadratic in the length
+  if (name.size() > kLongest) return {};
+  const int reach = std::clamp(static_cast<int>(name.size()) / 3, 1, 3);
+  std::vector<std::pair<int, std::string>> found;
+  for (const std::string& candidate : candidates) {
+    if (candidate.size() > kLongest) continue;
+    const int distance = edit_distance(name, candidate);
+    if (distance <= reach) found.emplace_back(distance, candidate);
+  }
+  std::sort(found.begin(), found.end());
+  if (found.size() > 3) found.resize(3);
+  std::vector<std::string> names;
+  for (auto& [distance, candidate] : found) names.push_back(std::move(candidate));
+  return names;
+}
+
+std::string name_hint(std::string_view name, const std::vector<std::string>& candidates,
+                      std::string_view what) {
+  const std::vector<std::string> near = near_names(name, candidates);
+  if (!near.empty()) {
+    std::string hint = "did you mean '" + near[0] + "'";
+    for (std::size_t i = 1; i < near.size(); ++i) hint += " or '" + near[i] + "'";
+    return hint + "?";
+  }
+  if (candidates.empty()) return "there are no " + std::string(what);
+  constexpr std::size_t kShown = 8;
+  std::string hint = std::string(what) + ": ";
+  for (std::size_t i = 0; i < std::min(kShown, candidates.size()); ++i)
+    hint += (i > 0 ? ", " : "") + candidates[i];
+  if (candidates.size() > kShown)
+    hint += " and " + std::to_string(candidates.size() - kShown) + " more";
+  return hint;
+}
+
+}  // namespace conddp

@@ -1,0 +1,40 @@
+#include "base/text_file.hpp"
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+
+#include <fmt/format.h>
+
+namespace conddp {
+
+TextFile read_text_file(const std::filesystem::path& file, std::size_t limit) {
+  const auto fail = [&](const std::string& what) {
+    return TextFile{{}, fmt::format("'{}' {}", file.string(), what)};
+  };
+  std::error_code error;
+  const auto status = std::filesystem::status(file, error);
+  if (!std::filesystem::exists(status)) {
+    if (error && error != std::errc::no_such_file_or_directory)
+      return fail("cannot be opened: " + error.message());
+    return fail("does not exist");
+  }
+  if (std::filesystem::is_directory(status)) return fail("is a folder");
+  if (!std::filesystem::is_regular_file(status)) return fail("is not a regular file");
+  errno = 0;
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream)
+    return fail(
+        fmt::format("cannot be opened: {}", errno != 0 ? std::strerror(errno) : "unknown cause"));
+  const std::uintmax_t size = std::filesystem::file_size(file, error);
+  const std::string too_large = fmt::format("is larger than {} MiB", limit >> 20);
+  if (!error && size > limit) return fail(too_large);
+  std::string text(static_cast<std::size_t>(error ? limit : size) + 1, '\0');
+  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+  if (stream.bad()) return fail("cannot be read");
+  text.resize(static_cast<std::size_t>(stream.gcount()));
+  if (text.size() > limit) return fail(too_large);
+  return {std::move(text), {}};
+}
+
+}  // namespace conddp

@@ -1,0 +1,51 @@
+#include "base/wrap_text.hpp"
+
+#include <algorithm>
+
+#include "base/utf8.hpp"
+
+namespace conddp {
+
+int shown_width(std::string_view text) {
+  int width = 0;
+  while (!text.empty()) {
+    const std::size_t escape = text.find("\033[");
+    width += count_characters(text.substr(0, escape));
+    if (escape == text.npos) break;
+    const std::size_t end = text.find('m', escape);
+    text = end == text.npos ? std::string_view() : text.substr(end + 1);
+  }
+  return width;
+}
+
+std::string wrap_text(std::string_view text, int width, int first, int indent) {
+  std::string lines;
+  int margin = first;
+  while (true) {
+    const std::size_t line_end = text.find('\n');
+    std::string_view rest = text.substr(0, line_end);
+    do {
+      std::string line(margin, ' ');
+      int used = margin;
+      bool empty = true;
+      while (!rest.empty()) {
+        const std::size_t word_end =
+            std::min(rest.find(' ', empty ? rest.find_first_not_of(' ') : 1), rest.size());
+        const std::string_view word = rest.substr(0, word_end);
+        const int length = shown_width(word);
+        if (width > 0 && !empty && used + length > width) break;
+        line += word;
+        used += length;
+        empty = false;
+        rest.remove_prefix(word_end);
+      }
+      lines += (empty ? "" : line) + '\n';
+      margin = indent;
+      rest.remove_prefix(std::min(rest.find_first_not_of(' '), rest.size()));
+    } while (!rest.empty());
+    if (line_end == text.npos) return lines;
+    text.remove_prefix(line_end + 1);
+  }
+}
+
+}  // namespace conddp

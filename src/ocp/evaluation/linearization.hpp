@@ -1,0 +1,52 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "ocp/knot/knot_hessian.hpp"
+#include "ocp/problem/problem.hpp"
+
+namespace conddp {
+
+/// The quadratic model of one knot around a trajectory, in z = (δx, δu).
+///
+/// Dynamics: dense, δx⁺ = F δz; or semi-implicit, δv⁺ = F δz with δq⁺ = A δq + dt H δv⁺, where A
+/// and H are the identity but for a block per curved segment.
+struct KnotLinearization {
+  Eigen::VectorXd gradient;  ///< nz: of cost and augmentation
+  KnotHessian hessian;       ///< nz x nz: of the same, or of the Lagrangian
+  Eigen::MatrixXd F;         ///< jacobian_rows x nz
+  Eigen::MatrixXd C;         ///< ∂g/∂z of the constraint rows x nz
+  bool semi_implicit = false;
+  double dt = 0;
+  std::vector<StateManifold::Segment> curved;                      ///< of the configuration
+  std::vector<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>> A, H;  ///< top left n x n in use
+
+  int ndx = 0;
+  int nu() const { return static_cast<int>(gradient.size()) - ndx; }
+
+  /// out = ∂x⁺/∂z · z (ndx).
+  void apply(const Eigen::Ref<const Eigen::VectorXd>& z, Eigen::Ref<Eigen::VectorXd> out) const;
+  /// out = (∂x⁺/∂z)ᵀ λ (nz); scratch has ndx numbers.
+  void apply_transpose(const Eigen::Ref<const Eigen::VectorXd>& lambda,
+                       Eigen::Ref<Eigen::VectorXd> out, Eigen::Ref<Eigen::VectorXd> scratch) const;
+  /// ∂x⁺/∂z as a dense ndx x nz matrix: for tests and certificates.
+  Eigen::MatrixXd dense_jacobian() const;
+};
+
+/// The quadratic model of a whole problem around a trajectory.
+struct Linearization {
+  explicit Linearization(const ShootingProblem& problem);
+
+  std::vector<KnotLinearization> knots;  ///< N + 1; the last has no controls and no F
+  Eigen::MatrixXd gap;                   ///< ndx x N: f(x_k, u_k) ⊖ x_{k+1}
+  Eigen::VectorXd cost;                  ///< N + 1
+  Eigen::VectorXd augmentation;          ///< N + 1: what constraints add to it
+  Eigen::VectorXd constraint;            ///< g, all constraint rows of the problem
+
+  double total_cost() const { return cost.sum(); }
+  double max_gap() const { return gap.size() == 0 ? 0.0 : gap.cwiseAbs().maxCoeff(); }
+};
+
+}  // namespace conddp

@@ -1,0 +1,112 @@
+#include "ocp/knot/collocation_residual.hpp"
+
+#include <algorithm>
+
+namespace conddp {
+namespace {
+
+class CollocationResidual : public ResidualBase<CollocationResidual> {
+ public:
+  CollocationResidual(std::shared_ptr<const CollocationSystem> system, int ndx,
+                      const std::optional<FreeDuration>& duration)
+      : ResidualBase(structure(*system, ndx, duration), 1, true),
+        system_(std::move(system)),
+        duration_(duration) {}
+
+  template <class S>
+  void evaluate_as(const ResidualInput<S>& in, S* r) const {
+    auto& later = later_of(in);
+    const S h = step(in);
+    const int n = system_->rows();
+    for (int i = 1; i <= system_->later_stages(); ++i, r += n) {
+      system_->stage(i, in.x, in.u, h, in.system, later.x.data());
+      system_->inside()->evaluate(later.x.data(), in.u, *later.inside);
+      write_values(i, in, h, *later.inside, r);
+    }
+  }
+
+  template <class S>
+  void differentiate_as(const ResidualInput<S>& in, S* r, S* jacobian) const {
+    auto& later = later_of(in);
+    const S h = step(in);
+    const int n = system_->rows(), ndx = system_->ndx();
+    for (int i = 1; i <= system_->later_stages(); ++i, r += n) {
+      system_->stage(i, in.x, in.u, h, in.system, later.x.data());
+      system_->differentiate_stage(i, in.x, in.u, h, in.system, duration_.has_value(),
+                                   later.X.data());
+      system_->inside()->differentiate(later.x.data(), in.u, *later.inside);
+      write_values(i, in, h, *later.inside, r);
+      jacobian = differentiate_state(later, 0, ndx, h, jacobian);
+      if (duration_) {
+        S* column = jacobian;
+        jacobian = differentiate_state(later, ndx + system_->nu(), 1, h, jacobian);
+        const S share = in.parameters[0] * S(1 / duration_->written);
+        for (int row = 0; row < n; ++row)
+          column[row] = share * (column[row] + excess(i, in, *later.inside, row));
+      }
+      S* by_control = jacobian;
+      jacobian = differentiate_state(later, ndx, system_->nu(), h, jacobian);
+      for (int c = 0; c < system_->actuators() * n; ++c) by_control[c] -= h * later.inside->fu[c];
+      for (int row = 0; row < n; ++row) by_control[(system_->slopes(i) + row) * n + row] += h;
+    }
+  }
+
+ private:
+  static std::vector<RowBlock> structure(const CollocationSystem& system, int ndx,
+                                         const std::optional<FreeDuration>& duration) {
+    std::vector<int> columns = column_range(0, system.ndx());
+    if (duration) columns.push_back(system.ndx() + duration->memory);
+    for (const int c : column_range(ndx, system.nu())) columns.push_back(c);
+    return std::vector<RowBlock>(system.later_stages(), {system.rows(), columns});
+  }
+
+  template <class S>
+  static CollocationSystem::Later<S>& later_of(const ResidualInput<S>& in) {
+    return static_cast<CollocationSystem::Later<S>&>(*in.system.later);
+  }
+
+  template <class S>
+  S step(const ResidualInput<S>& in) const {
+    if (!duration_) return in.parameters[0];
+    return in.parameters[0] * in.x[system_->nx() + duration_->memory] * S(1 / duration_->written);
+  }
+
+  /// k_i − f(x_i, u).
+  template <class S>
+  S excess(int stage, const ResidualInput<S>& in, const SystemData<S>& there, int row) const {
+    return in.u[system_->slopes(stage) + row] - there.f[row];
+  }
+  template <class S>
+  void write_values(int stage, const ResidualInput<S>& in, const S& h, const SystemData<S>& there,
+                    S* r) const {
+    for (int row = 0; row < system_->rows(); ++row) r[row] = h * excess(stage, in, there, row);
+  }
+
+  /// −h ∂f/∂x_i ∂x_i by some columns of the stage's derivative; returns the end of what it wrote.
+  template <class S>
+  S* differentiate_state(const CollocationSystem::Later<S>& later, int first, int count, const S& h,
+                         S* out) const {
+    const int n = system_->rows(), ndx = system_->ndx();
+    for (int c = first; c < first + count; ++c, out += n) {
+      std::fill_n(out, n, S(0.0));
+      for (int k = 0; k < ndx; ++k)
+        for (int row = 0; row < n; ++row)
+          out[row] -= later.inside->fx[k * n + row] * later.X[c * ndx + k];
+      for (int row = 0; row < n; ++row) out[row] *= h;
+    }
+    return out;
+  }
+
+  std::shared_ptr<const CollocationSystem> system_;
+  std::optional<FreeDuration> duration_;
+};
+
+}  // namespace
+
+std::shared_ptr<const Residual> collocation_residual(
+    std::shared_ptr<const CollocationSystem> system, int ndx,
+    const std::optional<FreeDuration>& duration) {
+  return std::make_shared<CollocationResidual>(std::move(system), ndx, duration);
+}
+
+}  // namespace conddp

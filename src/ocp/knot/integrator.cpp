@@ -1,0 +1,342 @@
+#include "ocp/knot/integrator.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace conddp {
+
+const RungeKuttaRule& runge_kutta_rule(Integrator integrator) {
+  static const RungeKuttaRule euler{1, {}, {1}};
+  static const RungeKuttaRule midpoint{2, {{}, {0.5}}, {0, 1}};
+  static const RungeKuttaRule kutta{3, {{}, {0.5}, {-1, 2}}, {1.0 / 6, 4.0 / 6, 1.0 / 6}};
+  static const RungeKuttaRule classic{
+      4, {{}, {0.5}, {0, 0.5}, {0, 0, 1}}, {1.0 / 6, 2.0 / 6, 2.0 / 6, 1.0 / 6}};
+  switch (integrator) {
+    case Integrator::explicit_euler:
+      return euler;
+    case Integrator::rk2:
+      return midpoint;
+    case Integrator::rk3:
+      return kutta;
+    case Integrator::rk4:
+      return classic;
+    default:
+      throw std::logic_error("not a Runge-Kutta rule");
+  }
+}
+
+std::optional<LobattoRule> lobatto_rule(Integrator integrator) {
+  if (integrator == Integrator::trapezoidal) return LobattoRule::trapezoidal;
+  if (integrator == Integrator::hermite_simpson) return LobattoRule::hermite_simpson;
+  return std::nullopt;
+}
+
+namespace {
+
+constexpr int kBlock = StateManifold::kBlockSize;
+
+bool is_runge_kutta(Integrator integrator) {
+  return integrator != Integrator::none && integrator != Integrator::discrete &&
+         !is_structured(integrator) && !lobatto_rule(integrator);
+}
+
+/// Applies the diagonal blocks of curved segments to a column of ndx entries, in place.
+template <class S>
+void apply_blocks(const StateManifold& manifold, const S* blocks, S* column) {
+  S old[6];
+  for (const auto& segment : manifold.curved()) {
+    S* c = column + segment.dx;
+    for (int i = 0; i < segment.n; ++i) old[i] = c[i];
+    for (int i = 0; i < segment.n; ++i) {
+      S sum = blocks[i * segment.n] * old[0];
+      for (int j = 1; j < segment.n; ++j) sum += blocks[i * segment.n + j] * old[j];
+      c[i] = sum;
+    }
+    blocks += kBlock;
+  }
+}
+
+/// Tangent velocity at a state from the system's answer there.
+template <class S>
+void state_rate(const System& system, const S* x, const SystemData<S>& data, S* rate) {
+  if (system.kind() == SystemKind::second_order) {
+    const int nv = system.nv();
+    for (int i = 0; i < nv; ++i) {
+      rate[i] = x[system.nq() + i];
+      rate[nv + i] = data.f[i];
+    }
+  } else {
+    std::copy(data.f.begin(), data.f.end(), rate);
+  }
+}
+
+/// R = ∂rate/∂z given X = ∂x/∂z, of which a column by dt may follow.
+template <class S>
+void state_rate_derivative(const System& system, const SystemData<S>& data, int columns,
+                           const AlignedVector<S>& X, AlignedVector<S>& R) {
+  const int n = system.ndx(), nz = n + system.nu(), rows = system.rows(), top = n - rows;
+  for (int c = 0; c < columns; ++c) {
+    const S* xc = &X[c * n];
+    S* r = &R[c * n];
+    const bool of_control = c >= n && c < nz;
+    for (int i = 0; i < top; ++i) r[i] = xc[top + i];
+    for (int i = 0; i < rows; ++i) r[top + i] = of_control ? data.fu[(c - n) * rows + i] : S(0.0);
+    for (int k = 0; k < n; ++k)
+      for (int i = 0; i < rows; ++i) r[top + i] += data.fx[k * rows + i] * xc[k];
+  }
+}
+
+/// out += factor · in.
+template <class S>
+void add_scaled(const S& factor, const AlignedVector<S>& in, AlignedVector<S>& out) {
+  for (std::size_t i = 0; i < in.size(); ++i) out[i] += factor * in[i];
+}
+
+/// Displacement (and its derivative) at which stage i, or the end of the step, stands.
+template <class S>
+void accumulate(const double* row, int count, const S& dt, bool derivatives, int nz,
+                IntegratorWorkspace<S>& work, AlignedVector<S>& theta, AlignedVector<S>& Theta) {
+  std::fill(theta.begin(), theta.end(), S(0.0));
+  if (derivatives) std::fill(Theta.begin(), Theta.end(), S(0.0));
+  for (int j = 0; j < count; ++j) {
+    if (row[j] == 0) continue;
+    const S factor = dt * S(row[j]);
+    add_scaled(factor, work.stages[j].k, theta);
+    if (!derivatives) continue;
+    add_scaled(factor, work.stages[j].K, Theta);
+    if (work.columns == nz) continue;
+    S* by_step = &Theta[nz * theta.size()];
+    for (std::size_t i = 0; i < theta.size(); ++i) by_step[i] += S(row[j]) * work.stages[j].k[i];
+  }
+}
+
+/// X = ∂(x ⊕ θ)/∂z for a displacement with derivative Theta.
+template <class S>
+void displaced_state_derivative(const StateManifold& manifold, int columns,
+                                const AlignedVector<S>& theta, const AlignedVector<S>& Theta,
+                                IntegratorWorkspace<S>& work, S* X) {
+  const int n = manifold.ndx();
+  manifold.integrate_jacobians(theta.data(), work.wrt_x.data(), work.wrt_dx.data());
+  for (int c = 0; c < columns; ++c) {
+    S* column = X + c * n;
+    for (int i = 0; i < n; ++i) column[i] = Theta[c * n + i];
+    apply_blocks(manifold, work.wrt_dx.data(), column);
+    if (c >= n) continue;
+    const S* blocks = work.wrt_x.data();
+    bool curved = false;
+    for (const auto& segment : manifold.curved()) {
+      if (c >= segment.dx && c < segment.dx + segment.n) {
+        for (int i = 0; i < segment.n; ++i)
+          column[segment.dx + i] += blocks[i * segment.n + c - segment.dx];
+        curved = true;
+      }
+      blocks += kBlock;
+    }
+    if (!curved) column[c] += S(1.0);
+  }
+}
+
+/// K = ∂(Jr⁻¹(θ) rate)/∂z, where K holds ∂rate/∂z at first.
+template <class S>
+void pull_back_derivative(const StateManifold& manifold, int columns,
+                          typename IntegratorWorkspace<S>::Stage& stage,
+                          IntegratorWorkspace<S>& work) {
+  const int n = manifold.ndx();
+  for (int c = 0; c < columns; ++c) apply_blocks(manifold, work.inverse.data(), &stage.K[c * n]);
+  // The inverse Jacobian moves with θ: one dual direction for all curved segments at once.
+  S change[6][6];
+  for (int d = 0; d < 6; ++d) {
+    for (int i = 0; i < n; ++i) work.dual_theta[i] = {stage.theta[i], S(0.0)};
+    for (const auto& segment : manifold.curved())
+      if (d < segment.n) work.dual_theta[segment.dx + d].d = S(1.0);
+    manifold.inverse_right_jacobian(work.dual_theta.data(), work.dual_inverse.data());
+    const Dual<S>* block = work.dual_inverse.data();
+    for (const auto& segment : manifold.curved()) {
+      if (d < segment.n) {
+        for (int i = 0; i < segment.n; ++i) {
+          change[d][i] = S(0.0);
+          for (int j = 0; j < segment.n; ++j)
+            change[d][i] += block[i * segment.n + j].d * stage.rate[segment.dx + j];
+        }
+        for (int c = 0; c < columns; ++c)
+          for (int i = 0; i < segment.n; ++i)
+            stage.K[c * n + segment.dx + i] += change[d][i] * stage.Theta[c * n + segment.dx + d];
+      }
+      block += kBlock;
+    }
+  }
+}
+
+template <class S>
+void runge_kutta(const System& system, Integrator integrator, const S* x, const S* u, const S& dt,
+                 bool derivatives, SystemData<S>& data, IntegratorWorkspace<S>& work) {
+  const RungeKuttaRule& rule = runge_kutta_rule(integrator);
+  const StateManifold& manifold = system.manifold();
+  const int nz = system.ndx() + system.nu(), columns = work.columns;
+  for (int s = 0; s < rule.stages; ++s) {
+    auto& stage = work.stages[s];
+    accumulate(rule.a[s], s, dt, derivatives, nz, work, stage.theta, stage.Theta);
+    manifold.integrate(x, stage.theta.data(), stage.x.data());
+    if (s > 0) {
+      if (derivatives)
+        system.differentiate(stage.x.data(), u, data);
+      else
+        system.evaluate(stage.x.data(), u, data);
+    }
+    state_rate(system, stage.x.data(), data, stage.rate.data());
+    stage.k = stage.rate;
+    if (!manifold.curved().empty() && s > 0) {
+      manifold.inverse_right_jacobian(stage.theta.data(), work.inverse.data());
+      apply_blocks(manifold, work.inverse.data(), stage.k.data());
+    }
+    if (!derivatives) continue;
+    displaced_state_derivative(manifold, columns, stage.theta, stage.Theta, work, stage.X.data());
+    state_rate_derivative(system, data, columns, stage.X, stage.K);
+    if (!manifold.curved().empty() && s > 0) pull_back_derivative(manifold, columns, stage, work);
+  }
+  auto& last = work.stages.back();
+  accumulate(rule.b, rule.stages, dt, derivatives, nz, work, last.theta, last.Theta);
+  manifold.integrate(x, last.theta.data(), work.next.data());
+  if (derivatives)
+    displaced_state_derivative(manifold, columns, last.theta, last.Theta, work, work.F.data());
+}
+
+/// v⁺ = v + dt a and q⁺ = q ⊕ dt v⁺.
+template <class S>
+void semi_implicit_euler(const System& system, const S* x, const S& dt, const SystemData<S>& data,
+                         IntegratorWorkspace<S>& work) {
+  const int nv = system.nv(), nq = system.nq();
+  for (int i = 0; i < nv; ++i) {
+    work.tangent[nv + i] = dt * data.f[i];
+    work.tangent[i] = dt * (x[nq + i] + work.tangent[nv + i]);
+  }
+  system.manifold().integrate(x, work.tangent.data(), work.next.data());
+}
+
+/// v⁺ is the system's, q⁺ = q.
+template <class S>
+void jump(const System& system, const S* x, const SystemData<S>& data,
+          IntegratorWorkspace<S>& work) {
+  std::copy(x, x + system.nq(), work.next.begin());
+  std::copy(data.f.begin(), data.f.end(), work.next.begin() + system.nq());
+}
+
+/// The last stage of a rule that ends with the step.
+template <class S>
+void collocate(const System& system, const S* x, const S* w, const S& dt, bool derivatives,
+               const SystemData<S>& data, IntegratorWorkspace<S>& work) {
+  const auto& collocation = *system.as_collocation();
+  const int last = collocation.later_stages();
+  collocation.stage(last, x, w, dt, data, work.next.data());
+  if (derivatives)
+    collocation.differentiate_stage(last, x, w, dt, data, work.columns > system.ndx() + system.nu(),
+                                    work.F.data());
+}
+
+}  // namespace
+
+template <class S>
+IntegratorWorkspace<S>::IntegratorWorkspace(const System& system, Integrator integrator,
+                                            bool by_step)
+    : next(system.nx(), S(0.0)),
+      columns(system.ndx() + system.nu() + (by_step ? 1 : 0)),
+      tangent(system.ndx(), S(0.0)) {
+  if (integrator == Integrator::none) return;
+  const int n = system.ndx();
+  const std::size_t blocks = kBlock * system.manifold().curved().size();
+  F.assign((is_structured(integrator) ? system.nv() : n) * columns, S(0.0));
+  if (is_structured(integrator)) {
+    state_blocks.assign(blocks, S(0.0));
+    step_blocks.assign(blocks, S(0.0));
+  }
+  if (!is_runge_kutta(integrator)) return;
+  wrt_x.assign(blocks, S(0.0));
+  wrt_dx.assign(blocks, S(0.0));
+  inverse.assign(blocks, S(0.0));
+  dual_theta.assign(n, Dual<S>(0.0));
+  dual_inverse.assign(blocks, Dual<S>(0.0));
+  stages.resize(runge_kutta_rule(integrator).stages + 1);
+  for (Stage& stage : stages) {
+    stage.theta.assign(n, S(0.0));
+    stage.x.assign(system.nx(), S(0.0));
+    stage.rate.assign(n, S(0.0));
+    stage.k.assign(n, S(0.0));
+    stage.Theta.assign(n * columns, S(0.0));
+    stage.X.assign(n * columns, S(0.0));
+    stage.K.assign(n * columns, S(0.0));
+  }
+}
+
+template <class S>
+void integrate(const System& system, Integrator integrator, const S* x, const S* u, const S& dt,
+               SystemData<S>& data, IntegratorWorkspace<S>& work) {
+  switch (integrator) {
+    case Integrator::none:
+      break;
+    case Integrator::discrete:
+      std::copy(data.f.begin(), data.f.end(), work.next.begin());
+      break;
+    case Integrator::impulse:
+      jump(system, x, data, work);
+      break;
+    case Integrator::semi_implicit_euler:
+      semi_implicit_euler(system, x, dt, data, work);
+      break;
+    case Integrator::trapezoidal:
+    case Integrator::hermite_simpson:
+      collocate(system, x, u, dt, false, data, work);
+      break;
+    default:
+      runge_kutta(system, integrator, x, u, dt, false, data, work);
+  }
+}
+
+template <class S>
+void integrate_derivatives(const System& system, Integrator integrator, const S* x, const S* u,
+                           const S& dt, SystemData<S>& data, IntegratorWorkspace<S>& work) {
+  const int n = system.ndx();
+  switch (integrator) {
+    case Integrator::none:
+      break;
+    case Integrator::discrete:
+      std::copy(data.f.begin(), data.f.end(), work.next.begin());
+      std::copy(data.fx.begin(), data.fx.end(), work.F.begin());
+      std::copy(data.fu.begin(), data.fu.end(), work.F.begin() + n * n);
+      break;
+    case Integrator::impulse:
+      jump(system, x, data, work);
+      std::copy(data.fx.begin(), data.fx.end(), work.F.begin());
+      system.manifold().integrate_jacobians(work.tangent.data(), work.state_blocks.data(),
+                                            work.step_blocks.data());
+      break;
+    case Integrator::semi_implicit_euler: {
+      semi_implicit_euler(system, x, dt, data, work);
+      const int nv = system.nv();
+      for (int i = 0; i < nv * n; ++i) work.F[i] = dt * data.fx[i];
+      for (int i = 0; i < nv; ++i) work.F[(nv + i) * nv + i] += S(1.0);
+      for (int i = 0; i < nv * system.nu(); ++i) work.F[nv * n + i] = dt * data.fu[i];
+      if (const int nz = n + system.nu(); work.columns > nz)
+        std::copy(data.f.begin(), data.f.end(), work.F.begin() + nv * nz);
+      system.manifold().integrate_jacobians(work.tangent.data(), work.state_blocks.data(),
+                                            work.step_blocks.data());
+      break;
+    }
+    case Integrator::trapezoidal:
+    case Integrator::hermite_simpson:
+      collocate(system, x, u, dt, true, data, work);
+      break;
+    default:
+      runge_kutta(system, integrator, x, u, dt, true, data, work);
+  }
+}
+
+#define CONDDP_INSTANTIATE(S)                                                                      \
+  template struct IntegratorWorkspace<S>;                                                          \
+  template void integrate(const System&, Integrator, const S*, const S*, const S&, SystemData<S>&, \
+                          IntegratorWorkspace<S>&);                                                \
+  template void integrate_derivatives(const System&, Integrator, const S*, const S*, const S&,     \
+                                      SystemData<S>&, IntegratorWorkspace<S>&);
+CONDDP_FOR_EACH_SCALAR(CONDDP_INSTANTIATE)
+#undef CONDDP_INSTANTIATE
+
+}  // namespace conddp

@@ -1,0 +1,130 @@
+#include <limits>
+#include <stdexcept>
+
+#include "ocp/knot/augmented_term.hpp"
+#include "ocp/knot/gauss_newton.hpp"
+#include "ocp/knot/knot_model.hpp"
+#include "ocp/terms/constraint_form.hpp"
+
+namespace conddp {
+
+int KnotModel::add_constraint(ConstraintTerm term) {
+  check_fit("constraint " + term.name, *term.residual);
+  term.row = constraint_rows_;
+  term.parameters = parameter_count_;
+  term.jacobian = add_rows(term.blocks);
+  parameter_count_ = term.parameter_end();
+  const int parameters = constraints_.emplace_back(std::move(term)).parameters;
+  index_hessian();
+  return parameters;
+}
+
+int KnotModel::add_rows(const std::vector<RowBlock>& blocks) {
+  const int first = static_cast<int>(constraint_pattern_.size());
+  for (const RowBlock& block : blocks) {
+    for (const int column : block.columns)
+      for (int i = 0; i < block.rows; ++i)
+        constraint_pattern_.emplace_back(constraint_rows_ + i, column);
+    constraint_rows_ += block.rows;
+  }
+  return first;
+}
+
+template <class S>
+void KnotModel::evaluate_constraints(const KnotInput<S>& in, KnotWorkspace<S>& work) const {
+  work.augmentation = S(0.0);
+  for (const ConstraintTerm& term : constraints_) {
+    const ResidualInput<S> input{in.x, in.u, in.parameters + term.parameters, *work.system_};
+    term.residual->evaluate(input, work.residual_.data());
+    S* g = work.constraint.data() + term.row;
+    form_value(term, work.residual_.data(), g);
+    add_penalty<S>(term, in, work, nullptr);
+  }
+}
+
+template <class S>
+bool KnotModel::add_penalty(const ConstraintTerm& term, const KnotInput<S>& in,
+                            KnotWorkspace<S>& work, S* curvature) const {
+  RowPenalty<S> given;
+  if (term.softness == Softness::l2) {
+    S* of_rows = work.soft_.data();
+    const S weight = in.cost_scale * in.parameters[term.weight()] * in.parameters[term.active()];
+    for (int i = 0; i < term.rows; ++i) {
+      of_rows[i] = weight;
+      of_rows[term.rows + i] = S(0.0);
+    }
+    given = {of_rows, of_rows + term.rows, of_rows + term.rows};
+  } else if (in.penalty != nullptr) {
+    given = {in.penalty + term.row, in.shift + term.row, in.multiplier + term.row};
+  } else {
+    return false;
+  }
+  const RowSet<S> set{in.parameters + term.lower(), in.parameters + term.upper(),
+                      term.softness == Softness::l1 ? in.cost_scale * in.parameters[term.weight()]
+                                                    : S(std::numeric_limits<double>::infinity())};
+  const S value = augment<S>(term, set, given, work.constraint.data() + term.row,
+                             work.shifted_.data(), work.weight_.data(), curvature);
+  (term.softness == Softness::l2 ? work.cost : work.augmentation) += value;
+  return true;
+}
+
+template <class S>
+void KnotModel::differentiate_constraints(const KnotInput<S>& in, KnotWorkspace<S>& work,
+                                          bool hessian) const {
+  work.augmentation = S(0.0);
+  S* weight = work.weight_.data();
+  S* curvature = work.curvature_.data();
+  for (std::size_t t = 0; t < constraints_.size(); ++t) {
+    const ConstraintTerm& term = constraints_[t];
+    const ResidualInput<S> input{in.x, in.u, in.parameters + term.parameters, *work.system_};
+    term.residual->differentiate(input, work.residual_.data(), work.residual_jacobian_.data());
+    S* g = work.constraint.data() + term.row;
+    const S norm = form_value(term, work.residual_.data(), g);
+    S* jacobian = work.constraint_jacobian.data() + term.jacobian;
+    form_jacobian(term, work.residual_.data(), norm, work.residual_jacobian_.data(), jacobian);
+    if (!add_penalty<S>(term, in, work, hessian ? curvature : nullptr)) continue;
+    // Rows inside their set have no multiplier and no curvature.
+    const int curvatures = term.is_cone() ? term.rows * term.rows : term.rows;
+    if (all_zero(weight, term.rows) && (!hessian || all_zero(curvature, curvatures))) continue;
+    if (hessian) work.rest_is_zero_ = false;
+    const int* pair = constraint_pattern_index_[t].data();
+    int row = 0;
+    for (const RowBlock& block : term.blocks) {
+      const int rows = block.rows, columns = static_cast<int>(block.columns.size());
+      S* weighted = work.weighted_jacobian_.data();
+      for (int c = 0; c < columns; ++c) {
+        const S* column = jacobian + c * rows;
+        for (int i = 0; i < rows; ++i)
+          work.gradient[block.columns[c]] += column[i] * weight[row + i];
+        if (!hessian) continue;
+        for (int i = 0; i < rows; ++i) {
+          if (!term.is_cone()) {
+            *weighted++ = curvature[row + i] * column[i];
+            continue;
+          }
+          S sum = curvature[i * rows] * column[0];
+          for (int j = 1; j < rows; ++j) sum += curvature[i * rows + j] * column[j];
+          *weighted++ = sum;
+        }
+      }
+      if (hessian) {
+        add_products(rows, columns, jacobian, work.weighted_jacobian_.data(), pair,
+                     work.hessian.data());
+        pair += columns * (columns + 1) / 2;
+      }
+      jacobian += rows * columns;
+      row += rows;
+    }
+  }
+}
+
+#define CONDDP_INSTANTIATE(S)                                                                      \
+  template void KnotModel::evaluate_constraints(const KnotInput<S>&, KnotWorkspace<S>&) const;     \
+  template void KnotModel::differentiate_constraints(const KnotInput<S>&, KnotWorkspace<S>&, bool) \
+      const;                                                                                       \
+  template bool KnotModel::add_penalty(const ConstraintTerm&, const KnotInput<S>&,                 \
+                                       KnotWorkspace<S>&, S*) const;
+CONDDP_FOR_EACH_SCALAR(CONDDP_INSTANTIATE)
+#undef CONDDP_INSTANTIATE
+
+}  // namespace conddp

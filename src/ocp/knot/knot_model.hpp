@@ -1,0 +1,229 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "ocp/knot/integrator.hpp"
+#include "ocp/terms/activation.hpp"
+#include "ocp/terms/constraint.hpp"
+#include "ocp/terms/residual.hpp"
+#include "systems/system.hpp"
+
+namespace conddp {
+
+/// A cost w·a(r(x, u)): a rate, multiplied by the knot's cost scale (dt on running knots).
+struct CostTerm {
+  std::string name;
+  std::shared_ptr<const Residual> residual;
+  Activation activation;
+  int parameters = 0;  ///< where the residual's parameters start in the knot's parameters
+  int weight = 0;      ///< where the weight stands in the knot's parameters
+  /// Of a barrier: where its rows stand among those of constraints, and their derivative in
+  /// constraint_pattern().
+  int row = 0, jacobian = 0;
+
+  bool is_barrier() const { return activation.kind == ActivationKind::quadratic_barrier; }
+};
+
+/// A knot's data in scalar S: views into the caller's storage.
+template <class S>
+struct KnotInput {
+  const S* x;
+  const S* u;  ///< null at a node without control
+  const S*
+      parameters;  ///< references and weights of the costs, references and bounds of constraints
+  S dt;
+  S cost_scale;
+  /// What constraints add to the cost, one number a row each (Augmentation); null: nothing.
+  const S* penalty = nullptr;
+  const S* shift = nullptr;
+  const S* multiplier = nullptr;
+};
+
+/// Where the duration of a phase is free: a number of the held memory is that duration, s, and the
+/// phase's steps are as given where it is the written one.
+struct FreeDuration {
+  int memory;               ///< which number
+  double written;           ///< s
+  bool scales_cost = true;  ///< running costs are rates
+};
+
+template <class S>
+class KnotWorkspace;
+
+/// The structure that knots share: a system, an integrator, costs, constraints and control bounds.
+/// Immutable once a problem holds it. The knots differ in KnotInput alone.
+///
+/// The state is the system's, followed by the previous control where `control_memory` is set (for
+/// residuals on the control rate), or by numbers that the knot hands on as they are
+/// (`held_memory`). z = (tangent at x, u) has nz = ndx + nu entries.
+class KnotModel {
+ public:
+  KnotModel(std::shared_ptr<const System> system, Integrator integrator,
+            bool control_memory = false, int held_memory = 0);
+
+  /// Adds a cost whose residual depends on columns of z alone; returns the index at which its
+  /// parameters (reference, then weight) start.
+  int add_cost(std::string name, std::shared_ptr<const Residual> residual, Activation activation);
+  /// Adds a constraint; returns the index at which its parameters start (ConstraintTerm).
+  int add_constraint(ConstraintTerm term);
+  /// Elementwise bounds on the control; infinite where there is none.
+  void set_control_bounds(std::vector<double> lower, std::vector<double> upper);
+  /// Needs a held memory, and a system that knows time. Soft constraints have to be none.
+  void set_free_duration(const FreeDuration& duration);
+  const std::optional<FreeDuration>& free_duration() const { return duration_; }
+  /// The time step at a state, from the given one.
+  template <class S>
+  S step(const S& dt, const S* x) const {
+    return duration_ ? dt * duration_share(x) : dt;
+  }
+
+  const System& system() const { return *system_; }
+  const std::shared_ptr<const System>& shared_system() const { return system_; }
+  const StateManifold& manifold() const { return manifold_; }
+  Integrator integrator() const { return integrator_; }
+  bool has_control_memory() const { return memory_ > 0 && !held_; }
+  const std::vector<CostTerm>& costs() const { return costs_; }
+  const std::vector<ConstraintTerm>& constraints() const { return constraints_; }
+  /// Rows of all constraints of a knot, and of barriers: what begins to cost somewhere on the way
+  /// of a step has a value and a derivative on both sides.
+  int constraint_rows() const { return constraint_rows_; }
+  /// Where ∂g/∂z can be non-zero: (row, column) in the order in which a workspace holds it.
+  const std::vector<std::pair<int, int>>& constraint_pattern() const { return constraint_pattern_; }
+  const std::vector<double>& control_lower() const { return lower_; }
+  const std::vector<double>& control_upper() const { return upper_; }
+  bool has_control_bounds() const;
+
+  int nx() const { return manifold_.nx(); }
+  int ndx() const { return manifold_.ndx(); }
+  int nu() const { return integrator_ == Integrator::none ? 0 : system_->nu(); }
+  int nz() const { return ndx() + nu(); }
+  int parameter_count() const { return parameter_count_; }
+  /// Whether the dynamics Jacobian has semi-implicit Euler's structure: F holds the nv rows of the
+  /// next velocity alone and the rows of the next configuration follow from it.
+  bool semi_implicit() const { return is_structured(integrator_) && memory_ == 0; }
+  /// Rows of F: nv where semi_implicit(), else ndx, 0 at a terminal node.
+  int jacobian_rows() const;
+  /// Where Gauss-Newton Hessians of costs and constraints can be non-zero: (row, column),
+  /// row ≥ column. Behind the first lasting_entries() stands what only barriers and constraints
+  /// fill, which have no curvature inside their bounds.
+  const std::vector<std::pair<int, int>>& hessian_pattern() const { return pattern_; }
+  int lasting_entries() const { return lasting_entries_; }
+
+  /// Next state, cost and constraint values into the workspace.
+  template <class S>
+  void evaluate(const KnotInput<S>& in, KnotWorkspace<S>& work) const;
+  /// Next state, cost, constraint values, Jacobians of dynamics and constraints, gradient of cost
+  /// and augmentation and, if asked for, the Gauss-Newton Hessian in the order of
+  /// hessian_pattern().
+  template <class S>
+  void differentiate(const KnotInput<S>& in, KnotWorkspace<S>& work, bool hessian) const;
+
+ private:
+  template <class S>
+  friend class KnotWorkspace;
+  friend class KnotSecondDerivatives;
+
+  /// Free duration by the written one.
+  template <class S>
+  S duration_share(const S* x) const {
+    return x[system_->nx() + duration_->memory] * S(1 / duration_->written);
+  }
+  template <class S>
+  KnotInput<S> at_its_duration(const KnotInput<S>& given) const;
+  template <class S>
+  void append_duration(const KnotInput<S>& given, KnotWorkspace<S>& work) const;
+  template <class S>
+  void append_control_memory(const KnotInput<S>& in, KnotWorkspace<S>& work,
+                             bool derivatives) const;
+  template <class S>
+  void evaluate_costs(const KnotInput<S>& in, KnotWorkspace<S>& work) const;
+  template <class S>
+  void differentiate_costs(const KnotInput<S>& in, KnotWorkspace<S>& work, bool hessian) const;
+
+  // knot_constraints.cpp
+  template <class S>
+  void evaluate_constraints(const KnotInput<S>& in, KnotWorkspace<S>& work) const;
+  template <class S>
+  void differentiate_constraints(const KnotInput<S>& in, KnotWorkspace<S>& work,
+                                 bool hessian) const;
+
+  /// What a constraint whose value is known adds to cost or augmentation, its multipliers and, if
+  /// asked for, curvature. False where it adds nothing.
+  template <class S>
+  bool add_penalty(const ConstraintTerm& term, const KnotInput<S>& in, KnotWorkspace<S>& work,
+                   S* curvature) const;
+
+  /// Throws std::invalid_argument where a residual needs a control or columns of z that knots of
+  /// this model do not have, as one on the control rate does without a control memory.
+  void check_fit(const std::string& what, const Residual& residual) const;
+
+  /// Room for rows whose derivative has these blocks; returns where it begins in the pattern.
+  int add_rows(const std::vector<RowBlock>& blocks);
+
+  /// Writes the pattern of Hessians and its indices from costs and constraints.
+  void index_hessian();
+
+  std::shared_ptr<const System> system_;
+  StateManifold manifold_;
+  Integrator integrator_;
+  int memory_ = 0;
+  bool held_ = false;  ///< the memory stays what it is
+  std::optional<FreeDuration> duration_;
+  int parameter_count_ = 0;
+  std::vector<CostTerm> costs_;
+  std::vector<double> lower_, upper_;
+  std::vector<std::pair<int, int>> pattern_;
+  int lasting_entries_ = 0;
+  /// For each cost, for each block, for each pair of its columns (a ≥ b): index in the pattern.
+  std::vector<std::vector<int>> pattern_index_;
+  std::vector<ConstraintTerm> constraints_;
+  int constraint_rows_ = 0;
+  std::vector<std::pair<int, int>> constraint_pattern_;
+  std::vector<std::vector<int>> constraint_pattern_index_;  ///< as pattern_index_, of constraints
+};
+
+/// What a KnotModel writes, in scalar S, and the memory that it needs meanwhile.
+template <class S>
+class KnotWorkspace {
+ public:
+  explicit KnotWorkspace(const KnotModel& model);
+
+  /// nx: the next state.
+  const AlignedVector<S>& next() const { return memory_ ? next_ : integrator_.next; }
+  /// jacobian_rows x nz by columns: derivative of the next state (or velocity).
+  const AlignedVector<S>& F() const { return memory_ ? F_ : integrator_.F; }
+  /// Where semi_implicit: ∂q⁺/∂q and ∂q⁺/∂(dt v⁺) per curved segment, by rows.
+  const AlignedVector<S>& state_blocks() const { return integrator_.state_blocks; }
+  const AlignedVector<S>& step_blocks() const { return integrator_.step_blocks; }
+
+  S cost;                                ///< Σ of term_costs, and of what l2-soft constraints cost
+  AlignedVector<S> term_costs;           ///< scaled cost of each term
+  AlignedVector<S> gradient;             ///< nz: of cost and augmentation
+  AlignedVector<S> hessian;              ///< in the order of hessian_pattern()
+  S augmentation;                        ///< what constraints add to the cost
+  AlignedVector<S> constraint;           ///< g and residuals of barriers, constraint_rows()
+  AlignedVector<S> constraint_jacobian;  ///< in the order of constraint_pattern()
+  /// Whether all of `hessian` behind the lasting entries is zero.
+  bool rest_is_zero() const { return rest_is_zero_; }
+
+ private:
+  friend class KnotModel;
+  friend class KnotSecondDerivatives;
+
+  bool rest_is_zero_ = true;
+  bool memory_;
+  std::unique_ptr<SystemData<S>> system_;
+  IntegratorWorkspace<S> integrator_;
+  AlignedVector<S> next_, F_;  ///< with the control memory appended
+  AlignedVector<S> residual_, activation_gradient_, activation_diagonal_;
+  AlignedVector<S> residual_jacobian_, weighted_jacobian_;
+  AlignedVector<S> term_gradient_;
+  AlignedVector<S> shifted_, weight_, curvature_;  ///< of one constraint: rows, rows, rows²
+  AlignedVector<S> soft_;  ///< penalty and zeros of a constraint that is soft by a square
+};
+
+}  // namespace conddp

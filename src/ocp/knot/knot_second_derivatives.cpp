@@ -1,0 +1,313 @@
+#include "ocp/knot/knot_second_derivatives.hpp"
+
+#include <algorithm>
+
+#include "ocp/knot/gauss_newton.hpp"
+#include "ocp/knot/transposed_dynamics.hpp"
+#include "ocp/terms/constraint_form.hpp"
+
+namespace conddp {
+
+std::unique_ptr<KnotSecondDerivatives> KnotSecondDerivatives::make(const KnotModel& model,
+                                                                   KnotBatch<Lane>& at,
+                                                                   KnotBatch<Dual<Lane>>& moving) {
+  if (model.manifold().ndx() != model.system().ndx()) return nullptr;
+  std::unique_ptr<KnotSecondDerivatives> made(new KnotSecondDerivatives(model, at, moving));
+  const bool running = model.integrator() != Integrator::none;
+  if (running) {
+    if (model.integrator() != Integrator::semi_implicit_euler) return nullptr;
+    made->system_ = model.system().second_derivatives(*at.work.system_, *moving.work.system_);
+    if (made->system_ == nullptr) return nullptr;
+    made->force_weights_.assign(made->system_->forces(), Lane(0.0));
+  }
+  return made->add_terms() ? std::move(made) : nullptr;
+}
+
+KnotSecondDerivatives::KnotSecondDerivatives(const KnotModel& model, KnotBatch<Lane>& at,
+                                             KnotBatch<Dual<Lane>>& moving)
+    : model_(model),
+      at_(at),
+      moving_(moving),
+      nz_(model.nz()),
+      system_weights_(model.system().rows(), Lane(0.0)),
+      gradients_(nz_ * nz_, Lane(0.0)),
+      step_(model.ndx(), D(0.0)) {
+  const std::size_t blocks = StateManifold::kBlockSize * model.manifold().curved().size();
+  state_blocks_.assign(blocks, D(0.0));
+  step_blocks_.assign(blocks, D(0.0));
+}
+
+bool KnotSecondDerivatives::add_terms() {
+  std::size_t rows = 0, entries = 0, formed = 0;
+  for (const CostTerm& cost : model_.costs()) {
+    Term term;
+    term.cost = &cost;
+    term.parameters = cost.parameters;
+    if (!add_term(std::move(term), *cost.residual)) return false;
+  }
+  for (const ConstraintTerm& constraint : model_.constraints()) {
+    Term term;
+    term.constraint = &constraint;
+    term.parameters = constraint.parameters;
+    if (!add_term(std::move(term), *constraint.residual)) return false;
+  }
+  for (const Term& term : terms_) {
+    rows = std::max<std::size_t>(rows, term.residual->size());
+    entries = std::max<std::size_t>(entries, term.residual->jacobian_size());
+    if (term.constraint) formed = std::max<std::size_t>(formed, term.constraint->jacobian_size());
+  }
+  moving_residual_.assign(rows, D(0.0));
+  moving_value_.assign(rows, D(0.0));
+  moving_jacobian_.assign(entries, D(0.0));
+  formed_jacobian_.assign(formed, D(0.0));
+  return true;
+}
+
+bool KnotSecondDerivatives::add_term(Term term, const Residual& residual) {
+  const LinearImage* image = residual.linear_image();
+  // A norm bends whatever it is of.
+  const bool norm = term.constraint && term.constraint->kind == ConstraintKind::norm;
+  const bool formed = term.constraint && (norm || term.constraint->is_cone());
+  term.residual = image && !formed ? image->of.get() : &residual;
+  term.blocks = formed ? &term.constraint->blocks : &term.residual->blocks();
+  term.moves.assign(nz_, false);
+  bool bends = false;
+  for (const RowBlock& block : *term.blocks) {
+    const bool affine =
+        formed ? !norm && std::all_of(residual.blocks().begin(), residual.blocks().end(),
+                                      [](const RowBlock& b) { return b.affine; })
+               : block.affine;
+    if (affine) continue;
+    bends = true;
+    for (const int column : block.columns) term.moves[column] = true;
+  }
+  // The position of a pose moves along axes that turn with it.
+  for (const auto& segment : model_.manifold().curved()) {
+    const auto begin = term.moves.begin() + segment.dx, end = begin + segment.n;
+    if (std::find(begin, end, true) != end) std::fill(begin, end, true);
+  }
+  if (!bends) return true;
+  if (term.residual->reads() == Reads::everything) return false;
+  if (term.residual->reads() == Reads::forces) {
+    if (system_ == nullptr) return false;
+    reads_forces_ = true;
+  }
+  int rows = 0;
+  for (const RowBlock& block : *term.blocks) rows += block.rows;
+  term.weights.assign(std::max(rows, residual.size()), Lane(0.0));
+  terms_.push_back(std::move(term));
+  return true;
+}
+
+void KnotSecondDerivatives::weigh_cost(Term& term) {
+  const CostTerm& cost = *term.cost;
+  KnotWorkspace<Lane>& work = at_.work;
+  const KnotInput<Lane> in = at_.input();
+  const ResidualInput<Lane> input{in.x, in.u, in.parameters + cost.parameters, *work.system_};
+  const int rows = cost.residual->size();
+  Lane* slope = work.activation_gradient_.data();
+  Lane unused;
+  cost.residual->evaluate(input, work.residual_.data());
+  cost.activation.differentiate(work.residual_.data(), rows, slope,
+                                work.activation_diagonal_.data(), unused);
+  const Lane scale = in.cost_scale * in.parameters[cost.weight];
+  if (const LinearImage* image = cost.residual->linear_image()) {
+    const int k = image->of->size();
+    std::fill(term.weights.begin(), term.weights.end(), Lane(0.0));
+    for (int r = 0; r < rows; ++r)
+      for (int i = 0; i < k; ++i) term.weights[i] += slope[r] * scale * image->A[r * k + i];
+    return;
+  }
+  for (int r = 0; r < rows; ++r) term.weights[r] = scale * slope[r];
+}
+
+void KnotSecondDerivatives::weigh_constraint(Term& term) {
+  const ConstraintTerm& constraint = *term.constraint;
+  KnotWorkspace<Lane>& work = at_.work;
+  const KnotInput<Lane> in = at_.input();
+  const ResidualInput<Lane> input{in.x, in.u, in.parameters + constraint.parameters, *work.system_};
+  std::fill(term.weights.begin(), term.weights.end(), Lane(0.0));
+  constraint.residual->evaluate(input, work.residual_.data());
+  form_value(constraint, work.residual_.data(), work.constraint.data() + constraint.row);
+  const Lane cost = work.cost, augmentation = work.augmentation;
+  const bool counts = model_.add_penalty<Lane>(constraint, in, work, nullptr);
+  work.cost = cost;
+  work.augmentation = augmentation;
+  if (!counts) return;
+  const LinearImage* image = constraint.residual->linear_image();
+  if (image == nullptr || image->of.get() != term.residual) {
+    std::copy_n(work.weight_.begin(), constraint.rows, term.weights.begin());
+    return;
+  }
+  const int k = image->of->size();
+  for (int r = 0; r < constraint.rows; ++r)
+    for (int i = 0; i < k; ++i) term.weights[i] += work.weight_[r] * image->A[r * k + i];
+}
+
+void KnotSecondDerivatives::weigh_terms() {
+  for (Term& term : terms_) {
+    term.cost ? weigh_cost(term) : weigh_constraint(term);
+    // Rows whose Jacobian is constant have no part in what follows.
+    int row = 0;
+    for (const RowBlock& block : *term.blocks) {
+      if (block.affine) std::fill_n(term.weights.begin() + row, block.rows, Lane(0.0));
+      row += block.rows;
+    }
+    term.active = !all_zero(term.weights.data(), row);
+  }
+}
+
+ResidualInput<Dual<Lane>> KnotSecondDerivatives::moving_input(const Term& term) {
+  return {moving_.x.data(), moving_.u.data(), moving_.parameters.data() + term.parameters,
+          *moving_.work.system_};
+}
+
+void KnotSecondDerivatives::weigh_forces() {
+  if (!reads_forces_) return;
+  for (std::size_t row = 0; row < force_weights_.size(); ++row) {
+    Lane sum(0.0);
+    system_->move_force(static_cast<int>(row));
+    for (const Term& term : terms_) {
+      if (!term.active || term.residual->reads() != Reads::forces) continue;
+      term.residual->evaluate(moving_input(term), moving_residual_.data());
+      const bool formed = term.blocks != &term.residual->blocks();
+      if (formed) form_value(*term.constraint, moving_residual_.data(), moving_value_.data());
+      const D* value = formed ? moving_value_.data() : moving_residual_.data();
+      int rows = 0;
+      for (const RowBlock& block : *term.blocks) rows += block.rows;
+      for (int i = 0; i < rows; ++i) sum += term.weights[i] * value[i].d;
+    }
+    force_weights_[row] = sum;
+  }
+}
+
+void KnotSecondDerivatives::weigh_system(const Lane* costates) {
+  // v⁺ = v + dt a.
+  pull_back_to_velocity(model_, at_.work, at_.dt, costates, system_weights_.data());
+  for (Lane& weight : system_weights_) weight = at_.dt * weight;
+}
+
+void KnotSecondDerivatives::differentiate_terms(int d, Lane* column) {
+  for (const Term& term : terms_) {
+    if (!term.active || !term.moves[d]) continue;
+    const D* jacobian = moving_jacobian_.data();
+    term.residual->differentiate(moving_input(term), moving_residual_.data(),
+                                 moving_jacobian_.data());
+    if (term.blocks != &term.residual->blocks()) {
+      const D norm = form_value(*term.constraint, moving_residual_.data(), moving_value_.data());
+      form_jacobian(*term.constraint, moving_residual_.data(), norm, jacobian,
+                    formed_jacobian_.data());
+      jacobian = formed_jacobian_.data();
+    }
+    const Lane* weight = term.weights.data();
+    for (const RowBlock& block : *term.blocks) {
+      for (const int c : block.columns) {
+        Lane sum(0.0);
+        for (int i = 0; i < block.rows; ++i) sum += jacobian[i].d * weight[i];
+        column[c] += sum;
+        jacobian += block.rows;
+      }
+      weight += block.rows;
+    }
+  }
+}
+
+void KnotSecondDerivatives::add_curved_steps(const Lane* costates) {
+  const StateManifold& manifold = model_.manifold();
+  const int n = model_.system().nv();
+  const Lane& dt = at_.dt;
+  const AlignedVector<Lane>& F = at_.work.F();
+  int offset = 0;
+  for (const auto& s : manifold.curved()) {
+    // Derivatives of (Ad⁻ᵀ λ, dt Jᵀ λ) by the step dt v⁺.
+    Lane of_state[6][6], of_velocity[6][6];
+    for (int j = 0; j < s.n; ++j) {
+      for (int i = 0; i < n; ++i) step_[i] = D(at_.work.integrator_.tangent[i], Lane(0.0));
+      step_[s.dx + j].d = Lane(1.0);
+      manifold.integrate_jacobians(step_.data(), state_blocks_.data(), step_blocks_.data());
+      for (int i = 0; i < s.n; ++i) {
+        Lane state(0.0), step(0.0);
+        for (int k = 0; k < s.n; ++k) {
+          state += state_blocks_[offset + k * s.n + i].d * costates[s.dx + k];
+          step += step_blocks_[offset + k * s.n + i].d * costates[s.dx + k];
+        }
+        of_state[j][i] = state;
+        of_velocity[j][i] = dt * step;
+      }
+    }
+    for (int d = 0; d < nz_; ++d) {
+      Lane* column = &gradients_[d * nz_];
+      Lane pulled[6];
+      std::fill_n(pulled, s.n, Lane(0.0));
+      for (int j = 0; j < s.n; ++j) {
+        const Lane moved = dt * F[d * n + s.dx + j];
+        for (int i = 0; i < s.n; ++i) {
+          column[s.dx + i] += of_state[j][i] * moved;
+          pulled[i] += of_velocity[j][i] * moved;
+        }
+      }
+      for (int c = 0; c < nz_; ++c)
+        for (int i = 0; i < s.n; ++i) column[c] += F[c * n + s.dx + i] * pulled[i];
+    }
+    offset += StateManifold::kBlockSize;
+  }
+}
+
+const AlignedVector<Lane>& KnotSecondDerivatives::compute(const Lane* costates) {
+  const int n = model_.ndx();
+  const auto rest = [](const AlignedVector<Lane>& from, AlignedVector<D>& to) {
+    for (std::size_t i = 0; i < from.size(); ++i) to[i] = D(from[i], Lane(0.0));
+  };
+  rest(at_.x, moving_.x);
+  rest(at_.u, moving_.u);
+  rest(at_.parameters, moving_.parameters);
+  model_.differentiate(at_.input(), at_.work, true);
+  std::fill(gradients_.begin(), gradients_.end(), Lane(0.0));
+  weigh_terms();
+  if (system_) {
+    system_->start(moving_.x.data());
+    weigh_forces();
+    weigh_system(costates);
+    system_->weigh(system_weights_.data(), force_weights_.data());
+  }
+  for (int d = 0; d < nz_; ++d) {
+    const bool bends = std::any_of(terms_.begin(), terms_.end(),
+                                   [d](const Term& term) { return term.active && term.moves[d]; });
+    if (!bends && (d >= n || !system_)) continue;
+    Lane* column = &gradients_[d * nz_];
+    rest(at_.x, moving_.x);
+    if (d < n) {
+      for (D& step : step_) step = D(0.0);
+      step_[d].d = Lane(1.0);
+      model_.manifold().integrate(moving_.x.data(), step_.data(), moving_.x.data());
+    } else {
+      moving_.u[d - n].d = Lane(1.0);
+    }
+    if (system_)
+      system_->move(moving_.x.data(), d, gradients_.data());
+    else
+      model_.system().update_kinematics(moving_.x.data(), *moving_.work.system_);
+    if (bends) differentiate_terms(d, column);
+    if (d >= n) moving_.u[d - n].d = Lane(0.0);
+  }
+  if (system_) {
+    system_->finish(gradients_.data());
+    add_curved_steps(costates);
+  }
+  // The derivative of the gradient along the manifold differs from the Hessian by an antisymmetric
+  // (Lie bracket) term alone.
+  for (int c = 0; c < nz_; ++c)
+    for (int r = 0; r < c; ++r) {
+      Lane &a = gradients_[c * nz_ + r], &b = gradients_[r * nz_ + c];
+      a = b = 0.5 * (a + b);
+    }
+  const auto& pattern = model_.hessian_pattern();
+  for (std::size_t i = 0; i < pattern.size(); ++i) {
+    const auto [r, c] = pattern[i];
+    gradients_[c * nz_ + r] += at_.work.hessian[i];
+    if (r != c) gradients_[r * nz_ + c] += at_.work.hessian[i];
+  }
+  return gradients_;
+}
+
+}  // namespace conddp

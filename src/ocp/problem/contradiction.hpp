@@ -1,0 +1,22 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "ocp/problem/problem.hpp"
+
+namespace conddp {
+
+/// Two constraints on one coordinate of a node that leave it no value. `second` is empty where the
+/// bounds on the control are the other one.
+struct Contradiction {
+  std::string first, second;
+  int node;
+  double lower, upper;  ///< of the coordinate, as the first constraint measures it
+};
+
+/// The first contradiction among bounds on single coordinates of states and controls: those rows of
+/// constraints that are a coordinate minus a reference. More distant ones are for solvers to find.
+std::optional<Contradiction> find_contradiction(const ShootingProblem& problem);
+
+}  // namespace conddp

@@ -1,0 +1,121 @@
+#include "ocp/problem/problem.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <limits>
+#include <stdexcept>
+
+namespace conddp {
+namespace {
+
+void check(const Phase& phase) {
+  const std::size_t n = phase.dt.size();
+  if (!phase.model || n == 0 || phase.cost_scale.size() != n ||
+      phase.parameters.size() != n * phase.model->parameter_count())
+    throw std::invalid_argument("phase " + phase.name + ": sizes do not fit its model");
+  if (phase.model->integrator() == Integrator::impulse &&
+      std::any_of(phase.dt.begin(), phase.dt.end(), [](double dt) { return dt != 0; }))
+    throw std::invalid_argument("phase " + phase.name + ": an impulse takes no time");
+}
+
+/// The number with as many decimal digits as survive a double: steps are decimal numbers of few
+/// digits, and so are their sums.
+double to_decimal(double value) {
+  char text[32];
+  const auto end = std::to_chars(text, text + sizeof text, value, std::chars_format::scientific,
+                                 std::numeric_limits<double>::digits10 - 1)
+                       .ptr;
+  std::from_chars(text, end, value);
+  return value;
+}
+
+}  // namespace
+
+std::vector<double> node_times(std::span<const double> steps) {
+  std::vector<double> times{0};
+  times.reserve(steps.size() + 1);
+  double sum = 0, rest = 0;  // compensated: the rest is what rounding took from the sum
+  for (const double step : steps) {
+    const double given = step + rest;
+    const double next = sum + given;
+    rest = given - (next - sum);
+    sum = next;
+    times.push_back(to_decimal(sum));
+  }
+  return times;
+}
+
+ShootingProblem::ShootingProblem(std::vector<double> initial_state, std::vector<Phase> phases,
+                                 Phase terminal)
+    : initial_state_(std::move(initial_state)),
+      phases_(std::move(phases)),
+      terminal_(std::move(terminal)) {
+  check(terminal_);
+  if (terminal_.model->integrator() != Integrator::none || terminal_.knots() != 1)
+    throw std::invalid_argument("the terminal phase is one node without dynamics");
+  std::vector<double> steps;
+  for (int p = 0; p <= static_cast<int>(phases_.size()); ++p) {
+    const Phase& phase = p < static_cast<int>(phases_.size()) ? phases_[p] : terminal_;
+    check(phase);
+    if (phase.model->nx() != terminal_.model->nx() || phase.model->ndx() != terminal_.model->ndx())
+      throw std::invalid_argument("phase " + phase.name + " has another state than the terminal");
+    for (int k = 0; k < phase.knots(); ++k) {
+      views_.push_back({phase.model.get(),
+                        phase.parameters.data() + k * phase.model->parameter_count(), phase.dt[k],
+                        phase.cost_scale[k], p});
+      if (&phase != &terminal_) steps.push_back(phase.instant ? 0 : phase.dt[k]);
+    }
+  }
+  times_ = node_times(steps);
+  constraint_offset_.push_back(0);
+  for (int k = 0; k <= knots(); ++k) {
+    const KnotView& view = views_[k];
+    for (const ConstraintTerm& term : view.model->constraints()) {
+      if (view.parameters[term.active()] == 0) continue;
+      const double* lower = term.has_bounds() ? view.parameters + term.lower() : nullptr;
+      NodeConstraint constraint{k, &term, constraint_offset_.back() + term.row, lower,
+                                lower == nullptr ? nullptr : lower + term.rows};
+      if (term.softness == Softness::l1)
+        constraint.limit = view.cost_scale * view.parameters[term.weight()];
+      if (term.softness != Softness::l2) constraints_.push_back(constraint);
+      if (constraint.is_soft()) soft_constraints_.push_back(constraint);
+    }
+    constraint_offset_.push_back(constraint_offset_.back() + view.model->constraint_rows());
+  }
+  if (static_cast<int>(initial_state_.size()) != nx())
+    throw std::invalid_argument("the initial state has the wrong size");
+}
+
+bool ShootingProblem::has_free_durations() const {
+  return std::any_of(phases_.begin(), phases_.end(),
+                     [](const Phase& phase) { return phase.model->free_duration().has_value(); });
+}
+
+std::vector<double> ShootingProblem::times(const Trajectory& trajectory) const {
+  if (!has_free_durations()) return times_;
+  std::vector<double> times{0};
+  for (int k = 0; k < knots(); ++k) {
+    const KnotView& view = views_[k];
+    const double step =
+        phases_[view.phase].instant ? 0 : view.model->step(view.dt, trajectory.x(k).data());
+    times.push_back(times.back() + step);
+  }
+  return times;
+}
+
+bool ShootingProblem::has_control_bounds() const {
+  for (const Phase& phase : phases_)
+    if (phase.model->has_control_bounds()) return true;
+  return false;
+}
+
+Trajectory ShootingProblem::create_trajectory() const {
+  std::vector<int> sizes(knots());
+  for (int k = 0; k < knots(); ++k) sizes[k] = nu(k);
+  Trajectory trajectory(nx(), sizes);
+  const Eigen::Map<const Eigen::VectorXd> x0(initial_state_.data(), nx());
+  for (int k = 0; k <= knots(); ++k) trajectory.x(k) = x0;
+  return trajectory;
+}
+
+}  // namespace conddp

@@ -1,0 +1,65 @@
+#include "ocp/problem/soft_constraint.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ocp/terms/soft_limit.hpp"
+
+namespace conddp {
+
+void next_multipliers(const NodeConstraint& c, const double* s, double penalty, double* next) {
+  const int n = c.term->rows;
+  const double limit = c.limit / penalty;
+  if (c.term->has_bounds()) {
+    for (int i = 0; i < n; ++i)
+      next[i] = limit_outside(outside_bounds(s[i], c.lower[i], c.upper[i]), limit);
+  } else {
+    outside_cone(s, n, next);
+    if (c.is_soft()) limit_cone(n, limit, next);
+  }
+  for (int i = 0; i < n; ++i) next[i] *= penalty;
+}
+
+double violation(const NodeConstraint& c, const double* g) {
+  return c.is_soft() ? 0 : distance_to_set(*c.term, g, c.lower, c.upper);
+}
+
+double complementarity(const NodeConstraint& c, const double* g, const double* multipliers) {
+  const int n = c.term->rows;
+  if (!c.is_soft()) return complementarity(*c.term, g, c.lower, c.upper, multipliers);
+  double largest = 0;
+  if (c.term->has_bounds()) {
+    for (int i = 0; i < n; ++i) {
+      const double outside = outside_bounds(g[i], c.lower[i], c.upper[i]);
+      // A multiplier pushes against what is outside with all that it has.
+      const double lacks = c.limit - (outside > 0 ? multipliers[i] : -multipliers[i]);
+      largest = std::max(
+          {largest, std::abs(outside) * std::abs(lacks), std::abs(multipliers[i]) - c.limit});
+      if (multipliers[i] == 0 || c.lower[i] == c.upper[i]) continue;
+      const double bound = multipliers[i] > 0 ? c.upper[i] : c.lower[i];
+      const double inside = multipliers[i] > 0 ? bound - g[i] : g[i] - bound;
+      largest =
+          std::max(largest, std::isfinite(bound) ? std::abs(multipliers[i]) * std::max(inside, 0.0)
+                                                 : std::abs(multipliers[i]));
+    }
+    return largest;
+  }
+  // νᵀg is what the multipliers pay of the cone's distance: all of it, at their limit.
+  const double paid = c.limit * distance_to_set(*c.term, g, c.lower, c.upper);
+  double product = -paid, square = 0;
+  for (int i = 0; i < n; ++i) product += multipliers[i] * g[i];
+  for (int i = 0; i + 1 < n; ++i) square += multipliers[i] * multipliers[i];
+  const double t = multipliers[n - 1], a = std::sqrt(square);
+  const double off_polar = a <= -t ? 0 : a <= t ? std::hypot(a, t) : (a + t) * std::sqrt(0.5);
+  return std::max({std::abs(product), off_polar, std::hypot(a, t) - c.limit});
+}
+
+double linear_soft_cost(const ShootingProblem& problem, const Eigen::VectorXd& values) {
+  double sum = 0;
+  for (const NodeConstraint& c : problem.constraints())
+    if (c.is_soft())
+      sum += c.limit * soft_distance(*c.term, values.data() + c.row, c.lower, c.upper, 1);
+  return sum;
+}
+
+}  // namespace conddp

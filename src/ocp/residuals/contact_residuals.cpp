@@ -1,0 +1,214 @@
+#include "ocp/residuals/residuals.hpp"
+#include "ocp/residuals/system_columns.hpp"
+
+namespace conddp {
+namespace {
+
+using SystemPointer = std::shared_ptr<const MultibodySystem>;
+
+/// One contact of a system, and the derivative of its force in any axes.
+class ContactOf {
+ public:
+  ContactOf(SystemPointer system, int contact, int ndx)
+      : system_(std::move(system)),
+        index_(contact),
+        columns_(system_->mimic_map(),
+                 support(system_->robot(), system_->robot().frames[spec().frame].joint)) {
+    z_columns_ = column_range(0, system_->ndx());
+    for (const int c : column_range(ndx, system_->nu())) z_columns_.push_back(c);
+  }
+
+  const Contact& spec() const { return system_->contacts().contacts()[index_]; }
+  /// The columns of z on which the force depends.
+  const std::vector<int>& columns() const { return z_columns_; }
+
+  template <class S>
+  const ContactData<S>& data(const ResidualInput<S>& in) const {
+    return multibody_data(in).contacts.contacts[index_];
+  }
+
+  /// Calls put(column, change of the force) for every column, in the world's axes or the frame's.
+  template <class S, class F>
+  void for_each_column(const ResidualInput<S>& in, FrameAxes axes, F put) const {
+    auto& system = multibody_data(in);
+    const ContactData<S>& contact = data(in);
+    const int m = system_->contacts().rows(), first = system_->contacts().offset(index_);
+    const bool directions =
+        spec().kind == ContactKind::normal || spec().kind == ContactKind::planar;
+    const bool fixed_in_world = directions && spec().axes == FrameAxes::world_aligned;
+    // The frame's rotation turns a force that keeps its direction in the body as seen from the
+    // world, and one that keeps its direction in the world as seen from the body.
+    const bool turns = fixed_in_world == (axes == FrameAxes::local);
+    const S* jacobian = contact.frame_jacobian.data();
+    if (turns && !columns_.identity()) {
+      columns_.gather(jacobian, 6, system.columns.data());
+      jacobian = system.columns.data();
+    }
+    int next = 0;  // of the columns that turn the frame
+    for (int c = 0; c < static_cast<int>(z_columns_.size()); ++c) {
+      const S* rows = &system.contacts.force_z[c * m + first];
+      Force<S> change = Force<S>::zero();
+      if (directions) {
+        for (int i = 0; i < spec().rows(); ++i) change.linear += rows[i] * contact.directions[i];
+      } else {
+        change.linear = {rows[0], rows[1], rows[2]};
+        if (spec().kind == ContactKind::surface) change.angular = {rows[3], rows[4], rows[5]};
+      }
+      if (turns && next < columns_.count() && columns_.columns()[next] == c) {
+        const S* turn = jacobian + 6 * next++ + 3;
+        const Vector3<S> w{turn[0], turn[1], turn[2]};
+        if (axes == FrameAxes::local) {
+          change.linear += cross(contact.local.linear, w);
+        } else {
+          change.linear += cross(w, contact.local.linear);
+          change.angular += cross(w, contact.local.angular);
+        }
+      }
+      if (axes == FrameAxes::world_aligned)
+        change = {contact.world.R * change.linear, contact.world.R * change.angular};
+      put(c, change);
+    }
+  }
+
+ private:
+  SystemPointer system_;
+  int index_;
+  ReducedColumns columns_;  ///< that move the frame
+  std::vector<int> z_columns_;
+};
+
+/// Force and torque in the axes of the world or the frame, or the force alone.
+class ContactForce : public ResidualBase<ContactForce> {
+ public:
+  ContactForce(ContactOf contact, FrameAxes axes, int rows, bool has_reference)
+      : ResidualBase({{rows, contact.columns()}}, has_reference ? rows : 0, false),
+        contact_(std::move(contact)),
+        axes_(axes) {}
+
+  Reads reads() const override { return Reads::forces; }
+  template <class S>
+  void evaluate_as(const ResidualInput<S>& in, S* r) const {
+    const ContactData<S>& data = contact_.data(in);
+    const Force<S> f = axes_ == FrameAxes::local ? data.local : contact_force_in_world(data);
+    for (int i = 0; i < size(); ++i) r[i] = f[i];
+    for (int i = 0; i < parameter_count(); ++i) r[i] -= in.parameters[i];
+  }
+  template <class S>
+  void differentiate_as(const ResidualInput<S>& in, S* r, S* jacobian) const {
+    evaluate_as(in, r);
+    const int n = size();
+    contact_.for_each_column(in, axes_, [&](int c, const Force<S>& change) {
+      for (int i = 0; i < n; ++i) jacobian[c * n + i] = change[i];
+    });
+  }
+
+ private:
+  ContactOf contact_;
+  FrameAxes axes_;
+};
+
+class ContactCone : public ResidualBase<ContactCone> {
+ public:
+  ContactCone(ContactOf contact, const LinearCone& cone)
+      : ResidualBase({{static_cast<int>(cone.A.rows()), contact.columns()}}, 0, false),
+        contact_(std::move(contact)),
+        columns_(static_cast<int>(cone.A.cols())),
+        axes_(columns_ == 6 ? FrameAxes::local : FrameAxes::world_aligned),
+        image_{std::make_shared<ContactForce>(contact_, axes_, columns_, false),
+               std::vector<double>(cone.A.size())} {
+    for (int i = 0; i < cone.A.rows(); ++i)
+      for (int j = 0; j < columns_; ++j) image_.A[i * columns_ + j] = cone.A(i, j);
+  }
+
+  const LinearImage* linear_image() const override { return &image_; }
+  Reads reads() const override { return Reads::forces; }
+  template <class S>
+  void evaluate_as(const ResidualInput<S>& in, S* r) const {
+    const ContactData<S>& data = contact_.data(in);
+    multiply(axes_ == FrameAxes::local ? data.local : contact_force_in_world(data), r);
+  }
+  template <class S>
+  void differentiate_as(const ResidualInput<S>& in, S* r, S* jacobian) const {
+    evaluate_as(in, r);
+    contact_.for_each_column(
+        in, axes_, [&](int c, const Force<S>& change) { multiply(change, jacobian + c * size()); });
+  }
+
+ private:
+  template <class S>
+  void multiply(const Force<S>& f, S* r) const {
+    const double* a = image_.A.data();
+    for (int i = 0; i < size(); ++i) {
+      r[i] = f[0] * S(*a++);
+      for (int j = 1; j < columns_; ++j) r[i] += f[j] * S(*a++);
+    }
+  }
+  ContactOf contact_;
+  int columns_;
+  FrameAxes axes_;
+  LinearImage image_;
+};
+
+class FrictionCone : public ResidualBase<FrictionCone> {
+ public:
+  FrictionCone(ContactOf contact, double friction, const Vector3<double>& normal)
+      : ResidualBase({{2, contact.columns()}}, 0, false),
+        contact_(std::move(contact)),
+        friction_(friction),
+        normal_(normal) {}
+
+  Reads reads() const override { return Reads::forces; }
+  template <class S>
+  void evaluate_as(const ResidualInput<S>& in, S* r) const {
+    Vector3<S> tangential;
+    split(contact_force_in_world(contact_.data(in)).linear, r[1], tangential);
+    r[0] = length(tangential) - S(friction_) * r[1];
+  }
+  template <class S>
+  void differentiate_as(const ResidualInput<S>& in, S* r, S* jacobian) const {
+    Vector3<S> tangential;
+    split(contact_force_in_world(contact_.data(in)).linear, r[1], tangential);
+    const S size = length(tangential);
+    r[0] = size - S(friction_) * r[1];
+    const Vector3<S> direction = (S(1.0) / size) * tangential;
+    contact_.for_each_column(in, FrameAxes::world_aligned, [&](int c, const Force<S>& change) {
+      S* column = jacobian + 2 * c;
+      column[1] = dot(normal_.cast<S>(), change.linear);
+      column[0] = dot(direction, change.linear) - S(friction_) * column[1];
+    });
+  }
+
+ private:
+  template <class S>
+  void split(const Vector3<S>& force, S& normal, Vector3<S>& tangential) const {
+    normal = dot(normal_.cast<S>(), force);
+    tangential = force - normal * normal_.cast<S>();
+  }
+  template <class S>
+  static S length(const Vector3<S>& tangential) {
+    return sqrt(squared_norm(tangential) + S(kConeSmoothing * kConeSmoothing));
+  }
+  ContactOf contact_;
+  double friction_;
+  Vector3<double> normal_;
+};
+
+}  // namespace
+
+std::shared_ptr<const Residual> contact_force_residual(const SystemPointer& system, int contact,
+                                                       int ndx) {
+  const ContactOf of(system, contact, ndx);
+  const int rows = of.spec().kind == ContactKind::surface ? 6 : 3;
+  return std::make_shared<ContactForce>(of, FrameAxes::world_aligned, rows, true);
+}
+std::shared_ptr<const Residual> contact_cone_residual(const SystemPointer& system, int contact,
+                                                      int ndx, const LinearCone& cone) {
+  return std::make_shared<ContactCone>(ContactOf(system, contact, ndx), cone);
+}
+std::shared_ptr<const Residual> friction_cone_residual(const SystemPointer& system, int contact,
+                                                       int ndx, double friction,
+                                                       const Vector3<double>& normal) {
+  return std::make_shared<FrictionCone>(ContactOf(system, contact, ndx), friction, normal);
+}
+
+}  // namespace conddp

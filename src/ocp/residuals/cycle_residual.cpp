@@ -1,0 +1,137 @@
+#include <algorithm>
+#include <array>
+
+#include "ocp/residuals/residuals.hpp"
+
+namespace conddp {
+namespace {
+
+/// x ⊖ ((x₀ ⊕ S m) + offset), part by part of the state.
+class CycleResidual : public ResidualBase<CycleResidual> {
+ public:
+  CycleResidual(const StateManifold& manifold, const ChosenStart& start, std::vector<double> offset)
+      : ResidualBase(structure(manifold, start), 0, false),
+        manifold_(manifold),
+        start_(start.state),
+        offset_(std::move(offset)),
+        memory_(memory_of(manifold, start)) {
+    for (const auto& segment : manifold.curved()) {
+      StateManifold& part = parts_.emplace_back();
+      part.append(segment.part);
+    }
+  }
+
+  Reads reads() const override { return Reads::kinematics; }
+  template <class S>
+  void evaluate_as(const ResidualInput<S>& in, S* r) const {
+    std::size_t curved = 0;
+    for (const auto& segment : manifold_.segments()) {
+      if (segment.part == StateManifold::Part::flat) {
+        for (int i = 0; i < segment.n; ++i) {
+          const int x = segment.x + i, m = memory_[segment.dx + i];
+          r[segment.dx + i] = in.x[x] - S(start_[x] + offset_[x]);
+          if (m >= 0) r[segment.dx + i] -= in.x[manifold_.nx() + m];
+        }
+        continue;
+      }
+      S moved[kMost], target[kMost + 1];
+      place(segment, parts_[curved], in.x, moved, target);
+      parts_[curved++].difference(target, in.x + segment.x, r + segment.dx);
+    }
+  }
+
+  template <class S>
+  void differentiate_as(const ResidualInput<S>& in, S* r, S* jacobian) const {
+    evaluate_as(in, r);
+    std::size_t curved = 0;
+    for (const auto& segment : manifold_.segments()) {
+      if (segment.part == StateManifold::Part::flat) {
+        for (int i = 0; i < segment.n; ++i) {
+          *jacobian++ = S(1.0);
+          if (memory_[segment.dx + i] >= 0) *jacobian++ = S(-1.0);
+        }
+        continue;
+      }
+      const StateManifold& part = parts_[curved++];
+      const int n = segment.n;
+      S moved[kMost], target[kMost + 1], minus[kMost];
+      place(segment, part, in.x, moved, target);
+      S by_x[StateManifold::kBlockSize], by_target[StateManifold::kBlockSize];
+      S unused[StateManifold::kBlockSize], by_moved[StateManifold::kBlockSize];
+      part.inverse_right_jacobian(r + segment.dx, by_x);
+      for (int i = 0; i < n; ++i) minus[i] = -r[segment.dx + i];
+      part.inverse_right_jacobian(minus, by_target);
+      part.integrate_jacobians(moved, unused, by_moved);
+      for (int c = 0; c < n; ++c)
+        for (int i = 0; i < n; ++i) *jacobian++ = by_x[i * n + c];
+      for (int c = 0; c < n; ++c) {
+        if (memory_[segment.dx + c] < 0) continue;
+        for (int i = 0; i < n; ++i) {
+          S sum(0.0);
+          for (int k = 0; k < n; ++k) sum -= by_target[i * n + k] * by_moved[k * n + c];
+          *jacobian++ = sum;
+        }
+      }
+    }
+  }
+
+ private:
+  static constexpr int kMost = 6;  ///< tangent coordinates of a curved part
+
+  /// How far the first state was moved, and where the state should be, of a curved part.
+  template <class S>
+  void place(const StateManifold::Segment& segment, const StateManifold& part, const S* x, S* moved,
+             S* target) const {
+    const int nx = part.nx();
+    for (int i = 0; i < segment.n; ++i) {
+      const int m = memory_[segment.dx + i];
+      moved[i] = m < 0 ? S(0.0) : x[manifold_.nx() + m];
+    }
+    for (int i = 0; i < nx; ++i) target[i] = S(start_[segment.x + i]);
+    part.integrate(target, moved, target);
+    for (int i = 0; i < nx; ++i) target[i] += S(offset_[segment.x + i]);
+  }
+
+  /// For each tangent coordinate its number among those that were chosen, or −1.
+  static std::vector<int> memory_of(const StateManifold& manifold, const ChosenStart& start) {
+    std::vector<int> memory(manifold.ndx(), -1);
+    for (std::size_t i = 0; i < start.coordinates.size(); ++i)
+      memory[start.coordinates[i]] = static_cast<int>(i);
+    return memory;
+  }
+  static std::vector<RowBlock> structure(const StateManifold& manifold, const ChosenStart& start) {
+    const std::vector<int> memory = memory_of(manifold, start);
+    std::vector<RowBlock> blocks;
+    const auto add = [&](int first, int n) {
+      RowBlock block{n, column_range(first, n)};
+      std::vector<int> more;
+      for (int i = first; i < first + n; ++i)
+        if (memory[i] >= 0) more.push_back(manifold.ndx() + memory[i]);
+      block.columns.insert(block.columns.end(), more.begin(), more.end());
+      blocks.push_back(std::move(block));
+    };
+    for (const auto& segment : manifold.segments()) {
+      if (segment.part != StateManifold::Part::flat) {
+        add(segment.dx, segment.n);
+        continue;
+      }
+      for (int i = 0; i < segment.n; ++i) add(segment.dx + i, 1);
+    }
+    return blocks;
+  }
+
+  StateManifold manifold_;
+  std::vector<double> start_, offset_;
+  std::vector<int> memory_;
+  std::vector<StateManifold> parts_;  ///< the curved segments, one by one
+};
+
+}  // namespace
+
+std::shared_ptr<const Residual> cycle_residual(const StateManifold& manifold,
+                                               const ChosenStart& start,
+                                               std::vector<double> offset) {
+  return std::make_shared<CycleResidual>(manifold, start, std::move(offset));
+}
+
+}  // namespace conddp

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "ocp/terms/residual.hpp"
+#include "systems/contact/stepping_system.hpp"
+
+namespace conddp {
+
+/// The structure of the rows of a stepping system: on which columns each depends, and its name.
+class SteppingRows {
+ public:
+  SteppingRows(const SteppingSystem& system, int ndx);
+
+  std::vector<RowBlock> blocks;
+  std::vector<std::string> names;
+  std::vector<int> forces;  ///< entries of the control that act in the equations of motion, past u
+  /// One for each row behind those of motion: the derivatives by entries of the control, which are
+  /// the last ones of the row, where they are constant; empty where they are not.
+  std::vector<std::vector<double>> constants;
+
+ private:
+  /// Entries of the control and the constant derivatives by them.
+  using Entries = std::vector<std::pair<int, double>>;
+
+  /// The block of the equations of motion: q, v, u, a, then forces.
+  void motion(const SteppingSystem& system);
+  /// A row that depends on q (if asked for), v and a of some joints, and on entries of the control.
+  void add(const std::string& name, const SteppingLayout& w, const std::vector<int>& joints,
+           bool position, Entries entries);
+  /// The same where derivatives by entries of the control are not constant.
+  void add_curved(const std::string& name, const SteppingLayout& w, const std::vector<int>& joints,
+                  bool position, const std::vector<int>& entries);
+  void friction(const std::string& name, const SteppingLayout& w, const std::vector<int>& joints,
+                bool position, const FrictionIndices& f);
+  /// What friction has left; `entries`: what its budget comes from.
+  void budget(const std::string& name, const SteppingLayout& w, const FrictionIndices& f,
+              Entries entries);
+  void cone(const std::string& name, const SteppingLayout& w, const std::vector<int>& joints,
+            const SteppingLayout::Candidate& at);
+
+  int n_, ndx_;
+};
+
+}  // namespace conddp

@@ -1,0 +1,91 @@
+#include "ocp/terms/activation.hpp"
+
+namespace conddp {
+
+template <class S>
+S Activation::value(const S* r, int n) const {
+  S sum(0.0);
+  const auto weight = [this](int i) { return weights.empty() ? 1.0 : weights[i]; };
+  switch (kind) {
+    case ActivationKind::quadratic:
+      for (int i = 0; i < n; ++i) sum += r[i] * r[i] * weight(i);
+      return S(0.5) * sum;
+    case ActivationKind::quadratic_barrier:
+      for (int i = 0; i < n; ++i) {
+        const S below = min(r[i] - S(lower[i]), S(0.0)), above = max(r[i] - S(upper[i]), S(0.0));
+        sum += (below * below + above * above) * weight(i);
+      }
+      return S(0.5) * sum;
+    case ActivationKind::smooth_l1:
+      for (int i = 0; i < n; ++i)
+        sum += (sqrt(r[i] * r[i] + S(epsilon * epsilon)) - S(epsilon)) * weight(i);
+      return sum;
+    case ActivationKind::smooth_l2:
+      for (int i = 0; i < n; ++i) sum += r[i] * r[i] * weight(i);
+      return sqrt(sum + S(epsilon * epsilon)) - S(epsilon);
+  }
+  return sum;
+}
+
+template <class S>
+S Activation::differentiate(const S* r, int n, S* gradient, S* diagonal, S& rank_one) const {
+  rank_one = S(0.0);
+  const auto weight = [this](int i) { return weights.empty() ? 1.0 : weights[i]; };
+  switch (kind) {
+    case ActivationKind::quadratic: {
+      S sum(0.0);
+      for (int i = 0; i < n; ++i) {
+        gradient[i] = r[i] * weight(i);
+        diagonal[i] = S(weight(i));
+        sum += gradient[i] * r[i];
+      }
+      return S(0.5) * sum;
+    }
+    case ActivationKind::quadratic_barrier: {
+      S sum(0.0);
+      for (int i = 0; i < n; ++i) {
+        const S below = r[i] - S(lower[i]), above = r[i] - S(upper[i]);
+        const S outside = min(below, S(0.0)) + max(above, S(0.0));
+        gradient[i] = outside * weight(i);
+        diagonal[i] =
+            select(below < S(0.0), S(weight(i)), select(above > S(0.0), S(weight(i)), S(0.0)));
+        sum += gradient[i] * outside;
+      }
+      return S(0.5) * sum;
+    }
+    case ActivationKind::smooth_l1: {
+      S sum(0.0);
+      for (int i = 0; i < n; ++i) {
+        const S root = sqrt(r[i] * r[i] + S(epsilon * epsilon));
+        const S inverse = S(1.0) / root;
+        gradient[i] = r[i] * inverse * weight(i);
+        diagonal[i] = inverse * inverse * inverse * (epsilon * epsilon * weight(i));
+        sum += (root - S(epsilon)) * weight(i);
+      }
+      return sum;
+    }
+    case ActivationKind::smooth_l2: {
+      S sum(0.0);
+      for (int i = 0; i < n; ++i) sum += r[i] * r[i] * weight(i);
+      const S root = sqrt(sum + S(epsilon * epsilon));
+      const S inverse = S(1.0) / root;
+      for (int i = 0; i < n; ++i) {
+        gradient[i] = r[i] * inverse * weight(i);
+        diagonal[i] = inverse * weight(i);
+      }
+      rank_one = -inverse;
+      return root - S(epsilon);
+    }
+  }
+  return S(0.0);
+}
+
+#define CONDDP_INSTANTIATE(S)                        \
+  template S Activation::value(const S*, int) const; \
+  template S Activation::differentiate(const S*, int, S*, S*, S&) const;
+CONDDP_INSTANTIATE(double)
+CONDDP_INSTANTIATE(Lane)
+CONDDP_INSTANTIATE(Dual<Lane>)
+#undef CONDDP_INSTANTIATE
+
+}  // namespace conddp

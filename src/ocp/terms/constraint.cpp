@@ -1,0 +1,171 @@
+#include "ocp/terms/constraint.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <stdexcept>
+
+namespace conddp {
+namespace {
+
+std::vector<int> all_columns(const Residual& residual) {
+  std::vector<int> columns;
+  for (const RowBlock& block : residual.blocks())
+    columns.insert(columns.end(), block.columns.begin(), block.columns.end());
+  std::sort(columns.begin(), columns.end());
+  columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
+  return columns;
+}
+
+/// ‖v‖² of s = (v, t).
+template <class S>
+S tangential_square(const S* s, int n) {
+  S sum(0.0);
+  for (int i = 0; i + 1 < n; ++i) sum += s[i] * s[i];
+  return sum;
+}
+
+/// √square off zero: lanes that the result is not taken from stay finite, with their derivatives.
+template <class S>
+S positive_root(const S& square) {
+  return sqrt(max(square, S(1e-200)));
+}
+
+}  // namespace
+
+bool ConstraintTerm::depends_on_control(int ndx) const {
+  return std::any_of(blocks.begin(), blocks.end(), [ndx](const RowBlock& block) {
+    return !block.columns.empty() && block.columns.back() >= ndx;
+  });
+}
+
+int ConstraintTerm::jacobian_size() const {
+  return std::accumulate(blocks.begin(), blocks.end(), 0, [](int sum, const RowBlock& block) {
+    return sum + block.rows * static_cast<int>(block.columns.size());
+  });
+}
+
+ConstraintTerm make_constraint(std::string name, std::shared_ptr<const Residual> residual,
+                               ConstraintKind kind, double slope, Softness softness) {
+  ConstraintTerm term{.name = std::move(name), .kind = kind, .slope = slope, .softness = softness};
+  if (kind == ConstraintKind::second_order_cone && (residual->size() < 2 || !(slope > 0)))
+    throw std::invalid_argument("constraint " + term.name +
+                                ": a cone has two rows or more and a positive slope");
+  const auto is_entry = [](const RowBlock& b) { return b.rows == 1 && b.columns.size() == 1; };
+  if (kind == ConstraintKind::complementarity &&
+      (residual->size() % 2 != 0 ||
+       !std::all_of(residual->blocks().begin(), residual->blocks().end(), is_entry)))
+    throw std::invalid_argument("constraint " + term.name +
+                                ": complementary rows are pairs of single columns");
+  if (kind == ConstraintKind::bounds || kind == ConstraintKind::complementarity) {
+    term.rows = residual->size();
+    term.blocks = residual->blocks();
+  } else {
+    term.rows = kind == ConstraintKind::norm ? 1 : residual->size();
+    term.blocks = {{term.rows, all_columns(*residual)}};
+    const std::vector<int>& columns = term.blocks.front().columns;
+    int first_row = 0;
+    for (const RowBlock& block : residual->blocks()) {
+      for (const int column : block.columns) {
+        const auto at = std::lower_bound(columns.begin(), columns.end(), column);
+        for (int i = 0; i < block.rows; ++i)
+          term.entries.emplace_back(first_row + i, static_cast<int>(at - columns.begin()));
+      }
+      first_row += block.rows;
+    }
+  }
+  term.residual = std::move(residual);
+  return term;
+}
+
+template <class S>
+void outside_cone(const S* s, int n, S* p) {
+  const S t = s[n - 1], square = tangential_square(s, n), a = positive_root(square);
+  const auto inside = square <= t * abs(t), polar = square <= -t * abs(t);
+  const S half = S(0.5) * (S(1.0) - t / a);
+  const S share = select(inside, S(0.0), select(polar, S(1.0), half));
+  for (int i = 0; i + 1 < n; ++i) p[i] = share * s[i];
+  p[n - 1] = select(inside, S(0.0), select(polar, t, -(half * a)));
+}
+
+template <class S>
+void outside_cone_derivative(const S* s, int n, S* derivative) {
+  const S t = s[n - 1], square = tangential_square(s, n);
+  const S inverse = S(1.0) / positive_root(square);
+  const auto inside = square <= t * abs(t), polar = square <= -t * abs(t);
+  const auto pick = [&](const S& between, double identity) {
+    return select(inside, S(0.0), select(polar, S(identity), between));
+  };
+  for (int j = 0; j + 1 < n; ++j) {
+    for (int i = 0; i + 1 < n; ++i) {
+      S entry = S(0.5) * t * inverse * (s[i] * inverse) * (s[j] * inverse);
+      if (i == j) entry += S(0.5) * (S(1.0) - t * inverse);
+      derivative[j * n + i] = pick(entry, i == j ? 1.0 : 0.0);
+    }
+    derivative[j * n + n - 1] = derivative[(n - 1) * n + j] = pick(-(S(0.5) * s[j] * inverse), 0.0);
+  }
+  derivative[n * n - 1] = pick(S(0.5), 1.0);
+}
+
+#define CONDDP_INSTANTIATE(S)                    \
+  template void outside_cone(const S*, int, S*); \
+  template void outside_cone_derivative(const S*, int, S*);
+CONDDP_FOR_EACH_SCALAR(CONDDP_INSTANTIATE)
+#undef CONDDP_INSTANTIATE
+
+double distance_to_set(const ConstraintTerm& term, const double* values, const double* lower,
+                       const double* upper) {
+  double largest = 0;
+  if (term.has_bounds()) {
+    for (int i = 0; i < term.rows; ++i) {
+      const double outside = std::abs(outside_bounds(values[i], lower[i], upper[i]));
+      if (!(outside <= largest)) largest = outside;  // what is not a number counts
+    }
+    return largest;
+  }
+  const int n = term.rows;
+  if (term.has_pairs()) {
+    for (int i = 0; i < n; i += 2) {
+      // The first comparison picks what is not a number, wherever it stands.
+      const bool first = !(values[i] >= values[i + 1]) && !std::isnan(values[i + 1]);
+      const double smaller = std::abs(values[first ? i : i + 1]);
+      if (!(smaller <= largest)) largest = smaller;
+    }
+    return largest;
+  }
+  const double t = values[n - 1], a = std::sqrt(tangential_square(values, n));
+  if (a <= t) return 0;
+  return a <= -t ? std::hypot(a, t) : (a - t) * std::sqrt(0.5);
+}
+
+double complementarity(const ConstraintTerm& term, const double* values, const double* lower,
+                       const double* upper, const double* multipliers) {
+  double largest = 0;
+  const int n = term.rows;
+  if (term.has_bounds()) {
+    for (int i = 0; i < n; ++i) {
+      const double bound = multipliers[i] > 0 ? upper[i] : lower[i];
+      const double inside = multipliers[i] > 0 ? bound - values[i] : values[i] - bound;
+      // An equality has a multiplier wherever it stands: what it is off is its violation.
+      if (multipliers[i] == 0 || lower[i] == upper[i]) continue;
+      const double product = std::isfinite(bound) ? std::abs(multipliers[i]) * std::max(inside, 0.0)
+                                                  : std::abs(multipliers[i]);
+      largest = std::max(largest, product);
+    }
+    return largest;
+  }
+  if (term.has_pairs()) {
+    for (int i = 0; i < n; i += 2) {
+      const int larger = values[i] > values[i + 1] ? i : i + 1;
+      largest = std::max(largest, std::abs(multipliers[larger] * values[larger]));
+    }
+    return largest;
+  }
+  double product = 0;
+  for (int i = 0; i < n; ++i) product += multipliers[i] * values[i];
+  const double t = multipliers[n - 1], a = std::sqrt(tangential_square(multipliers, n));
+  const double off_polar = a <= -t ? 0 : a <= t ? std::hypot(a, t) : (a + t) * std::sqrt(0.5);
+  return std::max(std::abs(product), off_polar);
+}
+
+}  // namespace conddp

@@ -1,0 +1,46 @@
+#pragma once
+
+#include "ocp/terms/constraint.hpp"
+#include "spatial/dual.hpp"
+
+namespace conddp {
+
+/// Keeps the derivative of ‖r‖ finite at r = 0.
+inline constexpr double kSmallestNorm = 1e-9;
+
+/// g of a constraint from its residual's value; the residual's norm, where that is what counts.
+template <class S>
+S form_value(const ConstraintTerm& term, const S* r, S* g) {
+  const int n = term.residual->size();
+  if (term.kind == ConstraintKind::norm) {
+    S sum(kSmallestNorm * kSmallestNorm);
+    for (int i = 0; i < n; ++i) sum += r[i] * r[i];
+    g[0] = sqrt(sum);
+    return g[0];
+  }
+  for (int i = 0; i < n; ++i) g[i] = r[i];
+  if (term.kind == ConstraintKind::second_order_cone) g[n - 1] = S(term.slope) * r[n - 1];
+  return S(1.0);
+}
+
+/// ∂g/∂z by blocks from the residual's.
+template <class S>
+void form_jacobian(const ConstraintTerm& term, const S* r, const S& norm, const S* residual,
+                   S* jacobian) {
+  if (term.kind == ConstraintKind::bounds || term.has_pairs()) {
+    const int n = term.residual->jacobian_size();
+    for (int i = 0; i < n; ++i) jacobian[i] = residual[i];
+    return;
+  }
+  for (int i = 0; i < term.jacobian_size(); ++i) jacobian[i] = S(0.0);
+  if (term.kind == ConstraintKind::norm) {
+    const S inverse = S(1.0) / norm;
+    for (const auto& [row, column] : term.entries)
+      jacobian[column] += (r[row] * inverse) * *residual++;
+    return;
+  }
+  for (const auto& [row, column] : term.entries)
+    jacobian[column * term.rows + row] = S(row == term.rows - 1 ? term.slope : 1.0) * *residual++;
+}
+
+}  // namespace conddp

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <set>
+#include <string>
+
+#include "base/ordered_json.hpp"
+
+namespace conddp {
+
+/// The entries of a bench.json that a report needs.
+inline constexpr std::string_view kBenchKeys[] = {"machine", "request", "runs"};
+
+/// What `bench` measured of some problems, for the page of a report: the machine, how it was asked
+/// for, and `runs`, those on problems with these names. Throws MalformedSolution.
+OrderedJson bench_runs(const OrderedJson& bench, const std::set<std::string>& problems);
+
+}  // namespace conddp

@@ -1,0 +1,176 @@
+#include "output/report/certificate_report.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "base/diagnostic.hpp"
+#include "base/utf8.hpp"
+#include "output/report/contact_report.hpp"
+
+namespace conddp {
+namespace {
+
+/// Deviations under feedback beyond this share of what a quantity moves at all are warned of.
+constexpr double kFarOff = 0.1;
+
+bool has_figures(const Check& check) { return !std::isnan(check.tolerance); }
+
+std::string figure(double value) {
+  return std::isnan(value) ? std::string("nothing") : fmt::format("{:.9g}", value);
+}
+
+std::string failure_text(const Check& check) {
+  std::string text = check.name + ": ";
+  if (has_figures(check))
+    text += fmt::format("claimed {}, found {} (tolerance {:.1e})", figure(check.claimed),
+                        figure(check.found), check.tolerance);
+  if (!check.message.empty()) text += (has_figures(check) ? ": " : "") + check.message;
+  if (!check.place.empty()) text += " at " + check.place;
+  return text;
+}
+
+std::string entry_name(const SolutionCertificate& certificate, const ReplayRun& run) {
+  return run.entry < 0 ? std::string() : certificate.tangent_names[run.entry];
+}
+
+std::string run_text(const SolutionCertificate& certificate, const ReplayRun& run) {
+  if (run.lost_at >= 0) return fmt::format("leaves the finite numbers at knot {}", run.lost_at);
+  if (run.knot < 0) return "no deviation";
+  return fmt::format("{:.2g} in {} at knot {}", run.deviation, entry_name(certificate, run),
+                     run.knot);
+}
+
+std::string limit_text(const BrokenLimit& limit) {
+  return fmt::format("{} beyond its limit by {:.2g} {} at {:.3g} s (knot {}{})", limit.quantity,
+                     limit.excess, limit.unit, limit.time, limit.knot,
+                     limit.between ? ", between knots" : "");
+}
+
+OrderedJson optimality_json(const Optimality& o) {
+  return {{"stationarity", finite_or_null(o.stationarity)},
+          {"rounding", finite_or_null(o.rounding)},
+          {"reduced_gradient", finite_or_null(o.reduced_gradient)},
+          {"reduced_rounding", finite_or_null(o.reduced_rounding)},
+          {"expected_decrease", finite_or_null(o.expected_decrease)}};
+}
+
+OrderedJson run_json(const SolutionCertificate& certificate, const ReplayRun& run) {
+  OrderedJson json = {{"deviation", finite_or_null(run.deviation)},
+                      {"relative", finite_or_null(run.relative)},
+                      {"final", finite_or_null(run.final_state)}};
+  if (run.knot >= 0) {
+    json["knot"] = run.knot;
+    json["quantity"] = entry_name(certificate, run);
+  }
+  if (run.lost_at >= 0) json["lost_at"] = run.lost_at;
+  return json;
+}
+
+OrderedJson replay_json(const SolutionCertificate& certificate) {
+  const Replay& replay = *certificate.replay;
+  if (!replay.impossible.empty()) return {{"impossible", replay.impossible}};
+  OrderedJson broken = OrderedJson::array();
+  for (const BrokenLimit& limit : replay.broken)
+    broken.push_back({{"quantity", limit.quantity},
+                      {"unit", limit.unit},
+                      {"excess", limit.excess},
+                      {"knot", limit.knot},
+                      {"time_s", limit.time},
+                      {"between_knots", limit.between}});
+  OrderedJson json = {{"substeps", replay.substeps},
+                      {"controls", run_json(certificate, replay.controls)},
+                      {"feedback", run_json(certificate, replay.feedback)},
+                      {"saturated_controls", replay.feedback.saturated},
+                      {"broken_limits", std::move(broken)}};
+  return json;
+}
+
+}  // namespace
+
+OrderedJson certificate_json(const SolutionCertificate& certificate) {
+  OrderedJson checks = OrderedJson::array();
+  for (const Check& check : certificate.checks.checks) {
+    OrderedJson row = {{"name", check.name}, {"holds", check.holds}};
+    if (!std::isnan(check.claimed)) row["claimed"] = finite_or_null(check.claimed);
+    if (!std::isnan(check.found)) row["found"] = finite_or_null(check.found);
+    if (has_figures(check)) row["tolerance"] = finite_or_null(check.tolerance);
+    if (!check.place.empty()) row["place"] = check.place;
+    if (!check.message.empty()) row["message"] = check.message;
+    checks.push_back(std::move(row));
+  }
+  OrderedJson json = {{"holds", certificate.checks.holds()},
+                      {"checks", std::move(checks)},
+                      {"time_s", certificate.time_s}};
+  json["optimality"] = optimality_json(certificate.checks.optimality);
+  if (certificate.contacts)
+    json["contacts"] = contact_certificate_json(*certificate.contacts, certificate.tangent_names);
+  if (!certificate.replay) return json;
+  json["replay"] = replay_json(certificate);
+  json["warnings"] = replay_warnings(certificate);
+  return json;
+}
+
+std::string certificate_line(const SolutionCertificate& certificate) {
+  const auto& checks = certificate.checks.checks;
+  const int failures = certificate.checks.failures();
+  if (failures == 0) return fmt::format("holds ({} checks)", checks.size());
+  const auto first =
+      std::find_if(checks.begin(), checks.end(), [](const Check& c) { return !c.holds; });
+  std::string text = "DOES NOT HOLD: " + failure_text(*first);
+  if (failures > 1) text += fmt::format("; and {} more", failures - 1);
+  return text;
+}
+
+std::string certificate_table(const SolutionCertificate& certificate) {
+  std::size_t width = 4;
+  for (const Check& check : certificate.checks.checks)
+    width = std::max<std::size_t>(width, count_characters(check.name));
+  std::string text = fmt::format("  {:<{}}  {:>17} {:>17} {:>10}\n", "", width + 6, "claimed",
+                                 "found", "tolerance");
+  for (const Check& check : certificate.checks.checks) {
+    text += fmt::format("  {} ", check.holds ? "ok   " : "FAILS") + check.name;
+    if (has_figures(check) || !check.place.empty() || !check.message.empty())
+      text += std::string(width - count_characters(check.name), ' ');
+    if (has_figures(check))
+      text += fmt::format("  {:>17} {:>17.10g} {:>10.1e}",
+                          std::isnan(check.claimed) ? "" : fmt::format("{:.10g}", check.claimed),
+                          check.found, check.tolerance);
+    if (!check.place.empty()) text += "  " + check.place;
+    if (!check.message.empty()) text += "  " + check.message;
+    text += '\n';
+  }
+  return text;
+}
+
+std::string optimality_line(const SolutionCertificate& certificate) {
+  const Optimality& o = certificate.checks.optimality;
+  return fmt::format(
+      "stationarity {:.1e} along own gains, which decides; reduced gradient {:.1e} (rounding "
+      "{:.0e}); a Newton step would gain {:.1e}",
+      o.stationarity, o.reduced_gradient, o.reduced_rounding, o.expected_decrease);
+}
+
+std::string replay_line(const SolutionCertificate& certificate) {
+  const Replay& replay = *certificate.replay;
+  if (!replay.impossible.empty()) return "none: " + replay.impossible;
+  return fmt::format("at dt/{}: with feedback {}; controls alone {}", replay.substeps,
+                     run_text(certificate, replay.feedback),
+                     run_text(certificate, replay.controls));
+}
+
+std::vector<std::string> replay_warnings(const SolutionCertificate& certificate) {
+  const Replay& replay = *certificate.replay;
+  std::vector<std::string> list;
+  if (!replay.impossible.empty()) return list;
+  if (replay.feedback.lost_at >= 0 || replay.feedback.relative > kFarOff)
+    list.push_back(
+        fmt::format("on a grid of dt/{} feedback does not hold the motion: {}; a smaller "
+                    "dt or an integrator of higher order",
+                    replay.substeps, run_text(certificate, replay.feedback)));
+  for (const BrokenLimit& limit : replay.broken) list.push_back(limit_text(limit));
+  return list;
+}
+
+}  // namespace conddp

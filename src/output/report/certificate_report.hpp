@@ -1,0 +1,27 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "output/report/solution_certificate.hpp"
+
+namespace conddp {
+
+/// The verdict, all checks and the replay if there was one, for solution.json and `verify --json`.
+OrderedJson certificate_json(const SolutionCertificate& certificate);
+
+/// One line: "holds (31 checks)", or what does not hold first.
+std::string certificate_line(const SolutionCertificate& certificate);
+
+/// A table of all checks: claimed, found, tolerance, place.
+std::string certificate_table(const SolutionCertificate& certificate);
+
+/// Stationarity along the certificate's own gains and by a plain adjoint, one sentence.
+std::string optimality_line(const SolutionCertificate& certificate);
+
+/// What the plan does on a finer grid, one sentence; there must have been a replay, as below.
+std::string replay_line(const SolutionCertificate& certificate);
+/// What of it deserves attention: feedback that does not hold the motion, limits that are broken.
+std::vector<std::string> replay_warnings(const SolutionCertificate& certificate);
+
+}  // namespace conddp

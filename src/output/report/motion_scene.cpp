@@ -1,0 +1,115 @@
+#include "output/report/motion_scene.hpp"
+
+#include <map>
+
+#include "output/report/closed_form_scene.hpp"
+#include "output/report/robot_shapes.hpp"
+#include "output/report/scene_obstacles.hpp"
+#include "output/solution/scene_numbers.hpp"
+#include "robot/frames.hpp"
+#include "robot/kinematics.hpp"
+
+namespace conddp {
+namespace {
+
+OrderedJson bodies_json(const RobotModel& robot, std::vector<OrderedJson>&& shapes) {
+  OrderedJson bodies = OrderedJson::array();
+  bodies.push_back({{"name", "world"}, {"parent", nullptr}, {"shapes", std::move(shapes[0])}});
+  for (std::size_t i = 0; i < robot.joints.size(); ++i)
+    bodies.push_back({{"name", robot.joints[i].name},
+                      {"parent", robot.joints[i].parent + 1},
+                      {"shapes", std::move(shapes[i + 1])}});
+  return bodies;
+}
+
+/// Frames whose way is worth seeing: those that costs and constraints speak of, but those of
+/// contacts, whose ways are drawn anyway.
+std::map<std::string, int> watched_frames(const ProblemSpec& spec, const RobotModel& robot) {
+  std::map<std::string, int> frames;
+  const auto watch = [&](const CostSpec& cost) {
+    if (!cost.frame) return;
+    if (const auto frame = robot.find_frame(cost.frame->value)) frames[cost.frame->value] = *frame;
+  };
+  for (const auto* costs : {&spec.costs, &spec.terminal_costs})
+    for (const CostSpec& cost : *costs) watch(cost);
+  for (const auto* constraints : {&spec.constraints, &spec.terminal_constraints})
+    for (const ConstraintSpec& constraint : *constraints) watch(constraint.function);
+  for (const ContactSpec& contact : spec.contacts) frames.erase(contact.frame.value);
+  return frames;
+}
+
+/// Unit normal of a contact in the world.
+Vector3<double> world_normal(const ContactSpec& contact, const SE3<double>& frame) {
+  return contact.axes == FrameAxes::local ? frame.R * contact.normal : contact.normal;
+}
+
+OrderedJson contact_json(const ContactSpec& contact, const Frame& frame) {
+  OrderedJson json = {{"name", contact.name.value},
+                      {"body", frame.joint + 1},
+                      {"placement", placement_json(frame.placement)},
+                      {"friction", contact.kind == ContactKind::normal ? 0 : contact.friction},
+                      {"half_size", nullptr},
+                      {"radius", 0},
+                      {"acts_after", 0},
+                      {"ground", true},
+                      {"positions", OrderedJson::array()},
+                      {"normals", OrderedJson::array()}};
+  if (contact.half_size) json["half_size"] = *contact.half_size;
+  return json;
+}
+
+}  // namespace
+
+OrderedJson motion_scene(const ProblemSpec& spec, const BuiltProblem& built,
+                         const Trajectory& trajectory) {
+  if (!built.plant.multibody()) {
+    OrderedJson scene = closed_form_scene(*spec.system, trajectory);
+    if (!scene.is_null()) scene["obstacles"] = obstacles_json(spec, built);
+    return scene;
+  }
+  const MultibodySystem& system = *built.plant.multibody();
+  const RobotModel& robot = built.plant.robot();
+  OrderedJson poses = OrderedJson::array(), com = OrderedJson::array();
+  OrderedJson paths = OrderedJson::object(), contacts = OrderedJson::array();
+  const std::map<std::string, int> watched = watched_frames(spec, robot);
+  for (const auto& [name, frame] : watched) paths[name] = OrderedJson::array();
+  std::vector<int> contact_frames;
+  for (const ContactSpec& contact : spec.contacts) {
+    contact_frames.push_back(robot.find_frame(contact.frame.value).value());
+    contacts.push_back(contact_json(contact, robot.frames[contact_frames.back()]));
+  }
+
+  RobotData<double> data(robot);
+  for (int k = 0; k <= trajectory.knots(); ++k) {
+    const std::vector<double> q =
+        system.expand_configuration({trajectory.x(k).data(), trajectory.x(k).data() + system.nq()});
+    update_placements(robot, q.data(), data);
+    Vector3<double> moment = Vector3<double>::zero();
+    append(poses, SE3<double>::identity());
+    for (int j = 0; j < robot.joint_count(); ++j) {
+      const SE3<double> body = data.root_pose(robot, j) * data.placement[j];
+      const Inertia<double>& inertia = robot.joints[j].inertia;
+      moment = moment + inertia.mass * body.p + body.R * inertia.moment;
+      append(poses, body);
+    }
+    append(com, (1 / robot.total_mass()) * moment);
+    for (const auto& [name, frame] : watched)
+      append(paths[name], frame_placement(robot, data, frame).p);
+    for (std::size_t i = 0; i < spec.contacts.size(); ++i) {
+      const SE3<double> placement = frame_placement(robot, data, contact_frames[i]);
+      append(contacts[i]["positions"], placement.p);
+      append(contacts[i]["normals"], world_normal(spec.contacts[i], placement));
+    }
+  }
+  RobotShapes shapes = robot_shapes(built);
+  return {{"bodies", bodies_json(robot, std::move(shapes.of_body))},
+          {"stand_ins", std::move(shapes.stand_ins)},
+          {"poses", std::move(poses)},
+          {"com", std::move(com)},
+          {"paths", std::move(paths)},
+          {"contacts", std::move(contacts)},
+          {"obstacles", obstacles_json(spec, built)},
+          {"collision_shapes", collision_shapes_json(spec, robot)}};
+}
+
+}  // namespace conddp

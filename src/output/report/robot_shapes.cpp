@@ -1,0 +1,215 @@
+#include "output/report/robot_shapes.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include <Eigen/Eigenvalues>
+#include <fmt/format.h>
+#include <openssl/evp.h>
+
+#include "base/text_file.hpp"
+#include "output/solution/scene_numbers.hpp"
+#include "robot/urdf/urdf_visuals.hpp"
+
+namespace conddp {
+namespace {
+
+constexpr std::size_t kMaxUrdfBytes = 64 << 20;
+/// Of all meshes together: a page of more opens slowly.
+constexpr std::size_t kMaxMeshBytes = 3 << 20;
+/// kg/m³: links are not lighter. An ellipsoid that were belongs to placeholders of an inertia.
+constexpr double kLeastDensity = 10;
+constexpr double kLeastRadius = 0.005;  // m
+
+std::string base64(const std::string& bytes) {
+  std::string text(4 * ((bytes.size() + 2) / 3) + 1, '\0');  // EVP_EncodeBlock ends it with a zero
+  const auto* data = reinterpret_cast<const unsigned char*>(bytes.data());
+  EVP_EncodeBlock(reinterpret_cast<unsigned char*>(text.data()), data,
+                  static_cast<int>(bytes.size()));
+  text.pop_back();
+  return text;
+}
+
+/// Where a mesh of a URDF is: beside the URDF, or for package://name/path in a folder `name` of
+/// those above it.
+std::filesystem::path find_mesh(const std::string& name, const std::filesystem::path& urdf) {
+  const std::filesystem::path folder = urdf.parent_path();
+  const auto exists = [](const std::filesystem::path& file) {
+    std::error_code error;
+    return std::filesystem::is_regular_file(file, error);
+  };
+  constexpr std::string_view kFile = "file://", kPackage = "package://";
+  if (name.starts_with(kFile))
+    return exists(name.substr(kFile.size())) ? name.substr(kFile.size()) : "";
+  if (!name.starts_with(kPackage)) return exists(folder / name) ? folder / name : "";
+  const std::filesystem::path inside = name.substr(kPackage.size());
+  if (inside.empty()) return {};
+  // Of the file: a file in the current folder has a folder without a name.
+  std::filesystem::path base = std::filesystem::absolute(urdf).parent_path();
+  for (int up = 0; up < 6; ++up, base = base.parent_path()) {
+    if (exists(base / inside)) return base / inside;
+    const std::filesystem::path rest = inside.lexically_relative(*inside.begin());
+    if (base.filename() == *inside.begin() && exists(base / rest)) return base / rest;
+  }
+  return {};
+}
+
+/// Whether a file is what its suffix says, as far as a viewer needs it: some that bear the name of
+/// a mesh stand for one that was not fetched.
+bool holds_mesh(const std::string& text, const std::string& kind) {
+  if (kind == "obj") return text.starts_with("f ") || text.find("\nf ") != text.npos;
+  constexpr std::size_t kHead = 84, kFacet = 50;
+  std::uint32_t facets = 0;
+  if (text.size() >= kHead)
+    std::memcpy(&facets, text.data() + kHead - sizeof facets, sizeof facets);
+  if (facets > 0 && (text.size() - kHead) / kFacet >= facets) return true;
+  return text.find("solid") < 5 && text.find("vertex") != text.npos;
+}
+
+/// The ellipsoid that has a body's mass and inertia: ½ axes √(5 (I_b + I_c − I_a) / (2 m)).
+OrderedJson inertia_ellipsoid(const Inertia<double>& inertia, const SE3<double>& frame) {
+  const Vector3<double> com = (1 / inertia.mass) * inertia.moment;
+  const Symmetric3<double> at_origin = inertia.rotational,
+                           of_point = point_inertia(inertia.mass, com);
+  Eigen::Matrix3d central;
+  central << at_origin.xx - of_point.xx, at_origin.xy - of_point.xy, at_origin.xz - of_point.xz,
+      at_origin.xy - of_point.xy, at_origin.yy - of_point.yy, at_origin.yz - of_point.yz,
+      at_origin.xz - of_point.xz, at_origin.yz - of_point.yz, at_origin.zz - of_point.zz;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(central);
+  Eigen::Matrix3d axes = solver.eigenvectors();
+  if (axes.determinant() < 0) axes.col(2) = -axes.col(2);
+  Matrix3<double> rotation;
+  Eigen::Vector3d radii;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) rotation.m[3 * i + j] = axes(i, j);
+    const double square = solver.eigenvalues().sum() - 2 * solver.eigenvalues()[i];
+    radii[i] = std::sqrt(std::max(0.0, 2.5 * square / inertia.mass));
+  }
+  const double volume = 4 * M_PI / 3 * radii.prod(), largest = inertia.mass / kLeastDensity;
+  if (volume > largest) radii *= std::cbrt(largest / volume);
+  radii = radii.cwiseMax(kLeastRadius);
+  return {{"kind", "ellipsoid"},
+          {"radii", vector_json({radii[0], radii[1], radii[2]})},
+          {"placement", placement_json(frame * SE3<double>{rotation, com})}};
+}
+
+/// Reads the shapes of one robot into the bodies that carry them.
+class ShapeReader {
+ public:
+  ShapeReader(const RobotModel& robot, RobotShapes& out) : robot_(robot), out_(out) {}
+
+  void read(const PlantPart& part) {
+    urdf_ = part.spec->path;
+    const TextFile urdf = read_text_file(urdf_, kMaxUrdfBytes);
+    for (const LinkVisuals& link : urdf_visuals(urdf.text))
+      if (const auto frame = robot_.find_frame(part.prefix + link.link))
+        draw(link, robot_.frames[*frame]);
+  }
+
+ private:
+  void draw(const LinkVisuals& link, const Frame& frame) {
+    OrderedJson reasons = OrderedJson::array(), ignored = OrderedJson::array();
+    OrderedJson shapes = drawable(link.visual, frame, reasons);
+    const char* drawn_by = "other visual shapes";
+    if (link.visual.empty()) reasons.push_back({{"why", "no visual shape"}, {"what", ""}});
+    if (shapes.empty()) {
+      shapes = drawable(link.collision, frame, ignored);
+      drawn_by = "collision shape";
+    }
+    if (shapes.empty() && link.inertia) {
+      shapes.push_back(inertia_ellipsoid(*link.inertia, frame.placement));
+      drawn_by = "inertia ellipsoid";
+    }
+    if (shapes.empty()) drawn_by = "nothing";
+    OrderedJson& body = out_.of_body[frame.joint + 1];
+    for (OrderedJson& shape : shapes) {
+      shape["link"] = frame.name;
+      body.push_back(std::move(shape));
+    }
+    // A link without shapes and inertia is a frame: there is nothing to be seen of it.
+    if (reasons.empty() || (shapes.empty() && link.visual.empty() && link.collision.empty()))
+      return;
+    out_.stand_ins.push_back(
+        {{"link", frame.name}, {"drawn_by", drawn_by}, {"reasons", std::move(reasons)}});
+  }
+
+  /// Those of the shapes that a viewer can draw, and why it cannot draw the others.
+  OrderedJson drawable(const std::vector<VisualShape>& shapes, const Frame& frame,
+                       OrderedJson& reasons) {
+    OrderedJson list = OrderedJson::array();
+    for (const VisualShape& shape : shapes) {
+      const char* why = "";
+      OrderedJson json = shape_json(shape, why);
+      if (json.is_null()) {
+        reasons.push_back({{"why", why}, {"what", shape.mesh}});
+        continue;
+      }
+      json["placement"] = placement_json(frame.placement * shape.placement);
+      if (shape.color) json["color"] = *shape.color;
+      list.push_back(std::move(json));
+    }
+    return list;
+  }
+
+  OrderedJson shape_json(const VisualShape& shape, const char*& why) {
+    switch (shape.kind) {
+      case ShapeKind::box:
+        return {{"kind", "box"}, {"size", vector_json(shape.size)}};
+      case ShapeKind::cylinder:
+        return {{"kind", "cylinder"}, {"radius", shape.size.x}, {"length", shape.size.y}};
+      case ShapeKind::sphere:
+        return {{"kind", "sphere"}, {"radius", shape.size.x}};
+      case ShapeKind::mesh:
+        return mesh_json(shape, why);
+      case ShapeKind::unknown:
+        break;
+    }
+    why = shape.mesh.empty() ? "no geometry" : "geometry not read";
+    return nullptr;
+  }
+
+  OrderedJson mesh_json(const VisualShape& shape, const char*& why) {
+    const std::filesystem::path file = find_mesh(shape.mesh, urdf_);
+    std::string suffix = std::filesystem::path(shape.mesh).extension().string();
+    for (char& c : suffix) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    why = "mesh format not read";
+    if (suffix != ".stl" && suffix != ".obj") return nullptr;
+    why = "mesh not found";
+    if (file.empty()) return nullptr;
+    const TextFile mesh = read_text_file(file, kMaxMeshBytes);
+    why = "mesh not readable";
+    std::error_code error;
+    if (std::filesystem::file_size(file, error) > kMaxMeshBytes - mesh_bytes_ && !error)
+      why = "more than 3 MB of meshes";
+    if (!mesh.defect.empty() || mesh.text.size() > kMaxMeshBytes - mesh_bytes_) return nullptr;
+    const std::string kind = suffix.substr(1);
+    why = kind == "stl" ? "no STL inside" : "no OBJ inside";
+    if (!holds_mesh(mesh.text, kind)) return nullptr;
+    mesh_bytes_ += mesh.text.size();
+    return {{"kind", kind}, {"scale", vector_json(shape.size)}, {"data", base64(mesh.text)}};
+  }
+
+  const RobotModel& robot_;
+  RobotShapes& out_;
+  std::filesystem::path urdf_;
+  std::size_t mesh_bytes_ = 0;
+};
+
+}  // namespace
+
+RobotShapes robot_shapes(const BuiltProblem& built) {
+  const RobotModel& robot = built.plant.robot();
+  RobotShapes shapes;
+  shapes.of_body.assign(robot.joints.size() + 1, OrderedJson::array());
+  ShapeReader reader(robot, shapes);
+  for (const PlantPart& part : built.plant.parts) reader.read(part);
+  // What the problem file adds to a link that is but a frame.
+  for (int i = 0; i < robot.joint_count(); ++i)
+    if (shapes.of_body[i + 1].empty() && robot.joints[i].inertia.mass > 0)
+      shapes.of_body[i + 1].push_back(
+          inertia_ellipsoid(robot.joints[i].inertia, SE3<double>::identity()));
+  return shapes;
+}
+
+}  // namespace conddp

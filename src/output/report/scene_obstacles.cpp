@@ -1,0 +1,196 @@
+#include "output/report/scene_obstacles.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "base/json_text.hpp"
+#include "output/solution/constraint_rows.hpp"
+
+namespace conddp {
+namespace {
+
+OrderedJson coordinates_json(const Vector3<double>& v) { return {v.x, v.y, v.z}; }
+
+OrderedJson form_json(const SphereSpec& sphere) {
+  return {
+      {"kind", "sphere"}, {"center", coordinates_json(sphere.center)}, {"radius", sphere.radius}};
+}
+OrderedJson form_json(const CapsuleSpec& capsule) {
+  return {{"kind", "capsule"},
+          {"from", coordinates_json(capsule.from)},
+          {"to", coordinates_json(capsule.to)},
+          {"radius", capsule.radius}};
+}
+OrderedJson form_json(const HalfSpaceSpec& half_space) {
+  return {{"kind", "half_space"},
+          {"normal", coordinates_json(half_space.normal)},
+          {"point", coordinates_json(half_space.point)}};
+}
+
+template <class Shape>
+OrderedJson shape_json(const Shape& shape) {
+  OrderedJson json = {{"name", shape.name.value}};
+  json.update(std::visit([](const auto& form) { return form_json(form); }, shape.form));
+  return json;
+}
+
+/// 0, 1, 2 for a coordinate that is a position along x, y, z of the world, else −1.
+int world_axis(const ConstraintSpec& constraint, const Plant& plant, const ProblemSpec& spec,
+               const std::string& row) {
+  const ResidualKind kind = constraint.function.kind;
+  const bool of_state = constraint.bounded || kind == ResidualKind::kState;
+  if (!of_state && kind != ResidualKind::kFramePosition && kind != ResidualKind::kComPosition)
+    return -1;
+  std::string axis = row;
+  if (of_state && plant.multibody()) {
+    const std::size_t slash = row.find('/');
+    if (slash == row.npos) return -1;
+    const auto joint = plant.robot().find_joint(row.substr(0, slash));
+    if (!joint || plant.robot().joints[*joint].type != JointType::floating) return -1;
+    axis = row.substr(slash + 1);
+  }
+  if (of_state && spec.system &&
+      std::holds_alternative<DoubleIntegratorSpec>(spec.system->parameters) &&
+      axis.starts_with("q/"))
+    axis = axis == "q/0" ? "x" : axis == "q/1" ? "y" : axis == "q/2" ? "z" : "";
+  constexpr const char* kAxes[] = {"x", "y", "z"};
+  const auto* found = std::find(std::begin(kAxes), std::end(kAxes), axis);
+  return found == std::end(kAxes) ? -1 : static_cast<int>(found - std::begin(kAxes));
+}
+
+/// A constraint on a position: which row is along which axis, and where it holds.
+struct OnPosition {
+  std::string name;
+  std::array<int, 3> row{-1, -1, -1};  ///< of the residual, by axis
+  std::vector<NodeConstraint> at;
+
+  int axes() const {
+    return static_cast<int>(std::count_if(row.begin(), row.end(), [](int r) { return r >= 0; }));
+  }
+  /// The reference along an axis; 0 along one that has no row.
+  double reference(const ShootingProblem& problem, const NodeConstraint& c, int axis) const {
+    return row[axis] < 0 ? 0 : problem.knot(c.node).parameters[c.term->parameters + row[axis]];
+  }
+  Vector3<double> center(const ShootingProblem& problem, const NodeConstraint& c) const {
+    return {reference(problem, c, 0), reference(problem, c, 1), reference(problem, c, 2)};
+  }
+};
+
+std::vector<OnPosition> constraints_on_positions(const ProblemSpec& spec,
+                                                 const BuiltProblem& built) {
+  const ShootingProblem& problem = *built.problem;
+  std::vector<OnPosition> list;
+  for (const NodeConstraint& c : problem.constraints()) {
+    if (!c.term->has_bounds()) continue;
+    const std::string name = constraint_name(problem, c);
+    const auto known = std::find_if(list.begin(), list.end(),
+                                    [&](const OnPosition& one) { return one.name == name; });
+    if (known != list.end()) {
+      known->at.push_back(c);
+      continue;
+    }
+    OnPosition one{.name = name, .at = {c}};
+    const ConstraintSpec* said = constraint_spec(spec, problem, c);
+    const Residual& residual = *c.term->residual;
+    if (said != nullptr) {
+      const auto rows = residual_row_names(spec, built, *said, residual);
+      for (int i = 0; i < residual.size() && i < residual.parameter_count(); ++i)
+        if (const int axis = world_axis(*said, built.plant, spec, rows[i]); axis >= 0)
+          one.row[axis] = i;
+    }
+    list.push_back(std::move(one));
+  }
+  std::erase_if(list, [](const OnPosition& one) { return one.axes() == 0; });
+  return list;
+}
+
+/// Balls and discs that a position has to stay out of, or inside.
+void append_round(const OnPosition& one, const ShootingProblem& problem, OrderedJson& list) {
+  const NodeConstraint& first = one.at.front();
+  const int axes = one.axes();
+  if (axes < 2 || axes != first.term->residual->size()) return;
+  OrderedJson json = {{"name", one.name}, {"kind", axes == 3 ? "sphere" : "disc"}};
+  const Vector3<double> center = one.center(problem, first);
+  bool moves = false;
+  OrderedJson centers = OrderedJson::array();
+  auto next = one.at.begin();
+  for (int k = 0; k <= problem.knots(); ++k) {  // before and after it holds, where it is next
+    while (next + 1 != one.at.end() && next->node < k) ++next;
+    const Vector3<double> here = one.center(problem, *next);
+    moves |= squared_norm(here - center) > 0;
+    for (const double x : {here.x, here.y, here.z}) centers.push_back(eight_digits(x));
+  }
+  if (moves)
+    json["centers"] = std::move(centers);
+  else
+    json["center"] = coordinates_json(center);
+  if (axes == 2)
+    json["normal"] = {one.row[0] < 0 ? 1 : 0, one.row[1] < 0 ? 1 : 0, one.row[2] < 0 ? 1 : 0};
+  for (const bool inside : {false, true}) {
+    const double radius = inside ? *first.upper : *first.lower;
+    if (!(radius > 0) || std::isinf(radius)) continue;
+    json["radius"] = radius;
+    json["inside"] = inside;
+    list.push_back(json);
+  }
+}
+
+void append_box(const OnPosition& one, const ShootingProblem& problem, OrderedJson& list) {
+  std::array<OrderedJson, 2> ends = {OrderedJson::array(), OrderedJson::array()};
+  bool bounded = false;
+  for (int axis = 0; axis < 3; ++axis) {
+    const int row = one.row[axis];
+    const double from = one.reference(problem, one.at.front(), axis);
+    for (int upper = 0; upper < 2; ++upper) {
+      double end = upper ? kUnlimited : -kUnlimited;
+      if (row >= 0) end = from + (upper ? one.at.front().upper : one.at.front().lower)[row];
+      for (const NodeConstraint& c : one.at)
+        if (row >= 0 && one.reference(problem, c, axis) != from) return;
+      bounded |= std::isfinite(end);
+      ends[upper].push_back(finite_or_null(end));
+    }
+  }
+  if (bounded)
+    list.push_back({{"name", one.name},
+                    {"kind", "box"},
+                    {"lower", ends[0]},
+                    {"upper", ends[1]},
+                    {"inside", true}});
+}
+
+}  // namespace
+
+OrderedJson obstacles_json(const ProblemSpec& spec, const BuiltProblem& built) {
+  OrderedJson list = OrderedJson::array();
+  for (const ObstacleSpec& obstacle : spec.collision.obstacles) {
+    list.push_back(shape_json(obstacle));
+    list.back()["inside"] = false;
+  }
+  for (const OnPosition& one : constraints_on_positions(spec, built))
+    if (one.at.front().term->kind == ConstraintKind::norm)
+      append_round(one, *built.problem, list);
+    else
+      append_box(one, *built.problem, list);
+  return list;
+}
+
+OrderedJson collision_shapes_json(const ProblemSpec& spec, const RobotModel& robot) {
+  OrderedJson list = OrderedJson::array();
+  for (ShapeSpec shape : spec.collision.shapes) {
+    const Frame& frame = robot.frames[robot.find_frame(shape.frame.value).value()];
+    const auto move = [&](Vector3<double>& point) {
+      point = frame.placement.R * point + frame.placement.p;
+    };
+    if (auto* sphere = std::get_if<SphereSpec>(&shape.form)) move(sphere->center);
+    if (auto* capsule = std::get_if<CapsuleSpec>(&shape.form)) {
+      move(capsule->from);
+      move(capsule->to);
+    }
+    list.push_back(shape_json(shape));
+    list.back()["body"] = frame.joint + 1;
+  }
+  return list;
+}
+
+}  // namespace conddp

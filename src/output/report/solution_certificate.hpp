@@ -1,0 +1,28 @@
+#pragma once
+
+#include "analysis/certificate/replay.hpp"
+#include "analysis/contact/contact_certificate.hpp"
+#include "analysis/findings/findings.hpp"
+#include "base/ordered_json.hpp"
+#include "problem_file/build/build.hpp"
+
+namespace conddp {
+
+/// What was found out about a solution.
+struct SolutionCertificate {
+  Certificate checks;                          ///< what decides
+  std::optional<Replay> replay;                ///< what is worth knowing besides, if asked for
+  std::vector<Finding> findings;               ///< in the trajectory of the answer
+  std::optional<ContactCertificate> contacts;  ///< where steps find their own contacts
+  std::vector<std::string> tangent_names;
+  double time_s = 0;  ///< that it took
+};
+
+/// Judges the document of a solution against its problem: configuration, shapes and names,
+/// options, dropped constraints, contact forces and the log, and everything that certify() and
+/// contact_checks() judge; if asked for, plays it back on a finer grid, too. Where shapes do not
+/// fit, nothing else is compared. Throws MalformedSolution where the document lacks keys.
+SolutionCertificate certify_solution(const OrderedJson& document, const ProblemSpec& spec,
+                                     const BuiltProblem& built, bool with_replay);
+
+}  // namespace conddp

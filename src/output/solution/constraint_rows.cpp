@@ -1,0 +1,43 @@
+#include "output/solution/constraint_rows.hpp"
+
+namespace conddp {
+
+std::string constraint_name(const ShootingProblem& problem, const NodeConstraint& constraint) {
+  return (constraint.node == problem.knots() ? "terminal/" : "") + constraint.term->name;
+}
+
+const ConstraintSpec* constraint_spec(const ProblemSpec& spec, const ShootingProblem& problem,
+                                      const NodeConstraint& constraint) {
+  const auto find = [&](const std::vector<ConstraintSpec>& list) -> const ConstraintSpec* {
+    for (const ConstraintSpec& one : list)
+      if (one.function.name.value == constraint.term->name) return &one;
+    return nullptr;
+  };
+  // Those on running knots can hold at the last node too.
+  if (constraint.node == problem.knots())
+    if (const ConstraintSpec* found = find(spec.terminal_constraints)) return found;
+  return find(spec.constraints);
+}
+
+std::vector<std::string> residual_row_names(const ProblemSpec& spec, const BuiltProblem& built,
+                                            const ConstraintSpec& constraint,
+                                            const Residual& residual) {
+  const std::vector<std::string> columns = tangent_columns(built);
+  std::vector<std::string> names;
+  for (const RowBlock& block : residual.blocks())
+    if (block.rows == 1 && block.columns.size() == 1 &&
+        block.columns[0] < static_cast<int>(columns.size()))
+      names.push_back(columns[block.columns[0]]);
+  const auto complete = [&] { return static_cast<int>(names.size()) == residual.size(); };
+  if (complete()) return names;
+  Diagnostics ignored;  // the problem has been built
+  if (const auto made =
+          make_cost_residual(constraint.function, spec, built.plant, built.problem->ndx(), ignored))
+    names = made->rows.names;
+  if (complete()) return names;
+  names.clear();
+  for (int i = 0; i < residual.size(); ++i) names.push_back(std::to_string(i + 1));
+  return names;
+}
+
+}  // namespace conddp

@@ -1,0 +1,37 @@
+#include "output/solution/contact_forces.hpp"
+
+#include <map>
+#include <memory>
+
+#include "systems/multibody/multibody.hpp"
+
+namespace conddp {
+
+ContactForces contact_forces(const ProblemSpec& spec, const ShootingProblem& problem,
+                             const Trajectory& trajectory) {
+  ContactForces forces;
+  for (const ContactSpec& named : spec.contacts) {
+    auto& contact = forces.contacts.emplace_back();
+    contact.name = named.name.value;
+    contact.torque = named.kind == ContactKind::surface;
+    contact.wrench.resize(problem.knots());
+  }
+  std::map<const System*, std::unique_ptr<SystemData<double>>> memory;
+  for (int k = 0; k < problem.knots() && !forces.contacts.empty(); ++k) {
+    const auto* system = problem.knot(k).model->system().as_multibody();
+    if (system == nullptr || system->contacts().empty()) continue;
+    auto& data = memory[system];
+    if (!data) data = system->create_data(double{});
+    system->evaluate(trajectory.x(k).data(), trajectory.u(k).data(), *data);
+    const auto& held = static_cast<const MultibodySystem::Data<double>&>(*data).contacts.contacts;
+    for (int i = 0; i < system->contacts().count(); ++i) {
+      const Force<double> f = contact_force_in_world(held[i]);
+      for (auto& contact : forces.contacts)
+        if (contact.name == system->contacts().contacts()[i].name)
+          contact.wrench[k] = {f[0], f[1], f[2], f[3], f[4], f[5]};
+    }
+  }
+  return forces;
+}
+
+}  // namespace conddp

@@ -1,0 +1,108 @@
+#include "output/solution/csv.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "output/solution/contact_forces.hpp"
+#include "output/solution/log_columns.hpp"
+
+namespace conddp {
+namespace {
+
+std::string cell(double value) { return std::isfinite(value) ? fmt::format("{}", value) : ""; }
+
+/// Cells hold no commas, quotes or line ends.
+std::string cell(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(),
+      [](char c) { return c == ',' || c == '"' || static_cast<unsigned char>(c) < 0x20; }, '_');
+  return text;
+}
+
+std::string with_unit(std::string name, std::string_view unit) {
+  if (unit.empty() || unit == "1") return name;
+  return fmt::format("{} [{}]", name, unit);
+}
+
+constexpr std::array<const char*, 6> kWrench = {"fx", "fy", "fz", "tx", "ty", "tz"};
+constexpr int kForceParts = 3, kWrenchParts = 6;
+
+std::string contact_headers(const ContactForces& forces) {
+  std::string text;
+  for (const auto& contact : forces.contacts)
+    for (int i = 0; i < (contact.torque ? kWrenchParts : kForceParts); ++i)
+      text += ',' + with_unit(cell("contact/" + contact.name + '/' + kWrench[i]),
+                              i < kForceParts ? "N" : "Nm");
+  return text;
+}
+
+std::string contact_cells(const ContactForces& forces, int knot, bool written) {
+  std::string text;
+  for (const auto& contact : forces.contacts)
+    for (int i = 0; i < (contact.torque ? kWrenchParts : kForceParts); ++i)
+      text += written && contact.wrench[knot] ? ',' + cell((*contact.wrench[knot])[i]) : ",";
+  return text;
+}
+
+}  // namespace
+
+std::string trajectory_csv(const Solution& s) {
+  const ShootingProblem& problem = *s.built.problem;
+  const Trajectory& trajectory = s.result.trajectory;
+  std::string text = "t [s],phase";
+  std::set<std::string> used;
+  // Where the first state is chosen the motion begins with the choice, which the states then
+  // carry along.
+  const int first = problem.phases().front().instant ? 1 : 0;
+  const int states = first > 0 ? s.built.plant.system->nx() : trajectory.nx();
+  for (int i = 0; i < states; ++i) {
+    const Column& column = s.built.state_columns[i];
+    used.insert(column.name);
+    text += ',' + with_unit(cell(column.name), column.unit);
+  }
+  for (const Column& column : s.built.control_columns)
+    text +=
+        ',' + with_unit(cell((used.contains(column.name) ? "u/" : "") + column.name), column.unit);
+  const ContactForces forces = contact_forces(s.spec, problem, trajectory);
+  text += contact_headers(forces) + '\n';
+  const std::vector<double> times = problem.times(trajectory);
+  double written = -std::numeric_limits<double>::infinity();
+  for (int k = first; k <= problem.knots(); ++k) {
+    const bool last = k == problem.knots();
+    const bool impulse = !last && problem.takes_no_time(k);
+    const int phase = problem.knot(k).phase;
+    // Readers of such files want times that increase, and an impulse takes none.
+    written = std::max(times[k], std::nextafter(written, std::numeric_limits<double>::infinity()));
+    text +=
+        cell(written) + ',' + cell(last ? problem.terminal().name : problem.phases()[phase].name);
+    for (int i = 0; i < states; ++i) text += ',' + cell(trajectory.x(k)[i]);
+    for (std::size_t i = 0; i < s.built.control_columns.size(); ++i)
+      text += last || impulse ? "," : ',' + cell(trajectory.u(k)[i]);
+    text += contact_cells(forces, k, !last && !impulse) + '\n';
+  }
+  return text;
+}
+
+std::string iterations_csv(const Solution& s) {
+  std::string text;
+  for (const LogColumn& column : log_columns())
+    text += (text.empty() ? "" : ",") + with_unit(std::string(column.name), column.unit);
+  text += '\n';
+  for (const IterationRecord& row : s.result.log) {
+    bool first = true;
+    for (const LogColumn& column : log_columns()) {
+      if (!first) text += ',';
+      first = false;
+      text += column.integer ? fmt::format("{}", static_cast<long long>(column.get(row)))
+                             : cell(column.get(row));
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+}  // namespace conddp

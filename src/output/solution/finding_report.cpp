@@ -1,0 +1,76 @@
+#include "output/solution/finding_report.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "problem_file/build/cost_residual.hpp"
+
+namespace conddp {
+namespace {
+
+/// Of each kind so many are printed.
+constexpr int kShown = 3;
+
+FindingNames names_of(const ProblemSpec& spec, const BuiltProblem& built) {
+  FindingNames names;
+  for (const ContactSpec& contact : spec.contacts)
+    names.friction[contact.name.value] = contact.friction;
+  Diagnostics found_when_built;
+  for (const bool terminal : {false, true})
+    for (const ConstraintSpec& c : terminal ? spec.terminal_constraints : spec.constraints) {
+      if (c.bounded || c.function.kind != ResidualKind::kDistance) continue;
+      const auto residual =
+          make_cost_residual(c.function, spec, built.plant, built.problem->ndx(), found_when_built);
+      if (residual)
+        names.rows[(terminal ? "terminal/" : "") + c.function.name.value] = residual->rows.names;
+    }
+  return names;
+}
+
+}  // namespace
+
+std::vector<Finding> findings_of(const ProblemSpec& spec, const BuiltProblem& built,
+                                 const Trajectory& trajectory) {
+  return find_in_motion(*built.problem, trajectory, names_of(spec, built));
+}
+
+OrderedJson findings_json(const std::vector<Finding>& findings) {
+  OrderedJson list = OrderedJson::array();
+  for (const Finding& f : findings) {
+    OrderedJson entry = {{"kind", to_string(f.kind)},
+                         {"subject", f.subject},
+                         {"value", f.value},
+                         {"unit", f.unit},
+                         {"message", f.message}};
+    if (f.knot >= 0) {
+      entry["knot"] = f.knot;
+      entry["time_s"] = f.time;
+    }
+    if (!f.remedy.empty()) entry["remedy"] = f.remedy;
+    list.push_back(std::move(entry));
+  }
+  return list;
+}
+
+std::vector<std::string> finding_lines(const std::vector<Finding>& findings) {
+  std::vector<std::string> lines;
+  for (std::size_t first = 0, last = 0; first < findings.size(); first = last) {
+    const auto end = std::find_if(findings.begin() + first, findings.end(),
+                                  [&](const Finding& f) { return f.kind != findings[first].kind; });
+    last = end - findings.begin();
+    for (std::size_t i = first; i < std::min(first + kShown, last); ++i) {
+      const Finding& f = findings[i];
+      std::string line = f.message;
+      if (f.knot >= 0) line += fmt::format(" (knot {}, {:.3g} s)", f.knot, f.time);
+      if (i == first && !f.remedy.empty()) line += "; try " + f.remedy;
+      lines.push_back(std::move(line));
+    }
+    if (last > first + kShown)
+      lines.push_back(fmt::format("and {} more of the kind '{}'", last - first - kShown,
+                                  to_string(findings[first].kind)));
+  }
+  return lines;
+}
+
+}  // namespace conddp

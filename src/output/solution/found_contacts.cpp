@@ -1,0 +1,79 @@
+#include "output/solution/found_contacts.hpp"
+
+#include "analysis/contact/contact_sequence.hpp"
+#include "output/solution/scene_numbers.hpp"
+
+namespace conddp {
+namespace {
+
+/// The joint that a frame hangs on, −1 for the world.
+int joint_of(const RobotModel& robot, int frame) {
+  return frame < 0 ? -1 : robot.frames[frame].joint;
+}
+
+/// Whether what a candidate may touch has faces and does not move: one can stand on it.
+bool is_ground(const RobotModel& robot, const ContactCandidate& candidate) {
+  if (const auto* plane = std::get_if<ContactHalfSpace>(&candidate.against))
+    return joint_of(robot, plane->frame) < 0;
+  if (const auto* box = std::get_if<ContactBox>(&candidate.against))
+    return joint_of(robot, box->frame) < 0;
+  return false;
+}
+
+OrderedJson candidate_json(const RobotModel& robot, const ContactCandidate& candidate) {
+  const ContactSphere& sphere = candidate.sphere;
+  const int joint = joint_of(robot, sphere.frame);
+  SE3<double> placement{Matrix3<double>::identity(), sphere.center};
+  if (sphere.frame >= 0) placement = robot.frames[sphere.frame].placement * placement;
+  return {{"name", candidate.name},
+          {"body", joint + 1},
+          {"placement", placement_json(placement)},
+          {"friction", candidate.friction},
+          {"half_size", nullptr},
+          // The normals of a sphere of the world point into it.
+          {"radius", joint < 0 ? -sphere.radius : sphere.radius},
+          {"acts_after", 1},
+          {"ground", joint >= 0 && is_ground(robot, candidate)},
+          {"positions", OrderedJson::array()},
+          {"normals", OrderedJson::array()}};
+}
+
+}  // namespace
+
+FoundContacts found_contacts(const ContactMotion& motion) {
+  const RobotModel& robot = *motion.plant.robot;
+  const std::vector<ContactCandidate>& candidates = motion.plant.contacts.candidates;
+  const double least = ContactSequenceOptions{}.share * impulse_scale(motion.plant, 1);
+  FoundContacts found;
+  for (const ContactCandidate& candidate : candidates) {
+    found.contacts.push_back(candidate_json(robot, candidate));
+    found.forces[candidate.name] = OrderedJson(motion.first_knot, nullptr);
+  }
+  ContactMechanics<double> mechanics(motion.plant);
+  for (int k = 0; k <= motion.steps(); ++k) {
+    const auto& instants = mechanics.look(motion.q[k].data());
+    for (std::size_t c = 0; c < candidates.size(); ++c) {
+      const double side = joint_of(robot, candidates[c].sphere.frame) < 0 ? -1 : 1;
+      const ContactInstant<double>& at = instants[c];
+      // The knot that chooses the first state shows it too.
+      for (int times = k == 0 ? 1 + motion.first_knot : 1; times > 0; --times) {
+        append(found.contacts[c]["positions"], at.point);
+        append(found.contacts[c]["normals"], side * at.directions[0]);
+      }
+      if (k == 0) continue;
+      const auto force = motion.forces[k - 1].contact.col(c);  // at the end of its step
+      OrderedJson row = nullptr;
+      if (force[0] > least) {
+        Vector3<double> sum = Vector3<double>::zero();
+        for (int i = 0; i < 1 + tangent_count(motion.plant.contacts, candidates[c]); ++i)
+          sum = sum + (side * force[i]) * at.directions[i];
+        row = OrderedJson::array();
+        for (const double x : {sum.x, sum.y, sum.z}) row.push_back(eight_digits(x));
+      }
+      found.forces[candidates[c].name].push_back(std::move(row));
+    }
+  }
+  return found;
+}
+
+}  // namespace conddp

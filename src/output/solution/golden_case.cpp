@@ -1,0 +1,128 @@
+#include "output/solution/golden_case.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "base/json_document.hpp"
+#include "output/solution/solution_json.hpp"
+#include "problem_file/build/build_problem.hpp"
+#include "problem_file/build/homotopy.hpp"
+#include "problem_file/read/read_problem.hpp"
+
+namespace conddp {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::string_view kGoldenKeys[] = {"problem",   "solver",     "iterations",
+                                            "status",    "cost",       "cost_by_name",
+                                            "residuals", "trajectory", "tolerances"};
+
+const NamedTolerance* find_tolerance(const std::string& name) {
+  const auto found =
+      std::find_if(std::begin(kNamedTolerances), std::end(kNamedTolerances),
+                   [&](const NamedTolerance& tolerance) { return name == tolerance.name; });
+  return found == std::end(kNamedTolerances) ? nullptr : found;
+}
+
+std::string tolerance_names() {
+  std::string names;
+  for (const NamedTolerance& tolerance : kNamedTolerances)
+    names += (names.empty() ? "" : ", ") + std::string(tolerance.name);
+  return names;
+}
+
+/// What is wrong with the tolerances of a golden file.
+std::optional<std::string> tolerances_defect(const Json& answer) {
+  if (!answer.contains("tolerances")) return std::nullopt;
+  if (!answer["tolerances"].is_object()) return "'tolerances' has no names";
+  for (const auto& [name, value] : answer["tolerances"].items()) {
+    if (find_tolerance(name) == nullptr)
+      return fmt::format("there is no tolerance '{}': accepted names: {}", name, tolerance_names());
+    if (!value.is_number() || !(value.get<double>() >= 0))
+      return fmt::format("'tolerances.{}' is no number of at least 0", name);
+  }
+  return std::nullopt;
+}
+
+/// What misses in the entries that a golden file has besides those that are compared.
+std::optional<std::string> golden_defect(const Json& answer) {
+  if (!answer.contains("problem") || !answer["problem"].is_object() ||
+      !answer["problem"].contains("file") || !answer["problem"]["file"].is_string())
+    return "'problem.file' is missing";
+  if (answer["problem"].contains("overrides")) {
+    const Json& overrides = answer["problem"]["overrides"];
+    const bool good = overrides.is_array() &&
+                      std::all_of(overrides.begin(), overrides.end(),
+                                  [](const Json& setting) { return setting.is_string(); });
+    if (!good) return "'problem.overrides' is no list of settings";
+  }
+  if (!answer.contains("iterations") || !answer["iterations"].is_number_integer())
+    return "'iterations' is missing";
+  if (auto defect = tolerances_defect(answer)) return defect;
+  return comparison_defect(answer);
+}
+
+}  // namespace
+
+std::optional<GoldenCase> load_golden(const std::filesystem::path& file, Diagnostics& out) {
+  auto answer = load_document(file, kSolutionDocument, kGoldenKeys, {}, out);
+  if (!answer) return std::nullopt;
+  if (auto defect = golden_defect(*answer)) {
+    out.add({.file = file.string(), .message = "this is no golden file: " + *defect});
+    return std::nullopt;
+  }
+  const Json& problem = (*answer)["problem"];
+  GoldenCase golden{.name = file.stem().string(), .file = file};
+  golden.problem_file =
+      (file.parent_path() / problem["file"].get<std::string>()).lexically_normal();
+  golden.overrides = problem.value("overrides", std::vector<std::string>());
+  if (answer->contains("tolerances"))
+    for (const auto& [tolerance, value] : (*answer)["tolerances"].items())
+      golden.tolerances.*find_tolerance(tolerance)->member = value;
+  golden.answer = *std::move(answer);
+  return golden;
+}
+
+GoldenCase new_golden(const std::filesystem::path& problem, const std::filesystem::path& folder) {
+  GoldenCase golden{.name = problem.stem().string(), .problem_file = problem};
+  golden.file = folder / (golden.name + ".json");
+  return golden;
+}
+
+std::optional<GoldenOutcome> solve_golden(const GoldenCase& golden, const GoldenOptions& options,
+                                          Diagnostics& out) {
+  std::vector<std::string> settings = golden.overrides;
+  settings.insert(settings.end(), options.settings.begin(), options.settings.end());
+  auto spec = read_problem(golden.problem_file, settings, out);
+  if (!spec) return std::nullopt;
+  if (options.max_time_s > 0) spec->solver.options.max_time_s = options.max_time_s;
+  spec->solver.options.interrupted = options.interrupted;
+  const auto built = build_problem(*spec, {}, out);
+  if (!built) return std::nullopt;
+  const auto candidates = usable_solvers(*spec, *built->problem, out);
+  if (candidates.empty()) return std::nullopt;
+  const SolverInfo* solver = nullptr;
+  SolverOptions own = spec->solver.options;
+  own.homotopy = homotopy_path(*built);
+  const SolveResult result = solve(*built->problem, candidates, own, built->guess, solver);
+  // Through text: comparison and golden files know no order of keys.
+  const OrderedJson document = solution_json({*spec, *built, *solver, result, settings});
+  return GoldenOutcome{Json::parse(document.dump()), result.times.total};
+}
+
+std::string golden_text(const GoldenCase& golden, const Json& answer) {
+  namespace fs = std::filesystem;
+  Json part = golden_part(answer);
+  part["problem"] = {
+      {"file", fs::absolute(golden.problem_file)
+                   .lexically_normal()
+                   .lexically_relative(fs::absolute(golden.file).lexically_normal().parent_path())
+                   .string()},
+      {"overrides", golden.overrides}};
+  if (golden.answer.contains("tolerances")) part["tolerances"] = golden.answer["tolerances"];
+  return part.dump() + '\n';
+}
+
+}  // namespace conddp

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <span>
+#include <string_view>
+
+#include "solvers/common/iteration_record.hpp"
+
+namespace conddp {
+
+/// A column of the log: the same in solution.json and iterations.csv.
+struct LogColumn {
+  std::string_view name;
+  std::string_view unit;  ///< empty for counts and for what has the cost's unit
+  bool integer;
+  double (*get)(const IterationRecord& row);
+};
+
+std::span<const LogColumn> log_columns();
+
+}  // namespace conddp

@@ -1,0 +1,64 @@
+#include "output/solution/softened_constraint.hpp"
+
+#include <fmt/format.h>
+
+namespace conddp {
+namespace {
+
+/// Of costs that stand for constraints: while the motion runs, and at single nodes. Larger ones
+/// make stages that a solver without constraints hardly gets to the end of.
+constexpr double kRunningWeight = 100, kNodeWeight = 1000;
+
+void move_to_costs(OrderedJson& constraints, OrderedJson& costs, double weight,
+                   std::vector<std::string>& notes) {
+  OrderedJson kept = OrderedJson::object();
+  for (const auto& [key, constraint] : constraints.items()) {
+    if (constraint.value("bounds", "") == "control") {
+      kept[key] = constraint;
+      continue;
+    }
+    OrderedJson cost = softened(constraint, key.ends_with("_landing") ? kNodeWeight : weight);
+    if (cost.is_null())
+      notes.push_back(fmt::format("the constraint '{}' is left out", key));
+    else
+      costs[key] = std::move(cost);
+  }
+  constraints = std::move(kept);
+}
+
+}  // namespace
+
+OrderedJson softened(const OrderedJson& constraint, double weight) {
+  OrderedJson cost = constraint;
+  if (constraint.contains("bounds")) {
+    if (constraint["bounds"] == "control" || constraint.contains("from")) return nullptr;
+    cost = {{"residual", "state"}};
+    if (constraint.contains("phases")) cost["phases"] = constraint["phases"];
+  }
+  if (constraint.contains("centers") || constraint.contains("at_least") ||
+      constraint.contains("at_most") || constraint.value("cone", "") == "second_order")
+    return nullptr;
+  cost["weight"] = weight;
+  const bool zero = constraint.contains("equals") && constraint["equals"].is_number() &&
+                    constraint["equals"].get<double>() == 0;
+  for (const char* key : {"equals", "lower", "upper"}) cost.erase(key);
+  if (zero || constraint.value("residual", "") == "friction_cone") return cost;
+  OrderedJson activation = {{"kind", "quadratic_barrier"}};
+  const auto bound = [&](const char* from, const char* to) {
+    if (constraint.contains(from)) activation[to] = constraint[from];
+  };
+  bound("equals", "lower");
+  bound("equals", "upper");
+  bound("lower", "lower");
+  bound("upper", "upper");
+  cost["activation"] = std::move(activation);
+  return cost;
+}
+
+void soften_constraints(OrderedJson& problem, std::vector<std::string>& notes) {
+  move_to_costs(problem["constraints"], problem["costs"], kRunningWeight, notes);
+  OrderedJson& terminal = problem["terminal"];
+  move_to_costs(terminal["constraints"], terminal["costs"], kNodeWeight, notes);
+}
+
+}  // namespace conddp

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "problem_file/build/build.hpp"
+#include "solvers/strategies/registry.hpp"
+
+namespace conddp {
+
+/// The value of `format` in a solution.json.
+inline constexpr std::string_view kSolutionFormat = "conddp.solution/1";
+
+/// All that a solution is written from.
+struct Solution {
+  const ProblemSpec& spec;
+  const BuiltProblem& built;
+  const SolverInfo& solver;
+  const SolveResult& result;
+  std::vector<std::string> overrides;  ///< settings of the command line, as given
+};
+
+}  // namespace conddp

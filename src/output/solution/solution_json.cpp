@@ -1,0 +1,349 @@
+#include "output/solution/solution_json.hpp"
+
+#include <fmt/format.h>
+
+#include "conddp_version.hpp"
+#include "ocp/problem/by_name.hpp"
+#include "output/solution/contact_forces.hpp"
+#include "output/solution/finding_report.hpp"
+#include "output/solution/log_columns.hpp"
+#include "problem_file/expand/expand_problem.hpp"
+#include "solvers/common/control_bounds.hpp"
+#include "spatial/lane.hpp"
+
+namespace conddp {
+namespace {
+
+template <class Vector>
+OrderedJson numbers(const Vector& values) {
+  OrderedJson array = OrderedJson::array();
+  for (Eigen::Index i = 0; i < values.size(); ++i) array.push_back(finite_or_null(values[i]));
+  return array;
+}
+
+OrderedJson problem_json(const Solution& s) {
+  OrderedJson robots = OrderedJson::array(), data_files = OrderedJson::array();
+  for (const PlantPart& part : s.built.plant.parts)
+    robots.push_back({{"file", part.spec->path.string()}, {"sha256", part.sha256}});
+  for (const InputFile& file : s.built.data_files)
+    data_files.push_back({{"file", file.file}, {"sha256", file.sha256}});
+  return {{"name", s.spec.name.value},
+          {"file", s.spec.file.string()},
+          {"sha256", s.spec.sha256},
+          {"robots", std::move(robots)},
+          {"data_files", std::move(data_files)},
+          {"overrides", s.overrides},
+          {"knots", s.built.problem->knots()},
+          {"duration_s", s.built.problem->times(s.result.trajectory).back()},
+          {"options", expand_options(s.spec.solver.options)},
+          {"configuration", expand_problem(s.spec, s.built)}};
+}
+
+OrderedJson residuals_json(const Residuals& r) {
+  return {{"stationarity", finite_or_null(r.stationarity)},
+          {"gap", finite_or_null(r.gap)},
+          {"constraint", finite_or_null(r.constraint)},
+          {"complementarity", finite_or_null(r.complementarity)}};
+}
+
+OrderedJson guess_json(const Solution& s) {
+  OrderedJson guess = {{"states", s.built.guess_used.states},
+                       {"controls", s.built.guess_used.controls},
+                       {"multipliers", s.built.guess_used.multipliers},
+                       {"seed", nullptr},
+                       {"used", s.result.start}};
+  if (s.built.guess_used.seed) guess["seed"] = *s.built.guess_used.seed;
+  return guess;
+}
+
+OrderedJson columns_json(const std::vector<Column>& columns, std::string Column::*member) {
+  OrderedJson array = OrderedJson::array();
+  for (const Column& column : columns) array.push_back(column.*member);
+  return array;
+}
+
+OrderedJson contact_forces_json(const Solution& s) {
+  OrderedJson json = OrderedJson::object();
+  const ContactForces forces = contact_forces(s.spec, *s.built.problem, s.result.trajectory);
+  for (const auto& contact : forces.contacts) {
+    OrderedJson rows = OrderedJson::array();
+    for (const auto& wrench : contact.wrench) {
+      OrderedJson row = nullptr;
+      if (wrench) {
+        row = OrderedJson::array();
+        for (int i = 0; i < (contact.torque ? 6 : 3); ++i)
+          row.push_back(finite_or_null((*wrench)[i]));
+      }
+      rows.push_back(std::move(row));
+    }
+    json[contact.name] = std::move(rows);
+  }
+  return json;
+}
+
+OrderedJson trajectory_json(const Solution& s) {
+  const ShootingProblem& problem = *s.built.problem;
+  const Trajectory& trajectory = s.result.trajectory;
+  OrderedJson x = OrderedJson::array(), u = OrderedJson::array();
+  for (int k = 0; k <= problem.knots(); ++k) x.push_back(numbers(trajectory.x(k)));
+  for (int k = 0; k < problem.knots(); ++k) u.push_back(numbers(trajectory.u(k)));
+  OrderedJson phases = OrderedJson::array();
+  int first = 0;
+  for (const Phase& phase : problem.phases()) {
+    phases.push_back({{"name", phase.name}, {"first_knot", first}, {"knots", phase.knots()}});
+    first += phase.knots();
+  }
+  return {{"columns",
+           {{"x", columns_json(s.built.state_columns, &Column::name)},
+            {"u", columns_json(s.built.control_columns, &Column::name)}}},
+          {"units",
+           {{"t", "s"},
+            {"x", columns_json(s.built.state_columns, &Column::unit)},
+            {"u", columns_json(s.built.control_columns, &Column::unit)}}},
+          {"phases", std::move(phases)},
+          {"t", problem.times(trajectory)},
+          {"x", std::move(x)},
+          {"u", std::move(u)},
+          {"contact_forces", contact_forces_json(s)}};
+}
+
+OrderedJson gains_json(const SolveResult& result) {
+  OrderedJson k = OrderedJson::array(), K = OrderedJson::array();
+  for (const Eigen::VectorXd& feedforward : result.feedback.k) k.push_back(numbers(feedforward));
+  for (const Eigen::MatrixXd& feedback : result.feedback.K) {
+    OrderedJson rows = OrderedJson::array();
+    for (Eigen::Index i = 0; i < feedback.rows(); ++i) rows.push_back(numbers(feedback.row(i)));
+    K.push_back(std::move(rows));
+  }
+  OrderedJson gains = {{"regularization", nullptr}, {"k", std::move(k)}, {"K", std::move(K)}};
+  if (result.feedback_regularization) gains["regularization"] = *result.feedback_regularization;
+  return gains;
+}
+
+/// Multipliers of a control bound: not negative, zero where the control is off the bound.
+OrderedJson bound_multipliers(const Solution& s, const ControlBounds& bounds, bool upper) {
+  const ShootingProblem& problem = *s.built.problem;
+  OrderedJson rows = OrderedJson::array();
+  for (int k = 0; k < problem.knots(); ++k) {
+    OrderedJson row = OrderedJson::array();
+    for (int i = 0; i < problem.nu(k); ++i) {
+      const double gradient = (upper ? -1 : 1) * s.result.control_gradient[k][i];
+      const double u = s.result.trajectory.u(k)[i];
+      const bool at_bound = upper ? bounds.at_upper(k, i, u) : bounds.at_lower(k, i, u);
+      row.push_back(finite_or_null(at_bound ? std::max(0.0, gradient) : 0.0));
+    }
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+OrderedJson matrix_json(const Eigen::MatrixXd& columns) {
+  OrderedJson rows = OrderedJson::array();
+  for (Eigen::Index k = 0; k < columns.cols(); ++k) rows.push_back(numbers(columns.col(k)));
+  return rows;
+}
+
+OrderedJson violations_json(const std::vector<ConstraintViolation>& violations) {
+  OrderedJson list = OrderedJson::array();
+  for (const ConstraintViolation& v : violations)
+    list.push_back({{"name", v.name}, {"violation", finite_or_null(v.value)}, {"node", v.node}});
+  return list;
+}
+
+OrderedJson constraint_multipliers(const Solution& s) {
+  OrderedJson list = OrderedJson::array();
+  for (const NodeConstraint& c : s.built.problem->constraints())
+    list.push_back(
+        {{"name", c.term->name},
+         {"node", c.node},
+         {"value", numbers(s.result.constraint_values.segment(c.row, c.term->rows))},
+         {"multiplier", numbers(s.result.constraint_multipliers.segment(c.row, c.term->rows))}});
+  return list;
+}
+
+OrderedJson multipliers_json(const Solution& s) {
+  OrderedJson multipliers = {{"costates", matrix_json(s.result.costates)},
+                             {"state_gradient", matrix_json(s.result.state_gradient)}};
+  if (s.built.problem->has_control_bounds() &&
+      static_cast<int>(s.result.control_gradient.size()) == s.built.problem->knots()) {
+    const ControlBounds bounds(*s.built.problem);
+    multipliers["control_lower"] = bound_multipliers(s, bounds, false);
+    multipliers["control_upper"] = bound_multipliers(s, bounds, true);
+  }
+  if (!s.built.problem->constraints().empty())
+    multipliers["constraints"] = constraint_multipliers(s);
+  return multipliers;
+}
+
+OrderedJson log_json(const std::vector<IterationRecord>& log) {
+  OrderedJson rows = OrderedJson::array();
+  for (const IterationRecord& record : log) {
+    OrderedJson row = OrderedJson::object();
+    for (const LogColumn& column : log_columns()) {
+      std::string name(column.name);
+      if (!column.unit.empty()) (name += '_') += column.unit;
+      if (column.integer)
+        row[name] = static_cast<long long>(column.get(record));
+      else
+        row[name] = finite_or_null(column.get(record));
+    }
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+/// The numbers that are null, by key, and why: JSON has no numbers that are not finite.
+OrderedJson nulls_json(const OrderedJson& json, const SolveResult& result) {
+  const std::string ended =
+      fmt::format("the solve ended as '{}': {}", to_string(result.status), result.message);
+  OrderedJson list = OrderedJson::array();
+  const auto add = [&](const std::string& key, const OrderedJson& value,
+                       const std::string& reason) {
+    if (const int count = count_nulls(value); count > 0)
+      list.push_back({{"key", key}, {"count", count}, {"reason", reason}});
+  };
+  const std::string unknown = "not finite, or not evaluated because " + ended;
+  add("problem.options.max_time_s", json["problem"]["options"]["max_time_s"], "without limit");
+  add("cost", json["cost"], unknown);
+  add("cost_by_name", json["cost_by_name"], unknown);
+  add("residuals", json["residuals"], unknown);
+  add("initial_guess_used.seed", json["initial_guess_used"]["seed"], "nothing is random");
+  add("constraints", json["constraints"], unknown);
+  add("soft_constraints", json["soft_constraints"], unknown);
+  add("dropped_constraints", json["dropped_constraints"], unknown);
+  if (json.contains("homotopy"))
+    add("homotopy", json["homotopy"], "of a problem without an iterate");
+  if (!json.contains("trajectory")) return list;
+  add("trajectory.x", json["trajectory"]["x"], unknown);
+  add("trajectory.u", json["trajectory"]["u"], unknown);
+  add("trajectory.contact_forces", json["trajectory"]["contact_forces"],
+      "the contact is not held at that knot");
+  add("gains.regularization", json["gains"]["regularization"],
+      "no sweep succeeded at the trajectory, the gains are zero: " + ended);
+  add("gains.k", json["gains"]["k"], unknown);
+  add("gains.K", json["gains"]["K"], unknown);
+  add("multipliers", json["multipliers"], unknown);
+  add("log", json["log"], "not finite, or without meaning in its row");
+  return list;
+}
+
+OrderedJson homotopy_json(const std::vector<HomotopyStep>& steps) {
+  OrderedJson list = OrderedJson::array();
+  for (const HomotopyStep& step : steps)
+    list.push_back({{"share", step.share},
+                    {"status", to_string(step.status)},
+                    {"iterations", step.iterations},
+                    {"cost", finite_or_null(step.cost)},
+                    {"time_s", step.time_s}});
+  return list;
+}
+
+OrderedJson restarts_json(const RestartRecord& restarts) {
+  OrderedJson optima = OrderedJson::array();
+  for (const Basin& basin : restarts.basins)
+    optima.push_back({{"cost", basin.cost}, {"starts", basin.starts}, {"first", basin.first}});
+  return {{"starts", restarts.starts},
+          {"converged", restarts.converged},
+          {"answer", restarts.answer},
+          {"optima", std::move(optima)}};
+}
+
+OrderedJson head(const Solution& s) {
+  const SolveResult& r = s.result;
+  const Eigen::VectorXd& values = r.constraint_values;
+  OrderedJson costs = OrderedJson::object();
+  for (const auto& [name, value] : cost_by_name(*s.built.problem, r.trajectory))
+    costs[name] = finite_or_null(value);
+  OrderedJson dropped = OrderedJson::array();
+  for (const DroppedConstraint& constraint : s.built.dropped)
+    dropped.push_back(
+        {{"name", constraint.name},
+         {"violation", finite_or_null(violation(constraint, *s.built.problem, r.trajectory))}});
+  OrderedJson json = {
+      {"format", kSolutionFormat},
+      {"problem", problem_json(s)},
+      {"tool", tool_json()},
+      {"solver", s.solver.name},
+      {"status", to_string(r.status)},
+      {"message", r.message},
+      {"cost", finite_or_null(r.cost)},
+      {"cost_by_name", std::move(costs)},
+      {"iterations", r.iterations},
+      {"residuals", residuals_json(r.residuals)},
+      {"time_s",
+       {{"total", r.times.total},
+        {"evaluate", r.times.evaluate},
+        {"differentiate", r.times.differentiate},
+        {"sweep", r.times.sweep},
+        {"rollout", r.times.rollout}}},
+      {"initial_guess_used", guess_json(s)},
+      {"diagnosis", diagnosis_json(diagnose(*s.built.problem, r, s.spec.solver.options))},
+      {"findings", findings_json(findings_of(s.spec, s.built, r.trajectory))},
+      {"constraints", violations_json(violations_by_name(*s.built.problem, values))},
+      {"soft_constraints", violations_json(soft_violations(*s.built.problem, values))},
+      {"dropped_constraints", std::move(dropped)}};
+  if (!r.homotopy.empty()) json["homotopy"] = homotopy_json(r.homotopy);
+  if (r.restarts) json["restarts"] = restarts_json(*r.restarts);
+  return json;
+}
+
+}  // namespace
+
+int count_nulls(const OrderedJson& value) {
+  if (!value.is_structured()) return value.is_null() ? 1 : 0;
+  int count = 0;
+  for (const OrderedJson& part : value) count += count_nulls(part);
+  return count;
+}
+
+OrderedJson tool_json() {
+  const BuildInfo& info = build_info();
+  OrderedJson libraries = OrderedJson::object();
+  for (const LibraryVersion& library : info.libraries)
+    libraries[std::string(library.name)] = library.version;
+  return {{"name", "conddp"},
+          {"version", info.version},
+          {"revision", info.revision},
+          {"modified", info.dirty},
+          {"build",
+           {{"compiler", info.compiler},
+            {"type", info.build_type},
+            {"flags", info.flags},
+            {"march", info.march},
+            {"instruction_set", info.instruction_set},
+            {"lane_width", kLaneWidth}}},
+          {"libraries", std::move(libraries)}};
+}
+
+OrderedJson solution_head(const Solution& s) {
+  OrderedJson json = head(s);
+  json["nulls"] = nulls_json(json, s.result);
+  return json;
+}
+
+void add_certificate(OrderedJson certificate, OrderedJson& document) {
+  document["certificate"] = std::move(certificate);
+  if (const int count = count_nulls(document["certificate"]); count > 0)
+    document["nulls"].push_back(
+        {{"key", "certificate"}, {"count", count}, {"reason", "not finite"}});
+}
+
+OrderedJson diagnosis_json(const Diagnosis& diagnosis) {
+  OrderedJson json = {{"pattern", to_string(diagnosis.pattern)}, {"message", diagnosis.message}};
+  if (diagnosis.knot >= 0) json["knot"] = diagnosis.knot;
+  if (!diagnosis.quantity.empty()) json["quantity"] = diagnosis.quantity;
+  if (!diagnosis.remedy.empty()) json["remedy"] = diagnosis.remedy;
+  return json;
+}
+
+OrderedJson solution_json(const Solution& s) {
+  OrderedJson json = head(s);
+  json["trajectory"] = trajectory_json(s);
+  json["gains"] = gains_json(s.result);
+  json["multipliers"] = multipliers_json(s);
+  json["log"] = log_json(s.result.log);
+  json["nulls"] = nulls_json(json, s.result);
+  return json;
+}
+
+}  // namespace conddp

@@ -1,0 +1,12 @@
+#pragma once
+
+#include "problem_file/build/build.hpp"
+
+namespace conddp {
+
+/// The problem that a spec describes with its homotopy, if it has one (build_without_homotopy). The
+/// spec must outlive the result.
+std::optional<BuiltProblem> build_problem(const ProblemSpec& spec, const BuildOptions& options,
+                                          Diagnostics& out);
+
+}  // namespace conddp

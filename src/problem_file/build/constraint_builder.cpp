@@ -1,0 +1,303 @@
+#include "problem_file/build/constraint_builder.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace conddp {
+namespace {
+
+/// Narrows bounds by what the file gives for some of the rows; an empty interval of a row that
+/// counts is reported.
+template <class Predicate>
+bool narrow(const ConstraintSpec& constraint, const ComponentNames& rows, Predicate counts,
+            std::vector<double>& lower, std::vector<double>& upper, Diagnostics& out) {
+  const auto low = constraint.lower ? resolve(*constraint.lower, rows, -kUnlimited, out)
+                                    : std::vector<double>(lower.size(), -kUnlimited);
+  const auto up = constraint.upper ? resolve(*constraint.upper, rows, kUnlimited, out)
+                                   : std::vector<double>(upper.size(), kUnlimited);
+  if (!low || !up) return false;
+  for (std::size_t i = 0; i < lower.size(); ++i) {
+    lower[i] = std::max(lower[i], (*low)[i]);
+    upper[i] = std::min(upper[i], (*up)[i]);
+    if (lower[i] <= upper[i] || !counts(static_cast<int>(i))) continue;
+    out.error(constraint.function.name.place,
+              fmt::format("no value of '{}' keeps the constraint '{}': the lower bound is {}, the "
+                          "upper one {}",
+                          rows.names[i], constraint.function.name.value, lower[i], upper[i]));
+    return false;
+  }
+  return true;
+}
+
+/// Index into the state of each tangent coordinate, −1 on curved parts.
+std::vector<int> flat_indices(const StateManifold& manifold) {
+  std::vector<int> indices(manifold.ndx(), -1);
+  for (const auto& segment : manifold.segments())
+    for (int i = 0; segment.part == StateManifold::Part::flat && i < segment.n; ++i)
+      indices[segment.dx + i] = segment.x + i;
+  return indices;
+}
+
+/// Multiplies the width of ranges, whose middles stay: positions need not have 0 in theirs.
+void widen(double scale, std::vector<double>& lower, std::vector<double>& upper) {
+  if (scale == 1) return;
+  for (std::size_t i = 0; i < lower.size(); ++i) {
+    if (std::isinf(lower[i]) || std::isinf(upper[i])) continue;
+    const double middle = 0.5 * (lower[i] + upper[i]), half = 0.5 * (upper[i] - lower[i]);
+    lower[i] = middle - scale * half;
+    upper[i] = middle + scale * half;
+  }
+}
+
+/// Bounds on the control that are soft, and so no bounds to a solver.
+std::optional<BuiltConstraint> build_soft_control_bounds(const ConstraintSpec& spec,
+                                                         const CostContext& context,
+                                                         Diagnostics& out) {
+  if (spec.from_urdf && !context.plant.multibody()) {
+    out.error(spec.from_place, "a closed-form system has no URDF", "give 'lower' and 'upper'");
+    return std::nullopt;
+  }
+  auto control = make_cost_residual(spec.function, context.spec, context.plant, context.ndx, out);
+  if (!control) return std::nullopt;
+  const std::size_t n = control->rows.names.size();
+  BuiltConstraint built{.spec = &spec};
+  built.lower.assign(n, -kUnlimited);
+  built.upper.assign(n, kUnlimited);
+  if (spec.from_urdf) {
+    built.lower = control->lower;
+    built.upper = control->upper;
+    scale_efforts(spec.scale, built.lower, built.upper);
+  }
+  const auto all = [](int) { return true; };
+  if (!narrow(spec, control->rows, all, built.lower, built.upper, out)) return std::nullopt;
+  TimeSeries zero(control->parameters, std::vector<double>(n, 0.0));
+  built.function = {&spec.function, std::move(*control), {}, {}, std::move(zero)};
+  return built;
+}
+
+/// Bounds on those coordinates of the state that have one.
+std::optional<BuiltConstraint> build_state_bounds(const ConstraintSpec& spec,
+                                                  const CostContext& context, Diagnostics& out) {
+  const System& system = *context.plant.system;
+  const BoundedQuantity quantity = spec.bounded->value;
+  const auto fail = [&](const Place& place, const char* message, const char* hint) {
+    out.error(place, message, hint);
+    return std::nullopt;
+  };
+  if (quantity != BoundedQuantity::kState && system.kind() != SystemKind::second_order)
+    return fail(spec.bounded->place, "this system has no positions and velocities",
+                "write 'bounds: state'");
+  if (spec.from_urdf && !context.plant.multibody())
+    return fail(spec.from_place, "a closed-form system has no URDF", "give 'lower' and 'upper'");
+  auto state = make_cost_residual(spec.function, context.spec, context.plant, context.ndx, out);
+  if (!state) return std::nullopt;
+  std::vector<double> lower(system.ndx(), -kUnlimited), upper(system.ndx(), kUnlimited);
+  if (spec.from_urdf) {
+    lower = state->lower;
+    upper = state->upper;
+    widen(spec.scale, lower, upper);
+  }
+  const std::vector<int> flat = flat_indices(system.manifold());
+  const auto wanted = [&](int i) {
+    return flat[i] >= 0 && (quantity == BoundedQuantity::kState ||
+                            (quantity == BoundedQuantity::kVelocity) == (i >= system.nv()));
+  };
+  if (!narrow(spec, state->rows, wanted, lower, upper, out)) return std::nullopt;
+  BuiltConstraint built{.spec = &spec, .at_last_node = !spec.function.phases};
+  CostResidual chosen;
+  std::vector<std::string> names;
+  for (int i = 0; i < system.ndx(); ++i) {
+    if (!wanted(i) || (std::isinf(lower[i]) && std::isinf(upper[i]))) continue;
+    chosen.indices.push_back(flat[i]);
+    names.push_back(state->rows.names[i]);
+    built.lower.push_back(lower[i]);
+    built.upper.push_back(upper[i]);
+  }
+  if (names.empty())
+    return fail(spec.bounded->place, "no coordinate of the state is bounded here",
+                spec.from_urdf ? "the URDF limits none of them: give 'lower' and 'upper'"
+                               : "rotations and floating bases have no coordinates to bound; name "
+                                 "others");
+  const int n = static_cast<int>(names.size());
+  chosen.rows = chosen.references = {"bounded coordinates", names};
+  chosen.parameters = StateManifold::flat(n);
+  chosen.residual = coordinate_residual(system.manifold(), chosen.indices);
+  TimeSeries zero(chosen.parameters, std::vector<double>(n, 0.0));
+  built.function = {&spec.function, std::move(chosen), {}, {}, std::move(zero)};
+  return built;
+}
+
+/// Puts A times the force in the place of a contact's residual.
+void set_force_rows(const Eigen::MatrixXd& A, const CostContext& context, BuiltCost& function) {
+  LinearCone rows;
+  rows.A = A;
+  function.contact.make = [ndx = context.ndx, rows](
+                              const std::shared_ptr<const MultibodySystem>& system, int index) {
+    return contact_cone_residual(system, index, ndx, rows);
+  };
+  const auto& contact = context.contacts.contacts()[function.contact.contact];
+  function.residual.residual =
+      function.contact.make(context.plant.multibody()->with_contacts({contact}), 0);
+  function.residual.parameters = StateManifold::flat(0);
+  function.reference = TimeSeries(function.residual.parameters, {});
+}
+
+/// The exact friction cone of a contact, (force along two tangents; μ times the normal one), and
+/// the limits of the normal force where it has any.
+void add_friction_cone(const ConstraintSpec& spec, const CostContext& context, BuiltCost function,
+                       std::vector<BuiltConstraint>& list, Diagnostics& out) {
+  const ContactSpec& contact = context.spec.contacts[function.contact.contact];
+  if (contact.axes != FrameAxes::world_aligned) {
+    if (spec.function.kind == ResidualKind::kContactForce)  // friction_cone has said so
+      out.error(spec.function.residual.place,
+                fmt::format("the friction cone of '{}' needs a normal that is fixed in the world",
+                            contact.name.value),
+                "give the contact 'axes: world'");
+    return;
+  }
+  const Matrix3<double> R = rotation_to_normal(contact.normal);
+  Eigen::MatrixXd A(3, 3);
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) A(i, j) = R(j, i);
+  const Eigen::MatrixXd normal = A.row(2);
+  A.row(2) *= contact.friction * spec.function.cone.safety;
+  BuiltConstraint cone{.spec = &spec, .kind = ConstraintKind::second_order_cone};
+  cone.function = function;
+  set_force_rows(A, context, cone.function);
+  list.push_back(std::move(cone));
+  if (!(contact.min_normal_force > 0) && std::isinf(contact.max_normal_force)) return;
+  BuiltConstraint limits{.spec = &spec};
+  limits.function = std::move(function);
+  set_force_rows(normal, context, limits.function);
+  limits.lower = {contact.min_normal_force};
+  limits.upper = {contact.max_normal_force};
+  list.push_back(std::move(limits));
+}
+
+/// The constraint from each of its centers; one without centers as it is.
+void add_centers(const BuiltConstraint& constraint, std::vector<BuiltConstraint>& list,
+                 Diagnostics& out) {
+  if (constraint.spec->centers.empty()) return list.push_back(constraint);
+  const CostResidual& residual = constraint.function.residual;
+  for (const Located<std::vector<double>>& center : constraint.spec->centers) {
+    if (static_cast<int>(center.value.size()) != residual.parameters.nx())
+      return out.error(center.place, fmt::format("a center has {} numbers here, not {}",
+                                                 residual.parameters.nx(), center.value.size()));
+    list.push_back(constraint);
+    list.back().function.reference = TimeSeries(residual.parameters, center.value);
+  }
+}
+
+/// The residual of a constraint; from centers, measured from the origin at first.
+CostSpec function_of(const ConstraintSpec& spec) {
+  CostSpec function = spec.function;
+  if (spec.centers.empty()) return function;
+  ReferenceValueSpec origin{.place = spec.centers.front().place};
+  if (function.kind == ResidualKind::kFramePosition || function.kind == ResidualKind::kComPosition)
+    origin.pose = PoseSpec{.place = origin.place, .position = Vector3<double>::zero()};
+  else
+    origin.components = ComponentsSpec{.place = origin.place, .scalar = 0.0};
+  function.reference = ReferenceSpec{.place = origin.place, .values = {origin}};
+  return function;
+}
+
+/// The set of a constraint whose residual is built.
+bool set_bounds(BuiltConstraint& built, Diagnostics& out) {
+  const ConstraintSpec& spec = *built.spec;
+  const CostResidual& residual = built.function.residual;
+  const int n = residual.residual->size();
+  if (spec.function.cone.second_order) {
+    built.kind = ConstraintKind::second_order_cone;
+    built.slope = spec.slope;
+    if (n >= 2) return true;
+    out.error(spec.function.residual.place, "a cone needs a residual of two rows or more");
+    return false;
+  }
+  if (spec.at_least || spec.at_most) {
+    built.kind = ConstraintKind::norm;
+    built.lower = {spec.at_least.value_or(-kUnlimited)};
+    built.upper = {spec.at_most.value_or(kUnlimited)};
+    return true;
+  }
+  if (!built.function.contact.lower.empty()) {
+    built.lower = built.function.contact.lower;
+    built.upper = built.function.contact.upper;
+    return true;
+  }
+  if (is_zero(spec)) {
+    built.lower.assign(n, 0.0);
+    built.upper.assign(n, 0.0);
+    return true;
+  }
+  built.lower.assign(n, -kUnlimited);
+  built.upper.assign(n, kUnlimited);
+  if (!spec.equals)
+    return narrow(
+        spec, residual.rows, [](int) { return true; }, built.lower, built.upper, out);
+  const auto below = resolve(*spec.equals, residual.rows, -kUnlimited, out);
+  const auto above = resolve(*spec.equals, residual.rows, kUnlimited, out);
+  if (!below || !above) return false;
+  built.lower = *below;
+  built.upper = *above;
+  return true;
+}
+
+}  // namespace
+
+void scale_efforts(double scale, std::vector<double>& lower, std::vector<double>& upper) {
+  for (std::vector<double>* bounds : {&lower, &upper})
+    for (double& bound : *bounds) bound *= scale;
+}
+
+bool is_zero(const ConstraintSpec& c) {
+  return !c.bounded && !c.equals && !c.lower && !c.upper && !c.at_least && !c.at_most &&
+         !c.function.cone.second_order && !residual_info(c.function.kind).is_cone;
+}
+
+std::vector<BuiltConstraint> build_constraints(const std::vector<ConstraintSpec>& specs,
+                                               const CostContext& context, Diagnostics& out) {
+  std::vector<BuiltConstraint> list;
+  for (const ConstraintSpec& spec : specs) {
+    if (spec.bounded) {
+      const auto build = spec.bounded->value == BoundedQuantity::kControl
+                             ? build_soft_control_bounds
+                             : build_state_bounds;
+      if (auto built = build(spec, context, out)) list.push_back(std::move(*built));
+      continue;
+    }
+    for (BuiltCost& function : build_costs({function_of(spec)}, context, out)) {
+      function.spec = &spec.function;
+      if (function.contact.contact >= 0 && spec.function.cone.second_order) {
+        add_friction_cone(spec, context, std::move(function), list, out);
+        continue;
+      }
+      BuiltConstraint built{.spec = &spec};
+      built.function = std::move(function);
+      if (set_bounds(built, out)) add_centers(built, list, out);
+    }
+  }
+  return list;
+}
+
+ConstraintTerm make_term(const BuiltConstraint& constraint,
+                         std::shared_ptr<const Residual> residual) {
+  return make_constraint(constraint.spec->function.name.value, std::move(residual), constraint.kind,
+                         constraint.slope, constraint.spec->softness);
+}
+
+void write_parameters(const BuiltConstraint& constraint, const ConstraintTerm& term, double time,
+                      bool active, double* parameters) {
+  const BuiltCost& function = constraint.function;
+  const std::vector<double> reference = function.spec->kind == ResidualKind::kControl
+                                            ? function.reference.hold(time)
+                                            : function.reference.interpolate(time);
+  std::copy(reference.begin(), reference.end(), parameters + term.parameters);
+  std::copy(constraint.lower.begin(), constraint.lower.end(), parameters + term.lower());
+  std::copy(constraint.upper.begin(), constraint.upper.end(), parameters + term.upper());
+  parameters[term.active()] = active ? 1 : 0;
+  if (term.softness != Softness::hard) parameters[term.weight()] = constraint.spec->weight;
+}
+
+}  // namespace conddp

@@ -1,0 +1,199 @@
+#include "problem_file/build/contact_plan.hpp"
+
+#include <algorithm>
+#include <complex>
+#include <map>
+#include <tuple>
+
+#include <fmt/format.h>
+
+#include "base/near_names.hpp"
+#include "problem_file/plant/footholds.hpp"
+
+namespace conddp {
+namespace {
+
+std::optional<Contact> make_contact(const ContactSpec& spec, const Plant& plant,
+                                    const std::vector<double>& initial, Diagnostics& out) {
+  const auto frame = find_frame(plant.robot(), spec.frame, "", out);
+  if (!frame) return std::nullopt;
+  const RobotModel& robot = plant.robot();
+  if (robot.frames[*frame].joint < 0) {
+    out.error(
+        spec.frame.place,
+        fmt::format("the frame '{}' is fixed to the world: it cannot touch it", spec.frame.value));
+    return std::nullopt;
+  }
+  Contact contact{.name = spec.name.value,
+                  .frame = *frame,
+                  .kind = spec.kind,
+                  .axes = spec.axes,
+                  .normal = spec.normal,
+                  .tangent = spec.tangent.value_or(Vector3<double>{1, 0, 0}),
+                  .kp = spec.kp,
+                  .kd = spec.kd};
+  if (spec.kp == 0) return contact;
+  contact.reference = placement_in_state(*plant.multibody(), initial, *frame);
+  if (spec.placement && spec.placement->orientation)
+    contact.reference.R = rotation_matrix(*spec.placement->orientation);
+  return contact;
+}
+
+void warn_of_instability(const ContactSpec& spec, const PhaseSpec& phase, Integrator integrator,
+                         Diagnostics& out) {
+  if (phase.takes_no_time() || is_stable(integrator, spec.kp, spec.kd, phase.dt)) return;
+  out.warning(
+      spec.baumgarte_place,
+      fmt::format("the contact '{}' is stabilised more stiffly (kp {} 1/s², kd {} 1/s) than "
+                  "the time step {} s of phase '{}' carries: errors grow",
+                  spec.name.value, spec.kp, spec.kd, phase.dt, phase.name.value),
+      spec.kp == 0 ? fmt::format("kd up to {:.3g} is stable with this step", 2 / phase.dt)
+                   : "lower kp and kd, or take smaller steps");
+}
+
+/// A contact that is made again after it was let go, with a kp that draws it back.
+void warn_of_return(const ContactSpec& contact, int index, const ContactPlan& plan,
+                    const ProblemSpec& spec, Diagnostics& out) {
+  for (std::size_t p = 1; p < spec.phases.size(); ++p)
+    if (plan.find(p, index) && !plan.find(p - 1, index))
+      return out.warning(
+          contact.baumgarte_place,
+          fmt::format("kp draws the contact '{}' to where it is in the initial state, and in phase "
+                      "'{}' it touches down anew",
+                      contact.name.value, spec.phases[p].name.value),
+          "give its frame a 'swing' that says where it lands, or leave kp out");
+}
+
+/// A touch-down needs a contact that was in the air before.
+bool comes_from_the_air(const ProblemSpec& spec, const std::vector<std::vector<int>>& held,
+                        std::size_t impulse, Diagnostics& out) {
+  if (impulse == 0) return true;
+  const std::vector<int>&hits = held[impulse], &before = held[impulse - 1];
+  if (!std::includes(before.begin(), before.end(), hits.begin(), hits.end())) return true;
+  std::string names;
+  for (const int contact : hits)
+    names += fmt::format("{}'{}'", names.empty() ? "" : ", ", spec.contacts[contact].name.value);
+  out.error(spec.phases[impulse].knots.place,
+            fmt::format("the impulse '{}' of {} has no time in the air before it: phase '{}' holds "
+                        "{} already",
+                        spec.phases[impulse].name.value, names, spec.phases[impulse - 1].name.value,
+                        hits.size() == 1 ? "it" : "them"),
+            "put a phase before it in which what touches down is not held");
+  return false;
+}
+
+}  // namespace
+
+bool is_stable(Integrator integrator, double kp, double kd, double dt) {
+  using Complex = std::complex<double>;
+  if (kp == 0 && kd == 0) return true;
+  if (integrator == Integrator::semi_implicit_euler)
+    return kd * dt >= 0 && kd * dt < 2 && 2 * kd * dt + kp * dt * dt < 4;
+  const int order = integrator == Integrator::explicit_euler ? 1
+                    : integrator == Integrator::rk2          ? 2
+                    : integrator == Integrator::rk3          ? 3
+                                                             : 4;
+  const Complex root = std::sqrt(Complex(kd * kd / 4 - kp, 0));
+  for (const Complex lambda : {-kd / 2 + root, -kd / 2 - root}) {
+    if (std::abs(lambda) < 1e-12) continue;
+    Complex growth = 1, term = 1;
+    for (int i = 1; i <= order; ++i) growth += term *= lambda * dt / static_cast<double>(i);
+    if (std::abs(growth) >= 1) return false;
+  }
+  return true;
+}
+
+std::vector<int> contacts_named(const ContactNames& names, const ProblemSpec& spec,
+                                Diagnostics& out) {
+  std::vector<std::string> known;
+  for (const ContactSpec& contact : spec.contacts) known.push_back(contact.name.value);
+  std::vector<int> chosen;
+  if (names.all)
+    for (std::size_t i = 0; i < known.size(); ++i) chosen.push_back(static_cast<int>(i));
+  for (const Name& name : names.names) {
+    const auto found = std::find(known.begin(), known.end(), name.value);
+    if (found == known.end()) {
+      out.error(
+          name.place, fmt::format("there is no contact '{}'", name.value),
+          known.empty() ? "the file has no 'contacts'" : name_hint(name.value, known, "contacts"));
+      continue;
+    }
+    chosen.push_back(static_cast<int>(found - known.begin()));
+  }
+  std::sort(chosen.begin(), chosen.end());
+  return chosen;
+}
+
+std::optional<ContactPlan> ContactPlan::build(const ProblemSpec& spec, const Plant& plant,
+                                              const std::vector<double>& initial,
+                                              Integrator integrator, Diagnostics& out) {
+  ContactPlan plan;
+  const int errors = out.error_count();
+  for (const ContactSpec& contact : spec.contacts)
+    if (auto made = make_contact(contact, plant, initial, out))
+      plan.contacts_.push_back(std::move(*made));
+  for (const PhaseSpec& phase : spec.phases)
+    plan.held_.push_back(contacts_named(phase.contacts, spec, out));
+  plan.held_.push_back(contacts_named(spec.last_contacts(), spec, out));
+  if (out.error_count() > errors) return std::nullopt;
+
+  for (std::size_t c = 0; c < spec.contacts.size(); ++c) {
+    const ContactSpec& contact = spec.contacts[c];
+    auto& places = plan.places_.emplace_back();
+    const Foot foot{contact.frame.value, plan.contacts_[c].frame, plan.contacts_[c].reference.p};
+    for (const Foothold& foothold : footholds(foot, spec, plant, initial))
+      places.push_back(foothold.p);
+    if (contact.kp == 0) continue;
+    if (contact.placement && contact.placement->position)
+      places.assign(spec.phases.size(), *contact.placement->position);
+    else if (!swings(contact.frame.value, spec))
+      warn_of_return(contact, static_cast<int>(c), plan, spec, out);
+  }
+
+  using Structure = std::tuple<std::vector<int>, double, std::vector<double>>;
+  std::map<Structure, std::shared_ptr<const System>> known;
+  for (std::size_t p = 0; p < spec.phases.size(); ++p) {
+    const PhaseSpec& phase = spec.phases[p];
+    if (phase.restitution && plan.held_[p].empty()) {
+      out.error(phase.name.place, "an impulse needs contacts that hit the ground");
+      return std::nullopt;
+    }
+    if (phase.restitution && !comes_from_the_air(spec, plan.held_, p, out)) return std::nullopt;
+    std::vector<Contact> held;
+    std::vector<double> places;
+    for (const int c : plan.held_[p]) {
+      held.push_back(plan.contacts_[c]);
+      if (spec.contacts[c].kp == 0) continue;
+      held.back().reference.p = plan.places_[c][p];
+      for (int i = 0; i < 3; ++i) places.push_back(plan.places_[c][p][i]);
+    }
+    auto& system = known[{plan.held_[p], phase.restitution.value_or(-1), places}];
+    if (!system && plan.held_[p].empty()) system = plant.system;
+    if (!system) {
+      const auto holding =
+          phase.restitution ? std::make_shared<MultibodySystem>(plant.multibody()->shared_robot(),
+                                                                std::move(held), *phase.restitution)
+                            : plant.multibody()->with_contacts(std::move(held));
+      holding->soften_redundant_contacts(initial.data());
+      system = holding;
+    }
+    plan.systems_.push_back(system);
+  }
+  for (std::size_t c = 0; c < spec.contacts.size(); ++c)
+    for (std::size_t p = 0; p < spec.phases.size(); ++p) {
+      if (!plan.find(p, static_cast<int>(c))) continue;
+      const int before = static_cast<int>(out.list().size());
+      warn_of_instability(spec.contacts[c], spec.phases[p], integrator, out);
+      if (static_cast<int>(out.list().size()) > before) break;  // one warning a contact
+    }
+  return plan;
+}
+
+std::optional<int> ContactPlan::find(std::size_t phase, int contact) const {
+  const auto& held = held_[phase];
+  const auto found = std::find(held.begin(), held.end(), contact);
+  if (found == held.end()) return std::nullopt;
+  return static_cast<int>(found - held.begin());
+}
+
+}  // namespace conddp

@@ -1,0 +1,117 @@
+#include "problem_file/build/cost_builder.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "problem_file/build/swing_reference.hpp"
+
+namespace conddp {
+namespace {
+
+/// The barrier's bounds: the robot's limits where asked for, and what the file says besides.
+bool set_barrier(const CostSpec& cost, const CostResidual& residual, Activation& activation,
+                 Diagnostics& out) {
+  const ActivationSpec& spec = cost.activation;
+  const std::size_t n = residual.residual->size();
+  activation.lower.assign(n, -kUnlimited);
+  activation.upper.assign(n, kUnlimited);
+  if (spec.from_urdf) {
+    if (residual.lower.empty()) {
+      out.error(
+          spec.place,
+          fmt::format("a robot has no limits for the residual '{}'", residual_info(cost.kind).name),
+          "'from: urdf' serves state, control, joint_position and joint_velocity");
+      return false;
+    }
+    if (cost.reference) {
+      out.error(cost.reference->place,
+                "limits from the URDF are absolute: leave the reference out");
+      return false;
+    }
+    activation.lower = residual.lower;
+    activation.upper = residual.upper;
+  }
+  std::vector<double> lower(n, -kUnlimited), upper(n, kUnlimited);
+  if (spec.lower) {
+    const auto values = resolve(*spec.lower, residual.rows, -kUnlimited, out);
+    if (!values) return false;
+    lower = *values;
+  }
+  if (spec.upper) {
+    const auto values = resolve(*spec.upper, residual.rows, kUnlimited, out);
+    if (!values) return false;
+    upper = *values;
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    activation.lower[i] = std::max(activation.lower[i], lower[i]);
+    activation.upper[i] = std::min(activation.upper[i], upper[i]);
+    if (activation.lower[i] <= activation.upper[i]) continue;
+    out.error(spec.place,
+              fmt::format("for '{}' the lower bound {} lies above the upper bound {}",
+                          residual.rows.names[i], activation.lower[i], activation.upper[i]));
+    return false;
+  }
+  return true;
+}
+
+std::optional<Activation> build_activation(const CostSpec& cost, const CostResidual& residual,
+                                           const ContactCost& contact, Diagnostics& out) {
+  Activation activation{.kind = cost.activation.kind, .epsilon = cost.activation.epsilon};
+  activation.lower = contact.lower;
+  activation.upper = contact.upper;
+  if (activation.kind == ActivationKind::quadratic_barrier && contact.lower.empty() &&
+      !set_barrier(cost, residual, activation, out))
+    return std::nullopt;
+  if (cost.weights) {
+    const auto weights = resolve(*cost.weights, residual.rows, 1.0, out);
+    if (!weights) return std::nullopt;
+    // Without weights sums are rounded in another way than with weights of 1: what is the same is
+    // built the same.
+    if (std::any_of(weights->begin(), weights->end(), [](double w) { return w != 1; }))
+      activation.weights = *weights;
+  }
+  return activation;
+}
+
+}  // namespace
+
+std::vector<BuiltCost> build_costs(const std::vector<CostSpec>& specs, const CostContext& context,
+                                   Diagnostics& out) {
+  std::vector<BuiltCost> costs;
+  const auto add = [&](const CostSpec& spec, CostResidual residual, ContactCost contact) {
+    auto activation = build_activation(spec, residual, contact, out);
+    auto reference =
+        spec.swing
+            ? swing_reference(spec, residual, context.spec, context.contacts, context.plant,
+                              context.states.initial(), context.times, out)
+            : build_reference(spec, residual, context.plant, context.states, context.times, out);
+    if (!activation || !reference) return;
+    costs.push_back({&spec, std::move(residual), std::move(contact), std::move(*activation),
+                     std::move(*reference)});
+  };
+  for (const CostSpec& spec : specs) {
+    if (residual_info(spec.kind).of_contacts && context.plant.multibody()) {
+      for (ContactCost& contact : make_contact_costs(spec, context.spec, context.contacts,
+                                                     context.plant, context.ndx, out)) {
+        CostResidual prototype = contact.prototype;
+        add(spec, std::move(prototype), std::move(contact));
+      }
+      continue;
+    }
+    if (auto residual = make_cost_residual(spec, context.spec, context.plant, context.ndx, out))
+      add(spec, std::move(*residual), {});
+  }
+  return costs;
+}
+
+void write_parameters(const BuiltCost& cost, const CostTerm& term, double time, double weight,
+                      double* parameters) {
+  const std::vector<double> reference = cost.spec->kind == ResidualKind::kControl
+                                            ? cost.reference.hold(time)
+                                            : cost.reference.interpolate(time);
+  std::copy(reference.begin(), reference.end(), parameters + term.parameters);
+  parameters[term.weight] = weight;
+}
+
+}  // namespace conddp

@@ -1,0 +1,389 @@
+#include "problem_file/build/guess_builder.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "base/normal_numbers.hpp"
+#include "problem_file/build/contact_guess.hpp"
+#include "problem_file/plant/collocation_builder.hpp"
+
+namespace conddp {
+namespace {
+
+using States = GuessSpec::States;
+using Controls = GuessSpec::Controls;
+
+class GuessBuilder {
+ public:
+  GuessBuilder(const GuessContext& context, GuessUsed& used, Diagnostics& out)
+      : spec_(context.spec),
+        plant_(context.plant),
+        states_(context.states),
+        problem_(context.problem),
+        used_(used),
+        out_(out) {}
+
+  std::optional<Trajectory> build() {
+    Trajectory guess = problem_.create_trajectory();
+    const int errors = out_.error_count();
+    fill_states(guess);
+    if (out_.error_count() == errors) fill_controls(guess);
+    if (out_.error_count() > errors) return std::nullopt;
+    if (chooses()) choose_start(guess);
+    const int memory = problem_.nx() - plant_.system->nx();
+    for (int k = 1; memory > 0 && k <= problem_.knots(); ++k)
+      guess.x(k).tail(memory) = guess.u(chooses() ? 0 : k - 1).head(memory);
+    if (plant_.collocation()) guess_slopes(*plant_.collocation(), problem_, guess);
+    return guess;
+  }
+
+ private:
+  const GuessSpec& guess() const { return spec_.guess; }
+  bool chooses() const { return problem_.phases().front().instant; }
+  /// The system whose controls are guessed: slopes of collocation follow from them and the states.
+  const System& guessed() const {
+    return plant_.collocation() ? plant_.actuated() : *plant_.system;
+  }
+  bool has_controls(int k) const { return problem_.nu(k) > 0 && !(k == 0 && chooses()); }
+
+  /// The displacement from the initial state to the guess of the next one, as far as it may go.
+  void choose_start(Trajectory& trajectory) const {
+    const StateManifold& manifold = plant_.system->manifold();
+    const KnotModel& model = *problem_.knot(0).model;
+    Eigen::VectorXd off(manifold.ndx());
+    manifold.difference(trajectory.x(0).data(), trajectory.x(1).data(), off.data());
+    Eigen::VectorXd asked(problem_.nu(0));
+    for (std::size_t i = 0; i < plant_.start->coordinates.size(); ++i)
+      asked[i] = off[plant_.start->coordinates[i]];
+    for (std::size_t p = 0; p < problem_.phases().size(); ++p)
+      if (const auto& free = problem_.phases()[p].model->free_duration())
+        asked[free->memory] = durations_.empty() ? free->written : durations_[p];
+    for (int i = 0; i < problem_.nu(0); ++i)
+      trajectory.u(0)[i] = std::clamp(asked[i], model.control_lower()[i], model.control_upper()[i]);
+  }
+  double time(int k) const { return problem_.times()[k]; }
+
+  void fill_states(Trajectory& trajectory) {
+    const StateManifold& manifold = plant_.system->manifold();
+    std::optional<TimeSeries> series;
+    switch (guess().states) {
+      case States::kInitial:
+        used_.states = "the initial state at every knot";
+        return;
+      case States::kInterpolate:
+        series = towards_target();
+        break;
+      case States::kKeyframes:
+        series = through_keyframes();
+        break;
+      case States::kFile:
+        series = from_file(*guess().states_file, true, manifold);
+        used_.states = describe(*guess().states_file, series);
+        break;
+    }
+    if (!series) return;
+    for (int k = 1; k <= problem_.knots(); ++k) {
+      const std::vector<double> x = series->interpolate(time(k));
+      trajectory.x(k).head(x.size()) = Eigen::Map<const Eigen::VectorXd>(x.data(), x.size());
+    }
+  }
+
+  /// From the initial state to the one that the terminal costs want.
+  std::optional<TimeSeries> towards_target() {
+    std::vector<double> target = states_.initial();
+    const std::vector<double>& times = problem_.times();
+    bool found = false;
+    for (const CostSpec& cost : spec_.terminal_costs) {
+      if (cost.kind != ResidualKind::kState && cost.kind != ResidualKind::kJointPosition) continue;
+      const auto residual = make_cost_residual(cost, spec_, plant_, problem_.ndx(), out_);
+      if (!residual) return std::nullopt;
+      const auto reference = build_reference(cost, *residual, plant_, states_, times, out_);
+      if (!reference) return std::nullopt;
+      const std::vector<double> value = reference->interpolate(times.back());
+      if (residual->indices.empty()) target = value;
+      for (std::size_t i = 0; i < residual->indices.size(); ++i)
+        target[residual->indices[i]] = value[i];
+      found = true;
+    }
+    if (!found) {
+      out_.error(
+          guess().states_place,
+          "to interpolate, the guess needs a terminal cost on the state or on joint positions",
+          "give one, or use keyframes");
+      return std::nullopt;
+    }
+    used_.states = "from the initial state straight to the target of the terminal costs";
+    TimeSeries series(plant_.system->manifold(), states_.initial());
+    series.append(times.back(), std::move(target));
+    return series;
+  }
+
+  std::optional<TimeSeries> through_keyframes() {
+    TimeSeries series(plant_.system->manifold());
+    bool good = true;
+    for (const KeyframeSpec& keyframe : guess().keyframes) {
+      double when = keyframe.time ? keyframe.time->value : 0;
+      if (keyframe.knot) {
+        if (keyframe.knot->value > problem_.knots()) {
+          out_.error(keyframe.knot->place,
+                     fmt::format("nodes are numbered from 0 to {}", problem_.knots()));
+          good = false;
+          continue;
+        }
+        when = time(keyframe.knot->value);
+      }
+      if (const double end = time(problem_.knots()); keyframe.time && when > end * (1 + 1e-9))
+        out_.warning(keyframe.time->place,
+                     fmt::format("the motion ends at {:.6g} s, before this keyframe", end));
+      if (series.empty() && when > 0) series.append(0, states_.initial());
+      if (!series.empty() && when <= series.last_time()) {
+        out_.error(keyframe.place, "keyframes must stand in the order of time");
+        good = false;
+        continue;
+      }
+      const auto state = states_.build(keyframe.state);
+      good &= state.has_value();
+      if (state) series.append(when, *state);
+    }
+    if (!good) return std::nullopt;
+    const bool cubic = guess().interpolation == Interpolation::kCubic;
+    if (cubic) series.make_cubic();
+    used_.states = fmt::format("interpolated between {} keyframes{}", guess().keyframes.size(),
+                               cubic ? " by a cubic spline" : "");
+    return series;
+  }
+
+  void fill_controls(Trajectory& trajectory) {
+    const ComponentNames names = control_names(plant_.actuated());
+    if (plant_.stepping()) guess_contacts(plant_.stepping(), problem_, trajectory);
+    switch (guess().controls) {
+      case Controls::kZero:
+        used_.controls = "zero";
+        break;
+      case Controls::kQuasiStatic:
+        if (plant_.stepping()) {
+          hold_by_contacts(trajectory);
+          break;
+        }
+        if (!plant_.multibody() && plant_.system->kind() != SystemKind::second_order)
+          return out_.error(guess().controls_place,
+                            "this system has no gravity that controls could hold it against");
+        used_.controls = "those that hold the guessed states against gravity";
+        for (int k = 0; k < problem_.knots(); ++k) {
+          if (!has_controls(k)) continue;
+          const System& system =
+              plant_.collocation() ? guessed() : problem_.knot(k).model->system();
+          trajectory.u(k).head(system.nu()) = quasi_static_control(system, trajectory.x(k).data());
+        }
+        keep_bounds(trajectory);
+        break;
+      case Controls::kConstant: {
+        const auto values = resolve(*guess().constant, names, 0.0, out_);
+        if (!values) return;
+        used_.controls = "constant";
+        for (int k = 0; k < problem_.knots(); ++k)
+          if (has_controls(k))
+            trajectory.u(k).head(names.size()) =
+                Eigen::Map<const Eigen::VectorXd>(values->data(), values->size());
+        break;
+      }
+      case Controls::kFile: {
+        const DataFileSpec& file = *guess().controls_file;
+        const int columns = guessed().nu();
+        const auto series = from_file(file, false, StateManifold::flat(columns));
+        if (!series) return;
+        used_.controls = describe(file, series);
+        for (int k = 0; k < problem_.knots(); ++k) {
+          if (!has_controls(k)) continue;
+          const std::vector<double>& u = series->hold(time(k));
+          trajectory.u(k).head(columns) = Eigen::Map<const Eigen::VectorXd>(u.data(), columns);
+        }
+        break;
+      }
+    }
+    if (!guess().random) return;
+    const GuessSpec::Random& random = *guess().random;
+    used_.seed = random.seed;
+    used_.controls +=
+        fmt::format(", plus {} times normal random numbers of seed {}", random.scale, random.seed);
+    NormalNumbers normal(random.seed);
+    for (int k = 0; k < problem_.knots(); ++k)
+      for (int i = 0; has_controls(k) && i < std::min(problem_.nu(k), names.size()); ++i)
+        trajectory.u(k)[i] += random.scale * normal.next();
+  }
+
+  void hold_by_contacts(Trajectory& trajectory) {
+    const HeldGuess held = guess_held_contacts(
+        plant_.stepping(), problem_, spec_.solver.options.complementarity.initial, trajectory);
+    used_.controls = "those that hold the guessed states together with contact forces";
+    if (held.unheld > 0)
+      used_.controls += fmt::format(
+          " as far as they can: in {} of {} steps something is left, {:.3g} "
+          "at most, in knot {}",
+          held.unheld, held.steps, held.worst, held.worst_knot);
+  }
+
+  std::optional<TimeSeries> from_file(const DataFileSpec& file, bool states,
+                                      const StateManifold& manifold) {
+    const std::optional<DataTable>& table = load(file);
+    if (!table || (file.columns.empty() && !fits(file, *table, states))) return std::nullopt;
+    return series_of(file, *table, file_columns(file, states), manifold, out_);
+  }
+
+  /// Each file once, for states and controls.
+  const std::optional<DataTable>& load(const DataFileSpec& file) {
+    const auto [entry, fresh] = tables_.try_emplace(file.path);
+    std::optional<DataTable>& table = entry->second;
+    if (!fresh) return table;
+    table = load_data_table(file.path, file.file.place, out_);
+    if (table && table->state_columns && !take_durations(*table))
+      warn_of_duration(file, table->times.back());
+    return table;
+  }
+
+  /// A former solution with as many nodes at different times tells how long phases lasted whose
+  /// duration is free; its nodes are those of this problem.
+  bool take_durations(DataTable& table) {
+    if (!problem_.has_free_durations()) return false;
+    std::vector<double> times;
+    std::vector<std::size_t> row;  // of each node
+    for (const double t : problem_.times()) {
+      if (times.empty() || t != times.back()) times.push_back(t);
+      row.push_back(times.size() - 1);
+    }
+    if (table.times.size() != times.size()) return false;
+    durations_.clear();
+    int first = 0;
+    for (const Phase& phase : problem_.phases()) {
+      const int last = first + phase.knots();
+      durations_.push_back(table.times[row[last]] - table.times[row[first]]);
+      first = last;
+    }
+    table.times = std::move(times);
+    return true;
+  }
+
+  void warn_of_duration(const DataFileSpec& file, double lasts) {
+    const double wanted = time(problem_.knots());
+    constexpr double kTolerance = 1e-9;
+    if (std::abs(lasts - wanted) <= kTolerance * std::max(1.0, wanted)) return;
+    out_.warning(file.file.place,
+                 fmt::format("the solution '{}' lasts {:.9g} s, the problem {:.9g} s",
+                             file.file.value, lasts, wanted),
+                 lasts < wanted ? "its last state and control are held"
+                                : "what comes later in it is not used");
+  }
+
+  /// Whether a former solution has the states (or controls) of this problem and no others: then it
+  /// is one of the same system. What states remember follows from the other columns.
+  bool fits(const DataFileSpec& file, const DataTable& table, bool states) {
+    if (!table.state_columns) return true;
+    const auto middle = table.columns.begin() + static_cast<std::ptrdiff_t>(*table.state_columns);
+    const std::vector<std::string> found = states ? std::vector(table.columns.begin(), middle)
+                                                  : std::vector(middle, table.columns.end());
+    const std::vector<std::string> wanted =
+        (states ? state_names(*plant_.system) : control_names(guessed())).names;
+    const auto without = [](const std::vector<std::string>& names,
+                            const std::vector<std::string>& others) {
+      std::vector<std::string> rest;
+      for (const std::string& name : names)
+        if (std::find(others.begin(), others.end(), name) == others.end() &&
+            !name.starts_with("previous/") && !name.starts_with("start/") &&
+            !name.starts_with("slope_"))
+          rest.push_back(name);
+      return rest;
+    };
+    const std::vector<std::string> missing = without(wanted, found), extra = without(found, wanted);
+    if (missing.empty() && extra.empty()) return true;
+    std::string message =
+        fmt::format("the {} of '{}' are not those of this problem:", states ? "states" : "controls",
+                    file.file.value);
+    if (!missing.empty()) message += " it lacks " + name_list(missing);
+    if (!extra.empty())
+      message += fmt::format("{} it has {}", missing.empty() ? "" : ", and", name_list(extra));
+    out_.error(
+        file.file.place, message,
+        "take a solution of the same system, or name 'columns' of the file in initial_guess");
+    return false;
+  }
+
+  static std::string name_list(const std::vector<std::string>& names) {
+    constexpr std::size_t kShown = 12;
+    std::string list;
+    for (std::size_t i = 0; i < std::min(names.size(), kShown); ++i)
+      list += (i > 0 ? ", " : "") + names[i];
+    if (names.size() > kShown) list += fmt::format(" and {} more", names.size() - kShown);
+    return list;
+  }
+
+  /// Cuts controls off at their bounds and says where it had to.
+  void keep_bounds(Trajectory& trajectory) {
+    int knots = 0, control = -1;
+    double worst = 0;
+    for (int k = 0; k < problem_.knots(); ++k) {
+      if (!has_controls(k)) continue;
+      const KnotModel& model = *problem_.knot(k).model;
+      bool cut = false;
+      for (int i = 0; i < problem_.nu(k); ++i) {
+        const double asked = trajectory.u(k)[i];
+        const double kept = std::clamp(asked, model.control_lower()[i], model.control_upper()[i]);
+        trajectory.u(k)[i] = kept;
+        if (kept == asked) continue;
+        cut = true;
+        if (std::abs(kept - asked) <= worst) continue;
+        worst = std::abs(kept - asked);
+        control = i;
+      }
+      knots += cut;
+    }
+    if (knots == 0) return;
+    const Column& column = plant_.system->control_columns()[control];
+    used_.controls += fmt::format(", cut off at their limits in {} knots", knots);
+    out_.warning(guess().controls_place,
+                 fmt::format("to hold the guessed states the controls would have to leave their "
+                             "limits in {} of {} knots, '{}' by {:.4g} {}: they are cut off there",
+                             knots, problem_.knots(), column.name, worst, column.unit));
+  }
+
+  std::vector<std::string> file_columns(const DataFileSpec& file, bool states) {
+    if (file.columns.empty())
+      return (states ? state_names(*plant_.system) : control_names(guessed())).names;
+    const std::size_t count = states ? plant_.system->nx() : guessed().nu();
+    std::vector<std::string> columns;
+    for (const Name& name : file.columns) columns.push_back(name.value);
+    if (columns.size() != count)
+      out_.error(file.file.place,
+                 fmt::format("{} columns are needed, not {}", count, columns.size()));
+    columns.resize(count);
+    return columns;
+  }
+
+  std::string describe(const DataFileSpec& file, const std::optional<TimeSeries>& series) const {
+    if (!series) return {};
+    std::string text = fmt::format("from {}", file.file.value);
+    if (series->last_time() + 1e-9 < time(problem_.knots() - 1))
+      text += fmt::format(", its last values held after t = {} s", series->last_time());
+    return text;
+  }
+
+  const ProblemSpec& spec_;
+  const Plant& plant_;
+  const StateBuilder& states_;
+  const ShootingProblem& problem_;
+  GuessUsed& used_;
+  Diagnostics& out_;
+  std::map<std::filesystem::path, std::optional<DataTable>> tables_;
+  std::vector<double> durations_;  ///< of a former solution's phases, s
+};
+
+}  // namespace
+
+std::optional<Trajectory> build_guess(const GuessContext& context, GuessUsed& used,
+                                      Diagnostics& out) {
+  return GuessBuilder(context, used, out).build();
+}
+
+}  // namespace conddp

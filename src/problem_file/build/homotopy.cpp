@@ -1,0 +1,120 @@
+#include "problem_file/build/homotopy.hpp"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "problem_file/read/read_problem.hpp"
+
+namespace conddp {
+namespace {
+
+/// A share that whole numbers on the way do not meet.
+constexpr double kGenericShare = 0.38196601125010515;
+
+/// Whether one bound after the other is there in both or in neither, and both are equalities or
+/// not.
+bool same_bounds(const NodeConstraint& a, const NodeConstraint& b) {
+  if (!a.term->has_bounds() || !b.term->has_bounds()) return true;
+  for (int i = 0; i < a.term->rows; ++i)
+    if (std::isfinite(a.lower[i]) != std::isfinite(b.lower[i]) ||
+        std::isfinite(a.upper[i]) != std::isfinite(b.upper[i]) ||
+        (a.lower[i] == a.upper[i]) != (b.lower[i] == b.upper[i]))
+      return false;
+  return true;
+}
+
+bool same_constraints(const ShootingProblem& a, const ShootingProblem& b) {
+  if (a.constraint_rows() != b.constraint_rows() ||
+      a.constraints().size() != b.constraints().size())
+    return false;
+  for (std::size_t i = 0; i < a.constraints().size(); ++i) {
+    const NodeConstraint &x = a.constraints()[i], &y = b.constraints()[i];
+    if (x.node != y.node || x.row != y.row || x.term->name != y.term->name ||
+        x.term->kind != y.term->kind || !same_bounds(x, y))
+      return false;
+  }
+  return true;
+}
+
+/// In what the shapes of two problems differ; empty where they do not.
+std::string difference(const ShootingProblem& a, const ShootingProblem& b) {
+  if (a.knots() != b.knots()) return fmt::format("knots, {} and {}", a.knots(), b.knots());
+  if (a.nx() != b.nx() || a.ndx() != b.ndx())
+    return fmt::format("states, {} and {}", a.nx(), b.nx());
+  for (int k = 0; k < a.knots(); ++k)
+    if (a.nu(k) != b.nu(k))
+      return fmt::format("controls of knot {}, {} and {}", k, a.nu(k), b.nu(k));
+  if (a.has_control_bounds() != b.has_control_bounds()) return "bounds on the control";
+  return same_constraints(a, b) ? "" : "constraints";
+}
+
+/// Reports why a problem on the way cannot be built, at the first of the keys that move.
+void report(const Diagnostics& attempt, const ProblemSpec& spec, double share, Diagnostics& out) {
+  for (const Diagnostic& d : attempt.list()) {
+    if (d.severity != Severity::kError) continue;
+    out.error(
+        spec.solver.homotopy.front().key.place,
+        fmt::format("the problem at {:.3g} of the homotopy cannot be built: {}", share, d.message),
+        d.hint);
+    return;
+  }
+}
+
+}  // namespace
+
+std::shared_ptr<const Homotopy::Station> Homotopy::station(double share, Diagnostics& out) const {
+  auto spec = read_problem_text(text_, file_, settings_, out, share);
+  if (!spec) return nullptr;
+  spec->guess = {};
+  spec->solver = solver_;
+  spec->perturbation = perturbation_;
+  auto station = std::make_shared<Station>(Station{*std::move(spec), std::nullopt});
+  station->built = build_without_homotopy(station->spec, options_, out);
+  return station->built ? station : nullptr;
+}
+
+std::shared_ptr<const Homotopy> Homotopy::build(const ProblemSpec& spec,
+                                                const BuildOptions& options,
+                                                const ShootingProblem& end, Diagnostics& out) {
+  auto homotopy = std::make_shared<Homotopy>();
+  homotopy->text_ = spec.text;
+  homotopy->file_ = spec.file;
+  homotopy->settings_ = spec.settings;
+  homotopy->solver_ = spec.solver;
+  homotopy->perturbation_ = spec.perturbation;
+  homotopy->solver_.homotopy.clear();
+  homotopy->options_ = options;
+  for (const double share : {kGenericShare, 0.0}) {
+    Diagnostics attempt;
+    homotopy->start_ = homotopy->station(share, attempt);
+    if (!homotopy->start_) {
+      report(attempt, spec, share, out);
+      return nullptr;
+    }
+    const std::string differs = difference(*homotopy->start_->built->problem, end);
+    if (differs.empty()) continue;
+    out.error(spec.solver.homotopy.front().key.place,
+              fmt::format("a homotopy cannot change the shape of the problem: at {:.3g} of its way "
+                          "and at its end differ: {}",
+                          share, differs),
+              "move numbers alone: weights, limits, friction, masses, lengths, times");
+    return nullptr;
+  }
+  return homotopy;
+}
+
+ProblemPath homotopy_path(const BuiltProblem& built) {
+  return built.homotopy ? Homotopy::path(built.homotopy) : nullptr;
+}
+
+ProblemPath Homotopy::path(std::shared_ptr<const Homotopy> homotopy) {
+  return [homotopy = std::move(homotopy)](double share) -> std::shared_ptr<const ShootingProblem> {
+    Diagnostics unused;
+    const auto station = share == 0 ? homotopy->start_ : homotopy->station(share, unused);
+    if (!station) return nullptr;
+    return {station, station->built->problem.get()};
+  };
+}
+
+}  // namespace conddp

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "ocp/knot/knot_model.hpp"
+#include "problem_file/plant/plant.hpp"
+#include "systems/initial_choice.hpp"
+
+namespace conddp {
+
+/// How a first knot without time chooses the initial state, and how long phases last.
+struct InitialChoice {
+  std::shared_ptr<const System> system;
+  std::vector<double> state;                           ///< from which
+  std::vector<int> coordinates;                        ///< tangent coordinates that it moves
+  std::vector<double> lower, upper;                    ///< of the displacement, then of durations
+  bool remembered = false;                             ///< all later nodes know what was chosen
+  std::vector<std::optional<FreeDuration>> durations;  ///< by phase
+};
+
+struct BuiltInitialChoice {
+  bool valid = true;
+  std::optional<InitialChoice> choice;  ///< nothing where the initial state is given
+};
+
+/// From the first phase; what does not fit is reported. `control_memory`: the states end with the
+/// previous control already.
+BuiltInitialChoice build_initial_choice(const ProblemSpec& spec, const Plant& plant,
+                                        const std::vector<double>& state, bool control_memory,
+                                        Diagnostics& out);
+
+}  // namespace conddp

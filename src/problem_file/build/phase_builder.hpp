@@ -1,0 +1,64 @@
+#pragma once
+
+#include "problem_file/build/constraint_builder.hpp"
+#include "problem_file/build/initial_choice.hpp"
+
+namespace conddp {
+
+/// Bounds on the control, phase by phase; infinite where there is none.
+struct PhaseBounds {
+  std::vector<std::vector<double>> lower, upper;
+};
+
+/// The bounds of one constraint; phases that it does not name have none.
+std::optional<PhaseBounds> build_control_bounds(const ControlBoundsSpec& constraint,
+                                                const ProblemSpec& spec, const Plant& plant,
+                                                Diagnostics& out);
+PhaseBounds unbounded(const ProblemSpec& spec, const Plant& plant);
+/// Narrows bounds by others; an empty interval is reported at `name`.
+void intersect(const PhaseBounds& other, const Name& name, const Plant& plant, PhaseBounds& bounds,
+               Diagnostics& out);
+
+/// How knot models are made from a problem's costs.
+struct PhaseContext {
+  const ProblemSpec& spec;
+  const ContactPlan& contacts;
+  std::shared_ptr<const System> system;  ///< of the last node
+  Integrator integrator;
+  bool control_memory;
+  const std::vector<double>& times;  ///< of all nodes, s
+  /// Where steps find their own contacts: adds what they have to obey.
+  std::shared_ptr<const SteppingSystem> stepping;
+  /// Where the integrator collocates: adds what the slopes of its stages have to obey.
+  std::shared_ptr<const CollocationSystem> collocation;
+  const InitialChoice* start = nullptr;  ///< how the initial state is chosen, null: it is given
+
+  std::optional<FreeDuration> free_duration(std::size_t phase) const {
+    return start ? start->durations[phase] : std::nullopt;
+  }
+  int held_memory() const { return start && start->remembered ? start->system->nu() : 0; }
+};
+
+/// What stands in the knots of a problem. Vectors that are left out are empty.
+struct KnotContents {
+  const std::vector<BuiltCost>& costs;
+  const std::vector<BuiltConstraint>& constraints;
+};
+
+/// The phases of a problem. Phases with the same costs, constraints and bounds share one KnotModel;
+/// within a phase a cost that is off at a knot has weight 0 there, a constraint its switch off.
+std::vector<Phase> build_phases(const PhaseContext& context, const KnotContents& contents,
+                                const PhaseBounds& bounds, Diagnostics& out);
+/// The last node with its costs and constraints, with the running costs on swings that end there
+/// and the running constraints that hold there too. Contacts that a cost names and the node does
+/// not hold are reported.
+Phase build_terminal(const PhaseContext& context, const KnotContents& running,
+                     const KnotContents& terminal, Diagnostics& out);
+
+/// Constraints on the initial state alone cannot be influenced: checks those that are hard, and
+/// switches them off.
+void settle_initial_state(const std::vector<double>& initial_state,
+                          const std::vector<BuiltConstraint>& constraints, double tolerance,
+                          std::vector<Phase>& phases, Diagnostics& out);
+
+}  // namespace conddp

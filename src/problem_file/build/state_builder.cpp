@@ -1,0 +1,224 @@
+#include "problem_file/build/state_builder.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "base/near_names.hpp"
+#include "problem_file/plant/joint_values.hpp"
+#include "problem_file/plant/planar_motion.hpp"
+
+namespace conddp {
+namespace {
+
+/// How far outside of its limits a joint may be by rounding, relative to its position or 1.
+constexpr double kLimitRounding = 1e-9;
+
+}  // namespace
+
+StateBuilder::StateBuilder(const Plant& plant, Diagnostics& out) : plant_(plant), out_(out) {}
+
+PlantPart StateBuilder::whole() const {
+  if (plant_.parts.size() == 1) return plant_.parts.front();
+  return {nullptr, "", 0, plant_.robot().joint_count()};
+}
+
+std::optional<std::vector<double>> StateBuilder::build(const StateSpec& spec) const {
+  const System& system = *plant_.system;
+  const int errors = out_.error_count();
+  std::vector<double> x = system.manifold().neutral();
+  if (spec.state) {
+    if (static_cast<int>(spec.state->size()) != system.nx()) {
+      out_.error(spec.place,
+                 fmt::format("the state has {} numbers, not {}", system.nx(), spec.state->size()),
+                 list_of(state_names(system)));
+      return std::nullopt;
+    }
+    x = *spec.state;
+  }
+  apply_columns(spec.values, x);
+  if (plant_.multibody()) {
+    apply(spec, whole(), x);
+  } else if (spec.configuration || spec.base || spec.displaced || !spec.joints.empty() ||
+             spec.base_velocity || !spec.joint_velocities.empty() || !spec.robots.empty()) {
+    out_.error(spec.place, "a closed-form system has no configurations, base or joints",
+               "write 'values: {column: number}' or 'state: [numbers]'");
+  }
+  if (out_.error_count() > errors) return std::nullopt;
+  return checked(std::move(x), spec.place);
+}
+
+std::optional<std::vector<double>> StateBuilder::checked(std::vector<double> x,
+                                                         const Place& place) const {
+  if (plant_.system->manifold().normalize(x.data())) return x;
+  out_.error(place, "a quaternion of the state has not length 1", "the order is x, y, z, w");
+  return std::nullopt;
+}
+
+bool StateBuilder::check_limits(std::string_view subject, const std::vector<double>& x,
+                                const std::function<Place(const std::string&)>& place_of) const {
+  if (!plant_.multibody()) return false;
+  bool outside = false;
+  for (int i = 0; i < plant_.robot().joint_count(); ++i) {
+    const Joint& joint = plant_.robot().joints[i];
+    const auto index = plant_.multibody()->position_index(i);
+    if (joint.type == JointType::floating || !index || std::isnan(x[*index])) continue;
+    const double q = x[*index];
+    const double slack = kLimitRounding * std::max(1.0, std::abs(q));
+    if (q >= joint.lower - slack && q <= joint.upper + slack) continue;
+    outside = true;
+    const bool turns = joint.type == JointType::revolute;
+    std::string hint;
+    if (turns && std::abs(q) > 2 * M_PI)
+      hint = fmt::format("angles are in rad: {0:.6g}° is {1:.4g} rad", q, q * M_PI / 180);
+    out_.warning(place_of(joint.name),
+                 fmt::format("{} has the joint '{}' at {:.6g} {}, outside of its limits, {:.6g} "
+                             "to {:.6g}",
+                             subject, joint.name, q, turns ? "rad" : "m", joint.lower, joint.upper),
+                 hint);
+  }
+  return outside;
+}
+
+std::optional<std::vector<double>> StateBuilder::named(const Name& name) const {
+  if (name.value == "initial" && !initial_.empty()) return initial_;
+  const int errors = out_.error_count();
+  std::vector<double> x = plant_.system->manifold().neutral();
+  if (plant_.multibody()) {
+    apply_configuration(name, whole(), x);
+  } else {
+    out_.error(name.place, fmt::format("there is no state '{}'", name.value),
+               "a closed-form system has the name 'initial' only");
+  }
+  if (out_.error_count() > errors) return std::nullopt;
+  return checked(std::move(x), name.place);
+}
+
+void StateBuilder::apply_columns(const NamedNumbers& values, std::vector<double>& x) const {
+  const ComponentNames names = state_names(*plant_.system);
+  for (const auto& [name, value] : values) {
+    const auto found = std::find(names.names.begin(), names.names.end(), name.value);
+    if (found != names.names.end())
+      x[found - names.names.begin()] = value;
+    else
+      out_.error(name.place, fmt::format("the state has no column '{}'", name.value),
+                 name_hint(name.value, names.names, "columns"));
+  }
+}
+
+void StateBuilder::apply(const StateSpec& spec, const PlantPart& part,
+                         std::vector<double>& x) const {
+  const RobotModel& robot = plant_.robot();
+  if (spec.configuration) apply_configuration(*spec.configuration, part, x);
+  if (spec.base) apply_base(*spec.base, part, x);
+  if (spec.base_velocity) apply_base_velocity(*spec.base_velocity, part, x);
+  if (spec.displaced) apply_displacement(*spec.displaced, part, x);
+  for (const auto& [joint, value] : values_of_joints(robot, spec.joints, part.prefix, out_))
+    x[*plant_.multibody()->position_index(joint)] = value;
+  for (const auto& [joint, value] :
+       values_of_joints(robot, spec.joint_velocities, part.prefix, out_))
+    x[*plant_.multibody()->velocity_index(joint)] = value;
+  for (const NamedState& part_spec : spec.robots) {
+    const Name& name = part_spec.name;
+    const StateSpec& state = part_spec.state;
+    const auto found =
+        std::find_if(plant_.parts.begin(), plant_.parts.end(),
+                     [&](const PlantPart& p) { return p.spec->name.value == name.value; });
+    if (found != plant_.parts.end() && !name.value.empty()) {
+      if (state.state || !state.values.empty())
+        out_.error(state.place, "here a robot's state is said by configuration, base and joints");
+      apply(state, *found, x);
+      continue;
+    }
+    std::vector<std::string> robots;
+    for (const PlantPart& p : plant_.parts) robots.push_back(p.spec->name.value);
+    out_.error(name.place, fmt::format("there is no robot '{}'", name.value),
+               plant_.parts.size() == 1 ? "the problem has one robot: leave 'robots' out"
+                                        : name_hint(name.value, robots, "robots"));
+  }
+}
+
+void StateBuilder::apply_configuration(const Name& name, const PlantPart& part,
+                                       std::vector<double>& x) const {
+  std::vector<std::string> known;
+  for (const PlantPart& candidate : plant_.parts) {
+    if (part.spec != nullptr && candidate.spec != part.spec) continue;
+    const std::string prefix = part.spec != nullptr ? "" : candidate.prefix;
+    for (const auto& [configuration, state] : candidate.spec->configurations) {
+      if (prefix + configuration.value == name.value) return apply(state, candidate, x);
+      known.push_back(prefix + configuration.value);
+    }
+  }
+  out_.error(name.place, fmt::format("there is no configuration '{}'", name.value),
+             name_hint(name.value, known, "configurations"));
+}
+
+void StateBuilder::apply_base(const BaseSpec& base, const PlantPart& part,
+                              std::vector<double>& x) const {
+  const RobotModel& robot = plant_.robot();
+  if (part.spec == nullptr)
+    return out_.error(base.place, "with several robots a base is said under 'robots'",
+                      "write 'robots: {name: {base: ...}}'");
+  const MultibodySystem& system = *plant_.multibody();
+  const int joint = part.first_joint;
+  if (part.spec->base == UrdfOptions::Base::planar) {
+    if (base.orientation || (base.position && base.position->size() != 2))
+      return out_.error(base.place, "a planar base has 'position: [x, y]' and 'yaw'");
+    for (int i = 0; i < 2 && base.position; ++i)
+      x[*system.position_index(joint + i)] = (*base.position)[i];
+    if (base.yaw) x[*system.position_index(joint + 2)] = *base.yaw;
+    return;
+  }
+  if (part.joint_count == 0 || robot.joints[joint].type != JointType::floating)
+    return out_.error(
+        base.place, "the robot's base is fixed",
+        "write 'base: floating' under 'robot', or use 'placement' to put it elsewhere");
+  if (base.yaw || (base.position && base.position->size() != 3))
+    return out_.error(base.place,
+                      "a floating base has 'position: [x, y, z]' and 'orientation' or 'rpy'");
+  const int first = *system.position_index(joint);
+  for (int i = 0; i < 3 && base.position; ++i) x[first + i] = (*base.position)[i];
+  if (const auto& q = base.orientation) {
+    const double parts[] = {q->x, q->y, q->z, q->w};
+    std::copy_n(parts, 4, x.begin() + first + 3);
+  }
+}
+
+void StateBuilder::apply_displacement(const DisplacementSpec& displaced, const PlantPart& part,
+                                      std::vector<double>& x) const {
+  if (displaced.with_gait)
+    out_.error(displaced.place,
+               "'gait' stands for the way of the file's gait as the whole reference of a cost on "
+               "the state alone",
+               "give '[x, y, yaw]' in m and rad");
+  else if (part.spec == nullptr)
+    out_.error(displaced.place, "with several robots a displacement is said under 'robots'");
+  else if (!displace_base(plant_, part, displaced.motion, x))
+    out_.error(displaced.place, "the robot's base is fixed: it cannot be displaced");
+}
+
+void StateBuilder::apply_base_velocity(const TwistSpec& twist, const PlantPart& part,
+                                       std::vector<double>& x) const {
+  const RobotModel& robot = plant_.robot();
+  if (part.spec == nullptr)
+    return out_.error(twist.place, "with several robots a velocity is said under 'robots'");
+  const MultibodySystem& system = *plant_.multibody();
+  const int joint = part.first_joint;
+  if (part.spec->base == UrdfOptions::Base::planar) {
+    if (twist.linear.z != 0 || twist.angular.x != 0 || twist.angular.y != 0)
+      return out_.error(twist.place, "a planar base moves along x and y and turns about z");
+    x[*system.velocity_index(joint)] = twist.linear.x;
+    x[*system.velocity_index(joint + 1)] = twist.linear.y;
+    x[*system.velocity_index(joint + 2)] = twist.angular.z;
+    return;
+  }
+  if (part.joint_count == 0 || robot.joints[joint].type != JointType::floating)
+    return out_.error(twist.place, "the robot's base is fixed");
+  for (int i = 0; i < 3; ++i) {
+    x[*system.velocity_index(joint) + i] = twist.linear[i];
+    x[*system.velocity_index(joint) + 3 + i] = twist.angular[i];
+  }
+}
+
+}  // namespace conddp

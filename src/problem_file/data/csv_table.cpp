@@ -1,0 +1,145 @@
+#include <algorithm>
+#include <unordered_set>
+
+#include <fmt/format.h>
+
+#include "base/near_names.hpp"
+#include "base/strict_number.hpp"
+#include "problem_file/data/data_table.hpp"
+
+namespace conddp {
+namespace {
+
+std::string_view trimmed(std::string_view text) {
+  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
+  while (!text.empty() && (text.back() == ' ' || text.back() == '\t' || text.back() == '\r'))
+    text.remove_suffix(1);
+  return text;
+}
+
+/// "q/hip [rad]" is the column q/hip.
+std::string_view without_unit(std::string_view name) {
+  const std::size_t bracket = name.rfind(" [");
+  return name.ends_with(']') && bracket != std::string_view::npos && bracket > 0
+             ? trimmed(name.substr(0, bracket))
+             : name;
+}
+
+struct Cell {
+  std::string_view text;
+  int byte;  ///< where it starts in its line
+};
+
+std::vector<Cell> split(std::string_view line) {
+  std::vector<Cell> cells;
+  for (std::size_t start = 0;;) {
+    const std::size_t comma = std::min(line.find(',', start), line.size());
+    cells.push_back({trimmed(line.substr(start, comma - start)), static_cast<int>(start)});
+    if (comma == line.size()) return cells;
+    start = comma + 1;
+  }
+}
+
+class CsvReader {
+ public:
+  CsvReader(const std::string& text, const std::string& name, Diagnostics& out)
+      : rest_(text), out_(out), source_(out.add_source(name, text)) {
+    table_.file = name;
+  }
+
+  std::optional<DataTable> read() {
+    if (!read_header()) return std::nullopt;
+    while (next_line())
+      if (!trimmed(line_).empty() && !read_row()) return std::nullopt;
+    if (table_.rows.empty()) return fail(0, "there is no row under the header"), std::nullopt;
+    return std::move(table_);
+  }
+
+ private:
+  bool next_line() {
+    if (rest_.empty()) return false;
+    const std::size_t end = std::min(rest_.find('\n'), rest_.size());
+    line_ = rest_.substr(0, end);
+    rest_.remove_prefix(std::min(end + 1, rest_.size()));
+    ++number_;
+    return true;
+  }
+  bool fail(int byte, std::string message, std::string hint = {}) {
+    const int line = std::max(number_, 1);
+    out_.error({{source_, line, out_.character_column(source_, line, byte)}, {}},
+               std::move(message), std::move(hint));
+    return false;
+  }
+  bool read_header() {
+    if (!next_line()) return fail(0, "there is nothing in the file");
+    std::unordered_set<std::string> names;
+    for (const Cell& cell : split(line_)) {
+      const std::string name(without_unit(cell.text));
+      if (name.empty()) return fail(cell.byte, "a column has no name");
+      if (parse_number(name).value)
+        return fail(cell.byte, "the first line must name the columns", "t,q/joint,...");
+      if (!names.insert(name).second)
+        return fail(cell.byte, fmt::format("two columns have the name '{}'", name));
+      if (name == "t" || name == "time") {
+        if (time_) return fail(cell.byte, "two columns hold the time");
+        time_ = header_.size();
+      }
+      header_.push_back(name);
+    }
+    if (!time_) return fail(0, "no column holds the time", "name it 't'; it is in s");
+    // A column of words, like the phase, is no data.
+    const std::string_view first = rest_.substr(0, rest_.find('\n'));
+    const std::vector<Cell> cells = split(first);
+    for (std::size_t i = 0; i < header_.size(); ++i) {
+      const bool word = i < cells.size() && header_[i] == "phase" && !cells[i].text.empty();
+      is_data_.push_back(i != *time_ && !word);
+      if (is_data_[i]) table_.columns.push_back(header_[i]);
+    }
+    return true;
+  }
+  bool read_row() {
+    const std::vector<Cell> cells = split(line_);
+    if (cells.size() != header_.size())
+      return fail(0, fmt::format("this line has {} cells, the header has {}", cells.size(),
+                                 header_.size()));
+    std::vector<std::optional<double>>& row = table_.rows.emplace_back();
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      if (i != *time_ && !is_data_[i]) continue;
+      if (cells[i].text.empty() && i != *time_) {
+        row.emplace_back();
+        continue;
+      }
+      const ParsedNumber number = parse_number(cells[i].text);
+      if (!number.value)
+        return fail(cells[i].byte,
+                    fmt::format("in the column '{}': {}", header_[i], number.defect));
+      if (i != *time_) {
+        row.push_back(number.value);
+      } else if (!table_.times.empty() && *number.value <= table_.times.back()) {
+        return fail(cells[i].byte, "the time does not increase");
+      } else {
+        table_.times.push_back(*number.value);
+      }
+    }
+    return true;
+  }
+
+  std::string_view rest_;
+  Diagnostics& out_;
+  int source_;
+  DataTable table_;
+  std::string_view line_;
+  int number_ = 0;
+  std::vector<std::string> header_;
+  std::vector<bool> is_data_;
+  std::optional<std::size_t> time_;
+};
+
+}  // namespace
+
+std::optional<DataTable> parse_csv(const std::string& text, const std::string& name,
+                                   Diagnostics& out) {
+  return CsvReader(text, name, out).read();
+}
+
+}  // namespace conddp

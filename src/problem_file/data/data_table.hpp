@@ -1,0 +1,36 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/diagnostic.hpp"
+
+namespace conddp {
+
+/// Named columns over time.
+struct DataTable {
+  std::string file;
+  std::vector<double> times;         ///< s, increasing
+  std::vector<std::string> columns;  ///< without the time
+  /// How many of them, from the first, are the state of a solution; absent: a CSV file.
+  std::optional<std::size_t> state_columns;
+  std::vector<std::vector<std::optional<double>>> rows;  ///< one a time; empty cells are allowed
+
+  std::optional<std::size_t> find(const std::string& column) const;
+};
+
+/// Reads a CSV file (a header with a column `t`, or `time`; text columns are skipped) or the
+/// trajectory of a solution.json. What is wrong is reported in the file, or at `place` where the
+/// file cannot be read at all.
+std::optional<DataTable> load_data_table(const std::filesystem::path& file, const Place& place,
+                                         Diagnostics& out);
+
+/// The same for one of the two, from its text.
+std::optional<DataTable> parse_csv(const std::string& text, const std::string& name,
+                                   Diagnostics& out);
+std::optional<DataTable> parse_solution(const std::string& text, const std::string& name,
+                                        Diagnostics& out);
+
+}  // namespace conddp

@@ -1,0 +1,20 @@
+#include "problem_file/data/warm_start.hpp"
+
+namespace conddp {
+
+void set_warm_start(const std::string& file, ProblemSpec& spec, Diagnostics& out) {
+  const Place place{{out.add_source("--warm-start", file), 1, 1}, "initial_guess"};
+  std::error_code error;
+  std::filesystem::path path = std::filesystem::absolute(file, error);
+  if (error) path = file;  // reading it will say what is wrong
+  const DataFileSpec data{{path.string(), place}, path, {}};
+  spec.guess = {.states = GuessSpec::States::kFile,
+                .states_place = place,
+                .states_file = data,
+                .controls = GuessSpec::Controls::kFile,
+                .controls_place = place,
+                .controls_file = data};
+  if (path.extension() == ".json") spec.guess.multipliers_file = data;
+}
+
+}  // namespace conddp

@@ -1,0 +1,59 @@
+#pragma once
+
+#include "base/ordered_json.hpp"
+#include "problem_file/plant/plant.hpp"
+
+namespace conddp {
+
+/// Expanders of the parts of a problem file, one for each reader in read_sections.hpp: each gives
+/// what its reader would read the same spec from, with the defaults written out.
+
+// expand_values.cpp
+OrderedJson expand_vector(const Vector3<double>& vector);
+OrderedJson expand_quaternion(const Quaternion<double>& q);
+OrderedJson expand_numbers(const NamedNumbers& numbers);
+OrderedJson expand_components(const ComponentsSpec& spec);
+OrderedJson expand_names(const std::vector<Name>& names);
+OrderedJson expand_motion(const PlanarMotion& motion);
+OrderedJson expand_pose(const PoseSpec& pose);
+OrderedJson expand_twist(const TwistSpec& twist);
+OrderedJson expand_state(const StateSpec& state);
+OrderedJson expand_data_file(const DataFileSpec& file);
+
+// expand_robot.cpp
+OrderedJson expand_robot(const RobotSpec& robot);
+
+// expand_system.cpp
+OrderedJson expand_system(const SystemSpec& system);
+
+// expand_contacts.cpp
+OrderedJson expand_contacts(const std::vector<ContactSpec>& contacts);
+/// The contacts' names, all where the file says so.
+OrderedJson expand_contact_names(const ContactNames& names, const ProblemSpec& spec);
+
+// expand_collision.cpp
+OrderedJson expand_collision(const CollisionSpec& collision);
+OrderedJson expand_form(const SphereSpec& sphere);
+OrderedJson expand_form(const HalfSpaceSpec& half_space);
+
+// expand_stepping.cpp
+OrderedJson expand_candidates(const std::vector<CandidateSpec>& candidates);
+OrderedJson expand_stepping(const SteppingSpec& stepping);
+
+// expand_costs.cpp
+OrderedJson expand_costs(const std::vector<CostSpec>& costs, const ProblemSpec& spec,
+                         const Plant& plant, bool terminal);
+OrderedJson expand_constraints(const ProblemSpec& spec, const Plant& plant);
+OrderedJson expand_terminal_constraints(const ProblemSpec& spec, const Plant& plant);
+/// The phases named, all but impulses if nothing is named.
+OrderedJson expand_phase_names(const std::optional<std::vector<Name>>& names,
+                               const ProblemSpec& spec);
+
+// expand_reference.cpp
+/// Null where the cost takes no reference.
+OrderedJson expand_reference(const CostSpec& cost);
+
+// expand_guess.cpp
+OrderedJson expand_guess(const GuessSpec& guess);
+
+}  // namespace conddp

@@ -1,0 +1,94 @@
+#include "problem_file/plant/collocation_builder.hpp"
+
+#include <algorithm>
+
+#include "ocp/knot/collocation_residual.hpp"
+
+namespace conddp {
+namespace {
+
+constexpr const char* kName = "collocation";
+constexpr const char* kOthers =
+    "write another integrator: semi_implicit_euler, explicit_euler, rk2, rk3 or rk4";
+
+/// What moves without a slope, or with one that jumps.
+void check_smoothness(const ProblemSpec& spec, Diagnostics& out) {
+  for (const PhaseSpec& phase : spec.phases)
+    if (phase.contacts.all || !phase.contacts.names.empty())
+      out.error(phase.name.place,
+                phase.restitution ? "collocation knows no impulses"
+                                  : "collocation is for systems without contacts",
+                kOthers);
+  if (spec.terminal_contacts &&
+      (spec.terminal_contacts->all || !spec.terminal_contacts->names.empty()))
+    out.error(spec.integrator->place,
+              "collocation is for systems without contacts, and the last node holds some", kOthers);
+  for (const auto* list : {&spec.constraints, &spec.terminal_constraints})
+    for (const ConstraintSpec& constraint : *list)
+      if (const Name& name = constraint.function.name; name.value == kName)
+        out.error(name.place, "'collocation' is the name of what the integrator's steps obey",
+                  "give the constraint another name");
+}
+
+}  // namespace
+
+bool collocate(const ProblemSpec& spec, Plant& plant, Diagnostics& out) {
+  if (!spec.integrator) return true;
+  const auto rule = lobatto_rule(spec.integrator->value);
+  if (!rule) return true;
+  const int errors = out.error_count();
+  check_smoothness(spec, out);
+  if (plant.system->kind() == SystemKind::discrete)
+    out.error(spec.integrator->place,
+              "this system gives the next state itself: nothing is integrated",
+              "write 'integrator: discrete' or leave the key out");
+  else if (!plant.system->manifold().curved().empty())
+    out.error(spec.integrator->place,
+              "collocation needs a state without rotations in space, and this one turns freely",
+              kOthers);
+  if (out.error_count() > errors) return false;
+  plant.system = std::make_shared<CollocationSystem>(plant.system, *rule);
+  return true;
+}
+
+void add_collocation_terms(const std::shared_ptr<const CollocationSystem>& system,
+                           KnotModel& model) {
+  model.add_constraint(
+      make_constraint(kName, collocation_residual(system, model.ndx(), model.free_duration()),
+                      ConstraintKind::bounds));
+}
+
+void write_collocation_parameters(const KnotModel& model, double dt, double* parameters) {
+  const ConstraintTerm& term = model.constraints().back();
+  parameters[term.parameters] = dt;
+  std::fill_n(parameters + term.lower(), 2 * term.rows, 0.0);
+  parameters[term.active()] = 1;
+}
+
+void guess_slopes(const CollocationSystem& system, const ShootingProblem& problem,
+                  Trajectory& trajectory) {
+  const System& inside = *system.inside();
+  const auto data = inside.create_data(double{});
+  const int n = system.ndx(), rows = system.rows(), top = n - rows;
+  // ẋ, of which the last rows are the slopes.
+  const auto rate = [&](const Eigen::VectorXd& x, const double* w) {
+    inside.evaluate(x.data(), w, *data);
+    Eigen::VectorXd k(n);
+    k << x.segment(top, top), Eigen::Map<const Eigen::VectorXd>(data->f.data(), rows);
+    return k;
+  };
+  for (int k = 0; k < problem.knots(); ++k) {
+    const KnotView& knot = problem.knot(k);
+    if (problem.phases()[knot.phase].instant) continue;
+    auto w = trajectory.u(k);
+    const double h = knot.model->step(knot.dt, trajectory.x(k).data());
+    const Eigen::VectorXd x = trajectory.x(k).head(n), next = trajectory.x(k + 1).head(n);
+    const Eigen::VectorXd begin = rate(x, w.data()), end = rate(next, w.data());
+    w.segment(system.slopes(system.later_stages()), rows) = end.tail(rows);
+    if (system.later_stages() == 1) continue;
+    const Eigen::VectorXd middle = 0.5 * (x + next) + h / 8 * (begin - end);
+    w.segment(system.slopes(1), rows) = rate(middle, w.data()).tail(rows);
+  }
+}
+
+}  // namespace conddp

@@ -1,0 +1,109 @@
+#include "problem_file/plant/planar_motion.hpp"
+
+#include <cmath>
+
+namespace conddp {
+namespace {
+
+struct Point {
+  double x, y;
+};
+
+Point turned(double angle, const Point& p) {
+  if (angle == 0) return p;
+  const double c = std::cos(angle), s = std::sin(angle);
+  return {c * p.x - s * p.y, s * p.x + c * p.y};
+}
+
+bool is_planar(const PlantPart& part) { return part.spec->base == UrdfOptions::Base::planar; }
+
+bool is_fixed(const Plant& plant, const PlantPart& part) {
+  if (part.spec == nullptr || part.joint_count == 0) return true;
+  return !is_planar(part) && plant.robot().joints[part.first_joint].type != JointType::floating;
+}
+
+/// Where a base stands in the plane and where its x axis points.
+struct Stand {
+  Point position;
+  double heading;
+};
+
+Stand stand_of(const Plant& plant, const PlantPart& part, const std::vector<double>& x) {
+  const MultibodySystem& system = *plant.multibody();
+  const int first = *system.position_index(part.first_joint);
+  if (is_planar(part)) {
+    const auto value = [&](int i) { return x[*system.position_index(part.first_joint + i)]; };
+    return {{value(0), value(1)}, value(2)};
+  }
+  const double* q = x.data() + first + 3;
+  // The base's x axis in the world.
+  const double forward = 1 - 2 * (q[1] * q[1] + q[2] * q[2]);
+  const double left = 2 * (q[0] * q[1] + q[2] * q[3]);
+  return {{x[first], x[first + 1]}, std::atan2(left, forward)};
+}
+
+/// The plane in which a base moves, its z axis upright: that of a planar base may lie anywhere.
+SE3<double> plane_of(const PlantPart& part) {
+  SE3<double> plane = SE3<double>::identity();
+  if (!is_planar(part) || !part.spec->placement) return plane;
+  const PoseSpec& placement = *part.spec->placement;
+  if (placement.position) plane.p = *placement.position;
+  if (placement.orientation) plane.R = rotation_matrix(*placement.orientation);
+  return plane;
+}
+
+}  // namespace
+
+PlanarMotion along_arc(const PlanarMotion& step, double time) {
+  const double angle = step.yaw * time;
+  // Chord over arc, along the direction half-way.
+  const double half = angle / 2;
+  const double ratio = half == 0 ? 1 : std::sin(half) / half;
+  const Point p = turned(half, {time * step.x, time * step.y});
+  return {ratio * p.x, ratio * p.y, angle};
+}
+
+bool displace_base(const Plant& plant, const PlantPart& part, const PlanarMotion& motion,
+                   std::vector<double>& x) {
+  if (is_fixed(plant, part)) return false;
+  const MultibodySystem& system = *plant.multibody();
+  const Stand stand = stand_of(plant, part, x);
+  const Point shift = turned(stand.heading, {motion.x, motion.y});
+  const int joint = part.first_joint, first = *system.position_index(joint);
+  if (is_planar(part)) {
+    const auto position = [&](int i) -> double& { return x[*system.position_index(joint + i)]; };
+    const auto velocity = [&](int i) -> double& { return x[*system.velocity_index(joint + i)]; };
+    position(0) += shift.x;
+    position(1) += shift.y;
+    position(2) += motion.yaw;
+    const Point v = turned(motion.yaw, {velocity(0), velocity(1)});
+    velocity(0) = v.x;
+    velocity(1) = v.y;
+    return true;
+  }
+  x[first] += shift.x;
+  x[first + 1] += shift.y;
+  if (motion.yaw == 0) return true;
+  double* q = x.data() + first + 3;
+  const Quaternion<double> turn{0, 0, std::sin(motion.yaw / 2), std::cos(motion.yaw / 2)};
+  const Quaternion<double> result = turn * Quaternion<double>{q[0], q[1], q[2], q[3]};
+  q[0] = result.x, q[1] = result.y, q[2] = result.z, q[3] = result.w;
+  return true;
+}
+
+std::optional<Vector3<double>> displaced_point(const Plant& plant, const PlantPart& part,
+                                               const PlanarMotion& motion,
+                                               const std::vector<double>& x,
+                                               const Vector3<double>& point) {
+  if (is_fixed(plant, part)) return std::nullopt;
+  const Stand stand = stand_of(plant, part, x);
+  const SE3<double> plane = plane_of(part);
+  const Vector3<double> p = transpose_times(plane.R, point - plane.p);
+  const Point shift = turned(stand.heading, {motion.x, motion.y});
+  const Point arm = turned(motion.yaw, {p.x - stand.position.x, p.y - stand.position.y});
+  return plane.R * Vector3<double>{stand.position.x + arm.x + shift.x,
+                                   stand.position.y + arm.y + shift.y, p.z} +
+         plane.p;
+}
+
+}  // namespace conddp

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ocp/residuals/residuals.hpp"
+#include "problem_file/spec/spec.hpp"
+#include "systems/collocation_system.hpp"
+#include "systems/contact/stepping_system.hpp"
+
+namespace conddp {
+
+/// One robot's share of the model.
+struct PlantPart {
+  const RobotSpec* spec;
+  std::string prefix;  ///< of its joints' and frames' names: "arm/", or empty
+  int first_joint = 0;
+  int joint_count = 0;
+  std::string sha256 = {};  ///< of the URDF file
+};
+
+/// What moves: a closed-form system, or robots as one multibody system.
+struct Plant {
+  std::shared_ptr<const System> system;
+  std::vector<PlantPart> parts;      ///< empty if closed-form
+  std::optional<ChosenStart> start;  ///< where the first state is chosen
+
+  /// The robot in the system, or the system as what it is: where steps find their own contacts, or
+  /// where the integrator collocates. Null if it is none of that; they share the system.
+  std::shared_ptr<const MultibodySystem> multibody() const {
+    return {system, system->robot_inside()};
+  }
+  std::shared_ptr<const SteppingSystem> stepping() const { return {system, system->as_stepping()}; }
+  std::shared_ptr<const CollocationSystem> collocation() const {
+    return {system, system->as_collocation()};
+  }
+
+  const RobotModel& robot() const { return system->robot_inside()->robot(); }
+  /// The system whose controls are the actuators alone.
+  const System& actuated() const {
+    if (const auto* collocation = system->as_collocation()) return *collocation->inside();
+    return system->as_stepping() ? *system->robot_inside() : *system;
+  }
+};
+
+/// Whether a joint has a coordinate of its own: not a floating base, not a mimic joint.
+bool is_independent(const RobotModel& robot, int joint);
+
+/// The robot to which a joint belongs.
+const PlantPart& part_of(const Plant& plant, int joint);
+
+/// Names of all independent joints, and of all frames.
+std::vector<std::string> joint_names(const RobotModel& robot);
+std::vector<std::string> frame_names(const RobotModel& robot);
+
+/// Where a frame is in a state of the system.
+SE3<double> placement_in_state(const MultibodySystem& system, const std::vector<double>& x,
+                               int frame);
+
+/// The frame's index; an unknown name is reported at its place.
+std::optional<int> find_frame(const RobotModel& robot, const Name& name, const std::string& prefix,
+                              Diagnostics& out);
+/// The index of an independent joint.
+std::optional<int> find_joint(const RobotModel& robot, const Name& name, const std::string& prefix,
+                              Diagnostics& out);
+/// The independent joints that a name means, several where it has a `*`; none is reported.
+std::vector<int> find_joints(const RobotModel& robot, const Name& name, const std::string& prefix,
+                             Diagnostics& out);
+
+}  // namespace conddp

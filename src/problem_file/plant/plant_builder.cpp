@@ -1,0 +1,125 @@
+#include "problem_file/plant/plant_builder.hpp"
+
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "problem_file/plant/collocation_builder.hpp"
+#include "problem_file/plant/plant_robot.hpp"
+#include "problem_file/plant/stepping_builder.hpp"
+#include "robot/urdf/combine.hpp"
+
+namespace conddp {
+namespace {
+
+template <class... Cases>
+struct Overloaded : Cases... {
+  using Cases::operator()...;
+};
+template <class... Cases>
+Overloaded(Cases...) -> Overloaded<Cases...>;  // some compilers do not deduce it themselves
+
+/// The step of a discrete system: all phases must have it.
+std::optional<double> common_step(const ProblemSpec& spec, Diagnostics& out) {
+  const PhaseSpec& first = spec.phases[spec.phases.front().choice && spec.phases.size() > 1];
+  const double dt = first.dt;
+  for (const PhaseSpec& phase : spec.phases)
+    if (phase.choice) {
+      continue;
+    } else if (phase.refine) {
+      out.error(phase.name.place, "the steps of this system must have the same length",
+                fmt::format("leave 'refine' out of '{}'", phase.name.value));
+      return std::nullopt;
+    } else if (phase.dt != dt) {
+      out.error(phase.name.place, "the phases of this system must have the same dt",
+                fmt::format("'{}' has {}, '{}' has {}", first.name.value, dt, phase.name.value,
+                            phase.dt));
+      return std::nullopt;
+    }
+  return dt;
+}
+
+std::shared_ptr<const System> make_system(const ProblemSpec& spec, Diagnostics& out) {
+  using Result = std::shared_ptr<const System>;
+  return std::visit(
+      Overloaded{
+          [](const DoubleIntegratorSpec& p) -> Result { return double_integrator(p.dimension); },
+          [](const LinearSpec& p) -> Result { return linear_system(p.A, p.B, p.c); },
+          [](const PendulumParameters& p) -> Result { return pendulum(p); },
+          [](const CartpoleParameters& p) -> Result { return cartpole(p); },
+          [](const AcrobotParameters& p) -> Result { return acrobot(p); },
+          [](const UnicycleSpec&) -> Result { return unicycle(); },
+          [&](const CarSpec& p) -> Result {
+            const auto step = common_step(spec, out);
+            return step ? car(p.wheelbase, *step) : nullptr;
+          },
+          [](const PlanarQuadrotorParameters& p) -> Result { return planar_quadrotor(p); },
+          [](const QuadrotorParameters& p) -> Result { return quadrotor(p); },
+          [](const LanderParameters& p) -> Result { return lander(p); },
+      },
+      spec.system->parameters);
+}
+
+/// Where a joint and those that mimic it can all be within their limits: else both are named.
+bool check_mimic_limits(const Plant& plant, Diagnostics& out) {
+  const RobotModel& robot = plant.robot();
+  bool possible = true;
+  for (const Mimic& mimic : robot.mimics) {
+    const Joint& leader = robot.joints[mimic.leader];
+    const Joint& follower = robot.joints[mimic.joint];
+    const auto limits = plant.multibody()->limits(mimic.leader);
+    if (limits.lower <= limits.upper) continue;
+    out.error(part_of(plant, mimic.leader).spec->place,
+              fmt::format("no position of the joint '{}' (limits {} to {}) keeps the limits {} to "
+                          "{} of the joint '{}', which mimics it with multiplier {} and offset {}",
+                          leader.name, leader.lower, leader.upper, follower.lower, follower.upper,
+                          follower.name, mimic.multiplier, mimic.offset),
+              "correct the limits in the URDF, or write 'mimic: ignore'");
+    possible = false;
+  }
+  return possible;
+}
+
+}  // namespace
+
+std::optional<Plant> build_plant(const ProblemSpec& spec, Diagnostics& out) {
+  Plant plant;
+  if (spec.system) {
+    plant.system = make_system(spec, out);
+    if (!plant.system || !collocate(spec, plant, out)) return std::nullopt;
+    return plant;
+  }
+  std::vector<RobotModel> trees;
+  int joints = 0;
+  for (const RobotSpec& robot : spec.robots) {
+    const std::string prefix = robot.name.value.empty() ? "" : robot.name.value + "/";
+    std::string hash;
+    auto tree = load_robot(robot, prefix, spec.gravity, hash, out);
+    if (!tree) continue;
+    plant.parts.push_back({&robot, prefix, joints, tree->joint_count(), std::move(hash)});
+    joints += tree->joint_count();
+    trees.push_back(std::move(*tree));
+  }
+  if (trees.size() != spec.robots.size()) return std::nullopt;
+  auto model = std::make_shared<RobotModel>(combine(std::move(trees)));
+  add_external_wrenches(plant.parts, *model, out);
+  const auto actuation = make_actuation(plant.parts, *model, out);
+  const auto passive = make_passive_forces(plant.parts, *model, out);
+  if (!actuation || !passive) return std::nullopt;
+  try {
+    plant.system = std::make_shared<MultibodySystem>(model, *actuation, *passive);
+  } catch (const std::invalid_argument& e) {  // chains of mimic joints that cannot be resolved
+    out.error(plant.parts.front().spec->place, e.what());
+    return std::nullopt;
+  }
+  if (!check_mimic_limits(plant, out)) return std::nullopt;
+  if (!spec.stepping) {
+    if (!collocate(spec, plant, out)) return std::nullopt;
+    return plant;
+  }
+  plant.system = build_stepping(spec, plant, out);
+  if (!plant.system) return std::nullopt;
+  return plant;
+}
+
+}  // namespace conddp

@@ -1,0 +1,11 @@
+#pragma once
+
+#include "problem_file/plant/plant.hpp"
+
+namespace conddp {
+
+/// Loads the robots or makes the closed-form system. Notes of the URDF files (what is ignored) are
+/// reported as well. The spec must outlive the plant.
+std::optional<Plant> build_plant(const ProblemSpec& spec, Diagnostics& out);
+
+}  // namespace conddp

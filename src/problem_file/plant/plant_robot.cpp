@@ -1,0 +1,166 @@
+#include "problem_file/plant/plant_robot.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "base/sha256.hpp"
+
+namespace conddp {
+namespace {
+
+UrdfOptions urdf_options(const RobotSpec& spec, const std::string& prefix,
+                         const Vector3<double>& gravity) {
+  UrdfOptions options;
+  options.base = spec.base;
+  for (const auto& [name, value] : spec.locked_joints) options.locked_joints[name.value] = value;
+  for (const PayloadSpec& payload : spec.payloads)
+    options.payloads.push_back({payload.link.value, payload.mass, payload.com, payload.inertia});
+  for (const auto& [name, value] : spec.rotor_inertia) options.rotor_inertia[name.value] = value;
+  options.enforce_mimic = spec.enforce_mimic;
+  options.inertias = spec.inertias;
+  options.gravity = gravity;
+  options.prefix = prefix;
+  if (spec.placement) {
+    SE3<double> placement = SE3<double>::identity();
+    if (spec.placement->position) placement.p = *spec.placement->position;
+    if (spec.placement->orientation) placement.R = rotation_matrix(*spec.placement->orientation);
+    options.placement = placement;
+  }
+  return options;
+}
+
+/// Where the problem file names a link or joint that the URDF's reader complains about.
+Place place_of(const RobotSpec& spec, const std::string& element) {
+  for (const NamedNumbers* numbers : {&spec.locked_joints, &spec.rotor_inertia})
+    for (const auto& [name, value] : *numbers)
+      if (name.value == element) return name.place;
+  for (const PayloadSpec& payload : spec.payloads)
+    if (payload.link.value == element) return payload.link.place;
+  return spec.urdf.place;
+}
+
+/// The joints that 'full' drives. A base has no motors: those that a planar one stands on are its
+/// first three joints.
+std::vector<int> motor_joints(const PlantPart& part, const RobotModel& model) {
+  std::vector<int> list;
+  const int first = part.spec->base == UrdfOptions::Base::planar ? 3 : 0;
+  for (int joint = part.first_joint + first; joint < part.first_joint + part.joint_count; ++joint)
+    if (is_independent(model, joint)) list.push_back(joint);
+  return list;
+}
+
+/// What gives controls to robots that have none.
+std::string actuation_hint(const std::vector<PlantPart>& parts, const RobotModel& model) {
+  const auto any = [&](auto property) { return std::any_of(parts.begin(), parts.end(), property); };
+  if (any([&](const PlantPart& part) { return !motor_joints(part, model).empty(); }))
+    return "give 'actuation: full', joints or thrusters";
+  const std::string none =
+      any([](const PlantPart& part) { return !part.spec->locked_joints.empty(); })
+          ? "all joints are locked or fixed: "
+          : "no joint moves: ";
+  if (any([](const PlantPart& p) { return p.spec->base == UrdfOptions::Base::planar; }))
+    return none +
+           "'full' leaves out those of the planar base, name them in 'actuation: {joints: "
+           "[...]}'";
+  if (any([](const PlantPart& p) { return p.spec->base == UrdfOptions::Base::floating; }))
+    return none + "give 'actuation: {thrusters: [...]}'";
+  return none + "nothing is left to control";
+}
+
+}  // namespace
+
+std::optional<RobotModel> load_robot(const RobotSpec& spec, const std::string& prefix,
+                                     const Vector3<double>& gravity, std::string& sha256,
+                                     Diagnostics& out) {
+  UrdfResult result = load_urdf(spec.path, urdf_options(spec, prefix, gravity));
+  sha256 = conddp::sha256(result.text);
+  for (const UrdfProblem& problem : result.problems) {
+    const Severity severity = problem.warning ? Severity::kWarning : Severity::kError;
+    Diagnostic d{.severity = severity, .message = problem.message, .hint = problem.hint};
+    if (problem.line > 0) {
+      d.file = spec.path.string();
+      d.line = problem.line;
+      d.column = problem.column;
+    } else {
+      const Place place = place_of(spec, problem.element);
+      d.path = place.path;
+      d.source = place.mark.source;
+      if (d.source >= 0) d.file = out.source_name(d.source);
+      d.line = place.mark.line;
+      d.column = place.mark.column;
+    }
+    out.add(std::move(d));
+  }
+  for (const std::string& note : result.notes)
+    out.add({.file = spec.path.string(), .severity = Severity::kNote, .message = note});
+  return std::move(result.model);
+}
+
+void add_external_wrenches(const std::vector<PlantPart>& parts, RobotModel& model,
+                           Diagnostics& out) {
+  for (const PlantPart& part : parts)
+    for (const WrenchSpec& wrench : part.spec->external_wrenches)
+      if (const auto frame = find_frame(model, wrench.frame, part.prefix, out))
+        model.wrenches.push_back({*frame, wrench.wrench});
+}
+
+std::optional<Actuation> make_actuation(const std::vector<PlantPart>& parts,
+                                        const RobotModel& model, Diagnostics& out) {
+  const int errors = out.error_count();
+  std::vector<Thruster> thrusters;
+  std::vector<std::string> joints;
+  for (const PlantPart& part : parts) {
+    const ActuationSpec& spec = part.spec->actuation;
+    if (spec.full)
+      for (const int joint : motor_joints(part, model)) joints.push_back(model.joints[joint].name);
+    for (const Name& name : spec.joints)
+      for (const int joint : find_joints(model, name, part.prefix, out))
+        if (std::find(joints.begin(), joints.end(), model.joints[joint].name) == joints.end())
+          joints.push_back(model.joints[joint].name);
+    for (const ThrusterSpec& t : spec.thrusters) {
+      const std::string name = part.prefix + t.name.value;
+      const auto frame = find_frame(model, t.frame, part.prefix, out);
+      if (!frame) continue;
+      const int joint = model.frames[*frame].joint;
+      if (joint < 0 || model.joints[joint].type != JointType::floating)
+        out.error(t.frame.place, fmt::format("the thruster's frame '{}' is not fixed to a floating "
+                                             "base",
+                                             t.frame.value));
+      const auto same = [&](const Thruster& other) { return other.name == name; };
+      if (std::any_of(thrusters.begin(), thrusters.end(), same) ||
+          std::find(joints.begin(), joints.end(), name) != joints.end())
+        out.error(t.name.place, fmt::format("two controls have the name '{}'", t.name.value));
+      thrusters.push_back({name, *frame, t.direction, t.torque_ratio, t.lower, t.upper});
+    }
+  }
+  if (out.error_count() > errors) return std::nullopt;
+  if (thrusters.empty() && joints.empty()) {
+    out.error(parts.front().spec->place, "nothing is actuated", actuation_hint(parts, model));
+    return std::nullopt;
+  }
+  return Actuation::thrusters(model, thrusters, joints);
+}
+
+std::optional<PassiveForces> make_passive_forces(const std::vector<PlantPart>& parts,
+                                                 RobotModel& model, Diagnostics& out) {
+  PassiveForces forces;
+  for (const PlantPart& part : parts) {
+    const PassiveSpec& passive = part.spec->passive;
+    for (int i = part.first_joint; i < part.first_joint + part.joint_count; ++i) {
+      if (!passive.damping) model.joints[i].damping = 0;
+      if (!passive.friction) model.joints[i].friction = 0;
+    }
+    if (forces.friction && passive.friction &&
+        passive.friction_velocity != forces.friction_velocity) {
+      out.error(part.spec->place, "robots of one problem share one 'friction_velocity'");
+      return std::nullopt;
+    }
+    forces.damping |= passive.damping;
+    if (passive.friction) forces.friction_velocity = passive.friction_velocity;
+    forces.friction |= passive.friction;
+  }
+  return forces;
+}
+
+}  // namespace conddp

@@ -1,0 +1,21 @@
+#pragma once
+
+#include "problem_file/plant/plant.hpp"
+
+namespace conddp {
+
+/// Parts of build_plant that are about robots from URDF files.
+
+/// `sha256` receives the SHA-256 of the URDF file.
+std::optional<RobotModel> load_robot(const RobotSpec& spec, const std::string& prefix,
+                                     const Vector3<double>& gravity, std::string& sha256,
+                                     Diagnostics& out);
+void add_external_wrenches(const std::vector<PlantPart>& parts, RobotModel& model,
+                           Diagnostics& out);
+std::optional<Actuation> make_actuation(const std::vector<PlantPart>& parts,
+                                        const RobotModel& model, Diagnostics& out);
+/// Clears the damping and friction of robots that do not ask for them.
+std::optional<PassiveForces> make_passive_forces(const std::vector<PlantPart>& parts,
+                                                 RobotModel& model, Diagnostics& out);
+
+}  // namespace conddp

@@ -1,0 +1,117 @@
+#include "problem_file/plant/shape_pairs.hpp"
+
+#include <set>
+
+#include <fmt/format.h>
+
+#include "base/near_names.hpp"
+#include "problem_file/spec/components.hpp"
+
+namespace conddp {
+namespace {
+
+using Form = std::variant<Capsule, HalfSpace>;
+
+Form form_of(const SphereSpec& sphere, int frame) {
+  return Capsule{frame, sphere.center, sphere.center, sphere.radius};
+}
+Form form_of(const CapsuleSpec& capsule, int frame) {
+  return Capsule{frame, capsule.from, capsule.to, capsule.radius};
+}
+Form form_of(const HalfSpaceSpec& half_space, int) {
+  return HalfSpace{half_space.normal, dot(half_space.normal, half_space.point)};
+}
+
+/// A shape or an obstacle, and the joint whose body carries it.
+struct Item {
+  std::string name;
+  bool obstacle;
+  int joint;
+  Form form;
+};
+
+std::vector<Item> items_of(const ProblemSpec& spec, const RobotModel& robot) {
+  std::vector<Item> items;
+  for (const ShapeSpec& shape : spec.collision.shapes) {
+    const int frame = *robot.find_frame(shape.frame.value);
+    items.push_back(
+        {shape.name.value, false, robot.frames[frame].joint,
+         std::visit([&](const auto& form) { return form_of(form, frame); }, shape.form)});
+  }
+  for (const ObstacleSpec& obstacle : spec.collision.obstacles)
+    items.push_back(
+        {obstacle.name.value, true, -1,
+         std::visit([](const auto& form) { return form_of(form, -1); }, obstacle.form)});
+  return items;
+}
+
+/// Whether two bodies are one, or a joint connects them.
+bool are_neighbours(const RobotModel& robot, int a, int b) {
+  const auto parent = [&](int joint) { return joint < 0 ? -2 : robot.joints[joint].parent; };
+  return a == b || parent(a) == b || parent(b) == a;
+}
+
+/// The items that a name or a pattern means; none is reported.
+std::vector<std::size_t> items_named(const Name& name, const std::vector<Item>& items,
+                                     Diagnostics& out) {
+  std::vector<std::size_t> found;
+  std::vector<std::string> known;
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    known.push_back(items[i].name);
+    if (fits(name.value, items[i].name)) found.push_back(i);
+  }
+  if (found.empty())
+    out.error(
+        name.place, fmt::format("there is no shape '{}'", name.value),
+        known.empty() ? "the file has no 'collision'" : name_hint(name.value, known, "shapes"));
+  return found;
+}
+
+}  // namespace
+
+void check_shapes(const ProblemSpec& spec, const Plant& plant, Diagnostics& out) {
+  for (const ShapeSpec& shape : spec.collision.shapes)
+    find_frame(plant.robot(), shape.frame, "", out);
+}
+
+std::vector<ShapePair> shape_pairs(const CostSpec& cost, const ProblemSpec& spec,
+                                   const Plant& plant, Diagnostics& out) {
+  const RobotModel& robot = plant.robot();
+  const std::vector<Item> items = items_of(spec, robot);
+  std::vector<ShapePair> pairs;
+  std::set<std::pair<std::size_t, std::size_t>> taken;
+  // Shapes stand before obstacles, so that the smaller index is one that a link carries.
+  const auto add = [&](std::size_t a, std::size_t b) {
+    const auto [first, second] = std::minmax(a, b);
+    if (items[first].joint == items[second].joint) return false;
+    if (taken.insert({first, second}).second)
+      pairs.push_back({items[first].name,
+                       items[second].name,
+                       {std::get<Capsule>(items[first].form), items[second].form}});
+    return true;
+  };
+  using Choice = PairsSpec::Choice;
+  const Choice choice = cost.pairs.choice;
+  for (std::size_t a = 0; a < items.size() && choice != Choice::kNamed; ++a)
+    for (std::size_t b = a + 1; b < items.size() && !items[a].obstacle; ++b) {
+      if (choice == (items[b].obstacle ? Choice::kSelf : Choice::kObstacles)) continue;
+      if (!items[b].obstacle && are_neighbours(robot, items[a].joint, items[b].joint)) continue;
+      add(a, b);
+    }
+  const int errors = out.error_count();
+  for (const auto& [first, second] : cost.pairs.named) {
+    const auto firsts = items_named(first, items, out), seconds = items_named(second, items, out);
+    bool moves = firsts.empty() || seconds.empty();
+    for (const std::size_t a : firsts)
+      for (const std::size_t b : seconds) moves |= add(a, b);
+    if (!moves)
+      out.error(first.place, fmt::format("'{}' and '{}' do not move against each other",
+                                         first.value, second.value));
+  }
+  if (pairs.empty() && out.error_count() == errors)
+    out.error(cost.pairs.place, fmt::format("the cost '{}' has no pair of shapes", cost.name.value),
+              spec.collision.shapes.empty() ? "the file has no 'collision: {shapes: ...}'" : "");
+  return pairs;
+}
+
+}  // namespace conddp

@@ -1,0 +1,190 @@
+#include "problem_file/plant/stepping_builder.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "ocp/residuals/stepping_residual.hpp"
+#include "problem_file/plant/joint_values.hpp"
+
+namespace conddp {
+namespace {
+
+constexpr const char* kEquations = "stepping";
+constexpr const char* kPairs = "complementarity";
+constexpr const char* kRegularization = "contact_regularization";
+
+/// Overlaps that are no more than what placements are rounded to, m.
+constexpr double kRoundedOverlap = 1e-3;
+/// How far a normal may point out of the plane of a planar robot.
+constexpr double kOutOfPlane = 1e-6;
+
+std::optional<ContactCandidate> build_candidate(const CandidateSpec& spec, const Plant& plant,
+                                                Diagnostics& out) {
+  const auto frame = find_frame(plant.robot(), spec.frame, "", out);
+  int other = -1;
+  if (spec.against.frame) {
+    const auto found = find_frame(plant.robot(), *spec.against.frame, "", out);
+    if (!found) return std::nullopt;
+    other = *found;
+  }
+  if (!frame) return std::nullopt;
+  const auto body = [&](int f) { return f < 0 ? -1 : plant.robot().frames[f].joint; };
+  if (body(*frame) == body(other)) {
+    out.error(
+        spec.against.frame ? spec.against.frame->place : spec.frame.place,
+        fmt::format("'{}' and what it may touch do not move against each other", spec.name.value));
+    return std::nullopt;
+  }
+  ContactCandidate candidate{.name = spec.name.value,
+                             .sphere = {*frame, spec.point, spec.radius},
+                             .friction = spec.friction,
+                             .stiffness = spec.stiffness};
+  if (const auto* half_space = std::get_if<HalfSpaceSpec>(&spec.against.form)) {
+    candidate.against =
+        ContactHalfSpace{other, half_space->normal, dot(half_space->normal, half_space->point)};
+  } else if (const auto* sphere = std::get_if<SphereSpec>(&spec.against.form)) {
+    candidate.against = ContactSphere{other, sphere->center, sphere->radius};
+  } else {
+    const auto& box = std::get<BoxSpec>(spec.against.form);
+    SE3<double> placement = SE3<double>::identity();
+    if (box.placement.position) placement.p = *box.placement.position;
+    if (box.placement.orientation) placement.R = rotation_matrix(*box.placement.orientation);
+    candidate.against = ContactBox{other, placement, 0.5 * box.size};
+  }
+  return candidate;
+}
+
+/// In a plane the tangent is that of the plane, and none to a surface that faces out of it.
+void check_plane(const CandidateSpec& spec, const SteppingSpec& stepping, Diagnostics& out) {
+  const auto* half_space = std::get_if<HalfSpaceSpec>(&spec.against.form);
+  if (!stepping.plane || half_space == nullptr || spec.against.frame ||
+      std::abs(dot(*stepping.plane, half_space->normal)) <= kOutOfPlane)
+    return;
+  out.error(stepping.place,
+            fmt::format("'{}' touches a surface that is not upright to the plane of the motion",
+                        spec.name.value),
+            "'plane' is the direction in which nothing moves, [0, 1, 0] for motions in x and z");
+}
+
+/// The joints that the file names, else all with limits.
+void build_stops(const ProblemSpec& spec, const Plant& plant, ImplicitContacts& contacts,
+                 Diagnostics& out) {
+  const RobotModel& robot = plant.robot();
+  for (int j = 0; spec.stepping->all_limits && j < robot.joint_count(); ++j)
+    contacts.stops.push_back({j, robot.joints[j].lower, robot.joints[j].upper});
+  for (const auto& [joint, limits] : values_of_joints(robot, spec.stepping->joint_limits, "", out))
+    contacts.stops.push_back({joint, limits[0], limits[1]});
+}
+
+void check_frozen_keys(const ProblemSpec& spec, Diagnostics& out) {
+  for (const PhaseSpec& phase : spec.phases)
+    if (phase.restitution || phase.contacts.all || !phase.contacts.names.empty())
+      out.error(phase.name.place, "contacts that are found are not named by phases",
+                "leave 'contacts' and 'impulse' out");
+  if (spec.integrator && spec.integrator->value != Integrator::semi_implicit_euler)
+    out.error(spec.integrator->place, "contacts that are found have a stepping scheme of their own",
+              "leave 'integrator' out, or write 'integrator: semi_implicit_euler'");
+  for (const auto* list : {&spec.costs, &spec.terminal_costs})
+    for (const CostSpec& cost : *list)
+      if (cost.name.value == kRegularization)
+        out.error(cost.name.place, fmt::format("'{}' is the name of a cost of contacts that are "
+                                               "found",
+                                               kRegularization));
+  if (const CostSpec* rate = spec.first_use(ResidualKind::kControlRate))
+    out.error(rate->residual.place, "contacts that are found do not support 'control_rate'");
+  for (const auto* list : {&spec.constraints, &spec.terminal_constraints})
+    for (const ConstraintSpec& constraint : *list)
+      if (const Name& name = constraint.function.name;
+          name.value == kEquations || name.value == kPairs)
+        out.error(name.place, fmt::format("'{}' is the name of a constraint of contacts that are "
+                                          "found",
+                                          name.value));
+}
+
+}  // namespace
+
+std::shared_ptr<const SteppingSystem> build_stepping(const ProblemSpec& spec, const Plant& plant,
+                                                     Diagnostics& out) {
+  const int errors = out.error_count();
+  check_frozen_keys(spec, out);
+  ImplicitContacts contacts{.scheme = spec.stepping->scheme,
+                            .friction = spec.stepping->friction,
+                            .plane = spec.stepping->plane};
+  for (const CandidateSpec& candidate : spec.candidates) {
+    check_plane(candidate, *spec.stepping, out);
+    if (auto built = build_candidate(candidate, plant, out))
+      contacts.candidates.push_back(std::move(*built));
+  }
+  build_stops(spec, plant, contacts, out);
+  for (const auto& [joint, limit] :
+       values_of_joints(plant.robot(), spec.stepping->joint_friction, "", out))
+    contacts.frictions.push_back({joint, limit});
+  if (out.error_count() > errors) return nullptr;
+  try {
+    return std::make_shared<SteppingSystem>(plant.multibody(), std::move(contacts));
+  } catch (const std::invalid_argument& e) {
+    out.error(spec.stepping->place, e.what());
+    return nullptr;
+  }
+}
+
+void warn_of_overlaps(const ProblemSpec& spec, const Plant& plant, const std::vector<double>& state,
+                      Diagnostics& out) {
+  const auto data = plant.multibody()->create_data(double{});
+  plant.multibody()->update_kinematics(state.data(), *data);
+  const RobotData<double>& placements =
+      static_cast<const MultibodySystem::Data<double>&>(*data).robot;
+  const ImplicitContacts& contacts = plant.stepping()->contacts();
+  for (const ContactCandidate& candidate : contacts.candidates) {
+    if (candidate.stiffness) continue;
+    const CandidateGeometry geometry(plant.robot(), candidate, contacts.plane);
+    auto rows = geometry.create_rows<double>();
+    geometry.evaluate(placements, rows);
+    if (rows.gap >= -kRoundedOverlap) continue;
+    out.warning(spec.initial_state.place,
+                fmt::format("the initial state has '{}' {:.3g} m inside what it may only touch",
+                            candidate.name, -rows.gap),
+                "the first step would throw them apart");
+  }
+}
+
+void add_stepping_terms(const std::shared_ptr<const SteppingSystem>& system, KnotModel& model) {
+  model.add_constraint(
+      make_constraint(kEquations, stepping_residual(system, model.ndx()), ConstraintKind::bounds));
+  model.add_constraint(make_constraint(kPairs, stepping_pairs_residual(*system, model.ndx()),
+                                       ConstraintKind::complementarity));
+  const SteppingLayout& w = system->layout();
+  std::vector<int> forces;
+  const auto add_friction = [&](const FrictionIndices& f) {
+    if (f.count == 0) return;
+    forces.insert(forces.end(), f.force.begin(), f.force.begin() + f.count);
+    forces.push_back(f.gamma);
+  };
+  for (const SteppingLayout::Candidate& c : w.candidates) {
+    forces.push_back(c.force);
+    add_friction(c.friction);
+    if (!c.cone.present) continue;
+    // The share of friction too: nothing else tells it where no force acts and nothing slips.
+    forces.insert(forces.end(), c.cone.force.begin(), c.cone.force.end());
+    forces.insert(forces.end(), c.cone.use.begin(), c.cone.use.end());
+    forces.push_back(c.cone.speed);
+  }
+  for (const SteppingLayout::Stop& stop : w.stops) forces.push_back(stop.force);
+  for (const FrictionIndices& f : w.frictions) add_friction(f);
+  model.add_cost(kRegularization, chosen_controls_residual(model.ndx(), forces), {});
+}
+
+void write_stepping_parameters(const KnotModel& model, double dt, double regularization,
+                               double* parameters) {
+  const auto& constraints = model.constraints();
+  const ConstraintTerm& equations = constraints[constraints.size() - 2];
+  parameters[equations.parameters] = dt;
+  std::fill_n(parameters + equations.lower(), 2 * equations.rows, 0.0);
+  parameters[equations.active()] = parameters[constraints.back().active()] = 1;
+  parameters[model.costs().back().weight] = regularization;
+}
+
+}  // namespace conddp

@@ -1,0 +1,290 @@
+#include "problem_file/read/gait_schedule.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "problem_file/plant/planar_motion.hpp"
+#include "problem_file/read/read_sections.hpp"
+
+namespace conddp {
+namespace {
+
+/// A foot's swings in knots: the n-th one from first + n·period on.
+struct FootSteps {
+  int first = 0;
+  double start = 0;
+};
+
+class GaitSchedule {
+ public:
+  GaitSchedule(const GaitSpec& gait, ProblemSpec& spec, Diagnostics& out)
+      : gait_(gait), spec_(spec), out_(out) {}
+
+  void add() {
+    const int errors = out_.error_count();
+    count_knots();
+    if (out_.error_count() > errors) return;
+    make_phases();
+    if (swings()) make_costs();
+    for (CostSpec& cost : spec_.costs) lead(cost, false);
+    for (CostSpec& cost : spec_.terminal_costs) lead(cost, true);
+  }
+
+ private:
+  bool swings() const { return gait_.type.value != GaitType::stand; }
+  int cycles() const { return swings() ? gait_.cycles : 0; }
+  int foot_count() const { return static_cast<int>(gait_.feet.size()); }
+  int lift_off(int foot, int cycle) const { return feet_[foot].first + cycle * period_; }
+  int touch_down(int foot, int cycle) const { return lift_off(foot, cycle) + swing_; }
+
+  /// A duration in knots, which must be a whole number of them.
+  int knots_of(const Located<double>& duration, std::string_view what) {
+    const double steps = duration.value / gait_.dt.value;
+    constexpr double kRounding = 1e-6;
+    if (!(steps <= kMaxKnots)) {
+      out_.error(duration.place, fmt::format("{} {} s is more than {} steps of dt {} s", what,
+                                             duration.value, kMaxKnots, gait_.dt.value));
+      return 1;
+    }
+    if (std::abs(steps - std::round(steps)) > kRounding)
+      out_.error(duration.place,
+                 fmt::format("{} {} s is {:.6g} times dt, {} s: it must be a whole number of steps",
+                             what, duration.value, steps, gait_.dt.value));
+    return static_cast<int>(std::lround(steps));
+  }
+
+  void count_knots() {
+    const int errors = out_.error_count();
+    begin_ = knots_of(gait_.begin, "standing before the gait");
+    const int stand = knots_of(gait_.end, "standing after the gait");
+    double total = static_cast<double>(begin_) + stand;
+    if (swings()) {
+      period_ = knots_of(gait_.period, "the period");
+      if (out_.error_count() > errors) return;
+      swing_ = static_cast<int>(std::lround((1 - gait_.duty.value) * period_));
+      if (swing_ < 1)
+        return out_.error(
+            gait_.duty.place,
+            fmt::format("with a duty of {} no foot ever lifts: it would be in the air "
+                        "for {:.3g} s of the period, less than one step of dt {} s",
+                        gait_.duty.value, (1 - gait_.duty.value) * gait_.period.value,
+                        gait_.dt.value),
+            "lower 'duty', the share of the cycle that a foot stands");
+      if (swing_ >= period_)
+        return out_.error(
+            gait_.duty.place,
+            fmt::format("with a duty of {} no foot ever stands: that would be for "
+                        "{:.3g} s of the period, less than one step of dt {} s",
+                        gait_.duty.value, gait_.duty.value * gait_.period.value, gait_.dt.value));
+      if (stand < 1)
+        return out_.error(gait_.end.place,
+                          "the feet touch down at the beginning of the stand at the end: it needs "
+                          "one step at least",
+                          "raise 'stand: {end: ...}'");
+      total += static_cast<double>(cycles()) * period_;
+    }
+    if (total > kMaxKnots)
+      return out_.error(gait_.place, fmt::format("the gait has more than {} knots", kMaxKnots));
+    if (total < 1) return out_.error(gait_.place, "the gait takes no time");
+    earliest_ = 1, latest_ = 0;
+    for (const FootSpec& foot : gait_.feet) {
+      feet_.push_back({begin_ + static_cast<int>(std::lround(foot.start * period_)), foot.start});
+      earliest_ = std::min(earliest_, foot.start);
+      latest_ = std::max(latest_, foot.start);
+    }
+    end_ = begin_ + stand;
+    for (int foot = 0; swings() && foot < foot_count(); ++foot)
+      end_ = std::max(end_, touch_down(foot, cycles() - 1) + stand);
+  }
+
+  bool stands(int foot, int knot) const {
+    if (!swings() || knot < feet_[foot].first) return true;
+    const int since = knot - feet_[foot].first;
+    return since / period_ >= cycles() || since % period_ >= swing_;
+  }
+
+  std::vector<Name> standing(int knot) const {
+    std::vector<Name> names;
+    for (int foot = 0; foot < foot_count(); ++foot)
+      if (stands(foot, knot)) names.push_back(gait_.feet[foot].contact);
+    return names;
+  }
+
+  std::string phase_name(int knot, const std::vector<Name>& held) const {
+    const int count = static_cast<int>(held.size());
+    const int index = static_cast<int>(spec_.phases.size()) + 1;
+    if (count == 0) return fmt::format("flight_{}", index);
+    if (count == foot_count()) return fmt::format("stand_{}", index);
+    std::string name = fmt::format("swing_{}", index);
+    for (int foot = 0; foot < foot_count(); ++foot)
+      if (!stands(foot, knot)) name += "_" + gait_.feet[foot].contact.value;
+    return name;
+  }
+
+  /// The key that says how long a phase is.
+  const Place& place_of_length(bool first, bool last) const {
+    const Place& key = first ? gait_.begin.place : last ? gait_.end.place : gait_.period.place;
+    return key;
+  }
+
+  void make_phases() {
+    std::set<int> changes = {0};
+    for (int foot = 0; foot < foot_count(); ++foot)
+      for (int cycle = 0; cycle < cycles(); ++cycle) {
+        changes.insert(lift_off(foot, cycle));
+        changes.insert(touch_down(foot, cycle));
+      }
+    swing_phases_.resize(foot_count());
+    for (auto change = changes.begin(); change != changes.end(); ++change) {
+      const int from = *change;
+      const int to = std::next(change) == changes.end() ? end_ : *std::next(change);
+      if (from > 0 && gait_.impulses) add_impulse(from);
+      const std::vector<Name> held = standing(from);
+      add_phase({.name = {phase_name(from, held), gait_.place},
+                 .knots = {to - from, place_of_length(from == 0, to == end_)},
+                 .dt = gait_.dt.value,
+                 .contacts = {.names = held}},
+                from, from);
+    }
+  }
+
+  /// Appends a phase, in which those feet swing that are in the air before and after it.
+  void add_phase(PhaseSpec phase, int before, int after) {
+    for (int foot = 0; foot < foot_count(); ++foot)
+      if (!stands(foot, before) && !stands(foot, after)) swing_phases_[foot].push_back(phase.name);
+    spec_.phases.push_back(std::move(phase));
+  }
+
+  /// The impulse of the feet that touch down at a knot, those that stand already included.
+  void add_impulse(int knot) {
+    std::string name = fmt::format("touch_down_{}", spec_.phases.size() + 1);
+    bool touches = false;
+    for (int foot = 0; foot < foot_count(); ++foot)
+      if (stands(foot, knot) && !stands(foot, knot - 1)) {
+        name += "_" + gait_.feet[foot].contact.value;
+        touches = true;
+      }
+    if (!touches) return;
+    impulses_.push_back(knot);
+    add_phase({.name = {name, gait_.place},
+               .knots = {1, gait_.place},
+               .contacts = {.names = standing(knot)},
+               .restitution = 0},
+              knot - 1, knot);
+  }
+
+  /// The motion up to a share of the whole way.
+  PlanarMotion motion(double share) const {
+    const PlanarMotion step{gait_.step_length * std::cos(gait_.direction),
+                            gait_.step_length * std::sin(gait_.direction), gait_.turn};
+    // To a picometre and its angle: an expanded file shows 0.2 and not 0.19999999999999998.
+    const auto rounded = [](double value) { return std::round(value * 1e12) / 1e12; };
+    const PlanarMotion exact = along_arc(step, share * cycles());
+    return {rounded(exact.x), rounded(exact.y), rounded(exact.yaw)};
+  }
+
+  double landing(int foot, int cycle) const {
+    return std::min(1.0, (cycle + 1 - latest_ + feet_[foot].start) / (cycles() - latest_));
+  }
+
+  void make_costs() {
+    std::vector<CostSpec> costs;
+    for (int foot = 0; foot < foot_count(); ++foot) {
+      const Name& contact = gait_.feet[foot].contact;
+      const ContactSpec& on =
+          *std::find_if(spec_.contacts.begin(), spec_.contacts.end(),
+                        [&](const ContactSpec& c) { return c.name.value == contact.value; });
+      const bool sole = on.kind == ContactKind::surface;
+      const ResidualKind kind = sole ? ResidualKind::kFramePlacement : ResidualKind::kFramePosition;
+      SwingSpec swing{.place = gait_.place, .height = gait_.step_height};
+      for (int cycle = 0; cycle < cycles(); ++cycle)
+        swing.displaced.push_back(motion(landing(foot, cycle)));
+      CostSpec cost{.name = {"swing_" + contact.value, gait_.place},
+                    .residual = {std::string(residual_info(kind).name), gait_.place},
+                    .kind = kind,
+                    .weight = gait_.weight};
+      cost.frame = {on.frame.value, contact.place};
+      cost.swing = std::move(swing);
+      cost.phases = swing_phases_[foot];
+      for (const CostSpec& other : spec_.costs)
+        if (other.name.value == cost.name.value)
+          out_.error(other.name.place,
+                     fmt::format("the gait makes a cost '{}' for the swings of '{}'",
+                                 cost.name.value, contact.value),
+                     "give this cost another name");
+      costs.push_back(std::move(cost));
+    }
+    spec_.costs.insert(spec_.costs.end(), costs.begin(), costs.end());
+  }
+
+  /// A node's number, which counts impulses that come before it.
+  int node(int knot) const {
+    return knot + static_cast<int>(std::count_if(impulses_.begin(), impulses_.end(),
+                                                 [&](int impulse) { return impulse < knot; }));
+  }
+
+  /// Knots and the share of the way that the base has gone by then.
+  std::vector<std::pair<int, double>> way() const {
+    const auto round_trip = [&](double start) {
+      return begin_ + static_cast<int>(std::lround(start * period_));
+    };
+    std::vector<std::pair<int, double>> points;
+    if (cycles() == 0) return {{0, 0.0}};
+    if (earliest_ == latest_) {
+      for (int cycle = 0; cycle < cycles(); ++cycle) {
+        points.emplace_back(lift_off(0, cycle), static_cast<double>(cycle) / cycles());
+        points.emplace_back(touch_down(0, cycle), (cycle + 1.0) / cycles());
+      }
+      return points;
+    }
+    const int first = round_trip(earliest_) + swing_ / 2;
+    const int last = round_trip(latest_) + (cycles() - 1) * period_ + swing_ / 2;
+    // On an arc straight pieces of half a cycle come close enough.
+    const int pieces = gait_.turn == 0 ? 1 : 2 * cycles();
+    for (int i = 0; i <= pieces; ++i) {
+      const int knot =
+          first + static_cast<int>(std::lround(static_cast<double>(i) * (last - first) / pieces));
+      if (points.empty() || knot > points.back().first)
+        points.emplace_back(knot, static_cast<double>(knot - first) / (last - first));
+    }
+    return points;
+  }
+
+  /// Gives a reference that goes with the gait its way-points, or at the last node its end.
+  void lead(CostSpec& cost, bool terminal) const {
+    if (!cost.reference || cost.reference->values.size() != 1) return;
+    ReferenceSpec& reference = *cost.reference;
+    if (!reference.times.empty() || !reference.knots.empty()) return;
+    const ReferenceValueSpec value = reference.values.front();
+    if (!value.state || !value.state->displaced || !value.state->displaced->with_gait) return;
+    reference.values.clear();
+    const auto points = way();
+    for (const auto& [knot, share] : points) {
+      if (terminal && !reference.values.empty()) break;
+      ReferenceValueSpec& point = reference.values.emplace_back(value);
+      point.state->displaced = {.place = value.state->displaced->place,
+                                .motion = motion(terminal ? 1.0 : share)};
+      if (!terminal && points.size() > 1) reference.knots.push_back({node(knot), value.place});
+    }
+  }
+
+  const GaitSpec& gait_;
+  ProblemSpec& spec_;
+  Diagnostics& out_;
+  int begin_ = 0, period_ = 0, swing_ = 0, end_ = 0;  ///< knots
+  double earliest_ = 0, latest_ = 0;                  ///< of the feet's starts
+  std::vector<FootSteps> feet_;
+  std::vector<std::vector<Name>> swing_phases_;  ///< per foot
+  std::vector<int> impulses_;                    ///< knots
+};
+
+}  // namespace
+
+void add_gait(const GaitSpec& gait, ProblemSpec& spec, Diagnostics& out) {
+  GaitSchedule(gait, spec, out).add();
+}
+
+}  // namespace conddp

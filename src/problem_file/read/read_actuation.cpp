@@ -1,0 +1,64 @@
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "problem_file/read/read_sections.hpp"
+#include "problem_file/spec/words.hpp"
+
+namespace conddp {
+namespace {
+
+void read_direction(const YamlReader& reader, Vector3<double>& direction) {
+  const auto vector = read_vector3(reader, "a direction [x, y, z]");
+  if (!vector) return;
+  const double length = std::sqrt(squared_norm(*vector));
+  if (length > 0)
+    direction = unit_scale(length) * *vector;
+  else
+    reader.error("the direction has no length");
+}
+
+ThrusterSpec read_thruster(const YamlReader& reader) {
+  ThrusterSpec thruster;
+  YamlMap map(reader);
+  if (const auto r = map.require("name")) thruster.name = r->name().value_or(Name{});
+  if (const auto r = map.require("frame")) thruster.frame = r->name().value_or(Name{});
+  if (const auto r = map.find("direction")) read_direction(*r, thruster.direction);
+  map.number("torque_ratio", thruster.torque_ratio);
+  if (const auto r = map.find("lower")) {
+    if (r->is_null())
+      thruster.lower = -kUnlimited;
+    else if (const auto lower = r->number())
+      thruster.lower = *lower;
+  }
+  if (const auto r = map.find("upper"); r && !r->is_null())
+    if (const auto upper = r->number()) thruster.upper = *upper;
+  if (thruster.lower > thruster.upper)
+    reader.error(fmt::format("the lower limit {} is above the upper limit {}", thruster.lower,
+                             thruster.upper));
+  return thruster;
+}
+
+}  // namespace
+
+ActuationSpec read_actuation(const YamlReader& reader) {
+  ActuationSpec actuation;
+  if (reader.is_scalar()) {
+    actuation.full = reader.choice(kActuationWords, "actuation (nor a mapping)").value_or(true);
+    return actuation;
+  }
+  YamlMap map(reader);
+  if (!map.valid()) return actuation;
+  actuation.full = false;
+  const auto thrusters = map.find("thrusters");
+  const auto joints = map.find("joints");
+  if (!thrusters && !joints)
+    reader.error("'joints' or 'thrusters' is expected here", "or write 'actuation: none'");
+  if (thrusters)
+    if (const auto items = thrusters->items())
+      for (const YamlReader& item : *items) actuation.thrusters.push_back(read_thruster(item));
+  if (joints) actuation.joints = joints->names().value_or(std::vector<Name>{});
+  return actuation;
+}
+
+}  // namespace conddp

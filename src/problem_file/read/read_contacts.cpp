@@ -1,0 +1,115 @@
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "problem_file/read/read_sections.hpp"
+#include "problem_file/spec/words.hpp"
+
+namespace conddp {
+namespace {
+
+void read_baumgarte(const YamlReader& reader, ContactSpec& contact) {
+  contact.baumgarte_place = reader.place();
+  YamlMap map(reader);
+  map.number("kp", contact.kp, kNotNegative);
+  map.number("kd", contact.kd, kNotNegative);
+}
+
+/// The keys that `defaults` may have, too.
+void read_common_keys(YamlMap& map, ContactSpec& contact) {
+  if (const auto r = map.find("type"))
+    contact.kind = r->choice(kContactWords, "type of contact").value_or(contact.kind);
+  if (const auto r = map.find("axes"))
+    contact.axes = r->choice(kAxesWords, "system of axes").value_or(contact.axes);
+  if (const auto r = map.find("normal"))
+    contact.normal = read_direction(*r).value_or(contact.normal);
+  if (const auto r = map.find("tangent")) {
+    contact.tangent = read_direction(*r);
+    if (contact.kind != ContactKind::planar)
+      r->error("'tangent' belongs to contacts of type 'planar'");
+  }
+  if (const auto r = map.find("baumgarte")) read_baumgarte(*r, contact);
+  map.number("friction", contact.friction, kPositive);
+  map.number("min_normal_force", contact.min_normal_force, kNotNegative);
+  map.number("max_normal_force", contact.max_normal_force, kPositive);
+  if (contact.min_normal_force >= contact.max_normal_force)
+    map.reader().error(fmt::format("'min_normal_force' {} does not lie under 'max_normal_force' {}",
+                                   contact.min_normal_force, contact.max_normal_force));
+  if (const auto r = map.find("size")) {
+    const auto size = r->numbers(2, "[length, width] of a sole along its x and y, in m");
+    if (size && (*size)[0] > 0 && (*size)[1] > 0)
+      contact.half_size = {(*size)[0] / 2, (*size)[1] / 2};
+    else if (size)
+      r->error("the size of a sole must be positive");
+  }
+}
+
+void complete_tangent(const Place& place, Diagnostics& out, ContactSpec& contact) {
+  if (contact.kind != ContactKind::planar) return;
+  const Vector3<double> n = contact.normal;
+  // Without one: the world's (or the frame's) x axis as far as it lies in the plane.
+  Vector3<double> t = contact.tangent.value_or(Vector3<double>{1, 0, 0});
+  t = t - dot(n, t) * n;
+  const double length = std::sqrt(squared_norm(t));
+  if (length < 1e-3) {
+    out.error(place, "the tangent of a planar contact must not be along its normal",
+              "give 'tangent'");
+    return;
+  }
+  contact.tangent = (1 / length) * t;
+}
+
+}  // namespace
+
+std::optional<Vector3<double>> read_direction(const YamlReader& reader) {
+  const auto v = read_vector3(reader, "a direction [x, y, z]");
+  if (!v) return std::nullopt;
+  const double length = std::sqrt(squared_norm(*v));
+  if (length > 1e-6) return unit_scale(length) * *v;
+  reader.error("a direction of length 0");
+  return std::nullopt;
+}
+
+std::vector<ContactSpec> read_contacts(const YamlReader& reader) {
+  std::vector<ContactSpec> contacts;
+  const auto entries = reader.named_entries("write '{LF: {frame: lf_foot}}'");
+  if (!entries) return contacts;
+  ContactSpec defaults;
+  for (const auto& [name, value] : *entries) {
+    if (name.value != "defaults") continue;
+    YamlMap map(value);
+    read_common_keys(map, defaults);
+  }
+  for (const auto& [name, value] : *entries) {
+    if (name.value == "defaults") continue;
+    if (name.value == "all" || name.value.find_first_of("/,") != std::string::npos)
+      reader.diagnostics().error(
+          name.place, fmt::format("'{}' cannot be the name of a contact", name.value),
+          "'all' stands for every contact, and names have no '/' and no ','");
+    ContactSpec contact = defaults;
+    contact.name = name;
+    YamlMap map(value);
+    if (const auto r = map.require("frame")) contact.frame = r->name().value_or(contact.frame);
+    read_common_keys(map, contact);
+    if (const auto r = map.find("placement")) {
+      contact.placement = read_pose(*r);
+      if (contact.kp == 0) r->error("'placement' counts where 'baumgarte' has a 'kp' only");
+    }
+    if (contact.baumgarte_place.path.empty()) contact.baumgarte_place = name.place;
+    complete_tangent(name.place, reader.diagnostics(), contact);
+    contacts.push_back(std::move(contact));
+  }
+  return contacts;
+}
+
+ContactNames read_contact_names(const YamlReader& reader) {
+  ContactNames contacts;
+  if (reader.is_scalar() && reader.node().text == "all") {
+    contacts.all = true;
+    return contacts;
+  }
+  if (const auto names = reader.name_or_names()) contacts.names = *names;
+  return contacts;
+}
+
+}  // namespace conddp

@@ -1,0 +1,213 @@
+#include <algorithm>
+#include <numbers>
+#include <span>
+
+#include <fmt/format.h>
+
+#include "base/near_names.hpp"
+#include "problem_file/read/read_sections.hpp"
+#include "problem_file/spec/words.hpp"
+
+namespace conddp {
+namespace {
+
+struct Role {
+  std::string_view name;
+  double start;
+};
+constexpr Role kQuadrupedWalk[] = {{"LF", 0.25}, {"RF", 0.75}, {"LH", 0}, {"RH", 0.5}};
+constexpr Role kTrot[] = {{"LF", 0.5}, {"RF", 0}, {"LH", 0}, {"RH", 0.5}};
+constexpr Role kPace[] = {{"LF", 0.5}, {"RF", 0}, {"LH", 0.5}, {"RH", 0}};
+constexpr Role kBound[] = {{"LF", 0}, {"RF", 0}, {"LH", 0.5}, {"RH", 0.5}};
+constexpr Role kBipedWalk[] = {{"L", 0}, {"R", 0.5}};
+
+/// Sets of roles that a type can have; none where its feet move together.
+std::vector<std::span<const Role>> role_sets(GaitType type) {
+  switch (type) {
+    case GaitType::walk:
+      return {kQuadrupedWalk, kBipedWalk};
+    case GaitType::trot:
+      return {kTrot};
+    case GaitType::pace:
+      return {kPace};
+    case GaitType::bound:
+      return {kBound};
+    case GaitType::stand:
+    case GaitType::jump:
+      break;
+  }
+  return {};
+}
+
+double usual_duty(GaitType type, std::size_t feet) {
+  if (type == GaitType::walk) return feet == 2 ? 0.6 : 0.75;
+  return 0.5;
+}
+
+const ContactSpec* find_contact(const std::vector<ContactSpec>& contacts, std::string_view name) {
+  const auto found = std::find_if(contacts.begin(), contacts.end(),
+                                  [&](const ContactSpec& c) { return c.name.value == name; });
+  return found == contacts.end() ? nullptr : &*found;
+}
+
+std::string roles_example(std::span<const Role> roles) {
+  std::string text;
+  for (const Role& role : roles)
+    text += fmt::format("{}{}: ...", text.empty() ? "" : ", ", role.name);
+  return "{" + text + "}";
+}
+
+/// The feet where the file does not say them: contacts called like the roles.
+void find_feet(const YamlReader& reader, const std::vector<ContactSpec>& contacts, GaitSpec& gait) {
+  const auto sets = role_sets(gait.type.value);
+  if (sets.empty()) {
+    for (const ContactSpec& contact : contacts)
+      gait.feet.push_back({contact.name.value, {contact.name.value, gait.place}});
+    if (contacts.empty()) reader.error("a gait needs feet, and the file has no 'contacts'");
+    return;
+  }
+  std::string hint;
+  for (const auto& roles : sets) {
+    const bool all = std::all_of(roles.begin(), roles.end(), [&](const Role& role) {
+      return find_contact(contacts, role.name) != nullptr;
+    });
+    hint += fmt::format("{}'feet: {}'", hint.empty() ? "write " : " or ", roles_example(roles));
+    if (!all) continue;
+    for (const Role& role : roles) {
+      const std::string name(role.name);
+      gait.feet.push_back({name, {name, gait.place}, role.start});
+    }
+    return;
+  }
+  reader.error("it is not clear which contacts are the feet: none have the feet's names", hint);
+}
+
+void check_contact(const YamlReader& reader, const std::vector<ContactSpec>& contacts,
+                   const GaitSpec& gait, const Name& name) {
+  std::vector<std::string> known;
+  for (const ContactSpec& contact : contacts) known.push_back(contact.name.value);
+  if (find_contact(contacts, name.value) == nullptr)
+    reader.error(
+        fmt::format("there is no contact '{}'", name.value),
+        known.empty() ? "the file has no 'contacts'" : name_hint(name.value, known, "contacts"));
+  for (const FootSpec& foot : gait.feet)
+    if (foot.contact.value == name.value)
+      reader.error(fmt::format("the contact '{}' is the foot '{}' already", name.value, foot.role));
+}
+
+void read_feet(const YamlReader& reader, const std::vector<ContactSpec>& contacts, GaitSpec& gait) {
+  const auto entries = reader.named_entries();
+  if (!entries) return;
+  const auto sets = role_sets(gait.type.value);
+  std::span<const Role> roles;
+  for (const auto& set : sets)
+    if (set.size() == entries->size()) roles = set;
+  for (const auto& [role, value] : *entries) {
+    const auto name = value.name();
+    if (!name) continue;
+    check_contact(value, contacts, gait, *name);
+    const auto known = std::find_if(roles.begin(), roles.end(),
+                                    [&](const Role& r) { return r.name == role.value; });
+    if (!roles.empty() && known == roles.end()) {
+      std::vector<std::string> names;
+      for (const Role& r : roles) names.emplace_back(r.name);
+      reader.diagnostics().error(
+          role.place,
+          fmt::format("a {} has no foot '{}'", word_of(kGaitWords, gait.type.value), role.value),
+          name_hint(role.value, names, "feet"), names);
+    }
+    gait.feet.push_back({role.value, *name, known == roles.end() ? 0 : known->start});
+  }
+  if (!sets.empty() && roles.empty()) {
+    std::string hint;
+    for (const auto& set : sets)
+      hint += fmt::format("{}'feet: {}'", hint.empty() ? "write " : " or ", roles_example(set));
+    reader.error(fmt::format("a {} of {} feet is not known", word_of(kGaitWords, gait.type.value),
+                             entries->size()),
+                 hint);
+  } else if (entries->empty()) {
+    reader.error("there is no foot");
+  }
+}
+
+void read_starts(const YamlReader& reader, GaitSpec& gait) {
+  static const NumberRange kShare{0, 1, false, true, "a share of the cycle from 0 to 1 (excluded)"};
+  for (const auto& [role, start] : read_named_numbers(reader, kShare)) {
+    const auto foot = std::find_if(gait.feet.begin(), gait.feet.end(),
+                                   [&](const FootSpec& f) { return f.role == role.value; });
+    if (foot != gait.feet.end()) {
+      foot->start = start;
+      continue;
+    }
+    std::vector<std::string> names;
+    for (const FootSpec& f : gait.feet) names.push_back(f.role);
+    reader.diagnostics().error(role.place, fmt::format("the gait has no foot '{}'", role.value),
+                               name_hint(role.value, names, "feet"), names);
+  }
+}
+
+void read_step(const YamlReader& reader, GaitSpec& gait) {
+  static const NumberRange kTurn{-std::numbers::pi, std::numbers::pi, false, false,
+                                 "an angle from -π to π"};
+  YamlMap map(reader);
+  map.number("length", gait.step_length, kNotNegative);
+  map.number("height", gait.step_height, kNotNegative);
+  map.number("direction", gait.direction);
+  map.number("turn", gait.turn, kTurn);
+}
+
+bool read_located(YamlMap& map, std::string_view key, Located<double>& value,
+                  const NumberRange& range) {
+  value.place = map.reader().place();
+  const auto reader = map.find(key);
+  if (!reader) return false;
+  value = {reader->number(range).value_or(value.value), reader->place()};
+  return true;
+}
+
+}  // namespace
+
+GaitSpec read_gait(const YamlReader& reader, const std::vector<ContactSpec>& contacts) {
+  GaitSpec gait{.place = reader.place()};
+  YamlMap map(reader);
+  const auto type = map.require("type");
+  const auto chosen = type ? type->choice(kGaitWords, "gait") : std::nullopt;
+  if (!chosen) {
+    map.ignore_others();
+    return gait;
+  }
+  gait.type = {*chosen, type->place()};
+  if (const auto r = map.find("feet"))
+    read_feet(*r, contacts, gait);
+  else
+    find_feet(reader, contacts, gait);
+  if (map.require("dt")) read_located(map, "dt", gait.dt, kPositive);
+  if (const auto r = map.find("stand")) {
+    YamlMap stand(*r);
+    read_located(stand, "begin", gait.begin, kNotNegative);
+    read_located(stand, "end", gait.end, kNotNegative);
+  }
+  gait.begin.place = gait.begin.place.path.empty() ? gait.place : gait.begin.place;
+  gait.end.place = gait.end.place.path.empty() ? gait.place : gait.end.place;
+  if (*chosen == GaitType::stand) {
+    for (const char* key : {"starts", "cycles", "period", "duty", "step", "impulses", "weight"})
+      if (const auto r = map.find(key))
+        r->error(fmt::format("standing feet make no steps: the gait 'stand' has no '{}'", key));
+    return gait;
+  }
+  if (const auto r = map.find("starts")) read_starts(*r, gait);
+  map.integer("cycles", gait.cycles, 1, 10'000);
+  if (map.require("period")) read_located(map, "period", gait.period, kPositive);
+  gait.duty.value = usual_duty(*chosen, gait.feet.size());
+  static const NumberRange kShare{0, 1, true, false, "a share of the cycle from 0 (excluded) to 1"};
+  read_located(map, "duty", gait.duty, kShare);
+  if (const auto r = map.find("step")) read_step(*r, gait);
+  if (const auto r = map.find("impulses")) {
+    static constexpr Choice<bool> kWords[] = {{"true", true}, {"false", false}};
+    gait.impulses = r->choice(kWords, "value of 'impulses'").value_or(false);
+  }
+  map.number("weight", gait.weight, kPositive);
+  return gait;
+}
+
+}  // namespace conddp

@@ -1,0 +1,70 @@
+#include <fmt/format.h>
+
+#include "problem_file/read/read_sections.hpp"
+
+namespace conddp {
+namespace {
+
+std::optional<BaseSpec> read_base(const YamlReader& reader) {
+  YamlMap map(reader);
+  if (!map.valid()) return std::nullopt;
+  BaseSpec base{.place = reader.place()};
+  if (const auto position = map.find("position")) {
+    base.position = position->numbers();
+    if (base.position && base.position->size() != 2 && base.position->size() != 3)
+      position->error(fmt::format(
+          "[x, y, z] in m is expected here, or [x, y] for a planar base; this one has {} "
+          "numbers",
+          base.position->size()));
+  }
+  base.orientation = read_orientation(map);
+  double yaw = 0;
+  if (map.number("yaw", yaw)) base.yaw = yaw;
+  return base;
+}
+
+DisplacementSpec read_displacement(const YamlReader& reader) {
+  DisplacementSpec displacement{.place = reader.place()};
+  if (reader.is_scalar() && reader.node().text == "gait")
+    displacement.with_gait = true;
+  else
+    displacement.motion = read_planar_motion(reader).value_or(PlanarMotion{});
+  return displacement;
+}
+
+}  // namespace
+
+StateSpec read_state_keys(YamlMap& map) {
+  StateSpec state{.place = map.reader().place()};
+  map.exclusive({"state", "values", "robots"});
+  for (const std::string_view part : {"configuration", "base", "joints", "velocity"}) {
+    map.exclusive({"state", part});
+    map.exclusive({"values", part});
+  }
+  if (const auto r = map.find("configuration")) state.configuration = r->name();
+  if (const auto r = map.find("base")) state.base = read_base(*r);
+  if (const auto r = map.find("displaced")) state.displaced = read_displacement(*r);
+  if (const auto r = map.find("joints")) state.joints = read_named_numbers(*r);
+  if (const auto r = map.find("velocity")) {
+    YamlMap velocity(*r);
+    if (const auto base = velocity.find("base")) state.base_velocity = read_twist(*base);
+    if (const auto joints = velocity.find("joints"))
+      state.joint_velocities = read_named_numbers(*joints);
+  }
+  if (const auto r = map.find("robots"))
+    if (const auto entries = r->named_entries())
+      for (const auto& [name, value] : *entries)
+        if (auto part = read_state(value)) state.robots.push_back({name, std::move(*part)});
+  if (const auto r = map.find("state")) state.state = r->numbers();
+  if (const auto r = map.find("values")) state.values = read_named_numbers(*r);
+  if (const auto r = map.find("previous_control")) state.previous_control = read_components(*r);
+  return state;
+}
+
+std::optional<StateSpec> read_state(const YamlReader& reader) {
+  YamlMap map(reader, "write '{joints: {knee: 0.5}}' or '{configuration: NAME}'");
+  if (!map.valid()) return std::nullopt;
+  return read_state_keys(map);
+}
+
+}  // namespace conddp

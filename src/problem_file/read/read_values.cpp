@@ -1,0 +1,118 @@
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "problem_file/read/read_sections.hpp"
+
+namespace conddp {
+namespace {
+
+double norm(const Quaternion<double>& q) {
+  return std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);
+}
+
+}  // namespace
+
+double unit_scale(double length) {
+  constexpr double kRounding = 4 * std::numeric_limits<double>::epsilon();
+  return std::abs(length - 1) <= kRounding ? 1.0 : 1 / length;
+}
+
+std::optional<Vector3<double>> read_vector3(const YamlReader& reader, std::string_view what) {
+  const auto n = reader.numbers(3, what);
+  if (!n) return std::nullopt;
+  return Vector3<double>{(*n)[0], (*n)[1], (*n)[2]};
+}
+
+NamedNumbers read_named_numbers(const YamlReader& reader, const NumberRange& range) {
+  NamedNumbers values;
+  if (const auto entries = reader.named_entries())
+    for (const auto& [name, value] : *entries)
+      if (const auto number = value.number(range)) values.emplace_back(name, *number);
+  return values;
+}
+
+std::optional<ComponentsSpec> read_components(const YamlReader& reader, const NumberRange& range) {
+  ComponentsSpec spec{.place = reader.place()};
+  const auto component = [&](const YamlReader& r, std::optional<double>& value) {
+    if (r.is_null()) return true;
+    value = r.number(range);
+    return value.has_value();
+  };
+  if (reader.is_sequence()) {
+    spec.form = ComponentsSpec::Form::kList;
+    const auto items = reader.items();
+    for (const YamlReader& item : *items)
+      if (!component(item, spec.list.emplace_back())) return std::nullopt;
+  } else if (reader.is_map()) {
+    spec.form = ComponentsSpec::Form::kMap;
+    const auto entries = reader.named_entries();
+    for (const auto& [name, value] : *entries)
+      if (!component(value, spec.map.emplace_back(name, std::nullopt).second)) return std::nullopt;
+  } else {
+    spec.scalar = reader.number(range);
+    if (!spec.scalar) return std::nullopt;
+  }
+  return spec;
+}
+
+std::optional<PlanarMotion> read_planar_motion(const YamlReader& reader) {
+  const auto n = reader.numbers(3, "[x, y, yaw] in m and rad");
+  if (!n) return std::nullopt;
+  return PlanarMotion{(*n)[0], (*n)[1], (*n)[2]};
+}
+
+std::optional<Quaternion<double>> read_orientation(YamlMap& map) {
+  map.exclusive({"orientation", "rpy"});
+  std::optional<Quaternion<double>> result;
+  if (const auto reader = map.find("orientation")) {
+    if (const auto n = reader->numbers(4, "a quaternion [x, y, z, w]")) {
+      const Quaternion<double> q{(*n)[0], (*n)[1], (*n)[2], (*n)[3]};
+      const double length = norm(q);
+      constexpr double kTolerance = 1e-3;
+      if (std::abs(length - 1) > kTolerance)
+        reader->error(fmt::format("the quaternion has length {:.6g}, not 1", length),
+                      "the order is [x, y, z, w]; no rotation is [0, 0, 0, 1]");
+      else
+        result = q;
+    }
+  }
+  if (const auto reader = map.find("rpy"))
+    if (const auto n = reader->numbers(3, "[roll, pitch, yaw] in rad"))
+      result = quaternion(rotation_rpy((*n)[0], (*n)[1], (*n)[2]));
+  if (result) {
+    const double scale = unit_scale(norm(*result));
+    result = {scale * result->x, scale * result->y, scale * result->z, scale * result->w};
+  }
+  return result;
+}
+
+std::optional<PoseSpec> read_pose(const YamlReader& reader) {
+  YamlMap map(reader);
+  if (!map.valid()) return std::nullopt;
+  PoseSpec pose{.place = reader.place()};
+  if (const auto position = map.find("position"))
+    pose.position = read_vector3(*position, "[x, y, z] in m");
+  pose.orientation = read_orientation(map);
+  return pose;
+}
+
+std::optional<TwistSpec> read_twist(const YamlReader& reader) {
+  TwistSpec twist{.place = reader.place()};
+  if (reader.is_sequence()) {
+    const auto n = reader.numbers(6, "[vx, vy, vz, wx, wy, wz] in m/s and rad/s");
+    if (!n) return std::nullopt;
+    for (int i = 0; i < 3; ++i) twist.linear[i] = (*n)[i], twist.angular[i] = (*n)[i + 3];
+    return twist;
+  }
+  YamlMap map(reader);
+  if (!map.valid()) return std::nullopt;
+  if (const auto linear = map.find("linear"))
+    twist.linear = read_vector3(*linear, "[x, y, z] in m/s").value_or(twist.linear);
+  if (const auto angular = map.find("angular"))
+    twist.angular = read_vector3(*angular, "[x, y, z] in rad/s").value_or(twist.angular);
+  return twist;
+}
+
+}  // namespace conddp

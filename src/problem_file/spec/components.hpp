@@ -1,0 +1,45 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "problem_file/spec/spec_values.hpp"
+#include "systems/system.hpp"
+
+namespace conddp {
+
+/// What the components of a vector are called in a problem file.
+struct ComponentNames {
+  std::string what;                 ///< in messages: "joints", "columns of the state"
+  std::vector<std::string> names;   ///< full names
+  std::vector<std::string> second;  ///< other names accepted, empty where there is none
+
+  ComponentNames() = default;
+  ComponentNames(std::string what_they_are, std::vector<std::string> full_names);
+  int size() const { return static_cast<int>(names.size()); }
+};
+
+/// One number a component; components without one get `fallback`. A wrong length or an unknown name
+/// is reported. Of several names that fit, an exact one wins over one with `*`, a longer over a
+/// shorter one.
+std::optional<std::vector<double>> resolve(const ComponentsSpec& spec, const ComponentNames& names,
+                                           double fallback, Diagnostics& out);
+
+/// How well a name of the file, in which `*` stands for any letters, fits this one: 0 not at all,
+/// most the name itself, and a longer pattern better than a shorter one.
+std::size_t fit(const std::string& pattern, const std::string& name);
+bool fits(const std::string& pattern, const std::string& name);
+/// Whether a name of the file may mean several.
+bool is_pattern(const std::string& name);
+
+/// "joints: a, b, c", for hints.
+std::string list_of(const ComponentNames& names);
+
+ComponentNames state_names(const System& system);
+ComponentNames control_names(const System& system);
+/// Components of tangent vectors at a state: flat columns keep their names, a pose has x, y, z and
+/// rx, ry, rz (rotation vector) instead of its quaternion.
+ComponentNames tangent_names(const System& system);
+
+}  // namespace conddp

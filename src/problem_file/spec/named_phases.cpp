@@ -1,0 +1,79 @@
+#include "problem_file/spec/named_phases.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "base/near_names.hpp"
+#include "problem_file/spec/components.hpp"
+
+namespace conddp {
+namespace {
+
+void check_weights(const ProblemSpec& spec, Diagnostics& out) {
+  std::vector<std::string> names;
+  for (const CostSpec& cost : spec.costs) names.push_back(cost.name.value);
+  for (const PhaseSpec& phase : spec.phases)
+    for (const auto& [name, value] : phase.weights)
+      if (std::find(names.begin(), names.end(), name.value) == names.end())
+        out.error(name.place, fmt::format("there is no cost '{}'", name.value),
+                  name_hint(name.value, names, "costs"));
+}
+
+void check_knots(const CostSpec& function, const ProblemSpec& spec, Diagnostics& out) {
+  if (!function.knots || !function.phases) return;
+  const std::vector<bool> named = phases_named(function.phases, spec);
+  std::string ranges;
+  int first = 0;
+  std::vector<std::size_t> phase_of;
+  for (std::size_t p = 0; p < spec.phases.size(); ++p) {
+    const int knots = spec.phases[p].knots.value;
+    phase_of.insert(phase_of.end(), knots, p);
+    if (named[p])
+      ranges += fmt::format("{}'{}' has {} to {}", ranges.empty() ? "" : ", ",
+                            spec.phases[p].name.value, first, first + knots - 1);
+    first += knots;
+  }
+  for (const Located<int>& knot : *function.knots) {
+    if (knot.value >= first || named[phase_of[knot.value]]) continue;
+    out.error(knot.place,
+              fmt::format("knot {} is in the phase '{}', which '{}' does not name", knot.value,
+                          spec.phases[phase_of[knot.value]].name.value, function.name.value),
+              "knots are numbered over all phases: " + ranges);
+  }
+}
+
+}  // namespace
+
+std::vector<bool> phases_named(const std::optional<std::vector<Name>>& names,
+                               const ProblemSpec& spec) {
+  std::vector<bool> named(spec.phases.size(), !names.has_value());
+  if (!names) return named;
+  for (std::size_t p = 0; p < named.size(); ++p)
+    named[p] = std::any_of(names->begin(), names->end(), [&](const Name& name) {
+      return fits(name.value, spec.phases[p].name.value);
+    });
+  return named;
+}
+
+std::vector<bool> phases_named(const std::optional<std::vector<Name>>& names,
+                               const ProblemSpec& spec, Diagnostics& out) {
+  std::vector<std::string> known;
+  for (const PhaseSpec& phase : spec.phases) known.push_back(phase.name.value);
+  if (names)
+    for (const Name& name : *names)
+      if (std::none_of(known.begin(), known.end(),
+                       [&](const std::string& phase) { return fits(name.value, phase); }))
+        out.error(name.place, fmt::format("there is no phase '{}'", name.value),
+                  name_hint(name.value, known, "phases"));
+  return phases_named(names, spec);
+}
+
+void check_phases(const ProblemSpec& spec, Diagnostics& out) {
+  check_weights(spec, out);
+  for (const CostSpec& cost : spec.costs) check_knots(cost, spec, out);
+  for (const ConstraintSpec& constraint : spec.constraints)
+    check_knots(constraint.function, spec, out);
+}
+
+}  // namespace conddp

@@ -1,0 +1,88 @@
+#pragma once
+
+#include <filesystem>
+#include <variant>
+
+#include <Eigen/Core>
+
+#include "problem_file/spec/spec_values.hpp"
+#include "robot/urdf/urdf.hpp"
+#include "systems/catalogue.hpp"
+
+namespace conddp {
+
+struct PayloadSpec {
+  Name link;
+  double mass = 0;                                ///< kg
+  Vector3<double> com = Vector3<double>::zero();  ///< m, in the link's frame
+  std::optional<Symmetric3<double>> inertia;      ///< kg m² about the centre of mass
+};
+
+struct WrenchSpec {
+  Name frame;
+  Force<double> wrench = Force<double>::zero();  ///< N, Nm, world-aligned
+};
+
+struct ThrusterSpec {
+  Name name;
+  Name frame;
+  Vector3<double> direction{0, 0, 1};  ///< unit vector in the frame
+  double torque_ratio = 0;             ///< Nm per N
+  double lower = 0;                    ///< N
+  double upper = kUnlimited;           ///< N
+};
+
+/// `full`: every joint; otherwise thrusters and the named joints (none: `none`).
+struct ActuationSpec {
+  bool full = true;
+  std::vector<ThrusterSpec> thrusters;
+  std::vector<Name> joints;
+};
+
+struct PassiveSpec {
+  bool damping = false;
+  bool friction = false;
+  double friction_velocity = 0.01;  ///< rad/s or m/s
+};
+
+/// A robot from a URDF file.
+struct RobotSpec {
+  Name name;  ///< of several robots; empty for the only one
+  Place place;
+  Name urdf;                   ///< as the file says it
+  std::filesystem::path path;  ///< resolved against the problem file's folder
+  UrdfOptions::Base base = UrdfOptions::Base::fixed;
+  std::optional<PoseSpec> placement;
+  std::vector<std::pair<Name, StateSpec>> configurations;
+  NamedNumbers locked_joints;  ///< rad or m
+  std::vector<PayloadSpec> payloads;
+  std::vector<WrenchSpec> external_wrenches;
+  NamedNumbers rotor_inertia;  ///< kg m² or kg
+  ActuationSpec actuation;
+  PassiveSpec passive;
+  bool enforce_mimic = false;
+  UrdfOptions::Inertias inertias = UrdfOptions::Inertias::as_given;
+};
+
+struct DoubleIntegratorSpec {
+  int dimension = 1;
+};
+struct LinearSpec {
+  Eigen::MatrixXd A, B;
+  Eigen::VectorXd c;
+};
+struct UnicycleSpec {};
+struct CarSpec {
+  double wheelbase = 2;  ///< m
+};
+
+/// A closed-form system.
+struct SystemSpec {
+  Place place;
+  std::variant<DoubleIntegratorSpec, LinearSpec, PendulumParameters, CartpoleParameters,
+               AcrobotParameters, UnicycleSpec, CarSpec, PlanarQuadrotorParameters,
+               QuadrotorParameters, LanderParameters>
+      parameters;
+};
+
+}  // namespace conddp

@@ -1,0 +1,21 @@
+#pragma once
+
+#include "base/diagnostic.hpp"
+#include "solvers/common/options.hpp"
+
+namespace conddp {
+
+/// A number of the file that a homotopy moves.
+struct HomotopyKeySpec {
+  Name key;  ///< a path as `--set` takes it
+  Located<double> from, to;
+};
+
+/// The solver and its options.
+struct SolverSpec {
+  Name name{"auto", {}};
+  SolverOptions options;
+  std::vector<HomotopyKeySpec> homotopy;
+};
+
+}  // namespace conddp

@@ -1,0 +1,122 @@
+#pragma once
+
+#include <string>
+
+#include "problem_file/spec/spec.hpp"
+#include "problem_file/spec/spec_gait.hpp"
+#include "problem_file/yaml/yaml_reader.hpp"
+
+namespace conddp {
+
+/// The words of enumerated keys, for reading and for printing.
+
+inline constexpr Choice<Integrator> kIntegratorWords[] = {
+    {"semi_implicit_euler", Integrator::semi_implicit_euler,
+     "the next velocity from the acceleration, then the next position from it; first order, stable "
+     "with contacts; the default of systems with positions and velocities"},
+    {"explicit_euler", Integrator::explicit_euler, "first order"},
+    {"rk2", Integrator::rk2, "midpoint rule, second order"},
+    {"rk3", Integrator::rk3, "Kutta's rule, third order"},
+    {"rk4", Integrator::rk4,
+     "the classical Runge-Kutta rule, fourth order; the default of first-order systems"},
+    {"trapezoidal", Integrator::trapezoidal,
+     "collocation by the trapezoidal rule: implicit, second order; needs a solver that keeps "
+     "equality constraints"},
+    {"hermite_simpson", Integrator::hermite_simpson,
+     "collocation by Hermite and Simpson's rule (Lobatto IIIA): implicit, fourth order; the same"},
+    {"discrete", Integrator::discrete,
+     "none: of systems that give the next state themselves (linear, car)"}};
+
+inline constexpr Choice<RunningCosts> kRunningCostsWords[] = {{"rate", RunningCosts::kRate},
+                                                              {"sum", RunningCosts::kSum}};
+
+inline constexpr Choice<UrdfOptions::Base> kBaseWords[] = {
+    {"fixed", UrdfOptions::Base::fixed},
+    {"floating", UrdfOptions::Base::floating},
+    {"planar", UrdfOptions::Base::planar}};
+
+inline constexpr Choice<bool> kPassiveWords[] = {{"none", false}, {"urdf", true}};
+inline constexpr Choice<UrdfOptions::Inertias> kInertiasWords[] = {
+    {"as_given", UrdfOptions::Inertias::as_given}, {"strict", UrdfOptions::Inertias::strict}};
+inline constexpr Choice<bool> kMimicWords[] = {{"ignore", false}, {"enforce", true}};
+inline constexpr Choice<bool> kActuationWords[] = {{"full", true}, {"none", false}};
+
+inline constexpr Choice<ActivationKind> kActivationWords[] = {
+    {"quadratic", ActivationKind::quadratic, "½ Σ w r²"},
+    {"quadratic_barrier", ActivationKind::quadratic_barrier,
+     "½ Σ w r² of what lies outside bounds; needs 'lower', 'upper' or 'from: urdf'"},
+    {"smooth_l1", ActivationKind::smooth_l1, "Σ w (√(r² + ε²) − ε); takes 'epsilon'"},
+    {"smooth_l2", ActivationKind::smooth_l2, "√(Σ w r² + ε²) − ε; takes 'epsilon'"}};
+
+inline constexpr Choice<FrameAxes> kAxesWords[] = {{"local", FrameAxes::local},
+                                                   {"world", FrameAxes::world_aligned}};
+
+inline constexpr Choice<ContactKind> kContactWords[] = {{"point", ContactKind::point},
+                                                        {"surface", ContactKind::surface},
+                                                        {"normal", ContactKind::normal},
+                                                        {"planar", ContactKind::planar}};
+
+inline constexpr Choice<GaitType> kGaitWords[] = {
+    {"stand", GaitType::stand}, {"walk", GaitType::walk},   {"trot", GaitType::trot},
+    {"pace", GaitType::pace},   {"bound", GaitType::bound}, {"jump", GaitType::jump}};
+
+inline constexpr Choice<SteppingScheme> kSchemeWords[] = {
+    {"backward_euler", SteppingScheme::backward_euler},
+    {"variational_midpoint", SteppingScheme::variational_midpoint}};
+/// How friction of contacts that are found is bounded.
+inline constexpr Choice<FrictionModel> kFrictionWords[] = {
+    {"polyhedron", FrictionModel::polyhedron}, {"cone", FrictionModel::cone}};
+/// Whether all joint limits of the URDF are stops.
+inline constexpr Choice<bool> kJointLimitWords[] = {{"none", false}, {"urdf", true}};
+
+/// Whether a friction cone is of second order.
+inline constexpr Choice<bool> kConeWords[] = {{"pyramid", false}, {"second_order", true}};
+
+inline constexpr Choice<PairsSpec::Choice> kPairsWords[] = {
+    {"obstacles", PairsSpec::Choice::kObstacles, "every shape against every obstacle"},
+    {"self", PairsSpec::Choice::kSelf,
+     "every two shapes but those on one link or on links that a joint connects"},
+    {"all", PairsSpec::Choice::kAll, "both"}};
+
+inline constexpr Choice<GuessSpec::States> kStatesGuessWords[] = {
+    {"initial", GuessSpec::States::kInitial}, {"interpolate", GuessSpec::States::kInterpolate}};
+
+inline constexpr Choice<Interpolation> kInterpolationWords[] = {
+    {"linear", Interpolation::kLinear, "straight from one to the next, rotations the shortest way"},
+    {"cubic", Interpolation::kCubic, "by a natural cubic spline"}};
+
+inline constexpr Choice<GuessSpec::Controls> kControlsGuessWords[] = {
+    {"zero", GuessSpec::Controls::kZero},
+    {"quasi_static", GuessSpec::Controls::kQuasiStatic},
+    {"gravity", GuessSpec::Controls::kQuasiStatic}};
+
+/// Which keys an activation takes beside its kind.
+constexpr bool takes_bounds(ActivationKind kind) {
+  return kind == ActivationKind::quadratic_barrier;
+}
+constexpr bool takes_epsilon(ActivationKind kind) {
+  return kind == ActivationKind::smooth_l1 || kind == ActivationKind::smooth_l2;
+}
+
+inline constexpr Choice<BoundedQuantity> kBoundedWords[] = {
+    {"control", BoundedQuantity::kControl,
+     "bounds on the controls at every knot; needs 'lower', 'upper' or 'from: urdf'"},
+    {"state", BoundedQuantity::kState,
+     "bounds on coordinates of the state at every node; needs the same"},
+    {"configuration", BoundedQuantity::kConfiguration, "the same of positions"},
+    {"velocity", BoundedQuantity::kVelocity, "the same of velocities"}};
+
+inline constexpr Choice<Softness> kSoftWords[] = {
+    {"l1", Softness::l1,
+     "weight times the distance: exact, it holds wherever its multiplier stays below the weight"},
+    {"l2", Softness::l2, "half the weight times the squared distance: smooth, and never exact"}};
+
+/// The first word of a value; empty if it has none.
+template <class E, std::size_t N>
+std::string word_of(const Choice<E> (&table)[N], E value) {
+  for (const Choice<E>& entry : table)
+    if (entry.value == value) return std::string(entry.word);
+  return {};
+}
+
+}  // namespace conddp

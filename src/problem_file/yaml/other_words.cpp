@@ -1,0 +1,88 @@
+#include "problem_file/yaml/other_words.hpp"
+
+#include <algorithm>
+
+#include "base/near_names.hpp"
+
+namespace conddp {
+const std::vector<OtherWords>& other_words() {
+  static const std::vector<OtherWords> table = {
+      {"lower", {"min", "minimum", "lb", "lower_bound", "low"}},
+      {"at_least", {"min", "minimum", "min_distance", "lb"}},
+      {"upper", {"max", "maximum", "ub", "upper_bound", "high"}},
+      {"at_most", {"max", "maximum", "max_distance", "ub"}},
+      {"equals", {"value", "eq", "equal_to"}},
+      {"reference", {"target", "goal", "ref", "desired", "setpoint", "xref"}},
+      {"weight", {"gain", "scale", "cost_weight"}},
+      {"weights", {"gains", "diagonal", "Q", "R"}},
+      {"columns", {"components", "indices", "dims", "coordinates"}},
+      {"frame", {"link", "body", "end_effector", "ee"}},
+      {"joints", {"q", "dofs", "positions"}},
+      {"axes", {"reference_frame", "expressed_in"}},
+      {"friction", {"mu", "friction_coefficient"}},
+      {"urdf", {"file", "path", "model"}},
+      {"robot", {"model"}},
+      {"base", {"root", "root_joint", "floating_base"}},
+      {"initial_state", {"x0", "start", "initial", "initial_condition"}},
+      {"initial_guess", {"guess", "warm_start", "init", "initialization"}},
+      {"terminal", {"final", "end"}},
+      {"costs", {"objective", "objectives", "cost_function"}},
+      {"constraints", {"limits", "bounds"}},
+      {"phases", {"horizon", "stages", "schedule", "contact_sequence"}},
+      {"knots", {"N", "nodes", "node", "steps", "at", "horizon"}},
+      {"dt", {"h", "timestep", "time_step", "step_size"}},
+      {"duration", {"T", "tf", "time", "final_time"}},
+      {"free_duration", {"free_time", "free_final_time"}},
+      {"solver", {"algorithm", "method", "optimizer"}},
+      {"name", {"type", "algorithm", "method"}},
+      {"max_iterations", {"iterations", "maxiter", "max_iter", "iteration_limit"}},
+      {"max_time_s", {"time_limit", "timeout", "max_time"}},
+      {"tolerances", {"tol", "eps", "precision"}},
+      {"soft", {"slack", "relaxed", "penalty"}},
+      {"keyframes", {"waypoints", "way_points", "via_points"}},
+      {"actuation", {"actuators", "motors"}},
+      {"control", {"torque", "torques", "effort", "input", "u"}},
+      {"state", {"x", "posture"}},
+      {"joint_position", {"configuration", "joint", "posture", "q"}},
+      {"joint_velocity", {"velocity", "v"}},
+      {"joint_acceleration", {"acceleration", "a"}},
+      {"frame_position", {"position", "translation", "end_effector", "ee_position"}},
+      {"frame_rotation", {"rotation", "orientation"}},
+      {"frame_placement", {"pose", "placement", "frame_pose"}},
+      {"frame_velocity", {"velocity", "twist"}},
+      {"com_position", {"com", "center_of_mass"}},
+      {"centroidal_momentum", {"momentum", "angular_momentum"}},
+      {"control_gravity", {"gravity_torque", "gravity"}},
+      {"control_rate", {"jerk", "smoothness", "control_change"}},
+      {"contact_force", {"force", "forces", "wrench"}},
+      {"friction_cone", {"cone", "friction"}},
+      {"center_of_pressure", {"cop", "zmp"}},
+      {"distance", {"collision", "self_collision", "keep_out", "obstacle", "obstacles", "sdf"}},
+      {"cycle", {"periodic", "periodicity"}},
+      {"combination", {"linear", "time", "duration"}}};
+  return table;
+}
+
+namespace {
+
+std::string ask(const std::vector<std::string>& names) {
+  std::string question;
+  for (const std::string& name : names)
+    question += (question.empty() ? "did you mean '" : " or '") + name + "'";
+  return question.empty() ? question : question + "?";
+}
+
+}  // namespace
+
+std::string meaning_question(std::string_view word, const std::vector<std::string>& accepted) {
+  if (const auto near = near_names(word, accepted); !near.empty()) return ask({near.front()});
+  std::vector<std::string> meant;
+  for (const OtherWords& entry : other_words()) {
+    if (std::find(entry.theirs.begin(), entry.theirs.end(), word) == entry.theirs.end()) continue;
+    if (std::find(accepted.begin(), accepted.end(), entry.ours) == accepted.end()) continue;
+    meant.emplace_back(entry.ours);
+  }
+  return ask(meant);
+}
+
+}  // namespace conddp

@@ -1,0 +1,129 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "base/yaml_node.hpp"
+
+namespace conddp {
+
+/// Which numbers a key accepts.
+struct NumberRange {
+  double lower;
+  double upper;
+  bool lower_open;  ///< the lower end itself is refused
+  bool upper_open;
+  std::string_view words;  ///< "a positive number"
+
+  bool contains(double value) const {
+    return (lower_open ? value > lower : value >= lower) &&
+           (upper_open ? value < upper : value <= upper);
+  }
+};
+extern const NumberRange kAnyNumber;
+extern const NumberRange kPositive;
+extern const NumberRange kNotNegative;
+
+/// One accepted word of an enumerated key.
+template <class E>
+struct Choice {
+  std::string_view word;
+  E value;
+  std::string_view description = {};  ///< one line, where the words are explained to people
+};
+
+/// A node with its key path and the place where errors go. Every method that returns an optional
+/// has reported why it is empty. Cheap to copy; the node must outlive it.
+class YamlReader {
+ public:
+  YamlReader(const YamlNode& node, std::string path, Diagnostics& out)
+      : node_(&node), path_(std::move(path)), out_(&out) {}
+
+  const YamlNode& node() const { return *node_; }
+  Place place() const { return {node_->mark, path_}; }
+  Diagnostics& diagnostics() const { return *out_; }
+  bool is_null() const { return node_->kind == YamlNode::Kind::kNull; }
+  bool is_scalar() const { return node_->kind == YamlNode::Kind::kScalar; }
+  bool is_sequence() const { return node_->kind == YamlNode::Kind::kSequence; }
+  bool is_map() const { return node_->kind == YamlNode::Kind::kMap; }
+  bool is_number() const;
+  void error(std::string message, std::string hint = {}) const;
+  /// "<what> is expected here, not <what was found>".
+  void expected(std::string_view what, std::string hint = {}) const;
+
+  std::optional<double> number(const NumberRange& range = kAnyNumber) const;
+  /// A whole number without decimal point or exponent.
+  std::optional<long long> integer(long long lower, long long upper) const;
+  /// A word or quoted text, not empty.
+  std::optional<std::string> text() const;
+  std::optional<Name> name() const;
+  /// The elements of a list, or nothing with an error, whose hint may show what to write.
+  std::optional<std::vector<YamlReader>> items(std::string_view hint = {}) const;
+  std::optional<std::vector<double>> numbers() const;
+  /// Exactly `count` numbers; `what` says what they are: "[x, y, z] in m".
+  std::optional<std::vector<double>> numbers(std::size_t count, std::string_view what) const;
+  std::optional<std::vector<Name>> names() const;
+  /// A list of names, or one name standing for a list of one.
+  std::optional<std::vector<Name>> name_or_names() const;
+  /// The word's value. `what`: "integrator".
+  template <class E, std::size_t N>
+  std::optional<E> choice(const Choice<E> (&table)[N], std::string_view what) const {
+    std::vector<std::string> words;
+    for (const auto& entry : table) words.emplace_back(entry.word);
+    const std::optional<std::size_t> index = choose(words, what);
+    if (!index) return std::nullopt;
+    return table[*index].value;
+  }
+  std::optional<std::size_t> choose(const std::vector<std::string>& words,
+                                    std::string_view what) const;
+  /// Keys with free names (costs, joints, ...) in the order of the file; not for fixed keys. The
+  /// hint of an error may show what to write.
+  std::optional<std::vector<std::pair<Name, YamlReader>>> named_entries(
+      std::string_view hint = {}) const;
+
+ private:
+  const YamlNode* node_;
+  std::string path_;
+  Diagnostics* out_;
+};
+
+/// A mapping with a fixed set of keys. Ask for every key that is accepted; `finish` (or the
+/// destructor) reports the others. If the node is no mapping that is reported, with a hint that may
+/// show what to write, and every key is absent.
+class YamlMap {
+ public:
+  explicit YamlMap(const YamlReader& reader, std::string_view hint = {});
+  ~YamlMap() { finish(); }
+  YamlMap(const YamlMap&) = delete;
+  YamlMap& operator=(const YamlMap&) = delete;
+
+  /// The value of a key. A key with nothing behind it is there, as a null that no method accepts.
+  std::optional<YamlReader> find(std::string_view key);
+  /// The same, reported when it is absent.
+  std::optional<YamlReader> require(std::string_view key);
+  /// Of several ways to say one thing at most one may be used: true if so, else reported.
+  bool exclusive(std::initializer_list<std::string_view> keys);
+  bool valid() const { return valid_; }
+  const YamlReader& reader() const { return reader_; }
+
+  bool number(std::string_view key, double& value, const NumberRange& range = kAnyNumber);
+  bool integer(std::string_view key, int& value, int lower, int upper);
+  bool text(std::string_view key, std::string& value);
+
+  /// Reports unknown keys now.
+  void finish();
+  /// Accepts whatever else is there: for when it is not clear what should be.
+  void ignore_others() { finished_ = true; }
+
+ private:
+  YamlReader reader_;
+  bool valid_;
+  bool finished_ = false;
+  std::vector<std::string> known_;
+};
+
+}  // namespace conddp

@@ -1,0 +1,221 @@
+#include "problem_file/yaml/yaml_source.hpp"
+
+#include <algorithm>
+#include <set>
+#include <sstream>
+#include <utility>
+
+#include <fmt/format.h>
+#include <yaml-cpp/eventhandler.h>
+#include <yaml-cpp/exceptions.h>
+#include <yaml-cpp/parser.h>
+
+#include "base/utf8.hpp"
+#include "problem_file/yaml/yaml_closing.hpp"
+
+namespace conddp {
+namespace {
+
+constexpr int kMaxDepth = 64;
+constexpr std::string_view kNoAliases = "aliases (*name) are not accepted";
+constexpr std::string_view kWriteOut = "write the value out where it is needed";
+
+/// Ends the parse: the reason has been reported.
+struct Refused {};
+
+/// Builds the tree from yaml-cpp's events, so that aliases are refused before anything expands
+/// them and nesting before anything recurses into it.
+class TreeBuilder : public YAML::EventHandler {
+ public:
+  TreeBuilder(std::string_view text, int source, int shift, Diagnostics& out)
+      : text_(text), source_(source), shift_(shift), out_(out) {}
+
+  YamlNode root;
+
+  Mark mark_of(const YAML::Mark& mark) {
+    if (mark.is_null()) return {source_, 0, 0};
+    return {source_, mark.line + 1, column_of(mark.line + 1, mark.column + shift_)};
+  }
+  [[noreturn]] void refuse(const YAML::Mark& mark, std::string message, std::string hint) {
+    out_.error({mark_of(mark), {}}, std::move(message), std::move(hint));
+    throw Refused{};
+  }
+
+  static std::size_t offset(const YAML::Mark& mark) {
+    return mark.is_null() ? std::string_view::npos : static_cast<std::size_t>(mark.pos);
+  }
+
+  void OnDocumentStart(const YAML::Mark&) override {}
+  void OnDocumentEnd() override {}
+  void OnAlias(const YAML::Mark& mark, YAML::anchor_t) override {
+    refuse(mark, std::string(kNoAliases), std::string(kWriteOut));
+  }
+  void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override {
+    check(mark, "?", anchor);
+    place({.kind = YamlNode::Kind::kNull, .mark = mark_of(mark)}, mark);
+  }
+  void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
+                const std::string& value) override {
+    check(mark, tag, anchor);
+    if (tag == "!" && quote_end(text_, offset(mark)) == text_.npos)
+      refuse(mark, "a quoted text is never closed", {});
+    if (const std::size_t bad = find_bad_character(value); bad != std::string::npos)
+      refuse(mark, "a quoted text with escapes: " + describe_bad_character(value, bad), {});
+    place({.kind = YamlNode::Kind::kScalar,
+           .mark = mark_of(mark),
+           .text = value,
+           .quoted = tag == "!"},
+          mark);
+  }
+  void OnSequenceStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
+                       YAML::EmitterStyle::value) override {
+    check(mark, tag, anchor);
+    open({.kind = YamlNode::Kind::kSequence, .mark = mark_of(mark)}, mark);
+  }
+  void OnMapStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
+                  YAML::EmitterStyle::value) override {
+    check(mark, tag, anchor);
+    open({.kind = YamlNode::Kind::kMap, .mark = mark_of(mark)}, mark);
+  }
+  void OnSequenceEnd() override { close(); }
+  void OnMapEnd() override { close(); }
+
+ private:
+  /// Character of a byte (0-based) of a line. Marks mostly come in order, so counting goes on from
+  /// the last one: a line may be as long as the file.
+  int column_of(int line, int byte) {
+    const std::string_view text = out_.line(source_, line);
+    byte = std::clamp(byte, 0, static_cast<int>(text.size()));
+    if (line != counted_line_ || byte < counted_bytes_) {
+      counted_line_ = line;
+      counted_bytes_ = counted_characters_ = 0;
+    }
+    counted_characters_ += count_characters(text.substr(counted_bytes_, byte - counted_bytes_));
+    counted_bytes_ = byte;
+    return counted_characters_ + 1;
+  }
+  struct Level {
+    YamlNode node;
+    bool has_key = false;
+    std::set<std::string> keys;
+  };
+
+  void check(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor) {
+    if (anchor != 0) refuse(mark, "anchors (&name) are not accepted", std::string(kWriteOut));
+    if (!tag.empty() && tag != "?" && tag != "!")
+      refuse(mark, fmt::format("the tag '{}' is not accepted", tag), "leave the tag out");
+  }
+  void place(YamlNode node, const YAML::Mark& mark) {
+    if (levels_.empty()) {
+      root = std::move(node);
+      return;
+    }
+    Level& level = levels_.back();
+    if (level.node.kind == YamlNode::Kind::kSequence) {
+      level.node.items.push_back(std::move(node));
+    } else if (level.has_key) {
+      YamlNode::Entry& entry = level.node.entries.back();
+      if (node.kind == YamlNode::Kind::kNull) node.mark = entry.mark;  // there is nothing to show
+      entry.value = std::move(node);
+      level.has_key = false;
+    } else {
+      begin_entry(level, std::move(node), mark);
+    }
+  }
+  [[noreturn]] void refuse_key(const YamlNode& node, const YAML::Mark& mark) {
+    const std::size_t at = offset(mark);
+    const char first = at < text_.size() ? text_[at] : ' ';
+    if ((first == '[' || first == '{') && !bracket_closes(text_, at))
+      refuse(mark, fmt::format("this '{}' is never closed", first), {});
+    refuse(mark, fmt::format("a key must be a name, not {}", kind_name(node)), {});
+  }
+  void begin_entry(Level& level, YamlNode key, const YAML::Mark& mark) {
+    if (key.kind != YamlNode::Kind::kScalar) refuse_key(key, mark);
+    if (key.text.find_first_of("\n\r\t") != std::string::npos)
+      refuse(mark, "a key has no line ends and no tabs", {});
+    if (key.text == "<<" && !key.quoted)
+      refuse(mark, "merge keys (<<) are not accepted", "write the keys out where they are needed");
+    if (!level.keys.insert(key.text).second)
+      refuse(
+          mark, fmt::format("the key '{}' is given twice", key.text),
+          fmt::format("its first value stands on line {}", level.node.find(key.text)->mark.line));
+    level.node.entries.push_back({std::move(key.text), key.mark, {}});
+    level.has_key = true;
+  }
+  void open(YamlNode node, const YAML::Mark& mark) {
+    if (levels_.size() >= kMaxDepth)
+      refuse(mark, fmt::format("the nesting is deeper than {} levels", kMaxDepth), {});
+    if (!levels_.empty() && levels_.back().node.kind == YamlNode::Kind::kMap &&
+        !levels_.back().has_key)
+      refuse_key(node, mark);
+    levels_.push_back({std::move(node), false, {}});
+  }
+  void close() {
+    YamlNode node = std::move(levels_.back().node);
+    levels_.pop_back();
+    place(std::move(node), {});
+  }
+
+  std::string_view text_;
+  int source_;
+  int shift_;
+  Diagnostics& out_;
+  std::vector<Level> levels_;
+  int counted_line_ = 0;
+  int counted_bytes_ = 0;
+  int counted_characters_ = 0;
+};
+
+/// yaml-cpp's messages are terse; a few frequent ones are put into words.
+std::string_view in_words(std::string_view message) {
+  if (message == "end of map not found") return "this line does not continue the mapping above";
+  if (message == "end of sequence not found") return "this line does not continue the list above";
+  if (message == "end of sequence flow not found") return "a list '[...' is not closed by ']'";
+  if (message == "end of map flow not found") return "a mapping '{...' is not closed by '}'";
+  if (message == "illegal flow end") return "a ']' or '}' that closes nothing open here";
+  if (message == "unknown token") return "nothing starts with this character: quote the text";
+  if (message == "illegal map value") return "a ':' where no value can start";
+  return message;
+}
+
+}  // namespace
+
+std::optional<YamlNode> parse_yaml(const std::string& text, int source, Diagnostics& out, int shift,
+                                   bool allow_null) {
+  TreeBuilder builder(text, source, shift, out);
+  try {
+    std::istringstream stream(text);
+    YAML::Parser parser(stream);
+    const bool found = parser.HandleNextDocument(builder);
+    if (builder.root.kind == YamlNode::Kind::kNull && allow_null)
+      return YamlNode{.mark = {source, 1, out.character_column(source, 1, shift)}};
+    if (!found || builder.root.kind == YamlNode::Kind::kNull) {
+      out.error({{source, 1, 1}, {}}, "there is nothing in the document");
+      return std::nullopt;
+    }
+    YamlNode root = std::move(builder.root);
+    // Only once: on some input the parser would report documents for ever.
+    TreeBuilder rest(text, source, shift, out);
+    if (parser.HandleNextDocument(rest)) {
+      out.error({rest.root.mark.line > 0 ? rest.root.mark : root.mark, {}},
+                "something follows the end of the document", "a problem file is one document");
+      return std::nullopt;
+    }
+    return root;
+  } catch (const Refused&) {
+  } catch (const YAML::Exception& e) {
+    const Mark mark = builder.mark_of(e.mark);
+    const std::string_view line = mark.line > 0 ? out.line(source, mark.line) : "";
+    const bool tab = line.substr(0, line.find_first_not_of(" \t")).find('\t') != line.npos;
+    if (e.msg.starts_with("the referenced anchor is not defined"))
+      out.error({mark, {}}, std::string(kNoAliases), std::string(kWriteOut));
+    else
+      out.error({mark, {}}, fmt::format("not valid YAML: {}", in_words(e.msg)),
+                tab ? "the line begins with a tab: YAML is indented by spaces" : "");
+  } catch (const std::exception& e) {
+    out.error({{source, 1, 1}, {}}, fmt::format("not valid YAML: {}", e.what()));
+  }
+  return std::nullopt;
+}
+
+}  // namespace conddp

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "base/yaml_node.hpp"
+
+namespace conddp {
+
+/// Reads a text that `out` knows as `source` as one YAML document. Refused with a diagnostic:
+/// syntax errors; an empty document or further ones; anchors, aliases, merge keys and tags; nesting
+/// beyond 64; duplicate and non-scalar keys. Marks are moved right by `shift` bytes (a value inside
+/// a command-line argument); a null document is accepted if `allow_null`.
+std::optional<YamlNode> parse_yaml(const std::string& text, int source, Diagnostics& out,
+                                   int shift = 0, bool allow_null = false);
+
+}  // namespace conddp

@@ -1,0 +1,84 @@
+#include "problem_file/yaml/yaml_text.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+
+#include <fmt/format.h>
+#include <yaml-cpp/emitter.h>
+#include <yaml-cpp/emittermanip.h>
+
+namespace conddp {
+namespace {
+
+/// Whether every reader of YAML takes the text for itself without quotes: a word of letters,
+/// digits, '_', '/', '.', '-' and inner spaces that begins with a letter and stands for nothing
+/// else.
+bool is_plain(const std::string& text) {
+  static constexpr std::array<std::string_view, 9> kReserved = {
+      "null", "true", "false", "yes", "no", "on", "off", "y", "n"};
+  const auto is_letter = [](unsigned char c) { return std::isalpha(c) != 0; };
+  const auto is_part = [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '_' || c == '/' || c == '.' || c == '-' || c == ' ';
+  };
+  if (text.empty() || !is_letter(text.front()) || text.back() == ' ') return false;
+  if (!std::all_of(text.begin(), text.end(), is_part)) return false;
+  std::string lower = text;
+  std::transform(lower.begin(), lower.end(), lower.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return std::find(kReserved.begin(), kReserved.end(), lower) == kReserved.end();
+}
+
+/// The shortest text that is read back as the number, by readers of YAML 1.1 too: to those an
+/// exponent belongs to a number only behind a point and with its sign.
+std::string number_text(double value) {
+  std::string text = fmt::format("{}", value);
+  const std::size_t exponent = text.find('e');
+  if (exponent != text.npos && text.find('.') == text.npos) text.insert(exponent, ".0");
+  return text;
+}
+
+void write_text(const std::string& text, YAML::Emitter& out) {
+  if (!is_plain(text)) out << YAML::DoubleQuoted;
+  out << text;
+}
+
+bool fits_on_a_line(const OrderedJson& value) {
+  constexpr std::size_t kWidth = 72;
+  const bool flat = std::none_of(value.begin(), value.end(),
+                                 [](const OrderedJson& part) { return part.is_structured(); });
+  return flat && (value.is_array() || value.dump().size() <= kWidth);
+}
+
+void write(const OrderedJson& value, YAML::Emitter& out) {
+  if (value.is_string()) return write_text(value.get_ref<const std::string&>(), out);
+  if (value.is_null()) return void(out << YAML::Null);
+  if (value.is_number_float()) return void(out << number_text(value.get<double>()));
+  if (!value.is_structured()) return void(out << value.dump());
+  if (value.empty() || fits_on_a_line(value)) out << YAML::Flow;
+  if (value.is_array()) {
+    out << YAML::BeginSeq;
+    for (const OrderedJson& item : value) write(item, out);
+    out << YAML::EndSeq;
+    return;
+  }
+  out << YAML::BeginMap;
+  for (auto entry = value.begin(); entry != value.end(); ++entry) {
+    out << YAML::Key;
+    write_text(entry.key(), out);
+    out << YAML::Value;
+    write(*entry, out);
+  }
+  out << YAML::EndMap;
+}
+
+}  // namespace
+
+std::string yaml_text(const OrderedJson& document) {
+  YAML::Emitter out;
+  out.SetNullFormat(YAML::LowerNull);
+  write(document, out);
+  return std::string(out.c_str(), out.size()) + '\n';
+}
+
+}  // namespace conddp

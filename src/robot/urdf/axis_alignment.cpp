@@ -1,0 +1,36 @@
+#include "robot/urdf/axis_alignment.hpp"
+
+#include <cmath>
+
+namespace conddp {
+
+Matrix3<double> rotation_from_z(const Vector3<double>& axis) {
+  const double norm = std::sqrt(squared_norm(axis));
+  const Vector3<double> z{axis.x / norm, axis.y / norm, axis.z / norm};
+  // Coordinate axes: a cyclic permutation, so that no rounding enters; half a turn for the rest.
+  if (z.y == 0 && z.z == 0) {
+    return z.x > 0 ? Matrix3<double>{{0, 0, 1, 1, 0, 0, 0, 1, 0}}
+                   : Matrix3<double>{{0, 0, -1, 1, 0, 0, 0, -1, 0}};
+  }
+  if (z.x == 0 && z.z == 0) {
+    return z.y > 0 ? Matrix3<double>{{0, 1, 0, 0, 0, 1, 1, 0, 0}}
+                   : Matrix3<double>{{0, -1, 0, 0, 0, -1, 1, 0, 0}};
+  }
+  if (z.x == 0 && z.y == 0) {
+    return z.z > 0 ? Matrix3<double>::identity() : Matrix3<double>{{1, 0, 0, 0, -1, 0, 0, 0, -1}};
+  }
+  // Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 6(1), 2017.
+  const double sign = std::copysign(1.0, z.z);
+  const double a = -1 / (sign + z.z);
+  const double b = z.x * z.y * a;
+  return {{1 + sign * z.x * z.x * a, b, z.x, sign * b, sign + z.y * z.y * a, z.y, -sign * z.x, -z.y,
+           z.z}};
+}
+
+Matrix3<double> rotation_about(const Vector3<double>& axis, double angle) {
+  const Matrix3<double> k = skew(axis);
+  const double half = std::sin(0.5 * angle);
+  return Matrix3<double>::identity() + std::sin(angle) * k + (2 * half * half) * (k * k);
+}
+
+}  // namespace conddp

@@ -1,0 +1,71 @@
+#include "robot/urdf/combine.hpp"
+
+#include <algorithm>
+#include <set>
+#include <stdexcept>
+#include <utility>
+
+namespace conddp {
+namespace {
+
+/// A tree may itself have a link and a joint of one name; two trees may not share either.
+std::set<std::string> names_of(const RobotModel& tree, const std::string& prefix) {
+  std::set<std::string> names;
+  for (const Joint& joint : tree.joints) names.insert(prefix + joint.name);
+  for (const Frame& frame : tree.frames) names.insert(prefix + frame.name);
+  return names;
+}
+
+bool overlap(const std::set<std::string>& a, const std::set<std::string>& b) {
+  return std::any_of(a.begin(), a.end(), [&](const std::string& name) { return b.contains(name); });
+}
+
+void make_distinct(RobotModel& tree, std::set<std::string>& taken) {
+  std::string prefix;
+  std::set<std::string> names = names_of(tree, prefix);
+  for (int number = 1; overlap(names, taken); ++number) {
+    prefix = tree.name + (number > 1 ? "_" + std::to_string(number) : "") + "/";
+    names = names_of(tree, prefix);
+  }
+  for (Joint& joint : tree.joints) joint.name = prefix + joint.name;
+  for (Frame& frame : tree.frames) frame.name = prefix + frame.name;
+  taken.merge(names);
+}
+
+}  // namespace
+
+RobotModel combine(std::vector<RobotModel> trees) {
+  if (trees.empty()) throw std::logic_error("combine: no tree");
+  RobotModel all;
+  all.gravity = trees.front().gravity;
+  std::set<std::string> taken;
+  for (RobotModel& tree : trees) {
+    if (squared_norm(tree.gravity - all.gravity) != 0)
+      throw std::logic_error("combine: gravity differs between trees");
+    make_distinct(tree, taken);
+    const int joints = all.joint_count();
+    const int frames = static_cast<int>(all.frames.size());
+    all.name += (all.name.empty() ? "" : "+") + tree.name;
+    for (Joint& joint : tree.joints) {
+      if (joint.parent >= 0) joint.parent += joints;
+      all.joints.push_back(std::move(joint));
+    }
+    for (Frame& frame : tree.frames) {
+      if (frame.joint >= 0) frame.joint += joints;
+      all.frames.push_back(std::move(frame));
+    }
+    for (ExternalWrench wrench : tree.wrenches) {
+      wrench.frame += frames;
+      all.wrenches.push_back(wrench);
+    }
+    for (Mimic mimic : tree.mimics) {
+      mimic.joint += joints;
+      mimic.leader += joints;
+      all.mimics.push_back(mimic);
+    }
+  }
+  all.finalize();
+  return all;
+}
+
+}  // namespace conddp

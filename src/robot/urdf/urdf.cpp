@@ -1,0 +1,241 @@
+#include "robot/urdf/urdf.hpp"
+
+#include <algorithm>
+#include <mutex>
+
+#include <console_bridge/console.h>
+#include <fmt/format.h>
+#include <urdf_parser/urdf_parser.h>
+
+#include "base/text_file.hpp"
+#include "robot/urdf/model_builder.hpp"
+#include "robot/urdf/regularity.hpp"
+#include "robot/urdf/urdf_guard.hpp"
+#include "robot/urdf/urdf_topology.hpp"
+#include "robot/urdf/urdf_validation.hpp"
+
+namespace conddp {
+namespace {
+
+struct ParserMessage {
+  std::string text;
+  bool error = false;
+};
+
+class MessageCollector : public console_bridge::OutputHandler {
+ public:
+  void log(const std::string& text, console_bridge::LogLevel level, const char*, int) override {
+    messages.push_back({text, level >= console_bridge::CONSOLE_BRIDGE_LOG_ERROR});
+  }
+  std::vector<ParserMessage> messages;
+};
+
+/// urdfdom reports through one handler of the whole process: one parse at a time.
+urdf::ModelInterfaceSharedPtr parse_tree(const std::string& xml,
+                                         std::vector<ParserMessage>& messages) {
+  static std::mutex mutex;
+  static MessageCollector collector;  // outlives the pointer that console_bridge keeps of it
+  const std::lock_guard lock(mutex);
+  console_bridge::OutputHandler* const handler = console_bridge::getOutputHandler();
+  const console_bridge::LogLevel level = console_bridge::getLogLevel();
+  console_bridge::setLogLevel(console_bridge::CONSOLE_BRIDGE_LOG_WARN);
+  console_bridge::useOutputHandler(&collector);
+  collector.messages.clear();
+  urdf::ModelInterfaceSharedPtr tree;
+  try {
+    tree = urdf::parseURDF(xml);
+  } catch (const std::exception& e) {
+    collector.messages.push_back({e.what(), true});
+  }
+  console_bridge::useOutputHandler(handler);
+  console_bridge::setLogLevel(level);
+  messages = std::move(collector.messages);
+  return tree;
+}
+
+/// urdfdom writes several lines about one defect, the last ones with the joint's or link's name in
+/// brackets: they become one problem at that place.
+void report_parser_messages(const std::vector<ParserMessage>& messages, UrdfReport& report) {
+  std::string text;
+  bool error = false;
+  const auto flush = [&](const UrdfPlace& place) {
+    if (text.empty()) return;
+    if (error)
+      report.error(place, "urdfdom: " + text);
+    else
+      report.warning(place, "urdfdom: " + text);
+    text.clear();
+    error = false;
+  };
+  for (const ParserMessage& message : messages) {
+    if (message.text.find("xml is not initialized correctly") != std::string::npos) continue;
+    text += (text.empty() ? "" : "; ") + message.text;
+    error |= message.error;
+    for (std::size_t open = message.text.find('['); open != std::string::npos;
+         open = message.text.find('[', open + 1)) {
+      const std::string rest = message.text.substr(open + 1);
+      const std::string name = rest.substr(0, rest.find(']'));
+      if (report.has("joint", name)) flush(at_joint(name));
+      if (report.has("link", name)) flush(at_link(name));
+    }
+  }
+  flush({});
+}
+
+/// Says of joints what keeps the inertia matrix from being positive definite, and how to go on.
+class RegularityReport {
+ public:
+  RegularityReport(const RobotModel& model, const std::string& prefix, UrdfReport& report)
+      : model_(model), prefix_(prefix), report_(report) {}
+
+  void check() {
+    if (const std::vector<int> bodies = bodies_with_negative_inertia(model_); !bodies.empty()) {
+      const std::vector<int> joints = joints_with_negative_inertia(model_);
+      if (!joints.empty()) return report_negative(joints);
+      report_.warning(
+          {},
+          "the inertias that joints move rigidly (" + listed(names(bodies)) +
+              ") are not positive semidefinite; the robot's inertia matrix is positive definite "
+              "in " +
+              std::to_string(kRegularitySamples) +
+              " configurations within the limits, but may not be in others");
+    }
+    if (const std::vector<int> joints = joints_without_inertia(model_); !joints.empty())
+      return report_massless(joints);
+    if (const std::vector<int> joints = joints_without_inertia_at_zero(model_); !joints.empty())
+      report_.warning(place(joints.front()),
+                      "at the zero configuration nothing that it moves (" + links(joints.front()) +
+                          ") has inertia along it" + others(joints) +
+                          "; the robot's inertia matrix is singular there, and solves that come "
+                          "near fail",
+                      "give the links mass and inertia" + ways_out(joints));
+  }
+
+ private:
+  std::string name(int joint) const { return model_.joints[joint].name.substr(prefix_.size()); }
+
+  std::vector<std::string> names(const std::vector<int>& joints) const {
+    std::vector<std::string> found;
+    for (const int joint : joints) found.push_back(name(joint));
+    return found;
+  }
+
+  std::string links(int joint) const {
+    std::vector<std::string> found;
+    for (const Frame& frame : model_.frames)
+      if (frame.joint == joint && frame.kind == FrameKind::link)
+        found.push_back(frame.name.substr(prefix_.size()));
+    return listed(found);
+  }
+
+  /// Joints of the file that can be locked, as keys of the problem file: to be copied.
+  std::string ways_out(const std::vector<int>& joints) const {
+    std::string locked, rotors;
+    for (const int joint : joints) {
+      if (!report_.has("joint", name(joint)) || model_.joints[joint].type == JointType::floating)
+        continue;
+      const Joint& j = model_.joints[joint];
+      const double value = j.lower <= j.upper ? std::clamp(0.0, j.lower, j.upper) : 0;
+      locked += fmt::format("{}{}: {}", locked.empty() ? "" : ", ", name(joint), value);
+      if (rotors.empty()) rotors = name(joint) + ": 1e-4";
+    }
+    if (locked.empty()) return "";
+    return ", lock what you do not need ('locked_joints: {" + locked +
+           "}'), or say what the motors' rotors add ('rotor_inertia: {" + rotors +
+           (joints.size() > 1 ? ", ...}')" : "}')");
+  }
+
+  UrdfPlace place(int joint) const {
+    return report_.has("joint", name(joint)) ? at_joint(name(joint))
+                                             : UrdfPlace{"joint", name(joint)};
+  }
+
+  std::string others(const std::vector<int>& joints) const {
+    if (joints.size() == 1) return "";
+    return "; the same holds for " + listed(names({joints.begin() + 1, joints.end()}));
+  }
+
+  void report_massless(const std::vector<int>& joints) {
+    const int first = joints.front();
+    const bool root = !report_.has("joint", name(first));
+    report_.error(
+        place(first),
+        "nothing that it moves (" + links(first) +
+            ") has inertia along it, so the robot's inertia matrix is singular" + others(joints),
+        (root ? "give the root link mass and inertia" : "give the links mass and inertia") +
+            ways_out(joints));
+  }
+
+  void report_negative(const std::vector<int>& joints) {
+    report_.error(place(joints.front()),
+                  "what it moves (" + links(joints.front()) +
+                      " and what hangs on it) has a negative inertia along it in some "
+                      "configurations, so the robot's inertia matrix is not positive definite" +
+                      others(joints),
+                  "correct the inertias that the warnings name" + ways_out(joints));
+  }
+
+  const RobotModel& model_;
+  const std::string& prefix_;
+  UrdfReport& report_;
+};
+
+void parse(std::string_view xml, const UrdfOptions& options, UrdfResult& result) {
+  const XmlOutline outline = scan_xml(xml);
+  UrdfReport report(outline, result);
+  if (outline.defect || outline.elements.empty()) {
+    const XmlDefect defect =
+        outline.defect.value_or(XmlDefect{"the file has no XML element", 1, 1});
+    result.problems.push_back({.message = "not well-formed XML: " + defect.message,
+                               .line = defect.line,
+                               .column = defect.column});
+    return;
+  }
+  if (!check_urdf_elements(outline, report)) return;
+  check_urdf_topology(outline, options, report);
+  if (report.has_errors()) return;
+
+  std::vector<ParserMessage> messages;
+  const urdf::ModelInterfaceSharedPtr tree = parse_tree(relevant_urdf(outline, xml), messages);
+  report_parser_messages(messages, report);
+  if (report.has_errors()) return;
+  if (!tree || !tree->getRoot()) return report.error({}, "urdfdom could not read the file");
+
+  check_urdf_physics(*tree, options, report);
+  check_urdf_options(*tree, options, report);
+  if (report.has_errors()) return;
+  RobotModel model = build_model(*tree, options, report);
+  if (!report.has_errors()) RegularityReport(model, options.prefix, report).check();
+  if (!report.has_errors()) result.model = std::move(model);
+}
+
+UrdfResult failure(std::string message) {
+  UrdfResult result;
+  result.problems.push_back({.message = std::move(message)});
+  return result;
+}
+
+}  // namespace
+
+UrdfResult parse_urdf(std::string_view xml, const std::string& file_name,
+                      const UrdfOptions& options) {
+  UrdfResult result;
+  if (auto problem = check_urdf_text(xml, file_name)) {
+    result.problems.push_back(std::move(*problem));
+    return result;
+  }
+  parse(xml, options, result);
+  std::stable_sort(result.problems.begin(), result.problems.end(),
+                   [](const UrdfProblem& a, const UrdfProblem& b) { return a.line < b.line; });
+  return result;
+}
+
+UrdfResult load_urdf(const std::filesystem::path& file, const UrdfOptions& options) {
+  TextFile read = read_text_file(file, kMaxUrdfBytes);
+  if (!read.defect.empty()) return failure(std::move(read.defect));
+  UrdfResult result = parse_urdf(read.text, file.string(), options);
+  result.text = std::move(read.text);
+  return result;
+}
+
+}  // namespace conddp

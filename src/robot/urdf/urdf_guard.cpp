@@ -1,0 +1,298 @@
+#include "robot/urdf/urdf_guard.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <set>
+
+#include "base/near_names.hpp"
+#include "base/utf8.hpp"
+
+namespace conddp {
+namespace {
+
+constexpr std::string_view kSpace = " \t\r\n";
+
+/// An element that is read, with its attributes; numbers > 0: so many finite numbers.
+struct AttributeRule {
+  std::string_view name;
+  int numbers = 0;
+};
+struct ElementRule {
+  std::string_view parent;  ///< tag of the enclosing element, empty: any
+  std::string_view tag;
+  std::vector<AttributeRule> attributes;
+};
+
+const std::vector<ElementRule>& rules() {
+  static const std::vector<ElementRule> table{
+      {"robot", "link", {{"name"}}},
+      {"robot", "joint", {{"name"}, {"type"}}},
+      {"link", "inertial", {}},
+      {"inertial", "origin", {{"xyz", 3}, {"rpy", 3}}},
+      {"inertial", "mass", {{"value", 1}}},
+      {"inertial",
+       "inertia",
+       {{"ixx", 1}, {"ixy", 1}, {"ixz", 1}, {"iyy", 1}, {"iyz", 1}, {"izz", 1}}},
+      {"joint", "origin", {{"xyz", 3}, {"rpy", 3}}},
+      {"joint", "parent", {{"link"}}},
+      {"joint", "child", {{"link"}}},
+      {"joint", "axis", {{"xyz", 3}}},
+      {"joint", "limit", {{"lower", 1}, {"upper", 1}, {"effort", 1}, {"velocity", 1}}},
+      {"joint", "dynamics", {{"damping", 1}, {"friction", 1}}},
+      {"joint", "mimic", {{"joint"}, {"multiplier", 1}, {"offset", 1}}},
+  };
+  return table;
+}
+
+/// Elements that are known and not read.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 8> kIgnored{{
+    {"robot", "material"},
+    {"robot", "transmission"},
+    {"robot", "gazebo"},
+    {"robot", "sensor"},
+    {"link", "visual"},
+    {"link", "collision"},
+    {"joint", "safety_controller"},
+    {"joint", "calibration"},
+}};
+
+std::string_view parent_tag(const XmlOutline& outline, const XmlElement& element) {
+  return element.parent < 0 ? std::string_view{} : outline.elements[element.parent].tag;
+}
+
+/// The rule of an element that is read, if every element around it is read too.
+const ElementRule* rule_of(const XmlOutline& outline, const XmlElement& element) {
+  if (element.parent < 0) return nullptr;
+  const XmlElement& parent = outline.elements[element.parent];
+  const bool known_parent = parent.depth == 0 || rule_of(outline, parent) != nullptr;
+  if (!known_parent) return nullptr;
+  for (const ElementRule& rule : rules())
+    if (rule.parent == parent.tag && rule.tag == element.tag) return &rule;
+  return nullptr;
+}
+
+/// The link or joint around an element (or itself), by name.
+std::pair<std::string, std::string> owner(const XmlOutline& outline, int element) {
+  while (element >= 0 && outline.elements[element].depth > 1)
+    element = outline.elements[element].parent;
+  if (element < 0 || outline.elements[element].depth != 1) return {};
+  const XmlElement& top = outline.elements[element];
+  const std::string name(top.attribute("name").value_or(""));
+  return {name, std::string(top.tag) + " '" + name + "': "};
+}
+
+/// Why the text is not `count` finite numbers, if it is not.
+std::optional<std::string> number_defect(std::string_view text, int count) {
+  int found = 0;
+  for (std::size_t at = 0; (at = text.find_first_not_of(kSpace, at)) != text.npos; ++found) {
+    const std::size_t end = std::min(text.find_first_of(kSpace, at), text.size());
+    std::string_view word = text.substr(at, end - at);
+    const std::string quoted = "'" + std::string(word.substr(0, 40)) + "'";
+    if (word.size() > 1 && word[0] == '+') word.remove_prefix(1);
+    double value = 0;
+    const auto [stop, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+    if (stop != word.data() + word.size() || error == std::errc::invalid_argument)
+      return quoted + " is not a number";
+    if (error != std::errc{} || !std::isfinite(value))
+      return quoted + " is not a finite number in range";
+    at = end;
+  }
+  if (found != count)
+    return "has " + std::to_string(found) + " numbers, expected " + std::to_string(count);
+  return std::nullopt;
+}
+
+void check_name(const XmlOutline& outline, int index, std::string_view attribute,
+                UrdfReport& report) {
+  const auto name = outline.elements[index].attribute(attribute);
+  if (!name) return;
+  const std::string where = owner(outline, index).second;
+  if (name->empty() && index == 0) return report.warning_at(0, "", "<robot>: its name is empty");
+  if (name->empty())
+    return report.error_at(index, "", where + std::string(attribute) + " is empty");
+  for (const char c : *name)
+    if (static_cast<unsigned char>(c) < 0x20 || c == '&' || c == ',' || c == '"')
+      return report.error_at(index, std::string(*name),
+                             where +
+                                 "a name may not hold control characters, commas, double "
+                                 "quotes or XML entities");
+}
+
+void check_attributes(const XmlOutline& outline, int index, const ElementRule& rule,
+                      std::set<std::string>& ignored, UrdfReport& report) {
+  const XmlElement& element = outline.elements[index];
+  const auto [name, subject] = owner(outline, index);
+  const std::string place = subject + "<" + std::string(element.tag) + "> ";
+  std::vector<std::string> known;
+  for (const AttributeRule& a : rule.attributes) known.emplace_back(a.name);
+  for (const XmlAttribute& attribute : element.attributes) {
+    const auto found =
+        std::find_if(rule.attributes.begin(), rule.attributes.end(),
+                     [&](const AttributeRule& a) { return a.name == attribute.name; });
+    if (found == rule.attributes.end()) {
+      const std::string unknown = place + "has an attribute " + std::string(attribute.name);
+      if (element.tag == "origin")
+        report.error_at(index, name, unknown + ", which URDF 1.0 does not know",
+                        "write xyz (m) and rpy (rad)");
+      else if (!near_names(attribute.name, known).empty())
+        report.warning_at(index, name, unknown + ", which is ignored",
+                          name_hint(attribute.name, known, "attributes"));
+      else if (element.depth > 1)
+        ignored.insert(std::string(element.tag) + "/" + std::string(attribute.name));
+    } else if (found->numbers > 0) {
+      if (const auto defect = number_defect(attribute.value, found->numbers))
+        report.error_at(index, name, place + std::string(attribute.name) + ": " + *defect);
+    }
+  }
+}
+
+/// Expressions, and elements that would become content of a link or joint, make a file one that has
+/// not been evaluated. Other elements are left over: an evaluated file does without them.
+void check_xacro(const XmlOutline& outline, UrdfReport& report) {
+  const bool has_links = !outline.children(0, "link").empty();
+  for (int i = 0; i < static_cast<int>(outline.elements.size()); ++i) {
+    const XmlElement& element = outline.elements[i];
+    const bool expression =
+        rule_of(outline, element) &&
+        std::any_of(element.attributes.begin(), element.attributes.end(), [](const auto& a) {
+          return a.value.find("${") != a.value.npos || a.value.find("$(") != a.value.npos;
+        });
+    const bool xacro = element.tag.starts_with("xacro:");
+    if (!xacro && !expression) continue;
+    const XmlElement* parent = element.parent < 0 ? nullptr : &outline.elements[element.parent];
+    const bool content = parent && parent->depth > 0 && rule_of(outline, *parent);
+    if (has_links && !expression && !content) {
+      if (parent && parent->depth == 0)
+        report.warning_at(i, "",
+                          "<" + std::string(element.tag) +
+                              "> is left over from xacro and is ignored, with what is in it");
+      continue;
+    }
+    return report.error_at(i, "", "this is a xacro file that has not been evaluated",
+                           "run `xacro FILE > robot.urdf` first and give the result");
+  }
+}
+
+bool holds_numbers(const ElementRule& rule, std::string_view attribute) {
+  return std::any_of(rule.attributes.begin(), rule.attributes.end(),
+                     [&](const AttributeRule& a) { return a.name == attribute && a.numbers > 0; });
+}
+
+/// Writes the numbers of an attribute (`written`, up to its closing quote) with one blank between
+/// them and none around: urdfdom takes no other white space. What is left of the room is blank
+/// behind the quote.
+void tidy_numbers(char* to, std::string_view written) {
+  const char quote = to[written.size()];
+  char* const end = to + written.size() + 1;
+  const char* const begin = to;
+  for (std::size_t at = 0; (at = written.find_first_not_of(kSpace, at)) != written.npos;) {
+    const std::size_t stop = std::min(written.find_first_of(kSpace, at), written.size());
+    if (to != begin) *to++ = ' ';
+    to = std::copy(written.begin() + at, written.begin() + stop, to);
+    at = stop;
+  }
+  *to++ = quote;
+  std::fill(to, end, ' ');
+}
+
+}  // namespace
+
+std::optional<UrdfProblem> check_urdf_text(std::string_view text, const std::string& file_name) {
+  if (text.find_first_not_of(" \t\r\n") == text.npos)
+    return UrdfProblem{.message = "'" + file_name + "' is empty"};
+  if (text.size() > kMaxUrdfBytes)
+    return UrdfProblem{.message = "'" + file_name + "' is larger than " +
+                                  std::to_string(kMaxUrdfBytes >> 20) + " MiB"};
+  if (const std::size_t bad = find_bad_character(text); bad != text.npos) {
+    const std::string_view before = text.substr(0, bad);
+    const std::string_view line = before.substr(before.rfind('\n') + 1);  // npos + 1 is 0
+    const auto characters = std::count_if(line.begin(), line.end(), [](char c) {
+      return (static_cast<unsigned char>(c) & 0xC0) != 0x80;
+    });
+    const bool foreign = static_cast<unsigned char>(text[bad]) >= 0x80;
+    return UrdfProblem{.message = describe_bad_character(text, bad),
+                       .line = static_cast<int>(std::count(before.begin(), before.end(), '\n')) + 1,
+                       .column = static_cast<int>(characters) + 1,
+                       .hint = foreign ? "convert it, e.g. with iconv -f latin1 -t utf-8" : ""};
+  }
+  return std::nullopt;
+}
+
+bool check_urdf_elements(const XmlOutline& outline, UrdfReport& report) {
+  const XmlElement& root = outline.elements.front();
+  if (root.tag != "robot") {
+    report.error_at(0, "", "the root element is <" + std::string(root.tag) + ">, not <robot>",
+                    "a URDF file is expected");
+    return false;
+  }
+  check_xacro(outline, report);
+  if (report.has_errors()) return false;
+  if (!root.attribute("name")) report.error_at(0, "", "<robot> has no name");
+  check_name(outline, 0, "name", report);
+
+  int links = 0;
+  std::set<std::pair<int, std::string_view>> seen;  // elements that may stand once in their parent
+  std::set<std::string> ignored;
+  for (int i = 1; i < static_cast<int>(outline.elements.size()); ++i) {
+    const XmlElement& element = outline.elements[i];
+    const std::string tag(element.tag);
+    const auto [name, subject] = owner(outline, i);
+    const XmlElement& parent = outline.elements[element.parent];
+    if (const ElementRule* rule = rule_of(outline, element)) {
+      links += element.tag == "link";
+      check_name(outline, i, "name", report);
+      check_attributes(outline, i, *rule, ignored, report);
+      if (element.depth > 1 && !seen.emplace(element.parent, element.tag).second)
+        report.error_at(i, name,
+                        subject + "a second <" + tag + "> in <" + std::string(parent.tag) + ">");
+      continue;
+    }
+    if (parent.depth > 0 && rule_of(outline, parent) == nullptr) continue;  // inside ignored parts
+    if (element.depth > 1 && (tag == "link" || tag == "joint")) {
+      report.error_at(i, name,
+                      subject + "<" + tag + "> stands inside <" + std::string(parent.tag) + ">",
+                      "links and joints stand directly in <robot>");
+      continue;
+    }
+    const bool known = std::any_of(kIgnored.begin(), kIgnored.end(), [&](const auto& entry) {
+      return entry.first == parent_tag(outline, element) && entry.second == element.tag;
+    });
+    std::vector<std::string> readable;
+    for (const ElementRule& rule : rules())
+      if (rule.parent == parent.tag) readable.emplace_back(rule.tag);
+    if (!known && !near_names(tag, readable).empty())
+      report.warning_at(i, name, subject + "<" + tag + "> is not a URDF element and is ignored",
+                        name_hint(tag, readable, "elements"));
+    ignored.insert("<" + tag + ">");
+  }
+  if (links == 0) report.error_at(0, "", "the file has no links");
+  if (links > kMaxUrdfLinks)
+    report.error_at(0, "",
+                    "the file has " + std::to_string(links) + " links, more than " +
+                        std::to_string(kMaxUrdfLinks));
+  if (!ignored.empty()) report.note("not read: " + listed({ignored.begin(), ignored.end()}, 12));
+  return links > 0 && links <= kMaxUrdfLinks;
+}
+
+std::string relevant_urdf(const XmlOutline& outline, std::string_view text) {
+  std::string reduced(text.size(), ' ');
+  const auto place_of = [&](std::string_view part) { return &reduced[part.data() - text.data()]; };
+  const auto keep = [&](std::string_view part) {
+    if (!part.empty()) part.copy(place_of(part), part.size());
+  };
+  for (const XmlElement& element : outline.elements) {
+    const ElementRule* rule = rule_of(outline, element);
+    if (element.depth > 0 && !rule) continue;
+    keep(element.start_tag);
+    keep(element.end_tag);
+    if (!rule) continue;
+    for (const XmlAttribute& attribute : element.attributes)
+      if (holds_numbers(*rule, attribute.name) && !attribute.value.empty())
+        tidy_numbers(place_of(attribute.value), attribute.value);
+  }
+  return reduced;
+}
+
+}  // namespace conddp

@@ -1,0 +1,197 @@
+#include "robot/urdf/urdf_validation.hpp"
+
+#include <cmath>
+
+#include <Eigen/Eigenvalues>
+#include <fmt/format.h>
+
+#include "base/near_names.hpp"
+
+namespace conddp {
+namespace {
+
+std::string type_name(int type) {
+  switch (type) {
+    case urdf::Joint::REVOLUTE:
+      return "revolute";
+    case urdf::Joint::CONTINUOUS:
+      return "continuous";
+    case urdf::Joint::PRISMATIC:
+      return "prismatic";
+    case urdf::Joint::FLOATING:
+      return "floating";
+    case urdf::Joint::PLANAR:
+      return "planar";
+    default:
+      return "fixed";
+  }
+}
+
+bool moves_along_one_axis(const urdf::Joint& joint) {
+  return joint.type == urdf::Joint::REVOLUTE || joint.type == urdf::Joint::CONTINUOUS ||
+         joint.type == urdf::Joint::PRISMATIC;
+}
+
+void check_link(const urdf::Link& link, UrdfReport& report) {
+  if (!link.inertial) return;
+  const urdf::Inertial& body = *link.inertial;
+  if (body.mass < 0)
+    report.error(at_link(link.name, "inertial"), fmt::format("its mass is {} kg", body.mass),
+                 "a mass cannot be negative");
+  const bool rotational = body.ixx != 0 || body.iyy != 0 || body.izz != 0;
+  if (body.mass == 0 && rotational)
+    report.warning(at_link(link.name, "inertial"), "it has rotational inertia but no mass");
+}
+
+void check_axis(const urdf::Joint& joint, UrdfReport& report) {
+  if (!moves_along_one_axis(joint) && joint.type != urdf::Joint::PLANAR) return;
+  const double norm = std::hypot(joint.axis.x, joint.axis.y, joint.axis.z);
+  if (!(norm > 1e-12) || !std::isfinite(norm))
+    report.error(at_joint(joint.name, "axis"), "its axis is zero",
+                 "write e.g. <axis xyz=\"0 0 1\"/>");
+  else if (std::abs(norm - 1) > 1e-3)
+    report.warning(at_joint(joint.name, "axis"),
+                   fmt::format("its axis has length {:.6g} and is normalised", norm));
+}
+
+/// What it warns of is no matter where the joint is locked.
+void check_limits(const urdf::Joint& joint, bool locked, UrdfReport& report) {
+  if (!joint.limits || !moves_along_one_axis(joint)) return;
+  const urdf::JointLimits& limits = *joint.limits;
+  const UrdfPlace place = at_joint(joint.name, "limit");
+  const char* const effort_unit = joint.type == urdf::Joint::PRISMATIC ? "N" : "Nm";
+  if (limits.effort < 0)
+    report.error(place, fmt::format("its effort limit is {} {}", limits.effort, effort_unit),
+                 "an effort limit cannot be negative");
+  else if (limits.effort == 0 && !locked)
+    report.warning(place, "its effort limit is 0: it cannot be actuated within the URDF's limits");
+  if (limits.velocity < 0)
+    report.error(place, fmt::format("its velocity limit is {}", limits.velocity),
+                 "a velocity limit cannot be negative");
+  else if (limits.velocity == 0 && !locked)
+    report.warning(place, "its velocity limit is 0: it cannot move within the URDF's limits");
+  if (joint.type == urdf::Joint::CONTINUOUS) return;
+  if (limits.lower > limits.upper)
+    report.error(
+        place, fmt::format("its lower limit {} is above the upper {}", limits.lower, limits.upper));
+  else if (limits.lower == limits.upper && !locked)
+    report.warning(place,
+                   fmt::format("its lower and upper limits are both {}: it cannot move within the "
+                               "URDF's limits",
+                               limits.lower),
+                   "make it fixed or lock it if that is meant; a limit that is absent reads as 0");
+}
+
+void check_joint(const urdf::Joint& joint, bool locked, UrdfReport& report) {
+  check_axis(joint, report);
+  check_limits(joint, locked, report);
+  if (joint.dynamics && (joint.dynamics->damping < 0 || joint.dynamics->friction < 0))
+    report.error(at_joint(joint.name, "dynamics"), "its damping or friction is negative");
+  const bool many_axes = joint.type == urdf::Joint::FLOATING || joint.type == urdf::Joint::PLANAR;
+  if (joint.mimic && many_axes)
+    report.error(at_joint(joint.name, "mimic"),
+                 "a " + type_name(joint.type) + " joint cannot mimic another one",
+                 "revolute, continuous and prismatic joints can");
+}
+
+std::vector<std::string> moving_joints(const urdf::ModelInterface& tree) {
+  std::vector<std::string> names;
+  for (const auto& [name, joint] : tree.joints_)
+    if (moves_along_one_axis(*joint)) names.push_back(name);
+  return names;
+}
+
+/// The joint if it exists and has one axis, else an error that says what was asked of it.
+const urdf::Joint* moving_joint(const urdf::ModelInterface& tree, const std::string& name,
+                                const std::string& purpose, UrdfReport& report) {
+  const auto found = tree.joints_.find(name);
+  if (found == tree.joints_.end()) {
+    report.error(at_joint(name), "there is no such joint " + purpose,
+                 name_hint(name, moving_joints(tree), "joints"));
+    return nullptr;
+  }
+  if (moves_along_one_axis(*found->second)) return found->second.get();
+  report.error(at_joint(name),
+               "a " + type_name(found->second->type) + " joint is not one " + purpose,
+               name_hint(name, moving_joints(tree), "joints"));
+  return nullptr;
+}
+
+void check_locked(const urdf::Joint& joint, double value, UrdfReport& report) {
+  if (!std::isfinite(value))
+    return report.error(at_joint(joint.name), "the value to lock it at is not finite");
+  if (!joint.limits || joint.type == urdf::Joint::CONTINUOUS) return;
+  if (value >= joint.limits->lower && value <= joint.limits->upper) return;
+  report.error(at_joint(joint.name, "limit"),
+               fmt::format("it is to be locked at {}, outside its limits {} to {}", value,
+                           joint.limits->lower, joint.limits->upper));
+}
+
+void check_payload(const urdf::ModelInterface& tree, const UrdfOptions::Payload& payload,
+                   UrdfReport& report) {
+  if (!tree.links_.contains(payload.link)) {
+    std::vector<std::string> names;
+    for (const auto& [name, link] : tree.links_) names.push_back(name);
+    return report.error(at_link(payload.link), "there is no such link to carry a payload",
+                        name_hint(payload.link, names, "links"));
+  }
+  const auto fail = [&](const std::string& message) {
+    report.error(at_link(payload.link), "its payload's " + message);
+  };
+  if (!std::isfinite(payload.mass) || payload.mass < 0)
+    fail(fmt::format("mass {} kg is not a finite number of at least 0", payload.mass));
+  if (!std::isfinite(squared_norm(payload.com))) fail("centre of mass is not finite");
+  if (!payload.inertia) return;
+  const Symmetric3<double>& j = *payload.inertia;
+  if (!std::isfinite(j.xx + j.xy + j.xz + j.yy + j.yz + j.zz)) return fail("inertia is not finite");
+  const InertiaDefect defect = inertia_defect(j, payload.mass);
+  if (defect.negative > kInertiaTolerance || defect.triangle > kInertiaTolerance)
+    fail(
+        "inertia is not physically valid: principal moments are positive and none exceeds the sum "
+        "of the others");
+}
+
+}  // namespace
+
+InertiaDefect inertia_defect(const Symmetric3<double>& central, double mass) {
+  Eigen::Matrix3d j;
+  j << central.xx, central.xy, central.xz, central.xy, central.yy, central.yz, central.xz,
+      central.yz, central.zz;
+  const Eigen::Vector3d moments =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(j, Eigen::EigenvaluesOnly).eigenvalues();
+  const double largest = moments.cwiseAbs().maxCoeff();
+  constexpr double kSquaredRadius = 1e-12;  // m²
+  if (largest <= kSquaredRadius * mass) return {};
+  return {std::max(0.0, -moments[0] / largest),
+          std::max(0.0, (moments[2] - moments[1] - moments[0]) / largest)};
+}
+
+void check_urdf_physics(const urdf::ModelInterface& tree, const UrdfOptions& options,
+                        UrdfReport& report) {
+  for (const auto& [name, link] : tree.links_) check_link(*link, report);
+  for (const auto& [name, joint] : tree.joints_)
+    check_joint(*joint, options.locked_joints.contains(name), report);
+}
+
+void check_urdf_options(const urdf::ModelInterface& tree, const UrdfOptions& options,
+                        UrdfReport& report) {
+  for (const auto& [name, value] : options.locked_joints)
+    if (const urdf::Joint* joint = moving_joint(tree, name, "that can be locked", report))
+      check_locked(*joint, value, report);
+  for (const auto& [name, inertia] : options.rotor_inertia) {
+    if (!moving_joint(tree, name, "that can have a rotor inertia", report)) continue;
+    if (!std::isfinite(inertia) || inertia < 0)
+      report.error(at_joint(name), fmt::format("its rotor inertia {} is not a finite number of at "
+                                               "least 0",
+                                               inertia));
+    else if (options.locked_joints.contains(name))
+      report.warning(at_joint(name), "its rotor inertia has no effect: the joint is locked");
+  }
+  for (const UrdfOptions::Payload& payload : options.payloads) check_payload(tree, payload, report);
+  if (!std::isfinite(squared_norm(options.gravity))) report.error({}, "gravity is not finite");
+  if (options.placement && options.base == UrdfOptions::Base::floating)
+    report.warning({}, "the robot's placement has no effect: its base floats",
+                   "the initial state says where it is");
+}
+
+}  // namespace conddp

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <urdf_model/model.h>
+
+#include "robot/urdf/urdf_report.hpp"
+
+namespace conddp {
+
+/// How far a rotational inertia about a centre of mass is from one that a body of this mass (kg)
+/// can have, relative to its largest principal moment. What is left of zeros by rounding, a radius
+/// of gyration below 1 µm, is a point mass without a defect.
+struct InertiaDefect {
+  double negative = 0;  ///< of the smallest principal moment below zero
+  double triangle = 0;  ///< of the largest principal moment above the sum of the others
+};
+InertiaDefect inertia_defect(const Symmetric3<double>& central, double mass);
+
+/// Rounding in a file's digits stays below this.
+inline constexpr double kInertiaTolerance = 1e-6;
+
+/// Masses, axes and limits of every link and joint, as far as one of them alone tells.
+/// Joints that are locked are not warned of limits that keep them from moving.
+void check_urdf_physics(const urdf::ModelInterface& tree, const UrdfOptions& options,
+                        UrdfReport& report);
+
+/// Names, values and payloads that were asked for.
+void check_urdf_options(const urdf::ModelInterface& tree, const UrdfOptions& options,
+                        UrdfReport& report);
+
+}  // namespace conddp

@@ -1,0 +1,142 @@
+#include "robot/urdf/urdf_visuals.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <locale>
+#include <map>
+#include <sstream>
+
+#include "robot/urdf/xml_outline.hpp"
+
+namespace conddp {
+namespace {
+
+/// The numbers of an attribute, if it has exactly n finite ones.
+template <std::size_t n>
+std::optional<std::array<double, n>> read_numbers(const XmlElement& element,
+                                                  std::string_view name) {
+  const auto text = element.attribute(name);
+  if (!text) return std::nullopt;
+  std::istringstream stream{std::string(*text)};
+  stream.imbue(std::locale::classic());
+  std::array<double, n> numbers;
+  for (double& number : numbers)
+    if (!(stream >> number) || !std::isfinite(number)) return std::nullopt;
+  return numbers;
+}
+
+SE3<double> read_origin(const XmlOutline& outline, int shape) {
+  SE3<double> placement = SE3<double>::identity();
+  const auto origin = outline.child(shape, "origin");
+  if (!origin) return placement;
+  if (const auto xyz = read_numbers<3>(outline.elements[*origin], "xyz"))
+    placement.p = {(*xyz)[0], (*xyz)[1], (*xyz)[2]};
+  if (const auto rpy = read_numbers<3>(outline.elements[*origin], "rpy"))
+    placement.R = rotation_matrix(exp_so3(Vector3<double>{0, 0, (*rpy)[2]})) *
+                  rotation_matrix(exp_so3(Vector3<double>{0, (*rpy)[1], 0})) *
+                  rotation_matrix(exp_so3(Vector3<double>{(*rpy)[0], 0, 0}));
+  return placement;
+}
+
+/// Kind and size from <geometry>.
+void read_geometry(const XmlOutline& outline, int element, VisualShape& shape) {
+  const auto geometry = outline.child(element, "geometry");
+  if (!geometry) return;
+  for (const int child : outline.children(*geometry)) {
+    const XmlElement& e = outline.elements[child];
+    shape.mesh = std::string(e.tag);
+    const auto radius = read_numbers<1>(e, "radius"), length = read_numbers<1>(e, "length");
+    if (e.tag == "box") {
+      const auto size = read_numbers<3>(e, "size");
+      if (!size) return;
+      shape.kind = ShapeKind::box;
+      shape.size = {(*size)[0], (*size)[1], (*size)[2]};
+    } else if (e.tag == "cylinder") {
+      if (!radius || !length) return;
+      shape.kind = ShapeKind::cylinder;
+      shape.size = {(*radius)[0], (*length)[0], 0};
+    } else if (e.tag == "sphere") {
+      if (!radius) return;
+      shape.kind = ShapeKind::sphere;
+      shape.size = {(*radius)[0], 0, 0};
+    } else if (e.tag == "mesh") {
+      const auto file = e.attribute("filename");
+      if (!file) return;
+      shape.kind = ShapeKind::mesh;
+      shape.mesh = std::string(*file);
+      if (const auto scale = read_numbers<3>(e, "scale"))
+        shape.size = {(*scale)[0], (*scale)[1], (*scale)[2]};
+    }
+    return;
+  }
+}
+
+std::optional<Inertia<double>> read_inertia(const XmlOutline& outline, int link) {
+  const auto inertial = outline.child(link, "inertial");
+  const auto mass = inertial ? outline.child(*inertial, "mass") : std::nullopt;
+  const auto matrix = inertial ? outline.child(*inertial, "inertia") : std::nullopt;
+  if (!mass || !matrix) return std::nullopt;
+  const auto kilograms = read_numbers<1>(outline.elements[*mass], "value");
+  if (!kilograms || (*kilograms)[0] <= 0) return std::nullopt;
+  const auto entry = [&](std::string_view name) {
+    const auto number = read_numbers<1>(outline.elements[*matrix], name);
+    return number ? (*number)[0] : 0.0;
+  };
+  const Symmetric3<double> central{entry("ixx"), entry("ixy"), entry("ixz"),
+                                   entry("iyy"), entry("iyz"), entry("izz")};
+  return act(read_origin(outline, *inertial),
+             inertia_about_origin((*kilograms)[0], Vector3<double>::zero(), central));
+}
+
+std::optional<std::array<double, 4>> read_color(const XmlOutline& outline, int material) {
+  const auto color = outline.child(material, "color");
+  auto rgba = color ? read_numbers<4>(outline.elements[*color], "rgba") : std::nullopt;
+  if (rgba)
+    for (double& part : *rgba) part = std::clamp(part, 0.0, 1.0);
+  return rgba;
+}
+
+using Materials = std::map<std::string_view, std::array<double, 4>>;
+
+/// The shapes of a link's elements of one tag.
+std::vector<VisualShape> read_shapes(const XmlOutline& outline, int link, std::string_view tag,
+                                     const Materials& materials) {
+  std::vector<VisualShape> shapes;
+  for (const int element : outline.children(link, tag)) {
+    VisualShape& shape = shapes.emplace_back();
+    read_geometry(outline, element, shape);
+    shape.placement = read_origin(outline, element);
+    const auto material = outline.child(element, "material");
+    if (!material) continue;
+    shape.color = read_color(outline, *material);
+    const auto known = outline.elements[*material].attribute("name");
+    if (!shape.color && known && materials.contains(*known)) shape.color = materials.at(*known);
+  }
+  return shapes;
+}
+
+}  // namespace
+
+std::vector<LinkVisuals> urdf_visuals(std::string_view xml) {
+  const XmlOutline outline = scan_xml(xml);
+  std::vector<LinkVisuals> links;
+  if (outline.defect || outline.elements.empty()) return links;
+  const int robot = 0;
+  Materials materials;
+  for (const int material : outline.children(robot, "material")) {
+    const auto name = outline.elements[material].attribute("name");
+    const auto color = read_color(outline, material);
+    if (name && color) materials[*name] = *color;
+  }
+  for (const int link : outline.children(robot, "link")) {
+    const auto name = outline.elements[link].attribute("name");
+    if (!name) continue;
+    links.push_back({.link = std::string(*name),
+                     .visual = read_shapes(outline, link, "visual", materials),
+                     .collision = read_shapes(outline, link, "collision", materials),
+                     .inertia = read_inertia(outline, link)});
+  }
+  return links;
+}
+
+}  // namespace conddp

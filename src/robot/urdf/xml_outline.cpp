@@ -1,0 +1,198 @@
+#include "robot/urdf/xml_outline.hpp"
+
+#include <algorithm>
+
+namespace conddp {
+namespace {
+
+constexpr std::string_view kSpace = " \t\r\n";
+constexpr std::size_t kMaxAttributes = 64;
+constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+
+class Scanner {
+ public:
+  explicit Scanner(std::string_view text) : text_(text) {}
+
+  XmlOutline run() {
+    if (text_.substr(0, 3) == kByteOrderMark) at_ = 3;
+    while (!outline_.defect && at_ < text_.size()) step();
+    if (!outline_.defect && !open_.empty()) {
+      const XmlElement& element = outline_.elements[open_.back()];
+      fail(element.start_tag.data() - text_.data(),
+           "<" + std::string(element.tag) + "> is never closed");
+    }
+    return std::move(outline_);
+  }
+
+ private:
+  void step() {
+    const std::size_t text_start = at_;
+    at_ = std::min(text_.find('<', at_), text_.size());
+    if (open_.empty()) {
+      const std::string_view between = text_.substr(text_start, at_ - text_start);
+      const std::size_t stray = between.find_first_not_of(kSpace);
+      if (stray != between.npos)
+        return fail(text_start + stray, "text outside the document's root element");
+    }
+    if (at_ >= text_.size()) return;
+    if (starts("<!--")) return skip("-->", 4, "a comment is never closed");
+    if (starts("<?")) return skip("?>", 2, "a processing instruction is never closed");
+    if (starts("<![CDATA[") && !open_.empty()) return skip("]]>", 9, "CDATA is never closed");
+    if (starts("<!")) return document_type();
+    if (starts("</")) return end_tag();
+    start_tag();
+  }
+
+  void document_type() {
+    const std::size_t end = text_.find_first_of("[>", at_);
+    if (!open_.empty() || end == text_.npos || text_[end] == '[')
+      return fail(at_, "a document type declaration of its own is not accepted here");
+    at_ = end + 1;
+  }
+
+  void end_tag() {
+    const std::size_t begin = at_;
+    at_ += 2;
+    const std::string_view tag = word("> \t\r\n");
+    skip_space();
+    if (peek() != '>') return fail(begin, "</" + std::string(tag) + " lacks its '>'");
+    ++at_;
+    if (open_.empty()) return fail(begin, "</" + std::string(tag) + "> closes nothing");
+    XmlElement& element = outline_.elements[open_.back()];
+    if (element.tag != tag)
+      return fail(begin, "</" + std::string(tag) + "> where <" + std::string(element.tag) +
+                             "> of line " + std::to_string(element.line) + " is open");
+    element.end_tag = text_.substr(begin, at_ - begin);
+    open_.pop_back();
+  }
+
+  void start_tag() {
+    XmlElement element;
+    const std::size_t begin = at_++;
+    locate(begin, element.line, element.column);
+    element.tag = word("/> \t\r\n<='\"");
+    if (element.tag.empty()) return fail(begin, "'<' without an element's name");
+    if (open_.empty() && !outline_.elements.empty())
+      return fail(begin, "a second root element <" + std::string(element.tag) + ">");
+    element.depth = static_cast<int>(open_.size());
+    element.parent = open_.empty() ? -1 : open_.back();
+    if (element.depth >= kMaxXmlDepth)
+      return fail(begin, "elements are nested deeper than " + std::to_string(kMaxXmlDepth));
+    if (outline_.elements.size() >= kMaxXmlElements)
+      return fail(begin, "more than " + std::to_string(kMaxXmlElements) + " elements");
+    bool closed = false;
+    while (true) {
+      skip_space();
+      if (peek() == '>') break;
+      if (starts("/>")) {
+        closed = true;
+        ++at_;
+        break;
+      }
+      if (!attribute(element)) return;
+    }
+    ++at_;
+    element.start_tag = text_.substr(begin, at_ - begin);
+    outline_.elements.push_back(std::move(element));
+    if (!closed) open_.push_back(static_cast<int>(outline_.elements.size()) - 1);
+  }
+
+  bool attribute(XmlElement& element) {
+    const std::size_t begin = at_;
+    const std::string in = " in <" + std::string(element.tag) + ">";
+    XmlAttribute attribute;
+    attribute.name = word("=/> \t\r\n<'\"");
+    if (attribute.name.empty()) return fail(begin, "an attribute is expected" + in), false;
+    skip_space();
+    if (peek() != '=')
+      return fail(begin, "attribute " + std::string(attribute.name) + in + " has no value"), false;
+    ++at_;
+    skip_space();
+    const char quote = peek();
+    if (quote != '"' && quote != '\'')
+      return fail(at_, "the value of " + std::string(attribute.name) + in + " is not quoted"),
+             false;
+    const std::size_t value = at_ + 1;
+    at_ = text_.find_first_of(quote == '"' ? "\"<" : "'<", value);
+    if (at_ == text_.npos || text_[at_] == '<')
+      return fail(begin, "the value of " + std::string(attribute.name) + in + " is never closed"),
+             false;
+    attribute.value = text_.substr(value, at_ - value);
+    ++at_;
+    if (element.attributes.size() >= kMaxAttributes)
+      return fail(begin, "more than " + std::to_string(kMaxAttributes) + " attributes" + in), false;
+    if (element.attribute(attribute.name))
+      return fail(begin, "attribute " + std::string(attribute.name) + in + " is given twice"),
+             false;
+    element.attributes.push_back(attribute);
+    return true;
+  }
+
+  bool starts(std::string_view what) const { return text_.substr(at_, what.size()) == what; }
+  char peek() const { return at_ < text_.size() ? text_[at_] : '\0'; }
+  void skip_space() { at_ = std::min(text_.find_first_not_of(kSpace, at_), text_.size()); }
+  std::string_view word(std::string_view stop) {
+    const std::size_t begin = at_;
+    at_ = std::min(text_.find_first_of(stop, at_), text_.size());
+    return text_.substr(begin, at_ - begin);
+  }
+  void skip(std::string_view end, std::size_t opening, const char* defect) {
+    const std::size_t found = text_.find(end, at_ + opening);
+    if (found == text_.npos) return fail(at_, defect);
+    at_ = found + end.size();
+  }
+
+  /// Places are asked for in ascending order, but for a defect, which is the last.
+  void locate(std::size_t offset, int& line, int& column) {
+    if (offset < located_) located_ = 0, line_ = 1, column_ = 1;
+    for (; located_ < offset; ++located_) {
+      if (text_[located_] == '\n') {
+        ++line_;
+        column_ = 1;
+      } else if ((static_cast<unsigned char>(text_[located_]) & 0xC0) != 0x80) {
+        ++column_;
+      }
+    }
+    line = line_;
+    column = column_;
+  }
+  void fail(std::size_t offset, std::string message) {
+    XmlDefect defect{std::move(message)};
+    locate(offset, defect.line, defect.column);
+    outline_.defect = std::move(defect);
+  }
+
+  std::string_view text_;
+  std::size_t at_ = 0;
+  std::size_t located_ = 0;
+  int line_ = 1, column_ = 1;
+  std::vector<int> open_;
+  XmlOutline outline_;
+};
+
+}  // namespace
+
+std::optional<std::string_view> XmlElement::attribute(std::string_view name) const {
+  for (const XmlAttribute& a : attributes)
+    if (a.name == name) return a.value;
+  return std::nullopt;
+}
+
+std::vector<int> XmlOutline::children(int element, std::string_view tag) const {
+  std::vector<int> found;
+  const int depth = element < 0 ? 0 : elements[element].depth + 1;
+  for (int i = element + 1; i < static_cast<int>(elements.size()); ++i) {
+    if (elements[i].depth < depth) break;
+    if (elements[i].depth == depth && (tag.empty() || elements[i].tag == tag)) found.push_back(i);
+  }
+  return found;
+}
+
+std::optional<int> XmlOutline::child(int element, std::string_view tag) const {
+  const std::vector<int> found = children(element, tag);
+  return found.empty() ? std::nullopt : std::optional(found.front());
+}
+
+XmlOutline scan_xml(std::string_view text) { return Scanner(text).run(); }
+
+}  // namespace conddp

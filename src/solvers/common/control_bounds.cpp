@@ -1,0 +1,91 @@
+#include "solvers/common/control_bounds.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "ocp/problem/soft_constraint.hpp"
+
+namespace conddp {
+namespace {
+
+/// u = ū + (bound − ū) may miss the bound by a rounding of its operands.
+bool meets(double u, double bound) {
+  constexpr double kRounding = 8 * std::numeric_limits<double>::epsilon();
+  return std::isfinite(bound) && std::abs(u - bound) <= kRounding * std::max(std::abs(bound), 1.0);
+}
+
+}  // namespace
+
+ControlBounds::ControlBounds(const ShootingProblem& problem) : offset_{0} {
+  for (int k = 0; k < problem.knots(); ++k) offset_.push_back(offset_.back() + problem.nu(k));
+  lower_.resize(size());
+  upper_.resize(size());
+  for (int k = 0; k < problem.knots(); ++k) {
+    const KnotModel& model = *problem.knot(k).model;
+    for (int i = 0; i < problem.nu(k); ++i) {
+      lower_[offset_[k] + i] = model.control_lower()[i];
+      upper_[offset_[k] + i] = model.control_upper()[i];
+    }
+  }
+}
+
+int ControlBounds::clamp(Trajectory& trajectory) const {
+  int changed = 0;
+  for (int k = 0; k < knots(); ++k) {
+    auto u = trajectory.u(k);
+    for (int i = 0; i < u.size(); ++i) {
+      const double inside = std::max(lower(k)[i], std::min(u[i], upper(k)[i]));
+      changed += inside != u[i];
+      u[i] = inside;
+    }
+  }
+  return changed;
+}
+
+Extremum ControlBounds::violation(const Trajectory& trajectory) const {
+  Extremum worst;
+  for (int k = 0; k < knots(); ++k) {
+    const auto u = trajectory.u(k);
+    for (int i = 0; i < u.size(); ++i) {
+      const double outside = std::max(lower(k)[i] - u[i], u[i] - upper(k)[i]);
+      if (outside > worst.value) worst = {outside, k};
+    }
+  }
+  return worst;
+}
+
+bool ControlBounds::at_lower(int k, int i, double u) const {
+  return u <= lower(k)[i] || meets(u, lower(k)[i]);
+}
+
+bool ControlBounds::at_upper(int k, int i, double u) const {
+  return u >= upper(k)[i] || meets(u, upper(k)[i]);
+}
+
+Extremum ControlBounds::projected_norm(const Eigen::VectorXd& gradient,
+                                       const Trajectory& trajectory) const {
+  Extremum worst;
+  for (int k = 0; k < knots(); ++k) {
+    const auto u = trajectory.u(k);
+    for (int i = 0; i < u.size(); ++i) {
+      const double g = gradient[offset_[k] + i];
+      if (g > 0 && at_lower(k, i, u[i])) continue;
+      if (g < 0 && at_upper(k, i, u[i])) continue;
+      if (!(std::abs(g) <= worst.value)) worst = {std::abs(g), k};
+    }
+  }
+  return worst;
+}
+
+Extremum largest_violation(const ShootingProblem& problem, const ControlBounds& bounds,
+                           const Trajectory& trajectory, const Eigen::VectorXd& constraint) {
+  Extremum worst = bounds.violation(trajectory);
+  for (const NodeConstraint& c : problem.constraints()) {
+    const double distance = violation(c, constraint.data() + c.row);
+    if (!(distance <= worst.value)) worst = {distance, c.node};
+  }
+  return worst;
+}
+
+}  // namespace conddp

@@ -1,0 +1,395 @@
+#include "solvers/common/option_table.hpp"
+
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace conddp {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr std::string_view kRegularizationKinds[] = {"proximal", "state", "control"};
+constexpr std::string_view kHessianChoices[] = {"automatic", "gauss_newton", "exact"};
+
+constexpr std::string_view kPairRelaxations[] = {"elementwise", "inner_product",
+                                                 "fischer_burmeister", "penalty"};
+constexpr std::string_view kRelaxationFallbacks[] = {"automatic", "none"};
+
+#define CONDDP_ACCESS(member) [](SolverOptions& o) -> OptionInfo::Reference { return &o.member; }
+
+constexpr std::array kTable = {
+    OptionInfo{.name = "max_iterations",
+               .doc = "Accepted steps after which to stop.",
+               .min = 0,
+               .max = 1e9,
+               .access = CONDDP_ACCESS(max_iterations)},
+    OptionInfo{.name = "max_time_s",
+               .doc = "Wall-clock time after which to stop, s.",
+               .min = 0,
+               .max = kInfinity,
+               .access = CONDDP_ACCESS(max_time_s)},
+    OptionInfo{.name = "threads",
+               .doc =
+                   "Threads that evaluate and differentiate knots and sweep legs; results do not "
+                   "depend on it.",
+               .min = 1,
+               .max = 1024,
+               .access = CONDDP_ACCESS(threads)},
+    OptionInfo{.name = "legs",
+               .doc =
+                   "Of proxddp: parts of the horizon that sweeps go through side by side, as far "
+                   "as there are threads; at most as many as knots.",
+               .min = 1,
+               .max = 1024,
+               .access = CONDDP_ACCESS(legs)},
+    OptionInfo{.name = "hessian",
+               .doc = "Second derivatives of the dynamics: the solver's own choice, left out, or "
+                      "exact.",
+               .choices = kHessianChoices,
+               .access = CONDDP_ACCESS(hessian)},
+    OptionInfo{.name = "tolerances.stationarity",
+               .doc = "Largest gradient entry of the Lagrangian in the controls, projected on "
+                      "their bounds, at convergence; cost per control unit.",
+               .min = 0,
+               .max = kInfinity,
+               .min_excluded = true,
+               .max_excluded = true,
+               .access = CONDDP_ACCESS(tolerances.stationarity)},
+    OptionInfo{.name = "tolerances.gap",
+               .doc = "Largest dynamics gap at convergence, in the state's units.",
+               .min = 0,
+               .max = kInfinity,
+               .min_excluded = true,
+               .max_excluded = true,
+               .access = CONDDP_ACCESS(tolerances.gap)},
+    OptionInfo{.name = "tolerances.constraint",
+               .doc = "Largest constraint violation at convergence, in the constraint's units.",
+               .min = 0,
+               .max = kInfinity,
+               .min_excluded = true,
+               .max_excluded = true,
+               .access = CONDDP_ACCESS(tolerances.constraint)},
+    OptionInfo{.name = "tolerances.complementarity",
+               .doc = "Largest product of a multiplier and the distance from its bound at "
+                      "convergence, in the cost's unit.",
+               .min = 0,
+               .max = kInfinity,
+               .min_excluded = true,
+               .max_excluded = true,
+               .access = CONDDP_ACCESS(tolerances.complementarity)},
+    OptionInfo{.name = "tolerances.cost_decrease",
+               .doc = "Relative change of the cost, at the rate of a full step, at which to stop, "
+                      "where three feasible iterations in a row change it by no more; 0 is never.",
+               .min = 0,
+               .max = 1,
+               .max_excluded = true,
+               .access = CONDDP_ACCESS(tolerances.cost_decrease)},
+    OptionInfo{
+        .name = "regularization.kind",
+        .doc =
+            "What it weighs: half the squares of the whole step, in the model (proximal), or, in "
+            "the gains alone, V_xx through the dynamics (state) or Q_uu (control).",
+        .choices = kRegularizationKinds,
+        .access = CONDDP_ACCESS(regularization.kind)},
+    OptionInfo{.name = "regularization.initial",
+               .doc = "Regularisation of the first sweep; 0 is none.",
+               .min = 0,
+               .max = kInfinity,
+               .max_excluded = true,
+               .access = CONDDP_ACCESS(regularization.initial)},
+    OptionInfo{.name = "regularization.min",
+               .doc = "Smallest regularisation other than 0, the first one after 0; lower where "
+                      "the costs' curvature in the controls is.",
+               .min = 0,
+               .max = kInfinity,
+               .min_excluded = true,
+               .max_excluded = true,
+               .access = CONDDP_ACCESS(regularization.min)},
+    OptionInfo{.name = "regularization.max",
+               .doc = "Regularisation beyond which the solver gives up.",
+               .min = 0,
+               .max = kInfinity,
+               .min_excluded = true,
+               .max_excluded = true,
+               .access = CONDDP_ACCESS(regularization.max)},
+    OptionInfo{.name = "regularization.factor",
+               .doc = "Factor by which the rate of its change grows with each change in the same "
+                      "direction.",
+               .min = 1,
+               .max = 1e6,
+               .min_excluded = true,
+               .access = CONDDP_ACCESS(regularization.factor)},
+    OptionInfo{.name = "regularization.decrease_step",
+               .doc = "Decrease it after a step at least this long.",
+               .min = 0,
+               .max = 1,
+               .access = CONDDP_ACCESS(regularization.decrease_step)},
+    OptionInfo{.name = "regularization.increase_step",
+               .doc = "Increase it after a step at most this long.",
+               .min = 0,
+               .max = 1,
+               .max_excluded = true,
+               .access = CONDDP_ACCESS(regularization.increase_step)},
+    OptionInfo{.name = "line_search.min_step",
+               .doc = "Shortest step length that is tried; each is half the one before.",
+               .min = 0,
+               .max = 1,
+               .min_excluded = true,
+               .access = CONDDP_ACCESS(line_search.min_step)},
+    OptionInfo{.name = "line_search.armijo",
+               .doc = "Share of the first-order decrease that a step has to reach.",
+               .min = 0,
+               .max = 0.5,
+               .min_excluded = true,
+               .max_excluded = true,
+               .access = CONDDP_ACCESS(line_search.armijo)},
+    OptionInfo{.name = "line_search.merit_margin",
+               .doc = "Weight in the merit of gaps that a step opens, as a multiple of the largest "
+                      "multiplier.",
+               .min = 1,
+               .max = 1e6,
+               .min_excluded = true,
+               .access = CONDDP_ACCESS(line_search.merit_margin)},
+    OptionInfo{.name = "augmented_lagrangian.initial_penalty",
+               .doc = "First penalty of every constraint; cost per squared constraint unit. Lower "
+                      "of constraints on controls in which the costs have a curvature of less than "
+                      "a ten-thousandth of it.",
+               .min = 0,
+               .max = kInfinity,
+               .min_excluded = true,
+               .max_excluded = true,
+               .access = CONDDP_ACCESS(augmented_lagrangian.initial_penalty)},
+    OptionInfo{.name = "augmented_lagrangian.penalty_factor",
+               .doc = "Factor by which the penalty of a constraint grows.",
+               .min = 1,
+               .max = 1e6,
+               .min_excluded = true,
+               .access = CONDDP_ACCESS(augmented_lagrangian.penalty_factor)},
+    OptionInfo{.name = "augmented_lagrangian.max_penalty",
+               .doc = "Penalty beyond which none grows.",
+               .min = 0,
+               .max = kInfinity,
+               .min_excluded = true,
+               .max_excluded = true,
+               .access = CONDDP_ACCESS(augmented_lagrangian.max_penalty)},
+    OptionInfo{.name = "augmented_lagrangian.sufficient_decrease",
+               .doc = "Of altro: a penalty grows where the violation exceeds this share of what it "
+                      "was at the last update.",
+               .min = 0,
+               .max = 1,
+               .min_excluded = true,
+               .max_excluded = true,
+               .access = CONDDP_ACCESS(augmented_lagrangian.sufficient_decrease)},
+    OptionInfo{.name = "box_qp.max_iterations",
+               .doc = "Projected Newton steps of one stage problem.",
+               .min = 1,
+               .max = 1e6,
+               .access = CONDDP_ACCESS(box_qp.max_iterations)},
+    OptionInfo{
+        .name = "box_qp.armijo",
+        .doc = "Share of the first-order decrease that a projected Newton step has to reach.",
+        .min = 0,
+        .max = 0.5,
+        .min_excluded = true,
+        .max_excluded = true,
+        .access = CONDDP_ACCESS(box_qp.armijo)},
+    OptionInfo{.name = "box_qp.horizon_sweeps",
+               .doc = "Sweeps an iteration that look for the active set of the whole horizon; 0 "
+                      "leaves it at that of each stage alone.",
+               .min = 0,
+               .max = 1e6,
+               .access = CONDDP_ACCESS(box_qp.horizon_sweeps)},
+    OptionInfo{.name = "complementarity.relaxation",
+               .doc =
+                   "Of ipopt: complementary pairs z, s as z s <= epsilon each, as their sum over "
+                   "a knot, as smoothed Fischer-Burmeister equations, or as an exact penalty "
+                   "1/epsilon.",
+               .choices = kPairRelaxations,
+               .access = CONDDP_ACCESS(complementarity.relaxation)},
+    OptionInfo{.name = "complementarity.fallback",
+               .doc = "Where that finds no answer: try the other relaxations, or none.",
+               .choices = kRelaxationFallbacks,
+               .access = CONDDP_ACCESS(complementarity.fallback)},
+    OptionInfo{.name = "complementarity.initial",
+               .doc = "First epsilon, in the product of the pairs' units.",
+               .min = 0,
+               .max = kInfinity,
+               .min_excluded = true,
+               .max_excluded = true,
+               .access = CONDDP_ACCESS(complementarity.initial)},
+    OptionInfo{.name = "complementarity.factor",
+               .doc = "Factor by which epsilon shrinks from one solve to the next, without unit.",
+               .min = 0,
+               .max = 1,
+               .min_excluded = true,
+               .max_excluded = true,
+               .access = CONDDP_ACCESS(complementarity.factor)},
+    OptionInfo{
+        .name = "complementarity.final",
+        .doc = "Last epsilon, where the pairs are not complementary to tolerance before, in the "
+               "product of the pairs' units.",
+        .min = 0,
+        .max = kInfinity,
+        .min_excluded = true,
+        .max_excluded = true,
+        .access = CONDDP_ACCESS(complementarity.final)},
+    OptionInfo{.name = "restarts.count",
+               .doc = "Further solves from random perturbations of the guess; the best answer "
+                      "counts.",
+               .min = 0,
+               .max = 1000,
+               .access = CONDDP_ACCESS(restarts.count)},
+    OptionInfo{.name = "restarts.seed",
+               .doc = "Seed of their random numbers.",
+               .min = 0,
+               .max = 1e9,
+               .access = CONDDP_ACCESS(restarts.seed)},
+    OptionInfo{.name = "restarts.spread",
+               .doc = "Standard deviation of what is added to the states and controls of the "
+                      "guess, in their units.",
+               .min = 0,
+               .max = kInfinity,
+               .max_excluded = true,
+               .access = CONDDP_ACCESS(restarts.spread)},
+};
+#undef CONDDP_ACCESS
+
+template <class T>
+concept Choice = std::is_enum_v<T>;
+
+std::optional<std::string> check_number(const OptionInfo& info, double value) {
+  const bool above = info.min_excluded ? value > info.min : value >= info.min;
+  const bool below = info.max_excluded ? value < info.max : value <= info.max;
+  if (above && below) return std::nullopt;
+  return fmt::format("{} must be {} {}{}, not {}", info.name, info.min_excluded ? ">" : "at least",
+                     info.min,
+                     info.max == kInfinity
+                         ? (info.max_excluded ? " and finite" : "")
+                         : fmt::format(" and {} {}", info.max_excluded ? "<" : "at most", info.max),
+                     value);
+}
+
+std::string list_choices(const OptionInfo& info) {
+  std::string list;
+  for (std::string_view choice : info.choices) {
+    if (!list.empty()) list += ", ";
+    list += choice;
+  }
+  return list;
+}
+
+}  // namespace
+
+OptionValue OptionInfo::get(const SolverOptions& options) const {
+  SolverOptions copy = options;
+  return std::visit(
+      [&](auto* value) -> OptionValue {
+        if constexpr (Choice<std::remove_pointer_t<decltype(value)>>) {
+          return std::string(choices[static_cast<int>(*value)]);
+        } else {
+          return *value;
+        }
+      },
+      access(copy));
+}
+
+std::optional<std::string> OptionInfo::set(SolverOptions& options, const OptionValue& value) const {
+  return std::visit(
+      [&](auto* target) -> std::optional<std::string> {
+        using T = std::remove_pointer_t<decltype(target)>;
+        if constexpr (Choice<T>) {
+          const std::string* text = std::get_if<std::string>(&value);
+          for (std::size_t i = 0; text != nullptr && i < choices.size(); ++i) {
+            if (*text == choices[i]) {
+              *target = static_cast<T>(i);
+              return std::nullopt;
+            }
+          }
+          return fmt::format("{} must be one of {}", name, list_choices(*this));
+        } else {
+          double number = 0;
+          if (const int* i = std::get_if<int>(&value)) {
+            number = *i;
+          } else if (const double* d = std::get_if<double>(&value)) {
+            number = *d;
+          } else {
+            return fmt::format("{} must be a number", name);
+          }
+          if (auto wrong = check_number(*this, number)) return wrong;
+          if (std::is_same_v<T, int> && number != std::floor(number)) {
+            return fmt::format("{} must be a whole number, not {}", name, number);
+          }
+          *target = static_cast<T>(number);
+          return std::nullopt;
+        }
+      },
+      access(options));
+}
+
+std::optional<std::string> OptionInfo::check(const SolverOptions& options) const {
+  SolverOptions copy = options;
+  return std::visit(
+      [&](auto* value) -> std::optional<std::string> {
+        if constexpr (Choice<std::remove_pointer_t<decltype(value)>>) {
+          const int index = static_cast<int>(*value);
+          if (index >= 0 && index < static_cast<int>(choices.size())) return std::nullopt;
+          return fmt::format("{} must be one of {}", name, list_choices(*this));
+        } else {
+          return check_number(*this, *value);
+        }
+      },
+      access(copy));
+}
+
+std::span<const OptionInfo> option_table() { return kTable; }
+
+const OptionInfo* find_option(std::string_view name) {
+  for (const OptionInfo& info : kTable) {
+    if (info.name == name) return &info;
+  }
+  return nullptr;
+}
+
+std::vector<std::string> SolverOptions::validate() const {
+  std::vector<std::string> messages;
+  for (const OptionInfo& info : kTable) {
+    if (auto wrong = info.check(*this)) messages.push_back(*std::move(wrong));
+  }
+  for (const auto& [name, value] : ipopt) {
+    if (auto fault = check_ipopt_option(name, value)) messages.push_back(std::move(fault->message));
+    if (name == "hessian_approximation" && value != IpoptValue("exact") &&
+        hessian != HessianChoice::automatic)
+      messages.emplace_back(
+          "hessian must be automatic where Ipopt's option 'hessian_approximation' is not exact");
+  }
+  if (regularization.min > regularization.max) {
+    messages.push_back(
+        fmt::format("regularization.min ({}) must be at most regularization.max ({})",
+                    regularization.min, regularization.max));
+  }
+  if (augmented_lagrangian.initial_penalty > augmented_lagrangian.max_penalty) {
+    messages.push_back(
+        fmt::format("augmented_lagrangian.initial_penalty ({}) must be at most "
+                    "augmented_lagrangian.max_penalty ({})",
+                    augmented_lagrangian.initial_penalty, augmented_lagrangian.max_penalty));
+  }
+  if (complementarity.final > complementarity.initial) {
+    messages.push_back(
+        fmt::format("complementarity.final ({}) must be at most complementarity.initial ({})",
+                    complementarity.final, complementarity.initial));
+  }
+  if (regularization.initial > regularization.max) {
+    messages.push_back(
+        fmt::format("regularization.initial ({}) must be at most regularization.max ({})",
+                    regularization.initial, regularization.max));
+  }
+  if (regularization.increase_step >= regularization.decrease_step) {
+    messages.push_back(
+        fmt::format("regularization.increase_step ({}) must be < regularization.decrease_step ({})",
+                    regularization.increase_step, regularization.decrease_step));
+  }
+  return messages;
+}
+
+}  // namespace conddp

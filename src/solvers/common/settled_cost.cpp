@@ -1,0 +1,22 @@
+#include "solvers/common/settled_cost.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace conddp {
+namespace {
+
+constexpr std::ptrdiff_t kSteps = 3;
+
+}  // namespace
+
+bool cost_has_settled(const std::vector<IterationRecord>& log, double share) {
+  if (!(share > 0) || std::ssize(log) <= kSteps) return false;
+  return std::adjacent_find(
+             log.end() - kSteps - 1, log.end(),
+             [&](const IterationRecord& before, const IterationRecord& row) {
+               return !(std::abs(row.cost - before.cost) <= share * row.step * std::abs(row.cost));
+             }) == log.end();
+}
+
+}  // namespace conddp

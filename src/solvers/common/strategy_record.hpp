@@ -1,0 +1,34 @@
+#pragma once
+
+#include <limits>
+#include <vector>
+
+#include "solvers/common/status.hpp"
+
+namespace conddp {
+
+/// A solve on the way of a homotopy.
+struct HomotopyStep {
+  double share = 0;  ///< of the way: 0 at its start, 1 at the problem itself
+  SolveStatus status = SolveStatus::diverged;
+  int iterations = 0;
+  double cost = std::numeric_limits<double>::quiet_NaN();
+  double time_s = 0;
+};
+
+/// A local optimum, and the starts that ended there.
+struct Basin {
+  double cost = 0;  ///< of the first of these starts
+  int starts = 0;   ///< how many
+  int first = 0;    ///< the first one; 0 is the guess itself
+};
+
+/// What came of the starts of a solve with restarts.
+struct RestartRecord {
+  int starts = 0;             ///< that were made: fewer than asked for where time ran out
+  int converged = 0;          ///< of these
+  int answer = 0;             ///< the start whose answer counts
+  std::vector<Basin> basins;  ///< of the converged ones, the cheapest first
+};
+
+}  // namespace conddp

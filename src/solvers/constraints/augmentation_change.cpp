@@ -1,0 +1,64 @@
+#include "solvers/constraints/augmentation_change.hpp"
+
+#include <algorithm>
+
+#include "ocp/knot/augmented_term.hpp"
+
+namespace conddp {
+
+AugmentationChange::AugmentationChange(const ShootingProblem& problem)
+    : problem_(problem), update_(problem) {
+  int rows = 0;
+  for (const NodeConstraint& c : problem.constraints()) rows = std::max(rows, c.term->rows);
+  for (Term* term : {&before_, &after_}) {
+    term->gradient.setZero(rows);
+    term->curvature.setZero(rows * rows);
+  }
+  shifted_.setZero(rows);
+}
+
+void AugmentationChange::evaluate(const NodeConstraint& c, const Augmentation& augmentation,
+                                  const Eigen::VectorXd& values, Term& term) {
+  term.value = augment<double>(
+      *c.term, {c.lower, c.upper, c.limit},
+      {augmentation.penalty.data() + c.row, augmentation.shift.data() + c.row,
+       augmentation.multiplier.data() + c.row},
+      values.data() + c.row, shifted_.data(), term.gradient.data(), term.curvature.data());
+}
+
+bool AugmentationChange::apply(const Augmentation& from, const Augmentation& to,
+                               Linearization& linearization) {
+  bool changed = false;
+  const std::vector<NodeConstraint>& constraints = problem_.constraints();
+  for (std::size_t i = 0; i < constraints.size(); ++i) {
+    const NodeConstraint& c = constraints[i];
+    const int n = c.term->rows;
+    evaluate(c, from, linearization.constraint, before_);
+    evaluate(c, to, linearization.constraint, after_);
+    linearization.augmentation[c.node] += after_.value - before_.value;
+    KnotLinearization& knot = linearization.knots[c.node];
+    const auto C = knot.C.middleRows(c.row - problem_.constraint_offset(c.node), n);
+    auto gradient = after_.gradient.head(n);
+    gradient -= before_.gradient.head(n);
+    for (int r = 0; r < n; ++r) {
+      if (gradient[r] == 0) continue;
+      knot.gradient += gradient[r] * C.row(r).transpose();
+      changed = true;
+    }
+    auto curvature = after_.curvature.head(c.term->is_cone() ? n * n : n);
+    curvature -= before_.curvature.head(curvature.size());
+    if (!c.term->is_cone()) {
+      for (int r = 0; r < n; ++r)
+        if (curvature[r] != 0) update_.add(C.row(r), curvature[r]);
+    } else if ((curvature.array() != 0).any()) {
+      update_.add(C, Eigen::Map<const Eigen::MatrixXd>(curvature.data(), n, n));
+    }
+    const bool last_of_node = i + 1 == constraints.size() || constraints[i + 1].node != c.node;
+    if (!last_of_node || update_.empty()) continue;
+    changed = true;
+    update_.apply(knot.hessian);
+  }
+  return changed;
+}
+
+}  // namespace conddp

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <vector>
+
+#include "ocp/evaluation/linearization.hpp"
+#include "ocp/problem/augmentation.hpp"
+#include "solvers/linalg/low_rank_update.hpp"
+
+namespace conddp {
+
+/// Takes a linearisation with Gauss-Newton Hessians from one augmentation of its constraints to
+/// another at the same iterate. The values g and derivatives ∂g are known, so that only the rows
+/// that have or get a multiplier are looked at: nothing is differentiated again.
+class AugmentationChange {
+ public:
+  explicit AugmentationChange(const ShootingProblem& problem);
+
+  /// `linearization` was made with `from`; afterwards it is what differentiation with `to` gives,
+  /// up to rounding. Returns whether it changed.
+  bool apply(const Augmentation& from, const Augmentation& to, Linearization& linearization);
+
+ private:
+  /// What an augmentation adds to the cost, as a function of a constraint's values g.
+  struct Term {
+    double value = 0;
+    Eigen::VectorXd gradient, curvature;  ///< by rows; the curvature of a cone n x n
+  };
+  void evaluate(const NodeConstraint& c, const Augmentation& augmentation,
+                const Eigen::VectorXd& values, Term& term);
+
+  const ShootingProblem& problem_;
+  Term before_, after_;
+  Eigen::VectorXd shifted_;  ///< scratch
+  LowRankUpdate update_;
+};
+
+}  // namespace conddp

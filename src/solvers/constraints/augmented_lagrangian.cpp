@@ -1,0 +1,234 @@
+#include "solvers/constraints/augmented_lagrangian.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "ocp/problem/soft_constraint.hpp"
+
+namespace conddp {
+namespace {
+
+/// A constraint is stalled where its penalty has grown, or would have, this often and its violation
+/// is not down to this share.
+constexpr int kPatience = 6;
+constexpr double kProgress = 0.5;
+/// Smaller violations, and those below a few tolerances, are rounding and no contradiction.
+constexpr double kContradiction = 1e-5;
+/// The same as sufficient_decrease, of soft constraints: a large penalty leaves them little
+/// curvature within their limits, and multipliers find their way without.
+constexpr double kSoftDecrease = 0.7;
+/// What the next change of the multipliers has to be, as a share of the last one.
+constexpr double kTighter = 0.1;
+/// How many times the size of the first values may be missed before a soft constraint's first
+/// penalty asks for the limit of its multiplier.
+constexpr double kReach = 10;
+/// How many times the curvature of the costs in the controls a first penalty may have there.
+constexpr double kStiffness = 1e4;
+
+/// How far values g lie from the origin of a cone, or at most from a bound.
+double size(const NodeConstraint& c, const Eigen::Ref<const Eigen::VectorXd>& g) {
+  if (!c.term->has_bounds()) return g.norm();
+  double largest = 0;
+  for (int r = 0; r < c.term->rows; ++r)
+    for (const double bound : {c.lower[r], c.upper[r]})
+      if (std::isfinite(bound)) largest = std::max(largest, std::abs(g[r] - bound));
+  return largest;
+}
+
+}  // namespace
+
+AugmentedLagrangian::AugmentedLagrangian(const ShootingProblem& problem,
+                                         const SolverOptions& options, MultiplierSchedule schedule)
+    : problem_(problem),
+      options_(options.augmented_lagrangian),
+      tolerance_(options.tolerances.constraint),
+      schedule_(schedule),
+      control_curvature_(problem),
+      augmentation_(problem),
+      multipliers_(Eigen::VectorXd::Zero(problem.constraint_rows())),
+      next_(multipliers_),
+      shifted_(multipliers_) {
+  for (std::size_t i = 0; i < problem.constraints().size(); ++i) {
+    const NodeConstraint& c = problem.constraints()[i];
+    const std::string name = (c.node == problem.knots() ? "terminal/" : "") + c.term->name;
+    auto group = std::find_if(groups_.begin(), groups_.end(),
+                              [&](const Group& g) { return g.name == name; });
+    if (group == groups_.end()) group = groups_.insert(group, Group{.name = name});
+    group->constraints.push_back(static_cast<int>(i));
+    group->soft = c.is_soft();
+  }
+  start(multipliers_);
+}
+
+void AugmentedLagrangian::start(const Eigen::VectorXd& multipliers) {
+  multipliers_ = next_ = multipliers;
+  stalled_.clear();
+  for (Group& group : groups_) {
+    group.penalty = group.first_penalty = options_.initial_penalty;
+    group.before = group.allowed = std::numeric_limits<double>::infinity();
+    group.reference = std::numeric_limits<double>::infinity();
+    group.growths = 0;
+    write(group);
+  }
+}
+
+bool AugmentedLagrangian::fit_soft(const Eigen::VectorXd& values) {
+  bool changed = false;
+  for (Group& group : groups_) {
+    if (!group.soft) continue;
+    for (const int i : group.constraints) {
+      const NodeConstraint& c = problem_.constraints()[i];
+      const double reach = kReach * size(c, values.segment(c.row, c.term->rows));
+      if (!(reach * group.first_penalty > c.limit)) continue;
+      group.first_penalty = c.limit / reach;
+      changed = true;
+    }
+    group.penalty = group.first_penalty;
+    write(group);
+  }
+  return changed;
+}
+
+bool AugmentedLagrangian::fit_to_costs(const Linearization& linearization) {
+  const double curvature = control_curvature_.least(linearization, &augmentation_);
+  bool changed = false;
+  for (Group& group : groups_) {
+    if (group.penalty > group.first_penalty) continue;
+    double steepest = 0;
+    for (const int i : group.constraints) {
+      const NodeConstraint& c = problem_.constraints()[i];
+      if (c.node == problem_.knots()) continue;
+      const auto C = linearization.knots[c.node]
+                         .C.middleRows(c.row - problem_.constraint_offset(c.node), c.term->rows)
+                         .rightCols(problem_.nu(c.node));
+      steepest = std::max(steepest, C.rowwise().squaredNorm().maxCoeff());
+    }
+    if (!(group.first_penalty * steepest > kStiffness * curvature)) continue;
+    group.penalty = group.first_penalty = kStiffness * curvature / steepest;
+    write(group);
+    changed = true;
+  }
+  return changed;
+}
+
+void AugmentedLagrangian::adopt(const Eigen::VectorXd& multipliers) {
+  multipliers_ = next_ = multipliers;
+  for (const Group& group : groups_) write(group);
+}
+
+void AugmentedLagrangian::write(const Group& group) {
+  for (const int i : group.constraints) {
+    const NodeConstraint& c = problem_.constraints()[i];
+    augmentation_.penalty.segment(c.row, c.term->rows).setConstant(group.penalty);
+    augmentation_.shift.segment(c.row, c.term->rows) =
+        multipliers_.segment(c.row, c.term->rows) / group.penalty;
+  }
+}
+
+ConstraintNorms AugmentedLagrangian::measure(const Eigen::VectorXd& values) {
+  ConstraintNorms norms;
+  for (Group& group : groups_) {
+    group.violation = group.change = 0;
+    for (const int i : group.constraints) {
+      const NodeConstraint& c = problem_.constraints()[i];
+      const double* g = values.data() + c.row;
+      const double distance = violation(c, g);
+      if (!(distance <= group.violation)) group.violation = distance;
+      if (!(distance <= norms.violation.value)) norms.violation = {distance, c.node};
+      auto next = next_.segment(c.row, c.term->rows);
+      shifted_.head(next.size()) =
+          values.segment(c.row, next.size()) + augmentation_.shift.segment(c.row, next.size());
+      next_multipliers(c, shifted_.data(), group.penalty, next.data());
+      auto change = shifted_.head(next.size());
+      change = next - multipliers_.segment(c.row, next.size());
+      norms.dual_gain += change.squaredNorm() / group.penalty;
+      group.change = std::max(group.change, change.lpNorm<Eigen::Infinity>() / group.penalty);
+      // Where a soft one is missed at its limit nothing more can be asked of it.
+      if (c.is_soft()) group.violation = group.change;
+      norms.complementarity = std::max(norms.complementarity, complementarity(c, g, next.data()));
+    }
+  }
+  return norms;
+}
+
+bool AugmentedLagrangian::idle(const Eigen::VectorXd& values) const {
+  for (const NodeConstraint& c : problem_.constraints()) {
+    const int n = c.term->rows;
+    const auto shifted = values.segment(c.row, n) + augmentation_.shift.segment(c.row, n);
+    if (!c.term->has_bounds()) {
+      if (!(shifted.head(n - 1).norm() < shifted[n - 1])) return false;
+      continue;
+    }
+    for (int r = 0; r < n; ++r)
+      if (!(c.lower[r] < shifted[r] && shifted[r] < c.upper[r])) return false;
+  }
+  return true;
+}
+
+void AugmentedLagrangian::update(bool minimized) {
+  for (Group& group : groups_) {
+    const bool at_limit = group.penalty >= options_.max_penalty;
+    const bool grows = schedule_ == MultiplierSchedule::always ? grows_after_update(group)
+                                                               : grows_instead_of_update(group);
+    if (!grows || at_limit || schedule_ == MultiplierSchedule::always) take_multipliers(group);
+    if (grows && minimized)
+      group.penalty = std::min(group.penalty * options_.penalty_factor, options_.max_penalty);
+    const bool violated =
+        !group.soft && group.violation > std::max(10 * tolerance_, kContradiction);
+    if (!violated || group.violation <= kProgress * group.reference) {
+      group.reference = group.violation;
+      group.growths = 0;
+    } else if ((grows && minimized) || at_limit) {
+      ++group.growths;
+    }
+    if (group.growths >= kPatience && stalled_.empty()) stalled_ = group.name;
+    group.before = group.violation;
+    write(group);
+  }
+}
+
+void AugmentedLagrangian::take_multipliers(const Group& group) {
+  for (const int i : group.constraints) {
+    const NodeConstraint& c = problem_.constraints()[i];
+    multipliers_.segment(c.row, c.term->rows) = next_.segment(c.row, c.term->rows);
+  }
+}
+
+/// A constraint that held before has not had multipliers yet.
+bool AugmentedLagrangian::grows_after_update(const Group& group) const {
+  return group.violation > 0.1 * tolerance_ && group.before > tolerance_ &&
+         group.violation >
+             (group.soft ? kSoftDecrease : options_.sufficient_decrease) * group.before;
+}
+
+bool AugmentedLagrangian::grows_instead_of_update(Group& group) {
+  if (group.change > std::max(group.allowed, 0.1 * tolerance_)) return true;
+  if (group.change > tolerance_) group.allowed = kTighter * group.change;
+  return false;
+}
+
+void AugmentedLagrangian::add(const Eigen::VectorXd& change, double step) {
+  multipliers_ += step * change;
+  for (const Group& group : groups_) write(group);
+}
+
+void AugmentedLagrangian::relax() {
+  for (Group& group : groups_) {
+    group.penalty = std::max(group.penalty / options_.penalty_factor, group.first_penalty);
+    write(group);
+  }
+}
+
+bool AugmentedLagrangian::may_relax() const {
+  return std::any_of(groups_.begin(), groups_.end(),
+                     [](const Group& group) { return group.penalty > group.first_penalty; });
+}
+
+double AugmentedLagrangian::largest_penalty() const {
+  double largest = 0;
+  for (const Group& group : groups_) largest = std::max(largest, group.penalty);
+  return largest;
+}
+
+}  // namespace conddp

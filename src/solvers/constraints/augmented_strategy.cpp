@@ -1,0 +1,199 @@
+#include "solvers/constraints/augmented_strategy.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "base/stopwatch.hpp"
+#include "ocp/problem/soft_constraint.hpp"
+#include "solvers/common/finite_check.hpp"
+#include "solvers/constraints/augmentation_change.hpp"
+
+namespace conddp {
+namespace {
+
+/// Minimisations of an augmented Lagrangian end early: at a stationarity and a relative decrease of
+/// the merit that get smaller from one to the next.
+constexpr double kFirstInnerTolerance = 1e-1, kFirstInnerDecrease = 1e-3;
+constexpr double kTighter = 0.1, kLastInnerDecrease = 1e-8;
+/// A short step's small decrease says nothing.
+constexpr double kLongStep = 0.1;
+/// How often penalties may be lowered because of rounding.
+constexpr int kRelaxations = 20;
+/// Minimisations that may end without a step before the solve does.
+constexpr int kRecoveries = 20;
+/// A minimisation that was asked for this share of the stationarity's tolerance, and ends above the
+/// tolerance though the constraints hold, is stopped by rounding.
+constexpr double kHopelessGoal = 1e-6;
+/// How many times what new multipliers gain a step may gain in a minimisation that is done.
+constexpr double kDualShare = 10;
+
+class AugmentedStrategy final : public OuterStrategy {
+ public:
+  AugmentedStrategy(const ShootingProblem& problem, const SolverOptions& options,
+                    MultiplierSchedule schedule)
+      : problem_(problem),
+        options_(options),
+        by_the_sweep_(schedule == MultiplierSchedule::by_the_sweep),
+        lagrangian_(problem, options, schedule),
+        former_(problem),
+        change_(problem),
+        no_multipliers_(Eigen::VectorXd::Zero(problem.constraint_rows())) {}
+
+  const Augmentation* augmentation() const override { return &lagrangian_.augmentation(); }
+  const Eigen::VectorXd* multipliers() const override { return &lagrangian_.multipliers(); }
+  void start(const DualGuess* known) override {
+    inner_tolerance_ = kFirstInnerTolerance;
+    inner_decrease_ = kFirstInnerDecrease;
+    inner_start_ = recoveries_ = relaxations_ = 0;
+    lagrangian_.start(known ? known->constraints : no_multipliers_);
+  }
+  bool fit(Iterate& iterate) override {
+    const bool lower = iterate.hessian.by_gauss_newton(
+        [&] { return lagrangian_.fit_to_costs(iterate.linearization); });
+    return lagrangian_.fit_soft(iterate.linearization.constraint) || lower;
+  }
+  /// Of constraints that are soft by their distance.
+  double soft_cost(const Iterate& iterate) const override {
+    return linear_soft_cost(problem_, iterate.linearization.constraint);
+  }
+  void measure(const Iterate& iterate, IterationRecord& row) override;
+  bool minimized(const IterationRecord& row, const MeritModel& merit) const override;
+  bool update(Iterate& iterate, const Feedback& feedback, const MeritModel& merit, bool stuck,
+              SolveRecord& record) override;
+  bool recovers(const SolveRecord& record, bool stuck) override;
+  void adopt(const Eigen::VectorXd& multipliers) override { lagrangian_.adopt(multipliers); }
+  void add(const Eigen::VectorXd& change, double step) override { lagrangian_.add(change, step); }
+
+ private:
+  bool to_the_end(const IterationRecord& row, const MeritModel& merit) const;
+  bool hidden_by_rounding(const IterationRecord& row, const MeritModel& merit, bool stuck) const;
+  void change_augmentation(Iterate& iterate, const Feedback& feedback);
+
+  const ShootingProblem& problem_;
+  const SolverOptions& options_;
+  bool by_the_sweep_;
+  AugmentedLagrangian lagrangian_;
+  Augmentation former_;  ///< the augmentation before the last update
+  AugmentationChange change_;
+  Eigen::VectorXd no_multipliers_;
+  double inner_tolerance_ = 0, inner_decrease_ = 0;  ///< of the minimisation that is under way
+  int inner_start_ = 0;                              ///< iteration at which it began
+  double dual_gain_ = 0;                             ///< ConstraintNorms::dual_gain
+  int recoveries_ = 0;                               ///< minimisations that ended without a step
+  int relaxations_ = 0;  ///< of penalties whose rounding hid the stationarity
+};
+
+void AugmentedStrategy::measure(const Iterate& iterate, IterationRecord& row) {
+  OuterStrategy::measure(iterate, row);
+  const ConstraintNorms norms = lagrangian_.measure(iterate.linearization.constraint);
+  if (!(norms.violation.value <= row.constraint)) {
+    row.constraint = norms.violation.value;
+    row.constraint_knot = norms.violation.knot;
+  }
+  row.complementarity = norms.complementarity;
+  row.constraint_penalty = lagrangian_.largest_penalty();
+  dual_gain_ = norms.dual_gain;
+}
+
+bool AugmentedStrategy::minimized(const IterationRecord& row, const MeritModel& merit) const {
+  if (by_the_sweep_ || row.gap > std::max(options_.tolerances.gap, 1e-2 * row.constraint))
+    return false;
+  if (row.stationarity <= std::max(inner_tolerance_, options_.tolerances.stationarity)) return true;
+  return row.iteration > inner_start_ && row.step >= kLongStep &&
+         row.actual_decrease <= inner_decrease_ * std::abs(merit.cost);
+}
+
+/// Whether the minimisation that has ended left no more to gain than other multipliers will. One
+/// that ended early because its steps gain little may still be dominated by them: then violations
+/// are its own, and say nothing against the penalties.
+bool AugmentedStrategy::to_the_end(const IterationRecord& row, const MeritModel& merit) const {
+  return row.stationarity <= std::max(inner_tolerance_, options_.tolerances.stationarity) ||
+         row.actual_decrease <= kDualShare * dual_gain_ || merit.hidden(row.actual_decrease);
+}
+
+/// Whether multipliers and penalties have done their work, and what is left of the stationarity is
+/// rounding: ρ times that of the constraints' values.
+bool AugmentedStrategy::hidden_by_rounding(const IterationRecord& row, const MeritModel& merit,
+                                           bool stuck) const {
+  const auto& tolerance = options_.tolerances;
+  if (row.constraint > tolerance.constraint || row.gap > tolerance.gap ||
+      row.complementarity > tolerance.complementarity)
+    return false;
+  return stuck ||
+         (inner_tolerance_ <= tolerance.stationarity && merit.hidden(row.actual_decrease)) ||
+         inner_tolerance_ <= kHopelessGoal * tolerance.stationarity;
+}
+
+bool AugmentedStrategy::update(Iterate& iterate, const Feedback& feedback, const MeritModel& merit,
+                               bool stuck, SolveRecord& record) {
+  IterationRecord& row = record.row;
+  const bool idle = lagrangian_.idle(iterate.linearization.constraint);
+  const bool by_rounding = hidden_by_rounding(row, merit, stuck);
+  former_ = lagrangian_.augmentation();
+  iterate.hessian.by_gauss_newton([&] { return lagrangian_.fit_to_costs(iterate.linearization); });
+  lagrangian_.update(to_the_end(row, merit));
+  if (by_rounding) {
+    if (++relaxations_ > kRelaxations) {
+      iterate.linearized = false;
+      record.result.failed_quantity = kRoundedCost;
+      return record.end(SolveStatus::line_search_failed,
+                        "rounding hides what is left of the stationarity, whatever the penalties "
+                        "of the constraints: " +
+                            record.residual_text());
+    }
+    lagrangian_.relax();
+    inner_tolerance_ = std::max(inner_tolerance_, options_.tolerances.stationarity);
+  }
+  if (!lagrangian_.stalled().empty()) {
+    iterate.linearized = false;  // what is written belongs to the last multipliers
+    return record.end(SolveStatus::infeasible,
+                      fmt::format("the violation of '{}' does not fall as its penalty grows: {}",
+                                  lagrangian_.stalled(), record.residual_text()));
+  }
+  ++row.outer;
+  inner_tolerance_ *= kTighter;
+  inner_decrease_ = std::max(kTighter * inner_decrease_, kLastInnerDecrease);
+  inner_start_ = row.iteration;
+  // As long as all rows are strictly inside of their sets they have no derivatives to change.
+  if (iterate.linearized && idle && lagrangian_.idle(iterate.linearization.constraint)) return true;
+  // Relaxed penalties are to have their own rounding.
+  if (iterate.linearized && !by_rounding && !iterate.hessian.exact_wanted())
+    change_augmentation(iterate, feedback);
+  else
+    iterate.differentiate(feedback, augmentation());
+  return true;
+}
+
+/// The derivatives of the iterate, known with the former augmentation, with the present one.
+void AugmentedStrategy::change_augmentation(Iterate& iterate, const Feedback& feedback) {
+  const Stopwatch watch(iterate.times().differentiate);
+  if (!change_.apply(former_, lagrangian_.augmentation(), iterate.linearization)) return;
+  iterate.adjoint.compute(iterate.linearization, iterate.trajectory, iterate.gaps, feedback);
+  iterate.linearized = std::isfinite(iterate.linearization.augmentation.sum()) &&
+                       all_finite(iterate.adjoint.costates()) &&
+                       all_finite(iterate.adjoint.gradient());
+}
+
+/// Where a minimisation gets no further, other multipliers and penalties may: by rounding, lower
+/// ones.
+bool AugmentedStrategy::recovers(const SolveRecord& record, bool stuck) {
+  const SolveStatus status = record.result.status;
+  if (by_the_sweep_ ||
+      (status != SolveStatus::line_search_failed && status != SolveStatus::regularization_limit))
+    return false;
+  const bool by_rounding = stuck && lagrangian_.may_relax();
+  if (record.row.constraint <= options_.tolerances.constraint && !by_rounding) return false;
+  return ++recoveries_ <= kRecoveries;
+}
+
+}  // namespace
+
+std::unique_ptr<OuterStrategy> augmented_lagrangian_strategy(const ShootingProblem& problem,
+                                                             const SolverOptions& options,
+                                                             MultiplierSchedule schedule) {
+  return std::make_unique<AugmentedStrategy>(problem, options, schedule);
+}
+
+}  // namespace conddp

@@ -1,0 +1,345 @@
+#include "solvers/constraints/horizon_constraints.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "ocp/evaluation/matrix_vector.hpp"
+#include "ocp/problem/soft_constraint.hpp"
+#include "ocp/terms/soft_limit.hpp"
+
+namespace conddp {
+namespace {
+
+/// What the model of P may be off, as a share of the largest P of the horizon, and of the cone's
+/// own P, whose slope changes all along.
+constexpr double kExact = 1e-9;
+constexpr double kConeShare = 0.02;
+
+}  // namespace
+
+/// P of a row of bounds at s, and its slope; of a soft one within its limit.
+double HorizonConstraints::outside_row(const Rows& c, int r, double s, double limit) {
+  return limit_outside(outside_bounds(s, c.lower[r], c.upper[r]), limit);
+}
+
+/// At a bound rows of an augmentation count as active, those of costs do not, as where they are
+/// differentiated.
+double HorizonConstraints::row_slope(const Rows& c, int r, double s, double limit) {
+  const double outside = outside_bounds(s, c.lower[r], c.upper[r]);
+  const bool at_bound = !c.cost && (s == c.lower[r] || s == c.upper[r]);
+  return (outside != 0 || at_bound) && std::abs(outside) <= limit ? 1 : 0;
+}
+
+/// P of a cone at s, and its derivative.
+void HorizonConstraints::outside_cone_at(const Rows& c, const double* s, double limit, double* p,
+                                         double* derivative) {
+  const bool limited = std::isfinite(c.limit);
+  outside_cone(s, c.count, p);
+  if (derivative != nullptr) {
+    outside_cone_derivative(s, c.count, derivative);
+    if (limited) limit_cone_derivative(p, c.count, limit, derivative);
+  }
+  if (limited) limit_cone(c.count, limit, p);
+}
+
+HorizonConstraints::HorizonConstraints(const ShootingProblem& problem)
+    : problem_(problem), nodes_(problem.knots() + 1), update_(problem) {
+  for (Eigen::VectorXd* rows : {&penalty_, &base_, &around_, &shifted_, &found_, &outside_, &slope_,
+                                &along_, &inside_, &multiplier_})
+    *rows = Eigen::VectorXd::Zero(problem.constraint_rows());
+  for (const NodeConstraint& c : problem.constraints())
+    rows_.push_back({c.node, c.row, c.term->rows, c.lower, c.upper, c.limit, false});
+  for (const NodeConstraint& c : problem.soft_constraints())
+    if (c.term->softness == Softness::l2) {
+      const KnotView& knot = problem.knot(c.node);
+      add_cost(c.node, c.row, c.term->rows, c.lower, c.upper,
+               knot.cost_scale * knot.parameters[c.term->weight()]);
+    }
+  for (int k = 0; k <= problem.knots(); ++k) add_barriers(k);
+  if (rows_.empty()) return;
+  for (int k = 0; k <= problem.knots(); ++k) {
+    const int nz = problem.knot(k).model->nz();
+    nodes_[k].gradient.resize(nz);
+    nodes_[k].hessian.resize(nz, nz);
+  }
+  int most = 0;
+  cone_slope_.resize(rows_.size());
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    const Rows& c = rows_[i];
+    nodes_[c.node].terms.push_back(static_cast<int>(i));
+    most = std::max(most, c.count);
+    if (c.lower == nullptr) cone_slope_[i].setZero(c.count, c.count);
+  }
+  new_slope_.resize(most, most);
+  new_outside_.resize(most);
+  weight_.resize(most);
+  difference_.resize(most);
+}
+
+void HorizonConstraints::add_barriers(int node) {
+  const KnotView& knot = problem_.knot(node);
+  for (const CostTerm& cost : knot.model->costs()) {
+    if (!cost.is_barrier()) continue;
+    const Activation& barrier = cost.activation;
+    const double weight = knot.cost_scale * knot.parameters[cost.weight];
+    const int first = problem_.constraint_offset(node) + cost.row;
+    const int rows = cost.residual->size();
+    add_cost(node, first, rows, barrier.lower.data(), barrier.upper.data(), weight);
+    for (std::size_t r = 0; r < barrier.weights.size(); ++r)
+      penalty_[first + r] *= barrier.weights[r];
+  }
+}
+
+/// A term whose penalty stays. Where the duration of a knot is free its costs are no such terms.
+void HorizonConstraints::add_cost(int node, int row, int count, const double* lower,
+                                  const double* upper, double weight) {
+  const auto& duration = problem_.knot(node).model->free_duration();
+  if (weight == 0 || (duration && duration->scales_cost)) return;
+  penalty_.segment(row, count).setConstant(weight);
+  rows_.push_back({node, row, count, lower, upper, std::numeric_limits<double>::infinity(), true});
+}
+
+void HorizonConstraints::start(const Linearization& linearization,
+                               const Augmentation* augmentation) {
+  base_ = linearization.constraint;
+  if (augmentation != nullptr) {
+    for (const Rows& c : rows_) {
+      if (c.cost) continue;
+      penalty_.segment(c.row, c.count) = augmentation->penalty.segment(c.row, c.count);
+      base_.segment(c.row, c.count) += augmentation->shift.segment(c.row, c.count);
+    }
+  }
+  for (Node& node : nodes_) node.changed = false;
+  restart();
+}
+
+void HorizonConstraints::restart() {
+  around_ = base_;
+  for (std::size_t i = 0; i < cone_slope_.size(); ++i) {
+    const Rows& c = rows_[i];
+    const double* s = base_.data() + c.row;
+    const double limit = c.limit / penalty_[c.row];
+    if (c.lower == nullptr) {
+      outside_cone_at(c, s, limit, outside_.data() + c.row, cone_slope_[i].data());
+      continue;
+    }
+    for (int r = 0; r < c.count; ++r) {
+      outside_[c.row + r] = outside_row(c, r, s[r], limit);
+      slope_[c.row + r] = row_slope(c, r, s[r], limit);
+    }
+  }
+}
+
+/// g + ∂g z + ν/ρ of all rows.
+void HorizonConstraints::shift(const std::vector<Eigen::VectorXd>& z,
+                               const Linearization& linearization, Eigen::VectorXd& values) const {
+  values = base_;
+  for (int k = 0; k <= problem_.knots(); ++k) {
+    if (nodes_[k].terms.empty()) continue;
+    const Eigen::MatrixXd& C = linearization.knots[k].C;
+    multiply_add(C, z[k].data(), values.data() + problem_.constraint_offset(k));
+  }
+}
+
+void HorizonConstraints::evaluate(const Eigen::VectorXd& s, Eigen::VectorXd& outside) const {
+  for (const Rows& c : rows_) {
+    const double limit = c.limit / penalty_[c.row];
+    if (c.lower == nullptr) {
+      outside_cone_at(c, s.data() + c.row, limit, outside.data() + c.row, nullptr);
+      continue;
+    }
+    for (int r = 0; r < c.count; ++r) outside[c.row + r] = outside_row(c, r, s[c.row + r], limit);
+  }
+}
+
+int HorizonConstraints::revise(const std::vector<Eigen::VectorXd>& z, double allowed,
+                               Linearization& linearization, std::optional<int>& last) {
+  shift(z, linearization, shifted_);
+  evaluate(shifted_, found_);
+  return squared_error() <= allowed ? 0 : revise(linearization, last);
+}
+
+/// Σ ρ |P(s) − model|² at what was found.
+double HorizonConstraints::squared_error() {
+  double sum = 0;
+  for (std::size_t i = 0; i < cone_slope_.size(); ++i) {
+    const Rows& c = rows_[i];
+    if (c.lower != nullptr) {
+      for (int row = c.row; row < c.row + c.count; ++row) {
+        const double moved = shifted_[row] - around_[row];
+        const double error = found_[row] - outside_[row] - slope_[row] * moved;
+        sum += penalty_[row] * error * error;
+      }
+      continue;
+    }
+    const int n = c.count;
+    auto error = weight_.head(n);
+    auto moved = new_outside_.head(n);
+    moved = shifted_.segment(c.row, n) - around_.segment(c.row, n);
+    error = found_.segment(c.row, n) - outside_.segment(c.row, n);
+    error.noalias() -= cone_slope_[i] * moved;
+    sum += penalty_[c.row] * error.squaredNorm();
+  }
+  return sum;
+}
+
+/// Around shifted_, with P found_ there.
+int HorizonConstraints::revise(Linearization& linearization, std::optional<int>& last) {
+  allowed_ = kExact * outside_.lpNorm<Eigen::Infinity>();
+  int changes = 0;
+  for (int k = 0; k <= problem_.knots(); ++k) {
+    Node& node = nodes_[k];
+    for (const int i : node.terms) {
+      const Rows& c = rows_[i];
+      const bool changed = c.lower != nullptr ? revise_bounds(c, linearization.knots[k], node)
+                                              : revise_cone(c, i, linearization.knots[k], node);
+      if (!changed) continue;
+      ++changes;
+      last = k;
+    }
+    if (!update_.empty()) update_.apply(linearization.knots[k].hessian);
+  }
+  return changes;
+}
+
+void HorizonConstraints::expect(Linearization& linearization) {
+  if (!settled_) return;
+  settled_ = false;
+  // Multipliers stay about what they were, whatever the penalty.
+  shifted_ = inside_;
+  for (int row = 0; row < shifted_.size(); ++row)
+    if (multiplier_[row] != 0) shifted_[row] += multiplier_[row] / penalty_[row];
+  evaluate(shifted_, found_);
+  std::optional<int> last;
+  revise(linearization, last);
+}
+
+void HorizonConstraints::settle() {
+  inside_ = shifted_ - found_;
+  multiplier_ = found_.cwiseProduct(penalty_);
+  settled_ = true;
+}
+
+bool HorizonConstraints::revise_bounds(const Rows& c, KnotLinearization& knot, Node& node) {
+  const int offset = problem_.constraint_offset(c.node);
+  bool changed = false;
+  for (int r = 0; r < c.count; ++r) {
+    const int row = c.row + r;
+    const double s = shifted_[row], rho = penalty_[row], limit = c.limit / rho;
+    const double outside = found_[row];
+    const double model = outside_[row] + slope_[row] * (s - around_[row]);
+    if (rho == 0 || std::abs(outside - model) <= allowed_) continue;
+    keep(knot, node);
+    changed = true;
+    const double slope = row_slope(c, r, s, limit);
+    const double before = outside_[row] - slope_[row] * (around_[row] - base_[row]);
+    const double after = outside - slope * (s - base_[row]);
+    const auto C = knot.C.row(row - offset);
+    knot.gradient += rho * (after - before) * C.transpose();
+    if (slope != slope_[row]) update_.add(C, rho * (slope - slope_[row]));
+    outside_[row] = outside;
+    slope_[row] = slope;
+    around_[row] = s;
+  }
+  return changed;
+}
+
+bool HorizonConstraints::revise_cone(const Rows& c, int index, KnotLinearization& knot,
+                                     Node& node) {
+  const int n = c.count;
+  const auto s = shifted_.segment(c.row, n);
+  auto around = around_.segment(c.row, n);
+  auto outside = outside_.segment(c.row, n);
+  Eigen::MatrixXd& slope = cone_slope_[index];
+  auto new_outside = new_outside_.head(n);
+  const double rho = penalty_[c.row], limit = c.limit / rho;
+  new_outside = found_.segment(c.row, n);
+  auto error = weight_.head(n);
+  auto difference = difference_.head(n);
+  error = new_outside - outside;
+  difference = s - around;
+  error.noalias() -= slope * difference;
+  const double allowed = std::max(allowed_, kConeShare * new_outside.norm());
+  if (error.norm() <= allowed) return false;
+  keep(knot, node);
+  Eigen::Map<Eigen::MatrixXd> new_slope(new_slope_.data(), n, n);
+  outside_cone_at(c, s.data(), limit, new_outside.data(), new_slope.data());
+  const auto base = base_.segment(c.row, n);
+  auto weight = weight_.head(n);
+  weight = new_outside - outside;
+  difference = s - base;
+  weight.noalias() -= new_slope * difference;
+  difference = around - base;
+  weight.noalias() += slope * difference;
+  const auto C = knot.C.middleRows(c.row - problem_.constraint_offset(c.node), n);
+  knot.gradient.noalias() += rho * (C.transpose() * weight);
+  slope = rho * (new_slope - slope);
+  update_.add(C, slope);
+  slope = new_slope;
+  outside = new_outside;
+  around = s;
+  return true;
+}
+
+void HorizonConstraints::set_path(const std::vector<Eigen::VectorXd>& z,
+                                  const std::vector<Eigen::VectorXd>& to,
+                                  const Linearization& linearization) {
+  shift(z, linearization, shifted_);
+  shift(to, linearization, along_);
+  along_ -= shifted_;
+}
+
+double HorizonConstraints::slope_beyond_model(double alpha) {
+  double sum = 0;
+  for (std::size_t i = 0; i < cone_slope_.size(); ++i) {
+    const Rows& c = rows_[i];
+    const int n = c.count;
+    const double rho = penalty_[c.row], limit = c.limit / rho;
+    if (c.lower != nullptr) {
+      for (int r = 0; r < n; ++r) {
+        const int row = c.row + r;
+        const double s = shifted_[row] + alpha * along_[row];
+        const double model = outside_[row] + slope_[row] * (s - around_[row]);
+        sum += penalty_[row] * (outside_row(c, r, s, limit) - model) * along_[row];
+      }
+      continue;
+    }
+    const auto along = along_.segment(c.row, n);
+    auto s = weight_.head(n);
+    auto outside = new_outside_.head(n);
+    s = shifted_.segment(c.row, n) + alpha * along;
+    outside_cone_at(c, s.data(), limit, outside.data(), nullptr);
+    outside -= outside_.segment(c.row, n);
+    s -= around_.segment(c.row, n);
+    outside.noalias() -= cone_slope_[i] * s;
+    sum += rho * outside.dot(along);
+  }
+  return sum;
+}
+
+void HorizonConstraints::keep(const Linearization& linearization) {
+  for (std::size_t k = 0; k < nodes_.size(); ++k) keep(linearization.knots[k], nodes_[k]);
+}
+
+void HorizonConstraints::keep(const KnotLinearization& knot, Node& node) {
+  if (node.changed) return;
+  node.gradient = knot.gradient;
+  node.hessian = knot.hessian();
+  node.changed = true;
+}
+
+bool HorizonConstraints::restore(Linearization& linearization) {
+  bool changed = false;
+  for (std::size_t k = 0; k < nodes_.size(); ++k) {
+    if (!nodes_[k].changed) continue;
+    linearization.knots[k].gradient = nodes_[k].gradient;
+    KnotHessian& hessian = linearization.knots[k].hessian;
+    hessian.change(hessian.fill()).swap(nodes_[k].hessian);
+    nodes_[k].changed = false;
+    changed = true;
+  }
+  return changed;
+}
+
+}  // namespace conddp

@@ -1,0 +1,32 @@
+#pragma once
+
+#include "solvers/common/solve_record.hpp"
+#include "solvers/constraints/outer_strategy.hpp"
+#include "solvers/constraints/projected_newton.hpp"
+#include "solvers/iterate/iterate.hpp"
+
+namespace conddp {
+
+/// The end of a solve by Newton's method on the active constraints. Its steps are iterations.
+class NewtonPolish {
+ public:
+  NewtonPolish(const ShootingProblem& problem, Acts& acts, const SolverOptions& options);
+
+  /// At the start of a solve.
+  void reset();
+  /// Whether an iterate is near enough to a solution for a try.
+  bool due(const IterationRecord& row) const;
+  /// Newton's steps from an iterate. Where they meet the tolerances of stationarity, gap and
+  /// violation the iterate becomes Newton's, with its multipliers, and nothing is known of it yet.
+  /// Else false, and the iterate stands; the next try waits until it is much nearer.
+  bool run(Iterate& iterate, const Feedback& feedback, OuterStrategy& outer, SolveRecord& record);
+  /// The policy of the last step, which keeps to the active constraints.
+  const Feedback& feedback() const { return newton_.feedback(); }
+
+ private:
+  ProjectedNewton newton_;
+  const SolverOptions& options_;
+  double threshold_ = 0;  ///< violation, gap and stationarity below which a try is due
+};
+
+}  // namespace conddp

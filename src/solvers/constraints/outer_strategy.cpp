@@ -1,0 +1,23 @@
+#include "solvers/constraints/outer_strategy.hpp"
+
+namespace conddp {
+
+void OuterStrategy::measure(const Iterate& iterate, IterationRecord& row) {
+  const Extremum bounds = iterate.bounds.violation(iterate.trajectory);
+  row.constraint = bounds.value;
+  row.constraint_knot = bounds.knot;
+}
+
+bool OuterStrategy::solved(const IterationRecord& row, const SolverOptions::Tolerances& tolerances,
+                           double stationarity) const {
+  return row.stationarity <= stationarity && row.gap <= tolerances.gap &&
+         row.constraint <= tolerances.constraint &&
+         row.complementarity <= tolerances.complementarity;
+}
+
+bool OuterStrategy::update(Iterate& /*iterate*/, const Feedback& /*feedback*/,
+                           const MeritModel& /*merit*/, bool /*stuck*/, SolveRecord& /*record*/) {
+  return true;
+}
+
+}  // namespace conddp

@@ -1,0 +1,225 @@
+#include "solvers/constraints/projected_newton.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "ocp/problem/soft_constraint.hpp"
+#include "solvers/iterate/hessian_switch.hpp"
+
+namespace conddp {
+namespace {
+
+/// Penalty of active rows in a sweep, as a multiple of the largest curvature, and how often the
+/// multipliers are corrected for it.
+constexpr double kRowPenalty = 1e5;
+constexpr int kCorrections = 10;
+/// Curvature below which a cost counts as linear, and the exact Hessian's stands for it.
+constexpr double kLeastCurvature = 1e-6;
+constexpr double kExactRows = 1e-9;
+/// How often a step revises the active rows before it is taken as it is.
+constexpr int kRevisions = 10;
+/// Shortest step that is tried.
+constexpr double kShortestStep = 0.125;
+
+}  // namespace
+
+double KktNorms::largest() const {
+  const double sum = stationarity.value + gap.value + violation.value;
+  return std::isfinite(sum) ? std::max({stationarity.value, gap.value, violation.value}) : sum;
+}
+
+ProjectedNewton::ProjectedNewton(const ShootingProblem& problem, Acts& acts)
+    : problem_(problem),
+      acts_(acts),
+      bounds_(problem),
+      linearization_(problem),
+      adjoint_(problem, bounds_),
+      sweep_(problem, bounds_),
+      policy_(unconstrained_stage(problem)),
+      gaps_(problem),
+      rows_(problem, bounds_),
+      feedback_(problem),
+      trajectory_(problem.create_trajectory()),
+      before_(trajectory_),
+      lagrangian_(problem),
+      multipliers_(Eigen::VectorXd::Zero(problem.constraint_rows())),
+      multipliers_before_(multipliers_),
+      target_(multipliers_),
+      penalty_(multipliers_),
+      scratch_(problem.ndx()) {
+  acts.reserve_lagrangian_hessian();
+  for (int k = 0; k <= problem.knots(); ++k) {
+    gauss_newton_.push_back(linearization_.knots[k].hessian());
+    cost_gradient_.push_back(linearization_.knots[k].gradient);
+    step_.push_back(Eigen::VectorXd::Zero(problem.knot(k).model->nz()));
+  }
+  exact_ = gauss_newton_;
+}
+
+void ProjectedNewton::start(const Trajectory& trajectory, const Eigen::VectorXd& multipliers,
+                            const Eigen::VectorXd& penalty, const Feedback& feedback) {
+  trajectory_ = trajectory;
+  multipliers_ = multipliers;
+  penalty_ = penalty;
+  feedback_ = feedback;
+  step_length_ = 0;
+  curved_ = true;
+  linearize();
+}
+
+/// Derivatives, active rows, co-states and norms of the iterate.
+void ProjectedNewton::linearize() {
+  lagrangian_.multiplier.setZero();
+  acts_.differentiate(trajectory_, linearization_, &lagrangian_);
+  for (int k = 0; k <= problem_.knots(); ++k) cost_gradient_[k] = linearization_.knots[k].gradient;
+  rows_.choose(linearization_, penalty_, multipliers_);
+  rows_.add_gradient(false, linearization_);
+  gaps_.set(linearization_, true);
+  adjoint_.compute(linearization_, trajectory_, gaps_, feedback_);
+  rows_.choose_controls(trajectory_, adjoint_);
+  measure();
+}
+
+void ProjectedNewton::measure() {
+  norms_.stationarity = bounds_.projected_norm(adjoint_.gradient(), trajectory_);
+  norms_.violation = largest_violation(problem_, bounds_, trajectory_, linearization_.constraint);
+  norms_.complementarity = 0;
+  for (const NodeConstraint& c : problem_.constraints()) {
+    norms_.complementarity = std::max(
+        norms_.complementarity,
+        complementarity(c, linearization_.constraint.data() + c.row, multipliers_.data() + c.row));
+  }
+  norms_.gap = {};
+  for (int k = 0; k < problem_.knots(); ++k) {
+    const double gap = linearization_.gap.col(k).lpNorm<Eigen::Infinity>();
+    if (!(gap <= norms_.gap.value)) norms_.gap = {gap, k};
+  }
+}
+
+/// A sweep and the step of its policy in the linear model.
+bool ProjectedNewton::sweep() {
+  ++sweeps_;
+  if (sweep_.run(linearization_, trajectory_, gaps_, {}, *policy_, feedback_) >= 0) return false;
+  auto dx = scratch_.head(problem_.ndx());
+  dx.setZero();
+  for (int k = 0; k <= problem_.knots(); ++k) {
+    step_[k].head(dx.size()) = dx;
+    if (k == problem_.knots()) break;
+    auto du = step_[k].tail(problem_.nu(k));
+    du = feedback_.k[k];
+    du.noalias() += feedback_.K[k] * dx;
+    linearization_.knots[k].apply(step_[k], dx);
+    if (!gaps_[k].closed()) gaps_[k].push(dx);
+  }
+  return step_.back().allFinite();
+}
+
+/// Fills step_ and target_: solves the quadratic problem of the active rows, revises them by the
+/// step, and so on until they settle.
+bool ProjectedNewton::solve_quadratic() {
+  double curvature = 0;
+  for (std::size_t k = 0; k < gauss_newton_.size(); ++k) {
+    gauss_newton_[k] = linearization_.knots[k].hessian();
+    curvature = std::max(curvature, gauss_newton_[k].diagonal().maxCoeff());
+  }
+  if (curved_) evaluate_exact_hessian();
+  if (curvature < kLeastCurvature && curved_)
+    for (const Eigen::MatrixXd& hessian : exact_)
+      curvature = std::max(curvature, hessian.diagonal().cwiseAbs().maxCoeff());
+  const double penalty = kRowPenalty * std::max(curvature, kLeastCurvature);
+  for (int revision = 0;; ++revision) {
+    if (!solve_on_rows(penalty)) return false;
+    if (revision == kRevisions ||
+        !rows_.revise(linearization_, trajectory_, adjoint_, multipliers_, step_))
+      break;
+  }
+  rows_.write_multipliers(linearization_, true, target_);
+  return true;
+}
+
+void ProjectedNewton::evaluate_exact_hessian() {
+  lagrangian_.multiplier = multipliers_;
+  acts_.lagrangian_hessian(trajectory_, adjoint_.costates(), linearization_, &lagrangian_);
+  curved_ = false;
+  for (std::size_t k = 0; k < exact_.size(); ++k) {
+    exact_[k] = linearization_.knots[k].hessian();
+    curved_ = curved_ || !same_hessian(exact_[k], gauss_newton_[k]);
+  }
+}
+
+/// The step that keeps the active rows. Where the exact Hessian is not convex on them, the
+/// Gauss-Newton one is taken.
+bool ProjectedNewton::solve_on_rows(double penalty) {
+  for (std::size_t k = 0; k < cost_gradient_.size(); ++k)
+    linearization_.knots[k].gradient = cost_gradient_[k];
+  rows_.add_gradient(true, linearization_);
+  const double before = rows_.correct(penalty, nullptr, linearization_);
+  for (const bool exact : {true, false}) {
+    if (exact && !curved_) continue;
+    for (std::size_t k = 0; k < exact_.size(); ++k)
+      linearization_.knots[k].hessian.change() = exact ? exact_[k] : gauss_newton_[k];
+    rows_.add_curvature(penalty, linearization_);
+    if (sweep()) break;
+    if (!exact) return false;
+  }
+  double last = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < kCorrections; ++i) {
+    const double rest = rows_.correct(penalty, &step_, linearization_);
+    if (rest <= kExactRows * before || rest >= 0.5 * last) break;
+    last = rest;
+    if (!sweep()) return false;
+  }
+  return true;
+}
+
+bool ProjectedNewton::step(double growth) {
+  const double was = norms_.largest();
+  sweeps_ = 0;
+  before_ = trajectory_;
+  if (!solve_quadratic()) {
+    linearize();
+    return false;
+  }
+  multipliers_before_ = multipliers_;
+  for (step_length_ = 1; step_length_ >= kShortestStep; step_length_ /= 2) {
+    for (int k = 0; k <= problem_.knots(); ++k) {
+      auto dx = scratch_.head(problem_.ndx());
+      dx = step_length_ * step_[k].head(problem_.ndx());
+      problem_.manifold().integrate(before_.x(k).data(), dx.data(), trajectory_.x(k).data());
+      if (k < problem_.knots())
+        trajectory_.u(k) = before_.u(k) + step_length_ * step_[k].tail(problem_.nu(k));
+    }
+    bounds_.clamp(trajectory_);
+    multipliers_ = multipliers_before_ + step_length_ * (target_ - multipliers_before_);
+    linearize();
+    if (norms_.largest() < (1 - 0.1 * step_length_) * growth * was) return true;
+  }
+  trajectory_ = before_;
+  multipliers_ = multipliers_before_;
+  step_length_ = 0;
+  linearize();
+  return false;
+}
+
+double ProjectedNewton::cost() const {
+  return linearization_.total_cost() + linear_soft_cost(problem_, linearization_.constraint);
+}
+
+void ProjectedNewton::describe(IterationRecord& row) const {
+  row.cost = row.merit = cost();
+  row.stationarity = norms_.stationarity.value;
+  row.stationarity_knot = norms_.stationarity.knot;
+  row.gap = norms_.gap.value;
+  row.gap_knot = norms_.gap.knot;
+  row.constraint = norms_.violation.value;
+  row.constraint_knot = norms_.violation.knot;
+  row.complementarity = norms_.complementarity;
+  row.step = step_length_;
+  row.active_rows = active_rows();
+  row.sweeps = sweeps_;
+  row.regularization = row.barrier = row.expected_decrease = row.actual_decrease = 0;
+  row.trials = row.clamped_controls = row.active_set_changes = 0;
+}
+
+}  // namespace conddp

@@ -1,0 +1,56 @@
+#include "solvers/constraints/violation_slope.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "ocp/problem/soft_constraint.hpp"
+
+namespace conddp {
+namespace {
+
+/// Multipliers of d in a Lagrangian in which the cost counts for nothing.
+constexpr double kWithoutCost = 1e10;
+
+}  // namespace
+
+ViolationSlope::ViolationSlope(const ShootingProblem& problem, const ControlBounds& bounds)
+    : problem_(problem),
+      bounds_(bounds),
+      distances_(Eigen::VectorXd::Zero(problem.constraint_rows())),
+      lagrangian_(problem),
+      linearization_(problem),
+      no_feedback_(problem),
+      adjoint_(problem, bounds) {}
+
+double ViolationSlope::violation(const Eigen::VectorXd& values) {
+  for (const NodeConstraint& c : problem_.constraints())
+    if (!c.is_soft()) next_multipliers(c, values.data() + c.row, 1, distances_.data() + c.row);
+  return distances_.norm();
+}
+
+double ViolationSlope::share(Acts& acts, const Trajectory& trajectory, const Gaps& gaps) {
+  lagrangian_.multiplier = kWithoutCost * distances_;
+  acts.differentiate(trajectory, linearization_, &lagrangian_);
+  adjoint_.compute(linearization_, trajectory, gaps, no_feedback_);
+  return share(adjoint_.gradient() / kWithoutCost, trajectory);
+}
+
+double ViolationSlope::share(const Eigen::VectorXd& gradient, const Trajectory& trajectory) const {
+  double most = 1;
+  for (int k = 0; k < bounds_.knots(); ++k)
+    if (trajectory.u(k).size() > 0)
+      most = std::max(most, trajectory.u(k).lpNorm<Eigen::Infinity>());
+  double sum = 0;
+  for (int k = 0; k < bounds_.knots(); ++k) {
+    const auto lower = bounds_.lower(k), upper = bounds_.upper(k);
+    for (Eigen::Index i = 0; i < lower.size(); ++i) {
+      const double slope = gradient[bounds_.offset(k) + i], u = trajectory.u(k)[i];
+      const double way = slope > 0 ? u - lower[i] : upper[i] - u;
+      sum += std::abs(slope) * (std::isfinite(way) ? std::max(way, 0.0) : most);
+    }
+  }
+  return sum / distances_.squaredNorm();
+}
+
+}  // namespace conddp

@@ -1,0 +1,290 @@
+#include "solvers/ddp/ddp_solver.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "base/checkpoint.hpp"
+#include "base/stopwatch.hpp"
+#include "solvers/common/finite_check.hpp"
+#include "solvers/common/guess.hpp"
+#include "solvers/common/settled_cost.hpp"
+#include "solvers/constraints/augmented_strategy.hpp"
+#include "solvers/constraints/least_violation.hpp"
+
+namespace conddp {
+namespace {
+
+/// The straight steps of an equality search close gaps no earlier than the solve ends. There exact
+/// second derivatives wait until the gaps are this small.
+constexpr double kNearlyClosed = 1e-3;
+
+/// With the Hessians that the options ask for, where the recipe leaves that open.
+DdpRecipe resolved(DdpRecipe recipe, const SolverOptions& options) {
+  if (recipe.hessian == HessianUse::when_slow) recipe.hessian = hessian_use(options);
+  return recipe;
+}
+
+std::unique_ptr<OuterStrategy> make_outer(const ShootingProblem& problem,
+                                          const ControlBounds& bounds, const DdpRecipe& recipe,
+                                          const SolverOptions& options, bool constrained) {
+  if (!constrained) return std::make_unique<OuterStrategy>();
+  if (recipe.least_violation) return least_violation_strategy(problem, bounds, options);
+  return augmented_lagrangian_strategy(problem, options, recipe.multipliers);
+}
+
+}  // namespace
+
+DdpSolver::DdpSolver(const ShootingProblem& problem, const DdpRecipe& recipe,
+                     const SolverOptions& options)
+    : problem_(problem),
+      recipe_(resolved(recipe, options)),
+      options_(options),
+      constrained_(recipe.constraints && !problem.constraints().empty()),
+      bounds_(problem),
+      acts_(problem, options.threads),
+      record_(problem, options_, constrained_),
+      iterate_(problem, bounds_, acts_, recipe_, options_, record_),
+      outer_(make_outer(problem, bounds_, recipe_, options_, constrained_)),
+      globalization_(problem, bounds_, recipe_, options_, iterate_, *outer_, record_),
+      check_(problem, bounds_, options_, constrained_),
+      step_start_(problem.create_trajectory()) {
+  if (constrained_ && recipe.newton) polish_.emplace(problem, acts_, options_);
+  if (globalization_.keeps_equalities()) iterate_.exact_below = kNearlyClosed;
+}
+
+SolveResult DdpSolver::solve(const Trajectory& guess) {
+  check_shape(problem_, guess);
+  record_.begin();
+  iterate_.reset();
+  globalization_.reset();
+  check_.reset();
+  if (polish_) polish_->reset();
+  stepping_ = abandoned_ = by_newton_ = false;
+  outer_->start(options_.multipliers.get());
+  if (start(guess)) {
+    iterate();
+    finish();
+  }
+  return record_.take();
+}
+
+/// Where the first iteration starts. With closed gaps the states follow from the controls.
+bool DdpSolver::start(const Trajectory& guess) {
+  SolveResult& result = record_.result;
+  iterate_.trajectory = guess;
+  result.start = recipe_.open_gaps ? "states and controls of the guess"
+                                   : "controls of the guess, simulated from the initial state";
+  if (constrained_ && options_.multipliers) result.start += "; its multipliers";
+  if (recipe_.clamp_controls) result.start += clamp_guess(bounds_, iterate_.trajectory);
+  if (recipe_.open_gaps) {
+    result.start += correct_states(problem_, iterate_.trajectory);
+    return true;
+  }
+  const Stopwatch watch(result.times.evaluate);
+  const int bad_knot = acts_.simulate(iterate_.trajectory);
+  if (bad_knot < 0) return true;
+  result.trajectory = guess;
+  result.failed_knot = bad_knot;
+  result.failed_quantity = "cost or next state";
+  return record_.end(SolveStatus::diverged,
+                     fmt::format("simulating the controls of the guess gives a cost or next state "
+                                 "that is not finite at knot {}",
+                                 bad_knot));
+}
+
+/// Iterations until one of them ends the solve, or a signal or the time limit ends one of them. The
+/// first linearisation is never given up: without it there is nothing to say of the guess.
+void DdpSolver::iterate() {
+  const CheckpointScope scope([this] {
+    if (!record_.result.log.empty() && !record_.budget_left()) throw Abandoned();
+  });
+  if (constrained_) {
+    iterate_.differentiate(globalization_.feedback(), outer_->augmentation());
+    if (iterate_.linearized && outer_->fit(iterate_)) iterate_.linearized = false;
+  }
+  try {
+    while (linearize()) {
+      if ((converged() && confirm()) || cost_settled()) break;
+      if (polish_ && polish_->due(record_.row) && polish()) break;
+      if (outer_->minimized(record_.row, globalization_.merit()) && !next_minimization()) break;
+      if (!record_.may_continue() || !step()) break;
+      ++record_.row.iteration;
+    }
+  } catch (const Abandoned&) {
+    abandoned_ = true;
+    if (stepping_) iterate_.trajectory = step_start_;
+    iterate_.linearized = iterate_.differentiated = false;
+    record_.log_is_stale = true;
+  }
+}
+
+/// Derivatives and residuals of the iterate, and its row in the log.
+bool DdpSolver::linearize() {
+  if (!iterate_.linearized)
+    iterate_.differentiate(globalization_.feedback(), outer_->augmentation());
+  if (!iterate_.linearized) return iterate_.end_diverged();
+  measure();
+  iterate_.hessian.watch(record_.row);
+  record_.log_row();
+  return true;
+}
+
+/// Residuals and merit of the linearised iterate.
+void DdpSolver::measure() {
+  record_.row.cost = iterate_.linearization.total_cost() + outer_->soft_cost(iterate_);
+  globalization_.measure();
+  iterate_.describe(record_.row);
+  outer_->measure(iterate_, record_.row);
+}
+
+bool DdpSolver::converged() const {
+  return outer_->solved(record_.row, options_.tolerances, check_.goal());
+}
+
+/// Ends the solve, where the stationarity holds along other gains, too.
+bool DdpSolver::confirm() {
+  if (!recipe_.least_violation && !globalization_.keeps_equalities() &&
+      !check_.confirm(iterate_, outer_->multipliers()))
+    return false;
+  record_.end(SolveStatus::converged, record_.residual_text());
+  return true;
+}
+
+/// Ends the solve, where the iterate is feasible and the caller asked for no more of the cost.
+bool DdpSolver::cost_settled() {
+  const auto& tolerances = options_.tolerances;
+  if (!cost_has_settled(record_.result.log, tolerances.cost_decrease) ||
+      !outer_->solved(record_.row, tolerances, std::numeric_limits<double>::infinity()))
+    return false;
+  record_.end(SolveStatus::cost_settled, "the cost has settled: " + record_.residual_text());
+  return true;
+}
+
+/// Tries to end the solve by Newton's method. Where only its multipliers are not those of a
+/// solution minimisation goes on from Newton's iterate.
+bool DdpSolver::polish() {
+  if (!polish_->run(iterate_, globalization_.feedback(), *outer_, record_)) return false;
+  iterate_.differentiate(globalization_.feedback(), outer_->augmentation());
+  if (!iterate_.linearized) return !iterate_.end_diverged();
+  measure();
+  record_.result.log.back() = record_.row;  // along the gains of the last sweep, as the answer is
+  by_newton_ = record_.row.stationarity <= options_.tolerances.stationarity &&
+               record_.row.complementarity <= options_.tolerances.complementarity;
+  if (by_newton_) record_.end(SolveStatus::converged, record_.residual_text());
+  return by_newton_;
+}
+
+/// Begins the next minimisation at the same iterate. False where the solve ends.
+bool DdpSolver::next_minimization() {
+  if (!outer_->update(iterate_, globalization_.feedback(), globalization_.merit(),
+                      globalization_.at_rounding_floor(), record_))
+    return false;
+  if (!iterate_.linearized) return iterate_.end_diverged();
+  globalization_.begin_minimization();
+  record_.row.stationarity = iterate_.stationarity().value;
+  return true;
+}
+
+/// A step that can be given up half-way. Where there is none another minimisation may have one.
+bool DdpSolver::step() {
+  step_start_ = iterate_.trajectory;
+  stepping_ = true;
+  const bool taken = globalization_.step();
+  stepping_ = false;
+  return taken ||
+         (outer_->recovers(record_, globalization_.at_rounding_floor()) && next_minimization());
+}
+
+/// Residuals, co-states and gains of the iterate that is returned.
+void DdpSolver::finish() {
+  if (!iterate_.linearized)
+    iterate_.differentiate(globalization_.feedback(), outer_->augmentation());
+  SolveResult& result = record_.result;
+  result.trajectory = iterate_.trajectory;
+  if (find_non_finite(iterate_.linearization)) return;
+  result.cost = iterate_.linearization.total_cost() + outer_->soft_cost(iterate_);
+  const IterationRecord& row = record_.row;
+  iterate_.describe(record_.row);
+  outer_->measure(iterate_, record_.row);
+  Residuals& residuals = result.residuals;
+  residuals.stationarity = row.stationarity;
+  residuals.stationarity_knot = row.stationarity_knot;
+  residuals.gap = row.gap;
+  residuals.gap_knot = row.gap_knot;
+  residuals.constraint = row.constraint;
+  residuals.constraint_knot = row.constraint_knot;
+  residuals.complementarity = row.complementarity;
+  result.constraint_values = iterate_.linearization.constraint;
+  if (constrained_) result.constraint_multipliers = *outer_->multipliers();
+  if (record_.log_is_stale) end_log();
+  confirm_status();
+  name_contradiction();
+  result.costates = iterate_.adjoint.costates();
+  result.state_gradient = iterate_.adjoint.state_gradient();
+  for (int k = 0; k < problem_.knots(); ++k) {
+    result.control_gradient.push_back(
+        iterate_.adjoint.gradient().segment(bounds_.offset(k), problem_.nu(k)));
+  }
+  find_gains();
+}
+
+/// Makes the last row of the log that of the answer, where it was of a step that does not stand or
+/// of other gains.
+void DdpSolver::end_log() {
+  IterationRecord row = record_.row;
+  row.cost = record_.result.cost;
+  row.step = row.expected_decrease = row.actual_decrease = 0;
+  row.trials = row.sweeps = 0;
+  row.time_s = record_.result.log.back().time_s;
+  record_.result.log.back() = row;
+}
+
+/// The co-states of the last sweep may put an answer under tolerance that ended otherwise.
+void DdpSolver::confirm_status() {
+  SolveResult& result = record_.result;
+  const Residuals& r = result.residuals;
+  const auto& tolerance = options_.tolerances;
+  if (r.stationarity > tolerance.stationarity || r.gap > tolerance.gap ||
+      r.constraint > tolerance.constraint || r.complementarity > tolerance.complementarity) {
+    return;
+  }
+  if (result.status == SolveStatus::converged) return;
+  result.failed_knot = -1;
+  result.failed_quantity.clear();
+  record_.end(
+      SolveStatus::converged,
+      fmt::format("at the end, all residuals are under tolerance: stationarity {:.1e}, gap {:.1e}, "
+                  "constraint violation {:.1e}",
+                  r.stationarity, r.gap, r.constraint));
+}
+
+/// Equalities that contradict each other are why a solve that keeps them did not converge.
+void DdpSolver::name_contradiction() {
+  const SolveStatus status = record_.result.status;
+  if (status == SolveStatus::converged || status == SolveStatus::interrupted ||
+      status == SolveStatus::time_limit)
+    return;
+  const double off = globalization_.contradiction();
+  if (!(off > options_.tolerances.constraint)) return;
+  record_.end(SolveStatus::infeasible,
+              fmt::format("the linearised equality constraints contradict each other by {:.1e}: {}",
+                          off, record_.residual_text()));
+}
+
+/// A follower of the trajectory wants the true gains; who waits for an iteration does not wait for
+/// them.
+void DdpSolver::find_gains() {
+  SolveResult& result = record_.result;
+  if (by_newton_) {
+    result.feedback = polish_->feedback();
+    result.feedback_regularization = 0;
+    return;
+  }
+  if (abandoned_) return;
+  result.feedback_regularization = globalization_.find_gains();
+  if (result.feedback_regularization) result.feedback = globalization_.feedback();
+}
+
+}  // namespace conddp

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "ocp/evaluation/acts.hpp"
+#include "solvers/common/options.hpp"
+#include "solvers/common/solve_record.hpp"
+#include "solvers/constraints/newton_polish.hpp"
+#include "solvers/constraints/outer_strategy.hpp"
+#include "solvers/globalization/globalization.hpp"
+#include "solvers/iterate/ddp_recipe.hpp"
+#include "solvers/iterate/iterate.hpp"
+#include "solvers/iterate/stationarity_check.hpp"
+
+namespace conddp {
+
+/// The loop of all DDP solvers: linearise, test convergence, find a direction and a step, record.
+/// Around minimisations stands an outer strategy, and Newton's method ends the solve where the
+/// recipe has it. Everything is allocated by the constructor.
+class DdpSolver {
+ public:
+  DdpSolver(const ShootingProblem& problem, const DdpRecipe& recipe, const SolverOptions& options);
+
+  SolveResult solve(const Trajectory& guess);
+
+ private:
+  bool start(const Trajectory& guess);
+  void iterate();
+  bool linearize();
+  void measure();
+  bool converged() const;
+  bool confirm();
+  bool cost_settled();
+  bool polish();
+  bool next_minimization();
+  bool step();
+  void finish();
+  void end_log();
+  void confirm_status();
+  void name_contradiction();
+  void find_gains();
+
+  const ShootingProblem& problem_;
+  DdpRecipe recipe_;
+  SolverOptions options_;
+  bool constrained_;  ///< constraints enter the function that is minimised
+  ControlBounds bounds_;
+  Acts acts_;
+  SolveRecord record_;
+  Iterate iterate_;
+  std::unique_ptr<OuterStrategy> outer_;
+  Globalization globalization_;
+  StationarityCheck check_;
+  std::optional<NewtonPolish> polish_;
+  Trajectory step_start_;   ///< what the step under way began with
+  bool stepping_ = false;   ///< a step is under way that began at step_start_
+  bool abandoned_ = false;  ///< an iteration was given up half-way
+  bool by_newton_ = false;  ///< the solve ended with the polish
+};
+
+}  // namespace conddp

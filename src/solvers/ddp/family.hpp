@@ -1,0 +1,22 @@
+#pragma once
+
+#include <span>
+#include <string_view>
+
+#include "solvers/iterate/ddp_recipe.hpp"
+
+namespace conddp {
+
+/// A solver of the DDP family: one sweep and one loop (DdpSolver), with its own choices.
+struct DdpMember {
+  std::string_view name;
+  std::string_view description;  ///< one line
+  std::string_view source;       ///< the paper
+  DdpRecipe recipe;
+};
+
+/// All of them, in the order in which documents list them. What a member supports follows from its
+/// recipe; a row more is a solver more.
+std::span<const DdpMember> ddp_family();
+
+}  // namespace conddp

@@ -1,0 +1,127 @@
+#include "solvers/globalization/equality_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace conddp {
+namespace {
+
+/// Share of the penalty that pays for what the model's step costs.
+constexpr double kPenaltyShare = 0.7;
+/// What the penalty falls to at most from one iterate to the next.
+constexpr double kLeastPenalty = 0.5;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+}  // namespace
+
+EqualitySearch::EqualitySearch(const ShootingProblem& problem,
+                               const SolverOptions::LineSearch& options)
+    : problem_(problem),
+      options_(options),
+      manifold_(problem.manifold()),
+      lanes_(problem),
+      evaluation_(problem),
+      straight_(problem.create_trajectory()),
+      rolled_(straight_),
+      dx_(problem.ndx()) {}
+
+/// Calls a function with the number and the residual of every row that is not free.
+template <class Function>
+void EqualitySearch::for_each_row(const Eigen::VectorXd& values, Function&& function) const {
+  for (const NodeConstraint& c : problem_.constraints())
+    for (int r = 0; r < c.term->rows; ++r)
+      if (std::isfinite(c.lower[r])) function(c.row + r, values[c.row + r] - c.lower[r]);
+}
+
+double EqualitySearch::infeasibility(const Eigen::MatrixXd& gap,
+                                     const Eigen::VectorXd& values) const {
+  double sum = gap.lpNorm<1>();
+  for_each_row(values, [&](int, double off) { sum += std::abs(off); });
+  return sum;
+}
+
+void EqualitySearch::measure(const Linearization& linearization, const Trajectory& trajectory,
+                             const Augmentation& augmentation, const Eigen::VectorXd& multipliers,
+                             const LinearRollout& step, double curvature, MeritModel& merit) const {
+  // The gradients and Hessians are those of the augmented Lagrangian, and along the step the rows
+  // go from c to 0: νᵀc and ½ ρ c² go with them.
+  merit.slope = step.slope();
+  for_each_row(linearization.constraint, [&](int row, double off) {
+    merit.slope += multipliers[row] * off;
+    curvature -= augmentation.penalty[row] * off * off;
+  });
+  const double model = merit.slope + 0.5 * std::max(curvature, 0.0);
+  merit.penalty = kLeastPenalty * merit.penalty;
+  if (merit.gap_norm > 0)
+    merit.penalty = std::max(merit.penalty, model / (kPenaltyShare * merit.gap_norm));
+  // No trial but the rollout carries rounding from knot to knot.
+  double states = 0;
+  for (int k = 1; k <= trajectory.knots(); ++k) states += trajectory.x(k).lpNorm<Eigen::Infinity>();
+  merit.rounding = std::numeric_limits<double>::epsilon() *
+                   (linearization.cost.lpNorm<1>() + merit.penalty * states);
+}
+
+void EqualitySearch::move(const LinearRollout& step, double length, const Trajectory& from) {
+  straight_ = from;
+  for (int k = 0; k <= from.knots(); ++k) {
+    dx_ = length * step.dx(k);
+    double* x = straight_.x(k).data();
+    if (k > 0) manifold_.integrate(x, dx_.data(), x);
+    if (k < from.knots()) straight_.u(k) += length * step.du(k);
+  }
+}
+
+/// The merit of a trial, infinite where that is not finite.
+double EqualitySearch::value(Acts& acts, const MeritModel& merit, const Trajectory& trial) {
+  acts.evaluate(trial, evaluation_);
+  const double value = evaluation_.cost.sum() +
+                       merit.penalty * infeasibility(evaluation_.gap, evaluation_.constraint);
+  return std::isfinite(value) ? value : kInfinity;
+}
+
+LineSearchResult EqualitySearch::run(Acts& acts, const MeritModel& merit,
+                                     const Linearization& linearization, const LinearRollout& step,
+                                     const Feedback& feedback, double first_step,
+                                     Trajectory& trajectory) {
+  LineSearchResult result;
+  double next_step = first_step;
+  while (next_step >= options_.min_step) {
+    double steps[kLaneWidth];
+    for (double& length : steps) {
+      length = next_step;
+      next_step /= 2;
+    }
+    acts.roll_out(trajectory, linearization.gap, feedback, steps, {.contract_gaps = true}, lanes_);
+    for (int lane = 0; lane < kLaneWidth && steps[lane] >= options_.min_step; ++lane) {
+      const double length = steps[lane];
+      ++result.trials;
+      double rolled = kInfinity;
+      if (lanes_.first_bad_knot[lane] < 0) {
+        lanes_.extract(lane, rolled_);
+        rolled = value(acts, merit, rolled_);
+      }
+      move(step, length, trajectory);
+      const double straight = value(acts, merit, straight_);
+      const double best = std::min(rolled, straight);
+      if (best == kInfinity) {
+        if (result.first_bad_knot < 0) result.first_bad_knot = lanes_.first_bad_knot[lane];
+        continue;
+      }
+      const double expected = -length * merit.merit_slope(), actual = merit.value() - best;
+      const bool hidden = merit.hidden(expected);
+      const bool armijo = expected > 0 && actual >= options_.armijo * expected;
+      if (!armijo && !(hidden && length == first_step && merit.hidden(actual))) continue;
+      result.accepted = true;
+      result.by_rounding = hidden;
+      result.step = length;
+      result.expected_decrease = expected;
+      result.actual_decrease = actual;
+      trajectory = rolled <= straight ? rolled_ : straight_;
+      return result;
+    }
+  }
+  return result;
+}
+
+}  // namespace conddp

@@ -1,0 +1,50 @@
+#pragma once
+
+#include "ocp/evaluation/acts.hpp"
+#include "solvers/globalization/line_search.hpp"
+#include "solvers/riccati/linear_rollout.hpp"
+
+namespace conddp {
+
+/// Line search of stages that keep equality constraints. Each step length α has two trials: the
+/// rollout of the sweep's policy, and the linear model's own step x ⊕ α δx, u + α δu, whose knots
+/// are evaluated side by side. Gains that are to meet rows with the last few controls amplify
+/// whatever the model does not know; the straight step has gaps instead. The better one counts.
+///
+/// The merit is the exact penalty J + w θ with θ = Σ‖gap‖₁ + Σ‖c‖₁. Its derivative along the step
+/// is ∇J·d − w θ, as the step obeys the linear equations of both.
+class EqualitySearch {
+ public:
+  EqualitySearch(const ShootingProblem& problem, const SolverOptions::LineSearch& options);
+
+  /// θ of gaps (ndx x N) and constraint values (all rows of the problem).
+  double infeasibility(const Eigen::MatrixXd& gap, const Eigen::VectorXd& values) const;
+  /// Fills the merit's slope, penalty and rounding for the step around an iterate, of which it has
+  /// the cost and θ already. `multipliers`: those in the linearisation's gradients; `curvature`:
+  /// dᵀHd with its Hessians. The penalty is what the model needs: ∇J·d + ½ dᵀ∇²L d is paid by a
+  /// share of w θ (Nocedal, Wright, equation 18.36), and at least half of what it was.
+  void measure(const Linearization& linearization, const Trajectory& trajectory,
+               const Augmentation& augmentation, const Eigen::VectorXd& multipliers,
+               const LinearRollout& step, double curvature, MeritModel& merit) const;
+  /// Armijo's rule over the lengths `first_step` and its halves. On acceptance `trajectory` becomes
+  /// the new iterate. Changes that rounding hides are treated as by LineSearch.
+  LineSearchResult run(Acts& acts, const MeritModel& merit, const Linearization& linearization,
+                       const LinearRollout& step, const Feedback& feedback, double first_step,
+                       Trajectory& trajectory);
+
+ private:
+  void move(const LinearRollout& step, double length, const Trajectory& from);
+  double value(Acts& acts, const MeritModel& merit, const Trajectory& trial);
+  template <class Function>
+  void for_each_row(const Eigen::VectorXd& values, Function&& function) const;
+
+  const ShootingProblem& problem_;
+  SolverOptions::LineSearch options_;
+  StateManifold manifold_;
+  LaneRollout lanes_;
+  Evaluation evaluation_;
+  Trajectory straight_, rolled_;  ///< the two trials
+  Eigen::VectorXd dx_;            ///< scratch
+};
+
+}  // namespace conddp

@@ -1,0 +1,41 @@
+#include "solvers/globalization/full_step.hpp"
+
+namespace conddp {
+
+FullStep::FullStep(const ShootingProblem& problem, const ControlBounds& bounds)
+    : bounds_(bounds),
+      manifold_(problem.manifold()),
+      evaluation_(problem),
+      gaps_(problem),
+      response_(problem, bounds) {}
+
+void FullStep::take(Acts& acts, const LinearRollout& step, Trial trial,
+                    Linearization& linearization, Trajectory& trajectory,
+                    const Augmentation* augmentation) {
+  try_point(acts, step, trial, linearization, trajectory, augmentation);
+}
+
+void FullStep::correct(Acts& acts, const Feedback& feedback, Trial trial,
+                       Linearization& linearization, Trajectory& trajectory,
+                       const Augmentation* augmentation) {
+  gaps_.set(evaluation_.gap);
+  response_.respond(linearization, gaps_, feedback);
+  try_point(acts, response_, trial, linearization, trajectory, augmentation);
+}
+
+void FullStep::try_point(Acts& acts, const LinearRollout& step, Trial trial,
+                         Linearization& linearization, Trajectory& trajectory,
+                         const Augmentation* augmentation) {
+  step.apply(manifold_, trajectory);
+  bounds_.clamp(trajectory);
+  if (trial == Trial::evaluate) {
+    acts.evaluate(trajectory, evaluation_, augmentation);
+    return;
+  }
+  acts.differentiate(trajectory, linearization, augmentation);
+  evaluation_.gap = linearization.gap;
+  evaluation_.cost = linearization.cost;
+  evaluation_.augmentation = linearization.augmentation;
+}
+
+}  // namespace conddp

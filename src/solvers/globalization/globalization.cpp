@@ -1,0 +1,411 @@
+#include "solvers/globalization/globalization.hpp"
+
+#include <string>
+
+#include <fmt/format.h>
+
+#include "base/stopwatch.hpp"
+#include "solvers/common/finite_check.hpp"
+
+namespace conddp {
+namespace {
+
+/// Shortest step that is tried where stationarity has to judge it, and the share to which it has
+/// to fall.
+constexpr double kShortestBlindStep = 1.0 / 16;
+constexpr double kBlindProgress = 0.999;
+/// Shares of the expected decrease between which a full step is one of a quadratic function: ½ of
+/// the decrease at first is what a perfect model would give.
+constexpr double kQuadraticFrom = 0.3, kQuadraticTo = 0.8;
+/// Regularisation up to which a direction is looked for whose active set settles.
+constexpr double kSettlingRegularization = 0.01;
+/// What the smallest regularisation may be, in curvatures of the costs in the controls.
+constexpr double kCurvatures = 2;
+
+}  // namespace
+
+Globalization::Globalization(const ShootingProblem& problem, const ControlBounds& bounds,
+                             const DdpRecipe& recipe, const SolverOptions& options,
+                             Iterate& iterate, OuterStrategy& outer, SolveRecord& record)
+    : problem_(problem),
+      recipe_(recipe),
+      options_(options),
+      iterate_(iterate),
+      outer_(outer),
+      record_(record),
+      direction_(problem, bounds,
+                 {.clamp_controls = recipe.clamp_controls,
+                  .box_stage = recipe.box_stage,
+                  .null_space = recipe.multipliers == MultiplierSchedule::by_the_sweep &&
+                                !problem.constraints().empty(),
+                  .legs = {recipe.legs ? options.legs : 1, options.threads}},
+                 options.box_qp),
+      line_search_(problem, options.line_search),
+      open_gap_search_(problem, bounds, options.line_search, recipe.clamp_controls),
+      full_step_search_(problem, bounds, options.tolerances),
+      control_curvature_(problem),
+      regularization_(options.regularization) {
+  if (direction_.models_rows()) affine_probe_.emplace(problem);
+  if (outer.augmentation() != nullptr && direction_.null_space() != nullptr)
+    equality_search_.emplace(problem, options.line_search);
+}
+
+void Globalization::reset() {
+  regularization_ = RegularizationSchedule(options_.regularization);
+  direction_.reset();
+  line_search_.reset();
+  full_step_search_.reset();
+  search_ = LineSearchResult();
+  merit_ = MeritModel();
+  affine_known_ = at_rounding_floor_ = false;
+  last_stationarity_ = 0;
+}
+
+void Globalization::measure() {
+  merit_.cost = iterate_.linearization.total_cost();
+  if (equality_search_) {
+    merit_.gap_norm = equality_search_->infeasibility(iterate_.linearization.gap,
+                                                      iterate_.linearization.constraint);
+  } else {
+    merit_.cost += iterate_.linearization.augmentation.sum();
+    merit_.gap_norm = iterate_.gaps.norm();
+  }
+  merit_.rounding = iterate_.adjoint.cost_rounding(iterate_.linearization, iterate_.trajectory);
+  record_.row.merit = merit_.value();
+}
+
+void Globalization::begin_minimization() {
+  at_rounding_floor_ = false;
+  regularization_ = RegularizationSchedule(options_.regularization);
+  merit_.cost = iterate_.linearization.total_cost() + iterate_.linearization.augmentation.sum();
+}
+
+bool Globalization::gaps_open() const {
+  return recipe_.open_gaps && !equality_search_ && iterate_.gaps.norm() > options_.tolerances.gap;
+}
+
+/// Sweeps and searches, with more regularisation after every failure, until a step is accepted.
+bool Globalization::step() {
+  IterationRecord& row = record_.row;
+  row.trials = 0;
+  const int sweeps_before = direction_.sweeps();
+  bool by_full_step = false;
+  if (!find_step(by_full_step)) return false;
+  step_taken(by_full_step);
+  row.sweeps = direction_.sweeps() - sweeps_before;
+  row.step = search_.step;
+  row.expected_decrease = search_.expected_decrease;
+  row.actual_decrease = search_.actual_decrease;
+  row.regularization = regularization_.value();
+  row.penalty = merit_.penalty;
+  row.exact_hessian = iterate_.hessian.exact_in_use();
+  row.clamped_controls = direction_.policy().clamped_controls();
+  row.active_set_changes = direction_.policy().active_set_changes();
+  if (search_.step >= options_.regularization.decrease_step) {
+    regularization_.decrease();
+  } else if (search_.step <= options_.regularization.increase_step && !equality_search_) {
+    // (Rows have to be met whatever the weight: it does not make the step shorter there.)
+    regularize_more();
+  }
+  last_stationarity_ = row.stationarity;
+  return true;
+}
+
+/// More regularisation; false where it is at its limit. The smallest one is an absolute weight and
+/// may be far above the curvature that the costs have in the controls, which for thrusts in
+/// kilonewtons is 1e-8: then it holds a solve in place for hundreds of iterations.
+bool Globalization::regularize_more() {
+  if (regularization_.value() == 0)
+    regularization_.lower_min(kCurvatures * iterate_.hessian.by_gauss_newton([this] {
+      return control_curvature_.least(iterate_.linearization, outer_.augmentation());
+    }));
+  return regularization_.increase();
+}
+
+/// Directions and searches, with more regularisation after every failure, until a step is found.
+bool Globalization::find_step(bool& by_full_step) {
+  for (;;) {
+    if (!sweep()) return false;
+    if (raise_for_unsettled()) continue;
+    if (direction_.null_space() != nullptr)
+      multiplier_change_ = &direction_.null_space()->find_multipliers(direction_.step());
+    correct_direction();
+    measure_direction();
+    by_full_step = take_full_step();
+    bool descends = true;
+    if (by_full_step || search(descends)) return true;
+    if (direction_.corrected()) {
+      at_rounding_floor_ = false;
+      direction_.undo_correction(iterate_.linearization, iterate_.trajectory, iterate_.gaps);
+      measure_direction();
+      if (search(descends)) return true;
+    }
+    if (at_rounding_floor_) {
+      // Exact Hessians take the last digits in one step where Gauss-Newton creeps.
+      if (!iterate_.hessian.turn()) return end_at_rounding_floor();
+      at_rounding_floor_ = false;
+      differentiate();
+      continue;
+    }
+    if (!regularize_more()) return end_without_step(descends);
+    if (!record_.budget_left()) return false;
+  }
+}
+
+/// What the searches learn from a step that was found.
+void Globalization::step_taken(bool by_full_step) {
+  if (multiplier_change_ != nullptr) {
+    outer_.add(*multiplier_change_, search_.step);
+    iterate_.linearized = false;
+  }
+  const bool full = search_.step == 1;
+  const bool quadratic = decrease_was_quadratic(by_full_step);
+  if (full && direction_.within_bounds() && quadratic)
+    direction_.step_taken();
+  else
+    direction_.forget_steps();
+  full_step_search_.step_taken(full && quadratic);
+}
+
+/// Whether the decrease of the full step was that of a quadratic function. As long as a line search
+/// closes gaps, their weight is most of what the merit gains, and the cost alone is compared with
+/// its model.
+bool Globalization::decrease_was_quadratic(bool by_full_step) {
+  if (merit_.hidden(search_.expected_decrease)) return true;
+  double share = search_.actual_decrease / search_.expected_decrease;
+  if (!by_full_step && !equality_search_ && !iterate_.gaps.closed() && search_.step == 1) {
+    const double model = -merit_.slope - 0.5 * direction_.curvature(iterate_.linearization);
+    share = 0.5 * (search_.actual_decrease - merit_.penalty * merit_.gap_norm) / model;
+  }
+  return share >= kQuadraticFrom && share <= kQuadraticTo;
+}
+
+/// Gauss-Newton's steps learn from each other, where the Hessian is not to be just that.
+void Globalization::correct_direction() {
+  const Stopwatch watch(record_.result.times.sweep);
+  if (recipe_.hessian == HessianUse::when_slow && outer_.augmentation() == nullptr &&
+      !iterate_.hessian.exact_in_use() && regularization_.value() == 0) {
+    direction_.correct(iterate_.linearization, iterate_.trajectory, iterate_.gaps);
+  } else {
+    direction_.forget_steps();
+  }
+}
+
+/// The model's view of the full step.
+void Globalization::measure_direction() {
+  const Stopwatch watch(record_.result.times.sweep);
+  if (equality_search_) {
+    equality_search_->measure(iterate_.linearization, iterate_.trajectory, *outer_.augmentation(),
+                              *outer_.multipliers(), direction_.step(),
+                              direction_.curvature(iterate_.linearization), merit_);
+    return;
+  }
+  merit_.slope = direction_.step().slope();
+  merit_.slope_within_bounds = direction_.within_bounds();
+  // Co-states without gains say little of the cost's rounding.
+  if (record_.row.iteration == 0 || !merit_.slope_within_bounds) {
+    iterate_.adjoint.compute(iterate_.linearization, iterate_.trajectory, iterate_.gaps,
+                             feedback());
+    merit_.rounding = iterate_.adjoint.cost_rounding(iterate_.linearization, iterate_.trajectory);
+  }
+}
+
+/// Sets the weight of the gaps in the merit.
+void Globalization::weigh_gaps() {
+  if (!recipe_.open_gaps || equality_search_) return;
+  const Stopwatch watch(record_.result.times.sweep);
+  if (!gaps_open()) {
+    merit_.penalty =
+        options_.line_search.merit_margin * iterate_.adjoint.costates().lpNorm<Eigen::Infinity>();
+  } else {
+    merit_.penalty = open_gap_search_.weigh(merit_, direction_.curvature(iterate_.linearization));
+  }
+}
+
+/// A step far from the iterate makes the controls' active set alternate. Raises the regularisation,
+/// as far as that may help, where the direction's set has not settled.
+bool Globalization::raise_for_unsettled() {
+  return direction_.set_unknown() && !direction_.trusts_model() &&
+         regularization_.value() < kSettlingRegularization && regularize_more();
+}
+
+/// The full step of the linear model, where full steps go well.
+bool Globalization::take_full_step() {
+  // Affine dynamics leave no gaps to correct, and the line search takes fewer iterations there.
+  if (!recipe_.open_gaps || equality_search_ || !direction_.within_bounds() ||
+      iterate_.hessian.exact_wanted() || regularization_.value() > 0 || !full_step_search_.due() ||
+      direction_.trusts_model())
+    return false;
+  iterate_.before = iterate_.trajectory;
+  // Multipliers change where gaps are closed alone.
+  const FullStepSearch::Goal goal{.last = record_.row.stationarity * record_.row.stationarity <=
+                                          options_.tolerances.stationarity * last_stationarity_,
+                                  .close = outer_.augmentation() != nullptr};
+  const LineSearchResult found =
+      full_step_search_.run(iterate_, merit_, direction_, outer_.augmentation(), goal);
+  record_.row.trials += found.trials;
+  if (found.accepted && (!found.by_rounding || blind_step_progresses())) {
+    search_ = found;
+    // Nothing weighed the gaps, but the log says what weight they would have.
+    merit_.penalty =
+        options_.line_search.merit_margin *
+        iterate_.adjoint.costates().rightCols(problem_.knots()).lpNorm<Eigen::Infinity>();
+    return true;
+  }
+  full_step_search_.reject();
+  iterate_.trajectory = iterate_.before;
+  if (found.accepted || !iterate_.linearized) differentiate();
+  return false;
+}
+
+/// Search along the sweep's policy, where it descends. A step that the merit is too coarse to judge
+/// counts only if it progresses otherwise.
+bool Globalization::search(bool& descends) {
+  weigh_gaps();
+  descends = merit_.descends();
+  if (!descends) return false;
+  iterate_.before = iterate_.trajectory;
+  if (gaps_open() && !merit_.hidden(merit_.merit_slope())) {
+    const Stopwatch watch(record_.result.times.rollout);
+    search_ = open_gap_search_.run(iterate_.acts, merit_, iterate_.linearization, direction_,
+                                   outer_.augmentation(), iterate_.trajectory);
+    record_.row.trials += search_.trials;
+    iterate_.linearized = iterate_.linearized && !search_.accepted;
+    return search_.accepted;
+  }
+  for (double first_step = 1; first_step >= kShortestBlindStep; first_step /= 2) {
+    if (!search_along(first_step)) return false;
+    if (!search_.by_rounding || blind_step_progresses()) return true;
+    iterate_.trajectory = iterate_.before;
+    differentiate();
+  }
+  at_rounding_floor_ = true;
+  return false;
+}
+
+bool Globalization::search_along(double first_step) {
+  const Stopwatch watch(record_.result.times.rollout);
+  if (equality_search_)
+    search_ = equality_search_->run(iterate_.acts, merit_, iterate_.linearization,
+                                    direction_.step(), feedback(), first_step, iterate_.trajectory);
+  else
+    search_ = line_search_.run(iterate_.acts, merit_, iterate_.adjoint, iterate_.linearization.gap,
+                               feedback(),
+                               {.contract_gaps = recipe_.open_gaps,
+                                .clamp_controls = recipe_.clamp_controls,
+                                .augmentation = outer_.augmentation()},
+                               first_step, iterate_.trajectory);
+  record_.row.trials += search_.trials;
+  if (search_.accepted) iterate_.linearized = false;
+  return search_.accepted;
+}
+
+/// Whether stationarity fell, or gaps where there is none to fall: a cost that is constant weighs
+/// them with nothing. The trajectory is differentiated for that.
+bool Globalization::blind_step_progresses() {
+  differentiate();
+  if (!iterate_.linearized) return false;
+  const IterationRecord& row = record_.row;
+  const double stationarity = iterate_.stationarity().value;
+  if (stationarity < kBlindProgress * row.stationarity) return true;
+  return row.gap > options_.tolerances.gap && stationarity <= options_.tolerances.stationarity &&
+         iterate_.linearization.max_gap() < kBlindProgress * row.gap;
+}
+
+/// Sweeps with as much regularisation as they need.
+bool Globalization::sweep() {
+  const Stopwatch watch(record_.result.times.sweep);
+  for (;;) {
+    const int bad_knot = sweep_backward(regularization_.value());
+    if (bad_knot < 0) return true;
+    if (find_non_finite(iterate_.linearization)) return iterate_.end_diverged();
+    if (!regularize_more()) {
+      record_.result.failed_knot = bad_knot;
+      record_.result.failed_quantity = "Q_uu";
+      return record_.end(SolveStatus::regularization_limit,
+                         fmt::format("Q_uu at knot {} is not positive definite with the largest "
+                                     "regularisation {:.1e}: {}",
+                                     bad_knot, regularization_.value(), record_.residual_text()));
+    }
+    if (!record_.budget_left()) return false;
+  }
+}
+
+/// Returns the knot whose stage has no minimum, or −1. Exact Hessians may be indefinite far from an
+/// optimum; then the Gauss-Newton ones, which keep the costs' curvature and have the problem's own
+/// scaling, make a better convex model than any multiple of the identity.
+int Globalization::sweep_backward(double regularization) {
+  for (const bool exact : {true, false}) {
+    if (exact && !iterate_.hessian.exact_known()) continue;
+    iterate_.hessian.use(exact);
+    const auto find = [&] {
+      return direction_.find(iterate_.linearization, iterate_.trajectory, iterate_.gaps,
+                             iterate_.adjoint, {options_.regularization.kind, regularization},
+                             outer_.augmentation());
+    };
+    int bad_knot = find();
+    if (affine_probe_ && direction_.unsettled() && !affine_known_) {
+      affine_known_ = true;
+      if (affine_probe_->holds(iterate_.acts, iterate_.trajectory, iterate_.linearization)) {
+        direction_.trust_model();
+        bad_knot = find();
+      }
+    }
+    if (bad_knot < 0 || !exact) return bad_knot;
+  }
+  return -1;
+}
+
+std::optional<double> Globalization::find_gains() {
+  const Stopwatch watch(record_.result.times.sweep);
+  direction_.stay_at_iterate();
+  SolverOptions::Regularization from_zero = options_.regularization;
+  from_zero.initial = 0;
+  RegularizationSchedule schedule(from_zero);
+  do {
+    if (sweep_backward(schedule.value()) < 0) return schedule.value();
+  } while (schedule.increase());
+  return std::nullopt;
+}
+
+double Globalization::contradiction() {
+  return equality_search_ ? direction_.null_space()->contradiction() : 0;
+}
+
+/// Whether the decrease is too small to be seen because the regularisation is large: without it the
+/// model sees more than rounding. Leaves that direction's slope in the merit.
+bool Globalization::regularisation_hides_descent() {
+  if (regularization_.value() == 0 || sweep_backward(0) >= 0) return false;
+  measure_direction();
+  return !merit_.hidden(merit_.merit_slope());
+}
+
+bool Globalization::end_at_rounding_floor() {
+  if (regularisation_hides_descent()) return end_without_step(merit_.descends());
+  record_.result.failed_quantity = kRoundedCost;
+  return record_.end(SolveStatus::line_search_failed,
+                     fmt::format("the cost's rounding ({:.1e}) hides what is left to gain, and the "
+                                 "stationarity does not fall any more: {}",
+                                 merit_.rounding, record_.residual_text()));
+}
+
+bool Globalization::end_without_step(bool descends) {
+  std::string cause;
+  if (!descends) {
+    cause = fmt::format("the direction does not descend (slope {:.1e})", merit_.merit_slope());
+  } else {
+    cause = fmt::format("no step length down to {:.1e} lowers the merit (slope {:.1e})",
+                        options_.line_search.min_step, merit_.merit_slope());
+    if (search_.first_bad_knot >= 0) {
+      record_.result.failed_knot = search_.first_bad_knot;
+      record_.result.failed_quantity = "motion";
+      cause += fmt::format(", and longer ones leave the finite numbers at knot {}",
+                           search_.first_bad_knot);
+    }
+  }
+  return record_.end(SolveStatus::line_search_failed,
+                     fmt::format("{} with regularisation up to {:.1e}: {}", cause,
+                                 regularization_.value(), record_.residual_text()));
+}
+
+}  // namespace conddp

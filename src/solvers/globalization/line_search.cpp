@@ -1,0 +1,140 @@
+#include "solvers/globalization/line_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace conddp {
+namespace {
+
+/// How many times its estimated rounding a merit has to change for Armijo's rule to see it.
+constexpr double kVisible = 10;
+/// Down to this length an acceptable step gives way to its half if that lowers the merit more.
+constexpr double kShortestCompared = 0.125;
+/// Share of the first-order decrease from which on half a step lowers a parabola less.
+constexpr double kBetterThanHalf = 1.0 / 3;
+
+double actual_decrease(double cost, double step, const MeritModel& merit) {
+  return merit.cost - cost + step * merit.penalty * merit.gap_norm;
+}
+
+}  // namespace
+
+bool MeritModel::hidden(double change) const { return std::abs(change) <= kVisible * rounding; }
+
+LineSearch::LineSearch(const ShootingProblem& problem, const SolverOptions::LineSearch& options)
+    : options_(options),
+      manifold_(problem.manifold()),
+      lanes_(problem),
+      trial_(problem),
+      dx_(problem.ndx()) {
+  int largest = 0;
+  for (int k = 0; k < problem.knots(); ++k) largest = std::max(largest, problem.nu(k));
+  followed_.resize(largest);
+}
+
+LineSearchResult LineSearch::run(Acts& acts, const MeritModel& merit, const Adjoint& adjoint,
+                                 const Eigen::MatrixXd& gap, const Feedback& feedback,
+                                 const RolloutOptions& rollout, double first_step,
+                                 Trajectory& trajectory) {
+  const Ray ray{merit, adjoint, gap, feedback, rollout, trajectory};
+  LineSearchResult result;
+  result.accepted = confidence_ >= kEnoughConfidence && try_alone(acts, ray, first_step, result);
+  double next_step = first_step;
+  while (!result.accepted && next_step >= options_.min_step)
+    result.accepted = try_lanes(acts, ray, first_step, next_step, result);
+  const bool first = result.accepted && result.step == first_step;
+  confidence_ = std::clamp(confidence_ + (first ? 1 : -1), 0, kMostConfidence);
+  if (result.accepted) std::swap(trajectory, trial_.trajectory);
+  return result;
+}
+
+/// The first step, without a look at its half. What does not convince is left to the lanes.
+bool LineSearch::try_alone(Acts& acts, const Ray& ray, double step, LineSearchResult& result) {
+  acts.roll_out(ray.from, ray.gap, ray.feedback, step, ray.rollout, trial_);
+  if (trial_.first_bad_knot >= 0) return false;
+  const double expected = expected_decrease(ray, step);
+  const double actual = actual_decrease(trial_.cost, step, ray.merit);
+  const bool hidden = ray.merit.hidden(expected);
+  if (!(hidden ? ray.merit.hidden(actual)
+               : expected > 0 && actual >= std::max(kBetterThanHalf, options_.armijo) * expected))
+    return false;
+  result = {.accepted = true,
+            .step = step,
+            .expected_decrease = expected,
+            .actual_decrease = actual,
+            .trials = 1,
+            .by_rounding = hidden};
+  return true;
+}
+
+/// As many steps as there are lanes; `next_step` ← the one after them.
+bool LineSearch::try_lanes(Acts& acts, const Ray& ray, double first_step, double& next_step,
+                           LineSearchResult& result) {
+  double steps[kLaneWidth];
+  for (double& step : steps) {
+    step = next_step;
+    next_step /= 2;
+  }
+  acts.roll_out(ray.from, ray.gap, ray.feedback, steps, ray.rollout, lanes_);
+  for (int lane = 0; lane < kLaneWidth && steps[lane] >= options_.min_step; ++lane) {
+    ++result.trials;
+    if (lanes_.first_bad_knot[lane] >= 0) {
+      if (result.first_bad_knot < 0) result.first_bad_knot = lanes_.first_bad_knot[lane];
+      continue;
+    }
+    const double step = steps[lane];
+    if (applies_slope(ray)) lanes_.extract(lane, trial_.trajectory);
+    const double expected = expected_decrease(ray, step);
+    const double actual = actual_decrease(lanes_.cost[lane], step, ray.merit);
+    const bool hidden = ray.merit.hidden(expected);
+    const bool armijo = expected > 0 && actual >= options_.armijo * expected;
+    if (!armijo && !(hidden && step == first_step && ray.merit.hidden(actual))) continue;
+    if (!hidden && lane + 1 < kLaneWidth && steps[lane + 1] >= kShortestCompared &&
+        lanes_.first_bad_knot[lane + 1] < 0 &&
+        actual_decrease(lanes_.cost[lane + 1], steps[lane + 1], ray.merit) > actual) {
+      continue;
+    }
+    result.by_rounding = hidden;
+    result.step = step;
+    result.expected_decrease = expected;
+    result.actual_decrease = actual;
+    lanes_.extract(lane, trial_.trajectory);
+    return true;
+  }
+  return false;
+}
+
+/// Whether the decrease to expect is that of the controls which the rollout applied.
+bool LineSearch::applies_slope(const Ray& ray) const {
+  return ray.rollout.clamp_controls && !ray.merit.slope_within_bounds;
+}
+
+/// Of the merit, to first order; trial_ is looked at where applies_slope().
+double LineSearch::expected_decrease(const Ray& ray, double step) {
+  double slope = step * ray.merit.slope;
+  if (applies_slope(ray)) {
+    slope = applied_slope(ray);
+    if (ray.rollout.contract_gaps) slope += step * ray.adjoint.gap_slope();
+  }
+  return step * ray.merit.penalty * ray.merit.gap_norm - slope;
+}
+
+double LineSearch::applied_slope(const Ray& ray) {
+  const Trajectory& from = ray.from;
+  const Trajectory& to = trial_.trajectory;
+  double slope = 0;
+  int offset = 0;
+  for (int k = 0; k < from.knots(); ++k) {
+    const int nu = from.nu(k);
+    manifold_.difference(from.x(k).data(), to.x(k).data(), dx_.data());
+    auto followed = followed_.head(nu);
+    followed.noalias() = ray.feedback.K[k] * dx_;
+    slope += ray.adjoint.gradient().segment(offset, nu).dot(to.u(k) - from.u(k)) -
+             ray.adjoint.followed_gradient().segment(offset, nu).dot(followed);
+    offset += nu;
+  }
+  return slope;
+}
+
+}  // namespace conddp

@@ -1,0 +1,97 @@
+#include "solvers/globalization/open_gap_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace conddp {
+namespace {
+
+/// Share of the gaps' weight that pays for what the model's step costs; the rest is decrease.
+constexpr double kGapShare = 0.65;
+/// A rollout that reaches this share of the model's decrease needs no rival.
+constexpr double kConvincing = 0.6;
+
+}  // namespace
+
+OpenGapSearch::OpenGapSearch(const ShootingProblem& problem, const ControlBounds& bounds,
+                             const SolverOptions::LineSearch& options, bool clamp_controls)
+    : bounds_(bounds),
+      manifold_(problem.manifold()),
+      options_(options),
+      clamp_controls_(clamp_controls),
+      best_(problem.create_trajectory()),
+      trial_(problem.create_trajectory()),
+      rollout_(problem),
+      evaluation_(problem),
+      dx_(problem.ndx()) {}
+
+double OpenGapSearch::weigh(const MeritModel& merit, double curvature) {
+  curvature_ = std::max(curvature, 0.0);
+  return std::max(merit.slope + 0.5 * curvature_, 0.0) / (kGapShare * merit.gap_norm);
+}
+
+LineSearchResult OpenGapSearch::run(Acts& acts, const MeritModel& merit,
+                                    const Linearization& linearization, const Direction& direction,
+                                    const Augmentation* augmentation, Trajectory& trajectory) {
+  LineSearchResult result;
+  for (double step = 1; step >= options_.min_step; step /= 2) {
+    const double expected = -step * merit.merit_slope();
+    best_decrease_ = -std::numeric_limits<double>::infinity();
+    ++result.trials;
+    try_rollout(acts, merit, linearization, direction, augmentation, step, trajectory);
+    if (!(best_decrease_ >= kConvincing * (expected - 0.5 * step * step * curvature_))) {
+      ++result.trials;
+      try_linear(acts, merit, direction, augmentation, step, trajectory);
+    }
+    if (!(expected > 0 && best_decrease_ >= options_.armijo * expected)) continue;
+    result.accepted = true;
+    result.step = step;
+    result.expected_decrease = expected;
+    result.actual_decrease = best_decrease_;
+    std::swap(trajectory, best_);
+    return result;
+  }
+  return result;
+}
+
+/// Keeps a trial where it is the best of its step length.
+void OpenGapSearch::consider(double cost, double gap_norm, const MeritModel& merit,
+                             Trajectory& trial) {
+  const double decrease = merit.value() - (cost + merit.penalty * gap_norm);
+  if (!std::isfinite(decrease) || decrease <= best_decrease_) return;
+  best_decrease_ = decrease;
+  std::swap(best_, trial);
+}
+
+void OpenGapSearch::try_rollout(Acts& acts, const MeritModel& merit,
+                                const Linearization& linearization, const Direction& direction,
+                                const Augmentation* augmentation, double step,
+                                const Trajectory& from) {
+  acts.roll_out(
+      from, linearization.gap, direction.feedback(), step,
+      {.contract_gaps = true, .clamp_controls = clamp_controls_, .augmentation = augmentation},
+      rollout_);
+  if (rollout_.first_bad_knot >= 0) return;
+  consider(rollout_.cost, (1 - step) * merit.gap_norm, merit, rollout_.trajectory);
+}
+
+void OpenGapSearch::try_linear(Acts& acts, const MeritModel& merit, const Direction& direction,
+                               const Augmentation* augmentation, double step,
+                               const Trajectory& from) {
+  trial_ = from;
+  for (int k = 0; k <= from.knots(); ++k) {
+    if (k > 0) {
+      dx_ = step * direction.step().dx(k);
+      manifold_.integrate(from.x(k).data(), dx_.data(), trial_.x(k).data());
+    }
+    if (k < from.knots()) trial_.u(k) += step * direction.step().du(k);
+  }
+  bounds_.clamp(trial_);
+  acts.evaluate(trial_, evaluation_, augmentation);
+  consider(evaluation_.cost.sum() + evaluation_.augmentation.sum(), evaluation_.gap.lpNorm<1>(),
+           merit, trial_);
+}
+
+}  // namespace conddp

@@ -1,0 +1,136 @@
+#include "solvers/globalization/secant_memory.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ocp/evaluation/matrix_vector.hpp"
+
+namespace conddp {
+namespace {
+
+constexpr int kPairs = 5;
+/// Pairs whose curvature differs from the model's by more than this factor say that the steps are
+/// not yet small enough for a quadratic model.
+constexpr double kLargestFactor = 2.5;
+
+/// Share to which a step shortens the next one where Gauss-Newton needs no correction.
+constexpr double kFastConvergence = 0.2;
+
+}  // namespace
+
+SecantMemory::SecantMemory(const ControlBounds& bounds) : bounds_(bounds), pairs_(kPairs) {
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(bounds.size());
+  for (Pair& pair : pairs_) pair.s = pair.y = pair.w = zero;
+  free_ = d_ = g_ = s_ = new_d_ = new_g_ = r_ = Ms_ = zero;
+}
+
+void SecantMemory::clear() {
+  count_ = 0;
+  newest_ = -1;
+  observed_ = stepped_ = false;
+}
+
+void SecantMemory::stack(const std::vector<Eigen::VectorXd>& parts, Eigen::VectorXd& whole) const {
+  for (int k = 0; k < bounds_.knots(); ++k)
+    whole.segment(bounds_.offset(k), parts[k].size()) = parts[k];
+}
+
+/// Marks the entries that are free. False where that differs from before, or where a control is on
+/// its way to the bound that holds it.
+bool SecantMemory::free_entries(const Feedback& feedback, const StagePolicy& policy) {
+  bool same = true;
+  for (int k = 0; k < bounds_.knots(); ++k) {
+    for (int i = 0; i < feedback.k[k].size(); ++i) {
+      const bool held = policy.holds(k, i);
+      double& free = free_[bounds_.offset(k) + i];
+      same = same && free == (held ? 0 : 1) && (!held || feedback.k[k][i] == 0);
+      free = held ? 0 : 1;
+    }
+  }
+  return same;
+}
+
+void SecantMemory::observe(const Feedback& feedback, const BackwardSweep& sweep,
+                           const StagePolicy& policy) {
+  if (!free_entries(feedback, policy)) clear();
+  stack(feedback.k, new_d_);
+  for (int k = 0; k < bounds_.knots(); ++k) {
+    const auto d = new_d_.segment(bounds_.offset(k), feedback.k[k].size());
+    multiply(sweep.Quu(k), d.data(), new_g_.data() + bounds_.offset(k));
+  }
+  new_d_.array() *= free_.array();
+  new_g_.array() *= -free_.array();
+  ratio_ = 1;
+  if (observed_ && stepped_) {
+    ratio_ = std::sqrt(std::max(0.0, new_d_.dot(new_g_) / d_.dot(g_)));
+    add_pair(sweep);
+  }
+  d_.swap(new_d_);
+  g_.swap(new_g_);
+  observed_ = true;
+  stepped_ = false;
+}
+
+void SecantMemory::add_pair(const BackwardSweep& sweep) {
+  const int next = (newest_ + 1) % kPairs;
+  Pair& pair = pairs_[next];
+  pair.s = s_.cwiseProduct(free_);
+  pair.y = new_g_ - g_;
+  pair.w = d_ - new_d_;
+  pair.curvature = pair.s.dot(pair.y);
+  for (int k = 0; k < bounds_.knots(); ++k) {
+    const int at = bounds_.offset(k);
+    multiply(sweep.Quu(k), pair.s.data() + at, Ms_.data() + at);
+  }
+  const double model = pair.s.dot(Ms_);
+  if (!(pair.curvature * kLargestFactor > model && pair.curvature < kLargestFactor * model)) {
+    count_ = 0;
+    return;
+  }
+  newest_ = next;
+  count_ = std::min(count_ + 1, kPairs);
+}
+
+bool SecantMemory::correct(Feedback& feedback) {
+  if (!observed_ || count_ == 0 || ratio_ < kFastConvergence) return false;
+  // r = H g, from M⁻¹ g = −d; what the first loop takes from g it takes from M⁻¹ g too.
+  Eigen::VectorXd& q = new_g_;
+  q = g_;
+  r_ = -d_;
+  for (int i = 0; i < count_; ++i) {
+    Pair& pair = pairs_[(newest_ - i + kPairs) % kPairs];
+    pair.weight = pair.s.dot(q) / pair.curvature;
+    q -= pair.weight * pair.y;
+    r_ -= pair.weight * pair.w;
+  }
+  for (int i = count_ - 1; i >= 0; --i) {
+    const Pair& pair = pairs_[(newest_ - i + kPairs) % kPairs];
+    r_ += (pair.weight - pair.y.dot(r_) / pair.curvature) * pair.s;
+  }
+  const double slope = -g_.dot(r_), plain = g_.dot(d_);
+  if (!(slope < plain / kLargestFactor && slope > kLargestFactor * plain)) {
+    count_ = 0;
+    return false;
+  }
+  for (int k = 0; k < bounds_.knots(); ++k)
+    for (int i = 0; i < feedback.k[k].size(); ++i) {
+      const int at = bounds_.offset(k) + i;
+      if (free_[at] != 0) feedback.k[k][i] = -r_[at];
+    }
+  return true;
+}
+
+void SecantMemory::restore(Feedback& feedback) const {
+  for (int k = 0; k < bounds_.knots(); ++k)
+    for (int i = 0; i < feedback.k[k].size(); ++i) {
+      const int at = bounds_.offset(k) + i;
+      if (free_[at] != 0) feedback.k[k][i] = d_[at];
+    }
+}
+
+void SecantMemory::step_taken(const Feedback& feedback) {
+  stack(feedback.k, s_);
+  stepped_ = true;
+}
+
+}  // namespace conddp

@@ -1,0 +1,202 @@
+// From Ipopt's answer to the one that is returned.
+#include <algorithm>
+#include <cmath>
+
+#include "solvers/common/finite_check.hpp"
+#include "solvers/ipopt/ipopt_solver.hpp"
+#include "solvers/riccati/backward_sweep.hpp"
+#include "solvers/riccati/regularization.hpp"
+#include "solvers/riccati/stage_policy.hpp"
+
+namespace conddp {
+namespace {
+
+using End = InteriorPointEnd;
+
+/// When Newton steps on the active set are enough.
+constexpr double kNewtonGoal = 1e-12;
+/// How much larger such a step may make the norms: bounds at which multiplier and distance are
+/// alike are told apart by trying.
+constexpr double kNewtonGrowth = 10;
+/// Smallest curvature by which multipliers are compared with distances from a bound.
+constexpr double kSmallestCurvature = 1e-8;
+/// Ipopt's tolerances where its answer was not good enough, in parts of what they were before, and
+/// the smallest one.
+constexpr double kTighter = 1e-2;
+constexpr double kTightest = 1e-13;
+/// Smallest distance from a bound that is told from none.
+constexpr double kLeastDistance = 1e-16;
+/// Of a bound: what a Newton step leaves of the way to it.
+constexpr double kBoundRounding = 1e-14;
+
+}  // namespace
+
+/// Of every control bound and constraint row that is one, its multiplier over the distance from it.
+IpoptSolver::BoundRatios IpoptSolver::bound_ratios(const InteriorPointAnswer& answer,
+                                                   const Trajectory& trajectory,
+                                                   const Eigen::VectorXd& multipliers) const {
+  const auto ratio = [](double multiplier, double distance) {
+    return std::abs(multiplier) / std::max(distance, kLeastDistance);
+  };
+  BoundRatios ratios{problem_.create_trajectory(), problem_.create_trajectory(),
+                     Eigen::VectorXd::Zero(multipliers.size())};
+  transcription_->read_controls(answer.point.lower.data(), ratios.lower);
+  transcription_->read_controls(answer.point.upper.data(), ratios.upper);
+  for (int k = 0; k < problem_.knots(); ++k)
+    for (int i = 0; i < problem_.nu(k); ++i) {
+      const double u = trajectory.u(k)[i];
+      ratios.lower.u(k)[i] = ratio(ratios.lower.u(k)[i], u - bounds_.lower(k)[i]);
+      ratios.upper.u(k)[i] = ratio(ratios.upper.u(k)[i], bounds_.upper(k)[i] - u);
+    }
+  for (const NodeConstraint& c : problem_.constraints())
+    for (int i = 0; c.lower != nullptr && i < c.term->rows; ++i) {
+      const double nu = multipliers[c.row + i], g = newton_.linearization().constraint[c.row + i];
+      if (c.lower[i] < c.upper[i])
+        ratios.rows[c.row + i] = ratio(nu, nu > 0 ? c.upper[i] - g : g - c.lower[i]);
+    }
+  return ratios;
+}
+
+/// An interior point stays away from bounds. A control belongs at one if its multiplier would move
+/// it further than that, were the bound not there: by its curvature or, of the later of two
+/// answers, by the mean of both ratios.
+void IpoptSolver::snap_controls(const InteriorPointAnswer& answer, Trajectory& trajectory) const {
+  Trajectory lower = problem_.create_trajectory(), upper = lower;
+  transcription_->read_controls(answer.point.lower.data(), lower);
+  transcription_->read_controls(answer.point.upper.data(), upper);
+  for (int k = 0; k < problem_.knots(); ++k) {
+    auto u = trajectory.u(k);
+    for (int i = 0; i < u.size(); ++i) {
+      const int column = problem_.ndx() + i;
+      const double curvature =
+          std::max(kSmallestCurvature, newton_.linearization().knots[k].hessian()(column, column));
+      const double low = bounds_.lower(k)[i], up = bounds_.upper(k)[i];
+      if ((u[i] - low) * (scales_ ? scales_->lower.u(k)[i] : curvature) < lower.u(k)[i]) u[i] = low;
+      if ((up - u[i]) * (scales_ ? scales_->upper.u(k)[i] : curvature) < upper.u(k)[i]) u[i] = up;
+    }
+  }
+}
+
+/// Gains of a sweep at a trajectory, with constraints as penalties of the costs' own size.
+Feedback IpoptSolver::find_gains(const Trajectory& trajectory, const Eigen::VectorXd& multipliers) {
+  gain_regularization_.reset();
+  Feedback gains(problem_);
+  Linearization linearization(problem_);
+  acts_.differentiate(trajectory, linearization);
+  Augmentation augmentation(problem_);
+  for (const NodeConstraint& c : problem_.constraints())
+    augmentation.penalty.segment(c.row, c.term->rows)
+        .setConstant(std::max(kSmallestCurvature,
+                              linearization.knots[c.node].hessian().diagonal().maxCoeff()));
+  penalty_ = augmentation.penalty.cwiseMax(kSmallestCurvature);
+  augmentation.shift = multipliers.cwiseQuotient(penalty_);
+  acts_.differentiate(trajectory, linearization, &augmentation);
+  if (find_non_finite(linearization)) return gains;
+  Gaps gaps(problem_);
+  gaps.set(linearization, true);
+  BackwardSweep sweep(problem_, bounds_);
+  const auto policy = box_stage(problem_, options_.box_qp);
+  SolverOptions::Regularization from_zero = options_.regularization;
+  from_zero.initial = 0;
+  RegularizationSchedule schedule(from_zero);
+  do {
+    if (sweep.run(linearization, trajectory, gaps, {options_.regularization.kind, schedule.value()},
+                  *policy, gains) >= 0)
+      continue;
+    gain_regularization_ = schedule.value();
+    return gains;
+  } while (schedule.increase());
+  return Feedback(problem_);
+}
+
+/// From Ipopt's answer, or the best iterate, to one that may be returned: the best of it, of what
+/// it is with entries put on their bounds, and of Newton's iterates from there. `goes_on`: it is an
+/// answer to which Ipopt went on from the one before.
+void IpoptSolver::cross_over(const InteriorPointAnswer& answer, bool goes_on) {
+  const bool good = answer.end == End::solved || answer.end == End::acceptable;
+  transcription_->set_point(good ? answer.point.y.data() : best_.data());
+  Eigen::MatrixXd costates;
+  Eigen::VectorXd multipliers;
+  transcription_->read_multipliers(answer.point.rows.data(), costates, multipliers);
+  if (!multipliers.allFinite()) multipliers.setZero();
+  Trajectory trajectory = transcription_->trajectory();
+  bounds_.clamp(trajectory);
+  start_newton(trajectory, multipliers);
+  consider();
+  if (!good) return;
+  compare_ratios(bound_ratios(answer, trajectory, multipliers), goes_on);
+  if (newton_.active_rows() == 0 && under_tolerances(newton_.norms())) return;
+  snap_controls(answer, trajectory);
+  start_newton(trajectory, multipliers);
+  consider(true);
+  for (int i = 0; i < kNewtonSteps && newton_.norms().largest() > kNewtonGoal; ++i) {
+    if (!newton_.step(kNewtonGrowth)) break;
+    gain_regularization_ = 0;
+    ++row_.newton;
+    ++row_.iteration;
+    record();
+    consider();
+  }
+}
+
+/// From one answer to the next the barrier falls. At an active bound so does the distance, and the
+/// ratio grows; at another one the multiplier falls, and the ratio with it. So the geometric mean
+/// of both is a scale by which the later multiplier and distance tell the bounds apart, whatever
+/// their units.
+void IpoptSolver::compare_ratios(BoundRatios ratios, bool goes_on) {
+  scales_.reset();
+  if (goes_on) {
+    scales_ = ratios;
+    for (int k = 0; k < problem_.knots(); ++k) {
+      scales_->lower.u(k).array() = (ratios.lower.u(k).array() * former_.lower.u(k).array()).sqrt();
+      scales_->upper.u(k).array() = (ratios.upper.u(k).array() * former_.upper.u(k).array()).sqrt();
+    }
+    scales_->rows.array() = (ratios.rows.array() * former_.rows.array()).sqrt();
+  }
+  former_ = std::move(ratios);
+}
+
+/// Around a trajectory, with gains that belong to it.
+void IpoptSolver::start_newton(const Trajectory& trajectory, const Eigen::VectorXd& multipliers) {
+  const Feedback gains = find_gains(trajectory, multipliers);
+  if (scales_) penalty_ = (scales_->rows.array() > 0).select(scales_->rows, penalty_);
+  newton_.start(trajectory, multipliers, penalty_, gains);
+}
+
+/// A slack of 1e-5 whose multiplier is as small is complementary to Ipopt's tolerances, but such a
+/// bound is neither active nor free, and Newton's method may not find out which. So Ipopt goes on
+/// to where the two are further apart. Until then an answer may look worse than the one before.
+void IpoptSolver::refine(InteriorPointAnswer& answer) {
+  InteriorPointSettings settings = default_settings();
+  while (answer.end == End::solved && stop_ == Stop::none && !choice_.is_solution() &&
+         row_.iteration < options_.max_iterations && settings.tolerance * kTighter >= kTightest) {
+    settings.tolerance *= kTighter;
+    settings.dual_tolerance *= kTighter;
+    settings.complementarity_tolerance *= kTighter;
+    settings.warm = &answer.point;
+    settings.warm_barrier = answer.barrier;
+    iterations_before_ = row_.iteration;
+    InteriorPointAnswer tighter = run_ipopt(answer.point.y, settings);
+    if (tighter.end != End::solved) break;
+    answer = std::move(tighter);
+    cross_over(answer, true);
+  }
+}
+
+/// The gains of Newton's steps belong to the iterate before, and have active controls as stiff
+/// penalties. Where nothing but controls is bounded, a sweep at the answer gives its own; controls
+/// that rounding keeps off their bounds would be free in it.
+void IpoptSolver::sweep_at_answer() {
+  if (!choice_.is_solution() || !problem_.constraints().empty()) return;
+  Trajectory trajectory = result_.trajectory;
+  for (int k = 0; k < problem_.knots(); ++k)
+    for (int i = 0; i < problem_.nu(k); ++i)
+      for (const double bound : {bounds_.lower(k)[i], bounds_.upper(k)[i]})
+        if (std::isfinite(bound) &&
+            std::abs(trajectory.u(k)[i] - bound) <= kBoundRounding * std::max(1.0, std::abs(bound)))
+          trajectory.u(k)[i] = bound;
+  start_newton(trajectory, Eigen::VectorXd(result_.constraint_multipliers));
+  if (gain_regularization_) consider(true);
+}
+
+}  // namespace conddp

@@ -1,0 +1,180 @@
+// Complementary pairs: the solves that tighten their relaxation.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "solvers/ipopt/ipopt_solver.hpp"
+
+namespace conddp {
+namespace {
+
+using End = InteriorPointEnd;
+
+bool is_good(const InteriorPointAnswer& answer) {
+  return answer.end == End::solved || answer.end == End::acceptable;
+}
+
+/// Of the solves before the last one, which need no more than a good start for the next.
+constexpr double kLooseTolerance = 1e-3, kTightTolerance = 1e-8;
+/// Solves in a row that may fail before the relaxation is given up.
+constexpr int kFailures = 2;
+/// Smallest barrier with which the next solve starts.
+constexpr double kLeastBarrier = 1e-9;
+/// From which epsilon on the pairs may be told apart already, which is tried once, and how much the
+/// cost may rise by it.
+constexpr double kPolishFrom = 1e-6;
+constexpr double kPolishRise = 1e-4;
+/// Of the last solves, whose bounds are those of the answer, and what they leave of multiplier
+/// times distance. A bound that hardly pushes is missed by the root of that, and so is
+/// stationarity.
+constexpr std::array<double, 3> kPolishBarriers = {kLeastBarrier, 1e-11, 1e-13};
+/// Iterations that each of them is worth in a trial, and the last one always.
+constexpr int kPolishIterations = 40;
+/// The barrier with which a solve starts, and the tolerance to which it is solved, as a share of
+/// its epsilon.
+constexpr double kBarrierShare = 0.1;
+/// How far the next solve's start is pushed from bounds, as a share of its epsilon: pairs have to
+/// come closer, and what stands at its bound moves in many small steps only.
+constexpr double kPushShare = 1e-2, kLeastPush = 1e-9;
+/// Share of the tolerance at which pairs need no smaller epsilon.
+constexpr double kComplementary = 0.1;
+
+}  // namespace
+
+bool IpoptSolver::is_complementary(const InteriorPointAnswer& answer) const {
+  return transcription_->pair_distance(answer.point.y.data()) <= options_.tolerances.constraint;
+}
+
+/// The chosen relaxation, then the others until one finds an answer.
+InteriorPointAnswer IpoptSolver::run_relaxations(const Trajectory& start) {
+  std::vector<PairRelaxation> ways = {options_.complementarity.relaxation};
+  if (options_.complementarity.fallback == RelaxationFallback::automatic)
+    for (const PairRelaxation way :
+         {PairRelaxation::elementwise, PairRelaxation::fischer_burmeister, PairRelaxation::penalty,
+          PairRelaxation::inner_product})
+      if (way != ways.front()) ways.push_back(way);
+  InteriorPointAnswer answer;
+  for (std::size_t i = 0; i < ways.size(); ++i) {
+    if (i > 0) {
+      make_transcription(ways[i]);
+      transcription_->set_center(start);
+      ++row_.fallbacks;
+    }
+    answer = tighten(start);
+    if (is_good(answer) && is_complementary(answer)) break;
+    if (stop_ != Stop::none || row_.iteration >= options_.max_iterations) break;
+  }
+  return answer;
+}
+
+/// Solves with smaller and smaller epsilon until the pairs are complementary, or can be told apart.
+InteriorPointAnswer IpoptSolver::tighten(const Trajectory& start) {
+  const auto& schedule = options_.complementarity;
+  InteriorPointSettings settings = default_settings();
+  const auto set_tolerances = [&](double tolerance) {
+    settings.tolerance = tolerance;
+    settings.dual_tolerance = std::max(options_.tolerances.stationarity, tolerance);
+    settings.complementarity_tolerance = std::max(options_.tolerances.complementarity, tolerance);
+  };
+  InteriorPointAnswer last, good;  // good: one whose pairs may be told apart
+  Eigen::VectorXd y = transcription_->point_of(start);
+  int failures = 0;
+  bool tried = false;
+  for (double epsilon = schedule.initial;;
+       epsilon = std::max(schedule.final, epsilon * schedule.factor)) {
+    row_.relaxation = epsilon;
+    transcription_->relax(epsilon);
+    set_tolerances(std::clamp(kBarrierShare * epsilon, kTightTolerance, kLooseTolerance));
+    settings.warm_barrier = std::max(kLeastBarrier, kBarrierShare * epsilon);
+    settings.warm_push = std::max(kLeastPush, kPushShare * epsilon);
+    InteriorPointAnswer answer = run_ipopt(y, settings);
+    ++row_.outer;
+    iterations_before_ = row_.iteration;
+    if (stop_ != Stop::none || row_.iteration >= options_.max_iterations) return answer;
+    failures = is_good(answer) ? 0 : failures + 1;
+    if (!answer.point.y.allFinite() || failures == kFailures)
+      return is_good(good) && polish(good, false) ? good : answer;
+    if (failures == 0 && epsilon <= kPolishFrom && epsilon > schedule.final && !tried) {
+      tried = true;
+      InteriorPointAnswer polished = answer;
+      if (polish(polished, true) && crosses_over(polished)) return polished;
+      if (stop_ != Stop::none || row_.iteration >= options_.max_iterations) return answer;
+    }
+    if (failures == 0 && epsilon <= kPolishFrom) good = answer;
+    last = std::move(answer);
+    y = last.point.y;
+    settings.warm = is_good(last) ? &last.point : nullptr;
+    if (epsilon <= schedule.final ||
+        transcription_->pair_distance(y.data()) <= kComplementary * options_.tolerances.constraint)
+      break;
+  }
+  polish(last, false);
+  return last;
+}
+
+/// Whether an answer under all tolerances follows from a polished one. If so it is the result.
+bool IpoptSolver::crosses_over(const InteriorPointAnswer& polished) {
+  cross_over_from_polished(polished);
+  crossed_over_ = choice_.is_solution();
+  iterations_before_ = row_.iteration;
+  return crossed_over_;
+}
+
+/// A smaller barrier tells better what belongs at a bound, but is further from what its system of
+/// equations can resolve. So where no answer follows from the last polished one, one may from those
+/// before.
+void IpoptSolver::cross_over_from_polished(const InteriorPointAnswer& polished) {
+  cross_over(polished);
+  for (; !looser_.empty() && !choice_.is_solution(); looser_.pop_back()) cross_over(looser_.back());
+  looser_.clear();
+}
+
+/// Solves once more with the smaller one of each pair fixed to zero, which leaves nothing relaxed,
+/// and then with barriers so small that what belongs at a bound can be put there without harm to
+/// the equations. The answer stays as it was where that fails, or where the cost rises: then it was
+/// the wrong one of some pair. A trial has to come to the second barrier in few iterations.
+bool IpoptSolver::polish(InteriorPointAnswer& answer, bool trial) {
+  const auto cost_at = [&](const InteriorPointAnswer& at) {
+    transcription_->set_point(at.point.y.data());
+    return transcription_->evaluation().cost.sum();
+  };
+  const double before = cost_at(answer);
+  transcription_->fix_pairs(answer.point.y.data());
+  InteriorPointSettings settings = default_settings();
+  row_.relaxation = 0;
+  std::vector<InteriorPointAnswer> polished;
+  polished.reserve(kPolishBarriers.size());
+  for (const double barrier : kPolishBarriers) {
+    const std::size_t solves = polished.size();
+    const PrimalDualPoint& from = polished.empty() ? answer.point : polished.back().point;
+    settings.warm = &from;
+    settings.warm_barrier = barrier;
+    if (solves > 0) settings.complementarity_tolerance = barrier;
+    if (trial || solves == 2) settings.max_iterations = kPolishIterations;
+    InteriorPointAnswer fixed = run_ipopt(from.y.cwiseMin(transcription_->upper()), settings);
+    ++row_.outer;
+    iterations_before_ = row_.iteration;
+    if (fixed.end == End::max_iterations && is_as_asked(row_)) fixed.end = End::acceptable;
+    if (!is_good(fixed)) break;
+    if (solves == 0 && cost_at(fixed) > before + kPolishRise * (1 + std::abs(before))) break;
+    polished.push_back(std::move(fixed));
+    if (row_.iteration >= options_.max_iterations) break;
+  }
+  if (polished.size() < (trial ? 2 : 1)) return false;
+  answer = std::move(polished.back());
+  polished.pop_back();
+  looser_ = std::move(polished);
+  return true;
+}
+
+/// Whether the last iterate of a solve is an answer, although rounding kept that solve from the
+/// tolerances of its small barrier.
+bool IpoptSolver::is_as_asked(const IterationRecord& last) const {
+  return under_tolerances({.stationarity = {last.stationarity, last.stationarity_knot},
+                           .gap = {last.gap, last.gap_knot},
+                           .violation = {last.constraint, last.constraint_knot},
+                           .complementarity = last.complementarity});
+}
+
+}  // namespace conddp

@@ -1,0 +1,373 @@
+#include "solvers/ipopt/ipopt_solver.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "ocp/problem/soft_constraint.hpp"
+#include "solvers/common/finite_check.hpp"
+#include "solvers/common/guess.hpp"
+#include "solvers/common/settled_cost.hpp"
+
+namespace conddp {
+namespace {
+
+using End = InteriorPointEnd;
+
+/// Rotation from the centre of its chart at which an iterate becomes the new centre, rad: charts
+/// end at π.
+constexpr double kLargestAngle = 2;
+/// The barrier to begin with where all multipliers are known.
+constexpr double kWarmBarrier = 1e-9;
+/// Directions of a knot from which on exact Hessians are dear.
+constexpr int kDearDirections = 30;
+/// Rows of the log that are reserved at most before the first iteration.
+constexpr int kReservedRows = 10000;
+
+double seconds_since(std::chrono::steady_clock::time_point began) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+}
+
+bool wants_limited_memory(const IpoptOptions& options) {
+  return std::any_of(options.begin(), options.end(), [](const auto& option) {
+    const auto* text = std::get_if<std::string>(&option.second);
+    return option.first == "hessian_approximation" && text != nullptr && *text != "exact";
+  });
+}
+
+}  // namespace
+
+IpoptSolver::IpoptSolver(const ShootingProblem& problem, const SolverOptions& options)
+    : problem_(problem),
+      options_(options),
+      gauss_newton_(options.hessian == HessianChoice::gauss_newton),
+      bounds_(problem),
+      acts_(problem, options.threads),
+      newton_(problem, acts_),
+      choice_(options.tolerances),
+      result_(problem) {
+  make_transcription(options.complementarity.relaxation);
+}
+
+void IpoptSolver::make_transcription(PairRelaxation relaxation) {
+  transcription_ = std::make_unique<Transcription>(
+      problem_, acts_,
+      Transcription::Options{.gauss_newton = gauss_newton_,
+                             .cone_smoothing = 0.1 * options_.tolerances.constraint,
+                             .relaxation = relaxation,
+                             .epsilon = options_.complementarity.initial});
+  best_ = Eigen::VectorXd::Zero(transcription_->variables());
+}
+
+SolveResult IpoptSolver::solve(const Trajectory& guess) {
+  began_ = std::chrono::steady_clock::now();
+  check_shape(problem_, guess);
+  result_ = SolveResult(problem_);
+  result_.log.reserve(std::min(options_.max_iterations, kReservedRows) + kNewtonSteps + 1);
+  row_ = IterationRecord();
+  row_.exact_hessian = !gauss_newton_ && !wants_limited_memory(options_.ipopt);
+  alternates_ = row_.exact_hessian && alternation_pays();
+  iterations_before_ = 0;
+  scales_.reset();
+  choice_.forget();
+  looser_.clear();
+  crossed_over_ = false;
+  Trajectory start = guess;
+  result_.start = "states and controls of the guess";
+  if (options_.multipliers && options_.multipliers->costates.size() > 0)
+    result_.start += "; its multipliers";
+  result_.start += clamp_guess(bounds_, start);
+  result_.start += correct_states(problem_, start);
+  result_.trajectory = start;
+
+  if (options_.multipliers && !transcription_->has_pairs() && newton_is_enough(start)) {
+    result_.iterations = row_.iteration;
+    result_.times.total = result_.times.sweep = elapsed();
+    return std::move(result_);
+  }
+  transcription_->set_center(start);
+  InteriorPointAnswer answer = transcription_->has_pairs()
+                                   ? run_relaxations(start)
+                                   : run_ipopt(transcription_->point_of(start), default_settings());
+  const double newton_began = elapsed();
+  if (!crossed_over_) cross_over_from_polished(answer);
+  if (!transcription_->has_pairs()) refine(answer);
+  sweep_at_answer();
+  log_answer();
+  set_status(answer);
+  result_.iterations = row_.iteration;
+  result_.times.total = elapsed();
+  result_.times.sweep += result_.times.total - newton_began;
+  return std::move(result_);
+}
+
+InteriorPointSettings IpoptSolver::default_settings() const {
+  return {.max_iterations = options_.max_iterations,
+          .dual_tolerance = options_.tolerances.stationarity,
+          .violation_tolerance = std::min(options_.tolerances.gap, options_.tolerances.constraint),
+          .complementarity_tolerance = options_.tolerances.complementarity,
+          .minimum_fill = !transcription_->has_pairs(),
+          .options = options_.ipopt};
+}
+
+/// Exact Hessians take a pass for each direction of a knot; cheap ones are taken throughout. So are
+/// those of constrained contact forces, whose curvature Gauss-Newton's would leave out: its steps
+/// lead far away.
+bool IpoptSolver::alternation_pays() const {
+  if (options_.hessian != HessianChoice::automatic || transcription_->has_pairs() ||
+      transcription_->has_mixed_rows())
+    return false;
+  int directions = 0;
+  for (int k = 0; k < problem_.knots(); ++k)
+    directions = std::max(directions, problem_.knot(k).model->nz());
+  return directions >= kDearDirections;
+}
+
+/// From multipliers near a solution Newton's method on the active set has nothing left for an
+/// interior point to do, which would leave the bounds first.
+bool IpoptSolver::newton_is_enough(const Trajectory& start) {
+  start_newton(start, options_.multipliers->constraints);
+  record();
+  consider();
+  while (!choice_.is_solution() && row_.iteration < kNewtonSteps && newton_.step()) {
+    gain_regularization_ = 0;
+    ++row_.newton;
+    ++row_.iteration;
+    record();
+    consider();
+  }
+  if (choice_.is_solution()) {
+    sweep_at_answer();
+    log_answer();
+    set_status({});
+    return true;
+  }
+  choice_.forget();
+  result_.log.clear();
+  const bool exact = row_.exact_hessian;
+  row_ = IterationRecord();
+  row_.exact_hessian = exact;
+  return false;
+}
+
+/// Runs Ipopt, again from the last iterate wherever that has left the middle of its charts.
+InteriorPointAnswer IpoptSolver::run_ipopt(Eigen::VectorXd y, InteriorPointSettings settings) {
+  InteriorPointAnswer answer;
+  const int allowed = settings.max_iterations;
+  PrimalDualPoint known;
+  if (const DualGuess* duals = options_.multipliers.get();
+      duals != nullptr && settings.warm == nullptr && duals->costates.size() > 0 &&
+      !transcription_->has_pairs()) {
+    known.y = y;
+    transcription_->write_multipliers(duals->costates, duals->constraints, duals->control_gradient,
+                                      known.rows, known.lower, known.upper);
+    settings.warm = &known;
+    settings.warm_barrier = kWarmBarrier;
+  }
+  for (;;) {
+    stop_ = Stop::none;
+    const double began = elapsed();
+    settings.max_iterations = std::min(allowed, options_.max_iterations - iterations_before_);
+    answer = minimise(*transcription_, y, settings,
+                      [this](const InteriorPointIterate& iterate) { return note(iterate); });
+    result_.times.differentiate += answer.evaluation_seconds;
+    result_.times.sweep += elapsed() - began - answer.evaluation_seconds;
+    if (stop_ != Stop::recenter) return answer;
+    iterations_before_ = row_.iteration;
+    transcription_->set_point(answer.point.y.data());
+    transcription_->recenter_multipliers(answer.point.rows.data());
+    const Trajectory center = transcription_->trajectory();
+    transcription_->set_center(center);
+    y = best_ = transcription_->point_of(center);
+    settings.warm = &answer.point;
+    settings.warm_barrier = answer.barrier;
+  }
+}
+
+/// Records an iterate; false where Ipopt should stop.
+bool IpoptSolver::note(const InteriorPointIterate& iterate) {
+  const bool again = iterations_before_ > 0 && iterate.iteration == 0;
+  if (alternates_) {
+    if (iterate.iteration > 0) {
+      row_.exact_hessian = !alternation_.gauss_newton();
+      alternation_.watch(iterate);
+    } else if (!again) {
+      alternation_.begin(iterate);
+    }
+    transcription_->use_gauss_newton(alternation_.gauss_newton());
+  }
+  transcription_->set_point(iterate.y);
+  const Evaluation& values = transcription_->evaluation();
+  row_.iteration = iterations_before_ + iterate.iteration;
+  row_.cost = row_.merit = values.cost.sum() + linear_soft_cost(problem_, values.constraint);
+  row_.stationarity = iterate.dual_infeasibility;
+  row_.stationarity_knot = -1;
+  row_.gap = values.gap.size() == 0 ? 0 : values.gap.cwiseAbs().maxCoeff();
+  row_.gap_knot = -1;
+  const Extremum violation =
+      largest_violation(problem_, bounds_, transcription_->trajectory(), values.constraint);
+  row_.constraint = violation.value;
+  row_.constraint_knot = violation.knot;
+  row_.complementarity = iterate.complementarity;
+  row_.barrier = iterate.barrier;
+  row_.step = iterate.step;
+  row_.regularization = iterate.regularization;
+  row_.trials = iterate.trials;
+  row_.time_s = elapsed();
+  // The restoration phase has an optimality of its own.
+  const double error =
+      std::max({row_.gap, row_.constraint, row_.stationarity, row_.complementarity});
+  if (row_.iteration == 0 || again || (!iterate.restoration && error < best_error_)) {
+    best_ = Eigen::Map<const Eigen::VectorXd>(iterate.y, best_.size());
+    best_error_ = error;
+  }
+  if (!again) {
+    result_.log.push_back(row_);
+    if (options_.on_iteration) options_.on_iteration(row_);
+  }
+  if (options_.interrupted && options_.interrupted()) {
+    stop_ = Stop::interrupted;
+  } else if (elapsed() >= options_.max_time_s) {
+    stop_ = Stop::time_limit;
+  } else if (!iterate.restoration && row_.iteration < options_.max_iterations &&
+             transcription_->chart_angle() > kLargestAngle) {
+    stop_ = Stop::recenter;
+  } else if (cost_settled()) {
+    stop_ = Stop::cost_settled;
+    best_ = Eigen::Map<const Eigen::VectorXd>(iterate.y, best_.size());
+  }
+  return stop_ == Stop::none;
+}
+
+/// Whether Ipopt's iterate is feasible, and the caller asked for no more of the cost. With relaxed
+/// pairs the cost is that of another problem.
+bool IpoptSolver::cost_settled() const {
+  const auto& tolerances = options_.tolerances;
+  return cost_has_settled(result_.log, tolerances.cost_decrease) && !transcription_->has_pairs() &&
+         row_.gap <= tolerances.gap && row_.constraint <= tolerances.constraint &&
+         row_.complementarity <= tolerances.complementarity;
+}
+
+/// Logs the iterate of Newton's method.
+void IpoptSolver::record() {
+  newton_.describe(row_);
+  row_.time_s = elapsed();
+  result_.log.push_back(row_);
+  if (options_.on_iteration) options_.on_iteration(row_);
+}
+
+/// Makes the iterate of Newton's method the answer where it is better than the answer so far.
+void IpoptSolver::consider(bool preferred) {
+  if (!choice_.take(newton_.norms(), preferred)) return;
+  answer_row_ = row_;
+  newton_.describe(answer_row_);
+  write_result();
+}
+
+/// Makes the row of the answer the last one of the log.
+void IpoptSolver::log_answer() {
+  if (!choice_.has_answer() || !std::isfinite(answer_row_.cost) || result_.log.empty()) return;
+  IterationRecord& last = result_.log.back();
+  if (last.cost == answer_row_.cost && last.newton == answer_row_.newton) {
+    // Along the answer's gains it is another number than along those of the step that led there.
+    last.stationarity = answer_row_.stationarity;
+    last.stationarity_knot = answer_row_.stationarity_knot;
+    return;
+  }
+  // What is counted goes on.
+  answer_row_.iteration = row_.iteration;
+  answer_row_.outer = row_.outer;
+  answer_row_.newton = row_.newton;
+  answer_row_.time_s = elapsed();
+  result_.log.push_back(answer_row_);
+  if (options_.on_iteration) options_.on_iteration(answer_row_);
+}
+
+void IpoptSolver::write_result() {
+  result_.feedback_regularization.reset();
+  if (find_non_finite(newton_.linearization())) return;
+  result_.feedback_regularization = gain_regularization_;
+  const KktNorms& norms = newton_.norms();
+  result_.trajectory = newton_.trajectory();
+  result_.cost = newton_.cost();
+  result_.residuals = {.stationarity = norms.stationarity.value,
+                       .gap = norms.gap.value,
+                       .constraint = norms.violation.value,
+                       .complementarity = norms.complementarity,
+                       .stationarity_knot = norms.stationarity.knot,
+                       .gap_knot = norms.gap.knot,
+                       .constraint_knot = norms.violation.knot};
+  result_.feedback = newton_.feedback();
+  result_.costates = newton_.adjoint().costates();
+  result_.state_gradient = newton_.adjoint().state_gradient();
+  result_.control_gradient.clear();
+  for (int k = 0; k < problem_.knots(); ++k)
+    result_.control_gradient.push_back(
+        newton_.adjoint().gradient().segment(bounds_.offset(k), problem_.nu(k)));
+  result_.constraint_values = newton_.linearization().constraint;
+  result_.constraint_multipliers = newton_.multipliers();
+}
+
+bool IpoptSolver::under_tolerances(const KktNorms& norms) const {
+  return AnswerChoice::excess(norms, options_.tolerances) <= 1;
+}
+
+void IpoptSolver::set_status(const InteriorPointAnswer& answer) {
+  const auto end = [&](SolveStatus status, const std::string& message) {
+    result_.status = status;
+    result_.message = fmt::format("{}: {}", message, residual_text());
+  };
+  if (choice_.is_solution())
+    return end(SolveStatus::converged, "all residuals are under tolerance");
+  const Residuals& left = result_.residuals;
+  const auto& tolerances = options_.tolerances;
+  if (stop_ == Stop::cost_settled && left.gap <= tolerances.gap &&
+      left.constraint <= tolerances.constraint &&
+      left.complementarity <= tolerances.complementarity)
+    return end(SolveStatus::cost_settled, "the cost has settled");
+  if (stop_ == Stop::interrupted) return end(SolveStatus::interrupted, "interrupted");
+  if (stop_ == Stop::time_limit) return end(SolveStatus::time_limit, "the time is up");
+  const std::string text = "Ipopt: " + answer.message;
+  switch (answer.end) {
+    case End::max_iterations:
+      return end(SolveStatus::max_iterations,
+                 fmt::format("not converged after {} iterations", row_.iteration));
+    case End::time_limit:
+      return end(SolveStatus::time_limit, text);
+    case End::infeasible:
+      return end(SolveStatus::infeasible, text);
+    case End::no_factorization:
+      return end(SolveStatus::regularization_limit, text);
+    case End::diverging:
+    case End::not_finite:
+      return end(SolveStatus::diverged, text);
+    case End::solved:
+    case End::acceptable:
+      if (row_.iteration >= options_.max_iterations)
+        return end(SolveStatus::max_iterations,
+                   fmt::format("not converged after {} iterations", row_.iteration));
+      // What is no row of the program: constraints on the given state alone.
+      if (result_.residuals.constraint > options_.tolerances.constraint &&
+          result_.residuals.constraint_knot == 0)
+        return end(SolveStatus::infeasible, "the initial state itself violates a constraint");
+      return end(SolveStatus::line_search_failed, text + ", but not all of this solve's");
+    case End::stopped:
+    case End::no_step:
+    case End::failed:
+      return end(SolveStatus::line_search_failed, text);
+  }
+}
+
+std::string IpoptSolver::residual_text() const {
+  const auto at = [](int knot) { return knot < 0 ? "" : fmt::format(" (knot {})", knot); };
+  const Residuals& r = result_.residuals;
+  return fmt::format(
+      "stationarity {:.1e}{}, gap {:.1e}{}, constraint violation {:.1e}{}, complementarity {:.1e}",
+      r.stationarity, at(r.stationarity_knot), r.gap, at(r.gap_knot), r.constraint,
+      at(r.constraint_knot), r.complementarity);
+}
+
+double IpoptSolver::elapsed() const { return seconds_since(began_); }
+
+}  // namespace conddp

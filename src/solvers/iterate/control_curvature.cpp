@@ -1,0 +1,64 @@
+#include "solvers/iterate/control_curvature.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "ocp/knot/augmented_term.hpp"
+
+namespace conddp {
+namespace {
+
+/// Less of a diagonal entry than this share is rounding of what was subtracted.
+constexpr double kRounding = 1e-12;
+
+}  // namespace
+
+ControlCurvature::ControlCurvature(const ShootingProblem& problem) : problem_(problem) {
+  int rows = 0, controls = 0;
+  for (const NodeConstraint& c : problem.constraints()) rows = std::max(rows, c.term->rows);
+  for (int k = 0; k < problem.knots(); ++k) controls = std::max(controls, problem.nu(k));
+  costs_.resize(controls);
+  shifted_.resize(rows);
+  multiplier_.resize(rows);
+  curvature_.resize(rows * rows);
+  product_.resize(rows, controls);
+}
+
+/// Takes what a constraint adds to the diagonal of its knot out of costs_.
+void ControlCurvature::subtract(const NodeConstraint& c, const Linearization& linearization,
+                                const Augmentation& augmentation) {
+  const int n = c.term->rows, nu = problem_.nu(c.node);
+  augment<double>(*c.term, {c.lower, c.upper, c.limit},
+                  {augmentation.penalty.data() + c.row, augmentation.shift.data() + c.row,
+                   augmentation.multiplier.data() + c.row},
+                  linearization.constraint.data() + c.row, shifted_.data(), multiplier_.data(),
+                  curvature_.data());
+  const auto C = linearization.knots[c.node]
+                     .C.middleRows(c.row - problem_.constraint_offset(c.node), n)
+                     .rightCols(nu);
+  auto product = product_.topLeftCorner(n, nu);
+  if (c.term->is_cone())
+    product.noalias() = Eigen::Map<const Eigen::MatrixXd>(curvature_.data(), n, n).lazyProduct(C);
+  else
+    product = curvature_.head(n).asDiagonal() * C;
+  for (int i = 0; i < nu; ++i) costs_[i] -= C.col(i).dot(product.col(i));
+}
+
+double ControlCurvature::least(const Linearization& linearization,
+                               const Augmentation* augmentation) {
+  double least = std::numeric_limits<double>::infinity();
+  auto constraint = problem_.constraints().begin();
+  for (int k = 0; k < problem_.knots(); ++k) {
+    const auto all = linearization.knots[k].hessian().diagonal().tail(problem_.nu(k));
+    costs_.head(all.size()) = all;
+    for (; constraint != problem_.constraints().end() && constraint->node == k; ++constraint)
+      if (augmentation != nullptr) subtract(*constraint, linearization, *augmentation);
+    double largest = 0;
+    for (int i = 0; i < all.size(); ++i)
+      if (costs_[i] > kRounding * all[i]) largest = std::max(largest, costs_[i]);
+    if (largest > 0) least = std::min(least, largest);
+  }
+  return least;
+}
+
+}  // namespace conddp

@@ -1,0 +1,138 @@
+#include "solvers/iterate/hessian_switch.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace conddp {
+namespace {
+
+/// Fewest iterations over which convergence is judged.
+constexpr int kWatchedIterations = 10;
+/// What an exact Hessian is taken to cost for each of its directions, in Gauss-Newton iterations:
+/// by parts it is less, but earlier turns gain nothing. And how many exact iterations a solve is
+/// taken to need.
+constexpr double kDirectionCost = 1;
+constexpr double kExactIterations = 4;
+/// What exact iterations may cost, in Gauss-Newton iterations, before their convergence is judged;
+/// and fewest of them.
+constexpr double kExactTrial = 1000;
+constexpr int kFewestExact = 8;
+/// Bounds how often the window doubles.
+constexpr int kMostDoublings = 10;
+/// What rounding makes of equal Hessians, relative to their largest entry.
+constexpr double kSameHessian = 1e-12;
+
+}  // namespace
+
+HessianUse hessian_use(const SolverOptions& options) {
+  switch (options.hessian) {
+    case HessianChoice::gauss_newton:
+      return HessianUse::gauss_newton;
+    case HessianChoice::exact:
+      return HessianUse::exact;
+    case HessianChoice::automatic:
+      break;
+  }
+  return HessianUse::when_slow;
+}
+
+bool same_hessian(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
+  double largest = 0, apart = 0;
+  for (Eigen::Index i = 0; i < a.size(); ++i) {
+    largest = std::max(largest, std::abs(a.data()[i]));
+    apart = std::max(apart, std::abs(a.data()[i] - b.data()[i]));
+  }
+  return apart <= kSameHessian * largest;
+}
+
+HessianSwitch::HessianSwitch(HessianUse use, double tolerance, Acts& acts,
+                             Linearization& linearization)
+    : use_(use), tolerance_(tolerance), acts_(acts), linearization_(linearization) {
+  if (use == HessianUse::gauss_newton) return;
+  Eigen::Index nz = 0;
+  for (const KnotLinearization& knot : linearization.knots) nz = std::max(nz, knot.gradient.size());
+  exact_cost_ = 1 + kDirectionCost * static_cast<double>(nz);
+  acts.reserve_lagrangian_hessian();
+  for (const KnotLinearization& knot : linearization.knots) other_.push_back(knot.hessian());
+}
+
+void HessianSwitch::reset() {
+  exact_wanted_ = use_ == HessianUse::exact;
+  for_good_ = same_ = false;
+  returns_ = 0;
+}
+
+/// Iterations over which the convergence of the set in use is judged. Whenever exact Hessians have
+/// been given up, Gauss-Newton ones get twice as many.
+int HessianSwitch::window() const {
+  if (exact_wanted_) return std::max(kFewestExact, static_cast<int>(kExactTrial / exact_cost_));
+  return std::max(kWatchedIterations, static_cast<int>(exact_cost_ / 2))
+         << std::min(returns_, kMostDoublings);
+}
+
+/// An exact Hessian takes a pass for each direction, so what it saves has to be worth that. Over a
+/// window that is itself no longer than a fraction of the price, the stationarity's rate of
+/// convergence tells how many iterations Gauss-Newton still needs; exact ones are taken to need
+/// kExactIterations. As long as the cost falls much, that rate says nothing.
+bool HessianSwitch::gauss_newton_is_slow(const IterationRecord& row) const {
+  if (watched_cost_ - row.cost >= 0.1 * std::abs(row.cost)) return false;
+  const double decades = std::log10(watched_stationarity_ / row.stationarity) / window();
+  const double wanted = std::log10(row.stationarity / tolerance_);
+  return !(wanted <= decades * kExactIterations * exact_cost_);
+}
+
+/// Far from an optimum exact Hessians are as slow as others. They stay if, at their rate, the end
+/// is no further away than what they have taken already.
+bool HessianSwitch::exact_is_slow(const IterationRecord& row) const {
+  return !(std::log10(row.stationarity / tolerance_) <=
+           std::log10(watched_stationarity_ / row.stationarity));
+}
+
+void HessianSwitch::watch(const IterationRecord& row) {
+  if (use_ != HessianUse::when_slow || for_good_) return;
+  if (row.iteration > 0) {
+    if (row.iteration < watched_iteration_ + window()) return;
+    if (exact_wanted_ ? exact_is_slow(row) : gauss_newton_is_slow(row)) {
+      if (exact_wanted_) ++returns_;
+      exact_wanted_ = !exact_wanted_;
+    }
+  }
+  watched_iteration_ = row.iteration;
+  watched_stationarity_ = row.stationarity;
+  watched_cost_ = row.cost;
+}
+
+bool HessianSwitch::turn() {
+  if (use_ != HessianUse::when_slow || exact_wanted_ || same_) return false;
+  exact_wanted_ = for_good_ = true;
+  return true;
+}
+
+void HessianSwitch::begin_iterate() {
+  use(false);
+  exact_known_ = false;
+}
+
+void HessianSwitch::evaluate_exact(const Trajectory& trajectory, const Eigen::MatrixXd& costates,
+                                   const Augmentation* augmentation) {
+  use(true);
+  acts_.lagrangian_hessian(trajectory, costates, linearization_, augmentation);
+  exact_known_ = true;
+  if (use_ != HessianUse::when_slow) return;
+  same_ = true;
+  for (std::size_t k = 0; k < other_.size() && same_; ++k)
+    same_ = same_hessian(linearization_.knots[k].hessian(), other_[k]);
+  if (!same_) return;
+  use(false);
+  exact_known_ = exact_wanted_ = false;
+}
+
+void HessianSwitch::use(bool exact) {
+  if (exact == exact_in_use_) return;
+  for (std::size_t k = 0; k < other_.size(); ++k) {
+    linearization_.knots[k].hessian.change().swap(other_[k]);
+  }
+  exact_in_use_ = exact;
+}
+
+}  // namespace conddp

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <optional>
+
+#include "solvers/iterate/iterate.hpp"
+#include "solvers/riccati/plain_adjoint.hpp"
+
+namespace conddp {
+
+/// Whether a stationarity under tolerance is so along other gains than those of the last sweep,
+/// too: along those of the costs alone where constraints have stiff ones, else along none, where
+/// that is well conditioned. If it is not, the solve goes on to a goal that should be enough.
+class StationarityCheck {
+ public:
+  StationarityCheck(const ShootingProblem& problem, const ControlBounds& bounds,
+                    const SolverOptions& options, bool constrained);
+
+  /// At the start of a solve: the goal is the tolerance.
+  void reset() { goal_ = options_.tolerances.stationarity; }
+  /// What the stationarity has to fall to.
+  double goal() const { return goal_; }
+  /// Looks at an iterate that meets the goal, with the multipliers of all constraint rows where the
+  /// solver has them. False, with a smaller goal, where it is not stationary along the other gains.
+  bool confirm(const Iterate& iterate, const Eigen::VectorXd* multipliers);
+
+ private:
+  std::optional<double> reduced_stationarity(const Iterate& iterate, double stationarity);
+
+  const SolverOptions& options_;
+  std::optional<PlainAdjoint> plain_;  ///< where there are constraints
+  std::optional<Adjoint> free_;        ///< elsewhere, along no_feedback_
+  std::optional<Feedback> no_feedback_;
+  double goal_;
+};
+
+}  // namespace conddp

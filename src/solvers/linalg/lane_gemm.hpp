@@ -1,0 +1,31 @@
+#pragma once
+
+#include "solvers/linalg/lane_matrix.hpp"
+
+namespace conddp {
+
+/// Products of the small dense matrices of a sweep. Tiles of the result stay in registers while the
+/// inner dimension passes; sums run over it in order, whatever the lane width.
+
+/// The right factor of a product: entry (k, j) is data[k · row_step + j · column_step], so that a
+/// transposed matrix costs no copy.
+struct Factor {
+  const double* data;
+  int row_step, column_step;
+
+  static Factor of(const LaneMatrix& B) { return {B.data(), 1, B.stride()}; }
+  static Factor transposed(const LaneMatrix& B) { return {B.data(), B.stride(), 1}; }
+  template <class Matrix>
+  static Factor of_eigen(const Matrix& B) {
+    return {B.data(), 1, static_cast<int>(B.outerStride())};
+  }
+};
+
+enum class Store { set, add, subtract };
+
+/// C ←, += or −= A B. C must not overlap A or B.
+void multiply(Store store, LaneBlock C, LaneBlock A, Factor B);
+/// The lower triangle of the same; entries above the diagonal become undefined.
+void multiply_lower(Store store, LaneBlock C, LaneBlock A, Factor B);
+
+}  // namespace conddp

@@ -1,0 +1,46 @@
+#include "solvers/riccati/backward_sweep.hpp"
+
+#include "base/checkpoint.hpp"
+
+namespace conddp {
+
+BackwardSweep::BackwardSweep(const ShootingProblem& problem, const ControlBounds& bounds, Legs legs)
+    : bounds_(bounds),
+      values_(problem.knots() + 1, ValueFunction(problem.ndx())),
+      stage_(problem),
+      bounded_(problem.has_control_bounds()) {
+  for (int k = 0; k < problem.knots(); ++k) Quu_.emplace_back(problem.nu(k), problem.nu(k));
+  if (legs.count > 1) legs_ = std::make_unique<LegSweep>(problem, legs);
+}
+
+int BackwardSweep::run(const Linearization& linearization, const Trajectory& trajectory,
+                       const Gaps& gaps, SweepRegularization regularization, StagePolicy& policy,
+                       Feedback& feedback, bool hold, std::optional<int> from) {
+  const int N = bounds_.knots();
+  const SweptHorizon horizon{linearization, trajectory, gaps, bounds_};
+  policy.begin_horizon(linearization, gaps);
+  policy.begin_sweep(hold);
+  if (legs_ && use_legs_ && (hold || !bounded_) && regularization.weight == 0) {
+    if (const auto bad_knot = legs_->run(horizon, policy, feedback, values_, Quu_))
+      return *bad_knot;
+  }
+  // Values in front of the last leg are not those that a sweep could go on from.
+  if (legs_) from.reset();
+  if (!from) {
+    values_[N].Vx = linearization.knots[N].gradient;
+    values_[N].Vxx = linearization.knots[N].hessian();
+    if (regularization.in_model()) values_[N].Vxx.diagonal().array() += regularization.weight;
+  }
+  for (int k = from.value_or(N - 1); k >= 0; --k) {
+    if ((N - k) % kKnotsBetweenCheckpoints == 0) pass_checkpoint();
+    stage_.propagate(horizon, k, values_[k + 1]);
+    Quu_[k] = stage_.q().Quu();
+    if (!stage_.solve(horizon, k, regularization, policy, feedback)) return k;
+    const bool true_gains = !regularization.in_gains() && policy.minimizes_freely();
+    if (!stage_.form_value(values_[k], feedback.k[k], true_gains)) return k;
+  }
+  if (legs_) legs_->start_from(values_);
+  return -1;
+}
+
+}  // namespace conddp

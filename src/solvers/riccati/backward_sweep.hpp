@@ -1,0 +1,53 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "solvers/riccati/leg_sweep.hpp"
+#include "solvers/riccati/stage_sweep.hpp"
+
+namespace conddp {
+
+/// The Riccati sweep of every DDP solver: from the last node to the first it prepares the next
+/// value (gap), lets a policy solve the stage with regularised second derivatives, and forms the
+/// value of the resulting policy with the true ones, which also holds where controls are clamped:
+///   V_x  = Q_x + Kᵀ Q_uu k + Kᵀ Q_u + Q_xu k,
+///   V_xx = Q_xx + Kᵀ Q_uu K + Kᵀ Q_ux + Q_xu K.
+/// Without regularisation the rows of Q_uu K + Q_ux that K does not leave out are zero: then
+///   V_xx = Q_xx + Kᵀ Q_ux.
+///
+/// With several legs, sweeps whose policy is affine go by them (LegSweep): those without
+/// regularisation that hold their active set, or have no bounds on the control. The policies' steps
+/// through the linear model are the same; gains and values before the last leg belong to values at
+/// the ends of legs that are near the true ones.
+class BackwardSweep {
+ public:
+  BackwardSweep(const ShootingProblem& problem, const ControlBounds& bounds, Legs legs = {});
+
+  /// Fills `feedback`, for the full step that closes the gaps. Returns the knot
+  /// whose stage has no minimum or is not finite, or −1 where all went well. `hold` is passed on
+  /// to the policy. With `from` the sweep begins at that knot: what stands behind it is as the
+  /// sweep before saw it, and so are its values and its part of `feedback`.
+  int run(const Linearization& linearization, const Trajectory& trajectory, const Gaps& gaps,
+          SweepRegularization regularization, StagePolicy& policy, Feedback& feedback,
+          bool hold = false, std::optional<int> from = {});
+
+  /// Value at node k after a sweep, with respect to δx_k.
+  const ValueFunction& value(int k) const { return values_[k]; }
+  /// Q_uu of a knot, without regularisation.
+  const Eigen::MatrixXd& Quu(int k) const { return Quu_[k]; }
+
+  /// Whether sweeps may go by legs, where there are several.
+  void use_legs(bool use) { use_legs_ = use; }
+
+ private:
+  const ControlBounds& bounds_;
+  std::vector<ValueFunction> values_;  ///< N + 1
+  std::vector<Eigen::MatrixXd> Quu_;
+  StageSweep stage_;
+  std::unique_ptr<LegSweep> legs_;  ///< where there are several
+  bool bounded_, use_legs_ = true;
+};
+
+}  // namespace conddp

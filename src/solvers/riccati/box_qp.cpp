@@ -1,0 +1,143 @@
+#include "solvers/riccati/box_qp.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "solvers/linalg/cholesky.hpp"
+
+namespace conddp {
+namespace {
+
+using VectorIn = Eigen::Ref<const Eigen::VectorXd>;
+using MatrixIn = Eigen::Ref<const Eigen::MatrixXd>;
+
+constexpr double kShortestStep = 1e-12;
+
+}  // namespace
+
+BoxQp::BoxQp(int max_size, int max_iterations, double armijo)
+    : max_iterations_(max_iterations),
+      armijo_(armijo),
+      x_(max_size),
+      gradient_(max_size),
+      direction_(max_size),
+      step_(max_size),
+      trial_(max_size),
+      H_step_(max_size),
+      factor_(max_size, max_size),
+      rhs_(1, max_size),
+      free_(max_size) {}
+
+void BoxQp::start(const VectorIn& lower, const VectorIn& upper,
+                  std::span<const BoundState> active) {
+  for (int i = 0; i < size_; ++i) {
+    double value = 0;
+    if (active[i] == BoundState::at_lower) value = lower[i];
+    if (active[i] == BoundState::at_upper) value = upper[i];
+    if (!std::isfinite(value)) value = 0;
+    x_[i] = std::max(lower[i], std::min(value, upper[i]));
+  }
+}
+
+/// An entry at a bound is clamped where the gradient pushes it outwards: at the lower bound a
+/// positive gradient is optimal. Before the first step `active` itself can be trusted instead: the
+/// gradient means little as long as the free entries are far from their optimum. Returns whether
+/// the set of free entries changed.
+bool BoxQp::update_free_set(const VectorIn& lower, const VectorIn& upper, bool trust,
+                            std::span<BoundState> active) {
+  bool changed = false;
+  int count = 0;
+  for (int i = 0; i < size_; ++i) {
+    const bool at_lower = x_[i] <= lower[i];
+    const bool at_upper = x_[i] >= upper[i];
+    const BoundState hint = trust ? active[i] : BoundState::free;
+    active[i] = BoundState::free;
+    if (at_lower && (at_upper || gradient_[i] > 0 || hint == BoundState::at_lower)) {
+      active[i] = BoundState::at_lower;
+    } else if (at_upper && (gradient_[i] < 0 || hint == BoundState::at_upper)) {
+      active[i] = BoundState::at_upper;
+    } else {
+      changed = changed || count >= free_count_ || free_[count] != i;
+      free_[count++] = i;
+    }
+  }
+  changed = changed || count != free_count_;
+  free_count_ = count;
+  return changed;
+}
+
+bool BoxQp::factor_free_block(const MatrixIn& H) {
+  for (int j = 0; j < free_count_; ++j) {
+    for (int i = j; i < free_count_; ++i) factor_.col(j)[i] = H(free_[i], free_[j]);
+  }
+  return cholesky_in_place(free_factor());
+}
+
+bool BoxQp::free_gradient_vanishes(double rounding) const {
+  for (int i = 0; i < free_count_; ++i) {
+    if (!(std::abs(gradient_[free_[i]]) <= rounding)) return false;
+  }
+  return true;
+}
+
+/// The Newton step of the free entries: −H_ff⁻¹ times the gradient.
+void BoxQp::find_direction() {
+  for (int i = 0; i < free_count_; ++i) rhs_.col(i)[0] = -gradient_[free_[i]];
+  solve_rows_in_place(free_factor(), rhs_.block(1, 0, free_count_));
+  direction_.head(size_).setZero();
+  for (int i = 0; i < free_count_; ++i) direction_[free_[i]] = rhs_.col(i)[0];
+}
+
+BoxQp::Status BoxQp::solve(const MatrixIn& H, const VectorIn& g, const VectorIn& lower,
+                           const VectorIn& upper, std::span<BoundState> active) {
+  size_ = static_cast<int>(g.size());
+  free_count_ = -1;  // no factor yet
+  start(lower, upper, active);
+  if (size_ == 0) return Status::solved;
+  auto x = x_.head(size_);
+  auto gradient = gradient_.head(size_);
+  auto step = step_.head(size_);
+  auto trial = trial_.head(size_);
+  auto H_step = H_step_.head(size_);
+  const double g_max = g.lpNorm<Eigen::Infinity>();
+  const double H_max = H.cwiseAbs().maxCoeff();
+  bool newton_point = false;  // x minimises over its free entries
+  for (iterations_ = 0; iterations_ < max_iterations_; ++iterations_) {
+    gradient.noalias() = H * x;
+    gradient += g;
+    const bool first = iterations_ == 0;
+    const bool changed = update_free_set(lower, upper, first, active);
+    if (changed && !factor_free_block(H)) return Status::not_positive_definite;
+    const double rounding =
+        4 * std::numeric_limits<double>::epsilon() * (g_max + H_max * x.lpNorm<1>());
+    if ((newton_point && !changed) || free_gradient_vanishes(rounding)) {
+      if (!first) return Status::solved;
+      continue;
+    }
+    find_direction();
+
+    // Along the projection of the Newton direction. The change of the objective is formed from the
+    // step itself, so that no cancellation hides it.
+    bool accepted = false;
+    for (double length = 1; !accepted && length >= kShortestStep; length /= 2) {
+      bool projected = false;
+      for (int i = 0; i < size_; ++i) {
+        const double to = x[i] + length * direction_[i];
+        trial[i] = std::max(lower[i], std::min(to, upper[i]));
+        projected = projected || trial[i] != to;
+      }
+      step = trial - x;
+      H_step.noalias() = H * step;
+      const double slope = gradient.dot(step);
+      const double change = slope + 0.5 * step.dot(H_step);
+      accepted = slope < 0 && change <= armijo_ * slope;
+      newton_point = accepted && length == 1 && !projected;
+    }
+    if (!accepted) return Status::solved;  // no descent is left but rounding
+    x = trial;                             // not x + step: bounds are met exactly
+  }
+  return Status::iteration_limit;
+}
+
+}  // namespace conddp

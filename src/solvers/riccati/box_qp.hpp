@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "solvers/linalg/lane_matrix.hpp"
+
+namespace conddp {
+
+/// Where an entry of a box QP's solution stands.
+enum class BoundState : std::int8_t { at_lower = -1, free = 0, at_upper = 1 };
+
+/// minimise ½ xᵀ H x + gᵀ x subject to lower ≤ x ≤ upper, by projected Newton with free and clamped
+/// blocks (Bertsekas 1982; Tassa, Mansard, Todorov 2014, algorithm 1). Bounds may be infinite and
+/// may coincide. Nothing is allocated after construction.
+class BoxQp {
+ public:
+  enum class Status {
+    solved,                 ///< to rounding; entries at a bound equal it exactly
+    not_positive_definite,  ///< the free block of H met on the way has no Cholesky factor
+    iteration_limit,        ///< feasible and no worse than the start, but not optimal
+  };
+
+  explicit BoxQp(int max_size, int max_iterations = 100, double armijo = 0.1);
+
+  /// `active` (as many entries as x) says where to start: at which bound an entry is held in the
+  /// first step, and which ones are free, from 0 or the nearest allowed value; on return it says
+  /// where the solution stands.
+  Status solve(const Eigen::Ref<const Eigen::MatrixXd>& H,
+               const Eigen::Ref<const Eigen::VectorXd>& g,
+               const Eigen::Ref<const Eigen::VectorXd>& lower,
+               const Eigen::Ref<const Eigen::VectorXd>& upper, std::span<BoundState> active);
+
+  auto x() const { return x_.head(size_); }
+  /// The entries that are free at the solution, ascending.
+  std::span<const int> free() const {
+    return {free_.data(), static_cast<std::size_t>(free_count_)};
+  }
+  /// Cholesky factor L of the free block of H at the solution.
+  LaneBlock free_factor() { return factor_.block(free_count_, 0, free_count_); }
+  int iterations() const { return iterations_; }
+
+ private:
+  void start(const Eigen::Ref<const Eigen::VectorXd>& lower,
+             const Eigen::Ref<const Eigen::VectorXd>& upper, std::span<const BoundState> active);
+  bool update_free_set(const Eigen::Ref<const Eigen::VectorXd>& lower,
+                       const Eigen::Ref<const Eigen::VectorXd>& upper, bool trust,
+                       std::span<BoundState> active);
+  bool factor_free_block(const Eigen::Ref<const Eigen::MatrixXd>& H);
+  bool free_gradient_vanishes(double rounding) const;
+  void find_direction();
+
+  int max_iterations_;
+  double armijo_;
+  int size_ = 0;
+  int free_count_ = 0;
+  int iterations_ = 0;
+  Eigen::VectorXd x_, gradient_, direction_, step_, trial_, H_step_;
+  LaneMatrix factor_;
+  LaneMatrix rhs_;  // one row
+  std::vector<int> free_;
+};
+
+}  // namespace conddp

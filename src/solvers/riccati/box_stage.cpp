@@ -1,0 +1,200 @@
+#include <algorithm>
+#include <vector>
+
+#include "solvers/linalg/cholesky.hpp"
+#include "solvers/riccati/box_qp.hpp"
+#include "solvers/riccati/stage_policy.hpp"
+#include "solvers/riccati/stage_sweep.hpp"
+
+namespace conddp {
+namespace {
+
+class BoxStage : public StagePolicy {
+ public:
+  BoxStage(const ShootingProblem& problem, int max_nu, const SolverOptions::BoxQp& options,
+           int legs) {
+    const int rows = legs > 1 ? parametric_rows(problem) : problem.ndx();
+    scratch_.reserve(legs);
+    for (int leg = 0; leg < legs; ++leg) scratch_.emplace_back(rows, max_nu, options);
+    for (int k = 0; k < problem.knots(); ++k) {
+      const int nu = problem.nu(k);
+      active_.emplace_back(nu);
+      kept_.push_back({Eigen::MatrixXd(problem.ndx(), nu), Eigen::MatrixXd(nu, nu),
+                       Eigen::VectorXd(nu), Eigen::VectorXd(nu), Eigen::VectorXd(nu)});
+    }
+  }
+
+  void begin_sweep(bool hold) override {
+    changes_ = 0;
+    hold_ = hold;
+  }
+
+  bool solve(const StageProblem& stage, Eigen::Ref<Eigen::VectorXd> k, LaneBlock Kt) override {
+    const int nu = static_cast<int>(k.size());
+    Scratch& scratch = scratch_[stage.leg];
+    std::vector<BoundState>& active = active_[stage.knot];
+    Kept& kept = kept_[stage.knot];
+    Eigen::VectorXd &lower = kept.lower, &upper = kept.upper;
+    lower = stage.lower - stage.u;
+    upper = stage.upper - stage.u;
+    const bool unbound =
+        std::all_of(active.begin(), active.end(), [](auto a) { return a == BoundState::free; });
+    // Most knots are far from every bound: there the free minimum is that of the QP.
+    if (hold_ || unbound) {
+      const bool solved = unbound ? stage.solve_free(scratch.factor, k, Kt)
+                                  : solve_held(stage, active, kept, scratch, k, Kt);
+      if (hold_ && !solved) return false;
+      if (hold_ ||
+          (solved && (k.array() >= lower.array()).all() && (k.array() <= upper.array()).all())) {
+        if (!unbound) keep(stage, kept);
+        return true;
+      }
+    }
+    std::copy(active.begin(), active.end(), scratch.before.begin());
+    if (scratch.qp.solve(stage.Quu, stage.Qu, lower, upper, active) ==
+        BoxQp::Status::not_positive_definite) {
+      return false;
+    }
+    k = scratch.qp.x();
+    // Feedback acts on the free controls alone: K_f = −Q_ff⁻¹ Q_fx.
+    const auto free = scratch.qp.free();
+    const int count = static_cast<int>(free.size());
+    scratch.rhs.resize(Kt.rows, count);
+    for (int j = 0; j < count; ++j) stage.negate(free[j], scratch.rhs.block(), j);
+    solve_rows_in_place(scratch.qp.free_factor(), scratch.rhs.block());
+    Kt.view().setZero();
+    for (int j = 0; j < count; ++j) Kt.view().col(free[j]) = scratch.rhs.view().col(j);
+    for (int i = 0; i < nu; ++i) changes_ += active[i] != scratch.before[i];
+    if (count < nu) keep(stage, kept);
+    return true;
+  }
+
+  int revise(int knot, const Eigen::Ref<const Eigen::VectorXd>& dx,
+             const Eigen::Ref<const Eigen::VectorXd>& du) override {
+    const Kept& kept = kept_[knot];
+    std::vector<BoundState>& active = active_[knot];
+    int changes = 0;
+    for (int i = 0; i < du.size(); ++i) {
+      BoundState state = active[i];
+      if (state == BoundState::free) {
+        if (du[i] < kept.lower[i]) state = BoundState::at_lower;
+        if (du[i] > kept.upper[i]) state = BoundState::at_upper;
+      } else if (kept.lower[i] < kept.upper[i]) {
+        const double gradient = kept.Qu[i] + kept.Quu.col(i).dot(du) + kept.Qxu.col(i).dot(dx);
+        if ((state == BoundState::at_lower) == (gradient < 0)) state = BoundState::free;
+      }
+      changes += state != active[i];
+      active[i] = state;
+    }
+    changes_ += changes;
+    return changes;
+  }
+
+  void change_gradient(int knot, const Eigen::Ref<const Eigen::VectorXd>& change) override {
+    kept_[knot].Qu += change;
+  }
+
+  void assume_sides(int knot, const Eigen::Ref<const Eigen::VectorXd>& side) override {
+    for (int i = 0; i < side.size(); ++i) {
+      BoundState& state = active_[knot][i];
+      const BoundState now = side[i] < 0   ? BoundState::at_lower
+                             : side[i] > 0 ? BoundState::at_upper
+                                           : BoundState::free;
+      changes_ += state != now;
+      state = now;
+    }
+  }
+
+  void release() override {
+    for (auto& knot : active_) std::fill(knot.begin(), knot.end(), BoundState::free);
+  }
+
+  bool holds(int knot, int i) const override { return active_[knot][i] != BoundState::free; }
+
+  int clamped_controls() const override {
+    int count = 0;
+    for (const auto& knot : active_)
+      count +=
+          static_cast<int>(knot.size() - std::count(knot.begin(), knot.end(), BoundState::free));
+    return count;
+  }
+  int active_set_changes() const override { return changes_; }
+
+ private:
+  /// What the last sweep saw at a knot; bounds are those of δu.
+  struct Kept {
+    Eigen::MatrixXd Qxu, Quu;
+    Eigen::VectorXd Qu, lower, upper;
+  };
+
+  /// Memory of one stage.
+  struct Scratch {
+    Scratch(int rows, int max_nu, const SolverOptions::BoxQp& options)
+        : qp(max_nu, options.max_iterations, options.armijo),
+          factor(max_nu, max_nu),
+          rhs(rows + 1, max_nu),
+          before(max_nu) {
+      free.reserve(max_nu);
+    }
+    BoxQp qp;
+    LaneMatrix factor, rhs;
+    std::vector<BoundState> before;
+    std::vector<int> free;
+  };
+
+  /// Keeps what `revise` needs of a stage where something is held.
+  static void keep(const StageProblem& stage, Kept& kept) {
+    kept.Qxu = stage.Qxu.topRows(kept.Qxu.rows());
+    kept.Quu = stage.Quu;
+    kept.Qu = stage.Qu;
+  }
+
+  /// The stage's minimum with the entries that `active` holds, one at least, put at their bounds.
+  static bool solve_held(const StageProblem& stage, const std::vector<BoundState>& active,
+                         const Kept& kept, Scratch& scratch, Eigen::Ref<Eigen::VectorXd> k,
+                         LaneBlock Kt) {
+    const int nu = Kt.cols, rows = Kt.rows - 1;
+    std::vector<int>& free = scratch.free;
+    free.clear();
+    for (int i = 0; i < nu; ++i) {
+      if (active[i] == BoundState::free)
+        free.push_back(i);
+      else
+        k[i] = active[i] == BoundState::at_lower ? kept.lower[i] : kept.upper[i];
+    }
+    const int count = static_cast<int>(free.size());
+    scratch.factor.resize(count, count);
+    auto factor = scratch.factor.view();
+    // One solve for both: the gradient is one more row of right-hand sides.
+    scratch.rhs.resize(rows + 1, count);
+    const LaneBlock solution = scratch.rhs.block();
+    auto rhs = solution.view();
+    for (int a = 0; a < count; ++a) {
+      for (int b = a; b < count; ++b) factor(b, a) = stage.Quu(free[b], free[a]);
+      stage.negate(free[a], solution, a);
+      for (int i = 0; i < nu; ++i)
+        if (active[i] != BoundState::free) rhs(rows, a) -= stage.Quu(i, free[a]) * k[i];
+    }
+    if (!cholesky_in_place(scratch.factor.block())) return false;
+    solve_rows_in_place(scratch.factor.block(), solution);
+    for (int a = 0; a < count; ++a) k[free[a]] = rhs(rows, a);
+    Kt.view().setZero();
+    for (int a = 0; a < count; ++a) Kt.view().col(free[a]) = rhs.col(a);
+    return true;
+  }
+
+  std::vector<Kept> kept_;
+  std::vector<Scratch> scratch_;  ///< of stages that are solved at once
+  bool hold_ = false;
+  std::vector<std::vector<BoundState>> active_;  ///< of all knots, kept from sweep to sweep
+  int changes_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<StagePolicy> box_stage(const ShootingProblem& problem,
+                                       const SolverOptions::BoxQp& options, int legs) {
+  return std::make_unique<BoxStage>(problem, largest_nu(problem), options, legs);
+}
+
+}  // namespace conddp

@@ -1,0 +1,123 @@
+#include "solvers/riccati/leg_joint.hpp"
+
+#include <cmath>
+
+#include "solvers/linalg/cholesky.hpp"
+#include "solvers/linalg/lane_copy.hpp"
+#include "solvers/linalg/lane_gemm.hpp"
+
+namespace conddp {
+namespace {
+
+/// Pivots of −S, scaled to a diagonal of ones, that are rounding.
+constexpr double kRounding = 1e-15;
+/// Squared pivots of E below this have lost too many digits against the identity in it.
+constexpr double kSmallestPivot = 1e-5;
+
+}  // namespace
+
+LegJoint::LegJoint(int ndx)
+    : ndx_(ndx),
+      delta_(ndx, ndx),
+      Gt_(ndx, ndx),
+      GtDelta_(ndx, ndx),
+      E_(ndx, ndx),
+      work_(ndx, ndx),
+      product_(ndx, ndx),
+      sum_(ndx, ndx),
+      y_(1, ndx),
+      p_(ndx),
+      theta_(ndx),
+      dx_(ndx),
+      rhs_(ndx) {}
+
+/// Cholesky's factor of −S by columns, of which each takes the largest pivot that is left, scaled
+/// to a diagonal of ones. What rounding leaves is no part of it.
+void LegJoint::factor(const ParametricLeg& leg) {
+  const auto S = leg.S().view();
+  auto& scale = rhs_;
+  auto& left = dx_;
+  auto full = product_.view();
+  for (int i = 0; i < ndx_; ++i) {
+    const double diagonal = -S(i, i);
+    scale[i] = diagonal > 0 ? std::sqrt(diagonal) : 0;
+    left[i] = diagonal > 0 ? 1 : 0;
+  }
+  for (int j = 0; j < ndx_; ++j)
+    for (int i = j; i < ndx_; ++i) {
+      const double scales = scale[i] * scale[j];
+      full(i, j) = scales > 0 ? -S(i, j) / scales : 0;
+      full(j, i) = full(i, j);
+    }
+  LaneMatrix& G = work_;
+  for (rank_ = 0; rank_ < ndx_; ++rank_) {
+    int pivot = 0;
+    const double largest = left.maxCoeff(&pivot);
+    if (!(largest > kRounding)) break;
+    y_.resize(1, rank_);
+    for (int k = 0; k < rank_; ++k) *y_.col(k) = G.col(k)[pivot];
+    const LaneBlock column = G.block(ndx_, rank_, 1);
+    column.view() = full.col(pivot);
+    multiply(Store::subtract, column, G.block(ndx_, 0, rank_), Factor::transposed(y_));
+    column.view() /= std::sqrt(largest);
+    left -= column.view().cwiseAbs2();
+    left[pivot] = 0;
+  }
+  Gt_.resize(rank_, ndx_);
+  Gt_.view() = G.view().leftCols(rank_).transpose() * scale.asDiagonal();
+}
+
+bool LegJoint::meet(ParametricLeg& leg, const ValueFunction& next) {
+  p_ = next.Vx;
+  delta_.view() = next.Vxx - leg.end_weight();
+  GtDelta_.resize(rank_, ndx_);
+  multiply(Store::set, GtDelta_.block(), Gt_.block(), Factor::of(delta_));
+  E_.resize(rank_, rank_);
+  multiply_lower(Store::set, E_.block(), GtDelta_.block(), Factor::transposed(Gt_));
+  E_.view().diagonal().array() += 1;
+  if (!cholesky_in_place(E_.block())) return false;
+  if (rank_ == 0) return true;
+  const double pivot = E_.view().diagonal().minCoeff();
+  return pivot * pivot >= kSmallestPivot;
+}
+
+void LegJoint::form_value(ParametricLeg& leg, const ValueFunction& own, ValueFunction& value) {
+  // Δ G E⁻¹, whose rows are solved for.
+  work_.resize(ndx_, rank_);
+  transpose(GtDelta_.data(), GtDelta_.stride(), rank_, ndx_, work_.data(), work_.stride());
+  solve_rows_in_place(E_.block(), work_.block());
+  auto y = rhs_.head(rank_);
+  y.noalias() = Gt_.view() * p_;
+  theta_ = p_;
+  theta_.noalias() -= work_.view() * y;
+  product_.flat() = delta_.flat();
+  multiply(Store::subtract, product_.block(), work_.block(), Factor::of(GtDelta_));
+  theta_.noalias() += product_.view() * leg.s();
+  value.Vx = own.Vx;
+  value.Vx.noalias() += leg.Lt().view().transpose() * theta_;
+  // L Δ' Lᵀ
+  work_.resize(ndx_, ndx_);
+  multiply(Store::set, work_.block(), product_.block(), Factor::of(leg.Lt()));
+  transpose(leg.Lt().data(), leg.Lt().stride(), ndx_, ndx_, product_.data(), product_.stride());
+  sum_.view() = own.Vxx;
+  multiply_lower(Store::add, sum_.block(), product_.block(), Factor::of(work_));
+  copy_symmetric(sum_.block(), value.Vxx.data(), ndx_);
+}
+
+void LegJoint::step(ParametricLeg& leg, const Eigen::VectorXd& dx) {
+  dx_ = leg.s();
+  dx_.noalias() += leg.Lt().view() * dx;
+  theta_ = p_;
+  theta_.noalias() += delta_.view() * dx_;
+  auto y = rhs_.head(rank_);
+  y.noalias() = Gt_.view() * theta_;
+  y_.resize(1, rank_);
+  y_.view() = y.transpose();
+  solve_rows_in_place(E_.block(), y_.block());
+  y = y_.view().transpose();
+  dx_.noalias() -= Gt_.view().transpose() * y;
+  theta_ = p_;
+  theta_.noalias() += delta_.view() * dx_;
+}
+
+}  // namespace conddp

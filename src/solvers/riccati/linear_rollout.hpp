@@ -1,0 +1,53 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "ocp/evaluation/acts.hpp"
+#include "solvers/common/control_bounds.hpp"
+#include "solvers/riccati/backward_sweep.hpp"
+#include "solvers/riccati/gap_transport.hpp"
+#include "solvers/riccati/stage_policy.hpp"
+
+namespace conddp {
+
+/// A sweep's policy rolled out through the linear model, its full step d = (δx, δu): δx_0 = 0,
+/// δu = k + K δx, δx⁺ = G (f_x δx + f_u δu) + gap.
+class LinearRollout {
+ public:
+  LinearRollout(const ShootingProblem& problem, const ControlBounds& bounds);
+
+  /// With `clamp`, δu is cut where u + δu would leave its bounds, as the rollout proper does.
+  void run(const Linearization& linearization, const Trajectory& trajectory, const Gaps& gaps,
+           const Feedback& feedback, bool clamp);
+  /// The slope of the same step with other gradients of the knots.
+  void measure_slope(const Linearization& linearization);
+  /// What the policy makes of gaps alone: δu = K δx without k.
+  void respond(const Linearization& linearization, const Gaps& gaps, const Feedback& feedback);
+
+  /// The step at node k (ndx), with the control where there is one (nz), and that alone (nu).
+  auto dx(int k) const { return z_[k].head(ndx_); }
+  const Eigen::VectorXd& z(int k) const { return z_[k]; }
+  const std::vector<Eigen::VectorXd>& z() const { return z_; }
+  auto du(int k) const { return z_[k].tail(z_[k].size() - ndx_); }
+  /// Moves a trajectory by the full step.
+  void apply(const StateManifold& manifold, Trajectory& trajectory) const;
+  /// ∇J·d: exact derivative of the cost along the rollout at α = 0.
+  double slope() const { return slope_; }
+  /// dᵀ Hessian d.
+  double curvature(const Linearization& linearization);
+  /// Shows every knot's step to the policy for revision of its active set (StagePolicy::revise);
+  /// returns how many entries changed. `last` ← the last knot at which one did, if any.
+  int revise(StagePolicy& policy, std::optional<int>& last) const;
+
+ private:
+  const ControlBounds& bounds_;
+  int ndx_;
+  std::vector<Eigen::VectorXd> z_;  ///< (δx, δu) of every node
+  double slope_ = 0;
+  Eigen::VectorXd product_;
+};
+
+}  // namespace conddp

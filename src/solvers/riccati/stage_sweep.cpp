@@ -1,0 +1,114 @@
+#include "solvers/riccati/stage_sweep.hpp"
+
+#include <algorithm>
+
+#include "solvers/common/finite_check.hpp"
+#include "solvers/linalg/lane_copy.hpp"
+#include "solvers/linalg/lane_gemm.hpp"
+
+namespace conddp {
+
+int largest_nu(const ShootingProblem& problem) {
+  int largest = 0;
+  for (int k = 0; k < problem.knots(); ++k) largest = std::max(largest, problem.nu(k));
+  return largest;
+}
+
+int parameter_row(const ShootingProblem& problem) {
+  return (problem.ndx() + kLaneWidth - 1) / kLaneWidth * kLaneWidth;
+}
+
+int parametric_rows(const ShootingProblem& problem) {
+  return parameter_row(problem) + problem.ndx();
+}
+
+StageSweep::StageSweep(const ShootingProblem& problem, bool parametric)
+    : propagation_(problem.ndx(), largest_nu(problem)),
+      q_(problem.ndx(), largest_nu(problem)),
+      columns_(problem.ndx() + largest_nu(problem), largest_nu(problem)),
+      Kt_((parametric ? parametric_rows(problem) : problem.ndx()) + 1, largest_nu(problem)),
+      M_(problem.ndx(), largest_nu(problem)),
+      w_(largest_nu(problem)) {}
+
+void StageSweep::propagate(const SweptHorizon& horizon, int k, const ValueFunction& next) {
+  propagation_.propagate(horizon.linearization.knots[k], next, q_, &horizon.gaps[k]);
+}
+
+bool StageSweep::solve(const SweptHorizon& horizon, int k, SweepRegularization regularization,
+                       StagePolicy& policy, Feedback& feedback) {
+  const int nu = q_.nu(), ndx = q_.ndx();
+  if (regularization.in_model()) q_.add_to_diagonal(regularization.weight);
+  const bool regular = regularization.in_gains();
+  columns_.resize(q_.nz(), nu);
+  auto columns = regular ? columns_.view() : q_.Qzz_lanes().block(q_.nz(), ndx, nu).view();
+  if (regular) {
+    columns = q_.Qzz().rightCols(nu);
+    if (regularization.kind == RegularizationKind::state) {
+      propagation_.regularize_state(horizon.linearization.knots[k], regularization.weight, columns);
+    } else {
+      columns.bottomRows(nu).diagonal().array() += regularization.weight;
+    }
+  }
+  return solve({.knot = k,
+                .Qxu = columns.topRows(ndx),
+                .Quu = columns.bottomRows(nu),
+                .Qu = q_.Qz().tail(nu),
+                .u = horizon.trajectory.u(k),
+                .lower = horizon.bounds.lower(k),
+                .upper = horizon.bounds.upper(k)},
+               policy, feedback);
+}
+
+bool StageSweep::solve(const SweptHorizon& horizon, int k,
+                       const Eigen::Ref<const Eigen::MatrixXd>& Qxu, int leg, StagePolicy& policy,
+                       Feedback& feedback) {
+  return solve({.knot = k,
+                .Qxu = Qxu,
+                .Quu = q_.Quu(),
+                .Qu = q_.Qz().tail(q_.nu()),
+                .u = horizon.trajectory.u(k),
+                .lower = horizon.bounds.lower(k),
+                .upper = horizon.bounds.upper(k),
+                .leg = leg},
+               policy, feedback);
+}
+
+bool StageSweep::solve(const StageProblem& stage, StagePolicy& policy, Feedback& feedback) {
+  const int nu = q_.nu(), k = stage.knot;
+  if (nu == 0) {
+    policy.pass(k);
+    return true;
+  }
+  Kt_.resize(static_cast<int>(stage.Qxu.rows()) + 1, nu);
+  if (!policy.solve(stage, feedback.k[k], Kt_.block())) return false;
+  transpose(Kt_.data(), Kt_.stride(), q_.ndx(), nu, feedback.K[k].data(), nu);
+  return true;
+}
+
+bool StageSweep::form_value(ValueFunction& value, const Eigen::VectorXd& k, bool true_gains) {
+  const int nu = q_.nu(), ndx = q_.ndx();
+  LaneMatrix& Q = q_.Qzz_lanes();
+  // V_xx in the lower triangle, where Q_xx is, and V_x where Q_x is.
+  const LaneBlock Vxx = Q.block(ndx, 0, ndx), Vx{q_.Qz().data(), Q.stride(), ndx, 1};
+  if (nu > 0) {
+    const LaneBlock Kt = Kt_.block(ndx, 0, nu), Qxu = Q.block(ndx, ndx, nu);
+    if (!true_gains) {
+      // (Kᵀ Q_uu + Q_xu) K vanishes only where K minimises with the true Q_uu.
+      M_.resize(ndx, nu);
+      M_.view() = q_.Qxu();
+      multiply(Store::add, M_.block(), Kt, {Q.col(ndx) + ndx, 1, Q.stride()});
+      multiply_lower(Store::add, Vxx, M_.block(), Factor::transposed(Kt_));
+    }
+    multiply_lower(Store::add, Vxx, Kt, {Q.col(ndx), Q.stride(), 1});
+    auto w = w_.head(nu);
+    w = q_.Qu();
+    w.noalias() += q_.Quu() * k;
+    // The last whole lane reaches into Q_u, which is not needed any more.
+    multiply(Store::add, Vx, Kt, {w.data(), 1, nu});
+    multiply(Store::add, Vx, Qxu, {k.data(), 1, nu});
+  }
+  value.Vx = q_.Qx();
+  return copy_symmetric(Vxx, value.Vxx.data(), ndx) && all_finite(value.Vx);
+}
+
+}  // namespace conddp

@@ -1,0 +1,54 @@
+#include <algorithm>
+
+#include "solvers/linalg/cholesky.hpp"
+#include "solvers/riccati/stage_policy.hpp"
+#include "spatial/lane_part.hpp"
+
+namespace conddp {
+namespace {
+
+class UnconstrainedStage : public StagePolicy {
+ public:
+  explicit UnconstrainedStage(int max_nu) : factor_(max_nu, max_nu) {}
+
+  bool solve(const StageProblem& stage, Eigen::Ref<Eigen::VectorXd> k, LaneBlock Kt) override {
+    return stage.solve_free(factor_, k, Kt);
+  }
+
+ private:
+  LaneMatrix factor_;
+};
+
+}  // namespace
+
+void StageProblem::negate(int i, LaneBlock to, int j) const {
+  const int rows = static_cast<int>(Qxu.rows());
+  const double* from = Qxu.col(i).data();
+  double* column = to.data + j * to.stride;
+  for (int row = 0; row < rows; row += kLaneWidth)
+    store_lane(column + row, -load_some(from + row, rows - row));
+  column[rows] = -Qu[i];
+}
+
+bool StageProblem::solve_free(LaneMatrix& factor, Eigen::Ref<Eigen::VectorXd> k,
+                              LaneBlock Kt) const {
+  const int nu = Kt.cols;
+  factor.resize(nu, nu);
+  for (int j = 0; j < nu; ++j)
+    for (int row = j / kLaneWidth * kLaneWidth; row < nu; row += kLaneWidth)
+      store_lane(factor.col(j) + row, load_some(Quu.col(j).data() + row, nu - row));
+  if (!cholesky_in_place(factor.block())) return false;
+  // One solve for both: the gradient is one more row of right-hand sides.
+  for (int j = 0; j < nu; ++j) negate(j, Kt, j);
+  solve_rows_in_place(factor.block(), Kt);
+  for (int j = 0; j < nu; ++j) k[j] = Kt.data[j * Kt.stride + Kt.rows - 1];
+  return true;
+}
+
+std::unique_ptr<StagePolicy> unconstrained_stage(const ShootingProblem& problem) {
+  int max_nu = 0;
+  for (int k = 0; k < problem.knots(); ++k) max_nu = std::max(max_nu, problem.nu(k));
+  return std::make_unique<UnconstrainedStage>(max_nu);
+}
+
+}  // namespace conddp

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "ocp/evaluation/linearization.hpp"
+#include "solvers/linalg/lane_matrix.hpp"
+#include "solvers/riccati/value_function.hpp"
+
+namespace conddp {
+
+/// Quadratic model of a knot's cost plus the cost to go, in z = (δx, δu): memory for the largest
+/// knot of a problem, shaped for one knot at a time. Of the Hessian the lower triangle and the
+/// columns of the controls are kept.
+class ActionValue {
+ public:
+  ActionValue(int ndx, int max_nu);
+
+  /// Shapes it for a knot with nu controls; the content becomes undefined. Does not allocate.
+  void resize(int nu) {
+    nu_ = nu;
+    hessian_.resize(nz(), nz());
+  }
+  int ndx() const { return ndx_; }
+  int nu() const { return nu_; }
+  int nz() const { return ndx_ + nu_; }
+
+  Eigen::Map<Eigen::VectorXd> Qz() { return {gradient_.data(), nz()}; }
+  Eigen::Map<const Eigen::VectorXd> Qz() const { return {gradient_.data(), nz()}; }
+  StridedView Qzz() { return hessian_.view(); }
+  ConstStridedView Qzz() const { return hessian_.view(); }
+  LaneMatrix& Qzz_lanes() { return hessian_; }
+  LaneBlock Qz_lanes() { return gradient_.block(nz(), 0, 1); }
+  auto Qx() const { return Qz().head(ndx_); }
+  auto Qu() const { return Qz().tail(nu_); }
+  auto Qxu() const { return Qzz().topRightCorner(ndx_, nu_); }
+  /// Adds a multiple of the identity to Qzz.
+  void add_to_diagonal(double weight) {
+    for (int i = 0; i < nz(); ++i) hessian_.col(i)[i] += weight;
+  }
+  auto Quu() const { return Qzz().bottomRightCorner(nu_, nu_); }
+
+ private:
+  int ndx_;
+  int nu_ = 0;
+  LaneMatrix gradient_, hessian_;
+};
+
+class GapTransport;
+
+/// Carries a value function backward through a knot's dynamics δx⁺ = T δz:
+///   Q_z = gradient + Tᵀ V_x,  Q_zz = Hessian + Tᵀ V_xx T.
+/// Where the dynamics have semi-implicit Euler's structure, δv⁺ = F δz and δq⁺ = A δq + dt H δv⁺,
+/// V_xx is first transformed to (δq, δv⁺), so that only products with F's nv rows remain.
+/// Workspaces are sized at construction.
+class ValuePropagation {
+ public:
+  ValuePropagation(int ndx, int max_nu);
+
+  /// Fills `q`, which it shapes for the knot. `next` is the value at x_{k+1}, and `gap` what
+  /// stands between the knot's dynamics and that node, if anything does.
+  void propagate(const KnotLinearization& knot, const ValueFunction& next, ActionValue& q,
+                 const GapTransport* gap = nullptr);
+
+  /// `columns` (nz x nu) ← (Q_xu; Q_uu) + μ Tᵀ T_u: the control columns as they would be with
+  /// V_xx + μ I at the next node.
+  void regularize_state(const KnotLinearization& knot, double mu,
+                        Eigen::Ref<Eigen::MatrixXd> columns);
+
+ private:
+  /// A knot's blocks of δq⁺ = A δq + dt H δv⁺.
+  using StateBlocks = std::vector<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>;
+
+  void transform(const KnotLinearization& knot, const StateBlocks& A, const StateBlocks& H,
+                 const Eigen::MatrixXd& Vxx);
+
+  Eigen::VectorXd scratch_, pulled_;
+  ValueFunction moved_;  // the next value, moved over a gap
+  StateBlocks GA_, GH_;
+  LaneMatrix Ft_, FtP_;         // nz x rows of F
+  LaneMatrix P11_, P12_, P22_;  // nv x nv, zeros in their padding
+  Eigen::MatrixXd columns_;     // ndx x nu
+  Eigen::MatrixXd columns2_;    // ndx x nu
+};
+
+}  // namespace conddp

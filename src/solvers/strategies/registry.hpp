@@ -1,0 +1,81 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "solvers/common/options.hpp"
+#include "solvers/common/solve_result.hpp"
+
+namespace conddp {
+
+/// What a solver does with control bounds.
+enum class BoundSupport {
+  exact,    ///< keeps them and converges to a constrained optimum
+  clipped,  ///< keeps them by cutting controls off, which may end short of an optimum
+  refused,
+};
+
+/// Which constraints, besides bounds on the control, a solver keeps.
+enum class ConstraintSupport { none, equalities, all };
+
+/// A solver of the family: what it is called, what it can, and how to run it.
+struct SolverInfo {
+  std::string_view name;
+  std::string_view description;  ///< one line
+  BoundSupport control_bounds = BoundSupport::refused;
+  ConstraintSupport constraints = ConstraintSupport::none;
+  bool complementarity = false;      ///< keeps 0 ≤ z ⊥ s ≥ 0
+  bool open_gaps = false;            ///< starts from states that do not follow from the controls
+  bool gauss_newton_hessian = true;  ///< can leave the dynamics' second derivatives out
+  bool exact_hessian = false;        ///< can use them
+  bool legs = false;                 ///< can sweep the horizon by legs
+  bool concurrent = true;            ///< may run in several threads at once
+  /// The solver alone: where it ends as `infeasible` that is a suspicion, which solve() looks into.
+  std::function<SolveResult(const ShootingProblem&, const SolverOptions&, const Trajectory& guess)>
+      run = {};
+};
+
+/// All solvers, in the order in which documents list them.
+std::span<const SolverInfo> solvers();
+/// The solver of this name, or null.
+const SolverInfo* find_solver(std::string_view name);
+/// Whether the solver keeps all constraints of the problem but bounds on the control.
+bool keeps_constraints(const SolverInfo& solver, const ShootingProblem& problem);
+/// Why the solver cannot take the problem: the constraint, and the solvers that can. Empty if it
+/// can.
+std::optional<std::string> refuse(const SolverInfo& solver, const ShootingProblem& problem);
+
+/// Why the solver cannot sweep the problem's horizon in so many legs. Empty if it can.
+std::optional<std::string> refuse_legs(const SolverInfo& solver, const ShootingProblem& problem,
+                                       int legs);
+
+/// Stands for a choice by the problem.
+inline constexpr std::string_view kAutoSolver = "auto";
+/// What `auto` tries, one after the other: ipopt alone where pairs are complementary; altro,
+/// proxddp and ipopt where there are constraints besides bounds on the control; else box_fddp and
+/// ipopt. Of these, solvers that take the Hessian and the legs asked for.
+std::vector<const SolverInfo*> auto_solvers(const ShootingProblem& problem,
+                                            const SolverOptions& options);
+
+using SolverList = std::span<const SolverInfo* const>;
+
+/// Solves a problem from a guess, along a homotopy and with restarts where the options ask for
+/// them. Throws std::invalid_argument where the options are not valid, the solver refuses the
+/// problem, the legs or the Hessian asked for, or the guess has another shape; every other end is a
+/// status.
+SolveResult solve(const ShootingProblem& problem, const SolverInfo& solver,
+                  const SolverOptions& options, const Trajectory& guess);
+/// By the first of these that converges, all within one time limit; else the answer of the first.
+/// After an end by a limit or a signal no other follows. `used` ← whose answer it is; multipliers
+/// to start from go to those that take some. Throws std::invalid_argument where there is none.
+SolveResult solve(const ShootingProblem& problem, SolverList candidates,
+                  const SolverOptions& options, const Trajectory& guess, const SolverInfo*& used);
+/// The same by name, `auto` included; an unknown name is a std::invalid_argument.
+SolveResult solve(const ShootingProblem& problem, std::string_view solver,
+                  const SolverOptions& options, const Trajectory& guess);
+
+}  // namespace conddp

@@ -1,0 +1,114 @@
+#include "solvers/strategies/restoration.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "solvers/constraints/violation_slope.hpp"
+#include "solvers/ddp/ddp_solver.hpp"
+#include "solvers/strategies/joined_solves.hpp"
+
+namespace conddp {
+namespace {
+
+constexpr int kMostRestorations = 3;
+/// How many times the violation at the states the one on the motion that the controls give may be.
+constexpr double kSimulated = 10;
+
+bool can_restore(const ShootingProblem& problem) {
+  const auto& constraints = problem.constraints();
+  return std::any_of(constraints.begin(), constraints.end(),
+                     [](const NodeConstraint& c) { return !c.is_soft(); }) &&
+         std::none_of(constraints.begin(), constraints.end(),
+                      [](const NodeConstraint& c) { return c.term->has_pairs(); });
+}
+
+/// Whether the solve ended for no other reason than that it found no way on, at a point that
+/// violates a constraint.
+bool got_stuck(const SolveResult& result, const SolverOptions& options) {
+  switch (result.status) {
+    case SolveStatus::infeasible:
+      return true;
+    case SolveStatus::line_search_failed:
+    case SolveStatus::regularization_limit:
+    case SolveStatus::diverged:
+      return result.residuals.constraint > options.tolerances.constraint;
+    default:
+      return false;
+  }
+}
+
+/// Whether the controls alone lead to a motion that is not much worse. Where they do states follow
+/// from them in every step, and the violation only falls.
+bool can_simulate(const ShootingProblem& problem, const Trajectory& start) {
+  Acts acts(problem, 1);
+  const ControlBounds bounds(problem);
+  Linearization linearization(problem);
+  ViolationSlope slope(problem, bounds);
+  Trajectory motion = start;
+  const auto violation = [&] {
+    acts.differentiate(motion, linearization);
+    return slope.violation(linearization.constraint);
+  };
+  const double at_states = violation();
+  bounds.clamp(motion);
+  return acts.simulate(motion) < 0 && violation() <= kSimulated * at_states;
+}
+
+}  // namespace
+
+SolveResult restore_feasibility(const ShootingProblem& problem, const SolverOptions& options,
+                                const Trajectory& start) {
+  SolverOptions own = options;
+  own.multipliers = nullptr;
+  own.legs = 1;
+  own.tolerances.cost_decrease = 0;
+  return DdpSolver(problem,
+                   {.open_gaps = !can_simulate(problem, start),
+                    .clamp_controls = true,
+                    .box_stage = true,
+                    .constraints = true,
+                    .least_violation = true,
+                    .hessian = HessianUse::when_slow},
+                   own)
+      .solve(start);
+}
+
+SolveResult solve_with_restoration(
+    const ShootingProblem& problem, const SolverOptions& options, const Trajectory& guess,
+    const std::function<SolveResult(const SolverOptions&, const Trajectory&)>& solve) {
+  JoinedSolves solves(options);
+  SolveResult result = solve(solves.next(), guess);
+  if (!got_stuck(result, options)) return result;
+  solves.add(result);
+  std::string note;
+  for (int i = 1; i <= kMostRestorations && got_stuck(result, options) && can_restore(problem) &&
+                  solves.iterations_left() > 0;
+       ++i) {
+    const double penalty = next_first_penalty(options, result);
+    note += fmt::format("stalled at iteration {}, restoration of feasibility; ",
+                        options.max_iterations - solves.iterations_left());
+    const auto mark = [i](IterationRecord& row) { row.restoration = i; };
+    result = restore_feasibility(problem, solves.next(mark), result.trajectory);
+    solves.add(result);
+    if (result.status != SolveStatus::converged) {
+      result.message = note + result.message;
+      return solves.answer(std::move(result));
+    }
+    SolverOptions own = solves.next();
+    own.multipliers = nullptr;
+    own.augmented_lagrangian.initial_penalty = penalty;
+    result = solve(own, result.trajectory);
+    solves.add(result);
+  }
+  if (result.status == SolveStatus::infeasible) {
+    result.status = SolveStatus::line_search_failed;
+    result.message =
+        "whether a violation near this one is the least has not been decided: " + result.message;
+  }
+  result.message = note + result.message;
+  return solves.answer(std::move(result));
+}
+
+}  // namespace conddp

@@ -1,0 +1,130 @@
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "solvers/strategies/homotopy.hpp"
+#include "solvers/strategies/registry.hpp"
+#include "solvers/strategies/restarts.hpp"
+#include "solvers/strategies/restoration.hpp"
+
+namespace conddp {
+namespace {
+
+/// Why multipliers are not those of a problem of this shape, if so.
+std::optional<std::string> misfit(const ShootingProblem& problem, const DualGuess& guess) {
+  const int N = problem.knots();
+  bool fits =
+      guess.constraints.size() == problem.constraint_rows() &&
+      (guess.costates.size() == 0 ||
+       (guess.costates.rows() == problem.ndx() && guess.costates.cols() == N + 1)) &&
+      (guess.control_gradient.empty() || static_cast<int>(guess.control_gradient.size()) == N);
+  for (std::size_t k = 0; fits && k < guess.control_gradient.size(); ++k)
+    fits = guess.control_gradient[k].size() == problem.nu(static_cast<int>(k));
+  if (fits) return std::nullopt;
+  return "the multipliers to start from do not have the shape of the problem";
+}
+
+/// Why the solver cannot take the problem with these options, if so.
+std::optional<std::string> refuse_options(const SolverInfo& solver, const ShootingProblem& problem,
+                                          const SolverOptions& options) {
+  std::string wrong;
+  for (const std::string& message : options.validate()) {
+    if (!wrong.empty()) wrong += "; ";
+    wrong += message;
+  }
+  if (!wrong.empty()) return wrong;
+  if (auto reason = refuse(solver, problem)) return reason;
+  if (options.hessian == HessianChoice::exact && !solver.exact_hessian)
+    return fmt::format("hessian: {} has no exact Hessian", solver.name);
+  if (options.hessian == HessianChoice::gauss_newton && !solver.gauss_newton_hessian)
+    return fmt::format("hessian: {} always uses the exact one", solver.name);
+  if (auto reason = refuse_legs(solver, problem, options.legs)) return reason;
+  if (options.multipliers) return misfit(problem, *options.multipliers);
+  return std::nullopt;
+}
+
+SolveResult run(const ShootingProblem& problem, const SolverInfo& solver, SolverOptions options,
+                const Trajectory& guess) {
+  if (const auto reason = refuse_options(solver, problem, options))
+    throw std::invalid_argument(*reason);
+  options.restarts = {};
+  options.homotopy = nullptr;
+  if (solver.constraints != ConstraintSupport::all) options.multipliers = nullptr;
+  return solve_with_restoration(problem, options, guess,
+                                [&](const SolverOptions& own, const Trajectory& start) {
+                                  return solver.run(problem, own, start);
+                                });
+}
+
+bool may_go_on(SolveStatus status) {
+  return !is_success(status) && status != SolveStatus::max_iterations &&
+         status != SolveStatus::time_limit && status != SolveStatus::interrupted;
+}
+
+/// By the first solver that converges.
+SolveResult run_first(const ShootingProblem& problem, SolverList candidates,
+                      const SolverOptions& options, const Trajectory& guess,
+                      const SolverInfo*& used) {
+  const auto began = std::chrono::steady_clock::now();
+  std::optional<SolveResult> first;
+  std::string before;
+  for (const SolverInfo* solver : candidates) {
+    SolverOptions own = options;
+    const std::chrono::duration<double> gone = std::chrono::steady_clock::now() - began;
+    if (first) own.max_time_s = std::max(1e-3, options.max_time_s - gone.count());
+    SolveResult result = run(problem, *solver, own, guess);
+    const SolveStatus status = result.status;
+    if (is_success(status) || !first) used = solver;
+    if (is_success(status)) {
+      result.message = before + result.message;
+      return result;
+    }
+    const std::string ended = fmt::format("{} ended as {} after {} iterations", solver->name,
+                                          to_string(status), result.iterations);
+    before += ended + "; ";
+    if (!first)
+      first = std::move(result);
+    else
+      first->message += "; " + ended;
+    if (!may_go_on(status)) break;
+  }
+  return std::move(*first);
+}
+
+}  // namespace
+
+SolveResult solve(const ShootingProblem& problem, SolverList candidates,
+                  const SolverOptions& options, const Trajectory& guess, const SolverInfo*& used) {
+  if (candidates.empty())
+    throw std::invalid_argument("no solver supports this problem with these options");
+  const Solve once = [&](const Trajectory& start, const SolverOptions& own, const SolverInfo*& by) {
+    return own.homotopy ? solve_homotopy(problem, candidates, own, start, run_first, by)
+                        : run_first(problem, candidates, own, start, by);
+  };
+  if (options.restarts.count <= 0) return once(guess, options, used);
+  const bool concurrent = std::all_of(candidates.begin(), candidates.end(),
+                                      [](const SolverInfo* info) { return info->concurrent; });
+  return solve_restarts(problem, options, guess, concurrent ? options.threads : 1, once, used);
+}
+
+SolveResult solve(const ShootingProblem& problem, const SolverInfo& solver,
+                  const SolverOptions& options, const Trajectory& guess) {
+  const SolverInfo* used = nullptr;
+  return solve(problem, std::array{&solver}, options, guess, used);
+}
+
+SolveResult solve(const ShootingProblem& problem, std::string_view solver,
+                  const SolverOptions& options, const Trajectory& guess) {
+  if (solver == kAutoSolver) {
+    const SolverInfo* used = nullptr;
+    return solve(problem, auto_solvers(problem, options), options, guess, used);
+  }
+  const SolverInfo* info = find_solver(solver);
+  if (info == nullptr) throw std::invalid_argument(fmt::format("there is no solver '{}'", solver));
+  return solve(problem, *info, options, guess);
+}
+
+}  // namespace conddp

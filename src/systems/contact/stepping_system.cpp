@@ -1,0 +1,218 @@
+#include "systems/contact/stepping_system.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "robot/kinematics.hpp"
+
+namespace conddp {
+namespace {
+
+/// An entry of a symmetric matrix of which the lower triangle is stored, n x n by columns.
+template <class S>
+const S& symmetric(const AlignedVector<S>& m, int i, int j, int n) {
+  return i > j ? m[j * n + i] : m[i * n + j];
+}
+
+}  // namespace
+
+SteppingSystem::SteppingSystem(std::shared_ptr<const MultibodySystem> robot,
+                               ImplicitContacts contacts)
+    : SystemBase(SystemKind::second_order, robot->manifold(), 0),
+      robot_(std::move(robot)),
+      contacts_(std::move(contacts)),
+      layout_(robot_->robot(), robot_->control_columns(), contacts_) {
+  for (const StateManifold::Segment& s : manifold().segments())
+    if (s.dx < nv()) configurations_.append(s.part, std::min(s.n, nv() - s.dx));
+  for (const Joint& joint : robot_->robot().joints)
+    if (joint.type == JointType::floating &&
+        contacts_.scheme == SteppingScheme::variational_midpoint)
+      throw std::invalid_argument("the joint '" + joint.name +
+                                  "' floats, which the scheme 'variational_midpoint' does not "
+                                  "allow: 'backward_euler' does");
+  if (!robot_->mimic_map().identity())
+    throw std::invalid_argument(
+        "a joint mimics another one, which contacts that are found do not "
+        "allow");
+  for (const ContactCandidate& candidate : contacts_.candidates)
+    geometry_.emplace_back(robot_->robot(), candidate, contacts_.plane);
+  if (contacts_.scheme == SteppingScheme::variational_midpoint) {
+    free_ = robot_->robot();
+    free_.gravity = Vector3<double>::zero();
+    free_.wrenches.clear();
+  }
+  nu_ = layout_.size();
+  state_columns_ = robot_->state_columns();
+  control_columns_ = layout_.columns;
+  control_lower_.assign(nu_, -kUnlimited);
+  control_upper_.assign(nu_, kUnlimited);
+  std::copy(robot_->control_lower().begin(), robot_->control_lower().end(), control_lower_.begin());
+  std::copy(robot_->control_upper().begin(), robot_->control_upper().end(), control_upper_.begin());
+}
+
+template <class S>
+SteppingSystem::Data<S>::Data(const SteppingSystem& system)
+    : MultibodySystem::Data<S>(system.multibody()),
+      end(system.multibody()),
+      q(system.nq(), S(0.0)),
+      v(system.nv(), S(0.0)),
+      motion(system.nv(), S(0.0)),
+      motion_q(system.nv() * system.nv(), S(0.0)),
+      motion_v(motion_q),
+      motion_a(motion_q),
+      reach(system.nv(), S(0.0)),
+      wrt_q(StateManifold::kBlockSize * system.configurations().curved().size(), S(0.0)),
+      wrt_reach(wrt_q) {
+  if (system.contacts().scheme == SteppingScheme::variational_midpoint)
+    half.emplace(system.multibody().robot());
+  for (const CandidateGeometry& geometry : system.geometry())
+    candidates.push_back(geometry.create_rows<S>());
+}
+
+template <class S>
+void SteppingSystem::update_kinematics_as(const S* x, Data<S>& data) const {
+  robot_->update_kinematics_as(x, data);
+}
+
+template <class S>
+void SteppingSystem::evaluate_as(const S* x, const S* w, Data<S>& data) const {
+  update_kinematics_as(x, data);
+  for (int i = 0; i < nv(); ++i)
+    data.f[i] = data.robot.acceleration[i] = w[layout_.acceleration + i];
+}
+
+template <class S>
+void SteppingSystem::differentiate_as(const S* x, const S* w, Data<S>& data) const {
+  evaluate_as(x, w, data);
+  std::fill(data.fx.begin(), data.fx.end(), S(0.0));
+  std::fill(data.fu.begin(), data.fu.end(), S(0.0));
+  for (int i = 0; i < nv(); ++i) data.fu[(layout_.acceleration + i) * nv() + i] = S(1.0);
+}
+
+template <class S>
+void SteppingSystem::take_step(const S* x, const S* w, const S& h, bool slopes,
+                               Data<S>& data) const {
+  const S* a = w + layout_.acceleration;
+  for (int i = 0; i < nv(); ++i) {
+    data.v[i] = x[nq() + i] + h * a[i];
+    data.reach[i] = h * data.v[i];
+  }
+  if (configurations_.curved().empty()) {
+    for (int i = 0; i < nv(); ++i) data.q[i] = x[i] + h * data.v[i];
+  } else {
+    configurations_.integrate(x, data.reach.data(), data.q.data());
+    if (slopes)
+      configurations_.integrate_jacobians(data.reach.data(), data.wrt_q.data(),
+                                          data.wrt_reach.data());
+  }
+  const RobotModel& model = robot_->robot();
+  RobotData<S>& end = data.end.robot;
+  update_placements(model, data.q.data(), end);
+  update_velocities(model, data.v.data(), end);
+  for (std::size_t c = 0; c < geometry_.size(); ++c) {
+    if (slopes)
+      geometry_[c].differentiate(end, data.candidates[c]);
+    else
+      geometry_[c].evaluate(end, data.candidates[c]);
+  }
+  if (data.half)
+    variational_midpoint(x, w, h, slopes, data);
+  else
+    backward_euler(w, h, slopes, data);
+}
+
+template <class S>
+void SteppingSystem::bend(const Data<S>& data, int part, const S& h, int rows, int first, S* by_q,
+                          S* by_v, S* by_a) const {
+  constexpr int kMost = 6;
+  const int n = configurations_.curved()[part].n;
+  const S* wrt_q = data.wrt_q.data() + StateManifold::kBlockSize * part;
+  const S* wrt_reach = data.wrt_reach.data() + StateManifold::kBlockSize * part;
+  for (int r = 0; r < rows; ++r) {
+    const auto entry = [&](int i) { return (first + i) * rows + r; };
+    S there[kMost];
+    for (int i = 0; i < n; ++i) there[i] = by_q[entry(i)];
+    for (int j = 0; j < n; ++j) {
+      S turned(0.0), excess = -there[j];
+      for (int i = 0; i < n; ++i) {
+        turned += there[i] * wrt_q[i * n + j];
+        excess += there[i] * wrt_reach[i * n + j];
+      }
+      by_q[entry(j)] = turned;
+      by_v[entry(j)] += h * excess;
+      by_a[entry(j)] += h * h * excess;
+    }
+  }
+}
+
+template <class S>
+void SteppingSystem::backward_euler(const S* w, const S& h, bool slopes, Data<S>& data) const {
+  const int n = nv();
+  const RobotModel& model = robot_->robot();
+  RobotData<S>& end = data.end.robot;
+  const S* a = w + layout_.acceleration;
+  mass_matrix(model, end);
+  bias_forces(model, data.v.data(), end);
+  robot_->applied_forces(data.v.data(), w, data.end);
+  for (int i = 0; i < n; ++i) {
+    data.motion[i] = end.bias[i] - data.end.force[i];
+    for (int j = 0; j < n; ++j) data.motion[i] += symmetric(end.M, i, j, n) * a[j];
+  }
+  if (!slopes) return;
+  std::copy_n(a, n, end.acceleration.begin());
+  inverse_dynamics_derivatives(model, data.v.data(), end);
+  robot_->add_passive_slopes(data.v.data(), end.tau_v.data());
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < n; ++i) {
+      const int e = j * n + i;
+      data.motion_q[e] = end.tau_q[e];
+      data.motion_v[e] = h * end.tau_q[e] + end.tau_v[e];
+      data.motion_a[e] = h * data.motion_v[e] + symmetric(end.M, i, j, n);
+    }
+}
+
+template <class S>
+void SteppingSystem::variational_midpoint(const S* x, const S* w, const S& h, bool slopes,
+                                          Data<S>& data) const {
+  const int n = nv();
+  HalfStep<S>& half = *data.half;
+  AlignedVector<S>& passive = data.end.robot.tau_v;
+  for (AlignedVector<S>* part : {&data.motion, &data.motion_q, &data.motion_v})
+    std::fill(part->begin(), part->end(), S(0.0));
+  for (const double sign : {-1.0, 1.0}) {
+    const S* v = sign < 0 ? x + nq() : data.v.data();
+    const S shift = S(0.5 * sign) * h, weight = S(sign) / h;
+    for (int i = 0; i < n; ++i) half.position[i] = x[i] + shift * v[i];
+    update_half_step(robot_->robot(), free_, v, slopes, half);
+    robot_->applied_forces(v, w, data.end);
+    for (int i = 0; i < n; ++i)
+      data.motion[i] += weight * half.momentum[i] + S(0.5) * (half.load[i] - data.end.force[i]);
+    if (!slopes) continue;
+    std::fill(passive.begin(), passive.end(), S(0.0));
+    robot_->add_passive_slopes(v, passive.data());
+    for (int j = 0; j < n; ++j)
+      for (int i = 0; i < n; ++i) {
+        const int e = j * n + i;
+        const S by_q = weight * half.momentum_q[e] + S(0.5) * half.load_q[e];
+        const S by_v = shift * by_q + weight * symmetric(half.mass(), i, j, n) +
+                       S(0.5) * (half.load_v(i, j) + passive[e]);
+        data.motion_q[e] += by_q;
+        data.motion_v[e] += by_v;
+        if (sign > 0) data.motion_a[e] = h * by_v;
+      }
+  }
+}
+
+#define CONDDP_INSTANTIATE(S)                                                                  \
+  template struct SteppingSystem::Data<S>;                                                     \
+  template void SteppingSystem::evaluate_as(const S*, const S*, Data<S>&) const;               \
+  template void SteppingSystem::differentiate_as(const S*, const S*, Data<S>&) const;          \
+  template void SteppingSystem::update_kinematics_as(const S*, Data<S>&) const;                \
+  template void SteppingSystem::take_step(const S*, const S*, const S&, bool, Data<S>&) const; \
+  template void SteppingSystem::bend(const Data<S>&, int, const S&, int, int, S*, S*, S*) const;
+CONDDP_FOR_EACH_SCALAR(CONDDP_INSTANTIATE)
+#undef CONDDP_INSTANTIATE
+
+bool has_linear_step(const System& system) { return system.as_stepping() != nullptr; }
+
+}  // namespace conddp
