@@ -1,4 +1,4 @@
-"""Prints the comparison of docs/performance.md: see scripts/peers/compare."""
+"""Prints the comparison of docs/measurements/peers.md: see scripts/peers/compare."""
 
 import argparse
 import os
