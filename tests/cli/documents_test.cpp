@@ -209,8 +209,12 @@ TEST(CommandLineReference, MentionsEverySubcommandAndFlag) {
   }
 }
 
-TEST(Gallery, ShowsEveryReadyProblem) {
+TEST(Gallery, ShowsEveryExampleProblem) {
   EXPECT_EQ(std::system((source("scripts/gallery") + " --check").c_str()), 0);
+}
+
+TEST(Documents, HaveLinksThatResolveAndProblemFilesThatAreWellFormed) {
+  EXPECT_EQ(std::system((source("scripts/check_documents") + " " CONDDP_BINARY).c_str()), 0);
 }
 
 TEST(CommandLineReference, HasTheExitCodes) {
