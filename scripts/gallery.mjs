@@ -80,10 +80,10 @@ function describe() {
       `| ![${name}](images/gallery/${name}.jpg) | **[${name}](../problems/${name}.yaml)** ${story(name).replaceAll('|', '\\|')} |`);
   writeFileSync(join(top, 'docs/gallery.md'), `# Gallery
 
-Every ready problem, at its own initial guess and solver. \`scripts/gallery\` solves them all and makes a
-page with their reports, \`build/gallery/index.html\`; \`scripts/gallery --screenshots\` draws the pictures
-below, and \`scripts/gallery --check\` says which problems have none. One of them alone:
-\`scripts/conddp solve problems/NAME.yaml --report\`, then open \`out/NAME/report.html\`.
+Every example problem, from its own initial guess and with its own solver. \`scripts/conddp solve NAME --report\`
+solves one of them and writes \`out/NAME/report.html\`. \`scripts/gallery\` solves all and makes a page with their
+reports, \`build/gallery/index.html\`; \`scripts/gallery --screenshots\` draws the pictures below, and
+\`scripts/gallery --check\` names problems without one.
 
 | | |
 |---|---|
