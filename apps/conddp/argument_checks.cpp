@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "analysis/comparison/random_instance.hpp"
-#include "base/near_names.hpp"
+#include "base/spelling.hpp"
 #include "base/strict_number.hpp"
 #include "solvers/strategies/registry.hpp"
 

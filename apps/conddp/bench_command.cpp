@@ -8,7 +8,7 @@
 #include "argument_checks.hpp"
 #include "base/atomic_file.hpp"
 #include "base/json_text.hpp"
-#include "base/near_names.hpp"
+#include "base/spelling.hpp"
 #include "bench_problems.hpp"
 #include "commands.hpp"
 #include "example_problems.hpp"
@@ -64,7 +64,7 @@ std::vector<const SolverInfo*> choose_solvers(const std::string& list, Diagnosti
     } else if (const SolverInfo* info = find_solver(name)) {
       chosen.push_back(info);
     } else {
-      out.error({}, fmt::format("--solvers: there is no solver '{}'", name),
+      out.error({}, fmt::format("--solvers: unknown solver '{}'", name),
                 name_hint(name, names, "solvers"), names);
     }
   }
@@ -170,7 +170,7 @@ class Bench {
     int runs = 0;
     for (BenchProblem& problem : problems)
       for (const SolverInfo* solver : solvers_)
-        runs += !refuse(*solver, *problem.fitting(*solver, arguments_.drop).problem);
+        runs += !unsupported(*solver, *problem.fitting(*solver, arguments_.drop).problem);
     return runs * (arguments_.perturbations.empty() ? 1 : arguments_.instances);
   }
 

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "base/near_names.hpp"
+#include "base/spelling.hpp"
 #include "example_problems.hpp"
 #include "input_files.hpp"
 #include "messages.hpp"
@@ -79,7 +79,7 @@ const BuiltProblem& BenchProblem::fitting(const SolverInfo& solver,
   const auto taken = [&](const std::vector<std::string>& without) {
     Diagnostics unused;  // of a problem that was built before
     const BuiltProblem* built = build(without, unused);
-    return built != nullptr && !refuse(solver, *built->problem);
+    return built != nullptr && !unsupported(solver, *built->problem);
   };
   const std::vector<std::string> all = droppable(spec, drop);
   std::vector<std::string> without;

@@ -7,8 +7,8 @@
 
 #include "embedded_schemas.hpp"
 #include "example_problems.hpp"
+#include "problem_file/spec/enum_names.hpp"
 #include "problem_file/spec/residual_kind.hpp"
-#include "problem_file/spec/words.hpp"
 #include "solvers/common/option_table.hpp"
 #include "solvers/strategies/registry.hpp"
 

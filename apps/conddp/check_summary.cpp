@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 
 #include "problem_file/expand/expand_sections.hpp"
+#include "problem_file/spec/enum_names.hpp"
 #include "problem_file/spec/system_fields.hpp"
-#include "problem_file/spec/words.hpp"
 #include "systems/multibody/multibody.hpp"
 
 namespace conddp {

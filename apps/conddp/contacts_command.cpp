@@ -33,7 +33,7 @@ Trajectory trajectory_of(const OrderedJson& document, const ShootingProblem& pro
       throw MalformedSolution{fmt::format("'{}' does not fit the problem", what)};
     for (Eigen::Index i = 0; i < target.size(); ++i) {
       if (!row[i].is_number())
-        throw MalformedSolution{fmt::format("'{}' has an entry that is no number", what)};
+        throw MalformedSolution{fmt::format("'{}' has an entry that is not a number", what)};
       target[i] = row[i].get<double>();
     }
   };
@@ -51,7 +51,8 @@ Trajectory trajectory_of(const OrderedJson& document, const ShootingProblem& pro
 ScheduleOptions options_of(const ContactsArguments& arguments) {
   ScheduleOptions options;
   options.solver = arguments.solver;
-  options.keeps_constraints = find_solver(arguments.solver)->constraints == ConstraintSupport::all;
+  options.supports_constraints =
+      find_solver(arguments.solver)->constraints == ConstraintSupport::all;
   options.folder = std::filesystem::absolute(arguments.output).parent_path();
   options.solution = std::filesystem::absolute(arguments.solution);
   return options;

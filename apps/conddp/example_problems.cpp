@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "base/near_names.hpp"
 #include "base/source_text.hpp"
+#include "base/spelling.hpp"
 #include "base/text_file.hpp"
 #include "base/utf8.hpp"
 
@@ -79,7 +79,7 @@ std::optional<fs::path> find_problem_file(const std::string& word, Diagnostics& 
     if (file.stem() == word) return file;
     names.push_back(file.stem().string());
   }
-  out.error({}, fmt::format("'{}' is no file and no example problem", word),
+  out.error({}, fmt::format("'{}' is neither a file nor an example problem", word),
             names.empty() ? "" : name_hint(word, names, "example problems"), names);
   return std::nullopt;
 }

@@ -119,7 +119,7 @@ std::vector<GoldenCase> new_cases(const RegressArguments& arguments, Diagnostics
   }
   std::error_code error;
   if (!fs::is_directory(arguments.inputs.front(), error)) {
-    out.error({}, fmt::format("'{}' is no folder", arguments.inputs.front()),
+    out.error({}, fmt::format("'{}' is not a folder", arguments.inputs.front()),
               "golden files are added to a folder that is there");
     return cases;
   }

@@ -12,7 +12,7 @@ SubcommandName::SubcommandName(const CLI::App& app) {
   func_ = [&app](std::string& name) {
     for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
       if (command->get_name() == name) return std::string();
-    return "there is no subcommand '" + name + "'";
+    return "unknown subcommand '" + name + "'";
   };
 }
 

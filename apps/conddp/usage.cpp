@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "base/near_names.hpp"
+#include "base/spelling.hpp"
 #include "command_doc.hpp"
 
 namespace conddp {
@@ -67,10 +67,10 @@ Diagnostic usage_error(const CLI::App& app, const CLI::ParseError& error,
                        const CommandWords& words) {
   const CommandDoc command = describe(*words.command);
   if (!words.unknown_command.empty())
-    return with_names(fmt::format("there is no subcommand '{}'", words.unknown_command),
+    return with_names(fmt::format("unknown subcommand '{}'", words.unknown_command),
                       words.unknown_command, names_of(command.commands), "subcommands");
   if (!words.unknown_flag.empty())
-    return with_names(fmt::format("there is no option '{}'", words.unknown_flag),
+    return with_names(fmt::format("unknown option '{}'", words.unknown_flag),
                       words.unknown_flag, flags_of(command), "options");
   if (auto wrong = wrong_word(words)) return *wrong;
   if (words.incomplete != nullptr) {

@@ -59,7 +59,7 @@ std::filesystem::path written_file(const std::filesystem::path& file) {
       fail(file, error.value());
     default:
       throw OutputError(
-          fmt::format("'{}' cannot be written: it is no regular file", file.string()));
+          fmt::format("'{}' cannot be written: it is not a regular file", file.string()));
   }
   constexpr int kMostLinks = 40;  // as many as the system has followed
   std::filesystem::path target = file;

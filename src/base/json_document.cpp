@@ -61,7 +61,7 @@ void check_format(const Json& document, const DocumentKind& kind) {
   constexpr std::string_view kVersion = "1";
   const Json& format = solution_member(document, "format");
   if (!format.is_string() || !format.get_ref<const std::string&>().starts_with(kind.family))
-    throw MalformedSolution{fmt::format("it is no {} of conddp", kind.word)};
+    throw MalformedSolution{fmt::format("it is not a {} of conddp", kind.word)};
   if (const std::string version = format.get<std::string>().substr(kind.family.size());
       version != kVersion)
     throw MalformedSolution{

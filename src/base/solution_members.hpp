@@ -24,13 +24,13 @@ const Json& solution_member(const Json& object, const char* key) {
 template <class Json>
 std::string solution_text(const Json& object, const char* key) {
   const Json& value = solution_member(object, key);
-  if (!value.is_string()) throw MalformedSolution{fmt::format("'{}' is no text", key)};
+  if (!value.is_string()) throw MalformedSolution{fmt::format("'{}' is not text", key)};
   return value.template get<std::string>();
 }
 template <class Json>
 const Json& solution_list(const Json& object, const char* key) {
   const Json& value = solution_member(object, key);
-  if (!value.is_array()) throw MalformedSolution{fmt::format("'{}' is no list", key)};
+  if (!value.is_array()) throw MalformedSolution{fmt::format("'{}' is not a list", key)};
   return value;
 }
 

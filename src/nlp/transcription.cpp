@@ -14,9 +14,10 @@ constexpr double kAtZero = 1e-5;
 
 }  // namespace
 
-Transcription::Transcription(const ShootingProblem& problem, Acts& acts, const Options& options)
+Transcription::Transcription(const ShootingProblem& problem, Evaluator& evaluator,
+                             const Options& options)
     : problem_(problem),
-      acts_(acts),
+      evaluator_(evaluator),
       options_(options),
       gauss_newton_(options.gauss_newton),
       curved_(!problem.manifold().curved().empty()),
@@ -35,7 +36,7 @@ Transcription::Transcription(const ShootingProblem& problem, Acts& acts, const O
       image_(problem.nx()),
       image_coordinates_(problem.ndx()),
       slope_(std::max(1, problem.constraint_rows())) {
-  if (!options.gauss_newton) acts.reserve_lagrangian_hessian();
+  if (!options.gauss_newton) evaluator.reserve_lagrangian_hessian();
   add_variables();
   add_rows();
   index_hessian();
@@ -64,7 +65,7 @@ Eigen::VectorXd Transcription::point_of(const Trajectory& trajectory) const {
   }
   if (slacks_.empty()) return y;
   Evaluation here(problem_);
-  acts_.evaluate(trajectory, here);
+  evaluator_.evaluate(trajectory, here);
   auto lower = row_lower_.begin(), upper = row_upper_.begin();
   for (int k = 0; k <= problem_.knots(); ++k) {
     for (const Row& row : rows_[k]) {
@@ -129,7 +130,7 @@ void Transcription::read_charts(const Eigen::MatrixXd& gap) {
 
 void Transcription::evaluate() {
   if (evaluated_) return;
-  acts_.evaluate(trajectory_, evaluation_);
+  evaluator_.evaluate(trajectory_, evaluation_);
   read_charts(evaluation_.gap);
   evaluated_ = true;
 }
@@ -150,7 +151,7 @@ void Transcription::differentiate() {
     for (KnotLinearization& knot : linearization_.knots) knot.hessian.change().setZero();
     exact_in_place_ = false;
   }
-  acts_.differentiate(trajectory_, linearization_);
+  evaluator_.differentiate(trajectory_, linearization_);
   read_charts(linearization_.gap);
   evaluation_.gap = linearization_.gap;
   evaluation_.cost = linearization_.cost;

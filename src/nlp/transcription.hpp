@@ -6,7 +6,7 @@
 #include "nlp/nonlinear_program.hpp"
 #include "nlp/pair_relaxation.hpp"
 #include "nlp/state_chart.hpp"
-#include "ocp/evaluation/acts.hpp"
+#include "ocp/evaluation/evaluator.hpp"
 
 namespace conddp {
 
@@ -38,7 +38,7 @@ class Transcription : public NonlinearProgram {
     PairRelaxation relaxation = PairRelaxation::elementwise;
     double epsilon = 1;  ///< of the relaxation, at first
   };
-  Transcription(const ShootingProblem& problem, Acts& acts, const Options& options);
+  Transcription(const ShootingProblem& problem, Evaluator& evaluator, const Options& options);
 
   void set_point(const double* y) override;
   double objective() override;
@@ -143,7 +143,7 @@ class Transcription : public NonlinearProgram {
   void add_gap_curvature(int k, Eigen::Ref<Eigen::MatrixXd> hessian);
 
   const ShootingProblem& problem_;
-  Acts& acts_;
+  Evaluator& evaluator_;
   Options options_;
   bool gauss_newton_;
   bool exact_in_place_ = false;  ///< the linearisation's Hessians are exact

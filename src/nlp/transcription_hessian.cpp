@@ -45,11 +45,11 @@ void Transcription::hessian(double weight, const double* multipliers, double* ou
   }
   if (!gauss_newton_) {
     exact_in_place_ = true;
-    // Acts have the cost with weight one.
+    // Evaluator have the cost with weight one.
     if (weight == 0) weight = kNoWeight;
     lagrangian_.multiplier /= weight;
     costates_ /= weight;
-    acts_.lagrangian_hessian(trajectory_, costates_, linearization_, &lagrangian_);
+    evaluator_.lagrangian_hessian(trajectory_, costates_, linearization_, &lagrangian_);
     lagrangian_.multiplier *= weight;
     costates_ *= weight;
   }

@@ -20,7 +20,7 @@ ShootingProblem one_step(double low = -testing::kFree, double up = testing::kFre
 Trajectory simulated(const ShootingProblem& problem, double control) {
   Trajectory trajectory = problem.create_trajectory();
   for (int k = 0; k < problem.knots(); ++k) trajectory.u(k).setConstant(control);
-  Acts(problem).simulate(trajectory);
+  Evaluator(problem).simulate(trajectory);
   return trajectory;
 }
 
@@ -68,7 +68,7 @@ TEST(AnswerCheck, AnOpenGapIsCrossedByTheCoState) {
   for (int i = 0; i < ndx; ++i) away[i] = 0.3 * std::sin(i + 1);
   manifold.integrate(trajectory.x(1).data(), away.data(), trajectory.x(1).data());
 
-  Acts acts(problem);
+  Evaluator evaluator(problem);
   Evaluation evaluation(problem);
   const auto evaluate = [&](int index, double step) {
     Trajectory moved = trajectory;
@@ -78,7 +78,7 @@ TEST(AnswerCheck, AnOpenGapIsCrossedByTheCoState) {
     } else {
       moved.u(0)[index - ndx] += step;
     }
-    acts.evaluate(moved, evaluation);
+    evaluator.evaluate(moved, evaluation);
     return std::pair(evaluation.cost.sum(), Eigen::VectorXd(evaluation.gap.col(0)));
   };
   constexpr double kStep = 1e-5;

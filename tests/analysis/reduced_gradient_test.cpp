@@ -20,7 +20,7 @@ ShootingProblem one_step(double low = -testing::kFree, double up = testing::kFre
 
 Trajectory simulated(const ShootingProblem& problem, double control) {
   Trajectory trajectory = testing::constant_controls(problem, control);
-  Acts(problem).simulate(trajectory);
+  Evaluator(problem).simulate(trajectory);
   return trajectory;
 }
 

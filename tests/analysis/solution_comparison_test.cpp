@@ -108,7 +108,7 @@ TEST(SolutionComparison, DocumentsOfAnotherShapeAreRefused) {
   EXPECT_EQ(defect([](Json&) {}), "");
   EXPECT_EQ(defect([](Json& j) { j["trajectory"]["x"][1][4] = nullptr; }), "");
   EXPECT_EQ(defect([](Json& j) { j["trajectory"]["u"][0] = Json::array(); }), "");
-  EXPECT_EQ(defect([](Json& j) { j["cost"] = "low"; }), "the cost is no number");
+  EXPECT_EQ(defect([](Json& j) { j["cost"] = "low"; }), "the cost is not a number");
   EXPECT_EQ(defect([](Json& j) {
               j["trajectory"]["x"][1] = Json::array({1, 2});
             }),
@@ -118,7 +118,7 @@ TEST(SolutionComparison, DocumentsOfAnotherShapeAreRefused) {
   EXPECT_EQ(defect([](Json& j) { j["trajectory"]["u"] = Json::array(); }),
             "'u' should have 1 rows");
   EXPECT_EQ(defect([](Json& j) { j["trajectory"]["t"] = Json::array(); }),
-            "'trajectory.t' is no list of times");
+            "'trajectory.t' is not a list of times");
   EXPECT_EQ(defect([](Json& j) { j = Json::array(); }), "'status' is missing");
 }
 

@@ -71,13 +71,13 @@ double median_time(int repeat, F act) {
   return *middle;
 }
 
-/// What the acts of an iteration take at an answer, each once: derivatives, the sweep of a DDP
+/// What the evaluator of an iteration take at an answer, each once: derivatives, the sweep of a DDP
 /// solver (with box-constrained stages where controls have bounds), a rollout of its full step.
 Json acts_at(const ShootingProblem& problem, const SolverOptions& options,
              const SolveResult& answer, int repeat) {
-  Acts acts(problem, options.threads);
+  Evaluator evaluator(problem, options.threads);
   Linearization linearization(problem);
-  acts.differentiate(answer.trajectory, linearization);
+  evaluator.differentiate(answer.trajectory, linearization);
   Gaps gaps(problem);
   gaps.set(linearization, true);
   const ControlBounds bounds(problem);
@@ -86,14 +86,14 @@ Json acts_at(const ShootingProblem& problem, const SolverOptions& options,
                                                    : unconstrained_stage(problem);
   Feedback feedback(problem);
   SingleRollout rollout(problem);
-  const auto differentiate = [&] { acts.differentiate(answer.trajectory, linearization); };
+  const auto differentiate = [&] { evaluator.differentiate(answer.trajectory, linearization); };
   const auto go_back = [&] {
     sweep.run(linearization, answer.trajectory, gaps, {}, *policy, feedback);
   };
   const RolloutOptions closing{.contract_gaps = true,
                                .clamp_controls = problem.has_control_bounds()};
   const auto roll_out = [&] {
-    acts.roll_out(answer.trajectory, linearization.gap, feedback, 1.0, closing, rollout);
+    evaluator.roll_out(answer.trajectory, linearization.gap, feedback, 1.0, closing, rollout);
   };
   return {{"differentiate", median_time(repeat, differentiate)},
           {"sweep", median_time(repeat, go_back)},
@@ -131,7 +131,7 @@ int run(const Arguments& arguments) {
                     {"guess", json_of(guess)},
                     {"answer", json_of(last.trajectory)},
                     {"runs", runs},
-                    {"acts", arguments.repeat > 1 ? acts_at(problem, spec->solver.options, last,
+                    {"evaluator", arguments.repeat > 1 ? acts_at(problem, spec->solver.options, last,
                                                             std::max(arguments.repeat, kActRepeat))
                                                   : Json()}};
   std::cout << out.dump() << '\n';

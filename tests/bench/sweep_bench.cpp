@@ -110,16 +110,16 @@ void sweep(benchmark::State& state) {
 }
 BENCHMARK(sweep)->DenseRange(0, 2);
 
-/// The same with two legs, or one, swept by that many threads.
+/// The same with two segments, or one, swept by that many threads.
 void sweep_by_legs(benchmark::State& state) {
   constexpr int kLong = 50;
-  const Legs legs{static_cast<int>(state.range(1)), static_cast<int>(state.range(2))};
+  const Segments segments{static_cast<int>(state.range(1)), static_cast<int>(state.range(2))};
   const ShootingProblem problem = problem_of(kSizes[state.range(0)], kLong);
   const Linearization linearization = linearization_of(problem);
   const ControlBounds bounds(problem);
   const Trajectory trajectory = problem.create_trajectory();
-  const auto policy = box_stage(problem, {}, legs.count);
-  BackwardSweep backward(problem, bounds, legs);
+  const auto policy = box_stage(problem, {}, segments.count);
+  BackwardSweep backward(problem, bounds, segments);
   Feedback feedback(problem);
   const Gaps gaps(problem);  // closed
   // The first sweep goes from end to start.
@@ -135,7 +135,7 @@ void sweep_by_legs(benchmark::State& state) {
   count_knots(state, kLong);
 }
 BENCHMARK(sweep_by_legs)
-    ->ArgNames({"", "legs", "threads"})
+    ->ArgNames({"", "segments", "threads"})
     ->ArgsProduct({{0, 1, 2}, {1}, {1}})
     ->ArgsProduct({{0, 1, 2}, {2}, {1, 2}})
     ->UseRealTime();

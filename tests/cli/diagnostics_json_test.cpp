@@ -35,7 +35,7 @@ TEST(DiagnosticsJson, APlaceInAFile) {
   const std::string file = folder.write("p.yaml", "conddp: 1\nsytem: {type: pendulum}\n");
   Json first;
   for (const Json& d : diagnostics({"solve", file, "--diagnostics=json"}))
-    if (d["message"] == "there is no key 'sytem'") first = d;
+    if (d["message"] == "unknown key 'sytem'") first = d;
   ASSERT_TRUE(first.is_object());
   EXPECT_EQ(first["file"], file);
   EXPECT_EQ(first["line"], 2);
@@ -48,7 +48,7 @@ TEST(DiagnosticsJson, APlaceInAFile) {
 
 TEST(DiagnosticsJson, UsageErrorsWithWhatIsAccepted) {
   const Json command = diagnostics({"--diagnostics=json", "slove", "x"}).at(0);
-  EXPECT_EQ(command["message"], "there is no subcommand 'slove'");
+  EXPECT_EQ(command["message"], "unknown subcommand 'slove'");
   EXPECT_EQ(command["hint"], "did you mean 'solve'?");
   EXPECT_TRUE(command["file"].is_null());
   const Json flag = diagnostics({"solve", "x", "--sovler", "ilqr", "--diagnostics", "json"}).at(0);

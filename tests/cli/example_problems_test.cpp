@@ -122,7 +122,7 @@ TEST_F(ExampleProblems, WithoutAnyThatIsSaid) {
   EXPECT_NE(read_file(folder_.path() / "errors").find("no example problems"), std::string::npos);
   EXPECT_EQ(lonely("solve arm_reach"), 2);
   EXPECT_EQ(read_file(folder_.path() / "errors"),
-            "conddp: error: 'arm_reach' is no file and no example problem\n");
+            "conddp: error: 'arm_reach' is neither a file nor an example problem\n");
   EXPECT_EQ(lonely("list problems"), 0);
   EXPECT_NE(read_file(folder_.path() / "out").find("none here"), std::string::npos);
 }

@@ -153,7 +153,7 @@ TEST(Regress, GoldenFilesAreAddedToAFolderThatIsThere) {
   const TemporaryFolder folder;
   const ProcessResult r = run_conddp({"regress", folder.path() / "none", "--add", kPendulum});
   EXPECT_EQ(r.exit_code, 2);
-  EXPECT_TRUE(has(r.err, "none' is no folder")) << r.err;
+  EXPECT_TRUE(has(r.err, "none' is not a folder")) << r.err;
 }
 
 TEST(Regress, NothingIsAddedOverAGoldenFileThatIsThere) {

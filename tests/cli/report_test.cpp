@@ -153,13 +153,13 @@ TEST_F(ReportCommand, WhatBenchMeasuredOfTheSameProblemsIsInThePage) {
   refused(nlohmann::json::parse(read_file(solution)), "no benchmark of conddp");
   nlohmann::json bad = good;
   bad["runs"] = 7;
-  refused(bad, "'runs' is no list");
+  refused(bad, "'runs' is not a list");
   bad = good;
   bad["runs"][0]["residuals"] = nullptr;
-  refused(bad, "'residuals' is no object");
+  refused(bad, "'residuals' is not an object");
   bad = good;
   bad["machine"] = "mine";
-  refused(bad, "'machine' is no object");
+  refused(bad, "'machine' is not an object");
   bad = good;
   for (nlohmann::json& run : bad["runs"]) run["problem"] = "another";
   refused(bad, "no run on a problem of this page");

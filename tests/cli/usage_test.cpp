@@ -66,7 +66,7 @@ TEST(Usage, DiagnosticsShowTheLineAndACaret) {
   const std::string file = folder.write("p.yaml", "conddp: 1\nsytem: {type: pendulum}\n");
   const ProcessResult r = run_conddp({"solve", file});
   EXPECT_EQ(r.exit_code, 2);
-  EXPECT_NE(r.err.find(file + ":2:1: error: there is no key 'sytem'\n  sytem: {type: pendulum}\n"
+  EXPECT_NE(r.err.find(file + ":2:1: error: unknown key 'sytem'\n  sytem: {type: pendulum}\n"
                               "  ^\n  hint: did you mean 'system'?\n"),
             std::string::npos)
       << r.err;

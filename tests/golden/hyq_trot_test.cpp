@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "ocp/evaluation/acts.hpp"
+#include "ocp/evaluation/evaluator.hpp"
 #include "ocp/problem/by_name.hpp"
 #include "problem_file/build/build.hpp"
 #include "problem_file/build/build_problem.hpp"
@@ -137,9 +137,9 @@ TEST_F(HyqTrot, KnotsHaveTheSameDerivatives) {
       Trajectory trajectory = built_->problem->create_trajectory();
       trajectory.x(k) = vector_of(knot["x"]);
       trajectory.u(k) = vector_of(knot["u"]);
-      Acts acts(*built_->problem);
+      Evaluator evaluator(*built_->problem);
       Linearization lin(*built_->problem);
-      acts.differentiate(trajectory, lin);
+      evaluator.differentiate(trajectory, lin);
       const KnotLinearization& ours = lin.knots[k];
       const int n = ours.ndx, m = ours.nu();
       const auto compare = [&](const MatrixXd& found, const Json& expected, const char* what) {

@@ -69,8 +69,8 @@ TEST(Transcription, DerivativesAgreeWithDifferencesFarFromTheChartsCentres) {
   for (auto& published : testing::published_cases())
     problems.push_back(std::move(published.problem));
   for (const ShootingProblem& problem : problems) {
-    Acts acts(problem);
-    Transcription program(problem, acts, {});
+    Evaluator evaluator(problem);
+    Transcription program(problem, evaluator, {});
     for (const double size : {0.1, 0.6}) {
       SCOPED_TRACE(size);
       program.set_center(random_trajectory(problem, size, engine));
@@ -83,8 +83,8 @@ TEST(Transcription, DerivativesAgreeWithDifferencesFarFromTheChartsCentres) {
 TEST(Transcription, PointsStandForTrajectories) {
   std::mt19937_64 engine(6);
   const ShootingProblem problem = constrained_quadrotor();
-  Acts acts(problem);
-  Transcription program(problem, acts, {});
+  Evaluator evaluator(problem);
+  Transcription program(problem, evaluator, {});
   program.set_center(random_trajectory(problem, 0.5, engine));
   const Trajectory trajectory = random_trajectory(problem, 0.5, engine);
   const Eigen::VectorXd y = program.point_of(trajectory);
@@ -106,12 +106,12 @@ TEST(Transcription, PointsStandForTrajectories) {
 /// whatever charts and cones are.
 void expect_multipliers_of_solvers(const ShootingProblem& problem, double control) {
   std::mt19937_64 engine(7);
-  Acts acts(problem);
-  Transcription program(problem, acts, {});
+  Evaluator evaluator(problem);
+  Transcription program(problem, evaluator, {});
   Trajectory trajectory = problem.create_trajectory();
   for (int k = 0; k < trajectory.knots(); ++k)
     trajectory.u(k).array() = control + 0.1 * testing::random_vector(problem.nu(k), engine).array();
-  ASSERT_EQ(acts.simulate(trajectory), -1);
+  ASSERT_EQ(evaluator.simulate(trajectory), -1);
   program.set_center(random_trajectory(problem, 0.3, engine));
   const Eigen::VectorXd y = program.point_of(trajectory);
   program.set_point(y.data());
@@ -121,7 +121,7 @@ void expect_multipliers_of_solvers(const ShootingProblem& problem, double contro
   Eigen::VectorXd nu;
   program.read_multipliers(rows.data(), costates, nu);
   Linearization linearization(problem);
-  acts.differentiate(trajectory, linearization);
+  evaluator.differentiate(trajectory, linearization);
   int at = 0;
   for (int k = 0; k < problem.knots(); ++k) {
     const KnotLinearization& knot = linearization.knots[k];
@@ -153,8 +153,8 @@ TEST(Transcription, MultipliersMeanTheSameAsTheSolvers) {
 TEST(Transcription, FindsTheRowsMultipliersThatStandForCostates) {
   std::mt19937_64 engine(9);
   const ShootingProblem problem = euler_cartpole();
-  Acts acts(problem);
-  Transcription program(problem, acts, {});
+  Evaluator evaluator(problem);
+  Transcription program(problem, evaluator, {});
   const Trajectory trajectory = random_trajectory(problem, 0.3, engine);
   program.set_center(trajectory);
   const Eigen::VectorXd y = program.point_of(trajectory);
@@ -172,8 +172,8 @@ TEST(Transcription, FindsTheRowsMultipliersThatStandForCostates) {
 TEST(Transcription, FlatConfigurationsHaveRowsOfThreeEntries) {
   std::mt19937_64 engine(10);
   const ShootingProblem problem = euler_cartpole();
-  Acts acts(problem);
-  Transcription program(problem, acts, {});
+  Evaluator evaluator(problem);
+  Transcription program(problem, evaluator, {});
   const Eigen::VectorXd y = testing::random_vector(program.variables(), engine);
   program.set_point(y.data());
   Eigen::VectorXd values(program.jacobian_structure().size()), rows(program.rows());
@@ -193,14 +193,14 @@ TEST(Transcription, FlatConfigurationsHaveRowsOfThreeEntries) {
 
 TEST(Transcription, GaussNewtonHessiansAreThoseOfTheActs) {
   const ShootingProblem problem = testing::pendulum_swing_up(3);
-  Acts acts(problem);
-  Transcription program(problem, acts, {.gauss_newton = true});
+  Evaluator evaluator(problem);
+  Transcription program(problem, evaluator, {.gauss_newton = true});
   std::mt19937_64 engine(8);
   const Trajectory trajectory = random_trajectory(problem, 0.5, engine);
   const Eigen::VectorXd y = program.point_of(trajectory);
   program.set_point(y.data());
   Linearization linearization(problem);
-  acts.differentiate(trajectory, linearization);
+  evaluator.differentiate(trajectory, linearization);
   const Eigen::VectorXd multipliers = testing::random_vector(program.rows(), engine);
   const Eigen::VectorXd d = testing::random_vector(program.variables(), engine);
   const Eigen::VectorXd product = testing::hessian_times(program, 2, multipliers, d);
@@ -211,8 +211,8 @@ TEST(Transcription, GaussNewtonHessiansAreThoseOfTheActs) {
 
 TEST(Transcription, KnowsRowsThatTieStatesToControls) {
   const auto is_mixed = [](const ShootingProblem& problem) {
-    Acts acts(problem);
-    return Transcription(problem, acts, {}).has_mixed_rows();
+    Evaluator evaluator(problem);
+    return Transcription(problem, evaluator, {}).has_mixed_rows();
   };
   EXPECT_FALSE(is_mixed(constrained_quadrotor()));
   EXPECT_FALSE(is_mixed(testing::landing()));  // a cone of thrust, another one of positions
@@ -239,9 +239,9 @@ TEST(Transcription, HessiansMayChangeTheirKindFromOneToTheNext) {
   std::mt19937_64 engine(9);
   for (const ShootingProblem& problem :
        {constrained_quadrotor(), testing::landing(), euler_cartpole()}) {
-    Acts acts(problem);
-    Transcription exact(problem, acts, {}), alternating(problem, acts, {});
-    Transcription gauss_newton(problem, acts, {.gauss_newton = true});
+    Evaluator evaluator(problem);
+    Transcription exact(problem, evaluator, {}), alternating(problem, evaluator, {});
+    Transcription gauss_newton(problem, evaluator, {.gauss_newton = true});
     const Trajectory center = random_trajectory(problem, 0.1, engine);
     for (Transcription* program : {&exact, &alternating, &gauss_newton})
       program->set_center(center);
@@ -283,7 +283,7 @@ TEST(Transcription, ConstraintsOnTheGivenStateAloneAreNoRows) {
                                              .last = 100}});
   };
   const ShootingProblem all = with_first(0), later = with_first(1);
-  Acts acts_of_all(all), acts_of_later(later);
+  Evaluator acts_of_all(all), acts_of_later(later);
   EXPECT_EQ(Transcription(all, acts_of_all, {}).rows(),
             Transcription(later, acts_of_later, {}).rows());
 }

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "ocp/evaluation/acts.hpp"
+#include "ocp/evaluation/evaluator.hpp"
 #include "ocp/problem/soft_constraint.hpp"
 #include "support/knot_case.hpp"
 #include "support/sizes.hpp"
@@ -240,9 +240,9 @@ TEST(Constraints, JacobiansAndAugmentedGradientsAreThoseOfDualNumbers) {
   for (const KnotCase& c : constrained_cases()) {
     const ShootingProblem problem = problem_of(c, 1);
     const Augmentation augmentation = random_augmentation(problem);
-    Acts acts(problem);
+    Evaluator evaluator(problem);
     Linearization lin(problem);
-    acts.differentiate(trajectory_of(c, problem), lin, &augmentation);
+    evaluator.differentiate(trajectory_of(c, problem), lin, &augmentation);
     for (int d = 0; d < c.model->nz(); d += kDirectionStride) {
       const Slope expected = slope_along(c, augmentation, d);
       EXPECT_NEAR(lin.knots[0].gradient[d], expected.cost, 1e-10 * (1 + std::abs(expected.cost)))
@@ -264,11 +264,11 @@ TEST(Constraints, LanesAgreeWithDoubleAndWithTheDefinitionOfTheAugmentation) {
       const auto x = random_manifold_state(problem.manifold(), random, 1.0);
       for (int i = 0; i < problem.nx(); ++i) t.x(k)[i] = x[i];
     }
-    Acts acts(problem);
+    Evaluator evaluator(problem);
     Evaluation lanes(problem);
     Linearization lin(problem);
-    acts.evaluate(t, lanes, &augmentation);
-    acts.differentiate(t, lin, &augmentation);
+    evaluator.evaluate(t, lanes, &augmentation);
+    evaluator.differentiate(t, lin, &augmentation);
     KnotWorkspace<double> work(*c.model);
     Eigen::VectorXd expected = Eigen::VectorXd::Zero(problem.knots() + 1);
     for (const NodeConstraint& n : problem.constraints()) {
@@ -314,11 +314,11 @@ TEST(Constraints, GaussNewtonHessiansOfLinearConstraintsAreExact) {
     const ShootingProblem problem = problem_of(c, 1);
     const Augmentation augmentation = random_augmentation(problem);
     const Trajectory t = trajectory_of(c, problem);
-    Acts acts(problem);
+    Evaluator evaluator(problem);
     Linearization lin(problem);
-    acts.differentiate(t, lin, &augmentation);
+    evaluator.differentiate(t, lin, &augmentation);
     const Eigen::MatrixXd gauss_newton = lin.knots[0].hessian();
-    acts.lagrangian_hessian(t, Eigen::MatrixXd::Zero(problem.ndx(), 2), lin, &augmentation);
+    evaluator.lagrangian_hessian(t, Eigen::MatrixXd::Zero(problem.ndx(), 2), lin, &augmentation);
     EXPECT_GT(gauss_newton.norm(), 0);
     EXPECT_LT((gauss_newton - lin.knots[0].hessian()).cwiseAbs().maxCoeff(), 1e-12);
   }
@@ -329,9 +329,9 @@ TEST(Constraints, GaussNewtonHessiansAreWithoutNegativeCurvature) {
     const ShootingProblem problem = problem_of(c, 1);
     Augmentation augmentation = random_augmentation(problem);
     augmentation.multiplier.setZero();
-    Acts acts(problem);
+    Evaluator evaluator(problem);
     Linearization lin(problem);
-    acts.differentiate(trajectory_of(c, problem), lin, &augmentation);
+    evaluator.differentiate(trajectory_of(c, problem), lin, &augmentation);
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(lin.knots[0].hessian());
     EXPECT_GT(eigen.eigenvalues()[0], -1e-10 * (1 + eigen.eigenvalues().maxCoeff())) << c.name;
   }
@@ -342,7 +342,7 @@ TEST(Constraints, AugmentedResultsAreTheSameBitsWithOneAndTwoThreads) {
     const ShootingProblem problem = problem_of(c, 3 * kLaneWidth + 1);
     const Augmentation augmentation = random_augmentation(problem);
     const Trajectory t = trajectory_of(c, problem);
-    Acts one(problem, 1), two(problem, 2);
+    Evaluator one(problem, 1), two(problem, 2);
     Linearization a(problem), b(problem);
     one.differentiate(t, a, &augmentation);
     two.differentiate(t, b, &augmentation);
@@ -368,15 +368,15 @@ TEST(Constraints, ASwitchLeavesThemOutAndRolloutsCountTheRest) {
   for (const NodeConstraint& n : problem.constraints()) EXPECT_NE(n.term->name, "norm");
 
   const Augmentation augmentation = random_augmentation(problem);
-  Acts acts(problem);
+  Evaluator evaluator(problem);
   Trajectory t = trajectory_of(c, problem);
-  ASSERT_EQ(acts.simulate(t), -1);
+  ASSERT_EQ(evaluator.simulate(t), -1);
   Evaluation evaluation(problem);
-  acts.evaluate(t, evaluation, &augmentation);
+  evaluator.evaluate(t, evaluation, &augmentation);
   LaneRollout rollout(problem);
   const double steps[kLaneWidth] = {};
-  acts.roll_out(t, evaluation.gap, Feedback(problem), steps, {.augmentation = &augmentation},
-                rollout);
+  evaluator.roll_out(t, evaluation.gap, Feedback(problem), steps, {.augmentation = &augmentation},
+                     rollout);
   const double expected = evaluation.cost.sum() + evaluation.augmentation.sum();
   EXPECT_NEAR(rollout.cost[0], expected, 1e-12 * (1 + std::abs(expected)));
   EXPECT_NE(evaluation.augmentation.sum(), 0);

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "ocp/evaluation/acts.hpp"
+#include "ocp/evaluation/evaluator.hpp"
 #include "support/knot_case.hpp"
 #include "support/sizes.hpp"
 
@@ -50,11 +50,11 @@ std::vector<KnotCase> all_cases() {
 TEST(KnotModel, JacobiansAndGradientsAreThoseOfDualNumbersThroughTheStep) {
   for (const KnotCase& c : all_cases()) {
     const ShootingProblem problem = problem_of(c, 1);
-    Acts acts(problem);
+    Evaluator evaluator(problem);
     Linearization lin(problem);
     Trajectory t = problem.create_trajectory();
     for (int i = 0; i < c.model->nu(); ++i) t.u(0)[i] = c.u[i];
-    acts.differentiate(t, lin);
+    evaluator.differentiate(t, lin);
     const Eigen::MatrixXd jacobian = lin.knots[0].dense_jacobian();
     for (int d = 0; d < c.model->nz(); d += kDirectionStride) {
       const DirectionalDerivative expected = directional_derivative(c, d);
@@ -70,9 +70,9 @@ TEST(KnotModel, JacobiansAndGradientsAreThoseOfDualNumbersThroughTheStep) {
 TEST(KnotModel, TransposedProductsAgreeWithTheDenseJacobian) {
   for (const KnotCase& c : all_cases()) {
     const ShootingProblem problem = problem_of(c, 1);
-    Acts acts(problem);
+    Evaluator evaluator(problem);
     Linearization lin(problem);
-    acts.differentiate(problem.create_trajectory(), lin);
+    evaluator.differentiate(problem.create_trajectory(), lin);
     const Eigen::MatrixXd jacobian = lin.knots[0].dense_jacobian();
     RandomNumbers random(5);
     Eigen::VectorXd lambda(c.model->ndx()), out(c.model->nz()), scratch(c.model->ndx());
@@ -82,15 +82,15 @@ TEST(KnotModel, TransposedProductsAgreeWithTheDenseJacobian) {
   }
 }
 
-TEST(Acts, LanesAgreeWithDoubleForEveryKnotOfARaggedGroup) {
+TEST(Evaluator, LanesAgreeWithDoubleForEveryKnotOfARaggedGroup) {
   for (const KnotCase& c : all_cases()) {
     const ShootingProblem problem = problem_of(c, kLaneWidth + 3);
     const Trajectory t = random_trajectory(problem, 21);
-    Acts acts(problem);
+    Evaluator evaluator(problem);
     Evaluation lanes(problem);
-    acts.evaluate(t, lanes);
+    evaluator.evaluate(t, lanes);
     Linearization lin(problem);
-    acts.differentiate(t, lin);
+    evaluator.differentiate(t, lin);
     KnotWorkspace<double> work(*c.model);
     Eigen::VectorXd gap(problem.ndx());
     for (int k = 0; k < problem.knots(); ++k) {
@@ -110,11 +110,11 @@ TEST(Acts, LanesAgreeWithDoubleForEveryKnotOfARaggedGroup) {
   }
 }
 
-TEST(Acts, ResultsAreTheSameBitsWithOneAndTwoThreads) {
+TEST(Evaluator, ResultsAreTheSameBitsWithOneAndTwoThreads) {
   for (const KnotCase& c : all_cases()) {
     const ShootingProblem problem = problem_of(c, 3 * kLaneWidth + 1);
     const Trajectory t = random_trajectory(problem, 22);
-    Acts one(problem, 1), two(problem, 2);
+    Evaluator one(problem, 1), two(problem, 2);
     Linearization a(problem), b(problem);
     one.differentiate(t, a);
     two.differentiate(t, b);
@@ -127,7 +127,7 @@ TEST(Acts, ResultsAreTheSameBitsWithOneAndTwoThreads) {
   }
 }
 
-TEST(Acts, NothingIsLeftOfTheHessianBefore) {
+TEST(Evaluator, NothingIsLeftOfTheHessianBefore) {
   bool barriers_rested = false, barriers_worked = false;
   RandomNumbers random(12);
   for (const auto& [name, system] : test_systems()) {
@@ -140,7 +140,7 @@ TEST(Acts, NothingIsLeftOfTheHessianBefore) {
                      .upper = std::vector<double>(model->nu(), 100)});
     const KnotCase c = make_case(name, model, random);
     const ShootingProblem problem = problem_of(c, kLaneWidth + 1);
-    Acts acts(problem, 1);
+    Evaluator evaluator(problem, 1);
     Linearization used(problem);
     const Eigen::MatrixXd costates = Eigen::MatrixXd::Ones(problem.ndx(), problem.knots() + 1);
     for (const double effort : {1000, 1, 1000, 1}) {
@@ -148,8 +148,8 @@ TEST(Acts, NothingIsLeftOfTheHessianBefore) {
       for (int k = 0; k < problem.knots(); ++k) t.u(k) *= effort;
       const auto expect_as_new = [&](const char* after) {
         Linearization fresh(problem);
-        acts.differentiate(t, fresh);
-        acts.differentiate(t, used);
+        evaluator.differentiate(t, fresh);
+        evaluator.differentiate(t, used);
         for (std::size_t k = 0; k < used.knots.size(); ++k) {
           const KnotHessian &now = used.knots[k].hessian, &expected = fresh.knots[k].hessian;
           EXPECT_EQ(now(), expected()) << name << " after " << after;
@@ -159,7 +159,7 @@ TEST(Acts, NothingIsLeftOfTheHessianBefore) {
         }
       };
       expect_as_new("another iterate");
-      acts.lagrangian_hessian(t, costates, used);
+      evaluator.lagrangian_hessian(t, costates, used);
       EXPECT_EQ(used.knots[0].hessian.fill(), HessianFill::all);
       expect_as_new("an exact Hessian");
     }
@@ -197,18 +197,18 @@ double lagrangian_slope(const KnotCase& c, const Eigen::VectorXd& lambda, int i,
   return slope;
 }
 
-TEST(Acts, LagrangianHessianIsTheSecondDerivativeOnTheManifold) {
+TEST(Evaluator, LagrangianHessianIsTheSecondDerivativeOnTheManifold) {
   for (const KnotCase& c : all_cases()) {
     const ShootingProblem problem = problem_of(c, 1);
-    Acts acts(problem);
+    Evaluator evaluator(problem);
     Linearization lin(problem);
     Trajectory t = problem.create_trajectory();
     for (int i = 0; i < c.model->nu(); ++i) t.u(0)[i] = c.u[i];
-    acts.differentiate(t, lin);
+    evaluator.differentiate(t, lin);
     Eigen::MatrixXd costates = Eigen::MatrixXd::Zero(problem.ndx(), 2);
     RandomNumbers random(9);
     for (int i = 0; i < problem.ndx(); ++i) costates(i, 1) = random.uniform(-1, 1);
-    acts.lagrangian_hessian(t, costates, lin);
+    evaluator.lagrangian_hessian(t, costates, lin);
     const Eigen::MatrixXd& h = lin.knots[0].hessian();
     const double scale = 1 + h.cwiseAbs().maxCoeff();
     const double step = 1e-4;
@@ -258,7 +258,7 @@ TEST(KnotModel, RungeKuttaRulesHaveTheirOrderOnCurvedSpaces) {
   }
 }
 
-TEST(Acts, ARolloutWithFullStepAndContractedGapsClosesThem) {
+TEST(Evaluator, ARolloutWithFullStepAndContractedGapsClosesThem) {
   RandomNumbers random(3);
   const auto system = quadrotor({});
   auto model = std::make_shared<KnotModel>(system, Integrator::semi_implicit_euler);
@@ -267,44 +267,44 @@ TEST(Acts, ARolloutWithFullStepAndContractedGapsClosesThem) {
   const ShootingProblem problem = problem_of(c, 12);
   Trajectory t = random_trajectory(problem, 77);
   t.x(0) = Eigen::Map<const Eigen::VectorXd>(c.x.data(), problem.nx());
-  Acts acts(problem);
+  Evaluator evaluator(problem);
   Evaluation before(problem), after(problem);
-  acts.evaluate(t, before);
+  evaluator.evaluate(t, before);
   Feedback none(problem);
   LaneRollout rollout(problem);
   double steps[kLaneWidth];
   for (int l = 0; l < kLaneWidth; ++l) steps[l] = std::pow(0.5, l);
-  acts.roll_out(t, before.gap, none, steps, {.contract_gaps = true}, rollout);
+  evaluator.roll_out(t, before.gap, none, steps, {.contract_gaps = true}, rollout);
   SingleRollout alone(problem);
   for (int l = 0; l < kLaneWidth; ++l) {
     Trajectory moved = problem.create_trajectory();
     rollout.extract(l, moved);
-    acts.roll_out(t, before.gap, none, steps[l], {.contract_gaps = true}, alone);
+    evaluator.roll_out(t, before.gap, none, steps[l], {.contract_gaps = true}, alone);
     EXPECT_NEAR(alone.cost, rollout.cost[l], 1e-12 * std::abs(alone.cost));
     for (int k = 0; k <= problem.knots(); ++k)
       EXPECT_LT((alone.trajectory.x(k) - moved.x(k)).norm(), 1e-12 * moved.x(k).norm()) << k;
-    acts.evaluate(moved, after);
+    evaluator.evaluate(moved, after);
     EXPECT_LT((after.gap - (1 - steps[l]) * before.gap).cwiseAbs().maxCoeff(), 1e-9) << steps[l];
     EXPECT_NEAR(after.cost.sum(), rollout.cost[l], 1e-10 * std::abs(rollout.cost[l]));
   }
 }
 
-TEST(Acts, ALaneThatDivergesNamesItsKnotAndLeavesTheOthersAlone) {
+TEST(Evaluator, ALaneThatDivergesNamesItsKnotAndLeavesTheOthersAlone) {
   const auto system = linear_system(Eigen::MatrixXd::Constant(1, 1, 1e200),
                                     Eigen::MatrixXd::Identity(1, 1), Eigen::VectorXd::Zero(1));
   auto model = std::make_shared<KnotModel>(system, Integrator::discrete);
   const ShootingProblem problem = problem_of({"blow-up", model, {0.0}, {0.0}, {}, 1.0}, 5);
-  Acts acts(problem);
+  Evaluator evaluator(problem);
   Feedback feedback(problem);
   feedback.k[0][0] = 1;
   LaneRollout rollout(problem);
   double steps[kLaneWidth] = {};
   steps[0] = 1;
-  acts.roll_out(problem.create_trajectory(), Eigen::MatrixXd(), feedback, steps, {}, rollout);
+  evaluator.roll_out(problem.create_trajectory(), Eigen::MatrixXd(), feedback, steps, {}, rollout);
   EXPECT_EQ(rollout.first_bad_knot[0], 2);
   for (int l = 1; l < kLaneWidth; ++l) EXPECT_EQ(rollout.first_bad_knot[l], -1);
   SingleRollout alone(problem);
-  acts.roll_out(problem.create_trajectory(), Eigen::MatrixXd(), feedback, 1.0, {}, alone);
+  evaluator.roll_out(problem.create_trajectory(), Eigen::MatrixXd(), feedback, 1.0, {}, alone);
   EXPECT_EQ(alone.first_bad_knot, 2);
 }
 

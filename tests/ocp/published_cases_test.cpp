@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "ocp/evaluation/acts.hpp"
+#include "ocp/evaluation/evaluator.hpp"
 #include "ocp/residuals/residuals.hpp"
 #include "systems/catalogue.hpp"
 
@@ -40,10 +40,10 @@ double initial_cost(const Case& c) {
   Trajectory t = problem.create_trajectory();
   for (int k = 0; k < problem.knots(); ++k)
     for (int i = 0; i < problem.nu(k); ++i) t.u(k)[i] = c.guess[i];
-  Acts acts(problem);
-  EXPECT_EQ(acts.simulate(t), -1);
+  Evaluator evaluator(problem);
+  EXPECT_EQ(evaluator.simulate(t), -1);
   Evaluation evaluation(problem);
-  acts.evaluate(t, evaluation);
+  evaluator.evaluate(t, evaluation);
   EXPECT_LT(evaluation.gap.cwiseAbs().maxCoeff(), 1e-12);
   return evaluation.cost.sum();
 }

@@ -36,13 +36,13 @@ TEST_F(BestKnownFile, SaysWhatIsWrongAndWhere) {
   const std::string format = R"({"format": "conddp.best_known/1", )";
   const std::vector<std::pair<std::string, std::string>> cases = {
       {"{\n  \"format\": 1,,\n}", ":2:15: error: not valid JSON"},
-      {R"({"format": "conddp.bench/1"})", "it is no list of best known optima of conddp"},
+      {R"({"format": "conddp.bench/1"})", "it is not a list of best known optima of conddp"},
       {R"({"format": "conddp.best_known/2"})", "this version reads format 1"},
       {format + R"("problem": {}})", "'problems' is missing"},
       {format + R"("problems": []})", "'problems' has no names"},
       {format + R"("problems": {"one": {"cost": 1}}})", "'problem_sha256' is missing ('one')"},
       {format + R"("problems": {"one": {"problem_sha256": "aa", "cost": "1"}}})",
-       "'cost' is no number ('one')"},
+       "'cost' is not a number ('one')"},
       {format + R"("problems": {"one": 3}})", "'problem_sha256' is missing ('one')"},
   };
   for (const auto& [text, message] : cases) {

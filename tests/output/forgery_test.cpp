@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "analysis/certificate/lagrangian_gradient.hpp"
-#include "ocp/evaluation/acts.hpp"
+#include "ocp/evaluation/evaluator.hpp"
 #include "output/report/certificate_report.hpp"
 #include "support/answer.hpp"
 #include "support/sizes.hpp"
@@ -17,7 +17,7 @@ namespace {
 /// Residuals of a trajectory that follows from its controls, but stationarity.
 Evaluation evaluate(const ShootingProblem& problem, const Trajectory& trajectory) {
   Evaluation evaluation(problem);
-  Acts(problem).evaluate(trajectory, evaluation);
+  Evaluator(problem).evaluate(trajectory, evaluation);
   return evaluation;
 }
 
@@ -64,7 +64,7 @@ OrderedJson forged(const Answer& answer, std::uint64_t seed, double size) {
       u = std::clamp(u + size * random() * std::max(1.0, std::abs(u)), model.control_lower()[i],
                      model.control_upper()[i]);
     }
-  Acts(problem).simulate(result.trajectory);
+  Evaluator(problem).simulate(result.trajectory);
   const Evaluation evaluation = evaluate(problem, result.trajectory);
   result.cost = evaluation.cost.sum();
   result.constraint_values = evaluation.constraint;
@@ -117,7 +117,7 @@ TEST(Forgery, OfAPendulumThatHangsIsCaughtByItsReducedGradient) {
   const ShootingProblem& problem = *answer.built.problem;
   SolveResult result = *answer.result;
   for (int k = 0; k < problem.knots(); ++k) result.trajectory.u(k).setZero();
-  Acts(problem).simulate(result.trajectory);
+  Evaluator(problem).simulate(result.trajectory);
   result.cost = evaluate(problem, result.trajectory).cost.sum();
   solve_for_multipliers(problem, result);
   result.residuals.gap = 0;

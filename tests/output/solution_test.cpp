@@ -172,7 +172,7 @@ TEST(ChosenStartOutput, BeginsWithTheChosenStateInTheCsvFile) {
   ASSERT_TRUE(built) << format_diagnostics(out, false);
   Trajectory guess = built->guess;
   guess.u(0) << 0.3, -0.7;
-  Acts(*built->problem).simulate(guess);
+  Evaluator(*built->problem).simulate(guess);
   const SolveResult result = solve(*built->problem, "altro", {.max_iterations = 0}, guess);
   const Solution solution{*spec, *built, *find_solver("altro"), result, {}};
   const auto table = parse_csv(trajectory_csv(solution), "trajectory.csv", out);

@@ -60,7 +60,7 @@ add_executable(files main.cpp)
 target_link_libraries(files PRIVATE conddp::files)
 ")
 file(WRITE ${WORK_DIR}/files/main.cpp "
-#include \"conddp/problem_file/sha256.hpp\"
+#include \"conddp/base/sha256.hpp\"
 #include <cstdio>
 int main() { std::puts(conddp::sha256(\"abc\").c_str()); }
 ")

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "ocp/evaluation/acts.hpp"
+#include "ocp/evaluation/evaluator.hpp"
 #include "problem_text.hpp"
 
 namespace conddp {
@@ -340,11 +340,11 @@ class LiteratureCase : public testing::TestWithParam<InitialCost> {};
 TEST_P(LiteratureCase, HasThePublishedInitialCost) {
   const Loaded loaded(GetParam().text);
   ASSERT_TRUE(loaded.built) << loaded.all();
-  Acts acts(*loaded.built->problem);
+  Evaluator evaluator(*loaded.built->problem);
   Trajectory trajectory = loaded.built->guess;
-  ASSERT_EQ(acts.simulate(trajectory), -1);
+  ASSERT_EQ(evaluator.simulate(trajectory), -1);
   Evaluation evaluation(*loaded.built->problem);
-  acts.evaluate(trajectory, evaluation);
+  evaluator.evaluate(trajectory, evaluation);
   EXPECT_NEAR(evaluation.cost.sum() / GetParam().cost, 1, 1e-9);
 }
 

@@ -7,7 +7,7 @@
 #include "analysis/certificate/derivative_check.hpp"
 #include "analysis/certificate/replay.hpp"
 #include "nlp/transcription.hpp"
-#include "ocp/evaluation/acts.hpp"
+#include "ocp/evaluation/evaluator.hpp"
 #include "problem_file/plant/collocation_builder.hpp"
 #include "problem_text.hpp"
 #include "solvers/strategies/registry.hpp"
@@ -55,8 +55,8 @@ void expect_true_derivatives(const BuiltProblem& built) {
   std::mt19937_64 engine(2);
   for (const DerivativeComparison& c : check_derivatives(*built.problem, built.guess))
     EXPECT_LE(c.error, 1e-9) << static_cast<int>(c.kind) << " " << c.term;
-  Acts acts(*built.problem);
-  Transcription program(*built.problem, acts, {});
+  Evaluator evaluator(*built.problem);
+  Transcription program(*built.problem, evaluator, {});
   const Eigen::VectorXd y = program.point_of(built.guess);
   testing::check_derivatives(program, y + 0.3 * testing::random_vector(y.size(), engine), engine,
                              1e-6);

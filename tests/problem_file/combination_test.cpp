@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "analysis/certificate/derivative_check.hpp"
-#include "ocp/evaluation/acts.hpp"
+#include "ocp/evaluation/evaluator.hpp"
 #include "problem_text.hpp"
 #include "solvers/strategies/registry.hpp"
 
@@ -26,7 +26,7 @@ TEST(Combination, AddsFactorsTimesColumns) {
   t.x(2) << 0.7, -1.1;
   t.u(2)[0] = 0.2;
   Evaluation evaluation(problem);
-  Acts(problem).evaluate(t, evaluation);
+  Evaluator(problem).evaluate(t, evaluation);
   EXPECT_DOUBLE_EQ(evaluation.constraint[c.row], 2 * -1.1 - 0.7 + 0.5);
   EXPECT_DOUBLE_EQ(evaluation.constraint[c.row + 1], 3 * 0.2 + 0.7);
   for (const DerivativeComparison& d : check_derivatives(problem, t)) EXPECT_LT(d.error, 1e-9);

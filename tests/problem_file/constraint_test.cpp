@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "ocp/evaluation/acts.hpp"
+#include "ocp/evaluation/evaluator.hpp"
 #include "ocp/problem/by_name.hpp"
 #include "problem_file/build/memory_need.hpp"
 #include "problem_text.hpp"
@@ -40,7 +40,7 @@ std::vector<NodeConstraint> named(const ShootingProblem& problem, const std::str
 /// Where a constraint first holds, its values with every state at the initial one.
 std::vector<double> initial_values(const ShootingProblem& problem, const std::string& name) {
   Evaluation evaluation(problem);
-  Acts(problem).evaluate(problem.create_trajectory(), evaluation);
+  Evaluator(problem).evaluate(problem.create_trajectory(), evaluation);
   const auto list = named(problem, name);
   if (list.empty()) return {};
   const auto values = evaluation.constraint.segment(list[0].row, list[0].term->rows);
@@ -130,7 +130,7 @@ TEST(Constraints, ResidualsTakeEqualitiesBoundsLengthsAndCones) {
   Evaluation evaluation(problem);
   Trajectory t = problem.create_trajectory();
   t.x(problem.knots()) << 1.5, -2;
-  Acts(problem).evaluate(t, evaluation);
+  Evaluator(problem).evaluate(t, evaluation);
   EXPECT_EQ(evaluation.constraint[goal[0].row], 0.5);
   EXPECT_EQ(evaluation.constraint[goal[0].row + 1], -2);
 }
@@ -155,7 +155,7 @@ TEST(Constraints, FrictionConesAreExactOrPyramidsWhereTheContactIsHeld) {
   // The cone of a force that stands on its surface has distance 0 in both.
   Evaluation evaluation(problem);
   Trajectory t = problem.create_trajectory();
-  Acts(problem).evaluate(t, evaluation);
+  Evaluator(problem).evaluate(t, evaluation);
   const auto same = named(problem, "same");
   const Eigen::Vector3d a = evaluation.constraint.segment(exact[0].row, 3);
   const Eigen::Vector3d b = evaluation.constraint.segment(same[0].row, 3);
@@ -177,7 +177,7 @@ TEST(Constraints, FromCentersAreOneForEachOfThem) {
   Trajectory t = problem.create_trajectory();
   t.x(2) << 1, 1;
   Evaluation evaluation(problem);
-  Acts(problem).evaluate(t, evaluation);
+  Evaluator(problem).evaluate(t, evaluation);
   const double expected[] = {std::hypot(2, 3), 1, std::hypot(1 / 3., 1), std::hypot(2 / 3., 3),
                              std::hypot(1, 5)};
   for (int i = 0; i < 5; ++i) {
@@ -322,7 +322,7 @@ TEST(SoftConstraints, AreCostsOrHaveLimits) {
   t.x(2) << 3, 8;
   const double expected = 0.1 * 0.5 * 7 * (3 - 1) * (3 - 1);
   Evaluation evaluation(problem);
-  Acts(problem).evaluate(t, evaluation);
+  Evaluator(problem).evaluate(t, evaluation);
   const double effort = 0;
   EXPECT_NEAR(evaluation.cost[2], effort + expected, 1e-7);
   double near = 0, fast = 0;
@@ -346,11 +346,11 @@ TEST(SoftConstraints, OnTheControlAreNoBoundsToASolver) {
   const ShootingProblem& problem = *loaded.built->problem;
   EXPECT_FALSE(problem.has_control_bounds());
   EXPECT_EQ(problem.soft_constraints().size(), 10u);
-  EXPECT_FALSE(refuse(*find_solver("fddp"), problem));
+  EXPECT_FALSE(unsupported(*find_solver("fddp"), problem));
   Trajectory t = problem.create_trajectory();
   t.u(1)[0] = -5;
   Evaluation evaluation(problem);
-  Acts(problem).evaluate(t, evaluation);
+  Evaluator(problem).evaluate(t, evaluation);
   EXPECT_NEAR(evaluation.cost[1], 0.1 * (0.5 * 0.5 * 25 + 0.5 * 10 * 4), 1e-12);
 }
 

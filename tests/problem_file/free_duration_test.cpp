@@ -7,7 +7,7 @@
 
 #include "analysis/certificate/derivative_check.hpp"
 #include "analysis/certificate/replay.hpp"
-#include "ocp/evaluation/acts.hpp"
+#include "ocp/evaluation/evaluator.hpp"
 #include "problem_text.hpp"
 #include "solvers/strategies/registry.hpp"
 
@@ -66,7 +66,7 @@ TEST(FreeDuration, IsChosenAtFirstAndHeld) {
   EXPECT_EQ(t.u(0)[0], 1);
   EXPECT_EQ(t.x(7)[3], 1);
   t.u(0) << 2, 0.5;
-  ASSERT_EQ(Acts(problem).simulate(t), -1);
+  ASSERT_EQ(Evaluator(problem).simulate(t), -1);
   const std::vector<double> times = problem.times(t);
   EXPECT_NEAR(times[1], 0, 1e-15);
   EXPECT_NEAR(times[6], 1, 1e-12);
@@ -87,9 +87,9 @@ TEST(FreeDuration, StepsAreThoseOfThatDuration) {
       for (int k = 0; k < t.knots(); ++k)
         for (int i = 0; i < t.u(k).size(); ++i) t.u(k)[i] = std::sin(1 + 3 * k + i);
       t.u(0).tail(1)[0] = 0.75;
-      EXPECT_EQ(Acts(*loaded.built->problem).simulate(t), -1);
+      EXPECT_EQ(Evaluator(*loaded.built->problem).simulate(t), -1);
       Evaluation values(*loaded.built->problem);
-      Acts(*loaded.built->problem).evaluate(t, values);
+      Evaluator(*loaded.built->problem).evaluate(t, values);
       return std::pair(Eigen::VectorXd(t.x(t.knots())), values.cost.sum());
     };
     EXPECT_LT((end(free).first - end(longer).first).cwiseAbs().maxCoeff(), 1e-13) << integrator;

@@ -305,7 +305,7 @@ TEST(GaitFile, MistakesAreSaidWithTheirPlace) {
     const char* says;
   };
   const Case cases[] = {
-      {"type: gallop, dt: 0.02", "13:14: 'gallop' is no gait"},
+      {"type: gallop, dt: 0.02", "13:14: unknown gait 'gallop'"},
       {"type: trot, dt: 0.02", "13:7: 'gait' lacks the key 'period'"},
       {"type: trot, period: 0.4", "13:7: 'gait' lacks the key 'dt'"},
       {"type: trot, period: 0.41, dt: 0.02",
@@ -327,7 +327,7 @@ TEST(GaitFile, MistakesAreSaidWithTheirPlace) {
       {"type: trot, period: 400, dt: 0.001, cycles: 4", "13:7: the gait has more than 1000000"},
       {"type: trot, period: 1e9, dt: 0.02", "13:28: the period 1000000000 s is more than 1000000"},
       {"type: trot, period: 0.4, dt: 0.02, feet: {LF: LF, RF: RF, LH: LH, RH: HR}",
-       "13:78: there is no contact 'HR'"},
+       "13:78: unknown contact 'HR'"},
       {"type: trot, period: 0.4, dt: 0.02, feet: {LF: LF, RF: RF, LH: LH, RH: LH}",
        "13:78: the contact 'LH' is the foot 'LH' already"},
       {"type: trot, period: 0.4, dt: 0.02, feet: {LF: LF, RF: RF, LB: LH, RH: RH}",
@@ -342,7 +342,7 @@ TEST(GaitFile, MistakesAreSaidWithTheirPlace) {
       {"type: stand, dt: 0.02, stand: {begin: 0, end: 0}", "13:7: the gait takes no time"},
       {"type: trot, period: 0.4, dt: 0.02, step: {turn: 4}",
        "13:56: an angle from -π to π is expected here"},
-      {"type: trot, period: 0.4, dt: 0.02, impulses: 1", "13:53: '1' is no value of 'impulses'"},
+      {"type: trot, period: 0.4, dt: 0.02, impulses: 1", "13:53: unknown value of 'impulses' '1'"},
   };
   for (const Case& c : cases) {
     const Loaded loaded(with_gait(c.gait));

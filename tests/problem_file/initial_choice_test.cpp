@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "analysis/certificate/derivative_check.hpp"
-#include "ocp/evaluation/acts.hpp"
+#include "ocp/evaluation/evaluator.hpp"
 #include "problem_file/build/build_problem.hpp"
 #include "problem_text.hpp"
 #include "solvers/strategies/registry.hpp"
@@ -50,8 +50,8 @@ TEST(InitialChoice, IsAKnotWithoutTime) {
   EXPECT_EQ(problem.knot(0).model->control_upper()[0], 3);
   Trajectory t = problem.create_trajectory();
   t.u(0)[0] = 1.5;
-  Acts acts(problem);
-  ASSERT_EQ(acts.simulate(t), -1);
+  Evaluator evaluator(problem);
+  ASSERT_EQ(evaluator.simulate(t), -1);
   EXPECT_DOUBLE_EQ(t.x(1)[0], 0.1);
   EXPECT_DOUBLE_EQ(t.x(1)[1], 1.5);
 }
@@ -64,8 +64,8 @@ TEST(InitialChoice, MovesAPoseAlongItsTangent) {
   EXPECT_EQ(problem.nx(), 13 + 12);
   Trajectory t = problem.create_trajectory();
   for (int i = 0; i < 12; ++i) t.u(0)[i] = 0.1 * (i + 1);
-  Acts acts(problem);
-  ASSERT_EQ(acts.simulate(t), -1);
+  Evaluator evaluator(problem);
+  ASSERT_EQ(evaluator.simulate(t), -1);
   std::vector<double> expected(problem.nx());
   Eigen::VectorXd tangent = Eigen::VectorXd::Zero(problem.ndx());
   tangent.head(12) = t.u(0);
@@ -78,7 +78,7 @@ TEST(InitialChoice, MovesAPoseAlongItsTangent) {
   std::copy_n(t.x(1).data(), problem.nx(), t.x(4).data());
   t.x(4)[0] += 0.5;
   Evaluation evaluation(problem);
-  acts.evaluate(t, evaluation);
+  evaluator.evaluate(t, evaluation);
   EXPECT_LT(evaluation.constraint.tail(12).cwiseAbs().maxCoeff(), 1e-14);
   EXPECT_NEAR(evaluation.cost[4], 0.5 * 0.2 * 0.2, 1e-12);
 }

@@ -42,12 +42,12 @@ TEST_P(BadOverride, IsNamedInsideTheSetting) {
 
 INSTANTIATE_TEST_SUITE_P(
     Classes, BadOverride,
-    testing::Values(BadSetting{"solver.max_iterations", 1, "is no setting"},
-                    BadSetting{"=3", 1, "is no setting"},
+    testing::Values(BadSetting{"solver.max_iterations", 1, "is not a setting"},
+                    BadSetting{"=3", 1, "is not a setting"},
                     BadSetting{"solver..name=x", 8, "a name in the key path is empty"},
-                    BadSetting{"solver.max_iteration=3", 8, "there is no key 'max_iteration'"},
-                    BadSetting{"solver.max_iterations=many", 23, "'many' is no number"},
-                    BadSetting{"phases.2.dt=1", 8, "'2' is no index into a list of 2"},
+                    BadSetting{"solver.max_iteration=3", 8, "unknown key 'max_iteration'"},
+                    BadSetting{"solver.max_iterations=many", 23, "'many' is not a number"},
+                    BadSetting{"phases.2.dt=1", 8, "'2' is not an index into a list of 2"},
                     BadSetting{"name.x=1", 6, "leads into a word"},
                     BadSetting{"costs.effort.weight=&a 1", 21, "anchors"},
                     BadSetting{"costs.effort.weight=", 21, "is expected here, not nothing"}));

@@ -7,7 +7,7 @@
 
 #include "problem_file/build/build_problem.hpp"
 #include "problem_file/spec/residual_kind.hpp"
-#include "problem_file/yaml/other_words.hpp"
+#include "problem_file/yaml/synonyms.hpp"
 #include "problem_text.hpp"
 #include "schema_document.hpp"
 #include "solvers/common/option_table.hpp"
@@ -103,7 +103,7 @@ TEST(Schema, HasEveryWordThatStandsForOneOfAnotherTool) {
   std::set<std::string> words;
   collect_words(load_schema(), words);
   EXPECT_TRUE(words.count("frame_placement") && words.count("at_least"));
-  for (const OtherWords& entry : other_words())
+  for (const Synonyms& entry : synonyms())
     EXPECT_TRUE(words.count(std::string(entry.ours))) << entry.ours;
 }
 
@@ -112,7 +112,7 @@ std::set<std::string> accepted_keys(const std::string& text) {
   Diagnostics out;
   read_problem_text(text, kProblems / "test.yaml", {}, out);
   for (const Diagnostic& d : out.list())
-    if (d.message.find("there is no key 'zzzzzzzz'") == 0)
+    if (d.message.find("unknown key 'zzzzzzzz'") == 0)
       return {d.accepted.begin(), d.accepted.end()};
   return {};
 }

@@ -63,7 +63,7 @@ void expect_error(const char* from, const char* to, const std::string& message) 
 }
 
 TEST(ShapePairs, ThatCannotBeAreRefusedWithTheirPlaces) {
-  expect_error("pairs: all", "pairs: [[hand, bell]]", "15:52: there is no shape 'bell'");
+  expect_error("pairs: all", "pairs: [[hand, bell]]", "15:52: unknown shape 'bell'");
   expect_error("pairs: all", "pairs: [[upper, elbow]]",
                "15:46: 'upper' and 'elbow' do not move against each other");
   expect_error("pairs: all", "pairs: [[ball, floor]]", "do not move against each other");

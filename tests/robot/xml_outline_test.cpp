@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "base/near_names.hpp"
+#include "base/spelling.hpp"
 
 namespace conddp {
 namespace {
@@ -54,8 +54,8 @@ TEST(NearNames, CountEditsAndSwaps) {
 
 TEST(NearNames, AreTheNearestOnesOrAllThereAre) {
   const std::vector<std::string> legs{"LF_HAA", "LF_HFE", "RF_HAA", "tail"};
-  EXPECT_EQ(near_names("LF_HA", legs).front(), "LF_HAA");
-  EXPECT_TRUE(near_names("wing_tip", legs).empty());
+  EXPECT_EQ(similar_names("LF_HA", legs).front(), "LF_HAA");
+  EXPECT_TRUE(similar_names("wing_tip", legs).empty());
   EXPECT_EQ(name_hint("tial", legs, "joints"), "did you mean 'tail'?");
   EXPECT_EQ(name_hint("wing_tip", legs, "joints"), "joints: LF_HAA, LF_HFE, RF_HAA, tail");
   EXPECT_EQ(name_hint("a", {}, "joints"), "there are no joints");

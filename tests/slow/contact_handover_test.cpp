@@ -98,7 +98,7 @@ class HandOver {
   void expect_refined(const char* name) {
     const SolverInfo& solver = *find_solver(name);
     ScheduleOptions options{.solver = name,
-                            .keeps_constraints = solver.constraints == ConstraintSupport::all,
+                            .supports_constraints = solver.constraints == ConstraintSupport::all,
                             .folder = ::testing::TempDir()};
     options.solution = options.folder / (answer_.spec.name.value + "_solution.json");
     std::ofstream(options.solution) << answer_.document.dump();

@@ -312,7 +312,7 @@ TEST(DraggedBlock, Arrives) {
 TEST(ContactsThatAreFound, AreRefusedByAllSolversButIpopt) {
   const ReadyProblem ready("block_slope");
   for (const SolverInfo& solver : solvers()) {
-    const auto reason = refuse(solver, *ready.built.problem);
+    const auto reason = unsupported(solver, *ready.built.problem);
     if (solver.name == "ipopt") {
       EXPECT_FALSE(reason) << *reason;
       continue;

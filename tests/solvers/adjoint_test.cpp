@@ -38,13 +38,13 @@ struct PendulumIterate {
       trajectory.x(k + 1) = next;
       if (with_gaps) trajectory.x(k + 1) += Eigen::Vector2d(random.uniform(-1, 1), 0.2);
     }
-    acts().differentiate(trajectory, linearization);
+    evaluator().differentiate(trajectory, linearization);
     gaps.set(linearization, true);
     adjoint.compute(linearization, trajectory, gaps, feedback);
   }
-  Acts& acts() {
-    if (!acts_) acts_ = std::make_unique<Acts>(problem);
-    return *acts_;
+  Evaluator& evaluator() {
+    if (!evaluator_) evaluator_ = std::make_unique<Evaluator>(problem);
+    return *evaluator_;
   }
 
   /// The derivative of the cost from node `first` on by that node's state (entry), by the policy's
@@ -81,7 +81,7 @@ struct PendulumIterate {
   Trajectory trajectory;
 
  private:
-  std::unique_ptr<Acts> acts_;
+  std::unique_ptr<Evaluator> evaluator_;
 };
 
 using By = PendulumIterate::By;
@@ -229,13 +229,13 @@ TEST(PlainAdjoint, StationarityIsAlongTheGainsOfTheCostsAlone) {
     row_gradient.emplace_back(end.transpose() * nu.tail(1));
 
     const ControlBounds bounds(problem);
-    Acts acts(problem);
+    Evaluator evaluator(problem);
     Linearization linearization(problem);
-    acts.differentiate(trajectory, linearization);
+    evaluator.differentiate(trajectory, linearization);
     Gaps gaps(problem);
     gaps.set(linearization, true);
     PlainAdjoint plain(problem, bounds);
-    const std::optional<double> found = plain.stationarity(acts, trajectory, gaps, {}, nu);
+    const std::optional<double> found = plain.stationarity(evaluator, trajectory, gaps, {}, nu);
     ASSERT_TRUE(found);
     const Eigen::VectorXd expected = gradient_along_plain_gains(lq, trajectory, row_gradient);
     EXPECT_NEAR(*found, expected.lpNorm<Eigen::Infinity>(), 1e-10);
@@ -248,15 +248,15 @@ TEST(PlainAdjoint, ThereIsNoneWhereTheCostsHaveNoMinimumHoweverRegularised) {
       tracking_problem(linear_system(one, one, Eigen::VectorXd::Zero(1)), Integrator::discrete, 2,
                        1, {1}, {{0}, {0}, {-4}, {0}, false});
   const ControlBounds bounds(problem);
-  Acts acts(problem);
+  Evaluator evaluator(problem);
   PlainAdjoint plain(problem, bounds);
   const Trajectory trajectory = constant_controls(problem, 1);
   const Eigen::VectorXd none(0);
   SolverOptions::Regularization regularization{.kind = RegularizationKind::control, .max = 3.9};
-  EXPECT_FALSE(plain.stationarity(acts, trajectory, Gaps(problem), regularization, none));
+  EXPECT_FALSE(plain.stationarity(evaluator, trajectory, Gaps(problem), regularization, none));
   // From a weight of 4 on there is one. The gradient −4 u has no part of the weight.
   regularization.max = 100;
-  const auto found = plain.stationarity(acts, trajectory, Gaps(problem), regularization, none);
+  const auto found = plain.stationarity(evaluator, trajectory, Gaps(problem), regularization, none);
   ASSERT_TRUE(found);
   EXPECT_DOUBLE_EQ(*found, 4);
 }

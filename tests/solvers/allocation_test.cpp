@@ -118,7 +118,7 @@ TEST(Allocation, NoneInAnIterationAfterTheFirst) {
   for (const auto& [name, problem, u] : cases) {
     for (const SolverInfo& solver : solvers()) {
       // The library Ipopt allocates as it likes.
-      if (solver.name == "ipopt" || refuse(solver, problem)) continue;
+      if (solver.name == "ipopt" || unsupported(solver, problem)) continue;
       for (HessianChoice hessian :
            {HessianChoice::automatic, HessianChoice::gauss_newton, HessianChoice::exact}) {
         if (hessian == HessianChoice::exact && !solver.exact_hessian) continue;
@@ -131,7 +131,7 @@ TEST(Allocation, NoneInAnIterationAfterTheFirst) {
           options.regularization.kind = kind;
           // From states without gaps, as exact Hessians wait for those to close.
           Trajectory guess = testing::constant_controls(problem, u);
-          ASSERT_EQ(Acts(problem).simulate(guess), -1);
+          ASSERT_EQ(Evaluator(problem).simulate(guess), -1);
           const Count count = count_allocations(problem, solver, guess, options);
           EXPECT_GE(count.iterations, 5) << name << ' ' << solver.name;
           EXPECT_EQ(count.allocations, 0) << name << ' ' << solver.name;
@@ -232,7 +232,7 @@ TEST(Allocation, NoneWithExactHessiansOfARobotByParts) {
     options.max_iterations = 30;
     options.hessian = HessianChoice::exact;
     Trajectory guess = testing::constant_controls(problem, 0);
-    ASSERT_EQ(Acts(problem).simulate(guess), -1);
+    ASSERT_EQ(Evaluator(problem).simulate(guess), -1);
     const Count count = count_allocations(problem, *find_solver(solver), guess, options);
     EXPECT_GE(count.iterations, 3) << solver;
     EXPECT_EQ(count.allocations, 0) << solver;

@@ -29,7 +29,7 @@ TEST(Altro, ReachesThePublishedOptimaExactly) {
     for (const bool closed : {false, true}) {
       Trajectory guess = testing::constant_controls(problem, control);
       if (closed) {
-        ASSERT_EQ(Acts(problem).simulate(guess), -1);
+        ASSERT_EQ(Evaluator(problem).simulate(guess), -1);
       }
       const SolveResult result = solve(problem, "altro", altro_options(), guess);
       EXPECT_EQ(result.status, SolveStatus::converged) << name << ": " << result.message;
@@ -77,7 +77,7 @@ TEST(Altro, SolvesConvexProblemsAsAnIndependentMethodDoes) {
 TEST(Registry, SolversWithoutConstraintsNameTheOneThatHasThem) {
   const auto cases = testing::published_cases();
   for (const SolverInfo& solver : solvers()) {
-    const auto reason = refuse(solver, cases[0].problem);
+    const auto reason = unsupported(solver, cases[0].problem);
     EXPECT_EQ(reason.has_value(), solver.constraints != ConstraintSupport::all) << solver.name;
     if (!reason) continue;
     EXPECT_NE(reason->find("'speed'"), std::string::npos) << *reason;

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "ocp/evaluation/acts.hpp"
+#include "ocp/evaluation/evaluator.hpp"
 #include "support/dense_convex.hpp"
 
 namespace conddp {
@@ -40,16 +40,16 @@ TEST_P(AugmentationChanges, AreThoseOfDifferentiation) {
       cut.weight = 0.5;
     }
     const ShootingProblem problem = with_constraints(*lq.problem, list);
-    Acts acts(problem);
+    Evaluator evaluator(problem);
     Linearization changed(problem), expected(problem);
     AugmentationChange change(problem);
     const Trajectory trajectory = problem.create_trajectory();
     Augmentation from = random_augmentation(problem, random);
-    acts.differentiate(trajectory, changed, &from);
+    evaluator.differentiate(trajectory, changed, &from);
     for (int i = 0; i < 10; ++i) {
       const Augmentation to = random_augmentation(problem, random);
       EXPECT_TRUE(change.apply(from, to, changed));
-      acts.differentiate(trajectory, expected, &to);
+      evaluator.differentiate(trajectory, expected, &to);
       EXPECT_NEAR(changed.augmentation.sum(), expected.augmentation.sum(),
                   1e-11 * expected.augmentation.sum());
       for (int k = 0; k <= problem.knots(); ++k) {

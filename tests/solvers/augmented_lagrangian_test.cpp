@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "ocp/evaluation/acts.hpp"
+#include "ocp/evaluation/evaluator.hpp"
 #include "support/conic_problems.hpp"
 
 namespace conddp::testing {

@@ -188,7 +188,7 @@ TEST(ChosenStart, OfAPeriodicMotionIsThatOfTheDenseOptimumWithItsMultipliers) {
 TEST(ChosenStart, OfAPeriodicMotionIsRefusedByNameWhereNothingKeepsIt) {
   const LinearQuadratic lq(1, 3, {2}, 4, -kFree, kFree);
   const ShootingProblem problem = choosing(lq, kFree, {{0, 0}});
-  const auto refusal = refuse(*find_solver("box_fddp"), problem);
+  const auto refusal = unsupported(*find_solver("box_fddp"), problem);
   ASSERT_TRUE(refusal);
   EXPECT_NE(refusal->find("'cycle'"), std::string::npos) << *refusal;
   EXPECT_NE(refusal->find("altro"), std::string::npos) << *refusal;

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "ocp/evaluation/acts.hpp"
+#include "ocp/evaluation/evaluator.hpp"
 #include "ocp/residuals/residuals.hpp"
 #include "solvers/constraints/augmented_lagrangian.hpp"
 #include "support/constrained_problems.hpp"
@@ -35,8 +35,8 @@ struct Linearized {
   Linearization linearization{problem};
   explicit Linearized(double penalty)
       : constraints(problem, first_penalty(penalty), MultiplierSchedule::always) {
-    Acts(problem).differentiate(problem.create_trajectory(), linearization,
-                                &constraints.augmentation());
+    Evaluator(problem).differentiate(problem.create_trajectory(), linearization,
+                                     &constraints.augmentation());
   }
 };
 

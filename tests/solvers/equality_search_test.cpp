@@ -17,7 +17,7 @@ namespace {
 struct EqualityIterate {
   explicit EqualityIterate(const ShootingProblem& problem)
       : bounds(problem),
-        acts(problem),
+        evaluator(problem),
         linearization(problem),
         gaps(problem),
         trajectory(testing::random_guess(problem, 3, 0.3)),
@@ -28,7 +28,7 @@ struct EqualityIterate {
         step(problem, bounds),
         search(problem, {}) {
     lagrangian.start(Eigen::VectorXd::LinSpaced(problem.constraint_rows(), -1, 2));
-    acts.differentiate(trajectory, linearization, &lagrangian.augmentation());
+    evaluator.differentiate(trajectory, linearization, &lagrangian.augmentation());
     lagrangian.measure(linearization.constraint);
     gaps.set(linearization, true);
     EXPECT_EQ(sweep.run(linearization, trajectory, gaps, {}, stages, feedback), -1);
@@ -39,13 +39,13 @@ struct EqualityIterate {
                    step, step.curvature(linearization), merit);
   }
   double merit_of(const Trajectory& trial) {
-    Evaluation evaluation(acts.problem());
-    acts.evaluate(trial, evaluation);
+    Evaluation evaluation(evaluator.problem());
+    evaluator.evaluate(trial, evaluation);
     return evaluation.cost.sum() +
            merit.penalty * search.infeasibility(evaluation.gap, evaluation.constraint);
   }
   ControlBounds bounds;
-  Acts acts;
+  Evaluator evaluator;
   Linearization linearization;
   Gaps gaps;
   Trajectory trajectory;
@@ -85,7 +85,7 @@ TEST(EqualitySearch, TakesTheTrialThatLowersTheMeritMore) {
   EqualityIterate iterate(problem);
   Trajectory trajectory = iterate.trajectory;
   const LineSearchResult found =
-      iterate.search.run(iterate.acts, iterate.merit, iterate.linearization, iterate.step,
+      iterate.search.run(iterate.evaluator, iterate.merit, iterate.linearization, iterate.step,
                          iterate.feedback, 1, trajectory);
   ASSERT_TRUE(found.accepted);
   EXPECT_NEAR(iterate.merit.value() - iterate.merit_of(trajectory), found.actual_decrease,
@@ -93,8 +93,8 @@ TEST(EqualitySearch, TakesTheTrialThatLowersTheMeritMore) {
   double steps[kLaneWidth];
   for (double& step : steps) step = found.step;
   LaneRollout lanes(problem);
-  iterate.acts.roll_out(iterate.trajectory, iterate.linearization.gap, iterate.feedback, steps,
-                        {.contract_gaps = true}, lanes);
+  iterate.evaluator.roll_out(iterate.trajectory, iterate.linearization.gap, iterate.feedback, steps,
+                             {.contract_gaps = true}, lanes);
   Trajectory rolled = problem.create_trajectory();
   lanes.extract(0, rolled);
   // A rollout that leaves the finite numbers is no better either.

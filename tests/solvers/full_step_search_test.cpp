@@ -16,9 +16,9 @@ struct Tried {
         const SolverOptions::Tolerances& tolerances = {})
       : problem(given),
         bounds(problem),
-        acts(problem),
+        evaluator(problem),
         record(problem, options, false),
-        iterate(problem, bounds, acts, recipe, options, record),
+        iterate(problem, bounds, evaluator, recipe, options, record),
         direction(problem, bounds, {}, {}),
         search(problem, bounds, tolerances) {
     record.begin();
@@ -39,7 +39,7 @@ struct Tried {
   SolverOptions options;
   DdpRecipe recipe{.open_gaps = true};
   ControlBounds bounds;
-  Acts acts;
+  Evaluator evaluator;
   SolveRecord record;
   Iterate iterate;
   Direction direction;
@@ -164,7 +164,7 @@ TEST(FullStepSearch, GapsAreClosedWhereThatIsAskedFor) {
     // Derivatives that are said to be there are those of the new iterate.
     if (!at.iterate.differentiated) continue;
     Linearization fresh(problem);
-    at.acts.differentiate(at.iterate.trajectory, fresh);
+    at.evaluator.differentiate(at.iterate.trajectory, fresh);
     for (int k = 0; k <= plain.knots; ++k)
       EXPECT_EQ(at.iterate.linearization.knots[k].gradient, fresh.knots[k].gradient) << k;
   }

@@ -13,7 +13,7 @@ constexpr double kTolerance = 1e-6;
 
 /// A solve that watches its convergence; costs stand still.
 struct Watched {
-  Watched() : problem(testing::quadrotor_move()), acts(problem), linearization(problem) {
+  Watched() : problem(testing::quadrotor_move()), evaluator(problem), linearization(problem) {
     choice.reset();
     choice.watch(row);
   }
@@ -30,9 +30,9 @@ struct Watched {
     return most;
   }
   ShootingProblem problem;
-  Acts acts;
+  Evaluator evaluator;
   Linearization linearization;
-  HessianSwitch choice{HessianUse::when_slow, kTolerance, acts, linearization};
+  HessianSwitch choice{HessianUse::when_slow, kTolerance, evaluator, linearization};
   IterationRecord row{.cost = 1, .stationarity = 1};
 };
 

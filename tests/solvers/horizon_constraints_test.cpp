@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "ocp/evaluation/acts.hpp"
+#include "ocp/evaluation/evaluator.hpp"
 #include "solvers/strategies/registry.hpp"
 #include "support/conic_problems.hpp"
 #include "support/small_problems.hpp"
@@ -19,7 +19,7 @@ struct Horizon {
         constraints(*conic.problem) {
     const ShootingProblem& problem = *conic.problem;
     augmentation.penalty.setOnes();
-    Acts(problem).differentiate(problem.create_trajectory(), linearization, &augmentation);
+    Evaluator(problem).differentiate(problem.create_trajectory(), linearization, &augmentation);
     for (int k = 0; k <= problem.knots(); ++k)
       z.push_back(Eigen::VectorXd::Zero(problem.knot(k).model->nz()));
     constraints.start(linearization, &augmentation);

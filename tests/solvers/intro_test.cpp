@@ -190,7 +190,7 @@ TEST(Intro, ContradictionsEndAsInfeasible) {
 TEST(Intro, RefusesInequalitiesByName) {
   const LinearQuadratic lq(3, 4, {3, 2}, 8, -testing::kFree, testing::kFree);
   const ShootingProblem problem = with_constraints(*lq.problem, testing::cuts(lq));
-  const auto reason = refuse(*find_solver("intro"), problem);
+  const auto reason = unsupported(*find_solver("intro"), problem);
   ASSERT_TRUE(reason);
   EXPECT_NE(reason->find("intro cannot keep the inequality 'cone'"), std::string::npos) << *reason;
   EXPECT_NE(reason->find("; altro, proxddp, ipopt can"), std::string::npos) << *reason;

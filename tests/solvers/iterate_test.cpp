@@ -15,9 +15,9 @@ struct Standing {
       : recipe(given),
         problem(plain.problem()),
         bounds(problem),
-        acts(problem),
+        evaluator(problem),
         record(problem, options, false),
-        iterate(problem, bounds, acts, recipe, options, record) {
+        iterate(problem, bounds, evaluator, recipe, options, record) {
     record.begin();
     iterate.reset();
     iterate.trajectory = constant_controls(problem, 1.5);
@@ -40,7 +40,7 @@ struct Standing {
   SolverOptions options;
   ShootingProblem problem;
   ControlBounds bounds;
-  Acts acts;
+  Evaluator evaluator;
   SolveRecord record;
   Iterate iterate;
 };

@@ -60,7 +60,7 @@ TEST(LowRankUpdate, AddsTheDenseProductWhateverTheNumberOfRows) {
 TEST(LowRankUpdate, TellsTheHessianThatMoreThanTheCostsEntriesAreFilled) {
   const ShootingProblem problem = problem_with_rows(1);
   Linearization linearization(problem);
-  Acts(problem).differentiate(problem.create_trajectory(), linearization);
+  Evaluator(problem).differentiate(problem.create_trajectory(), linearization);
   KnotHessian& hessian = linearization.knots[0].hessian;
   ASSERT_EQ(hessian.fill(), HessianFill::lasting);
   const Eigen::MatrixXd before = hessian();

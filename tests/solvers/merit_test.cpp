@@ -14,7 +14,7 @@ namespace {
 struct SweptIterate {
   SweptIterate(const ShootingProblem& problem, Trajectory guess, bool box)
       : bounds(problem),
-        acts(problem),
+        evaluator(problem),
         linearization(problem),
         gaps(problem),
         trajectory(std::move(guess)),
@@ -23,7 +23,7 @@ struct SweptIterate {
         policy(box ? box_stage(problem, {}) : unconstrained_stage(problem)),
         feedback(problem),
         rollout(problem, bounds) {
-    acts.differentiate(trajectory, linearization);
+    evaluator.differentiate(trajectory, linearization);
     gaps.set(linearization, true);
     EXPECT_EQ(sweep.run(linearization, trajectory, gaps, {}, *policy, feedback), -1);
     adjoint.compute(linearization, trajectory, gaps, feedback);
@@ -33,12 +33,12 @@ struct SweptIterate {
   double cost(double step, LaneRollout& lanes, bool clamp = false) {
     double steps[kLaneWidth];
     for (double& s : steps) s = step;
-    acts.roll_out(trajectory, linearization.gap, feedback, steps,
-                  {.contract_gaps = true, .clamp_controls = clamp}, lanes);
+    evaluator.roll_out(trajectory, linearization.gap, feedback, steps,
+                       {.contract_gaps = true, .clamp_controls = clamp}, lanes);
     return lanes.cost[0];
   }
   ControlBounds bounds;
-  Acts acts;
+  Evaluator evaluator;
   Linearization linearization;
   Gaps gaps;
   Trajectory trajectory;
@@ -52,7 +52,7 @@ struct SweptIterate {
 /// What a quadrotor's states become under constant controls: no gaps.
 Trajectory simulated_guess(const ShootingProblem& problem) {
   Trajectory guess = testing::constant_controls(problem, 1.3);
-  EXPECT_EQ(Acts(problem).simulate(guess), -1);
+  EXPECT_EQ(Evaluator(problem).simulate(guess), -1);
   return guess;
 }
 
@@ -115,13 +115,13 @@ TEST(FullStep, ALastTrialLeavesTheDerivativesOfTheNextIterate) {
     EXPECT_LT((evaluated.gap() - differentiated.gap()).norm(), 1e-14);
     EXPECT_NEAR(evaluated.cost(), differentiated.cost(), 1e-14 * evaluated.cost());
   };
-  evaluated.take(at.acts, at.rollout, Trial::evaluate, at.linearization, plain);
-  differentiated.take(at.acts, at.rollout, Trial::evaluate, linearization, ahead);
+  evaluated.take(at.evaluator, at.rollout, Trial::evaluate, at.linearization, plain);
+  differentiated.take(at.evaluator, at.rollout, Trial::evaluate, linearization, ahead);
   compare();
-  evaluated.correct(at.acts, at.feedback, Trial::evaluate, at.linearization, plain);
-  differentiated.correct(at.acts, at.feedback, Trial::differentiate, linearization, ahead);
+  evaluated.correct(at.evaluator, at.feedback, Trial::evaluate, at.linearization, plain);
+  differentiated.correct(at.evaluator, at.feedback, Trial::differentiate, linearization, ahead);
   compare();
-  at.acts.differentiate(ahead, expected);
+  at.evaluator.differentiate(ahead, expected);
   for (int k = 0; k <= problem.knots(); ++k) {
     EXPECT_EQ(linearization.knots[k].F, expected.knots[k].F) << k;
     EXPECT_EQ(linearization.knots[k].gradient, expected.knots[k].gradient) << k;
@@ -129,8 +129,8 @@ TEST(FullStep, ALastTrialLeavesTheDerivativesOfTheNextIterate) {
   }
   // From there gaps close by the derivatives that are there now, faster than by those before.
   const double before = differentiated.gap().norm();
-  evaluated.correct(at.acts, at.feedback, Trial::evaluate, at.linearization, plain);
-  differentiated.correct(at.acts, at.feedback, Trial::evaluate, linearization, ahead);
+  evaluated.correct(at.evaluator, at.feedback, Trial::evaluate, at.linearization, plain);
+  differentiated.correct(at.evaluator, at.feedback, Trial::evaluate, linearization, ahead);
   EXPECT_LT(differentiated.gap().norm(), 0.1 * evaluated.gap().norm());
   EXPECT_LT(differentiated.gap().norm(), 1e-3 * before);
 }
@@ -161,15 +161,15 @@ TEST(FullStep, EveryCorrectionTakesTheGapsOneOrderDown) {
     for (Eigen::VectorXd& k : scaled.k) k *= size;
     at.rollout.run(at.linearization, at.trajectory, at.gaps, scaled, false);
     Trajectory trajectory = at.trajectory;
-    moved.take(at.acts, at.rollout, Trial::evaluate, at.linearization, trajectory);
+    moved.take(at.evaluator, at.rollout, Trial::evaluate, at.linearization, trajectory);
     std::vector<double> gaps{moved.gap().norm()};
     for (int i = 0; i < kCorrections; ++i) {
-      moved.correct(at.acts, scaled, Trial::evaluate, at.linearization, trajectory);
+      moved.correct(at.evaluator, scaled, Trial::evaluate, at.linearization, trajectory);
       gaps.push_back(moved.gap().norm());
     }
     EXPECT_DOUBLE_EQ(moved.cost(), [&] {
       Evaluation evaluation(problem);
-      at.acts.evaluate(trajectory, evaluation);
+      at.evaluator.evaluate(trajectory, evaluation);
       return evaluation.cost.sum();
     }());
     return gaps;
@@ -212,7 +212,7 @@ TEST(Merit, GapsContractByOneMinusTheStepExactly) {
     at.cost(step, lanes);
     ASSERT_EQ(lanes.first_bad_knot[0], -1);
     lanes.extract(0, next);
-    at.acts.evaluate(next, evaluation);
+    at.evaluator.evaluate(next, evaluation);
     const Eigen::MatrixXd expected = (1 - step) * at.linearization.gap;
     EXPECT_LE((evaluation.gap - expected).lpNorm<Eigen::Infinity>(), 1e-12) << step;
   }
@@ -221,7 +221,7 @@ TEST(Merit, GapsContractByOneMinusTheStepExactly) {
 TEST(LineSearch, TakesTheSameStepAloneAsInLanes) {
   const ShootingProblem problem = testing::quadrotor_move();
   Trajectory guess = testing::constant_controls(problem, 1.3);
-  Acts(problem).simulate(guess);
+  Evaluator(problem).simulate(guess);
   SweptIterate at(problem, guess, false);
   LineSearch search(problem, {});
   constexpr double kShort = 0.1;  // where the model is good
@@ -229,7 +229,7 @@ TEST(LineSearch, TakesTheSameStepAloneAsInLanes) {
   const MeritModel merit{.cost = at.linearization.total_cost(),
                          .slope = kShort * at.rollout.slope()};
   const auto run = [&](const MeritModel& by, Trajectory& trajectory) {
-    return search.run(at.acts, by, at.adjoint, at.linearization.gap, at.feedback, {}, 1,
+    return search.run(at.evaluator, by, at.adjoint, at.linearization.gap, at.feedback, {}, 1,
                       trajectory);
   };
   Trajectory alone = guess, in_lanes = guess, none = guess;

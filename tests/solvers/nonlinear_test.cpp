@@ -16,7 +16,7 @@ using testing::constant_controls;
 /// The largest difference between ∇_u J by central differences of the simulated cost and the
 /// control gradient that a result reports.
 double gradient_error(const ShootingProblem& problem, const SolveResult& result, double h) {
-  Acts acts(problem);
+  Evaluator evaluator(problem);
   Evaluation evaluation(problem);
   double worst = 0;
   for (int k = 0; k < problem.knots(); k += 7) {
@@ -25,8 +25,8 @@ double gradient_error(const ShootingProblem& problem, const SolveResult& result,
       for (int side : {0, 1}) {
         Trajectory moved = result.trajectory;
         moved.u(k)[i] += side == 0 ? -h : h;
-        EXPECT_EQ(acts.simulate(moved), -1);
-        acts.evaluate(moved, evaluation);
+        EXPECT_EQ(evaluator.simulate(moved), -1);
+        evaluator.evaluate(moved, evaluation);
         cost[side] = evaluation.cost.sum();
       }
       const double numeric = (cost[1] - cost[0]) / (2 * h);
@@ -112,7 +112,7 @@ TEST(Nonlinear, TheSixConvergeOnCartpoleSwingUp) {
        kSmallSizes ? std::vector{3.0} : std::vector{testing::kFree, 10.0, 3.0}) {
     const ShootingProblem problem = testing::cartpole_swing_up(limit);
     for (const SolverInfo& solver : solvers()) {
-      if (refuse(solver, problem) || solver.control_bounds == BoundSupport::clipped) continue;
+      if (unsupported(solver, problem) || solver.control_bounds == BoundSupport::clipped) continue;
       const SolveResult result = solve(problem, solver, {}, constant_controls(problem, 0.01));
       EXPECT_EQ(result.status, SolveStatus::converged)
           << solver.name << " limit " << limit << ": " << result.message;
@@ -161,7 +161,7 @@ TEST(Nonlinear, ThreadsDoNotChangeABit) {
   for (const auto& [name, problem, control] : cases) {
     const Trajectory guess = constant_controls(problem, control);
     for (const char* solver : {"ilqr_clip", "box_ddp", "fddp", "box_fddp"}) {
-      if (refuse(*find_solver(solver), problem)) continue;
+      if (unsupported(*find_solver(solver), problem)) continue;
       const auto run = [&](int threads) {
         return solve(problem, solver, {.max_iterations = 60, .threads = threads}, guess);
       };

@@ -13,7 +13,7 @@ namespace {
 struct Step {
   Step(const ShootingProblem& problem, const Trajectory& from, int horizon_sweeps = 60)
       : bounds(problem),
-        acts(problem),
+        evaluator(problem),
         linearization(problem),
         gaps(problem),
         adjoint(problem, bounds),
@@ -22,7 +22,7 @@ struct Step {
         search(problem, bounds, {}, true),
         trajectory(from) {
     for (int i = 0; i < problem.nx(); ++i) trajectory.x(0)[i] = problem.initial_state()[i];
-    acts.differentiate(trajectory, linearization);
+    evaluator.differentiate(trajectory, linearization);
     gaps.set(linearization, true);
     EXPECT_LT(direction.find(linearization, trajectory, gaps, adjoint, {}), 0);
     merit.cost = linearization.total_cost();
@@ -32,18 +32,18 @@ struct Step {
     merit.penalty = search.weigh(merit, direction.curvature(linearization));
   }
   LineSearchResult run() {
-    return search.run(acts, merit, linearization, direction, nullptr, trajectory);
+    return search.run(evaluator, merit, linearization, direction, nullptr, trajectory);
   }
   /// Of the trajectory, by an evaluation that the search has no part in.
   double merit_value() {
     Evaluation evaluation(problem());
-    acts.evaluate(trajectory, evaluation);
+    evaluator.evaluate(trajectory, evaluation);
     return evaluation.cost.sum() + merit.penalty * evaluation.gap.lpNorm<1>();
   }
-  const ShootingProblem& problem() const { return acts.problem(); }
+  const ShootingProblem& problem() const { return evaluator.problem(); }
 
   ControlBounds bounds;
-  Acts acts;
+  Evaluator evaluator;
   Linearization linearization;
   Gaps gaps;
   Adjoint adjoint;

@@ -21,7 +21,7 @@ struct NewtonCase {
   NewtonCase()
       : sqp{.plain = {.limit = kLimit}},
         problem(sqp.problem()),
-        acts(problem),
+        evaluator(problem),
         solution(sqp.solution(sqp.simulated(2.2), problem)) {}
 
   /// The solution and something more, states and controls apart.
@@ -42,7 +42,7 @@ struct NewtonCase {
 
   PlainSqp sqp;
   ShootingProblem problem;
-  Acts acts;
+  Evaluator evaluator;
   PlainSqp::Point solution;
 };
 
@@ -58,7 +58,7 @@ TEST(ProjectedNewton, AStepIsThatOfTheDenseQuadraticProgramWithTheExactHessian) 
   for (const double size : {0.2, 0.05, 1e-3}) {
     SCOPED_TRACE(size);
     NewtonCase at;
-    ProjectedNewton newton(at.problem, at.acts);
+    ProjectedNewton newton(at.problem, at.evaluator);
     PlainSqp::Point from = at.near(size);
     at.start(newton, from);
     // Those of rows that do not count are zero.
@@ -76,7 +76,7 @@ TEST(ProjectedNewton, AStepIsThatOfTheDenseQuadraticProgramWithTheExactHessian) 
 
 TEST(ProjectedNewton, StepsConvergeQuadratically) {
   NewtonCase at;
-  ProjectedNewton newton(at.problem, at.acts);
+  ProjectedNewton newton(at.problem, at.evaluator);
   at.start(newton, at.near(0.2));
   double error = at.solution.distance(newton.trajectory());
   EXPECT_GT(error, 0.1);
@@ -118,8 +118,8 @@ TEST(ProjectedNewton, StepsConvergeQuadraticallyOnCurvedRows) {
   const auto error = [&](const Trajectory& t) {
     return (controls_of(t) - controls_of(solution.trajectory)).lpNorm<Eigen::Infinity>();
   };
-  Acts acts(problem);
-  ProjectedNewton newton(problem, acts);
+  Evaluator evaluator(problem);
+  ProjectedNewton newton(problem, evaluator);
   newton.start(start, solution.constraint_multipliers,
                Eigen::VectorXd::Constant(problem.constraint_rows(), 10), Feedback(problem));
   // Multipliers are known exactly: the error of the first step is of second order, too.
@@ -131,7 +131,7 @@ TEST(ProjectedNewton, StepsConvergeQuadraticallyOnCurvedRows) {
 
 TEST(ProjectedNewton, NormsAreThoseOfTheIterate) {
   NewtonCase at;
-  ProjectedNewton newton(at.problem, at.acts);
+  ProjectedNewton newton(at.problem, at.evaluator);
   PlainSqp::Point p = at.near(0.1);
   p.x[3][1] = 1.05;
   p.multipliers[0] = 0.5;
@@ -195,7 +195,7 @@ TEST(ProjectedNewton, WhereTheExactHessianIsNotConvexItIsThatOfTheCosts) {
   const Eigen::MatrixXd Z = kept.fullPivLu().kernel();
   const Eigen::MatrixXd reduced = Z.transpose() * exact.S.transpose() * exact.H * exact.S * Z;
   ASSERT_LT(reduced.selfadjointView<Eigen::Lower>().eigenvalues().minCoeff(), -1e-3);
-  ProjectedNewton newton(at.problem, at.acts);
+  ProjectedNewton newton(at.problem, at.evaluator);
   at.start(newton, p);
   ASSERT_TRUE(newton.step(1e6));
   EXPECT_EQ(newton.active_rows(), 3);
@@ -204,7 +204,7 @@ TEST(ProjectedNewton, WhereTheExactHessianIsNotConvexItIsThatOfTheCosts) {
 
 TEST(ProjectedNewton, AnIterateStandsWhereNoStepLowersTheNorms) {
   NewtonCase at;
-  ProjectedNewton newton(at.problem, at.acts);
+  ProjectedNewton newton(at.problem, at.evaluator);
   at.start(newton, at.near(0.05));
   const Trajectory from = newton.trajectory();
   const Eigen::VectorXd multipliers = newton.multipliers();
@@ -234,9 +234,9 @@ struct PolishedSolve {
       : options{.max_iterations = max_iterations},
         bounds(at.problem),
         record(at.problem, options, true),
-        iterate(at.problem, bounds, at.acts, recipe, options, record),
+        iterate(at.problem, bounds, at.evaluator, recipe, options, record),
         outer(at.problem),
-        polish(at.problem, at.acts, options) {
+        polish(at.problem, at.evaluator, options) {
     const PlainSqp::Point p = at.near(size);
     iterate.trajectory = p.trajectory(at.problem);
     outer.known = at.sqp.rows(p.multipliers);

@@ -60,21 +60,21 @@ ShootingProblem integrator_problem(double u_weight) {
 struct Swept {
   explicit Swept(const ShootingProblem& problem)
       : bounds(problem),
-        acts(problem),
+        evaluator(problem),
         linearization(problem),
         gaps(problem),
         trajectory(problem.create_trajectory()),
         sweep(problem, bounds),
         policy(unconstrained_stage(problem)),
         feedback(problem) {
-    acts.differentiate(trajectory, linearization);
+    evaluator.differentiate(trajectory, linearization);
     gaps.set(linearization, true);
   }
   int run(RegularizationKind kind, double weight) {
     return sweep.run(linearization, trajectory, gaps, {kind, weight}, *policy, feedback);
   }
   ControlBounds bounds;
-  Acts acts;
+  Evaluator evaluator;
   Linearization linearization;
   Gaps gaps;
   Trajectory trajectory;
@@ -129,8 +129,8 @@ TEST(BackwardSweep, ValueIsTheCostOfThePolicyAlsoWhereItsGainsAreNotOptimal) {
   const ShootingProblem problem = integrator_problem(0.5);
   for (RegularizationKind kind : {RegularizationKind::state, RegularizationKind::control}) {
     Swept swept(problem);
-    ASSERT_EQ(swept.acts.simulate(swept.trajectory), -1);
-    swept.acts.differentiate(swept.trajectory, swept.linearization);
+    ASSERT_EQ(swept.evaluator.simulate(swept.trajectory), -1);
+    swept.evaluator.differentiate(swept.trajectory, swept.linearization);
     ASSERT_EQ(swept.run(kind, 2), -1);
     const auto cost_of_policy = [&](double dx) {
       double x = swept.trajectory.x(0)[0] + dx, cost = 0;
@@ -158,8 +158,8 @@ TEST(BackwardSweep, ValueIsTheCostOfThePolicyWhereAControlIsClamped) {
   Swept swept(problem);
   swept.policy = box_stage(problem, {});
   for (int k = 0; k < 3; ++k) swept.trajectory.u(k)[0] = 0.1;
-  ASSERT_EQ(swept.acts.simulate(swept.trajectory), -1);
-  swept.acts.differentiate(swept.trajectory, swept.linearization);
+  ASSERT_EQ(swept.evaluator.simulate(swept.trajectory), -1);
+  swept.evaluator.differentiate(swept.trajectory, swept.linearization);
   ASSERT_EQ(swept.run(RegularizationKind::control, 0), -1);
   EXPECT_GT(swept.policy->clamped_controls(), 0);
   EXPECT_EQ(swept.feedback.k[0][0], -bound - 0.1);

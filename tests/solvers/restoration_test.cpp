@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "ocp/evaluation/acts.hpp"
+#include "ocp/evaluation/evaluator.hpp"
 #include "ocp/evaluation/linearization.hpp"
 #include "solvers/constraints/violation_slope.hpp"
 #include "solvers/strategies/registry.hpp"
@@ -102,15 +102,15 @@ TEST(ViolationSlope, IsThatOfDifferences) {
                                .upper = {0.1},
                                .first = 5,
                                .last = 12}});
-  Acts acts(problem, 1);
+  Evaluator evaluator(problem, 1);
   Linearization linearization(problem);
   const ControlBounds bounds(problem);
   ViolationSlope slope(problem, bounds);
   Trajectory trajectory = testing::constant_controls(problem, 1);
   for (int k = 0; k < problem.knots(); ++k) trajectory.u(k)[0] = 2 * std::sin(1.0 + k);
   const auto violation = [&](Trajectory motion) {
-    EXPECT_EQ(acts.simulate(motion), -1);
-    acts.differentiate(motion, linearization);
+    EXPECT_EQ(evaluator.simulate(motion), -1);
+    evaluator.differentiate(motion, linearization);
     return slope.violation(linearization.constraint);
   };
   double largest = 1, sum = 0;
@@ -126,11 +126,11 @@ TEST(ViolationSlope, IsThatOfDifferences) {
     sum += std::abs(derivative) *
            (std::isfinite(bound) ? std::abs(trajectory.u(k)[0] - bound) : largest);
   }
-  EXPECT_EQ(acts.simulate(trajectory), -1);
+  EXPECT_EQ(evaluator.simulate(trajectory), -1);
   const double here = violation(trajectory);
   Gaps gaps(problem);
   gaps.set(linearization, true);
-  const double share = slope.share(acts, trajectory, gaps);
+  const double share = slope.share(evaluator, trajectory, gaps);
   EXPECT_GT(share, 0.1);
   EXPECT_NEAR(share, sum / here, 1e-6 * share);
 }

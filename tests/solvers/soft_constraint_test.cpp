@@ -41,7 +41,7 @@ std::vector<Added> soft_cuts(const LinearQuadratic& lq, Softness softness, doubl
 
 Eigen::VectorXd values_of(const ShootingProblem& problem, const SolveResult& result) {
   Evaluation evaluation(problem);
-  Acts(problem).evaluate(result.trajectory, evaluation);
+  Evaluator(problem).evaluate(result.trajectory, evaluation);
   return evaluation.constraint;
 }
 
@@ -107,7 +107,7 @@ TEST_P(SoftByDistance, CostsWhatItsDistancesCost) {
   const ShootingProblem problem = with_constraints(*lq.problem, soft_cuts(lq, Softness::l1, 0.3));
   const SolveResult result = solve_soft(problem, GetParam());
   Evaluation free(*lq.problem);
-  Acts(*lq.problem).evaluate(result.trajectory, free);
+  Evaluator(*lq.problem).evaluate(result.trajectory, free);
   double penalty = 0;
   const Eigen::VectorXd g = values_of(problem, result);
   for (const NodeConstraint& c : problem.soft_constraints()) {
@@ -187,13 +187,13 @@ TEST(SoftConstraints, AreRefusedOnlyWhereTheyAreNoCost) {
   const ShootingProblem by_square = with_constraints(*lq.problem, soft_cuts(lq, Softness::l2, 1));
   for (const SolverInfo& solver : solvers()) {
     const bool all = solver.constraints == ConstraintSupport::all;
-    EXPECT_EQ(refuse(solver, by_distance).has_value(), !all) << solver.name;
-    EXPECT_FALSE(refuse(solver, by_square)) << solver.name;
+    EXPECT_EQ(unsupported(solver, by_distance).has_value(), !all) << solver.name;
+    EXPECT_FALSE(unsupported(solver, by_square)) << solver.name;
   }
-  EXPECT_NE(
-      refuse(*find_solver("intro"), by_distance)->find("cannot keep the soft constraint 'cone'"),
-      std::string::npos)
-      << *refuse(*find_solver("intro"), by_distance);
+  EXPECT_NE(unsupported(*find_solver("intro"), by_distance)
+                ->find("cannot keep the soft constraint 'cone'"),
+            std::string::npos)
+      << *unsupported(*find_solver("intro"), by_distance);
 }
 
 }  // namespace

@@ -19,13 +19,13 @@ struct Checked {
   Checked(ShootingProblem given, bool constrained)
       : problem(std::move(given)),
         bounds(problem),
-        acts(problem),
+        evaluator(problem),
         record(problem, options, constrained),
-        iterate(problem, bounds, acts, recipe, options, record),
+        iterate(problem, bounds, evaluator, recipe, options, record),
         check(problem, bounds, options, constrained) {
     iterate.trajectory = problem.create_trajectory();
-    acts.simulate(iterate.trajectory);
-    acts.differentiate(iterate.trajectory, iterate.linearization);
+    evaluator.simulate(iterate.trajectory);
+    evaluator.differentiate(iterate.trajectory, iterate.linearization);
     check.reset();
   }
 
@@ -33,7 +33,7 @@ struct Checked {
   DdpRecipe recipe;
   ShootingProblem problem;
   ControlBounds bounds;
-  Acts acts;
+  Evaluator evaluator;
   SolveRecord record;
   Iterate iterate;
   StationarityCheck check;

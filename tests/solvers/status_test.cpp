@@ -68,7 +68,7 @@ TEST(Status, CostSettledEndsAFeasibleSolveOnceTheCostHardlyFalls) {
   const ShootingProblem problem = testing::cartpole_swing_up();
   constexpr double kShare = 1e-3;
   for (const SolverInfo& solver : solvers()) {
-    if (refuse(solver, problem)) continue;
+    if (unsupported(solver, problem)) continue;
     SCOPED_TRACE(solver.name);
     SolverOptions options;
     options.tolerances.stationarity = 1e-7;
@@ -146,7 +146,7 @@ TEST(Status, LongIterationsAreGivenUpHalfWayAtAWholeIterate) {
       EXPECT_EQ(result.log.back().cost, result.cost);
       EXPECT_EQ(result.log.back().stationarity, result.residuals.stationarity);
       Evaluation evaluation(problem);
-      Acts(problem).evaluate(result.trajectory, evaluation);
+      Evaluator(problem).evaluate(result.trajectory, evaluation);
       EXPECT_NEAR(evaluation.cost.sum(), result.cost, 1e-9 * result.cost);
       ended_at.insert(result.iterations);
     }
@@ -215,7 +215,7 @@ TEST(Status, GapsCloseWhereNothingCosts) {
     Trajectory guess = testing::constant_controls(problem, 1);
     for (int k = 1; k <= problem.knots(); ++k) guess.x(k)[0] = 0.3 * k;
     for (const SolverInfo& solver : solvers()) {
-      if (refuse(solver, problem)) continue;
+      if (unsupported(solver, problem)) continue;
       const SolveResult result = solve(problem, solver, {}, guess);
       EXPECT_EQ(result.status, SolveStatus::converged) << solver.name << ": " << result.message;
       if (solver.name != "ipopt") {
@@ -283,8 +283,8 @@ TEST(Solve, RefusesExactlyWhereASolverCannotKeepBounds) {
   const ShootingProblem bounded = testing::pendulum_swing_up(3);
   const ShootingProblem free = testing::pendulum_swing_up();
   for (const SolverInfo& solver : solvers()) {
-    EXPECT_FALSE(refuse(solver, free)) << solver.name;
-    EXPECT_EQ(refuse(solver, bounded).has_value(), solver.control_bounds == BoundSupport::refused)
+    EXPECT_FALSE(unsupported(solver, free)) << solver.name;
+    EXPECT_EQ(unsupported(solver, bounded).has_value(), solver.control_bounds == BoundSupport::none)
         << solver.name;
     EXPECT_EQ(find_solver(solver.name), &solver);
   }

@@ -8,16 +8,17 @@
 namespace conddp::testing {
 namespace {
 
-Eigen::VectorXd values_at(const ShootingProblem& problem, Acts& acts, const Eigen::VectorXd& U) {
+Eigen::VectorXd values_at(const ShootingProblem& problem, Evaluator& evaluator,
+                          const Eigen::VectorXd& U) {
   Trajectory t = problem.create_trajectory();
   int at = 0;
   for (int k = 0; k < problem.knots(); ++k) {
     t.u(k) = U.segment(at, problem.nu(k));
     at += problem.nu(k);
   }
-  EXPECT_EQ(acts.simulate(t), -1);
+  EXPECT_EQ(evaluator.simulate(t), -1);
   Evaluation evaluation(problem);
-  acts.evaluate(t, evaluation);
+  evaluator.evaluate(t, evaluation);
   return evaluation.constraint;
 }
 
@@ -66,11 +67,11 @@ Dense make_dense(const LinearQuadratic& lq, const ShootingProblem& problem, doub
   Dense dense{.low = low, .up = up};
   lq.condense(dense.H, dense.g);
   const int n = static_cast<int>(dense.g.size());
-  Acts acts(problem);
-  dense.d = values_at(problem, acts, Eigen::VectorXd::Zero(n));
+  Evaluator evaluator(problem);
+  dense.d = values_at(problem, evaluator, Eigen::VectorXd::Zero(n));
   dense.G.resize(dense.d.size(), n);
   for (int i = 0; i < n; ++i)
-    dense.G.col(i) = values_at(problem, acts, Eigen::VectorXd::Unit(n, i)) - dense.d;
+    dense.G.col(i) = values_at(problem, evaluator, Eigen::VectorXd::Unit(n, i)) - dense.d;
   return dense;
 }
 

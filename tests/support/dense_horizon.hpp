@@ -4,7 +4,7 @@
 
 #include <Eigen/Dense>
 
-#include "ocp/evaluation/acts.hpp"
+#include "ocp/evaluation/evaluator.hpp"
 #include "support/conic_problems.hpp"
 #include "support/random_numbers.hpp"
 

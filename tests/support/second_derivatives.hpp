@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "ocp/evaluation/acts.hpp"
+#include "ocp/evaluation/evaluator.hpp"
 #include "ocp/knot/knot_second_derivatives.hpp"
 #include "support/random_numbers.hpp"
 
@@ -23,10 +23,10 @@ inline void expect_hessians_of_dual_numbers(const ShootingProblem& problem,
                                             RandomNumbers& random) {
   Eigen::MatrixXd costates(problem.ndx(), problem.knots() + 1);
   for (double& l : costates.reshaped()) l = random.uniform(-1, 1);
-  Acts acts(problem), reference(problem);
+  Evaluator evaluator(problem), reference(problem);
   reference.reserve_lagrangian_hessian(false);
   Linearization a(problem), b(problem);
-  acts.lagrangian_hessian(trajectory, costates, a, &augmentation);
+  evaluator.lagrangian_hessian(trajectory, costates, a, &augmentation);
   reference.lagrangian_hessian(trajectory, costates, b, &augmentation);
   for (int k = 0; k <= problem.knots(); ++k) {
     const Eigen::MatrixXd &got = a.knots[k].hessian(), &expected = b.knots[k].hessian();

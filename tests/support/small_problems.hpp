@@ -7,7 +7,7 @@
 
 #include <Eigen/Dense>
 
-#include "ocp/evaluation/acts.hpp"
+#include "ocp/evaluation/evaluator.hpp"
 #include "ocp/residuals/residuals.hpp"
 #include "systems/catalogue.hpp"
 

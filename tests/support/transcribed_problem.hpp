@@ -77,8 +77,8 @@ inline double known_cost(const std::string& name) {
 inline void check_transcription(const std::string& name) {
   const ReadyProblem ready(name);
   const ShootingProblem& problem = *ready.built.problem;
-  Acts acts(problem);
-  Transcription program(problem, acts, {});
+  Evaluator evaluator(problem);
+  Transcription program(problem, evaluator, {});
   program.set_center(ready.built.guess);
   std::mt19937_64 engine(11);
   const Eigen::VectorXd y =

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "analysis/certificate/reduced_gradient.hpp"
-#include "ocp/evaluation/acts.hpp"
+#include "ocp/evaluation/evaluator.hpp"
 #include "ocp/problem/by_name.hpp"
 #include "ocp/problem/soft_constraint.hpp"
 
@@ -27,12 +27,12 @@ double bound_violation(const ShootingProblem& problem, const Trajectory& traject
 AnswerCheck check_answer(const ShootingProblem& problem, const Trajectory& trajectory,
                          double bound_tolerance, const Eigen::VectorXd& constraint_multipliers) {
   AnswerCheck check;
-  Acts acts(problem);
+  Evaluator evaluator(problem);
   Linearization linearization(problem);
   Augmentation lagrangian(problem);
   const bool multipliers_known = constraint_multipliers.size() == problem.constraint_rows();
   if (multipliers_known) lagrangian.multiplier = constraint_multipliers;
-  acts.differentiate(trajectory, linearization, &lagrangian);
+  evaluator.differentiate(trajectory, linearization, &lagrangian);
   const auto finite = [](const KnotLinearization& knot) {
     return knot.gradient.allFinite() && knot.hessian().allFinite() && knot.F.allFinite();
   };

@@ -211,7 +211,7 @@ Trajectory displaced_trajectory(const ShootingProblem& problem, const Trajectory
 std::vector<DerivativeComparison> check_derivatives(const ShootingProblem& problem,
                                                     const Trajectory& trajectory,
                                                     const DerivativeCheckOptions& options) {
-  Acts acts(problem);
+  Evaluator evaluator(problem);
   Linearization linearization(problem);
   std::map<std::tuple<int, DerivativeKind, int>, DerivativeComparison> worst;
   const auto entry = [&](int phase, DerivativeKind kind, int term) -> DerivativeComparison& {
@@ -225,7 +225,7 @@ std::vector<DerivativeComparison> check_derivatives(const ShootingProblem& probl
     if (displaced && options.displacement == 0) break;
     const Trajectory at =
         displaced ? displaced_trajectory(problem, trajectory, options) : trajectory;
-    acts.differentiate(at, linearization);
+    evaluator.differentiate(at, linearization);
     int first = 0;
     const int phases = static_cast<int>(problem.phases().size());
     for (int p = 0; p <= phases; ++p) {

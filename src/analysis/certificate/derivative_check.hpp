@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "ocp/evaluation/acts.hpp"
+#include "ocp/evaluation/evaluator.hpp"
 
 namespace conddp {
 

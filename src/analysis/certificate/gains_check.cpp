@@ -8,7 +8,7 @@
 
 #include "analysis/certificate/feasibility.hpp"
 #include "analysis/certificate/place_text.hpp"
-#include "ocp/evaluation/acts.hpp"
+#include "ocp/evaluation/evaluator.hpp"
 
 namespace conddp {
 namespace {
@@ -138,13 +138,13 @@ std::vector<Check> check_gains(const ShootingProblem& problem, const SolutionCla
   if (claims.gain_regularization_kind == RegularizationKind::state &&
       claims.gain_regularization > 0)
     return {};
-  Acts acts(problem);
+  Evaluator evaluator(problem);
   Linearization model(problem);
-  acts.differentiate(claims.trajectory, model);
+  evaluator.differentiate(claims.trajectory, model);
   Deviation found = compare(problem, claims, derivatives, gap, model);
   if (!(found.feedback.value <= 1)) {
-    acts.reserve_lagrangian_hessian();
-    acts.lagrangian_hessian(claims.trajectory, claims.costates, model);
+    evaluator.reserve_lagrangian_hessian();
+    evaluator.lagrangian_hessian(claims.trajectory, claims.costates, model);
     const Deviation exact = compare(problem, claims, derivatives, gap, model);
     if (!(exact.feedback.value > found.feedback.value)) found = exact;
   }

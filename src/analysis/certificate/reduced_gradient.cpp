@@ -8,7 +8,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "ocp/evaluation/acts.hpp"
+#include "ocp/evaluation/evaluator.hpp"
 
 namespace conddp {
 namespace {
@@ -117,9 +117,9 @@ double RiccatiPolicy::decrease(const std::vector<VectorXd>& gradient) const {
 RiccatiPolicy riccati_policy(const ShootingProblem& problem, const Trajectory& trajectory,
                              const std::vector<NodeDerivatives>& derivatives,
                              double bound_tolerance) {
-  Acts acts(problem);
+  Evaluator evaluator(problem);
   Linearization model(problem);
-  acts.differentiate(trajectory, model);
+  evaluator.differentiate(trajectory, model);
   const int N = problem.knots();
   RiccatiPolicy policy{std::vector<MatrixXd>(N), std::vector<MatrixXd>(N)};
   MatrixXd value = model.knots[N].hessian();

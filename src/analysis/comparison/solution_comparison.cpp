@@ -21,7 +21,7 @@ constexpr const char* kQuaternion[] = {"qx", "qy", "qz", "qw"};
 /// A number, not-a-number for null.
 double read_number(const Json& value, const std::string& what) {
   if (value.is_null()) return std::numeric_limits<double>::quiet_NaN();
-  if (!value.is_number()) throw MalformedSolution{fmt::format("{} is no number", what)};
+  if (!value.is_number()) throw MalformedSolution{fmt::format("{} is not a number", what)};
   return value.get<double>();
 }
 
@@ -48,7 +48,7 @@ Table read_table(const Json& trajectory, const char* kind, std::size_t rows,
                  bool first_is_choice = false) {
   Table table;
   const Json& names = solution_member(solution_member(trajectory, "columns"), kind);
-  if (!names.is_array()) throw MalformedSolution{fmt::format("'columns.{}' is no list", kind)};
+  if (!names.is_array()) throw MalformedSolution{fmt::format("'columns.{}' is not a list", kind)};
   for (const Json& name : names) {
     if (!name.is_string()) throw MalformedSolution{fmt::format("'columns.{}' has no names", kind)};
     table.names.push_back(name);
@@ -79,7 +79,7 @@ struct Compared {
     residuals = read_named(solution, "residuals");
     const Json& trajectory = solution_member(solution, "trajectory");
     const Json& t = solution_member(trajectory, "t");
-    if (!t.is_array() || t.empty()) throw MalformedSolution{"'trajectory.t' is no list of times"};
+    if (!t.is_array() || t.empty()) throw MalformedSolution{"'trajectory.t' is not a list of times"};
     for (const Json& time : t) times.push_back(read_number(time, "a time"));
     x = read_table(trajectory, "x", times.size());
     u = read_table(trajectory, "u", times.size() - 1, times.size() > 1 && times[1] == times[0]);

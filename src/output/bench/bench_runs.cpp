@@ -10,7 +10,7 @@ constexpr std::size_t kMaxRuns = 500;
 
 const OrderedJson& object_of(const OrderedJson& json, const char* key) {
   const OrderedJson& value = solution_member(json, key);
-  if (!value.is_object()) throw MalformedSolution{fmt::format("'{}' is no object", key)};
+  if (!value.is_object()) throw MalformedSolution{fmt::format("'{}' is not an object", key)};
   return value;
 }
 

@@ -13,7 +13,7 @@ constexpr std::string_view kBestKnownKeys[] = {"problems"};
 
 double cost_of(const nlohmann::json& entry) {
   const nlohmann::json& cost = solution_member(entry, "cost");
-  if (!cost.is_number()) throw MalformedSolution{"'cost' is no number"};
+  if (!cost.is_number()) throw MalformedSolution{"'cost' is not a number"};
   return cost;
 }
 

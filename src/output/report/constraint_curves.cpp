@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "base/json_text.hpp"
-#include "ocp/evaluation/acts.hpp"
+#include "ocp/evaluation/evaluator.hpp"
 #include "output/solution/constraint_rows.hpp"
 
 namespace conddp {
@@ -115,7 +115,7 @@ void append_curves(const ProblemSpec& spec, const BuiltProblem& built,
                    const ShootingProblem& problem, const Trajectory& trajectory, bool left_out,
                    OrderedJson& list) {
   Evaluation evaluation(problem);
-  Acts(problem).evaluate(trajectory, evaluation);
+  Evaluator(problem).evaluate(trajectory, evaluation);
   const Eigen::VectorXd& g = evaluation.constraint;
   for (const Named& named : by_name(problem)) {
     std::vector<double> violation(named.nodes(), std::nan(""));

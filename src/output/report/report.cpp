@@ -188,7 +188,7 @@ const OrderedJson& list_of(const OrderedJson& object, const char* key, std::size
 void check_objects(const OrderedJson& object, const char* key) {
   for (const OrderedJson& entry : solution_list(object, key))
     if (!entry.is_object())
-      throw MalformedSolution{fmt::format("'{}' has an entry that is no object", key)};
+      throw MalformedSolution{fmt::format("'{}' has an entry that is not an object", key)};
 }
 
 void check_multipliers(const OrderedJson& multipliers, std::size_t nodes) {
@@ -211,13 +211,13 @@ void check_report_document(const OrderedJson& document) {
   solution_text(problem, "name");
   for (const char* key : {"residuals", "time_s", "tool", "initial_guess_used"})
     if (!solution_member(document, key).is_object())
-      throw MalformedSolution{fmt::format("'{}' is no object", key)};
+      throw MalformedSolution{fmt::format("'{}' is not an object", key)};
   solution_member(document, "iterations");
   const OrderedJson& trajectory = solution_member(document, "trajectory");
   const std::size_t nodes = solution_list(trajectory, "t").size();
   if (nodes < 2) throw MalformedSolution{"its trajectory has no knots"};
   for (const OrderedJson& t : trajectory["t"])
-    if (!t.is_number()) throw MalformedSolution{"'t' has an entry that is no number"};
+    if (!t.is_number()) throw MalformedSolution{"'t' has an entry that is not a number"};
   list_of(trajectory, "x", nodes);
   list_of(trajectory, "u", nodes - 1);
   for (const char* of : {"x", "u"}) {
@@ -225,7 +225,7 @@ void check_report_document(const OrderedJson& document) {
     list_of(solution_member(trajectory, "units"), of, columns);
     for (const OrderedJson& row : trajectory[of])
       if (!row.is_array())
-        throw MalformedSolution{fmt::format("'{}' has an entry that is no list", of)};
+        throw MalformedSolution{fmt::format("'{}' has an entry that is not a list", of)};
   }
   for (const OrderedJson& phase : solution_list(trajectory, "phases")) {
     solution_text(phase, "name");

@@ -9,7 +9,7 @@
 
 #include "analysis/certificate/place_text.hpp"
 #include "base/solution_members.hpp"
-#include "ocp/evaluation/acts.hpp"
+#include "ocp/evaluation/evaluator.hpp"
 #include "ocp/problem/by_name.hpp"
 #include "output/solution/contact_forces.hpp"
 #include "output/solution/finding_report.hpp"
@@ -30,7 +30,7 @@ const Json& at(const Json& document, std::initializer_list<const char*> path) {
 /// A number, or not-a-number where the answer leaves it open.
 double number(const Json& value, const char* what) {
   if (value.is_null()) return Check::kNone;
-  if (!value.is_number()) throw MalformedSolution{fmt::format("'{}' is no number", what)};
+  if (!value.is_number()) throw MalformedSolution{fmt::format("'{}' is not a number", what)};
   return value.get<double>();
 }
 
@@ -178,7 +178,7 @@ class Reader {
   }
 
   void size(const std::string& name, const Json& list, int expected) {
-    if (!list.is_array()) throw MalformedSolution{fmt::format("'{}' is no list", name)};
+    if (!list.is_array()) throw MalformedSolution{fmt::format("'{}' is not a list", name)};
     if (static_cast<int>(list.size()) == expected) return;
     fits_ = false;
     add({name, false, Check::kNone, Check::kNone, Check::kNone, "",
@@ -245,7 +245,7 @@ class Reader {
     c.converged = c.status == to_string(SolveStatus::converged);
     c.cost = number(at(document_, {"cost"}), "cost");
     const Json& costs = at(document_, {"cost_by_name"});
-    if (!costs.is_object()) throw MalformedSolution{"'cost_by_name' is no object"};
+    if (!costs.is_object()) throw MalformedSolution{"'cost_by_name' is not an object"};
     for (const auto& [name, value] : costs.items())
       c.cost_by_name.emplace_back(name, number(value, "cost_by_name"));
     const Json& residuals = at(document_, {"residuals"});
@@ -316,7 +316,7 @@ class Reader {
     const double duration = number(at(document_, {"problem", "duration_s"}), "duration_s");
     compare_number("duration", duration, problem_.times(claims_->trajectory).back(), 1e-12);
     Evaluation evaluation(problem_);
-    Acts(problem_).evaluate(claims_->trajectory, evaluation);
+    Evaluator(problem_).evaluate(claims_->trajectory, evaluation);
     const Eigen::VectorXd& values = evaluation.constraint;
     std::vector<Check> worst;  // by name
     for (std::size_t i = 0; i < problem_.constraints().size(); ++i) {
@@ -354,7 +354,7 @@ class Reader {
                      double violation) {
     if (claimed == found.node || std::isnan(violation)) return;
     Evaluation evaluation(problem_);
-    Acts(problem_).evaluate(claims_->trajectory, evaluation);
+    Evaluator(problem_).evaluate(claims_->trajectory, evaluation);
     const double tolerance = kValueTolerance * std::max(1.0, std::abs(found.value));
     const bool none = claimed == -1 && found.value <= tolerance;
     bool same = none;

@@ -42,12 +42,12 @@ class Writer {
     rename_phases(json_["constraints"]);
     add_constraints();
     leave_out_steps();
-    if (!options_.keeps_constraints) soften_constraints(json_, notes_);
+    if (!options_.supports_constraints) soften_constraints(json_, notes_);
     json_.erase("initial_guess");
     make_paths_relative(json_, spec_.file.parent_path(), options_.folder);
     json_["initial_guess"] = guess();
     json_["solver"] = {{"name", options_.solver}};
-    if (options_.keeps_constraints && options_.solver != "ipopt")
+    if (options_.supports_constraints && options_.solver != "ipopt")
       json_["solver"]["augmented_lagrangian"] = {{"initial_penalty", kPenalty}};
     return {std::move(json_), std::move(notes_)};
   }

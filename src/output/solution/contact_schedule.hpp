@@ -11,7 +11,7 @@ namespace conddp {
 /// What is asked of a problem file with a schedule of contacts.
 struct ScheduleOptions {
   std::string solver = "proxddp";
-  bool keeps_constraints = true;  ///< whether it takes constraints besides bounds on the control
+  bool supports_constraints = true;  ///< whether it takes constraints besides bounds on the control
   std::filesystem::path folder;  ///< in which the file will stand: paths in it are relative to that
   std::filesystem::path solution;  ///< that it starts from
   ContactSequenceOptions sequence;

@@ -39,9 +39,9 @@ std::optional<std::string> tolerances_defect(const Json& answer) {
   if (!answer["tolerances"].is_object()) return "'tolerances' has no names";
   for (const auto& [name, value] : answer["tolerances"].items()) {
     if (find_tolerance(name) == nullptr)
-      return fmt::format("there is no tolerance '{}': accepted names: {}", name, tolerance_names());
+      return fmt::format("unknown tolerance '{}': accepted names: {}", name, tolerance_names());
     if (!value.is_number() || !(value.get<double>() >= 0))
-      return fmt::format("'tolerances.{}' is no number of at least 0", name);
+      return fmt::format("'tolerances.{}' is not a number of at least 0", name);
   }
   return std::nullopt;
 }
@@ -56,7 +56,7 @@ std::optional<std::string> golden_defect(const Json& answer) {
     const bool good = overrides.is_array() &&
                       std::all_of(overrides.begin(), overrides.end(),
                                   [](const Json& setting) { return setting.is_string(); });
-    if (!good) return "'problem.overrides' is no list of settings";
+    if (!good) return "'problem.overrides' is not a list of settings";
   }
   if (!answer.contains("iterations") || !answer["iterations"].is_number_integer())
     return "'iterations' is missing";
@@ -70,7 +70,7 @@ std::optional<GoldenCase> load_golden(const std::filesystem::path& file, Diagnos
   auto answer = load_document(file, kSolutionDocument, kGoldenKeys, {}, out);
   if (!answer) return std::nullopt;
   if (auto defect = golden_defect(*answer)) {
-    out.add({.file = file.string(), .message = "this is no golden file: " + *defect});
+    out.add({.file = file.string(), .message = "this is not a golden file: " + *defect});
     return std::nullopt;
   }
   const Json& problem = (*answer)["problem"];

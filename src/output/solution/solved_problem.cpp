@@ -38,7 +38,7 @@ Sources sources(const OrderedJson& document) {
   const OrderedJson& problem = solution_member(document, "problem");
   Sources s{.problem = solution_text(problem, "file"), .sha256 = solution_text(problem, "sha256")};
   for (const OrderedJson& setting : solution_list(problem, "overrides")) {
-    if (!setting.is_string()) throw MalformedSolution{"'overrides' has an entry that is no text"};
+    if (!setting.is_string()) throw MalformedSolution{"'overrides' has an entry that is not text"};
     // Where the solve began has no part in the answer, and that file may be gone.
     if (std::string value = setting; !value.starts_with("initial_guess"))
       s.overrides.push_back(std::move(value));

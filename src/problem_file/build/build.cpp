@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 
 #include "analysis/comparison/random_instance.hpp"
-#include "base/near_names.hpp"
-#include "ocp/evaluation/acts.hpp"
+#include "base/spelling.hpp"
+#include "ocp/evaluation/evaluator.hpp"
 #include "ocp/problem/by_name.hpp"
 #include "ocp/problem/contradiction.hpp"
 #include "problem_file/build/initial_choice.hpp"
@@ -76,7 +76,7 @@ void check_solver(const ProblemSpec& spec, Diagnostics& out) {
   if (info == nullptr) {
     std::vector<std::string> names{std::string(kAutoSolver)};
     for (const SolverInfo& known : solvers()) names.emplace_back(known.name);
-    return out.error(solver.name.place, fmt::format("there is no solver '{}'", solver.name.value),
+    return out.error(solver.name.place, fmt::format("unknown solver '{}'", solver.name.value),
                      name_hint(solver.name.value, names, "solvers"), names);
   }
   if (solver.options.hessian == HessianChoice::exact && !info->exact_hessian)
@@ -94,7 +94,7 @@ void check_drop(const ProblemSpec& spec, const std::vector<std::string>& drop, D
       out.error({}, fmt::format("--drop {} stands twice on the command line", drop[i]));
   for (const std::string& name : drop)
     if (std::find(names.begin(), names.end(), name) == names.end())
-      out.error({}, fmt::format("--drop {}: there is no constraint '{}'", name, name),
+      out.error({}, fmt::format("--drop {}: unknown constraint '{}'", name, name),
                 name_hint(name, names, "constraints"), names);
 }
 
@@ -341,14 +341,14 @@ std::vector<const SolverInfo*> usable_solvers(const ProblemSpec& spec,
     if (!list.empty()) return list;
     solver = find_solver(problem.constraints().empty() ? "box_fddp" : "altro");
   }
-  const auto reason = refuse(*solver, problem);
+  const auto reason = unsupported(*solver, problem);
   if (!reason) {
-    const auto legs = refuse_legs(*solver, problem, spec.solver.options.legs);
+    const auto legs = unsupported_segments(*solver, problem, spec.solver.options.legs);
     if (!legs) return {solver};
     out.error(spec.solver.name.place, *legs, "leave 'legs' out, or write a smaller number");
     return {};
   }
-  const bool of_control = keeps_constraints(*solver, problem);
+  const bool of_control = supports_constraints(*solver, problem);
   const Place place = refused_place(spec, of_control);
   if (spec.stepping) {
     out.error(place, *reason, "write 'solver: {name: ipopt}'");
@@ -382,7 +382,7 @@ double violation(const DroppedConstraint& constraint, const ShootingProblem& pro
   double largest = 0;
   if (constraint.alone) {
     Evaluation evaluation(*constraint.alone);
-    Acts(*constraint.alone).evaluate(trajectory, evaluation);
+    Evaluator(*constraint.alone).evaluate(trajectory, evaluation);
     for (const auto& list : {violations_by_name(*constraint.alone, evaluation.constraint),
                              soft_violations(*constraint.alone, evaluation.constraint)})
       for (const ConstraintViolation& part : list) largest = std::max(largest, part.value);

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "base/near_names.hpp"
+#include "base/spelling.hpp"
 #include "problem_file/plant/footholds.hpp"
 
 namespace conddp {
@@ -114,7 +114,7 @@ std::vector<int> contacts_named(const ContactNames& names, const ProblemSpec& sp
     const auto found = std::find(known.begin(), known.end(), name.value);
     if (found == known.end()) {
       out.error(
-          name.place, fmt::format("there is no contact '{}'", name.value),
+          name.place, fmt::format("unknown contact '{}'", name.value),
           known.empty() ? "the file has no 'contacts'" : name_hint(name.value, known, "contacts"));
       continue;
     }

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "base/near_names.hpp"
+#include "base/spelling.hpp"
 #include "problem_file/data/time_series.hpp"
 #include "problem_file/plant/row_names.hpp"
 #include "problem_file/plant/shape_pairs.hpp"
@@ -74,7 +74,7 @@ std::optional<std::vector<LinearCombination>> find_combinations(const CostSpec& 
       const auto found = std::find(known.begin(), known.end(), name.value);
       if (found == known.end()) {
         out.error(name.place,
-                  fmt::format("'{}' is no column of the state or control that can be combined",
+                  fmt::format("'{}' is not a column of the state or control that can be combined",
                               name.value),
                   name_hint(name.value, known, "columns"), known);
         good = false;

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "base/near_names.hpp"
+#include "base/spelling.hpp"
 #include "robot/dynamics.hpp"
 #include "robot/frames.hpp"
 
@@ -142,7 +142,7 @@ class ReferenceBuilder {
   Numbers from_components(const ComponentsSpec& spec) const {
     if (cost_.kind == ResidualKind::kState && !cost_.columns &&
         spec.form == ComponentsSpec::Form::kScalar) {
-      out_.error(spec.place, "one number is no state",
+      out_.error(spec.place, "one number is not a state",
                  "a configuration's name, 'initial', a list, or '{values: {column: number}}'");
       return std::nullopt;
     }

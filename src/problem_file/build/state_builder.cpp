@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "base/near_names.hpp"
+#include "base/spelling.hpp"
 #include "problem_file/plant/joint_values.hpp"
 #include "problem_file/plant/planar_motion.hpp"
 
@@ -88,7 +88,7 @@ std::optional<std::vector<double>> StateBuilder::named(const Name& name) const {
   if (plant_.multibody()) {
     apply_configuration(name, whole(), x);
   } else {
-    out_.error(name.place, fmt::format("there is no state '{}'", name.value),
+    out_.error(name.place, fmt::format("unknown state '{}'", name.value),
                "a closed-form system has the name 'initial' only");
   }
   if (out_.error_count() > errors) return std::nullopt;
@@ -133,7 +133,7 @@ void StateBuilder::apply(const StateSpec& spec, const PlantPart& part,
     }
     std::vector<std::string> robots;
     for (const PlantPart& p : plant_.parts) robots.push_back(p.spec->name.value);
-    out_.error(name.place, fmt::format("there is no robot '{}'", name.value),
+    out_.error(name.place, fmt::format("unknown robot '{}'", name.value),
                plant_.parts.size() == 1 ? "the problem has one robot: leave 'robots' out"
                                         : name_hint(name.value, robots, "robots"));
   }
@@ -150,7 +150,7 @@ void StateBuilder::apply_configuration(const Name& name, const PlantPart& part,
       known.push_back(prefix + configuration.value);
     }
   }
-  out_.error(name.place, fmt::format("there is no configuration '{}'", name.value),
+  out_.error(name.place, fmt::format("unknown configuration '{}'", name.value),
              name_hint(name.value, known, "configurations"));
 }
 

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "base/near_names.hpp"
+#include "base/spelling.hpp"
 #include "base/strict_number.hpp"
 #include "problem_file/data/data_table.hpp"
 

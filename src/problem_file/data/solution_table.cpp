@@ -16,10 +16,10 @@ using Json = nlohmann::json;
 
 std::vector<std::string> read_names(const Json& array, const char* what) {
   std::vector<std::string> names;
-  if (!array.is_array()) throw MalformedSolution{fmt::format("'{}' is no list", what)};
+  if (!array.is_array()) throw MalformedSolution{fmt::format("'{}' is not a list", what)};
   for (const Json& name : array) {
     if (!name.is_string())
-      throw MalformedSolution{fmt::format("'{}' has an entry that is no name", what)};
+      throw MalformedSolution{fmt::format("'{}' has an entry that is not a name", what)};
     if (std::find(names.begin(), names.end(), name.get_ref<const std::string&>()) != names.end())
       throw MalformedSolution{
           fmt::format("'{}' stands twice in {}", name.get<std::string>(), what)};
@@ -39,7 +39,7 @@ void append_row(const Json& array, std::size_t count, const std::string& what,
     else if (value.is_number() && std::isfinite(value.get<double>()))
       row.push_back(value.get<double>());
     else
-      throw MalformedSolution{fmt::format("{} has an entry that is no finite number", what)};
+      throw MalformedSolution{fmt::format("{} has an entry that is not a finite number", what)};
   }
 }
 

@@ -1,5 +1,5 @@
 #include "problem_file/expand/expand_sections.hpp"
-#include "problem_file/spec/words.hpp"
+#include "problem_file/spec/enum_names.hpp"
 
 namespace conddp {
 

@@ -1,7 +1,7 @@
 #include "problem_file/build/constraint_builder.hpp"
 #include "problem_file/expand/expand_sections.hpp"
 #include "problem_file/plant/shape_pairs.hpp"
-#include "problem_file/spec/words.hpp"
+#include "problem_file/spec/enum_names.hpp"
 
 namespace conddp {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "problem_file/build/homotopy.hpp"
 #include "problem_file/expand/expand_sections.hpp"
-#include "problem_file/spec/words.hpp"
+#include "problem_file/spec/enum_names.hpp"
 #include "problem_file/yaml/yaml_text.hpp"
 #include "solvers/common/option_table.hpp"
 

@@ -1,7 +1,7 @@
 #include <cmath>
 
 #include "problem_file/expand/expand_sections.hpp"
-#include "problem_file/spec/words.hpp"
+#include "problem_file/spec/enum_names.hpp"
 
 namespace conddp {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "base/near_names.hpp"
+#include "base/spelling.hpp"
 #include "problem_file/spec/components.hpp"
 
 namespace conddp {
@@ -62,7 +62,7 @@ std::vector<std::size_t> items_named(const Name& name, const std::vector<Item>& 
   }
   if (found.empty())
     out.error(
-        name.place, fmt::format("there is no shape '{}'", name.value),
+        name.place, fmt::format("unknown shape '{}'", name.value),
         known.empty() ? "the file has no 'collision'" : name_hint(name.value, known, "shapes"));
   return found;
 }

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "base/near_names.hpp"
+#include "base/spelling.hpp"
 #include "base/strict_number.hpp"
 #include "problem_file/yaml/canonical_definition.hpp"
 #include "problem_file/yaml/yaml_override.hpp"
@@ -29,7 +29,7 @@ YamlNode* find_number(YamlNode& root, const Name& key, Diagnostics& out) {
   const std::vector<std::string> steps = split(key.value);
   const Place place{key.place.mark, key.value};
   if (!is_of_the_problem(steps.front()) || steps.front() == "conddp") {
-    out.error(place, fmt::format("'{}' is no number of the problem itself", key.value),
+    out.error(place, fmt::format("'{}' is not a number of the problem itself", key.value),
               "a homotopy moves what the motion depends on: weights, limits, robots, phases");
     return nullptr;
   }

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include "problem_file/read/read_sections.hpp"
-#include "problem_file/spec/words.hpp"
+#include "problem_file/spec/enum_names.hpp"
 
 namespace conddp {
 namespace {

@@ -4,9 +4,9 @@
 
 #include <fmt/format.h>
 
-#include "base/near_names.hpp"
+#include "base/spelling.hpp"
 #include "problem_file/read/read_sections.hpp"
-#include "problem_file/spec/words.hpp"
+#include "problem_file/spec/enum_names.hpp"
 
 namespace conddp {
 namespace {
@@ -88,7 +88,7 @@ void check_contact(const YamlReader& reader, const std::vector<ContactSpec>& con
   for (const ContactSpec& contact : contacts) known.push_back(contact.name.value);
   if (find_contact(contacts, name.value) == nullptr)
     reader.error(
-        fmt::format("there is no contact '{}'", name.value),
+        fmt::format("unknown contact '{}'", name.value),
         known.empty() ? "the file has no 'contacts'" : name_hint(name.value, known, "contacts"));
   for (const FootSpec& foot : gait.feet)
     if (foot.contact.value == name.value)

@@ -7,7 +7,7 @@
 #include "problem_file/read/gait_schedule.hpp"
 #include "problem_file/read/homotopy_numbers.hpp"
 #include "problem_file/read/read_sections.hpp"
-#include "problem_file/spec/words.hpp"
+#include "problem_file/spec/enum_names.hpp"
 #include "problem_file/yaml/canonical_definition.hpp"
 #include "problem_file/yaml/yaml_override.hpp"
 #include "problem_file/yaml/yaml_source.hpp"

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "base/near_names.hpp"
+#include "base/spelling.hpp"
 
 namespace conddp {
 namespace {
@@ -61,7 +61,7 @@ std::optional<std::vector<double>> resolve(const ComponentsSpec& spec, const Com
       for (const std::string& second : names.second)
         if (!second.empty()) accepted.push_back(second);
       out.error(name.place, fmt::format("'{}' fits none of the {}", name.value, names.what),
-                near_names(name.value, accepted).empty()
+                similar_names(name.value, accepted).empty()
                     ? name_hint(name.value, names.names, names.what)
                     : name_hint(name.value, accepted, names.what));
       known = false;

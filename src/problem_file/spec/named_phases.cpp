@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "base/near_names.hpp"
+#include "base/spelling.hpp"
 #include "problem_file/spec/components.hpp"
 
 namespace conddp {
@@ -16,7 +16,7 @@ void check_weights(const ProblemSpec& spec, Diagnostics& out) {
   for (const PhaseSpec& phase : spec.phases)
     for (const auto& [name, value] : phase.weights)
       if (std::find(names.begin(), names.end(), name.value) == names.end())
-        out.error(name.place, fmt::format("there is no cost '{}'", name.value),
+        out.error(name.place, fmt::format("unknown cost '{}'", name.value),
                   name_hint(name.value, names, "costs"));
 }
 
@@ -64,7 +64,7 @@ std::vector<bool> phases_named(const std::optional<std::vector<Name>>& names,
     for (const Name& name : *names)
       if (std::none_of(known.begin(), known.end(),
                        [&](const std::string& phase) { return fits(name.value, phase); }))
-        out.error(name.place, fmt::format("there is no phase '{}'", name.value),
+        out.error(name.place, fmt::format("unknown phase '{}'", name.value),
                   name_hint(name.value, known, "phases"));
   return phases_named(names, spec);
 }

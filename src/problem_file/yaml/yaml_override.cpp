@@ -25,7 +25,7 @@ YamlNode* descend(YamlNode& node, const std::string& step, const Place& place, D
     return &node.entries.back().value;
   }
   if (node.kind == YamlNode::Kind::kSequence) {
-    out.error(place, fmt::format("'{}' is no index into a list of {}", step, node.items.size()),
+    out.error(place, fmt::format("'{}' is not an index into a list of {}", step, node.items.size()),
               "indices start at 0");
     return nullptr;
   }
@@ -57,7 +57,7 @@ void apply_override(YamlNode& root, const std::string& setting, Diagnostics& out
   }
   const std::size_t equals = setting.find('=');
   if (equals == std::string::npos || equals == 0) {
-    out.error({{source, 1, 1}, {}}, fmt::format("'{}' is no setting", setting),
+    out.error({{source, 1, 1}, {}}, fmt::format("'{}' is not a setting", setting),
               "write --set key.path=value, for example --set solver.max_iterations=50");
     return;
   }

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "base/strict_number.hpp"
-#include "problem_file/yaml/other_words.hpp"
+#include "problem_file/yaml/synonyms.hpp"
 
 namespace conddp {
 
@@ -147,11 +147,13 @@ std::optional<std::size_t> YamlReader::choose(const std::vector<std::string>& wo
   }
   std::string list;
   for (const std::string& word : words) list += (list.empty() ? "" : ", ") + word;
-  const std::string found =
-      is_scalar() ? fmt::format("'{}'", node_->text) : std::string(kind_name(*node_));
+  const std::string_view thing = what.substr(0, what.find(" ("));
+  const std::string message =
+      is_scalar() ? fmt::format("unknown {} '{}'{}", thing, node_->text, what.substr(thing.size()))
+                  : fmt::format("{} is not a {}", kind_name(*node_), what);
   std::string hint = is_scalar() ? meaning_question(node_->text, words) : std::string();
   if (!hint.empty()) hint += ' ';
-  out_->error(place(), fmt::format("{} is no {}", found, what), hint + "accepted: " + list, words);
+  out_->error(place(), message, hint + "accepted: " + list, words);
   return std::nullopt;
 }
 
@@ -246,8 +248,8 @@ void YamlMap::finish() {
     if (hint.empty()) hint = "accepted: " + list;
     reader_.diagnostics().error({entry.mark, path.empty() ? entry.key : path + "." + entry.key},
                                 path.empty()
-                                    ? fmt::format("there is no key '{}'", entry.key)
-                                    : fmt::format("there is no key '{}' in '{}'", entry.key, path),
+                                    ? fmt::format("unknown key '{}'", entry.key)
+                                    : fmt::format("unknown key '{}' in '{}'", entry.key, path),
                                 hint, known_);
   }
 }

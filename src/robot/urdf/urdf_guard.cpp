@@ -6,7 +6,7 @@
 #include <cmath>
 #include <set>
 
-#include "base/near_names.hpp"
+#include "base/spelling.hpp"
 #include "base/utf8.hpp"
 
 namespace conddp {
@@ -136,7 +136,7 @@ void check_attributes(const XmlOutline& outline, int index, const ElementRule& r
       if (element.tag == "origin")
         report.error_at(index, name, unknown + ", which URDF 1.0 does not know",
                         "write xyz (m) and rpy (rad)");
-      else if (!near_names(attribute.name, known).empty())
+      else if (!similar_names(attribute.name, known).empty())
         report.warning_at(index, name, unknown + ", which is ignored",
                           name_hint(attribute.name, known, "attributes"));
       else if (element.depth > 1)
@@ -262,7 +262,7 @@ bool check_urdf_elements(const XmlOutline& outline, UrdfReport& report) {
     std::vector<std::string> readable;
     for (const ElementRule& rule : rules())
       if (rule.parent == parent.tag) readable.emplace_back(rule.tag);
-    if (!known && !near_names(tag, readable).empty())
+    if (!known && !similar_names(tag, readable).empty())
       report.warning_at(i, name, subject + "<" + tag + "> is not a URDF element and is ignored",
                         name_hint(tag, readable, "elements"));
     ignored.insert("<" + tag + ">");

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <unordered_map>
 
-#include "base/near_names.hpp"
+#include "base/spelling.hpp"
 
 namespace conddp {
 namespace {

@@ -5,7 +5,7 @@
 #include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 
-#include "base/near_names.hpp"
+#include "base/spelling.hpp"
 
 namespace conddp {
 namespace {

@@ -79,8 +79,9 @@ constexpr std::array kTable = {
                .max_excluded = true,
                .access = CONDDP_ACCESS(tolerances.complementarity)},
     OptionInfo{.name = "tolerances.cost_decrease",
-               .doc = "Relative change of the cost, at the rate of a full step, at which to stop, "
-                      "where three feasible iterations in a row change it by no more; 0 is never.",
+               .doc = "Change of the cost at which to stop, as a share of it at the rate of a full step, "
+                      "without unit, where three feasible iterations in a row change it by no "
+                      "more; 0 is never.",
                .min = 0,
                .max = 1,
                .max_excluded = true,

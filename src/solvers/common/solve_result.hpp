@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-#include "ocp/evaluation/acts.hpp"
+#include "ocp/evaluation/evaluator.hpp"
 #include "solvers/common/iteration_record.hpp"
 #include "solvers/common/status.hpp"
 #include "solvers/common/strategy_record.hpp"

@@ -117,7 +117,7 @@ bool LeastViolation::minimized(const IterationRecord& row, const MeritModel& mer
 bool LeastViolation::update(Iterate& iterate, const Feedback& feedback, const MeritModel& /*merit*/,
                             bool /*stuck*/, SolveRecord& record) {
   const bool closed = record.row.gap <= options_.tolerances.gap;
-  const double share = slope_.share(iterate.acts, iterate.trajectory, iterate.gaps);
+  const double share = slope_.share(iterate.evaluator, iterate.trajectory, iterate.gaps);
   if (closed && share <= kLeast)
     return record.end(
         SolveStatus::infeasible,

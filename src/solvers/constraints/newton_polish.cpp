@@ -18,8 +18,9 @@ double largest_norm(const IterationRecord& row) {
 
 }  // namespace
 
-NewtonPolish::NewtonPolish(const ShootingProblem& problem, Acts& acts, const SolverOptions& options)
-    : newton_(problem, acts), options_(options) {}
+NewtonPolish::NewtonPolish(const ShootingProblem& problem, Evaluator& evaluator,
+                           const SolverOptions& options)
+    : newton_(problem, evaluator), options_(options) {}
 
 void NewtonPolish::reset() { threshold_ = kFirstThreshold; }
 

@@ -10,7 +10,7 @@ namespace conddp {
 /// The end of a solve by Newton's method on the active constraints. Its steps are iterations.
 class NewtonPolish {
  public:
-  NewtonPolish(const ShootingProblem& problem, Acts& acts, const SolverOptions& options);
+  NewtonPolish(const ShootingProblem& problem, Evaluator& evaluator, const SolverOptions& options);
 
   /// At the start of a solve.
   void reset();

@@ -29,9 +29,9 @@ double KktNorms::largest() const {
   return std::isfinite(sum) ? std::max({stationarity.value, gap.value, violation.value}) : sum;
 }
 
-ProjectedNewton::ProjectedNewton(const ShootingProblem& problem, Acts& acts)
+ProjectedNewton::ProjectedNewton(const ShootingProblem& problem, Evaluator& evaluator)
     : problem_(problem),
-      acts_(acts),
+      evaluator_(evaluator),
       bounds_(problem),
       linearization_(problem),
       adjoint_(problem, bounds_),
@@ -48,7 +48,7 @@ ProjectedNewton::ProjectedNewton(const ShootingProblem& problem, Acts& acts)
       target_(multipliers_),
       penalty_(multipliers_),
       scratch_(problem.ndx()) {
-  acts.reserve_lagrangian_hessian();
+  evaluator.reserve_lagrangian_hessian();
   for (int k = 0; k <= problem.knots(); ++k) {
     gauss_newton_.push_back(linearization_.knots[k].hessian());
     cost_gradient_.push_back(linearization_.knots[k].gradient);
@@ -71,7 +71,7 @@ void ProjectedNewton::start(const Trajectory& trajectory, const Eigen::VectorXd&
 /// Derivatives, active rows, co-states and norms of the iterate.
 void ProjectedNewton::linearize() {
   lagrangian_.multiplier.setZero();
-  acts_.differentiate(trajectory_, linearization_, &lagrangian_);
+  evaluator_.differentiate(trajectory_, linearization_, &lagrangian_);
   for (int k = 0; k <= problem_.knots(); ++k) cost_gradient_[k] = linearization_.knots[k].gradient;
   rows_.choose(linearization_, penalty_, multipliers_);
   rows_.add_gradient(false, linearization_);
@@ -140,7 +140,7 @@ bool ProjectedNewton::solve_quadratic() {
 
 void ProjectedNewton::evaluate_exact_hessian() {
   lagrangian_.multiplier = multipliers_;
-  acts_.lagrangian_hessian(trajectory_, adjoint_.costates(), linearization_, &lagrangian_);
+  evaluator_.lagrangian_hessian(trajectory_, adjoint_.costates(), linearization_, &lagrangian_);
   curved_ = false;
   for (std::size_t k = 0; k < exact_.size(); ++k) {
     exact_[k] = linearization_.knots[k].hessian();

@@ -3,7 +3,7 @@
 #include <memory>
 #include <vector>
 
-#include "ocp/evaluation/acts.hpp"
+#include "ocp/evaluation/evaluator.hpp"
 #include "solvers/common/iteration_record.hpp"
 #include "solvers/constraints/active_rows.hpp"
 #include "solvers/riccati/adjoint.hpp"
@@ -34,7 +34,7 @@ struct KktNorms {
 /// stages without curvature of their own neither, and the cost is linear in the horizon.
 class ProjectedNewton {
  public:
-  ProjectedNewton(const ShootingProblem& problem, Acts& acts);
+  ProjectedNewton(const ShootingProblem& problem, Evaluator& evaluator);
 
   /// Starts at a trajectory with multipliers of all constraint rows; `penalty` is ρ, row by row.
   void start(const Trajectory& trajectory, const Eigen::VectorXd& multipliers,
@@ -69,7 +69,7 @@ class ProjectedNewton {
   bool sweep();
 
   const ShootingProblem& problem_;
-  Acts& acts_;
+  Evaluator& evaluator_;
   ControlBounds bounds_;
   Linearization linearization_;
   Adjoint adjoint_;

@@ -29,9 +29,9 @@ double ViolationSlope::violation(const Eigen::VectorXd& values) {
   return distances_.norm();
 }
 
-double ViolationSlope::share(Acts& acts, const Trajectory& trajectory, const Gaps& gaps) {
+double ViolationSlope::share(Evaluator& evaluator, const Trajectory& trajectory, const Gaps& gaps) {
   lagrangian_.multiplier = kWithoutCost * distances_;
-  acts.differentiate(trajectory, linearization_, &lagrangian_);
+  evaluator.differentiate(trajectory, linearization_, &lagrangian_);
   adjoint_.compute(linearization_, trajectory, gaps, no_feedback_);
   return share(adjoint_.gradient() / kWithoutCost, trajectory);
 }

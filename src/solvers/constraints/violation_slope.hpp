@@ -22,7 +22,7 @@ class ViolationSlope {
   double violation(const Eigen::VectorXd& values);
   const Eigen::VectorXd& distances() const { return distances_; }
   /// The share, at a trajectory whose violation was asked for last.
-  double share(Acts& acts, const Trajectory& trajectory, const Gaps& gaps);
+  double share(Evaluator& evaluator, const Trajectory& trajectory, const Gaps& gaps);
   /// The same of another gradient than that of ½‖d‖².
   double share(const Eigen::VectorXd& gradient, const Trajectory& trajectory) const;
 

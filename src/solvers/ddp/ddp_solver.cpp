@@ -43,14 +43,14 @@ DdpSolver::DdpSolver(const ShootingProblem& problem, const DdpRecipe& recipe,
       options_(options),
       constrained_(recipe.constraints && !problem.constraints().empty()),
       bounds_(problem),
-      acts_(problem, options.threads),
+      evaluator_(problem, options.threads),
       record_(problem, options_, constrained_),
-      iterate_(problem, bounds_, acts_, recipe_, options_, record_),
+      iterate_(problem, bounds_, evaluator_, recipe_, options_, record_),
       outer_(make_outer(problem, bounds_, recipe_, options_, constrained_)),
       globalization_(problem, bounds_, recipe_, options_, iterate_, *outer_, record_),
       check_(problem, bounds_, options_, constrained_),
       step_start_(problem.create_trajectory()) {
-  if (constrained_ && recipe.newton) polish_.emplace(problem, acts_, options_);
+  if (constrained_ && recipe.newton) polish_.emplace(problem, evaluator_, options_);
   if (globalization_.keeps_equalities()) iterate_.exact_below = kNearlyClosed;
 }
 
@@ -83,7 +83,7 @@ bool DdpSolver::start(const Trajectory& guess) {
     return true;
   }
   const Stopwatch watch(result.times.evaluate);
-  const int bad_knot = acts_.simulate(iterate_.trajectory);
+  const int bad_knot = evaluator_.simulate(iterate_.trajectory);
   if (bad_knot < 0) return true;
   result.trajectory = guess;
   result.failed_knot = bad_knot;

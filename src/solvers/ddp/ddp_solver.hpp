@@ -3,7 +3,7 @@
 #include <memory>
 #include <optional>
 
-#include "ocp/evaluation/acts.hpp"
+#include "ocp/evaluation/evaluator.hpp"
 #include "solvers/common/options.hpp"
 #include "solvers/common/solve_record.hpp"
 #include "solvers/constraints/newton_polish.hpp"
@@ -46,7 +46,7 @@ class DdpSolver {
   SolverOptions options_;
   bool constrained_;  ///< constraints enter the function that is minimised
   ControlBounds bounds_;
-  Acts acts_;
+  Evaluator evaluator_;
   SolveRecord record_;
   Iterate iterate_;
   std::unique_ptr<OuterStrategy> outer_;

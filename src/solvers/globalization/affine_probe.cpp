@@ -31,7 +31,7 @@ AffineProbe::AffineProbe(const ShootingProblem& problem)
   z_.resize(largest);
 }
 
-bool AffineProbe::holds(Acts& acts, const Trajectory& trajectory,
+bool AffineProbe::holds(Evaluator& evaluator, const Trajectory& trajectory,
                         const Linearization& linearization) {
   const int N = problem_.knots(), ndx = problem_.ndx();
   moved_ = trajectory;
@@ -49,7 +49,7 @@ bool AffineProbe::holds(Acts& acts, const Trajectory& trajectory,
     constraint_.segment(first, rows) = linearization.constraint.segment(first, rows);
     constraint_.segment(first, rows).noalias() += knot.C * z;
   }
-  acts.evaluate(moved_, evaluation_);
+  evaluator.evaluate(moved_, evaluation_);
   double off = 0, largest = 1;
   const auto compare = [&](double foretold, double found) {
     const double here = std::abs(foretold - found);

@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-#include "ocp/evaluation/acts.hpp"
+#include "ocp/evaluation/evaluator.hpp"
 
 namespace conddp {
 
@@ -14,7 +14,8 @@ class AffineProbe {
   explicit AffineProbe(const ShootingProblem& problem);
 
   /// `linearization` is that of the trajectory.
-  bool holds(Acts& acts, const Trajectory& trajectory, const Linearization& linearization);
+  bool holds(Evaluator& evaluator, const Trajectory& trajectory,
+             const Linearization& linearization);
 
  private:
   const ShootingProblem& problem_;

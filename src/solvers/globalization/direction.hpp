@@ -6,7 +6,7 @@
 
 #include "solvers/constraints/horizon_constraints.hpp"
 #include "solvers/constraints/horizon_descent.hpp"
-#include "solvers/globalization/secant_memory.hpp"
+#include "solvers/globalization/lbfgs_correction.hpp"
 #include "solvers/riccati/adjoint.hpp"
 #include "solvers/riccati/backward_sweep.hpp"
 #include "solvers/riccati/linear_rollout.hpp"
@@ -22,7 +22,7 @@ class Direction {
     bool clamp_controls = false;
     bool box_stage = false;
     bool null_space = false;  ///< equality constraints are kept by the stages
-    Legs legs;                ///< of sweeps with box-constrained stages
+    Segments legs;            ///< of sweeps with box-constrained stages
   };
   Direction(const ShootingProblem& problem, const ControlBounds& bounds, const Recipe& recipe,
             const SolverOptions::BoxQp& options);
@@ -95,7 +95,7 @@ class Direction {
   std::optional<HorizonConstraints> constraints_;
   std::optional<HorizonDescent> descent_;
   Feedback feedback_;
-  SecantMemory secants_;
+  LbfgsCorrection secants_;
   bool corrected_ = false;
   bool models_costs_ = true;  ///< that begin at a bound, along the step
   int sweeps_ = 0;

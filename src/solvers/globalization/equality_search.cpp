@@ -73,14 +73,15 @@ void EqualitySearch::move(const LinearRollout& step, double length, const Trajec
 }
 
 /// The merit of a trial, infinite where that is not finite.
-double EqualitySearch::value(Acts& acts, const MeritModel& merit, const Trajectory& trial) {
-  acts.evaluate(trial, evaluation_);
+double EqualitySearch::value(Evaluator& evaluator, const MeritModel& merit,
+                             const Trajectory& trial) {
+  evaluator.evaluate(trial, evaluation_);
   const double value = evaluation_.cost.sum() +
                        merit.penalty * infeasibility(evaluation_.gap, evaluation_.constraint);
   return std::isfinite(value) ? value : kInfinity;
 }
 
-LineSearchResult EqualitySearch::run(Acts& acts, const MeritModel& merit,
+LineSearchResult EqualitySearch::run(Evaluator& evaluator, const MeritModel& merit,
                                      const Linearization& linearization, const LinearRollout& step,
                                      const Feedback& feedback, double first_step,
                                      Trajectory& trajectory) {
@@ -92,17 +93,18 @@ LineSearchResult EqualitySearch::run(Acts& acts, const MeritModel& merit,
       length = next_step;
       next_step /= 2;
     }
-    acts.roll_out(trajectory, linearization.gap, feedback, steps, {.contract_gaps = true}, lanes_);
+    evaluator.roll_out(trajectory, linearization.gap, feedback, steps, {.contract_gaps = true},
+                       lanes_);
     for (int lane = 0; lane < kLaneWidth && steps[lane] >= options_.min_step; ++lane) {
       const double length = steps[lane];
       ++result.trials;
       double rolled = kInfinity;
       if (lanes_.first_bad_knot[lane] < 0) {
         lanes_.extract(lane, rolled_);
-        rolled = value(acts, merit, rolled_);
+        rolled = value(evaluator, merit, rolled_);
       }
       move(step, length, trajectory);
-      const double straight = value(acts, merit, straight_);
+      const double straight = value(evaluator, merit, straight_);
       const double best = std::min(rolled, straight);
       if (best == kInfinity) {
         if (result.first_bad_knot < 0) result.first_bad_knot = lanes_.first_bad_knot[lane];

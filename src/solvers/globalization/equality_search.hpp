@@ -1,6 +1,6 @@
 #pragma once
 
-#include "ocp/evaluation/acts.hpp"
+#include "ocp/evaluation/evaluator.hpp"
 #include "solvers/globalization/line_search.hpp"
 #include "solvers/riccati/linear_rollout.hpp"
 
@@ -28,13 +28,13 @@ class EqualitySearch {
                const LinearRollout& step, double curvature, MeritModel& merit) const;
   /// Armijo's rule over the lengths `first_step` and its halves. On acceptance `trajectory` becomes
   /// the new iterate. Changes that rounding hides are treated as by LineSearch.
-  LineSearchResult run(Acts& acts, const MeritModel& merit, const Linearization& linearization,
-                       const LinearRollout& step, const Feedback& feedback, double first_step,
-                       Trajectory& trajectory);
+  LineSearchResult run(Evaluator& evaluator, const MeritModel& merit,
+                       const Linearization& linearization, const LinearRollout& step,
+                       const Feedback& feedback, double first_step, Trajectory& trajectory);
 
  private:
   void move(const LinearRollout& step, double length, const Trajectory& from);
-  double value(Acts& acts, const MeritModel& merit, const Trajectory& trial);
+  double value(Evaluator& evaluator, const MeritModel& merit, const Trajectory& trial);
   template <class Function>
   void for_each_row(const Eigen::VectorXd& values, Function&& function) const;
 

@@ -9,30 +9,30 @@ FullStep::FullStep(const ShootingProblem& problem, const ControlBounds& bounds)
       gaps_(problem),
       response_(problem, bounds) {}
 
-void FullStep::take(Acts& acts, const LinearRollout& step, Trial trial,
+void FullStep::take(Evaluator& evaluator, const LinearRollout& step, Trial trial,
                     Linearization& linearization, Trajectory& trajectory,
                     const Augmentation* augmentation) {
-  try_point(acts, step, trial, linearization, trajectory, augmentation);
+  try_point(evaluator, step, trial, linearization, trajectory, augmentation);
 }
 
-void FullStep::correct(Acts& acts, const Feedback& feedback, Trial trial,
+void FullStep::correct(Evaluator& evaluator, const Feedback& feedback, Trial trial,
                        Linearization& linearization, Trajectory& trajectory,
                        const Augmentation* augmentation) {
   gaps_.set(evaluation_.gap);
   response_.respond(linearization, gaps_, feedback);
-  try_point(acts, response_, trial, linearization, trajectory, augmentation);
+  try_point(evaluator, response_, trial, linearization, trajectory, augmentation);
 }
 
-void FullStep::try_point(Acts& acts, const LinearRollout& step, Trial trial,
+void FullStep::try_point(Evaluator& evaluator, const LinearRollout& step, Trial trial,
                          Linearization& linearization, Trajectory& trajectory,
                          const Augmentation* augmentation) {
   step.apply(manifold_, trajectory);
   bounds_.clamp(trajectory);
   if (trial == Trial::evaluate) {
-    acts.evaluate(trajectory, evaluation_, augmentation);
+    evaluator.evaluate(trajectory, evaluation_, augmentation);
     return;
   }
-  acts.differentiate(trajectory, linearization, augmentation);
+  evaluator.differentiate(trajectory, linearization, augmentation);
   evaluation_.gap = linearization.gap;
   evaluation_.cost = linearization.cost;
   evaluation_.augmentation = linearization.augmentation;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "ocp/evaluation/acts.hpp"
+#include "ocp/evaluation/evaluator.hpp"
 #include "solvers/riccati/gap_transport.hpp"
 #include "solvers/riccati/linear_rollout.hpp"
 
@@ -21,20 +21,23 @@ class FullStep {
 
   /// Moves a trajectory by the step and evaluates it there. `linearization` is that before the
   /// step.
-  void take(Acts& acts, const LinearRollout& step, Trial trial, Linearization& linearization,
-            Trajectory& trajectory, const Augmentation* augmentation = nullptr);
+  void take(Evaluator& evaluator, const LinearRollout& step, Trial trial,
+            Linearization& linearization, Trajectory& trajectory,
+            const Augmentation* augmentation = nullptr);
   /// Closes the gaps to first order and evaluates the trajectory again. `linearization` is that
   /// before the step, or of the trajectory where that has been differentiated.
-  void correct(Acts& acts, const Feedback& feedback, Trial trial, Linearization& linearization,
-               Trajectory& trajectory, const Augmentation* augmentation = nullptr);
+  void correct(Evaluator& evaluator, const Feedback& feedback, Trial trial,
+               Linearization& linearization, Trajectory& trajectory,
+               const Augmentation* augmentation = nullptr);
 
   /// With the augmentation, where there is one.
   double cost() const { return evaluation_.cost.sum() + evaluation_.augmentation.sum(); }
   const Eigen::MatrixXd& gap() const { return evaluation_.gap; }
 
  private:
-  void try_point(Acts& acts, const LinearRollout& step, Trial trial, Linearization& linearization,
-                 Trajectory& trajectory, const Augmentation* augmentation);
+  void try_point(Evaluator& evaluator, const LinearRollout& step, Trial trial,
+                 Linearization& linearization, Trajectory& trajectory,
+                 const Augmentation* augmentation);
 
   const ControlBounds& bounds_;
   StateManifold manifold_;

@@ -50,11 +50,11 @@ LineSearchResult FullStepSearch::run(Iterate& iterate, const MeritModel& merit,
     const auto trial = at_last ? FullStep::Trial::differentiate : FullStep::Trial::evaluate;
     if (at_last) iterate.hessian.begin_iterate();
     if (correct)
-      step_.correct(iterate.acts, direction.feedback(), trial, iterate.linearization,
+      step_.correct(iterate.evaluator, direction.feedback(), trial, iterate.linearization,
                     iterate.trajectory, augmentation);
     else
-      step_.take(iterate.acts, direction.step(), trial, iterate.linearization, iterate.trajectory,
-                 augmentation);
+      step_.take(iterate.evaluator, direction.step(), trial, iterate.linearization,
+                 iterate.trajectory, augmentation);
     ahead = at_last;
     iterate.linearized = iterate.linearized && !at_last;
     weight = costates.cwiseProduct(step_.gap()).lpNorm<1>();

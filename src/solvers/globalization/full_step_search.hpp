@@ -1,6 +1,6 @@
 #pragma once
 
-#include "ocp/evaluation/acts.hpp"
+#include "ocp/evaluation/evaluator.hpp"
 #include "solvers/globalization/direction.hpp"
 #include "solvers/globalization/full_step.hpp"
 #include "solvers/globalization/line_search.hpp"

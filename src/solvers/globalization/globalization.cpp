@@ -267,7 +267,7 @@ bool Globalization::search(bool& descends) {
   iterate_.before = iterate_.trajectory;
   if (gaps_open() && !merit_.hidden(merit_.merit_slope())) {
     const Stopwatch watch(record_.result.times.rollout);
-    search_ = open_gap_search_.run(iterate_.acts, merit_, iterate_.linearization, direction_,
+    search_ = open_gap_search_.run(iterate_.evaluator, merit_, iterate_.linearization, direction_,
                                    outer_.augmentation(), iterate_.trajectory);
     record_.row.trials += search_.trials;
     iterate_.linearized = iterate_.linearized && !search_.accepted;
@@ -286,11 +286,11 @@ bool Globalization::search(bool& descends) {
 bool Globalization::search_along(double first_step) {
   const Stopwatch watch(record_.result.times.rollout);
   if (equality_search_)
-    search_ = equality_search_->run(iterate_.acts, merit_, iterate_.linearization,
+    search_ = equality_search_->run(iterate_.evaluator, merit_, iterate_.linearization,
                                     direction_.step(), feedback(), first_step, iterate_.trajectory);
   else
-    search_ = line_search_.run(iterate_.acts, merit_, iterate_.adjoint, iterate_.linearization.gap,
-                               feedback(),
+    search_ = line_search_.run(iterate_.evaluator, merit_, iterate_.adjoint,
+                               iterate_.linearization.gap, feedback(),
                                {.contract_gaps = recipe_.open_gaps,
                                 .clamp_controls = recipe_.clamp_controls,
                                 .augmentation = outer_.augmentation()},
@@ -346,7 +346,7 @@ int Globalization::sweep_backward(double regularization) {
     int bad_knot = find();
     if (affine_probe_ && direction_.unsettled() && !affine_known_) {
       affine_known_ = true;
-      if (affine_probe_->holds(iterate_.acts, iterate_.trajectory, iterate_.linearization)) {
+      if (affine_probe_->holds(iterate_.evaluator, iterate_.trajectory, iterate_.linearization)) {
         direction_.trust_model();
         bad_knot = find();
       }

@@ -33,16 +33,17 @@ LineSearch::LineSearch(const ShootingProblem& problem, const SolverOptions::Line
   followed_.resize(largest);
 }
 
-LineSearchResult LineSearch::run(Acts& acts, const MeritModel& merit, const Adjoint& adjoint,
-                                 const Eigen::MatrixXd& gap, const Feedback& feedback,
-                                 const RolloutOptions& rollout, double first_step,
-                                 Trajectory& trajectory) {
+LineSearchResult LineSearch::run(Evaluator& evaluator, const MeritModel& merit,
+                                 const Adjoint& adjoint, const Eigen::MatrixXd& gap,
+                                 const Feedback& feedback, const RolloutOptions& rollout,
+                                 double first_step, Trajectory& trajectory) {
   const Ray ray{merit, adjoint, gap, feedback, rollout, trajectory};
   LineSearchResult result;
-  result.accepted = confidence_ >= kEnoughConfidence && try_alone(acts, ray, first_step, result);
+  result.accepted =
+      confidence_ >= kEnoughConfidence && try_alone(evaluator, ray, first_step, result);
   double next_step = first_step;
   while (!result.accepted && next_step >= options_.min_step)
-    result.accepted = try_lanes(acts, ray, first_step, next_step, result);
+    result.accepted = try_lanes(evaluator, ray, first_step, next_step, result);
   const bool first = result.accepted && result.step == first_step;
   confidence_ = std::clamp(confidence_ + (first ? 1 : -1), 0, kMostConfidence);
   if (result.accepted) std::swap(trajectory, trial_.trajectory);
@@ -50,8 +51,9 @@ LineSearchResult LineSearch::run(Acts& acts, const MeritModel& merit, const Adjo
 }
 
 /// The first step, without a look at its half. What does not convince is left to the lanes.
-bool LineSearch::try_alone(Acts& acts, const Ray& ray, double step, LineSearchResult& result) {
-  acts.roll_out(ray.from, ray.gap, ray.feedback, step, ray.rollout, trial_);
+bool LineSearch::try_alone(Evaluator& evaluator, const Ray& ray, double step,
+                           LineSearchResult& result) {
+  evaluator.roll_out(ray.from, ray.gap, ray.feedback, step, ray.rollout, trial_);
   if (trial_.first_bad_knot >= 0) return false;
   const double expected = expected_decrease(ray, step);
   const double actual = actual_decrease(trial_.cost, step, ray.merit);
@@ -69,14 +71,14 @@ bool LineSearch::try_alone(Acts& acts, const Ray& ray, double step, LineSearchRe
 }
 
 /// As many steps as there are lanes; `next_step` ← the one after them.
-bool LineSearch::try_lanes(Acts& acts, const Ray& ray, double first_step, double& next_step,
-                           LineSearchResult& result) {
+bool LineSearch::try_lanes(Evaluator& evaluator, const Ray& ray, double first_step,
+                           double& next_step, LineSearchResult& result) {
   double steps[kLaneWidth];
   for (double& step : steps) {
     step = next_step;
     next_step /= 2;
   }
-  acts.roll_out(ray.from, ray.gap, ray.feedback, steps, ray.rollout, lanes_);
+  evaluator.roll_out(ray.from, ray.gap, ray.feedback, steps, ray.rollout, lanes_);
   for (int lane = 0; lane < kLaneWidth && steps[lane] >= options_.min_step; ++lane) {
     ++result.trials;
     if (lanes_.first_bad_knot[lane] >= 0) {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "ocp/evaluation/acts.hpp"
+#include "ocp/evaluation/evaluator.hpp"
 #include "solvers/common/options.hpp"
 #include "solvers/iterate/merit_model.hpp"
 #include "solvers/riccati/adjoint.hpp"
@@ -38,7 +38,7 @@ class LineSearch {
   LineSearch(const ShootingProblem& problem, const SolverOptions::LineSearch& options);
 
   /// On acceptance `trajectory` becomes the new iterate. `first_step` is the longest one tried.
-  LineSearchResult run(Acts& acts, const MeritModel& merit, const Adjoint& adjoint,
+  LineSearchResult run(Evaluator& evaluator, const MeritModel& merit, const Adjoint& adjoint,
                        const Eigen::MatrixXd& gap, const Feedback& feedback,
                        const RolloutOptions& rollout, double first_step, Trajectory& trajectory);
 
@@ -55,8 +55,8 @@ class LineSearch {
     const RolloutOptions& rollout;
     const Trajectory& from;
   };
-  bool try_alone(Acts& acts, const Ray& ray, double step, LineSearchResult& result);
-  bool try_lanes(Acts& acts, const Ray& ray, double first_step, double& next_step,
+  bool try_alone(Evaluator& evaluator, const Ray& ray, double step, LineSearchResult& result);
+  bool try_lanes(Evaluator& evaluator, const Ray& ray, double first_step, double& next_step,
                  LineSearchResult& result);
   bool applies_slope(const Ray& ray) const;
   double expected_decrease(const Ray& ray, double step);

@@ -32,7 +32,7 @@ double OpenGapSearch::weigh(const MeritModel& merit, double curvature) {
   return std::max(merit.slope + 0.5 * curvature_, 0.0) / (kGapShare * merit.gap_norm);
 }
 
-LineSearchResult OpenGapSearch::run(Acts& acts, const MeritModel& merit,
+LineSearchResult OpenGapSearch::run(Evaluator& evaluator, const MeritModel& merit,
                                     const Linearization& linearization, const Direction& direction,
                                     const Augmentation* augmentation, Trajectory& trajectory) {
   LineSearchResult result;
@@ -40,10 +40,10 @@ LineSearchResult OpenGapSearch::run(Acts& acts, const MeritModel& merit,
     const double expected = -step * merit.merit_slope();
     best_decrease_ = -std::numeric_limits<double>::infinity();
     ++result.trials;
-    try_rollout(acts, merit, linearization, direction, augmentation, step, trajectory);
+    try_rollout(evaluator, merit, linearization, direction, augmentation, step, trajectory);
     if (!(best_decrease_ >= kConvincing * (expected - 0.5 * step * step * curvature_))) {
       ++result.trials;
-      try_linear(acts, merit, direction, augmentation, step, trajectory);
+      try_linear(evaluator, merit, direction, augmentation, step, trajectory);
     }
     if (!(expected > 0 && best_decrease_ >= options_.armijo * expected)) continue;
     result.accepted = true;
@@ -65,11 +65,11 @@ void OpenGapSearch::consider(double cost, double gap_norm, const MeritModel& mer
   std::swap(best_, trial);
 }
 
-void OpenGapSearch::try_rollout(Acts& acts, const MeritModel& merit,
+void OpenGapSearch::try_rollout(Evaluator& evaluator, const MeritModel& merit,
                                 const Linearization& linearization, const Direction& direction,
                                 const Augmentation* augmentation, double step,
                                 const Trajectory& from) {
-  acts.roll_out(
+  evaluator.roll_out(
       from, linearization.gap, direction.feedback(), step,
       {.contract_gaps = true, .clamp_controls = clamp_controls_, .augmentation = augmentation},
       rollout_);
@@ -77,9 +77,9 @@ void OpenGapSearch::try_rollout(Acts& acts, const MeritModel& merit,
   consider(rollout_.cost, (1 - step) * merit.gap_norm, merit, rollout_.trajectory);
 }
 
-void OpenGapSearch::try_linear(Acts& acts, const MeritModel& merit, const Direction& direction,
-                               const Augmentation* augmentation, double step,
-                               const Trajectory& from) {
+void OpenGapSearch::try_linear(Evaluator& evaluator, const MeritModel& merit,
+                               const Direction& direction, const Augmentation* augmentation,
+                               double step, const Trajectory& from) {
   trial_ = from;
   for (int k = 0; k <= from.knots(); ++k) {
     if (k > 0) {
@@ -89,7 +89,7 @@ void OpenGapSearch::try_linear(Acts& acts, const MeritModel& merit, const Direct
     if (k < from.knots()) trial_.u(k) += step * direction.step().du(k);
   }
   bounds_.clamp(trial_);
-  acts.evaluate(trial_, evaluation_, augmentation);
+  evaluator.evaluate(trial_, evaluation_, augmentation);
   consider(evaluation_.cost.sum() + evaluation_.augmentation.sum(), evaluation_.gap.lpNorm<1>(),
            merit, trial_);
 }

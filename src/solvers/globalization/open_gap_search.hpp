@@ -1,6 +1,6 @@
 #pragma once
 
-#include "ocp/evaluation/acts.hpp"
+#include "ocp/evaluation/evaluator.hpp"
 #include "solvers/common/options.hpp"
 #include "solvers/globalization/direction.hpp"
 #include "solvers/globalization/line_search.hpp"
@@ -29,16 +29,16 @@ class OpenGapSearch {
 
   /// After weigh(), with that weight in `merit`. On acceptance `trajectory` becomes the new
   /// iterate, else it stays.
-  LineSearchResult run(Acts& acts, const MeritModel& merit, const Linearization& linearization,
-                       const Direction& direction, const Augmentation* augmentation,
-                       Trajectory& trajectory);
+  LineSearchResult run(Evaluator& evaluator, const MeritModel& merit,
+                       const Linearization& linearization, const Direction& direction,
+                       const Augmentation* augmentation, Trajectory& trajectory);
 
  private:
   void consider(double cost, double gap_norm, const MeritModel& merit, Trajectory& trial);
-  void try_rollout(Acts& acts, const MeritModel& merit, const Linearization& linearization,
-                   const Direction& direction, const Augmentation* augmentation, double step,
-                   const Trajectory& from);
-  void try_linear(Acts& acts, const MeritModel& merit, const Direction& direction,
+  void try_rollout(Evaluator& evaluator, const MeritModel& merit,
+                   const Linearization& linearization, const Direction& direction,
+                   const Augmentation* augmentation, double step, const Trajectory& from);
+  void try_linear(Evaluator& evaluator, const MeritModel& merit, const Direction& direction,
                   const Augmentation* augmentation, double step, const Trajectory& from);
 
   const ControlBounds& bounds_;

@@ -82,7 +82,7 @@ Feedback IpoptSolver::find_gains(const Trajectory& trajectory, const Eigen::Vect
   gain_regularization_.reset();
   Feedback gains(problem_);
   Linearization linearization(problem_);
-  acts_.differentiate(trajectory, linearization);
+  evaluator_.differentiate(trajectory, linearization);
   Augmentation augmentation(problem_);
   for (const NodeConstraint& c : problem_.constraints())
     augmentation.penalty.segment(c.row, c.term->rows)
@@ -90,7 +90,7 @@ Feedback IpoptSolver::find_gains(const Trajectory& trajectory, const Eigen::Vect
                               linearization.knots[c.node].hessian().diagonal().maxCoeff()));
   penalty_ = augmentation.penalty.cwiseMax(kSmallestCurvature);
   augmentation.shift = multipliers.cwiseQuotient(penalty_);
-  acts_.differentiate(trajectory, linearization, &augmentation);
+  evaluator_.differentiate(trajectory, linearization, &augmentation);
   if (find_non_finite(linearization)) return gains;
   Gaps gaps(problem_);
   gaps.set(linearization, true);

@@ -43,8 +43,8 @@ IpoptSolver::IpoptSolver(const ShootingProblem& problem, const SolverOptions& op
       options_(options),
       gauss_newton_(options.hessian == HessianChoice::gauss_newton),
       bounds_(problem),
-      acts_(problem, options.threads),
-      newton_(problem, acts_),
+      evaluator_(problem, options.threads),
+      newton_(problem, evaluator_),
       choice_(options.tolerances),
       result_(problem) {
   make_transcription(options.complementarity.relaxation);
@@ -52,7 +52,7 @@ IpoptSolver::IpoptSolver(const ShootingProblem& problem, const SolverOptions& op
 
 void IpoptSolver::make_transcription(PairRelaxation relaxation) {
   transcription_ = std::make_unique<Transcription>(
-      problem_, acts_,
+      problem_, evaluator_,
       Transcription::Options{.gauss_newton = gauss_newton_,
                              .cone_smoothing = 0.1 * options_.tolerances.constraint,
                              .relaxation = relaxation,

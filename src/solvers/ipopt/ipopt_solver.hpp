@@ -82,7 +82,7 @@ class IpoptSolver {
   bool alternates_ = false;  ///< between exact and Gauss-Newton Hessians
   HessianAlternation alternation_;
   ControlBounds bounds_;
-  Acts acts_;
+  Evaluator evaluator_;
   std::unique_ptr<Transcription> transcription_;
   ProjectedNewton newton_;
   Stop stop_ = Stop::none;

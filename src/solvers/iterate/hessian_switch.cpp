@@ -45,14 +45,14 @@ bool same_hessian(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
   return apart <= kSameHessian * largest;
 }
 
-HessianSwitch::HessianSwitch(HessianUse use, double tolerance, Acts& acts,
+HessianSwitch::HessianSwitch(HessianUse use, double tolerance, Evaluator& evaluator,
                              Linearization& linearization)
-    : use_(use), tolerance_(tolerance), acts_(acts), linearization_(linearization) {
+    : use_(use), tolerance_(tolerance), evaluator_(evaluator), linearization_(linearization) {
   if (use == HessianUse::gauss_newton) return;
   Eigen::Index nz = 0;
   for (const KnotLinearization& knot : linearization.knots) nz = std::max(nz, knot.gradient.size());
   exact_cost_ = 1 + kDirectionCost * static_cast<double>(nz);
-  acts.reserve_lagrangian_hessian();
+  evaluator.reserve_lagrangian_hessian();
   for (const KnotLinearization& knot : linearization.knots) other_.push_back(knot.hessian());
 }
 
@@ -116,7 +116,7 @@ void HessianSwitch::begin_iterate() {
 void HessianSwitch::evaluate_exact(const Trajectory& trajectory, const Eigen::MatrixXd& costates,
                                    const Augmentation* augmentation) {
   use(true);
-  acts_.lagrangian_hessian(trajectory, costates, linearization_, augmentation);
+  evaluator_.lagrangian_hessian(trajectory, costates, linearization_, augmentation);
   exact_known_ = true;
   if (use_ != HessianUse::when_slow) return;
   same_ = true;

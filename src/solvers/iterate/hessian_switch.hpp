@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "ocp/evaluation/acts.hpp"
+#include "ocp/evaluation/evaluator.hpp"
 #include "solvers/common/iteration_record.hpp"
 #include "solvers/common/options.hpp"
 
@@ -25,7 +25,8 @@ class HessianSwitch {
  public:
   /// Allocates what exact Hessians need, where they may be used. `tolerance` is that of the
   /// stationarity.
-  HessianSwitch(HessianUse use, double tolerance, Acts& acts, Linearization& linearization);
+  HessianSwitch(HessianUse use, double tolerance, Evaluator& evaluator,
+                Linearization& linearization);
 
   /// At the start of a solve.
   void reset();
@@ -36,7 +37,7 @@ class HessianSwitch {
   bool turn();
 
   /// Forgets the exact Hessians and puts the Gauss-Newton ones into the linearisation, as
-  /// Acts::differentiate wants it: that leaves entries alone that are zero by structure.
+  /// Evaluator::differentiate wants it: that leaves entries alone that are zero by structure.
   void begin_iterate();
   /// Whether the iterate should get exact Hessians.
   bool exact_wanted() const { return exact_wanted_; }
@@ -68,7 +69,7 @@ class HessianSwitch {
   HessianUse use_;
   double tolerance_;
   double exact_cost_ = 0;  ///< of an iteration, in Gauss-Newton iterations
-  Acts& acts_;
+  Evaluator& evaluator_;
   Linearization& linearization_;
   std::vector<Eigen::MatrixXd> other_;  ///< the set that is not in the linearisation
   bool exact_wanted_ = false;

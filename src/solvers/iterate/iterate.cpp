@@ -10,16 +10,16 @@
 namespace conddp {
 
 Iterate::Iterate(const ShootingProblem& problem, const ControlBounds& control_bounds,
-                 Acts& all_acts, const DdpRecipe& recipe, const SolverOptions& options,
+                 Evaluator& shared_evaluator, const DdpRecipe& recipe, const SolverOptions& options,
                  SolveRecord& record)
     : bounds(control_bounds),
-      acts(all_acts),
+      evaluator(shared_evaluator),
       trajectory(problem.create_trajectory()),
       before(problem.create_trajectory()),
       linearization(problem),
       gaps(problem),
       adjoint(problem, control_bounds),
-      hessian(recipe.hessian, options.tolerances.stationarity, all_acts, linearization),
+      hessian(recipe.hessian, options.tolerances.stationarity, shared_evaluator, linearization),
       exact_below(options.tolerances.gap),
       record_(record),
       open_gaps_(recipe.open_gaps) {}
@@ -32,7 +32,7 @@ void Iterate::reset() {
 void Iterate::differentiate(const Feedback& feedback, const Augmentation* augmentation) {
   const Stopwatch watch(times().differentiate);
   hessian.begin_iterate();
-  if (!differentiated) acts.differentiate(trajectory, linearization, augmentation);
+  if (!differentiated) evaluator.differentiate(trajectory, linearization, augmentation);
   differentiated = false;
   gaps.set(linearization, open_gaps_);
   adjoint.compute(linearization, trajectory, gaps, feedback);

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "ocp/evaluation/acts.hpp"
+#include "ocp/evaluation/evaluator.hpp"
 #include "solvers/common/control_bounds.hpp"
 #include "solvers/common/iteration_record.hpp"
 #include "solvers/common/options.hpp"
@@ -14,7 +14,7 @@ namespace conddp {
 
 /// Where a solve stands: a trajectory, its derivatives and co-states, and what of that is known.
 struct Iterate {
-  Iterate(const ShootingProblem& problem, const ControlBounds& bounds, Acts& acts,
+  Iterate(const ShootingProblem& problem, const ControlBounds& bounds, Evaluator& evaluator,
           const DdpRecipe& recipe, const SolverOptions& options, SolveRecord& record);
 
   /// At the start of a solve.
@@ -36,7 +36,7 @@ struct Iterate {
   SolveTimes& times() { return record_.result.times; }
 
   const ControlBounds& bounds;
-  Acts& acts;
+  Evaluator& evaluator;
   Trajectory trajectory;
   Trajectory before;  ///< what a step that is taken back goes back to
   Linearization linearization;

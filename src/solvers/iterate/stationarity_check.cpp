@@ -28,7 +28,7 @@ bool StationarityCheck::confirm(const Iterate& iterate, const Eigen::VectorXd* m
   if (goal_ <= kLeastGoal * tolerance) return true;
   const double stationarity = iterate.stationarity().value;
   const std::optional<double> found =
-      plain_ ? plain_->stationarity(iterate.acts, iterate.trajectory, iterate.gaps,
+      plain_ ? plain_->stationarity(iterate.evaluator, iterate.trajectory, iterate.gaps,
                                     options_.regularization, *multipliers)
              : reduced_stationarity(iterate, stationarity);
   if (!found || !(*found > tolerance)) return true;

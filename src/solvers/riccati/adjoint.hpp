@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-#include "ocp/evaluation/acts.hpp"
+#include "ocp/evaluation/evaluator.hpp"
 #include "ocp/evaluation/linearization.hpp"
 #include "solvers/common/control_bounds.hpp"
 #include "solvers/riccati/gap_transport.hpp"

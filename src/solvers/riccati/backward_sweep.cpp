@@ -4,13 +4,14 @@
 
 namespace conddp {
 
-BackwardSweep::BackwardSweep(const ShootingProblem& problem, const ControlBounds& bounds, Legs legs)
+BackwardSweep::BackwardSweep(const ShootingProblem& problem, const ControlBounds& bounds,
+                             Segments segments)
     : bounds_(bounds),
       values_(problem.knots() + 1, ValueFunction(problem.ndx())),
       stage_(problem),
       bounded_(problem.has_control_bounds()) {
   for (int k = 0; k < problem.knots(); ++k) Quu_.emplace_back(problem.nu(k), problem.nu(k));
-  if (legs.count > 1) legs_ = std::make_unique<LegSweep>(problem, legs);
+  if (segments.count > 1) segments_ = std::make_unique<SegmentSweep>(problem, segments);
 }
 
 int BackwardSweep::run(const Linearization& linearization, const Trajectory& trajectory,
@@ -20,12 +21,12 @@ int BackwardSweep::run(const Linearization& linearization, const Trajectory& tra
   const SweptHorizon horizon{linearization, trajectory, gaps, bounds_};
   policy.begin_horizon(linearization, gaps);
   policy.begin_sweep(hold);
-  if (legs_ && use_legs_ && (hold || !bounded_) && regularization.weight == 0) {
-    if (const auto bad_knot = legs_->run(horizon, policy, feedback, values_, Quu_))
+  if (segments_ && use_segments_ && (hold || !bounded_) && regularization.weight == 0) {
+    if (const auto bad_knot = segments_->run(horizon, policy, feedback, values_, Quu_))
       return *bad_knot;
   }
-  // Values in front of the last leg are not those that a sweep could go on from.
-  if (legs_) from.reset();
+  // Values in front of the last segment are not those that a sweep could go on from.
+  if (segments_) from.reset();
   if (!from) {
     values_[N].Vx = linearization.knots[N].gradient;
     values_[N].Vxx = linearization.knots[N].hessian();
@@ -39,7 +40,7 @@ int BackwardSweep::run(const Linearization& linearization, const Trajectory& tra
     const bool true_gains = !regularization.in_gains() && policy.minimizes_freely();
     if (!stage_.form_value(values_[k], feedback.k[k], true_gains)) return k;
   }
-  if (legs_) legs_->start_from(values_);
+  if (segments_) segments_->start_from(values_);
   return -1;
 }
 

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "solvers/riccati/leg_sweep.hpp"
+#include "solvers/riccati/segment_sweep.hpp"
 #include "solvers/riccati/stage_sweep.hpp"
 
 namespace conddp {
@@ -17,13 +17,14 @@ namespace conddp {
 /// Without regularisation the rows of Q_uu K + Q_ux that K does not leave out are zero: then
 ///   V_xx = Q_xx + Kᵀ Q_ux.
 ///
-/// With several legs, sweeps whose policy is affine go by them (LegSweep): those without
+/// With several segments, sweeps whose policy is affine go by them (SegmentSweep): those without
 /// regularisation that hold their active set, or have no bounds on the control. The policies' steps
-/// through the linear model are the same; gains and values before the last leg belong to values at
-/// the ends of legs that are near the true ones.
+/// through the linear model are the same; gains and values before the last segment belong to values
+/// at the ends of segments that are near the true ones.
 class BackwardSweep {
  public:
-  BackwardSweep(const ShootingProblem& problem, const ControlBounds& bounds, Legs legs = {});
+  BackwardSweep(const ShootingProblem& problem, const ControlBounds& bounds,
+                Segments segments = {});
 
   /// Fills `feedback`, for the full step that closes the gaps. Returns the knot
   /// whose stage has no minimum or is not finite, or −1 where all went well. `hold` is passed on
@@ -38,16 +39,16 @@ class BackwardSweep {
   /// Q_uu of a knot, without regularisation.
   const Eigen::MatrixXd& Quu(int k) const { return Quu_[k]; }
 
-  /// Whether sweeps may go by legs, where there are several.
-  void use_legs(bool use) { use_legs_ = use; }
+  /// Whether sweeps may go by segments, where there are several.
+  void use_legs(bool use) { use_segments_ = use; }
 
  private:
   const ControlBounds& bounds_;
   std::vector<ValueFunction> values_;  ///< N + 1
   std::vector<Eigen::MatrixXd> Quu_;
   StageSweep stage_;
-  std::unique_ptr<LegSweep> legs_;  ///< where there are several
-  bool bounded_, use_legs_ = true;
+  std::unique_ptr<SegmentSweep> segments_;  ///< where there are several
+  bool bounded_, use_segments_ = true;
 };
 
 }  // namespace conddp

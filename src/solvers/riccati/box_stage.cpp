@@ -12,10 +12,11 @@ namespace {
 class BoxStage : public StagePolicy {
  public:
   BoxStage(const ShootingProblem& problem, int max_nu, const SolverOptions::BoxQp& options,
-           int legs) {
-    const int rows = legs > 1 ? parametric_rows(problem) : problem.ndx();
-    scratch_.reserve(legs);
-    for (int leg = 0; leg < legs; ++leg) scratch_.emplace_back(rows, max_nu, options);
+           int segments) {
+    const int rows = segments > 1 ? parametric_rows(problem) : problem.ndx();
+    scratch_.reserve(segments);
+    for (int segment = 0; segment < segments; ++segment)
+      scratch_.emplace_back(rows, max_nu, options);
     for (int k = 0; k < problem.knots(); ++k) {
       const int nu = problem.nu(k);
       active_.emplace_back(nu);
@@ -31,7 +32,7 @@ class BoxStage : public StagePolicy {
 
   bool solve(const StageProblem& stage, Eigen::Ref<Eigen::VectorXd> k, LaneBlock Kt) override {
     const int nu = static_cast<int>(k.size());
-    Scratch& scratch = scratch_[stage.leg];
+    Scratch& scratch = scratch_[stage.segment];
     std::vector<BoundState>& active = active_[stage.knot];
     Kept& kept = kept_[stage.knot];
     Eigen::VectorXd &lower = kept.lower, &upper = kept.upper;
@@ -193,8 +194,8 @@ class BoxStage : public StagePolicy {
 }  // namespace
 
 std::unique_ptr<StagePolicy> box_stage(const ShootingProblem& problem,
-                                       const SolverOptions::BoxQp& options, int legs) {
-  return std::make_unique<BoxStage>(problem, largest_nu(problem), options, legs);
+                                       const SolverOptions::BoxQp& options, int segments) {
+  return std::make_unique<BoxStage>(problem, largest_nu(problem), options, segments);
 }
 
 }  // namespace conddp

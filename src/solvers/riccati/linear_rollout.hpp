@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-#include "ocp/evaluation/acts.hpp"
+#include "ocp/evaluation/evaluator.hpp"
 #include "solvers/common/control_bounds.hpp"
 #include "solvers/riccati/backward_sweep.hpp"
 #include "solvers/riccati/gap_transport.hpp"

@@ -14,10 +14,10 @@ PlainAdjoint::PlainAdjoint(const ShootingProblem& problem, const ControlBounds& 
       adjoint_(problem, bounds) {}
 
 std::optional<double> PlainAdjoint::stationarity(
-    Acts& acts, const Trajectory& trajectory, const Gaps& gaps,
+    Evaluator& evaluator, const Trajectory& trajectory, const Gaps& gaps,
     const SolverOptions::Regularization& regularization, const Eigen::VectorXd& multipliers) {
   lagrangian_.multiplier = multipliers;
-  acts.differentiate(trajectory, linearization_, &lagrangian_);
+  evaluator.differentiate(trajectory, linearization_, &lagrangian_);
   SolverOptions::Regularization from_zero = regularization;
   from_zero.initial = 0;
   RegularizationSchedule schedule(from_zero);

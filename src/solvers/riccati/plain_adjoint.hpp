@@ -18,7 +18,8 @@ class PlainAdjoint {
 
   /// ‖∇_u L‖∞ at these multipliers of the constraints (a number a row), projected on the control
   /// bounds. None where the costs have no minimum along the linear dynamics, however regularised.
-  std::optional<double> stationarity(Acts& acts, const Trajectory& trajectory, const Gaps& gaps,
+  std::optional<double> stationarity(Evaluator& evaluator, const Trajectory& trajectory,
+                                     const Gaps& gaps,
                                      const SolverOptions::Regularization& regularization,
                                      const Eigen::VectorXd& multipliers);
 

@@ -15,13 +15,13 @@ namespace conddp {
 /// ½ δuᵀ Q_uu δu + (Q_u + Q_ux δx)ᵀ δu, where Q_uu and Q_ux may be regularised.
 struct StageProblem {
   int knot;
-  /// ndx x nu. Sweeps by legs have more rows: linear terms of parameters beside the state.
+  /// ndx x nu. Sweeps by segments have more rows: linear terms of parameters beside the state.
   Eigen::Ref<const Eigen::MatrixXd> Qxu;
   Eigen::Ref<const Eigen::MatrixXd> Quu;           ///< nu x nu
   Eigen::Ref<const Eigen::VectorXd> Qu;            ///< nu
   Eigen::Ref<const Eigen::VectorXd> u;             ///< the knot's present control
   Eigen::Ref<const Eigen::VectorXd> lower, upper;  ///< of the control, infinite where free
-  int leg = 0;  ///< stages of different legs may be solved at once
+  int segment = 0;  ///< stages of different segments may be solved at once
 
   /// The right-hand side of a control i: column j of `to` (a row more than Q_xu) ← −(Q_xu; Q_uᵀ).
   void negate(int i, LaneBlock to, int j) const;
@@ -92,8 +92,8 @@ std::unique_ptr<StagePolicy> unconstrained_stage(const ShootingProblem& problem)
 /// That set is blind to what the knots before it do. `revise` and held sweeps alternate towards the
 /// active set of the whole horizon's box-constrained QP (the primal-dual active-set method of
 /// Hintermüller, Ito, Kunisch 2002, one sweep an iteration).
-/// `legs`: of how many legs stages may be solved at once.
+/// `segments`: of how many segments stages may be solved at once.
 std::unique_ptr<StagePolicy> box_stage(const ShootingProblem& problem,
-                                       const SolverOptions::BoxQp& options, int legs = 1);
+                                       const SolverOptions::BoxQp& options, int segments = 1);
 
 }  // namespace conddp

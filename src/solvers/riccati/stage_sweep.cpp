@@ -60,8 +60,8 @@ bool StageSweep::solve(const SweptHorizon& horizon, int k, SweepRegularization r
 }
 
 bool StageSweep::solve(const SweptHorizon& horizon, int k,
-                       const Eigen::Ref<const Eigen::MatrixXd>& Qxu, int leg, StagePolicy& policy,
-                       Feedback& feedback) {
+                       const Eigen::Ref<const Eigen::MatrixXd>& Qxu, int segment,
+                       StagePolicy& policy, Feedback& feedback) {
   return solve({.knot = k,
                 .Qxu = Qxu,
                 .Quu = q_.Quu(),
@@ -69,7 +69,7 @@ bool StageSweep::solve(const SweptHorizon& horizon, int k,
                 .u = horizon.trajectory.u(k),
                 .lower = horizon.bounds.lower(k),
                 .upper = horizon.bounds.upper(k),
-                .leg = leg},
+                .segment = segment},
                policy, feedback);
 }
 

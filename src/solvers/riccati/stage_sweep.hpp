@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-#include "ocp/evaluation/acts.hpp"
+#include "ocp/evaluation/evaluator.hpp"
 #include "solvers/common/control_bounds.hpp"
 #include "solvers/riccati/gap_transport.hpp"
 #include "solvers/riccati/stage_policy.hpp"
@@ -48,10 +48,10 @@ class StageSweep {
   /// Lets the policy solve the stage; fills feedback.k and feedback.K of the knot.
   bool solve(const SweptHorizon& horizon, int k, SweepRegularization regularization,
              StagePolicy& policy, Feedback& feedback);
-  /// The same without regularisation, with parameters: `Qxu` has parametric_rows. `leg`: see
+  /// The same without regularisation, with parameters: `Qxu` has parametric_rows. `segment`: see
   /// StageProblem.
   bool solve(const SweptHorizon& horizon, int k, const Eigen::Ref<const Eigen::MatrixXd>& Qxu,
-             int leg, StagePolicy& policy, Feedback& feedback);
+             int segment, StagePolicy& policy, Feedback& feedback);
   /// The value at the knot. `true_gains`: K comes from second derivatives without regularisation.
   /// False where the value is not finite.
   bool form_value(ValueFunction& value, const Eigen::VectorXd& k, bool true_gains);

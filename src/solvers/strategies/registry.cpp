@@ -92,27 +92,27 @@ bool is_equality(const NodeConstraint& c) {
   return true;
 }
 
-bool keeps(const SolverInfo& solver, const NodeConstraint& constraint) {
+bool supports(const SolverInfo& solver, const NodeConstraint& constraint) {
   if (constraint.term->has_pairs()) return solver.complementarity;
   return solver.constraints == ConstraintSupport::all ||
          (solver.constraints == ConstraintSupport::equalities && is_equality(constraint));
 }
 
-bool keeps_all(const SolverInfo& solver, const ShootingProblem& problem) {
+bool supports_all(const SolverInfo& solver, const ShootingProblem& problem) {
   if (problem.has_control_bounds() && solver.control_bounds != BoundSupport::exact) return false;
   return std::all_of(problem.constraints().begin(), problem.constraints().end(),
-                     [&](const NodeConstraint& c) { return keeps(solver, c); });
+                     [&](const NodeConstraint& c) { return supports(solver, c); });
 }
 
 /// Why the solver cannot take the problem because of its constraints, if so. What is advised are
 /// the solvers that keep all of them.
-std::optional<std::string> refuse_constraint(const SolverInfo& solver,
-                                             const ShootingProblem& problem) {
+std::optional<std::string> unsupported_constraint(const SolverInfo& solver,
+                                                  const ShootingProblem& problem) {
   for (const NodeConstraint& c : problem.constraints()) {
-    if (keeps(solver, c)) continue;
+    if (supports(solver, c)) continue;
     const int phase = problem.knot(c.node).phase;
     const std::string can =
-        list_solvers([&](const SolverInfo& info) { return keeps_all(info, problem); });
+        list_solvers([&](const SolverInfo& info) { return supports_all(info, problem); });
     return fmt::format("{} cannot keep the {} '{}' ({}); {}", solver.name,
                        c.is_soft()                                           ? "soft constraint"
                        : solver.constraints == ConstraintSupport::equalities ? "inequality"
@@ -145,13 +145,13 @@ const SolverInfo* find_solver(std::string_view name) {
   return nullptr;
 }
 
-bool keeps_constraints(const SolverInfo& solver, const ShootingProblem& problem) {
-  return !refuse_constraint(solver, problem);
+bool supports_constraints(const SolverInfo& solver, const ShootingProblem& problem) {
+  return !unsupported_constraint(solver, problem);
 }
 
-std::optional<std::string> refuse(const SolverInfo& solver, const ShootingProblem& problem) {
-  if (auto reason = refuse_constraint(solver, problem)) return reason;
-  if (solver.control_bounds != BoundSupport::refused || !problem.has_control_bounds()) {
+std::optional<std::string> unsupported(const SolverInfo& solver, const ShootingProblem& problem) {
+  if (auto reason = unsupported_constraint(solver, problem)) return reason;
+  if (solver.control_bounds != BoundSupport::none || !problem.has_control_bounds()) {
     return std::nullopt;
   }
   return fmt::format("{} cannot keep the control bounds ({}); {} can, and {} clips them",
@@ -159,8 +159,8 @@ std::optional<std::string> refuse(const SolverInfo& solver, const ShootingProble
                      list_solvers(BoundSupport::clipped));
 }
 
-std::optional<std::string> refuse_legs(const SolverInfo& solver, const ShootingProblem& problem,
-                                       int legs) {
+std::optional<std::string> unsupported_segments(const SolverInfo& solver,
+                                                const ShootingProblem& problem, int legs) {
   if (legs > 1 && !solver.legs)
     return fmt::format("legs: {} sweeps the horizon in one leg; {} can do it in several",
                        solver.name, list_solvers([](const SolverInfo& info) { return info.legs; }));
@@ -181,7 +181,8 @@ std::vector<const SolverInfo*> auto_solvers(const ShootingProblem& problem,
         options.hessian == HessianChoice::automatic ||
         (options.hessian == HessianChoice::exact ? info->exact_hessian
                                                  : info->gauss_newton_hessian);
-    if (takes_hessian && !refuse(*info, problem) && !refuse_legs(*info, problem, options.legs))
+    if (takes_hessian && !unsupported(*info, problem) &&
+        !unsupported_segments(*info, problem, options.legs))
       list.push_back(info);
   }
   return list;

@@ -16,7 +16,7 @@ namespace conddp {
 enum class BoundSupport {
   exact,    ///< keeps them and converges to a constrained optimum
   clipped,  ///< keeps them by cutting controls off, which may end short of an optimum
-  refused,
+  none,     ///< does not support them
 };
 
 /// Which constraints, besides bounds on the control, a solver keeps.
@@ -26,7 +26,7 @@ enum class ConstraintSupport { none, equalities, all };
 struct SolverInfo {
   std::string_view name;
   std::string_view description;  ///< one line
-  BoundSupport control_bounds = BoundSupport::refused;
+  BoundSupport control_bounds = BoundSupport::none;
   ConstraintSupport constraints = ConstraintSupport::none;
   bool complementarity = false;      ///< keeps 0 ≤ z ⊥ s ≥ 0
   bool open_gaps = false;            ///< starts from states that do not follow from the controls
@@ -44,14 +44,14 @@ std::span<const SolverInfo> solvers();
 /// The solver of this name, or null.
 const SolverInfo* find_solver(std::string_view name);
 /// Whether the solver keeps all constraints of the problem but bounds on the control.
-bool keeps_constraints(const SolverInfo& solver, const ShootingProblem& problem);
+bool supports_constraints(const SolverInfo& solver, const ShootingProblem& problem);
 /// Why the solver cannot take the problem: the constraint, and the solvers that can. Empty if it
 /// can.
-std::optional<std::string> refuse(const SolverInfo& solver, const ShootingProblem& problem);
+std::optional<std::string> unsupported(const SolverInfo& solver, const ShootingProblem& problem);
 
 /// Why the solver cannot sweep the problem's horizon in so many legs. Empty if it can.
-std::optional<std::string> refuse_legs(const SolverInfo& solver, const ShootingProblem& problem,
-                                       int legs);
+std::optional<std::string> unsupported_segments(const SolverInfo& solver,
+                                                const ShootingProblem& problem, int legs);
 
 /// Stands for a choice by the problem.
 inline constexpr std::string_view kAutoSolver = "auto";

@@ -42,18 +42,18 @@ bool got_stuck(const SolveResult& result, const SolverOptions& options) {
 /// Whether the controls alone lead to a motion that is not much worse. Where they do states follow
 /// from them in every step, and the violation only falls.
 bool can_simulate(const ShootingProblem& problem, const Trajectory& start) {
-  Acts acts(problem, 1);
+  Evaluator evaluator(problem, 1);
   const ControlBounds bounds(problem);
   Linearization linearization(problem);
   ViolationSlope slope(problem, bounds);
   Trajectory motion = start;
   const auto violation = [&] {
-    acts.differentiate(motion, linearization);
+    evaluator.differentiate(motion, linearization);
     return slope.violation(linearization.constraint);
   };
   const double at_states = violation();
   bounds.clamp(motion);
-  return acts.simulate(motion) < 0 && violation() <= kSimulated * at_states;
+  return evaluator.simulate(motion) < 0 && violation() <= kSimulated * at_states;
 }
 
 }  // namespace

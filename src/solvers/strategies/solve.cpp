@@ -28,27 +28,28 @@ std::optional<std::string> misfit(const ShootingProblem& problem, const DualGues
 }
 
 /// Why the solver cannot take the problem with these options, if so.
-std::optional<std::string> refuse_options(const SolverInfo& solver, const ShootingProblem& problem,
-                                          const SolverOptions& options) {
+std::optional<std::string> unsupported_options(const SolverInfo& solver,
+                                               const ShootingProblem& problem,
+                                               const SolverOptions& options) {
   std::string wrong;
   for (const std::string& message : options.validate()) {
     if (!wrong.empty()) wrong += "; ";
     wrong += message;
   }
   if (!wrong.empty()) return wrong;
-  if (auto reason = refuse(solver, problem)) return reason;
+  if (auto reason = unsupported(solver, problem)) return reason;
   if (options.hessian == HessianChoice::exact && !solver.exact_hessian)
     return fmt::format("hessian: {} has no exact Hessian", solver.name);
   if (options.hessian == HessianChoice::gauss_newton && !solver.gauss_newton_hessian)
     return fmt::format("hessian: {} always uses the exact one", solver.name);
-  if (auto reason = refuse_legs(solver, problem, options.legs)) return reason;
+  if (auto reason = unsupported_segments(solver, problem, options.legs)) return reason;
   if (options.multipliers) return misfit(problem, *options.multipliers);
   return std::nullopt;
 }
 
 SolveResult run(const ShootingProblem& problem, const SolverInfo& solver, SolverOptions options,
                 const Trajectory& guess) {
-  if (const auto reason = refuse_options(solver, problem, options))
+  if (const auto reason = unsupported_options(solver, problem, options))
     throw std::invalid_argument(*reason);
   options.restarts = {};
   options.homotopy = nullptr;
@@ -123,7 +124,7 @@ SolveResult solve(const ShootingProblem& problem, std::string_view solver,
     return solve(problem, auto_solvers(problem, options), options, guess, used);
   }
   const SolverInfo* info = find_solver(solver);
-  if (info == nullptr) throw std::invalid_argument(fmt::format("there is no solver '{}'", solver));
+  if (info == nullptr) throw std::invalid_argument(fmt::format("unknown solver '{}'", solver));
   return solve(problem, *info, options, guess);
 }
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "ocp/evaluation/acts.hpp"
+#include "ocp/evaluation/evaluator.hpp"
 #include "problems.hpp"
 #include "solvers/riccati/backward_sweep.hpp"
 
@@ -33,14 +33,14 @@ Trajectory moved_guess(const ShootingProblem& problem) {
 
 int run(const ShootingProblem& problem) {
   const Trajectory guess = moved_guess(problem);
-  Acts acts(problem, 1);
+  Evaluator evaluator(problem, 1);
   Evaluation evaluation(problem);
-  acts.evaluate(guess, evaluation);
+  evaluator.evaluate(guess, evaluation);
   print("cost", 0, evaluation.cost);
   print("gap", 0, evaluation.gap);
 
   Linearization linearization(problem);
-  acts.differentiate(guess, linearization);
+  evaluator.differentiate(guess, linearization);
   for (int k = 0; k <= problem.knots(); ++k) {
     print("gradient", k, linearization.knots[k].gradient);
     print("hessian", k, linearization.knots[k].hessian());

@@ -1,4 +1,4 @@
-#include "ocp/evaluation/acts.hpp"
+#include "ocp/evaluation/evaluator.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -62,7 +62,7 @@ struct Group {
 
 }  // namespace
 
-struct Acts::Impl {
+struct Evaluator::Impl {
   Impl(const ShootingProblem& p, int thread_count)
       : problem(p), threads(std::max(1, thread_count)), arena(std::max(1, thread_count)) {
     std::map<const KnotModel*, std::vector<int>> by_model;
@@ -272,12 +272,12 @@ struct Acts::Impl {
   std::vector<std::unique_ptr<KnotBatch<double>>> singles;  ///< of rollouts, by model
 };
 
-Acts::Acts(const ShootingProblem& problem, int threads)
+Evaluator::Evaluator(const ShootingProblem& problem, int threads)
     : problem_(problem), impl_(std::make_unique<Impl>(problem, threads)) {}
-Acts::~Acts() = default;
+Evaluator::~Evaluator() = default;
 
-void Acts::evaluate(const Trajectory& trajectory, Evaluation& out,
-                    const Augmentation* augmentation) {
+void Evaluator::evaluate(const Trajectory& trajectory, Evaluation& out,
+                         const Augmentation* augmentation) {
   impl_->for_each_group([&](const Group& group, int thread) {
     KnotBatch<Lane>& batch = *impl_->lanes[thread][group.model];
     impl_->load(group, trajectory, augmentation, batch);
@@ -286,8 +286,8 @@ void Acts::evaluate(const Trajectory& trajectory, Evaluation& out,
   });
 }
 
-void Acts::differentiate(const Trajectory& trajectory, Linearization& out,
-                         const Augmentation* augmentation) {
+void Evaluator::differentiate(const Trajectory& trajectory, Linearization& out,
+                              const Augmentation* augmentation) {
   impl_->for_each_group([&](const Group& group, int thread) {
     KnotBatch<Lane>& batch = *impl_->lanes[thread][group.model];
     impl_->load(group, trajectory, augmentation, batch);
@@ -297,7 +297,7 @@ void Acts::differentiate(const Trajectory& trajectory, Linearization& out,
   });
 }
 
-void Acts::reserve_lagrangian_hessian(bool by_parts) {
+void Evaluator::reserve_lagrangian_hessian(bool by_parts) {
   for (int t = 0; t < impl_->threads; ++t) {
     auto& of_thread = impl_->seconds[t];
     if (!of_thread.empty()) continue;
@@ -311,8 +311,8 @@ void Acts::reserve_lagrangian_hessian(bool by_parts) {
   }
 }
 
-void Acts::lagrangian_hessian(const Trajectory& trajectory, const Eigen::MatrixXd& costates,
-                              Linearization& out, const Augmentation* augmentation) {
+void Evaluator::lagrangian_hessian(const Trajectory& trajectory, const Eigen::MatrixXd& costates,
+                                   Linearization& out, const Augmentation* augmentation) {
   reserve_lagrangian_hessian();
   impl_->for_each_group([&](const Group& group, int thread) {
     KnotSecondDerivatives* parts = impl_->seconds[thread][group.model].get();
@@ -335,9 +335,9 @@ void Acts::lagrangian_hessian(const Trajectory& trajectory, const Eigen::MatrixX
   });
 }
 
-void Acts::roll_out(const Trajectory& reference, const Eigen::MatrixXd& gap,
-                    const Feedback& feedback, const double* step_lengths,
-                    const RolloutOptions& options, LaneRollout& out) {
+void Evaluator::roll_out(const Trajectory& reference, const Eigen::MatrixXd& gap,
+                         const Feedback& feedback, const double* step_lengths,
+                         const RolloutOptions& options, LaneRollout& out) {
   Lane alpha;
   for (int l = 0; l < kLaneWidth; ++l) {
     alpha.set(l, step_lengths[l]);
@@ -360,9 +360,9 @@ void Acts::roll_out(const Trajectory& reference, const Eigen::MatrixXd& gap,
                    });
 }
 
-void Acts::roll_out(const Trajectory& reference, const Eigen::MatrixXd& gap,
-                    const Feedback& feedback, double step_length, const RolloutOptions& options,
-                    SingleRollout& out) {
+void Evaluator::roll_out(const Trajectory& reference, const Eigen::MatrixXd& gap,
+                         const Feedback& feedback, double step_length,
+                         const RolloutOptions& options, SingleRollout& out) {
   out.first_bad_knot = -1;
   const auto batch_of = [&](int k) -> KnotBatch<double>& {
     return *impl_->singles[impl_->model_of_knot[k]];
@@ -377,7 +377,7 @@ void Acts::roll_out(const Trajectory& reference, const Eigen::MatrixXd& gap,
                    });
 }
 
-int Acts::simulate(Trajectory& trajectory, bool clamp_controls) {
+int Evaluator::simulate(Trajectory& trajectory, bool clamp_controls) {
   Feedback none(problem_);
   SingleRollout rollout(problem_);
   // Feedback zero: the reference's states do not matter, as long as they are finite.

@@ -1,42 +1,43 @@
-// Sweeps of a horizon in legs: the same step as from end to start, for any number of them.
+// Sweeps of a horizon in segments: the same step as from end to start, for any number of them.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "solvers/strategies/registry.hpp"
 #include "support/conic_problems.hpp"
 #include "support/constrained_problems.hpp"
-#include "support/leg_comparison.hpp"
+#include "support/segment_comparison.hpp"
 
 namespace conddp {
 namespace {
 
-using testing::LeggedIterate;
+using testing::SegmentedIterate;
 using testing::LinearQuadratic;
 
-TEST(LegSweep, LegsCoverTheHorizonAndTheLastIsTwiceAsLongAsTheOthers) {
-  EXPECT_EQ(LegSweep::split(60, 2), (std::vector<int>{0, 20, 60}));
-  EXPECT_EQ(LegSweep::split(50, 4), (std::vector<int>{0, 10, 20, 30, 50}));
-  EXPECT_EQ(LegSweep::split(17, 3), (std::vector<int>{0, 4, 8, 17}));
-  EXPECT_EQ(LegSweep::split(3, 3), (std::vector<int>{0, 1, 2, 3}));
+TEST(SegmentSweep, LegsCoverTheHorizonAndTheLastIsTwiceAsLongAsTheOthers) {
+  EXPECT_EQ(SegmentSweep::split(60, 2), (std::vector<int>{0, 20, 60}));
+  EXPECT_EQ(SegmentSweep::split(50, 4), (std::vector<int>{0, 10, 20, 30, 50}));
+  EXPECT_EQ(SegmentSweep::split(17, 3), (std::vector<int>{0, 4, 8, 17}));
+  EXPECT_EQ(SegmentSweep::split(3, 3), (std::vector<int>{0, 1, 2, 3}));
   for (int knots = 1; knots < 30; ++knots)
-    for (int legs = 1; legs <= knots; ++legs) {
-      const std::vector<int> first = LegSweep::split(knots, legs);
-      ASSERT_EQ(static_cast<int>(first.size()), legs + 1);
+    for (int segments = 1; segments <= knots; ++segments) {
+      const std::vector<int> first = SegmentSweep::split(knots, segments);
+      ASSERT_EQ(static_cast<int>(first.size()), segments + 1);
       EXPECT_EQ(first.back(), knots);
-      for (int i = 0; i < legs; ++i) EXPECT_LT(first[i], first[i + 1]) << knots << ' ' << legs;
+      for (int i = 0; i < segments; ++i)
+        EXPECT_LT(first[i], first[i + 1]) << knots << ' ' << segments;
     }
 }
 
-TEST(LegSweep, StepOfALinearQuadraticProblemIsThatOfTheDenseSystem) {
+TEST(SegmentSweep, StepOfALinearQuadraticProblemIsThatOfTheDenseSystem) {
   for (unsigned seed = 1; seed <= 8; ++seed) {
     const LinearQuadratic lq(seed, 2 + seed % 5, {3, 1, 2}, 4, -testing::kFree, testing::kFree, 1);
     Eigen::MatrixXd multipliers;
     const Trajectory optimum = lq.dense_optimum(&multipliers);
     Trajectory guess = testing::random_guess(*lq.problem, 100 + seed);
     guess.x(0) = lq.x0;
-    for (const int legs : {2, 3, 5, 12}) {
-      SCOPED_TRACE(fmt::format("seed {}, {} legs", seed, legs));
-      LeggedIterate iterate(*lq.problem, guess, {.count = legs});
+    for (const int segments : {2, 3, 5, 12}) {
+      SCOPED_TRACE(fmt::format("seed {}, {} segments", seed, segments));
+      SegmentedIterate iterate(*lq.problem, guess, {.count = segments});
       ASSERT_TRUE(iterate.begin());
       iterate.sweep_another_cost();
       iterate.sweep();
@@ -51,7 +52,7 @@ TEST(LegSweep, StepOfALinearQuadraticProblemIsThatOfTheDenseSystem) {
   }
 }
 
-TEST(LegSweep, StepsAreThoseOfTheSweepFromEndToStart) {
+TEST(SegmentSweep, StepsAreThoseOfTheSweepFromEndToStart) {
   // Open gaps on SE(3), an impulse, bounds that are active, unstable motions.
   const struct {
     const char* name;
@@ -66,39 +67,39 @@ TEST(LegSweep, StepsAreThoseOfTheSweepFromEndToStart) {
   for (const auto& [name, u, problem] : cases) {
     SCOPED_TRACE(name);
     Trajectory guess = testing::constant_controls(problem, u);
-    testing::expect_equal_by_legs(problem, guess);
+    testing::expect_equal_by_segments(problem, guess);
     Eigen::VectorXd delta(problem.ndx());
     for (int k = 1; k <= problem.knots(); ++k) {
       for (int i = 0; i < delta.size(); ++i) delta[i] = 0.1 * std::sin(k * (i + 1.0));
       const Eigen::VectorXd from = guess.x(k);
       problem.manifold().integrate(from.data(), delta.data(), guess.x(k).data());
     }
-    testing::expect_equal_by_legs(problem, guess);
+    testing::expect_equal_by_segments(problem, guess);
   }
 }
 
-TEST(LegSweep, StepsAreTheSameWithConstraints) {
+TEST(SegmentSweep, StepsAreTheSameWithConstraints) {
   for (const auto& [name, problem, control, cost] : testing::published_cases()) {
     SCOPED_TRACE(name);
-    testing::expect_equal_by_legs(problem, testing::constant_controls(problem, control));
+    testing::expect_equal_by_segments(problem, testing::constant_controls(problem, control));
   }
   for (unsigned seed = 1; seed <= 3; ++seed) {
     const testing::ConicLinearQuadratic conic(seed, testing::middle_size());
-    testing::expect_equal_by_legs(*conic.problem, testing::random_guess(*conic.problem, seed));
+    testing::expect_equal_by_segments(*conic.problem, testing::random_guess(*conic.problem, seed));
   }
 }
 
 /// Sweeps a problem of twelve knots twice, the second time with `change` in the Hessian of a node's
 /// last rows and columns. Returns the knot without a minimum then.
-int bad_knot(const LinearQuadratic& lq, int legs, int node, const Eigen::MatrixXd& change) {
+int bad_knot(const LinearQuadratic& lq, int segments, int node, const Eigen::MatrixXd& change) {
   const Trajectory guess = testing::random_guess(*lq.problem, 1);
   const ControlBounds bounds(*lq.problem);
   Linearization linearization(*lq.problem);
-  Acts(*lq.problem).differentiate(guess, linearization);
+  Evaluator(*lq.problem).differentiate(guess, linearization);
   Gaps gaps(*lq.problem);
   gaps.set(linearization, true);
-  BackwardSweep sweep(*lq.problem, bounds, {.count = legs});
-  const auto policy = box_stage(*lq.problem, {}, legs);
+  BackwardSweep sweep(*lq.problem, bounds, {.count = segments});
+  const auto policy = box_stage(*lq.problem, {}, segments);
   Feedback feedback(*lq.problem);
   EXPECT_EQ(sweep.run(linearization, guess, gaps, {}, *policy, feedback), -1);
   Eigen::MatrixXd& hessian = linearization.knots[node].hessian.change();
@@ -106,30 +107,30 @@ int bad_knot(const LinearQuadratic& lq, int legs, int node, const Eigen::MatrixX
   return sweep.run(linearization, guess, gaps, {}, *policy, feedback);
 }
 
-TEST(LegSweep, AStageWithoutMinimumIsNamedAsFromEndToStart) {
+TEST(SegmentSweep, AStageWithoutMinimumIsNamedAsFromEndToStart) {
   const LinearQuadratic lq(3, 4, {2}, 12, -testing::kFree, testing::kFree, 1);
   for (const int knot : {2, 10})
-    for (const int legs : {1, 3})
-      EXPECT_EQ(bad_knot(lq, legs, knot, -1e3 * Eigen::MatrixXd::Identity(2, 2)), knot);
+    for (const int segments : {1, 3})
+      EXPECT_EQ(bad_knot(lq, segments, knot, -1e3 * Eigen::MatrixXd::Identity(2, 2)), knot);
 }
 
-// What follows the first leg may leave it without a minimum though each of its stages has one with
-// the value of the sweep before.
-TEST(LegSweep, AMinimumThatWhatFollowsTakesAwayIsMissed) {
+// What follows the first segment may leave it without a minimum though each of its stages has one
+// with the value of the sweep before.
+TEST(SegmentSweep, AMinimumThatWhatFollowsTakesAwayIsMissed) {
   const LinearQuadratic lq(5, 3, {2}, 12, -testing::kFree, testing::kFree, 1);
   Eigen::MatrixXd change = Eigen::MatrixXd::Zero(5, 5);
   change.topLeftCorner(3, 3).diagonal().setConstant(-1e3);
-  const int first_of_last_leg = LegSweep::split(12, 2)[1];
-  for (const int legs : {1, 2, 4})
-    EXPECT_EQ(bad_knot(lq, legs, first_of_last_leg, change), first_of_last_leg - 1) << legs;
+  const int first_of_last_leg = SegmentSweep::split(12, 2)[1];
+  for (const int segments : {1, 2, 4})
+    EXPECT_EQ(bad_knot(lq, segments, first_of_last_leg, change), first_of_last_leg - 1) << segments;
 }
 
-TEST(LegSweep, BitsAreTheSameForAnyNumberOfThreads) {
+TEST(SegmentSweep, BitsAreTheSameForAnyNumberOfThreads) {
   const ShootingProblem problem = testing::quadrotor_move(0.5, 2);
   const Trajectory guess = testing::constant_controls(problem, 1.3);
-  for (const int legs : {2, 5}) {
-    LeggedIterate one(problem, guess, {legs, 1}), two(problem, guess, {legs, 2});
-    for (LeggedIterate* iterate : {&one, &two}) {
+  for (const int segments : {2, 5}) {
+    SegmentedIterate one(problem, guess, {segments, 1}), two(problem, guess, {segments, 2});
+    for (SegmentedIterate* iterate : {&one, &two}) {
       ASSERT_TRUE(iterate->begin());
       iterate->sweep_another_cost();
       iterate->sweep();
@@ -158,9 +159,9 @@ TEST(ProxddpByLegs, HasTheAnswersAndTheGainsOfOneLeg) {
     options.tolerances.stationarity = options.tolerances.constraint = 1e-7;
     const SolveResult one = solve(problem, "proxddp", options, guess);
     ASSERT_EQ(one.status, SolveStatus::converged) << name << ": " << one.message;
-    for (const int legs : {2, 3, 5}) {
-      SCOPED_TRACE(fmt::format("{}, {} legs", name, legs));
-      options.legs = legs;
+    for (const int segments : {2, 3, 5}) {
+      SCOPED_TRACE(fmt::format("{}, {} segments", name, segments));
+      options.legs = segments;
       const SolveResult several = solve(problem, "proxddp", options, guess);
       EXPECT_EQ(several.status, SolveStatus::converged) << several.message;
       EXPECT_NEAR(several.cost, one.cost, 1e-7 * std::abs(one.cost));
@@ -174,12 +175,12 @@ TEST(ProxddpByLegs, HasTheAnswersAndTheGainsOfOneLeg) {
 TEST(ProxddpByLegs, ThreadsDoNotChangeABit) {
   for (const auto& [name, problem, control, cost] : testing::published_cases()) {
     const Trajectory guess = testing::constant_controls(problem, control);
-    for (const int legs : {2, 3}) {
+    for (const int segments : {2, 3}) {
       const auto run = [&](int threads) {
         SolverOptions options;
         options.max_iterations = 60;
         options.threads = threads;
-        options.legs = legs;
+        options.legs = segments;
         return solve(problem, "proxddp", options, guess);
       };
       const SolveResult one = run(1), two = run(2);
@@ -197,12 +198,13 @@ TEST(ProxddpByLegs, OtherSolversAndMoreLegsThanKnotsAreRefused) {
   const ShootingProblem problem = testing::unicycle_parking();
   const Trajectory guess = testing::constant_controls(problem, 0.01);
   for (const SolverInfo& solver : solvers())
-    EXPECT_EQ(refuse_legs(solver, problem, 2).has_value(), solver.name != "proxddp") << solver.name;
+    EXPECT_EQ(unsupported_segments(solver, problem, 2).has_value(), solver.name != "proxddp")
+        << solver.name;
   for (const SolverInfo& solver : solvers())
-    EXPECT_FALSE(refuse_legs(solver, problem, 1)) << solver.name;
+    EXPECT_FALSE(unsupported_segments(solver, problem, 1)) << solver.name;
   const SolverInfo& proxddp = *find_solver("proxddp");
-  EXPECT_FALSE(refuse_legs(proxddp, problem, problem.knots()));
-  EXPECT_TRUE(refuse_legs(proxddp, problem, problem.knots() + 1));
+  EXPECT_FALSE(unsupported_segments(proxddp, problem, problem.knots()));
+  EXPECT_TRUE(unsupported_segments(proxddp, problem, problem.knots() + 1));
   EXPECT_THROW(solve(problem, "box_fddp", {.legs = 2}, guess), std::invalid_argument);
   EXPECT_THROW(solve(problem, "proxddp", {.legs = problem.knots() + 1}, guess),
                std::invalid_argument);

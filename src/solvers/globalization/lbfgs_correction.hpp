@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-#include "ocp/evaluation/acts.hpp"
+#include "ocp/evaluation/evaluator.hpp"
 #include "solvers/common/control_bounds.hpp"
 #include "solvers/riccati/backward_sweep.hpp"
 #include "solvers/riccati/stage_policy.hpp"
@@ -18,9 +18,9 @@ namespace conddp {
 /// Hessian M = blockdiag(Q_uu) and, at v = 0, the gradient g = −M d, where d is the sweep's k. A
 /// step s with the change y of g that it makes is a pair; M⁻¹ y is the change of −d. So a
 /// correction costs a few dot products. Controls that a bound holds take no part.
-class SecantMemory {
+class LbfgsCorrection {
  public:
-  explicit SecantMemory(const ControlBounds& bounds);
+  explicit LbfgsCorrection(const ControlBounds& bounds);
 
   void clear();
   /// Shows the direction that a sweep without regularisation found; with the step taken before it

@@ -1,12 +1,12 @@
-#include "problem_file/yaml/other_words.hpp"
+#include "problem_file/yaml/synonyms.hpp"
 
 #include <algorithm>
 
-#include "base/near_names.hpp"
+#include "base/spelling.hpp"
 
 namespace conddp {
-const std::vector<OtherWords>& other_words() {
-  static const std::vector<OtherWords> table = {
+const std::vector<Synonyms>& synonyms() {
+  static const std::vector<Synonyms> table = {
       {"lower", {"min", "minimum", "lb", "lower_bound", "low"}},
       {"at_least", {"min", "minimum", "min_distance", "lb"}},
       {"upper", {"max", "maximum", "ub", "upper_bound", "high"}},
@@ -75,9 +75,9 @@ std::string ask(const std::vector<std::string>& names) {
 }  // namespace
 
 std::string meaning_question(std::string_view word, const std::vector<std::string>& accepted) {
-  if (const auto near = near_names(word, accepted); !near.empty()) return ask({near.front()});
+  if (const auto near = similar_names(word, accepted); !near.empty()) return ask({near.front()});
   std::vector<std::string> meant;
-  for (const OtherWords& entry : other_words()) {
+  for (const Synonyms& entry : synonyms()) {
     if (std::find(entry.theirs.begin(), entry.theirs.end(), word) == entry.theirs.end()) continue;
     if (std::find(accepted.begin(), accepted.end(), entry.ours) == accepted.end()) continue;
     meant.emplace_back(entry.ours);

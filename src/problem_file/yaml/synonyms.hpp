@@ -7,13 +7,13 @@
 namespace conddp {
 
 /// A key or a choice of the problem file, and what other tools call it.
-struct OtherWords {
+struct Synonyms {
   std::string_view ours;
   std::vector<std::string_view> theirs;
 };
 
 /// All that are known.
-const std::vector<OtherWords>& other_words();
+const std::vector<Synonyms>& synonyms();
 
 /// What an unknown word may have meant, as a question: names of `accepted` that are written nearly
 /// so, else those for which other tools use this word ('max' for 'upper'). Empty if there are none.

@@ -27,7 +27,7 @@ TEST(StrictNumber, SaysWhy) {
   EXPECT_EQ(parse_number("010").defect, "'010' has a leading zero");
   EXPECT_EQ(parse_number("1e999").defect, "'1e999' is out of range");
   EXPECT_EQ(parse_number(".inf").defect, "'.inf' is not finite");
-  EXPECT_EQ(parse_number("x").defect, "'x' is no number");
+  EXPECT_EQ(parse_number("x").defect, "'x' is not a number");
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// The acts that solvers call, on whole problems: how long one takes for a knot, at an iterate a few
+// The evaluator that solvers call, on whole problems: how long one takes for a knot, at an iterate a few
 // iterations from the guess. The parts of `differentiate` are measured on full lanes of the first
 // phase: the dynamics alone, with the costs' gradients, with their Hessians.
 #include <memory>
@@ -7,7 +7,7 @@
 
 #include <benchmark/benchmark.h>
 
-#include "ocp/evaluation/acts.hpp"
+#include "ocp/evaluation/evaluator.hpp"
 #include "ocp/knot/knot_batch.hpp"
 #include "problem_file/build/build.hpp"
 #include "problem_file/build/build_problem.hpp"
@@ -65,12 +65,12 @@ void count_knots(benchmark::State& state, int knots) {
                          benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
 }
 
-/// Times act(acts, case) over all running knots.
+/// Times act(evaluator, case) over all running knots.
 template <class F>
 void add_act(const Case& c, const char* name, F act) {
   benchmark::RegisterBenchmark((c.name + "/" + name).c_str(), [&c, act](benchmark::State& state) {
-    Acts acts(c.problem());
-    auto run = act(acts, c);
+    Evaluator evaluator(c.problem());
+    auto run = act(evaluator, c);
     for (auto _ : state) {
       run();
       benchmark::ClobberMemory();
@@ -105,43 +105,44 @@ void add_part(const Case& c, const char* name, F work) {
 }
 
 void add_case(const Case& c) {
-  add_act(c, "evaluate", [](Acts& acts, const Case& at) {
-    return [&acts, &at, out = Evaluation(at.problem())]() mutable {
-      acts.evaluate(at.iterate.trajectory, out);
+  add_act(c, "evaluate", [](Evaluator& evaluator, const Case& at) {
+    return [&evaluator, &at, out = Evaluation(at.problem())]() mutable {
+      evaluator.evaluate(at.iterate.trajectory, out);
     };
   });
-  add_act(c, "differentiate", [](Acts& acts, const Case& at) {
-    return [&acts, &at, out = Linearization(at.problem())]() mutable {
-      acts.differentiate(at.iterate.trajectory, out);
+  add_act(c, "differentiate", [](Evaluator& evaluator, const Case& at) {
+    return [&evaluator, &at, out = Linearization(at.problem())]() mutable {
+      evaluator.differentiate(at.iterate.trajectory, out);
     };
   });
-  add_act(c, "lagrangian_hessian", [](Acts& acts, const Case& at) {
-    return [&acts, &at, out = Linearization(at.problem())]() mutable {
-      acts.lagrangian_hessian(at.iterate.trajectory, at.iterate.costates, out);
+  add_act(c, "lagrangian_hessian", [](Evaluator& evaluator, const Case& at) {
+    return [&evaluator, &at, out = Linearization(at.problem())]() mutable {
+      evaluator.lagrangian_hessian(at.iterate.trajectory, at.iterate.costates, out);
     };
   });
-  add_act(c, "lagrangian_hessian_by_dual_numbers", [](Acts& acts, const Case& at) {
-    acts.reserve_lagrangian_hessian(false);
-    return [&acts, &at, out = Linearization(at.problem())]() mutable {
-      acts.lagrangian_hessian(at.iterate.trajectory, at.iterate.costates, out);
+  add_act(c, "lagrangian_hessian_by_dual_numbers", [](Evaluator& evaluator, const Case& at) {
+    evaluator.reserve_lagrangian_hessian(false);
+    return [&evaluator, &at, out = Linearization(at.problem())]() mutable {
+      evaluator.lagrangian_hessian(at.iterate.trajectory, at.iterate.costates, out);
     };
   });
-  add_act(c, "roll_out", [](Acts& acts, const Case& at) {
+  add_act(c, "roll_out", [](Evaluator& evaluator, const Case& at) {
     std::vector<double> steps(kLaneWidth, 1.0);
     for (int l = 1; l < kLaneWidth; ++l) steps[l] = steps[l - 1] / 2;
     Evaluation evaluation(at.problem());
-    acts.evaluate(at.iterate.trajectory, evaluation);
-    return [&acts, &at, steps, gap = evaluation.gap, out = LaneRollout(at.problem())]() mutable {
-      acts.roll_out(at.iterate.trajectory, gap, at.iterate.feedback, steps.data(),
-                    {.contract_gaps = true, .clamp_controls = true}, out);
-    };
+    evaluator.evaluate(at.iterate.trajectory, evaluation);
+    return
+        [&evaluator, &at, steps, gap = evaluation.gap, out = LaneRollout(at.problem())]() mutable {
+          evaluator.roll_out(at.iterate.trajectory, gap, at.iterate.feedback, steps.data(),
+                             {.contract_gaps = true, .clamp_controls = true}, out);
+        };
   });
-  add_act(c, "roll_out_alone", [](Acts& acts, const Case& at) {
+  add_act(c, "roll_out_alone", [](Evaluator& evaluator, const Case& at) {
     Evaluation evaluation(at.problem());
-    acts.evaluate(at.iterate.trajectory, evaluation);
-    return [&acts, &at, gap = evaluation.gap, out = SingleRollout(at.problem())]() mutable {
-      acts.roll_out(at.iterate.trajectory, gap, at.iterate.feedback, 1.0,
-                    {.contract_gaps = true, .clamp_controls = true}, out);
+    evaluator.evaluate(at.iterate.trajectory, evaluation);
+    return [&evaluator, &at, gap = evaluation.gap, out = SingleRollout(at.problem())]() mutable {
+      evaluator.roll_out(at.iterate.trajectory, gap, at.iterate.feedback, 1.0,
+                         {.contract_gaps = true, .clamp_controls = true}, out);
     };
   });
   add_part(c, "dynamics", [](const KnotModel& model, KnotBatch<Lane>& batch) {

@@ -1,4 +1,4 @@
-#include "solvers/riccati/leg_joint.hpp"
+#include "solvers/riccati/segment_junction.hpp"
 
 #include <cmath>
 
@@ -16,7 +16,7 @@ constexpr double kSmallestPivot = 1e-5;
 
 }  // namespace
 
-LegJoint::LegJoint(int ndx)
+SegmentJunction::SegmentJunction(int ndx)
     : ndx_(ndx),
       delta_(ndx, ndx),
       Gt_(ndx, ndx),
@@ -33,8 +33,8 @@ LegJoint::LegJoint(int ndx)
 
 /// Cholesky's factor of −S by columns, of which each takes the largest pivot that is left, scaled
 /// to a diagonal of ones. What rounding leaves is no part of it.
-void LegJoint::factor(const ParametricLeg& leg) {
-  const auto S = leg.S().view();
+void SegmentJunction::factor(const ParametricSegment& segment) {
+  const auto S = segment.S().view();
   auto& scale = rhs_;
   auto& left = dx_;
   auto full = product_.view();
@@ -67,9 +67,9 @@ void LegJoint::factor(const ParametricLeg& leg) {
   Gt_.view() = G.view().leftCols(rank_).transpose() * scale.asDiagonal();
 }
 
-bool LegJoint::meet(ParametricLeg& leg, const ValueFunction& next) {
+bool SegmentJunction::meet(ParametricSegment& segment, const ValueFunction& next) {
   p_ = next.Vx;
-  delta_.view() = next.Vxx - leg.end_weight();
+  delta_.view() = next.Vxx - segment.end_weight();
   GtDelta_.resize(rank_, ndx_);
   multiply(Store::set, GtDelta_.block(), Gt_.block(), Factor::of(delta_));
   E_.resize(rank_, rank_);
@@ -81,7 +81,8 @@ bool LegJoint::meet(ParametricLeg& leg, const ValueFunction& next) {
   return pivot * pivot >= kSmallestPivot;
 }
 
-void LegJoint::form_value(ParametricLeg& leg, const ValueFunction& own, ValueFunction& value) {
+void SegmentJunction::form_value(ParametricSegment& segment, const ValueFunction& own,
+                                 ValueFunction& value) {
   // Δ G E⁻¹, whose rows are solved for.
   work_.resize(ndx_, rank_);
   transpose(GtDelta_.data(), GtDelta_.stride(), rank_, ndx_, work_.data(), work_.stride());
@@ -92,21 +93,22 @@ void LegJoint::form_value(ParametricLeg& leg, const ValueFunction& own, ValueFun
   theta_.noalias() -= work_.view() * y;
   product_.flat() = delta_.flat();
   multiply(Store::subtract, product_.block(), work_.block(), Factor::of(GtDelta_));
-  theta_.noalias() += product_.view() * leg.s();
+  theta_.noalias() += product_.view() * segment.s();
   value.Vx = own.Vx;
-  value.Vx.noalias() += leg.Lt().view().transpose() * theta_;
+  value.Vx.noalias() += segment.Lt().view().transpose() * theta_;
   // L Δ' Lᵀ
   work_.resize(ndx_, ndx_);
-  multiply(Store::set, work_.block(), product_.block(), Factor::of(leg.Lt()));
-  transpose(leg.Lt().data(), leg.Lt().stride(), ndx_, ndx_, product_.data(), product_.stride());
+  multiply(Store::set, work_.block(), product_.block(), Factor::of(segment.Lt()));
+  transpose(segment.Lt().data(), segment.Lt().stride(), ndx_, ndx_, product_.data(),
+            product_.stride());
   sum_.view() = own.Vxx;
   multiply_lower(Store::add, sum_.block(), product_.block(), Factor::of(work_));
   copy_symmetric(sum_.block(), value.Vxx.data(), ndx_);
 }
 
-void LegJoint::step(ParametricLeg& leg, const Eigen::VectorXd& dx) {
-  dx_ = leg.s();
-  dx_.noalias() += leg.Lt().view() * dx;
+void SegmentJunction::step(ParametricSegment& segment, const Eigen::VectorXd& dx) {
+  dx_ = segment.s();
+  dx_.noalias() += segment.Lt().view() * dx;
   theta_ = p_;
   theta_.noalias() += delta_.view() * dx_;
   auto y = rhs_.head(rank_);

@@ -12,12 +12,12 @@ namespace conddp {
 ///   V(x, θ) = ½ xᵀ P x + pᵀ x + xᵀ L θ + sᵀ θ + ½ θᵀ S θ + constant, at the end ½ xᵀ W x + θᵀ x,
 ///   δu = k + K δx + K_θ θ, with K_θ = −Q_uu⁻¹ B and B = f_uᵀ L⁺ where the control is free,
 ///   L = f_xᵀ L⁺ + Kᵀ B, s = s⁺ + Bᵀ k, S = S⁺ + Bᵀ K_θ.
-/// The step at the end of the leg is ∂V/∂θ = Lᵀ δx + s + S θ. W is any symmetric matrix: the nearer
-/// it is to that of the true value, the nearer K is to the true gains.
-class ParametricLeg {
+/// The step at the end of the segment is ∂V/∂θ = Lᵀ δx + s + S θ. W is any symmetric matrix: the
+/// nearer it is to that of the true value, the nearer K is to the true gains.
+class ParametricSegment {
  public:
   /// The knots first … last − 1, to which θ is applied in so many parts.
-  ParametricLeg(const ShootingProblem& problem, int index, int first, int last, int parts);
+  ParametricSegment(const ShootingProblem& problem, int index, int first, int last, int parts);
 
   int first() const { return first_; }
   int last() const { return last_; }

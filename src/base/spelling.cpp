@@ -1,4 +1,4 @@
-#include "base/near_names.hpp"
+#include "base/spelling.hpp"
 
 #include <algorithm>
 #include <cctype>
@@ -26,8 +26,8 @@ int edit_distance(std::string_view a, std::string_view b) {
   return row[b.size()];
 }
 
-std::vector<std::string> near_names(std::string_view name,
-                                    const std::vector<std::string>& candidates) {
+std::vector<std::string> similar_names(std::string_view name,
+                                       const std::vector<std::string>& candidates) {
   constexpr std::size_t kLongest = 128;  // the distance is quadratic in the length
   if (name.size() > kLongest) return {};
   const int reach = std::clamp(static_cast<int>(name.size()) / 3, 1, 3);
@@ -46,7 +46,7 @@ std::vector<std::string> near_names(std::string_view name,
 
 std::string name_hint(std::string_view name, const std::vector<std::string>& candidates,
                       std::string_view what) {
-  const std::vector<std::string> near = near_names(name, candidates);
+  const std::vector<std::string> near = similar_names(name, candidates);
   if (!near.empty()) {
     std::string hint = "did you mean '" + near[0] + "'";
     for (std::size_t i = 1; i < near.size(); ++i) hint += " or '" + near[i] + "'";

@@ -8,36 +8,36 @@
 
 #include "solvers/riccati/linear_rollout.hpp"
 
-/// Sweeps by legs beside the one from end to start.
+/// Sweeps by segments beside the one from end to start.
 namespace conddp::testing {
 
-/// A linearised iterate, swept in some number of legs.
-class LeggedIterate {
+/// A linearised iterate, swept in some number of segments.
+class SegmentedIterate {
  public:
   /// Rows of constraints enter as an augmented Lagrangian with that penalty.
-  LeggedIterate(const ShootingProblem& problem, const Trajectory& guess, Legs legs,
+  SegmentedIterate(const ShootingProblem& problem, const Trajectory& guess, Segments segments,
                 double penalty = 10)
       : problem_(problem),
         bounds_(problem),
         linearization_(problem),
         gaps_(problem),
         trajectory_(guess),
-        sweep_(problem, bounds_, legs),
-        policy_(box_stage(problem, {}, legs.count)),
+        sweep_(problem, bounds_, segments),
+        policy_(box_stage(problem, {}, segments.count)),
         rollout_(problem, bounds_),
         feedback(problem) {
-    Acts acts(problem);
+    Evaluator evaluator(problem);
     Augmentation augmentation(problem);
     augmentation.penalty.setConstant(penalty);
     bounds_.clamp(trajectory_);
-    acts.differentiate(trajectory_, linearization_,
-                       problem.constraints().empty() ? nullptr : &augmentation);
+    evaluator.differentiate(trajectory_, linearization_,
+                            problem.constraints().empty() ? nullptr : &augmentation);
     gaps_.set(linearization_, true);
   }
 
   /// Finds the active set of each stage, from end to start. False where one has no minimum.
   bool begin() { return run(false) < 0; }
-  /// A sweep with that set around another cost, after which values at the ends of legs are those of
+  /// A sweep with that set around another cost, after which values at the ends of segments are those of
   /// that one.
   void sweep_another_cost() {
     const auto scale_later_nodes = [&](double factor) {
@@ -93,26 +93,26 @@ inline double relative_difference(const std::vector<Eigen::VectorXd>& a,
   return largest > 0 ? off / largest : off;
 }
 
-/// Expects that a sweep by legs around an iterate gives the step and the co-states of the one from
-/// end to start, whatever the values at the ends of legs that it starts from.
-inline void expect_equal_by_legs(const ShootingProblem& problem, const Trajectory& guess,
+/// Expects that a sweep by segments around an iterate gives the step and the co-states of the one from
+/// end to start, whatever the values at the ends of segments that it starts from.
+inline void expect_equal_by_segments(const ShootingProblem& problem, const Trajectory& guess,
                                  double tolerance = 1e-9) {
-  LeggedIterate one(problem, guess, {});
+  SegmentedIterate one(problem, guess, {});
   ASSERT_TRUE(one.begin());
   one.sweep();
   const int changes = one.revise();
-  for (const int legs : {2, 3, 5}) {
-    if (legs > problem.knots()) continue;
-    SCOPED_TRACE(std::to_string(legs) + " legs");
-    LeggedIterate several(problem, guess, {.count = legs});
+  for (const int segments : {2, 3, 5}) {
+    if (segments > problem.knots()) continue;
+    SCOPED_TRACE(std::to_string(segments) + " segments");
+    SegmentedIterate several(problem, guess, {.count = segments});
     ASSERT_TRUE(several.begin());
     several.sweep_another_cost();
     several.sweep();
     EXPECT_LT(relative_difference(several.step(), one.step()), tolerance);
     EXPECT_LT(relative_difference(several.costates, one.costates), tolerance);
     EXPECT_EQ(several.revise(), changes);
-    // Legs have gains of their own: no sweep from end to start took their place.
-    const int end = LegSweep::split(problem.knots(), legs)[1];
+    // Segments have gains of their own: no sweep from end to start took their place.
+    const int end = SegmentSweep::split(problem.knots(), segments)[1];
     double gains = 0, changes_of_gains = 0;
     for (int k = 0; k < end; ++k) {
       gains += one.feedback.K[k].squaredNorm();

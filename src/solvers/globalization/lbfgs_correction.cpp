@@ -1,4 +1,4 @@
-#include "solvers/globalization/secant_memory.hpp"
+#include "solvers/globalization/lbfgs_correction.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -18,26 +18,27 @@ constexpr double kFastConvergence = 0.2;
 
 }  // namespace
 
-SecantMemory::SecantMemory(const ControlBounds& bounds) : bounds_(bounds), pairs_(kPairs) {
+LbfgsCorrection::LbfgsCorrection(const ControlBounds& bounds) : bounds_(bounds), pairs_(kPairs) {
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(bounds.size());
   for (Pair& pair : pairs_) pair.s = pair.y = pair.w = zero;
   free_ = d_ = g_ = s_ = new_d_ = new_g_ = r_ = Ms_ = zero;
 }
 
-void SecantMemory::clear() {
+void LbfgsCorrection::clear() {
   count_ = 0;
   newest_ = -1;
   observed_ = stepped_ = false;
 }
 
-void SecantMemory::stack(const std::vector<Eigen::VectorXd>& parts, Eigen::VectorXd& whole) const {
+void LbfgsCorrection::stack(const std::vector<Eigen::VectorXd>& parts,
+                            Eigen::VectorXd& whole) const {
   for (int k = 0; k < bounds_.knots(); ++k)
     whole.segment(bounds_.offset(k), parts[k].size()) = parts[k];
 }
 
 /// Marks the entries that are free. False where that differs from before, or where a control is on
 /// its way to the bound that holds it.
-bool SecantMemory::free_entries(const Feedback& feedback, const StagePolicy& policy) {
+bool LbfgsCorrection::free_entries(const Feedback& feedback, const StagePolicy& policy) {
   bool same = true;
   for (int k = 0; k < bounds_.knots(); ++k) {
     for (int i = 0; i < feedback.k[k].size(); ++i) {
@@ -50,8 +51,8 @@ bool SecantMemory::free_entries(const Feedback& feedback, const StagePolicy& pol
   return same;
 }
 
-void SecantMemory::observe(const Feedback& feedback, const BackwardSweep& sweep,
-                           const StagePolicy& policy) {
+void LbfgsCorrection::observe(const Feedback& feedback, const BackwardSweep& sweep,
+                              const StagePolicy& policy) {
   if (!free_entries(feedback, policy)) clear();
   stack(feedback.k, new_d_);
   for (int k = 0; k < bounds_.knots(); ++k) {
@@ -71,7 +72,7 @@ void SecantMemory::observe(const Feedback& feedback, const BackwardSweep& sweep,
   stepped_ = false;
 }
 
-void SecantMemory::add_pair(const BackwardSweep& sweep) {
+void LbfgsCorrection::add_pair(const BackwardSweep& sweep) {
   const int next = (newest_ + 1) % kPairs;
   Pair& pair = pairs_[next];
   pair.s = s_.cwiseProduct(free_);
@@ -91,7 +92,7 @@ void SecantMemory::add_pair(const BackwardSweep& sweep) {
   count_ = std::min(count_ + 1, kPairs);
 }
 
-bool SecantMemory::correct(Feedback& feedback) {
+bool LbfgsCorrection::correct(Feedback& feedback) {
   if (!observed_ || count_ == 0 || ratio_ < kFastConvergence) return false;
   // r = H g, from M⁻¹ g = −d; what the first loop takes from g it takes from M⁻¹ g too.
   Eigen::VectorXd& q = new_g_;
@@ -120,7 +121,7 @@ bool SecantMemory::correct(Feedback& feedback) {
   return true;
 }
 
-void SecantMemory::restore(Feedback& feedback) const {
+void LbfgsCorrection::restore(Feedback& feedback) const {
   for (int k = 0; k < bounds_.knots(); ++k)
     for (int i = 0; i < feedback.k[k].size(); ++i) {
       const int at = bounds_.offset(k) + i;
@@ -128,7 +129,7 @@ void SecantMemory::restore(Feedback& feedback) const {
     }
 }
 
-void SecantMemory::step_taken(const Feedback& feedback) {
+void LbfgsCorrection::step_taken(const Feedback& feedback) {
   stack(feedback.k, s_);
   stepped_ = true;
 }

@@ -1,4 +1,4 @@
-#include "solvers/riccati/parametric_leg.hpp"
+#include "solvers/riccati/parametric_segment.hpp"
 
 #include "solvers/linalg/curved_blocks.hpp"
 #include "solvers/linalg/lane_gemm.hpp"
@@ -14,8 +14,8 @@ void transform(const StateBlock& B, const StateManifold::Segment& segment, LaneB
 
 }  // namespace
 
-ParametricLeg::ParametricLeg(const ShootingProblem& problem, int index, int first, int last,
-                             int parts)
+ParametricSegment::ParametricSegment(const ShootingProblem& problem, int index, int first, int last,
+                                     int parts)
     : index_(index),
       first_(first),
       last_(last),
@@ -37,8 +37,9 @@ ParametricLeg::ParametricLeg(const ShootingProblem& problem, int index, int firs
                         Eigen::VectorXd(ndx_)});
 }
 
-bool ParametricLeg::sweep(const SweptHorizon& horizon, StagePolicy& policy, Feedback& feedback,
-                          std::vector<ValueFunction>& values, std::vector<Eigen::MatrixXd>& Quu) {
+bool ParametricSegment::sweep(const SweptHorizon& horizon, StagePolicy& policy, Feedback& feedback,
+                              std::vector<ValueFunction>& values,
+                              std::vector<Eigen::MatrixXd>& Quu) {
   s_.setZero();
   S_.flat().setZero();
   for (int k = last_ - 1; k >= first_; --k) {
@@ -53,7 +54,7 @@ bool ParametricLeg::sweep(const SweptHorizon& horizon, StagePolicy& policy, Feed
 }
 
 /// Lᵀ through the gap and the dynamics, whose structure is that of ValuePropagation.
-void ParametricLeg::pull_parameters(const SweptHorizon& horizon, int k) {
+void ParametricSegment::pull_parameters(const SweptHorizon& horizon, int k) {
   const KnotLinearization& knot = horizon.linearization.knots[k];
   const LaneBlock L = pulled_.block();
   pulled_.flat() = Lt_[k + 1 - first_].flat();
@@ -73,8 +74,8 @@ void ParametricLeg::pull_parameters(const SweptHorizon& horizon, int k) {
   Zt_.view().leftCols(nv) += L.view().leftCols(nv);
 }
 
-bool ParametricLeg::solve(const SweptHorizon& horizon, int k, StagePolicy& policy,
-                          Feedback& feedback) {
+bool ParametricSegment::solve(const SweptHorizon& horizon, int k, StagePolicy& policy,
+                              Feedback& feedback) {
   const int nu = stage_.q().nu();
   stacked_.resize(row_ + ndx_, nu);
   auto stacked = stacked_.view();
@@ -86,7 +87,7 @@ bool ParametricLeg::solve(const SweptHorizon& horizon, int k, StagePolicy& polic
   return true;
 }
 
-void ParametricLeg::form_parameters(int k, const Eigen::VectorXd& feedforward) {
+void ParametricSegment::form_parameters(int k, const Eigen::VectorXd& feedforward) {
   const int nu = stage_.q().nu();
   LaneMatrix& L = Lt_[k - first_];
   const LaneBlock B = Zt_.block(ndx_, ndx_, nu);
@@ -98,9 +99,9 @@ void ParametricLeg::form_parameters(int k, const Eigen::VectorXd& feedforward) {
   s_.noalias() += B.view() * feedforward;
 }
 
-void ParametricLeg::apply(int part, const SweptHorizon& horizon, const Eigen::VectorXd& theta,
-                          StagePolicy& policy, Feedback& feedback,
-                          std::vector<ValueFunction>& values) {
+void ParametricSegment::apply(int part, const SweptHorizon& horizon, const Eigen::VectorXd& theta,
+                              StagePolicy& policy, Feedback& feedback,
+                              std::vector<ValueFunction>& values) {
   auto& [costate, gradients, product] = scratch_[part];
   const int parts = static_cast<int>(scratch_.size()), knots = last_ - first_;
   const int end = first_ + knots * (part + 1) / parts;

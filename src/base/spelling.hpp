@@ -11,8 +11,8 @@ namespace conddp {
 int edit_distance(std::string_view a, std::string_view b);
 
 /// The candidates that a misspelt name may have meant: at most three, the nearest first.
-std::vector<std::string> near_names(std::string_view name,
-                                    const std::vector<std::string>& candidates);
+std::vector<std::string> similar_names(std::string_view name,
+                                       const std::vector<std::string>& candidates);
 
 /// A hint for an unknown name: "did you mean 'a' or 'b'?", else the list of `what` there is, cut
 /// after eight.

@@ -48,12 +48,12 @@ struct SingleRollout {
 /// The few acts that cross from a problem to the solvers. Owns all workspaces: after construction
 /// (and reserve_lagrangian_hessian, for that one) no act allocates. Knots of one structure share
 /// lanes, from whichever phases. Results do not depend on the number of threads.
-class Acts {
+class Evaluator {
  public:
-  explicit Acts(const ShootingProblem& problem, int threads = 1);
-  ~Acts();
-  Acts(const Acts&) = delete;
-  Acts& operator=(const Acts&) = delete;
+  explicit Evaluator(const ShootingProblem& problem, int threads = 1);
+  ~Evaluator();
+  Evaluator(const Evaluator&) = delete;
+  Evaluator& operator=(const Evaluator&) = delete;
 
   const ShootingProblem& problem() const { return problem_; }
 

@@ -1,5 +1,5 @@
 // Corrected steps beside the dense inverse of the BFGS formula.
-#include "solvers/globalization/secant_memory.hpp"
+#include "solvers/globalization/lbfgs_correction.hpp"
 
 #include <deque>
 
@@ -102,12 +102,12 @@ class SteppedModel {
 
  public:
   Feedback feedback;
-  SecantMemory memory;
+  LbfgsCorrection memory;
   HoldingPolicy policy;
   Eigen::MatrixXd M;  ///< Hessian of the sweep's model in the free entries of v, else the identity
 };
 
-TEST(SecantMemory, CorrectedStepIsThatOfTheDenseFormulaWithTheLastFivePairs) {
+TEST(LbfgsCorrection, CorrectedStepIsThatOfTheDenseFormulaWithTheLastFivePairs) {
   const std::vector<std::vector<std::pair<int, int>>> cases = {{}, {{1, 0}, {3, 1}}};
   int compared = 0, with_five = 0;
   for (const auto& held : cases)
@@ -143,7 +143,7 @@ TEST(SecantMemory, CorrectedStepIsThatOfTheDenseFormulaWithTheLastFivePairs) {
   EXPECT_GT(with_five, 20);
 }
 
-TEST(SecantMemory, RestoresWhatWasObservedAndForgets) {
+TEST(LbfgsCorrection, RestoresWhatWasObservedAndForgets) {
   SteppedModel model(1, {{3, 1}});
   model.observe();
   model.step();
@@ -162,7 +162,7 @@ TEST(SecantMemory, RestoresWhatWasObservedAndForgets) {
   EXPECT_FALSE(model.memory.correct(model.feedback));
 }
 
-TEST(SecantMemory, PairsOfAnotherActiveSetAreForgotten) {
+TEST(LbfgsCorrection, PairsOfAnotherActiveSetAreForgotten) {
   for (const bool on_its_way : {false, true}) {
     SteppedModel model(1, {{3, 1}});
     model.observe();
@@ -186,13 +186,13 @@ std::optional<double> corrected_after(double k, bool taken = true) {
   const ControlBounds bounds(problem);
   Linearization linearization(problem);
   const Trajectory trajectory = problem.create_trajectory();
-  Acts(problem).differentiate(trajectory, linearization);
+  Evaluator(problem).differentiate(trajectory, linearization);
   BackwardSweep sweep(problem, bounds);
   Feedback feedback(problem);
   const auto stages = unconstrained_stage(problem);
   EXPECT_EQ(sweep.run(linearization, trajectory, Gaps(problem), {}, *stages, feedback), -1);
   EXPECT_EQ(sweep.Quu(0)(0, 0), 2);
-  SecantMemory memory(bounds);
+  LbfgsCorrection memory(bounds);
   feedback.k[0][0] = 1;
   memory.observe(feedback, sweep, *stages);
   if (taken) memory.step_taken(feedback);
@@ -203,13 +203,13 @@ std::optional<double> corrected_after(double k, bool taken = true) {
 }
 
 // The step 1 changed the gradient by 2 − 2k, which is the curvature, where the model has 2.
-TEST(SecantMemory, OneControlGetsTheSecantsStep) {
+TEST(LbfgsCorrection, OneControlGetsTheSecantsStep) {
   EXPECT_DOUBLE_EQ(corrected_after(0.4).value(), 0.8 / 1.2);
   EXPECT_DOUBLE_EQ(corrected_after(-0.5).value(), -1.0 / 3);
   EXPECT_FALSE(corrected_after(0.4, false)) << "no step was taken";
 }
 
-TEST(SecantMemory, LeavesStepsAloneThatDoNotFitAQuadraticModelOrNeedNoCorrection) {
+TEST(LbfgsCorrection, LeavesStepsAloneThatDoNotFitAQuadraticModelOrNeedNoCorrection) {
   // Curvatures 0.79 and 5.1, less than 2/2.5 and more than 2·2.5; 0.81 and 4.9 are just within.
   EXPECT_FALSE(corrected_after(0.605));
   EXPECT_FALSE(corrected_after(-1.55));
