@@ -1,0 +1,196 @@
+// A block on slides that the world holds: its forces, and how far it moves, are known by hand.
+#include "analysis/contact_findings.hpp"
+
+#include <gtest/gtest.h>
+
+#include "support/block_on_slides.hpp"
+
+namespace conddp {
+namespace {
+
+using testing::block_phase;
+using testing::block_problem;
+using testing::block_system;
+
+constexpr double kBlockWeight = 2 * 9.81;
+
+/// Whatever is found of a motion in which the block is held, kind by kind.
+std::vector<Finding> found_in_contacts(const ShootingProblem& problem, const Trajectory& motion,
+                                       FindingKind kind, const FindingNames& names = {}) {
+  std::vector<Finding> all, found;
+  find_in_contacts(problem, motion, names, all);
+  for (const Finding& f : all)
+    if (f.kind == kind) found.push_back(f);
+  return found;
+}
+
+bool mentions(const Finding& finding, const std::string& text) {
+  return (finding.message + " | " + finding.remedy).find(text) != std::string::npos;
+}
+
+/// Sets the force with which the world holds the block at a knot.
+void hold(Trajectory& motion, int k, double x, double y, double z) {
+  motion.u(k) << -x, -y, kBlockWeight - z;
+}
+
+TEST(FrictionDemand, IsTheTangentialShareOfTheForce) {
+  const ShootingProblem problem = block_problem({block_phase(block_system({{.name = "grip"}}), 3)});
+  Trajectory motion = problem.create_trajectory();
+  hold(motion, 0, 1, 0, 10);
+  hold(motion, 1, 3, 4, 10);
+  hold(motion, 2, 5, 0, 20);
+  const auto plain = found_in_contacts(problem, motion, FindingKind::friction_demand);
+  ASSERT_EQ(plain.size(), 1u);
+  EXPECT_EQ(plain[0].subject, "grip");
+  EXPECT_NEAR(plain[0].value, 0.5, 1e-9);
+  EXPECT_EQ(plain[0].knot, 1);
+  EXPECT_NEAR(plain[0].time, 0.1, 1e-12);
+  EXPECT_EQ(plain[0].remedy, "");
+  const auto enough = found_in_contacts(problem, motion, FindingKind::friction_demand,
+                                        {.friction = {{"grip", 0.6}}});
+  EXPECT_TRUE(mentions(enough.at(0), "0.6 are there")) << enough[0].message;
+  EXPECT_EQ(enough[0].remedy, "");
+  const auto lacking = found_in_contacts(problem, motion, FindingKind::friction_demand,
+                                         {.friction = {{"grip", 0.4}}});
+  EXPECT_TRUE(mentions(lacking.at(0), "0.4 is what it has")) << lacking[0].message;
+  EXPECT_TRUE(mentions(lacking[0], "friction_cone"));
+  EXPECT_TRUE(found_in_contacts(problem, motion, FindingKind::pull).empty());
+}
+
+TEST(FrictionDemand, OfAContactAlongItsNormalAloneIsNone) {
+  const ShootingProblem problem = block_problem(
+      {block_phase(block_system({{.name = "rest", .kind = ContactKind::normal}}), 2)});
+  Trajectory motion = problem.create_trajectory();
+  hold(motion, 0, 3, 4, 10);
+  EXPECT_TRUE(found_in_contacts(problem, motion, FindingKind::friction_demand).empty());
+}
+
+TEST(FrictionDemand, IsThatOfANormalThatIsNotVertical) {
+  const ShootingProblem problem =
+      block_problem({block_phase(block_system({{.name = "wall", .normal = {1, 0, 0}}}), 2)});
+  Trajectory motion = problem.create_trajectory();
+  hold(motion, 0, 10, 0, 2);
+  hold(motion, 1, 10, 0, 0);
+  const auto found = found_in_contacts(problem, motion, FindingKind::friction_demand);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_NEAR(found[0].value, 0.2, 1e-9);
+  EXPECT_EQ(found[0].knot, 0);
+}
+
+TEST(Pull, IsTheForceAgainstTheNormal) {
+  const ShootingProblem problem = block_problem({block_phase(block_system({{.name = "grip"}}), 3)});
+  Trajectory motion = problem.create_trajectory();
+  hold(motion, 0, 0, 0, -1);
+  hold(motion, 1, 1, 0, -2);
+  hold(motion, 2, 0, 0, 5);
+  const auto found = found_in_contacts(problem, motion, FindingKind::pull);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_NEAR(found[0].value, 2, 1e-9);
+  EXPECT_EQ(found[0].unit, "N");
+  EXPECT_EQ(found[0].knot, 1);
+  EXPECT_NEAR(found[0].time, 0.1, 1e-12);
+}
+
+// A thousandth of the weight of all three bodies, 4 kg, is 0.039 N.
+TEST(Pull, OfAThousandthOfTheWeightSaysNothing) {
+  const ShootingProblem problem = block_problem({block_phase(block_system({{.name = "grip"}}), 1)});
+  Trajectory motion = problem.create_trajectory();
+  hold(motion, 0, 0, 0, -0.035);
+  EXPECT_TRUE(found_in_contacts(problem, motion, FindingKind::pull).empty());
+  hold(motion, 0, 0, 0, -0.045);
+  EXPECT_EQ(found_in_contacts(problem, motion, FindingKind::pull).size(), 1u);
+  hold(motion, 0, 1, 0, 0.035);
+  EXPECT_TRUE(found_in_contacts(problem, motion, FindingKind::friction_demand).empty());
+  hold(motion, 0, 1, 0, 0.045);
+  EXPECT_EQ(found_in_contacts(problem, motion, FindingKind::friction_demand).size(), 1u);
+}
+
+// The world stops the block at once: 4 kg along x with 0.5 m/s, 2 kg along z with −1 m/s.
+TEST(Impulses, HaveADemandAndAPullInNewtonSeconds) {
+  const auto robot = testing::block_on_slides();
+  const std::vector<Contact> grip = {{.name = "grip", .frame = *robot->find_frame("block")}};
+  const auto impact = std::make_shared<MultibodySystem>(robot, grip, 0.0);
+  std::vector<Phase> phases;
+  phases.push_back(testing::tracking_phase(
+      impact, Integrator::impulse, 1, 0,
+      {.goal = std::vector<double>(6, 0.0), .q = std::vector<double>(6, 1.0)}, 0, 0));
+  const ShootingProblem problem = block_problem(std::move(phases));
+  Trajectory motion = problem.create_trajectory();
+  motion.x(0) << 0, 0, 0, 0.5, 0, -1;
+  const auto demand = found_in_contacts(problem, motion, FindingKind::friction_demand,
+                                        {.friction = {{"grip", 0.9}}});
+  ASSERT_EQ(demand.size(), 1u);
+  EXPECT_NEAR(demand[0].value, (4 * 0.5) / (2 * 1.0), 1e-9);
+  EXPECT_TRUE(mentions(demand[0], "less speed along the ground"));
+  motion.x(0) << 0, 0, 0, 0, 0, 1.5;
+  const auto pull = found_in_contacts(problem, motion, FindingKind::pull);
+  ASSERT_EQ(pull.size(), 1u);
+  EXPECT_NEAR(pull[0].value, 3, 1e-9);
+  EXPECT_EQ(pull[0].unit, "Ns");
+}
+
+/// The drift of a block that is held from the first knot on.
+std::vector<Finding> drift_of(const Contact& contact,
+                              const std::vector<Vector3<double>>& positions) {
+  const ShootingProblem problem =
+      block_problem({block_phase(block_system({contact}), static_cast<int>(positions.size()) - 1)});
+  Trajectory motion = problem.create_trajectory();
+  for (std::size_t k = 0; k < positions.size(); ++k)
+    motion.x(static_cast<int>(k)).head(3) << positions[k].x, positions[k].y, positions[k].z;
+  return found_in_contacts(problem, motion, FindingKind::drift);
+}
+
+TEST(Drift, IsTheLongestWayFromWhereTheStanceBegan) {
+  const auto found = drift_of({.name = "grip", .kd = 5},
+                              {{0.1, 0, 0}, {0.103, 0.004, 0}, {0.1, 0.002, 0}, {0.1, 0, 0}});
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_NEAR(found[0].value, 0.005, 1e-12);
+  EXPECT_EQ(found[0].unit, "m");
+  EXPECT_EQ(found[0].knot, 1);
+  EXPECT_TRUE(mentions(found[0], "by 5.0 mm while it is held from 0 s to 0.3 s"))
+      << found[0].message;
+  EXPECT_TRUE(mentions(found[0], "kd: 10")) << found[0].remedy;
+  const auto stiff = drift_of({.name = "grip", .kd = 20}, {{0, 0, 0}, {0, 0.004, 0}});
+  ASSERT_EQ(stiff.size(), 1u);
+  EXPECT_TRUE(mentions(stiff[0], "smaller dt")) << stiff[0].remedy;
+  EXPECT_TRUE(drift_of({.name = "grip"}, {{0, 0, 0}, {0, 0.0009, 0}}).empty());
+}
+
+TEST(Drift, CountsAlongTheDirectionsThatAreHeld) {
+  const Contact rest{.name = "rest", .kind = ContactKind::normal};
+  EXPECT_TRUE(drift_of(rest, {{0, 0, 0}, {0.1, 0.1, 0}}).empty());
+  EXPECT_NEAR(drift_of(rest, {{0, 0, 0}, {0.1, 0.1, -0.01}}).at(0).value, 0.01, 1e-12);
+  const Contact rail{.name = "rail", .kind = ContactKind::planar};
+  EXPECT_TRUE(drift_of(rail, {{0, 0, 0}, {0, 0.1, 0}}).empty());
+  EXPECT_NEAR(drift_of(rail, {{0, 0, 0}, {0.003, 0.1, -0.004}}).at(0).value, 0.005, 1e-12);
+}
+
+TEST(Drift, BeginsAnewWithEachStance) {
+  const auto held = block_system({{.name = "grip"}}), loose = block_system();
+  const ShootingProblem problem =
+      block_problem({block_phase(held, 2), block_phase(loose, 1), block_phase(held, 2)});
+  Trajectory motion = problem.create_trajectory();
+  const double along_x[] = {0, 0, 0.002, 0.2, 0.203, 0.203};
+  for (int k = 0; k <= 5; ++k) motion.x(k)[0] = along_x[k];
+  const auto found = found_in_contacts(problem, motion, FindingKind::drift);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_NEAR(found[0].value, 0.003, 1e-12);
+  EXPECT_EQ(found[0].knot, 4);
+  EXPECT_TRUE(mentions(found[0], "from 0.3 s to 0.5 s")) << found[0].message;
+}
+
+TEST(RedundantContacts, AreTheRowsBeyondTheIndependentOnes) {
+  const ShootingProblem problem = block_problem(
+      {block_phase(block_system({{.name = "grip"}}), 2),
+       block_phase(block_system({{.name = "grip"}, {.name = "rest", .kind = ContactKind::normal}}),
+                   2)});
+  const auto found =
+      found_in_contacts(problem, problem.create_trajectory(), FindingKind::redundant_contacts);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].value, 1);
+  EXPECT_EQ(found[0].knot, 2);
+  EXPECT_TRUE(mentions(found[0], "of all 4 rows 3 are independent")) << found[0].message;
+}
+
+}  // namespace
+}  // namespace conddp

@@ -1,0 +1,156 @@
+// Where one pattern of a log ends and the next begins.
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "analysis/diagnosis.hpp"
+#include "support/small_problems.hpp"
+
+namespace conddp {
+namespace {
+
+struct Ending {
+  SolveStatus status = SolveStatus::max_iterations;
+  int failed_knot = -1;
+};
+
+/// Of a log that stands still at full steps, changed row by row.
+Diagnosis diagnosis_of_log(int rows, const std::function<void(int, IterationRecord&)>& change,
+                           const Ending& ending = {}) {
+  const ShootingProblem problem = testing::pendulum_swing_up();
+  SolveResult result(problem);
+  result.status = ending.status;
+  result.failed_knot = ending.failed_knot;
+  for (int i = 0; i < rows; ++i) {
+    IterationRecord row;
+    row.iteration = i;
+    row.step = 1;
+    row.stationarity = 1;
+    row.stationarity_knot = 7;
+    row.gap_knot = 5;
+    row.constraint_knot = 3;
+    change(i, row);
+    result.log.push_back(row);
+  }
+  const IterationRecord& last = result.log.back();
+  result.residuals.stationarity = last.stationarity;
+  result.residuals.gap = last.gap;
+  result.residuals.constraint = last.constraint;
+  result.residuals.stationarity_knot = last.stationarity_knot;
+  result.residuals.gap_knot = last.gap_knot;
+  return diagnose(problem, result, {});
+}
+
+TEST(DiagnosisPatterns, ANumberThatIsNotFiniteIsGrowth) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  for (double IterationRecord::*number :
+       {&IterationRecord::cost, &IterationRecord::stationarity, &IterationRecord::gap}) {
+    const Diagnosis d =
+        diagnosis_of_log(6, [&](int i, IterationRecord& r) { r.*number = i == 5 ? kNan : 0.5; });
+    EXPECT_EQ(d.pattern, DiagnosisPattern::growth);
+  }
+}
+
+TEST(DiagnosisPatterns, HalfOfItsValueInTheWindowIsProgress) {
+  const auto gap_to = [](double last) {
+    return diagnosis_of_log(11, [=](int i, IterationRecord& r) {
+      r.stationarity = std::pow(0.1, i);
+      r.gap = i == 0 ? 1 : i == 10 ? last : 0.01;
+    });
+  };
+  EXPECT_EQ(gap_to(0.51).pattern, DiagnosisPattern::open_gaps);
+  EXPECT_EQ(gap_to(0.49).pattern, DiagnosisPattern::unfinished);
+  // The window has ten steps: what the row before them says counts, and no older one.
+  const auto later = [](int best) {
+    return diagnosis_of_log(12, [=](int i, IterationRecord& r) {
+      r.stationarity = std::pow(0.1, i);
+      r.gap = i == best ? 1 : 0.1;
+    });
+  };
+  EXPECT_EQ(later(1).pattern, DiagnosisPattern::unfinished);
+  EXPECT_EQ(later(0).pattern, DiagnosisPattern::open_gaps);
+}
+
+TEST(DiagnosisPatterns, FourStepsAreNeeded) {
+  const auto short_steps = [](int rows) {
+    return diagnosis_of_log(rows, [](int, IterationRecord& r) { r.step = 0.1; });
+  };
+  EXPECT_EQ(short_steps(5).pattern, DiagnosisPattern::plateau);
+  EXPECT_EQ(short_steps(4).pattern, DiagnosisPattern::unfinished);
+}
+
+TEST(DiagnosisPatterns, APlateauHasAMedianStepOfAQuarter) {
+  const auto steps = [](double step) {
+    return diagnosis_of_log(11, [=](int i, IterationRecord& r) {
+      r.step = i == 0 || i > 8 ? 1 : i < 4 ? step / 2 : step;
+    });
+  };
+  EXPECT_EQ(steps(0.25).pattern, DiagnosisPattern::plateau);
+  EXPECT_NE(steps(0.25).message.find("steps of 0.25"), std::string::npos) << steps(0.25).message;
+  EXPECT_EQ(steps(0.26).pattern, DiagnosisPattern::unfinished);
+}
+
+TEST(DiagnosisPatterns, ARegularisedPlateauIsRegularisedInEveryStep) {
+  const auto regularised = [](int without) {
+    return diagnosis_of_log(
+        11, [=](int i, IterationRecord& r) { r.regularization = i == without ? 0 : 10; });
+  };
+  EXPECT_EQ(regularised(0).pattern, DiagnosisPattern::plateau);  // before the window
+  EXPECT_EQ(regularised(4).pattern, DiagnosisPattern::unfinished);
+}
+
+TEST(DiagnosisPatterns, ActiveSetsAlternateInFourOfFiveSteps) {
+  const auto changes = [](int quiet) {
+    return diagnosis_of_log(
+        11, [=](int i, IterationRecord& r) { r.active_set_changes = i > quiet ? 2 : 0; });
+  };
+  const Diagnosis d = changes(2);
+  EXPECT_EQ(d.pattern, DiagnosisPattern::alternating_active_set);
+  EXPECT_NE(d.message.find("in 8 of the last 10 steps"), std::string::npos) << d.message;
+  EXPECT_EQ(d.knot, 7);
+  EXPECT_EQ(changes(3).pattern, DiagnosisPattern::unfinished);
+}
+
+TEST(DiagnosisPatterns, SlowFeasibilityHalvesLessThanOnceAStep) {
+  const auto falling = [](double factor) {
+    return diagnosis_of_log(6, [=](int i, IterationRecord& r) {
+      r.stationarity = std::pow(0.1, i);
+      r.constraint = std::pow(factor, i);
+    });
+  };
+  EXPECT_EQ(falling(0.51).pattern, DiagnosisPattern::slow_feasibility);
+  EXPECT_EQ(falling(0.51).knot, 3);
+  EXPECT_EQ(falling(0.49).pattern, DiagnosisPattern::unfinished);
+}
+
+TEST(DiagnosisPatterns, ASearchThatFailsAtOnceLeavesGapsOpenOrHasNoDescent) {
+  const Ending stuck{.status = SolveStatus::line_search_failed};
+  const Diagnosis gaps = diagnosis_of_log(
+      1, [](int, IterationRecord& r) { r.gap = 0.5; }, stuck);
+  EXPECT_EQ(gaps.pattern, DiagnosisPattern::open_gaps);
+  EXPECT_NE(gaps.message.find("no step lowers the merit"), std::string::npos) << gaps.message;
+  EXPECT_EQ(diagnosis_of_log(
+                1, [](int, IterationRecord&) {}, stuck)
+                .pattern,
+            DiagnosisPattern::no_descent);
+  const Ending blown_up{.status = SolveStatus::line_search_failed, .failed_knot = 0};
+  EXPECT_EQ(diagnosis_of_log(
+                1, [](int, IterationRecord& r) { r.gap = 0.5; }, blown_up)
+                .pattern,
+            DiagnosisPattern::growth);
+}
+
+TEST(DiagnosisPatterns, AnUnfinishedSolveNamesItsFirstResidualAboveTolerance) {
+  const auto with_gap = [](double gap) {
+    return diagnosis_of_log(3, [=](int, IterationRecord& r) { r.gap = gap; });
+  };
+  EXPECT_EQ(with_gap(0).quantity, "stationarity");
+  EXPECT_EQ(with_gap(0).knot, 7);
+  EXPECT_EQ(with_gap(0.5).quantity, "gap");
+  EXPECT_EQ(with_gap(0.5).knot, 5);
+}
+
+}  // namespace
+}  // namespace conddp

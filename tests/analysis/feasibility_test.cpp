@@ -1,0 +1,185 @@
+// Distances, products and signs of bounds, cones and pairs by hand.
+#include "analysis/feasibility.hpp"
+
+#include <gtest/gtest.h>
+
+#include "support/small_problems.hpp"
+
+namespace conddp {
+namespace {
+
+constexpr double kOpenEnd = testing::kFree;
+
+/// One step x⁺ = x + u of n numbers with a constraint on its control, soft with a weight, and
+/// bounds on the control.
+ShootingProblem one_step_of(int n, ConstraintKind kind, const std::vector<double>& bounds,
+                            double weight = 0, std::vector<double> control_lower = {},
+                            std::vector<double> control_upper = {}) {
+  const auto system = linear_system(Eigen::MatrixXd::Identity(n, n),
+                                    Eigen::MatrixXd::Identity(n, n), Eigen::VectorXd::Zero(n));
+  auto running = std::make_shared<KnotModel>(system, Integrator::discrete);
+  running->add_constraint(make_constraint("rows", control_residual(n, n), kind, 1,
+                                          weight > 0 ? Softness::l1 : Softness::hard));
+  if (!control_lower.empty()) running->set_control_bounds(control_lower, control_upper);
+  std::vector<double> parameters(n, 0.0);
+  parameters.insert(parameters.end(), bounds.begin(), bounds.end());
+  parameters.push_back(1);
+  if (weight > 0) parameters.push_back(weight);
+  std::vector<Phase> phases;
+  phases.push_back(
+      {.name = "go", .model = running, .dt = {1}, .cost_scale = {1}, .parameters = parameters});
+  return ShootingProblem(std::vector<double>(n, 0.0), std::move(phases),
+                         {.name = "end",
+                          .model = std::make_shared<KnotModel>(system, Integrator::none),
+                          .dt = {0},
+                          .cost_scale = {1}});
+}
+
+Eigen::VectorXd numbers(const std::vector<double>& values) {
+  return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+}
+
+Feasibility feasibility_of(const ShootingProblem& problem, const std::vector<double>& values,
+                           const std::vector<double>& multipliers) {
+  SolutionClaims claims(problem);
+  claims.multipliers = numbers(multipliers);
+  return measure_feasibility(problem, claims, numbers(values));
+}
+
+TEST(Feasibility, OfRowsIsTheDistanceFromTheirBounds) {
+  const ShootingProblem problem =
+      one_step_of(3, ConstraintKind::bounds, {0, -kOpenEnd, 1, 2, 3, 1});
+  EXPECT_EQ(feasibility_of(problem, {1, 2, 1}, {0, 0, 0}).violation.value, 0);
+  const Feasibility below = feasibility_of(problem, {-0.25, 2, 1}, {0, 0, 0});
+  EXPECT_NEAR(below.violation.value, 0.25, 1e-15);
+  EXPECT_EQ(below.violation.knot, 0);
+  EXPECT_EQ(constraint_of(below.violation), 0);
+  EXPECT_NEAR(feasibility_of(problem, {1, 3.5, 1}, {0, 0, 0}).violation.value, 0.5, 1e-15);
+  EXPECT_NEAR(feasibility_of(problem, {2.125, 3, 1}, {0, 0, 0}).violation.value, 0.125, 1e-15);
+  EXPECT_NEAR(feasibility_of(problem, {1, 2, 0.25}, {0, 0, 0}).violation.value, 0.75, 1e-15);
+}
+
+TEST(Feasibility, ProductsOfRowsAreWithTheBoundThatTheSignNames) {
+  const ShootingProblem problem =
+      one_step_of(3, ConstraintKind::bounds, {0, -kOpenEnd, 1, 2, 3, 1});
+  EXPECT_EQ(feasibility_of(problem, {1, 2, 1}, {0, 0, 7}).product.value,
+            0);  // equal bounds: any sign
+  EXPECT_NEAR(feasibility_of(problem, {0.5, 2, 1}, {2, 0, 0}).product.value, 2 * 1.5, 1e-15);
+  EXPECT_NEAR(feasibility_of(problem, {0.5, 2, 1}, {-2, 0, 0}).product.value, 2 * 0.5, 1e-15);
+  const Feasibility other = feasibility_of(problem, {0.5, 2, 1}, {0, 4, 0});
+  EXPECT_NEAR(other.product.value, 4 * 1, 1e-15);
+  EXPECT_NEAR(other.product.size, 4 * 3, 1e-15);
+  EXPECT_EQ(other.negative.value, 0);
+  // There is no lower bound that could push.
+  const Feasibility wrong = feasibility_of(problem, {0.5, 2, 1}, {0, -4, 0});
+  EXPECT_NEAR(wrong.negative.value, 4, 1e-15);
+  EXPECT_EQ(wrong.product.value, 0);
+  // Outside of a bound the product is that of a violation, which is told as such.
+  EXPECT_EQ(feasibility_of(problem, {2.5, 2, 1}, {2, 0, 0}).product.value, 0);
+}
+
+TEST(Feasibility, MultipliersOfSoftRowsAreAtTheLimitWhereTheyAreViolated) {
+  const ShootingProblem problem = one_step_of(2, ConstraintKind::bounds, {0, 0, 2, 2}, 5);
+  const Feasibility above = feasibility_of(problem, {3, 1}, {5, 0});
+  EXPECT_EQ(above.violation.value, 0);  // it is paid for
+  EXPECT_NEAR(above.product.value, 0, 1e-15);
+  EXPECT_NEAR(feasibility_of(problem, {3, 1}, {4, 0}).product.value, 1, 1e-15);
+  EXPECT_NEAR(feasibility_of(problem, {-2, 1}, {-5, 0}).product.value, 0, 1e-15);
+  EXPECT_NEAR(feasibility_of(problem, {-2, 1}, {-4.5, 0}).product.value, 2 * 0.5, 1e-15);
+  EXPECT_NEAR(feasibility_of(problem, {1, 2}, {0, 5.5}).negative.value, 0.5, 1e-15);
+  EXPECT_EQ(feasibility_of(problem, {1, 2}, {0, 5}).negative.value, 0);
+}
+
+TEST(Feasibility, OfConesIsTheDistanceFromThem) {
+  const ShootingProblem problem = one_step_of(3, ConstraintKind::second_order_cone, {});
+  EXPECT_EQ(feasibility_of(problem, {3, 4, 5}, {0, 0, 0}).violation.value, 0);
+  EXPECT_NEAR(feasibility_of(problem, {3, 4, 3}, {0, 0, 0}).violation.value, std::sqrt(0.5) * 2,
+              1e-14);
+  EXPECT_NEAR(feasibility_of(problem, {3, 4, -12}, {0, 0, 0}).violation.value, 13, 1e-14);
+  // On the boundary a multiplier is orthogonal; νᵀg = 2 · 0.6 · 3 + 2 · 0.8 · 4 − 2 · 5 = 0.
+  const Feasibility good = feasibility_of(problem, {3, 4, 5}, {1.2, 1.6, -2});
+  EXPECT_NEAR(good.product.value, 0, 1e-14);
+  EXPECT_EQ(good.negative.value, 0);
+  const Feasibility inside = feasibility_of(problem, {3, 4, 6}, {1.2, 1.6, -2});
+  EXPECT_NEAR(inside.product.value, 2, 1e-14);
+  EXPECT_NEAR(inside.product.size, 22, 1e-13);
+  // −ν = (−1.2, −1.6, 1) is outside of the cone by (2 − 1)/√2.
+  EXPECT_NEAR(feasibility_of(problem, {3, 4, 5}, {1.2, 1.6, -1}).negative.value, std::sqrt(0.5),
+              1e-14);
+}
+
+TEST(Feasibility, SoftConesPayTheirLimitTimesTheDistance) {
+  const ShootingProblem problem = one_step_of(3, ConstraintKind::second_order_cone, {}, 2);
+  // At (3, 4, 3) the distance is √2 along (0.6, 0.8, −1)/√2.
+  const double s = 2 / std::sqrt(2.0);
+  const Feasibility good = feasibility_of(problem, {3, 4, 3}, {0.6 * s, 0.8 * s, -s});
+  EXPECT_EQ(good.violation.value, 0);
+  EXPECT_NEAR(good.product.value, 0, 1e-14);
+  EXPECT_EQ(good.negative.value, 0);
+  EXPECT_NEAR(feasibility_of(problem, {3, 4, 3}, {0, 0, 0}).product.value, 2 * std::sqrt(2.0),
+              1e-14);
+  EXPECT_NEAR(feasibility_of(problem, {3, 4, 5}, {1.2, 1.6, -2}).negative.value, std::sqrt(8.0) - 2,
+              1e-14);
+}
+
+TEST(Feasibility, OfPairsIsTheirSmallerOne) {
+  const ShootingProblem problem = one_step_of(4, ConstraintKind::complementarity, {});
+  const Feasibility found = feasibility_of(problem, {0.5, 0, -0.125, 3}, {0, 7, 8, 0});
+  EXPECT_NEAR(found.violation.value, 0.125, 1e-15);
+  EXPECT_NEAR(found.violation.size, 3, 1e-15);
+  EXPECT_EQ(found.product.value, 0);
+  // Larger ones have no multiplier.
+  EXPECT_NEAR(feasibility_of(problem, {0.5, 0, 0, 3}, {0.3, 0, 0, 0}).product.value, 0.15, 1e-15);
+  EXPECT_NEAR(feasibility_of(problem, {0.5, 0, 0, 3}, {0, 0, 0, -0.2}).product.value, 0.6, 1e-15);
+  // Of equal ones the second counts as larger.
+  EXPECT_NEAR(feasibility_of(problem, {0.25, 0.25, 0, 0}, {2, 3, 0, 0}).product.value, 0.75, 1e-15);
+}
+
+TEST(Feasibility, OfControlsIsWithEachOfTheirBounds) {
+  const ShootingProblem problem =
+      one_step_of(2, ConstraintKind::bounds, {-kOpenEnd, -kOpenEnd, kOpenEnd, kOpenEnd}, 0,
+                  {-1, -kOpenEnd}, {3, 2});
+  SolutionClaims claims(problem);
+  claims.multipliers = numbers({0, 0});
+  const auto measured = [&] { return measure_feasibility(problem, claims, numbers({0, 0})); };
+  claims.trajectory.u(0) << -1.5, 0;
+  EXPECT_NEAR(measured().violation.value, 0.5, 1e-15);
+  EXPECT_EQ(measured().violation.entry, 0);
+  EXPECT_EQ(constraint_of(measured().violation), -1);
+  claims.trajectory.u(0) << 0, 2.25;
+  EXPECT_NEAR(measured().violation.value, 0.25, 1e-15);
+  EXPECT_EQ(measured().violation.entry, 1);
+  claims.trajectory.u(0) << -0.5, 0;
+  claims.lower_multipliers[0] << 4, 0;
+  EXPECT_NEAR(measured().product.value, 4 * 0.5, 1e-15);
+  claims.lower_multipliers[0] << 0, 0;
+  claims.upper_multipliers[0] << 2, 0;
+  EXPECT_NEAR(measured().product.value, 2 * 3.5, 1e-15);
+  EXPECT_NEAR(measured().product.size, 2 * 3, 1e-15);
+  claims.upper_multipliers[0] << 0, -0.5;
+  EXPECT_NEAR(measured().negative.value, 0.5, 1e-15);
+  claims.upper_multipliers[0] << 0, 0;
+  claims.lower_multipliers[0] << 0, 1;
+  EXPECT_EQ(measured().product.value, kOpenEnd);  // of a bound that there is not
+}
+
+TEST(BeyondCone, IsWhatTheNearestPointLeaves) {
+  EXPECT_EQ(beyond_cone(numbers({3, 4, 5})), numbers({0, 0, 0}));
+  EXPECT_EQ(beyond_cone(numbers({3, 4, -5})), numbers({3, 4, -5}));
+  EXPECT_TRUE(beyond_cone(numbers({3, 4, 1})).isApprox(numbers({1.2, 1.6, -2}), 1e-15));
+}
+
+TEST(Worst, KeepsTheFirstOfItsLargestAndNoNumberAboveAll) {
+  Worst worst;
+  worst.meet(1, 0, 2, 3);
+  worst.meet(1, 0, 4, 5);
+  EXPECT_EQ(worst.knot, 2);
+  worst.meet(std::nan(""), 0, 6, 7);
+  worst.meet(9, 0, 8, 9);
+  EXPECT_TRUE(std::isnan(worst.value));
+  EXPECT_EQ(worst.knot, 6);
+  EXPECT_EQ(worst.entry, 7);
+}
+
+}  // namespace
+}  // namespace conddp

@@ -1,0 +1,307 @@
+// Motions of a block on slides, written by hand, and what stands out along them.
+#include "analysis/findings.hpp"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "support/block_on_slides.hpp"
+
+namespace conddp {
+namespace {
+
+using testing::block_phase;
+using testing::block_problem;
+using testing::block_system;
+
+std::vector<Finding> found_in_motion(const ShootingProblem& problem, const Trajectory& trajectory,
+                                     FindingKind kind, const FindingNames& names = {}) {
+  std::vector<Finding> found;
+  for (const Finding& f : find_in_motion(problem, trajectory, names))
+    if (f.kind == kind) found.push_back(f);
+  return found;
+}
+
+bool tells(const Finding& finding, const std::string& text) {
+  return (finding.message + " | " + finding.remedy).find(text) != std::string::npos;
+}
+
+TEST(LimitsOfJoints, AreBeyondMostWhereTheFindingSays) {
+  const ShootingProblem problem = block_problem({block_phase(block_system(), 4)});
+  Trajectory motion = problem.create_trajectory();
+  motion.x(1)[0] = -0.6;
+  motion.x(2)[0] = 0.5;
+  motion.x(3)[0] = 0.65;
+  motion.x(1)[3] = 1.5;
+  motion.x(2)[3] = 1.6;
+  motion.x(4)[3] = -1.75;
+  motion.x(2)[1] = 101;  // along y
+  const auto positions = found_in_motion(problem, motion, FindingKind::position_limit);
+  ASSERT_EQ(positions.size(), 2u);
+  EXPECT_EQ(positions[0].subject, "y");  // the worst comes first
+  EXPECT_NEAR(positions[0].value, 1, 1e-12);
+  EXPECT_EQ(positions[0].knot, 2);
+  EXPECT_EQ(positions[1].subject, "x");
+  EXPECT_NEAR(positions[1].value, 0.15, 1e-12);
+  EXPECT_EQ(positions[1].unit, "m");
+  EXPECT_EQ(positions[1].knot, 3);
+  EXPECT_NEAR(positions[1].time, 0.3, 1e-12);
+  EXPECT_TRUE(tells(positions[1], "its limit of 0.5 m by 0.15")) << positions[1].message;
+  const auto velocities = found_in_motion(problem, motion, FindingKind::velocity_limit);
+  ASSERT_EQ(velocities.size(), 1u);
+  EXPECT_NEAR(velocities[0].value, 0.25, 1e-12);
+  EXPECT_EQ(velocities[0].unit, "m/s");
+  EXPECT_EQ(velocities[0].knot, 4);
+  EXPECT_NEAR(velocities[0].time, 0.4, 1e-12);
+}
+
+TEST(LimitsOfJoints, AreNamedOnTheSideThatIsBroken) {
+  const ShootingProblem problem = block_problem({block_phase(block_system(), 2)});
+  Trajectory motion = problem.create_trajectory();
+  motion.x(1)[0] = -0.5 - 1e-7;  // rounding
+  EXPECT_TRUE(find_in_motion(problem, motion, {}).empty());
+  motion.x(1)[0] = -0.75;
+  const auto found = found_in_motion(problem, motion, FindingKind::position_limit);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_TRUE(tells(found[0], "its limit of -0.5 m by 0.25")) << found[0].message;
+  motion.x(1)[0] = std::nan("");
+  EXPECT_TRUE(find_in_motion(problem, motion, {}).empty());
+}
+
+TEST(Efforts, AreCountedAtTheirLimitInSeconds) {
+  const ShootingProblem problem = block_problem({block_phase(block_system(), 5)});
+  Trajectory motion = problem.create_trajectory();
+  const double pushes[] = {3, 4, -4, 4 - 1e-7, 3.9};
+  for (int k = 0; k < 5; ++k) motion.u(k)[0] = pushes[k];
+  const auto found = found_in_motion(problem, motion, FindingKind::effort_limit);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].subject, "u/x");
+  EXPECT_EQ(found[0].unit, "s");
+  EXPECT_NEAR(found[0].value, 0.3, 1e-12);
+  EXPECT_EQ(found[0].knot, 1);
+  EXPECT_TRUE(tells(found[0], "at its limit of 4 N for 0.3 s of 0.5 s")) << found[0].message;
+}
+
+TEST(Efforts, BeyondTheirLimitAreFoundWhereTheyAreMost) {
+  const ShootingProblem problem = block_problem({block_phase(block_system(), 5)});
+  Trajectory motion = problem.create_trajectory();
+  const double pushes[] = {0, 4.5, -5.25, 5, 0};
+  for (int k = 0; k < 5; ++k) motion.u(k)[0] = pushes[k];
+  const auto found = found_in_motion(problem, motion, FindingKind::effort_limit);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].unit, "N");
+  EXPECT_NEAR(found[0].value, 1.25, 1e-12);
+  EXPECT_EQ(found[0].knot, 2);
+  EXPECT_NEAR(found[0].time, 0.2, 1e-12);
+  EXPECT_TRUE(tells(found[0], "1.25 N beyond its limit of -4")) << found[0].message;
+}
+
+/// The positions along x and y between −0.1 and 0.2 at all knots, and at the end if asked for.
+ShootingProblem within_a_window(int knots, bool also_at_the_end) {
+  const auto system = block_system();
+  const auto with_window = [](const std::shared_ptr<KnotModel>& model) {
+    model->add_constraint(make_constraint("window", coordinate_residual(model->manifold(), {0, 1}),
+                                          ConstraintKind::bounds));
+  };
+  auto running = std::make_shared<KnotModel>(system, Integrator::semi_implicit_euler);
+  auto end = std::make_shared<KnotModel>(system, Integrator::none);
+  with_window(running);
+  if (also_at_the_end) with_window(end);
+  const std::vector<double> window = {0, 0, -0.1, -0.1, 0.2, 0.2, 1};
+  Phase phase{.name = "all", .model = running};
+  for (int k = 0; k < knots; ++k) {
+    phase.dt.push_back(0.1);
+    phase.cost_scale.push_back(1);
+    phase.parameters.insert(phase.parameters.end(), window.begin(), window.end());
+  }
+  Phase terminal{.name = "end", .model = end, .dt = {0}, .cost_scale = {1}};
+  if (also_at_the_end) terminal.parameters = window;
+  std::vector<Phase> phases;
+  phases.push_back(std::move(phase));
+  return ShootingProblem(std::vector<double>(6, 0.0), std::move(phases), std::move(terminal));
+}
+
+TEST(RowsOfConstraints, WithNamesAreFoundWhereTheyAreViolatedMost) {
+  const ShootingProblem problem = within_a_window(4, true);
+  Trajectory motion = problem.create_trajectory();
+  motion.x(1)[0] = -0.3;
+  motion.x(2)[1] = 0.5;
+  motion.x(3)[1] = 0.4;
+  motion.x(4)[0] = 0.45;
+  FindingNames names;
+  names.rows["window"] = {"left - right", "front - back"};
+  const auto found = found_in_motion(problem, motion, FindingKind::constraint_row, names);
+  ASSERT_EQ(found.size(), 2u);
+  EXPECT_EQ(found[0].subject, "front - back (window)");
+  EXPECT_NEAR(found[0].value, 0.3, 1e-12);
+  EXPECT_EQ(found[0].knot, 2);
+  EXPECT_EQ(found[1].subject, "left - right (window)");
+  EXPECT_NEAR(found[1].value, 0.2, 1e-12);
+  EXPECT_EQ(found[1].knot, 1);
+  names.rows["terminal/window"] = {"left - right", "front - back"};
+  const auto more = found_in_motion(problem, motion, FindingKind::constraint_row, names);
+  ASSERT_EQ(more.size(), 3u);
+  EXPECT_EQ(more[1].subject, "left - right (terminal/window)");
+  EXPECT_NEAR(more[1].value, 0.25, 1e-12);
+  EXPECT_EQ(more[1].knot, 4);
+  // Names that do not fit the rows are those of something else.
+  names.rows = {{"window", {"left - right"}}};
+  EXPECT_TRUE(found_in_motion(problem, motion, FindingKind::constraint_row, names).empty());
+}
+
+/// At least 0.5 from the axis of z at all knots.
+ShootingProblem around_a_pillar(int knots) {
+  const auto system = block_system();
+  auto running = std::make_shared<KnotModel>(system, Integrator::semi_implicit_euler);
+  running->add_constraint(make_constraint(
+      "pillar", coordinate_residual(running->manifold(), {0, 1}), ConstraintKind::norm));
+  const std::vector<double> far = {0, 0, 0.5, testing::kFree, 1};
+  Phase phase{.name = "all", .model = running};
+  for (int k = 0; k < knots; ++k) {
+    phase.dt.push_back(0.1);
+    phase.cost_scale.push_back(1);
+    phase.parameters.insert(phase.parameters.end(), far.begin(), far.end());
+  }
+  std::vector<Phase> phases;
+  phases.push_back(std::move(phase));
+  return ShootingProblem({0.5, 0, 0, 0, 0, 0}, std::move(phases),
+                         {.name = "end",
+                          .model = std::make_shared<KnotModel>(system, Integrator::none),
+                          .dt = {0},
+                          .cost_scale = {1}});
+}
+
+TEST(BetweenKnots, AConstraintIsLookedAtOnTheStraightWay) {
+  const ShootingProblem problem = around_a_pillar(3);
+  Trajectory motion = problem.create_trajectory();
+  motion.x(1) << 0, 0.5, 0, 0, 0, 0;
+  motion.x(2) << 0, 0.6, 0, 0, 0, 0;
+  motion.x(3) << 0, 0.6, 0, 0, 0, 0;
+  // Half way from (0.5, 0) to (0, 0.5).
+  auto found = found_in_motion(problem, motion, FindingKind::between_knots);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].subject, "pillar");
+  EXPECT_NEAR(found[0].value, 0.5 - 0.5 * std::sqrt(0.5), 1e-9);
+  EXPECT_EQ(found[0].knot, 0);
+  // A quarter of the way from (0, 0.6) to (0.1, −1.8) is at (0.025, 0).
+  motion.x(3) << 0.1, -1.8, 0, 0, 0, 0;
+  found = found_in_motion(problem, motion, FindingKind::between_knots);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_NEAR(found[0].value, 0.475, 1e-9);
+  EXPECT_EQ(found[0].knot, 2);
+  EXPECT_NEAR(found[0].time, 0.2, 1e-12);
+  EXPECT_TRUE(tells(found[0], "between knots 2 and 3")) << found[0].message;
+  // What is as far off at a knot is no news.
+  motion.x(1) << 0, 0.02, 0, 0, 0, 0;
+  EXPECT_TRUE(found_in_motion(problem, motion, FindingKind::between_knots).empty());
+}
+
+TEST(BetweenKnots, TheWorstRowIsNamed) {
+  const ShootingProblem problem = within_a_window(3, false);
+  FindingNames names;
+  names.rows["window"] = {"left - right", "front - back"};
+  Trajectory motion = problem.create_trajectory();
+  motion.x(3)[0] = 0.8;  // the end has no window: three quarters of the way are at 0.6
+  motion.x(3)[1] = -0.8;
+  const auto found = found_in_motion(problem, motion, FindingKind::between_knots, names);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_NEAR(found[0].value, 0.5, 1e-9);
+  EXPECT_EQ(found[0].knot, 2);
+  EXPECT_TRUE(tells(found[0], "0.5 m by front - back")) << found[0].message;
+}
+
+/// What is found of a push along x in the last of some knots.
+std::vector<Finding> last_push(std::vector<double> pushes, int earlier_phase = 0) {
+  std::vector<Phase> phases;
+  if (earlier_phase > 0) phases.push_back(block_phase(block_system(), earlier_phase));
+  phases.push_back(block_phase(block_system(), static_cast<int>(pushes.size()) - earlier_phase));
+  const ShootingProblem problem = block_problem(std::move(phases));
+  Trajectory motion = problem.create_trajectory();
+  for (std::size_t k = 0; k < pushes.size(); ++k) motion.u(static_cast<int>(k))[0] = pushes[k];
+  return found_in_motion(problem, motion, FindingKind::last_knot);
+}
+
+TEST(LastKnot, AJumpIsThreeTimesWhatItIsBefore) {
+  const auto found = last_push({0, 0.1, 0.2, 0.1, 0, 0.1, 0.9});
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].subject, "u/x");
+  EXPECT_NEAR(found[0].value, 0.8, 1e-12);
+  EXPECT_EQ(found[0].unit, "N");
+  EXPECT_EQ(found[0].knot, 6);
+  EXPECT_NEAR(found[0].time, 0.6, 1e-12);
+  EXPECT_TRUE(tells(found[0], "by 0.8 N at the last knot, by 0.1 at most")) << found[0].message;
+  EXPECT_EQ(last_push({0, 0.1, 0.2, 0.1, 0, 0.1, -0.21}).size(), 1u);
+  EXPECT_EQ(last_push({0, 0.1, 0.2, 0.1, 0, 0.1, 0.39}).size(), 0u);
+  // Small beside the range of all pushes: 0.4 of 2.1.
+  EXPECT_EQ(last_push({0,   0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1,  1.1,
+                       1.2, 1.3, 1.4, 1.5, 1.6, 1.7, 1.8, 1.9, 2,   2.1, 1.7})
+                .size(),
+            0u);
+}
+
+TEST(LastKnot, IsComparedWithItsOwnPhaseOfSixKnots) {
+  EXPECT_EQ(last_push({0, 0, 0, 0, 0, 1}).size(), 1u);
+  EXPECT_EQ(last_push({0, 0, 0, 0, 1}).size(), 0u);
+  EXPECT_EQ(last_push({0, 0, 0, 0, 0, 1}, 1).size(), 0u);
+  // A jump of the phase before does not count.
+  EXPECT_EQ(last_push({0, 5, 0, 0, 0, 0, 0, 1}, 2).size(), 1u);
+}
+
+/// A body of 2 kg with its centre of mass 0.1 above the origin and a thruster at each of these
+/// places.
+std::vector<Finding> thrusters_at(
+    const std::vector<std::pair<Vector3<double>, Vector3<double>>>& places) {
+  std::string urdf =
+      R"(<robot name="ship"><link name="hull"><inertial><origin xyz="0 0 0.1"/><mass value="2"/>)"
+      R"(<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>)";
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const auto& p = places[i].first;
+    const std::string name = "jet" + std::to_string(i);
+    urdf += "<link name=\"" + name + "\"/><joint name=\"to_" + name +
+            "\" type=\"fixed\"><parent link=\"hull\"/><child link=\"" + name +
+            "\"/><origin xyz=\"" + std::to_string(p.x) + " " + std::to_string(p.y) + " " +
+            std::to_string(p.z) + "\"/></joint>";
+  }
+  const auto robot = std::make_shared<const RobotModel>(
+      parse_urdf(urdf + "</robot>", "ship.urdf", {.base = UrdfOptions::Base::floating})
+          .model.value());
+  std::vector<Thruster> thrusters;
+  for (std::size_t i = 0; i < places.size(); ++i)
+    thrusters.push_back({.name = "jet" + std::to_string(i),
+                         .frame = *robot->find_frame("jet" + std::to_string(i)),
+                         .direction = places[i].second});
+  const auto system =
+      std::make_shared<MultibodySystem>(robot, Actuation::thrusters(*robot, thrusters, {}));
+  std::vector<double> start(13, 0.0);
+  start[6] = 1;
+  const ShootingProblem problem =
+      testing::tracking_problem(system, Integrator::semi_implicit_euler, 2, 0.1, start,
+                                {.goal = start,
+                                 .q = std::vector<double>(12, 1.0),
+                                 .r = std::vector<double>(places.size(), 1.0),
+                                 .qf = std::vector<double>(12, 1.0)});
+  return found_in_motion(problem, problem.create_trajectory(), FindingKind::thrusters);
+}
+
+TEST(Thrusters, CannotTurnABodyAboutAxesThroughItsCentreOfMass) {
+  const Vector3<double> x{1, 0, 0}, z{0, 0, 1}, origin{0, 0, 0};
+  // Both turn about y: one by its place, the other by the height of the centre of mass.
+  const auto about_y = thrusters_at({{{0.2, 0, 0}, z}, {origin, x}});
+  ASSERT_EQ(about_y.size(), 1u);
+  EXPECT_EQ(about_y[0].value, 2);
+  EXPECT_EQ(about_y[0].knot, -1);
+  EXPECT_TRUE(tells(about_y[0], "about its axes x, z")) << about_y[0].message;
+  // A push at the height of the centre of mass does not turn it.
+  const auto none = thrusters_at({{origin, z}, {{0, 0, 0.1}, x}});
+  ASSERT_EQ(none.size(), 1u);
+  EXPECT_EQ(none[0].value, 3);
+  // About x and z at once, and about y.
+  const auto two = thrusters_at({{{0.2, 0, 0}, z}, {{0.1, 0.3, 0.1}, {0.6, 0, 0.8}}});
+  ASSERT_EQ(two.size(), 1u);
+  EXPECT_EQ(two[0].value, 1);
+  EXPECT_TRUE(tells(two[0], "about 1 of 3 directions")) << two[0].message;
+  EXPECT_TRUE(thrusters_at({{{0.2, 0, 0}, z}, {{0, 0.2, 0}, z}, {{0, 0.2, 0.1}, x}}).empty());
+}
+
+}  // namespace
+}  // namespace conddp

@@ -1,0 +1,213 @@
+// A block on slides whose motion in steps of any length is known by hand.
+#include "analysis/replay.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "support/block_on_slides.hpp"
+
+namespace conddp {
+namespace {
+
+using testing::block_phase;
+using testing::block_problem;
+using testing::block_system;
+
+constexpr double kBorne = 2 * 9.81;
+
+/// Pushed along x, borne along z, with the states of one step a knot.
+Trajectory pushed_along_x(const ShootingProblem& problem, const std::vector<double>& pushes) {
+  Trajectory motion = problem.create_trajectory();
+  for (int k = 0; k < problem.knots(); ++k) {
+    motion.u(k) << pushes[k], 0, kBorne;
+    motion.x(k + 1) = motion.x(k);
+    motion.x(k + 1)[3] += 0.1 * pushes[k] / 4;
+    motion.x(k + 1)[0] += 0.1 * motion.x(k + 1)[3];
+  }
+  return motion;
+}
+
+std::vector<Eigen::MatrixXd> position_gains(int knots, double position = 0, double velocity = 0) {
+  Eigen::MatrixXd K = Eigen::MatrixXd::Zero(3, 6);
+  K(0, 0) = position;
+  K(0, 3) = velocity;
+  return std::vector<Eigen::MatrixXd>(knots, K);
+}
+
+// 0.1 s of 1 m/s² in n steps go 0.01 (n + 1) / (2 n) m: 10 mm in one, 7.5 mm in two.
+TEST(Replay, InFinerStepsGoesWhereTheyLead) {
+  const ShootingProblem problem = block_problem({block_phase(block_system(), 3)});
+  const Trajectory motion = pushed_along_x(problem, {4, 0, -4});
+  const Replay found = replay(problem, motion, position_gains(3), 2);
+  EXPECT_EQ(found.impossible, "");
+  EXPECT_EQ(found.substeps, 2);
+  EXPECT_NEAR(found.controls.deviation, 0.0025, 1e-12);
+  EXPECT_EQ(found.controls.entry, 0);
+  EXPECT_TRUE(found.controls.knot == 1 ||
+              found.controls.knot == 2);              // equally far but for rounding
+  EXPECT_NEAR(found.controls.final_state, 0, 1e-12);  // braked as it was accelerated
+  EXPECT_NEAR(found.controls.relative, 0.0025 / 0.02, 1e-12);
+  EXPECT_EQ(found.controls.lost_at, -1);
+  EXPECT_NEAR(found.feedback.deviation, 0.0025, 1e-12);
+  EXPECT_EQ(found.feedback.saturated, 0);
+  EXPECT_TRUE(found.broken.empty());
+}
+
+TEST(Replay, BeginsAtTheInitialStateOfTheProblem) {
+  const ShootingProblem problem = block_problem({block_phase(block_system(), 2)});
+  Trajectory motion = pushed_along_x(problem, {0, 0});
+  motion.x(1)[1] = 0.002;
+  motion.x(2)[4] = -0.05;
+  const Replay found = replay(problem, motion, position_gains(2));
+  EXPECT_NEAR(found.controls.deviation, 0.05, 1e-12);
+  EXPECT_EQ(found.controls.knot, 2);
+  EXPECT_EQ(found.controls.entry, 4);
+  EXPECT_NEAR(found.controls.final_state, 0.05, 1e-12);
+  // What moves by less than a hundredth counts as if by that.
+  EXPECT_NEAR(found.controls.relative, 1, 1e-12);
+}
+
+TEST(Replay, OfWhatBarelyMovesIsRelativeToAHundredth) {
+  const ShootingProblem problem = block_problem({block_phase(block_system(), 2)});
+  Trajectory motion = pushed_along_x(problem, {0, 0});
+  motion.x(2)[1] = 0.002;
+  EXPECT_NEAR(replay(problem, motion, position_gains(2)).controls.relative, 0.2, 1e-12);
+}
+
+/// u = u_k + k_q (q − q_k) + k_v (v − v_k) within the limit, over the substeps of a knot.
+ReplayRun by_hand(const Trajectory& motion, double kq, double kv, double limit, int substeps) {
+  ReplayRun run;
+  double q = 0, v = 0;
+  for (int k = 0; k < motion.knots(); ++k) {
+    const double wish = motion.u(k)[0] + kq * (q - motion.x(k)[0]) + kv * (v - motion.x(k)[3]);
+    const double u = std::max(-limit, std::min(limit, wish));
+    run.saturated += u != wish;
+    for (int s = 0; s < substeps; ++s) {
+      v += 0.1 / substeps * u / 4;
+      q += 0.1 / substeps * v;
+    }
+    const double off = std::max(std::abs(q - motion.x(k + 1)[0]), std::abs(v - motion.x(k + 1)[3]));
+    if (off > run.deviation) run.deviation = off, run.knot = k + 1;
+    run.final_state = off;
+  }
+  return run;
+}
+
+TEST(Replay, FeedbackIsHeldOverAKnotWithinItsBounds) {
+  for (const double limit : {100.0, 4.2}) {
+    std::vector<Phase> phases;
+    phases.push_back(block_phase(block_system(), 4, limit));
+    // Along z the weight is borne by gains on nothing: the bound must let it through.
+    auto model = std::make_shared<KnotModel>(*phases.front().model);
+    model->set_control_bounds({-limit, -limit, -100}, {limit, limit, 100});
+    phases.front().model = model;
+    const ShootingProblem problem = block_problem(std::move(phases));
+    const Trajectory motion = pushed_along_x(problem, {4, 4, -3, 4});
+    const Replay found = replay(problem, motion, position_gains(4, -150, -20), 5);
+    const ReplayRun expected = by_hand(motion, -150, -20, limit, 5);
+    EXPECT_NEAR(found.feedback.deviation, expected.deviation, 1e-10);
+    EXPECT_EQ(found.feedback.knot, expected.knot);
+    EXPECT_NEAR(found.feedback.final_state, expected.final_state, 1e-10);
+    EXPECT_EQ(found.feedback.saturated, expected.saturated);
+    EXPECT_EQ(expected.saturated > 0, limit < 5);
+  }
+}
+
+TEST(Replay, FindsLimitsOfJointsWithinSteps) {
+  const ShootingProblem problem = block_problem({block_phase(block_system(), 3)});
+  // At 1.6 m/s after the first step, 1.4 after the second: 0.1 m/s too fast at a knot alone.
+  const Trajectory motion = pushed_along_x(problem, {64, -8, 0});
+  const Replay found = replay(problem, motion, position_gains(3), 10);
+  ASSERT_EQ(found.broken.size(), 1u);
+  EXPECT_EQ(found.broken[0].quantity, "velocity of x");
+  EXPECT_EQ(found.broken[0].unit, "m/s");
+  EXPECT_NEAR(found.broken[0].excess, 0.1, 1e-12);
+  EXPECT_EQ(found.broken[0].knot, 1);
+  EXPECT_NEAR(found.broken[0].time, 0.1, 1e-12);
+  EXPECT_FALSE(found.broken[0].between);
+}
+
+TEST(Replay, FindsLimitsThatAreBrokenBetweenKnotsAlone) {
+  std::vector<double> start = {0.46, 0, 0, 1, 0, 0};
+  const auto system = block_system();
+  auto phase = block_phase(system, 2);
+  std::vector<Phase> phases;
+  phases.push_back(std::move(phase));
+  const ShootingProblem problem(
+      start, std::move(phases),
+      testing::terminal_phase(
+          system, {.goal = std::vector<double>(6, 0.0), .qf = std::vector<double>(6, 1.0)}));
+  // Braked by 20 m/s²: in steps of 10 ms it goes 0.8, 0.6, 0.4, 0.2, 0, −0.2 … cm, to 0.48 at most,
+  // and from there to the lower limit within the second knot.
+  Trajectory motion = pushed_along_x(problem, {-80, 80});
+  Replay found = replay(problem, motion, position_gains(2), 10);
+  EXPECT_TRUE(found.broken.empty());
+  // By 10 m/s²: 0.9, 0.8, … 0 cm, 0.505 after nine and ten steps, the second knot.
+  motion = pushed_along_x(problem, {-40, -40});
+  found = replay(problem, motion, position_gains(2), 10);
+  ASSERT_EQ(found.broken.size(), 1u);
+  EXPECT_EQ(found.broken[0].quantity, "position of x");
+  EXPECT_EQ(found.broken[0].unit, "m");
+  EXPECT_NEAR(found.broken[0].excess, 0.005, 1e-12);
+  EXPECT_NEAR(found.broken[0].time, 0.095, 0.006);
+  // By 12.5 m/s² in steps of 20 ms: 1.5, 1, 0.5, 0, −0.5 cm, 0.49 at most; from 0.475: 0.505.
+  std::vector<Phase> again;
+  again.push_back(block_phase(system, 2));
+  start[0] = 0.475;
+  const ShootingProblem nearer(
+      start, std::move(again),
+      testing::terminal_phase(
+          system, {.goal = std::vector<double>(6, 0.0), .qf = std::vector<double>(6, 1.0)}));
+  motion = pushed_along_x(nearer, {-50, -50});
+  found = replay(nearer, motion, position_gains(2), 5);
+  ASSERT_EQ(found.broken.size(), 1u);
+  EXPECT_NEAR(found.broken[0].excess, 0.005, 1e-12);
+  EXPECT_EQ(found.broken[0].knot, 0);
+  EXPECT_NEAR(found.broken[0].time, 0.07, 0.011);
+  EXPECT_TRUE(found.broken[0].between);
+}
+
+TEST(Replay, FindsContactsThatPull) {
+  const ShootingProblem problem = block_problem({block_phase(block_system({{.name = "grip"}}), 3)});
+  Trajectory motion = problem.create_trajectory();
+  motion.u(0) << 0, 0, kBorne - 1;
+  motion.u(1) << 3, 0, kBorne + 2;
+  motion.u(2) << 0, 0, 0;
+  const Replay found = replay(problem, motion, position_gains(3), 4);
+  ASSERT_EQ(found.broken.size(), 1u);
+  EXPECT_EQ(found.broken[0].quantity, "pull of grip");
+  EXPECT_EQ(found.broken[0].unit, "N");
+  EXPECT_NEAR(found.broken[0].excess, 2, 1e-9);
+  EXPECT_EQ(found.broken[0].knot, 1);
+  EXPECT_NEAR(found.broken[0].time, 0.1, 1e-12);
+}
+
+TEST(Replay, SaysWhereAMotionIsLost) {
+  const ShootingProblem problem = block_problem({block_phase(block_system(), 3)});
+  Trajectory motion = pushed_along_x(problem, {0, 0, 0});
+  motion.x(2)[0] = 10;
+  auto wild = position_gains(3);
+  wild[2](0, 0) = 1e308;
+  const Replay found = replay(problem, motion, wild, 2);
+  EXPECT_EQ(found.controls.lost_at, -1);
+  EXPECT_EQ(found.feedback.lost_at, 2);
+  motion.u(1)[0] = std::nan("");
+  EXPECT_EQ(replay(problem, motion, position_gains(3)).impossible, "the trajectory is not finite");
+}
+
+TEST(Replay, NeedsTimeBetweenKnots) {
+  const auto system = linear_system(Eigen::Matrix2d::Identity(), Eigen::Matrix2d::Identity(),
+                                    Eigen::Vector2d::Zero());
+  const ShootingProblem problem =
+      testing::tracking_problem(system, Integrator::discrete, 2, 1, {0, 0},
+                                {.goal = {0, 0}, .q = {1, 1}, .r = {1, 1}, .qf = {1, 1}});
+  EXPECT_NE(replay(problem, problem.create_trajectory(),
+                   std::vector<Eigen::MatrixXd>(2, Eigen::MatrixXd::Zero(2, 2)))
+                .impossible,
+            "");
+}
+
+}  // namespace
+}  // namespace conddp

@@ -1,0 +1,104 @@
+// Costs and violations of a scalar x⁺ = x + u by name, by hand.
+#include "ocp/by_name.hpp"
+
+#include <gtest/gtest.h>
+
+#include "ocp/residuals.hpp"
+#include "systems/catalogue.hpp"
+
+namespace conddp {
+namespace {
+
+/// Two knots and the end. Costs ½ u² and, with the weight 3, ½ (x − 1)². The constraint "box" holds
+/// x in [−1, 1], "soft" x at most 0 at 2 a unit, both at the end too.
+ShootingProblem two_knots() {
+  const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(1, 1);
+  const auto system = linear_system(one, one, Eigen::VectorXd::Zero(1));
+  auto running = std::make_shared<KnotModel>(system, Integrator::discrete);
+  auto end = std::make_shared<KnotModel>(system, Integrator::none);
+  running->add_cost("effort", control_residual(1, 1), {});
+  const auto add_rest = [](KnotModel& model) {
+    model.add_cost("place", state_residual(model.manifold()), {});
+    model.add_constraint(
+        make_constraint("box", state_residual(model.manifold()), ConstraintKind::bounds));
+    model.add_constraint(make_constraint("soft", state_residual(model.manifold()),
+                                         ConstraintKind::bounds, 1, Softness::l1));
+  };
+  add_rest(*running);
+  add_rest(*end);
+  const double below = -std::numeric_limits<double>::infinity();
+  // Reference and weight of each cost; reference, bounds, switch and weight of each constraint.
+  const std::vector<double> knot = {0, 1, 1, 3, 0, -1, 1, 1, 0, below, 0, 1, 2};
+  std::vector<double> twice = knot;
+  twice.insert(twice.end(), knot.begin(), knot.end());
+  std::vector<Phase> phases;
+  phases.push_back(
+      {.name = "go", .model = running, .dt = {1, 1}, .cost_scale = {1, 2}, .parameters = twice});
+  return ShootingProblem({0}, std::move(phases),
+                         {.name = "end",
+                          .model = end,
+                          .dt = {0},
+                          .cost_scale = {1},
+                          .parameters = {knot.begin() + 2, knot.end()}});
+}
+
+Trajectory walk(const ShootingProblem& problem) {
+  Trajectory t = problem.create_trajectory();
+  t.u(0) << 2;
+  t.u(1) << -1;
+  t.x(1) << 2;
+  t.x(2) << 3;
+  return t;
+}
+
+using Costs = std::vector<std::pair<std::string, std::vector<double>>>;
+
+TEST(CostsByNode, AreThoseOfEachTermAtEachNode) {
+  const ShootingProblem problem = two_knots();
+  const Costs found = costs_by_node(problem, walk(problem));
+  const Costs expected = {{"effort", {2, 2 * 0.5, 0}},
+                          {"place", {1.5, 2 * 1.5, 0}},
+                          {"soft", {0, 2 * 2 * 2, 0}},
+                          {"terminal/place", {0, 0, 6}},
+                          {"terminal/soft", {0, 0, 6}}};
+  ASSERT_EQ(found.size(), expected.size());
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    EXPECT_EQ(found[i].first, expected[i].first);
+    ASSERT_EQ(found[i].second.size(), 3u);
+    for (int k = 0; k < 3; ++k)
+      EXPECT_NEAR(found[i].second[k], expected[i].second[k], 1e-14) << found[i].first << ' ' << k;
+  }
+}
+
+TEST(CostByName, IsTheSumOverTheNodes) {
+  const ShootingProblem problem = two_knots();
+  const auto found = cost_by_name(problem, walk(problem));
+  ASSERT_EQ(found.size(), 5u);
+  EXPECT_EQ(found[1].first, "place");
+  EXPECT_NEAR(found[1].second, 4.5, 1e-14);
+  EXPECT_NEAR(found[2].second, 8, 1e-14);
+}
+
+TEST(ViolationsByName, AreTheWorstOfAllNodes) {
+  const ShootingProblem problem = two_knots();
+  const Eigen::VectorXd values = Eigen::VectorXd{{0.5, 0.5, -2.5, -2.5, 1.25, 1.25}};
+  const auto hard = violations_by_name(problem, values);
+  ASSERT_EQ(hard.size(), 2u);
+  EXPECT_EQ(hard[0].name, "box");
+  EXPECT_NEAR(hard[0].value, 1.5, 1e-15);
+  EXPECT_EQ(hard[0].node, 1);
+  EXPECT_EQ(hard[1].name, "terminal/box");
+  EXPECT_NEAR(hard[1].value, 0.25, 1e-15);
+  EXPECT_EQ(hard[1].node, 2);
+  const auto soft = soft_violations(problem, values);
+  ASSERT_EQ(soft.size(), 2u);
+  EXPECT_EQ(soft[0].name, "soft");
+  EXPECT_NEAR(soft[0].value, 0.5, 1e-15);
+  EXPECT_EQ(soft[0].node, 0);
+  EXPECT_NEAR(soft[1].value, 1.25, 1e-15);
+  const auto none = violations_by_name(problem, Eigen::VectorXd::Zero(6));
+  for (const ConstraintViolation& v : none) EXPECT_EQ(v.node, -1) << v.name;
+}
+
+}  // namespace
+}  // namespace conddp

@@ -1,0 +1,53 @@
+#include "robot/near_names.hpp"
+
+#include <gtest/gtest.h>
+
+namespace conddp {
+namespace {
+
+using Names = std::vector<std::string>;
+
+// The optimal string alignment distance: insertions, deletions, substitutions and swaps of
+// neighbours.
+TEST(EditDistance, IsThatOfTextbooks) {
+  EXPECT_EQ(edit_distance("", ""), 0);
+  EXPECT_EQ(edit_distance("", "abc"), 3);
+  EXPECT_EQ(edit_distance("abc", ""), 3);
+  EXPECT_EQ(edit_distance("kitten", "sitting"), 3);
+  EXPECT_EQ(edit_distance("saturday", "sunday"), 3);
+  EXPECT_EQ(edit_distance("flaw", "lawn"), 2);
+  EXPECT_EQ(edit_distance("ca", "abc"), 3);  // 2 if a swapped pair could be edited again
+  EXPECT_EQ(edit_distance("ab", "ba"), 1);
+  EXPECT_EQ(edit_distance("elbwo_2", "elbow_2"), 1);
+  EXPECT_EQ(edit_distance("xelbow", "elbow"), 1);
+  EXPECT_EQ(edit_distance("elbow", "xelbow"), 1);
+  EXPECT_EQ(edit_distance("a", "b"), 1);
+}
+
+TEST(EditDistance, TakesCapitalsForSmallLetters) {
+  EXPECT_EQ(edit_distance("LF_Foot", "lf_foot"), 0);
+  EXPECT_EQ(edit_distance("AB", "ba"), 1);
+}
+
+TEST(NearNames, AreWithinAThirdOfTheLetters) {
+  // Two letters: one edit; six: two; twelve: three, and no more of longer ones.
+  EXPECT_EQ(near_names("hp", {"hip", "hips"}), (Names{"hip"}));
+  EXPECT_EQ(near_names("ankles", {"anlke", "nkle", "ank"}), (Names{"anlke", "nkle"}));
+  EXPECT_EQ(near_names("abcdefghijkl", {"abcdefghi", "abcdefgh"}), (Names{"abcdefghi"}));
+  EXPECT_EQ(near_names("abcdefghijklmnopqr", {"abcdefghijklmno", "abcdefghijklmn"}),
+            (Names{"abcdefghijklmno"}));
+}
+
+TEST(NearNames, TheNearestThreeComeFirst) {
+  EXPECT_EQ(near_names("abcdef", {"abcd", "abcdxx", "abcde", "abcdf", "abcdefg"}),
+            (Names{"abcde", "abcdefg", "abcdf"}));
+}
+
+TEST(NearNames, OfVeryLongOnesAreNotLookedFor) {
+  const std::string longest(128, 'a'), longer(129, 'a');
+  EXPECT_EQ(near_names(longest, {longest, longer}), (Names{longest}));
+  EXPECT_EQ(near_names(longer, {longest, longer}), Names{});
+}
+
+}  // namespace
+}  // namespace conddp
