@@ -1,0 +1,132 @@
+// Answers of the solvers pass all checks; one in which a number is changed fails by name.
+#include <functional>
+
+#include <gtest/gtest.h>
+
+#include "analysis/certificate.hpp"
+#include "ocp/by_name.hpp"
+#include "solvers/control_bounds.hpp"
+#include "solvers/registry.hpp"
+#include "support/small_problems.hpp"
+
+namespace conddp {
+namespace {
+
+/// What an answer states, as outputs do.
+SolutionClaims claims_of_answer(const ShootingProblem& problem, const SolveResult& result) {
+  SolutionClaims claims(problem);
+  claims.trajectory = result.trajectory;
+  claims.times = problem.times(result.trajectory);
+  claims.converged = result.status == SolveStatus::converged;
+  claims.status = to_string(result.status);
+  claims.cost = result.cost;
+  claims.cost_by_name = cost_by_name(problem, result.trajectory);
+  claims.stationarity = result.residuals.stationarity;
+  claims.gap = result.residuals.gap;
+  claims.constraint = result.residuals.constraint;
+  claims.complementarity = result.residuals.complementarity;
+  claims.costates = result.costates;
+  claims.state_gradient = result.state_gradient;
+  claims.multipliers = result.constraint_multipliers;
+  const ControlBounds bounds(problem);
+  for (int k = 0; k < problem.knots(); ++k) {
+    for (int i = 0; i < problem.nu(k); ++i) {
+      const double u = result.trajectory.u(k)[i], g = result.control_gradient[k][i];
+      if (bounds.at_lower(k, i, u)) claims.lower_multipliers[k][i] = std::max(0.0, g);
+      if (bounds.at_upper(k, i, u)) claims.upper_multipliers[k][i] = std::max(0.0, -g);
+    }
+  }
+  claims.gains = result.feedback.K;
+  claims.feedforward = result.feedback.k;
+  if (result.feedback_regularization) claims.gain_regularization = *result.feedback_regularization;
+  return claims;
+}
+
+std::string failed_checks(const ShootingProblem& problem, const SolutionClaims& claims) {
+  std::string names;
+  for (const Check& check : certify(problem, claims).checks)
+    if (!check.holds) names += "[" + check.name + "]";
+  return names;
+}
+
+struct Answer {
+  explicit Answer(ShootingProblem of, const char* solver = "box_fddp")
+      : problem(std::move(of)),
+        result(solve(problem, solver, {}, problem.create_trajectory())),
+        claims(claims_of_answer(problem, result)) {}
+  ShootingProblem problem;
+  SolveResult result;
+  SolutionClaims claims;
+};
+
+TEST(CertificateOfSolves, HoldsForAnswersWithBoundsAndContacts) {
+  for (const auto& make : std::vector<std::function<ShootingProblem()>>{
+           [] { return testing::pendulum_swing_up(3); }, [] { return testing::unicycle_parking(); },
+           [] { return testing::unicycle_parking(2); },
+           [] { return testing::quadrotor_move(0, 6); }, [] { return testing::landing(); }}) {
+    const Answer answer(make());
+    ASSERT_EQ(answer.result.status, SolveStatus::converged) << answer.result.message;
+    EXPECT_EQ(failed_checks(answer.problem, answer.claims), "");
+  }
+}
+
+TEST(CertificateOfSolves, EveryGainIsCompared) {
+  for (const double limit : {testing::kFree, 2.0}) {
+    const Answer answer(testing::unicycle_parking(limit));
+    SolutionClaims changed = answer.claims;
+    for (const int k : {0, 37, 99})
+      for (int i = 0; i < 2; ++i) {
+        const Eigen::MatrixXd K = changed.gains[k];
+        if (K.row(i).isZero(0)) continue;  // held at its bound
+        for (int j = 0; j < 3; ++j) {
+          changed.gains[k](i, j) += 2e-4 * K.cwiseAbs().maxCoeff();
+          EXPECT_EQ(failed_checks(answer.problem, changed), "[feedback]")
+              << "knot " << k << ", K(" << i << ", " << j << ")";
+          changed.gains[k] = K;
+        }
+        const double step = changed.feedforward[k][i];
+        changed.feedforward[k][i] += 1e-3 * (1 + answer.claims.trajectory.u(k).norm());
+        EXPECT_EQ(failed_checks(answer.problem, changed), "[feedforward]")
+            << "knot " << k << ", k(" << i << ")";
+        changed.feedforward[k][i] = step;
+      }
+  }
+}
+
+TEST(CertificateOfSolves, EachFigureIsComparedWithOnesOwn) {
+  const Answer answer(testing::pendulum_swing_up(3));
+  const auto after = [&](const std::function<void(SolutionClaims&)>& change) {
+    SolutionClaims changed = answer.claims;
+    change(changed);
+    return failed_checks(answer.problem, changed);
+  };
+  EXPECT_EQ(after([](SolutionClaims& c) { c.cost += 1e-7; }), "[cost]");
+  EXPECT_EQ(after([](SolutionClaims& c) { c.cost_by_name[0].second += 1e-7; }), "[cost state]");
+  EXPECT_EQ(after([](SolutionClaims& c) { c.cost_by_name.pop_back(); }), "[cost terminal/state]");
+  EXPECT_EQ(after([](SolutionClaims& c) { c.cost_by_name.emplace_back("more", 0); }),
+            "[cost more]");
+  EXPECT_EQ(after([](SolutionClaims& c) { c.times[20] += 1e-9; }), "[times]");
+  EXPECT_EQ(after([](SolutionClaims& c) { c.stationarity += 1e-9; }), "[stationarity]");
+  EXPECT_EQ(after([](SolutionClaims& c) { c.gap += 5e-10; }), "[gap]");
+  EXPECT_EQ(after([](SolutionClaims& c) { c.constraint += 1e-9; }), "[constraint violation]");
+  EXPECT_EQ(after([](SolutionClaims& c) { c.complementarity += 1e-9; }), "[complementarity]");
+  EXPECT_EQ(after([](SolutionClaims& c) { c.state_gradient(1, 20) += 1e-6; }), "[co-states]");
+  EXPECT_EQ(after([](SolutionClaims& c) { c.converged = false; }), "[status]");
+  EXPECT_EQ(after([](SolutionClaims& c) { c.cost = SolutionClaims::kOpen; }), "[cost]");
+  EXPECT_NE(after([](SolutionClaims& c) { c.trajectory.x(0)[1] += 1e-9; }).find("[initial state]"),
+            std::string::npos);
+  EXPECT_NE(after([](SolutionClaims& c) { c.costates(0, 20) += 1e-3; }).find("[stationarity]"),
+            std::string::npos);
+  EXPECT_NE(after([](SolutionClaims& c) { c.trajectory.x(20)[0] += 1e-3; }).find("[gap]"),
+            std::string::npos);
+}
+
+TEST(CertificateOfSolves, QuaternionsHaveTheLengthOne) {
+  const Answer answer(testing::quadrotor_move(0, 6));
+  SolutionClaims changed = answer.claims;
+  changed.trajectory.x(7).segment(3, 4) *= 1 + 1e-7;
+  EXPECT_NE(failed_checks(answer.problem, changed).find("[unit quaternions]"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace conddp
