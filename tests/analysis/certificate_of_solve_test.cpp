@@ -67,6 +67,7 @@ TEST(CertificateOfSolves, HoldsForAnswersWithBoundsAndContacts) {
     const Answer answer(make());
     ASSERT_EQ(answer.result.status, SolveStatus::converged) << answer.result.message;
     EXPECT_EQ(failed_checks(answer.problem, answer.claims), "");
+    EXPECT_TRUE(certify(answer.problem, answer.claims).holds());
   }
 }
 
@@ -126,6 +127,7 @@ TEST(CertificateOfSolves, QuaternionsHaveTheLengthOne) {
   SolutionClaims changed = answer.claims;
   changed.trajectory.x(7).segment(3, 4) *= 1 + 1e-7;
   EXPECT_NE(failed_checks(answer.problem, changed).find("[unit quaternions]"), std::string::npos);
+  EXPECT_FALSE(certify(answer.problem, changed).holds());
 }
 
 }  // namespace

@@ -1,6 +1,8 @@
 // A block on slides that the world holds: its forces, and how far it moves, are known by hand.
 #include "analysis/contact_findings.hpp"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "support/block_on_slides.hpp"
@@ -163,6 +165,33 @@ TEST(Drift, CountsAlongTheDirectionsThatAreHeld) {
   const Contact rail{.name = "rail", .kind = ContactKind::planar};
   EXPECT_TRUE(drift_of(rail, {{0, 0, 0}, {0, 0.1, 0}}).empty());
   EXPECT_NEAR(drift_of(rail, {{0, 0, 0}, {0.003, 0.1, -0.004}}).at(0).value, 0.005, 1e-12);
+}
+
+// A floating block that is turned by 90° about y: its own z is the world's x.
+TEST(Drift, OfADirectionInTheFramesAxesTurnsWithIt) {
+  const std::string body =
+      R"(<robot name="box"><link name="box"><inertial><mass value="1"/>)"
+      R"(<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>)";
+  const auto robot = std::make_shared<const RobotModel>(
+      parse_urdf(body, "box.urdf", {.base = UrdfOptions::Base::floating}).model.value());
+  const auto drift_along_x = [&](FrameAxes axes) {
+    const auto system =
+        std::make_shared<MultibodySystem>(robot, Actuation::full(*robot), PassiveForces{},
+                                          std::vector<Contact>{{.name = "rest",
+                                                                .frame = *robot->find_frame("box"),
+                                                                .kind = ContactKind::normal,
+                                                                .axes = axes}});
+    std::vector<double> start(13, 0.0);
+    start[4] = start[6] = std::sqrt(0.5);
+    const ShootingProblem problem = testing::tracking_problem(
+        system, Integrator::semi_implicit_euler, 1, 0.1, start,
+        {.goal = start, .q = std::vector<double>(12, 1.0), .qf = std::vector<double>(12, 1.0)});
+    Trajectory motion = problem.create_trajectory();
+    motion.x(1)[0] = 0.01;
+    return found_in_contacts(problem, motion, FindingKind::drift).size();
+  };
+  EXPECT_EQ(drift_along_x(FrameAxes::local), 1u);
+  EXPECT_EQ(drift_along_x(FrameAxes::world_aligned), 0u);
 }
 
 TEST(Drift, BeginsAnewWithEachStance) {

@@ -54,7 +54,10 @@ TEST(ContactSequence, ShortInterruptionsAreLeftOut) {
   ContactMotion motion = thrown_block();
   const int middle = (contact_sequence(motion)[1].first + motion.steps()) / 2;
   motion.forces[middle].contact(0, 1) = 0;  // where it touches all the same
-  EXPECT_EQ(contact_sequence(motion).size(), 2u);
+  const auto sequence = contact_sequence(motion);
+  ASSERT_EQ(sequence.size(), 2u);
+  EXPECT_EQ(sequence[0].closed, std::vector<bool>(4, false));
+  EXPECT_EQ(sequence[1].closed, (std::vector<bool>{true, true, false, false}));
   EXPECT_EQ(contact_sequence(motion, {.shortest = 1}).size(), 4u);
   motion.forces[middle + 1].contact(0, 1) = 0;
   EXPECT_EQ(contact_sequence(motion).size(), 4u);

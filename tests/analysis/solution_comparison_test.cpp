@@ -1,5 +1,8 @@
 #include "analysis/comparison/solution_comparison.hpp"
 
+#include <array>
+#include <cmath>
+
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -44,6 +47,74 @@ TEST(SolutionComparison, AQuaternionAndItsNegativeAreTheSameRotation) {
   Json other = solution();
   other["trajectory"]["x"][1] = {0.0, 0.0, -0.6, -0.8, 1.0};
   EXPECT_EQ(first(solution(), other), "");
+}
+
+// A turn by 2 mrad about each axis, from a quaternion without zeros.
+TEST(SolutionComparison, RotationsAreComparedByTheirAngle) {
+  const std::array<double, 4> q = {0.1, 0.5, -0.7, 0.5};  // x y z w, of length 1
+  const auto turned = [&](int axis, double angle) {
+    // q ⊗ (sin(angle/2) e, cos(angle/2))
+    std::array<double, 3> s = {0, 0, 0};
+    s[axis] = std::sin(angle / 2);
+    const double c = std::cos(angle / 2);
+    Json j = solution();
+    j["trajectory"]["x"][1] = {q[3] * s[0] + q[0] * c + q[1] * s[2] - q[2] * s[1],
+                               q[3] * s[1] + q[1] * c + q[2] * s[0] - q[0] * s[2],
+                               q[3] * s[2] + q[2] * c + q[0] * s[1] - q[1] * s[0],
+                               q[3] * c - q[0] * s[0] - q[1] * s[1] - q[2] * s[2], 1.0};
+    return j;
+  };
+  for (int axis = 0; axis < 3; ++axis) {
+    EXPECT_EQ(first(turned(axis, 0), turned(axis, 9e-4)), "") << axis;
+    const auto differences = compare_solutions(turned(axis, 0), turned(axis, 0.002));
+    ASSERT_EQ(differences.size(), 1u) << axis;
+    EXPECT_EQ(differences[0].quantity, "trajectory base/rotation at knot 1 (t = 0.1 s)");
+    EXPECT_NE(differences[0].message.find("turned by 0.002 rad"), std::string::npos)
+        << differences[0].message;
+  }
+}
+
+TEST(SolutionComparison, TolerancesAreRelativeToTheLargestNumberOfAColumn) {
+  const auto with = [](double changed) {
+    Json j = solution();
+    j["trajectory"]["x"][1][4] = changed;  // beside 2: within 1e-4 + 1e-3 · 2
+    return j;
+  };
+  EXPECT_EQ(first(solution(), with(1.00209)), "");
+  EXPECT_NE(first(solution(), with(1.00211)), "");
+  EXPECT_EQ(first(solution(), with(0.99791)), "");
+  EXPECT_NE(first(solution(), with(0.99789)), "");
+}
+
+TEST(SolutionComparison, ResidualsMayGrowTenfoldOrToAFloor) {
+  const auto with = [](double stationarity) {
+    Json j = solution();
+    j["residuals"]["stationarity"] = stationarity;
+    return j;
+  };
+  EXPECT_EQ(first(with(1e-6), with(0.99e-5)), "");
+  EXPECT_EQ(first(with(1e-6), with(1.01e-5)), "residual stationarity");
+  EXPECT_EQ(first(with(1e-9), with(0.99e-6)), "");
+  EXPECT_EQ(first(with(1e-9), with(1.01e-6)), "residual stationarity");
+}
+
+TEST(SolutionComparison, CostsAreRelativeAndTheirPartsAHundredTimesLess) {
+  const auto with = [](double cost, double part) {
+    Json j = solution();
+    j["cost"] = cost;
+    j["cost_by_name"]["state"] = part;
+    return j;
+  };
+  EXPECT_EQ(first(solution(), with(2 + 1.9e-6, 1.5 + 1.9e-4)), "");
+  EXPECT_EQ(first(solution(), with(2 + 2.1e-6, 1.5)), "cost");
+  EXPECT_EQ(first(solution(), with(2, 1.5 + 2.1e-4)), "cost state");
+  // Of small costs relative to a thousandth.
+  Json small = solution(), other = small;
+  small["cost"] = 1e-5;
+  other["cost"] = 1e-5 + 0.9e-9;
+  EXPECT_EQ(first(small, other), "");
+  other["cost"] = 1e-5 + 1.1e-9;
+  EXPECT_EQ(first(small, other), "cost");
 }
 
 TEST(SolutionComparison, SlipSpeedsThatNoForceTellsDoNotMatter) {

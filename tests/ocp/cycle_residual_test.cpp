@@ -20,7 +20,7 @@ Cycle cycle_of(bool floating, RandomNumbers& random) {
   const StateManifold& manifold = cycle.system->manifold();
   cycle.start.state = random_manifold_state(manifold, random, 1);
   cycle.start.coordinates = {1, 3, manifold.ndx() - 2};
-  if (floating) cycle.start.coordinates = {4, 1, 7, manifold.ndx() - 1};
+  if (floating) cycle.start.coordinates = {4, 0, 7, manifold.ndx() - 1};
   cycle.offset.assign(manifold.nx(), 0.0);
   for (int i = 0; i < manifold.nx(); ++i)
     if (!floating || i < 3 || i > 6) cycle.offset[i] = random.uniform(-1, 1);

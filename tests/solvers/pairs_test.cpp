@@ -1,0 +1,63 @@
+// Complementary pairs of controls whose optima are known: each knot has its own wish for a pair
+// 0 ≤ u₁ ⊥ u₂ ≥ 0, and one of the two goes without it.
+#include <gtest/gtest.h>
+
+#include "solvers/registry.hpp"
+#include "support/small_problems.hpp"
+
+namespace conddp {
+namespace {
+
+/// ½ ‖u_k − wish_k‖² over knots x⁺ = x + u_k.
+ShootingProblem wishes_for_pairs(const std::vector<Eigen::Vector2d>& wishes) {
+  const auto system = linear_system(Eigen::Matrix2d::Identity(), Eigen::Matrix2d::Identity(),
+                                    Eigen::Vector2d::Zero());
+  auto running = std::make_shared<KnotModel>(system, Integrator::discrete);
+  running->add_cost("effort", control_residual(2, 2), {});
+  running->add_constraint(
+      make_constraint("pair", control_residual(2, 2), ConstraintKind::complementarity));
+  Phase phase{.name = "go", .model = running};
+  for (const Eigen::Vector2d& wish : wishes) {
+    phase.dt.push_back(1);
+    phase.cost_scale.push_back(1);
+    for (const double number : {wish[0], wish[1], 1.0, 0.0, 0.0, 1.0})
+      phase.parameters.push_back(number);
+  }
+  std::vector<Phase> phases;
+  phases.push_back(std::move(phase));
+  return ShootingProblem({0, 0}, std::move(phases),
+                         {.name = "end",
+                          .model = std::make_shared<KnotModel>(system, Integrator::none),
+                          .dt = {0},
+                          .cost_scale = {1}});
+}
+
+TEST(Pairs, GiveUpOneOfTheirWishesWithEveryRelaxation) {
+  const std::vector<Eigen::Vector2d> wishes = {{1, 3}, {2, 0.5}, {-1, 1}, {4, -2}};
+  const ShootingProblem problem = wishes_for_pairs(wishes);
+  for (const PairRelaxation way : {PairRelaxation::elementwise, PairRelaxation::fischer_burmeister,
+                                   PairRelaxation::penalty, PairRelaxation::inner_product}) {
+    SolverOptions options;
+    options.complementarity.relaxation = way;
+    const SolveResult result = solve(problem, "ipopt", options, problem.create_trajectory());
+    ASSERT_EQ(result.status, SolveStatus::converged)
+        << static_cast<int>(way) << ": " << result.message;
+    double cost = 0;
+    for (int k = 0; k < problem.knots(); ++k) {
+      const Eigen::Vector2d u = result.trajectory.u(k);
+      EXPECT_LE(std::abs(u.minCoeff()), 1e-6) << static_cast<int>(way) << " knot " << k;
+      Eigen::Index kept = 0;
+      u.maxCoeff(&kept);
+      EXPECT_NEAR(u[kept], wishes[k][kept], 1e-5) << static_cast<int>(way) << " knot " << k;
+      cost += 0.5 * (u - wishes[k]).squaredNorm();
+    }
+    EXPECT_NEAR(result.cost, cost, 1e-9);
+    // The better choices: (0, 3), (2, 0), (0, 1), (4, 0).
+    EXPECT_NEAR(result.cost, 0.5 * (1 + 0.25 + 1 + 4), 1e-5) << static_cast<int>(way);
+    EXPECT_LE(result.residuals.stationarity, 1e-5);
+    EXPECT_LE(result.residuals.constraint, 1e-6);
+  }
+}
+
+}  // namespace
+}  // namespace conddp
