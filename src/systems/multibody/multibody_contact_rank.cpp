@@ -25,6 +25,8 @@ ContactRank MultibodySystem::contact_rank(const double* x) const {
   std::vector<int> moving;
   for (int i = 0; i < found.rows; ++i)
     if (G(i, i) > least) moving.push_back(i);
+  found.rows = found.rank = static_cast<int>(moving.size());
+  if (moving.empty()) return found;
   const Eigen::VectorXd size = G.diagonal()(moving).cwiseSqrt();
   const Eigen::MatrixXd scaled =
       size.cwiseInverse().asDiagonal() * G(moving, moving) * size.cwiseInverse().asDiagonal();
@@ -32,7 +34,6 @@ ContactRank MultibodySystem::contact_rank(const double* x) const {
   const Eigen::VectorXd& values = modes.eigenvalues();  // ascending
   const int idle = static_cast<int>((values.array() <= kIdle).count());
   const int soft = static_cast<int>((values.array() < kSoft).count());
-  found.rows = static_cast<int>(moving.size());
   found.rank = found.rows - idle;
   if (soft == 0) return found;
 
