@@ -339,13 +339,17 @@ std::vector<const SolverInfo*> usable_solvers(const ProblemSpec& spec,
   if (solver == nullptr) {
     std::vector<const SolverInfo*> list = auto_solvers(problem, spec.solver.options);
     if (!list.empty()) return list;
-    solver = find_solver(problem.constraints().empty() ? "box_fddp" : "altro");
+    // The reason is that of the first one that would take the problem with other options.
+    list = auto_solvers(problem, {});
+    solver = list.empty() ? find_solver("altro") : list.front();
   }
   const auto reason = unsupported(*solver, problem);
   if (!reason) {
     const auto legs = unsupported_segments(*solver, problem, spec.solver.options.legs);
     if (!legs) return {solver};
-    out.error(spec.solver.name.place, *legs, "leave 'legs' out, or write a smaller number");
+    const Place& named = spec.solver.name.place;
+    out.error(named.mark.source >= 0 ? named : spec.solver.place, *legs,
+              "leave 'legs' out, or write a smaller number");
     return {};
   }
   const bool of_control = supports_constraints(*solver, problem);

@@ -69,7 +69,7 @@ void read_ipopt_options(const YamlReader& reader, IpoptOptions& options) {
 }  // namespace
 
 SolverSpec read_solver(const YamlReader& reader) {
-  SolverSpec solver;
+  SolverSpec solver{.place = reader.place()};
   YamlMap map(reader, "write '{name: box_fddp}'");
   if (!map.valid()) return solver;
   if (const auto r = map.find("name")) solver.name = r->name().value_or(solver.name);

@@ -14,6 +14,7 @@ struct HomotopyKeySpec {
 /// The solver and its options.
 struct SolverSpec {
   Name name{"auto", {}};
+  Place place;  ///< of the section; none where the file has none
   SolverOptions options;
   std::vector<HomotopyKeySpec> homotopy;
 };
