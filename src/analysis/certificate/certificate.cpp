@@ -95,11 +95,6 @@ class Judge {
     return i >= 0 && i < static_cast<int>(claims_.tangent_names.size()) ? claims_.tangent_names[i]
                                                                         : none;
   }
-  const std::string& control(int i) const {
-    static const std::string none;
-    return i >= 0 && i < static_cast<int>(claims_.control_names.size()) ? claims_.control_names[i]
-                                                                        : none;
-  }
 
   /// An answer that ended in numbers that are not finite leaves figures open; others may not.
   bool agree(double claimed, double found, double tolerance) const {
@@ -228,7 +223,9 @@ class Judge {
     const auto [violation, product, negative] = measure_feasibility(problem_, claims_, values_);
     const auto at = [&](const Worst& w) {
       if (w.knot < 0) return std::string();
-      return place_text(problem_, w.knot, w.entry >= 0 ? control(w.entry) : constraint_name(w));
+      return place_text(
+          problem_, w.knot,
+          w.entry >= 0 ? control_name(problem_, w.knot, w.entry) : constraint_name(w));
     };
     found_constraint_ = violation.value;
     // Constraint values near zero come from terms that are not, which their size does not show.
@@ -275,7 +272,8 @@ class Judge {
     figure("stationarity", claims_.stationarity, stationarity.value, stationarity_rounding_,
            stationarity.knot < 0
                ? ""
-               : place_text(problem_, stationarity.knot, control(stationarity.entry)));
+               : place_text(problem_, stationarity.knot,
+                            control_name(problem_, stationarity.knot, stationarity.entry)));
     check_costates(found);
     measure_optimality();
     for (Check& check : check_gains(problem_, claims_, derivatives_, gaps_)) add(std::move(check));
@@ -300,7 +298,8 @@ class Judge {
     costate_error_ = (along.costates - claims_.costates).lpNorm<Eigen::Infinity>();
     costate_size_ = std::max(1.0, along.costates.lpNorm<Eigen::Infinity>());
     if (gradient.knot >= 0)
-      own_place_ = " at " + place_text(problem_, gradient.knot, control(gradient.entry));
+      own_place_ = " at " + place_text(problem_, gradient.knot,
+                                       control_name(problem_, gradient.knot, gradient.entry));
   }
 
   /// The co-states' own equation: what the answer says of ∇_x of the Lagrangian.

@@ -116,14 +116,10 @@ Deviation compare(const ShootingProblem& problem, const SolutionClaims& claims,
   return out;
 }
 
-Check check_of(const char* name, const ShootingProblem& problem, const SolutionClaims& claims,
-               const Worst& worst) {
+Check check_of(const char* name, const ShootingProblem& problem, const Worst& worst) {
   Check check{name, worst.value <= 1};
   if (check.holds) return check;
-  check.place = place_text(problem, worst.knot,
-                           worst.entry < static_cast<int>(claims.control_names.size())
-                               ? claims.control_names[worst.entry]
-                               : "");
+  check.place = place_text(problem, worst.knot, control_name(problem, worst.knot, worst.entry));
   check.message = fmt::format("off by {:.2g} from a sweep at the trajectory, tolerance {:.1g}",
                               worst.value * worst.size, worst.size);
   return check;
@@ -148,8 +144,8 @@ std::vector<Check> check_gains(const ShootingProblem& problem, const SolutionCla
     const Deviation exact = compare(problem, claims, derivatives, gap, model);
     if (!(exact.feedback.value > found.feedback.value)) found = exact;
   }
-  return {check_of("feedback", problem, claims, found.feedback),
-          check_of("feedforward", problem, claims, found.feedforward)};
+  return {check_of("feedback", problem, found.feedback),
+          check_of("feedforward", problem, found.feedforward)};
 }
 
 }  // namespace conddp

@@ -13,4 +13,10 @@ std::string place_text(const ShootingProblem& problem, int knot, const std::stri
   return quantity.empty() ? text : text + ", " + quantity;
 }
 
+std::string control_name(const ShootingProblem& problem, int knot, int entry) {
+  if (knot < 0 || knot >= problem.knots() || entry < 0) return {};
+  const auto& columns = problem.knot(knot).model->system().control_columns();
+  return entry < static_cast<int>(columns.size()) ? columns[entry].name : std::string();
+}
+
 }  // namespace conddp

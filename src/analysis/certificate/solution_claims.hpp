@@ -40,8 +40,7 @@ struct SolutionClaims {
   std::vector<Eigen::VectorXd> feedforward;  ///< k, nu, one a knot
   double gain_regularization = kOpen;        ///< of the sweep that gave them
   RegularizationKind gain_regularization_kind = RegularizationKind::proximal;
-  /// How places are called.
-  std::vector<std::string> tangent_names, control_names;
+  std::vector<std::string> tangent_names;  ///< how places are called
 };
 
 }  // namespace conddp

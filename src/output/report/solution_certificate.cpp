@@ -278,7 +278,6 @@ class Reader {
     c.gain_regularization = number(at(document_, {"gains", "regularization"}), "gains");
     c.gain_regularization_kind = spec_.solver.options.regularization.kind;
     c.tangent_names = tangent_columns(built_);
-    for (const Column& column : built_.control_columns) c.control_names.push_back(column.name);
   }
 
   /// What the answer says of its motion; answers of former versions say nothing.
