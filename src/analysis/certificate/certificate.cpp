@@ -295,8 +295,11 @@ class Judge {
     // Small in either coordinates is small; where rounding blurs one, the other may tell.
     own_stationarity_ =
         std::min(certificate_.optimality.stationarity, certificate_.optimality.reduced_gradient);
-    costate_error_ = (along.costates - claims_.costates).lpNorm<Eigen::Infinity>();
-    costate_size_ = std::max(1.0, along.costates.lpNorm<Eigen::Infinity>());
+    const auto distance = [&](const AdjointPass& found) {
+      return (found.costates - claims_.costates).lpNorm<Eigen::Infinity>() /
+             std::max(1.0, found.costates.lpNorm<Eigen::Infinity>());
+    };
+    costate_error_ = std::fmin(distance(along), distance(plain));
     if (gradient.knot >= 0)
       own_place_ = " at " + place_text(problem_, gradient.knot,
                                        control_name(problem_, gradient.knot, gradient.entry));
@@ -356,8 +359,8 @@ class Judge {
     need("gap", gap_.value, t.gap + state_rounding());
     need("constraint violation", found_constraint_, t.constraint);
     need("complementarity", found_complementarity_, t.complementarity);
-    need("the co-states' distance from those along other gains", costate_error_,
-         kCostateMargin * t.stationarity * costate_size_);
+    need("the co-states' relative distance from those along other gains, and from those without",
+         costate_error_, kCostateMargin * t.stationarity);
     add({"status", above.empty(), Check::kNone, Check::kNone, Check::kNone, "",
          above.empty() ? "" : "'converged', but " + above});
   }
@@ -407,7 +410,7 @@ class Judge {
   std::vector<NodeDerivatives> derivatives_;
   Worst gap_;
   double largest_state_ = 0, own_stationarity_ = 0;
-  double costate_error_ = 0, costate_size_ = 1;
+  double costate_error_ = 0;
   std::string own_place_;
   double found_constraint_ = 0, found_complementarity_ = 0;
   double found_stationarity_ = 0, stationarity_rounding_ = 0;
