@@ -97,9 +97,17 @@ Deviation compare(const ShootingProblem& problem, const SolutionClaims& claims,
         nu > 0 ? std::max(1e-3 * claims.trajectory.u(k).lpNorm<Eigen::Infinity>() + 1e-3,
                           d.lpNorm<Eigen::Infinity>())
                : 1;
+    // Near an optimum q is what is left of terms that cancel.
+    const VectorXd terms =
+        derivatives[k].cost.cwiseAbs() +
+        J.cwiseAbs().transpose() * (v.cwiseAbs() + V.cwiseAbs() * gap.col(k).cwiseAbs());
+    const double step_tolerance =
+        nu > 0 ? tolerance * move +
+                     kRounding * terms.maxCoeff() / factors.vectorD().cwiseAbs().minCoeff()
+               : 1;
     for (int i = 0; i < nu; ++i) {
-      out.feedforward.meet(std::abs(d[i] - claims.feedforward[k][i]) / (tolerance * move),
-                           tolerance * move, k, i);
+      out.feedforward.meet(std::abs(d[i] - claims.feedforward[k][i]) / step_tolerance,
+                           step_tolerance, k, i);
       for (int j = 0; j < ndx; ++j)
         out.feedback.meet(std::abs(K(i, j) - claims.gains[k](i, j)) / (tolerance * size),
                           tolerance * size, k, i);
