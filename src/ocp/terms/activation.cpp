@@ -2,6 +2,16 @@
 
 namespace conddp {
 
+namespace {
+
+/// √(s + ε²) − ε without the cancellation that small s have in it.
+template <class S>
+S smooth_norm(const S& square, double epsilon) {
+  return square / (sqrt(square + S(epsilon * epsilon)) + S(epsilon));
+}
+
+}  // namespace
+
 template <class S>
 S Activation::value(const S* r, int n) const {
   S sum(0.0);
@@ -17,12 +27,11 @@ S Activation::value(const S* r, int n) const {
       }
       return S(0.5) * sum;
     case ActivationKind::smooth_l1:
-      for (int i = 0; i < n; ++i)
-        sum += (sqrt(r[i] * r[i] + S(epsilon * epsilon)) - S(epsilon)) * weight(i);
+      for (int i = 0; i < n; ++i) sum += smooth_norm(r[i] * r[i], epsilon) * weight(i);
       return sum;
     case ActivationKind::smooth_l2:
       for (int i = 0; i < n; ++i) sum += r[i] * r[i] * weight(i);
-      return sqrt(sum + S(epsilon * epsilon)) - S(epsilon);
+      return smooth_norm(sum, epsilon);
   }
   return sum;
 }
@@ -56,11 +65,11 @@ S Activation::differentiate(const S* r, int n, S* gradient, S* diagonal, S& rank
     case ActivationKind::smooth_l1: {
       S sum(0.0);
       for (int i = 0; i < n; ++i) {
-        const S root = sqrt(r[i] * r[i] + S(epsilon * epsilon));
+        const S square = r[i] * r[i], root = sqrt(square + S(epsilon * epsilon));
         const S inverse = S(1.0) / root;
         gradient[i] = r[i] * inverse * weight(i);
         diagonal[i] = inverse * inverse * inverse * (epsilon * epsilon * weight(i));
-        sum += (root - S(epsilon)) * weight(i);
+        sum += square / (root + S(epsilon)) * weight(i);
       }
       return sum;
     }
@@ -74,7 +83,7 @@ S Activation::differentiate(const S* r, int n, S* gradient, S* diagonal, S& rank
         diagonal[i] = inverse * weight(i);
       }
       rank_one = -inverse;
-      return root - S(epsilon);
+      return sum / (root + S(epsilon));
     }
   }
   return S(0.0);
