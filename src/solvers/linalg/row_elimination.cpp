@@ -1,5 +1,6 @@
 #include "solvers/linalg/row_elimination.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace conddp {
@@ -7,6 +8,9 @@ namespace {
 
 /// Rows of norm 1 whose share in the pivot's columns is smaller depend on the ones before.
 constexpr double kDependent = 1e-9;
+/// A row that is so much smaller than the largest one is rounding, as the derivative of a rotation
+/// about an axis about which nothing turns.
+constexpr double kNoRow = 1e-14;
 
 }  // namespace
 
@@ -22,9 +26,15 @@ Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>> RowElimination::append()
 }
 
 void RowElimination::scale() {
+  const auto unknowns = [this](int row) { return rows_.row(row).head(rows_.cols() - 1); };
+  double largest = 0;
+  for (int i = 0; i < count_; ++i) largest = std::max(largest, unknowns(i).norm());
   for (int i = 0; i < count_; ++i) {
-    const double norm = rows_.row(i).head(rows_.cols() - 1).norm();
-    if (norm == 0) continue;
+    const double norm = unknowns(i).norm();
+    if (norm <= kNoRow * largest) {
+      unknowns(i).setZero();
+      continue;
+    }
     rows_.row(i) /= norm;
     operation_.row(i) /= norm;
   }

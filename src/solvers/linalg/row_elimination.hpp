@@ -21,7 +21,8 @@ class RowElimination {
   /// Appends a row, zero until it is written; returns it.
   Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>> append();
   int count() const { return count_; }
-  /// Gives every row the norm 1 in all columns but the last, where it is not zero.
+  /// Gives every row the norm 1 in all columns but the last, where it is not zero; it is made zero
+  /// there where it is rounding beside the largest one.
   void scale();
   /// Makes rows from `first_row` on orthonormal in `columns` columns from `first_column`, as many
   /// as are independent there, and clears those columns of the rows behind. Returns that rank.
