@@ -135,6 +135,32 @@ TEST(ViolationSlope, IsThatOfDifferences) {
   EXPECT_NEAR(share, sum / here, 1e-6 * share);
 }
 
+/// At a minimum of cost and a penalty the gradients of both cancel.
+TEST(ViolationSlope, IsNotThatOfTheCost) {
+  constexpr double kDear = 1e9;
+  const auto share = [](double weight) {
+    const ShootingProblem free = testing::tracking_problem(
+        double_integrator(1), Integrator::rk4, kKnots, kStep, {0, 0},
+        {{1, 0}, {weight, weight}, {weight}, {weight, weight}}, -kLimit, kLimit);
+    const ShootingProblem problem =
+        with_constraints(free, {testing::goal_constraint(free, {0.01, 0})});
+    Acts acts(problem, 1);
+    Linearization linearization(problem);
+    const ControlBounds bounds(problem);
+    ViolationSlope slope(problem, bounds);
+    Trajectory still = problem.create_trajectory();
+    EXPECT_EQ(acts.simulate(still), -1);
+    acts.differentiate(still, linearization);
+    EXPECT_NEAR(slope.violation(linearization.constraint), 0.01, 1e-12);
+    Gaps gaps(problem);
+    gaps.set(linearization, true);
+    return slope.share(acts, still, gaps);
+  };
+  const double cheap = share(0);
+  EXPECT_GT(cheap, 1);
+  EXPECT_NEAR(share(kDear), cheap, 1e-6 * cheap);
+}
+
 /// A solve that gives up at once, and after the restoration is the solver's own.
 TEST(SolveWithRestoration, GoesOnFromWhatWasRestored) {
   const auto cases = testing::published_cases();

@@ -9,8 +9,8 @@
 namespace conddp {
 namespace {
 
-/// Multipliers of d in a Lagrangian in which the cost counts for nothing.
-constexpr double kWithoutCost = 1e10;
+/// Multipliers per distance: the difference that they make to the cost's gradient keeps its digits.
+constexpr double kWeight = 1e10;
 
 }  // namespace
 
@@ -30,10 +30,17 @@ double ViolationSlope::violation(const Eigen::VectorXd& values) {
 }
 
 double ViolationSlope::share(Evaluator& evaluator, const Trajectory& trajectory, const Gaps& gaps) {
-  lagrangian_.multiplier = kWithoutCost * distances_;
-  evaluator.differentiate(trajectory, linearization_, &lagrangian_);
-  adjoint_.compute(linearization_, trajectory, gaps, no_feedback_);
-  return share(adjoint_.gradient() / kWithoutCost, trajectory);
+  const auto gradient = [&](const Eigen::VectorXd& multipliers) -> Eigen::VectorXd {
+    lagrangian_.multiplier = multipliers;
+    evaluator.differentiate(trajectory, linearization_, &lagrangian_);
+    adjoint_.compute(linearization_, trajectory, gaps, no_feedback_);
+    return adjoint_.gradient();
+  };
+  // The cost's own part is taken out, however small its share: where a penalty's minimum was found
+  // it cancels what is asked for.
+  const Eigen::VectorXd of_cost = gradient(Eigen::VectorXd::Zero(distances_.size()));
+  const Eigen::VectorXd with_distances = gradient(kWeight * distances_);
+  return share((with_distances - of_cost) / kWeight, trajectory);
 }
 
 double ViolationSlope::share(const Eigen::VectorXd& gradient, const Trajectory& trajectory) const {
