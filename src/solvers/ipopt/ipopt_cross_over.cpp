@@ -29,6 +29,25 @@ constexpr double kLeastDistance = 1e-16;
 /// Of a bound: what a Newton step leaves of the way to it.
 constexpr double kBoundRounding = 1e-14;
 
+/// Puts multipliers into the normal cones of their sets and within the limits of soft constraints:
+/// Ipopt's are there at an answer alone.
+void project_multipliers(const ShootingProblem& problem, Eigen::VectorXd& multipliers) {
+  for (const NodeConstraint& c : problem.constraints()) {
+    if (c.term->has_pairs()) continue;
+    auto nu = multipliers.segment(c.row, c.term->rows);
+    if (c.term->is_cone()) {
+      const Eigen::VectorXd given = nu;
+      outside_cone(given.data(), c.term->rows, nu.data());
+      const double norm = nu.norm();
+      if (norm > c.limit) nu *= c.limit / norm;
+      continue;
+    }
+    for (int i = 0; i < c.term->rows; ++i)
+      nu[i] = std::clamp(nu[i], std::isinf(c.lower[i]) ? 0 : -c.limit,
+                         std::isinf(c.upper[i]) ? 0 : c.limit);
+  }
+}
+
 }  // namespace
 
 /// Of every control bound and constraint row that is one, its multiplier over the distance from it.
@@ -119,6 +138,7 @@ void IpoptSolver::cross_over(const InteriorPointAnswer& answer, bool goes_on) {
   Eigen::VectorXd multipliers;
   transcription_->read_multipliers(answer.point.rows.data(), costates, multipliers);
   if (!multipliers.allFinite()) multipliers.setZero();
+  if (answer.end != End::solved) project_multipliers(problem_, multipliers);
   Trajectory trajectory = transcription_->trajectory();
   bounds_.clamp(trajectory);
   start_newton(trajectory, multipliers);

@@ -267,12 +267,18 @@ void IpoptSolver::consider(bool preferred) {
 
 /// Makes the row of the answer the last one of the log.
 void IpoptSolver::log_answer() {
-  if (!choice_.has_answer() || !std::isfinite(answer_row_.cost) || result_.log.empty()) return;
-  IterationRecord& last = result_.log.back();
-  if (last.cost == answer_row_.cost && last.newton == answer_row_.newton) {
-    // Along the answer's gains it is another number than along those of the step that led there.
-    last.stationarity = answer_row_.stationarity;
-    last.stationarity_knot = answer_row_.stationarity_knot;
+  if (!choice_.has_answer() || !std::isfinite(answer_row_.cost)) return;
+  // Without an iteration, as where Ipopt finds more equations than variables, it is the first row.
+  IterationRecord* const last = result_.log.empty() ? nullptr : &result_.log.back();
+  if (last != nullptr && last->cost == answer_row_.cost && last->newton == answer_row_.newton) {
+    // Along the answer's gains it is another number than along those of the step that led there,
+    // and controls that Ipopt left outside of their bounds by rounding are within them.
+    last->stationarity = answer_row_.stationarity;
+    last->stationarity_knot = answer_row_.stationarity_knot;
+    last->gap = answer_row_.gap;
+    last->gap_knot = answer_row_.gap_knot;
+    last->constraint = answer_row_.constraint;
+    last->constraint_knot = answer_row_.constraint_knot;
     return;
   }
   // What is counted goes on.
