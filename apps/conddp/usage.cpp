@@ -70,8 +70,8 @@ Diagnostic usage_error(const CLI::App& app, const CLI::ParseError& error,
     return with_names(fmt::format("unknown subcommand '{}'", words.unknown_command),
                       words.unknown_command, names_of(command.commands), "subcommands");
   if (!words.unknown_flag.empty())
-    return with_names(fmt::format("unknown option '{}'", words.unknown_flag),
-                      words.unknown_flag, flags_of(command), "options");
+    return with_names(fmt::format("unknown option '{}'", words.unknown_flag), words.unknown_flag,
+                      flags_of(command), "options");
   if (auto wrong = wrong_word(words)) return *wrong;
   if (words.incomplete != nullptr) {
     const OptionDoc option = describe(*words.incomplete);

@@ -21,7 +21,8 @@ ParsedNumber parse_number(std::string_view text) {
   if (digits == ".inf" || digits == ".Inf" || digits == ".INF" || digits == ".nan" ||
       digits == ".NaN" || digits == ".NAN" || digits == "inf" || digits == "nan")
     return defect("is not finite");
-  if (digits.empty() || !(is_digit(digits[0]) || digits[0] == '.')) return defect("is not a number");
+  if (digits.empty() || !(is_digit(digits[0]) || digits[0] == '.'))
+    return defect("is not a number");
   if (digits.size() > 1 && digits[0] == '0' && is_digit(digits[1]))
     return defect("has a leading zero");
   const std::string_view whole = text.starts_with('+') ? digits : text;

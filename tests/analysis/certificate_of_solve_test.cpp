@@ -3,10 +3,10 @@
 
 #include <gtest/gtest.h>
 
-#include "analysis/certificate.hpp"
-#include "ocp/by_name.hpp"
-#include "solvers/control_bounds.hpp"
-#include "solvers/registry.hpp"
+#include "analysis/certificate/certificate.hpp"
+#include "ocp/problem/by_name.hpp"
+#include "solvers/common/control_bounds.hpp"
+#include "solvers/strategies/registry.hpp"
 #include "support/small_problems.hpp"
 
 namespace conddp {

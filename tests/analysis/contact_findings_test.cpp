@@ -1,5 +1,5 @@
 // A block on slides that the world holds: its forces, and how far it moves, are known by hand.
-#include "analysis/contact_findings.hpp"
+#include "analysis/findings/contact_findings.hpp"
 
 #include <cmath>
 

@@ -1,6 +1,6 @@
 // Figures of two steps of a block on slides, by hand: it comes down on the ground, is held back by
 // a stop along x, by dry friction along y and by damping along all.
-#include "analysis/contact_measures.hpp"
+#include "analysis/contact/contact_measures.hpp"
 
 #include <cmath>
 

@@ -1,5 +1,5 @@
 // Forces and energies of a plant against the robot's own functions, formulas and differences.
-#include "analysis/contact_mechanics.hpp"
+#include "analysis/contact/contact_mechanics.hpp"
 
 #include <cmath>
 

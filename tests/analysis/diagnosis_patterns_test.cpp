@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "analysis/diagnosis.hpp"
+#include "analysis/findings/diagnosis.hpp"
 #include "support/small_problems.hpp"
 
 namespace conddp {

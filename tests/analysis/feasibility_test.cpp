@@ -1,5 +1,5 @@
 // Distances, products and signs of bounds, cones and pairs by hand.
-#include "analysis/feasibility.hpp"
+#include "analysis/certificate/feasibility.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Motions of a block on slides, written by hand, and what stands out along them.
-#include "analysis/findings.hpp"
+#include "analysis/findings/findings.hpp"
 
 #include <cmath>
 

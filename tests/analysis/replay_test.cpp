@@ -1,5 +1,5 @@
 // A block on slides whose motion in steps of any length is known by hand.
-#include "analysis/replay.hpp"
+#include "analysis/certificate/replay.hpp"
 
 #include <algorithm>
 #include <cmath>

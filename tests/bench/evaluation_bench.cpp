@@ -1,6 +1,6 @@
-// The evaluator that solvers call, on whole problems: how long one takes for a knot, at an iterate a few
-// iterations from the guess. The parts of `differentiate` are measured on full lanes of the first
-// phase: the dynamics alone, with the costs' gradients, with their Hessians.
+// The evaluator that solvers call, on whole problems: how long one takes for a knot, at an iterate
+// a few iterations from the guess. The parts of `differentiate` are measured on full lanes of the
+// first phase: the dynamics alone, with the costs' gradients, with their Hessians.
 #include <memory>
 #include <string>
 #include <vector>

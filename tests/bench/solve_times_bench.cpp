@@ -122,18 +122,19 @@ int run(const Arguments& arguments) {
     last = solve(problem, *solver, spec->solver.options, guess);
     runs.push_back(json_of(last));
   }
-  const Json out = {{"knots", problem.knots()},
-                    {"solver", solver->name},
-                    {"status", to_string(last.status)},
-                    {"cost", last.cost},
-                    {"iterations", last.iterations},
-                    {"message", last.message},
-                    {"guess", json_of(guess)},
-                    {"answer", json_of(last.trajectory)},
-                    {"runs", runs},
-                    {"evaluator", arguments.repeat > 1 ? acts_at(problem, spec->solver.options, last,
-                                                            std::max(arguments.repeat, kActRepeat))
-                                                  : Json()}};
+  const Json out = {
+      {"knots", problem.knots()},
+      {"solver", solver->name},
+      {"status", to_string(last.status)},
+      {"cost", last.cost},
+      {"iterations", last.iterations},
+      {"message", last.message},
+      {"guess", json_of(guess)},
+      {"answer", json_of(last.trajectory)},
+      {"runs", runs},
+      {"evaluator", arguments.repeat > 1 ? acts_at(problem, spec->solver.options, last,
+                                                   std::max(arguments.repeat, kActRepeat))
+                                         : Json()}};
   std::cout << out.dump() << '\n';
   return 0;
 }

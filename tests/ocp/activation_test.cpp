@@ -1,4 +1,4 @@
-#include "ocp/activation.hpp"
+#include "ocp/terms/activation.hpp"
 
 #include <gtest/gtest.h>
 

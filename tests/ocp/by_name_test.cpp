@@ -1,9 +1,9 @@
 // Costs and violations of a scalar x⁺ = x + u by name, by hand.
-#include "ocp/by_name.hpp"
+#include "ocp/problem/by_name.hpp"
 
 #include <gtest/gtest.h>
 
-#include "ocp/residuals.hpp"
+#include "ocp/residuals/residuals.hpp"
 #include "systems/catalogue.hpp"
 
 namespace conddp {

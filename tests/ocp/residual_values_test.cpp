@@ -2,8 +2,8 @@
 // not show a reference that is left out or a wrong direction.
 #include <gtest/gtest.h>
 
-#include "ocp/knot_model.hpp"
-#include "ocp/residuals.hpp"
+#include "ocp/knot/knot_model.hpp"
+#include "ocp/residuals/residuals.hpp"
 #include "support/knot_case.hpp"
 #include "support/named_residuals.hpp"
 

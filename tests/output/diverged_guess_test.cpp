@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "output/certificate_report.hpp"
+#include "output/report/certificate_report.hpp"
 #include "support/answer.hpp"
 
 namespace conddp {

@@ -2,7 +2,7 @@
 // is chosen: gains there are large or rounding, and the certificate holds all the same.
 #include <gtest/gtest.h>
 
-#include "output/certificate_report.hpp"
+#include "output/report/certificate_report.hpp"
 #include "support/answer.hpp"
 
 namespace conddp {

@@ -1,7 +1,7 @@
 // What is left of Ipopt's iterates in the answer.
 #include <gtest/gtest.h>
 
-#include "output/certificate_report.hpp"
+#include "output/report/certificate_report.hpp"
 #include "support/answer.hpp"
 
 namespace conddp {

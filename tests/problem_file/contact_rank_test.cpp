@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "problem_text.hpp"
-#include "solvers/registry.hpp"
+#include "solvers/strategies/registry.hpp"
 
 namespace conddp {
 namespace {
@@ -21,7 +21,7 @@ costs: {{effort: {{residual: control}}, calm: {{residual: joint_velocity}}}}
 }
 
 ContactRank rank_at_start(const ShootingProblem& problem) {
-  return contact_rank(problem.knot(0).model->system(), problem.initial_state().data());
+  return problem.knot(0).model->system().contact_rank(problem.initial_state().data());
 }
 
 TEST(ContactRank, CountsRowsAlongWhichTheRobotCanMove) {

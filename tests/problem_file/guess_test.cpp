@@ -237,7 +237,8 @@ TEST_F(GuessFromFile, NamesWhatIsWrong) {
       {"Words", "s.json",
        R"({"format": "conddp.solution/1", "trajectory": {"columns": {"x": ["a"], "u": []},
            "t": [0, 1], "x": [[1], ["b"]], "u": [[]]}})",
-       "0:0: the solution cannot be used: trajectory.x[1] has an entry that is not a finite number"},
+       "0:0: the solution cannot be used: trajectory.x[1] has an entry that is not a finite "
+       "number"},
       {"OtherStates", "s.json",
        R"({"format": "conddp.solution/1", "trajectory": {"columns": {"x": ["q/a", "theta"],
            "u": ["torque"]}, "t": [0, 0.7], "x": [[1, 1], [1, 1]], "u": [[0]]}})",

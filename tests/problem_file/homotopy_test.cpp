@@ -139,7 +139,8 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         BadHomotopy{"{}", "{}", "a list is expected here, not a mapping"},
         BadHomotopy{"[{from: 1, to: 2}]", "{from", "'key'"},
-        BadHomotopy{"[{key: costs.effort.weight, from: 1, to: 2, too: 2}]", "too", "unknown key 'too'"},
+        BadHomotopy{"[{key: costs.effort.weight, from: 1, to: 2, too: 2}]", "too",
+                    "unknown key 'too'"},
         BadHomotopy{"[{key: costs.effort.weight, from: 1, to: x}]", "x}", "'x' is not a number"},
         BadHomotopy{"[{key: costs.effort.weight, from: 2, to: 2}]", "2}", "nothing moves"},
         BadHomotopy{"[{key: costs.efort.weight, from: 1, to: 2}]", "costs", "there is no 'efort'"},

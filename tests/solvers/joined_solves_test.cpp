@@ -1,4 +1,4 @@
-#include "solvers/joined_solves.hpp"
+#include "solvers/strategies/joined_solves.hpp"
 
 #include <cmath>
 

@@ -2,7 +2,7 @@
 // 0 ≤ u₁ ⊥ u₂ ≥ 0, and one of the two goes without it.
 #include <gtest/gtest.h>
 
-#include "solvers/registry.hpp"
+#include "solvers/strategies/registry.hpp"
 #include "support/small_problems.hpp"
 
 namespace conddp {

@@ -1,7 +1,7 @@
 // Which solvers a problem is for, and what those say that it is not for.
 #include <gtest/gtest.h>
 
-#include "solvers/registry.hpp"
+#include "solvers/strategies/registry.hpp"
 #include "support/small_problems.hpp"
 
 namespace conddp {
@@ -43,7 +43,7 @@ ShootingProblem constrained_steps(ConstraintKind kind, const std::vector<double>
 SolverNames those_that_take(const ShootingProblem& problem) {
   SolverNames names;
   for (const SolverInfo& info : solvers())
-    if (!refuse(info, problem)) names.push_back(info.name);
+    if (!unsupported(info, problem)) names.push_back(info.name);
   return names;
 }
 
@@ -66,7 +66,7 @@ TEST(Refusals, FollowFromConstraintsAndBounds) {
 }
 
 std::string reason(const char* solver, const ShootingProblem& problem) {
-  return refuse(*find_solver(solver), problem).value_or("");
+  return unsupported(*find_solver(solver), problem).value_or("");
 }
 
 TEST(Refusals, NameTheConstraintAndThoseThatCan) {
@@ -97,7 +97,7 @@ TEST(Refusals, NameTheBound) {
 TEST(Refusals, OfLegsAreOfSolversAndOfShortHorizons) {
   const ShootingProblem problem = testing::pendulum_swing_up(3);  // 50 knots
   const auto legs = [&](const char* solver, int count) {
-    return refuse_legs(*find_solver(solver), problem, count).value_or("");
+    return unsupported_segments(*find_solver(solver), problem, count).value_or("");
   };
   EXPECT_EQ(legs("proxddp", 50), "");
   EXPECT_NE(legs("proxddp", 51).find("the horizon has 50"), std::string::npos);

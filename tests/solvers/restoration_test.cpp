@@ -144,7 +144,7 @@ TEST(ViolationSlope, IsNotThatOfTheCost) {
         {{1, 0}, {weight, weight}, {weight}, {weight, weight}}, -kLimit, kLimit);
     const ShootingProblem problem =
         with_constraints(free, {testing::goal_constraint(free, {0.01, 0})});
-    Acts acts(problem, 1);
+    Evaluator acts(problem, 1);
     Linearization linearization(problem);
     const ControlBounds bounds(problem);
     ViolationSlope slope(problem, bounds);

@@ -1,4 +1,4 @@
-#include "solvers/row_elimination.hpp"
+#include "solvers/linalg/row_elimination.hpp"
 
 #include <gtest/gtest.h>
 

@@ -10,8 +10,8 @@
 namespace conddp {
 namespace {
 
-using testing::SegmentedIterate;
 using testing::LinearQuadratic;
+using testing::SegmentedIterate;
 
 TEST(SegmentSweep, LegsCoverTheHorizonAndTheLastIsTwiceAsLongAsTheOthers) {
   EXPECT_EQ(SegmentSweep::split(60, 2), (std::vector<int>{0, 20, 60}));

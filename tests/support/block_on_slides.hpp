@@ -3,10 +3,10 @@
 #include <memory>
 #include <string>
 
-#include "ocp/residuals.hpp"
-#include "robot/urdf.hpp"
+#include "ocp/residuals/residuals.hpp"
+#include "robot/urdf/urdf.hpp"
 #include "support/small_problems.hpp"
-#include "systems/multibody.hpp"
+#include "systems/multibody/multibody.hpp"
 
 namespace conddp::testing {
 

@@ -16,7 +16,7 @@ class SegmentedIterate {
  public:
   /// Rows of constraints enter as an augmented Lagrangian with that penalty.
   SegmentedIterate(const ShootingProblem& problem, const Trajectory& guess, Segments segments,
-                double penalty = 10)
+                   double penalty = 10)
       : problem_(problem),
         bounds_(problem),
         linearization_(problem),
@@ -37,8 +37,8 @@ class SegmentedIterate {
 
   /// Finds the active set of each stage, from end to start. False where one has no minimum.
   bool begin() { return run(false) < 0; }
-  /// A sweep with that set around another cost, after which values at the ends of segments are those of
-  /// that one.
+  /// A sweep with that set around another cost, after which values at the ends of segments are
+  /// those of that one.
   void sweep_another_cost() {
     const auto scale_later_nodes = [&](double factor) {
       for (int k = problem_.knots() / 2; k <= problem_.knots(); ++k)
@@ -93,10 +93,10 @@ inline double relative_difference(const std::vector<Eigen::VectorXd>& a,
   return largest > 0 ? off / largest : off;
 }
 
-/// Expects that a sweep by segments around an iterate gives the step and the co-states of the one from
-/// end to start, whatever the values at the ends of segments that it starts from.
+/// Expects that a sweep by segments around an iterate gives the step and the co-states of the one
+/// from end to start, whatever the values at the ends of segments that it starts from.
 inline void expect_equal_by_segments(const ShootingProblem& problem, const Trajectory& guess,
-                                 double tolerance = 1e-9) {
+                                     double tolerance = 1e-9) {
   SegmentedIterate one(problem, guess, {});
   ASSERT_TRUE(one.begin());
   one.sweep();

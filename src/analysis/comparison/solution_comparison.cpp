@@ -79,7 +79,8 @@ struct Compared {
     residuals = read_named(solution, "residuals");
     const Json& trajectory = solution_member(solution, "trajectory");
     const Json& t = solution_member(trajectory, "t");
-    if (!t.is_array() || t.empty()) throw MalformedSolution{"'trajectory.t' is not a list of times"};
+    if (!t.is_array() || t.empty())
+      throw MalformedSolution{"'trajectory.t' is not a list of times"};
     for (const Json& time : t) times.push_back(read_number(time, "a time"));
     x = read_table(trajectory, "x", times.size());
     u = read_table(trajectory, "u", times.size() - 1, times.size() > 1 && times[1] == times[0]);

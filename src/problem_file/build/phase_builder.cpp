@@ -32,9 +32,10 @@ std::vector<bool> phases_of(const BuiltCost& cost, const PhaseContext& context, 
       in_phase[p] = false;
     if (!phase.takes_no_time() || !in_phase[p]) continue;
     if (phase.choice && c.phases) {
-      out.error(c.name.place, fmt::format("'{}' is not a place for costs and constraints: it chooses "
-                                          "the state of the knot after it",
-                                          phase.name.value));
+      out.error(c.name.place,
+                fmt::format("'{}' is not a place for costs and constraints: it chooses "
+                            "the state of the knot after it",
+                            phase.name.value));
       in_phase[p] = false;
     } else if (!c.phases)
       in_phase[p] = false;

@@ -78,14 +78,15 @@ constexpr std::array kTable = {
                .min_excluded = true,
                .max_excluded = true,
                .access = CONDDP_ACCESS(tolerances.complementarity)},
-    OptionInfo{.name = "tolerances.cost_decrease",
-               .doc = "Change of the cost at which to stop, as a share of it at the rate of a full step, "
-                      "without unit, where three feasible iterations in a row change it by no "
-                      "more; 0 is never.",
-               .min = 0,
-               .max = 1,
-               .max_excluded = true,
-               .access = CONDDP_ACCESS(tolerances.cost_decrease)},
+    OptionInfo{
+        .name = "tolerances.cost_decrease",
+        .doc = "Change of the cost at which to stop, as a share of it at the rate of a full step, "
+               "without unit, where three feasible iterations in a row change it by no "
+               "more; 0 is never.",
+        .min = 0,
+        .max = 1,
+        .max_excluded = true,
+        .access = CONDDP_ACCESS(tolerances.cost_decrease)},
     OptionInfo{
         .name = "regularization.kind",
         .doc =

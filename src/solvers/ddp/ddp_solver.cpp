@@ -87,7 +87,7 @@ bool DdpSolver::start(const Trajectory& guess) {
   if (bad_knot < 0) return true;
   result.trajectory = guess;
   Evaluation at_guess(problem_);
-  acts_.evaluate(guess, at_guess);
+  evaluator_.evaluate(guess, at_guess);
   result.constraint_values = at_guess.constraint;
   result.failed_knot = bad_knot;
   result.failed_quantity = "cost or next state";

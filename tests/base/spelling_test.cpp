@@ -1,4 +1,4 @@
-#include "robot/near_names.hpp"
+#include "base/spelling.hpp"
 
 #include <gtest/gtest.h>
 
@@ -31,22 +31,22 @@ TEST(EditDistance, TakesCapitalsForSmallLetters) {
 
 TEST(NearNames, AreWithinAThirdOfTheLetters) {
   // Two letters: one edit; six: two; twelve: three, and no more of longer ones.
-  EXPECT_EQ(near_names("hp", {"hip", "hips"}), (Names{"hip"}));
-  EXPECT_EQ(near_names("ankles", {"anlke", "nkle", "ank"}), (Names{"anlke", "nkle"}));
-  EXPECT_EQ(near_names("abcdefghijkl", {"abcdefghi", "abcdefgh"}), (Names{"abcdefghi"}));
-  EXPECT_EQ(near_names("abcdefghijklmnopqr", {"abcdefghijklmno", "abcdefghijklmn"}),
+  EXPECT_EQ(similar_names("hp", {"hip", "hips"}), (Names{"hip"}));
+  EXPECT_EQ(similar_names("ankles", {"anlke", "nkle", "ank"}), (Names{"anlke", "nkle"}));
+  EXPECT_EQ(similar_names("abcdefghijkl", {"abcdefghi", "abcdefgh"}), (Names{"abcdefghi"}));
+  EXPECT_EQ(similar_names("abcdefghijklmnopqr", {"abcdefghijklmno", "abcdefghijklmn"}),
             (Names{"abcdefghijklmno"}));
 }
 
 TEST(NearNames, TheNearestThreeComeFirst) {
-  EXPECT_EQ(near_names("abcdef", {"abcd", "abcdxx", "abcde", "abcdf", "abcdefg"}),
+  EXPECT_EQ(similar_names("abcdef", {"abcd", "abcdxx", "abcde", "abcdf", "abcdefg"}),
             (Names{"abcde", "abcdefg", "abcdf"}));
 }
 
 TEST(NearNames, OfVeryLongOnesAreNotLookedFor) {
   const std::string longest(128, 'a'), longer(129, 'a');
-  EXPECT_EQ(near_names(longest, {longest, longer}), (Names{longest}));
-  EXPECT_EQ(near_names(longer, {longest, longer}), Names{});
+  EXPECT_EQ(similar_names(longest, {longest, longer}), (Names{longest}));
+  EXPECT_EQ(similar_names(longer, {longest, longer}), Names{});
 }
 
 }  // namespace
