@@ -17,8 +17,9 @@ initial_guess: {controls: {constant: 1.0e+300}}
 solver: {name: ilqr}
 )"});
   ASSERT_EQ(answer.result->status, SolveStatus::diverged);
-  ASSERT_EQ(answer.document["soft_constraints"].size(), 1u);
-  EXPECT_EQ(answer.document["soft_constraints"][0]["violation"], 0) << "the guess stands at 1";
+  ASSERT_FALSE(answer.document["soft_constraints"].empty());
+  for (const OrderedJson& constraint : answer.document["soft_constraints"])
+    EXPECT_EQ(constraint["violation"], 0) << "the guess stands at 1";
   EXPECT_EQ(failures(answer.judge(answer.document)), "");
 }
 

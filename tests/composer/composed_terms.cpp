@@ -1,0 +1,325 @@
+#include "composed_terms.hpp"
+
+#include "problem_file/spec/enum_names.hpp"
+
+namespace conddp {
+namespace {
+
+using enum ResidualKind;
+
+/// What cannot do without a reference.
+bool needs_reference(ResidualKind kind) {
+  return kind == kFramePosition || kind == kFrameRotation || kind == kFramePlacement ||
+         kind == kComPosition;
+}
+bool is_of_soles(ResidualKind kind) { return kind == kWrenchCone || kind == kCenterOfPressure; }
+bool has_urdf_limits(ResidualKind kind) {
+  return kind == kState || kind == kControl || kind == kJointPosition || kind == kJointVelocity;
+}
+/// Contacts of which a residual can be: cones need a normal of the world, pressures a sole.
+auto serves(ResidualKind kind) {
+  return [kind](const ComposedGrid::Contact& contact) {
+    if (is_of_soles(kind)) return contact.kind == ContactKind::surface;
+    return kind != kFrictionCone || !contact.local;
+  };
+}
+
+}  // namespace
+
+void add_softness(Softness softness, RandomNumbers& random, Entries& keys) {
+  if (softness == Softness::hard) return;
+  keys.push_back("soft: " + word_of(kSoftWords, softness));
+  keys.push_back("weight: " + number_text(between_powers(0.1, 100, random)));
+}
+
+bool TermComposer::can(const ResidualInfo& info, bool terminal) const {
+  if (info.needs_robot && !body_.robot) return false;
+  if (terminal && info.needs_control) return false;
+  if (info.takes_joints && body_.joints.empty()) return false;
+  if (info.of_shapes && body_.shapes.empty()) return false;
+  if (info.kind == kCycle) return grid_.choice;
+  if (info.kind == kControlRate) return !grid_.choice && !grid_.impulse && !body_.stepping;
+  if (info.kind == kCombination && body_.columns.empty()) return false;
+  if (!info.of_contacts) return true;
+  if (terminal)
+    return info.kind == kContactVelocity && !grid_.phases.empty() &&
+           !grid_.phases.back().held.empty();
+  return grid_.holds(serves(info.kind));
+}
+
+TermComposer::Selection TermComposer::select(const ResidualInfo& info, Entries& keys) {
+  Selection selection;
+  if (info.takes_columns && !body_.columns.empty() && random_.chance(0.5)) {
+    selection.names = pick_some(body_.columns, 3, random_);
+    keys.push_back("columns: " + flow_list(all_in_quotes(selection.names)));
+  }
+  if (info.takes_joints) {
+    selection.names = body_.joints;
+    if (random_.chance(0.5)) {
+      selection.names = pick_some(body_.joints, 3, random_);
+      keys.push_back("joints: " + flow_list(all_in_quotes(selection.names)));
+    }
+  }
+  if (info.kind == kControl) selection.names = body_.controls;
+  selection.rows = static_cast<int>(selection.names.size());
+  if (info.needs_frame) keys.push_back("frame: " + in_quotes(pick(body_.frames, random_)));
+  if (info.takes_axes && random_.chance(0.5))
+    keys.push_back("axes: " + pick_word(kAxesWords, random_));
+  if (info.of_shapes) {
+    const bool named = random_.chance(0.4);
+    keys.push_back("pairs: " + (named ? fmt::format("[[{}, {}]]", body_.shapes[0], body_.shapes[2])
+                                      : pick_word(kPairsWords, random_)));
+  }
+  if (info.of_contacts) {
+    const auto fits = serves(info.kind);
+    for (const ComposedGrid::Contact& contact : grid_.contacts)
+      if (fits(contact)) selection.contacts.push_back(contact.name);
+    if (selection.contacts.size() < grid_.contacts.size() || random_.chance(0.3))
+      keys.push_back("contacts: " + flow_list(selection.contacts));
+  }
+  if (info.kind == kCombination) {
+    Entries rows;
+    for (int i = random_.index(2); i >= 0; --i) {
+      Entries row;
+      for (const std::string& name : pick_some(body_.columns, 2, random_))
+        row.push_back(in_quotes(name) + ": " + number(2));
+      if (random_.chance(0.5)) row.push_back("constant: " + number(0.3));
+      rows.push_back(flow_map(row));
+    }
+    selection.rows = static_cast<int>(rows.size());
+    keys.push_back("rows: " + flow_list(rows));
+  }
+  if (info.kind == kCycle && !body_.columns.empty() && random_.chance(0.4))
+    keys.push_back(
+        fmt::format("offset: {{{}: {}}}", in_quotes(pick(body_.columns, random_)), number(0.3)));
+  return selection;
+}
+
+std::optional<std::string> TermComposer::reference_value(const ResidualInfo& info,
+                                                         const Selection& selection) {
+  const auto three = [&] { return flow_list(random_numbers(3, 0.6, random_)); };
+  switch (info.kind) {
+    case kState: {
+      if (!selection.names.empty()) return flow_list(random_numbers(selection.rows, 0.6, random_));
+      if (body_.columns.empty() || random_.chance(0.4)) return "initial";
+      Entries values;
+      for (const std::string& column : pick_some(body_.columns, 6, random_))
+        values.push_back(in_quotes(column) + ": " + number(0.8));
+      return fmt::format("{{values: {}}}", flow_map(values));
+    }
+    case kControl:
+    case kJointPosition:
+    case kJointVelocity:
+    case kJointAcceleration:
+      if (selection.rows == 0 || random_.chance(0.4)) return number(0.8);
+      return flow_list(random_numbers(selection.rows, 0.8, random_));
+    case kContactForce:
+    case kCentroidalMomentum:
+      return number(3);
+    case kFrameVelocity:
+      return fmt::format("{{linear: {}}}", three());
+    case kFramePosition:
+    case kComPosition:
+      return random_.chance(0.5) ? "initial" : three();
+    case kFrameRotation:
+      return random_.chance(0.5) ? "initial" : fmt::format("{{rpy: {}}}", three());
+    case kFramePlacement:
+      return random_.chance(0.5) ? "initial"
+                                 : fmt::format("{{position: {}, rpy: {}}}", three(), three());
+    default:
+      return "initial";
+  }
+}
+
+std::optional<std::string> TermComposer::reference(const ResidualInfo& info,
+                                                   const Selection& selection) {
+  if (!info.takes_reference) return std::nullopt;
+  if (!needs_reference(info.kind) && random_.chance(0.5)) return std::nullopt;
+  if (random_.chance(0.8) || grid_.duration == 0) return reference_value(info, selection);
+  const auto first = reference_value(info, selection), last = reference_value(info, selection);
+  return fmt::format("{{times: [0, {}], values: [{}, {}]}}", number_text(grid_.duration), *first,
+                     *last);
+}
+
+Entries TermComposer::running_knots(std::size_t most) {
+  Entries all;
+  for (const ComposedGrid::Phase& phase : grid_.phases)
+    for (int k = std::max(phase.first, 1); phase.takes_time && k < phase.first + phase.knots; ++k)
+      all.push_back(std::to_string(k));
+  return all.empty() ? all : pick_some(all, most, random_);
+}
+
+void TermComposer::add_places(const ResidualInfo& info, bool constraint, Entries& keys) {
+  // What no control of knot 0 moves cannot be asked for there.
+  if (random_.chance(constraint && !info.needs_control ? 0.8 : 0.15)) {
+    if (const Entries knots = running_knots(4); !knots.empty()) {
+      keys.push_back("knots: " + flow_list(knots));
+      return;
+    }
+  }
+  if (!random_.chance(0.2)) return;
+  Entries names;
+  for (const ComposedGrid::Phase& phase : grid_.phases)
+    if (phase.takes_time) names.push_back(phase.name);
+  if (names.empty()) return;
+  const std::string name = pick(names, random_);
+  if (grid_.impulse && !info.needs_control && !body_.curved && random_.chance(0.5))
+    keys.push_back(fmt::format("phases: [{}, hit]", name));
+  else
+    keys.push_back("phases: " + (random_.chance(0.3) ? in_quotes("part_*") : name));
+}
+
+void TermComposer::add_activation(const ResidualInfo& info, bool referred, Entries& keys) {
+  if (info.is_cone) return;
+  if (info.of_shapes && random_.chance(0.5)) {
+    keys.push_back("margin: " + number_text(random_.uniform(0, 0.2)));
+    return;
+  }
+  if (random_.chance(0.5)) return;
+  const auto& word = pick(kActivationWords, random_);
+  Entries own = {fmt::format("kind: {}", word.word)};
+  if (takes_bounds(word.value)) {
+    if (body_.robot && !referred && has_urdf_limits(info.kind) && random_.chance(0.4) &&
+        std::none_of(keys.begin(), keys.end(),
+                     [](const std::string& key) { return key.starts_with("columns"); }))
+      own.push_back("from: urdf");
+    else
+      own.push_back(fmt::format("lower: {}, upper: {}", number_text(-random_.uniform(0, 1)),
+                                number_text(random_.uniform(0, 1))));
+  } else if (!takes_epsilon(word.value) || random_.chance(0.5)) {
+    keys.push_back(fmt::format("activation: {}", word.word));
+    return;
+  } else {
+    own.push_back("epsilon: " + number_text(between_powers(1e-3, 1, random_)));
+  }
+  keys.push_back("activation: " + flow_map(own));
+}
+
+std::string TermComposer::cost(const ResidualInfo& info, bool terminal) {
+  Entries keys = {fmt::format("residual: {}", info.name)};
+  const Selection selection = select(info, keys);
+  const auto referred = reference(info, selection);
+  const bool limits_alone = !referred;
+  if (referred) keys.push_back("reference: " + *referred);
+  add_activation(info, !limits_alone, keys);
+  keys.push_back("weight: " + number_text(between_powers(1e-3, 1e3, random_)));
+  if (random_.chance(0.25)) {
+    const std::string weight = number_text(between_powers(0.1, 10, random_));
+    keys.push_back(
+        "weights: " +
+        (selection.names.empty() || random_.chance(0.3)
+             ? fmt::format("{{\"*\": {}}}", weight)
+             : fmt::format("{{{}: {}}}", in_quotes(pick(selection.names, random_)), weight)));
+  }
+  if (info.kind == kFrictionCone && random_.chance(0.6)) {
+    const auto& cone = pick(kConeWords, random_);
+    keys.push_back(fmt::format("cone: {}", cone.word));
+    if (!cone.value)
+      keys.push_back(
+          fmt::format("faces: {}, inner: {}", 3 + random_.index(6), random_.chance(0.5)));
+    keys.push_back("safety: 0.9");
+  }
+  if (!terminal) add_places(info, false, keys);
+  return flow_map(keys);
+}
+
+void TermComposer::add_set(const ResidualInfo& info, const Selection& selection, bool equality,
+                           Entries& keys) {
+  if (info.is_cone) {
+    if (info.kind == kFrictionCone && random_.chance(0.5)) keys.push_back("cone: second_order");
+    return;
+  }
+  const double size = between_powers(0.05, 10, random_);
+  const auto positive = [&] { return number_text(random_.uniform(0, size)); };
+  if (equality) {
+    if (info.of_shapes)
+      keys.push_back("equals: " + positive());
+    else if (!selection.names.empty() && random_.chance(0.5))
+      keys.push_back(fmt::format("equals: {{{}: {}}}", in_quotes(pick(selection.names, random_)),
+                                 number(0.2)));
+    else if (random_.chance(0.3))
+      keys.push_back("equals: " + number(0.2));
+    return;
+  }
+  switch (random_.index(5)) {
+    case 0:
+      keys.push_back(fmt::format("lower: -{}", positive()));
+      return;
+    case 1:
+      keys.push_back("at_most: " + positive());
+      if (random_.chance(0.2)) keys.push_back("at_least: 0");
+      return;
+    case 2:
+      if (!info.of_shapes && info.kind != kCycle && info.kind != kContactVelocity &&
+          (selection.rows >= 2 || info.needs_frame || info.kind == kContactForce)) {
+        keys.push_back("cone: second_order");
+        if (!info.of_contacts && random_.chance(0.5))
+          keys.push_back("slope: " + number_text(random_.uniform(0.2, 3)));
+        return;
+      }
+      [[fallthrough]];
+    case 3:
+      if (info.kind != kContactVelocity && random_.chance(0.5)) {
+        keys.push_back("at_least: " + number_text(0.1 * random_.uniform(0, size)));
+        return;
+      }
+      [[fallthrough]];
+    default:
+      keys.push_back(fmt::format("lower: -{}, upper: {}", positive(), positive()));
+  }
+}
+
+std::string TermComposer::constraint(const ResidualInfo& info, bool terminal, Softness softness,
+                                     const TakenConstraints& taken) {
+  Entries keys = {fmt::format("residual: {}", info.name)};
+  const Selection selection = select(info, keys);
+  const bool equality = softness == Softness::hard && (!taken.inequalities || random_.chance(0.3));
+  const bool point = info.kind == kFramePosition || info.kind == kComPosition ||
+                     (info.kind == kControl && selection.rows > 0) || info.kind == kJointPosition ||
+                     (info.kind == kState && !selection.names.empty());
+  if (point && !equality && random_.chance(0.25)) {
+    const std::size_t n = selection.rows > 0 ? selection.rows : 3;
+    keys.push_back(fmt::format("centers: [{}, {}]", flow_list(random_numbers(n, 1, random_)),
+                               flow_list(random_numbers(n, 1, random_))));
+    keys.push_back("at_least: " + number_text(random_.uniform(0.01, 0.3)));
+  } else {
+    if (const auto referred = reference(info, selection)) keys.push_back("reference: " + *referred);
+    add_set(info, selection, equality, keys);
+  }
+  add_softness(softness, random_, keys);
+  if (!terminal) add_places(info, true, keys);
+  return flow_map(keys);
+}
+
+bool TermComposer::can(BoundedQuantity quantity) const {
+  if (quantity == BoundedQuantity::kControl) return true;
+  if (quantity == BoundedQuantity::kState) return !body_.columns.empty();
+  return body_.kind == SystemKind::second_order &&
+         (quantity == BoundedQuantity::kVelocity ? body_.velocities : body_.positions);
+}
+
+bool TermComposer::has_limits(BoundedQuantity quantity) const {
+  if (quantity == BoundedQuantity::kControl) return body_.robot;
+  const bool positions = quantity != BoundedQuantity::kVelocity;
+  const bool velocities = quantity != BoundedQuantity::kConfiguration;
+  return (positions && body_.limited_positions) || (velocities && body_.limited_velocities);
+}
+
+std::string TermComposer::bounds(BoundedQuantity quantity, Softness softness) {
+  Entries keys = {"bounds: " + word_of(kBoundedWords, quantity)};
+  const bool urdf = has_limits(quantity) && random_.chance(0.3);
+  const double size = between_powers(quantity == BoundedQuantity::kControl ? 0.5 : 2, 50, random_);
+  if (urdf) {
+    keys.push_back("from: urdf");
+    if (random_.chance(0.4)) keys.push_back("scale: " + number_text(random_.uniform(1, 2)));
+  } else {
+    if (random_.chance(0.8)) keys.push_back("lower: " + number_text(-size));
+    if (keys.size() == 1 || random_.chance(0.8)) keys.push_back("upper: " + number_text(size));
+  }
+  add_softness(softness, random_, keys);
+  if (!grid_.phases.empty() && random_.chance(0.2))
+    keys.push_back("phases: " + in_quotes("part_*"));
+  return flow_map(keys);
+}
+
+}  // namespace conddp

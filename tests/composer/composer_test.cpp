@@ -1,0 +1,211 @@
+// Seeded random problems, each taken through everything that `conddp solve` and `conddp verify` do.
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <iostream>
+#include <map>
+#include <regex>
+
+#include <gtest/gtest.h>
+
+#include "base/solution_members.hpp"
+#include "composed_body.hpp"
+#include "composed_problem.hpp"
+#include "coverage.hpp"
+#include "output/report/certificate_report.hpp"
+#include "output/report/solution_certificate.hpp"
+#include "output/solution/solution_json.hpp"
+#include "problem_file/build/homotopy.hpp"
+#include "problem_file/expand/expand_problem.hpp"
+#include "problem_file/read/read_problem.hpp"
+#include "support/sizes.hpp"
+
+namespace conddp {
+namespace {
+
+/// What one run of the test is about.
+struct SeedRange {
+  std::uint64_t first = 0;
+  int count = kSmallSizes ? 20 : kDefaultCount;
+  static constexpr int kDefaultCount = 300;
+
+  /// CONDDP_COMPOSED=COUNT or COUNT:FIRST says otherwise.
+  static SeedRange from_environment() {
+    SeedRange range;
+    const char* asked = std::getenv("CONDDP_COMPOSED");
+    if (asked == nullptr) return range;
+    char* end = nullptr;
+    range.count = static_cast<int>(std::strtol(asked, &end, 10));
+    if (*end == ':') range.first = std::strtoull(end + 1, nullptr, 10);
+    return range;
+  }
+};
+
+struct ReadProblem {
+  Diagnostics diagnostics;
+  std::optional<ProblemSpec> spec;
+  std::optional<BuiltProblem> built;
+  std::vector<const SolverInfo*> candidates;
+};
+
+/// As `conddp solve` reads it; without candidates it is refused.
+std::unique_ptr<ReadProblem> read_composed(const std::string& text,
+                                           const std::vector<std::string>& drop) {
+  auto read = std::make_unique<ReadProblem>();
+  const auto file = std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/composed.yaml";
+  read->spec = read_problem_text(text, file, {}, read->diagnostics);
+  if (read->spec) read->built = build_problem(*read->spec, {.drop = drop}, read->diagnostics);
+  if (read->built)
+    read->candidates = usable_solvers(*read->spec, *read->built->problem, read->diagnostics);
+  return read;
+}
+
+/// A refusal says where and why.
+void expect_clear_refusal(const ReadProblem& read) {
+  EXPECT_TRUE(read.diagnostics.has_errors()) << "refused without an error";
+  for (const Diagnostic& d : read.diagnostics.list()) {
+    if (d.severity != Severity::kError) continue;
+    EXPECT_GT(d.line, 0) << d.message;
+    EXPECT_GT(d.column, 0) << d.message;
+    EXPECT_FALSE(d.path.empty()) << d.message;
+    EXPECT_GT(d.message.size(), 10u);
+  }
+}
+
+/// What is common to messages about different names and numbers.
+std::string kind_of_refusal(const ReadProblem& read) {
+  for (const Diagnostic& d : read.diagnostics.list())
+    if (d.severity == Severity::kError)
+      return std::regex_replace(std::regex_replace(d.message, std::regex("'[^']*'"), "'...'"),
+                                std::regex("-?[0-9][0-9.e+-]*"), "#");
+  return "no message";
+}
+
+/// The file with every default is the same problem.
+void expect_expansion_to_be_the_same(const ReadProblem& read, const ComposedProblem& problem) {
+  const std::string text = expanded_text(*read.spec, *read.built);
+  const auto again = read_composed(text, problem.drop);
+  ASSERT_TRUE(again->built) << format_diagnostics(again->diagnostics, false) << text;
+  EXPECT_EQ(expanded_text(*again->spec, *again->built), text);
+}
+
+/// The checks that do not hold, one a line.
+std::string failures_of(const SolutionCertificate& certificate) {
+  std::string lines;
+  for (const Check& check : certificate.checks.checks)
+    if (!check.holds)
+      lines += fmt::format("{}: claimed {}, found {}, tolerance {} {} {}\n", check.name,
+                           check.claimed, check.found, check.tolerance, check.place, check.message);
+  return lines;
+}
+
+bool all_finite(const Trajectory& trajectory) {
+  for (int k = 0; k <= trajectory.knots(); ++k) {
+    if (!trajectory.x(k).allFinite()) return false;
+    if (k < trajectory.knots() && !trajectory.u(k).allFinite()) return false;
+  }
+  return true;
+}
+
+void expect_to_be_stated(const SolveResult& result, const SolverOptions& options) {
+  EXPECT_LE(static_cast<int>(result.status), 0);
+  EXPECT_NE(result.status, SolveStatus::time_limit);
+  EXPECT_NE(result.status, SolveStatus::interrupted);
+  EXPECT_FALSE(result.message.empty()) << to_string(result.status);
+  EXPECT_TRUE(all_finite(result.trajectory)) << "the last iterate that was finite";
+  if (result.status != SolveStatus::converged) return;
+  EXPECT_TRUE(std::isfinite(result.cost));
+  EXPECT_LE(result.residuals.stationarity, options.tolerances.stationarity);
+  EXPECT_LE(result.residuals.gap, options.tolerances.gap);
+  EXPECT_LE(result.residuals.constraint, options.tolerances.constraint);
+}
+
+/// The document with its certificate, and both as `verify` finds them in the files.
+void expect_to_be_certified(const ReadProblem& read, const ComposedProblem& problem,
+                            const SolverInfo& used, const SolveResult& result) {
+  OrderedJson document = solution_json({*read.spec, *read.built, used, result, {}});
+  const SolutionCertificate certificate =
+      certify_solution(document, *read.spec, *read.built, false);
+  const bool converged = result.status == SolveStatus::converged;
+  EXPECT_TRUE(!converged || certificate.checks.computable());
+  if (!certificate.checks.computable()) return;
+  EXPECT_EQ(failures_of(certificate), "");
+  add_certificate(certificate_json(certificate), document);
+  const std::string text = json_text(document);
+  const OrderedJson written = OrderedJson::parse(text);
+  EXPECT_EQ(json_text(written), text);
+  const auto again = read_composed(problem.text, problem.drop);
+  EXPECT_EQ(failures_of(certify_solution(written, *again->spec, *again->built, true)), "");
+}
+
+/// What came of a problem: a status, or why it was refused.
+struct Ending {
+  bool refused = false;
+  std::string words;
+  double seconds = 0;
+};
+
+Ending run(const ComposedProblem& problem, Coverage& coverage) {
+  const auto read = read_composed(problem.text, problem.drop);
+  if (read->candidates.empty()) {
+    expect_clear_refusal(*read);
+    return {.refused = true, .words = kind_of_refusal(*read)};
+  }
+  expect_expansion_to_be_the_same(*read, problem);
+  SolverOptions options = read->spec->solver.options;
+  options.homotopy = homotopy_path(*read->built);
+  options.multipliers = read->built->multipliers;
+  const SolverInfo* used = nullptr;
+  const SolveResult result =
+      solve(*read->built->problem, read->candidates, options, read->built->guess, used);
+  if (used == nullptr) throw std::logic_error("a solve names no solver");
+  expect_to_be_stated(result, options);
+  expect_to_be_certified(*read, problem, *used, result);
+  coverage.add(problem.body, *read->spec, *read->built, *used);
+  return {.words = fmt::format("{}", to_string(result.status))};
+}
+
+/// What happened, and how often; the slowest seeds, for runs by hand.
+void print(const std::map<std::string, int>& endings, std::multimap<double, std::uint64_t>& times) {
+  for (const auto& [words, count] : endings) std::cout << fmt::format("{:6} {}\n", count, words);
+  while (times.size() > 5) times.erase(times.begin());
+  for (const auto& [seconds, seed] : times)
+    std::cout << fmt::format("{:6.1f} s: seed {}\n", seconds, seed);
+}
+
+TEST(Composer, EveryProblemEndsWithAStatusAndACertificateOrAReason) {
+  std::vector<std::string> bodies;
+  for (const ComposedBody& body : composed_bodies()) bodies.push_back(body.name);
+  Coverage coverage(bodies);
+  const SeedRange range = SeedRange::from_environment();
+  std::map<std::string, int> endings;
+  std::multimap<double, std::uint64_t> times;
+  int refused = 0;
+  for (int i = 0; i < range.count; ++i) {
+    const std::uint64_t seed = range.first + static_cast<std::uint64_t>(i);
+    const ComposedProblem problem = compose_problem(seed);
+    SCOPED_TRACE(fmt::format("seed {}{}{}:\n{}", seed, problem.drop.empty() ? "" : ", --drop ",
+                             fmt::join(problem.drop, ""), problem.text));
+    if (range.count == 1) std::cout << problem.text << std::flush;
+
+    const auto began = std::chrono::steady_clock::now();
+    try {
+      const Ending ending = run(problem, coverage);
+      ++endings[(ending.refused ? "refused: " : "") + ending.words];
+      refused += ending.refused ? 1 : 0;
+    } catch (const MalformedSolution& malformed) {
+      ADD_FAILURE() << "a malformed solution: " << malformed.message;
+    } catch (const std::exception& exception) {
+      ADD_FAILURE() << "an exception: " << exception.what();
+    }
+    const std::chrono::duration<double> gone = std::chrono::steady_clock::now() - began;
+    times.emplace(gone.count(), seed);
+  }
+  print(endings, times);
+  if (range.count < SeedRange::kDefaultCount) return;
+  EXPECT_LT(refused, 0.2 * range.count) << "refused compositions test the reader alone";
+  EXPECT_EQ(coverage.missing(), "");
+}
+
+}  // namespace
+}  // namespace conddp

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "problem_file/build/build_problem.hpp"
+
+namespace conddp {
+
+/// How often each part that a problem can have stood in one that was solved.
+class Coverage {
+ public:
+  /// Every part, from the tables of the reader and the registry of solvers.
+  explicit Coverage(const std::vector<std::string>& bodies);
+  void add(const std::string& body, const ProblemSpec& spec, const BuiltProblem& built,
+           const SolverInfo& used);
+  /// Those that stood in none, one a line.
+  std::string missing() const;
+
+ private:
+  void count(const std::string& kind, std::string_view name);
+  std::map<std::string, int> counts_;
+};
+
+}  // namespace conddp
