@@ -150,7 +150,7 @@ TEST_F(ReportCommand, WhatBenchMeasuredOfTheSameProblemsIsInThePage) {
     EXPECT_NE(p.err.find(why), std::string::npos) << p.err;
     EXPECT_FALSE(std::filesystem::exists(folder_.path() / "bad.html"));
   };
-  refused(nlohmann::json::parse(read_file(solution)), "no benchmark of conddp");
+  refused(nlohmann::json::parse(read_file(solution)), "not a benchmark of conddp");
   nlohmann::json bad = good;
   bad["runs"] = 7;
   refused(bad, "'runs' is not a list");
