@@ -103,7 +103,7 @@ Deviation compare(const ShootingProblem& problem, const SolutionClaims& claims,
         J.cwiseAbs().transpose() * (v.cwiseAbs() + V.cwiseAbs() * gap.col(k).cwiseAbs());
     const double step_tolerance =
         nu > 0 ? tolerance * move +
-                     kRounding * terms.maxCoeff() / factors.vectorD().cwiseAbs().minCoeff()
+                     kGainRounding * terms.maxCoeff() / factors.vectorD().cwiseAbs().minCoeff()
                : 1;
     for (int i = 0; i < nu; ++i) {
       out.feedforward.meet(std::abs(d[i] - claims.feedforward[k][i]) / step_tolerance,
