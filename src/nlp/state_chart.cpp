@@ -87,7 +87,7 @@ void StateChart::push_transposed(Eigen::Ref<Eigen::VectorXd> v) const {
 }
 
 // The gradient by coordinates is Rᵀ g; what its derivative has besides Rᵀ (∂g) is (∂R)ᵀ g.
-// Evaluator give the symmetric part of ∂g, so the symmetric part belongs here, too.
+// An evaluator gives the symmetric part of ∂g, so the symmetric part belongs here, too.
 void StateChart::add_curvature(const Eigen::Ref<const Eigen::VectorXd>& g,
                                Eigen::Ref<Eigen::MatrixXd> H) {
   for (std::size_t i = 0; i < manifold_.curved().size(); ++i) {

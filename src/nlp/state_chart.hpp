@@ -13,9 +13,9 @@ namespace conddp {
 /// the centre is zero, so that their coordinates are the state itself; curved parts have
 /// exponential coordinates, good for rotations by less than π.
 ///
-/// Tangent vectors at a state, in which the acts give all derivatives, follow from coordinates by
-/// δx = R δw, with a block per curved segment that is the right Jacobian of exp, and the identity
-/// on flat parts.
+/// Tangent vectors at a state, in which an evaluator gives all derivatives, follow from coordinates
+/// by δx = R δw, with a block per curved segment that is the right Jacobian of exp, and the
+/// identity on flat parts.
 class StateChart {
  public:
   using Matrix6 = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;

@@ -45,7 +45,7 @@ void Transcription::hessian(double weight, const double* multipliers, double* ou
   }
   if (!gauss_newton_) {
     exact_in_place_ = true;
-    // Evaluator have the cost with weight one.
+    // The evaluator has the cost with weight one.
     if (weight == 0) weight = kNoWeight;
     lagrangian_.multiplier /= weight;
     costates_ /= weight;

@@ -45,9 +45,9 @@ struct SingleRollout {
   int first_bad_knot = -1;  ///< as in LaneRollout
 };
 
-/// The few acts that cross from a problem to the solvers. Owns all workspaces: after construction
-/// (and reserve_lagrangian_hessian, for that one) no act allocates. Knots of one structure share
-/// lanes, from whichever phases. Results do not depend on the number of threads.
+/// The few functions through which solvers evaluate a problem. Owns all workspaces: after
+/// construction (and reserve_lagrangian_hessian, for that one) none of them allocates. Knots of one
+/// structure share lanes, from whichever phases. Results do not depend on the number of threads.
 class Evaluator {
  public:
   explicit Evaluator(const ShootingProblem& problem, int threads = 1);

@@ -6,7 +6,7 @@
 
 namespace conddp {
 
-/// What the acts add to the cost for the constraints, a number each per constraint row of the
+/// What an evaluation adds to the cost for the constraints, a number each per constraint row of the
 /// problem (ShootingProblem::constraint_offset). With values g in sets C it is
 ///   Σ ½ penalty · dist²(g + shift, C) + Σ multiplierᵀ g;
 /// its derivative by g are the multipliers ν = penalty · (g + shift − Π_C(g + shift)) + multiplier.

@@ -17,7 +17,7 @@ double violation(const NodeConstraint& c, const double* g);
 double complementarity(const NodeConstraint& c, const double* g, const double* multipliers);
 
 /// What all constraints that are soft by their distance cost, from the values of all rows. Those by
-/// a square are among the costs of the acts.
+/// a square are among the costs of an evaluation.
 double linear_soft_cost(const ShootingProblem& problem, const Eigen::VectorXd& values);
 
 }  // namespace conddp

@@ -22,9 +22,8 @@ enum class SolveStatus {
   time_limit = -6,
   /// The caller asked to stop.
   interrupted = -7,
-  /// Feasible, and the cost falls by no more than the caller asked for
-  /// (`tolerances.cost_decrease`),
-  /// while the stationarity is above its tolerance.
+  /// Feasible, and the cost falls no faster than `tolerances.cost_decrease`, while the stationarity
+  /// is above its tolerance.
   cost_settled = 1,
 };
 

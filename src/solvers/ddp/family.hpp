@@ -11,7 +11,6 @@ namespace conddp {
 struct DdpMember {
   std::string_view name;
   std::string_view description;  ///< one line
-  std::string_view source;       ///< the paper
   DdpRecipe recipe;
 };
 

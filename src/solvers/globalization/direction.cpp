@@ -198,7 +198,7 @@ void Direction::forget_steps() {
 
 void Direction::reset() {
   forget_steps();
-  sweep_.use_legs(true);
+  sweep_.use_segments(true);
   models_costs_ = true;
   sweeps_ = 0;
   if (constraints_) constraints_->reset();

@@ -32,7 +32,7 @@ class Direction {
   /// From here to the next reset() gains are those of the iterate itself: sweeps go from end to
   /// start, and costs are modelled at the iterate alone.
   void stay_at_iterate() {
-    sweep_.use_legs(false);
+    sweep_.use_segments(false);
     models_costs_ = false;
   }
   /// Fills feedback() around an iterate and rolls it out through the linear model. Returns the knot

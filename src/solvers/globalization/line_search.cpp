@@ -7,8 +7,6 @@
 namespace conddp {
 namespace {
 
-/// How many times its estimated rounding a merit has to change for Armijo's rule to see it.
-constexpr double kVisible = 10;
 /// Down to this length an acceptable step gives way to its half if that lowers the merit more.
 constexpr double kShortestCompared = 0.125;
 /// Share of the first-order decrease from which on half a step lowers a parabola less.
@@ -19,8 +17,6 @@ double actual_decrease(double cost, double step, const MeritModel& merit) {
 }
 
 }  // namespace
-
-bool MeritModel::hidden(double change) const { return std::abs(change) <= kVisible * rounding; }
 
 LineSearch::LineSearch(const ShootingProblem& problem, const SolverOptions::LineSearch& options)
     : options_(options),

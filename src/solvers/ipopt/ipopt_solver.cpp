@@ -29,6 +29,13 @@ double seconds_since(std::chrono::steady_clock::time_point began) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
 }
 
+/// Whether all residuals of an iterate but its stationarity are under tolerance.
+template <class Iterate>
+bool is_feasible(const Iterate& at, const SolverOptions::Tolerances& tolerances) {
+  return at.gap <= tolerances.gap && at.constraint <= tolerances.constraint &&
+         at.complementarity <= tolerances.complementarity;
+}
+
 bool wants_limited_memory(const IpoptOptions& options) {
   return std::any_of(options.begin(), options.end(), [](const auto& option) {
     const auto* text = std::get_if<std::string>(&option.second);
@@ -243,10 +250,8 @@ bool IpoptSolver::note(const InteriorPointIterate& iterate) {
 /// Whether Ipopt's iterate is feasible, and the caller asked for no more of the cost. With relaxed
 /// pairs the cost is that of another problem.
 bool IpoptSolver::cost_settled() const {
-  const auto& tolerances = options_.tolerances;
-  return cost_has_settled(result_.log, tolerances.cost_decrease) && !transcription_->has_pairs() &&
-         row_.gap <= tolerances.gap && row_.constraint <= tolerances.constraint &&
-         row_.complementarity <= tolerances.complementarity;
+  return cost_has_settled(result_.log, options_.tolerances.cost_decrease) &&
+         !transcription_->has_pairs() && is_feasible(row_, options_.tolerances);
 }
 
 /// Logs the iterate of Newton's method.
@@ -326,11 +331,7 @@ void IpoptSolver::set_status(const InteriorPointAnswer& answer) {
   };
   if (choice_.is_solution())
     return end(SolveStatus::converged, "all residuals are under tolerance");
-  const Residuals& left = result_.residuals;
-  const auto& tolerances = options_.tolerances;
-  if (stop_ == Stop::cost_settled && left.gap <= tolerances.gap &&
-      left.constraint <= tolerances.constraint &&
-      left.complementarity <= tolerances.complementarity)
+  if (stop_ == Stop::cost_settled && is_feasible(result_.residuals, options_.tolerances))
     return end(SolveStatus::cost_settled, "the cost has settled");
   if (stop_ == Stop::interrupted) return end(SolveStatus::interrupted, "interrupted");
   if (stop_ == Stop::time_limit) return end(SolveStatus::time_limit, "the time is up");

@@ -40,7 +40,7 @@ class BackwardSweep {
   const Eigen::MatrixXd& Quu(int k) const { return Quu_[k]; }
 
   /// Whether sweeps may go by segments, where there are several.
-  void use_legs(bool use) { use_segments_ = use; }
+  void use_segments(bool use) { use_segments_ = use; }
 
  private:
   const ControlBounds& bounds_;
