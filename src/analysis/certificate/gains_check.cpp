@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Cholesky>
 #include <fmt/format.h>
 
 #include "analysis/certificate/feasibility.hpp"
@@ -16,12 +15,14 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Two sweeps differ by what Q_uu's condition makes of the rounding of derivatives, which may be
-/// all of the gains where no cost sees a control: relative tolerance of gains, and the share of
-/// |J|ᵀ|V||J| that rounding is where that cancels.
-constexpr double kGainTolerance = 1e-6, kGainRounding = 1e-15;
+/// Of the equations of the gains, relative to their terms; and what rounding leaves of sums over
+/// |J|ᵀ|V||J|, of derivatives of contacts as badly conditioned as they may be.
+constexpr double kGainTolerance = 1e-6, kGainRounding = 1e-13;
+/// Of feedforward terms: relative to controls, or absolute.
+constexpr double kLeastMove = 1e-3;
 
-/// How far the answer's gains are from those of a sweep with these Hessians, in tolerances.
+/// How far the answer's gains are from solving the equations of a sweep with these Hessians, in
+/// tolerances.
 struct Deviation {
   Worst feedback, feedforward;
 };
@@ -52,74 +53,72 @@ Deviation compare(const ShootingProblem& problem, const SolutionClaims& claims,
   MatrixXd V = model.knots[N].hessian();
   V.diagonal().array() += model_weight;
   VectorXd v = derivatives[N].cost;
-  // What rounding may have made of V, carried along the policy as V itself is.
-  MatrixXd error = MatrixXd::Zero(ndx, ndx);
+  // What rounding may have made of V and v, carried along the policy as they are.
+  MatrixXd V_error = MatrixXd::Zero(ndx, ndx);
+  VectorXd v_error = VectorXd::Zero(ndx);
   Deviation out;
   for (int k = N - 1; k >= 0; --k) {
     const MatrixXd& J = derivatives[k].step;
     const int nu = problem.nu(k);
+    const MatrixXd& K = claims.gains[k];
+    const VectorXd& d = claims.feedforward[k];
+    const auto J_u = J.rightCols(nu);
+    const MatrixXd closed_loop = J.leftCols(ndx) + J_u * K;
+    const VectorXd move = gap.col(k) + J_u * d;
     MatrixXd Q = model.knots[k].hessian() + J.transpose() * V * J;
     Q.diagonal().array() += model_weight;
-    const double summands =
-        (J.cwiseAbs().transpose() * V.cwiseAbs() * J.cwiseAbs()).eval().maxCoeff();
     const VectorXd q = derivatives[k].cost + J.transpose() * (v + V * gap.col(k));
-    const std::vector<bool> held = held_controls(problem, claims, k);
-    MatrixXd Quu = Q.bottomRightCorner(nu, nu);
-    Quu.diagonal().array() += claims.gain_regularization - model_weight;
-    MatrixXd right = -Q.bottomLeftCorner(nu, ndx);
-    VectorXd step = -q.tail(nu);
-    VectorXd fixed = VectorXd::Zero(nu);
-    for (int i = 0; i < nu; ++i)
-      if (held[i]) fixed[i] = claims.feedforward[k][i];
-    step -= Quu * fixed;
-    for (int i = 0; i < nu; ++i) {
-      if (!held[i]) continue;
-      Quu.row(i).setZero();
-      Quu.col(i).setZero();
-      Quu(i, i) = 1;
-      right.row(i).setZero();
-      step[i] = 0;
-    }
-    const Eigen::LDLT<MatrixXd> factors(Quu);
-    const MatrixXd K = factors.solve(right);
-    const VectorXd d = factors.solve(step) + fixed;
-    const double size = nu > 0 ? std::max(1e-6, K.cwiseAbs().maxCoeff()) : 1;
-    const MatrixXd J_u = J.rightCols(nu), closed_loop = J.leftCols(ndx) + J_u * K;
-    const MatrixXd carried = error * closed_loop;
-    const double rounding =
-        nu > 0 ? (kGainRounding * summands + (J_u.transpose() * carried).cwiseAbs().maxCoeff()) /
-                     factors.vectorD().cwiseAbs().minCoeff()
-               : 0;
-    error = closed_loop.transpose() * carried;
-    error.diagonal().array() += kGainRounding * summands;
-    const double tolerance = std::max(rounding / size, kGainTolerance);
-    const double move =
-        nu > 0 ? std::max(1e-3 * claims.trajectory.u(k).lpNorm<Eigen::Infinity>() + 1e-3,
-                          d.lpNorm<Eigen::Infinity>())
-               : 1;
-    // Near an optimum q is what is left of terms that cancel.
-    const VectorXd terms =
-        derivatives[k].cost.cwiseAbs() +
-        J.cwiseAbs().transpose() * (v.cwiseAbs() + V.cwiseAbs() * gap.col(k).cwiseAbs());
-    const double step_tolerance =
-        nu > 0 ? tolerance * move +
-                     kGainRounding * terms.maxCoeff() / factors.vectorD().cwiseAbs().minCoeff()
-               : 1;
-    for (int i = 0; i < nu; ++i) {
-      out.feedforward.meet(std::abs(d[i] - claims.feedforward[k][i]) / step_tolerance,
-                           step_tolerance, k, i);
-      for (int j = 0; j < ndx; ++j)
-        out.feedback.meet(std::abs(K(i, j) - claims.gains[k](i, j)) / (tolerance * size),
-                          tolerance * size, k, i);
-    }
     const auto Qux = Q.bottomLeftCorner(nu, ndx);
     const auto unregularised = Q.bottomRightCorner(nu, nu);
+    MatrixXd Quu = unregularised;
+    Quu.diagonal().array() += claims.gain_regularization - model_weight;
+    const MatrixXd left = Quu * K + Qux;
+    const VectorXd step_left = Quu * d + q.tail(nu);
+
+    const MatrixXd J_size = J.cwiseAbs(), V_size = V.cwiseAbs();
+    const MatrixXd Q_size =
+        J_size.transpose() * V_size * J_size + model.knots[k].hessian().cwiseAbs();
+    const VectorXd q_size = derivatives[k].cost.cwiseAbs() +
+                            J_size.transpose() * (v.cwiseAbs() + V_size * gap.col(k).cwiseAbs());
+    const MatrixXd carried = V_error * closed_loop;
+    if (nu > 0) {
+      const double K_largest = std::max(1.0, K.cwiseAbs().maxCoeff());
+      const double d_largest = d.lpNorm<Eigen::Infinity>();
+      const double step =
+          std::max(kLeastMove * (1 + claims.trajectory.u(k).lpNorm<Eigen::Infinity>()), d_largest);
+      const MatrixXd terms = Quu.cwiseAbs() * K.cwiseAbs() + Qux.cwiseAbs();
+      const MatrixXd J_carried = J_u.transpose() * carried;
+      const VectorXd step_carried =
+          J_u.transpose().cwiseAbs() * v_error + (J_u.transpose() * V_error * move).cwiseAbs();
+      const std::vector<bool> held = held_controls(problem, claims, k);
+      for (int i = 0; i < nu; ++i) {
+        if (held[i]) continue;
+        const double rounding = kGainRounding * Q_size.row(ndx + i).maxCoeff();
+        const double tolerance =
+            kGainTolerance * std::max(terms.row(i).maxCoeff(), kGainTolerance * Quu(i, i)) +
+            rounding * K_largest + J_carried.row(i).cwiseAbs().maxCoeff();
+        out.feedback.meet(left.row(i).lpNorm<Eigen::Infinity>() / tolerance, tolerance, k, i);
+        const double step_tolerance = kGainTolerance * Quu.row(i).lpNorm<1>() * step +
+                                      kGainRounding * q_size[ndx + i] + rounding * d_largest +
+                                      step_carried[i];
+        out.feedforward.meet(std::abs(step_left[i]) / step_tolerance, step_tolerance, k, i);
+      }
+    }
     v = (q.head(ndx) + K.transpose() * (unregularised * d + q.tail(nu)) + Qux.transpose() * d)
             .eval();
     V = (Q.topLeftCorner(ndx, ndx) + K.transpose() * unregularised * K + K.transpose() * Qux +
          Qux.transpose() * K)
             .eval();
     V = (0.5 * (V + V.transpose())).eval();
+    const MatrixXd K_size = K.cwiseAbs();
+    const double V_terms = (Q_size.topLeftCorner(ndx, ndx) +
+                            K_size.transpose() * Q_size.bottomRightCorner(nu, nu) * K_size)
+                               .maxCoeff();
+    const VectorXd v_terms = q_size.head(ndx) + K_size.transpose() * q_size.tail(nu);
+    v_error = (closed_loop.cwiseAbs2().transpose() * v_error.cwiseAbs2()).cwiseSqrt() +
+              (closed_loop.transpose() * V_error * move).cwiseAbs() + kGainRounding * v_terms;
+    V_error = closed_loop.transpose() * carried;
+    V_error.diagonal().array() += kGainRounding * V_terms;
   }
   return out;
 }
@@ -128,8 +127,9 @@ Check check_of(const char* name, const ShootingProblem& problem, const Worst& wo
   Check check{name, worst.value <= 1};
   if (check.holds) return check;
   check.place = place_text(problem, worst.knot, control_name(problem, worst.knot, worst.entry));
-  check.message = fmt::format("off by {:.2g} from a sweep at the trajectory, tolerance {:.1g}",
-                              worst.value * worst.size, worst.size);
+  check.message =
+      fmt::format("the equation of a sweep at the trajectory is off by {:.2g}, tolerance {:.1g}",
+                  worst.value * worst.size, worst.size);
   return check;
 }
 
