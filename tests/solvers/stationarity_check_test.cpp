@@ -80,12 +80,41 @@ TEST(StationarityCheck, MotionsThatAmplifyTooMuchSayNothing) {
   EXPECT_EQ(amplified.check.goal(), 1e-6);
 }
 
+/// λ_0 is K s along the gain of the only knot and 0 without it; the gradients are the same.
+struct CarriedAway : Checked {
+  explicit CarriedAway(double K) : Checked(sum_of_controls(1), false) {
+    iterate.linearization.knots[0].gradient << 0, 4e-7;
+    iterate.linearization.knots[1].gradient << 0;
+    Feedback feedback(problem);
+    feedback.K[0](0, 0) = K;
+    iterate.adjoint.compute(iterate.linearization, iterate.trajectory, iterate.gaps, feedback);
+  }
+};
+
+TEST(StationarityCheck, CostatesThatGainsCarryAwayAskForASmallerGradient) {
+  CarriedAway near(1200), far(2500);  // 4.8e-4, 1e-3; 5e-4 is allowed
+  EXPECT_TRUE(near.check.confirm(near.iterate, nullptr));
+  EXPECT_EQ(near.check.goal(), 1e-6);
+  EXPECT_FALSE(far.check.confirm(far.iterate, nullptr));
+  EXPECT_NEAR(far.check.goal(), 1e-7, 1e-20);
+}
+
+TEST(StationarityCheck, WhereTheyAreApartTheCostatesAlongOtherGainsAreBetter) {
+  CarriedAway near(1200), far(2500);
+  EXPECT_EQ(near.check.better(near.iterate, nullptr), nullptr);
+  const Adjoint* better = far.check.better(far.iterate, nullptr);
+  ASSERT_NE(better, nullptr);
+  EXPECT_EQ(better->costates()(0, 0), 0);
+  HiddenByGains hidden(4e-7, 1e4);  // 4e-3 without gains
+  EXPECT_EQ(hidden.check.better(hidden.iterate, nullptr), nullptr);
+}
+
 /// One knot with a constraint at its end: x = (1, 1), u = 0, ∇_u L = 1 + ν whatever the gains.
 struct ConstrainedEnd : Checked {
   ConstrainedEnd()
       : Checked(with_constraints(sum_of_controls(1), {goal_constraint(sum_of_controls(1), {1})}),
                 true) {
-    iterate.linearization.knots[0].gradient << 0, 0;
+    iterate.linearization.knots[0].gradient << 1, 0;
     iterate.linearization.knots[1].gradient << 4e-7;  // of the augmented Lagrangian
     iterate.adjoint.compute(iterate.linearization, iterate.trajectory, iterate.gaps,
                             Feedback(problem));

@@ -211,6 +211,7 @@ void DdpSolver::finish() {
   const IterationRecord& row = record_.row;
   iterate_.describe(record_.row);
   outer_->measure(iterate_, record_.row);
+  replace_costates();
   Residuals& residuals = result.residuals;
   residuals.stationarity = row.stationarity;
   residuals.stationarity_knot = row.stationarity_knot;
@@ -221,7 +222,7 @@ void DdpSolver::finish() {
   residuals.complementarity = row.complementarity;
   result.constraint_values = iterate_.linearization.constraint;
   if (constrained_) result.constraint_multipliers = *outer_->multipliers();
-  if (record_.log_is_stale) end_log();
+  end_log();
   confirm_status();
   name_contradiction();
   result.costates = iterate_.adjoint.costates();
@@ -233,15 +234,36 @@ void DdpSolver::finish() {
   find_gains();
 }
 
-/// Makes the last row of the log that of the answer, where it was of a step that does not stand or
-/// of other gains.
+/// Where stiff gains have carried the co-states of a stationary answer away, the answer's are those
+/// along other gains.
+void DdpSolver::replace_costates() {
+  if (recipe_.least_violation || globalization_.keeps_equalities() ||
+      !outer_->solved(record_.row, options_.tolerances, options_.tolerances.stationarity))
+    return;
+  const Adjoint* better = check_.better(iterate_, outer_->multipliers());
+  if (better == nullptr) return;
+  iterate_.adjoint = *better;
+  iterate_.describe(record_.row);
+  outer_->measure(iterate_, record_.row);
+  record_.log_is_stale = true;
+}
+
+/// Makes the last row of the log that of the answer: where it was of a step that does not stand,
+/// and where a sweep without a step has changed the gains.
 void DdpSolver::end_log() {
-  IterationRecord row = record_.row;
-  row.cost = record_.result.cost;
-  row.step = row.expected_decrease = row.actual_decrease = 0;
-  row.trials = row.sweeps = 0;
-  row.time_s = record_.result.log.back().time_s;
-  record_.result.log.back() = row;
+  IterationRecord& last = record_.result.log.back();
+  if (!record_.log_is_stale) {
+    last.stationarity = record_.row.stationarity;
+    last.stationarity_knot = record_.row.stationarity_knot;
+    last.complementarity = record_.row.complementarity;
+    return;
+  }
+  const double time = last.time_s;
+  last = record_.row;
+  last.cost = record_.result.cost;
+  last.step = last.expected_decrease = last.actual_decrease = 0;
+  last.trials = last.sweeps = 0;
+  last.time_s = time;
 }
 
 /// The co-states of the last sweep may put an answer under tolerance that ended otherwise.

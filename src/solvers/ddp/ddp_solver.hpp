@@ -36,6 +36,7 @@ class DdpSolver {
   bool next_minimization();
   bool step();
   void finish();
+  void replace_costates();
   void end_log();
   void confirm_status();
   void name_contradiction();

@@ -9,6 +9,14 @@ namespace {
 constexpr double kGoalMargin = 0.5, kLeastGoal = 1e-5;
 /// How much larger a gradient without gains may be and still counts.
 constexpr double kMostAmplified = kGoalMargin / kLeastGoal;
+/// How far co-states may be from those along the other gains, relative to the largest of them, in
+/// tolerances of the stationarity: gains that sum up over the horizon carry it there.
+constexpr double kCostateTolerance = 500;
+
+double distance(const Eigen::MatrixXd& costates, const Eigen::MatrixXd& others) {
+  return (costates - others).lpNorm<Eigen::Infinity>() /
+         std::max(1.0, others.lpNorm<Eigen::Infinity>());
+}
 
 }  // namespace
 
@@ -25,15 +33,35 @@ StationarityCheck::StationarityCheck(const ShootingProblem& problem, const Contr
 
 bool StationarityCheck::confirm(const Iterate& iterate, const Eigen::VectorXd* multipliers) {
   const double tolerance = options_.tolerances.stationarity;
+  agreed_ = false;
   if (goal_ <= kLeastGoal * tolerance) return true;
-  const double stationarity = iterate.stationarity().value;
+  const Apart apart = compare(iterate, multipliers);
+  const double excess = std::max(apart.stationarity, apart.costates);
+  agreed_ = !(excess > 1);
+  if (agreed_) return true;
+  goal_ = std::max(kGoalMargin * iterate.stationarity().value / excess, kLeastGoal * tolerance);
+  return false;
+}
+
+const Adjoint* StationarityCheck::better(const Iterate& iterate,
+                                         const Eigen::VectorXd* multipliers) {
+  if (agreed_) return nullptr;
+  const Apart apart = compare(iterate, multipliers);
+  return apart.costates > 1 && apart.stationarity <= 1 ? &other() : nullptr;
+}
+
+const Adjoint& StationarityCheck::other() const { return plain_ ? plain_->adjoint() : *free_; }
+
+StationarityCheck::Apart StationarityCheck::compare(const Iterate& iterate,
+                                                    const Eigen::VectorXd* multipliers) {
+  const double tolerance = options_.tolerances.stationarity;
   const std::optional<double> found =
       plain_ ? plain_->stationarity(iterate.evaluator, iterate.trajectory, iterate.gaps,
                                     options_.regularization, *multipliers)
-             : reduced_stationarity(iterate, stationarity);
-  if (!found || !(*found > tolerance)) return true;
-  goal_ = std::max(kGoalMargin * stationarity * tolerance / *found, kLeastGoal * tolerance);
-  return false;
+             : reduced_stationarity(iterate, iterate.stationarity().value);
+  if (!found) return {};
+  return {*found / tolerance, distance(iterate.adjoint.costates(), other().costates()) /
+                                  (kCostateTolerance * tolerance)};
 }
 
 /// ‖∇_u L‖∞ without gains, the gradient of the cost as a function of the controls alone. None where

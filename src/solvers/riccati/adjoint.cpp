@@ -8,7 +8,7 @@
 namespace conddp {
 
 Adjoint::Adjoint(const ShootingProblem& problem, const ControlBounds& bounds)
-    : bounds_(bounds),
+    : bounds_(&bounds),
       costates_(Eigen::MatrixXd::Zero(problem.ndx(), problem.knots() + 1)),
       state_gradient_(costates_),
       gradient_(Eigen::VectorXd::Zero(bounds.size())),
@@ -23,7 +23,7 @@ Adjoint::Adjoint(const ShootingProblem& problem, const ControlBounds& bounds)
 
 void Adjoint::compute(const Linearization& linearization, const Trajectory& trajectory,
                       const Gaps& gaps, const Feedback& feedback) {
-  const int N = bounds_.knots();
+  const int N = bounds_->knots();
   const int ndx = static_cast<int>(costates_.rows());
   costates_.col(N) = linearization.knots[N].gradient;
   gap_slope_ = 0;
@@ -36,12 +36,12 @@ void Adjoint::compute(const Linearization& linearization, const Trajectory& traj
     }
     auto pulled = pulled_.head(ndx + knot.nu());
     knot.apply_transpose(next_, pulled, scratch_);
-    auto gradient = gradient_.segment(bounds_.offset(k), knot.nu());
+    auto gradient = gradient_.segment(bounds_->offset(k), knot.nu());
     gradient = knot.gradient.tail(knot.nu()) + pulled.tail(knot.nu());
     costates_.col(k) = knot.gradient.head(ndx) + pulled.head(ndx);
-    auto followed = followed_.segment(bounds_.offset(k), knot.nu());
+    auto followed = followed_.segment(bounds_->offset(k), knot.nu());
     for (int i = 0; i < knot.nu(); ++i)
-      followed[i] = bounds_.at_bound(k, i, trajectory.u(k)[i]) ? 0 : gradient[i];
+      followed[i] = bounds_->at_bound(k, i, trajectory.u(k)[i]) ? 0 : gradient[i];
     auto passed_on = state_gradient_.col(k);
     multiply_transposed(feedback.K[k], followed.data(), passed_on.data());
     costates_.col(k) += passed_on;
@@ -52,7 +52,7 @@ void Adjoint::compute(const Linearization& linearization, const Trajectory& traj
 double Adjoint::cost_rounding(const Linearization& linearization,
                               const Trajectory& trajectory) const {
   double scale = linearization.cost.lpNorm<1>();
-  for (int k = 1; k <= bounds_.knots(); ++k) {
+  for (int k = 1; k <= bounds_->knots(); ++k) {
     scale += costates_.col(k).lpNorm<1>() * trajectory.x(k).lpNorm<Eigen::Infinity>();
   }
   return std::numeric_limits<double>::epsilon() * scale;

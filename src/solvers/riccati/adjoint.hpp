@@ -44,7 +44,7 @@ class Adjoint {
   double cost_rounding(const Linearization& linearization, const Trajectory& trajectory) const;
 
  private:
-  const ControlBounds& bounds_;
+  const ControlBounds* bounds_;
   Eigen::MatrixXd costates_, state_gradient_;
   Eigen::VectorXd gradient_, followed_, next_, pulled_, scratch_;
   double gap_slope_ = 0;

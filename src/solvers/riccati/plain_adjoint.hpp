@@ -23,6 +23,9 @@ class PlainAdjoint {
                                      const SolverOptions::Regularization& regularization,
                                      const Eigen::VectorXd& multipliers);
 
+  /// Of the last `stationarity` that was found.
+  const Adjoint& adjoint() const { return adjoint_; }
+
  private:
   const ControlBounds& bounds_;
   Augmentation lagrangian_;
