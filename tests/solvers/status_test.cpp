@@ -175,6 +175,27 @@ TEST(Status, DivergedWhereTheStatesOfTheGuessAreNotFinite) {
   EXPECT_NE(result.message.find("knot 11"), std::string::npos) << result.message;
 }
 
+// A cost in units of 1e-20 has gradients beyond all rounding as long as it is not solved.
+TEST(Status, DivergedWhereIterationsEndFarBeyondRounding) {
+  const auto swing_up = [](double weight) {
+    return testing::tracking_problem(
+        pendulum({}), Integrator::rk4, 20, 0.05, {0, 0},
+        {{M_PI, 0}, {weight, weight}, {weight}, {weight, weight}}, -3, 3);
+  };
+  const ShootingProblem usual = swing_up(1), huge = swing_up(1e20);
+  const Trajectory guess = constant_controls(usual, 0.1);
+  for (const char* name : {"box_fddp", "ipopt"}) {
+    const SolveResult result = solve(huge, name, {.max_iterations = 2}, guess);
+    EXPECT_EQ(result.status, SolveStatus::diverged) << name;
+    EXPECT_NE(result.message.find("the iterates diverged"), std::string::npos) << result.message;
+    EXPECT_GT(result.residuals.stationarity, 1e16);
+    EXPECT_EQ(solve(huge, name, {.max_iterations = 0}, guess).status, SolveStatus::max_iterations);
+    EXPECT_EQ(solve(usual, name, {.max_iterations = 2}, guess).status, SolveStatus::max_iterations);
+  }
+  const SolverOptions out_of_time{.max_iterations = 2, .interrupted = [] { return true; }};
+  EXPECT_EQ(solve(huge, "box_fddp", out_of_time, guess).status, SolveStatus::interrupted);
+}
+
 TEST(Status, RegularizationLimitNamesTheKnot) {
   // A control without cost or effect: no multiple of TᵀT makes Q_uu positive definite.
   const Eigen::MatrixXd A = Eigen::MatrixXd::Identity(2, 2), B = Eigen::MatrixXd::Zero(2, 1);

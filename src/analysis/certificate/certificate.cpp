@@ -254,7 +254,7 @@ class Judge {
   }
 
   void check_gradient() {
-    if (std::isnan(claims_.stationarity) && claims_.status == kDiverged) return;
+    if (claims_.status == kDiverged && !(claims_.stationarity <= kLargestStationarity)) return;
     const LagrangianGradient found = gradient();
     Worst stationarity;
     stationarity_rounding_ = kOwnRounding;
@@ -393,6 +393,8 @@ class Judge {
                 : "'infeasible', but the states do not follow from the controls"});
   }
 
+  /// Beyond this rounding leaves nothing of the co-states of a diverged answer.
+  static constexpr double kLargestStationarity = 1e16;
   /// Of stationarities along different policies: the answer's is that of its last sweep.
   static constexpr double kPolicyMargin = 10;
   /// Of co-states along different policies, relative to the largest: what is left of the gradient

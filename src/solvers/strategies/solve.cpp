@@ -13,6 +13,9 @@
 namespace conddp {
 namespace {
 
+/// Residuals of answers that have diverged are larger: of a gradient, and of a gap.
+constexpr double kLargestStationarity = 1e16, kLargestGap = 1e10;
+
 /// Why multipliers are not those of a problem of this shape, if so.
 std::optional<std::string> misfit(const ShootingProblem& problem, const DualGuess& guess) {
   const int N = problem.knots();
@@ -47,6 +50,22 @@ std::optional<std::string> unsupported_options(const SolverInfo& solver,
   return std::nullopt;
 }
 
+/// Whether a solve ended from outside.
+bool stopped(SolveStatus status) {
+  return status == SolveStatus::time_limit || status == SolveStatus::interrupted;
+}
+
+/// An answer that ended far beyond what rounding leaves of a motion in SI units has diverged,
+/// whatever ended its iterations.
+void name_divergence(SolveResult& result) {
+  const Residuals& r = result.residuals;
+  const bool far = r.stationarity > kLargestStationarity || r.gap > kLargestGap;
+  if (!far || result.iterations == 0 || is_success(result.status) || stopped(result.status)) return;
+  if (result.status == SolveStatus::diverged) return;
+  result.message = fmt::format("the iterates diverged; at the end: {}", result.message);
+  result.status = SolveStatus::diverged;
+}
+
 SolveResult run(const ShootingProblem& problem, const SolverInfo& solver, SolverOptions options,
                 const Trajectory& guess) {
   if (const auto reason = unsupported_options(solver, problem, options))
@@ -54,15 +73,16 @@ SolveResult run(const ShootingProblem& problem, const SolverInfo& solver, Solver
   options.restarts = {};
   options.homotopy = nullptr;
   if (solver.constraints != ConstraintSupport::all) options.multipliers = nullptr;
-  return solve_with_restoration(problem, options, guess,
-                                [&](const SolverOptions& own, const Trajectory& start) {
-                                  return solver.run(problem, own, start);
-                                });
+  SolveResult result = solve_with_restoration(
+      problem, options, guess, [&](const SolverOptions& own, const Trajectory& start) {
+        return solver.run(problem, own, start);
+      });
+  name_divergence(result);
+  return result;
 }
 
 bool may_go_on(SolveStatus status) {
-  return !is_success(status) && status != SolveStatus::max_iterations &&
-         status != SolveStatus::time_limit && status != SolveStatus::interrupted;
+  return !is_success(status) && status != SolveStatus::max_iterations && !stopped(status);
 }
 
 /// By the first solver that converges.
