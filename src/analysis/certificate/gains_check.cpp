@@ -17,7 +17,7 @@ using Eigen::VectorXd;
 
 /// Of the equations of the gains, relative to their terms; and what rounding leaves of sums over
 /// |J|ᵀ|V||J|, of derivatives of contacts as badly conditioned as they may be.
-constexpr double kGainTolerance = 1e-6, kGainRounding = 1e-13;
+constexpr double kGainTolerance = 1e-6, kGainRounding = 1e-14;
 /// Of feedforward terms: relative to controls, or absolute.
 constexpr double kLeastMove = 1e-3;
 

@@ -196,8 +196,8 @@ std::string less_regularisation(const Window& w, const SolverOptions& options) {
 
 Diagnosis plateau(const Window& w, bool regularised, const SolverOptions& options) {
   std::string message = fmt::format(
-      "stationarity stands still: {:.1e}{} after {:.1e} {} steps before, with {}",
-      w.last().stationarity, at(w.last().stationarity_knot), w.first().stationarity, w.steps(),
+      "stationarity stalled: {:.1e}{} after {:.1e} {} steps before, with {}", w.last().stationarity,
+      at(w.last().stationarity_knot), w.first().stationarity, w.steps(),
       regularised ? fmt::format("regularisation {:.1e}", w.last().regularization)
                   : fmt::format("steps of {:.2g}", w.median_step()));
   return {DiagnosisPattern::plateau, std::move(message), w.last().stationarity_knot, "stationarity",
