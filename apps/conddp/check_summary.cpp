@@ -255,10 +255,11 @@ std::string kept_text(const OrderedJson& s) {
         const bool bounds = constraint["on"] == "control" && constraint["set"] == "bounds";
         return !bounds && !constraint["dropped"].get<bool>();
       });
-  if (word == "none") return further ? "keeps the constraints" : "nothing is constrained";
-  return std::string(word == "kept" ? "keeps the control bounds"
-                                    : "cuts controls off at their bounds") +
-         (further ? (word == "kept" ? " and the constraints" : " and keeps the constraints") : "");
+  if (word == "none") return further ? "enforces the constraints" : "nothing is constrained";
+  return std::string(word == "kept" ? "enforces the control bounds"
+                                    : "clamps controls to their bounds") +
+         (further ? (word == "kept" ? " and the constraints" : " and enforces the constraints")
+                  : "");
 }
 
 /// "q/0, v/0", of many the first ones.

@@ -35,8 +35,7 @@ int print(const VerifyArguments& arguments, const ProblemSpec& spec,
                                        {"findings", findings_json(certificate.findings)},
                                        {"certificate", certificate_json(certificate)}}));
   } else if (!arguments.quiet) {
-    print_result(
-        fmt::format("{}: the certificate {}\n", spec.name.value, certificate_line(certificate)));
+    print_result(fmt::format("{}: {}\n", spec.name.value, certificate_line(certificate)));
     print_result(certificate_table(certificate));
     if (!std::isnan(certificate.checks.optimality.stationarity))
       print_result(fmt::format("  {}\n", optimality_line(certificate)));

@@ -24,7 +24,7 @@ TEST(Check, SaysWhatItUnderstood) {
        {"arm_reach: the problem is well formed", "fixed base, 7 degrees of freedom",
         "14 numbers (14 directions), 7 controls", "reach: 35 knots of 0.01 s, 0.35 s",
         "tool: frame_placement, 6 rows, quadratic, weight 10000",
-        "torque: bounds on the control from the URDF, in reach", "keeps the control bounds"})
+        "torque: bounds on the control from the URDF, in reach", "enforces the control bounds"})
     EXPECT_NE(r.out.find(words), std::string::npos) << words << "\n" << r.out;
 }
 
@@ -35,12 +35,13 @@ TEST(Check, TellsBoundsFromNormsAndSaysWhatTheSolverKeeps) {
   EXPECT_EQ(norm.exit_code, 0) << norm.err;
   for (const char* words : {"push: bounds on the norm of control, in move\n",
                             "goal: constraint on state, at the last node\n",
-                            ": keeps the constraints\n", "state: q/0, v/0; control: u/0\n"})
+                            ": enforces the constraints\n", "state: q/0, v/0; control: u/0\n"})
     EXPECT_NE(norm.out.find(words), std::string::npos) << words << "\n" << norm.out;
   const ProcessResult both = run_conddp({"check", file});
   EXPECT_NE(both.out.find("force: bounds on the control, in move\n"), std::string::npos)
       << both.out;
-  EXPECT_NE(both.out.find(": keeps the control bounds and the constraints\n"), std::string::npos);
+  EXPECT_NE(both.out.find(": enforces the control bounds and the constraints\n"),
+            std::string::npos);
   const ProcessResult none = run_conddp({"check", kPendulum, "--set", "constraints={}"});
   EXPECT_NE(none.out.find(": nothing is constrained\n"), std::string::npos) << none.out;
 }
@@ -157,7 +158,7 @@ TEST(Check, RefusalIsAnError) {
   const ProcessResult r = run_conddp({"check", kArm, "--solver", "ddp"});
   EXPECT_EQ(r.exit_code, 2);
   EXPECT_EQ(r.out, "");
-  EXPECT_NE(r.err.find("ddp cannot keep the control bounds"), std::string::npos) << r.err;
+  EXPECT_NE(r.err.find("ddp does not support the control bounds"), std::string::npos) << r.err;
   EXPECT_EQ(run_conddp({"check", kArm, "--solver", "ddp", "--drop", "torque"}).exit_code, 0);
   EXPECT_EQ(run_conddp({"check", kArm, "--set", "phases.0.dt=-1"}).exit_code, 2);
   EXPECT_EQ(run_conddp({"check", kArm, "--expand", "--derivatives"}).exit_code, 2);

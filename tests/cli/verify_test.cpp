@@ -41,11 +41,12 @@ class Verify : public testing::Test {
 
 TEST_F(Verify, ASolutionHolds) {
   EXPECT_EQ(solved_.exit_code, 0) << solved_.err;
-  EXPECT_NE(solved_.out.find("\n  certificate   holds ("), std::string::npos) << solved_.out;
+  EXPECT_NE(solved_.out.find("\n  certificate   certified optimal ("), std::string::npos)
+      << solved_.out;
   const ProcessResult r = run({"verify", "out/solution.json"});
   EXPECT_EQ(r.exit_code, 0) << r.out << r.err;
   EXPECT_EQ(r.err, "");
-  EXPECT_NE(r.out.find("cartpole_swingup: the certificate holds ("), std::string::npos) << r.out;
+  EXPECT_NE(r.out.find("cartpole_swingup: certified optimal ("), std::string::npos) << r.out;
   EXPECT_NE(r.out.find("\n  ok    stationarity "), std::string::npos) << r.out;
   EXPECT_NE(r.out.find("\n  replay at dt/10: with feedback "), std::string::npos) << r.out;
 }
@@ -180,7 +181,8 @@ TEST_F(Verify, AnUnconvergedAnswerHoldsTo) {
   const ProcessResult solved =
       run({"solve", "cartpole.yaml", "-o", "early", "--set", "solver.max_iterations=2"});
   EXPECT_EQ(solved.exit_code, 1) << solved.err;
-  EXPECT_NE(solved.out.find("certificate   holds"), std::string::npos) << solved.out;
+  EXPECT_NE(solved.out.find("certificate   consistency check passed"), std::string::npos)
+      << solved.out;
   EXPECT_NE(solved.out.find("diagnosis     the solve stopped"), std::string::npos) << solved.out;
   EXPECT_EQ(run({"verify", "early/solution.json"}).exit_code, 0);
 }

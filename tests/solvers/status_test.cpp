@@ -178,9 +178,9 @@ TEST(Status, DivergedWhereTheStatesOfTheGuessAreNotFinite) {
 // A cost in units of 1e-20 has gradients beyond all rounding as long as it is not solved.
 TEST(Status, DivergedWhereIterationsEndFarBeyondRounding) {
   const auto swing_up = [](double weight) {
-    return testing::tracking_problem(
-        pendulum({}), Integrator::rk4, 20, 0.05, {0, 0},
-        {{M_PI, 0}, {weight, weight}, {weight}, {weight, weight}}, -3, 3);
+    return testing::tracking_problem(pendulum({}), Integrator::rk4, 20, 0.05, {0, 0},
+                                     {{M_PI, 0}, {weight, weight}, {weight}, {weight, weight}}, -3,
+                                     3);
   };
   const ShootingProblem usual = swing_up(1), huge = swing_up(1e20);
   const Trajectory guess = constant_controls(usual, 0.1);

@@ -124,7 +124,7 @@ std::vector<std::string> robustness_row(const std::string& solver, const Entries
   const SolverSummary summary = summarize(part).front();
   for (const auto& [status, count] : summary.failures)
     failures += fmt::format("{}{} {}", failures.empty() ? "" : ", ", count, status);
-  if (summary.refused > 0) failures = fmt::format("{} refused", summary.refused);
+  if (summary.refused > 0) failures = fmt::format("{} unsupported", summary.refused);
   std::vector<std::string> row = {solver, fmt::format("{}/{}", solved, runs)};
   for (std::string& cell : within_cells(summary)) row.push_back(std::move(cell));
   row.push_back(without);
@@ -162,7 +162,7 @@ TextTable summary_table(const BenchmarkReport& report) {
                               {"of"},
                               {"share"},
                               {"solved without a constraint"},
-                              {"refused"},
+                              {"unsupported"},
                               {"otherwise", false}},
                   .rows = {}};
   const auto levels = within_columns();
@@ -211,8 +211,8 @@ std::string command_line(const BenchmarkEntry& entry, bool markdown) {
   return markdown ? fmt::format("  `{}`\n", entry.command) : fmt::format("    {}\n", entry.command);
 }
 
-/// Why solvers refused or failed, and how to see that again: of several instances the first one of
-/// each solver that did not refuse.
+/// Why solvers do not support a problem or failed, and how to see that again: of several instances
+/// the first one of each solver that supports it.
 std::string failure_lines(const Entries& entries, bool markdown) {
   std::string text;
   std::set<std::string> told;

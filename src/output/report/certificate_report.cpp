@@ -115,7 +115,10 @@ OrderedJson certificate_json(const SolutionCertificate& certificate) {
 std::string certificate_line(const SolutionCertificate& certificate) {
   const auto& checks = certificate.checks.checks;
   const int failures = certificate.checks.failures();
-  if (failures == 0) return fmt::format("holds ({} checks)", checks.size());
+  if (failures == 0)
+    return fmt::format("{} ({} checks)",
+                       certificate.converged ? "certified optimal" : "consistency check passed",
+                       checks.size());
   const auto first =
       std::find_if(checks.begin(), checks.end(), [](const Check& c) { return !c.holds; });
   std::string text = "DOES NOT HOLD: " + failure_text(*first);

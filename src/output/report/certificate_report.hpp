@@ -10,7 +10,8 @@ namespace conddp {
 /// The verdict, all checks and the replay if there was one, for solution.json and `verify --json`.
 OrderedJson certificate_json(const SolutionCertificate& certificate);
 
-/// One line: "holds (31 checks)", or what does not hold first.
+/// One line: "certified optimal (31 checks)" of an answer that converged, "consistency check passed
+/// (31 checks)" of any other, or the first check that does not hold.
 std::string certificate_line(const SolutionCertificate& certificate);
 
 /// A table of all checks: claimed, found, tolerance, place.
@@ -21,7 +22,7 @@ std::string optimality_line(const SolutionCertificate& certificate);
 
 /// What the plan does on a finer grid, one sentence; there must have been a replay, as below.
 std::string replay_line(const SolutionCertificate& certificate);
-/// What of it deserves attention: feedback that does not hold the motion, limits that are broken.
+/// What of it deserves attention: feedback that does not hold the motion, limits that are violated.
 std::vector<std::string> replay_warnings(const SolutionCertificate& certificate);
 
 }  // namespace conddp

@@ -58,6 +58,7 @@ class Reader {
     findings(result.findings);
     nulls();
     former_certificate();
+    result.converged = claims_ && claims_->converged;
     result.checks = std::move(certificate_);
     result.time_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
     return result;

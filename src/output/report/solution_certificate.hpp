@@ -10,10 +10,11 @@ namespace conddp {
 
 /// What was found out about a solution.
 struct SolutionCertificate {
+  bool converged = false;                      ///< what the answer claims
   Certificate checks;                          ///< what decides
   std::optional<Replay> replay;                ///< what is worth knowing besides, if asked for
   std::vector<Finding> findings;               ///< in the trajectory of the answer
-  std::optional<ContactCertificate> contacts;  ///< where steps find their own contacts
+  std::optional<ContactCertificate> contacts;  ///< of contact-implicit problems
   std::vector<std::string> tangent_names;
   double time_s = 0;  ///< that it took
 };

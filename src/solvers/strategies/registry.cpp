@@ -113,7 +113,7 @@ std::optional<std::string> unsupported_constraint(const SolverInfo& solver,
     const int phase = problem.knot(c.node).phase;
     const std::string can =
         list_solvers([&](const SolverInfo& info) { return supports_all(info, problem); });
-    return fmt::format("{} cannot keep the {} '{}' ({}); {}", solver.name,
+    return fmt::format("{} does not support the {} '{}' ({}); {}", solver.name,
                        c.is_soft()                                           ? "soft constraint"
                        : solver.constraints == ConstraintSupport::equalities ? "inequality"
                                                                              : "constraint",
@@ -121,7 +121,7 @@ std::optional<std::string> unsupported_constraint(const SolverInfo& solver,
                        c.node == problem.knots()
                            ? "terminal node"
                            : fmt::format("phase '{}'", problem.phases()[phase].name),
-                       can.empty() ? "no solver can keep them all" : can + " can");
+                       can.empty() ? "no solver supports all of them" : "supported by " + can);
   }
   return std::nullopt;
 }
@@ -154,7 +154,7 @@ std::optional<std::string> unsupported(const SolverInfo& solver, const ShootingP
   if (solver.control_bounds != BoundSupport::none || !problem.has_control_bounds()) {
     return std::nullopt;
   }
-  return fmt::format("{} cannot keep the control bounds ({}); {} can, and {} clips them",
+  return fmt::format("{} does not support the control bounds ({}); supported by {}, clipped by {}",
                      solver.name, describe_bound(problem), list_solvers(BoundSupport::exact),
                      list_solvers(BoundSupport::clipped));
 }
