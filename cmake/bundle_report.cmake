@@ -1,6 +1,6 @@
 # cmake -D SOURCE=<apps/report> -D WORK=<folder> -D NPM=<npm or -NOTFOUND> -D NODE=<node or -NOTFOUND>
 #       -D OUTPUT=<file.cpp> -P bundle_report.cmake
-# Bundles the page of reports and writes the source that holds it; apps/conddp/embedded_report.hpp
+# Bundles the page of reports and writes the source that holds it; apps/conddp/summary/embedded_report.hpp
 # declares it. What is missing for that is no error: the tool says it when a report is asked for.
 set(page "")
 set(missing "")
@@ -37,7 +37,7 @@ else()
 endif()
 
 file(WRITE ${OUTPUT} "// Written by cmake/bundle_report.cmake.
-#include \"embedded_report.hpp\"
+#include \"summary/embedded_report.hpp\"
 
 namespace conddp {
 namespace {

@@ -1,5 +1,5 @@
 # cmake -D OUTPUT=<file.cpp> -D SCHEMAS=<files, separated by |> -P embed_schemas.cmake
-# Writes the source that holds the schemas' texts; apps/conddp/embedded_schemas.hpp declares it.
+# Writes the source that holds the schemas' texts; apps/conddp/help/embedded_schemas.hpp declares it.
 string(REPLACE "|" ";" schemas "${SCHEMAS}")
 set(entries "")
 foreach(schema IN LISTS schemas)
@@ -9,7 +9,7 @@ foreach(schema IN LISTS schemas)
   string(APPEND entries "    {\"${kind}\", R\"conddp_schema(${text})conddp_schema\"},\n")
 endforeach()
 file(WRITE "${OUTPUT}" "// Written by cmake/embed_schemas.cmake.
-#include \"embedded_schemas.hpp\"
+#include \"help/embedded_schemas.hpp\"
 
 namespace conddp {
 namespace {

@@ -11,3 +11,8 @@ set(CONDDP_solvers_FOLDERS
 set(CONDDP_analysis_FOLDERS certificate contact findings comparison)
 set(CONDDP_problem_file_FOLDERS yaml spec data plant read build expand)
 set(CONDDP_output_FOLDERS solution report bench)
+
+# The folders of the tool, apps/conddp, lowest first, with the same rule: the process and its streams,
+# what stands on a command line, what the tool says about itself and about problems and answers, and the
+# subcommands; "." has main.cpp. All of them stand above the layers.
+set(CONDDP_TOOL_FOLDERS terminal arguments help summary commands .)

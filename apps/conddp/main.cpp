@@ -2,20 +2,22 @@
 #include <filesystem>
 #include <new>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
-#include "argument_checks.hpp"
+#include "arguments/parser.hpp"
+#include "arguments/usage.hpp"
 #include "base/atomic_file.hpp"
 #include "base/wrap_text.hpp"
-#include "commands.hpp"
+#include "commands/commands.hpp"
 #include "conddp_version.hpp"
-#include "exit_codes.hpp"
-#include "help_text.hpp"
-#include "messages.hpp"
-#include "streams.hpp"
-#include "terminal.hpp"
-#include "usage.hpp"
+#include "help/help_text.hpp"
+#include "terminal/exit_codes.hpp"
+#include "terminal/messages.hpp"
+#include "terminal/streams.hpp"
+#include "terminal/terminal.hpp"
 
 namespace {
 
@@ -31,83 +33,76 @@ std::string version_text() {
   return text;
 }
 
-void add_commands(CLI::App& app, Command& chosen) {
-  add_solve_command(app, chosen);
-  add_check_command(app, chosen);
-  add_verify_command(app, chosen);
-  add_contacts_command(app, chosen);
-  add_bench_command(app, chosen);
-  add_compare_command(app, chosen);
-  add_regress_command(app, chosen);
-  add_inspect_command(app, chosen);
-  add_report_command(app, chosen);
-  add_list_command(app, chosen);
-  add_schema_command(app, chosen);
-  add_completion_command(app, chosen);
-  add_man_command(app, chosen);
-  add_help_command(app, chosen);
+/// Its value is read apart from the parser, because errors of the command line have that form too.
+/// It may stand before or behind the subcommand.
+constexpr const char* kDiagnostics = "--diagnostics";
+
+/// The options that the program and every subcommand have, around those of its own.
+void add_common_options(Command& command) {
+  command.arguments.insert(command.arguments.begin(),
+                           {.names = {"-h", "--help"},
+                            .description = "Explain the command and its options",
+                            .target = EndingFlag::kHelp});
+  command.arguments.push_back(
+      {.names = {kDiagnostics},
+       .value = "FORMAT",
+       .description = "Messages on stderr as text or as JSON, an object a line",
+       .choices = {"text", "json"},
+       .fallback = "text"});
 }
 
-/// `--diagnostics` may stand before or behind the subcommand. Its value is read apart from the
-/// parser, because errors of the command line have that form too.
-constexpr const char* kDiagnostics = "diagnostics";
-
-void add_diagnostics_option(CLI::App& app) {
-  app.add_option(std::string("--") + kDiagnostics,
-                 "Messages on stderr as text or as JSON, an object a line")
-      ->type_name("FORMAT")
-      ->default_str("text")
-      ->check(CLI::IsMember({"text", "json"}));
-}
-
-/// No path is an empty text, such as what the shell makes of a variable that is not set.
-void check_paths(CLI::App& command) {
-  for (CLI::Option* option : command.get_options()) {
-    const OptionDoc doc = describe(*option);
-    if (doc.folder || !doc.suffixes.empty()) option->check(not_empty());
+/// Fills `tool`, to which some subcommands refer.
+void declare(Command& tool) {
+  tool = {.name = "conddp",
+          .description = "Batch trajectory optimisation of robots under constraints",
+          .arguments = {{.names = {"--version"},
+                         .description = "Print the version and how it was built",
+                         .target = EndingFlag::kVersion}},
+          .commands = {solve_command(), check_command(), verify_command(), contacts_command(),
+                       bench_command(), compare_command(), regress_command(), inspect_command(),
+                       report_command(), list_command(), schema_command(), completion_command(tool),
+                       man_command(tool), help_command(tool)}};
+  std::vector<std::string> names;
+  for (const Command& command : tool.commands) names.push_back(command.short_name());
+  add_common_options(tool);
+  for (Command& command : tool.commands) {
+    for (Argument& argument : command.arguments)
+      if (argument.value == kSubcommandValue) argument.choices = names;
+    add_common_options(command);
   }
 }
 
-void report_usage(const CLI::App& app, const CLI::ParseError& error, const CommandWords& words) {
+void report_usage(const Command& tool, const CommandWords& words, std::string message) {
   Diagnostics diagnostics;
-  diagnostics.add(usage_error(app, error, words));
+  diagnostics.add(usage_error(tool, words, std::move(message)));
   print_messages(diagnostics, Verbosity::kQuiet);
   if (message_format() == MessageFormat::kJson) return;
   const std::string advice =
-      words.command == &app
-          ? "'conddp --help' lists the subcommands."
-          : fmt::format("'conddp {} --help' lists what it takes.", words.command->get_name());
+      words.command == &tool ? "'conddp --help' lists the subcommands."
+                             : fmt::format("'{} --help' lists what it takes.", words.command->name);
   print_message(wrap_text(advice, terminal_of(2).message_width(), 0, 0));
 }
 
 int run(int argc, char** argv) {
-  CLI::App app{"Batch trajectory optimisation of robots under constraints", "conddp"};
-  app.set_help_flag("-h,--help", "Explain the command and its options");
-  Command chosen;
-  add_commands(app, chosen);
-  app.require_subcommand(1);
-  app.set_version_flag("--version", version_text(), "Print the version and how it was built");
-  add_diagnostics_option(app);
-  for (CLI::App* command : app.get_subcommands([](CLI::App*) { return true; })) {
-    add_diagnostics_option(*command);
-    check_paths(*command);
-  }
-
-  const CommandWords words = read_words(app, {argv + std::min(argc, 1), argv + argc});
+  Command tool;
+  declare(tool);
+  const CommandWords words = read_words(tool, {argv + std::min(argc, 1), argv + argc});
   if (words.value_of(kDiagnostics) == "json") set_message_format(MessageFormat::kJson);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::CallForHelp&) {
-    print_result(help_text(describe(*words.command), terminal_of(1).width));
-    return kExitConverged;
-  } catch (const CLI::CallForVersion&) {
-    print_result(version_text());
-    return kExitConverged;
-  } catch (const CLI::ParseError& error) {
-    report_usage(app, error, words);
-    return kExitBadInput;
+  ParseEnd end = parse(tool, argc, argv);
+  switch (end.kind) {
+    case ParseEnd::Kind::kHelp:
+      print_result(help_text(*words.command, terminal_of(1).width));
+      return kExitConverged;
+    case ParseEnd::Kind::kVersion:
+      print_result(version_text());
+      return kExitConverged;
+    case ParseEnd::Kind::kError:
+      report_usage(tool, words, std::move(end.message));
+      return kExitBadInput;
+    case ParseEnd::Kind::kCommand:
+      break;
   }
-  return chosen();
+  return words.command->run();
 }
 
 int run_and_report(int argc, char** argv) {

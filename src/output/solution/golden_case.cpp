@@ -97,7 +97,6 @@ std::optional<GoldenOutcome> solve_golden(const GoldenCase& golden, const Golden
   settings.insert(settings.end(), options.settings.begin(), options.settings.end());
   auto spec = read_problem(golden.problem_file, settings, out);
   if (!spec) return std::nullopt;
-  if (options.max_time_s > 0) spec->solver.options.max_time_s = options.max_time_s;
   spec->solver.options.interrupted = options.interrupted;
   const auto built = build_problem(*spec, {}, out);
   if (!built) return std::nullopt;

@@ -36,7 +36,6 @@ GoldenCase new_golden(const std::filesystem::path& problem, const std::filesyste
 /// What a case's problem is solved with besides what its file says.
 struct GoldenOptions {
   std::vector<std::string> settings;  ///< of all problems, after their own overrides
-  double max_time_s = 0;              ///< 0: as the problem says
   std::function<bool()> interrupted;
 };
 

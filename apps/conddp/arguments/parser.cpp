@@ -1,0 +1,103 @@
+#include "arguments/parser.hpp"
+
+#include <cctype>
+#include <charconv>
+#include <type_traits>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/strict_number.hpp"
+
+namespace conddp {
+namespace {
+
+std::string number_defect(const WholeNumbers& numbers, const std::string& value) {
+  const std::string accepted = fmt::format("; accepted: {} to {}", numbers.least, numbers.most);
+  if (const ParsedNumber number = parse_number(value); !number.value)
+    return number.defect + accepted;
+  long long whole = 0;
+  const auto [stop, code] = std::from_chars(value.data(), value.data() + value.size(), whole);
+  if (stop != value.data() + value.size())
+    return fmt::format("'{}' is not a whole number{}", value, accepted);
+  if (code != std::errc() || whole < numbers.least || whole > numbers.most)
+    return fmt::format("'{}' is out of range{}", value, accepted);
+  return {};
+}
+
+/// What is wrong with a value of an argument; empty where nothing is.
+std::string defect(const Argument& argument, const std::string& value) {
+  const auto& choices = argument.choices;
+  if (!choices.empty() && std::find(choices.begin(), choices.end(), value) == choices.end())
+    return fmt::format("there is no '{}'", value);
+  // No path is an empty text, such as what the shell makes of a variable that is not set.
+  if (value.empty() && (argument.folder() || !argument.suffixes().empty()))
+    return "the value is empty";
+  if (argument.numbers)
+    if (std::string found = number_defect(*argument.numbers, value); !found.empty()) return found;
+  return argument.check ? argument.check(value) : std::string();
+}
+
+/// Adds an argument to CLI11's parser, bound to its variable.
+void add(CLI::App& app, const Argument& argument) {
+  const std::string names = fmt::format("{}", fmt::join(argument.names, ","));
+  CLI::Option* option = std::visit(
+      [&](auto target) -> CLI::Option* {
+        using Target = decltype(target);
+        if constexpr (std::is_same_v<Target, std::monostate>)
+          return app.add_option(names);
+        else if constexpr (std::is_same_v<Target, bool*>)
+          return app.add_flag(names, *target);
+        else if constexpr (std::is_same_v<Target, EndingFlag>)
+          return target == EndingFlag::kHelp ? app.set_help_flag(names)
+                                             : app.set_version_flag(names);
+        else
+          return app.add_option(names, *target);
+      },
+      argument.target);
+  if (argument.flag()) return;
+  option->required(argument.required);
+  if (argument.repeatable() && !argument.positional()) option->allow_extra_args(false);
+  option->check([&argument](const std::string& value) { return defect(argument, value); });
+}
+
+void add_all(CLI::App& app, const Command& command) {
+  app.set_help_flag();
+  for (const Argument& argument : command.arguments) add(app, argument);
+  for (const Argument& argument : command.arguments) {
+    CLI::Option* option = app.get_option(argument.names.back());
+    if (!argument.needs.empty()) option->needs(app.get_option(argument.needs));
+    if (!argument.excludes.empty()) option->excludes(app.get_option(argument.excludes));
+  }
+}
+
+/// A sentence of the parser's begins with a capital, ours go on after "error:".
+std::string clause(std::string text) {
+  if (text.size() > 1 && std::isupper(static_cast<unsigned char>(text[0])) &&
+      std::islower(static_cast<unsigned char>(text[1])))
+    text[0] = static_cast<char>(std::tolower(static_cast<unsigned char>(text[0])));
+  return text;
+}
+
+}  // namespace
+
+ParseEnd parse(const Command& tool, int argc, const char* const* argv) {
+  CLI::App app(tool.description, tool.name);
+  add_all(app, tool);
+  for (const Command& command : tool.commands)
+    add_all(*app.add_subcommand(command.short_name()), command);
+  app.require_subcommand(1);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::CallForHelp&) {
+    return {.kind = ParseEnd::Kind::kHelp};
+  } catch (const CLI::CallForVersion&) {
+    return {.kind = ParseEnd::Kind::kVersion};
+  } catch (const CLI::ParseError& error) {
+    return {.kind = ParseEnd::Kind::kError, .message = clause(error.what())};
+  }
+  return {};
+}
+
+}  // namespace conddp

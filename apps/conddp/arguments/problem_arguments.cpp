@@ -1,0 +1,50 @@
+#include "arguments/problem_arguments.hpp"
+
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "arguments/example_problems.hpp"
+#include "arguments/shared_arguments.hpp"
+#include "problem_file/read/read_problem.hpp"
+
+namespace conddp {
+
+std::vector<Argument> problem_arguments(ProblemArguments& arguments) {
+  return {{.names = {"FILE"},
+           .value = "FILE.yaml",
+           .description = "Problem file, or the name of an example (conddp list problems)",
+           .required = true,
+           .target = &arguments.file},
+          solver_argument(arguments.solver, "Solver instead of the file's"),
+          drop_argument(arguments.drop, "Leave this constraint out; its violation is reported"),
+          setting_argument(arguments.settings,
+                           "Replace a value of the file, as in --set solver.max_iterations=50"),
+          perturbation_argument(arguments.perturbations,
+                                "Take a random instance, as conddp bench does: initial_state=S or "
+                                "guess=S; repeatable"),
+          seed_argument(arguments.seed, "Which instance")};
+}
+
+std::vector<std::string> settings_of(const ProblemArguments& arguments) {
+  std::vector<std::string> settings = arguments.settings;
+  for (const auto& [name, value] : named_numbers(arguments.perturbations))
+    settings.push_back(fmt::format("perturbation.{}={}", name, value));
+  if (!arguments.perturbations.empty())
+    settings.push_back(fmt::format("perturbation.seed={}", arguments.seed));
+  if (!arguments.solver.empty()) settings.push_back("solver.name=" + arguments.solver);
+  for (std::string& setting : solve_settings(arguments.max_time, arguments.threads))
+    settings.push_back(std::move(setting));
+  return settings;
+}
+
+std::optional<ProblemSpec> read_problem_of(const ProblemArguments& arguments, Diagnostics& out) {
+  const auto file = find_problem_file(arguments.file, out);
+  if (!file) return std::nullopt;
+  auto spec = read_problem(*file, settings_of(arguments), out);
+  // It is not the file that names this solver: messages about it have their place elsewhere.
+  if (spec && !arguments.solver.empty()) spec->solver.name.place = {};
+  return spec;
+}
+
+}  // namespace conddp

@@ -1,0 +1,399 @@
+#include <algorithm>
+#include <chrono>
+#include <deque>
+
+#include <fmt/format.h>
+
+#include "analysis/comparison/random_instance.hpp"
+#include "arguments/example_problems.hpp"
+#include "arguments/shared_arguments.hpp"
+#include "arguments/shell_words.hpp"
+#include "base/atomic_file.hpp"
+#include "base/json_text.hpp"
+#include "base/spelling.hpp"
+#include "commands/bench_problems.hpp"
+#include "commands/commands.hpp"
+#include "output/bench/benchmark_report.hpp"
+#include "output/bench/gnuplot.hpp"
+#include "problem_file/build/homotopy.hpp"
+#include "solvers/common/option_table.hpp"
+#include "terminal/exit_codes.hpp"
+#include "terminal/interrupt.hpp"
+#include "terminal/messages.hpp"
+#include "terminal/status_line.hpp"
+#include "terminal/streams.hpp"
+#include "terminal/terminal.hpp"
+
+namespace conddp {
+namespace {
+
+struct BenchArguments {
+  std::vector<std::string> inputs;
+  std::string solvers = "all";
+  std::vector<std::string> drop;
+  std::vector<std::string> settings;
+  std::vector<std::string> tolerances;
+  std::vector<std::string> perturbations;
+  std::string folder;
+  std::optional<int> repeat;  ///< where it is given, however long a solve takes
+  int threads = 0;
+  int instances = 1;
+  std::uint64_t seed = 1;
+  double max_time = 0;
+  bool json = false;
+};
+
+/// How often a solve is timed unless the command line says it.
+constexpr int kRepeat = 5;
+/// A solve longer than this is timed once unless the command line says how often, s.
+constexpr double kLongSolve = 1;
+/// Time limit of each solve where the example problems are taken, s.
+constexpr double kExampleTimeLimit = 10;
+
+constexpr const char* kGuess = "guess";
+
+std::vector<const SolverInfo*> choose_solvers(const std::string& list, Diagnostics& out) {
+  std::vector<const SolverInfo*> chosen;
+  std::vector<std::string> names;
+  for (const SolverInfo& info : solvers()) names.emplace_back(info.name);
+  for (std::size_t start = 0; start <= list.size();) {
+    const std::size_t end = std::min(list.find(',', start), list.size());
+    const std::string name = list.substr(start, end - start);
+    start = end + 1;
+    if (name == kAll) {
+      for (const SolverInfo& info : solvers()) chosen.push_back(&info);
+    } else if (const SolverInfo* info = find_solver(name)) {
+      chosen.push_back(info);
+    } else {
+      out.error({}, fmt::format("--solvers: unknown solver '{}'", name),
+                name_hint(name, names, "solvers"), names);
+    }
+  }
+  for (std::size_t i = 0; i < chosen.size(); ++i)
+    if (std::find(chosen.begin(), chosen.begin() + i, chosen[i]) != chosen.begin() + i)
+      out.error({}, fmt::format("--solvers: '{}' stands twice", chosen[i]->name));
+  return chosen;
+}
+
+/// What --set and --tolerance say about every problem: the answers depend on it.
+std::vector<std::string> settings_of(const BenchArguments& arguments) {
+  std::vector<std::string> settings = arguments.settings;
+  for (const auto& [name, value] : named_numbers(arguments.tolerances))
+    settings.push_back(fmt::format("solver.tolerances.{}={}", name, value));
+  return settings;
+}
+
+/// The options that differ from the defaults, by their dotted names.
+OrderedJson changed_options(const SolverOptions& options) {
+  OrderedJson json = OrderedJson::object();
+  for (const OptionInfo& info : option_table()) {
+    const OptionValue value = info.get(options);
+    if (value != info.default_value())
+      std::visit([&](const auto& v) { json[std::string(info.name)] = v; }, value);
+  }
+  return json;
+}
+
+/// "40 s", "3 min"
+std::string about(double seconds) {
+  return seconds < 90 ? fmt::format("{:.0f} s", seconds) : fmt::format("{:.0f} min", seconds / 60);
+}
+
+/// "2.5 solves/s", "12 solves/min"
+std::string rate(double per_second) {
+  return per_second >= 1 ? fmt::format("{:.1f} solves/s", per_second)
+                         : fmt::format("{:.1f} solves/min", 60 * per_second);
+}
+
+/// How much of a benchmark is done, how fast, and when the rest will be, if that takes as long on
+/// average. Refusals take no time and do not count.
+class Progress {
+ public:
+  explicit Progress(int runs) : runs_(runs) {}
+  void count() { ++done_; }
+  std::string text() const {
+    const std::string place = fmt::format("{} of {}", std::min(done_ + 1, runs_), runs_);
+    if (done_ == 0) return place;
+    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start_;
+    return fmt::format("{}, about {} left, {}", place,
+                       about(elapsed.count() / done_ * (runs_ - done_)),
+                       rate(done_ / elapsed.count()));
+  }
+
+ private:
+  const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  const int runs_;
+  int done_ = 0;
+};
+
+class Bench {
+ public:
+  Bench(const BenchArguments& arguments, std::vector<const SolverInfo*> solvers,
+        std::deque<BenchProblem>& problems)
+      : arguments_(arguments),
+        solvers_(std::move(solvers)),
+        progress_(count_runs(problems)),
+        status_(message_format() == MessageFormat::kText && terminal_of(2).redraws) {
+    BenchmarkRequest& request = report_.request;
+    for (const SolverInfo* solver : solvers_) request.solvers.emplace_back(solver->name);
+    request.repeat = arguments.repeat.value_or(kRepeat);
+    for (const auto& [name, value] : named_numbers(arguments.perturbations))
+      (name == kGuess ? request.guess_spread : request.initial_state_size) = value;
+    request.instances = arguments.perturbations.empty() ? 0 : arguments.instances;
+    request.seed = arguments.seed;
+    request.drop = arguments.drop;
+    request.settings = arguments.settings;
+    for (const auto& [name, value] : named_numbers(arguments.tolerances))
+      request.tolerances[name] = value;
+  }
+
+  /// False after a signal.
+  bool run(BenchProblem& problem) {
+    if (arguments_.perturbations.empty()) return run(problem, std::nullopt);
+    for (int i = 0; i < arguments_.instances; ++i)
+      if (!run(problem, arguments_.seed + i)) return false;
+    return true;
+  }
+
+  /// Whether every solver kept its word.
+  bool finish() {
+    status_.erase();
+    compare_costs(report_);
+    if (!arguments_.folder.empty()) write();
+    print_result(arguments_.json ? json_text(benchmark_json(report_))
+                                 : benchmark_text(report_, false));
+    return all_kept_word(report_);
+  }
+
+ private:
+  /// The solves there will be, without repetitions and refusals.
+  int count_runs(std::deque<BenchProblem>& problems) const {
+    int runs = 0;
+    for (BenchProblem& problem : problems)
+      for (const SolverInfo* solver : solvers_)
+        runs += !unsupported(*solver, *problem.fitting(*solver, arguments_.drop).problem);
+    return runs * (arguments_.perturbations.empty() ? 1 : arguments_.instances);
+  }
+
+  bool run(BenchProblem& problem, std::optional<std::uint64_t> seed) {
+    const Perturbation perturbation = perturbation_of(problem, seed);
+    for (const SolverInfo* solver : solvers_) {
+      const BuiltProblem& built = problem.fitting(*solver, arguments_.drop);
+      status_.show(fmt::format("{}, {}{}, {}", progress_.text(), problem.spec.name.value,
+                               seed ? fmt::format(" seed {}", *seed) : "", solver->name));
+      if (!perturbation.any()) {
+        add(problem, built, *built.problem, built.guess, *solver, seed, homotopy_path(built));
+      } else {
+        const ShootingProblem instance =
+            perturb_initial_state(*built.problem, perturbation.initial_state, perturbation.seed);
+        const Trajectory guess = guess_of_instance(instance, built.guess, perturbation);
+        add(problem, built, instance, guess, *solver, seed,
+            perturb_initial_state(homotopy_path(built), perturbation.initial_state,
+                                  perturbation.seed));
+      }
+      if (InterruptGuard::signal() != 0) return false;
+    }
+    return true;
+  }
+
+  /// That of the file, but for what was asked for.
+  Perturbation perturbation_of(const BenchProblem& problem,
+                               std::optional<std::uint64_t> seed) const {
+    Perturbation perturbation = problem.perturbation;
+    const BenchmarkRequest& asked = report_.request;
+    perturbation.initial_state = asked.initial_state_size.value_or(perturbation.initial_state);
+    perturbation.guess = asked.guess_spread.value_or(perturbation.guess);
+    perturbation.seed = seed.value_or(perturbation.seed);
+    return perturbation;
+  }
+
+  void add(BenchProblem& problem, const BuiltProblem& built, const ShootingProblem& instance,
+           const Trajectory& guess, const SolverInfo& solver, std::optional<std::uint64_t> seed,
+           ProblemPath homotopy) {
+    SolverOptions options = problem.spec.solver.options;
+    options.homotopy = std::move(homotopy);
+    options.interrupted = [this] {
+      status_.refresh();
+      return InterruptGuard::signal() != 0;
+    };
+    if (solver.constraints == ConstraintSupport::all) options.multipliers = built.multipliers;
+    BenchmarkEntry entry{.problem = problem.spec.name.value,
+                         .file = problem.spec.file.string(),
+                         .sha256 = problem.spec.sha256,
+                         .problem_sha256 = problem.sha256(),
+                         .knots = instance.knots(),
+                         .states = instance.ndx(),
+                         .seed = seed,
+                         .initial_state = instance.initial_state(),
+                         .options = changed_options(options)};
+    for (int k = 0; k < instance.knots(); ++k)
+      entry.controls = std::max(entry.controls, instance.nu(k));
+    if (built.dropped.empty() && instance.initial_state() == built.problem->initial_state())
+      entry.best_known = problem.best_known;
+    Trajectory answer = guess;
+    Repetition repetition{.count = report_.request.repeat};
+    if (!arguments_.repeat) repetition.longest_s = kLongSolve;
+    entry.run = run_benchmark(instance, guess, solver, options, repetition, &answer);
+    if (InterruptGuard::signal() != 0) return;
+    if (!entry.run.times.empty()) progress_.count();
+    for (const DroppedConstraint& constraint : built.dropped)
+      if (!entry.run.times.empty())
+        entry.left_out.push_back({constraint.name, violation(constraint, instance, answer)});
+    entry.command = command_of(entry, built);
+    report_.entries.push_back(std::move(entry));
+  }
+
+  /// The command line that solves an entry alone. A limit in seconds belongs to it only where it
+  /// ended the solve: no other answer depends on one.
+  std::string command_of(const BenchmarkEntry& entry, const BuiltProblem& built) const {
+    const BenchmarkRequest& asked = report_.request;
+    std::vector<std::string> words = {"conddp", "solve", entry.file, "--solver", entry.run.solver};
+    const auto add = [&words](const char* option, std::string value) {
+      words.insert(words.end(), {option, std::move(value)});
+    };
+    for (const DroppedConstraint& constraint : built.dropped) add("--drop", constraint.name);
+    for (std::string& setting : settings_of(arguments_)) add("--set", std::move(setting));
+    if (asked.initial_state_size)
+      add("--perturb", fmt::format("initial_state={}", *asked.initial_state_size));
+    if (asked.guess_spread) add("--perturb", fmt::format("guess={}", *asked.guess_spread));
+    if (entry.seed) add("--seed", std::to_string(*entry.seed));
+    if (entry.run.status == to_string(SolveStatus::time_limit) && arguments_.max_time > 0)
+      add("--max-time", fmt::format("{}", arguments_.max_time));
+    return shell_line(words);
+  }
+
+  void write() {
+    const std::filesystem::path folder = arguments_.folder;
+    create_folder(folder);
+    AtomicFiles files;
+    files.add(folder / "bench.json", json_text(benchmark_json(report_)));
+    files.add(folder / "bench.csv", benchmark_csv(report_));
+    files.add(folder / "bench.md", benchmark_text(report_, true));
+    const std::string script = profile_script(report_);
+    files.add(folder / "profiles.gnuplot", script);
+    if (const GnuplotResult plot = run_gnuplot(script); plot.defect.empty()) {
+      files.add(folder / "profiles.svg", plot.output);
+    } else {
+      Diagnostics diagnostics;
+      diagnostics.warning({}, "no profiles.svg: " + plot.defect,
+                          "the script profiles.gnuplot draws it");
+      print_messages(diagnostics, Verbosity::kNormal);
+    }
+    files.commit();
+  }
+
+  const BenchArguments& arguments_;
+  std::vector<const SolverInfo*> solvers_;
+  BenchmarkReport report_;
+  Progress progress_;
+  StatusLine status_;
+};
+
+/// Where no file is named, the examples are meant, with a limit on the time.
+void take_examples(BenchArguments& arguments, Diagnostics& out) {
+  const auto folders = example_folders();
+  if (folders.empty())
+    return out.error({},
+                     "there are no example problems: no folder 'problems' with *.yaml here, "
+                     "and none installed with conddp",
+                     "name problem files, or a folder of them");
+  arguments.inputs = {folders.front().string()};
+  if (arguments.max_time == 0) arguments.max_time = kExampleTimeLimit;
+  out.note({}, fmt::format("no file is named: the problems of '{}', each solve within {} s",
+                           arguments.inputs.front(), arguments.max_time));
+}
+
+int bench(BenchArguments arguments) {
+  Diagnostics diagnostics;
+  if (arguments.inputs.empty()) take_examples(arguments, diagnostics);
+  if (diagnostics.has_errors()) {
+    print_messages(diagnostics, Verbosity::kNormal);
+    return kExitBadInput;
+  }
+  auto solvers = choose_solvers(arguments.solvers, diagnostics);
+  std::vector<std::string> settings = settings_of(arguments);
+  for (std::string& setting : solve_settings(arguments.max_time, arguments.threads))
+    settings.push_back(std::move(setting));
+  std::optional<std::deque<BenchProblem>> problems =
+      read_bench_problems(arguments.inputs, settings, arguments.drop, diagnostics);
+  print_messages(diagnostics, Verbosity::kVerbose);
+  if (!problems) return kExitBadInput;
+  const InterruptGuard guard;
+  if (!arguments.folder.empty()) create_folder(arguments.folder);
+  Bench bench(arguments, std::move(solvers), *problems);
+  for (BenchProblem& problem : *problems)
+    if (!bench.run(problem)) break;
+  const bool kept_word = bench.finish();
+  if (InterruptGuard::signal() != 0) return kExitSignalBase + InterruptGuard::signal();
+  return kept_word ? kExitConverged : kExitNotConverged;
+}
+
+}  // namespace
+
+Command bench_command() {
+  const auto a = std::make_shared<BenchArguments>();
+  return {
+      .name = "conddp bench",
+      .description = "Compare solvers on problems: time, iterations, answers",
+      .details =
+          "Every solver gets the same problem, guess and options, and its answer is measured by "
+          "the "
+          "same check. One solve at a time; times are medians after a warm-up. Without a file: the "
+          "problems in the folder 'problems', else those installed with conddp, each solve within "
+          "10 s. Solves that fail and problems that are refused stay in the table; the exit status "
+          "is 1 where the check does not confirm an answer that a solver called converged.",
+      .arguments =
+          {{.names = {"FILE"},
+            .value = "FILE.yaml",
+            .description = "Problem files, folders of them, or names of example problems",
+            .target = &a->inputs},
+           {.names = {"--solvers"},
+            .value = "NAMES",
+            .description = "The solvers: names with commas between, or all",
+            .fallback = a->solvers,
+            .target = &a->solvers},
+           drop_argument(a->drop,
+                         "Leave this constraint out for solvers that refuse the problem otherwise; "
+                         "'all' for every one; the table says so"),
+           {.names = {"--repeat"},
+            .value = "N",
+            .description = "Timed solves after one to warm up; 0: that one alone, timed. Unless "
+                           "this is given, a solve longer than a second is timed alone, too",
+            .numbers = WholeNumbers{0, 1000000},
+            .fallback = std::to_string(kRepeat),
+            .target = &a->repeat},
+           threads_argument(a->threads, "Threads of each solve instead of the file's"),
+           {.names = {"--tolerance"},
+            .value = "NAME=NUMBER",
+            .description = "Tolerance instead of the files': stationarity, gap or constraint",
+            .check = named_number({"stationarity", "gap", "constraint"}, 1e-300, 1e300,
+                                  "a number above 0"),
+            .target = &a->tolerances},
+           max_time_argument(a->max_time, "Stop each solve after this many seconds"),
+           perturbation_argument(a->perturbations,
+                                 "Solve random instances: initial_state=S moves the initial state "
+                                 "by a tangent vector with entries within S, guess=S adds normal "
+                                 "numbers of standard deviation S to the guess; repeatable"),
+           {.names = {"--instances"},
+            .value = "N",
+            .description = "Random instances of each problem",
+            .numbers = WholeNumbers{1, 1000000},
+            .fallback = std::to_string(a->instances),
+            .needs = "--perturb",
+            .target = &a->instances},
+           seed_argument(a->seed,
+                         "Seed of the first instance; each further one has the next number"),
+           setting_argument(a->settings,
+                            "Replace a value in every problem, as in --set "
+                            "solver.max_iterations=50"),
+           {.names = {"-o", "--output"},
+            .value = "FOLDER",
+            .description =
+                "Folder for the tables (bench.json, bench.csv, bench.md) and performance "
+                "profiles (profiles.svg, if gnuplot is installed)",
+            .target = &a->folder},
+           flag({"--json"}, a->json, "Print JSON (conddp schema bench) instead of tables")},
+      .run = [a] { return bench(*a); }};
+}
+
+}  // namespace conddp

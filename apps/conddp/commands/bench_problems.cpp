@@ -1,0 +1,127 @@
+#include "commands/bench_problems.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "arguments/example_problems.hpp"
+#include "arguments/input_files.hpp"
+#include "base/spelling.hpp"
+#include "output/bench/best_known.hpp"
+#include "problem_file/build/build_problem.hpp"
+#include "problem_file/build/problem_identity.hpp"
+#include "problem_file/read/read_problem.hpp"
+#include "terminal/messages.hpp"
+
+namespace conddp {
+namespace {
+
+/// The constraints of a problem that may be dropped.
+std::vector<std::string> droppable(const ProblemSpec& spec, const std::vector<std::string>& drop) {
+  std::vector<std::string> names;
+  for (const std::string& constraint : constraint_names(spec))
+    if (std::any_of(drop.begin(), drop.end(),
+                    [&](const std::string& name) { return name == kAll || name == constraint; }))
+      names.push_back(constraint);
+  return names;
+}
+
+void check_drop(const std::deque<BenchProblem>& problems, const std::vector<std::string>& drop,
+                Diagnostics& out) {
+  std::vector<std::string> names;
+  for (const BenchProblem& problem : problems)
+    for (const std::string& constraint : constraint_names(problem.spec))
+      if (std::find(names.begin(), names.end(), constraint) == names.end())
+        names.push_back(constraint);
+  for (const std::string& name : drop)
+    if (name != kAll && std::find(names.begin(), names.end(), name) == names.end())
+      out.error({}, fmt::format("--drop {}: no problem has a constraint '{}'", name, name),
+                name_hint(name, names, "constraints"), names);
+}
+
+/// Whether an error says in which problem file it is. One in a robot's file does not.
+bool names_file(const Diagnostics& diagnostics, const std::string& file) {
+  const auto& list = diagnostics.list();
+  return std::any_of(list.begin(), list.end(), [&](const Diagnostic& d) {
+    return d.severity == Severity::kError &&
+           (d.file == file || d.message.find(fmt::format("'{}'", file)) != std::string::npos);
+  });
+}
+
+/// Looks the problems up in the files beside them, if there are any.
+bool find_best_known(std::deque<BenchProblem>& problems, Diagnostics& out) {
+  std::map<std::filesystem::path, BestKnown> of_folders;
+  for (BenchProblem& problem : problems) {
+    const std::filesystem::path folder = problem.spec.file.parent_path();
+    const auto [known, fresh] = of_folders.try_emplace(folder);
+    std::error_code error;
+    if (fresh && std::filesystem::exists(folder / kBestKnownFile, error)) {
+      auto read = load_best_known(folder / kBestKnownFile, out);
+      if (!read) return false;
+      known->second = *std::move(read);
+    }
+    if (const auto found = known->second.find(problem.sha256()); found != known->second.end())
+      problem.best_known = found->second;
+  }
+  return true;
+}
+
+}  // namespace
+
+const BuiltProblem* BenchProblem::build(const std::vector<std::string>& drop, Diagnostics& out) {
+  const auto [found, fresh] = built_.try_emplace(drop);
+  if (fresh) found->second = build_problem(spec, {.drop = drop}, out);
+  return found->second ? &*found->second : nullptr;
+}
+
+const BuiltProblem& BenchProblem::fitting(const SolverInfo& solver,
+                                          const std::vector<std::string>& drop) {
+  const auto taken = [&](const std::vector<std::string>& without) {
+    Diagnostics unused;  // of a problem that was built before
+    const BuiltProblem* built = build(without, unused);
+    return built != nullptr && !unsupported(solver, *built->problem);
+  };
+  const std::vector<std::string> all = droppable(spec, drop);
+  std::vector<std::string> without;
+  if (!taken(without) && taken(all)) {
+    without = all;
+    for (const std::string& name : all) {
+      std::vector<std::string> fewer = without;
+      fewer.erase(std::find(fewer.begin(), fewer.end(), name));
+      if (taken(fewer)) without = fewer;
+    }
+  }
+  return *built_.at(without);
+}
+
+const std::string& BenchProblem::sha256() {
+  if (sha256_.empty()) sha256_ = problem_sha256(spec, *built_.at({}));
+  return sha256_;
+}
+
+std::optional<std::deque<BenchProblem>> read_bench_problems(
+    const std::vector<std::string>& inputs, const std::vector<std::string>& settings,
+    const std::vector<std::string>& drop, Diagnostics& out) {
+  std::deque<BenchProblem> problems;
+  bool complete = true;
+  std::vector<std::string> paths;
+  for (const std::string& input : inputs)
+    if (const auto path = find_problem_file(input, out)) paths.push_back(path->string());
+  for (const auto& file : input_files(paths, ".yaml", out)) {
+    Diagnostics own;
+    if (auto spec = read_problem(file, settings, own))
+      problems.emplace_back(*std::move(spec)).build({}, own);
+    print_messages(own, Verbosity::kQuiet);
+    if (!own.has_errors()) continue;
+    complete = false;
+    if (!names_file(own, file.string()))
+      out.error({}, fmt::format("'{}' cannot be used", file.string()));
+  }
+  // Which constraints there are is known of all problems or not at all.
+  if (complete) check_drop(problems, drop, out);
+  complete = complete && find_best_known(problems, out);
+  if (!complete || out.has_errors()) return std::nullopt;
+  return problems;
+}
+
+}  // namespace conddp

@@ -1,0 +1,73 @@
+#include "arguments/problem_arguments.hpp"
+#include "arguments/shared_arguments.hpp"
+#include "base/json_text.hpp"
+#include "commands/commands.hpp"
+#include "problem_file/build/build_problem.hpp"
+#include "problem_file/expand/expand_problem.hpp"
+#include "solvers/strategies/registry.hpp"
+#include "summary/check_summary.hpp"
+#include "summary/derivative_report.hpp"
+#include "terminal/exit_codes.hpp"
+#include "terminal/messages.hpp"
+#include "terminal/streams.hpp"
+
+namespace conddp {
+namespace {
+
+struct CheckArguments : ProblemArguments {
+  bool expand = false;
+  bool derivatives = false;
+  bool json = false;
+  bool verbose = false;
+};
+
+int check_file(const CheckArguments& arguments) {
+  Diagnostics diagnostics;
+  const Verbosity verbosity = arguments.verbose ? Verbosity::kVerbose : Verbosity::kNormal;
+  const auto spec = read_problem_of(arguments, diagnostics);
+  const auto built = spec ? build_problem(*spec, {.drop = arguments.drop}, diagnostics)
+                          : std::optional<BuiltProblem>();
+  const auto candidates = built ? usable_solvers(*spec, *built->problem, diagnostics)
+                                : std::vector<const SolverInfo*>();
+  print_messages(diagnostics, verbosity);
+  if (candidates.empty()) return kExitBadInput;
+  if (arguments.expand) {
+    print_result(arguments.json ? json_text(expand_problem(*spec, *built))
+                                : expanded_text(*spec, *built));
+    return kExitConverged;
+  }
+  OrderedJson summary = check_summary(*spec, *built, candidates);
+  bool holds = true;
+  if (arguments.derivatives) {
+    summary["derivatives"] =
+        derivatives_json(check_derivatives(*built->problem, built->guess), *spec, *built);
+    holds = summary["derivatives"]["holds"];
+  }
+  if (arguments.json) {
+    print_result(json_text(summary));
+  } else {
+    print_result(check_text(summary));
+    if (arguments.derivatives) print_result(derivatives_text(summary["derivatives"]));
+  }
+  return holds ? kExitConverged : kExitNotConverged;
+}
+
+}  // namespace
+
+Command check_command() {
+  const auto a = std::make_shared<CheckArguments>();
+  return {.name = "conddp check",
+          .description = "Check a problem file without solving it",
+          .arguments = joined(
+              problem_arguments(*a),
+              {flag({"--expand"}, a->expand, "Print the file with every default filled in"),
+               flag({"--derivatives"}, a->derivatives,
+                    "Compare every derivative with dual numbers and name the worst entries; exit "
+                    "status 1 if one is wrong",
+                    "--expand"),
+               flag({"--json"}, a->json, "Print JSON on stdout"),
+               flag({"-v", "--verbose"}, a->verbose, "Print notes too")}),
+          .run = [a] { return check_file(*a); }};
+}
+
+}  // namespace conddp

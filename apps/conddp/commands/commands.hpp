@@ -1,0 +1,29 @@
+#pragma once
+
+#include "arguments/command.hpp"
+
+namespace conddp {
+
+// The subcommands, one source file each: what each takes, and what it does with it. Help, manual
+// pages and completion are made from these declarations.
+Command solve_command();
+Command check_command();
+Command verify_command();
+Command contacts_command();
+Command bench_command();
+Command compare_command();
+Command regress_command();
+Command inspect_command();
+Command report_command();
+Command list_command();
+Command schema_command();
+
+// These speak of the whole tool, to which they refer when they run.
+Command completion_command(const Command& tool);
+Command man_command(const Command& tool);
+Command help_command(const Command& tool);
+
+/// The value of an argument that names a subcommand: main() gives it the names as choices.
+inline constexpr const char* kSubcommandValue = "SUBCOMMAND";
+
+}  // namespace conddp

@@ -1,0 +1,132 @@
+#include <fmt/format.h>
+
+#include "arguments/shared_arguments.hpp"
+#include "base/atomic_file.hpp"
+#include "base/json_document.hpp"
+#include "base/solution_members.hpp"
+#include "commands/commands.hpp"
+#include "output/report/contact_report.hpp"
+#include "output/solution/contact_schedule.hpp"
+#include "output/solution/solved_problem.hpp"
+#include "problem_file/yaml/yaml_text.hpp"
+#include "solvers/strategies/registry.hpp"
+#include "terminal/exit_codes.hpp"
+#include "terminal/messages.hpp"
+#include "terminal/streams.hpp"
+
+namespace conddp {
+namespace {
+
+struct ContactsArguments {
+  std::string solution;
+  std::string output;
+  std::string problem;
+  std::string solver = "proxddp";
+};
+
+/// The states and controls of a solution.
+Trajectory trajectory_of(const OrderedJson& document, const ShootingProblem& problem) {
+  Trajectory trajectory = problem.create_trajectory();
+  const OrderedJson& lists = solution_member(document, "trajectory");
+  const auto copy = [](const OrderedJson& row, auto target, const char* what) {
+    if (!row.is_array() || static_cast<Eigen::Index>(row.size()) != target.size())
+      throw MalformedSolution{fmt::format("'{}' does not fit the problem", what)};
+    for (Eigen::Index i = 0; i < target.size(); ++i) {
+      if (!row[i].is_number())
+        throw MalformedSolution{fmt::format("'{}' has an entry that is not a number", what)};
+      target[i] = row[i].get<double>();
+    }
+  };
+  const OrderedJson &x = solution_member(lists, "x"), &u = solution_member(lists, "u");
+  if (!x.is_array() || !u.is_array() || static_cast<int>(x.size()) != problem.knots() + 1 ||
+      u.size() + 1 != x.size())
+    throw MalformedSolution{"'trajectory' does not fit the problem"};
+  for (int k = 0; k <= problem.knots(); ++k) {
+    copy(x[k], trajectory.x(k), "trajectory.x");
+    if (k < problem.knots()) copy(u[k], trajectory.u(k), "trajectory.u");
+  }
+  return trajectory;
+}
+
+ScheduleOptions options_of(const ContactsArguments& arguments) {
+  ScheduleOptions options;
+  options.solver = arguments.solver;
+  options.supports_constraints =
+      find_solver(arguments.solver)->constraints == ConstraintSupport::all;
+  options.folder = std::filesystem::absolute(arguments.output).parent_path();
+  options.solution = std::filesystem::absolute(arguments.solution);
+  return options;
+}
+
+int write_schedule(const ContactsArguments& arguments) {
+  Diagnostics diagnostics;
+  const auto give_up = [&](const std::string& message) {
+    if (!message.empty()) diagnostics.add({.file = arguments.solution, .message = message});
+    print_messages(diagnostics, Verbosity::kNormal);
+    return kExitBadInput;
+  };
+  constexpr std::string_view kKeys[] = {"problem", "solver", "trajectory", "dropped_constraints"};
+  const auto loaded = load_document(arguments.solution, kSolutionDocument, kKeys, {}, diagnostics);
+  if (!loaded) return give_up({});
+  const OrderedJson document(*loaded);
+  try {
+    const auto solved =
+        rebuild_problem(document, arguments.solution, arguments.problem, diagnostics);
+    if (!solved) return give_up({});
+    const Trajectory trajectory = trajectory_of(document, *solved->built.problem);
+    const auto motion = contact_motion(*solved->built.problem, trajectory);
+    if (!motion)
+      return give_up("its problem has no 'contact_candidates', and so no contacts that were found");
+    const ContactSchedule schedule =
+        contact_schedule(*solved->spec, solved->built, *motion, options_of(arguments));
+    AtomicFiles files;
+    files.add(arguments.output, yaml_text(schedule.problem));
+    files.commit();
+    for (const std::string& note : schedule.notes)
+      diagnostics.add(
+          {.file = arguments.solution, .severity = Severity::kWarning, .message = note});
+    print_messages(diagnostics, Verbosity::kNormal);
+    print_result(fmt::format("{}\n  written {}\n", contact_sequence_text(certify_contacts(*motion)),
+                             arguments.output));
+    return kExitConverged;
+  } catch (const MalformedSolution& malformed) {
+    return give_up("the solution cannot be used: " + malformed.message);
+  } catch (const NoSchedule& none) {
+    return give_up("there is no schedule of its contacts: " + none.reason);
+  }
+}
+
+}  // namespace
+
+Command contacts_command() {
+  const auto a = std::make_shared<ContactsArguments>();
+  return {
+      .name = "conddp contacts",
+      .description =
+          "Write the contacts that a solution found as a problem with scheduled contacts",
+      .details =
+          "Each run of steps with the same closed contacts becomes a phase, each landing an "
+          "impulse, "
+          "and the motion the first guess. Joint stops become bounds on positions, friction "
+          "becomes "
+          "cones; for solvers that take no constraints all of these become costs. What the file "
+          "cannot say is a warning.",
+      .arguments = {{.names = {"FILE"},
+                     .value = "FILE.json",
+                     .description = "Solution",
+                     .required = true,
+                     .target = &a->solution},
+                    {.names = {"-o", "--output"},
+                     .value = "FILE.yaml",
+                     .description = "Problem file to write",
+                     .required = true,
+                     .target = &a->output},
+                    problem_of_solution(
+                        a->problem,
+                        "Problem file; the one that the solution names if nothing is said"),
+                    solver_argument(a->solver,
+                                    "Solver of the new problem; proxddp if nothing is said")},
+      .run = [a] { return write_schedule(*a); }};
+}
+
+}  // namespace conddp

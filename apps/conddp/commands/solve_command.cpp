@@ -1,0 +1,222 @@
+#include <algorithm>
+#include <chrono>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "arguments/problem_arguments.hpp"
+#include "arguments/shared_arguments.hpp"
+#include "base/atomic_file.hpp"
+#include "commands/commands.hpp"
+#include "output/report/certificate_report.hpp"
+#include "output/report/solution_certificate.hpp"
+#include "output/solution/solution_json.hpp"
+#include "output/solution/write_solution.hpp"
+#include "problem_file/build/build_problem.hpp"
+#include "problem_file/build/homotopy.hpp"
+#include "problem_file/data/warm_start.hpp"
+#include "summary/report_file.hpp"
+#include "summary/solve_summary.hpp"
+#include "terminal/exit_codes.hpp"
+#include "terminal/interrupt.hpp"
+#include "terminal/messages.hpp"
+#include "terminal/progress_table.hpp"
+#include "terminal/status_line.hpp"
+#include "terminal/streams.hpp"
+#include "terminal/terminal.hpp"
+
+namespace conddp {
+namespace {
+
+struct SolveArguments : ProblemArguments {
+  std::string folder;
+  std::string warm_start;
+  bool quiet = false;
+  bool json = false;
+  bool verbose = false;
+  bool report = false;
+  bool no_verify = false;
+};
+
+/// The settings of the command line as the solution lists them. A warm start is one of them, but
+/// its path is relative to the current folder, not to that of the problem file.
+std::vector<std::string> overrides(const SolveArguments& arguments) {
+  std::vector<std::string> list = settings_of(arguments);
+  if (!arguments.warm_start.empty())
+    list.push_back("initial_guess={file: " + arguments.warm_start + "}");
+  return list;
+}
+
+int exit_code(SolveStatus status) {
+  if (is_success(status)) return kExitConverged;
+  if (status == SolveStatus::interrupted && InterruptGuard::signal() != 0)
+    return kExitSignalBase + InterruptGuard::signal();
+  return kExitNotConverged;
+}
+
+/// About how long the files of an answer take, and its certificate if it gets one, in s. Both grow
+/// with the numbers that are written.
+double finishing_time(const ShootingProblem& problem, bool certified) {
+  constexpr double kWrittenNumber = 4e-7, kComparedNumber = 5e-7, kEvaluatedKnot = 5e-6;
+  double numbers = 0;
+  for (int k = 0; k < problem.knots(); ++k)
+    numbers += problem.nx() + 2 * problem.ndx() + problem.nu(k) * (problem.ndx() + 2.0);
+  const double written = kWrittenNumber * numbers;
+  return certified ? written + kComparedNumber * numbers + kEvaluatedKnot * problem.knots()
+                   : written;
+}
+
+/// Reports an error at the knots where a time limit is exceeded by far before a solve has begun.
+bool leaves_time(const ProblemSpec& spec, double finishing, Diagnostics& out) {
+  constexpr double kByFar = 1;  // s
+  const double limit = spec.solver.options.max_time_s;
+  if (finishing <= limit + kByFar) return true;
+  double knots = 0;
+  const PhaseSpec* longest = &spec.phases.front();
+  for (const PhaseSpec& phase : spec.phases) {
+    knots += phase.knots.value;
+    if (phase.knots.value > longest->knots.value) longest = &phase;
+  }
+  out.error(longest->knots.place,
+            fmt::format("what follows a solve of {:.0f} knots, its certificate and files, takes "
+                        "about {:.2g} s, and the time limit is {:g} s",
+                        knots, finishing, limit),
+            "take fewer knots or a longer limit (--max-time, solver.max_time_s)");
+  return false;
+}
+
+/// Progress is a line of a terminal that is redrawn, or a table where notes are wanted as well;
+/// there is none among messages for machines.
+SolveResult solve_showing_progress(const BuiltProblem& built,
+                                   const std::vector<const SolverInfo*>& candidates,
+                                   SolverOptions options, Verbosity verbosity,
+                                   const SolverInfo*& solver) {
+  // Before the first iterate there is nothing that a signal should save, and after the last one the
+  // answer is whole or not written: then signals have their usual effect.
+  std::optional<InterruptGuard> guard;
+  const bool text = message_format() == MessageFormat::kText;
+  StatusLine status(text && verbosity == Verbosity::kNormal && terminal_of(2).redraws);
+  ProgressTable table;
+  options.interrupted = [&] {
+    status.refresh();
+    return InterruptGuard::signal() != 0;
+  };
+  options.on_iteration = [&](const IterationRecord& row) {
+    if (!guard) guard.emplace();
+    status.show(row);
+    if (text && verbosity == Verbosity::kVerbose) table.print(row);
+  };
+  options.multipliers = built.multipliers;
+  options.homotopy = homotopy_path(built);
+  return solve(*built.problem, candidates, options, built.guess, solver);
+}
+
+int solve_file(const SolveArguments& arguments) {
+  const auto began = std::chrono::steady_clock::now();
+  Diagnostics diagnostics;
+  const Verbosity verbosity = arguments.quiet     ? Verbosity::kQuiet
+                              : arguments.verbose ? Verbosity::kVerbose
+                                                  : Verbosity::kNormal;
+  const auto give_up = [&] {
+    print_messages(diagnostics, verbosity);
+    return kExitBadInput;
+  };
+  auto spec = read_problem_of(arguments, diagnostics);
+  if (!spec) return give_up();
+  if (!arguments.warm_start.empty()) set_warm_start(arguments.warm_start, *spec, diagnostics);
+  const auto built = build_problem(*spec, {.drop = arguments.drop}, diagnostics);
+  if (!built) return give_up();
+  const auto candidates = usable_solvers(*spec, *built->problem, diagnostics);
+  if (candidates.empty()) return give_up();
+  const double finishing = finishing_time(*built->problem, !arguments.no_verify);
+  if (!leaves_time(*spec, finishing, diagnostics)) return give_up();
+  print_messages(diagnostics, verbosity);
+  const auto is_note = [](const Diagnostic& d) { return d.severity == Severity::kNote; };
+  const int hidden_notes = arguments.verbose
+                               ? 0
+                               : static_cast<int>(std::count_if(diagnostics.list().begin(),
+                                                                diagnostics.list().end(), is_note));
+
+  const std::filesystem::path folder = arguments.folder.empty()
+                                           ? std::filesystem::path("out") / spec->name.value
+                                           : std::filesystem::path(arguments.folder);
+  if (arguments.report && !reports_can_be_made()) return kExitBadInput;
+  create_folder(folder);  // before the work, so that nothing is computed in vain
+  // The time limit is that of the command. What it leaves to the solver may be nothing but a look
+  // at the guess.
+  SolverOptions options = spec->solver.options;
+  const std::chrono::duration<double> gone = std::chrono::steady_clock::now() - began;
+  options.max_time_s = std::max(1e-3, options.max_time_s - gone.count() - finishing);
+  const SolverInfo* solver = nullptr;
+  const SolveResult result = solve_showing_progress(*built, candidates, options, verbosity, solver);
+  const Solution solution{*spec, *built, *solver, result, overrides(arguments)};
+  OrderedJson document = solution_json(solution);
+  std::optional<SolutionCertificate> certificate;
+  if (!arguments.no_verify) certificate = certify_solution(document, *spec, *built, false);
+  if (certificate) add_certificate(certificate_json(*certificate), document);
+  std::string page;
+  if (arguments.report)
+    page = report_text(report_data({{.label = std::string(solver->name),
+                                     .document = document,
+                                     .spec = &*spec,
+                                     .built = &*built}}));
+  std::vector<std::string> written;
+  for (const auto& path : write_solution(solution, document, folder, page))
+    written.push_back(path.string());
+  if (arguments.json) {
+    OrderedJson head = solution_head(solution);
+    if (certificate) add_certificate(certificate_json(*certificate), head);
+    print_result(json_text(head));
+  } else if (!arguments.quiet) {
+    print_as_it_is(summary_text(solution, certificate ? &*certificate : nullptr, written,
+                                terminal_of(1).colour, hidden_notes));
+  }
+  if (certificate && !certificate->checks.computable()) {
+    print_error("the answer cannot be checked: " + certificate_line(*certificate),
+                "its numbers are so large that rounding or overflow eats what they should say");
+    return std::max<int>(kExitNotConverged, exit_code(result.status));
+  }
+  if (certificate && !certificate->checks.holds()) {
+    print_error("the certificate of the answer " + certificate_line(*certificate),
+                "this is a defect of conddp; please report it with the command and its files");
+    return kExitDefect;
+  }
+  return exit_code(result.status);
+}
+
+}  // namespace
+
+Command solve_command() {
+  const auto a = std::make_shared<SolveArguments>();
+  return {
+      .name = "conddp solve",
+      .description = "Solve a problem file",
+      .details =
+          "Writes solution.json, trajectory.csv and iterations.csv, all of them or none. "
+          "Ctrl-C ends the solve and writes the best iterate.",
+      .arguments = joined(
+          problem_arguments(*a),
+          {{.names = {"-o", "--output"},
+            .value = "FOLDER",
+            .description = "Folder for the outputs; out/<problem name> if nothing is said",
+            .target = &a->folder},
+           {.names = {"--warm-start"},
+            .value = "FILE.json",
+            .description = "Start from the states and controls of a former solution.json, "
+                           "interpolated to this problem's knots, instead of the file's initial "
+                           "guess",
+            .target = &a->warm_start},
+           max_time_argument(a->max_time, "Stop after this many seconds"),
+           threads_argument(a->threads, "Threads; results do not depend on it"),
+           flag({"--quiet"}, a->quiet, "Print nothing but errors"),
+           flag({"--report"}, a->report, "Write report.html too, to see the motion in a browser"),
+           flag({"--json"}, a->json, "Print the head of the solution as JSON on stdout"),
+           flag({"-v", "--verbose"}, a->verbose,
+                "Print notes, and a line of figures each iteration", "--quiet"),
+           flag({"--no-verify"}, a->no_verify,
+                "Leave out the certificate: the check of the answer by code that no solver "
+                "uses")}),
+      .run = [a] { return solve_file(*a); }};
+}
+
+}  // namespace conddp

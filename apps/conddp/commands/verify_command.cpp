@@ -1,0 +1,125 @@
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "arguments/shared_arguments.hpp"
+#include "base/json_document.hpp"
+#include "base/json_text.hpp"
+#include "base/solution_members.hpp"
+#include "commands/commands.hpp"
+#include "output/report/certificate_report.hpp"
+#include "output/report/contact_report.hpp"
+#include "output/report/solution_certificate.hpp"
+#include "output/solution/finding_report.hpp"
+#include "output/solution/solved_problem.hpp"
+#include "terminal/exit_codes.hpp"
+#include "terminal/messages.hpp"
+#include "terminal/streams.hpp"
+
+namespace conddp {
+namespace {
+
+struct VerifyArguments {
+  std::string solution;
+  std::string problem;
+  bool json = false;
+  bool quiet = false;
+};
+
+int print(const VerifyArguments& arguments, const ProblemSpec& spec,
+          const SolutionCertificate& certificate) {
+  if (arguments.json) {
+    print_result(json_text(OrderedJson{{"format", "conddp.verify/1"},
+                                       {"solution", arguments.solution},
+                                       {"problem", spec.file.string()},
+                                       {"name", spec.name.value},
+                                       {"findings", findings_json(certificate.findings)},
+                                       {"certificate", certificate_json(certificate)}}));
+  } else if (!arguments.quiet) {
+    print_result(fmt::format("{}: {}\n", spec.name.value, certificate_line(certificate)));
+    print_result(certificate_table(certificate));
+    if (!std::isnan(certificate.checks.optimality.stationarity))
+      print_result(fmt::format("  {}\n", optimality_line(certificate)));
+    if (certificate.contacts)
+      for (const std::string& line :
+           contact_lines(*certificate.contacts, certificate.tangent_names))
+        print_result(fmt::format("  {}\n", line));
+    for (const std::string& line : finding_lines(certificate.findings))
+      print_result(fmt::format("  finding {}\n", line));
+    if (!certificate.replay) return kExitNotConverged;
+    print_result(fmt::format("  replay {}\n", replay_line(certificate)));
+    for (const std::string& warning : replay_warnings(certificate))
+      print_result(fmt::format("  warning {}\n", warning));
+  }
+  return certificate.checks.holds() ? kExitConverged : kExitNotConverged;
+}
+
+int verify(const VerifyArguments& arguments) {
+  Diagnostics diagnostics;
+  const auto give_up = [&] {
+    print_messages(diagnostics, Verbosity::kNormal);
+    return kExitBadInput;
+  };
+  constexpr std::string_view kKeys[] = {"problem",
+                                        "solver",
+                                        "status",
+                                        "cost",
+                                        "cost_by_name",
+                                        "iterations",
+                                        "residuals",
+                                        "findings",
+                                        "initial_guess_used",
+                                        "constraints",
+                                        "soft_constraints",
+                                        "dropped_constraints",
+                                        "trajectory",
+                                        "gains",
+                                        "multipliers",
+                                        "log",
+                                        "certificate",
+                                        "nulls"};
+  const auto loaded = load_document(arguments.solution, kSolutionDocument, kKeys, {}, diagnostics);
+  if (!loaded) return give_up();
+  const OrderedJson document(*loaded);
+  try {
+    const auto problem =
+        rebuild_problem(document, arguments.solution, arguments.problem, diagnostics);
+    if (!problem) return give_up();
+    const auto& [spec, built] = *problem;
+    print_messages(diagnostics, arguments.quiet ? Verbosity::kQuiet : Verbosity::kNormal);
+    return print(arguments, *spec, certify_solution(document, *spec, built, true));
+  } catch (const MalformedSolution& malformed) {
+    diagnostics.add({.file = arguments.solution,
+                     .message = "the solution cannot be used: " + malformed.message});
+  } catch (const OrderedJson::exception& error) {
+    diagnostics.add({.file = arguments.solution,
+                     .message = fmt::format("the solution cannot be used: {}", error.what())});
+  }
+  return give_up();
+}
+
+}  // namespace
+
+Command verify_command() {
+  const auto a = std::make_shared<VerifyArguments>();
+  return {.name = "conddp verify",
+          .description = "Check a solution by code that no solver uses",
+          .details =
+              "Simulates every knot again and compares costs, gaps, bounds, multipliers and the "
+              "gradient "
+              "of the Lagrangian with what the solution says of itself. Exit status 0 if all of it "
+              "holds, 1 if not.",
+          .arguments = {{.names = {"FILE"},
+                         .value = "FILE.json",
+                         .description = "Solution",
+                         .required = true,
+                         .target = &a->solution},
+                        problem_of_solution(
+                            a->problem,
+                            "Problem file; the one that the solution names if nothing is said"),
+                        flag({"--quiet"}, a->quiet, "Print nothing but errors"),
+                        flag({"--json"}, a->json, "Print JSON on stdout", "--quiet")},
+          .run = [a] { return verify(*a); }};
+}
+
+}  // namespace conddp

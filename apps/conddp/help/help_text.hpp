@@ -1,0 +1,12 @@
+#pragma once
+
+#include <string>
+
+#include "arguments/command.hpp"
+
+namespace conddp {
+
+/// What `--help` prints, in lines of at most `width` characters.
+std::string help_text(const Command& command, int width);
+
+}  // namespace conddp

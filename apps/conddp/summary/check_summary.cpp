@@ -1,0 +1,363 @@
+#include "summary/check_summary.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "problem_file/expand/expand_sections.hpp"
+#include "problem_file/spec/enum_names.hpp"
+#include "problem_file/spec/system_fields.hpp"
+#include "systems/multibody/multibody.hpp"
+
+namespace conddp {
+namespace {
+
+OrderedJson column_list(const std::vector<Column>& columns) {
+  OrderedJson list = OrderedJson::array();
+  for (const Column& column : columns) list.push_back(column.name);
+  return list;
+}
+
+OrderedJson robots_json(const ProblemSpec& spec, const BuiltProblem& built) {
+  OrderedJson robots = OrderedJson::array();
+  for (const PlantPart& part : built.plant.parts) {
+    const RobotModel& model = built.plant.robot();
+    int dof = 0;
+    OrderedJson joints = OrderedJson::array();
+    for (int i = part.first_joint; i < part.first_joint + part.joint_count; ++i) {
+      if (!built.plant.multibody()->velocity_row(i)) continue;  // it follows another joint
+      dof += model.joints[i].nv();
+      joints.push_back(model.joints[i].name);
+    }
+    robots.push_back({{"name", part.spec->name.value},
+                      {"file", part.spec->path.string()},
+                      {"base", word_of(kBaseWords, part.spec->base)},
+                      {"degrees_of_freedom", dof},
+                      {"joints", std::move(joints)}});
+  }
+  return spec.system ? OrderedJson::array() : robots;
+}
+
+/// Rows of the cost's residual: from a knot model that has it, 0 where its weight is 0 everywhere.
+int rows_of(const std::string& cost, const ShootingProblem& problem, bool terminal) {
+  const auto find = [&](const KnotModel& model) {
+    for (const CostTerm& term : model.costs())
+      if (term.name == cost) return term.residual->size();
+    return 0;
+  };
+  if (terminal) return find(*problem.terminal().model);
+  for (const Phase& phase : problem.phases())
+    if (const int rows = find(*phase.model); rows > 0) return rows;
+  return 0;
+}
+
+/// The phases in which a cost counts at some knot at least.
+OrderedJson phases_of(const std::string& cost, const ShootingProblem& problem) {
+  OrderedJson names = OrderedJson::array();
+  for (const Phase& phase : problem.phases()) {
+    const KnotModel& model = *phase.model;
+    bool counts = false;
+    for (const CostTerm& term : model.costs())
+      for (int k = 0; k < phase.knots() && term.name == cost; ++k)
+        counts |= phase.parameters[k * model.parameter_count() + term.weight] != 0;
+    if (counts) names.push_back(phase.name);
+  }
+  return names;
+}
+
+OrderedJson costs_json(const std::vector<CostSpec>& costs, const BuiltProblem& built,
+                       bool terminal) {
+  OrderedJson list = OrderedJson::array();
+  for (const CostSpec& cost : costs) {
+    OrderedJson entry = {{"name", cost.name.value},
+                         {"residual", cost.residual.value},
+                         {"rows", rows_of(cost.name.value, *built.problem, terminal)},
+                         {"activation", word_of(kActivationWords, cost.activation.kind)},
+                         {"weight", cost.weight}};
+    if (!terminal) entry["phases"] = phases_of(cost.name.value, *built.problem);
+    list.push_back(std::move(entry));
+  }
+  return list;
+}
+
+/// What a constraint is in: bounds on coordinates, or a residual in a set.
+std::string_view set_of(const ConstraintSpec& c) {
+  if (c.bounded) return "bounds";
+  if (c.function.cone.second_order) return "cone";
+  return c.at_least || c.at_most ? "norm" : "rows";
+}
+
+OrderedJson constraints_json(const ProblemSpec& spec, const BuiltProblem& built) {
+  OrderedJson list = OrderedJson::array();
+  const auto add = [&](const std::string& name, const std::string& on, std::string_view set,
+                       bool terminal, bool from_urdf, Softness softness, OrderedJson phases) {
+    const bool dropped = std::any_of(built.dropped.begin(), built.dropped.end(),
+                                     [&](const DroppedConstraint& d) { return d.name == name; });
+    list.push_back({{"name", name},
+                    {"on", on},
+                    {"set", set},
+                    {"terminal", terminal},
+                    {"from_urdf", from_urdf},
+                    {"phases", std::move(phases)},
+                    {"soft", softness == Softness::hard ? "no" : word_of(kSoftWords, softness)},
+                    {"dropped", dropped}});
+  };
+  for (const ControlBoundsSpec& bounds : spec.control_bounds)
+    add(bounds.name.value, "control", "bounds", false, bounds.from_urdf, Softness::hard,
+        expand_phase_names(bounds.phases, spec));
+  for (const bool terminal : {false, true})
+    for (const ConstraintSpec& c : terminal ? spec.terminal_constraints : spec.constraints)
+      add(c.function.name.value,
+          c.bounded ? word_of(kBoundedWords, c.bounded->value) : c.function.residual.value,
+          set_of(c), terminal, c.from_urdf, c.softness,
+          terminal ? OrderedJson::array() : expand_phase_names(c.function.phases, spec));
+  return list;
+}
+
+std::string_view phase_kind(const Phase& phase) {
+  if (phase.model->system().kind() == SystemKind::impulse) return "impulse";
+  return phase.instant ? "choice" : "motion";
+}
+
+/// The contacts that are closed in a phase.
+OrderedJson contacts_of(const Phase& phase) {
+  OrderedJson names = OrderedJson::array();
+  if (const auto* system = phase.model->system().as_multibody())
+    for (const Contact& contact : system->contacts().contacts()) names.push_back(contact.name);
+  return names;
+}
+
+OrderedJson phases_json(const ShootingProblem& problem) {
+  OrderedJson list = OrderedJson::array();
+  for (const Phase& phase : problem.phases()) {
+    double duration = 0;
+    for (const double dt : phase.dt) duration += phase.instant ? 0 : dt;
+    const auto [shortest, longest] = std::minmax_element(phase.dt.begin(), phase.dt.end());
+    const ContactRank rank = phase.model->system().contact_rank(problem.initial_state().data());
+    list.push_back({{"name", phase.name},
+                    {"kind", phase_kind(phase)},
+                    {"contacts", contacts_of(phase)},
+                    {"contact_rows", rank.rows},
+                    {"contact_rank", rank.rank},
+                    {"redundant_contacts", rank.redundant},
+                    {"knots", phase.knots()},
+                    {"dt_s", phase.instant ? 0 : *longest},
+                    {"shortest_dt_s", phase.instant ? 0 : *shortest},
+                    {"duration_s", duration}});
+  }
+  return list;
+}
+
+/// What may touch what at any time.
+OrderedJson candidates_json(const ProblemSpec& spec) {
+  constexpr const char* kForms[] = {"half-space", "sphere", "box"};
+  OrderedJson list = OrderedJson::array();
+  for (const CandidateSpec& candidate : spec.candidates) {
+    const TouchedSpec& touched = candidate.against;
+    list.push_back({{"name", candidate.name.value},
+                    {"frame", candidate.frame.value},
+                    {"radius_m", candidate.radius},
+                    {"against", kForms[touched.form.index()]},
+                    {"of", touched.frame ? touched.frame->value : "world"},
+                    {"friction", candidate.friction}});
+  }
+  return list;
+}
+
+std::string_view bounds_word(const SolverInfo& solver, const ShootingProblem& problem) {
+  if (!problem.has_control_bounds()) return "none";
+  return solver.control_bounds == BoundSupport::exact ? "kept" : "clipped";
+}
+
+std::string comma_list(const OrderedJson& names) {
+  std::string list;
+  for (const auto& name : names) list += (list.empty() ? "" : ", ") + name.get<std::string>();
+  return list;
+}
+
+std::string text_of(const OrderedJson& value) { return value.get<std::string>(); }
+
+std::string cost_lines(const OrderedJson& costs, const char* heading) {
+  std::string text;
+  for (const auto& cost : costs) {
+    text += fmt::format("  {:<16}{}: {}, {} rows, {}, weight {:g}", text.empty() ? heading : "",
+                        text_of(cost["name"]), text_of(cost["residual"]), cost["rows"].get<int>(),
+                        text_of(cost["activation"]), cost["weight"].get<double>());
+    if (cost.contains("phases"))
+      text += ", in " + (cost["phases"].empty() ? "no phase" : comma_list(cost["phases"]));
+    text += '\n';
+  }
+  return text;
+}
+
+std::string step_text(const OrderedJson& phase) {
+  const double longest = phase["dt_s"].get<double>(),
+               shortest = phase["shortest_dt_s"].get<double>();
+  if (shortest == longest) return fmt::format("{:.9g}", longest);
+  return fmt::format("{:.3g} to {:.9g}", shortest, longest);
+}
+
+std::string phase_text(const OrderedJson& phase) {
+  const std::string contacts = comma_list(phase["contacts"]);
+  if (phase["kind"] == "choice") return "the first state is chosen";
+  if (phase["kind"] == "impulse") return "an impulse at " + contacts;
+  std::string text = fmt::format("{} knots of {} s, {:.9g} s", phase["knots"].get<int>(),
+                                 step_text(phase), phase["duration_s"].get<double>());
+  if (contacts.empty()) return text;
+  text += ", in contact: " + contacts;
+  if (!phase["redundant_contacts"].empty())
+    text += fmt::format(
+        " (redundant: {} of {} rows are independent in the initial state; forces "
+        "between {} are not determined)",
+        phase["contact_rank"].get<int>(), phase["contact_rows"].get<int>(),
+        comma_list(phase["redundant_contacts"]));
+  return text;
+}
+
+std::string candidate_lines(const OrderedJson& candidates) {
+  std::string text;
+  for (const auto& candidate : candidates) {
+    const double radius = candidate["radius_m"].get<double>();
+    text += fmt::format("  {:<16}{}: a {} at {} against a {} of {}, friction {:g}\n",
+                        text.empty() ? "may touch" : "", text_of(candidate["name"]),
+                        radius > 0 ? fmt::format("sphere of {:g} m", radius) : "point",
+                        text_of(candidate["frame"]), text_of(candidate["against"]),
+                        text_of(candidate["of"]), candidate["friction"].get<double>());
+  }
+  return text;
+}
+
+std::string plant_lines(const OrderedJson& s) {
+  if (!s["system"].is_null()) return fmt::format("  {:<16}{}\n", "system", text_of(s["system"]));
+  std::string text;
+  for (const auto& robot : s["robots"]) {
+    const std::string name = text_of(robot["name"]);
+    text +=
+        fmt::format("  {:<16}{}{}, {} base, {} degrees of freedom\n", text.empty() ? "robots" : "",
+                    name.empty() ? "" : name + ": ", text_of(robot["file"]), text_of(robot["base"]),
+                    robot["degrees_of_freedom"].get<int>());
+  }
+  return text;
+}
+
+std::string constraint_text(const OrderedJson& constraint) {
+  const std::string on = text_of(constraint["on"]), set = text_of(constraint["set"]);
+  if (set == "bounds") return "bounds on " + (on == "control" ? "the control" : on);
+  if (set == "norm") return "bounds on the norm of " + on;
+  return (set == "cone" ? "second-order cone of " : "constraint on ") + on;
+}
+
+/// What the solver does with the constraints that were not dropped.
+std::string kept_text(const OrderedJson& s) {
+  const std::string word = text_of(s["solver"]["control_bounds"]);
+  const bool further = std::any_of(
+      s["constraints"].begin(), s["constraints"].end(), [](const OrderedJson& constraint) {
+        const bool bounds = constraint["on"] == "control" && constraint["set"] == "bounds";
+        return !bounds && !constraint["dropped"].get<bool>();
+      });
+  if (word == "none") return further ? "enforces the constraints" : "nothing is constrained";
+  return std::string(word == "kept" ? "enforces the control bounds"
+                                    : "clamps controls to their bounds") +
+         (further ? (word == "kept" ? " and the constraints" : " and enforces the constraints")
+                  : "");
+}
+
+/// "q/0, v/0", of many the first ones.
+std::string column_text(const OrderedJson& columns) {
+  constexpr std::size_t kShown = 4;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(kShown, columns.size()); ++i)
+    text += (i > 0 ? ", " : "") + text_of(columns[i]);
+  if (columns.size() > kShown) text += fmt::format(" ... {}", text_of(columns.back()));
+  return text;
+}
+
+}  // namespace
+
+OrderedJson check_summary(const ProblemSpec& spec, const BuiltProblem& built,
+                          const std::vector<const SolverInfo*>& candidates) {
+  const ShootingProblem& problem = *built.problem;
+  const SolverInfo& solver = *candidates.front();
+  OrderedJson then = OrderedJson::array();
+  for (std::size_t i = 1; i < candidates.size(); ++i) then.push_back(candidates[i]->name);
+  OrderedJson homotopy = OrderedJson::array();
+  for (const HomotopyKeySpec& key : spec.solver.homotopy)
+    homotopy.push_back({{"key", key.key.value}, {"from", key.from.value}, {"to", key.to.value}});
+  // A knot that chooses the first state says nothing of the others.
+  const KnotModel& model = *problem.knot(problem.phases().front().instant ? 1 : 0).model;
+  OrderedJson guess = {{"states", built.guess_used.states},
+                       {"controls", built.guess_used.controls},
+                       {"seed", nullptr}};
+  if (built.guess_used.seed) guess["seed"] = *built.guess_used.seed;
+  return {{"format", "conddp.check/1"},
+          {"name", spec.name.value},
+          {"file", spec.file.string()},
+          {"robots", robots_json(spec, built)},
+          {"system", spec.system ? OrderedJson(kSystemTypes[spec.system->parameters.index()])
+                                 : OrderedJson(nullptr)},
+          {"state",
+           {{"numbers", problem.nx()},
+            {"tangent", problem.ndx()},
+            {"columns", column_list(built.state_columns)}}},
+          {"control", {{"numbers", model.nu()}, {"columns", column_list(built.control_columns)}}},
+          {"integrator", word_of(kIntegratorWords, model.integrator())},
+          {"knots", problem.knots()},
+          {"duration_s", problem.times().back()},
+          {"phases", phases_json(problem)},
+          {"contact_candidates", candidates_json(spec)},
+          {"costs", costs_json(spec.costs, built, false)},
+          {"terminal_costs", costs_json(spec.terminal_costs, built, true)},
+          {"constraints", constraints_json(spec, built)},
+          {"solver",
+           {{"name", solver.name},
+            {"description", solver.description},
+            {"control_bounds", bounds_word(solver, problem)},
+            {"then", std::move(then)},
+            {"homotopy", std::move(homotopy)},
+            {"restarts", spec.solver.options.restarts.count}}},
+          {"initial_guess", std::move(guess)}};
+}
+
+std::string check_text(const OrderedJson& s) {
+  std::string text = fmt::format("{}: the problem is well formed\n", text_of(s["name"]));
+  text += plant_lines(s);
+  text += fmt::format("  {:<16}{} numbers ({} directions), {} controls\n", "state",
+                      s["state"]["numbers"].get<int>(), s["state"]["tangent"].get<int>(),
+                      s["control"]["numbers"].get<int>());
+  text += fmt::format("  {:<16}state: {}; control: {}\n", "columns",
+                      column_text(s["state"]["columns"]), column_text(s["control"]["columns"]));
+  text += fmt::format("  {:<16}{}\n", "integrator", text_of(s["integrator"]));
+  text += fmt::format("  {:<16}{} knots, {:.9g} s\n", "horizon", s["knots"].get<int>(),
+                      s["duration_s"].get<double>());
+  for (const auto& phase : s["phases"])
+    text += fmt::format("  {:<16}{}: {}\n", &phase == &s["phases"].front() ? "phases" : "",
+                        text_of(phase["name"]), phase_text(phase));
+  text += candidate_lines(s["contact_candidates"]);
+  text += cost_lines(s["costs"], "costs");
+  text += cost_lines(s["terminal_costs"], "terminal costs");
+  for (const auto& constraint : s["constraints"])
+    text += fmt::format(
+        "  {:<16}{}: {}{}, {}{}\n", &constraint == &s["constraints"].front() ? "constraints" : "",
+        text_of(constraint["name"]), constraint_text(constraint),
+        constraint["from_urdf"].get<bool>() ? " from the URDF" : "",
+        constraint["terminal"].get<bool>() ? "at the last node"
+                                           : "in " + comma_list(constraint["phases"]),
+        (text_of(constraint["soft"]) == "no" ? "" : "; soft: " + text_of(constraint["soft"])) +
+            (constraint["dropped"].get<bool>() ? "; dropped" : ""));
+  text += fmt::format("  {:<16}{} ({}): {}\n", "solver", text_of(s["solver"]["name"]),
+                      text_of(s["solver"]["description"]), kept_text(s));
+  if (!s["solver"]["then"].empty())
+    text += fmt::format("  {:<16}where that does not converge: {}\n", "",
+                        comma_list(s["solver"]["then"]));
+  for (const auto& key : s["solver"]["homotopy"])
+    text += fmt::format("  {:<16}homotopy of {} from {} to {}\n", "", text_of(key["key"]),
+                        key["from"].get<double>(), key["to"].get<double>());
+  if (const int restarts = s["solver"]["restarts"].get<int>(); restarts > 0)
+    text += fmt::format("  {:<16}restarts: {} perturbations of the first guess\n", "", restarts);
+  text +=
+      fmt::format("  {:<16}states: {}; controls: {}\n", "first guess",
+                  text_of(s["initial_guess"]["states"]), text_of(s["initial_guess"]["controls"]));
+  return text;
+}
+
+}  // namespace conddp

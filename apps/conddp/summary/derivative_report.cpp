@@ -1,0 +1,114 @@
+#include "summary/derivative_report.hpp"
+
+#include <fmt/format.h>
+
+#include "problem_file/build/cost_residual.hpp"
+
+namespace conddp {
+namespace {
+
+using Names = std::vector<std::string>;
+
+/// Names of a residual's rows.
+Names residual_rows(const CostTerm& term, bool terminal, const ProblemSpec& spec,
+                    const BuiltProblem& built) {
+  for (const CostSpec& cost : terminal ? spec.terminal_costs : spec.costs) {
+    if (cost.name.value != term.name) continue;
+    Diagnostics out;
+    if (const auto made = make_cost_residual(cost, spec, built.plant, built.problem->ndx(), out))
+      return made->rows.names;
+  }
+  return Names(term.residual->size());
+}
+
+std::string what(DerivativeKind kind) {
+  switch (kind) {
+    case DerivativeKind::dynamics:
+      return "dynamics";
+    case DerivativeKind::residual:
+      return "residual";
+    case DerivativeKind::constraint:
+      return "constraint";
+    case DerivativeKind::gradient:
+      break;
+  }
+  return "cost gradient";
+}
+
+std::string number_text(const OrderedJson& value) {
+  return value.is_null() ? "not finite" : fmt::format("{:.10g}", value.get<double>());
+}
+
+}  // namespace
+
+OrderedJson derivatives_json(const std::vector<DerivativeComparison>& comparisons,
+                             const ProblemSpec& spec, const BuiltProblem& built) {
+  const ShootingProblem& problem = *built.problem;
+  const int phases = static_cast<int>(problem.phases().size());
+  const Names tangent = tangent_columns(built);
+  OrderedJson list = OrderedJson::array();
+  bool holds = true;
+  for (const DerivativeComparison& c : comparisons) {
+    const bool terminal = c.phase == phases;
+    const Phase& phase = terminal ? problem.terminal() : problem.phases()[c.phase];
+    std::string row = "cost";
+    std::string cost, constraint;
+    if (c.kind == DerivativeKind::dynamics) row = tangent[c.row];
+    if (c.kind == DerivativeKind::residual) {
+      const CostTerm& term = phase.model->costs()[c.term];
+      cost = term.name;
+      row = residual_rows(term, terminal, spec, built)[c.row];
+    }
+    if (c.kind == DerivativeKind::constraint) {
+      constraint = phase.model->constraints()[c.term].name;
+      row = fmt::format("row {}", c.row);
+    }
+    Names columns = tangent;
+    const auto& controls =
+        phase.instant ? phase.model->system().control_columns() : built.control_columns;
+    for (const Column& control : controls) columns.push_back(control.name);
+    const bool within = c.error <= kDerivativeTolerance;
+    holds = holds && within;
+    list.push_back({{"phase", phase.name},
+                    {"derivative", what(c.kind)},
+                    {"cost", cost},
+                    {"constraint", constraint},
+                    {"knots", c.knots},
+                    {"entries", c.entries},
+                    {"holds", within},
+                    {"worst",
+                     {{"row", row},
+                      {"column", columns[c.column]},
+                      {"knot", c.knot},
+                      {"displaced", c.displaced},
+                      {"analytic", finite_or_null(c.analytic)},
+                      {"reference", finite_or_null(c.reference)},
+                      {"relative_error", finite_or_null(c.error)}}}});
+  }
+  return {{"holds", holds}, {"tolerance", kDerivativeTolerance}, {"compared", std::move(list)}};
+}
+
+std::string derivatives_text(const OrderedJson& derivatives) {
+  std::string text = fmt::format(
+      "derivatives against dual numbers at the first guess and beside it, relative error up to "
+      "{:g}: {}\n",
+      derivatives["tolerance"].get<double>(),
+      derivatives["holds"].get<bool>() ? "all hold" : "SOME ARE WRONG");
+  for (const auto& c : derivatives["compared"]) {
+    const auto& worst = c["worst"];
+    std::string name = c["derivative"].get<std::string>();
+    if (const std::string cost = c["cost"]; !cost.empty()) name += " of " + cost;
+    if (const std::string of = c["constraint"]; !of.empty()) name += " " + of;
+    const auto& error = worst["relative_error"];
+    text += fmt::format(
+        "  {:<6}{}, {}: worst {} at d {} / d {}: {}, by dual numbers {} (knot {}{})\n",
+        c["holds"].get<bool>() ? "" : "WRONG", c["phase"].get<std::string>(), name,
+        error.is_null() ? "without bound" : fmt::format("{:.2g}", error.get<double>()),
+        worst["row"].get<std::string>(), worst["column"].get<std::string>(),
+        number_text(worst["analytic"]), number_text(worst["reference"]), worst["knot"].get<int>(),
+        worst["displaced"].get<bool>() ? ", beside the guess" : "");
+  }
+  return text;
+}
+
+}  // namespace conddp

@@ -1,0 +1,102 @@
+#include "summary/solve_summary.hpp"
+
+#include <fmt/format.h>
+
+#include "analysis/findings/diagnosis.hpp"
+#include "base/utf8.hpp"
+#include "ocp/problem/by_name.hpp"
+#include "output/report/certificate_report.hpp"
+#include "output/report/contact_report.hpp"
+#include "output/solution/finding_report.hpp"
+
+namespace conddp {
+namespace {
+
+/// How long phases last whose duration was chosen.
+std::string durations_line(const Solution& s) {
+  std::string text;
+  for (const Phase& phase : s.built.problem->phases())
+    if (const auto& free = phase.model->free_duration())
+      text += fmt::format("{}{} {:.9g} s", text.empty() ? "" : ", ", phase.name,
+                          s.result.trajectory.u(0)[free->memory]);
+  return text.empty() ? text : fmt::format("  durations     {}\n", text);
+}
+
+/// The solves of a homotopy: where each was, its iterations and, if it did not converge, its end.
+std::string homotopy_line(const std::vector<HomotopyStep>& steps) {
+  std::string text;
+  for (const HomotopyStep& step : steps)
+    text += fmt::format(
+        "{}{:.4g}: {}{}", text.empty() ? "" : ", ", step.share, step.iterations,
+        step.status == SolveStatus::converged ? "" : fmt::format(" ({})", to_string(step.status)));
+  return text.empty() ? text : fmt::format("  homotopy      iterations at s = {}\n", text);
+}
+
+std::string restart_lines(const RestartRecord& restarts) {
+  std::string text = fmt::format(
+      "  restarts      {} starts, {} converged, to {} optima; the answer is that of start {}\n",
+      restarts.starts, restarts.converged, restarts.basins.size(), restarts.answer);
+  for (const Basin& basin : restarts.basins)
+    text += fmt::format("    {:<20.9g} ends of starts: {}, the first of them start {}\n",
+                        basin.cost, basin.starts, basin.first);
+  return text;
+}
+
+}  // namespace
+
+std::string summary_text(const Solution& s, const SolutionCertificate* certificate,
+                         const std::vector<std::string>& written, bool colour, int notes) {
+  const SolveResult& r = s.result;
+  const bool good = is_success(r.status);
+  const std::string head = s.spec.name.value + ": ";
+  std::string text = fmt::format("{}{} ({}, {} iterations, {:.3f} s)\n", head, to_string(r.status),
+                                 s.solver.name, r.iterations, r.times.total);
+  if (!good && !r.message.empty()) text += fmt::format("  {}\n", r.message);
+  text += fmt::format("  cost          {:.9g}\n", r.cost);
+  for (const auto& [name, value] : cost_by_name(*s.built.problem, r.trajectory))
+    text += fmt::format("    {:<20} {:.6g}\n", name, value);
+  text += durations_line(s);
+  text += fmt::format("  residuals     stationarity {:.2e}, gap {:.2e}, constraint {:.2e}\n",
+                      r.residuals.stationarity, r.residuals.gap, r.residuals.constraint);
+  for (const ConstraintViolation& v : violations_by_name(*s.built.problem, r.constraint_values)) {
+    text += fmt::format("    {:<20} violated by {:.2e}{}\n", v.name, v.value,
+                        v.node < 0 ? "" : fmt::format(" at node {}", v.node));
+  }
+  for (const ConstraintViolation& v : soft_violations(*s.built.problem, r.constraint_values))
+    text += fmt::format("    {:<20} soft, off by {:.2e}{}\n", v.name, v.value,
+                        v.node < 0 ? "" : fmt::format(" at node {}", v.node));
+  text += homotopy_line(r.homotopy);
+  if (r.restarts) text += restart_lines(*r.restarts);
+  const Diagnosis diagnosis = diagnose(*s.built.problem, r, s.spec.solver.options);
+  if (!good) text += fmt::format("  diagnosis     {}\n", diagnosis.message);
+  if (!diagnosis.remedy.empty()) text += fmt::format("  try           {}\n", diagnosis.remedy);
+  const std::vector<Finding> findings =
+      certificate != nullptr ? certificate->findings : findings_of(s.spec, s.built, r.trajectory);
+  const char* heading = "findings";
+  for (const std::string& line : finding_lines(findings)) {
+    text += fmt::format("  {:<13} {}\n", heading, line);
+    heading = "";
+  }
+  if (certificate != nullptr)
+    text += fmt::format("  certificate   {}\n", certificate_line(*certificate));
+  if (certificate != nullptr && certificate->contacts)
+    text += fmt::format("  contacts      {}\n", contact_summary(*certificate->contacts));
+  text += fmt::format("  first guess   states: {}; controls: {}\n", s.built.guess_used.states,
+                      s.built.guess_used.controls);
+  if (s.built.guess_used.multipliers != "none")
+    text += fmt::format("                multipliers: {}\n", s.built.guess_used.multipliers);
+  for (const DroppedConstraint& c : s.built.dropped)
+    text += fmt::format("  dropped       {}: violated by {:.3g}\n", c.name,
+                        violation(c, *s.built.problem, r.trajectory));
+  if (notes > 0)
+    text += fmt::format("  notes         {} on what the robot's file has and conddp ignores: -v\n",
+                        notes);
+  for (const std::string& file : written) text += fmt::format("  written       {}\n", file);
+  text = terminal_text(text);
+  if (!colour) return text;
+  const std::size_t status = terminal_text(head).size();
+  text.insert(status + to_string(r.status).size(), "\033[0m");
+  return text.insert(status, good ? "\033[1;32m" : "\033[1;33m");
+}
+
+}  // namespace conddp
