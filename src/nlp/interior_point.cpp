@@ -15,6 +15,7 @@
 #include <IpTNLPAdapter.hpp>
 
 #include "base/stopwatch.hpp"
+#include "nlp/one_blas_thread.hpp"
 
 namespace conddp {
 namespace {
@@ -255,6 +256,7 @@ InteriorPointAnswer minimise(NonlinearProgram& program, const Eigen::VectorXd& s
                              const std::function<bool(const InteriorPointIterate&)>& on_iterate) {
   static std::mutex one_at_a_time;
   const std::lock_guard lock(one_at_a_time);
+  const OneBlasThread one_thread;
   const SmartPtr<Ipopt::IpoptApplication> application = new Ipopt::IpoptApplication(false, false);
   set_options(*application->Options(), settings);
   // An empty name: otherwise a file ipopt.opt in the working folder would be read.
