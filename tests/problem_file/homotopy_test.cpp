@@ -74,6 +74,13 @@ solver: {homotopy: [{key: constraints.force.scale, from: 3, to: 1}]}
   EXPECT_EQ(upper_at(loaded, 0), 30);
 }
 
+TEST(HomotopyFile, NamesPhases) {
+  const Loaded loaded(with_homotopy("[{key: phases.second.dt, from: 0.1, to: 0.05}]"));
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  EXPECT_EQ(homotopy_path(*loaded.built)(0)->times(loaded.built->guess).back(), 1);
+  EXPECT_EQ(loaded.spec->phases[1].dt, 0.05);
+}
+
 TEST(HomotopyFile, CanBeSetOnTheCommandLine) {
   const Loaded loaded(std::string(kPendulum), {"solver.homotopy=" + kTorque});
   ASSERT_TRUE(loaded.built) << loaded.all();

@@ -16,6 +16,35 @@ TEST(Override, ReplacesAndAddsValues) {
   EXPECT_EQ(loaded.built->problem->initial_state()[0], 0.5);
 }
 
+TEST(Override, FindsPhasesByNameAndByIndex) {
+  const Loaded loaded(std::string(kPendulum), {"phases.second.knots=3", "phases.1.dt=0.03",
+                                               "phases.first.weights.effort=2"});
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  EXPECT_EQ(loaded.spec->phases[0].knots.value, 4);
+  EXPECT_EQ(loaded.spec->phases[0].weights.front().second, 2);
+  EXPECT_EQ(loaded.spec->phases[1].knots.value, 3);
+  EXPECT_EQ(loaded.spec->phases[1].dt, 0.03);
+}
+
+TEST(Override, AnIndexComesBeforeAName) {
+  const Loaded loaded(replaced(kPendulum, "name: first", "name: 1"), {"phases.1.knots=3"});
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  EXPECT_EQ(loaded.spec->phases[0].knots.value, 4);
+  EXPECT_EQ(loaded.spec->phases[1].knots.value, 3);
+}
+
+TEST(Override, ASettingOfAValueFromElsewhereIsReadBackFromItsText) {
+  Diagnostics out;
+  const auto value = parse_setting("a={b: [1.0e-3, \"x: y\", null], \"v/*\": word, c: {}}", out);
+  ASSERT_TRUE(value);
+  const Setting made = make_setting({"costs.first", {}}, value->value);
+  EXPECT_EQ(made.text, "costs.first={b: [1.0e-3, \"x: y\", null], \"v/*\": word, c: {}}");
+  const auto again = parse_setting(made.text, out);
+  ASSERT_TRUE(again);
+  EXPECT_EQ(make_setting(again->key, again->value).text, made.text);
+  EXPECT_TRUE(out.list().empty());
+}
+
 TEST(Override, AnErrorQuotesTheSettingThatItIsIn) {
   const Loaded loaded(std::string(kPendulum), {"solver.max_iterations=7", "solver.nmae=3"});
   EXPECT_NE(loaded.all().find("\n  solver.nmae=3\n         ^\n"), std::string::npos)
@@ -47,7 +76,9 @@ INSTANTIATE_TEST_SUITE_P(
                     BadSetting{"solver..name=x", 8, "a name in the key path is empty"},
                     BadSetting{"solver.max_iteration=3", 8, "unknown key 'max_iteration'"},
                     BadSetting{"solver.max_iterations=many", 23, "'many' is not a number"},
-                    BadSetting{"phases.2.dt=1", 8, "'2' is not an index into a list of 2"},
+                    BadSetting{"phases.2.dt=1", 8,
+                               "'2' is neither a name nor an index in a list of 2"},
+                    BadSetting{"phases.frist.dt=1", 8, "'frist' is neither a name nor an index"},
                     BadSetting{"name.x=1", 6, "leads into a word"},
                     BadSetting{"costs.effort.weight=&a 1", 21, "anchors"},
                     BadSetting{"costs.effort.weight=", 21, "is expected here, not nothing"}));

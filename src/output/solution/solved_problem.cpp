@@ -11,7 +11,7 @@
 #include "base/text_file.hpp"
 #include "problem_file/build/build_problem.hpp"
 #include "problem_file/read/read_problem.hpp"
-#include "problem_file/yaml/yaml_override.hpp"
+#include "problem_file/yaml/setting.hpp"
 
 namespace conddp {
 namespace {

@@ -5,54 +5,25 @@
 
 #include <fmt/format.h>
 
-#include "base/spelling.hpp"
 #include "base/strict_number.hpp"
 #include "problem_file/yaml/canonical_definition.hpp"
-#include "problem_file/yaml/yaml_override.hpp"
+#include "problem_file/yaml/key_path.hpp"
 
 namespace conddp {
 namespace {
 
-std::vector<std::string> split(const std::string& path) {
-  std::vector<std::string> steps;
-  for (std::size_t start = 0; start <= path.size();) {
-    const std::size_t end = std::min(path.find('.', start), path.size());
-    steps.push_back(path.substr(start, end - start));
-    start = end + 1;
-  }
-  return steps;
-}
-
 /// The node of a key; nothing with an error where it cannot be a number. One that the document
 /// leaves to its default is created.
 YamlNode* find_number(YamlNode& root, const Name& key, Diagnostics& out) {
-  const std::vector<std::string> steps = split(key.value);
   const Place place{key.place.mark, key.value};
-  if (!is_of_the_problem(steps.front()) || steps.front() == "conddp") {
+  const std::string_view section = first_step(key.value);
+  if (!is_of_the_problem(section) || section == "conddp") {
     out.error(place, fmt::format("'{}' is not a number of the problem itself", key.value),
               "a homotopy moves what the motion depends on: weights, limits, robots, phases");
     return nullptr;
   }
-  YamlNode* node = &root;
-  for (std::size_t i = 0; i < steps.size(); ++i) {
-    YamlNode* part = find_part(*node, steps[i]);
-    const bool is_map = node->kind == YamlNode::Kind::kMap;
-    if (part == nullptr && is_map && i > 0 && i + 1 == steps.size() && !steps[i].empty()) {
-      node->entries.push_back({steps[i], place.mark, {.mark = place.mark}});
-      return &node->entries.back().value;
-    }
-    if (part == nullptr) {
-      std::vector<std::string> names;
-      if (is_map)
-        for (const YamlNode::Entry& entry : node->entries) names.push_back(entry.key);
-      out.error(place, fmt::format("the file has no '{}': there is no '{}'", key.value, steps[i]),
-                is_map ? name_hint(steps[i], names, "keys there")
-                       : fmt::format("there is {}", kind_name(*node)),
-                names);
-      return nullptr;
-    }
-    node = part;
-  }
+  YamlNode* node = find_node(root, key, Missing::kValue, out);
+  if (node == nullptr) return nullptr;
   if (node->kind == YamlNode::Kind::kNull || YamlReader(*node, key.value, out).is_number())
     return node;
   out.error(place, fmt::format("'{}' is {} and no number", key.value, kind_name(*node)),

@@ -9,7 +9,6 @@
 #include "problem_file/read/read_sections.hpp"
 #include "problem_file/spec/enum_names.hpp"
 #include "problem_file/yaml/canonical_definition.hpp"
-#include "problem_file/yaml/yaml_override.hpp"
 #include "problem_file/yaml/yaml_source.hpp"
 
 namespace conddp {
@@ -137,34 +136,67 @@ ProblemSpec read_document(const YamlReader& reader, const std::filesystem::path&
 
 }  // namespace
 
+std::optional<ProblemDocument> parse_problem(std::string text, const std::filesystem::path& file,
+                                             Diagnostics& out) {
+  const int source = out.add_source(file.string(), text);
+  std::optional<YamlNode> root = parse_yaml(text, source, out);
+  if (!root) return std::nullopt;
+  return ProblemDocument{file, std::move(text), {}, *std::move(root)};
+}
+
+std::optional<ProblemDocument> load_problem(const std::filesystem::path& file, Diagnostics& out) {
+  std::string hash;
+  std::optional<std::string> text = read_text(file, kMaxYamlBytes, {}, hash, out);
+  if (!text) return std::nullopt;
+  auto document = parse_problem(*std::move(text), file, out);
+  if (document) document->sha256 = hash;
+  return document;
+}
+
+std::optional<ProblemSpec> read_problem(const ProblemDocument& document,
+                                        const std::vector<Setting>& settings, Diagnostics& out,
+                                        double homotopy_share) {
+  YamlNode root = document.root;
+  for (const Setting& setting : settings) apply_setting(root, setting, out);
+  if (!out.has_errors()) place_homotopy(root, homotopy_share, out);
+  if (out.has_errors()) return std::nullopt;
+  ProblemSpec spec = read_document(YamlReader(root, {}, out), document.file);
+  if (out.has_errors()) return std::nullopt;
+  spec.text = document.text;
+  spec.sha256 = document.sha256.empty() ? sha256(document.text) : document.sha256;
+  spec.definition = canonical_definition(root);
+  for (const Setting& setting : settings) spec.settings.push_back(setting.text);
+  return spec;
+}
+
+namespace {
+
+std::optional<ProblemSpec> read_with(const ProblemDocument& document,
+                                     const std::vector<std::string>& overrides, Diagnostics& out,
+                                     double homotopy_share) {
+  std::vector<Setting> settings;
+  for (const std::string& text : overrides)
+    if (auto setting = parse_setting(text, out)) settings.push_back(*std::move(setting));
+  return read_problem(document, settings, out, homotopy_share);
+}
+
+}  // namespace
+
 std::optional<ProblemSpec> read_problem_text(const std::string& text,
                                              const std::filesystem::path& file,
                                              const std::vector<std::string>& overrides,
                                              Diagnostics& out, double homotopy_share) {
-  const int source = out.add_source(file.string(), text);
-  std::optional<YamlNode> root = parse_yaml(text, source, out);
-  if (!root) return std::nullopt;
-  for (const std::string& setting : overrides) apply_override(*root, setting, out);
-  if (!out.has_errors()) place_homotopy(*root, homotopy_share, out);
-  if (out.has_errors()) return std::nullopt;
-  ProblemSpec spec = read_document(YamlReader(*root, {}, out), file);
-  if (out.has_errors()) return std::nullopt;
-  spec.text = text;
-  spec.sha256 = sha256(text);
-  spec.definition = canonical_definition(*root);
-  spec.settings = overrides;
-  return spec;
+  const auto document = parse_problem(text, file, out);
+  if (!document) return std::nullopt;
+  return read_with(*document, overrides, out, homotopy_share);
 }
 
 std::optional<ProblemSpec> read_problem(const std::filesystem::path& file,
                                         const std::vector<std::string>& overrides,
                                         Diagnostics& out) {
-  std::string hash;
-  const std::optional<std::string> text = read_text(file, kMaxYamlBytes, {}, hash, out);
-  if (!text) return std::nullopt;
-  auto spec = read_problem_text(*text, file, overrides, out);
-  if (spec) spec->sha256 = hash;
-  return spec;
+  const auto document = load_problem(file, out);
+  if (!document) return std::nullopt;
+  return read_with(*document, overrides, out, 1);
 }
 
 }  // namespace conddp

@@ -1,0 +1,133 @@
+#include "problem_file/yaml/key_path.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "base/spelling.hpp"
+#include "base/utf8.hpp"
+
+namespace conddp {
+namespace {
+
+constexpr std::ptrdiff_t kMaxLevels = 64;
+
+const std::string* name_of(const YamlNode& entry) {
+  if (entry.kind != YamlNode::Kind::kMap) return nullptr;
+  const YamlNode* name = entry.find("name");
+  return name != nullptr && name->kind == YamlNode::Kind::kScalar ? &name->text : nullptr;
+}
+
+/// What a step may be called at a node.
+std::vector<std::string> names_at(const YamlNode& node) {
+  std::vector<std::string> names;
+  for (const YamlNode::Entry& entry : node.entries) names.push_back(entry.key);
+  for (const YamlNode& item : node.items)
+    if (const std::string* name = name_of(item)) names.push_back(*name);
+  return names;
+}
+
+/// A walk along a key path.
+class Walk {
+ public:
+  Walk(const Name& key, Missing missing, Diagnostics& out)
+      : key_(key), missing_(missing), out_(out) {}
+
+  YamlNode* from(YamlNode& root) {
+    const std::string& key = key_.value;
+    if (std::count(key.begin(), key.end(), '.') >= kMaxLevels)
+      return fail(0, 0, fmt::format("the key path is deeper than {} levels", kMaxLevels));
+    YamlNode* node = &root;
+    for (std::size_t start = 0; node != nullptr && start <= key.size();) {
+      const std::size_t end = std::min(key.find('.', start), key.size());
+      if (start == end) return fail(start, end, "a name in the key path is empty");
+      node = descend(*node, start, end);
+      start = end + 1;
+    }
+    return node;
+  }
+
+ private:
+  YamlNode* fail(std::size_t start, std::size_t end, std::string message, std::string hint = {},
+                 std::vector<std::string> accepted = {}) {
+    out_.error(place_of(start, end), std::move(message), std::move(hint), std::move(accepted));
+    return nullptr;
+  }
+
+  /// Where a step stands; the whole key where nothing but its value may be missing.
+  Place place_of(std::size_t start, std::size_t end) const {
+    if (missing_ == Missing::kValue) return {key_.place.mark, key_.value};
+    Place place{key_.place.mark, key_.value.substr(0, end)};
+    place.mark.column += count_characters(std::string_view(key_.value).substr(0, start));
+    return place;
+  }
+
+  YamlNode* descend(YamlNode& node, std::size_t start, std::size_t end) {
+    const std::string step = key_.value.substr(start, end - start);
+    const Mark mark = place_of(start, end).mark;
+    if (node.kind == YamlNode::Kind::kNull && missing_ == Missing::kCreate)
+      node = {.kind = YamlNode::Kind::kMap, .mark = mark};
+    if (YamlNode* part = find_part(node, step)) return part;
+    const bool creates = missing_ == Missing::kCreate || (start > 0 && end == key_.value.size());
+    if (node.kind == YamlNode::Kind::kMap && creates) {
+      node.entries.push_back({step, mark, {.mark = mark}});
+      return &node.entries.back().value;
+    }
+    return report(node, step, start, end);
+  }
+
+  YamlNode* report(const YamlNode& node, const std::string& step, std::size_t start,
+                   std::size_t end) {
+    const std::vector<std::string> names = names_at(node);
+    if (missing_ == Missing::kValue)
+      return fail(start, end,
+                  fmt::format("the file has no '{}': there is no '{}'", key_.value, step),
+                  node.kind == YamlNode::Kind::kMap ? name_hint(step, names, "keys there")
+                                                    : fmt::format("there is {}", kind_name(node)),
+                  names);
+    if (node.kind != YamlNode::Kind::kSequence)
+      return fail(start, end,
+                  fmt::format("'{}' leads into {}, which has no parts", key_.value.substr(0, end),
+                              kind_name(node)));
+    if (names.empty())
+      return fail(start, end,
+                  fmt::format("'{}' is not an index into a list of {}", step, node.items.size()),
+                  "indices start at 0");
+    return fail(
+        start, end,
+        fmt::format("'{}' is neither a name nor an index in a list of {}", step, node.items.size()),
+        name_hint(step, names, "names") + "; indices start at 0", names);
+  }
+
+  const Name& key_;
+  const Missing missing_;
+  Diagnostics& out_;
+};
+
+}  // namespace
+
+YamlNode* find_part(YamlNode& node, std::string_view step) {
+  if (node.kind == YamlNode::Kind::kMap) {
+    for (YamlNode::Entry& entry : node.entries)
+      if (entry.key == step) return &entry.value;
+    return nullptr;
+  }
+  if (node.kind != YamlNode::Kind::kSequence) return nullptr;
+  std::size_t index = 0;
+  const char* end = step.data() + step.size();
+  const auto [stop, code] = std::from_chars(step.data(), end, index);
+  if (code == std::errc() && stop == end && index < node.items.size()) return &node.items[index];
+  for (YamlNode& item : node.items)
+    if (const std::string* name = name_of(item); name != nullptr && *name == step) return &item;
+  return nullptr;
+}
+
+YamlNode* find_node(YamlNode& root, const Name& key, Missing missing, Diagnostics& out) {
+  return Walk(key, missing, out).from(root);
+}
+
+std::string_view first_step(std::string_view key) { return key.substr(0, key.find('.')); }
+
+}  // namespace conddp

@@ -1,0 +1,75 @@
+#include "problem_file/yaml/setting.hpp"
+
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "base/utf8.hpp"
+#include "problem_file/yaml/key_path.hpp"
+#include "problem_file/yaml/yaml_source.hpp"
+
+namespace conddp {
+namespace {
+
+std::string quoted(const std::string& text) {
+  return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+/// A key in the flow style, in quotes where it could be taken for something else.
+std::string flow_key(const std::string& key) {
+  const bool plain = key.find_first_not_of(
+                         "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
+                         "0123456789_/") == std::string::npos;
+  return plain && !key.empty() ? key : quoted(key);
+}
+
+/// A value on one line. Numbers stay as they are written.
+std::string flow_text(const YamlNode& node) {
+  std::string text;
+  switch (node.kind) {
+    case YamlNode::Kind::kNull:
+      return "null";
+    case YamlNode::Kind::kScalar:
+      return node.quoted ? quoted(node.text) : node.text;
+    case YamlNode::Kind::kSequence:
+      for (const YamlNode& item : node.items) text += (text.empty() ? "" : ", ") + flow_text(item);
+      return '[' + text + ']';
+    case YamlNode::Kind::kMap:
+      for (const YamlNode::Entry& entry : node.entries)
+        text += (text.empty() ? "" : ", ") + flow_key(entry.key) + ": " + flow_text(entry.value);
+      return '{' + text + '}';
+  }
+  return text;
+}
+
+}  // namespace
+
+std::optional<Setting> parse_setting(const std::string& text, Diagnostics& out) {
+  const int source = out.add_source(kSettingSource, text);
+  if (const std::size_t bad = find_bad_character(text); bad != std::string::npos) {
+    const int column = out.character_column(source, 1, static_cast<int>(bad));
+    out.error({{source, 1, column}, {}}, describe_bad_character(text, bad));
+    return std::nullopt;
+  }
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos || equals == 0) {
+    out.error({{source, 1, 1}, {}}, fmt::format("'{}' is not a setting", text),
+              "write --set key.path=value, for example --set solver.max_iterations=50");
+    return std::nullopt;
+  }
+  auto value = parse_yaml(text.substr(equals + 1), source, out, static_cast<int>(equals) + 1, true);
+  if (!value) return std::nullopt;
+  const std::string key = text.substr(0, equals);
+  return Setting{{key, {{source, 1, 1}, key}}, *std::move(value), text};
+}
+
+Setting make_setting(const Name& key, const YamlNode& value) {
+  return {key, value, key.value + '=' + flow_text(value)};
+}
+
+void apply_setting(YamlNode& root, const Setting& setting, Diagnostics& out) {
+  if (YamlNode* node = find_node(root, setting.key, Missing::kCreate, out)) *node = setting.value;
+}
+
+}  // namespace conddp
