@@ -1,0 +1,128 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include "systems/expressions/spline_table.hpp"
+
+namespace conddp {
+
+/// What a node of an expression graph computes from its operands a, b, c.
+enum class Operation : std::uint8_t {
+  kConstant,
+  kInput,
+  kAdd,
+  kSubtract,
+  kMultiply,
+  kNegate,
+  kInverse,  ///< 1 / a
+  kSqrt,
+  kSin,
+  kCos,
+  kTan,
+  kAsin,
+  kAcos,
+  kAtan,
+  kAtan2,
+  kSinh,
+  kCosh,
+  kTanh,
+  kExp,
+  kLog,
+  kPower,
+  kLess,       ///< 1 where a < b, else 0
+  kLessEqual,  ///< 1 where a ≤ b, else 0
+  kChoose,     ///< b where a is not 0, else c
+  kTable,      ///< a table, or its derivative, at a or (a, b)
+};
+
+/// A node by its index. Operands have smaller ones.
+using NodeId = std::int32_t;
+
+struct ExpressionNode {
+  Operation operation;
+  NodeId a = -1, b = -1, c = -1;
+  double constant = 0;       ///< of kConstant
+  std::int32_t payload = 0;  ///< of kInput its index, of kTable table and orders (TableUse)
+};
+
+/// Which table a node of kTable reads, and how often it is differentiated by each argument.
+struct TableUse {
+  int table;
+  int by_x = 0;
+  int by_y = 0;
+
+  static TableUse of(std::int32_t payload) {
+    return {payload >> 4, (payload >> 2) & 3, payload & 3};
+  }
+  std::int32_t payload() const { return table << 4 | by_x << 2 | by_y; }
+};
+
+/// Numbers computed from inputs, as a graph in which nothing is computed twice: each maker returns
+/// the node that is there already, folds constants, and leaves out what changes nothing (x + 0,
+/// 1·x). Products by zero are zero, whatever the other factor becomes.
+class ExpressionGraph {
+ public:
+  using Tables = std::vector<std::shared_ptr<const SplineTable>>;
+
+  int size() const { return static_cast<int>(nodes_.size()); }
+  const ExpressionNode& operator[](NodeId id) const { return nodes_[id]; }
+  /// The value of a constant node; empty for others.
+  std::optional<double> constant_of(NodeId id) const;
+  bool is_constant(NodeId id, double value) const { return constant_of(id) == value; }
+  const Tables& tables() const { return tables_; }
+
+  NodeId constant(double value);
+  NodeId input(int index);
+  NodeId add(NodeId a, NodeId b);
+  NodeId subtract(NodeId a, NodeId b);
+  NodeId multiply(NodeId a, NodeId b);
+  NodeId divide(NodeId a, NodeId b);
+  NodeId negate(NodeId a);
+  NodeId inverse(NodeId a);
+  /// a to the power b: products for integers up to 64 and for halves of odd ones.
+  NodeId power(NodeId a, NodeId b);
+  /// A function of one argument, kSqrt to kLog.
+  NodeId function(Operation operation, NodeId a);
+  NodeId atan2(NodeId y, NodeId x);
+  NodeId less(NodeId a, NodeId b);
+  NodeId less_equal(NodeId a, NodeId b);
+  NodeId choose(NodeId condition, NodeId a, NodeId b);
+  int add_table(std::shared_ptr<const SplineTable> table);
+  /// b is not read where the table has one argument.
+  NodeId table(const TableUse& use, NodeId a, NodeId b);
+
+  NodeId square(NodeId a) { return multiply(a, a); }
+
+ private:
+  /// The node with this content, new or not.
+  NodeId intern(const ExpressionNode& node);
+  NodeId fold(const ExpressionNode& node);
+  NodeId integer_power(NodeId a, int exponent);
+
+  struct Hash {
+    std::size_t operator()(const ExpressionNode& node) const;
+  };
+  struct Same {
+    bool operator()(const ExpressionNode& a, const ExpressionNode& b) const;
+  };
+  std::vector<ExpressionNode> nodes_;
+  std::unordered_map<ExpressionNode, NodeId, Hash, Same> index_;
+  Tables tables_;
+};
+
+/// Calls visit(operand) for the operands of a node.
+template <class Visit>
+void for_each_operand(const ExpressionNode& node, Visit&& visit) {
+  for (const NodeId operand : {node.a, node.b, node.c})
+    if (operand >= 0) visit(operand);
+}
+
+/// The nodes from which the roots are computed, with them, ascending.
+std::vector<NodeId> nodes_below(const ExpressionGraph& graph, std::span<const NodeId> roots);
+
+}  // namespace conddp

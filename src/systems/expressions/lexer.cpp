@@ -1,0 +1,128 @@
+#include "systems/expressions/lexer.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include <fmt/format.h>
+
+#include "base/strict_number.hpp"
+#include "base/utf8.hpp"
+
+namespace conddp {
+namespace {
+
+bool is_space(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+bool is_name_part(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || is_digit(c);
+}
+
+constexpr std::array<std::string_view, 17> kSymbols = {
+    "<=", ">=", "<", ">", "+", "-", "*", "/", "^", "(", ")", "[", "]", ",", ".", "{", "}"};
+
+/// What other notations write, and what is written here.
+struct Foreign {
+  std::string_view text;
+  std::string_view hint;
+};
+constexpr std::array<Foreign, 17> kForeign = {{{"**", "a power is written a^b"},
+                                               {"==", "numbers are compared by <, <=, > or >="},
+                                               {"!=", "numbers are compared by <, <=, > or >="},
+                                               {"=", "an expression has no '='"},
+                                               {"&&", "write 'and'"},
+                                               {"||", "write 'or'"},
+                                               {"!", "write 'not'"},
+                                               {"?", "write if(condition, a, b)"},
+                                               {"%", "there is no remainder"},
+                                               {";", "arguments are separated by ','"},
+                                               {"\u2212", "write '-'"},
+                                               {"\u00b7", "write '*'"},
+                                               {"\u00d7", "write '*'"},
+                                               {"\u00b2", "write '^2'"},
+                                               {"\u00b3", "write '^3'"},
+                                               {"\u03c0", "write 'pi'"},
+                                               {"\u2264", "write '<='"}}};
+
+}  // namespace
+
+ExpressionToken ExpressionLexer::take() {
+  const ExpressionToken token = next_;
+  advance();
+  return token;
+}
+
+ExpressionToken ExpressionLexer::take_bracketed() {
+  std::size_t first = static_cast<std::size_t>(at_), last = text_.find(']', first);
+  if (last == std::string_view::npos) return {.offset = static_cast<int>(text_.size())};
+  at_ = static_cast<int>(last) + 1;
+  while (first < last && is_space(text_[first])) ++first;
+  while (last > first && is_space(text_[last - 1])) --last;
+  advance();
+  return {.kind = ExpressionToken::Kind::kName,
+          .offset = static_cast<int>(first),
+          .text = text_.substr(first, last - first)};
+}
+
+void ExpressionLexer::advance() {
+  const int size = static_cast<int>(text_.size());
+  while (at_ < size && is_space(text_[at_])) ++at_;
+  next_ = {.offset = at_};
+  if (at_ == size) return;
+  const char c = text_[at_];
+  const bool fraction = c == '.' && at_ + 1 < size && is_digit(text_[at_ + 1]);
+  if (is_digit(c) || fraction) return read_number();
+  if (!is_name_part(c)) return read_symbol();
+  int end = at_;
+  while (end < size && is_name_part(text_[end])) ++end;
+  next_.kind = ExpressionToken::Kind::kName;
+  next_.text = text_.substr(at_, end - at_);
+  at_ = end;
+}
+
+void ExpressionLexer::read_number() {
+  const int size = static_cast<int>(text_.size());
+  int end = at_;
+  const auto skip_digits = [&] {
+    while (end < size && (is_digit(text_[end]) || text_[end] == '.')) ++end;
+  };
+  skip_digits();
+  if (end < size && (text_[end] == 'e' || text_[end] == 'E')) {
+    int exponent = end + 1;
+    if (exponent < size && (text_[exponent] == '+' || text_[exponent] == '-')) ++exponent;
+    if (exponent < size && is_digit(text_[exponent])) {
+      end = exponent;
+      skip_digits();
+    }
+  }
+  const std::string_view digits = text_.substr(at_, end - at_);
+  const ParsedNumber parsed = parse_number(digits);
+  if (!parsed.value) throw ExpressionMessage{at_, parsed.defect, ""};
+  if (end < size && is_name_part(text_[end]))
+    throw ExpressionMessage{end, fmt::format("'{}' right behind a number", text_[end]),
+                            "a product is written with '*'"};
+  next_.kind = ExpressionToken::Kind::kNumber;
+  next_.text = digits;
+  next_.number = *parsed.value;
+  at_ = end;
+}
+
+void ExpressionLexer::read_symbol() {
+  const std::string_view rest = text_.substr(at_);
+  const auto begins = [&](std::string_view symbol) { return rest.starts_with(symbol); };
+  for (const Foreign& foreign : kForeign)
+    if (begins(foreign.text))
+      throw ExpressionMessage{at_, fmt::format("unexpected '{}'", foreign.text),
+                              std::string(foreign.hint)};
+  const auto symbol = std::find_if(kSymbols.begin(), kSymbols.end(), begins);
+  if (symbol == kSymbols.end()) {
+    std::size_t end = 1;
+    while (end < rest.size() && !starts_character(rest[end])) ++end;
+    throw ExpressionMessage{
+        at_, fmt::format("unexpected character '{}'", printable(rest.substr(0, end))), ""};
+  }
+  next_.kind = ExpressionToken::Kind::kSymbol;
+  next_.text = *symbol;
+  at_ += static_cast<int>(symbol->size());
+}
+
+}  // namespace conddp

@@ -1,0 +1,82 @@
+#include "systems/expressions/scope.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include <fmt/format.h>
+
+#include "base/utf8.hpp"
+#include "systems/expressions/functions.hpp"
+
+namespace conddp {
+namespace {
+
+constexpr std::array<std::string_view, 3> kWords = {"and", "or", "not"};
+
+template <class Pairs>
+auto find_in(Pairs& pairs, std::string_view name) {
+  return std::find_if(pairs.begin(), pairs.end(),
+                      [&](const auto& pair) { return pair.first == name; });
+}
+
+}  // namespace
+
+bool is_expression_name(std::string_view text) {
+  const auto is_letter = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
+  };
+  const auto is_part = [&](char c) { return is_letter(c) || (c >= '0' && c <= '9'); };
+  return !text.empty() && is_letter(text[0]) && std::all_of(text.begin(), text.end(), is_part);
+}
+
+std::string ExpressionScope::defect_of(std::string_view name) const {
+  if (!is_expression_name(name))
+    return fmt::format(
+        "'{}' is not a name of expressions: letters, digits and '_', no digit at first",
+        printable(name));
+  if (std::find(kWords.begin(), kWords.end(), name) != kWords.end())
+    return fmt::format("'{}' is a word of the expression language", name);
+  if (find_expression_function(name))
+    return fmt::format("'{}' is a function of the expression language", name);
+  for (const ExpressionConstant& constant : expression_constants())
+    if (constant.name == name)
+      return fmt::format("'{}' is a constant of the expression language", name);
+  if (find(name) || find_table(name)) return fmt::format("the name '{}' is taken", name);
+  return "";
+}
+
+void ExpressionScope::add(std::string name, ExpressionValue value) {
+  values_.emplace_back(std::move(name), std::move(value));
+}
+
+void ExpressionScope::add_table(std::string name, int table, int arguments) {
+  tables_.emplace_back(std::move(name), Table{table, arguments});
+}
+
+const ExpressionValue* ExpressionScope::find(std::string_view name) const {
+  const auto found = find_in(values_, name);
+  return found == values_.end() ? nullptr : &found->second;
+}
+
+const ExpressionScope::Table* ExpressionScope::find_table(std::string_view name) const {
+  const auto found = find_in(tables_, name);
+  return found == tables_.end() ? nullptr : &found->second;
+}
+
+std::vector<std::string> ExpressionScope::value_names() const {
+  std::vector<std::string> names;
+  for (const auto& [name, value] : values_) names.push_back(name);
+  for (const ExpressionConstant& constant : expression_constants())
+    names.emplace_back(constant.name);
+  return names;
+}
+
+std::vector<std::string> ExpressionScope::function_names() const {
+  std::vector<std::string> names;
+  for (const auto& [name, table] : tables_) names.push_back(name);
+  for (const ExpressionFunction& function : expression_functions())
+    names.emplace_back(function.name);
+  return names;
+}
+
+}  // namespace conddp

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "systems/expressions/value.hpp"
+
+namespace conddp {
+
+/// What names mean in an expression. The constants and functions of the language are known without
+/// being in a scope.
+class ExpressionScope {
+ public:
+  /// Why a name cannot be added, as a sentence: it is none, taken by the language, or in the scope
+  /// already; empty where it can.
+  std::string defect_of(std::string_view name) const;
+  /// The name must have no defect.
+  void add(std::string name, ExpressionValue value);
+  /// A table of the graph, called like a function.
+  void add_table(std::string name, int table, int arguments);
+
+  struct Table {
+    int index;
+    int arguments;
+  };
+  /// Null where the name is not known.
+  const ExpressionValue* find(std::string_view name) const;
+  const Table* find_table(std::string_view name) const;
+  /// Of values and constants; of functions and tables: for suggestions.
+  std::vector<std::string> value_names() const;
+  std::vector<std::string> function_names() const;
+
+ private:
+  std::vector<std::pair<std::string, ExpressionValue>> values_;
+  std::vector<std::pair<std::string, Table>> tables_;
+};
+
+/// Whether a text can be a name in expressions: letters, digits and '_', no digit at first.
+bool is_expression_name(std::string_view text);
+
+}  // namespace conddp

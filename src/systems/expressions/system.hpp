@@ -1,0 +1,84 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "systems/expressions/parser.hpp"
+#include "systems/system.hpp"
+
+namespace conddp {
+
+/// An expression with the name of what it gives.
+struct NamedExpression {
+  std::string name;
+  std::string text;
+};
+
+/// A state of a system of expressions, or a position of a second-order one.
+struct ExpressionState {
+  enum class Kind {
+    kNumber,
+    kUnitQuaternion,  ///< x y z w; its rate is the angular velocity in body axes, rad/s
+    kPose,            ///< position and unit quaternion; its rate is the twist in body axes
+  };
+  std::string name;
+  std::string unit = "1";
+  Kind kind = Kind::kNumber;
+};
+
+/// A system in words: first order (rates of the states), second order (accelerations, states are
+/// positions and velocities) or discrete (next states).
+///
+/// Names in expressions: states, velocities and controls, parameters, definitions in their order,
+/// tables, and the time `t` (s) unless the system is discrete. A unit quaternion is a vector of 4;
+/// a pose is a vector of 7 with the parts `position` and `rotation`; velocities of these are
+/// vectors of 3, and of 6 with the parts `linear` and `angular`.
+struct ExpressionSystemText {
+  SystemKind kind = SystemKind::first_order;
+  std::vector<ExpressionState> states;
+  std::vector<Column> velocities;  ///< of a second-order system, one for each position
+  std::vector<Column> controls;
+  std::vector<std::pair<std::string, double>> parameters;
+  std::vector<std::pair<std::string, std::shared_ptr<const SplineTable>>> tables;
+  std::vector<NamedExpression> definitions;
+  /// The rate, acceleration or next value of each state, by its name (of a second-order system by
+  /// that of the velocity), in any order.
+  std::vector<NamedExpression> equations;
+};
+
+/// What is wrong with a system in words, or not smooth about it, and in which part.
+struct ExpressionSystemMessage {
+  enum class Part {
+    kState,
+    kVelocity,
+    kControl,
+    kParameter,
+    kTable,
+    kDefinition,
+    kEquation,
+    kWhole
+  };
+  Part part = Part::kWhole;
+  int index = 0;
+  /// Whether it is about the text of the expression, in which it has an offset, or about the name.
+  bool in_text = false;
+  ExpressionMessage message;
+};
+
+/// A system, or why there is none.
+struct ParsedExpressionSystem {
+  std::shared_ptr<const System> system;
+  /// A state to begin from: all numbers 0, no rotation, the clock at 0 and going.
+  std::vector<double> usual_state;
+  std::vector<ExpressionSystemMessage> errors;
+  std::vector<ExpressionSystemMessage> warnings;
+};
+
+/// Makes a system of expressions. Where these depend on the time, the state gets the clock `t` (s):
+/// behind the states, of a second-order system behind the positions, with the velocity `t_rate`
+/// (s/s) behind the velocities, which has to be 1 at the beginning.
+ParsedExpressionSystem make_expression_system(const ExpressionSystemText& text);
+
+}  // namespace conddp

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <span>
+
+#include "systems/expressions/derivatives.hpp"
+#include "systems/state_manifold.hpp"
+
+namespace conddp {
+
+/// How inputs that hold a state move with tangent vectors at it; input_of[i] is the input that
+/// holds number i of the state.
+InputMotions tangent_motions(ExpressionGraph& graph, const StateManifold& manifold,
+                             std::span<const int> input_of);
+
+}  // namespace conddp

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "systems/expressions/graph.hpp"
+
+namespace conddp {
+
+/// What an expression or a name stands for: a number, a vector of numbers, or a condition.
+struct ExpressionValue {
+  enum class Kind { kNumber, kVector, kCondition };
+  /// A named part of a vector: some of its numbers, in order.
+  struct Part {
+    std::string name;
+    int first;
+    int count = 1;
+  };
+
+  Kind kind = Kind::kNumber;
+  std::vector<NodeId> nodes;
+  std::string unit;         ///< of a name that has one, for messages
+  std::vector<Part> parts;  ///< of a vector; empty: x y z w as far as there are so many numbers
+
+  static ExpressionValue number(NodeId node) { return {Kind::kNumber, {node}, {}, {}}; }
+  static ExpressionValue vector(std::vector<NodeId> nodes) {
+    return {Kind::kVector, std::move(nodes), {}, {}};
+  }
+  static ExpressionValue condition(NodeId node) { return {Kind::kCondition, {node}, {}, {}}; }
+
+  bool is_number() const { return kind == Kind::kNumber; }
+  int size() const { return static_cast<int>(nodes.size()); }
+  bool has_type_of(const ExpressionValue& other) const {
+    return kind == other.kind && size() == other.size();
+  }
+  /// The parts, or what they are called without names.
+  std::vector<Part> named_parts() const;
+  /// A part as a value: a number, or a vector of several.
+  ExpressionValue part(const Part& part) const;
+  /// "number", "vector of 3", "condition", with the unit if there is one: "number (m/s)".
+  std::string type() const;
+};
+
+}  // namespace conddp

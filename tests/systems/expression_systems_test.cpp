@@ -1,0 +1,383 @@
+// Systems of expressions beside compiled ones.
+#include "support/expression_systems.hpp"
+
+#include <gtest/gtest.h>
+
+#include "support/random_numbers.hpp"
+#include "systems/expressions/system.hpp"
+
+namespace conddp {
+namespace {
+
+template <class S>
+struct SystemPoint {
+  AlignedVector<S> x, u;
+};
+
+/// A state and a control in every lane; dual numbers move along a random direction.
+template <class S>
+SystemPoint<S> random_point(const System& system, RandomNumbers& random) {
+  const auto lane = [&](double value) {
+    if constexpr (std::is_same_v<S, double>) {
+      return value;
+    } else {
+      Lane a(value);
+      for (int i = 1; i < kLaneWidth; ++i) a.set(i, value + random.uniform(-0.1, 0.1));
+      if constexpr (std::is_same_v<S, Lane>)
+        return a;
+      else
+        return S(a, Lane(random.uniform(-1, 1)));
+    }
+  };
+  SystemPoint<S> point;
+  AlignedVector<S> step;
+  for (const double value : system.manifold().neutral()) point.x.push_back(S(value));
+  for (int i = 0; i < system.ndx(); ++i) step.push_back(lane(random.uniform(-1, 1)));
+  system.manifold().integrate(point.x.data(), step.data(), point.x.data());
+  for (int i = 0; i < system.nu(); ++i) point.u.push_back(lane(random.uniform(-2, 2)));
+  return point;
+}
+
+std::vector<double> lanes_of(double a) { return {a}; }
+std::vector<double> lanes_of(Lane a) {
+  std::vector<double> values;
+  for (int i = 0; i < kLaneWidth; ++i) values.push_back(a[i]);
+  return values;
+}
+std::vector<double> lanes_of(const Dual<Lane>& a) {
+  std::vector<double> values = lanes_of(a.v);
+  for (const double d : lanes_of(a.d)) values.push_back(d);
+  return values;
+}
+
+template <class S>
+void expect_equal_numbers(const AlignedVector<S>& got, const AlignedVector<S>& expected,
+                          double tolerance, const std::string& what) {
+  ASSERT_EQ(got.size(), expected.size()) << what;
+  for (std::size_t i = 0; i < got.size(); ++i) {
+    const std::vector<double> a = lanes_of(got[i]), b = lanes_of(expected[i]);
+    for (std::size_t j = 0; j < a.size(); ++j)
+      ASSERT_NEAR(a[j], b[j], tolerance * (1 + std::abs(b[j]))) << what << ' ' << i << ' ' << j;
+  }
+}
+
+template <class S>
+void expect_equal_answers(const std::string& name, const System& got, const System& expected) {
+  RandomNumbers random(311);
+  const auto a = got.create_data(S{}), b = expected.create_data(S{});
+  for (int repeat = 0; repeat < 20; ++repeat) {
+    const SystemPoint<S> point = random_point<S>(expected, random);
+    got.evaluate(point.x.data(), point.u.data(), *a);
+    expected.evaluate(point.x.data(), point.u.data(), *b);
+    expect_equal_numbers(a->f, b->f, 1e-12, name + " f");
+    const AlignedVector<S> alone = a->f;
+    got.differentiate(point.x.data(), point.u.data(), *a);
+    expected.differentiate(point.x.data(), point.u.data(), *b);
+    expect_equal_numbers(a->f, alone, 0, name + " f with derivatives");
+    expect_equal_numbers(a->fx, b->fx, 1e-12, name + " fx");
+    expect_equal_numbers(a->fu, b->fu, 1e-12, name + " fu");
+  }
+}
+
+TEST(ExpressionSystems, InWordsEveryClosedFormSystemIsTheCompiledOne) {
+  for (const SystemInWords& system : systems_in_words()) {
+    const auto in_words = expression_system(system.text);
+    ASSERT_EQ(in_words->nx(), system.compiled->nx()) << system.name;
+    ASSERT_EQ(in_words->ndx(), system.compiled->ndx()) << system.name;
+    ASSERT_EQ(in_words->nu(), system.compiled->nu()) << system.name;
+    ASSERT_EQ(in_words->kind(), system.compiled->kind()) << system.name;
+    EXPECT_EQ(static_cast<int>(in_words->state_columns().size()), in_words->nx());
+    EXPECT_EQ(static_cast<int>(in_words->control_columns().size()), in_words->nu());
+    expect_equal_answers<double>(system.name, *in_words, *system.compiled);
+    expect_equal_answers<Lane>(system.name, *in_words, *system.compiled);
+    expect_equal_answers<Dual<Lane>>(system.name, *in_words, *system.compiled);
+  }
+}
+
+/// Derivatives of the weighted answer's gradient along every direction, by dual numbers through the
+/// Jacobians of a system: nz x nz by columns.
+AlignedVector<Lane> curvature_by_duals(const System& system, const SystemPoint<Lane>& point,
+                                       const AlignedVector<Lane>& weights) {
+  const int n = system.ndx(), nz = n + system.nu(), rows = system.rows();
+  const auto data = system.create_data(Dual<Lane>{});
+  AlignedVector<Lane> result(nz * nz, Lane(0.0));
+  for (int d = 0; d < nz; ++d) {
+    AlignedVector<Dual<Lane>> x, u, step(n, Dual<Lane>(0.0));
+    for (const Lane& a : point.x) x.push_back({a, Lane(0.0)});
+    for (const Lane& a : point.u) u.push_back({a, Lane(0.0)});
+    (d < n ? step[d] : u[d - n]).d = Lane(1.0);
+    system.manifold().integrate(x.data(), step.data(), x.data());
+    system.differentiate(x.data(), u.data(), *data);
+    for (int c = 0; c < nz; ++c)
+      for (int i = 0; i < rows; ++i) {
+        const auto& slope = c < n ? data->fx[c * rows + i] : data->fu[(c - n) * rows + i];
+        result[d * nz + c] += weights[i] * slope.d;
+      }
+  }
+  return result;
+}
+
+AlignedVector<Lane> symmetric_part(const AlignedVector<Lane>& a, int n) {
+  AlignedVector<Lane> result(a.size());
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j) result[i * n + j] = Lane(0.5) * (a[i * n + j] + a[j * n + i]);
+  return result;
+}
+
+/// What the second derivatives of a system are; empty where it has none of its own.
+AlignedVector<Lane> own_curvature(const System& system, const SystemPoint<Lane>& point,
+                                  const AlignedVector<Lane>& weights) {
+  const auto at = system.create_data(Lane{});
+  const auto moving = system.create_data(Dual<Lane>{});
+  const auto second = system.second_derivatives(*at, *moving);
+  if (second == nullptr) return {};
+  EXPECT_EQ(second->forces(), 0);
+  const int nz = system.ndx() + system.nu();
+  AlignedVector<Lane> result(nz * nz, Lane(0.0));
+  AlignedVector<Dual<Lane>> x;
+  for (const Lane& a : point.x) x.push_back({a, Lane(0.0)});
+  system.differentiate(point.x.data(), point.u.data(), *at);
+  second->start(x.data());
+  second->weigh(weights.data(), nullptr);
+  for (int d = 0; d < nz; ++d) second->move(x.data(), d, result.data());
+  second->finish(result.data());
+  return result;
+}
+
+TEST(ExpressionSystems, SecondDerivativesAreThoseOfDualNumbers) {
+  RandomNumbers random(312);
+  int known = 0;
+  for (const SystemInWords& system : systems_in_words()) {
+    const auto in_words = expression_system(system.text);
+    const SystemPoint<Lane> point = random_point<Lane>(*in_words, random);
+    AlignedVector<Lane> weights;
+    for (int i = 0; i < in_words->rows(); ++i) weights.push_back(Lane(random.uniform(-1, 1)));
+    const AlignedVector<Lane> own = own_curvature(*in_words, point, weights);
+    EXPECT_EQ(!own.empty(), system.text.kind == SystemKind::second_order) << system.name;
+    if (own.empty()) continue;
+    ++known;
+    const int nz = in_words->ndx() + in_words->nu();
+    expect_equal_numbers(own,
+                         symmetric_part(curvature_by_duals(*system.compiled, point, weights), nz),
+                         1e-11, system.name);
+  }
+  EXPECT_EQ(known, 6);
+}
+
+/// A driven oscillator: what depends on the time has a clock among its states.
+ExpressionSystemText driven(SystemKind kind) {
+  ExpressionSystemText text{
+      .kind = kind, .states = {{"x", "m"}}, .controls = {{"u", "N"}}, .parameters = {{"k", 3}}};
+  if (kind == SystemKind::second_order) {
+    text.velocities = {{"v", "m/s"}};
+    text.equations = {{"v", "u - k*x + sin(2*t)"}};
+  } else {
+    text.states.push_back({"v", "m/s"});
+    text.equations = {{"x", "v"}, {"v", "u - k*x + sin(2*t)"}};
+  }
+  return text;
+}
+
+std::vector<std::string> column_names(const System& system) {
+  std::vector<std::string> names;
+  for (const Column& column : system.state_columns()) names.push_back(column.name);
+  return names;
+}
+
+TEST(ExpressionSystems, TimeIsAStateWhereExpressionsDependOnIt) {
+  using Names = std::vector<std::string>;
+  const double u = 0.7;
+  const auto first = expression_system(driven(SystemKind::first_order));
+  EXPECT_EQ(column_names(*first), (Names{"x", "v", "t"}));
+  const auto data = first->create_data(0.0);
+  const double x[] = {0.3, -0.4, 1.2};
+  first->differentiate(x, &u, *data);
+  const double force = u - 3 * x[0] + std::sin(2 * x[2]);
+  EXPECT_EQ(data->f[0], x[1]);
+  EXPECT_NEAR(data->f[1], force, 1e-15);
+  EXPECT_EQ(data->f[2], 1);
+  EXPECT_NEAR(data->fx[2 * 3 + 1], 2 * std::cos(2 * x[2]), 1e-15);
+
+  const auto second = expression_system(driven(SystemKind::second_order));
+  EXPECT_EQ(column_names(*second), (Names{"x", "t", "v", "t_rate"}));
+  ASSERT_EQ(second->nv(), 2);
+  const auto more = second->create_data(0.0);
+  const double y[] = {0.3, 1.2, -0.4, 1};
+  second->differentiate(y, &u, *more);
+  EXPECT_NEAR(more->f[0], force, 1e-15);
+  EXPECT_EQ(more->f[1], 0);
+  EXPECT_NEAR(more->fx[1 * 2 + 0], 2 * std::cos(2 * y[1]), 1e-15);
+  EXPECT_EQ(more->fu[0], 1);
+
+  // Without the time there is no clock.
+  ExpressionSystemText text = driven(SystemKind::first_order);
+  text.equations[1].text = "u - k*x";
+  EXPECT_EQ(column_names(*expression_system(text)), (Names{"x", "v"}));
+}
+
+TEST(ExpressionSystems, UnitQuaternionTurnsWithItsAngularVelocityInBodyAxes) {
+  const auto system = expression_system(
+      {.kind = SystemKind::first_order,
+       .states = {{"q", "", ExpressionState::Kind::kUnitQuaternion}, {"height", "m"}},
+       .controls = expression_columns({"wx", "wy", "wz"}),
+       .equations = {{"height", "rotate(q, [1, 2, 3]).z + cross([wx, wy, wz], [1, 0, 0])[2]"},
+                     {"q", "[wx, wy, wz] + 0.1*rotate_inverse(q, [0, 0, 1])"}}});
+  EXPECT_EQ(column_names(*system),
+            (std::vector<std::string>{"q/x", "q/y", "q/z", "q/w", "height"}));
+  ASSERT_EQ(system->ndx(), 4);
+  RandomNumbers random(313);
+  const Quaternion<double> q = random.rotation();
+  const double x[] = {q.x, q.y, q.z, q.w, 0.5}, u[] = {0.1, 0.2, 0.3};
+  const auto data = system->create_data(0.0);
+  system->differentiate(x, u, *data);
+  const Matrix3<double> R = rotation_matrix(q);
+  EXPECT_NEAR(data->f[3], (R * Vector3<double>{1, 2, 3}).z - u[1], 1e-14);
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR(data->f[i], u[i] + 0.1 * R(2, i), 1e-14);
+  // Along a turn δ in body axes R v moves by R (δ × v).
+  for (int d = 0; d < 3; ++d) {
+    Vector3<double> turn = Vector3<double>::zero();
+    turn[d] = 1;
+    EXPECT_NEAR(data->fx[d * 4 + 3], (R * cross(turn, Vector3<double>{1, 2, 3})).z, 1e-14);
+  }
+}
+
+TEST(ExpressionSystems, TableIsAFunction) {
+  const auto table = std::make_shared<SplineTable>(std::vector<double>{0, 1, 2, 4},
+                                                   std::vector<double>{0, 1, 3, 2});
+  const auto map =
+      std::make_shared<SplineTable>(std::vector<double>{0, 1, 2}, std::vector<double>{0, 2},
+                                    std::vector<double>{1, 2, 0, 3, 1, 5});
+  const auto system = expression_system({.kind = SystemKind::second_order,
+                                         .states = {{"x"}},
+                                         .velocities = {{"v", "1"}},
+                                         .controls = {{"u", "1"}},
+                                         .tables = {{"drag", table}, {"ground", map}},
+                                         .equations = {{"v", "u - drag(v) + u*ground(x, 2*u)"}}});
+  const double x[] = {0.6, 1.3}, u = 0.4;
+  const auto data = system->create_data(0.0);
+  system->differentiate(x, &u, *data);
+  const auto ground = [&](int i, int j) { return map->derivative(i, j, x[0], 2 * u); };
+  EXPECT_NEAR(data->f[0], u - table->derivative(0, 0, x[1], 0) + u * ground(0, 0), 1e-15);
+  EXPECT_NEAR(data->fx[0], u * ground(1, 0), 1e-15);
+  EXPECT_NEAR(data->fx[1], -table->derivative(1, 0, x[1], 0), 1e-15);
+  EXPECT_NEAR(data->fu[0], 1 + ground(0, 0) + 2 * u * ground(0, 1), 1e-15);
+  RandomNumbers random(314);
+  const SystemPoint<Lane> point = random_point<Lane>(*system, random);
+  const AlignedVector<Lane> weights{Lane(0.7)};
+  expect_equal_numbers(own_curvature(*system, point, weights),
+                       curvature_by_duals(*system, point, weights), 1e-13, "curvature");
+}
+
+TEST(ExpressionSystems, BranchThatIsNotTakenDoesNotSpoilDerivatives) {
+  const auto system = expression_system({.kind = SystemKind::second_order,
+                                         .states = {{"x"}},
+                                         .velocities = {{"v", "1"}},
+                                         .controls = {{"u", "1"}},
+                                         .equations = {{"v", "u*if(x > 0, sqrt(x), 2*x)"}}});
+  const auto data = system->create_data(0.0);
+  const double u = 3;
+  for (const double position : {-1.0, 4.0}) {
+    const double x[] = {position, 0};
+    system->differentiate(x, &u, *data);
+    EXPECT_EQ(data->f[0], position > 0 ? 6 : -6);
+    EXPECT_EQ(data->fx[0], position > 0 ? 0.75 : 6);
+  }
+  SystemPoint<Lane> point{{Lane(-1.0), Lane(0.0)}, {Lane(3.0)}};
+  const AlignedVector<Lane> curvature = own_curvature(*system, point, {Lane(1.0)});
+  EXPECT_EQ(curvature[0][0], 0);
+  EXPECT_EQ(curvature[2][0], 2);
+}
+
+/// What make_expression_system says of a change of a good system: its only message.
+ExpressionSystemMessage message_of(void (*change)(ExpressionSystemText&)) {
+  ExpressionSystemText text = driven(SystemKind::first_order);
+  change(text);
+  const ParsedExpressionSystem parsed = make_expression_system(text);
+  EXPECT_EQ(parsed.system, nullptr);
+  if (parsed.errors.size() != 1) return {.message = {-1, std::to_string(parsed.errors.size()), ""}};
+  return parsed.errors[0];
+}
+
+TEST(ExpressionSystems, WrongTextsHaveAPlace) {
+  using Part = ExpressionSystemMessage::Part;
+  using Text = ExpressionSystemText;
+  struct WrongText {
+    void (*change)(Text&);
+    Part part;
+    int index;
+    bool in_text;
+    int offset;
+    std::string message;
+  };
+  const WrongText cases[] = {
+      {[](Text& t) { t.states.clear(); }, Part::kWhole, 0, false, 0, "the system has no states"},
+      {[](Text& t) { t.states[1].name = "2v"; }, Part::kState, 1, false, 0,
+       "'2v' is not a name of expressions: letters, digits and '_', no digit at first"},
+      {[](Text& t) { t.controls[0].name = "t"; }, Part::kControl, 0, false, 0, "'t' is the time"},
+      {[](Text& t) { t.parameters[0].first = "sin"; }, Part::kParameter, 0, false, 0,
+       "'sin' is a function of the expression language"},
+      {[](Text& t) {
+         t.definitions = {{"pi", "3"}};
+       },
+       Part::kDefinition, 0, false, 0, "'pi' is a constant of the expression language"},
+      {[](Text& t) {
+         t.definitions = {{"and", "3"}};
+       },
+       Part::kDefinition, 0, false, 0, "'and' is a word of the expression language"},
+      {[](Text& t) {
+         t.definitions = {{"a", "b + 1"}, {"b", "1"}};
+       },
+       Part::kDefinition, 0, true, 0, "unknown name 'b'"},
+      {[](Text& t) {
+         t.definitions = {{"x", "1"}};
+       },
+       Part::kDefinition, 0, false, 0, "the name 'x' is taken"},
+      {[](Text& t) { t.equations.pop_back(); }, Part::kState, 1, false, 0,
+       "the rate of 'v' is missing"},
+      {[](Text& t) {
+         t.equations.push_back({"w", "1"});
+       },
+       Part::kEquation, 2, false, 0, "there is no state 'w' for this rate"},
+      {[](Text& t) {
+         t.equations.push_back({"x", "1"});
+       },
+       Part::kEquation, 2, false, 0, "the rate of 'x' is given twice"},
+      {[](Text& t) { t.equations[0].text = "[v, v]"; }, Part::kEquation, 0, true, 0,
+       "the rate of 'x' has to be a number, not a vector of 2"},
+      {[](Text& t) { t.equations[0].text = "v > 0"; }, Part::kEquation, 0, true, 0,
+       "the rate of 'x' has to be a number, not a condition"},
+      {[](Text& t) { t.equations[1].text = "u - K*x"; }, Part::kEquation, 1, true, 4,
+       "unknown name 'K'"},
+      {[](Text& t) { t.kind = SystemKind::discrete; }, Part::kEquation, 1, true, 16,
+       "unknown name 't'"},
+      {[](Text& t) {
+         t.kind = SystemKind::second_order;
+         t.velocities = {{"w", "1"}};
+       },
+       Part::kWhole, 0, false, 0, "there are 2 positions and 1 velocities"}};
+  for (const WrongText& c : cases) {
+    const ExpressionSystemMessage got = message_of(c.change);
+    EXPECT_EQ(got.message.message, c.message);
+    EXPECT_EQ(got.part, c.part) << c.message;
+    EXPECT_EQ(got.index, c.index) << c.message;
+    EXPECT_EQ(got.in_text, c.in_text) << c.message;
+    EXPECT_EQ(got.message.offset, c.offset) << c.message;
+  }
+}
+
+TEST(ExpressionSystems, WhatIsNotSmoothIsWarnedOf) {
+  ExpressionSystemText text = driven(SystemKind::first_order);
+  text.definitions = {{"drag", "0.1*v*abs(v)"}};
+  text.equations[1].text = "if(x < 0, u - drag, u + drag)";
+  const ParsedExpressionSystem parsed = make_expression_system(text);
+  ASSERT_NE(parsed.system, nullptr);
+  ASSERT_EQ(parsed.warnings.size(), 2u);
+  EXPECT_EQ(parsed.warnings[0].part, ExpressionSystemMessage::Part::kDefinition);
+  EXPECT_EQ(parsed.warnings[0].message.offset, 6);
+  EXPECT_EQ(parsed.warnings[0].message.message, "'abs' has a kink at 0; smooth_abs has none");
+  EXPECT_EQ(parsed.warnings[1].part, ExpressionSystemMessage::Part::kEquation);
+  EXPECT_EQ(parsed.warnings[1].index, 1);
+}
+
+}  // namespace
+}  // namespace conddp
