@@ -1,5 +1,6 @@
 #pragma once
 
+#include <exception>
 #include <functional>
 
 namespace conddp {
@@ -10,7 +11,9 @@ inline constexpr int kKnotsBetweenCheckpoints = 1024;
 
 /// Thrown by a checkpoint to give up what is under way. Results that were being written then are
 /// unspecified; what was an input is as it was.
-struct Abandoned {};
+struct Abandoned : std::exception {
+  const char* what() const noexcept override { return "abandoned at a checkpoint"; }
+};
 
 /// While it lives, checkpoints that this thread passes call `check`, which may throw Abandoned. The
 /// innermost one counts.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <stdexcept>
 #include <string>
 
 #include <fmt/format.h>
@@ -7,8 +8,8 @@
 namespace conddp {
 
 /// Thrown where a document that conddp should have written has not the shape that it should have.
-struct MalformedSolution {
-  std::string message;
+struct MalformedSolution : std::runtime_error {
+  using std::runtime_error::runtime_error;
 };
 
 /// A member of an object, which must be there. `Json`: nlohmann's, with or without the keys' order.

@@ -282,7 +282,8 @@ TEST(Constraints, SolversThatCannotKeepThemSayWhoCanAndHowToDropThem) {
   ASSERT_TRUE(loaded.built) << loaded.all();
   EXPECT_TRUE(usable_solvers(*loaded.spec, *loaded.built->problem, loaded.diagnostics).empty());
   const std::string text = loaded.all();
-  EXPECT_NE(text.find("box_ddp does not support the constraint 'speed'"), std::string::npos) << text;
+  EXPECT_NE(text.find("box_ddp does not support the constraint 'speed'"), std::string::npos)
+      << text;
   EXPECT_NE(text.find("supported by altro, proxddp, ipopt"), std::string::npos) << text;
   EXPECT_NE(text.find("--drop speed --drop goal"), std::string::npos) << text;
 }

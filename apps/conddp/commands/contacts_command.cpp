@@ -90,9 +90,9 @@ int write_schedule(const ContactsArguments& arguments) {
                              arguments.output));
     return kExitConverged;
   } catch (const MalformedSolution& malformed) {
-    return give_up("the solution cannot be used: " + malformed.message);
+    return give_up("the solution cannot be used: " + std::string(malformed.what()));
   } catch (const NoSchedule& none) {
-    return give_up("there is no schedule of its contacts: " + none.reason);
+    return give_up("there is no schedule of its contacts: " + std::string(none.what()));
   }
 }
 

@@ -169,7 +169,7 @@ int report(const ReportArguments& arguments) {
       return kExitConverged;
     }
   } catch (const MalformedSolution& malformed) {
-    diagnostics.add({.file = file, .message = malformed.message});
+    diagnostics.add({.file = file, .message = malformed.what()});
   } catch (const OrderedJson::exception& error) {
     diagnostics.add({.file = file, .message = error.what()});
   }

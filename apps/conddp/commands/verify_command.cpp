@@ -90,7 +90,7 @@ int verify(const VerifyArguments& arguments) {
     return print(arguments, *spec, certify_solution(document, *spec, built, true));
   } catch (const MalformedSolution& malformed) {
     diagnostics.add({.file = arguments.solution,
-                     .message = "the solution cannot be used: " + malformed.message});
+                     .message = "the solution cannot be used: " + std::string(malformed.what())});
   } catch (const OrderedJson::exception& error) {
     diagnostics.add({.file = arguments.solution,
                      .message = fmt::format("the solution cannot be used: {}", error.what())});

@@ -295,7 +295,7 @@ std::optional<std::string> comparison_defect(const Json& solution) {
   try {
     const Compared compared(solution);
   } catch (const MalformedSolution& malformed) {
-    return malformed.message;
+    return malformed.what();
   }
   return std::nullopt;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <stdexcept>
 
 #include "analysis/contact/contact_sequence.hpp"
 #include "base/ordered_json.hpp"
@@ -22,9 +23,9 @@ struct ContactSchedule {
   std::vector<std::string> notes;  ///< what of the motion it does not say
 };
 
-/// Why a motion has no schedule.
-struct NoSchedule {
-  std::string reason;
+/// A motion has no schedule; says why.
+struct NoSchedule : std::runtime_error {
+  using std::runtime_error::runtime_error;
 };
 
 /// A problem with the costs, constraints and controls of the one that was solved, in which the

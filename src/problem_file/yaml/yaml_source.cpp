@@ -21,7 +21,9 @@ constexpr std::string_view kNoAliases = "aliases (*name) are not accepted";
 constexpr std::string_view kWriteOut = "write the value out where it is needed";
 
 /// Ends the parse: the reason has been reported.
-struct Refused {};
+struct Refused : std::exception {
+  const char* what() const noexcept override { return "a reported error of the document"; }
+};
 
 /// Builds the tree from yaml-cpp's events, so that aliases are refused before anything expands
 /// them and nesting before anything recurses into it.
