@@ -4,6 +4,7 @@
 # can come between, and the check of the compiler's flags goes first.
 file(REMOVE_RECURSE ${STAGE_DIR})
 file(GLOB_RECURSE headers RELATIVE ${SOURCE_DIR}/src ${SOURCE_DIR}/src/*.hpp)
+list(FILTER headers EXCLUDE REGEX "^batch/")  # a part of the tool alone
 set(layers ${headers})
 list(TRANSFORM layers REPLACE "/.*" "")
 list(REMOVE_DUPLICATES layers)

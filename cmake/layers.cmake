@@ -1,5 +1,5 @@
 # The layers of src/, lowest first. A layer may include itself and the layers before it, nothing else.
-set(CONDDP_LAYERS base spatial robot systems ocp nlp solvers analysis problem_file output)
+set(CONDDP_LAYERS base spatial robot systems ocp nlp solvers analysis problem_file output batch)
 
 # The folders of layers that have some, lowest first, with the same rule; "." is the layer's own
 # folder. scripts/check_layers reads all of these lists.
@@ -11,6 +11,7 @@ set(CONDDP_solvers_FOLDERS
 set(CONDDP_analysis_FOLDERS certificate contact findings comparison)
 set(CONDDP_problem_file_FOLDERS yaml spec data plant read build expand)
 set(CONDDP_output_FOLDERS solution report bench)
+set(CONDDP_batch_FOLDERS plan results run)
 
 # The folders of the tool, apps/conddp, lowest first, with the same rule: the process and its streams,
 # what stands on a command line, what the tool says about itself and about problems and answers, and the

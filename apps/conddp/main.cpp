@@ -11,6 +11,7 @@
 #include "arguments/usage.hpp"
 #include "base/atomic_file.hpp"
 #include "base/wrap_text.hpp"
+#include "commands/batch_worker.hpp"
 #include "commands/commands.hpp"
 #include "conddp_version.hpp"
 #include "help/help_text.hpp"
@@ -59,9 +60,9 @@ void declare(Command& tool) {
                          .description = "Print the version and how it was built",
                          .target = EndingFlag::kVersion}},
           .commands = {solve_command(), check_command(), verify_command(), contacts_command(),
-                       bench_command(), compare_command(), regress_command(), inspect_command(),
-                       report_command(), list_command(), schema_command(), completion_command(tool),
-                       man_command(tool), help_command(tool)}};
+                       bench_command(), batch_command(), compare_command(), regress_command(),
+                       inspect_command(), report_command(), list_command(), schema_command(),
+                       completion_command(tool), man_command(tool), help_command(tool)}};
   std::vector<std::string> names;
   for (const Command& command : tool.commands) names.push_back(command.short_name());
   add_common_options(tool);
@@ -84,6 +85,7 @@ void report_usage(const Command& tool, const CommandWords& words, std::string me
 }
 
 int run(int argc, char** argv) {
+  if (argc == 3 && argv[1] == kBatchWorker) return batch_worker(argv[2]);
   Command tool;
   declare(tool);
   const CommandWords words = read_words(tool, {argv + std::min(argc, 1), argv + argc});

@@ -48,7 +48,7 @@ int Diagnostics::add_source(std::string name, std::string text) {
   Source source{std::move(name), std::move(text), {0}};
   for (std::size_t i = 0; i < source.text.size(); ++i)
     if (source.text[i] == '\n') source.line_starts.push_back(i + 1);
-  sources_.push_back(std::move(source));
+  sources_.push_back(std::make_shared<const Source>(std::move(source)));
   return static_cast<int>(sources_.size()) - 1;
 }
 
@@ -61,13 +61,13 @@ void Diagnostics::add_data_file(InputFile file) {
 }
 
 int Diagnostics::character_column(int source, int line, int byte) const {
-  const std::string_view text = sources_[source].line(line);
+  const std::string_view text = sources_[source]->line(line);
   return 1 + count_characters(text.substr(0, std::max(byte, 0)));
 }
 
 Diagnostic Diagnostics::at(const Place& place, Severity severity, std::string message,
                            std::string hint) const {
-  return {.file = place.mark.source >= 0 ? sources_[place.mark.source].name : std::string(),
+  return {.file = place.mark.source >= 0 ? sources_[place.mark.source]->name : std::string(),
           .line = place.mark.line,
           .column = place.mark.column,
           .path = place.path,
@@ -101,9 +101,10 @@ void Diagnostics::add(Diagnostic diagnostic) {
 
 std::string Diagnostics::source_line(const Diagnostic& diagnostic) const {
   if (diagnostic.line < 1) return {};
-  if (diagnostic.source >= 0) return std::string(sources_[diagnostic.source].line(diagnostic.line));
-  for (const Source& source : sources_)
-    if (source.name == diagnostic.file) return std::string(source.line(diagnostic.line));
+  if (diagnostic.source >= 0)
+    return std::string(sources_[diagnostic.source]->line(diagnostic.line));
+  for (const auto& source : sources_)
+    if (source->name == diagnostic.file) return std::string(source->line(diagnostic.line));
   std::ifstream stream(diagnostic.file);
   std::string text;
   for (int i = 0; i < diagnostic.line; ++i)

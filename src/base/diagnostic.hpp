@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -59,9 +60,9 @@ class Diagnostics {
 
   /// Makes a text known; returns its index for Mark::source.
   int add_source(std::string name, std::string text);
-  const std::string& source_name(int source) const { return sources_[source].name; }
+  const std::string& source_name(int source) const { return sources_[source]->name; }
   /// One line of a text (from 1), without its end.
-  std::string_view line(int source, int number) const { return sources_[source].line(number); }
+  std::string_view line(int source, int number) const { return sources_[source]->line(number); }
   /// Converts a byte offset in a line (0-based, as yaml-cpp has it) into a 1-based character.
   int character_column(int source, int line, int byte) const;
 
@@ -89,7 +90,7 @@ class Diagnostics {
   };
   Diagnostic at(const Place& place, Severity severity, std::string message, std::string hint) const;
 
-  std::vector<Source> sources_;
+  std::vector<std::shared_ptr<const Source>> sources_;  ///< copies share the texts
   std::vector<Diagnostic> list_;
   std::vector<InputFile> data_files_;
   int errors_ = 0;

@@ -1,4 +1,5 @@
 #include <cstdlib>
+#include <fstream>
 
 #include <signal.h>
 #include <sys/stat.h>

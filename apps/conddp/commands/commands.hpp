@@ -11,6 +11,7 @@ Command check_command();
 Command verify_command();
 Command contacts_command();
 Command bench_command();
+Command batch_command();
 Command compare_command();
 Command regress_command();
 Command inspect_command();

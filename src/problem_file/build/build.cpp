@@ -233,7 +233,7 @@ std::optional<BuiltProblem> build_without_homotopy(const ProblemSpec& spec,
                                                    const BuildOptions& options, Diagnostics& out) {
   check_solver(spec, out);
   check_drop(spec, options.drop, out);
-  auto plant = build_plant(spec, out);
+  auto plant = options.plant ? std::optional(*options.plant) : build_plant(spec, out);
   if (!plant) return std::nullopt;
   BuiltProblem built{.plant = std::move(*plant)};
   const System& system = *built.plant.system;

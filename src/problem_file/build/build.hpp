@@ -13,6 +13,8 @@ namespace conddp {
 struct BuildOptions {
   /// Names of constraints to leave out.
   std::vector<std::string> drop;
+  /// What moves, where it was built before from the same robots or system; null: it is built.
+  const Plant* plant = nullptr;
 };
 
 /// A constraint that was left out, kept so that its violation can be reported.

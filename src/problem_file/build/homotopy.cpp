@@ -85,6 +85,7 @@ std::shared_ptr<const Homotopy> Homotopy::build(const ProblemSpec& spec,
   homotopy->perturbation_ = spec.perturbation;
   homotopy->solver_.homotopy.clear();
   homotopy->options_ = options;
+  homotopy->options_.plant = nullptr;  // the way may move numbers of the robots
   for (const double share : {kGenericShare, 0.0}) {
     Diagnostics attempt;
     homotopy->start_ = homotopy->station(share, attempt);

@@ -144,9 +144,10 @@ std::optional<ProblemDocument> parse_problem(std::string text, const std::filesy
   return ProblemDocument{file, std::move(text), {}, *std::move(root)};
 }
 
-std::optional<ProblemDocument> load_problem(const std::filesystem::path& file, Diagnostics& out) {
+std::optional<ProblemDocument> load_problem(const std::filesystem::path& file, const Place& place,
+                                            Diagnostics& out) {
   std::string hash;
-  std::optional<std::string> text = read_text(file, kMaxYamlBytes, {}, hash, out);
+  std::optional<std::string> text = read_text(file, kMaxYamlBytes, place, hash, out);
   if (!text) return std::nullopt;
   auto document = parse_problem(*std::move(text), file, out);
   if (document) document->sha256 = hash;
@@ -194,7 +195,7 @@ std::optional<ProblemSpec> read_problem_text(const std::string& text,
 std::optional<ProblemSpec> read_problem(const std::filesystem::path& file,
                                         const std::vector<std::string>& overrides,
                                         Diagnostics& out) {
-  const auto document = load_problem(file, out);
+  const auto document = load_problem(file, {}, out);
   if (!document) return std::nullopt;
   return read_with(*document, overrides, out, 1);
 }

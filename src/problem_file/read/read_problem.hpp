@@ -32,8 +32,10 @@ struct ProblemDocument {
   YamlNode root;       ///< its places lie in a text that the Diagnostics of its reader know
 };
 
-/// Parses a problem file, or a text that stands for one. Nothing with errors where it is not YAML.
-std::optional<ProblemDocument> load_problem(const std::filesystem::path& file, Diagnostics& out);
+/// Parses a problem file, or a text that stands for one. Nothing with errors where it is not YAML;
+/// a file that cannot be read is reported at `place`.
+std::optional<ProblemDocument> load_problem(const std::filesystem::path& file, const Place& place,
+                                            Diagnostics& out);
 std::optional<ProblemDocument> parse_problem(std::string text, const std::filesystem::path& file,
                                              Diagnostics& out);
 

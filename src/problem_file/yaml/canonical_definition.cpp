@@ -12,6 +12,10 @@ namespace {
 constexpr std::string_view kNotOfTheProblem[] = {"name", "description", "initial_guess",
                                                  "perturbation", "solver"};
 
+std::string dump(const nlohmann::json& json) {
+  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
 nlohmann::json canonical(const YamlNode& node) {
   nlohmann::json json;
   switch (node.kind) {
@@ -43,7 +47,9 @@ std::string canonical_definition(const YamlNode& root) {
   nlohmann::json json = canonical(root);
   if (json.is_object())
     for (const std::string_view key : kNotOfTheProblem) json.erase(std::string(key));
-  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  return dump(json);
 }
+
+std::string canonical_value(const YamlNode& node) { return dump(canonical(node)); }
 
 }  // namespace conddp

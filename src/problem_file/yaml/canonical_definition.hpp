@@ -15,4 +15,7 @@ bool is_of_the_problem(std::string_view key);
 /// another way: comments, the order of keys and the notation of numbers have no part in it.
 std::string canonical_definition(const YamlNode& root);
 
+/// The same of one value.
+std::string canonical_value(const YamlNode& node);
+
 }  // namespace conddp

@@ -1,0 +1,111 @@
+#include "batch/plan/axis_table.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "base/source_text.hpp"
+#include "base/spelling.hpp"
+#include "base/strict_number.hpp"
+
+namespace conddp {
+namespace {
+
+struct Cell {
+  std::string text;
+  int byte = 0;  ///< where it begins in its line
+};
+
+std::vector<Cell> split(std::string_view line) {
+  std::vector<Cell> cells;
+  for (std::size_t start = 0; start <= line.size();) {
+    const std::size_t comma = std::min(line.find(',', start), line.size());
+    std::string_view cell = line.substr(start, comma - start);
+    const std::size_t first = std::min(cell.find_first_not_of(" \t"), cell.size());
+    const std::size_t last = cell.find_last_not_of(" \t\r");
+    const std::string_view text =
+        last == std::string_view::npos || last < first ? "" : cell.substr(first, last + 1 - first);
+    cells.push_back({std::string(text), static_cast<int>(start + first)});
+    start = comma + 1;
+  }
+  return cells;
+}
+
+/// Reads the lines of a table.
+class TableReader {
+ public:
+  TableReader(const std::string& text, std::string name, Diagnostics& out)
+      : text_(text), out_(out), source_(out.add_source(std::move(name), text)) {}
+
+  std::vector<std::vector<YamlNode>> read(const std::vector<Name>& columns) {
+    const std::vector<Cell> header = next_line();
+    std::vector<std::size_t> chosen;
+    std::vector<std::string> names;
+    for (const Cell& cell : header) names.push_back(cell.text);
+    for (const Name& column : columns) {
+      const auto found = std::find(names.begin(), names.end(), column.value);
+      if (found == names.end()) {
+        out_.error(column.place, fmt::format("the table has no column '{}'", column.value),
+                   name_hint(column.value, names, "columns"), names);
+        return {};
+      }
+      chosen.push_back(static_cast<std::size_t>(found - names.begin()));
+    }
+    std::vector<std::vector<YamlNode>> rows;
+    while (start_ < text_.size()) {
+      const std::vector<Cell> cells = next_line();
+      if (cells.size() == 1 && cells[0].text.empty()) continue;
+      if (cells.size() != header.size()) {
+        fail(0,
+             fmt::format("this line has {} cells, the header has {}", cells.size(), header.size()));
+        return {};
+      }
+      std::vector<YamlNode>& row = rows.emplace_back();
+      for (const std::size_t c : chosen) {
+        if (cells[c].text.empty()) {
+          fail(cells[c].byte, fmt::format("the cell of the column '{}' is empty", names[c]));
+          return {};
+        }
+        row.push_back({.kind = YamlNode::Kind::kScalar,
+                       .mark = mark(cells[c].byte),
+                       .text = cells[c].text,
+                       .quoted = !parse_number(cells[c].text).value});
+      }
+    }
+    if (rows.empty()) fail(0, "there is no row under the header");
+    return rows;
+  }
+
+ private:
+  std::vector<Cell> next_line() {
+    const std::size_t end = std::min(text_.find('\n', start_), text_.size());
+    const std::string_view line = std::string_view(text_).substr(start_, end - start_);
+    start_ = end + 1;
+    ++number_;
+    return split(line);
+  }
+  Mark mark(int byte) const {
+    return {source_, number_, out_.character_column(source_, number_, byte)};
+  }
+  void fail(int byte, std::string message) { out_.error({mark(byte), {}}, std::move(message)); }
+
+  const std::string& text_;
+  Diagnostics& out_;
+  const int source_;
+  std::size_t start_ = 0;
+  int number_ = 0;
+};
+
+}  // namespace
+
+std::vector<std::vector<YamlNode>> read_axis_table(const std::filesystem::path& file,
+                                                   const Place& place,
+                                                   const std::vector<Name>& columns,
+                                                   Diagnostics& out) {
+  std::string hash;
+  const auto text = read_text(file, kMaxDataBytes, place, hash, out);
+  if (!text) return {};
+  return TableReader(*text, file.string(), out).read(columns);
+}
+
+}  // namespace conddp

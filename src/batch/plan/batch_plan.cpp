@@ -1,0 +1,206 @@
+#include "batch/plan/batch_plan.hpp"
+
+#include <algorithm>
+
+#include <fnmatch.h>
+
+#include <fmt/format.h>
+
+#include "base/source_text.hpp"
+#include "base/spelling.hpp"
+#include "problem_file/yaml/yaml_source.hpp"
+#include "solvers/strategies/registry.hpp"
+
+namespace conddp {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kLongestName = 200;
+/// More items are not counted.
+constexpr long long kUncounted = 1'000'000'000'000'000;
+constexpr Choice<KeptSolutions> kKeptWords[] = {{"all", KeptSolutions::kAll},
+                                                {"converged", KeptSolutions::kConverged},
+                                                {"none", KeptSolutions::kNone}};
+constexpr NumberRange kTimeLimit{1e-3, 1e9, false, false, "a number from 0.001 to 1e9"};
+
+/// The files that a pattern with `*` in its last part means, in the order of their bytes.
+std::vector<fs::path> matching_files(const fs::path& pattern) {
+  std::vector<fs::path> found;
+  const fs::path folder = pattern.has_parent_path() ? pattern.parent_path() : fs::path(".");
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error))
+    if (const std::string name = entry->path().filename().string();
+        fnmatch(pattern.filename().c_str(), name.c_str(), FNM_PERIOD) == 0)
+      found.push_back(pattern.parent_path() / name);
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+class PlanReader {
+ public:
+  PlanReader(const YamlReader& reader, BatchPlan& plan)
+      : map_(reader), out_(reader.diagnostics()), plan_(plan) {}
+
+  void read() {
+    if (!map_.valid()) return;
+    read_format();
+    read_name();
+    read_problems();
+    if (const auto r = map_.find("vary"))
+      if (const auto entries = r->named_entries("write '{x: {key: costs.effort.weight, ...}}'"))
+        for (const auto& [name, axis] : *entries)
+          plan_.axes.push_back(read_axis(name, axis, plan_.file.parent_path()));
+    if (const auto r = map_.find("solvers")) read_solvers(*r);
+    if (const auto r = map_.find("limits")) read_limits(*r);
+    if (const auto r = map_.find("keep")) {
+      YamlMap keep(*r, "write '{solutions: converged}'");
+      if (const auto solutions = keep.find("solutions"))
+        plan_.keep = solutions->choice(kKeptWords, "answer").value_or(plan_.keep);
+    }
+    map_.finish();
+    if (!out_.has_errors()) check_columns();
+    if (!out_.has_errors() && plan_.items() > kMostItems)
+      out_.error(plan_.axes.empty() ? plan_.problems.front().place : plan_.axes.front().name.place,
+                 fmt::format("the plan has {} items, and a batch has at most {}",
+                             plan_.items() == kUncounted ? "more than 10^15"
+                                                         : std::to_string(plan_.items()),
+                             kMostItems),
+                 "every axis of 'vary' multiplies their number: vary fewer keys, or draw samples "
+                 "with 'sobol'");
+  }
+
+ private:
+  void read_format() {
+    const auto format = map_.require("conddp_batch");
+    if (!format) return;
+    const auto version = format->integer(1, 1'000'000);
+    if (version && *version != kBatchFormat)
+      format->error(fmt::format("the plan has format {}, and this version reads format {}",
+                                *version, kBatchFormat));
+  }
+
+  void read_name() {
+    plan_.name = {plan_.file.stem().string(), map_.reader().place()};
+    const auto r = map_.find("name");
+    if (!r) return;
+    plan_.name = r->name().value_or(plan_.name);
+    if (plan_.name.value.find_first_of("/\\") != std::string::npos || plan_.name.value[0] == '.' ||
+        plan_.name.value.size() > kLongestName)
+      r->error(
+          fmt::format("the name is also that of a folder: no '/', no '\\', no '.' in front, at "
+                      "most {} bytes",
+                      kLongestName));
+  }
+
+  void read_problems() {
+    const auto one = map_.find("problem"), several = map_.find("problems");
+    if (!map_.exclusive({"problem", "problems"})) return;
+    std::vector<Name> names;
+    if (one) {
+      if (const auto name = one->name()) names = {*name};
+    } else if (several) {
+      names = several->names().value_or(names);
+      if (several->is_sequence() && several->node().items.empty())
+        several->error("there is no problem", "write '[a.yaml, trots/*.yaml]'");
+    } else {
+      map_.reader().error("the plan names no problem",
+                          "write 'problem: FILE.yaml' or 'problems: [a.yaml, trots/*.yaml]'");
+    }
+    for (const Name& name : names) {
+      const fs::path path = plan_.file.parent_path() / name.value;
+      if (path.filename().string().find_first_of("*?[") == std::string::npos) {
+        add_problem(path, name.place);
+        continue;
+      }
+      const std::vector<fs::path> found = matching_files(path);
+      if (found.empty()) out_.error(name.place, fmt::format("no file is like '{}'", path.string()));
+      for (const fs::path& file : found) add_problem(file, name.place);
+    }
+  }
+
+  void add_problem(const fs::path& file, const Place& place) {
+    for (const auto& other : plan_.problems)
+      if (other.value.lexically_normal() == file.lexically_normal())
+        return out_.error(place, fmt::format("the plan has the problem '{}' twice", file.string()));
+    plan_.problems.push_back({file, place});
+  }
+
+  void read_solvers(const YamlReader& reader) {
+    std::vector<std::string> known{std::string(kAutoSolver)};
+    for (const SolverInfo& solver : solvers()) known.emplace_back(solver.name);
+    const auto names = reader.names();
+    if (!names) return;
+    if (names->empty()) reader.error("there is no solver", name_hint("", known, "solvers"));
+    for (const Name& name : *names) {
+      if (std::find(known.begin(), known.end(), name.value) == known.end())
+        out_.error(name.place, fmt::format("unknown solver '{}'", name.value),
+                   name_hint(name.value, known, "solvers"), known);
+      plan_.solvers.push_back(name);
+    }
+  }
+
+  void read_limits(const YamlReader& reader) {
+    YamlMap limits(reader, "write '{max_time_s: 20}'");
+    if (const auto r = limits.find("max_time_s"))
+      if (const auto seconds = r->number(kTimeLimit)) {
+        plan_.limits.max_time_s = *seconds;
+        plan_.max_time = {*seconds, r->place()};
+      }
+    limits.integer("max_memory_mb", plan_.limits.max_memory_mb, 100, 100'000'000);
+    limits.integer("retries", plan_.limits.retries, 0, 10);
+  }
+
+  /// No two axes set one key, or a part of what another one sets; names of columns differ.
+  void check_columns() {
+    std::vector<const AxisColumn*> columns;
+    for (const Axis& axis : plan_.axes)
+      for (const AxisColumn& column : axis.columns) {
+        for (const AxisColumn* other : columns) {
+          const std::string &a = column.key.value, &b = other->key.value;
+          const bool overlap = a == b || a.starts_with(b + '.') || b.starts_with(a + '.');
+          if (overlap)
+            out_.error(column.key.place, fmt::format("'{}' is varied twice", a),
+                       a == b ? "" : fmt::format("'{}' is varied, too", b));
+          else if (column.name == other->name)
+            out_.error(column.key.place,
+                       fmt::format("two columns of the results have the name '{}'", column.name));
+        }
+        if (!plan_.solvers.empty() && column.key.value.starts_with("solver.name"))
+          out_.error(column.key.place, "'solver.name' is varied by 'solvers'");
+        columns.push_back(&column);
+      }
+  }
+
+  YamlMap map_;
+  Diagnostics& out_;
+  BatchPlan& plan_;
+};
+
+}  // namespace
+
+long long BatchPlan::items() const {
+  long long count =
+      static_cast<long long>(problems.size() * std::max<std::size_t>(1, solvers.size()));
+  for (const Axis& axis : axes) {
+    count *= static_cast<long long>(axis.rows.size());
+    if (count >= kUncounted) return kUncounted;
+  }
+  return count;
+}
+
+std::optional<BatchPlan> load_batch_plan(const fs::path& file, Diagnostics& out) {
+  BatchPlan plan{.file = file};
+  std::string hash;
+  const auto text = read_text(file, kMaxYamlBytes, {}, hash, out);
+  if (!text) return std::nullopt;
+  plan.text = *text;
+  const auto root = parse_yaml(*text, out.add_source(file.string(), *text), out);
+  if (!root) return std::nullopt;
+  PlanReader(YamlReader(*root, {}, out), plan).read();
+  if (out.has_errors()) return std::nullopt;
+  return plan;
+}
+
+}  // namespace conddp

@@ -1,0 +1,165 @@
+#include "batch/plan/expand_plan.hpp"
+
+#include <algorithm>
+#include <unordered_map>
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include "base/relative_paths.hpp"
+#include "base/strict_number.hpp"
+#include "problem_file/yaml/canonical_definition.hpp"
+
+namespace conddp {
+namespace {
+
+/// Items that are built before errors among them are looked for.
+constexpr std::size_t kAtOnce = 1024;
+
+/// A value as JSON. Whole numbers have no decimal point.
+std::string value_json(const YamlNode& value) {
+  const auto number = value.quoted ? std::nullopt : parse_number(value.text).value;
+  if (value.kind != YamlNode::Kind::kScalar || !number) return canonical_value(value);
+  return fmt::format("{}", *number);
+}
+
+/// Counts through all items in their order.
+class Expansion {
+ public:
+  Expansion(const BatchPlan& plan, const std::filesystem::path& run, Diagnostics& out)
+      : plan_(plan), run_(std::filesystem::absolute(run)), out_(out) {}
+
+  std::optional<Manifest> run() {
+    Manifest manifest{.name = plan_.name.value,
+                      .limits = plan_.limits,
+                      .keep = plan_.keep,
+                      .build = build_json()};
+    for (const Axis& axis : plan_.axes)
+      for (const AxisColumn& column : axis.columns)
+        manifest.columns.push_back({column.name, column.key.value});
+    for (const auto& problem : plan_.problems) {
+      const auto family = ProblemFamily::load(problem.value, problem.place, out_);
+      if (!family) continue;
+      families_.push_back(family);
+      manifest.problems.push_back({relative_path(std::filesystem::absolute(problem.value), run_),
+                                   batch_identity(family->base())});
+    }
+    if (out_.has_errors()) return std::nullopt;
+    manifest.items.resize(static_cast<std::size_t>(plan_.items()));
+    for (std::size_t first = 0; first < manifest.items.size(); first += kAtOnce)
+      if (!build(first, std::min(first + kAtOnce, manifest.items.size()), manifest))
+        return std::nullopt;
+    if (!all_differ(manifest.items)) return std::nullopt;
+    return manifest;
+  }
+
+ private:
+  /// What makes up an item.
+  struct Parts {
+    int problem = 0;
+    std::vector<std::size_t> rows;  ///< of the axes
+    std::size_t solver = 0;
+  };
+
+  Parts parts(std::size_t item) const {
+    Parts parts{.rows = std::vector<std::size_t>(plan_.axes.size())};
+    const std::size_t solvers = std::max<std::size_t>(1, plan_.solvers.size());
+    parts.solver = item % solvers;
+    item /= solvers;
+    for (std::size_t a = plan_.axes.size(); a-- > 0; item /= plan_.axes[a].rows.size())
+      parts.rows[a] = item % plan_.axes[a].rows.size();
+    parts.problem = static_cast<int>(item);
+    return parts;
+  }
+
+  std::vector<Setting> settings(const Parts& parts) const {
+    std::vector<Setting> list;
+    const auto scalar = [](const Place& place, std::string text, bool quoted) {
+      return YamlNode{.kind = YamlNode::Kind::kScalar,
+                      .mark = place.mark,
+                      .text = std::move(text),
+                      .quoted = quoted};
+    };
+    if (const auto& limit = plan_.max_time)
+      list.push_back(make_setting({"solver.max_time_s", limit->place},
+                                  scalar(limit->place, fmt::format("{}", limit->value), false)));
+    for (std::size_t a = 0; a < plan_.axes.size(); ++a)
+      for (std::size_t c = 0; c < plan_.axes[a].columns.size(); ++c)
+        list.push_back(
+            make_setting(plan_.axes[a].columns[c].key, plan_.axes[a].rows[parts.rows[a]][c]));
+    if (!plan_.solvers.empty()) {
+      const Name& solver = plan_.solvers[parts.solver];
+      list.push_back(
+          make_setting({"solver.name", solver.place}, scalar(solver.place, solver.value, false)));
+    }
+    return list;
+  }
+
+  bool build(std::size_t first, std::size_t last, Manifest& manifest) {
+    std::vector<Diagnostics> errors(last - first);
+    tbb::parallel_for(first, last, [&](std::size_t i) {
+      Diagnostics own = out_;
+      const Parts p = parts(i);
+      const std::vector<Setting> list = settings(p);
+      const auto instance = families_[p.problem]->build(list, own);
+      if (!instance || usable_solvers(*instance->spec, *instance->built.problem, own).empty()) {
+        errors[i - first] = std::move(own);
+        return;
+      }
+      ManifestItem& item = manifest.items[i];
+      item = {.id = item_id(manifest.problems[p.problem].identity, list, *instance),
+              .problem = p.problem};
+      for (const Setting& setting : list) item.settings.push_back(setting.text);
+      for (std::size_t a = 0; a < plan_.axes.size(); ++a)
+        for (const YamlNode& value : plan_.axes[a].rows[p.rows[a]])
+          item.values.push_back(value_json(value));
+    });
+    for (std::size_t i = first; i < last; ++i)
+      if (errors[i - first].has_errors()) {
+        report(i, errors[i - first]);
+        return false;
+      }
+    return true;
+  }
+
+  void report(std::size_t item, const Diagnostics& own) {
+    const Parts p = parts(item);
+    std::string words;
+    for (const Setting& setting : settings(p)) words += (words.empty() ? "" : ", ") + setting.text;
+    out_ = own;
+    out_.note({}, fmt::format("this is item {} of {}, of '{}'{}", item + 1, plan_.items(),
+                              plan_.problems[p.problem].value.string(),
+                              words.empty() ? "" : " with " + words));
+  }
+
+  bool all_differ(const std::vector<ManifestItem>& items) {
+    std::unordered_map<std::string, std::size_t> first;
+    for (std::size_t i = 0; i < items.size(); ++i) {
+      const auto [other, fresh] = first.try_emplace(items[i].id, i);
+      if (fresh) continue;
+      const Parts a = parts(other->second), b = parts(i);
+      Place place = plan_.problems[b.problem].place;
+      for (std::size_t axis = 0; axis < a.rows.size(); ++axis)
+        if (a.rows[axis] != b.rows[axis])
+          place = {plan_.axes[axis].rows[b.rows[axis]][0].mark, plan_.axes[axis].name.place.path};
+      out_.error(place, fmt::format("items {} and {} are the same problem with the same settings",
+                                    other->second + 1, i + 1));
+      return false;
+    }
+    return true;
+  }
+
+  const BatchPlan& plan_;
+  const std::filesystem::path run_;
+  Diagnostics& out_;
+  std::vector<std::shared_ptr<const ProblemFamily>> families_;
+};
+
+}  // namespace
+
+std::optional<Manifest> expand_plan(const BatchPlan& plan, const std::filesystem::path& run,
+                                    Diagnostics& out) {
+  return Expansion(plan, run, out).run();
+}
+
+}  // namespace conddp

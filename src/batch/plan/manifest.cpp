@@ -1,0 +1,152 @@
+#include "batch/plan/manifest.hpp"
+
+#include <algorithm>
+#include <fstream>
+
+#include <fmt/format.h>
+
+#include "base/sha256.hpp"
+#include "conddp_version.hpp"
+#include "problem_file/expand/expand_problem.hpp"
+#include "problem_file/yaml/canonical_definition.hpp"
+#include "spatial/lane.hpp"
+
+namespace conddp {
+namespace {
+
+constexpr const char* kKeptNames[] = {"all", "converged", "none"};
+constexpr std::size_t kIdDigits = 16;
+
+std::string dump(const OrderedJson& json) {
+  return json.dump(-1, ' ', false, OrderedJson::error_handler_t::replace);
+}
+
+std::string hashes_of_inputs(const ProblemInstance& instance) {
+  std::string hashes;
+  for (const PlantPart& part : instance.built.plant.parts) hashes += part.sha256 + '\n';
+  for (const InputFile& file : instance.built.data_files) hashes += file.sha256 + '\n';
+  return hashes;
+}
+
+/// The head of a manifest. Throws what nlohmann::json throws where it is none.
+Manifest parse_head(const std::string& line) {
+  const OrderedJson json = OrderedJson::parse(line);
+  Manifest manifest{.name = json.at("name")};
+  for (const OrderedJson& problem : json.at("problems"))
+    manifest.problems.push_back({problem.at("file"), problem.at("identity")});
+  for (const OrderedJson& column : json.at("columns"))
+    manifest.columns.push_back({column.at("name"), column.at("key")});
+  const OrderedJson& limits = json.at("limits");
+  manifest.limits = {limits.at("max_time_s"), limits.at("max_memory_mb"), limits.at("retries")};
+  const auto kept =
+      std::find(std::begin(kKeptNames), std::end(kKeptNames), json.at("keep").get<std::string>());
+  manifest.keep = static_cast<KeptSolutions>(std::min<std::ptrdiff_t>(2, kept - kKeptNames));
+  manifest.build = json.at("build");
+  manifest.items.resize(json.at("items").get<std::size_t>());
+  return manifest;
+}
+
+}  // namespace
+
+OrderedJson build_json() {
+  const BuildInfo& info = build_info();
+  return {{"version", info.version},       {"revision", info.revision},
+          {"modified", info.dirty},        {"compiler", info.compiler},
+          {"build_type", info.build_type}, {"instruction_set", info.instruction_set},
+          {"lane_width", kLaneWidth}};
+}
+
+std::string batch_identity(const ProblemInstance& base) {
+  return sha256(dump(expand_problem(*base.spec, base.built)) + '\n' + hashes_of_inputs(base));
+}
+
+std::string item_id(const std::string& identity, const std::vector<Setting>& settings,
+                    const ProblemInstance& instance) {
+  std::vector<std::string> lines;
+  for (const Setting& setting : settings)
+    lines.push_back(setting.key.value + '=' + canonical_value(setting.value) + '\n');
+  std::sort(lines.begin(), lines.end());
+  std::string all = identity + '\n';
+  for (const std::string& line : lines) all += line;
+  return sha256(all + hashes_of_inputs(instance)).substr(0, kIdDigits);
+}
+
+std::string manifest_head(const Manifest& manifest) {
+  OrderedJson problems = OrderedJson::array(), columns = OrderedJson::array();
+  for (const ManifestProblem& problem : manifest.problems)
+    problems.push_back({{"file", problem.file}, {"identity", problem.identity}});
+  for (const ManifestColumn& column : manifest.columns)
+    columns.push_back({{"name", column.name}, {"key", column.key}});
+  return dump({{"format", kManifestFormat},
+               {"name", manifest.name},
+               {"items", manifest.items.size()},
+               {"problems", std::move(problems)},
+               {"columns", std::move(columns)},
+               {"limits",
+                {{"max_time_s", manifest.limits.max_time_s},
+                 {"max_memory_mb", manifest.limits.max_memory_mb},
+                 {"retries", manifest.limits.retries}}},
+               {"keep", kKeptNames[static_cast<int>(manifest.keep)]},
+               {"build", manifest.build}});
+}
+
+std::string manifest_line(const ManifestItem& item) {
+  std::string values;
+  for (const std::string& value : item.values) values += (values.empty() ? "" : ",") + value;
+  return fmt::format(R"({{"id":"{}","problem":{},"settings":{},"values":[{}]}})", item.id,
+                     item.problem, dump(item.settings), values);
+}
+
+std::optional<ManifestItem> parse_manifest_line(std::string_view line) {
+  try {
+    const OrderedJson json = OrderedJson::parse(line);
+    ManifestItem item{
+        .id = json.at("id"), .problem = json.at("problem"), .settings = json.at("settings")};
+    for (const OrderedJson& value : json.at("values")) item.values.push_back(dump(value));
+    return item;
+  } catch (const OrderedJson::exception&) {
+    return std::nullopt;
+  }
+}
+
+std::optional<Manifest> load_manifest(const std::filesystem::path& run, bool with_items,
+                                      Diagnostics& out) {
+  const std::filesystem::path file = run / kManifestFile;
+  std::ifstream stream(file, std::ios::binary);
+  std::string line;
+  const auto fail = [&](int number, std::string message, std::string hint = {}) {
+    out.add({.file = file.string(),
+             .line = number,
+             .column = number > 0 ? 1 : 0,
+             .message = std::move(message),
+             .hint = std::move(hint)});
+    return std::nullopt;
+  };
+  if (!std::getline(stream, line))
+    return fail(0, fmt::format("'{}' is not the folder of a batch", run.string()),
+                "'conddp batch plan PLAN.yaml -o FOLDER' makes one");
+  if (!line.starts_with(fmt::format(R"({{"format":"{}")", kManifestFormat)))
+    return fail(1, fmt::format("this is not a manifest of the format {}", kManifestFormat),
+                "make the plan again with this version");
+  Manifest manifest;
+  try {
+    manifest = parse_head(line);
+  } catch (const OrderedJson::exception&) {
+    return fail(1, "the head of the manifest is damaged", "make the plan again");
+  }
+  int number = 1;
+  if (with_items)
+    for (ManifestItem& item : manifest.items) {
+      ++number;
+      auto parsed = std::getline(stream, line) ? parse_manifest_line(line) : std::nullopt;
+      if (!parsed || parsed->problem < 0 ||
+          parsed->problem >= static_cast<int>(manifest.problems.size()) ||
+          parsed->values.size() != manifest.columns.size())
+        return fail(number, "the manifest is damaged: this line is no item of it",
+                    "make the plan again");
+      item = *std::move(parsed);
+    }
+  return manifest;
+}
+
+}  // namespace conddp

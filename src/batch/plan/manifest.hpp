@@ -1,0 +1,73 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/ordered_json.hpp"
+#include "batch/plan/batch_plan.hpp"
+#include "batch/plan/problem_family.hpp"
+
+namespace conddp {
+
+/// The name and the format of the list of items in the folder of a run.
+inline constexpr const char* kManifestFile = "manifest.jsonl";
+inline constexpr std::string_view kManifestFormat = "conddp.batch_manifest/1";
+
+/// A problem file of a run.
+struct ManifestProblem {
+  std::string file;      ///< seen from the folder of the run
+  std::string identity;  ///< batch_identity() when the plan was made
+};
+
+/// What was varied.
+struct ManifestColumn {
+  std::string name;  ///< in tables of results
+  std::string key;
+};
+
+/// One problem to solve.
+struct ManifestItem {
+  std::string id;  ///< 16 hexadecimal digits
+  int problem = 0;
+  std::vector<std::string> settings;  ///< as --set takes them
+  std::vector<std::string> values;    ///< of the columns, as JSON
+};
+
+/// Which items a run has, and what else the plan says about them.
+struct Manifest {
+  std::string name;
+  std::vector<ManifestProblem> problems;
+  std::vector<ManifestColumn> columns;
+  BatchLimits limits;
+  KeptSolutions keep = KeptSolutions::kConverged;
+  OrderedJson build;  ///< build_json() of the tool that made the plan
+  std::vector<ManifestItem> items;
+};
+
+/// On what the bits of answers depend besides their problem: version, revision, instruction set,
+/// lanes.
+OrderedJson build_json();
+
+/// A hash of a file's own problem with every default, and of the files that it reads.
+std::string batch_identity(const ProblemInstance& base);
+
+/// The name of an item: the same for the same problem file, settings and data, however they are
+/// written and in whatever order.
+std::string item_id(const std::string& identity, const std::vector<Setting>& settings,
+                    const ProblemInstance& instance);
+
+/// One line of a manifest, without its end: the head, or an item.
+std::string manifest_head(const Manifest& manifest);
+std::string manifest_line(const ManifestItem& item);
+
+/// Reads the manifest of a run; what is wrong with it is reported with its line. `with_items`:
+/// whether more than the head is wanted.
+std::optional<Manifest> load_manifest(const std::filesystem::path& run, bool with_items,
+                                      Diagnostics& out);
+
+/// An item from its line; nothing where it is none.
+std::optional<ManifestItem> parse_manifest_line(std::string_view line);
+
+}  // namespace conddp

@@ -1,0 +1,61 @@
+#include "batch/plan/problem_family.hpp"
+
+#include <algorithm>
+
+#include "problem_file/build/build_problem.hpp"
+#include "problem_file/plant/plant_builder.hpp"
+#include "problem_file/yaml/key_path.hpp"
+
+namespace conddp {
+namespace {
+
+/// Sections of a file that have no part in its robots or system.
+constexpr std::string_view kBesidesThePlant[] = {
+    "name", "description", "initial_state", "phases",       "running_costs", "costs",
+    "gait", "constraints", "terminal",      "perturbation", "initial_guess", "solver"};
+
+bool leaves_the_plant(const Setting& setting) {
+  return std::find(std::begin(kBesidesThePlant), std::end(kBesidesThePlant),
+                   first_step(setting.key.value)) != std::end(kBesidesThePlant);
+}
+
+std::optional<ProblemInstance> build_instance(std::optional<ProblemSpec> spec, const Plant* plant,
+                                              Diagnostics& out) {
+  if (!spec) return std::nullopt;
+  ProblemInstance instance{std::make_unique<const ProblemSpec>(*std::move(spec)), {}};
+  auto built = build_problem(*instance.spec, {.plant = plant}, out);
+  if (!built) return std::nullopt;
+  instance.built = *std::move(built);
+  return instance;
+}
+
+}  // namespace
+
+std::shared_ptr<const ProblemFamily> ProblemFamily::load(const std::filesystem::path& file,
+                                                         const Place& place, Diagnostics& out) {
+  auto document = load_problem(file, place, out);
+  if (!document) return nullptr;
+  auto family = std::make_shared<ProblemFamily>();
+  family->document_ = *std::move(document);
+  family->texts_ = out;
+  auto base = build_instance(read_problem(family->document_, {}, out), nullptr, out);
+  if (!base) return nullptr;
+  family->base_ = *std::move(base);
+  // A step of contacts, of collocation or of a discrete system is made from the phases, too.
+  const System& system = *family->base_.built.plant.system;
+  if (system.robot_inside() != nullptr && !system.as_stepping() && !system.as_collocation()) {
+    Diagnostics reported_before;
+    family->plant_ = build_plant(*family->base_.spec, reported_before);
+  }
+  return family;
+}
+
+std::optional<ProblemInstance> ProblemFamily::build(const std::vector<Setting>& settings,
+                                                    Diagnostics& out) const {
+  const bool shares_plant =
+      plant_ && std::all_of(settings.begin(), settings.end(), leaves_the_plant);
+  return build_instance(read_problem(document_, settings, out), shares_plant ? &*plant_ : nullptr,
+                        out);
+}
+
+}  // namespace conddp

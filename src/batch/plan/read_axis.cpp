@@ -1,0 +1,208 @@
+#include <functional>
+#include <random>
+
+#include <fmt/format.h>
+
+#include "analysis/comparison/random_instance.hpp"
+#include "base/normal_numbers.hpp"
+#include "batch/plan/axis.hpp"
+#include "batch/plan/axis_table.hpp"
+#include "batch/plan/sobol.hpp"
+
+namespace conddp {
+namespace {
+
+constexpr const char* kKinds =
+    "write one of 'linspace', 'values', 'file', 'perturb', 'uniform', 'normal' and 'sobol'";
+
+YamlNode number_node(double value, const Mark& mark) {
+  return {.kind = YamlNode::Kind::kScalar, .mark = mark, .text = fmt::format("{}", value)};
+}
+
+/// Reads the keys of one axis.
+class AxisReader {
+ public:
+  AxisReader(const Name& name, const YamlReader& reader, const std::filesystem::path& folder)
+      : map_(reader, "write '{key: costs.effort.weight, values: [0.1, 1]}'"), folder_(folder) {
+    axis_.name = name;
+  }
+
+  Axis read() {
+    if (!map_.valid()) return std::move(axis_);
+    const std::pair<const char*, void (AxisReader::*)(const YamlReader&)> kinds[] = {
+        {"linspace", &AxisReader::read_linspace}, {"values", &AxisReader::read_values},
+        {"file", &AxisReader::read_file},         {"perturb", &AxisReader::read_perturb},
+        {"uniform", &AxisReader::read_uniform},   {"normal", &AxisReader::read_normal},
+        {"sobol", &AxisReader::read_sobol}};
+    if (!map_.exclusive({"linspace", "values", "file", "perturb", "uniform", "normal", "sobol"})) {
+      map_.ignore_others();
+      return std::move(axis_);
+    }
+    for (const auto& [word, read] : kinds)
+      if (const auto r = map_.find(word)) {
+        (this->*read)(*r);
+        return std::move(axis_);
+      }
+    map_.reader().error(fmt::format("nothing says which values '{}' takes", axis_.name.value),
+                        kKinds);
+    map_.ignore_others();
+    return std::move(axis_);
+  }
+
+ private:
+  /// The key of an axis that has one.
+  void read_key() {
+    if (const auto key = map_.require("key"))
+      if (const auto path = key->name()) axis_.columns.push_back({axis_.name.value, *path});
+  }
+
+  void add_number(double value, const Mark& mark) {
+    axis_.rows.push_back({number_node(value, mark)});
+  }
+
+  void read_linspace(const YamlReader& reader) {
+    read_key();
+    constexpr const char* kForm = "[first, last, count]";
+    const auto items = reader.items("write '[0.3, 0.6, 20]'");
+    if (!items) return;
+    if (items->size() != 3) return reader.expected(kForm);
+    const auto first = (*items)[0].number(), last = (*items)[1].number();
+    const auto count = (*items)[2].integer(1, kMostItems);
+    if (!first || !last || !count) return;
+    if (*count == 1 && *first != *last)
+      return (*items)[2].error("one value cannot reach from the first to the last");
+    for (long long i = 0; i < *count; ++i) {
+      // Both ends are exact, and the grid is symmetric.
+      const double share = *count == 1 ? 0 : static_cast<double>(i) / (*count - 1);
+      add_number(share == 1 ? *last : *first + share * (*last - *first), reader.node().mark);
+    }
+  }
+
+  void read_values(const YamlReader& reader) {
+    if (const auto keys = map_.find("keys")) return read_pairs(*keys, reader);
+    read_key();
+    if (const auto items = reader.items("write '[0.1, 1]'")) {
+      if (items->empty()) reader.error("there is no value");
+      for (const YamlReader& item : *items) axis_.rows.push_back({item.node()});
+    }
+  }
+
+  void read_pairs(const YamlReader& keys, const YamlReader& reader) {
+    map_.exclusive({"key", "keys"});
+    if (const auto names = keys.names())
+      for (const Name& key : *names) axis_.columns.push_back({key.value, key});
+    const auto rows = reader.items("write '[[0.1, 1], [0.2, 2]]'");
+    if (!rows || axis_.columns.empty()) return;
+    if (rows->empty()) reader.error("there is no row of values");
+    for (const YamlReader& row : *rows) {
+      const auto items = row.items("write '[0.1, 1]'");
+      if (!items) continue;
+      if (items->size() != axis_.columns.size()) {
+        row.error(fmt::format("this row has {} values, and there are {} keys", items->size(),
+                              axis_.columns.size()));
+        continue;
+      }
+      std::vector<YamlNode>& values = axis_.rows.emplace_back();
+      for (const YamlReader& item : *items) values.push_back(item.node());
+    }
+  }
+
+  void read_file(const YamlReader& reader) {
+    const auto file = reader.name();
+    std::vector<Name> columns;
+    if (const auto r = map_.require("columns"))
+      if (const auto entries = r->named_entries("write '{gx: initial_state.values.x}'"))
+        for (const auto& [column, key] : *entries)
+          if (const auto path = key.name()) {
+            columns.push_back(column);
+            axis_.columns.push_back({column.value, *path});
+          }
+    if (file && !columns.empty())
+      axis_.rows =
+          read_axis_table(folder_ / file->value, file->place, columns, reader.diagnostics());
+  }
+
+  std::uint64_t seed(std::uint64_t standard) {
+    const auto r = map_.find("seed");
+    return r ? static_cast<std::uint64_t>(r->integer(0, kLargestSeed).value_or(1)) : standard;
+  }
+  long long count() {
+    const auto r = map_.require("count");
+    return r ? r->integer(1, kMostItems).value_or(0) : 0;
+  }
+
+  void read_perturb(const YamlReader& reader) {
+    const auto what = reader.choose({"initial_state", "guess"}, "perturbation");
+    const auto spread = map_.require("spread");
+    const auto size = spread ? spread->number(kPositive) : std::nullopt;
+    const long long draws = count();
+    const std::uint64_t first = seed(1);
+    if (!what || !size) return;
+    const char* keys[] = {"perturbation.initial_state", "perturbation.guess"};
+    const Place place = reader.place();
+    axis_.columns = {{axis_.name.value + ".spread", {keys[*what], place}},
+                     {axis_.name.value, {"perturbation.seed", place}}};
+    for (long long i = 0; i < draws; ++i)
+      axis_.rows.push_back(
+          {spread->node(), number_node(static_cast<double>(first + i), place.mark)});
+  }
+
+  /// Draws of one key. `reader`: the two parameters of the distribution.
+  void read_random(const YamlReader& reader, const char* form,
+                   const std::function<double(const std::vector<double>&)>& draw) {
+    read_key();
+    const long long draws = count();
+    if (const auto parameters = reader.numbers(2, form))
+      for (long long i = 0; i < draws; ++i) add_number(draw(*parameters), reader.node().mark);
+  }
+
+  void read_uniform(const YamlReader& reader) {
+    std::mt19937_64 engine(seed(1));
+    read_random(reader, "[lower, upper]", [&](const std::vector<double>& bounds) {
+      const double share = static_cast<double>(engine() >> 11) * 0x1p-53;
+      return bounds[0] + share * (bounds[1] - bounds[0]);
+    });
+  }
+
+  void read_normal(const YamlReader& reader) {
+    NormalNumbers normal(seed(1));
+    read_random(reader, "[mean, standard deviation]",
+                [&](const std::vector<double>& p) { return p[0] + p[1] * normal.next(); });
+  }
+
+  void read_sobol(const YamlReader& reader) {
+    const auto entries = reader.named_entries("write '{costs.effort.weight: [0.1, 1]}'");
+    const long long draws = count();
+    const std::uint64_t shift = seed(1);
+    if (!entries) return;
+    if (entries->empty()) return reader.error("there is no key");
+    if (entries->size() > static_cast<std::size_t>(kSobolDimensions))
+      return reader.error(fmt::format("there are more than {} keys", kSobolDimensions));
+    std::vector<std::vector<double>> bounds;
+    for (const auto& [key, range] : *entries) {
+      axis_.columns.push_back({key.value, key});
+      if (const auto ends = range.numbers(2, "[lower, upper]")) bounds.push_back(*ends);
+    }
+    if (bounds.size() != entries->size()) return;
+    SobolSequence sequence(static_cast<int>(bounds.size()), shift);
+    for (long long i = 0; i < draws; ++i) {
+      const std::vector<double> point = sequence.next();
+      std::vector<YamlNode>& row = axis_.rows.emplace_back();
+      for (std::size_t c = 0; c < bounds.size(); ++c)
+        row.push_back(number_node(bounds[c][0] + point[c] * (bounds[c][1] - bounds[c][0]),
+                                  (*entries)[c].second.node().mark));
+    }
+  }
+
+  YamlMap map_;
+  const std::filesystem::path& folder_;
+  Axis axis_;
+};
+
+}  // namespace
+
+Axis read_axis(const Name& name, const YamlReader& reader, const std::filesystem::path& folder) {
+  return AxisReader(name, reader, folder).read();
+}
+
+}  // namespace conddp

@@ -1,0 +1,73 @@
+#include "batch/plan/run_folder.hpp"
+
+#include <fstream>
+
+#include <fmt/format.h>
+
+#include "base/atomic_file.hpp"
+
+namespace conddp {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kPlanFile = "plan.yaml";
+
+std::string manifest_text(const Manifest& manifest) {
+  std::string text = manifest_head(manifest) + '\n';
+  for (const ManifestItem& item : manifest.items) text += manifest_line(item) + '\n';
+  return text;
+}
+
+bool has_text(const fs::path& file, const std::string& text) {
+  std::ifstream stream(file, std::ios::binary);
+  return stream && std::string{std::istreambuf_iterator<char>(stream), {}} == text;
+}
+
+std::string build_words(const OrderedJson& build) {
+  const auto word = [&](const char* key) { return build.value(key, std::string("?")); };
+  return fmt::format("{}, revision {}, {}, {}", word("version"), word("revision"),
+                     word("build_type"), word("instruction_set"));
+}
+
+}  // namespace
+
+void write_run_folder(const BatchPlan& plan, const Manifest& manifest, const fs::path& run,
+                      Diagnostics& out) {
+  const std::string text = manifest_text(manifest);
+  if (has_text(run / kManifestFile, text)) return;
+  std::error_code error;
+  if (fs::exists(run / "shards", error))
+    return out.error({}, fmt::format("'{}' has results of another plan", run.string()),
+                     "choose another folder with -o, or remove that one");
+  create_folder(run);
+  AtomicFiles files;
+  files.add(run / kManifestFile, text);
+  files.add(run / kPlanFile, plan.text);
+  files.commit();
+}
+
+bool fits_run_folder(const Manifest& manifest, const fs::path& run, bool any_build,
+                     Diagnostics& out) {
+  if (!any_build && manifest.build != build_json())
+    out.error({},
+              fmt::format("'{}' was planned by another build of conddp ({}; this is {})",
+                          run.string(), build_words(manifest.build), build_words(build_json())),
+              "answers may differ in their last digits; --any-build mixes them");
+  for (std::size_t i = 0; i < manifest.problems.size() && !out.has_errors(); ++i) {
+    const fs::path file = problem_of_run(manifest, static_cast<int>(i), run);
+    const auto family = ProblemFamily::load(file, {}, out);
+    if (family && batch_identity(family->base()) != manifest.problems[i].identity)
+      out.error({},
+                fmt::format("'{}', or a file that it reads, has changed since the plan was made",
+                            file.string()),
+                "make the plan again, in another folder");
+  }
+  return !out.has_errors();
+}
+
+fs::path problem_of_run(const Manifest& manifest, int problem, const fs::path& run) {
+  return (run / manifest.problems[problem].file).lexically_normal();
+}
+
+}  // namespace conddp

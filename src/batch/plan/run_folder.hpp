@@ -1,0 +1,25 @@
+#pragma once
+
+#include <filesystem>
+
+#include "batch/plan/batch_plan.hpp"
+#include "batch/plan/manifest.hpp"
+
+namespace conddp {
+
+/// Writes the manifest of a run, and the plan beside it for whoever reads it later. A folder that
+/// has the same manifest stays as it is; one that has results of another plan is reported as an
+/// error. Throws OutputError where the files cannot be written.
+void write_run_folder(const BatchPlan& plan, const Manifest& manifest,
+                      const std::filesystem::path& run, Diagnostics& out);
+
+/// Whether the problems of a run are what they were when its plan was made, with the files that
+/// they read, and this build is the one that made it or `any_build` is true. Else reports why not.
+bool fits_run_folder(const Manifest& manifest, const std::filesystem::path& run, bool any_build,
+                     Diagnostics& out);
+
+/// A problem file of a run, as seen from here.
+std::filesystem::path problem_of_run(const Manifest& manifest, int problem,
+                                     const std::filesystem::path& run);
+
+}  // namespace conddp

@@ -1,0 +1,145 @@
+#include "batch/results/collect.hpp"
+
+#include <algorithm>
+
+#include "solvers/common/status.hpp"
+
+namespace conddp {
+namespace {
+
+/// A cell of a CSV file, in quotes where it has to be.
+std::string cell(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + '"';
+}
+
+/// A number or text of a document; nothing for what is null or not there.
+std::string cell(const OrderedJson& json) {
+  if (json.is_null()) return {};
+  return json.is_string() ? cell(json.get<std::string>()) : cell(json.dump());
+}
+
+std::string cell_of(const OrderedJson& json, const char* key) {
+  const auto found = json.is_object() ? json.find(key) : json.end();
+  return json.is_object() && found != json.end() ? cell(*found) : std::string();
+}
+
+void add_row(const std::vector<std::string>& cells, std::string& text) {
+  for (std::size_t i = 0; i < cells.size(); ++i) text += (i > 0 ? "," : "") + cells[i];
+  text += '\n';
+}
+
+const StoredResult* find_result(const StoredResults& results, const ManifestItem& item) {
+  const auto found = results.find(item.id);
+  return found == results.end() ? nullptr : &found->second;
+}
+
+/// The names of all constraints, in the order in which items have them.
+std::vector<std::string> constraint_columns(const Manifest& manifest,
+                                            const StoredResults& results) {
+  std::vector<std::string> names;
+  for (const ManifestItem& item : manifest.items) {
+    const StoredResult* stored = find_result(results, item);
+    if (stored == nullptr || !stored->result.answer.contains("constraints")) continue;
+    for (const OrderedJson& constraint : stored->result.answer["constraints"])
+      if (const std::string name = constraint.at("name");
+          std::find(names.begin(), names.end(), name) == names.end())
+        names.push_back(name);
+  }
+  return names;
+}
+
+constexpr const char* kResiduals[] = {"stationarity", "gap", "constraint", "complementarity"};
+
+std::vector<std::string> answer_cells(const OrderedJson& answer,
+                                      const std::vector<std::string>& constraints) {
+  std::vector<std::string> cells = {cell_of(answer, "cost"), cell_of(answer, "iterations")};
+  const OrderedJson residuals = answer.value("residuals", OrderedJson::object());
+  for (const char* key : kResiduals) cells.push_back(cell_of(residuals, key));
+  const OrderedJson violations = answer.value("constraints", OrderedJson::array());
+  for (const std::string& name : constraints) {
+    std::string& value = cells.emplace_back();
+    for (const OrderedJson& violation : violations)
+      if (violation.at("name") == name) value = cell_of(violation, "violation");
+  }
+  cells.push_back(cell_of(answer, "certificate"));
+  cells.push_back(cell_of(answer, "message"));
+  return cells;
+}
+
+}  // namespace
+
+std::vector<std::size_t> failed_items(const Manifest& manifest, const StoredResults& results,
+                                      FailureKind kind) {
+  std::vector<std::size_t> items;
+  for (std::size_t i = 0; i < manifest.items.size(); ++i) {
+    const StoredResult* stored = find_result(results, manifest.items[i]);
+    if (stored == nullptr || stored->result.success) continue;
+    const std::string& status = stored->result.status;
+    const bool timeout = status == to_string(SolveStatus::time_limit) || status == kKilled;
+    if (kind == FailureKind::kAny || timeout) items.push_back(i);
+  }
+  return items;
+}
+
+BatchStatus batch_status(const Manifest& manifest, const StoredResults& results) {
+  BatchStatus status{.items = manifest.items.size()};
+  for (const ManifestItem& item : manifest.items) {
+    const StoredResult* stored = find_result(results, item);
+    if (stored == nullptr) {
+      ++status.unfinished;
+      continue;
+    }
+    status.solved += stored->result.success;
+    ++status.by_status[stored->result.status];
+    status.solve_s += stored->result.times.value("all", 0.0);
+  }
+  return status;
+}
+
+std::string results_csv(const Manifest& manifest, const StoredResults& results) {
+  const std::vector<std::string> constraints = constraint_columns(manifest, results);
+  std::vector<std::string> header = {"item", "id", "problem"};
+  for (const ManifestColumn& column : manifest.columns) header.push_back(cell(column.name));
+  for (const char* name : {"solver", "status", "solved", "cost", "iterations"})
+    header.emplace_back(name);
+  for (const char* name : kResiduals) header.emplace_back(name);
+  for (const std::string& name : constraints) header.push_back(cell("violation/" + name));
+  header.insert(header.end(), {"certificate", "message"});
+  std::string text;
+  add_row(header, text);
+  for (std::size_t i = 0; i < manifest.items.size(); ++i) {
+    const ManifestItem& item = manifest.items[i];
+    std::vector<std::string> row = {std::to_string(i + 1), item.id,
+                                    cell(manifest.problems[item.problem].file)};
+    for (const std::string& value : item.values) row.push_back(cell(OrderedJson::parse(value)));
+    if (const StoredResult* stored = find_result(results, item)) {
+      const ItemResult& result = stored->result;
+      row.insert(row.end(),
+                 {cell_of(result.answer, "solver"), result.status, result.success ? "1" : "0"});
+      for (std::string& value : answer_cells(result.answer, constraints))
+        row.push_back(std::move(value));
+    } else {
+      row.insert(row.end(), {"", kUnfinished});
+      row.resize(header.size());
+    }
+    add_row(row, text);
+  }
+  return text;
+}
+
+std::string times_csv(const Manifest& manifest, const StoredResults& results) {
+  std::string text = "item,id,attempt,build [s],solve [s],all [s]\n";
+  for (std::size_t i = 0; i < manifest.items.size(); ++i)
+    if (const StoredResult* stored = find_result(results, manifest.items[i])) {
+      const OrderedJson& times = stored->result.times;
+      add_row({std::to_string(i + 1), manifest.items[i].id, std::to_string(stored->result.attempt),
+               cell_of(times, "build"), cell_of(times, "solve"), cell_of(times, "all")},
+              text);
+    }
+  return text;
+}
+
+}  // namespace conddp

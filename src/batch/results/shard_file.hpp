@@ -1,0 +1,54 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "batch/results/result.hpp"
+
+namespace conddp {
+
+/// Which share of the items a process solves: those whose number leaves `index` when divided by
+/// `count`.
+struct Shard {
+  int index = 0;
+  int count = 1;
+};
+
+/// The results of a shard in the folder of a run, `shards/<i>of<n>.jsonl`, and beside it the pack
+/// of its solutions. Only one process writes them; both grow by whole lines at their end. A line of
+/// results begins with a check sum, so that one that was cut off by the end of its process is
+/// recognized: it is dropped, with whatever is in the pack behind the last whole line.
+class ShardFile {
+ public:
+  /// Opens or makes the files. Throws OutputError where they cannot be written, or where another
+  /// process has them.
+  ShardFile(const std::filesystem::path& run, const Shard& shard);
+  ~ShardFile();
+  ShardFile(const ShardFile&) = delete;
+  ShardFile& operator=(const ShardFile&) = delete;
+
+  /// Appends a result with its solution, which may be empty. Throws OutputError; then a part of a
+  /// line may stand at the end.
+  void append(ItemResult result, std::string_view solution);
+
+ private:
+  std::filesystem::path results_, pack_;
+  int results_descriptor_ = -1, pack_descriptor_ = -1;
+  std::size_t pack_size_ = 0;
+};
+
+/// A result and the pack that holds its solution.
+struct StoredResult {
+  ItemResult result;
+  std::filesystem::path pack;
+};
+
+/// Of every item that has results in any shard of a run, the one that counts.
+std::unordered_map<std::string, StoredResult> load_results(const std::filesystem::path& run);
+
+/// The text of a kept solution; empty where the pack does not hold it any more.
+std::string load_solution(const StoredResult& stored);
+
+}  // namespace conddp

@@ -1,0 +1,219 @@
+#include "batch/run/run_batch.hpp"
+
+#include <algorithm>
+#include <csignal>
+#include <map>
+#include <memory>
+#include <set>
+
+#include <poll.h>
+
+#include <fmt/format.h>
+
+#include "batch/run/worker_process.hpp"
+
+namespace conddp {
+namespace {
+
+using Clock = WorkerProcess::Clock;
+
+double seconds_since(Clock::time_point begin) {
+  return std::chrono::duration<double>(Clock::now() - begin).count();
+}
+
+/// How long an item may be under way where its solve may take `limit` seconds: what is built and
+/// checked around the solve has its time, too.
+double patience(double limit) { return 2 * limit + 1; }
+
+/// A run of one shard.
+class BatchRun {
+ public:
+  BatchRun(const std::filesystem::path& run, const Manifest& manifest, const BatchOptions& options)
+      : manifest_(manifest), options_(options), file_(run, options.shard) {
+    const auto known = load_results(run);
+    std::set<std::size_t> only;
+    if (options.only) only = {options.only->begin(), options.only->end()};
+    for (const std::size_t item : items_of_shard(manifest, options.shard)) {
+      if (options.only && !only.contains(item)) continue;
+      ++progress_.items;
+      const auto found = known.find(manifest.items[item].id);
+      if (found != known.end()) attempts_[item] = found->second.result.attempt;
+      if (found == known.end() || options.again) {
+        waiting_.push_back(item);
+        continue;
+      }
+      ++progress_.before;
+      progress_.failed += !found->second.result.success;
+    }
+  }
+
+  BatchProgress run() {
+    std::signal(SIGPIPE, SIG_IGN);
+    std::signal(SIGXFSZ, SIG_IGN);
+    while (!finished()) {
+      if (!stopping()) feed();
+      if (std::all_of(workers_.begin(), workers_.end(),
+                      [](const auto& worker) { return worker->unanswered().empty(); }))
+        break;
+      wait();
+      for (auto& worker : workers_) collect(*worker);
+      std::erase_if(workers_, [&](const auto& worker) { return is_gone(*worker); });
+      report();
+    }
+    return progress_;
+  }
+
+ private:
+  bool interrupted() const { return options_.interrupted && options_.interrupted(); }
+  bool finished() const {
+    return interrupted() || (waiting_.empty() && suspects_.empty() && workers_.empty());
+  }
+  /// Whether no further item begins.
+  bool stopping() {
+    stopping_ = stopping_ || (options_.stop_soon && options_.stop_soon()) ||
+                (options_.budget_s > 0 && seconds_since(began_) >= options_.budget_s);
+    return stopping_;
+  }
+
+  /// Sends items to workers that have few; a suspect goes alone.
+  void feed() {
+    while (static_cast<int>(workers_.size()) < options_.workers &&
+           workers_.size() < waiting_.size() + suspects_.size())
+      workers_.push_back(std::make_unique<WorkerProcess>(options_.worker_command));
+    for (auto& worker : workers_) {
+      if (worker->unanswered().empty() && !suspects_.empty()) {
+        send(*worker, suspects_.front());
+        suspects_.pop_front();
+        continue;
+      }
+      while (!waiting_.empty() && !holds_suspect(*worker) &&
+             worker->unanswered().size() < items_ahead()) {
+        send(*worker, waiting_.front());
+        waiting_.pop_front();
+      }
+    }
+    std::erase_if(workers_, [](const auto& worker) { return worker->unanswered().empty(); });
+  }
+
+  /// How many items a worker gets at most: fewer near the end, so that all workers end together.
+  std::size_t items_ahead() const {
+    const std::size_t share = waiting_.size() / (2 * static_cast<std::size_t>(options_.workers));
+    return std::clamp<std::size_t>(share, 1, static_cast<std::size_t>(options_.group));
+  }
+
+  bool holds_suspect(const WorkerProcess& worker) const {
+    return !worker.unanswered().empty() && deaths_.contains(worker.unanswered().front());
+  }
+
+  void send(WorkerProcess& worker, std::size_t item) {
+    worker.send(item, manifest_line(manifest_.items[item]));
+  }
+
+  void wait() {
+    std::vector<pollfd> polled;
+    for (const auto& worker : workers_) {
+      polled.push_back({worker->output(), POLLIN, 0});
+      if (worker->wants_to_write()) polled.push_back({worker->input(), POLLOUT, 0});
+    }
+    constexpr int kLongestWait = 100;  // ms
+    ::poll(polled.data(), polled.size(), kLongestWait);
+  }
+
+  /// Takes the answers of a worker, and notices its end.
+  void collect(WorkerProcess& worker) {
+    worker.write_some();
+    const bool open = worker.read_some();
+    while (!worker.unanswered().empty()) {
+      const std::size_t item = worker.unanswered().front();
+      const auto answer = worker.take_answer();
+      if (!answer) break;
+      ItemResult result = parse_result(answer->result);
+      record(item, std::move(result), answer->solution);
+      if (stopping()) return drop(worker);
+    }
+    if (!open) return bury(worker, kCrashed, false);
+    const double limit = manifest_.limits.max_time_s;
+    if (!worker.unanswered().empty() && limit > 0 &&
+        seconds_since(worker.since()) > patience(limit))
+      bury(worker, kKilled, true);
+  }
+
+  /// Records what the worker leaves behind: the item under way is to blame, the others wait again.
+  void bury(WorkerProcess& worker, std::string_view status, bool kill) {
+    const WorkerProcess::End end = worker.reap(kill);
+    std::deque<std::size_t> left = worker.unanswered();
+    gone_.insert(&worker);
+    if (left.empty()) return;
+    if (end.exit_status == kMemoryUsedUp) {  // behind an answer, before the next item
+      waiting_.insert(waiting_.begin(), left.begin(), left.end());
+      return;
+    }
+    const std::size_t culprit = left.front();
+    left.pop_front();
+    waiting_.insert(waiting_.begin(), left.begin(), left.end());
+    if (++deaths_[culprit] <= manifest_.limits.retries) {
+      ++attempts_[culprit];
+      suspects_.push_back(culprit);
+      return;
+    }
+    const std::string message =
+        kill ? fmt::format("it did not end within {:.3g} s, the limit of a solve being {:.3g} s",
+                           patience(manifest_.limits.max_time_s), manifest_.limits.max_time_s)
+             : fmt::format("the process that solved it ended by {}", end.cause);
+    record(culprit,
+           {.id = manifest_.items[culprit].id,
+            .status = std::string(status),
+            .answer = {{"message", message}},
+            .times = OrderedJson::object()},
+           {});
+  }
+
+  /// A worker whose other items shall not be solved.
+  void drop(WorkerProcess& worker) {
+    worker.reap(true);
+    gone_.insert(&worker);
+  }
+
+  bool is_gone(const WorkerProcess& worker) { return gone_.erase(&worker) > 0; }
+
+  void record(std::size_t item, ItemResult result, std::string_view solution) {
+    result.attempt = ++attempts_[item];
+    progress_.failed += !result.success;
+    ++progress_.done;
+    file_.append(std::move(result), solution);
+  }
+
+  void report() {
+    progress_.elapsed_s = seconds_since(began_);
+    if (options_.on_progress) options_.on_progress(progress_);
+  }
+
+  const Manifest& manifest_;
+  const BatchOptions& options_;
+  ShardFile file_;
+  const Clock::time_point began_ = Clock::now();
+  std::deque<std::size_t> waiting_, suspects_;
+  std::map<std::size_t, int> deaths_;    ///< of workers, by the item that each had begun
+  std::map<std::size_t, int> attempts_;  ///< at items, in former runs as well
+  std::vector<std::unique_ptr<WorkerProcess>> workers_;
+  std::set<const WorkerProcess*> gone_;
+  BatchProgress progress_;
+  bool stopping_ = false;
+};
+
+}  // namespace
+
+std::vector<std::size_t> items_of_shard(const Manifest& manifest, const Shard& shard) {
+  std::vector<std::size_t> items;
+  for (std::size_t i = static_cast<std::size_t>(shard.index); i < manifest.items.size();
+       i += static_cast<std::size_t>(shard.count))
+    items.push_back(i);
+  return items;
+}
+
+BatchProgress run_batch(const std::filesystem::path& run, const Manifest& manifest,
+                        const BatchOptions& options) {
+  return BatchRun(run, manifest, options).run();
+}
+
+}  // namespace conddp

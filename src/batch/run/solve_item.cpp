@@ -1,0 +1,89 @@
+#include "batch/run/solve_item.hpp"
+
+#include <chrono>
+
+#include <fmt/format.h>
+
+#include "output/report/certificate_report.hpp"
+#include "output/report/solution_certificate.hpp"
+#include "output/solution/solution_json.hpp"
+#include "problem_file/build/homotopy.hpp"
+
+namespace conddp {
+namespace {
+
+/// Why nothing could be solved, in the words of the first error.
+ItemResult not_built(const ManifestItem& item, const Diagnostics& diagnostics) {
+  std::string message = "its files have changed since the plan was made";
+  for (const Diagnostic& d : diagnostics.list())
+    if (d.severity == Severity::kError) {
+      message = d.message;
+      break;
+    }
+  return {.id = item.id,
+          .status = std::string(kUnsolvable),
+          .answer = {{"message", message}},
+          .times = OrderedJson::object()};
+}
+
+SolveResult solve_instance(const ProblemInstance& instance,
+                           const std::vector<const SolverInfo*>& candidates,
+                           const SolverInfo*& solver) {
+  SolverOptions options = instance.spec->solver.options;
+  options.threads = 1;
+  options.multipliers = instance.built.multipliers;
+  options.homotopy = homotopy_path(instance.built);
+  return solve(*instance.built.problem, candidates, options, instance.built.guess, solver);
+}
+
+/// What of a solution.json goes into the row of results.
+OrderedJson answer_of(const OrderedJson& document, const SolutionCertificate& certificate) {
+  OrderedJson answer = OrderedJson::object();
+  for (const char* key : {"solver", "message", "cost", "iterations", "residuals", "constraints"})
+    answer[key] = document.at(key);
+  answer["certificate"] = !certificate.checks.computable() ? "not_computable"
+                          : certificate.checks.holds()     ? "holds"
+                                                           : "fails";
+  return answer;
+}
+
+}  // namespace
+
+SolvedItem solve_item(const ManifestItem& item, const ManifestProblem& problem,
+                      const ProblemFamily& family, KeptSolutions keep) {
+  const auto began = std::chrono::steady_clock::now();
+  const auto seconds = [&] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  };
+  Diagnostics diagnostics = family.texts();
+  std::vector<Setting> settings;
+  for (const std::string& text : item.settings)
+    if (auto setting = parse_setting(text, diagnostics)) settings.push_back(*std::move(setting));
+  const auto instance = family.build(settings, diagnostics);
+  if (!instance || item_id(problem.identity, settings, *instance) != item.id)
+    return {not_built(item, diagnostics), {}};
+  const auto candidates = usable_solvers(*instance->spec, *instance->built.problem, diagnostics);
+  if (candidates.empty()) return {not_built(item, diagnostics), {}};
+  const double built = seconds();
+
+  const SolverInfo* solver = nullptr;
+  const SolveResult result = solve_instance(*instance, candidates, solver);
+  const double solved = seconds();
+  OrderedJson document =
+      solution_json({*instance->spec, instance->built, *solver, result, item.settings});
+  const SolutionCertificate certificate =
+      certify_solution(document, *instance->spec, instance->built, false);
+  SolvedItem out{{.id = item.id,
+                  .status = std::string(to_string(result.status)),
+                  .success = is_success(result.status) && certificate.checks.holds(),
+                  .answer = answer_of(document, certificate)},
+                 {}};
+  if (keep == KeptSolutions::kAll || (keep == KeptSolutions::kConverged && out.result.success)) {
+    add_certificate(certificate_json(certificate), document);
+    out.solution = document.dump(-1, ' ', false, OrderedJson::error_handler_t::replace) + '\n';
+  }
+  out.result.times = {{"build", built}, {"solve", solved - built}, {"all", seconds()}};
+  return out;
+}
+
+}  // namespace conddp

@@ -1,0 +1,125 @@
+#include "batch/run/worker_process.hpp"
+
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <fmt/format.h>
+
+#include "base/atomic_file.hpp"
+
+extern char** environ;
+
+namespace conddp {
+namespace {
+
+/// Two ends of a pipe that processes started later do not inherit.
+struct Pipe {
+  int read = -1, write = -1;
+};
+
+Pipe make_pipe() {
+  int ends[2];
+  if (::pipe2(ends, O_CLOEXEC) != 0)
+    throw OutputError(fmt::format("no pipe to a worker: {}", std::strerror(errno)));
+  return {ends[0], ends[1]};
+}
+
+void do_not_block(int descriptor) {
+  ::fcntl(descriptor, F_SETFL, ::fcntl(descriptor, F_GETFL) | O_NONBLOCK);
+}
+
+}  // namespace
+
+WorkerProcess::WorkerProcess(const std::vector<std::string>& command) {
+  const Pipe requests = make_pipe(), answers = make_pipe();
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_adddup2(&actions, requests.read, 0);
+  posix_spawn_file_actions_adddup2(&actions, answers.write, 1);
+  std::vector<char*> arguments;
+  for (const std::string& word : command) arguments.push_back(const_cast<char*>(word.c_str()));
+  arguments.push_back(nullptr);
+  const int error =
+      ::posix_spawn(&process_, arguments[0], &actions, nullptr, arguments.data(), environ);
+  posix_spawn_file_actions_destroy(&actions);
+  ::close(requests.read);
+  ::close(answers.write);
+  input_ = requests.write;
+  output_ = answers.read;
+  do_not_block(input_);
+  do_not_block(output_);
+  if (error == 0) return;
+  process_ = -1;
+  throw OutputError(fmt::format("no worker can be started: {}", std::strerror(error)));
+}
+
+WorkerProcess::~WorkerProcess() {
+  reap(true);
+  ::close(input_);
+  ::close(output_);
+}
+
+void WorkerProcess::send(std::size_t item, std::string line) {
+  if (unanswered_.empty()) since_ = Clock::now();
+  unanswered_.push_back(item);
+  unsent_ += std::move(line) + '\n';
+  write_some();
+}
+
+void WorkerProcess::write_some() {
+  while (!unsent_.empty()) {
+    const ssize_t written = ::write(input_, unsent_.data(), unsent_.size());
+    if (written < 0 && errno == EINTR) continue;
+    // A process that has ended is noticed where its answers are read.
+    if (written < 0 && errno != EAGAIN) unsent_.clear();
+    if (written < 0) return;
+    unsent_.erase(0, static_cast<std::size_t>(written));
+  }
+}
+
+bool WorkerProcess::read_some() {
+  char buffer[1 << 16];
+  for (;;) {
+    const ssize_t length = ::read(output_, buffer, sizeof buffer);
+    if (length > 0) {
+      unread_.append(buffer, static_cast<std::size_t>(length));
+      continue;
+    }
+    if (length < 0 && errno == EINTR) continue;
+    return length < 0 && errno == EAGAIN;
+  }
+}
+
+std::optional<WorkerProcess::Answer> WorkerProcess::take_answer() {
+  const std::size_t end = unread_.find('\n');
+  if (end == std::string::npos || unanswered_.empty()) return std::nullopt;
+  const AnswerFrame frame = parse_frame(std::string_view(unread_).substr(0, end));
+  const std::size_t first = end + 1;
+  if (unread_.size() < first + frame.result + frame.solution) return std::nullopt;
+  Answer answer{unread_.substr(first, frame.result),
+                unread_.substr(first + frame.result, frame.solution)};
+  unread_.erase(0, first + frame.result + frame.solution);
+  unanswered_.pop_front();
+  since_ = Clock::now();
+  return answer;
+}
+
+WorkerProcess::End WorkerProcess::reap(bool kill) {
+  if (process_ < 0) return {};
+  if (kill) ::kill(process_, SIGKILL);
+  int status = 0;
+  while (::waitpid(process_, &status, 0) < 0 && errno == EINTR) {
+  }
+  process_ = -1;
+  if (WIFSIGNALED(status))
+    return {fmt::format("signal {} ({})", WTERMSIG(status), ::strsignal(WTERMSIG(status)))};
+  return {fmt::format("exit status {}", WEXITSTATUS(status)), WEXITSTATUS(status)};
+}
+
+}  // namespace conddp

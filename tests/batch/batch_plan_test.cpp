@@ -1,0 +1,278 @@
+// Plans: which items they have, and where they are wrong.
+#include "batch/plan/batch_plan.hpp"
+
+#include <set>
+
+#include "analysis/comparison/random_instance.hpp"
+#include "batch/plan/problem_family.hpp"
+#include "batch_folder.hpp"
+
+namespace conddp {
+namespace {
+
+using Strings = std::vector<std::string>;
+
+Strings settings(const PlannedBatch& batch, std::size_t item) {
+  return batch.manifest->items.at(item).settings;
+}
+
+TEST(BatchPlan, IsTheProductOfItsAxesInTheOrderOfTheFile) {
+  const PlannedBatch batch(R"(vary:
+  w: {key: costs.effort.weight, linspace: [1, 3, 3]}
+  theta: {key: initial_state.values.theta, values: [0.1, 0.2]}
+solvers: [ilqr, ddp]
+)");
+  ASSERT_TRUE(batch.manifest) << batch.error();
+  ASSERT_EQ(batch.manifest->items.size(), 12u);
+  EXPECT_EQ(settings(batch, 0), (Strings{"costs.effort.weight=1", "initial_state.values.theta=0.1",
+                                         "solver.name=ilqr"}));
+  EXPECT_EQ(settings(batch, 1).back(), "solver.name=ddp");
+  EXPECT_EQ(settings(batch, 2)[1], "initial_state.values.theta=0.2");
+  EXPECT_EQ(settings(batch, 11), (Strings{"costs.effort.weight=3", "initial_state.values.theta=0.2",
+                                          "solver.name=ddp"}));
+  EXPECT_EQ(batch.manifest->items[11].values, (Strings{"3", "0.2"}));
+  std::set<std::string> ids;
+  for (const ManifestItem& item : batch.manifest->items) {
+    EXPECT_EQ(item.id.size(), 16u);
+    ids.insert(item.id);
+  }
+  EXPECT_EQ(ids.size(), 12u);
+}
+
+TEST(BatchPlan, WithoutVariationHasOneItem) {
+  const PlannedBatch batch("");
+  ASSERT_TRUE(batch.manifest) << batch.error();
+  EXPECT_EQ(batch.manifest->items.size(), 1u);
+  EXPECT_TRUE(settings(batch, 0).empty());
+  EXPECT_EQ(batch.manifest->name, "plan");
+}
+
+TEST(BatchPlan, NamesPhasesInKeys) {
+  const PlannedBatch batch("vary: {dt: {key: phases.second.dt, values: [0.02, 0.03]}}\n");
+  ASSERT_TRUE(batch.manifest) << batch.error();
+  EXPECT_EQ(settings(batch, 1), Strings{"phases.second.dt=0.03"});
+}
+
+TEST(BatchPlan, VariesKeysTogetherInPairsAndTables) {
+  PlannedBatch batch(R"(vary:
+  pairs: {keys: [costs.effort.weight, phases.0.dt], values: [[1.0e-3, 0.1], [2, 0.2]]}
+  goals: {file: goals.csv, columns: {angle: terminal.costs.goal.reference.values.theta}}
+)");
+  batch.folder.write("goals.csv", "name,angle\nup, 1.5\n\ndown,-1.5 \n");
+  batch.plan_again();
+  ASSERT_TRUE(batch.manifest) << batch.error();
+  ASSERT_EQ(batch.manifest->items.size(), 4u);
+  EXPECT_EQ(settings(batch, 2), (Strings{"costs.effort.weight=2", "phases.0.dt=0.2",
+                                         "terminal.costs.goal.reference.values.theta=1.5"}));
+  EXPECT_EQ(batch.manifest->columns[2].name, "angle");
+  EXPECT_EQ(batch.manifest->items[0].values, (Strings{"0.001", "0.1", "1.5"}));
+}
+
+TEST(BatchPlan, PerturbsLikeTheBenchmark) {
+  const PlannedBatch batch(
+      "vary: {start: {perturb: initial_state, spread: 0.1, count: 2, seed: 7}}\n");
+  ASSERT_TRUE(batch.manifest) << batch.error();
+  EXPECT_EQ(settings(batch, 1), (Strings{"perturbation.initial_state=0.1", "perturbation.seed=8"}));
+  Diagnostics out;
+  const auto family = ProblemFamily::load(batch.folder.path() / "swing.yaml", {}, out);
+  std::vector<Setting> list;
+  Diagnostics texts = family->texts();
+  for (const std::string& text : settings(batch, 1)) list.push_back(*parse_setting(text, texts));
+  const auto instance = family->build(list, texts);
+  ASSERT_TRUE(instance) << format_diagnostics(texts, false);
+  EXPECT_EQ(instance->built.problem->initial_state(),
+            perturb_initial_state(*family->base().built.problem, 0.1, 8).initial_state());
+}
+
+TEST(BatchPlan, DrawsTheSameNumbersFromTheSameSeed) {
+  const std::string axes = R"(vary:
+  a: {key: costs.effort.weight, uniform: [1, 2], count: 3, seed: 5}
+  b: {key: initial_state.values.theta, normal: [0, 0.1], count: 2, seed: 5}
+  c: {sobol: {phases.0.dt: [0.1, 0.2], phases.1.dt: [0.01, 0.02]}, count: 4}
+)";
+  const PlannedBatch once(axes), twice(axes);
+  ASSERT_TRUE(once.manifest) << once.error();
+  ASSERT_EQ(once.manifest->items.size(), 24u);
+  for (std::size_t i = 0; i < 24; ++i) {
+    EXPECT_EQ(once.manifest->items[i].id, twice.manifest->items[i].id);
+    const double weight = std::stod(once.manifest->items[i].values[0]);
+    EXPECT_TRUE(weight >= 1 && weight < 2) << weight;
+  }
+}
+
+TEST(BatchPlan, AnItemIsTheSameHoweverItIsWritten) {
+  const PlannedBatch a("vary: {w: {key: costs.effort.weight, values: [0.001, 2]}}\n"),
+      b("# a comment\nvary: {other: {key: costs.effort.weight, values: [1.0e-3, 2.0]}}\n",
+        "# another\n" + std::string(kSwing)),
+      c("vary: {w: {key: costs.effort.weight, values: [0.001, 2]}}\n",
+        std::string(kSwing) + "gravity: [0, 0, -9.81]\n"),
+      d("vary: {w: {key: costs.effort.weight, values: [0.002, 2]}}\n");
+  ASSERT_TRUE(a.manifest && b.manifest && d.manifest) << b.error();
+  EXPECT_EQ(a.manifest->items[0].id, b.manifest->items[0].id);
+  EXPECT_EQ(a.manifest->items[1].id, b.manifest->items[1].id);
+  EXPECT_FALSE(c.manifest);
+  EXPECT_NE(a.manifest->items[0].id, d.manifest->items[0].id);
+  EXPECT_EQ(a.manifest->items[1].id, d.manifest->items[1].id);
+}
+
+TEST(BatchPlan, AnotherProblemMakesOtherItems) {
+  std::string changed = kSwing;
+  changed.replace(changed.find("weight: 10"), 10, "weight: 11");
+  const std::string axes = "vary: {w: {key: costs.effort.weight, values: [1, 2]}}\n";
+  const PlannedBatch a(axes), b(axes, changed);
+  ASSERT_TRUE(a.manifest && b.manifest);
+  EXPECT_NE(a.manifest->items[0].id, b.manifest->items[0].id);
+}
+
+TEST(BatchPlan, TakesFilesByPattern) {
+  PlannedBatch batch("");
+  for (const char* name : {"b.yaml", "a.yaml"})
+    batch.folder.write(name, std::string(kSwing) + "name: " + name[0] + "\n");
+  batch.file =
+      batch.folder.write("all.yaml", "conddp_batch: 1\nproblems: ['?.yaml', swing.yaml]\n");
+  batch.plan_again();
+  ASSERT_TRUE(batch.manifest) << batch.error();
+  ASSERT_EQ(batch.manifest->problems.size(), 3u);
+  EXPECT_EQ(batch.manifest->problems[0].file, "../a.yaml");
+  EXPECT_EQ(batch.manifest->problems[2].file, "../swing.yaml");
+}
+
+TEST(BatchPlan, TheManifestIsReadBackAsItWasWritten) {
+  const PlannedBatch batch(R"(vary:
+  w: {key: costs.effort.weight, values: [1, 2]}
+  goal: {key: terminal.costs.goal.reference, values: [{values: {theta: 1}}, {state: [1, 0]}]}
+limits: {max_time_s: 2.5, max_memory_mb: 500, retries: 1}
+keep: {solutions: none}
+)");
+  ASSERT_TRUE(batch.manifest) << batch.error();
+  const std::string head = manifest_head(*batch.manifest);
+  std::string text = head + "\n";
+  for (const ManifestItem& item : batch.manifest->items) text += manifest_line(item) + "\n";
+  batch.folder.write("manifest.jsonl", text);
+  Diagnostics out;
+  const auto again = load_manifest(batch.folder.path(), true, out);
+  ASSERT_TRUE(again) << format_diagnostics(out, false);
+  EXPECT_EQ(manifest_head(*again), head);
+  ASSERT_EQ(again->items.size(), 4u);
+  for (std::size_t i = 0; i < 4; ++i)
+    EXPECT_EQ(manifest_line(again->items[i]), manifest_line(batch.manifest->items[i]));
+  EXPECT_EQ(again->limits.max_time_s, 2.5);
+  EXPECT_EQ(again->items[0].settings.front(), "solver.max_time_s=2.5");
+
+  batch.folder.write("manifest.jsonl", text.substr(0, text.size() - 40));
+  Diagnostics damaged;
+  EXPECT_FALSE(load_manifest(batch.folder.path(), true, damaged));
+  EXPECT_EQ(damaged.list().front().line, 5);
+}
+
+struct BadPlan {
+  const char* rest;
+  const char* error;
+};
+
+class BadPlans : public testing::TestWithParam<BadPlan> {};
+
+TEST_P(BadPlans, AreReportedWhereTheyAreWrong) {
+  PlannedBatch batch(GetParam().rest);
+  batch.folder.write("goals.csv", "angle,w\n1,0.5\nx,0.5\n2\n");
+  batch.plan_again();
+  EXPECT_FALSE(batch.manifest);
+  EXPECT_EQ(batch.error(), GetParam().error);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Classes, BadPlans,
+    testing::Values(
+        BadPlan{"vray: {}\n", "plan.yaml:3:1: unknown key 'vray'"},
+        BadPlan{"vary: {w: {key: costs.effort.wieght, values: [1]}}\n",
+                "plan.yaml:3:30: unknown key 'wieght' in 'costs.effort'"},
+        BadPlan{"vary: {w: {key: costs.effort.weight, values: [1, -1]}}\n",
+                "plan.yaml:3:50: a number that is not negative is expected here, not -1"},
+        BadPlan{"vary: {w: {key: costs.effort.weight, values: []}}\n",
+                "plan.yaml:3:46: there is no value"},
+        BadPlan{"vary: {w: {key: costs.effort.weight, linspace: [1, 2, 0]}}\n",
+                "plan.yaml:3:55: a whole number from 1 to 1000000 is expected here, not 0"},
+        BadPlan{"vary: {w: {key: costs.effort.weight, linspace: [1, 2, 1]}}\n",
+                "plan.yaml:3:55: one value cannot reach from the first to the last"},
+        BadPlan{"vary: {w: {key: costs.effort.weight}}\n",
+                "plan.yaml:3:11: nothing says which values 'w' takes"},
+        BadPlan{"vary: {w: {key: costs.effort.weight, values: [1], linspace: [1, 2, 3]}}\n",
+                "plan.yaml:3:51: 'values' and 'linspace' exclude each other"},
+        BadPlan{"vary: {w: {values: [1]}}\n", "plan.yaml:3:11: 'vary.w' lacks the key 'key'"},
+        BadPlan{"vary: {w: {key: phases.third.dt, values: [1]}}\n",
+                "plan.yaml:3:24: 'third' is neither a name nor an index in a list of 2"},
+        BadPlan{"vary: {a: {key: costs.effort.weight, values: [1]}, b: {key: costs.effort, "
+                "values: [1]}}\n",
+                "plan.yaml:3:61: 'costs.effort' is varied twice"},
+        BadPlan{"vary: {a: {key: costs.effort.weight, values: [1, 2, 1.0]}}\n",
+                "plan.yaml:3:53: items 1 and 3 are the same problem with the same settings"},
+        BadPlan{"vary: {p: {keys: [costs.effort.weight, phases.0.dt], values: [[1, 2], [3]]}}\n",
+                "plan.yaml:3:71: this row has 1 values, and there are 2 keys"},
+        BadPlan{"vary: {t: {file: goals.csv, columns: {angel: costs.effort.weight}}}\n",
+                "plan.yaml:3:39: the table has no column 'angel'"},
+        BadPlan{"vary: {t: {file: goals.csv, columns: {angle: costs.effort.weight}}}\n",
+                "goals.csv:4:1: this line has 1 cells, the header has 2"},
+        BadPlan{"vary: {s: {perturb: gravity, spread: 1, count: 2}}\n",
+                "plan.yaml:3:21: unknown perturbation 'gravity'"},
+        BadPlan{"vary:\n  a: {key: costs.effort.weight, linspace: [1, 2, 1000]}\n"
+                "  b: {key: phases.0.dt, linspace: [0.1, 0.2, 1000]}\n"
+                "  c: {key: phases.1.dt, linspace: [0.1, 0.2, 1000]}\n",
+                "plan.yaml:4:3: the plan has 1000000000 items, and a batch has at most 1000000"},
+        BadPlan{"solvers: [ilqr, altr0]\n", "plan.yaml:3:17: unknown solver 'altr0'"},
+        BadPlan{"solvers: [ipopt, ilqr, ilqr]\n",
+                "plan.yaml:3:24: 'ilqr' stands twice in the list"},
+        BadPlan{"limits: {max_time_s: 0}\n",
+                "plan.yaml:3:22: a number from 0.001 to 1e9 is expected here, not 0"},
+        BadPlan{"keep: {solutions: some}\n", "plan.yaml:3:19: unknown answer 'some'"},
+        BadPlan{"problems: [x.yaml]\n",
+                "plan.yaml:3:1: 'problem' and 'problems' exclude each other"}));
+
+TEST(BatchPlan, ACellThatDoesNotFitIsReportedInItsTable) {
+  PlannedBatch batch("vary: {t: {file: goals.csv, columns: {angle: costs.effort.weight}}}\n");
+  batch.folder.write("goals.csv", "angle,w\n1,0.5\n x,0.5\n");
+  batch.plan_again();
+  EXPECT_EQ(
+      batch.error(),
+      "goals.csv:3:2: a number that is not negative is expected here, not a quoted text ('x')");
+}
+
+TEST(BatchPlan, SaysWhichItemCannotBeBuilt) {
+  const PlannedBatch batch(R"(vary:
+  a: {key: phases.0.dt, values: [0.1, 0.2]}
+  b: {key: costs.effort.weight, values: [1, -1]}
+)");
+  EXPECT_EQ(batch.error(),
+            "plan.yaml:5:45: a number that is not negative is expected here, not -1");
+  const Diagnostic& note = batch.diagnostics.list().back();
+  EXPECT_EQ(note.severity, Severity::kNote);
+  EXPECT_NE(note.message.find("item 2 of 4"), std::string::npos) << note.message;
+  EXPECT_NE(note.message.find("phases.0.dt=0.1, costs.effort.weight=-1"), std::string::npos)
+      << note.message;
+}
+
+TEST(BatchPlan, SettingsOfTheRobotLoadItAgain) {
+  PlannedBatch batch("");
+  batch.folder.write("arm.yaml", "conddp: 1\nrobot: {urdf: " CONDDP_SOURCE_DIR
+                                 "/problems/robots/arm7.urdf}\ninitial_state: {}\n"
+                                 "phases: [{name: only, knots: 3, dt: 0.1}]\n"
+                                 "costs: {effort: {residual: control}}\n");
+  Diagnostics out;
+  const auto family = ProblemFamily::load(batch.folder.path() / "arm.yaml", {}, out);
+  ASSERT_TRUE(family) << format_diagnostics(out, false);
+  const auto mass = [&](const std::string& text) {
+    Diagnostics own = family->texts();
+    const auto instance = family->build({*parse_setting(text, own)}, own);
+    EXPECT_TRUE(instance) << format_diagnostics(own, false);
+    return instance->built.plant.robot().total_mass();
+  };
+  const double plain = mass("costs.effort.weight=2");
+  EXPECT_NEAR(mass("robot.payloads={link_7: {mass: 10}}") - plain, 10, 1e-12);
+  const auto system_of = [&](const std::string& text) {
+    Diagnostics own = family->texts();
+    return family->build({*parse_setting(text, own)}, own)->built.plant.system;
+  };
+  EXPECT_EQ(system_of("costs.effort.weight=2"), system_of("phases.only.knots=5"));
+}
+
+}  // namespace
+}  // namespace conddp

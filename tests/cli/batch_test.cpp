@@ -1,0 +1,261 @@
+// conddp batch as a process: whatever happens to it, results are those of the undisturbed run.
+#include <algorithm>
+#include <csignal>
+#include <cstdlib>
+#include <random>
+#include <sstream>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "process.hpp"
+
+namespace conddp {
+namespace {
+
+using Words = std::vector<std::string>;
+
+constexpr const char* kBatchSwing = R"(conddp: 1
+system: {type: pendulum}
+initial_state: {values: {theta: 0.1}}
+phases: [{name: only, knots: 20, dt: 0.05}]
+costs:
+  effort: {residual: control, weight: 0.5}
+constraints:
+  torque: {bounds: control, lower: -2, upper: 2}
+terminal:
+  costs:
+    goal: {residual: state, reference: {values: {theta: 1}}, weight: 10}
+solver: {name: box_ddp}
+)";
+
+constexpr const char* kAxes = R"(vary:
+  w: {key: costs.effort.weight, linspace: [0.2, 2, 6]}
+  start: {perturb: initial_state, spread: 0.2, count: 5}
+)";
+
+class Batch : public testing::Test {
+ protected:
+  Batch() { folder_.write("swing.yaml", kBatchSwing); }
+
+  std::string plan(const std::string& rest = kAxes) const {
+    return folder_.write("plan.yaml",
+                         "conddp_batch: 1\nname: swings\nproblem: swing.yaml\n" + rest);
+  }
+  /// A fresh folder of a run of the plan.
+  std::string planned(const std::string& name, const std::string& rest = kAxes) const {
+    const std::string run = folder_.path() / name;
+    const ProcessResult r = run_conddp({"batch", "plan", plan(rest), "-o", run});
+    EXPECT_EQ(r.exit_code, 0) << r.err;
+    return run;
+  }
+  static ProcessResult run(const std::string& run, const Words& options = {},
+                           const ProcessOptions& process = {}) {
+    Words words = {"batch", "run", run};
+    words.insert(words.end(), options.begin(), options.end());
+    return run_conddp(words, process);
+  }
+  static std::string collected(const std::string& run) {
+    const ProcessResult r = run_conddp({"batch", "collect", run});
+    EXPECT_EQ(r.exit_code, 0) << r.err;
+    return read_file(std::filesystem::path(run) / "results.csv");
+  }
+  /// Results of the undisturbed run.
+  std::string expected() const {
+    const std::string folder = planned("undisturbed");
+    const ProcessResult r = run(folder, {"-j", "1"});
+    EXPECT_EQ(r.exit_code, 0) << r.err << r.out;
+    return collected(folder);
+  }
+  /// The ids of the items in their order.
+  static Words ids(const std::string& run) {
+    Words list;
+    std::istringstream lines(read_file(std::filesystem::path(run) / "manifest.jsonl"));
+    std::string line;
+    std::getline(lines, line);
+    while (std::getline(lines, line))
+      list.push_back(nlohmann::json::parse(line).at("id").get<std::string>());
+    return list;
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(Batch, AllAtOnceGivesWhatTheStepsGive) {
+  const std::string expected = this->expected();
+  EXPECT_EQ(std::count(expected.begin(), expected.end(), '\n'), 31);
+  const std::string run = folder_.path() / "all";
+  const ProcessResult r = run_conddp({"batch", "run", plan(), "-o", run, "-j", "2"});
+  EXPECT_EQ(r.exit_code, 0) << r.err;
+  EXPECT_NE(r.out.find("30 of 30 items have a result, 30 of them solved"), std::string::npos)
+      << r.out;
+  EXPECT_EQ(read_file(std::filesystem::path(run) / "results.csv"), expected);
+  EXPECT_EQ(run_conddp({"batch", "status", run}).exit_code, 0);
+}
+
+TEST_F(Batch, ShardsWorkersAndGroupsHaveNoPartInResults) {
+  const std::string expected = this->expected();
+  int number = 0;
+  for (const int shards : {1, 3, 7})
+    for (const char* workers : {"1", "2"})
+      for (const char* group : {"1", "8"}) {
+        const std::string folder = planned("run" + std::to_string(++number));
+        for (int i = shards; i >= 1; --i) {
+          const ProcessResult r = run(folder, {"-j", workers, "--group", group, "--shard",
+                                               std::to_string(i) + "/" + std::to_string(shards)});
+          EXPECT_EQ(r.exit_code, 0) << r.err;
+        }
+        EXPECT_EQ(collected(folder), expected) << shards << " " << workers << " " << group;
+      }
+}
+
+TEST_F(Batch, KilledAtRandomMomentsAndRunAgainGivesTheSameResults) {
+  const std::string expected = this->expected();
+  const std::string folder = planned("killed");
+  std::mt19937 engine(31);
+  for (int i = 0; i < 50; ++i) {
+    const int microseconds = static_cast<int>(engine() % 60'000);
+    const ProcessResult r = run(folder, {"-j", "2", "--group", i % 2 == 0 ? "1" : "8"},
+                                {.kill_after_us = microseconds});
+    EXPECT_TRUE(r.exit_code == 128 + SIGKILL || r.exit_code == 0) << r.exit_code << r.err;
+  }
+  EXPECT_EQ(run(folder).exit_code, 0);
+  EXPECT_EQ(collected(folder), expected);
+}
+
+TEST_F(Batch, AWriteErrorIsReportedAndNothingIsLost) {
+  const std::string expected = this->expected();
+  const std::string folder = planned("full");
+  for (const int limit : {0, 500, 5000, 9000}) {
+    const ProcessResult r = run(folder, {}, {.limit_file_size = limit});
+    EXPECT_EQ(r.exit_code, 2) << limit;
+    EXPECT_NE(r.err.find("cannot be written"), std::string::npos) << r.err;
+  }
+  EXPECT_EQ(run(folder).exit_code, 0);
+  EXPECT_EQ(collected(folder), expected);
+}
+
+TEST_F(Batch, ASecondRunHasNothingToDo) {
+  const std::string folder = planned("twice");
+  EXPECT_EQ(run(folder).exit_code, 0);
+  const std::string lines = read_file(folder + "/shards/1of1.jsonl");
+  const ProcessResult r = run(folder);
+  EXPECT_EQ(r.exit_code, 0);
+  EXPECT_EQ(r.out, "30 of 30 items have a result, 30 of them solved\n");
+  EXPECT_EQ(read_file(folder + "/shards/1of1.jsonl"), lines);
+}
+
+TEST_F(Batch, ItemsThatCrashHangOrTakeTooMuchMemoryAreRecordedAndTheRestGoesOn) {
+  const std::string rest =
+      std::string(kAxes) + "limits: {max_time_s: 0.4, max_memory_mb: 2000, retries: 1}\n";
+  const std::pair<const char*, const char*> faults[] = {
+      {"crash", "crashed,0"}, {"hang", "killed,0"}, {"memory", "out_of_memory,0"}};
+  for (const auto& [fault, status] : faults) {
+    const std::string folder = planned(fault, rest);
+    const std::string id = ids(folder)[11];
+    const std::string variable = std::string("CONDDP_BATCH_FAULT=") + fault + ":" + id;
+    const ProcessResult r = run(folder, {"-j", "2"}, {.environment = {variable}});
+    EXPECT_EQ(r.exit_code, 1) << r.err;
+    EXPECT_NE(r.out.find("30 of 30 items have a result, 29 of them solved"), std::string::npos)
+        << fault << r.out;
+    const std::string results = collected(folder);
+    const std::size_t row = results.find(id);
+    EXPECT_NE(results.substr(row, results.find('\n', row) - row).find(status), std::string::npos)
+        << results.substr(row, 200);
+    const ProcessResult again = run_conddp({"batch", "retry", folder, "failed"});
+    EXPECT_EQ(again.exit_code, 0) << again.err << again.out;
+    EXPECT_EQ(run_conddp({"batch", "status", folder}).exit_code, 0);
+  }
+}
+
+TEST_F(Batch, ASignalEndsItWithItsExitStatus) {
+  const std::string folder = planned("signal", std::string(kAxes) + "limits: {max_time_s: 60}\n");
+  const std::string variable = "CONDDP_BATCH_FAULT=hang:" + ids(folder)[29];
+  // The worker that hangs says so when it is about to.
+  const ProcessResult r = run(
+      folder, {"-j", "1"}, {.environment = {variable}, .signal = SIGTERM, .signal_after = "hang"});
+  EXPECT_EQ(r.exit_code, 128 + SIGTERM) << r.err;
+  EXPECT_EQ(run(folder).exit_code, 0);
+}
+
+TEST_F(Batch, ABudgetStopsItBeforeTheEnd) {
+  const std::string folder = planned("budget");
+  const ProcessResult r = run(folder, {"-j", "1", "--budget", "0.001s"});
+  EXPECT_EQ(r.exit_code, 1) << r.err;
+  EXPECT_EQ(run_conddp({"batch", "status", folder}).exit_code, 1);
+  EXPECT_EQ(run(folder).exit_code, 0);
+}
+
+TEST_F(Batch, APilotSolvesAFewAndEstimatesTheRest) {
+  const std::string folder = folder_.path() / "pilot";
+  const ProcessResult r = run_conddp({"batch", "plan", plan(), "-o", folder, "--pilot", "3"});
+  EXPECT_EQ(r.exit_code, 0) << r.err;
+  EXPECT_NE(r.out.find("pilot: 3 of 3 solved; all 30 items take about"), std::string::npos)
+      << r.out;
+  const ProcessResult all = run(folder);
+  EXPECT_NE(all.out.find("; 27 in "), std::string::npos) << all.out;
+}
+
+TEST_F(Batch, ShowWritesAProblemAndASolutionThatVerify) {
+  const std::string folder = planned("show");
+  EXPECT_EQ(run(folder).exit_code, 0);
+  const std::string id = ids(folder)[17], out = folder_.path() / "item";
+  const ProcessResult r = run_conddp({"batch", "show", folder, id, "-o", out});
+  EXPECT_EQ(r.exit_code, 0) << r.err;
+  EXPECT_EQ(run_conddp({"verify", out + "/solution.json"}).exit_code, 0);
+  EXPECT_EQ(run_conddp({"solve", out + "/problem.yaml", "-o", out + "/again"}).exit_code, 0);
+  const auto kept = nlohmann::json::parse(read_file(out + "/solution.json")),
+             again = nlohmann::json::parse(read_file(out + "/again/solution.json"));
+  EXPECT_EQ(kept["trajectory"]["x"], again["trajectory"]["x"]);
+  EXPECT_EQ(kept["cost"], again["cost"]);
+  const ProcessResult wrong = run_conddp({"batch", "show", folder, "0123456789abcdef"});
+  EXPECT_EQ(wrong.exit_code, 2);
+  EXPECT_NE(wrong.err.find("has no item '0123456789abcdef'"), std::string::npos) << wrong.err;
+}
+
+TEST_F(Batch, AChangedProblemOrAnotherBuildIsNotMixedIn) {
+  const std::string folder = planned("changed");
+  std::string changed = kBatchSwing;
+  changed.replace(changed.find("weight: 10"), 10, "weight: 11");
+  folder_.write("swing.yaml", changed);
+  const ProcessResult r = run(folder);
+  EXPECT_EQ(r.exit_code, 2);
+  EXPECT_NE(r.err.find("has changed since the plan was made"), std::string::npos) << r.err;
+
+  folder_.write("swing.yaml", kBatchSwing);
+  std::string manifest = read_file(folder + "/manifest.jsonl");
+  const std::size_t at = manifest.find("\"compiler\":\"");
+  manifest.insert(at + 12, "other ");
+  folder_.write("changed/manifest.jsonl", manifest);
+  const ProcessResult other = run(folder);
+  EXPECT_EQ(other.exit_code, 2);
+  EXPECT_NE(other.err.find("another build of conddp"), std::string::npos) << other.err;
+  EXPECT_EQ(run(folder, {"--any-build"}).exit_code, 0);
+}
+
+TEST_F(Batch, AFolderWithResultsOfAnotherPlanIsLeftAlone) {
+  const std::string folder = planned("other");
+  EXPECT_EQ(run(folder).exit_code, 0);
+  const ProcessResult r =
+      run_conddp({"batch", "plan", plan("vary: {w: {key: costs.effort.weight, values: [1]}}\n"),
+                  "-o", folder});
+  EXPECT_EQ(r.exit_code, 2);
+  EXPECT_NE(r.err.find("has results of another plan"), std::string::npos) << r.err;
+  EXPECT_EQ(run_conddp({"batch", "plan", plan(), "-o", folder}).exit_code, 0);
+}
+
+TEST_F(Batch, AWrongPlanOrRunIsReportedWithItsPlace) {
+  const std::string wrong = plan("vary: {w: {key: costs.effort.weight, values: [1, -1]}}\n");
+  const ProcessResult r = run_conddp({"batch", "plan", wrong, "-o", folder_.path() / "none"});
+  EXPECT_EQ(r.exit_code, 2);
+  EXPECT_NE(r.err.find("plan.yaml:4:50: error: a number that is not negative"), std::string::npos)
+      << r.err;
+  EXPECT_NE(r.err.find("item 2 of 2"), std::string::npos) << r.err;
+  EXPECT_EQ(run_conddp({"batch", "status", folder_.path()}).exit_code, 2);
+  EXPECT_EQ(run_conddp({"batch", "run", folder_.path() / "missing.yaml"}).exit_code, 2);
+  EXPECT_EQ(run_conddp({"batch", "retry", planned("r"), "all"}).exit_code, 2);
+  EXPECT_EQ(run_conddp({"batch", "run", planned("s"), "--shard", "3/2"}).exit_code, 2);
+}
+
+}  // namespace
+}  // namespace conddp
