@@ -12,6 +12,16 @@
 namespace conddp {
 namespace {
 
+/// So many characters of a line from the first one on, with blanks for tabs.
+std::string characters(std::string_view line, int first, int count) {
+  std::string part;
+  for (int character = -1; const char c : line) {
+    if (starts_character(c) && ++character >= first + count) break;
+    if (character >= first) part += c == '\t' || c == '\r' ? ' ' : c;
+  }
+  return part;
+}
+
 /// The source line and a caret under the column. Long lines are cut around the place.
 std::string excerpt(std::string_view line, int column, int room, const char* caret_start,
                     const char* caret_end) {
@@ -20,13 +30,8 @@ std::string excerpt(std::string_view line, int column, int room, const char* car
   const int count = count_characters(line);
   int first = 0;
   if (count > width) first = std::max(0, std::min(column - width / 2, count - width));
-  std::string part;
-  for (int character = -1; const char c : line) {
-    if (starts_character(c) && ++character >= first + width) break;
-    if (character >= first) part += c == '\t' || c == '\r' ? ' ' : c;
-  }
-  const std::string shown =
-      (first > 0 ? "..." : "") + masked(part) + (first + width < count ? "..." : "");
+  const std::string shown = (first > 0 ? "..." : "") + masked(characters(line, first, width)) +
+                            (first + width < count ? "..." : "");
   const int indent = (first > 0 ? 3 : 0) + column - 1 - first;
   return fmt::format("  {}\n  {}{}^{}\n", shown, std::string(std::max(indent, 0), ' '), caret_start,
                      caret_end);
@@ -125,29 +130,49 @@ std::string_view severity_name(Severity severity) {
   return "note";
 }
 
+namespace {
+
+/// How a terminal shows a diagnostic: escape sequences, all empty without colour, and its width.
+struct Look {
+  bool colour;
+  int width;
+
+  const char* bold() const { return colour ? "\033[1m" : ""; }
+  const char* green() const { return colour ? "\033[1;32m" : ""; }
+  const char* end() const { return colour ? "\033[0m" : ""; }
+  const char* tint(Severity severity) const {
+    if (!colour) return "";
+    if (severity == Severity::kNote) return "\033[1;36m";
+    return severity == Severity::kError ? "\033[1;31m" : "\033[1;35m";
+  }
+};
+
+/// A diagnostic with its source line and its hint.
+std::string format(const Diagnostic& d, const std::string& line, const Look& look) {
+  std::string place = d.file.empty() ? "conddp" : printable(d.file);
+  if (d.line > 0) place += fmt::format(":{}:{}", d.line, std::max(d.column, 1));
+  std::string text = wrap_text(
+      fmt::format("{}{}:{} {}{}:{} {}", look.bold(), place, look.end(), look.tint(d.severity),
+                  severity_name(d.severity), look.end(), d.message),
+      look.width, 0, 4);
+  if (!line.empty() && d.column > 0)
+    text += excerpt(line, d.column, look.width, look.green(), look.end());
+  if (!d.hint.empty())
+    text +=
+        wrap_text(fmt::format("{}hint:{} {}", look.bold(), look.end(), d.hint), look.width, 2, 8);
+  return text;
+}
+
+}  // namespace
+
 std::string format_diagnostics(const Diagnostics& diagnostics, bool colour, Severity least,
                                int limit, int width) {
-  const char* bold = colour ? "\033[1m" : "";
-  const char* green = colour ? "\033[1;32m" : "";
-  const char* end = colour ? "\033[0m" : "";
   std::string text;
   int errors = 0;
   for (const Diagnostic& d : diagnostics.list()) {
     if (d.severity > least) continue;
     if (d.severity == Severity::kError && ++errors > limit) continue;
-    std::string place = d.file.empty() ? "conddp" : printable(d.file);
-    if (d.line > 0) place += fmt::format(":{}:{}", d.line, std::max(d.column, 1));
-    const char* tint = !colour                            ? ""
-                       : d.severity == Severity::kError   ? "\033[1;31m"
-                       : d.severity == Severity::kWarning ? "\033[1;35m"
-                                                          : "\033[1;36m";
-    text += wrap_text(fmt::format("{}{}:{} {}{}:{} {}", bold, place, end, tint,
-                                  severity_name(d.severity), end, d.message),
-                      width, 0, 4);
-    const std::string line = diagnostics.source_line(d);
-    if (!line.empty() && d.column > 0) text += excerpt(line, d.column, width, green, end);
-    if (!d.hint.empty())
-      text += wrap_text(fmt::format("{}hint:{} {}", bold, end, d.hint), width, 2, 8);
+    text += format(d, diagnostics.source_line(d), {colour, width});
   }
   if (const int more = diagnostics.error_count() - limit; more > 0)
     text += fmt::format("conddp: error: {} more errors\n", more);

@@ -25,27 +25,56 @@ Mark mark_at(const std::string& text, std::size_t byte, int source, const Diagno
   return {source, line, column};
 }
 
-Json parse(const std::string& text, Keys wanted_keys) {
-  constexpr int kMaxDepth = 100;         // a configuration is as deep as a problem file may be
-  constexpr int kMaxValues = 5'000'000;  // a document takes many times the memory of its text
-  int values = 0;
-  bool wanted = true;  // whether the values are kept; it is asked for those that are not, too
-  std::array<std::set<std::string>, kMaxDepth + 2> keys;  // of the objects that are open
-  const auto keep = [&](int depth, Json::parse_event_t event, Json& value) {
+/// What the parser keeps of a document: of the outermost object the wanted members alone.
+class Sieve {
+ public:
+  explicit Sieve(Keys wanted) : wanted_keys_(wanted) {}
+
+  bool keeps(int depth, Json::parse_event_t event, const Json& value) {
     if (depth > kMaxDepth) throw MalformedSolution{"it is nested too deeply"};
-    if (event == Json::parse_event_t::object_start) keys[depth + 1].clear();
-    if (wanted && event == Json::parse_event_t::value && ++values > kMaxValues)
+    switch (event) {
+      case Json::parse_event_t::object_start:
+        keys_[depth + 1].clear();
+        return true;
+      case Json::parse_event_t::value:
+        if (wanted_) count();
+        return true;
+      case Json::parse_event_t::key:
+        return keeps_key(depth, value.get_ref<const std::string&>());
+      default:
+        return true;
+    }
+  }
+
+ private:
+  static constexpr int kMaxDepth = 100;  // a configuration is as deep as a problem file may be
+  static constexpr int kMaxValues =
+      5'000'000;  // a document takes many times the memory of its text
+
+  void count() {
+    if (++values_ > kMaxValues)
       throw MalformedSolution{fmt::format("it has more than {} values", kMaxValues)};
-    if (event != Json::parse_event_t::key) return true;
-    const std::string& key = value.get_ref<const std::string&>();
-    if (!keys[depth].insert(key).second)
+  }
+  bool keeps_key(int depth, const std::string& key) {
+    if (!keys_[depth].insert(key).second)
       throw MalformedSolution{fmt::format("the key '{}' is given twice", key)};
-    if (depth == 1)
-      wanted = key == "format" ||
-               std::find(wanted_keys.begin(), wanted_keys.end(), key) != wanted_keys.end();
-    return depth != 1 || wanted;
-  };
-  return Json::parse(text, keep);
+    if (depth != 1) return true;
+    wanted_ = key == "format" ||
+              std::find(wanted_keys_.begin(), wanted_keys_.end(), key) != wanted_keys_.end();
+    return wanted_;
+  }
+
+  Keys wanted_keys_;
+  int values_ = 0;
+  bool wanted_ = true;  ///< whether the values are kept; it is asked for those that are not, too
+  std::array<std::set<std::string>, kMaxDepth + 2> keys_;  ///< of the objects that are open
+};
+
+Json parse(const std::string& text, Keys wanted_keys) {
+  Sieve sieve(wanted_keys);
+  return Json::parse(text, [&](int depth, Json::parse_event_t event, Json& value) {
+    return sieve.keeps(depth, event, value);
+  });
 }
 
 /// What the parser says, without its own bookkeeping: "... syntax error while parsing value - ...".

@@ -44,6 +44,20 @@ std::vector<std::string> similar_names(std::string_view name,
   return names;
 }
 
+namespace {
+
+/// "a, b, c and 3 more".
+std::string first_names(const std::vector<std::string>& names) {
+  constexpr std::size_t kShown = 8;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(kShown, names.size()); ++i)
+    text += (i > 0 ? ", " : "") + names[i];
+  if (names.size() > kShown) text += " and " + std::to_string(names.size() - kShown) + " more";
+  return text;
+}
+
+}  // namespace
+
 std::string name_hint(std::string_view name, const std::vector<std::string>& candidates,
                       std::string_view what) {
   const std::vector<std::string> near = similar_names(name, candidates);
@@ -53,13 +67,7 @@ std::string name_hint(std::string_view name, const std::vector<std::string>& can
     return hint + "?";
   }
   if (candidates.empty()) return "there are no " + std::string(what);
-  constexpr std::size_t kShown = 8;
-  std::string hint = std::string(what) + ": ";
-  for (std::size_t i = 0; i < std::min(kShown, candidates.size()); ++i)
-    hint += (i > 0 ? ", " : "") + candidates[i];
-  if (candidates.size() > kShown)
-    hint += " and " + std::to_string(candidates.size() - kShown) + " more";
-  return hint;
+  return std::string(what) + ": " + first_names(candidates);
 }
 
 }  // namespace conddp

@@ -1,12 +1,35 @@
 #include "base/strict_number.hpp"
 
+#include <algorithm>
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 
 #include <fmt/format.h>
 
 namespace conddp {
+
+namespace {
+
+bool is_digit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
+
+/// YAML's and C's words for numbers that are not finite.
+bool is_not_finite(std::string_view digits) {
+  constexpr std::string_view kWords[] = {".inf", ".Inf", ".INF", ".nan",
+                                         ".NaN", ".NAN", "inf",  "nan"};
+  return std::find(std::begin(kWords), std::end(kWords), digits) != std::end(kWords);
+}
+
+/// What keeps a text without its sign from being a number, as far as its beginning tells.
+std::string_view defect_of_start(std::string_view digits) {
+  if (is_not_finite(digits)) return "is not finite";
+  if (digits.empty() || !(is_digit(digits[0]) || digits[0] == '.')) return "is not a number";
+  if (digits.size() > 1 && digits[0] == '0' && is_digit(digits[1])) return "has a leading zero";
+  return {};
+}
+
+}  // namespace
 
 ParsedNumber parse_number(std::string_view text) {
   const auto defect = [&](std::string_view why) {
@@ -17,14 +40,7 @@ ParsedNumber parse_number(std::string_view text) {
   };
   std::string_view digits = text;
   if (digits.starts_with('+') || digits.starts_with('-')) digits.remove_prefix(1);
-  const auto is_digit = [](char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; };
-  if (digits == ".inf" || digits == ".Inf" || digits == ".INF" || digits == ".nan" ||
-      digits == ".NaN" || digits == ".NAN" || digits == "inf" || digits == "nan")
-    return defect("is not finite");
-  if (digits.empty() || !(is_digit(digits[0]) || digits[0] == '.'))
-    return defect("is not a number");
-  if (digits.size() > 1 && digits[0] == '0' && is_digit(digits[1]))
-    return defect("has a leading zero");
+  if (const auto why = defect_of_start(digits); !why.empty()) return defect(why);
   const std::string_view whole = text.starts_with('+') ? digits : text;
   double value = 0;
   const auto [end, error] = std::from_chars(whole.data(), whole.data() + whole.size(), value);

@@ -8,19 +8,28 @@
 
 namespace conddp {
 
+namespace {
+
+/// What keeps a path from being a regular file.
+std::string defect_of_path(const std::filesystem::path& file) {
+  std::error_code error;
+  const auto status = std::filesystem::status(file, error);
+  if (std::filesystem::is_directory(status)) return "is a folder";
+  if (std::filesystem::is_regular_file(status)) return {};
+  if (std::filesystem::exists(status)) return "is not a regular file";
+  if (error && error != std::errc::no_such_file_or_directory)
+    return "cannot be opened: " + error.message();
+  return "does not exist";
+}
+
+}  // namespace
+
 TextFile read_text_file(const std::filesystem::path& file, std::size_t limit) {
   const auto fail = [&](const std::string& what) {
     return TextFile{{}, fmt::format("'{}' {}", file.string(), what)};
   };
+  if (const std::string defect = defect_of_path(file); !defect.empty()) return fail(defect);
   std::error_code error;
-  const auto status = std::filesystem::status(file, error);
-  if (!std::filesystem::exists(status)) {
-    if (error && error != std::errc::no_such_file_or_directory)
-      return fail("cannot be opened: " + error.message());
-    return fail("does not exist");
-  }
-  if (std::filesystem::is_directory(status)) return fail("is a folder");
-  if (!std::filesystem::is_regular_file(status)) return fail("is not a regular file");
   errno = 0;
   std::ifstream stream(file, std::ios::binary);
   if (!stream)

@@ -1,6 +1,7 @@
 #include "base/utf8.hpp"
 
 #include <algorithm>
+#include <iterator>
 
 #include <fmt/format.h>
 
@@ -9,28 +10,47 @@ namespace {
 
 bool is_control(unsigned byte) { return byte < 0x20 || byte == 0x7F; }
 
-/// Bytes of the character that starts at `i`, 0 if it is none (overlong forms and surrogates too).
+/// Numbers from the first one to the last one.
+struct Range {
+  unsigned first, last;
+  bool contains(unsigned number) const { return first <= number && number <= last; }
+};
+
+/// How characters of several bytes begin: further bytes are 0x80 to 0xBF, but the second one may
+/// have less room, which leaves out overlong forms, surrogates and what is beyond Unicode
+/// (table 3-7 of the Unicode standard).
+struct Lead {
+  Range first;
+  std::size_t length;
+  Range second;
+};
+constexpr Lead kLeads[] = {
+    {{0xC2, 0xDF}, 2, {0x80, 0xBF}}, {{0xE0, 0xE0}, 3, {0xA0, 0xBF}},
+    {{0xE1, 0xEC}, 3, {0x80, 0xBF}}, {{0xED, 0xED}, 3, {0x80, 0x9F}},
+    {{0xEE, 0xEF}, 3, {0x80, 0xBF}}, {{0xF0, 0xF0}, 4, {0x90, 0xBF}},
+    {{0xF1, 0xF3}, 4, {0x80, 0xBF}}, {{0xF4, 0xF4}, 4, {0x80, 0x8F}},
+};
+
+/// Bytes of the character that starts at `i`, 0 if it is none.
 std::size_t character_length(std::string_view text, std::size_t i) {
   const auto byte = [&](std::size_t k) {
     return k < text.size() ? static_cast<unsigned char>(text[k]) : 0u;
   };
-  const unsigned first = byte(i);
-  if (first < 0x80) return 1;
-  const std::size_t length = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : first >= 0xC2 ? 2 : 0;
-  if (first > 0xF4 || length == 0) return 0;
-  for (std::size_t k = 1; k < length; ++k)
+  if (byte(i) < 0x80) return 1;
+  const auto* lead = std::find_if(std::begin(kLeads), std::end(kLeads),
+                                  [&](const Lead& l) { return l.first.contains(byte(i)); });
+  if (lead == std::end(kLeads) || !lead->second.contains(byte(i + 1))) return 0;
+  for (std::size_t k = 2; k < lead->length; ++k)
     if ((byte(i + k) & 0xC0) != 0x80) return 0;
-  const unsigned second = byte(i + 1);
-  if ((first == 0xE0 && second < 0xA0) || (first == 0xED && second > 0x9F) ||
-      (first == 0xF0 && second < 0x90) || (first == 0xF4 && second > 0x8F))
-    return 0;
-  return length;
+  return lead->length;
 }
 
 /// Whether a terminal takes it for a command, or shows what follows elsewhere than it stands.
 bool is_control_point(unsigned code) {
-  return code < 0x20 || (code >= 0x7F && code < 0xA0) || code == 0x061C || code == 0x200E ||
-         code == 0x200F || (code >= 0x2028 && code <= 0x202E) || (code >= 0x2066 && code <= 0x2069);
+  constexpr Range kControls[] = {{0, 0x1F},        {0x7F, 0x9F},     {0x061C, 0x061C},
+                                 {0x200E, 0x200F}, {0x2028, 0x202E}, {0x2066, 0x2069}};
+  return std::any_of(std::begin(kControls), std::end(kControls),
+                     [code](const Range& range) { return range.contains(code); });
 }
 
 struct Character {
@@ -49,6 +69,21 @@ Character character_at(std::string_view text, std::size_t i) {
   unsigned code = byte(0) & kFirstBits[length];
   for (std::size_t k = 1; k < length; ++k) code = (code << 6) | (byte(k) & 0x3F);
   return {text.substr(i, length), code, true, !is_control_point(code)};
+}
+
+std::string printable(const Character& c) {
+  switch (c.code) {
+    case '\n':
+      return "\\n";
+    case '\t':
+      return "\\t";
+    case '\r':
+      return "\\r";
+    default:
+      if (c.shown) return std::string(c.bytes);
+      return c.bytes.size() == 1 ? fmt::format("\\x{:02X}", c.code)
+                                 : fmt::format("\\u{:04X}", c.code);
+  }
 }
 
 }  // namespace
@@ -76,13 +111,7 @@ std::string printable(std::string_view text) {
   for (std::size_t i = 0; i < text.size();) {
     if (shown.size() > kLongest) return shown + "...";
     const Character c = character_at(text, i);
-    if (c.code == '\n' || c.code == '\t' || c.code == '\r')
-      shown += c.code == '\n' ? "\\n" : c.code == '\t' ? "\\t" : "\\r";
-    else if (c.shown)
-      shown += c.bytes;
-    else
-      shown +=
-          c.bytes.size() == 1 ? fmt::format("\\x{:02X}", c.code) : fmt::format("\\u{:04X}", c.code);
+    shown += printable(c);
     i += c.bytes.size();
   }
   return shown;

@@ -18,6 +18,27 @@ int shown_width(std::string_view text) {
   return width;
 }
 
+namespace {
+
+/// Takes as many words as fit behind a margin, at least one.
+std::string take_line(std::string_view& rest, int width, int margin) {
+  if (rest.empty()) return {};
+  std::string line(margin, ' ');
+  int used = margin;
+  for (bool first = true; !rest.empty(); first = false) {
+    const std::size_t word_end =
+        std::min(rest.find(' ', first ? rest.find_first_not_of(' ') : 1), rest.size());
+    const std::string_view word = rest.substr(0, word_end);
+    used += shown_width(word);
+    if (width > 0 && !first && used > width) break;
+    line += word;
+    rest.remove_prefix(word_end);
+  }
+  return line;
+}
+
+}  // namespace
+
 std::string wrap_text(std::string_view text, int width, int first, int indent) {
   std::string lines;
   int margin = first;
@@ -25,21 +46,7 @@ std::string wrap_text(std::string_view text, int width, int first, int indent) {
     const std::size_t line_end = text.find('\n');
     std::string_view rest = text.substr(0, line_end);
     do {
-      std::string line(margin, ' ');
-      int used = margin;
-      bool empty = true;
-      while (!rest.empty()) {
-        const std::size_t word_end =
-            std::min(rest.find(' ', empty ? rest.find_first_not_of(' ') : 1), rest.size());
-        const std::string_view word = rest.substr(0, word_end);
-        const int length = shown_width(word);
-        if (width > 0 && !empty && used + length > width) break;
-        line += word;
-        used += length;
-        empty = false;
-        rest.remove_prefix(word_end);
-      }
-      lines += (empty ? "" : line) + '\n';
+      lines += take_line(rest, width, margin) + '\n';
       margin = indent;
       rest.remove_prefix(std::min(rest.find_first_not_of(' '), rest.size()));
     } while (!rest.empty());
