@@ -4,20 +4,31 @@
 #include <stdexcept>
 
 namespace conddp {
+namespace {
 
-void RobotModel::finalize() {
-  nq = nv = 0;
-  parent_dof.clear();
-  root.assign(joints.size(), -1);
+/// Joints come depth first, and floating ones hang on the world.
+void check_order(const std::vector<Joint>& joints) {
   std::vector<int> path;
-  for (int i = 0; i < joint_count(); ++i) {
-    Joint& joint = joints[i];
+  for (int i = 0; i < static_cast<int>(joints.size()); ++i) {
+    const Joint& joint = joints[i];
     while (!path.empty() && path.back() != joint.parent) path.pop_back();
     if (joint.parent >= 0 && path.empty())
       throw std::logic_error("joint " + joint.name + " does not follow its parent depth first");
     if (joint.type == JointType::floating && joint.parent >= 0)
       throw std::logic_error("floating joint " + joint.name + " does not hang on the world");
     path.push_back(i);
+  }
+}
+
+}  // namespace
+
+void RobotModel::finalize() {
+  nq = nv = 0;
+  parent_dof.clear();
+  root.assign(joints.size(), -1);
+  check_order(joints);
+  for (int i = 0; i < joint_count(); ++i) {
+    Joint& joint = joints[i];
     joint.q = nq;
     joint.v = nv;
     root[i] = joint.type == JointType::floating ? i : joint.parent >= 0 ? root[joint.parent] : -1;

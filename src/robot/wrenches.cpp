@@ -33,6 +33,49 @@ void subtract_external_wrenches(const RobotModel& model, RobotData<S>& data) {
   }
 }
 
+namespace {
+
+/// Where a floating joint j turns, the axes of the joints above the wrench turn with it.
+template <class S>
+void subtract_turns_of_base(const RobotModel& model, int j, int last, const RootWrench<S>& f,
+                            RobotData<S>& data) {
+  for (int k = 0; k < 3; ++k) {
+    Vector3<S> e = Vector3<S>::zero();
+    e[k] = S(1.0);
+    const Vector3<S> df = cross(f.force, e);
+    const Force<S> change{df, cross(f.torque, e) + cross(f.point, df)};
+    for (int i = last; i >= 0; i = model.joints[i].parent) {
+      S* column = &data.tau_q[(model.joints[j].v + 3 + k) * model.nv + model.joints[i].v];
+      if (i == j)
+        for (int row = 0; row < 6; ++row) column[row] -= change[row];
+      else
+        column[0] -= dot(data.axis[i], change);
+    }
+  }
+}
+
+/// Moving a joint j with one axis carries the point of attack along and turns the axes of the
+/// joints above it.
+template <class S>
+void subtract_moves_of_joint(const RobotModel& model, int j, int last, const RootWrench<S>& f,
+                             const Force<S>& at_origin, RobotData<S>& data) {
+  const Motion<S>& s = data.axis[j];
+  const Vector3<S> shift = s.linear + cross(s.angular, f.point);
+  const Vector3<S> torque_change = cross(shift, f.force);
+  for (int i = last; i >= 0; i = model.joints[i].parent) {
+    S* entry = &data.tau_q[model.joints[j].v * model.nv + model.joints[i].v];
+    if (model.joints[i].type == JointType::floating) {
+      for (int row = 0; row < 3; ++row) entry[3 + row] -= torque_change[row];
+      continue;
+    }
+    S change = dot(data.axis[i].angular, torque_change);
+    if (i > j) change += dot(cross(s, data.axis[i]), at_origin);
+    entry[0] -= change;
+  }
+}
+
+}  // namespace
+
 template <class S>
 void subtract_external_wrench_derivatives(const RobotModel& model, RobotData<S>& data) {
   for (const ExternalWrench& w : model.wrenches) {
@@ -40,38 +83,11 @@ void subtract_external_wrench_derivatives(const RobotModel& model, RobotData<S>&
     if (last < 0) continue;
     const RootWrench<S> f = in_root_frame(model, data, w);
     const Force<S> at_origin = f.at_origin();
-    // Moving joint j carries the point of attack along and turns the axes of the joints above it.
     for (int j = last; j >= 0; j = model.joints[j].parent) {
-      const int vj = model.joints[j].v;
-      if (model.joints[j].type == JointType::floating) {
-        for (int k = 0; k < 3; ++k) {
-          Vector3<S> e = Vector3<S>::zero();
-          e[k] = S(1.0);
-          const Vector3<S> df = cross(f.force, e);
-          const Force<S> change{df, cross(f.torque, e) + cross(f.point, df)};
-          for (int i = last; i >= 0; i = model.joints[i].parent) {
-            S* column = &data.tau_q[(vj + 3 + k) * model.nv + model.joints[i].v];
-            if (i == j)
-              for (int row = 0; row < 6; ++row) column[row] -= change[row];
-            else
-              column[0] -= dot(data.axis[i], change);
-          }
-        }
-        continue;
-      }
-      const Motion<S>& s = data.axis[j];
-      const Vector3<S> shift = s.linear + cross(s.angular, f.point);
-      const Vector3<S> torque_change = cross(shift, f.force);
-      for (int i = last; i >= 0; i = model.joints[i].parent) {
-        S* entry = &data.tau_q[vj * model.nv + model.joints[i].v];
-        if (model.joints[i].type == JointType::floating) {
-          for (int row = 0; row < 3; ++row) entry[3 + row] -= torque_change[row];
-          continue;
-        }
-        S change = dot(data.axis[i].angular, torque_change);
-        if (i > j) change += dot(cross(s, data.axis[i]), at_origin);
-        entry[0] -= change;
-      }
+      if (model.joints[j].type == JointType::floating)
+        subtract_turns_of_base(model, j, last, f, data);
+      else
+        subtract_moves_of_joint(model, j, last, f, at_origin, data);
     }
   }
 }

@@ -32,6 +32,29 @@ void make_distinct(RobotModel& tree, std::set<std::string>& taken) {
   taken.merge(names);
 }
 
+void append(RobotModel tree, RobotModel& all) {
+  const int joints = all.joint_count();
+  const int frames = static_cast<int>(all.frames.size());
+  all.name += (all.name.empty() ? "" : "+") + tree.name;
+  for (Joint& joint : tree.joints) {
+    if (joint.parent >= 0) joint.parent += joints;
+    all.joints.push_back(std::move(joint));
+  }
+  for (Frame& frame : tree.frames) {
+    if (frame.joint >= 0) frame.joint += joints;
+    all.frames.push_back(std::move(frame));
+  }
+  for (ExternalWrench wrench : tree.wrenches) {
+    wrench.frame += frames;
+    all.wrenches.push_back(wrench);
+  }
+  for (Mimic mimic : tree.mimics) {
+    mimic.joint += joints;
+    mimic.leader += joints;
+    all.mimics.push_back(mimic);
+  }
+}
+
 }  // namespace
 
 RobotModel combine(std::vector<RobotModel> trees) {
@@ -43,26 +66,7 @@ RobotModel combine(std::vector<RobotModel> trees) {
     if (squared_norm(tree.gravity - all.gravity) != 0)
       throw std::logic_error("combine: gravity differs between trees");
     make_distinct(tree, taken);
-    const int joints = all.joint_count();
-    const int frames = static_cast<int>(all.frames.size());
-    all.name += (all.name.empty() ? "" : "+") + tree.name;
-    for (Joint& joint : tree.joints) {
-      if (joint.parent >= 0) joint.parent += joints;
-      all.joints.push_back(std::move(joint));
-    }
-    for (Frame& frame : tree.frames) {
-      if (frame.joint >= 0) frame.joint += joints;
-      all.frames.push_back(std::move(frame));
-    }
-    for (ExternalWrench wrench : tree.wrenches) {
-      wrench.frame += frames;
-      all.wrenches.push_back(wrench);
-    }
-    for (Mimic mimic : tree.mimics) {
-      mimic.joint += joints;
-      mimic.leader += joints;
-      all.mimics.push_back(mimic);
-    }
+    append(std::move(tree), all);
   }
   all.finalize();
   return all;

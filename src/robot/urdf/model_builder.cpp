@@ -312,6 +312,10 @@ class Builder {
     }
   }
 
+  void note_joints(const std::string& text, const std::vector<std::string>& names) {
+    if (!names.empty()) report_.note(text + ": " + listed(names));
+  }
+
   void write_notes() {
     std::vector<std::string> damped, rubbing, mimics;
     for (const Joint& joint : model_.joints) {
@@ -320,13 +324,10 @@ class Builder {
       const auto found = tree_.joints_.find(joint.name);
       if (found != tree_.joints_.end() && found->second->mimic) mimics.push_back(joint.name);
     }
-    if (!damped.empty())
-      report_.note("joint damping is ignored unless the problem asks for it: " + listed(damped));
-    if (!rubbing.empty())
-      report_.note("joint friction is ignored unless the problem asks for it: " + listed(rubbing));
-    if (!mimics.empty() && !options_.enforce_mimic)
-      report_.note("mimic joints are independent unless the problem enforces them: " +
-                   listed(mimics));
+    if (options_.enforce_mimic) mimics.clear();
+    note_joints("joint damping is ignored unless the problem asks for it", damped);
+    note_joints("joint friction is ignored unless the problem asks for it", rubbing);
+    note_joints("mimic joints are independent unless the problem enforces them", mimics);
     if (world_.mass > 0)
       report_.note(fmt::format("{:.6g} kg rigid with the world have no effect", world_.mass));
     if (model_.joints.empty())

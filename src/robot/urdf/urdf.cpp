@@ -180,6 +180,27 @@ class RegularityReport {
   UrdfReport& report_;
 };
 
+/// Not to be used where the report has errors.
+urdf::ModelInterfaceSharedPtr checked_tree(const XmlOutline& outline, std::string_view xml,
+                                           const UrdfOptions& options, UrdfReport& report) {
+  if (!check_urdf_elements(outline, report)) return nullptr;
+  check_urdf_topology(outline, options, report);
+  if (report.has_errors()) return nullptr;
+
+  std::vector<ParserMessage> messages;
+  urdf::ModelInterfaceSharedPtr tree = parse_tree(relevant_urdf(outline, xml), messages);
+  report_parser_messages(messages, report);
+  if (report.has_errors()) return nullptr;
+  if (!tree || !tree->getRoot()) {
+    report.error({}, "urdfdom could not read the file");
+    return nullptr;
+  }
+
+  check_urdf_physics(*tree, options, report);
+  check_urdf_options(*tree, options, report);
+  return tree;
+}
+
 void parse(std::string_view xml, const UrdfOptions& options, UrdfResult& result) {
   const XmlOutline outline = scan_xml(xml);
   UrdfReport report(outline, result);
@@ -191,18 +212,7 @@ void parse(std::string_view xml, const UrdfOptions& options, UrdfResult& result)
                                .column = defect.column});
     return;
   }
-  if (!check_urdf_elements(outline, report)) return;
-  check_urdf_topology(outline, options, report);
-  if (report.has_errors()) return;
-
-  std::vector<ParserMessage> messages;
-  const urdf::ModelInterfaceSharedPtr tree = parse_tree(relevant_urdf(outline, xml), messages);
-  report_parser_messages(messages, report);
-  if (report.has_errors()) return;
-  if (!tree || !tree->getRoot()) return report.error({}, "urdfdom could not read the file");
-
-  check_urdf_physics(*tree, options, report);
-  check_urdf_options(*tree, options, report);
+  const urdf::ModelInterfaceSharedPtr tree = checked_tree(outline, xml, options, report);
   if (report.has_errors()) return;
   RobotModel model = build_model(*tree, options, report);
   if (!report.has_errors()) RegularityReport(model, options.prefix, report).check();

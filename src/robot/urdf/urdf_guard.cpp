@@ -83,25 +83,34 @@ std::pair<std::string, std::string> owner(const XmlOutline& outline, int element
   return {name, std::string(top.tag) + " '" + name + "': "};
 }
 
+/// Why a word is no finite number, if it is none.
+std::optional<std::string> number_defect(std::string_view word) {
+  const std::string quoted = "'" + std::string(word.substr(0, 40)) + "'";
+  if (word.size() > 1 && word[0] == '+') word.remove_prefix(1);
+  double value = 0;
+  const auto [stop, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (stop != word.data() + word.size() || error == std::errc::invalid_argument)
+    return quoted + " is not a number";
+  if (error != std::errc{} || !std::isfinite(value))
+    return quoted + " is not a finite number in range";
+  return std::nullopt;
+}
+
 /// Why the text is not `count` finite numbers, if it is not.
 std::optional<std::string> number_defect(std::string_view text, int count) {
   int found = 0;
   for (std::size_t at = 0; (at = text.find_first_not_of(kSpace, at)) != text.npos; ++found) {
     const std::size_t end = std::min(text.find_first_of(kSpace, at), text.size());
-    std::string_view word = text.substr(at, end - at);
-    const std::string quoted = "'" + std::string(word.substr(0, 40)) + "'";
-    if (word.size() > 1 && word[0] == '+') word.remove_prefix(1);
-    double value = 0;
-    const auto [stop, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-    if (stop != word.data() + word.size() || error == std::errc::invalid_argument)
-      return quoted + " is not a number";
-    if (error != std::errc{} || !std::isfinite(value))
-      return quoted + " is not a finite number in range";
+    if (auto defect = number_defect(text.substr(at, end - at))) return defect;
     at = end;
   }
   if (found != count)
     return "has " + std::to_string(found) + " numbers, expected " + std::to_string(count);
   return std::nullopt;
+}
+
+bool may_be_in_name(char c) {
+  return static_cast<unsigned char>(c) >= 0x20 && c != '&' && c != ',' && c != '"';
 }
 
 void check_name(const XmlOutline& outline, int index, std::string_view attribute,
@@ -112,12 +121,11 @@ void check_name(const XmlOutline& outline, int index, std::string_view attribute
   if (name->empty() && index == 0) return report.warning_at(0, "", "<robot>: its name is empty");
   if (name->empty())
     return report.error_at(index, "", where + std::string(attribute) + " is empty");
-  for (const char c : *name)
-    if (static_cast<unsigned char>(c) < 0x20 || c == '&' || c == ',' || c == '"')
-      return report.error_at(index, std::string(*name),
-                             where +
-                                 "a name may not hold control characters, commas, double "
-                                 "quotes or XML entities");
+  if (!std::all_of(name->begin(), name->end(), may_be_in_name))
+    return report.error_at(index, std::string(*name),
+                           where +
+                               "a name may not hold control characters, commas, double "
+                               "quotes or XML entities");
 }
 
 void check_attributes(const XmlOutline& outline, int index, const ElementRule& rule,
@@ -148,30 +156,36 @@ void check_attributes(const XmlOutline& outline, int index, const ElementRule& r
   }
 }
 
+/// Whether an element that is read has an expression of xacro in an attribute.
+bool holds_expression(const XmlOutline& outline, const XmlElement& element) {
+  return rule_of(outline, element) &&
+         std::any_of(element.attributes.begin(), element.attributes.end(), [](const auto& a) {
+           return a.value.find("${") != a.value.npos || a.value.find("$(") != a.value.npos;
+         });
+}
+
+/// Whether an element stands in a part of the robot that is read.
+bool would_be_content(const XmlOutline& outline, const XmlElement& element) {
+  if (element.parent < 0) return false;
+  const XmlElement& parent = outline.elements[element.parent];
+  return parent.depth > 0 && rule_of(outline, parent) != nullptr;
+}
+
 /// Expressions, and elements that would become content of a link or joint, make a file one that has
 /// not been evaluated. Other elements are left over: an evaluated file does without them.
 void check_xacro(const XmlOutline& outline, UrdfReport& report) {
   const bool has_links = !outline.children(0, "link").empty();
   for (int i = 0; i < static_cast<int>(outline.elements.size()); ++i) {
     const XmlElement& element = outline.elements[i];
-    const bool expression =
-        rule_of(outline, element) &&
-        std::any_of(element.attributes.begin(), element.attributes.end(), [](const auto& a) {
-          return a.value.find("${") != a.value.npos || a.value.find("$(") != a.value.npos;
-        });
-    const bool xacro = element.tag.starts_with("xacro:");
-    if (!xacro && !expression) continue;
-    const XmlElement* parent = element.parent < 0 ? nullptr : &outline.elements[element.parent];
-    const bool content = parent && parent->depth > 0 && rule_of(outline, *parent);
-    if (has_links && !expression && !content) {
-      if (parent && parent->depth == 0)
-        report.warning_at(i, "",
-                          "<" + std::string(element.tag) +
-                              "> is left over from xacro and is ignored, with what is in it");
-      continue;
-    }
-    return report.error_at(i, "", "this is a xacro file that has not been evaluated",
-                           "run `xacro FILE > robot.urdf` first and give the result");
+    const bool expression = holds_expression(outline, element);
+    if (!element.tag.starts_with("xacro:") && !expression) continue;
+    if (!has_links || expression || would_be_content(outline, element))
+      return report.error_at(i, "", "this is a xacro file that has not been evaluated",
+                             "run `xacro FILE > robot.urdf` first and give the result");
+    if (element.parent >= 0 && outline.elements[element.parent].depth == 0)
+      report.warning_at(i, "",
+                        "<" + std::string(element.tag) +
+                            "> is left over from xacro and is ignored, with what is in it");
   }
 }
 
@@ -220,6 +234,81 @@ std::optional<UrdfProblem> check_urdf_text(std::string_view text, const std::str
   return std::nullopt;
 }
 
+namespace {
+
+/// Checks the elements of a robot one after the other.
+class ElementCheck {
+ public:
+  ElementCheck(const XmlOutline& outline, UrdfReport& report)
+      : outline_(outline), report_(report) {}
+
+  void check(int index) {
+    const XmlElement& element = outline_.elements[index];
+    if (const ElementRule* rule = rule_of(outline_, element)) return check_known(index, *rule);
+    const XmlElement& parent = outline_.elements[element.parent];
+    if (parent.depth > 0 && rule_of(outline_, parent) == nullptr) return;  // inside ignored parts
+    check_unknown(index);
+  }
+
+  int links() const { return links_; }
+  /// Elements and attributes that are not read.
+  const std::set<std::string>& ignored() const { return ignored_; }
+
+ private:
+  void check_known(int index, const ElementRule& rule) {
+    const XmlElement& element = outline_.elements[index];
+    links_ += element.tag == "link";
+    check_name(outline_, index, "name", report_);
+    check_attributes(outline_, index, rule, ignored_, report_);
+    if (element.depth > 1 && !seen_.emplace(element.parent, element.tag).second)
+      error(index, "a second <" + std::string(element.tag) + "> in <" + parent_of(index) + ">");
+  }
+
+  void check_unknown(int index) {
+    const XmlElement& element = outline_.elements[index];
+    const std::string tag(element.tag);
+    if (element.depth > 1 && (tag == "link" || tag == "joint"))
+      return error(index, "<" + tag + "> stands inside <" + parent_of(index) + ">",
+                   "links and joints stand directly in <robot>");
+    const std::vector<std::string> readable = readable_in(parent_of(index));
+    if (!is_ignored(element) && !similar_names(tag, readable).empty()) {
+      const auto [name, subject] = owner(outline_, index);
+      report_.warning_at(index, name,
+                         subject + "<" + tag + "> is not a URDF element and is ignored",
+                         name_hint(tag, readable, "elements"));
+    }
+    ignored_.insert("<" + tag + ">");
+  }
+
+  void error(int index, const std::string& message, const std::string& hint = {}) {
+    const auto [name, subject] = owner(outline_, index);
+    report_.error_at(index, name, subject + message, hint);
+  }
+
+  bool is_ignored(const XmlElement& element) const {
+    return std::any_of(kIgnored.begin(), kIgnored.end(), [&](const auto& entry) {
+      return entry.first == parent_tag(outline_, element) && entry.second == element.tag;
+    });
+  }
+  static std::vector<std::string> readable_in(const std::string& parent) {
+    std::vector<std::string> readable;
+    for (const ElementRule& rule : rules())
+      if (rule.parent == parent) readable.emplace_back(rule.tag);
+    return readable;
+  }
+  std::string parent_of(int index) const {
+    return std::string(parent_tag(outline_, outline_.elements[index]));
+  }
+
+  const XmlOutline& outline_;
+  UrdfReport& report_;
+  int links_ = 0;
+  std::set<std::pair<int, std::string_view>> seen_;  ///< that may stand once in their parent
+  std::set<std::string> ignored_;
+};
+
+}  // namespace
+
 bool check_urdf_elements(const XmlOutline& outline, UrdfReport& report) {
   const XmlElement& root = outline.elements.front();
   if (root.tag != "robot") {
@@ -232,46 +321,15 @@ bool check_urdf_elements(const XmlOutline& outline, UrdfReport& report) {
   if (!root.attribute("name")) report.error_at(0, "", "<robot> has no name");
   check_name(outline, 0, "name", report);
 
-  int links = 0;
-  std::set<std::pair<int, std::string_view>> seen;  // elements that may stand once in their parent
-  std::set<std::string> ignored;
-  for (int i = 1; i < static_cast<int>(outline.elements.size()); ++i) {
-    const XmlElement& element = outline.elements[i];
-    const std::string tag(element.tag);
-    const auto [name, subject] = owner(outline, i);
-    const XmlElement& parent = outline.elements[element.parent];
-    if (const ElementRule* rule = rule_of(outline, element)) {
-      links += element.tag == "link";
-      check_name(outline, i, "name", report);
-      check_attributes(outline, i, *rule, ignored, report);
-      if (element.depth > 1 && !seen.emplace(element.parent, element.tag).second)
-        report.error_at(i, name,
-                        subject + "a second <" + tag + "> in <" + std::string(parent.tag) + ">");
-      continue;
-    }
-    if (parent.depth > 0 && rule_of(outline, parent) == nullptr) continue;  // inside ignored parts
-    if (element.depth > 1 && (tag == "link" || tag == "joint")) {
-      report.error_at(i, name,
-                      subject + "<" + tag + "> stands inside <" + std::string(parent.tag) + ">",
-                      "links and joints stand directly in <robot>");
-      continue;
-    }
-    const bool known = std::any_of(kIgnored.begin(), kIgnored.end(), [&](const auto& entry) {
-      return entry.first == parent_tag(outline, element) && entry.second == element.tag;
-    });
-    std::vector<std::string> readable;
-    for (const ElementRule& rule : rules())
-      if (rule.parent == parent.tag) readable.emplace_back(rule.tag);
-    if (!known && !similar_names(tag, readable).empty())
-      report.warning_at(i, name, subject + "<" + tag + "> is not a URDF element and is ignored",
-                        name_hint(tag, readable, "elements"));
-    ignored.insert("<" + tag + ">");
-  }
+  ElementCheck elements(outline, report);
+  for (int i = 1; i < static_cast<int>(outline.elements.size()); ++i) elements.check(i);
+  const int links = elements.links();
   if (links == 0) report.error_at(0, "", "the file has no links");
   if (links > kMaxUrdfLinks)
     report.error_at(0, "",
                     "the file has " + std::to_string(links) + " links, more than " +
                         std::to_string(kMaxUrdfLinks));
+  const std::set<std::string>& ignored = elements.ignored();
   if (!ignored.empty()) report.note("not read: " + listed({ignored.begin(), ignored.end()}, 12));
   return links > 0 && links <= kMaxUrdfLinks;
 }

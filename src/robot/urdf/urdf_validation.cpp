@@ -54,22 +54,33 @@ void check_axis(const urdf::Joint& joint, UrdfReport& report) {
                    fmt::format("its axis has length {:.6g} and is normalised", norm));
 }
 
+/// How messages speak of a limit: what it is of, its unit, what a joint cannot do if it is 0, and a
+/// hint where it is negative.
+struct LimitWords {
+  const char *of, *unit, *verb, *hint;
+};
+
+void check_limit(const UrdfPlace& place, double limit, const LimitWords& words, bool locked,
+                 UrdfReport& report) {
+  if (limit < 0)
+    report.error(place, fmt::format("its {} limit is {}{}", words.of, limit, words.unit),
+                 words.hint);
+  else if (limit == 0 && !locked)
+    report.warning(place, fmt::format("its {} limit is 0: it cannot {} within the URDF's limits",
+                                      words.of, words.verb));
+}
+
 /// What it warns of is no matter where the joint is locked.
 void check_limits(const urdf::Joint& joint, bool locked, UrdfReport& report) {
   if (!joint.limits || !moves_along_one_axis(joint)) return;
   const urdf::JointLimits& limits = *joint.limits;
   const UrdfPlace place = at_joint(joint.name, "limit");
-  const char* const effort_unit = joint.type == urdf::Joint::PRISMATIC ? "N" : "Nm";
-  if (limits.effort < 0)
-    report.error(place, fmt::format("its effort limit is {} {}", limits.effort, effort_unit),
-                 "an effort limit cannot be negative");
-  else if (limits.effort == 0 && !locked)
-    report.warning(place, "its effort limit is 0: it cannot be actuated within the URDF's limits");
-  if (limits.velocity < 0)
-    report.error(place, fmt::format("its velocity limit is {}", limits.velocity),
-                 "a velocity limit cannot be negative");
-  else if (limits.velocity == 0 && !locked)
-    report.warning(place, "its velocity limit is 0: it cannot move within the URDF's limits");
+  const char* const effort_unit = joint.type == urdf::Joint::PRISMATIC ? " N" : " Nm";
+  check_limit(place, limits.effort,
+              {"effort", effort_unit, "be actuated", "an effort limit cannot be negative"}, locked,
+              report);
+  check_limit(place, limits.velocity,
+              {"velocity", "", "move", "a velocity limit cannot be negative"}, locked, report);
   if (joint.type == urdf::Joint::CONTINUOUS) return;
   if (limits.lower > limits.upper)
     report.error(
@@ -127,6 +138,15 @@ void check_locked(const urdf::Joint& joint, double value, UrdfReport& report) {
                            joint.limits->lower, joint.limits->upper));
 }
 
+void check_rotor(const std::string& joint, double inertia, bool locked, UrdfReport& report) {
+  if (!std::isfinite(inertia) || inertia < 0)
+    report.error(at_joint(joint), fmt::format("its rotor inertia {} is not a finite number of at "
+                                              "least 0",
+                                              inertia));
+  else if (locked)
+    report.warning(at_joint(joint), "its rotor inertia has no effect: the joint is locked");
+}
+
 void check_payload(const urdf::ModelInterface& tree, const UrdfOptions::Payload& payload,
                    UrdfReport& report) {
   if (!tree.links_.contains(payload.link)) {
@@ -178,15 +198,9 @@ void check_urdf_options(const urdf::ModelInterface& tree, const UrdfOptions& opt
   for (const auto& [name, value] : options.locked_joints)
     if (const urdf::Joint* joint = moving_joint(tree, name, "that can be locked", report))
       check_locked(*joint, value, report);
-  for (const auto& [name, inertia] : options.rotor_inertia) {
-    if (!moving_joint(tree, name, "that can have a rotor inertia", report)) continue;
-    if (!std::isfinite(inertia) || inertia < 0)
-      report.error(at_joint(name), fmt::format("its rotor inertia {} is not a finite number of at "
-                                               "least 0",
-                                               inertia));
-    else if (options.locked_joints.contains(name))
-      report.warning(at_joint(name), "its rotor inertia has no effect: the joint is locked");
-  }
+  for (const auto& [name, inertia] : options.rotor_inertia)
+    if (moving_joint(tree, name, "that can have a rotor inertia", report))
+      check_rotor(name, inertia, options.locked_joints.contains(name), report);
   for (const UrdfOptions::Payload& payload : options.payloads) check_payload(tree, payload, report);
   if (!std::isfinite(squared_norm(options.gravity))) report.error({}, "gravity is not finite");
   if (options.placement && options.base == UrdfOptions::Base::floating)

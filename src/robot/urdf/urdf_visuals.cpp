@@ -38,37 +38,40 @@ SE3<double> read_origin(const XmlOutline& outline, int shape) {
   return placement;
 }
 
+/// Kind and size of a shape, none where its numbers are missing.
+struct Geometry {
+  ShapeKind kind;
+  Vector3<double> size;
+};
+
+std::optional<Geometry> read_geometry(const XmlElement& e, const Vector3<double>& default_scale) {
+  const auto radius = read_numbers<1>(e, "radius"), length = read_numbers<1>(e, "length");
+  const auto size = read_numbers<3>(e, "size"), scale = read_numbers<3>(e, "scale");
+  const auto vector = [](const std::array<double, 3>& v) {
+    return Vector3<double>{v[0], v[1], v[2]};
+  };
+  if (e.tag == "box" && size) return Geometry{ShapeKind::box, vector(*size)};
+  if (e.tag == "cylinder" && radius && length)
+    return Geometry{ShapeKind::cylinder, {(*radius)[0], (*length)[0], 0}};
+  if (e.tag == "sphere" && radius) return Geometry{ShapeKind::sphere, {(*radius)[0], 0, 0}};
+  if (e.tag == "mesh" && e.attribute("filename"))
+    return Geometry{ShapeKind::mesh, scale ? vector(*scale) : default_scale};
+  return std::nullopt;
+}
+
 /// Kind and size from <geometry>.
 void read_geometry(const XmlOutline& outline, int element, VisualShape& shape) {
   const auto geometry = outline.child(element, "geometry");
   if (!geometry) return;
-  for (const int child : outline.children(*geometry)) {
-    const XmlElement& e = outline.elements[child];
-    shape.mesh = std::string(e.tag);
-    const auto radius = read_numbers<1>(e, "radius"), length = read_numbers<1>(e, "length");
-    if (e.tag == "box") {
-      const auto size = read_numbers<3>(e, "size");
-      if (!size) return;
-      shape.kind = ShapeKind::box;
-      shape.size = {(*size)[0], (*size)[1], (*size)[2]};
-    } else if (e.tag == "cylinder") {
-      if (!radius || !length) return;
-      shape.kind = ShapeKind::cylinder;
-      shape.size = {(*radius)[0], (*length)[0], 0};
-    } else if (e.tag == "sphere") {
-      if (!radius) return;
-      shape.kind = ShapeKind::sphere;
-      shape.size = {(*radius)[0], 0, 0};
-    } else if (e.tag == "mesh") {
-      const auto file = e.attribute("filename");
-      if (!file) return;
-      shape.kind = ShapeKind::mesh;
-      shape.mesh = std::string(*file);
-      if (const auto scale = read_numbers<3>(e, "scale"))
-        shape.size = {(*scale)[0], (*scale)[1], (*scale)[2]};
-    }
-    return;
-  }
+  const std::vector<int> children = outline.children(*geometry);
+  if (children.empty()) return;
+  const XmlElement& e = outline.elements[children.front()];
+  shape.mesh = std::string(e.tag);
+  const auto found = read_geometry(e, shape.size);
+  if (!found) return;
+  shape.kind = found->kind;
+  shape.size = found->size;
+  if (shape.kind == ShapeKind::mesh) shape.mesh = std::string(*e.attribute("filename"));
 }
 
 std::optional<Inertia<double>> read_inertia(const XmlOutline& outline, int link) {

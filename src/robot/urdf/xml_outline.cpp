@@ -29,10 +29,8 @@ class Scanner {
     const std::size_t text_start = at_;
     at_ = std::min(text_.find('<', at_), text_.size());
     if (open_.empty()) {
-      const std::string_view between = text_.substr(text_start, at_ - text_start);
-      const std::size_t stray = between.find_first_not_of(kSpace);
-      if (stray != between.npos)
-        return fail(text_start + stray, "text outside the document's root element");
+      const std::size_t stray = text_.find_first_not_of(kSpace, text_start);
+      if (stray < at_) return fail(stray, "text outside the document's root element");
     }
     if (at_ >= text_.size()) return;
     if (starts("<!--")) return skip("-->", 4, "a comment is never closed");
@@ -66,32 +64,30 @@ class Scanner {
     open_.pop_back();
   }
 
+  /// What keeps an element from standing here.
+  std::string defect_of(const XmlElement& element) const {
+    if (element.tag.empty()) return "'<' without an element's name";
+    if (open_.empty() && !outline_.elements.empty())
+      return "a second root element <" + std::string(element.tag) + ">";
+    if (element.depth >= kMaxXmlDepth)
+      return "elements are nested deeper than " + std::to_string(kMaxXmlDepth);
+    if (outline_.elements.size() >= kMaxXmlElements)
+      return "more than " + std::to_string(kMaxXmlElements) + " elements";
+    return {};
+  }
+
   void start_tag() {
     XmlElement element;
     const std::size_t begin = at_++;
     locate(begin, element.line, element.column);
     element.tag = word("/> \t\r\n<='\"");
-    if (element.tag.empty()) return fail(begin, "'<' without an element's name");
-    if (open_.empty() && !outline_.elements.empty())
-      return fail(begin, "a second root element <" + std::string(element.tag) + ">");
     element.depth = static_cast<int>(open_.size());
     element.parent = open_.empty() ? -1 : open_.back();
-    if (element.depth >= kMaxXmlDepth)
-      return fail(begin, "elements are nested deeper than " + std::to_string(kMaxXmlDepth));
-    if (outline_.elements.size() >= kMaxXmlElements)
-      return fail(begin, "more than " + std::to_string(kMaxXmlElements) + " elements");
-    bool closed = false;
-    while (true) {
-      skip_space();
-      if (peek() == '>') break;
-      if (starts("/>")) {
-        closed = true;
-        ++at_;
-        break;
-      }
+    if (const std::string defect = defect_of(element); !defect.empty()) return fail(begin, defect);
+    for (skip_space(); peek() != '>' && !starts("/>"); skip_space())
       if (!attribute(element)) return;
-    }
-    ++at_;
+    const bool closed = peek() != '>';
+    at_ += closed ? 2 : 1;
     element.start_tag = text_.substr(begin, at_ - begin);
     outline_.elements.push_back(std::move(element));
     if (!closed) open_.push_back(static_cast<int>(outline_.elements.size()) - 1);
