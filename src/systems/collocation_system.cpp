@@ -104,8 +104,15 @@ void CollocationSystem::differentiate_stage(int i, const S* x, const S* w, const
     for (int r = 0; r < n; ++r) add(0, r, data.fu[c * n + r], X + (ndx() + c) * ndx());
   for (int j = 1; j <= later_stages(); ++j)
     for (int r = 0; r < n; ++r) add(j, r, S(1.0), X + (ndx() + slopes(j) + r) * ndx());
-  if (!by_step) return;
-  S* column = X + nz * ndx();
+  if (by_step) differentiate_by_step(i, x, w, h, data, X + nz * ndx());
+}
+
+/// The column by h, from zero on.
+template <class S>
+void CollocationSystem::differentiate_by_step(int i, const S* x, const S* w, const S& h,
+                                              const SystemData<S>& data, S* column) const {
+  const StageRow& row = table(rule_).rows[i - 1];
+  const int n = rows(), top = ndx() - n;
   for (int r = 0; r < n; ++r) {
     if (top > 0) column[r] = S(row.time) * x[top + r];
     for (int j = 0; j <= later_stages(); ++j) {

@@ -63,6 +63,10 @@ class CollocationSystem : public System {
 #undef CONDDP_OVERRIDE
 
  private:
+  template <class S>
+  void differentiate_by_step(int i, const S* x, const S* w, const S& h, const SystemData<S>& data,
+                             S* column) const;
+
   std::shared_ptr<const System> inside_;
   LobattoRule rule_;
 };

@@ -42,6 +42,49 @@ ConeIndices add_cone(SteppingLayout& layout, const std::string& prefix) {
   return cone;
 }
 
+bool turns(const Joint& joint) { return joint.type == JointType::revolute; }
+
+void add_acceleration(SteppingLayout& layout, const Joint& joint) {
+  const std::string name = "a/" + joint.name;
+  if (joint.type != JointType::floating) {
+    add(layout.columns, name, turns(joint) ? "rad/s²" : "m/s²");
+    return;
+  }
+  for (const char* axis : {"x", "y", "z"}) add(layout.columns, name + "/v" + axis, "m/s²");
+  for (const char* axis : {"x", "y", "z"}) add(layout.columns, name + "/w" + axis, "rad/s²");
+}
+
+void add_candidate(SteppingLayout& layout, const ContactCandidate& c,
+                   const ImplicitContacts& contacts) {
+  const std::string prefix = "contact/" + c.name;
+  SteppingLayout::Candidate indices;
+  indices.force = add(layout.columns, prefix + "/fn", "N");
+  indices.gap = add(layout.columns, prefix + "/gap", "m");
+  layout.pairs.emplace_back(indices.force, indices.gap);
+  // Along one tangent the cone is the pyramid.
+  if (c.friction > 0 && contacts.friction == FrictionModel::cone && !contacts.plane)
+    indices.cone = add_cone(layout, prefix);
+  else if (c.friction > 0)
+    indices.friction = add_friction(layout, prefix, contacts.plane ? 1 : 2, "N", "m/s");
+  layout.candidates.push_back(indices);
+}
+
+/// One of the two ends of a joint's range, if it is one.
+void add_stop(SteppingLayout& layout, const Joint& joint, const JointStop& stop, bool upper) {
+  const double limit = upper ? stop.upper : stop.lower;
+  if (!std::isfinite(limit)) return;
+  const std::string prefix = "stop/" + joint.name + (upper ? "/upper" : "/lower");
+  SteppingLayout::Stop indices{.joint = stop.joint,
+                               .position = joint.q,
+                               .velocity = joint.v,
+                               .upper = upper,
+                               .limit = limit};
+  indices.force = add(layout.columns, prefix + "/f", turns(joint) ? "Nm" : "N");
+  indices.distance = add(layout.columns, prefix + "/distance", turns(joint) ? "rad" : "m");
+  layout.pairs.emplace_back(indices.force, indices.distance);
+  layout.stops.push_back(indices);
+}
+
 }  // namespace
 
 SteppingLayout::SteppingLayout(const RobotModel& robot, const std::vector<Column>& actuator_columns,
@@ -50,50 +93,15 @@ SteppingLayout::SteppingLayout(const RobotModel& robot, const std::vector<Column
       acceleration(actuators),
       nv(robot.nv),
       columns(actuator_columns) {
-  const auto turns = [&](int joint) { return robot.joints[joint].type == JointType::revolute; };
-  for (int j = 0; j < robot.joint_count(); ++j) {
-    const std::string name = "a/" + robot.joints[j].name;
-    if (robot.joints[j].type != JointType::floating) {
-      add(columns, name, turns(j) ? "rad/s²" : "m/s²");
-      continue;
-    }
-    for (const char* axis : {"x", "y", "z"}) add(columns, name + "/v" + axis, "m/s²");
-    for (const char* axis : {"x", "y", "z"}) add(columns, name + "/w" + axis, "rad/s²");
-  }
-  for (const ContactCandidate& c : contacts.candidates) {
-    const std::string prefix = "contact/" + c.name;
-    Candidate indices;
-    indices.force = add(columns, prefix + "/fn", "N");
-    indices.gap = add(columns, prefix + "/gap", "m");
-    pairs.emplace_back(indices.force, indices.gap);
-    // Along one tangent the cone is the pyramid.
-    if (c.friction > 0 && contacts.friction == FrictionModel::cone && !contacts.plane)
-      indices.cone = add_cone(*this, prefix);
-    else if (c.friction > 0)
-      indices.friction = add_friction(*this, prefix, contacts.plane ? 1 : 2, "N", "m/s");
-    candidates.push_back(indices);
-  }
+  for (const Joint& joint : robot.joints) add_acceleration(*this, joint);
+  for (const ContactCandidate& c : contacts.candidates) add_candidate(*this, c, contacts);
   for (const JointStop& stop : contacts.stops)
-    for (const bool upper : {false, true}) {
-      const double limit = upper ? stop.upper : stop.lower;
-      if (!std::isfinite(limit)) continue;
-      const std::string prefix =
-          "stop/" + robot.joints[stop.joint].name + (upper ? "/upper" : "/lower");
-      Stop indices{.joint = stop.joint,
-                   .position = robot.joints[stop.joint].q,
-                   .velocity = robot.joints[stop.joint].v,
-                   .upper = upper,
-                   .limit = limit};
-      indices.force = add(columns, prefix + "/f", turns(stop.joint) ? "Nm" : "N");
-      indices.distance = add(columns, prefix + "/distance", turns(stop.joint) ? "rad" : "m");
-      pairs.emplace_back(indices.force, indices.distance);
-      stops.push_back(indices);
-    }
+    for (const bool upper : {false, true}) add_stop(*this, robot.joints[stop.joint], stop, upper);
   for (const JointFriction& friction : contacts.frictions) {
-    friction_velocities.push_back(robot.joints[friction.joint].v);
-    frictions.push_back(add_friction(*this, "friction/" + robot.joints[friction.joint].name, 1,
-                                     turns(friction.joint) ? "Nm" : "N",
-                                     turns(friction.joint) ? "rad/s" : "m/s"));
+    const Joint& joint = robot.joints[friction.joint];
+    friction_velocities.push_back(joint.v);
+    frictions.push_back(add_friction(*this, "friction/" + joint.name, 1, turns(joint) ? "Nm" : "N",
+                                     turns(joint) ? "rad/s" : "m/s"));
   }
 }
 

@@ -72,33 +72,16 @@ ColumnSolver::ColumnSolver(const RobotModel& model, bool dense, int n, const Con
       subtree_end_(model.subtree_end),
       controls_(nu) {
   for (const Entry& entry : controls) controls_[entry.column].push_back(entry);
-  // The branches that hang on floating bodies, and one of all rows for what else there is.
-  std::vector<Branch> branches;
+  const std::vector<Branch> branches = find_branches(model);
   std::vector<int> branch_of_row(n, 0);
-  if (!dense) {
-    for (const Joint& root : model.joints) {
-      if (root.type != JointType::floating) continue;
-      const int root_end = root.v + root.nv();
-      for (int row = root_end; row < subtree_end_[root.v]; row = subtree_end_[row]) {
-        branches.push_back({row, subtree_end_[row], root.v, root_end});
-        std::fill(&branch_of_row[row], &branch_of_row[0] + subtree_end_[row],
-                  static_cast<int>(branches.size()));
-      }
-    }
-  }
-  branches.insert(branches.begin(), {0, n});
+  for (std::size_t b = 1; b < branches.size(); ++b)
+    std::fill(&branch_of_row[branches[b].begin], &branch_of_row[0] + branches[b].end,
+              static_cast<int>(b));
   std::vector<int> all_rows(n);
   std::iota(all_rows.begin(), all_rows.end(), 0);
   for (int i = 0; i < contacts.count(); ++i)
     contact_columns_.push_back(dense ? all_rows : contacts.columns(i));
-  for (const Branch& branch : branches) {
-    batches_.push_back({branch, {}, {}});
-    for (int i = 0; i < contacts.count(); ++i) {
-      std::vector<int>& rows = batches_.back().contact_rows.emplace_back();
-      for (const int row : contact_columns_[i])
-        if (branch.has(row)) rows.push_back(row);
-    }
-  }
+  for (const Branch& branch : branches) batches_.push_back({branch, {}, contact_rows(branch)});
   for (int i = 0; i < contacts.count(); ++i) {
     contact_offsets_.push_back(contacts.offset(i));
     branch_of_contact_.push_back(branches[branch_of_row[contacts.columns(i).back()]]);
@@ -106,12 +89,43 @@ ColumnSolver::ColumnSolver(const RobotModel& model, bool dense, int n, const Con
   contact_offsets_.push_back(m_);
   for (int column = 0; column < 2 * n; ++column)
     batches_[branch_of_row[column % n]].columns.push_back(column);
-  for (int control = 0; control < nu; ++control) {
-    int branch = controls_[control].empty() ? 0 : branch_of_row[controls_[control].front().row];
-    for (const Entry& entry : controls_[control])
-      if (branch_of_row[entry.row] != branch) branch = 0;
-    batches_[branch].columns.push_back(2 * n + control);
+  for (int control = 0; control < nu; ++control)
+    batches_[branch_of(controls_[control], branch_of_row)].columns.push_back(2 * n + control);
+}
+
+/// The branch of all entries of a control, or the one of all rows.
+int ColumnSolver::branch_of(const std::vector<Entry>& entries,
+                            const std::vector<int>& branch_of_row) {
+  if (entries.empty()) return 0;
+  const int branch = branch_of_row[entries.front().row];
+  const bool alone = std::all_of(entries.begin(), entries.end(), [&](const Entry& entry) {
+    return branch_of_row[entry.row] == branch;
+  });
+  return alone ? branch : 0;
+}
+
+/// Of each contact, those of its columns that are rows of a branch.
+std::vector<std::vector<int>> ColumnSolver::contact_rows(const Branch& branch) const {
+  std::vector<std::vector<int>> rows;
+  for (const std::vector<int>& columns : contact_columns_) {
+    rows.emplace_back();
+    for (const int row : columns)
+      if (branch.has(row)) rows.back().push_back(row);
   }
+  return rows;
+}
+
+/// One of all rows, for what belongs to no other one, and those that hang on floating bodies.
+std::vector<ColumnSolver::Branch> ColumnSolver::find_branches(const RobotModel& model) const {
+  std::vector<Branch> branches{{0, n_}};
+  if (dense_) return branches;
+  for (const Joint& root : model.joints) {
+    if (root.type != JointType::floating) continue;
+    const int root_end = root.v + root.nv();
+    for (int row = root_end; row < subtree_end_[root.v]; row = subtree_end_[row])
+      branches.push_back({row, subtree_end_[row], root.v, root_end});
+  }
+  return branches;
 }
 
 template <class S>
@@ -235,6 +249,20 @@ void ColumnSolver::solve_second_half(const MassFactors<S>& factors, S* x) const 
   second_half<1>(factors, x);
 }
 
+/// The rows of a branch in a column of f before it is solved for, into every kCount-th number.
+template <int kCount, class S>
+void ColumnSolver::load_column(const Branch& branch, int column, const S* tau_q, const S* tau_v,
+                               S* y) const {
+  if (column >= 2 * n_) {
+    for (const Entry& entry : controls_[column - 2 * n_]) y[entry.row * kCount] = S(entry.value);
+    return;
+  }
+  if (column >= n_ && tau_v == nullptr) return;
+  const S* tau = column < n_ ? tau_q + column * n_ : tau_v + (column - n_) * n_;
+  for (int row = branch.root_begin; row < branch.root_end; ++row) y[row * kCount] = -tau[row];
+  for (int row = branch.begin; row < branch.end; ++row) y[row * kCount] = -tau[row];
+}
+
 template <class S>
 void ColumnSolver::solve_columns(const MassFactors<S>& factors, const S* tau_q, const S* tau_v,
                                  ContactSet::Data<S>& contacts, S* fx, S* fu, Data<S>& data) const {
@@ -249,16 +277,7 @@ void ColumnSolver::solve_columns(const MassFactors<S>& factors, const S* tau_q, 
       for (int c = 0; c < kCount; ++c) {
         const int column = columns[c];
         for (int r = 0; r < m_; ++r) w[r * kCount + c] = contacts.force_z[column * m_ + r];
-        if (column >= 2 * n_) {
-          for (const Entry& entry : controls_[column - 2 * n_])
-            y[entry.row * kCount + c] = S(entry.value);
-          continue;
-        }
-        const S* tau = column < n_ ? tau_q + column * n_ : tau_v + (column - n_) * n_;
-        if (column >= n_ && tau_v == nullptr) continue;
-        for (int row = branch.root_begin; row < branch.root_end; ++row)
-          y[row * kCount + c] = -tau[row];
-        for (int row = branch.begin; row < branch.end; ++row) y[row * kCount + c] = -tau[row];
+        load_column<kCount>(branch, column, tau_q, tau_v, y + c);
       }
       first_half<kCount>(factors, branch, y);
       if (m_ > 0) hold<kCount>(batch, contacts, y, w);

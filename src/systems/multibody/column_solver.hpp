@@ -77,6 +77,11 @@ class ColumnSolver {
     std::vector<std::vector<int>> contact_rows;  ///< per contact: its rows in the branch
   };
 
+  std::vector<Branch> find_branches(const RobotModel& model) const;
+  std::vector<std::vector<int>> contact_rows(const Branch& branch) const;
+  static int branch_of(const std::vector<Entry>& entries, const std::vector<int>& branch_of_row);
+  template <int kCount, class S>
+  void load_column(const Branch& branch, int column, const S* tau_q, const S* tau_v, S* y) const;
   template <int kCount, class S>
   void first_half(const MassFactors<S>& factors, const Branch& branch, S* y) const;
   template <int kCount, class S>

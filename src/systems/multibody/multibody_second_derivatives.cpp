@@ -27,9 +27,11 @@ class MultibodySecondDerivatives : public SecondDerivatives {
 
   /// Everything that depends on the configuration.
   void update_configuration(const D* x);
+  void update_state(const D* x, bool of_configuration, bool of_velocity);
   /// The gradient of wᵀr at the moving point with accelerations and forces that stay, into
   /// gradient_; r of the contacts is what does not vanish.
   void differentiate_balance(const D* x);
+  void couple_forces(Lane* coupling) const;
   /// Gives the forces of `moving` these derivatives, one for each row of the contacts.
   template <class Slope>
   void set_forces(const Slope& slope);
@@ -150,12 +152,7 @@ void MultibodySecondDerivatives::differentiate_balance(const D* x) {
 
 void MultibodySecondDerivatives::move(const Dual<Lane>* x, int d, Lane* gradients) {
   const bool of_configuration = d < n_, of_velocity = !of_configuration && d < 2 * n_;
-  if (of_configuration || configuration_moves_) update_configuration(x);
-  if (of_configuration || of_velocity || configuration_moves_ || velocity_moves_)
-    update_velocities(system_.robot(), x + system_.nq(), moving_.robot);
-  configuration_moves_ = of_configuration;
-  velocity_moves_ = of_velocity;
-  ContactSet::Data<D>& c = moving_.contacts;
+  update_state(x, of_configuration, of_velocity);
   if (of_velocity || (of_configuration && !free_[d])) {
     set_forces([](int) { return Lane(0.0); });
     differentiate_balance(x);
@@ -168,19 +165,32 @@ void MultibodySecondDerivatives::move(const Dual<Lane>* x, int d, Lane* gradient
   if (of_configuration) {
     Lane* coupling = &coupling_[d * (n_ + m_)];
     for (int i = 0; i < n_; ++i) coupling[i] = free_[d] ? Lane(0.0) : gradient_.wrt_a[i].d;
-    // ∂(wᵀr)/∂λ = −J w₁ + ε w₂.
-    std::fill_n(coupling + n_, m_, Lane(0.0));
-    const ContactSet& set = system_.contacts();
-    for (int i = 0; i < set.count(); ++i) {
-      const std::vector<int>& columns = set.columns(i);
-      const int rows = set.contacts()[i].rows();
-      for (std::size_t k = 0; k < columns.size(); ++k)
-        for (int r = 0; r < rows; ++r)
-          coupling[n_ + set.offset(i) + r] -=
-              c.contacts[i].jacobian[k * rows + r].d * weight_[columns[k]];
-    }
+    couple_forces(coupling + n_);
   }
   set_forces([this, d](int r) { return at_.contacts.force_z[d * m_ + r]; });
+}
+
+/// What depends on the state, as far as it moves now or moved before.
+void MultibodySecondDerivatives::update_state(const D* x, bool of_configuration, bool of_velocity) {
+  if (of_configuration || configuration_moves_) update_configuration(x);
+  if (of_configuration || of_velocity || configuration_moves_ || velocity_moves_)
+    update_velocities(system_.robot(), x + system_.nq(), moving_.robot);
+  configuration_moves_ = of_configuration;
+  velocity_moves_ = of_velocity;
+}
+
+/// The derivative of ∂(wᵀr)/∂λ = −J w₁ + ε w₂ along the direction that moves.
+void MultibodySecondDerivatives::couple_forces(Lane* coupling) const {
+  std::fill_n(coupling, m_, Lane(0.0));
+  const ContactSet& set = system_.contacts();
+  for (int i = 0; i < set.count(); ++i) {
+    const auto& jacobian = moving_.contacts.contacts[i].jacobian;
+    const std::vector<int>& columns = set.columns(i);
+    const int rows = set.contacts()[i].rows();
+    for (std::size_t k = 0; k < columns.size(); ++k)
+      for (int r = 0; r < rows; ++r)
+        coupling[set.offset(i) + r] -= jacobian[k * rows + r].d * weight_[columns[k]];
+  }
 }
 
 void MultibodySecondDerivatives::finish(Lane* gradients) {
