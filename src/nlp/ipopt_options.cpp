@@ -68,41 +68,44 @@ std::string choices(const RegisteredOption& option) {
   return list;
 }
 
+/// "at least 0 and less than 1".
 std::string range(const RegisteredOption& option) {
   const bool whole = option.Type() == Ipopt::OT_Integer;
-  const auto text = [&](double number, int integer) {
-    return whole ? fmt::format("{}", integer) : fmt::format("{}", number);
-  };
-  std::string words;
+  std::vector<std::string> limits;
   if (option.HasLower())
-    words += fmt::format("{} {}", !whole && option.LowerStrict() ? "more than" : "at least",
-                         text(whole ? 0 : option.LowerNumber(), whole ? option.LowerInteger() : 0));
+    limits.push_back(whole ? fmt::format("at least {}", option.LowerInteger())
+                           : fmt::format("{} {}", option.LowerStrict() ? "more than" : "at least",
+                                         option.LowerNumber()));
   if (option.HasUpper())
-    words += fmt::format("{}{} {}", words.empty() ? "" : " and ",
-                         !whole && option.UpperStrict() ? "less than" : "at most",
-                         text(whole ? 0 : option.UpperNumber(), whole ? option.UpperInteger() : 0));
-  return words;
+    limits.push_back(whole ? fmt::format("at most {}", option.UpperInteger())
+                           : fmt::format("{} {}", option.UpperStrict() ? "less than" : "at most",
+                                         option.UpperNumber()));
+  return fmt::format("{}", fmt::join(limits, " and "));
+}
+
+std::string text_fault(const RegisteredOption& option, const IpoptValue& value) {
+  const auto* text = std::get_if<std::string>(&value);
+  if (text != nullptr && option.IsValidStringSetting(*text)) return {};
+  const std::string list = choices(option);
+  return list.empty() ? "must be a text" : "must be one of " + list;
+}
+
+bool is_in_range(const RegisteredOption& option, double number) {
+  if (option.Type() == Ipopt::OT_Integer)
+    return std::abs(number) < 2e9 && option.IsValidIntegerSetting(static_cast<int>(number));
+  return std::isfinite(number) && option.IsValidNumberSetting(number);
 }
 
 /// What is wrong with a value, or nothing.
 std::string value_fault(const RegisteredOption& option, const IpoptValue& value) {
-  if (option.Type() == Ipopt::OT_String) {
-    const auto* text = std::get_if<std::string>(&value);
-    const std::string list = choices(option);
-    if (text != nullptr && option.IsValidStringSetting(*text)) return {};
-    return list.empty() ? "must be a text" : "must be one of " + list;
-  }
+  if (option.Type() == Ipopt::OT_String) return text_fault(option, value);
   const int* integer = std::get_if<int>(&value);
   const double* number = std::get_if<double>(&value);
   if (integer == nullptr && number == nullptr) return "must be a number";
   const double figure = integer != nullptr ? *integer : *number;
-  const bool whole = option.Type() == Ipopt::OT_Integer;
-  if (whole && figure != std::floor(figure))
+  if (option.Type() == Ipopt::OT_Integer && figure != std::floor(figure))
     return fmt::format("must be a whole number, not {}", figure);
-  const bool fits =
-      whole ? std::abs(figure) < 2e9 && option.IsValidIntegerSetting(static_cast<int>(figure))
-            : std::isfinite(figure) && option.IsValidNumberSetting(figure);
-  if (fits) return {};
+  if (is_in_range(option, figure)) return {};
   return fmt::format("must be {}, not {}", range(option), figure);
 }
 

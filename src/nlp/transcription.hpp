@@ -114,6 +114,7 @@ class Transcription : public NonlinearProgram {
 
   void add_variables();
   void add_rows();
+  void add_constraint(const NodeConstraint& constraint);
   void add_row(const NodeConstraint& constraint, int first, int count, double lower, double upper,
                double radius = 0);
   void add_norm(const NodeConstraint& constraint);
@@ -123,7 +124,10 @@ class Transcription : public NonlinearProgram {
   /// Flat rows of q⁺ = q + dt v⁺ of a knot, unless its system's steps are linear anyway.
   std::vector<int> find_kinematic_rows(int node) const;
   void index_hessian();
-  void add_step_curvature(const KnotModel& model, std::vector<std::vector<bool>>& used) const;
+  class BlockPattern;
+  bool has_full_hessian(int node) const;
+  void add_pair_entries(int node, BlockPattern& used) const;
+  void add_step_curvature(const KnotModel& model, BlockPattern& used) const;
   bool is_cone(const Row& row) const { return row.constraint->term->is_cone(); }
   ConeRow cone_row(const Row& row) const;
   bool has_pairs(const Row& row) const { return row.constraint->term->has_pairs(); }
@@ -140,6 +144,10 @@ class Transcription : public NonlinearProgram {
   /// Multipliers of gap rows of a knot from those of f ⊖ c − w.
   void push_gap_multipliers(int node, double* gap_rows) const;
   void fill_dynamics(const KnotLinearization& knot);
+  void evaluate_hessians(double weight);
+  void add_row_curvature(int node, const double* multipliers, Eigen::MatrixXd& hessian);
+  void pull_to_chart(int node, double weight, Eigen::MatrixXd& hessian);
+  void add_penalty_curvature(int node, double weight, Eigen::MatrixXd& hessian) const;
   void add_gap_curvature(int k, Eigen::Ref<Eigen::MatrixXd> hessian);
 
   const ShootingProblem& problem_;

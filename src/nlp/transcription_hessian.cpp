@@ -38,70 +38,84 @@ void Transcription::add_gap_curvature(int k, Eigen::Ref<Eigen::MatrixXd> hessian
 
 void Transcription::hessian(double weight, const double* multipliers, double* out) {
   spread(multipliers);
-  const int ndx = problem_.ndx();
-  if (gauss_newton_ && exact_in_place_) {
-    differentiated_ = false;
-    differentiate();
-  }
-  if (!gauss_newton_) {
-    exact_in_place_ = true;
-    // The evaluator has the cost with weight one.
-    if (weight == 0) weight = kNoWeight;
-    lagrangian_.multiplier /= weight;
-    costates_ /= weight;
-    evaluator_.lagrangian_hessian(trajectory_, costates_, linearization_, &lagrangian_);
-    lagrangian_.multiplier *= weight;
-    costates_ *= weight;
-  }
+  // The evaluator has the cost with weight one.
+  if (!gauss_newton_ && weight == 0) weight = kNoWeight;
+  evaluate_hessians(weight);
   for (int k = 0; k <= problem_.knots(); ++k) {
-    const KnotLinearization& knot = linearization_.knots[k];
-    const int nz = static_cast<int>(knot.gradient.size());
     Eigen::MatrixXd& H = block_;
-    H = weight * knot.hessian();
-    int row_index = k == 0 ? 0 : gap_row_[k - 1] + ndx;
-    for (const Row& row : rows_[k]) {
-      const double multiplier = multipliers[row_index++];
-      if (has_pairs(row)) add_pair_curvature(row, multiplier, H);
-      if (row.radius > 0 && (!gauss_newton_ || multiplier > 0)) {
-        const auto C = knot.C.row(row.first - problem_.constraint_offset(k));
-        H.noalias() += (multiplier / row.radius) * C.transpose() * C;
-      }
-      if (!is_cone(row)) continue;
-      // Convex where the multiplier has the sign that it has at a solution.
-      if (!gauss_newton_ || multiplier < 0)
-        cone_row(row).add_curvature(
-            linearization_.constraint.segment(row.first, row.count),
-            knot.C.middleRows(row.first - problem_.constraint_offset(k), row.count), multiplier, H);
-    }
-    if (curved_) {
-      if (!gauss_newton_) {
-        auto gradient = z_scratch_.head(nz);
-        gradient.setZero();
-        if (k < problem_.knots()) {
-          fill_dynamics(knot);
-          add_gap_curvature(k, H);
-          gradient.noalias() += matrix_.transpose() * costates_.col(k + 1);
-        }
-        gradient += weight * knot.gradient;
-        const int offset = problem_.constraint_offset(k);
-        gradient.noalias() +=
-            knot.C.transpose() * lagrangian_.multiplier.segment(offset, knot.C.rows());
-        if (k > 0) {
-          charts_[k].pull_hessian(H);
-          charts_[k].add_curvature(gradient.head(ndx), H);
-        }
-      } else if (k > 0) {
-        charts_[k].pull_hessian(H);
-      }
-    }
-    if (is_penalty())
-      for (const Pair& pair : pairs_)
-        if (pair.node == k) {
-          const int z = pair.z - base_[k], s = pair.s - base_[k];
-          H(z, s) += weight / epsilon_;
-          H(s, z) += weight / epsilon_;
-        }
+    H = weight * linearization_.knots[k].hessian();
+    add_row_curvature(k, multipliers, H);
+    if (curved_) pull_to_chart(k, weight, H);
+    if (is_penalty()) add_penalty_curvature(k, weight, H);
     for (const auto& [r, c] : hessian_entries_[k]) *out++ = H(r, c);
+    multipliers += rows_[k].size();
+    if (k < problem_.knots()) multipliers += problem_.ndx();
+  }
+}
+
+/// Into the linearisation: Gauss-Newton's, or exact ones of cost + (λᵀf + νᵀg) / weight.
+void Transcription::evaluate_hessians(double weight) {
+  if (gauss_newton_) {
+    if (exact_in_place_) {
+      differentiated_ = false;
+      differentiate();
+    }
+    return;
+  }
+  exact_in_place_ = true;
+  lagrangian_.multiplier /= weight;
+  costates_ /= weight;
+  evaluator_.lagrangian_hessian(trajectory_, costates_, linearization_, &lagrangian_);
+  lagrangian_.multiplier *= weight;
+  costates_ *= weight;
+}
+
+/// Curvature that a node's rows have beside that of their constraint rows, with the multipliers of
+/// its rows. Gauss-Newton Hessians stay convex: there rows count where the multiplier has the sign
+/// that it has at a solution.
+void Transcription::add_row_curvature(int k, const double* multipliers, Eigen::MatrixXd& H) {
+  const KnotLinearization& knot = linearization_.knots[k];
+  for (const Row& row : rows_[k]) {
+    const double multiplier = *multipliers++;
+    const auto C = knot.C.middleRows(row.first - problem_.constraint_offset(k), row.count);
+    if (has_pairs(row)) add_pair_curvature(row, multiplier, H);
+    if (row.radius > 0 && (!gauss_newton_ || multiplier > 0))
+      H.noalias() += (multiplier / row.radius) * C.row(0).transpose() * C.row(0);
+    if (is_cone(row) && (!gauss_newton_ || multiplier < 0))
+      cone_row(row).add_curvature(linearization_.constraint.segment(row.first, row.count), C,
+                                  multiplier, H);
+  }
+}
+
+/// From the tangent of a node's state to the coordinates of its chart.
+void Transcription::pull_to_chart(int k, double weight, Eigen::MatrixXd& H) {
+  if (gauss_newton_) {
+    if (k > 0) charts_[k].pull_hessian(H);
+    return;
+  }
+  const KnotLinearization& knot = linearization_.knots[k];
+  auto gradient = z_scratch_.head(knot.gradient.size());
+  gradient.setZero();
+  if (k < problem_.knots()) {
+    fill_dynamics(knot);
+    add_gap_curvature(k, H);
+    gradient.noalias() += matrix_.transpose() * costates_.col(k + 1);
+  }
+  gradient += weight * knot.gradient;
+  const int offset = problem_.constraint_offset(k);
+  gradient.noalias() += knot.C.transpose() * lagrangian_.multiplier.segment(offset, knot.C.rows());
+  if (k == 0) return;
+  charts_[k].pull_hessian(H);
+  charts_[k].add_curvature(gradient.head(problem_.ndx()), H);
+}
+
+/// Of z s/ε in the objective.
+void Transcription::add_penalty_curvature(int k, double weight, Eigen::MatrixXd& H) const {
+  for (const Pair& pair : pairs_) {
+    if (pair.node != k) continue;
+    const int z = pair.z - base_[k], s = pair.s - base_[k];
+    H(z, s) += weight / epsilon_;
+    H(s, z) += weight / epsilon_;
   }
 }
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "nlp/transcription.hpp"
 #include "systems/contact/stepping_system.hpp"
@@ -119,8 +120,52 @@ std::vector<int> Transcription::find_kinematic_rows(int node) const {
   return rows;
 }
 
-/// The gap (f(x, u) ⊖ c) − w: with the steps of a stepping system each configuration depends on
-/// itself, on its velocity and on that velocity's acceleration, all of a curved part on all of it.
+namespace {
+
+/// Which rows of a gap depend on which columns of z. With the steps of a stepping system each
+/// configuration depends on itself, on its velocity and on that velocity's acceleration, all of a
+/// curved part on all of it.
+class GapPattern {
+ public:
+  GapPattern(const ShootingProblem& problem, const KnotModel& model,
+             const std::vector<int>& kinematic_rows)
+      : manifold_(problem.manifold()), ndx_(problem.ndx()), kinematic_rows_(kinematic_rows) {
+    if (has_linear_step(model.system()) && model.semi_implicit())
+      first_a_ = ndx_ + model.system().as_stepping()->layout().acceleration;
+  }
+
+  bool has(int row, int column) const {
+    if (std::binary_search(kinematic_rows_.begin(), kinematic_rows_.end(), row))
+      return column == row;
+    return !first_a_ || has_in_linear_step(row, column);
+  }
+
+ private:
+  bool has_in_linear_step(int row, int column) const {
+    const int nv = ndx_ / 2;
+    // The accelerations of a stepping system are controls of their own.
+    const bool is_a = column >= *first_a_ && column < *first_a_ + nv;
+    if (column >= ndx_ && !is_a) return false;
+    const int joint = is_a ? column - *first_a_ : column % nv;
+    if (row < nv) return share_part(row, joint);
+    return joint == row - nv && (is_a || column >= nv);
+  }
+  bool share_part(int a, int b) const {
+    if (a == b) return true;
+    return std::ranges::any_of(manifold_.curved(), [&](const StateManifold::Segment& s) {
+      return s.dx <= std::min(a, b) && std::max(a, b) < s.dx + s.n;
+    });
+  }
+
+  const StateManifold& manifold_;
+  int ndx_;
+  const std::vector<int>& kinematic_rows_;
+  std::optional<int> first_a_;  ///< of a linear step
+};
+
+}  // namespace
+
+/// The gap (f(x, u) ⊖ c) − w.
 void Transcription::add_gap_rows(int k) {
   const int ndx = problem_.ndx();
   const KnotModel& model = *problem_.knot(k).model;
@@ -130,66 +175,73 @@ void Transcription::add_gap_rows(int k) {
   row_upper_.conservativeResize(first + ndx);
   row_lower_.tail(ndx).setZero();
   row_upper_.tail(ndx).setZero();
-  const bool linear = has_linear_step(model.system()) && model.semi_implicit();
-  const int nv = ndx / 2;
-  const auto belong = [&](int a, int b) {
-    if (a == b) return true;
-    for (const StateManifold::Segment& s : problem_.manifold().curved())
-      if (s.dx <= a && a < s.dx + s.n && s.dx <= b && b < s.dx + s.n) return true;
-    return false;
-  };
-  // The accelerations of a stepping system are controls of their own.
   const std::vector<int>& kinematic = kinematic_rows_.emplace_back(find_kinematic_rows(k));
-  const auto depends = [&](int row, int column) {
-    if (std::binary_search(kinematic.begin(), kinematic.end(), row)) return column == row;
-    if (!linear) return true;
-    const int first_a = ndx + model.system().as_stepping()->layout().acceleration;
-    const bool is_a = column >= first_a && column < first_a + nv;
-    if (column >= ndx && !is_a) return false;
-    const int joint = is_a ? column - first_a : column % nv;
-    if (row < nv) return belong(row, joint);
-    return joint == row - nv && (is_a || column >= nv);
-  };
+  const GapPattern pattern(problem_, model, kinematic);
   std::vector<std::pair<int, int>>& entries = gap_entries_.emplace_back();
   for (int c = first_column(k); c < model.nz(); ++c)
     for (int i = 0; i < ndx; ++i)
-      if (depends(i, c)) {
+      if (pattern.has(i, c)) {
         entries.emplace_back(i, c);
         jacobian_.add(first + i, base_[k] + c);
       }
   for (int i = 0; i < ndx; ++i) jacobian_.add(first + i, base_[k + 1] + i);
-  for (const int i : kinematic) jacobian_.add(first + i, base_[k + 1] + nv + i);
+  for (const int i : kinematic) jacobian_.add(first + i, base_[k + 1] + ndx / 2 + i);
 }
 
 void Transcription::add_rows() {
   auto constraint = problem_.constraints().begin();
   for (int k = 0; k <= problem_.knots(); ++k) {
-    for (; constraint != problem_.constraints().end() && constraint->node == k; ++constraint) {
-      const int n = constraint->term->rows;
-      if (constraint->term->has_pairs()) {
-        add_pairs(*constraint);
-        continue;
-      }
-      if (constraint->term->is_cone()) {
-        add_row(*constraint, constraint->row, n, 0, kInfinity);
-        continue;
-      }
-      if (constraint->term->kind == ConstraintKind::norm) {
-        add_norm(*constraint);
-        continue;
-      }
-      for (int i = 0; i < n; ++i)
-        if (std::isfinite(constraint->lower[i]) || std::isfinite(constraint->upper[i]))
-          add_row(*constraint, constraint->row + i, 1, constraint->lower[i], constraint->upper[i]);
-    }
+    for (; constraint != problem_.constraints().end() && constraint->node == k; ++constraint)
+      add_constraint(*constraint);
     if (k < problem_.knots()) add_gap_rows(k);
   }
   relax(options_.epsilon);
 }
 
+void Transcription::add_constraint(const NodeConstraint& constraint) {
+  switch (constraint.term->kind) {
+    case ConstraintKind::complementarity:
+      return add_pairs(constraint);
+    case ConstraintKind::second_order_cone:
+      return add_row(constraint, constraint.row, constraint.term->rows, 0, kInfinity);
+    case ConstraintKind::norm:
+      return add_norm(constraint);
+    case ConstraintKind::bounds:
+      for (int i = 0; i < constraint.term->rows; ++i)
+        if (std::isfinite(constraint.lower[i]) || std::isfinite(constraint.upper[i]))
+          add_row(constraint, constraint.row + i, 1, constraint.lower[i], constraint.upper[i]);
+  }
+}
+
+/// Where the Hessian of a knot can be non-zero.
+class Transcription::BlockPattern {
+ public:
+  BlockPattern(int size, bool full) : used_(size, std::vector<bool>(size, full)) {}
+
+  bool has(int row, int column) const { return used_[row][column]; }
+  /// This entry and its mirror image.
+  void add(int a, int b) { used_[a][b] = used_[b][a] = true; }
+  void add_all(const std::vector<int>& columns) {
+    for (const int a : columns)
+      for (const int b : columns) used_[a][b] = true;
+  }
+  /// Charts mix the coordinates of curved parts.
+  void close(const StateManifold& manifold) {
+    for (std::vector<bool>& row : used_) close_over_segments(manifold, row);
+    for (const StateManifold::Segment& s : manifold.curved())
+      for (std::size_t c = 0; c < used_.size(); ++c) {
+        bool any = false;
+        for (int i = 0; i < s.n; ++i) any = any || used_[s.dx + i][c];
+        for (int i = 0; i < s.n; ++i) used_[s.dx + i][c] = any;
+      }
+  }
+
+ private:
+  std::vector<std::vector<bool>> used_;
+};
+
 /// The entries that the curvature of steps on curved parts fills.
-void Transcription::add_step_curvature(const KnotModel& model,
-                                       std::vector<std::vector<bool>>& used) const {
+void Transcription::add_step_curvature(const KnotModel& model, BlockPattern& used) const {
   if (!has_linear_step(model.system())) return;
   const int ndx = problem_.ndx(), nv = ndx / 2;
   const int first_a = ndx + model.system().as_stepping()->layout().acceleration;
@@ -197,50 +249,48 @@ void Transcription::add_step_curvature(const KnotModel& model,
     std::vector<int> columns;
     for (const int first : {0, nv, first_a})
       for (int i = 0; i < s.n; ++i) columns.push_back(first + s.dx + i);
-    for (const int a : columns)
-      for (const int b : columns) used[a][b] = true;
+    used.add_all(columns);
   }
+}
+
+/// The entries of relaxed pairs, as rows or in the objective.
+void Transcription::add_pair_entries(int k, BlockPattern& used) const {
+  for (const Row& row : rows_[k]) {
+    if (!has_pairs(row)) continue;
+    for (int i = 0; i < row.count; i += 2) {
+      const auto& blocks = row.constraint->term->blocks;
+      const int at = row.first - row.constraint->row + i;
+      used.add_all({blocks[at].columns[0], blocks[at + 1].columns[0]});
+    }
+  }
+  if (!is_penalty()) return;
+  for (const Pair& pair : pairs_)
+    if (pair.node == k) used.add(pair.z - base_[k], pair.s - base_[k]);
 }
 
 /// Exact Hessians fill the block of a knot, as the dynamics do, unless those are linear, or so but
 /// on curved parts, which depend on themselves, their velocities and accelerations; Gauss-Newton
 /// ones have gaps.
+bool Transcription::has_full_hessian(int k) const {
+  if (options_.gauss_newton || k == problem_.knots()) return false;
+  const KnotModel& model = *problem_.knot(k).model;
+  return !has_linear_step(model.system()) || (curved_ && !model.semi_implicit());
+}
+
 void Transcription::index_hessian() {
   hessian_entries_.resize(problem_.knots() + 1);
   for (int k = 0; k <= problem_.knots(); ++k) {
     const KnotModel& model = *problem_.knot(k).model;
-    const int nz = model.nz();
-    const bool sparse = options_.gauss_newton || k == problem_.knots() ||
-                        (has_linear_step(model.system()) && (!curved_ || model.semi_implicit()));
-    std::vector<std::vector<bool>> used(nz, std::vector<bool>(nz, !sparse));
-    for (const Row& row : rows_[k])
-      if (has_pairs(row))
-        for (int i = 0; i < row.count; i += 2) {
-          const auto& blocks = row.constraint->term->blocks;
-          const int at = row.first - row.constraint->row + i;
-          const int z = blocks[at].columns[0], s = blocks[at + 1].columns[0];
-          used[z][s] = used[s][z] = used[z][z] = used[s][s] = true;
-        }
-    if (is_penalty())
-      for (const Pair& pair : pairs_)
-        if (pair.node == k)
-          used[pair.z - base_[k]][pair.s - base_[k]] = used[pair.s - base_[k]][pair.z - base_[k]] =
-              true;
-    if (sparse) {
-      for (const auto& [row, column] : model.hessian_pattern())
-        used[row][column] = used[column][row] = true;
-      for (auto& row : used) close_over_segments(problem_.manifold(), row);
-      for (const StateManifold::Segment& s : problem_.manifold().curved())
-        for (int c = 0; c < nz; ++c) {
-          bool any = false;
-          for (int i = 0; i < s.n; ++i) any = any || used[s.dx + i][c];
-          for (int i = 0; i < s.n; ++i) used[s.dx + i][c] = any;
-        }
+    BlockPattern used(model.nz(), has_full_hessian(k));
+    add_pair_entries(k, used);
+    if (!has_full_hessian(k)) {
+      for (const auto& [row, column] : model.hessian_pattern()) used.add(row, column);
+      used.close(problem_.manifold());
       if (!options_.gauss_newton && k < problem_.knots()) add_step_curvature(model, used);
     }
-    for (int c = first_column(k); c < nz; ++c)
-      for (int r = c; r < nz; ++r) {
-        if (!used[r][c]) continue;
+    for (int c = first_column(k); c < model.nz(); ++c)
+      for (int r = c; r < model.nz(); ++r) {
+        if (!used.has(r, c)) continue;
         hessian_entries_[k].emplace_back(r, c);
         hessian_.add(base_[k] + r, base_[k] + c);
       }
