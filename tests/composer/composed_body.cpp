@@ -16,7 +16,8 @@ template <class P>
 Entries parameter_entries(RandomNumbers& random) {
   Entries entries;
   const P usual;
-  for_each_field(usual, [&](std::string_view key, double value, const NumberRange&) {
+  for_each_field(usual, [&](std::string_view key, std::string_view, double value,
+                            const NumberRange&) {
     if (random.chance(0.5))
       entries.push_back(fmt::format("{}: {}", key, number_text(value * random.uniform(0.7, 1.4))));
   });
@@ -43,10 +44,10 @@ using Parameters = decltype(SystemSpec::parameters);
 template <std::size_t... I>
 std::vector<ComposedBody> closed_forms(std::index_sequence<I...> /*types*/) {
   std::vector<ComposedBody> bodies;
-  (bodies.push_back({.name = std::string(kSystemTypes[I]),
+  (bodies.push_back({.name = std::string(kSystemTypes[I].name),
                      .text =
                          [](RandomNumbers& random) {
-                           Entries entries = {fmt::format("type: {}", kSystemTypes[I])};
+                           Entries entries = {fmt::format("type: {}", kSystemTypes[I].name)};
                            for (std::string& entry :
                                 parameter_entries<std::variant_alternative_t<I, Parameters>>(
                                     random))

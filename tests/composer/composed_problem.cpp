@@ -89,10 +89,10 @@ class ProblemComposer {
   }
 
   /// The residuals that can stand there; the seed begins with another one in each round.
-  std::vector<const ResidualInfo*> able(const TermComposer& terms, bool terminal) const {
-    std::vector<const ResidualInfo*> list;
-    for (const ResidualInfo& info : residual_table())
-      if (terms.can(info, terminal)) list.push_back(&info);
+  std::vector<const ResidualDefinition*> able(const TermComposer& terms, bool terminal) const {
+    std::vector<const ResidualDefinition*> list;
+    for (const ResidualDefinition* residual : residual_table())
+      if (terms.can(*residual, terminal)) list.push_back(residual);
     const std::uint64_t count = composed_bodies().size(),
                         round = seed_ / count + 5 * (seed_ % count);
     std::rotate(list.begin(), list.begin() + static_cast<std::ptrdiff_t>(round % list.size()),
@@ -100,16 +100,16 @@ class ProblemComposer {
     return list;
   }
 
-  void use(const ResidualInfo& info) {
-    uses_rate_ = uses_rate_ || info.kind == ResidualKind::kControlRate;
+  void use(const ResidualDefinition& residual) {
+    uses_rate_ = uses_rate_ || residual.needs.previous_control;
   }
 
   void compose_costs(TermComposer& terms) {
     const auto running = able(terms, false), terminal = able(terms, true);
     costs_ = "costs:\n";
-    const auto add = [&](const ResidualInfo& info) {
-      use(info);
-      costs_ += fmt::format("  c{}: {}\n", cost_count_++, terms.cost(info, false));
+    const auto add = [&](const ResidualDefinition& residual) {
+      use(residual);
+      costs_ += fmt::format("  c{}: {}\n", cost_count_++, terms.cost(residual, false));
     };
     add(*running.front());
     for (int i = random_.index(3); i > 0; --i) add(*pick(running, random_));
@@ -119,10 +119,10 @@ class ProblemComposer {
     if (terminal.empty() || random_.chance(0.2)) return;
     terminal_costs_ = "  costs:\n";
     for (int i = random_.index(2); i >= 0; --i) {
-      const ResidualInfo& info = *pick(terminal, random_);
-      use(info);
-      aims_ = aims_ || info.kind == ResidualKind::kJointPosition;
-      terminal_costs_ += fmt::format("    end_{}: {}\n", i, terms.cost(info, true));
+      const ResidualDefinition& residual = *pick(terminal, random_);
+      use(residual);
+      aims_ = aims_ || (residual.of_positions && residual.has("joints"));
+      terminal_costs_ += fmt::format("    end_{}: {}\n", i, terms.cost(residual, true));
     }
   }
 
@@ -154,21 +154,21 @@ class ProblemComposer {
     }
     // The rounds lead through all of the list by these places, too.
     for (int i = random_.index(3); i > 0; --i) {
-      const ResidualInfo& info = i == 1 ? *running.back() : *running[running.size() / 2];
-      const bool hard = info.is_cone ? taken_.inequalities : taken_.equalities;
+      const ResidualDefinition& residual = i == 1 ? *running.back() : *running[running.size() / 2];
+      const bool hard = residual.is_cone ? taken_.inequalities : taken_.equalities;
       const Softness how = softness(hard);
       if (how == Softness::hard && !hard) continue;
-      use(info);
-      lines += fmt::format("  {}: {}\n", name(), terms.constraint(info, false, how, taken_));
+      use(residual);
+      lines += fmt::format("  {}: {}\n", name(), terms.constraint(residual, false, how, taken_));
     }
     if (!lines.empty()) constraints_ = "constraints:\n" + lines;
     if (terminal.empty() || !random_.chance(0.3)) return;
-    const ResidualInfo& info = *pick(terminal, random_);
+    const ResidualDefinition& residual = *pick(terminal, random_);
     const Softness how = softness(taken_.equalities);
     if (how == Softness::hard && !taken_.equalities) return;
-    use(info);
+    use(residual);
     terminal_constraints_ = fmt::format("  constraints:\n    {}: {}\n", name(),
-                                        terms.constraint(info, true, how, taken_));
+                                        terms.constraint(residual, true, how, taken_));
   }
 
   std::string initial_guess() {

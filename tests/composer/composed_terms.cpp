@@ -1,26 +1,24 @@
 #include "composed_terms.hpp"
 
+#include "problem_file/residuals/reference_form.hpp"
 #include "problem_file/spec/enum_names.hpp"
+#include "problem_file/values/activation_table.hpp"
 
 namespace conddp {
 namespace {
 
-using enum ResidualKind;
-
 /// What cannot do without a reference.
-bool needs_reference(ResidualKind kind) {
-  return kind == kFramePosition || kind == kFrameRotation || kind == kFramePlacement ||
-         kind == kComPosition;
+bool needs_reference(const ResidualDefinition& residual) {
+  return residual.reference->needed != ReferenceForm::Needed::kNever;
 }
-bool is_of_soles(ResidualKind kind) { return kind == kWrenchCone || kind == kCenterOfPressure; }
-bool has_urdf_limits(ResidualKind kind) {
-  return kind == kState || kind == kControl || kind == kJointPosition || kind == kJointVelocity;
+bool is_of_soles(const ResidualDefinition& residual) {
+  return residual.name == "wrench_cone" || residual.name == "center_of_pressure";
 }
 /// Contacts of which a residual can be: cones need a normal of the world, pressures a sole.
-auto serves(ResidualKind kind) {
-  return [kind](const ComposedGrid::Contact& contact) {
-    if (is_of_soles(kind)) return contact.kind == ContactKind::surface;
-    return kind != kFrictionCone || !contact.local;
+auto serves(const ResidualDefinition& residual) {
+  return [&residual](const ComposedGrid::Contact& contact) {
+    if (is_of_soles(residual)) return contact.kind == ContactKind::surface;
+    return residual.name != "friction_cone" || !contact.local;
   };
 }
 
@@ -32,52 +30,51 @@ void add_softness(Softness softness, RandomNumbers& random, Entries& keys) {
   keys.push_back("weight: " + number_text(between_powers(0.1, 100, random)));
 }
 
-bool TermComposer::can(const ResidualInfo& info, bool terminal) const {
-  if (info.needs_robot && !body_.robot) return false;
-  if (terminal && info.needs_control) return false;
-  if (info.takes_joints && body_.joints.empty()) return false;
-  if (info.of_shapes && body_.shapes.empty()) return false;
-  if (info.kind == kCycle) return grid_.choice;
-  if (info.kind == kControlRate) return !grid_.choice && !grid_.impulse && !body_.stepping;
-  if (info.kind == kCombination && body_.columns.empty()) return false;
-  if (!info.of_contacts) return true;
+bool TermComposer::can(const ResidualDefinition& residual, bool terminal) const {
+  if (residual.needs.robot && !body_.robot) return false;
+  if (terminal && residual.needs.control) return false;
+  if (residual.has("joints") && body_.joints.empty()) return false;
+  if (residual.needs.shapes && body_.shapes.empty()) return false;
+  if (residual.needs.chosen_start) return grid_.choice;
+  if (residual.needs.previous_control) return !grid_.choice && !grid_.impulse && !body_.stepping;
+  if (residual.has("rows") && body_.columns.empty()) return false;
+  if (!residual.of_contacts()) return true;
   if (terminal)
-    return info.kind == kContactVelocity && !grid_.phases.empty() &&
-           !grid_.phases.back().held.empty();
-  return grid_.holds(serves(info.kind));
+    return residual.at_last_node() && !grid_.phases.empty() && !grid_.phases.back().held.empty();
+  return grid_.holds(serves(residual));
 }
 
-TermComposer::Selection TermComposer::select(const ResidualInfo& info, Entries& keys) {
+TermComposer::Selection TermComposer::select(const ResidualDefinition& residual, Entries& keys) {
   Selection selection;
-  if (info.takes_columns && !body_.columns.empty() && random_.chance(0.5)) {
+  if (residual.has("columns") && !body_.columns.empty() && random_.chance(0.5)) {
     selection.names = pick_some(body_.columns, 3, random_);
     keys.push_back("columns: " + flow_list(all_in_quotes(selection.names)));
   }
-  if (info.takes_joints) {
+  if (residual.has("joints")) {
     selection.names = body_.joints;
     if (random_.chance(0.5)) {
       selection.names = pick_some(body_.joints, 3, random_);
       keys.push_back("joints: " + flow_list(all_in_quotes(selection.names)));
     }
   }
-  if (info.kind == kControl) selection.names = body_.controls;
+  if (residual.name == "control") selection.names = body_.controls;
   selection.rows = static_cast<int>(selection.names.size());
-  if (info.needs_frame) keys.push_back("frame: " + in_quotes(pick(body_.frames, random_)));
-  if (info.takes_axes && random_.chance(0.5))
+  if (residual.has("frame")) keys.push_back("frame: " + in_quotes(pick(body_.frames, random_)));
+  if (residual.has("axes") && random_.chance(0.5))
     keys.push_back("axes: " + pick_word(kAxesWords, random_));
-  if (info.of_shapes) {
+  if (residual.needs.shapes) {
     const bool named = random_.chance(0.4);
     keys.push_back("pairs: " + (named ? fmt::format("[[{}, {}]]", body_.shapes[0], body_.shapes[2])
                                       : pick_word(kPairsWords, random_)));
   }
-  if (info.of_contacts) {
-    const auto fits = serves(info.kind);
+  if (residual.of_contacts()) {
+    const auto fits = serves(residual);
     for (const ComposedGrid::Contact& contact : grid_.contacts)
       if (fits(contact)) selection.contacts.push_back(contact.name);
     if (selection.contacts.size() < grid_.contacts.size() || random_.chance(0.3))
       keys.push_back("contacts: " + flow_list(selection.contacts));
   }
-  if (info.kind == kCombination) {
+  if (residual.has("rows")) {
     Entries rows;
     for (int i = random_.index(2); i >= 0; --i) {
       Entries row;
@@ -89,54 +86,43 @@ TermComposer::Selection TermComposer::select(const ResidualInfo& info, Entries& 
     selection.rows = static_cast<int>(rows.size());
     keys.push_back("rows: " + flow_list(rows));
   }
-  if (info.kind == kCycle && !body_.columns.empty() && random_.chance(0.4))
+  if (residual.needs.chosen_start && !body_.columns.empty() && random_.chance(0.4))
     keys.push_back(
         fmt::format("offset: {{{}: {}}}", in_quotes(pick(body_.columns, random_)), number(0.3)));
   return selection;
 }
 
-std::optional<std::string> TermComposer::reference_value(const ResidualInfo& info,
+std::optional<std::string> TermComposer::reference_value(const ResidualDefinition& residual,
                                                          const Selection& selection) {
   const auto three = [&] { return flow_list(random_numbers(3, 0.6, random_)); };
-  switch (info.kind) {
-    case kState: {
-      if (!selection.names.empty()) return flow_list(random_numbers(selection.rows, 0.6, random_));
-      if (body_.columns.empty() || random_.chance(0.4)) return "initial";
-      Entries values;
-      for (const std::string& column : pick_some(body_.columns, 6, random_))
-        values.push_back(in_quotes(column) + ": " + number(0.8));
-      return fmt::format("{{values: {}}}", flow_map(values));
-    }
-    case kControl:
-    case kJointPosition:
-    case kJointVelocity:
-    case kJointAcceleration:
-      if (selection.rows == 0 || random_.chance(0.4)) return number(0.8);
-      return flow_list(random_numbers(selection.rows, 0.8, random_));
-    case kContactForce:
-    case kCentroidalMomentum:
-      return number(3);
-    case kFrameVelocity:
-      return fmt::format("{{linear: {}}}", three());
-    case kFramePosition:
-    case kComPosition:
-      return random_.chance(0.5) ? "initial" : three();
-    case kFrameRotation:
-      return random_.chance(0.5) ? "initial" : fmt::format("{{rpy: {}}}", three());
-    case kFramePlacement:
-      return random_.chance(0.5) ? "initial"
-                                 : fmt::format("{{position: {}, rpy: {}}}", three(), three());
-    default:
-      return "initial";
+  const ReferenceForm* form = residual.reference;
+  if (form == &kStateReference) {
+    if (!selection.names.empty()) return flow_list(random_numbers(selection.rows, 0.6, random_));
+    if (body_.columns.empty() || random_.chance(0.4)) return "initial";
+    Entries values;
+    for (const std::string& column : pick_some(body_.columns, 6, random_))
+      values.push_back(in_quotes(column) + ": " + number(0.8));
+    return fmt::format("{{values: {}}}", flow_map(values));
   }
+  if (residual.name == "contact_force" || residual.name == "centroidal_momentum") return number(3);
+  if (form == &kNumbersReference || form == &kControlReference) {
+    if (selection.rows == 0 || random_.chance(0.4)) return number(0.8);
+    return flow_list(random_numbers(selection.rows, 0.8, random_));
+  }
+  if (form == &kTwistReference) return fmt::format("{{linear: {}}}", three());
+  if (random_.chance(0.5)) return "initial";
+  if (form == &kPointReference) return three();
+  if (form == &kRotationReference) return fmt::format("{{rpy: {}}}", three());
+  return fmt::format("{{position: {}, rpy: {}}}", three(), three());
 }
 
-std::optional<std::string> TermComposer::reference(const ResidualInfo& info,
+std::optional<std::string> TermComposer::reference(const ResidualDefinition& residual,
                                                    const Selection& selection) {
-  if (!info.takes_reference) return std::nullopt;
-  if (!needs_reference(info.kind) && random_.chance(0.5)) return std::nullopt;
-  if (random_.chance(0.8) || grid_.duration == 0) return reference_value(info, selection);
-  const auto first = reference_value(info, selection), last = reference_value(info, selection);
+  if (residual.reference == nullptr) return std::nullopt;
+  if (!needs_reference(residual) && random_.chance(0.5)) return std::nullopt;
+  if (random_.chance(0.8) || grid_.duration == 0) return reference_value(residual, selection);
+  const auto first = reference_value(residual, selection),
+             last = reference_value(residual, selection);
   return fmt::format("{{times: [0, {}], values: [{}, {}]}}", number_text(grid_.duration), *first,
                      *last);
 }
@@ -149,9 +135,9 @@ Entries TermComposer::running_knots(std::size_t most) {
   return all.empty() ? all : pick_some(all, most, random_);
 }
 
-void TermComposer::add_places(const ResidualInfo& info, bool constraint, Entries& keys) {
+void TermComposer::add_places(const ResidualDefinition& residual, bool constraint, Entries& keys) {
   // What no control of knot 0 moves cannot be asked for there.
-  if (random_.chance(constraint && !info.needs_control ? 0.8 : 0.15)) {
+  if (random_.chance(constraint && !residual.needs.control ? 0.8 : 0.15)) {
     if (const Entries knots = running_knots(4); !knots.empty()) {
       keys.push_back("knots: " + flow_list(knots));
       return;
@@ -163,31 +149,32 @@ void TermComposer::add_places(const ResidualInfo& info, bool constraint, Entries
     if (phase.takes_time) names.push_back(phase.name);
   if (names.empty()) return;
   const std::string name = pick(names, random_);
-  if (grid_.impulse && !info.needs_control && !body_.curved && random_.chance(0.5))
+  if (grid_.impulse && !residual.needs.control && !body_.curved && random_.chance(0.5))
     keys.push_back(fmt::format("phases: [{}, hit]", name));
   else
     keys.push_back("phases: " + (random_.chance(0.3) ? in_quotes("part_*") : name));
 }
 
-void TermComposer::add_activation(const ResidualInfo& info, bool referred, Entries& keys) {
-  if (info.is_cone) return;
-  if (info.of_shapes && random_.chance(0.5)) {
+void TermComposer::add_activation(const ResidualDefinition& residual, bool referred,
+                                  Entries& keys) {
+  if (residual.is_cone) return;
+  if (residual.needs.shapes && random_.chance(0.5)) {
     keys.push_back("margin: " + number_text(random_.uniform(0, 0.2)));
     return;
   }
   if (random_.chance(0.5)) return;
-  const auto& word = pick(kActivationWords, random_);
-  Entries own = {fmt::format("kind: {}", word.word)};
-  if (takes_bounds(word.value)) {
-    if (body_.robot && !referred && has_urdf_limits(info.kind) && random_.chance(0.4) &&
+  const ActivationDefinition& activation = pick(activation_table(), random_);
+  Entries own = {fmt::format("kind: {}", activation.name)};
+  if (!activation.needs.empty()) {
+    if (body_.robot && !referred && residual.has_limits && random_.chance(0.4) &&
         std::none_of(keys.begin(), keys.end(),
                      [](const std::string& key) { return key.starts_with("columns"); }))
       own.push_back("from: urdf");
     else
       own.push_back(fmt::format("lower: {}, upper: {}", number_text(-random_.uniform(0, 1)),
                                 number_text(random_.uniform(0, 1))));
-  } else if (!takes_epsilon(word.value) || random_.chance(0.5)) {
-    keys.push_back(fmt::format("activation: {}", word.word));
+  } else if (activation.keys.empty() || random_.chance(0.5)) {
+    keys.push_back(fmt::format("activation: {}", activation.name));
     return;
   } else {
     own.push_back("epsilon: " + number_text(between_powers(1e-3, 1, random_)));
@@ -195,13 +182,13 @@ void TermComposer::add_activation(const ResidualInfo& info, bool referred, Entri
   keys.push_back("activation: " + flow_map(own));
 }
 
-std::string TermComposer::cost(const ResidualInfo& info, bool terminal) {
-  Entries keys = {fmt::format("residual: {}", info.name)};
-  const Selection selection = select(info, keys);
-  const auto referred = reference(info, selection);
+std::string TermComposer::cost(const ResidualDefinition& residual, bool terminal) {
+  Entries keys = {fmt::format("residual: {}", residual.name)};
+  const Selection selection = select(residual, keys);
+  const auto referred = reference(residual, selection);
   const bool limits_alone = !referred;
   if (referred) keys.push_back("reference: " + *referred);
-  add_activation(info, !limits_alone, keys);
+  add_activation(residual, !limits_alone, keys);
   keys.push_back("weight: " + number_text(between_powers(1e-3, 1e3, random_)));
   if (random_.chance(0.25)) {
     const std::string weight = number_text(between_powers(0.1, 10, random_));
@@ -211,7 +198,7 @@ std::string TermComposer::cost(const ResidualInfo& info, bool terminal) {
              ? fmt::format("{{\"*\": {}}}", weight)
              : fmt::format("{{{}: {}}}", in_quotes(pick(selection.names, random_)), weight)));
   }
-  if (info.kind == kFrictionCone && random_.chance(0.6)) {
+  if (residual.has("cone") && random_.chance(0.6)) {
     const auto& cone = pick(kConeWords, random_);
     keys.push_back(fmt::format("cone: {}", cone.word));
     if (!cone.value)
@@ -219,20 +206,20 @@ std::string TermComposer::cost(const ResidualInfo& info, bool terminal) {
           fmt::format("faces: {}, inner: {}", 3 + random_.index(6), random_.chance(0.5)));
     keys.push_back("safety: 0.9");
   }
-  if (!terminal) add_places(info, false, keys);
+  if (!terminal) add_places(residual, false, keys);
   return flow_map(keys);
 }
 
-void TermComposer::add_set(const ResidualInfo& info, const Selection& selection, bool equality,
-                           Entries& keys) {
-  if (info.is_cone) {
-    if (info.kind == kFrictionCone && random_.chance(0.5)) keys.push_back("cone: second_order");
+void TermComposer::add_set(const ResidualDefinition& residual, const Selection& selection,
+                           bool equality, Entries& keys) {
+  if (residual.is_cone) {
+    if (residual.has("cone") && random_.chance(0.5)) keys.push_back("cone: second_order");
     return;
   }
   const double size = between_powers(0.05, 10, random_);
   const auto positive = [&] { return number_text(random_.uniform(0, size)); };
   if (equality) {
-    if (info.of_shapes)
+    if (residual.needs.shapes)
       keys.push_back("equals: " + positive());
     else if (!selection.names.empty() && random_.chance(0.5))
       keys.push_back(fmt::format("equals: {{{}: {}}}", in_quotes(pick(selection.names, random_)),
@@ -250,16 +237,17 @@ void TermComposer::add_set(const ResidualInfo& info, const Selection& selection,
       if (random_.chance(0.2)) keys.push_back("at_least: 0");
       return;
     case 2:
-      if (!info.of_shapes && info.kind != kCycle && info.kind != kContactVelocity &&
-          (selection.rows >= 2 || info.needs_frame || info.kind == kContactForce)) {
+      if (!residual.needs.shapes && !residual.needs.chosen_start &&
+          residual.name != "contact_velocity" &&
+          (selection.rows >= 2 || residual.has("frame") || residual.name == "contact_force")) {
         keys.push_back("cone: second_order");
-        if (!info.of_contacts && random_.chance(0.5))
+        if (!residual.of_contacts() && random_.chance(0.5))
           keys.push_back("slope: " + number_text(random_.uniform(0.2, 3)));
         return;
       }
       [[fallthrough]];
     case 3:
-      if (info.kind != kContactVelocity && random_.chance(0.5)) {
+      if (residual.name != "contact_velocity" && random_.chance(0.5)) {
         keys.push_back("at_least: " + number_text(0.1 * random_.uniform(0, size)));
         return;
       }
@@ -269,25 +257,26 @@ void TermComposer::add_set(const ResidualInfo& info, const Selection& selection,
   }
 }
 
-std::string TermComposer::constraint(const ResidualInfo& info, bool terminal, Softness softness,
-                                     const TakenConstraints& taken) {
-  Entries keys = {fmt::format("residual: {}", info.name)};
-  const Selection selection = select(info, keys);
+std::string TermComposer::constraint(const ResidualDefinition& residual, bool terminal,
+                                     Softness softness, const TakenConstraints& taken) {
+  Entries keys = {fmt::format("residual: {}", residual.name)};
+  const Selection selection = select(residual, keys);
   const bool equality = softness == Softness::hard && (!taken.inequalities || random_.chance(0.3));
-  const bool point = info.kind == kFramePosition || info.kind == kComPosition ||
-                     (info.kind == kControl && selection.rows > 0) || info.kind == kJointPosition ||
-                     (info.kind == kState && !selection.names.empty());
+  const bool point =
+      residual.is_point != nullptr &&
+      (residual.name == "control" || residual.name == "state" ? selection.rows > 0 : true);
   if (point && !equality && random_.chance(0.25)) {
     const std::size_t n = selection.rows > 0 ? selection.rows : 3;
     keys.push_back(fmt::format("centers: [{}, {}]", flow_list(random_numbers(n, 1, random_)),
                                flow_list(random_numbers(n, 1, random_))));
     keys.push_back("at_least: " + number_text(random_.uniform(0.01, 0.3)));
   } else {
-    if (const auto referred = reference(info, selection)) keys.push_back("reference: " + *referred);
-    add_set(info, selection, equality, keys);
+    if (const auto referred = reference(residual, selection))
+      keys.push_back("reference: " + *referred);
+    add_set(residual, selection, equality, keys);
   }
   add_softness(softness, random_, keys);
-  if (!terminal) add_places(info, true, keys);
+  if (!terminal) add_places(residual, true, keys);
   return flow_map(keys);
 }
 

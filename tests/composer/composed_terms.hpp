@@ -3,8 +3,7 @@
 #include <optional>
 
 #include "composed_grid.hpp"
-#include "problem_file/spec/residual_kind.hpp"
-#include "problem_file/spec/spec_cost.hpp"
+#include "problem_file/residuals/residual_table.hpp"
 #include "solvers/strategies/registry.hpp"
 
 namespace conddp {
@@ -21,11 +20,11 @@ class TermComposer {
       : body_(body), grid_(grid), random_(random) {}
 
   /// Whether the residual can stand on running knots, or at the last node, of this problem.
-  bool can(const ResidualInfo& info, bool terminal) const;
+  bool can(const ResidualDefinition& residual, bool terminal) const;
   /// The flow mapping of a cost.
-  std::string cost(const ResidualInfo& info, bool terminal);
+  std::string cost(const ResidualDefinition& residual, bool terminal);
   /// That of a constraint on a residual that the solver takes, hard only where it does.
-  std::string constraint(const ResidualInfo& info, bool terminal, Softness softness,
+  std::string constraint(const ResidualDefinition& residual, bool terminal, Softness softness,
                          const TakenConstraints& taken);
   /// Whether the body has such a quantity that can be bounded.
   bool can(BoundedQuantity quantity) const;
@@ -39,13 +38,16 @@ class TermComposer {
     Entries names;
     Entries contacts;  ///< of which it is, empty: not of contacts, or all
   };
-  Selection select(const ResidualInfo& info, Entries& keys);
-  std::optional<std::string> reference(const ResidualInfo& info, const Selection& selection);
-  std::optional<std::string> reference_value(const ResidualInfo& info, const Selection& selection);
+  Selection select(const ResidualDefinition& residual, Entries& keys);
+  std::optional<std::string> reference(const ResidualDefinition& residual,
+                                       const Selection& selection);
+  std::optional<std::string> reference_value(const ResidualDefinition& residual,
+                                             const Selection& selection);
   bool has_limits(BoundedQuantity quantity) const;
-  void add_places(const ResidualInfo& info, bool constraint, Entries& keys);
-  void add_set(const ResidualInfo& info, const Selection& selection, bool equality, Entries& keys);
-  void add_activation(const ResidualInfo& info, bool referred, Entries& keys);
+  void add_places(const ResidualDefinition& residual, bool constraint, Entries& keys);
+  void add_set(const ResidualDefinition& residual, const Selection& selection, bool equality,
+               Entries& keys);
+  void add_activation(const ResidualDefinition& residual, bool referred, Entries& keys);
   Entries running_knots(std::size_t most);
   std::string number(double size) { return number_text(random_.uniform(-size, size)); }
 

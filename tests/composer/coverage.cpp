@@ -1,6 +1,7 @@
 #include "coverage.hpp"
 
 #include "problem_file/spec/enum_names.hpp"
+#include "problem_file/values/activation_table.hpp"
 
 namespace conddp {
 namespace {
@@ -23,12 +24,13 @@ Coverage::Coverage(const std::vector<std::string>& bodies) {
     counts_.try_emplace(part(kind, name), 0);
   };
   for (const std::string& body : bodies) expect("body", body);
-  for (const ResidualInfo& info : residual_table()) expect("residual", info.name);
+  for (const ResidualDefinition* residual : residual_table()) expect("residual", residual->name);
   const auto expect_words = [&](const std::string& kind, const auto& words) {
     for (const auto& word : words)
       if (word.word == word_of(words, word.value)) expect(kind, word.word);
   };
-  expect_words("activation", kActivationWords);
+  for (const ActivationDefinition& activation : activation_table())
+    expect("activation", activation.name);
   expect_words("bounds on", kBoundedWords);
   expect_words("integrator", kIntegratorWords);
   expect_words("contact", kContactWords);
@@ -52,8 +54,8 @@ void Coverage::add(const std::string& body, const ProblemSpec& spec, const Built
   count("body", body);
   for (const auto* list : {&spec.costs, &spec.terminal_costs})
     for (const CostSpec& cost : *list) {
-      count("residual", residual_info(cost.kind).name);
-      count("activation", word_of(kActivationWords, cost.activation.kind));
+      count("residual", cost.definition->name);
+      count("activation", activation_definition(cost.activation.kind).name);
     }
   const auto softness = [](Softness how) {
     const std::string word = word_of(kSoftWords, how);
@@ -65,7 +67,7 @@ void Coverage::add(const std::string& body, const ProblemSpec& spec, const Built
       if (constraint.bounded)
         count("bounds on", word_of(kBoundedWords, constraint.bounded->value));
       else
-        count("residual", residual_info(constraint.function.kind).name);
+        count("residual", constraint.function.definition->name);
     }
   if (!spec.control_bounds.empty()) count("bounds on", "control");
   for (const ContactSpec& contact : spec.contacts)

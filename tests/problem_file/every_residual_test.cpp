@@ -4,32 +4,23 @@
 #include <gtest/gtest.h>
 
 #include "analysis/certificate/derivative_check.hpp"
+#include "problem_file/residuals/residual_table.hpp"
 #include "problem_text.hpp"
 #include "solvers/strategies/registry.hpp"
 
 namespace conddp {
 namespace {
 
-/// The residual with the keys that it cannot do without.
-std::string keys(ResidualKind kind) {
-  switch (kind) {
-    case ResidualKind::kState:
-      return "reference: initial";
-    case ResidualKind::kFramePosition:
-    case ResidualKind::kFrameRotation:
-    case ResidualKind::kFramePlacement:
-      return "frame: lf_foot, reference: initial";
-    case ResidualKind::kFrameVelocity:
-      return "frame: lf_foot";
-    case ResidualKind::kComPosition:
-      return "reference: initial";
-    case ResidualKind::kDistance:
-      return "pairs: all";
-    case ResidualKind::kCombination:
-      return "rows: [{q/LF_KFE: 1, v/LF_KFE: 0.5, constant: 0.05}]";
-    default:
-      return "";
-  }
+/// Keys that residuals cannot do without.
+std::string keys(const ResidualDefinition& residual) {
+  std::string keys;
+  if (residual.has("frame")) keys += ", frame: lf_foot";
+  if (residual.has("pairs")) keys += ", pairs: all";
+  if (residual.has("rows")) keys += ", rows: [{q/LF_KFE: 1, v/LF_KFE: 0.5, constant: 0.05}]";
+  const ReferenceForm* form = residual.reference;
+  if (form != nullptr && (form->needed != ReferenceForm::Needed::kNever || residual.of_positions))
+    keys += ", reference: initial";
+  return keys;
 }
 
 enum class Role { kCost, kHard, kL1, kL2, kNorm, kOneKnot, kTerminalCost, kTerminal };
@@ -39,9 +30,8 @@ constexpr Role kRoles[] = {Role::kCost, Role::kHard,    Role::kL1,           Rol
 bool of_the_last_node(Role role) { return role == Role::kTerminalCost || role == Role::kTerminal; }
 
 /// A quadruped on one foot (a sole where the residual asks for one), and nothing but the residual.
-std::string problem_with(const ResidualInfo& info, Role role) {
-  const bool sole =
-      info.kind == ResidualKind::kWrenchCone || info.kind == ResidualKind::kCenterOfPressure;
+std::string problem_with(const ResidualDefinition& residual, Role role) {
+  const bool sole = residual.name == "wrench_cone" || residual.name == "center_of_pressure";
   std::string text = fmt::format(
       R"(conddp: 1
 robot: {{urdf: robots/quadruped.urdf, base: floating}}
@@ -54,12 +44,11 @@ collision:
 phases:
 )",
       sole ? ", type: surface, size: [0.2, 0.1]" : "");
-  if (info.kind == ResidualKind::kCycle) text += "  - {choose: all}\n";
+  if (residual.needs.chosen_start) text += "  - {choose: all}\n";
   text += "  - {name: stand, knots: 4, dt: 0.02, contacts: all}\n";
-  std::string own = fmt::format("residual: {}", info.name);
-  if (const std::string more = keys(info.kind); !more.empty()) own += ", " + more;
-  const bool bounded = info.is_cone;
-  const bool distance = info.of_shapes;
+  const std::string own = fmt::format("residual: {}", residual.name) + keys(residual);
+  const bool bounded = residual.is_cone;
+  const bool distance = residual.needs.shapes;
   std::string cost, constraint;
   switch (role) {
     case Role::kCost:
@@ -77,7 +66,7 @@ phases:
   if (role == Role::kL1) constraint += ", soft: l1, weight: 3";
   if (role == Role::kL2) constraint += ", soft: l2, weight: 3";
   if (role == Role::kOneKnot)
-    constraint += info.kind == ResidualKind::kCycle ? ", knots: [3]" : ", knots: [2]";
+    constraint += residual.needs.chosen_start ? ", knots: [3]" : ", knots: [2]";
   const std::string block = cost.empty()
                                 ? fmt::format("constraints: {{alone: {{{}}}}}\n", constraint)
                                 : fmt::format("costs: {{alone: {{{}}}}}\n", cost);
@@ -88,12 +77,11 @@ phases:
 
 TEST(EveryResidual, AloneInEveryRoleIsEvaluatedDifferentiatedAndSolvedFor) {
   int tried = 0;
-  for (const ResidualInfo& info : residual_table())
+  for (const ResidualDefinition* residual : residual_table())
     for (const Role role : kRoles) {
-      if (of_the_last_node(role) && (info.needs_control || info.is_cone)) continue;
-      if (of_the_last_node(role) && info.kind == ResidualKind::kContactForce) continue;
-      if (role == Role::kNorm && (info.is_cone || info.of_shapes)) continue;
-      const std::string text = problem_with(info, role);
+      if (of_the_last_node(role) && !residual->at_last_node()) continue;
+      if (role == Role::kNorm && (residual->is_cone || residual->needs.shapes)) continue;
+      const std::string text = problem_with(*residual, role);
       SCOPED_TRACE(text);
       const Loaded loaded(text);
       ASSERT_TRUE(loaded.built) << loaded.all();

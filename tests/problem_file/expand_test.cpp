@@ -3,6 +3,7 @@
 #include <set>
 
 #include "problem_file/expand/expand_problem.hpp"
+#include "problem_file/residuals/residual_table.hpp"
 #include "problem_file/spec/system_fields.hpp"
 #include "problem_file/yaml/yaml_text.hpp"
 #include "schema_document.hpp"
@@ -17,7 +18,7 @@ namespace {
 std::vector<std::string> corpus() {
   std::vector<std::string> texts = {std::string(kPendulum), std::string(kCartpole)};
   for (const auto& file : ready_problems()) texts.push_back(read_file(file));
-  for (const std::string_view type : kSystemTypes) {
+  for (const auto& [type, description] : kSystemTypes) {
     const std::string more = type == "linear" ? ", A: [[1, 0.1], [0, 1]], B: [[0], [0.1]]" : "";
     texts.push_back("conddp: 1\nsystem: {type: " + std::string(type) + more +
                     "}\ninitial_state: {}\nphases: [{knots: 3, duration: 0.1}]\n");
@@ -118,7 +119,10 @@ costs:
   self: {residual: distance, pairs: self, margin: 0.05}
   named: {residual: distance, pairs: [[hand, "*"], [fore, ball]], activation: smooth_l1}
   level: {residual: joint_position, joints: ["joint_1", "joint_*"]}
-terminal: {costs: {clear: {residual: distance, pairs: obstacles}}}
+constraints: {slow: {residual: frame_velocity, frame: tool, at_most: 3}}
+terminal:
+  costs: {clear: {residual: distance, pairs: obstacles}}
+  constraints: {slower: {residual: frame_velocity, frame: tool, at_most: 1}}
 )");
   texts.push_back(R"(conddp: 1
 robot: {urdf: robots/finger_spinner.urdf}
@@ -350,23 +354,18 @@ TEST(Expand, ShowsEveryDefaultOfTheSchema) {
     ASSERT_TRUE(loaded.built) << loaded.all();
     walk.compare(schema, Json(expand_problem(*loaded.spec, *loaded.built)));
   }
-  // Keys that another choice excludes.
-  const std::set<std::string> conditional = {"/definitions/cost/axes",
-                                             "/definitions/terminal_cost/axes",
-                                             "/definitions/robot/placement",
-                                             "/definitions/activation/anyOf/1/epsilon",
-                                             "/gravity",
-                                             "/definitions/cost/activation",
-                                             "/definitions/terminal_cost/activation",
-                                             "/definitions/cost/margin",
-                                             "/definitions/terminal_cost/margin",
-                                             "/definitions/cost/cone",
-                                             "/definitions/cost/faces",
-                                             "/definitions/cost/inner",
-                                             "/definitions/cost/safety",
-                                             "/definitions/constraint/scale",
-                                             "/definitions/phase/restitution",
-                                             "/definitions/phase/weights"};
+  // Keys that another choice excludes, and those that only some residuals have.
+  std::set<std::string> conditional = {"/definitions/robot/placement",
+                                       "/definitions/activation/anyOf/1/epsilon",
+                                       "/gravity",
+                                       "/definitions/cost/activation",
+                                       "/definitions/terminal_cost/activation",
+                                       "/definitions/constraint/scale",
+                                       "/definitions/phase/restitution",
+                                       "/definitions/phase/weights"};
+  for (const char* term : {"cost", "terminal_cost", "residual_constraint", "terminal_constraint"})
+    for (const ResidualKey* key : residual_keys())
+      conditional.insert(fmt::format("/definitions/{}/{}", term, key->name));
   for (const std::string& key : walk.missing())
     EXPECT_TRUE(conditional.contains(key)) << key << " has a default that an expansion lacks";
   std::set<std::string> unseen = walk.unseen();

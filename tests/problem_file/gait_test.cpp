@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "problem_file/expand/expand_problem.hpp"
+#include "problem_file/residuals/residual_table.hpp"
 #include "schema_document.hpp"
 
 namespace conddp {
@@ -33,6 +34,9 @@ terminal:
 std::string with_gait(const std::string& gait) {
   return replaced(kQuadruped, "type: trot, period: 0.4, dt: 0.02", gait);
 }
+
+/// Null of costs that are on no swing.
+const SwingSpec* swing_of(const CostSpec& cost) { return cost.keys.find(key::swing); }
 
 /// Which feet each phase holds, as "LF RH", with the phases' knots; impulses as "! LF RH".
 std::vector<std::string> schedule(const Loaded& loaded) {
@@ -107,7 +111,7 @@ TEST(Gait, AFootThatIsInTheAirAtAnImpulseOfOthersSwingsThroughIt) {
       with_gait("type: trot, period: 0.4, dt: 0.02, duty: 0.3, impulses: true, cycles: 2"));
   ASSERT_TRUE(loaded.built) << loaded.all();
   for (const CostSpec& cost : loaded.spec->costs) {
-    if (!cost.swing) continue;
+    if (!swing_of(cost)) continue;
     for (std::size_t p = 0; p < loaded.spec->phases.size(); ++p) {
       const PhaseSpec& phase = loaded.spec->phases[p];
       const bool held =
@@ -117,7 +121,7 @@ TEST(Gait, AFootThatIsInTheAirAtAnImpulseOfOthersSwingsThroughIt) {
                                       [&](const Name& n) { return n.value == phase.name.value; });
       EXPECT_EQ(swings, !held) << cost.name.value << " in " << phase.name.value;
     }
-    EXPECT_EQ(cost.swing->displaced.size(), 2u);
+    EXPECT_EQ(swing_of(cost)->displaced.size(), 2u);
   }
 }
 
@@ -135,8 +139,8 @@ gait: {type: walk, feet: {L: left, R: right}, cycles: 2, period: 1, dt: 0.05,
                    "8: right", "2: left right", "8: left", "4: left right"}));
   // Soles turn with the robot.
   const CostSpec& swing = loaded.spec->costs.front();
-  EXPECT_EQ(swing.kind, ResidualKind::kFramePlacement);
-  EXPECT_NEAR(swing.swing->displaced.back().yaw, 0.6, 1e-12);
+  EXPECT_EQ(swing.definition, find_residual("frame_placement"));
+  EXPECT_NEAR(swing_of(swing)->displaced.back().yaw, 0.6, 1e-12);
 }
 
 TEST(Gait, StepsAddUpToTheWayAndTheFirstAndLastOnesAreShort) {
@@ -144,11 +148,11 @@ TEST(Gait, StepsAddUpToTheWayAndTheFirstAndLastOnesAreShort) {
       with_gait("type: trot, cycles: 4, period: 0.4, dt: 0.02, step: {length: 0.14}"));
   ASSERT_TRUE(loaded.built) << loaded.all();
   for (const CostSpec& cost : loaded.spec->costs) {
-    if (!cost.swing) continue;
+    if (!swing_of(cost)) continue;
     const bool early = cost.name.value == "swing_RF" || cost.name.value == "swing_LH";
     double at = 0;
     for (int n = 0; n < 4; ++n) {
-      const PlanarMotion& to = cost.swing->displaced[n];
+      const PlanarMotion& to = swing_of(cost)->displaced[n];
       const double full = 4 * 0.14 / 3.5;
       const bool half = early ? n == 0 : n == 3;
       EXPECT_NEAR(to.x - at, half ? full / 2 : full, 1e-11) << cost.name.value << n;
@@ -162,8 +166,8 @@ TEST(Gait, StepsAddUpToTheWayAndTheFirstAndLastOnesAreShort) {
 TEST(Gait, OneCycleTakesEveryFootTheWholeWay) {
   const Loaded loaded(with_gait("type: walk, period: 0.8, dt: 0.02, step: {length: 0.16}"));
   for (const CostSpec& cost : loaded.spec->costs)
-    if (cost.swing) {
-      EXPECT_NEAR(cost.swing->displaced.at(0).x, 0.16, 1e-12);
+    if (swing_of(cost)) {
+      EXPECT_NEAR(swing_of(cost)->displaced.at(0).x, 0.16, 1e-12);
     }
 }
 
@@ -217,7 +221,7 @@ TEST(Gait, AnArcIsThatOfEvenMotion) {
     y += 0.8 / pieces * std::sin(heading);
     yaw += 1.2 / pieces;
   }
-  const PlanarMotion& end = loaded.spec->costs[1].swing->displaced.at(0);
+  const PlanarMotion& end = swing_of(loaded.spec->costs[1])->displaced.at(0);
   EXPECT_NEAR(end.x, x, 1e-9);
   EXPECT_NEAR(end.y, y, 1e-9);
   EXPECT_NEAR(end.yaw, yaw, 1e-9);

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "problem_file/build/build_problem.hpp"
-#include "problem_file/spec/residual_kind.hpp"
+#include "problem_file/residuals/residual_table.hpp"
 #include "problem_file/yaml/synonyms.hpp"
 #include "problem_text.hpp"
 #include "schema_document.hpp"
@@ -401,9 +401,9 @@ TEST(Schema, EveryKeyIsDescribedWithItsUnitAndEveryObjectHasAnExample) {
 
 TEST(Schema, NamesTheReadersResiduals) {
   std::vector<std::string> names;
-  for (const ResidualInfo& info : residual_table()) {
-    names.emplace_back(info.name);
-    EXPECT_EQ(residual_info(info.kind).name, info.name);
+  for (const ResidualDefinition* definition : residual_table()) {
+    names.emplace_back(definition->name);
+    EXPECT_EQ(find_residual(definition->name), definition);
   }
   EXPECT_EQ(load_schema()["definitions"]["cost"]["properties"]["residual"]["enum"], Json(names));
 }

@@ -23,11 +23,15 @@ std::string words(const OrderedJson& value) {
   return text;
 }
 
+/// Fields that stand in columns of their own, or that programs alone read.
+constexpr std::string_view kUnsaid[] = {"name",   "description", "keys",
+                                        "schema", "places",      "needs_keys"};
+
 /// "at least 0, default 100": what an entry says beside its name and description.
 std::string facts(const OrderedJson& entry) {
   std::string text;
   for (const auto& [field, value] : entry.items()) {
-    if (field == "name" || field == "description" || field == "keys") continue;
+    if (std::find(std::begin(kUnsaid), std::end(kUnsaid), field) != std::end(kUnsaid)) continue;
     std::string name = field;
     std::replace(name.begin(), name.end(), '_', ' ');
     if (field == "required") {

@@ -1,14 +1,16 @@
 #include "help/catalogue_lists.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include "arguments/example_problems.hpp"
 #include "help/embedded_schemas.hpp"
+#include "problem_file/residuals/residual_table.hpp"
 #include "problem_file/spec/enum_names.hpp"
-#include "problem_file/spec/residual_kind.hpp"
+#include "problem_file/spec/system_fields.hpp"
+#include "problem_file/values/activation_table.hpp"
+#include "problem_file/values/system_keys.hpp"
 #include "solvers/common/option_table.hpp"
 #include "solvers/strategies/registry.hpp"
 
@@ -21,20 +23,22 @@ const OrderedJson& definitions() {
 }
 
 /// A key of an object in the problem file's schema.
-OrderedJson key(const OrderedJson& object, const std::string& name, bool required = false) {
+OrderedJson schema_key(const OrderedJson& object, const std::string& name) {
   const OrderedJson& schema = object.at("properties").at(name);
   OrderedJson entry = {
-      {"name", name}, {"description", schema.at("description")}, {"required", required}};
+      {"name", name}, {"description", schema.at("description")}, {"required", false}};
   if (schema.contains("default")) entry["default"] = schema["default"];
   return entry;
 }
 
 OrderedJson list_solvers() {
   OrderedJson list = OrderedJson::array();
-  list.push_back({{"name", kAutoSolver},
-                  {"description",
-                   "the default: one of these by the problem, and others where it "
-                   "does not converge; conddp check says which"}});
+  list.push_back(
+      {{"name", kAutoSolver},
+       {"description",
+        "the default, by the problem: ipopt where contacts are found, altro, proxddp and "
+        "ipopt one after the other where there are constraints besides bounds on the "
+        "control, else box_fddp and ipopt (conddp check says which)"}});
   for (const SolverInfo& info : solvers()) {
     const char* bounds = info.control_bounds == BoundSupport::exact     ? "exact"
                          : info.control_bounds == BoundSupport::clipped ? "clipped"
@@ -69,51 +73,65 @@ OrderedJson list_options() {
   return list;
 }
 
+/// A key with the schema of its value.
+template <class Documented>
+OrderedJson documented(const Documented& key, bool required) {
+  OrderedJson entry = {
+      {"name", key.name}, {"description", key.description}, {"required", required}};
+  if (key.schema.contains("default")) entry["default"] = key.schema["default"];
+  entry["schema"] = key.schema;
+  return entry;
+}
+
+OrderedJson residual_key(const ResidualDefinition& definition, const ResidualKey& own) {
+  OrderedJson entry = documented(own, own.traits.required), places = OrderedJson::array();
+  for (const bool constraint : {false, true})
+    for (const bool last_node : {false, true})
+      if (own.stands_in({constraint, last_node}) && (definition.at_last_node() || !last_node))
+        places.push_back(std::string(last_node ? "terminal." : "") +
+                         (constraint ? "constraints" : "costs"));
+  entry["places"] = std::move(places);
+  return entry;
+}
+
 OrderedJson list_residuals() {
-  const OrderedJson& cost = definitions().at("cost");
   OrderedJson list = OrderedJson::array();
-  for (const ResidualInfo& info : residual_table()) {
+  for (const ResidualDefinition* definition : residual_table()) {
     OrderedJson keys = OrderedJson::array();
-    if (info.needs_frame) keys.push_back(key(cost, "frame", true));
-    if (info.takes_joints) keys.push_back(key(cost, "joints"));
-    if (info.takes_columns) keys.push_back(key(cost, "columns"));
-    if (info.takes_axes) keys.push_back(key(cost, "axes"));
-    if (info.takes_reference) keys.push_back(key(cost, "reference"));
-    list.push_back({{"name", info.name},
-                    {"description", info.description},
-                    {"needs_robot", info.needs_robot},
-                    {"at_terminal_node", !info.needs_control},
+    for (const ResidualKey* own : definition->keys) keys.push_back(residual_key(*definition, *own));
+    if (definition->reference != nullptr)
+      keys.push_back(schema_key(definitions().at("cost"), "reference"));
+    list.push_back({{"name", definition->name},
+                    {"description", definition->description},
+                    {"unit", definition->unit},
+                    {"needs_robot", definition->needs.robot},
+                    {"at_terminal_node", definition->at_last_node()},
                     {"keys", std::move(keys)}});
   }
   return list;
 }
 
 OrderedJson list_activations() {
-  const OrderedJson& activation = definitions().at("activation").at("anyOf").at(1);
   OrderedJson list = OrderedJson::array();
-  for (const auto& choice : kActivationWords) {
+  for (const ActivationDefinition& definition : activation_table()) {
     OrderedJson keys = OrderedJson::array();
-    if (takes_bounds(choice.value))
-      for (const char* name : {"lower", "upper", "from"}) keys.push_back(key(activation, name));
-    if (takes_epsilon(choice.value)) keys.push_back(key(activation, "epsilon"));
-    list.push_back(
-        {{"name", choice.word}, {"description", choice.description}, {"keys", std::move(keys)}});
+    for (const ActivationKey* own : definition.keys) keys.push_back(documented(*own, false));
+    list.push_back({{"name", definition.name},
+                    {"description", definition.description},
+                    {"needs_keys", !definition.needs.empty()},
+                    {"keys", std::move(keys)}});
   }
   return list;
 }
 
 OrderedJson list_systems() {
   OrderedJson list = OrderedJson::array();
-  for (const OrderedJson& system : definitions().at("system").at("oneOf")) {
-    const OrderedJson& type = system.at("properties").at("type");
-    const OrderedJson& required = system.at("required");
+  const auto all_keys = system_keys();
+  for (std::size_t i = 0; i < all_keys.size(); ++i) {
     OrderedJson keys = OrderedJson::array();
-    for (const auto& [name, schema] : system.at("properties").items())
-      if (name != "type")
-        keys.push_back(
-            key(system, name, std::find(required.begin(), required.end(), name) != required.end()));
-    list.push_back({{"name", type.at("const")},
-                    {"description", type.at("description")},
+    for (const SystemKey& own : all_keys[i]) keys.push_back(documented(own, own.required));
+    list.push_back({{"name", kSystemTypes[i].name},
+                    {"description", kSystemTypes[i].description},
                     {"keys", std::move(keys)}});
   }
   return list;
@@ -132,7 +150,7 @@ OrderedJson list_constraints() {
   for (const auto& choice : kBoundedWords) {
     OrderedJson keys = OrderedJson::array();
     for (const auto& [name, schema] : constraint.at("properties").items())
-      if (name != "bounds") keys.push_back(key(constraint, name));
+      if (name != "bounds") keys.push_back(schema_key(constraint, name));
     list.push_back(
         {{"name", choice.word}, {"description", choice.description}, {"keys", std::move(keys)}});
   }

@@ -7,6 +7,7 @@
 #include "problem_file/expand/expand_sections.hpp"
 #include "problem_file/spec/enum_names.hpp"
 #include "problem_file/spec/system_fields.hpp"
+#include "problem_file/values/activation_table.hpp"
 #include "systems/multibody/multibody.hpp"
 
 namespace conddp {
@@ -72,7 +73,7 @@ OrderedJson costs_json(const std::vector<CostSpec>& costs, const BuiltProblem& b
     OrderedJson entry = {{"name", cost.name.value},
                          {"residual", cost.residual.value},
                          {"rows", rows_of(cost.name.value, *built.problem, terminal)},
-                         {"activation", word_of(kActivationWords, cost.activation.kind)},
+                         {"activation", activation_definition(cost.activation.kind).name},
                          {"weight", cost.weight}};
     if (!terminal) entry["phases"] = phases_of(cost.name.value, *built.problem);
     list.push_back(std::move(entry));
@@ -83,7 +84,7 @@ OrderedJson costs_json(const std::vector<CostSpec>& costs, const BuiltProblem& b
 /// What a constraint is in: bounds on coordinates, or a residual in a set.
 std::string_view set_of(const ConstraintSpec& c) {
   if (c.bounded) return "bounds";
-  if (c.function.cone.second_order) return "cone";
+  if (c.function.keys.value(key::cone)) return "cone";
   return c.at_least || c.at_most ? "norm" : "rows";
 }
 
@@ -293,7 +294,7 @@ OrderedJson check_summary(const ProblemSpec& spec, const BuiltProblem& built,
           {"name", spec.name.value},
           {"file", spec.file.string()},
           {"robots", robots_json(spec, built)},
-          {"system", spec.system ? OrderedJson(kSystemTypes[spec.system->parameters.index()])
+          {"system", spec.system ? OrderedJson(kSystemTypes[spec.system->parameters.index()].name)
                                  : OrderedJson(nullptr)},
           {"state",
            {{"numbers", problem.nx()},

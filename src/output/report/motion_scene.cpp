@@ -27,8 +27,9 @@ OrderedJson bodies_json(const RobotModel& robot, std::vector<OrderedJson>&& shap
 std::map<std::string, int> watched_frames(const ProblemSpec& spec, const RobotModel& robot) {
   std::map<std::string, int> frames;
   const auto watch = [&](const CostSpec& cost) {
-    if (!cost.frame) return;
-    if (const auto frame = robot.find_frame(cost.frame->value)) frames[cost.frame->value] = *frame;
+    const Name* name = cost.keys.find(key::frame);
+    if (name == nullptr) return;
+    if (const auto frame = robot.find_frame(name->value)) frames[name->value] = *frame;
   };
   for (const auto* costs : {&spec.costs, &spec.terminal_costs})
     for (const CostSpec& cost : *costs) watch(cost);

@@ -6,6 +6,7 @@
 
 #include "base/json_text.hpp"
 #include "output/solution/constraint_rows.hpp"
+#include "problem_file/residuals/reference_form.hpp"
 
 namespace conddp {
 namespace {
@@ -38,10 +39,9 @@ OrderedJson shape_json(const Shape& shape) {
 /// 0, 1, 2 for a coordinate that is a position along x, y, z of the world, else −1.
 int world_axis(const ConstraintSpec& constraint, const Plant& plant, const ProblemSpec& spec,
                const std::string& row) {
-  const ResidualKind kind = constraint.function.kind;
-  const bool of_state = constraint.bounded || kind == ResidualKind::kState;
-  if (!of_state && kind != ResidualKind::kFramePosition && kind != ResidualKind::kComPosition)
-    return -1;
+  const ReferenceForm* form = constraint.function.definition->reference;
+  const bool of_state = constraint.bounded || form == &kStateReference;
+  if (!of_state && (form == nullptr || !form->is_point)) return -1;
   std::string axis = row;
   if (of_state && plant.multibody()) {
     const std::size_t slash = row.find('/');

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "problem_file/build/cost_residual.hpp"
+#include "problem_file/build/term_residual.hpp"
 
 namespace conddp {
 namespace {
@@ -19,7 +19,7 @@ FindingNames names_of(const ProblemSpec& spec, const BuiltProblem& built) {
   Diagnostics found_when_built;
   for (const bool terminal : {false, true})
     for (const ConstraintSpec& c : terminal ? spec.terminal_constraints : spec.constraints) {
-      if (c.bounded || c.function.kind != ResidualKind::kDistance) continue;
+      if (c.bounded || !c.function.definition->needs.shapes) continue;
       const auto residual =
           make_cost_residual(c.function, spec, built.plant, built.problem->ndx(), found_when_built);
       if (residual)

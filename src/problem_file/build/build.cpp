@@ -241,7 +241,7 @@ std::optional<BuiltProblem> build_without_homotopy(const ProblemSpec& spec,
   StateBuilder states(built.plant, out);
   const auto initial = states.build(spec.initial_state);
   if (initial) states.set_initial(*initial);
-  const bool memory = spec.first_use(ResidualKind::kControlRate) != nullptr;
+  const bool memory = spec.first_use(&ResidualNeeds::previous_control) != nullptr;
   const auto previous = previous_control(spec, built.plant, memory, out);
   if (!integrator || !initial) return std::nullopt;
 

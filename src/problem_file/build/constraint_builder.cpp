@@ -150,7 +150,7 @@ void add_friction_cone(const ConstraintSpec& spec, const CostContext& context, B
                        std::vector<BuiltConstraint>& list, Diagnostics& out) {
   const ContactSpec& contact = context.spec.contacts[function.contact.contact];
   if (contact.axes != FrameAxes::world_aligned) {
-    if (spec.function.kind == ResidualKind::kContactForce)  // friction_cone has said so
+    if (!spec.function.definition->is_cone)  // a cone has said so
       out.error(spec.function.residual.place,
                 fmt::format("the friction cone of '{}' needs a normal that is fixed in the world",
                             contact.name.value),
@@ -162,7 +162,7 @@ void add_friction_cone(const ConstraintSpec& spec, const CostContext& context, B
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) A(i, j) = R(j, i);
   const Eigen::MatrixXd normal = A.row(2);
-  A.row(2) *= contact.friction * spec.function.cone.safety;
+  A.row(2) *= contact.friction * spec.function.keys.value(key::safety);
   BuiltConstraint cone{.spec = &spec, .kind = ConstraintKind::second_order_cone};
   cone.function = function;
   set_force_rows(A, context, cone.function);
@@ -194,12 +194,9 @@ void add_centers(const BuiltConstraint& constraint, std::vector<BuiltConstraint>
 CostSpec function_of(const ConstraintSpec& spec) {
   CostSpec function = spec.function;
   if (spec.centers.empty()) return function;
-  ReferenceValueSpec origin{.place = spec.centers.front().place};
-  if (function.kind == ResidualKind::kFramePosition || function.kind == ResidualKind::kComPosition)
-    origin.pose = PoseSpec{.place = origin.place, .position = Vector3<double>::zero()};
-  else
-    origin.components = ComponentsSpec{.place = origin.place, .scalar = 0.0};
-  function.reference = ReferenceSpec{.place = origin.place, .values = {origin}};
+  const Place& place = spec.centers.front().place;
+  function.reference = ReferenceSpec{
+      .place = place, .values = {*function.definition->reference->zero(function, place)}};
   return function;
 }
 
@@ -208,7 +205,7 @@ bool set_bounds(BuiltConstraint& built, Diagnostics& out) {
   const ConstraintSpec& spec = *built.spec;
   const CostResidual& residual = built.function.residual;
   const int n = residual.residual->size();
-  if (spec.function.cone.second_order) {
+  if (spec.function.keys.value(key::cone)) {
     built.kind = ConstraintKind::second_order_cone;
     built.slope = spec.slope;
     if (n >= 2) return true;
@@ -253,7 +250,7 @@ void scale_efforts(double scale, std::vector<double>& lower, std::vector<double>
 
 bool is_zero(const ConstraintSpec& c) {
   return !c.bounded && !c.equals && !c.lower && !c.upper && !c.at_least && !c.at_most &&
-         !c.function.cone.second_order && !residual_info(c.function.kind).is_cone;
+         !c.function.keys.value(key::cone) && !c.function.definition->is_cone;
 }
 
 std::vector<BuiltConstraint> build_constraints(const std::vector<ConstraintSpec>& specs,
@@ -269,7 +266,7 @@ std::vector<BuiltConstraint> build_constraints(const std::vector<ConstraintSpec>
     }
     for (BuiltCost& function : build_costs({function_of(spec)}, context, out)) {
       function.spec = &spec.function;
-      if (function.contact.contact >= 0 && spec.function.cone.second_order) {
+      if (function.contact.contact >= 0 && spec.function.keys.value(key::cone)) {
         add_friction_cone(spec, context, std::move(function), list, out);
         continue;
       }
@@ -290,9 +287,7 @@ ConstraintTerm make_term(const BuiltConstraint& constraint,
 void write_parameters(const BuiltConstraint& constraint, const ConstraintTerm& term, double time,
                       bool active, double* parameters) {
   const BuiltCost& function = constraint.function;
-  const std::vector<double> reference = function.spec->kind == ResidualKind::kControl
-                                            ? function.reference.hold(time)
-                                            : function.reference.interpolate(time);
+  const std::vector<double> reference = reference_at(*function.spec, function.reference, time);
   std::copy(reference.begin(), reference.end(), parameters + term.parameters);
   std::copy(constraint.lower.begin(), constraint.lower.end(), parameters + term.lower());
   std::copy(constraint.upper.begin(), constraint.upper.end(), parameters + term.upper());

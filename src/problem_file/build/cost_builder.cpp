@@ -3,11 +3,23 @@
 #include <algorithm>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "problem_file/build/swing_reference.hpp"
+#include "problem_file/residuals/residual_table.hpp"
 
 namespace conddp {
 namespace {
+
+/// "state, control and joint_velocity", for hints.
+std::string list_with_limits() {
+  std::vector<std::string_view> names;
+  for (const ResidualDefinition* definition : residual_table())
+    if (definition->has_limits) names.push_back(definition->name);
+  const std::string_view last = names.back();
+  names.pop_back();
+  return fmt::format("{} and {}", fmt::join(names, ", "), last);
+}
 
 /// The barrier's bounds: the robot's limits where asked for, and what the file says besides.
 bool set_barrier(const CostSpec& cost, const CostResidual& residual, Activation& activation,
@@ -18,10 +30,9 @@ bool set_barrier(const CostSpec& cost, const CostResidual& residual, Activation&
   activation.upper.assign(n, kUnlimited);
   if (spec.from_urdf) {
     if (residual.lower.empty()) {
-      out.error(
-          spec.place,
-          fmt::format("a robot has no limits for the residual '{}'", residual_info(cost.kind).name),
-          "'from: urdf' serves state, control, joint_position and joint_velocity");
+      out.error(spec.place,
+                fmt::format("a robot has no limits for the residual '{}'", cost.residual.value),
+                fmt::format("'from: urdf' serves {}", list_with_limits()));
       return false;
     }
     if (cost.reference) {
@@ -82,7 +93,7 @@ std::vector<BuiltCost> build_costs(const std::vector<CostSpec>& specs, const Cos
   const auto add = [&](const CostSpec& spec, CostResidual residual, ContactCost contact) {
     auto activation = build_activation(spec, residual, contact, out);
     auto reference =
-        spec.swing
+        spec.keys.find(key::swing) != nullptr
             ? swing_reference(spec, residual, context.spec, context.contacts, context.plant,
                               context.states.initial(), context.times, out)
             : build_reference(spec, residual, context.plant, context.states, context.times, out);
@@ -91,7 +102,7 @@ std::vector<BuiltCost> build_costs(const std::vector<CostSpec>& specs, const Cos
                      std::move(*reference)});
   };
   for (const CostSpec& spec : specs) {
-    if (residual_info(spec.kind).of_contacts && context.plant.multibody()) {
+    if (spec.definition->of_contacts() && context.plant.multibody()) {
       for (ContactCost& contact : make_contact_costs(spec, context.spec, context.contacts,
                                                      context.plant, context.ndx, out)) {
         CostResidual prototype = contact.prototype;
@@ -107,9 +118,7 @@ std::vector<BuiltCost> build_costs(const std::vector<CostSpec>& specs, const Cos
 
 void write_parameters(const BuiltCost& cost, const CostTerm& term, double time, double weight,
                       double* parameters) {
-  const std::vector<double> reference = cost.spec->kind == ResidualKind::kControl
-                                            ? cost.reference.hold(time)
-                                            : cost.reference.interpolate(time);
+  const std::vector<double> reference = reference_at(*cost.spec, cost.reference, time);
   std::copy(reference.begin(), reference.end(), parameters + term.parameters);
   parameters[term.weight] = weight;
 }

@@ -97,7 +97,7 @@ class GuessBuilder {
     const std::vector<double>& times = problem_.times();
     bool found = false;
     for (const CostSpec& cost : spec_.terminal_costs) {
-      if (cost.kind != ResidualKind::kState && cost.kind != ResidualKind::kJointPosition) continue;
+      if (!cost.definition->of_positions) continue;
       const auto residual = make_cost_residual(cost, spec_, plant_, problem_.ndx(), out_);
       if (!residual) return std::nullopt;
       const auto reference = build_reference(cost, *residual, plant_, states_, times, out_);

@@ -31,7 +31,7 @@ bool check_free_durations(const ProblemSpec& spec, const System& system, Diagnos
     out.error(place, "a system that gives the next state itself knows no time");
   for (const auto* list : {&spec.costs, &spec.terminal_costs})
     for (const CostSpec& cost : *list)
-      if (cost.swing)
+      if (cost.keys.find(key::swing) != nullptr)
         out.error(cost.name.place, "a swing is a motion over time, and durations are free");
   for (const auto* list : {&spec.constraints, &spec.terminal_constraints})
     for (const ConstraintSpec& constraint : *list)
@@ -60,13 +60,15 @@ void add_durations(const ProblemSpec& spec, InitialChoice& choice, std::vector<C
 BuiltInitialChoice build_initial_choice(const ProblemSpec& spec, const Plant& plant,
                                         const std::vector<double>& state, bool control_memory,
                                         Diagnostics& out) {
-  const CostSpec* cycle = spec.first_use(ResidualKind::kCycle);
+  const CostSpec* cycle = spec.first_use(&ResidualNeeds::chosen_start);
   const PhaseSpec& phase = spec.phases.front();
   if (!check_free_durations(spec, *plant.system, out)) return {.valid = false, .choice = {}};
   if (!phase.choice) {
     if (cycle == nullptr) return {};
     out.error(cycle->residual.place,
-              "the residual 'cycle' measures from a first state that is chosen, and it is given",
+              fmt::format("the residual '{}' measures from a first state that is chosen, and it is "
+                          "given",
+                          cycle->residual.value),
               "write '- {choose: all}' as the first of the phases");
     return {.valid = false, .choice = {}};
   }

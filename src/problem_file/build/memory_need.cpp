@@ -26,15 +26,16 @@ double memory_there() {
 double rows_of(const ConstraintSpec& constraint, const ProblemSpec& spec, int ndx, int nu) {
   constexpr double kPoseRows = 6, kConeRows = 17;
   const CostSpec& function = constraint.function;
-  const ResidualInfo& info = residual_info(function.kind);
-  if (info.of_shapes) {
-    if (function.pairs.choice == PairsSpec::Choice::kNamed)
-      return 2 * static_cast<double>(function.pairs.named.size());
+  const ResidualDefinition& definition = *function.definition;
+  if (definition.needs.shapes) {
+    const PairsSpec pairs = function.keys.value(key::pairs);
+    if (pairs.choice == PairsSpec::Choice::kNamed)
+      return 2 * static_cast<double>(pairs.named.size());
     const auto shapes = static_cast<double>(spec.collision.shapes.size());
     return 2 * shapes * (shapes + static_cast<double>(spec.collision.obstacles.size()));
   }
-  if (info.of_contacts) return kConeRows * static_cast<double>(spec.contacts.size());
-  return info.needs_frame ? kPoseRows : std::max(ndx, nu);
+  if (definition.of_contacts()) return kConeRows * static_cast<double>(spec.contacts.size());
+  return definition.has(key::frame.name) ? kPoseRows : std::max(ndx, nu);
 }
 
 }  // namespace

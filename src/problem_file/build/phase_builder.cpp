@@ -18,7 +18,7 @@ namespace {
 
 /// Some residuals need a control whatever they are on, others by what they combine.
 bool needs_control(const BuiltCost& cost) {
-  return residual_info(cost.spec->kind).needs_control || cost.residual.residual->needs_control();
+  return cost.spec->definition->needs.control || cost.residual.residual->needs_control();
 }
 
 /// The phases in which a cost is on. Costs on a contact are on while it is held, and impulses have
@@ -78,7 +78,7 @@ std::vector<double> schedule(const PhaseContext& context, const BuiltCost& cost,
         if (name.value == c.name.value) weight = value;
     row.insert(row.end(), spec.phases[p].knots.value, in_phase[p] ? weight : 0.0);
   }
-  if (c.swing) extend_to_touch_down(spec, row);
+  if (c.keys.find(key::swing) != nullptr) extend_to_touch_down(spec, row);
   if (!c.knots) return row;
   std::vector<bool> chosen(row.size(), false);
   for (const Located<int>& knot : *c.knots) {
@@ -107,7 +107,8 @@ std::vector<int> active_in(const std::vector<std::vector<double>>& weights, int 
 
 /// Whether a swing ends at the last node: it lasts until then, and the node holds the foot.
 bool touches_down_at_the_end(const BuiltCost& cost, const PhaseContext& context, Diagnostics& out) {
-  if (!cost.spec->swing || !phases_of(cost, context, out).back()) return false;
+  if (cost.spec->keys.find(key::swing) == nullptr || !phases_of(cost, context, out).back())
+    return false;
   const auto& contacts = context.contacts.contacts();
   for (std::size_t c = 0; c < contacts.size(); ++c)
     if (contacts[c].frame == cost.residual.frame &&
@@ -298,7 +299,7 @@ Phase build_terminal(const PhaseContext& context, const KnotContents& running,
     const int contact = function.contact.contact;
     if (contact < 0 || context.contacts.find(node, contact)) return true;
     const bool none = context.contacts.held(node).empty();
-    if (none || !function.spec->contacts.all)
+    if (none || !function.spec->keys.value(key::contacts).all)
       out.error(function.spec->residual.place,
                 none ? "the last node holds no contact"
                      : fmt::format("the last node does not hold the contact '{}'",

@@ -6,8 +6,6 @@
 #include <fmt/format.h>
 
 #include "base/spelling.hpp"
-#include "robot/dynamics.hpp"
-#include "robot/frames.hpp"
 
 namespace conddp {
 namespace {
@@ -23,25 +21,24 @@ class ReferenceBuilder {
   Numbers value(const ReferenceValueSpec& spec) const {
     if (spec.name) {
       const Numbers state = states_.named(*spec.name);
-      return state ? from_state(*state) : std::nullopt;
+      return state ? Numbers(residual_.in_state(*state)) : std::nullopt;
     }
     if (spec.state) {
       const Numbers state = states_.build(*spec.state);
-      return state ? from_state(*state) : std::nullopt;
+      return state ? Numbers(residual_.in_state(*state)) : std::nullopt;
     }
     if (spec.components) return from_components(*spec.components);
     if (spec.twist) {
       const auto& [linear, angular] = std::pair(spec.twist->linear, spec.twist->angular);
       return std::vector{linear.x, linear.y, linear.z, angular.x, angular.y, angular.z};
     }
-    return from_pose(*spec.pose);
+    return cost_.definition->reference->numbers(*spec.pose, out_);
   }
 
   /// Warns of positions outside of the joints' limits; whether there are any. Zero may stand for a
   /// joint that is not mentioned, and the initial state has been looked at.
   bool check_limits(const ReferenceValueSpec& spec, const std::vector<double>& value) const {
-    if (cost_.kind != ResidualKind::kState && cost_.kind != ResidualKind::kJointPosition)
-      return false;
+    if (!cost_.definition->of_positions) return false;
     if (spec.name && spec.name->value == "initial") return false;
     std::vector<double> x(plant_.system->manifold().nx(), std::nan(""));
     for (std::size_t i = 0; i < value.size(); ++i) {
@@ -64,88 +61,20 @@ class ReferenceBuilder {
 
   /// What stands for a reference that the file leaves out.
   Numbers absent() const {
-    switch (cost_.kind) {
-      case ResidualKind::kFramePosition:
-      case ResidualKind::kComPosition:
-        if (cost_.activation.kind == ActivationKind::quadratic_barrier) break;
-        [[fallthrough]];
-      case ResidualKind::kFrameRotation:
-      case ResidualKind::kFramePlacement:
-        out_.error(cost_.name.place, fmt::format("'{}' needs a reference", cost_.name.value),
-                   "a configuration's name, 'initial', or numbers");
-        return std::nullopt;
-      default:
-        break;
+    using Needed = ReferenceForm::Needed;
+    const ReferenceForm* form = cost_.definition->reference;
+    const Needed needed = form != nullptr ? form->needed : Needed::kNever;
+    const bool barrier = cost_.activation.kind == ActivationKind::quadratic_barrier;
+    if (needed == Needed::kAlways || (needed == Needed::kWithoutBarrier && !barrier)) {
+      out_.error(cost_.name.place, fmt::format("'{}' needs a reference", cost_.name.value),
+                 "a configuration's name, 'initial', or numbers");
+      return std::nullopt;
     }
     return residual_.parameters.neutral();
   }
 
  private:
-  /// The value of the residual's quantity in a state.
-  Numbers from_state(const std::vector<double>& x) const {
-    if (!residual_.indices.empty()) {
-      std::vector<double> values;
-      for (const int i : residual_.indices)
-        values.push_back(cost_.kind == ResidualKind::kJointAcceleration ? 0.0 : x[i]);
-      return values;
-    }
-    if (cost_.kind == ResidualKind::kState) return x;
-    const MultibodySystem& system = *plant_.multibody();
-    const RobotModel& robot = plant_.robot();
-    RobotData<double> data(robot);
-    const std::vector<double> q =
-        system.expand_configuration(std::vector(x.begin(), x.begin() + system.nq()));
-    update_placements(robot, q.data(), data);
-    if (cost_.kind == ResidualKind::kComPosition) {
-      update_composite_inertias(robot, data);
-      const Vector3<double> c = center_of_mass(robot, data);
-      return std::vector{c.x, c.y, c.z};
-    }
-    if (cost_.kind == ResidualKind::kFrameVelocity ||
-        cost_.kind == ResidualKind::kCentroidalMomentum) {
-      const std::vector<double> velocity =
-          system.expand_velocity(std::vector(x.begin() + system.nq(), x.end()));
-      update_velocities(robot, velocity.data(), data);
-      if (cost_.kind == ResidualKind::kCentroidalMomentum) {
-        update_composite_inertias(robot, data);
-        const Force<double> h = centroidal_momentum(robot, data);
-        return std::vector{h[0], h[1], h[2], h[3], h[4], h[5]};
-      }
-      const Motion<double> v = conddp::frame_velocity(robot, data, residual_.frame, cost_.axes);
-      return std::vector{v[0], v[1], v[2], v[3], v[4], v[5]};
-    }
-    const SE3<double> pose = conddp::frame_placement(robot, data, residual_.frame);
-    return pose_numbers(pose.p, quaternion(pose.R));
-  }
-
-  Numbers pose_numbers(const Vector3<double>& p, const Quaternion<double>& q) const {
-    if (cost_.kind == ResidualKind::kFrameRotation) return std::vector{q.x, q.y, q.z, q.w};
-    if (cost_.kind == ResidualKind::kFramePlacement)
-      return std::vector{p.x, p.y, p.z, q.x, q.y, q.z, q.w};
-    return std::vector{p.x, p.y, p.z};
-  }
-
-  Numbers from_pose(const PoseSpec& pose) const {
-    const bool position = cost_.kind != ResidualKind::kFrameRotation;
-    const bool rotation =
-        cost_.kind == ResidualKind::kFrameRotation || cost_.kind == ResidualKind::kFramePlacement;
-    if ((position && !pose.position) || (rotation && !pose.orientation)) {
-      out_.error(pose.place, position && !pose.position
-                                 ? "the reference lacks 'position'"
-                                 : "the reference lacks 'orientation' or 'rpy'");
-      return std::nullopt;
-    }
-    return pose_numbers(pose.position.value_or(Vector3<double>::zero()),
-                        pose.orientation.value_or(Quaternion<double>::identity()));
-  }
-
   Numbers from_components(const ComponentsSpec& spec) const {
-    if (cost_.kind == ResidualKind::kState && !cost_.columns &&
-        spec.form == ComponentsSpec::Form::kScalar) {
-      out_.error(spec.place, "one number is not a state",
-                 "a configuration's name, 'initial', a list, or '{values: {column: number}}'");
-      return std::nullopt;
-    }
     Numbers numbers = resolve(spec, residual_.references, 0.0, out_);
     if (numbers && !residual_.parameters.normalize(numbers->data())) {
       out_.error(spec.place, "a quaternion of the state has not length 1");
@@ -164,7 +93,7 @@ class ReferenceBuilder {
 /// The columns of a file that hold a reference: those named, else those of the quantity itself.
 std::optional<std::vector<std::string>> file_columns(const CostSpec& cost,
                                                      const CostResidual& residual,
-                                                     const Plant& plant, Diagnostics& out) {
+                                                     Diagnostics& out) {
   const DataFileSpec& file = *cost.reference->file;
   const std::size_t count = residual.parameters.nx();
   std::vector<std::string> columns;
@@ -175,14 +104,7 @@ std::optional<std::vector<std::string>> file_columns(const CostSpec& cost,
                                            cost.name.value, count, columns.size()));
     return std::nullopt;
   }
-  const ComponentNames states = state_names(*plant.system);
-  if (cost.kind == ResidualKind::kControl) return control_names(plant.actuated()).names;
-  if (cost.kind == ResidualKind::kState && !cost.columns) return states.names;
-  if (cost.kind == ResidualKind::kState || cost.kind == ResidualKind::kJointPosition ||
-      cost.kind == ResidualKind::kJointVelocity) {
-    for (const int i : residual.indices) columns.push_back(states.names[i]);
-    return columns;
-  }
+  if (!residual.columns.empty()) return residual.columns;
   out.error(file.file.place, fmt::format("say which {} columns of the file to use", count),
             "columns: [...]");
   return std::nullopt;
@@ -237,7 +159,7 @@ std::optional<TimeSeries> build_reference(const CostSpec& cost, const CostResidu
   }
   const ReferenceSpec& spec = *cost.reference;
   if (spec.file) {
-    const auto columns = file_columns(cost, residual, plant, out);
+    const auto columns = file_columns(cost, residual, out);
     if (!columns) return std::nullopt;
     const auto table = load_data_table(spec.file->path, spec.file->file.place, out);
     if (!table) return std::nullopt;
@@ -265,6 +187,11 @@ std::optional<TimeSeries> build_reference(const CostSpec& cost, const CostResidu
   }
   if (!complete) return std::nullopt;
   return series;
+}
+
+std::vector<double> reference_at(const CostSpec& cost, const TimeSeries& reference, double time) {
+  const ReferenceForm* form = cost.definition->reference;
+  return form != nullptr && form->holds ? reference.hold(time) : reference.interpolate(time);
 }
 
 }  // namespace conddp

@@ -1,9 +1,9 @@
 #pragma once
 
-#include "problem_file/build/cost_residual.hpp"
 #include "problem_file/build/state_builder.hpp"
 #include "problem_file/data/data_table.hpp"
 #include "problem_file/data/time_series.hpp"
+#include "problem_file/residuals/cost_residual.hpp"
 
 namespace conddp {
 
@@ -12,6 +12,9 @@ namespace conddp {
 std::optional<TimeSeries> build_reference(const CostSpec& cost, const CostResidual& residual,
                                           const Plant& plant, const StateBuilder& states,
                                           const std::vector<double>& times, Diagnostics& out);
+
+/// Its value at a time: between way-points, or held where the residual's references are.
+std::vector<double> reference_at(const CostSpec& cost, const TimeSeries& reference, double time);
 
 /// Columns of a file's table as a series on a manifold; quaternions must have length 1. Rows with
 /// an empty cell in one of the columns are left out. A missing column is reported.

@@ -13,6 +13,8 @@ namespace {
 /// Whether no phase of the swing holds the frame.
 bool is_free(const CostSpec& cost, int frame, const std::vector<bool>& swings,
              const ProblemSpec& spec, const ContactPlan& plan, Diagnostics& out) {
+  const SwingSpec& swing = *cost.keys.find(key::swing);
+  const Name& name = *cost.keys.find(key::frame);
   for (std::size_t c = 0; c < spec.contacts.size(); ++c) {
     if (plan.contacts()[c].frame != frame) continue;
     std::size_t held = 0, asked = swings.size();
@@ -23,17 +25,16 @@ bool is_free(const CostSpec& cost, int frame, const std::vector<bool>& swings,
     }
     if (asked == swings.size()) continue;
     if (held == swings.size())
-      out.error(cost.swing->place,
+      out.error(swing.place,
                 fmt::format("'{}' is asked to swing and never lifts: every phase holds it on the "
                             "ground by the contact '{}'",
-                            cost.frame->value, spec.contacts[c].name.value),
+                            name.value, spec.contacts[c].name.value),
                 "take the contact out of the phases in which it swings");
     else
-      out.error(cost.swing->place,
+      out.error(swing.place,
                 fmt::format("'{}' cannot swing in phase '{}', which holds it on the ground by the "
                             "contact '{}'",
-                            cost.frame->value, spec.phases[asked].name.value,
-                            spec.contacts[c].name.value),
+                            name.value, spec.phases[asked].name.value, spec.contacts[c].name.value),
                 "name the phases of the swing with 'phases', or take the contact out of them");
     return false;
   }
@@ -47,22 +48,25 @@ std::optional<TimeSeries> swing_reference(const CostSpec& cost, const CostResidu
                                           const Plant& plant, const std::vector<double>& initial,
                                           const std::vector<double>& times, Diagnostics& out) {
   const std::vector<bool> swings = phases_named(cost.phases, spec, out);
+  const SwingSpec& swing = *cost.keys.find(key::swing);
+  const Name& frame = *cost.keys.find(key::frame);
   if (!is_free(cost, residual.frame, swings, spec, plan, out)) return std::nullopt;
   const std::vector<SwingRun> runs = swing_runs(swings, spec);
   if (runs.empty()) {
-    out.error(cost.swing->place, "the swing has no phase");
+    out.error(swing.place, "the swing has no phase");
     return std::nullopt;
   }
   const SE3<double> start = placement_in_state(*plant.multibody(), initial, residual.frame);
-  const Foot foot{cost.frame->value, residual.frame, start.p};
+  const Foot foot{frame.value, residual.frame, start.p};
   if (!check_landings(cost, foot, runs.size(), spec, plant, initial, out)) return std::nullopt;
   const std::vector<Foothold> places = footholds(foot, spec, plant, initial);
   const Quaternion<double> stance = quaternion(start.R);
+  const bool turns = residual.parameters.nx() == pose_manifold().nx();
   TimeSeries series(residual.parameters);
   for (const SwingRun& run : runs) {
     const Foothold &from = places[run.first_phase], &to = places[run.end_phase];
     if (!(times[run.last] > times[run.first])) {
-      out.error(cost.swing->place, "a swing takes time, and an impulse none");
+      out.error(swing.place, "a swing takes time, and an impulse none");
       return std::nullopt;
     }
     const double begin = times[run.first], duration = times[run.last] - begin;
@@ -70,11 +74,11 @@ std::optional<TimeSeries> swing_reference(const CostSpec& cost, const CostResidu
       if (k > run.first && times[k] == times[k - 1]) continue;  // an impulse
       const double s = k == run.last ? 1 : (times[k] - begin) / duration;
       const double along = s * s * (3 - 2 * s);
-      const double above = 16 * cost.swing->height * s * s * (1 - s) * (1 - s);
+      const double above = 16 * swing.height * s * s * (1 - s) * (1 - s);
       std::vector<double> value{from.p.x + along * (to.p.x - from.p.x),
                                 from.p.y + along * (to.p.y - from.p.y),
                                 from.p.z + along * (to.p.z - from.p.z) + above};
-      if (cost.kind == ResidualKind::kFramePlacement) {
+      if (turns) {
         const double half = (from.yaw + along * (to.yaw - from.yaw)) / 2;
         const Quaternion<double> q =
             Quaternion<double>{0, 0, std::sin(half), std::cos(half)} * stance;

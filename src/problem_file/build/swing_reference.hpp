@@ -1,9 +1,9 @@
 #pragma once
 
 #include "problem_file/build/contact_plan.hpp"
-#include "problem_file/build/cost_residual.hpp"
 #include "problem_file/build/state_builder.hpp"
 #include "problem_file/data/time_series.hpp"
+#include "problem_file/residuals/cost_residual.hpp"
 
 namespace conddp {
 

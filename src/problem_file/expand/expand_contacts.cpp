@@ -23,11 +23,4 @@ OrderedJson expand_contacts(const std::vector<ContactSpec>& contacts) {
   return json;
 }
 
-OrderedJson expand_contact_names(const ContactNames& names, const ProblemSpec& spec) {
-  if (!names.all) return expand_names(names.names);
-  OrderedJson all = OrderedJson::array();
-  for (const ContactSpec& contact : spec.contacts) all.push_back(contact.name.value);
-  return all;
-}
-
 }  // namespace conddp

@@ -2,23 +2,12 @@
 
 #include "base/ordered_json.hpp"
 #include "problem_file/plant/plant.hpp"
+#include "problem_file/values/expand_values.hpp"
 
 namespace conddp {
 
 /// Expanders of the parts of a problem file, one for each reader in read_sections.hpp: each gives
 /// what its reader would read the same spec from, with the defaults written out.
-
-// expand_values.cpp
-OrderedJson expand_vector(const Vector3<double>& vector);
-OrderedJson expand_quaternion(const Quaternion<double>& q);
-OrderedJson expand_numbers(const NamedNumbers& numbers);
-OrderedJson expand_components(const ComponentsSpec& spec);
-OrderedJson expand_names(const std::vector<Name>& names);
-OrderedJson expand_motion(const PlanarMotion& motion);
-OrderedJson expand_pose(const PoseSpec& pose);
-OrderedJson expand_twist(const TwistSpec& twist);
-OrderedJson expand_state(const StateSpec& state);
-OrderedJson expand_data_file(const DataFileSpec& file);
 
 // expand_robot.cpp
 OrderedJson expand_robot(const RobotSpec& robot);
@@ -28,8 +17,6 @@ OrderedJson expand_system(const SystemSpec& system);
 
 // expand_contacts.cpp
 OrderedJson expand_contacts(const std::vector<ContactSpec>& contacts);
-/// The contacts' names, all where the file says so.
-OrderedJson expand_contact_names(const ContactNames& names, const ProblemSpec& spec);
 
 // expand_collision.cpp
 OrderedJson expand_collision(const CollisionSpec& collision);

@@ -24,7 +24,7 @@ void expand(const LinearSpec& p, OrderedJson& json) {
 
 template <class P>
 void expand(const P& p, OrderedJson& json) {
-  for_each_field(p, [&](std::string_view key, double value, const NumberRange&) {
+  for_each_field(p, [&](std::string_view key, std::string_view, double value, const NumberRange&) {
     json[std::string(key)] = value;
   });
 }
@@ -32,7 +32,7 @@ void expand(const P& p, OrderedJson& json) {
 }  // namespace
 
 OrderedJson expand_system(const SystemSpec& system) {
-  OrderedJson json = {{"type", kSystemTypes[system.parameters.index()]}};
+  OrderedJson json = {{"type", kSystemTypes[system.parameters.index()].name}};
   std::visit([&](const auto& parameters) { expand(parameters, json); }, system.parameters);
   return json;
 }

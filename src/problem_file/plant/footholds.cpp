@@ -14,7 +14,8 @@ namespace {
 constexpr double kSteepest = 0.1;
 
 bool is_swing_of(const CostSpec& cost, const std::string& frame) {
-  return cost.swing && cost.frame && cost.frame->value == frame;
+  const Name* name = cost.keys.find(key::frame);
+  return cost.keys.find(key::swing) != nullptr && name != nullptr && name->value == frame;
 }
 
 /// The normal of the ground under a frame, in the world.
@@ -72,7 +73,8 @@ std::vector<Foothold> footholds(const Foot& foot, const ProblemSpec& spec, const
   std::vector<Swing> all;
   for (const CostSpec& cost : spec.costs)
     if (is_swing_of(cost, foot.name))
-      all.push_back({&*cost.swing, swing_runs(phases_named(cost.phases, spec), spec)});
+      all.push_back(
+          {cost.keys.find(key::swing), swing_runs(phases_named(cost.phases, spec), spec)});
   const std::size_t n = spec.phases.size();
   std::vector<Foothold> places(n + 1, {foot.start});
   for (std::size_t p = 1; p <= n; ++p) {
@@ -98,7 +100,7 @@ std::vector<Foothold> footholds(const Foot& foot, const ProblemSpec& spec, const
 bool check_landings(const CostSpec& cost, const Foot& foot, std::size_t runs,
                     const ProblemSpec& spec, const Plant& plant, const std::vector<double>& initial,
                     Diagnostics& out) {
-  const SwingSpec& swing = *cost.swing;
+  const SwingSpec& swing = *cost.keys.find(key::swing);
   if (swing.displaced.empty()) return true;
   if (swing.displaced.size() != runs) {
     out.error(swing.place,

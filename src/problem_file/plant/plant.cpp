@@ -45,6 +45,17 @@ SE3<double> placement_in_state(const MultibodySystem& system, const std::vector<
   return frame_placement(system.robot(), data, frame);
 }
 
+RobotData<double> data_in_state(const MultibodySystem& system, const std::vector<double>& x) {
+  RobotData<double> data(system.robot());
+  const std::vector<double> q =
+      system.expand_configuration(std::vector(x.begin(), x.begin() + system.nq()));
+  const std::vector<double> v =
+      system.expand_velocity(std::vector(x.begin() + system.nq(), x.end()));
+  update_placements(system.robot(), q.data(), data);
+  update_velocities(system.robot(), v.data(), data);
+  return data;
+}
+
 std::optional<int> find_frame(const RobotModel& robot, const Name& name, const std::string& prefix,
                               Diagnostics& out) {
   const auto frame = robot.find_frame(prefix + name.value);

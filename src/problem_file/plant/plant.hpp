@@ -59,6 +59,9 @@ std::vector<std::string> frame_names(const RobotModel& robot);
 SE3<double> placement_in_state(const MultibodySystem& system, const std::vector<double>& x,
                                int frame);
 
+/// The robot's data with the placements and velocities of its bodies in a state of the system.
+RobotData<double> data_in_state(const MultibodySystem& system, const std::vector<double>& x);
+
 /// The frame's index; an unknown name is reported at its place.
 std::optional<int> find_frame(const RobotModel& robot, const Name& name, const std::string& prefix,
                               Diagnostics& out);

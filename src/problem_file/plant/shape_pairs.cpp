@@ -91,7 +91,8 @@ std::vector<ShapePair> shape_pairs(const CostSpec& cost, const ProblemSpec& spec
     return true;
   };
   using Choice = PairsSpec::Choice;
-  const Choice choice = cost.pairs.choice;
+  const PairsSpec asked = cost.keys.value(key::pairs);
+  const Choice choice = asked.choice;
   for (std::size_t a = 0; a < items.size() && choice != Choice::kNamed; ++a)
     for (std::size_t b = a + 1; b < items.size() && !items[a].obstacle; ++b) {
       if (choice == (items[b].obstacle ? Choice::kSelf : Choice::kObstacles)) continue;
@@ -99,7 +100,7 @@ std::vector<ShapePair> shape_pairs(const CostSpec& cost, const ProblemSpec& spec
       add(a, b);
     }
   const int errors = out.error_count();
-  for (const auto& [first, second] : cost.pairs.named) {
+  for (const auto& [first, second] : asked.named) {
     const auto firsts = items_named(first, items, out), seconds = items_named(second, items, out);
     bool moves = firsts.empty() || seconds.empty();
     for (const std::size_t a : firsts)
@@ -109,7 +110,7 @@ std::vector<ShapePair> shape_pairs(const CostSpec& cost, const ProblemSpec& spec
                                          first.value, second.value));
   }
   if (pairs.empty() && out.error_count() == errors)
-    out.error(cost.pairs.place, fmt::format("the cost '{}' has no pair of shapes", cost.name.value),
+    out.error(asked.place, fmt::format("the cost '{}' has no pair of shapes", cost.name.value),
               spec.collision.shapes.empty() ? "the file has no 'collision: {shapes: ...}'" : "");
   return pairs;
 }

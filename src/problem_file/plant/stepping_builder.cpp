@@ -93,8 +93,9 @@ void check_frozen_keys(const ProblemSpec& spec, Diagnostics& out) {
         out.error(cost.name.place, fmt::format("'{}' is the name of a cost of contacts that are "
                                                "found",
                                                kRegularization));
-  if (const CostSpec* rate = spec.first_use(ResidualKind::kControlRate))
-    out.error(rate->residual.place, "contacts that are found do not support 'control_rate'");
+  if (const CostSpec* rate = spec.first_use(&ResidualNeeds::previous_control))
+    out.error(rate->residual.place,
+              fmt::format("contacts that are found do not support '{}'", rate->residual.value));
   for (const auto* list : {&spec.constraints, &spec.terminal_constraints})
     for (const ConstraintSpec& constraint : *list)
       if (const Name& name = constraint.function.name;

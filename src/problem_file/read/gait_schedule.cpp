@@ -8,6 +8,7 @@
 
 #include "problem_file/plant/planar_motion.hpp"
 #include "problem_file/read/read_sections.hpp"
+#include "problem_file/residuals/residual_table.hpp"
 
 namespace conddp {
 namespace {
@@ -198,16 +199,16 @@ class GaitSchedule {
           *std::find_if(spec_.contacts.begin(), spec_.contacts.end(),
                         [&](const ContactSpec& c) { return c.name.value == contact.value; });
       const bool sole = on.kind == ContactKind::surface;
-      const ResidualKind kind = sole ? ResidualKind::kFramePlacement : ResidualKind::kFramePosition;
+      const char* residual = sole ? "frame_placement" : "frame_position";
       SwingSpec swing{.place = gait_.place, .height = gait_.step_height};
       for (int cycle = 0; cycle < cycles(); ++cycle)
         swing.displaced.push_back(motion(landing(foot, cycle)));
       CostSpec cost{.name = {"swing_" + contact.value, gait_.place},
-                    .residual = {std::string(residual_info(kind).name), gait_.place},
-                    .kind = kind,
+                    .residual = {residual, gait_.place},
+                    .definition = find_residual(residual),
                     .weight = gait_.weight};
-      cost.frame = {on.frame.value, contact.place};
-      cost.swing = std::move(swing);
+      cost.keys.set(key::frame, {on.frame.value, contact.place});
+      cost.keys.set(key::swing, std::move(swing));
       cost.phases = swing_phases_[foot];
       for (const CostSpec& other : spec_.costs)
         if (other.name.value == cost.name.value)

@@ -116,28 +116,4 @@ CollisionSpec read_collision(const YamlReader& reader) {
   return collision;
 }
 
-PairsSpec read_pairs(const YamlReader& reader) {
-  PairsSpec pairs{.place = reader.place()};
-  if (reader.is_scalar()) {
-    pairs.choice = reader.choice(kPairsWords, "choice of pairs").value_or(pairs.choice);
-    return pairs;
-  }
-  const auto items = reader.items();
-  if (!items) return pairs;
-  if (items->empty()) reader.error("there is no pair", "write '[[forearm, table]]'");
-  for (const YamlReader& item : *items) {
-    if (!item.is_sequence()) {
-      item.expected("a pair of shapes", "write '[[forearm, table]]'");
-      continue;
-    }
-    const auto names = item.names();
-    if (!names) continue;
-    if (names->size() == 2)
-      pairs.named.push_back({(*names)[0], (*names)[1]});
-    else
-      item.error(fmt::format("a pair has two names, this list {}", names->size()));
-  }
-  return pairs;
-}
-
 }  // namespace conddp

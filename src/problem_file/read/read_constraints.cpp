@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "problem_file/read/read_sections.hpp"
+#include "problem_file/residuals/residual_table.hpp"
 #include "problem_file/spec/enum_names.hpp"
 
 namespace conddp {
@@ -61,11 +62,9 @@ void read_bounded(YamlMap& map, const Name& name, ProblemSpec& spec) {
   }
   ConstraintSpec constraint;
   constraint.function.name = name;
-  constraint.function.residual = {"state", r->place()};
-  if (*bounded == BoundedQuantity::kControl) {
-    constraint.function.residual.value = "control";
-    constraint.function.kind = ResidualKind::kControl;
-  }
+  const char* residual = *bounded == BoundedQuantity::kControl ? "control" : "state";
+  constraint.function.residual = {residual, r->place()};
+  constraint.function.definition = find_residual(residual);
   constraint.bounded = {*bounded, r->place()};
   read_softness(map, constraint);
   read_bounds(map, name, constraint);
@@ -82,12 +81,12 @@ constexpr std::pair<std::string_view, std::string_view> kExclusive[] = {
 
 /// What the residual has to be: equal, between, of a length, in a cone.
 void read_set(YamlMap& map, ConstraintSpec& constraint) {
-  const ResidualInfo& info = residual_info(constraint.function.kind);
+  const ResidualDefinition& definition = *constraint.function.definition;
   for (const auto& [a, b] : kExclusive) map.exclusive({a, b});
   const auto given = [&](std::string_view key) {
     const auto r = map.find(key);
-    if (r && info.is_cone && key != "cone")
-      r->error(fmt::format("the residual '{}' brings its bounds along", info.name),
+    if (r && definition.is_cone && key != "cone")
+      r->error(fmt::format("the residual '{}' brings its bounds along", definition.name),
                "leave the key out");
     return r;
   };
@@ -109,28 +108,27 @@ void read_set(YamlMap& map, ConstraintSpec& constraint) {
   }
   const auto cone = given("cone");
   if (cone) {
-    bool& second_order = constraint.function.cone.second_order;
-    second_order = cone->choice(kConeWords, "cone").value_or(false);
-    const bool friction = constraint.function.kind == ResidualKind::kFrictionCone;
-    if (!friction && (!second_order || info.is_cone))
-      cone->error(fmt::format("the residual '{}' has no such cone", info.name),
+    const bool second_order = cone->choice(kConeWords, "cone").value_or(false);
+    constraint.function.keys.set(key::cone, second_order);
+    if (!definition.has(key::cone.name) && (!second_order || definition.is_cone))
+      cone->error(fmt::format("the residual '{}' has no such cone", definition.name),
                   second_order ? "leave the key out" : "'cone: second_order' serves all others");
     if (second_order && (map.find("faces") || map.find("inner")))
       cone->error("a second-order cone has no faces and is exact");
   }
-  if (info.of_shapes) {
+  if (definition.needs.shapes) {
     const bool said = constraint.equals || constraint.lower || constraint.upper ||
                       constraint.at_least || constraint.at_most || cone;
     if (!said)
       constraint.lower = ComponentsSpec{.place = map.reader().place(),
-                                        .scalar = constraint.function.margin.value_or(0)};
-    else if (constraint.function.margin)
+                                        .scalar = constraint.function.keys.value(key::margin)};
+    else if (constraint.function.keys.find(key::margin) != nullptr)
       map.reader().error("'margin' and what the distance has to be exclude each other",
                          "leave one of them out: a margin is a lower bound");
   }
   if (const auto r = map.find("slope")) {
     constraint.slope = r->number(kPositive).value_or(constraint.slope);
-    if (!cone || info.of_contacts)
+    if (!cone || definition.of_contacts())
       r->error("a slope belongs to cones that are not of contacts, which have their friction");
   }
 }
@@ -138,13 +136,10 @@ void read_set(YamlMap& map, ConstraintSpec& constraint) {
 /// Positions that lie between or equal numbers of the world are measured from its origin.
 void measure_from_origin(const YamlReader& reader, ConstraintSpec& constraint) {
   CostSpec& function = constraint.function;
-  const bool position =
-      function.kind == ResidualKind::kFramePosition || function.kind == ResidualKind::kComPosition;
+  const ReferenceForm* form = function.definition->reference;
   const bool said = constraint.equals || constraint.lower || constraint.upper;
-  if (!position || !said || function.reference) return;
-  const PoseSpec origin{.place = reader.place(), .position = Vector3<double>::zero()};
-  function.reference = {.place = reader.place(),
-                        .values = {{.place = reader.place(), .pose = origin}}};
+  if (form == nullptr || !form->is_point || !said || function.reference) return;
+  function.reference = {.place = reader.place(), .values = {*form->zero(function, reader.place())}};
 }
 
 /// Points, and lines of points: {from, to, count} with both ends.
@@ -171,6 +166,20 @@ void add_centers(const YamlReader& reader, std::vector<Located<std::vector<doubl
   }
 }
 
+/// "control, ..., or state with 'columns'", for hints.
+std::string list_of_points() {
+  std::string always, with_columns;
+  CostSpec whole;
+  for (const ResidualDefinition* definition : residual_table()) {
+    if (definition->is_point == nullptr) continue;
+    if (definition->is_point(whole))
+      always += std::string(definition->name) + ", ";
+    else
+      with_columns += fmt::format("or {} with 'columns'", definition->name);
+  }
+  return always + with_columns;
+}
+
 void read_centers(YamlMap& map, ConstraintSpec& constraint) {
   const auto reader = map.find("centers");
   if (!reader) return;
@@ -179,15 +188,9 @@ void read_centers(YamlMap& map, ConstraintSpec& constraint) {
   if (!items) return;
   for (const YamlReader& item : *items) add_centers(item, constraint.centers);
   if (items->empty()) reader->error("there is no center");
-  const CostSpec& function = constraint.function;
-  const bool of_points = function.kind == ResidualKind::kFramePosition ||
-                         function.kind == ResidualKind::kComPosition ||
-                         function.kind == ResidualKind::kControl ||
-                         function.kind == ResidualKind::kJointPosition ||
-                         (function.kind == ResidualKind::kState && function.columns);
-  if (!of_points)
-    reader->error("a constraint from centers needs a residual that is a point",
-                  "frame_position, com_position, joint_position, control, or state with 'columns'");
+  const auto is_point = constraint.function.definition->is_point;
+  if (is_point == nullptr || !is_point(constraint.function))
+    reader->error("a constraint from centers needs a residual that is a point", list_of_points());
   else if (!constraint.at_least && !constraint.at_most)
     reader->error("a constraint from centers needs 'at_least' or 'at_most'");
 }
@@ -216,7 +219,8 @@ void read_constraint(const Name& name, const YamlReader& reader,
   }
   ConstraintSpec constraint;
   constraint.function.name = name;
-  if (!read_residual(map, folder, terminal, true, constraint.function)) return;
+  if (!read_residual(map, folder, {.constraint = true, .last_node = terminal}, constraint.function))
+    return;
   read_set(map, constraint);
   measure_from_origin(reader, constraint);
   read_centers(map, constraint);

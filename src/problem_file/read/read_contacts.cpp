@@ -102,14 +102,4 @@ std::vector<ContactSpec> read_contacts(const YamlReader& reader) {
   return contacts;
 }
 
-ContactNames read_contact_names(const YamlReader& reader) {
-  ContactNames contacts;
-  if (reader.is_scalar() && reader.node().text == "all") {
-    contacts.all = true;
-    return contacts;
-  }
-  if (const auto names = reader.name_or_names()) contacts.names = *names;
-  return contacts;
-}
-
 }  // namespace conddp

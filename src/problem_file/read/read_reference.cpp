@@ -11,61 +11,16 @@ bool has_key(const YamlReader& reader, std::string_view key) {
   return reader.is_map() && reader.node().find(key) != nullptr;
 }
 
-std::optional<ReferenceValueSpec> read_value(const YamlReader& reader, ResidualKind kind) {
+std::optional<ReferenceValueSpec> read_value(const YamlReader& reader, const CostSpec& cost) {
+  const ReferenceForm& form = *cost.definition->reference;
+  if (!is_word(reader) || !form.of_state) return form.read(reader, cost);
   ReferenceValueSpec value{.place = reader.place()};
-  const auto done = [&](bool found) {
-    return found ? std::optional<ReferenceValueSpec>(value) : std::nullopt;
-  };
-  const bool of_state = kind != ResidualKind::kControl && kind != ResidualKind::kContactForce;
-  if (is_word(reader) && of_state) {
-    value.name = reader.name();
-    return done(value.name.has_value());
-  }
-  switch (kind) {
-    case ResidualKind::kState:
-      if (reader.is_map()) {
-        value.state = read_state(reader);
-        return done(value.state.has_value());
-      }
-      [[fallthrough]];
-    case ResidualKind::kControl:
-    case ResidualKind::kJointPosition:
-    case ResidualKind::kJointVelocity:
-    case ResidualKind::kJointAcceleration:
-    case ResidualKind::kCentroidalMomentum:
-    case ResidualKind::kContactForce:
-      value.components = read_components(reader);
-      return done(value.components.has_value());
-    case ResidualKind::kFramePosition:
-    case ResidualKind::kComPosition: {
-      const auto position = read_vector3(reader, "[x, y, z] in m");
-      value.pose = PoseSpec{.place = reader.place(), .position = position};
-      return done(position.has_value());
-    }
-    case ResidualKind::kFrameRotation:
-    case ResidualKind::kFramePlacement:
-      value.pose = read_pose(reader);
-      if (value.pose && value.pose->position && kind == ResidualKind::kFrameRotation)
-        reader.error("a rotation has no position", "use the residual 'frame_placement'");
-      return done(value.pose.has_value());
-    case ResidualKind::kFrameVelocity:
-      value.twist = read_twist(reader);
-      return done(value.twist.has_value());
-    case ResidualKind::kControlRate:
-    case ResidualKind::kControlGravity:
-    case ResidualKind::kFrictionCone:
-    case ResidualKind::kWrenchCone:
-    case ResidualKind::kCenterOfPressure:
-    case ResidualKind::kDistance:
-    case ResidualKind::kContactVelocity:
-    case ResidualKind::kCycle:
-    case ResidualKind::kCombination:
-      break;
-  }
-  return std::nullopt;
+  value.name = reader.name();
+  if (!value.name) return std::nullopt;
+  return value;
 }
 
-void read_way_points(const YamlReader& reader, ResidualKind kind, ReferenceSpec& spec) {
+void read_way_points(const YamlReader& reader, const CostSpec& cost, ReferenceSpec& spec) {
   YamlMap map(reader);
   map.exclusive({"times", "knots"});
   std::size_t places = 0;
@@ -92,7 +47,7 @@ void read_way_points(const YamlReader& reader, ResidualKind kind, ReferenceSpec&
   const auto items = values->items();
   if (!items) return;
   for (const YamlReader& item : *items)
-    if (auto value = read_value(item, kind)) spec.values.push_back(std::move(*value));
+    if (auto value = read_value(item, cost)) spec.values.push_back(std::move(*value));
   if (items->size() != places)
     values->error(fmt::format("there are {} values for {} {}", items->size(), places,
                               spec.knots.empty() ? "times" : "knots"));
@@ -113,15 +68,15 @@ std::optional<DataFileSpec> read_data_file(YamlMap& map, const std::filesystem::
   return spec;
 }
 
-std::optional<ReferenceSpec> read_reference(const YamlReader& reader, ResidualKind kind,
+std::optional<ReferenceSpec> read_reference(const YamlReader& reader, const CostSpec& cost,
                                             const std::filesystem::path& folder) {
   ReferenceSpec spec{.place = reader.place()};
   if (has_key(reader, "file")) {
     YamlMap map(reader);
     spec.file = read_data_file(map, folder);
   } else if (has_key(reader, "times") || has_key(reader, "knots")) {
-    read_way_points(reader, kind, spec);
-  } else if (auto value = read_value(reader, kind)) {
+    read_way_points(reader, cost, spec);
+  } else if (auto value = read_value(reader, cost)) {
     spec.values.push_back(std::move(*value));
   } else {
     return std::nullopt;

@@ -2,6 +2,8 @@
 
 #include "problem_file/spec/spec.hpp"
 #include "problem_file/spec/spec_gait.hpp"
+#include "problem_file/values/read_state.hpp"
+#include "problem_file/values/read_values.hpp"
 #include "problem_file/yaml/yaml_reader.hpp"
 
 namespace conddp {
@@ -9,25 +11,6 @@ namespace conddp {
 /// Readers of the parts of a problem file: each fills its structs from a node and reports what is
 /// wrong with it. What could not be read keeps its default; callers look at
 /// Diagnostics::has_errors() at the end.
-
-// read_values.cpp
-std::optional<Vector3<double>> read_vector3(const YamlReader& reader, std::string_view what);
-NamedNumbers read_named_numbers(const YamlReader& reader, const NumberRange& range = kAnyNumber);
-std::optional<ComponentsSpec> read_components(const YamlReader& reader,
-                                              const NumberRange& range = kAnyNumber);
-/// Factor that gives a vector of this length the length 1; 1 within rounding, so that what was
-/// scaled once is not changed again.
-double unit_scale(double length);
-/// A key with a rotation in one of its forms: `orientation` (quaternion x y z w) or `rpy` (rad).
-std::optional<Quaternion<double>> read_orientation(YamlMap& map);
-std::optional<PoseSpec> read_pose(const YamlReader& reader);
-std::optional<TwistSpec> read_twist(const YamlReader& reader);
-std::optional<PlanarMotion> read_planar_motion(const YamlReader& reader);
-
-// read_state.cpp
-std::optional<StateSpec> read_state(const YamlReader& reader);
-/// The keys of a state inside a mapping that has others as well.
-StateSpec read_state_keys(YamlMap& map);
 
 // read_robot.cpp, read_actuation.cpp
 RobotSpec read_robot(const YamlReader& reader, const std::filesystem::path& folder);
@@ -38,15 +21,12 @@ SystemSpec read_system(const YamlReader& reader);
 
 // read_contacts.cpp
 std::vector<ContactSpec> read_contacts(const YamlReader& reader);
-/// `all`, a name, or a list of names.
-ContactNames read_contact_names(const YamlReader& reader);
 
 /// A vector of length 1 along the one given.
 std::optional<Vector3<double>> read_direction(const YamlReader& reader);
 
 // read_collision.cpp
 CollisionSpec read_collision(const YamlReader& reader);
-PairsSpec read_pairs(const YamlReader& reader);
 SphereSpec read_sphere(const YamlReader& reader);
 HalfSpaceSpec read_half_space(const YamlReader& reader);
 
@@ -67,11 +47,12 @@ std::vector<CostSpec> read_costs(const YamlReader& reader, const std::filesystem
                                  bool terminal);
 /// The keys that say what a cost or constraint is on, and where: all but weights and activation.
 /// False where the residual is not known.
-bool read_residual(YamlMap& map, const std::filesystem::path& folder, bool terminal,
-                   bool constraint, CostSpec& cost);
+bool read_residual(YamlMap& map, const std::filesystem::path& folder, TermPlace place,
+                   CostSpec& cost);
 
 // read_reference.cpp
-std::optional<ReferenceSpec> read_reference(const YamlReader& reader, ResidualKind kind,
+/// The reference of a cost whose residual and its keys have been read.
+std::optional<ReferenceSpec> read_reference(const YamlReader& reader, const CostSpec& cost,
                                             const std::filesystem::path& folder);
 /// `{file: ..., columns: [...]}`; the map may have other keys.
 std::optional<DataFileSpec> read_data_file(YamlMap& map, const std::filesystem::path& folder);

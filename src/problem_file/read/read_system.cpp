@@ -58,9 +58,8 @@ void read(YamlMap& map, LinearSpec& p) {
 
 template <class P>
 void read(YamlMap& map, P& p) {
-  for_each_field(p, [&](std::string_view key, double& value, const NumberRange& range) {
-    map.number(key, value, range);
-  });
+  for_each_field(p, [&](std::string_view key, std::string_view, double& value,
+                        const NumberRange& range) { map.number(key, value, range); });
 }
 
 using Parameters = decltype(SystemSpec::parameters);
@@ -87,7 +86,7 @@ SystemSpec read_system(const YamlReader& reader) {
   YamlMap map(reader);
   const auto type = map.require("type");
   std::vector<std::string> words;
-  for (const std::string_view name : kSystemTypes) words.emplace_back(name);
+  for (const SystemType& known : kSystemTypes) words.emplace_back(known.name);
   const auto index = type ? type->choose(words, "type of system") : std::nullopt;
   if (index)
     system.parameters = kReaders[*index](map);

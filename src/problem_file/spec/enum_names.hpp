@@ -41,13 +41,6 @@ inline constexpr Choice<UrdfOptions::Inertias> kInertiasWords[] = {
 inline constexpr Choice<bool> kMimicWords[] = {{"ignore", false}, {"enforce", true}};
 inline constexpr Choice<bool> kActuationWords[] = {{"full", true}, {"none", false}};
 
-inline constexpr Choice<ActivationKind> kActivationWords[] = {
-    {"quadratic", ActivationKind::quadratic, "½ Σ w r²"},
-    {"quadratic_barrier", ActivationKind::quadratic_barrier,
-     "½ Σ w r² of what lies outside bounds; needs 'lower', 'upper' or 'from: urdf'"},
-    {"smooth_l1", ActivationKind::smooth_l1, "Σ w (√(r² + ε²) − ε); takes 'epsilon'"},
-    {"smooth_l2", ActivationKind::smooth_l2, "√(Σ w r² + ε²) − ε; takes 'epsilon'"}};
-
 inline constexpr Choice<FrameAxes> kAxesWords[] = {{"local", FrameAxes::local},
                                                    {"world", FrameAxes::world_aligned}};
 
@@ -89,14 +82,6 @@ inline constexpr Choice<GuessSpec::Controls> kControlsGuessWords[] = {
     {"zero", GuessSpec::Controls::kZero},
     {"quasi_static", GuessSpec::Controls::kQuasiStatic},
     {"gravity", GuessSpec::Controls::kQuasiStatic}};
-
-/// Which keys an activation takes beside its kind.
-constexpr bool takes_bounds(ActivationKind kind) {
-  return kind == ActivationKind::quadratic_barrier;
-}
-constexpr bool takes_epsilon(ActivationKind kind) {
-  return kind == ActivationKind::smooth_l1 || kind == ActivationKind::smooth_l2;
-}
 
 inline constexpr Choice<BoundedQuantity> kBoundedWords[] = {
     {"control", BoundedQuantity::kControl,

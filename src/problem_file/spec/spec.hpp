@@ -4,6 +4,7 @@
 
 #include "analysis/comparison/random_instance.hpp"
 #include "ocp/knot/knot_model.hpp"
+#include "problem_file/spec/residual_definition.hpp"
 #include "problem_file/spec/spec_collision.hpp"
 #include "problem_file/spec/spec_contact.hpp"
 #include "problem_file/spec/spec_cost.hpp"
@@ -131,17 +132,9 @@ struct ProblemSpec {
     for (const PhaseSpec& phase : phases) n += phase.knots.value;
     return n;
   }
-  /// The first cost or constraint, at running knots or the last node, with this residual; null if
-  /// there is none.
-  const CostSpec* first_use(ResidualKind kind) const {
-    for (const auto* list : {&costs, &terminal_costs})
-      for (const CostSpec& cost : *list)
-        if (cost.kind == kind) return &cost;
-    for (const auto* list : {&constraints, &terminal_constraints})
-      for (const ConstraintSpec& constraint : *list)
-        if (!constraint.bounded && constraint.function.kind == kind) return &constraint.function;
-    return nullptr;
-  }
+  /// The first cost or constraint, at running knots or the last node, whose residual needs this;
+  /// null if there is none.
+  const CostSpec* first_use(bool ResidualNeeds::*need) const;
 };
 
 }  // namespace conddp

@@ -1,14 +1,15 @@
 #pragma once
 
-#include <array>
 #include <filesystem>
 
-#include "ocp/residuals/residuals.hpp"
 #include "ocp/terms/activation.hpp"
-#include "problem_file/spec/residual_kind.hpp"
+#include "ocp/terms/constraint.hpp"
+#include "problem_file/spec/residual_keys.hpp"
 #include "problem_file/spec/spec_values.hpp"
 
 namespace conddp {
+
+struct ResidualDefinition;
 
 /// One value of a reference, in the form that fits its residual.
 struct ReferenceValueSpec {
@@ -44,54 +45,15 @@ struct ActivationSpec {
   double epsilon = 0.1;                        ///< of the smooth norms
 };
 
-/// Which approximation of a friction cone, and how much of the friction to use.
-struct FrictionConeSpec {
-  bool second_order = false;
-  int faces = 4;
-  bool inner = true;
-  double safety = 1;  ///< factor on the coefficient of friction, at most 1
-};
-
-/// A foot's way from lift-off to touch-down: an arch of this height over the straight line.
-struct SwingSpec {
-  Place place;
-  double height = 0;                       ///< m
-  std::optional<Vector3<double>> landing;  ///< where it touches down, m
-  std::optional<Vector3<double>> step;     ///< the same from where it lifts off, m
-  /// The same, one a run of phases: where the frame was in the initial state, displaced with the
-  /// robot's base.
-  std::vector<PlanarMotion> displaced;
-};
-
-/// Which shapes must keep apart.
-struct PairsSpec {
-  enum class Choice { kNamed, kObstacles, kSelf, kAll };
-  Place place;
-  Choice choice = Choice::kNamed;
-  std::vector<std::array<Name, 2>> named;  ///< names may have a `*`
-};
-
 struct CostSpec {
   Name name;
   Name residual;
-  ResidualKind kind = ResidualKind::kState;
+  const ResidualDefinition* definition = nullptr;
+  KeyValues keys;  ///< of the residual
   double weight = 1;
   ActivationSpec activation;
   std::optional<ComponentsSpec> weights;  ///< of the components, besides `weight`
   std::optional<ReferenceSpec> reference;
-  std::optional<Name> frame;
-  std::optional<std::vector<Name>> joints;
-  std::optional<std::vector<Name>> columns;
-  FrameAxes axes = FrameAxes::world_aligned;
-  ContactNames contacts{.all = true};
-  FrictionConeSpec cone;
-  std::optional<SwingSpec> swing;
-  std::optional<ComponentsSpec> offset;  ///< of a cycle, to the first state's columns
-  /// Of combinations: the factors of a row by column; `constant` is added.
-  std::vector<NamedNumbers> combinations;
-  PairsSpec pairs;
-  /// Of distances without an activation: the lower end of their barrier, m.
-  std::optional<double> margin;
   std::optional<std::vector<Name>> phases;
   std::optional<std::vector<Located<int>>> knots;
 };
@@ -102,7 +64,7 @@ enum class BoundedQuantity { kControl, kState, kConfiguration, kVelocity };
 /// A constraint other than bounds on the control: a residual in a set, or bounds on coordinates of
 /// the state. Without equals, bounds or a cone the residual is zero.
 struct ConstraintSpec {
-  CostSpec function;  ///< the residual and where it holds; of its cone `second_order` counts
+  CostSpec function;  ///< the residual and where it holds; its key `cone` counts
   std::optional<Located<BoundedQuantity>> bounded;  ///< instead of the residual
   bool from_urdf = false;
   Place from_place;

@@ -7,56 +7,81 @@
 
 namespace conddp {
 
-/// `type` of the alternatives of SystemSpec::parameters, in their order.
-inline constexpr std::string_view kSystemTypes[] = {
-    "double_integrator", "linear", "pendulum",         "cartpole",  "acrobot",
-    "unicycle",          "car",    "planar_quadrotor", "quadrotor", "lander"};
+/// A `type` of closed-form systems.
+struct SystemType {
+  std::string_view name;
+  std::string_view description;  ///< one line: the columns of its state and control
+};
+
+/// Those of the alternatives of SystemSpec::parameters, in their order.
+inline constexpr SystemType kSystemTypes[] = {
+    {"double_integrator", "a = u; state (q/0, ..., v/0, ...), controls u/0, ..."},
+    {"linear", "x⁺ = A x + B u + c, one step a knot; state (x/0, ...), controls u/0, ..."},
+    {"pendulum", "State (theta, omega), theta = 0 hanging; control torque"},
+    {"cartpole", "State (x, theta, vx, omega), theta = 0 hanging; control force on the cart"},
+    {"acrobot",
+     "State (theta1, theta2, omega1, omega2), theta1 = -π/2 hanging; control elbow torque"},
+    {"unicycle", "State (x, y, theta), controls v and omega"},
+    {"car",
+     "Car of Tassa, Mansard, Todorov 2014: state (x, y, theta, v), controls steering and "
+     "acceleration"},
+    {"planar_quadrotor", "State (x, z, theta, vx, vz, omega), controls right and left thrust"},
+    {"quadrotor",
+     "State (x, y, z, qx, qy, qz, qw, vx, vy, vz, wx, wy, wz), velocities in the body frame; "
+     "controls front, left, back and right thrust"},
+    {"lander",
+     "Point mass on its thrust: state (x, y, z, vx, vy, vz, burnt), z upwards, and the mass that "
+     "it has burnt; controls tx, ty, tz, the thrust in world axes"}};
 static_assert(std::size(kSystemTypes) == std::variant_size_v<decltype(SystemSpec::parameters)>);
 
-/// The scalar parameters of a closed-form system: calls `field(key, value, range)` for each, with a
-/// reference to the value. `P` is the struct, const or not.
+/// The scalar parameters of a closed-form system: calls `field(key, description, value, range)` for
+/// each, with a reference to the value. `P` is the struct, const or not.
 template <class P, class Field>
 void for_each_field([[maybe_unused]] P& p, [[maybe_unused]] Field&& field) {
   using Parameters = std::remove_const_t<P>;
   if constexpr (std::is_same_v<Parameters, PendulumParameters>) {
-    field("mass", p.mass, kPositive);
-    field("length", p.length, kPositive);
-    field("inertia", p.inertia, kPositive);
-    field("damping", p.damping, kNotNegative);
-    field("gravity", p.gravity, kAnyNumber);
+    field("mass", "Mass, kg", p.mass, kPositive);
+    field("length", "From pivot to centre of mass, m", p.length, kPositive);
+    field("inertia", "About the pivot, kg m²", p.inertia, kPositive);
+    field("damping", "Viscous friction of the pivot, Nm s/rad", p.damping, kNotNegative);
+    field("gravity", "Gravity, m/s²", p.gravity, kAnyNumber);
   } else if constexpr (std::is_same_v<Parameters, CartpoleParameters>) {
-    field("cart_mass", p.cart_mass, kPositive);
-    field("pole_mass", p.pole_mass, kPositive);
-    field("length", p.length, kPositive);
-    field("gravity", p.gravity, kAnyNumber);
+    field("cart_mass", "Mass of the cart, kg", p.cart_mass, kPositive);
+    field("pole_mass", "Point mass at the pole's end, kg", p.pole_mass, kPositive);
+    field("length", "Length of the pole, m", p.length, kPositive);
+    field("gravity", "Gravity, m/s²", p.gravity, kAnyNumber);
   } else if constexpr (std::is_same_v<Parameters, AcrobotParameters>) {
-    field("length1", p.length1, kPositive);
-    field("length2", p.length2, kPositive);
-    field("mass1", p.mass1, kPositive);
-    field("mass2", p.mass2, kPositive);
-    field("inertia1", p.inertia1, kPositive);
-    field("inertia2", p.inertia2, kPositive);
-    field("friction", p.friction, kNotNegative);
-    field("gravity", p.gravity, kAnyNumber);
+    field("length1", "Length of the first link, m", p.length1, kPositive);
+    field("length2", "Length of the second link, m", p.length2, kPositive);
+    field("mass1", "Mass of the first link, kg", p.mass1, kPositive);
+    field("mass2", "Mass of the second link, kg", p.mass2, kPositive);
+    field("inertia1", "Inertia of the first link about its centre of mass, kg m²", p.inertia1,
+          kPositive);
+    field("inertia2", "Inertia of the second link about its centre of mass, kg m²", p.inertia2,
+          kPositive);
+    field("friction", "Viscous friction of both joints, Nm s/rad", p.friction, kNotNegative);
+    field("gravity", "Gravity, m/s²", p.gravity, kAnyNumber);
   } else if constexpr (std::is_same_v<Parameters, CarSpec>) {
-    field("wheelbase", p.wheelbase, kPositive);
+    field("wheelbase", "Distance of the axles, m", p.wheelbase, kPositive);
   } else if constexpr (std::is_same_v<Parameters, PlanarQuadrotorParameters>) {
-    field("mass", p.mass, kPositive);
-    field("inertia", p.inertia, kPositive);
-    field("arm", p.arm, kPositive);
-    field("gravity", p.gravity, kAnyNumber);
+    field("mass", "Mass, kg", p.mass, kPositive);
+    field("inertia", "Inertia about the centre of mass, kg m²", p.inertia, kPositive);
+    field("arm", "Distance of a rotor from the centre of mass, m", p.arm, kPositive);
+    field("gravity", "Gravity, m/s²", p.gravity, kAnyNumber);
   } else if constexpr (std::is_same_v<Parameters, QuadrotorParameters>) {
-    field("mass", p.mass, kPositive);
-    field("jx", p.jx, kPositive);
-    field("jy", p.jy, kPositive);
-    field("jz", p.jz, kPositive);
-    field("arm", p.arm, kPositive);
-    field("torque_ratio", p.torque_ratio, kPositive);
-    field("gravity", p.gravity, kAnyNumber);
+    field("mass", "Mass, kg", p.mass, kPositive);
+    field("jx", "Inertia about x, kg m²", p.jx, kPositive);
+    field("jy", "Inertia about y, kg m²", p.jy, kPositive);
+    field("jz", "Inertia about z, kg m²", p.jz, kPositive);
+    field("arm", "Distance of a rotor from the centre of mass, m", p.arm, kPositive);
+    field("torque_ratio", "Torque of a rotor for each unit of thrust, Nm per N", p.torque_ratio,
+          kPositive);
+    field("gravity", "Gravity, m/s²", p.gravity, kAnyNumber);
   } else if constexpr (std::is_same_v<Parameters, LanderParameters>) {
-    field("mass", p.mass, kPositive);
-    field("fuel_rate", p.fuel_rate, kNotNegative);
-    field("gravity", p.gravity, kAnyNumber);
+    field("mass", "Mass before it burns fuel, kg", p.mass, kPositive);
+    field("fuel_rate", "Mass that a unit of thrust burns in a second, kg/s per N", p.fuel_rate,
+          kNotNegative);
+    field("gravity", "Gravity, m/s²", p.gravity, kAnyNumber);
   }
 }
 

@@ -40,26 +40,7 @@ const std::vector<Synonyms>& synonyms() {
       {"tolerances", {"tol", "eps", "precision"}},
       {"soft", {"slack", "relaxed", "penalty"}},
       {"keyframes", {"waypoints", "way_points", "via_points"}},
-      {"actuation", {"actuators", "motors"}},
-      {"control", {"torque", "torques", "effort", "input", "u"}},
-      {"state", {"x", "posture"}},
-      {"joint_position", {"configuration", "joint", "posture", "q"}},
-      {"joint_velocity", {"velocity", "v"}},
-      {"joint_acceleration", {"acceleration", "a"}},
-      {"frame_position", {"position", "translation", "end_effector", "ee_position"}},
-      {"frame_rotation", {"rotation", "orientation"}},
-      {"frame_placement", {"pose", "placement", "frame_pose"}},
-      {"frame_velocity", {"velocity", "twist"}},
-      {"com_position", {"com", "center_of_mass"}},
-      {"centroidal_momentum", {"momentum", "angular_momentum"}},
-      {"control_gravity", {"gravity_torque", "gravity"}},
-      {"control_rate", {"jerk", "smoothness", "control_change"}},
-      {"contact_force", {"force", "forces", "wrench"}},
-      {"friction_cone", {"cone", "friction"}},
-      {"center_of_pressure", {"cop", "zmp"}},
-      {"distance", {"collision", "self_collision", "keep_out", "obstacle", "obstacles", "sdf"}},
-      {"cycle", {"periodic", "periodicity"}},
-      {"combination", {"linear", "time", "duration"}}};
+      {"actuation", {"actuators", "motors"}}};
   return table;
 }
 
@@ -74,14 +55,16 @@ std::string ask(const std::vector<std::string>& names) {
 
 }  // namespace
 
-std::string meaning_question(std::string_view word, const std::vector<std::string>& accepted) {
+std::string meaning_question(std::string_view word, const std::vector<std::string>& accepted,
+                             const std::vector<Synonyms>& more) {
   if (const auto near = similar_names(word, accepted); !near.empty()) return ask({near.front()});
   std::vector<std::string> meant;
-  for (const Synonyms& entry : synonyms()) {
-    if (std::find(entry.theirs.begin(), entry.theirs.end(), word) == entry.theirs.end()) continue;
-    if (std::find(accepted.begin(), accepted.end(), entry.ours) == accepted.end()) continue;
-    meant.emplace_back(entry.ours);
-  }
+  for (const auto* table : {&synonyms(), &more})
+    for (const Synonyms& entry : *table) {
+      if (std::find(entry.theirs.begin(), entry.theirs.end(), word) == entry.theirs.end()) continue;
+      if (std::find(accepted.begin(), accepted.end(), entry.ours) == accepted.end()) continue;
+      meant.emplace_back(entry.ours);
+    }
   return ask(meant);
 }
 

@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include "base/strict_number.hpp"
-#include "problem_file/yaml/synonyms.hpp"
 
 namespace conddp {
 
@@ -140,7 +139,8 @@ std::optional<std::vector<Name>> YamlReader::name_or_names() const {
 }
 
 std::optional<std::size_t> YamlReader::choose(const std::vector<std::string>& words,
-                                              std::string_view what) const {
+                                              std::string_view what,
+                                              const std::vector<Synonyms>& more) const {
   if (is_scalar()) {
     const auto found = std::find(words.begin(), words.end(), node_->text);
     if (found != words.end()) return static_cast<std::size_t>(found - words.begin());
@@ -151,7 +151,7 @@ std::optional<std::size_t> YamlReader::choose(const std::vector<std::string>& wo
   const std::string message =
       is_scalar() ? fmt::format("unknown {} '{}'{}", thing, node_->text, what.substr(thing.size()))
                   : fmt::format("{} is not a {}", kind_name(*node_), what);
-  std::string hint = is_scalar() ? meaning_question(node_->text, words) : std::string();
+  std::string hint = is_scalar() ? meaning_question(node_->text, words, more) : std::string();
   if (!hint.empty()) hint += ' ';
   out_->error(place(), message, hint + "accepted: " + list, words);
   return std::nullopt;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/yaml_node.hpp"
+#include "problem_file/yaml/synonyms.hpp"
 
 namespace conddp {
 
@@ -78,8 +79,9 @@ class YamlReader {
     if (!index) return std::nullopt;
     return table[*index].value;
   }
-  std::optional<std::size_t> choose(const std::vector<std::string>& words,
-                                    std::string_view what) const;
+  /// The same by number. `more`: what other tools call these words.
+  std::optional<std::size_t> choose(const std::vector<std::string>& words, std::string_view what,
+                                    const std::vector<Synonyms>& more = {}) const;
   /// Keys with free names (costs, joints, ...) in the order of the file; not for fixed keys. The
   /// hint of an error may show what to write.
   std::optional<std::vector<std::pair<Name, YamlReader>>> named_entries(

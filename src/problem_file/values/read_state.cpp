@@ -1,6 +1,8 @@
+#include "problem_file/values/read_state.hpp"
+
 #include <fmt/format.h>
 
-#include "problem_file/read/read_sections.hpp"
+#include "problem_file/values/read_values.hpp"
 
 namespace conddp {
 namespace {

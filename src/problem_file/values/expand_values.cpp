@@ -1,4 +1,4 @@
-#include "problem_file/expand/expand_sections.hpp"
+#include "problem_file/values/expand_values.hpp"
 
 namespace conddp {
 namespace {
@@ -82,6 +82,13 @@ OrderedJson expand_data_file(const DataFileSpec& file) {
   OrderedJson json = {{"file", file.file.value}};
   if (!file.columns.empty()) json["columns"] = expand_names(file.columns);
   return json;
+}
+
+OrderedJson expand_contact_names(const ContactNames& names, const ProblemSpec& spec) {
+  if (!names.all) return expand_names(names.names);
+  OrderedJson all = OrderedJson::array();
+  for (const ContactSpec& contact : spec.contacts) all.push_back(contact.name.value);
+  return all;
 }
 
 }  // namespace conddp

@@ -1,9 +1,9 @@
+#include "problem_file/values/read_values.hpp"
+
 #include <cmath>
 #include <limits>
 
 #include <fmt/format.h>
-
-#include "problem_file/read/read_sections.hpp"
 
 namespace conddp {
 namespace {
@@ -113,6 +113,16 @@ std::optional<TwistSpec> read_twist(const YamlReader& reader) {
   if (const auto angular = map.find("angular"))
     twist.angular = read_vector3(*angular, "[x, y, z] in rad/s").value_or(twist.angular);
   return twist;
+}
+
+ContactNames read_contact_names(const YamlReader& reader) {
+  ContactNames contacts;
+  if (reader.is_scalar() && reader.node().text == "all") {
+    contacts.all = true;
+    return contacts;
+  }
+  if (const auto names = reader.name_or_names()) contacts.names = *names;
+  return contacts;
 }
 
 }  // namespace conddp

@@ -1,0 +1,43 @@
+#include "problem_file/build/term_residual.hpp"
+
+#include <fmt/format.h>
+
+namespace conddp {
+
+std::optional<CostResidual> make_cost_residual(const CostSpec& cost, const ProblemSpec& spec,
+                                               const Plant& plant, int ndx, Diagnostics& out) {
+  const ResidualDefinition& definition = *cost.definition;
+  if (definition.needs.robot && !plant.multibody()) {
+    out.error(cost.residual.place,
+              fmt::format("the residual '{}' needs a robot; this is a closed-form system",
+                          definition.name),
+              "use 'state' (with 'columns') and 'control'");
+    return std::nullopt;
+  }
+  if (definition.make == nullptr) return std::nullopt;
+  const std::vector<Contact> none;
+  return definition.make({cost, spec, plant, none, ndx, out});
+}
+
+std::vector<ContactCost> make_contact_costs(const CostSpec& cost, const ProblemSpec& spec,
+                                            const ContactPlan& plan, const Plant& plant, int ndx,
+                                            Diagnostics& out) {
+  std::vector<ContactCost> costs;
+  const ContactNames names = cost.keys.value(key::contacts);
+  const std::vector<int> chosen = contacts_named(names, spec, out);
+  if (chosen.empty() && names.all)
+    out.error(cost.residual.place,
+              fmt::format("the cost '{}' is on contacts, and the file has none", cost.name.value));
+  const ResidualContext context{cost, spec, plant, plan.contacts(), ndx, out};
+  for (const int contact : chosen) {
+    auto one = cost.definition->make_of_contact(context, contact);
+    if (!one) continue;
+    one->contact = contact;
+    one->prototype.residual =
+        one->make(plant.multibody()->with_contacts({plan.contacts()[contact]}), 0);
+    costs.push_back(std::move(*one));
+  }
+  return costs;
+}
+
+}  // namespace conddp

@@ -1,0 +1,18 @@
+#pragma once
+
+#include "problem_file/build/contact_plan.hpp"
+#include "problem_file/residuals/cost_residual.hpp"
+
+namespace conddp {
+
+/// Makes the residual of a cost or constraint for knot models with `ndx` tangent coordinates;
+/// nothing of one on contacts. What does not fit the plant is reported.
+std::optional<CostResidual> make_cost_residual(const CostSpec& cost, const ProblemSpec& spec,
+                                               const Plant& plant, int ndx, Diagnostics& out);
+
+/// One for each contact that the cost names; what does not fit is reported.
+std::vector<ContactCost> make_contact_costs(const CostSpec& cost, const ProblemSpec& spec,
+                                            const ContactPlan& plan, const Plant& plant, int ndx,
+                                            Diagnostics& out);
+
+}  // namespace conddp

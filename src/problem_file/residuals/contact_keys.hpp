@@ -1,0 +1,10 @@
+#pragma once
+
+#include "problem_file/spec/residual_definition.hpp"
+
+namespace conddp {
+
+/// The key `contacts` of residuals that are of contacts.
+const ResidualKey& contacts_key();
+
+}  // namespace conddp

@@ -1,0 +1,65 @@
+#include "problem_file/residuals/cost_residual.hpp"
+#include "problem_file/residuals/key_kinds.hpp"
+#include "problem_file/residuals/residual_table.hpp"
+
+namespace conddp {
+namespace {
+
+/// To the first state's columns.
+const Key<ComponentsSpec> kOffset{"offset"};
+
+/// By number of the state; rotations have no sum.
+std::optional<std::vector<double>> cycle_offset(const ResidualContext& context) {
+  const System& system = *context.plant.system;
+  const ComponentsSpec* given = context.cost.keys.find(kOffset);
+  if (given == nullptr) return std::vector<double>(system.nx(), 0.0);
+  auto offset = resolve(*given, state_names(system), 0.0, context.out);
+  if (!offset) return std::nullopt;
+  for (const auto& segment : system.manifold().curved()) {
+    const int first = segment.x + (segment.part == StateManifold::Part::se3 ? 3 : 0);
+    for (int i = first; i < first + 4; ++i) {
+      if ((*offset)[i] == 0) continue;
+      context.out.error(given->place, "an offset cannot be added to a rotation",
+                        "positions, joints and velocities can have one");
+      return std::nullopt;
+    }
+  }
+  return offset;
+}
+
+std::optional<CostResidual> make_cycle(const ResidualContext& context) {
+  const auto offset = cycle_offset(context);
+  if (!offset) return std::nullopt;
+  const System& system = *context.plant.system;
+  CostResidual result;
+  result.residual = cycle_residual(system.manifold(), *context.plant.start, *offset);
+  result.rows = tangent_names(system);
+  return result;
+}
+
+ResidualKey offset_key() {
+  ResidualKey offset = components_key(
+      kOffset,
+      "Of cycle: added to the columns of the first state, of which rotations have none; 0 by "
+      "default");
+  offset.schema["examples"] = OrderedJson::parse(R"([{"q/base_x": 0.3}])");
+  return offset;
+}
+
+}  // namespace
+
+std::span<const ResidualDefinition> cycle_residuals() {
+  static const ResidualKey offset = offset_key();
+  static const ResidualDefinition all[] = {
+      {.name = "cycle",
+       .description =
+           "the state minus the first one, which a phase 'choose' chooses, and minus an offset",
+       .unit = "that of the state",
+       .synonyms = {"periodic", "periodicity"},
+       .needs = {.chosen_start = true},
+       .keys = {&offset},
+       .make = make_cycle}};
+  return all;
+}
+
+}  // namespace conddp

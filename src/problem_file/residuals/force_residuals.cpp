@@ -1,0 +1,185 @@
+#include <fmt/format.h>
+
+#include "problem_file/residuals/contact_keys.hpp"
+#include "problem_file/residuals/cost_residual.hpp"
+#include "problem_file/residuals/key_kinds.hpp"
+#include "problem_file/residuals/reference_form.hpp"
+#include "problem_file/residuals/residual_table.hpp"
+#include "problem_file/spec/enum_names.hpp"
+
+namespace conddp {
+namespace {
+
+const Key<int> kFaces{"faces", 4};
+const Key<bool> kInner{"inner", true};
+
+const std::vector<std::string> kWrenchNames = {"fx", "fy", "fz", "tx", "ty", "tz"};
+
+/// What the forces of a contact can be, with the share of its friction that a cost uses.
+FrictionLimits limits_of(const CostSpec& cost, const ContactSpec& contact) {
+  return {.friction = contact.friction * cost.keys.value(key::safety),
+          .min_normal = contact.min_normal_force,
+          .max_normal = contact.max_normal_force};
+}
+
+void name_rows(CostResidual& result, std::size_t rows) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < rows; ++i) names.push_back(fmt::format("{}", i));
+  result.rows = {"rows of the cone", names};
+}
+
+ContactCost in_cone(const LinearCone& cone, int ndx) {
+  ContactCost result;
+  result.lower = cone.lower;
+  result.upper = cone.upper;
+  result.make = [ndx, cone](const std::shared_ptr<const MultibodySystem>& system, int index) {
+    return contact_cone_residual(system, index, ndx, cone);
+  };
+  name_rows(result.prototype, result.lower.size());
+  return result;
+}
+
+std::optional<ContactCost> make_force(const ResidualContext& context, int contact) {
+  const std::size_t rows = context.spec.contacts[contact].kind == ContactKind::surface ? 6 : 3;
+  const std::vector<std::string> names(kWrenchNames.begin(), kWrenchNames.begin() + rows);
+  ContactCost result;
+  result.prototype.rows = result.prototype.references = {"components of the force", names};
+  result.prototype.parameters = StateManifold::flat(static_cast<int>(rows));
+  result.make = [ndx = context.ndx](const std::shared_ptr<const MultibodySystem>& system,
+                                    int index) {
+    return contact_force_residual(system, index, ndx);
+  };
+  return result;
+}
+
+std::optional<ContactCost> make_friction_cone(const ResidualContext& context, int contact) {
+  const CostSpec& cost = context.cost;
+  const ContactSpec& on = context.spec.contacts[contact];
+  if (on.axes != FrameAxes::world_aligned) {
+    context.out.error(
+        cost.residual.place,
+        fmt::format("the friction cone of '{}' needs a normal that is fixed in the world",
+                    on.name.value),
+        "give the contact 'axes: world'");
+    return std::nullopt;
+  }
+  const FrictionLimits limits = limits_of(cost, on);
+  if (!cost.keys.value(key::cone))
+    return in_cone(
+        friction_pyramid(limits, cost.keys.value(kFaces), cost.keys.value(kInner), on.normal),
+        context.ndx);
+  ContactCost result;
+  result.lower = {-kUnlimited, limits.min_normal};
+  result.upper = {0, limits.max_normal};
+  result.make = [ndx = context.ndx, friction = limits.friction, n = on.normal](
+                    const std::shared_ptr<const MultibodySystem>& system, int index) {
+    return friction_cone_residual(system, index, ndx, friction, n);
+  };
+  name_rows(result.prototype, result.lower.size());
+  return result;
+}
+
+/// Half the length and width of a contact's sole, m; nothing where it has none, which is reported.
+std::optional<std::array<double, 2>> sole_of(const ResidualContext& context, int contact) {
+  const ContactSpec& on = context.spec.contacts[contact];
+  if (on.kind == ContactKind::surface && on.half_size) return on.half_size;
+  context.out.error(context.cost.residual.place,
+                    fmt::format("the residual '{}' needs a sole, which the contact '{}' has not",
+                                context.cost.residual.value, on.name.value),
+                    "give the contact 'type: surface' and 'size: [length, width]'");
+  return std::nullopt;
+}
+
+std::optional<ContactCost> make_wrench_cone(const ResidualContext& context, int contact) {
+  const auto sole = sole_of(context, contact);
+  if (!sole) return std::nullopt;
+  const FrictionLimits limits = limits_of(context.cost, context.spec.contacts[contact]);
+  const bool inner = context.cost.keys.value(kInner);
+  return in_cone(wrench_cone(limits, (*sole)[0], (*sole)[1], inner), context.ndx);
+}
+
+std::optional<ContactCost> make_center_of_pressure(const ResidualContext& context, int contact) {
+  const auto sole = sole_of(context, contact);
+  if (!sole) return std::nullopt;
+  return in_cone(center_of_pressure_cone((*sole)[0], (*sole)[1]), context.ndx);
+}
+
+/// A key that pyramids have, and cones of second order have not.
+ResidualKey of_pyramids(ResidualKey key, const char* message) {
+  key.read = [read = std::move(key.read), message](const YamlReader& reader, CostSpec& cost) {
+    read(reader, cost);
+    if (cost.keys.value(key::cone)) reader.error(message);
+  };
+  key.expand = [expand = std::move(key.expand)](const CostSpec& cost, const KeyContext& context) {
+    return cost.keys.value(key::cone) ? OrderedJson(nullptr) : expand(cost, context);
+  };
+  return key;
+}
+
+void set_barrier_of_cone(CostSpec& cost) {
+  cost.activation.kind = ActivationKind::quadratic_barrier;
+}
+
+}  // namespace
+
+std::span<const ResidualDefinition> force_residuals() {
+  static const NumberRange kFactor{0, 1, true, false, "a factor from 0 (excluded) to 1"};
+  static const ResidualKey cone = choice_key(
+      key::cone, "Of friction_cone: a pyramid, or the cone itself with its tip rounded by 0.01 N",
+      "cone", kConeWords, {.of_constraints = false, .of_last_node = false});
+  static const ResidualKey faces = of_pyramids(
+      integer_key(kFaces, "Of a pyramid: number of its faces", 3, 64, {.of_last_node = false}),
+      "a second-order cone has no faces");
+  static const ResidualKey inner = of_pyramids(
+      flag_key(
+          kInner,
+          "Of friction_cone and wrench_cone: the pyramid stands in the cone (true) or contains "
+          "it (false)",
+          {.of_last_node = false}),
+      "a second-order cone is exact: it has no 'inner'");
+  static const ResidualKey safety =
+      number_key(key::safety,
+                 "Of friction_cone and wrench_cone: the share of the coefficient of friction that "
+                 "is used, without unit",
+                 kFactor, {.of_last_node = false});
+  static const ResidualDefinition all[] = {
+      {.name = "contact_force",
+       .description = "force on the robot at a contact (and torque, if a surface) minus a "
+                      "reference, world axes; an impulse at an impulse",
+       .unit = "N and Nm, Ns and Nms",
+       .synonyms = {"force", "forces", "wrench"},
+       .needs = {.robot = true, .force = true},
+       .keys = {&contacts_key()},
+       .reference = &kForceReference,
+       .make_of_contact = make_force},
+      {.name = "friction_cone",
+       .description = "what a contact's force lacks to lie in its friction cone",
+       .unit = "N",
+       .synonyms = {"cone", "friction"},
+       .needs = {.robot = true, .force = true},
+       .keys = {&contacts_key(), &cone, &faces, &inner, &safety},
+       .is_cone = true,
+       .set_activation = set_barrier_of_cone,
+       .make_of_contact = make_friction_cone},
+      {.name = "wrench_cone",
+       .description = "the same of a sole's force and torque: friction, centre of pressure, yaw "
+                      "torque",
+       .unit = "N and Nm",
+       .needs = {.robot = true, .force = true},
+       .keys = {&contacts_key(), &inner, &safety},
+       .is_cone = true,
+       .set_activation = set_barrier_of_cone,
+       .make_of_contact = make_wrench_cone},
+      {.name = "center_of_pressure",
+       .description = "the same of a sole's centre of pressure alone",
+       .unit = "Nm",
+       .synonyms = {"cop", "zmp"},
+       .needs = {.robot = true, .force = true},
+       .keys = {&contacts_key()},
+       .is_cone = true,
+       .set_activation = set_barrier_of_cone,
+       .make_of_contact = make_center_of_pressure}};
+  return all;
+}
+
+}  // namespace conddp

@@ -1,0 +1,187 @@
+#include "problem_file/data/time_series.hpp"
+#include "problem_file/residuals/cost_residual.hpp"
+#include "problem_file/residuals/key_kinds.hpp"
+#include "problem_file/residuals/reference_form.hpp"
+#include "problem_file/residuals/residual_table.hpp"
+#include "problem_file/residuals/row_names.hpp"
+#include "problem_file/spec/enum_names.hpp"
+#include "problem_file/values/expand_values.hpp"
+#include "problem_file/values/read_values.hpp"
+#include "problem_file/values/value_schema.hpp"
+#include "robot/frames.hpp"
+
+namespace conddp {
+namespace {
+
+const Key<FrameAxes> kAxes{"axes", FrameAxes::world_aligned};
+
+const std::vector<std::string> kRotationNames = {"rx", "ry", "rz"};
+const std::vector<std::string> kPoseNames = {"x", "y", "z", "rx", "ry", "rz"};
+
+std::optional<int> frame_of(const ResidualContext& context) {
+  return find_frame(context.plant.robot(), *context.cost.keys.find(key::frame), "", context.out);
+}
+
+/// What a state gives: numbers of the frame's pose.
+template <class Numbers>
+std::function<std::vector<double>(const std::vector<double>&)> of_pose(const Plant& plant,
+                                                                       int frame, Numbers numbers) {
+  return [system = plant.multibody(), frame, numbers](const std::vector<double>& x) {
+    const SE3<double> pose = placement_in_state(*system, x, frame);
+    return numbers(pose.p, quaternion(pose.R));
+  };
+}
+
+std::optional<CostResidual> make_position_of_frame(const ResidualContext& context) {
+  const auto frame = frame_of(context);
+  if (!frame) return std::nullopt;
+  CostResidual result;
+  result.frame = *frame;
+  result.residual = frame_position_residual(context.plant.multibody(), *frame);
+  result.rows = {"axes of the position", kPositionNames};
+  result.parameters = StateManifold::flat(3);
+  result.in_state =
+      of_pose(context.plant, *frame, [](const Vector3<double>& p, const Quaternion<double>&) {
+        return std::vector{p.x, p.y, p.z};
+      });
+  return result;
+}
+
+std::optional<CostResidual> make_rotation(const ResidualContext& context) {
+  const auto frame = frame_of(context);
+  if (!frame) return std::nullopt;
+  CostResidual result;
+  result.frame = *frame;
+  result.residual = frame_rotation_residual(context.plant.multibody(), *frame);
+  result.rows = {"axes of the rotation", kRotationNames};
+  result.parameters = rotation_manifold();
+  result.in_state =
+      of_pose(context.plant, *frame, [](const Vector3<double>&, const Quaternion<double>& q) {
+        return std::vector{q.x, q.y, q.z, q.w};
+      });
+  return result;
+}
+
+std::optional<CostResidual> make_placement(const ResidualContext& context) {
+  const auto frame = frame_of(context);
+  if (!frame) return std::nullopt;
+  CostResidual result;
+  result.frame = *frame;
+  result.residual = frame_placement_residual(context.plant.multibody(), *frame);
+  result.rows = {"axes of the placement", kPoseNames};
+  result.parameters = pose_manifold();
+  result.in_state =
+      of_pose(context.plant, *frame, [](const Vector3<double>& p, const Quaternion<double>& q) {
+        return std::vector{p.x, p.y, p.z, q.x, q.y, q.z, q.w};
+      });
+  return result;
+}
+
+std::optional<CostResidual> make_velocity_of_frame(const ResidualContext& context) {
+  const auto frame = frame_of(context);
+  if (!frame) return std::nullopt;
+  const FrameAxes axes = context.cost.keys.value(kAxes);
+  CostResidual result;
+  result.frame = *frame;
+  result.residual = frame_velocity_residual(context.plant.multibody(), *frame, axes);
+  result.rows = {"axes of the velocity", kTwistNames};
+  result.parameters = StateManifold::flat(6);
+  result.in_state = [system = context.plant.multibody(), frame = *frame,
+                     axes](const std::vector<double>& x) {
+    const RobotData<double> data = data_in_state(*system, x);
+    const Motion<double> v = frame_velocity(system->robot(), data, frame, axes);
+    return std::vector{v[0], v[1], v[2], v[3], v[4], v[5]};
+  };
+  return result;
+}
+
+SwingSpec read_swing(const YamlReader& reader) {
+  SwingSpec swing{.place = reader.place()};
+  YamlMap map(reader);
+  if (!map.valid()) return swing;
+  if (const auto r = map.require("height"))
+    swing.height = r->number(kNotNegative).value_or(swing.height);
+  map.exclusive({"landing", "step"});
+  map.exclusive({"landing", "displaced"});
+  map.exclusive({"step", "displaced"});
+  if (const auto r = map.find("landing")) swing.landing = read_vector3(*r, "[x, y, z] in m");
+  if (const auto r = map.find("step")) swing.step = read_vector3(*r, "[x, y, z] in m");
+  if (const auto r = map.find("displaced"))
+    if (const auto items = r->items()) {
+      for (const YamlReader& item : *items)
+        swing.displaced.push_back(read_planar_motion(item).value_or(PlanarMotion{}));
+      if (items->empty()) r->error("there is no landing", "write one '[x, y, yaw]' a swing");
+    }
+  return swing;
+}
+
+OrderedJson expand_swing(const SwingSpec& swing) {
+  OrderedJson json = {{"height", swing.height}};
+  if (swing.landing)
+    json["landing"] = expand_vector(*swing.landing);
+  else if (!swing.displaced.empty())
+    for (const PlanarMotion& motion : swing.displaced)
+      json["displaced"].push_back(expand_motion(motion));
+  else
+    json["step"] = expand_vector(swing.step.value_or(Vector3<double>::zero()));
+  return json;
+}
+
+}  // namespace
+
+std::span<const ResidualDefinition> frame_residuals() {
+  static const ResidualKey frame =
+      name_key(key::frame, "Of residuals on frames", {.required = true});
+  static const ResidualKey axes = choice_key(
+      kAxes, "Of frame_velocity: the axes in which it is expressed", "system of axes", kAxesWords);
+  static const ResidualKey swing = {
+      "swing",
+      "Of frame_position and frame_placement, instead of a reference: an arch from where the frame "
+      "stood, over every run of consecutive phases that the cost names",
+      defined_schema("swing"),
+      {.of_constraints = false, .of_last_node = false, .excludes = "reference"},
+      [](const YamlReader& reader, CostSpec& cost) {
+        cost.keys.set(key::swing, read_swing(reader));
+      },
+      [](const CostSpec& cost, const KeyContext&) {
+        const SwingSpec* given = cost.keys.find(key::swing);
+        return given != nullptr ? expand_swing(*given) : OrderedJson(nullptr);
+      }};
+  static const ResidualDefinition all[] = {
+      {.name = "frame_position",
+       .description = "the origin of a frame minus a point of the world",
+       .unit = "m",
+       .synonyms = {"position", "translation", "end_effector", "ee_position"},
+       .needs = {.robot = true},
+       .keys = {&frame, &swing},
+       .reference = &kPointReference,
+       .is_point = [](const CostSpec&) { return true; },
+       .make = make_position_of_frame},
+      {.name = "frame_rotation",
+       .description = "rotation vector from a reference to a frame",
+       .unit = "rad",
+       .synonyms = {"rotation", "orientation"},
+       .needs = {.robot = true},
+       .keys = {&frame},
+       .reference = &kRotationReference,
+       .make = make_rotation},
+      {.name = "frame_placement",
+       .description = "logarithm of a frame's pose seen from a reference",
+       .unit = "m, rad",
+       .synonyms = {"pose", "placement", "frame_pose"},
+       .needs = {.robot = true},
+       .keys = {&frame, &swing},
+       .reference = &kPoseReference,
+       .make = make_placement},
+      {.name = "frame_velocity",
+       .description = "velocity of a frame minus a reference",
+       .unit = "m/s and rad/s",
+       .synonyms = {"velocity", "twist"},
+       .needs = {.robot = true},
+       .keys = {&frame, &axes},
+       .reference = &kTwistReference,
+       .make = make_velocity_of_frame}};
+  return all;
+}
+
+}  // namespace conddp

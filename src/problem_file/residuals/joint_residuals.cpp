@@ -1,0 +1,151 @@
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "problem_file/residuals/cost_residual.hpp"
+#include "problem_file/residuals/key_kinds.hpp"
+#include "problem_file/residuals/reference_form.hpp"
+#include "problem_file/residuals/residual_table.hpp"
+#include "problem_file/values/expand_values.hpp"
+
+namespace conddp {
+namespace {
+
+const Key<std::vector<Name>> kJoints{"joints"};
+
+/// Joints of a residual: those named, else all.
+std::optional<std::vector<int>> choose_joints(const CostSpec& cost, const RobotModel& robot,
+                                              Diagnostics& out) {
+  std::vector<int> joints;
+  bool known = true;
+  if (const std::vector<Name>* names = cost.keys.find(kJoints)) {
+    for (const Name& name : *names) {
+      const std::vector<int> found = find_joints(robot, name, "", out);
+      known &= !found.empty();
+      for (const int joint : found)
+        if (std::find(joints.begin(), joints.end(), joint) == joints.end()) joints.push_back(joint);
+    }
+  } else {
+    for (int i = 0; i < robot.joint_count(); ++i)
+      if (is_independent(robot, i)) joints.push_back(i);
+  }
+  if (!known) return std::nullopt;
+  if (joints.empty()) {
+    out.error(cost.residual.place, fmt::format("the cost '{}' has no joint", cost.name.value));
+    return std::nullopt;
+  }
+  return joints;
+}
+
+CostResidual named_by(const std::vector<int>& joints, const RobotModel& robot) {
+  std::vector<std::string> names;
+  for (const int joint : joints) names.push_back(robot.joints[joint].name);
+  CostResidual result;
+  result.rows = result.references = {"joints", names};
+  result.parameters = StateManifold::flat(static_cast<int>(joints.size()));
+  return result;
+}
+
+/// A residual on numbers of the state.
+void set_coordinates(const System& system, CostResidual& result) {
+  const std::vector<std::string> names = state_names(system).names;
+  for (const int i : result.indices) result.columns.push_back(names[i]);
+  result.residual = coordinate_residual(system.manifold(), result.indices);
+  result.in_state = [indices = result.indices](const std::vector<double>& x) {
+    std::vector<double> values;
+    for (const int i : indices) values.push_back(x[i]);
+    return values;
+  };
+}
+
+std::optional<CostResidual> make_position(const ResidualContext& context) {
+  const MultibodySystem& system = *context.plant.multibody();
+  const auto joints = choose_joints(context.cost, system.robot(), context.out);
+  if (!joints) return std::nullopt;
+  CostResidual result = named_by(*joints, system.robot());
+  for (const int joint : *joints) {
+    const MultibodySystem::JointLimits limits = system.limits(joint);
+    result.indices.push_back(*system.position_index(joint));
+    result.lower.push_back(limits.lower);
+    result.upper.push_back(limits.upper);
+  }
+  set_coordinates(*context.plant.system, result);
+  return result;
+}
+
+std::optional<CostResidual> make_velocity(const ResidualContext& context) {
+  const MultibodySystem& system = *context.plant.multibody();
+  const auto joints = choose_joints(context.cost, system.robot(), context.out);
+  if (!joints) return std::nullopt;
+  CostResidual result = named_by(*joints, system.robot());
+  for (const int joint : *joints) {
+    const MultibodySystem::JointLimits limits = system.limits(joint);
+    result.indices.push_back(*system.velocity_index(joint));
+    result.lower.push_back(-limits.max_velocity);
+    result.upper.push_back(limits.max_velocity);
+  }
+  set_coordinates(*context.plant.system, result);
+  return result;
+}
+
+std::optional<CostResidual> make_acceleration(const ResidualContext& context) {
+  const MultibodySystem& system = *context.plant.multibody();
+  const auto joints = choose_joints(context.cost, system.robot(), context.out);
+  if (!joints) return std::nullopt;
+  CostResidual result = named_by(*joints, system.robot());
+  for (const int joint : *joints) result.indices.push_back(*system.velocity_row(joint));
+  result.residual = acceleration_residual(*context.plant.system, context.ndx, result.indices);
+  // States are at rest as far as they say.
+  result.in_state = [n = joints->size()](const std::vector<double>&) {
+    return std::vector<double>(n, 0.0);
+  };
+  return result;
+}
+
+ResidualKey joints_key() {
+  ResidualKey joints =
+      names_key(kJoints, "Of residuals on joints; names may have a *; all by default");
+  joints.expand = [](const CostSpec& cost, const KeyContext& context) {
+    const std::vector<Name>* names = cost.keys.find(kJoints);
+    return names != nullptr ? expand_names(*names)
+                            : OrderedJson(joint_names(context.plant.robot()));
+  };
+  return joints;
+}
+
+}  // namespace
+
+std::span<const ResidualDefinition> joint_residuals() {
+  static const ResidualKey joints = joints_key();
+  static const ResidualDefinition all[] = {{.name = "joint_position",
+                                            .description = "joint positions minus a reference",
+                                            .unit = "rad or m",
+                                            .synonyms = {"configuration", "joint", "posture", "q"},
+                                            .needs = {.robot = true},
+                                            .keys = {&joints},
+                                            .reference = &kNumbersReference,
+                                            .has_limits = true,
+                                            .is_point = [](const CostSpec&) { return true; },
+                                            .of_positions = true,
+                                            .make = make_position},
+                                           {.name = "joint_velocity",
+                                            .description = "joint velocities minus a reference",
+                                            .unit = "rad/s or m/s",
+                                            .synonyms = {"velocity", "v"},
+                                            .needs = {.robot = true},
+                                            .keys = {&joints},
+                                            .reference = &kNumbersReference,
+                                            .has_limits = true,
+                                            .make = make_velocity},
+                                           {.name = "joint_acceleration",
+                                            .description = "joint accelerations minus a reference",
+                                            .unit = "rad/s² or m/s²",
+                                            .synonyms = {"acceleration", "a"},
+                                            .needs = {.robot = true, .control = true},
+                                            .keys = {&joints},
+                                            .reference = &kNumbersReference,
+                                            .make = make_acceleration}};
+  return all;
+}
+
+}  // namespace conddp

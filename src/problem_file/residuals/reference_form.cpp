@@ -1,0 +1,151 @@
+#include "problem_file/residuals/reference_form.hpp"
+
+#include "problem_file/values/expand_values.hpp"
+#include "problem_file/values/read_state.hpp"
+#include "problem_file/values/read_values.hpp"
+
+namespace conddp {
+namespace {
+
+using Value = std::optional<ReferenceValueSpec>;
+using Numbers = std::optional<std::vector<double>>;
+using Needed = ReferenceForm::Needed;
+
+Value read_numbers(const YamlReader& reader, const CostSpec&) {
+  ReferenceValueSpec value{.place = reader.place()};
+  value.components = read_components(reader);
+  if (!value.components) return std::nullopt;
+  return value;
+}
+OrderedJson expand_given_numbers(const ReferenceValueSpec& value) {
+  return expand_components(*value.components);
+}
+Value zero_numbers(const CostSpec&, const Place& place) {
+  ReferenceValueSpec value{.place = place};
+  value.components = ComponentsSpec{.place = place, .scalar = 0.0};
+  return value;
+}
+
+Value read_whole_state(const YamlReader& reader, const CostSpec& cost) {
+  if (!reader.is_map()) {
+    const Value numbers = read_numbers(reader, cost);
+    const bool one = numbers && numbers->components->form == ComponentsSpec::Form::kScalar;
+    if (one && cost.keys.find(key::columns) == nullptr)
+      reader.error("one number is not a state",
+                   "a configuration's name, 'initial', a list, or '{values: {column: number}}'");
+    return numbers;
+  }
+  ReferenceValueSpec value{.place = reader.place()};
+  value.state = read_state(reader);
+  if (!value.state) return std::nullopt;
+  return value;
+}
+OrderedJson expand_state_or_numbers(const ReferenceValueSpec& value) {
+  return value.state ? expand_state(*value.state) : expand_given_numbers(value);
+}
+Value zero_state(const CostSpec& cost, const Place& place) {
+  if (cost.keys.find(key::columns) != nullptr) return zero_numbers(cost, place);
+  ReferenceValueSpec value{.place = place};
+  value.state = StateSpec{.place = place};
+  return value;
+}
+
+Value read_point(const YamlReader& reader, const CostSpec&) {
+  const auto position = read_vector3(reader, "[x, y, z] in m");
+  if (!position) return std::nullopt;
+  ReferenceValueSpec value{.place = reader.place()};
+  value.pose = PoseSpec{.place = reader.place(), .position = position};
+  return value;
+}
+OrderedJson expand_point(const ReferenceValueSpec& value) {
+  return expand_vector(*value.pose->position);
+}
+Value zero_point(const CostSpec&, const Place& place) {
+  ReferenceValueSpec value{.place = place};
+  value.pose = PoseSpec{.place = place, .position = Vector3<double>::zero()};
+  return value;
+}
+Numbers point_numbers(const PoseSpec& pose, Diagnostics&) {
+  return std::vector{pose.position->x, pose.position->y, pose.position->z};
+}
+
+Value read_whole_pose(const YamlReader& reader, const CostSpec&) {
+  ReferenceValueSpec value{.place = reader.place()};
+  value.pose = read_pose(reader);
+  if (!value.pose) return std::nullopt;
+  return value;
+}
+Value read_rotation(const YamlReader& reader, const CostSpec& cost) {
+  Value value = read_whole_pose(reader, cost);
+  if (value && value->pose->position)
+    reader.error("a rotation has no position", "use the residual 'frame_placement'");
+  return value;
+}
+OrderedJson expand_given_pose(const ReferenceValueSpec& value) { return expand_pose(*value.pose); }
+Value no_zero(const CostSpec&, const Place&) { return std::nullopt; }
+Numbers rotation_numbers(const PoseSpec& pose, Diagnostics& out) {
+  if (!pose.orientation) {
+    out.error(pose.place, "the reference lacks 'orientation' or 'rpy'");
+    return std::nullopt;
+  }
+  const Quaternion<double>& q = *pose.orientation;
+  return std::vector{q.x, q.y, q.z, q.w};
+}
+Numbers pose_numbers(const PoseSpec& pose, Diagnostics& out) {
+  if (!pose.position) {
+    out.error(pose.place, "the reference lacks 'position'");
+    return std::nullopt;
+  }
+  Numbers numbers = point_numbers(pose, out);
+  const Numbers rotation = rotation_numbers(pose, out);
+  if (!rotation) return std::nullopt;
+  numbers->insert(numbers->end(), rotation->begin(), rotation->end());
+  return numbers;
+}
+
+Value read_velocity(const YamlReader& reader, const CostSpec&) {
+  ReferenceValueSpec value{.place = reader.place()};
+  value.twist = read_twist(reader);
+  if (!value.twist) return std::nullopt;
+  return value;
+}
+OrderedJson expand_velocity(const ReferenceValueSpec& value) { return expand_twist(*value.twist); }
+Value zero_velocity(const CostSpec&, const Place& place) {
+  ReferenceValueSpec value{.place = place};
+  value.twist = TwistSpec{.place = place};
+  return value;
+}
+
+}  // namespace
+
+const ReferenceForm kStateReference{
+    .read = read_whole_state, .expand = expand_state_or_numbers, .zero = zero_state};
+const ReferenceForm kNumbersReference{
+    .read = read_numbers, .expand = expand_given_numbers, .zero = zero_numbers};
+const ReferenceForm kForceReference{
+    .of_state = false, .read = read_numbers, .expand = expand_given_numbers, .zero = zero_numbers};
+const ReferenceForm kControlReference{.of_state = false,
+                                      .holds = true,
+                                      .read = read_numbers,
+                                      .expand = expand_given_numbers,
+                                      .zero = zero_numbers};
+const ReferenceForm kPointReference{.needed = Needed::kWithoutBarrier,
+                                    .is_point = true,
+                                    .read = read_point,
+                                    .expand = expand_point,
+                                    .zero = zero_point,
+                                    .numbers = point_numbers};
+const ReferenceForm kRotationReference{.needed = Needed::kAlways,
+                                       .read = read_rotation,
+                                       .expand = expand_given_pose,
+                                       .zero = no_zero,
+                                       .numbers = rotation_numbers};
+const ReferenceForm kPoseReference{.needed = Needed::kAlways,
+                                   .read = read_whole_pose,
+                                   .expand = expand_given_pose,
+                                   .zero = no_zero,
+                                   .numbers = pose_numbers};
+const ReferenceForm kTwistReference{
+    .read = read_velocity, .expand = expand_velocity, .zero = zero_velocity};
+
+}  // namespace conddp

@@ -1,0 +1,23 @@
+#pragma once
+
+#include "problem_file/spec/residual_definition.hpp"
+
+namespace conddp {
+
+/// The forms of references, as ResidualDefinition::reference.
+
+/// A state, in any way in which a file can give one; numbers, of chosen columns.
+extern const ReferenceForm kStateReference;
+/// One number for all rows, a list, or a mapping from the names of rows.
+extern const ReferenceForm kNumbersReference;
+/// The same; no state has a value of it.
+extern const ReferenceForm kForceReference;
+/// The same, each held until the next way-point.
+extern const ReferenceForm kControlReference;
+/// [x, y, z] in the world, m.
+extern const ReferenceForm kPointReference;
+extern const ReferenceForm kRotationReference;
+extern const ReferenceForm kPoseReference;
+extern const ReferenceForm kTwistReference;
+
+}  // namespace conddp

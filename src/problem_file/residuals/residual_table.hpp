@@ -1,0 +1,36 @@
+#pragma once
+
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "problem_file/spec/residual_definition.hpp"
+
+namespace conddp {
+
+/// The definitions of residuals, a family in the file of its name.
+std::span<const ResidualDefinition> state_residuals();
+std::span<const ResidualDefinition> control_residuals();
+std::span<const ResidualDefinition> joint_residuals();
+std::span<const ResidualDefinition> frame_residuals();
+std::span<const ResidualDefinition> whole_body_residuals();
+std::span<const ResidualDefinition> force_residuals();
+std::span<const ResidualDefinition> distance_residuals();
+std::span<const ResidualDefinition> contact_velocity_residuals();
+std::span<const ResidualDefinition> cycle_residuals();
+std::span<const ResidualDefinition> combination_residuals();
+
+/// In the order in which documents list them.
+inline constexpr std::span<const ResidualDefinition> (*kResidualFamilies[])() = {
+    state_residuals,      control_residuals,    joint_residuals,    frame_residuals,
+    whole_body_residuals, force_residuals,      distance_residuals, contact_velocity_residuals,
+    cycle_residuals,      combination_residuals};
+
+/// All of them.
+const std::vector<const ResidualDefinition*>& residual_table();
+/// The one with this name, or null.
+const ResidualDefinition* find_residual(std::string_view name);
+/// The keys that any of them has, each once.
+const std::vector<const ResidualKey*>& residual_keys();
+
+}  // namespace conddp

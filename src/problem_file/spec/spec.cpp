@@ -1,0 +1,16 @@
+#include "problem_file/spec/spec.hpp"
+
+namespace conddp {
+
+const CostSpec* ProblemSpec::first_use(bool ResidualNeeds::*need) const {
+  for (const auto* list : {&costs, &terminal_costs})
+    for (const CostSpec& cost : *list)
+      if (cost.definition->needs.*need) return &cost;
+  for (const auto* list : {&constraints, &terminal_constraints})
+    for (const ConstraintSpec& constraint : *list)
+      if (!constraint.bounded && constraint.function.definition->needs.*need)
+        return &constraint.function;
+  return nullptr;
+}
+
+}  // namespace conddp

@@ -1,0 +1,23 @@
+#pragma once
+
+#include "base/ordered_json.hpp"
+#include "problem_file/spec/spec.hpp"
+
+namespace conddp {
+
+/// Expanders of values: each gives what its reader would read the same value from.
+
+OrderedJson expand_vector(const Vector3<double>& vector);
+OrderedJson expand_quaternion(const Quaternion<double>& q);
+OrderedJson expand_numbers(const NamedNumbers& numbers);
+OrderedJson expand_components(const ComponentsSpec& spec);
+OrderedJson expand_names(const std::vector<Name>& names);
+OrderedJson expand_motion(const PlanarMotion& motion);
+OrderedJson expand_pose(const PoseSpec& pose);
+OrderedJson expand_twist(const TwistSpec& twist);
+OrderedJson expand_state(const StateSpec& state);
+OrderedJson expand_data_file(const DataFileSpec& file);
+/// The contacts' names, all where the file says so.
+OrderedJson expand_contact_names(const ContactNames& names, const ProblemSpec& spec);
+
+}  // namespace conddp

@@ -1,0 +1,25 @@
+#pragma once
+
+#include "problem_file/spec/spec_values.hpp"
+#include "problem_file/yaml/yaml_reader.hpp"
+
+namespace conddp {
+
+/// Readers of values that stand under many keys; each reports why it returns nothing.
+
+std::optional<Vector3<double>> read_vector3(const YamlReader& reader, std::string_view what);
+NamedNumbers read_named_numbers(const YamlReader& reader, const NumberRange& range = kAnyNumber);
+std::optional<ComponentsSpec> read_components(const YamlReader& reader,
+                                              const NumberRange& range = kAnyNumber);
+/// Factor that gives a vector of this length the length 1; 1 within rounding, so that what was
+/// scaled once is not changed again.
+double unit_scale(double length);
+/// A key with a rotation in one of its forms: `orientation` (quaternion x y z w) or `rpy` (rad).
+std::optional<Quaternion<double>> read_orientation(YamlMap& map);
+std::optional<PoseSpec> read_pose(const YamlReader& reader);
+std::optional<TwistSpec> read_twist(const YamlReader& reader);
+std::optional<PlanarMotion> read_planar_motion(const YamlReader& reader);
+/// `all`, a name, or a list of names.
+ContactNames read_contact_names(const YamlReader& reader);
+
+}  // namespace conddp

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "base/ordered_json.hpp"
+
+namespace conddp {
+
+/// What documents say of a key of a closed-form system.
+struct SystemKey {
+  std::string_view name;
+  std::string_view description;  ///< one line, with the unit
+  OrderedJson schema;            ///< of its value: JSON Schema, with the default
+  bool required = false;
+};
+
+/// The keys besides `type` of each of kSystemTypes, in its order.
+std::vector<std::vector<SystemKey>> system_keys();
+
+}  // namespace conddp
