@@ -86,6 +86,11 @@ TEST(ListCommand, HasTheWordsOfTheSchema) {
   EXPECT_EQ(names("constraints"), d["constraint"]["properties"]["bounds"]["enum"]);
 }
 
+TEST(ListCommand, SaysWhatTheSchemaAndTheDictionaryOfTheFuzzerSay) {
+  const std::string command = source("scripts/write_schema") + " --check " CONDDP_BINARY;
+  EXPECT_EQ(std::system(command.c_str()), 0) << "run scripts/write_schema";
+}
+
 TEST(ListCommand, AReaderThatGoesAwayIsNoError) {
   const TemporaryFolder folder;
   const std::string errors = folder.path() / "errors";
