@@ -146,24 +146,24 @@ const std::vector<ExpressionFunction>& function_table() {
              root(g, g.add(g.square(v[0].nodes[0]), g.square(v[1].nodes[0]))));
        }},
       {"smooth_abs",
-       {{"a", Kind::kNumber}, {"width", Kind::kPositive}},
+       {{"a", Kind::kNumber}, {"width", Kind::kAboveZero}},
        "absolute value, rounded: square root of a^2 + width^2",
        "",
        [](Graph& g, const Values& v) {
          return ExpressionValue::number(rounded_root(g, g.square(v[0].nodes[0]), v[1].nodes[0]));
        }},
       {"smooth_min",
-       {{"a", Kind::kNumber}, {"b", Kind::kNumber}, {"width", Kind::kPositive}},
+       {{"a", Kind::kNumber}, {"b", Kind::kNumber}, {"width", Kind::kAboveZero}},
        "smaller number, rounded: (a + b - smooth_abs(a - b, width))/2",
        "",
        [](Graph& g, const Values& v) { return smooth_extremum(g, v, false); }},
       {"smooth_max",
-       {{"a", Kind::kNumber}, {"b", Kind::kNumber}, {"width", Kind::kPositive}},
+       {{"a", Kind::kNumber}, {"b", Kind::kNumber}, {"width", Kind::kAboveZero}},
        "larger number, rounded: (a + b + smooth_abs(a - b, width))/2",
        "",
        [](Graph& g, const Values& v) { return smooth_extremum(g, v, true); }},
       {"smooth_step",
-       {{"a", Kind::kNumber}, {"width", Kind::kPositive}},
+       {{"a", Kind::kNumber}, {"width", Kind::kAboveZero}},
        "0 below and 1 above a = 0: (1 + tanh(a/width))/2",
        "",
        [](Graph& g, const Values& v) {
@@ -172,7 +172,7 @@ const std::vector<ExpressionFunction>& function_table() {
              g.constant(0.5), g.add(g.constant(1), g.function(Operation::kTanh, ratio))));
        }},
       {"smooth_norm",
-       {{"v", Kind::kVector}, {"width", Kind::kPositive}},
+       {{"v", Kind::kVector}, {"width", Kind::kAboveZero}},
        "length of a vector, rounded: square root of dot(v, v) + width^2",
        "",
        [](Graph& g, const Values& v) {
@@ -280,7 +280,7 @@ std::string_view argument_kind_name(ArgumentKind kind) {
   switch (kind) {
     case ArgumentKind::kNumber:
       return "a number";
-    case ArgumentKind::kPositive:
+    case ArgumentKind::kAboveZero:
       return "a positive number";
     case ArgumentKind::kVector:
     case ArgumentKind::kSameVector:

@@ -12,7 +12,7 @@ namespace conddp {
 /// What an argument of a function has to be.
 enum class ArgumentKind {
   kNumber,
-  kPositive,    ///< a number, above zero where it is constant
+  kAboveZero,   ///< a number, above zero where it is constant
   kVector,      ///< of any size
   kSameVector,  ///< of the size of the first argument
   kVector3,

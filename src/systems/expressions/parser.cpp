@@ -372,7 +372,7 @@ class Parser {
     switch (kind) {
       case ArgumentKind::kNumber:
         return value.is_number();
-      case ArgumentKind::kPositive: {
+      case ArgumentKind::kAboveZero: {
         const auto constant =
             value.is_number() ? graph_.constant_of(value.nodes[0]) : std::optional<double>();
         return value.is_number() && (!constant || *constant > 0);
@@ -406,7 +406,7 @@ class Parser {
         if (wanted.kind == ArgumentKind::kSame || wanted.kind == ArgumentKind::kSameVector)
           fail(given.offset, fmt::format("'{}' takes two of one type; both: {} and {}", name.text,
                                          arguments[i - 1].value.type(), given.value.type()));
-        const bool too_small = wanted.kind == ArgumentKind::kPositive && given.value.is_number();
+        const bool too_small = wanted.kind == ArgumentKind::kAboveZero && given.value.is_number();
         fail(given.offset,
              fmt::format("argument '{}' of '{}' has to be {}", wanted.name, name.text,
                          too_small ? "above 0"

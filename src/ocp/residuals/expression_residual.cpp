@@ -1,0 +1,337 @@
+#include "ocp/residuals/expression_residual.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include "systems/expressions/differentiable.hpp"
+#include "systems/expressions/tangent_motions.hpp"
+
+namespace conddp {
+namespace {
+
+/// Residuals are shared by threads and own no memory that changes: their registers are on the
+/// stack, at most so many.
+constexpr int kMostRegisters = 4096;
+
+/// Calls run(registers) with at least `count` registers, not initialised.
+template <class S, class Run>
+void with_registers(int count, Run&& run) {
+  constexpr int kFew = 128, kMany = 1024;
+  if (count <= kFew) {
+    S registers[kFew];
+    run(registers);
+  } else if (count <= kMany) {
+    S registers[kMany];
+    run(registers);
+  } else {
+    S registers[kMostRegisters];
+    run(registers);
+  }
+}
+
+/// An input of the program and where a knot holds it.
+struct KnotInputSource {
+  enum class Kind { kState, kControl, kTime };
+  Kind kind;
+  int index;
+  int input;
+};
+
+class ExpressionResidual : public ResidualBase<ExpressionResidual> {
+ public:
+  ExpressionResidual(DifferentiableExpressions functions, std::vector<KnotInputSource> sources)
+      : ResidualBase(structure(functions), parameters_of(sources), reads_control(sources)),
+        functions_(std::move(functions)),
+        sources_(std::move(sources)) {
+    // A block's entries are by columns, those of the functions by rows.
+    int first_place = 0;
+    for (const RowBlock& block : blocks()) {
+      const int columns = static_cast<int>(block.columns.size());
+      for (int row = 0; row < block.rows; ++row)
+        for (int column = 0; column < columns; ++column)
+          places_.push_back(first_place + column * block.rows + row);
+      first_place += columns * block.rows;
+    }
+  }
+
+  Reads reads() const override { return Reads::kinematics; }
+
+  template <class S>
+  void evaluate_as(const ResidualInput<S>& in, S* r) const {
+    run(functions_.values(), in, r, [](const S*) {});
+  }
+
+  template <class S>
+  void differentiate_as(const ResidualInput<S>& in, S* r, S* jacobian) const {
+    run(functions_.with_derivatives(), in, r, [&](const S* registers) {
+      const auto& entries = functions_.jacobian();
+      for (std::size_t i = 0; i < entries.size(); ++i)
+        jacobian[places_[i]] = registers[entries[i].place];
+    });
+  }
+
+ private:
+  template <class S, class Then>
+  void run(const ExpressionProgram& program, const ResidualInput<S>& in, S* r, Then then) const {
+    with_registers<S>(program.registers(), [&](S* registers) {
+      program.prepare(registers);
+      for (const KnotInputSource& source : sources_) {
+        const bool time = source.kind == KnotInputSource::Kind::kTime;
+        const S* from = time                                             ? in.parameters
+                        : source.kind == KnotInputSource::Kind::kControl ? in.u
+                                                                         : in.x;
+        registers[source.input] = from[source.index];
+      }
+      program.run(registers);
+      for (int i = 0; i < size(); ++i) r[i] = registers[program.output(i)];
+      then(registers);
+    });
+  }
+
+  /// Rows with the same columns that follow each other make a block.
+  static std::vector<RowBlock> structure(const DifferentiableExpressions& functions) {
+    std::vector<RowBlock> rows(functions.size(), RowBlock{1, {}, true});
+    for (const auto& entry : functions.jacobian()) {
+      rows[entry.row].columns.push_back(entry.column);
+      rows[entry.row].affine &= entry.constant;
+    }
+    std::vector<RowBlock> blocks;
+    for (RowBlock& row : rows) {
+      const bool same = !blocks.empty() && blocks.back().columns == row.columns &&
+                        blocks.back().affine == row.affine;
+      if (same)
+        ++blocks.back().rows;
+      else
+        blocks.push_back(std::move(row));
+    }
+    return blocks;
+  }
+  static bool reads(const std::vector<KnotInputSource>& sources, KnotInputSource::Kind kind) {
+    return std::any_of(sources.begin(), sources.end(),
+                       [kind](const KnotInputSource& source) { return source.kind == kind; });
+  }
+  static int parameters_of(const std::vector<KnotInputSource>& sources) {
+    return reads(sources, KnotInputSource::Kind::kTime) ? 1 : 0;
+  }
+  static bool reads_control(const std::vector<KnotInputSource>& sources) {
+    return reads(sources, KnotInputSource::Kind::kControl);
+  }
+
+  DifferentiableExpressions functions_;
+  std::vector<KnotInputSource> sources_;
+  std::vector<int> places_;  ///< of the functions' entries in the packed Jacobian
+};
+
+/// Reads the texts of a residual.
+class ResidualReader {
+ public:
+  using Part = ExpressionResidualMessage::Part;
+
+  ResidualReader(const StateManifold& manifold, const ExpressionResidualText& text,
+                 ParsedExpressionResidual& out)
+      : manifold_(manifold), text_(text), out_(out) {}
+
+  void read() {
+    // Later texts would stumble over what is wrong with the names before them.
+    add_names();
+    for (std::size_t i = 0; i < text_.definitions.size() && out_.errors.empty(); ++i) {
+      const auto& [name, definition] = text_.definitions[i];
+      const int index = static_cast<int>(i);
+      const bool good = check_name(Part::kDefinition, index, name);
+      auto value = parse(Part::kDefinition, index, definition);
+      if (good && value) scope_.add(name, std::move(*value));
+    }
+    if (!out_.errors.empty()) return;
+    for (std::size_t i = 0; i < text_.rows.size(); ++i) read_row(static_cast<int>(i));
+    if (out_.errors.empty()) make();
+  }
+
+ private:
+  void fail(Part part, int index, bool in_text, std::string message, std::string hint = {}) {
+    out_.errors.push_back({part, index, in_text, {0, std::move(message), std::move(hint)}});
+  }
+
+  bool check_name(Part part, int index, const std::string& name) {
+    std::string defect = scope_.defect_of(name);
+    if (defect.empty()) return true;
+    fail(part, index, false, std::move(defect));
+    return false;
+  }
+
+  NodeId input(const KnotInputSource::Kind kind, int index) {
+    const auto known =
+        std::find_if(sources_.begin(), sources_.end(),
+                     [&](const KnotInputSource& s) { return s.kind == kind && s.index == index; });
+    if (known != sources_.end()) return graph_.input(known->input);
+    const int next = static_cast<int>(sources_.size());
+    sources_.push_back({kind, index, next});
+    return graph_.input(next);
+  }
+
+  void add_names() {
+    // States come first, number by number, as the motions of the manifold have it.
+    for (int i = 0; i < manifold_.nx(); ++i) input(KnotInputSource::Kind::kState, i);
+    for (const KnotName& name : text_.names) {
+      if (!scope_.defect_of(name.name).empty()) continue;
+      ExpressionValue value = ExpressionValue::vector({});
+      for (const KnotName::Number& number : name.numbers)
+        value.nodes.push_back(input(
+            number.of_control ? KnotInputSource::Kind::kControl : KnotInputSource::Kind::kState,
+            number.index));
+      if (value.size() == 1 && name.parts.empty()) value.kind = ExpressionValue::Kind::kNumber;
+      value.parts = name.parts;
+      value.unit = name.unit;
+      scope_.add(name.name, std::move(value));
+    }
+    if (scope_.find("t") == nullptr) {
+      ExpressionValue time = ExpressionValue::number(input(KnotInputSource::Kind::kTime, 0));
+      time.unit = "s";
+      scope_.add("t", std::move(time));
+    }
+    for (std::size_t i = 0; i < text_.parameters.size(); ++i) {
+      const auto& [name, number] = text_.parameters[i];
+      if (check_name(Part::kParameter, static_cast<int>(i), name))
+        scope_.add(name, ExpressionValue::number(graph_.constant(number)));
+    }
+    for (std::size_t i = 0; i < text_.tables.size(); ++i) {
+      const auto& [name, table] = text_.tables[i];
+      if (check_name(Part::kTable, static_cast<int>(i), name))
+        scope_.add_table(name, graph_.add_table(table), table->arguments());
+    }
+  }
+
+  std::optional<ExpressionValue> parse(Part part, int index, const std::string& text) {
+    ParsedExpression parsed = parse_expression(text, scope_, graph_);
+    if (!parsed.value) out_.errors.push_back({part, index, true, parsed.error});
+    for (ExpressionMessage& warning : parsed.warnings)
+      out_.warnings.push_back({part, index, true, std::move(warning)});
+    return parsed.value;
+  }
+
+  void read_row(int index) {
+    const auto value = parse(Part::kRow, index, text_.rows[index]);
+    if (!value) return;
+    if (value->kind == ExpressionValue::Kind::kCondition)
+      return fail(Part::kRow, index, true,
+                  "a row of a residual is a number or a vector, and this is a condition");
+    for (const NodeId node : value->nodes) {
+      const std::vector<NodeId> below = nodes_below(graph_, {&node, 1});
+      if (std::none_of(below.begin(), below.end(), [&](NodeId id) { return moves(id); }))
+        return fail(Part::kRow, index, true,
+                    "a row of a residual depends on the state or the control, and this does not");
+      outputs_.push_back(node);
+    }
+  }
+
+  bool moves(NodeId id) const {
+    const ExpressionNode& node = graph_[id];
+    return node.operation == Operation::kInput &&
+           sources_[node.payload].kind != KnotInputSource::Kind::kTime;
+  }
+
+  void make() {
+    std::vector<int> input_of(manifold_.nx());
+    std::iota(input_of.begin(), input_of.end(), 0);
+    InputMotions motions = tangent_motions(graph_, manifold_, input_of);
+    motions.resize(sources_.size());
+    for (const KnotInputSource& source : sources_)
+      if (source.kind == KnotInputSource::Kind::kControl)
+        motions[source.input].push_back({manifold_.ndx() + source.index, graph_.constant(1)});
+    const int inputs = static_cast<int>(sources_.size());
+    if (count_derivatives(graph_, outputs_, motions) > kMostDerivatives)
+      return fail(Part::kRow, 0, false, "the expressions of the residual are too large");
+    DifferentiableExpressions functions(graph_, outputs_, inputs, motions);
+    if (functions.with_derivatives().registers() > kMostRegisters)
+      return fail(
+          Part::kRow, 0, false,
+          fmt::format("the expressions need more than {} intermediate results", kMostRegisters),
+          "rows can be residuals of their own");
+    drop_unused();
+    out_.residual = std::make_shared<ExpressionResidual>(std::move(functions), sources_);
+  }
+
+  /// Inputs that neither values nor derivatives read. A quaternion is read as a whole, because its
+  /// numbers move with each other.
+  void drop_unused() {
+    const std::vector<NodeId> below = nodes_below(graph_, outputs_);
+    std::vector<bool> used(sources_.size(), false);
+    for (const NodeId id : below)
+      if (graph_[id].operation == Operation::kInput) used[graph_[id].payload] = true;
+    for (const StateManifold::Segment& segment : manifold_.curved()) {
+      const auto begin = used.begin() + segment.x, end = begin + segment.n + 1;
+      if (std::find(begin, end, true) != end) std::fill(begin, end, true);
+    }
+    std::erase_if(sources_, [&](const KnotInputSource& source) { return !used[source.input]; });
+  }
+
+  const StateManifold& manifold_;
+  const ExpressionResidualText& text_;
+  ParsedExpressionResidual& out_;
+  ExpressionGraph graph_;
+  ExpressionScope scope_;
+  std::vector<KnotInputSource> sources_;
+  std::vector<NodeId> outputs_;
+};
+
+/// Adds columns to names: alone, or as an element of a group.
+void add_columns(const std::vector<Column>& columns, bool of_control,
+                 std::vector<KnotName>& names) {
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    const std::string& column = columns[i].name;
+    const KnotName::Number number{of_control, static_cast<int>(i)};
+    const std::size_t slash = column.find('/');
+    if (slash == std::string::npos) {
+      names.push_back({column, columns[i].unit, {number}, {}});
+      continue;
+    }
+    const std::string group = column.substr(0, slash);
+    auto found = std::find_if(names.begin(), names.end(),
+                              [&](const KnotName& name) { return name.name == group; });
+    if (found == names.end()) {
+      names.push_back({group, "", {}, {}});
+      found = std::prev(names.end());
+    }
+    found->parts.push_back({column.substr(slash + 1), static_cast<int>(found->numbers.size())});
+    found->numbers.push_back(number);
+  }
+}
+
+/// Parts of three and four numbers among those of poses and twists.
+void add_vectors(KnotName& name) {
+  const std::size_t elements = name.parts.size();
+  const auto is = [&](std::size_t i, std::string_view part) {
+    return i < elements && name.parts[i].name == part;
+  };
+  for (std::size_t i = 0; i < elements; ++i) {
+    const int first = static_cast<int>(i);
+    if (is(i, "x") && is(i + 3, "qx") && is(i + 6, "qw")) {
+      name.parts.push_back({"position", first, 3});
+      name.parts.push_back({"rotation", first + 3, 4});
+    }
+    if (is(i, "vx") && is(i + 3, "wx") && is(i + 5, "wz")) {
+      name.parts.push_back({"linear", first, 3});
+      name.parts.push_back({"angular", first + 3, 3});
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<KnotName> knot_names(const System& system) {
+  std::vector<KnotName> names;
+  add_columns(system.state_columns(), false, names);
+  add_columns(system.control_columns(), true, names);
+  for (KnotName& name : names) add_vectors(name);
+  return names;
+}
+
+ParsedExpressionResidual make_expression_residual(const StateManifold& manifold,
+                                                  const ExpressionResidualText& text) {
+  ParsedExpressionResidual parsed;
+  ResidualReader(manifold, text, parsed).read();
+  return parsed;
+}
+
+}  // namespace conddp

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "ocp/terms/residual.hpp"
+#include "systems/expressions/parser.hpp"
+#include "systems/expressions/spline_table.hpp"
+
+namespace conddp {
+
+/// A name of a knot in expressions: numbers of its state and control in order.
+struct KnotName {
+  struct Number {
+    bool of_control;
+    int index;  ///< into the state or the control
+  };
+  std::string name;
+  std::string unit;
+  std::vector<Number> numbers;  ///< one: a number; more, or with parts: a vector
+  std::vector<ExpressionValue::Part> parts;
+};
+
+/// The names of a system's columns: each that is a name of expressions, and for columns called
+/// group/element the vector `group` with the parts `element`. Poses also have the parts `position`
+/// and `rotation`, twists `linear` and `angular`.
+std::vector<KnotName> knot_names(const System& system);
+
+/// A residual in words. Names in expressions: those of the knot, parameters, definitions in their
+/// order, tables, and the time `t` (s) unless the knot has a column of that name.
+struct ExpressionResidualText {
+  std::vector<KnotName> names;
+  std::vector<std::pair<std::string, double>> parameters;
+  std::vector<std::pair<std::string, std::shared_ptr<const SplineTable>>> tables;
+  std::vector<std::pair<std::string, std::string>> definitions;
+  std::vector<std::string> rows;  ///< a vector gives several
+};
+
+/// What is wrong with a residual in words, or not smooth about it, and in which text.
+struct ExpressionResidualMessage {
+  enum class Part { kParameter, kTable, kDefinition, kRow };
+  Part part = Part::kRow;
+  int index = 0;
+  /// Whether it is about the text of the expression, in which it has an offset, or about the name.
+  bool in_text = false;
+  ExpressionMessage message;
+};
+
+/// A residual, or why there is none.
+struct ParsedExpressionResidual {
+  std::shared_ptr<const Residual> residual;
+  std::vector<ExpressionResidualMessage> errors;
+  std::vector<ExpressionResidualMessage> warnings;
+};
+
+/// Makes a residual of expressions of a knot whose model has this manifold. Parameter: the time of
+/// the knot (s) where expressions depend on `t`, else none; its derivative by a free duration is
+/// not part of the residual. It needs a control where expressions depend on one.
+ParsedExpressionResidual make_expression_residual(const StateManifold& manifold,
+                                                  const ExpressionResidualText& text);
+
+}  // namespace conddp
