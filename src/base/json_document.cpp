@@ -110,7 +110,7 @@ std::optional<Json> parse_document(const std::string& text, const std::string& n
     out.error({mark_at(text, e.byte > 0 ? e.byte - 1 : 0, source, out), {}},
               "not valid JSON: " + reason(e));
   } catch (const MalformedSolution& e) {
-    out.error({{source, 0, 0}, {}}, fmt::format("the {} cannot be used: {}", kind.word, e.message));
+    out.error({{source, 0, 0}, {}}, fmt::format("the {} cannot be used: {}", kind.word, e.what()));
   } catch (const Json::out_of_range& e) {
     // "number overflow parsing '1e999'": the place is where that number stands.
     const std::string_view what = e.what();

@@ -190,7 +190,7 @@ TEST(ContactHandOver, WhatNoScheduledContactCanBeIsRefusedByName) {
       HandOver(answer).expect_refined("box_fddp");
       ADD_FAILURE() << "a schedule of " << name;
     } catch (const NoSchedule& none) {
-      EXPECT_NE(none.reason.find(reason), std::string::npos) << none.reason;
+      EXPECT_NE(std::string(none.what()).find(reason), std::string::npos) << none.what();
     }
   }
 }

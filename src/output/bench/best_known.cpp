@@ -35,7 +35,7 @@ std::optional<BestKnown> load_best_known(const std::filesystem::path& file, Diag
   } catch (const MalformedSolution& e) {
     out.add({.file = file.string(),
              .path = of.empty() ? "" : "problems." + of,
-             .message = fmt::format("the best known optima cannot be used: {}{}", e.message,
+             .message = fmt::format("the best known optima cannot be used: {}{}", e.what(),
                                     of.empty() ? "" : fmt::format(" ('{}')", of)),
              .hint = "'conddp schema best_known' says what the file has"});
     return std::nullopt;

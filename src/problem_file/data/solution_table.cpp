@@ -92,7 +92,7 @@ std::optional<DataTable> parse_solution(const std::string& text, const std::stri
     table.file = name;
     return table;
   } catch (const MalformedSolution& e) {
-    out.add({.file = name, .message = "the solution cannot be used: " + e.message});
+    out.add({.file = name, .message = "the solution cannot be used: " + std::string(e.what())});
   }
   return std::nullopt;
 }
