@@ -5,6 +5,7 @@
 
 #include "ocp/knot/collocation_residual.hpp"
 #include "solvers/strategies/registry.hpp"
+#include "solvers/strategies/reusable_solver.hpp"
 #include "support/conic_problems.hpp"
 #include "support/constrained_problems.hpp"
 #include "support/random_robot.hpp"
@@ -282,6 +283,34 @@ TEST(Allocation, NoneWithOpenGapsNorAtTheRoundingFloor) {
   const Count count = count_allocations(problem, solver, guess, options);
   EXPECT_GE(count.iterations, 5);
   EXPECT_EQ(count.allocations, 0);
+}
+
+/// Allocations of solves after the first, from initial states that move on.
+long count_further_solves(ShootingProblem problem, const char* name, SolverOptions options) {
+  ReusableSolver solver(problem, name, options);
+  Trajectory guess = testing::constant_controls(problem, 0.01);
+  std::vector<double> x0 = problem.initial_state();
+  allocations = 0;
+  for (int i = 0; i < 4; ++i) {
+    counting = i > 0;
+    const SolveResult& answer = solver.solve(guess);
+    guess = answer.trajectory;
+    x0.back() += 0.01;
+    problem.set_initial_state(x0);
+  }
+  counting = false;
+  return allocations;
+}
+
+TEST(Allocation, NoneInASolveAfterTheFirst) {
+  for (const char* solver : {"ilqr", "ddp", "fddp", "box_ddp", "box_fddp", "proxddp"}) {
+    SolverOptions options;
+    EXPECT_EQ(count_further_solves(testing::cartpole_swing_up(), solver, options), 0) << solver;
+    options.max_iterations = 2;
+    EXPECT_EQ(count_further_solves(testing::cartpole_swing_up(), solver, options), 0) << solver;
+  }
+  EXPECT_EQ(count_further_solves(testing::cartpole_swing_up(3), "box_fddp", {}), 0);
+  EXPECT_EQ(count_further_solves(testing::cartpole_swing_up(3), "altro", {}), 0);
 }
 
 }  // namespace

@@ -64,7 +64,7 @@ TEST(SolveRecord, RowsGoIntoTheLogWithTheirTimeAndAreShown) {
     EXPECT_GE(log[i].time_s, i == 0 ? 0 : log[i - 1].time_s);
   }
   EXPECT_GT(log[2].time_s, 0);
-  const SolveResult result = at.record.take();
+  const SolveResult& result = at.record.finished();
   EXPECT_EQ(result.iterations, 2);
   EXPECT_GE(result.times.total, log.empty() ? shown[2].time_s : log[2].time_s);
   EXPECT_EQ(result.log.size(), 3u);

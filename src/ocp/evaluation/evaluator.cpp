@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -63,6 +64,13 @@ struct Group {
 }  // namespace
 
 struct Evaluator::Impl {
+  /// What simulate() needs: a rollout without feedback.
+  struct Simulation {
+    explicit Simulation(const ShootingProblem& problem) : none(problem), rollout(problem) {}
+    Feedback none;
+    SingleRollout rollout;
+  };
+
   Impl(const ShootingProblem& p, int thread_count)
       : problem(p), threads(std::max(1, thread_count)), arena(std::max(1, thread_count)) {
     std::map<const KnotModel*, std::vector<int>> by_model;
@@ -270,6 +278,7 @@ struct Evaluator::Impl {
   /// As duals; null where a model has none.
   std::vector<std::vector<std::unique_ptr<KnotSecondDerivatives>>> seconds;
   std::vector<std::unique_ptr<KnotBatch<double>>> singles;  ///< of rollouts, by model
+  std::optional<Simulation> simulation;                     ///< made when needed
 };
 
 Evaluator::Evaluator(const ShootingProblem& problem, int threads)
@@ -378,8 +387,8 @@ void Evaluator::roll_out(const Trajectory& reference, const Eigen::MatrixXd& gap
 }
 
 int Evaluator::simulate(Trajectory& trajectory, bool clamp_controls) {
-  Feedback none(problem_);
-  SingleRollout rollout(problem_);
+  if (!impl_->simulation) impl_->simulation.emplace(problem_);
+  auto& [none, rollout] = *impl_->simulation;
   // Feedback zero: the reference's states do not matter, as long as they are finite.
   for (int k = 0; k <= trajectory.knots(); ++k)
     trajectory.x(k) =

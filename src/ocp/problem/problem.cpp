@@ -109,6 +109,12 @@ bool ShootingProblem::has_control_bounds() const {
   return false;
 }
 
+void ShootingProblem::set_initial_state(std::span<const double> x) {
+  if (x.size() != initial_state_.size())
+    throw std::invalid_argument("the initial state has the wrong number of entries");
+  std::copy(x.begin(), x.end(), initial_state_.begin());
+}
+
 Trajectory ShootingProblem::create_trajectory() const {
   std::vector<int> sizes(knots());
   for (int k = 0; k < knots(); ++k) sizes[k] = nu(k);

@@ -64,6 +64,9 @@ class ShootingProblem {
   const std::vector<Phase>& phases() const { return phases_; }
   const Phase& terminal() const { return terminal_; }
   const std::vector<double>& initial_state() const { return initial_state_; }
+  /// Moves the initial state, for the next of several solves of one problem: never during one. `x`
+  /// has nx numbers; throws std::invalid_argument where it has not.
+  void set_initial_state(std::span<const double> x);
 
   /// Number N of running knots; knot(N) is the terminal node.
   int knots() const { return static_cast<int>(views_.size()) - 1; }

@@ -1,5 +1,6 @@
 #include "solvers/common/guess.hpp"
 
+#include <iterator>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -14,14 +15,14 @@ void check_shape(const ShootingProblem& problem, const Trajectory& guess) {
   if (!fits) throw std::invalid_argument("the guess does not have the shape of the problem");
 }
 
-std::string clamp_guess(const ControlBounds& bounds, Trajectory& trajectory) {
+void clamp_guess(const ControlBounds& bounds, Trajectory& trajectory, std::string& start) {
   const int clamped = bounds.clamp(trajectory);
-  if (clamped == 0) return {};
-  return fmt::format("; {} control {} moved to a bound", clamped,
-                     clamped == 1 ? "entry" : "entries");
+  if (clamped == 0) return;
+  fmt::format_to(std::back_inserter(start), "; {} control {} moved to a bound", clamped,
+                 clamped == 1 ? "entry" : "entries");
 }
 
-std::string correct_states(const ShootingProblem& problem, Trajectory& trajectory) {
+void correct_states(const ShootingProblem& problem, Trajectory& trajectory, std::string& start) {
   const Eigen::Map<const Eigen::VectorXd> x0(problem.initial_state().data(), problem.nx());
   const double off = (trajectory.x(0) - x0).lpNorm<Eigen::Infinity>();
   trajectory.x(0) = x0;
@@ -31,7 +32,7 @@ std::string correct_states(const ShootingProblem& problem, Trajectory& trajector
           fmt::format("state {} of the guess: a quaternion is far from unit length", k));
     }
   }
-  return off == 0 ? "" : fmt::format("; x_0 corrected by {:.2g}", off);
+  if (off != 0) fmt::format_to(std::back_inserter(start), "; x_0 corrected by {:.2g}", off);
 }
 
 Trajectory perturb_guess(const ShootingProblem& problem, const Trajectory& guess, double spread,

@@ -12,13 +12,13 @@ namespace conddp {
 /// controls.
 void check_shape(const ShootingProblem& problem, const Trajectory& guess);
 
-/// Projects the controls on their bounds. What is returned, here and below, tells of changes and
-/// continues the sentence SolveResult::start; it is empty where there are none.
-std::string clamp_guess(const ControlBounds& bounds, Trajectory& trajectory);
+/// Projects the controls on their bounds. Here and below, changes are told at the end of `start`,
+/// the sentence SolveResult::start.
+void clamp_guess(const ControlBounds& bounds, Trajectory& trajectory, std::string& start);
 
 /// Puts x_0 where the problem has it and the quaternions of all states on the unit sphere. Throws
 /// std::invalid_argument where one is far from it.
-std::string correct_states(const ShootingProblem& problem, Trajectory& trajectory);
+void correct_states(const ShootingProblem& problem, Trajectory& trajectory, std::string& start);
 
 /// A guess with random numbers added: normal ones of standard deviation `spread` to every tangent
 /// coordinate of the states past the first and to every control, each in its own unit. The same

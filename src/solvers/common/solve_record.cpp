@@ -10,18 +10,27 @@ namespace {
 
 /// Rows of the log that are reserved at most before the first iteration.
 constexpr int kReservedRows = 10000;
+/// Longer than messages of this program.
+constexpr int kReservedMessage = 1000;
 
 }  // namespace
 
 SolveRecord::SolveRecord(const ShootingProblem& problem, const SolverOptions& options,
                          bool constrained)
-    : result(problem), problem_(problem), options_(options), constrained_(constrained) {}
+    : result(problem),
+      problem_(problem),
+      options_(options),
+      constrained_(constrained),
+      blank_(problem) {}
 
 void SolveRecord::begin() {
   began_ = std::chrono::steady_clock::now();
   row = IterationRecord();
-  result = SolveResult(problem_);
+  if (!result.control_gradient.empty()) gradient_ = std::move(result.control_gradient);
+  result = blank_;
   result.log.reserve(std::min(options_.max_iterations, kReservedRows) + 1);
+  result.message.reserve(kReservedMessage);
+  result.start.reserve(kReservedMessage);
   log_is_stale = false;
 }
 
@@ -32,48 +41,56 @@ void SolveRecord::log_row() {
   if (options_.on_iteration) options_.on_iteration(row);
 }
 
-bool SolveRecord::end(SolveStatus status, std::string message) {
+bool SolveRecord::end(SolveStatus status, std::string_view message) {
   result.status = status;
-  result.message = std::move(message);
+  result.message = message;
   return false;
 }
 
 bool SolveRecord::budget_left() {
   if (options_.interrupted && options_.interrupted())
-    return end(SolveStatus::interrupted, "interrupted: " + residual_text());
+    return end(SolveStatus::interrupted, "interrupted: {}", residual_text());
   if (elapsed() >= options_.max_time_s)
-    return end(SolveStatus::time_limit, "the time is up: " + residual_text());
+    return end(SolveStatus::time_limit, "the time is up: {}", residual_text());
   return true;
 }
 
 bool SolveRecord::may_continue() {
   if (row.iteration >= options_.max_iterations)
-    return end(SolveStatus::max_iterations, fmt::format("not converged after {} iterations: {}",
-                                                        row.iteration, residual_text()));
+    return end(SolveStatus::max_iterations, "not converged after {} iterations: {}", row.iteration,
+               residual_text());
   return budget_left();
 }
 
-std::string SolveRecord::residual_text() const {
-  const auto at = [](int knot) { return knot < 0 ? "" : fmt::format(" (knot {})", knot); };
-  std::string text =
-      fmt::format("stationarity {:.1e}{}", row.stationarity, at(row.stationarity_knot));
-  text += fmt::format(", gap {:.1e}{}", row.gap, at(row.gap_knot));
-  text += fmt::format(", constraint violation {:.1e}", row.constraint);
-  if (constrained_) {
-    text += at(row.constraint_knot);
-    text += fmt::format(", complementarity {:.1e}", row.complementarity);
-  }
-  return text;
+std::string_view SolveRecord::residual_text() {
+  text_.clear();
+  const auto out = std::back_inserter(text_);
+  const auto add = [&](const char* name, double value, int knot) {
+    fmt::format_to(out, "{} {:.1e}", name, value);
+    if (knot >= 0) fmt::format_to(out, " (knot {})", knot);
+  };
+  add("stationarity", row.stationarity, row.stationarity_knot);
+  add(", gap", row.gap, row.gap_knot);
+  add(", constraint violation", row.constraint, constrained_ ? row.constraint_knot : -1);
+  if (constrained_) add(", complementarity", row.complementarity, -1);
+  return {text_.data(), text_.size()};
 }
 
 double SolveRecord::elapsed() const {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count();
 }
 
-SolveResult SolveRecord::take() {
+std::vector<Eigen::VectorXd>& SolveRecord::control_gradient() {
+  result.control_gradient = std::move(gradient_);
+  result.control_gradient.resize(problem_.knots());
+  for (int k = 0; k < problem_.knots(); ++k) result.control_gradient[k].resize(problem_.nu(k));
+  return result.control_gradient;
+}
+
+SolveResult& SolveRecord::finished() {
   result.iterations = row.iteration;
   result.times.total = elapsed();
-  return std::move(result);
+  return result;
 }
 
 }  // namespace conddp

@@ -1,7 +1,12 @@
 #pragma once
 
 #include <chrono>
-#include <string>
+#include <iterator>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
 
 #include "solvers/common/options.hpp"
 #include "solvers/common/solve_result.hpp"
@@ -9,7 +14,8 @@
 namespace conddp {
 
 /// What a solve says of itself: the row of the present iterate, the log, status and message; and
-/// whether its limits let it go on.
+/// whether its limits let it go on. From the second solve on it allocates nothing but messages that
+/// others compose.
 class SolveRecord {
  public:
   /// `constrained`: whether the solver knows multipliers, so that its messages speak of
@@ -21,15 +27,25 @@ class SolveRecord {
   /// Appends the row, with the time, to the log and shows it to who watches.
   void log_row();
   /// Ends the solve. What is returned is false, for the step in which it ends to return.
-  bool end(SolveStatus status, std::string message);
+  bool end(SolveStatus status, std::string_view message);
+  template <class... Values>
+  bool end(SolveStatus status, fmt::format_string<Values...> format, Values&&... values) {
+    result.status = status;
+    result.message.clear();
+    fmt::format_to(std::back_inserter(result.message), format, std::forward<Values>(values)...);
+    return false;
+  }
   /// False, with the status, where time or a signal ends the solve.
   bool budget_left();
   /// The same, and where the iterations are used up.
   bool may_continue();
-  /// The residuals of the row, with the knots where they are attained.
-  std::string residual_text() const;
+  /// The residuals of the row, with the knots where they are attained; until the next call.
+  std::string_view residual_text();
   double elapsed() const;
-  SolveResult take();
+  /// Gives the result a gradient for every knot, of the sizes of their controls, and returns it.
+  std::vector<Eigen::VectorXd>& control_gradient();
+  /// The result with the number of iterations and the time; it stays until begin().
+  SolveResult& finished();
 
   IterationRecord row;
   SolveResult result;
@@ -40,6 +56,9 @@ class SolveRecord {
   const ShootingProblem& problem_;
   const SolverOptions& options_;
   bool constrained_;
+  const SolveResult blank_;
+  std::vector<Eigen::VectorXd> gradient_;  ///< memory of control_gradient() between two solves
+  fmt::memory_buffer text_;
   std::chrono::steady_clock::time_point began_;
 };
 

@@ -140,8 +140,8 @@ bool AugmentedStrategy::update(Iterate& iterate, const Feedback& feedback, const
       record.result.failed_quantity = kRoundedCost;
       return record.end(SolveStatus::line_search_failed,
                         "rounding hides what is left of the stationarity, whatever the penalties "
-                        "of the constraints: " +
-                            record.residual_text());
+                        "of the constraints: {}",
+                        record.residual_text());
     }
     lagrangian_.relax();
     inner_tolerance_ = std::max(inner_tolerance_, options_.tolerances.stationarity);

@@ -54,7 +54,7 @@ DdpSolver::DdpSolver(const ShootingProblem& problem, const DdpRecipe& recipe,
   if (globalization_.keeps_equalities()) iterate_.exact_below = kNearlyClosed;
 }
 
-SolveResult DdpSolver::solve(const Trajectory& guess) {
+const SolveResult& DdpSolver::solve(const Trajectory& guess) {
   check_shape(problem_, guess);
   record_.begin();
   iterate_.reset();
@@ -67,7 +67,7 @@ SolveResult DdpSolver::solve(const Trajectory& guess) {
     iterate();
     finish();
   }
-  return record_.take();
+  return record_.finished();
 }
 
 /// Where the first iteration starts. With closed gaps the states follow from the controls.
@@ -77,9 +77,9 @@ bool DdpSolver::start(const Trajectory& guess) {
   result.start = recipe_.open_gaps ? "states and controls of the guess"
                                    : "controls of the guess, simulated from the initial state";
   if (constrained_ && options_.multipliers) result.start += "; its multipliers";
-  if (recipe_.clamp_controls) result.start += clamp_guess(bounds_, iterate_.trajectory);
+  if (recipe_.clamp_controls) clamp_guess(bounds_, iterate_.trajectory, result.start);
   if (recipe_.open_gaps) {
-    result.start += correct_states(problem_, iterate_.trajectory);
+    correct_states(problem_, iterate_.trajectory, result.start);
     return true;
   }
   const Stopwatch watch(result.times.evaluate);
@@ -161,7 +161,7 @@ bool DdpSolver::cost_settled() {
   if (!cost_has_settled(record_.result.log, tolerances.cost_decrease) ||
       !outer_->solved(record_.row, tolerances, std::numeric_limits<double>::infinity()))
     return false;
-  record_.end(SolveStatus::cost_settled, "the cost has settled: " + record_.residual_text());
+  record_.end(SolveStatus::cost_settled, "the cost has settled: {}", record_.residual_text());
   return true;
 }
 
@@ -227,10 +227,9 @@ void DdpSolver::finish() {
   name_contradiction();
   result.costates = iterate_.adjoint.costates();
   result.state_gradient = iterate_.adjoint.state_gradient();
-  for (int k = 0; k < problem_.knots(); ++k) {
-    result.control_gradient.push_back(
-        iterate_.adjoint.gradient().segment(bounds_.offset(k), problem_.nu(k)));
-  }
+  std::vector<Eigen::VectorXd>& gradient = record_.control_gradient();
+  for (int k = 0; k < problem_.knots(); ++k)
+    gradient[k] = iterate_.adjoint.gradient().segment(bounds_.offset(k), problem_.nu(k));
   find_gains();
 }
 
@@ -278,11 +277,10 @@ void DdpSolver::confirm_status() {
   if (result.status == SolveStatus::converged) return;
   result.failed_knot = -1;
   result.failed_quantity.clear();
-  record_.end(
-      SolveStatus::converged,
-      fmt::format("at the end, all residuals are under tolerance: stationarity {:.1e}, gap {:.1e}, "
-                  "constraint violation {:.1e}",
-                  r.stationarity, r.gap, r.constraint));
+  record_.end(SolveStatus::converged,
+              "at the end, all residuals are under tolerance: stationarity {:.1e}, gap {:.1e}, "
+              "constraint violation {:.1e}",
+              r.stationarity, r.gap, r.constraint);
 }
 
 /// Equalities that contradict each other are why a solve that keeps them did not converge.

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "ocp/evaluation/evaluator.hpp"
 #include "solvers/common/options.hpp"
@@ -22,7 +23,11 @@ class DdpSolver {
  public:
   DdpSolver(const ShootingProblem& problem, const DdpRecipe& recipe, const SolverOptions& options);
 
-  SolveResult solve(const Trajectory& guess);
+  /// The answer stays until the next solve begins. From the second solve on nothing is allocated,
+  /// but for messages of solves that fail.
+  const SolveResult& solve(const Trajectory& guess);
+  /// Moves the answer out of the solver.
+  SolveResult take() { return std::move(record_.result); }
 
  private:
   bool start(const Trajectory& guess);

@@ -84,8 +84,8 @@ SolveResult IpoptSolver::solve(const Trajectory& guess) {
   result_.start = "states and controls of the guess";
   if (options_.multipliers && options_.multipliers->costates.size() > 0)
     result_.start += "; its multipliers";
-  result_.start += clamp_guess(bounds_, start);
-  result_.start += correct_states(problem_, start);
+  clamp_guess(bounds_, start, result_.start);
+  correct_states(problem_, start, result_.start);
   result_.trajectory = start;
 
   if (options_.multipliers && !transcription_->has_pairs() && newton_is_enough(start)) {

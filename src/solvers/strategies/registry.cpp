@@ -28,7 +28,9 @@ SolverInfo info_of(const DdpMember& member) {
   info.legs = recipe.legs;
   info.run = [&recipe](const ShootingProblem& problem, const SolverOptions& options,
                        const Trajectory& guess) {
-    return DdpSolver(problem, recipe, options).solve(guess);
+    DdpSolver solver(problem, recipe, options);
+    solver.solve(guess);
+    return solver.take();
   };
   return info;
 }

@@ -64,15 +64,16 @@ SolveResult restore_feasibility(const ShootingProblem& problem, const SolverOpti
   own.multipliers = nullptr;
   own.legs = 1;
   own.tolerances.cost_decrease = 0;
-  return DdpSolver(problem,
+  DdpSolver solver(problem,
                    {.open_gaps = !can_simulate(problem, start),
                     .clamp_controls = true,
                     .box_stage = true,
                     .constraints = true,
                     .least_violation = true,
                     .hessian = HessianUse::when_slow},
-                   own)
-      .solve(start);
+                   own);
+  solver.solve(start);
+  return solver.take();
 }
 
 SolveResult solve_with_restoration(

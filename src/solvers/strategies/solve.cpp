@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "solvers/strategies/homotopy.hpp"
+#include "solvers/strategies/option_check.hpp"
 #include "solvers/strategies/registry.hpp"
 #include "solvers/strategies/restarts.hpp"
 #include "solvers/strategies/restoration.hpp"
@@ -15,40 +16,6 @@ namespace {
 
 /// Residuals of answers that have diverged are larger: of a gradient, and of a gap.
 constexpr double kLargestStationarity = 1e16, kLargestGap = 1e10;
-
-/// Why multipliers are not those of a problem of this shape, if so.
-std::optional<std::string> misfit(const ShootingProblem& problem, const DualGuess& guess) {
-  const int N = problem.knots();
-  bool fits =
-      guess.constraints.size() == problem.constraint_rows() &&
-      (guess.costates.size() == 0 ||
-       (guess.costates.rows() == problem.ndx() && guess.costates.cols() == N + 1)) &&
-      (guess.control_gradient.empty() || static_cast<int>(guess.control_gradient.size()) == N);
-  for (std::size_t k = 0; fits && k < guess.control_gradient.size(); ++k)
-    fits = guess.control_gradient[k].size() == problem.nu(static_cast<int>(k));
-  if (fits) return std::nullopt;
-  return "the multipliers to start from do not have the shape of the problem";
-}
-
-/// Why the solver cannot take the problem with these options, if so.
-std::optional<std::string> unsupported_options(const SolverInfo& solver,
-                                               const ShootingProblem& problem,
-                                               const SolverOptions& options) {
-  std::string wrong;
-  for (const std::string& message : options.validate()) {
-    if (!wrong.empty()) wrong += "; ";
-    wrong += message;
-  }
-  if (!wrong.empty()) return wrong;
-  if (auto reason = unsupported(solver, problem)) return reason;
-  if (options.hessian == HessianChoice::exact && !solver.exact_hessian)
-    return fmt::format("hessian: {} has no exact Hessian", solver.name);
-  if (options.hessian == HessianChoice::gauss_newton && !solver.gauss_newton_hessian)
-    return fmt::format("hessian: {} always uses the exact one", solver.name);
-  if (auto reason = unsupported_segments(solver, problem, options.legs)) return reason;
-  if (options.multipliers) return misfit(problem, *options.multipliers);
-  return std::nullopt;
-}
 
 /// Whether a solve ended from outside.
 bool stopped(SolveStatus status) {
@@ -68,8 +35,7 @@ void name_divergence(SolveResult& result) {
 
 SolveResult run(const ShootingProblem& problem, const SolverInfo& solver, SolverOptions options,
                 const Trajectory& guess) {
-  if (const auto reason = unsupported_options(solver, problem, options))
-    throw std::invalid_argument(*reason);
+  check_options(solver, problem, options);
   options.restarts = {};
   options.homotopy = nullptr;
   if (solver.constraints != ConstraintSupport::all) options.multipliers = nullptr;

@@ -32,7 +32,7 @@ int run(const ShootingProblem& problem, long rounds) {
                     .box_stage = true,
                     .hessian = HessianUse::gauss_newton},
                    options);
-  const SolveResult result = solver.solve(problem.create_trajectory());
+  const SolveResult& result = solver.solve(problem.create_trajectory());
   std::printf("{\"iterations\": %d, \"knots\": %d, \"cost\": %.10g}\n", result.iterations,
               problem.knots(), result.cost);
   return result.iterations == kIterations ? 0 : 1;

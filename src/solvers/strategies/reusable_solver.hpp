@@ -1,0 +1,35 @@
+#pragma once
+
+#include <memory>
+#include <string_view>
+
+#include "solvers/strategies/registry.hpp"
+
+namespace conddp {
+
+class DdpSolver;
+
+/// A solver whose memory outlives a solve, for one problem that is solved again and again from
+/// other initial states (ShootingProblem::set_initial_state) and guesses, as in model predictive
+/// control. From the second solve on nothing is allocated, but for messages of solves that fail.
+class ReusableSolver {
+ public:
+  /// The problem must outlive this object. Throws std::invalid_argument where no solver of the DDP
+  /// family has this name, it does not support the problem or the options, or these ask for
+  /// restarts or a homotopy.
+  ReusableSolver(const ShootingProblem& problem, std::string_view solver,
+                 const SolverOptions& options);
+  ~ReusableSolver();
+  ReusableSolver(const ReusableSolver&) = delete;
+  ReusableSolver& operator=(const ReusableSolver&) = delete;
+
+  /// The answer is that of solve() up to restorations of feasibility, which this does not try:
+  /// `infeasible` is a suspicion here. It stays until the next call. A guess of another shape is a
+  /// std::invalid_argument.
+  const SolveResult& solve(const Trajectory& guess);
+
+ private:
+  std::unique_ptr<DdpSolver> solver_;
+};
+
+}  // namespace conddp

@@ -1,0 +1,77 @@
+#include "solvers/strategies/reusable_solver.hpp"
+
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+
+#include "support/small_problems.hpp"
+
+namespace conddp {
+namespace {
+
+/// Every number of two answers that does not tell the time.
+void expect_same(const SolveResult& a, const SolveResult& b) {
+  EXPECT_EQ(a.status, b.status);
+  EXPECT_EQ(a.message, b.message);
+  EXPECT_EQ(a.start, b.start);
+  EXPECT_EQ(a.iterations, b.iterations);
+  EXPECT_EQ(a.cost, b.cost);
+  EXPECT_EQ(a.residuals.stationarity, b.residuals.stationarity);
+  EXPECT_EQ(a.costates, b.costates);
+  EXPECT_EQ(a.state_gradient, b.state_gradient);
+  EXPECT_EQ(a.log.size(), b.log.size());
+  EXPECT_EQ(a.constraint_multipliers, b.constraint_multipliers);
+  ASSERT_EQ(a.control_gradient.size(), b.control_gradient.size());
+  for (int k = 0; k < a.trajectory.knots(); ++k) {
+    EXPECT_EQ(a.trajectory.x(k + 1), b.trajectory.x(k + 1));
+    EXPECT_EQ(a.trajectory.u(k), b.trajectory.u(k));
+    EXPECT_EQ(a.feedback.K[k], b.feedback.K[k]);
+    EXPECT_EQ(a.control_gradient[k], b.control_gradient[k]);
+  }
+}
+
+TEST(ReusableSolver, AnswersAsASolverOfItsOwnWould) {
+  for (const char* name : {"ddp", "box_fddp", "altro", "proxddp"}) {
+    ShootingProblem problem = testing::cartpole_swing_up();
+    ReusableSolver solver(problem, name, {});
+    Trajectory guess = testing::constant_controls(problem, 0.01);
+    for (const double angle : {0.0, 0.3, -0.2}) {
+      problem.set_initial_state(std::vector<double>{0, angle, 0, 0});
+      SCOPED_TRACE(name);
+      const SolveResult fresh = solve(problem, name, {}, guess);
+      const SolveResult& again = solver.solve(guess);
+      expect_same(again, fresh);
+      guess = fresh.trajectory;
+    }
+  }
+}
+
+TEST(ReusableSolver, ForgetsASolveThatFailed) {
+  ShootingProblem problem = testing::cartpole_swing_up();
+  ReusableSolver solver(problem, "ddp", {});
+  const Trajectory good = testing::constant_controls(problem, 0.01);
+  const Trajectory bad = testing::constant_controls(problem, 1e200);
+  EXPECT_EQ(solver.solve(bad).status, SolveStatus::diverged);
+  EXPECT_TRUE(solver.solve(bad).control_gradient.empty());
+  expect_same(solver.solve(good), solve(problem, "ddp", {}, good));
+  EXPECT_TRUE(solver.solve(bad).control_gradient.empty());
+}
+
+TEST(ReusableSolver, RejectsWhatItCannotDo) {
+  const ShootingProblem problem = testing::cartpole_swing_up(3);
+  EXPECT_THROW(ReusableSolver(problem, "ipopt", {}), std::invalid_argument);
+  EXPECT_THROW(ReusableSolver(problem, "ddp", {}), std::invalid_argument);
+  EXPECT_THROW(ReusableSolver(problem, "box_ddp", {.restarts = {.count = 2}}),
+               std::invalid_argument);
+  EXPECT_THROW(ReusableSolver(problem, "box_ddp", {.max_iterations = -1}), std::invalid_argument);
+}
+
+TEST(ShootingProblem, HasAnInitialStateOfItsSize) {
+  ShootingProblem problem = testing::cartpole_swing_up();
+  problem.set_initial_state(std::vector<double>{1, 2, 3, 4});
+  EXPECT_EQ(problem.create_trajectory().x(3), Eigen::Vector4d(1, 2, 3, 4));
+  EXPECT_THROW(problem.set_initial_state(std::vector<double>{1, 2}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace conddp
