@@ -1,27 +1,41 @@
 # Run by `cmake --install` with SOURCE_DIR, GENERATED_DIR, STAGE_DIR and INCLUDE_DIR set.
-# Installs the headers of all layers below INCLUDE_DIR/conddp. Their includes name the layer alone in
-# the source tree; installed they say "conddp/layer/file.hpp", so that no folder of a user's project
-# can come between, and the check of the compiler's flags goes first.
+# Installs the headers of include/conddp and, below conddp/detail, what these include of src/. Quoted
+# includes name a header from src/ in the source tree; installed they say "conddp/detail/layer/file.hpp",
+# so that no folder of a user's project can come between. The check of the compiler's flags goes first.
+cmake_policy(VERSION 3.22)
 file(REMOVE_RECURSE ${STAGE_DIR})
-file(GLOB_RECURSE headers RELATIVE ${SOURCE_DIR}/src ${SOURCE_DIR}/src/*.hpp)
-list(FILTER headers EXCLUDE REGEX "^batch/")  # a part of the tool alone
-set(layers ${headers})
-list(TRANSFORM layers REPLACE "/.*" "")
-list(REMOVE_DUPLICATES layers)
-list(JOIN layers "|" layers)
+file(GLOB waiting RELATIVE ${SOURCE_DIR}/include ${SOURCE_DIR}/include/conddp/*.hpp)
 
+# Stages a header; what it includes of src/ is appended to `waiting`.
+set(staged "")
 function(conddp_stage_header from to)
   file(READ ${from} text)
-  string(REGEX REPLACE "#include \"((${layers})/[^\"]*)\"" "#include \"conddp/\\1\"" text "${text}")
+  string(REGEX MATCHALL "#include \"[^\"]+\"" includes "${text}")
+  foreach(include IN LISTS includes)
+    string(REGEX REPLACE "#include \"(.*)\"" "\\1" name "${include}")
+    if(EXISTS ${SOURCE_DIR}/src/${name})
+      list(APPEND waiting ${name})
+      string(REPLACE "${include}" "#include \"conddp/detail/${name}\"" text "${text}")
+    endif()
+  endforeach()
   string(REPLACE "#include \"conddp_version.hpp\"" "#include \"conddp/version.hpp\"" text "${text}")
   string(REPLACE "#pragma once\n" "#pragma once\n\n#include \"conddp/abi.hpp\"\n" text "${text}")
-  file(WRITE ${STAGE_DIR}/conddp/${to} "${text}")
+  file(WRITE ${STAGE_DIR}/${to} "${text}")
+  set(waiting "${waiting}" PARENT_SCOPE)
 endfunction()
 
-foreach(header IN LISTS headers)
-  conddp_stage_header(${SOURCE_DIR}/src/${header} ${header})
-endforeach()
-conddp_stage_header(${SOURCE_DIR}/include/conddp/conddp.hpp conddp.hpp)
-conddp_stage_header(${GENERATED_DIR}/include/conddp_version.hpp version.hpp)
+while(waiting)
+  list(POP_FRONT waiting header)
+  if(header IN_LIST staged)
+    continue()
+  endif()
+  list(APPEND staged ${header})
+  if(EXISTS ${SOURCE_DIR}/include/${header})
+    conddp_stage_header(${SOURCE_DIR}/include/${header} ${header})
+  else()
+    conddp_stage_header(${SOURCE_DIR}/src/${header} conddp/detail/${header})
+  endif()
+endwhile()
+conddp_stage_header(${GENERATED_DIR}/include/conddp_version.hpp conddp/version.hpp)
 file(COPY ${GENERATED_DIR}/abi.hpp DESTINATION ${STAGE_DIR}/conddp)
 file(INSTALL ${STAGE_DIR}/conddp TYPE DIRECTORY DESTINATION ${INCLUDE_DIR})

@@ -1,12 +1,11 @@
-// The stable door of the library: what this header includes is documented in docs/library.md and
-// changes only with the minor version. All other headers are internal.
+// All of the library but its files: robots, systems, residuals, problems, solvers. docs/library.md
+// is its manual. These headers change only with the minor version; what lies in `detail` is
+// internal.
 #pragma once
 
+#include "conddp/problem.hpp"
+#include "conddp/residual.hpp"
+#include "conddp/robot.hpp"
+#include "conddp/solver.hpp"
+#include "conddp/system.hpp"
 #include "conddp_version.hpp"
-#include "ocp/problem/problem.hpp"
-#include "ocp/residuals/residuals.hpp"
-#include "robot/urdf/urdf.hpp"
-#include "solvers/strategies/registry.hpp"
-#include "systems/catalogue.hpp"
-#include "systems/closed_form.hpp"
-#include "systems/multibody/multibody.hpp"

@@ -1,6 +1,6 @@
 # cmake -D BUILD_DIR= -D EXAMPLE_DIR= -D CXX= -D EIGEN_INCLUDE_DIR= -D PROCESSOR= -D WORK_DIR=
 #   -P installed_example.cmake
-# Installs the library into a prefix of its own, then builds and runs the example as a library user
+# Installs the library into a prefix of its own, then builds and runs the examples as a library user
 # would, with nothing but that prefix; and compiles a header without the flags of the package.
 function(run what)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE failed OUTPUT_VARIABLE output ERROR_VARIABLE errors)
@@ -33,6 +33,29 @@ message("${output}")
 expect_in("${output}" "converged after")
 expect_in("${output}" "largest torque 6.000 Nm")
 
+# Ten solves of one solver. The program is asked for one and for ten: that is as often as it allocates.
+run("running the loop of solves" ${WORK_DIR}/example/crane)
+message("${output}")
+expect_in("${output}" "solve 9:")
+run("building the counter" ${CXX} -std=c++20 -O2 -shared -fPIC -o ${WORK_DIR}/count_allocations.so
+  ${CMAKE_CURRENT_LIST_DIR}/count_allocations.cpp)
+foreach(solves IN ITEMS 1 10)
+  execute_process(
+    COMMAND ${CMAKE_COMMAND} -E env LD_PRELOAD=${WORK_DIR}/count_allocations.so
+      ${WORK_DIR}/example/crane ${solves}
+    RESULT_VARIABLE failed OUTPUT_QUIET ERROR_VARIABLE errors)
+  # The environment is that of `cmake -E env`, too, whose count comes after.
+  if(failed OR NOT errors MATCHES "^allocations: ([0-9]+)")
+    message(FATAL_ERROR "counting the allocations of ${solves} solves failed (${failed}): ${errors}")
+  endif()
+  list(APPEND allocations ${CMAKE_MATCH_1})
+endforeach()
+list(GET allocations 0 of_one)
+list(GET allocations 1 of_ten)
+if(NOT of_one GREATER 100 OR NOT of_ten EQUAL of_one)
+  message(FATAL_ERROR "one solve allocates ${of_one} times, ten solves ${of_ten} times")
+endif()
+
 # The tool finds the examples that were installed with it, from an empty folder.
 run("installing the tool" ${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${prefix}/tool
   --component tool)
@@ -60,15 +83,30 @@ add_executable(files main.cpp)
 target_link_libraries(files PRIVATE conddp::files)
 ")
 file(WRITE ${WORK_DIR}/files/main.cpp "
-#include \"conddp/base/sha256.hpp\"
+#include \"conddp/files.hpp\"
 #include <cstdio>
-int main() { std::puts(conddp::sha256(\"abc\").c_str()); }
+int main(int, char** argv) {
+  conddp::Diagnostics messages;
+  const auto spec = conddp::read_problem(argv[1], {}, messages);
+  const auto built = spec ? conddp::build_problem(*spec, {}, messages) : std::nullopt;
+  std::fputs(conddp::format_diagnostics(messages, false).c_str(), stderr);
+  if (!built) return 2;
+  const conddp::SolverInfo* solver = nullptr;
+  const auto candidates = conddp::usable_solvers(*spec, *built->problem, messages);
+  const conddp::SolveResult result = conddp::solve(
+      *built->problem, candidates, spec->solver.options, built->guess, solver);
+  const conddp::Solution solution{*spec, *built, *solver, result, {}};
+  for (const auto& file :
+       conddp::write_solution(solution, conddp::solution_json(solution), argv[2], {}))
+    std::puts(file.c_str());
+}
 ")
 run("configuring with files" ${CMAKE_COMMAND} -S ${WORK_DIR}/files -B ${WORK_DIR}/files/build
   -G Ninja -D CMAKE_CXX_COMPILER=${CXX} -D CMAKE_PREFIX_PATH=${prefix})
 run("building with files" ${CMAKE_COMMAND} --build ${WORK_DIR}/files/build)
-run("running with files" ${WORK_DIR}/files/build/files)
-expect_in("${output}" "ba7816bf")
+run("running with files" ${WORK_DIR}/files/build/files
+  ${prefix}/moved_tool/share/conddp/problems/pendulum_swingup.yaml ${WORK_DIR}/files/out)
+expect_in("${output}" "files/out/solution.json")
 
 # Another machine, where the same flags mean other vectors, is told so by find_package.
 file(GLOB_RECURSE config ${prefix}/conddp-config.cmake)

@@ -1,0 +1,28 @@
+// Problem files and solutions, of the component `files` (conddp::files).
+//
+//   Diagnostics messages;
+//   const auto spec = read_problem("problem.yaml", {"solver.max_iterations=50"}, messages);
+//   const auto built = spec ? build_problem(*spec, {}, messages) : std::nullopt;
+//   std::fputs(format_diagnostics(messages, false).c_str(), stderr);
+//   if (!built) return 2;
+//
+//   const SolverInfo* solver = nullptr;
+//   const auto candidates = usable_solvers(*spec, *built->problem, messages);
+//   const SolveResult result =
+//       solve(*built->problem, candidates, spec->solver.options, built->guess, solver);
+//   const Solution solution{*spec, *built, *solver, result};
+//   write_solution(solution, solution_json(solution), "out", "");
+//
+// What is wrong with a file is a diagnostic with file, line, column and what would be accepted,
+// never an exception. The spec must outlive what is built from it. Of the files of one answer all
+// are written or, with an OutputError, none.
+#pragma once
+
+#include "base/atomic_file.hpp"
+#include "base/diagnostic.hpp"
+#include "conddp/conddp.hpp"
+#include "output/solution/solution.hpp"
+#include "output/solution/solution_json.hpp"
+#include "output/solution/write_solution.hpp"
+#include "problem_file/build/build_problem.hpp"
+#include "problem_file/read/read_problem.hpp"
