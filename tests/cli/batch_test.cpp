@@ -196,6 +196,43 @@ TEST_F(Batch, APilotSolvesAFewAndEstimatesTheRest) {
   EXPECT_NE(all.out.find("; 27 in "), std::string::npos) << all.out;
 }
 
+TEST_F(Batch, TheDataSetHasTheSolutionsAndTheSameBytesHoweverTheRunWent) {
+  const std::string one = planned("one"), other = planned("other_way");
+  EXPECT_EQ(run(one, {"-j", "1"}).exit_code, 0);
+  for (const char* shard : {"3/3", "1/3", "2/3"})
+    EXPECT_EQ(run(other, {"--shard", shard}).exit_code, 0);
+  collected(one);
+  collected(other);
+  const std::string data = read_file(one + "/dataset.h5");
+  EXPECT_GT(data.size(), 10'000u);
+  EXPECT_TRUE(data == read_file(other + "/dataset.h5"));
+
+  const std::string id = ids(one)[17], item = folder_.path() / "item";
+  EXPECT_EQ(run_conddp({"batch", "show", one, id, "-o", item}).exit_code, 0);
+  const std::string script = folder_.write("read.py", R"(
+import json, sys, h5py
+solution = json.load(open(sys.argv[2]))
+shape = h5py.File(sys.argv[1])["shape_1"]
+assert shape["item"].shape == (30,), shape["item"]
+i = list(shape["id"]).index(sys.argv[3].encode())
+assert shape["item"][i] == 18
+assert shape["status"][i] == b"converged"
+assert shape["cost"][i] == solution["cost"]
+for name in ("t", "x", "u"):
+    assert shape[name][i].tolist() == solution["trajectory"][name], name
+for name in ("k", "K"):
+    assert shape[name][i].tolist() == solution["gains"][name], name
+assert shape["costates"][i].tolist() == solution["multipliers"]["costates"]
+assert list(shape["x"].attrs["columns"]) == [b"theta", b"omega"], list(shape["x"].attrs["columns"])
+assert list(shape["parameters"].attrs["names"]) == [b"w", b"start.spread", b"start"]
+w, spread, seed = shape["parameters"][i].tolist()
+assert abs(w - 1.28) < 1e-12 and spread == 0.2 and seed == 3, (w, spread, seed)
+)");
+  const std::string command = "/usr/bin/python3 " + script + " " + one + "/dataset.h5 " + item +
+                              "/solution.json " + id + " > " + item + "/log 2>&1";
+  EXPECT_EQ(std::system(command.c_str()), 0) << read_file(item + "/log");
+}
+
 TEST_F(Batch, ShowWritesAProblemAndASolutionThatVerify) {
   const std::string folder = planned("show");
   EXPECT_EQ(run(folder).exit_code, 0);

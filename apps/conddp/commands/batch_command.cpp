@@ -1,21 +1,20 @@
 #include <algorithm>
-#include <charconv>
 #include <csignal>
 #include <filesystem>
-#include <optional>
 #include <thread>
 
 #include <unistd.h>
 
 #include <fmt/format.h>
 
+#include "arguments/batch_arguments.hpp"
 #include "base/atomic_file.hpp"
 #include "base/json_text.hpp"
 #include "base/relative_paths.hpp"
-#include "base/strict_number.hpp"
 #include "batch/plan/expand_plan.hpp"
 #include "batch/plan/run_folder.hpp"
 #include "batch/results/collect.hpp"
+#include "batch/results/dataset.hpp"
 #include "batch/run/run_batch.hpp"
 #include "batch/run/worker.hpp"
 #include "commands/batch_worker.hpp"
@@ -34,20 +33,6 @@ namespace conddp {
 namespace {
 
 namespace fs = std::filesystem;
-
-struct BatchArguments {
-  std::string action, path, word;
-  std::string folder;
-  int jobs = 0;
-  int group = 8;
-  int pilot = 0;
-  std::string shard, budget;
-  bool any_build = false;
-};
-
-constexpr std::string_view kFailed = "failed", kTimeout = "timeout";
-
-// ---- signals
 
 volatile std::sig_atomic_t g_batch_signal = 0;
 volatile std::sig_atomic_t g_batch_stop = 0;
@@ -68,45 +53,10 @@ void handle_signals() {
   sigaction(SIGUSR1, &action, nullptr);
 }
 
-// ---- arguments
-
-/// "2/7"
-std::optional<Shard> parse_shard(const std::string& text) {
-  const char* end = text.data() + text.size();
-  Shard shard;
-  const auto first = std::from_chars(text.data(), end, shard.index);
-  if (first.ec != std::errc() || first.ptr == end || *first.ptr != '/') return std::nullopt;
-  const auto second = std::from_chars(first.ptr + 1, end, shard.count);
-  if (second.ec != std::errc() || second.ptr != end) return std::nullopt;
-  if (shard.index < 1 || shard.index > shard.count) return std::nullopt;
-  --shard.index;
-  return shard;
-}
-
-/// "90", "90s", "55m", "2h" in seconds.
-std::optional<double> parse_duration(std::string text) {
-  double unit = 1;
-  if (text.ends_with('h')) unit = 3600;
-  if (text.ends_with('m')) unit = 60;
-  if (text.ends_with('h') || text.ends_with('m') || text.ends_with('s')) text.pop_back();
-  const auto number = parse_number(text).value;
-  if (!number || *number <= 0) return std::nullopt;
-  return *number * unit;
-}
-
-template <class Parse>
-ArgumentCheck parsed_by(Parse parse, const std::string& expected) {
-  return [=](const std::string& text) {
-    return parse(text) ? std::string() : fmt::format("'{}' is not {}", text, expected);
-  };
-}
-
 int give_up(const Diagnostics& diagnostics) {
   print_messages(diagnostics, Verbosity::kVerbose);
   return kExitBadInput;
 }
-
-// ---- actions
 
 std::string time_words(double seconds) {
   if (seconds < 90) return fmt::format("{:.0f} s", seconds);
@@ -231,6 +181,7 @@ void write_tables(const fs::path& run, const Manifest& manifest) {
   files.add(run / "results.csv", results_csv(manifest, results));
   files.add(run / "times.csv", times_csv(manifest, results));
   files.commit();
+  write_dataset(manifest, results, run / "dataset.h5");
 }
 
 int run_plan_or_folder(const BatchArguments& arguments) {
@@ -293,7 +244,7 @@ int retry_items(const BatchArguments& arguments) {
   BatchOptions options = options_of(arguments);
   options.only =
       failed_items(*manifest, load_results(run),
-                   arguments.word == kTimeout ? FailureKind::kTimeout : FailureKind::kAny);
+                   arguments.word == kRetryTimeout ? FailureKind::kTimeout : FailureKind::kAny);
   options.again = true;
   const BatchProgress progress = run_items(run, *manifest, options);
   print_result(summary(progress));
@@ -342,17 +293,6 @@ int show_item(const BatchArguments& arguments) {
   return kExitConverged;
 }
 
-/// What the words of the command line lack or have too much of, empty if they fit.
-std::string misuse(const BatchArguments& arguments) {
-  const bool retries = arguments.action == "retry", shows = arguments.action == "show";
-  if (retries && arguments.word != kFailed && arguments.word != kTimeout)
-    return "say what to solve again: 'failed' or 'timeout'";
-  if (shows && arguments.word.empty()) return "say which item to show: its id";
-  if (!retries && !shows && !arguments.word.empty())
-    return fmt::format("'{}' is too much: '{}' takes one path", arguments.word, arguments.action);
-  return {};
-}
-
 int batch(const BatchArguments& arguments) {
   if (const std::string text = misuse(arguments); !text.empty()) {
     print_error(text, "'conddp batch --help' lists what it takes");
@@ -376,69 +316,11 @@ int batch_worker(const char* run) {
 
 Command batch_command() {
   const auto a = std::make_shared<BatchArguments>();
-  return {
-      .name = "conddp batch",
-      .description = "Solve many problems that differ in a few values",
-      .details =
-          "plan PLAN.yaml   checks every item of a plan and writes the folder of a run\n"
-          "run RUN          solves the items that have no result yet; run PLAN.yaml does all at "
-          "once\n"
-          "status RUN       counts results\n"
-          "collect RUN      writes results.csv and times.csv\n"
-          "retry RUN failed|timeout   solves again what was not solved\n"
-          "show RUN ID      writes the problem and the solution of one item\n"
-          "Every worker is a process of its own; ending one, or all, loses no more than the items "
-          "under way. Exit status 0: all items are solved; 1: some are not, or have no result yet.",
-      .arguments =
-          {{.names = {"ACTION"},
-            .value = "ACTION",
-            .description = "What to do",
-            .choices = {"plan", "run", "status", "collect", "retry", "show"},
-            .required = true,
-            .target = &a->action},
-           {.names = {"PATH"},
-            .value = "PATH.yaml",
-            .description = "Plan, or the folder of a run",
-            .required = true,
-            .target = &a->path},
-           {.names = {"WORD"},
-            .value = "WORD",
-            .description = "retry: failed or timeout; show: the id of an item",
-            .target = &a->word},
-           {.names = {"-o", "--output"},
-            .value = "FOLDER",
-            .description =
-                "Folder of the run that a plan makes (out/<its name>), or of what show writes",
-            .target = &a->folder},
-           {.names = {"-j", "--jobs"},
-            .value = "N",
-            .description = "Worker processes; one a processor if nothing is said",
-            .numbers = WholeNumbers{1, 1024},
-            .target = &a->jobs},
-           {.names = {"--group"},
-            .value = "N",
-            .description = "Items that are sent to a worker ahead",
-            .numbers = WholeNumbers{1, 1000},
-            .fallback = std::to_string(a->group),
-            .target = &a->group},
-           {.names = {"--pilot"},
-            .value = "N",
-            .description = "plan: solve this many items, and estimate the rest",
-            .numbers = WholeNumbers{1, 100000},
-            .target = &a->pilot},
-           {.names = {"--shard"},
-            .value = "I/N",
-            .description = "run: solve one share of the items, such as 2/7",
-            .check = parsed_by(parse_shard, "a share such as 2/7"),
-            .target = &a->shard},
-           {.names = {"--budget"},
-            .value = "TIME",
-            .description = "run: begin no item after this time: 90s, 55m, 2h",
-            .check = parsed_by(parse_duration, "a time such as 90s, 55m or 2h"),
-            .target = &a->budget},
-           flag({"--any-build"}, a->any_build,
-                "run: go on where another build of conddp made the plan")},
-      .run = [a] { return batch(*a); }};
+  return {.name = "conddp batch",
+          .description = "Solve many problems that differ in a few values",
+          .details = kBatchDetails,
+          .arguments = batch_arguments(*a),
+          .run = [a] { return batch(*a); }};
 }
 
 }  // namespace conddp

@@ -122,7 +122,8 @@ std::optional<DualGuessUsed> read_dual_guess(const std::filesystem::path& file, 
   try {
     return read(solution_member(*document, "multipliers"), problem);
   } catch (const MalformedSolution& e) {
-    out.add({.file = file.string(), .message = "the multipliers cannot be used: " + std::string(e.what())});
+    out.add({.file = file.string(),
+             .message = "the multipliers cannot be used: " + std::string(e.what())});
   }
   return std::nullopt;
 }

@@ -1,0 +1,115 @@
+#include "arguments/batch_arguments.hpp"
+
+#include <charconv>
+
+#include <fmt/format.h>
+
+#include "base/strict_number.hpp"
+
+namespace conddp {
+namespace {
+
+template <class Parse>
+ArgumentCheck parsed_by(Parse parse, const std::string& expected) {
+  return [=](const std::string& text) {
+    return parse(text) ? std::string() : fmt::format("'{}' is not {}", text, expected);
+  };
+}
+
+}  // namespace
+
+std::optional<Shard> parse_shard(const std::string& text) {
+  const char* end = text.data() + text.size();
+  Shard shard;
+  const auto first = std::from_chars(text.data(), end, shard.index);
+  if (first.ec != std::errc() || first.ptr == end || *first.ptr != '/') return std::nullopt;
+  const auto second = std::from_chars(first.ptr + 1, end, shard.count);
+  if (second.ec != std::errc() || second.ptr != end) return std::nullopt;
+  if (shard.index < 1 || shard.index > shard.count) return std::nullopt;
+  --shard.index;
+  return shard;
+}
+
+std::optional<double> parse_duration(std::string text) {
+  double unit = 1;
+  if (text.ends_with('h')) unit = 3600;
+  if (text.ends_with('m')) unit = 60;
+  if (text.ends_with('h') || text.ends_with('m') || text.ends_with('s')) text.pop_back();
+  const auto number = parse_number(text).value;
+  if (!number || *number <= 0) return std::nullopt;
+  return *number * unit;
+}
+
+std::string misuse(const BatchArguments& arguments) {
+  const bool retries = arguments.action == "retry", shows = arguments.action == "show";
+  if (retries && arguments.word != kRetryFailed && arguments.word != kRetryTimeout)
+    return "say what to solve again: 'failed' or 'timeout'";
+  if (shows && arguments.word.empty()) return "say which item to show: its id";
+  if (!retries && !shows && !arguments.word.empty())
+    return fmt::format("'{}' is too much: '{}' takes one path", arguments.word, arguments.action);
+  return {};
+}
+
+const char* const kBatchDetails =
+    "plan PLAN.yaml   checks every item of a plan and writes the folder of a run\n"
+    "run RUN          solves the items that have no result yet; run PLAN.yaml does all at "
+    "once\n"
+    "status RUN       counts results\n"
+    "collect RUN      writes results.csv, times.csv and dataset.h5\n"
+    "retry RUN failed|timeout   solves again what was not solved\n"
+    "show RUN ID      writes the problem and the solution of one item\n"
+    "Every worker is a process of its own; ending one, or all, loses no more than the items "
+    "under way. Exit status 0: all items are solved; 1: some are not, or have no result yet.";
+
+std::vector<Argument> batch_arguments(BatchArguments& arguments) {
+  return {{.names = {"ACTION"},
+           .value = "ACTION",
+           .description = "What to do",
+           .choices = {"plan", "run", "status", "collect", "retry", "show"},
+           .required = true,
+           .target = &arguments.action},
+          {.names = {"PATH"},
+           .value = "PATH.yaml",
+           .description = "Plan, or the folder of a run",
+           .required = true,
+           .target = &arguments.path},
+          {.names = {"WORD"},
+           .value = "WORD",
+           .description = "retry: failed or timeout; show: the id of an item",
+           .target = &arguments.word},
+          {.names = {"-o", "--output"},
+           .value = "FOLDER",
+           .description =
+               "Folder of the run that a plan makes (out/<its name>), or of what show writes",
+           .target = &arguments.folder},
+          {.names = {"-j", "--jobs"},
+           .value = "N",
+           .description = "Worker processes; one a processor if nothing is said",
+           .numbers = WholeNumbers{1, 1024},
+           .target = &arguments.jobs},
+          {.names = {"--group"},
+           .value = "N",
+           .description = "Items that are sent to a worker ahead",
+           .numbers = WholeNumbers{1, 1000},
+           .fallback = std::to_string(arguments.group),
+           .target = &arguments.group},
+          {.names = {"--pilot"},
+           .value = "N",
+           .description = "plan: solve this many items, and estimate the rest",
+           .numbers = WholeNumbers{1, 100000},
+           .target = &arguments.pilot},
+          {.names = {"--shard"},
+           .value = "I/N",
+           .description = "run: solve one share of the items, such as 2/7",
+           .check = parsed_by(parse_shard, "a share such as 2/7"),
+           .target = &arguments.shard},
+          {.names = {"--budget"},
+           .value = "TIME",
+           .description = "run: begin no item after this time: 90s, 55m, 2h",
+           .check = parsed_by(parse_duration, "a time such as 90s, 55m or 2h"),
+           .target = &arguments.budget},
+          flag({"--any-build"}, arguments.any_build,
+               "run: go on where another build of conddp made the plan")};
+}
+
+}  // namespace conddp

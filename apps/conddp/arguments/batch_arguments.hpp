@@ -1,0 +1,42 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "arguments/command.hpp"
+#include "batch/results/shard_file.hpp"
+
+namespace conddp {
+
+/// What the command line of 'conddp batch' says.
+struct BatchArguments {
+  std::string action, path;
+  std::string word;  ///< retry: what; show: the id of an item
+  std::string folder;
+  int jobs = 0;
+  int group = 8;
+  int pilot = 0;
+  std::string shard, budget;
+  bool any_build = false;
+};
+
+/// Which items 'retry' takes.
+inline constexpr std::string_view kRetryFailed = "failed", kRetryTimeout = "timeout";
+
+/// What the actions do.
+extern const char* const kBatchDetails;
+/// ACTION, PATH, WORD and all options.
+std::vector<Argument> batch_arguments(BatchArguments& arguments);
+
+/// What the words of the command line lack or have too much of; empty if they fit the action.
+std::string misuse(const BatchArguments& arguments);
+
+/// "2/7"; nothing where it is no share.
+std::optional<Shard> parse_shard(const std::string& text);
+
+/// "90", "90s", "55m", "2h" in seconds; nothing where it is no time.
+std::optional<double> parse_duration(std::string text);
+
+}  // namespace conddp
