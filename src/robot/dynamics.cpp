@@ -63,26 +63,6 @@ void inverse_dynamics(const RobotModel& model, const S* q, const S* v, const S* 
     if (joint.rotor_inertia != 0) data.tau[joint.v] += a[joint.v] * S(joint.rotor_inertia);
 }
 
-namespace {
-
-/// The block of a floating joint in the lower triangle of the mass matrix of n rows.
-template <class S>
-void write_floating_block(const Inertia<S>& y, int n, S* M) {
-  const Matrix3<S> c = skew(y.moment);
-  const S* j = &y.rotational.xx;
-  for (int col = 0; col < 3; ++col) {
-    for (int row = 0; row < 3; ++row) {
-      M[col * n + row] = row == col ? y.mass : S(0.0);
-      M[col * n + row + 3] = c(row, col);
-    }
-  }
-  constexpr int kPacked[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
-  for (int col = 0; col < 3; ++col)
-    for (int row = col; row < 3; ++row) M[(col + 3) * n + row + 3] = j[kPacked[row][col]];
-}
-
-}  // namespace
-
 template <class S>
 void mass_matrix(const RobotModel& model, RobotData<S>& data) {
   update_composite_inertias(model, data);
@@ -91,7 +71,19 @@ void mass_matrix(const RobotModel& model, RobotData<S>& data) {
     const Joint& joint = model.joints[i];
     S* M = data.M.data() + joint.v;
     if (joint.type == JointType::floating) {
-      write_floating_block(data.composite[i], n, M + joint.v * n);
+      const Inertia<S>& y = data.composite[i];
+      const Matrix3<S> c = skew(y.moment);
+      const S* j = &y.rotational.xx;
+      for (int col = 0; col < 3; ++col) {
+        for (int row = 0; row < 3; ++row) {
+          M[(joint.v + col) * n + row] = row == col ? y.mass : S(0.0);
+          M[(joint.v + col) * n + row + 3] = c(row, col);
+        }
+      }
+      constexpr int kPacked[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
+      for (int col = 0; col < 3; ++col)
+        for (int row = col; row < 3; ++row)
+          M[(joint.v + col + 3) * n + row + 3] = j[kPacked[row][col]];
       continue;
     }
     const Force<S>& f = data.column[i];
@@ -158,153 +150,90 @@ void forward_dynamics(const RobotModel& model, const S* q, const S* v, const S* 
   solve_mass_matrix(model, data, data.acceleration.data());
 }
 
-namespace {
-
-/// 2B m of the subtree of a joint, which depends on the angular part w of m alone.
-template <class S>
-Force<S> twice_b(const RobotData<S>& data, int joint, const Vector3<S>& w) {
-  const Force<S>& h = data.momentum[joint];
-  return {S(2.0) * cross(w, h.linear), data.inertia_rate[joint] * w + cross(w, h.angular)};
-}
-
-/// The columns of a floating joint in its own rows. The motion subspace is the identity, so unit
-/// linear and angular motions give 3x3 blocks.
-template <class S>
-void write_floating_columns(const RobotModel& model, int i, RobotData<S>& data) {
-  const int n = model.nv, v = model.joints[i].v;
-  const Inertia<S>& y = data.composite[i];
-  const Vector3<S> g = data.gravity(model, i);
-  const Vector3<S>& w = data.v[i].angular;
-  const auto put = [&](S* column, const Force<S>& change) {
-    for (int row = 0; row < 6; ++row) column[v + row] = change[row];
-  };
-  for (int k = 0; k < 3; ++k) {
-    const Vector3<S> e = unit<S>(k);
-    const Vector3<S> w_e = cross(w, e);
-    S* linear_q = data.tau_q.data() + (v + k) * n;
-    S* linear_v = data.tau_v.data() + (v + k) * n;
-    put(linear_q, Force<S>::zero());
-    put(linear_v, {y.mass * w_e, cross(y.moment, w_e)});
-    const Vector3<S> e_g = cross(e, g);
-    put(linear_q + 3 * n, {y.mass * e_g, cross(y.moment, e_g)});
-    put(linear_v + 3 * n, twice_b(data, i, e) + y * Motion<S>{cross(data.v[i].linear, e), w_e});
-  }
-}
-
-/// The row of a joint with one axis: joints above it move its subtree.
-template <class S>
-void write_row(const RobotModel& model, int i, RobotData<S>& data) {
-  const int n = model.nv, row = model.joints[i].v;
-  const Force<S>& h = data.momentum[i];
-  const Motion<S>& s = data.axis[i];
-  const Force<S>& f = data.column[i];
-  const Vector3<S> z = S(2.0) * cross(h.linear, s.linear) + data.inertia_rate[i] * s.angular +
-                       cross(h.angular, s.angular);
-  for (int j = i; j >= 0; j = model.joints[j].parent) {
-    const int vj = model.joints[j].v;
-    if (model.joints[j].type == JointType::floating) {
-      const Vector3<S> dq = cross(data.gravity(model, j), f.linear);
-      const Force<S> dv = cross(data.v[j], f);
-      for (int k = 0; k < 3; ++k) {
-        data.tau_q[(vj + k) * n + row] = S(0.0);
-        data.tau_q[(vj + 3 + k) * n + row] = dq[k];
-        data.tau_v[(vj + k) * n + row] = -dv.linear[k];
-        data.tau_v[(vj + 3 + k) * n + row] = z[k] - dv.angular[k];
-      }
-      continue;
-    }
-    data.tau_q[vj * n + row] = dot(z, data.psi_dot[j].angular) + dot(data.psi_ddot[j], f);
-    data.tau_v[vj * n + row] = dot(z, data.axis[j].angular) + dot(data.axis_rate[j], f);
-  }
-}
-
-/// Its column in the rows of the joints above it, which feel that its subtree moves.
-template <class S>
-void write_column(const RobotModel& model, int i, RobotData<S>& data) {
-  const int n = model.nv;
-  const Joint& joint = model.joints[i];
-  const Motion<S>& s = data.axis[i];
-  const Inertia<S>& y = data.composite[i];
-  const Force<S> dq =
-      twice_b(data, i, data.psi_dot[i].angular) + y * data.psi_ddot[i] + cross(s, data.force[i]);
-  const Force<S> dv = twice_b(data, i, s.angular) + y * data.axis_rate[i];
-  S* column_q = data.tau_q.data() + joint.v * n;
-  S* column_v = data.tau_v.data() + joint.v * n;
-  for (int j = joint.parent; j >= 0; j = model.joints[j].parent) {
-    const int vj = model.joints[j].v;
-    if (model.joints[j].type == JointType::floating) {
-      for (int k = 0; k < 6; ++k) {
-        column_q[vj + k] = dq[k];
-        column_v[vj + k] = dv[k];
-      }
-    } else {
-      column_q[vj] = dot(data.axis[j], dq);
-      column_v[vj] = dot(data.axis[j], dv);
-    }
-  }
-}
-
-}  // namespace
-
 template <class S>
 void inverse_dynamics_derivatives(const RobotModel& model, const S* v, RobotData<S>& data,
                                   const AlignedVector<Force<S>>* applied) {
+  const int n = model.nv;
   start_inverse_dynamics_derivatives(model, v, data, applied);
   for (int i = model.joint_count() - 1; i >= 0; --i) {
     const Joint& joint = model.joints[i];
+    const Force<S>& h = data.momentum[i];
+    const Symmetric3<S>& rate = data.inertia_rate[i];
+    const Inertia<S>& y = data.composite[i];
+    // 2B m of the subtree depends on the angular part of m alone.
+    const auto twice_b = [&](const Vector3<S>& w) {
+      return Force<S>{S(2.0) * cross(w, h.linear), rate * w + cross(w, h.angular)};
+    };
     if (joint.type == JointType::floating) {
-      write_floating_columns(model, i, data);
+      // The motion subspace is the identity, so unit linear and angular motions give 3x3 blocks.
+      const Vector3<S> g = data.gravity(model, i);
+      const Vector3<S>& w = data.v[i].angular;
+      const auto put = [&](S* column, const Force<S>& change) {
+        for (int row = 0; row < 6; ++row) column[joint.v + row] = change[row];
+      };
+      for (int k = 0; k < 3; ++k) {
+        const Vector3<S> e = unit<S>(k);
+        const Vector3<S> w_e = cross(w, e);
+        S* linear_q = data.tau_q.data() + (joint.v + k) * n;
+        S* linear_v = data.tau_v.data() + (joint.v + k) * n;
+        put(linear_q, Force<S>::zero());
+        put(linear_v, {y.mass * w_e, cross(y.moment, w_e)});
+        const Vector3<S> e_g = cross(e, g);
+        put(linear_q + 3 * n, {y.mass * e_g, cross(y.moment, e_g)});
+        put(linear_v + 3 * n, twice_b(e) + y * Motion<S>{cross(data.v[i].linear, e), w_e});
+      }
       continue;
     }
-    write_row(model, i, data);
+    const Motion<S>& s = data.axis[i];
+    const Force<S>& f = data.column[i];
+    // Row i: joints above it move the subtree of i.
+    const Vector3<S> z =
+        S(2.0) * cross(h.linear, s.linear) + rate * s.angular + cross(h.angular, s.angular);
+    for (int j = i; j >= 0; j = model.joints[j].parent) {
+      const int vj = model.joints[j].v;
+      if (model.joints[j].type == JointType::floating) {
+        const Vector3<S> dq = cross(data.gravity(model, j), f.linear);
+        const Force<S> dv = cross(data.v[j], f);
+        for (int k = 0; k < 3; ++k) {
+          data.tau_q[(vj + k) * n + joint.v] = S(0.0);
+          data.tau_q[(vj + 3 + k) * n + joint.v] = dq[k];
+          data.tau_v[(vj + k) * n + joint.v] = -dv.linear[k];
+          data.tau_v[(vj + 3 + k) * n + joint.v] = z[k] - dv.angular[k];
+        }
+        continue;
+      }
+      data.tau_q[vj * n + joint.v] = dot(z, data.psi_dot[j].angular) + dot(data.psi_ddot[j], f);
+      data.tau_v[vj * n + joint.v] = dot(z, data.axis[j].angular) + dot(data.axis_rate[j], f);
+    }
+    // Column i: joint i moves its subtree, which joints above it feel.
     if (joint.parent < 0) continue;
-    write_column(model, i, data);
-    data.momentum[joint.parent] += data.momentum[i];
-    data.inertia_rate[joint.parent] += data.inertia_rate[i];
+    const Force<S> dq =
+        twice_b(data.psi_dot[i].angular) + y * data.psi_ddot[i] + cross(s, data.force[i]);
+    const Force<S> dv = twice_b(s.angular) + y * data.axis_rate[i];
+    S* column_q = data.tau_q.data() + joint.v * n;
+    S* column_v = data.tau_v.data() + joint.v * n;
+    for (int j = joint.parent; j >= 0; j = model.joints[j].parent) {
+      const int vj = model.joints[j].v;
+      if (model.joints[j].type == JointType::floating) {
+        for (int k = 0; k < 6; ++k) {
+          column_q[vj + k] = dq[k];
+          column_v[vj + k] = dv[k];
+        }
+      } else {
+        column_q[vj] = dot(data.axis[j], dq);
+        column_v[vj] = dot(data.axis[j], dv);
+      }
+    }
+    data.momentum[joint.parent] += h;
+    data.inertia_rate[joint.parent] += rate;
     data.force[joint.parent] += data.force[i];
   }
   subtract_external_wrench_derivatives(model, data);
 }
 
-namespace {
-
-/// Derivative of a floating body's own gravity torques by its rotation.
-template <class S>
-void write_floating_gravity(const Inertia<S>& y, const Vector3<S>& g, int v, int n, S* out_q) {
-  for (int k = 0; k < 3; ++k) {
-    const Force<S> dq = y * Motion<S>{cross(unit<S>(k), g), Vector3<S>::zero()};
-    for (int row = 0; row < 6; ++row) out_q[(v + 3 + k) * n + v + row] = dq[row];
-  }
-}
-
-/// Row and column of a joint with one axis in the derivative of gravity torques.
-template <class S>
-void write_gravity_derivatives(const RobotModel& model, const RobotData<S>& data, int i,
-                               const Vector3<S>& g, const Force<S>& weight, S* out_q) {
-  const int n = model.nv, v = model.joints[i].v;
-  const Motion<S>& s = data.axis[i];
-  const Force<S>& f = data.column[i];
-  const auto turned_gravity = [&g](const Motion<S>& axis) {
-    return Motion<S>{cross(axis.angular, g), Vector3<S>::zero()};
-  };
-  const Force<S> change = data.composite[i] * turned_gravity(s) + cross(s, weight);
-  for (int j = i; j >= 0; j = model.joints[j].parent) {
-    const int vj = model.joints[j].v;
-    if (model.joints[j].type == JointType::floating) {
-      const Vector3<S> dq = cross(g, f.linear);
-      for (int k = 0; k < 3; ++k) out_q[(vj + 3 + k) * n + v] = dq[k];
-      for (int k = 0; k < 6; ++k) out_q[v * n + vj + k] = change[k];
-    } else {
-      out_q[vj * n + v] = dot(turned_gravity(data.axis[j]), f);
-      out_q[v * n + vj] = dot(data.axis[j], change);
-    }
-  }
-}
-
-}  // namespace
-
 template <class S>
 void gravity_torques(const RobotModel& model, const RobotData<S>& data, S* out, S* out_q) {
+  const int n = model.nv;
   for (int i = 0; i < model.joint_count(); ++i) {
     const Joint& joint = model.joints[i];
     const Vector3<S> g = data.gravity(model, i);
@@ -312,11 +241,34 @@ void gravity_torques(const RobotModel& model, const RobotData<S>& data, S* out, 
     const Force<S> weight{-(y.mass * g), -cross(y.moment, g)};
     if (joint.type == JointType::floating) {
       for (int k = 0; k < 6; ++k) out[joint.v + k] = weight[k];
-      if (out_q != nullptr) write_floating_gravity(y, g, joint.v, model.nv, out_q);
+      if (out_q == nullptr) continue;
+      for (int k = 0; k < 3; ++k) {
+        Vector3<S> e = Vector3<S>::zero();
+        e[k] = S(1.0);
+        const Force<S> dq = y * Motion<S>{cross(e, g), Vector3<S>::zero()};
+        for (int row = 0; row < 6; ++row) out_q[(joint.v + 3 + k) * n + joint.v + row] = dq[row];
+      }
       continue;
     }
-    out[joint.v] = -dot(data.column[i].linear, g);
-    if (out_q != nullptr) write_gravity_derivatives(model, data, i, g, weight, out_q);
+    const Motion<S>& s = data.axis[i];
+    const Force<S>& f = data.column[i];
+    out[joint.v] = -dot(f.linear, g);
+    if (out_q == nullptr) continue;
+    const auto turned_gravity = [&g](const Motion<S>& axis) {
+      return Motion<S>{cross(axis.angular, g), Vector3<S>::zero()};
+    };
+    const Force<S> change = y * turned_gravity(s) + cross(s, weight);
+    for (int j = i; j >= 0; j = model.joints[j].parent) {
+      const int vj = model.joints[j].v;
+      if (model.joints[j].type == JointType::floating) {
+        const Vector3<S> dq = cross(g, f.linear);
+        for (int k = 0; k < 3; ++k) out_q[(vj + 3 + k) * n + joint.v] = dq[k];
+        for (int k = 0; k < 6; ++k) out_q[joint.v * n + vj + k] = change[k];
+      } else {
+        out_q[vj * n + joint.v] = dot(turned_gravity(data.axis[j]), f);
+        out_q[joint.v * n + vj] = dot(data.axis[j], change);
+      }
+    }
   }
 }
 
