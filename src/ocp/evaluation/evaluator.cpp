@@ -225,28 +225,15 @@ struct Evaluator::Impl {
                                KnotBatch<Dual<Lane>>& batch, Linearization& out) const {
     using D = Dual<Lane>;
     const KnotModel& model = *models[group.model];
-    const int n = model.ndx(), nz = model.nz(), nx = model.nx();
+    const int nz = model.nz();
     for (auto* constants : {&batch.parameters, &batch.penalty, &batch.shift, &batch.multiplier})
       for (D& a : *constants) a.d = Lane(0.0);
     batch.dt.d = batch.cost_scale.d = Lane(0.0);
     const bool running = model.integrator() != Integrator::none;
-    if (running)
-      for (int i = 0; i < n; ++i) {
-        batch.lambda[i] = D(0.0);
-        for (int l = 0; l < kLaneWidth; ++l)
-          batch.lambda[i].v.set(l, costates(i, group.knots[l] + 1));
-      }
+    if (running) load_costates(group, costates, batch);
     for (int d = 0; d < nz; ++d) {
       load(group, trajectory, augmentation, batch);
-      for (int i = 0; i < nx; ++i) batch.x[i].d = Lane(0.0);
-      for (int i = 0; i < model.nu(); ++i) batch.u[i].d = Lane(0.0);
-      if (d < n) {
-        for (int i = 0; i < n; ++i) batch.tangent[i] = D(0.0);
-        batch.tangent[d].d = Lane(1.0);
-        model.manifold().integrate(batch.x.data(), batch.tangent.data(), batch.x.data());
-      } else {
-        batch.u[d - n].d = Lane(1.0);
-      }
+      move_along(d, model, batch);
       model.differentiate(batch.input(), batch.work, false);
       if (running)
         transposed_dynamics(model, batch.work, batch.dt, batch.lambda.data(), batch.tangent.data(),
@@ -257,13 +244,38 @@ struct Evaluator::Impl {
           column[c] = batch.work.gradient[c].d[l] + (running ? batch.pulled[c].d[l] : 0.0);
       }
     }
-    // The derivative of the gradient along the manifold differs from the Hessian by an
-    // antisymmetric (Lie bracket) term alone.
-    for (int l = 0; l < group.count; ++l) {
-      Eigen::MatrixXd& h = out.knots[group.knots[l]].hessian.change();
-      for (int c = 0; c < nz; ++c)
-        for (int r = 0; r < c; ++r) h(r, c) = h(c, r) = 0.5 * (h(r, c) + h(c, r));
+    for (int l = 0; l < group.count; ++l)
+      make_symmetric(out.knots[group.knots[l]].hessian.change());
+  }
+
+  static void load_costates(const Group& group, const Eigen::MatrixXd& costates,
+                            KnotBatch<Dual<Lane>>& batch) {
+    for (int i = 0; i < costates.rows(); ++i) {
+      batch.lambda[i] = Dual<Lane>(0.0);
+      for (int l = 0; l < kLaneWidth; ++l)
+        batch.lambda[i].v.set(l, costates(i, group.knots[l] + 1));
     }
+  }
+
+  /// Makes the inputs vary along column d of z.
+  static void move_along(int d, const KnotModel& model, KnotBatch<Dual<Lane>>& batch) {
+    const int n = model.ndx();
+    for (int i = 0; i < model.nx(); ++i) batch.x[i].d = Lane(0.0);
+    for (int i = 0; i < model.nu(); ++i) batch.u[i].d = Lane(0.0);
+    if (d >= n) {
+      batch.u[d - n].d = Lane(1.0);
+      return;
+    }
+    for (int i = 0; i < n; ++i) batch.tangent[i] = Dual<Lane>(0.0);
+    batch.tangent[d].d = Lane(1.0);
+    model.manifold().integrate(batch.x.data(), batch.tangent.data(), batch.x.data());
+  }
+
+  /// The derivative of the gradient along the manifold differs from the Hessian by an antisymmetric
+  /// (Lie bracket) term alone.
+  static void make_symmetric(Eigen::MatrixXd& h) {
+    for (int c = 0; c < h.cols(); ++c)
+      for (int r = 0; r < c; ++r) h(r, c) = h(c, r) = 0.5 * (h(r, c) + h(c, r));
   }
 
   const ShootingProblem& problem;

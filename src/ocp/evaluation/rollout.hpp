@@ -8,6 +8,48 @@
 
 namespace conddp {
 
+namespace detail {
+
+/// What belongs to a knot itself, for all lanes alike.
+template <class S>
+void load_knot(const ShootingProblem& problem, int k, const Augmentation* augmentation,
+               KnotBatch<S>& batch) {
+  const KnotView& view = problem.knot(k);
+  const KnotModel& model = *view.model;
+  for (int i = 0; i < model.parameter_count(); ++i) batch.parameters[i] = view.parameters[i];
+  batch.dt = view.dt;
+  batch.cost_scale = view.cost_scale;
+  batch.augmented = augmentation != nullptr;
+  if (!batch.augmented) return;
+  const int first = problem.constraint_offset(k);
+  for (int i = 0; i < model.constraint_rows(); ++i) {
+    batch.penalty[i] = augmentation->penalty[first + i];
+    batch.shift[i] = augmentation->shift[first + i];
+    batch.multiplier[i] = augmentation->multiplier[first + i];
+  }
+}
+
+/// u ← ū + α k + K (x ⊖ x̄) of a knot, within its bounds if asked for.
+template <class S>
+void follow(const ShootingProblem& problem, int k, const Trajectory& reference,
+            const Feedback& feedback, const S& alpha, bool clamp, const S* x, KnotBatch<S>& batch,
+            S* u) {
+  const KnotModel& model = *problem.knot(k).model;
+  const int nx = problem.nx(), n = problem.ndx(), nu = model.nu();
+  for (int i = 0; i < nx; ++i) batch.x[i] = reference.x(k)[i];
+  problem.manifold().difference(batch.x.data(), x, batch.tangent.data());
+  const auto ubar = reference.u(k);
+  for (int i = 0; i < nu; ++i) u[i] = S(ubar[i]) + alpha * S(feedback.k[k][i]);
+  const double* K = feedback.K[k].data();
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < nu; ++i) u[i] += S(K[j * nu + i]) * batch.tangent[j];
+  if (!clamp) return;
+  for (int i = 0; i < nu; ++i)
+    u[i] = max(S(model.control_lower()[i]), min(S(model.control_upper()[i]), u[i]));
+}
+
+}  // namespace detail
+
 /// Rolls out u = ū + α k + K (x ⊖ x̄) from the problem's initial state, knot by knot: one trajectory
 /// with S = double, one per lane with its own α with S = Lane. `batch_of(k)` is a workspace of knot
 /// k's model; `x` takes (N + 1) x nx numbers, `u` the controls one after the other, and `cost` the
@@ -19,38 +61,14 @@ void roll_out(const ShootingProblem& problem, const Trajectory& reference,
               const RolloutOptions& options, BatchOf batch_of, S* x, S* u, S& cost,
               GoesOn goes_on) {
   const int nx = problem.nx(), n = problem.ndx(), N = problem.knots();
-  const StateManifold& manifold = problem.manifold();
   for (int i = 0; i < nx; ++i) x[i] = S(problem.initial_state()[i]);
   cost = S(0.0);
   for (int k = 0; k <= N; ++k, x += nx) {
-    const KnotView& view = problem.knot(k);
-    const KnotModel& model = *view.model;
+    const KnotModel& model = *problem.knot(k).model;
     KnotBatch<S>& batch = batch_of(k);
-    for (int i = 0; i < model.parameter_count(); ++i) batch.parameters[i] = view.parameters[i];
-    batch.dt = view.dt;
-    batch.cost_scale = view.cost_scale;
-    batch.augmented = options.augmentation != nullptr;
-    if (batch.augmented) {
-      const int first = problem.constraint_offset(k);
-      for (int i = 0; i < model.constraint_rows(); ++i) {
-        batch.penalty[i] = options.augmentation->penalty[first + i];
-        batch.shift[i] = options.augmentation->shift[first + i];
-        batch.multiplier[i] = options.augmentation->multiplier[first + i];
-      }
-    }
-    if (k < N) {
-      const int nu = model.nu();
-      for (int i = 0; i < nx; ++i) batch.x[i] = reference.x(k)[i];
-      manifold.difference(batch.x.data(), x, batch.tangent.data());
-      const auto ubar = reference.u(k);
-      for (int i = 0; i < nu; ++i) u[i] = S(ubar[i]) + alpha * S(feedback.k[k][i]);
-      const double* K = feedback.K[k].data();
-      for (int j = 0; j < n; ++j)
-        for (int i = 0; i < nu; ++i) u[i] += S(K[j * nu + i]) * batch.tangent[j];
-      if (options.clamp_controls)
-        for (int i = 0; i < nu; ++i)
-          u[i] = max(S(model.control_lower()[i]), min(S(model.control_upper()[i]), u[i]));
-    }
+    detail::load_knot(problem, k, options.augmentation, batch);
+    if (k < N)
+      detail::follow(problem, k, reference, feedback, alpha, options.clamp_controls, x, batch, u);
     model.evaluate(batch.at(x, u), batch.work);
     cost += batch.work.cost;
     cost += batch.work.augmentation;
@@ -59,7 +77,7 @@ void roll_out(const ShootingProblem& problem, const Trajectory& reference,
       S* after = x + nx;
       if (options.contract_gaps) {
         for (int i = 0; i < n; ++i) batch.tangent[i] = (alpha - S(1.0)) * S(gap(i, k));
-        manifold.integrate(batch.work.next().data(), batch.tangent.data(), after);
+        problem.manifold().integrate(batch.work.next().data(), batch.tangent.data(), after);
       } else {
         std::copy(batch.work.next().begin(), batch.work.next().end(), after);
       }

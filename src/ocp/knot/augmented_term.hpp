@@ -21,52 +21,95 @@ struct RowPenalty {
   const S* multiplier;
 };
 
+/// Room for one constraint: shifted values and weights of its rows and, where asked for,
+/// ∂weight/∂g.
+template <class S>
+struct RowSlopes {
+  S *shifted, *weight, *curvature;
+};
+
+namespace detail {
+
+/// Beyond which distance a constraint that is soft by its distance costs no more than linearly.
+template <class S>
+S soft_limit(const RowSet<S>& set, const S& penalty) {
+  return set.limit / max(penalty, S(1e-200));
+}
+
+/// ½ penalty dist² of bounds and its derivatives but for the multipliers, as in `augment`.
+template <class S>
+S augment_bounds(const ConstraintTerm& term, const RowSet<S>& set, const S* penalty,
+                 const RowSlopes<S>& to) {
+  S value(0.0);
+  const bool limited = term.softness == Softness::l1;
+  for (int i = 0; i < term.rows; ++i) {
+    const S outside = outside_bounds(to.shifted[i], set.lower[i], set.upper[i]);
+    to.weight[i] = limited ? limit_outside(outside, soft_limit(set, penalty[i])) : outside;
+    value += penalty[i] * to.weight[i] * (outside - S(0.5) * to.weight[i]);
+    if (to.curvature == nullptr) continue;
+    to.curvature[i] = select(to.shifted[i] <= set.lower[i], penalty[i],
+                             select(to.shifted[i] >= set.upper[i], penalty[i], S(0.0)));
+    if (limited)
+      to.curvature[i] =
+          select(abs(outside) <= soft_limit(set, penalty[i]), to.curvature[i], S(0.0));
+  }
+  return value;
+}
+
+/// Of complementary pairs, which add derivatives alone. The smaller one of a pair, whatever its
+/// multiplier, is the one that has to vanish.
+template <class S>
+void augment_pairs(int rows, const S* penalty, const S* g, const RowSlopes<S>& to) {
+  for (int i = 0; i < rows; ++i) {
+    const auto larger = i % 2 == 0 ? g[i] > g[i + 1] : g[i] >= g[i - 1];
+    to.weight[i] = select(larger, min(to.shifted[i], S(0.0)), to.shifted[i]);
+    if (to.curvature != nullptr)
+      to.curvature[i] =
+          select(larger, select(to.shifted[i] <= S(0.0), penalty[i], S(0.0)), penalty[i]);
+  }
+}
+
+/// As augment_bounds, of a second-order cone, whose curvature is a matrix.
+template <class S>
+S augment_cone(const ConstraintTerm& term, const RowSet<S>& set, const S* penalty,
+               const RowSlopes<S>& to) {
+  S value(0.0);
+  const int n = term.rows;
+  const bool limited = term.softness == Softness::l1;
+  outside_cone(to.shifted, n, to.weight);
+  if (to.curvature != nullptr) {
+    outside_cone_derivative(to.shifted, n, to.curvature);
+    if (limited) limit_cone_derivative(to.weight, n, soft_limit(set, penalty[0]), to.curvature);
+    for (int i = 0; i < n * n; ++i) to.curvature[i] *= penalty[0];
+  }
+  // ½ p² up to the limit, from there on as steep as it is there: p·q − ½ q² with q cut off.
+  for (int i = 0; i < n; ++i) to.shifted[i] = to.weight[i];
+  if (limited) limit_cone(n, soft_limit(set, penalty[0]), to.weight);
+  for (int i = 0; i < n; ++i)
+    value += penalty[0] * to.weight[i] * (to.shifted[i] - S(0.5) * to.weight[i]);
+  return value;
+}
+
+}  // namespace detail
+
 /// What a constraint adds to the cost at its values g, soft or by the augmentation: ½ penalty dist²
 /// + νᵀg, linear where the weight of a soft one limits it. With the multiplier that this gives to
 /// each row and, where asked for, ∂weight/∂g: a diagonal, or all of a cone's. `shifted` and
 /// `weight` have room for `rows` numbers.
 template <class S>
 S augment(const ConstraintTerm& term, const RowSet<S>& set, const RowPenalty<S>& given, const S* g,
-          S* shifted, S* weight, S* curvature) {
+          const RowSlopes<S>& to) {
+  for (int i = 0; i < term.rows; ++i) to.shifted[i] = g[i] + given.shift[i];
   S value(0.0);
-  const S* penalty = given.penalty;
-  const int n = term.rows;
-  const bool limited = term.softness == Softness::l1;
-  const auto limit = [&](int row) { return set.limit / max(penalty[row], S(1e-200)); };
-  for (int i = 0; i < n; ++i) shifted[i] = g[i] + given.shift[i];
-  if (term.has_bounds()) {
-    for (int i = 0; i < n; ++i) {
-      const S outside = outside_bounds(shifted[i], set.lower[i], set.upper[i]);
-      weight[i] = limited ? limit_outside(outside, limit(i)) : outside;
-      value += penalty[i] * weight[i] * (outside - S(0.5) * weight[i]);
-      if (curvature == nullptr) continue;
-      curvature[i] = select(shifted[i] <= set.lower[i], penalty[i],
-                            select(shifted[i] >= set.upper[i], penalty[i], S(0.0)));
-      if (limited) curvature[i] = select(abs(outside) <= limit(i), curvature[i], S(0.0));
-    }
-  } else if (term.has_pairs()) {
-    // The smaller one of a pair, whatever its multiplier, is the one that has to vanish.
-    for (int i = 0; i < n; ++i) {
-      const auto larger = i % 2 == 0 ? g[i] > g[i + 1] : g[i] >= g[i - 1];
-      weight[i] = select(larger, min(shifted[i], S(0.0)), shifted[i]);
-      if (curvature != nullptr)
-        curvature[i] = select(larger, select(shifted[i] <= S(0.0), penalty[i], S(0.0)), penalty[i]);
-    }
-  } else {
-    outside_cone(shifted, n, weight);
-    if (curvature != nullptr) {
-      outside_cone_derivative(shifted, n, curvature);
-      if (limited) limit_cone_derivative(weight, n, limit(0), curvature);
-      for (int i = 0; i < n * n; ++i) curvature[i] *= penalty[0];
-    }
-    // ½ p² up to the limit, from there on as steep as it is there: p·q − ½ q² with q cut off.
-    for (int i = 0; i < n; ++i) shifted[i] = weight[i];
-    if (limited) limit_cone(n, limit(0), weight);
-    for (int i = 0; i < n; ++i) value += penalty[0] * weight[i] * (shifted[i] - S(0.5) * weight[i]);
-  }
-  for (int i = 0; i < n; ++i) {
+  if (term.has_bounds())
+    value = detail::augment_bounds(term, set, given.penalty, to);
+  else if (term.has_pairs())
+    detail::augment_pairs(term.rows, given.penalty, g, to);
+  else
+    value = detail::augment_cone(term, set, given.penalty, to);
+  for (int i = 0; i < term.rows; ++i) {
     value += given.multiplier[i] * g[i];
-    weight[i] = penalty[i] * weight[i] + given.multiplier[i];
+    to.weight[i] = given.penalty[i] * to.weight[i] + given.multiplier[i];
   }
   return value;
 }

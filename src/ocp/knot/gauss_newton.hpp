@@ -21,6 +21,14 @@ bool all_zero(const S* a, int n) {
   return !any(found);
 }
 
+/// Σ a_i b_i of n ≥ 1 numbers.
+template <class S>
+S dot(int n, const S* a, const S* b) {
+  S sum = a[0] * b[0];
+  for (int i = 1; i < n; ++i) sum += a[i] * b[i];
+  return sum;
+}
+
 /// H(a, b) += J_aᵀ T_b for the pairs of columns a ≥ b, by their places in H; two columns a at a
 /// time, so that a column of T is read once for both. kRows 0: `rows` of them.
 template <int kRows, class S>

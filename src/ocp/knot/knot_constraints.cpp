@@ -63,7 +63,7 @@ bool KnotModel::add_penalty(const ConstraintTerm& term, const KnotInput<S>& in,
                       term.softness == Softness::l1 ? in.cost_scale * in.parameters[term.weight()]
                                                     : S(std::numeric_limits<double>::infinity())};
   const S value = augment<S>(term, set, given, work.constraint.data() + term.row,
-                             work.shifted_.data(), work.weight_.data(), curvature);
+                             {work.shifted_.data(), work.weight_.data(), curvature});
   (term.softness == Softness::l2 ? work.cost : work.augmentation) += value;
   return true;
 }
@@ -72,7 +72,7 @@ template <class S>
 void KnotModel::differentiate_constraints(const KnotInput<S>& in, KnotWorkspace<S>& work,
                                           bool hessian) const {
   work.augmentation = S(0.0);
-  S* weight = work.weight_.data();
+  const S* weight = work.weight_.data();
   S* curvature = work.curvature_.data();
   for (std::size_t t = 0; t < constraints_.size(); ++t) {
     const ConstraintTerm& term = constraints_[t];
@@ -87,34 +87,36 @@ void KnotModel::differentiate_constraints(const KnotInput<S>& in, KnotWorkspace<
     const int curvatures = term.is_cone() ? term.rows * term.rows : term.rows;
     if (all_zero(weight, term.rows) && (!hessian || all_zero(curvature, curvatures))) continue;
     if (hessian) work.rest_is_zero_ = false;
-    const int* pair = constraint_pattern_index_[t].data();
-    int row = 0;
-    for (const RowBlock& block : term.blocks) {
-      const int rows = block.rows, columns = static_cast<int>(block.columns.size());
-      S* weighted = work.weighted_jacobian_.data();
-      for (int c = 0; c < columns; ++c) {
-        const S* column = jacobian + c * rows;
-        for (int i = 0; i < rows; ++i)
-          work.gradient[block.columns[c]] += column[i] * weight[row + i];
-        if (!hessian) continue;
-        for (int i = 0; i < rows; ++i) {
-          if (!term.is_cone()) {
-            *weighted++ = curvature[row + i] * column[i];
-            continue;
-          }
-          S sum = curvature[i * rows] * column[0];
-          for (int j = 1; j < rows; ++j) sum += curvature[i * rows + j] * column[j];
-          *weighted++ = sum;
-        }
-      }
-      if (hessian) {
-        add_products(rows, columns, jacobian, work.weighted_jacobian_.data(), pair,
-                     work.hessian.data());
-        pair += columns * (columns + 1) / 2;
-      }
-      jacobian += rows * columns;
-      row += rows;
+    add_augmentation(t, jacobian, hessian, work);
+  }
+}
+
+/// Adds gradient and Gauss-Newton Hessian by the weights and the curvature of a constraint's rows.
+template <class S>
+void KnotModel::add_augmentation(std::size_t t, const S* jacobian, bool hessian,
+                                 KnotWorkspace<S>& work) const {
+  const ConstraintTerm& term = constraints_[t];
+  const S *weight = work.weight_.data(), *curvature = work.curvature_.data();
+  const int* pair = constraint_pattern_index_[t].data();
+  for (const RowBlock& block : term.blocks) {
+    const int rows = block.rows, columns = static_cast<int>(block.columns.size());
+    S* weighted = work.weighted_jacobian_.data();
+    for (int c = 0; c < columns; ++c) {
+      const S* column = jacobian + c * rows;
+      for (int i = 0; i < rows; ++i) work.gradient[block.columns[c]] += column[i] * weight[i];
+      if (!hessian) continue;
+      for (int i = 0; i < rows; ++i)
+        *weighted++ =
+            term.is_cone() ? dot(rows, curvature + i * rows, column) : curvature[i] * column[i];
     }
+    if (hessian) {
+      add_products(rows, columns, jacobian, work.weighted_jacobian_.data(), pair,
+                   work.hessian.data());
+      pair += columns * (columns + 1) / 2;
+    }
+    jacobian += rows * columns;
+    weight += rows;
+    if (!term.is_cone()) curvature += rows;
   }
 }
 

@@ -20,6 +20,32 @@ void turn_steps(const StateManifold& manifold, const S* step, S* out) {
   }
 }
 
+/// out += ∂q⁺/∂q, of the tangent's column c, with the step held.
+template <class S>
+void add_configuration(const StateManifold& manifold, const S* state, int c, S* out) {
+  for (const auto& segment : manifold.curved()) {
+    const int m = segment.n;
+    if (c >= segment.dx && c < segment.dx + m) {
+      for (int i = 0; i < m; ++i) out[segment.dx + i] += state[i * m + c - segment.dx];
+      return;
+    }
+    state += StateManifold::kBlockSize;
+  }
+  out[c] += S(1.0);
+}
+
+/// A column of F with all rows of the system's next state, from those that the integrator gives.
+template <class S>
+void fill_column(const StateManifold& manifold, const IntegratorWorkspace<S>& base, const S& dt,
+                 int column, int base_rows, S* out) {
+  const int top = manifold.ndx() - base_rows;
+  for (int i = 0; i < base_rows; ++i) out[top + i] = base.F[column * base_rows + i];
+  if (top == 0) return;
+  for (int i = 0; i < top; ++i) out[i] = dt * out[top + i];
+  turn_steps(manifold, base.step_blocks.data(), out);
+  if (column < top) add_configuration(manifold, base.state_blocks.data(), column, out);
+}
+
 }  // namespace
 
 template <class S>
@@ -32,30 +58,12 @@ void KnotModel::append_control_memory(const KnotInput<S>& in, KnotWorkspace<S>& 
   if (!derivatives) return;
   const int n = system_->ndx(), rows = ndx();
   const int base_rows = is_structured(integrator_) ? system_->nv() : n;
-  const int top = n - base_rows;
+  // On the memory nothing of the next state depends but a memory that is held.
+  for (int c = n; held_ && c < rows; ++c) work.F_[c * rows + c] = S(1.0);
   for (int c = 0; c < nz(); ++c) {
-    if (c >= n && c < rows) {  // of the memory, on which nothing else of the next state depends
-      if (held_) work.F_[c * rows + c] = S(1.0);
-      continue;
-    }
-    const int base_column = c < n ? c : c - memory_;
+    if (c >= n && c < rows) continue;
     S* out = &work.F_[c * rows];
-    for (int i = 0; i < base_rows; ++i) out[top + i] = base.F[base_column * base_rows + i];
-    for (int i = 0; i < top; ++i) out[i] = in.dt * out[top + i];
-    if (top > 0) {
-      turn_steps(system_->manifold(), base.step_blocks.data(), out);
-      const S* state = base.state_blocks.data();
-      bool curved = false;
-      for (const auto& segment : system_->manifold().curved()) {
-        const int m = segment.n;
-        if (c >= segment.dx && c < segment.dx + m) {
-          curved = true;
-          for (int i = 0; i < m; ++i) out[segment.dx + i] += state[i * m + c - segment.dx];
-        }
-        state += StateManifold::kBlockSize;
-      }
-      if (!curved && c < top) out[c] += S(1.0);
-    }
+    fill_column(system_->manifold(), base, in.dt, c < n ? c : c - memory_, base_rows, out);
     for (int i = 0; i < memory_; ++i) out[n + i] = S(!held_ && c == rows + i ? 1.0 : 0.0);
   }
 }

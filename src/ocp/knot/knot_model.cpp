@@ -6,26 +6,37 @@
 #include "ocp/knot/gauss_newton.hpp"
 
 namespace conddp {
+namespace {
+
+/// For a system and its integrator, which exist together or not at all.
+void check_together(bool system, bool integrator, const char* otherwise) {
+  if (system != integrator) throw std::invalid_argument(otherwise);
+}
+
+void check_integrator(const System& system, Integrator integrator) {
+  if (integrator == Integrator::none) return;
+  check_together(system.kind() == SystemKind::discrete, integrator == Integrator::discrete,
+                 "a discrete system needs the discrete integrator, and only it");
+  if (integrator == Integrator::semi_implicit_euler && system.kind() != SystemKind::second_order)
+    throw std::invalid_argument("semi-implicit Euler needs a second-order system");
+  check_together(system.kind() == SystemKind::impulse, integrator == Integrator::impulse,
+                 "an impulse needs the integrator of impulses, and only it");
+  const auto* collocation = system.as_collocation();
+  if (lobatto_rule(integrator) != (collocation ? std::optional(collocation->rule()) : std::nullopt))
+    throw std::invalid_argument(
+        "a collocation system needs the integrator of its rule, and only it");
+}
+
+}  // namespace
+
 KnotModel::KnotModel(std::shared_ptr<const System> system, Integrator integrator,
                      bool control_memory, int held_memory)
     : system_(std::move(system)), manifold_(system_->manifold()), integrator_(integrator) {
-  const bool discrete = system_->kind() == SystemKind::discrete;
-  if (integrator != Integrator::none && discrete != (integrator == Integrator::discrete))
-    throw std::invalid_argument("a discrete system needs the discrete integrator, and only it");
-  if (discrete && !manifold_.curved().empty())
+  check_integrator(*system_, integrator);
+  if (system_->kind() == SystemKind::discrete && !manifold_.curved().empty())
     throw std::invalid_argument("a discrete system needs a flat state space");
-  if (integrator == Integrator::semi_implicit_euler && system_->kind() != SystemKind::second_order)
-    throw std::invalid_argument("semi-implicit Euler needs a second-order system");
-  const bool impulse = system_->kind() == SystemKind::impulse;
-  if (integrator != Integrator::none && impulse != (integrator == Integrator::impulse))
-    throw std::invalid_argument("an impulse needs the integrator of impulses, and only it");
-  if (impulse && control_memory)
+  if (system_->kind() == SystemKind::impulse && control_memory)
     throw std::invalid_argument("an impulse has no control to remember");
-  const auto* collocation = system_->as_collocation();
-  if (integrator != Integrator::none &&
-      lobatto_rule(integrator) != (collocation ? std::optional(collocation->rule()) : std::nullopt))
-    throw std::invalid_argument(
-        "a collocation system needs the integrator of its rule, and only it");
   if (control_memory && held_memory > 0)
     throw std::invalid_argument("a memory is of the control or held, not both");
   held_ = held_memory > 0;
@@ -63,37 +74,59 @@ int KnotModel::add_cost(std::string name, std::shared_ptr<const Residual> residu
   return term.parameters;
 }
 
-void KnotModel::index_hessian() {
-  const int n = nz();
-  std::vector<int> entry_at(n * n, -1);
-  pattern_.clear();
-  pattern_index_.resize(costs_.size());
-  constraint_pattern_index_.resize(constraints_.size());
-  const auto index = [&](const std::vector<RowBlock>& blocks, std::vector<int>& pairs) {
-    pairs.clear();
+namespace {
+
+/// The pattern of a symmetric matrix as its entries come up: (row, column), row ≥ column.
+class PatternIndex {
+ public:
+  PatternIndex(int size, std::vector<std::pair<int, int>>& pattern)
+      : size_(size), entry_at_(size * size, -1), pattern_(pattern) {}
+
+  /// The entries of the pairs of columns of each block.
+  std::vector<int> entries(const std::vector<RowBlock>& blocks) {
+    std::vector<int> entries;
     for (const RowBlock& block : blocks)
       for (std::size_t a = 0; a < block.columns.size(); ++a)
-        for (std::size_t b = 0; b <= a; ++b) {
-          int& entry = entry_at[block.columns[b] * n + block.columns[a]];
-          if (entry < 0) {
-            entry = static_cast<int>(pattern_.size());
-            pattern_.emplace_back(block.columns[a], block.columns[b]);
-          }
-          pairs.push_back(entry);
-        }
-  };
+        for (std::size_t b = 0; b <= a; ++b)
+          entries.push_back(entry(block.columns[a], block.columns[b]));
+    return entries;
+  }
+
+ private:
+  int entry(int row, int column) {
+    int& entry = entry_at_[column * size_ + row];
+    if (entry < 0) {
+      entry = static_cast<int>(pattern_.size());
+      pattern_.emplace_back(row, column);
+    }
+    return entry;
+  }
+
+  int size_;
+  std::vector<int> entry_at_;
+  std::vector<std::pair<int, int>>& pattern_;
+};
+
+}  // namespace
+
+void KnotModel::index_hessian() {
+  const int n = nz();
+  pattern_.clear();
+  PatternIndex index(n, pattern_);
+  pattern_index_.resize(costs_.size());
+  constraint_pattern_index_.resize(constraints_.size());
   for (const bool rests : {false, true}) {
     for (std::size_t t = 0; t < costs_.size(); ++t) {
       if (costs_[t].is_barrier() != rests) continue;  // inside its bounds a barrier is nothing
       std::vector<RowBlock> blocks = costs_[t].residual->blocks();
       if (costs_[t].activation.kind == ActivationKind::smooth_l2)
         blocks.push_back({1, column_range(0, n)});
-      index(blocks, pattern_index_[t]);
+      pattern_index_[t] = index.entries(blocks);
     }
     if (!rests) lasting_entries_ = static_cast<int>(pattern_.size());
   }
   for (std::size_t t = 0; t < constraints_.size(); ++t)
-    index(constraints_[t].blocks, constraint_pattern_index_[t]);
+    constraint_pattern_index_[t] = index.entries(constraints_[t].blocks);
 }
 
 void KnotModel::set_control_bounds(std::vector<double> lower, std::vector<double> upper) {
@@ -137,6 +170,16 @@ void KnotModel::evaluate_costs(const KnotInput<S>& in, KnotWorkspace<S>& work) c
   }
 }
 
+/// What the activation of a cost makes of its residual's rows: slope and curvature of each and,
+/// where the residual is an image A r of another one, the curvature W of r.
+template <class S>
+struct CostSlopes {
+  S scale;
+  S *gradient, *diagonal;
+  S rank_one{};
+  const S* W = nullptr;  ///< by rows
+};
+
 namespace {
 
 /// gradient ← Aᵀ gradient and W = Aᵀ diag(diagonal) A (k x k) for A with k columns, by rows.
@@ -161,6 +204,18 @@ void pull_back(const std::vector<double>& A, int rows, int k, const S* diagonal,
   std::copy_n(pulled, k, gradient);
 }
 
+/// out ← scale times the curvature, a diagonal or W, times a column of the Jacobian; returns the
+/// end of it.
+template <class S>
+S* weigh_column(const S& scale, const S* diagonal, const S* W, const S* column, int rows, S* out) {
+  if (W == nullptr) {
+    for (int i = 0; i < rows; ++i) *out++ = scale * diagonal[i] * column[i];
+    return out;
+  }
+  for (int i = 0; i < rows; ++i) *out++ = scale * dot(rows, W + i * rows, column);
+  return out;
+}
+
 }  // namespace
 
 template <class S>
@@ -174,75 +229,86 @@ void KnotModel::differentiate_costs(const KnotInput<S>& in, KnotWorkspace<S>& wo
     if (!work.rest_is_zero_) std::fill(rest, work.hessian.end(), S(0.0));
     work.rest_is_zero_ = true;
   }
-  for (std::size_t t = 0; t < costs_.size(); ++t) {
-    const CostTerm& term = costs_[t];
-    const bool barrier = term.is_barrier();
-    const LinearImage* image = term.residual->linear_image();
-    const Residual& inner = image ? *image->of : *term.residual;
-    const ResidualInput<S> input{in.x, in.u, in.parameters + term.parameters, *work.system_};
-    S* r = barrier ? work.constraint.data() + term.row : work.residual_.data();
-    S* jacobian =
-        barrier ? work.constraint_jacobian.data() + term.jacobian : work.residual_jacobian_.data();
-    S* gradient = work.activation_gradient_.data();
-    S* diagonal = work.activation_diagonal_.data();
-    if (image && !barrier)
-      term.residual->evaluate(input, r);
-    else
-      term.residual->differentiate(input, r, jacobian);
-    const S scale = in.cost_scale * in.parameters[term.weight];
-    const int rows = term.residual->size();
-    S rank_one;
-    const S value = term.activation.differentiate(r, rows, gradient, diagonal, rank_one);
-    work.term_costs[t] = scale * value;
-    work.cost += work.term_costs[t];
-    if (barrier) {
-      if (all_zero(gradient, rows) && all_zero(diagonal, rows)) continue;
-      if (hessian) work.rest_is_zero_ = false;
-    }
-    S W[36];
-    if (image) {
-      jacobian = work.residual_jacobian_.data();
-      inner.differentiate(input, work.residual_.data(), jacobian);
-      pull_back(image->A, rows, inner.size(), diagonal, gradient, W);
-    }
-    const bool dense = term.activation.kind == ActivationKind::smooth_l2;
-    if (dense) std::fill(work.term_gradient_.begin(), work.term_gradient_.end(), S(0.0));
-    const int* pair = pattern_index_[t].data();
-    for (const RowBlock& block : inner.blocks()) {
-      const int columns = static_cast<int>(block.columns.size());
-      S* weighted = work.weighted_jacobian_.data();
-      for (int c = 0; c < columns; ++c) {
-        const S* column = jacobian + c * block.rows;
-        S g = column[0] * gradient[0];
-        for (int i = 1; i < block.rows; ++i) g += column[i] * gradient[i];
-        work.gradient[block.columns[c]] += scale * g;
-        if (dense) work.term_gradient_[block.columns[c]] += g;
-        if (!hessian) continue;
-        if (!image) {
-          for (int i = 0; i < block.rows; ++i) *weighted++ = scale * diagonal[i] * column[i];
-          continue;
-        }
-        for (int i = 0; i < block.rows; ++i) {
-          S sum = W[i * block.rows] * column[0];
-          for (int j = 1; j < block.rows; ++j) sum += W[i * block.rows + j] * column[j];
-          *weighted++ = scale * sum;
-        }
-      }
-      if (hessian) {
-        add_products(block.rows, columns, jacobian, work.weighted_jacobian_.data(), pair,
-                     work.hessian.data());
-        pair += columns * (columns + 1) / 2;
-      }
-      jacobian += block.rows * columns;
-      gradient += block.rows;
-      diagonal += block.rows;
-    }
-    if (!dense || !hessian) continue;
-    const S factor = scale * rank_one;
-    for (int row = 0; row < nz(); ++row)
-      for (int column = 0; column <= row; ++column)
-        work.hessian[*pair++] += factor * work.term_gradient_[row] * work.term_gradient_[column];
+  for (std::size_t t = 0; t < costs_.size(); ++t) differentiate_cost(t, in, work, hessian);
+}
+
+template <class S>
+void KnotModel::differentiate_cost(std::size_t t, const KnotInput<S>& in, KnotWorkspace<S>& work,
+                                   bool hessian) const {
+  const CostTerm& term = costs_[t];
+  const bool barrier = term.is_barrier();
+  const LinearImage* image = term.residual->linear_image();
+  const ResidualInput<S> input{in.x, in.u, in.parameters + term.parameters, *work.system_};
+  S* r = barrier ? work.constraint.data() + term.row : work.residual_.data();
+  S* jacobian =
+      barrier ? work.constraint_jacobian.data() + term.jacobian : work.residual_jacobian_.data();
+  if (image && !barrier)
+    term.residual->evaluate(input, r);
+  else
+    term.residual->differentiate(input, r, jacobian);
+  CostSlopes<S> slopes{.scale = in.cost_scale * in.parameters[term.weight],
+                       .gradient = work.activation_gradient_.data(),
+                       .diagonal = work.activation_diagonal_.data()};
+  const int rows = term.residual->size();
+  const S value =
+      term.activation.differentiate(r, rows, slopes.gradient, slopes.diagonal, slopes.rank_one);
+  work.term_costs[t] = slopes.scale * value;
+  work.cost += work.term_costs[t];
+  if (barrier) {
+    if (all_zero(slopes.gradient, rows) && all_zero(slopes.diagonal, rows)) return;
+    if (hessian) work.rest_is_zero_ = false;
   }
+  S W[36];
+  const Residual& inner = image ? *image->of : *term.residual;
+  if (image) {
+    jacobian = work.residual_jacobian_.data();
+    inner.differentiate(input, work.residual_.data(), jacobian);
+    pull_back(image->A, rows, inner.size(), slopes.diagonal, slopes.gradient, W);
+    slopes.W = W;
+  }
+  const bool dense = term.activation.kind == ActivationKind::smooth_l2;
+  const int* pair =
+      add_cost(inner.blocks(), jacobian, slopes, dense, hessian, pattern_index_[t].data(), work);
+  if (dense && hessian) add_rank_one(slopes.scale * slopes.rank_one, pair, work);
+}
+
+/// Adds gradient and Gauss-Newton Hessian of a cost, of which the pairs of columns stand at `pair`
+/// on in the pattern; returns the end of them. `dense`: fills term_gradient_, too.
+template <class S>
+const int* KnotModel::add_cost(const std::vector<RowBlock>& blocks, const S* jacobian,
+                               const CostSlopes<S>& slopes, bool dense, bool hessian,
+                               const int* pair, KnotWorkspace<S>& work) const {
+  if (dense) std::fill(work.term_gradient_.begin(), work.term_gradient_.end(), S(0.0));
+  const S scale = slopes.scale;
+  const S *gradient = slopes.gradient, *diagonal = slopes.diagonal, *W = slopes.W;
+  for (const RowBlock& block : blocks) {
+    const int columns = static_cast<int>(block.columns.size());
+    S* weighted = work.weighted_jacobian_.data();
+    for (int c = 0; c < columns; ++c) {
+      const S* column = jacobian + c * block.rows;
+      const S g = dot(block.rows, column, gradient);
+      work.gradient[block.columns[c]] += scale * g;
+      if (dense) work.term_gradient_[block.columns[c]] += g;
+      if (hessian) weighted = weigh_column(scale, diagonal, W, column, block.rows, weighted);
+    }
+    if (hessian) {
+      add_products(block.rows, columns, jacobian, work.weighted_jacobian_.data(), pair,
+                   work.hessian.data());
+      pair += columns * (columns + 1) / 2;
+    }
+    jacobian += block.rows * columns;
+    gradient += block.rows;
+    diagonal += block.rows;
+  }
+  return pair;
+}
+
+/// Hessian += factor · term_gradient_ term_gradient_ᵀ.
+template <class S>
+void KnotModel::add_rank_one(const S& factor, const int* pair, KnotWorkspace<S>& work) const {
+  for (int row = 0; row < nz(); ++row)
+    for (int column = 0; column <= row; ++column)
+      work.hessian[*pair++] += factor * work.term_gradient_[row] * work.term_gradient_[column];
 }
 
 template <class S>

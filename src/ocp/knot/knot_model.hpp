@@ -53,6 +53,8 @@ struct FreeDuration {
 
 template <class S>
 class KnotWorkspace;
+template <class S>
+struct CostSlopes;
 
 /// The structure that knots share: a system, an integrator, costs, constraints and control bounds.
 /// Immutable once a problem holds it. The knots differ in KnotInput alone.
@@ -143,6 +145,15 @@ class KnotModel {
   void evaluate_costs(const KnotInput<S>& in, KnotWorkspace<S>& work) const;
   template <class S>
   void differentiate_costs(const KnotInput<S>& in, KnotWorkspace<S>& work, bool hessian) const;
+  template <class S>
+  void differentiate_cost(std::size_t cost, const KnotInput<S>& in, KnotWorkspace<S>& work,
+                          bool hessian) const;
+  template <class S>
+  const int* add_cost(const std::vector<RowBlock>& blocks, const S* jacobian,
+                      const CostSlopes<S>& slopes, bool dense, bool hessian, const int* pair,
+                      KnotWorkspace<S>& work) const;
+  template <class S>
+  void add_rank_one(const S& factor, const int* pair, KnotWorkspace<S>& work) const;
 
   // knot_constraints.cpp
   template <class S>
@@ -150,6 +161,9 @@ class KnotModel {
   template <class S>
   void differentiate_constraints(const KnotInput<S>& in, KnotWorkspace<S>& work,
                                  bool hessian) const;
+  template <class S>
+  void add_augmentation(std::size_t constraint, const S* jacobian, bool hessian,
+                        KnotWorkspace<S>& work) const;
 
   /// What a constraint whose value is known adds to cost or augmentation, its multipliers and, if
   /// asked for, curvature. False where it adds nothing.

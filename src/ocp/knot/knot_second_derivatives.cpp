@@ -7,6 +7,20 @@
 #include "ocp/terms/constraint_form.hpp"
 
 namespace conddp {
+namespace {
+
+int row_count(const std::vector<RowBlock>& blocks) {
+  int rows = 0;
+  for (const RowBlock& block : blocks) rows += block.rows;
+  return rows;
+}
+
+/// Numbers without a direction.
+void rest(const AlignedVector<Lane>& from, AlignedVector<Dual<Lane>>& to) {
+  for (std::size_t i = 0; i < from.size(); ++i) to[i] = Dual<Lane>(from[i], Lane(0.0));
+}
+
+}  // namespace
 
 std::unique_ptr<KnotSecondDerivatives> KnotSecondDerivatives::make(const KnotModel& model,
                                                                    KnotBatch<Lane>& at,
@@ -70,33 +84,33 @@ bool KnotSecondDerivatives::add_term(Term term, const Residual& residual) {
   const bool formed = term.constraint && (norm || term.constraint->is_cone());
   term.residual = image && !formed ? image->of.get() : &residual;
   term.blocks = formed ? &term.constraint->blocks : &term.residual->blocks();
-  term.moves.assign(nz_, false);
-  bool bends = false;
-  for (const RowBlock& block : *term.blocks) {
-    const bool affine =
-        formed ? !norm && std::all_of(residual.blocks().begin(), residual.blocks().end(),
-                                      [](const RowBlock& b) { return b.affine; })
-               : block.affine;
-    if (affine) continue;
-    bends = true;
-    for (const int column : block.columns) term.moves[column] = true;
+  const auto affine = [](const RowBlock& block) { return block.affine; };
+  const bool all_bend = norm || (formed && !std::ranges::all_of(residual.blocks(), affine));
+  term.moves = curved_columns(*term.blocks, formed ? all_bend : std::optional<bool>());
+  if (std::ranges::find(term.moves, true) == term.moves.end()) return true;
+  const Reads reads = term.residual->reads();
+  if (reads == Reads::everything || (reads == Reads::forces && system_ == nullptr)) return false;
+  reads_forces_ = reads_forces_ || reads == Reads::forces;
+  term.weights.assign(std::max(row_count(*term.blocks), residual.size()), Lane(0.0));
+  terms_.push_back(std::move(term));
+  return true;
+}
+
+/// The columns along which blocks bend: all of them or none where that is known, else those of
+/// blocks that are not affine.
+std::vector<bool> KnotSecondDerivatives::curved_columns(const std::vector<RowBlock>& blocks,
+                                                        std::optional<bool> all) const {
+  std::vector<bool> moves(nz_, false);
+  for (const RowBlock& block : blocks) {
+    if (!all.value_or(!block.affine)) continue;
+    for (const int column : block.columns) moves[column] = true;
   }
   // The position of a pose moves along axes that turn with it.
   for (const auto& segment : model_.manifold().curved()) {
-    const auto begin = term.moves.begin() + segment.dx, end = begin + segment.n;
+    const auto begin = moves.begin() + segment.dx, end = begin + segment.n;
     if (std::find(begin, end, true) != end) std::fill(begin, end, true);
   }
-  if (!bends) return true;
-  if (term.residual->reads() == Reads::everything) return false;
-  if (term.residual->reads() == Reads::forces) {
-    if (system_ == nullptr) return false;
-    reads_forces_ = true;
-  }
-  int rows = 0;
-  for (const RowBlock& block : *term.blocks) rows += block.rows;
-  term.weights.assign(std::max(rows, residual.size()), Lane(0.0));
-  terms_.push_back(std::move(term));
-  return true;
+  return moves;
 }
 
 void KnotSecondDerivatives::weigh_cost(Term& term) {
@@ -173,8 +187,7 @@ void KnotSecondDerivatives::weigh_forces() {
       const bool formed = term.blocks != &term.residual->blocks();
       if (formed) form_value(*term.constraint, moving_residual_.data(), moving_value_.data());
       const D* value = formed ? moving_value_.data() : moving_residual_.data();
-      int rows = 0;
-      for (const RowBlock& block : *term.blocks) rows += block.rows;
+      const int rows = row_count(*term.blocks);
       for (int i = 0; i < rows; ++i) sum += term.weights[i] * value[i].d;
     }
     force_weights_[row] = sum;
@@ -254,10 +267,6 @@ void KnotSecondDerivatives::add_curved_steps(const Lane* costates) {
 }
 
 const AlignedVector<Lane>& KnotSecondDerivatives::compute(const Lane* costates) {
-  const int n = model_.ndx();
-  const auto rest = [](const AlignedVector<Lane>& from, AlignedVector<D>& to) {
-    for (std::size_t i = 0; i < from.size(); ++i) to[i] = D(from[i], Lane(0.0));
-  };
   rest(at_.x, moving_.x);
   rest(at_.u, moving_.u);
   rest(at_.parameters, moving_.parameters);
@@ -273,22 +282,7 @@ const AlignedVector<Lane>& KnotSecondDerivatives::compute(const Lane* costates) 
   for (int d = 0; d < nz_; ++d) {
     const bool bends = std::any_of(terms_.begin(), terms_.end(),
                                    [d](const Term& term) { return term.active && term.moves[d]; });
-    if (!bends && (d >= n || !system_)) continue;
-    Lane* column = &gradients_[d * nz_];
-    rest(at_.x, moving_.x);
-    if (d < n) {
-      for (D& step : step_) step = D(0.0);
-      step_[d].d = Lane(1.0);
-      model_.manifold().integrate(moving_.x.data(), step_.data(), moving_.x.data());
-    } else {
-      moving_.u[d - n].d = Lane(1.0);
-    }
-    if (system_)
-      system_->move(moving_.x.data(), d, gradients_.data());
-    else
-      model_.system().update_kinematics(moving_.x.data(), *moving_.work.system_);
-    if (bends) differentiate_terms(d, column);
-    if (d >= n) moving_.u[d - n].d = Lane(0.0);
+    if (bends || (system_ && d < model_.ndx())) differentiate_along(d, bends);
   }
   if (system_) {
     system_->finish(gradients_.data());
@@ -301,13 +295,36 @@ const AlignedVector<Lane>& KnotSecondDerivatives::compute(const Lane* costates) 
       Lane &a = gradients_[c * nz_ + r], &b = gradients_[r * nz_ + c];
       a = b = 0.5 * (a + b);
     }
+  add_gauss_newton();
+  return gradients_;
+}
+
+/// Adds the derivative of the gradient along column d of z; `bends`: of terms, too.
+void KnotSecondDerivatives::differentiate_along(int d, bool bends) {
+  const int n = model_.ndx();
+  rest(at_.x, moving_.x);
+  if (d < n) {
+    for (D& step : step_) step = D(0.0);
+    step_[d].d = Lane(1.0);
+    model_.manifold().integrate(moving_.x.data(), step_.data(), moving_.x.data());
+  } else {
+    moving_.u[d - n].d = Lane(1.0);
+  }
+  if (system_)
+    system_->move(moving_.x.data(), d, gradients_.data());
+  else
+    model_.system().update_kinematics(moving_.x.data(), *moving_.work.system_);
+  if (bends) differentiate_terms(d, &gradients_[d * nz_]);
+  if (d >= n) moving_.u[d - n].d = Lane(0.0);
+}
+
+void KnotSecondDerivatives::add_gauss_newton() {
   const auto& pattern = model_.hessian_pattern();
   for (std::size_t i = 0; i < pattern.size(); ++i) {
     const auto [r, c] = pattern[i];
     gradients_[c * nz_ + r] += at_.work.hessian[i];
     if (r != c) gradients_[r * nz_ + c] += at_.work.hessian[i];
   }
-  return gradients_;
 }
 
 }  // namespace conddp

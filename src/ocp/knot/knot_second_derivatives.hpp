@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "ocp/knot/knot_batch.hpp"
@@ -42,6 +43,10 @@ class KnotSecondDerivatives {
   /// False where a residual reads what is not moved.
   bool add_terms();
   bool add_term(Term term, const Residual& residual);
+  std::vector<bool> curved_columns(const std::vector<RowBlock>& blocks,
+                                   std::optional<bool> all) const;
+  void differentiate_along(int d, bool bends);
+  void add_gauss_newton();
   /// Weights of the terms' rows at the point.
   void weigh_terms();
   void weigh_cost(Term& term);

@@ -1,19 +1,14 @@
 #include "ocp/problem/by_name.hpp"
 
 #include <algorithm>
-#include <map>
-#include <memory>
 #include <numeric>
 
+#include "ocp/problem/node_evaluation.hpp"
 #include "ocp/problem/soft_constraint.hpp"
 #include "ocp/terms/soft_limit.hpp"
 
 namespace conddp {
 namespace {
-
-std::string name_of(const ShootingProblem& problem, const NodeConstraint& c) {
-  return (c.node == problem.knots() ? "terminal/" : "") + c.term->name;
-}
 
 void add_violation(const std::string& name, const Eigen::VectorXd& values, const NodeConstraint& c,
                    std::vector<ConstraintViolation>& list) {
@@ -28,6 +23,10 @@ void add_violation(const std::string& name, const Eigen::VectorXd& values, const
 
 }  // namespace
 
+std::string constraint_name(const ShootingProblem& problem, const NodeConstraint& constraint) {
+  return (constraint.node == problem.knots() ? "terminal/" : "") + constraint.term->name;
+}
+
 std::vector<std::pair<std::string, std::vector<double>>> costs_by_node(
     const ShootingProblem& problem, const Trajectory& trajectory) {
   std::vector<std::pair<std::string, std::vector<double>>> costs;
@@ -36,22 +35,17 @@ std::vector<std::pair<std::string, std::vector<double>>> costs_by_node(
       if (known == name) return values;
     return costs.emplace_back(name, std::vector<double>(problem.knots() + 1)).second;
   };
-  std::map<const KnotModel*, std::unique_ptr<KnotWorkspace<double>>> work;
+  NodeEvaluation nodes(problem);
   for (int k = 0; k <= problem.knots(); ++k) {
     const KnotView& view = problem.knot(k);
-    auto& mine = work[view.model];
-    if (!mine) mine = std::make_unique<KnotWorkspace<double>>(*view.model);
-    const double* u = k < problem.knots() ? trajectory.u(k).data() : nullptr;
-    view.model->evaluate(
-        KnotInput<double>{trajectory.x(k).data(), u, view.parameters, view.dt, view.cost_scale},
-        *mine);
+    const KnotWorkspace<double>& work = nodes.at(k, trajectory);
+    const std::string prefix = k == problem.knots() ? "terminal/" : "";
     for (std::size_t t = 0; t < view.model->costs().size(); ++t)
-      cost_of((k == problem.knots() ? "terminal/" : "") + view.model->costs()[t].name)[k] +=
-          mine->term_costs[t];
+      cost_of(prefix + view.model->costs()[t].name)[k] += work.term_costs[t];
     for (const ConstraintTerm& term : view.model->constraints())
       if (term.softness != Softness::hard)
-        cost_of((k == problem.knots() ? "terminal/" : "") + term.name)[k] +=
-            soft_cost(term, mine->constraint.data() + term.row, view.parameters, view.cost_scale);
+        cost_of(prefix + term.name)[k] +=
+            soft_cost(term, work.constraint.data() + term.row, view.parameters, view.cost_scale);
   }
   return costs;
 }
@@ -69,7 +63,7 @@ std::vector<ConstraintViolation> violations_by_name(const ShootingProblem& probl
   std::vector<ConstraintViolation> list;
   for (const NodeConstraint& c : problem.constraints()) {
     if (c.is_soft()) continue;
-    add_violation(name_of(problem, c), values, c, list);
+    add_violation(constraint_name(problem, c), values, c, list);
   }
   return list;
 }
@@ -78,7 +72,7 @@ std::vector<ConstraintViolation> soft_violations(const ShootingProblem& problem,
                                                  const Eigen::VectorXd& values) {
   std::vector<ConstraintViolation> list;
   for (const NodeConstraint& c : problem.soft_constraints())
-    add_violation(name_of(problem, c), values, c, list);
+    add_violation(constraint_name(problem, c), values, c, list);
   return list;
 }
 

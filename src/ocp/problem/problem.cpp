@@ -54,36 +54,45 @@ ShootingProblem::ShootingProblem(std::vector<double> initial_state, std::vector<
   if (terminal_.model->integrator() != Integrator::none || terminal_.knots() != 1)
     throw std::invalid_argument("the terminal phase is one node without dynamics");
   std::vector<double> steps;
-  for (int p = 0; p <= static_cast<int>(phases_.size()); ++p) {
-    const Phase& phase = p < static_cast<int>(phases_.size()) ? phases_[p] : terminal_;
-    check(phase);
-    if (phase.model->nx() != terminal_.model->nx() || phase.model->ndx() != terminal_.model->ndx())
-      throw std::invalid_argument("phase " + phase.name + " has another state than the terminal");
-    for (int k = 0; k < phase.knots(); ++k) {
-      views_.push_back({phase.model.get(),
-                        phase.parameters.data() + k * phase.model->parameter_count(), phase.dt[k],
-                        phase.cost_scale[k], p});
-      if (&phase != &terminal_) steps.push_back(phase.instant ? 0 : phase.dt[k]);
-    }
+  for (int p = 0; p < static_cast<int>(phases_.size()); ++p) {
+    const Phase& phase = phases_[p];
+    add_knots(phase, p);
+    for (const double dt : phase.dt) steps.push_back(phase.instant ? 0 : dt);
   }
+  add_knots(terminal_, static_cast<int>(phases_.size()));
   times_ = node_times(steps);
   constraint_offset_.push_back(0);
   for (int k = 0; k <= knots(); ++k) {
-    const KnotView& view = views_[k];
-    for (const ConstraintTerm& term : view.model->constraints()) {
-      if (view.parameters[term.active()] == 0) continue;
-      const double* lower = term.has_bounds() ? view.parameters + term.lower() : nullptr;
-      NodeConstraint constraint{k, &term, constraint_offset_.back() + term.row, lower,
-                                lower == nullptr ? nullptr : lower + term.rows};
-      if (term.softness == Softness::l1)
-        constraint.limit = view.cost_scale * view.parameters[term.weight()];
-      if (term.softness != Softness::l2) constraints_.push_back(constraint);
-      if (constraint.is_soft()) soft_constraints_.push_back(constraint);
-    }
-    constraint_offset_.push_back(constraint_offset_.back() + view.model->constraint_rows());
+    add_constraints(k);
+    constraint_offset_.push_back(constraint_offset_.back() + views_[k].model->constraint_rows());
   }
   if (static_cast<int>(initial_state_.size()) != nx())
     throw std::invalid_argument("the initial state has the wrong size");
+}
+
+void ShootingProblem::add_knots(const Phase& phase, int index) {
+  check(phase);
+  if (phase.model->nx() != terminal_.model->nx() || phase.model->ndx() != terminal_.model->ndx())
+    throw std::invalid_argument("phase " + phase.name + " has another state than the terminal");
+  for (int k = 0; k < phase.knots(); ++k)
+    views_.push_back({phase.model.get(),
+                      phase.parameters.data() + k * phase.model->parameter_count(), phase.dt[k],
+                      phase.cost_scale[k], index});
+}
+
+/// Those of a node that are not switched off.
+void ShootingProblem::add_constraints(int k) {
+  const KnotView& view = views_[k];
+  for (const ConstraintTerm& term : view.model->constraints()) {
+    if (view.parameters[term.active()] == 0) continue;
+    const double* lower = term.has_bounds() ? view.parameters + term.lower() : nullptr;
+    NodeConstraint constraint{k, &term, constraint_offset_.back() + term.row, lower,
+                              lower == nullptr ? nullptr : lower + term.rows};
+    if (term.softness == Softness::l1)
+      constraint.limit = view.cost_scale * view.parameters[term.weight()];
+    if (term.softness != Softness::l2) constraints_.push_back(constraint);
+    if (constraint.is_soft()) soft_constraints_.push_back(constraint);
+  }
 }
 
 bool ShootingProblem::has_free_durations() const {

@@ -96,6 +96,9 @@ class ShootingProblem {
   Trajectory create_trajectory() const;
 
  private:
+  void add_knots(const Phase& phase, int index);
+  void add_constraints(int node);
+
   std::vector<double> initial_state_;
   std::vector<Phase> phases_;
   Phase terminal_;

@@ -24,24 +24,26 @@ double violation(const NodeConstraint& c, const double* g) {
   return c.is_soft() ? 0 : distance_to_set(*c.term, g, c.lower, c.upper);
 }
 
+namespace {
+
+/// Of a row with bounds: a multiplier pushes against what is outside with all that it has, and is
+/// within the limit.
+double row_complementarity(const NodeConstraint& c, int i, double value, double multiplier) {
+  const double outside = outside_bounds(value, c.lower[i], c.upper[i]);
+  const double lacks = c.limit - (outside > 0 ? multiplier : -multiplier);
+  return std::max({std::abs(outside) * std::abs(lacks), std::abs(multiplier) - c.limit,
+                   bound_complementarity(value, c.lower[i], c.upper[i], multiplier)});
+}
+
+}  // namespace
+
 double complementarity(const NodeConstraint& c, const double* g, const double* multipliers) {
   const int n = c.term->rows;
   if (!c.is_soft()) return complementarity(*c.term, g, c.lower, c.upper, multipliers);
-  double largest = 0;
   if (c.term->has_bounds()) {
-    for (int i = 0; i < n; ++i) {
-      const double outside = outside_bounds(g[i], c.lower[i], c.upper[i]);
-      // A multiplier pushes against what is outside with all that it has.
-      const double lacks = c.limit - (outside > 0 ? multipliers[i] : -multipliers[i]);
-      largest = std::max(
-          {largest, std::abs(outside) * std::abs(lacks), std::abs(multipliers[i]) - c.limit});
-      if (multipliers[i] == 0 || c.lower[i] == c.upper[i]) continue;
-      const double bound = multipliers[i] > 0 ? c.upper[i] : c.lower[i];
-      const double inside = multipliers[i] > 0 ? bound - g[i] : g[i] - bound;
-      largest =
-          std::max(largest, std::isfinite(bound) ? std::abs(multipliers[i]) * std::max(inside, 0.0)
-                                                 : std::abs(multipliers[i]));
-    }
+    double largest = 0;
+    for (int i = 0; i < n; ++i)
+      largest = std::max(largest, row_complementarity(c, i, g[i], multipliers[i]));
     return largest;
   }
   // νᵀg is what the multipliers pay of the cone's distance: all of it, at their limit.
@@ -49,9 +51,8 @@ double complementarity(const NodeConstraint& c, const double* g, const double* m
   double product = -paid, square = 0;
   for (int i = 0; i < n; ++i) product += multipliers[i] * g[i];
   for (int i = 0; i + 1 < n; ++i) square += multipliers[i] * multipliers[i];
-  const double t = multipliers[n - 1], a = std::sqrt(square);
-  const double off_polar = a <= -t ? 0 : a <= t ? std::hypot(a, t) : (a + t) * std::sqrt(0.5);
-  return std::max({std::abs(product), off_polar, std::hypot(a, t) - c.limit});
+  return std::max({std::abs(product), distance_to_polar_cone(multipliers, n),
+                   std::hypot(std::sqrt(square), multipliers[n - 1]) - c.limit});
 }
 
 double linear_soft_cost(const ShootingProblem& problem, const Eigen::VectorXd& values) {

@@ -33,9 +33,7 @@ class ContactOf {
     auto& system = multibody_data(in);
     const ContactData<S>& contact = data(in);
     const int m = system_->contacts().rows(), first = system_->contacts().offset(index_);
-    const bool directions =
-        spec().kind == ContactKind::normal || spec().kind == ContactKind::planar;
-    const bool fixed_in_world = directions && spec().axes == FrameAxes::world_aligned;
+    const bool fixed_in_world = has_directions() && spec().axes == FrameAxes::world_aligned;
     // The frame's rotation turns a force that keeps its direction in the body as seen from the
     // world, and one that keeps its direction in the world as seen from the body.
     const bool turns = fixed_in_world == (axes == FrameAxes::local);
@@ -46,14 +44,7 @@ class ContactOf {
     }
     int next = 0;  // of the columns that turn the frame
     for (int c = 0; c < static_cast<int>(z_columns_.size()); ++c) {
-      const S* rows = &system.contacts.force_z[c * m + first];
-      Force<S> change = Force<S>::zero();
-      if (directions) {
-        for (int i = 0; i < spec().rows(); ++i) change.linear += rows[i] * contact.directions[i];
-      } else {
-        change.linear = {rows[0], rows[1], rows[2]};
-        if (spec().kind == ContactKind::surface) change.angular = {rows[3], rows[4], rows[5]};
-      }
+      Force<S> change = change_in_frame(contact, &system.contacts.force_z[c * m + first]);
       if (turns && next < columns_.count() && columns_.columns()[next] == c) {
         const S* turn = jacobian + 6 * next++ + 3;
         const Vector3<S> w{turn[0], turn[1], turn[2]};
@@ -71,6 +62,23 @@ class ContactOf {
   }
 
  private:
+  /// Whether its force is along directions of its own, else along the axes of its frame.
+  bool has_directions() const {
+    return spec().kind == ContactKind::normal || spec().kind == ContactKind::planar;
+  }
+  /// Change of the force by that of its rows, in the axes of its frame.
+  template <class S>
+  Force<S> change_in_frame(const ContactData<S>& contact, const S* rows) const {
+    Force<S> change = Force<S>::zero();
+    if (has_directions()) {
+      for (int i = 0; i < spec().rows(); ++i) change.linear += rows[i] * contact.directions[i];
+      return change;
+    }
+    change.linear = {rows[0], rows[1], rows[2]};
+    if (spec().kind == ContactKind::surface) change.angular = {rows[3], rows[4], rows[5]};
+    return change;
+  }
+
   SystemPointer system_;
   int index_;
   ReducedColumns columns_;  ///< that move the frame

@@ -17,6 +17,28 @@ std::vector<int> all_columns(const Residual& residual) {
   return columns;
 }
 
+bool has_pairs_of_entries(const Residual& residual) {
+  const auto is_entry = [](const RowBlock& b) { return b.rows == 1 && b.columns.size() == 1; };
+  return residual.size() % 2 == 0 &&
+         std::all_of(residual.blocks().begin(), residual.blocks().end(), is_entry);
+}
+
+/// The entries of blocks as (row, place among all columns).
+std::vector<std::pair<int, int>> entries_of(const std::vector<RowBlock>& blocks,
+                                            const std::vector<int>& columns) {
+  std::vector<std::pair<int, int>> entries;
+  int first_row = 0;
+  for (const RowBlock& block : blocks) {
+    for (const int column : block.columns) {
+      const auto at = std::lower_bound(columns.begin(), columns.end(), column);
+      for (int i = 0; i < block.rows; ++i)
+        entries.emplace_back(first_row + i, static_cast<int>(at - columns.begin()));
+    }
+    first_row += block.rows;
+  }
+  return entries;
+}
+
 /// ‖v‖² of s = (v, t).
 template <class S>
 S tangential_square(const S* s, int n) {
@@ -51,10 +73,7 @@ ConstraintTerm make_constraint(std::string name, std::shared_ptr<const Residual>
   if (kind == ConstraintKind::second_order_cone && (residual->size() < 2 || !(slope > 0)))
     throw std::invalid_argument("constraint " + term.name +
                                 ": a cone has two rows or more and a positive slope");
-  const auto is_entry = [](const RowBlock& b) { return b.rows == 1 && b.columns.size() == 1; };
-  if (kind == ConstraintKind::complementarity &&
-      (residual->size() % 2 != 0 ||
-       !std::all_of(residual->blocks().begin(), residual->blocks().end(), is_entry)))
+  if (kind == ConstraintKind::complementarity && !has_pairs_of_entries(*residual))
     throw std::invalid_argument("constraint " + term.name +
                                 ": complementary rows are pairs of single columns");
   if (kind == ConstraintKind::bounds || kind == ConstraintKind::complementarity) {
@@ -63,16 +82,7 @@ ConstraintTerm make_constraint(std::string name, std::shared_ptr<const Residual>
   } else {
     term.rows = kind == ConstraintKind::norm ? 1 : residual->size();
     term.blocks = {{term.rows, all_columns(*residual)}};
-    const std::vector<int>& columns = term.blocks.front().columns;
-    int first_row = 0;
-    for (const RowBlock& block : residual->blocks()) {
-      for (const int column : block.columns) {
-        const auto at = std::lower_bound(columns.begin(), columns.end(), column);
-        for (int i = 0; i < block.rows; ++i)
-          term.entries.emplace_back(first_row + i, static_cast<int>(at - columns.begin()));
-      }
-      first_row += block.rows;
-    }
+    term.entries = entries_of(residual->blocks(), term.blocks.front().columns);
   }
   term.residual = std::move(residual);
   return term;
@@ -113,47 +123,62 @@ void outside_cone_derivative(const S* s, int n, S* derivative) {
 CONDDP_FOR_EACH_SCALAR(CONDDP_INSTANTIATE)
 #undef CONDDP_INSTANTIATE
 
-double distance_to_set(const ConstraintTerm& term, const double* values, const double* lower,
-                       const double* upper) {
-  double largest = 0;
-  if (term.has_bounds()) {
-    for (int i = 0; i < term.rows; ++i) {
-      const double outside = std::abs(outside_bounds(values[i], lower[i], upper[i]));
-      if (!(outside <= largest)) largest = outside;  // what is not a number counts
-    }
-    return largest;
-  }
-  const int n = term.rows;
-  if (term.has_pairs()) {
-    for (int i = 0; i < n; i += 2) {
-      // The first comparison picks what is not a number, wherever it stands.
-      const bool first = !(values[i] >= values[i + 1]) && !std::isnan(values[i + 1]);
-      const double smaller = std::abs(values[first ? i : i + 1]);
-      if (!(smaller <= largest)) largest = smaller;
-    }
-    return largest;
-  }
-  const double t = values[n - 1], a = std::sqrt(tangential_square(values, n));
+namespace {
+
+/// The larger one, or what is not a number.
+double larger_or_nan(double largest, double value) { return value <= largest ? largest : value; }
+
+/// |min(z, s)|; what is not a number wherever it stands.
+double pair_distance(double z, double s) {
+  const bool first = !(z >= s) && !std::isnan(s);
+  return std::abs(first ? z : s);
+}
+
+double cone_distance(const double* s, int n) {
+  const double t = s[n - 1], a = std::sqrt(tangential_square(s, n));
   if (a <= t) return 0;
   return a <= -t ? std::hypot(a, t) : (a - t) * std::sqrt(0.5);
 }
 
-double complementarity(const ConstraintTerm& term, const double* values, const double* lower,
-                       const double* upper, const double* multipliers) {
+}  // namespace
+
+double distance_to_set(const ConstraintTerm& term, const double* values, const double* lower,
+                       const double* upper) {
+  if (term.is_cone()) return cone_distance(values, term.rows);
   double largest = 0;
-  const int n = term.rows;
-  if (term.has_bounds()) {
-    for (int i = 0; i < n; ++i) {
-      const double bound = multipliers[i] > 0 ? upper[i] : lower[i];
-      const double inside = multipliers[i] > 0 ? bound - values[i] : values[i] - bound;
-      // An equality has a multiplier wherever it stands: what it is off is its violation.
-      if (multipliers[i] == 0 || lower[i] == upper[i]) continue;
-      const double product = std::isfinite(bound) ? std::abs(multipliers[i]) * std::max(inside, 0.0)
-                                                  : std::abs(multipliers[i]);
-      largest = std::max(largest, product);
-    }
+  if (term.has_pairs()) {
+    for (int i = 0; i < term.rows; i += 2)
+      largest = larger_or_nan(largest, pair_distance(values[i], values[i + 1]));
     return largest;
   }
+  for (int i = 0; i < term.rows; ++i)
+    largest = larger_or_nan(largest, std::abs(outside_bounds(values[i], lower[i], upper[i])));
+  return largest;
+}
+
+double bound_complementarity(double value, double lower, double upper, double multiplier) {
+  // An equality has a multiplier wherever it stands: what it is off is its violation.
+  if (multiplier == 0 || lower == upper) return 0;
+  const double bound = multiplier > 0 ? upper : lower;
+  const double inside = multiplier > 0 ? bound - value : value - bound;
+  return std::isfinite(bound) ? std::abs(multiplier) * std::max(inside, 0.0) : std::abs(multiplier);
+}
+
+double distance_to_polar_cone(const double* multipliers, int n) {
+  const double t = multipliers[n - 1], a = std::sqrt(tangential_square(multipliers, n));
+  if (a <= -t) return 0;
+  return a <= t ? std::hypot(a, t) : (a + t) * std::sqrt(0.5);
+}
+
+double complementarity(const ConstraintTerm& term, const double* values, const double* lower,
+                       const double* upper, const double* multipliers) {
+  const int n = term.rows;
+  if (term.is_cone()) {
+    double product = 0;
+    for (int i = 0; i < n; ++i) product += multipliers[i] * values[i];
+    return std::max(std::abs(product), distance_to_polar_cone(multipliers, n));
+  }
+  double largest = 0;
   if (term.has_pairs()) {
     for (int i = 0; i < n; i += 2) {
       const int larger = values[i] > values[i + 1] ? i : i + 1;
@@ -161,11 +186,10 @@ double complementarity(const ConstraintTerm& term, const double* values, const d
     }
     return largest;
   }
-  double product = 0;
-  for (int i = 0; i < n; ++i) product += multipliers[i] * values[i];
-  const double t = multipliers[n - 1], a = std::sqrt(tangential_square(multipliers, n));
-  const double off_polar = a <= -t ? 0 : a <= t ? std::hypot(a, t) : (a + t) * std::sqrt(0.5);
-  return std::max(std::abs(product), off_polar);
+  for (int i = 0; i < n; ++i)
+    largest =
+        std::max(largest, bound_complementarity(values[i], lower[i], upper[i], multipliers[i]));
+  return largest;
 }
 
 }  // namespace conddp

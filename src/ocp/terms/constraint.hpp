@@ -90,6 +90,13 @@ void outside_cone_derivative(const S* s, int n, S* derivative);
 double distance_to_set(const ConstraintTerm& term, const double* values, const double* lower,
                        const double* upper);
 
+/// |ν (g − bound)| of a row inside its bounds, with the bound that the sign of its multiplier ν
+/// names (upper if positive); |ν| where that is infinite, 0 where both bounds are one.
+double bound_complementarity(double value, double lower, double upper, double multiplier);
+
+/// How far the multipliers of a cone's n rows are from the polar cone.
+double distance_to_polar_cone(const double* multipliers, int n);
+
 /// Whether multipliers and values are complementary: largest |ν_i (g_i − bound)|, with the bound
 /// that ν_i's sign names (upper if positive), where g lies inside and bounds differ; |νᵀg| of a
 /// cone; |ν_i g_i| of a pair's larger one (the second of equals). Signs of infinite bounds count

@@ -6,6 +6,7 @@
 
 #include "base/json_text.hpp"
 #include "ocp/evaluation/evaluator.hpp"
+#include "ocp/problem/by_name.hpp"
 #include "output/solution/constraint_rows.hpp"
 
 namespace conddp {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/json_text.hpp"
+#include "ocp/problem/by_name.hpp"
 #include "output/solution/constraint_rows.hpp"
 #include "problem_file/residuals/reference_form.hpp"
 
@@ -36,24 +37,35 @@ OrderedJson shape_json(const Shape& shape) {
   return json;
 }
 
+/// "x" for "q/0", and so on.
+std::string axis_of_number(const std::string& row) {
+  constexpr const char* kNumbered[] = {"q/0", "q/1", "q/2"};
+  const auto* found = std::find(std::begin(kNumbered), std::end(kNumbered), row);
+  if (found == std::end(kNumbered)) return {};
+  return std::string(1, "xyz"[found - std::begin(kNumbered)]);
+}
+
+/// The name of a state's coordinate as an axis of the world, empty where it is none for certain.
+std::string axis_of_state(const std::string& row, const Plant& plant, const ProblemSpec& spec) {
+  if (plant.multibody()) {
+    const std::size_t slash = row.find('/');
+    if (slash == row.npos) return {};
+    const auto joint = plant.robot().find_joint(row.substr(0, slash));
+    if (!joint || plant.robot().joints[*joint].type != JointType::floating) return {};
+    return row.substr(slash + 1);
+  }
+  const bool numbered =
+      spec.system && std::holds_alternative<DoubleIntegratorSpec>(spec.system->parameters);
+  return numbered && row.starts_with("q/") ? axis_of_number(row) : row;
+}
+
 /// 0, 1, 2 for a coordinate that is a position along x, y, z of the world, else −1.
 int world_axis(const ConstraintSpec& constraint, const Plant& plant, const ProblemSpec& spec,
                const std::string& row) {
   const ReferenceForm* form = constraint.function.definition->reference;
   const bool of_state = constraint.bounded || form == &kStateReference;
   if (!of_state && (form == nullptr || !form->is_point)) return -1;
-  std::string axis = row;
-  if (of_state && plant.multibody()) {
-    const std::size_t slash = row.find('/');
-    if (slash == row.npos) return -1;
-    const auto joint = plant.robot().find_joint(row.substr(0, slash));
-    if (!joint || plant.robot().joints[*joint].type != JointType::floating) return -1;
-    axis = row.substr(slash + 1);
-  }
-  if (of_state && spec.system &&
-      std::holds_alternative<DoubleIntegratorSpec>(spec.system->parameters) &&
-      axis.starts_with("q/"))
-    axis = axis == "q/0" ? "x" : axis == "q/1" ? "y" : axis == "q/2" ? "z" : "";
+  const std::string axis = of_state ? axis_of_state(row, plant, spec) : row;
   constexpr const char* kAxes[] = {"x", "y", "z"};
   const auto* found = std::find(std::begin(kAxes), std::end(kAxes), axis);
   return found == std::end(kAxes) ? -1 : static_cast<int>(found - std::begin(kAxes));
@@ -62,7 +74,7 @@ int world_axis(const ConstraintSpec& constraint, const Plant& plant, const Probl
 /// A constraint on a position: which row is along which axis, and where it holds.
 struct OnPosition {
   std::string name;
-  std::array<int, 3> row{-1, -1, -1};  ///< of the residual, by axis
+  std::array<int, 3> row;  ///< of the residual, by axis; −1 where there is none
   std::vector<NodeConstraint> at;
 
   int axes() const {
@@ -77,6 +89,20 @@ struct OnPosition {
   }
 };
 
+/// The rows of a constraint along the axes of the world, −1 where there is none.
+std::array<int, 3> rows_by_axis(const ProblemSpec& spec, const BuiltProblem& built,
+                                const NodeConstraint& c) {
+  std::array<int, 3> by_axis{-1, -1, -1};
+  const ConstraintSpec* said = constraint_spec(spec, *built.problem, c);
+  if (said == nullptr) return by_axis;
+  const Residual& residual = *c.term->residual;
+  const auto rows = residual_row_names(spec, built, *said, residual);
+  for (int i = 0; i < residual.size() && i < residual.parameter_count(); ++i)
+    if (const int axis = world_axis(*said, built.plant, spec, rows[i]); axis >= 0)
+      by_axis[axis] = i;
+  return by_axis;
+}
+
 std::vector<OnPosition> constraints_on_positions(const ProblemSpec& spec,
                                                  const BuiltProblem& built) {
   const ShootingProblem& problem = *built.problem;
@@ -90,28 +116,15 @@ std::vector<OnPosition> constraints_on_positions(const ProblemSpec& spec,
       known->at.push_back(c);
       continue;
     }
-    OnPosition one{.name = name, .at = {c}};
-    const ConstraintSpec* said = constraint_spec(spec, problem, c);
-    const Residual& residual = *c.term->residual;
-    if (said != nullptr) {
-      const auto rows = residual_row_names(spec, built, *said, residual);
-      for (int i = 0; i < residual.size() && i < residual.parameter_count(); ++i)
-        if (const int axis = world_axis(*said, built.plant, spec, rows[i]); axis >= 0)
-          one.row[axis] = i;
-    }
-    list.push_back(std::move(one));
+    list.push_back({name, rows_by_axis(spec, built, c), {c}});
   }
   std::erase_if(list, [](const OnPosition& one) { return one.axes() == 0; });
   return list;
 }
 
-/// Balls and discs that a position has to stay out of, or inside.
-void append_round(const OnPosition& one, const ShootingProblem& problem, OrderedJson& list) {
-  const NodeConstraint& first = one.at.front();
-  const int axes = one.axes();
-  if (axes < 2 || axes != first.term->residual->size()) return;
-  OrderedJson json = {{"name", one.name}, {"kind", axes == 3 ? "sphere" : "disc"}};
-  const Vector3<double> center = one.center(problem, first);
+/// Where it is, at each node if it moves.
+void add_centers(const OnPosition& one, const ShootingProblem& problem, OrderedJson& json) {
+  const Vector3<double> center = one.center(problem, one.at.front());
   bool moves = false;
   OrderedJson centers = OrderedJson::array();
   auto next = one.at.begin();
@@ -125,8 +138,23 @@ void append_round(const OnPosition& one, const ShootingProblem& problem, Ordered
     json["centers"] = std::move(centers);
   else
     json["center"] = coordinates_json(center);
-  if (axes == 2)
-    json["normal"] = {one.row[0] < 0 ? 1 : 0, one.row[1] < 0 ? 1 : 0, one.row[2] < 0 ? 1 : 0};
+}
+
+/// Of a disc: along the axis that has no row.
+OrderedJson normal_json(const OnPosition& one) {
+  OrderedJson json = OrderedJson::array();
+  for (const int row : one.row) json.push_back(row < 0 ? 1 : 0);
+  return json;
+}
+
+/// Balls and discs that a position has to stay out of, or inside.
+void append_round(const OnPosition& one, const ShootingProblem& problem, OrderedJson& list) {
+  const NodeConstraint& first = one.at.front();
+  const int axes = one.axes();
+  if (axes < 2 || axes != first.term->residual->size()) return;
+  OrderedJson json = {{"name", one.name}, {"kind", axes == 3 ? "sphere" : "disc"}};
+  add_centers(one, problem, json);
+  if (axes == 2) json["normal"] = normal_json(one);
   for (const bool inside : {false, true}) {
     const double radius = inside ? *first.upper : *first.lower;
     if (!(radius > 0) || std::isinf(radius)) continue;
@@ -136,17 +164,23 @@ void append_round(const OnPosition& one, const ShootingProblem& problem, Ordered
   }
 }
 
+bool moves_along(const OnPosition& one, const ShootingProblem& problem, int axis) {
+  const double from = one.reference(problem, one.at.front(), axis);
+  return std::any_of(one.at.begin(), one.at.end(), [&](const NodeConstraint& c) {
+    return one.reference(problem, c, axis) != from;
+  });
+}
+
 void append_box(const OnPosition& one, const ShootingProblem& problem, OrderedJson& list) {
   std::array<OrderedJson, 2> ends = {OrderedJson::array(), OrderedJson::array()};
   bool bounded = false;
   for (int axis = 0; axis < 3; ++axis) {
+    if (moves_along(one, problem, axis)) return;
     const int row = one.row[axis];
     const double from = one.reference(problem, one.at.front(), axis);
     for (int upper = 0; upper < 2; ++upper) {
       double end = upper ? kUnlimited : -kUnlimited;
       if (row >= 0) end = from + (upper ? one.at.front().upper : one.at.front().lower)[row];
-      for (const NodeConstraint& c : one.at)
-        if (row >= 0 && one.reference(problem, c, axis) != from) return;
       bounded |= std::isfinite(end);
       ends[upper].push_back(finite_or_null(end));
     }

@@ -2,10 +2,6 @@
 
 namespace conddp {
 
-std::string constraint_name(const ShootingProblem& problem, const NodeConstraint& constraint) {
-  return (constraint.node == problem.knots() ? "terminal/" : "") + constraint.term->name;
-}
-
 const ConstraintSpec* constraint_spec(const ProblemSpec& spec, const ShootingProblem& problem,
                                       const NodeConstraint& constraint) {
   const auto find = [&](const std::vector<ConstraintSpec>& list) -> const ConstraintSpec* {

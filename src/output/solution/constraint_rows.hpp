@@ -8,9 +8,6 @@
 
 namespace conddp {
 
-/// What a node's constraint is called: its name, with the prefix "terminal/" at the last node.
-std::string constraint_name(const ShootingProblem& problem, const NodeConstraint& constraint);
-
 /// What the problem file says of a constraint of the problem; null where it is not from there.
 const ConstraintSpec* constraint_spec(const ProblemSpec& spec, const ShootingProblem& problem,
                                       const NodeConstraint& constraint);

@@ -23,7 +23,7 @@ void AugmentationChange::evaluate(const NodeConstraint& c, const Augmentation& a
       *c.term, {c.lower, c.upper, c.limit},
       {augmentation.penalty.data() + c.row, augmentation.shift.data() + c.row,
        augmentation.multiplier.data() + c.row},
-      values.data() + c.row, shifted_.data(), term.gradient.data(), term.curvature.data());
+      values.data() + c.row, {shifted_.data(), term.gradient.data(), term.curvature.data()});
 }
 
 bool AugmentationChange::apply(const Augmentation& from, const Augmentation& to,
@@ -32,33 +32,46 @@ bool AugmentationChange::apply(const Augmentation& from, const Augmentation& to,
   const std::vector<NodeConstraint>& constraints = problem_.constraints();
   for (std::size_t i = 0; i < constraints.size(); ++i) {
     const NodeConstraint& c = constraints[i];
-    const int n = c.term->rows;
     evaluate(c, from, linearization.constraint, before_);
     evaluate(c, to, linearization.constraint, after_);
     linearization.augmentation[c.node] += after_.value - before_.value;
     KnotLinearization& knot = linearization.knots[c.node];
-    const auto C = knot.C.middleRows(c.row - problem_.constraint_offset(c.node), n);
-    auto gradient = after_.gradient.head(n);
-    gradient -= before_.gradient.head(n);
-    for (int r = 0; r < n; ++r) {
-      if (gradient[r] == 0) continue;
-      knot.gradient += gradient[r] * C.row(r).transpose();
-      changed = true;
-    }
-    auto curvature = after_.curvature.head(c.term->is_cone() ? n * n : n);
-    curvature -= before_.curvature.head(curvature.size());
-    if (!c.term->is_cone()) {
-      for (int r = 0; r < n; ++r)
-        if (curvature[r] != 0) update_.add(C.row(r), curvature[r]);
-    } else if ((curvature.array() != 0).any()) {
-      update_.add(C, Eigen::Map<const Eigen::MatrixXd>(curvature.data(), n, n));
-    }
+    changed |= change_gradient(c, knot);
+    collect_curvature(c, knot);
     const bool last_of_node = i + 1 == constraints.size() || constraints[i + 1].node != c.node;
     if (!last_of_node || update_.empty()) continue;
     changed = true;
     update_.apply(knot.hessian);
   }
   return changed;
+}
+
+/// From that before to that after, of one constraint. False where both are the same.
+bool AugmentationChange::change_gradient(const NodeConstraint& c, KnotLinearization& knot) {
+  const auto C = rows_of(c, knot);
+  auto gradient = after_.gradient.head(c.term->rows);
+  gradient -= before_.gradient.head(c.term->rows);
+  bool changed = false;
+  for (int r = 0; r < c.term->rows; ++r) {
+    if (gradient[r] == 0) continue;
+    knot.gradient += gradient[r] * C.row(r).transpose();
+    changed = true;
+  }
+  return changed;
+}
+
+/// As change_gradient, for the update of the node's Hessian.
+void AugmentationChange::collect_curvature(const NodeConstraint& c, const KnotLinearization& knot) {
+  const int n = c.term->rows;
+  const auto C = rows_of(c, knot);
+  auto curvature = after_.curvature.head(c.term->is_cone() ? n * n : n);
+  curvature -= before_.curvature.head(curvature.size());
+  if (!c.term->is_cone()) {
+    for (int r = 0; r < n; ++r)
+      if (curvature[r] != 0) update_.add(C.row(r), curvature[r]);
+  } else if ((curvature.array() != 0).any()) {
+    update_.add(C, Eigen::Map<const Eigen::MatrixXd>(curvature.data(), n, n));
+  }
 }
 
 }  // namespace conddp

@@ -27,6 +27,11 @@ class AugmentationChange {
   };
   void evaluate(const NodeConstraint& c, const Augmentation& augmentation,
                 const Eigen::VectorXd& values, Term& term);
+  bool change_gradient(const NodeConstraint& c, KnotLinearization& knot);
+  void collect_curvature(const NodeConstraint& c, const KnotLinearization& knot);
+  auto rows_of(const NodeConstraint& c, const KnotLinearization& knot) const {
+    return knot.C.middleRows(c.row - problem_.constraint_offset(c.node), c.term->rows);
+  }
 
   const ShootingProblem& problem_;
   Term before_, after_;

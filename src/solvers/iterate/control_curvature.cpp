@@ -31,8 +31,8 @@ void ControlCurvature::subtract(const NodeConstraint& c, const Linearization& li
   augment<double>(*c.term, {c.lower, c.upper, c.limit},
                   {augmentation.penalty.data() + c.row, augmentation.shift.data() + c.row,
                    augmentation.multiplier.data() + c.row},
-                  linearization.constraint.data() + c.row, shifted_.data(), multiplier_.data(),
-                  curvature_.data());
+                  linearization.constraint.data() + c.row,
+                  {shifted_.data(), multiplier_.data(), curvature_.data()});
   const auto C = linearization.knots[c.node]
                      .C.middleRows(c.row - problem_.constraint_offset(c.node), n)
                      .rightCols(nu);

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <map>
+#include <memory>
+
+#include "ocp/problem/problem.hpp"
+
+namespace conddp {
+
+/// Evaluates nodes of a problem one by one, in a workspace of each model.
+class NodeEvaluation {
+ public:
+  explicit NodeEvaluation(const ShootingProblem& problem) : problem_(problem) {}
+
+  /// What a node writes at a state and a control (null at the terminal node). Stays until another
+  /// node of the same model is evaluated.
+  const KnotWorkspace<double>& at(int node, const double* x, const double* u);
+  /// The same at the node's state and control of a trajectory.
+  const KnotWorkspace<double>& at(int node, const Trajectory& trajectory);
+
+ private:
+  const ShootingProblem& problem_;
+  std::map<const KnotModel*, std::unique_ptr<KnotWorkspace<double>>> work_;
+};
+
+}  // namespace conddp
