@@ -6,6 +6,7 @@
 
 #include "ocp/evaluation/linearization.hpp"
 #include "solvers/common/control_bounds.hpp"
+#include "solvers/constraints/row_side.hpp"
 #include "solvers/riccati/adjoint.hpp"
 
 namespace conddp {
@@ -49,19 +50,6 @@ class ActiveRows {
 
  private:
   enum Kind { kBounds, kConeSurface, kConeTip, kControl, kLimit };
-  /// How a constraint row counts. Of a cone the first row tells it. The last three: beyond what the
-  /// limit of a soft constraint holds.
-  enum Side : signed char {
-    kLower = -1,
-    kInactive,
-    kUpper,
-    kEquality,
-    kSurface,
-    kTip,
-    kBelow,
-    kAbove,
-    kOutside
-  };
   struct Rows {
     Eigen::MatrixXd A;  ///< rows x nz, the first `count` in use, as of the others
     Eigen::VectorXd value, multiplier, correction;
@@ -70,25 +58,33 @@ class ActiveRows {
     std::vector<Kind> kind;
     int count = 0;
   };
-  /// How a row of bounds counts that a step brings back from beyond its limit.
-  static Side back_inside(const NodeConstraint& c, int row, Side side) {
-    return c.lower[row] == c.upper[row] ? kEquality : side;
+  bool revise_constraint(const NodeConstraint& constraint, const Linearization& linearization,
+                         const Eigen::VectorXd& step);
+  bool revise_controls(int node, const Trajectory& trajectory, const Eigen::VectorXd& step);
+  /// Derivative of a constraint's values by z: rows x nz.
+  auto rows_of(const NodeConstraint& c, const Linearization& linearization) const {
+    return linearization.knots[c.node].C.middleRows(c.row - problem_.constraint_offset(c.node),
+                                                    c.term->rows);
   }
   void build(int node, const Linearization& linearization, const Eigen::VectorXd& multipliers);
   void add_row(Rows& rows, Kind kind, int source, int constraint, double value, double multiplier);
   void build_controls(int node, const Trajectory& trajectory, const Adjoint& adjoint);
+  void build_bounds(Rows& rows, int index, const Linearization& linearization,
+                    const Eigen::VectorXd& multipliers);
+  void build_surface(Rows& rows, int index, const Linearization& linearization,
+                     const Eigen::VectorXd& multipliers);
+  void build_tip(Rows& rows, int index, const Linearization& linearization,
+                 const Eigen::VectorXd& multipliers);
   void build_outside(Rows& rows, int index, const Linearization& linearization);
+  void add_surface_curvature(int index, double multiplier, Linearization& linearization);
   void add_outside_curvature(int index, KnotLinearization& knot, const Eigen::VectorXd& values);
-  Side revised_bound(const NodeConstraint& constraint, int row, double value, double multiplier);
-  Side revised_cone(const NodeConstraint& constraint, const Linearization& linearization,
-                    const Eigen::Ref<const Eigen::VectorXd>& values) const;
 
   const ShootingProblem& problem_;
   const ControlBounds& bounds_;
   std::vector<Rows> rows_;                        ///< per node
   std::vector<std::vector<int>> constraints_of_;  ///< node, into problem.constraints()
-  std::vector<Side> sides_;                       ///< of the constraint rows
-  std::vector<Side> control_sides_;               ///< of the controls, as ControlBounds has them
+  std::vector<RowSide> sides_;                    ///< of the constraint rows
+  std::vector<RowSide> control_sides_;            ///< of the controls, as ControlBounds has them
   Eigen::VectorXd target_, scratch_, predicted_;
   Eigen::MatrixXd slope_, product_;  ///< of one soft cone: rows x rows, rows x columns
 };

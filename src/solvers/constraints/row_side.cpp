@@ -1,0 +1,114 @@
+#include "solvers/constraints/row_side.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace conddp {
+namespace {
+
+/// A control this close to a bound stands there.
+constexpr double kAtBound = 1e-9;
+/// What a step may violate, relative to the bound, without its counting.
+constexpr double kViolated = 1e-10;
+
+double distance(const NodeConstraint& c, const double* values) {
+  return distance_to_set(*c.term, values, nullptr, nullptr);
+}
+
+/// Of a row of bounds that a step brings back from beyond its limit.
+RowSide back_inside(const NodeConstraint& c, int row, RowSide side) {
+  return c.lower[row] == c.upper[row] ? RowSide::equality : side;
+}
+
+/// Of one that counted, by its multiplier: whether it still pushes, and no more than its limit.
+RowSide revised_active_bound(const NodeConstraint& c, RowSide side, double multiplier) {
+  if (std::abs(multiplier) > c.limit) return multiplier < 0 ? RowSide::below : RowSide::above;
+  if (side == RowSide::equality) return side;
+  const bool pushes = side == RowSide::lower ? multiplier < 0 : multiplier > 0;
+  return pushes ? side : RowSide::inactive;
+}
+
+bool is_cone_violated(const Eigen::Ref<const Eigen::VectorXd>& values) {
+  const Eigen::Index m = values.size() - 1;
+  const double outside = values.head(m).norm() - values[m];
+  return !(outside <= kViolated * std::max(1.0, values.norm()));
+}
+
+}  // namespace
+
+bool is_violated(double beyond, double bound) {
+  return beyond > kViolated * std::max(1.0, std::abs(bound));
+}
+
+RowSide chosen_bound(const NodeConstraint& c, int row, double value, double multiplier,
+                     double penalty) {
+  const double outside = outside_bounds(value + multiplier / penalty, c.lower[row], c.upper[row]);
+  if (std::abs(outside) > c.limit / penalty) return outside < 0 ? RowSide::below : RowSide::above;
+  if (c.lower[row] == c.upper[row]) return RowSide::equality;
+  if (outside < 0) return RowSide::lower;
+  return outside > 0 ? RowSide::upper : RowSide::inactive;
+}
+
+void choose_pair(const double* values, const double* multipliers, const double* penalties,
+                 RowSide* sides) {
+  const int smaller = values[0] <= values[1] ? 0 : 1, larger = 1 - smaller;
+  sides[smaller] = RowSide::equality;
+  const double shifted = values[larger] + multipliers[larger] / penalties[larger];
+  sides[larger] = shifted < 0 ? RowSide::lower : RowSide::inactive;
+}
+
+RowSide chosen_cone(const NodeConstraint& c, const double* values, const double* multipliers,
+                    double penalty) {
+  const int n = c.term->rows;
+  double square = 0, length = 0;
+  for (int i = 0; i + 1 < n; ++i) {
+    square += std::pow(values[i] + multipliers[i] / penalty, 2);
+    length += values[i] * values[i];
+  }
+  const double a = std::sqrt(square), t = values[n - 1] + multipliers[n - 1] / penalty;
+  if (a <= t) return RowSide::inactive;
+  const bool polar = a <= -t;
+  if (c.is_soft()) {
+    const double outside = polar ? std::hypot(a, t) : (a - t) * std::sqrt(0.5);
+    if (outside > c.limit / penalty && distance(c, values) > 0) return RowSide::outside;
+  }
+  return polar || length == 0 ? RowSide::tip : RowSide::surface;
+}
+
+RowSide chosen_control(double control, double lower, double upper, double gradient) {
+  const double below = control - lower, above = control - upper;
+  if (below < 0 || (below <= kAtBound && gradient > 0)) return RowSide::lower;
+  if (above > 0 || (above >= -kAtBound && gradient < 0)) return RowSide::upper;
+  return RowSide::inactive;
+}
+
+RowSide revised_bound(const NodeConstraint& c, int row, RowSide side, double value,
+                      double multiplier) {
+  const double lower = c.lower[row], upper = c.upper[row];
+  switch (side) {
+    case RowSide::below:
+      return value <= lower ? side : back_inside(c, row, RowSide::lower);
+    case RowSide::above:
+      return value >= upper ? side : back_inside(c, row, RowSide::upper);
+    case RowSide::inactive:
+      if (is_violated(lower - value, lower)) return RowSide::lower;
+      return is_violated(value - upper, upper) ? RowSide::upper : side;
+    default:
+      return revised_active_bound(c, side, multiplier);
+  }
+}
+
+RowSide revised_cone(const NodeConstraint& c, RowSide side, const double* start,
+                     const Eigen::Ref<const Eigen::VectorXd>& values,
+                     const Eigen::Ref<const Eigen::VectorXd>& nu) {
+  const Eigen::Index m = nu.size() - 1;
+  const bool sloped = Eigen::Map<const Eigen::VectorXd>(start, m).squaredNorm() > 0;
+  const RowSide on = sloped ? RowSide::surface : RowSide::tip;
+  if (side == RowSide::inactive) return is_cone_violated(values) ? on : side;
+  if (side == RowSide::outside) return distance(c, values.data()) > 0 ? side : on;
+  if (c.is_soft() && nu.norm() > c.limit && distance(c, start) > 0) return RowSide::outside;
+  if (side == RowSide::surface) return nu[m] < 0 ? side : RowSide::inactive;
+  return nu.head(m).norm() <= -nu[m] ? side : on;
+}
+
+}  // namespace conddp

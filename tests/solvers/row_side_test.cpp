@@ -1,0 +1,161 @@
+#include "solvers/constraints/row_side.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+namespace conddp {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// A row with bounds, soft where it has a limit.
+struct Bounds {
+  Bounds(double from, double to, double most = kInfinity) : lower(from), upper(to), limit(most) {
+    term.rows = 1;
+    term.kind = ConstraintKind::bounds;
+    if (std::isfinite(limit)) term.softness = Softness::l1;
+  }
+  NodeConstraint constraint() const { return {0, &term, 0, &lower, &upper, limit}; }
+
+  ConstraintTerm term;
+  double lower, upper, limit;
+};
+
+/// ‖(v₁, v₂)‖ ≤ t, soft where it has a limit.
+struct Cone {
+  explicit Cone(double most = kInfinity) : limit(most) {
+    term.rows = 3;
+    term.kind = ConstraintKind::second_order_cone;
+    if (std::isfinite(limit)) term.softness = Softness::l1;
+  }
+  NodeConstraint constraint() const { return {0, &term, 0, nullptr, nullptr, limit}; }
+
+  ConstraintTerm term;
+  double limit;
+};
+
+TEST(RowSide, OfBoundsIsThatOnWhichValuePlusMultiplierOverPenaltyLies) {
+  const Bounds row(-1, 2);
+  const NodeConstraint c = row.constraint();
+  EXPECT_EQ(chosen_bound(c, 0, 0, 0, 10), RowSide::inactive);
+  EXPECT_EQ(chosen_bound(c, 0, 2, 0, 10), RowSide::inactive);
+  EXPECT_EQ(chosen_bound(c, 0, 2, 0.1, 10), RowSide::upper);
+  EXPECT_EQ(chosen_bound(c, 0, 1.5, 4, 10), RowSide::inactive);
+  EXPECT_EQ(chosen_bound(c, 0, 1.5, 6, 10), RowSide::upper);
+  EXPECT_EQ(chosen_bound(c, 0, -0.5, -6, 10), RowSide::lower);
+}
+
+TEST(RowSide, OfAnEqualityCountsWhateverItsMultiplier) {
+  const Bounds row(1, 1);
+  for (const double multiplier : {-5.0, 0.0, 5.0})
+    EXPECT_EQ(chosen_bound(row.constraint(), 0, 1, multiplier, 10), RowSide::equality);
+  EXPECT_EQ(revised_bound(row.constraint(), 0, RowSide::equality, 1, -3), RowSide::equality);
+}
+
+TEST(RowSide, OfASoftBoundIsBeyondItWhereTheMultiplierWouldExceedItsLimit) {
+  const Bounds row(-1, 2, 3);
+  EXPECT_EQ(chosen_bound(row.constraint(), 0, 2, 2.9, 10), RowSide::upper);
+  EXPECT_EQ(chosen_bound(row.constraint(), 0, 2, 3.1, 10), RowSide::above);
+  EXPECT_EQ(chosen_bound(row.constraint(), 0, -1, -3.1, 10), RowSide::below);
+}
+
+TEST(RowSide, OfBoundsLeavesWhereItsMultiplierPulls) {
+  const Bounds row(-1, 2);
+  const NodeConstraint c = row.constraint();
+  EXPECT_EQ(revised_bound(c, 0, RowSide::upper, 2, 1), RowSide::upper);
+  EXPECT_EQ(revised_bound(c, 0, RowSide::upper, 2, -1), RowSide::inactive);
+  EXPECT_EQ(revised_bound(c, 0, RowSide::lower, -1, -1), RowSide::lower);
+  EXPECT_EQ(revised_bound(c, 0, RowSide::lower, -1, 1), RowSide::inactive);
+}
+
+TEST(RowSide, OfBoundsCountsWhereAStepViolatesThem) {
+  const Bounds row(-1, 2);
+  const NodeConstraint c = row.constraint();
+  EXPECT_EQ(revised_bound(c, 0, RowSide::inactive, 2 + 1e-11, 0), RowSide::inactive);
+  EXPECT_EQ(revised_bound(c, 0, RowSide::inactive, 2 + 1e-9, 0), RowSide::upper);
+  EXPECT_EQ(revised_bound(c, 0, RowSide::inactive, -1 - 1e-9, 0), RowSide::lower);
+}
+
+TEST(RowSide, OfASoftBoundComesBackWhenAStepBringsItInside) {
+  const Bounds row(-1, 2, 3), equality(1, 1, 3);
+  EXPECT_EQ(revised_bound(row.constraint(), 0, RowSide::above, 2.5, 3), RowSide::above);
+  EXPECT_EQ(revised_bound(row.constraint(), 0, RowSide::above, 1.5, 3), RowSide::upper);
+  EXPECT_EQ(revised_bound(row.constraint(), 0, RowSide::below, -0.5, -3), RowSide::lower);
+  EXPECT_EQ(revised_bound(equality.constraint(), 0, RowSide::above, 0.5, 3), RowSide::equality);
+  EXPECT_EQ(revised_bound(row.constraint(), 0, RowSide::upper, 2, 3.5), RowSide::above);
+}
+
+TEST(RowSide, OfAPairCountsForTheSmallerValueAndForTheOtherOneIfItIsPushed) {
+  const double values[] = {0.5, 0.1}, penalties[] = {10, 10};
+  RowSide sides[2];
+  const double weak[] = {-4, 0}, strong[] = {-6, 0};
+  choose_pair(values, weak, penalties, sides);
+  EXPECT_EQ(sides[0], RowSide::inactive);
+  EXPECT_EQ(sides[1], RowSide::equality);
+  choose_pair(values, strong, penalties, sides);
+  EXPECT_EQ(sides[0], RowSide::lower);
+}
+
+TEST(RowSide, OfAConeIsItsSurfaceOrItsTip) {
+  const Cone cone;
+  const NodeConstraint c = cone.constraint();
+  const double none[] = {0, 0, 0};
+  const double inside[] = {0.3, 0.4, 1}, outside[] = {0.6, 0.8, 0.5}, polar[] = {0.3, 0.4, -1};
+  EXPECT_EQ(chosen_cone(c, inside, none, 10), RowSide::inactive);
+  EXPECT_EQ(chosen_cone(c, outside, none, 10), RowSide::surface);
+  EXPECT_EQ(chosen_cone(c, polar, none, 10), RowSide::tip);
+  // On the axis a surface has no slope.
+  const double axis[] = {0, 0, 0.1}, push[] = {6, 0, 0};
+  EXPECT_EQ(chosen_cone(c, axis, push, 10), RowSide::tip);
+}
+
+TEST(RowSide, OfASoftConeIsOutsideBeyondTheLimitOfItsMultipliers) {
+  const double outside[] = {0.6, 0.8, 0.5}, none[] = {0, 0, 0};
+  const double distance = 0.5 * std::sqrt(0.5);
+  EXPECT_EQ(chosen_cone(Cone(10 * distance * 1.01).constraint(), outside, none, 10),
+            RowSide::surface);
+  EXPECT_EQ(chosen_cone(Cone(10 * distance * 0.99).constraint(), outside, none, 10),
+            RowSide::outside);
+}
+
+TEST(RowSide, OfAConeIsRevisedByItsMultipliersAndByWhatAStepViolates) {
+  const Cone cone;
+  const NodeConstraint c = cone.constraint();
+  const double start[] = {0.3, 0.4, 0.5}, tip[] = {0, 0, 0};
+  const Eigen::Vector3d inside(0.3, 0.4, 1), outside(0.6, 0.8, 0.5);
+  const Eigen::Vector3d pushes(0.6, 0.8, -1), pulls(0.6, 0.8, 1), in_polar_cone(0.3, 0.4, -1);
+  EXPECT_EQ(revised_cone(c, RowSide::inactive, start, inside, pushes), RowSide::inactive);
+  EXPECT_EQ(revised_cone(c, RowSide::inactive, start, outside, pushes), RowSide::surface);
+  EXPECT_EQ(revised_cone(c, RowSide::inactive, tip, outside, pushes), RowSide::tip);
+  EXPECT_EQ(revised_cone(c, RowSide::surface, start, inside, pushes), RowSide::surface);
+  EXPECT_EQ(revised_cone(c, RowSide::surface, start, inside, pulls), RowSide::inactive);
+  EXPECT_EQ(revised_cone(c, RowSide::tip, start, inside, in_polar_cone), RowSide::tip);
+  EXPECT_EQ(revised_cone(c, RowSide::tip, start, inside, pulls), RowSide::surface);
+  EXPECT_EQ(revised_cone(c, RowSide::tip, tip, inside, pulls), RowSide::tip);
+}
+
+TEST(RowSide, OfASoftConeComesBackWhenAStepBringsItInside) {
+  const Cone cone(2);
+  const NodeConstraint c = cone.constraint();
+  const double beyond[] = {0.6, 0.8, 0.5};
+  const Eigen::Vector3d inside(0.3, 0.4, 1), outside(0.6, 0.8, 0.5);
+  const Eigen::Vector3d within_limit(0.6, 0.8, -1), beyond_limit(1.2, 1.6, -2);
+  EXPECT_EQ(revised_cone(c, RowSide::outside, beyond, outside, beyond_limit), RowSide::outside);
+  EXPECT_EQ(revised_cone(c, RowSide::outside, beyond, inside, beyond_limit), RowSide::surface);
+  EXPECT_EQ(revised_cone(c, RowSide::surface, beyond, inside, beyond_limit), RowSide::outside);
+  EXPECT_EQ(revised_cone(c, RowSide::surface, beyond, inside, within_limit), RowSide::surface);
+}
+
+TEST(RowSide, OfAControlCountsAtABoundTowardsWhichItsGradientPushes) {
+  EXPECT_EQ(chosen_control(0, -1, 1, 5), RowSide::inactive);
+  EXPECT_EQ(chosen_control(-1, -1, 1, 5), RowSide::lower);
+  EXPECT_EQ(chosen_control(-1, -1, 1, -5), RowSide::inactive);
+  EXPECT_EQ(chosen_control(1, -1, 1, -5), RowSide::upper);
+  EXPECT_EQ(chosen_control(1.1, -1, 1, 5), RowSide::upper);
+  EXPECT_EQ(chosen_control(-1.1, -1, 1, -5), RowSide::lower);
+}
+
+}  // namespace
+}  // namespace conddp
