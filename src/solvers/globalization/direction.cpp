@@ -50,12 +50,13 @@ int Direction::find(Linearization& linearization, const Trajectory& trajectory, 
     constraints_->start(linearization, augmentation);
     constraints_->expect(linearization);
   }
-  const int bad_knot = search(linearization, trajectory, gaps, adjoint, regularization, augmented);
+  const Model model{linearization, trajectory, gaps, adjoint, regularization, augmented};
+  const int bad_knot = search(model);
   if (augmented && constraints_->restore(linearization)) {
     if (within_bounds_)
       linear_rollout_.measure_slope(linearization);  // of the step that settled the search
     else
-      linear_rollout_.run(linearization, trajectory, gaps, feedback_, recipe_.clamp_controls);
+      roll(model, recipe_.clamp_controls);
   }
   return bad_knot;
 }
@@ -63,102 +64,104 @@ int Direction::find(Linearization& linearization, const Trajectory& trajectory, 
 /// Sweeps until the linear rollout confirms the active set that the sweep assumed, from the set
 /// that the iteration before ended with. Where sets alternate instead of settling, a true model is
 /// minimised by a descent; else stages find their own sets, around the rows of the iterate.
-int Direction::search(Linearization& linearization, const Trajectory& trajectory, const Gaps& gaps,
-                      const Adjoint& adjoint, SweepRegularization regularization, bool augmented) {
-  // Held sweeps after held ones go through what stands before the last change alone: of the active
-  // set or of the model's rows.
-  std::optional<int> last_change;
-  bool held_before = false;
-  const auto sweep = [&](bool hold) {
-    const std::optional<int> from = hold && held_before ? last_change : std::nullopt;
-    held_before = hold;
-    ++sweeps_;
-    return sweep_.run(linearization, trajectory, gaps, regularization, *policy_, feedback_, hold,
-                      from);
-  };
-  const auto roll = [&](bool clamp) {
-    linear_rollout_.run(linearization, trajectory, gaps, feedback_, clamp);
-  };
-  // How much of what the last sweep assumed does not hold all along the horizon.
-  const auto revise = [&] {
-    roll(false);
-    std::optional<int> last_row;
-    int rows = 0;
-    if (augmented) {
-      // The minimum of an affine problem's model is that of the problem; others give a step.
-      const double allowed =
-          model_true_ ? 0 : kModelError * linear_rollout_.curvature(linearization);
-      rows = constraints_->revise(linear_rollout_.z(), allowed, linearization, last_row);
-    }
-    last_change.reset();
-    const int changes = linear_rollout_.revise(*policy_, last_change);
-    last_change = std::max(last_change, last_row);
-    if (last_row == problem_.knots()) last_change.reset();  // there every sweep begins
-    return changes + rows;
-  };
-  const int limit = horizon_sweeps_;
-  within_bounds_ = limit == 0 && !recipe_.clamp_controls;
-  if (limit == 0 || !active_set_known_ || sweep(true) >= 0) {
-    const int bad_knot = sweep(false);
+int Direction::search(const Model& model) {
+  last_change_.reset();
+  held_before_ = false;
+  within_bounds_ = horizon_sweeps_ == 0 && !recipe_.clamp_controls;
+  if (horizon_sweeps_ == 0) return search_by_stages(model);
+  if (!active_set_known_ || sweep(model, true) >= 0) {
+    const int bad_knot = sweep(model, false);
     if (bad_knot >= 0) return bad_knot;
-    if (limit == 0) {
-      roll(recipe_.clamp_controls);
-      return -1;
-    }
   }
   active_set_known_ = true;
-  const auto settle = [&] {
-    int fewest = std::numeric_limits<int>::max(), since = 0;
-    for (int i = 0; i < limit; ++i) {
-      const int changes = revise();
-      within_bounds_ = changes == 0;
-      if (within_bounds_ && augmented) constraints_->settle();
-      if (within_bounds_) return true;
-      since = changes < fewest ? 0 : since + 1;
-      fewest = std::min(fewest, changes);
-      if (augmented && since > kPatience) break;
-      if (sweep(true) >= 0) break;
-    }
-    return false;
-  };
-  if (settle()) return -1;
-  unsettled_ = augmented;
-  if (augmented && model_true_ &&
-      descend(linearization, trajectory, gaps, adjoint, regularization)) {
-    last_change.reset();
-    if (sweep(true) < 0 && settle()) return -1;
-    descent_->write(feedback_);
+  if (settle(model)) return -1;
+  unsettled_ = model.augmented;
+  if (model.augmented && model_true_ && descend(model)) {
+    last_change_.reset();
+    if (sweep(model, true) >= 0 || !settle(model)) descent_->write(feedback_);
     return -1;
   }
   active_set_known_ = false;
-  if (augmented) constraints_->restore(linearization);
-  const int bad_knot = sweep(false);
-  if (bad_knot < 0) roll(recipe_.clamp_controls);
+  if (model.augmented) constraints_->restore(model.linearization);
+  return search_by_stages(model);
+}
+
+int Direction::search_by_stages(const Model& model) {
+  const int bad_knot = sweep(model, false);
+  if (bad_knot < 0) roll(model, recipe_.clamp_controls);
   return bad_knot;
+}
+
+/// Held sweeps after held ones go through what stands before the last change alone.
+int Direction::sweep(const Model& model, bool hold) {
+  const std::optional<int> from = hold && held_before_ ? last_change_ : std::nullopt;
+  held_before_ = hold;
+  ++sweeps_;
+  return sweep_.run(model.linearization, model.trajectory, model.gaps, model.regularization,
+                    *policy_, feedback_, hold, from);
+}
+
+/// Revises the active set and sweeps, in turn, until nothing changes. False where it does not end.
+bool Direction::settle(const Model& model) {
+  int fewest = std::numeric_limits<int>::max(), since = 0;
+  for (int i = 0; i < horizon_sweeps_; ++i) {
+    const int changes = revise(model);
+    within_bounds_ = changes == 0;
+    if (within_bounds_) {
+      if (model.augmented) constraints_->settle();
+      return true;
+    }
+    since = changes < fewest ? 0 : since + 1;
+    fewest = std::min(fewest, changes);
+    if (model.augmented && since > kPatience) return false;
+    if (sweep(model, true) >= 0) return false;
+  }
+  return false;
+}
+
+/// How much of what the last sweep assumed does not hold all along the horizon.
+int Direction::revise(const Model& model) {
+  roll(model, false);
+  std::optional<int> last_row;
+  int rows = 0;
+  if (model.augmented) {
+    // The minimum of an affine problem's model is that of the problem; others give a step.
+    const double allowed =
+        model_true_ ? 0 : kModelError * linear_rollout_.curvature(model.linearization);
+    rows = constraints_->revise(linear_rollout_.z(), allowed, model.linearization, last_row);
+  }
+  last_change_.reset();
+  const int changes = linear_rollout_.revise(*policy_, last_change_);
+  last_change_ = std::max(last_change_, last_row);
+  if (last_row == problem_.knots()) last_change_.reset();  // there every sweep begins
+  return changes + rows;
 }
 
 /// From the iterate itself down the augmented Lagrangian of the horizon, with bounds as penalties.
 /// False where a stage has no minimum.
-bool Direction::descend(Linearization& linearization, const Trajectory& trajectory,
-                        const Gaps& gaps, const Adjoint& adjoint,
-                        SweepRegularization regularization) {
+bool Direction::descend(const Model& model) {
+  Linearization& linearization = model.linearization;
   constraints_->restore(linearization);
   constraints_->restart();
-  linear_rollout_.respond(linearization, gaps, feedback_);
-  descent_->start(linear_rollout_, trajectory, adjoint.gradient(), sweep_, *constraints_,
-                  linearization);
+  linear_rollout_.respond(linearization, model.gaps, feedback_);
+  descent_->start(linear_rollout_, model.trajectory, model.adjoint.gradient(), sweep_,
+                  *constraints_, linearization);
   policy_->release();
   bool swept = true;
   for (int i = 0; i < horizon_sweeps_; ++i) {
     ++sweeps_;
-    swept =
-        sweep_.run(linearization, trajectory, gaps, regularization, *policy_, feedback_, true) < 0;
+    swept = sweep_.run(linearization, model.trajectory, model.gaps, model.regularization, *policy_,
+                       feedback_, true) < 0;
     if (!swept) break;
-    linear_rollout_.run(linearization, trajectory, gaps, feedback_, false);
+    roll(model, false);
     if (descent_->advance(linear_rollout_, *constraints_, linearization)) break;
   }
   descent_->leave(*policy_, linearization);
   return swept;
+}
+
+void Direction::roll(const Model& model, bool clamp) {
+  linear_rollout_.run(model.linearization, model.trajectory, model.gaps, feedback_, clamp);
 }
 
 void Direction::correct(const Linearization& linearization, const Trajectory& trajectory,
@@ -171,17 +174,20 @@ void Direction::correct(const Linearization& linearization, const Trajectory& tr
   corrected_ = secants_.correct(feedback_);
   if (!corrected_) return;
   linear_rollout_.run(linearization, trajectory, gaps, feedback_, false);
+  if (step_violates_bounds(trajectory)) undo_correction(linearization, trajectory, gaps);
+}
+
+/// At a control that the policy does not hold.
+bool Direction::step_violates_bounds(const Trajectory& trajectory) const {
   for (int k = 0; k < problem_.knots(); ++k) {
     const auto u = trajectory.u(k);
     const auto du = linear_rollout_.du(k);
     for (int i = 0; i < du.size(); ++i) {
       if (policy_->holds(k, i)) continue;
-      if (u[i] + du[i] < bounds_.lower(k)[i] || u[i] + du[i] > bounds_.upper(k)[i]) {
-        undo_correction(linearization, trajectory, gaps);
-        return;
-      }
+      if (u[i] + du[i] < bounds_.lower(k)[i] || u[i] + du[i] > bounds_.upper(k)[i]) return true;
     }
   }
+  return false;
 }
 
 void Direction::undo_correction(const Linearization& linearization, const Trajectory& trajectory,

@@ -79,10 +79,23 @@ class Direction {
   }
 
  private:
-  int search(Linearization& linearization, const Trajectory& trajectory, const Gaps& gaps,
-             const Adjoint& adjoint, SweepRegularization regularization, bool augmented);
-  bool descend(Linearization& linearization, const Trajectory& trajectory, const Gaps& gaps,
-               const Adjoint& adjoint, SweepRegularization regularization);
+  /// What a direction is looked for around.
+  struct Model {
+    Linearization& linearization;
+    const Trajectory& trajectory;
+    const Gaps& gaps;
+    const Adjoint& adjoint;
+    SweepRegularization regularization;
+    bool augmented;  ///< rows of constraints are part of it
+  };
+  int search(const Model& model);
+  int search_by_stages(const Model& model);
+  int sweep(const Model& model, bool hold);
+  bool settle(const Model& model);
+  int revise(const Model& model);
+  bool descend(const Model& model);
+  void roll(const Model& model, bool clamp);
+  bool step_violates_bounds(const Trajectory& trajectory) const;
 
   const ShootingProblem& problem_;
   const ControlBounds& bounds_;
@@ -99,7 +112,9 @@ class Direction {
   bool corrected_ = false;
   bool models_costs_ = true;  ///< that begin at a bound, along the step
   int sweeps_ = 0;
-  bool active_set_known_ = false;  ///< the policy holds one of the whole horizon
+  std::optional<int> last_change_;  ///< knot, of the active set or the rows since the last sweep
+  bool held_before_ = false;        ///< the last sweep held the active set
+  bool active_set_known_ = false;   ///< the policy holds one of the whole horizon
   bool within_bounds_ = false;
   bool model_true_ = false;
   bool unsettled_ = false;

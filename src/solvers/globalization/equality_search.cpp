@@ -96,34 +96,48 @@ LineSearchResult EqualitySearch::run(Evaluator& evaluator, const MeritModel& mer
     evaluator.roll_out(trajectory, linearization.gap, feedback, steps, {.contract_gaps = true},
                        lanes_);
     for (int lane = 0; lane < kLaneWidth && steps[lane] >= options_.min_step; ++lane) {
-      const double length = steps[lane];
       ++result.trials;
-      double rolled = kInfinity;
-      if (lanes_.first_bad_knot[lane] < 0) {
-        lanes_.extract(lane, rolled_);
-        rolled = value(evaluator, merit, rolled_);
-      }
-      move(step, length, trajectory);
-      const double straight = value(evaluator, merit, straight_);
-      const double best = std::min(rolled, straight);
-      if (best == kInfinity) {
+      move(step, steps[lane], trajectory);
+      const auto [value, trial] = better_trial(evaluator, merit, lane);
+      if (value == kInfinity) {
         if (result.first_bad_knot < 0) result.first_bad_knot = lanes_.first_bad_knot[lane];
         continue;
       }
-      const double expected = -length * merit.merit_slope(), actual = merit.value() - best;
-      const bool hidden = merit.hidden(expected);
-      const bool armijo = expected > 0 && actual >= options_.armijo * expected;
-      if (!armijo && !(hidden && length == first_step && merit.hidden(actual))) continue;
-      result.accepted = true;
-      result.by_rounding = hidden;
-      result.step = length;
-      result.expected_decrease = expected;
-      result.actual_decrease = actual;
-      trajectory = rolled <= straight ? rolled_ : straight_;
+      if (!accepts(merit, steps[lane], value, steps[lane] == first_step, result)) continue;
+      trajectory = *trial;
       return result;
     }
   }
   return result;
+}
+
+/// Of the rollout in a lane and the straight step of its length: the merit's value and the trial.
+std::pair<double, const Trajectory*> EqualitySearch::better_trial(Evaluator& evaluator,
+                                                                  const MeritModel& merit,
+                                                                  int lane) {
+  double rolled = kInfinity;
+  if (lanes_.first_bad_knot[lane] < 0) {
+    lanes_.extract(lane, rolled_);
+    rolled = value(evaluator, merit, rolled_);
+  }
+  const double straight = value(evaluator, merit, straight_);
+  if (rolled <= straight) return {rolled, &rolled_};
+  return {straight, &straight_};
+}
+
+/// Armijo's rule; the first step may also pass where rounding hides its decrease.
+bool EqualitySearch::accepts(const MeritModel& merit, double length, double value, bool first,
+                             LineSearchResult& result) const {
+  const double expected = -length * merit.merit_slope(), actual = merit.value() - value;
+  const bool hidden = merit.hidden(expected);
+  const bool armijo = expected > 0 && actual >= options_.armijo * expected;
+  if (!armijo && !(hidden && first && merit.hidden(actual))) return false;
+  result.accepted = true;
+  result.by_rounding = hidden;
+  result.step = length;
+  result.expected_decrease = expected;
+  result.actual_decrease = actual;
+  return true;
 }
 
 }  // namespace conddp

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <utility>
+
 #include "ocp/evaluation/evaluator.hpp"
 #include "solvers/globalization/line_search.hpp"
 #include "solvers/riccati/linear_rollout.hpp"
@@ -35,6 +37,10 @@ class EqualitySearch {
  private:
   void move(const LinearRollout& step, double length, const Trajectory& from);
   double value(Evaluator& evaluator, const MeritModel& merit, const Trajectory& trial);
+  std::pair<double, const Trajectory*> better_trial(Evaluator& evaluator, const MeritModel& merit,
+                                                    int lane);
+  bool accepts(const MeritModel& merit, double length, double value, bool first,
+               LineSearchResult& result) const;
   template <class Function>
   void for_each_row(const Eigen::VectorXd& values, Function&& function) const;
 

@@ -38,51 +38,65 @@ LineSearchResult FullStepSearch::run(Iterate& iterate, const MeritModel& merit,
                                      const Goal& goal) {
   last_ = goal.last;
   const double closed_cost = merit.cost + iterate.adjoint.gap_slope();
-  const double expected = iterate.adjoint.gap_slope() - merit.slope;
-  const bool hidden = merit.hidden(expected);
-  const auto costates = iterate.adjoint.costates().rightCols(iterate.trajectory.knots());
-  const bool close = goal.last || hidden || goal.close;
-  double weight = 0, gap = 0;
-  bool small = false, ahead = false;
-  // The last trial point becomes the next iterate, if it can be told to be the last.
-  const auto try_point = [&](bool at_last, bool correct) {
-    const Stopwatch watch(at_last ? iterate.times().differentiate : iterate.times().rollout);
-    const auto trial = at_last ? FullStep::Trial::differentiate : FullStep::Trial::evaluate;
-    if (at_last) iterate.hessian.begin_iterate();
-    if (correct)
-      step_.correct(iterate.evaluator, direction.feedback(), trial, iterate.linearization,
-                    iterate.trajectory, augmentation);
-    else
-      step_.take(iterate.evaluator, direction.step(), trial, iterate.linearization,
-                 iterate.trajectory, augmentation);
-    ahead = at_last;
-    iterate.linearized = iterate.linearized && !at_last;
-    weight = costates.cwiseProduct(step_.gap()).lpNorm<1>();
-    gap = step_.gap().lpNorm<Eigen::Infinity>();
-    small = close ? gap <= tolerances_.gap : weight <= kNegligibleGaps * expected;
-  };
-  try_point(needs_no_correction_ && !close, false);
-  needs_no_correction_ = small;
-  const bool hopeless = !std::isfinite(gap) || (!hidden && weight > kHopelessGaps * expected);
-  for (int corrections = 0; !small && !hopeless && corrections < kCorrections; ++corrections) {
-    const double former_gap = gap;
-    const double left = correction_leaves_ * (close ? gap : weight);
-    try_point(left <= (close ? tolerances_.gap : kNegligibleGaps * expected), true);
-    correction_leaves_ = gap / former_gap;
-    if (!(gap <= kSlowCorrection * former_gap)) break;
-  }
-  const double actual = closed_cost - step_.cost() - costates.cwiseProduct(step_.gap()).sum();
-  bool accepted = hidden ? merit.hidden(actual)
-                         : actual >= kLeastDecrease * expected && weight <= kMostGaps * expected;
-  if (goal.last && !(gap <= tolerances_.gap)) accepted = false;
+  Search search{.iterate = iterate, .direction = direction, .augmentation = augmentation};
+  search.expected = iterate.adjoint.gap_slope() - merit.slope;
+  search.hidden = merit.hidden(search.expected);
+  search.close = goal.last || search.hidden || goal.close;
+  search.negligible = search.close ? tolerances_.gap : kNegligibleGaps * search.expected;
+  try_point(search, needs_no_correction_ && !search.close, false);
+  needs_no_correction_ = search.gaps_negligible();
+  correct(search);
+  const double actual =
+      closed_cost - step_.cost() - search.costates().cwiseProduct(step_.gap()).sum();
+  const bool accepted = (!goal.last || search.gap <= tolerances_.gap) &&
+                        (search.hidden ? merit.hidden(actual) : search.suffices(actual));
   iterate.linearized = iterate.linearized && !accepted;
-  iterate.differentiated = accepted && ahead;
+  iterate.differentiated = accepted && search.ahead;
   return {.accepted = accepted,
           .step = 1,
-          .expected_decrease = expected,
+          .expected_decrease = search.expected,
           .actual_decrease = actual,
           .trials = 1,
-          .by_rounding = hidden};
+          .by_rounding = search.hidden};
+}
+
+bool FullStepSearch::Search::hopeless() const {
+  return !std::isfinite(gap) || (!hidden && weight > kHopelessGaps * expected);
+}
+
+bool FullStepSearch::Search::suffices(double actual) const {
+  return actual >= kLeastDecrease * expected && weight <= kMostGaps * expected;
+}
+
+/// Takes the step or corrects the last trial. The trial is differentiated at once if it can be told
+/// to be the last one: it becomes the next iterate.
+void FullStepSearch::try_point(Search& search, bool at_last, bool correct) {
+  Iterate& iterate = search.iterate;
+  const Stopwatch watch(at_last ? iterate.times().differentiate : iterate.times().rollout);
+  const auto trial = at_last ? FullStep::Trial::differentiate : FullStep::Trial::evaluate;
+  if (at_last) iterate.hessian.begin_iterate();
+  if (correct)
+    step_.correct(iterate.evaluator, search.direction.feedback(), trial, iterate.linearization,
+                  iterate.trajectory, search.augmentation);
+  else
+    step_.take(iterate.evaluator, search.direction.step(), trial, iterate.linearization,
+               iterate.trajectory, search.augmentation);
+  search.ahead = at_last;
+  iterate.linearized = iterate.linearized && !at_last;
+  search.weight = search.costates().cwiseProduct(step_.gap()).lpNorm<1>();
+  search.gap = step_.gap().lpNorm<Eigen::Infinity>();
+}
+
+/// Corrections until the gaps are negligible, as long as there is hope.
+void FullStepSearch::correct(Search& search) {
+  if (search.hopeless()) return;
+  for (int i = 0; i < kCorrections && !search.gaps_negligible(); ++i) {
+    const double former_gap = search.gap;
+    const double left = correction_leaves_ * search.size();
+    try_point(search, left <= search.negligible, true);
+    correction_leaves_ = search.gap / former_gap;
+    if (!(search.gap <= kSlowCorrection * former_gap)) break;
+  }
 }
 
 void FullStepSearch::reject() {

@@ -36,6 +36,29 @@ class FullStepSearch {
   void reject();
 
  private:
+  /// A step that is tried, and how its last trial looks.
+  struct Search {
+    Iterate& iterate;
+    const Direction& direction;
+    const Augmentation* augmentation;
+    double expected = 0;    ///< decrease
+    bool hidden = false;    ///< by rounding
+    bool close = false;     ///< gaps are judged by their size, not by what they weigh
+    double negligible = 0;  ///< size or weight up to which they are left as they are
+    double weight = 0, gap = 0;
+    bool ahead = false;  ///< the trial has been differentiated
+
+    auto costates() const {
+      return iterate.adjoint.costates().rightCols(iterate.trajectory.knots());
+    }
+    double size() const { return close ? gap : weight; }
+    bool gaps_negligible() const { return size() <= negligible; }
+    bool hopeless() const;
+    bool suffices(double actual_decrease) const;
+  };
+  void try_point(Search& search, bool at_last, bool correct);
+  void correct(Search& search);
+
   SolverOptions::Tolerances tolerances_;
   FullStep step_;
   int full_steps_ = 0;                ///< taken one after the other

@@ -133,13 +133,7 @@ bool Globalization::find_step(bool& by_full_step) {
     measure_direction();
     by_full_step = take_full_step();
     bool descends = true;
-    if (by_full_step || search(descends)) return true;
-    if (direction_.corrected()) {
-      at_rounding_floor_ = false;
-      direction_.undo_correction(iterate_.linearization, iterate_.trajectory, iterate_.gaps);
-      measure_direction();
-      if (search(descends)) return true;
-    }
+    if (by_full_step || search(descends) || search_uncorrected(descends)) return true;
     if (at_rounding_floor_) {
       // Exact Hessians take the last digits in one step where Gauss-Newton creeps.
       if (!iterate_.hessian.turn()) return end_at_rounding_floor();
@@ -150,6 +144,15 @@ bool Globalization::find_step(bool& by_full_step) {
     if (!regularize_more()) return end_without_step(descends);
     if (!record_.budget_left()) return false;
   }
+}
+
+/// Search along the sweep's own direction, where that has been corrected.
+bool Globalization::search_uncorrected(bool& descends) {
+  if (!direction_.corrected()) return false;
+  at_rounding_floor_ = false;
+  direction_.undo_correction(iterate_.linearization, iterate_.trajectory, iterate_.gaps);
+  measure_direction();
+  return search(descends);
 }
 
 /// What the searches learn from a step that was found.
@@ -229,13 +232,16 @@ bool Globalization::raise_for_unsettled() {
          regularization_.value() < kSettlingRegularization && regularize_more();
 }
 
+/// Affine dynamics leave no gaps to correct, and the line search takes fewer iterations there.
+bool Globalization::full_step_is_due() const {
+  return recipe_.open_gaps && !equality_search_ && direction_.within_bounds() &&
+         !iterate_.hessian.exact_wanted() && !(regularization_.value() > 0) &&
+         full_step_search_.due() && !direction_.trusts_model();
+}
+
 /// The full step of the linear model, where full steps go well.
 bool Globalization::take_full_step() {
-  // Affine dynamics leave no gaps to correct, and the line search takes fewer iterations there.
-  if (!recipe_.open_gaps || equality_search_ || !direction_.within_bounds() ||
-      iterate_.hessian.exact_wanted() || regularization_.value() > 0 || !full_step_search_.due() ||
-      direction_.trusts_model())
-    return false;
+  if (!full_step_is_due()) return false;
   iterate_.before = iterate_.trajectory;
   // Multipliers change where gaps are closed alone.
   const FullStepSearch::Goal goal{.last = record_.row.stationarity * record_.row.stationarity <=
@@ -265,14 +271,7 @@ bool Globalization::search(bool& descends) {
   descends = merit_.descends();
   if (!descends) return false;
   iterate_.before = iterate_.trajectory;
-  if (gaps_open() && !merit_.hidden(merit_.merit_slope())) {
-    const Stopwatch watch(record_.result.times.rollout);
-    search_ = open_gap_search_.run(iterate_.evaluator, merit_, iterate_.linearization, direction_,
-                                   outer_.augmentation(), iterate_.trajectory);
-    record_.row.trials += search_.trials;
-    iterate_.linearized = iterate_.linearized && !search_.accepted;
-    return search_.accepted;
-  }
+  if (gaps_open() && !merit_.hidden(merit_.merit_slope())) return search_with_open_gaps();
   for (double first_step = 1; first_step >= kShortestBlindStep; first_step /= 2) {
     if (!search_along(first_step)) return false;
     if (!search_.by_rounding || blind_step_progresses()) return true;
@@ -281,6 +280,15 @@ bool Globalization::search(bool& descends) {
   }
   at_rounding_floor_ = true;
   return false;
+}
+
+bool Globalization::search_with_open_gaps() {
+  const Stopwatch watch(record_.result.times.rollout);
+  search_ = open_gap_search_.run(iterate_.evaluator, merit_, iterate_.linearization, direction_,
+                                 outer_.augmentation(), iterate_.trajectory);
+  record_.row.trials += search_.trials;
+  iterate_.linearized = iterate_.linearized && !search_.accepted;
+  return search_.accepted;
 }
 
 bool Globalization::search_along(double first_step) {
@@ -338,22 +346,27 @@ int Globalization::sweep_backward(double regularization) {
   for (const bool exact : {true, false}) {
     if (exact && !iterate_.hessian.exact_known()) continue;
     iterate_.hessian.use(exact);
-    const auto find = [&] {
-      return direction_.find(iterate_.linearization, iterate_.trajectory, iterate_.gaps,
-                             iterate_.adjoint, {options_.regularization.kind, regularization},
-                             outer_.augmentation());
-    };
-    int bad_knot = find();
-    if (affine_probe_ && direction_.unsettled() && !affine_known_) {
-      affine_known_ = true;
-      if (affine_probe_->holds(iterate_.evaluator, iterate_.trajectory, iterate_.linearization)) {
-        direction_.trust_model();
-        bad_knot = find();
-      }
+    int bad_knot = find_direction(regularization);
+    if (direction_.unsettled() && found_affine()) {
+      direction_.trust_model();
+      bad_knot = find_direction(regularization);
     }
     if (bad_knot < 0 || !exact) return bad_knot;
   }
   return -1;
+}
+
+int Globalization::find_direction(double regularization) {
+  return direction_.find(iterate_.linearization, iterate_.trajectory, iterate_.gaps,
+                         iterate_.adjoint, {options_.regularization.kind, regularization},
+                         outer_.augmentation());
+}
+
+/// Looks once whether dynamics and constraints are affine, and tells if so.
+bool Globalization::found_affine() {
+  if (!affine_probe_ || affine_known_) return false;
+  affine_known_ = true;
+  return affine_probe_->holds(iterate_.evaluator, iterate_.trajectory, iterate_.linearization);
 }
 
 std::optional<double> Globalization::find_gains() {

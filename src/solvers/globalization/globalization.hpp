@@ -54,13 +54,18 @@ class Globalization {
   void step_taken(bool by_full_step);
   bool sweep();
   int sweep_backward(double regularization);
+  int find_direction(double regularization);
+  bool found_affine();
   bool regularize_more();
   bool raise_for_unsettled();
   void correct_direction();
   void measure_direction();
   void weigh_gaps();
+  bool full_step_is_due() const;
   bool take_full_step();
   bool search(bool& descends);
+  bool search_uncorrected(bool& descends);
+  bool search_with_open_gaps();
   bool search_along(double first_step);
   bool blind_step_progresses();
   bool decrease_was_quadratic(bool by_full_step);

@@ -88,11 +88,7 @@ bool LineSearch::try_lanes(Evaluator& evaluator, const Ray& ray, double first_st
     const bool hidden = ray.merit.hidden(expected);
     const bool armijo = expected > 0 && actual >= options_.armijo * expected;
     if (!armijo && !(hidden && step == first_step && ray.merit.hidden(actual))) continue;
-    if (!hidden && lane + 1 < kLaneWidth && steps[lane + 1] >= kShortestCompared &&
-        lanes_.first_bad_knot[lane + 1] < 0 &&
-        actual_decrease(lanes_.cost[lane + 1], steps[lane + 1], ray.merit) > actual) {
-      continue;
-    }
+    if (!hidden && half_is_better(lane, step / 2, actual, ray.merit)) continue;
     result.by_rounding = hidden;
     result.step = step;
     result.expected_decrease = expected;
@@ -101,6 +97,14 @@ bool LineSearch::try_lanes(Evaluator& evaluator, const Ray& ray, double first_st
     return true;
   }
   return false;
+}
+
+/// Whether the lane after this one has half its step, and lowers the merit more.
+bool LineSearch::half_is_better(int lane, double half, double actual,
+                                const MeritModel& merit) const {
+  const int next = lane + 1;
+  return next < kLaneWidth && half >= kShortestCompared && lanes_.first_bad_knot[next] < 0 &&
+         actual_decrease(lanes_.cost[next], half, merit) > actual;
 }
 
 /// Whether the decrease to expect is that of the controls which the rollout applied.

@@ -58,6 +58,7 @@ class LineSearch {
   bool try_alone(Evaluator& evaluator, const Ray& ray, double step, LineSearchResult& result);
   bool try_lanes(Evaluator& evaluator, const Ray& ray, double first_step, double& next_step,
                  LineSearchResult& result);
+  bool half_is_better(int lane, double half, double actual, const MeritModel& merit) const;
   bool applies_slope(const Ray& ray) const;
   double expected_decrease(const Ray& ray, double step);
   double applied_slope(const Ray& ray);
