@@ -151,11 +151,7 @@ void IpoptSolver::cross_over(const InteriorPointAnswer& answer, bool goes_on) {
   consider(true);
   for (int i = 0; i < kNewtonSteps && newton_.norms().largest() > kNewtonGoal; ++i) {
     if (!newton_.step(kNewtonGrowth)) break;
-    gain_regularization_ = 0;
-    ++row_.newton;
-    ++row_.iteration;
-    record();
-    consider();
+    note_newton_step();
   }
 }
 

@@ -40,6 +40,11 @@ constexpr double kPushShare = 1e-2, kLeastPush = 1e-9;
 /// Share of the tolerance at which pairs need no smaller epsilon.
 constexpr double kComplementary = 0.1;
 
+bool pairs_need_no_less(const Transcription& transcription, const Eigen::VectorXd& y,
+                        const SolverOptions& options) {
+  return transcription.pair_distance(y.data()) <= kComplementary * options.tolerances.constraint;
+}
+
 }  // namespace
 
 bool IpoptSolver::is_complementary(const InteriorPointAnswer& answer) const {
@@ -63,7 +68,7 @@ InteriorPointAnswer IpoptSolver::run_relaxations(const Trajectory& start) {
     }
     answer = tighten(start);
     if (is_good(answer) && is_complementary(answer)) break;
-    if (stop_ != Stop::none || row_.iteration >= options_.max_iterations) break;
+    if (is_out_of_budget()) break;
   }
   return answer;
 }
@@ -72,45 +77,64 @@ InteriorPointAnswer IpoptSolver::run_relaxations(const Trajectory& start) {
 InteriorPointAnswer IpoptSolver::tighten(const Trajectory& start) {
   const auto& schedule = options_.complementarity;
   InteriorPointSettings settings = default_settings();
-  const auto set_tolerances = [&](double tolerance) {
-    settings.tolerance = tolerance;
-    settings.dual_tolerance = std::max(options_.tolerances.stationarity, tolerance);
-    settings.complementarity_tolerance = std::max(options_.tolerances.complementarity, tolerance);
-  };
   InteriorPointAnswer last, good;  // good: one whose pairs may be told apart
   Eigen::VectorXd y = transcription_->point_of(start);
   int failures = 0;
   bool tried = false;
   for (double epsilon = schedule.initial;;
        epsilon = std::max(schedule.final, epsilon * schedule.factor)) {
-    row_.relaxation = epsilon;
-    transcription_->relax(epsilon);
-    set_tolerances(std::clamp(kBarrierShare * epsilon, kTightTolerance, kLooseTolerance));
-    settings.warm_barrier = std::max(kLeastBarrier, kBarrierShare * epsilon);
-    settings.warm_push = std::max(kLeastPush, kPushShare * epsilon);
-    InteriorPointAnswer answer = run_ipopt(y, settings);
-    ++row_.outer;
-    iterations_before_ = row_.iteration;
-    if (stop_ != Stop::none || row_.iteration >= options_.max_iterations) return answer;
+    InteriorPointAnswer answer = relax_and_run(epsilon, y, settings);
+    if (is_out_of_budget()) return answer;
     failures = is_good(answer) ? 0 : failures + 1;
     if (!answer.point.y.allFinite() || failures == kFailures)
-      return is_good(good) && polish(good, false) ? good : answer;
-    if (failures == 0 && epsilon <= kPolishFrom && epsilon > schedule.final && !tried) {
+      return polished_or(std::move(good), std::move(answer));
+    const bool may_be_told_apart = failures == 0 && epsilon <= kPolishFrom;
+    const bool is_last = epsilon <= schedule.final;
+    if (may_be_told_apart && !is_last && !tried) {
       tried = true;
-      InteriorPointAnswer polished = answer;
-      if (polish(polished, true) && crosses_over(polished)) return polished;
-      if (stop_ != Stop::none || row_.iteration >= options_.max_iterations) return answer;
+      if (const auto polished = try_polish(answer)) return *polished;
+      if (is_out_of_budget()) return answer;
     }
-    if (failures == 0 && epsilon <= kPolishFrom) good = answer;
+    if (may_be_told_apart) good = answer;
     last = std::move(answer);
     y = last.point.y;
     settings.warm = is_good(last) ? &last.point : nullptr;
-    if (epsilon <= schedule.final ||
-        transcription_->pair_distance(y.data()) <= kComplementary * options_.tolerances.constraint)
-      break;
+    if (is_last || pairs_need_no_less(*transcription_, y, options_)) break;
   }
   polish(last, false);
   return last;
+}
+
+/// A solve with one epsilon, to tolerances that fit it.
+InteriorPointAnswer IpoptSolver::relax_and_run(double epsilon, const Eigen::VectorXd& y,
+                                               InteriorPointSettings& settings) {
+  row_.relaxation = epsilon;
+  transcription_->relax(epsilon);
+  settings.tolerance = std::clamp(kBarrierShare * epsilon, kTightTolerance, kLooseTolerance);
+  settings.dual_tolerance = std::max(options_.tolerances.stationarity, settings.tolerance);
+  settings.complementarity_tolerance =
+      std::max(options_.tolerances.complementarity, settings.tolerance);
+  settings.warm_barrier = std::max(kLeastBarrier, kBarrierShare * epsilon);
+  settings.warm_push = std::max(kLeastPush, kPushShare * epsilon);
+  InteriorPointAnswer answer = run_ipopt(y, settings);
+  ++row_.outer;
+  iterations_before_ = row_.iteration;
+  return answer;
+}
+
+/// Whether the pairs of an answer can be told apart already: then the result follows from it.
+std::optional<InteriorPointAnswer> IpoptSolver::try_polish(InteriorPointAnswer answer) {
+  if (polish(answer, true) && crosses_over(answer)) return answer;
+  return std::nullopt;
+}
+
+/// The last good answer, polished, or else the one that failed.
+InteriorPointAnswer IpoptSolver::polished_or(InteriorPointAnswer good, InteriorPointAnswer failed) {
+  return is_good(good) && polish(good, false) ? good : failed;
+}
+
+bool IpoptSolver::is_out_of_budget() const {
+  return stop_ != Stop::none || row_.iteration >= options_.max_iterations;
 }
 
 /// Whether an answer under all tolerances follows from a polished one. If so it is the result.
@@ -152,10 +176,7 @@ bool IpoptSolver::polish(InteriorPointAnswer& answer, bool trial) {
     settings.warm_barrier = barrier;
     if (solves > 0) settings.complementarity_tolerance = barrier;
     if (trial || solves == 2) settings.max_iterations = kPolishIterations;
-    InteriorPointAnswer fixed = run_ipopt(from.y.cwiseMin(transcription_->upper()), settings);
-    ++row_.outer;
-    iterations_before_ = row_.iteration;
-    if (fixed.end == End::max_iterations && is_as_asked(row_)) fixed.end = End::acceptable;
+    InteriorPointAnswer fixed = run_polish(from, settings);
     if (!is_good(fixed)) break;
     if (solves == 0 && cost_at(fixed) > before + kPolishRise * (1 + std::abs(before))) break;
     polished.push_back(std::move(fixed));
@@ -166,6 +187,16 @@ bool IpoptSolver::polish(InteriorPointAnswer& answer, bool trial) {
   polished.pop_back();
   looser_ = std::move(polished);
   return true;
+}
+
+/// What ends at its last iteration is good where it is as good as the answer has to be.
+InteriorPointAnswer IpoptSolver::run_polish(const PrimalDualPoint& from,
+                                            const InteriorPointSettings& settings) {
+  InteriorPointAnswer fixed = run_ipopt(from.y.cwiseMin(transcription_->upper()), settings);
+  ++row_.outer;
+  iterations_before_ = row_.iteration;
+  if (fixed.end == End::max_iterations && is_as_asked(row_)) fixed.end = End::acceptable;
+  return fixed;
 }
 
 /// Whether the last iterate of a solve is an answer, although rounding kept that solve from the

@@ -36,6 +36,25 @@ bool is_feasible(const Iterate& at, const SolverOptions::Tolerances& tolerances)
          at.complementarity <= tolerances.complementarity;
 }
 
+/// Of an end that is no answer under this solver's tolerances.
+SolveStatus status_of(End end) {
+  switch (end) {
+    case End::max_iterations:
+      return SolveStatus::max_iterations;
+    case End::time_limit:
+      return SolveStatus::time_limit;
+    case End::infeasible:
+      return SolveStatus::infeasible;
+    case End::no_factorization:
+      return SolveStatus::regularization_limit;
+    case End::diverging:
+    case End::not_finite:
+      return SolveStatus::diverged;
+    default:
+      return SolveStatus::line_search_failed;
+  }
+}
+
 bool wants_limited_memory(const IpoptOptions& options) {
   return std::any_of(options.begin(), options.end(), [](const auto& option) {
     const auto* text = std::get_if<std::string>(&option.second);
@@ -70,16 +89,7 @@ void IpoptSolver::make_transcription(PairRelaxation relaxation) {
 SolveResult IpoptSolver::solve(const Trajectory& guess) {
   began_ = std::chrono::steady_clock::now();
   check_shape(problem_, guess);
-  result_ = SolveResult(problem_);
-  result_.log.reserve(std::min(options_.max_iterations, kReservedRows) + kNewtonSteps + 1);
-  row_ = IterationRecord();
-  row_.exact_hessian = !gauss_newton_ && !wants_limited_memory(options_.ipopt);
-  alternates_ = row_.exact_hessian && alternation_pays();
-  iterations_before_ = 0;
-  scales_.reset();
-  choice_.forget();
-  looser_.clear();
-  crossed_over_ = false;
+  reset();
   Trajectory start = guess;
   result_.start = "states and controls of the guess";
   if (options_.multipliers && options_.multipliers->costates.size() > 0)
@@ -107,6 +117,19 @@ SolveResult IpoptSolver::solve(const Trajectory& guess) {
   result_.times.total = elapsed();
   result_.times.sweep += result_.times.total - newton_began;
   return std::move(result_);
+}
+
+void IpoptSolver::reset() {
+  result_ = SolveResult(problem_);
+  result_.log.reserve(std::min(options_.max_iterations, kReservedRows) + kNewtonSteps + 1);
+  row_ = IterationRecord();
+  row_.exact_hessian = !gauss_newton_ && !wants_limited_memory(options_.ipopt);
+  alternates_ = row_.exact_hessian && alternation_pays();
+  iterations_before_ = 0;
+  scales_.reset();
+  choice_.forget();
+  looser_.clear();
+  crossed_over_ = false;
 }
 
 InteriorPointSettings IpoptSolver::default_settings() const {
@@ -137,13 +160,8 @@ bool IpoptSolver::newton_is_enough(const Trajectory& start) {
   start_newton(start, options_.multipliers->constraints);
   record();
   consider();
-  while (!choice_.is_solution() && row_.iteration < kNewtonSteps && newton_.step()) {
-    gain_regularization_ = 0;
-    ++row_.newton;
-    ++row_.iteration;
-    record();
-    consider();
-  }
+  while (!choice_.is_solution() && row_.iteration < kNewtonSteps && newton_.step())
+    note_newton_step();
   if (choice_.is_solution()) {
     sweep_at_answer();
     log_answer();
@@ -158,16 +176,21 @@ bool IpoptSolver::newton_is_enough(const Trajectory& start) {
   return false;
 }
 
+/// Whether the guess has multipliers of all rows that Ipopt sees.
+bool IpoptSolver::knows_multipliers() const {
+  return options_.multipliers && options_.multipliers->costates.size() > 0 &&
+         !transcription_->has_pairs();
+}
+
 /// Runs Ipopt, again from the last iterate wherever that has left the middle of its charts.
 InteriorPointAnswer IpoptSolver::run_ipopt(Eigen::VectorXd y, InteriorPointSettings settings) {
   InteriorPointAnswer answer;
   const int allowed = settings.max_iterations;
   PrimalDualPoint known;
-  if (const DualGuess* duals = options_.multipliers.get();
-      duals != nullptr && settings.warm == nullptr && duals->costates.size() > 0 &&
-      !transcription_->has_pairs()) {
+  if (settings.warm == nullptr && knows_multipliers()) {
+    const DualGuess& duals = *options_.multipliers;
     known.y = y;
-    transcription_->write_multipliers(duals->costates, duals->constraints, duals->control_gradient,
+    transcription_->write_multipliers(duals.costates, duals.constraints, duals.control_gradient,
                                       known.rows, known.lower, known.upper);
     settings.warm = &known;
     settings.warm_barrier = kWarmBarrier;
@@ -195,15 +218,38 @@ InteriorPointAnswer IpoptSolver::run_ipopt(Eigen::VectorXd y, InteriorPointSetti
 /// Records an iterate; false where Ipopt should stop.
 bool IpoptSolver::note(const InteriorPointIterate& iterate) {
   const bool again = iterations_before_ > 0 && iterate.iteration == 0;
-  if (alternates_) {
-    if (iterate.iteration > 0) {
-      row_.exact_hessian = !alternation_.gauss_newton();
-      alternation_.watch(iterate);
-    } else if (!again) {
-      alternation_.begin(iterate);
-    }
-    transcription_->use_gauss_newton(alternation_.gauss_newton());
+  if (alternates_) alternate_hessians(iterate, again);
+  describe(iterate);
+  // The restoration phase has an optimality of its own.
+  const double error =
+      std::max({row_.gap, row_.constraint, row_.stationarity, row_.complementarity});
+  if (row_.iteration == 0 || again || (!iterate.restoration && error < best_error_)) {
+    best_ = Eigen::Map<const Eigen::VectorXd>(iterate.y, best_.size());
+    best_error_ = error;
   }
+  if (!again) {
+    result_.log.push_back(row_);
+    if (options_.on_iteration) options_.on_iteration(row_);
+  }
+  stop_ = reason_to_stop(iterate);
+  if (stop_ == Stop::cost_settled)
+    best_ = Eigen::Map<const Eigen::VectorXd>(iterate.y, best_.size());
+  return stop_ == Stop::none;
+}
+
+/// `again`: the first iterate of a run that goes on from the one before.
+void IpoptSolver::alternate_hessians(const InteriorPointIterate& iterate, bool again) {
+  if (iterate.iteration > 0) {
+    row_.exact_hessian = !alternation_.gauss_newton();
+    alternation_.watch(iterate);
+  } else if (!again) {
+    alternation_.begin(iterate);
+  }
+  transcription_->use_gauss_newton(alternation_.gauss_newton());
+}
+
+/// Writes an iterate of Ipopt into the row of the log.
+void IpoptSolver::describe(const InteriorPointIterate& iterate) {
   transcription_->set_point(iterate.y);
   const Evaluation& values = transcription_->evaluation();
   row_.iteration = iterations_before_ + iterate.iteration;
@@ -222,29 +268,15 @@ bool IpoptSolver::note(const InteriorPointIterate& iterate) {
   row_.regularization = iterate.regularization;
   row_.trials = iterate.trials;
   row_.time_s = elapsed();
-  // The restoration phase has an optimality of its own.
-  const double error =
-      std::max({row_.gap, row_.constraint, row_.stationarity, row_.complementarity});
-  if (row_.iteration == 0 || again || (!iterate.restoration && error < best_error_)) {
-    best_ = Eigen::Map<const Eigen::VectorXd>(iterate.y, best_.size());
-    best_error_ = error;
-  }
-  if (!again) {
-    result_.log.push_back(row_);
-    if (options_.on_iteration) options_.on_iteration(row_);
-  }
-  if (options_.interrupted && options_.interrupted()) {
-    stop_ = Stop::interrupted;
-  } else if (elapsed() >= options_.max_time_s) {
-    stop_ = Stop::time_limit;
-  } else if (!iterate.restoration && row_.iteration < options_.max_iterations &&
-             transcription_->chart_angle() > kLargestAngle) {
-    stop_ = Stop::recenter;
-  } else if (cost_settled()) {
-    stop_ = Stop::cost_settled;
-    best_ = Eigen::Map<const Eigen::VectorXd>(iterate.y, best_.size());
-  }
-  return stop_ == Stop::none;
+}
+
+IpoptSolver::Stop IpoptSolver::reason_to_stop(const InteriorPointIterate& iterate) const {
+  if (options_.interrupted && options_.interrupted()) return Stop::interrupted;
+  if (elapsed() >= options_.max_time_s) return Stop::time_limit;
+  if (!iterate.restoration && row_.iteration < options_.max_iterations &&
+      transcription_->chart_angle() > kLargestAngle)
+    return Stop::recenter;
+  return cost_settled() ? Stop::cost_settled : Stop::none;
 }
 
 /// Whether Ipopt's iterate is feasible, and the caller asked for no more of the cost. With relaxed
@@ -260,6 +292,14 @@ void IpoptSolver::record() {
   row_.time_s = elapsed();
   result_.log.push_back(row_);
   if (options_.on_iteration) options_.on_iteration(row_);
+}
+
+void IpoptSolver::note_newton_step() {
+  gain_regularization_ = 0;
+  ++row_.newton;
+  ++row_.iteration;
+  record();
+  consider();
 }
 
 /// Makes the iterate of Newton's method the answer where it is better than the answer so far.
@@ -325,45 +365,28 @@ bool IpoptSolver::under_tolerances(const KktNorms& norms) const {
 }
 
 void IpoptSolver::set_status(const InteriorPointAnswer& answer) {
-  const auto end = [&](SolveStatus status, const std::string& message) {
-    result_.status = status;
-    result_.message = fmt::format("{}: {}", message, residual_text());
-  };
-  if (choice_.is_solution())
-    return end(SolveStatus::converged, "all residuals are under tolerance");
+  const auto [status, message] = find_status(answer);
+  result_.status = status;
+  result_.message = fmt::format("{}: {}", message, residual_text());
+}
+
+std::pair<SolveStatus, std::string> IpoptSolver::find_status(
+    const InteriorPointAnswer& answer) const {
+  if (choice_.is_solution()) return {SolveStatus::converged, "all residuals are under tolerance"};
   if (stop_ == Stop::cost_settled && is_feasible(result_.residuals, options_.tolerances))
-    return end(SolveStatus::cost_settled, "the cost has settled");
-  if (stop_ == Stop::interrupted) return end(SolveStatus::interrupted, "interrupted");
-  if (stop_ == Stop::time_limit) return end(SolveStatus::time_limit, "the time is up");
-  const std::string text = "Ipopt: " + answer.message;
-  switch (answer.end) {
-    case End::max_iterations:
-      return end(SolveStatus::max_iterations,
-                 fmt::format("not converged after {} iterations", row_.iteration));
-    case End::time_limit:
-      return end(SolveStatus::time_limit, text);
-    case End::infeasible:
-      return end(SolveStatus::infeasible, text);
-    case End::no_factorization:
-      return end(SolveStatus::regularization_limit, text);
-    case End::diverging:
-    case End::not_finite:
-      return end(SolveStatus::diverged, text);
-    case End::solved:
-    case End::acceptable:
-      if (row_.iteration >= options_.max_iterations)
-        return end(SolveStatus::max_iterations,
-                   fmt::format("not converged after {} iterations", row_.iteration));
-      // What is no row of the program: constraints on the given state alone.
-      if (result_.residuals.constraint > options_.tolerances.constraint &&
-          result_.residuals.constraint_knot == 0)
-        return end(SolveStatus::infeasible, "the initial state itself violates a constraint");
-      return end(SolveStatus::line_search_failed, text + ", but not all of this solve's");
-    case End::stopped:
-    case End::no_step:
-    case End::failed:
-      return end(SolveStatus::line_search_failed, text);
-  }
+    return {SolveStatus::cost_settled, "the cost has settled"};
+  if (stop_ == Stop::interrupted) return {SolveStatus::interrupted, "interrupted"};
+  if (stop_ == Stop::time_limit) return {SolveStatus::time_limit, "the time is up"};
+  const bool content = answer.end == End::solved || answer.end == End::acceptable;
+  if (answer.end == End::max_iterations || (content && row_.iteration >= options_.max_iterations))
+    return {SolveStatus::max_iterations,
+            fmt::format("not converged after {} iterations", row_.iteration)};
+  // What is no row of the program: constraints on the given state alone.
+  if (content && result_.residuals.constraint > options_.tolerances.constraint &&
+      result_.residuals.constraint_knot == 0)
+    return {SolveStatus::infeasible, "the initial state itself violates a constraint"};
+  return {status_of(answer.end),
+          "Ipopt: " + answer.message + (content ? ", but not all of this solve's" : "")};
 }
 
 std::string IpoptSolver::residual_text() const {

@@ -3,6 +3,8 @@
 #include <chrono>
 #include <memory>
 #include <optional>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "nlp/interior_point.hpp"
@@ -34,6 +36,7 @@ class IpoptSolver {
   /// On the active set, at most.
   static constexpr int kNewtonSteps = 10;
 
+  void reset();
   InteriorPointAnswer run_ipopt(Eigen::VectorXd y, InteriorPointSettings settings);
   InteriorPointSettings default_settings() const;
   void make_transcription(PairRelaxation relaxation);
@@ -41,7 +44,14 @@ class IpoptSolver {
   // ipopt_relaxation.cpp
   InteriorPointAnswer run_relaxations(const Trajectory& start);
   InteriorPointAnswer tighten(const Trajectory& start);
+  InteriorPointAnswer relax_and_run(double epsilon, const Eigen::VectorXd& y,
+                                    InteriorPointSettings& settings);
+  std::optional<InteriorPointAnswer> try_polish(InteriorPointAnswer answer);
+  InteriorPointAnswer polished_or(InteriorPointAnswer good, InteriorPointAnswer failed);
+  bool is_out_of_budget() const;
   bool polish(InteriorPointAnswer& answer, bool trial);
+  InteriorPointAnswer run_polish(const PrimalDualPoint& from,
+                                 const InteriorPointSettings& settings);
   bool crosses_over(const InteriorPointAnswer& polished);
   void cross_over_from_polished(const InteriorPointAnswer& polished);
   bool is_as_asked(const IterationRecord& last) const;
@@ -64,13 +74,19 @@ class IpoptSolver {
   void sweep_at_answer();
 
   bool alternation_pays() const;
+  bool knows_multipliers() const;
   bool newton_is_enough(const Trajectory& start);
   bool note(const InteriorPointIterate& iterate);
+  void alternate_hessians(const InteriorPointIterate& iterate, bool again);
+  void describe(const InteriorPointIterate& iterate);
+  Stop reason_to_stop(const InteriorPointIterate& iterate) const;
   void record();
+  void note_newton_step();
   void consider(bool preferred = false);
   void write_result();
   void log_answer();
   void set_status(const InteriorPointAnswer& answer);
+  std::pair<SolveStatus, std::string> find_status(const InteriorPointAnswer& answer) const;
   bool cost_settled() const;
   bool under_tolerances(const KktNorms& norms) const;
   std::string residual_text() const;
