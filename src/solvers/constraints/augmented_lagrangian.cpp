@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "ocp/problem/by_name.hpp"
 #include "ocp/problem/soft_constraint.hpp"
 
 namespace conddp {
@@ -51,7 +52,7 @@ AugmentedLagrangian::AugmentedLagrangian(const ShootingProblem& problem,
       shifted_(multipliers_) {
   for (std::size_t i = 0; i < problem.constraints().size(); ++i) {
     const NodeConstraint& c = problem.constraints()[i];
-    const std::string name = (c.node == problem.knots() ? "terminal/" : "") + c.term->name;
+    const std::string name = constraint_name(problem, c);
     auto group = std::find_if(groups_.begin(), groups_.end(),
                               [&](const Group& g) { return g.name == name; });
     if (group == groups_.end()) group = groups_.insert(group, Group{.name = name});
@@ -172,20 +173,25 @@ void AugmentedLagrangian::update(bool minimized) {
     const bool grows = schedule_ == MultiplierSchedule::always ? grows_after_update(group)
                                                                : grows_instead_of_update(group);
     if (!grows || at_limit || schedule_ == MultiplierSchedule::always) take_multipliers(group);
-    if (grows && minimized)
+    const bool steeper = grows && minimized;
+    if (steeper)
       group.penalty = std::min(group.penalty * options_.penalty_factor, options_.max_penalty);
-    const bool violated =
-        !group.soft && group.violation > std::max(10 * tolerance_, kContradiction);
-    if (!violated || group.violation <= kProgress * group.reference) {
-      group.reference = group.violation;
-      group.growths = 0;
-    } else if ((grows && minimized) || at_limit) {
-      ++group.growths;
-    }
-    if (group.growths >= kPatience && stalled_.empty()) stalled_ = group.name;
+    watch_progress(group, steeper || at_limit);
     group.before = group.violation;
     write(group);
   }
+}
+
+/// `grown`: the penalty has grown, or would have beyond its limit.
+void AugmentedLagrangian::watch_progress(Group& group, bool grown) {
+  const bool violated = !group.soft && group.violation > std::max(10 * tolerance_, kContradiction);
+  if (!violated || group.violation <= kProgress * group.reference) {
+    group.reference = group.violation;
+    group.growths = 0;
+  } else if (grown) {
+    ++group.growths;
+  }
+  if (group.growths >= kPatience && stalled_.empty()) stalled_ = group.name;
 }
 
 void AugmentedLagrangian::take_multipliers(const Group& group) {

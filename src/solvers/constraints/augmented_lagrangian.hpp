@@ -89,6 +89,7 @@ class AugmentedLagrangian {
   void take_multipliers(const Group& group);
   bool grows_after_update(const Group& group) const;
   bool grows_instead_of_update(Group& group);
+  void watch_progress(Group& group, bool grown);
   void write(const Group& group);
 
   const ShootingProblem& problem_;

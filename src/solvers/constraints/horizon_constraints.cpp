@@ -57,9 +57,12 @@ HorizonConstraints::HorizonConstraints(const ShootingProblem& problem)
                knot.cost_scale * knot.parameters[c.term->weight()]);
     }
   for (int k = 0; k <= problem.knots(); ++k) add_barriers(k);
-  if (rows_.empty()) return;
-  for (int k = 0; k <= problem.knots(); ++k) {
-    const int nz = problem.knot(k).model->nz();
+  if (!rows_.empty()) reserve();
+}
+
+void HorizonConstraints::reserve() {
+  for (int k = 0; k <= problem_.knots(); ++k) {
+    const int nz = problem_.knot(k).model->nz();
     nodes_[k].gradient.resize(nz);
     nodes_[k].hessian.resize(nz, nz);
   }

@@ -71,6 +71,7 @@ class HorizonConstraints {
     Eigen::VectorXd gradient;  ///< the node's own, once changed
     Eigen::MatrixXd hessian;
   };
+  void reserve();
   void add_barriers(int node);
   void add_cost(int node, int row, int count, const double* lower, const double* upper,
                 double weight);

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "ocp/problem/by_name.hpp"
 #include "ocp/problem/soft_constraint.hpp"
 #include "solvers/constraints/violation_slope.hpp"
 
@@ -61,7 +62,14 @@ class LeastViolation final : public OuterStrategy {
 
  private:
   void weigh(double penalty);
-  std::string violated(const Eigen::VectorXd& values) const;
+  struct Worst {
+    std::string name;
+    double by = 0;
+    int knot = -1;
+    bool given = false;  ///< by the initial state
+  };
+  std::vector<Worst> violated(const Eigen::VectorXd& values) const;
+  std::string violated_text(const Eigen::VectorXd& values) const;
 
   const ShootingProblem& problem_;
   const SolverOptions& options_;
@@ -123,7 +131,8 @@ bool LeastViolation::update(Iterate& iterate, const Feedback& feedback, const Me
         SolveStatus::infeasible,
         fmt::format("no small change of the controls lowers the violation: to first order by "
                     "{:.1e} of it, wherever within their bounds they go; violated: {}; {}",
-                    share, violated(iterate.linearization.constraint), record.residual_text()));
+                    share, violated_text(iterate.linearization.constraint),
+                    record.residual_text()));
   if (penalty_ >= kMostPenalty)
     return record.end(
         SolveStatus::line_search_failed,
@@ -136,29 +145,27 @@ bool LeastViolation::update(Iterate& iterate, const Feedback& feedback, const Me
   return true;
 }
 
-/// "'goal' by 0.20 (knot 35), 'walls' by ...", the most violated ones first.
-std::string LeastViolation::violated(const Eigen::VectorXd& values) const {
-  struct Worst {
-    std::string name;
-    double by;
-    int knot;
-    bool given;  ///< by the initial state
-  };
+/// The worst row of each constraint above tolerance, the most violated ones first.
+std::vector<LeastViolation::Worst> LeastViolation::violated(const Eigen::VectorXd& values) const {
   std::vector<Worst> list;
   for (const NodeConstraint& c : problem_.constraints()) {
     const double by = violation(c, values.data() + c.row);
     if (!(by > options_.tolerances.constraint)) continue;
-    const std::string name = (c.node == problem_.knots() ? "terminal/" : "") + c.term->name;
-    const auto known =
-        std::find_if(list.begin(), list.end(), [&](const Worst& w) { return w.name == name; });
+    const std::string name = constraint_name(problem_, c);
     const bool given = c.node == 0 && !c.term->depends_on_control(problem_.ndx());
-    if (known == list.end())
-      list.push_back({name, by, c.node, given});
-    else if (by > known->by)
-      *known = {name, by, c.node, given};
+    auto known =
+        std::find_if(list.begin(), list.end(), [&](const Worst& w) { return w.name == name; });
+    if (known == list.end()) known = list.insert(list.end(), Worst{.name = name});
+    if (by > known->by) *known = {name, by, c.node, given};
   }
   std::stable_sort(list.begin(), list.end(),
                    [](const Worst& a, const Worst& b) { return a.by > b.by; });
+  return list;
+}
+
+/// "'goal' by 0.20 (knot 35), 'walls' by ...".
+std::string LeastViolation::violated_text(const Eigen::VectorXd& values) const {
+  const std::vector<Worst> list = violated(values);
   std::string text;
   for (std::size_t i = 0; i < std::min(list.size(), kNamed); ++i)
     text += fmt::format(

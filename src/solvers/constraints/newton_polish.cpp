@@ -24,6 +24,22 @@ NewtonPolish::NewtonPolish(const ShootingProblem& problem, Evaluator& evaluator,
 
 void NewtonPolish::reset() { threshold_ = kFirstThreshold; }
 
+/// Steps until there is nothing left to gain, or too many of them are damped.
+void NewtonPolish::iterate_newton(SolveRecord& record) {
+  IterationRecord& row = record.row;
+  int damped = 0;
+  for (int i = 0; i < kSteps && row.iteration < options_.max_iterations; ++i) {
+    if (newton_.norms().largest() <= kGoal || !newton_.step()) return;
+    ++row.iteration;
+    ++row.newton;
+    newton_.describe(row);
+    record.log_row();
+    record.log_is_stale = true;  // until the iterate stands
+    damped += newton_.step_length() < 1;
+    if (damped > kDampedSteps) return;
+  }
+}
+
 bool NewtonPolish::due(const IterationRecord& row) const {
   return !(largest_norm(row) > threshold_);
 }
@@ -33,17 +49,7 @@ bool NewtonPolish::run(Iterate& iterate, const Feedback& feedback, OuterStrategy
   IterationRecord& row = record.row;
   const IterationRecord start = row;
   newton_.start(iterate.trajectory, *outer.multipliers(), outer.augmentation()->penalty, feedback);
-  int damped = 0;
-  for (int i = 0; i < kSteps && row.iteration < options_.max_iterations; ++i) {
-    if (newton_.norms().largest() <= kGoal || !newton_.step()) break;
-    ++row.iteration;
-    ++row.newton;
-    newton_.describe(row);
-    record.log_row();
-    record.log_is_stale = true;  // until the iterate stands
-    damped += newton_.step_length() < 1;
-    if (damped > kDampedSteps) break;
-  }
+  iterate_newton(record);
   threshold_ = kNextThreshold * largest_norm(start);
   const auto& tolerance = options_.tolerances;
   const KktNorms& norms = newton_.norms();

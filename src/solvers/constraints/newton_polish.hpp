@@ -24,6 +24,8 @@ class NewtonPolish {
   const Feedback& feedback() const { return newton_.feedback(); }
 
  private:
+  void iterate_newton(SolveRecord& record);
+
   ProjectedNewton newton_;
   const SolverOptions& options_;
   double threshold_ = 0;  ///< violation, gap and stationarity below which a try is due

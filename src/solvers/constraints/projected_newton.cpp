@@ -118,6 +118,20 @@ bool ProjectedNewton::sweep() {
 /// Fills step_ and target_: solves the quadratic problem of the active rows, revises them by the
 /// step, and so on until they settle.
 bool ProjectedNewton::solve_quadratic() {
+  const double penalty = kRowPenalty * std::max(take_hessians(), kLeastCurvature);
+  for (int revision = 0;; ++revision) {
+    if (!solve_on_rows(penalty)) return false;
+    if (revision == kRevisions ||
+        !rows_.revise(linearization_, trajectory_, adjoint_, multipliers_, step_))
+      break;
+  }
+  rows_.write_multipliers(linearization_, true, target_);
+  return true;
+}
+
+/// Gauss-Newton Hessians and, where they differ, exact ones. The largest curvature of the former
+/// or, where costs are linear, of the latter.
+double ProjectedNewton::take_hessians() {
   double curvature = 0;
   for (std::size_t k = 0; k < gauss_newton_.size(); ++k) {
     gauss_newton_[k] = linearization_.knots[k].hessian();
@@ -127,15 +141,7 @@ bool ProjectedNewton::solve_quadratic() {
   if (curvature < kLeastCurvature && curved_)
     for (const Eigen::MatrixXd& hessian : exact_)
       curvature = std::max(curvature, hessian.diagonal().cwiseAbs().maxCoeff());
-  const double penalty = kRowPenalty * std::max(curvature, kLeastCurvature);
-  for (int revision = 0;; ++revision) {
-    if (!solve_on_rows(penalty)) return false;
-    if (revision == kRevisions ||
-        !rows_.revise(linearization_, trajectory_, adjoint_, multipliers_, step_))
-      break;
-  }
-  rows_.write_multipliers(linearization_, true, target_);
-  return true;
+  return curvature;
 }
 
 void ProjectedNewton::evaluate_exact_hessian() {
@@ -155,14 +161,8 @@ bool ProjectedNewton::solve_on_rows(double penalty) {
     linearization_.knots[k].gradient = cost_gradient_[k];
   rows_.add_gradient(true, linearization_);
   const double before = rows_.correct(penalty, nullptr, linearization_);
-  for (const bool exact : {true, false}) {
-    if (exact && !curved_) continue;
-    for (std::size_t k = 0; k < exact_.size(); ++k)
-      linearization_.knots[k].hessian.change() = exact ? exact_[k] : gauss_newton_[k];
-    rows_.add_curvature(penalty, linearization_);
-    if (sweep()) break;
-    if (!exact) return false;
-  }
+  if (!(curved_ && sweep_with(exact_, penalty)) && !sweep_with(gauss_newton_, penalty))
+    return false;
   double last = std::numeric_limits<double>::infinity();
   for (int i = 0; i < kCorrections; ++i) {
     const double rest = rows_.correct(penalty, &step_, linearization_);
@@ -171,6 +171,13 @@ bool ProjectedNewton::solve_on_rows(double penalty) {
     if (!sweep()) return false;
   }
   return true;
+}
+
+bool ProjectedNewton::sweep_with(const std::vector<Eigen::MatrixXd>& hessians, double penalty) {
+  for (std::size_t k = 0; k < hessians.size(); ++k)
+    linearization_.knots[k].hessian.change() = hessians[k];
+  rows_.add_curvature(penalty, linearization_);
+  return sweep();
 }
 
 bool ProjectedNewton::step(double growth) {
@@ -183,15 +190,7 @@ bool ProjectedNewton::step(double growth) {
   }
   multipliers_before_ = multipliers_;
   for (step_length_ = 1; step_length_ >= kShortestStep; step_length_ /= 2) {
-    for (int k = 0; k <= problem_.knots(); ++k) {
-      auto dx = scratch_.head(problem_.ndx());
-      dx = step_length_ * step_[k].head(problem_.ndx());
-      problem_.manifold().integrate(before_.x(k).data(), dx.data(), trajectory_.x(k).data());
-      if (k < problem_.knots())
-        trajectory_.u(k) = before_.u(k) + step_length_ * step_[k].tail(problem_.nu(k));
-    }
-    bounds_.clamp(trajectory_);
-    multipliers_ = multipliers_before_ + step_length_ * (target_ - multipliers_before_);
+    move();
     linearize();
     if (norms_.largest() < (1 - 0.1 * step_length_) * growth * was) return true;
   }
@@ -200,6 +199,19 @@ bool ProjectedNewton::step(double growth) {
   step_length_ = 0;
   linearize();
   return false;
+}
+
+/// By step_length_ of the step, from where it began.
+void ProjectedNewton::move() {
+  for (int k = 0; k <= problem_.knots(); ++k) {
+    auto dx = scratch_.head(problem_.ndx());
+    dx = step_length_ * step_[k].head(problem_.ndx());
+    problem_.manifold().integrate(before_.x(k).data(), dx.data(), trajectory_.x(k).data());
+    if (k < problem_.knots())
+      trajectory_.u(k) = before_.u(k) + step_length_ * step_[k].tail(problem_.nu(k));
+  }
+  bounds_.clamp(trajectory_);
+  multipliers_ = multipliers_before_ + step_length_ * (target_ - multipliers_before_);
 }
 
 double ProjectedNewton::cost() const {

@@ -64,8 +64,11 @@ class ProjectedNewton {
   void linearize();
   void measure();
   bool solve_quadratic();
+  double take_hessians();
   void evaluate_exact_hessian();
   bool solve_on_rows(double penalty);
+  bool sweep_with(const std::vector<Eigen::MatrixXd>& hessians, double penalty);
+  void move();
   bool sweep();
 
   const ShootingProblem& problem_;

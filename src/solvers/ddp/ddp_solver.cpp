@@ -103,24 +103,33 @@ void DdpSolver::iterate() {
   const CheckpointScope scope([this] {
     if (!record_.result.log.empty() && !record_.budget_left()) throw Abandoned();
   });
-  if (constrained_) {
-    iterate_.differentiate(globalization_.feedback(), outer_->augmentation());
-    if (iterate_.linearized && outer_->fit(iterate_)) iterate_.linearized = false;
-  }
+  if (constrained_) fit_outer();
   try {
-    while (linearize()) {
-      if ((converged() && confirm()) || cost_settled()) break;
-      if (polish_ && polish_->due(record_.row) && polish()) break;
-      if (outer_->minimized(record_.row, globalization_.merit()) && !next_minimization()) break;
-      if (!record_.may_continue() || !step()) break;
-      ++record_.row.iteration;
-    }
+    while (linearize() && !ends() && goes_on() && step()) ++record_.row.iteration;
   } catch (const Abandoned&) {
     abandoned_ = true;
     if (stepping_) iterate_.trajectory = step_start_;
     iterate_.linearized = iterate_.differentiated = false;
     record_.log_is_stale = true;
   }
+}
+
+/// Lets the outer strategy see the first iterate, which may change what is minimised.
+void DdpSolver::fit_outer() {
+  iterate_.differentiate(globalization_.feedback(), outer_->augmentation());
+  if (iterate_.linearized && outer_->fit(iterate_)) iterate_.linearized = false;
+}
+
+/// Whether the linearised iterate ends the solve, or Newton's method does from there.
+bool DdpSolver::ends() {
+  return (converged() && confirm()) || cost_settled() ||
+         (polish_ && polish_->due(record_.row) && polish());
+}
+
+/// Whether there is something left to minimise, and iterations to do so.
+bool DdpSolver::goes_on() {
+  if (outer_->minimized(record_.row, globalization_.merit()) && !next_minimization()) return false;
+  return record_.may_continue();
 }
 
 /// Derivatives and residuals of the iterate, and its row in the log.

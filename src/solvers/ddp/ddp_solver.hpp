@@ -32,6 +32,9 @@ class DdpSolver {
  private:
   bool start(const Trajectory& guess);
   void iterate();
+  void fit_outer();
+  bool ends();
+  bool goes_on();
   bool linearize();
   void measure();
   bool converged() const;

@@ -21,10 +21,9 @@ int BackwardSweep::run(const Linearization& linearization, const Trajectory& tra
   const SweptHorizon horizon{linearization, trajectory, gaps, bounds_};
   policy.begin_horizon(linearization, gaps);
   policy.begin_sweep(hold);
-  if (segments_ && use_segments_ && (hold || !bounded_) && regularization.weight == 0) {
+  if (goes_by_segments(hold, regularization))
     if (const auto bad_knot = segments_->run(horizon, policy, feedback, values_, Quu_))
       return *bad_knot;
-  }
   // Values in front of the last segment are not those that a sweep could go on from.
   if (segments_) from.reset();
   if (!from) {
@@ -42,6 +41,10 @@ int BackwardSweep::run(const Linearization& linearization, const Trajectory& tra
   }
   if (segments_) segments_->start_from(values_);
   return -1;
+}
+
+bool BackwardSweep::goes_by_segments(bool hold, const SweepRegularization& regularization) const {
+  return segments_ && use_segments_ && (hold || !bounded_) && regularization.weight == 0;
 }
 
 }  // namespace conddp

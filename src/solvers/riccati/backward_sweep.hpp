@@ -43,6 +43,8 @@ class BackwardSweep {
   void use_segments(bool use) { use_segments_ = use; }
 
  private:
+  bool goes_by_segments(bool hold, const SweepRegularization& regularization) const;
+
   const ControlBounds& bounds_;
   std::vector<ValueFunction> values_;  ///< N + 1
   std::vector<Eigen::MatrixXd> Quu_;

@@ -14,6 +14,14 @@ using MatrixIn = Eigen::Ref<const Eigen::MatrixXd>;
 
 constexpr double kShortestStep = 1e-12;
 
+BoundState state_of(double x, double lower, double upper, double gradient, BoundState hint) {
+  const bool at_lower = x <= lower, at_upper = x >= upper;
+  if (at_lower && (at_upper || gradient > 0 || hint == BoundState::at_lower))
+    return BoundState::at_lower;
+  if (at_upper && (gradient < 0 || hint == BoundState::at_upper)) return BoundState::at_upper;
+  return BoundState::free;
+}
+
 }  // namespace
 
 BoxQp::BoxQp(int max_size, int max_iterations, double armijo)
@@ -49,18 +57,11 @@ bool BoxQp::update_free_set(const VectorIn& lower, const VectorIn& upper, bool t
   bool changed = false;
   int count = 0;
   for (int i = 0; i < size_; ++i) {
-    const bool at_lower = x_[i] <= lower[i];
-    const bool at_upper = x_[i] >= upper[i];
     const BoundState hint = trust ? active[i] : BoundState::free;
-    active[i] = BoundState::free;
-    if (at_lower && (at_upper || gradient_[i] > 0 || hint == BoundState::at_lower)) {
-      active[i] = BoundState::at_lower;
-    } else if (at_upper && (gradient_[i] < 0 || hint == BoundState::at_upper)) {
-      active[i] = BoundState::at_upper;
-    } else {
-      changed = changed || count >= free_count_ || free_[count] != i;
-      free_[count++] = i;
-    }
+    active[i] = state_of(x_[i], lower[i], upper[i], gradient_[i], hint);
+    if (active[i] != BoundState::free) continue;
+    changed = changed || count >= free_count_ || free_[count] != i;
+    free_[count++] = i;
   }
   changed = changed || count != free_count_;
   free_count_ = count;
@@ -97,9 +98,6 @@ BoxQp::Status BoxQp::solve(const MatrixIn& H, const VectorIn& g, const VectorIn&
   if (size_ == 0) return Status::solved;
   auto x = x_.head(size_);
   auto gradient = gradient_.head(size_);
-  auto step = step_.head(size_);
-  auto trial = trial_.head(size_);
-  auto H_step = H_step_.head(size_);
   const double g_max = g.lpNorm<Eigen::Infinity>();
   const double H_max = H.cwiseAbs().maxCoeff();
   bool newton_point = false;  // x minimises over its free entries
@@ -116,28 +114,40 @@ BoxQp::Status BoxQp::solve(const MatrixIn& H, const VectorIn& g, const VectorIn&
       continue;
     }
     find_direction();
-
-    // Along the projection of the Newton direction. The change of the objective is formed from the
-    // step itself, so that no cancellation hides it.
-    bool accepted = false;
-    for (double length = 1; !accepted && length >= kShortestStep; length /= 2) {
-      bool projected = false;
-      for (int i = 0; i < size_; ++i) {
-        const double to = x[i] + length * direction_[i];
-        trial[i] = std::max(lower[i], std::min(to, upper[i]));
-        projected = projected || trial[i] != to;
-      }
-      step = trial - x;
-      H_step.noalias() = H * step;
-      const double slope = gradient.dot(step);
-      const double change = slope + 0.5 * step.dot(H_step);
-      accepted = slope < 0 && change <= armijo_ * slope;
-      newton_point = accepted && length == 1 && !projected;
-    }
-    if (!accepted) return Status::solved;  // no descent is left but rounding
-    x = trial;                             // not x + step: bounds are met exactly
+    const Descent descent = search(H, lower, upper);
+    if (descent == Descent::none) return Status::solved;
+    newton_point = descent == Descent::newton;
+    x = trial_.head(size_);  // not x + step: bounds are met exactly
   }
   return Status::iteration_limit;
+}
+
+/// Armijo's rule along the projection of the Newton direction. The change of the objective is
+/// formed from the step itself, so that no cancellation hides it.
+BoxQp::Descent BoxQp::search(const MatrixIn& H, const VectorIn& lower, const VectorIn& upper) {
+  auto step = step_.head(size_);
+  auto H_step = H_step_.head(size_);
+  for (double length = 1; length >= kShortestStep; length /= 2) {
+    const bool projected = project_trial(length, lower, upper);
+    step = trial_.head(size_) - x();
+    H_step.noalias() = H * step;
+    const double slope = gradient_.head(size_).dot(step);
+    const double change = slope + 0.5 * step.dot(H_step);
+    if (slope < 0 && change <= armijo_ * slope)
+      return length == 1 && !projected ? Descent::newton : Descent::shorter;
+  }
+  return Descent::none;
+}
+
+/// Whether the box cuts anything off.
+bool BoxQp::project_trial(double length, const VectorIn& lower, const VectorIn& upper) {
+  bool projected = false;
+  for (int i = 0; i < size_; ++i) {
+    const double to = x_[i] + length * direction_[i];
+    trial_[i] = std::max(lower[i], std::min(to, upper[i]));
+    projected = projected || trial_[i] != to;
+  }
+  return projected;
 }
 
 }  // namespace conddp

@@ -44,6 +44,9 @@ class BoxQp {
   int iterations() const { return iterations_; }
 
  private:
+  /// How a step descends: not at all but for rounding, by the Newton step of the free entries, or
+  /// by a shorter or projected one.
+  enum class Descent { none, newton, shorter };
   void start(const Eigen::Ref<const Eigen::VectorXd>& lower,
              const Eigen::Ref<const Eigen::VectorXd>& upper, std::span<const BoundState> active);
   bool update_free_set(const Eigen::Ref<const Eigen::VectorXd>& lower,
@@ -52,6 +55,11 @@ class BoxQp {
   bool factor_free_block(const Eigen::Ref<const Eigen::MatrixXd>& H);
   bool free_gradient_vanishes(double rounding) const;
   void find_direction();
+  Descent search(const Eigen::Ref<const Eigen::MatrixXd>& H,
+                 const Eigen::Ref<const Eigen::VectorXd>& lower,
+                 const Eigen::Ref<const Eigen::VectorXd>& upper);
+  bool project_trial(double length, const Eigen::Ref<const Eigen::VectorXd>& lower,
+                     const Eigen::Ref<const Eigen::VectorXd>& upper);
 
   int max_iterations_;
   double armijo_;

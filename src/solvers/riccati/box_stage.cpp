@@ -31,43 +31,26 @@ class BoxStage : public StagePolicy {
   }
 
   bool solve(const StageProblem& stage, Eigen::Ref<Eigen::VectorXd> k, LaneBlock Kt) override {
-    const int nu = static_cast<int>(k.size());
     Scratch& scratch = scratch_[stage.segment];
-    std::vector<BoundState>& active = active_[stage.knot];
+    const std::vector<BoundState>& active = active_[stage.knot];
     Kept& kept = kept_[stage.knot];
-    Eigen::VectorXd &lower = kept.lower, &upper = kept.upper;
-    lower = stage.lower - stage.u;
-    upper = stage.upper - stage.u;
+    kept.lower = stage.lower - stage.u;
+    kept.upper = stage.upper - stage.u;
     const bool unbound =
         std::all_of(active.begin(), active.end(), [](auto a) { return a == BoundState::free; });
+    if (hold_ && !unbound) {
+      if (!solve_held(stage, active, kept, scratch, k, Kt)) return false;
+      keep(stage, kept);
+      return true;
+    }
+    if (!unbound) return solve_in_box(stage, k, Kt);
     // Most knots are far from every bound: there the free minimum is that of the QP.
-    if (hold_ || unbound) {
-      const bool solved = unbound ? stage.solve_free(scratch.factor, k, Kt)
-                                  : solve_held(stage, active, kept, scratch, k, Kt);
-      if (hold_ && !solved) return false;
-      if (hold_ ||
-          (solved && (k.array() >= lower.array()).all() && (k.array() <= upper.array()).all())) {
-        if (!unbound) keep(stage, kept);
-        return true;
-      }
-    }
-    std::copy(active.begin(), active.end(), scratch.before.begin());
-    if (scratch.qp.solve(stage.Quu, stage.Qu, lower, upper, active) ==
-        BoxQp::Status::not_positive_definite) {
-      return false;
-    }
-    k = scratch.qp.x();
-    // Feedback acts on the free controls alone: K_f = −Q_ff⁻¹ Q_fx.
-    const auto free = scratch.qp.free();
-    const int count = static_cast<int>(free.size());
-    scratch.rhs.resize(Kt.rows, count);
-    for (int j = 0; j < count; ++j) stage.negate(free[j], scratch.rhs.block(), j);
-    solve_rows_in_place(scratch.qp.free_factor(), scratch.rhs.block());
-    Kt.view().setZero();
-    for (int j = 0; j < count; ++j) Kt.view().col(free[j]) = scratch.rhs.view().col(j);
-    for (int i = 0; i < nu; ++i) changes_ += active[i] != scratch.before[i];
-    if (count < nu) keep(stage, kept);
-    return true;
+    const bool solved = stage.solve_free(scratch.factor, k, Kt);
+    if (hold_) return solved;
+    if (solved && (k.array() >= kept.lower.array()).all() &&
+        (k.array() <= kept.upper.array()).all())
+      return true;
+    return solve_in_box(stage, k, Kt);
   }
 
   int revise(int knot, const Eigen::Ref<const Eigen::VectorXd>& dx,
@@ -76,14 +59,9 @@ class BoxStage : public StagePolicy {
     std::vector<BoundState>& active = active_[knot];
     int changes = 0;
     for (int i = 0; i < du.size(); ++i) {
-      BoundState state = active[i];
-      if (state == BoundState::free) {
-        if (du[i] < kept.lower[i]) state = BoundState::at_lower;
-        if (du[i] > kept.upper[i]) state = BoundState::at_upper;
-      } else if (kept.lower[i] < kept.upper[i]) {
-        const double gradient = kept.Qu[i] + kept.Quu.col(i).dot(du) + kept.Qxu.col(i).dot(dx);
-        if ((state == BoundState::at_lower) == (gradient < 0)) state = BoundState::free;
-      }
+      const BoundState state = active[i] == BoundState::free
+                                   ? kept.state_beyond(i, du[i])
+                                   : kept.state_by_multiplier(i, active[i], dx, du);
       changes += state != active[i];
       active[i] = state;
     }
@@ -126,6 +104,20 @@ class BoxStage : public StagePolicy {
   struct Kept {
     Eigen::MatrixXd Qxu, Quu;
     Eigen::VectorXd Qu, lower, upper;
+
+    /// Of a free entry of δu.
+    BoundState state_beyond(int i, double du) const {
+      if (du > upper[i]) return BoundState::at_upper;
+      return du < lower[i] ? BoundState::at_lower : BoundState::free;
+    }
+    /// Of a held one: free where its multiplier has the wrong sign.
+    BoundState state_by_multiplier(int i, BoundState state,
+                                   const Eigen::Ref<const Eigen::VectorXd>& dx,
+                                   const Eigen::Ref<const Eigen::VectorXd>& du) const {
+      if (!(lower[i] < upper[i])) return state;
+      const double gradient = Qu[i] + Quu.col(i).dot(du) + Qxu.col(i).dot(dx);
+      return (state == BoundState::at_lower) == (gradient < 0) ? BoundState::free : state;
+    }
   };
 
   /// Memory of one stage.
@@ -142,6 +134,30 @@ class BoxStage : public StagePolicy {
     std::vector<BoundState> before;
     std::vector<int> free;
   };
+
+  /// The stage's minimum between its bounds, from the active set of the sweep before.
+  bool solve_in_box(const StageProblem& stage, Eigen::Ref<Eigen::VectorXd> k, LaneBlock Kt) {
+    const int nu = static_cast<int>(k.size());
+    Scratch& scratch = scratch_[stage.segment];
+    std::vector<BoundState>& active = active_[stage.knot];
+    Kept& kept = kept_[stage.knot];
+    std::copy(active.begin(), active.end(), scratch.before.begin());
+    if (scratch.qp.solve(stage.Quu, stage.Qu, kept.lower, kept.upper, active) ==
+        BoxQp::Status::not_positive_definite)
+      return false;
+    k = scratch.qp.x();
+    // Feedback acts on the free controls alone: K_f = −Q_ff⁻¹ Q_fx.
+    const auto free = scratch.qp.free();
+    const int count = static_cast<int>(free.size());
+    scratch.rhs.resize(Kt.rows, count);
+    for (int j = 0; j < count; ++j) stage.negate(free[j], scratch.rhs.block(), j);
+    solve_rows_in_place(scratch.qp.free_factor(), scratch.rhs.block());
+    Kt.view().setZero();
+    for (int j = 0; j < count; ++j) Kt.view().col(free[j]) = scratch.rhs.view().col(j);
+    for (int i = 0; i < nu; ++i) changes_ += active[i] != scratch.before[i];
+    if (count < nu) keep(stage, kept);
+    return true;
+  }
 
   /// Keeps what `revise` needs of a stage where something is held.
   static void keep(const StageProblem& stage, Kept& kept) {

@@ -18,6 +18,16 @@ constexpr int kListedShare = 4;
 
 CurvedBlock block(const StateBlock& B, int n) { return {B.data(), n, 6}; }
 
+/// Q += P in as many rows and columns as P has.
+void add_square(LaneMatrix& P, LaneMatrix& Q) {
+  const int rows = P.rows(), cols = P.cols();
+  for (int j = 0; j < cols; ++j)
+    for (int row = 0; row < rows; row += kLaneWidth) {
+      double* sum = Q.col(j) + row;
+      store_lane(sum, load_lane(sum) + load_lane(P.col(j) + row));
+    }
+}
+
 /// Q += P in the lower triangle, in as many rows and columns as P has.
 void add_lower(LaneMatrix& P, LaneMatrix& Q) {
   for (int j = 0; j < P.cols(); ++j)
@@ -173,20 +183,10 @@ void ValuePropagation::propagate(const KnotLinearization& knot, const ValueFunct
     // Qzz gains E P̃₁₁ Eᵀ + E P̃₁₂ F + (E P̃₁₂ F)ᵀ + Fᵀ P̃₂₂ F, where Eᵀ picks δq. Of that the lower
     // triangle is formed: its columns δq are Fᵀ (F P̃₂₂ + P̃₂₁) and, where the rows are δq too,
     // P̃₁₁ + P̃₁₂ F.
-    if (turned) {
-      for (std::size_t s = 0; s < knot.curved.size(); ++s) {
-        const auto multiply = knot.curved[s].n == 6 ? multiply_block<6> : multiply_block<3>;
-        multiply(gap->block(s), knot.A[s], GA_[s]);
-        multiply(gap->block(s), knot.H[s], GH_[s]);
-      }
-    }
+    if (turned) turn_blocks(*gap, knot);
     transform(knot, turned ? GA_ : knot.A, turned ? GH_ : knot.H, Vxx);
     multiply(Store::set, FtP_.block(), Ft_.block(), Factor::of(P22_));
-    for (int j = 0; j < rows; ++j)
-      for (int row = 0; row < rows; row += kLaneWidth) {
-        double* sum = FtP_.col(j) + row;
-        store_lane(sum, load_lane(sum) + load_lane(P12_.col(j) + row));
-      }
+    add_square(P12_, FtP_);
   } else {
     multiply(Store::set, FtP_.block(), Ft_.block(), Factor::of_eigen(Vxx));
   }
@@ -198,6 +198,15 @@ void ValuePropagation::propagate(const KnotLinearization& knot, const ValueFunct
   }
   add_lower(knot.hessian, Q);
   mirror_lower(Q.block(), q.ndx());
+}
+
+/// G A and G H.
+void ValuePropagation::turn_blocks(const GapTransport& gap, const KnotLinearization& knot) {
+  for (std::size_t s = 0; s < knot.curved.size(); ++s) {
+    const auto multiply = knot.curved[s].n == 6 ? multiply_block<6> : multiply_block<3>;
+    multiply(gap.block(s), knot.A[s], GA_[s]);
+    multiply(gap.block(s), knot.H[s], GH_[s]);
+  }
 }
 
 /// With M = dt P₁₁ H + P₁₂ the blocks of V_xx in (δq, δv⁺) are P̃₁₁ = Aᵀ P₁₁ A, P̃₁₂ = Aᵀ M and

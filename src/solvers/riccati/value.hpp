@@ -72,6 +72,7 @@ class ValuePropagation {
   /// A knot's blocks of δq⁺ = A δq + dt H δv⁺.
   using StateBlocks = std::vector<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>;
 
+  void turn_blocks(const GapTransport& gap, const KnotLinearization& knot);
   void transform(const KnotLinearization& knot, const StateBlocks& A, const StateBlocks& H,
                  const Eigen::MatrixXd& Vxx);
 
