@@ -272,6 +272,12 @@ std::optional<std::string> check_number(const OptionInfo& info, double value) {
                      value);
 }
 
+std::optional<double> number_in(const OptionValue& value) {
+  if (const int* number = std::get_if<int>(&value)) return *number;
+  if (const double* number = std::get_if<double>(&value)) return *number;
+  return std::nullopt;
+}
+
 std::string list_choices(const OptionInfo& info) {
   std::string list;
   for (std::string_view choice : info.choices) {
@@ -310,19 +316,12 @@ std::optional<std::string> OptionInfo::set(SolverOptions& options, const OptionV
           }
           return fmt::format("{} must be one of {}", name, list_choices(*this));
         } else {
-          double number = 0;
-          if (const int* i = std::get_if<int>(&value)) {
-            number = *i;
-          } else if (const double* d = std::get_if<double>(&value)) {
-            number = *d;
-          } else {
-            return fmt::format("{} must be a number", name);
-          }
-          if (auto wrong = check_number(*this, number)) return wrong;
-          if (std::is_same_v<T, int> && number != std::floor(number)) {
-            return fmt::format("{} must be a whole number, not {}", name, number);
-          }
-          *target = static_cast<T>(number);
+          const std::optional<double> number = number_in(value);
+          if (!number) return fmt::format("{} must be a number", name);
+          if (auto wrong = check_number(*this, *number)) return wrong;
+          if (std::is_same_v<T, int> && *number != std::floor(*number))
+            return fmt::format("{} must be a whole number, not {}", name, *number);
+          *target = static_cast<T>(*number);
           return std::nullopt;
         }
       },
@@ -365,32 +364,23 @@ std::vector<std::string> SolverOptions::validate() const {
       messages.emplace_back(
           "hessian must be automatic where Ipopt's option 'hessian_approximation' is not exact");
   }
-  if (regularization.min > regularization.max) {
-    messages.push_back(
-        fmt::format("regularization.min ({}) must be at most regularization.max ({})",
-                    regularization.min, regularization.max));
-  }
-  if (augmented_lagrangian.initial_penalty > augmented_lagrangian.max_penalty) {
-    messages.push_back(
-        fmt::format("augmented_lagrangian.initial_penalty ({}) must be at most "
-                    "augmented_lagrangian.max_penalty ({})",
-                    augmented_lagrangian.initial_penalty, augmented_lagrangian.max_penalty));
-  }
-  if (complementarity.final > complementarity.initial) {
-    messages.push_back(
-        fmt::format("complementarity.final ({}) must be at most complementarity.initial ({})",
-                    complementarity.final, complementarity.initial));
-  }
-  if (regularization.initial > regularization.max) {
-    messages.push_back(
-        fmt::format("regularization.initial ({}) must be at most regularization.max ({})",
-                    regularization.initial, regularization.max));
-  }
-  if (regularization.increase_step >= regularization.decrease_step) {
+  const auto at_most = [&](std::string_view name, double value, std::string_view limit_name,
+                           double limit) {
+    if (value > limit)
+      messages.push_back(
+          fmt::format("{} ({}) must be at most {} ({})", name, value, limit_name, limit));
+  };
+  at_most("regularization.min", regularization.min, "regularization.max", regularization.max);
+  at_most("augmented_lagrangian.initial_penalty", augmented_lagrangian.initial_penalty,
+          "augmented_lagrangian.max_penalty", augmented_lagrangian.max_penalty);
+  at_most("complementarity.final", complementarity.final, "complementarity.initial",
+          complementarity.initial);
+  at_most("regularization.initial", regularization.initial, "regularization.max",
+          regularization.max);
+  if (regularization.increase_step >= regularization.decrease_step)
     messages.push_back(
         fmt::format("regularization.increase_step ({}) must be < regularization.decrease_step ({})",
                     regularization.increase_step, regularization.decrease_step));
-  }
   return messages;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -73,59 +74,94 @@ class Way {
   std::vector<HomotopyStep> steps_;
 };
 
+/// From the problem at s = 0 to that at s = 1, by steps that grow and shrink.
+class Walk {
+ public:
+  Walk(const ShootingProblem& problem, SolverList candidates, const SolverOptions& options,
+       const Trajectory& guess, const SolveByFirst& solve, const SolverInfo*& used)
+      : problem_(problem),
+        candidates_(candidates),
+        options_(options),
+        used_(used),
+        way_(options, solve),
+        start_{guess, options.multipliers, options.augmented_lagrangian.initial_penalty} {}
+
+  SolveResult run() {
+    const auto first = options_.homotopy(0);
+    if (!first) return solve_directly("without a start, which cannot be built");
+    last_ = way_.attempt(0, *first, candidates_, start_, (options_.max_iterations + 1) / 2, used_);
+    if (is_limit(last_->status)) start_.guess = last_->trajectory;
+    if (!is_success(last_->status))
+      return solve_directly(
+          fmt::format("without a start, which ended as {}", to_string(last_->status)));
+    quick_ = iterations_ = last_->iterations;
+    start_ = start_from(options_, *last_);
+    while (share_ < 1) {
+      const double next = std::min(1.0, share_ + step_);
+      const SolveStatus status = solve_at(next);
+      if (is_success(status)) {
+        go_on_from(next);
+        continue;
+      }
+      step_ = 0.5 * (next - share_);
+      if (is_limit(status) || step_ < kShortestStep || way_.iterations_left() == 0)
+        return solve_directly(fmt::format("{} at s = {:.4g}: the step to {:.4g} ended as {}",
+                                          is_limit(status) ? "stopped" : "stuck", share_, next,
+                                          to_string(status)));
+    }
+    return way_.answer(*std::move(last_));
+  }
+
+ private:
+  /// The problem itself, from the last answer on the way.
+  SolveResult solve_directly(const std::string& why) {
+    start_.penalty = options_.augmented_lagrangian.initial_penalty;
+    SolveResult last =
+        way_.attempt(1, problem_, candidates_, start_, way_.iterations_left(), used_);
+    last.message = fmt::format("homotopy {}; from there the problem itself: {}", why, last.message);
+    return way_.answer(std::move(last));
+  }
+
+  /// An answer is kept as the last one.
+  SolveStatus solve_at(double share) {
+    const auto between = options_.homotopy(share);
+    if (!between) {
+      way_.note_impossible(share);
+      return SolveStatus::infeasible;
+    }
+    const int limit = std::min(std::max(kLeastLimit, iterations_), way_.iterations_left());
+    SolveResult result = way_.attempt(share, share == 1 ? problem_ : *between, std::array{used_},
+                                      start_, limit, used_);
+    const SolveStatus status = result.status;
+    if (is_success(status)) last_ = std::move(result);
+    return status;
+  }
+
+  void go_on_from(double share) {
+    if (last_->iterations <= quick_) step_ *= 2;
+    iterations_ += last_->iterations;
+    share_ = share;
+    start_ = start_from(options_, *last_);
+  }
+
+  const ShootingProblem& problem_;
+  SolverList candidates_;
+  const SolverOptions& options_;
+  const SolverInfo*& used_;
+  Way way_;
+  Start start_;
+  std::optional<SolveResult> last_;
+  int quick_ = 0;       ///< iterations up to which a step is an easy one
+  int iterations_ = 0;  ///< of answers
+  double share_ = 0, step_ = kFirstStep;
+};
+
 }  // namespace
 
 SolveResult solve_homotopy(const ShootingProblem& problem, SolverList candidates,
                            const SolverOptions& options, const Trajectory& guess,
                            const SolveByFirst& solve, const SolverInfo*& used) {
-  const double first_penalty = options.augmented_lagrangian.initial_penalty;
-  Way way(options, solve);
-  Start start{guess, options.multipliers, first_penalty};
-  const auto direct = [&](const std::string& why) {
-    start.penalty = first_penalty;
-    SolveResult last = way.attempt(1, problem, candidates, start, way.iterations_left(), used);
-    last.message = fmt::format("homotopy {}; from there the problem itself: {}", why, last.message);
-    return way.answer(std::move(last));
-  };
-
-  const auto first = options.homotopy(0);
-  if (!first) return direct("without a start, which cannot be built");
-  SolveResult last =
-      way.attempt(0, *first, candidates, start, (options.max_iterations + 1) / 2, used);
-  if (is_limit(last.status)) start.guess = last.trajectory;
-  if (!is_success(last.status))
-    return direct(fmt::format("without a start, which ended as {}", to_string(last.status)));
-
-  const int quick = last.iterations;
-  int iterations = last.iterations;  // of answers
-  double share = 0, step = kFirstStep;
-  start = start_from(options, last);
-  while (share < 1) {
-    const double next = std::min(1.0, share + step);
-    SolveStatus status = SolveStatus::infeasible;
-    if (const auto between = options.homotopy(next)) {
-      const int limit = std::min(std::max(kLeastLimit, iterations), way.iterations_left());
-      SolveResult result =
-          way.attempt(next, next == 1 ? problem : *between, std::array{used}, start, limit, used);
-      status = result.status;
-      if (is_success(status)) last = std::move(result);
-    } else {
-      way.note_impossible(next);
-    }
-    if (is_success(status)) {
-      if (last.iterations <= quick) step *= 2;
-      iterations += last.iterations;
-      share = next;
-      start = start_from(options, last);
-      continue;
-    }
-    step = 0.5 * (next - share);
-    if (is_limit(status) || step < kShortestStep || way.iterations_left() == 0)
-      return direct(fmt::format("{} at s = {:.4g}: the step to {:.4g} ended as {}",
-                                is_limit(status) ? "stopped" : "stuck", share, next,
-                                to_string(status)));
-  }
-  return way.answer(std::move(last));
+  return Walk(problem, candidates, options, guess, solve, used).run();
 }
 
 }  // namespace conddp

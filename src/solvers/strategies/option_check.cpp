@@ -3,6 +3,7 @@
 #include <stdexcept>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace conddp {
 namespace {
@@ -21,21 +22,22 @@ std::optional<std::string> misfit(const ShootingProblem& problem, const DualGues
   return "the multipliers to start from do not have the shape of the problem";
 }
 
+std::optional<std::string> unsupported_hessian(const SolverInfo& solver, HessianChoice choice) {
+  if (choice == HessianChoice::exact && !solver.exact_hessian)
+    return fmt::format("hessian: {} has no exact Hessian", solver.name);
+  if (choice == HessianChoice::gauss_newton && !solver.gauss_newton_hessian)
+    return fmt::format("hessian: {} always uses the exact one", solver.name);
+  return std::nullopt;
+}
+
 /// Why the solver cannot take the problem with these options, if so.
 std::optional<std::string> unsupported_options(const SolverInfo& solver,
                                                const ShootingProblem& problem,
                                                const SolverOptions& options) {
-  std::string wrong;
-  for (const std::string& message : options.validate()) {
-    if (!wrong.empty()) wrong += "; ";
-    wrong += message;
-  }
-  if (!wrong.empty()) return wrong;
+  if (const std::vector<std::string> wrong = options.validate(); !wrong.empty())
+    return fmt::format("{}", fmt::join(wrong, "; "));
   if (auto reason = unsupported(solver, problem)) return reason;
-  if (options.hessian == HessianChoice::exact && !solver.exact_hessian)
-    return fmt::format("hessian: {} has no exact Hessian", solver.name);
-  if (options.hessian == HessianChoice::gauss_newton && !solver.gauss_newton_hessian)
-    return fmt::format("hessian: {} always uses the exact one", solver.name);
+  if (auto reason = unsupported_hessian(solver, options.hessian)) return reason;
   if (auto reason = unsupported_segments(solver, problem, options.legs)) return reason;
   if (options.multipliers) return misfit(problem, *options.multipliers);
   return std::nullopt;

@@ -91,19 +91,19 @@ class Collector {
     if (!outcome.result) return;
     ++record_.starts;
     const SolveResult& result = *outcome.result;
-    const bool converged = is_success(result.status);
-    if (converged) {
+    if (is_success(result.status)) {
       ++record_.converged;
       count(result);
     }
-    const bool better =
-        !best_.result ||
-        (converged &&
-         (!is_success(best_.result->status) ||
-          (result.cost < best_.result->cost && !equal_costs(result.cost, best_.result->cost))));
-    if (!better) return;
+    if (best_.result && !is_better(result, *best_.result)) return;
     record_.answer = next_;
     best_ = std::move(outcome);
+  }
+
+  static bool is_better(const SolveResult& result, const SolveResult& best) {
+    if (!is_success(result.status)) return false;
+    if (!is_success(best.status)) return true;
+    return result.cost < best.cost && !equal_costs(result.cost, best.cost);
   }
 
   void count(const SolveResult& result) {
@@ -127,67 +127,97 @@ class Collector {
   std::exception_ptr failure_;
 };
 
+/// The starts of a problem, made by several threads.
+class Restarts {
+ public:
+  Restarts(const ShootingProblem& problem, const SolverOptions& options, const Trajectory& guess,
+           const Solve& solve)
+      : problem_(problem), options_(options), guess_(guess), solve_(solve), collector_(problem) {}
+
+  SolveResult run(int threads, const SolverInfo*& used) {
+    threads = std::min(threads, starts());
+    own_ = options_;
+    own_.restarts = {};
+    own_.on_iteration = nullptr;
+    own_.interrupted = [this] { return interrupted(); };
+    if (threads > 1) own_.threads = 1;
+    {
+      std::vector<std::jthread> others;
+      for (int i = 1; i < threads; ++i) others.emplace_back([this] { make_further(); });
+      make(0);
+      make_further();
+    }
+    SolveResult answer = collector_.answer(used);
+    answer.times.total = gone();
+    return answer;
+  }
+
+ private:
+  int starts() const { return options_.restarts.count + 1; }
+  double gone() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count();
+  }
+  bool interrupted() {
+    const std::lock_guard lock(callbacks_);
+    return interrupted_ = interrupted_ || (options_.interrupted && options_.interrupted());
+  }
+
+  /// Those that nobody has begun.
+  void make_further() {
+    for (int start = take_next(); start < starts(); start = take_next()) make(start);
+  }
+  int take_next() {
+    const std::lock_guard lock(results_);
+    return next_++;
+  }
+
+  void make(int start) {
+    Outcome outcome;
+    try {
+      outcome = solve(start);
+    } catch (...) {
+      outcome.failure = std::current_exception();
+    }
+    const std::lock_guard lock(results_);
+    collector_.add(start, std::move(outcome));
+  }
+
+  /// The first start is made in any case, others as long as there is time.
+  Outcome solve(int start) {
+    SolverOptions mine = own_;
+    if (start == 0) {
+      if (options_.on_iteration)
+        mine.on_iteration = [this](const IterationRecord& row) {
+          const std::lock_guard lock(callbacks_);
+          options_.on_iteration(row);
+        };
+    } else {
+      mine.max_time_s = options_.max_time_s - gone();
+      if (!(mine.max_time_s > 0) || interrupted()) return {};
+    }
+    Outcome outcome;
+    outcome.result = solve_(start_of(problem_, options_, guess_, start), mine, outcome.used);
+    return outcome;
+  }
+
+  const ShootingProblem& problem_;
+  const SolverOptions& options_;
+  const Trajectory& guess_;
+  const Solve& solve_;
+  SolverOptions own_;  ///< of every start
+  const std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
+  std::mutex callbacks_, results_;
+  bool interrupted_ = false;  ///< guarded by `callbacks_`
+  int next_ = 1;              ///< guarded by `results_`
+  Collector collector_;       ///< guarded by `results_`
+};
+
 }  // namespace
 
 SolveResult solve_restarts(const ShootingProblem& problem, const SolverOptions& options,
                            const Trajectory& guess, int threads, const Solve& solve,
                            const SolverInfo*& used) {
-  const auto began = std::chrono::steady_clock::now();
-  const auto gone = [&] {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
-  };
-  const int starts = options.restarts.count + 1;
-  threads = std::min(threads, starts);
-  std::mutex callbacks, results;
-  bool interrupted = false;  // guarded by `callbacks`
-  const auto ask = [&] {
-    const std::lock_guard lock(callbacks);
-    return interrupted = interrupted || (options.interrupted && options.interrupted());
-  };
-  SolverOptions own = options;
-  own.restarts = {};
-  if (threads > 1) own.threads = 1;
-  own.interrupted = ask;
-  Collector collector(problem);
-
-  const auto make = [&](int start) {
-    Outcome outcome;
-    try {
-      SolverOptions mine = own;
-      mine.on_iteration = nullptr;
-      if (start == 0 && options.on_iteration)
-        mine.on_iteration = [&](const IterationRecord& row) {
-          const std::lock_guard lock(callbacks);
-          options.on_iteration(row);
-        };
-      if (start > 0) mine.max_time_s = options.max_time_s - gone();
-      if (start == 0 || (mine.max_time_s > 0 && !ask()))
-        outcome.result = solve(start_of(problem, options, guess, start), mine, outcome.used);
-    } catch (...) {
-      outcome.failure = std::current_exception();
-    }
-    const std::lock_guard lock(results);
-    collector.add(start, std::move(outcome));
-  };
-  int next = 1;  // guarded by `results`
-  const auto make_further = [&] {
-    while (true) {
-      const int start = [&] {
-        const std::lock_guard lock(results);
-        return next++;
-      }();
-      if (start >= starts) return;
-      make(start);
-    }
-  };
-  std::vector<std::jthread> others;
-  for (int i = 1; i < threads; ++i) others.emplace_back(make_further);
-  make(0);
-  make_further();
-  others.clear();  // joins them
-  SolveResult answer = collector.answer(used);
-  answer.times.total = gone();
-  return answer;
+  return Restarts(problem, options, guess, solve).run(threads, used);
 }
 
 }  // namespace conddp
