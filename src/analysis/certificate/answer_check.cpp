@@ -22,6 +22,14 @@ double bound_violation(const ShootingProblem& problem, const Trajectory& traject
   return worst;
 }
 
+bool is_finite(const Linearization& linearization) {
+  const auto finite = [](const KnotLinearization& knot) {
+    return knot.gradient.allFinite() && knot.hessian().allFinite() && knot.F.allFinite();
+  };
+  return linearization.cost.allFinite() && linearization.gap.allFinite() &&
+         std::all_of(linearization.knots.begin(), linearization.knots.end(), finite);
+}
+
 }  // namespace
 
 AnswerCheck check_answer(const ShootingProblem& problem, const Trajectory& trajectory,
@@ -33,12 +41,7 @@ AnswerCheck check_answer(const ShootingProblem& problem, const Trajectory& traje
   const bool multipliers_known = constraint_multipliers.size() == problem.constraint_rows();
   if (multipliers_known) lagrangian.multiplier = constraint_multipliers;
   evaluator.differentiate(trajectory, linearization, &lagrangian);
-  const auto finite = [](const KnotLinearization& knot) {
-    return knot.gradient.allFinite() && knot.hessian().allFinite() && knot.F.allFinite();
-  };
-  if (!linearization.cost.allFinite() || !linearization.gap.allFinite() ||
-      !std::all_of(linearization.knots.begin(), linearization.knots.end(), finite))
-    return check;
+  if (!is_finite(linearization)) return check;
   check.cost = linearization.total_cost() + linear_soft_cost(problem, linearization.constraint);
   Eigen::VectorXd start(problem.ndx());
   problem.manifold().difference(problem.initial_state().data(), trajectory.x(0).data(),

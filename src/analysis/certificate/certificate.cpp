@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <memory>
 #include <random>
 
 #include <fmt/format.h>
@@ -14,6 +13,7 @@
 #include "analysis/certificate/lagrangian_gradient.hpp"
 #include "analysis/certificate/place_text.hpp"
 #include "analysis/certificate/reduced_gradient.hpp"
+#include "ocp/problem/node_evaluation.hpp"
 #include "ocp/problem/soft_constraint.hpp"
 #include "ocp/terms/soft_limit.hpp"
 #include "solvers/common/status.hpp"
@@ -158,34 +158,33 @@ class Judge {
     const int N = problem_.knots(), ndx = problem_.ndx();
     gaps_.resize(ndx, N);
     values_.resize(problem_.constraint_rows());
-    std::map<const KnotModel*, std::unique_ptr<KnotWorkspace<double>>> memory;
+    NodeEvaluation nodes(problem_);
     for (int k = 0; k <= N; ++k) {
-      const KnotView& view = problem_.knot(k);
-      auto& work = memory[view.model];
-      if (!work) work = std::make_unique<KnotWorkspace<double>>(*view.model);
       const auto x = claims_.trajectory.x(k);
-      const double* u = k < N ? claims_.trajectory.u(k).data() : nullptr;
-      view.model->evaluate(
-          KnotInput<double>{x.data(), u, view.parameters, view.dt, view.cost_scale}, *work);
-      for (std::size_t t = 0; t < view.model->costs().size(); ++t)
-        add_cost((k == N ? "terminal/" : "") + view.model->costs()[t].name, work->term_costs[t]);
-      for (const ConstraintTerm& term : view.model->constraints())
-        if (term.softness != Softness::hard)
-          add_cost((k == N ? "terminal/" : "") + term.name,
-                   soft_cost(term, work->constraint.data() + term.row, view.parameters,
-                             view.cost_scale));
-      std::copy(work->constraint.begin(), work->constraint.end(),
+      const KnotWorkspace<double>& work = nodes.at(k, claims_.trajectory);
+      add_costs(problem_.knot(k), work, k == N ? "terminal/" : "");
+      std::copy(work.constraint.begin(), work.constraint.end(),
                 values_.data() + problem_.constraint_offset(k));
       if (k == N) break;
-      problem_.manifold().difference(claims_.trajectory.x(k + 1).data(), work->next().data(),
+      problem_.manifold().difference(claims_.trajectory.x(k + 1).data(), work.next().data(),
                                      gaps_.col(k).data());
       const double size =
-          Eigen::Map<const Eigen::VectorXd>(work->next().data(), problem_.nx()).cwiseAbs().sum();
+          Eigen::Map<const Eigen::VectorXd>(work.next().data(), problem_.nx()).cwiseAbs().sum();
       for (int i = 0; i < ndx; ++i) gap_.meet(std::abs(gaps_(i, k)), size, k, i);
       largest_state_ =
           std::max({largest_state_, x.lpNorm<Eigen::Infinity>(), size / problem_.nx()});
     }
     derivatives_ = node_derivatives(problem_, claims_.trajectory, gaps_);
+  }
+
+  void add_costs(const KnotView& view, const KnotWorkspace<double>& work,
+                 const std::string& prefix) {
+    for (std::size_t t = 0; t < view.model->costs().size(); ++t)
+      add_cost(prefix + view.model->costs()[t].name, work.term_costs[t]);
+    for (const ConstraintTerm& term : view.model->constraints())
+      if (term.softness != Softness::hard)
+        add_cost(prefix + term.name, soft_cost(term, work.constraint.data() + term.row,
+                                               view.parameters, view.cost_scale));
   }
 
   void add_cost(const std::string& name, double cost) {
@@ -333,20 +332,25 @@ class Judge {
     const bool under = claims_.stationarity <= t.stationarity && claims_.gap <= t.gap &&
                        claims_.constraint <= t.constraint &&
                        claims_.complementarity <= t.complementarity;
-    if (claims_.converged != under) {
-      add({"status", false, Check::kNone, Check::kNone, Check::kNone, "",
-           claims_.converged
-               ? "'converged', but a claimed residual is above its tolerance"
-               : fmt::format("'{}', but all claimed residuals are under their tolerances",
-                             claims_.status)});
-      return;
-    }
+    if (claims_.converged != under)
+      return judge_status(
+          claims_.converged
+              ? "'converged', but a claimed residual is above its tolerance"
+              : fmt::format("'{}', but all claimed residuals are under their tolerances",
+                            claims_.status));
     if (claims_.status == to_string(SolveStatus::cost_settled)) return check_settled();
-    if (!claims_.converged) {
-      add({"status", true, Check::kNone, Check::kNone, Check::kNone, "", ""});
-      if (claims_.status == kInfeasible) check_least_violation();
-      return;
-    }
+    if (claims_.converged) return check_converged();
+    judge_status("");
+    if (claims_.status == kInfeasible) check_least_violation();
+  }
+
+  /// The check of the status, which holds where nothing is wrong.
+  void judge_status(std::string wrong) {
+    add({"status", wrong.empty(), Check::kNone, Check::kNone, Check::kNone, "", std::move(wrong)});
+  }
+
+  void check_converged() {
+    const auto& t = claims_.tolerances;
     std::string above;
     const auto need = [&](const char* what, double found, double limit) {
       if (found <= limit) return;
@@ -361,8 +365,7 @@ class Judge {
     need("complementarity", found_complementarity_, t.complementarity);
     need("the co-states' relative distance from those along other gains, and from those without",
          costate_error_, kCostateMargin * t.stationarity);
-    add({"status", above.empty(), Check::kNone, Check::kNone, Check::kNone, "",
-         above.empty() ? "" : "'converged', but " + above});
+    judge_status(above.empty() ? "" : "'converged', but " + above);
   }
 
   /// A cost that has settled is one of a motion that satisfies dynamics and constraints.
@@ -375,8 +378,7 @@ class Judge {
     std::string wrong;
     if (!feasible) wrong = "a gap, a violation or the complementarity is above its tolerance";
     if (t.cost_decrease == 0) wrong = "tolerances.cost_decrease is 0";
-    add({"status", wrong.empty(), Check::kNone, Check::kNone, Check::kNone, "",
-         wrong.empty() ? "" : "'cost_settled', but " + wrong});
+    judge_status(wrong.empty() ? "" : "'cost_settled', but " + wrong);
   }
 
   /// Infeasible is what leaves no control a way, on a motion that follows from the controls.

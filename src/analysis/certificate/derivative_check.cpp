@@ -139,13 +139,16 @@ KnotDerivatives analytic_derivatives(const KnotView& knot, const Trajectory& tra
   return out;
 }
 
+/// The largest entry of a matrix of finite numbers, 0 of others.
+double largest_finite(const Eigen::MatrixXd& m) {
+  return m.size() > 0 && m.allFinite() ? m.cwiseAbs().maxCoeff() : 0;
+}
+
 void compare(const Eigen::MatrixXd& analytic, const Eigen::MatrixXd& reference, double unit, int k,
              bool displaced, DerivativeComparison& out) {
   constexpr double kColumnRounding = 1e-3;
   if (out.knots.empty() || out.knots.back() != k) out.knots.push_back(k);
-  double largest = unit;
-  for (const Eigen::MatrixXd* m : {&analytic, &reference})
-    if (m->size() > 0 && m->allFinite()) largest = std::max(largest, m->cwiseAbs().maxCoeff());
+  const double largest = std::max({unit, largest_finite(analytic), largest_finite(reference)});
   for (Eigen::Index c = 0; c < analytic.cols(); ++c)
     for (Eigen::Index r = 0; r < analytic.rows(); ++r, ++out.entries) {
       const double a = analytic(r, c), b = reference(r, c);
@@ -206,6 +209,52 @@ Trajectory displaced_trajectory(const ShootingProblem& problem, const Trajectory
   return result;
 }
 
+/// The worst entries by phase, kind and term.
+class Comparisons {
+ public:
+  /// Of one knot. The terminal node has no dynamics.
+  void add(const KnotView& knot, int phase, int k, bool displaced, const KnotDerivatives& analytic,
+           const KnotDerivatives& reference) {
+    if (knot.model->integrator() != Integrator::none)
+      compare(analytic.dynamics, reference.dynamics, 1, k, displaced,
+              entry(phase, DerivativeKind::dynamics, -1));
+    const int costs = static_cast<int>(knot.model->costs().size());
+    for (int t = 0; t < costs; ++t)
+      compare(analytic.residuals[t], reference.residuals[t], 1, k, displaced,
+              entry(phase, DerivativeKind::residual, t));
+    const std::vector<ConstraintTerm>& constraints = knot.model->constraints();
+    for (std::size_t t = 0; t < constraints.size(); ++t)
+      compare(analytic.constraints.middleRows(constraints[t].row, constraints[t].rows),
+              reference.constraints.middleRows(constraints[t].row, constraints[t].rows), 1, k,
+              displaced, entry(phase, DerivativeKind::constraint, first_of_name(constraints, t)));
+    if (costs > 0)
+      compare(analytic.gradient, reference.gradient, gradient_unit(knot), k, displaced,
+              entry(phase, DerivativeKind::gradient, -1));
+  }
+
+  std::vector<DerivativeComparison> take() {
+    std::vector<DerivativeComparison> result;
+    for (auto& [key, comparison] : worst_) {
+      std::vector<int>& knots = comparison.knots;
+      std::sort(knots.begin(), knots.end());
+      knots.erase(std::unique(knots.begin(), knots.end()), knots.end());
+      result.push_back(std::move(comparison));
+    }
+    return result;
+  }
+
+ private:
+  DerivativeComparison& entry(int phase, DerivativeKind kind, int term) {
+    DerivativeComparison& c = worst_[{phase, kind, term}];
+    c.kind = kind;
+    c.phase = phase;
+    c.term = term;
+    return c;
+  }
+
+  std::map<std::tuple<int, DerivativeKind, int>, DerivativeComparison> worst_;
+};
+
 }  // namespace
 
 std::vector<DerivativeComparison> check_derivatives(const ShootingProblem& problem,
@@ -213,14 +262,7 @@ std::vector<DerivativeComparison> check_derivatives(const ShootingProblem& probl
                                                     const DerivativeCheckOptions& options) {
   Evaluator evaluator(problem);
   Linearization linearization(problem);
-  std::map<std::tuple<int, DerivativeKind, int>, DerivativeComparison> worst;
-  const auto entry = [&](int phase, DerivativeKind kind, int term) -> DerivativeComparison& {
-    DerivativeComparison& c = worst[{phase, kind, term}];
-    c.kind = kind;
-    c.phase = phase;
-    c.term = term;
-    return c;
-  };
+  Comparisons comparisons;
   for (const bool displaced : {false, true}) {
     if (displaced && options.displacement == 0) break;
     const Trajectory at =
@@ -232,35 +274,14 @@ std::vector<DerivativeComparison> check_derivatives(const ShootingProblem& probl
       const int n = p < phases ? problem.phases()[p].knots() : 1;
       for (const int k : spread(first, n, options.knots_per_phase)) {
         const KnotView& knot = problem.knot(k);
-        const KnotDerivatives analytic = analytic_derivatives(knot, at, k, linearization.knots[k]);
-        const KnotDerivatives reference = reference_derivatives(knot, at, k);
-        if (p < phases)
-          compare(analytic.dynamics, reference.dynamics, 1, k, displaced,
-                  entry(p, DerivativeKind::dynamics, -1));
-        const int costs = static_cast<int>(knot.model->costs().size());
-        for (int t = 0; t < costs; ++t)
-          compare(analytic.residuals[t], reference.residuals[t], 1, k, displaced,
-                  entry(p, DerivativeKind::residual, t));
-        const std::vector<ConstraintTerm>& constraints = knot.model->constraints();
-        for (std::size_t t = 0; t < constraints.size(); ++t)
-          compare(analytic.constraints.middleRows(constraints[t].row, constraints[t].rows),
-                  reference.constraints.middleRows(constraints[t].row, constraints[t].rows), 1, k,
-                  displaced, entry(p, DerivativeKind::constraint, first_of_name(constraints, t)));
-        if (costs > 0)
-          compare(analytic.gradient, reference.gradient, gradient_unit(knot), k, displaced,
-                  entry(p, DerivativeKind::gradient, -1));
+        comparisons.add(knot, p, k, displaced,
+                        analytic_derivatives(knot, at, k, linearization.knots[k]),
+                        reference_derivatives(knot, at, k));
       }
       first += n;
     }
   }
-  std::vector<DerivativeComparison> result;
-  for (auto& [key, comparison] : worst) {
-    std::vector<int>& knots = comparison.knots;
-    std::sort(knots.begin(), knots.end());
-    knots.erase(std::unique(knots.begin(), knots.end()), knots.end());
-    result.push_back(std::move(comparison));
-  }
-  return result;
+  return comparisons.take();
 }
 
 }  // namespace conddp

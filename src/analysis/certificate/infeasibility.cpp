@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "analysis/certificate/feasibility.hpp"
 #include "analysis/certificate/reduced_gradient.hpp"
@@ -28,6 +29,19 @@ VectorXd from_set(const NodeConstraint& c, const VectorXd& g) {
   return d;
 }
 
+/// How far a control may go along a slope downwards, none where it has no bound there.
+std::optional<double> way_down(const KnotModel& model, int i, double u, double slope) {
+  const double way = slope < 0 ? model.control_upper()[i] - u : u - model.control_lower()[i];
+  return std::isfinite(way) ? std::optional(std::max(0.0, way)) : std::nullopt;
+}
+
+double largest_control(const ShootingProblem& problem, const Trajectory& trajectory) {
+  double largest = 1;
+  for (int k = 0; k < problem.knots(); ++k)
+    for (const double u : trajectory.u(k)) largest = std::max(largest, std::abs(u));
+  return largest;
+}
+
 }  // namespace
 
 double attainable_share(const ShootingProblem& problem, const Trajectory& trajectory,
@@ -39,18 +53,14 @@ double attainable_share(const ShootingProblem& problem, const Trajectory& trajec
   std::vector<NodeDerivatives> without_cost = derivatives;
   for (NodeDerivatives& d : without_cost) d.cost.setZero();
   const AdjointPass pass = adjoint_pass(problem, without_cost, distances, {});
-  double largest = 1;
-  for (int k = 0; k < problem.knots(); ++k)
-    for (const double u : trajectory.u(k)) largest = std::max(largest, std::abs(u));
+  const double largest = largest_control(problem, trajectory);
   double sum = 0;
-  for (int k = 0; k < problem.knots(); ++k) {
-    const KnotModel& model = *problem.knot(k).model;
+  for (int k = 0; k < problem.knots(); ++k)
     for (int i = 0; i < problem.nu(k); ++i) {
-      const double slope = pass.control[k][i], u = trajectory.u(k)[i];
-      const double way = slope < 0 ? model.control_upper()[i] - u : u - model.control_lower()[i];
-      sum += std::abs(slope) * (std::isfinite(way) ? std::max(0.0, way) : largest);
+      const double slope = pass.control[k][i];
+      const auto way = way_down(*problem.knot(k).model, i, trajectory.u(k)[i], slope);
+      sum += std::abs(slope) * way.value_or(largest);
     }
-  }
   return sum / distances.squaredNorm();
 }
 

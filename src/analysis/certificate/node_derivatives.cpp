@@ -31,17 +31,24 @@ class MovingKnot {
     model_.evaluate(batch_.input(), batch_.work);
   }
 
-  Lane cost_slope() const { return batch_.work.cost.d; }
-  Lane constraint_slope(int row) const { return batch_.work.constraint[row].d; }
+  /// Slopes of cost and constraints, into columns from `first` on.
+  void write_values(int first, int count, NodeDerivatives& out) const {
+    for (int l = 0; l < count; ++l) {
+      out.cost[first + l] = batch_.work.cost.d[l];
+      for (int i = 0; i < model_.constraint_rows(); ++i)
+        out.constraint(i, first + l) = batch_.work.constraint[i].d[l];
+    }
+  }
 
-  /// Slopes of f ⊕ (−gap) ⊖ x_next, ndx entries.
-  const AlignedVector<D>& closed_step(const Trajectory& trajectory, int k,
-                                      const Eigen::MatrixXd& gap) {
+  /// Slopes of f ⊕ (−gap) ⊖ x_next.
+  void write_step(const Trajectory& trajectory, int k, const Eigen::MatrixXd& gap, int first,
+                  int count, NodeDerivatives& out) {
     for (int i = 0; i < model_.ndx(); ++i) batch_.tangent[i] = D(-gap(i, k));
     model_.manifold().integrate(batch_.work.next().data(), batch_.tangent.data(), batch_.x.data());
     for (int i = 0; i < model_.nx(); ++i) batch_.x_next[i] = D(trajectory.x(k + 1)[i]);
     model_.manifold().difference(batch_.x_next.data(), batch_.x.data(), batch_.tangent.data());
-    return batch_.tangent;
+    for (int l = 0; l < count; ++l)
+      for (int i = 0; i < model_.ndx(); ++i) out.step(i, first + l) = batch_.tangent[i].d[l];
   }
 
  private:
@@ -67,16 +74,10 @@ std::vector<NodeDerivatives> node_derivatives(const ShootingProblem& problem,
     out.constraint.resize(rows, nz);
     if (k < N) out.step.resize(ndx, nz);
     for (int first = 0; first < nz; first += kLaneWidth) {
-      knot->evaluate(view, trajectory, k, first);
       const int count = std::min(kLaneWidth, nz - first);
-      for (int l = 0; l < count; ++l) {
-        out.cost[first + l] = knot->cost_slope()[l];
-        for (int i = 0; i < rows; ++i) out.constraint(i, first + l) = knot->constraint_slope(i)[l];
-      }
-      if (k == N) continue;
-      const AlignedVector<D>& step = knot->closed_step(trajectory, k, gap);
-      for (int l = 0; l < count; ++l)
-        for (int i = 0; i < ndx; ++i) out.step(i, first + l) = step[i].d[l];
+      knot->evaluate(view, trajectory, k, first);
+      knot->write_values(first, count, out);
+      if (k < N) knot->write_step(trajectory, k, gap, first, count, out);
     }
   }
   return all;

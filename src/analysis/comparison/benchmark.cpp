@@ -43,6 +43,20 @@ std::string contradiction(const AnswerCheck& check) {
       check.stationarity, check.gap, check.constraint);
 }
 
+/// What a run says of its answer, and what the check finds.
+void describe(const SolveResult& result, const ShootingProblem& problem,
+              const SolverOptions& options, BenchmarkRun& run) {
+  run.status = to_string(result.status);
+  run.message = result.message;
+  run.iterations = result.iterations;
+  run.sweeps = sweeps(result.log);
+  run.claimed = result.residuals;
+  run.check = check_answer(problem, result.trajectory, options.tolerances.constraint,
+                           result.constraint_multipliers);
+  run.solved = result.status == SolveStatus::converged && agrees(run.check, options);
+  if (!run.kept_word()) run.message = contradiction(run.check);
+}
+
 }  // namespace
 
 double median(std::vector<double> values) {
@@ -66,16 +80,8 @@ BenchmarkRun run_benchmark(const ShootingProblem& problem, const Trajectory& gue
   std::vector<SolveTimes> times;
   try {
     const SolveResult result = solve(problem, solver, options, guess);
-    run.status = to_string(result.status);
-    run.message = result.message;
-    run.iterations = result.iterations;
-    run.sweeps = sweeps(result.log);
-    run.claimed = result.residuals;
-    run.check = check_answer(problem, result.trajectory, options.tolerances.constraint,
-                             result.constraint_multipliers);
-    run.solved = result.status == SolveStatus::converged && agrees(run.check, options);
+    describe(result, problem, options, run);
     if (answer != nullptr) *answer = result.trajectory;
-    if (!run.kept_word()) run.message = contradiction(run.check);
     if (result.status == SolveStatus::time_limit || result.status == SolveStatus::interrupted ||
         result.times.total > repetition.longest_s)
       repeat = 0;

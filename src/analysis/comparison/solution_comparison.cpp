@@ -42,17 +42,21 @@ struct Table {
   Matrix rows;
 };
 
+std::vector<std::string> read_names(const Json& list, const char* kind) {
+  if (!list.is_array()) throw MalformedSolution{fmt::format("'columns.{}' is not a list", kind)};
+  std::vector<std::string> names;
+  for (const Json& name : list) {
+    if (!name.is_string()) throw MalformedSolution{fmt::format("'columns.{}' has no names", kind)};
+    names.push_back(name);
+  }
+  return names;
+}
+
 /// A row has a number for each column; or none, at an impulse. Where the first state is chosen the
 /// first controls are the choice, which the second state shows: they are left out.
 Table read_table(const Json& trajectory, const char* kind, std::size_t rows,
                  bool first_is_choice = false) {
-  Table table;
-  const Json& names = solution_member(solution_member(trajectory, "columns"), kind);
-  if (!names.is_array()) throw MalformedSolution{fmt::format("'columns.{}' is not a list", kind)};
-  for (const Json& name : names) {
-    if (!name.is_string()) throw MalformedSolution{fmt::format("'columns.{}' has no names", kind)};
-    table.names.push_back(name);
-  }
+  Table table{read_names(solution_member(solution_member(trajectory, "columns"), kind), kind), {}};
   const Json& list = solution_list(trajectory, kind);
   if (list.size() != rows)
     throw MalformedSolution{fmt::format("'{}' should have {} rows", kind, rows)};

@@ -21,18 +21,22 @@ ContactPlant plant_of(const SteppingSystem& system) {
   return plant;
 }
 
+/// Along the normal and the tangents.
+Eigen::Vector3d force_of(const SteppingLayout::Candidate& at, const Eigen::VectorXd& w) {
+  Eigen::Vector3d force(w[at.force], 0, 0);
+  for (int i = 0; i < at.friction.count; i += 2)
+    force[1 + i / 2] = w[at.friction.force[i]] - w[at.friction.force[i + 1]];
+  for (int i = 0; at.cone.present && i < 2; ++i) force[1 + i] = w[at.cone.force[i]];
+  return force;
+}
+
 /// The forces among the controls of a step.
 StepForces forces_of(const SteppingSystem& system, const Eigen::VectorXd& w) {
   const SteppingLayout& layout = system.layout();
   const ImplicitContacts& contacts = system.contacts();
   StepForces forces(contacts);
-  for (std::size_t c = 0; c < layout.candidates.size(); ++c) {
-    const SteppingLayout::Candidate& at = layout.candidates[c];
-    forces.contact(0, c) = w[at.force];
-    for (int i = 0; i < at.friction.count; i += 2)
-      forces.contact(1 + i / 2, c) = w[at.friction.force[i]] - w[at.friction.force[i + 1]];
-    for (int i = 0; at.cone.present && i < 2; ++i) forces.contact(1 + i, c) = w[at.cone.force[i]];
-  }
+  for (std::size_t c = 0; c < layout.candidates.size(); ++c)
+    forces.contact.col(c) = force_of(layout.candidates[c], w);
   for (const SteppingLayout::Stop& stop : layout.stops)
     for (std::size_t s = 0; s < contacts.stops.size(); ++s)
       if (contacts.stops[s].joint == stop.joint)

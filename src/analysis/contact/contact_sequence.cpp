@@ -53,6 +53,17 @@ std::vector<Track> tracks(const ContactMotion& motion, const ContactSequenceOpti
   return all;
 }
 
+/// One without steps, in front of which other candidates were closed.
+ContactStretch stretch_from(int k, const std::vector<bool>& closed,
+                            const std::vector<bool>& before) {
+  ContactStretch stretch{.first = k, .closed = closed};
+  stretch.slides.assign(closed.size(), false);
+  stretch.pushes.resize(closed.size());
+  for (std::size_t c = 0; c < closed.size(); ++c)
+    stretch.landing.push_back(closed[c] && !before[c]);
+  return stretch;
+}
+
 }  // namespace
 
 bool ContactStretch::lands() const {
@@ -68,15 +79,8 @@ std::vector<ContactStretch> contact_sequence(const ContactMotion& motion,
   for (int k = 0; k < motion.steps(); ++k) {
     std::vector<bool> closed(count);
     for (int c = 0; c < count; ++c) closed[c] = all[c].closed[k];
-    if (list.empty() || list.back().closed != closed) {
-      ContactStretch next{.first = k, .closed = closed};
-      next.slides.assign(count, false);
-      next.landing.assign(count, false);
-      next.pushes.resize(count);
-      for (int c = 0; c < count && k > 0; ++c)
-        next.landing[c] = closed[c] && !list.back().closed[c];
-      list.push_back(std::move(next));
-    }
+    if (list.empty() || list.back().closed != closed)
+      list.push_back(stretch_from(k, closed, list.empty() ? closed : list.back().closed));
     ContactStretch& stretch = list.back();
     ++stretch.steps;
     for (int c = 0; c < count; ++c) {

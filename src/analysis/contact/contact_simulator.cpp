@@ -48,21 +48,23 @@ std::string_view to_string(StepStatus status) {
   return "not finite";
 }
 
-/// All complementary pairs 0 ≤ z ⊥ w ≥ 0 at an iterate: z are impulses (N s) or slacks of speed
-/// (m/s), w = value + slope dv + coupling z velocities or impulses.
-struct ContactSimulator::Pairs {
-  Eigen::VectorXd value;
-  Eigen::MatrixXd slope;     ///< pairs x nv
-  Eigen::MatrixXd push;      ///< pairs x nv: transposed, generalised impulses per unit of z
-  Eigen::MatrixXd coupling;  ///< pairs x pairs
-  std::vector<bool> budget;  ///< whether w is an impulse and z a speed, else the other way round
+/// The equations at an iterate, solved for what impulses z change of the velocity:
+/// dv = pushed z − free.
+struct ContactSimulator::Response {
+  ContactPairs pairs;
+  Eigen::MatrixXd pushed;
+  Eigen::VectorXd free;
 
-  Pairs(int count, int nv)
-      : value(Eigen::VectorXd::Zero(count)),
-        slope(Eigen::MatrixXd::Zero(count, nv)),
-        push(Eigen::MatrixXd::Zero(count, nv)),
-        coupling(Eigen::MatrixXd::Zero(count, count)),
-        budget(count, false) {}
+  /// Of the complementarity problem w = matrix z + offset.
+  Eigen::MatrixXd matrix() const { return pairs.slope * pushed + pairs.coupling; }
+  Eigen::VectorXd offset() const { return pairs.value - pairs.slope * free; }
+};
+
+/// Impulses and what they change; no response where a number is not finite, no z without a
+/// solution.
+struct ContactSimulator::Pivoted {
+  std::optional<Response> response;
+  std::optional<Eigen::VectorXd> z;
 };
 
 ContactSimulator::ContactSimulator(const ContactPlant& plant, ContactSimulatorOptions options)
@@ -116,52 +118,11 @@ void ContactSimulator::linearize(const StepStart& start, const ContactStep& at, 
   }
 }
 
-ContactSimulator::Pairs ContactSimulator::assemble(const StepStart& start, const ContactStep& at,
-                                                   bool with_slopes) const {
-  Pairs pairs(pairs_, plant_.nv());
-  int row = 0;
-  /// Friction along a basis of tangents: both signs of each, then the slack of speed. The budget is
-  /// constant plus factor times the pair `normal`.
-  const auto friction = [&](const Eigen::MatrixXd& tangents, const Eigen::MatrixXd& slopes,
-                            double constant, double factor, int normal) {
-    const int first = row, slack = row + 2 * static_cast<int>(tangents.rows());
-    for (int t = 0; t < tangents.rows(); ++t)
-      for (const double sign : {1.0, -1.0}) {
-        pairs.value[row] = sign * tangents.row(t).dot(at.v);
-        pairs.slope.row(row) = sign * slopes.row(t);
-        pairs.push.row(row) = sign * tangents.row(t);
-        pairs.coupling(row++, slack) = 1;
-      }
-    pairs.value[slack] = constant;
-    pairs.budget[slack] = true;
-    if (normal >= 0) pairs.coupling(slack, normal) = factor;
-    pairs.coupling.row(slack).segment(first, slack - first).setConstant(-1);
-    ++row;
-  };
-  for (std::size_t c = 0; c < plant_.contacts.candidates.size(); ++c) {
-    const ContactCandidate& candidate = plant_.contacts.candidates[c];
-    const int normal = row, tangents = tangent_count(plant_.contacts, candidate);
-    pairs.value[row] = gap_[c] / start.h;
-    pairs.push.row(row) = rows_[c].row(0);
-    pairs.slope.row(row) = with_slopes ? slope_[c].row(0) : rows_[c].row(0);
-    if (candidate.stiffness)
-      pairs.coupling(row, row) = 1 / (*candidate.stiffness * start.h * start.h);
-    ++row;
-    if (tangents == 0) continue;
-    if (tangents == 2 && !heading_.col(c).isZero(0)) {
-      // Friction goes with the normal force; the pairs of the pyramid stay as they are, at rest.
-      pairs.push.row(normal) -=
-          candidate.friction * heading_.col(c).transpose() * rows_[c].bottomRows<2>();
-      pairs.value.segment(row, 5).setOnes();
-      row += 5;
-      continue;
-    }
-    Eigen::MatrixXd turn = Eigen::MatrixXd::Identity(tangents, tangents);
-    if (tangents == 2) turn = Eigen::Rotation2Dd(-pyramid_[c]).toRotationMatrix();
-    const Eigen::MatrixXd basis = turn * rows_[c].middleRows(1, tangents);
-    friction(basis, with_slopes ? turn * slope_[c].middleRows(1, tangents) : basis, 0,
-             candidate.friction, normal);
-  }
+ContactPairs ContactSimulator::assemble(const StepStart& start, const ContactStep& at,
+                                        bool with_slopes) const {
+  ContactPairs pairs(pairs_, plant_.nv());
+  for (std::size_t c = 0; c < plant_.contacts.candidates.size(); ++c)
+    add_contact(c, start, at, with_slopes, pairs);
   const auto joint = [&](int index) {
     Eigen::RowVectorXd axis = Eigen::RowVectorXd::Zero(plant_.nv());
     axis[plant_.robot->joints[index].v] = 1;
@@ -172,17 +133,42 @@ ContactSimulator::Pairs ContactSimulator::assemble(const StepStart& start, const
     const double q = start.q[plant_.robot->joints[stop.joint].q] + start.h * axis.dot(at.v);
     for (const bool lower : {true, false}) {
       const double limit = lower ? stop.lower : stop.upper, sign = lower ? 1 : -1;
-      if (!std::isfinite(limit)) continue;
-      pairs.value[row] = sign * (q - limit) / start.h;
-      pairs.slope.row(row) = pairs.push.row(row) = sign * axis;
-      ++row;
+      if (std::isfinite(limit)) pairs.add(sign * (q - limit) / start.h, sign * axis, sign * axis);
     }
   }
   for (const JointFriction& dry : plant_.contacts.frictions) {
     const Eigen::RowVectorXd axis = joint(dry.joint);
-    friction(axis, axis, dry.limit * start.h, 0, -1);
+    pairs.add_friction(axis, axis, at.v, {.constant = dry.limit * start.h});
   }
   return pairs;
+}
+
+void ContactSimulator::add_contact(std::size_t c, const StepStart& start, const ContactStep& at,
+                                   bool with_slopes, ContactPairs& pairs) const {
+  const ContactCandidate& candidate = plant_.contacts.candidates[c];
+  const int tangents = tangent_count(plant_.contacts, candidate);
+  const int normal =
+      pairs.add(gap_[c] / start.h, (with_slopes ? slope_ : rows_)[c].row(0), rows_[c].row(0));
+  if (candidate.stiffness)
+    pairs.coupling(normal, normal) = 1 / (*candidate.stiffness * start.h * start.h);
+  if (tangents == 0) return;
+  if (keeps_slipping(c)) {
+    // Friction goes with the normal force; the pairs of the pyramid stay as they are, at rest.
+    pairs.push.row(normal) -=
+        candidate.friction * heading_.col(c).transpose() * rows_[c].bottomRows<2>();
+    pairs.rest(2 * tangents + 1);
+    return;
+  }
+  const Eigen::MatrixXd turn = pyramid_turn(c, tangents);
+  const Eigen::MatrixXd basis = turn * rows_[c].middleRows(1, tangents);
+  pairs.add_friction(basis, with_slopes ? turn * slope_[c].middleRows(1, tangents) : basis, at.v,
+                     {.factor = candidate.friction, .normal = normal});
+}
+
+/// From the first tangents of a candidate to the edges of its pyramid.
+Eigen::MatrixXd ContactSimulator::pyramid_turn(std::size_t c, int tangents) const {
+  if (tangents == 2) return Eigen::Rotation2Dd(-pyramid_[c]).toRotationMatrix();
+  return Eigen::MatrixXd::Identity(tangents, tangents);
 }
 
 /// The forces that the impulses z stand for.
@@ -195,7 +181,7 @@ StepForces ContactSimulator::forces(const Eigen::VectorXd& z, double h) const {
     if (tangents == 0) continue;
     for (int t = 0; t < tangents; ++t, row += 2) f.contact(1 + t, c) = (z[row] - z[row + 1]) / h;
     ++row;
-    if (tangents == 2 && !heading_.col(c).isZero(0))
+    if (keeps_slipping(c))
       f.contact.col(c).tail<2>() =
           -plant_.contacts.candidates[c].friction * f.contact(0, c) * heading_.col(c);
     else if (tangents == 2)
@@ -227,12 +213,11 @@ Eigen::VectorXd ContactSimulator::impulses(const StepForces& forces, const Eigen
     const int tangents = tangent_count(plant_.contacts, plant_.contacts.candidates[c]);
     z[row++] = h * std::max(forces.contact(0, c), 0.0);
     if (tangents == 0) continue;
-    if (tangents == 2 && !heading_.col(c).isZero(0)) {
-      row += 5;
+    if (keeps_slipping(c)) {
+      row += 2 * tangents + 1;
       continue;
     }
-    Eigen::MatrixXd turn = Eigen::MatrixXd::Identity(tangents, tangents);
-    if (tangents == 2) turn = Eigen::Rotation2Dd(-pyramid_[c]).toRotationMatrix();
+    const Eigen::MatrixXd turn = pyramid_turn(c, tangents);
     friction(turn * forces.contact.col(c).segment(1, tangents),
              turn * rows_[c].middleRows(1, tangents) * v);
   }
@@ -261,15 +246,8 @@ double ContactSimulator::turn_pyramids(const StepStart& start, const ContactStep
     if (tangent_count(plant_.contacts, plant_.contacts.candidates[c]) != 2) continue;
     const Eigen::Matrix2Xd tangents = rows_[c].bottomRows<2>();
     const Eigen::Vector2d slip = tangents * at.v, force = at.forces.contact.col(c).tail<2>();
-    const bool bears = at.forces.contact(0, c) > 0, kept = !heading_.col(c).isZero(0);
-    const double angle = std::atan2(slip.y(), slip.x());
-    if (kept) {
-      const double turn = angle - std::atan2(heading_(1, c), heading_(0, c));
-      if (bears) off = std::max(off, std::abs(std::remainder(turn, 2 * std::numbers::pi)));
-    } else if (bears && slip.norm() > kSlip) {
-      // A quarter of a turn makes the same pyramid.
-      off = std::max(off, std::abs(std::remainder(angle - pyramid_[c], std::numbers::pi / 2)));
-    }
+    const bool bears = at.forces.contact(0, c) > 0;
+    if (bears) off = std::max(off, angle_off(c, slip));
     const Eigen::Matrix2d mobility =
         start.h * tangents * A_.partialPivLu().solve(tangents.transpose());
     const Eigen::Vector2d along = slip - 0.5 * mobility.trace() * force;
@@ -282,12 +260,24 @@ double ContactSimulator::turn_pyramids(const StepStart& start, const ContactStep
   return off;
 }
 
+/// Between a slip and the pyramid or heading of its contact.
+double ContactSimulator::angle_off(std::size_t c, const Eigen::Vector2d& slip) const {
+  const double angle = std::atan2(slip.y(), slip.x());
+  if (keeps_slipping(c)) {
+    const double turn = angle - std::atan2(heading_(1, c), heading_(0, c));
+    return std::abs(std::remainder(turn, 2 * std::numbers::pi));
+  }
+  // A quarter of a turn makes the same pyramid.
+  return slip.norm() > kSlip ? std::abs(std::remainder(angle - pyramid_[c], std::numbers::pi / 2))
+                             : 0;
+}
+
 /// A_ with what friction changes where the headings of contacts that keep to slipping turn.
 Eigen::MatrixXd ContactSimulator::turning_slope(const StepStart& start,
                                                 const ContactStep& at) const {
   Eigen::MatrixXd slope = A_;
   for (std::size_t c = 0; c < rows_.size(); ++c) {
-    if (heading_.col(c).isZero(0)) continue;
+    if (!keeps_slipping(c)) continue;
     const Eigen::Vector2d heading = heading_.col(c);
     const double speed = heading.dot(rows_[c].bottomRows<2>() * at.v);
     const double impulse =
@@ -303,7 +293,7 @@ Eigen::MatrixXd ContactSimulator::turning_slope(const StepStart& start,
 double ContactSimulator::residual(const StepStart& start, const ContactStep& at,
                                   const Eigen::VectorXd& z) const {
   const double scale = impulse_scale(plant_, start.h);
-  const Pairs pairs = assemble(start, at, false);
+  const ContactPairs pairs = assemble(start, at, false);
   const Eigen::VectorXd w = pairs.value + pairs.coupling * z;
   double worst = (impulse_ - pairs.push.transpose() * z).cwiseAbs().maxCoeff() / scale;
   for (int i = 0; i < pairs_; ++i) {
@@ -341,6 +331,59 @@ void ContactSimulator::move(const StepStart& start, const Eigen::VectorXd& z,
   ++at.iterations;
 }
 
+/// None where a number is not finite.
+std::optional<ContactSimulator::Response> ContactSimulator::respond(const StepStart& start,
+                                                                    const ContactStep& at,
+                                                                    bool with_slopes) const {
+  Response response{assemble(start, at, with_slopes), {}, {}};
+  const ContactPairs& pairs = response.pairs;
+  if (!A_.allFinite() || !impulse_.allFinite() || !pairs.value.allFinite()) return std::nullopt;
+  const Eigen::PartialPivLU<Eigen::MatrixXd> lu(turning_slope(start, at));
+  // Without pairs there is nothing to solve, not even for no columns: that reads the first one.
+  response.pushed.resize(A_.rows(), pairs.push.rows());
+  if (response.pushed.size() > 0) response.pushed = lu.solve(pairs.push.transpose());
+  response.free = lu.solve(impulse_);
+  return response;
+}
+
+/// Takes an iterate on and measures it there. Goes on to the last digits while Newton's method
+/// still gains some.
+ContactSimulator::Progress ContactSimulator::advance(const StepStart& start,
+                                                     const Eigen::VectorXd& z,
+                                                     const Response& response, ContactStep& at,
+                                                     ContactStep& best) {
+  move(start, z, response.pushed * z - response.free, at);
+  if (!at.v.allFinite() || !at.forces.finite()) return Progress::lost;
+  linearize(start, at, true);
+  const double before = at.residual;
+  at.residual = residual(start, at, z);
+  at.residual += turn_pyramids(start, at, at.residual);
+  if (!(at.residual < kUnlimited)) return Progress::lost;
+  if (at.residual < best.residual) best = at;
+  const bool stalls = best.residual <= options_.tolerance && at.residual >= 0.1 * before;
+  return stalls || best.residual <= kRounding ? Progress::ends : Progress::goes_on;
+}
+
+/// The pairs whose z may be positive at an iterate: of each the smaller one vanishes.
+std::vector<int> ContactSimulator::find_active(const StepStart& start,
+                                               const ContactStep& at) const {
+  const double scale = impulse_scale(plant_, start.h);
+  const Eigen::VectorXd z = impulses(at.forces, at.v, start.h);
+  const ContactPairs pairs = assemble(start, at, false);
+  const Eigen::VectorXd w = pairs.value + pairs.coupling * z;
+  std::vector<bool> chosen(pairs_);
+  for (int i = 0; i < pairs_; ++i)
+    chosen[i] = pairs.budget[i] ? z[i] > w[i] / scale : z[i] / scale > w[i];
+  // Where a contact slips, an edge against the slip says how fast, also one without a force.
+  for (int b = 0; b < pairs_; ++b)
+    if (pairs.budget[b] && chosen[b])
+      if (const auto edge = pairs.slowest_edge(b, w)) chosen[*edge] = true;
+  std::vector<int> active;
+  for (int i = 0; i < pairs_; ++i)
+    if (chosen[i]) active.push_back(i);
+  return active;
+}
+
 /// Newton's method with the pairs split as `near` has them: of each pair the smaller one vanishes.
 /// That leaves equations, the least-squares solution of which is one where contacts share a load.
 ContactStep ContactSimulator::step_in_mode(const StepStart& start, const ContactStep& near) {
@@ -351,53 +394,19 @@ ContactStep ContactSimulator::step_in_mode(const StepStart& start, const Contact
   heading_.setZero();
   linearize(start, at, true);
   turn_pyramids(start, at, 0);
-  const double scale = impulse_scale(plant_, start.h);
-  std::vector<int> active;
-  {
-    const Eigen::VectorXd z = impulses(at.forces, at.v, start.h);
-    const Pairs pairs = assemble(start, at, false);
-    const Eigen::VectorXd w = pairs.value + pairs.coupling * z;
-    std::vector<bool> chosen(pairs_);
-    for (int i = 0; i < pairs_; ++i)
-      chosen[i] = pairs.budget[i] ? z[i] > w[i] / scale : z[i] / scale > w[i];
-    // Where a contact slips, an edge against the slip says how fast, also one without a force.
-    for (int b = 0; b < pairs_; ++b) {
-      if (!pairs.budget[b] || !chosen[b]) continue;
-      int slowest = -1;
-      for (int i = 0; i < pairs_; ++i)
-        if (pairs.coupling(i, b) == 1 && (slowest < 0 || w[i] < w[slowest])) slowest = i;
-      if (slowest >= 0) chosen[slowest] = true;
-    }
-    for (int i = 0; i < pairs_; ++i)
-      if (chosen[i]) active.push_back(i);
-  }
+  const std::vector<int> active = find_active(start, at);
   ContactStep best = at;
   for (int k = 0; k < options_.max_iterations; ++k) {
-    const Pairs pairs = assemble(start, at, true);
-    if (!A_.allFinite() || !impulse_.allFinite() || !pairs.value.allFinite()) break;
-    const Eigen::PartialPivLU<Eigen::MatrixXd> lu(turning_slope(start, at));
-    Eigen::MatrixXd pushed(A_.rows(), pairs.push.rows());
-    if (pushed.size() > 0) pushed = lu.solve(pairs.push.transpose());
-    const Eigen::VectorXd free = lu.solve(impulse_);
+    const auto response = respond(start, at, true);
+    if (!response) break;
     Eigen::VectorXd z = Eigen::VectorXd::Zero(pairs_);
     if (!active.empty()) {
-      const Eigen::MatrixXd M = pairs.slope * pushed + pairs.coupling;
-      const Eigen::VectorXd q = pairs.value - pairs.slope * free;
-      const Eigen::MatrixXd some = M(active, active);
-      const Eigen::VectorXd wanted = -q(active);
+      const Eigen::MatrixXd some = response->matrix()(active, active);
+      const Eigen::VectorXd wanted = -response->offset()(active);
       const Eigen::VectorXd found = some.completeOrthogonalDecomposition().solve(wanted);
       z(active) = found;
     }
-    move(start, z, pushed * z - free, at);
-    if (!at.v.allFinite() || !at.forces.finite()) break;
-    linearize(start, at, true);
-    const double before = at.residual;
-    at.residual = residual(start, at, z);
-    at.residual += turn_pyramids(start, at, at.residual);
-    if (!(at.residual < kUnlimited)) break;
-    if (at.residual < best.residual) best = at;
-    if (best.residual <= options_.tolerance && at.residual >= 0.1 * before) break;
-    if (best.residual <= kRounding) break;
+    if (advance(start, z, *response, at, best) != Progress::goes_on) break;
   }
   if (best.residual <= options_.tolerance) best.status = StepStatus::solved;
   return best;
@@ -419,39 +428,31 @@ ContactStep ContactSimulator::step_by_pivoting(const StepStart& start) {
   linearize(start, at, true);
   for (int k = 0; k < options_.max_iterations; ++k) {
     const bool careful = k >= options_.max_iterations / 2;
-    std::optional<Eigen::VectorXd> z;
-    Eigen::VectorXd dv;
-    for (const bool exact : {true, false}) {
-      if (exact && careful) continue;
-      if (!exact) linearize(start, at, false);
-      const Pairs pairs = assemble(start, at, exact);
-      if (!A_.allFinite() || !impulse_.allFinite() || !pairs.value.allFinite())
-        return give_up(StepStatus::not_finite);
-      const Eigen::PartialPivLU<Eigen::MatrixXd> lu(turning_slope(start, at));
-      // Without pairs there is nothing to solve, not even for no columns: that reads the first one.
-      Eigen::MatrixXd pushed(A_.rows(), pairs.push.rows());
-      if (pushed.size() > 0) pushed = lu.solve(pairs.push.transpose());
-      const Eigen::VectorXd free = lu.solve(impulse_);
-      z = solve_nearly(pairs.slope * pushed + pairs.coupling, pairs.value - pairs.slope * free);
-      if (!z) continue;
-      dv = pushed * *z - free;
-      break;
-    }
-    if (!z) return best.residual < kUnlimited ? best : give_up(StepStatus::no_contact);
-    move(start, *z, dv, at);
-    if (!at.v.allFinite() || !at.forces.finite()) return give_up(StepStatus::not_finite);
-    linearize(start, at, true);
-    const double before = at.residual;
-    at.residual = residual(start, at, *z);
-    at.residual += turn_pyramids(start, at, at.residual);
-    if (!(at.residual < kUnlimited)) return give_up(StepStatus::not_finite);
-    if (at.residual < best.residual) best = at;
-    // On to the last digits while Newton's method still gains some.
-    if (best.residual <= options_.tolerance && at.residual >= 0.1 * before) break;
-    if (best.residual <= kRounding) break;
+    Pivoted pivoted = pivot(start, at, careful);
+    if (!pivoted.response) return give_up(StepStatus::not_finite);
+    if (!pivoted.z) return best.residual < kUnlimited ? best : give_up(StepStatus::no_contact);
+    const Progress progress = advance(start, *pivoted.z, *pivoted.response, at, best);
+    if (progress == Progress::lost) return give_up(StepStatus::not_finite);
+    if (progress == Progress::ends) break;
   }
   if (best.residual <= options_.tolerance) best.status = StepStatus::solved;
   return best;
+}
+
+/// Impulses by pivoting, first with the derivatives of the forces' directions, then without them;
+/// `careful`: at once without.
+ContactSimulator::Pivoted ContactSimulator::pivot(const StepStart& start, const ContactStep& at,
+                                                  bool careful) {
+  Pivoted pivoted;
+  for (const bool exact : {true, false}) {
+    if (exact && careful) continue;
+    if (!exact) linearize(start, at, false);
+    pivoted.response = respond(start, at, exact);
+    if (!pivoted.response) break;
+    pivoted.z = solve_nearly(pivoted.response->matrix(), pivoted.response->offset());
+    if (pivoted.z) break;
+  }
+  return pivoted;
 }
 
 }  // namespace conddp

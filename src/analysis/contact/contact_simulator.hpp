@@ -1,7 +1,10 @@
 #pragma once
 
+#include <optional>
 #include <string_view>
+#include <vector>
 
+#include "analysis/contact/contact_pairs.hpp"
 #include "analysis/contact/stepping_equations.hpp"
 
 namespace conddp {
@@ -53,17 +56,33 @@ class ContactSimulator {
   ContactStep step(const StepStart& start, const ContactStep& near);
 
  private:
-  struct Pairs;
+  struct Response;
+  struct Pivoted;
   struct ImpulseRows;
+  /// Of Newton's method: whether there is something to gain from another iteration, or a number is
+  /// not finite.
+  enum class Progress { goes_on, ends, lost };
   /// Residuals below are rounding.
   static constexpr double kRounding = 1e-14;
 
   void linearize(const StepStart& start, const ContactStep& at, bool with_forces);
-  Pairs assemble(const StepStart& start, const ContactStep& at, bool with_slopes) const;
+  ContactPairs assemble(const StepStart& start, const ContactStep& at, bool with_slopes) const;
+  void add_contact(std::size_t candidate, const StepStart& start, const ContactStep& at,
+                   bool with_slopes, ContactPairs& pairs) const;
+  /// Whether the friction of a candidate goes with its normal force, against its heading.
+  bool keeps_slipping(std::size_t candidate) const { return !heading_.col(candidate).isZero(0); }
+  Eigen::MatrixXd pyramid_turn(std::size_t candidate, int tangents) const;
+  double angle_off(std::size_t candidate, const Eigen::Vector2d& slip) const;
   StepForces forces(const Eigen::VectorXd& z, double h) const;
   double turn_pyramids(const StepStart& start, const ContactStep& at, double residual);
   Eigen::MatrixXd turning_slope(const StepStart& start, const ContactStep& at) const;
+  std::optional<Response> respond(const StepStart& start, const ContactStep& at,
+                                  bool with_slopes) const;
+  Progress advance(const StepStart& start, const Eigen::VectorXd& z, const Response& response,
+                   ContactStep& at, ContactStep& best);
   ContactStep step_by_pivoting(const StepStart& start);
+  Pivoted pivot(const StepStart& start, const ContactStep& at, bool careful);
+  std::vector<int> find_active(const StepStart& start, const ContactStep& at) const;
   ContactStep step_in_mode(const StepStart& start, const ContactStep& near);
   void move(const StepStart& start, const Eigen::VectorXd& z, const Eigen::VectorXd& dv,
             ContactStep& at);

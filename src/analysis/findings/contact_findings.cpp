@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -145,20 +146,11 @@ class Watch {
     for (const auto& [name, demand] : demands_) greatest = std::max(greatest, demand.value);
     for (const auto& [name, demand] : demands_) {
       const auto known = names_.friction.find(name);
-      const bool beyond =
-          known != names_.friction.end() && demand.value > known->second * (1 + 1e-6);
-      if (!beyond && (demand.value < greatest || greatest == 0)) continue;
-      Finding f{FindingKind::friction_demand, name, demand.value, "1"};
-      f.message = fmt::format("the contact '{}' needs a coefficient of friction of {:.3g}", name,
-                              demand.value);
-      if (known != names_.friction.end())
-        f.message +=
-            fmt::format(", {:.3g} {}", known->second, beyond ? "is what it has" : "are there");
-      if (beyond) {
-        f.remedy = "a constraint or cost 'friction_cone' on it";
-        if (demand.impulse) f.remedy += ", a touch-down with less speed along the ground";
-      }
-      add(std::move(f), demand.knot);
+      const std::optional<double> has =
+          known == names_.friction.end() ? std::nullopt : std::optional(known->second);
+      const bool beyond = has && demand.value > *has * (1 + 1e-6);
+      if (beyond || (demand.value == greatest && greatest > 0))
+        add_demand(name, demand, has, beyond);
     }
     for (const auto& [name, pull] : pulls_) {
       Finding f{FindingKind::pull, name, pull.value, pull.impulse ? "Ns" : "N"};
@@ -166,6 +158,20 @@ class Watch {
       f.remedy = "a constraint or cost 'friction_cone' on it, or 'min_normal_force'";
       add(std::move(f), pull.knot);
     }
+  }
+
+  /// `has`: the coefficient of friction, if it is known.
+  void add_demand(const std::string& name, const Worst& demand, std::optional<double> has,
+                  bool beyond) {
+    Finding f{FindingKind::friction_demand, name, demand.value, "1"};
+    f.message = fmt::format("the contact '{}' needs a coefficient of friction of {:.3g}", name,
+                            demand.value);
+    if (has) f.message += fmt::format(", {:.3g} {}", *has, beyond ? "is what it has" : "are there");
+    if (beyond) {
+      f.remedy = "a constraint or cost 'friction_cone' on it";
+      if (demand.impulse) f.remedy += ", a touch-down with less speed along the ground";
+    }
+    add(std::move(f), demand.knot);
   }
 
   /// A contact that comes to be held with the velocity v moves on by v h (1 − r)/r, r = kd h, since

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include <fmt/format.h>
@@ -274,45 +275,59 @@ bool lost(const SolveResult& r) {
   return !std::isfinite(last.cost) || !std::isfinite(last.stationarity) || !std::isfinite(last.gap);
 }
 
+/// Of one whose iterations go on, but do not get anywhere.
+std::optional<Diagnosis> of_standstill(const Window& w, const SolverOptions& options) {
+  const auto& tolerances = options.tolerances;
+  const IterationRecord& last = w.last();
+  if (w.steps() < kFewest) return std::nullopt;
+  const int full = w.count([](const IterationRecord& r) { return r.step >= 1; });
+  if (last.constraint > tolerances.constraint && full == w.steps() &&
+      last.constraint > std::pow(kStandstill, w.steps()) * w.first().constraint)
+    return slow_feasibility(w);
+  if (last.stationarity <= tolerances.stationarity ||
+      !w.stands_still(&IterationRecord::stationarity))
+    return std::nullopt;
+  const int changing = w.count([](const IterationRecord& r) { return r.active_set_changes > 0; });
+  if (5 * changing >= 4 * w.steps()) return alternating(w);
+  const int regularised = w.count([&](const IterationRecord& r) {
+    return r.regularization > 0 && r.regularization >= options.regularization.min;
+  });
+  if (w.median_step() <= 0.25 || regularised == w.steps())
+    return plateau(w, regularised == w.steps(), options);
+  return std::nullopt;
+}
+
+Diagnosis of_interior_point(const SolveResult& result, const SolverOptions& options) {
+  const bool stuck = result.status == SolveStatus::line_search_failed ||
+                     result.status == SolveStatus::regularization_limit;
+  return stuck ? no_descent(result, options, result.log.back())
+               : unfinished(result, options, result.log.back());
+}
+
+bool gaps_stay_open(const SolveResult& result, const Window& w, double tolerance) {
+  if (!(w.last().gap > tolerance)) return false;
+  if (result.status == SolveStatus::line_search_failed && result.failed_knot < 0) return true;
+  return w.steps() >= kFewest && w.stands_still(&IterationRecord::gap);
+}
+
 /// What the log alone says of a solve that did not converge.
 Diagnosis of_log(const SolveResult& result, const SolverOptions& options) {
   if (lost(result)) return growth(result);
   if (result.status == SolveStatus::infeasible) return infeasible(result.log.back());
-  if (interior_point(result)) {
-    return result.status == SolveStatus::line_search_failed ||
-                   result.status == SolveStatus::regularization_limit
-               ? no_descent(result, options, result.log.back())
-               : unfinished(result, options, result.log.back());
-  }
+  if (interior_point(result)) return of_interior_point(result, options);
   if (result.status == SolveStatus::regularization_limit) return indefinite(result);
   const Window w(result.log);
-  const IterationRecord& last = w.last();
-  const auto& t = options.tolerances;
-  if (result.failed_quantity == kRoundedCost) return rounding_floor(result, t);
-  const bool stuck = result.status == SolveStatus::line_search_failed && result.failed_knot < 0;
-  if (last.gap > t.gap &&
-      (stuck || (w.steps() >= kFewest && w.stands_still(&IterationRecord::gap))))
-    return open_gaps(w);
-  if (w.steps() >= kFewest) {
-    const int full = w.count([](const IterationRecord& r) { return r.step >= 1; });
-    if (last.constraint > t.constraint && full == w.steps() &&
-        last.constraint > std::pow(kStandstill, w.steps()) * w.first().constraint)
-      return slow_feasibility(w);
-    if (last.stationarity > t.stationarity && w.stands_still(&IterationRecord::stationarity)) {
-      const int changing =
-          w.count([](const IterationRecord& r) { return r.active_set_changes > 0; });
-      if (5 * changing >= 4 * w.steps()) return alternating(w);
-      const int regularised = w.count([&](const IterationRecord& r) {
-        return r.regularization > 0 && r.regularization >= options.regularization.min;
-      });
-      const bool small_steps = w.median_step() <= 0.25;
-      if (small_steps || regularised == w.steps())
-        return plateau(w, regularised == w.steps(), options);
-    }
-  }
-  if (result.status == SolveStatus::line_search_failed)
-    return result.failed_knot >= 0 ? growth(result) : no_descent(result, options, last);
-  return unfinished(result, options, last);
+  if (result.failed_quantity == kRoundedCost) return rounding_floor(result, options.tolerances);
+  if (gaps_stay_open(result, w, options.tolerances.gap)) return open_gaps(w);
+  if (auto diagnosis = of_standstill(w, options)) return *std::move(diagnosis);
+  if (result.status != SolveStatus::line_search_failed)
+    return unfinished(result, options, w.last());
+  return result.failed_knot >= 0 ? growth(result) : no_descent(result, options, w.last());
+}
+
+bool is_stuck(DiagnosisPattern pattern) {
+  return pattern == DiagnosisPattern::open_gaps || pattern == DiagnosisPattern::plateau ||
+         pattern == DiagnosisPattern::no_descent;
 }
 
 }  // namespace
@@ -362,14 +377,10 @@ Diagnosis diagnose(const ShootingProblem& problem, const SolveResult& result,
   Diagnosis d = of_log(result, options);
   if (result.status != SolveStatus::interrupted)
     if (const auto lack = missing_torque(problem)) return too_weak(std::move(d), *lack);
-  if (d.pattern == DiagnosisPattern::open_gaps || d.pattern == DiagnosisPattern::plateau ||
-      d.pattern == DiagnosisPattern::no_descent)
-    if (d.knot >= 0 && d.knot < problem.knots()) {
-      const ContactRank contacts =
-          problem.knot(d.knot).model->system().contact_rank(result.trajectory.x(d.knot).data());
-      if (!contacts.redundant.empty()) return redundant(std::move(d), contacts);
-    }
-  return d;
+  if (!is_stuck(d.pattern) || d.knot < 0 || d.knot >= problem.knots()) return d;
+  const ContactRank contacts =
+      problem.knot(d.knot).model->system().contact_rank(result.trajectory.x(d.knot).data());
+  return contacts.redundant.empty() ? d : redundant(std::move(d), contacts);
 }
 
 }  // namespace conddp

@@ -2,12 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
+#include <map>
+#include <span>
+#include <utility>
 
 #include <Eigen/Dense>
 #include <fmt/format.h>
 
 #include "analysis/findings/contact_findings.hpp"
+#include "ocp/problem/by_name.hpp"
+#include "ocp/problem/node_evaluation.hpp"
 #include "systems/collocation_system.hpp"
 #include "systems/contact/stepping_system.hpp"
 
@@ -26,7 +30,8 @@ class Search {
       : problem_(problem),
         trajectory_(trajectory),
         names_(names),
-        times_(problem.times(trajectory)) {}
+        times_(problem.times(trajectory)),
+        nodes_(problem) {}
 
   std::vector<Finding> run() {
     for (int k = 0; k <= problem_.knots(); ++k) joints(k);
@@ -48,6 +53,17 @@ class Search {
     std::string unit;
     double limit = 0, beyond = 0, seconds = 0, all = 0;
     int knot = -1;
+
+    /// A step of some length with a control of some size.
+    void meet(double size, double limit_here, double length, int k) {
+      const double off = size - std::abs(limit_here);
+      if (off < -kSlack * std::abs(limit_here)) return;
+      seconds += length;
+      if (knot >= 0 && !(off > beyond)) return;
+      knot = k;
+      limit = limit_here;
+      beyond = std::max(off, 0.0);
+    }
   };
 
   Finding& add(FindingKind kind, const std::string& subject, double value, std::string unit,
@@ -87,23 +103,26 @@ class Search {
       if (!q || !v || joint.type == JointType::floating) continue;
       const auto limits = robot->limits(j);
       const bool slides = joint.type == JointType::prismatic;
+      const double limit = x[*q] > limits.upper ? limits.upper : limits.lower;
       const double off = std::max(limits.lower - x[*q], x[*q] - limits.upper);
-      const char* unit = slides ? "m" : "rad";
-      if (Finding* f = worst(FindingKind::position_limit, joint.name, off, unit, k)) {
-        f->message =
-            fmt::format("the position of '{}' is beyond its limit of {:.4g} {} by {:.3g}",
-                        joint.name, x[*q] > limits.upper ? limits.upper : limits.lower, unit, off);
-        f->remedy = "constraints: {NAME: {bounds: configuration, from: urdf}}";
-      }
-      unit = slides ? "m/s" : "rad/s";
-      if (Finding* f = worst(FindingKind::velocity_limit, joint.name,
-                             std::abs(x[*v]) - limits.max_velocity, unit, k)) {
-        f->message = fmt::format("the velocity of '{}' is beyond its limit of {:.4g} {} by {:.3g}",
-                                 joint.name, limits.max_velocity, unit,
-                                 std::abs(x[*v]) - limits.max_velocity);
-        f->remedy = "constraints: {NAME: {bounds: velocity, from: urdf}}";
-      }
+      beyond_limit({FindingKind::position_limit, "position", "configuration", slides ? "m" : "rad"},
+                   joint.name, limit, off, k);
+      beyond_limit({FindingKind::velocity_limit, "velocity", "velocity", slides ? "m/s" : "rad/s"},
+                   joint.name, limits.max_velocity, std::abs(x[*v]) - limits.max_velocity, k);
     }
+  }
+
+  /// What a joint has a limit of, and the bounds of the problem file that keep it.
+  struct Limited {
+    FindingKind kind;
+    const char *what, *bounds, *unit;
+  };
+  void beyond_limit(const Limited& of, const std::string& joint, double limit, double off, int k) {
+    Finding* f = worst(of.kind, joint, off, of.unit, k);
+    if (f == nullptr) return;
+    f->message = fmt::format("the {} of '{}' is beyond its limit of {:.4g} {} by {:.3g}", of.what,
+                             joint, limit, of.unit, off);
+    f->remedy = fmt::format("constraints: {{NAME: {{bounds: {}, from: urdf}}}}", of.bounds);
   }
 
   void efforts(int k) {
@@ -115,16 +134,8 @@ class Search {
       const double limit = u > 0 ? actuation.upper[i] : actuation.lower[i];
       Effort& effort = efforts_[actuation.columns[i].name];
       effort.all += step;
-      if (limit == 0 || !std::isfinite(limit)) continue;
-      const double beyond = std::abs(u) - std::abs(limit);
-      if (beyond < -kSlack * std::abs(limit)) continue;
       effort.unit = actuation.columns[i].unit;
-      effort.seconds += step;
-      if (effort.knot < 0 || beyond > effort.beyond) {
-        effort.knot = k;
-        effort.limit = limit;
-        effort.beyond = std::max(beyond, 0.0);
-      }
+      if (limit != 0 && std::isfinite(limit)) effort.meet(std::abs(u), limit, step, k);
     }
   }
 
@@ -143,9 +154,7 @@ class Search {
     }
   }
 
-  std::string name_of(const NodeConstraint& c) const {
-    return (c.node == problem_.knots() ? "terminal/" : "") + c.term->name;
-  }
+  std::string name_of(const NodeConstraint& c) const { return constraint_name(problem_, c); }
 
   /// Which row of a constraint with named rows is violated, the worst one.
   void rows() {
@@ -170,31 +179,22 @@ class Search {
 
   /// The constraints of a node at a state, with its controls.
   void evaluate(int k, const Eigen::VectorXd& x) {
-    const KnotView& view = problem_.knot(k);
-    auto& work = memory_[view.model];
-    if (!work) work = std::make_unique<KnotWorkspace<double>>(*view.model);
     const double* u = k < problem_.knots() ? trajectory_.u(k).data() : nullptr;
-    view.model->evaluate(KnotInput<double>{x.data(), u, view.parameters, view.dt, view.cost_scale},
-                         *work);
+    evaluated_ = &nodes_.at(k, x.data(), u);
   }
   /// g of one of them, as evaluated.
   Eigen::VectorXd values_of(const NodeConstraint& c) const {
-    return Eigen::Map<const Eigen::VectorXd>(
-        memory_.at(problem_.knot(c.node).model)->constraint.data() + c.term->row, c.term->rows);
+    return Eigen::Map<const Eigen::VectorXd>(evaluated_->constraint.data() + c.term->row,
+                                             c.term->rows);
   }
 
   /// Inequalities of the state along the straight way from one node to the next.
   void between() {
-    const int ndx = problem_.ndx();
     std::map<std::string, double> at_knots;
     std::vector<const NodeConstraint*> watched;
-    Eigen::VectorXd way(ndx), x(problem_.nx());
     int evaluated = -1;
     for (const NodeConstraint& c : problem_.constraints()) {
-      if (!c.term->has_bounds() || c.is_soft() || c.term->depends_on_control(ndx)) continue;
-      bool inequality = false;
-      for (int i = 0; i < c.term->rows; ++i) inequality |= c.lower[i] < c.upper[i];
-      if (!inequality) continue;
+      if (!is_state_inequality(c)) continue;
       watched.push_back(&c);
       if (c.node != evaluated) evaluate(evaluated = c.node, trajectory_.x(c.node));
       const Eigen::VectorXd values = values_of(c);
@@ -204,15 +204,30 @@ class Search {
     for (std::size_t first = 0, last = 0; first < watched.size(); first = last) {
       const int k = watched[first]->node;
       while (last < watched.size() && watched[last]->node == k) ++last;
-      if (k == problem_.knots() || problem_.takes_no_time(k)) continue;
-      problem_.manifold().difference(trajectory_.x(k).data(), trajectory_.x(k + 1).data(),
-                                     way.data());
-      for (int part = 1; part < kPartsOfAStep; ++part) {
-        const Eigen::VectorXd dx = way * (static_cast<double>(part) / kPartsOfAStep);
-        problem_.manifold().integrate(trajectory_.x(k).data(), dx.data(), x.data());
-        evaluate(k, x);
-        for (std::size_t i = first; i < last; ++i) look_between(*watched[i], at_knots);
-      }
+      if (k < problem_.knots() && !problem_.takes_no_time(k))
+        look_along(k, std::span(watched).subspan(first, last - first), at_knots);
+    }
+  }
+
+  bool is_state_inequality(const NodeConstraint& c) const {
+    if (!c.term->has_bounds() || c.is_soft() || c.term->depends_on_control(problem_.ndx()))
+      return false;
+    for (int i = 0; i < c.term->rows; ++i)
+      if (c.lower[i] < c.upper[i]) return true;
+    return false;
+  }
+
+  /// Constraints of a node on the way to the next one.
+  void look_along(int k, std::span<const NodeConstraint* const> constraints,
+                  const std::map<std::string, double>& at_knots) {
+    Eigen::VectorXd way(problem_.ndx()), x(problem_.nx());
+    problem_.manifold().difference(trajectory_.x(k).data(), trajectory_.x(k + 1).data(),
+                                   way.data());
+    for (int part = 1; part < kPartsOfAStep; ++part) {
+      const Eigen::VectorXd dx = way * (static_cast<double>(part) / kPartsOfAStep);
+      problem_.manifold().integrate(trajectory_.x(k).data(), dx.data(), x.data());
+      evaluate(k, x);
+      for (const NodeConstraint* c : constraints) look_between(*c, at_knots);
     }
   }
 
@@ -244,6 +259,18 @@ class Search {
     return " m by " + names->second[row];
   }
 
+  /// Of a control from one knot to another: its largest change before the last step, and its range.
+  std::pair<double, double> changes(int control, int first, int last) const {
+    double most = 0, low = trajectory_.u(first)[control], high = low;
+    for (int k = first + 1; k <= last; ++k) {
+      const double u = trajectory_.u(k)[control];
+      if (k < last) most = std::max(most, std::abs(u - trajectory_.u(k - 1)[control]));
+      low = std::min(low, u);
+      high = std::max(high, u);
+    }
+    return {most, high - low};
+  }
+
   /// Controls that change in the last step as they do nowhere in their phase before.
   void last_knot() {
     constexpr int kFewestKnots = 6;
@@ -254,15 +281,9 @@ class Search {
     const System& system = problem_.knot(N - 1).model->system();
     if (N - first < kFewestKnots || problem_.takes_no_time(N - 1)) return;
     for (int i = 0; i < system.actuators(); ++i) {
-      double most = 0, low = trajectory_.u(first)[i], high = low;
-      for (int k = first + 1; k < N; ++k) {
-        const double u = trajectory_.u(k)[i];
-        if (k < N - 1) most = std::max(most, std::abs(u - trajectory_.u(k - 1)[i]));
-        low = std::min(low, u);
-        high = std::max(high, u);
-      }
+      const auto [most, range] = changes(i, first, N - 1);
       const double jump = std::abs(trajectory_.u(N - 1)[i] - trajectory_.u(N - 2)[i]);
-      if (jump <= kFactor * most || jump <= kShare * (high - low) || jump <= kSlack) continue;
+      if (jump <= kFactor * most || jump <= kShare * range || jump <= kSlack) continue;
       const Column& column = system.control_columns()[i];
       Finding& f = add(FindingKind::last_knot, column.name, jump, column.unit, N - 1);
       f.message = fmt::format("{} jumps by {:.3g} {} at the last knot, by {:.3g} at most before",
@@ -274,12 +295,7 @@ class Search {
   /// Bodies that nothing but thrusters drives, and about which axes those cannot turn them.
   void thrusters() {
     const MultibodySystem* robot = problem_.knot(0).model->system().robot_inside();
-    if (robot == nullptr) return;
-    for (int k = 0; k < problem_.knots(); ++k)
-      if (const auto* held = problem_.knot(k).model->system().robot_inside();
-          held == nullptr || !held->contacts().empty() ||
-          problem_.knot(k).model->system().as_stepping() != nullptr)
-        return;
+    if (robot == nullptr || !floats_throughout()) return;
     const Actuation& actuation = robot->actuation();
     const Eigen::Map<const Eigen::MatrixXd> B(actuation.B.data(), robot->nv(), actuation.nu);
     for (int j = 0; j < robot->robot().joint_count(); ++j) {
@@ -293,29 +309,45 @@ class Search {
       const Vector3<double> c = (1 / joint.inertia.mass) * joint.inertia.moment;
       Eigen::Matrix3d arm;
       arm << 0, -c.z, c.y, c.z, 0, -c.x, -c.y, c.x, 0;
-      const Eigen::MatrixXd torque = B.middleRows(*row + 3, 3) - arm * force;
-      // Rounding is measured by the forces, at a metre.
-      Eigen::JacobiSVD<Eigen::MatrixXd> svd(torque);
-      const int rank = static_cast<int>(
-          (svd.singularValues().array() > 1e-9 * force.cwiseAbs().maxCoeff()).count());
-      if (rank == 3) continue;
-      std::string axes;
-      for (int i = 0; i < 3; ++i)
-        if (torque.row(i).cwiseAbs().maxCoeff() < 1e-9 * force.cwiseAbs().maxCoeff())
-          axes += (axes.empty() ? "" : ", ") + std::string(1, "xyz"[i]);
-      Finding& f = add(FindingKind::thrusters, joint.name, 3 - rank, "1", -1);
-      f.message = fmt::format(
-          "the thrusters cannot turn the body of '{}' about {}", joint.name,
-          axes.empty() ? fmt::format("{} of 3 directions", 3 - rank) : "its axes " + axes);
-      f.remedy = "thrusters off the centre of mass in other directions, or with a torque_ratio";
+      judge_thrusters(joint.name, B.middleRows(*row + 3, 3) - arm * force,
+                      force.cwiseAbs().maxCoeff());
     }
+  }
+
+  /// Whether the world never holds the robot.
+  bool floats_throughout() const {
+    for (int k = 0; k < problem_.knots(); ++k) {
+      const System& system = problem_.knot(k).model->system();
+      const MultibodySystem* robot = system.robot_inside();
+      if (robot == nullptr || !robot->contacts().empty() || system.as_stepping() != nullptr)
+        return false;
+    }
+    return true;
+  }
+
+  /// By the torques about the centre of mass, whose rounding is measured by the forces, at a metre.
+  void judge_thrusters(const std::string& body, const Eigen::MatrixXd& torque, double force) {
+    const double rounding = 1e-9 * force;
+    Eigen::JacobiSVD<Eigen::MatrixXd> svd(torque);
+    const int rank = static_cast<int>((svd.singularValues().array() > rounding).count());
+    if (rank == 3) return;
+    std::string axes;
+    for (int i = 0; i < 3; ++i)
+      if (torque.row(i).cwiseAbs().maxCoeff() < rounding)
+        axes += (axes.empty() ? "" : ", ") + std::string(1, "xyz"[i]);
+    Finding& f = add(FindingKind::thrusters, body, 3 - rank, "1", -1);
+    f.message = fmt::format(
+        "the thrusters cannot turn the body of '{}' about {}", body,
+        axes.empty() ? fmt::format("{} of 3 directions", 3 - rank) : "its axes " + axes);
+    f.remedy = "thrusters off the centre of mass in other directions, or with a torque_ratio";
   }
 
   const ShootingProblem& problem_;
   const Trajectory& trajectory_;
   const FindingNames& names_;
   const std::vector<double> times_;
-  std::map<const KnotModel*, std::unique_ptr<KnotWorkspace<double>>> memory_;
+  NodeEvaluation nodes_;
+  const KnotWorkspace<double>* evaluated_ = nullptr;  ///< of the last node
   std::map<std::string, Effort> efforts_;
   std::vector<Finding> list_;
 };

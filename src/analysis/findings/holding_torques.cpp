@@ -79,17 +79,44 @@ std::vector<std::string> joints_to_hold(const MultibodySystem& system) {
   return names;
 }
 
+/// What the controls of a knot may do at each of some joints; nothing where a joint has no control.
+struct TorqueLimits {
+  VectorXd lower, upper;
+  std::vector<bool> has_control;
+};
+
+/// None where a control is of no joint, as a thruster is.
+std::optional<TorqueLimits> torque_limits(const KnotModel& model, const MultibodySystem& robot,
+                                          const std::vector<Column>& joints) {
+  const auto n = static_cast<Eigen::Index>(joints.size());
+  TorqueLimits limits{VectorXd::Zero(n), VectorXd::Zero(n), std::vector<bool>(n, false)};
+  for (int i = 0; i < robot.nu(); ++i) {
+    const auto same = [&](const Column& c) { return c.name == robot.control_columns()[i].name; };
+    const auto joint = std::find_if(joints.begin(), joints.end(), same);
+    if (joint == joints.end()) return std::nullopt;
+    const auto j = joint - joints.begin();
+    limits.lower[j] = model.control_lower()[i];
+    limits.upper[j] = model.control_upper()[i];
+    limits.has_control[j] = true;
+  }
+  return limits;
+}
+
+/// Whether the question is one: a robot at rest that has something to hold it.
+bool can_be_held(const MultibodySystem* robot, const double* x) {
+  if (robot == nullptr || robot->kind() != SystemKind::second_order || !at_rest(*robot, x))
+    return false;
+  return !robot->contacts().empty() ||
+         static_cast<int>(robot->actuated_rows().size()) >= robot->nv();
+}
+
 }  // namespace
 
 std::optional<MissingTorque> missing_torque(const ShootingProblem& problem) {
   const KnotModel& model = *problem.knot(0).model;
   const auto* robot = model.system().as_multibody();
   const double* x = problem.initial_state().data();
-  if (robot == nullptr || robot->kind() != SystemKind::second_order || !at_rest(*robot, x))
-    return std::nullopt;
-  const std::vector<int> driven = robot->actuated_rows();
-  if (robot->contacts().empty() && static_cast<int>(driven.size()) < robot->nv())
-    return std::nullopt;
+  if (!can_be_held(robot, x)) return std::nullopt;
 
   MultibodySystem strong(robot->shared_robot(),
                          Actuation::joints(robot->robot(), joints_to_hold(*robot)), {},
@@ -97,17 +124,9 @@ std::optional<MissingTorque> missing_torque(const ShootingProblem& problem) {
   strong.soften_redundant_contacts(x);
   const int n = strong.nu();
   const std::vector<Column>& joints = strong.control_columns();
-  VectorXd lower = VectorXd::Zero(n), upper = VectorXd::Zero(n);
-  std::vector<bool> has_control(n, false);
-  for (int i = 0; i < robot->nu(); ++i) {
-    const auto same = [&](const Column& c) { return c.name == robot->control_columns()[i].name; };
-    const auto joint = std::find_if(joints.begin(), joints.end(), same);
-    if (joint == joints.end()) return std::nullopt;  // a thruster
-    const auto j = joint - joints.begin();
-    lower[j] = model.control_lower()[i];
-    upper[j] = model.control_upper()[i];
-    has_control[j] = true;
-  }
+  const auto limits = torque_limits(model, *robot, joints);
+  if (!limits) return std::nullopt;
+  const auto& [lower, upper, has_control] = *limits;
 
   const Statics statics(strong, x);
   if (!statics.a.allFinite() || !statics.A.allFinite()) return std::nullopt;
