@@ -52,6 +52,25 @@ bool all_kept_word(const BenchmarkReport& report) {
                      [](const BenchmarkEntry& entry) { return entry.run.kept_word(); });
 }
 
+namespace {
+
+/// One that was not refused.
+void add_run(const BenchmarkEntry& entry, SolverSummary& summary,
+             std::map<std::string, int>& failures) {
+  ++summary.runs;
+  (entry.left_out.empty() ? summary.solved : summary.solved_without) += entry.run.solved;
+  summary.left_out += !entry.left_out.empty();
+  if (!entry.run.solved) {
+    ++failures[entry.run.kept_word() ? entry.run.status : "check failed"];
+    return;
+  }
+  if (!entry.left_out.empty()) return;
+  for (std::size_t i = 0; i < kCostLevels.size(); ++i)
+    summary.within[i] += !(entry.cost_excess > kCostLevels[i].excess);
+}
+
+}  // namespace
+
 std::vector<SolverSummary> summarize(const BenchmarkReport& report) {
   std::vector<SolverSummary> list;
   for (const std::string& solver : report.request.solvers) {
@@ -59,17 +78,10 @@ std::vector<SolverSummary> summarize(const BenchmarkReport& report) {
     std::map<std::string, int> failures;
     for (const BenchmarkEntry& entry : report.entries) {
       if (entry.run.solver != solver) continue;
-      if (entry.run.status == "refused") {
+      if (entry.run.status == "refused")
         ++summary.refused;
-        continue;
-      }
-      ++summary.runs;
-      (entry.left_out.empty() ? summary.solved : summary.solved_without) += entry.run.solved;
-      summary.left_out += !entry.left_out.empty();
-      if (entry.run.solved && entry.left_out.empty())
-        for (std::size_t i = 0; i < kCostLevels.size(); ++i)
-          summary.within[i] += !(entry.cost_excess > kCostLevels[i].excess);
-      if (!entry.run.solved) ++failures[entry.run.kept_word() ? entry.run.status : "check failed"];
+      else
+        add_run(entry, summary, failures);
     }
     summary.failures.assign(failures.begin(), failures.end());
     std::stable_sort(summary.failures.begin(), summary.failures.end(),

@@ -94,47 +94,68 @@ TextTable solver_table(const Entries& entries) {
   return table;
 }
 
-/// Of one solver on all instances of a problem.
-std::vector<std::string> robustness_row(const std::string& solver, const Entries& entries) {
-  int runs = 0, solved = 0;
-  std::vector<double> iterations, times, excess;
+/// "3 diverged, 1 time_limit".
+std::string failures_text(const SolverSummary& summary) {
+  std::string text;
+  for (const auto& [status, count] : summary.failures)
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, status);
+  return text;
+}
+
+/// What the runs of one solver on all instances of a problem come to.
+struct Runs {
+  int count = 0, solved = 0;
+  std::vector<double> iterations, times, excess;  ///< of solved runs
   double stationarity = 0, gap = 0, constraint = 0, off = 0;
-  std::string without, failures;
-  BenchmarkReport part{.request = {.solvers = {solver}}};
-  for (const BenchmarkEntry* entry : entries) {
-    if (entry->run.solver != solver) continue;
-    part.entries.push_back(*entry);
-    if (entry->run.status == "refused") continue;
-    ++runs;
+  std::string without;  ///< constraints that the last run left out
+
+  void add(const BenchmarkEntry& entry) {
+    ++count;
+    note_left_out(entry.left_out);
+    if (!entry.run.solved) return;
+    solved += entry.left_out.empty();
+    iterations.push_back(entry.run.iterations);
+    times.push_back(1e3 * entry.run.median.total);
+    if (std::isfinite(entry.cost_excess)) excess.push_back(entry.cost_excess);
+    stationarity = std::max(stationarity, entry.run.check.stationarity);
+    gap = std::max(gap, entry.run.check.gap);
+    constraint = std::max(constraint, entry.run.check.constraint);
+  }
+  void note_left_out(const std::vector<LeftOut>& constraints) {
     std::string names;
-    for (const LeftOut& c : entry->left_out) {
+    for (const LeftOut& c : constraints) {
       names += (names.empty() ? "" : ", ") + c.name;
       off = std::max(off, c.violation);
     }
     if (!names.empty()) without = fmt::format("{} (off by {:.2g})", names, off);
-    if (!entry->run.solved) continue;
-    solved += entry->left_out.empty();
-    iterations.push_back(entry->run.iterations);
-    times.push_back(1e3 * entry->run.median.total);
-    if (std::isfinite(entry->cost_excess)) excess.push_back(entry->cost_excess);
-    stationarity = std::max(stationarity, entry->run.check.stationarity);
-    gap = std::max(gap, entry->run.check.gap);
-    constraint = std::max(constraint, entry->run.check.constraint);
+  }
+  std::vector<std::string> cells() const {
+    if (iterations.empty()) return std::vector<std::string>(6);
+    return {number(median(iterations), "{:.4g}"),
+            number(median(times), "{:.4g}"),
+            excess.empty() ? "" : residual(median(excess)),
+            residual(stationarity),
+            residual(gap),
+            residual(constraint)};
+  }
+};
+
+/// Of one solver on all instances of a problem.
+std::vector<std::string> robustness_row(const std::string& solver, const Entries& entries) {
+  Runs runs;
+  BenchmarkReport part{.request = {.solvers = {solver}}};
+  for (const BenchmarkEntry* entry : entries) {
+    if (entry->run.solver != solver) continue;
+    part.entries.push_back(*entry);
+    if (entry->run.status != "refused") runs.add(*entry);
   }
   const SolverSummary summary = summarize(part).front();
-  for (const auto& [status, count] : summary.failures)
-    failures += fmt::format("{}{} {}", failures.empty() ? "" : ", ", count, status);
-  if (summary.refused > 0) failures = fmt::format("{} unsupported", summary.refused);
-  std::vector<std::string> row = {solver, fmt::format("{}/{}", solved, runs)};
+  std::vector<std::string> row = {solver, fmt::format("{}/{}", runs.solved, runs.count)};
   for (std::string& cell : within_cells(summary)) row.push_back(std::move(cell));
-  row.push_back(without);
-  if (iterations.empty())
-    row.resize(row.size() + 6);
-  else
-    row.insert(row.end(), {number(median(iterations), "{:.4g}"), number(median(times), "{:.4g}"),
-                           excess.empty() ? "" : residual(median(excess)), residual(stationarity),
-                           residual(gap), residual(constraint)});
-  row.push_back(failures);
+  row.push_back(runs.without);
+  for (std::string& cell : runs.cells()) row.push_back(std::move(cell));
+  row.push_back(summary.refused > 0 ? fmt::format("{} unsupported", summary.refused)
+                                    : failures_text(summary));
   return row;
 }
 
@@ -168,32 +189,32 @@ TextTable summary_table(const BenchmarkReport& report) {
   const auto levels = within_columns();
   table.columns.insert(table.columns.begin() + 4, levels.begin(), levels.end());
   for (const SolverSummary& s : summarize(report)) {
-    std::string failures;
-    for (const auto& [status, count] : s.failures)
-      failures += fmt::format("{}{} {}", failures.empty() ? "" : ", ", count, status);
     std::vector<std::string> row = {
         s.solver, std::to_string(s.solved), std::to_string(s.runs),
         s.runs > 0 ? fmt::format("{:.1f} %", 100.0 * s.solved / s.runs) : ""};
     for (std::string& cell : within_cells(s)) row.push_back(std::move(cell));
     row.insert(row.end(), {s.left_out > 0 ? fmt::format("{}/{}", s.solved_without, s.left_out) : "",
-                           s.refused > 0 ? std::to_string(s.refused) : "", failures});
+                           s.refused > 0 ? std::to_string(s.refused) : "", failures_text(s)});
     table.rows.push_back(std::move(row));
   }
   return table;
 }
 
+/// "; 20 instances, initial states within 0.1, seeds 1 to 20", empty where there are none.
+std::string instances_text(const BenchmarkRequest& request) {
+  if (request.instances == 0) return {};
+  std::string text = fmt::format("; {} instances", request.instances);
+  if (request.initial_state_size)
+    text += fmt::format(", initial states within {:g}", *request.initial_state_size);
+  if (request.guess_spread)
+    text += fmt::format(", guesses with deviation {:g}", *request.guess_spread);
+  return text + fmt::format(", seeds {} to {}", request.seed, request.seed + request.instances - 1);
+}
+
 std::string heading(const BenchmarkEntry& entry, const BenchmarkRequest& request, bool markdown) {
   std::string text = fmt::format("{}{} ({} knots, {} states, {} controls", markdown ? "### " : "",
                                  entry.problem, entry.knots, entry.states, entry.controls);
-  if (request.instances > 0) {
-    text += fmt::format("; {} instances", request.instances);
-    if (request.initial_state_size)
-      text += fmt::format(", initial states within {:g}", *request.initial_state_size);
-    if (request.guess_spread)
-      text += fmt::format(", guesses with deviation {:g}", *request.guess_spread);
-    text += fmt::format(", seeds {} to {}", request.seed, request.seed + request.instances - 1);
-  }
-  text += ")\n";
+  text += instances_text(request) + ")\n";
   if (markdown) text += '\n';
   if (entry.options.empty()) return text;
   text += markdown ? "Options: " : "  options: ";

@@ -89,17 +89,23 @@ OrderedJson replay_json(const SolutionCertificate& certificate) {
 
 }  // namespace
 
+namespace {
+
+OrderedJson check_json(const Check& check) {
+  OrderedJson row = {{"name", check.name}, {"holds", check.holds}};
+  if (!std::isnan(check.claimed)) row["claimed"] = finite_or_null(check.claimed);
+  if (!std::isnan(check.found)) row["found"] = finite_or_null(check.found);
+  if (has_figures(check)) row["tolerance"] = finite_or_null(check.tolerance);
+  if (!check.place.empty()) row["place"] = check.place;
+  if (!check.message.empty()) row["message"] = check.message;
+  return row;
+}
+
+}  // namespace
+
 OrderedJson certificate_json(const SolutionCertificate& certificate) {
   OrderedJson checks = OrderedJson::array();
-  for (const Check& check : certificate.checks.checks) {
-    OrderedJson row = {{"name", check.name}, {"holds", check.holds}};
-    if (!std::isnan(check.claimed)) row["claimed"] = finite_or_null(check.claimed);
-    if (!std::isnan(check.found)) row["found"] = finite_or_null(check.found);
-    if (has_figures(check)) row["tolerance"] = finite_or_null(check.tolerance);
-    if (!check.place.empty()) row["place"] = check.place;
-    if (!check.message.empty()) row["message"] = check.message;
-    checks.push_back(std::move(row));
-  }
+  for (const Check& check : certificate.checks.checks) checks.push_back(check_json(check));
   OrderedJson json = {{"holds", certificate.checks.holds()},
                       {"checks", std::move(checks)},
                       {"time_s", certificate.time_s}};
@@ -126,6 +132,22 @@ std::string certificate_line(const SolutionCertificate& certificate) {
   return text;
 }
 
+namespace {
+
+/// Figures, place and message of a check, as far as it has them.
+std::string behind_name(const Check& check) {
+  std::string text;
+  if (has_figures(check))
+    text += fmt::format("  {:>17} {:>17.10g} {:>10.1e}",
+                        std::isnan(check.claimed) ? "" : fmt::format("{:.10g}", check.claimed),
+                        check.found, check.tolerance);
+  if (!check.place.empty()) text += "  " + check.place;
+  if (!check.message.empty()) text += "  " + check.message;
+  return text;
+}
+
+}  // namespace
+
 std::string certificate_table(const SolutionCertificate& certificate) {
   std::size_t width = 4;
   for (const Check& check : certificate.checks.checks)
@@ -133,15 +155,9 @@ std::string certificate_table(const SolutionCertificate& certificate) {
   std::string text = fmt::format("  {:<{}}  {:>17} {:>17} {:>10}\n", "", width + 6, "claimed",
                                  "found", "tolerance");
   for (const Check& check : certificate.checks.checks) {
+    const std::string rest = behind_name(check);
     text += fmt::format("  {} ", check.holds ? "ok   " : "FAILS") + check.name;
-    if (has_figures(check) || !check.place.empty() || !check.message.empty())
-      text += std::string(width - count_characters(check.name), ' ');
-    if (has_figures(check))
-      text += fmt::format("  {:>17} {:>17.10g} {:>10.1e}",
-                          std::isnan(check.claimed) ? "" : fmt::format("{:.10g}", check.claimed),
-                          check.found, check.tolerance);
-    if (!check.place.empty()) text += "  " + check.place;
-    if (!check.message.empty()) text += "  " + check.message;
+    if (!rest.empty()) text += std::string(width - count_characters(check.name), ' ') + rest;
     text += '\n';
   }
   return text;

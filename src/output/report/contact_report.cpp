@@ -66,22 +66,62 @@ std::vector<std::string> closed_names(const ContactCertificate& certificate,
 
 }  // namespace
 
+namespace {
+
+/// Of open candidates: "foot pushes with up to 3 N in 2 steps; ...".
+std::string pushes_text(const ContactCertificate& certificate, const ContactStretch& stretch) {
+  std::string text;
+  for (std::size_t c = 0; c < stretch.pushes.size(); ++c)
+    if (const auto& push = stretch.pushes[c]; push.steps > 0)
+      text += fmt::format("{}{} pushes with up to {:.3g} N in {} step{}", text.empty() ? "" : "; ",
+                          certificate.candidates[c], push.largest, push.steps,
+                          push.steps == 1 ? "" : "s");
+  return text;
+}
+
+}  // namespace
+
 std::string contact_sequence_text(const ContactCertificate& certificate) {
   std::string text;
   for (const ContactStretch& stretch : certificate.sequence) {
     const auto names = closed_names(certificate, stretch);
     text += fmt::format("{}{} x {}", text.empty() ? "" : ", ", stretch.steps,
                         names.empty() ? "none" : fmt::format("{}", fmt::join(names, "+")));
-    std::string pushes;
-    for (std::size_t c = 0; c < stretch.pushes.size(); ++c)
-      if (const auto& push = stretch.pushes[c]; push.steps > 0)
-        pushes += fmt::format("{}{} pushes with up to {:.3g} N in {} step{}",
-                              pushes.empty() ? "" : "; ", certificate.candidates[c], push.largest,
-                              push.steps, push.steps == 1 ? "" : "s");
+    const std::string pushes = pushes_text(certificate, stretch);
     if (!pushes.empty()) text += " (" + pushes + ")";
   }
   return text;
 }
+
+namespace {
+
+OrderedJson stretch_json(const ContactCertificate& certificate, const ContactStretch& stretch) {
+  OrderedJson pushes = OrderedJson::array();
+  for (std::size_t c = 0; c < stretch.pushes.size(); ++c)
+    if (const auto& push = stretch.pushes[c]; push.steps > 0)
+      pushes.push_back({{"contact", certificate.candidates[c]},
+                        {"knots", push.steps},
+                        {"largest_N", finite_or_null(push.largest)}});
+  return {{"first_knot", certificate.first_knot + stretch.first},
+          {"knots", stretch.steps},
+          {"closed", closed_names(certificate, stretch)},
+          {"pushes", std::move(pushes)}};
+}
+
+OrderedJson replay_runs_json(const ContactReplay& replay,
+                             const std::vector<std::string>& tangent_names) {
+  OrderedJson json = {{"substeps", replay.substeps},
+                      {"each_step", run_json(replay.each_step, tangent_names)},
+                      {"each_step_fine", run_json(replay.each_step_fine, tangent_names)},
+                      {"ambiguous_steps", replay.ambiguous_steps},
+                      {"controls", run_json(replay.controls, tangent_names)},
+                      {"controls_fine", run_json(replay.controls_fine, tangent_names)}};
+  if (replay.ambiguous_steps > 0) json["ambiguous"] = run_json(replay.ambiguous, tangent_names);
+  if (replay.feedback_fine) json["feedback_fine"] = run_json(*replay.feedback_fine, tangent_names);
+  return json;
+}
+
+}  // namespace
 
 OrderedJson contact_certificate_json(const ContactCertificate& certificate,
                                      const std::vector<std::string>& tangent_names) {
@@ -98,18 +138,8 @@ OrderedJson contact_certificate_json(const ContactCertificate& certificate,
     figures.push_back(std::move(row));
   }
   OrderedJson sequence = OrderedJson::array();
-  for (const ContactStretch& stretch : certificate.sequence) {
-    OrderedJson pushes = OrderedJson::array();
-    for (std::size_t c = 0; c < stretch.pushes.size(); ++c)
-      if (const auto& push = stretch.pushes[c]; push.steps > 0)
-        pushes.push_back({{"contact", certificate.candidates[c]},
-                          {"knots", push.steps},
-                          {"largest_N", finite_or_null(push.largest)}});
-    sequence.push_back({{"first_knot", certificate.first_knot + stretch.first},
-                        {"knots", stretch.steps},
-                        {"closed", closed_names(certificate, stretch)},
-                        {"pushes", std::move(pushes)}});
-  }
+  for (const ContactStretch& stretch : certificate.sequence)
+    sequence.push_back(stretch_json(certificate, stretch));
   OrderedJson json = {{"figures", std::move(figures)},
                       {"energy",
                        {{"start_J", finite_or_null(m.energy_start)},
@@ -119,18 +149,7 @@ OrderedJson contact_certificate_json(const ContactCertificate& certificate,
                         {"damping_J", finite_or_null(m.work_damping)},
                         {"stepping_J", finite_or_null(-m.stepping_loss())}}},
                       {"sequence", std::move(sequence)}};
-  if (!certificate.replay) return json;
-  const ContactReplay& replay = *certificate.replay;
-  json["replay"] = {{"substeps", replay.substeps},
-                    {"each_step", run_json(replay.each_step, tangent_names)},
-                    {"each_step_fine", run_json(replay.each_step_fine, tangent_names)},
-                    {"ambiguous_steps", replay.ambiguous_steps},
-                    {"controls", run_json(replay.controls, tangent_names)},
-                    {"controls_fine", run_json(replay.controls_fine, tangent_names)}};
-  if (replay.ambiguous_steps > 0)
-    json["replay"]["ambiguous"] = run_json(replay.ambiguous, tangent_names);
-  if (replay.feedback_fine)
-    json["replay"]["feedback_fine"] = run_json(*replay.feedback_fine, tangent_names);
+  if (certificate.replay) json["replay"] = replay_runs_json(*certificate.replay, tangent_names);
   return json;
 }
 

@@ -203,17 +203,7 @@ void check_multipliers(const OrderedJson& multipliers, std::size_t nodes) {
   }
 }
 
-}  // namespace
-
-void check_report_document(const OrderedJson& document) {
-  for (const char* key : {"solver", "status", "message"}) solution_text(document, key);
-  const OrderedJson& problem = solution_member(document, "problem");
-  solution_text(problem, "name");
-  for (const char* key : {"residuals", "time_s", "tool", "initial_guess_used"})
-    if (!solution_member(document, key).is_object())
-      throw MalformedSolution{fmt::format("'{}' is not an object", key)};
-  solution_member(document, "iterations");
-  const OrderedJson& trajectory = solution_member(document, "trajectory");
+void check_trajectory(const OrderedJson& trajectory) {
   const std::size_t nodes = solution_list(trajectory, "t").size();
   if (nodes < 2) throw MalformedSolution{"its trajectory has no knots"};
   for (const OrderedJson& t : trajectory["t"])
@@ -227,14 +217,31 @@ void check_report_document(const OrderedJson& document) {
       if (!row.is_array())
         throw MalformedSolution{fmt::format("'{}' has an entry that is not a list", of)};
   }
-  for (const OrderedJson& phase : solution_list(trajectory, "phases")) {
-    solution_text(phase, "name");
-    const OrderedJson& first = solution_member(phase, "first_knot");
-    const OrderedJson& knots = solution_member(phase, "knots");
-    if (!first.is_number_unsigned() || !knots.is_number_unsigned() ||
-        first.get<std::size_t>() + knots.get<std::size_t>() >= nodes)
-      throw MalformedSolution{"a phase lies outside of its trajectory"};
-  }
+}
+
+void check_phase(const OrderedJson& phase, std::size_t nodes) {
+  solution_text(phase, "name");
+  const OrderedJson& first = solution_member(phase, "first_knot");
+  const OrderedJson& knots = solution_member(phase, "knots");
+  if (!first.is_number_unsigned() || !knots.is_number_unsigned() ||
+      first.get<std::size_t>() + knots.get<std::size_t>() >= nodes)
+    throw MalformedSolution{"a phase lies outside of its trajectory"};
+}
+
+}  // namespace
+
+void check_report_document(const OrderedJson& document) {
+  for (const char* key : {"solver", "status", "message"}) solution_text(document, key);
+  const OrderedJson& problem = solution_member(document, "problem");
+  solution_text(problem, "name");
+  for (const char* key : {"residuals", "time_s", "tool", "initial_guess_used"})
+    if (!solution_member(document, key).is_object())
+      throw MalformedSolution{fmt::format("'{}' is not an object", key)};
+  solution_member(document, "iterations");
+  const OrderedJson& trajectory = solution_member(document, "trajectory");
+  check_trajectory(trajectory);
+  const std::size_t nodes = trajectory["t"].size();
+  for (const OrderedJson& phase : solution_list(trajectory, "phases")) check_phase(phase, nodes);
   if (document.contains("gains")) solution_list(document["gains"], "K");
   if (document.contains("multipliers")) check_multipliers(document["multipliers"], nodes);
   check_objects(document, "log");

@@ -108,20 +108,24 @@ class ShapeReader {
   }
 
  private:
-  void draw(const LinkVisuals& link, const Frame& frame) {
-    OrderedJson reasons = OrderedJson::array(), ignored = OrderedJson::array();
+  /// The first kind of shapes that can be drawn and its name, with the reasons why not all visual
+  /// ones can.
+  std::pair<OrderedJson, const char*> shapes_of(const LinkVisuals& link, const Frame& frame,
+                                                OrderedJson& reasons) {
     OrderedJson shapes = drawable(link.visual, frame, reasons);
-    const char* drawn_by = "other visual shapes";
     if (link.visual.empty()) reasons.push_back({{"why", "no visual shape"}, {"what", ""}});
-    if (shapes.empty()) {
-      shapes = drawable(link.collision, frame, ignored);
-      drawn_by = "collision shape";
-    }
-    if (shapes.empty() && link.inertia) {
-      shapes.push_back(inertia_ellipsoid(*link.inertia, frame.placement));
-      drawn_by = "inertia ellipsoid";
-    }
-    if (shapes.empty()) drawn_by = "nothing";
+    if (!shapes.empty()) return {std::move(shapes), "other visual shapes"};
+    OrderedJson ignored = OrderedJson::array();
+    shapes = drawable(link.collision, frame, ignored);
+    if (!shapes.empty()) return {std::move(shapes), "collision shape"};
+    if (!link.inertia) return {std::move(shapes), "nothing"};
+    shapes.push_back(inertia_ellipsoid(*link.inertia, frame.placement));
+    return {std::move(shapes), "inertia ellipsoid"};
+  }
+
+  void draw(const LinkVisuals& link, const Frame& frame) {
+    OrderedJson reasons = OrderedJson::array();
+    auto [shapes, drawn_by] = shapes_of(link, frame, reasons);
     OrderedJson& body = out_.of_body[frame.joint + 1];
     for (OrderedJson& shape : shapes) {
       shape["link"] = frame.name;

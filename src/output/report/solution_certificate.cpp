@@ -131,6 +131,9 @@ class Reader {
   }
 
   void add(Check check) { certificate_.checks.push_back(std::move(check)); }
+  void fail(std::string name, std::string message) {
+    add({std::move(name), false, Check::kNone, Check::kNone, Check::kNone, "", std::move(message)});
+  }
 
   /// A statement in words or whole numbers, which has to be the problem's own.
   bool statement(std::string name, const Json& claimed, const Json& actual) {
@@ -182,8 +185,7 @@ class Reader {
     if (!list.is_array()) throw MalformedSolution{fmt::format("'{}' is not a list", name)};
     if (static_cast<int>(list.size()) == expected) return;
     fits_ = false;
-    add({name, false, Check::kNone, Check::kNone, Check::kNone, "",
-         fmt::format("{} entries in the answer, {} in the problem", list.size(), expected)});
+    fail(name, fmt::format("{} entries in the answer, {} in the problem", list.size(), expected));
   }
 
   /// One row of numbers a node or knot; `columns` says how many a knot has.
@@ -234,6 +236,14 @@ class Reader {
   }
 
   void read_claims() {
+    read_motion();
+    read_figures();
+    read_multipliers();
+    read_gains();
+    claims_->tolerances = spec_.solver.options.tolerances;
+    claims_->tangent_names = tangent_columns(built_);
+  }
+  void read_motion() {
     SolutionClaims& c = *claims_;
     const int N = problem_.knots();
     const Json& trajectory = at(document_, {"trajectory"});
@@ -242,6 +252,9 @@ class Reader {
       c.trajectory.x(k) = vector(trajectory["x"][k], "trajectory.x");
       if (k < N) c.trajectory.u(k) = vector(trajectory["u"][k], "trajectory.u");
     }
+  }
+  void read_figures() {
+    SolutionClaims& c = *claims_;
     c.status = solution_text(document_, "status");
     c.converged = c.status == to_string(SolveStatus::converged);
     c.cost = number(at(document_, {"cost"}), "cost");
@@ -254,31 +267,37 @@ class Reader {
     c.gap = number(at(residuals, {"gap"}), "residuals.gap");
     c.constraint = number(at(residuals, {"constraint"}), "residuals.constraint");
     c.complementarity = number(at(residuals, {"complementarity"}), "residuals.complementarity");
-    c.tolerances = spec_.solver.options.tolerances;
+  }
+  void read_multipliers() {
+    SolutionClaims& c = *claims_;
     const Json& multipliers = document_["multipliers"];
-    for (int k = 0; k <= N; ++k) {
+    for (int k = 0; k <= problem_.knots(); ++k) {
       c.costates.col(k) = vector(multipliers["costates"][k], "multipliers.costates");
       c.state_gradient.col(k) =
           vector(multipliers["state_gradient"][k], "multipliers.state_gradient");
     }
-    for (int k = 0; k < N; ++k) {
-      if (multipliers.contains("control_lower"))
-        c.lower_multipliers[k] = vector(multipliers["control_lower"][k], "control_lower");
-      if (multipliers.contains("control_upper"))
-        c.upper_multipliers[k] = vector(multipliers["control_upper"][k], "control_upper");
-    }
+    const auto read_controls = [&](const char* key, std::vector<Eigen::VectorXd>& list) {
+      if (!multipliers.contains(key)) return;
+      for (int k = 0; k < problem_.knots(); ++k) list[k] = vector(multipliers[key][k], key);
+    };
+    read_controls("control_lower", c.lower_multipliers);
+    read_controls("control_upper", c.upper_multipliers);
     for (std::size_t i = 0; i < problem_.constraints().size(); ++i) {
       const NodeConstraint& constraint = problem_.constraints()[i];
       c.multipliers.segment(constraint.row, constraint.term->rows) =
           vector(multipliers["constraints"][i]["multiplier"], "multipliers.constraints");
     }
-    const Json& K = document_["gains"]["K"];
-    for (int k = 0; k < N; ++k)
-      for (int i = 0; i < problem_.nu(k); ++i) c.gains[k].row(i) = vector(K[k][i], "gains.K");
-    for (int k = 0; k < N; ++k) c.feedforward[k] = vector(document_["gains"]["k"][k], "gains.k");
-    c.gain_regularization = number(at(document_, {"gains", "regularization"}), "gains");
+  }
+  void read_gains() {
+    SolutionClaims& c = *claims_;
+    const Json& gains = at(document_, {"gains"});
+    for (int k = 0; k < problem_.knots(); ++k) {
+      for (int i = 0; i < problem_.nu(k); ++i)
+        c.gains[k].row(i) = vector(gains["K"][k][i], "gains.K");
+      c.feedforward[k] = vector(gains["k"][k], "gains.k");
+    }
+    c.gain_regularization = number(at(gains, {"regularization"}), "gains");
     c.gain_regularization_kind = spec_.solver.options.regularization.kind;
-    c.tangent_names = tangent_columns(built_);
   }
 
   /// What the answer says of its motion; answers of former versions say nothing.
@@ -287,27 +306,33 @@ class Reader {
     const Json& list = solution_list(document_, "findings");
     const Json expected = findings_json(found);
     Check check{"findings"};
-    const auto differs = [&](const std::string& what) {
-      check.holds = false;
-      check.message = what;
-    };
     if (list.size() != expected.size())
-      differs(fmt::format("{} in the answer, {} in its motion", list.size(), expected.size()));
-    for (std::size_t i = 0; check.holds && i < expected.size(); ++i)
-      for (const auto& [key, value] : expected[i].items()) {
-        const Json& claimed = at(list[i], {key.c_str()});
-        if (key == "message" || key == "remedy") continue;
-        const double here = value.is_number_float() ? value.get<double>() : Check::kNone;
-        if (claimed == value || (claimed.is_null() && value.is_number() && !std::isfinite(here)) ||
-            (claimed.is_number() && std::isfinite(here) &&
-             compared("", claimed.get<double>(), here, kValueTolerance).holds))
-          continue;
-        differs(fmt::format("'{}' of {} of {}: {} in the answer, {} in its motion", key,
-                            to_string(found[i].kind), found[i].subject, claimed.dump(),
-                            value.dump()));
-        break;
-      }
+      check.message =
+          fmt::format("{} in the answer, {} in its motion", list.size(), expected.size());
+    for (std::size_t i = 0; check.message.empty() && i < expected.size(); ++i)
+      check.message = first_difference(list[i], expected[i], found[i]);
+    check.holds = check.message.empty();
     add(std::move(check));
+  }
+
+  /// The first figure of a finding that differs, in words.
+  static std::string first_difference(const Json& claims, const Json& expected,
+                                      const Finding& found) {
+    for (const auto& [key, value] : expected.items()) {
+      const Json& claimed = at(claims, {key.c_str()});
+      if (key == "message" || key == "remedy") continue;
+      if (!is_same_figure(claimed, value))
+        return fmt::format("'{}' of {} of {}: {} in the answer, {} in its motion", key,
+                           to_string(found.kind), found.subject, claimed.dump(), value.dump());
+    }
+    return {};
+  }
+  static bool is_same_figure(const Json& claimed, const Json& actual) {
+    if (claimed == actual) return true;
+    const double here = actual.is_number_float() ? actual.get<double>() : Check::kNone;
+    if (claimed.is_null()) return actual.is_number() && !std::isfinite(here);
+    return claimed.is_number() && std::isfinite(here) &&
+           is_near(claimed.get<double>(), here, kValueTolerance);
   }
 
   /// Durations, and all that is said of constraints: their values row by row, and where which one
@@ -353,24 +378,23 @@ class Reader {
   void compare_place(const char* key, const Json& claimed, const ConstraintViolation& found,
                      double violation) {
     if (claimed == found.node || std::isnan(violation)) return;
+    const double tolerance = kValueTolerance * std::max(1.0, std::abs(found.value));
+    if (claimed == -1 && found.value <= tolerance) return;
     Evaluation evaluation(problem_);
     Evaluator(problem_).evaluate(claims_->trajectory, evaluation);
-    const double tolerance = kValueTolerance * std::max(1.0, std::abs(found.value));
-    const bool none = claimed == -1 && found.value <= tolerance;
-    bool same = none;
-    for (const auto* list : {&problem_.constraints(), &problem_.soft_constraints()})
-      for (const NodeConstraint& c : *list)
-        same = same || (claimed == c.node && named(c) == found.name &&
-                        distance_to_set(*c.term, evaluation.constraint.data() + c.row, c.lower,
-                                        c.upper) >= found.value - tolerance);
-    if (same) return;
-    add({fmt::format("{} {}", key, found.name), false, Check::kNone, Check::kNone, Check::kNone, "",
-         fmt::format("largest at node {}, not {}", found.node, claimed.dump())});
+    const auto is_as_large = [&](const NodeConstraint& c) {
+      return claimed == c.node && named(c) == found.name &&
+             distance_to_set(*c.term, evaluation.constraint.data() + c.row, c.lower, c.upper) >=
+                 found.value - tolerance;
+    };
+    if (std::ranges::any_of(problem_.constraints(), is_as_large) ||
+        std::ranges::any_of(problem_.soft_constraints(), is_as_large))
+      return;
+    fail(fmt::format("{} {}", key, found.name),
+         fmt::format("largest at node {}, not {}", found.node, claimed.dump()));
   }
 
-  std::string named(const NodeConstraint& c) const {
-    return (c.node == problem_.knots() ? "terminal/" : "") + c.term->name;
-  }
+  std::string named(const NodeConstraint& c) const { return constraint_name(problem_, c); }
 
   Check compared(std::string name, double claimed, double found, double tolerance,
                  std::string place = {}) const {
@@ -402,6 +426,9 @@ class Reader {
 
   bool open_or_near(double claimed, double found, double tolerance) const {
     if (std::isnan(claimed)) return claims_->status == to_string(SolveStatus::diverged);
+    return is_near(claimed, found, tolerance);
+  }
+  static bool is_near(double claimed, double found, double tolerance) {
     return std::abs(claimed - found) <= tolerance * std::max(1.0, std::abs(found));
   }
 
@@ -409,46 +436,48 @@ class Reader {
     const ContactForces found = contact_forces(spec_, problem_, claims_->trajectory);
     const Json& claimed = at(document_, {"trajectory", "contact_forces"});
     size("contact_forces", claimed, found.contacts);
-    for (const auto& contact : found.contacts) {
-      Check check{"force of " + contact.name};
-      const Json& rows = at(claimed, {contact.name.c_str()});
-      const int width = contact.torque ? 6 : 3;
-      double worst = -1;
-      for (int k = 0; k < problem_.knots() && check.message.empty(); ++k) {
-        const Json row = k < static_cast<int>(rows.size()) ? rows[k] : Json("missing");
-        const bool held = contact.wrench[k].has_value();
-        if (held ? !row.is_array() || static_cast<int>(row.size()) != width : !row.is_null()) {
-          check.holds = false;
-          check.place = place_text(problem_, k, "");
-          check.message = held ? "a force should stand here" : "the contact is not held here";
-          break;
-        }
-        for (int i = 0; held && i < width; ++i) {
-          const double claim = number(row[i], "contact_forces"), force = (*contact.wrench[k])[i];
-          const double size = std::abs(claim - force) / std::max(1.0, std::abs(force));
-          if (!(size > worst) && !std::isnan(size)) continue;
-          if (std::isnan(claim) && !std::isfinite(force)) continue;
-          worst = size;
-          check.claimed = claim;
-          check.found = force;
-          check.tolerance = kForceTolerance * std::max(1.0, std::abs(force));
-          check.place = place_text(problem_, k, "");
-          check.holds = size <= kForceTolerance;
-          if (!check.holds) break;
-        }
-        if (!check.holds) break;
-      }
-      if (check.holds) check.place.clear();
-      add(std::move(check));
+    for (const auto& contact : found.contacts)
+      add(check_force(contact, at(claimed, {contact.name.c_str()})));
+  }
+
+  /// The worst figure, or the first one that is wrong.
+  Check check_force(const ContactForces::OfContact& contact, const Json& rows) const {
+    Check check{"force of " + contact.name};
+    const int width = contact.torque ? 6 : 3;
+    double worst = -1;
+    for (int k = 0; k < problem_.knots() && check.holds; ++k) {
+      const Json row = k < static_cast<int>(rows.size()) ? rows[k] : Json("missing");
+      const auto& wrench = contact.wrench[k];
+      check.message = defect_of_force(row, wrench.has_value(), width);
+      check.holds = check.message.empty();
+      for (int i = 0; wrench && check.holds && i < width; ++i)
+        compare_force(number(row[i], "contact_forces"), (*wrench)[i], worst, check);
+      if (!check.holds) check.place = place_text(problem_, k, "");
     }
+    return check;
+  }
+  static const char* defect_of_force(const Json& row, bool held, int width) {
+    if (!held) return row.is_null() ? "" : "the contact is not held here";
+    const bool fits = row.is_array() && static_cast<int>(row.size()) == width;
+    return fits ? "" : "a force should stand here";
+  }
+  /// Where this figure is worse than those before, or wrong, the check is its.
+  static void compare_force(double claim, double force, double& worst, Check& check) {
+    const double size = std::abs(claim - force) / std::max(1.0, std::abs(force));
+    if (!(size > worst) && !std::isnan(size)) return;
+    if (std::isnan(claim) && !std::isfinite(force)) return;
+    worst = size;
+    check.claimed = claim;
+    check.found = force;
+    check.tolerance = kForceTolerance * std::max(1.0, std::abs(force));
+    check.holds = size <= kForceTolerance;
   }
 
   void size(const std::string& name, const Json& object,
             const std::vector<ContactForces::OfContact>& contacts) {
     if (object.is_object() && object.size() == contacts.size()) return;
-    add({name, false, Check::kNone, Check::kNone, Check::kNone, "",
-         fmt::format("of {} contacts in the answer, {} in the problem", object.size(),
-                     contacts.size())});
+    fail(name, fmt::format("of {} contacts in the answer, {} in the problem", object.size(),
+                           contacts.size()));
   }
 
   /// The last row of the log is the answer itself, and rows count iterations.
@@ -468,33 +497,29 @@ class Reader {
       const Json& count = at(log[i], {"iteration"});
       const Json& before = i == 0 ? count : log[i - 1]["iteration"];
       if (count.is_number_integer() && (i == 0 ? count == 0 : count >= before)) continue;
-      add({"rows of the log", false, Check::kNone, Check::kNone, Check::kNone, "",
-           fmt::format("row {} is of iteration {}", i, count.dump())});
-      break;
+      return fail("rows of the log", fmt::format("row {} is of iteration {}", i, count.dump()));
     }
   }
 
   /// Of an answer that did not converge: whether what ended it is what the status says, as far as
   /// figures tell.
   void status() {
+    const std::string wrong = what_denies(claims_->status);
+    if (!wrong.empty()) fail("status", fmt::format("'{}', but {}", claims_->status, wrong));
+  }
+  std::string what_denies(const std::string& status) const {
     const SolverOptions& options = spec_.solver.options;
-    const std::string& status = claims_->status;
-    std::string wrong;
-    const auto is = [&](SolveStatus s) { return status == to_string(s); };
-    if (is(SolveStatus::max_iterations)) {
-      if (at(document_, {"iterations"}) < options.max_iterations) wrong = "fewer iterations";
-    } else if (is(SolveStatus::time_limit)) {
-      if (!std::isfinite(options.max_time_s)) wrong = "there was none";
-    } else if (is(SolveStatus::infeasible)) {
-      if (claims_->constraint <= options.tolerances.constraint) wrong = "the constraints hold";
-    } else if (!is(SolveStatus::converged) && !is(SolveStatus::cost_settled) &&
-               !is(SolveStatus::line_search_failed) && !is(SolveStatus::regularization_limit) &&
-               !is(SolveStatus::diverged) && !is(SolveStatus::interrupted)) {
-      wrong = "there is no such status";
-    }
-    if (!wrong.empty())
-      add({"status", false, Check::kNone, Check::kNone, Check::kNone, "",
-           fmt::format("'{}', but {}", status, wrong)});
+    if (status == to_string(SolveStatus::max_iterations))
+      return at(document_, {"iterations"}) < options.max_iterations ? "fewer iterations" : "";
+    if (status == to_string(SolveStatus::time_limit))
+      return std::isfinite(options.max_time_s) ? "" : "there was none";
+    if (status == to_string(SolveStatus::infeasible))
+      return claims_->constraint <= options.tolerances.constraint ? "the constraints hold" : "";
+    for (const SolveStatus other :
+         {SolveStatus::converged, SolveStatus::cost_settled, SolveStatus::line_search_failed,
+          SolveStatus::regularization_limit, SolveStatus::diverged, SolveStatus::interrupted})
+      if (status == to_string(other)) return "";
+    return "there is no such status";
   }
 
   /// Nulls are counted.
@@ -521,27 +546,23 @@ class Reader {
     // Checks that tell of the certificate itself come last.
     for (std::size_t i = 0; i < list.size(); ++i) {
       const std::string name = solution_text(list[i], "name");
-      const bool known = i < certificate_.checks.size() && certificate_.checks[i].name == name;
-      const std::string title = "certificate of " + name;
-      if (!known) {
-        add({title, false, Check::kNone, Check::kNone, Check::kNone, "", "is another check here"});
-        return;
-      }
-      const Check check = certificate_.checks[i];
-      const double slack = std::isnan(check.tolerance) ? 0 : 2 * check.tolerance;
-      const auto differs = [&](const char* key, double mine, double allowed) {
-        const double told = list[i].contains(key) ? number(list[i].at(key), key) : Check::kNone;
-        if (std::isnan(told) && !std::isfinite(mine)) return false;
-        return !(std::abs(told - mine) <= allowed);
-      };
-      const double rounding = 1e-12 * std::abs(check.claimed);
-      if (at(list[i], {"holds"}) == check.holds && !differs("claimed", check.claimed, rounding) &&
-          !differs("found", check.found, slack))
-        continue;
-      add({title, false, Check::kNone, Check::kNone, Check::kNone, "",
-           "says something else than is found here"});
-      return;
+      if (i >= certificate_.checks.size() || certificate_.checks[i].name != name)
+        return fail("certificate of " + name, "is another check here");
+      if (!says_the_same(list[i], certificate_.checks[i]))
+        return fail("certificate of " + name, "says something else than is found here");
     }
+  }
+
+  static bool says_the_same(const Json& former, const Check& check) {
+    const auto agrees = [&](const char* key, double mine, double allowed) {
+      const double told = former.contains(key) ? number(former.at(key), key) : Check::kNone;
+      if (std::isnan(told) && !std::isfinite(mine)) return true;
+      return std::abs(told - mine) <= allowed;
+    };
+    const double rounding = 1e-12 * std::abs(check.claimed);
+    const double slack = std::isnan(check.tolerance) ? 0 : 2 * check.tolerance;
+    return at(former, {"holds"}) == check.holds && agrees("claimed", check.claimed, rounding) &&
+           agrees("found", check.found, slack);
   }
 
   /// What rounding leaves alone of the former figures has to be found again.

@@ -88,10 +88,14 @@ class Writer {
     if (!spec_.stepping->plane) return true;
     for (std::size_t other = 0; other < stretch.closed.size(); ++other)
       if (other != c && stretch.closed[other] && !moves(other, stretch) && body(other) == body(c) &&
-          (load(other, stretch) > load(c, stretch) ||
-           (load(other, stretch) == load(c, stretch) && other < c)))
+          carries_more(other, c, stretch))
         return false;
     return true;
+  }
+  /// The first one where they carry the same.
+  bool carries_more(std::size_t a, std::size_t b, const ContactStretch& stretch) const {
+    const double of_a = load(a, stretch), of_b = load(b, stretch);
+    return of_a > of_b || (of_a == of_b && a < b);
   }
   int body(std::size_t c) const {
     const RobotModel& robot = *motion_.plant.robot;
@@ -233,32 +237,42 @@ class Writer {
         list.push_back(phase);
         continue;
       }
-      const std::string base = phase["name"];
-      for (int end = k + phase["knots"].get<int>(); k < end; ++number) {
-        const ContactStretch& stretch = stretch_of(k);
-        const std::string own = fmt::format("{}_{}", base, number);
-        if (k == stretch.first && stretch.lands()) land(stretch, own, list);
-        const int first = k;
-        const auto ahead = surfaces_ahead(stretch, first);
-        while (k < end && k < stretch.first + stretch.steps &&
-               std::abs(motion_.h[k] - motion_.h[first]) <= 1e-12 * motion_.h[first] &&
-               are_ahead(ahead, stretch, k))
-          ++k;
-        OrderedJson entry = {{"name", own}, {"knots", k - first}, {"dt", motion_.h[first]}};
-        entry["contacts"] = names(stretch);
-        if (phase.contains("weights")) entry["weights"] = phase["weights"];
-        list.push_back(std::move(entry));
-        renamed_[base].push_back(own);
-        for (std::size_t c = 0; c < ahead.size(); ++c) {
-          if (ahead[c])
-            open_phases_[{c, *ahead[c]}].push_back(own);
-          else if (!stretch.closed[c] && surfaces_.count(c) > 0)
-            notes_.push_back(fmt::format("nothing keeps '{}' off the box in the phase '{}'",
-                                         candidate(c).name.value, own));
-        }
-      }
+      for (int end = k + phase["knots"].get<int>(); k < end; ++number)
+        k = add_phase(phase, number, k, end, list);
     }
     json_["phases"] = std::move(list);
+  }
+
+  /// A run from step k on, of those before `end`; returns the step after it.
+  int add_phase(const OrderedJson& phase, int number, int k, int end, OrderedJson& list) {
+    const std::string base = phase["name"], own = fmt::format("{}_{}", base, number);
+    const ContactStretch& stretch = stretch_of(k);
+    if (k == stretch.first && stretch.lands()) land(stretch, own, list);
+    const int first = k;
+    const auto ahead = surfaces_ahead(stretch, first);
+    end = std::min(end, stretch.first + stretch.steps);
+    while (k < end && std::abs(motion_.h[k] - motion_.h[first]) <= 1e-12 * motion_.h[first] &&
+           are_ahead(ahead, stretch, k))
+      ++k;
+    OrderedJson entry = {{"name", own}, {"knots", k - first}, {"dt", motion_.h[first]}};
+    entry["contacts"] = names(stretch);
+    if (phase.contains("weights")) entry["weights"] = phase["weights"];
+    list.push_back(std::move(entry));
+    renamed_[base].push_back(own);
+    note_open(stretch, ahead, own);
+    return k;
+  }
+
+  /// Which surfaces open candidates stay off in a phase.
+  void note_open(const ContactStretch& stretch, const std::vector<std::optional<int>>& ahead,
+                 const std::string& phase) {
+    for (std::size_t c = 0; c < ahead.size(); ++c) {
+      if (ahead[c])
+        open_phases_[{c, *ahead[c]}].push_back(phase);
+      else if (!stretch.closed[c] && surfaces_.count(c) > 0)
+        notes_.push_back(fmt::format("nothing keeps '{}' off the box in the phase '{}'",
+                                     candidate(c).name.value, phase));
+    }
   }
 
   void land(const ContactStretch& stretch, const std::string& before, OrderedJson& list) {

@@ -48,41 +48,47 @@ std::string contact_cells(const ContactForces& forces, int knot, bool written) {
   return text;
 }
 
+/// Controls with the name of a state have a prefix.
+std::string column_headers(const BuiltProblem& built, int states) {
+  std::string text;
+  std::set<std::string> used;
+  for (int i = 0; i < states; ++i) {
+    const Column& column = built.state_columns[i];
+    used.insert(column.name);
+    text += ',' + with_unit(cell(column.name), column.unit);
+  }
+  for (const Column& column : built.control_columns) {
+    const std::string name = (used.contains(column.name) ? "u/" : "") + column.name;
+    text += ',' + with_unit(cell(name), column.unit);
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string trajectory_csv(const Solution& s) {
   const ShootingProblem& problem = *s.built.problem;
   const Trajectory& trajectory = s.result.trajectory;
-  std::string text = "t [s],phase";
-  std::set<std::string> used;
   // Where the first state is chosen the motion begins with the choice, which the states then
   // carry along.
   const int first = problem.phases().front().instant ? 1 : 0;
   const int states = first > 0 ? s.built.plant.system->nx() : trajectory.nx();
-  for (int i = 0; i < states; ++i) {
-    const Column& column = s.built.state_columns[i];
-    used.insert(column.name);
-    text += ',' + with_unit(cell(column.name), column.unit);
-  }
-  for (const Column& column : s.built.control_columns)
-    text +=
-        ',' + with_unit(cell((used.contains(column.name) ? "u/" : "") + column.name), column.unit);
   const ContactForces forces = contact_forces(s.spec, problem, trajectory);
-  text += contact_headers(forces) + '\n';
+  std::string text =
+      "t [s],phase" + column_headers(s.built, states) + contact_headers(forces) + '\n';
   const std::vector<double> times = problem.times(trajectory);
   double written = -std::numeric_limits<double>::infinity();
   for (int k = first; k <= problem.knots(); ++k) {
     const bool last = k == problem.knots();
-    const bool impulse = !last && problem.takes_no_time(k);
-    const int phase = problem.knot(k).phase;
+    const Phase& phase = last ? problem.terminal() : problem.phases()[problem.knot(k).phase];
     // Readers of such files want times that increase, and an impulse takes none.
     written = std::max(times[k], std::nextafter(written, std::numeric_limits<double>::infinity()));
-    text +=
-        cell(written) + ',' + cell(last ? problem.terminal().name : problem.phases()[phase].name);
+    text += cell(written) + ',' + cell(phase.name);
+    const bool controlled = !last && !problem.takes_no_time(k);
     for (int i = 0; i < states; ++i) text += ',' + cell(trajectory.x(k)[i]);
     for (std::size_t i = 0; i < s.built.control_columns.size(); ++i)
-      text += last || impulse ? "," : ',' + cell(trajectory.u(k)[i]);
-    text += contact_cells(forces, k, !last && !impulse) + '\n';
+      text += controlled ? ',' + cell(trajectory.u(k)[i]) : ",";
+    text += contact_cells(forces, k, controlled) + '\n';
   }
   return text;
 }

@@ -40,6 +40,19 @@ OrderedJson candidate_json(const RobotModel& robot, const ContactCandidate& cand
 
 }  // namespace
 
+namespace {
+
+/// Its sum, from what it is along the first few directions of a contact.
+OrderedJson force_json(const Eigen::Vector3d& force, const ContactInstant<double>& at, int count) {
+  Vector3<double> sum = Vector3<double>::zero();
+  for (int i = 0; i < count; ++i) sum = sum + force[i] * at.directions[i];
+  OrderedJson json = OrderedJson::array();
+  for (const double x : {sum.x, sum.y, sum.z}) json.push_back(eight_digits(x));
+  return json;
+}
+
+}  // namespace
+
 FoundContacts found_contacts(const ContactMotion& motion) {
   const RobotModel& robot = *motion.plant.robot;
   const std::vector<ContactCandidate>& candidates = motion.plant.contacts.candidates;
@@ -61,16 +74,11 @@ FoundContacts found_contacts(const ContactMotion& motion) {
         append(found.contacts[c]["normals"], side * at.directions[0]);
       }
       if (k == 0) continue;
-      const auto force = motion.forces[k - 1].contact.col(c);  // at the end of its step
-      OrderedJson row = nullptr;
-      if (force[0] > least) {
-        Vector3<double> sum = Vector3<double>::zero();
-        for (int i = 0; i < 1 + tangent_count(motion.plant.contacts, candidates[c]); ++i)
-          sum = sum + (side * force[i]) * at.directions[i];
-        row = OrderedJson::array();
-        for (const double x : {sum.x, sum.y, sum.z}) row.push_back(eight_digits(x));
-      }
-      found.forces[candidates[c].name].push_back(std::move(row));
+      const Eigen::Vector3d force =
+          side * motion.forces[k - 1].contact.col(c);  // at the step's end
+      const int count = 1 + tangent_count(motion.plant.contacts, candidates[c]);
+      found.forces[candidates[c].name].push_back(
+          side * force[0] > least ? force_json(force, at, count) : OrderedJson(nullptr));
     }
   }
   return found;

@@ -47,17 +47,25 @@ std::optional<std::string> tolerances_defect(const Json& answer) {
 }
 
 /// What misses in the entries that a golden file has besides those that are compared.
-std::optional<std::string> golden_defect(const Json& answer) {
+namespace {
+
+std::optional<std::string> problem_defect(const Json& answer) {
   if (!answer.contains("problem") || !answer["problem"].is_object() ||
       !answer["problem"].contains("file") || !answer["problem"]["file"].is_string())
     return "'problem.file' is missing";
-  if (answer["problem"].contains("overrides")) {
-    const Json& overrides = answer["problem"]["overrides"];
-    const bool good = overrides.is_array() &&
-                      std::all_of(overrides.begin(), overrides.end(),
-                                  [](const Json& setting) { return setting.is_string(); });
-    if (!good) return "'problem.overrides' is not a list of settings";
-  }
+  if (!answer["problem"].contains("overrides")) return std::nullopt;
+  const Json& overrides = answer["problem"]["overrides"];
+  const bool good =
+      overrides.is_array() && std::all_of(overrides.begin(), overrides.end(),
+                                          [](const Json& setting) { return setting.is_string(); });
+  if (!good) return "'problem.overrides' is not a list of settings";
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<std::string> golden_defect(const Json& answer) {
+  if (auto defect = problem_defect(answer)) return defect;
   if (!answer.contains("iterations") || !answer["iterations"].is_number_integer())
     return "'iterations' is missing";
   if (auto defect = tolerances_defect(answer)) return defect;

@@ -9,6 +9,21 @@ namespace {
 /// make stages that a solver without constraints hardly gets to the end of.
 constexpr double kRunningWeight = 100, kNodeWeight = 1000;
 
+/// Whether a cost of the same residual, or of the state, says what a constraint does.
+bool can_be_softened(const OrderedJson& constraint) {
+  if (constraint.contains("bounds") &&
+      (constraint["bounds"] == "control" || constraint.contains("from")))
+    return false;
+  if (constraint.value("cone", "") == "second_order") return false;
+  return !constraint.contains("centers") && !constraint.contains("at_least") &&
+         !constraint.contains("at_most");
+}
+
+bool is_zero(const OrderedJson& constraint) {
+  const auto value = constraint.find("equals");
+  return value != constraint.end() && value->is_number() && value->get<double>() == 0;
+}
+
 void move_to_costs(OrderedJson& constraints, OrderedJson& costs, double weight,
                    std::vector<std::string>& notes) {
   OrderedJson kept = OrderedJson::object();
@@ -29,20 +44,15 @@ void move_to_costs(OrderedJson& constraints, OrderedJson& costs, double weight,
 }  // namespace
 
 OrderedJson softened(const OrderedJson& constraint, double weight) {
+  if (!can_be_softened(constraint)) return nullptr;
   OrderedJson cost = constraint;
   if (constraint.contains("bounds")) {
-    if (constraint["bounds"] == "control" || constraint.contains("from")) return nullptr;
     cost = {{"residual", "state"}};
     if (constraint.contains("phases")) cost["phases"] = constraint["phases"];
   }
-  if (constraint.contains("centers") || constraint.contains("at_least") ||
-      constraint.contains("at_most") || constraint.value("cone", "") == "second_order")
-    return nullptr;
   cost["weight"] = weight;
-  const bool zero = constraint.contains("equals") && constraint["equals"].is_number() &&
-                    constraint["equals"].get<double>() == 0;
   for (const char* key : {"equals", "lower", "upper"}) cost.erase(key);
-  if (zero || constraint.value("residual", "") == "friction_cone") return cost;
+  if (is_zero(constraint) || constraint.value("residual", "") == "friction_cone") return cost;
   OrderedJson activation = {{"kind", "quadratic_barrier"}};
   const auto bound = [&](const char* from, const char* to) {
     if (constraint.contains(from)) activation[to] = constraint[from];
