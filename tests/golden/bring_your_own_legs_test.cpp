@@ -43,7 +43,7 @@ TEST_P(BringYourOwnLegs, StandMakeAStepAndStandAgain) {
   };
   // The foot that swings goes as far and as high as the file says.
   const auto& swing = *std::find_if(spec->costs.begin(), spec->costs.end(),
-                                    [](const CostSpec& cost) { return cost.swing.has_value(); });
+                                    [](const CostSpec& cost) { return cost.keys.has("swing"); });
   const int foot = *robot.find_frame(swing.frame->value);
   const Vector3<double> start = position(0, foot), end = position(N, foot);
   EXPECT_NEAR(end.x - start.x, swing.swing->step->x, 1e-3);

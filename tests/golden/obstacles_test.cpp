@@ -44,6 +44,7 @@ TEST(ArmObstacles, KeepsItsDistanceFromTheBallThePoleAndItself) {
       solve(*built->problem, spec->solver.name.value, spec->solver.options, built->guess);
   ASSERT_EQ(result.status, SolveStatus::converged) << result.message;
   const CostSpec& cost = spec->costs[0];
+  const double margin = cost.keys.value(key::margin);
   std::set<std::string> touched;  // the pairs that come as near as they may
   for (const ShapePair& pair : shape_pairs(cost, *spec, built->plant, diagnostics)) {
     double smallest = kUnlimited;
@@ -54,8 +55,8 @@ TEST(ArmObstacles, KeepsItsDistanceFromTheBallThePoleAndItself) {
     }
     // The barrier is soft: it is pushed in by a tenth of a millimetre.
     const std::string name = pair.first + "-" + pair.second;
-    EXPECT_GE(smallest, *cost.margin - 2e-4) << name;
-    if (smallest < *cost.margin + 1e-4) touched.insert(name);
+    EXPECT_GE(smallest, margin - 2e-4) << name;
+    if (smallest < margin + 1e-4) touched.insert(name);
   }
   EXPECT_EQ(touched, (std::set<std::string>{"forearm-hand", "hand-ball", "hand-pole"}));
 }
