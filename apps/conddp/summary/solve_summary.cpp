@@ -2,9 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "analysis/findings/diagnosis.hpp"
 #include "base/utf8.hpp"
-#include "ocp/problem/by_name.hpp"
 #include "output/report/certificate_report.hpp"
 #include "output/report/contact_report.hpp"
 #include "output/solution/finding_report.hpp"
@@ -53,27 +51,25 @@ std::string summary_text(const Solution& s, const SolutionCertificate* certifica
                                  s.solver.name, r.iterations, r.times.total);
   if (!good && !r.message.empty()) text += fmt::format("  {}\n", r.message);
   text += fmt::format("  cost          {:.9g}\n", r.cost);
-  for (const auto& [name, value] : cost_by_name(*s.built.problem, r.trajectory))
+  for (const auto& [name, value] : s.answer.costs)
     text += fmt::format("    {:<20} {:.6g}\n", name, value);
   text += durations_line(s);
   text += fmt::format("  residuals     stationarity {:.2e}, gap {:.2e}, constraint {:.2e}\n",
                       r.residuals.stationarity, r.residuals.gap, r.residuals.constraint);
-  for (const ConstraintViolation& v : violations_by_name(*s.built.problem, r.constraint_values)) {
+  for (const ConstraintViolation& v : s.answer.violations) {
     text += fmt::format("    {:<20} violated by {:.2e}{}\n", v.name, v.value,
                         v.node < 0 ? "" : fmt::format(" at node {}", v.node));
   }
-  for (const ConstraintViolation& v : soft_violations(*s.built.problem, r.constraint_values))
+  for (const ConstraintViolation& v : s.answer.soft_violations)
     text += fmt::format("    {:<20} soft, off by {:.2e}{}\n", v.name, v.value,
                         v.node < 0 ? "" : fmt::format(" at node {}", v.node));
   text += homotopy_line(r.homotopy);
   if (r.restarts) text += restart_lines(*r.restarts);
-  const Diagnosis diagnosis = diagnose(*s.built.problem, r, s.spec.solver.options);
+  const Diagnosis& diagnosis = s.answer.diagnosis;
   if (!good) text += fmt::format("  diagnosis     {}\n", diagnosis.message);
   if (!diagnosis.remedy.empty()) text += fmt::format("  try           {}\n", diagnosis.remedy);
-  const std::vector<Finding> findings =
-      certificate != nullptr ? certificate->findings : findings_of(s.spec, s.built, r.trajectory);
   const char* heading = "findings";
-  for (const std::string& line : finding_lines(findings)) {
+  for (const std::string& line : finding_lines(s.answer.findings)) {
     text += fmt::format("  {:<13} {}\n", heading, line);
     heading = "";
   }
@@ -85,9 +81,8 @@ std::string summary_text(const Solution& s, const SolutionCertificate* certifica
                       s.built.guess_used.controls);
   if (s.built.guess_used.multipliers != "none")
     text += fmt::format("                multipliers: {}\n", s.built.guess_used.multipliers);
-  for (const DroppedConstraint& c : s.built.dropped)
-    text += fmt::format("  dropped       {}: violated by {:.3g}\n", c.name,
-                        violation(c, *s.built.problem, r.trajectory));
+  for (const auto& [name, value] : s.answer.dropped)
+    text += fmt::format("  dropped       {}: violated by {:.3g}\n", name, value);
   if (notes > 0)
     text += fmt::format("  notes         {} on what the robot's file has and conddp ignores: -v\n",
                         notes);

@@ -73,9 +73,10 @@ std::string trajectory_csv(const Solution& s) {
   // carry along.
   const int first = problem.phases().front().instant ? 1 : 0;
   const int states = first > 0 ? s.built.plant.system->nx() : trajectory.nx();
-  const ContactForces forces = contact_forces(s.spec, problem, trajectory);
+  const ContactForces& forces = s.answer.forces;
   std::string text =
-      "t [s],phase" + column_headers(s.built, states) + contact_headers(forces) + '\n';
+      "t [s],phase" + column_headers(s.built, states) + contact_headers(forces) + '
+';
   const std::vector<double> times = problem.times(trajectory);
   double written = -std::numeric_limits<double>::infinity();
   for (int k = first; k <= problem.knots(); ++k) {

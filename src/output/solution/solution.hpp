@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include "output/solution/answer.hpp"
 #include "problem_file/build/build.hpp"
 #include "solvers/strategies/registry.hpp"
 
@@ -19,6 +20,7 @@ struct Solution {
   const SolverInfo& solver;
   const SolveResult& result;
   std::vector<std::string> overrides;  ///< settings of the command line, as given
+  Answer answer = Answer(spec, built, result);
 };
 
 }  // namespace conddp

@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 
 #include "conddp_version.hpp"
-#include "ocp/problem/by_name.hpp"
-#include "output/solution/contact_forces.hpp"
 #include "output/solution/finding_report.hpp"
 #include "output/solution/log_columns.hpp"
 #include "problem_file/expand/expand_problem.hpp"
@@ -64,8 +62,7 @@ OrderedJson columns_json(const std::vector<Column>& columns, std::string Column:
 
 OrderedJson contact_forces_json(const Solution& s) {
   OrderedJson json = OrderedJson::object();
-  const ContactForces forces = contact_forces(s.spec, *s.built.problem, s.result.trajectory);
-  for (const auto& contact : forces.contacts) {
+  for (const auto& contact : s.answer.forces.contacts) {
     OrderedJson rows = OrderedJson::array();
     for (const auto& wrench : contact.wrench) {
       OrderedJson row = nullptr;
@@ -250,38 +247,34 @@ OrderedJson restarts_json(const RestartRecord& restarts) {
 
 OrderedJson head(const Solution& s) {
   const SolveResult& r = s.result;
-  const Eigen::VectorXd& values = r.constraint_values;
+  const Answer& answer = s.answer;
   OrderedJson costs = OrderedJson::object();
-  for (const auto& [name, value] : cost_by_name(*s.built.problem, r.trajectory))
-    costs[name] = finite_or_null(value);
+  for (const auto& [name, value] : answer.costs) costs[name] = finite_or_null(value);
   OrderedJson dropped = OrderedJson::array();
-  for (const DroppedConstraint& constraint : s.built.dropped)
-    dropped.push_back(
-        {{"name", constraint.name},
-         {"violation", finite_or_null(violation(constraint, *s.built.problem, r.trajectory))}});
-  OrderedJson json = {
-      {"format", kSolutionFormat},
-      {"problem", problem_json(s)},
-      {"tool", tool_json()},
-      {"solver", s.solver.name},
-      {"status", to_string(r.status)},
-      {"message", r.message},
-      {"cost", finite_or_null(r.cost)},
-      {"cost_by_name", std::move(costs)},
-      {"iterations", r.iterations},
-      {"residuals", residuals_json(r.residuals)},
-      {"time_s",
-       {{"total", r.times.total},
-        {"evaluate", r.times.evaluate},
-        {"differentiate", r.times.differentiate},
-        {"sweep", r.times.sweep},
-        {"rollout", r.times.rollout}}},
-      {"initial_guess_used", guess_json(s)},
-      {"diagnosis", diagnosis_json(diagnose(*s.built.problem, r, s.spec.solver.options))},
-      {"findings", findings_json(findings_of(s.spec, s.built, r.trajectory))},
-      {"constraints", violations_json(violations_by_name(*s.built.problem, values))},
-      {"soft_constraints", violations_json(soft_violations(*s.built.problem, values))},
-      {"dropped_constraints", std::move(dropped)}};
+  for (const auto& [name, value] : answer.dropped)
+    dropped.push_back({{"name", name}, {"violation", finite_or_null(value)}});
+  OrderedJson json = {{"format", kSolutionFormat},
+                      {"problem", problem_json(s)},
+                      {"tool", tool_json()},
+                      {"solver", s.solver.name},
+                      {"status", to_string(r.status)},
+                      {"message", r.message},
+                      {"cost", finite_or_null(r.cost)},
+                      {"cost_by_name", std::move(costs)},
+                      {"iterations", r.iterations},
+                      {"residuals", residuals_json(r.residuals)},
+                      {"time_s",
+                       {{"total", r.times.total},
+                        {"evaluate", r.times.evaluate},
+                        {"differentiate", r.times.differentiate},
+                        {"sweep", r.times.sweep},
+                        {"rollout", r.times.rollout}}},
+                      {"initial_guess_used", guess_json(s)},
+                      {"diagnosis", diagnosis_json(answer.diagnosis)},
+                      {"findings", findings_json(answer.findings)},
+                      {"constraints", violations_json(answer.violations)},
+                      {"soft_constraints", violations_json(answer.soft_violations)},
+                      {"dropped_constraints", std::move(dropped)}};
   if (!r.homotopy.empty()) json["homotopy"] = homotopy_json(r.homotopy);
   if (r.restarts) json["restarts"] = restarts_json(*r.restarts);
   return json;

@@ -1,0 +1,18 @@
+#include "output/solution/answer.hpp"
+
+#include "output/solution/finding_report.hpp"
+
+namespace conddp {
+
+Answer::Answer(const ProblemSpec& spec, const BuiltProblem& built, const SolveResult& result)
+    : costs(cost_by_name(*built.problem, result.trajectory)),
+      violations(violations_by_name(*built.problem, result.constraint_values)),
+      soft_violations(conddp::soft_violations(*built.problem, result.constraint_values)),
+      diagnosis(diagnose(*built.problem, result, spec.solver.options)),
+      findings(findings_of(spec, built, result.trajectory)),
+      forces(contact_forces(spec, *built.problem, result.trajectory)) {
+  for (const DroppedConstraint& constraint : built.dropped)
+    dropped.emplace_back(constraint.name, violation(constraint, *built.problem, result.trajectory));
+}
+
+}  // namespace conddp

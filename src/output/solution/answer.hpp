@@ -1,0 +1,30 @@
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "analysis/findings/diagnosis.hpp"
+#include "analysis/findings/findings.hpp"
+#include "ocp/problem/by_name.hpp"
+#include "output/solution/contact_forces.hpp"
+#include "problem_file/build/build.hpp"
+#include "solvers/common/solve_result.hpp"
+
+namespace conddp {
+
+/// What follows from the result of a solve by the names of its problem's file, computed once for
+/// all outputs. The certificate does not read it: it computes its own.
+struct Answer {
+  Answer(const ProblemSpec& spec, const BuiltProblem& built, const SolveResult& result);
+
+  std::vector<std::pair<std::string, double>> costs;  ///< cost_by_name()
+  std::vector<ConstraintViolation> violations;        ///< violations_by_name()
+  std::vector<ConstraintViolation> soft_violations;
+  std::vector<std::pair<std::string, double>> dropped;  ///< violations of constraints left out
+  Diagnosis diagnosis;
+  std::vector<Finding> findings;
+  ContactForces forces;
+};
+
+}  // namespace conddp
