@@ -390,6 +390,19 @@ TEST(Certificate, KnowsWhatWasDropped) {
   EXPECT_EQ(failures(answer.judge(answer.document)), "[violation of dropped torque]");
 }
 
+TEST(Certificate, OptionsMayHaveTheirFormerNames) {
+  Answer answer("pendulum_swingup");
+  OrderedJson& options = answer.document["problem"]["options"];
+  OrderedJson former = OrderedJson::object();
+  for (const auto& [key, value] : options.items())
+    former[key == "segments" ? std::string("legs") : key] = value;
+  ASSERT_TRUE(former.contains("legs"));
+  options = former;
+  EXPECT_EQ(failures(answer.judge(answer.document)), "");
+  options["legs"] = 2;
+  EXPECT_EQ(failures(answer.judge(answer.document)), "[options]");
+}
+
 TEST(Certificate, OfADocumentWithoutItsKeysIsNone) {
   const Answer answer("pendulum_swingup");
   for (const char* key : {"problem", "status", "cost", "residuals", "trajectory", "multipliers",

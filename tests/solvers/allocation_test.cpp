@@ -245,7 +245,7 @@ TEST(Allocation, NoneInSweepsByLegs) {
     for (const int threads : {1, 2}) {
       const Count count = count_allocations(problem, *find_solver("proxddp"),
                                             testing::constant_controls(problem, control),
-                                            {.threads = threads, .legs = 3});
+                                            {.threads = threads, .segments = 3});
       EXPECT_GE(count.iterations, 5) << name;
       EXPECT_EQ(count.allocations, 0) << name << ", threads " << threads;
     }

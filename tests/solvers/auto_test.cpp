@@ -20,8 +20,8 @@ TEST(AutoSolver, IsChosenByTheProblemAndTheOptions) {
   const ShootingProblem constrained = testing::with_constraints(*lq.problem, testing::cuts(lq));
   EXPECT_EQ(names_of(auto_solvers(*lq.problem, {})), (Names{"box_fddp", "ipopt"}));
   EXPECT_EQ(names_of(auto_solvers(constrained, {})), (Names{"altro", "proxddp", "ipopt"}));
-  EXPECT_EQ(names_of(auto_solvers(constrained, {.legs = 2})), (Names{"proxddp"}));
-  EXPECT_TRUE(auto_solvers(constrained, {.legs = 100}).empty());
+  EXPECT_EQ(names_of(auto_solvers(constrained, {.segments = 2})), (Names{"proxddp"}));
+  EXPECT_TRUE(auto_solvers(constrained, {.segments = 100}).empty());
   const SolveResult by_name = solve(constrained, "auto", {}, constrained.create_trajectory());
   const SolveResult altro = solve(constrained, "altro", {}, constrained.create_trajectory());
   EXPECT_EQ(by_name.status, SolveStatus::converged);

@@ -161,7 +161,7 @@ TEST(ProxddpByLegs, HasTheAnswersAndTheGainsOfOneLeg) {
     ASSERT_EQ(one.status, SolveStatus::converged) << name << ": " << one.message;
     for (const int segments : {2, 3, 5}) {
       SCOPED_TRACE(fmt::format("{}, {} segments", name, segments));
-      options.legs = segments;
+      options.segments = segments;
       const SolveResult several = solve(problem, "proxddp", options, guess);
       EXPECT_EQ(several.status, SolveStatus::converged) << several.message;
       EXPECT_NEAR(several.cost, one.cost, 1e-7 * std::abs(one.cost));
@@ -180,7 +180,7 @@ TEST(ProxddpByLegs, ThreadsDoNotChangeABit) {
         SolverOptions options;
         options.max_iterations = 60;
         options.threads = threads;
-        options.legs = segments;
+        options.segments = segments;
         return solve(problem, "proxddp", options, guess);
       };
       const SolveResult one = run(1), two = run(2);
@@ -205,10 +205,10 @@ TEST(ProxddpByLegs, OtherSolversAndMoreLegsThanKnotsAreRefused) {
   const SolverInfo& proxddp = *find_solver("proxddp");
   EXPECT_FALSE(unsupported_segments(proxddp, problem, problem.knots()));
   EXPECT_TRUE(unsupported_segments(proxddp, problem, problem.knots() + 1));
-  EXPECT_THROW(solve(problem, "box_fddp", {.legs = 2}, guess), std::invalid_argument);
-  EXPECT_THROW(solve(problem, "proxddp", {.legs = problem.knots() + 1}, guess),
+  EXPECT_THROW(solve(problem, "box_fddp", {.segments = 2}, guess), std::invalid_argument);
+  EXPECT_THROW(solve(problem, "proxddp", {.segments = problem.knots() + 1}, guess),
                std::invalid_argument);
-  EXPECT_EQ(solve(problem, "proxddp", {.legs = problem.knots()}, guess).status,
+  EXPECT_EQ(solve(problem, "proxddp", {.segments = problem.knots()}, guess).status,
             SolveStatus::converged);
 }
 

@@ -15,6 +15,7 @@
 #include "output/solution/finding_report.hpp"
 #include "output/solution/solution_json.hpp"
 #include "problem_file/expand/expand_problem.hpp"
+#include "solvers/common/option_table.hpp"
 
 namespace conddp {
 namespace {
@@ -72,11 +73,643 @@ class Reader {
         if (at(document_, {"solver"}) == info->name) return std::string(info->name);
     return spec_.solver.name.value;
   }
+  /// Options of which some may have their former names.
+  static Json with_present_names(const Json& options) {
+    if (!options.is_object()) return options;
+    Json renamed = Json::object();
+    for (const auto& [key, value] : options.items()) {
+      std::string_view name = key;
+      for (const OptionInfo& info : option_table())
+        if (info.formerly == name) name = info.name;
+      renamed[std::string(name)] = value;
+    }
+    return renamed;
+  }
+
   void compare() {
     configuration();
     statement("name", at(document_, {"problem", "name"}), spec_.name.value);
     statement("solver", at(document_, {"solver"}), solver_name());
-    statement("options", at(document_, {"problem", "options"}),
+    statement("options", with_present_names(at(document_, {"problem", "options"})),
+              expand_options(spec_.solver.options));
+    statement("knots", at(document_, {"problem", "knots"}), problem_.knots());
+    columns("x", built_.state_columns);
+    columns("u", built_.control_columns);
+    phases();
+    sizes();
+    if (!fits_) return;
+    claims_.emplace(problem_);
+    read_claims();
+    const Certificate numbers = certify(problem_, *claims_);
+    certificate_.optimality = numbers.optimality;
+    certificate_.checks.insert(certificate_.checks.end(), numbers.checks.begin(),
+                               numbers.checks.end());
+    evaluate_constraints();
+    dropped();
+    forces();
+    log();
+    status();
+  }
+
+  /// Whether the problem that the solution writes down is the one that was built. Where the solve
+  /// began has no part in the answer.
+  void configuration() {
+    Json claimed = at(document_, {"problem", "configuration"}),
+         actual = expand_problem(spec_, built_);
+    for (Json* json : {&claimed, &actual}) {
+      if (json->is_object()) json->erase("initial_guess");
+      // The file's text is what counts: numbers there and here are rounded alike.
+      *json = Json::parse(json->dump());
+    }
+    const Json patch = Json::diff(actual, claimed);
+    Check check{"configuration", patch.empty()};
+    if (!patch.empty())
+      check.message = "differs from the problem at " + patch[0]["path"].get<std::string>();
+    if (patch.size() > 1) check.message += fmt::format(" and {} more places", patch.size() - 1);
+    add(std::move(check));
+  }
+
+  /// Of steps that find their own contacts; only a converged answer claims anything of them.
+  std::optional<ContactCertificate> judge_contacts(bool with_replay) {
+    if (!claims_) return std::nullopt;
+    const auto motion = contact_motion(problem_, claims_->trajectory);
+    if (!motion) return std::nullopt;
+    ContactCertificate result = certify_contacts(*motion);
+    if (claims_->converged)
+      for (Check& check : contact_checks(
+               *motion, result.measures, claims_->tolerances,
+               [&](int k, const std::string&what) { return place_text(problem_, k, what); }))
+        add(std::move(check));
+    if (with_replay) result.replay = replay_contacts(*motion, claims_->gains);
+    return result;
+  }
+
+  void add(Check check) { certificate_.checks.push_back(std::move(check)); }
+  void fail(std::string name, std::string message) {
+    add({std::move(name), false, Check::kNone, Check::kNone, Check::kNone, "", std::move(message)});
+  }
+
+  /// A statement in words or whole numbers, which has to be the problem's own.
+  bool statement(std::string name, const Json& claimed, const Json& actual) {
+    // By keys: a document that was read has them in another order.
+    const bool holds = Json::diff(actual, claimed).empty();
+    std::string message;
+    if (!holds)
+      message = claimed.is_structured() ? difference(claimed, actual)
+                                        : fmt::format("{} in the answer, {} in the problem",
+                                                      claimed.dump(), actual.dump());
+    add({std::move(name), holds, Check::kNone, Check::kNone, Check::kNone, "", std::move(message)});
+    return holds;
+  }
+
+  static std::string difference(const Json& claimed, const Json& actual) {
+    const Json patch = Json::diff(actual, claimed);
+    const Json::json_pointer place(patch.at(0).at("path").get<std::string>());
+    const auto value = [&](const Json& json) {
+      return json.contains(place) ? json.at(place).dump() : std::string("nothing");
+    };
+    return fmt::format("{}: {} in the answer, {} in the problem{}", place.to_string(),
+                       value(claimed), value(actual),
+                       patch.size() > 1 ? fmt::format(" ({} more differ)", patch.size() - 1) : "");
+  }
+
+  void columns(const char* kind, const std::vector<Column>& actual) {
+    Json names = Json::array(), units = Json::array();
+    for (const Column& column : actual) {
+      names.push_back(column.name);
+      units.push_back(column.unit);
+    }
+    statement(fmt::format("columns of {}", kind), at(document_, {"trajectory", "columns", kind}),
+              names);
+    statement(fmt::format("units of {}", kind), at(document_, {"trajectory", "units", kind}),
+              units);
+  }
+
+  void phases() {
+    Json actual = Json::array();
+    int first = 0;
+    for (const Phase& phase : problem_.phases()) {
+      actual.push_back({{"name", phase.name}, {"first_knot", first}, {"knots", phase.knots()}});
+      first += phase.knots();
+    }
+    statement("phases", at(document_, {"trajectory", "phases"}), actual);
+  }
+
+  void size(const std::string& name, const Json& list, int expected) {
+    if (!list.is_array()) throw MalformedSolution{fmt::format("'{}' is not a list", name)};
+    if (static_cast<int>(list.size()) == expected) return;
+    fits_ = false;
+    fail(name, fmt::format("{} entries in the answer, {} in the problem", list.size(), expected));
+  }
+
+  /// One row of numbers a node or knot; `columns` says how many a knot has.
+  template <class Columns>
+  void rows(const std::string& name, const Json& list, int count, Columns columns) {
+    size(name, list, count);
+    for (int k = 0; k < std::min<int>(count, static_cast<int>(list.size())); ++k)
+      size(fmt::format("{}[{}]", name, k), list[k], columns(k));
+  }
+
+  void sizes() {
+    const int N = problem_.knots();
+    const auto nx = [&](int) { return problem_.nx(); };
+    const auto ndx = [&](int) { return problem_.ndx(); };
+    const auto nu = [&](int k) { return problem_.nu(k); };
+    size("trajectory.t", at(document_, {"trajectory", "t"}), N + 1);
+    rows("trajectory.x", at(document_, {"trajectory", "x"}), N + 1, nx);
+    rows("trajectory.u", at(document_, {"trajectory", "u"}), N, nu);
+    const Json& multipliers = at(document_, {"multipliers"});
+    rows("multipliers.costates", at(multipliers, {"costates"}), N + 1, ndx);
+    rows("multipliers.state_gradient", at(multipliers, {"state_gradient"}), N + 1, ndx);
+    for (const char* kind : {"control_lower", "control_upper"})
+      if (multipliers.contains(kind))
+        rows(fmt::format("multipliers.{}", kind), multipliers.at(kind), N, nu);
+    check_constraint_list(multipliers);
+    const Json& K = at(document_, {"gains", "K"});
+    rows("gains.K", K, N, nu);
+    for (int k = 0; fits_ && k < N; ++k)
+      rows(fmt::format("gains.K[{}]", k), K[k], problem_.nu(k), ndx);
+    rows("gains.k", at(document_, {"gains", "k"}), N, nu);
+    if (fits_) add({"shapes", true, Check::kNone, Check::kNone, Check::kNone, "", ""});
+  }
+
+  /// Whether the constraints of all nodes are there, in their order and with as many rows.
+  void check_constraint_list(const Json& multipliers) {
+    const auto& constraints = problem_.constraints();
+    if (constraints.empty()) return;
+    const Json& list = at(multipliers, {"constraints"});
+    size("multipliers.constraints", list, static_cast<int>(constraints.size()));
+    for (std::size_t i = 0; fits_ && i < constraints.size(); ++i) {
+      const std::string what = fmt::format("multipliers.constraints[{}]", i);
+      if (solution_text(list[i], "name") != constraints[i].term->name ||
+          at(list[i], {"node"}) != constraints[i].node)
+        throw MalformedSolution{fmt::format("'{}' is not the constraint '{}' of node {}", what,
+                                            constraints[i].term->name, constraints[i].node)};
+      size(what, at(list[i], {"multiplier"}), constraints[i].term->rows);
+    }
+  }
+
+  void read_claims() {
+    read_motion();
+    read_figures();
+    read_multipliers();
+    read_gains();
+    claims_->tolerances = spec_.solver.options.tolerances;
+    claims_->tangent_names = tangent_columns(built_);
+  }
+  void read_motion() {
+    SolutionClaims& c = *claims_;
+    const int N = problem_.knots();
+    const Json& trajectory = at(document_, {"trajectory"});
+    for (int k = 0; k <= N; ++k) {
+      c.times.push_back(number(trajectory["t"][k], "trajectory.t"));
+      c.trajectory.x(k) = vector(trajectory["x"][k], "trajectory.x");
+      if (k < N) c.trajectory.u(k) = vector(trajectory["u"][k], "trajectory.u");
+    }
+  }
+  void read_figures() {
+    SolutionClaims& c = *claims_;
+    c.status = solution_text(document_, "status");
+    c.converged = c.status == to_string(SolveStatus::converged);
+    c.cost = number(at(document_, {"cost"}), "cost");
+    const Json& costs = at(document_, {"cost_by_name"});
+    if (!costs.is_object()) throw MalformedSolution{"'cost_by_name' is not an object"};
+    for (const auto& [name, value] : costs.items())
+      c.cost_by_name.emplace_back(name, number(value, "cost_by_name"));
+    const Json& residuals = at(document_, {"residuals"});
+    c.stationarity = number(at(residuals, {"stationarity"}), "residuals.stationarity");
+    c.gap = number(at(residuals, {"gap"}), "residuals.gap");
+    c.constraint = number(at(residuals, {"constraint"}), "residuals.constraint");
+    c.complementarity = number(at(residuals, {"complementarity"}), "residuals.complementarity");
+  }
+  void read_multipliers() {
+    SolutionClaims& c = *claims_;
+    const Json& multipliers = document_["multipliers"];
+    for (int k = 0; k <= problem_.knots(); ++k) {
+      c.costates.col(k) = vector(multipliers["costates"][k], "multipliers.costates");
+      c.state_gradient.col(k) =
+          vector(multipliers["state_gradient"][k], "multipliers.state_gradient");
+    }
+    const auto read_controls = [&](const char* key, std::vector<Eigen::VectorXd>& list) {
+      if (!multipliers.contains(key)) return;
+      for (int k = 0; k < problem_.knots(); ++k) list[k] = vector(multipliers[key][k], key);
+    };
+    read_controls("control_lower", c.lower_multipliers);
+    read_controls("control_upper", c.upper_multipliers);
+    for (std::size_t i = 0; i < problem_.constraints().size(); ++i) {
+      const NodeConstraint& constraint = problem_.constraints()[i];
+      c.multipliers.segment(constraint.row, constraint.term->rows) =
+          vector(multipliers["constraints"][i]["multiplier"], "multipliers.constraints");
+    }
+  }
+  void read_gains() {
+    SolutionClaims& c = *claims_;
+    const Json& gains = at(document_, {"gains"});
+    for (int k = 0; k < problem_.knots(); ++k) {
+      for (int i = 0; i < problem_.nu(k); ++i)
+        c.gains[k].row(i) = vector(gains["K"][k][i], "gains.K");
+      c.feedforward[k] = vector(gains["k"][k], "gains.k");
+    }
+    c.gain_regularization = number(at(gains, {"regularization"}), "gains");
+    c.gain_regularization_kind = spec_.solver.options.regularization.kind;
+  }
+
+  /// What the answer says of its motion; answers of former versions say nothing.
+  void findings(const std::vector<Finding>& found) {
+    if (!document_.contains("findings") || !claims_) return;
+    const Json& list = solution_list(document_, "findings");
+    const Json expected = findings_json(found);
+    Check check{"findings"};
+    if (list.size() != expected.size())
+      check.message =
+          fmt::format("{} in the answer, {} in its motion", list.size(), expected.size());
+    for (std::size_t i = 0; check.message.empty() && i < expected.size(); ++i)
+      check.message = first_difference(list[i], expected[i], found[i]);
+    check.holds = check.message.empty();
+    add(std::move(check));
+  }
+
+  /// The first figure of a finding that differs, in words.
+  static std::string first_difference(const Json& claims, const Json& expected,
+                                      const Finding& found) {
+    for (const auto& [key, value] : expected.items()) {
+      const Json& claimed = at(claims, {key.c_str()});
+      if (key == "message" || key == "remedy") continue;
+      if (!is_same_figure(claimed, value))
+        return fmt::format("'{}' of {} of {}: {} in the answer, {} in its motion", key,
+                           to_string(found.kind), found.subject, claimed.dump(), value.dump());
+    }
+    return {};
+  }
+  static bool is_same_figure(const Json& claimed, const Json& actual) {
+    if (claimed == actual) return true;
+    const double here = actual.is_number_float() ? actual.get<double>() : Check::kNone;
+    if (claimed.is_null()) return actual.is_number() && !std::isfinite(here);
+    return claimed.is_number() && std::isfinite(here) &&
+           is_near(claimed.get<double>(), here, kValueTolerance);
+  }
+
+  /// Durations, and all that is said of constraints: their values row by row, and where which one
+  /// is violated most.
+  void evaluate_constraints() {
+    const double duration = number(at(document_, {"problem", "duration_s"}), "duration_s");
+    compare_number("duration", duration, problem_.times(claims_->trajectory).back(), 1e-12);
+    Evaluation evaluation(problem_);
+    Evaluator(problem_).evaluate(claims_->trajectory, evaluation);
+    const Eigen::VectorXd& values = evaluation.constraint;
+    std::vector<Check> worst;  // by name
+    for (std::size_t i = 0; i < problem_.constraints().size(); ++i) {
+      const NodeConstraint& c = problem_.constraints()[i];
+      const Json& list = at(at(document_, {"multipliers", "constraints"})[i], {"value"});
+      const std::string name = "values of " + named(c);
+      size(name, list, c.term->rows);
+      auto check = std::find_if(worst.begin(), worst.end(),
+                                [&](const Check& known) { return known.name == name; });
+      if (check == worst.end()) check = worst.insert(worst.end(), Check{name});
+      for (int row = 0; row < std::min<int>(c.term->rows, static_cast<int>(list.size())); ++row)
+        if (check->holds)
+          *check = compared(name, number(list[row], "value"), values[c.row + row], kValueTolerance,
+                            place_text(problem_, c.node, ""));
+    }
+    for (Check& check : worst) add(std::move(check));
+    violations("constraints", violations_by_name(problem_, values));
+    violations("soft_constraints", soft_violations(problem_, values));
+  }
+
+  void violations(const char* key, const std::vector<ConstraintViolation>& found) {
+    if (found.empty() && !document_.contains(key)) return;
+    const Json& list = solution_list(document_, key);
+    size(key, list, static_cast<int>(found.size()));
+    for (std::size_t i = 0; i < std::min(list.size(), found.size()); ++i) {
+      if (!statement(key, at(list[i], {"name"}), found[i].name)) continue;
+      const double claimed = number(at(list[i], {"violation"}), "violation");
+      compare_number("violation of " + found[i].name, claimed, found[i].value, kValueTolerance);
+      compare_place(key, at(list[i], {"node"}), found[i], claimed);
+    }
+  }
+
+  /// Where a constraint is violated most; where rounding decides that, any node or none.
+  void compare_place(const char* key, const Json& claimed, const ConstraintViolation& found,
+                     double violation) {
+    if (claimed == found.node || std::isnan(violation)) return;
+    const double tolerance = kValueTolerance * std::max(1.0, std::abs(found.value));
+    if (claimed == -1 && found.value <= tolerance) return;
+    Evaluation evaluation(problem_);
+    Evaluator(problem_).evaluate(claims_->trajectory, evaluation);
+    const auto is_as_large = [&](const NodeConstraint& c) {
+      return claimed == c.node && named(c) == found.name &&
+             distance_to_set(*c.term, evaluation.constraint.data() + c.row, c.lower, c.upper) >=
+                 found.value - tolerance;
+    };
+    if (std::ranges::any_of(problem_.constraints(), is_as_large) ||
+        std::ranges::any_of(problem_.soft_constraints(), is_as_large))
+      return;
+    fail(fmt::format("{} {}", key, found.name),
+         fmt::format("largest at node {}, not {}", found.node, claimed.dump()));
+  }
+
+  std::string named(const NodeConstraint& c) const { return constraint_name(problem_, c); }
+
+  Check compared(std::string name, double claimed, double found, double tolerance,
+                 std::string place = {}) const {
+    const bool holds = open_or_near(claimed, found, tolerance);
+    return {std::move(name),
+            holds,
+            claimed,
+            found,
+            tolerance * std::max(1.0, std::abs(found)),
+            holds ? "" : std::move(place),
+            ""};
+  }
+  void compare_number(std::string name, double claimed, double found, double tolerance) {
+    add(compared(std::move(name), claimed, found, tolerance));
+  }
+
+  void dropped() {
+    const Json& list = at(document_, {"dropped_constraints"});
+    size("dropped_constraints", list, static_cast<int>(built_.dropped.size()));
+    for (std::size_t i = 0; i < std::min(list.size(), built_.dropped.size()); ++i) {
+      const DroppedConstraint& constraint = built_.dropped[i];
+      if (!statement("dropped constraint", at(list[i], {"name"}), constraint.name)) continue;
+      const double claimed = number(at(list[i], {"violation"}), "violation");
+      const double found = violation(constraint, problem_, claims_->trajectory);
+      add({"violation of dropped " + constraint.name, open_or_near(claimed, found, 1e-12), claimed,
+           found, 1e-12 * std::max(1.0, std::abs(found)), "", ""});
+    }
+  }
+
+  bool open_or_near(double claimed, double found, double tolerance) const {
+    if (std::isnan(claimed)) return claims_->status == to_string(SolveStatus::diverged);
+    return is_near(claimed, found, tolerance);
+  }
+  static bool is_near(double claimed, double found, double tolerance) {
+    return std::abs(claimed - found) <= tolerance * std::max(1.0, std::abs(found));
+  }
+
+  void forces() {
+    const ContactForces found = contact_forces(spec_, problem_, claims_->trajectory);
+    const Json& claimed = at(document_, {"trajectory", "contact_forces"});
+    size("contact_forces", claimed, found.contacts);
+    for (const auto& contact : found.contacts)
+      add(check_force(contact, at(claimed, {contact.name.c_str()})));
+  }
+
+  /// The worst figure, or the first one that is wrong.
+  Check check_force(const ContactForces::OfContact& contact, const Json& rows) const {
+    Check check{"force of " + contact.name};
+    const int width = contact.torque ? 6 : 3;
+    double worst = -1;
+    for (int k = 0; k < problem_.knots() && check.holds; ++k) {
+      const Json row = k < static_cast<int>(rows.size()) ? rows[k] : Json("missing");
+      const auto& wrench = contact.wrench[k];
+      check.message = defect_of_force(row, wrench.has_value(), width);
+      check.holds = check.message.empty();
+      for (int i = 0; wrench && check.holds && i < width; ++i)
+        compare_force(number(row[i], "contact_forces"), (*wrench)[i], worst, check);
+      if (!check.holds) check.place = place_text(problem_, k, "");
+    }
+    return check;
+  }
+  static const char* defect_of_force(const Json& row, bool held, int width) {
+    if (!held) return row.is_null() ? "" : "the contact is not held here";
+    const bool fits = row.is_array() && static_cast<int>(row.size()) == width;
+    return fits ? "" : "a force should stand here";
+  }
+  /// Where this figure is worse than those before, or wrong, the check is its.
+  static void compare_force(double claim, double force, double& worst, Check& check) {
+    const double size = std::abs(claim - force) / std::max(1.0, std::abs(force));
+    if (!(size > worst) && !std::isnan(size)) return;
+    if (std::isnan(claim) && !std::isfinite(force)) return;
+    worst = size;
+    check.claimed = claim;
+    check.found = force;
+    check.tolerance = kForceTolerance * std::max(1.0, std::abs(force));
+    check.holds = size <= kForceTolerance;
+  }
+
+  void size(const std::string& name, const Json& object,
+            const std::vector<ContactForces::OfContact>& contacts) {
+    if (object.is_object() && object.size() == contacts.size()) return;
+    fail(name, fmt::format("of {} contacts in the answer, {} in the problem", object.size(),
+                           contacts.size()));
+  }
+
+  /// The last row of the log is the answer itself, and rows count iterations.
+  void log() {
+    const Json& log = solution_list(document_, "log");
+    if (log.empty()) return;
+    const Json& last = log.back();
+    statement("iterations", at(document_, {"iterations"}), at(last, {"iteration"}));
+    compare_number("cost in the log", number(at(last, {"cost"}), "log"), claims_->cost, 1e-12);
+    compare_number("gap in the log", number(at(last, {"gap"}), "log"), claims_->gap, 1e-12);
+    compare_number("violation in the log", number(at(last, {"constraint"}), "log"),
+                   claims_->constraint, 1e-12);
+    if (claims_->converged)
+      compare_number("stationarity in the log", number(at(last, {"stationarity"}), "log"),
+                     claims_->stationarity, 1e-12);
+    for (std::size_t i = 0; i < log.size(); ++i) {
+      const Json& count = at(log[i], {"iteration"});
+      const Json& before = i == 0 ? count : log[i - 1]["iteration"];
+      if (count.is_number_integer() && (i == 0 ? count == 0 : count >= before)) continue;
+      return fail("rows of the log", fmt::format("row {} is of iteration {}", i, count.dump()));
+    }
+  }
+
+  /// Of an answer that did not converge: whether what ended it is what the status says, as far as
+  /// figures tell.
+  void status() {
+    const std::string wrong = what_denies(claims_->status);
+    if (!wrong.empty()) fail("status", fmt::format("'{}', but {}", claims_->status, wrong));
+  }
+  std::string what_denies(const std::string& status) const {
+    const SolverOptions& options = spec_.solver.options;
+    if (status == to_string(SolveStatus::max_iterations))
+      return at(document_, {"iterations"}) < options.max_iterations ? "fewer iterations" : "";
+    if (status == to_string(SolveStatus::time_limit))
+      return std::isfinite(options.max_time_s) ? "" : "there was none";
+    if (status == to_string(SolveStatus::infeasible))
+      return claims_->constraint <= options.tolerances.constraint ? "the constraints hold" : "";
+    for (const SolveStatus other :
+         {SolveStatus::converged, SolveStatus::cost_settled, SolveStatus::line_search_failed,
+          SolveStatus::regularization_limit, SolveStatus::diverged, SolveStatus::interrupted})
+      if (status == to_string(other)) return "";
+    return "there is no such status";
+  }
+
+  /// Nulls are counted.
+  void nulls() {
+    if (!document_.contains("nulls")) return;
+    const Json& list = solution_list(document_, "nulls");
+    for (const Json& entry : list) {
+      const std::string key = solution_text(entry, "key");
+      std::string pointer = "/" + key;
+      std::replace(pointer.begin(), pointer.end(), '.', '/');
+      const Json::json_pointer place(pointer);
+      const int found = document_.contains(place) ? count_nulls(document_.at(place)) : 0;
+      statement("nulls of " + key, at(entry, {"count"}), found);
+    }
+  }
+
+  /// What the answer says of its own certificate: what this one says.
+  void former_certificate() {
+    if (!document_.contains("certificate")) return;
+    const Json& former = document_.at("certificate");
+    statement("certificate", at(former, {"holds"}), certificate_.holds());
+    if (former.contains("optimality")) optimality(former.at("optimality"));
+    const Json& list = solution_list(former, "checks");
+    // Checks that tell of the certificate itself come last.
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      const std::string name = solution_text(list[i], "name");
+      if (i >= certificate_.checks.size() || certificate_.checks[i].name != name)
+        return fail("certificate of " + name, "is another check here");
+      if (!says_the_same(list[i], certificate_.checks[i]))
+        return fail("certificate of " + name, "says something else than is found here");
+    }
+  }
+
+  static bool says_the_same(const Json& former, const Check& check) {
+    const auto agrees = [&](const char* key, double mine, double allowed) {
+      const double told = former.contains(key) ? number(former.at(key), key) : Check::kNone;
+      if (std::isnan(told) && !std::isfinite(mine)) return true;
+      return std::abs(told - mine) <= allowed;
+    };
+    const double rounding = 1e-12 * std::abs(check.claimed);
+    const double slack = std::isnan(check.tolerance) ? 0 : 2 * check.tolerance;
+    return at(former, {"holds"}) == check.holds && agrees("claimed", check.claimed, rounding) &&
+           agrees("found", check.found, slack);
+  }
+
+  /// What rounding leaves alone of the former figures has to be found again.
+  void optimality(const Json& former) {
+    const Optimality& o = certificate_.optimality;
+    const std::tuple<const char*, double, double> figures[] = {
+        {"stationarity", o.stationarity, o.rounding},
+        {"rounding", o.rounding, o.rounding},
+        {"reduced_gradient", o.reduced_gradient, o.reduced_rounding},
+        {"reduced_rounding", o.reduced_rounding, o.reduced_rounding},
+        {"expected_decrease", o.expected_decrease, kNewtonRounding}};
+    for (const auto& [key, mine, rounding] : figures) {
+      const double told = number(at(former, {key}), key);
+      if (std::isnan(told) && !std::isfinite(mine)) continue;
+      if (std::abs(told - mine) <= 1e-3 * std::abs(mine) + 10 * rounding) continue;
+      add({"certificate of optimality", false, told, mine, Check::kNone, "",
+           fmt::format("'{}' is {:.3g} in the answer, {:.3g} here", key, told, mine)});
+    }
+  }
+
+  static constexpr double kNewtonRounding = 1e-12;
+  static constexpr double kValueTolerance = 1e-10;
+  static constexpr double kForceTolerance = 1e-9;
+
+  const Json& document_;
+  const ProblemSpec& spec_;
+  const BuiltProblem& built_;
+  const ShootingProblem& problem_;
+  std::optional<SolutionClaims> claims_;
+  Certificate certificate_;
+  bool fits_ = true;
+};
+
+}  // namespace
+
+SolutionCertificate certify_solution(const OrderedJson& document, const ProblemSpec& spec,
+                                     const BuiltProblem& built, bool with_replay) {
+  return Reader(document, spec, built).judge(with_replay);
+}
+
+}  // namespace conddp
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <tuple>
+
+#include <fmt/format.h>
+
+#include "analysis/certificate/place_text.hpp"
+#include "base/solution_members.hpp"
+#include "ocp/evaluation/evaluator.hpp"
+#include "ocp/problem/by_name.hpp"
+#include "output/report/solution_certificate.hpp"
+#include "output/solution/contact_forces.hpp"
+#include "output/solution/finding_report.hpp"
+#include "output/solution/solution_json.hpp"
+#include "problem_file/expand/expand_problem.hpp"
+#include "solvers/common/option_table.hpp"
+
+namespace conddp {
+namespace {
+
+using Json = OrderedJson;
+
+const Json& at(const Json& document, std::initializer_list<const char*> path) {
+  const Json* value = &document;
+  for (const char* key : path) value = &solution_member(*value, key);
+  return *value;
+}
+
+/// A number, or not-a-number where the answer leaves it open.
+double number(const Json& value, const char* what) {
+  if (value.is_null()) return Check::kNone;
+  if (!value.is_number()) throw MalformedSolution{fmt::format("'{}' is not a number", what)};
+  return value.get<double>();
+}
+
+Eigen::VectorXd vector(const Json& list, const char* what) {
+  Eigen::VectorXd v(list.size());
+  for (std::size_t i = 0; i < list.size(); ++i) v[i] = number(list[i], what);
+  return v;
+}
+
+/// Collects what does not fit, and the claims of a document that fits.
+class Reader {
+ public:
+  Reader(const Json& document, const ProblemSpec& spec, const BuiltProblem& built)
+      : document_(document), spec_(spec), built_(built), problem_(*built.problem) {}
+
+  SolutionCertificate judge(bool with_replay) {
+    const auto began = std::chrono::steady_clock::now();
+    SolutionCertificate result;
+    compare();
+    result.tangent_names = tangent_columns(built_);
+    if (with_replay && claims_)
+      result.replay = replay(problem_, claims_->trajectory, claims_->gains);
+    result.contacts = judge_contacts(with_replay);
+    if (claims_) result.findings = findings_of(spec_, built_, claims_->trajectory);
+    findings(result.findings);
+    nulls();
+    former_certificate();
+    result.converged = claims_ && claims_->converged;
+    result.checks = std::move(certificate_);
+    result.time_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+    return result;
+  }
+
+ private:
+  /// That of the file; where that leaves the choice to conddp the claimed one, if it may be.
+  std::string solver_name() const {
+    if (spec_.solver.name.value == kAutoSolver)
+      for (const SolverInfo* info : auto_solvers(problem_, spec_.solver.options))
+        if (at(document_, {"solver"}) == info->name) return std::string(info->name);
+    return spec_.solver.name.value;
+  }
+  /// Options of which some may have their former names.
+  static Json with_present_names(const Json& options) {
+    if (!options.is_object()) return options;
+    Json renamed = Json::object();
+    for (const auto& [key, value] : options.items()) {
+      std::string_view name = key;
+      for (const OptionInfo& info : option_table())
+        if (info.formerly == name) name = info.name;
+      renamed[std::string(name)] = value;
+    }
+    return renamed;
+  }
+
+  void compare() {
+    configuration();
+    statement("name", at(document_, {"problem", "name"}), spec_.name.value);
+    statement("solver", at(document_, {"solver"}), solver_name());
+    statement("options", with_present_names(at(document_, {"problem", "options"})),
               expand_options(spec_.solver.options));
     statement("knots", at(document_, {"problem", "knots"}), problem_.knots());
     columns("x", built_.state_columns);

@@ -345,11 +345,11 @@ std::vector<const SolverInfo*> usable_solvers(const ProblemSpec& spec,
   }
   const auto reason = unsupported(*solver, problem);
   if (!reason) {
-    const auto legs = unsupported_segments(*solver, problem, spec.solver.options.legs);
-    if (!legs) return {solver};
+    const auto reason = unsupported_segments(*solver, problem, spec.solver.options.segments);
+    if (!reason) return {solver};
     const Place& named = spec.solver.name.place;
-    out.error(named.mark.source >= 0 ? named : spec.solver.place, *legs,
-              "leave 'legs' out, or write a smaller number");
+    out.error(named.mark.source >= 0 ? named : spec.solver.place, *reason,
+              "leave 'segments' out, or write a smaller number");
     return {};
   }
   const bool of_control = supports_constraints(*solver, problem);

@@ -66,6 +66,15 @@ void read_ipopt_options(const YamlReader& reader, IpoptOptions& options) {
   }
 }
 
+/// An option under its earlier name.
+void read_former(YamlMap& map, const OptionInfo& info, SolverOptions& options) {
+  const auto reader = map.find(info.formerly);
+  if (!reader) return;
+  reader->diagnostics().note(reader->place(),
+                             fmt::format("'{}' is now called '{}'", info.formerly, info.name));
+  read_option(*reader, info, options);
+}
+
 }  // namespace
 
 SolverSpec read_solver(const YamlReader& reader) {
@@ -78,6 +87,7 @@ SolverSpec read_solver(const YamlReader& reader) {
     const std::size_t dot = info.name.find('.');
     if (dot == std::string_view::npos) {
       if (const auto r = map.find(info.name)) read_option(*r, info, solver.options);
+      if (!info.formerly.empty()) read_former(map, info, solver.options);
       continue;
     }
     const std::string group(info.name.substr(0, dot));

@@ -29,20 +29,21 @@ constexpr std::array kTable = {
                .min = 0,
                .max = kInfinity,
                .access = CONDDP_ACCESS(max_time_s)},
-    OptionInfo{.name = "threads",
-               .doc =
-                   "Threads that evaluate and differentiate knots and sweep legs; results do not "
-                   "depend on it.",
-               .min = 1,
-               .max = 1024,
-               .access = CONDDP_ACCESS(threads)},
-    OptionInfo{.name = "legs",
-               .doc =
-                   "Of proxddp: parts of the horizon that sweeps go through side by side, as far "
-                   "as there are threads; at most as many as knots.",
-               .min = 1,
-               .max = 1024,
-               .access = CONDDP_ACCESS(legs)},
+    OptionInfo{
+        .name = "threads",
+        .doc = "Threads that evaluate and differentiate knots and sweep segments; results do not "
+               "depend on it.",
+        .min = 1,
+        .max = 1024,
+        .access = CONDDP_ACCESS(threads)},
+    OptionInfo{
+        .name = "segments",
+        .doc = "Of proxddp: segments of the horizon that are swept side by side, as far as there "
+               "are threads; at most as many as knots.",
+        .formerly = "legs",
+        .min = 1,
+        .max = 1024,
+        .access = CONDDP_ACCESS(segments)},
     OptionInfo{.name = "hessian",
                .doc = "Second derivatives of the dynamics: the solver's own choice, left out, or "
                       "exact.",

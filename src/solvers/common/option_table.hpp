@@ -15,10 +15,11 @@ using OptionValue = std::variant<int, double, std::string>;
 
 /// One option of SolverOptions: everything that a reader, a printer or a schema needs to know.
 struct OptionInfo {
-  std::string_view name;  ///< dotted path: "tolerances.stationarity"
-  std::string_view doc;   ///< one sentence, with the unit
-  double min = 0;         ///< smallest value allowed (numbers)
-  double max = 0;         ///< largest value allowed; infinity itself is allowed where this is
+  std::string_view name;           ///< dotted path: "tolerances.stationarity"
+  std::string_view doc;            ///< one sentence, with the unit
+  std::string_view formerly = {};  ///< an earlier name that files may still have
+  double min = 0;                  ///< smallest value allowed (numbers)
+  double max = 0;  ///< largest value allowed; infinity itself is allowed where this is
   bool min_excluded = false;
   bool max_excluded = false;
   std::span<const std::string_view> choices;  ///< names in the enum's order, empty for numbers

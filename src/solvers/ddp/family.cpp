@@ -60,7 +60,7 @@ constexpr DdpMember kFamily[] = {
                 .box_stage = true,
                 .constraints = true,
                 .multipliers = MultiplierSchedule::bound_constrained_lagrangian,
-                .legs = true,
+                .segments = true,
                 .hessian = HessianUse::when_slow}},
 };
 

@@ -21,8 +21,8 @@ Direction::Direction(const ShootingProblem& problem, const ControlBounds& bounds
       bounds_(bounds),
       recipe_(recipe),
       horizon_sweeps_(recipe.box_stage ? options.horizon_sweeps : 0),
-      sweep_(problem, bounds, recipe.legs),
-      policy_(recipe.box_stage ? box_stage(problem, options, recipe.legs.count)
+      sweep_(problem, bounds, recipe.segments),
+      policy_(recipe.box_stage ? box_stage(problem, options, recipe.segments.count)
                                : unconstrained_stage(problem)),
       linear_rollout_(problem, bounds),
       feedback_(problem),

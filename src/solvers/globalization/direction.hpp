@@ -22,7 +22,7 @@ class Direction {
     bool clamp_controls = false;
     bool box_stage = false;
     bool null_space = false;  ///< equality constraints are kept by the stages
-    Segments legs;            ///< of sweeps with box-constrained stages
+    Segments segments;        ///< of sweeps with box-constrained stages
   };
   Direction(const ShootingProblem& problem, const ControlBounds& bounds, const Recipe& recipe,
             const SolverOptions::BoxQp& options);

@@ -38,7 +38,7 @@ Globalization::Globalization(const ShootingProblem& problem, const ControlBounds
                   .box_stage = recipe.box_stage,
                   .null_space = recipe.multipliers == MultiplierSchedule::by_the_sweep &&
                                 !problem.constraints().empty(),
-                  .legs = {recipe.legs ? options.legs : 1, options.threads}},
+                  .segments = {recipe.segments ? options.segments : 1, options.threads}},
                  options.box_qp),
       line_search_(problem, options.line_search),
       open_gap_search_(problem, bounds, options.line_search, recipe.clamp_controls),

@@ -25,7 +25,7 @@ struct DdpRecipe {
   MultiplierSchedule multipliers = MultiplierSchedule::always;
   bool least_violation = false;  ///< what is looked for is a point of least violation
   bool newton = false;           ///< which a projected Newton method ends
-  bool legs = false;             ///< sweeps may go by legs
+  bool segments = false;         ///< sweeps may go by segments of the horizon
   /// Which second derivatives; `when_slow` leaves it to the options and, where these do not say, to
   /// the solve. Exact ones wait until the gaps are closed.
   HessianUse hessian = HessianUse::gauss_newton;

@@ -38,7 +38,7 @@ std::optional<std::string> unsupported_options(const SolverInfo& solver,
     return fmt::format("{}", fmt::join(wrong, "; "));
   if (auto reason = unsupported(solver, problem)) return reason;
   if (auto reason = unsupported_hessian(solver, options.hessian)) return reason;
-  if (auto reason = unsupported_segments(solver, problem, options.legs)) return reason;
+  if (auto reason = unsupported_segments(solver, problem, options.segments)) return reason;
   if (options.multipliers) return misfit(problem, *options.multipliers);
   return std::nullopt;
 }

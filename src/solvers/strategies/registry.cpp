@@ -25,7 +25,7 @@ SolverInfo info_of(const DdpMember& member) {
   info.open_gaps = recipe.open_gaps;
   info.gauss_newton_hessian = recipe.hessian != HessianUse::exact;
   info.exact_hessian = recipe.hessian != HessianUse::gauss_newton;
-  info.legs = recipe.legs;
+  info.segments = recipe.segments;
   info.run = [&recipe](const ShootingProblem& problem, const SolverOptions& options,
                        const Trajectory& guess) {
     DdpSolver solver(problem, recipe, options);
@@ -162,12 +162,12 @@ std::optional<std::string> unsupported(const SolverInfo& solver, const ShootingP
 }
 
 std::optional<std::string> unsupported_segments(const SolverInfo& solver,
-                                                const ShootingProblem& problem, int legs) {
-  if (legs > 1 && !solver.legs)
-    return fmt::format("legs: {} sweeps the horizon in one leg; {} can do it in several",
-                       solver.name, list_solvers([](const SolverInfo& info) { return info.legs; }));
-  if (legs > problem.knots())
-    return fmt::format("legs: {} of them need as many knots, and the horizon has {}", legs,
+                                                const ShootingProblem& problem, int segments) {
+  if (segments > 1 && !solver.segments)
+    return fmt::format("segments: {} does not support several; supported by {}", solver.name,
+                       list_solvers([](const SolverInfo& info) { return info.segments; }));
+  if (segments > problem.knots())
+    return fmt::format("segments: {} of them need as many knots, and the horizon has {}", segments,
                        problem.knots());
   return std::nullopt;
 }
@@ -184,7 +184,7 @@ std::vector<const SolverInfo*> auto_solvers(const ShootingProblem& problem,
         (options.hessian == HessianChoice::exact ? info->exact_hessian
                                                  : info->gauss_newton_hessian);
     if (takes_hessian && !unsupported(*info, problem) &&
-        !unsupported_segments(*info, problem, options.legs))
+        !unsupported_segments(*info, problem, options.segments))
       list.push_back(info);
   }
   return list;

@@ -32,7 +32,7 @@ struct SolverInfo {
   bool open_gaps = false;            ///< starts from states that do not follow from the controls
   bool gauss_newton_hessian = true;  ///< can leave the dynamics' second derivatives out
   bool exact_hessian = false;        ///< can use them
-  bool legs = false;                 ///< can sweep the horizon by legs
+  bool segments = false;             ///< can sweep the horizon by segments
   bool concurrent = true;            ///< may run in several threads at once
   /// The solver alone: where it ends as `infeasible` that is a suspicion, which solve() looks into.
   std::function<SolveResult(const ShootingProblem&, const SolverOptions&, const Trajectory& guess)>
@@ -49,15 +49,15 @@ bool supports_constraints(const SolverInfo& solver, const ShootingProblem& probl
 /// can.
 std::optional<std::string> unsupported(const SolverInfo& solver, const ShootingProblem& problem);
 
-/// Why the solver cannot sweep the problem's horizon in so many legs. Empty if it can.
+/// Why the solver cannot sweep the problem's horizon in so many segments. Empty if it can.
 std::optional<std::string> unsupported_segments(const SolverInfo& solver,
-                                                const ShootingProblem& problem, int legs);
+                                                const ShootingProblem& problem, int segments);
 
 /// Stands for a choice by the problem.
 inline constexpr std::string_view kAutoSolver = "auto";
 /// What `auto` tries, one after the other: ipopt alone where pairs are complementary; altro,
 /// proxddp and ipopt where there are constraints besides bounds on the control; else box_fddp and
-/// ipopt. Of these, solvers that take the Hessian and the legs asked for.
+/// ipopt. Of these, solvers that take the Hessian and the segments asked for.
 std::vector<const SolverInfo*> auto_solvers(const ShootingProblem& problem,
                                             const SolverOptions& options);
 
@@ -65,8 +65,8 @@ using SolverList = std::span<const SolverInfo* const>;
 
 /// Solves a problem from a guess, along a homotopy and with restarts where the options ask for
 /// them. Throws std::invalid_argument where the options are not valid, the solver refuses the
-/// problem, the legs or the Hessian asked for, or the guess has another shape; every other end is a
-/// status.
+/// problem, the segments or the Hessian asked for, or the guess has another shape; every other end
+/// is a status.
 SolveResult solve(const ShootingProblem& problem, const SolverInfo& solver,
                   const SolverOptions& options, const Trajectory& guess);
 /// By the first of these that converges, all within one time limit; else the answer of the first.
