@@ -123,6 +123,7 @@ TEST(ZshCompletion, WorksInAnInteractiveShell) {
   expect_zsh("conddp solve p.yaml --solver ", solver_names());
   expect_zsh("conddp solve p.yaml --", flags_in_help("solve"));
   expect_zsh("conddp solve p.yaml --solver=i", {"ilqr"});
+  expect_zsh("conddp bench p.yaml --", flags_in_help("bench"));
   expect_zsh("conddp list ", {"solvers", "residuals"});
 }
 

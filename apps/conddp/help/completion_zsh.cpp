@@ -26,7 +26,10 @@ std::string zsh_action(const Argument& option) {
   if (!option.choices.empty())
     return fmt::format("{}:({})", message, fmt::join(option.choices, " "));
   if (option.folder()) return message + ":_files -/";
-  if (const auto suffixes = option.suffixes(); !suffixes.empty())
+  const std::vector<std::string> suffixes = option.suffixes();
+  // Behind a pattern zsh takes brackets without a '|' for something else than a group.
+  if (suffixes.size() == 1) return fmt::format("{}:_files -g \"*{}\"", message, suffixes[0]);
+  if (!suffixes.empty())
     return fmt::format("{}:_files -g \"*({})\"", message, fmt::join(suffixes, "|"));
   return message + ": ";
 }
