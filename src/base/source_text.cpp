@@ -7,29 +7,33 @@
 #include "base/utf8.hpp"
 
 namespace conddp {
+
+std::optional<std::string> checked_text(std::string bytes, const std::string& name,
+                                        Diagnostics& out) {
+  std::string text = std::move(bytes);
+  if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
+  const std::size_t bad = find_bad_character(text);
+  if (bad == std::string::npos) return text;
+  const auto before = std::string_view(text).substr(0, bad);
+  const std::size_t line_start = before.rfind('\n') + 1;  // npos + 1 is 0
+  const int line = static_cast<int>(std::count(before.begin(), before.end(), '\n')) + 1;
+  const int source = out.add_source(name, text.substr(0, bad));
+  const int column = out.character_column(source, line, static_cast<int>(bad - line_start));
+  const bool foreign = static_cast<unsigned char>(text[bad]) >= 0x80;
+  out.error({{source, line, column}, {}}, describe_bad_character(text, bad),
+            foreign ? "save the file in UTF-8" : "");
+  return std::nullopt;
+}
+
 std::optional<std::string> read_text(const std::filesystem::path& file, std::size_t limit,
                                      const Place& place, std::string& sha256, Diagnostics& out) {
-  const std::string name = file.string();
   TextFile read = read_text_file(file, limit);
   if (!read.defect.empty()) {
     out.error(place, std::move(read.defect));
     return std::nullopt;
   }
-  std::string text = std::move(read.text);
-  sha256 = conddp::sha256(text);
-  if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
-  if (const std::size_t bad = find_bad_character(text); bad != std::string::npos) {
-    const auto before = std::string_view(text).substr(0, bad);
-    const std::size_t line_start = before.rfind('\n') + 1;  // npos + 1 is 0
-    const int line = static_cast<int>(std::count(before.begin(), before.end(), '\n')) + 1;
-    const int source = out.add_source(name, text.substr(0, bad));
-    const int column = out.character_column(source, line, static_cast<int>(bad - line_start));
-    const bool foreign = static_cast<unsigned char>(text[bad]) >= 0x80;
-    out.error({{source, line, column}, {}}, describe_bad_character(text, bad),
-              foreign ? "save the file in UTF-8" : "");
-    return std::nullopt;
-  }
-  return text;
+  sha256 = conddp::sha256(read.text);
+  return checked_text(std::move(read.text), file.string(), out);
 }
 
 }  // namespace conddp

@@ -20,4 +20,9 @@ inline constexpr std::size_t kMaxDataBytes = 64 << 20;
 std::optional<std::string> read_text(const std::filesystem::path& file, std::size_t limit,
                                      const Place& place, std::string& sha256, Diagnostics& out);
 
+/// The bytes of a text without a byte-order mark; nothing with an error in the text of this name
+/// where they are not valid UTF-8 or have control characters.
+std::optional<std::string> checked_text(std::string bytes, const std::string& name,
+                                        Diagnostics& out);
+
 }  // namespace conddp

@@ -10,9 +10,12 @@
 
 namespace conddp {
 
+/// The word of the command line that stands for the standard input.
+inline constexpr const char* kStandardInput = "-";
+
 /// Which problem a subcommand is about: the file and what the command line says about it.
 struct ProblemArguments {
-  std::string file;  ///< or the name of an example problem
+  std::string file;  ///< or the name of an example problem, or kStandardInput
   std::string solver;
   std::vector<std::string> drop;
   std::vector<std::string> settings;

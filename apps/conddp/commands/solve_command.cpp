@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <chrono>
 #include <optional>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -29,6 +30,7 @@ namespace conddp {
 namespace {
 
 struct SolveArguments : ProblemArguments {
+  std::vector<std::string> others;  ///< further files
   std::string folder;
   std::string warm_start;
   bool quiet = false;
@@ -184,6 +186,52 @@ int solve_file(const SolveArguments& arguments) {
   return exit_code(result.status);
 }
 
+/// What the command line says of each of its files when there are several.
+std::vector<SolveArguments> one_by_one(const SolveArguments& arguments) {
+  std::vector<std::string> files = arguments.others;
+  files.insert(files.begin(), arguments.file);
+  const std::filesystem::path folder = arguments.folder.empty() ? "out" : arguments.folder;
+  std::vector<SolveArguments> list;
+  for (const std::string& file : files) {
+    SolveArguments& one = list.emplace_back(arguments);
+    one.file = file;
+    one.folder =
+        folder / (file == kStandardInput ? "stdin" : std::filesystem::path(file).stem().string());
+  }
+  return list;
+}
+
+/// Whether all files can be read and have folders of their own; else says why not.
+bool can_be_solved(const std::vector<SolveArguments>& list) {
+  bool possible = true;
+  std::set<std::string> folders;
+  for (const SolveArguments& one : list) {
+    Diagnostics diagnostics;
+    if (!folders.insert(one.folder).second)
+      diagnostics.error({}, fmt::format("two problems would be written to '{}'", one.folder),
+                        "solve them one by one, with --output");
+    if (one.file != kStandardInput) read_spec(one, diagnostics);
+    print_messages(diagnostics, Verbosity::kQuiet);
+    possible = possible && !diagnostics.has_errors();
+  }
+  return possible;
+}
+
+/// Solves all files one after the other, each into a folder of its file's name. All are read before
+/// the first one is solved. The exit status is the worst.
+int solve_files(const SolveArguments& arguments) {
+  if (arguments.others.empty()) return solve_file(arguments);
+  const std::vector<SolveArguments> list = one_by_one(arguments);
+  if (!can_be_solved(list)) return kExitBadInput;
+  int worst = kExitConverged;
+  for (const SolveArguments& one : list) {
+    const int code = solve_file(one);
+    if (code > kExitSignalBase) return code;
+    worst = std::max(worst, code);
+  }
+  return worst;
+}
+
 }  // namespace
 
 Command solve_command() {
@@ -196,7 +244,11 @@ Command solve_command() {
           "Ctrl-C ends the solve and writes the best iterate.",
       .arguments = joined(
           problem_arguments(*a),
-          {{.names = {"-o", "--output"},
+          {{.names = {"MORE"},
+            .value = "FILE.yaml",
+            .description = "Further problem files, each solved into FOLDER/<its name>",
+            .target = &a->others},
+           {.names = {"-o", "--output"},
             .value = "FOLDER",
             .description = "Folder for the outputs; out/<problem name> if nothing is said",
             .target = &a->folder},
@@ -216,7 +268,7 @@ Command solve_command() {
            flag({"--no-verify"}, a->no_verify,
                 "Leave out the certificate: the check of the answer by code that no solver "
                 "uses")}),
-      .run = [a] { return solve_file(*a); }};
+      .run = [a] { return solve_files(*a); }};
 }
 
 }  // namespace conddp
