@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "support/random_numbers.hpp"
+#include "systems/collocation_system.hpp"
 #include "systems/expressions/system.hpp"
 
 namespace conddp {
@@ -162,6 +163,24 @@ TEST(ExpressionSystems, SecondDerivativesAreThoseOfDualNumbers) {
                          1e-11, system.name);
   }
   EXPECT_EQ(known, 6);
+}
+
+TEST(ExpressionSystems, CollocationHasTheSameDerivativesAsThatOfCompiledSystems) {
+  RandomNumbers random(315);
+  for (const SystemInWords& system : systems_in_words()) {
+    if (system.text.kind == SystemKind::discrete || !system.compiled->manifold().curved().empty())
+      continue;
+    for (const LobattoRule rule : {LobattoRule::trapezoidal, LobattoRule::hermite_simpson}) {
+      const CollocationSystem got(expression_system(system.text), rule);
+      const CollocationSystem expected(system.compiled, rule);
+      const SystemPoint<Lane> point = random_point<Lane>(expected, random);
+      const auto a = got.create_data(Lane{}), b = expected.create_data(Lane{});
+      got.differentiate(point.x.data(), point.u.data(), *a);
+      expected.differentiate(point.x.data(), point.u.data(), *b);
+      expect_equal_numbers(a->fx, b->fx, 1e-12, system.name + " fx");
+      expect_equal_numbers(a->fu, b->fu, 1e-12, system.name + " fu");
+    }
+  }
 }
 
 /// A driven oscillator: what depends on the time has a clock among its states.

@@ -12,8 +12,7 @@ namespace {
 /// nodes times columns than this.
 constexpr std::size_t kMostSecondDerivatives = 500000;
 
-/// Registers of its programs are the system's data; constant entries of the Jacobians are written
-/// when these are made.
+/// Registers of its programs are the system's data.
 class ExpressionSystem : public SystemBase<ExpressionSystem> {
  public:
   explicit ExpressionSystem(ExpressionSystemParts parts)
@@ -27,13 +26,8 @@ class ExpressionSystem : public SystemBase<ExpressionSystem> {
     for (const auto& entry : functions_.jacobian()) {
       const bool of_control = entry.column >= ndx();
       const int column = of_control ? entry.column - ndx() : entry.column;
-      entries_.push_back(
-          {of_control, column * rows() + entry.row, entry.place, entry.constant, entry.value});
+      entries_.push_back({of_control, column * rows() + entry.row, entry.place});
     }
-    std::stable_partition(entries_.begin(), entries_.end(),
-                          [](const Entry& entry) { return !entry.constant; });
-    changing_ = static_cast<int>(std::count_if(entries_.begin(), entries_.end(),
-                                               [](const Entry& entry) { return !entry.constant; }));
     if (kind_ == SystemKind::second_order) make_second_derivatives(parts);
   }
 
@@ -44,10 +38,6 @@ class ExpressionSystem : public SystemBase<ExpressionSystem> {
           derivatives(system.functions_.with_derivatives().registers()) {
       system.functions_.values().prepare(values.data());
       system.functions_.with_derivatives().prepare(derivatives.data());
-      this->fx.assign(system.rows() * system.ndx(), S(0.0));
-      this->fu.assign(system.rows() * system.nu(), S(0.0));
-      for (std::size_t i = system.changing_; i < system.entries_.size(); ++i)
-        system.entries_[i].in(*this) = S(system.entries_[i].value);
     }
     AlignedVector<S> values, derivatives;  ///< registers
   };
@@ -61,7 +51,8 @@ class ExpressionSystem : public SystemBase<ExpressionSystem> {
   void differentiate_as(const S* x, const S* u, Data<S>& data) const {
     S* registers = data.derivatives.data();
     run(functions_.with_derivatives(), x, u, registers, data);
-    for (int i = 0; i < changing_; ++i) entries_[i].in(data) = registers[entries_[i].place];
+    for (const Entry& entry : entries_)
+      (entry.of_control ? data.fu : data.fx)[entry.index] = registers[entry.place];
   }
 
   template <class S>
@@ -76,13 +67,6 @@ class ExpressionSystem : public SystemBase<ExpressionSystem> {
     bool of_control;
     int index;
     int place;  ///< its register
-    bool constant;
-    double value;  ///< where it is constant
-
-    template <class S>
-    S& in(SystemData<S>& data) const {
-      return (of_control ? data.fu : data.fx)[index];
-    }
   };
   class Curvature;
 
@@ -130,8 +114,7 @@ class ExpressionSystem : public SystemBase<ExpressionSystem> {
   std::vector<int> sources_;
   InputMotions motions_;
   DifferentiableExpressions functions_;
-  std::vector<Entry> entries_;  ///< constant ones last
-  int changing_ = 0;
+  std::vector<Entry> entries_;  ///< all others stay zero
   bool has_second_derivatives_ = false;
   ExpressionProgram hessian_;
   std::vector<std::pair<int, int>> hessian_pattern_;
