@@ -39,6 +39,16 @@ Entries parameter_entries<LinearSpec>(RandomNumbers& random) {
   return entries;
 }
 
+template <>
+Entries parameter_entries<ExpressionSystemSpec>(RandomNumbers& random) {
+  return {"positions: {x: m, angle: rad}",
+          "velocities: {vx: m/s, omega: rad/s}",
+          "controls: [push, turn]",
+          fmt::format("parameters: {{k: {:.3g}}}", random.uniform(0.5, 2)),
+          "let: {c: cos(angle), s: sin(angle)}",
+          "acceleration: {vx: 0.5*push*c - 0.1*vx + 0.2*omega^2*s, omega: turn - k*s - 0.1*omega}"};
+}
+
 using Parameters = decltype(SystemSpec::parameters);
 
 template <std::size_t... I>

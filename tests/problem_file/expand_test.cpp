@@ -19,10 +19,34 @@ std::vector<std::string> corpus() {
   std::vector<std::string> texts = {std::string(kPendulum), std::string(kCartpole)};
   for (const auto& file : ready_problems()) texts.push_back(read_file(file));
   for (const auto& [type, description] : kSystemTypes) {
-    const std::string more = type == "linear" ? ", A: [[1, 0.1], [0, 1]], B: [[0], [0.1]]" : "";
+    const std::string more = type == "linear"        ? ", A: [[1, 0.1], [0, 1]], B: [[0], [0.1]]"
+                             : type == "expressions" ? ", states: [x], controls: [u], rate: {x: u}"
+                                                     : "";
     texts.push_back("conddp: 1\nsystem: {type: " + std::string(type) + more +
                     "}\ninitial_state: {}\nphases: [{knots: 3, duration: 0.1}]\n");
   }
+  texts.push_back(R"(conddp: 1
+system:
+  positions: {y: m, turn: unit_quaternion, body: pose}
+  velocities: {n: m/s, spin: rad/s, twist: m/s}
+  controls: {u: N, w: Nm}
+  parameters: {m: 1.5}
+  tables:
+    drag: {points: [-1, 0, 2], values: [0.5, 0, 1]}
+    ground: {points: [[0, 1], [0, 1, 2]], values: [[0, 1, 0], [1, 0, 1]]}
+  let: {push: u/m, axis: [0, 0, 1]}
+  acceleration:
+    n: push - drag(n) + ground(y, n)*sin(t)
+    spin: w*rotate(turn, axis)
+    twist: [-0.1*twist.linear, 0, w, 'if(y > 0, -0.1, 0.1)*body.position.x']
+initial_state: {values: {y: 0.3}}
+phases: [{knots: 3, dt: 0.1}]
+)");
+  texts.push_back(R"(conddp: 1
+system: {states: [x], controls: [u], next: {x: '0.9*x + 0.1*atan2(u, 2)'}}
+initial_state: {}
+phases: [{knots: 3, dt: 0.1}]
+)");
   texts.push_back(R"(conddp: 1
 description: "two robots: one of them # flies"
 gravity: [0, 0, -1.62]

@@ -153,7 +153,7 @@ inline std::vector<SystemInWords> systems_in_words() {
        quadrotor(q),
        {.kind = SystemKind::second_order,
         .states = {{"body", "", ExpressionState::Kind::kPose}},
-        .velocities = {{"twist", ""}},
+        .velocities = {{"twist", "1"}},
         .controls = expression_columns({"front", "left", "back", "right"}),
         .parameters = {{"m", q.mass},
                        {"jx", q.jx},

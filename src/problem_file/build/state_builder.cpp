@@ -27,7 +27,8 @@ PlantPart StateBuilder::whole() const {
 std::optional<std::vector<double>> StateBuilder::build(const StateSpec& spec) const {
   const System& system = *plant_.system;
   const int errors = out_.error_count();
-  std::vector<double> x = system.manifold().neutral();
+  std::vector<double> x =
+      plant_.usual_state.empty() ? system.manifold().neutral() : plant_.usual_state;
   if (spec.state) {
     if (static_cast<int>(spec.state->size()) != system.nx()) {
       out_.error(spec.place,

@@ -22,6 +22,52 @@ void expand(const LinearSpec& p, OrderedJson& json) {
   json["c"] = std::vector<double>(p.c.begin(), p.c.end());
 }
 
+OrderedJson expand_columns(const std::vector<Column>& columns) {
+  OrderedJson json = OrderedJson::object();
+  for (const Column& column : columns) json[column.name] = column.unit;
+  return json;
+}
+
+OrderedJson expand_states(const std::vector<ExpressionState>& states) {
+  OrderedJson json = OrderedJson::object();
+  for (const ExpressionState& state : states)
+    json[state.name] = state.kind == ExpressionState::Kind::kUnitQuaternion ? "unit_quaternion"
+                       : state.kind == ExpressionState::Kind::kPose         ? "pose"
+                                                                            : state.unit;
+  return json;
+}
+
+OrderedJson expand_expressions(const std::vector<NamedExpression>& expressions) {
+  OrderedJson json = OrderedJson::object();
+  for (const NamedExpression& expression : expressions) json[expression.name] = expression.text;
+  return json;
+}
+
+OrderedJson expand_table(const TableSpec& table) {
+  if (table.points.size() == 1) return {{"points", table.points[0]}, {"values", table.values}};
+  const std::size_t columns = table.points[1].size();
+  OrderedJson rows = OrderedJson::array();
+  for (auto row = table.values.begin(); row != table.values.end(); row += columns)
+    rows.push_back(std::vector<double>(row, row + columns));
+  return {{"points", table.points}, {"values", std::move(rows)}};
+}
+
+void expand(const ExpressionSystemSpec& p, OrderedJson& json) {
+  const ExpressionSystemText& text = p.text;
+  const bool second_order = text.kind == SystemKind::second_order;
+  json[second_order ? "positions" : "states"] = expand_states(text.states);
+  if (second_order) json["velocities"] = expand_columns(text.velocities);
+  json["controls"] = expand_columns(text.controls);
+  json["parameters"] = OrderedJson::object();
+  for (const auto& [name, value] : text.parameters) json["parameters"][name] = value;
+  json["tables"] = OrderedJson::object();
+  for (const TableSpec& table : p.tables) json["tables"][table.name] = expand_table(table);
+  json["let"] = expand_expressions(text.definitions);
+  json[second_order                           ? "acceleration"
+       : text.kind == SystemKind::first_order ? "rate"
+                                              : "next"] = expand_expressions(text.equations);
+}
+
 template <class P>
 void expand(const P& p, OrderedJson& json) {
   for_each_field(p, [&](std::string_view key, std::string_view, double value, const NumberRange&) {

@@ -24,7 +24,9 @@ struct PlantPart {
 /// What moves: a closed-form system, or robots as one multibody system.
 struct Plant {
   std::shared_ptr<const System> system;
-  std::vector<PlantPart> parts;      ///< empty if closed-form
+  std::vector<PlantPart> parts;  ///< empty if closed-form
+  /// What states have where nothing else is said; empty: the neutral state.
+  std::vector<double> usual_state;
   std::optional<ChosenStart> start;  ///< where the first state is chosen
 
   /// The robot in the system, or the system as what it is: where steps find their own contacts, or

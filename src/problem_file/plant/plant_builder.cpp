@@ -56,6 +56,7 @@ std::shared_ptr<const System> make_system(const ProblemSpec& spec, Diagnostics& 
           [](const PlanarQuadrotorParameters& p) -> Result { return planar_quadrotor(p); },
           [](const QuadrotorParameters& p) -> Result { return quadrotor(p); },
           [](const LanderParameters& p) -> Result { return lander(p); },
+          [](const ExpressionSystemSpec& p) -> Result { return p.parsed.system; },
       },
       spec.system->parameters);
 }
@@ -87,6 +88,8 @@ std::optional<Plant> build_plant(const ProblemSpec& spec, Diagnostics& out) {
   if (spec.system) {
     plant.system = make_system(spec, out);
     if (!plant.system || !collocate(spec, plant, out)) return std::nullopt;
+    if (const auto* text = std::get_if<ExpressionSystemSpec>(&spec.system->parameters))
+      plant.usual_state = text->parsed.usual_state;
     return plant;
   }
   std::vector<RobotModel> trees;

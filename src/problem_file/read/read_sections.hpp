@@ -19,6 +19,9 @@ ActuationSpec read_actuation(const YamlReader& reader);
 // read_system.cpp
 SystemSpec read_system(const YamlReader& reader);
 
+// read_expression_system.cpp
+void read_expression_system(YamlMap& map, ExpressionSystemSpec& system);
+
 // read_contacts.cpp
 std::vector<ContactSpec> read_contacts(const YamlReader& reader);
 

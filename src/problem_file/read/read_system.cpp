@@ -56,6 +56,8 @@ void read(YamlMap& map, LinearSpec& p) {
       p.c = Eigen::Map<const Eigen::VectorXd>(n->data(), n->size());
 }
 
+void read(YamlMap& map, ExpressionSystemSpec& p) { read_expression_system(map, p); }
+
 template <class P>
 void read(YamlMap& map, P& p) {
   for_each_field(p, [&](std::string_view key, std::string_view, double& value,
@@ -84,10 +86,14 @@ constexpr auto kReaders = readers(static_cast<const Parameters*>(nullptr));
 SystemSpec read_system(const YamlReader& reader) {
   SystemSpec system{.place = reader.place()};
   YamlMap map(reader);
-  const auto type = map.require("type");
+  // Equations say themselves what the system is.
+  const YamlNode& node = reader.node();
+  const bool in_words = node.find("rate") || node.find("acceleration") || node.find("next");
+  const auto type = in_words ? map.find("type") : map.require("type");
   std::vector<std::string> words;
   for (const SystemType& known : kSystemTypes) words.emplace_back(known.name);
-  const auto index = type ? type->choose(words, "type of system") : std::nullopt;
+  auto index = type ? type->choose(words, "type of system") : std::nullopt;
+  if (!type && in_words) index = words.size() - 1;
   if (index)
     system.parameters = kReaders[*index](map);
   else

@@ -8,6 +8,7 @@
 #include "problem_file/spec/spec_values.hpp"
 #include "robot/urdf/urdf.hpp"
 #include "systems/catalogue.hpp"
+#include "systems/expressions/system.hpp"
 
 namespace conddp {
 
@@ -76,12 +77,26 @@ struct CarSpec {
   double wheelbase = 2;  ///< m
 };
 
+/// Tabulated data of expressions: grid points of one or two arguments, and the values, those of the
+/// last argument one after the other.
+struct TableSpec {
+  std::string name;
+  std::vector<std::vector<double>> points;
+  std::vector<double> values;
+};
+/// A system of expressions, which the reader has made of the text.
+struct ExpressionSystemSpec {
+  ExpressionSystemText text;
+  std::vector<TableSpec> tables;  ///< of the text
+  ParsedExpressionSystem parsed;
+};
+
 /// A closed-form system.
 struct SystemSpec {
   Place place;
   std::variant<DoubleIntegratorSpec, LinearSpec, PendulumParameters, CartpoleParameters,
                AcrobotParameters, UnicycleSpec, CarSpec, PlanarQuadrotorParameters,
-               QuadrotorParameters, LanderParameters>
+               QuadrotorParameters, LanderParameters, ExpressionSystemSpec>
       parameters;
 };
 

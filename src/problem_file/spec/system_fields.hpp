@@ -31,7 +31,8 @@ inline constexpr SystemType kSystemTypes[] = {
      "controls front, left, back and right thrust"},
     {"lander",
      "Point mass on its thrust: state (x, y, z, vx, vy, vz, burnt), z upwards, and the mass that "
-     "it has burnt; controls tx, ty, tz, the thrust in world axes"}};
+     "it has burnt; controls tx, ty, tz, the thrust in world axes"},
+    {"expressions", "A system of your own equations; may be left out"}};
 static_assert(std::size(kSystemTypes) == std::variant_size_v<decltype(SystemSpec::parameters)>);
 
 /// The scalar parameters of a closed-form system: calls `field(key, description, value, range)` for

@@ -22,6 +22,9 @@ Keys keys_of(const LinearSpec& /*has no defaults*/) {
           {"c", "One number a row of A; zero by default", row}};
 }
 
+/// Which keys there are depends on the others: the schema of these is written by hand.
+Keys keys_of(const ExpressionSystemSpec&) { return {}; }
+
 template <class P>
 Keys keys_of(const P& p) {
   Keys keys;

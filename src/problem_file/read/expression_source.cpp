@@ -1,0 +1,107 @@
+#include "problem_file/read/expression_source.hpp"
+
+#include "base/utf8.hpp"
+
+namespace conddp {
+namespace {
+
+bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
+
+/// The text of a scalar, or of a list of such texts; empty where something else is in it.
+std::optional<std::string> text_of(const YamlNode& node) {
+  if (node.kind == YamlNode::Kind::kScalar) return node.text;
+  if (node.kind != YamlNode::Kind::kSequence) return std::nullopt;
+  std::string text = "[";
+  for (const YamlNode& item : node.items) {
+    const auto part = text_of(item);
+    if (!part) return std::nullopt;
+    text += (text.size() > 1 ? ", " : "") + *part;
+  }
+  return text + "]";
+}
+
+/// Goes through a source from a mark on, blank characters apart.
+class SourceWalk {
+ public:
+  SourceWalk(const Diagnostics& sources, const Mark& mark) : sources_(sources), mark_(mark) {
+    line_ = sources_.line(mark_.source, mark_.line);
+    int character = 0;
+    while (at_ < line_.size() && !(starts_character(line_[at_]) && ++character == mark_.column))
+      ++at_;
+  }
+
+  /// Leaves the beginning of a scalar in quotes or in a block behind.
+  void open_quotes() {
+    if (at_ == line_.size()) return;
+    const char c = line_[at_];
+    if (c == '\'' || c == '"') ++at_;
+    if (c == '|' || c == '>') at_ = line_.size();
+  }
+  /// The next character that is not blank, behind which the walk goes on; 0 at the end.
+  char next() {
+    constexpr int kMostEmptyLines = 1000;
+    for (int empty = 0; empty < kMostEmptyLines; ++empty) {
+      while (at_ < line_.size() && is_blank(line_[at_])) ++at_;
+      if (at_ < line_.size()) {
+        last_ = {mark_.source, mark_.line,
+                 sources_.character_column(mark_.source, mark_.line, at())};
+        return line_[at_++];
+      }
+      line_ = sources_.line(mark_.source, ++mark_.line);
+      at_ = 0;
+    }
+    return 0;
+  }
+  /// Where the last character is, and the place behind it.
+  Mark last() const { return last_; }
+  Mark behind_last() const { return {last_.source, last_.line, last_.column + 1}; }
+
+ private:
+  int at() const { return static_cast<int>(at_); }
+
+  const Diagnostics& sources_;
+  Mark mark_;
+  std::string_view line_;
+  std::size_t at_ = 0;
+  Mark last_;
+};
+
+}  // namespace
+
+std::optional<std::string> read_expression(const YamlReader& reader) {
+  auto text = text_of(reader.node());
+  if (!text)
+    reader.expected("an expression", reader.is_null()
+                                         ? "inside { } of YAML an expression with a comma needs "
+                                           "quotes"
+                                         : "");
+  return text;
+}
+
+Place place_in_expression(const YamlReader& reader, std::string_view text, int offset) {
+  const Place whole = reader.place();
+  if (whole.mark.source < 0 || whole.mark.line <= 0) return whole;
+  SourceWalk walk(reader.diagnostics(), whole.mark);
+  if (reader.node().quoted) walk.open_quotes();
+  bool any = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (is_blank(text[i])) continue;
+    if (any && static_cast<int>(i) > offset) break;
+    // An escape in the source, or something else that is not as the text has it.
+    if (walk.next() != text[i]) return whole;
+    any = true;
+    if (static_cast<int>(i) >= offset) return {walk.last(), whole.path};
+  }
+  return any ? Place{walk.behind_last(), whole.path} : whole;
+}
+
+void report_expression(const YamlReader& reader, std::string_view text,
+                       const ExpressionMessage& message, Severity severity) {
+  const Place place = place_in_expression(reader, text, message.offset);
+  if (severity == Severity::kError)
+    reader.diagnostics().error(place, message.message, message.hint);
+  else
+    reader.diagnostics().warning(place, message.message, message.hint);
+}
+
+}  // namespace conddp
