@@ -13,6 +13,7 @@
 #include "problem_file/values/system_keys.hpp"
 #include "solvers/common/option_table.hpp"
 #include "solvers/strategies/registry.hpp"
+#include "systems/expressions/functions.hpp"
 
 namespace conddp {
 namespace {
@@ -158,6 +159,20 @@ OrderedJson list_constraints() {
   return list;
 }
 
+OrderedJson list_functions() {
+  OrderedJson list = OrderedJson::array();
+  for (const ExpressionFunction& function : expression_functions()) {
+    OrderedJson arguments = OrderedJson::array();
+    for (const auto& argument : function.arguments) arguments.push_back(argument.name);
+    list.push_back({{"name", function.name},
+                    {"description", function.documentation},
+                    {"arguments", std::move(arguments)}});
+  }
+  for (const ExpressionConstant& constant : expression_constants())
+    list.push_back({{"name", constant.name}, {"description", constant.documentation}});
+  return list;
+}
+
 OrderedJson list_problems() {
   OrderedJson list = OrderedJson::array();
   for (const std::filesystem::path& file : example_problems()) {
@@ -178,6 +193,7 @@ constexpr ListKind kKinds[] = {
     {"systems", "system: {type: ...}", list_systems},
     {"integrators", "integrator: ...", list_integrators},
     {"constraints", "constraints: {NAME: {bounds: ...}}", list_constraints},
+    {"functions", "expressions: system: {rate: {NAME: ...}}", list_functions},
     {"problems", "examples: conddp solve NAME, conddp bench", list_problems},
 };
 
