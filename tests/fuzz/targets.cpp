@@ -13,6 +13,8 @@
 #include "problem_file/read/read_problem.hpp"
 #include "robot/urdf/urdf.hpp"
 #include "robot/urdf/xml_outline.hpp"
+#include "systems/expressions/differentiable.hpp"
+#include "systems/expressions/parser.hpp"
 
 namespace conddp {
 namespace {
@@ -145,10 +147,66 @@ void fuzz_xml(std::string_view input) {
   }
 }
 
+/// Two numbers, a vector with parts, a quaternion and tables of one and two arguments.
+ExpressionScope fuzz_scope(ExpressionGraph& graph) {
+  ExpressionScope scope;
+  int inputs = 0;
+  const auto add = [&](const char* name, int count, std::vector<ExpressionValue::Part> parts) {
+    ExpressionValue value = ExpressionValue::vector({});
+    for (int i = 0; i < count; ++i) value.nodes.push_back(graph.input(inputs++));
+    if (count == 1) value.kind = ExpressionValue::Kind::kNumber;
+    value.parts = std::move(parts);
+    scope.add(name, value);
+  };
+  add("x", 1, {});
+  add("y", 1, {});
+  add("q", 3, {{"left-knee", 0}, {"arm/elbow", 1}, {"both", 0, 2}});
+  add("r", 4, {});
+  const std::vector<double> points{0, 1, 2};
+  scope.add_table("drag", graph.add_table(std::make_shared<SplineTable>(points, points)), 1);
+  scope.add_table("map",
+                  graph.add_table(std::make_shared<SplineTable>(
+                      points, std::vector<double>{0, 1}, std::vector<double>{0, 1, 2, 3, 4, 5})),
+                  2);
+  return scope;
+}
+
+void fuzz_expression(std::string_view input) {
+  constexpr int kInputs = 9;
+  ExpressionGraph graph;
+  const ExpressionScope scope = fuzz_scope(graph);
+  const ParsedExpression parsed = parse_expression(input, scope, graph);
+  const auto has_place = [&](const ExpressionMessage& message) {
+    return message.offset >= 0 && message.offset <= static_cast<int>(input.size()) &&
+           !message.message.empty() &&
+           find_bad_character(message.message + message.hint) == std::string::npos;
+  };
+  for (const ExpressionMessage& warning : parsed.warnings)
+    promise(has_place(warning), "a warning has a place and a message");
+  if (!parsed.value) return promise(has_place(parsed.error), "an error has a place and a message");
+  promise(parsed.error.message.empty(), "there is no value beside an error");
+  promise(!parsed.value->nodes.empty(), "a value has numbers");
+  InputMotions motions;
+  for (int i = 0; i < kInputs; ++i) motions.push_back({{i, graph.constant(1)}});
+  if (count_derivatives(graph, parsed.value->nodes, motions) > kMostDerivatives) return;
+  const DifferentiableExpressions functions(graph, parsed.value->nodes, kInputs, motions);
+  const ExpressionProgram &alone = functions.values(), &both = functions.with_derivatives();
+  std::vector<double> a(alone.registers(), 0.7), b(both.registers(), 0.7);
+  alone.prepare(a.data());
+  both.prepare(b.data());
+  alone.run(a.data());
+  both.run(b.data());
+  for (int i = 0; i < functions.size(); ++i) {
+    const double one = a[alone.output(i)], other = b[both.output(i)];
+    promise(one == other || (std::isnan(one) && std::isnan(other)),
+            "values alone are those with derivatives");
+  }
+}
+
 constexpr FuzzTarget kTargets[] = {
-    {"problem", fuzz_problem}, {"override", fuzz_override}, {"urdf", fuzz_urdf},
-    {"csv", fuzz_csv},         {"solution", fuzz_solution}, {"number", fuzz_number},
-    {"xml", fuzz_xml},
+    {"problem", fuzz_problem}, {"override", fuzz_override},     {"urdf", fuzz_urdf},
+    {"csv", fuzz_csv},         {"solution", fuzz_solution},     {"number", fuzz_number},
+    {"xml", fuzz_xml},         {"expression", fuzz_expression},
 };
 
 }  // namespace
