@@ -44,14 +44,15 @@ TEST_P(BringYourOwnLegs, StandMakeAStepAndStandAgain) {
   // The foot that swings goes as far and as high as the file says.
   const auto& swing = *std::find_if(spec->costs.begin(), spec->costs.end(),
                                     [](const CostSpec& cost) { return cost.keys.has("swing"); });
-  const int foot = *robot.find_frame(swing.frame->value);
+  const SwingSpec& way = *swing.keys.find(key::swing);
+  const int foot = *robot.find_frame(swing.keys.find(key::frame)->value);
   const Vector3<double> start = position(0, foot), end = position(N, foot);
-  EXPECT_NEAR(end.x - start.x, swing.swing->step->x, 1e-3);
+  EXPECT_NEAR(end.x - start.x, way.step->x, 1e-3);
   EXPECT_NEAR(end.y, start.y, 1e-3);
   EXPECT_NEAR(end.z, start.z, 1e-3);
   double highest = 0;
   for (int k = 0; k <= N; ++k) highest = std::max(highest, position(k, foot).z - start.z);
-  EXPECT_GT(highest, 0.9 * swing.swing->height);
+  EXPECT_GT(highest, 0.9 * way.height);
 
   // No foot slips from where it stood when its contact began, and every one presses.
   for (const ContactSpec& contact : spec->contacts) {
