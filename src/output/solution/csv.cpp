@@ -74,9 +74,10 @@ std::string trajectory_csv(const Solution& s) {
   const int first = problem.phases().front().instant ? 1 : 0;
   const int states = first > 0 ? s.built.plant.system->nx() : trajectory.nx();
   const ContactForces& forces = s.answer.forces;
-  std::string text = "t [s],phase" + column_headers(s.built, states) + contact_headers(forces) + '
-'; const std::vector<double> times = problem.times(trajectory); double written = -
-                     std::numeric_limits<double>::infinity();
+  std::string text =
+      "t [s],phase" + column_headers(s.built, states) + contact_headers(forces) + '\n';
+  const std::vector<double> times = problem.times(trajectory);
+  double written = -std::numeric_limits<double>::infinity();
   for (int k = first; k <= problem.knots(); ++k) {
     const bool last = k == problem.knots();
     const Phase& phase = last ? problem.terminal() : problem.phases()[problem.knot(k).phase];

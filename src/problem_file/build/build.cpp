@@ -345,10 +345,10 @@ std::vector<const SolverInfo*> usable_solvers(const ProblemSpec& spec,
   }
   const auto reason = unsupported(*solver, problem);
   if (!reason) {
-    const auto reason = unsupported_segments(*solver, problem, spec.solver.options.segments);
-    if (!reason) return {solver};
+    const auto too_many = unsupported_segments(*solver, problem, spec.solver.options.segments);
+    if (!too_many) return {solver};
     const Place& named = spec.solver.name.place;
-    out.error(named.mark.source >= 0 ? named : spec.solver.place, *reason,
+    out.error(named.mark.source >= 0 ? named : spec.solver.place, *too_many,
               "leave 'segments' out, or write a smaller number");
     return {};
   }
