@@ -6,8 +6,8 @@
 
 #include "base/solution_members.hpp"
 #include "output/report/certificate_report.hpp"
-#include "support/answer.hpp"
 #include "support/sizes.hpp"
+#include "support/solved_example.hpp"
 
 namespace conddp {
 namespace {
@@ -251,7 +251,7 @@ std::string without_corruptions(const std::string& problem) {
 class CertificateOf : public testing::TestWithParam<std::string> {};
 
 TEST_P(CertificateOf, AnAnswerHoldsAndOfNoneThatIsChanged) {
-  const Answer answer(GetParam());
+  const SolvedExample answer(GetParam());
   const SolutionCertificate good = answer.judge(answer.document);
   EXPECT_TRUE(good.checks.holds()) << certificate_table(good);
   std::string skipped;
@@ -281,7 +281,7 @@ INSTANTIATE_TEST_SUITE_P(Problems, CertificateOf, testing::ValuesIn(certified_pr
                          [](const auto& name) { return name.param; });
 
 TEST(Certificate, OfAPeriodicMotionKnowsItsChoiceAndItsLink) {
-  const Answer own("pendulum_cycle");
+  const SolvedExample own("pendulum_cycle");
   const SolutionCertificate good = own.judge(own.document);
   EXPECT_TRUE(good.checks.holds()) << certificate_table(good);
   OrderedJson changed = own.document;
@@ -293,22 +293,22 @@ TEST(Certificate, OfAPeriodicMotionKnowsItsChoiceAndItsLink) {
   ASSERT_NE(changed, own.document);
   EXPECT_NE(failures(own.judge(changed)).find("[co-states]"), std::string::npos)
       << "its multiplier";
-  const Answer further("pendulum_cycle", {"terminal.constraints.cycle.offset={theta: 0.001}",
-                                          "solver.max_iterations=1"});
+  const SolvedExample further("pendulum_cycle", {"terminal.constraints.cycle.offset={theta: 0.001}",
+                                                 "solver.max_iterations=1"});
   EXPECT_NE(failures(further.judge(own.document)).find("[constraint violation]"),
             std::string::npos);
 }
 
 TEST(Certificate, OfAnotherRobotDoesNotHold) {
-  const Answer own("cartpole_swingup", {"solver.max_iterations=3"});
-  const Answer other("cartpole_swingup",
-                     {"robot.payloads={pole: {mass: 0.01}}", "solver.max_iterations=1"});
+  const SolvedExample own("cartpole_swingup", {"solver.max_iterations=3"});
+  const SolvedExample other("cartpole_swingup",
+                            {"robot.payloads={pole: {mass: 0.01}}", "solver.max_iterations=1"});
   EXPECT_NE(failures(other.judge(own.document)).find("[gap]"), std::string::npos);
 }
 
 TEST(Certificate, OfAnotherStepDoesNotHold) {
-  const Answer own("cartpole_swingup", {"solver.max_iterations=3"});
-  const Answer other("cartpole_swingup", {"phases.0.dt=0.0301", "solver.max_iterations=1"});
+  const SolvedExample own("cartpole_swingup", {"solver.max_iterations=3"});
+  const SolvedExample other("cartpole_swingup", {"phases.0.dt=0.0301", "solver.max_iterations=1"});
   const std::string found = failures(other.judge(own.document));
   for (const char* check : {"[times]", "[gap]", "[cost]"})
     EXPECT_NE(found.find(check), std::string::npos) << check << found;
@@ -328,9 +328,9 @@ TEST(Certificate, OfUnconvergedAnswersHolds) {
           options.drop = {problem == "cartpole_swingup"      ? "force"
                           : problem == "quadrotor_waypoints" ? "thrust"
                                                              : "torque"};
-        const Answer answer(problem,
-                            {"solver={name: " + solver + ", max_iterations: " + iterations + "}"},
-                            options);
+        const SolvedExample answer(
+            problem, {"solver={name: " + solver + ", max_iterations: " + iterations + "}"},
+            options);
         EXPECT_NE(answer.document["status"], "converged");
         const SolutionCertificate certificate = answer.judge(answer.document);
         EXPECT_TRUE(certificate.checks.holds())
@@ -345,9 +345,9 @@ TEST(Certificate, OfBadlyConditionedIteratesHolds) {
     for (const std::string& seed :
          kSmallSizes ? std::vector<std::string>{"1"} : std::vector<std::string>{"1", "2", "3"})
       for (const std::string problem : {"arm_reach", "hopper_jump", "quadrotor_waypoints"}) {
-        const Answer answer(problem,
-                            {"solver={name: " + solver + ", max_iterations: 1}",
-                             "initial_guess.controls={random: {seed: " + seed + ", scale: 30}}"});
+        const SolvedExample answer(
+            problem, {"solver={name: " + solver + ", max_iterations: 1}",
+                      "initial_guess.controls={random: {seed: " + seed + ", scale: 30}}"});
         const SolutionCertificate certificate = answer.judge(answer.document);
         EXPECT_TRUE(certificate.checks.holds()) << problem << " " << solver << " " << seed << "\n"
                                                 << certificate_table(certificate);
@@ -355,9 +355,10 @@ TEST(Certificate, OfBadlyConditionedIteratesHolds) {
 }
 
 TEST(Certificate, FindsAGapThatIsHidden) {
-  Answer answer("cartpole_swingup", {"solver={name: box_fddp, max_iterations: 0}",
-                                     "initial_guess.states={keyframes: [{time: 3, state: up}]}",
-                                     "robot.configurations={up: {joints: {hinge: 3.14}}}"});
+  SolvedExample answer("cartpole_swingup",
+                       {"solver={name: box_fddp, max_iterations: 0}",
+                        "initial_guess.states={keyframes: [{time: 3, state: up}]}",
+                        "robot.configurations={up: {joints: {hinge: 3.14}}}"});
   ASSERT_GT(answer.document["residuals"]["gap"].get<double>(), 1e-6)
       << "the answer should have a gap";
   EXPECT_TRUE(answer.judge(answer.document).checks.holds());
@@ -366,7 +367,7 @@ TEST(Certificate, FindsAGapThatIsHidden) {
 }
 
 TEST(Certificate, OfAStatusThatIsTooGoodDoesNotHold) {
-  Answer answer("cartpole_swingup", {"solver.max_iterations=3"});
+  SolvedExample answer("cartpole_swingup", {"solver.max_iterations=3"});
   ASSERT_EQ(answer.document["status"], "max_iterations");
   answer.document["status"] = "converged";
   EXPECT_EQ(failures(answer.judge(answer.document)), "[status]");
@@ -374,7 +375,7 @@ TEST(Certificate, OfAStatusThatIsTooGoodDoesNotHold) {
 
 /// Claims that agree with each other, but not with the problem.
 TEST(Certificate, OfResidualsThatAreTooGoodDoesNotHold) {
-  Answer answer("cartpole_swingup", {"solver.max_iterations=3"});
+  SolvedExample answer("cartpole_swingup", {"solver.max_iterations=3"});
   answer.document["status"] = "converged";
   answer.document["residuals"] = {
       {"stationarity", 0}, {"gap", 0}, {"constraint", 0}, {"complementarity", 0}};
@@ -384,14 +385,14 @@ TEST(Certificate, OfResidualsThatAreTooGoodDoesNotHold) {
 }
 
 TEST(Certificate, KnowsWhatWasDropped) {
-  Answer answer("arm_reach", {"solver.name=fddp"}, {.drop = {"torque"}});
+  SolvedExample answer("arm_reach", {"solver.name=fddp"}, {.drop = {"torque"}});
   EXPECT_TRUE(answer.judge(answer.document).checks.holds());
   add_to(answer.document["dropped_constraints"][0]["violation"], -1e-3);
   EXPECT_EQ(failures(answer.judge(answer.document)), "[violation of dropped torque]");
 }
 
 TEST(Certificate, OptionsMayHaveTheirFormerNames) {
-  Answer answer("pendulum_swingup");
+  SolvedExample answer("pendulum_swingup");
   OrderedJson& options = answer.document["problem"]["options"];
   OrderedJson former = OrderedJson::object();
   for (const auto& [key, value] : options.items())
@@ -404,7 +405,7 @@ TEST(Certificate, OptionsMayHaveTheirFormerNames) {
 }
 
 TEST(Certificate, OfADocumentWithoutItsKeysIsNone) {
-  const Answer answer("pendulum_swingup");
+  const SolvedExample answer("pendulum_swingup");
   for (const char* key : {"problem", "status", "cost", "residuals", "trajectory", "multipliers",
                           "gains", "log", "dropped_constraints"}) {
     OrderedJson changed = answer.document;
@@ -414,9 +415,9 @@ TEST(Certificate, OfADocumentWithoutItsKeysIsNone) {
 }
 
 TEST(Certificate, ADivergedSolveSaysNothingFalse) {
-  const Answer answer("acrobot_swingup",
-                      {"initial_guess.controls={constant: 1.0e+200}", "solver.name=ilqr"},
-                      {.drop = {"torque"}});
+  const SolvedExample answer("acrobot_swingup",
+                             {"initial_guess.controls={constant: 1.0e+200}", "solver.name=ilqr"},
+                             {.drop = {"torque"}});
   EXPECT_EQ(answer.document["status"], "diverged");
   const SolutionCertificate certificate = answer.judge(answer.document);
   EXPECT_TRUE(certificate.checks.holds()) << certificate_table(certificate);

@@ -8,7 +8,7 @@
 #include "output/report/contact_report.hpp"
 #include "output/solution/contact_schedule.hpp"
 #include "output/solution/softened_constraint.hpp"
-#include "support/answer.hpp"
+#include "support/solved_example.hpp"
 
 namespace conddp {
 namespace {
@@ -33,8 +33,8 @@ initial_guess: {states: initial, controls: zero}
 solver: {name: ipopt}
 )";
 
-const Answer& pushed_block() {
-  static const Answer answer(ProblemText{kPushedBlock});
+const SolvedExample& pushed_block() {
+  static const SolvedExample answer(ProblemText{kPushedBlock});
   return answer;
 }
 
@@ -161,9 +161,9 @@ TEST(Softened, ConstraintsBecomeCosts) {
 }
 
 TEST(ContactCertificate, OfAnAnswerStoppedWhilePairsAreEqualHoldsWhatItClaims) {
-  const Answer answer("puck_slide",
-                      {"solver.complementarity.relaxation=fischer_burmeister",
-                       "solver.complementarity.fallback=none", "solver.max_iterations=20"});
+  const SolvedExample answer("puck_slide",
+                             {"solver.complementarity.relaxation=fischer_burmeister",
+                              "solver.complementarity.fallback=none", "solver.max_iterations=20"});
   EXPECT_EQ(answer.result->status, SolveStatus::max_iterations);
   EXPECT_EQ(failures(answer.judge(answer.document)), "");
 }

@@ -8,8 +8,8 @@
 
 #include "base/solution_members.hpp"
 #include "output/report/certificate_report.hpp"
-#include "support/answer.hpp"
 #include "support/sizes.hpp"
+#include "support/solved_example.hpp"
 
 namespace conddp {
 namespace {
@@ -88,7 +88,7 @@ std::string join(const std::vector<std::string>& place) {
 class CorruptionWalk : public testing::TestWithParam<std::string> {};
 
 TEST_P(CorruptionWalk, EveryChangeIsNoticed) {
-  Answer answer(GetParam());
+  SolvedExample answer(GetParam());
   add_certificate(certificate_json(answer.judge(answer.document)), answer.document);
   answer.document = OrderedJson::parse(answer.document.dump());
   const SolutionCertificate good = answer.judge(answer.document);

@@ -1,13 +1,13 @@
 #include <gtest/gtest.h>
 
 #include "output/report/certificate_report.hpp"
-#include "support/answer.hpp"
+#include "support/solved_example.hpp"
 
 namespace conddp {
 namespace {
 
 TEST(DivergedGuess, HasTheViolationsOfTheGuess) {
-  const Answer answer(ProblemText{R"(conddp: 1
+  const SolvedExample answer(ProblemText{R"(conddp: 1
 system: {type: double_integrator}
 initial_state: {values: {q/0: 1}}
 phases: [{name: only, knots: 5, dt: 0.1}]

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "output/report/certificate_report.hpp"
-#include "support/answer.hpp"
+#include "support/solved_example.hpp"
 
 namespace conddp {
 namespace {
@@ -26,13 +26,13 @@ solver: {name: box_fddp}
 )";
 
 TEST(FlatDirections, CostatesOfIdleControlsAreCertified) {
-  const Answer answer(ProblemText{kIdleControls});
+  const SolvedExample answer(ProblemText{kIdleControls});
   ASSERT_EQ(answer.result->status, SolveStatus::converged) << answer.result->message;
   EXPECT_EQ(failures(answer.judge(answer.document)), "");
 }
 
 TEST(FlatDirections, CostatesThatAreWrongAreNotCertified) {
-  const Answer answer(ProblemText{kIdleControls});
+  const SolvedExample answer(ProblemText{kIdleControls});
   OrderedJson document = answer.document;
   add_to(document["multipliers"]["costates"][4][0], 0.02);
   EXPECT_NE(failures(answer.judge(document)).find("[status]"), std::string::npos);
@@ -40,7 +40,7 @@ TEST(FlatDirections, CostatesThatAreWrongAreNotCertified) {
 
 TEST(FlatDirections, GainsOfAnIdleFirstStateAreNotComparedBeyondRounding) {
   // Where the quadrotor begins is nothing to any cost but the cycle's, which goes along with it.
-  const Answer answer(ProblemText{R"(conddp: 1
+  const SolvedExample answer(ProblemText{R"(conddp: 1
 system: {type: quadrotor, mass: 0.5692, jz: 0.005131, arm: 0.1925}
 initial_state: {values: {wz: 0.003261}}
 phases:

@@ -8,8 +8,8 @@
 #include "analysis/certificate/lagrangian_gradient.hpp"
 #include "ocp/evaluation/evaluator.hpp"
 #include "output/report/certificate_report.hpp"
-#include "support/answer.hpp"
 #include "support/sizes.hpp"
+#include "support/solved_example.hpp"
 
 namespace conddp {
 namespace {
@@ -52,7 +52,7 @@ void solve_for_multipliers(const ShootingProblem& problem, SolveResult& result) 
 
 /// The document of an answer whose controls are moved, by at most `size` of themselves or 1, with
 /// all figures that follow from them.
-OrderedJson forged(const Answer& answer, std::uint64_t seed, double size) {
+OrderedJson forged(const SolvedExample& answer, std::uint64_t seed, double size) {
   const ShootingProblem& problem = *answer.built.problem;
   std::mt19937_64 engine(seed);
   const auto random = [&] { return 2 * static_cast<double>(engine() >> 11) * 0x1p-53 - 1; };
@@ -90,7 +90,7 @@ std::string optimality_failure(const SolutionCertificate& certificate) {
 }
 
 void expect_caught(const std::string& name, int count, double size, bool nulled) {
-  const Answer answer(name);
+  const SolvedExample answer(name);
   ASSERT_EQ(answer.result->status, SolveStatus::converged);
   for (int seed = 1; seed <= count; ++seed) {
     const OrderedJson document = forged(answer, seed, size);
@@ -113,7 +113,7 @@ TEST(Forgery, OfAQuadrupedWithConesIsCaught) {
 
 /// No control at all, co-states that null ∇_u L, and one huge gain, which once widened a tolerance.
 TEST(Forgery, OfAPendulumThatHangsIsCaughtByItsReducedGradient) {
-  const Answer answer("pendulum_swingup");
+  const SolvedExample answer("pendulum_swingup");
   const ShootingProblem& problem = *answer.built.problem;
   SolveResult result = *answer.result;
   for (int k = 0; k < problem.knots(); ++k) result.trajectory.u(k).setZero();

@@ -2,14 +2,14 @@
 #include <gtest/gtest.h>
 
 #include "output/report/certificate_report.hpp"
-#include "support/answer.hpp"
+#include "support/solved_example.hpp"
 
 namespace conddp {
 namespace {
 
 TEST(IpoptAnswer, EndsItsLogWithItsOwnGap) {
   // Ipopt leaves what is chosen of the first state 1e-8 of the range outside of it.
-  const Answer answer(ProblemText{R"(conddp: 1
+  const SolvedExample answer(ProblemText{R"(conddp: 1
 system: {type: unicycle}
 initial_state: {values: {theta: 0.2452}}
 integrator: rk2
@@ -29,7 +29,7 @@ solver: {name: ipopt}
 }
 
 TEST(IpoptAnswer, HasMultipliersOfTheRightSignsWhereItStopsEarly) {
-  const Answer answer(ProblemText{R"(conddp: 1
+  const SolvedExample answer(ProblemText{R"(conddp: 1
 robot:
   urdf: robots/free_body.urdf
   base: floating

@@ -6,7 +6,7 @@
 #include "output/solution/contact_schedule.hpp"
 #include "problem_file/build/build_problem.hpp"
 #include "problem_file/yaml/yaml_text.hpp"
-#include "support/answer.hpp"
+#include "support/solved_example.hpp"
 
 namespace conddp {
 namespace {
@@ -85,7 +85,7 @@ solver: {name: ipopt}
 /// The problem with phases that is made of an answer is solved and certified, by each solver.
 class HandOver {
  public:
-  explicit HandOver(const Answer& answer)
+  explicit HandOver(const SolvedExample& answer)
       : answer_(answer),
         motion_(*contact_motion(*answer.built.problem, answer.result->trajectory)) {
     EXPECT_EQ(answer.result->status, SolveStatus::converged) << answer.result->message;
@@ -120,12 +120,12 @@ class HandOver {
   std::optional<SolveResult> refined;  ///< and its answer
 
  private:
-  const Answer& answer_;
+  const SolvedExample& answer_;
   ContactMotion motion_;
 };
 
 TEST(ContactHandOver, TheHoppersSequenceIsRefined) {
-  const Answer hop(ProblemText{kHop});
+  const SolvedExample hop(ProblemText{kHop});
   HandOver hand_over(hop);
   bool flies = false;
   for (const ContactStretch& stretch : contact_sequence(hand_over.motion()))
@@ -135,7 +135,7 @@ TEST(ContactHandOver, TheHoppersSequenceIsRefined) {
 }
 
 TEST(ContactHandOver, ABlockLandsOnABox) {
-  const Answer box(ProblemText{kBox});
+  const SolvedExample box(ProblemText{kBox});
   HandOver hand_over(box);
   hand_over.expect_refined("box_fddp");
   ASSERT_TRUE(hand_over.refined);
@@ -152,7 +152,7 @@ TEST(ContactHandOver, WithoutFrictionABoxHoldsAlongItsNormalAlone) {
   std::string text = kBox;
   for (std::size_t at; (at = text.find("friction: 0.5")) != std::string::npos;)
     text.replace(at, 13, "friction: 0");
-  const Answer box(ProblemText{text});
+  const SolvedExample box(ProblemText{text});
   HandOver hand_over(box);
   hand_over.expect_refined("box_fddp");
   EXPECT_TRUE(hand_over.problem["contacts"].contains("front_normal"));
@@ -160,7 +160,7 @@ TEST(ContactHandOver, WithoutFrictionABoxHoldsAlongItsNormalAlone) {
 }
 
 TEST(ContactHandOver, ABlockRestsOnABall) {
-  const Answer ball(ProblemText{kBall});
+  const SolvedExample ball(ProblemText{kBall});
   HandOver hand_over(ball);
   hand_over.expect_refined("box_fddp");
   ASSERT_TRUE(hand_over.refined);
@@ -172,7 +172,7 @@ TEST(ContactHandOver, ABlockRestsOnABall) {
 }
 
 TEST(ContactHandOver, AWheelThatRollsMayGoOn) {
-  const Answer wheel(ProblemText{kWheel});
+  const SolvedExample wheel(ProblemText{kWheel});
   HandOver hand_over(wheel);
   hand_over.expect_refined("proxddp");
   ASSERT_TRUE(hand_over.refined);
@@ -185,7 +185,7 @@ TEST(ContactHandOver, WhatNoScheduledContactCanBeIsRefusedByName) {
   for (const auto& [name, reason] :
        {std::pair{"cartpole_walls", "is soft: contacts of a schedule are rigid"},
         std::pair{"finger_spinner", "is with a body of the robot"}}) {
-    const Answer answer(name);
+    const SolvedExample answer(name);
     try {
       HandOver(answer).expect_refined("box_fddp");
       ADD_FAILURE() << "a schedule of " << name;
@@ -197,7 +197,7 @@ TEST(ContactHandOver, WhatNoScheduledContactCanBeIsRefusedByName) {
 
 /// A first state that is chosen stays one, and the link of the last state with it.
 TEST(ContactHandOver, APeriodicGaitStaysPeriodic) {
-  const Answer gait("raibert_gait");
+  const SolvedExample gait("raibert_gait");
   HandOver hand_over(gait);
   const ContactMotion& motion = hand_over.motion();
   EXPECT_EQ(motion.steps(), 20);

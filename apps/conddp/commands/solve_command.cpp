@@ -210,7 +210,7 @@ bool can_be_solved(const std::vector<SolveArguments>& list) {
     if (!folders.insert(one.folder).second)
       diagnostics.error({}, fmt::format("two problems would be written to '{}'", one.folder),
                         "solve them one by one, with --output");
-    if (one.file != kStandardInput) read_spec(one, diagnostics);
+    if (one.file != kStandardInput) read_problem_of(one, diagnostics);
     print_messages(diagnostics, Verbosity::kQuiet);
     possible = possible && !diagnostics.has_errors();
   }

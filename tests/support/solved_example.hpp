@@ -18,20 +18,20 @@ struct ProblemText {
 };
 
 /// A problem, ready or given as text, and the document of its answer.
-struct Answer {
-  explicit Answer(const std::string& name, const std::vector<std::string>& settings = {},
-                  const BuildOptions& options = {}) {
+struct SolvedExample {
+  explicit SolvedExample(const std::string& name, const std::vector<std::string>& settings = {},
+                         const BuildOptions& options = {}) {
     Diagnostics out;
     const auto file = std::filesystem::path(CONDDP_SOURCE_DIR) / "problems" / (name + ".yaml");
     solve_and_write(read_problem(file, settings, out), options, out);
   }
   /// Of a text as it might stand in a file of problems/.
-  explicit Answer(const ProblemText& text) {
+  explicit SolvedExample(const ProblemText& text) {
     Diagnostics out;
     const auto file = std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/text.yaml";
     solve_and_write(read_problem_text(text.yaml, file, {}, out), {}, out);
   }
-  Answer(const Answer&) = delete;
+  SolvedExample(const SolvedExample&) = delete;
   SolutionCertificate judge(const OrderedJson& changed) const {
     return certify_solution(changed, spec, built, false);
   }
