@@ -87,7 +87,8 @@ SolverSpec read_solver(const YamlReader& reader) {
     const std::size_t dot = info.name.find('.');
     if (dot == std::string_view::npos) {
       if (const auto r = map.find(info.name)) read_option(*r, info, solver.options);
-      if (!info.formerly.empty()) read_former(map, info, solver.options);
+      if (!info.formerly.empty() && reader.node().find(std::string(info.formerly)))
+        read_former(map, info, solver.options);
       continue;
     }
     const std::string group(info.name.substr(0, dot));
