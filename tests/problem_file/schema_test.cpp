@@ -117,9 +117,11 @@ std::set<std::string> accepted_keys(const std::string& text) {
   return {};
 }
 
+/// Without former names, which are read but not offered.
 std::set<std::string> schema_keys(const Json& object) {
   std::set<std::string> keys;
-  for (const auto& [key, value] : object.at("properties").items()) keys.insert(key);
+  for (const auto& [key, value] : object.at("properties").items())
+    if (!value.value("deprecated", false)) keys.insert(key);
   return keys;
 }
 

@@ -2,11 +2,18 @@
 
 #include <algorithm>
 
+#include <dlfcn.h>
 #include <hdf5.h>
 
 #include <fmt/format.h>
 
 #include "base/atomic_file.hpp"
+
+// Macros of the header call these on the way, which would link the library.
+#undef H5CHECK
+#define H5CHECK
+#undef H5OPEN
+#define H5OPEN
 
 namespace conddp {
 namespace {
@@ -14,11 +21,71 @@ namespace {
 /// Numbers or bytes in a chunk, about.
 constexpr std::size_t kChunk = 1 << 16;
 
+/// HDF5's library. It is loaded by the first data set that is written: it takes tens of other
+/// libraries along, for which no other command should wait.
+class Hdf5Library {
+ public:
+  Hdf5Library() {
+    if (H5open() < 0) throw OutputError("the library of HDF5 cannot be started");
+  }
+
+#define CONDDP_HDF5_FUNCTION(name) \
+  decltype(&::name) const name = reinterpret_cast<decltype(&::name)>(symbol(#name))
+  CONDDP_HDF5_FUNCTION(H5open);
+  CONDDP_HDF5_FUNCTION(H5Aclose);
+  CONDDP_HDF5_FUNCTION(H5Acreate2);
+  CONDDP_HDF5_FUNCTION(H5Awrite);
+  CONDDP_HDF5_FUNCTION(H5Dclose);
+  CONDDP_HDF5_FUNCTION(H5Dcreate2);
+  CONDDP_HDF5_FUNCTION(H5Dget_space);
+  CONDDP_HDF5_FUNCTION(H5Dget_type);
+  CONDDP_HDF5_FUNCTION(H5Dset_extent);
+  CONDDP_HDF5_FUNCTION(H5Dwrite);
+  CONDDP_HDF5_FUNCTION(H5Eset_auto2);
+  CONDDP_HDF5_FUNCTION(H5Fclose);
+  CONDDP_HDF5_FUNCTION(H5Fcreate);
+  CONDDP_HDF5_FUNCTION(H5Fflush);
+  CONDDP_HDF5_FUNCTION(H5Gclose);
+  CONDDP_HDF5_FUNCTION(H5Gcreate2);
+  CONDDP_HDF5_FUNCTION(H5Pclose);
+  CONDDP_HDF5_FUNCTION(H5Pcreate);
+  CONDDP_HDF5_FUNCTION(H5Pset_chunk);
+  CONDDP_HDF5_FUNCTION(H5Pset_fill_time);
+  CONDDP_HDF5_FUNCTION(H5Pset_obj_track_times);
+  CONDDP_HDF5_FUNCTION(H5Sclose);
+  CONDDP_HDF5_FUNCTION(H5Screate_simple);
+  CONDDP_HDF5_FUNCTION(H5Sget_simple_extent_dims);
+  CONDDP_HDF5_FUNCTION(H5Sget_simple_extent_ndims);
+  CONDDP_HDF5_FUNCTION(H5Sselect_hyperslab);
+  CONDDP_HDF5_FUNCTION(H5Tclose);
+  CONDDP_HDF5_FUNCTION(H5Tcopy);
+  CONDDP_HDF5_FUNCTION(H5Tget_size);
+  CONDDP_HDF5_FUNCTION(H5Tset_size);
+  CONDDP_HDF5_FUNCTION(H5Tset_strpad);
+#undef CONDDP_HDF5_FUNCTION
+
+  /// What a macro of its header stands for, a handle in a variable.
+  hid_t variable(const char* name) const { return *static_cast<const hid_t*>(symbol(name)); }
+
+ private:
+  static void* symbol(const char* name) {
+    static void* const library = dlopen(CONDDP_HDF5_LIBRARY, RTLD_NOW | RTLD_LOCAL);
+    void* const found = library == nullptr ? nullptr : dlsym(library, name);
+    if (found == nullptr) throw OutputError(fmt::format("HDF5 cannot be loaded: {}", dlerror()));
+    return found;
+  }
+};
+
+const Hdf5Library& hdf5() {
+  static const Hdf5Library library;
+  return library;
+}
+
 /// A type of texts of one length, padded with zeros. To be closed.
 hid_t text_type(std::size_t length) {
-  const hid_t type = H5Tcopy(H5T_C_S1);
-  H5Tset_size(type, std::max<std::size_t>(1, length));
-  H5Tset_strpad(type, H5T_STR_NULLPAD);
+  const hid_t type = hdf5().H5Tcopy(hdf5().variable("H5T_C_S1_g"));
+  hdf5().H5Tset_size(type, std::max<std::size_t>(1, length));
+  hdf5().H5Tset_strpad(type, H5T_STR_NULLPAD);
   return type;
 }
 
@@ -26,15 +93,15 @@ hid_t text_type(std::size_t length) {
 
 Hdf5File::Hdf5File(const std::filesystem::path& file)
     : file_(file), temporary_(file.string() + ".partial") {
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // errors are ours to report
-  handle_ = checked(H5Fcreate(temporary_.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT));
+  hdf5().H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // errors are ours to report
+  handle_ = checked(hdf5().H5Fcreate(temporary_.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT));
 }
 
 Hdf5File::~Hdf5File() {
   if (handle_ < 0) return;
-  for (const Handle array : arrays_) H5Dclose(array);
-  for (const Handle group : groups_) H5Gclose(group);
-  H5Fclose(handle_);
+  for (const Handle array : arrays_) hdf5().H5Dclose(array);
+  for (const Handle group : groups_) hdf5().H5Gclose(group);
+  hdf5().H5Fclose(handle_);
   std::error_code error;
   std::filesystem::remove(temporary_, error);
 }
@@ -45,10 +112,11 @@ Hdf5File::Handle Hdf5File::checked(Handle value) const {
 }
 
 Hdf5File::Handle Hdf5File::add_group(const std::string& name) {
-  const hid_t properties = H5Pcreate(H5P_GROUP_CREATE);
-  H5Pset_obj_track_times(properties, false);
-  const hid_t group = H5Gcreate2(handle_, name.c_str(), H5P_DEFAULT, properties, H5P_DEFAULT);
-  H5Pclose(properties);
+  const hid_t properties = hdf5().H5Pcreate(hdf5().variable("H5P_CLS_GROUP_CREATE_ID_g"));
+  hdf5().H5Pset_obj_track_times(properties, false);
+  const hid_t group =
+      hdf5().H5Gcreate2(handle_, name.c_str(), H5P_DEFAULT, properties, H5P_DEFAULT);
+  hdf5().H5Pclose(properties);
   groups_.push_back(checked(group));
   return group;
 }
@@ -56,7 +124,7 @@ Hdf5File::Handle Hdf5File::add_group(const std::string& name) {
 Hdf5File::Handle Hdf5File::add(Handle group, const std::string& name, Handle type,
                                const std::vector<std::size_t>& shape) {
   std::vector<hsize_t> extent{0}, most{H5S_UNLIMITED}, chunk{1};
-  std::size_t row = H5Tget_size(type);
+  std::size_t row = hdf5().H5Tget_size(type);
   for (const std::size_t size : shape) {
     extent.push_back(size);
     most.push_back(size);
@@ -64,47 +132,49 @@ Hdf5File::Handle Hdf5File::add(Handle group, const std::string& name, Handle typ
     row *= size;
   }
   chunk[0] = std::clamp<std::size_t>(8 * kChunk / std::max<std::size_t>(1, row), 1, 1024);
-  const hid_t space = H5Screate_simple(static_cast<int>(extent.size()), extent.data(), most.data());
-  const hid_t properties = H5Pcreate(H5P_DATASET_CREATE);
-  H5Pset_obj_track_times(properties, false);
-  H5Pset_chunk(properties, static_cast<int>(chunk.size()), chunk.data());
-  H5Pset_fill_time(properties, H5D_FILL_TIME_ALLOC);  // the end of a chunk is zero
+  const hid_t space =
+      hdf5().H5Screate_simple(static_cast<int>(extent.size()), extent.data(), most.data());
+  const hid_t properties = hdf5().H5Pcreate(hdf5().variable("H5P_CLS_DATASET_CREATE_ID_g"));
+  hdf5().H5Pset_obj_track_times(properties, false);
+  hdf5().H5Pset_chunk(properties, static_cast<int>(chunk.size()), chunk.data());
+  hdf5().H5Pset_fill_time(properties, H5D_FILL_TIME_ALLOC);  // the end of a chunk is zero
   const hid_t array =
-      H5Dcreate2(group, name.c_str(), type, space, H5P_DEFAULT, properties, H5P_DEFAULT);
-  H5Pclose(properties);
-  H5Sclose(space);
+      hdf5().H5Dcreate2(group, name.c_str(), type, space, H5P_DEFAULT, properties, H5P_DEFAULT);
+  hdf5().H5Pclose(properties);
+  hdf5().H5Sclose(space);
   arrays_.push_back(checked(array));
   return array;
 }
 
 Hdf5File::Handle Hdf5File::add_array(Handle group, const std::string& name,
                                      const std::vector<std::size_t>& shape) {
-  return add(group, name, H5T_IEEE_F64LE, shape);
+  return add(group, name, hdf5().variable("H5T_IEEE_F64LE_g"), shape);
 }
 
 Hdf5File::Handle Hdf5File::add_texts(Handle group, const std::string& name, std::size_t length) {
   const hid_t type = text_type(length);
   const Handle texts = add(group, name, type, {});
-  H5Tclose(type);
+  hdf5().H5Tclose(type);
   return texts;
 }
 
 void Hdf5File::append(Handle array, const void* row) {
-  const hid_t before = checked(H5Dget_space(array));
-  std::vector<hsize_t> extent(static_cast<std::size_t>(H5Sget_simple_extent_ndims(before)));
-  H5Sget_simple_extent_dims(before, extent.data(), nullptr);
-  H5Sclose(before);
+  const hid_t before = checked(hdf5().H5Dget_space(array));
+  std::vector<hsize_t> extent(static_cast<std::size_t>(hdf5().H5Sget_simple_extent_ndims(before)));
+  hdf5().H5Sget_simple_extent_dims(before, extent.data(), nullptr);
+  hdf5().H5Sclose(before);
   std::vector<hsize_t> start(extent.size(), 0), count = extent;
   start[0] = extent[0]++;
   count[0] = 1;
-  checked(H5Dset_extent(array, extent.data()));
-  const hid_t space = H5Dget_space(array), type = H5Dget_type(array);
-  H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr);
-  const hid_t memory = H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr);
-  const herr_t written = H5Dwrite(array, type, memory, space, H5P_DEFAULT, row);
-  H5Sclose(memory);
-  H5Tclose(type);
-  H5Sclose(space);
+  checked(hdf5().H5Dset_extent(array, extent.data()));
+  const hid_t space = hdf5().H5Dget_space(array), type = hdf5().H5Dget_type(array);
+  hdf5().H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr);
+  const hid_t memory =
+      hdf5().H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr);
+  const herr_t written = hdf5().H5Dwrite(array, type, memory, space, H5P_DEFAULT, row);
+  hdf5().H5Sclose(memory);
+  hdf5().H5Tclose(type);
+  hdf5().H5Sclose(space);
   checked(written);
 }
 
@@ -113,10 +183,10 @@ void Hdf5File::append(Handle array, const std::vector<double>& row) {
 }
 
 void Hdf5File::append(Handle texts, const std::string& row) {
-  const hid_t type = checked(H5Dget_type(texts));
+  const hid_t type = checked(hdf5().H5Dget_type(texts));
   std::string padded = row;
-  padded.resize(H5Tget_size(type), '\0');
-  H5Tclose(type);
+  padded.resize(hdf5().H5Tget_size(type), '\0');
+  hdf5().H5Tclose(type);
   append(texts, static_cast<const void*>(padded.data()));
 }
 
@@ -129,13 +199,13 @@ void Hdf5File::annotate(Handle object, const std::string& name,
   for (const std::string& text : texts) all += text + std::string(length - text.size(), '\0');
   const hid_t type = text_type(length);
   const hsize_t count = texts.size();
-  const hid_t space = H5Screate_simple(1, &count, nullptr);
+  const hid_t space = hdf5().H5Screate_simple(1, &count, nullptr);
   const hid_t attribute =
-      checked(H5Acreate2(object, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT));
-  const herr_t written = H5Awrite(attribute, type, all.data());
-  H5Aclose(attribute);
-  H5Sclose(space);
-  H5Tclose(type);
+      checked(hdf5().H5Acreate2(object, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT));
+  const herr_t written = hdf5().H5Awrite(attribute, type, all.data());
+  hdf5().H5Aclose(attribute);
+  hdf5().H5Sclose(space);
+  hdf5().H5Tclose(type);
   checked(written);
 }
 
@@ -148,14 +218,14 @@ void Hdf5File::commit() {
 }
 
 void Hdf5File::close() {
-  for (const Handle array : arrays_) checked(H5Dclose(array));
+  for (const Handle array : arrays_) checked(hdf5().H5Dclose(array));
   arrays_.clear();
-  for (const Handle group : groups_) checked(H5Gclose(group));
+  for (const Handle group : groups_) checked(hdf5().H5Gclose(group));
   groups_.clear();
-  checked(H5Fflush(handle_, H5F_SCOPE_LOCAL));
+  checked(hdf5().H5Fflush(handle_, H5F_SCOPE_LOCAL));
   const Handle handle = handle_;
   handle_ = -1;
-  checked(H5Fclose(handle));
+  checked(hdf5().H5Fclose(handle));
 }
 
 }  // namespace conddp
