@@ -22,7 +22,7 @@ struct ComposedBody {
   Entries initial_state;   ///< keys of the state in which it stands
   std::vector<Foot> feet;  ///< what may be a contact of phases
   Entries shapes = {};     ///< names of its shapes, an obstacle among them
-  bool stepping = false;   ///< steps find their own contacts
+  bool stepping = false;   ///< steps are contact-implicit
   bool walks = false;      ///< its feet are those of a gait
   bool floating = false;
   int most_knots = 10;

@@ -1,4 +1,4 @@
-// The equations of a step that finds its own contacts, and complementary pairs as a constraint.
+// The equations of a contact-implicit step, and complementary pairs as a constraint.
 #include "ocp/residuals/stepping_residual.hpp"
 
 #include <gtest/gtest.h>

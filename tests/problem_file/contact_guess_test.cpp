@@ -1,4 +1,4 @@
-// Guesses of controls and contact forces of steps that find their own contacts.
+// Guesses of controls and contact forces of contact-implicit steps.
 #include <cmath>
 
 #include "ocp/residuals/stepping_residual.hpp"

@@ -11,7 +11,7 @@
 namespace conddp {
 namespace {
 
-/// A robot of the problems that find their own contacts, all of them planar and bolted down.
+/// A robot of the contact-implicit problems, all of them planar and bolted down.
 struct PlanarRobot {
   const char* name;
   int nv;

@@ -1,4 +1,4 @@
-// Motions that find their own contacts, beside what mechanics says of them.
+// Contact-implicit motions, beside what mechanics says of them.
 #include <algorithm>
 
 #include "robot/kinematics.hpp"

@@ -37,7 +37,7 @@ OrderedJson list_solvers() {
   list.push_back(
       {{"name", kAutoSolver},
        {"description",
-        "the default, by the problem: ipopt where contacts are found, altro, proxddp and "
+        "the default, by the problem: ipopt for contact-implicit problems, altro, proxddp and "
         "ipopt one after the other where there are constraints besides bounds on the "
         "control, else box_fddp and ipopt (conddp check says which)"}});
   for (const SolverInfo& info : solvers()) {

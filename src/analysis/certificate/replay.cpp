@@ -281,7 +281,7 @@ std::string why_impossible(const ShootingProblem& problem, const Trajectory& tra
     if (phase.model->integrator() == Integrator::discrete)
       return "a discrete system has no time between its knots";
     if (phase.model->system().as_stepping() != nullptr)
-      return "steps that find their own contacts are replayed by a simulator of contacts";
+      return "contact-implicit steps are replayed by a simulator of contacts";
   }
   for (int k = 0; k < problem.knots(); ++k)
     if (!trajectory.x(k).allFinite() || !trajectory.u(k).allFinite())

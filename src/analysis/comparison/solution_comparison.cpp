@@ -206,7 +206,7 @@ class Comparison {
     }
   }
 
-  /// Slacks of contacts that are found: where a force acts, velocities and forces say what they
+  /// Slacks of contact-implicit steps: where a force acts, velocities and forces say what they
   /// are, and where none does nothing but their small weight.
   static bool is_slack(const std::string& name) {
     const std::string last = name.substr(name.rfind('/') + 1);

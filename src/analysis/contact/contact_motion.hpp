@@ -22,7 +22,7 @@ struct ContactMotion {
   Eigen::VectorXd applied(const Eigen::VectorXd& controls) const;
 };
 
-/// A trajectory of a problem whose steps find their own contacts (SteppingSystem); none of others.
+/// A trajectory of a contact-implicit problem (SteppingSystem); none of others.
 std::optional<ContactMotion> contact_motion(const ShootingProblem& problem,
                                             const Trajectory& trajectory);
 

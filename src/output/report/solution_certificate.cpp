@@ -129,7 +129,7 @@ class Reader {
     add(std::move(check));
   }
 
-  /// Of steps that find their own contacts; only a converged answer claims anything of them.
+  /// Of contact-implicit problems; only a converged answer claims anything of them.
   std::optional<ContactCertificate> judge_contacts(bool with_replay) {
     if (!claims_) return std::nullopt;
     const auto motion = contact_motion(problem_, claims_->trajectory);

@@ -27,7 +27,7 @@ struct PhaseContext {
   Integrator integrator;
   bool control_memory;
   const std::vector<double>& times;  ///< of all nodes, s
-  /// Where steps find their own contacts: adds what they have to obey.
+  /// Where steps are contact-implicit: adds what they have to obey.
   std::shared_ptr<const SteppingSystem> stepping;
   /// Where the integrator collocates: adds what the slopes of its stages have to obey.
   std::shared_ptr<const CollocationSystem> collocation;

@@ -29,7 +29,7 @@ struct Plant {
   std::vector<double> usual_state;
   std::optional<ChosenStart> start;  ///< where the first state is chosen
 
-  /// The robot in the system, or the system as what it is: where steps find their own contacts, or
+  /// The robot in the system, or the system as what it is: where steps are contact-implicit, or
   /// where the integrator collocates. Null if it is none of that; they share the system.
   std::shared_ptr<const MultibodySystem> multibody() const {
     return {system, system->robot_inside()};

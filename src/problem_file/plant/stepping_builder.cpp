@@ -82,10 +82,11 @@ void build_stops(const ProblemSpec& spec, const Plant& plant, ImplicitContacts& 
 void check_frozen_keys(const ProblemSpec& spec, Diagnostics& out) {
   for (const PhaseSpec& phase : spec.phases)
     if (phase.restitution || phase.contacts.all || !phase.contacts.names.empty())
-      out.error(phase.name.place, "contacts that are found are not named by phases",
+      out.error(phase.name.place, "contacts of a contact-implicit problem are not named by phases",
                 "leave 'contacts' and 'impulse' out");
   if (spec.integrator && spec.integrator->value != Integrator::semi_implicit_euler)
-    out.error(spec.integrator->place, "contacts that are found have a stepping scheme of their own",
+    out.error(spec.integrator->place,
+              "contact-implicit problems have a stepping scheme of their own",
               "leave 'integrator' out, or write 'integrator: semi_implicit_euler'");
   for (const auto* list : {&spec.costs, &spec.terminal_costs})
     for (const CostSpec& cost : *list)
@@ -95,7 +96,7 @@ void check_frozen_keys(const ProblemSpec& spec, Diagnostics& out) {
                                                kRegularization));
   if (const CostSpec* rate = spec.first_use(&ResidualNeeds::previous_control))
     out.error(rate->residual.place,
-              fmt::format("contacts that are found do not support '{}'", rate->residual.value));
+              fmt::format("contact-implicit problems do not support '{}'", rate->residual.value));
   for (const auto* list : {&spec.constraints, &spec.terminal_constraints})
     for (const ConstraintSpec& constraint : *list)
       if (const Name& name = constraint.function.name;

@@ -5,7 +5,7 @@
 
 namespace conddp {
 
-/// The system of a problem whose steps find their own contacts, around its robots; what cannot be
+/// The system of a contact-implicit problem, around its robots; what cannot be
 /// is reported.
 std::shared_ptr<const SteppingSystem> build_stepping(const ProblemSpec& spec, const Plant& plant,
                                                      Diagnostics& out);

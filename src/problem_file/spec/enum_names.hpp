@@ -56,7 +56,7 @@ inline constexpr Choice<GaitType> kGaitWords[] = {
 inline constexpr Choice<SteppingScheme> kSchemeWords[] = {
     {"backward_euler", SteppingScheme::backward_euler},
     {"variational_midpoint", SteppingScheme::variational_midpoint}};
-/// How friction of contacts that are found is bounded.
+/// How friction of contact-implicit steps is bounded.
 inline constexpr Choice<FrictionModel> kFrictionWords[] = {
     {"polyhedron", FrictionModel::polyhedron}, {"cone", FrictionModel::cone}};
 /// Whether all joint limits of the URDF are stops.

@@ -32,7 +32,7 @@ SteppingSystem::SteppingSystem(std::shared_ptr<const MultibodySystem> robot,
                                   "allow: 'backward_euler' does");
   if (!robot_->mimic_map().identity())
     throw std::invalid_argument(
-        "a joint mimics another one, which contacts that are found do not "
+        "a joint mimics another one, which contact-implicit steps do not "
         "allow");
   for (const ContactCandidate& candidate : contacts_.candidates)
     geometry_.emplace_back(robot_->robot(), candidate, contacts_.plane);
