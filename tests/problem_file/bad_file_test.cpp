@@ -176,7 +176,7 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"FromUrdf", "lower: -3, upper: 3", "from: §urdf",
                 "a closed-form system has no URDF"},
         Mistake{"Contradiction", "upper: 3", "upper: -4",
-                "12:3: no value of 'torque' keeps the bounds"},
+                "12:3: no value of 'torque' satisfies the bounds"},
         Mistake{"UnknownSolver", "box_ddp", "§box_dpp", "unknown solver 'box_dpp'",
                 "did you mean 'box_ddp'"},
         Mistake{"UnknownOption", "name: box_ddp", "name: box_ddp, §max_iteration: 5",
@@ -358,7 +358,7 @@ TEST(BadFile, LimitsOfAMimicJointThatItsLeaderCannotKeepNameBoth) {
   const Loaded wrong = load("lower='0' upper='1'", "enforce");
   EXPECT_FALSE(wrong.built);
   EXPECT_TRUE(wrong.first_error().starts_with(
-      "2:8: no position of the joint 'leader' (limits 0.5 to 1) keeps the limits 0 to 1 of the "
+      "2:8: no position of the joint 'leader' (limits 0.5 to 1) satisfies the limits 0 to 1 of the "
       "joint 'follower', which mimics it"))
       << wrong.all();
   std::filesystem::remove_all(folder);

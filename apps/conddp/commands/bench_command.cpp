@@ -340,7 +340,7 @@ Command bench_command() {
           "the "
           "same check. One solve at a time; times are medians after a warm-up. Without a file: the "
           "problems in the folder 'problems', else those installed with conddp, each solve within "
-          "10 s. Solves that fail and problems that are refused stay in the table; the exit status "
+          "10 s. Solves that fail and unsupported problems stay in the table; the exit status "
           "is 1 where the check does not confirm an answer that a solver called converged.",
       .arguments =
           {{.names = {"FILE"},
@@ -353,7 +353,7 @@ Command bench_command() {
             .fallback = a->solvers,
             .target = &a->solvers},
            drop_argument(a->drop,
-                         "Leave this constraint out for solvers that refuse the problem otherwise; "
+                         "Leave this constraint out for solvers that do not support it otherwise; "
                          "'all' for every one; the table says so"),
            {.names = {"--repeat"},
             .value = "N",

@@ -22,10 +22,11 @@ bool narrow(const ConstraintSpec& constraint, const ComponentNames& rows, Predic
     lower[i] = std::max(lower[i], (*low)[i]);
     upper[i] = std::min(upper[i], (*up)[i]);
     if (lower[i] <= upper[i] || !counts(static_cast<int>(i))) continue;
-    out.error(constraint.function.name.place,
-              fmt::format("no value of '{}' keeps the constraint '{}': the lower bound is {}, the "
-                          "upper one {}",
-                          rows.names[i], constraint.function.name.value, lower[i], upper[i]));
+    out.error(
+        constraint.function.name.place,
+        fmt::format("no value of '{}' satisfies the constraint '{}': the lower bound is {}, the "
+                    "upper one {}",
+                    rows.names[i], constraint.function.name.value, lower[i], upper[i]));
     return false;
   }
   return true;

@@ -341,10 +341,10 @@ class GuessBuilder {
     }
     if (knots == 0) return;
     const Column& column = plant_.system->control_columns()[control];
-    used_.controls += fmt::format(", cut off at their limits in {} knots", knots);
+    used_.controls += fmt::format(", clamped to their limits in {} knots", knots);
     out_.warning(guess().controls_place,
                  fmt::format("to hold the guessed states the controls would have to leave their "
-                             "limits in {} of {} knots, '{}' by {:.4g} {}: they are cut off there",
+                             "limits in {} of {} knots, '{}' by {:.4g} {}: they are clamped there",
                              knots, problem_.knots(), column.name, worst, column.unit));
   }
 

@@ -207,10 +207,10 @@ void intersect(const PhaseBounds& other, const Name& name, const Plant& plant, P
       lower = std::max(lower, other.lower[p][i]);
       upper = std::min(upper, other.upper[p][i]);
       if (lower <= upper) continue;
-      return out.error(name.place,
-                       fmt::format("no value of '{}' keeps the bounds: the lower one is {}, the "
-                                   "upper one {}",
-                                   plant.system->control_columns()[i].name, lower, upper));
+      return out.error(
+          name.place, fmt::format("no value of '{}' satisfies the bounds: the lower one is {}, the "
+                                  "upper one {}",
+                                  plant.system->control_columns()[i].name, lower, upper));
     }
 }
 

@@ -70,12 +70,13 @@ bool check_mimic_limits(const Plant& plant, Diagnostics& out) {
     const Joint& follower = robot.joints[mimic.joint];
     const auto limits = plant.multibody()->limits(mimic.leader);
     if (limits.lower <= limits.upper) continue;
-    out.error(part_of(plant, mimic.leader).spec->place,
-              fmt::format("no position of the joint '{}' (limits {} to {}) keeps the limits {} to "
-                          "{} of the joint '{}', which mimics it with multiplier {} and offset {}",
-                          leader.name, leader.lower, leader.upper, follower.lower, follower.upper,
-                          follower.name, mimic.multiplier, mimic.offset),
-              "correct the limits in the URDF, or write 'mimic: ignore'");
+    out.error(
+        part_of(plant, mimic.leader).spec->place,
+        fmt::format("no position of the joint '{}' (limits {} to {}) satisfies the limits {} to "
+                    "{} of the joint '{}', which mimics it with multiplier {} and offset {}",
+                    leader.name, leader.lower, leader.upper, follower.lower, follower.upper,
+                    follower.name, mimic.multiplier, mimic.offset),
+        "correct the limits in the URDF, or write 'mimic: ignore'");
     possible = false;
   }
   return possible;

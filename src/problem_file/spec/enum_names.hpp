@@ -20,7 +20,7 @@ inline constexpr Choice<Integrator> kIntegratorWords[] = {
     {"rk4", Integrator::rk4,
      "the classical Runge-Kutta rule, fourth order; the default of first-order systems"},
     {"trapezoidal", Integrator::trapezoidal,
-     "collocation by the trapezoidal rule: implicit, second order; needs a solver that keeps "
+     "collocation by the trapezoidal rule: implicit, second order; needs a solver that enforces "
      "equality constraints"},
     {"hermite_simpson", Integrator::hermite_simpson,
      "collocation by Hermite and Simpson's rule (Lobatto IIIA): implicit, fourth order; the same"},

@@ -139,7 +139,7 @@ bool AugmentedStrategy::update(Iterate& iterate, const Feedback& feedback, const
       iterate.linearized = false;
       record.result.failed_quantity = kRoundedCost;
       return record.end(SolveStatus::line_search_failed,
-                        "rounding hides what is left of the stationarity, whatever the penalties "
+                        "rounding hides the rest of the stationarity, whatever the penalties "
                         "of the constraints: {}",
                         record.residual_text());
     }
