@@ -216,7 +216,7 @@ solver: {name: altro}
 
 TEST(Constraints, WhatContradictsIsFoundBeforeSolving) {
   const std::pair<std::string, const char*> cases[] = {
-      {with("  speed: {bounds: velocity, lower: 2, upper: 1}\n"), "no value of 'omega' keeps"},
+      {with("  speed: {bounds: velocity, lower: 2, upper: 1}\n"), "no value of 'omega' satisfies"},
       {with("  a: {residual: state, columns: theta, at_least: 2, at_most: 1}\n"),
        "no length is at least 2 and at most 1"},
       {with("  up: {residual: state, columns: theta, lower: 1}\n"),
