@@ -10,6 +10,8 @@
 
 #include <fmt/format.h>
 
+#include "base/write_all.hpp"
+
 namespace conddp {
 namespace {
 
@@ -34,15 +36,6 @@ class Descriptor {
  private:
   int number_;
 };
-
-void write_all(int descriptor, const std::string& contents, const std::filesystem::path& file) {
-  for (std::size_t done = 0; done < contents.size();) {
-    const ssize_t n = ::write(descriptor, contents.data() + done, contents.size() - done);
-    if (n < 0 && errno == EINTR) continue;
-    if (n < 0) fail(file, errno);
-    done += static_cast<std::size_t>(n);
-  }
-}
 
 /// Where the contents of a file go: to what it links to. Nothing but a regular file is replaced: in
 /// the place of a device, pipe or socket there would be a regular file afterwards.
@@ -123,7 +116,7 @@ void AtomicFiles::add(const std::filesystem::path& name, const std::string& cont
   pending_.push_back({temporary, file, lock, {}});
   Descriptor descriptor(::dup(lock));
   if (descriptor.get() < 0) fail(file, errno);
-  write_all(descriptor.get(), contents, file);
+  if (!write_all(descriptor.get(), contents)) fail(file, errno);
   // Pipes and the like cannot be flushed to a disk, which is no defect.
   if (::fsync(descriptor.get()) != 0 && errno != EINVAL && errno != ENOTSUP) fail(file, errno);
   if (!descriptor.close()) fail(file, errno);

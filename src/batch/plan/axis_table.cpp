@@ -4,32 +4,13 @@
 
 #include <fmt/format.h>
 
+#include "base/csv_line.hpp"
 #include "base/source_text.hpp"
 #include "base/spelling.hpp"
 #include "base/strict_number.hpp"
 
 namespace conddp {
 namespace {
-
-struct Cell {
-  std::string text;
-  int byte = 0;  ///< where it begins in its line
-};
-
-std::vector<Cell> split(std::string_view line) {
-  std::vector<Cell> cells;
-  for (std::size_t start = 0; start <= line.size();) {
-    const std::size_t comma = std::min(line.find(',', start), line.size());
-    std::string_view cell = line.substr(start, comma - start);
-    const std::size_t first = std::min(cell.find_first_not_of(" \t"), cell.size());
-    const std::size_t last = cell.find_last_not_of(" \t\r");
-    const std::string_view text =
-        last == std::string_view::npos || last < first ? "" : cell.substr(first, last + 1 - first);
-    cells.push_back({std::string(text), static_cast<int>(start + first)});
-    start = comma + 1;
-  }
-  return cells;
-}
 
 /// Reads the lines of a table.
 class TableReader {
@@ -38,10 +19,10 @@ class TableReader {
       : text_(text), out_(out), source_(out.add_source(std::move(name), text)) {}
 
   std::vector<std::vector<YamlNode>> read(const std::vector<Name>& columns) {
-    const std::vector<Cell> header = next_line();
+    const std::vector<CsvCell> header = next_line();
     std::vector<std::size_t> chosen;
     std::vector<std::string> names;
-    for (const Cell& cell : header) names.push_back(cell.text);
+    for (const CsvCell& cell : header) names.emplace_back(cell.text);
     for (const Name& column : columns) {
       const auto found = std::find(names.begin(), names.end(), column.value);
       if (found == names.end()) {
@@ -53,7 +34,7 @@ class TableReader {
     }
     std::vector<std::vector<YamlNode>> rows;
     while (start_ < text_.size()) {
-      const std::vector<Cell> cells = next_line();
+      const std::vector<CsvCell> cells = next_line();
       if (cells.size() == 1 && cells[0].text.empty()) continue;
       if (cells.size() != header.size()) {
         fail(0,
@@ -68,7 +49,7 @@ class TableReader {
         }
         row.push_back({.kind = YamlNode::Kind::kScalar,
                        .mark = mark(cells[c].byte),
-                       .text = cells[c].text,
+                       .text = std::string(cells[c].text),
                        .quoted = !parse_number(cells[c].text).value});
       }
     }
@@ -77,12 +58,12 @@ class TableReader {
   }
 
  private:
-  std::vector<Cell> next_line() {
+  std::vector<CsvCell> next_line() {
     const std::size_t end = std::min(text_.find('\n', start_), text_.size());
     const std::string_view line = std::string_view(text_).substr(start_, end - start_);
     start_ = end + 1;
     ++number_;
-    return split(line);
+    return split_csv_line(line);
   }
   Mark mark(int byte) const {
     return {source_, number_, out_.character_column(source_, number_, byte)};

@@ -103,7 +103,7 @@ class PlanReader {
     } else if (several) {
       names = several->names().value_or(names);
       if (several->is_sequence() && several->node().items.empty())
-        several->error("there is no problem", "write '[a.yaml, trots/*.yaml]'");
+        several->error("the list of problems is empty", "write '[a.yaml, trots/*.yaml]'");
     } else {
       map_.reader().error("the plan names no problem",
                           "write 'problem: FILE.yaml' or 'problems: [a.yaml, trots/*.yaml]'");
@@ -132,7 +132,8 @@ class PlanReader {
     for (const SolverInfo& solver : solvers()) known.emplace_back(solver.name);
     const auto names = reader.names();
     if (!names) return;
-    if (names->empty()) reader.error("there is no solver", name_hint("", known, "solvers"));
+    if (names->empty())
+      reader.error("the list of solvers is empty", name_hint("", known, "solvers"));
     for (const Name& name : *names) {
       if (std::find(known.begin(), known.end(), name.value) == known.end())
         out_.error(name.place, fmt::format("unknown solver '{}'", name.value),

@@ -13,6 +13,7 @@
 
 #include "base/atomic_file.hpp"
 #include "base/sha256.hpp"
+#include "base/write_all.hpp"
 
 namespace conddp {
 namespace {
@@ -91,15 +92,6 @@ void truncate(int descriptor, std::size_t size, const fs::path& file) {
     fail(file, "written");
 }
 
-void write_all(int descriptor, std::string_view text, const fs::path& file) {
-  while (!text.empty()) {
-    const ssize_t written = ::write(descriptor, text.data(), text.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) fail(file, "written");
-    text.remove_prefix(static_cast<std::size_t>(written));
-  }
-}
-
 }  // namespace
 
 ShardFile::ShardFile(const fs::path& run, const Shard& shard)
@@ -131,9 +123,9 @@ ShardFile::~ShardFile() {
 void ShardFile::append(ItemResult result, std::string_view solution) {
   result.solution_offset = solution.empty() ? 0 : pack_size_;
   result.solution_bytes = solution.size();
-  write_all(pack_descriptor_, solution, pack_);
+  if (!write_all(pack_descriptor_, solution)) fail(pack_, "written");
   pack_size_ += solution.size();
-  write_all(results_descriptor_, summed_line(result_line(result)), results_);
+  if (!write_all(results_descriptor_, summed_line(result_line(result)))) fail(results_, "written");
 }
 
 std::unordered_map<std::string, StoredResult> load_results(const fs::path& run) {

@@ -17,6 +17,7 @@
 
 #include <fmt/format.h>
 
+#include "base/write_all.hpp"
 #include "batch/plan/run_folder.hpp"
 #include "batch/run/solve_item.hpp"
 
@@ -49,16 +50,6 @@ void limit_memory(int megabytes) {
   rlimit limit{};
   limit.rlim_cur = limit.rlim_max = static_cast<rlim_t>(megabytes) * 1'000'000;
   setrlimit(RLIMIT_DATA, &limit);
-}
-
-bool write_all(int descriptor, std::string_view text) {
-  while (!text.empty()) {
-    const ssize_t written = ::write(descriptor, text.data(), text.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) return false;
-    text.remove_prefix(static_cast<std::size_t>(written));
-  }
-  return true;
 }
 
 /// Solves items of one run; families are loaded when their first item comes.
@@ -123,8 +114,8 @@ int serve_items(const std::filesystem::path& run, int requests, int answers) {
   Worker worker(run, *std::move(manifest));
   std::FILE* input = ::fdopen(requests, "r");
   char* line = nullptr;
-  std::size_t room = 0;
-  for (ssize_t length; (length = ::getline(&line, &room, input)) > 0;) {
+  std::size_t capacity = 0;
+  for (ssize_t length; (length = ::getline(&line, &capacity, input)) > 0;) {
     const auto item = parse_manifest_line({line, static_cast<std::size_t>(length)});
     if (!item) return kUnreadable;
     SolvedItem solved;

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "base/csv_line.hpp"
 #include "base/spelling.hpp"
 #include "base/strict_number.hpp"
 #include "problem_file/data/data_table.hpp"
@@ -10,34 +11,12 @@
 namespace conddp {
 namespace {
 
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
-  while (!text.empty() && (text.back() == ' ' || text.back() == '\t' || text.back() == '\r'))
-    text.remove_suffix(1);
-  return text;
-}
-
 /// "q/hip [rad]" is the column q/hip.
 std::string_view without_unit(std::string_view name) {
   const std::size_t bracket = name.rfind(" [");
   return name.ends_with(']') && bracket != std::string_view::npos && bracket > 0
-             ? trimmed(name.substr(0, bracket))
+             ? trimmed_csv(name.substr(0, bracket))
              : name;
-}
-
-struct Cell {
-  std::string_view text;
-  int byte;  ///< where it starts in its line
-};
-
-std::vector<Cell> split(std::string_view line) {
-  std::vector<Cell> cells;
-  for (std::size_t start = 0;;) {
-    const std::size_t comma = std::min(line.find(',', start), line.size());
-    cells.push_back({trimmed(line.substr(start, comma - start)), static_cast<int>(start)});
-    if (comma == line.size()) return cells;
-    start = comma + 1;
-  }
 }
 
 class CsvReader {
@@ -50,7 +29,7 @@ class CsvReader {
   std::optional<DataTable> read() {
     if (!read_header()) return std::nullopt;
     while (next_line())
-      if (!trimmed(line_).empty() && !read_row()) return std::nullopt;
+      if (!trimmed_csv(line_).empty() && !read_row()) return std::nullopt;
     if (table_.rows.empty()) return fail(0, "there is no row under the header"), std::nullopt;
     return std::move(table_);
   }
@@ -73,7 +52,7 @@ class CsvReader {
   bool read_header() {
     if (!next_line()) return fail(0, "there is nothing in the file");
     std::unordered_set<std::string> names;
-    for (const Cell& cell : split(line_)) {
+    for (const CsvCell& cell : split_csv_line(line_)) {
       const std::string name(without_unit(cell.text));
       if (name.empty()) return fail(cell.byte, "a column has no name");
       if (parse_number(name).value)
@@ -89,7 +68,7 @@ class CsvReader {
     if (!time_) return fail(0, "no column holds the time", "name it 't'; it is in s");
     // A column of words, like the phase, is no data.
     const std::string_view first = rest_.substr(0, rest_.find('\n'));
-    const std::vector<Cell> cells = split(first);
+    const std::vector<CsvCell> cells = split_csv_line(first);
     for (std::size_t i = 0; i < header_.size(); ++i) {
       const bool word = i < cells.size() && header_[i] == "phase" && !cells[i].text.empty();
       is_data_.push_back(i != *time_ && !word);
@@ -98,7 +77,7 @@ class CsvReader {
     return true;
   }
   bool read_row() {
-    const std::vector<Cell> cells = split(line_);
+    const std::vector<CsvCell> cells = split_csv_line(line_);
     if (cells.size() != header_.size())
       return fail(0, fmt::format("this line has {} cells, the header has {}", cells.size(),
                                  header_.size()));

@@ -58,34 +58,42 @@ void set_coordinates(const System& system, CostResidual& result) {
   };
 }
 
-std::optional<CostResidual> make_position(const ResidualContext& context) {
+/// A coordinate of the state, and its limits in the URDF.
+struct JointCoordinate {
+  int index;
+  double lower, upper;
+};
+
+/// A residual on a coordinate of each joint.
+std::optional<CostResidual> make_coordinates(
+    const ResidualContext& context,
+    JointCoordinate (*coordinate)(const MultibodySystem& system, int joint)) {
   const MultibodySystem& system = *context.plant.multibody();
   const auto joints = choose_joints(context.cost, system.robot(), context.out);
   if (!joints) return std::nullopt;
   CostResidual result = named_by(*joints, system.robot());
   for (const int joint : *joints) {
-    const MultibodySystem::JointLimits limits = system.limits(joint);
-    result.indices.push_back(*system.position_index(joint));
-    result.lower.push_back(limits.lower);
-    result.upper.push_back(limits.upper);
+    const auto [index, lower, upper] = coordinate(system, joint);
+    result.indices.push_back(index);
+    result.lower.push_back(lower);
+    result.upper.push_back(upper);
   }
   set_coordinates(*context.plant.system, result);
   return result;
 }
 
-std::optional<CostResidual> make_velocity(const ResidualContext& context) {
-  const MultibodySystem& system = *context.plant.multibody();
-  const auto joints = choose_joints(context.cost, system.robot(), context.out);
-  if (!joints) return std::nullopt;
-  CostResidual result = named_by(*joints, system.robot());
-  for (const int joint : *joints) {
+std::optional<CostResidual> make_position(const ResidualContext& context) {
+  return make_coordinates(context, [](const MultibodySystem& system, int joint) {
     const MultibodySystem::JointLimits limits = system.limits(joint);
-    result.indices.push_back(*system.velocity_index(joint));
-    result.lower.push_back(-limits.max_velocity);
-    result.upper.push_back(limits.max_velocity);
-  }
-  set_coordinates(*context.plant.system, result);
-  return result;
+    return JointCoordinate{*system.position_index(joint), limits.lower, limits.upper};
+  });
+}
+
+std::optional<CostResidual> make_velocity(const ResidualContext& context) {
+  return make_coordinates(context, [](const MultibodySystem& system, int joint) {
+    const double most = system.limits(joint).max_velocity;
+    return JointCoordinate{*system.velocity_index(joint), -most, most};
+  });
 }
 
 std::optional<CostResidual> make_acceleration(const ResidualContext& context) {

@@ -96,10 +96,10 @@ void ExpressionLexer::read_number() {
   }
   const std::string_view digits = text_.substr(at_, end - at_);
   const ParsedNumber parsed = parse_number(digits);
-  if (!parsed.value) throw ExpressionMessage{at_, parsed.defect, ""};
+  if (!parsed.value) throw ExpressionError({at_, parsed.defect, ""});
   if (end < size && is_name_part(text_[end]))
-    throw ExpressionMessage{end, fmt::format("'{}' right behind a number", text_[end]),
-                            "a product is written with '*'"};
+    throw ExpressionError({end, fmt::format("'{}' right behind a number", text_[end]),
+                           "a product is written with '*'"});
   next_.kind = ExpressionToken::Kind::kNumber;
   next_.text = digits;
   next_.number = *parsed.value;
@@ -111,14 +111,14 @@ void ExpressionLexer::read_symbol() {
   const auto begins = [&](std::string_view symbol) { return rest.starts_with(symbol); };
   for (const Foreign& foreign : kForeign)
     if (begins(foreign.text))
-      throw ExpressionMessage{at_, fmt::format("unexpected '{}'", foreign.text),
-                              std::string(foreign.hint)};
+      throw ExpressionError(
+          {at_, fmt::format("unexpected '{}'", foreign.text), std::string(foreign.hint)});
   const auto symbol = std::find_if(kSymbols.begin(), kSymbols.end(), begins);
   if (symbol == kSymbols.end()) {
     std::size_t end = 1;
     while (end < rest.size() && !starts_character(rest[end])) ++end;
-    throw ExpressionMessage{
-        at_, fmt::format("unexpected character '{}'", printable(rest.substr(0, end))), ""};
+    throw ExpressionError(
+        {at_, fmt::format("unexpected character '{}'", printable(rest.substr(0, end))), ""});
   }
   next_.kind = ExpressionToken::Kind::kSymbol;
   next_.text = *symbol;

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <exception>
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace conddp {
 
@@ -10,6 +12,13 @@ struct ExpressionMessage {
   int offset = 0;
   std::string message;
   std::string hint;  ///< may be empty
+};
+
+/// Ends the reading of an expression; only parse_expression() meets it.
+struct ExpressionError : std::exception {
+  explicit ExpressionError(ExpressionMessage what_is_wrong) : message(std::move(what_is_wrong)) {}
+  const char* what() const noexcept override { return message.message.c_str(); }
+  ExpressionMessage message;
 };
 
 /// A piece of an expression's text.
@@ -25,7 +34,7 @@ struct ExpressionToken {
   }
 };
 
-/// Cuts an expression into numbers, names and symbols, one ahead. Throws ExpressionMessage at what
+/// Cuts an expression into numbers, names and symbols, one ahead. Throws ExpressionError at what
 /// is none of these.
 class ExpressionLexer {
  public:

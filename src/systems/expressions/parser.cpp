@@ -31,7 +31,7 @@ class Parser {
 
  private:
   [[noreturn]] static void fail(int offset, std::string message, std::string hint = {}) {
-    throw ExpressionMessage{offset, std::move(message), std::move(hint)};
+    throw ExpressionError({offset, std::move(message), std::move(hint)});
   }
   [[noreturn]] static void fail_at_operator(const Token& token) {
     if (token.is(")") || token.is("]"))
@@ -451,8 +451,8 @@ ParsedExpression parse_expression(std::string_view text, const ExpressionScope& 
   }
   try {
     parsed.value = Parser(text, scope, graph, parsed.warnings).whole();
-  } catch (const ExpressionMessage& error) {
-    parsed.error = error;
+  } catch (const ExpressionError& error) {
+    parsed.error = error.message;
   }
   return parsed;
 }
