@@ -202,7 +202,7 @@ TEST(ExpressionResiduals, ManyRowsHaveRoomOnTheStack) {
 }
 
 TEST(ExpressionResiduals, WrongTextsHaveAPlace) {
-  using Part = ExpressionResidualMessage::Part;
+  using Part = ModelMessage::Part;
   const auto system = cartpole({});
   const ExpressionResidualText good{.names = knot_names(*system), .rows = {"x", "theta"}};
   const auto expect = [&](auto change, Part part, int index, bool in_text, int offset,

@@ -23,48 +23,15 @@
 
 #if CONDDP_COUNTS_ALLOCATIONS
 
+#include "support/counted_malloc.hpp"
+
 namespace {
 std::atomic<bool> counting{false};
 std::atomic<long> allocations{0};
-
-void count() {
-  if (counting.load(std::memory_order_relaxed)) allocations.fetch_add(1);
-}
 }  // namespace
 
-// Eigen calls malloc itself and operator new ends in it or in aligned_alloc: interposing those
-// sees every allocation.
-extern "C" {
-void* __libc_malloc(std::size_t size);
-void* __libc_calloc(std::size_t count, std::size_t size);
-void* __libc_realloc(void* old, std::size_t size);
-void* __libc_memalign(std::size_t alignment, std::size_t size);
-
-void* malloc(std::size_t size) {
-  count();
-  return __libc_malloc(size);
-}
-void* calloc(std::size_t n, std::size_t size) {
-  count();
-  return __libc_calloc(n, size);
-}
-void* realloc(void* old, std::size_t size) {
-  count();
-  return __libc_realloc(old, size);
-}
-void* aligned_alloc(std::size_t alignment, std::size_t size) {
-  count();
-  return __libc_memalign(alignment, size);
-}
-void* memalign(std::size_t alignment, std::size_t size) {
-  count();
-  return __libc_memalign(alignment, size);
-}
-int posix_memalign(void** out, std::size_t alignment, std::size_t size) {
-  count();
-  *out = __libc_memalign(alignment, size);
-  return *out == nullptr ? 12 : 0;
-}
+void conddp::testing::count_allocation() {
+  if (counting.load(std::memory_order_relaxed)) allocations.fetch_add(1);
 }
 
 namespace conddp {

@@ -308,7 +308,7 @@ TEST(ExpressionSystems, BranchThatIsNotTakenDoesNotSpoilDerivatives) {
 }
 
 /// What make_expression_system says of a change of a good system: its only message.
-ExpressionSystemMessage message_of(void (*change)(ExpressionSystemText&)) {
+ModelMessage message_of(void (*change)(ExpressionSystemText&)) {
   ExpressionSystemText text = driven(SystemKind::first_order);
   change(text);
   const ParsedExpressionSystem parsed = make_expression_system(text);
@@ -318,7 +318,7 @@ ExpressionSystemMessage message_of(void (*change)(ExpressionSystemText&)) {
 }
 
 TEST(ExpressionSystems, WrongTextsHaveAPlace) {
-  using Part = ExpressionSystemMessage::Part;
+  using Part = ModelMessage::Part;
   using Text = ExpressionSystemText;
   struct WrongText {
     void (*change)(Text&);
@@ -375,7 +375,7 @@ TEST(ExpressionSystems, WrongTextsHaveAPlace) {
        },
        Part::kWhole, 0, false, 0, "there are 2 positions and 1 velocities"}};
   for (const WrongText& c : cases) {
-    const ExpressionSystemMessage got = message_of(c.change);
+    const ModelMessage got = message_of(c.change);
     EXPECT_EQ(got.message.message, c.message);
     EXPECT_EQ(got.part, c.part) << c.message;
     EXPECT_EQ(got.index, c.index) << c.message;
@@ -391,10 +391,10 @@ TEST(ExpressionSystems, WhatIsNotSmoothIsWarnedOf) {
   const ParsedExpressionSystem parsed = make_expression_system(text);
   ASSERT_NE(parsed.system, nullptr);
   ASSERT_EQ(parsed.warnings.size(), 2u);
-  EXPECT_EQ(parsed.warnings[0].part, ExpressionSystemMessage::Part::kDefinition);
+  EXPECT_EQ(parsed.warnings[0].part, ModelMessage::Part::kDefinition);
   EXPECT_EQ(parsed.warnings[0].message.offset, 6);
   EXPECT_EQ(parsed.warnings[0].message.message, "'abs' has a kink at 0; smooth_abs has none");
-  EXPECT_EQ(parsed.warnings[1].part, ExpressionSystemMessage::Part::kEquation);
+  EXPECT_EQ(parsed.warnings[1].part, ModelMessage::Part::kEquation);
   EXPECT_EQ(parsed.warnings[1].index, 1);
 }
 

@@ -127,39 +127,25 @@ class ExpressionResidual : public ResidualBase<ExpressionResidual> {
 /// Reads the texts of a residual.
 class ResidualReader {
  public:
-  using Part = ExpressionResidualMessage::Part;
+  using Part = ModelMessage::Part;
 
   ResidualReader(const StateManifold& manifold, const ExpressionResidualText& text,
                  ParsedExpressionResidual& out)
-      : manifold_(manifold), text_(text), out_(out) {}
+      : manifold_(manifold),
+        text_(text),
+        out_(out),
+        texts_(graph_, false, out.errors, out.warnings) {}
 
   void read() {
     // Later texts would stumble over what is wrong with the names before them.
     add_names();
-    for (std::size_t i = 0; i < text_.definitions.size() && out_.errors.empty(); ++i) {
-      const auto& [name, definition] = text_.definitions[i];
-      const int index = static_cast<int>(i);
-      const bool good = check_name(Part::kDefinition, index, name);
-      auto value = parse(Part::kDefinition, index, definition);
-      if (good && value) scope_.add(name, std::move(*value));
-    }
-    if (!out_.errors.empty()) return;
+    if (texts_.good()) texts_.add_definitions(text_.definitions);
+    if (!texts_.good()) return;
     for (std::size_t i = 0; i < text_.rows.size(); ++i) read_row(static_cast<int>(i));
-    if (out_.errors.empty()) make();
+    if (texts_.good()) make();
   }
 
  private:
-  void fail(Part part, int index, bool in_text, std::string message, std::string hint = {}) {
-    out_.errors.push_back({part, index, in_text, {0, std::move(message), std::move(hint)}});
-  }
-
-  bool check_name(Part part, int index, const std::string& name) {
-    std::string defect = scope_.defect_of(name);
-    if (defect.empty()) return true;
-    fail(part, index, false, std::move(defect));
-    return false;
-  }
-
   NodeId input(const KnotInputSource::Kind kind, int index) {
     const auto known =
         std::find_if(sources_.begin(), sources_.end(),
@@ -174,7 +160,7 @@ class ResidualReader {
     // States come first, number by number, as the motions of the manifold have it.
     for (int i = 0; i < manifold_.nx(); ++i) input(KnotInputSource::Kind::kState, i);
     for (const KnotName& name : text_.names) {
-      if (!scope_.defect_of(name.name).empty()) continue;
+      if (!texts_.scope().defect_of(name.name).empty()) continue;
       ExpressionValue value = ExpressionValue::vector({});
       for (const KnotName::Number& number : name.numbers)
         value.nodes.push_back(input(
@@ -183,44 +169,30 @@ class ResidualReader {
       if (value.size() == 1 && name.parts.empty()) value.kind = ExpressionValue::Kind::kNumber;
       value.parts = name.parts;
       value.unit = name.unit;
-      scope_.add(name.name, std::move(value));
+      texts_.scope().add(name.name, std::move(value));
     }
-    if (scope_.find("t") == nullptr) {
+    if (texts_.scope().find("t") == nullptr) {
       ExpressionValue time = ExpressionValue::number(input(KnotInputSource::Kind::kTime, 0));
       time.unit = "s";
-      scope_.add("t", std::move(time));
+      texts_.scope().add("t", std::move(time));
     }
-    for (std::size_t i = 0; i < text_.parameters.size(); ++i) {
-      const auto& [name, number] = text_.parameters[i];
-      if (check_name(Part::kParameter, static_cast<int>(i), name))
-        scope_.add(name, ExpressionValue::number(graph_.constant(number)));
-    }
-    for (std::size_t i = 0; i < text_.tables.size(); ++i) {
-      const auto& [name, table] = text_.tables[i];
-      if (check_name(Part::kTable, static_cast<int>(i), name))
-        scope_.add_table(name, graph_.add_table(table), table->arguments());
-    }
-  }
-
-  std::optional<ExpressionValue> parse(Part part, int index, const std::string& text) {
-    ParsedExpression parsed = parse_expression(text, scope_, graph_);
-    if (!parsed.value) out_.errors.push_back({part, index, true, parsed.error});
-    for (ExpressionMessage& warning : parsed.warnings)
-      out_.warnings.push_back({part, index, true, std::move(warning)});
-    return parsed.value;
+    texts_.add_parameters(text_.parameters);
+    texts_.add_tables(text_.tables);
   }
 
   void read_row(int index) {
-    const auto value = parse(Part::kRow, index, text_.rows[index]);
+    const auto value = texts_.parse(Part::kRow, index, text_.rows[index]);
     if (!value) return;
     if (value->kind == ExpressionValue::Kind::kCondition)
-      return fail(Part::kRow, index, true,
-                  "a row of a residual is a number or a vector, and this is a condition");
+      return texts_.report_text(
+          Part::kRow, index,
+          "a row of a residual is a number or a vector, and this is a condition");
     for (const NodeId node : value->nodes) {
       const std::vector<NodeId> below = nodes_below(graph_, {&node, 1});
       if (std::none_of(below.begin(), below.end(), [&](NodeId id) { return moves(id); }))
-        return fail(Part::kRow, index, true,
-                    "a row of a residual depends on the state or the control, and this does not");
+        return texts_.report_text(
+            Part::kRow, index,
+            "a row of a residual depends on the state or the control, and this does not");
       outputs_.push_back(node);
     }
   }
@@ -241,11 +213,11 @@ class ResidualReader {
         motions[source.input].push_back({manifold_.ndx() + source.index, graph_.constant(1)});
     const int inputs = static_cast<int>(sources_.size());
     if (count_derivatives(graph_, outputs_, motions) > kMostDerivatives)
-      return fail(Part::kRow, 0, false, "the expressions of the residual are too large");
+      return texts_.report(Part::kRow, 0, "the expressions of the residual are too large");
     DifferentiableExpressions functions(graph_, outputs_, inputs, motions);
     if (functions.with_derivatives().registers() > kMostRegisters)
-      return fail(
-          Part::kRow, 0, false,
+      return texts_.report(
+          Part::kRow, 0,
           fmt::format("the expressions need more than {} intermediate results", kMostRegisters),
           "rows can be residuals of their own");
     drop_unused();
@@ -270,7 +242,7 @@ class ResidualReader {
   const ExpressionResidualText& text_;
   ParsedExpressionResidual& out_;
   ExpressionGraph graph_;
-  ExpressionScope scope_;
+  ModelTextReader texts_;
   std::vector<KnotInputSource> sources_;
   std::vector<NodeId> outputs_;
 };

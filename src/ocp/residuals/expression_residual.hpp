@@ -2,12 +2,10 @@
 
 #include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "ocp/terms/residual.hpp"
-#include "systems/expressions/parser.hpp"
-#include "systems/expressions/spline_table.hpp"
+#include "systems/expressions/model_texts.hpp"
 
 namespace conddp {
 
@@ -32,27 +30,17 @@ std::vector<KnotName> knot_names(const System& system);
 /// order, tables, and the time `t` (s) unless the knot has a column of that name.
 struct ExpressionResidualText {
   std::vector<KnotName> names;
-  std::vector<std::pair<std::string, double>> parameters;
-  std::vector<std::pair<std::string, std::shared_ptr<const SplineTable>>> tables;
-  std::vector<std::pair<std::string, std::string>> definitions;
+  NamedParameters parameters;
+  NamedTables tables;
+  std::vector<NamedExpression> definitions;
   std::vector<std::string> rows;  ///< a vector gives several
-};
-
-/// What is wrong with a residual in words, or not smooth about it, and in which text.
-struct ExpressionResidualMessage {
-  enum class Part { kParameter, kTable, kDefinition, kRow };
-  Part part = Part::kRow;
-  int index = 0;
-  /// Whether it is about the text of the expression, in which it has an offset, or about the name.
-  bool in_text = false;
-  ExpressionMessage message;
 };
 
 /// A residual, or why there is none.
 struct ParsedExpressionResidual {
   std::shared_ptr<const Residual> residual;
-  std::vector<ExpressionResidualMessage> errors;
-  std::vector<ExpressionResidualMessage> warnings;
+  std::vector<ModelMessage> errors;
+  std::vector<ModelMessage> warnings;
 };
 
 /// Makes a residual of expressions of a knot whose model has this manifold. Parameter: the time of

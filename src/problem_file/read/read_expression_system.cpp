@@ -42,7 +42,7 @@ class ExpressionSystemReader {
   }
 
  private:
-  using Part = ExpressionSystemMessage::Part;
+  using Part = ModelMessage::Part;
 
   bool second_order() const { return system_.text.kind == SystemKind::second_order; }
 
@@ -194,7 +194,7 @@ class ExpressionSystemReader {
       }
   }
 
-  void report(const ExpressionSystemMessage& message, Severity severity) {
+  void report(const ModelMessage& message, Severity severity) {
     const SystemPartPlaces* part = nullptr;
     switch (message.part) {
       case Part::kState:
@@ -218,6 +218,7 @@ class ExpressionSystemReader {
       case Part::kEquation:
         part = &equations_;
         break;
+      case Part::kRow:  // of residuals alone
       case Part::kWhole:
         return map_.reader().error(message.message.message, message.message.hint);
     }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 #include <unordered_map>
+#include <utility>
 
 #include "spatial/elementary.hpp"
 #include "systems/system.hpp"
@@ -78,10 +79,39 @@ class ExpressionProgram::Compiler {
     return (value_uses_[sum] > 0 ? value_uses_ : uses_)[product] == 1;
   }
 
-  /// The instruction of a node, with nodes in place of registers.
+  /// The code of an operation that is an instruction as it is.
+  static Code code_of(Operation operation) {
+    static constexpr std::pair<Operation, Code> kCodes[] = {
+        {Operation::kAdd, Code::kAdd},
+        {Operation::kSubtract, Code::kSubtract},
+        {Operation::kMultiply, Code::kMultiply},
+        {Operation::kNegate, Code::kNegate},
+        {Operation::kInverse, Code::kInverse},
+        {Operation::kSqrt, Code::kSqrt},
+        {Operation::kSin, Code::kSin},
+        {Operation::kCos, Code::kCos},
+        {Operation::kTan, Code::kTan},
+        {Operation::kAsin, Code::kAsin},
+        {Operation::kAcos, Code::kAcos},
+        {Operation::kAtan, Code::kAtan},
+        {Operation::kAtan2, Code::kAtan2},
+        {Operation::kSinh, Code::kSinh},
+        {Operation::kCosh, Code::kCosh},
+        {Operation::kTanh, Code::kTanh},
+        {Operation::kExp, Code::kExp},
+        {Operation::kLog, Code::kLog},
+        {Operation::kPower, Code::kPower},
+        {Operation::kLess, Code::kLess},
+        {Operation::kLessEqual, Code::kLessEqual},
+        {Operation::kChoose, Code::kChoose}};
+    return std::find_if(std::begin(kCodes), std::end(kCodes),
+                        [&](const auto& entry) { return entry.first == operation; })
+        ->second;
+  }
+
+  /// The instruction of a node that is no leaf, with nodes in place of registers.
   Instruction instruction_of(NodeId id) const {
     const ExpressionNode& node = graph_[id];
-    const auto plain = [&](Code code) { return Instruction{code, id, node.a, node.b, node.c}; };
     const auto fused = [&](Code code, NodeId product, NodeId other) {
       return Instruction{code, id, graph_[product].a, graph_[product].b, other};
     };
@@ -89,62 +119,24 @@ class ExpressionProgram::Compiler {
       case Operation::kAdd:
         if (fuses(node.a, id)) return fused(Code::kMultiplyAdd, node.a, node.b);
         if (fuses(node.b, id)) return fused(Code::kMultiplyAdd, node.b, node.a);
-        return plain(Code::kAdd);
+        break;
       case Operation::kSubtract:
         if (fuses(node.a, id)) return fused(Code::kMultiplySubtract, node.a, node.b);
         if (fuses(node.b, id)) return fused(Code::kSubtractProduct, node.b, node.a);
-        return plain(Code::kSubtract);
-      case Operation::kMultiply:
-        return plain(Code::kMultiply);
-      case Operation::kNegate:
-        return plain(Code::kNegate);
-      case Operation::kInverse:
-        return plain(Code::kInverse);
-      case Operation::kSqrt:
-        return plain(Code::kSqrt);
+        break;
       case Operation::kSin:
-      case Operation::kCos: {
-        const auto sine = sines_.find(node.a), cosine = cosines_.find(node.a);
-        if (sine != sines_.end() && cosine != cosines_.end())
+      case Operation::kCos:
+        if (const auto sine = sines_.find(node.a), cosine = cosines_.find(node.a);
+            sine != sines_.end() && cosine != cosines_.end())
           return {Code::kSinCos, sine->second, node.a, kNowhere, cosine->second};
-        return plain(node.operation == Operation::kSin ? Code::kSin : Code::kCos);
-      }
-      case Operation::kTan:
-        return plain(Code::kTan);
-      case Operation::kAsin:
-        return plain(Code::kAsin);
-      case Operation::kAcos:
-        return plain(Code::kAcos);
-      case Operation::kAtan:
-        return plain(Code::kAtan);
-      case Operation::kAtan2:
-        return plain(Code::kAtan2);
-      case Operation::kSinh:
-        return plain(Code::kSinh);
-      case Operation::kCosh:
-        return plain(Code::kCosh);
-      case Operation::kTanh:
-        return plain(Code::kTanh);
-      case Operation::kExp:
-        return plain(Code::kExp);
-      case Operation::kLog:
-        return plain(Code::kLog);
-      case Operation::kPower:
-        return plain(Code::kPower);
-      case Operation::kLess:
-        return plain(Code::kLess);
-      case Operation::kLessEqual:
-        return plain(Code::kLessEqual);
-      case Operation::kChoose:
-        return plain(Code::kChoose);
+        break;
       case Operation::kTable:
         // One argument stands for both, so that there is a register to read.
         return {Code::kTable, id, node.a, node.b < 0 ? node.a : node.b, node.payload};
-      case Operation::kConstant:
-      case Operation::kInput:
+      default:
         break;
     }
-    return {Code::kAdd, id, kNowhere, kNowhere, kNowhere};
+    return {code_of(node.operation), id, node.a, node.b, node.c};
   }
 
   /// Calls visit(node) for what an instruction reads.

@@ -15,27 +15,29 @@ namespace {
 /// Reads the texts of a system.
 class SystemReader {
  public:
-  using Part = ExpressionSystemMessage::Part;
+  using Part = ModelMessage::Part;
 
   SystemReader(const ExpressionSystemText& text, ParsedExpressionSystem& out)
-      : text_(text), out_(out) {
+      : text_(text),
+        out_(out),
+        texts_(parts_.graph, text.kind != SystemKind::discrete, out.errors, out.warnings) {
     parts_.kind = text.kind;
   }
 
   void read() {
-    if (text_.states.empty()) return report(Part::kWhole, 0, "the system has no states");
+    if (text_.states.empty()) return texts_.report(Part::kWhole, 0, "the system has no states");
     if (second_order() && text_.velocities.size() != text_.states.size())
-      return report(Part::kWhole, 0,
-                    fmt::format("there are {} positions and {} velocities", text_.states.size(),
-                                text_.velocities.size()));
+      return texts_.report(Part::kWhole, 0,
+                           fmt::format("there are {} positions and {} velocities",
+                                       text_.states.size(), text_.velocities.size()));
     // Later texts would stumble over what is wrong with the names before them.
     parts_.state_columns = add_names();
-    if (out_.errors.empty()) read_definitions();
-    if (out_.errors.empty()) read_equations();
-    if (!out_.errors.empty()) return;
+    if (texts_.good()) texts_.add_definitions(text_.definitions);
+    if (texts_.good()) read_equations();
+    if (!texts_.good()) return;
     if (clock_ >= 0) add_clock();
     if (is_too_large())
-      return report(Part::kWhole, 0, "the expressions of the system are too large");
+      return texts_.report(Part::kWhole, 0, "the expressions of the system are too large");
     out_.usual_state = parts_.manifold.neutral();
     if (clock_ >= 0 && second_order()) out_.usual_state.back() = 1;
     out_.system = compile_system(std::move(parts_));
@@ -49,19 +51,6 @@ class SystemReader {
     for (std::size_t i = 0; i < parts_.sources.size(); ++i)
       motions.push_back({{static_cast<int>(i), parts_.graph.constant(1)}});
     return count_derivatives(parts_.graph, parts_.outputs, motions) > kMostDerivatives;
-  }
-
-  void report(Part part, int index, std::string message, std::string hint = {}) {
-    out_.errors.push_back({part, index, false, {0, std::move(message), std::move(hint)}});
-  }
-
-  /// Whether the name is good and new.
-  bool check_name(Part part, int index, const std::string& name) {
-    std::string defect = name == "t" && text_.kind != SystemKind::discrete ? "'t' is the time"
-                                                                           : scope_.defect_of(name);
-    if (defect.empty()) return true;
-    report(part, index, std::move(defect));
-    return false;
   }
 
   /// The next inputs, as a value.
@@ -90,26 +79,17 @@ class SystemReader {
       const Column& control = text_.controls[i];
       ExpressionValue value = inputs(1);
       value.unit = control.unit;
-      if (check_name(Part::kControl, static_cast<int>(i), control.name))
-        scope_.add(control.name, std::move(value));
+      texts_.add(Part::kControl, static_cast<int>(i), control.name, std::move(value));
       parts_.control_columns.push_back(control);
     }
     if (text_.kind != SystemKind::discrete) {
       time_ = parts_.graph.input(static_cast<int>(parts_.sources.size()));
       ExpressionValue value = ExpressionValue::number(time_);
       value.unit = "s";
-      scope_.add("t", std::move(value));
+      texts_.scope().add("t", std::move(value));
     }
-    for (std::size_t i = 0; i < text_.parameters.size(); ++i) {
-      const auto& [name, number] = text_.parameters[i];
-      if (check_name(Part::kParameter, static_cast<int>(i), name))
-        scope_.add(name, ExpressionValue::number(parts_.graph.constant(number)));
-    }
-    for (std::size_t i = 0; i < text_.tables.size(); ++i) {
-      const auto& [name, table] = text_.tables[i];
-      if (check_name(Part::kTable, static_cast<int>(i), name))
-        scope_.add_table(name, parts_.graph.add_table(table), table->arguments());
-    }
+    texts_.add_parameters(text_.parameters);
+    texts_.add_tables(text_.tables);
     return columns;
   }
 
@@ -162,7 +142,7 @@ class SystemReader {
         break;
     }
     parts_.manifold.append(part);
-    if (check_name(Part::kState, index, state.name)) scope_.add(state.name, std::move(value));
+    texts_.add(Part::kState, index, state.name, std::move(value));
     return tangent_size(state.kind);
   }
 
@@ -189,25 +169,7 @@ class SystemReader {
                         {"wz", "rad/s"}});
         break;
     }
-    if (check_name(Part::kVelocity, index, velocity.name))
-      scope_.add(velocity.name, std::move(value));
-  }
-
-  std::optional<ExpressionValue> parse(Part part, int index, const std::string& text) {
-    ParsedExpression parsed = parse_expression(text, scope_, parts_.graph);
-    if (!parsed.value) out_.errors.push_back({part, index, true, parsed.error});
-    for (ExpressionMessage& warning : parsed.warnings)
-      out_.warnings.push_back({part, index, true, std::move(warning)});
-    return parsed.value;
-  }
-
-  void read_definitions() {
-    for (std::size_t i = 0; i < text_.definitions.size() && out_.errors.empty(); ++i) {
-      const NamedExpression& definition = text_.definitions[i];
-      const bool good = check_name(Part::kDefinition, static_cast<int>(i), definition.name);
-      auto value = parse(Part::kDefinition, static_cast<int>(i), definition.text);
-      if (good && value) scope_.add(definition.name, std::move(*value));
-    }
+    texts_.add(Part::kVelocity, index, velocity.name, std::move(value));
   }
 
   std::string_view equation_name() const {
@@ -232,26 +194,27 @@ class SystemReader {
       const int index = static_cast<int>(i);
       const auto found = std::find(wanted.begin(), wanted.end(), equation.name);
       if (found == wanted.end()) {
-        report(Part::kEquation, index,
-               fmt::format("there is no {} '{}' for this {}", second_order() ? "velocity" : "state",
-                           printable(equation.name), equation_name()),
-               name_hint(equation.name, wanted, second_order() ? "velocities" : "states"));
+        texts_.report(
+            Part::kEquation, index,
+            fmt::format("there is no {} '{}' for this {}", second_order() ? "velocity" : "state",
+                        printable(equation.name), equation_name()),
+            name_hint(equation.name, wanted, second_order() ? "velocities" : "states"));
         continue;
       }
       const std::size_t of = found - wanted.begin();
       if (given[of]) {
-        report(Part::kEquation, index,
-               fmt::format("the {} of '{}' is given twice", equation_name(), equation.name));
+        texts_.report(Part::kEquation, index,
+                      fmt::format("the {} of '{}' is given twice", equation_name(), equation.name));
         continue;
       }
       given[of] = true;
-      values[of] = parse(Part::kEquation, index, equation.text);
+      values[of] = texts_.parse(Part::kEquation, index, equation.text);
       if (values[of]) check_type(index, text_.states[of].kind, equation.name, *values[of]);
     }
     for (std::size_t i = 0; i < wanted.size(); ++i) {
       if (!given[i])
-        report(second_order() ? Part::kVelocity : Part::kState, static_cast<int>(i),
-               fmt::format("the {} of '{}' is missing", equation_name(), wanted[i]));
+        texts_.report(second_order() ? Part::kVelocity : Part::kState, static_cast<int>(i),
+                      fmt::format("the {} of '{}' is missing", equation_name(), wanted[i]));
       if (values[i])
         parts_.outputs.insert(parts_.outputs.end(), values[i]->nodes.begin(),
                               values[i]->nodes.end());
@@ -268,13 +231,9 @@ class SystemReader {
         value.kind != ExpressionValue::Kind::kCondition)
       return;
     const std::string wanted = size == 1 ? "number" : fmt::format("vector of {}", size);
-    out_.errors.push_back({Part::kEquation,
-                           index,
-                           true,
-                           {0,
-                            fmt::format("the {} of '{}' has to be a {}, not a {}", equation_name(),
-                                        name, wanted, value.type()),
-                            ""}});
+    texts_.report_text(Part::kEquation, index,
+                       fmt::format("the {} of '{}' has to be a {}, not a {}", equation_name(), name,
+                                   wanted, value.type()));
   }
 
   /// The state gets the time, and the input that stands for it is read from there.
@@ -311,7 +270,7 @@ class SystemReader {
   const ExpressionSystemText& text_;
   ParsedExpressionSystem& out_;
   ExpressionSystemParts parts_;
-  ExpressionScope scope_;
+  ModelTextReader texts_;
   NodeId time_ = -1;
   int clock_ = -1;
 };

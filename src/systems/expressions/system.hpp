@@ -2,19 +2,12 @@
 
 #include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 
-#include "systems/expressions/parser.hpp"
+#include "systems/expressions/model_texts.hpp"
 #include "systems/system.hpp"
 
 namespace conddp {
-
-/// An expression with the name of what it gives.
-struct NamedExpression {
-  std::string name;
-  std::string text;
-};
 
 /// A state of a system of expressions, or a position of a second-order one.
 struct ExpressionState {
@@ -40,31 +33,12 @@ struct ExpressionSystemText {
   std::vector<ExpressionState> states;
   std::vector<Column> velocities;  ///< of a second-order system, one for each position
   std::vector<Column> controls;
-  std::vector<std::pair<std::string, double>> parameters;
-  std::vector<std::pair<std::string, std::shared_ptr<const SplineTable>>> tables;
+  NamedParameters parameters;
+  NamedTables tables;
   std::vector<NamedExpression> definitions;
   /// The rate, acceleration or next value of each state, by its name (of a second-order system by
   /// that of the velocity), in any order.
   std::vector<NamedExpression> equations;
-};
-
-/// What is wrong with a system in words, or not smooth about it, and in which part.
-struct ExpressionSystemMessage {
-  enum class Part {
-    kState,
-    kVelocity,
-    kControl,
-    kParameter,
-    kTable,
-    kDefinition,
-    kEquation,
-    kWhole
-  };
-  Part part = Part::kWhole;
-  int index = 0;
-  /// Whether it is about the text of the expression, in which it has an offset, or about the name.
-  bool in_text = false;
-  ExpressionMessage message;
 };
 
 /// A system, or why there is none.
@@ -72,8 +46,8 @@ struct ParsedExpressionSystem {
   std::shared_ptr<const System> system;
   /// A state to begin from: all numbers 0, no rotation, the clock at 0 and going.
   std::vector<double> usual_state;
-  std::vector<ExpressionSystemMessage> errors;
-  std::vector<ExpressionSystemMessage> warnings;
+  std::vector<ModelMessage> errors;
+  std::vector<ModelMessage> warnings;
 };
 
 /// Makes a system of expressions. Where these depend on the time, the state gets the clock `t` (s):

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "systems/expressions/parser.hpp"
+
+namespace conddp {
+
+/// An expression with the name of what it gives.
+struct NamedExpression {
+  std::string name;
+  std::string text;
+};
+
+using NamedParameters = std::vector<std::pair<std::string, double>>;
+using NamedTables = std::vector<std::pair<std::string, std::shared_ptr<const SplineTable>>>;
+
+/// What is wrong with a system or residual in words, or not smooth about it, and in which text.
+struct ModelMessage {
+  enum class Part {
+    kState,
+    kVelocity,
+    kControl,
+    kParameter,
+    kTable,
+    kDefinition,
+    kEquation,  ///< of a system
+    kRow,       ///< of a residual
+    kWhole
+  };
+  Part part = Part::kWhole;
+  int index = 0;
+  /// Whether it is about the text of the expression, in which it has an offset, or about the name.
+  bool in_text = false;
+  ExpressionMessage message;
+};
+
+/// Reads the texts of a model into a graph and a scope; what is wrong goes into lists.
+class ModelTextReader {
+ public:
+  using Part = ModelMessage::Part;
+
+  /// `time_is_known`: the name `t` means the time, whether it is in the scope yet or not.
+  ModelTextReader(ExpressionGraph& graph, bool time_is_known, std::vector<ModelMessage>& errors,
+                  std::vector<ModelMessage>& warnings)
+      : graph_(graph), time_is_known_(time_is_known), errors_(errors), warnings_(warnings) {}
+
+  ExpressionScope& scope() { return scope_; }
+  bool good() const { return errors_.empty(); }
+
+  /// About a name, or the model as a whole.
+  void report(Part part, int index, std::string message, std::string hint = {});
+  /// About the text of an expression.
+  void report_text(Part part, int index, std::string message);
+  /// Adds a name, or reports why it cannot be one.
+  void add(Part part, int index, const std::string& name, ExpressionValue value);
+  void add_parameters(const NamedParameters& parameters);
+  void add_tables(const NamedTables& tables);
+  /// In their order, up to the first that is wrong: later ones would stumble over it.
+  void add_definitions(const std::vector<NamedExpression>& definitions);
+  /// The value of an expression; nothing where it is wrong.
+  std::optional<ExpressionValue> parse(Part part, int index, const std::string& text);
+
+ private:
+  bool check_name(Part part, int index, const std::string& name);
+
+  ExpressionGraph& graph_;
+  const bool time_is_known_;
+  std::vector<ModelMessage>& errors_;
+  std::vector<ModelMessage>& warnings_;
+  ExpressionScope scope_;
+};
+
+}  // namespace conddp
