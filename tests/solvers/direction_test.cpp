@@ -119,7 +119,7 @@ TEST(Direction, WithControlBoundsItIsTheQuadraticProgramsSolution) {
       for (int k = 0; k < model.problem.knots(); ++k)
         for (int i = 0; i < model.problem.nu(k); ++i) {
           const bool at_bound = optimum.multipliers[model.bounds.offset(k) + i] != 0;
-          EXPECT_EQ(model.direction.policy().holds(k, i), at_bound) << k << ' ' << i;
+          EXPECT_EQ(model.direction.active_set().holds(k, i), at_bound) << k << ' ' << i;
           (at_bound ? held : free)++;
           if (!at_bound) continue;
           EXPECT_EQ(model.direction.feedback().K[k].row(i).norm(), 0) << k << ' ' << i;

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "solvers/riccati/adjoint.hpp"
+#include "solvers/riccati/box_stage.hpp"
 #include "support/dense_horizon.hpp"
 #include "support/linear_quadratic.hpp"
 
@@ -25,7 +26,7 @@ struct Descent {
         trajectory(random_guess(problem, seed)),
         adjoint(problem, bounds),
         sweep(problem, bounds),
-        policy(box_stage(problem, {})),
+        stages(box_stage(problem, {})),
         feedback(problem),
         rollout(problem, bounds),
         augmentation(problem),
@@ -49,8 +50,8 @@ struct Descent {
     descent.start(rollout, trajectory, adjoint.gradient(), sweep, constraints, linearization);
   }
   int run_sweep() {
-    policy->release();
-    return sweep.run(linearization, trajectory, gaps, {}, *policy, feedback, true);
+    stages->active_set().release();
+    return sweep.run(linearization, trajectory, gaps, {}, *stages, feedback, true);
   }
   /// ½ w dist²(u + δu + ν/w, bounds) where ν balances the gradient at a bound.
   void penalize_controls() {
@@ -92,7 +93,7 @@ struct Descent {
   Trajectory trajectory;
   Adjoint adjoint;
   BackwardSweep sweep;
-  std::unique_ptr<StagePolicy> policy;
+  std::unique_ptr<StageSolver> stages;
   Feedback feedback;
   LinearRollout rollout;
   Augmentation augmentation;
@@ -133,14 +134,14 @@ TEST(HorizonDescent, FallsToTheMinimumOfThePenalisedModel) {
     EXPECT_LT((at.dense->S.transpose() * at.gradient(z)).lpNorm<Eigen::Infinity>(), 1e-7);
     rows_outside += static_cast<int>((at.rows.outside(z).array() != 0).count());
 
-    at.descent.leave(*at.policy, at.linearization);
+    at.descent.leave(at.stages->active_set(), at.linearization);
     const Eigen::VectorXd outside = at.controls.outside(z);
     ASSERT_EQ(
-        at.sweep.run(at.linearization, at.trajectory, at.gaps, {}, *at.policy, at.feedback, true),
+        at.sweep.run(at.linearization, at.trajectory, at.gaps, {}, *at.stages, at.feedback, true),
         -1);
     for (int k = 0, i = 0; k < at.problem.knots(); ++k)
       for (int j = 0; j < at.problem.nu(k); ++j, ++i) {
-        EXPECT_EQ(at.policy->holds(k, j), outside[i] != 0) << k << ' ' << j;
+        EXPECT_EQ(at.stages->active_set().holds(k, j), outside[i] != 0) << k << ' ' << j;
         if (outside[i] == 0) continue;
         ++controls_outside;
         const double bound = (outside[i] < 0 ? at.controls.lower : at.controls.upper)[i];

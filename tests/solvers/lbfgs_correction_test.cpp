@@ -11,13 +11,6 @@
 namespace conddp::testing {
 namespace {
 
-/// Holds the controls that it is told to.
-struct HoldingPolicy : StagePolicy {
-  bool solve(const StageProblem&, Eigen::Ref<Eigen::VectorXd>, LaneBlock) override { return false; }
-  bool holds(int knot, int i) const override { return held[knot][i]; }
-  std::vector<std::vector<bool>> held;
-};
-
 /// The BFGS inverse Hessian of pairs (s, y) from M⁻¹ on, oldest first (Nocedal, Wright, 6.17).
 Eigen::MatrixXd inverse_hessian(
     const Eigen::MatrixXd& M, const std::deque<std::pair<Eigen::VectorXd, Eigen::VectorXd>>& all) {
@@ -43,10 +36,10 @@ class SteppedModel {
         held_(std::move(held)),
         random_(seed),
         feedback(*lq_.problem),
-        memory(bounds_) {
+        memory(bounds_),
+        active_set(*lq_.problem) {
     randomize(*lq_.problem, random_, linearization_);
-    for (int k = 0; k < 4; ++k) policy.held.emplace_back(lq_.problem->nu(k), false);
-    for (const auto& [k, i] : held_) policy.held[k][i] = true;
+    for (const auto& [k, i] : held_) hold(k, i, 1);
     sweep();
     M = Eigen::MatrixXd::Zero(bounds_.size(), bounds_.size());
     for (int k = 0; k < 4; ++k) {
@@ -71,7 +64,11 @@ class SteppedModel {
       all.segment(bounds_.offset(k), feedback.k[k].size()) = feedback.k[k];
     return all;
   }
-  void observe() { memory.observe(feedback, sweep_, policy); }
+  /// Holds one control of a knot and no other, or, on side 0, none.
+  void hold(int k, int i, double side) {
+    active_set.assume_sides(k, side * Eigen::VectorXd::Unit(lq_.problem->nu(k), i));
+  }
+  void observe() { memory.observe(feedback, sweep_, active_set); }
   /// Takes the step of `feedback`: gradients change by that of costs whose curvature is another.
   void step() {
     LinearRollout rollout(*lq_.problem, bounds_);
@@ -96,14 +93,14 @@ class SteppedModel {
   Linearization linearization_;
   Gaps gaps_;
   BackwardSweep sweep_;
-  std::unique_ptr<StagePolicy> stages_;
+  std::unique_ptr<StageSolver> stages_;
   std::vector<std::pair<int, int>> held_;
   RandomNumbers random_;
 
  public:
   Feedback feedback;
   LbfgsCorrection memory;
-  HoldingPolicy policy;
+  ActiveSet active_set;
   Eigen::MatrixXd M;  ///< Hessian of the sweep's model in the free entries of v, else the identity
 };
 
@@ -170,7 +167,7 @@ TEST(LbfgsCorrection, PairsOfAnotherActiveSetAreForgotten) {
     if (on_its_way)
       model.feedback.k[3][1] = 0.1;  // to the bound that holds it
     else
-      model.policy.held[3][1] = false;
+      model.hold(3, 1, 0);
     model.observe();
     EXPECT_FALSE(model.memory.correct(model.feedback)) << on_its_way;
   }
@@ -194,10 +191,10 @@ std::optional<double> corrected_after(double k, bool taken = true) {
   EXPECT_EQ(sweep.Quu(0)(0, 0), 2);
   LbfgsCorrection memory(bounds);
   feedback.k[0][0] = 1;
-  memory.observe(feedback, sweep, *stages);
+  memory.observe(feedback, sweep, stages->active_set());
   if (taken) memory.step_taken(feedback);
   feedback.k[0][0] = k;
-  memory.observe(feedback, sweep, *stages);
+  memory.observe(feedback, sweep, stages->active_set());
   if (!memory.correct(feedback)) return std::nullopt;
   return feedback.k[0][0];
 }

@@ -4,6 +4,7 @@
 
 #include "solvers/ddp/ddp_solver.hpp"
 #include "solvers/globalization/open_gap_search.hpp"
+#include "solvers/riccati/box_stage.hpp"
 #include "solvers/strategies/registry.hpp"
 #include "support/small_problems.hpp"
 
@@ -20,12 +21,12 @@ struct SweptIterate {
         trajectory(std::move(guess)),
         adjoint(problem, bounds),
         sweep(problem, bounds),
-        policy(box ? box_stage(problem, {}) : unconstrained_stage(problem)),
+        stages(box ? box_stage(problem, {}) : unconstrained_stage(problem)),
         feedback(problem),
         rollout(problem, bounds) {
     evaluator.differentiate(trajectory, linearization);
     gaps.set(linearization, true);
-    EXPECT_EQ(sweep.run(linearization, trajectory, gaps, {}, *policy, feedback), -1);
+    EXPECT_EQ(sweep.run(linearization, trajectory, gaps, {}, *stages, feedback), -1);
     adjoint.compute(linearization, trajectory, gaps, feedback);
     rollout.run(linearization, trajectory, gaps, feedback, box);
   }
@@ -44,7 +45,7 @@ struct SweptIterate {
   Trajectory trajectory;
   Adjoint adjoint;
   BackwardSweep sweep;
-  std::unique_ptr<StagePolicy> policy;
+  std::unique_ptr<StageSolver> stages;
   Feedback feedback;
   LinearRollout rollout;
 };
@@ -88,7 +89,7 @@ TEST(BackwardSweep, FromAKnotIsTheWholeSweepWhereNothingBehindItChanged) {
   constexpr int kChanged = 7;
   at.linearization.knots[kChanged].gradient *= 2;
   const auto sweep = [&](std::optional<int> from) {
-    EXPECT_EQ(at.sweep.run(at.linearization, at.trajectory, at.gaps, {}, *at.policy, at.feedback,
+    EXPECT_EQ(at.sweep.run(at.linearization, at.trajectory, at.gaps, {}, *at.stages, at.feedback,
                            true, from),
               -1);
     return at.feedback;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "solvers/riccati/backward_sweep.hpp"
+#include "solvers/riccati/box_stage.hpp"
 #include "solvers/strategies/registry.hpp"
 #include "support/small_problems.hpp"
 
@@ -65,13 +66,13 @@ struct Swept {
         gaps(problem),
         trajectory(problem.create_trajectory()),
         sweep(problem, bounds),
-        policy(unconstrained_stage(problem)),
+        stages(unconstrained_stage(problem)),
         feedback(problem) {
     evaluator.differentiate(trajectory, linearization);
     gaps.set(linearization, true);
   }
   int run(RegularizationKind kind, double weight) {
-    return sweep.run(linearization, trajectory, gaps, {kind, weight}, *policy, feedback);
+    return sweep.run(linearization, trajectory, gaps, {kind, weight}, *stages, feedback);
   }
   ControlBounds bounds;
   Evaluator evaluator;
@@ -79,7 +80,7 @@ struct Swept {
   Gaps gaps;
   Trajectory trajectory;
   BackwardSweep sweep;
-  std::unique_ptr<StagePolicy> policy;
+  std::unique_ptr<StageSolver> stages;
   Feedback feedback;
 };
 
@@ -156,12 +157,12 @@ TEST(BackwardSweep, ValueIsTheCostOfThePolicyWhereAControlIsClamped) {
       linear_system(one, one, Eigen::VectorXd::Zero(1)), Integrator::discrete, 3, 1, {1},
       {{0}, {1}, {0.5}, {0.25}, false}, -bound, bound);
   Swept swept(problem);
-  swept.policy = box_stage(problem, {});
+  swept.stages = box_stage(problem, {});
   for (int k = 0; k < 3; ++k) swept.trajectory.u(k)[0] = 0.1;
   ASSERT_EQ(swept.evaluator.simulate(swept.trajectory), -1);
   swept.evaluator.differentiate(swept.trajectory, swept.linearization);
   ASSERT_EQ(swept.run(RegularizationKind::control, 0), -1);
-  EXPECT_GT(swept.policy->clamped_controls(), 0);
+  EXPECT_GT(swept.stages->active_set().clamped_controls(), 0);
   EXPECT_EQ(swept.feedback.k[0][0], -bound - 0.1);
   EXPECT_EQ(swept.feedback.K[0](0, 0), 0);
   const auto cost_of_policy = [&](double dx) {

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "solvers/riccati/box_stage.hpp"
 #include "solvers/strategies/registry.hpp"
 #include "support/conic_problems.hpp"
 #include "support/constrained_problems.hpp"
@@ -99,12 +100,12 @@ int bad_knot(const LinearQuadratic& lq, int segments, int node, const Eigen::Mat
   Gaps gaps(*lq.problem);
   gaps.set(linearization, true);
   BackwardSweep sweep(*lq.problem, bounds, {.count = segments});
-  const auto policy = box_stage(*lq.problem, {}, segments);
+  const auto stages = box_stage(*lq.problem, {}, segments);
   Feedback feedback(*lq.problem);
-  EXPECT_EQ(sweep.run(linearization, guess, gaps, {}, *policy, feedback), -1);
+  EXPECT_EQ(sweep.run(linearization, guess, gaps, {}, *stages, feedback), -1);
   Eigen::MatrixXd& hessian = linearization.knots[node].hessian.change();
   hessian.bottomRightCorner(change.rows(), change.cols()) += change;
-  return sweep.run(linearization, guess, gaps, {}, *policy, feedback);
+  return sweep.run(linearization, guess, gaps, {}, *stages, feedback);
 }
 
 TEST(SegmentSweep, AStageWithoutMinimumIsNamedAsFromEndToStart) {

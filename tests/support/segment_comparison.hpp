@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "solvers/riccati/box_stage.hpp"
 #include "solvers/riccati/linear_rollout.hpp"
 
 /// Sweeps by segments beside the one from end to start.
@@ -23,7 +24,7 @@ class SegmentedIterate {
         gaps_(problem),
         trajectory_(guess),
         sweep_(problem, bounds_, segments),
-        policy_(box_stage(problem, {}, segments.count)),
+        stages_(box_stage(problem, {}, segments.count)),
         rollout_(problem, bounds_),
         feedback(problem) {
     Evaluator evaluator(problem);
@@ -56,16 +57,16 @@ class SegmentedIterate {
     for (int k = 1; k <= problem_.knots(); ++k)
       costates.emplace_back(sweep_.value(k).Vx + sweep_.value(k).Vxx * rollout_.dx(k));
   }
-  /// What the policy would change of its active set.
+  /// What would change of the active set.
   int revise() {
     std::optional<int> last;
-    return rollout_.revise(*policy_, last);
+    return rollout_.revise(stages_->active_set(), last);
   }
   const std::vector<Eigen::VectorXd>& step() const { return rollout_.z(); }
 
  private:
   int run(bool hold) {
-    return sweep_.run(linearization_, trajectory_, gaps_, {}, *policy_, feedback, hold);
+    return sweep_.run(linearization_, trajectory_, gaps_, {}, *stages_, feedback, hold);
   }
 
   const ShootingProblem& problem_;
@@ -74,7 +75,7 @@ class SegmentedIterate {
   Gaps gaps_;
   Trajectory trajectory_;
   BackwardSweep sweep_;
-  std::unique_ptr<StagePolicy> policy_;
+  std::unique_ptr<StageSolver> stages_;
   LinearRollout rollout_;
 
  public:

@@ -90,8 +90,8 @@ double HorizonDescent::step_length(const LinearRollout& minimum, HorizonConstrai
   return step;
 }
 
-void HorizonDescent::leave(StagePolicy& policy, Linearization& linearization) {
-  for (int k = 0; k < bounds_.knots(); ++k) policy.assume_sides(k, penalties_.outside(k));
+void HorizonDescent::leave(ActiveSet& active_set, Linearization& linearization) {
+  for (int k = 0; k < bounds_.knots(); ++k) active_set.assume_sides(k, penalties_.outside(k));
   penalties_.remove(linearization);
 }
 

@@ -27,7 +27,7 @@ class HorizonDescent {
   bool advance(const LinearRollout& minimum, HorizonConstraints& constraints,
                Linearization& linearization);
   /// Takes the penalties for bounds out of the model, and holds controls where they pushed.
-  void leave(StagePolicy& policy, Linearization& linearization);
+  void leave(ActiveSet& active_set, Linearization& linearization);
   /// δu = k + K δx ← the point, with the K that there is.
   void write(Feedback& feedback) const;
 

@@ -36,7 +36,7 @@ ProjectedNewton::ProjectedNewton(const ShootingProblem& problem, Evaluator& eval
       linearization_(problem),
       adjoint_(problem, bounds_),
       sweep_(problem, bounds_),
-      policy_(unconstrained_stage(problem)),
+      stages_(unconstrained_stage(problem)),
       gaps_(problem),
       rows_(problem, bounds_),
       feedback_(problem),
@@ -100,7 +100,7 @@ void ProjectedNewton::measure() {
 /// A sweep and the step of its policy in the linear model.
 bool ProjectedNewton::sweep() {
   ++sweeps_;
-  if (sweep_.run(linearization_, trajectory_, gaps_, {}, *policy_, feedback_) >= 0) return false;
+  if (sweep_.run(linearization_, trajectory_, gaps_, {}, *stages_, feedback_) >= 0) return false;
   auto dx = scratch_.head(problem_.ndx());
   dx.setZero();
   for (int k = 0; k <= problem_.knots(); ++k) {

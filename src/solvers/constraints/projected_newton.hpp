@@ -8,7 +8,7 @@
 #include "solvers/constraints/active_rows.hpp"
 #include "solvers/riccati/adjoint.hpp"
 #include "solvers/riccati/backward_sweep.hpp"
-#include "solvers/riccati/stage_policy.hpp"
+#include "solvers/riccati/stage_solver.hpp"
 
 namespace conddp {
 
@@ -77,7 +77,7 @@ class ProjectedNewton {
   Linearization linearization_;
   Adjoint adjoint_;
   BackwardSweep sweep_;
-  std::unique_ptr<StagePolicy> policy_;
+  std::unique_ptr<StageSolver> stages_;
   Gaps gaps_;
   ActiveRows rows_;
   Feedback feedback_;

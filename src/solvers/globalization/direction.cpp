@@ -4,6 +4,8 @@
 #include <limits>
 #include <utility>
 
+#include "solvers/riccati/box_stage.hpp"
+
 namespace conddp {
 namespace {
 
@@ -22,7 +24,7 @@ Direction::Direction(const ShootingProblem& problem, const ControlBounds& bounds
       recipe_(recipe),
       horizon_sweeps_(recipe.box_stage ? options.horizon_sweeps : 0),
       sweep_(problem, bounds, recipe.segments),
-      policy_(recipe.box_stage ? box_stage(problem, options, recipe.segments.count)
+      stages_(recipe.box_stage ? box_stage(problem, options, recipe.segments.count)
                                : unconstrained_stage(problem)),
       linear_rollout_(problem, bounds),
       feedback_(problem),
@@ -30,7 +32,7 @@ Direction::Direction(const ShootingProblem& problem, const ControlBounds& bounds
   if (recipe.null_space) {
     auto stages = std::make_unique<NullSpaceStage>(problem);
     null_space_ = stages.get();
-    policy_ = std::move(stages);
+    stages_ = std::move(stages);
   }
   if (horizon_sweeps_ == 0) return;
   constraints_.emplace(problem);
@@ -98,7 +100,7 @@ int Direction::sweep(const Model& model, bool hold) {
   held_before_ = hold;
   ++sweeps_;
   return sweep_.run(model.linearization, model.trajectory, model.gaps, model.regularization,
-                    *policy_, feedback_, hold, from);
+                    *stages_, feedback_, hold, from);
 }
 
 /// Revises the active set and sweeps, in turn, until nothing changes. False where it does not end.
@@ -131,7 +133,7 @@ int Direction::revise(const Model& model) {
     rows = constraints_->revise(linear_rollout_.z(), allowed, model.linearization, last_row);
   }
   last_change_.reset();
-  const int changes = linear_rollout_.revise(*policy_, last_change_);
+  const int changes = linear_rollout_.revise(stages_->active_set(), last_change_);
   last_change_ = std::max(last_change_, last_row);
   if (last_row == problem_.knots()) last_change_.reset();  // there every sweep begins
   return changes + rows;
@@ -146,17 +148,17 @@ bool Direction::descend(const Model& model) {
   linear_rollout_.respond(linearization, model.gaps, feedback_);
   descent_->start(linear_rollout_, model.trajectory, model.adjoint.gradient(), sweep_,
                   *constraints_, linearization);
-  policy_->release();
+  stages_->active_set().release();
   bool swept = true;
   for (int i = 0; i < horizon_sweeps_; ++i) {
     ++sweeps_;
-    swept = sweep_.run(linearization, model.trajectory, model.gaps, model.regularization, *policy_,
+    swept = sweep_.run(linearization, model.trajectory, model.gaps, model.regularization, *stages_,
                        feedback_, true) < 0;
     if (!swept) break;
     roll(model, false);
     if (descent_->advance(linear_rollout_, *constraints_, linearization)) break;
   }
-  descent_->leave(*policy_, linearization);
+  descent_->leave(stages_->active_set(), linearization);
   return swept;
 }
 
@@ -170,20 +172,20 @@ void Direction::correct(const Linearization& linearization, const Trajectory& tr
     forget_steps();
     return;
   }
-  secants_.observe(feedback_, sweep_, *policy_);
+  secants_.observe(feedback_, sweep_, stages_->active_set());
   corrected_ = secants_.correct(feedback_);
   if (!corrected_) return;
   linear_rollout_.run(linearization, trajectory, gaps, feedback_, false);
   if (step_violates_bounds(trajectory)) undo_correction(linearization, trajectory, gaps);
 }
 
-/// At a control that the policy does not hold.
+/// At a control that the active set leaves free.
 bool Direction::step_violates_bounds(const Trajectory& trajectory) const {
   for (int k = 0; k < problem_.knots(); ++k) {
     const auto u = trajectory.u(k);
     const auto du = linear_rollout_.du(k);
     for (int i = 0; i < du.size(); ++i) {
-      if (policy_->holds(k, i)) continue;
+      if (stages_->active_set().holds(k, i)) continue;
       if (u[i] + du[i] < bounds_.lower(k)[i] || u[i] + du[i] > bounds_.upper(k)[i]) return true;
     }
   }

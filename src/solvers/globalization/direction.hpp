@@ -56,10 +56,10 @@ class Direction {
   /// Sweeps begun since reset(), of the whole horizon or of its beginning.
   int sweeps() const { return sweeps_; }
   const Feedback& feedback() const { return feedback_; }
-  const StagePolicy& policy() const { return *policy_; }
+  const ActiveSet& active_set() const { return stages_->active_set(); }
   /// The stages that keep equality constraints, null where the recipe has none.
   NullSpaceStage* null_space() { return null_space_; }
-  /// The policy's full step in the linear model, cut off at bounds as the rollout proper is.
+  /// The policy's full step in the linear model, clamped to bounds as the rollout proper is.
   const LinearRollout& step() const { return linear_rollout_; }
   /// Whether constraints or barriers are rows of the horizon's model.
   bool models_rows() const { return constraints_.has_value(); }
@@ -102,7 +102,7 @@ class Direction {
   Recipe recipe_;
   int horizon_sweeps_;
   BackwardSweep sweep_;
-  std::unique_ptr<StagePolicy> policy_;
+  std::unique_ptr<StageSolver> stages_;
   NullSpaceStage* null_space_ = nullptr;
   LinearRollout linear_rollout_;
   std::optional<HorizonConstraints> constraints_;
@@ -114,7 +114,7 @@ class Direction {
   int sweeps_ = 0;
   std::optional<int> last_change_;  ///< knot, of the active set or the rows since the last sweep
   bool held_before_ = false;        ///< the last sweep held the active set
-  bool active_set_known_ = false;   ///< the policy holds one of the whole horizon
+  bool active_set_known_ = false;   ///< the stages hold one of the whole horizon
   bool within_bounds_ = false;
   bool model_true_ = false;
   bool unsettled_ = false;

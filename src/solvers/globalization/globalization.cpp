@@ -99,8 +99,8 @@ bool Globalization::step() {
   row.regularization = regularization_.value();
   row.penalty = merit_.penalty;
   row.exact_hessian = iterate_.hessian.exact_in_use();
-  row.clamped_controls = direction_.policy().clamped_controls();
-  row.active_set_changes = direction_.policy().active_set_changes();
+  row.clamped_controls = direction_.active_set().clamped_controls();
+  row.active_set_changes = direction_.active_set().changes();
   if (search_.step >= options_.regularization.decrease_step) {
     regularization_.decrease();
   } else if (search_.step <= options_.regularization.increase_step && !equality_search_) {

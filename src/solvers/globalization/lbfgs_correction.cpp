@@ -38,11 +38,11 @@ void LbfgsCorrection::stack(const std::vector<Eigen::VectorXd>& parts,
 
 /// Marks the entries that are free. False where that differs from before, or where a control is on
 /// its way to the bound that holds it.
-bool LbfgsCorrection::free_entries(const Feedback& feedback, const StagePolicy& policy) {
+bool LbfgsCorrection::free_entries(const Feedback& feedback, const ActiveSet& active_set) {
   bool same = true;
   for (int k = 0; k < bounds_.knots(); ++k) {
     for (int i = 0; i < feedback.k[k].size(); ++i) {
-      const bool held = policy.holds(k, i);
+      const bool held = active_set.holds(k, i);
       double& free = free_[bounds_.offset(k) + i];
       same = same && free == (held ? 0 : 1) && (!held || feedback.k[k][i] == 0);
       free = held ? 0 : 1;
@@ -52,8 +52,8 @@ bool LbfgsCorrection::free_entries(const Feedback& feedback, const StagePolicy& 
 }
 
 void LbfgsCorrection::observe(const Feedback& feedback, const BackwardSweep& sweep,
-                              const StagePolicy& policy) {
-  if (!free_entries(feedback, policy)) clear();
+                              const ActiveSet& active_set) {
+  if (!free_entries(feedback, active_set)) clear();
   stack(feedback.k, new_d_);
   for (int k = 0; k < bounds_.knots(); ++k) {
     const auto d = new_d_.segment(bounds_.offset(k), feedback.k[k].size());

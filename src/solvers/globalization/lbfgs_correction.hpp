@@ -6,8 +6,8 @@
 
 #include "ocp/evaluation/evaluator.hpp"
 #include "solvers/common/control_bounds.hpp"
+#include "solvers/riccati/active_set.hpp"
 #include "solvers/riccati/backward_sweep.hpp"
-#include "solvers/riccati/stage_policy.hpp"
 
 namespace conddp {
 
@@ -25,7 +25,7 @@ class LbfgsCorrection {
   void clear();
   /// Shows the direction that a sweep without regularisation found; with the step taken before it
   /// makes a pair.
-  void observe(const Feedback& feedback, const BackwardSweep& sweep, const StagePolicy& policy);
+  void observe(const Feedback& feedback, const BackwardSweep& sweep, const ActiveSet& active_set);
   /// Replaces the k that were observed by corrected ones; false where nothing is known.
   bool correct(Feedback& feedback);
   /// Puts the observed k back.
@@ -40,7 +40,7 @@ class LbfgsCorrection {
     double weight = 0;        ///< of the first loop
   };
   void stack(const std::vector<Eigen::VectorXd>& parts, Eigen::VectorXd& whole) const;
-  bool free_entries(const Feedback& feedback, const StagePolicy& policy);
+  bool free_entries(const Feedback& feedback, const ActiveSet& active_set);
   void add_pair(const BackwardSweep& sweep);
 
   const ControlBounds& bounds_;

@@ -5,8 +5,8 @@
 #include "solvers/common/finite_check.hpp"
 #include "solvers/ipopt/ipopt_solver.hpp"
 #include "solvers/riccati/backward_sweep.hpp"
+#include "solvers/riccati/box_stage.hpp"
 #include "solvers/riccati/regularization.hpp"
-#include "solvers/riccati/stage_policy.hpp"
 
 namespace conddp {
 namespace {
@@ -114,13 +114,13 @@ Feedback IpoptSolver::find_gains(const Trajectory& trajectory, const Eigen::Vect
   Gaps gaps(problem_);
   gaps.set(linearization, true);
   BackwardSweep sweep(problem_, bounds_);
-  const auto policy = box_stage(problem_, options_.box_qp);
+  const auto stages = box_stage(problem_, options_.box_qp);
   SolverOptions::Regularization from_zero = options_.regularization;
   from_zero.initial = 0;
   RegularizationSchedule schedule(from_zero);
   do {
     if (sweep.run(linearization, trajectory, gaps, {options_.regularization.kind, schedule.value()},
-                  *policy, gains) >= 0)
+                  *stages, gains) >= 0)
       continue;
     gain_regularization_ = schedule.value();
     return gains;

@@ -15,14 +15,14 @@ BackwardSweep::BackwardSweep(const ShootingProblem& problem, const ControlBounds
 }
 
 int BackwardSweep::run(const Linearization& linearization, const Trajectory& trajectory,
-                       const Gaps& gaps, SweepRegularization regularization, StagePolicy& policy,
+                       const Gaps& gaps, SweepRegularization regularization, StageSolver& stages,
                        Feedback& feedback, bool hold, std::optional<int> from) {
   const int N = bounds_.knots();
   const SweptHorizon horizon{linearization, trajectory, gaps, bounds_};
-  policy.begin_horizon(linearization, gaps);
-  policy.begin_sweep(hold);
+  stages.begin_horizon(linearization, gaps);
+  stages.active_set().begin_sweep(hold);
   if (goes_by_segments(hold, regularization))
-    if (const auto bad_knot = segments_->run(horizon, policy, feedback, values_, Quu_))
+    if (const auto bad_knot = segments_->run(horizon, stages, feedback, values_, Quu_))
       return *bad_knot;
   // Values in front of the last segment are not those that a sweep could go on from.
   if (segments_) from.reset();
@@ -35,8 +35,8 @@ int BackwardSweep::run(const Linearization& linearization, const Trajectory& tra
     if ((N - k) % kKnotsBetweenCheckpoints == 0) pass_checkpoint();
     stage_.propagate(horizon, k, values_[k + 1]);
     Quu_[k] = stage_.q().Quu();
-    if (!stage_.solve(horizon, k, regularization, policy, feedback)) return k;
-    const bool true_gains = !regularization.in_gains() && policy.minimizes_freely();
+    if (!stage_.solve(horizon, k, regularization, stages, feedback)) return k;
+    const bool true_gains = !regularization.in_gains() && stages.minimizes_freely();
     if (!stage_.form_value(values_[k], feedback.k[k], true_gains)) return k;
   }
   if (segments_) segments_->start_from(values_);

@@ -10,7 +10,7 @@
 namespace conddp {
 
 /// The Riccati sweep of every DDP solver: from the last node to the first it prepares the next
-/// value (gap), lets a policy solve the stage with regularised second derivatives, and forms the
+/// value (gap), lets a solver minimise the stage with regularised second derivatives, and forms the
 /// value of the resulting policy with the true ones, which also holds where controls are clamped:
 ///   V_x  = Q_x + Kᵀ Q_uu k + Kᵀ Q_u + Q_xu k,
 ///   V_xx = Q_xx + Kᵀ Q_uu K + Kᵀ Q_ux + Q_xu K.
@@ -27,11 +27,11 @@ class BackwardSweep {
                 Segments segments = {});
 
   /// Fills `feedback`, for the full step that closes the gaps. Returns the knot
-  /// whose stage has no minimum or is not finite, or −1 where all went well. `hold` is passed on
-  /// to the policy. With `from` the sweep begins at that knot: what stands behind it is as the
-  /// sweep before saw it, and so are its values and its part of `feedback`.
+  /// whose stage has no minimum or is not finite, or −1 where all went well. `hold`: see
+  /// ActiveSet::begin_sweep. With `from` the sweep begins at that knot: what stands behind it is as
+  /// the sweep before saw it, and so are its values and its part of `feedback`.
   int run(const Linearization& linearization, const Trajectory& trajectory, const Gaps& gaps,
-          SweepRegularization regularization, StagePolicy& policy, Feedback& feedback,
+          SweepRegularization regularization, StageSolver& stages, Feedback& feedback,
           bool hold = false, std::optional<int> from = {});
 
   /// Value at node k after a sweep, with respect to δx_k.

@@ -75,10 +75,10 @@ double LinearRollout::curvature(const Linearization& linearization) {
   return sum;
 }
 
-int LinearRollout::revise(StagePolicy& policy, std::optional<int>& last) const {
+int LinearRollout::revise(ActiveSet& active_set, std::optional<int>& last) const {
   int changes = 0;
   for (int k = 0; k < bounds_.knots(); ++k) {
-    const int here = policy.revise(k, dx(k), du(k));
+    const int here = active_set.revise(k, dx(k), du(k));
     if (here > 0) last = k;
     changes += here;
   }

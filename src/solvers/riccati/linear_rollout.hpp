@@ -7,9 +7,9 @@
 
 #include "ocp/evaluation/evaluator.hpp"
 #include "solvers/common/control_bounds.hpp"
+#include "solvers/riccati/active_set.hpp"
 #include "solvers/riccati/backward_sweep.hpp"
 #include "solvers/riccati/gap_transport.hpp"
-#include "solvers/riccati/stage_policy.hpp"
 
 namespace conddp {
 
@@ -38,9 +38,9 @@ class LinearRollout {
   double slope() const { return slope_; }
   /// dᵀ Hessian d.
   double curvature(const Linearization& linearization);
-  /// Shows every knot's step to the policy for revision of its active set (StagePolicy::revise);
+  /// Shows every knot's step to the active set for revision (ActiveSet::revise);
   /// returns how many entries changed. `last` ← the last knot at which one did, if any.
-  int revise(StagePolicy& policy, std::optional<int>& last) const;
+  int revise(ActiveSet& active_set, std::optional<int>& last) const;
 
  private:
   const ControlBounds& bounds_;

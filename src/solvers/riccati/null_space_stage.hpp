@@ -6,7 +6,7 @@
 #include "solvers/linalg/lane_matrix.hpp"
 #include "solvers/linalg/row_elimination.hpp"
 #include "solvers/riccati/linear_rollout.hpp"
-#include "solvers/riccati/stage_policy.hpp"
+#include "solvers/riccati/stage_solver.hpp"
 
 namespace conddp {
 
@@ -20,7 +20,7 @@ namespace conddp {
 ///   δu = −Q₁ (n + N δx) + Z b, b = −(Zᵀ Q_uu Z)⁻¹ Zᵀ (Q_u + Q_ux δx − Q_uu Q₁ (n + N δx)).
 /// Rows left without control, orthonormalised in the state's columns, are the H δx + h = 0 of this
 /// node; dependent ones are left out, and say nothing new unless they contradict the others.
-class NullSpaceStage : public StagePolicy {
+class NullSpaceStage : public StageSolver {
  public:
   explicit NullSpaceStage(const ShootingProblem& problem);
 

@@ -37,7 +37,7 @@ ParametricSegment::ParametricSegment(const ShootingProblem& problem, int index, 
                         Eigen::VectorXd(ndx_)});
 }
 
-bool ParametricSegment::sweep(const SweptHorizon& horizon, StagePolicy& policy, Feedback& feedback,
+bool ParametricSegment::sweep(const SweptHorizon& horizon, StageSolver& stages, Feedback& feedback,
                               std::vector<ValueFunction>& values,
                               std::vector<Eigen::MatrixXd>& Quu) {
   s_.setZero();
@@ -46,7 +46,7 @@ bool ParametricSegment::sweep(const SweptHorizon& horizon, StagePolicy& policy, 
     stage_.propagate(horizon, k, k + 1 == last_ ? end_ : values[k + 1]);
     Quu[k] = stage_.q().Quu();
     pull_parameters(horizon, k);
-    if (!solve(horizon, k, policy, feedback)) return false;
+    if (!solve(horizon, k, stages, feedback)) return false;
     if (!stage_.form_value(values[k], feedback.k[k], true)) return false;
     form_parameters(k, feedback.k[k]);
   }
@@ -74,7 +74,7 @@ void ParametricSegment::pull_parameters(const SweptHorizon& horizon, int k) {
   Zt_.view().leftCols(nv) += L.view().leftCols(nv);
 }
 
-bool ParametricSegment::solve(const SweptHorizon& horizon, int k, StagePolicy& policy,
+bool ParametricSegment::solve(const SweptHorizon& horizon, int k, StageSolver& stages,
                               Feedback& feedback) {
   const int nu = stage_.q().nu();
   stacked_.resize(row_ + ndx_, nu);
@@ -82,7 +82,7 @@ bool ParametricSegment::solve(const SweptHorizon& horizon, int k, StagePolicy& p
   stacked.topRows(ndx_) = stage_.q().Qxu();
   stacked.middleRows(ndx_, row_ - ndx_).setZero();
   stacked.bottomRows(ndx_) = Zt_.view().rightCols(nu);
-  if (!stage_.solve(horizon, k, stacked, index_, policy, feedback)) return false;
+  if (!stage_.solve(horizon, k, stacked, index_, stages, feedback)) return false;
   if (nu > 0) Kt_[k - first_] = stage_.Kt().view().middleRows(row_, ndx_);
   return true;
 }
@@ -100,7 +100,7 @@ void ParametricSegment::form_parameters(int k, const Eigen::VectorXd& feedforwar
 }
 
 void ParametricSegment::apply(int part, const SweptHorizon& horizon, const Eigen::VectorXd& theta,
-                              StagePolicy& policy, Feedback& feedback,
+                              ActiveSet& active_set, Feedback& feedback,
                               std::vector<ValueFunction>& values) {
   auto& [costate, gradients, product] = scratch_[part];
   const int parts = static_cast<int>(scratch_.size()), knots = last_ - first_;
@@ -109,14 +109,12 @@ void ParametricSegment::apply(int part, const SweptHorizon& horizon, const Eigen
     values[k].Vx.noalias() += Lt_[k - first_].view().transpose() * theta;
     const int nu = static_cast<int>(feedback.k[k].size());
     feedback.k[k].noalias() += Kt_[k - first_].transpose() * theta;
-    bool held = false;
-    for (int i = 0; i < nu; ++i) held = held || policy.holds(k, i);
-    if (!held) continue;
+    if (!active_set.holds_any(k)) continue;
     costate.noalias() = Lt_[k + 1 - first_].view().transpose() * theta;
     horizon.gaps[k].pull(costate);
     auto gradient = gradients.head(ndx_ + nu);
     horizon.linearization.knots[k].apply_transpose(costate, gradient, product);
-    policy.change_gradient(k, gradient.tail(nu));
+    active_set.change_gradient(k, gradient.tail(nu));
   }
 }
 

@@ -26,7 +26,7 @@ class ParametricSegment {
 
   /// Fills values, Q_uu and feedback of its knots, for θ = 0. False where a stage has no minimum or
   /// is not finite.
-  bool sweep(const SweptHorizon& horizon, StagePolicy& policy, Feedback& feedback,
+  bool sweep(const SweptHorizon& horizon, StageSolver& stages, Feedback& feedback,
              std::vector<ValueFunction>& values, std::vector<Eigen::MatrixXd>& Quu);
   /// Lᵀ (ndx x ndx), s, and S in its lower triangle, at its first node.
   LaneMatrix& Lt() { return Lt_.front(); }
@@ -36,7 +36,7 @@ class ParametricSegment {
   /// After a sweep: linear terms of values, policy and feedback for this θ, in one part of the
   /// knots. Parts may be done side by side.
   void apply(int part, const SweptHorizon& horizon, const Eigen::VectorXd& theta,
-             StagePolicy& policy, Feedback& feedback, std::vector<ValueFunction>& values);
+             ActiveSet& active_set, Feedback& feedback, std::vector<ValueFunction>& values);
 
  private:
   struct Scratch {
@@ -44,7 +44,7 @@ class ParametricSegment {
   };
 
   void pull_parameters(const SweptHorizon& horizon, int k);
-  bool solve(const SweptHorizon& horizon, int k, StagePolicy& policy, Feedback& feedback);
+  bool solve(const SweptHorizon& horizon, int k, StageSolver& stages, Feedback& feedback);
   void form_parameters(int k, const Eigen::VectorXd& feedforward);
 
   int index_, first_, last_, ndx_, row_;

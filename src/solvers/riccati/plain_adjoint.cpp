@@ -9,7 +9,7 @@ PlainAdjoint::PlainAdjoint(const ShootingProblem& problem, const ControlBounds& 
       lagrangian_(problem),
       linearization_(problem),
       sweep_(problem, bounds, {}),
-      policy_(unconstrained_stage(problem)),
+      stages_(unconstrained_stage(problem)),
       feedback_(problem),
       adjoint_(problem, bounds) {}
 
@@ -22,7 +22,7 @@ std::optional<double> PlainAdjoint::stationarity(
   from_zero.initial = 0;
   RegularizationSchedule schedule(from_zero);
   while (sweep_.run(linearization_, trajectory, gaps, {regularization.kind, schedule.value()},
-                    *policy_, feedback_) >= 0) {
+                    *stages_, feedback_) >= 0) {
     if (!schedule.increase()) return std::nullopt;
   }
   adjoint_.compute(linearization_, trajectory, gaps, feedback_);

@@ -31,7 +31,7 @@ class PlainAdjoint {
   Augmentation lagrangian_;
   Linearization linearization_;
   BackwardSweep sweep_;
-  std::unique_ptr<StagePolicy> policy_;
+  std::unique_ptr<StageSolver> stages_;
   Feedback feedback_;
   Adjoint adjoint_;
 };

@@ -53,16 +53,16 @@ void SegmentSweep::start_from(const std::vector<ValueFunction>& values) {
   started_ = true;
 }
 
-std::optional<int> SegmentSweep::run(const SweptHorizon& horizon, StagePolicy& policy,
+std::optional<int> SegmentSweep::run(const SweptHorizon& horizon, StageSolver& stages,
                                      Feedback& feedback, std::vector<ValueFunction>& values,
                                      std::vector<Eigen::MatrixXd>& Quu) {
   if (!started_) return std::nullopt;
   const int count = static_cast<int>(segments_.size());
   team_->for_each(count + 1, [&](int i) {
     if (i == count) {
-      bad_knot_ = sweep_last(horizon, policy, feedback, values, Quu);
+      bad_knot_ = sweep_last(horizon, stages, feedback, values, Quu);
     } else {
-      swept_[i] = segments_[i].sweep(horizon, policy, feedback, values, Quu);
+      swept_[i] = segments_[i].sweep(horizon, stages, feedback, values, Quu);
       if (swept_[i]) junctions_[i].factor(segments_[i]);
     }
   });
@@ -72,14 +72,14 @@ std::optional<int> SegmentSweep::run(const SweptHorizon& horizon, StagePolicy& p
   const int parts = team_->threads;
   team_->for_each(count * parts, [&](int i) {
     const int segment = i / parts;
-    segments_[segment].apply(i % parts, horizon, junctions_[segment].theta(), policy, feedback,
-                             values);
+    segments_[segment].apply(i % parts, horizon, junctions_[segment].theta(), stages.active_set(),
+                             feedback, values);
   });
   for (int i = 0; i < count; ++i) segments_[i].end_weight() = true_values_[i].Vxx;
   return -1;
 }
 
-int SegmentSweep::sweep_last(const SweptHorizon& horizon, StagePolicy& policy, Feedback& feedback,
+int SegmentSweep::sweep_last(const SweptHorizon& horizon, StageSolver& stages, Feedback& feedback,
                              std::vector<ValueFunction>& values,
                              std::vector<Eigen::MatrixXd>& Quu) {
   const KnotLinearization& end = horizon.linearization.knots[knots_];
@@ -89,7 +89,7 @@ int SegmentSweep::sweep_last(const SweptHorizon& horizon, StagePolicy& policy, F
   for (int k = knots_ - 1; k >= segments_.back().last(); --k) {
     last_.propagate(horizon, k, values[k + 1]);
     Quu[k] = last_.q().Quu();
-    if (!last_.solve(horizon, k, last_.q().Qxu(), segment, policy, feedback) ||
+    if (!last_.solve(horizon, k, last_.q().Qxu(), segment, stages, feedback) ||
         !last_.form_value(values[k], feedback.k[k], true))
       return k;
   }

@@ -37,12 +37,12 @@ class SegmentSweep {
   /// no minimum or is not finite, −1 where all went well, and nothing where only a whole sweep can
   /// tell: before the first of them, and where the values have changed too much since the one
   /// before.
-  std::optional<int> run(const SweptHorizon& horizon, StagePolicy& policy, Feedback& feedback,
+  std::optional<int> run(const SweptHorizon& horizon, StageSolver& stages, Feedback& feedback,
                          std::vector<ValueFunction>& values, std::vector<Eigen::MatrixXd>& Quu);
 
  private:
   struct Team;
-  int sweep_last(const SweptHorizon& horizon, StagePolicy& policy, Feedback& feedback,
+  int sweep_last(const SweptHorizon& horizon, StageSolver& stages, Feedback& feedback,
                  std::vector<ValueFunction>& values, std::vector<Eigen::MatrixXd>& Quu);
   bool join(const std::vector<ValueFunction>& values);
 

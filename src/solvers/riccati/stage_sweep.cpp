@@ -8,12 +8,6 @@
 
 namespace conddp {
 
-int largest_nu(const ShootingProblem& problem) {
-  int largest = 0;
-  for (int k = 0; k < problem.knots(); ++k) largest = std::max(largest, problem.nu(k));
-  return largest;
-}
-
 int parameter_row(const ShootingProblem& problem) {
   return (problem.ndx() + kLaneWidth - 1) / kLaneWidth * kLaneWidth;
 }
@@ -35,7 +29,7 @@ void StageSweep::propagate(const SweptHorizon& horizon, int k, const ValueFuncti
 }
 
 bool StageSweep::solve(const SweptHorizon& horizon, int k, SweepRegularization regularization,
-                       StagePolicy& policy, Feedback& feedback) {
+                       StageSolver& stages, Feedback& feedback) {
   const int nu = q_.nu(), ndx = q_.ndx();
   if (regularization.in_model()) q_.add_to_diagonal(regularization.weight);
   const bool regular = regularization.in_gains();
@@ -56,12 +50,12 @@ bool StageSweep::solve(const SweptHorizon& horizon, int k, SweepRegularization r
                 .u = horizon.trajectory.u(k),
                 .lower = horizon.bounds.lower(k),
                 .upper = horizon.bounds.upper(k)},
-               policy, feedback);
+               stages, feedback);
 }
 
 bool StageSweep::solve(const SweptHorizon& horizon, int k,
                        const Eigen::Ref<const Eigen::MatrixXd>& Qxu, int segment,
-                       StagePolicy& policy, Feedback& feedback) {
+                       StageSolver& stages, Feedback& feedback) {
   return solve({.knot = k,
                 .Qxu = Qxu,
                 .Quu = q_.Quu(),
@@ -70,17 +64,17 @@ bool StageSweep::solve(const SweptHorizon& horizon, int k,
                 .lower = horizon.bounds.lower(k),
                 .upper = horizon.bounds.upper(k),
                 .segment = segment},
-               policy, feedback);
+               stages, feedback);
 }
 
-bool StageSweep::solve(const StageProblem& stage, StagePolicy& policy, Feedback& feedback) {
+bool StageSweep::solve(const StageProblem& stage, StageSolver& stages, Feedback& feedback) {
   const int nu = q_.nu(), k = stage.knot;
   if (nu == 0) {
-    policy.pass(k);
+    stages.pass(k);
     return true;
   }
   Kt_.resize(static_cast<int>(stage.Qxu.rows()) + 1, nu);
-  if (!policy.solve(stage, feedback.k[k], Kt_.block())) return false;
+  if (!stages.solve(stage, feedback.k[k], Kt_.block())) return false;
   transpose(Kt_.data(), Kt_.stride(), q_.ndx(), nu, feedback.K[k].data(), nu);
   return true;
 }

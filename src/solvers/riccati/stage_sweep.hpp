@@ -5,7 +5,7 @@
 #include "ocp/evaluation/evaluator.hpp"
 #include "solvers/common/control_bounds.hpp"
 #include "solvers/riccati/gap_transport.hpp"
-#include "solvers/riccati/stage_policy.hpp"
+#include "solvers/riccati/stage_solver.hpp"
 #include "solvers/riccati/value.hpp"
 
 namespace conddp {
@@ -21,8 +21,6 @@ struct SweepRegularization {
   bool in_gains() const { return weight > 0 && kind != RegularizationKind::proximal; }
 };
 
-int largest_nu(const ShootingProblem& problem);
-
 /// Where the linear terms of as many parameters as the state has entries begin below those of the
 /// state, which is on a lane, and how many rows there are then.
 int parameter_row(const ShootingProblem& problem);
@@ -37,7 +35,7 @@ struct SweptHorizon {
 };
 
 /// The step of a sweep at one knot, in three parts, and its memory: the next value goes through the
-/// dynamics, a policy solves the stage, and the value of the resulting policy is formed.
+/// dynamics, a solver minimises the stage, and the value of the resulting policy is formed.
 class StageSweep {
  public:
   /// `parametric`: with room for a stage's linear terms of parameters.
@@ -45,13 +43,13 @@ class StageSweep {
 
   /// Fills q() from the value at the next node.
   void propagate(const SweptHorizon& horizon, int k, const ValueFunction& next);
-  /// Lets the policy solve the stage; fills feedback.k and feedback.K of the knot.
+  /// Lets the solver minimise the stage; fills feedback.k and feedback.K of the knot.
   bool solve(const SweptHorizon& horizon, int k, SweepRegularization regularization,
-             StagePolicy& policy, Feedback& feedback);
+             StageSolver& stages, Feedback& feedback);
   /// The same without regularisation, with parameters: `Qxu` has parametric_rows. `segment`: see
   /// StageProblem.
   bool solve(const SweptHorizon& horizon, int k, const Eigen::Ref<const Eigen::MatrixXd>& Qxu,
-             int segment, StagePolicy& policy, Feedback& feedback);
+             int segment, StageSolver& stages, Feedback& feedback);
   /// The value at the knot. `true_gains`: K comes from second derivatives without regularisation.
   /// False where the value is not finite.
   bool form_value(ValueFunction& value, const Eigen::VectorXd& k, bool true_gains);
@@ -61,7 +59,7 @@ class StageSweep {
   LaneMatrix& Kt() { return Kt_; }
 
  private:
-  bool solve(const StageProblem& stage, StagePolicy& policy, Feedback& feedback);
+  bool solve(const StageProblem& stage, StageSolver& stages, Feedback& feedback);
 
   ValuePropagation propagation_;
   ActionValue q_;

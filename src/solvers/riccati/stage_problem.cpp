@@ -1,25 +1,17 @@
+#include "solvers/riccati/stage_problem.hpp"
+
 #include <algorithm>
 
 #include "solvers/linalg/cholesky.hpp"
-#include "solvers/riccati/stage_policy.hpp"
 #include "spatial/lane_part.hpp"
 
 namespace conddp {
-namespace {
 
-class UnconstrainedStage : public StagePolicy {
- public:
-  explicit UnconstrainedStage(int max_nu) : factor_(max_nu, max_nu) {}
-
-  bool solve(const StageProblem& stage, Eigen::Ref<Eigen::VectorXd> k, LaneBlock Kt) override {
-    return stage.solve_free(factor_, k, Kt);
-  }
-
- private:
-  LaneMatrix factor_;
-};
-
-}  // namespace
+int largest_nu(const ShootingProblem& problem) {
+  int largest = 0;
+  for (int k = 0; k < problem.knots(); ++k) largest = std::max(largest, problem.nu(k));
+  return largest;
+}
 
 void StageProblem::negate(int i, LaneBlock to, int j) const {
   const int rows = static_cast<int>(Qxu.rows());
@@ -43,12 +35,6 @@ bool StageProblem::solve_free(LaneMatrix& factor, Eigen::Ref<Eigen::VectorXd> k,
   solve_rows_in_place(factor.block(), Kt);
   for (int j = 0; j < nu; ++j) k[j] = Kt.data[j * Kt.stride + Kt.rows - 1];
   return true;
-}
-
-std::unique_ptr<StagePolicy> unconstrained_stage(const ShootingProblem& problem) {
-  int max_nu = 0;
-  for (int k = 0; k < problem.knots(); ++k) max_nu = std::max(max_nu, problem.nu(k));
-  return std::make_unique<UnconstrainedStage>(max_nu);
 }
 
 }  // namespace conddp

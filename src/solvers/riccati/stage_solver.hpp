@@ -1,0 +1,48 @@
+#pragma once
+
+#include <memory>
+
+#include <Eigen/Core>
+
+#include "ocp/evaluation/linearization.hpp"
+#include "solvers/common/options.hpp"
+#include "solvers/linalg/lane_matrix.hpp"
+#include "solvers/riccati/active_set.hpp"
+#include "solvers/riccati/gap_transport.hpp"
+#include "solvers/riccati/stage_problem.hpp"
+
+namespace conddp {
+
+/// How a solver minimises over the control of a knot. Workspaces are sized at construction; the
+/// number of controls may differ between knots.
+class StageSolver {
+ public:
+  StageSolver() = default;
+  explicit StageSolver(ActiveSet active_set) : active_set_(std::move(active_set)) {}
+  virtual ~StageSolver() = default;
+
+  /// Writes the update δu = k + K δx: `Kt` is K transposed, as large as Q_xu, and below it one more
+  /// row whose content does not matter. False where the stage has no minimum, because (the free
+  /// block of) Q_uu is not positive definite.
+  virtual bool solve(const StageProblem& stage, Eigen::Ref<Eigen::VectorXd> k, LaneBlock Kt) = 0;
+  /// Called before each sweep with what it goes through.
+  virtual void begin_horizon(const Linearization& linearization, const Gaps& gaps) {
+    (void)linearization, (void)gaps;
+  }
+  /// Called in place of `solve` at a knot without controls.
+  virtual void pass(int knot) { (void)knot; }
+  /// Whether K minimises the stage in all entries of the control that it does not leave alone.
+  virtual bool minimizes_freely() const { return true; }
+
+  /// The controls that stages hold at bounds, of all knots.
+  ActiveSet& active_set() { return active_set_; }
+  const ActiveSet& active_set() const { return active_set_; }
+
+ private:
+  ActiveSet active_set_;
+};
+
+/// The minimum without the bounds.
+std::unique_ptr<StageSolver> unconstrained_stage(const ShootingProblem& problem);
+
+}  // namespace conddp
