@@ -1,44 +1,12 @@
 #include "ocp/knot/integrator.hpp"
 
 #include <algorithm>
-#include <stdexcept>
 
 namespace conddp {
-
-const RungeKuttaRule& runge_kutta_rule(Integrator integrator) {
-  static const RungeKuttaRule euler{1, {}, {1}};
-  static const RungeKuttaRule midpoint{2, {{}, {0.5}}, {0, 1}};
-  static const RungeKuttaRule kutta{3, {{}, {0.5}, {-1, 2}}, {1.0 / 6, 4.0 / 6, 1.0 / 6}};
-  static const RungeKuttaRule classic{
-      4, {{}, {0.5}, {0, 0.5}, {0, 0, 1}}, {1.0 / 6, 2.0 / 6, 2.0 / 6, 1.0 / 6}};
-  switch (integrator) {
-    case Integrator::explicit_euler:
-      return euler;
-    case Integrator::rk2:
-      return midpoint;
-    case Integrator::rk3:
-      return kutta;
-    case Integrator::rk4:
-      return classic;
-    default:
-      throw std::logic_error("not a Runge-Kutta rule");
-  }
-}
-
-std::optional<LobattoRule> lobatto_rule(Integrator integrator) {
-  if (integrator == Integrator::trapezoidal) return LobattoRule::trapezoidal;
-  if (integrator == Integrator::hermite_simpson) return LobattoRule::hermite_simpson;
-  return std::nullopt;
-}
 
 namespace {
 
 constexpr int kBlock = StateManifold::kBlockSize;
-
-bool is_runge_kutta(Integrator integrator) {
-  return integrator != Integrator::none && integrator != Integrator::discrete &&
-         !is_structured(integrator) && !lobatto_rule(integrator);
-}
 
 /// Applies the diagonal blocks of curved segments to a column of ndx entries, in place.
 template <class S>
@@ -168,9 +136,8 @@ void pull_back_derivative(const StateManifold& manifold, int columns,
 }
 
 template <class S>
-void runge_kutta(const System& system, Integrator integrator, const S* x, const S* u, const S& dt,
-                 bool derivatives, SystemData<S>& data, IntegratorWorkspace<S>& work) {
-  const RungeKuttaRule& rule = runge_kutta_rule(integrator);
+void runge_kutta(const System& system, const RungeKuttaRule& rule, const S* x, const S* u,
+                 const S& dt, bool derivatives, SystemData<S>& data, IntegratorWorkspace<S>& work) {
   const StateManifold& manifold = system.manifold();
   const int nz = system.ndx() + system.nu(), columns = work.columns;
   for (int s = 0; s < rule.stages; ++s) {
@@ -249,13 +216,14 @@ IntegratorWorkspace<S>::IntegratorWorkspace(const System& system, Integrator int
     state_blocks.assign(blocks, S(0.0));
     step_blocks.assign(blocks, S(0.0));
   }
-  if (!is_runge_kutta(integrator)) return;
+  const IntegratorInfo& info = info_of(integrator);
+  if (info.kind != StepKind::runge_kutta) return;
   wrt_x.assign(blocks, S(0.0));
   wrt_dx.assign(blocks, S(0.0));
   inverse.assign(blocks, S(0.0));
   dual_theta.assign(n, Dual<S>(0.0));
   dual_inverse.assign(blocks, Dual<S>(0.0));
-  stages.resize(runge_kutta_rule(integrator).stages + 1);
+  stages.resize(info.rule.stages + 1);
   for (Stage& stage : stages) {
     stage.theta.assign(n, S(0.0));
     stage.x.assign(system.nx(), S(0.0));
@@ -270,24 +238,24 @@ IntegratorWorkspace<S>::IntegratorWorkspace(const System& system, Integrator int
 template <class S>
 void integrate(const System& system, Integrator integrator, const S* x, const S* u, const S& dt,
                SystemData<S>& data, IntegratorWorkspace<S>& work) {
-  switch (integrator) {
-    case Integrator::none:
+  switch (info_of(integrator).kind) {
+    case StepKind::none:
       break;
-    case Integrator::discrete:
+    case StepKind::given:
       std::copy(data.f.begin(), data.f.end(), work.next.begin());
       break;
-    case Integrator::impulse:
+    case StepKind::impulse:
       jump(system, x, data, work);
       break;
-    case Integrator::semi_implicit_euler:
+    case StepKind::semi_implicit:
       semi_implicit_euler(system, x, dt, data, work);
       break;
-    case Integrator::trapezoidal:
-    case Integrator::hermite_simpson:
+    case StepKind::collocation:
       collocate(system, x, u, dt, false, data, work);
       break;
-    default:
-      runge_kutta(system, integrator, x, u, dt, false, data, work);
+    case StepKind::runge_kutta:
+      runge_kutta(system, info_of(integrator).rule, x, u, dt, false, data, work);
+      break;
   }
 }
 
@@ -295,21 +263,21 @@ template <class S>
 void integrate_derivatives(const System& system, Integrator integrator, const S* x, const S* u,
                            const S& dt, SystemData<S>& data, IntegratorWorkspace<S>& work) {
   const int n = system.ndx();
-  switch (integrator) {
-    case Integrator::none:
+  switch (info_of(integrator).kind) {
+    case StepKind::none:
       break;
-    case Integrator::discrete:
+    case StepKind::given:
       std::copy(data.f.begin(), data.f.end(), work.next.begin());
       std::copy(data.fx.begin(), data.fx.end(), work.F.begin());
       std::copy(data.fu.begin(), data.fu.end(), work.F.begin() + n * n);
       break;
-    case Integrator::impulse:
+    case StepKind::impulse:
       jump(system, x, data, work);
       std::copy(data.fx.begin(), data.fx.end(), work.F.begin());
       system.manifold().integrate_jacobians(work.tangent.data(), work.state_blocks.data(),
                                             work.step_blocks.data());
       break;
-    case Integrator::semi_implicit_euler: {
+    case StepKind::semi_implicit: {
       semi_implicit_euler(system, x, dt, data, work);
       const int nv = system.nv();
       for (int i = 0; i < nv * n; ++i) work.F[i] = dt * data.fx[i];
@@ -321,12 +289,12 @@ void integrate_derivatives(const System& system, Integrator integrator, const S*
                                             work.step_blocks.data());
       break;
     }
-    case Integrator::trapezoidal:
-    case Integrator::hermite_simpson:
+    case StepKind::collocation:
       collocate(system, x, u, dt, true, data, work);
       break;
-    default:
-      runge_kutta(system, integrator, x, u, dt, true, data, work);
+    case StepKind::runge_kutta:
+      runge_kutta(system, info_of(integrator).rule, x, u, dt, true, data, work);
+      break;
   }
 }
 

@@ -1,41 +1,10 @@
 #pragma once
 
-#include <optional>
 #include <vector>
 
-#include "systems/collocation_system.hpp"
+#include "ocp/knot/integrator_table.hpp"
 
 namespace conddp {
-
-/// How a knot's state is carried to the next one, controls constant over the knot.
-/// `none`: a terminal node. `discrete`: the system gives the next state itself. `impulse`: the
-/// system gives the next velocity, the configuration stays, and the time step must be 0.
-/// `rk2` is the midpoint rule, `rk3` Kutta's (1/6, 4/6, 1/6). On curved spaces Runge-Kutta rules
-/// work in exponential coordinates at the knot's state (Munthe-Kaas), which keeps their order.
-/// `trapezoidal` and `hermite_simpson` are the implicit rules of a CollocationSystem.
-enum class Integrator {
-  none,
-  discrete,
-  impulse,
-  semi_implicit_euler,
-  explicit_euler,
-  rk2,
-  rk3,
-  rk4,
-  trapezoidal,
-  hermite_simpson
-};
-
-/// An explicit Runge-Kutta rule: stage i starts at Σ a_ij k_j, the step is Σ b_i k_i.
-struct RungeKuttaRule {
-  int stages;
-  double a[4][4];
-  double b[4];
-};
-/// The rule of explicit_euler, rk2, rk3 or rk4.
-const RungeKuttaRule& runge_kutta_rule(Integrator integrator);
-/// The rule that a CollocationSystem needs for it; of trapezoidal and hermite_simpson alone.
-std::optional<LobattoRule> lobatto_rule(Integrator integrator);
 
 /// Memory of an integrator for one knot of a system.
 template <class S>
@@ -65,11 +34,6 @@ struct IntegratorWorkspace {
 template <class S>
 void integrate(const System& system, Integrator integrator, const S* x, const S* u, const S& dt,
                SystemData<S>& data, IntegratorWorkspace<S>& work);
-
-/// Whether a rule has q⁺ = q ⊕ dt v⁺, so that the derivative of v⁺ tells that of q⁺.
-inline bool is_structured(Integrator integrator) {
-  return integrator == Integrator::semi_implicit_euler || integrator == Integrator::impulse;
-}
 
 /// The same with the derivative of the step with respect to z = (tangent at x, u) in work.F: for
 /// structured rules the nv rows of the next velocity (the blocks tell the rest), else all ndx

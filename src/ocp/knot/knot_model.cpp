@@ -22,7 +22,8 @@ void check_integrator(const System& system, Integrator integrator) {
   check_together(system.kind() == SystemKind::impulse, integrator == Integrator::impulse,
                  "an impulse needs the integrator of impulses, and only it");
   const auto* collocation = system.as_collocation();
-  if (lobatto_rule(integrator) != (collocation ? std::optional(collocation->rule()) : std::nullopt))
+  if (info_of(integrator).lobatto !=
+      (collocation ? std::optional(collocation->rule()) : std::nullopt))
     throw std::invalid_argument(
         "a collocation system needs the integrator of its rule, and only it");
 }
@@ -139,8 +140,7 @@ void KnotModel::set_control_bounds(std::vector<double> lower, std::vector<double
 void KnotModel::set_free_duration(const FreeDuration& duration) {
   if (!held_ || duration.memory < 0 || duration.memory >= memory_)
     throw std::invalid_argument("a free duration needs its place in a held memory");
-  if (integrator_ == Integrator::none || integrator_ == Integrator::discrete ||
-      integrator_ == Integrator::impulse)
+  if (info_of(integrator_).order == 0)
     throw std::invalid_argument("what knows no time step has no free duration");
   duration_ = duration;
 }

@@ -87,12 +87,9 @@ bool comes_from_the_air(const ProblemSpec& spec, const std::vector<std::vector<i
 bool is_stable(Integrator integrator, double kp, double kd, double dt) {
   using Complex = std::complex<double>;
   if (kp == 0 && kd == 0) return true;
-  if (integrator == Integrator::semi_implicit_euler)
+  if (info_of(integrator).kind == StepKind::semi_implicit)
     return kd * dt >= 0 && kd * dt < 2 && 2 * kd * dt + kp * dt * dt < 4;
-  const int order = integrator == Integrator::explicit_euler ? 1
-                    : integrator == Integrator::rk2          ? 2
-                    : integrator == Integrator::rk3          ? 3
-                                                             : 4;
+  const int order = info_of(integrator).order;
   const Complex root = std::sqrt(Complex(kd * kd / 4 - kp, 0));
   for (const Complex lambda : {-kd / 2 + root, -kd / 2 - root}) {
     if (std::abs(lambda) < 1e-12) continue;

@@ -34,7 +34,7 @@ void check_smoothness(const ProblemSpec& spec, Diagnostics& out) {
 
 bool collocate(const ProblemSpec& spec, Plant& plant, Diagnostics& out) {
   if (!spec.integrator) return true;
-  const auto rule = lobatto_rule(spec.integrator->value);
+  const auto rule = info_of(spec.integrator->value).lobatto;
   if (!rule) return true;
   const int errors = out.error_count();
   check_smoothness(spec, out);

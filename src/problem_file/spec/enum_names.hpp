@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <string>
 
 #include "problem_file/spec/spec.hpp"
@@ -10,22 +11,25 @@ namespace conddp {
 
 /// The words of enumerated keys, for reading and for printing.
 
-inline constexpr Choice<Integrator> kIntegratorWords[] = {
-    {"semi_implicit_euler", Integrator::semi_implicit_euler,
-     "the next velocity from the acceleration, then the next position from it; first order, stable "
-     "with contacts; the default of systems with positions and velocities"},
-    {"explicit_euler", Integrator::explicit_euler, "first order"},
-    {"rk2", Integrator::rk2, "midpoint rule, second order"},
-    {"rk3", Integrator::rk3, "Kutta's rule, third order"},
-    {"rk4", Integrator::rk4,
-     "the classical Runge-Kutta rule, fourth order; the default of first-order systems"},
-    {"trapezoidal", Integrator::trapezoidal,
-     "collocation by the trapezoidal rule: implicit, second order; needs a solver that enforces "
-     "equality constraints"},
-    {"hermite_simpson", Integrator::hermite_simpson,
-     "collocation by Hermite and Simpson's rule (Lobatto IIIA): implicit, fourth order; the same"},
-    {"discrete", Integrator::discrete,
-     "none: of systems that give the next state themselves (linear, car)"}};
+namespace detail {
+
+constexpr bool has_name(const IntegratorInfo& info) { return !info.name.empty(); }
+inline constexpr auto kNamedIntegrators = std::ranges::count_if(kIntegrators, has_name);
+
+struct IntegratorWords {
+  constexpr IntegratorWords() {
+    int at = 0;
+    for (const IntegratorInfo& info : kIntegrators)
+      if (has_name(info)) words[at++] = {info.name, info.integrator, info.description};
+  }
+  Choice<Integrator> words[kNamedIntegrators];
+};
+inline constexpr IntegratorWords kIntegratorWords;
+
+}  // namespace detail
+
+/// Of the integrators that files can ask for.
+inline constexpr auto& kIntegratorWords = detail::kIntegratorWords.words;
 
 inline constexpr Choice<RunningCosts> kRunningCostsWords[] = {{"rate", RunningCosts::kRate},
                                                               {"sum", RunningCosts::kSum}};
