@@ -7,19 +7,26 @@
 namespace conddp {
 namespace {
 
+/// Whether bounds are the URDF's limits, and what these are multiplied by.
+template <class Spec>
+void read_limits_of_urdf(YamlMap& map, Spec& spec) {
+  const auto from = map.find("from");
+  if (from) {
+    static constexpr Choice<bool> kSources[] = {{"urdf", true}};
+    spec.from_urdf = from->choice(kSources, "source of bounds").value_or(false);
+    spec.from_place = from->place();
+  }
+  const auto scale = map.find("scale");
+  if (!scale) return;
+  spec.scale = scale->number(kPositive).value_or(1);
+  if (!from)
+    scale->error("only limits of the URDF are scaled", "write 'from: urdf' too, or other bounds");
+}
+
 /// The keys that bounds on the control and on the state share.
 template <class Spec>
 void read_bounds(YamlMap& map, const Name& name, Spec& spec) {
-  if (const auto r = map.find("from")) {
-    static constexpr Choice<bool> kSources[] = {{"urdf", true}};
-    spec.from_urdf = r->choice(kSources, "source of bounds").value_or(false);
-    spec.from_place = r->place();
-  }
-  if (const auto r = map.find("scale")) {
-    spec.scale = r->number(kPositive).value_or(1);
-    if (!spec.from_urdf && !map.find("from"))
-      r->error("only limits of the URDF are scaled", "write 'from: urdf' too, or other bounds");
-  }
+  read_limits_of_urdf(map, spec);
   if (const auto r = map.find("lower")) spec.lower = read_components(*r);
   if (const auto r = map.find("upper")) spec.upper = read_components(*r);
   if (!map.find("from") && !map.find("lower") && !map.find("upper"))
@@ -44,6 +51,14 @@ void read_softness(YamlMap& map, ConstraintSpec& constraint) {
                 "what a unit of distance costs (l1), or half of it a unit squared (l2)");
 }
 
+/// Bounds on the control that solvers satisfy at every iterate.
+void read_hard_control_bounds(YamlMap& map, const Name& name, ProblemSpec& spec) {
+  ControlBoundsSpec bounds{.name = name};
+  read_bounds(map, name, bounds);
+  if (const auto p = map.find("phases")) bounds.phases = p->name_or_names();
+  spec.control_bounds.push_back(std::move(bounds));
+}
+
 void read_bounded(YamlMap& map, const Name& name, ProblemSpec& spec) {
   const auto r = map.find("bounds");
   const auto bounded = r->choice(kBoundedWords, "quantity that can have bounds");
@@ -53,13 +68,8 @@ void read_bounded(YamlMap& map, const Name& name, ProblemSpec& spec) {
   }
   const auto softness = map.find("soft"), weight = map.find("weight");
   const bool soft = softness || weight;
-  if (*bounded == BoundedQuantity::kControl && !soft) {
-    ControlBoundsSpec bounds{.name = name};
-    read_bounds(map, name, bounds);
-    if (const auto p = map.find("phases")) bounds.phases = p->name_or_names();
-    spec.control_bounds.push_back(std::move(bounds));
-    return;
-  }
+  if (*bounded == BoundedQuantity::kControl && !soft)
+    return read_hard_control_bounds(map, name, spec);
   ConstraintSpec constraint;
   constraint.function.name = name;
   const char* residual = *bounded == BoundedQuantity::kControl ? "control" : "state";
@@ -79,58 +89,95 @@ constexpr std::pair<std::string_view, std::string_view> kExclusive[] = {
     {"upper", "at_least"}, {"upper", "at_most"},  {"upper", "cone"},      {"at_least", "cone"},
     {"at_most", "cone"}};
 
+/// The value of a key that says what the residual has to be. Residuals that are cones have no such
+/// key but `cone`.
+std::optional<YamlReader> find_in_set(YamlMap& map, std::string_view key,
+                                      const ResidualDefinition& definition) {
+  const auto r = map.find(key);
+  if (r && definition.is_cone && key != "cone")
+    r->error(fmt::format("the residual '{}' brings its bounds along", definition.name),
+             "leave the key out");
+  return r;
+}
+
+/// Only bounds come from a URDF. The key is asked for only where it stands, so that it is not
+/// listed among the accepted ones.
+void check_source(YamlMap& map) {
+  if (!map.valid() || map.reader().node().find("from") == nullptr) return;
+  map.find("from")->error(
+      "a URDF has bounds of controls, configurations and velocities alone",
+      "write 'bounds: control', 'bounds: configuration' or 'bounds: velocity' instead of "
+      "'residual', or 'lower' and 'upper' instead of 'from'");
+}
+
+/// Numbers for the rows of the residual.
+void read_interval(YamlMap& map, ConstraintSpec& constraint) {
+  const ResidualDefinition& definition = *constraint.function.definition;
+  if (const auto r = find_in_set(map, "equals", definition))
+    constraint.equals = read_components(*r);
+  if (const auto r = find_in_set(map, "lower", definition)) constraint.lower = read_components(*r);
+  if (const auto r = find_in_set(map, "upper", definition)) constraint.upper = read_components(*r);
+}
+
+/// Bounds on the norm of the residual.
+void read_length(YamlMap& map, ConstraintSpec& constraint) {
+  const ResidualDefinition& definition = *constraint.function.definition;
+  auto &shortest = constraint.at_least, &longest = constraint.at_most;
+  if (const auto r = find_in_set(map, "at_least", definition)) shortest = r->number(kNotNegative);
+  const auto r = find_in_set(map, "at_most", definition);
+  if (!r) return;
+  longest = r->number(kNotNegative);
+  if (shortest && longest && *shortest > *longest)
+    r->error(fmt::format("no length is at least {} and at most {}", *shortest, *longest));
+}
+
+void read_cone(YamlMap& map, ConstraintSpec& constraint) {
+  const ResidualDefinition& definition = *constraint.function.definition;
+  const auto cone = find_in_set(map, "cone", definition);
+  if (!cone) return;
+  const bool second_order = cone->choice(kConeWords, "cone").value_or(false);
+  constraint.function.keys.set(key::cone, second_order);
+  if (!definition.has(key::cone.name) && (!second_order || definition.is_cone))
+    cone->error(fmt::format("the residual '{}' has no such cone", definition.name),
+                second_order ? "leave the key out" : "'cone: second_order' serves all others");
+  if (second_order && (map.find("faces") || map.find("inner")))
+    cone->error("a second-order cone has no faces and is exact");
+}
+
+bool has_bounds(const ConstraintSpec& constraint) {
+  return constraint.equals || constraint.lower || constraint.upper || constraint.at_least ||
+         constraint.at_most;
+}
+
+/// Distances of shapes are at least a margin where nothing else is said.
+void apply_margin(YamlMap& map, ConstraintSpec& constraint) {
+  const KeyValues& keys = constraint.function.keys;
+  if (!constraint.function.definition->needs.shapes) return;
+  if (!has_bounds(constraint) && !map.find("cone"))
+    constraint.lower =
+        ComponentsSpec{.place = map.reader().place(), .scalar = keys.value(key::margin)};
+  else if (keys.find(key::margin) != nullptr)
+    map.reader().error("'margin' and what the distance has to be exclude each other",
+                       "leave one of them out: a margin is a lower bound");
+}
+
+void read_slope(YamlMap& map, ConstraintSpec& constraint) {
+  const auto r = map.find("slope");
+  if (!r) return;
+  constraint.slope = r->number(kPositive).value_or(constraint.slope);
+  if (!map.find("cone") || constraint.function.definition->of_contacts())
+    r->error("a slope belongs to cones that are not of contacts, which have their friction");
+}
+
 /// What the residual has to be: equal, between, of a length, in a cone.
 void read_set(YamlMap& map, ConstraintSpec& constraint) {
-  const ResidualDefinition& definition = *constraint.function.definition;
   for (const auto& [a, b] : kExclusive) map.exclusive({a, b});
-  const auto given = [&](std::string_view key) {
-    const auto r = map.find(key);
-    if (r && definition.is_cone && key != "cone")
-      r->error(fmt::format("the residual '{}' brings its bounds along", definition.name),
-               "leave the key out");
-    return r;
-  };
-  // Asked for only where it stands, so that it is not listed among the accepted keys.
-  if (map.valid() && map.reader().node().find("from") != nullptr)
-    map.find("from")->error(
-        "a URDF has bounds of controls, configurations and velocities alone",
-        "write 'bounds: control', 'bounds: configuration' or 'bounds: velocity' instead of "
-        "'residual', or 'lower' and 'upper' instead of 'from'");
-  if (const auto r = given("equals")) constraint.equals = read_components(*r);
-  if (const auto r = given("lower")) constraint.lower = read_components(*r);
-  if (const auto r = given("upper")) constraint.upper = read_components(*r);
-  if (const auto r = given("at_least")) constraint.at_least = r->number(kNotNegative);
-  if (const auto r = given("at_most")) {
-    constraint.at_most = r->number(kNotNegative);
-    if (constraint.at_least && constraint.at_most && *constraint.at_least > *constraint.at_most)
-      r->error(fmt::format("no length is at least {} and at most {}", *constraint.at_least,
-                           *constraint.at_most));
-  }
-  const auto cone = given("cone");
-  if (cone) {
-    const bool second_order = cone->choice(kConeWords, "cone").value_or(false);
-    constraint.function.keys.set(key::cone, second_order);
-    if (!definition.has(key::cone.name) && (!second_order || definition.is_cone))
-      cone->error(fmt::format("the residual '{}' has no such cone", definition.name),
-                  second_order ? "leave the key out" : "'cone: second_order' serves all others");
-    if (second_order && (map.find("faces") || map.find("inner")))
-      cone->error("a second-order cone has no faces and is exact");
-  }
-  if (definition.needs.shapes) {
-    const bool said = constraint.equals || constraint.lower || constraint.upper ||
-                      constraint.at_least || constraint.at_most || cone;
-    if (!said)
-      constraint.lower = ComponentsSpec{.place = map.reader().place(),
-                                        .scalar = constraint.function.keys.value(key::margin)};
-    else if (constraint.function.keys.find(key::margin) != nullptr)
-      map.reader().error("'margin' and what the distance has to be exclude each other",
-                         "leave one of them out: a margin is a lower bound");
-  }
-  if (const auto r = map.find("slope")) {
-    constraint.slope = r->number(kPositive).value_or(constraint.slope);
-    if (!cone || definition.of_contacts())
-      r->error("a slope belongs to cones that are not of contacts, which have their friction");
-  }
+  check_source(map);
+  read_interval(map, constraint);
+  read_length(map, constraint);
+  read_cone(map, constraint);
+  apply_margin(map, constraint);
+  read_slope(map, constraint);
 }
 
 /// Positions that lie between or equal numbers of the world are measured from its origin.
@@ -142,27 +189,40 @@ void measure_from_origin(const YamlReader& reader, ConstraintSpec& constraint) {
   function.reference = {.place = reader.place(), .values = {*form->zero(function, reader.place())}};
 }
 
-/// Points, and lines of points: {from, to, count} with both ends.
-void add_centers(const YamlReader& reader, std::vector<Located<std::vector<double>>>& centers) {
-  constexpr int kMostPoints = 10'000;
-  if (!reader.is_map()) {
-    if (auto point = reader.numbers()) centers.push_back({std::move(*point), reader.place()});
-    return;
+/// Equally spaced points from one to another, both included; as many numbers each.
+std::vector<std::vector<double>> points_between(const std::vector<double>& begin,
+                                                const std::vector<double>& end, long long count) {
+  std::vector<std::vector<double>> points;
+  for (long long i = 0; i < count; ++i) {
+    const double share = static_cast<double>(i) / static_cast<double>(count - 1);
+    std::vector<double>& point = points.emplace_back(begin);
+    for (std::size_t c = 0; c < point.size(); ++c)
+      point[c] = (1 - share) * begin[c] + share * end[c];
   }
+  return points;
+}
+
+/// The points of a line: {from, to, count} with both ends.
+std::vector<std::vector<double>> read_line(const YamlReader& reader) {
+  constexpr int kMostPoints = 10'000;
   YamlMap line(reader);
   const auto from = line.require("from"), to = line.require("to"), count = line.require("count");
-  if (!from || !to || !count) return;
+  if (!from || !to || !count) return {};
   const auto begin = from->numbers();
-  if (!begin) return;
+  if (!begin) return {};
   const auto end = to->numbers(begin->size(), "as many as 'from' has");
   const auto points = count->integer(2, kMostPoints);
-  if (!end || !points) return;
-  for (long long i = 0; i < *points; ++i) {
-    const double share = static_cast<double>(i) / static_cast<double>(*points - 1);
-    std::vector<double> point(begin->size());
-    for (std::size_t c = 0; c < point.size(); ++c)
-      point[c] = (1 - share) * (*begin)[c] + share * (*end)[c];
-    centers.push_back({std::move(point), reader.place()});
+  if (!end || !points) return {};
+  return points_between(*begin, *end, *points);
+}
+
+/// Points, and lines of points.
+void add_centers(const YamlReader& reader, std::vector<Located<std::vector<double>>>& centers) {
+  if (reader.is_map()) {
+    for (std::vector<double>& point : read_line(reader))
+      centers.push_back({std::move(point), reader.place()});
+  } else if (auto point = reader.numbers()) {
+    centers.push_back({std::move(*point), reader.place()});
   }
 }
 
@@ -195,28 +255,29 @@ void read_centers(YamlMap& map, ConstraintSpec& constraint) {
     reader->error("a constraint from centers needs 'at_least' or 'at_most'");
 }
 
+/// Reports an entry that is no constraint at all; of its other keys nothing can be said.
+void reject(YamlMap& map, const YamlReader& where, std::string message, std::string hint) {
+  where.error(std::move(message), std::move(hint));
+  map.ignore_others();
+}
+
 void read_constraint(const Name& name, const YamlReader& reader,
                      const std::filesystem::path& folder, bool terminal, ProblemSpec& spec) {
   YamlMap map(reader);
   if (!map.valid()) return;
   const bool bounds = reader.node().find("bounds") != nullptr;
-  if (bounds && terminal) {
-    map.find("bounds")->error(
-        "bounds stand among the constraints beside 'phases'; those on the state hold at "
-        "the last node too",
-        "or bound a residual here: 'residual: state' with 'lower' and 'upper'");
-    map.ignore_others();
-    return;
-  }
+  if (bounds && terminal)
+    return reject(map, *map.find("bounds"),
+                  "bounds stand among the constraints beside 'phases'; those on the state hold at "
+                  "the last node too",
+                  "or bound a residual here: 'residual: state' with 'lower' and 'upper'");
   if (bounds) return read_bounded(map, name, spec);
-  if (reader.node().find("residual") == nullptr) {
-    reader.error(
+  if (reader.node().find("residual") == nullptr)
+    return reject(
+        map, reader,
         fmt::format("the constraint '{}' lacks the key 'residual' or 'bounds'", name.value),
         "write 'residual: ...' with what it has to be, or 'bounds: control', 'bounds: "
         "state' and so on");
-    map.ignore_others();
-    return;
-  }
   ConstraintSpec constraint;
   constraint.function.name = name;
   if (!read_residual(map, folder, {.constraint = true, .last_node = terminal}, constraint.function))
