@@ -17,6 +17,18 @@ namespace {
 constexpr std::size_t kLongestName = 200;
 constexpr NumberRange kSpread{0, kLargestSpread, false, false, "a number from 0 to 1e6"};
 
+/// Robots by name.
+void read_robots(const YamlReader& reader, const std::filesystem::path& folder, ProblemSpec& spec) {
+  const auto entries = reader.named_entries();
+  if (!entries) return;
+  for (const auto& [name, value] : *entries) {
+    spec.robots.push_back(read_robot(value, folder));
+    spec.robots.back().name = name;
+    if (name.value.find_first_of("/,") != std::string::npos)
+      reader.diagnostics().error(name.place, "a robot's name has no '/' and no ','");
+  }
+}
+
 void read_plant(YamlMap& map, const std::filesystem::path& folder, ProblemSpec& spec) {
   const auto robot = map.find("robot");
   const auto robots = map.find("robots");
@@ -25,14 +37,7 @@ void read_plant(YamlMap& map, const std::filesystem::path& folder, ProblemSpec& 
   map.exclusive({"robot", "system"});
   map.exclusive({"robots", "system"});
   if (robot) spec.robots.push_back(read_robot(*robot, folder));
-  if (robots)
-    if (const auto entries = robots->named_entries())
-      for (const auto& [name, value] : *entries) {
-        spec.robots.push_back(read_robot(value, folder));
-        spec.robots.back().name = name;
-        if (name.value.find_first_of("/,") != std::string::npos)
-          map.reader().diagnostics().error(name.place, "a robot's name has no '/' and no ','");
-      }
+  if (robots) read_robots(*robots, folder, spec);
   if (system) spec.system = read_system(*system);
   if (!robot && !robots && !system && map.valid())
     map.reader().error("the file says nothing about what moves: 'robot', 'robots' or 'system'");
@@ -63,20 +68,16 @@ Perturbation read_perturbation(const YamlReader& reader) {
   return perturbation;
 }
 
-ProblemSpec read_document(const YamlReader& reader, const std::filesystem::path& file) {
-  const std::filesystem::path folder = file.parent_path();
-  ProblemSpec spec{.file = file, .name = {file.stem().string(), reader.place()}};
-  YamlMap map(reader);
-  read_format(map);
-  if (const auto r = map.find("name")) {
-    spec.name = r->name().value_or(spec.name);
-    if (spec.name.value.find_first_of("/\\") != std::string::npos || spec.name.value[0] == '.')
-      r->error("the name is also that of a folder: no '/', no '\\', no '.' in front");
-    else if (spec.name.value.size() > kLongestName)
-      r->error(fmt::format("the name is also that of a folder: at most {} bytes", kLongestName));
-  }
-  map.text("description", spec.description);
-  read_plant(map, folder, spec);
+void read_name(const YamlReader& reader, Name& name) {
+  name = reader.name().value_or(name);
+  if (name.value.find_first_of("/\\") != std::string::npos || name.value[0] == '.')
+    reader.error("the name is also that of a folder: no '/', no '\\', no '.' in front");
+  else if (name.value.size() > kLongestName)
+    reader.error(fmt::format("the name is also that of a folder: at most {} bytes", kLongestName));
+}
+
+/// Where the motion begins, and how it is integrated.
+void read_motion(YamlMap& map, ProblemSpec& spec) {
   if (const auto r = map.require("initial_state"))
     if (auto state = read_state(*r)) spec.initial_state = std::move(*state);
   if (const auto r = map.find("integrator"))
@@ -85,48 +86,78 @@ ProblemSpec read_document(const YamlReader& reader, const std::filesystem::path&
   if (const auto r = map.find("running_costs"))
     spec.running_costs =
         r->choice(kRunningCostsWords, "kind of running costs").value_or(spec.running_costs);
-  if (const auto r = map.find("contacts")) {
-    spec.contacts = read_contacts(*r);
-    if (spec.system) r->error("a closed-form system has no frames that could touch the world");
-  }
-  if (const auto r = map.find("collision")) {
-    spec.collision = read_collision(*r);
-    if (spec.system) r->error("a closed-form system has no links that could carry shapes");
-  }
-  if (const auto r = map.find("contact_candidates")) {
-    spec.candidates = read_candidates(*r);
-    spec.stepping = SteppingSpec{.place = r->place()};
-    if (spec.system) r->error("a closed-form system has no frames that could touch anything");
-  }
-  if (const auto r = map.find("stepping")) {
-    spec.stepping = read_stepping(*r);
-    if (spec.system) r->error("a closed-form system has no joints that could be stopped");
-  }
-  if (spec.stepping) {
-    map.exclusive({"contact_candidates", "contacts"});
-    map.exclusive({"contact_candidates", "gait"});
-    map.exclusive({"stepping", "contacts"});
-    map.exclusive({"stepping", "gait"});
-  }
+}
+
+/// A key that serves robots alone; nothing where it is absent. `message`: why a closed-form system
+/// cannot have it.
+template <class Read>
+void read_of_robots(YamlMap& map, const ProblemSpec& spec, std::string_view key,
+                    const char* message, Read read) {
+  const auto reader = map.find(key);
+  if (!reader) return;
+  read(*reader);
+  if (spec.system) reader->error(message);
+}
+
+/// What robots touch, and what they must not.
+void read_surroundings(YamlMap& map, ProblemSpec& spec) {
+  read_of_robots(map, spec, "contacts",
+                 "a closed-form system has no frames that could touch the world",
+                 [&](const YamlReader& r) { spec.contacts = read_contacts(r); });
+  read_of_robots(map, spec, "collision",
+                 "a closed-form system has no links that could carry shapes",
+                 [&](const YamlReader& r) { spec.collision = read_collision(r); });
+  read_of_robots(map, spec, "contact_candidates",
+                 "a closed-form system has no frames that could touch anything",
+                 [&](const YamlReader& r) {
+                   spec.candidates = read_candidates(r);
+                   spec.stepping = SteppingSpec{.place = r.place()};
+                 });
+  read_of_robots(map, spec, "stepping", "a closed-form system has no joints that could be stopped",
+                 [&](const YamlReader& r) { spec.stepping = read_stepping(r); });
+  if (!spec.stepping) return;
+  map.exclusive({"contact_candidates", "contacts"});
+  map.exclusive({"contact_candidates", "gait"});
+  map.exclusive({"stepping", "contacts"});
+  map.exclusive({"stepping", "gait"});
+}
+
+/// The phases, and the gait that makes them or goes with them.
+std::optional<GaitSpec> read_schedule(YamlMap& map, ProblemSpec& spec) {
   map.exclusive({"phases", "gait"});
   std::optional<GaitSpec> gait;
-  if (const auto walk = map.find("gait")) {
-    gait = read_gait(*walk, spec.contacts);
-    if (spec.system) walk->error("a closed-form system has no feet that could walk");
-  }
+  read_of_robots(map, spec, "gait", "a closed-form system has no feet that could walk",
+                 [&](const YamlReader& r) { gait = read_gait(r, spec.contacts); });
   if (const auto r = gait ? map.find("phases") : map.require("phases"))
     spec.phases = read_phases(*r);
+  return gait;
+}
+
+void read_terminal(const YamlReader& reader, const std::filesystem::path& folder,
+                   ProblemSpec& spec) {
+  YamlMap terminal(reader);
+  if (const auto contacts = terminal.find("contacts"))
+    spec.terminal_contacts = read_contact_names(*contacts);
+  if (const auto costs = terminal.find("costs"))
+    spec.terminal_costs = read_costs(*costs, folder, true);
+  if (const auto constraints = terminal.find("constraints"))
+    read_constraints(*constraints, folder, true, spec);
+}
+
+ProblemSpec read_document(const YamlReader& reader, const std::filesystem::path& file) {
+  const std::filesystem::path folder = file.parent_path();
+  ProblemSpec spec{.file = file, .name = {file.stem().string(), reader.place()}};
+  YamlMap map(reader);
+  read_format(map);
+  if (const auto r = map.find("name")) read_name(*r, spec.name);
+  map.text("description", spec.description);
+  read_plant(map, folder, spec);
+  read_motion(map, spec);
+  read_surroundings(map, spec);
+  const std::optional<GaitSpec> gait = read_schedule(map, spec);
   if (const auto r = map.find("costs")) spec.costs = read_costs(*r, folder, false);
   if (const auto r = map.find("constraints")) read_constraints(*r, folder, false, spec);
-  if (const auto r = map.find("terminal")) {
-    YamlMap terminal(*r);
-    if (const auto contacts = terminal.find("contacts"))
-      spec.terminal_contacts = read_contact_names(*contacts);
-    if (const auto costs = terminal.find("costs"))
-      spec.terminal_costs = read_costs(*costs, folder, true);
-    if (const auto constraints = terminal.find("constraints"))
-      read_constraints(*constraints, folder, true, spec);
-  }
+  if (const auto r = map.find("terminal")) read_terminal(*r, folder, spec);
   if (const auto r = map.find("initial_guess")) spec.guess = read_guess(*r, folder);
   if (const auto r = map.find("perturbation")) spec.perturbation = read_perturbation(*r);
   if (const auto r = map.find("solver")) spec.solver = read_solver(*r);
