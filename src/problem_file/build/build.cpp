@@ -128,18 +128,24 @@ std::vector<BuiltConstraint> take_dropped(const std::vector<std::string>& drop,
   return dropped;
 }
 
-/// A problem for each dropped constraint, so that its violation can be reported.
-void keep_dropped(const PhaseContext& context, const std::vector<double>& start,
-                  const std::vector<BuiltConstraint>& running,
-                  const std::vector<BuiltConstraint>& terminal, BuiltProblem& built,
-                  Diagnostics& out) {
+/// The names of constraints, each once.
+std::vector<std::string> names_of(const std::vector<BuiltConstraint>& running,
+                                  const std::vector<BuiltConstraint>& terminal) {
   std::vector<std::string> names;
   for (const auto* list : {&running, &terminal})
     for (const BuiltConstraint& constraint : *list) {
       const std::string& name = constraint.spec->function.name.value;
       if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
     }
-  for (const std::string& name : names) {
+  return names;
+}
+
+/// A problem for each dropped constraint, so that its violation can be reported.
+void keep_dropped(const PhaseContext& context, const std::vector<double>& start,
+                  const std::vector<BuiltConstraint>& running,
+                  const std::vector<BuiltConstraint>& terminal, BuiltProblem& built,
+                  Diagnostics& out) {
+  for (const std::string& name : names_of(running, terminal)) {
     const auto only = [&](const std::vector<BuiltConstraint>& list) {
       std::vector<BuiltConstraint> chosen;
       for (const BuiltConstraint& constraint : list)
@@ -202,6 +208,154 @@ void name_columns(bool memory, const InitialChoice* remembered, BuiltProblem& bu
     built.state_columns.push_back({"previous/" + control.name, control.unit});
 }
 
+/// Builds the problem of a plant step by step. A step returns false where those after it would have
+/// nothing to go by; the reason has been reported.
+class ProblemBuilder {
+ public:
+  ProblemBuilder(const ProblemSpec& spec, const BuildOptions& options, Plant plant,
+                 Diagnostics& out)
+      : spec_(spec),
+        options_(options),
+        out_(out),
+        remembers_control_(spec.first_use(&ResidualNeeds::previous_control) != nullptr),
+        built_{.plant = std::move(plant)},
+        states_(built_.plant, out) {}
+
+  std::optional<BuiltProblem> build() {
+    if (!set_start() || !set_nodes() || !set_problem() || !set_guess() || !set_multipliers())
+      return std::nullopt;
+    built_.data_files = out_.data_files();
+    return std::move(built_);
+  }
+
+ private:
+  const InitialChoice* choice() const { return choice_ ? &*choice_ : nullptr; }
+  /// Entries by which states remember what was chosen at the start.
+  int held() const { return choice_ && choice_->remembered ? choice_->system->nu() : 0; }
+  /// Tangent coordinates of the knot models, those that remember included.
+  int ndx() const {
+    const System& system = *built_.plant.system;
+    return system.ndx() + (remembers_control_ ? system.actuators() : held());
+  }
+
+  /// The initial state, given or chosen, and how it is integrated.
+  bool set_start() {
+    const auto integrator = choose_integrator(spec_, *built_.plant.system, out_);
+    const auto initial = states_.build(spec_.initial_state);
+    if (initial) states_.set_initial(*initial);
+    previous_control_ = previous_control(spec_, built_.plant, remembers_control_, out_);
+    if (!integrator || !initial) return false;
+    integrator_ = *integrator;
+    auto start = build_initial_choice(spec_, built_.plant, *initial, remembers_control_, out_);
+    choice_ = std::move(start.choice);
+    if (choice_)
+      built_.plant.start = ChosenStart{choice_->state, choice_->coordinates};
+    else if (start.valid)
+      warn_of_initial_state();
+    return start.valid;
+  }
+
+  /// Limits and surfaces that a given initial state violates.
+  void warn_of_initial_state() const {
+    const StateSpec& state = spec_.initial_state;
+    states_.check_limits("the initial state", states_.initial(), [&](const std::string& joint) {
+      const auto said = std::find_if(state.joints.begin(), state.joints.end(),
+                                     [&](const auto& s) { return s.first.value == joint; });
+      return said == state.joints.end() ? state.place : said->first.place;
+    });
+    if (built_.plant.stepping()) warn_of_overlaps(spec_, built_.plant, states_.initial(), out_);
+  }
+
+  /// When the nodes are, and what touches the world in each.
+  bool set_nodes() {
+    const int errors = out_.error_count();
+    check_memory(spec_, ndx(), built_.plant.system->nu(), out_);
+    check_impulses(spec_, remembers_control_, out_);
+    times_ = node_times(spec_, out_);
+    if (out_.error_count() > errors) return false;  // what follows would fill the memory
+    if (built_.plant.multibody()) check_shapes(spec_, built_.plant, out_);
+    contacts_ = ContactPlan::build(spec_, built_.plant, states_.initial(), integrator_, out_);
+    return contacts_ && out_.error_count() == errors;
+  }
+
+  bool set_problem() {
+    const Plant& plant = built_.plant;
+    const CostContext context{spec_, plant, *contacts_, states_, ndx(), times_};
+    const std::vector<BuiltCost> costs = build_costs(spec_.costs, context, out_);
+    const std::vector<BuiltCost> terminal_costs = build_costs(spec_.terminal_costs, context, out_);
+    std::vector<BuiltConstraint> constraints = build_constraints(spec_.constraints, context, out_);
+    std::vector<BuiltConstraint> at_end =
+        build_constraints(spec_.terminal_constraints, context, out_);
+    const std::vector<BuiltConstraint> dropped = take_dropped(options_.drop, constraints);
+    const std::vector<BuiltConstraint> dropped_at_end = take_dropped(options_.drop, at_end);
+    const PhaseBounds bounds = collect_bounds(spec_, options_, built_, out_);
+    PhaseContext phase_context{
+        spec_,  *contacts_,       plant.system,        integrator_, remembers_control_,
+        times_, plant.stepping(), plant.collocation(), choice()};
+    std::vector<Phase> phases = build_phases(phase_context, {costs, constraints}, bounds, out_);
+    if (out_.has_errors()) return false;
+    Phase terminal =
+        build_terminal(phase_context, {costs, constraints}, {terminal_costs, at_end}, out_);
+    if (out_.has_errors()) return false;
+
+    std::vector<double> start = initial_state();
+    settle_initial_state(start, constraints, spec_.solver.options.tolerances.constraint, phases,
+                         out_);
+    phase_context.stepping = nullptr;
+    phase_context.collocation = nullptr;
+    keep_dropped(phase_context, start, dropped, dropped_at_end, built_, out_);
+    if (out_.has_errors()) return false;
+    built_.problem =
+        std::make_shared<ShootingProblem>(std::move(start), std::move(phases), std::move(terminal));
+    report_contradiction(spec_, *built_.problem, out_);
+    name_columns(remembers_control_, held() > 0 ? choice() : nullptr, built_);
+    return true;
+  }
+
+  /// The state of the first node with what it remembers.
+  std::vector<double> initial_state() const {
+    std::vector<double> x = states_.initial();
+    if (remembers_control_) x.insert(x.end(), previous_control_.begin(), previous_control_.end());
+    x.resize(x.size() + held(), 0.0);
+    return x;
+  }
+
+  /// The first trajectory, and the random instance that starts from it where one is asked for.
+  bool set_guess() {
+    const GuessContext context{spec_, built_.plant, states_, *built_.problem};
+    auto guess = build_guess(context, built_.guess_used, out_);
+    if (!guess || out_.has_errors()) return false;
+    built_.guess = std::move(*guess);
+    if (!spec_.perturbation.any()) return true;
+    built_.problem = std::make_shared<ShootingProblem>(perturb_initial_state(
+        *built_.problem, spec_.perturbation.initial_state, spec_.perturbation.seed));
+    built_.guess = guess_of_instance(*built_.problem, built_.guess, spec_.perturbation);
+    return true;
+  }
+
+  bool set_multipliers() {
+    if (!spec_.guess.multipliers_file) return true;
+    const DataFileSpec& file = *spec_.guess.multipliers_file;
+    const auto duals = read_dual_guess(file.path, file.file.place, *built_.problem, out_);
+    if (!duals) return false;
+    built_.multipliers = duals->guess;
+    built_.guess_used.multipliers = duals->text;
+    return true;
+  }
+
+  const ProblemSpec& spec_;
+  const BuildOptions& options_;
+  Diagnostics& out_;
+  const bool remembers_control_;  ///< states end with the control of the knot before
+  BuiltProblem built_;
+  StateBuilder states_;
+  Integrator integrator_{};
+  std::vector<double> previous_control_;
+  std::optional<InitialChoice> choice_;
+  std::vector<double> times_;  ///< of the nodes, s
+  std::optional<ContactPlan> contacts_;
+};
+
 }  // namespace
 
 std::vector<std::string> constraint_names(const ProblemSpec& spec) {
@@ -235,141 +389,87 @@ std::optional<BuiltProblem> build_without_homotopy(const ProblemSpec& spec,
   check_drop(spec, options.drop, out);
   auto plant = options.plant ? std::optional(*options.plant) : build_plant(spec, out);
   if (!plant) return std::nullopt;
-  BuiltProblem built{.plant = std::move(*plant)};
-  const System& system = *built.plant.system;
-  const auto integrator = choose_integrator(spec, system, out);
-  StateBuilder states(built.plant, out);
-  const auto initial = states.build(spec.initial_state);
-  if (initial) states.set_initial(*initial);
-  const bool memory = spec.first_use(&ResidualNeeds::previous_control) != nullptr;
-  const auto previous = previous_control(spec, built.plant, memory, out);
-  if (!integrator || !initial) return std::nullopt;
-
-  const auto start_choice = build_initial_choice(spec, built.plant, *initial, memory, out);
-  if (!start_choice.valid) return std::nullopt;
-  const InitialChoice* choice = start_choice.choice ? &*start_choice.choice : nullptr;
-  if (choice == nullptr)
-    states.check_limits("the initial state", *initial, [&](const std::string& joint) {
-      const StateSpec& state = spec.initial_state;
-      const auto said = std::find_if(state.joints.begin(), state.joints.end(),
-                                     [&](const auto& s) { return s.first.value == joint; });
-      return said == state.joints.end() ? state.place : said->first.place;
-    });
-  if (choice == nullptr && built.plant.stepping())
-    warn_of_overlaps(spec, built.plant, *initial, out);
-  if (choice != nullptr) built.plant.start = ChosenStart{choice->state, choice->coordinates};
-  const int held = choice != nullptr && choice->remembered ? choice->system->nu() : 0;
-  const int ndx = system.ndx() + (memory ? system.actuators() : held);
-  const int errors = out.error_count();
-  check_memory(spec, ndx, system.nu(), out);
-  check_impulses(spec, memory, out);
-  const std::vector<double> times = node_times(spec, out);
-  if (out.error_count() > errors) return std::nullopt;  // what follows would fill the memory
-  if (built.plant.multibody()) check_shapes(spec, built.plant, out);
-  const auto contacts = ContactPlan::build(spec, built.plant, *initial, *integrator, out);
-  if (!contacts || out.error_count() > errors) return std::nullopt;
-  const CostContext context{spec, built.plant, *contacts, states, ndx, times};
-  const std::vector<BuiltCost> costs = build_costs(spec.costs, context, out);
-  const std::vector<BuiltCost> terminal_costs = build_costs(spec.terminal_costs, context, out);
-  std::vector<BuiltConstraint> constraints = build_constraints(spec.constraints, context, out);
-  std::vector<BuiltConstraint> at_end = build_constraints(spec.terminal_constraints, context, out);
-  const std::vector<BuiltConstraint> dropped = take_dropped(options.drop, constraints);
-  const std::vector<BuiltConstraint> dropped_at_end = take_dropped(options.drop, at_end);
-  const PhaseBounds bounds = collect_bounds(spec, options, built, out);
-  PhaseContext phase_context{spec,   *contacts, built.plant.system,     *integrator,
-                             memory, times,     built.plant.stepping(), built.plant.collocation(),
-                             choice};
-  std::vector<Phase> phases = build_phases(phase_context, {costs, constraints}, bounds, out);
-  if (out.has_errors()) return std::nullopt;
-  Phase terminal =
-      build_terminal(phase_context, {costs, constraints}, {terminal_costs, at_end}, out);
-  if (out.has_errors()) return std::nullopt;
-
-  std::vector<double> start = *initial;
-  if (memory) start.insert(start.end(), previous.begin(), previous.end());
-  start.resize(start.size() + held, 0.0);
-  settle_initial_state(start, constraints, spec.solver.options.tolerances.constraint, phases, out);
-  phase_context.stepping = nullptr;
-  phase_context.collocation = nullptr;
-  keep_dropped(phase_context, start, dropped, dropped_at_end, built, out);
-  if (out.has_errors()) return std::nullopt;
-  built.problem =
-      std::make_shared<ShootingProblem>(std::move(start), std::move(phases), std::move(terminal));
-  report_contradiction(spec, *built.problem, out);
-  name_columns(memory, held > 0 ? choice : nullptr, built);
-  auto guess = build_guess({spec, built.plant, states, *built.problem}, built.guess_used, out);
-  if (!guess || out.has_errors()) return std::nullopt;
-  built.guess = std::move(*guess);
-  if (spec.perturbation.any()) {
-    built.problem = std::make_shared<ShootingProblem>(perturb_initial_state(
-        *built.problem, spec.perturbation.initial_state, spec.perturbation.seed));
-    built.guess = guess_of_instance(*built.problem, built.guess, spec.perturbation);
-  }
-  if (spec.guess.multipliers_file) {
-    const DataFileSpec& file = *spec.guess.multipliers_file;
-    const auto duals = read_dual_guess(file.path, file.file.place, *built.problem, out);
-    if (!duals) return std::nullopt;
-    built.multipliers = duals->guess;
-    built.guess_used.multipliers = duals->text;
-  }
-  built.data_files = out.data_files();
-  return built;
+  return ProblemBuilder(spec, options, *std::move(plant), out).build();
 }
 
 namespace {
 
-/// Where a file says what its solver refuses: at the solver's name, or, as it is not the file that
-/// names it, at what is refused.
-Place refused_place(const ProblemSpec& spec, bool of_control) {
-  const Place& named = spec.solver.name.place;
-  if (named.mark.source >= 0) return named;
-  if (spec.stepping && spec.stepping->place.mark.source >= 0) return spec.stepping->place;
-  if (spec.stepping && !spec.candidates.empty()) return spec.candidates.front().name.place;
+bool is_written(const Place& place) { return place.mark.source >= 0; }
+
+/// The place of the first bounds on the control, or of the first other constraint; that of the
+/// solver where there is none.
+Place first_constraint(const ProblemSpec& spec, bool of_control) {
   if (of_control && !spec.control_bounds.empty()) return spec.control_bounds.front().name.place;
   for (const auto* list : {&spec.constraints, &spec.terminal_constraints})
     if (!of_control && !list->empty()) return list->front().function.name.place;
-  return named;
+  return spec.solver.name.place;
+}
+
+/// Where a file says what its solver does not support: at the solver's name, or, as it is not the
+/// file that names it, at what is not supported.
+Place unsupported_place(const ProblemSpec& spec, bool of_control) {
+  if (is_written(spec.solver.name.place)) return spec.solver.name.place;
+  if (spec.stepping && is_written(spec.stepping->place)) return spec.stepping->place;
+  if (spec.stepping && !spec.candidates.empty()) return spec.candidates.front().name.place;
+  return first_constraint(spec, of_control);
+}
+
+/// Options that leave out all bounds on the control, or all other constraints.
+std::string drop_options(const ProblemSpec& spec, bool of_control) {
+  std::string options;
+  if (of_control) {
+    for (const ControlBoundsSpec& bounds : spec.control_bounds)
+      options += " --drop " + bounds.name.value;
+    return options;
+  }
+  for (const auto* list : {&spec.constraints, &spec.terminal_constraints})
+    for (const ConstraintSpec& constraint : *list)
+      options += " --drop " + constraint.function.name.value;
+  return options;
+}
+
+void report_unsupported(const ProblemSpec& spec, const std::string& reason, bool of_control,
+                        Diagnostics& out) {
+  const Place place = unsupported_place(spec, of_control);
+  if (spec.stepping) return out.error(place, reason, "write 'solver: {name: ipopt}'");
+  const std::string options = drop_options(spec, of_control);
+  out.error(place, reason,
+            options.empty()
+                ? "choose one of them with --solver"
+                : fmt::format("choose one of them with --solver, or leave the {} out with{}",
+                              of_control ? "bounds" : "constraints", options));
+}
+
+/// The solver to speak of where `auto` has none: the first one that would take the problem with
+/// other options.
+const SolverInfo& nearest_solver(const ShootingProblem& problem) {
+  const std::vector<const SolverInfo*> list = auto_solvers(problem, {});
+  return list.empty() ? *find_solver("altro") : *list.front();
+}
+
+/// The solver, where it supports the problem with the options of the spec.
+std::vector<const SolverInfo*> supporting(const SolverInfo& solver, const ProblemSpec& spec,
+                                          const ShootingProblem& problem, Diagnostics& out) {
+  if (const auto reason = unsupported(solver, problem)) {
+    report_unsupported(spec, *reason, supports_constraints(solver, problem), out);
+    return {};
+  }
+  const auto too_many = unsupported_segments(solver, problem, spec.solver.options.segments);
+  if (!too_many) return {&solver};
+  const Place& named = spec.solver.name.place;
+  out.error(is_written(named) ? named : spec.solver.place, *too_many,
+            "leave 'segments' out, or write a smaller number");
+  return {};
 }
 
 }  // namespace
 
 std::vector<const SolverInfo*> usable_solvers(const ProblemSpec& spec,
                                               const ShootingProblem& problem, Diagnostics& out) {
-  const SolverInfo* solver = find_solver(spec.solver.name.value);
-  if (solver == nullptr) {
-    std::vector<const SolverInfo*> list = auto_solvers(problem, spec.solver.options);
-    if (!list.empty()) return list;
-    // The reason is that of the first one that would take the problem with other options.
-    list = auto_solvers(problem, {});
-    solver = list.empty() ? find_solver("altro") : list.front();
-  }
-  const auto reason = unsupported(*solver, problem);
-  if (!reason) {
-    const auto too_many = unsupported_segments(*solver, problem, spec.solver.options.segments);
-    if (!too_many) return {solver};
-    const Place& named = spec.solver.name.place;
-    out.error(named.mark.source >= 0 ? named : spec.solver.place, *too_many,
-              "leave 'segments' out, or write a smaller number");
-    return {};
-  }
-  const bool of_control = supports_constraints(*solver, problem);
-  const Place place = refused_place(spec, of_control);
-  if (spec.stepping) {
-    out.error(place, *reason, "write 'solver: {name: ipopt}'");
-    return {};
-  }
-  std::string names;
-  for (const ControlBoundsSpec& bounds : spec.control_bounds)
-    if (of_control) names += " --drop " + bounds.name.value;
-  for (const auto* list : {&spec.constraints, &spec.terminal_constraints})
-    for (const ConstraintSpec& constraint : *list)
-      if (!of_control) names += " --drop " + constraint.function.name.value;
-  out.error(place, *reason,
-            names.empty()
-                ? "choose one of them with --solver"
-                : fmt::format("choose one of them with --solver, or leave the {} out with{}",
-                              of_control ? "bounds" : "constraints", names));
-  return {};
+  if (const SolverInfo* solver = find_solver(spec.solver.name.value))
+    return supporting(*solver, spec, problem, out);
+  const std::vector<const SolverInfo*> list = auto_solvers(problem, spec.solver.options);
+  return list.empty() ? supporting(nearest_solver(problem), spec, problem, out) : list;
 }
 
 std::vector<std::string> tangent_columns(const BuiltProblem& built) {
@@ -381,17 +481,25 @@ std::vector<std::string> tangent_columns(const BuiltProblem& built) {
   return names;
 }
 
+namespace {
+
+/// Largest violation of a problem's constraints, soft ones included.
+double largest_violation(const ShootingProblem& problem, const Trajectory& trajectory) {
+  double largest = 0;
+  Evaluation evaluation(problem);
+  Evaluator(problem).evaluate(trajectory, evaluation);
+  for (const auto& list : {violations_by_name(problem, evaluation.constraint),
+                           soft_violations(problem, evaluation.constraint)})
+    for (const ConstraintViolation& part : list) largest = std::max(largest, part.value);
+  return largest;
+}
+
+}  // namespace
+
 double violation(const DroppedConstraint& constraint, const ShootingProblem& problem,
                  const Trajectory& trajectory) {
+  if (constraint.alone) return largest_violation(*constraint.alone, trajectory);
   double largest = 0;
-  if (constraint.alone) {
-    Evaluation evaluation(*constraint.alone);
-    Evaluator(*constraint.alone).evaluate(trajectory, evaluation);
-    for (const auto& list : {violations_by_name(*constraint.alone, evaluation.constraint),
-                             soft_violations(*constraint.alone, evaluation.constraint)})
-      for (const ConstraintViolation& part : list) largest = std::max(largest, part.value);
-    return largest;
-  }
   for (int k = 0; k < problem.knots(); ++k) {
     const std::size_t phase = problem.knot(k).phase;
     if (problem.phases()[phase].instant) continue;
