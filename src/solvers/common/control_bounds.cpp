@@ -70,8 +70,7 @@ Extremum ControlBounds::projected_norm(const Eigen::VectorXd& gradient,
     const auto u = trajectory.u(k);
     for (int i = 0; i < u.size(); ++i) {
       const double g = gradient[offset_[k] + i];
-      if (g > 0 && at_lower(k, i, u[i])) continue;
-      if (g < 0 && at_upper(k, i, u[i])) continue;
+      if (pushed_out(k, i, u[i], g)) continue;
       if (!(std::abs(g) <= worst.value)) worst = {std::abs(g), k};
     }
   }

@@ -34,8 +34,13 @@ class ControlBounds {
   bool at_lower(int k, int i, double u) const;
   bool at_upper(int k, int i, double u) const;
   bool at_bound(int k, int i, double u) const { return at_lower(k, i, u) || at_upper(k, i, u); }
-  /// ‖gradient‖∞ without the entries whose control stands at a bound (to rounding) that the
-  /// descent direction would cross: there the bound's multiplier balances the gradient.
+  /// Whether a control stands at a bound (to rounding) that a descent along its entry of a gradient
+  /// would cross.
+  bool pushed_out(int k, int i, double u, double gradient) const {
+    return (gradient > 0 && at_lower(k, i, u)) || (gradient < 0 && at_upper(k, i, u));
+  }
+  /// ‖gradient‖∞ without the entries that push their control out: there the bound's multiplier
+  /// balances the gradient.
   Extremum projected_norm(const Eigen::VectorXd& gradient, const Trajectory& trajectory) const;
 
  private:

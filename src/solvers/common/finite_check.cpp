@@ -1,19 +1,35 @@
 #include "solvers/common/finite_check.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace conddp {
+namespace {
+
+/// Of a node; empty where all of it is finite.
+std::string_view non_finite_quantity(const Linearization& linearization, int node) {
+  const KnotLinearization& knot = linearization.knots[node];
+  const bool has_next = node < linearization.gap.cols();
+  const std::pair<std::string_view, bool> finite[] = {
+      {"cost", std::isfinite(linearization.cost[node])},
+      {"constraint", std::isfinite(linearization.augmentation[node])},
+      {"next state", !has_next || all_finite(linearization.gap.col(node))},
+      {"cost gradient", all_finite(knot.gradient)},
+      {"dynamics Jacobian", all_finite(knot.F)},
+      {"Hessian", all_finite(knot.hessian())}};
+  const auto* found =
+      std::find_if(std::begin(finite), std::end(finite), [](const auto& q) { return !q.second; });
+  return found == std::end(finite) ? "" : found->first;
+}
+
+}  // namespace
 
 std::optional<NonFinite> find_non_finite(const Linearization& linearization) {
-  const int N = static_cast<int>(linearization.gap.cols());
-  for (int k = 0; k <= N; ++k) {
-    const KnotLinearization& knot = linearization.knots[k];
-    if (!std::isfinite(linearization.cost[k])) return NonFinite{k, "cost"};
-    if (!std::isfinite(linearization.augmentation[k])) return NonFinite{k, "constraint"};
-    if (k < N && !all_finite(linearization.gap.col(k))) return NonFinite{k, "next state"};
-    if (!all_finite(knot.gradient)) return NonFinite{k, "cost gradient"};
-    if (!all_finite(knot.F)) return NonFinite{k, "dynamics Jacobian"};
-    if (!all_finite(knot.hessian())) return NonFinite{k, "Hessian"};
+  const int nodes = static_cast<int>(linearization.knots.size());
+  for (int k = 0; k < nodes; ++k) {
+    const std::string_view quantity = non_finite_quantity(linearization, k);
+    if (!quantity.empty()) return NonFinite{k, quantity};
   }
   return std::nullopt;
 }

@@ -1,29 +1,32 @@
 #include "solvers/common/status.hpp"
 
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
 namespace conddp {
+namespace {
+
+using enum SolveStatus;
+
+constexpr std::pair<SolveStatus, std::string_view> kNames[] = {
+    {converged, "converged"},
+    {max_iterations, "max_iterations"},
+    {line_search_failed, "line_search_failed"},
+    {regularization_limit, "regularization_limit"},
+    {diverged, "diverged"},
+    {infeasible, "infeasible"},
+    {time_limit, "time_limit"},
+    {interrupted, "interrupted"},
+    {cost_settled, "cost_settled"},
+};
+
+}  // namespace
 
 std::string_view to_string(SolveStatus status) {
-  switch (status) {
-    case SolveStatus::converged:
-      return "converged";
-    case SolveStatus::max_iterations:
-      return "max_iterations";
-    case SolveStatus::line_search_failed:
-      return "line_search_failed";
-    case SolveStatus::regularization_limit:
-      return "regularization_limit";
-    case SolveStatus::diverged:
-      return "diverged";
-    case SolveStatus::infeasible:
-      return "infeasible";
-    case SolveStatus::time_limit:
-      return "time_limit";
-    case SolveStatus::interrupted:
-      return "interrupted";
-    case SolveStatus::cost_settled:
-      return "cost_settled";
-  }
-  return "unknown";
+  const auto* found = std::find_if(std::begin(kNames), std::end(kNames),
+                                   [&](const auto& entry) { return entry.first == status; });
+  return found == std::end(kNames) ? "unknown" : found->second;
 }
 
 bool is_success(SolveStatus status) {

@@ -21,36 +21,35 @@ bool revise_pair_row(RowSide& side, double value, double multiplier) {
   return changed;
 }
 
+/// Of a row of bounds that counts, or of a pair, whose bound is zero.
+double bound_of(const NodeConstraint& c, int row, RowSide side) {
+  if (!c.term->has_bounds()) return 0;
+  return side == RowSide::upper ? c.upper[row] : c.lower[row];
+}
+
 }  // namespace
 
 ActiveRows::ActiveRows(const ShootingProblem& problem, const ControlBounds& bounds)
     : problem_(problem),
       bounds_(bounds),
-      rows_(problem.knots() + 1),
       constraints_of_(problem.knots() + 1),
       sides_(problem.constraint_rows(), RowSide::inactive),
       control_sides_(bounds.size(), RowSide::inactive),
       target_(Eigen::VectorXd::Zero(problem.constraint_rows())) {
-  for (std::size_t i = 0; i < problem.constraints().size(); ++i)
-    constraints_of_[problem.constraints()[i].node].push_back(static_cast<int>(i));
-  int largest = 0, most = 0;
+  int largest = 0, most = 0, cone = 0;
   for (int k = 0; k <= problem.knots(); ++k) {
     const KnotModel& model = *problem.knot(k).model;
-    const int m = model.constraint_rows() + model.nu();
-    Rows& rows = rows_[k];
-    rows.A = Eigen::MatrixXd::Zero(m, model.nz());
-    for (Eigen::VectorXd* v : {&rows.value, &rows.multiplier, &rows.correction})
-      *v = Eigen::VectorXd::Zero(m);
-    rows.source.resize(m);
-    rows.constraint.resize(m);
-    rows.kind.resize(m);
+    const int rows = model.constraint_rows() + model.nu();
+    rows_.emplace_back(rows, model.nz());
     largest = std::max(largest, model.nz());
-    most = std::max(most, m);
+    most = std::max(most, rows);
+  }
+  for (std::size_t i = 0; i < problem.constraints().size(); ++i) {
+    const NodeConstraint& c = problem.constraints()[i];
+    constraints_of_[c.node].push_back(static_cast<int>(i));
+    if (c.is_soft() && !c.term->has_bounds()) cone = std::max(cone, c.term->rows);
   }
   scratch_.resize(largest);
-  int cone = 0;
-  for (const NodeConstraint& c : problem.constraints())
-    if (c.is_soft() && !c.term->has_bounds()) cone = std::max(cone, c.term->rows);
   slope_.resize(cone, cone);
   product_.resize(cone, largest);
   predicted_.resize(most);
@@ -58,21 +57,24 @@ ActiveRows::ActiveRows(const ShootingProblem& problem, const ControlBounds& boun
 
 void ActiveRows::choose(const Linearization& linearization, const Eigen::VectorXd& penalty,
                         Eigen::VectorXd& multipliers) {
-  for (const NodeConstraint& c : problem_.constraints()) {
-    const double* g = linearization.constraint.data() + c.row;
-    const double* nu = multipliers.data() + c.row;
-    const double* rho = penalty.data() + c.row;
-    RowSide* sides = sides_.data() + c.row;
-    if (c.term->is_cone()) {
-      *sides = chosen_cone(c, g, nu, *rho);
-    } else if (c.term->has_pairs()) {
-      for (int i = 0; i < c.term->rows; i += 2) choose_pair(g + i, nu + i, rho + i, sides + i);
-    } else {
-      for (int i = 0; i < c.term->rows; ++i) sides[i] = chosen_bound(c, i, g[i], nu[i], rho[i]);
-    }
-  }
+  for (const NodeConstraint& c : problem_.constraints())
+    choose_sides(c, linearization.constraint.data() + c.row, multipliers.data() + c.row,
+                 penalty.data() + c.row);
   for (int k = 0; k <= problem_.knots(); ++k) build(k, linearization, multipliers);
   write_multipliers(linearization, false, multipliers);
+}
+
+/// Of one constraint, from the numbers of its rows.
+void ActiveRows::choose_sides(const NodeConstraint& c, const double* g, const double* nu,
+                              const double* rho) {
+  RowSide* sides = sides_.data() + c.row;
+  if (c.term->is_cone()) {
+    *sides = chosen_cone(c, g, nu, *rho);
+  } else if (c.term->has_pairs()) {
+    for (int i = 0; i < c.term->rows; i += 2) choose_pair(g + i, nu + i, rho + i, sides + i);
+  } else {
+    for (int i = 0; i < c.term->rows; ++i) sides[i] = chosen_bound(c, i, g[i], nu[i], rho[i]);
+  }
 }
 
 void ActiveRows::choose_controls(const Trajectory& trajectory, const Adjoint& adjoint) {
@@ -123,10 +125,17 @@ bool ActiveRows::revise_constraint(const NodeConstraint& c, const Linearization&
   return changed;
 }
 
-/// Controls that a step takes beyond a bound, and held ones whose multiplier pulls. Whether
-/// anything changed.
+/// Whether anything changed.
 bool ActiveRows::revise_controls(int node, const Trajectory& trajectory,
                                  const Eigen::VectorXd& step) {
+  const bool held = hold_violated_controls(node, trajectory, step);
+  const bool released = release_controls(node);
+  return held || released;
+}
+
+/// Controls that a step takes beyond a bound.
+bool ActiveRows::hold_violated_controls(int node, const Trajectory& trajectory,
+                                        const Eigen::VectorXd& step) {
   bool changed = false;
   RowSide* sides = control_sides_.data() + bounds_.offset(node);
   const auto u = trajectory.u(node);
@@ -137,6 +146,13 @@ bool ActiveRows::revise_controls(int node, const Trajectory& trajectory,
     if (is_violated(lower - u[i] - du[i], lower)) changed |= replace(sides[i], RowSide::lower);
     if (is_violated(u[i] + du[i] - upper, upper)) changed |= replace(sides[i], RowSide::upper);
   }
+  return changed;
+}
+
+/// Held controls whose multiplier pulls.
+bool ActiveRows::release_controls(int node) {
+  bool changed = false;
+  RowSide* sides = control_sides_.data() + bounds_.offset(node);
   const Rows& rows = rows_[node];
   for (int r = 0; r < rows.count; ++r) {
     if (rows.kind[r] != kControl) continue;
@@ -187,11 +203,8 @@ void ActiveRows::build_bounds(Rows& rows, int index, const Linearization& linear
       add_row(rows, kLimit, c.row + i, index, 0, side == RowSide::below ? -c.limit : c.limit);
       continue;
     }
-    const double bound = !c.term->has_bounds()    ? 0
-                         : side == RowSide::upper ? c.upper[i]
-                                                  : c.lower[i];
-    add_row(rows, kBounds, c.row + i, index, linearization.constraint[c.row + i] - bound,
-            multipliers[c.row + i]);
+    add_row(rows, kBounds, c.row + i, index,
+            linearization.constraint[c.row + i] - bound_of(c, i, side), multipliers[c.row + i]);
   }
 }
 
@@ -279,9 +292,7 @@ void ActiveRows::add_curvature(double penalty, Linearization& linearization) {
     KnotLinearization& knot = linearization.knots[k];
     for (int r = 0; r < rows.count; ++r) {
       if (rows.kind[r] == kLimit) {
-        const NodeConstraint& c = problem_.constraints()[rows.constraint[r]];
-        if (!c.term->has_bounds() && rows.source[r] == c.row)
-          add_outside_curvature(rows.constraint[r], knot, linearization.constraint);
+        add_limit_curvature(rows, r, knot, linearization.constraint);
         continue;
       }
       knot.hessian.change().noalias() += penalty * rows.A.row(r).transpose() * rows.A.row(r);
@@ -289,6 +300,16 @@ void ActiveRows::add_curvature(double penalty, Linearization& linearization) {
         add_surface_curvature(rows.constraint[r], rows.multiplier[r], linearization);
     }
   }
+}
+
+/// Of a row at the limit of a soft constraint: that of a cone comes with the cone's first row, rows
+/// of bounds have none.
+void ActiveRows::add_limit_curvature(const Rows& rows, int row, KnotLinearization& knot,
+                                     const Eigen::VectorXd& values) {
+  const int index = rows.constraint[row];
+  const NodeConstraint& c = problem_.constraints()[index];
+  if (!c.term->has_bounds() && rows.source[row] == c.row)
+    add_outside_curvature(index, knot, values);
 }
 
 /// multiplier · ∇²‖v‖ of the cone's tangential rows v.

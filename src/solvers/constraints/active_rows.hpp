@@ -51,6 +51,15 @@ class ActiveRows {
  private:
   enum Kind { kBounds, kConeSurface, kConeTip, kControl, kLimit };
   struct Rows {
+    Rows(int rows, int nz)
+        : A(Eigen::MatrixXd::Zero(rows, nz)),
+          value(Eigen::VectorXd::Zero(rows)),
+          multiplier(value),
+          correction(value),
+          source(rows),
+          constraint(rows),
+          kind(rows) {}
+
     Eigen::MatrixXd A;  ///< rows x nz, the first `count` in use, as of the others
     Eigen::VectorXd value, multiplier, correction;
     std::vector<int> source;      ///< constraint row of the problem (a cone's first), or control
@@ -58,9 +67,13 @@ class ActiveRows {
     std::vector<Kind> kind;
     int count = 0;
   };
+  void choose_sides(const NodeConstraint& c, const double* values, const double* multipliers,
+                    const double* penalties);
   bool revise_constraint(const NodeConstraint& constraint, const Linearization& linearization,
                          const Eigen::VectorXd& step);
   bool revise_controls(int node, const Trajectory& trajectory, const Eigen::VectorXd& step);
+  bool hold_violated_controls(int node, const Trajectory& trajectory, const Eigen::VectorXd& step);
+  bool release_controls(int node);
   /// Derivative of a constraint's values by z: rows x nz.
   auto rows_of(const NodeConstraint& c, const Linearization& linearization) const {
     return linearization.knots[c.node].C.middleRows(c.row - problem_.constraint_offset(c.node),
@@ -77,6 +90,8 @@ class ActiveRows {
                  const Eigen::VectorXd& multipliers);
   void build_outside(Rows& rows, int index, const Linearization& linearization);
   void add_surface_curvature(int index, double multiplier, Linearization& linearization);
+  void add_limit_curvature(const Rows& rows, int row, KnotLinearization& knot,
+                           const Eigen::VectorXd& values);
   void add_outside_curvature(int index, KnotLinearization& knot, const Eigen::VectorXd& values);
 
   const ShootingProblem& problem_;

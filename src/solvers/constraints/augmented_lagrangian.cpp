@@ -37,6 +37,16 @@ double size(const NodeConstraint& c, const Eigen::Ref<const Eigen::VectorXd>& g)
   return largest;
 }
 
+/// Of shifted values: their constraint adds nothing to the augmented Lagrangian there.
+template <class Values>
+bool is_strictly_inside(const NodeConstraint& c, const Values& shifted) {
+  const int n = c.term->rows;
+  if (!c.term->has_bounds()) return shifted.head(n - 1).norm() < shifted[n - 1];
+  for (int r = 0; r < n; ++r)
+    if (!(c.lower[r] < shifted[r] && shifted[r] < c.upper[r])) return false;
+  return true;
+}
+
 }  // namespace
 
 AugmentedLagrangian::AugmentedLagrangian(const ShootingProblem& problem,
@@ -154,25 +164,19 @@ ConstraintNorms AugmentedLagrangian::measure(const Eigen::VectorXd& values) {
 }
 
 bool AugmentedLagrangian::idle(const Eigen::VectorXd& values) const {
-  for (const NodeConstraint& c : problem_.constraints()) {
+  const auto& constraints = problem_.constraints();
+  return std::all_of(constraints.begin(), constraints.end(), [&](const NodeConstraint& c) {
     const int n = c.term->rows;
-    const auto shifted = values.segment(c.row, n) + augmentation_.shift.segment(c.row, n);
-    if (!c.term->has_bounds()) {
-      if (!(shifted.head(n - 1).norm() < shifted[n - 1])) return false;
-      continue;
-    }
-    for (int r = 0; r < n; ++r)
-      if (!(c.lower[r] < shifted[r] && shifted[r] < c.upper[r])) return false;
-  }
-  return true;
+    return is_strictly_inside(c, values.segment(c.row, n) + augmentation_.shift.segment(c.row, n));
+  });
 }
 
 void AugmentedLagrangian::update(bool minimized) {
+  const bool always = schedule_ == MultiplierSchedule::always;
   for (Group& group : groups_) {
     const bool at_limit = group.penalty >= options_.max_penalty;
-    const bool grows = schedule_ == MultiplierSchedule::always ? grows_after_update(group)
-                                                               : grows_instead_of_update(group);
-    if (!grows || at_limit || schedule_ == MultiplierSchedule::always) take_multipliers(group);
+    const bool grows = always ? grows_after_update(group) : grows_instead_of_update(group);
+    if (always || !grows || at_limit) take_multipliers(group);
     const bool steeper = grows && minimized;
     if (steeper)
       group.penalty = std::min(group.penalty * options_.penalty_factor, options_.max_penalty);
@@ -184,14 +188,19 @@ void AugmentedLagrangian::update(bool minimized) {
 
 /// `grown`: the penalty has grown, or would have beyond its limit.
 void AugmentedLagrangian::watch_progress(Group& group, bool grown) {
-  const bool violated = !group.soft && group.violation > std::max(10 * tolerance_, kContradiction);
-  if (!violated || group.violation <= kProgress * group.reference) {
+  if (!stays_violated(group)) {
     group.reference = group.violation;
     group.growths = 0;
   } else if (grown) {
     ++group.growths;
   }
   if (group.growths >= kPatience && stalled_.empty()) stalled_ = group.name;
+}
+
+/// Whether a group is violated, and has not come down to a share of its reference.
+bool AugmentedLagrangian::stays_violated(const Group& group) const {
+  return !group.soft && group.violation > std::max(10 * tolerance_, kContradiction) &&
+         !(group.violation <= kProgress * group.reference);
 }
 
 void AugmentedLagrangian::take_multipliers(const Group& group) {

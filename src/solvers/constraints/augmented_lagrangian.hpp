@@ -90,6 +90,7 @@ class AugmentedLagrangian {
   bool grows_after_update(const Group& group) const;
   bool grows_instead_of_update(Group& group);
   void watch_progress(Group& group, bool grown);
+  bool stays_violated(const Group& group) const;
   void write(const Group& group);
 
   const ShootingProblem& problem_;

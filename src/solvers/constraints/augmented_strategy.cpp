@@ -7,6 +7,7 @@
 
 #include "base/stopwatch.hpp"
 #include "ocp/problem/soft_constraint.hpp"
+#include "solvers/common/feasible.hpp"
 #include "solvers/common/finite_check.hpp"
 #include "solvers/constraints/augmentation_change.hpp"
 
@@ -69,6 +70,9 @@ class AugmentedStrategy final : public OuterStrategy {
  private:
   bool to_the_end(const IterationRecord& row, const MeritModel& merit) const;
   bool hidden_by_rounding(const IterationRecord& row, const MeritModel& merit, bool stuck) const;
+  bool relax_for_rounding(Iterate& iterate, SolveRecord& record);
+  void begin_minimization(IterationRecord& row);
+  void update_derivatives(Iterate& iterate, const Feedback& feedback, bool relaxed);
   void change_augmentation(Iterate& iterate, const Feedback& feedback);
 
   const ShootingProblem& problem_;
@@ -118,9 +122,7 @@ bool AugmentedStrategy::to_the_end(const IterationRecord& row, const MeritModel&
 bool AugmentedStrategy::hidden_by_rounding(const IterationRecord& row, const MeritModel& merit,
                                            bool stuck) const {
   const auto& tolerance = options_.tolerances;
-  if (row.constraint > tolerance.constraint || row.gap > tolerance.gap ||
-      row.complementarity > tolerance.complementarity)
-    return false;
+  if (!is_feasible(row, tolerance)) return false;
   return stuck ||
          (inner_tolerance_ <= tolerance.stationarity && merit.hidden(row.actual_decrease)) ||
          inner_tolerance_ <= kHopelessGoal * tolerance.stationarity;
@@ -128,42 +130,56 @@ bool AugmentedStrategy::hidden_by_rounding(const IterationRecord& row, const Mer
 
 bool AugmentedStrategy::update(Iterate& iterate, const Feedback& feedback, const MeritModel& merit,
                                bool stuck, SolveRecord& record) {
-  IterationRecord& row = record.row;
   const bool idle = lagrangian_.idle(iterate.linearization.constraint);
-  const bool by_rounding = hidden_by_rounding(row, merit, stuck);
+  const bool by_rounding = hidden_by_rounding(record.row, merit, stuck);
   former_ = lagrangian_.augmentation();
   iterate.hessian.by_gauss_newton([&] { return lagrangian_.fit_to_costs(iterate.linearization); });
-  lagrangian_.update(to_the_end(row, merit));
-  if (by_rounding) {
-    if (++relaxations_ > kRelaxations) {
-      iterate.linearized = false;
-      record.result.failed_quantity = kRoundedCost;
-      return record.end(SolveStatus::line_search_failed,
-                        "rounding hides the rest of the stationarity, whatever the penalties "
-                        "of the constraints: {}",
-                        record.residual_text());
-    }
-    lagrangian_.relax();
-    inner_tolerance_ = std::max(inner_tolerance_, options_.tolerances.stationarity);
-  }
+  lagrangian_.update(to_the_end(record.row, merit));
+  if (by_rounding && !relax_for_rounding(iterate, record)) return false;
   if (!lagrangian_.stalled().empty()) {
     iterate.linearized = false;  // what is written belongs to the last multipliers
     return record.end(SolveStatus::infeasible,
                       fmt::format("the violation of '{}' does not fall as its penalty grows: {}",
                                   lagrangian_.stalled(), record.residual_text()));
   }
+  begin_minimization(record.row);
+  // As long as all rows are strictly inside of their sets they have no derivatives to change.
+  const bool unchanged =
+      iterate.linearized && idle && lagrangian_.idle(iterate.linearization.constraint);
+  if (!unchanged) update_derivatives(iterate, feedback, by_rounding);
+  return true;
+}
+
+/// Lower penalties, where rounding hides the rest of the stationarity. False where they have been
+/// lowered often enough: then the solve ends.
+bool AugmentedStrategy::relax_for_rounding(Iterate& iterate, SolveRecord& record) {
+  if (++relaxations_ > kRelaxations) {
+    iterate.linearized = false;
+    record.result.failed_quantity = kRoundedCost;
+    return record.end(SolveStatus::line_search_failed,
+                      "rounding hides the rest of the stationarity, whatever the penalties "
+                      "of the constraints: {}",
+                      record.residual_text());
+  }
+  lagrangian_.relax();
+  inner_tolerance_ = std::max(inner_tolerance_, options_.tolerances.stationarity);
+  return true;
+}
+
+void AugmentedStrategy::begin_minimization(IterationRecord& row) {
   ++row.outer;
   inner_tolerance_ *= kTighter;
   inner_decrease_ = std::max(kTighter * inner_decrease_, kLastInnerDecrease);
   inner_start_ = row.iteration;
-  // As long as all rows are strictly inside of their sets they have no derivatives to change.
-  if (iterate.linearized && idle && lagrangian_.idle(iterate.linearization.constraint)) return true;
-  // Relaxed penalties are to have their own rounding.
-  if (iterate.linearized && !by_rounding && !iterate.hessian.exact_wanted())
+}
+
+/// Of the iterate, after an update. Relaxed penalties are to have their own rounding.
+void AugmentedStrategy::update_derivatives(Iterate& iterate, const Feedback& feedback,
+                                           bool relaxed) {
+  if (iterate.linearized && !relaxed && !iterate.hessian.exact_wanted())
     change_augmentation(iterate, feedback);
   else
     iterate.differentiate(feedback, augmentation());
-  return true;
 }
 
 /// The derivatives of the iterate, known with the former augmentation, with the present one.

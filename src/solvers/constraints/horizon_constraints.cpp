@@ -50,12 +50,7 @@ HorizonConstraints::HorizonConstraints(const ShootingProblem& problem)
     *rows = Eigen::VectorXd::Zero(problem.constraint_rows());
   for (const NodeConstraint& c : problem.constraints())
     rows_.push_back({c.node, c.row, c.term->rows, c.lower, c.upper, c.limit, false});
-  for (const NodeConstraint& c : problem.soft_constraints())
-    if (c.term->softness == Softness::l2) {
-      const KnotView& knot = problem.knot(c.node);
-      add_cost(c.node, c.row, c.term->rows, c.lower, c.upper,
-               knot.cost_scale * knot.parameters[c.term->weight()]);
-    }
+  add_soft_costs();
   for (int k = 0; k <= problem.knots(); ++k) add_barriers(k);
   if (!rows_.empty()) reserve();
 }
@@ -78,6 +73,16 @@ void HorizonConstraints::reserve() {
   new_outside_.resize(most);
   weight_.resize(most);
   difference_.resize(most);
+}
+
+/// Of constraints that are soft by the square of their distance.
+void HorizonConstraints::add_soft_costs() {
+  for (const NodeConstraint& c : problem_.soft_constraints()) {
+    if (c.term->softness != Softness::l2) continue;
+    const KnotView& knot = problem_.knot(c.node);
+    add_cost(c.node, c.row, c.term->rows, c.lower, c.upper,
+             knot.cost_scale * knot.parameters[c.term->weight()]);
+  }
 }
 
 void HorizonConstraints::add_barriers(int node) {

@@ -72,6 +72,7 @@ class HorizonConstraints {
     Eigen::MatrixXd hessian;
   };
   void reserve();
+  void add_soft_costs();
   void add_barriers(int node);
   void add_cost(int node, int row, int count, const double* lower, const double* upper,
                 double weight);

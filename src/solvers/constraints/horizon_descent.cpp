@@ -9,6 +9,29 @@ namespace {
 constexpr double kSlopeLeft = 1e-3;
 constexpr int kEvaluations = 50;
 
+struct SlopeAt {
+  double step, slope;
+};
+
+/// Where a growing slope, negative at `low` and positive at `high`, is at most `allowed`: regula
+/// falsi, which halves the value of an end that stays (Illinois).
+template <class Slope>
+double vanishing_slope(const Slope& slope_at, SlopeAt low, SlopeAt high, double allowed) {
+  const SlopeAt* last_moved = nullptr;
+  double step = high.step;
+  for (int i = 0; i < kEvaluations; ++i) {
+    step = (low.step * high.slope - high.step * low.slope) / (high.slope - low.slope);
+    const double slope = slope_at(step);
+    if (std::abs(slope) <= allowed) break;
+    SlopeAt& moved = slope < 0 ? low : high;
+    SlopeAt& stays = slope < 0 ? high : low;
+    if (last_moved == &moved) stays.slope /= 2;
+    moved = {step, slope};
+    last_moved = &moved;
+  }
+  return step;
+}
+
 }  // namespace
 
 HorizonDescent::HorizonDescent(const ShootingProblem& problem, const ControlBounds& bounds)
@@ -64,30 +87,10 @@ double HorizonDescent::step_length(const LinearRollout& minimum, HorizonConstrai
     return slope + step * curvature + constraints.slope_beyond_model(step) +
            penalties_.slope_beyond_model(point_, minimum.z(), step);
   };
-  double low = 0, high = 1, at_low = derivative(0), at_high = derivative(1);
-  if (!(at_low < 0)) return 0;
-  const double allowed = kSlopeLeft * -at_low;
-  if (at_high <= 1e-9 * -at_low) return 1;
-  // Regula falsi, which halves the value of an end that stays (Illinois).
-  int stayed = 0;
-  double step = 1;
-  for (int i = 0; i < kEvaluations; ++i) {
-    step = (low * at_high - high * at_low) / (at_high - at_low);
-    const double now = derivative(step);
-    if (std::abs(now) <= allowed) break;
-    if (now < 0) {
-      low = step;
-      at_low = now;
-      if (stayed == -1) at_high /= 2;
-      stayed = -1;
-    } else {
-      high = step;
-      at_high = now;
-      if (stayed == 1) at_low /= 2;
-      stayed = 1;
-    }
-  }
-  return step;
+  const double at_start = derivative(0), at_end = derivative(1);
+  if (!(at_start < 0)) return 0;
+  if (at_end <= 1e-9 * -at_start) return 1;
+  return vanishing_slope(derivative, {0, at_start}, {1, at_end}, kSlopeLeft * -at_start);
 }
 
 void HorizonDescent::leave(ActiveSet& active_set, Linearization& linearization) {

@@ -1,5 +1,7 @@
 #include "solvers/constraints/outer_strategy.hpp"
 
+#include "solvers/common/feasible.hpp"
+
 namespace conddp {
 
 void OuterStrategy::measure(const Iterate& iterate, IterationRecord& row) {
@@ -10,9 +12,7 @@ void OuterStrategy::measure(const Iterate& iterate, IterationRecord& row) {
 
 bool OuterStrategy::solved(const IterationRecord& row, const SolverOptions::Tolerances& tolerances,
                            double stationarity) const {
-  return row.stationarity <= stationarity && row.gap <= tolerances.gap &&
-         row.constraint <= tolerances.constraint &&
-         row.complementarity <= tolerances.complementarity;
+  return row.stationarity <= stationarity && is_feasible(row, tolerances);
 }
 
 bool OuterStrategy::update(Iterate& /*iterate*/, const Feedback& /*feedback*/,

@@ -23,10 +23,8 @@ void PenalizedBounds::start(const Trajectory& trajectory, const Eigen::VectorXd&
     for (int i = 0; i < u.size(); ++i) {
       const int at = bounds_.offset(k) + i;
       const double slope = gradient[at];
-      const bool pushed = (slope > 0 && bounds_.at_lower(k, i, u[i])) ||
-                          (slope < 0 && bounds_.at_upper(k, i, u[i]));
       weight_[at] = kWeight * sweep.Quu(k)(i, i);
-      base_[at] = u[i] - (pushed ? slope / weight_[at] : 0);
+      base_[at] = u[i] - (bounds_.pushed_out(k, i, u[i], slope) ? slope / weight_[at] : 0);
     }
   }
 }

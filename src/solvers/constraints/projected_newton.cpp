@@ -161,8 +161,13 @@ bool ProjectedNewton::solve_on_rows(double penalty) {
     linearization_.knots[k].gradient = cost_gradient_[k];
   rows_.add_gradient(true, linearization_);
   const double before = rows_.correct(penalty, nullptr, linearization_);
-  if (!(curved_ && sweep_with(exact_, penalty)) && !sweep_with(gauss_newton_, penalty))
-    return false;
+  const bool swept = (curved_ && sweep_with(exact_, penalty)) || sweep_with(gauss_newton_, penalty);
+  return swept && correct_rows(penalty, before);
+}
+
+/// Corrects the multipliers by what the step leaves of the rows, and sweeps again, until that is a
+/// small part of what was there `before` or falls no further.
+bool ProjectedNewton::correct_rows(double penalty, double before) {
   double last = std::numeric_limits<double>::infinity();
   for (int i = 0; i < kCorrections; ++i) {
     const double rest = rows_.correct(penalty, &step_, linearization_);

@@ -67,6 +67,7 @@ class ProjectedNewton {
   double take_hessians();
   void evaluate_exact_hessian();
   bool solve_on_rows(double penalty);
+  bool correct_rows(double penalty, double before);
   bool sweep_with(const std::vector<Eigen::MatrixXd>& hessians, double penalty);
   void move();
   bool sweep();

@@ -20,6 +20,12 @@ RowSide back_inside(const NodeConstraint& c, int row, RowSide side) {
   return c.lower[row] == c.upper[row] ? RowSide::equality : side;
 }
 
+/// Of one that did not count.
+RowSide revised_inactive_bound(double value, double lower, double upper) {
+  if (is_violated(lower - value, lower)) return RowSide::lower;
+  return is_violated(value - upper, upper) ? RowSide::upper : RowSide::inactive;
+}
+
 /// Of one that counted, by its multiplier: whether it still pushes, and no more than its limit.
 RowSide revised_active_bound(const NodeConstraint& c, RowSide side, double multiplier) {
   if (std::abs(multiplier) > c.limit) return multiplier < 0 ? RowSide::below : RowSide::above;
@@ -32,6 +38,42 @@ bool is_cone_violated(const Eigen::Ref<const Eigen::VectorXd>& values) {
   const Eigen::Index m = values.size() - 1;
   const double outside = values.head(m).norm() - values[m];
   return !(outside <= kViolated * std::max(1.0, values.norm()));
+}
+
+/// Of a cone that touches its boundary: the surface has no slope where the first `tangential`
+/// values vanish.
+RowSide touched_side(const double* values, Eigen::Index tangential) {
+  const bool sloped = Eigen::Map<const Eigen::VectorXd>(values, tangential).squaredNorm() > 0;
+  return sloped ? RowSide::surface : RowSide::tip;
+}
+
+/// Where values lie beside a second-order cone ‖v‖ ≤ t.
+struct ConePoint {
+  double length, height;  ///< ‖v‖ and t
+
+  bool is_inside() const { return length <= height; }
+  /// Nearest to the tip of all points of the cone.
+  bool is_polar() const { return length <= -height; }
+  double distance() const {
+    return is_polar() ? std::hypot(length, height) : (length - height) * std::sqrt(0.5);
+  }
+};
+
+/// Values plus multipliers/penalty.
+ConePoint shifted_point(const double* values, const double* multipliers, double penalty, int rows) {
+  double square = 0;
+  for (int i = 0; i + 1 < rows; ++i) square += std::pow(values[i] + multipliers[i] / penalty, 2);
+  return {std::sqrt(square), values[rows - 1] + multipliers[rows - 1] / penalty};
+}
+
+/// A cone that counted: whether its multipliers still push, and no more than their limit. `start`
+/// are the values at the iterate.
+RowSide revised_active_cone(const NodeConstraint& c, RowSide side, const double* start,
+                            const Eigen::Ref<const Eigen::VectorXd>& nu) {
+  const Eigen::Index m = nu.size() - 1;
+  if (nu.norm() > c.limit && distance(c, start) > 0) return RowSide::outside;
+  if (side == RowSide::surface) return nu[m] < 0 ? side : RowSide::inactive;
+  return nu.head(m).norm() <= -nu[m] ? side : touched_side(start, m);
 }
 
 }  // namespace
@@ -60,19 +102,10 @@ void choose_pair(const double* values, const double* multipliers, const double* 
 RowSide chosen_cone(const NodeConstraint& c, const double* values, const double* multipliers,
                     double penalty) {
   const int n = c.term->rows;
-  double square = 0, length = 0;
-  for (int i = 0; i + 1 < n; ++i) {
-    square += std::pow(values[i] + multipliers[i] / penalty, 2);
-    length += values[i] * values[i];
-  }
-  const double a = std::sqrt(square), t = values[n - 1] + multipliers[n - 1] / penalty;
-  if (a <= t) return RowSide::inactive;
-  const bool polar = a <= -t;
-  if (c.is_soft()) {
-    const double outside = polar ? std::hypot(a, t) : (a - t) * std::sqrt(0.5);
-    if (outside > c.limit / penalty && distance(c, values) > 0) return RowSide::outside;
-  }
-  return polar || length == 0 ? RowSide::tip : RowSide::surface;
+  const ConePoint shifted = shifted_point(values, multipliers, penalty, n);
+  if (shifted.is_inside()) return RowSide::inactive;
+  if (shifted.distance() > c.limit / penalty && distance(c, values) > 0) return RowSide::outside;
+  return shifted.is_polar() ? RowSide::tip : touched_side(values, n - 1);
 }
 
 RowSide chosen_control(double control, double lower, double upper, double gradient) {
@@ -91,8 +124,7 @@ RowSide revised_bound(const NodeConstraint& c, int row, RowSide side, double val
     case RowSide::above:
       return value >= upper ? side : back_inside(c, row, RowSide::upper);
     case RowSide::inactive:
-      if (is_violated(lower - value, lower)) return RowSide::lower;
-      return is_violated(value - upper, upper) ? RowSide::upper : side;
+      return revised_inactive_bound(value, lower, upper);
     default:
       return revised_active_bound(c, side, multiplier);
   }
@@ -101,14 +133,10 @@ RowSide revised_bound(const NodeConstraint& c, int row, RowSide side, double val
 RowSide revised_cone(const NodeConstraint& c, RowSide side, const double* start,
                      const Eigen::Ref<const Eigen::VectorXd>& values,
                      const Eigen::Ref<const Eigen::VectorXd>& nu) {
-  const Eigen::Index m = nu.size() - 1;
-  const bool sloped = Eigen::Map<const Eigen::VectorXd>(start, m).squaredNorm() > 0;
-  const RowSide on = sloped ? RowSide::surface : RowSide::tip;
-  if (side == RowSide::inactive) return is_cone_violated(values) ? on : side;
-  if (side == RowSide::outside) return distance(c, values.data()) > 0 ? side : on;
-  if (c.is_soft() && nu.norm() > c.limit && distance(c, start) > 0) return RowSide::outside;
-  if (side == RowSide::surface) return nu[m] < 0 ? side : RowSide::inactive;
-  return nu.head(m).norm() <= -nu[m] ? side : on;
+  const RowSide touched = touched_side(start, nu.size() - 1);
+  if (side == RowSide::inactive) return is_cone_violated(values) ? touched : side;
+  if (side == RowSide::outside) return distance(c, values.data()) > 0 ? side : touched;
+  return revised_active_cone(c, side, start, nu);
 }
 
 }  // namespace conddp

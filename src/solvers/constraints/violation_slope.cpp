@@ -12,6 +12,15 @@ namespace {
 /// Multipliers per distance: the difference that they make to the cost's gradient keeps its digits.
 constexpr double kWeight = 1e10;
 
+/// The largest size of a control anywhere, at least 1.
+double largest_control(const Trajectory& trajectory) {
+  double largest = 1;
+  for (int k = 0; k < trajectory.knots(); ++k)
+    if (trajectory.u(k).size() > 0)
+      largest = std::max(largest, trajectory.u(k).lpNorm<Eigen::Infinity>());
+  return largest;
+}
+
 }  // namespace
 
 ViolationSlope::ViolationSlope(const ShootingProblem& problem, const ControlBounds& bounds)
@@ -44,10 +53,7 @@ double ViolationSlope::share(Evaluator& evaluator, const Trajectory& trajectory,
 }
 
 double ViolationSlope::share(const Eigen::VectorXd& gradient, const Trajectory& trajectory) const {
-  double most = 1;
-  for (int k = 0; k < bounds_.knots(); ++k)
-    if (trajectory.u(k).size() > 0)
-      most = std::max(most, trajectory.u(k).lpNorm<Eigen::Infinity>());
+  const double most = largest_control(trajectory);
   double sum = 0;
   for (int k = 0; k < bounds_.knots(); ++k) {
     const auto lower = bounds_.lower(k), upper = bounds_.upper(k);
