@@ -7,6 +7,7 @@
 
 #include "base/checkpoint.hpp"
 #include "base/stopwatch.hpp"
+#include "solvers/common/feasible.hpp"
 #include "solvers/common/finite_check.hpp"
 #include "solvers/common/guess.hpp"
 #include "solvers/common/settled_cost.hpp"
@@ -84,7 +85,12 @@ bool DdpSolver::start(const Trajectory& guess) {
   }
   const Stopwatch watch(result.times.evaluate);
   const int bad_knot = evaluator_.simulate(iterate_.trajectory);
-  if (bad_knot < 0) return true;
+  return bad_knot < 0 || end_at_guess(guess, bad_knot);
+}
+
+/// Of a guess whose controls lead out of the finite numbers.
+bool DdpSolver::end_at_guess(const Trajectory& guess, int bad_knot) {
+  SolveResult& result = record_.result;
   result.trajectory = guess;
   Evaluation at_guess(problem_);
   evaluator_.evaluate(guess, at_guess);
@@ -105,7 +111,7 @@ void DdpSolver::iterate() {
   });
   if (constrained_) fit_outer();
   try {
-    while (linearize() && !ends() && goes_on() && step()) ++record_.row.iteration;
+    while (run_iteration()) ++record_.row.iteration;
   } catch (const Abandoned&) {
     abandoned_ = true;
     if (stepping_) iterate_.trajectory = step_start_;
@@ -113,6 +119,9 @@ void DdpSolver::iterate() {
     record_.log_is_stale = true;
   }
 }
+
+/// False where it ends the solve.
+bool DdpSolver::run_iteration() { return linearize() && !ends() && goes_on() && step(); }
 
 /// Lets the outer strategy see the first iterate, which may change what is minimised.
 void DdpSolver::fit_outer() {
@@ -279,10 +288,7 @@ void DdpSolver::confirm_status() {
   SolveResult& result = record_.result;
   const Residuals& r = result.residuals;
   const auto& tolerance = options_.tolerances;
-  if (r.stationarity > tolerance.stationarity || r.gap > tolerance.gap ||
-      r.constraint > tolerance.constraint || r.complementarity > tolerance.complementarity) {
-    return;
-  }
+  if (!(r.stationarity <= tolerance.stationarity) || !is_feasible(r, tolerance)) return;
   if (result.status == SolveStatus::converged) return;
   result.failed_knot = -1;
   result.failed_quantity.clear();

@@ -31,7 +31,9 @@ class DdpSolver {
 
  private:
   bool start(const Trajectory& guess);
+  bool end_at_guess(const Trajectory& guess, int bad_knot);
   void iterate();
+  bool run_iteration();
   void fit_outer();
   bool ends();
   bool goes_on();

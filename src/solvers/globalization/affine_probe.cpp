@@ -33,42 +33,58 @@ AffineProbe::AffineProbe(const ShootingProblem& problem)
 
 bool AffineProbe::holds(Evaluator& evaluator, const Trajectory& trajectory,
                         const Linearization& linearization) {
-  const int N = problem_.knots(), ndx = problem_.ndx();
+  move_all(trajectory, linearization);
+  evaluator.evaluate(moved_, evaluation_);
+  Comparison comparison;
+  for (int i = 0; i < constraint_.size(); ++i)
+    comparison.add(constraint_[i], evaluation_.constraint[i]);
+  if (!comparison.agrees()) return false;
+  for (int k = 0; k < problem_.knots(); ++k) compare_gap(k, trajectory, linearization, comparison);
+  return comparison.agrees();
+}
+
+/// What a knot's state and control are moved by. The given initial state stays.
+Eigen::VectorBlock<Eigen::VectorXd> AffineProbe::move_of(int knot, int nu) {
+  const int ndx = problem_.ndx();
+  auto z = z_.head(ndx + nu);
+  for (int i = 0; i < z.size(); ++i)
+    z[i] = knot == 0 && i < ndx ? 0 : move(static_cast<int>(knot * z_.size() + i));
+  return z;
+}
+
+/// moved_ ← the trajectory with all of its moves, constraint_ ← the values foretold there.
+void AffineProbe::move_all(const Trajectory& trajectory, const Linearization& linearization) {
   moved_ = trajectory;
-  const auto fill = [&](int k, auto z) {
-    for (int i = 0; i < z.size(); ++i) z[i] = k == 0 && i < ndx ? 0 : move(k * z_.size() + i);
-  };
-  for (int k = 0; k <= N; ++k) {
+  for (int k = 0; k <= problem_.knots(); ++k) {
     const KnotLinearization& knot = linearization.knots[k];
-    auto z = z_.head(ndx + knot.nu());
-    fill(k, z);
+    const auto z = move_of(k, knot.nu());
     double* x = moved_.x(k).data();
     problem_.manifold().integrate(x, z.data(), x);
-    if (k < N) moved_.u(k) += z.tail(knot.nu());
+    if (k < problem_.knots()) moved_.u(k) += z.tail(knot.nu());
     const int first = problem_.constraint_offset(k), rows = static_cast<int>(knot.C.rows());
     constraint_.segment(first, rows) = linearization.constraint.segment(first, rows);
     constraint_.segment(first, rows).noalias() += knot.C * z;
   }
-  evaluator.evaluate(moved_, evaluation_);
-  double off = 0, largest = 1;
-  const auto compare = [&](double foretold, double found) {
-    const double here = std::abs(foretold - found);
-    if (!(here <= off)) off = here;  // NaN stays
-    largest = std::max({largest, std::abs(foretold), std::abs(found)});
-  };
-  for (int i = 0; i < constraint_.size(); ++i) compare(constraint_[i], evaluation_.constraint[i]);
-  if (!(off <= kOff * largest)) return false;
-  for (int k = 0; k < N; ++k) {
-    const KnotLinearization& knot = linearization.knots[k];
-    auto z = z_.head(ndx + knot.nu());
-    fill(k, z);
-    knot.apply(z, next_);
-    largest = std::max(largest, trajectory.x(k + 1).template lpNorm<Eigen::Infinity>());
-    for (int i = 0; i < ndx; ++i)
-      compare(linearization.gap(i, k) + next_[i] - move((k + 1) * z_.size() + i),
-              evaluation_.gap(i, k));
-  }
-  return off <= kOff * largest;
 }
+
+void AffineProbe::compare_gap(int knot, const Trajectory& trajectory,
+                              const Linearization& linearization, Comparison& comparison) {
+  const KnotLinearization& here = linearization.knots[knot];
+  here.apply(move_of(knot, here.nu()), next_);
+  comparison.largest =
+      std::max(comparison.largest, trajectory.x(knot + 1).lpNorm<Eigen::Infinity>());
+  for (int i = 0; i < problem_.ndx(); ++i) {
+    const double moved = move(static_cast<int>((knot + 1) * z_.size() + i));
+    comparison.add(linearization.gap(i, knot) + next_[i] - moved, evaluation_.gap(i, knot));
+  }
+}
+
+void AffineProbe::Comparison::add(double foretold, double found) {
+  const double here = std::abs(foretold - found);
+  if (!(here <= off)) off = here;  // NaN stays
+  largest = std::max({largest, std::abs(foretold), std::abs(found)});
+}
+
+bool AffineProbe::Comparison::agrees() const { return off <= kOff * largest; }
 
 }  // namespace conddp

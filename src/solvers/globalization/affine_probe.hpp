@@ -18,6 +18,18 @@ class AffineProbe {
              const Linearization& linearization);
 
  private:
+  /// The largest difference between what was foretold and what was found, and the largest number.
+  struct Comparison {
+    double off = 0, largest = 1;
+
+    void add(double foretold, double found);
+    bool agrees() const;
+  };
+  Eigen::VectorBlock<Eigen::VectorXd> move_of(int knot, int nu);
+  void move_all(const Trajectory& trajectory, const Linearization& linearization);
+  void compare_gap(int knot, const Trajectory& trajectory, const Linearization& linearization,
+                   Comparison& comparison);
+
   const ShootingProblem& problem_;
   Trajectory moved_;
   Evaluation evaluation_;

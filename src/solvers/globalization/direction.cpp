@@ -45,8 +45,7 @@ Direction::Direction(const ShootingProblem& problem, const ControlBounds& bounds
 int Direction::find(Linearization& linearization, const Trajectory& trajectory, const Gaps& gaps,
                     const Adjoint& adjoint, SweepRegularization regularization,
                     const Augmentation* augmentation) {
-  const bool augmented = constraints_ && (augmentation != nullptr ||
-                                          (models_costs_ && problem_.constraints().empty()));
+  const bool augmented = has_rows(augmentation);
   unsettled_ = false;
   if (augmented) {
     constraints_->start(linearization, augmentation);
@@ -63,29 +62,48 @@ int Direction::find(Linearization& linearization, const Trajectory& trajectory, 
   return bad_knot;
 }
 
-/// Sweeps until the linear rollout confirms the active set that the sweep assumed, from the set
-/// that the iteration before ended with. Where sets alternate instead of settling, a true model is
-/// minimised by a descent; else stages find their own sets, around the rows of the iterate.
+/// Whether rows are part of the model: of constraints, or of costs that begin at a bound.
+bool Direction::has_rows(const Augmentation* augmentation) const {
+  return constraints_ &&
+         (augmentation != nullptr || (models_costs_ && problem_.constraints().empty()));
+}
+
 int Direction::search(const Model& model) {
   last_change_.reset();
   held_before_ = false;
   within_bounds_ = horizon_sweeps_ == 0 && !recipe_.clamp_controls;
-  if (horizon_sweeps_ == 0) return search_by_stages(model);
-  if (!active_set_known_ || sweep(model, true) >= 0) {
-    const int bad_knot = sweep(model, false);
-    if (bad_knot >= 0) return bad_knot;
-  }
-  active_set_known_ = true;
+  return horizon_sweeps_ == 0 ? search_by_stages(model) : search_along_horizon(model);
+}
+
+/// Sweeps until the linear rollout confirms the active set that the sweep assumed, from the set
+/// that the iteration before ended with. Where sets alternate instead of settling, a true model is
+/// minimised by a descent; else stages find their own sets, around the rows of the iterate.
+int Direction::search_along_horizon(const Model& model) {
+  const int bad_knot = sweep_first(model);
+  if (bad_knot >= 0) return bad_knot;
   if (settle(model)) return -1;
   unsettled_ = model.augmented;
-  if (model.augmented && model_true_ && descend(model)) {
-    last_change_.reset();
-    if (sweep(model, true) >= 0 || !settle(model)) descent_->write(feedback_);
-    return -1;
-  }
+  if (minimize_true_model(model)) return -1;
   active_set_known_ = false;
   if (model.augmented) constraints_->restore(model.linearization);
   return search_by_stages(model);
+}
+
+/// With the active set that is known, or else with that which stages find.
+int Direction::sweep_first(const Model& model) {
+  if (active_set_known_ && sweep(model, true) < 0) return -1;
+  const int bad_knot = sweep(model, false);
+  if (bad_knot < 0) active_set_known_ = true;
+  return bad_knot;
+}
+
+/// By a descent, from which the active set may settle. False where the model has no rows or is not
+/// known to be true, or a stage has no minimum.
+bool Direction::minimize_true_model(const Model& model) {
+  if (!model.augmented || !model_true_ || !descend(model)) return false;
+  last_change_.reset();
+  if (sweep(model, true) >= 0 || !settle(model)) descent_->write(feedback_);
+  return true;
 }
 
 int Direction::search_by_stages(const Model& model) {

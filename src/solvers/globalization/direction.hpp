@@ -88,7 +88,11 @@ class Direction {
     SweepRegularization regularization;
     bool augmented;  ///< rows of constraints are part of it
   };
+  bool has_rows(const Augmentation* augmentation) const;
   int search(const Model& model);
+  int search_along_horizon(const Model& model);
+  int sweep_first(const Model& model);
+  bool minimize_true_model(const Model& model);
   int search_by_stages(const Model& model);
   int sweep(const Model& model, bool hold);
   bool settle(const Model& model);

@@ -88,27 +88,31 @@ LineSearchResult EqualitySearch::run(Evaluator& evaluator, const MeritModel& mer
   LineSearchResult result;
   double next_step = first_step;
   while (next_step >= options_.min_step) {
-    double steps[kLaneWidth];
-    for (double& length : steps) {
-      length = next_step;
-      next_step /= 2;
-    }
-    evaluator.roll_out(trajectory, linearization.gap, feedback, steps, {.contract_gaps = true},
-                       lanes_);
-    for (int lane = 0; lane < kLaneWidth && steps[lane] >= options_.min_step; ++lane) {
-      ++result.trials;
-      move(step, steps[lane], trajectory);
-      const auto [value, trial] = better_trial(evaluator, merit, lane);
-      if (value == kInfinity) {
-        if (result.first_bad_knot < 0) result.first_bad_knot = lanes_.first_bad_knot[lane];
-        continue;
-      }
-      if (!accepts(merit, steps[lane], value, steps[lane] == first_step, result)) continue;
-      trajectory = *trial;
-      return result;
-    }
+    const auto steps = lane_steps(next_step);
+    evaluator.roll_out(trajectory, linearization.gap, feedback, steps.data(),
+                       {.contract_gaps = true}, lanes_);
+    for (int lane = 0; lane < kLaneWidth && steps[lane] >= options_.min_step; ++lane)
+      if (try_lane(evaluator, merit, step, lane, steps[lane], steps[lane] == first_step, result,
+                   trajectory))
+        return result;
   }
   return result;
+}
+
+/// Both trials of a step length. On acceptance the better one is the new iterate.
+bool EqualitySearch::try_lane(Evaluator& evaluator, const MeritModel& merit,
+                              const LinearRollout& step, int lane, double length, bool first,
+                              LineSearchResult& result, Trajectory& trajectory) {
+  ++result.trials;
+  move(step, length, trajectory);
+  const auto [value, trial] = better_trial(evaluator, merit, lane);
+  if (value == kInfinity) {
+    if (result.first_bad_knot < 0) result.first_bad_knot = lanes_.first_bad_knot[lane];
+    return false;
+  }
+  if (!accepts(merit, length, value, first, result)) return false;
+  trajectory = *trial;
+  return true;
 }
 
 /// Of the rollout in a lane and the straight step of its length: the merit's value and the trial.
@@ -125,18 +129,12 @@ std::pair<double, const Trajectory*> EqualitySearch::better_trial(Evaluator& eva
   return {straight, &straight_};
 }
 
-/// Armijo's rule; the first step may also pass where rounding hides its decrease.
+/// By the merit's value at a trial.
 bool EqualitySearch::accepts(const MeritModel& merit, double length, double value, bool first,
                              LineSearchResult& result) const {
   const double expected = -length * merit.merit_slope(), actual = merit.value() - value;
-  const bool hidden = merit.hidden(expected);
-  const bool armijo = expected > 0 && actual >= options_.armijo * expected;
-  if (!armijo && !(hidden && first && merit.hidden(actual))) return false;
-  result.accepted = true;
-  result.by_rounding = hidden;
-  result.step = length;
-  result.expected_decrease = expected;
-  result.actual_decrease = actual;
+  if (!merit.passes(expected, actual, options_.armijo, first)) return false;
+  result.accept(length, expected, actual, merit.hidden(expected));
   return true;
 }
 

@@ -39,6 +39,8 @@ class EqualitySearch {
   double value(Evaluator& evaluator, const MeritModel& merit, const Trajectory& trial);
   std::pair<double, const Trajectory*> better_trial(Evaluator& evaluator, const MeritModel& merit,
                                                     int lane);
+  bool try_lane(Evaluator& evaluator, const MeritModel& merit, const LinearRollout& step, int lane,
+                double length, bool first, LineSearchResult& result, Trajectory& trajectory);
   bool accepts(const MeritModel& merit, double length, double value, bool first,
                LineSearchResult& result) const;
   template <class Function>

@@ -38,18 +38,14 @@ LineSearchResult FullStepSearch::run(Iterate& iterate, const MeritModel& merit,
                                      const Goal& goal) {
   last_ = goal.last;
   const double closed_cost = merit.cost + iterate.adjoint.gap_slope();
-  Search search{.iterate = iterate, .direction = direction, .augmentation = augmentation};
-  search.expected = iterate.adjoint.gap_slope() - merit.slope;
-  search.hidden = merit.hidden(search.expected);
-  search.close = goal.last || search.hidden || goal.close;
-  search.negligible = search.close ? tolerances_.gap : kNegligibleGaps * search.expected;
+  Search search = begin(iterate, merit, direction, augmentation, goal);
   try_point(search, needs_no_correction_ && !search.close, false);
   needs_no_correction_ = search.gaps_negligible();
   correct(search);
   const double actual =
       closed_cost - step_.cost() - search.costates().cwiseProduct(step_.gap()).sum();
-  const bool accepted = (!goal.last || search.gap <= tolerances_.gap) &&
-                        (search.hidden ? merit.hidden(actual) : search.suffices(actual));
+  const bool accepted =
+      (!goal.last || search.gap <= tolerances_.gap) && search.suffices(actual, merit);
   iterate.linearized = iterate.linearized && !accepted;
   iterate.differentiated = accepted && search.ahead;
   return {.accepted = accepted,
@@ -60,11 +56,24 @@ LineSearchResult FullStepSearch::run(Iterate& iterate, const MeritModel& merit,
           .by_rounding = search.hidden};
 }
 
+FullStepSearch::Search FullStepSearch::begin(Iterate& iterate, const MeritModel& merit,
+                                             const Direction& direction,
+                                             const Augmentation* augmentation,
+                                             const Goal& goal) const {
+  Search search{.iterate = iterate, .direction = direction, .augmentation = augmentation};
+  search.expected = iterate.adjoint.gap_slope() - merit.slope;
+  search.hidden = merit.hidden(search.expected);
+  search.close = goal.last || search.hidden || goal.close;
+  search.negligible = search.close ? tolerances_.gap : kNegligibleGaps * search.expected;
+  return search;
+}
+
 bool FullStepSearch::Search::hopeless() const {
   return !std::isfinite(gap) || (!hidden && weight > kHopelessGaps * expected);
 }
 
-bool FullStepSearch::Search::suffices(double actual) const {
+bool FullStepSearch::Search::suffices(double actual, const MeritModel& merit) const {
+  if (hidden) return merit.hidden(actual);
   return actual >= kLeastDecrease * expected && weight <= kMostGaps * expected;
 }
 

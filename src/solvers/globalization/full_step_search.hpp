@@ -54,8 +54,10 @@ class FullStepSearch {
     double size() const { return close ? gap : weight; }
     bool gaps_negligible() const { return size() <= negligible; }
     bool hopeless() const;
-    bool suffices(double actual_decrease) const;
+    bool suffices(double actual_decrease, const MeritModel& merit) const;
   };
+  Search begin(Iterate& iterate, const MeritModel& merit, const Direction& direction,
+               const Augmentation* augmentation, const Goal& goal) const;
   void try_point(Search& search, bool at_last, bool correct);
   void correct(Search& search);
 

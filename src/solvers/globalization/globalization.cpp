@@ -124,26 +124,46 @@ bool Globalization::regularize_more() {
 
 /// Directions and searches, with more regularisation after every failure, until a step is found.
 bool Globalization::find_step(bool& by_full_step) {
-  for (;;) {
-    if (!sweep()) return false;
-    if (raise_for_unsettled()) continue;
-    if (direction_.null_space() != nullptr)
-      multiplier_change_ = &direction_.null_space()->find_multipliers(direction_.step());
-    correct_direction();
-    measure_direction();
-    by_full_step = take_full_step();
+  bool goes_on = true;
+  while (goes_on) {
+    if (!prepare_direction()) return false;
     bool descends = true;
-    if (by_full_step || search(descends) || search_uncorrected(descends)) return true;
-    if (at_rounding_floor_) {
-      // Exact Hessians take the last digits in one step where Gauss-Newton creeps.
-      if (!iterate_.hessian.turn()) return end_at_rounding_floor();
-      at_rounding_floor_ = false;
-      differentiate();
-      continue;
-    }
-    if (!regularize_more()) return end_without_step(descends);
-    if (!record_.budget_left()) return false;
+    if (try_step(by_full_step, descends)) return true;
+    goes_on = at_rounding_floor_ ? leave_rounding_floor() : retry_regularized(descends);
   }
+  return false;
+}
+
+/// A direction with its merit.
+bool Globalization::prepare_direction() {
+  do {
+    if (!sweep()) return false;
+  } while (raise_for_unsettled());
+  if (direction_.null_space() != nullptr)
+    multiplier_change_ = &direction_.null_space()->find_multipliers(direction_.step());
+  correct_direction();
+  measure_direction();
+  return true;
+}
+
+bool Globalization::try_step(bool& by_full_step, bool& descends) {
+  by_full_step = take_full_step();
+  return by_full_step || search(descends) || search_uncorrected(descends);
+}
+
+/// Exact Hessians take the last digits in one step where Gauss-Newton creeps. False where they have
+/// been tried: then the solve ends.
+bool Globalization::leave_rounding_floor() {
+  if (!iterate_.hessian.turn()) return end_at_rounding_floor();
+  at_rounding_floor_ = false;
+  differentiate();
+  return true;
+}
+
+/// More regularisation after a failure. False where the solve ends.
+bool Globalization::retry_regularized(bool descends) {
+  if (!regularize_more()) return end_without_step(descends);
+  return record_.budget_left();
 }
 
 /// Search along the sweep's own direction, where that has been corrected.
@@ -170,17 +190,21 @@ void Globalization::step_taken(bool by_full_step) {
   full_step_search_.step_taken(full && quadratic);
 }
 
-/// Whether the decrease of the full step was that of a quadratic function. As long as a line search
-/// closes gaps, their weight is most of what the merit gains, and the cost alone is compared with
-/// its model.
+/// Whether the decrease of the full step was that of a quadratic function.
 bool Globalization::decrease_was_quadratic(bool by_full_step) {
   if (merit_.hidden(search_.expected_decrease)) return true;
-  double share = search_.actual_decrease / search_.expected_decrease;
-  if (!by_full_step && !equality_search_ && !iterate_.gaps.closed() && search_.step == 1) {
-    const double model = -merit_.slope - 0.5 * direction_.curvature(iterate_.linearization);
-    share = 0.5 * (search_.actual_decrease - merit_.penalty * merit_.gap_norm) / model;
-  }
+  const double share = share_of_decrease(by_full_step);
   return share >= kQuadraticFrom && share <= kQuadraticTo;
+}
+
+/// The actual decrease as a share of the expected one. As long as a line search closes gaps, their
+/// weight is most of what the merit gains, and the cost alone is compared with its model.
+double Globalization::share_of_decrease(bool by_full_step) {
+  const bool closed_gaps =
+      !by_full_step && !equality_search_ && !iterate_.gaps.closed() && search_.step == 1;
+  if (!closed_gaps) return search_.actual_decrease / search_.expected_decrease;
+  const double model = -merit_.slope - 0.5 * direction_.curvature(iterate_.linearization);
+  return 0.5 * (search_.actual_decrease - merit_.penalty * merit_.gap_norm) / model;
 }
 
 /// Gauss-Newton's steps learn from each other, where the Hessian is not to be just that.
@@ -264,14 +288,18 @@ bool Globalization::take_full_step() {
   return false;
 }
 
-/// Search along the sweep's policy, where it descends. A step that the merit is too coarse to judge
-/// counts only if it progresses otherwise.
+/// Search along the sweep's policy, where it descends.
 bool Globalization::search(bool& descends) {
   weigh_gaps();
   descends = merit_.descends();
   if (!descends) return false;
   iterate_.before = iterate_.trajectory;
   if (gaps_open() && !merit_.hidden(merit_.merit_slope())) return search_with_open_gaps();
+  return search_judged();
+}
+
+/// A step that the merit is too coarse to judge counts only if it progresses otherwise.
+bool Globalization::search_judged() {
   for (double first_step = 1; first_step >= kShortestBlindStep; first_step /= 2) {
     if (!search_along(first_step)) return false;
     if (!search_.by_rounding || blind_step_progresses()) return true;
@@ -343,17 +371,20 @@ bool Globalization::sweep() {
 /// optimum; then the Gauss-Newton ones, which keep the costs' curvature and have the problem's own
 /// scaling, make a better convex model than any multiple of the identity.
 int Globalization::sweep_backward(double regularization) {
-  for (const bool exact : {true, false}) {
-    if (exact && !iterate_.hessian.exact_known()) continue;
-    iterate_.hessian.use(exact);
-    int bad_knot = find_direction(regularization);
-    if (direction_.unsettled() && found_affine()) {
-      direction_.trust_model();
-      bad_knot = find_direction(regularization);
-    }
-    if (bad_knot < 0 || !exact) return bad_knot;
+  if (iterate_.hessian.exact_known()) {
+    iterate_.hessian.use(true);
+    if (find_settled_direction(regularization) < 0) return -1;
   }
-  return -1;
+  iterate_.hessian.use(false);
+  return find_settled_direction(regularization);
+}
+
+/// Once more, with the model as a true one, where active sets alternate and all is affine.
+int Globalization::find_settled_direction(double regularization) {
+  const int bad_knot = find_direction(regularization);
+  if (!direction_.unsettled() || !found_affine()) return bad_knot;
+  direction_.trust_model();
+  return find_direction(regularization);
 }
 
 int Globalization::find_direction(double regularization) {

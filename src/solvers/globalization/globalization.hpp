@@ -51,10 +51,15 @@ class Globalization {
 
  private:
   bool find_step(bool& by_full_step);
+  bool prepare_direction();
+  bool try_step(bool& by_full_step, bool& descends);
+  bool leave_rounding_floor();
+  bool retry_regularized(bool descends);
   void step_taken(bool by_full_step);
   bool sweep();
   int sweep_backward(double regularization);
   int find_direction(double regularization);
+  int find_settled_direction(double regularization);
   bool found_affine();
   bool regularize_more();
   bool raise_for_unsettled();
@@ -66,9 +71,11 @@ class Globalization {
   bool search(bool& descends);
   bool search_uncorrected(bool& descends);
   bool search_with_open_gaps();
+  bool search_judged();
   bool search_along(double first_step);
   bool blind_step_progresses();
   bool decrease_was_quadratic(bool by_full_step);
+  double share_of_decrease(bool by_full_step);
   bool regularisation_hides_descent();
   bool end_at_rounding_floor();
   bool end_without_step(bool descends);

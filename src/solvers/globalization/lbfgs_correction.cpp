@@ -94,7 +94,22 @@ void LbfgsCorrection::add_pair(const BackwardSweep& sweep) {
 
 bool LbfgsCorrection::correct(Feedback& feedback) {
   if (!observed_ || count_ == 0 || ratio_ < kFastConvergence) return false;
-  // r = H g, from M⁻¹ g = −d; what the first loop takes from g it takes from M⁻¹ g too.
+  apply_inverse();
+  const double slope = -g_.dot(r_), plain = g_.dot(d_);
+  if (!(slope < plain / kLargestFactor && slope > kLargestFactor * plain)) {
+    count_ = 0;
+    return false;
+  }
+  for (int k = 0; k < bounds_.knots(); ++k) {
+    const auto free = free_.segment(bounds_.offset(k), feedback.k[k].size());
+    const auto r = r_.segment(bounds_.offset(k), feedback.k[k].size());
+    feedback.k[k] = (free.array() != 0).select(-r, feedback.k[k]);
+  }
+  return true;
+}
+
+/// r ← H g, from M⁻¹ g = −d; what the first loop takes from g it takes from M⁻¹ g too.
+void LbfgsCorrection::apply_inverse() {
   Eigen::VectorXd& q = new_g_;
   q = g_;
   r_ = -d_;
@@ -108,17 +123,6 @@ bool LbfgsCorrection::correct(Feedback& feedback) {
     const Pair& pair = pairs_[(newest_ - i + kPairs) % kPairs];
     r_ += (pair.weight - pair.y.dot(r_) / pair.curvature) * pair.s;
   }
-  const double slope = -g_.dot(r_), plain = g_.dot(d_);
-  if (!(slope < plain / kLargestFactor && slope > kLargestFactor * plain)) {
-    count_ = 0;
-    return false;
-  }
-  for (int k = 0; k < bounds_.knots(); ++k)
-    for (int i = 0; i < feedback.k[k].size(); ++i) {
-      const int at = bounds_.offset(k) + i;
-      if (free_[at] != 0) feedback.k[k][i] = -r_[at];
-    }
-  return true;
 }
 
 void LbfgsCorrection::restore(Feedback& feedback) const {

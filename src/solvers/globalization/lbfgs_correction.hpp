@@ -39,6 +39,7 @@ class LbfgsCorrection {
     double curvature = 0;     ///< sᵀ y
     double weight = 0;        ///< of the first loop
   };
+  void apply_inverse();
   void stack(const std::vector<Eigen::VectorXd>& parts, Eigen::VectorXd& whole) const;
   bool free_entries(const Feedback& feedback, const ActiveSet& active_set);
   void add_pair(const BackwardSweep& sweep);

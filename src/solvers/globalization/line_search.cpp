@@ -18,6 +18,15 @@ double actual_decrease(double cost, double step, const MeritModel& merit) {
 
 }  // namespace
 
+std::array<double, kLaneWidth> lane_steps(double& next_step) {
+  std::array<double, kLaneWidth> steps;
+  for (double& step : steps) {
+    step = next_step;
+    next_step /= 2;
+  }
+  return steps;
+}
+
 LineSearch::LineSearch(const ShootingProblem& problem, const SolverOptions::LineSearch& options)
     : options_(options),
       manifold_(problem.manifold()),
@@ -66,37 +75,34 @@ bool LineSearch::try_alone(Evaluator& evaluator, const Ray& ray, double step,
   return true;
 }
 
-/// As many steps as there are lanes; `next_step` ← the one after them.
+/// As many steps as there are lanes, from `next_step` on.
 bool LineSearch::try_lanes(Evaluator& evaluator, const Ray& ray, double first_step,
                            double& next_step, LineSearchResult& result) {
-  double steps[kLaneWidth];
-  for (double& step : steps) {
-    step = next_step;
-    next_step /= 2;
-  }
-  evaluator.roll_out(ray.from, ray.gap, ray.feedback, steps, ray.rollout, lanes_);
+  const auto steps = lane_steps(next_step);
+  evaluator.roll_out(ray.from, ray.gap, ray.feedback, steps.data(), ray.rollout, lanes_);
   for (int lane = 0; lane < kLaneWidth && steps[lane] >= options_.min_step; ++lane) {
     ++result.trials;
     if (lanes_.first_bad_knot[lane] >= 0) {
       if (result.first_bad_knot < 0) result.first_bad_knot = lanes_.first_bad_knot[lane];
       continue;
     }
-    const double step = steps[lane];
-    if (applies_slope(ray)) lanes_.extract(lane, trial_.trajectory);
-    const double expected = expected_decrease(ray, step);
-    const double actual = actual_decrease(lanes_.cost[lane], step, ray.merit);
-    const bool hidden = ray.merit.hidden(expected);
-    const bool armijo = expected > 0 && actual >= options_.armijo * expected;
-    if (!armijo && !(hidden && step == first_step && ray.merit.hidden(actual))) continue;
-    if (!hidden && half_is_better(lane, step / 2, actual, ray.merit)) continue;
-    result.by_rounding = hidden;
-    result.step = step;
-    result.expected_decrease = expected;
-    result.actual_decrease = actual;
-    lanes_.extract(lane, trial_.trajectory);
-    return true;
+    if (accepts_lane(ray, lane, steps[lane], steps[lane] == first_step, result)) return true;
   }
   return false;
+}
+
+/// Looks at the rollout in a lane, which is finite. On acceptance it is in trial_.
+bool LineSearch::accepts_lane(const Ray& ray, int lane, double step, bool first,
+                              LineSearchResult& result) {
+  if (applies_slope(ray)) lanes_.extract(lane, trial_.trajectory);
+  const double expected = expected_decrease(ray, step);
+  const double actual = actual_decrease(lanes_.cost[lane], step, ray.merit);
+  if (!ray.merit.passes(expected, actual, options_.armijo, first)) return false;
+  const bool hidden = ray.merit.hidden(expected);
+  if (!hidden && half_is_better(lane, step / 2, actual, ray.merit)) return false;
+  result.accept(step, expected, actual, hidden);
+  lanes_.extract(lane, trial_.trajectory);
+  return true;
 }
 
 /// Whether the lane after this one has half its step, and lowers the merit more.

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+
 #include "ocp/evaluation/evaluator.hpp"
 #include "solvers/common/options.hpp"
 #include "solvers/iterate/merit_model.hpp"
@@ -16,7 +18,20 @@ struct LineSearchResult {
   int trials = 0;
   bool by_rounding = false;  ///< the decrease is too small for the merit to tell
   int first_bad_knot = -1;   ///< where the first trial with a non-finite result lost it
+
+  /// That the last trial is accepted.
+  void accept(double length, double expected, double actual, bool hidden) {
+    accepted = true;
+    step = length;
+    expected_decrease = expected;
+    actual_decrease = actual;
+    by_rounding = hidden;
+  }
 };
+
+/// Step lengths of the trials in one rollout, a lane each: `next_step` and its halves. `next_step`
+/// ← the one after them.
+std::array<double, kLaneWidth> lane_steps(double& next_step);
 
 /// Armijo's rule on the merit over the step lengths 1, ½, ¼, ..., tried kLaneWidth at a time in the
 /// lanes of one rollout. The largest acceptable one is taken, but, as the lanes tell at no cost,
@@ -58,6 +73,7 @@ class LineSearch {
   bool try_alone(Evaluator& evaluator, const Ray& ray, double step, LineSearchResult& result);
   bool try_lanes(Evaluator& evaluator, const Ray& ray, double first_step, double& next_step,
                  LineSearchResult& result);
+  bool accepts_lane(const Ray& ray, int lane, double step, bool first, LineSearchResult& result);
   bool half_is_better(int lane, double half, double actual, const MeritModel& merit) const;
   bool applies_slope(const Ray& ray) const;
   double expected_decrease(const Ray& ray, double step);

@@ -46,10 +46,7 @@ LineSearchResult OpenGapSearch::run(Evaluator& evaluator, const MeritModel& meri
       try_linear(evaluator, merit, direction, augmentation, step, trajectory);
     }
     if (!(expected > 0 && best_decrease_ >= options_.armijo * expected)) continue;
-    result.accepted = true;
-    result.step = step;
-    result.expected_decrease = expected;
-    result.actual_decrease = best_decrease_;
+    result.accept(step, expected, best_decrease_, false);
     std::swap(trajectory, best_);
     return result;
   }

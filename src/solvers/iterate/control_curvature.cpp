@@ -11,6 +11,15 @@ namespace {
 /// Less of a diagonal entry than this share is rounding of what was subtracted.
 constexpr double kRounding = 1e-12;
 
+/// The largest of the costs' diagonal entries that are more than rounding of the whole ones.
+template <class Diagonal>
+double largest_of_costs(const Eigen::VectorXd& costs, const Diagonal& whole) {
+  double largest = 0;
+  for (int i = 0; i < whole.size(); ++i)
+    if (costs[i] > kRounding * whole[i]) largest = std::max(largest, costs[i]);
+  return largest;
+}
+
 }  // namespace
 
 ControlCurvature::ControlCurvature(const ShootingProblem& problem) : problem_(problem) {
@@ -53,9 +62,7 @@ double ControlCurvature::least(const Linearization& linearization,
     costs_.head(all.size()) = all;
     for (; constraint != problem_.constraints().end() && constraint->node == k; ++constraint)
       if (augmentation != nullptr) subtract(*constraint, linearization, *augmentation);
-    double largest = 0;
-    for (int i = 0; i < all.size(); ++i)
-      if (costs_[i] > kRounding * all[i]) largest = std::max(largest, costs_[i]);
+    const double largest = largest_of_costs(costs_, all);
     if (largest > 0) least = std::min(least, largest);
   }
   return least;

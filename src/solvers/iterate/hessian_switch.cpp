@@ -92,14 +92,19 @@ void HessianSwitch::watch(const IterationRecord& row) {
   if (use_ != HessianUse::when_slow || for_good_) return;
   if (row.iteration > 0) {
     if (row.iteration < watched_iteration_ + window()) return;
-    if (exact_wanted_ ? exact_is_slow(row) : gauss_newton_is_slow(row)) {
-      if (exact_wanted_) ++returns_;
-      exact_wanted_ = !exact_wanted_;
-    }
+    turn_if_slow(row);
   }
   watched_iteration_ = row.iteration;
   watched_stationarity_ = row.stationarity;
   watched_cost_ = row.cost;
+}
+
+/// At the end of a window.
+void HessianSwitch::turn_if_slow(const IterationRecord& row) {
+  const bool slow = exact_wanted_ ? exact_is_slow(row) : gauss_newton_is_slow(row);
+  if (!slow) return;
+  if (exact_wanted_) ++returns_;
+  exact_wanted_ = !exact_wanted_;
 }
 
 bool HessianSwitch::turn() {

@@ -65,6 +65,7 @@ class HessianSwitch {
   bool gauss_newton_is_slow(const IterationRecord& row) const;
   bool exact_is_slow(const IterationRecord& row) const;
   int window() const;
+  void turn_if_slow(const IterationRecord& row);
 
   HessianUse use_;
   double tolerance_;

@@ -36,12 +36,17 @@ void Iterate::differentiate(const Feedback& feedback, const Augmentation* augmen
   differentiated = false;
   gaps.set(linearization, open_gaps_);
   adjoint.compute(linearization, trajectory, gaps, feedback);
-  linearized = std::isfinite(linearization.total_cost()) &&
-               std::isfinite(linearization.augmentation.sum()) && all_finite(linearization.gap) &&
-               all_finite(adjoint.costates()) && all_finite(adjoint.gradient());
+  linearized = is_finite();
   const bool closed = !open_gaps_ || linearization.max_gap() <= exact_below;
   if (hessian.exact_wanted() && linearized && closed)
     hessian.evaluate_exact(trajectory, adjoint.costates(), augmentation);
+}
+
+/// Of costs, gaps and co-states, which see what else is not finite.
+bool Iterate::is_finite() const {
+  return std::isfinite(linearization.total_cost()) &&
+         std::isfinite(linearization.augmentation.sum()) && all_finite(linearization.gap) &&
+         all_finite(adjoint.costates()) && all_finite(adjoint.gradient());
 }
 
 bool Iterate::end_diverged() {

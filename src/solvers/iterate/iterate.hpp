@@ -48,6 +48,8 @@ struct Iterate {
   double exact_below;           ///< gaps at which exact second derivatives begin
 
  private:
+  bool is_finite() const;
+
   SolveRecord& record_;
   bool open_gaps_;
 };

@@ -17,6 +17,9 @@ struct MeritModel {
   bool descends() const { return merit_slope() < 0 || hidden(merit_slope()); }
   /// Whether rounding hides a change of that size.
   bool hidden(double change) const;
+  /// Armijo's rule, that a trial reaches the share `armijo` of the decrease expected to first
+  /// order. The first trial also passes where rounding hides both decreases.
+  bool passes(double expected, double actual, double armijo, bool first) const;
 };
 
 }  // namespace conddp
