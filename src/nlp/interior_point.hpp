@@ -55,6 +55,11 @@ struct InteriorPointAnswer {
   PrimalDualPoint point;
   double barrier = 0;             ///< last μ
   double evaluation_seconds = 0;  ///< of the program's values and derivatives
+
+  /// Whether Ipopt's tolerances hold, be it its looser ones.
+  bool is_good() const {
+    return end == InteriorPointEnd::solved || end == InteriorPointEnd::acceptable;
+  }
 };
 
 /// What a solve is told besides the program.

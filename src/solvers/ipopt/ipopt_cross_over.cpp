@@ -29,23 +29,43 @@ constexpr double kLeastDistance = 1e-16;
 /// Of a bound: what a Newton step leaves of the way to it.
 constexpr double kBoundRounding = 1e-14;
 
+/// Puts the multipliers of a second-order cone into its polar cone and within their limit.
+void project_on_cone(const NodeConstraint& c, Eigen::Ref<Eigen::VectorXd> nu) {
+  const Eigen::VectorXd given = nu;
+  outside_cone(given.data(), c.term->rows, nu.data());
+  const double norm = nu.norm();
+  if (norm > c.limit) nu *= c.limit / norm;
+}
+
+/// Likewise those of rows of bounds, which have the signs of their bounds.
+void project_on_bounds(const NodeConstraint& c, Eigen::Ref<Eigen::VectorXd> nu) {
+  for (int i = 0; i < c.term->rows; ++i)
+    nu[i] = std::clamp(nu[i], std::isinf(c.lower[i]) ? 0 : -c.limit,
+                       std::isinf(c.upper[i]) ? 0 : c.limit);
+}
+
 /// Puts multipliers into the normal cones of their sets and within the limits of soft constraints:
 /// Ipopt's are there at an answer alone.
 void project_multipliers(const ShootingProblem& problem, Eigen::VectorXd& multipliers) {
   for (const NodeConstraint& c : problem.constraints()) {
     if (c.term->has_pairs()) continue;
-    auto nu = multipliers.segment(c.row, c.term->rows);
-    if (c.term->is_cone()) {
-      const Eigen::VectorXd given = nu;
-      outside_cone(given.data(), c.term->rows, nu.data());
-      const double norm = nu.norm();
-      if (norm > c.limit) nu *= c.limit / norm;
-      continue;
-    }
-    for (int i = 0; i < c.term->rows; ++i)
-      nu[i] = std::clamp(nu[i], std::isinf(c.lower[i]) ? 0 : -c.limit,
-                         std::isinf(c.upper[i]) ? 0 : c.limit);
+    const auto project = c.term->is_cone() ? project_on_cone : project_on_bounds;
+    project(c, multipliers.segment(c.row, c.term->rows));
   }
+}
+
+double bound_ratio(double multiplier, double distance) {
+  return std::abs(multiplier) / std::max(distance, kLeastDistance);
+}
+
+/// Puts controls on bounds that rounding keeps them off.
+void snap_rounded(const ControlBounds& bounds, Trajectory& trajectory) {
+  for (int k = 0; k < bounds.knots(); ++k)
+    for (int i = 0; i < trajectory.u(k).size(); ++i)
+      for (const double bound : {bounds.lower(k)[i], bounds.upper(k)[i]})
+        if (std::isfinite(bound) &&
+            std::abs(trajectory.u(k)[i] - bound) <= kBoundRounding * std::max(1.0, std::abs(bound)))
+          trajectory.u(k)[i] = bound;
 }
 
 }  // namespace
@@ -54,24 +74,26 @@ void project_multipliers(const ShootingProblem& problem, Eigen::VectorXd& multip
 IpoptSolver::BoundRatios IpoptSolver::bound_ratios(const InteriorPointAnswer& answer,
                                                    const Trajectory& trajectory,
                                                    const Eigen::VectorXd& multipliers) const {
-  const auto ratio = [](double multiplier, double distance) {
-    return std::abs(multiplier) / std::max(distance, kLeastDistance);
-  };
   BoundRatios ratios{problem_.create_trajectory(), problem_.create_trajectory(),
-                     Eigen::VectorXd::Zero(multipliers.size())};
+                     row_ratios(multipliers)};
   transcription_->read_controls(answer.point.lower.data(), ratios.lower);
   transcription_->read_controls(answer.point.upper.data(), ratios.upper);
   for (int k = 0; k < problem_.knots(); ++k)
     for (int i = 0; i < problem_.nu(k); ++i) {
       const double u = trajectory.u(k)[i];
-      ratios.lower.u(k)[i] = ratio(ratios.lower.u(k)[i], u - bounds_.lower(k)[i]);
-      ratios.upper.u(k)[i] = ratio(ratios.upper.u(k)[i], bounds_.upper(k)[i] - u);
+      ratios.lower.u(k)[i] = bound_ratio(ratios.lower.u(k)[i], u - bounds_.lower(k)[i]);
+      ratios.upper.u(k)[i] = bound_ratio(ratios.upper.u(k)[i], bounds_.upper(k)[i] - u);
     }
+  return ratios;
+}
+
+Eigen::VectorXd IpoptSolver::row_ratios(const Eigen::VectorXd& multipliers) const {
+  Eigen::VectorXd ratios = Eigen::VectorXd::Zero(multipliers.size());
   for (const NodeConstraint& c : problem_.constraints())
     for (int i = 0; c.lower != nullptr && i < c.term->rows; ++i) {
       const double nu = multipliers[c.row + i], g = newton_.linearization().constraint[c.row + i];
       if (c.lower[i] < c.upper[i])
-        ratios.rows[c.row + i] = ratio(nu, nu > 0 ? c.upper[i] - g : g - c.lower[i]);
+        ratios[c.row + i] = bound_ratio(nu, nu > 0 ? c.upper[i] - g : g - c.lower[i]);
     }
   return ratios;
 }
@@ -132,23 +154,32 @@ Feedback IpoptSolver::find_gains(const Trajectory& trajectory, const Eigen::Vect
 /// it is with entries put on their bounds, and of Newton's iterates from there. `goes_on`: it is an
 /// answer to which Ipopt went on from the one before.
 void IpoptSolver::cross_over(const InteriorPointAnswer& answer, bool goes_on) {
-  const bool good = answer.end == End::solved || answer.end == End::acceptable;
-  transcription_->set_point(good ? answer.point.y.data() : best_.data());
-  Eigen::MatrixXd costates;
-  Eigen::VectorXd multipliers;
-  transcription_->read_multipliers(answer.point.rows.data(), costates, multipliers);
-  if (!multipliers.allFinite()) multipliers.setZero();
-  if (answer.end != End::solved) project_multipliers(problem_, multipliers);
+  transcription_->set_point(answer.is_good() ? answer.point.y.data() : best_.data());
+  const Eigen::VectorXd multipliers = multipliers_of(answer);
   Trajectory trajectory = transcription_->trajectory();
   bounds_.clamp(trajectory);
   start_newton(trajectory, multipliers);
   consider();
-  if (!good) return;
+  if (!answer.is_good()) return;
   compare_ratios(bound_ratios(answer, trajectory, multipliers), goes_on);
   if (newton_.active_rows() == 0 && under_tolerances(newton_.norms())) return;
   snap_controls(answer, trajectory);
   start_newton(trajectory, multipliers);
   consider(true);
+  take_newton_steps();
+}
+
+/// Of constraints, as Newton's method can begin with.
+Eigen::VectorXd IpoptSolver::multipliers_of(const InteriorPointAnswer& answer) const {
+  Eigen::MatrixXd costates;
+  Eigen::VectorXd multipliers;
+  transcription_->read_multipliers(answer.point.rows.data(), costates, multipliers);
+  if (!multipliers.allFinite()) multipliers.setZero();
+  if (answer.end != End::solved) project_multipliers(problem_, multipliers);
+  return multipliers;
+}
+
+void IpoptSolver::take_newton_steps() {
   for (int i = 0; i < kNewtonSteps && newton_.norms().largest() > kNewtonGoal; ++i) {
     if (!newton_.step(kNewtonGrowth)) break;
     note_newton_step();
@@ -205,12 +236,7 @@ void IpoptSolver::refine(InteriorPointAnswer& answer) {
 void IpoptSolver::sweep_at_answer() {
   if (!choice_.is_solution() || !problem_.constraints().empty()) return;
   Trajectory trajectory = result_.trajectory;
-  for (int k = 0; k < problem_.knots(); ++k)
-    for (int i = 0; i < problem_.nu(k); ++i)
-      for (const double bound : {bounds_.lower(k)[i], bounds_.upper(k)[i]})
-        if (std::isfinite(bound) &&
-            std::abs(trajectory.u(k)[i] - bound) <= kBoundRounding * std::max(1.0, std::abs(bound)))
-          trajectory.u(k)[i] = bound;
+  snap_rounded(bounds_, trajectory);
   start_newton(trajectory, Eigen::VectorXd(result_.constraint_multipliers));
   if (gain_regularization_) consider(true);
 }

@@ -11,10 +11,6 @@ namespace {
 
 using End = InteriorPointEnd;
 
-bool is_good(const InteriorPointAnswer& answer) {
-  return answer.end == End::solved || answer.end == End::acceptable;
-}
-
 /// Of the solves before the last one, which need no more than a good start for the next.
 constexpr double kLooseTolerance = 1e-3, kTightTolerance = 1e-8;
 /// Solves in a row that may fail before the relaxation is given up.
@@ -45,20 +41,34 @@ bool pairs_need_no_less(const Transcription& transcription, const Eigen::VectorX
   return transcription.pair_distance(y.data()) <= kComplementary * options.tolerances.constraint;
 }
 
+/// The chosen relaxation and, where they may be tried, the others.
+std::vector<PairRelaxation> relaxations_to_try(const SolverOptions::Complementarity& options) {
+  std::vector<PairRelaxation> list = {options.relaxation};
+  if (options.fallback != RelaxationFallback::automatic) return list;
+  for (const PairRelaxation other :
+       {PairRelaxation::elementwise, PairRelaxation::fischer_burmeister, PairRelaxation::penalty,
+        PairRelaxation::inner_product})
+    if (other != options.relaxation) list.push_back(other);
+  return list;
+}
+
 }  // namespace
+
+/// What the solves with smaller and smaller epsilon have come to.
+struct IpoptSolver::Tightening {
+  InteriorPointAnswer last;
+  InteriorPointAnswer good;  ///< one whose pairs may be told apart
+  int failures = 0;          ///< in a row
+  bool tried = false;        ///< to tell the pairs apart before the last epsilon
+};
 
 bool IpoptSolver::is_complementary(const InteriorPointAnswer& answer) const {
   return transcription_->pair_distance(answer.point.y.data()) <= options_.tolerances.constraint;
 }
 
-/// The chosen relaxation, then the others until one finds an answer.
+/// The relaxations until one finds an answer.
 InteriorPointAnswer IpoptSolver::run_relaxations(const Trajectory& start) {
-  std::vector<PairRelaxation> ways = {options_.complementarity.relaxation};
-  if (options_.complementarity.fallback == RelaxationFallback::automatic)
-    for (const PairRelaxation way :
-         {PairRelaxation::elementwise, PairRelaxation::fischer_burmeister, PairRelaxation::penalty,
-          PairRelaxation::inner_product})
-      if (way != ways.front()) ways.push_back(way);
+  const std::vector<PairRelaxation> ways = relaxations_to_try(options_.complementarity);
   InteriorPointAnswer answer;
   for (std::size_t i = 0; i < ways.size(); ++i) {
     if (i > 0) {
@@ -67,8 +77,7 @@ InteriorPointAnswer IpoptSolver::run_relaxations(const Trajectory& start) {
       ++row_.fallbacks;
     }
     answer = tighten(start);
-    if (is_good(answer) && is_complementary(answer)) break;
-    if (is_out_of_budget()) break;
+    if ((answer.is_good() && is_complementary(answer)) || is_out_of_budget()) break;
   }
   return answer;
 }
@@ -77,32 +86,44 @@ InteriorPointAnswer IpoptSolver::run_relaxations(const Trajectory& start) {
 InteriorPointAnswer IpoptSolver::tighten(const Trajectory& start) {
   const auto& schedule = options_.complementarity;
   InteriorPointSettings settings = default_settings();
-  InteriorPointAnswer last, good;  // good: one whose pairs may be told apart
+  Tightening so_far;
   Eigen::VectorXd y = transcription_->point_of(start);
-  int failures = 0;
-  bool tried = false;
   for (double epsilon = schedule.initial;;
        epsilon = std::max(schedule.final, epsilon * schedule.factor)) {
     InteriorPointAnswer answer = relax_and_run(epsilon, y, settings);
-    if (is_out_of_budget()) return answer;
-    failures = is_good(answer) ? 0 : failures + 1;
-    if (!answer.point.y.allFinite() || failures == kFailures)
-      return polished_or(std::move(good), std::move(answer));
-    const bool may_be_told_apart = failures == 0 && epsilon <= kPolishFrom;
-    const bool is_last = epsilon <= schedule.final;
-    if (may_be_told_apart && !is_last && !tried) {
-      tried = true;
-      if (const auto polished = try_polish(answer)) return *polished;
-      if (is_out_of_budget()) return answer;
-    }
-    if (may_be_told_apart) good = answer;
-    last = std::move(answer);
-    y = last.point.y;
-    settings.warm = is_good(last) ? &last.point : nullptr;
-    if (is_last || pairs_need_no_less(*transcription_, y, options_)) break;
+    if (auto end = end_tightening(epsilon, answer, so_far)) return *std::move(end);
+    so_far.last = std::move(answer);
+    y = so_far.last.point.y;
+    settings.warm = so_far.last.is_good() ? &so_far.last.point : nullptr;
+    if (epsilon <= schedule.final || pairs_need_no_less(*transcription_, y, options_)) break;
   }
-  polish(last, false);
-  return last;
+  polish(so_far.last, false);
+  return so_far.last;
+}
+
+/// What the solve with this epsilon ends the sequence with, if it does.
+std::optional<InteriorPointAnswer> IpoptSolver::end_tightening(double epsilon,
+                                                               const InteriorPointAnswer& answer,
+                                                               Tightening& so_far) {
+  if (is_out_of_budget()) return answer;
+  so_far.failures = answer.is_good() ? 0 : so_far.failures + 1;
+  if (!answer.point.y.allFinite() || so_far.failures == kFailures)
+    return polished_or(std::move(so_far.good), answer);
+  const bool may_be_told_apart = so_far.failures == 0 && epsilon <= kPolishFrom;
+  return may_be_told_apart ? try_early_polish(epsilon, answer, so_far) : std::nullopt;
+}
+
+/// Once, and not with the last epsilon, whose answer is polished in any case.
+std::optional<InteriorPointAnswer> IpoptSolver::try_early_polish(double epsilon,
+                                                                 const InteriorPointAnswer& answer,
+                                                                 Tightening& so_far) {
+  if (!so_far.tried && epsilon > options_.complementarity.final) {
+    so_far.tried = true;
+    if (auto polished = try_polish(answer)) return polished;
+    if (is_out_of_budget()) return answer;
+  }
+  so_far.good = answer;
+  return std::nullopt;
 }
 
 /// A solve with one epsilon, to tolerances that fit it.
@@ -130,7 +151,7 @@ std::optional<InteriorPointAnswer> IpoptSolver::try_polish(InteriorPointAnswer a
 
 /// The last good answer, polished, or else the one that failed.
 InteriorPointAnswer IpoptSolver::polished_or(InteriorPointAnswer good, InteriorPointAnswer failed) {
-  return is_good(good) && polish(good, false) ? good : failed;
+  return good.is_good() && polish(good, false) ? good : failed;
 }
 
 bool IpoptSolver::is_out_of_budget() const {
@@ -159,34 +180,46 @@ void IpoptSolver::cross_over_from_polished(const InteriorPointAnswer& polished) 
 /// the equations. The answer stays as it was where that fails, or where the cost rises: then it was
 /// the wrong one of some pair. A trial has to come to the second barrier in few iterations.
 bool IpoptSolver::polish(InteriorPointAnswer& answer, bool trial) {
-  const auto cost_at = [&](const InteriorPointAnswer& at) {
-    transcription_->set_point(at.point.y.data());
-    return transcription_->evaluation().cost.sum();
-  };
-  const double before = cost_at(answer);
-  transcription_->fix_pairs(answer.point.y.data());
-  InteriorPointSettings settings = default_settings();
-  row_.relaxation = 0;
-  std::vector<InteriorPointAnswer> polished;
-  polished.reserve(kPolishBarriers.size());
-  for (const double barrier : kPolishBarriers) {
-    const std::size_t solves = polished.size();
-    const PrimalDualPoint& from = polished.empty() ? answer.point : polished.back().point;
-    settings.warm = &from;
-    settings.warm_barrier = barrier;
-    if (solves > 0) settings.complementarity_tolerance = barrier;
-    if (trial || solves == 2) settings.max_iterations = kPolishIterations;
-    InteriorPointAnswer fixed = run_polish(from, settings);
-    if (!is_good(fixed)) break;
-    if (solves == 0 && cost_at(fixed) > before + kPolishRise * (1 + std::abs(before))) break;
-    polished.push_back(std::move(fixed));
-    if (row_.iteration >= options_.max_iterations) break;
-  }
+  std::vector<InteriorPointAnswer> polished = solve_fixed(answer, trial);
   if (polished.size() < (trial ? 2 : 1)) return false;
   answer = std::move(polished.back());
   polished.pop_back();
   looser_ = std::move(polished);
   return true;
+}
+
+/// The answers with pairs fixed as an answer tells them, as many as are good.
+std::vector<InteriorPointAnswer> IpoptSolver::solve_fixed(const InteriorPointAnswer& answer,
+                                                          bool trial) {
+  const double before = cost_at(answer);
+  transcription_->fix_pairs(answer.point.y.data());
+  row_.relaxation = 0;
+  std::vector<InteriorPointAnswer> polished;
+  polished.reserve(kPolishBarriers.size());
+  for (std::size_t solve = 0; solve < kPolishBarriers.size(); ++solve) {
+    const PrimalDualPoint& from = solve == 0 ? answer.point : polished.back().point;
+    InteriorPointSettings settings = polish_settings(solve, trial);
+    settings.warm = &from;
+    InteriorPointAnswer fixed = run_polish(from, settings);
+    if (!fixed.is_good()) break;
+    if (solve == 0 && cost_at(fixed) > before + kPolishRise * (1 + std::abs(before))) break;
+    polished.push_back(std::move(fixed));
+    if (row_.iteration >= options_.max_iterations) break;
+  }
+  return polished;
+}
+
+InteriorPointSettings IpoptSolver::polish_settings(std::size_t solve, bool trial) const {
+  InteriorPointSettings settings = default_settings();
+  settings.warm_barrier = kPolishBarriers[solve];
+  if (solve > 0) settings.complementarity_tolerance = kPolishBarriers[solve];
+  if (trial || solve == 2) settings.max_iterations = kPolishIterations;
+  return settings;
+}
+
+double IpoptSolver::cost_at(const InteriorPointAnswer& answer) {
+  transcription_->set_point(answer.point.y.data());
+  return transcription_->evaluation().cost.sum();
 }
 
 /// What ends at its last iteration is good where it is as good as the answer has to be.

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "ocp/problem/soft_constraint.hpp"
+#include "solvers/common/feasible.hpp"
 #include "solvers/common/finite_check.hpp"
 #include "solvers/common/guess.hpp"
 #include "solvers/common/settled_cost.hpp"
@@ -27,13 +28,6 @@ constexpr int kReservedRows = 10000;
 
 double seconds_since(std::chrono::steady_clock::time_point began) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
-}
-
-/// Whether all residuals of an iterate but its stationarity are under tolerance.
-template <class Iterate>
-bool is_feasible(const Iterate& at, const SolverOptions::Tolerances& tolerances) {
-  return at.gap <= tolerances.gap && at.constraint <= tolerances.constraint &&
-         at.complementarity <= tolerances.complementarity;
 }
 
 /// Of an end that is no answer under this solver's tolerances.
@@ -90,14 +84,7 @@ SolveResult IpoptSolver::solve(const Trajectory& guess) {
   began_ = std::chrono::steady_clock::now();
   check_shape(problem_, guess);
   reset();
-  Trajectory start = guess;
-  result_.start = "states and controls of the guess";
-  if (options_.multipliers && options_.multipliers->costates.size() > 0)
-    result_.start += "; its multipliers";
-  clamp_guess(bounds_, start, result_.start);
-  correct_states(problem_, start, result_.start);
-  result_.trajectory = start;
-
+  const Trajectory start = start_from(guess);
   if (options_.multipliers && !transcription_->has_pairs() && newton_is_enough(start)) {
     result_.iterations = row_.iteration;
     result_.times.total = result_.times.sweep = elapsed();
@@ -117,6 +104,18 @@ SolveResult IpoptSolver::solve(const Trajectory& guess) {
   result_.times.total = elapsed();
   result_.times.sweep += result_.times.total - newton_began;
   return std::move(result_);
+}
+
+/// The guess within the control bounds and on the manifold of states.
+Trajectory IpoptSolver::start_from(const Trajectory& guess) {
+  Trajectory start = guess;
+  result_.start = "states and controls of the guess";
+  if (options_.multipliers && options_.multipliers->costates.size() > 0)
+    result_.start += "; its multipliers";
+  clamp_guess(bounds_, start, result_.start);
+  correct_states(problem_, start, result_.start);
+  result_.trajectory = start;
+  return start;
 }
 
 void IpoptSolver::reset() {
@@ -220,13 +219,7 @@ bool IpoptSolver::note(const InteriorPointIterate& iterate) {
   const bool again = iterations_before_ > 0 && iterate.iteration == 0;
   if (alternates_) alternate_hessians(iterate, again);
   describe(iterate);
-  // The restoration phase has an optimality of its own.
-  const double error =
-      std::max({row_.gap, row_.constraint, row_.stationarity, row_.complementarity});
-  if (row_.iteration == 0 || again || (!iterate.restoration && error < best_error_)) {
-    best_ = Eigen::Map<const Eigen::VectorXd>(iterate.y, best_.size());
-    best_error_ = error;
-  }
+  keep_if_best(iterate, again);
   if (!again) {
     result_.log.push_back(row_);
     if (options_.on_iteration) options_.on_iteration(row_);
@@ -235,6 +228,16 @@ bool IpoptSolver::note(const InteriorPointIterate& iterate) {
   if (stop_ == Stop::cost_settled)
     best_ = Eigen::Map<const Eigen::VectorXd>(iterate.y, best_.size());
   return stop_ == Stop::none;
+}
+
+/// The restoration phase has an optimality of its own.
+void IpoptSolver::keep_if_best(const InteriorPointIterate& iterate, bool again) {
+  const double error =
+      std::max({row_.gap, row_.constraint, row_.stationarity, row_.complementarity});
+  if (row_.iteration == 0 || again || (!iterate.restoration && error < best_error_)) {
+    best_ = Eigen::Map<const Eigen::VectorXd>(iterate.y, best_.size());
+    best_error_ = error;
+  }
 }
 
 /// `again`: the first iterate of a run that goes on from the one before.
@@ -273,10 +276,14 @@ void IpoptSolver::describe(const InteriorPointIterate& iterate) {
 IpoptSolver::Stop IpoptSolver::reason_to_stop(const InteriorPointIterate& iterate) const {
   if (options_.interrupted && options_.interrupted()) return Stop::interrupted;
   if (elapsed() >= options_.max_time_s) return Stop::time_limit;
-  if (!iterate.restoration && row_.iteration < options_.max_iterations &&
-      transcription_->chart_angle() > kLargestAngle)
-    return Stop::recenter;
+  if (leaves_chart(iterate)) return Stop::recenter;
   return cost_settled() ? Stop::cost_settled : Stop::none;
+}
+
+/// Whether another run should go on from here with the iterate as the new centre.
+bool IpoptSolver::leaves_chart(const InteriorPointIterate& iterate) const {
+  return !iterate.restoration && row_.iteration < options_.max_iterations &&
+         transcription_->chart_angle() > kLargestAngle;
 }
 
 /// Whether Ipopt's iterate is feasible, and the caller asked for no more of the cost. With relaxed
@@ -310,12 +317,19 @@ void IpoptSolver::consider(bool preferred) {
   write_result();
 }
 
+/// The last row of the log, if it is that of the answer. Without an iteration, as where Ipopt finds
+/// more equations than variables, the log is empty.
+IterationRecord* IpoptSolver::row_of_answer() {
+  if (result_.log.empty()) return nullptr;
+  IterationRecord& last = result_.log.back();
+  const bool same = last.cost == answer_row_.cost && last.newton == answer_row_.newton;
+  return same ? &last : nullptr;
+}
+
 /// Makes the row of the answer the last one of the log.
 void IpoptSolver::log_answer() {
   if (!choice_.has_answer() || !std::isfinite(answer_row_.cost)) return;
-  // Without an iteration, as where Ipopt finds more equations than variables, it is the first row.
-  IterationRecord* const last = result_.log.empty() ? nullptr : &result_.log.back();
-  if (last != nullptr && last->cost == answer_row_.cost && last->newton == answer_row_.newton) {
+  if (IterationRecord* const last = row_of_answer()) {
     // Along the answer's gains it is another number than along those of the step that led there,
     // and controls that Ipopt left outside of their bounds by rounding are within them.
     last->stationarity = answer_row_.stationarity;
@@ -370,23 +384,36 @@ void IpoptSolver::set_status(const InteriorPointAnswer& answer) {
   result_.message = fmt::format("{}: {}", message, residual_text());
 }
 
-std::pair<SolveStatus, std::string> IpoptSolver::find_status(
-    const InteriorPointAnswer& answer) const {
+IpoptSolver::Ending IpoptSolver::find_status(const InteriorPointAnswer& answer) const {
   if (choice_.is_solution()) return {SolveStatus::converged, "all residuals are under tolerance"};
-  if (stop_ == Stop::cost_settled && is_feasible(result_.residuals, options_.tolerances))
-    return {SolveStatus::cost_settled, "the cost has settled"};
-  if (stop_ == Stop::interrupted) return {SolveStatus::interrupted, "interrupted"};
-  if (stop_ == Stop::time_limit) return {SolveStatus::time_limit, "the time is up"};
-  const bool content = answer.end == End::solved || answer.end == End::acceptable;
-  if (answer.end == End::max_iterations || (content && row_.iteration >= options_.max_iterations))
+  if (auto stopped = stopped_status()) return *std::move(stopped);
+  if (iterations_used_up(answer))
     return {SolveStatus::max_iterations,
             fmt::format("not converged after {} iterations", row_.iteration)};
-  // What is no row of the program: constraints on the given state alone.
-  if (content && result_.residuals.constraint > options_.tolerances.constraint &&
-      result_.residuals.constraint_knot == 0)
+  if (!answer.is_good()) return {status_of(answer.end), "Ipopt: " + answer.message};
+  if (start_violates_constraint())
     return {SolveStatus::infeasible, "the initial state itself violates a constraint"};
-  return {status_of(answer.end),
-          "Ipopt: " + answer.message + (content ? ", but not all of this solve's" : "")};
+  return {status_of(answer.end), "Ipopt: " + answer.message + ", but not all of this solve's"};
+}
+
+/// Where the callback ended the solve.
+std::optional<IpoptSolver::Ending> IpoptSolver::stopped_status() const {
+  if (stop_ == Stop::cost_settled && is_feasible(result_.residuals, options_.tolerances))
+    return Ending{SolveStatus::cost_settled, "the cost has settled"};
+  if (stop_ == Stop::interrupted) return Ending{SolveStatus::interrupted, "interrupted"};
+  if (stop_ == Stop::time_limit) return Ending{SolveStatus::time_limit, "the time is up"};
+  return std::nullopt;
+}
+
+bool IpoptSolver::iterations_used_up(const InteriorPointAnswer& answer) const {
+  return answer.end == End::max_iterations ||
+         (answer.is_good() && row_.iteration >= options_.max_iterations);
+}
+
+/// Constraints on the given state alone are no rows of the program.
+bool IpoptSolver::start_violates_constraint() const {
+  return result_.residuals.constraint > options_.tolerances.constraint &&
+         result_.residuals.constraint_knot == 0;
 }
 
 std::string IpoptSolver::residual_text() const {

@@ -37,19 +37,30 @@ class IpoptSolver {
   static constexpr int kNewtonSteps = 10;
 
   void reset();
+  Trajectory start_from(const Trajectory& guess);
   InteriorPointAnswer run_ipopt(Eigen::VectorXd y, InteriorPointSettings settings);
   InteriorPointSettings default_settings() const;
   void make_transcription(PairRelaxation relaxation);
 
   // ipopt_relaxation.cpp
   InteriorPointAnswer run_relaxations(const Trajectory& start);
+  struct Tightening;
   InteriorPointAnswer tighten(const Trajectory& start);
+  std::optional<InteriorPointAnswer> end_tightening(double epsilon,
+                                                    const InteriorPointAnswer& answer,
+                                                    Tightening& so_far);
+  std::optional<InteriorPointAnswer> try_early_polish(double epsilon,
+                                                      const InteriorPointAnswer& answer,
+                                                      Tightening& so_far);
   InteriorPointAnswer relax_and_run(double epsilon, const Eigen::VectorXd& y,
                                     InteriorPointSettings& settings);
   std::optional<InteriorPointAnswer> try_polish(InteriorPointAnswer answer);
   InteriorPointAnswer polished_or(InteriorPointAnswer good, InteriorPointAnswer failed);
   bool is_out_of_budget() const;
   bool polish(InteriorPointAnswer& answer, bool trial);
+  std::vector<InteriorPointAnswer> solve_fixed(const InteriorPointAnswer& answer, bool trial);
+  InteriorPointSettings polish_settings(std::size_t solve, bool trial) const;
+  double cost_at(const InteriorPointAnswer& answer);
   InteriorPointAnswer run_polish(const PrimalDualPoint& from,
                                  const InteriorPointSettings& settings);
   bool crosses_over(const InteriorPointAnswer& polished);
@@ -65,10 +76,13 @@ class IpoptSolver {
   };
   BoundRatios bound_ratios(const InteriorPointAnswer& answer, const Trajectory& trajectory,
                            const Eigen::VectorXd& multipliers) const;
+  Eigen::VectorXd row_ratios(const Eigen::VectorXd& multipliers) const;
   void compare_ratios(BoundRatios ratios, bool goes_on);
   void snap_controls(const InteriorPointAnswer& answer, Trajectory& trajectory) const;
   Feedback find_gains(const Trajectory& trajectory, const Eigen::VectorXd& multipliers);
   void cross_over(const InteriorPointAnswer& answer, bool goes_on = false);
+  Eigen::VectorXd multipliers_of(const InteriorPointAnswer& answer) const;
+  void take_newton_steps();
   void start_newton(const Trajectory& trajectory, const Eigen::VectorXd& multipliers);
   void refine(InteriorPointAnswer& answer);
   void sweep_at_answer();
@@ -77,16 +91,23 @@ class IpoptSolver {
   bool knows_multipliers() const;
   bool newton_is_enough(const Trajectory& start);
   bool note(const InteriorPointIterate& iterate);
+  void keep_if_best(const InteriorPointIterate& iterate, bool again);
   void alternate_hessians(const InteriorPointIterate& iterate, bool again);
   void describe(const InteriorPointIterate& iterate);
   Stop reason_to_stop(const InteriorPointIterate& iterate) const;
+  bool leaves_chart(const InteriorPointIterate& iterate) const;
   void record();
   void note_newton_step();
   void consider(bool preferred = false);
   void write_result();
+  IterationRecord* row_of_answer();
   void log_answer();
   void set_status(const InteriorPointAnswer& answer);
-  std::pair<SolveStatus, std::string> find_status(const InteriorPointAnswer& answer) const;
+  using Ending = std::pair<SolveStatus, std::string>;
+  Ending find_status(const InteriorPointAnswer& answer) const;
+  std::optional<Ending> stopped_status() const;
+  bool iterations_used_up(const InteriorPointAnswer& answer) const;
+  bool start_violates_constraint() const;
   bool cost_settled() const;
   bool under_tolerances(const KktNorms& norms) const;
   std::string residual_text() const;

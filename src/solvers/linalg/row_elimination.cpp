@@ -40,15 +40,22 @@ void RowElimination::scale() {
   }
 }
 
+/// The row from `first_row` on with the largest norm in these columns, and that.
+std::pair<int, double> RowElimination::largest_row(int first_row, int first_column,
+                                                   int columns) const {
+  int row = first_row;
+  double largest = -1;
+  for (int i = first_row; i < count_; ++i) {
+    const double norm = rows_.row(i).segment(first_column, columns).norm();
+    if (norm > largest) row = i, largest = norm;
+  }
+  return {row, largest};
+}
+
 int RowElimination::orthonormalize(int first_row, int first_column, int columns) {
   int rank = 0;
   for (int j = first_row; j < count_ && rank < columns; ++j, ++rank) {
-    int pivot = j;
-    double largest = -1;
-    for (int i = j; i < count_; ++i) {
-      const double norm = rows_.row(i).segment(first_column, columns).norm();
-      if (norm > largest) pivot = i, largest = norm;
-    }
+    const auto [pivot, largest] = largest_row(j, first_column, columns);
     if (!(largest > kDependent)) break;
     rows_.row(j).swap(rows_.row(pivot));
     operation_.row(j).swap(operation_.row(pivot));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -36,6 +37,8 @@ class RowElimination {
                             Eigen::Ref<Eigen::VectorXd> y) const;
 
  private:
+  std::pair<int, double> largest_row(int first_row, int first_column, int columns) const;
+
   int count_ = 0;
   Eigen::MatrixXd rows_;       ///< max_rows x columns
   Eigen::MatrixXd operation_;  ///< max_rows x max_rows: T

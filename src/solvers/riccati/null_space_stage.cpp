@@ -11,19 +11,14 @@ NullSpaceStage::NullSpaceStage(const ShootingProblem& problem)
     : problem_(problem),
       nodes_(problem.knots() + 1),
       multipliers_(Eigen::VectorXd::Zero(problem.constraint_rows())) {
-  for (const NodeConstraint& c : problem.constraints()) {
-    for (int r = 0; r < c.term->rows; ++r) {
-      if (std::isinf(c.lower[r])) continue;  // the row is free
-      nodes_[c.node].rows.push_back(c.row + r);
-      nodes_[c.node].target.push_back(c.lower[r]);
-    }
-  }
+  assign_rows();
   const int ndx = problem.ndx();
   int largest_rows = 0, largest_nu = 0;
   for (int k = 0; k <= problem.knots(); ++k) {
     Node& node = nodes_[k];
-    const int nu = k < problem.knots() ? problem.nu(k) : 0;
-    const int rows = static_cast<int>(node.rows.size()) + (k < problem.knots() ? ndx : 0);
+    const bool has_next = k < problem.knots();
+    const int nu = has_next ? problem.nu(k) : 0;
+    const int rows = static_cast<int>(node.rows.size()) + (has_next ? ndx : 0);
     node.system = RowElimination(rows, nu + ndx + 1);
     node.Quu.resize(nu, nu);
     node.Qxu.resize(ndx, nu);
@@ -39,6 +34,17 @@ NullSpaceStage::NullSpaceStage(const ShootingProblem& problem)
   costate_.resize(ndx);
   for (Eigen::VectorXd* v : {&eta_, &y_, &above_}) v->resize(largest_rows);
   gradient_.resize(largest_nu);
+}
+
+/// Those of the constraints, but for free ones.
+void NullSpaceStage::assign_rows() {
+  for (const NodeConstraint& c : problem_.constraints()) {
+    for (int r = 0; r < c.term->rows; ++r) {
+      if (std::isinf(c.lower[r])) continue;
+      nodes_[c.node].rows.push_back(c.row + r);
+      nodes_[c.node].target.push_back(c.lower[r]);
+    }
+  }
 }
 
 void NullSpaceStage::begin_horizon(const Linearization& linearization, const Gaps& gaps) {

@@ -47,6 +47,7 @@ class NullSpaceStage : public StageSolver {
     Eigen::MatrixXd Quu, Qxu;
     Eigen::VectorXd Qu;
   };
+  void assign_rows();
   void collect(int node);
   void eliminate(int node, int nu);
   void complete_basis(const Node& node, int nu);

@@ -1,5 +1,6 @@
 #include "solvers/riccati/segment_junction.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "solvers/linalg/cholesky.hpp"
@@ -31,17 +32,15 @@ SegmentJunction::SegmentJunction(int ndx)
       dx_(ndx),
       rhs_(ndx) {}
 
-/// Cholesky's factor of −S by columns, of which each takes the largest pivot that is left, scaled
-/// to a diagonal of ones. What rounding leaves is no part of it.
-void SegmentJunction::factor(const ParametricSegment& segment) {
+/// product_ ← −S scaled to a diagonal of ones, rhs_ ← by what, dx_ ← that diagonal, which has zeros
+/// where S has.
+void SegmentJunction::normalize(const ParametricSegment& segment) {
   const auto S = segment.S().view();
   auto& scale = rhs_;
-  auto& left = dx_;
   auto full = product_.view();
   for (int i = 0; i < ndx_; ++i) {
-    const double diagonal = -S(i, i);
-    scale[i] = diagonal > 0 ? std::sqrt(diagonal) : 0;
-    left[i] = diagonal > 0 ? 1 : 0;
+    scale[i] = std::sqrt(std::max(0.0, -S(i, i)));
+    dx_[i] = scale[i] > 0 ? 1 : 0;
   }
   for (int j = 0; j < ndx_; ++j)
     for (int i = j; i < ndx_; ++i) {
@@ -49,6 +48,15 @@ void SegmentJunction::factor(const ParametricSegment& segment) {
       full(i, j) = scales > 0 ? -S(i, j) / scales : 0;
       full(j, i) = full(i, j);
     }
+}
+
+/// Cholesky's factor of −S by columns, of which each takes the largest pivot that is left, scaled
+/// to a diagonal of ones. What rounding leaves is no part of it.
+void SegmentJunction::factor(const ParametricSegment& segment) {
+  normalize(segment);
+  const auto& scale = rhs_;
+  auto& left = dx_;
+  auto full = product_.view();
   LaneMatrix& G = work_;
   for (rank_ = 0; rank_ < ndx_; ++rank_) {
     int pivot = 0;

@@ -29,6 +29,8 @@ class SegmentJunction {
   const Eigen::VectorXd& dx() const { return dx_; }
 
  private:
+  void normalize(const ParametricSegment& segment);
+
   int ndx_, rank_ = 0;  ///< of G
   LaneMatrix delta_, Gt_, GtDelta_, E_, work_, product_, sum_;
   LaneMatrix y_;  ///< a row

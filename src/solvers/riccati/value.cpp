@@ -161,34 +161,18 @@ void ValuePropagation::propagate(const KnotLinearization& knot, const ValueFunct
                                  ActionValue& q, const GapTransport* gap) {
   q.resize(knot.nu());
   const int rows = static_cast<int>(knot.F.rows()), nz = q.nz();
-  const bool open = gap != nullptr && !gap->closed();
-  // Where a gap turns V_xx, semi-implicit dynamics take that into their few blocks: G A and G H.
-  const bool turned = open && !gap->flat(), copied = turned && !knot.semi_implicit;
-  if (copied) {
-    moved_ = next;
-    gap->pull(moved_);
-  } else if (open) {
-    gap->pull_gradient(next, moved_.Vx);
-  }
-  const Eigen::VectorXd& Vx = open ? moved_.Vx : next.Vx;
-  const Eigen::MatrixXd& Vxx = copied ? moved_.Vxx : next.Vxx;
+  const NextValue seen = over_gap(gap, knot, next);
   auto pulled = pulled_.head(nz);
-  knot.apply_transpose(Vx, pulled, scratch_);
+  knot.apply_transpose(seen.Vx, pulled, scratch_);
   q.Qz() = knot.gradient + pulled;
   Ft_.resize(nz, rows);
   FtP_.resize(nz, rows);
   transpose(knot.F.data(), rows, rows, nz, Ft_.data(), Ft_.stride());
   LaneMatrix& Q = q.Qzz_lanes();
   if (knot.semi_implicit) {
-    // Qzz gains E P̃₁₁ Eᵀ + E P̃₁₂ F + (E P̃₁₂ F)ᵀ + Fᵀ P̃₂₂ F, where Eᵀ picks δq. Of that the lower
-    // triangle is formed: its columns δq are Fᵀ (F P̃₂₂ + P̃₂₁) and, where the rows are δq too,
-    // P̃₁₁ + P̃₁₂ F.
-    if (turned) turn_blocks(*gap, knot);
-    transform(knot, turned ? GA_ : knot.A, turned ? GH_ : knot.H, Vxx);
-    multiply(Store::set, FtP_.block(), Ft_.block(), Factor::of(P22_));
-    add_square(P12_, FtP_);
+    pull_semi_implicit(knot, seen, gap);
   } else {
-    multiply(Store::set, FtP_.block(), Ft_.block(), Factor::of_eigen(Vxx));
+    multiply(Store::set, FtP_.block(), Ft_.block(), Factor::of_eigen(seen.Vxx));
   }
   // The product of the whole lower triangle comes first: nothing has to be there before.
   multiply_lower(Store::set, Q.block(), Ft_.block(), Factor::transposed(FtP_));
@@ -198,6 +182,31 @@ void ValuePropagation::propagate(const KnotLinearization& knot, const ValueFunct
   }
   add_lower(knot.hessian, Q);
   mirror_lower(Q.block(), q.ndx());
+}
+
+/// Where a gap turns V_xx, semi-implicit dynamics take that into their few blocks: G A and G H.
+ValuePropagation::NextValue ValuePropagation::over_gap(const GapTransport* gap,
+                                                       const KnotLinearization& knot,
+                                                       const ValueFunction& next) {
+  if (gap == nullptr || gap->closed()) return {next.Vx, next.Vxx, false};
+  if (!gap->flat() && !knot.semi_implicit) {
+    moved_ = next;
+    gap->pull(moved_);
+    return {moved_.Vx, moved_.Vxx, false};
+  }
+  gap->pull_gradient(next, moved_.Vx);
+  return {moved_.Vx, next.Vxx, !gap->flat()};
+}
+
+/// Qzz gains E P̃₁₁ Eᵀ + E P̃₁₂ F + (E P̃₁₂ F)ᵀ + Fᵀ P̃₂₂ F, where Eᵀ picks δq. Of that the lower
+/// triangle is formed: its columns δq are Fᵀ (F P̃₂₂ + P̃₂₁) and, where the rows are δq too,
+/// P̃₁₁ + P̃₁₂ F. FtP_ ← the former factor of these.
+void ValuePropagation::pull_semi_implicit(const KnotLinearization& knot, const NextValue& next,
+                                          const GapTransport* gap) {
+  if (next.turn_blocks) turn_blocks(*gap, knot);
+  transform(knot, next.turn_blocks ? GA_ : knot.A, next.turn_blocks ? GH_ : knot.H, next.Vxx);
+  multiply(Store::set, FtP_.block(), Ft_.block(), Factor::of(P22_));
+  add_square(P12_, FtP_);
 }
 
 /// G A and G H.

@@ -72,6 +72,16 @@ class ValuePropagation {
   /// A knot's blocks of δq⁺ = A δq + dt H δv⁺.
   using StateBlocks = std::vector<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>;
 
+  /// A next value as a knot's dynamics see it, over the gap.
+  struct NextValue {
+    const Eigen::VectorXd& Vx;
+    const Eigen::MatrixXd& Vxx;
+    bool turn_blocks;  ///< the gap still has to turn the blocks of semi-implicit dynamics
+  };
+  NextValue over_gap(const GapTransport* gap, const KnotLinearization& knot,
+                     const ValueFunction& next);
+  void pull_semi_implicit(const KnotLinearization& knot, const NextValue& next,
+                          const GapTransport* gap);
   void turn_blocks(const GapTransport& gap, const KnotLinearization& knot);
   void transform(const KnotLinearization& knot, const StateBlocks& A, const StateBlocks& H,
                  const Eigen::MatrixXd& Vxx);
