@@ -87,32 +87,42 @@ class Walk {
         start_{guess, options.multipliers, options.augmented_lagrangian.initial_penalty} {}
 
   SolveResult run() {
-    const auto first = options_.homotopy(0);
-    if (!first) return solve_directly("without a start, which cannot be built");
-    last_ = way_.attempt(0, *first, candidates_, start_, (options_.max_iterations + 1) / 2, used_);
-    if (is_limit(last_->status)) start_.guess = last_->trajectory;
-    if (!is_success(last_->status))
-      return solve_directly(
-          fmt::format("without a start, which ended as {}", to_string(last_->status)));
-    quick_ = iterations_ = last_->iterations;
-    start_ = start_from(options_, *last_);
+    if (const auto why = begin()) return solve_directly(*why);
     while (share_ < 1) {
-      const double next = std::min(1.0, share_ + step_);
-      const SolveStatus status = solve_at(next);
-      if (is_success(status)) {
-        go_on_from(next);
-        continue;
-      }
-      step_ = 0.5 * (next - share_);
-      if (is_limit(status) || step_ < kShortestStep || way_.iterations_left() == 0)
-        return solve_directly(fmt::format("{} at s = {:.4g}: the step to {:.4g} ended as {}",
-                                          is_limit(status) ? "stopped" : "stuck", share_, next,
-                                          to_string(status)));
+      if (const auto why = advance()) return solve_directly(*why);
     }
     return way_.answer(*std::move(last_));
   }
 
  private:
+  /// Solves the problem at s = 0. Why there is no way from there, if so.
+  std::optional<std::string> begin() {
+    const auto first = options_.homotopy(0);
+    if (!first) return "without a start, which cannot be built";
+    last_ = way_.attempt(0, *first, candidates_, start_, (options_.max_iterations + 1) / 2, used_);
+    if (is_limit(last_->status)) start_.guess = last_->trajectory;
+    if (!is_success(last_->status))
+      return fmt::format("without a start, which ended as {}", to_string(last_->status));
+    quick_ = iterations_ = last_->iterations;
+    start_ = start_from(options_, *last_);
+    return std::nullopt;
+  }
+
+  /// One step, or half of one that fails. Why there is no other one, if so.
+  std::optional<std::string> advance() {
+    const double next = std::min(1.0, share_ + step_);
+    const SolveStatus status = solve_at(next);
+    if (is_success(status)) {
+      go_on_from(next);
+      return std::nullopt;
+    }
+    step_ = 0.5 * (next - share_);
+    if (is_limit(status) || step_ < kShortestStep || way_.iterations_left() == 0)
+      return fmt::format("{} at s = {:.4g}: the step to {:.4g} ended as {}",
+                         is_limit(status) ? "stopped" : "stuck", share_, next, to_string(status));
+    return std::nullopt;
+  }
+
   /// The problem itself, from the last answer on the way.
   SolveResult solve_directly(const std::string& why) {
     start_.penalty = options_.augmented_lagrangian.initial_penalty;

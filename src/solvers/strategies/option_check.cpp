@@ -8,26 +8,27 @@
 namespace conddp {
 namespace {
 
-/// Why multipliers are not those of a problem of this shape, if so.
-std::optional<std::string> misfit(const ShootingProblem& problem, const DualGuess& guess) {
-  const int N = problem.knots();
-  bool fits =
-      guess.constraints.size() == problem.constraint_rows() &&
-      (guess.costates.size() == 0 ||
-       (guess.costates.rows() == problem.ndx() && guess.costates.cols() == N + 1)) &&
-      (guess.control_gradient.empty() || static_cast<int>(guess.control_gradient.size()) == N);
-  for (std::size_t k = 0; fits && k < guess.control_gradient.size(); ++k)
-    fits = guess.control_gradient[k].size() == problem.nu(static_cast<int>(k));
-  if (fits) return std::nullopt;
-  return "the multipliers to start from do not have the shape of the problem";
+bool costates_fit(const ShootingProblem& problem, const Eigen::MatrixXd& costates) {
+  return costates.size() == 0 ||
+         (costates.rows() == problem.ndx() && costates.cols() == problem.knots() + 1);
 }
 
-std::optional<std::string> unsupported_hessian(const SolverInfo& solver, HessianChoice choice) {
-  if (choice == HessianChoice::exact && !solver.exact_hessian)
-    return fmt::format("hessian: {} has no exact Hessian", solver.name);
-  if (choice == HessianChoice::gauss_newton && !solver.gauss_newton_hessian)
-    return fmt::format("hessian: {} always uses the exact one", solver.name);
-  return std::nullopt;
+bool control_gradient_fits(const ShootingProblem& problem,
+                           const std::vector<Eigen::VectorXd>& gradient) {
+  if (gradient.empty()) return true;
+  if (static_cast<int>(gradient.size()) != problem.knots()) return false;
+  for (int k = 0; k < problem.knots(); ++k)
+    if (gradient[k].size() != problem.nu(k)) return false;
+  return true;
+}
+
+/// Why multipliers are not those of a problem of this shape, if so.
+std::optional<std::string> misfit(const ShootingProblem& problem, const DualGuess& guess) {
+  if (guess.constraints.size() == problem.constraint_rows() &&
+      costates_fit(problem, guess.costates) &&
+      control_gradient_fits(problem, guess.control_gradient))
+    return std::nullopt;
+  return "the multipliers to start from do not have the shape of the problem";
 }
 
 /// Why the solver cannot take the problem with these options, if so.

@@ -51,20 +51,25 @@ SolverInfo ipopt_info() {
                 const Trajectory& guess) { return IpoptSolver(problem, options).solve(guess); }};
 }
 
-/// The first bound of a problem in words: "-3 <= u (phase 'swing')".
-std::string describe_bound(const ShootingProblem& problem) {
+/// A bounded control in words: "-3 <= u"; empty where it has no bound.
+std::string describe_bounds(const KnotModel& model, int control) {
+  const double lower = model.control_lower()[control], upper = model.control_upper()[control];
+  if (!std::isfinite(lower) && !std::isfinite(upper)) return "";
+  const auto& columns = model.system().control_columns();
+  std::string text = control < static_cast<int>(columns.size())
+                         ? columns[control].name
+                         : fmt::format("control {}", control);
+  if (std::isfinite(lower)) text = fmt::format("{} <= {}", lower, text);
+  if (std::isfinite(upper)) text += fmt::format(" <= {}", upper);
+  return text;
+}
+
+/// The first bound of a problem in words: "-3 <= u in phase 'swing'".
+std::string describe_first_bound(const ShootingProblem& problem) {
   for (const Phase& phase : problem.phases()) {
-    const KnotModel& model = *phase.model;
-    for (int i = 0; i < model.nu(); ++i) {
-      const double lower = model.control_lower()[i], upper = model.control_upper()[i];
-      if (!std::isfinite(lower) && !std::isfinite(upper)) continue;
-      const auto& columns = model.system().control_columns();
-      const std::string name =
-          i < static_cast<int>(columns.size()) ? columns[i].name : fmt::format("control {}", i);
-      std::string text = name;
-      if (std::isfinite(lower)) text = fmt::format("{} <= {}", lower, text);
-      if (std::isfinite(upper)) text += fmt::format(" <= {}", upper);
-      return fmt::format("{} in phase '{}'", text, phase.name);
+    for (int i = 0; i < phase.model->nu(); ++i) {
+      const std::string text = describe_bounds(*phase.model, i);
+      if (!text.empty()) return fmt::format("{} in phase '{}'", text, phase.name);
     }
   }
   return "none";
@@ -85,12 +90,16 @@ std::string list_solvers(BoundSupport support) {
   return list_solvers([support](const SolverInfo& info) { return info.control_bounds == support; });
 }
 
+/// Whether a value between these bounds is limited, and not to one.
+bool is_interval(double lower, double upper) {
+  return lower != upper && (std::isfinite(lower) || std::isfinite(upper));
+}
+
 /// Rows may be free, too: those that `equals` does not name.
 bool is_equality(const NodeConstraint& c) {
   if (!c.term->has_bounds() || c.is_soft()) return false;
   for (int i = 0; i < c.term->rows; ++i)
-    if (c.lower[i] != c.upper[i] && (std::isfinite(c.lower[i]) || std::isfinite(c.upper[i])))
-      return false;
+    if (is_interval(c.lower[i], c.upper[i])) return false;
   return true;
 }
 
@@ -106,26 +115,31 @@ bool supports_all(const SolverInfo& solver, const ShootingProblem& problem) {
                      [&](const NodeConstraint& c) { return supports(solver, c); });
 }
 
+/// What a constraint is that the solver does not support.
+std::string_view kind_of(const NodeConstraint& c, const SolverInfo& solver) {
+  if (c.is_soft()) return "soft constraint";
+  return solver.constraints == ConstraintSupport::equalities ? "inequality" : "constraint";
+}
+
+std::string place_of(const NodeConstraint& c, const ShootingProblem& problem) {
+  if (c.node == problem.knots()) return "terminal node";
+  return fmt::format("phase '{}'", problem.phases()[problem.knot(c.node).phase].name);
+}
+
 /// Why the solver cannot take the problem because of its constraints, if so. What is advised are
 /// the solvers that keep all of them.
 std::optional<std::string> unsupported_constraint(const SolverInfo& solver,
                                                   const ShootingProblem& problem) {
-  for (const NodeConstraint& c : problem.constraints()) {
-    if (supports(solver, c)) continue;
-    const int phase = problem.knot(c.node).phase;
-    const std::string can =
-        list_solvers([&](const SolverInfo& info) { return supports_all(info, problem); });
-    return fmt::format("{} does not support the {} '{}' ({}); {}", solver.name,
-                       c.is_soft()                                           ? "soft constraint"
-                       : solver.constraints == ConstraintSupport::equalities ? "inequality"
-                                                                             : "constraint",
-                       c.term->name,
-                       c.node == problem.knots()
-                           ? "terminal node"
-                           : fmt::format("phase '{}'", problem.phases()[phase].name),
-                       can.empty() ? "no solver supports all of them" : "supported by " + can);
-  }
-  return std::nullopt;
+  const auto& all = problem.constraints();
+  const auto c = std::find_if_not(all.begin(), all.end(), [&](const NodeConstraint& constraint) {
+    return supports(solver, constraint);
+  });
+  if (c == all.end()) return std::nullopt;
+  const std::string can =
+      list_solvers([&](const SolverInfo& info) { return supports_all(info, problem); });
+  return fmt::format("{} does not support the {} '{}' ({}); {}", solver.name, kind_of(*c, solver),
+                     c->term->name, place_of(*c, problem),
+                     can.empty() ? "no solver supports all of them" : "supported by " + can);
 }
 
 }  // namespace
@@ -157,8 +171,16 @@ std::optional<std::string> unsupported(const SolverInfo& solver, const ShootingP
     return std::nullopt;
   }
   return fmt::format("{} does not support the control bounds ({}); supported by {}, clipped by {}",
-                     solver.name, describe_bound(problem), list_solvers(BoundSupport::exact),
+                     solver.name, describe_first_bound(problem), list_solvers(BoundSupport::exact),
                      list_solvers(BoundSupport::clipped));
+}
+
+std::optional<std::string> unsupported_hessian(const SolverInfo& solver, HessianChoice choice) {
+  if (choice == HessianChoice::exact && !solver.exact_hessian)
+    return fmt::format("hessian: {} has no exact Hessian", solver.name);
+  if (choice == HessianChoice::gauss_newton && !solver.gauss_newton_hessian)
+    return fmt::format("hessian: {} always uses the exact one", solver.name);
+  return std::nullopt;
 }
 
 std::optional<std::string> unsupported_segments(const SolverInfo& solver,
@@ -179,11 +201,7 @@ std::vector<const SolverInfo*> auto_solvers(const ShootingProblem& problem,
   std::vector<const SolverInfo*> list;
   for (const std::string_view name : names) {
     const SolverInfo* info = find_solver(name);
-    const bool takes_hessian =
-        options.hessian == HessianChoice::automatic ||
-        (options.hessian == HessianChoice::exact ? info->exact_hessian
-                                                 : info->gauss_newton_hessian);
-    if (takes_hessian && !unsupported(*info, problem) &&
+    if (!unsupported_hessian(*info, options.hessian) && !unsupported(*info, problem) &&
         !unsupported_segments(*info, problem, options.segments))
       list.push_back(info);
   }

@@ -49,6 +49,9 @@ bool supports_constraints(const SolverInfo& solver, const ShootingProblem& probl
 /// can.
 std::optional<std::string> unsupported(const SolverInfo& solver, const ShootingProblem& problem);
 
+/// Why the solver does not have the Hessian of the dynamics that is chosen. Empty if it has.
+std::optional<std::string> unsupported_hessian(const SolverInfo& solver, HessianChoice choice);
+
 /// Why the solver cannot sweep the problem's horizon in so many segments. Empty if it can.
 std::optional<std::string> unsupported_segments(const SolverInfo& solver,
                                                 const ShootingProblem& problem, int segments);

@@ -39,6 +39,14 @@ bool got_stuck(const SolveResult& result, const SolverOptions& options) {
   }
 }
 
+/// Of a solve after which no restoration of feasibility decides whether its violation is the least.
+void name_undecided(SolveResult& result) {
+  if (result.status != SolveStatus::infeasible) return;
+  result.status = SolveStatus::line_search_failed;
+  result.message =
+      "whether a violation near this one is the least has not been decided: " + result.message;
+}
+
 /// Whether the controls alone lead to a motion that is not much worse. Where they do states follow
 /// from them in every step, and the violation only falls.
 bool can_simulate(const ShootingProblem& problem, const Trajectory& start) {
@@ -84,9 +92,8 @@ SolveResult solve_with_restoration(
   if (!got_stuck(result, options)) return result;
   solves.add(result);
   std::string note;
-  for (int i = 1; i <= kMostRestorations && got_stuck(result, options) && can_restore(problem) &&
-                  solves.iterations_left() > 0;
-       ++i) {
+  const int most = can_restore(problem) ? kMostRestorations : 0;
+  for (int i = 1; i <= most && got_stuck(result, options) && solves.iterations_left() > 0; ++i) {
     const double penalty = next_first_penalty(options, result);
     note += fmt::format("stalled at iteration {}, restoration of feasibility; ",
                         options.max_iterations - solves.iterations_left());
@@ -103,11 +110,7 @@ SolveResult solve_with_restoration(
     result = solve(own, result.trajectory);
     solves.add(result);
   }
-  if (result.status == SolveStatus::infeasible) {
-    result.status = SolveStatus::line_search_failed;
-    result.message =
-        "whether a violation near this one is the least has not been decided: " + result.message;
-  }
+  name_undecided(result);
   result.message = note + result.message;
   return solves.answer(std::move(result));
 }

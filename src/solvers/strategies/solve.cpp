@@ -22,12 +22,15 @@ bool stopped(SolveStatus status) {
   return status == SolveStatus::time_limit || status == SolveStatus::interrupted;
 }
 
-/// An answer that ended far beyond what rounding leaves of a motion in SI units has diverged,
-/// whatever ended its iterations.
+/// Whether residuals are far beyond what rounding leaves of a motion in SI units.
+bool is_far(const Residuals& r) {
+  return r.stationarity > kLargestStationarity || r.gap > kLargestGap;
+}
+
+/// An answer that ended far away has diverged, whatever ended its iterations.
 void name_divergence(SolveResult& result) {
-  const Residuals& r = result.residuals;
-  const bool far = r.stationarity > kLargestStationarity || r.gap > kLargestGap;
-  if (!far || result.iterations == 0 || is_success(result.status) || stopped(result.status)) return;
+  if (!is_far(result.residuals) || result.iterations == 0) return;
+  if (is_success(result.status) || stopped(result.status)) return;
   if (result.status == SolveStatus::diverged) return;
   result.message = fmt::format("the iterates diverged; at the end: {}", result.message);
   result.status = SolveStatus::diverged;
