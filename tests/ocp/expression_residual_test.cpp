@@ -110,9 +110,10 @@ TEST(ExpressionResiduals, ExactHessiansComeByPartsAndAreThoseOfDualNumbers) {
 
 std::vector<double> values_of(const Residual& residual, const System& system,
                               const std::vector<double>& x, const std::vector<double>& u,
-                              const std::vector<double>& parameters = {}) {
+                              std::vector<double> parameters = {}) {
   const auto data = system.create_data(0.0);
   std::vector<double> r(residual.size());
+  if (parameters.empty()) parameters.assign(residual.size(), 0.0);
   residual.evaluate({x.data(), u.data(), parameters.data(), *data}, r.data());
   return r;
 }
@@ -160,15 +161,37 @@ TEST(ExpressionResiduals, DeclareTheColumnsThatTheyRead) {
       expression_residual(model, {.names = knot_names(*system), .rows = {"x"}})->needs_control());
 }
 
+TEST(ExpressionResiduals, RowsAreMeasuredFromTheirReferences) {
+  const auto system = unicycle();
+  const KnotModel model(system, Integrator::rk4);
+  const auto residual =
+      expression_residual(model, {.names = knot_names(*system), .rows = {"x*y", "[theta, x]"}});
+  EXPECT_EQ(residual->parameter_count(), 3);
+  EXPECT_EQ(values_of(*residual, *system, {2, 3, 4}, {0, 0}, {1, 0.5, -1}),
+            (std::vector<double>{5, 3.5, 3}));
+}
+
+TEST(ExpressionResiduals, ConstantRowsAreAllowedWhereTimeCosts) {
+  const auto system = unicycle();
+  const KnotModel model(system, Integrator::rk4);
+  const auto residual = expression_residual(
+      model, {.names = knot_names(*system), .rows = {"2*pi"}, .constants = true});
+  EXPECT_TRUE(residual->blocks()[0].columns.empty());
+  EXPECT_NEAR(values_of(*residual, *system, {2, 3, 4}, {0, 0})[0], 2 * M_PI, 1e-15);
+}
+
 TEST(ExpressionResiduals, TimeIsAParameterUnlessItIsAColumn) {
   const auto system = unicycle();
   const KnotModel model(system, Integrator::rk4);
   ExpressionResidualText text{.names = knot_names(*system), .rows = {"x - sin(t)"}};
   const auto residual = expression_residual(model, text);
-  EXPECT_EQ(residual->parameter_count(), 1);
-  EXPECT_NEAR(values_of(*residual, *system, {2, 0, 0}, {0, 0}, {0.5})[0], 2 - std::sin(0.5), 1e-15);
+  EXPECT_EQ(residual->parameter_count(), 2);
+  EXPECT_TRUE(make_expression_residual(model.manifold(), text).reads_time);
+  EXPECT_NEAR(values_of(*residual, *system, {2, 0, 0}, {0, 0}, {0.25, 0.5})[0],
+              1.75 - std::sin(0.5), 1e-15);
   text.rows = {"x"};
-  EXPECT_EQ(expression_residual(model, text)->parameter_count(), 0);
+  EXPECT_EQ(expression_residual(model, text)->parameter_count(), 1);
+  EXPECT_FALSE(make_expression_residual(model.manifold(), text).reads_time);
 
   const auto timed = expression_system({.kind = SystemKind::first_order,
                                         .states = {{"x"}},
@@ -176,7 +199,7 @@ TEST(ExpressionResiduals, TimeIsAParameterUnlessItIsAColumn) {
                                         .equations = {{"x", "u*t"}}});
   const KnotModel with_clock(timed, Integrator::rk4);
   const auto read = expression_residual(with_clock, {.names = knot_names(*timed), .rows = {"x*t"}});
-  EXPECT_EQ(read->parameter_count(), 0);
+  EXPECT_EQ(read->parameter_count(), 1);
   EXPECT_EQ(read->blocks()[0].columns, (std::vector<int>{0, 1}));
 }
 
@@ -189,7 +212,8 @@ TEST(ExpressionResiduals, ManyRowsHaveRoomOnTheStack) {
   const auto data = system->create_data(0.0);
   const double x[] = {0.3, -0.4, 0, 0};
   std::vector<double> r(residual->size()), jacobian(residual->jacobian_size());
-  residual->differentiate({x, nullptr, nullptr, *data}, r.data(), jacobian.data());
+  const std::vector<double> zero(residual->size());
+  residual->differentiate({x, nullptr, zero.data(), *data}, r.data(), jacobian.data());
   for (int i = 0; i < 300; ++i) {
     const double angle = x[0] * (i + 1) + x[1];
     EXPECT_NEAR(r[i], std::sin(angle), 1e-13);

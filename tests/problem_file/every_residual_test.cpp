@@ -16,7 +16,10 @@ std::string keys(const ResidualDefinition& residual) {
   std::string keys;
   if (residual.has("frame")) keys += ", frame: lf_foot";
   if (residual.has("pairs")) keys += ", pairs: all";
-  if (residual.has("rows")) keys += ", rows: [{q/LF_KFE: 1, v/LF_KFE: 0.5, constant: 0.05}]";
+  if (residual.name == "expression")
+    keys += ", rows: {angle: q[LF_KFE] + 0.5*v[LF_KFE]^2 + 0.02*sin(9*t), height: base.position.z}";
+  else if (residual.has("rows"))
+    keys += ", rows: [{q/LF_KFE: 1, v/LF_KFE: 0.5, constant: 0.05}]";
   const ReferenceForm* form = residual.reference;
   if (form != nullptr && (form->needed != ReferenceForm::Needed::kNever || residual.of_positions))
     keys += ", reference: initial";

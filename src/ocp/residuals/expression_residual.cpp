@@ -33,7 +33,7 @@ void with_registers(int count, Run&& run) {
 
 /// An input of the program and where a knot holds it.
 struct KnotInputSource {
-  enum class Kind { kState, kControl, kTime };
+  enum class Kind { kState, kControl, kParameter };
   Kind kind;
   int index;
   int input;
@@ -78,8 +78,7 @@ class ExpressionResidual : public ResidualBase<ExpressionResidual> {
     with_registers<S>(program.registers(), [&](S* registers) {
       program.prepare(registers);
       for (const KnotInputSource& source : sources_) {
-        const bool time = source.kind == KnotInputSource::Kind::kTime;
-        const S* from = time                                             ? in.parameters
+        const S* from = source.kind == KnotInputSource::Kind::kParameter ? in.parameters
                         : source.kind == KnotInputSource::Kind::kControl ? in.u
                                                                          : in.x;
         registers[source.input] = from[source.index];
@@ -108,15 +107,16 @@ class ExpressionResidual : public ResidualBase<ExpressionResidual> {
     }
     return blocks;
   }
-  static bool reads(const std::vector<KnotInputSource>& sources, KnotInputSource::Kind kind) {
-    return std::any_of(sources.begin(), sources.end(),
-                       [kind](const KnotInputSource& source) { return source.kind == kind; });
+  static int count(const std::vector<KnotInputSource>& sources, KnotInputSource::Kind kind) {
+    return static_cast<int>(
+        std::count_if(sources.begin(), sources.end(),
+                      [kind](const KnotInputSource& source) { return source.kind == kind; }));
   }
   static int parameters_of(const std::vector<KnotInputSource>& sources) {
-    return reads(sources, KnotInputSource::Kind::kTime) ? 1 : 0;
+    return count(sources, KnotInputSource::Kind::kParameter);
   }
   static bool reads_control(const std::vector<KnotInputSource>& sources) {
-    return reads(sources, KnotInputSource::Kind::kControl);
+    return count(sources, KnotInputSource::Kind::kControl) > 0;
   }
 
   DifferentiableExpressions functions_;
@@ -172,7 +172,8 @@ class ResidualReader {
       texts_.scope().add(name.name, std::move(value));
     }
     if (texts_.scope().find("t") == nullptr) {
-      ExpressionValue time = ExpressionValue::number(input(KnotInputSource::Kind::kTime, 0));
+      time_ = static_cast<int>(sources_.size());
+      ExpressionValue time = ExpressionValue::number(input(KnotInputSource::Kind::kParameter, -1));
       time.unit = "s";
       texts_.scope().add("t", std::move(time));
     }
@@ -187,9 +188,9 @@ class ResidualReader {
       return texts_.report_text(
           Part::kRow, index,
           "a row of a residual is a number or a vector, and this is a condition");
+    out_.rows.push_back(value->size());
     for (const NodeId node : value->nodes) {
-      const std::vector<NodeId> below = nodes_below(graph_, {&node, 1});
-      if (std::none_of(below.begin(), below.end(), [&](NodeId id) { return moves(id); }))
+      if (!text_.constants && !moves(node))
         return texts_.report_text(
             Part::kRow, index,
             "a row of a residual depends on the state or the control, and this does not");
@@ -197,13 +198,26 @@ class ResidualReader {
     }
   }
 
-  bool moves(NodeId id) const {
-    const ExpressionNode& node = graph_[id];
-    return node.operation == Operation::kInput &&
-           sources_[node.payload].kind != KnotInputSource::Kind::kTime;
+  /// Whether the state or the control is below a node.
+  bool moves(NodeId root) const {
+    const std::vector<NodeId> below = nodes_below(graph_, {&root, 1});
+    return std::any_of(below.begin(), below.end(), [&](NodeId id) {
+      const ExpressionNode& node = graph_[id];
+      return node.operation == Operation::kInput &&
+             sources_[node.payload].kind != KnotInputSource::Kind::kParameter;
+    });
+  }
+
+  /// Parameters are the references and, behind them, the time.
+  void subtract_references() {
+    const int rows = static_cast<int>(outputs_.size());
+    for (int i = 0; i < rows; ++i)
+      outputs_[i] = graph_.subtract(outputs_[i], input(KnotInputSource::Kind::kParameter, i));
+    if (time_ >= 0) sources_[time_].index = rows;
   }
 
   void make() {
+    subtract_references();
     std::vector<int> input_of(manifold_.nx());
     std::iota(input_of.begin(), input_of.end(), 0);
     InputMotions motions = tangent_motions(graph_, manifold_, input_of);
@@ -221,6 +235,8 @@ class ResidualReader {
           fmt::format("the expressions need more than {} intermediate results", kMostRegisters),
           "rows can be residuals of their own");
     drop_unused();
+    out_.reads_time = std::any_of(sources_.begin(), sources_.end(),
+                                  [&](const KnotInputSource& s) { return s.input == time_; });
     out_.residual = std::make_shared<ExpressionResidual>(std::move(functions), sources_);
   }
 
@@ -245,6 +261,7 @@ class ResidualReader {
   ModelTextReader texts_;
   std::vector<KnotInputSource> sources_;
   std::vector<NodeId> outputs_;
+  int time_ = -1;  ///< its input, if it has one
 };
 
 /// Adds columns to names: alone, or as an element of a group.

@@ -26,26 +26,31 @@ struct KnotName {
 /// and `rotation`, twists `linear` and `angular`.
 std::vector<KnotName> knot_names(const System& system);
 
-/// A residual in words. Names in expressions: those of the knot, parameters, definitions in their
-/// order, tables, and the time `t` (s) unless the knot has a column of that name.
+/// A residual in words: rows minus their references. Names in expressions: those of the knot,
+/// parameters, definitions in their order, tables, and the time `t` (s) unless the knot has a
+/// column of that name.
 struct ExpressionResidualText {
   std::vector<KnotName> names;
   NamedParameters parameters;
   NamedTables tables;
   std::vector<NamedExpression> definitions;
   std::vector<std::string> rows;  ///< a vector gives several
+  bool constants = false;         ///< whether a row may depend on nothing that moves
 };
 
 /// A residual, or why there is none.
 struct ParsedExpressionResidual {
   std::shared_ptr<const Residual> residual;
+  std::vector<int> rows;  ///< how many each text gives
+  bool reads_time = false;
   std::vector<ModelMessage> errors;
   std::vector<ModelMessage> warnings;
 };
 
-/// Makes a residual of expressions of a knot whose model has this manifold. Parameter: the time of
-/// the knot (s) where expressions depend on `t`, else none; its derivative by a free duration is
-/// not part of the residual. It needs a control where expressions depend on one.
+/// Makes a residual of expressions of a knot whose model has this manifold. Parameters: the
+/// reference of each row and, where expressions depend on `t`, the time of the knot (s), whose
+/// derivative by a free duration is not part of the residual. It needs a control where expressions
+/// depend on one.
 ParsedExpressionResidual make_expression_residual(const StateManifold& manifold,
                                                   const ExpressionResidualText& text);
 

@@ -287,9 +287,8 @@ ConstraintTerm make_term(const BuiltConstraint& constraint,
 
 void write_parameters(const BuiltConstraint& constraint, const ConstraintTerm& term, double time,
                       bool active, double* parameters) {
-  const BuiltCost& function = constraint.function;
-  const std::vector<double> reference = reference_at(*function.spec, function.reference, time);
-  std::copy(reference.begin(), reference.end(), parameters + term.parameters);
+  const std::vector<double> own = residual_parameters(constraint.function, time);
+  std::copy(own.begin(), own.end(), parameters + term.parameters);
   std::copy(constraint.lower.begin(), constraint.lower.end(), parameters + term.lower());
   std::copy(constraint.upper.begin(), constraint.upper.end(), parameters + term.upper());
   parameters[term.active()] = active ? 1 : 0;

@@ -116,10 +116,16 @@ std::vector<BuiltCost> build_costs(const std::vector<CostSpec>& specs, const Cos
   return costs;
 }
 
+std::vector<double> residual_parameters(const BuiltCost& cost, double time) {
+  std::vector<double> parameters = reference_at(*cost.spec, cost.reference, time);
+  if (cost.residual.reads_time) parameters.push_back(time);
+  return parameters;
+}
+
 void write_parameters(const BuiltCost& cost, const CostTerm& term, double time, double weight,
                       double* parameters) {
-  const std::vector<double> reference = reference_at(*cost.spec, cost.reference, time);
-  std::copy(reference.begin(), reference.end(), parameters + term.parameters);
+  const std::vector<double> own = residual_parameters(cost, time);
+  std::copy(own.begin(), own.end(), parameters + term.parameters);
   parameters[term.weight] = weight;
 }
 

@@ -29,6 +29,10 @@ struct CostContext {
 std::vector<BuiltCost> build_costs(const std::vector<CostSpec>& specs, const CostContext& context,
                                    Diagnostics& out);
 
+/// What its residual takes as parameters at a time (s): the reference and, where it reads it, the
+/// time.
+std::vector<double> residual_parameters(const BuiltCost& cost, double time);
+
 /// Writes a cost's parameters (reference, weight) at a time into those of a knot.
 void write_parameters(const BuiltCost& cost, const CostTerm& term, double time, double weight,
                       double* parameters);

@@ -10,15 +10,9 @@
 namespace conddp {
 namespace {
 
-const PhaseSpec* first_free_duration(const ProblemSpec& spec) {
-  for (const PhaseSpec& phase : spec.phases)
-    if (phase.free_duration) return &phase;
-  return nullptr;
-}
-
 /// What a free duration cannot go together with, at the place that says so.
 bool check_free_durations(const ProblemSpec& spec, const System& system, Diagnostics& out) {
-  const PhaseSpec* free = first_free_duration(spec);
+  const PhaseSpec* free = spec.first_free_duration();
   if (free == nullptr) return true;
   const int errors = out.error_count();
   const Place& place = free->free_duration->place;

@@ -291,7 +291,7 @@ Phase build_terminal(const PhaseContext& context, const KnotContents& running,
   const auto is_without_control = [&](const BuiltCost& function) {
     if (function.contact.contact >= 0 || !function.residual.residual->needs_control()) return true;
     out.error(function.spec->residual.place,
-              "this combination needs a control, and there is none at the terminal node");
+              "this residual needs a control, and there is none at the terminal node");
     return false;
   };
   // Whether the node holds the contact of a residual; one that is named and not held is an error.

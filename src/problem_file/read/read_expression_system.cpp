@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
-#include "problem_file/read/expression_source.hpp"
 #include "problem_file/read/read_sections.hpp"
+#include "problem_file/values/expression_source.hpp"
 
 namespace conddp {
 namespace {
@@ -11,7 +11,7 @@ constexpr std::string_view kUnitQuaternion = "unit_quaternion", kPose = "pose";
 /// Where the names and the texts of one part of a system stand.
 struct SystemPartPlaces {
   std::vector<Place> names;
-  std::vector<YamlReader> values;
+  std::vector<ExpressionText> texts;
 };
 
 /// Reads the keys of a system of expressions and puts its messages where they belong.
@@ -188,9 +188,9 @@ class ExpressionSystemReader {
     if (!entries) return;
     for (const auto& [name, value] : *entries)
       if (auto text = read_expression(value)) {
-        expressions.push_back({name.value, std::move(*text)});
+        expressions.push_back({name.value, text->text});
         places.names.push_back(name.place);
-        places.values.push_back(value);
+        places.texts.push_back(std::move(*text));
       }
   }
 
@@ -224,10 +224,7 @@ class ExpressionSystemReader {
     }
     if (!message.in_text)
       return out_.error(part->names[message.index], message.message.message, message.message.hint);
-    const auto& texts =
-        message.part == Part::kEquation ? system_.text.equations : system_.text.definitions;
-    report_expression(part->values[message.index], texts[message.index].text, message.message,
-                      severity);
+    report_expression(part->texts[message.index], message.message, severity, out_);
   }
 
   YamlMap& map_;

@@ -4,22 +4,11 @@
 
 #include "base/spelling.hpp"
 #include "problem_file/residuals/cost_residual.hpp"
-#include "problem_file/residuals/key_kinds.hpp"
 #include "problem_file/residuals/residual_table.hpp"
-#include "problem_file/values/expand_values.hpp"
-#include "problem_file/values/read_values.hpp"
+#include "problem_file/residuals/rows_key.hpp"
 
 namespace conddp {
 namespace {
-
-/// The factors of a row by column; `constant` is added.
-const Key<std::vector<NamedNumbers>> kRows{"rows"};
-
-/// Whether a constant, as a running cost, costs time.
-bool time_counts(const ProblemSpec& spec) {
-  return std::any_of(spec.phases.begin(), spec.phases.end(),
-                     [](const PhaseSpec& phase) { return phase.free_duration.has_value(); });
-}
 
 /// What can be combined by name: columns of the state, and of the control where the state has none
 /// of that name. The first one is the constant.
@@ -65,7 +54,8 @@ std::optional<std::vector<LinearCombination>> find_combinations(
         row.terms.back().factor = factor;
       }
     }
-    const bool costs_time = row.constant != 0 && time_counts(context.spec);
+    // A constant, as a running cost, costs time.
+    const bool costs_time = row.constant != 0 && context.spec.first_free_duration() != nullptr;
     if (!row.terms.empty() || costs_time || !good) continue;
     context.out.error(context.cost.residual.place, "a row combines nothing",
                       "give the factor of a column");
@@ -76,7 +66,7 @@ std::optional<std::vector<LinearCombination>> find_combinations(
 }
 
 std::optional<CostResidual> make_combination(const ResidualContext& context) {
-  const std::vector<NamedNumbers> given = context.cost.keys.value(kRows);
+  const std::vector<NamedNumbers> given = context.cost.keys.value(key::combination_rows);
   auto combinations = find_combinations(given, context);
   if (!combinations) return std::nullopt;
   std::vector<std::string> names;
@@ -87,46 +77,15 @@ std::optional<CostResidual> make_combination(const ResidualContext& context) {
   return result;
 }
 
-/// One map of factors, or a list of such.
-std::vector<NamedNumbers> read_rows(const YamlReader& reader) {
-  if (reader.is_map()) return {read_named_numbers(reader)};
-  std::vector<NamedNumbers> rows;
-  const auto items = reader.items();
-  if (!items) return rows;
-  if (items->empty()) reader.error("there is no row", "write 'rows: [{theta: 1, omega: 0.5}]'");
-  for (const YamlReader& item : *items) rows.push_back(read_named_numbers(item));
-  return rows;
-}
-
 }  // namespace
 
 std::span<const ResidualDefinition> combination_residuals() {
-  static const ResidualKey rows = {
-      "rows",
-      "Of combination: one row, or a list of rows, of factors by column of the state (flat ones) "
-      "or control; 'constant' is added",
-      OrderedJson::parse(R"({
-        "anyOf": [
-          {"$ref": "#/definitions/numbers_by_name"},
-          {"type": "array", "minItems": 1, "items": {"$ref": "#/definitions/numbers_by_name"}}
-        ],
-        "examples": [
-          {"theta": 1, "omega": 0.5, "constant": -2}, [{"q/hip": 1, "q/knee": -1}, {"u/hip": 1}]
-        ]
-      })"),
-      {.required = true},
-      [](const YamlReader& reader, CostSpec& cost) { cost.keys.set(kRows, read_rows(reader)); },
-      [](const CostSpec& cost, const KeyContext&) {
-        OrderedJson json = OrderedJson::array();
-        for (const NamedNumbers& row : cost.keys.value(kRows)) json.push_back(expand_numbers(row));
-        return json;
-      }};
   static const ResidualDefinition all[] = {
       {.name = "combination",
        .description = "linear combinations of columns of the state and of the control",
        .unit = "that of the columns",
        .synonyms = {"linear", "time", "duration"},
-       .keys = {&rows},
+       .keys = {&rows_key()},
        .make = make_combination}};
   return all;
 }

@@ -26,6 +26,7 @@ struct CostResidual {
   std::shared_ptr<const Residual> residual;
   ComponentNames rows;        ///< what weights and bounds are named by
   StateManifold parameters;   ///< where references live
+  bool reads_time = false;    ///< the time of the knot is a parameter, too, behind the reference
   ComponentNames references;  ///< what a reference given in numbers is named by
   std::vector<int> indices;   ///< into state or velocity, of residuals on chosen coordinates
   int frame = -1;

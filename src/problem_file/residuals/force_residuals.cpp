@@ -150,7 +150,7 @@ std::span<const ResidualDefinition> force_residuals() {
        .synonyms = {"force", "forces", "wrench"},
        .needs = {.robot = true, .force = true},
        .keys = {&contacts_key()},
-       .reference = &kForceReference,
+       .reference = &kRowsReference,
        .make_of_contact = make_force},
       {.name = "friction_cone",
        .description = "what a contact's force lacks to lie in its friction cone",

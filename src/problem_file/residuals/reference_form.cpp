@@ -122,7 +122,7 @@ const ReferenceForm kStateReference{
     .read = read_whole_state, .expand = expand_state_or_numbers, .zero = zero_state};
 const ReferenceForm kNumbersReference{
     .read = read_numbers, .expand = expand_given_numbers, .zero = zero_numbers};
-const ReferenceForm kForceReference{
+const ReferenceForm kRowsReference{
     .of_state = false, .read = read_numbers, .expand = expand_given_numbers, .zero = zero_numbers};
 const ReferenceForm kControlReference{.of_state = false,
                                       .holds = true,

@@ -10,8 +10,8 @@ namespace conddp {
 extern const ReferenceForm kStateReference;
 /// One number for all rows, a list, or a mapping from the names of rows.
 extern const ReferenceForm kNumbersReference;
-/// The same; no state has a value of it.
-extern const ReferenceForm kForceReference;
+/// The same, of rows of which no state has a value.
+extern const ReferenceForm kRowsReference;
 /// The same, each held until the next way-point.
 extern const ReferenceForm kControlReference;
 /// [x, y, z] in the world, m.

@@ -13,4 +13,10 @@ const CostSpec* ProblemSpec::first_use(bool ResidualNeeds::*need) const {
   return nullptr;
 }
 
+const PhaseSpec* ProblemSpec::first_free_duration() const {
+  for (const PhaseSpec& phase : phases)
+    if (phase.free_duration) return &phase;
+  return nullptr;
+}
+
 }  // namespace conddp

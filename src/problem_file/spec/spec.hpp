@@ -127,6 +127,8 @@ struct ProblemSpec {
   const ContactNames& last_contacts() const {
     return terminal_contacts ? *terminal_contacts : phases.back().contacts;
   }
+  /// Null if all durations are fixed.
+  const PhaseSpec* first_free_duration() const;
   int knots() const {
     int n = 0;
     for (const PhaseSpec& phase : phases) n += phase.knots.value;

@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 
+#include "problem_file/spec/spec_expression.hpp"
 #include "problem_file/spec/spec_values.hpp"
 #include "robot/urdf/urdf.hpp"
 #include "systems/catalogue.hpp"
@@ -77,13 +78,6 @@ struct CarSpec {
   double wheelbase = 2;  ///< m
 };
 
-/// Tabulated data of expressions: grid points of one or two arguments, and the values, those of the
-/// last argument one after the other.
-struct TableSpec {
-  std::string name;
-  std::vector<std::vector<double>> points;
-  std::vector<double> values;
-};
 /// A system of expressions, which the reader has made of the text.
 struct ExpressionSystemSpec {
   ExpressionSystemText text;

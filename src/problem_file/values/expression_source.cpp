@@ -1,4 +1,4 @@
-#include "problem_file/read/expression_source.hpp"
+#include "problem_file/values/expression_source.hpp"
 
 #include "base/utf8.hpp"
 
@@ -68,21 +68,23 @@ class SourceWalk {
 
 }  // namespace
 
-std::optional<std::string> read_expression(const YamlReader& reader) {
+std::optional<ExpressionText> read_expression(const YamlReader& reader) {
   auto text = text_of(reader.node());
-  if (!text)
-    reader.expected("an expression", reader.is_null()
-                                         ? "inside { } of YAML an expression with a comma needs "
-                                           "quotes"
-                                         : "");
-  return text;
+  if (text) return ExpressionText{*std::move(text), reader.place(), reader.node().quoted};
+  reader.expected("an expression", reader.is_null()
+                                       ? "inside { } of YAML an expression with a comma needs "
+                                         "quotes"
+                                       : "");
+  return std::nullopt;
 }
 
-Place place_in_expression(const YamlReader& reader, std::string_view text, int offset) {
-  const Place whole = reader.place();
+Place place_in_expression(const ExpressionText& expression, int offset,
+                          const Diagnostics& sources) {
+  const Place& whole = expression.place;
+  const std::string& text = expression.text;
   if (whole.mark.source < 0 || whole.mark.line <= 0) return whole;
-  SourceWalk walk(reader.diagnostics(), whole.mark);
-  if (reader.node().quoted) walk.open_quotes();
+  SourceWalk walk(sources, whole.mark);
+  if (expression.quoted) walk.open_quotes();
   bool any = false;
   for (std::size_t i = 0; i < text.size(); ++i) {
     if (is_blank(text[i])) continue;
@@ -95,13 +97,13 @@ Place place_in_expression(const YamlReader& reader, std::string_view text, int o
   return any ? Place{walk.behind_last(), whole.path} : whole;
 }
 
-void report_expression(const YamlReader& reader, std::string_view text,
-                       const ExpressionMessage& message, Severity severity) {
-  const Place place = place_in_expression(reader, text, message.offset);
+void report_expression(const ExpressionText& expression, const ExpressionMessage& message,
+                       Severity severity, Diagnostics& out) {
+  const Place place = place_in_expression(expression, message.offset, out);
   if (severity == Severity::kError)
-    reader.diagnostics().error(place, message.message, message.hint);
+    out.error(place, message.message, message.hint);
   else
-    reader.diagnostics().warning(place, message.message, message.hint);
+    out.warning(place, message.message, message.hint);
 }
 
 }  // namespace conddp

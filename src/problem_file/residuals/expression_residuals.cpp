@@ -1,0 +1,88 @@
+#include "ocp/residuals/expression_residual.hpp"
+#include "problem_file/residuals/cost_residual.hpp"
+#include "problem_file/residuals/reference_form.hpp"
+#include "problem_file/residuals/residual_table.hpp"
+#include "problem_file/residuals/rows_key.hpp"
+#include "problem_file/values/expression_source.hpp"
+
+namespace conddp {
+namespace {
+
+/// What a residual's expressions may name.
+ExpressionResidualText text_of(const ExpressionRowsSpec& rows, const ResidualContext& context) {
+  ExpressionResidualText text{.names = knot_names(*context.plant.system)};
+  if (const auto& system = context.spec.system)
+    if (const auto* own = std::get_if<ExpressionSystemSpec>(&system->parameters)) {
+      text.parameters = own->text.parameters;
+      text.tables = own->text.tables;
+      text.definitions = own->text.definitions;
+    }
+  for (const ExpressionText& row : rows.texts) text.rows.push_back(row.text);
+  text.constants = context.spec.first_free_duration() != nullptr;
+  return text;
+}
+
+void report(const ModelMessage& message, Severity severity, const ExpressionRowsSpec& rows,
+            const ResidualContext& context) {
+  if (message.part == ModelMessage::Part::kRow && message.in_text)
+    return report_expression(rows.texts[message.index], message.message, severity, context.out);
+  // The system has reported what its definitions warn of.
+  if (severity == Severity::kError)
+    context.out.error(context.cost.residual.place, message.message.message, message.message.hint);
+}
+
+/// Names of the rows: of a text that gives several, with the number of each.
+std::vector<std::string> row_names(const ExpressionRowsSpec& rows, const std::vector<int>& sizes) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < sizes.size(); ++i)
+    for (int row = 0; row < sizes[i]; ++row) {
+      if (rows.names.empty())
+        names.push_back(std::to_string(names.size() + 1));
+      else
+        names.push_back(rows.names[i] + (sizes[i] > 1 ? "/" + std::to_string(row) : ""));
+    }
+  return names;
+}
+
+std::optional<CostResidual> make_expression(const ResidualContext& context) {
+  const ExpressionRowsSpec rows = context.cost.keys.value(key::expression_rows);
+  const System& system = *context.plant.system;
+  StateManifold manifold = system.manifold();
+  if (context.ndx > system.ndx())
+    manifold.append(StateManifold::Part::flat, context.ndx - system.ndx());
+  const auto parsed = make_expression_residual(manifold, text_of(rows, context));
+  for (const ModelMessage& message : parsed.errors)
+    report(message, Severity::kError, rows, context);
+  for (const ModelMessage& message : parsed.warnings)
+    report(message, Severity::kWarning, rows, context);
+  if (!parsed.residual) return std::nullopt;
+  if (parsed.reads_time && context.spec.first_free_duration() != nullptr) {
+    context.out.error(context.cost.residual.place,
+                      "where durations are free, the time 't' of a knot is not given",
+                      "give the system a state that counts the time: its rate is 1");
+    return std::nullopt;
+  }
+  CostResidual result;
+  result.residual = parsed.residual;
+  result.rows = result.references = {"rows", row_names(rows, parsed.rows)};
+  result.parameters = StateManifold::flat(parsed.residual->size());
+  result.reads_time = parsed.reads_time;
+  return result;
+}
+
+}  // namespace
+
+std::span<const ResidualDefinition> expression_residuals() {
+  static const ResidualDefinition all[] = {
+      {.name = "expression",
+       .description = "expressions of the state, the control and the time",
+       .unit = "that of the expressions",
+       .synonyms = {"equation", "formula", "custom"},
+       .keys = {&rows_key()},
+       .reference = &kRowsReference,
+       .is_point = [](const CostSpec&) { return true; },
+       .make = make_expression}};
+  return all;
+}
+
+}  // namespace conddp
