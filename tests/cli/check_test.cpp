@@ -75,9 +75,26 @@ TEST(Check, NamesContactsThatAreRedundant) {
       << stiff.out << stiff.err;
 }
 
+TEST(Check, PrintsEquationsAndRowsAsFormulas) {
+  const ProcessResult r =
+      run_conddp({"check", source("problems/collection/robot_arm.yaml"), "--set",
+                  "constraints.slow={residual: expression, rows: {power: "
+                  "pull*v}, upper: 9}"});
+  EXPECT_EQ(r.exit_code, 0) << r.err;
+  for (const char* words : {"  system          expressions\n"
+                            "                    I = ((L - rho)^3 + rho^3)/3\n"
+                            "                    v' = pull/L\n",
+                            "time: expression, 1 rows, linear, weight 1, in turn\n"
+                            "                    1\n",
+                            "slow: constraint on expression, in turn\n"
+                            "                    power = pull*v\n"})
+    EXPECT_NE(r.out.find(words), std::string::npos) << words << "\n" << r.out;
+}
+
 TEST(Check, JsonFitsItsSchema) {
   for (const std::string& file :
-       {kArm, kPendulum, source("problems/hopper_cycle.yaml"), source("problems/push_box.yaml")})
+       {kArm, kPendulum, source("problems/hopper_cycle.yaml"), source("problems/push_box.yaml"),
+        source("problems/collection/robot_arm.yaml")})
     for (const bool derivatives : {false, true}) {
       std::vector<std::string> arguments = {"check", file, "--json"};
       if (derivatives) arguments.push_back("--derivatives");

@@ -24,7 +24,8 @@ std::vector<std::shared_ptr<const MultibodySystem>> robots() {
 TEST(Residuals, GradientsOfEveryResidualThroughEveryActivationAreThoseOfDualNumbers) {
   RandomNumbers random(17);
   const ActivationKind kinds[] = {ActivationKind::quadratic, ActivationKind::quadratic_barrier,
-                                  ActivationKind::smooth_l1, ActivationKind::smooth_l2};
+                                  ActivationKind::smooth_l1, ActivationKind::smooth_l2,
+                                  ActivationKind::linear};
   for (const auto& system : robots())
     for (const bool memory : {false, true}) {
       const KnotModel shape(system, Integrator::semi_implicit_euler, memory);
@@ -118,8 +119,9 @@ TEST(Activations, HessiansAreTheDerivativesOfTheirGradients) {
   using D = Dual<Lane>;
   RandomNumbers random(29);
   constexpr int n = 4;
-  for (const ActivationKind kind : {ActivationKind::quadratic, ActivationKind::quadratic_barrier,
-                                    ActivationKind::smooth_l1, ActivationKind::smooth_l2}) {
+  for (const ActivationKind kind :
+       {ActivationKind::quadratic, ActivationKind::quadratic_barrier, ActivationKind::smooth_l1,
+        ActivationKind::smooth_l2, ActivationKind::linear}) {
     const Activation a{
         kind, {0.5, 1, 2, 3}, std::vector<double>(n, -0.3), std::vector<double>(n, 0.4), 0.2};
     const std::vector<double> at = random.numbers(n, 1);
@@ -140,8 +142,9 @@ TEST(Activations, HessiansAreTheDerivativesOfTheirGradients) {
 }
 
 TEST(Activations, ZeroResidualInsideBoundsCostsNothing) {
-  for (const ActivationKind kind : {ActivationKind::quadratic, ActivationKind::quadratic_barrier,
-                                    ActivationKind::smooth_l1, ActivationKind::smooth_l2}) {
+  for (const ActivationKind kind :
+       {ActivationKind::quadratic, ActivationKind::quadratic_barrier, ActivationKind::smooth_l1,
+        ActivationKind::smooth_l2, ActivationKind::linear}) {
     const Activation a{kind, {}, {-1, -kUnlimited}, {kUnlimited, 1}, 0.2};
     const double r[] = {0, 0};
     EXPECT_EQ(a.value(r, 2), 0);

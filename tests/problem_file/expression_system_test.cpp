@@ -50,7 +50,8 @@ SolveResult iterate_of(const Loaded& loaded, int iterations) {
 TEST(ExpressionSystemFiles, EveryClosedFormSystemInWordsHasTheSameIterates) {
   for (const SystemInWords& system : systems_in_words()) {
     if (system.name == "linear" || system.name == "double_integrator") continue;  // other columns
-    ExpressionSystemSpec spec{.text = system.text};
+    const ExpressionSystemSpec spec{.text = system.text,
+                                    .own = {.parameters = system.text.parameters}};
     const OrderedJson json = {{"system", expand_system({.parameters = spec})}};
     const Loaded in_words(catalogue_problem(yaml_text(json)));
     const Loaded compiled(catalogue_problem("system: {type: " + system.name + "}"));
@@ -171,6 +172,15 @@ TEST(ExpressionSystemFiles, ErrorsPointIntoTheExpression) {
     const Loaded loaded(replaced(kDrivenMass, c.from, c.to));
     EXPECT_FALSE(loaded.built) << c.to;
     EXPECT_TRUE(loaded.first_error().starts_with(c.error)) << c.to << "\n" << loaded.all();
+  }
+}
+
+TEST(ExpressionSystemFiles, AnEmptyUnitIsExplained) {
+  for (const char* states : {"{x: \"\", v: m/s}", "{x: , v: m/s}"}) {
+    const Loaded loaded(replaced(kDrivenMass, "{x: m, v: m/s}", states));
+    ASSERT_NE(loaded.error(), nullptr);
+    EXPECT_EQ(loaded.error()->message, "'x' has no unit behind it");
+    EXPECT_EQ(loaded.error()->hint, "write the unit, or 1 where there is none");
   }
 }
 

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "problem_file/expand/expand_sections.hpp"
+#include "problem_file/residuals/rows_key.hpp"
 #include "problem_file/spec/enum_names.hpp"
 #include "problem_file/spec/system_fields.hpp"
 #include "problem_file/values/activation_table.hpp"
@@ -66,6 +67,43 @@ OrderedJson phases_of(const std::string& cost, const ShootingProblem& problem) {
   return names;
 }
 
+/// "y' = v": an equation, without the line ends that its text may have.
+std::string formula(std::string_view of, std::string_view text) {
+  std::string line(of);
+  for (const char c : text) {
+    const bool blank = c == ' ' || c == '\n' || c == '\t' || c == '\r';
+    if (!blank)
+      line += c;
+    else if (!line.empty() && line.back() != ' ')
+      line += ' ';
+  }
+  return line;
+}
+
+/// What a system of equations is, definitions first.
+OrderedJson formulas_of(const ProblemSpec& spec) {
+  OrderedJson list = OrderedJson::array();
+  const auto* system =
+      spec.system ? std::get_if<ExpressionSystemSpec>(&spec.system->parameters) : nullptr;
+  if (system == nullptr) return list;
+  const ExpressionSystemText& text = system->text;
+  for (const NamedExpression& definition : text.definitions)
+    list.push_back(formula(definition.name + " = ", definition.text));
+  const char* sign = text.kind == SystemKind::discrete ? "⁺ = " : "' = ";
+  for (const NamedExpression& equation : text.equations)
+    list.push_back(formula(equation.name + sign, equation.text));
+  return list;
+}
+
+/// The rows of a residual in expressions.
+OrderedJson formulas_of(const CostSpec& cost) {
+  OrderedJson list = OrderedJson::array();
+  const auto* rows = cost.keys.find(key::expression_rows);
+  for (std::size_t i = 0; rows != nullptr && i < rows->texts.size(); ++i)
+    list.push_back(formula(rows->names.empty() ? "" : rows->names[i] + " = ", rows->texts[i].text));
+  return list;
+}
+
 OrderedJson costs_json(const std::vector<CostSpec>& costs, const BuiltProblem& built,
                        bool terminal) {
   OrderedJson list = OrderedJson::array();
@@ -73,6 +111,7 @@ OrderedJson costs_json(const std::vector<CostSpec>& costs, const BuiltProblem& b
     OrderedJson entry = {{"name", cost.name.value},
                          {"residual", cost.residual.value},
                          {"rows", rows_of(cost.name.value, *built.problem, terminal)},
+                         {"formulas", formulas_of(cost)},
                          {"activation", activation_definition(cost.activation.kind).name},
                          {"weight", cost.weight}};
     if (!terminal) entry["phases"] = phases_of(cost.name.value, *built.problem);
@@ -90,12 +129,14 @@ std::string_view set_of(const ConstraintSpec& c) {
 
 OrderedJson constraints_json(const ProblemSpec& spec, const BuiltProblem& built) {
   OrderedJson list = OrderedJson::array();
-  const auto add = [&](const std::string& name, const std::string& on, std::string_view set,
-                       bool terminal, bool from_urdf, Softness softness, OrderedJson phases) {
+  const auto add = [&](const std::string& name, const std::string& on, OrderedJson formulas,
+                       std::string_view set, bool terminal, bool from_urdf, Softness softness,
+                       OrderedJson phases) {
     const bool dropped = std::any_of(built.dropped.begin(), built.dropped.end(),
                                      [&](const DroppedConstraint& d) { return d.name == name; });
     list.push_back({{"name", name},
                     {"on", on},
+                    {"formulas", std::move(formulas)},
                     {"set", set},
                     {"terminal", terminal},
                     {"from_urdf", from_urdf},
@@ -104,13 +145,13 @@ OrderedJson constraints_json(const ProblemSpec& spec, const BuiltProblem& built)
                     {"dropped", dropped}});
   };
   for (const ControlBoundsSpec& bounds : spec.control_bounds)
-    add(bounds.name.value, "control", "bounds", false, bounds.from_urdf, Softness::hard,
-        expand_phase_names(bounds.phases, spec));
+    add(bounds.name.value, "control", OrderedJson::array(), "bounds", false, bounds.from_urdf,
+        Softness::hard, expand_phase_names(bounds.phases, spec));
   for (const bool terminal : {false, true})
     for (const ConstraintSpec& c : terminal ? spec.terminal_constraints : spec.constraints)
       add(c.function.name.value,
           c.bounded ? word_of(kBoundedWords, c.bounded->value) : c.function.residual.value,
-          set_of(c), terminal, c.from_urdf, c.softness,
+          formulas_of(c.function), set_of(c), terminal, c.from_urdf, c.softness,
           terminal ? OrderedJson::array() : expand_phase_names(c.function.phases, spec));
   return list;
 }
@@ -178,6 +219,12 @@ std::string comma_list(const OrderedJson& names) {
 
 std::string text_of(const OrderedJson& value) { return value.get<std::string>(); }
 
+std::string formula_lines(const OrderedJson& formulas) {
+  std::string text;
+  for (const auto& line : formulas) text += fmt::format("  {:<18}{}\n", "", text_of(line));
+  return text;
+}
+
 std::string cost_lines(const OrderedJson& costs, const char* heading) {
   std::string text;
   for (const auto& cost : costs) {
@@ -186,7 +233,7 @@ std::string cost_lines(const OrderedJson& costs, const char* heading) {
                         text_of(cost["activation"]), cost["weight"].get<double>());
     if (cost.contains("phases"))
       text += ", in " + (cost["phases"].empty() ? "no phase" : comma_list(cost["phases"]));
-    text += '\n';
+    text += '\n' + formula_lines(cost["formulas"]);
   }
   return text;
 }
@@ -229,7 +276,9 @@ std::string candidate_lines(const OrderedJson& candidates) {
 }
 
 std::string plant_lines(const OrderedJson& s) {
-  if (!s["system"].is_null()) return fmt::format("  {:<16}{}\n", "system", text_of(s["system"]));
+  if (!s["system"].is_null())
+    return fmt::format("  {:<16}{}\n", "system", text_of(s["system"])) +
+           formula_lines(s["formulas"]);
   std::string text;
   for (const auto& robot : s["robots"]) {
     const std::string name = text_of(robot["name"]);
@@ -296,6 +345,7 @@ OrderedJson check_summary(const ProblemSpec& spec, const BuiltProblem& built,
           {"robots", robots_json(spec, built)},
           {"system", spec.system ? OrderedJson(kSystemTypes[spec.system->parameters.index()].name)
                                  : OrderedJson(nullptr)},
+          {"formulas", formulas_of(spec)},
           {"state",
            {{"numbers", problem.nx()},
             {"tangent", problem.ndx()},
@@ -336,7 +386,7 @@ std::string check_text(const OrderedJson& s) {
   text += candidate_lines(s["contact_candidates"]);
   text += cost_lines(s["costs"], "costs");
   text += cost_lines(s["terminal_costs"], "terminal costs");
-  for (const auto& constraint : s["constraints"])
+  for (const auto& constraint : s["constraints"]) {
     text += fmt::format(
         "  {:<16}{}: {}{}, {}{}\n", &constraint == &s["constraints"].front() ? "constraints" : "",
         text_of(constraint["name"]), constraint_text(constraint),
@@ -345,6 +395,8 @@ std::string check_text(const OrderedJson& s) {
                                            : "in " + comma_list(constraint["phases"]),
         (text_of(constraint["soft"]) == "no" ? "" : "; soft: " + text_of(constraint["soft"])) +
             (constraint["dropped"].get<bool>() ? "; dropped" : ""));
+    text += formula_lines(constraint["formulas"]);
+  }
   text += fmt::format("  {:<16}{} ({}): {}\n", "solver", text_of(s["solver"]["name"]),
                       text_of(s["solver"]["description"]), kept_text(s));
   if (!s["solver"]["then"].empty())

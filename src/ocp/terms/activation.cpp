@@ -32,6 +32,9 @@ S Activation::value(const S* r, int n) const {
     case ActivationKind::smooth_l2:
       for (int i = 0; i < n; ++i) sum += r[i] * r[i] * weight(i);
       return smooth_norm(sum, epsilon);
+    case ActivationKind::linear:
+      for (int i = 0; i < n; ++i) sum += r[i] * weight(i);
+      return sum;
   }
   return sum;
 }
@@ -84,6 +87,15 @@ S Activation::differentiate(const S* r, int n, S* gradient, S* diagonal, S& rank
       }
       rank_one = -inverse;
       return sum / (root + S(epsilon));
+    }
+    case ActivationKind::linear: {
+      S sum(0.0);
+      for (int i = 0; i < n; ++i) {
+        gradient[i] = S(weight(i));
+        diagonal[i] = S(0.0);
+        sum += r[i] * weight(i);
+      }
+      return sum;
     }
   }
   return S(0.0);

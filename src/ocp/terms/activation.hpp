@@ -11,8 +11,9 @@ namespace conddp {
 /// - quadratic_barrier: ½ Σ wᵢ (min(rᵢ − lowerᵢ, 0)² + max(rᵢ − upperᵢ, 0)²)
 /// - smooth_l1:         Σ wᵢ (√(rᵢ² + ε²) − ε)
 /// - smooth_l2:         √(Σ wᵢ rᵢ² + ε²) − ε
-/// The last two subtract ε so that a zero residual costs nothing.
-enum class ActivationKind { quadratic, quadratic_barrier, smooth_l1, smooth_l2 };
+/// - linear:            Σ wᵢ rᵢ
+/// The smooth norms subtract ε so that a zero residual costs nothing.
+enum class ActivationKind { quadratic, quadratic_barrier, smooth_l1, smooth_l2, linear };
 
 struct Activation {
   ActivationKind kind = ActivationKind::quadratic;

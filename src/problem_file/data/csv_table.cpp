@@ -21,8 +21,8 @@ std::string_view without_unit(std::string_view name) {
 
 class CsvReader {
  public:
-  CsvReader(const std::string& text, const std::string& name, Diagnostics& out)
-      : rest_(text), out_(out), source_(out.add_source(name, text)) {
+  CsvReader(const std::string& text, const std::string& name, bool over_time, Diagnostics& out)
+      : rest_(text), over_time_(over_time), out_(out), source_(out.add_source(name, text)) {
     table_.file = name;
   }
 
@@ -59,19 +59,19 @@ class CsvReader {
         return fail(cell.byte, "the first line must name the columns", "t,q/joint,...");
       if (!names.insert(name).second)
         return fail(cell.byte, fmt::format("two columns have the name '{}'", name));
-      if (name == "t" || name == "time") {
+      if (over_time_ && (name == "t" || name == "time")) {
         if (time_) return fail(cell.byte, "two columns hold the time");
         time_ = header_.size();
       }
       header_.push_back(name);
     }
-    if (!time_) return fail(0, "no column holds the time", "name it 't'; it is in s");
+    if (over_time_ && !time_) return fail(0, "no column holds the time", "name it 't'; it is in s");
     // A column of words, like the phase, is no data.
     const std::string_view first = rest_.substr(0, rest_.find('\n'));
     const std::vector<CsvCell> cells = split_csv_line(first);
     for (std::size_t i = 0; i < header_.size(); ++i) {
       const bool word = i < cells.size() && header_[i] == "phase" && !cells[i].text.empty();
-      is_data_.push_back(i != *time_ && !word);
+      is_data_.push_back(time_ != i && !word);
       if (is_data_[i]) table_.columns.push_back(header_[i]);
     }
     return true;
@@ -83,8 +83,9 @@ class CsvReader {
                                  header_.size()));
     std::vector<std::optional<double>>& row = table_.rows.emplace_back();
     for (std::size_t i = 0; i < cells.size(); ++i) {
-      if (i != *time_ && !is_data_[i]) continue;
-      if (cells[i].text.empty() && i != *time_) {
+      const bool time = time_ == i;
+      if (!time && !is_data_[i]) continue;
+      if (cells[i].text.empty() && !time) {
         row.emplace_back();
         continue;
       }
@@ -92,7 +93,7 @@ class CsvReader {
       if (!number.value)
         return fail(cells[i].byte,
                     fmt::format("in the column '{}': {}", header_[i], number.defect));
-      if (i != *time_) {
+      if (!time) {
         row.push_back(number.value);
       } else if (!table_.times.empty() && *number.value <= table_.times.back()) {
         return fail(cells[i].byte, "the time does not increase");
@@ -104,6 +105,7 @@ class CsvReader {
   }
 
   std::string_view rest_;
+  bool over_time_;
   Diagnostics& out_;
   int source_;
   DataTable table_;
@@ -118,7 +120,12 @@ class CsvReader {
 
 std::optional<DataTable> parse_csv(const std::string& text, const std::string& name,
                                    Diagnostics& out) {
-  return CsvReader(text, name, out).read();
+  return CsvReader(text, name, true, out).read();
+}
+
+std::optional<DataTable> parse_csv_columns(const std::string& text, const std::string& name,
+                                           Diagnostics& out) {
+  return CsvReader(text, name, false, out).read();
 }
 
 }  // namespace conddp

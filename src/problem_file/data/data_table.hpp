@@ -27,9 +27,16 @@ struct DataTable {
 std::optional<DataTable> load_data_table(const std::filesystem::path& file, const Place& place,
                                          Diagnostics& out);
 
+/// Reads a CSV file whose columns are numbers and need not have the time among them; one called `t`
+/// is a column like the others.
+std::optional<DataTable> load_csv_columns(const std::filesystem::path& file, const Place& place,
+                                          Diagnostics& out);
+
 /// The same for one of the two, from its text.
 std::optional<DataTable> parse_csv(const std::string& text, const std::string& name,
                                    Diagnostics& out);
+std::optional<DataTable> parse_csv_columns(const std::string& text, const std::string& name,
+                                           Diagnostics& out);
 std::optional<DataTable> parse_solution(const std::string& text, const std::string& name,
                                         Diagnostics& out);
 

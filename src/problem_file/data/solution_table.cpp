@@ -103,12 +103,28 @@ std::optional<std::size_t> DataTable::find(const std::string& column) const {
   return static_cast<std::size_t>(found - columns.begin());
 }
 
+namespace {
+
+std::optional<std::string> load_text(const std::filesystem::path& file, const Place& place,
+                                     Diagnostics& out) {
+  InputFile input{file.string(), {}};
+  auto text = read_text(file, kMaxDataBytes, place, input.sha256, out);
+  if (text) out.add_data_file(std::move(input));
+  return text;
+}
+
+}  // namespace
+
+std::optional<DataTable> load_csv_columns(const std::filesystem::path& file, const Place& place,
+                                          Diagnostics& out) {
+  const auto text = load_text(file, place, out);
+  return text ? parse_csv_columns(*text, file.string(), out) : std::nullopt;
+}
+
 std::optional<DataTable> load_data_table(const std::filesystem::path& file, const Place& place,
                                          Diagnostics& out) {
-  InputFile input{file.string(), {}};
-  const auto text = read_text(file, kMaxDataBytes, place, input.sha256, out);
+  const auto text = load_text(file, place, out);
   if (!text) return std::nullopt;
-  out.add_data_file(std::move(input));
   if (file.extension() == ".json") return parse_solution(*text, file.string(), out);
   return parse_csv(*text, file.string(), out);
 }

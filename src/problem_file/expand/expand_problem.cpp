@@ -142,6 +142,8 @@ OrderedJson expand_problem(const ProblemSpec& spec, const BuiltProblem& built) {
   const KnotModel& model = *built.problem->terminal().model;
   OrderedJson json = {{"conddp", kProblemFormat}, {"name", spec.name.value}};
   if (!spec.description.empty()) json["description"] = spec.description;
+  json["parameters"] = expand_parameters(spec.names.parameters);
+  json["tables"] = expand_tables(spec.names.tables);
   expand_plant(spec, json);
   json["initial_state"] = expand_initial_state(spec, model);
   json["integrator"] = word_of(kIntegratorWords, integrator_of(*built.problem));

@@ -14,6 +14,8 @@ OrderedJson expand_robot(const RobotSpec& robot);
 
 // expand_system.cpp
 OrderedJson expand_system(const SystemSpec& system);
+OrderedJson expand_parameters(const NamedParameters& parameters);
+OrderedJson expand_tables(const std::vector<TableSpec>& tables);
 
 // expand_contacts.cpp
 OrderedJson expand_contacts(const std::vector<ContactSpec>& contacts);

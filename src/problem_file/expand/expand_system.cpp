@@ -43,7 +43,7 @@ OrderedJson expand_expressions(const std::vector<NamedExpression>& expressions) 
   return json;
 }
 
-OrderedJson expand_table(const TableSpec& table) {
+OrderedJson expand_points(const TableSpec& table) {
   if (table.points.size() == 1) return {{"points", table.points[0]}, {"values", table.values}};
   const std::size_t columns = table.points[1].size();
   OrderedJson rows = OrderedJson::array();
@@ -52,16 +52,31 @@ OrderedJson expand_table(const TableSpec& table) {
   return {{"points", table.points}, {"values", std::move(rows)}};
 }
 
+}  // namespace
+
+OrderedJson expand_parameters(const NamedParameters& parameters) {
+  OrderedJson json = OrderedJson::object();
+  for (const auto& [name, value] : parameters)
+    json[name] = value.is_vector ? OrderedJson(value.numbers) : OrderedJson(value.numbers[0]);
+  return json;
+}
+
+OrderedJson expand_tables(const std::vector<TableSpec>& tables) {
+  OrderedJson json = OrderedJson::object();
+  for (const TableSpec& table : tables) json[table.name.value] = expand_points(table);
+  return json;
+}
+
+namespace {
+
 void expand(const ExpressionSystemSpec& p, OrderedJson& json) {
   const ExpressionSystemText& text = p.text;
   const bool second_order = text.kind == SystemKind::second_order;
   json[second_order ? "positions" : "states"] = expand_states(text.states);
   if (second_order) json["velocities"] = expand_columns(text.velocities);
   json["controls"] = expand_columns(text.controls);
-  json["parameters"] = OrderedJson::object();
-  for (const auto& [name, value] : text.parameters) json["parameters"][name] = value;
-  json["tables"] = OrderedJson::object();
-  for (const TableSpec& table : p.tables) json["tables"][table.name] = expand_table(table);
+  json["parameters"] = expand_parameters(p.own.parameters);
+  json["tables"] = expand_tables(p.own.tables);
   json["let"] = expand_expressions(text.definitions);
   json[second_order                           ? "acceleration"
        : text.kind == SystemKind::first_order ? "rate"

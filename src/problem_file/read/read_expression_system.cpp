@@ -17,8 +17,8 @@ struct SystemPartPlaces {
 /// Reads the keys of a system of expressions and puts its messages where they belong.
 class ExpressionSystemReader {
  public:
-  ExpressionSystemReader(YamlMap& map, ExpressionSystemSpec& system)
-      : map_(map), out_(map.reader().diagnostics()), system_(system) {}
+  ExpressionSystemReader(YamlMap& map, const FileContext& file, ExpressionSystemSpec& system)
+      : map_(map), file_(file), out_(map.reader().diagnostics()), system_(system) {}
 
   void read() {
     const int errors = out_.error_count();
@@ -31,8 +31,7 @@ class ExpressionSystemReader {
     else
       exclude("velocities", equations);
     read_columns("controls", system_.text.controls, controls_);
-    read_parameters();
-    read_tables();
+    read_names();
     read_expressions("let", system_.text.definitions, definitions_);
     read_expressions(equations, system_.text.equations, equations_);
     if (out_.error_count() > errors) return;
@@ -77,7 +76,11 @@ class ExpressionSystemReader {
     const auto entries = reader.named_entries("write {name: unit, ...} or [name, ...]");
     if (!entries) return words;
     for (const auto& [name, value] : *entries)
-      if (auto word = value.text()) words.emplace_back(name, std::move(*word));
+      if (value.is_null() || (value.is_scalar() && value.node().text.empty()))
+        value.error(fmt::format("'{}' has no unit behind it", name.value),
+                    "write the unit, or 1 where there is none");
+      else if (auto word = value.text())
+        words.emplace_back(name, std::move(*word));
     return words;
   }
 
@@ -107,78 +110,23 @@ class ExpressionSystemReader {
     }
   }
 
-  void read_parameters() {
-    const auto reader = map_.find("parameters");
-    if (!reader) return;
-    for (const auto& [name, value] : read_named_numbers(*reader)) {
-      system_.text.parameters.emplace_back(name.value, value);
-      parameters_.names.push_back(name.place);
-    }
-  }
-
-  void read_tables() {
-    const auto reader = map_.find("tables");
-    const auto entries = reader ? reader->named_entries() : std::nullopt;
-    if (!entries) return;
-    for (const auto& [name, value] : *entries) {
-      TableSpec table{.name = name.value};
-      YamlMap keys(value);
-      const auto points = keys.require("points"), values = keys.require("values");
-      if (!points || !values || !read_grid(*points, table) || !read_values(*values, table))
-        continue;
-      try {
-        const auto made =
-            table.points.size() == 1
-                ? std::make_shared<SplineTable>(table.points[0], table.values)
-                : std::make_shared<SplineTable>(table.points[0], table.points[1], table.values);
-        system_.text.tables.emplace_back(name.value, made);
-        tables_.names.push_back(name.place);
-        system_.tables.push_back(std::move(table));
-      } catch (const std::invalid_argument& e) {
-        value.error(e.what());
+  /// Constants and tables: those of the file, and then those of the system.
+  void read_names() {
+    if (const auto reader = map_.find("parameters"))
+      for (const auto& [name, value] : read_named_numbers(*reader)) {
+        system_.own.parameters.emplace_back(name.value, value);
+        system_.own.parameter_places.push_back(name.place);
       }
-    }
+    if (const auto reader = map_.find("tables"))
+      system_.own.tables = read_tables(*reader, file_.folder);
+    add(file_.names);
+    add(system_.own);
   }
 
-  /// Ascending numbers, or two lists of them.
-  bool read_grid(const YamlReader& reader, TableSpec& table) {
-    const auto items = reader.items("write ascending numbers, or two lists of them");
-    if (!items) return false;
-    if (!items->empty() && !items->front().is_sequence()) {
-      const auto numbers = reader.numbers();
-      if (numbers) table.points = {*numbers};
-      return numbers.has_value();
-    }
-    constexpr std::size_t kMostArguments = 2;
-    if (items->size() != kMostArguments)
-      return reader.error("a table has the points of one argument or of two"), false;
-    for (const YamlReader& item : *items) {
-      const auto numbers = item.numbers();
-      if (!numbers) return false;
-      table.points.push_back(*numbers);
-    }
-    return true;
-  }
-
-  bool read_values(const YamlReader& reader, TableSpec& table) {
-    if (table.points.size() == 1) {
-      const auto numbers = reader.numbers(table.points[0].size(), "one a point");
-      if (numbers) table.values = *numbers;
-      return numbers.has_value();
-    }
-    const auto rows = reader.items("write a list for each point of the first argument");
-    if (!rows) return false;
-    if (rows->size() != table.points[0].size())
-      return reader.error(fmt::format("the first argument has {} points, and there are {} rows",
-                                      table.points[0].size(), rows->size())),
-             false;
-    for (const YamlReader& row : *rows) {
-      const auto numbers =
-          row.numbers(table.points[1].size(), "one a point of the second argument");
-      if (!numbers) return false;
-      table.values.insert(table.values.end(), numbers->begin(), numbers->end());
-    }
-    return true;
+  void add(const ExpressionNamesSpec& names) {
+    add_names(names, system_.text.parameters, system_.text.tables);
+    for (const Place& place : names.parameter_places) parameters_.names.push_back(place);
+    for (const TableSpec& table : names.tables) tables_.names.push_back(table.name.place);
   }
 
   void read_expressions(std::string_view key, std::vector<NamedExpression>& expressions,
@@ -228,6 +176,7 @@ class ExpressionSystemReader {
   }
 
   YamlMap& map_;
+  const FileContext& file_;
   Diagnostics& out_;
   ExpressionSystemSpec& system_;
   SystemPartPlaces states_, velocities_, controls_, parameters_, tables_, definitions_, equations_;
@@ -235,8 +184,8 @@ class ExpressionSystemReader {
 
 }  // namespace
 
-void read_expression_system(YamlMap& map, ExpressionSystemSpec& system) {
-  ExpressionSystemReader(map, system).read();
+void read_expression_system(YamlMap& map, const FileContext& file, ExpressionSystemSpec& system) {
+  ExpressionSystemReader(map, file, system).read();
 }
 
 }  // namespace conddp

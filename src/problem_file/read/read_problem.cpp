@@ -6,6 +6,7 @@
 #include "base/source_text.hpp"
 #include "problem_file/read/gait_schedule.hpp"
 #include "problem_file/read/homotopy_numbers.hpp"
+#include "problem_file/read/parameter_values.hpp"
 #include "problem_file/read/read_sections.hpp"
 #include "problem_file/spec/enum_names.hpp"
 #include "problem_file/yaml/canonical_definition.hpp"
@@ -38,7 +39,7 @@ void read_plant(YamlMap& map, const std::filesystem::path& folder, ProblemSpec& 
   map.exclusive({"robots", "system"});
   if (robot) spec.robots.push_back(read_robot(*robot, folder));
   if (robots) read_robots(*robots, folder, spec);
-  if (system) spec.system = read_system(*system);
+  if (system) spec.system = read_system(*system, {folder, spec.names});
   if (!robot && !robots && !system && map.valid())
     map.reader().error("the file says nothing about what moves: 'robot', 'robots' or 'system'");
   if (const auto r = map.find("gravity")) {
@@ -144,13 +145,17 @@ void read_terminal(const YamlReader& reader, const std::filesystem::path& folder
     read_constraints(*constraints, folder, true, spec);
 }
 
-ProblemSpec read_document(const YamlReader& reader, const std::filesystem::path& file) {
+ProblemSpec read_document(const YamlReader& reader, const std::filesystem::path& file,
+                          ExpressionNamesSpec names) {
   const std::filesystem::path folder = file.parent_path();
   ProblemSpec spec{.file = file, .name = {file.stem().string(), reader.place()}};
+  spec.names = std::move(names);
   YamlMap map(reader);
   read_format(map);
   if (const auto r = map.find("name")) read_name(*r, spec.name);
   map.text("description", spec.description);
+  map.find("parameters");  // which have been read
+  if (const auto r = map.find("tables")) spec.names.tables = read_tables(*r, folder);
   read_plant(map, folder, spec);
   read_motion(map, spec);
   read_surroundings(map, spec);
@@ -191,8 +196,10 @@ std::optional<ProblemSpec> read_problem(const ProblemDocument& document,
   YamlNode root = document.root;
   for (const Setting& setting : settings) apply_setting(root, setting, out);
   if (!out.has_errors()) place_homotopy(root, homotopy_share, out);
+  ExpressionNamesSpec names;
+  if (!out.has_errors()) names = place_parameters(root, out);
   if (out.has_errors()) return std::nullopt;
-  ProblemSpec spec = read_document(YamlReader(root, {}, out), document.file);
+  ProblemSpec spec = read_document(YamlReader(root, {}, out), document.file, std::move(names));
   if (out.has_errors()) return std::nullopt;
   spec.text = document.text;
   spec.sha256 = document.sha256.empty() ? sha256(document.text) : document.sha256;

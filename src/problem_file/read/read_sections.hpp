@@ -16,11 +16,20 @@ namespace conddp {
 RobotSpec read_robot(const YamlReader& reader, const std::filesystem::path& folder);
 ActuationSpec read_actuation(const YamlReader& reader);
 
+/// What the readers of a file's parts know of the whole.
+struct FileContext {
+  std::filesystem::path folder;
+  ExpressionNamesSpec names;
+};
+
 // read_system.cpp
-SystemSpec read_system(const YamlReader& reader);
+SystemSpec read_system(const YamlReader& reader, const FileContext& file);
 
 // read_expression_system.cpp
-void read_expression_system(YamlMap& map, ExpressionSystemSpec& system);
+void read_expression_system(YamlMap& map, const FileContext& file, ExpressionSystemSpec& system);
+
+// read_tables.cpp
+std::vector<TableSpec> read_tables(const YamlReader& reader, const std::filesystem::path& folder);
 
 // read_contacts.cpp
 std::vector<ContactSpec> read_contacts(const YamlReader& reader);

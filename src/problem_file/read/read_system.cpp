@@ -34,9 +34,11 @@ std::optional<Eigen::MatrixXd> read_matrix(const YamlReader& reader) {
   return matrix;
 }
 
-void read(YamlMap& map, DoubleIntegratorSpec& p) { map.integer("dimension", p.dimension, 1, 1000); }
+void read(YamlMap& map, const FileContext&, DoubleIntegratorSpec& p) {
+  map.integer("dimension", p.dimension, 1, 1000);
+}
 
-void read(YamlMap& map, LinearSpec& p) {
+void read(YamlMap& map, const FileContext&, LinearSpec& p) {
   const auto A = map.require("A");
   const auto B = map.require("B");
   const auto c = map.find("c");
@@ -56,10 +58,12 @@ void read(YamlMap& map, LinearSpec& p) {
       p.c = Eigen::Map<const Eigen::VectorXd>(n->data(), n->size());
 }
 
-void read(YamlMap& map, ExpressionSystemSpec& p) { read_expression_system(map, p); }
+void read(YamlMap& map, const FileContext& file, ExpressionSystemSpec& p) {
+  read_expression_system(map, file, p);
+}
 
 template <class P>
-void read(YamlMap& map, P& p) {
+void read(YamlMap& map, const FileContext&, P& p) {
   for_each_field(p, [&](std::string_view key, std::string_view, double& value,
                         const NumberRange& range) { map.number(key, value, range); });
 }
@@ -67,15 +71,15 @@ void read(YamlMap& map, P& p) {
 using Parameters = decltype(SystemSpec::parameters);
 
 template <class P>
-Parameters read_as(YamlMap& map) {
+Parameters read_as(YamlMap& map, const FileContext& file) {
   P parameters;
-  read(map, parameters);
+  read(map, file, parameters);
   return parameters;
 }
 
 /// The reader of each alternative.
 template <class... P>
-constexpr std::array<Parameters (*)(YamlMap&), sizeof...(P)> readers(
+constexpr std::array<Parameters (*)(YamlMap&, const FileContext&), sizeof...(P)> readers(
     const std::variant<P...>* /*names the types*/) {
   return {read_as<P>...};
 }
@@ -83,7 +87,7 @@ constexpr auto kReaders = readers(static_cast<const Parameters*>(nullptr));
 
 }  // namespace
 
-SystemSpec read_system(const YamlReader& reader) {
+SystemSpec read_system(const YamlReader& reader, const FileContext& file) {
   SystemSpec system{.place = reader.place()};
   YamlMap map(reader);
   // Equations say themselves what the system is.
@@ -95,7 +99,7 @@ SystemSpec read_system(const YamlReader& reader) {
   auto index = type ? type->choose(words, "type of system") : std::nullopt;
   if (!type && in_words) index = words.size() - 1;
   if (index)
-    system.parameters = kReaders[*index](map);
+    system.parameters = kReaders[*index](map, file);
   else
     map.ignore_others();
   return system;

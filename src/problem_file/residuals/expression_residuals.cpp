@@ -8,15 +8,18 @@
 namespace conddp {
 namespace {
 
+const ExpressionSystemSpec* own_system(const ProblemSpec& spec) {
+  return spec.system ? std::get_if<ExpressionSystemSpec>(&spec.system->parameters) : nullptr;
+}
+
 /// What a residual's expressions may name.
 ExpressionResidualText text_of(const ExpressionRowsSpec& rows, const ResidualContext& context) {
   ExpressionResidualText text{.names = knot_names(*context.plant.system)};
-  if (const auto& system = context.spec.system)
-    if (const auto* own = std::get_if<ExpressionSystemSpec>(&system->parameters)) {
-      text.parameters = own->text.parameters;
-      text.tables = own->text.tables;
-      text.definitions = own->text.definitions;
-    }
+  add_names(context.spec.names, text.parameters, text.tables);
+  if (const ExpressionSystemSpec* own = own_system(context.spec)) {
+    add_names(own->own, text.parameters, text.tables);
+    text.definitions = own->text.definitions;
+  }
   for (const ExpressionText& row : rows.texts) text.rows.push_back(row.text);
   text.constants = context.spec.first_free_duration() != nullptr;
   return text;
@@ -24,11 +27,20 @@ ExpressionResidualText text_of(const ExpressionRowsSpec& rows, const ResidualCon
 
 void report(const ModelMessage& message, Severity severity, const ExpressionRowsSpec& rows,
             const ResidualContext& context) {
-  if (message.part == ModelMessage::Part::kRow && message.in_text)
+  using Part = ModelMessage::Part;
+  if (message.part == Part::kRow && message.in_text)
     return report_expression(rows.texts[message.index], message.message, severity, context.out);
   // The system has reported what its definitions warn of.
-  if (severity == Severity::kError)
-    context.out.error(context.cost.residual.place, message.message.message, message.message.hint);
+  if (severity != Severity::kError) return;
+  // A robot's names may be those of the file.
+  const ExpressionNamesSpec& names = context.spec.names;
+  const std::size_t index = message.index;
+  Place place = context.cost.residual.place;
+  if (message.part == Part::kParameter && index < names.parameters.size())
+    place = names.parameter_places[index];
+  if (message.part == Part::kTable && index < names.tables.size())
+    place = names.tables[index].name.place;
+  context.out.error(place, message.message.message, message.message.hint);
 }
 
 /// Names of the rows: of a text that gives several, with the number of each.

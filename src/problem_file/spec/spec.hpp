@@ -103,6 +103,7 @@ struct ProblemSpec {
   std::vector<std::string> settings;  ///< that replaced values of the file
   Name name;
   std::string description;
+  ExpressionNamesSpec names;  ///< that all expressions know
   std::vector<RobotSpec> robots;
   std::optional<SystemSpec> system;
   Vector3<double> gravity{0, 0, -9.81};  ///< m/s²

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "base/diagnostic.hpp"
+#include "systems/expressions/model_texts.hpp"
 
 namespace conddp {
 
@@ -24,9 +25,20 @@ struct ExpressionRowsSpec {
 /// Tabulated data of expressions: grid points of one or two arguments, and the values, those of the
 /// last argument one after the other.
 struct TableSpec {
-  std::string name;
+  Name name;
   std::vector<std::vector<double>> points;
   std::vector<double> values;
+  std::shared_ptr<const SplineTable> function;  ///< through them
 };
+
+/// Constants and tables with names that expressions know.
+struct ExpressionNamesSpec {
+  NamedParameters parameters;
+  std::vector<Place> parameter_places;
+  std::vector<TableSpec> tables;
+};
+
+/// Adds them to those of a text.
+void add_names(const ExpressionNamesSpec& names, NamedParameters& parameters, NamedTables& tables);
 
 }  // namespace conddp

@@ -81,7 +81,7 @@ struct CarSpec {
 /// A system of expressions, which the reader has made of the text.
 struct ExpressionSystemSpec {
   ExpressionSystemText text;
-  std::vector<TableSpec> tables;  ///< of the text
+  ExpressionNamesSpec own;  ///< constants and tables of the text besides those of the file
   ParsedExpressionSystem parsed;
 };
 

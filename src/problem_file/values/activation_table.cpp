@@ -98,7 +98,10 @@ std::span<const ActivationDefinition> activation_table() {
       {.name = "smooth_l2",
        .kind = ActivationKind::smooth_l2,
        .description = "√(Σ w r² + ε²) − ε; takes 'epsilon'",
-       .keys = {&epsilon}}};
+       .keys = {&epsilon}},
+      {.name = "linear",
+       .kind = ActivationKind::linear,
+       .description = "Σ w r, a cost that can be negative"}};
   return all;
 }
 

@@ -22,9 +22,13 @@ void ModelTextReader::add(Part part, int index, const std::string& name, Express
 }
 
 void ModelTextReader::add_parameters(const NamedParameters& parameters) {
-  for (std::size_t i = 0; i < parameters.size(); ++i)
-    add(Part::kParameter, static_cast<int>(i), parameters[i].first,
-        ExpressionValue::number(graph_.constant(parameters[i].second)));
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    const auto& [name, given] = parameters[i];
+    ExpressionValue value = ExpressionValue::vector({});
+    for (const double number : given.numbers) value.nodes.push_back(graph_.constant(number));
+    if (!given.is_vector) value.kind = ExpressionValue::Kind::kNumber;
+    add(Part::kParameter, static_cast<int>(i), name, std::move(value));
+  }
 }
 
 void ModelTextReader::add_tables(const NamedTables& tables) {

@@ -16,7 +16,15 @@ struct NamedExpression {
   std::string text;
 };
 
-using NamedParameters = std::vector<std::pair<std::string, double>>;
+/// A constant of expressions: a number or a vector.
+struct ParameterValue {
+  ParameterValue(double number) : numbers{number}, is_vector(false) {}
+  ParameterValue(std::vector<double> vector) : numbers(std::move(vector)), is_vector(true) {}
+  std::vector<double> numbers;
+  bool is_vector;
+};
+
+using NamedParameters = std::vector<std::pair<std::string, ParameterValue>>;
 using NamedTables = std::vector<std::pair<std::string, std::shared_ptr<const SplineTable>>>;
 
 /// What is wrong with a system or residual in words, or not smooth about it, and in which text.

@@ -1,0 +1,112 @@
+#include "problem_file/read/parameter_values.hpp"
+
+#include <fmt/format.h>
+
+#include "problem_file/values/expression_source.hpp"
+#include "problem_file/yaml/key_path.hpp"
+#include "systems/expressions/parser.hpp"
+
+namespace conddp {
+namespace {
+
+bool is_formula(const YamlNode& node) {
+  return node.kind == YamlNode::Kind::kScalar && node.text.starts_with('=');
+}
+
+YamlNode number_node(double number, const Mark& mark) {
+  return {.kind = YamlNode::Kind::kScalar, .mark = mark, .text = fmt::format("{}", number)};
+}
+
+class ParameterPlacer {
+ public:
+  explicit ParameterPlacer(Diagnostics& out) : out_(out) {}
+
+  ExpressionNamesSpec read(YamlNode& parameters) {
+    ExpressionNamesSpec names;
+    const YamlReader reader(parameters, "parameters", out_);
+    if (!reader.named_entries("write '{mass: 2, goal: [1, 0]}'")) return names;
+    for (YamlNode::Entry& entry : parameters.entries) {
+      const std::string path = "parameters." + entry.key;
+      replace(entry.value, path);
+      const YamlReader value(entry.value, path, out_);
+      const Place place{entry.mark, path};
+      if (std::string defect = scope_.defect_of(entry.key); !defect.empty()) {
+        out_.error(place, std::move(defect));
+        continue;
+      }
+      if (const auto given = read_value(value)) {
+        add(entry.key, *given);
+        names.parameters.emplace_back(entry.key, *given);
+        names.parameter_places.push_back(place);
+      }
+    }
+    return names;
+  }
+
+  /// Puts values in the place of what begins with '=', here and below.
+  void replace(YamlNode& node, const std::string& path) {
+    if (is_formula(node)) return place(node, path);
+    const std::string before = path.empty() ? "" : path + ".";
+    for (std::size_t i = 0; i < node.items.size(); ++i)
+      replace(node.items[i], before + std::to_string(i));
+    for (YamlNode::Entry& entry : node.entries)
+      if (!path.empty() || !is_for_people(entry.key)) replace(entry.value, before + entry.key);
+  }
+
+ private:
+  static bool is_for_people(std::string_view key) { return key == "name" || key == "description"; }
+
+  static std::optional<ParameterValue> read_value(const YamlReader& reader) {
+    if (reader.is_sequence()) {
+      auto numbers = reader.numbers();
+      if (numbers && numbers->empty()) reader.error("a vector has at least one number");
+      if (numbers && !numbers->empty()) return ParameterValue(*std::move(numbers));
+    } else if (const auto number = reader.number()) {
+      return ParameterValue(*number);
+    }
+    return std::nullopt;
+  }
+
+  void add(const std::string& name, const ParameterValue& given) {
+    ExpressionValue value = ExpressionValue::vector({});
+    for (const double number : given.numbers) value.nodes.push_back(graph_.constant(number));
+    if (!given.is_vector) value.kind = ExpressionValue::Kind::kNumber;
+    scope_.add(name, std::move(value));
+  }
+
+  void place(YamlNode& node, const std::string& path) {
+    const ExpressionText text{node.text, {node.mark, path}, node.quoted};
+    ParsedExpression parsed = parse_expression(node.text.substr(1), scope_, graph_);
+    if (!parsed.value) {
+      ++parsed.error.offset;  // behind the '='
+      return report_expression(text, parsed.error, Severity::kError, out_);
+    }
+    const ExpressionValue& value = *parsed.value;
+    if (value.kind == ExpressionValue::Kind::kCondition)
+      return out_.error(text.place, "a number or a vector is expected here, not a condition");
+    if (value.is_number()) {
+      node = number_node(*graph_.constant_of(value.nodes[0]), node.mark);
+      return;
+    }
+    YamlNode list{.kind = YamlNode::Kind::kSequence, .mark = node.mark};
+    for (const NodeId id : value.nodes)
+      list.items.push_back(number_node(*graph_.constant_of(id), node.mark));
+    node = std::move(list);
+  }
+
+  Diagnostics& out_;
+  ExpressionGraph graph_;
+  ExpressionScope scope_;
+};
+
+}  // namespace
+
+ExpressionNamesSpec place_parameters(YamlNode& root, Diagnostics& out) {
+  ParameterPlacer placer(out);
+  ExpressionNamesSpec names;
+  if (YamlNode* parameters = find_part(root, "parameters")) names = placer.read(*parameters);
+  if (!out.has_errors()) placer.replace(root, "");
+  return names;
+}
+
+}  // namespace conddp

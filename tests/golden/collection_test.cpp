@@ -1,0 +1,63 @@
+// Problems of the literature meet their exact or published optima.
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "output/bench/best_known.hpp"
+#include "problem_file/build/build_problem.hpp"
+#include "problem_file/read/read_problem.hpp"
+#include "solvers/strategies/registry.hpp"
+
+namespace conddp {
+namespace {
+
+const std::filesystem::path kCollection =
+    std::filesystem::path(CONDDP_SOURCE_DIR) / "problems" / "collection";
+
+/// Of grids of 100 to 240 knots with constant controls, relative to costs beyond 1.
+constexpr double kTolerance = 1e-4;
+
+std::vector<std::string> collection() {
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(kCollection))
+    if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem().string());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+const nlohmann::json& known_optima() {
+  static const nlohmann::json known = [] {
+    std::ifstream stream(kCollection / kBestKnownFile);
+    return nlohmann::json::parse(stream).at("problems");
+  }();
+  return known;
+}
+
+class Collection : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(Collection, MeetsThePublishedOptimum) {
+  Diagnostics out;
+  const auto spec = read_problem(kCollection / (GetParam() + ".yaml"), {}, out);
+  ASSERT_TRUE(spec) << format_diagnostics(out, false);
+  const auto built = build_problem(*spec, {}, out);
+  ASSERT_TRUE(built) << format_diagnostics(out, false);
+  EXPECT_TRUE(out.list().empty()) << format_diagnostics(out, false);
+  EXPECT_EQ(spec->name.value, GetParam());
+  const SolveResult result =
+      solve(*built->problem, spec->solver.name.value, spec->solver.options, built->guess);
+  EXPECT_EQ(result.status, SolveStatus::converged) << result.message;
+  ASSERT_TRUE(known_optima().contains(GetParam()));
+  const nlohmann::json& published = known_optima()[GetParam()].at("published").at(0);
+  const double optimum = published.at("cost");
+  EXPECT_FALSE(published.at("source").get<std::string>().empty());
+  EXPECT_NEAR(result.cost, optimum, kTolerance * std::max(1.0, std::abs(optimum)));
+}
+
+INSTANTIATE_TEST_SUITE_P(Problems, Collection, ::testing::ValuesIn(collection()),
+                         [](const auto& name) { return name.param; });
+
+}  // namespace
+}  // namespace conddp
