@@ -6,8 +6,8 @@
 
 #include <Eigen/Eigenvalues>
 #include <fmt/format.h>
-#include <openssl/evp.h>
 
+#include "base/base64.hpp"
 #include "base/text_file.hpp"
 #include "output/solution/scene_numbers.hpp"
 #include "robot/urdf/urdf_visuals.hpp"
@@ -21,15 +21,6 @@ constexpr std::size_t kMaxMeshBytes = 3 << 20;
 /// kg/m³: links are not lighter. An ellipsoid that were belongs to placeholders of an inertia.
 constexpr double kLeastDensity = 10;
 constexpr double kLeastRadius = 0.005;  // m
-
-std::string base64(const std::string& bytes) {
-  std::string text(4 * ((bytes.size() + 2) / 3) + 1, '\0');  // EVP_EncodeBlock ends it with a zero
-  const auto* data = reinterpret_cast<const unsigned char*>(bytes.data());
-  EVP_EncodeBlock(reinterpret_cast<unsigned char*>(text.data()), data,
-                  static_cast<int>(bytes.size()));
-  text.pop_back();
-  return text;
-}
 
 /// Where a mesh of a URDF is: beside the URDF, or for package://name/path in a folder `name` of
 /// those above it.
