@@ -6,6 +6,7 @@ set(CONDDP_LAYERS base spatial robot systems ocp nlp solvers analysis problem_fi
 set(CONDDP_robot_FOLDERS . urdf)
 set(CONDDP_systems_FOLDERS . multibody contact expressions)
 set(CONDDP_ocp_FOLDERS terms residuals knot problem evaluation)
+set(CONDDP_nlp_FOLDERS . ipopt)
 set(CONDDP_solvers_FOLDERS
   common linalg riccati iterate constraints globalization ddp ipopt strategies)
 set(CONDDP_analysis_FOLDERS certificate contact findings comparison)

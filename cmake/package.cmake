@@ -12,6 +12,12 @@ foreach(set IN ITEMS core files)
     FILE conddp-${set}-targets.cmake COMPONENT library)
 endforeach()
 
+# The library of the solver `ipopt` belongs to both components.
+foreach(component IN ITEMS tool library)
+  install(TARGETS conddp_ipopt_module
+    LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/conddp COMPONENT ${component})
+endforeach()
+
 configure_file(cmake/abi.hpp.in ${generated}/abi.hpp @ONLY)
 install(CODE "
   set(SOURCE_DIR \"${PROJECT_SOURCE_DIR}\")

@@ -12,6 +12,8 @@ if(NOT wider_features)
 endif()
 conddp_instruction_set(wider_set "${wider_features}")
 set(wider_tool ${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/conddp-${wider_set})
+conddp_vector_bytes(wider_bytes -march=${CONDDP_WIDER_MARCH})
+set(wider_module conddp-ipopt-${wider_bytes}${CMAKE_SHARED_MODULE_SUFFIX})
 
 ExternalProject_Add(conddp_wider
   SOURCE_DIR ${PROJECT_SOURCE_DIR}
@@ -25,11 +27,18 @@ ExternalProject_Add(conddp_wider
     -D CONDDP_WERROR=${CONDDP_WERROR}
     -D CONDDP_MARCH=${CONDDP_WIDER_MARCH}
     -D CONDDP_WIDER_MARCH=
+    -D CMAKE_INSTALL_PREFIX=${CMAKE_INSTALL_PREFIX}
+    -D CMAKE_INSTALL_BINDIR=${CMAKE_INSTALL_BINDIR}
+    -D CMAKE_INSTALL_LIBDIR=${CMAKE_INSTALL_LIBDIR}
     -D BUILD_TESTING=OFF
   BUILD_COMMAND ${CMAKE_COMMAND} --build <BINARY_DIR> --target conddp
   BUILD_ALWAYS ON
   INSTALL_COMMAND ${CMAKE_COMMAND} -E copy_if_different <BINARY_DIR>/bin/conddp ${wider_tool}
+  COMMAND ${CMAKE_COMMAND} -E copy_if_different
+    <BINARY_DIR>/bin/${modules_from_tool}/${wider_module} ${CONDDP_MODULE_DIR}/${wider_module}
   USES_TERMINAL_BUILD ON)
 add_dependencies(conddp conddp_wider)
 
 install(PROGRAMS ${wider_tool} DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT tool)
+install(FILES ${CONDDP_MODULE_DIR}/${wider_module}
+  DESTINATION ${CMAKE_INSTALL_LIBDIR}/conddp COMPONENT tool)

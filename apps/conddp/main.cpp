@@ -10,6 +10,7 @@
 #include "arguments/parser.hpp"
 #include "arguments/usage.hpp"
 #include "base/atomic_file.hpp"
+#include "base/shared_library.hpp"
 #include "base/wrap_text.hpp"
 #include "commands/batch_worker.hpp"
 #include "commands/commands.hpp"
@@ -111,6 +112,9 @@ int run_and_report(int argc, char** argv) {
   try {
     return run(argc, argv);
   } catch (const OutputError& error) {
+    print_error(error.what());
+    return kExitBadInput;
+  } catch (const LibraryError& error) {
     print_error(error.what());
     return kExitBadInput;
   } catch (const std::filesystem::filesystem_error& error) {

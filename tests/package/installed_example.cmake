@@ -67,6 +67,10 @@ expect_in("${output}" "moved_tool/share/conddp/problems/arm_reach.yaml")
 run("solving an example" ${CMAKE_COMMAND} -E chdir ${WORK_DIR}/empty
   ${prefix}/moved_tool/bin/conddp solve arm_reach)
 expect_in("${output}" "arm_reach: converged")
+# The library of Ipopt lies with the tool.
+run("solving an example by ipopt" ${CMAKE_COMMAND} -E chdir ${WORK_DIR}/empty
+  ${prefix}/moved_tool/bin/conddp solve double_integrator_fastest)
+expect_in("${output}" "double_integrator_fastest: converged (ipopt")
 run("comparing solvers on the examples" ${CMAKE_COMMAND} -E chdir ${WORK_DIR}/empty
   ${prefix}/moved_tool/bin/conddp bench --solvers intro --repeat 0 --max-time 0.001)
 expect_in("${output}" "all problems")
@@ -107,6 +111,9 @@ run("building with files" ${CMAKE_COMMAND} --build ${WORK_DIR}/files/build)
 run("running with files" ${WORK_DIR}/files/build/files
   ${prefix}/moved_tool/share/conddp/problems/pendulum_swingup.yaml ${WORK_DIR}/files/out)
 expect_in("${output}" "files/out/solution.json")
+run("running ipopt with files" ${WORK_DIR}/files/build/files
+  ${prefix}/moved_tool/share/conddp/problems/double_integrator_fastest.yaml ${WORK_DIR}/files/ipopt)
+expect_in("${output}" "files/ipopt/solution.json")
 
 # Another machine, where the same flags mean other vectors, is told so by find_package.
 file(GLOB_RECURSE config ${prefix}/conddp-config.cmake)

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 
-#include <dlfcn.h>
 #include <hdf5.h>
 
 #include <fmt/format.h>
 
 #include "base/atomic_file.hpp"
+#include "base/shared_library.hpp"
 
 // Macros of the header call these on the way, which would link the library.
 #undef H5CHECK
@@ -24,13 +24,15 @@ constexpr std::size_t kChunk = 1 << 16;
 /// HDF5's library. It is loaded by the first data set that is written: it takes tens of other
 /// libraries along, for which no other command should wait.
 class Hdf5Library {
+  const SharedLibrary library_{"HDF5", CONDDP_HDF5_LIBRARY};
+
  public:
   Hdf5Library() {
     if (H5open() < 0) throw OutputError("the library of HDF5 cannot be started");
   }
 
 #define CONDDP_HDF5_FUNCTION(name) \
-  decltype(&::name) const name = reinterpret_cast<decltype(&::name)>(symbol(#name))
+  decltype(&::name) const name = reinterpret_cast<decltype(&::name)>(library_.symbol(#name))
   CONDDP_HDF5_FUNCTION(H5open);
   CONDDP_HDF5_FUNCTION(H5Aclose);
   CONDDP_HDF5_FUNCTION(H5Acreate2);
@@ -65,14 +67,8 @@ class Hdf5Library {
 #undef CONDDP_HDF5_FUNCTION
 
   /// What a macro of its header stands for, a handle in a variable.
-  hid_t variable(const char* name) const { return *static_cast<const hid_t*>(symbol(name)); }
-
- private:
-  static void* symbol(const char* name) {
-    static void* const library = dlopen(CONDDP_HDF5_LIBRARY, RTLD_NOW | RTLD_LOCAL);
-    void* const found = library == nullptr ? nullptr : dlsym(library, name);
-    if (found == nullptr) throw OutputError(fmt::format("HDF5 cannot be loaded: {}", dlerror()));
-    return found;
+  hid_t variable(const char* name) const {
+    return *static_cast<const hid_t*>(library_.symbol(name));
   }
 };
 

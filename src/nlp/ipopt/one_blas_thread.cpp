@@ -1,12 +1,12 @@
-#include "nlp/one_blas_thread.hpp"
+#include "nlp/ipopt/one_blas_thread.hpp"
 
 #include <dlfcn.h>
 
 namespace conddp {
 namespace {
 
-/// A function of the BLAS that the process has loaded; null where that has none of this name. Which
-/// BLAS it is, the system decides when the process starts.
+/// A function of the BLAS that came with Ipopt; null where that has none of this name. Which BLAS
+/// it is, the system decides when it is loaded.
 template <class Function>
 Function* blas_function(const char* name) {
   return reinterpret_cast<Function*>(dlsym(RTLD_DEFAULT, name));

@@ -1,0 +1,23 @@
+#include "base/shared_library.hpp"
+
+#include <dlfcn.h>
+
+#include <fmt/format.h>
+
+namespace conddp {
+namespace {
+
+/// `found`, or the linker's reason as an exception.
+void* checked(void* found, const std::string& what) {
+  if (found == nullptr) throw LibraryError(fmt::format("{} cannot be loaded: {}", what, dlerror()));
+  return found;
+}
+
+}  // namespace
+
+SharedLibrary::SharedLibrary(const std::string& what, const char* file)
+    : what_(what), handle_(checked(dlopen(file, RTLD_NOW | RTLD_LOCAL), what)) {}
+
+void* SharedLibrary::symbol(const char* name) const { return checked(dlsym(handle_, name), what_); }
+
+}  // namespace conddp

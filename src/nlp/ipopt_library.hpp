@@ -1,0 +1,36 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace conddp {
+
+class NonlinearProgram;
+struct InteriorPointAnswer;
+struct InteriorPointIterate;
+struct InteriorPointSettings;
+struct IpoptOptionFault;
+
+/// What the shared library made of nlp/ipopt does for the functions of interior_point.hpp and
+/// ipopt_options.hpp. It alone is linked with Ipopt, whose BLAS and linear solver take longer to
+/// load than most commands to run.
+struct IpoptLibrary {
+  InteriorPointAnswer (*minimise)(NonlinearProgram& program, const Eigen::VectorXd& start,
+                                  const InteriorPointSettings& settings,
+                                  const std::function<bool(const InteriorPointIterate&)>&);
+  const std::vector<std::string>& (*option_names)();
+  bool (*is_integer_option)(std::string_view name);
+  std::optional<IpoptOptionFault> (*check_option)(
+      std::string_view name, const std::variant<int, double, std::string>& value);
+};
+
+/// Loaded by the first call. Throws LibraryError if it is missing.
+const IpoptLibrary& ipopt_library();
+
+}  // namespace conddp

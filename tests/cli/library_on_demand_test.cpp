@@ -1,0 +1,47 @@
+#include <cstdlib>
+#include <filesystem>
+
+#include <gtest/gtest.h>
+
+#include "process.hpp"
+
+namespace conddp {
+namespace {
+
+/// The tool alone, without the libraries that lie beside it in the build tree.
+class LibraryOnDemand : public ::testing::Test {
+ protected:
+  LibraryOnDemand() { std::filesystem::copy_file(CONDDP_BINARY, tool()); }
+
+  /// The exit code of a command; its errors are in errors().
+  int run(const std::string& arguments) const {
+    const std::string command = tool() + " " + arguments + " > /dev/null 2> " + error_file();
+    return WEXITSTATUS(std::system(command.c_str()));
+  }
+  std::string errors() const { return read_file(error_file()); }
+  std::string output() const { return folder_.path() / "out"; }
+
+ private:
+  std::string tool() const { return folder_.path() / "conddp"; }
+  std::string error_file() const { return folder_.path() / "errors"; }
+  const TemporaryFolder folder_;
+};
+
+const std::string kFastest = source("problems/double_integrator_fastest.yaml");  // by ipopt
+
+TEST_F(LibraryOnDemand, OtherCommandsWorkWithoutTheLibraryOfIpopt) {
+  EXPECT_EQ(run("list solvers"), 0) << errors();
+  EXPECT_EQ(run("schema problem"), 0) << errors();
+  EXPECT_EQ(run("check " + kFastest), 0) << errors();
+  EXPECT_EQ(run("solve " + kPendulum + " -o " + output()), 0) << errors();
+}
+
+TEST_F(LibraryOnDemand, ASolveByIpoptWithoutItsLibrarySaysSoAndWritesNothing) {
+  EXPECT_EQ(run("solve " + kFastest + " -o " + output()), 2);
+  EXPECT_EQ(errors().find("conddp: error: the solver 'ipopt' cannot be loaded: conddp-ipopt-"), 0u)
+      << errors();
+  EXPECT_FALSE(std::filesystem::exists(output()));
+}
+
+}  // namespace
+}  // namespace conddp
