@@ -52,8 +52,14 @@ HessianSwitch::HessianSwitch(HessianUse use, double tolerance, Evaluator& evalua
   Eigen::Index nz = 0;
   for (const KnotLinearization& knot : linearization.knots) nz = std::max(nz, knot.gradient.size());
   exact_cost_ = 1 + kDirectionCost * static_cast<double>(nz);
-  evaluator.reserve_lagrangian_hessian();
-  for (const KnotLinearization& knot : linearization.knots) other_.push_back(knot.hessian());
+  if (use == HessianUse::exact) reserve();
+}
+
+void HessianSwitch::reserve() {
+  if (!other_.empty()) return;
+  evaluator_.reserve_lagrangian_hessian();
+  other_.reserve(linearization_.knots.size());
+  for (const KnotLinearization& knot : linearization_.knots) other_.push_back(knot.hessian());
 }
 
 void HessianSwitch::reset() {
@@ -120,6 +126,7 @@ void HessianSwitch::begin_iterate() {
 
 void HessianSwitch::evaluate_exact(const Trajectory& trajectory, const Eigen::MatrixXd& costates,
                                    const Augmentation* augmentation) {
+  reserve();
   use(true);
   evaluator_.lagrangian_hessian(trajectory, costates, linearization_, augmentation);
   exact_known_ = true;

@@ -23,8 +23,8 @@ bool same_hessian(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
 /// linearisation and the other here; and when a solve turns from the former to the latter, or back.
 class HessianSwitch {
  public:
-  /// Allocates what exact Hessians need, where they may be used. `tolerance` is that of the
-  /// stationarity.
+  /// Allocates what exact Hessians need if they are used from the start; otherwise the first of
+  /// them does, which most solves never compute. `tolerance` is that of the stationarity.
   HessianSwitch(HessianUse use, double tolerance, Evaluator& evaluator,
                 Linearization& linearization);
 
@@ -62,6 +62,7 @@ class HessianSwitch {
   }
 
  private:
+  void reserve();
   bool gauss_newton_is_slow(const IterationRecord& row) const;
   bool exact_is_slow(const IterationRecord& row) const;
   int window() const;
