@@ -2,6 +2,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <set>
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -68,12 +69,15 @@ std::filesystem::path temporary_name(const std::filesystem::path& file, const ch
          fmt::format(".{}.{}.{}.tmp", file.filename().string(), kind, ::getpid());
 }
 
+std::filesystem::path folder_of(const std::filesystem::path& file) {
+  return file.parent_path().empty() ? "." : file.parent_path();
+}
+
 /// Removes what killed processes left of this file under temporary names: nobody has locked it.
 void remove_leftovers(const std::filesystem::path& file) {
   const std::string start = "." + file.filename().string() + ".";
   std::error_code error;
-  const std::filesystem::path folder = file.parent_path().empty() ? "." : file.parent_path();
-  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+  for (const auto& entry : std::filesystem::directory_iterator(folder_of(file), error)) {
     const std::string name = entry.path().filename().string();
     if (!name.starts_with(start) || !name.ends_with(".tmp")) continue;
     // A pipe of such a name is not ours, and opening it would wait for a writer.
@@ -134,10 +138,13 @@ void AtomicFiles::commit() {
     restore(i + 1);
     fail(p.file, error);
   }
-  for (const Pending& p : pending_) {
-    Descriptor folder(::open(p.file.parent_path().empty() ? "." : p.file.parent_path().c_str(),
-                             O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  std::set<std::filesystem::path> folders;
+  for (const Pending& p : pending_) folders.insert(folder_of(p.file));
+  for (const std::filesystem::path& path : folders) {
+    Descriptor folder(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
     if (folder.get() >= 0) ::fsync(folder.get());  // so that the names survive a power cut
+  }
+  for (const Pending& p : pending_) {
     if (!p.former.empty()) ::unlink(p.former.c_str());
     ::close(p.lock);
   }
