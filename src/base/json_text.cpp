@@ -1,10 +1,126 @@
 #include "base/json_text.hpp"
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
+#include <string_view>
+#include <utility>
 
 namespace conddp {
 namespace {
+
+/// The shortest digits that give a number back, and how many of them stand before its point: fewer
+/// than none where zeros follow the point.
+struct Digits {
+  std::array<char, 24> digits;
+  int count = 0;
+  int point = 0;
+};
+
+/// `value`: positive and finite.
+Digits shortest_digits(double value) {
+  std::array<char, 32> buffer;
+  const char* const end =
+      std::to_chars(buffer.begin(), buffer.end(), value, std::chars_format::scientific).ptr;
+  const char* const exponent = std::find(buffer.cbegin(), end, 'e');
+  Digits found;
+  for (const char* c = buffer.data(); c < exponent; ++c)
+    if (*c != '.') found.digits[found.count++] = *c;
+  std::from_chars(exponent + (exponent[1] == '+' ? 2 : 1), end, found.point);
+  ++found.point;
+  return found;
+}
+
+/// "1e-09" and the like.
+void append_scientific(const Digits& number, std::string& text) {
+  text += number.digits[0];
+  if (number.count > 1) (text += '.').append(number.digits.data() + 1, number.count - 1);
+  const int exponent = number.point - 1;
+  text += exponent < 0 ? "e-" : "e+";
+  if (std::abs(exponent) < 10) text += '0';
+  text += std::to_string(std::abs(exponent));
+}
+
+/// Always with a point or an exponent, which tell it from a whole number.
+void append_number(double value, std::string& text) {
+  constexpr int kMostBefore = 15, kMostZeros = 3;  // digits before the point, zeros behind it
+  if (!std::isfinite(value)) {
+    text += "null";
+    return;
+  }
+  if (std::signbit(value)) text += '-';
+  if (value == 0) {
+    text += "0.0";
+    return;
+  }
+  const Digits number = shortest_digits(std::abs(value));
+  const char* const digits = number.digits.data();
+  if (number.point > kMostBefore || number.point < -kMostZeros) {
+    append_scientific(number, text);
+  } else if (number.point <= 0) {
+    text.append("0.").append(-number.point, '0').append(digits, number.count);
+  } else if (number.point < number.count) {
+    text.append(digits, number.point) += '.';
+    text.append(digits + number.point, number.count - number.point);
+  } else {
+    text.append(digits, number.count).append(number.point - number.count, '0').append(".0");
+  }
+}
+
+template <class Integer>
+void append_integer(Integer value, std::string& text) {
+  std::array<char, 24> buffer;
+  text.append(buffer.data(), std::to_chars(buffer.begin(), buffer.end(), value).ptr);
+}
+
+bool is_plain(std::string_view string) {
+  return std::all_of(string.begin(), string.end(),
+                     [](char c) { return c >= ' ' && c < '\x7f' && c != '"' && c != '\\'; });
+}
+
+/// What bytes become that are no UTF-8.
+using BadBytes = OrderedJson::error_handler_t;
+
+void append_string(const std::string& string, BadBytes bad, std::string& text) {
+  if (is_plain(string))
+    ((text += '"') += string) += '"';
+  else
+    text += OrderedJson(string).dump(-1, ' ', false, bad);
+}
+
+/// On one line, without blanks.
+void append_compact(const OrderedJson& value, BadBytes bad, std::string& text) {
+  using Type = OrderedJson::value_t;
+  switch (value.type()) {
+    case Type::number_float:
+      return append_number(value.get_ref<const double&>(), text);
+    case Type::number_integer:
+      return append_integer(value.get_ref<const OrderedJson::number_integer_t&>(), text);
+    case Type::number_unsigned:
+      return append_integer(value.get_ref<const OrderedJson::number_unsigned_t&>(), text);
+    case Type::string:
+      return append_string(value.get_ref<const std::string&>(), bad, text);
+    case Type::array:
+    case Type::object:
+      break;
+    default:
+      text += value.dump();
+      return;
+  }
+  const bool object = value.is_object();
+  char before = object ? '{' : '[';
+  for (auto part = value.begin(); part != value.end(); ++part) {
+    text += std::exchange(before, ',');
+    if (object) {
+      append_string(part.key(), bad, text);
+      text += ':';
+    }
+    append_compact(*part, bad, text);
+  }
+  if (value.empty()) text += before;
+  text += object ? '}' : ']';
+}
 
 bool is_flat(const OrderedJson& value) {
   return std::none_of(value.begin(), value.end(),
@@ -13,22 +129,22 @@ bool is_flat(const OrderedJson& value) {
 
 /// Objects inside a list are rows of a table and stay on one line.
 void write(const OrderedJson& value, int indent, bool in_list, std::string& text) {
-  if (!value.is_structured() || value.empty() ||
-      (is_flat(value) && (value.is_array() || in_list))) {
-    text += value.dump();
-    return;
-  }
-  const std::string margin(indent + 2, ' ');
+  constexpr BadBytes kBad = BadBytes::strict;
+  if (!value.is_structured() || value.empty() || (is_flat(value) && (value.is_array() || in_list)))
+    return append_compact(value, kBad, text);
   text += value.is_array() ? "[\n" : "{\n";
   bool first = true;
   for (auto part = value.begin(); part != value.end(); ++part) {
     if (!first) text += ",\n";
     first = false;
-    text += margin;
-    if (value.is_object()) text += OrderedJson(part.key()).dump() + ": ";
+    text.append(indent + 2, ' ');
+    if (value.is_object()) {
+      append_string(part.key(), kBad, text);
+      text += ": ";
+    }
     write(*part, indent + 2, value.is_array(), text);
   }
-  text += '\n' + std::string(indent, ' ') + (value.is_array() ? ']' : '}');
+  (text += '\n').append(indent, ' ') += value.is_array() ? ']' : '}';
 }
 
 }  // namespace
@@ -36,7 +152,14 @@ void write(const OrderedJson& value, int indent, bool in_list, std::string& text
 std::string json_text(const OrderedJson& value) {
   std::string text;
   write(value, 0, false, text);
-  return text + '\n';
+  text += '\n';
+  return text;
+}
+
+std::string compact_json(const OrderedJson& value) {
+  std::string text;
+  append_compact(value, BadBytes::replace, text);
+  return text;
 }
 
 OrderedJson eight_digits(double value) {

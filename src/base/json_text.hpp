@@ -11,6 +11,10 @@ namespace conddp {
 /// finite.
 std::string json_text(const OrderedJson& value);
 
+/// The same numbers on one line without blanks, without an end of line. Bytes that are no UTF-8
+/// become U+FFFD.
+std::string compact_json(const OrderedJson& value);
+
 /// A number for the eye, rounded to eight digits: more than a screen shows, half of what a double
 /// takes. Null for what is not finite.
 OrderedJson eight_digits(double value);

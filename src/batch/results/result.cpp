@@ -1,5 +1,7 @@
 #include "batch/results/result.hpp"
 
+#include "base/json_text.hpp"
+
 namespace conddp {
 
 std::string result_line(const ItemResult& result) {
@@ -10,7 +12,7 @@ std::string result_line(const ItemResult& result) {
                             {"solution", {result.solution_offset, result.solution_bytes}},
                             {"answer", result.answer},
                             {"times", result.times}};
-  return json.dump(-1, ' ', false, OrderedJson::error_handler_t::replace);
+  return compact_json(json);
 }
 
 ItemResult parse_result(std::string_view line) {

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "base/json_text.hpp"
 #include "output/report/certificate_report.hpp"
 #include "output/report/solution_certificate.hpp"
 #include "output/solution/solution_json.hpp"
@@ -80,7 +81,7 @@ SolvedItem solve_item(const ManifestItem& item, const ManifestProblem& problem,
                  {}};
   if (keep == KeptSolutions::kAll || (keep == KeptSolutions::kConverged && out.result.success)) {
     add_certificate(certificate_json(certificate), document);
-    out.solution = document.dump(-1, ' ', false, OrderedJson::error_handler_t::replace) + '\n';
+    out.solution = compact_json(document) + '\n';
   }
   out.result.times = {{"build", built}, {"solve", solved - built}, {"all", seconds()}};
   return out;
