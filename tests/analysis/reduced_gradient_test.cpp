@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "analysis/certificate/gains_check.hpp"
+#include "analysis/certificate/node_hessians.hpp"
 #include "analysis/certificate/solution_claims.hpp"
 #include "support/small_problems.hpp"
 
@@ -35,7 +36,8 @@ TEST(RiccatiPolicy, TheExpectedDecreaseOfAQuadraticCostIsItsDecrease) {
   for (const double u : {0.0, 0.2, 2.0}) {
     const Trajectory trajectory = simulated(problem, u);
     const auto derivatives = derivatives_of(problem, trajectory);
-    const RiccatiPolicy policy = riccati_policy(problem, trajectory, derivatives);
+    const RiccatiPolicy policy = riccati_policy(problem, trajectory, derivatives,
+                                                gauss_newton_hessians(problem, trajectory));
     EXPECT_NEAR(policy.K[0](0, 0), -0.5, 1e-15);
     const AdjointPass pass = adjoint_pass(problem, derivatives, {}, policy.K);
     EXPECT_NEAR(pass.control[0][0], 2 * u - 1, 1e-15);
@@ -69,8 +71,9 @@ TEST(GainsCheck, ABoundThatDoesNotPushMayHoldOrNot) {
   claims.gain_regularization = 0;
   const auto feedback_holds = [&](double gain) {
     claims.gains[0].setConstant(gain);
-    const auto checks = check_gains(problem, claims, derivatives_of(problem, claims.trajectory),
-                                    Eigen::MatrixXd::Zero(1, 1));
+    const auto checks =
+        check_gains(problem, claims, derivatives_of(problem, claims.trajectory),
+                    gauss_newton_hessians(problem, claims.trajectory), Eigen::MatrixXd::Zero(1, 1));
     EXPECT_EQ(checks.size(), 2u);
     return checks.at(0).holds;
   };

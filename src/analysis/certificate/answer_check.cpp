@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "analysis/certificate/node_hessians.hpp"
 #include "analysis/certificate/reduced_gradient.hpp"
 #include "ocp/evaluation/evaluator.hpp"
 #include "ocp/problem/by_name.hpp"
@@ -52,7 +53,9 @@ AnswerCheck check_answer(const ShootingProblem& problem, const Trajectory& traje
     check.constraint = std::max(check.constraint, violation.value);
   if (!multipliers_known) return check;
   const auto derivatives = node_derivatives(problem, trajectory, linearization.gap);
-  const RiccatiPolicy policy = riccati_policy(problem, trajectory, derivatives, bound_tolerance);
+  const RiccatiPolicy policy =
+      riccati_policy(problem, trajectory, derivatives, gauss_newton_hessians(problem, trajectory),
+                     bound_tolerance);
   const ProjectedGradient gradient =
       project(problem, trajectory,
               adjoint_pass(problem, derivatives, constraint_multipliers, policy.K).control,

@@ -11,6 +11,7 @@
 #include "analysis/certificate/gains_check.hpp"
 #include "analysis/certificate/infeasibility.hpp"
 #include "analysis/certificate/lagrangian_gradient.hpp"
+#include "analysis/certificate/node_hessians.hpp"
 #include "analysis/certificate/place_text.hpp"
 #include "analysis/certificate/reduced_gradient.hpp"
 #include "ocp/problem/node_evaluation.hpp"
@@ -274,13 +275,16 @@ class Judge {
                : place_text(problem_, stationarity.knot,
                             control_name(problem_, stationarity.knot, stationarity.entry)));
     check_costates(found);
-    measure_optimality();
-    for (Check& check : check_gains(problem_, claims_, derivatives_, gaps_)) add(std::move(check));
+    const auto hessians = gauss_newton_hessians(problem_, claims_.trajectory);
+    measure_optimality(hessians);
+    for (Check& check : check_gains(problem_, claims_, derivatives_, hessians, gaps_))
+      add(std::move(check));
   }
 
   /// Stationarity without the answer's co-states and gains.
-  void measure_optimality() {
-    const RiccatiPolicy policy = riccati_policy(problem_, claims_.trajectory, derivatives_);
+  void measure_optimality(const std::vector<Eigen::MatrixXd>& hessians) {
+    const RiccatiPolicy policy =
+        riccati_policy(problem_, claims_.trajectory, derivatives_, hessians);
     const auto pass = [&](const std::vector<Eigen::MatrixXd>& gains) {
       return adjoint_pass(problem_, derivatives_, claims_.multipliers, gains);
     };

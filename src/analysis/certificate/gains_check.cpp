@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 
 #include "analysis/certificate/feasibility.hpp"
+#include "analysis/certificate/node_hessians.hpp"
 #include "analysis/certificate/place_text.hpp"
-#include "ocp/evaluation/evaluator.hpp"
 
 namespace conddp {
 namespace {
@@ -45,12 +45,12 @@ std::vector<bool> held_controls(const ShootingProblem& problem, const SolutionCl
 
 Deviation compare(const ShootingProblem& problem, const SolutionClaims& claims,
                   const std::vector<NodeDerivatives>& derivatives, const MatrixXd& gap,
-                  const Linearization& model) {
+                  const std::vector<MatrixXd>& hessians) {
   const int N = problem.knots(), ndx = problem.ndx();
   // A proximal term is a cost of the model; the other kind is in the gains alone.
   const bool in_model = claims.gain_regularization_kind == RegularizationKind::proximal;
   const double model_weight = in_model ? claims.gain_regularization : 0;
-  MatrixXd V = model.knots[N].hessian();
+  MatrixXd V = hessians[N];
   V.diagonal().array() += model_weight;
   VectorXd v = derivatives[N].cost;
   // What rounding may have made of V and v, carried along the policy as they are.
@@ -65,7 +65,7 @@ Deviation compare(const ShootingProblem& problem, const SolutionClaims& claims,
     const auto J_u = J.rightCols(nu);
     const MatrixXd closed_loop = J.leftCols(ndx) + J_u * K;
     const VectorXd move = gap.col(k) + J_u * d;
-    MatrixXd Q = model.knots[k].hessian() + J.transpose() * V * J;
+    MatrixXd Q = hessians[k] + J.transpose() * V * J;
     Q.diagonal().array() += model_weight;
     const VectorXd q = derivatives[k].cost + J.transpose() * (v + V * gap.col(k));
     const auto Qux = Q.bottomLeftCorner(nu, ndx);
@@ -76,8 +76,7 @@ Deviation compare(const ShootingProblem& problem, const SolutionClaims& claims,
     const VectorXd step_left = Quu * d + q.tail(nu);
 
     const MatrixXd J_size = J.cwiseAbs(), V_size = V.cwiseAbs();
-    const MatrixXd Q_size =
-        J_size.transpose() * V_size * J_size + model.knots[k].hessian().cwiseAbs();
+    const MatrixXd Q_size = J_size.transpose() * V_size * J_size + hessians[k].cwiseAbs();
     const VectorXd q_size = derivatives[k].cost.cwiseAbs() +
                             J_size.transpose() * (v.cwiseAbs() + V_size * gap.col(k).cwiseAbs());
     const MatrixXd carried = V_error * closed_loop;
@@ -137,19 +136,15 @@ Check check_of(const char* name, const ShootingProblem& problem, const Worst& wo
 
 std::vector<Check> check_gains(const ShootingProblem& problem, const SolutionClaims& claims,
                                const std::vector<NodeDerivatives>& derivatives,
-                               const MatrixXd& gap) {
+                               const std::vector<MatrixXd>& hessians, const MatrixXd& gap) {
   if (!problem.constraints().empty() || !std::isfinite(claims.gain_regularization)) return {};
   if (claims.gain_regularization_kind == RegularizationKind::state &&
       claims.gain_regularization > 0)
     return {};
-  Evaluator evaluator(problem);
-  Linearization model(problem);
-  evaluator.differentiate(claims.trajectory, model);
-  Deviation found = compare(problem, claims, derivatives, gap, model);
+  Deviation found = compare(problem, claims, derivatives, gap, hessians);
   if (!(found.feedback.value <= 1)) {
-    evaluator.reserve_lagrangian_hessian();
-    evaluator.lagrangian_hessian(claims.trajectory, claims.costates, model);
-    const Deviation exact = compare(problem, claims, derivatives, gap, model);
+    const Deviation exact = compare(problem, claims, derivatives, gap,
+                                    exact_hessians(problem, claims.trajectory, claims.costates));
     if (!(exact.feedback.value > found.feedback.value)) found = exact;
   }
   return {check_of("feedback", problem, found.feedback),

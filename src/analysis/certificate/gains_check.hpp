@@ -13,9 +13,10 @@ namespace conddp {
 /// of the certificate's own is compared knot by knot. Controls with a row of zeros in K are held,
 /// as they may be where u + k is at a bound. None where the sweep depends on what the answer does
 /// not state: penalties or active rows of constraints, or a regularisation of the states.
-/// `derivatives` and `gap` (ndx x N) are those at the trajectory.
+/// `derivatives`, Gauss-Newton `hessians` and `gap` (ndx x N) are those at the trajectory.
 std::vector<Check> check_gains(const ShootingProblem& problem, const SolutionClaims& claims,
                                const std::vector<NodeDerivatives>& derivatives,
+                               const std::vector<Eigen::MatrixXd>& hessians,
                                const Eigen::MatrixXd& gap);
 
 }  // namespace conddp

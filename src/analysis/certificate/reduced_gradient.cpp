@@ -8,8 +8,6 @@
 
 #include <Eigen/Cholesky>
 
-#include "ocp/evaluation/evaluator.hpp"
-
 namespace conddp {
 namespace {
 
@@ -116,21 +114,18 @@ double RiccatiPolicy::decrease(const std::vector<VectorXd>& gradient) const {
 
 RiccatiPolicy riccati_policy(const ShootingProblem& problem, const Trajectory& trajectory,
                              const std::vector<NodeDerivatives>& derivatives,
-                             double bound_tolerance) {
-  Evaluator evaluator(problem);
-  Linearization model(problem);
-  evaluator.differentiate(trajectory, model);
+                             const std::vector<MatrixXd>& hessians, double bound_tolerance) {
   const int N = problem.knots();
   RiccatiPolicy policy{std::vector<MatrixXd>(N), std::vector<MatrixXd>(N)};
-  MatrixXd value = model.knots[N].hessian();
+  MatrixXd value = hessians[N];
   for (int k = N - 1; k >= 0; --k) {
     std::vector<int> free;
     for (int i = 0; i < problem.nu(k); ++i) {
       const ControlAtBounds control(*problem.knot(k).model, i, trajectory.u(k)[i], bound_tolerance);
       if (!control.lower && !control.upper) free.push_back(i);
     }
-    riccati_step(model.knots[k].hessian(), derivatives[k].step, free, value, policy.K[k],
-                 policy.inverse[k], policy.convex);
+    riccati_step(hessians[k], derivatives[k].step, free, value, policy.K[k], policy.inverse[k],
+                 policy.convex);
   }
   return policy;
 }

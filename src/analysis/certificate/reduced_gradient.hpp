@@ -48,10 +48,11 @@ struct RiccatiPolicy {
   double decrease(const std::vector<Eigen::VectorXd>& gradient) const;
 };
 
-/// δu = K δx minimises the Gauss-Newton model of the costs over the controls that stand at no
-/// bound, along the linear dynamics; the rows of the others are zero.
+/// With the Gauss-Newton `hessians`: δu = K δx minimises the model of the costs over the controls
+/// that stand at no bound, along the linear dynamics; the rows of the others are zero.
 RiccatiPolicy riccati_policy(const ShootingProblem& problem, const Trajectory& trajectory,
                              const std::vector<NodeDerivatives>& derivatives,
+                             const std::vector<Eigen::MatrixXd>& hessians,
                              double bound_tolerance = kBoundRounding);
 
 /// A gradient in the controls, with multipliers of their bounds: where a control stands at one that

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "ocp/problem/problem.hpp"
+
+namespace conddp {
+
+/// The Gauss-Newton Hessians (nz x nz) of all nodes at a trajectory, without terms of multipliers.
+std::vector<Eigen::MatrixXd> gauss_newton_hessians(const ShootingProblem& problem,
+                                                   const Trajectory& trajectory);
+
+/// The exact Hessians of cost + λᵀf with these co-states (ndx x (N + 1)).
+std::vector<Eigen::MatrixXd> exact_hessians(const ShootingProblem& problem,
+                                            const Trajectory& trajectory,
+                                            const Eigen::MatrixXd& costates);
+
+}  // namespace conddp
