@@ -17,6 +17,7 @@
 #include "conddp_version.hpp"
 #include "help/help_text.hpp"
 #include "terminal/exit_codes.hpp"
+#include "terminal/heap.hpp"
 #include "terminal/messages.hpp"
 #include "terminal/streams.hpp"
 #include "terminal/terminal.hpp"
@@ -86,12 +87,15 @@ void report_usage(const Command& tool, const CommandWords& words, std::string me
 }
 
 int run(int argc, char** argv) {
-  if (argc == 3 && argv[1] == kBatchWorker) return batch_worker(argv[2]);
+  if (argc == 3 && argv[1] == kBatchWorker) {
+    prepare_heap();
+    return batch_worker(argv[2]);
+  }
   Command tool;
   declare(tool);
   const CommandWords words = read_words(tool, {argv + std::min(argc, 1), argv + argc});
   if (words.value_of(kDiagnostics) == "json") set_message_format(MessageFormat::kJson);
-  ParseEnd end = parse(tool, argc, argv);
+  ParseEnd end = parse(tool, *words.command, argc, argv);
   switch (end.kind) {
     case ParseEnd::Kind::kHelp:
       print_result(help_text(*words.command, terminal_of(1).width));
@@ -105,6 +109,7 @@ int run(int argc, char** argv) {
     case ParseEnd::Kind::kCommand:
       break;
   }
+  prepare_heap();
   return words.command->run();
 }
 

@@ -82,11 +82,13 @@ std::string clause(std::string text) {
 
 }  // namespace
 
-ParseEnd parse(const Command& tool, int argc, const char* const* argv) {
+ParseEnd parse(const Command& tool, const Command& named, int argc, const char* const* argv) {
   CLI::App app(tool.description, tool.name);
   add_all(app, tool);
-  for (const Command& command : tool.commands)
-    add_all(*app.add_subcommand(command.short_name()), command);
+  for (const Command& command : tool.commands) {
+    CLI::App* const subcommand = app.add_subcommand(command.short_name());
+    if (&command == &named) add_all(*subcommand, command);
+  }
   app.require_subcommand(1);
   try {
     app.parse(argc, argv);

@@ -15,6 +15,7 @@ struct ParseEnd {
 
 /// Reads a command line (argv[0] is the program) into the variables of the arguments of `tool` and
 /// of the subcommand that it names; variables of options that are not given keep their values.
-ParseEnd parse(const Command& tool, int argc, const char* const* argv);
+/// `named` is that subcommand by CommandWords, or the tool: options of others are not declared.
+ParseEnd parse(const Command& tool, const Command& named, int argc, const char* const* argv);
 
 }  // namespace conddp
