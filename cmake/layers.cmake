@@ -12,7 +12,7 @@ set(CONDDP_solvers_FOLDERS
 set(CONDDP_analysis_FOLDERS certificate contact findings comparison)
 set(CONDDP_problem_file_FOLDERS yaml spec data plant values residuals read build expand)
 set(CONDDP_output_FOLDERS solution report bench)
-set(CONDDP_batch_FOLDERS plan results run)
+set(CONDDP_batch_FOLDERS plan results run cluster)
 
 # The folders of the tool, apps/conddp, lowest first, with the same rule: the process and its streams,
 # what stands on a command line, what the tool says about itself and about problems and answers, and the

@@ -4,7 +4,9 @@
 #include <set>
 
 #include "analysis/comparison/random_instance.hpp"
+#include "batch/plan/neighbours.hpp"
 #include "batch/plan/problem_family.hpp"
+#include "batch/run/run_batch.hpp"
 #include "batch_folder.hpp"
 
 namespace conddp {
@@ -272,6 +274,81 @@ TEST(BatchPlan, SettingsOfTheRobotLoadItAgain) {
     return family->build({*parse_setting(text, own)}, own)->built.plant.system;
   };
   EXPECT_EQ(system_of("costs.effort.weight=2"), system_of("phases.only.knots=5"));
+}
+
+/// The number of each item's parent, counted from 1; 0 where it has none.
+std::vector<int> parents(const Manifest& manifest) {
+  std::vector<int> list;
+  for (const ManifestItem& item : manifest.items) {
+    int parent = 0;
+    for (std::size_t i = 0; i < manifest.items.size(); ++i)
+      if (manifest.items[i].id == item.parent) parent = static_cast<int>(i) + 1;
+    list.push_back(parent);
+  }
+  return list;
+}
+
+TEST(Neighbours, ParentsAreTheNearestItemsBeforeRelativeToTheRangesOfTheirValues) {
+  const PlannedBatch batch(R"(vary:
+  w: {key: costs.effort.weight, values: [1, 2, 5, 3.4]}
+  theta: {key: initial_state.values.theta, values: [0.1, 0.5, 0.22]}
+warm_start: neighbour
+)");
+  ASSERT_TRUE(batch.manifest) << batch.error();
+  // In units of the ranges, 4 and .4: (0, 0), (0, 1), (0, .3), (.25, 0), ...
+  EXPECT_EQ(parents(*batch.manifest), (std::vector<int>{0, 1, 1, 1, 2, 3, 4, 5, 7, 4, 5, 10}));
+}
+
+TEST(Neighbours, ItemsOfOneBlockHaveOneSolverAndAtMost32Rows) {
+  const PlannedBatch batch(R"(vary:
+  w: {key: costs.effort.weight, linspace: [1, 2, 70]}
+solvers: [ilqr, ddp]
+warm_start: neighbour
+)");
+  ASSERT_TRUE(batch.manifest) << batch.error();
+  const Manifest& manifest = *batch.manifest;
+  const std::vector<int> parent = parents(manifest);
+  for (int i = 0; i < 140; ++i) {
+    const int row = i / 2;
+    EXPECT_EQ(parent[i], row % 32 == 0 ? 0 : i - 2 + 1) << i;
+    EXPECT_EQ(block_of(manifest, i), 2u * (row / 32) + i % 2) << i;
+  }
+  std::vector<int> seen(140);
+  for (int shard = 0; shard < 4; ++shard) {
+    std::size_t before = 0;
+    for (const std::size_t item : items_of_shard(manifest, {shard, 4})) {
+      ++seen[item];
+      EXPECT_EQ(block_of(manifest, item) % 4, static_cast<std::size_t>(shard));
+      EXPECT_GE(block_of(manifest, item), before);
+      before = block_of(manifest, item);
+    }
+  }
+  EXPECT_EQ(seen, std::vector<int>(140, 1));
+}
+
+TEST(Neighbours, ValuesThatAreNoNumbersAreTheSameOrOneApart) {
+  const PlannedBatch batch(R"(vary:
+  name: {key: integrator, values: [rk4, rk3]}
+  w: {key: costs.effort.weight, values: [1, 1.4, 2]}
+warm_start: neighbour
+)");
+  ASSERT_TRUE(batch.manifest) << batch.error();
+  EXPECT_EQ(parents(*batch.manifest), (std::vector<int>{0, 1, 2, 1, 4, 5}));
+}
+
+TEST(Neighbours, WithoutWarmStartsEveryItemIsABlock) {
+  const PlannedBatch batch("vary: {w: {key: costs.effort.weight, values: [1, 2, 3]}}\n");
+  ASSERT_TRUE(batch.manifest) << batch.error();
+  EXPECT_EQ(parents(*batch.manifest), (std::vector<int>{0, 0, 0}));
+  EXPECT_EQ(items_of_shard(*batch.manifest, {1, 2}), std::vector<std::size_t>{1});
+}
+
+TEST(BatchPlan, MayLetAllItemsStartFromAFile) {
+  PlannedBatch missing("warm_start: nowhere.json\n");
+  EXPECT_FALSE(missing.manifest);
+  EXPECT_NE(missing.error().find("'nowhere.json' is no warm start, and there is no such file"),
+            std::string::npos)
+      << missing.error();
 }
 
 }  // namespace

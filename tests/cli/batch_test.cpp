@@ -186,6 +186,118 @@ TEST_F(Batch, ABudgetStopsItBeforeTheEnd) {
   EXPECT_EQ(run(folder).exit_code, 0);
 }
 
+TEST_F(Batch, AShardTakesItsIndexFromTheArrayOfJobsThatItBelongsTo) {
+  const std::string expected = this->expected();
+  const std::string folder = folder_.path() / "array";
+  ASSERT_EQ(run_conddp({"batch", "plan", plan(), "-o", folder, "--shards", "3"}).exit_code, 0);
+  for (const char* index : {"JOB_COMPLETION_INDEX=2", "PBS_ARRAY_INDEX=0"})
+    EXPECT_EQ(run(folder, {"--shard", "auto"}, {.environment = {index}}).exit_code, 0) << index;
+  EXPECT_EQ(
+      run(folder, {"--shard", "auto/3"}, {.environment = {"SLURM_ARRAY_TASK_ID=1"}}).exit_code, 0);
+  EXPECT_EQ(collected(folder), expected);
+  for (const char* shard : {"1of3", "2of3", "3of3"})
+    EXPECT_FALSE(read_file(folder + "/shards/" + shard + ".jsonl").empty()) << shard;
+}
+
+TEST_F(Batch, AShardWithoutAnIndexOrBeyondTheLastIsAnError) {
+  const std::string folder = planned("array");
+  const ProcessResult none = run(folder, {"--shard", "auto/3"});
+  EXPECT_EQ(none.exit_code, 2);
+  EXPECT_NE(none.err.find("belongs to no array of jobs"), std::string::npos) << none.err;
+  const ProcessResult beyond =
+      run(folder, {"--shard", "auto/3"}, {.environment = {"AWS_BATCH_JOB_ARRAY_INDEX=3"}});
+  EXPECT_EQ(beyond.exit_code, 2);
+  EXPECT_NE(beyond.err.find("AWS_BATCH_JOB_ARRAY_INDEX is 3, and there are 3 shards"),
+            std::string::npos)
+      << beyond.err;
+  for (const char* shard : {"4/3", "auto/0", "auto/", "/3", "1/2/3", "auto3"})
+    EXPECT_EQ(run(folder, {"--shard", shard}).exit_code, 2) << shard;
+}
+
+/// Without the programs of Slurm, whatever this machine has.
+const ProcessOptions kWithoutCluster = {.environment = {"PATH=/nowhere"}};
+
+TEST_F(Batch, ADryRunPrintsAnArrayWhoseSizeFollowsFromTheTimesOfAPilot) {
+  const std::string folder = planned("cluster");
+  const ProcessResult unknown =
+      run_conddp({"batch", "submit", folder, "--dry-run"}, kWithoutCluster);
+  EXPECT_EQ(unknown.exit_code, 2);
+  EXPECT_NE(unknown.err.find("how long an item takes is not known yet"), std::string::npos)
+      << unknown.err;
+  EXPECT_EQ(run_conddp({"batch", "plan", plan(), "-o", folder, "--pilot", "2"}).exit_code, 0);
+  const ProcessResult r =
+      run_conddp({"batch", "submit", folder, "--dry-run", "-j", "3"}, kWithoutCluster);
+  EXPECT_EQ(r.exit_code, 0) << r.err;
+  EXPECT_NE(r.out.find("#SBATCH --array=0-0\n"), std::string::npos) << r.out;
+  EXPECT_NE(r.out.find("--shard auto/1 -j 3\n"), std::string::npos) << r.out;
+  EXPECT_NE(r.out.find("#SBATCH --time=0:10:00\n"), std::string::npos) << r.out;
+  EXPECT_NE(r.out.find("--dependency=afterany:ARRAY"), std::string::npos) << r.out;
+  EXPECT_FALSE(std::filesystem::exists(folder + "/slurm"));
+}
+
+TEST_F(Batch, SubmittingWithoutAClusterIsAnError) {
+  const ProcessResult r =
+      run_conddp({"batch", "submit", planned("cluster"), "--shards", "2"}, kWithoutCluster);
+  EXPECT_EQ(r.exit_code, 2);
+  EXPECT_NE(r.err.find("there is no Slurm cluster here"), std::string::npos) << r.err;
+}
+
+TEST_F(Batch, WarmStartsFromNeighboursDependOnThePlanAlone) {
+  const std::string rest = R"(vary:
+  goal: {key: terminal.costs.goal.reference.values.theta, linspace: [0.5, 2.5, 40]}
+  start: {perturb: initial_state, spread: 0.2, count: 2}
+warm_start: neighbour
+)";
+  const std::string undisturbed = planned("undisturbed", rest);
+  EXPECT_EQ(run(undisturbed, {"-j", "1"}).exit_code, 0);
+  const std::string expected = collected(undisturbed);
+  EXPECT_GT(std::count(expected.begin(), expected.end(), '\n'), 80);
+  EXPECT_NE(expected.find(",warm,"), std::string::npos) << expected.substr(0, 500);
+  int number = 0;
+  for (const int shards : {1, 3})
+    for (const int kill_after_us : {60'000, 120'000}) {
+      const std::string folder = planned("run" + std::to_string(++number), rest);
+      for (int i = shards; i >= 1; --i) {
+        const Words words = {"-j", "2", "--shard",
+                             std::to_string(i) + "/" + std::to_string(shards)};
+        run(folder, words, {.kill_after_us = kill_after_us});
+        EXPECT_EQ(run(folder, words).exit_code, 0);
+      }
+      EXPECT_EQ(collected(folder), expected) << shards << " " << kill_after_us;
+    }
+}
+
+TEST_F(Batch, AnItemWhoseParentFailedStartsFromItsOwnGuess) {
+  const std::string rest = R"(vary:
+  goal: {key: terminal.costs.goal.reference.values.theta, linspace: [0.5, 2.5, 5]}
+warm_start: neighbour
+)";
+  const std::string folder = planned("failed", rest);
+  const std::string variable = "CONDDP_BATCH_FAULT=crash:" + ids(folder)[2];
+  EXPECT_EQ(run(folder, {}, {.environment = {variable}}).exit_code, 1);
+  std::istringstream rows(collected(folder));
+  std::string row, starts;
+  std::getline(rows, row);
+  while (std::getline(rows, row))
+    starts += row.find(",warm,") != row.npos ? 'w' : row.find(",own,") != row.npos ? 'o' : '-';
+  EXPECT_EQ(starts, "ow-ow");
+}
+
+TEST_F(Batch, AllItemsMayStartFromOneSolution) {
+  const std::string solution = folder_.path() / "former";
+  ASSERT_EQ(run_conddp({"solve", folder_.path() / "swing.yaml", "-o", solution}).exit_code, 0);
+  const std::string folder = planned("from_file",
+                                     "vary: {w: {key: costs.effort.weight, values: [0.5, 0.6]}}\n"
+                                     "warm_start: former/solution.json\n");
+  EXPECT_EQ(run(folder).exit_code, 0);
+  const std::string cold =
+      planned("cold", "vary: {w: {key: costs.effort.weight, values: [0.5, 0.6]}}\n");
+  EXPECT_EQ(run(cold).exit_code, 0);
+  // The first one has its answer already.
+  EXPECT_NE(collected(folder), collected(cold));
+  EXPECT_NE(collected(folder).find(",box_ddp,converged,1,"), std::string::npos);
+}
+
 TEST_F(Batch, APilotSolvesAFewAndEstimatesTheRest) {
   const std::string folder = folder_.path() / "pilot";
   const ProcessResult r = run_conddp({"batch", "plan", plan(), "-o", folder, "--pilot", "3"});

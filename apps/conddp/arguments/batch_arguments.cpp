@@ -16,18 +16,28 @@ ArgumentCheck parsed_by(Parse parse, const std::string& expected) {
   };
 }
 
+constexpr const char* kAutoShard = "auto";
+
+std::optional<int> positive_number(const std::string& text) {
+  int number = 0;
+  const char* end = text.data() + text.size();
+  const auto parsed = std::from_chars(text.data(), end, number);
+  if (parsed.ec != std::errc() || parsed.ptr != end || number < 1) return std::nullopt;
+  return number;
+}
+
 }  // namespace
 
-std::optional<Shard> parse_shard(const std::string& text) {
-  const char* end = text.data() + text.size();
-  Shard shard;
-  const auto first = std::from_chars(text.data(), end, shard.index);
-  if (first.ec != std::errc() || first.ptr == end || *first.ptr != '/') return std::nullopt;
-  const auto second = std::from_chars(first.ptr + 1, end, shard.count);
-  if (second.ec != std::errc() || second.ptr != end) return std::nullopt;
-  if (shard.index < 1 || shard.index > shard.count) return std::nullopt;
-  --shard.index;
-  return shard;
+std::optional<ShardWords> parse_shard(const std::string& text) {
+  if (text == kAutoShard) return ShardWords();
+  const std::size_t slash = text.find('/');
+  if (slash == std::string::npos) return std::nullopt;
+  const std::string first = text.substr(0, slash);
+  const auto index = positive_number(first), count = positive_number(text.substr(slash + 1));
+  if (!count) return std::nullopt;
+  if (first == kAutoShard) return ShardWords{.count = count};
+  if (!index || *index > *count) return std::nullopt;
+  return ShardWords{*index - 1, count};
 }
 
 std::optional<double> parse_duration(std::string text) {
@@ -58,6 +68,7 @@ const char* const kBatchDetails =
     "collect RUN      writes results.csv, times.csv and dataset.h5\n"
     "retry RUN failed|timeout   solves again what was not solved\n"
     "show RUN ID      writes the problem and the solution of one item\n"
+    "submit RUN       hands the run to a Slurm cluster, an element of an array for each shard\n"
     "Every worker is a process of its own; ending one, or all, loses no more than the items "
     "under way. Exit status 0: all items are solved; 1: some are not, or have no result yet.";
 
@@ -65,7 +76,7 @@ std::vector<Argument> batch_arguments(BatchArguments& arguments) {
   return {{.names = {"ACTION"},
            .value = "ACTION",
            .description = "What to do",
-           .choices = {"plan", "run", "status", "collect", "retry", "show"},
+           .choices = {"plan", "run", "status", "collect", "retry", "show", "submit"},
            .required = true,
            .target = &arguments.action},
           {.names = {"PATH"},
@@ -100,16 +111,32 @@ std::vector<Argument> batch_arguments(BatchArguments& arguments) {
            .target = &arguments.pilot},
           {.names = {"--shard"},
            .value = "I/N",
-           .description = "run: solve one share of the items, such as 2/7",
-           .check = parsed_by(parse_shard, "a share such as 2/7"),
+           .description = "run: solve one share of the items, such as 2/7; auto/7 or auto takes "
+                          "I from the array of jobs to which this process belongs",
+           .check = parsed_by(parse_shard, "a share such as 2/7, auto/7 or auto"),
            .target = &arguments.shard},
           {.names = {"--budget"},
            .value = "TIME",
            .description = "run: begin no item after this time: 90s, 55m, 2h",
            .check = parsed_by(parse_duration, "a time such as 90s, 55m or 2h"),
            .target = &arguments.budget},
+          {.names = {"--shards"},
+           .value = "N",
+           .description = "plan: the N of --shard auto; submit: elements of the array",
+           .numbers = WholeNumbers{1, 1000000},
+           .target = &arguments.shards},
+          {.names = {"--partition"},
+           .value = "NAME",
+           .description = "submit: partition of the cluster",
+           .target = &arguments.partition},
+          {.names = {"--time"},
+           .value = "TIME",
+           .description = "submit: time limit of an element",
+           .check = parsed_by(parse_duration, "a time such as 90s, 55m or 2h"),
+           .target = &arguments.time},
+          flag({"--dry-run"}, arguments.dry_run, "submit: print what would be submitted"),
           flag({"--any-build"}, arguments.any_build,
-               "run: go on where another build of conddp made the plan")};
+               "run, submit: go on where another build of conddp made the plan")};
 }
 
 }  // namespace conddp

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "arguments/command.hpp"
-#include "batch/results/shard_file.hpp"
 
 namespace conddp {
 
@@ -19,7 +18,9 @@ struct BatchArguments {
   int group = 8;
   int pilot = 0;
   std::string shard, budget;
-  bool any_build = false;
+  int shards = 0;  ///< plan, submit: into how many a run is divided; 0: not said
+  std::string partition, time;
+  bool any_build = false, dry_run = false;
 };
 
 /// Which items 'retry' takes.
@@ -33,8 +34,14 @@ std::vector<Argument> batch_arguments(BatchArguments& arguments);
 /// What the words of the command line lack or have too much of; empty if they fit the action.
 std::string misuse(const BatchArguments& arguments);
 
-/// "2/7"; nothing where it is no share.
-std::optional<Shard> parse_shard(const std::string& text);
+/// A share as the command line names it: "2/7", or with the index that the environment of an array
+/// of jobs has, "auto/7" or "auto".
+struct ShardWords {
+  std::optional<int> index;  ///< from 0; absent: that of the environment
+  std::optional<int> count;  ///< absent: as many as the plan says
+};
+/// Nothing where it is no share.
+std::optional<ShardWords> parse_shard(const std::string& text);
 
 /// "90", "90s", "55m", "2h" in seconds; nothing where it is no time.
 std::optional<double> parse_duration(std::string text);

@@ -11,12 +11,14 @@
 #include "base/atomic_file.hpp"
 #include "base/json_text.hpp"
 #include "base/relative_paths.hpp"
+#include "batch/cluster/array_index.hpp"
 #include "batch/plan/expand_plan.hpp"
 #include "batch/plan/run_folder.hpp"
 #include "batch/results/collect.hpp"
 #include "batch/results/dataset.hpp"
 #include "batch/run/run_batch.hpp"
 #include "batch/run/worker.hpp"
+#include "commands/batch_submit.hpp"
 #include "commands/batch_worker.hpp"
 #include "commands/commands.hpp"
 #include "problem_file/build/build_problem.hpp"
@@ -101,11 +103,32 @@ BatchProgress run_items(const fs::path& run, const Manifest& manifest, BatchOpti
   return run_batch(run, manifest, options);
 }
 
+/// The share of --shard; reports where the environment or the plan does not say it.
+std::optional<Shard> shard_of(const BatchArguments& arguments, const Manifest& manifest,
+                              Diagnostics& out) {
+  if (arguments.shard.empty()) return Shard();
+  const ShardWords words = *parse_shard(arguments.shard);
+  Shard shard{words.index.value_or(0), words.count.value_or(manifest.shards)};
+  if (words.index) return shard;
+  const auto array = array_index();
+  if (!array) {
+    out.error({}, "this process belongs to no array of jobs, so that --shard auto has no index",
+              "the variables looked for are " + array_index_variables());
+    return std::nullopt;
+  }
+  shard.index = array->index;
+  if (shard.index < shard.count) return shard;
+  out.error({},
+            fmt::format("{} is {}, and there are {} shards, counted from 0", array->variable,
+                        shard.index, shard.count),
+            "say how many there are: --shard auto/N, or --shards N when the plan is made");
+  return std::nullopt;
+}
+
 BatchOptions options_of(const BatchArguments& arguments) {
   BatchOptions options{.workers = arguments.jobs, .group = arguments.group};
   if (options.workers == 0)
     options.workers = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  if (!arguments.shard.empty()) options.shard = *parse_shard(arguments.shard);
   if (!arguments.budget.empty()) options.budget_s = *parse_duration(arguments.budget);
   return options;
 }
@@ -153,6 +176,7 @@ std::optional<Manifest> make_plan(const BatchArguments& arguments, fs::path& run
   run = arguments.folder.empty() ? fs::path("out") / plan->name.value : fs::path(arguments.folder);
   auto manifest = expand_plan(*plan, run, out);
   if (!manifest) return std::nullopt;
+  if (arguments.shards > 0) manifest->shards = arguments.shards;
   write_run_folder(*plan, *manifest, run, out);
   if (out.has_errors()) return std::nullopt;
   return manifest;
@@ -193,8 +217,12 @@ int run_plan_or_folder(const BatchArguments& arguments) {
       is_folder ? load_manifest(run, true, diagnostics) : make_plan(arguments, run, diagnostics);
   if (!manifest || !fits_run_folder(*manifest, run, arguments.any_build, diagnostics))
     return give_up(diagnostics);
+  const auto shard = shard_of(arguments, *manifest, diagnostics);
+  if (!shard) return give_up(diagnostics);
   print_messages(diagnostics, Verbosity::kNormal);
-  const BatchProgress progress = run_items(run, *manifest, options_of(arguments));
+  BatchOptions options = options_of(arguments);
+  options.shard = *shard;
+  const BatchProgress progress = run_items(run, *manifest, options);
   if (!is_folder) write_tables(run, *manifest);
   print_result(summary(progress));
   return exit_code(progress);
@@ -303,6 +331,7 @@ int batch(const BatchArguments& arguments) {
   if (arguments.action == "status") return show_status(arguments);
   if (arguments.action == "retry") return retry_items(arguments);
   if (arguments.action == "show") return show_item(arguments);
+  if (arguments.action == "submit") return submit_batch(arguments);
   return collect_results(arguments);
 }
 

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "base/yaml_node.hpp"
+#include "problem_file/yaml/yaml_node.hpp"
 
 namespace conddp {
 

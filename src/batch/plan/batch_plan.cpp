@@ -22,6 +22,7 @@ constexpr long long kUncounted = 1'000'000'000'000'000;
 constexpr Choice<KeptSolutions> kKeptWords[] = {{"all", KeptSolutions::kAll},
                                                 {"converged", KeptSolutions::kConverged},
                                                 {"none", KeptSolutions::kNone}};
+constexpr const char *kOwnStart = "none", *kNeighbourStart = "neighbour";
 constexpr NumberRange kTimeLimit{1e-3, 1e9, false, false, "a number from 0.001 to 1e9"};
 
 /// The files that a pattern with `*` in its last part means, in the order of their bytes.
@@ -59,6 +60,7 @@ class PlanReader {
       if (const auto solutions = keep.find("solutions"))
         plan_.keep = solutions->choice(kKeptWords, "answer").value_or(plan_.keep);
     }
+    if (const auto r = map_.find("warm_start")) read_warm_start(*r);
     map_.finish();
     if (!out_.has_errors()) check_columns();
     if (!out_.has_errors() && plan_.items() > kMostItems)
@@ -151,6 +153,23 @@ class PlanReader {
       }
     limits.integer("max_memory_mb", plan_.limits.max_memory_mb, 100, 100'000'000);
     limits.integer("retries", plan_.limits.retries, 0, 10);
+  }
+
+  void read_warm_start(const YamlReader& reader) {
+    const auto word = reader.text();
+    if (!word || *word == kOwnStart) return;
+    if (*word == kNeighbourStart) {
+      plan_.warm_start = WarmStart::kNeighbour;
+      return;
+    }
+    const fs::path file = plan_.file.parent_path() / *word;
+    std::error_code error;
+    if (fs::is_regular_file(file, error))
+      plan_.start_file = {file, reader.place()};
+    else
+      reader.error(fmt::format("'{}' is no warm start, and there is no such file", *word),
+                   fmt::format("write '{}', '{}', or a solution.json from which all items start",
+                               kOwnStart, kNeighbourStart));
   }
 
   /// No two axes set one key, or a part of what another one sets; names of columns differ.

@@ -16,6 +16,9 @@ inline constexpr int kBatchFormat = 1;
 /// Of which items the whole solution is kept, besides the row of results.
 enum class KeptSolutions { kAll, kConverged, kNone };
 
+/// From where solves start: each from its own guess, or from the answer of a neighbour.
+enum class WarmStart { kNone, kNeighbour };
+
 /// What an item may use.
 struct BatchLimits {
   double max_time_s = 0;  ///< of a solve; 0: what its problem says
@@ -34,6 +37,8 @@ struct BatchPlan {
   BatchLimits limits;
   std::optional<Located<double>> max_time;  ///< limits.max_time_s with its place
   KeptSolutions keep = KeptSolutions::kConverged;
+  WarmStart warm_start = WarmStart::kNone;
+  std::optional<Located<std::filesystem::path>> start_file;  ///< a solution from which all start
 
   /// Problems times rows of all axes times solvers.
   long long items() const;

@@ -8,6 +8,7 @@
 
 #include "base/relative_paths.hpp"
 #include "base/strict_number.hpp"
+#include "batch/plan/neighbours.hpp"
 #include "problem_file/yaml/canonical_definition.hpp"
 
 namespace conddp {
@@ -33,6 +34,8 @@ class Expansion {
     Manifest manifest{.name = plan_.name.value,
                       .limits = plan_.limits,
                       .keep = plan_.keep,
+                      .warm_start = plan_.warm_start,
+                      .solvers = static_cast<int>(solvers()),
                       .build = build_json()};
     for (const Axis& axis : plan_.axes)
       for (const AxisColumn& column : axis.columns)
@@ -50,6 +53,7 @@ class Expansion {
       if (!build(first, std::min(first + kAtOnce, manifest.items.size()), manifest))
         return std::nullopt;
     if (!all_differ(manifest.items)) return std::nullopt;
+    if (plan_.warm_start == WarmStart::kNeighbour) find_parents(manifest);
     return manifest;
   }
 
@@ -61,11 +65,12 @@ class Expansion {
     std::size_t solver = 0;
   };
 
+  std::size_t solvers() const { return std::max<std::size_t>(1, plan_.solvers.size()); }
+
   Parts parts(std::size_t item) const {
     Parts parts{.rows = std::vector<std::size_t>(plan_.axes.size())};
-    const std::size_t solvers = std::max<std::size_t>(1, plan_.solvers.size());
-    parts.solver = item % solvers;
-    item /= solvers;
+    parts.solver = item % solvers();
+    item /= solvers();
     for (std::size_t a = plan_.axes.size(); a-- > 0; item /= plan_.axes[a].rows.size())
       parts.rows[a] = item % plan_.axes[a].rows.size();
     parts.problem = static_cast<int>(item);
@@ -87,12 +92,23 @@ class Expansion {
       for (std::size_t c = 0; c < plan_.axes[a].columns.size(); ++c)
         list.push_back(
             make_setting(plan_.axes[a].columns[c].key, plan_.axes[a].rows[parts.rows[a]][c]));
+    if (plan_.start_file) list.push_back(start_setting(parts.problem));
     if (!plan_.solvers.empty()) {
       const Name& solver = plan_.solvers[parts.solver];
       list.push_back(
           make_setting({"solver.name", solver.place}, scalar(solver.place, solver.value, false)));
     }
     return list;
+  }
+
+  /// That a problem starts from the file of the plan, seen from its own folder.
+  Setting start_setting(int problem) const {
+    const std::filesystem::path folder =
+        std::filesystem::absolute(plan_.problems[problem].value).parent_path();
+    const OrderedJson file =
+        relative_path(std::filesystem::absolute(plan_.start_file->value), folder);
+    Diagnostics unused;
+    return *parse_setting("initial_guess={file: " + file.dump() + "}", unused);
   }
 
   bool build(std::size_t first, std::size_t last, Manifest& manifest) {

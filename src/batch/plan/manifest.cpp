@@ -41,6 +41,10 @@ Manifest parse_head(const std::string& line) {
   const auto kept =
       std::find(std::begin(kKeptNames), std::end(kKeptNames), json.at("keep").get<std::string>());
   manifest.keep = static_cast<KeptSolutions>(std::min<std::ptrdiff_t>(2, kept - kKeptNames));
+  manifest.warm_start =
+      json.at("warm_start") == "neighbour" ? WarmStart::kNeighbour : WarmStart::kNone;
+  manifest.solvers = json.at("solvers");
+  manifest.shards = json.at("shards");
   manifest.build = json.at("build");
   manifest.items.resize(json.at("items").get<std::size_t>());
   return manifest;
@@ -87,14 +91,19 @@ std::string manifest_head(const Manifest& manifest) {
                  {"max_memory_mb", manifest.limits.max_memory_mb},
                  {"retries", manifest.limits.retries}}},
                {"keep", kKeptNames[static_cast<int>(manifest.keep)]},
+               {"warm_start", manifest.warm_start == WarmStart::kNeighbour ? "neighbour" : "none"},
+               {"solvers", manifest.solvers},
+               {"shards", manifest.shards},
                {"build", manifest.build}});
 }
 
 std::string manifest_line(const ManifestItem& item) {
   std::string values;
   for (const std::string& value : item.values) values += (values.empty() ? "" : ",") + value;
-  return fmt::format(R"({{"id":"{}","problem":{},"settings":{},"values":[{}]}})", item.id,
-                     item.problem, dump(item.settings), values);
+  const std::string parent =
+      item.parent.empty() ? std::string() : fmt::format(R"(,"parent":"{}")", item.parent);
+  return fmt::format(R"({{"id":"{}","problem":{},"settings":{},"values":[{}]{}}})", item.id,
+                     item.problem, dump(item.settings), values, parent);
 }
 
 std::optional<ManifestItem> parse_manifest_line(std::string_view line) {
@@ -103,6 +112,7 @@ std::optional<ManifestItem> parse_manifest_line(std::string_view line) {
     ManifestItem item{
         .id = json.at("id"), .problem = json.at("problem"), .settings = json.at("settings")};
     for (const OrderedJson& value : json.at("values")) item.values.push_back(dump(value));
+    item.parent = json.value("parent", std::string());
     return item;
   } catch (const OrderedJson::exception&) {
     return std::nullopt;

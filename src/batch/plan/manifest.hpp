@@ -33,6 +33,7 @@ struct ManifestItem {
   int problem = 0;
   std::vector<std::string> settings;  ///< as --set takes them
   std::vector<std::string> values;    ///< of the columns, as JSON
+  std::string parent;                 ///< the item from whose answer it starts; empty: none
 };
 
 /// Which items a run has, and what else the plan says about them.
@@ -42,6 +43,9 @@ struct Manifest {
   std::vector<ManifestColumn> columns;
   BatchLimits limits;
   KeptSolutions keep = KeptSolutions::kConverged;
+  WarmStart warm_start = WarmStart::kNone;
+  int solvers = 1;    ///< items that differ in nothing but the solver follow one another
+  int shards = 1;     ///< into how many processes divide the items that are not told otherwise
   OrderedJson build;  ///< build_json() of the tool that made the plan
   std::vector<ManifestItem> items;
 };

@@ -103,8 +103,9 @@ std::string results_csv(const Manifest& manifest, const StoredResults& results) 
   const std::vector<std::string> constraints = constraint_columns(manifest, results);
   std::vector<std::string> header = {"item", "id", "problem"};
   for (const ManifestColumn& column : manifest.columns) header.push_back(cell(column.name));
-  for (const char* name : {"solver", "status", "solved", "cost", "iterations"})
-    header.emplace_back(name);
+  for (const char* name : {"solver", "status", "solved"}) header.emplace_back(name);
+  if (manifest.warm_start == WarmStart::kNeighbour) header.emplace_back("start");
+  for (const char* name : {"cost", "iterations"}) header.emplace_back(name);
   for (const char* name : kResiduals) header.emplace_back(name);
   for (const std::string& name : constraints) header.push_back(cell("violation/" + name));
   header.insert(header.end(), {"certificate", "message"});
@@ -119,6 +120,8 @@ std::string results_csv(const Manifest& manifest, const StoredResults& results) 
       const ItemResult& result = stored->result;
       row.insert(row.end(),
                  {cell_of(result.answer, "solver"), result.status, result.success ? "1" : "0"});
+      if (manifest.warm_start == WarmStart::kNeighbour)
+        row.push_back(cell_of(result.answer, "start"));
       for (std::string& value : answer_cells(result.answer, constraints))
         row.push_back(std::move(value));
     } else {

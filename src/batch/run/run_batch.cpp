@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "batch/plan/neighbours.hpp"
 #include "batch/run/worker_process.hpp"
 
 namespace conddp {
@@ -33,6 +34,8 @@ class BatchRun {
     const auto known = load_results(run);
     std::set<std::size_t> only;
     if (options.only) only = {options.only->begin(), options.only->end()};
+    for (const auto& [id, stored] : known)
+      if (!stored.result.success) failed_.insert(id);
     for (const std::size_t item : items_of_shard(manifest, options.shard)) {
       if (options.only && !only.contains(item)) continue;
       ++progress_.items;
@@ -88,8 +91,7 @@ class BatchRun {
       }
       while (!waiting_.empty() && !holds_suspect(*worker) &&
              worker->unanswered().size() < items_ahead()) {
-        send(*worker, waiting_.front());
-        waiting_.pop_front();
+        send_block(*worker);
       }
     }
     std::erase_if(workers_, [](const auto& worker) { return worker->unanswered().empty(); });
@@ -105,8 +107,19 @@ class BatchRun {
     return !worker.unanswered().empty() && deaths_.contains(worker.unanswered().front());
   }
 
+  /// The first item that waits and those behind it in its block, which may start from one another.
+  void send_block(WorkerProcess& worker) {
+    const std::size_t block = block_of(manifest_, waiting_.front());
+    while (!waiting_.empty() && block_of(manifest_, waiting_.front()) == block) {
+      send(worker, waiting_.front());
+      waiting_.pop_front();
+    }
+  }
+
   void send(WorkerProcess& worker, std::size_t item) {
-    worker.send(item, manifest_line(manifest_.items[item]));
+    ManifestItem line = manifest_.items[item];
+    if (failed_.contains(line.parent)) line.parent.clear();
+    worker.send(item, manifest_line(line));
   }
 
   void wait() {
@@ -179,6 +192,7 @@ class BatchRun {
   void record(std::size_t item, ItemResult result, std::string_view solution) {
     result.attempt = ++attempts_[item];
     progress_.failed += !result.success;
+    if (!result.success) failed_.insert(result.id);
     ++progress_.done;
     file_.append(std::move(result), solution);
   }
@@ -193,6 +207,7 @@ class BatchRun {
   ShardFile file_;
   const Clock::time_point began_ = Clock::now();
   std::deque<std::size_t> waiting_, suspects_;
+  std::set<std::string> failed_;         ///< ids of items whose answers are of no use to others
   std::map<std::size_t, int> deaths_;    ///< of workers, by the item that each had begun
   std::map<std::size_t, int> attempts_;  ///< at items, in former runs as well
   std::vector<std::unique_ptr<WorkerProcess>> workers_;
@@ -204,10 +219,14 @@ class BatchRun {
 }  // namespace
 
 std::vector<std::size_t> items_of_shard(const Manifest& manifest, const Shard& shard) {
+  std::vector<std::pair<std::size_t, std::size_t>> blocks;  // with the item
+  for (std::size_t i = 0; i < manifest.items.size(); ++i)
+    if (const std::size_t block = block_of(manifest, i);
+        block % static_cast<std::size_t>(shard.count) == static_cast<std::size_t>(shard.index))
+      blocks.emplace_back(block, i);
+  std::sort(blocks.begin(), blocks.end());
   std::vector<std::size_t> items;
-  for (std::size_t i = static_cast<std::size_t>(shard.index); i < manifest.items.size();
-       i += static_cast<std::size_t>(shard.count))
-    items.push_back(i);
+  for (const auto& [block, item] : blocks) items.push_back(item);
   return items;
 }
 

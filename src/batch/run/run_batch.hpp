@@ -41,7 +41,8 @@ struct BatchOptions {
 BatchProgress run_batch(const std::filesystem::path& run, const Manifest& manifest,
                         const BatchOptions& options);
 
-/// The items of a shard, by their numbers.
+/// The items of a shard, by their numbers, in the order in which they are solved: blocks of items
+/// that start from one another stay together.
 std::vector<std::size_t> items_of_shard(const Manifest& manifest, const Shard& shard);
 
 }  // namespace conddp

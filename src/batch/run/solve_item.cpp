@@ -27,14 +27,12 @@ ItemResult not_built(const ManifestItem& item, const Diagnostics& diagnostics) {
           .times = OrderedJson::object()};
 }
 
-SolveResult solve_instance(const ProblemInstance& instance,
-                           const std::vector<const SolverInfo*>& candidates,
-                           const SolverInfo*& solver) {
+SolverOptions options_of(const ProblemInstance& instance) {
   SolverOptions options = instance.spec->solver.options;
   options.threads = 1;
   options.multipliers = instance.built.multipliers;
   options.homotopy = homotopy_path(instance.built);
-  return solve(*instance.built.problem, candidates, options, instance.built.guess, solver);
+  return options;
 }
 
 /// What of a solution.json goes into the row of results.
@@ -50,8 +48,8 @@ OrderedJson answer_of(const OrderedJson& document, const SolutionCertificate& ce
 
 }  // namespace
 
-SolvedItem solve_item(const ManifestItem& item, const ManifestProblem& problem,
-                      const ProblemFamily& family, KeptSolutions keep) {
+SolvedItem solve_item(const ManifestItem& item, const Manifest& manifest,
+                      const ProblemFamily& family, const NeighbourAnswer* from) {
   const auto began = std::chrono::steady_clock::now();
   const auto seconds = [&] {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
@@ -61,14 +59,17 @@ SolvedItem solve_item(const ManifestItem& item, const ManifestProblem& problem,
   for (const std::string& text : item.settings)
     if (auto setting = parse_setting(text, diagnostics)) settings.push_back(*std::move(setting));
   const auto instance = family.build(settings, diagnostics);
-  if (!instance || item_id(problem.identity, settings, *instance) != item.id)
-    return {not_built(item, diagnostics), {}};
+  if (!instance ||
+      item_id(manifest.problems[item.problem].identity, settings, *instance) != item.id)
+    return {not_built(item, diagnostics), {}, {}};
   const auto candidates = usable_solvers(*instance->spec, *instance->built.problem, diagnostics);
-  if (candidates.empty()) return {not_built(item, diagnostics), {}};
+  if (candidates.empty()) return {not_built(item, diagnostics), {}, {}};
   const double built = seconds();
 
   const SolverInfo* solver = nullptr;
-  const SolveResult result = solve_instance(*instance, candidates, solver);
+  const StartedSolve started =
+      solve_from(from, *instance, candidates, options_of(*instance), solver);
+  const SolveResult& result = started.result;
   const double solved = seconds();
   OrderedJson document =
       solution_json({*instance->spec, instance->built, *solver, result, item.settings});
@@ -78,8 +79,16 @@ SolvedItem solve_item(const ManifestItem& item, const ManifestProblem& problem,
                   .status = std::string(to_string(result.status)),
                   .success = is_success(result.status) && certificate.checks.holds(),
                   .answer = answer_of(document, certificate)},
+                 {},
                  {}};
-  if (keep == KeptSolutions::kAll || (keep == KeptSolutions::kConverged && out.result.success)) {
+  if (manifest.warm_start == WarmStart::kNeighbour) {
+    out.result.answer["iterations"] = result.iterations + started.dropped_iterations;
+    out.result.answer["start"] = to_string(started.start);
+    if (out.result.success) out.answer = answer_for_neighbours(started, solver, from);
+  }
+  const bool kept = manifest.keep == KeptSolutions::kAll ||
+                    (manifest.keep == KeptSolutions::kConverged && out.result.success);
+  if (kept) {
     add_certificate(certificate_json(certificate), document);
     out.solution = compact_json(document) + '\n';
   }

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "batch/plan/manifest.hpp"
 #include "batch/results/result.hpp"
+#include "batch/run/warm_solve.hpp"
 
 namespace conddp {
 
@@ -11,10 +13,12 @@ namespace conddp {
 struct SolvedItem {
   ItemResult result;
   std::string solution;
+  std::optional<NeighbourAnswer> answer;  ///< of an item that is solved
 };
 
-/// Builds, solves and certifies one item, with one thread.
-SolvedItem solve_item(const ManifestItem& item, const ManifestProblem& problem,
-                      const ProblemFamily& family, KeptSolutions keep);
+/// Builds, solves and certifies one item, with one thread. `from`: an answer to start from, or
+/// null.
+SolvedItem solve_item(const ManifestItem& item, const Manifest& manifest,
+                      const ProblemFamily& family, const NeighbourAnswer* from);
 
 }  // namespace conddp

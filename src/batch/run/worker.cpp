@@ -1,11 +1,13 @@
 #include "batch/run/worker.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <charconv>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <list>
 #include <map>
 #include <new>
 #include <thread>
@@ -18,13 +20,15 @@
 #include <fmt/format.h>
 
 #include "base/write_all.hpp"
+#include "batch/plan/neighbours.hpp"
 #include "batch/plan/run_folder.hpp"
 #include "batch/run/solve_item.hpp"
 
 namespace conddp {
 namespace {
 
-/// The environment variable by which tests let items fail: `crash:ID`, `hang:ID` or `memory:ID`.
+/// The environment variable by which tests let items fail: `crash:ID`, `hang:ID` or
+/// `memory:ID`; with `slow:N` every item takes N ms more.
 constexpr const char* kFaultVariable = "CONDDP_BATCH_FAULT";
 
 constexpr int kUnreadable = 2;  ///< exit status
@@ -34,6 +38,9 @@ void provoke_fault(const std::string& id) {
   if (fault == nullptr) return;
   const std::string_view wanted = fault;
   if (wanted == "crash:" + id) std::abort();
+  constexpr std::string_view kSlow = "slow:";
+  if (wanted.starts_with(kSlow))
+    std::this_thread::sleep_for(std::chrono::milliseconds(std::atoi(fault + kSlow.size())));
   if (wanted == "hang:" + id) {
     std::fputs("hang\n", stderr);  // unbuffered: tests wait for it
     for (;;) std::this_thread::sleep_for(std::chrono::hours(1));
@@ -59,14 +66,16 @@ class Worker {
       : run_(std::move(run)), manifest_(std::move(manifest)) {}
 
   SolvedItem solve(const ManifestItem& item) {
+    const NeighbourAnswer* from = parent_of(item);
     provoke_fault(item.id);
-    const ManifestProblem& problem = manifest_.problems.at(item.problem);
     auto& family = families_[item.problem];
     Diagnostics diagnostics;
     if (!family)
       family = ProblemFamily::load(problem_of_run(manifest_, item.problem, run_), {}, diagnostics);
-    if (family) return solve_item(item, problem, *family, manifest_.keep);
-    return failed(item, kUnsolvable, "its problem file cannot be read any more");
+    if (!family) return failed(item, kUnsolvable, "its problem file cannot be read any more");
+    SolvedItem solved = solve_item(item, manifest_, *family, from);
+    if (manifest_.warm_start == WarmStart::kNeighbour) remember(item.id, solved.answer);
+    return solved;
   }
 
   static SolvedItem failed(const ManifestItem& item, std::string_view status,
@@ -75,13 +84,54 @@ class Worker {
              .status = std::string(status),
              .answer = {{"message", message}},
              .times = OrderedJson::object()},
+            {},
             {}};
   }
 
  private:
+  /// An item's answer for its neighbours, if it is solved.
+  struct Answered {
+    std::string id;
+    std::optional<NeighbourAnswer> answer;
+  };
+
+  /// The answer of an item's parent; null where it has none or the parent is not solved. A parent
+  /// that another process has solved is solved again: that gives the same bits.
+  const NeighbourAnswer* parent_of(const ManifestItem& item) {
+    if (item.parent.empty()) return nullptr;
+    const auto known = [&] {
+      return std::find_if(answered_.begin(), answered_.end(),
+                          [&](const Answered& a) { return a.id == item.parent; });
+    };
+    auto found = known();
+    if (found == answered_.end()) {
+      if (const ManifestItem* parent = find_item(item.parent)) solve(*parent);
+      found = known();
+    }
+    return found != answered_.end() && found->answer ? &*found->answer : nullptr;
+  }
+
+  /// Answers of as many items as a block has, and of the one under way.
+  void remember(const std::string& id, std::optional<NeighbourAnswer> answer) {
+    std::erase_if(answered_, [&](const Answered& a) { return a.id == id; });
+    if (answered_.size() > kNeighbourBlock) answered_.pop_front();
+    answered_.push_back({id, std::move(answer)});
+  }
+
+  const ManifestItem* find_item(const std::string& id) {
+    Diagnostics unused;
+    if (!all_) all_ = load_manifest(run_, true, unused);
+    if (!all_) return nullptr;
+    const auto item = std::find_if(all_->items.begin(), all_->items.end(),
+                                   [&](const ManifestItem& i) { return i.id == id; });
+    return item == all_->items.end() ? nullptr : &*item;
+  }
+
   const std::filesystem::path run_;
   const Manifest manifest_;
   std::map<int, std::shared_ptr<const ProblemFamily>> families_;
+  std::list<Answered> answered_;  ///< the latest last
+  std::optional<Manifest> all_;   ///< with its items, where one of another process is needed
 };
 
 bool answer(int descriptor, const SolvedItem& solved) {
@@ -106,7 +156,10 @@ AnswerFrame parse_frame(std::string_view line) {
 
 int serve_items(const std::filesystem::path& run, int requests, int answers) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
-  std::signal(SIGINT, SIG_IGN);  // the process that started this one decides
+  // The process that started this one decides; queue systems send signals to both.
+  std::signal(SIGINT, SIG_IGN);
+  std::signal(SIGTERM, SIG_IGN);
+  std::signal(SIGUSR1, SIG_IGN);
   Diagnostics diagnostics;
   auto manifest = load_manifest(run, false, diagnostics);
   if (!manifest) return kUnreadable;

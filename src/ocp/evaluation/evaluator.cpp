@@ -9,7 +9,7 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
-#include "base/checkpoint.hpp"
+#include "ocp/evaluation/checkpoint.hpp"
 #include "ocp/evaluation/lane_transfer.hpp"
 #include "ocp/evaluation/rollout.hpp"
 #include "ocp/knot/knot_batch.hpp"

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "base/yaml_node.hpp"
+#include "problem_file/yaml/yaml_node.hpp"
 
 namespace conddp {
 

@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "base/yaml_node.hpp"
 #include "problem_file/yaml/synonyms.hpp"
+#include "problem_file/yaml/yaml_node.hpp"
 
 namespace conddp {
 

@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "base/yaml_node.hpp"
+#include "problem_file/yaml/yaml_node.hpp"
 
 namespace conddp {
 

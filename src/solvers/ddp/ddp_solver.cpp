@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "base/checkpoint.hpp"
 #include "base/stopwatch.hpp"
+#include "ocp/evaluation/checkpoint.hpp"
 #include "solvers/common/feasible.hpp"
 #include "solvers/common/finite_check.hpp"
 #include "solvers/common/guess.hpp"

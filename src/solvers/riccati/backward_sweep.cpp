@@ -1,6 +1,6 @@
 #include "solvers/riccati/backward_sweep.hpp"
 
-#include "base/checkpoint.hpp"
+#include "ocp/evaluation/checkpoint.hpp"
 
 namespace conddp {
 

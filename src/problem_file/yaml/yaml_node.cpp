@@ -1,4 +1,4 @@
-#include "base/yaml_node.hpp"
+#include "problem_file/yaml/yaml_node.hpp"
 
 #include "base/strict_number.hpp"
 

@@ -1,4 +1,4 @@
-#include "base/checkpoint.hpp"
+#include "ocp/evaluation/checkpoint.hpp"
 
 #include <utility>
 

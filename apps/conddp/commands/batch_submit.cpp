@@ -1,0 +1,183 @@
+#include "commands/batch_submit.hpp"
+
+#include <algorithm>
+#include <filesystem>
+
+#include <pwd.h>
+#include <unistd.h>
+
+#include <fmt/format.h>
+
+#include "base/atomic_file.hpp"
+#include "base/shell_words.hpp"
+#include "batch/cluster/program.hpp"
+#include "batch/cluster/slurm_job.hpp"
+#include "batch/plan/run_folder.hpp"
+#include "batch/results/collect.hpp"
+#include "terminal/exit_codes.hpp"
+#include "terminal/messages.hpp"
+#include "terminal/streams.hpp"
+
+namespace conddp {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Time that an element may take, over what it should take.
+constexpr double kTimeMargin = 3;
+constexpr double kLeastTime = 600;  // s
+
+/// A mistake that ends the command: what it is, and what helps.
+struct Misfit {
+  std::string message, hint;
+};
+
+std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
+
+std::string user_name() {
+  const passwd* entry = ::getpwuid(::getuid());
+  return entry == nullptr ? std::string() : entry->pw_name;
+}
+
+/// What a user may have submitted at once, by the accounting of the cluster.
+std::optional<int> most_submitted() {
+  const ProgramEnd end =
+      run_program({"sacctmgr", "--noheader", "--parsable2", "list", "associations", "where",
+                   "user=" + user_name(), "format=maxsubmitjobs"});
+  if (end.exit_status != 0) return std::nullopt;
+  std::optional<int> most;
+  for (const char c : first_line(end.out)) {
+    if (c < '0' || c > '9') return std::nullopt;
+    most = 10 * most.value_or(0) + (c - '0');
+  }
+  return most;
+}
+
+/// What the cluster says about itself; nothing where there is none.
+std::optional<SlurmLimits> cluster_limits(const std::string& partition) {
+  const ProgramEnd config = run_program({"scontrol", "show", "config"});
+  if (config.exit_status != 0) return std::nullopt;
+  SlurmLimits limits = parse_slurm_config(config.out);
+  if (limits.has_accounting) limits.submitted = most_submitted();
+  std::vector<std::string> words = {"sinfo", "--noheader", "--format=%l"};
+  if (!partition.empty()) words.push_back("--partition=" + partition);
+  const ProgramEnd times = run_program(words);
+  if (times.exit_status == 0) limits.longest_s = parse_slurm_time(first_line(times.out));
+  return limits;
+}
+
+/// Seconds that the items without a result take on one processor, by those that have one.
+std::optional<double> seconds_left(const BatchStatus& status) {
+  const std::size_t done = status.items - status.unfinished;
+  if (done == 0) return std::nullopt;
+  return status.solve_s / static_cast<double>(done) * static_cast<double>(status.unfinished);
+}
+
+std::optional<Misfit> choose_shards(const BatchArguments& arguments, const SlurmLimits& limits,
+                                    const std::optional<double>& seconds, SlurmJob& job) {
+  if (arguments.shards > limits.most_shards())
+    return Misfit{
+        fmt::format("this cluster takes arrays of at most {} elements", limits.most_shards()),
+        "ask for fewer with --shards"};
+  if (arguments.shards > 0) {
+    job.shards = arguments.shards;
+  } else if (seconds) {
+    job.shards = shards_for(*seconds, job.cpus, limits);
+  } else {
+    return Misfit{"how long an item takes is not known yet",
+                  "solve a few with 'conddp batch plan PLAN.yaml -o RUN --pilot 5', or say how "
+                  "many shards there shall be: --shards N"};
+  }
+  return std::nullopt;
+}
+
+std::optional<Misfit> choose_time(const BatchArguments& arguments, const SlurmLimits& limits,
+                                  const std::optional<double>& seconds, SlurmJob& job) {
+  if (!arguments.time.empty())
+    job.time_s = parse_duration(arguments.time);
+  else if (seconds)
+    job.time_s = std::max(kLeastTime, kTimeMargin * *seconds / (job.shards * job.cpus));
+  if (!job.time_s || !limits.longest_s || *job.time_s <= *limits.longest_s) return std::nullopt;
+  if (arguments.time.empty()) {
+    job.time_s = limits.longest_s;
+    return std::nullopt;
+  }
+  return Misfit{fmt::format("this partition ends jobs after {:.0f} min", *limits.longest_s / 60),
+                "ask for less with --time; what is unfinished then goes on with the next submit"};
+}
+
+std::vector<std::string> sbatch_words(const SlurmJob& job) {
+  return {"sbatch", "--parsable", "--chdir=" + job.run.string()};
+}
+
+/// Submits a script; the number of the job, or empty with a message printed.
+std::string submit(std::vector<std::string> words, const std::string& script) {
+  const ProgramEnd end = run_program(words, script);
+  if (end.exit_status == 0) return first_line(end.out).substr(0, first_line(end.out).find(';'));
+  print_error("Slurm does not take the job: " + first_line(end.err),
+              "'conddp batch submit --dry-run' prints what is handed over");
+  return {};
+}
+
+void write_scripts(const SlurmJob& job, const std::string& array, const std::string& collect) {
+  create_folder(job.run / "slurm");
+  AtomicFiles files;
+  files.add(job.run / "slurm" / "array.sh", array);
+  files.add(job.run / "slurm" / "collect.sh", collect);
+  files.commit();
+}
+
+int hand_over(const SlurmJob& job) {
+  const std::string array = slurm_array_script(job), collect = slurm_collect_script(job);
+  write_scripts(job, array, collect);
+  const std::string number = submit(sbatch_words(job), array);
+  if (number.empty()) return kExitBadInput;
+  std::vector<std::string> words = sbatch_words(job);
+  words.push_back("--dependency=afterany:" + number);
+  const std::string last = submit(words, collect);
+  if (last.empty()) return kExitBadInput;
+  print_result(fmt::format("job {}: {} shard{}; job {} collects\n", number, job.shards,
+                           job.shards == 1 ? "" : "s", last));
+  return kExitConverged;
+}
+
+int print_scripts(const SlurmJob& job) {
+  const std::string words = shell_line(sbatch_words(job));
+  print_result(fmt::format("{} <<'END'\n{}END\n{} --dependency=afterany:ARRAY <<'END'\n{}END\n",
+                           words, slurm_array_script(job), words, slurm_collect_script(job)));
+  return kExitConverged;
+}
+
+}  // namespace
+
+int submit_batch(const BatchArguments& arguments) {
+  Diagnostics diagnostics;
+  const auto manifest = load_manifest(arguments.path, true, diagnostics);
+  if (!manifest || !fits_run_folder(*manifest, arguments.path, arguments.any_build, diagnostics)) {
+    print_messages(diagnostics, Verbosity::kNormal);
+    return kExitBadInput;
+  }
+  const auto cluster = cluster_limits(arguments.partition);
+  if (!cluster && !arguments.dry_run) {
+    print_error("there is no Slurm cluster here: 'scontrol show config' fails",
+                "docs/clusters.md says how other queue systems run shards");
+    return kExitBadInput;
+  }
+  const SlurmLimits limits = cluster.value_or(SlurmLimits());
+  const auto seconds = seconds_left(batch_status(*manifest, load_results(arguments.path)));
+  SlurmJob job{.name = manifest->name,
+               .program = fs::read_symlink("/proc/self/exe"),
+               .run = fs::canonical(arguments.path),
+               .cpus = std::max(1, arguments.jobs),
+               .partition = arguments.partition,
+               .any_build = arguments.any_build};
+  auto misfit = choose_shards(arguments, limits, seconds, job);
+  if (!misfit) misfit = choose_time(arguments, limits, seconds, job);
+  if (misfit) {
+    print_error(misfit->message, misfit->hint);
+    return kExitBadInput;
+  }
+  return arguments.dry_run ? print_scripts(job) : hand_over(job);
+}
+
+}  // namespace conddp

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+namespace conddp {
+
+/// The place of this process in an array of jobs, counted from 0.
+struct ArrayIndex {
+  std::string variable;  ///< of the environment, which says it
+  int index = 0;
+};
+
+/// From the first of SLURM_ARRAY_TASK_ID, JOB_COMPLETION_INDEX (Kubernetes), PBS_ARRAY_INDEX and
+/// AWS_BATCH_JOB_ARRAY_INDEX that the environment has and that is a number. Nothing where there is
+/// none.
+std::optional<ArrayIndex> array_index();
+
+/// The names of these variables, for people.
+std::string array_index_variables();
+
+}  // namespace conddp

@@ -1,0 +1,19 @@
+#pragma once
+
+#include "batch/plan/manifest.hpp"
+
+namespace conddp {
+
+/// Items of one block may start from one another, and are solved by one process.
+inline constexpr int kNeighbourBlock = 32;
+
+/// Names the parent of each item of a plan with warm starts: of the items before it in its block,
+/// the one whose varied values are nearest. Distances of numbers are relative to their range over
+/// the whole plan; values of other kinds are the same or one apart. The first of equal distance
+/// counts. Items of a block have one problem file and one solver.
+void find_parents(Manifest& manifest);
+
+/// The block of an item by its number. Without warm starts every item is one.
+std::size_t block_of(const Manifest& manifest, std::size_t item);
+
+}  // namespace conddp
