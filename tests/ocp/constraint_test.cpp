@@ -127,6 +127,13 @@ TEST(ConstraintSet, WhatIsNotANumberIsNotInsideTheSet) {
   const ConstraintTerm box = make_constraint("box", control_residual(0, 1), ConstraintKind::bounds);
   const double nan = std::numeric_limits<double>::quiet_NaN(), zero = 0;
   EXPECT_TRUE(std::isnan(distance_to_set(box, &nan, &zero, &zero)));
+  const ConstraintTerm three = make_constraint("c", control_residual(0, 3), ConstraintKind::bounds);
+  const double zeros[] = {0, 0, 0};
+  for (int i = 0; i < 3; ++i) {
+    double values[] = {1, 2, 3};
+    values[i] = nan;
+    EXPECT_TRUE(std::isnan(distance_to_set(three, values, zeros, zeros))) << i;
+  }
 }
 
 TEST(ConstraintSet, AConeNeedsTwoRowsAndASlope) {

@@ -126,7 +126,9 @@ CONDDP_FOR_EACH_SCALAR(CONDDP_INSTANTIATE)
 namespace {
 
 /// The larger one, or what is not a number.
-double larger_or_nan(double largest, double value) { return value <= largest ? largest : value; }
+double larger_or_nan(double largest, double value) {
+  return std::isnan(largest) || value <= largest ? largest : value;
+}
 
 /// |min(z, s)|; what is not a number wherever it stands.
 double pair_distance(double z, double s) {

@@ -71,7 +71,7 @@ Extremum ControlBounds::projected_norm(const Eigen::VectorXd& gradient,
     for (int i = 0; i < u.size(); ++i) {
       const double g = gradient[offset_[k] + i];
       if (pushed_out(k, i, u[i], g)) continue;
-      if (!(std::abs(g) <= worst.value)) worst = {std::abs(g), k};
+      worst.meet(std::abs(g), k);
     }
   }
   return worst;
@@ -80,10 +80,8 @@ Extremum ControlBounds::projected_norm(const Eigen::VectorXd& gradient,
 Extremum largest_violation(const ShootingProblem& problem, const ControlBounds& bounds,
                            const Trajectory& trajectory, const Eigen::VectorXd& constraint) {
   Extremum worst = bounds.violation(trajectory);
-  for (const NodeConstraint& c : problem.constraints()) {
-    const double distance = violation(c, constraint.data() + c.row);
-    if (!(distance <= worst.value)) worst = {distance, c.node};
-  }
+  for (const NodeConstraint& c : problem.constraints())
+    worst.meet(violation(c, constraint.data() + c.row), c.node);
   return worst;
 }
 

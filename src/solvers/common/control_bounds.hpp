@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <vector>
 
 #include <Eigen/Core>
@@ -12,6 +13,11 @@ namespace conddp {
 struct Extremum {
   double value = 0;
   int knot = -1;
+
+  /// Not-a-number counts as the largest.
+  void meet(double candidate, int k) {
+    if (!std::isnan(value) && !(candidate <= value)) *this = {candidate, k};
+  }
 };
 
 /// The control bounds of all knots, one after the other as Trajectory stores controls.

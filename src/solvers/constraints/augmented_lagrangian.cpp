@@ -146,7 +146,7 @@ ConstraintNorms AugmentedLagrangian::measure(const Eigen::VectorXd& values) {
       const double* g = values.data() + c.row;
       const double distance = violation(c, g);
       if (!(distance <= group.violation)) group.violation = distance;
-      if (!(distance <= norms.violation.value)) norms.violation = {distance, c.node};
+      norms.violation.meet(distance, c.node);
       auto next = next_.segment(c.row, c.term->rows);
       shifted_.head(next.size()) =
           values.segment(c.row, next.size()) + augmentation_.shift.segment(c.row, next.size());

@@ -93,7 +93,7 @@ void ProjectedNewton::measure() {
   norms_.gap = {};
   for (int k = 0; k < problem_.knots(); ++k) {
     const double gap = linearization_.gap.col(k).lpNorm<Eigen::Infinity>();
-    if (!(gap <= norms_.gap.value)) norms_.gap = {gap, k};
+    norms_.gap.meet(gap, k);
   }
 }
 

@@ -81,7 +81,7 @@ void AffineProbe::compare_gap(int knot, const Trajectory& trajectory,
 
 void AffineProbe::Comparison::add(double foretold, double found) {
   const double here = std::abs(foretold - found);
-  if (!(here <= off)) off = here;  // NaN stays
+  if (!std::isnan(off) && !(here <= off)) off = here;  // NaN stays
   largest = std::max({largest, std::abs(foretold), std::abs(found)});
 }
 
