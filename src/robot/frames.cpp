@@ -11,8 +11,8 @@ SE3<S> placement_in_root(const RobotModel& model, const RobotData<S>& data, int 
   return f.joint < 0 ? f.placement.cast<S>() : data.placement[f.joint] * f.placement;
 }
 
-/// Calls column(k, motion in root coordinates, joint) for every velocity index k that moves the
-/// joint's body, from the tip to the root; a floating base gives six unit motions.
+/// Calls column(motion in root coordinates, joint) for every velocity index that moves the joint's
+/// body, from the tip to the root; a floating base gives six unit motions.
 template <class S, class F>
 void for_each_axis(const RobotModel& model, const RobotData<S>& data, int joint, F column) {
   for (int j = joint; j >= 0; j = model.joints[j].parent) {
@@ -20,10 +20,10 @@ void for_each_axis(const RobotModel& model, const RobotData<S>& data, int joint,
       for (int k = 5; k >= 0; --k) {
         Motion<S> e = Motion<S>::zero();
         e[k] = S(1.0);
-        column(model.joints[j].v + k, e, j);
+        column(e, j);
       }
     } else {
-      column(model.joints[j].v, data.axis[j], j);
+      column(data.axis[j], j);
     }
   }
 }
@@ -98,7 +98,7 @@ void frame_jacobian(const RobotModel& model, const RobotData<S>& data, int frame
   const SE3<S> m = placement_in_root(model, data, frame);
   const Matrix3<S> r = world_rotation(model, data, joint, m, axes);
   S* column = jacobian + 6 * support_size(model, joint);
-  for_each_axis(model, data, joint, [&](int, const Motion<S>& axis, int) {
+  for_each_axis(model, data, joint, [&](const Motion<S>& axis, int) {
     const Motion<S> local = act_inverse(m, axis);
     store(axes == FrameAxes::local ? local : rotate(r, local), column -= 6);
   });
@@ -112,7 +112,7 @@ void frame_position_jacobian(const RobotModel& model, const RobotData<S>& data, 
   const Vector3<S> p = placement_in_root(model, data, frame).p;
   const Matrix3<S> r = data.root_pose(model, joint).R;
   S* column = jacobian + 3 * support_size(model, joint);
-  for_each_axis(model, data, joint, [&](int, const Motion<S>& axis, int) {
+  for_each_axis(model, data, joint, [&](const Motion<S>& axis, int) {
     const Vector3<S> shift = r * (axis.linear + cross(axis.angular, p));
     column -= 3;
     for (int i = 0; i < 3; ++i) column[i] = shift[i];
@@ -126,7 +126,7 @@ void frame_rotation_jacobian(const RobotModel& model, const RobotData<S>& data, 
   if (joint < 0) return;
   const Matrix3<S> r = placement_in_root(model, data, frame).R;
   S* column = jacobian + 3 * support_size(model, joint);
-  for_each_axis(model, data, joint, [&](int, const Motion<S>& axis, int) {
+  for_each_axis(model, data, joint, [&](const Motion<S>& axis, int) {
     const Vector3<S> turn = transpose_times(r, axis.angular);
     column -= 3;
     for (int i = 0; i < 3; ++i) column[i] = turn[i];
@@ -142,7 +142,7 @@ void frame_jacobian_rate(const RobotModel& model, const RobotData<S>& data, int 
   const Matrix3<S> r = world_rotation(model, data, joint, m, axes);
   const Vector3<S> w = act_inverse(m, data.v[joint]).angular;
   S* column = jacobian_rate + 6 * support_size(model, joint);
-  for_each_axis(model, data, joint, [&](int, const Motion<S>& axis, int j) {
+  for_each_axis(model, data, joint, [&](const Motion<S>& axis, int j) {
     Motion<S> rate = act_inverse(m, cross(data.v[j] - data.v[joint], axis));
     if (axes == FrameAxes::world_aligned) {
       const Motion<S> local = act_inverse(m, axis);
@@ -161,7 +161,7 @@ void frame_velocity_derivative(const RobotModel& model, const RobotData<S>& data
   const Matrix3<S> r = world_rotation(model, data, joint, m, axes);
   const Motion<S> local = act_inverse(m, data.v[joint]);
   S* column = velocity_q + 6 * support_size(model, joint);
-  for_each_axis(model, data, joint, [&](int, const Motion<S>& axis, int j) {
+  for_each_axis(model, data, joint, [&](const Motion<S>& axis, int j) {
     Motion<S> change = model.joints[j].type == JointType::floating
                            ? Motion<S>::zero()
                            : act_inverse(m, data.psi_dot[j]);
@@ -184,7 +184,7 @@ void frame_acceleration_derivatives(const RobotModel& model, const RobotData<S>&
   S* column_q = acceleration_q + end;
   S* column_v = acceleration_v + end;
   const Vector3<S> g = data.gravity(model, joint);
-  for_each_axis(model, data, joint, [&](int, const Motion<S>& axis, int j) {
+  for_each_axis(model, data, joint, [&](const Motion<S>& axis, int j) {
     if (model.joints[j].type == JointType::floating) {
       store(Motion<S>::zero(), column_q -= 6);
       store(act_inverse(m, cross(data.v[j] - v, axis)), column_v -= 6);
