@@ -207,6 +207,27 @@ TEST_P(KernelDerivatives, FrameVelocity) {
   });
 }
 
+// The parts that residuals of positions and rotations alone read.
+TEST_P(KernelDerivatives, PartsOfTheFrameJacobian) {
+  in_random_states([&](const RobotState&, const KernelProbe<double>& analytic) {
+    for (int f = 0; f < static_cast<int>(model().frames.size()); ++f) {
+      const std::string id = std::to_string(f);
+      const std::vector<int> columns = support(model(), model().frames[f].joint);
+      std::vector<double> position(3 * columns.size()), rotation(position);
+      frame_position_jacobian(model(), analytic.data(), f, position.data());
+      frame_rotation_jacobian(model(), analytic.data(), f, rotation.data());
+      std::vector<double> linear, angular;
+      for (const int k : columns)
+        for (int i = 0; i < 3; ++i) {
+          linear.push_back(analytic["jacobian world " + id][6 * k + i]);
+          angular.push_back(analytic["jacobian local " + id][6 * k + 3 + i]);
+        }
+      expect_close(position, linear, kTolerance, "position of frame " + id);
+      expect_close(rotation, angular, kTolerance, "rotation of frame " + id);
+    }
+  });
+}
+
 TEST_P(KernelDerivatives, FrameAcceleration) {
   in_random_states([&](const RobotState& x, const KernelProbe<double>& analytic) {
     const Gradient wrt_q(model(), x, Gradient::Of::configuration);

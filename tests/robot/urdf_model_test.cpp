@@ -382,10 +382,26 @@ TEST(Combine, NumbersTreesOneAfterTheOther) {
                                                          "right/i", "right/j", "right/k"}));
   EXPECT_EQ(both.nv, left.nv + right.nv);
   EXPECT_EQ(both.joints[4].parent, 3);
+  ASSERT_EQ(both.mimics.size(), 2u);
+  EXPECT_EQ(both.mimics[1].joint - 4, both.mimics[0].joint);
+  EXPECT_EQ(both.mimics[0].leader, 0);
   EXPECT_EQ(both.mimics[1].leader, 4);
   EXPECT_EQ(both.root[2], -1);
   EXPECT_EQ(both.root[6], 3);
   EXPECT_EQ(both.frames[*both.find_frame("right/b")].joint, 4);
+}
+
+TEST(Combine, WrenchesStayOnTheirFrames) {
+  RobotModel left = built(three_joints("", ""), {.prefix = "left/"});
+  RobotModel right = built(three_joints("", ""), {.prefix = "right/"});
+  right.wrenches = {{*right.find_frame("right/c"), {{1, 2, 3}, {4, 5, 6}}}};
+  const RobotModel both = combine({left, right});
+  ASSERT_EQ(both.wrenches.size(), 1u);
+  EXPECT_EQ(both.wrenches[0].frame, *both.find_frame("right/c"));
+  EXPECT_EQ(both.wrenches[0].wrench.angular.z, 6);
+  right.gravity.x = 1;
+  EXPECT_THROW(combine({left, right}), std::logic_error);
+  EXPECT_THROW(combine({}), std::logic_error);
 }
 
 TEST(Combine, NamesThatClashGetTheRobotsName) {

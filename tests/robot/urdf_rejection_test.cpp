@@ -241,6 +241,14 @@ TEST_P(UrdfRejection, IsAnErrorThatNamesItsPlace) {
 INSTANTIATE_TEST_SUITE_P(Cases, UrdfRejection, testing::ValuesIn(rejections()),
                          [](const auto& test) { return std::string(test.param.name); });
 
+TEST(UrdfNames, OfTheRobotItselfBelongToNoLinkOrJoint) {
+  const UrdfResult result =
+      parse_urdf("<robot name=\"a,b\">" + link_element("base") + "</robot>", "robot.urdf");
+  ASSERT_FALSE(result.problems.empty());
+  EXPECT_TRUE(result.problems[0].message.starts_with("a name may not hold"))
+      << result.problems[0].message;
+}
+
 std::string joined_hints(const UrdfResult& result) {
   std::string hints;
   for (const UrdfProblem& problem : result.problems) hints += problem.hint + "\n";

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "support/mimic_robot.hpp"
+#include "support/random_contact.hpp"
 #include "support/random_robot.hpp"
 #include "support/robots.hpp"
 #include "systems/multibody/multibody.hpp"
@@ -17,31 +18,6 @@ struct ContactCase {
   std::shared_ptr<const RobotModel> robot;
   std::vector<Contact> contacts;
 };
-
-inline Vector3<double> random_unit(RandomNumbers& random) {
-  const Vector3<double> v{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(0.2, 1)};
-  return (1 / std::sqrt(squared_norm(v))) * v;
-}
-
-inline Contact random_contact(int frame, ContactKind kind, FrameAxes axes, RandomNumbers& random) {
-  Contact c{.name = "c" + std::to_string(frame), .frame = frame, .kind = kind, .axes = axes};
-  c.normal = random_unit(random);
-  c.tangent = cross(c.normal, Vector3<double>{1, 0.3, 0});
-  c.tangent = (1 / std::sqrt(squared_norm(c.tangent))) * c.tangent;
-  c.kp = random.uniform(0, 10);
-  c.kd = random.uniform(0, 10);
-  c.reference = {rotation_matrix(random.rotation()),
-                 {random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)}};
-  return c;
-}
-
-/// Frames of a model that move, the last ones first: far from the root.
-inline std::vector<int> moving_frames(const RobotModel& model) {
-  std::vector<int> frames;
-  for (int i = static_cast<int>(model.frames.size()) - 1; i >= 0; --i)
-    if (model.frames[i].joint >= 0) frames.push_back(i);
-  return frames;
-}
 
 /// Every kind of contact in either axes on every robot, and sets of several.
 inline std::vector<ContactCase> contact_cases() {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -67,6 +68,13 @@ struct ProbeState {
   }
 };
 
+/// So that what another kernel has left there does not pass for a result.
+template <class S>
+void forget_acceleration(RobotData<S>& data) {
+  std::fill(data.acceleration.begin(), data.acceleration.end(),
+            S(std::numeric_limits<double>::quiet_NaN()));
+}
+
 /// Everything that the kernels compute in a state, by name. Jacobians are filled up to nv columns.
 template <class S>
 class KernelProbe {
@@ -92,6 +100,7 @@ class KernelProbe {
     forward_dynamics(model, x.q.data(), x.v.data(), x.tau.data(), data_);
     put("acceleration", data_.acceleration);
     put("L", data_.L);
+    forget_acceleration(data_);
     articulated_body_dynamics(model, x.q.data(), x.v.data(), x.tau.data(), data_);
     put("acceleration by bodies", data_.acceleration);
   }
