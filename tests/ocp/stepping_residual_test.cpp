@@ -204,6 +204,92 @@ TEST(SteppingResidual, EquationsOfMotionAreThoseOfInverseDynamics) {
   }
 }
 
+// Rows behind the equations of motion against their definition, at the end of the step.
+TEST(SteppingResidual, RowsOfContactsAreThoseOfTheirGeometryAtTheEndOfTheStep) {
+  for (const FrictionModel friction : {FrictionModel::polyhedron, FrictionModel::cone}) {
+    const auto system = stepping_robot(false, SteppingScheme::backward_euler, friction);
+    const Point p = random_point(*system, 6);
+    const SteppingLayout& w = system->layout();
+    const RobotModel& model = system->multibody().robot();
+    const auto control = [&](int i) { return p.w[i]; };
+    std::vector<double> q(w.nv), v(w.nv), expected;
+    for (int i = 0; i < w.nv; ++i) {
+      v[i] = p.x[w.nv + i] + kStep * control(w.acceleration + i);
+      q[i] = p.x[i] + kStep * v[i];
+    }
+    RobotData<double> data(model);
+    update_placements(model, q.data(), data);
+    const auto add_friction = [&](const FrictionIndices& f, double budget, auto speed) {
+      if (f.count == 0) return;
+      double forces = 0;
+      for (int i = 0; i < f.count; ++i) {
+        const double sign = i % 2 == 0 ? 1 : -1;
+        expected.push_back(control(f.slip[i]) - control(f.gamma) - sign * speed(i / 2));
+        forces += control(f.force[i]);
+      }
+      expected.push_back(control(f.rest) - (budget - forces));
+    };
+    for (std::size_t c = 0; c < w.candidates.size(); ++c) {
+      const ContactCandidate& candidate = system->contacts().candidates[c];
+      const CandidateGeometry geometry(model, candidate, {});
+      auto rows = geometry.create_rows<double>();
+      geometry.evaluate(data, rows);
+      const int k = static_cast<int>(geometry.columns().size());
+      const double force = control(w.candidates[c].force);
+      const auto speed = [&](int tangent) {
+        double sum = 0;
+        for (int j = 0; j < k; ++j)
+          sum += rows.rows[(1 + tangent) * k + j] * v[geometry.columns()[j]];
+        return sum;
+      };
+      expected.push_back(control(w.candidates[c].gap) -
+                         (rows.gap + (candidate.stiffness ? force / *candidate.stiffness : 0)));
+      const double budget = candidate.friction * force;
+      add_friction(w.candidates[c].friction, budget, speed);
+      const ConeIndices& cone = w.candidates[c].cone;
+      EXPECT_EQ(cone.present, friction == FrictionModel::cone && candidate.friction > 0);
+      if (!cone.present) continue;
+      const Eigen::Vector2d e(control(cone.use[0]), control(cone.use[1]));
+      for (int i = 0; i < 2; ++i) expected.push_back(control(cone.speed) * e[i] - speed(i));
+      for (int i = 0; i < 2; ++i) expected.push_back(control(cone.force[i]) + budget * e[i]);
+      expected.push_back(control(cone.rest) - (1 - e.squaredNorm()));
+    }
+    for (const JointStop& stop : system->contacts().stops)
+      for (const bool upper : {false, true}) {
+        const double limit = upper ? stop.upper : stop.lower;
+        if (!std::isfinite(limit)) continue;
+        const auto at = std::find_if(w.stops.begin(), w.stops.end(), [&](const auto& s) {
+          return s.joint == stop.joint && s.upper == upper;
+        });
+        ASSERT_NE(at, w.stops.end());
+        const double joint = q[model.joints[stop.joint].q];
+        expected.push_back(control(at->distance) - (upper ? limit - joint : joint - limit));
+      }
+    for (std::size_t i = 0; i < w.frictions.size(); ++i) {
+      const JointFriction& dry = system->contacts().frictions[i];
+      add_friction(w.frictions[i], dry.limit, [&](int) { return v[model.joints[dry.joint].v]; });
+    }
+    const std::vector<double> r = values(*system, *stepping_residual(system, system->ndx()), p);
+    ASSERT_EQ(r.size(), w.nv + expected.size());
+    for (std::size_t i = 0; i < expected.size(); ++i)
+      EXPECT_NEAR(r[w.nv + i], expected[i], 1e-12) << i;
+    EXPECT_EQ(stepping_row_names(*system).size(), r.size());
+  }
+}
+
+TEST(SteppingPairs, AreTheForcesAndSlacksOfTheLayout) {
+  const auto system = stepping_robot(true);
+  const Point p = random_point(*system, 7);
+  const auto& pairs = system->layout().pairs;
+  const std::vector<double> r =
+      values(*system, *stepping_pairs_residual(*system, system->ndx()), p);
+  ASSERT_EQ(r.size(), 2 * pairs.size());
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    EXPECT_EQ(r[2 * i], p.w[pairs[i].first]);
+    EXPECT_EQ(r[2 * i + 1], p.w[pairs[i].second]);
+  }
+}
+
 TEST(ComplementarityConstraint, MeasuresTheSmallerOneOfEachPair) {
   const auto term = make_constraint("pairs", chosen_controls_residual(2, {0, 1, 3, 2}),
                                     ConstraintKind::complementarity);

@@ -10,7 +10,8 @@
 #include "ocp/knot/knot_batch.hpp"
 #include "ocp/problem/problem.hpp"
 #include "ocp/residuals/residuals.hpp"
-#include "robot/model.hpp"
+#include "robot/urdf/combine.hpp"
+#include "support/expression_systems.hpp"
 #include "support/random_robot.hpp"
 #include "systems/catalogue.hpp"
 #include "systems/multibody/multibody.hpp"
@@ -131,6 +132,28 @@ inline std::vector<std::pair<std::string, std::shared_ptr<const System>>> test_s
                        std::make_shared<MultibodySystem>(floating, Actuation::full(*floating),
                                                          PassiveForces{}, contacts));
   systems.emplace_back("impulse", std::make_shared<MultibodySystem>(floating, contacts, 0.5));
+  // Rotations that are not the first of their states, of the first and of the second order.
+  systems.emplace_back(
+      "attitude",
+      expression_system({.kind = SystemKind::first_order,
+                         .states = {{"s", "m"}, {"q", "", ExpressionState::Kind::kUnitQuaternion}},
+                         .controls = expression_columns({"wx", "wy", "wz"}),
+                         .equations = {{"s", "rotate(q, [1, 2, 3]).z + wy"},
+                                       {"q", "[wx, wy, wz] + 0.1*rotate_inverse(q, [s, 0, 1])"}}}));
+  systems.emplace_back(
+      "turning_mass",
+      expression_system({.kind = SystemKind::second_order,
+                         .states = {{"s", "m"}, {"q", "", ExpressionState::Kind::kUnitQuaternion}},
+                         .velocities = expression_columns({"v", "w"}),
+                         .controls = expression_columns({"f", "tx", "ty"}),
+                         .equations = {{"v", "f - rotate(q, [1, 2, 3]).x"},
+                                       {"w", "[tx, ty, 0.3*v] - cross(w, [0.5, 1, 2])"}}}));
+  // Its floating base is neither first nor alone.
+  const auto both = std::make_shared<RobotModel>(
+      combine({random_robot(5, {.joints = 3, .wrenches = 1}),
+               random_robot(6, {.joints = 2, .floating = true, .wrenches = 1})}));
+  systems.emplace_back("arm_and_flying_arm",
+                       std::make_shared<MultibodySystem>(both, Actuation::full(*both)));
   return systems;
 }
 
