@@ -167,6 +167,32 @@ TEST(ActiveRows, TheSmallerOfAPairCountsAndTheOtherWhereItsMultiplierPushesItBel
     }
 }
 
+TEST(ActiveRows, EachOfSeveralPairsHasItsOwn) {
+  const LinearQuadratic lq(1, 2, {4}, 1, -1, 1);
+  const ShootingProblem problem =
+      with_constraints(*lq.problem, {{.name = "pairs",
+                                      .residual = control_residual(2, 4),
+                                      .kind = ConstraintKind::complementarity,
+                                      .reference = {0, 0, 0, 0},
+                                      .first = 0,
+                                      .last = 0}});
+  const ControlBounds bounds(problem);
+  Linearization linearization(problem);
+  linearization.constraint << 3, 0.25, -0.5, 2;
+  linearization.knots[0].C.rightCols(4).setIdentity();
+  ActiveRows rows(problem, bounds);
+  Eigen::VectorXd multipliers = Eigen::Vector4d(5, 6, 7, 8), penalty = Eigen::Vector4d(1, 1, 2, 2);
+  rows.choose(linearization, penalty, multipliers);
+  EXPECT_EQ(multipliers, Eigen::Vector4d(0, 6, 7, 0));
+  // −8 pulls the larger one of the second pair by 8/2 below zero, but not with twice the penalty.
+  for (const double weight : {2.0, 5.0}) {
+    multipliers << 5, 6, 7, -8;
+    penalty << 1, 1, 1, weight;
+    rows.choose(linearization, penalty, multipliers);
+    EXPECT_EQ(multipliers, Eigen::Vector4d(0, 6, 7, weight == 2 ? -8 : 0)) << weight;
+  }
+}
+
 // The values (3, 4, 2) lie outside of the cone by 5 − 2, and the surface bends by 1/5.
 TEST(ActiveRows, AConeCountsWithItsSurfaceAndThatsCurvature) {
   AllKinds at;

@@ -5,7 +5,7 @@
 #include "ocp/evaluation/evaluator.hpp"
 #include "solvers/strategies/registry.hpp"
 #include "support/conic_problems.hpp"
-#include "support/small_problems.hpp"
+#include "support/dense_horizon.hpp"
 
 namespace conddp::testing {
 namespace {
@@ -148,6 +148,185 @@ TEST(HorizonConstraints, GainsOfAnAnswerAreThoseOfItsOwnSideOfEachWall) {
   for (int k = 0; k < problem.knots(); ++k)
     EXPECT_EQ(start.feedback.K[k], without.feedback.K[k]) << "at rest no wall is crossed";
 }
+
+/// A random linear problem with rows of every kind that a horizon models, two nodes of each number
+/// of controls and an end: bounds and cones, hard, soft and soft by a square, and a barrier.
+ShootingProblem with_every_kind(unsigned seed) {
+  const LinearQuadratic lq(seed, 3, {2, 1}, 2, -kFree, kFree);
+  std::vector<Phase> phases = lq.problem->phases();
+  for (Phase& phase : phases) {
+    auto model = std::make_shared<KnotModel>(*phase.model);
+    const int before = model->parameter_count();
+    model->add_cost("barrier", state_residual(model->manifold()),
+                    {.kind = ActivationKind::quadratic_barrier,
+                     .weights = {0.5, 2, 3},
+                     .lower = {-0.3, -kFree, -0.2},
+                     .upper = {0.4, 0.1, kFree}});
+    std::vector<double> parameters;
+    for (int k = 0; k < phase.knots(); ++k) {
+      const auto first = phase.parameters.begin() + k * before;
+      parameters.insert(parameters.end(), first, first + before);
+      parameters.insert(parameters.end(), {0.1, -0.2, 0.3, 1.5 + k});  // reference and weight
+    }
+    phase.model = std::move(model);
+    phase.parameters = std::move(parameters);
+  }
+  const ShootingProblem free(lq.problem->initial_state(), std::move(phases),
+                             lq.problem->terminal());
+  RandomNumbers random(seed);
+  std::vector<Added> list;
+  const auto add = [&](int rows, int first, int last, bool cone, Softness softness) {
+    Eigen::MatrixXd C(rows, free.nx() + (first < free.knots() ? free.nu(first) : 0));
+    for (double& value : C.reshaped()) value = random.uniform(-1, 1);
+    Added one = affine_rows(C, free, first, last, -0.2, 0.3);
+    if (cone) {
+      one.kind = ConstraintKind::second_order_cone;
+      one.lower.clear();
+      one.upper.clear();
+    }
+    one.softness = softness;
+    one.weight = random.uniform(0.5, 2);
+    list.push_back(std::move(one));
+  };
+  for (const Softness softness : {Softness::hard, Softness::l1, Softness::l2})
+    for (const auto& [first, last] : {std::pair{0, 1}, {3, 3}, {4, 4}})
+      for (const bool cone : {false, true}) add(cone ? 3 : 2, first, last, cone, softness);
+  return with_constraints(free, list);
+}
+
+/// The model of a horizon beside what it models, which is evaluated where a step leads.
+class ModelOfEveryKind : public ::testing::TestWithParam<unsigned> {
+ protected:
+  ModelOfEveryKind()
+      : problem_(with_every_kind(GetParam())),
+        random_(GetParam()),
+        augmentation_(problem_),
+        linearization_(problem_),
+        constraints_(problem_),
+        evaluator_(problem_),
+        from_(random_guess(problem_, GetParam())) {
+    for (const NodeConstraint& c : problem_.constraints()) {
+      augmentation_.penalty.segment(c.row, c.term->rows).setConstant(random_.uniform(1, 20));
+      for (int i = 0; i < c.term->rows; ++i)
+        augmentation_.shift[c.row + i] = random_.uniform(-0.3, 0.3);
+    }
+    evaluator_.differentiate(from_, linearization_, &augmentation_);
+  }
+
+  using Step = std::vector<Eigen::VectorXd>;
+  /// One that crosses the kinks of most rows.
+  Step random_step() {
+    Step z;
+    for (int k = 0; k <= problem_.knots(); ++k) {
+      z.emplace_back(problem_.knot(k).model->nz());
+      for (double& value : z.back()) value = random_.uniform(-3, 3);
+    }
+    return z;
+  }
+  Linearization at(const Step& z) {
+    Trajectory moved = from_;
+    for (int k = 0; k <= problem_.knots(); ++k) {
+      moved.x(k) += z[k].head(problem_.ndx());
+      if (k < problem_.knots()) moved.u(k) += z[k].tail(problem_.nu(k));
+    }
+    Linearization there(problem_);
+    evaluator_.differentiate(moved, there, &augmentation_);
+    return there;
+  }
+  /// That gradients and Hessians of the model at a step are those of what it models there, but for
+  /// the 2 % by which a cone may be off.
+  void expect_model_of(const Step& z) {
+    const Linearization there = at(z);
+    for (int k = 0; k <= problem_.knots(); ++k) {
+      const KnotLinearization& knot = linearization_.knots[k];
+      const Eigen::VectorXd slope = knot.gradient + knot.hessian() * z[k];
+      const double off = (slope - there.knots[k].gradient).lpNorm<Eigen::Infinity>();
+      ++nodes_;
+      if (off > 1e-11) {
+        EXPECT_LT(off, 0.02 * cone_slopes(k, there)) << k;
+        continue;
+      }
+      ++exact_;
+      EXPECT_LT((knot.hessian() - there.knots[k].hessian()).lpNorm<Eigen::Infinity>(), 1e-11) << k;
+    }
+  }
+  /// What the cones of a node put into its gradient, at most.
+  double cone_slopes(int k, const Linearization& there) const {
+    double sum = 0;
+    for (const auto* list : {&problem_.constraints(), &problem_.soft_constraints()})
+      for (const NodeConstraint& c : *list) {
+        const int n = c.term->rows;
+        if (c.node != k || c.term->has_bounds()) continue;
+        const Eigen::VectorXd s =
+            there.constraint.segment(c.row, n) + augmentation_.shift.segment(c.row, n);
+        const KnotView& knot = problem_.knot(k);
+        const double rho = c.term->softness == Softness::l2
+                               ? knot.cost_scale * knot.parameters[c.term->weight()]
+                               : augmentation_.penalty[c.row];
+        sum += rho * distance_to_set(*c.term, s.data(), nullptr, nullptr) *
+               there.knots[k].C.middleRows(c.row - problem_.constraint_offset(k), n).norm();
+      }
+    return sum;
+  }
+
+  ShootingProblem problem_;
+  RandomNumbers random_;
+  Augmentation augmentation_;
+  Linearization linearization_;
+  HorizonConstraints constraints_;
+  Evaluator evaluator_;
+  Trajectory from_;
+  int nodes_ = 0, exact_ = 0;
+};
+
+TEST_P(ModelOfEveryKind, IsThatOfThePenaltiesWhereAStepLeads) {
+  const Linearization own = linearization_;
+  constraints_.start(linearization_, &augmentation_);
+  std::optional<int> last;
+  for (int i = 0; i < 4; ++i) {
+    const Step z = random_step();
+    EXPECT_GT(constraints_.revise(z, 0, linearization_, last), 5);
+    expect_model_of(z);
+    EXPECT_EQ(constraints_.revise(z, 0, linearization_, last), 0);
+  }
+  EXPECT_TRUE(constraints_.restore(linearization_));
+  EXPECT_FALSE(constraints_.restore(linearization_));
+  for (int k = 0; k <= problem_.knots(); ++k) {
+    EXPECT_EQ(linearization_.knots[k].gradient, own.knots[k].gradient) << k;
+    EXPECT_EQ(linearization_.knots[k].hessian(), own.knots[k].hessian()) << k;
+  }
+  constraints_.restart();
+  const Step z = random_step();
+  constraints_.revise(z, 0, linearization_, last);
+  expect_model_of(z);
+  EXPECT_GT(exact_, 0.6 * nodes_);
+}
+
+TEST_P(ModelOfEveryKind, SaysHowMuchMoreThePenaltiesRiseOnAPathThanItHasThem) {
+  constraints_.start(linearization_, &augmentation_);
+  std::optional<int> last;
+  const Step z = random_step(), to = random_step();
+  constraints_.revise(z, 0, linearization_, last);
+  constraints_.set_path(z, to, linearization_);
+  for (const double alpha : {0.0, 0.3, 0.8, 1.0, 1.7}) {
+    Step on_the_way = z;
+    for (int k = 0; k <= problem_.knots(); ++k) on_the_way[k] += alpha * (to[k] - z[k]);
+    const Linearization there = at(on_the_way);
+    double more = 0, size = 0;
+    for (int k = 0; k <= problem_.knots(); ++k) {
+      const KnotLinearization& knot = linearization_.knots[k];
+      const Eigen::VectorXd modelled = knot.gradient + knot.hessian() * on_the_way[k];
+      more += (there.knots[k].gradient - modelled).dot(to[k] - z[k]);
+      size += there.knots[k].gradient.norm() * (to[k] - z[k]).norm();
+    }
+    EXPECT_NEAR(constraints_.slope_beyond_model(alpha), more, 1e-12 * size) << alpha;
+    if (alpha > 0.5) {
+      EXPECT_GT(std::abs(more), 1e-4 * size) << alpha;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, ModelOfEveryKind, ::testing::Range(1u, 9u));
 
 }  // namespace
 }  // namespace conddp::testing

@@ -98,6 +98,30 @@ TEST(RowSide, OfAPairCountsForTheSmallerValueAndForTheOtherOneIfItIsPushed) {
   EXPECT_EQ(sides[0], RowSide::lower);
 }
 
+// All that decides stands in the two rows themselves, also where a pair is not the first.
+TEST(RowSide, OfEqualValuesOfAPairTheFirstOneCounts) {
+  const double values[] = {0.25, 0.25}, penalties[] = {10, 20}, none[] = {0, 0};
+  RowSide sides[2];
+  choose_pair(values, none, penalties, sides);
+  EXPECT_EQ(sides[0], RowSide::equality);
+  EXPECT_EQ(sides[1], RowSide::inactive);
+  const double pulled[] = {0, -5};  // 0.25 − 5/20 is not below zero
+  choose_pair(values, pulled, penalties, sides);
+  EXPECT_EQ(sides[1], RowSide::inactive);
+}
+
+TEST(RowSide, AtTheLimitOfASoftOneIsWithinIt) {
+  const Bounds row(-1, 2, 3);
+  const NodeConstraint c = row.constraint();
+  EXPECT_EQ(chosen_bound(c, 0, 2, 3, 10), RowSide::upper);
+  EXPECT_EQ(chosen_bound(c, 0, 2.25, 0.5, 10), RowSide::upper);
+  EXPECT_EQ(revised_bound(c, 0, RowSide::upper, 2, 3), RowSide::upper);
+  EXPECT_EQ(revised_bound(c, 0, RowSide::above, 2, 3), RowSide::above);
+  EXPECT_EQ(revised_bound(c, 0, RowSide::below, -1, -3), RowSide::below);
+  EXPECT_EQ(revised_bound(c, 0, RowSide::lower, -1, 0), RowSide::inactive);
+  EXPECT_EQ(revised_bound(c, 0, RowSide::upper, 2, 0), RowSide::inactive);
+}
+
 TEST(RowSide, OfAConeIsItsSurfaceOrItsTip) {
   const Cone cone;
   const NodeConstraint c = cone.constraint();
@@ -106,6 +130,11 @@ TEST(RowSide, OfAConeIsItsSurfaceOrItsTip) {
   EXPECT_EQ(chosen_cone(c, inside, none, 10), RowSide::inactive);
   EXPECT_EQ(chosen_cone(c, outside, none, 10), RowSide::surface);
   EXPECT_EQ(chosen_cone(c, polar, none, 10), RowSide::tip);
+  const double on_it[] = {3, 4, 5};
+  EXPECT_EQ(chosen_cone(c, on_it, none, 10), RowSide::inactive);
+  EXPECT_EQ(chosen_cone(c, none, none, 10), RowSide::inactive);
+  const double on_the_polar_one[] = {3, 4, -5};
+  EXPECT_EQ(chosen_cone(c, on_the_polar_one, none, 10), RowSide::tip);
   // On the axis a surface has no slope.
   const double axis[] = {0, 0, 0.1}, push[] = {6, 0, 0};
   EXPECT_EQ(chosen_cone(c, axis, push, 10), RowSide::tip);
@@ -155,6 +184,14 @@ TEST(RowSide, OfAControlCountsAtABoundTowardsWhichItsGradientPushes) {
   EXPECT_EQ(chosen_control(1, -1, 1, -5), RowSide::upper);
   EXPECT_EQ(chosen_control(1.1, -1, 1, 5), RowSide::upper);
   EXPECT_EQ(chosen_control(-1.1, -1, 1, -5), RowSide::lower);
+  EXPECT_EQ(chosen_control(-1, -1, 1, 0), RowSide::inactive);
+  EXPECT_EQ(chosen_control(1, -1, 1, 0), RowSide::inactive);
+  EXPECT_EQ(chosen_control(-1 + 1e-10, -1, 1, 5), RowSide::lower);
+  EXPECT_EQ(chosen_control(-1 + 1e-8, -1, 1, 5), RowSide::inactive);
+  EXPECT_EQ(chosen_control(1 - 1e-10, -1, 1, -5), RowSide::upper);
+  EXPECT_EQ(chosen_control(1 - 1e-8, -1, 1, -5), RowSide::inactive);
+  EXPECT_EQ(chosen_control(0.5, 0.5, 0.5, 5), RowSide::lower);
+  EXPECT_EQ(chosen_control(0.5, 0.5, 0.5, -5), RowSide::upper);
 }
 
 }  // namespace

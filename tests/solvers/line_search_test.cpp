@@ -1,0 +1,181 @@
+// Searches along the step to the minimum of a linear-quadratic problem, times some length, where
+// the cost of every trial is a parabola: f(α) = f(0) − D (2 l α − l² α²).
+#include "solvers/globalization/line_search.hpp"
+
+#include <gtest/gtest.h>
+
+#include "solvers/riccati/linear_rollout.hpp"
+#include "support/linear_quadratic.hpp"
+
+namespace conddp::testing {
+namespace {
+
+struct ParabolaSearch {
+  /// `multiple`: the step that is searched, of that to the minimum.
+  explicit ParabolaSearch(double multiple, SolverOptions::LineSearch options = {})
+      : lq(2, 3, {2, 1}, 3, -kFree, kFree, 1),
+        problem(*lq.problem),
+        bounds(problem),
+        evaluator(problem),
+        linearization(problem),
+        gaps(problem),
+        trajectory(random_guess(problem, 3)),
+        adjoint(problem, bounds),
+        sweep(problem, bounds),
+        policy(unconstrained_stage(problem)),
+        feedback(problem),
+        rollout(problem, bounds),
+        search(problem, options),
+        length(multiple) {
+    trajectory.x(0) = lq.x0;
+    EXPECT_EQ(evaluator.simulate(trajectory), -1);
+    evaluator.differentiate(trajectory, linearization);
+    gaps.set(linearization, false);
+    EXPECT_EQ(sweep.run(linearization, trajectory, gaps, {}, *policy, feedback), -1);
+    adjoint.compute(linearization, trajectory, gaps, feedback);
+    rollout.run(linearization, trajectory, gaps, feedback, false);
+    most = lq.cost(trajectory) - lq.cost(lq.dense_optimum());
+    for (Eigen::VectorXd& k : feedback.k) k *= length;
+    merit = {.cost = linearization.total_cost(), .slope = length * rollout.slope()};
+  }
+  LineSearchResult run(double first_step = 1) {
+    Trajectory from = trajectory;
+    const LineSearchResult found =
+        search.run(evaluator, merit, adjoint, linearization.gap, feedback, {}, first_step, from);
+    moved = from;
+    return found;
+  }
+  double decrease(double step) const {
+    const double at = length * step;
+    return most * (2 * at - at * at);
+  }
+
+  LinearQuadratic lq;
+  const ShootingProblem& problem;
+  ControlBounds bounds;
+  Evaluator evaluator;
+  Linearization linearization;
+  Gaps gaps;
+  Trajectory trajectory;
+  Adjoint adjoint;
+  BackwardSweep sweep;
+  std::unique_ptr<StagePolicy> policy;
+  Feedback feedback;
+  LinearRollout rollout;
+  LineSearch search;
+  MeritModel merit;
+  Trajectory moved;
+  double most = 0;  ///< D
+  double length;
+};
+
+TEST(LineSearch, TakesTheFullStepToTheMinimumAlone) {
+  ParabolaSearch at(1);
+  const LineSearchResult found = at.run();
+  EXPECT_TRUE(found.accepted);
+  EXPECT_EQ(found.step, 1);
+  EXPECT_EQ(found.trials, 1);
+  EXPECT_FALSE(found.by_rounding);
+  EXPECT_EQ(found.first_bad_knot, -1);
+  EXPECT_NEAR(found.actual_decrease, at.most, 1e-9 * at.most);
+  EXPECT_NEAR(found.expected_decrease, 2 * at.most, 1e-9 * at.most);
+  EXPECT_NEAR(at.lq.cost(at.moved), at.merit.cost - at.most, 1e-9 * at.most);
+}
+
+// What a step lowers the merit by, where its half may lower it more and is taken then.
+TEST(LineSearch, TakesTheLongestStepUnlessItsHalfLowersTheMeritMore) {
+  if (kLaneWidth < 4) GTEST_SKIP() << "a step is compared with its half in the lane beside it";
+  struct Case {
+    double length, step;
+    int trials;
+  };
+  // f falls by D (2 l α − l² α²): of l = 1.5 by 0.75, 0.9375, 0.61; of 2 by 0, 1, 0.75; of 3 by −3,
+  // 0.75, 0.94, 0.61; of 6.5 by −29, −4, 0.61, 0.97, 0.65.
+  for (const Case& c :
+       {Case{0.5, 1, 1}, {1.5, 0.5, 2}, {2, 0.5, 2}, {3, 0.25, 3}, {6.5, 0.125, 4}}) {
+    ParabolaSearch at(c.length);
+    const LineSearchResult found = at.run();
+    EXPECT_TRUE(found.accepted) << c.length;
+    const bool alone = c.length < 1;  // falls by a third of the slope at least
+    EXPECT_EQ(found.step, alone ? 1 : c.step) << c.length;
+    EXPECT_EQ(found.trials, alone ? 1 : c.trials) << c.length;
+    EXPECT_NEAR(found.actual_decrease, at.decrease(found.step), 1e-9 * at.most) << c.length;
+    EXPECT_NEAR(found.expected_decrease, 2 * c.length * found.step * at.most, 1e-9 * at.most)
+        << c.length;
+    EXPECT_NEAR(at.lq.cost(at.moved), at.merit.cost - found.actual_decrease, 1e-9 * at.most);
+  }
+}
+
+TEST(LineSearch, BeginsWithTheLongestStepThatItMayTry) {
+  ParabolaSearch at(3);
+  const LineSearchResult found = at.run(0.25);
+  EXPECT_EQ(found.step, 0.25);
+  EXPECT_EQ(found.trials, 1);
+  EXPECT_NEAR(found.actual_decrease, at.decrease(0.25), 1e-9 * at.most);
+}
+
+// Below 1/8 the half of an acceptable step is not looked at: of l = 13 by −143, −29, −4, 0.61
+// and, in the half, 0.97.
+TEST(LineSearch, ShortStepsAreNotHalvedOnceMore) {
+  ParabolaSearch at(13);
+  const LineSearchResult found = at.run();
+  EXPECT_TRUE(found.accepted);
+  EXPECT_EQ(found.step, 0.125);
+  EXPECT_EQ(found.trials, 4);
+}
+
+TEST(LineSearch, GivesUpBelowTheSmallestStep) {
+  for (const double least : {0.25, 0.2, 1.0 / 1024}) {
+    ParabolaSearch at(-1, {.min_step = least});
+    const Trajectory before = at.trajectory;
+    const LineSearchResult found = at.run();
+    EXPECT_FALSE(found.accepted);
+    EXPECT_EQ(found.trials, least == 1.0 / 1024 ? 11 : 3) << least;
+    for (int k = 0; k < at.lq.N(); ++k) EXPECT_EQ(at.moved.u(k), before.u(k)) << k;
+  }
+}
+
+// With Armijo's share of 0.6 of the slope: 1 − l α / 2 has to be as much.
+TEST(LineSearch, WantsItsShareOfTheSlope) {
+  for (const double armijo : {0.55, 0.45}) {
+    ParabolaSearch at(1, {.armijo = armijo});
+    const LineSearchResult found = at.run();
+    EXPECT_EQ(found.step, armijo > 0.5 ? 0.5 : 1) << armijo;
+  }
+}
+
+TEST(LineSearch, AStepWhoseDecreaseRoundingHidesPassesWhereTheMeritChangesNoMore) {
+  ParabolaSearch at(1);
+  at.merit.rounding = at.most;
+  const LineSearchResult hidden = at.run();
+  EXPECT_TRUE(hidden.accepted);
+  EXPECT_TRUE(hidden.by_rounding);
+  EXPECT_EQ(hidden.step, 1);
+  // Uphill by more than that, at every step: no Armijo, and the first one alone may hide.
+  ParabolaSearch up(-1);
+  up.merit.rounding = 0.21 * up.most;  // hides 2.1 D: the slope, but not 3 D
+  const LineSearchResult none = up.run();
+  EXPECT_FALSE(none.accepted);
+}
+
+// Of gaps that close on the way the merit counts the part that is closed.
+TEST(LineSearch, CountsTheGapsThatAStepCloses) {
+  ParabolaSearch at(1);
+  at.merit.gap_norm = 3;
+  at.merit.penalty = 2;
+  const LineSearchResult found = at.run();
+  EXPECT_NEAR(found.actual_decrease, at.most + 6, 1e-9 * at.most);
+  EXPECT_NEAR(found.expected_decrease, 2 * at.most + 6, 1e-9 * at.most);
+}
+
+TEST(LineSearch, TellsWhereATrialWasLost) {
+  ParabolaSearch at(1);
+  at.feedback.k[2].setConstant(1e308);
+  at.feedback.k[2] *= 10;
+  const LineSearchResult found = at.run();
+  EXPECT_FALSE(found.accepted);
+  EXPECT_EQ(found.first_bad_knot, 2);
+}
+
+}  // namespace
+}  // namespace conddp::testing
