@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "analysis/certificate/reduced_gradient.hpp"
 #include "solvers/strategies/registry.hpp"
 #include "support/small_problems.hpp"
 
@@ -147,6 +148,50 @@ TEST(AnswerCheck, WhatIsNotFiniteHasNoMeasure) {
   const AnswerCheck check = check_answer(problem, trajectory);
   EXPECT_TRUE(std::isnan(check.cost) && std::isnan(check.gap) && std::isnan(check.stationarity) &&
               std::isnan(check.constraint) && std::isnan(check.complementarity));
+}
+
+/// Rows at three nodes of a mass, with multipliers each.
+TEST(AnswerCheck, EveryConstraintHasItsOwnMultipliers) {
+  const auto system = double_integrator(1);
+  auto model = std::make_shared<KnotModel>(system, Integrator::rk4);
+  auto end = std::make_shared<KnotModel>(system, Integrator::none);
+  for (const auto& each : {model, end})
+    each->add_constraint(
+        make_constraint("box", state_residual(each->manifold()), ConstraintKind::bounds));
+  // At most 1 and 2, without a lower bound.
+  const std::vector<double> box = {0, 0, -testing::kFree, -testing::kFree, 1, 2, 1};
+  std::vector<double> twice = box;
+  twice.insert(twice.end(), box.begin(), box.end());
+  std::vector<Phase> phases;
+  phases.push_back(
+      {.name = "all", .model = model, .dt = {1, 1}, .cost_scale = {1, 1}, .parameters = twice});
+  const ShootingProblem problem(
+      {0.5, 0}, std::move(phases),
+      {.name = "end", .model = end, .dt = {0}, .cost_scale = {1}, .parameters = box});
+  const Trajectory rests = simulated(problem, 0);
+  for (int row = 0; row < 6; ++row) {
+    Eigen::VectorXd multipliers = Eigen::VectorXd::Zero(6);
+    multipliers[row] = 3;
+    const AnswerCheck check = check_answer(problem, rests, kBoundRounding, multipliers);
+    EXPECT_NEAR(check.complementarity, row % 2 == 0 ? 3 * 0.5 : 3 * 2, 1e-14) << row;
+    EXPECT_EQ(check.constraint, 0);
+  }
+  Trajectory beyond = rests;
+  for (int k = 0; k <= 2; ++k) {
+    beyond.x(k)[1] = 2 + 0.25 * (k + 1);
+    EXPECT_NEAR(check_answer(problem, beyond).constraint, 0.25 * (k + 1), 1e-14);
+  }
+}
+
+TEST(AnswerCheck, ViolationsOfControlBoundsAreTheLargest) {
+  const ShootingProblem problem = testing::unicycle_parking(1);
+  Trajectory trajectory = problem.create_trajectory();
+  trajectory.u(3)[1] = 1.25;
+  EXPECT_EQ(check_answer(problem, trajectory).constraint, 0.25);
+  trajectory.u(0)[0] = -1.5;
+  EXPECT_EQ(check_answer(problem, trajectory).constraint, 0.5);
+  trajectory.u(problem.knots() - 1)[0] = -2;
+  EXPECT_EQ(check_answer(problem, trajectory).constraint, 1);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "analysis/certificate/certificate.hpp"
+#include "analysis/certificate/place_text.hpp"
 #include "ocp/problem/by_name.hpp"
 #include "solvers/common/control_bounds.hpp"
 #include "solvers/strategies/registry.hpp"
@@ -120,6 +121,94 @@ TEST(CertificateOfSolves, EachFigureIsComparedWithOnesOwn) {
             std::string::npos);
   EXPECT_NE(after([](SolutionClaims& c) { c.trajectory.x(20)[0] += 1e-3; }).find("[gap]"),
             std::string::npos);
+}
+
+TEST(CertificateOfSolves, EveryNumberOfTheStartAndEveryTimeIsCompared) {
+  const Answer answer(testing::quadrotor_move(0, 6));
+  const int N = answer.problem.knots();
+  for (int i = 0; i < answer.problem.ndx(); ++i) {
+    SolutionClaims changed = answer.claims;
+    double* x = changed.trajectory.x(0).data();
+    const Eigen::VectorXd dx = 1e-9 * Eigen::VectorXd::Unit(answer.problem.ndx(), i);
+    answer.problem.manifold().integrate(x, dx.data(), x);
+    EXPECT_NE(failed_checks(answer.problem, changed).find("[initial state]"), std::string::npos)
+        << i;
+  }
+  for (const int k : {0, N / 2, N}) {
+    SolutionClaims changed = answer.claims;
+    changed.times[k] -= 1e-9;
+    EXPECT_EQ(failed_checks(answer.problem, changed), "[times]") << k;
+    changed = answer.claims;
+    changed.trajectory.x(k).segment(3, 4) *= 1 + 1e-7;
+    EXPECT_NE(failed_checks(answer.problem, changed).find("[unit quaternions]"), std::string::npos)
+        << k;
+  }
+}
+
+TEST(CertificateOfSolves, EveryCostateAndEveryControlIsCompared) {
+  const Answer answer(testing::quadrotor_move(0, 6));
+  const int N = answer.problem.knots();
+  for (const int k : {0, 1, N})
+    for (int i = 0; i < answer.problem.ndx(); ++i) {
+      SolutionClaims changed = answer.claims;
+      changed.state_gradient(i, k) += 1e-6;
+      EXPECT_EQ(failed_checks(answer.problem, changed), "[co-states]") << k << ' ' << i;
+    }
+  for (const int k : {0, N - 1})
+    for (int i = 0; i < 4; ++i) {
+      SolutionClaims changed = answer.claims;
+      changed.lower_multipliers[k][i] += 1e-3;
+      EXPECT_NE(failed_checks(answer.problem, changed).find("[stationarity]"), std::string::npos)
+          << k << ' ' << i;
+    }
+}
+
+/// What an answer says of itself where it ended in numbers beyond all measure.
+TEST(CertificateOfSolves, ADivergedAnswerMayLeaveFiguresOpenButNotGiveWrongOnes) {
+  const Answer answer(testing::pendulum_swing_up(3));
+  SolutionClaims claims = answer.claims;
+  claims.converged = false;
+  claims.status = "diverged";
+  claims.stationarity += 1;  // no longer under its tolerance, and wrong
+  EXPECT_EQ(failed_checks(answer.problem, claims), "[stationarity]");
+  claims.stationarity = SolutionClaims::kOpen;
+  claims.cost = SolutionClaims::kOpen;
+  EXPECT_EQ(failed_checks(answer.problem, claims), "");
+  claims.status = "max_iterations";
+  EXPECT_NE(failed_checks(answer.problem, claims), "");
+}
+
+TEST(CertificateOfSolves, PlacesNameTheKnotItsPhaseAndWhatIsThere) {
+  const Answer answer(testing::landing());
+  SolutionClaims changed = answer.claims;
+  changed.tangent_names = {"x", "z", "pitch", "hip", "knee", "vx", "vz", "wp", "wh", "wk"};
+  changed.trajectory.x(3)[4] += 0.5;
+  changed.gap = 0;
+  std::string place;
+  for (const Check& check : certify(answer.problem, changed).checks)
+    if (check.name == "gap") place = check.place;
+  EXPECT_NE(place.find("phase 'flight'"), std::string::npos) << place;
+}
+
+TEST(PlaceText, NamesKnotsAndTheLastNode) {
+  const ShootingProblem problem = testing::landing();
+  EXPECT_EQ(place_text(problem, 0, ""), "knot 0 (phase 'flight')");
+  EXPECT_EQ(place_text(problem, 9, "vz"), "knot 9 (phase 'flight'), vz");
+  EXPECT_EQ(place_text(problem, 10, ""), "knot 10 (phase 'touch_down')");
+  EXPECT_EQ(place_text(problem, 40, ""), "knot 40 (phase 'stance')");
+  EXPECT_EQ(place_text(problem, 41, "x"), "knot 41 (the last node), x");
+}
+
+TEST(PlaceText, ControlsHaveNamesWhereThereAreAny) {
+  const ShootingProblem problem = testing::landing();
+  EXPECT_EQ(control_name(problem, 0, 0), "u/hip");
+  EXPECT_EQ(control_name(problem, 0, 1), "u/knee");
+  EXPECT_EQ(control_name(problem, 0, 2), "");
+  EXPECT_EQ(control_name(problem, 0, -1), "");
+  EXPECT_EQ(control_name(problem, -1, 0), "");
+  EXPECT_EQ(control_name(problem, 10, 0), "") << "an impulse has none";
+  EXPECT_EQ(control_name(problem, 40, 1), "u/knee");
+  EXPECT_EQ(control_name(problem, 41, 0), "");
 }
 
 TEST(CertificateOfSolves, QuaternionsHaveTheLengthOne) {

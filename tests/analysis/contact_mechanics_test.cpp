@@ -5,9 +5,12 @@
 
 #include <gtest/gtest.h>
 
+#include "analysis/contact/rigid_step.hpp"
 #include "robot/dynamics.hpp"
+#include "support/candidate_cases.hpp"
 #include "support/random_numbers.hpp"
 #include "support/random_robot.hpp"
+#include "systems/contact/candidate_geometry.hpp"
 
 namespace conddp {
 namespace {
@@ -79,6 +82,86 @@ TEST(ContactMechanics, AppliedForcesAreTheirColumnsTimesTheControls) {
   const std::vector<double> forces = plant.applied(u);
   for (int i = 0; i < n; ++i) EXPECT_EQ(forces[i], 2 * (1 + i) - 3 * (1 + n + i));
 }
+
+/// A random robot, bolted or floating, in a random state, and what a sphere on it may touch.
+class GeometryOfContacts : public ::testing::TestWithParam<bool> {
+ protected:
+  GeometryOfContacts()
+      : robot_(std::make_shared<const RobotModel>(
+            random_robot(7, {.joints = 6, .floating = GetParam(), .branching = 0.6}))) {
+    RandomNumbers random(3);
+    q_ = random_state(*robot_, random).q;
+  }
+  ContactPlant plant_of(const CandidateCase& c) const {
+    ContactPlant plant{.robot = robot_};
+    plant.contacts.candidates = {c.candidate};
+    plant.contacts.plane = c.plane;
+    return plant;
+  }
+  /// As the solver has it, with slopes.
+  CandidateRows<double> of_the_solver(const CandidateGeometry& geometry) const {
+    RobotData<double> data(*robot_);
+    update_placements(*robot_, q_.data(), data);
+    auto rows = geometry.create_rows<double>();
+    geometry.differentiate(data, rows);
+    return rows;
+  }
+  static void expect_near(const Vector3<double>& a, const Vector3<double>& b) {
+    for (int i = 0; i < 3; ++i) EXPECT_NEAR(a[i], b[i], 1e-12) << i;
+  }
+
+  std::shared_ptr<const RobotModel> robot_;
+  std::vector<double> q_;
+};
+
+TEST_P(GeometryOfContacts, IsThatOfTheSolver) {
+  for (const CandidateCase& c : candidate_cases(*robot_)) {
+    SCOPED_TRACE(c.name);
+    const ContactPlant plant = plant_of(c);
+    const CandidateGeometry geometry(*robot_, c.candidate, c.plane);
+    const CandidateRows<double> expected = of_the_solver(geometry);
+    ContactMechanics<double> mechanics(plant);
+    const ContactInstant<double>& found = mechanics.look(q_.data()).front();
+    EXPECT_NEAR(found.gap, expected.gap, 1e-12);
+    expect_near(found.point, expected.point);
+    const int k = static_cast<int>(geometry.columns().size());
+    std::vector<double> rows(3 * plant.nv(), 0.0);
+    for (int r = 0; r <= geometry.tangents(); ++r) {
+      expect_near(found.directions[r], expected.directions[r]);
+      for (int i = 0; i < k; ++i)
+        rows[r * plant.nv() + geometry.columns()[i]] = expected.rows[r * k + i];
+    }
+    ASSERT_EQ(found.rows.size(), rows.size());
+    for (std::size_t i = 0; i < rows.size(); ++i) EXPECT_NEAR(found.rows[i], rows[i], 1e-12) << i;
+  }
+}
+
+TEST_P(GeometryOfContacts, MovesAsThatOfTheSolver) {
+  for (const CandidateCase& c : candidate_cases(*robot_)) {
+    SCOPED_TRACE(c.name);
+    const ContactPlant plant = plant_of(c);
+    const CandidateGeometry geometry(*robot_, c.candidate, c.plane);
+    const CandidateRows<double> expected = of_the_solver(geometry);
+    const std::vector<int>& columns = geometry.columns();
+    const int k = static_cast<int>(columns.size()), n = 1 + geometry.tangents();
+    ContactMechanics<Dual<double>> mechanics(plant);
+    for (int i = 0; i < k; ++i) {
+      std::vector<Dual<double>> way(plant.nv(), Dual<double>(0.0)), q(plant.nq());
+      way[columns[i]].d = 1;
+      move_configuration(*robot_, q_.data(), way.data(), q.data());
+      const ContactInstant<Dual<double>>& found = mechanics.look(q.data()).front();
+      EXPECT_NEAR(found.gap.d, expected.rows[i], 1e-12);
+      for (int r = 0; r < n; ++r)
+        for (int j = 0; j < k; ++j)
+          EXPECT_NEAR(found.rows[r * plant.nv() + columns[j]].d,
+                      expected.slopes[i * n * k + r * k + j], 1e-11)
+              << "row " << r << ", column " << j << " by " << i;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Bases, GeometryOfContacts, ::testing::Bool(),
+                         [](const auto& suite) { return suite.param ? "floating" : "bolted"; });
 
 }  // namespace
 }  // namespace conddp

@@ -395,5 +395,90 @@ TEST(ContactSimulator, MidpointSchemeKeepsTheEnergy) {
   }
 }
 
+/// Nothing depends on where a mass stands that touches nothing: nor do its equations see that.
+TEST(ContactSimulator, APlaceThatIsNotANumberIsToldWhereNothingDependsOnIt) {
+  ContactPlant plant = puck(FrictionModel::polyhedron);
+  plant.contacts.candidates.clear();
+  ContactSimulator simulator(plant);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  StepStart start = at_rest(plant, 0.01);
+  EXPECT_EQ(simulator.step(start).status, StepStatus::solved);
+  start.q[0] = nan;
+  EXPECT_EQ(simulator.step(start).status, StepStatus::not_finite);
+  start = at_rest(plant, 0.01);
+  start.applied[1] = nan;
+  EXPECT_EQ(simulator.step(start).status, StepStatus::not_finite);
+}
+
+/// Newton's method: few iterations a step, and residuals down to rounding.
+TEST(ContactSimulator, StepsTakeFewIterationsToTheLastDigits) {
+  struct Motion {
+    ContactPlant plant;
+    StepStart start;
+    int iterations;  ///< at most
+  };
+  const ContactPlant slope = block_on_slope(0.5, std::atan(0.6));
+  const ContactPlant disc = puck(FrictionModel::cone);
+  for (const Motion& motion :
+       {Motion{slope, standing_block(slope, 0.01), 4}, Motion{disc, sliding_puck(disc, 0.01), 6}}) {
+    ContactSimulator simulator(motion.plant);
+    StepStart start = motion.start;
+    for (int k = 0; k < 60; ++k) {
+      const ContactStep step = advance(simulator, motion.plant, start);
+      EXPECT_LE(step.iterations, motion.iterations) << k;
+      EXPECT_LT(step.residual, 1e-12) << k;
+    }
+  }
+}
+
+/// Newton's method with the contacts as they are at the solution begins at it.
+TEST(ContactSimulator, AStepNearItsOwnSolutionIsThatSolution) {
+  ContactPlant plant = crate(0.5, FrictionModel::cone);
+  ContactSimulator simulator(plant);
+  StepStart start = crate_start(0.12, 0.2, 0.01);
+  start.v << 0.3, 0.2, 0, 1, 2, 0.5;
+  int quick = 0;
+  for (int k = 0; k < 40; ++k) {
+    const StepStart before = start;
+    const ContactStep step = advance(simulator, plant, start);
+    const ContactStep again = simulator.step(before, step);
+    EXPECT_EQ(again.status, StepStatus::solved);
+    EXPECT_LT((again.v - step.v).norm(), 1e-9) << k;
+    quick += again.iterations <= 3;
+  }
+  EXPECT_GE(quick, 36) << "but for steps in which a corner lands";
+}
+
+/// A mass on a slide between two stops with dry friction, pushed against either of them.
+TEST(ContactSimulator, StopsOnEitherSideAndDryFrictionShareAPush) {
+  const double h = 0.01, limit = 1.5;
+  ContactPlant plant = puck(FrictionModel::polyhedron);
+  plant.contacts.candidates.clear();
+  const int x = plant.robot->find_joint("x").value(), y = plant.robot->find_joint("y").value(),
+            z = plant.robot->find_joint("z").value();
+  plant.contacts.stops = {{z, 0, kUnlimited}, {x, -0.1, 0.2}, {y, -kUnlimited, 0.3}};
+  plant.contacts.frictions = {{y, 0.75}, {x, limit}};
+  ContactSimulator simulator(plant);
+  for (const double push : {-5.0, 7.0}) {
+    StepStart start = at_rest(plant, h);
+    start.q << (push < 0 ? -0.1 : 0.2), 0, 0;
+    start.applied << push, 0.5, 0;
+    const ContactStep step = advance(simulator, plant, start);
+    EXPECT_LT(step.v.norm(), 1e-12);
+    // Friction takes what it can of the push only where the stop leaves something: they share it.
+    EXPECT_NEAR(step.forces.stop_lower[1] - step.forces.stop_upper[1] + step.forces.friction[1],
+                -push, 1e-9);
+    EXPECT_GE(push < 0 ? step.forces.stop_lower[1] : step.forces.stop_upper[1],
+              std::abs(push) - limit - 1e-9);
+    EXPECT_EQ(push < 0 ? step.forces.stop_upper[1] : step.forces.stop_lower[1], 0);
+    EXPECT_NEAR(step.forces.friction[0], -0.5, 1e-9);
+    EXPECT_NEAR(step.forces.stop_lower[0], 2 * kGravity, 1e-9);
+    EXPECT_EQ(step.forces.stop_upper[2], 0);
+    const ContactStep again = simulator.step(start, step);
+    EXPECT_EQ(again.status, StepStatus::solved);
+    EXPECT_LT(again.v.norm(), 1e-12);
+  }
+}
+
 }  // namespace
 }  // namespace conddp

@@ -137,6 +137,38 @@ TEST(DerivativeCheck, AWrongJacobianOfAResidualIsNamed) {
   EXPECT_LT(find(all, DerivativeKind::dynamics).error, 1e-12);
 }
 
+// The first node moves as the others do, and so does the last one.
+TEST(DerivativeCheck, EveryNodeIsDisplaced) {
+  auto model = std::make_shared<KnotModel>(pendulum({}), Integrator::rk4);
+  model->add_cost("suspect", std::make_shared<SuspectResidual>(model->ndx(), Mistake::kSign), {});
+  const ShootingProblem one = one_phase(model, 1);
+  const auto check_one = [&](double displacement) {
+    return find(check_derivatives(one, one.create_trajectory(), {.displacement = displacement}),
+                DerivativeKind::residual);
+  };
+  EXPECT_EQ(check_one(0).error, 0) << "at rest both are zero";
+  EXPECT_FALSE(check_one(0).displaced);
+  const DerivativeComparison c = check_one(0.1);
+  EXPECT_EQ(c.knot, 0);
+  EXPECT_TRUE(c.displaced);
+  EXPECT_GT(c.error, 1);
+  EXPECT_LE(std::abs(c.reference), 0.1);
+}
+
+TEST(DerivativeCheck, AsManyKnotsOfAPhaseAsAskedForAreComparedFirstAndLastAmongThem) {
+  auto model = std::make_shared<KnotModel>(pendulum({}), Integrator::rk4);
+  const ShootingProblem problem = one_phase(model, 9);
+  const auto knots = [&](int count) {
+    return find(check_derivatives(problem, problem.create_trajectory(), {.knots_per_phase = count}),
+                DerivativeKind::dynamics)
+        .knots;
+  };
+  EXPECT_EQ(knots(1), (std::vector{0}));
+  EXPECT_EQ(knots(2), (std::vector{0, 8}));
+  EXPECT_EQ(knots(5), (std::vector{0, 2, 4, 6, 8}));
+  EXPECT_EQ(knots(100), (std::vector{0, 1, 2, 3, 4, 5, 6, 7, 8}));
+}
+
 TEST(DerivativeCheck, AColumnThatTheStructureForgetsIsNamed) {
   const DerivativeComparison c =
       find(check_with(Mistake::kMissingColumn), DerivativeKind::residual);

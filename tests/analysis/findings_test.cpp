@@ -250,7 +250,7 @@ TEST(LastKnot, IsComparedWithItsOwnPhaseOfSixKnots) {
 /// A body of 2 kg with its centre of mass 0.1 above the origin and a thruster at each of these
 /// places.
 std::vector<Finding> thrusters_at(
-    const std::vector<std::pair<Vector3<double>, Vector3<double>>>& places) {
+    const std::vector<std::pair<Vector3<double>, Vector3<double>>>& places, bool held = false) {
   std::string urdf =
       R"(<robot name="ship"><link name="hull"><inertial><origin xyz="0 0 0.1"/><mass value="2"/>)"
       R"(<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>)";
@@ -270,8 +270,9 @@ std::vector<Finding> thrusters_at(
     thrusters.push_back({.name = "jet" + std::to_string(i),
                          .frame = *robot->find_frame("jet" + std::to_string(i)),
                          .direction = places[i].second});
-  const auto system =
-      std::make_shared<MultibodySystem>(robot, Actuation::thrusters(*robot, thrusters, {}));
+  const std::vector<Contact> contacts(held ? 1 : 0, {.name = "rope", .frame = 0});
+  const auto system = std::make_shared<MultibodySystem>(
+      robot, Actuation::thrusters(*robot, thrusters, {}), PassiveForces{}, contacts);
   std::vector<double> start(13, 0.0);
   start[6] = 1;
   const ShootingProblem problem =
@@ -301,6 +302,8 @@ TEST(Thrusters, CannotTurnABodyAboutAxesThroughItsCentreOfMass) {
   EXPECT_EQ(two[0].value, 1);
   EXPECT_TRUE(tells(two[0], "about 1 of 3 directions")) << two[0].message;
   EXPECT_TRUE(thrusters_at({{{0.2, 0, 0}, z}, {{0, 0.2, 0}, z}, {{0, 0.2, 0.1}, x}}).empty());
+  // The world may turn a body that it holds.
+  EXPECT_TRUE(thrusters_at({{origin, z}}, true).empty());
 }
 
 }  // namespace

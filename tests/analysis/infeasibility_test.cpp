@@ -88,5 +88,50 @@ TEST(InfeasibleIs, WhatNoControlCanImproveAlone) {
   EXPECT_FALSE(least(of_infeasible(problem, {1, 1}, {2, 1})));  // not where the controls lead
 }
 
+/// One step x⁺ = x + u from the origin with rows on its control, and a soft one at the end.
+double share_of_rows(ConstraintKind kind, const std::vector<double>& bounds,
+                     const Eigen::VectorXd& values) {
+  const int n = static_cast<int>(values.size());
+  const auto system = linear_system(Eigen::MatrixXd::Identity(n, n),
+                                    Eigen::MatrixXd::Identity(n, n), Eigen::VectorXd::Zero(n));
+  auto running = std::make_shared<KnotModel>(system, Integrator::discrete);
+  running->add_constraint(make_constraint("rows", control_residual(n, n), kind));
+  running->set_control_bounds(std::vector<double>(n, -4), std::vector<double>(n, 8));
+  auto end = std::make_shared<KnotModel>(system, Integrator::none);
+  end->add_constraint(make_constraint("soft", state_residual(end->manifold()),
+                                      ConstraintKind::bounds, 1, Softness::l1));
+  std::vector<double> parameters(n, 0.0), last(3 * n, 0.0);
+  parameters.insert(parameters.end(), bounds.begin(), bounds.end());
+  parameters.push_back(1);
+  last.insert(last.end(), {1, 7});
+  std::vector<Phase> phases;
+  phases.push_back(
+      {.name = "go", .model = running, .dt = {1}, .cost_scale = {1}, .parameters = parameters});
+  const ShootingProblem problem(
+      std::vector<double>(n, 0.0), std::move(phases),
+      {.name = "end", .model = end, .dt = {0}, .cost_scale = {1}, .parameters = last});
+  const Trajectory trajectory = problem.create_trajectory();
+  const auto derivatives = node_derivatives(problem, trajectory, Eigen::MatrixXd::Zero(n, 1));
+  Eigen::VectorXd all(2 * n);
+  all << values, Eigen::VectorXd::Constant(n, 9);
+  return attainable_share(problem, trajectory, derivatives, all);
+}
+
+// Down to the lower bound −4 of each control where a row is above, up to 8 where it is below.
+TEST(AttainableShare, CountsRowsThatAreOutsideAndHardOnes) {
+  const std::vector<double> bounds = {-1, -1, -1, 1, 2, 3};
+  EXPECT_NEAR(share_of_rows(ConstraintKind::bounds, bounds, Eigen::Vector3d(0.5, 2, 5)),
+              2 * 4 / 4.0, 1e-14);
+  EXPECT_NEAR(share_of_rows(ConstraintKind::bounds, bounds, Eigen::Vector3d(-4, 2.5, 1)),
+              (3 * 8 + 0.5 * 4) / 9.25, 1e-14);
+}
+
+TEST(AttainableShare, OfPairsIsAlongTheSmallerOnes) {
+  EXPECT_NEAR(share_of_rows(ConstraintKind::complementarity, {}, Eigen::Vector4d(3, 1, -2, 0.5)),
+              (1 * 4 + 2 * 8) / 5.0, 1e-14);
+  EXPECT_NEAR(share_of_rows(ConstraintKind::complementarity, {}, Eigen::Vector4d(0.5, 0.5, 0, 7)),
+              4 * 0.5 / 0.25, 1e-14);
+}
+
 }  // namespace
 }  // namespace conddp

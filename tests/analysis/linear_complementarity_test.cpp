@@ -52,5 +52,35 @@ TEST(LinearComplementarity, SaysWhereThereIsNoSolution) {
   EXPECT_FALSE(solve_lcp(Eigen::MatrixXd::Identity(1, 1), Eigen::VectorXd::Constant(1, nan)));
 }
 
+TEST(LinearComplementarity, OfAnythingThatIsNotFiniteThereIsNoSolution) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  Eigen::MatrixXd M = Eigen::MatrixXd::Identity(2, 2);
+  M(0, 1) = nan;
+  EXPECT_FALSE(solve_lcp(M, Eigen::VectorXd::Ones(2)));  // where z = 0 would do
+  const auto none = solve_lcp(Eigen::MatrixXd(0, 0), Eigen::VectorXd(0));
+  ASSERT_TRUE(none);
+  EXPECT_EQ(none->size(), 0);
+}
+
+TEST(LinearComplementarity, WhatNeedsNoImpulseGetsNone) {
+  const auto z = solve_lcp(-Eigen::MatrixXd::Identity(2, 2), Eigen::Vector2d(0, 3));
+  ASSERT_TRUE(z);
+  EXPECT_EQ(*z, Eigen::VectorXd::Zero(2));
+}
+
+/// Small integers make ties in every step of the pivoting.
+TEST(LinearComplementarity, TiesDoNotCycle) {
+  RandomNumbers random(9);
+  for (int i = 0; i < 3000; ++i) {
+    const int n = 2 + random.index(5), rank = 1 + random.index(n);
+    Eigen::MatrixXd a(n, rank);
+    for (double& entry : a.reshaped()) entry = random.index(3) - 1;
+    Eigen::VectorXd wanted(rank);
+    for (double& entry : wanted) entry = random.index(5) - 2;
+    // w = a (aᵀ z + wanted): that has a solution, as it is that of a convex problem.
+    expect_solution(a * a.transpose(), a * wanted);
+  }
+}
+
 }  // namespace
 }  // namespace conddp

@@ -6,7 +6,9 @@
 
 #include <gtest/gtest.h>
 
+#include "ocp/knot/collocation_residual.hpp"
 #include "support/block_on_slides.hpp"
+#include "systems/collocation_system.hpp"
 
 namespace conddp {
 namespace {
@@ -207,6 +209,96 @@ TEST(Replay, NeedsTimeBetweenKnots) {
                    std::vector<Eigen::MatrixXd>(2, Eigen::MatrixXd::Zero(2, 2)))
                 .impossible,
             "");
+}
+
+/// A cart with a pole, pushed, in steps of a rule of collocation and, as they should be, in very
+/// small ones of Runge and Kutta's.
+struct PushedCart {
+  ShootingProblem problem;
+  Trajectory motion;
+
+  explicit PushedCart(LobattoRule rule)
+      : problem(in_steps_of(rule)), motion(problem.create_trajectory()) {
+    const auto inside = cartpole({});
+    const auto data = inside->create_data(double{});
+    IntegratorWorkspace<double> work(*inside, Integrator::rk4);
+    constexpr int kParts = 200;
+    for (int k = 0; k < problem.knots(); ++k) {
+      motion.u(k)[0] = 3 - 2 * k;
+      motion.x(k + 1) = motion.x(k);
+      for (int i = 0; i < kParts; ++i) {
+        inside->evaluate(motion.x(k + 1).data(), motion.u(k).data(), *data);
+        integrate(*inside, Integrator::rk4, motion.x(k + 1).data(), motion.u(k).data(),
+                  0.1 / kParts, *data, work);
+        std::copy(work.next.begin(), work.next.end(), motion.x(k + 1).data());
+      }
+    }
+  }
+
+  double deviation(int substeps) const {
+    std::vector<Eigen::MatrixXd> none(problem.knots(),
+                                      Eigen::MatrixXd::Zero(problem.nu(0), problem.ndx()));
+    const Replay found = replay(problem, motion, none, substeps);
+    EXPECT_EQ(found.impossible, "");
+    EXPECT_EQ(found.controls.lost_at, -1);
+    EXPECT_NEAR(found.feedback.deviation, found.controls.deviation, 1e-12);
+    return found.controls.deviation;
+  }
+
+ private:
+  static ShootingProblem in_steps_of(LobattoRule rule) {
+    const auto system = std::make_shared<CollocationSystem>(cartpole({}), rule);
+    const bool trapezoidal = rule == LobattoRule::trapezoidal;
+    auto model = std::make_shared<KnotModel>(
+        system, trapezoidal ? Integrator::trapezoidal : Integrator::hermite_simpson);
+    model->add_constraint(make_constraint("collocation", collocation_residual(system, model->ndx()),
+                                          ConstraintKind::bounds));
+    Phase phase{.name = "all", .model = model, .dt = {0.1, 0.1, 0.1}, .cost_scale = {1, 1, 1}};
+    const ConstraintTerm& term = model->constraints().front();
+    for (int k = 0; k < 3; ++k) {
+      std::vector<double> one(model->parameter_count(), 0.0);
+      one[term.parameters] = 0.1;
+      one[term.active()] = 1;
+      phase.parameters.insert(phase.parameters.end(), one.begin(), one.end());
+    }
+    std::vector<Phase> phases;
+    phases.push_back(std::move(phase));
+    return {{0.1, 2, 0.3, -1},
+            std::move(phases),
+            {.name = "end",
+             .model = std::make_shared<KnotModel>(system, Integrator::none),
+             .dt = {0},
+             .cost_scale = {1}}};
+  }
+};
+
+// The slopes of the plan are all zero: the replay finds those of its steps itself.
+TEST(Replay, OfACollocationSolvesForTheSlopesOfItsSteps) {
+  const PushedCart trapezoidal(LobattoRule::trapezoidal), simpson(LobattoRule::hermite_simpson);
+  // Of orders two and four.
+  EXPECT_LT(trapezoidal.deviation(20), 1e-3);
+  EXPECT_NEAR(std::log2(trapezoidal.deviation(10) / trapezoidal.deviation(20)), 2, 0.1);
+  EXPECT_LT(simpson.deviation(10), 1e-7);
+  EXPECT_NEAR(std::log2(simpson.deviation(4) / simpson.deviation(8)), 4, 0.3);
+}
+
+TEST(Replay, RemembersTheControlsThatItHasUsed) {
+  const auto system = block_system();
+  auto model = std::make_shared<KnotModel>(system, Integrator::semi_implicit_euler, true);
+  auto end = std::make_shared<KnotModel>(system, Integrator::none, true);
+  std::vector<Phase> phases;
+  phases.push_back({"all", model, {0.1, 0.1, 0.1}, {1, 1, 1}, {}});
+  std::vector<double> start(9, 0.0);
+  start[7] = 0.5;
+  const ShootingProblem problem(start, std::move(phases), {"end", end, {0}, {1}, {}});
+  Trajectory motion = pushed_along_x(problem, {4, 2, -4});
+  for (int k = 0; k < 3; ++k) motion.x(k + 1).tail(3) = motion.u(k);
+  // Gains on what is remembered alone: it is as planned.
+  Eigen::MatrixXd K = Eigen::MatrixXd::Zero(3, 9);
+  K.rightCols(3).setConstant(50);
+  const Replay found = replay(problem, motion, std::vector<Eigen::MatrixXd>(3, K), 1);
+  EXPECT_NEAR(found.controls.deviation, 0, 1e-12);
+  EXPECT_NEAR(found.feedback.deviation, 0, 1e-12);
 }
 
 }  // namespace

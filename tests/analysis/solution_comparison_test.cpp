@@ -145,6 +145,22 @@ TEST(SolutionComparison, MissingNumbersAgreeWithNothing) {
   }
 }
 
+TEST(SolutionComparison, TimesAgreeToABillionthOfThemselvesAndOfASecond) {
+  const auto differs = [](double time, double off) {
+    Json a = solution(), b = solution();
+    a["trajectory"]["t"] = {0.0, time};
+    b["trajectory"]["t"] = {0.0, time + off};
+    return first(a, b) == "trajectory";
+  };
+  EXPECT_FALSE(differs(1e-3, 0.9e-9));
+  EXPECT_TRUE(differs(1e-3, 1.1e-9));
+  EXPECT_FALSE(differs(1000, -0.9e-6));
+  EXPECT_TRUE(differs(1000, -1.1e-6));
+  Json a = solution(), b = solution();
+  b["trajectory"]["t"] = {1e-8, 0.1};
+  EXPECT_EQ(first(a, b), "trajectory");
+}
+
 TEST(SolutionComparison, NamesWhatDiffersAndWhere) {
   const auto changed = [](auto change) {
     Json other = solution();

@@ -21,14 +21,20 @@ ShootingProblem one_step(const std::shared_ptr<const SteppingSystem>& system,
 
 struct Kind {
   SteppingScheme scheme;
-  bool floating;
+  bool floating, planar;
+  FrictionModel friction;
 };
 
 TEST(SteppingEquations, AreThoseOfTheSolver) {
-  for (const auto& [scheme, floating] :
-       {Kind{SteppingScheme::backward_euler, false}, Kind{SteppingScheme::backward_euler, true},
-        Kind{SteppingScheme::variational_midpoint, false}}) {
-    const auto system = stepping_robot(true, scheme, FrictionModel::polyhedron, floating);
+  constexpr auto kEuler = SteppingScheme::backward_euler;
+  constexpr auto kMidpoint = SteppingScheme::variational_midpoint;
+  constexpr auto kPyramid = FrictionModel::polyhedron;
+  constexpr auto kCone = FrictionModel::cone;
+  for (const auto& [scheme, floating, planar, friction] :
+       {Kind{kEuler, false, true, kPyramid}, Kind{kEuler, true, true, kPyramid},
+        Kind{kEuler, true, false, kPyramid}, Kind{kEuler, false, false, kCone},
+        Kind{kMidpoint, false, true, kPyramid}, Kind{kMidpoint, false, false, kCone}}) {
+    const auto system = stepping_robot(planar, scheme, friction, floating);
     const int n = system->nv();
     RandomNumbers random(11);
     std::vector<double> start = system->manifold().neutral(), off(system->ndx());
@@ -65,6 +71,17 @@ TEST(SteppingEquations, AreThoseOfTheSolver) {
     EXPECT_GT(impulse.cwiseAbs().maxCoeff(), 0.01);
     EXPECT_LT((kStep * rows.head(n) - impulse).cwiseAbs().maxCoeff(), 1e-11);
   }
+}
+
+TEST(ImpulseScale, IsThatOfTheWeight) {
+  const auto robot = std::make_shared<RobotModel>(random_robot(7, {.joints = 3}));
+  robot->gravity = {0.3, 0, -0.4};
+  ContactPlant plant{.robot = robot};
+  EXPECT_NEAR(impulse_scale(plant, 0.02), 0.02 * robot->total_mass() * 0.5, 1e-14);
+  robot->gravity = {0, 0, 0};
+  EXPECT_NEAR(impulse_scale(plant, 0.02), 0.02 * robot->total_mass() * 9.81, 1e-13);
+  for (Joint& joint : robot->joints) joint.inertia = Inertia<double>::zero();
+  EXPECT_NEAR(impulse_scale(plant, 1), 9.81e-9, 1e-20);
 }
 
 }  // namespace

@@ -6,46 +6,12 @@
 #include <gtest/gtest.h>
 
 #include "robot/kinematics.hpp"
+#include "support/candidate_cases.hpp"
 #include "support/random_robot.hpp"
 #include "systems/state_manifold.hpp"
 
 namespace conddp {
 namespace {
-
-struct Case {
-  std::string name;
-  ContactCandidate candidate;
-  std::optional<Vector3<double>> plane;
-};
-
-/// A frame on the body of the last joint, and one on another branch or near the root.
-std::vector<Case> cases(const RobotModel& model) {
-  int tip = 0, other = 0;
-  for (int i = 0; i < static_cast<int>(model.frames.size()); ++i) {
-    if (model.frames[i].joint == model.joint_count() - 1) tip = i;
-    if (model.frames[i].joint == model.joint_count() / 2) other = i;
-  }
-  const ContactSphere sphere{tip, {0.1, -0.2, 0.3}, 0.05};
-  const Vector3<double> normal{0.6, 0, 0.8};
-  std::vector<Case> all;
-  const auto add = [&](const std::string& name, auto against, bool planar = false) {
-    ContactCandidate c{name, sphere, against, 0.5, {}};
-    all.push_back(
-        {name, c,
-         planar ? std::optional<Vector3<double>>(Vector3<double>{0, 1, 0}) : std::nullopt});
-  };
-  add("ground", ContactHalfSpace{-1, {0, 0, 1}, -0.3});
-  add("slope in a plane", ContactHalfSpace{-1, normal, 0.1}, true);
-  add("moving half-space", ContactHalfSpace{other, normal, 0.1});
-  add("sphere of the world", ContactSphere{-1, {5, 4, 3}, 0.2});
-  add("sphere of the robot", ContactSphere{other, {3, 0.1, 2}, 0.2});
-  add("box of the world",
-      ContactBox{-1, {Matrix3<double>::identity(), {8, 1, 0}}, {0.1, 0.2, 0.3}});
-  add("box of the robot", ContactBox{other, {Matrix3<double>::identity(), {0, 9, 1}}, {1, 1, 1}});
-  // So large that the sphere is inside.
-  add("inside of a box", ContactBox{other, SE3<double>::identity(), {40, 50, 60}});
-  return all;
-}
 
 CandidateRows<double> rows_at(const RobotModel& model, const CandidateGeometry& geometry,
                               const std::vector<double>& q, bool slopes = false) {
@@ -81,7 +47,7 @@ TEST_P(CandidateDerivatives, AgreeWithDifferences) {
   RandomNumbers random(3);
   const std::vector<double> q = random_state(model, random).q;
   const double h = 1e-6;
-  for (const Case& c : cases(model)) {
+  for (const CandidateCase& c : candidate_cases(model)) {
     SCOPED_TRACE(c.name);
     const CandidateGeometry geometry(model, c.candidate, c.plane);
     const int k = static_cast<int>(geometry.columns().size());

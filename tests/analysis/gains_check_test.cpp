@@ -1,0 +1,255 @@
+// Policies of linear-quadratic problems with open gaps, away from the optimum, in matrices.
+#include "analysis/certificate/gains_check.hpp"
+
+#include <gtest/gtest.h>
+
+#include "analysis/certificate/reduced_gradient.hpp"
+#include "support/constrained_problems.hpp"
+#include "support/linear_quadratic.hpp"
+
+namespace conddp {
+namespace {
+
+using testing::LinearQuadratic;
+
+/// A textbook sweep: K, k and Q_uu of each knot, λ of no one. μ is added to all weights of the
+/// model, or to Q_uu alone where gains are computed.
+struct TextbookSweep {
+  std::vector<Eigen::MatrixXd> K, Quu;
+  std::vector<Eigen::VectorXd> k;
+
+  TextbookSweep(const LinearQuadratic& lq, const Trajectory& t, const Eigen::MatrixXd& gap,
+                double mu = 0, RegularizationKind kind = RegularizationKind::proximal)
+      : K(lq.N()), Quu(lq.N()), k(lq.N()) {
+    const double weight = kind == RegularizationKind::proximal ? mu : 0;
+    const auto with_weight = [&](const Eigen::VectorXd& diagonal) -> Eigen::MatrixXd {
+      return (diagonal.array() + weight).matrix().asDiagonal();
+    };
+    Eigen::MatrixXd V = with_weight(lq.Qf);
+    Eigen::VectorXd v = lq.Qf.cwiseProduct(t.x(lq.N()) - lq.xf_ref);
+    for (int n = lq.N() - 1; n >= 0; --n) {
+      const LinearQuadratic::Knot& knot = lq.knots[n];
+      const Eigen::VectorXd next = v + V * gap.col(n);
+      const Eigen::MatrixXd Qxx = with_weight(knot.Q) + knot.A.transpose() * V * knot.A;
+      const Eigen::MatrixXd Qux = knot.B.transpose() * V * knot.A;
+      Quu[n] = with_weight(knot.R) + knot.B.transpose() * V * knot.B;
+      const Eigen::VectorXd qx =
+          knot.Q.cwiseProduct(t.x(n) - knot.x_ref) + knot.A.transpose() * next;
+      const Eigen::VectorXd qu = knot.R.cwiseProduct(t.u(n)) + knot.B.transpose() * next;
+      Eigen::MatrixXd regular = Quu[n];
+      regular.diagonal().array() += mu - weight;
+      const Eigen::LLT<Eigen::MatrixXd> factor(regular);
+      K[n] = -factor.solve(Qux);
+      k[n] = -factor.solve(qu);
+      v = qx + K[n].transpose() * (Quu[n] * k[n] + qu) + Qux.transpose() * k[n];
+      V = Qxx + K[n].transpose() * Quu[n] * K[n] + K[n].transpose() * Qux + Qux.transpose() * K[n];
+    }
+  }
+};
+
+/// A trajectory off the dynamics.
+struct OpenTrajectory {
+  explicit OpenTrajectory(unsigned seed)
+      : lq(seed, 3, {2, 1}, 3, -testing::kFree, testing::kFree),
+        t(testing::random_guess(*lq.problem, seed)),
+        gap(lq.nx, lq.N()) {
+    t.x(0) = lq.x0;
+    for (int k = 0; k < lq.N(); ++k)
+      gap.col(k) = lq.knots[k].A * t.x(k) + lq.knots[k].B * t.u(k) + lq.knots[k].c - t.x(k + 1);
+    derivatives = node_derivatives(*lq.problem, t, gap);
+  }
+  SolutionClaims claims(const TextbookSweep& sweep, double mu, RegularizationKind kind) const {
+    SolutionClaims claims(*lq.problem);
+    claims.trajectory = t;
+    claims.gains = sweep.K;
+    claims.feedforward = sweep.k;
+    claims.gain_regularization = mu;
+    claims.gain_regularization_kind = kind;
+    return claims;
+  }
+  std::string failures(const SolutionClaims& claims) const {
+    std::string names;
+    for (const Check& check : check_gains(*lq.problem, claims, derivatives, gap))
+      if (!check.holds) names += "[" + check.name + "]";
+    return names;
+  }
+
+  LinearQuadratic lq;
+  Trajectory t;
+  Eigen::MatrixXd gap;
+  std::vector<NodeDerivatives> derivatives;
+};
+
+constexpr RegularizationKind kProximal = RegularizationKind::proximal;
+constexpr RegularizationKind kControl = RegularizationKind::control;
+
+TEST(GainsOfASweep, AreThoseOfTheTextbookWithEitherRegularization) {
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    const OpenTrajectory at(seed);
+    for (const auto& [mu, kind] : {std::pair{0.0, kProximal}, {0.8, kProximal}, {0.8, kControl}}) {
+      const TextbookSweep sweep(at.lq, at.t, at.gap, mu, kind);
+      EXPECT_EQ(at.failures(at.claims(sweep, mu, kind)), "") << seed << ' ' << mu;
+      // Under another regularisation, or its other kind, they are not.
+      EXPECT_NE(at.failures(at.claims(sweep, mu + 0.01, kind)), "") << seed << ' ' << mu;
+      if (mu > 0) {
+        EXPECT_NE(at.failures(at.claims(sweep, mu, kind == kControl ? kProximal : kControl)), "");
+      }
+    }
+  }
+}
+
+TEST(GainsOfASweep, AreComparedEntryByEntry) {
+  const OpenTrajectory at(2);
+  const TextbookSweep sweep(at.lq, at.t, at.gap);
+  SolutionClaims claims = at.claims(sweep, 0, kProximal);
+  for (int k = 0; k < at.lq.N(); ++k)
+    for (Eigen::Index i = 0; i < sweep.k[k].size(); ++i) {
+      // Policies of the knots before depend on it too, but by no more than that.
+      claims.feedforward[k][i] += 1e-4 * (1 + sweep.k[k].norm());
+      EXPECT_EQ(at.failures(claims), "[feedforward]") << k << ' ' << i;
+      claims.feedforward[k] = sweep.k[k];
+      for (Eigen::Index j = 0; j < sweep.K[k].cols(); ++j) {
+        claims.gains[k](i, j) += 1e-4 * sweep.K[k].norm();
+        EXPECT_NE(at.failures(claims).find("[feedback]"), std::string::npos)
+            << k << ": " << i << ", " << j;
+        claims.gains[k](i, j) = sweep.K[k](i, j) + 1e-9 * sweep.K[k].norm();
+        EXPECT_EQ(at.failures(claims), "") << "rounding";
+        claims.gains[k] = sweep.K[k];
+      }
+    }
+}
+
+TEST(GainsOfASweep, AreNotComparedWhereTheAnswerDoesNotSayHowTheyWereFound) {
+  const OpenTrajectory at(3);
+  const TextbookSweep sweep(at.lq, at.t, at.gap);
+  const auto count = [&](double mu, RegularizationKind kind) {
+    return check_gains(*at.lq.problem, at.claims(sweep, mu, kind), at.derivatives, at.gap).size();
+  };
+  EXPECT_EQ(count(0, kProximal), 2u);
+  EXPECT_EQ(count(SolutionClaims::kOpen, kProximal), 0u);
+  EXPECT_EQ(count(0.5, RegularizationKind::state), 0u);
+  EXPECT_EQ(count(0, RegularizationKind::state), 2u);
+  const ShootingProblem constrained = testing::with_constraints(
+      *at.lq.problem, {testing::goal_constraint(*at.lq.problem, {0, 0, 0})});
+  EXPECT_TRUE(
+      check_gains(constrained, SolutionClaims(constrained), at.derivatives, at.gap).empty());
+}
+
+TEST(GainsOfASweep, OfControlsThatEndAtABoundMayBeZero) {
+  const LinearQuadratic free(4, 3, {1}, 1, -testing::kFree, testing::kFree);
+  const Trajectory t = testing::random_guess(*free.problem, 4);
+  const LinearQuadratic::Knot& knot = free.knots[0];
+  const Eigen::MatrixXd gap = knot.A * t.x(0) + knot.B * t.u(0) + knot.c - t.x(1);
+  const TextbookSweep sweep(free, t, gap);
+  for (const bool upper : {false, true})
+    for (const double step : {0.25, 0.125}) {
+      const double bound = t.u(0)[0] + 0.25;
+      const LinearQuadratic bounded(4, 3, {1}, 1, upper ? -testing::kFree : bound,
+                                    upper ? bound : testing::kFree);
+      SolutionClaims claims(*bounded.problem);
+      claims.trajectory = t;
+      claims.gains = {Eigen::MatrixXd::Zero(1, 3)};
+      claims.feedforward = {Eigen::VectorXd::Constant(1, step)};
+      claims.gain_regularization = 0;
+      const auto derivatives = node_derivatives(*bounded.problem, t, gap);
+      for (const Check& check : check_gains(*bounded.problem, claims, derivatives, gap))
+        EXPECT_EQ(check.holds, step == 0.25) << check.name;
+      claims.gains = sweep.K;
+      claims.feedforward = sweep.k;
+      for (const Check& check : check_gains(*bounded.problem, claims, derivatives, gap))
+        EXPECT_TRUE(check.holds) << check.name;
+    }
+}
+
+// ∇_u L and co-states along any policy, and what the model gains.
+TEST(AdjointAlongAPolicy, IsTheRecursionOfItsDefinition) {
+  for (unsigned seed = 1; seed <= 4; ++seed) {
+    const OpenTrajectory at(seed);
+    const LinearQuadratic& lq = at.lq;
+    const TextbookSweep sweep(lq, at.t, at.gap, 0.3);
+    for (const bool with_gains : {false, true}) {
+      const AdjointPass pass = adjoint_pass(*lq.problem, at.derivatives, Eigen::VectorXd(0),
+                                            with_gains ? sweep.K : std::vector<Eigen::MatrixXd>{});
+      Eigen::VectorXd costate = lq.Qf.cwiseProduct(at.t.x(lq.N()) - lq.xf_ref);
+      EXPECT_LT((pass.costates.col(lq.N()) - costate).norm(), 1e-13);
+      double largest = 0;
+      for (int k = lq.N() - 1; k >= 0; --k) {
+        const LinearQuadratic::Knot& knot = lq.knots[k];
+        const Eigen::VectorXd control =
+            knot.R.cwiseProduct(at.t.u(k)) + knot.B.transpose() * costate;
+        costate =
+            (knot.Q.cwiseProduct(at.t.x(k) - knot.x_ref) + knot.A.transpose() * costate).eval();
+        if (with_gains) costate += sweep.K[k].transpose() * control;
+        EXPECT_LT((pass.control[k] - control).norm(), 1e-12 * (1 + control.norm())) << k;
+        EXPECT_LT((pass.costates.col(k) - costate).norm(), 1e-12 * (1 + costate.norm())) << k;
+        largest = std::max(largest, control.lpNorm<Eigen::Infinity>());
+      }
+      EXPECT_GT(pass.rounding, 1e-2 * kAdjointRounding * largest);
+      EXPECT_LT(pass.rounding, 1e4 * kAdjointRounding * largest);
+    }
+  }
+}
+
+TEST(RiccatiPolicy, IsThatOfTheTextbookWhereControlsAreFree) {
+  for (unsigned seed = 1; seed <= 4; ++seed) {
+    const OpenTrajectory at(seed);
+    const TextbookSweep sweep(at.lq, at.t, at.gap);
+    const RiccatiPolicy policy = riccati_policy(*at.lq.problem, at.t, at.derivatives);
+    EXPECT_TRUE(policy.convex);
+    double decrease = 0;
+    std::vector<Eigen::VectorXd> gradient;
+    for (int k = 0; k < at.lq.N(); ++k) {
+      EXPECT_LT((policy.K[k] - sweep.K[k]).norm(), 1e-10) << k;
+      EXPECT_LT((policy.inverse[k] * sweep.Quu[k] -
+                 Eigen::MatrixXd::Identity(sweep.Quu[k].rows(), sweep.Quu[k].cols()))
+                    .norm(),
+                1e-11)
+          << k;
+      gradient.push_back(Eigen::VectorXd::LinSpaced(sweep.k[k].size(), 1 + k, 2));
+      decrease += 0.5 * gradient[k].dot(sweep.Quu[k].llt().solve(gradient[k]));
+    }
+    EXPECT_NEAR(policy.decrease(gradient), decrease, 1e-11 * decrease);
+  }
+}
+
+// The second of two controls stands at its bound at every knot: its rows are zero, and the other
+// ones those of a problem without it.
+TEST(RiccatiPolicy, LeavesControlsAtTheirBoundsOut) {
+  const OpenTrajectory at(5);
+  LinearQuadratic reduced(5, 3, {2, 1}, 3, -testing::kFree, testing::kFree);
+  Trajectory t = at.t;
+  for (int k = 0; k < 3; ++k) {
+    t.u(k)[1] = -0.75;
+    reduced.knots[k].B.col(1).setZero();
+  }
+  std::vector<Phase> phases = at.lq.problem->phases();
+  auto held = std::make_shared<KnotModel>(*phases[0].model);
+  held->set_control_bounds({-testing::kFree, -0.75}, {testing::kFree, 3});
+  phases[0].model = held;
+  const ShootingProblem bounded(at.lq.problem->initial_state(), std::move(phases),
+                                at.lq.problem->terminal());
+  const RiccatiPolicy policy = riccati_policy(bounded, t, node_derivatives(bounded, t, at.gap));
+  const TextbookSweep sweep(reduced, t, at.gap);
+  for (int k = 0; k < at.lq.N(); ++k) EXPECT_LT((policy.K[k] - sweep.K[k]).norm(), 1e-10) << k;
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_TRUE(policy.K[k].row(1).isZero(0));
+    EXPECT_TRUE(policy.inverse[k].row(1).isZero(0) && policy.inverse[k].col(1).isZero(0));
+    EXPECT_NEAR(policy.inverse[k](0, 0) * sweep.Quu[k](0, 0), 1, 1e-12);
+  }
+}
+
+TEST(RiccatiPolicy, SaysWhereAStageHasNoMinimum) {
+  const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(1, 1);
+  const ShootingProblem problem =
+      testing::tracking_problem(linear_system(one, one, Eigen::VectorXd::Zero(1)),
+                                Integrator::discrete, 2, 1, {0}, {{1}, {0}, {0}, {0}, false});
+  const Trajectory t = problem.create_trajectory();
+  const RiccatiPolicy policy =
+      riccati_policy(problem, t, node_derivatives(problem, t, Eigen::MatrixXd::Zero(1, 2)));
+  EXPECT_FALSE(policy.convex);
+  EXPECT_EQ(policy.K[0](0, 0), 0);
+  EXPECT_TRUE(std::isnan(policy.decrease({one.col(0), one.col(0)})));
+}
+
+}  // namespace
+}  // namespace conddp
