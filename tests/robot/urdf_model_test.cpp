@@ -103,6 +103,26 @@ TEST(UrdfAxes, TurnAndSlideTheLinkAboutTheAxisOfTheFile) {
   expect_equal(simple_frame_placement(sliding, {q}, "b"), {Matrix3<double>::identity(), q * axis});
 }
 
+// Axes in the planes of coordinates are no coordinate axes yet.
+TEST(UrdfAxes, WithOneZeroAreTurnedToAsWell) {
+  for (const auto& [text, axis] :
+       std::vector<std::pair<const char*, Vector3<double>>>{{"0.6 0 0.8", {0.6, 0, 0.8}},
+                                                            {"0.6 0 -0.8", {0.6, 0, -0.8}},
+                                                            {"0 -0.6 0.8", {0, -0.6, 0.8}},
+                                                            {"0 0.6 -0.8", {0, 0.6, -0.8}},
+                                                            {"0.6 0.8 0", {0.6, 0.8, 0}},
+                                                            {"-0.6 0.8 0", {-0.6, 0.8, 0}}}) {
+    const RobotModel model = built(robot_element(
+        link_element("a") + link_element("b") +
+        joint_element("j", "continuous", "a", "b", std::string("<axis xyz=\"") + text + "\"/>")));
+    const double q = 0.7;
+    const Quaternion<double> half{axis.x * std::sin(q / 2), axis.y * std::sin(q / 2),
+                                  axis.z * std::sin(q / 2), std::cos(q / 2)};
+    expect_equal(simple_frame_placement(model, {q}, "b"),
+                 {rotation_matrix(half), Vector3<double>::zero()});
+  }
+}
+
 TEST(UrdfAxes, OfAnotherLengthAreNormalisedWithAWarning) {
   const UrdfResult result =
       parse_urdf(robot_element(link_element("a") + link_element("b") +

@@ -90,5 +90,45 @@ TEST(UrdfVisuals, InertiaIsAboutTheLinksOrigin) {
   EXPECT_FALSE(links[2].inertia);
 }
 
+TEST(UrdfVisuals, InertiaIsThatOfMassAndMatrixTogether) {
+  const auto links = urdf_visuals(R"(<robot name="r">
+    <link name="a"><inertial><mass value="2"/></inertial></link>
+    <link name="b"><inertial><inertia ixx="1" iyy="2" izz="3"/></inertial></link>
+    <link name="c"><inertial><mass value="-1"/><inertia ixx="1"/></inertial></link>
+    <link name="d"><inertial><origin xyz="0.1 0.2 0.3"/><mass value="2"/>
+      <inertia ixx="0.11" ixy="0.12" ixz="0.13" iyy="0.22" iyz="0.23" izz="0.33"/></inertial></link>
+  </robot>)");
+  ASSERT_EQ(links.size(), 4u);
+  for (int i = 0; i < 3; ++i) EXPECT_FALSE(links[i].inertia) << i;
+  ASSERT_TRUE(links[3].inertia);
+  // 2 kg at c = (0.1, 0.2, 0.3) add 2 (cᵀc 1 − c cᵀ).
+  const Symmetric3<double>& j = links[3].inertia->rotational;
+  EXPECT_NEAR(j.xx, 0.11 + 2 * 0.13, 1e-15);
+  EXPECT_NEAR(j.yy, 0.22 + 2 * 0.10, 1e-15);
+  EXPECT_NEAR(j.zz, 0.33 + 2 * 0.05, 1e-15);
+  EXPECT_NEAR(j.xy, 0.12 - 2 * 0.02, 1e-15);
+  EXPECT_NEAR(j.xz, 0.13 - 2 * 0.03, 1e-15);
+  EXPECT_NEAR(j.yz, 0.23 - 2 * 0.06, 1e-15);
+  EXPECT_NEAR(links[3].inertia->moment.y, 0.4, 1e-15);
+}
+
+TEST(UrdfVisuals, AMaterialsOwnColourGoesBeforeTheRobotsOfItsName) {
+  const auto links = urdf_visuals(R"(<robot name="r">
+    <material name="red"><color rgba="1 0 0 1"/></material>
+    <link name="a">
+      <visual><geometry><sphere radius="1"/></geometry>
+        <material name="red"><color rgba="0 0.25 2 -1"/></material></visual>
+      <visual><geometry><sphere radius="1"/></geometry><material name="red"/></visual>
+      <visual><geometry><sphere radius="1"/></geometry><material name="blue"/></visual>
+      <visual><geometry><sphere radius="1"/></geometry><material/></visual>
+    </link></robot>)");
+  ASSERT_EQ(links.size(), 1u);
+  using Colour = std::array<double, 4>;
+  EXPECT_EQ(links[0].visual[0].color, (Colour{0, 0.25, 1, 0}));
+  EXPECT_EQ(links[0].visual[1].color, (Colour{1, 0, 0, 1}));
+  EXPECT_FALSE(links[0].visual[2].color);
+  EXPECT_FALSE(links[0].visual[3].color);
+}
+
 }  // namespace
 }  // namespace conddp
