@@ -70,6 +70,48 @@ TEST_P(DualGuesses, OfAnotherShapeAreRefused) {
                std::invalid_argument);
 }
 
+TEST_P(DualGuesses, MayLeaveOutAllButMultipliersButNotHaveThemInOtherShapes) {
+  const testing::LinearQuadratic lq(1, 4, {3, 2}, 2, -3, 3);
+  std::vector<testing::Added> cuts = testing::cuts(lq);
+  if (std::string_view(GetParam()) == "ipopt") cuts.pop_back();
+  const ShootingProblem problem = testing::with_constraints(*lq.problem, cuts);
+  DualGuess whole;
+  whole.constraints = Eigen::VectorXd::Zero(problem.constraint_rows());
+  whole.costates = Eigen::MatrixXd::Zero(4, 5);
+  for (const int nu : {3, 3, 2, 2}) whole.control_gradient.push_back(Eigen::VectorXd::Zero(nu));
+  const auto fits = [&](const DualGuess& guess) {
+    SolverOptions options;
+    options.max_iterations = 0;
+    options.multipliers = std::make_shared<DualGuess>(guess);
+    try {
+      solve(problem, GetParam(), options, problem.create_trajectory());
+    } catch (const std::invalid_argument&) {
+      return false;
+    }
+    return true;
+  };
+  EXPECT_TRUE(fits(whole));
+  DualGuess other = whole;
+  other.costates.resize(0, 0);
+  other.control_gradient.clear();
+  EXPECT_TRUE(fits(other));
+  other.costates = Eigen::MatrixXd::Zero(5, 5);
+  EXPECT_FALSE(fits(other));
+  other.costates = Eigen::MatrixXd::Zero(4, 4);
+  EXPECT_FALSE(fits(other));
+  other = whole;
+  other.control_gradient.pop_back();
+  EXPECT_FALSE(fits(other));
+  for (const int k : {0, 3}) {
+    other = whole;
+    other.control_gradient[k].resize(4);
+    EXPECT_FALSE(fits(other)) << k;
+  }
+  other = whole;
+  other.constraints.resize(1);
+  EXPECT_FALSE(fits(other));
+}
+
 INSTANTIATE_TEST_SUITE_P(Solvers, DualGuesses, ::testing::Values("altro", "proxddp", "ipopt"));
 
 }  // namespace

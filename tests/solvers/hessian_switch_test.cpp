@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "support/small_problems.hpp"
+#include "support/constrained_problems.hpp"
 
 namespace conddp {
 namespace {
@@ -70,6 +70,55 @@ TEST(HessianSwitch, WhereRoundingAsksForExactHessiansTheyStay) {
   EXPECT_TRUE(solve.choice.turn());
   EXPECT_EQ(solve.until_change(1, 500), 500);
   EXPECT_FALSE(solve.choice.turn());
+}
+
+/// What a solve knows after exact Hessians have been asked for.
+bool finds_the_same(const ShootingProblem& problem) {
+  Evaluator evaluator(problem);
+  Linearization linearization(problem);
+  HessianSwitch choice(HessianUse::when_slow, kTolerance, evaluator, linearization);
+  choice.reset();
+  choice.turn();
+  const Trajectory trajectory = testing::random_guess(problem, 3);
+  choice.begin_iterate();
+  evaluator.differentiate(trajectory, linearization);
+  std::vector<Eigen::MatrixXd> before;
+  for (const KnotLinearization& knot : linearization.knots) before.push_back(knot.hessian());
+  choice.evaluate_exact(trajectory, Eigen::MatrixXd::Ones(problem.ndx(), problem.knots() + 1));
+  const bool same = !choice.exact_known();
+  EXPECT_EQ(choice.exact_in_use(), !same);
+  EXPECT_EQ(choice.exact_wanted(), !same);
+  choice.use(false);
+  for (int k = 0; k <= problem.knots(); ++k)
+    EXPECT_EQ(linearization.knots[k].hessian(), before[k]) << k;
+  return same;
+}
+
+// Of linear dynamics and squares they are those of Gauss-Newton, at nodes of whatever size.
+TEST(HessianSwitch, ExactHessiansThatAreTheOthersAreKnownNoMore) {
+  const testing::LinearQuadratic lq(1, 3, {2, 1}, 2, -1, 1);
+  EXPECT_TRUE(finds_the_same(*lq.problem));
+  EXPECT_FALSE(finds_the_same(testing::pendulum_swing_up()));
+  // Nothing but the norm at the last node is curved.
+  const ShootingProblem curved =
+      testing::with_constraints(*lq.problem, {{.name = "norm",
+                                               .residual = state_residual(lq.problem->manifold()),
+                                               .kind = ConstraintKind::norm,
+                                               .reference = {0.1, 0.2, 0.3},
+                                               .lower = {0},
+                                               .upper = {0.5},
+                                               .first = lq.N(),
+                                               .last = lq.N()}});
+  Evaluator evaluator(curved);
+  Linearization linearization(curved);
+  HessianSwitch choice(HessianUse::when_slow, kTolerance, evaluator, linearization);
+  choice.reset();
+  Augmentation augmentation(curved);
+  augmentation.multiplier.setOnes();
+  const Trajectory trajectory = testing::random_guess(curved, 3);
+  evaluator.differentiate(trajectory, linearization, &augmentation);
+  choice.evaluate_exact(trajectory, Eigen::MatrixXd::Zero(3, lq.N() + 1), &augmentation);
+  EXPECT_TRUE(choice.exact_known());
 }
 
 }  // namespace

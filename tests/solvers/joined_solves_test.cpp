@@ -48,6 +48,21 @@ TEST(JoinedSolves, AreOneToWhoeverAsked) {
   EXPECT_GE(all.log[4].time_s, all.log[3].time_s);
 }
 
+TEST(JoinedSolves, ShareTheirTime) {
+  SolverOptions options;
+  options.max_time_s = 10;
+  JoinedSolves solves(options);
+  EXPECT_EQ(solves.next().max_time_s, 10);
+  solves.add(solve_of(0, "", 0));
+  const double second = solves.next().max_time_s;
+  EXPECT_LT(second, 10);
+  EXPECT_GT(second, 1);
+  options.max_time_s = 1e-9;
+  JoinedSolves late(options);
+  late.add(solve_of(0, "", 0));
+  EXPECT_EQ(late.next().max_time_s, 1e-3) << "what is left of none";
+}
+
 TEST(JoinedSolves, LeaveNoIterationsWhereAllAreUsed) {
   const SolverOptions options{.max_iterations = 4};
   JoinedSolves joined(options);

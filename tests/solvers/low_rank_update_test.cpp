@@ -77,5 +77,25 @@ TEST(LowRankUpdate, TellsTheHessianThatMoreThanTheCostsEntriesAreFilled) {
   EXPECT_LT((hessian() - before).lpNorm<Eigen::Infinity>(), 1e-13);
 }
 
+// Memory is that of the node with the most rows and columns, wherever that is.
+TEST(LowRankUpdate, HasRoomForTheLargestNode) {
+  for (const bool first : {true, false}) {
+    const LinearQuadratic lq(1, 3, first ? std::vector{5, 1} : std::vector{1, 5}, 1, -kFree, kFree);
+    const int node = first ? 0 : 1;
+    const ShootingProblem problem = with_constraints(
+        *lq.problem, {affine_rows(Eigen::MatrixXd::Ones(7, 8), *lq.problem, node, node, -1, 1)});
+    Linearization linearization(problem);
+    KnotHessian& hessian = linearization.knots[node].hessian;
+    hessian.change().setZero();
+    RandomNumbers random(3);
+    const Eigen::MatrixXd C = random_matrix(7, 8, random);
+    LowRankUpdate update(problem);
+    for (int i = 0; i < 7; ++i) update.add(C.row(i), 1 + i);
+    update.apply(hessian);
+    const Eigen::VectorXd weights = Eigen::VectorXd::LinSpaced(7, 1, 7);
+    EXPECT_LT((hessian() - C.transpose() * weights.asDiagonal() * C).norm(), 1e-13);
+  }
+}
+
 }  // namespace
 }  // namespace conddp::testing

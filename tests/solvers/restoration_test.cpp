@@ -72,6 +72,18 @@ TEST(LeastViolation, IsLookedForFromAnyTrajectory) {
             1.005 * least_distance({5, 0}));
 }
 
+TEST(LeastViolation, IsLookedForOnMotionsUnlessTheirControlsLeadFarAway) {
+  const ShootingProblem free = mass();
+  const ShootingProblem problem = with_constraints(free, {testing::goal_constraint(free, {5, 0})});
+  Trajectory start = testing::constant_controls(problem, 1);
+  const SolveResult closed = restore_feasibility(problem, {}, start);
+  for (const IterationRecord& row : closed.log) EXPECT_LE(row.gap, 1e-12) << row.iteration;
+  // States that all but satisfy the constraint, which the controls do not.
+  start = testing::constant_controls(problem, 0);
+  for (int k = 1; k <= kKnots; ++k) start.x(k) << 5.01 * k / kKnots, 0;
+  EXPECT_GT(restore_feasibility(problem, {}, start).log.front().gap, 0.1);
+}
+
 TEST(LeastViolation, IsZeroWhereTheConstraintsCanBeSatisfied) {
   for (const auto& [name, problem, control, cost] : testing::published_cases()) {
     const Trajectory start = testing::constant_controls(problem, control);

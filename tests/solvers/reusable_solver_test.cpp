@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "support/small_problems.hpp"
+#include "support/constrained_problems.hpp"
 
 namespace conddp {
 namespace {
@@ -55,6 +55,26 @@ TEST(ReusableSolver, ForgetsASolveThatFailed) {
   EXPECT_TRUE(solver.solve(bad).control_gradient.empty());
   expect_same(solver.solve(good), solve(problem, "ddp", {}, good));
   EXPECT_TRUE(solver.solve(bad).control_gradient.empty());
+}
+
+TEST(ReusableSolver, BeginsWithMultipliersWhereItsSolverHasAny) {
+  const ShootingProblem free = testing::cartpole_swing_up();
+  const ShootingProblem problem =
+      testing::with_constraints(free, {testing::goal_constraint(free, {0, M_PI, 0, 0})});
+  const Trajectory guess = testing::constant_controls(problem, 0.01);
+  SolverOptions options;
+  options.max_iterations = 3;
+  auto known = std::make_shared<DualGuess>();
+  known->constraints = Eigen::VectorXd::Ones(problem.constraint_rows());
+  options.multipliers = known;
+  ReusableSolver solver(problem, "altro", options);
+  const SolveResult& result = solver.solve(guess);
+  expect_same(result, solve(problem, "altro", options, guess));
+  EXPECT_NE(result.start.find("multipliers"), std::string::npos) << result.start;
+  known = std::make_shared<DualGuess>();
+  options.multipliers = known;
+  ReusableSolver unconstrained(free, "box_fddp", options);
+  expect_same(unconstrained.solve(guess), solve(free, "box_fddp", options, guess));
 }
 
 TEST(ReusableSolver, RejectsWhatItCannotDo) {

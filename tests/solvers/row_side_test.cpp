@@ -149,6 +149,14 @@ TEST(RowSide, OfASoftConeIsOutsideBeyondTheLimitOfItsMultipliers) {
             RowSide::outside);
 }
 
+// What multipliers alone push out is not outside: its own values say where it would push.
+TEST(RowSide, OfASoftConeInsideIsNotOutsideWhateverItsMultipliers) {
+  const double inside[] = {0.3, 0.4, 0.6}, push[] = {60, 80, 0};
+  EXPECT_EQ(chosen_cone(Cone(0.1).constraint(), inside, push, 10), RowSide::surface);
+  const double on_it[] = {3, 4, 5};
+  EXPECT_EQ(chosen_cone(Cone(0.1).constraint(), on_it, push, 10), RowSide::surface);
+}
+
 TEST(RowSide, OfAConeIsRevisedByItsMultipliersAndByWhatAStepViolates) {
   const Cone cone;
   const NodeConstraint c = cone.constraint();

@@ -46,6 +46,7 @@ TEST(Status, ConvergedMeansAllResidualsAreUnderTolerance) {
     EXPECT_LE(result.residuals.stationarity, 1e-6);
     EXPECT_LE(result.residuals.gap, 1e-9);
     EXPECT_EQ(result.residuals.constraint, 0);
+    EXPECT_FALSE(result.message.starts_with("at the end")) << "said of those that ended otherwise";
   }
 }
 
