@@ -72,6 +72,26 @@ TEST(CertificateOfSolves, HoldsForAnswersWithBoundsAndContacts) {
   }
 }
 
+// Rounding grows with the numbers that an answer is made of, and tolerances with it.
+TEST(CertificateOfSolves, HoldsWhateverTheUnitOfTheCost) {
+  for (const double unit : {1e-6, 1.0, 1e6}) {
+    const auto scaled = [unit](std::vector<double> weights) {
+      for (double& w : weights) w *= unit;
+      return weights;
+    };
+    const Answer answer(testing::tracking_problem(
+        unicycle(), Integrator::rk4, 30, 0.1, {0, 0, 0},
+        {{3, 3, 0}, scaled({1, 1, 1}), scaled({0.5, 0.5}), scaled({10, 10, 10})}, -2, 2));
+    EXPECT_EQ(failed_checks(answer.problem, answer.claims), "") << unit;
+    SolutionClaims changed = answer.claims;
+    changed.cost *= 1 + 1e-7;
+    EXPECT_EQ(failed_checks(answer.problem, changed), "[cost]") << unit;
+    changed = answer.claims;
+    changed.state_gradient(0, 10) += 1e-6 * unit;
+    EXPECT_EQ(failed_checks(answer.problem, changed), unit < 1 ? "" : "[co-states]") << unit;
+  }
+}
+
 TEST(CertificateOfSolves, EveryGainIsCompared) {
   for (const double limit : {testing::kFree, 2.0}) {
     const Answer answer(testing::unicycle_parking(limit));

@@ -480,5 +480,36 @@ TEST(ContactSimulator, StopsOnEitherSideAndDryFrictionShareAPush) {
   }
 }
 
+/// A tolerance that nothing meets lets every step be looked for by sweeps as well: the answer is
+/// the better one of both ways, which agree.
+TEST(ContactSimulator, SweepsOfStopsFrictionAndCandidatesOfEveryKindAgreeWithPivoting) {
+  for (const FrictionModel friction : {FrictionModel::polyhedron, FrictionModel::cone}) {
+    ContactPlant plant = puck(friction);
+    ContactCandidate soft = plant.contacts.candidates[0];
+    soft.friction = 0;
+    soft.stiffness = 300;
+    soft.against = ContactHalfSpace{.normal = {-1, 0, 0}, .offset = -0.3};
+    plant.contacts.candidates = {soft, plant.contacts.candidates[0]};
+    const int x = plant.robot->find_joint("x").value(), y = plant.robot->find_joint("y").value();
+    plant.contacts.stops = {{y, -0.01, 0.02}, {x, -kUnlimited, 0.4}, {x, -0.2, kUnlimited}};
+    plant.contacts.frictions = {{y, 0.25}, {x, 0.5}};
+    ContactSimulator simulator(plant), strict(plant, {.tolerance = 0, .max_iterations = 15});
+    StepStart start = at_rest(plant, 0.01);
+    start.v << 2, 1, 0;
+    int stopped = 0;
+    for (int k = 0; k < 60; ++k) {
+      start.applied << (k < 30 ? 15 : -15), (k % 20 < 10 ? 3 : -3), 0;
+      const ContactStep other = strict.step(start);
+      EXPECT_EQ(other.status, StepStatus::unsolved);
+      EXPECT_LT(other.residual, 1e-10) << k;
+      const ContactStep step = advance(simulator, plant, start);
+      EXPECT_LT((other.v - step.v).norm(), 1e-8) << k;
+      stopped += step.forces.stop_upper[0] > 0 || step.forces.stop_lower[0] > 0;
+      stopped += step.forces.contact(0, 0) > 0;
+    }
+    EXPECT_GT(stopped, 10);
+  }
+}
+
 }  // namespace
 }  // namespace conddp

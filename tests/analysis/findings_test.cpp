@@ -306,5 +306,28 @@ TEST(Thrusters, CannotTurnABodyAboutAxesThroughItsCentreOfMass) {
   EXPECT_TRUE(thrusters_at({{origin, z}}, true).empty());
 }
 
+TEST(Findings, OfASystemWithoutARobotAreThoseOfItsControls) {
+  const ShootingProblem problem = testing::pendulum_swing_up(3);
+  Trajectory motion = problem.create_trajectory();
+  EXPECT_TRUE(find_in_motion(problem, motion, {}).empty());
+  motion.u(problem.knots() - 1)[0] = 2;
+  const auto found = find_in_motion(problem, motion, {});
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].kind, FindingKind::last_knot);
+  EXPECT_NEAR(found[0].value, 2, 1e-15);
+}
+
+// An impulse takes no time: nothing is at its limit during it, and it has no controls.
+TEST(Efforts, LeaveOutWhatTakesNoTime) {
+  const ShootingProblem problem = testing::landing();
+  Trajectory motion = problem.create_trajectory();
+  for (int k = 0; k < problem.knots(); ++k)
+    if (problem.nu(k) == 2) motion.u(k) << 1e4, 0;
+  const auto found = found_in_motion(problem, motion, FindingKind::effort_limit);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].subject, "u/hip");
+  EXPECT_EQ(found[0].knot, 0);
+}
+
 }  // namespace
 }  // namespace conddp

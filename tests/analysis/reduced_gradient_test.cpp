@@ -62,6 +62,29 @@ TEST(ProjectedGradient, ABoundTakesTheSignThatDescentWouldCrossItWith) {
   EXPECT_EQ(projected(1.5, -3).product, 1.5);
 }
 
+// At a bound is what misses it by rounding, relative to it or 1, or by what is asked for.
+TEST(ProjectedGradient, ABoundIsMetToRounding) {
+  const ShootingProblem problem = one_step(-3, 3);
+  const auto stationarity = [&](double u, double gradient, double tolerance) {
+    return project(problem, simulated(problem, u), {Eigen::VectorXd::Constant(1, gradient)},
+                   tolerance)
+        .stationarity;
+  };
+  for (const double side : {-1.0, 1.0}) {
+    const double push = -2 * side;
+    EXPECT_EQ(stationarity(side * (3 - 2e-14), push, kBoundRounding), 0);
+    EXPECT_EQ(stationarity(side * (3 - 1e-13), push, kBoundRounding), 2);
+    EXPECT_EQ(stationarity(side * (3 - 2e-6), push, 1e-6), 0);
+    EXPECT_EQ(stationarity(side * (3 - 4e-6), push, 1e-6), 2);
+  }
+  const ShootingProblem narrow = one_step(-0.5, 0.5);
+  for (const double side : {-1.0, 1.0})
+    EXPECT_EQ(project(narrow, simulated(narrow, side * (0.5 - 9e-7)),
+                      {Eigen::VectorXd::Constant(1, -side)}, 1e-6)
+                  .stationarity,
+              0);
+}
+
 // A control that is at its bound as it comes, without a multiplier, is free or held as a sweep has
 // it.
 TEST(GainsCheck, ABoundThatDoesNotPushMayHoldOrNot) {
@@ -80,6 +103,26 @@ TEST(GainsCheck, ABoundThatDoesNotPushMayHoldOrNot) {
   EXPECT_TRUE(feedback_holds(-0.5));
   EXPECT_TRUE(feedback_holds(0));
   EXPECT_FALSE(feedback_holds(-0.4));
+}
+
+// Two terms of ∇_u L move by 1e-13 of themselves, and so does the co-state in one of them, up or
+// down: with one sign of f_u all of that adds up.
+TEST(AdjointPass, RoundingIsThatOfAllTermsOnTheWayToTheGradient) {
+  const ShootingProblem problem = one_step();
+  const Eigen::VectorXd none(0);
+  for (const double effort : {0.5, 8.0}) {
+    double most = 0;
+    for (const double slope : {-3.0, 3.0}) {
+      std::vector<NodeDerivatives> derivatives(2);
+      derivatives[0] = {Eigen::Vector2d(0, effort), Eigen::MatrixXd(0, 2),
+                        Eigen::RowVector2d(1, slope)};
+      derivatives[1] = {Eigen::VectorXd::Constant(1, 2), Eigen::MatrixXd(0, 1), {}};
+      const AdjointPass pass = adjoint_pass(problem, derivatives, none, {});
+      EXPECT_EQ(pass.control[0][0], effort + 2 * slope);
+      most = std::max(most, pass.rounding);
+    }
+    EXPECT_NEAR(most, kAdjointRounding * (effort + 2 * 3 * 2), 1e-3 * kAdjointRounding);
+  }
 }
 
 }  // namespace

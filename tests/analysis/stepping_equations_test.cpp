@@ -84,5 +84,60 @@ TEST(ImpulseScale, IsThatOfTheWeight) {
   EXPECT_NEAR(impulse_scale(plant, 1), 9.81e-9, 1e-20);
 }
 
+TEST(StepForces, AreFiniteWhereAllOfThemAre) {
+  const auto system = stepping_robot(false);
+  const StepForces zero(system->contacts());
+  EXPECT_TRUE(zero.finite());
+  for (int part = 0; part < 4; ++part) {
+    StepForces forces = zero;
+    (part == 0   ? forces.contact(2, 1)
+     : part == 1 ? forces.stop_lower[0]
+     : part == 2 ? forces.stop_upper[1]
+                 : forces.friction[0]) = std::numeric_limits<double>::infinity();
+    EXPECT_FALSE(forces.finite()) << part;
+  }
+}
+
+TEST(ContactMotion, HasThePassiveForcesAndTheBoundsOfItsRobot) {
+  const auto robot = std::make_shared<RobotModel>(random_robot(7, {.joints = 3}));
+  const std::vector<double> damping = {0.5, 1.5, 2.5}, friction = {2, 3, 4};
+  for (int i = 0; i < 3; ++i) {
+    robot->joints[i].damping = damping[i];
+    robot->joints[i].friction = friction[i];
+  }
+  for (const bool damped : {false, true})
+    for (const bool rubbed : {false, true}) {
+      ImplicitContacts contacts;
+      contacts.stops = {{1, -1, 2}};
+      const auto system = std::make_shared<SteppingSystem>(
+          std::make_shared<MultibodySystem>(robot, Actuation::full(*robot),
+                                            PassiveForces{damped, rubbed, 0.25}),
+          contacts);
+      auto model = std::make_shared<KnotModel>(system, Integrator::semi_implicit_euler);
+      std::vector<double> lower(system->nu()), upper(system->nu());
+      for (int i = 0; i < system->nu(); ++i) {
+        lower[i] = -1 - i;
+        upper[i] = 2 + i;
+      }
+      model->set_control_bounds(lower, upper);
+      auto end = std::make_shared<KnotModel>(system, Integrator::none);
+      const ShootingProblem problem({1, 2, 3, 4, 5, 6}, {{"step", model, {0.1, 0.2}, {1, 1}, {}}},
+                                    {"end", end, {0}, {1}, {}});
+      const auto motion = contact_motion(problem, problem.create_trajectory());
+      ASSERT_TRUE(motion);
+      EXPECT_EQ(motion->plant.damping, damped ? damping : std::vector<double>{});
+      EXPECT_EQ(motion->plant.smooth_friction, rubbed ? friction : std::vector<double>{});
+      EXPECT_EQ(motion->plant.friction_velocity, 0.25);
+      EXPECT_EQ(motion->u_lower, Eigen::Vector3d(-1, -2, -3));
+      EXPECT_EQ(motion->u_upper, Eigen::Vector3d(2, 3, 4));
+      EXPECT_EQ(motion->h, (std::vector<double>{0.1, 0.2}));
+      EXPECT_EQ(motion->first_knot, 0);
+      ASSERT_EQ(motion->q.size(), 3u);
+      EXPECT_EQ(motion->q[2], Eigen::Vector3d(1, 2, 3));
+      EXPECT_EQ(motion->v[0], Eigen::Vector3d(4, 5, 6));
+      EXPECT_EQ(motion->u.size(), 2u);
+    }
+}
+
 }  // namespace
 }  // namespace conddp
