@@ -42,13 +42,29 @@ void append_scientific(const Digits& number, std::string& text) {
   text += std::to_string(std::abs(exponent));
 }
 
+/// Most digits before the point of a number without exponent, and zeros behind its point.
+constexpr int kMostBefore = 15, kMostZeros = 3;
+constexpr double kLargestPlain = 1e15, kSmallestPlain = 1e-4;
+
+/// Appends a number that std::to_chars writes without exponent, as most are; else returns false.
+bool append_plain(double value, std::string& text) {
+  if (!(std::abs(value) >= kSmallestPlain && std::abs(value) < kLargestPlain)) return false;
+  std::array<char, 32> buffer;
+  const char* const end = std::to_chars(buffer.begin(), buffer.end(), value).ptr;
+  const std::string_view shortest(buffer.data(), end - buffer.data());
+  if (shortest.find('e') != shortest.npos) return false;
+  text += shortest;
+  if (shortest.find('.') == shortest.npos) text += ".0";
+  return true;
+}
+
 /// Always with a point or an exponent, which tell it from a whole number.
 void append_number(double value, std::string& text) {
-  constexpr int kMostBefore = 15, kMostZeros = 3;  // digits before the point, zeros behind it
   if (!std::isfinite(value)) {
     text += "null";
     return;
   }
+  if (append_plain(value, text)) return;
   if (std::signbit(value)) text += '-';
   if (value == 0) {
     text += "0.0";

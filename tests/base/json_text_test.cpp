@@ -47,6 +47,12 @@ TEST(JsonText, NumbersOfAnySizeAreReadBackAsTheyWere) {
     EXPECT_EQ(OrderedJson::parse(text).get<double>(), value) << text;
     EXPECT_LE(text.size(), OrderedJson(value).dump().size()) << text;
   }
+  for (int exponent = -8; exponent < 20; ++exponent) {
+    const double value =
+        std::pow(10.0, exponent) * std::uniform_real_distribution(1.0, 10.0)(engine);
+    EXPECT_EQ(compact_json(OrderedJson(value)).find('e'), OrderedJson(value).dump().find('e'));
+    EXPECT_EQ(OrderedJson::parse(compact_json(OrderedJson(value))).get<double>(), value);
+  }
 }
 
 TEST(JsonText, CompactTextIsThatOfTheJsonLibrary) {
