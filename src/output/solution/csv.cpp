@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <set>
 
+#include <fmt/compile.h>
 #include <fmt/format.h>
 
 #include "output/solution/contact_forces.hpp"
@@ -13,7 +15,10 @@
 namespace conddp {
 namespace {
 
-std::string cell(double value) { return std::isfinite(value) ? fmt::format("{}", value) : ""; }
+/// Empty where the number is not finite.
+void append_cell(double value, std::string& text) {
+  if (std::isfinite(value)) fmt::format_to(std::back_inserter(text), FMT_COMPILE("{}"), value);
+}
 
 /// Cells hold no commas, quotes or line ends.
 std::string cell(std::string text) {
@@ -40,12 +45,12 @@ std::string contact_headers(const ContactForces& forces) {
   return text;
 }
 
-std::string contact_cells(const ContactForces& forces, int knot, bool written) {
-  std::string text;
+void append_contacts(const ContactForces& forces, int knot, bool written, std::string& text) {
   for (const auto& contact : forces.contacts)
-    for (int i = 0; i < (contact.torque ? kWrenchParts : kForceParts); ++i)
-      text += written && contact.wrench[knot] ? ',' + cell((*contact.wrench[knot])[i]) : ",";
-  return text;
+    for (int i = 0; i < (contact.torque ? kWrenchParts : kForceParts); ++i) {
+      text += ',';
+      if (written && contact.wrench[knot]) append_cell((*contact.wrench[knot])[i], text);
+    }
 }
 
 /// Controls with the name of a state have a prefix.
@@ -83,12 +88,19 @@ std::string trajectory_csv(const Solution& s) {
     const Phase& phase = last ? problem.terminal() : problem.phases()[problem.knot(k).phase];
     // Readers of such files want times that increase, and an impulse takes none.
     written = std::max(times[k], std::nextafter(written, std::numeric_limits<double>::infinity()));
-    text += cell(written) + ',' + cell(phase.name);
+    append_cell(written, text);
+    text += ',' + cell(phase.name);
     const bool controlled = !last && !problem.takes_no_time(k);
-    for (int i = 0; i < states; ++i) text += ',' + cell(trajectory.x(k)[i]);
-    for (std::size_t i = 0; i < s.built.control_columns.size(); ++i)
-      text += controlled ? ',' + cell(trajectory.u(k)[i]) : ",";
-    text += contact_cells(forces, k, controlled) + '\n';
+    for (int i = 0; i < states; ++i) {
+      text += ',';
+      append_cell(trajectory.x(k)[i], text);
+    }
+    for (std::size_t i = 0; i < s.built.control_columns.size(); ++i) {
+      text += ',';
+      if (controlled) append_cell(trajectory.u(k)[i], text);
+    }
+    append_contacts(forces, k, controlled, text);
+    text += '\n';
   }
   return text;
 }
@@ -103,8 +115,10 @@ std::string iterations_csv(const Solution& s) {
     for (const LogColumn& column : log_columns()) {
       if (!first) text += ',';
       first = false;
-      text += column.integer ? fmt::format("{}", static_cast<long long>(column.get(row)))
-                             : cell(column.get(row));
+      if (column.integer)
+        text += fmt::format("{}", static_cast<long long>(column.get(row)));
+      else
+        append_cell(column.get(row), text);
     }
     text += '\n';
   }
