@@ -28,17 +28,23 @@ class SourceTree : public ::testing::Test {
     script("scripts/setup", "true");
     script("scripts/build", "echo built >> builds; test ! -e broken");
     script("build/release/bin/conddp", "echo \"$@\"");
+    age();
   }
 
   std::string write(const std::string& name, const std::string& text) {
     return tree_.write(name, text);
   }
-  /// Makes everything an hour old, so that what is written next is newer.
-  void age() {
-    const timespec hour_ago{time(nullptr) - 3600, 0}, both[2] = {hour_ago, hour_ago};
-    for (const auto& entry : fs::recursive_directory_iterator(tree_.path()))
-      utimensat(AT_FDCWD, entry.path().c_str(), both, AT_SYMLINK_NOFOLLOW);
+  void set_age(const fs::path& path, int seconds) const {
+    const timespec then{time(nullptr) - seconds, 0}, both[2] = {then, then};
+    utimensat(AT_FDCWD, path.c_str(), both, AT_SYMLINK_NOFOLLOW);
   }
+  /// Makes all that the tool is made of older than its last build.
+  void age() const {
+    for (const auto& entry : fs::recursive_directory_iterator(tree_.path()))
+      if (entry.path().filename() != "conddp.built") set_age(entry.path(), kHour);
+  }
+  /// A file or folder changes, some time after the last build.
+  void change(const std::string& name) const { set_age(tree_.path() / name, -kHour); }
   /// Whether `scripts/conddp --version` builds; -1 where it fails.
   int builds() {
     fs::remove(tree_.path() / "builds");
@@ -52,6 +58,7 @@ class SourceTree : public ::testing::Test {
   const TemporaryFolder tree_;
 
  private:
+  static constexpr int kHour = 3600;  // s
   void script(const std::string& name, const std::string& text) {
     fs::permissions(write(name, "#!/bin/sh\n" + text + "\n"), fs::perms::owner_all);
   }
@@ -64,11 +71,12 @@ TEST_F(SourceTree, NothingIsLookedAtTwiceWhereNothingHasChanged) {
 
 TEST_F(SourceTree, ChangedAddedAndRemovedSourcesAreBuilt) {
   EXPECT_EQ(builds(), 1);
-  write("src/base/a.cpp", "changed");
+  change("src/base/a.cpp");
   EXPECT_EQ(builds(), 1);
-  write("apps/new.cpp", "");
+  change("apps");  // as by a new file
   EXPECT_EQ(builds(), 1);
   fs::remove(tree_.path() / "src/base/a.cpp");
+  change("src/base");
   EXPECT_EQ(builds(), 1);
   EXPECT_EQ(builds(), 0);
 }
