@@ -35,7 +35,7 @@ ExternalProject_Add(conddp_wider
   BUILD_ALWAYS ON
   INSTALL_COMMAND ${CMAKE_COMMAND} -E copy_if_different <BINARY_DIR>/bin/conddp ${wider_tool}
   COMMAND ${CMAKE_COMMAND} -E copy_if_different
-    <BINARY_DIR>/bin/${modules_from_tool}/${wider_module} ${CONDDP_MODULE_DIR}/${wider_module}
+    <BINARY_DIR>/bin/${CONDDP_MODULES_FROM_TOOL}/${wider_module} ${CONDDP_MODULE_DIR}/${wider_module}
   USES_TERMINAL_BUILD ON)
 add_dependencies(conddp conddp_wider)
 

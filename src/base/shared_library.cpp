@@ -15,8 +15,12 @@ void* checked(void* found, const std::string& what) {
 
 }  // namespace
 
-SharedLibrary::SharedLibrary(const std::string& what, const char* file)
-    : what_(what), handle_(checked(dlopen(file, RTLD_NOW | RTLD_LOCAL), what)) {}
+SharedLibrary::SharedLibrary(const std::string& what, std::initializer_list<const char*> files)
+    : what_(what), handle_(nullptr) {
+  for (const char* file : files)
+    if (handle_ == nullptr) handle_ = dlopen(file, RTLD_NOW | RTLD_LOCAL);
+  checked(handle_, what);
+}
 
 void* SharedLibrary::symbol(const char* name) const { return checked(dlsym(handle_, name), what_); }
 

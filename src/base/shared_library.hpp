@@ -1,5 +1,6 @@
 #pragma once
 
+#include <initializer_list>
 #include <stdexcept>
 #include <string>
 
@@ -16,9 +17,10 @@ class LibraryError : public std::runtime_error {
 /// commands need. It stays loaded until the program ends.
 class SharedLibrary {
  public:
-  /// `what`: the subject of error messages, such as "HDF5". `file` is searched for as the linker
-  /// does: first in the folders that the program names itself. Throws LibraryError.
-  SharedLibrary(const std::string& what, const char* file);
+  /// `what`: the subject of error messages, such as "HDF5". Of `files` the first that can be
+  /// loaded: a path, in which "$ORIGIN" is the folder of the program, or a name for which the
+  /// linker searches. Throws LibraryError, with the reason of the last one.
+  SharedLibrary(const std::string& what, std::initializer_list<const char*> files);
 
   /// The address of a function or variable. Throws LibraryError.
   void* symbol(const char* name) const;

@@ -7,8 +7,8 @@
 namespace conddp {
 namespace {
 
-TEST(SharedLibrary, GivesFunctionsByName) {
-  const SharedLibrary library("mathematics", "libm.so.6");
+TEST(SharedLibrary, GivesFunctionsOfTheFirstFileThatIsThere) {
+  const SharedLibrary library("mathematics", {"$ORIGIN/libm.so.6", "libm.so.6"});
   const auto cube_root = reinterpret_cast<double (*)(double)>(library.symbol("cbrt"));
   EXPECT_NEAR(cube_root(27), 3, 1e-15);
 }
@@ -22,10 +22,12 @@ TEST(SharedLibrary, SaysWhatIsMissingAndWhy) {
     }
     return {};
   };
-  const std::string file = message([] { SharedLibrary("telepathy", "libtelepathy.so.7"); });
+  const std::string file = message([] {
+    SharedLibrary("telepathy", {"libtelepathy.so.6", "libtelepathy.so.7"});
+  });
   EXPECT_EQ(file.find("telepathy cannot be loaded: libtelepathy.so.7: "), 0u) << file;
   const std::string name =
-      message([] { SharedLibrary("mathematics", "libm.so.6").symbol("squared_circle"); });
+      message([] { SharedLibrary("mathematics", {"libm.so.6"}).symbol("squared_circle"); });
   EXPECT_EQ(name.find("mathematics cannot be loaded: "), 0u) << name;
   EXPECT_NE(name.find("squared_circle"), std::string::npos) << name;
 }

@@ -24,7 +24,7 @@ constexpr std::size_t kChunk = 1 << 16;
 /// HDF5's library. It is loaded by the first data set that is written: it takes tens of other
 /// libraries along, for which no other command should wait.
 class Hdf5Library {
-  const SharedLibrary library_{"HDF5", CONDDP_HDF5_LIBRARY};
+  const SharedLibrary library_{"HDF5", {CONDDP_HDF5_LIBRARY}};
 
  public:
   Hdf5Library() {
