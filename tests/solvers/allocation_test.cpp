@@ -42,7 +42,8 @@ struct Count {
   int iterations = 0;
 };
 
-/// Allocations from the end of the first iteration to the end of the last.
+/// Allocations from the end of the first iteration to the end of the last, in a solver that may be
+/// used again: others allocate once more where they turn to exact Hessians.
 Count count_allocations(const ShootingProblem& problem, const SolverInfo& solver,
                         const Trajectory& guess, SolverOptions options) {
   Count result;
@@ -52,8 +53,9 @@ Count count_allocations(const ShootingProblem& problem, const SolverInfo& solver
     result.iterations = row.iteration;
     counting = row.iteration >= 1;
   };
+  ReusableSolver reusable(problem, solver.name, options);
   allocations = 0;
-  solve(problem, solver, options, guess);
+  reusable.solve(guess);
   counting = false;
   return result;
 }

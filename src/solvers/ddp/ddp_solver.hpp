@@ -18,13 +18,18 @@ namespace conddp {
 
 /// The loop of all DDP solvers: linearise, test convergence, find a direction and a step, record.
 /// Around minimisations stands an outer strategy, and Newton's method ends the solve where the
-/// recipe has it. Everything is allocated by the constructor.
+/// recipe has it. Everything is allocated by the constructor, except workspaces of exact Hessians,
+/// which the first of them allocates, or reserve_exact_hessians().
 class DdpSolver {
  public:
   DdpSolver(const ShootingProblem& problem, const DdpRecipe& recipe, const SolverOptions& options);
 
-  /// The answer stays until the next solve begins. From the second solve on nothing is allocated,
-  /// but for messages of solves that fail.
+  /// For a solver that is used again: no later solve has to allocate, whenever it turns to exact
+  /// Hessians.
+  void reserve_exact_hessians() { iterate_.hessian.reserve(); }
+
+  /// The answer stays until the next solve begins. From the second solve on nothing else is
+  /// allocated, but for messages of solves that fail.
   const SolveResult& solve(const Trajectory& guess);
   /// Moves the answer out of the solver.
   SolveResult take() { return std::move(record_.result); }

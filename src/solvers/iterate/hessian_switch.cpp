@@ -56,7 +56,7 @@ HessianSwitch::HessianSwitch(HessianUse use, double tolerance, Evaluator& evalua
 }
 
 void HessianSwitch::reserve() {
-  if (!other_.empty()) return;
+  if (use_ == HessianUse::gauss_newton || !other_.empty()) return;
   evaluator_.reserve_lagrangian_hessian();
   other_.reserve(linearization_.knots.size());
   for (const KnotLinearization& knot : linearization_.knots) other_.push_back(knot.hessian());

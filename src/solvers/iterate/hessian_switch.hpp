@@ -28,6 +28,8 @@ class HessianSwitch {
   HessianSwitch(HessianUse use, double tolerance, Evaluator& evaluator,
                 Linearization& linearization);
 
+  /// Allocates it now, if exact Hessians may be used at all.
+  void reserve();
   /// At the start of a solve.
   void reset();
   /// With every row of the log: watches for slow convergence, with either set.
@@ -62,7 +64,6 @@ class HessianSwitch {
   }
 
  private:
-  void reserve();
   bool gauss_newton_is_slow(const IterationRecord& row) const;
   bool exact_is_slow(const IterationRecord& row) const;
   int window() const;

@@ -25,6 +25,7 @@ ReusableSolver::ReusableSolver(const ShootingProblem& problem, std::string_view 
   SolverOptions own = options;
   if (info.constraints != ConstraintSupport::all) own.multipliers = nullptr;
   solver_ = std::make_unique<DdpSolver>(problem, member->recipe, own);
+  solver_->reserve_exact_hessians();
 }
 
 ReusableSolver::~ReusableSolver() = default;
