@@ -5,7 +5,7 @@
 namespace conddp {
 namespace {
 
-constexpr std::string_view kDigits =
+constexpr std::string_view kBase64Digits =
     "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 
 }  // namespace
@@ -19,7 +19,7 @@ std::string base64(std::string_view bytes) {
     for (std::size_t k = 0; k < 3; ++k)
       bits = bits << 8 | (k < group.size() ? static_cast<unsigned char>(group[k]) : 0u);
     for (std::size_t k = 0; k < 4; ++k)
-      text += k <= group.size() ? kDigits[bits >> (18 - 6 * k) & 63] : '=';
+      text += k <= group.size() ? kBase64Digits[bits >> (18 - 6 * k) & 63] : '=';
   }
   return text;
 }
