@@ -17,7 +17,7 @@ std::string keys(const ResidualDefinition& residual) {
   if (residual.has("frame")) keys += ", frame: lf_foot";
   if (residual.has("pairs")) keys += ", pairs: all";
   if (residual.name == "expression")
-    keys += ", rows: {angle: q[LF_KFE] + 0.5*v[LF_KFE]^2 + 0.02*sin(9*t), height: base.position.z}";
+    keys += ", rows: [\"q[LF_KFE] + 0.5*v[LF_KFE]^2 + 0.02*sin(9*t)\", base.position.z - 0.57]";
   else if (residual.has("rows"))
     keys += ", rows: [{q/LF_KFE: 1, v/LF_KFE: 0.5, constant: 0.05}]";
   const ReferenceForm* form = residual.reference;

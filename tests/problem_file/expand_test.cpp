@@ -186,6 +186,25 @@ phases: [{name: start, choose: none}, {knots: 3, dt: 0.1, free_duration: {}},
 costs: {time: {residual: combination, rows: {constant: 1}}}
 solver: {name: ipopt}
 )");
+  texts.push_back(R"(conddp: 1
+parameters: {far: 2, there: [1, "=far/2"]}
+tables: {drag: {points: [0, 1, 3], values: [0, 2, 5]}}
+robot: {urdf: robots/cartpole.urdf, actuation: {joints: [slider]}}
+initial_state: {joints: {hinge: 0.5}}
+phases: [{knots: 3, dt: 0.1}]
+costs:
+  own:
+    residual: expression
+    of: {tip: {residual: frame_position, frame: tip}, flow: {residual: frame_velocity, frame: tip}}
+    rows: [far*tip.z - t, "[drag(flow.vx), u[slider]]"]
+    reference: =[1, 2, 3]
+    activation: linear
+constraints: {power: {residual: expression, rows: {power: "u[slider]*v[slider]"}, upper: =far}}
+terminal:
+  costs: {end: {residual: expression, rows: "v[hinge]", weights: 2}}
+  constraints: {stop: {residual: expression, rows: "q[slider]*v[slider]"}}
+solver: {name: altro}
+)");
   const std::string_view legged = R"(conddp: 1
 robot: {urdf: robots/quadruped.urdf, base: floating}
 contacts:

@@ -1,6 +1,7 @@
 // Residuals of expressions in problem files.
 #include <gtest/gtest.h>
 
+#include "analysis/certificate/derivative_check.hpp"
 #include "problem_text.hpp"
 #include "solvers/strategies/registry.hpp"
 
@@ -63,8 +64,7 @@ TEST(ExpressionRows, MayBeOneTextAListOrNames) {
   };
   EXPECT_EQ(rows_at(named_with("reference: {speed: 1, pair/1: 0.25}"), 0),
             (std::vector<double>{0.5, 2, 0.25}));
-  EXPECT_EQ(named_with("weights: {pear: 1}").first_error(),
-            "12:92: there is no 'pear' among the rows");
+  EXPECT_EQ(named_with("weights: {pear: 1}").first_error(), "13:73: 'pear' fits none of the rows");
 }
 
 TEST(ExpressionRows, ReferencesMayChangeOverTime) {
@@ -79,20 +79,20 @@ TEST(ExpressionRows, ErrorsPointIntoTheExpression) {
     std::string from, to, error;
   };
   const WrongFile cases[] = {
-      {"energy - drag(v)", "energy - drg(v)", "12:47: unknown function 'drg'"},
-      {"\"[x*t, u]\"", "\"[x*t, w]\"", "12:64: unknown name 'w'"},
-      {"\"[x*t, u]\"", "[x, w]", "12:60: unknown name 'w'"},
+      {"energy - drag(v)", "energy - drg(v)", "13:47: unknown function 'drg'"},
+      {"\"[x*t, u]\"", "\"[x*t, w]\"", "13:63: unknown name 'w'"},
+      {"\"[x*t, u]\"", "[x, w]", "13:60: unknown name 'w'"},
       {"\"[x*t, u]\"", "2*t",
-       "12:56: a row of a residual depends on the state or the control, and this does not"},
-      {"\"[x*t, u]\"", "{a: 1}", "12:56: an expression is expected here, not a mapping"},
-      {"rows: [energy - drag(v), \"[x*t, u]\"]", "rows: []", "12:42: there is no row"},
-      {", rows: [energy - drag(v), \"[x*t, u]\"]", "", "12:8: 'costs.own' lacks the key 'rows'"},
-      {"control}", "control, rows: [x]}", "11:37: the residual 'control' has no 'rows'"},
+       "13:56: a row of a residual depends on the state or the control, and this does not"},
+      {"\"[x*t, u]\"", "{a: 1}", "13:56: an expression is expected here, not "},
+      {"rows: [energy - drag(v), \"[x*t, u]\"]", "rows: []", "13:37: there is no row"},
+      {", rows: [energy - drag(v), \"[x*t, u]\"]", "", "13:8: 'costs.own' lacks the key 'rows'"},
+      {"control}", "control, rows: [x]}", "12:37: the residual 'control' has no 'rows'"},
       {"solver:", "terminal: {costs: {end: {residual: expression, rows: [x, u]}}}\nsolver:",
-       "13:36: this residual needs a control, and there is none at the terminal node"},
+       "14:36: this residual needs a control, and there is none at the terminal node"},
       {"[{knots: 4, dt: 0.1}]",
        "[{choose: none}, {knots: 4, duration: 1, free_duration: {lower: 0.5, upper: 2}}]",
-       "12:20: where durations are free, the time 't' of a knot is not given"},
+       "13:19: where durations are free, the time 't' of a knot is not given"},
   };
   for (const WrongFile& c : cases) {
     const Loaded loaded(replaced(kRows, c.from, c.to));
@@ -104,8 +104,8 @@ TEST(ExpressionRows, ErrorsPointIntoTheExpression) {
 TEST(ExpressionRows, WarnOfWhatIsNotSmoothOnce) {
   EXPECT_EQ(
       warnings(replaced(replaced(kRows, "[energy - drag(v)", "[abs(x)"), "m*v^2", "m*abs(v)*v")),
-      "7:32: 'abs' has a kink at 0; smooth_abs has none ()\n"
-      "12:39: 'abs' has a kink at 0; smooth_abs has none ()\n");
+      "7:35: 'abs' has a kink at 0; smooth_abs has none ()\n"
+      "13:38: 'abs' has a kink at 0; smooth_abs has none ()\n");
 }
 
 TEST(ExpressionRows, ConstrainClosedFormSystemsInAnySet) {
@@ -157,6 +157,59 @@ solver: {name: altro}
   const auto columns = knot.model->system().state_columns();
   const int slider = columns[0].name == "q/slider" ? 0 : 1;
   EXPECT_EQ(r, 5 * x[2 + slider] + x[1 - slider]);
+}
+
+constexpr std::string_view kTip = R"(conddp: 1
+robot: {urdf: robots/cartpole.urdf, actuation: {joints: [slider]}}
+initial_state: {joints: {hinge: 0.5}}
+phases: [{knots: 6, dt: 0.05}]
+costs:
+  own:
+    residual: expression
+    of: {tip: {residual: frame_position, frame: tip}, flow: {residual: frame_velocity, frame: tip}}
+    rows:
+      height: tip.z - 0.2*sin(q[hinge])
+      reach: norm(tip)*u[slider]
+      speed: flow.vx^2 + flow.vz^2
+  plain: {residual: frame_position, frame: tip, reference: [0, 0, 0]}
+solver: {name: ddp}
+)";
+
+TEST(ExpressionRows, NameTheRowsOfOtherResiduals) {
+  const Loaded loaded{std::string(kTip)};
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const ShootingProblem& problem = *loaded.built->problem;
+  const KnotView knot = problem.knot(2);
+  const System& system = knot.model->system();
+  const auto data = system.create_data(0.0);
+  const double x[] = {0.3, 0.7, -0.4, 1.1}, u[] = {2}, zero[] = {0, 0, 0};
+  system.evaluate(x, u, *data);
+  double own[3], tip[3];
+  knot.model->costs()[0].residual->evaluate({x, u, zero, *data}, own);
+  knot.model->costs()[1].residual->evaluate({x, u, zero, *data}, tip);
+  const double hinge = x[system.state_columns()[0].name == "q/hinge" ? 0 : 1];
+  EXPECT_NEAR(own[0], tip[2] - 0.2 * std::sin(hinge), 1e-14);
+  EXPECT_NEAR(own[1], std::hypot(tip[0], tip[1], tip[2]) * 2, 1e-14);
+  EXPECT_GT(own[2], 0);
+  for (const DerivativeComparison& derivative :
+       check_derivatives(problem, loaded.built->guess, {.knots_per_phase = 3}))
+    EXPECT_LT(derivative.error, 1e-9);
+}
+
+TEST(ExpressionRows, SayWhichResidualsTheyCannotName) {
+  const auto error = [](std::string_view from, std::string_view to) {
+    return Loaded(replaced(kTip, from, to)).first_error();
+  };
+  EXPECT_EQ(error("frame: tip},", "frame: top},"), "8:49: the robot has no frame 'top'");
+  EXPECT_EQ(error("of: {tip: {residual: frame_position, frame: tip}",
+                  "of: {tip: {residual: control_rate}"),
+            "8:26: expressions do not support the residual 'control_rate'");
+  EXPECT_EQ(error("{tip: {residual: frame_position, frame: tip}",
+                  "{q: {residual: frame_position, frame: tip}"),
+            "8:10: the name 'q' is taken");
+  EXPECT_EQ(error("tip.z -", "tip.w -"), "10:19: unknown part 'w' of a vector of 3");
+  EXPECT_EQ(error("residual: frame_velocity", "residual: frame_velocities").substr(0, 30),
+            "8:72: unknown residual 'frame_");
 }
 
 TEST(ExpressionRows, CostTimeWhereDurationsAreFree) {

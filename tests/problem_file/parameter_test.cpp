@@ -24,7 +24,7 @@ initial_state: {state: =-goal}
 phases: [{knots: 4, dt: =0.2/mass}]
 costs:
   effort: {residual: control, weight: "=2^mass", reference: =weight}
-  own: {residual: expression, rows: [x*mass], reference: =goal[0]}
+  own: {residual: expression, rows: [x*mass], reference: "=goal[0]"}
 solver: {name: box_fddp}
 )";
 
@@ -78,15 +78,15 @@ TEST(Parameters, ErrorsPointIntoTheFormula) {
     std::string from, to, error;
   };
   const WrongFile cases[] = {
-      {"=0.2/mass", "=0.2/mas", "10:28: unknown name 'mas'"},
-      {"\"=2^mass\"", "\"=2^mas\"", "12:43: unknown name 'mas'"},
+      {"=0.2/mass", "=0.2/mas", "11:30: unknown name 'mas'"},
+      {"\"=2^mass\"", "\"=2^mas\"", "13:43: unknown name 'mas'"},
       {"=9.81*mass", "=9.81*goal", "4:17: unknown name 'goal'"},
-      {"=9.81*mass", "=9.81*", "4:18: the expression ends where"},
-      {"=9.81*mass", "=", "4:12: the expression ends where"},
+      {"=9.81*mass", "=9.81*", "4:17: the expression ends where"},
+      {"=9.81*mass", "=", "4:12: the expression is empty"},
       {"=9.81*mass", "=1/0", "4:13: the value of '/' is not finite"},
       {"=9.81*mass", "heavy", "4:11: "},
-      {"=0.2/mass", "=mass > 1", "10:23: a number or a vector is expected here, not a condition"},
-      {"=0.2/mass", "=goal", "10:23: "},
+      {"=0.2/mass", "=mass > 1", "11:25: a number or a vector is expected here, not a condition"},
+      {"=0.2/mass", "=goal", "11:25: "},
       {"mass: 2", "2mass: 2", "3:3: '2mass' is not a name of expressions"},
       {"mass: 2", "sin: 2", "3:3: 'sin' is a function of the expression language"},
       {"goal: [1, \"=mass/4\"]", "goal: []", "5:9: a vector has at least one number"},
@@ -116,7 +116,7 @@ parameters: {reach: 0.7}
 robot: {urdf: robots/cartpole.urdf, actuation: {joints: [slider]}}
 initial_state: {joints: {hinge: =reach/2}}
 phases: [{knots: 4, dt: 0.05}]
-costs: {far: {residual: expression, rows: q[slider] - reach}}
+costs: {far: {residual: expression, rows: "q[slider] - reach"}}
 solver: {name: box_fddp}
 )");
   ASSERT_TRUE(loaded.built) << loaded.all();

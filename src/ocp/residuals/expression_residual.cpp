@@ -33,95 +33,206 @@ void with_registers(int count, Run&& run) {
 
 /// An input of the program and where a knot holds it.
 struct KnotInputSource {
-  enum class Kind { kState, kControl, kParameter };
+  enum class Kind { kState, kControl, kParameter, kOperand };
   Kind kind;
-  int index;
+  int index;  ///< of an operand: its row among those of all operands
   int input;
 };
 
-class ExpressionResidual : public ResidualBase<ExpressionResidual> {
+/// Which block a row of a residual is in, and where.
+struct PackedRow {
+  const RowBlock* block;
+  int first;  ///< its first derivative among those of the residual; one column further: block->rows
+};
+
+std::vector<PackedRow> packed_rows(const Residual& residual) {
+  std::vector<PackedRow> rows;
+  int first = 0;
+  for (const RowBlock& block : residual.blocks()) {
+    for (int row = 0; row < block.rows; ++row) rows.push_back({&block, first + row});
+    first += block.rows * static_cast<int>(block.columns.size());
+  }
+  return rows;
+}
+
+/// Other residuals, evaluated one after the other into the rows of one vector.
+class Operands {
  public:
-  ExpressionResidual(DifferentiableExpressions functions, std::vector<KnotInputSource> sources)
-      : ResidualBase(structure(functions), parameters_of(sources), reads_control(sources)),
-        functions_(std::move(functions)),
-        sources_(std::move(sources)) {
-    // A block's entries are by columns, those of the functions by rows.
-    int first_place = 0;
-    for (const RowBlock& block : blocks()) {
-      const int columns = static_cast<int>(block.columns.size());
-      for (int row = 0; row < block.rows; ++row)
-        for (int column = 0; column < columns; ++column)
-          places_.push_back(first_place + column * block.rows + row);
-      first_place += columns * block.rows;
+  explicit Operands(std::vector<ExpressionOperand> operands) : operands_(std::move(operands)) {
+    for (const ExpressionOperand& operand : operands_) {
+      for (PackedRow row : packed_rows(*operand.residual)) {
+        row.first += jacobian_size_;
+        rows_.push_back(row);
+      }
+      jacobian_size_ += operand.residual->jacobian_size();
+      parameters_ = std::max(parameters_, static_cast<int>(operand.parameters.size()));
     }
   }
 
-  Reads reads() const override { return Reads::kinematics; }
+  const std::vector<PackedRow>& rows() const { return rows_; }
+  /// Numbers that a pass needs: rows, their derivatives and parameters of one operand.
+  int numbers() const { return static_cast<int>(rows_.size()) + jacobian_size_ + parameters_; }
+  bool need_control() const {
+    return std::any_of(operands_.begin(), operands_.end(),
+                       [](const ExpressionOperand& o) { return o.residual->needs_control(); });
+  }
+  Reads reads() const {
+    Reads most = Reads::kinematics;
+    for (const ExpressionOperand& operand : operands_)
+      most = std::max(most, operand.residual->reads());
+    return most;
+  }
+  /// Writes the rows and, behind them if asked for, the derivatives into numbers().
+  template <class S>
+  void evaluate(const ResidualInput<S>& in, bool derivatives, S* numbers) const {
+    S *r = numbers, *jacobian = numbers + rows_.size(), *parameters = jacobian + jacobian_size_;
+    for (const ExpressionOperand& operand : operands_) {
+      for (std::size_t i = 0; i < operand.parameters.size(); ++i)
+        parameters[i] = S(operand.parameters[i]);
+      const ResidualInput<S> own{in.x, in.u, parameters, in.system};
+      if (derivatives)
+        operand.residual->differentiate(own, r, jacobian);
+      else
+        operand.residual->evaluate(own, r);
+      r += operand.residual->size();
+      jacobian += operand.residual->jacobian_size();
+    }
+  }
+
+ private:
+  std::vector<ExpressionOperand> operands_;
+  std::vector<PackedRow> rows_;
+  int jacobian_size_ = 0, parameters_ = 0;
+};
+
+/// The rows of the expressions by the columns of z that they depend on, through operands too. The
+/// derivative by row i of the operands is that by the column `first_operand` + i.
+std::vector<RowBlock> structure(const DifferentiableExpressions& functions,
+                                const Operands& operands, int first_operand) {
+  std::vector<RowBlock> rows(functions.size(), RowBlock{1, {}, true});
+  for (const auto& entry : functions.jacobian()) {
+    RowBlock& row = rows[entry.row];
+    row.affine &= entry.constant;
+    if (entry.column < first_operand) {
+      row.columns.push_back(entry.column);
+      continue;
+    }
+    const RowBlock& inner = *operands.rows()[entry.column - first_operand].block;
+    row.columns.insert(row.columns.end(), inner.columns.begin(), inner.columns.end());
+    row.affine &= inner.affine;
+  }
+  // Rows with the same columns that follow each other make a block.
+  std::vector<RowBlock> blocks;
+  for (RowBlock& row : rows) {
+    std::sort(row.columns.begin(), row.columns.end());
+    row.columns.erase(std::unique(row.columns.begin(), row.columns.end()), row.columns.end());
+    const bool same = !blocks.empty() && blocks.back().columns == row.columns &&
+                      blocks.back().affine == row.affine;
+    if (same)
+      ++blocks.back().rows;
+    else
+      blocks.push_back(std::move(row));
+  }
+  return blocks;
+}
+
+int count(const std::vector<KnotInputSource>& sources, KnotInputSource::Kind kind) {
+  return static_cast<int>(
+      std::count_if(sources.begin(), sources.end(),
+                    [kind](const KnotInputSource& source) { return source.kind == kind; }));
+}
+
+class ExpressionResidual : public ResidualBase<ExpressionResidual> {
+ public:
+  ExpressionResidual(DifferentiableExpressions functions, std::vector<KnotInputSource> sources,
+                     Operands operands, int first_operand)
+      : ResidualBase(
+            structure(functions, operands, first_operand),
+            count(sources, KnotInputSource::Kind::kParameter),
+            count(sources, KnotInputSource::Kind::kControl) > 0 || operands.need_control()),
+        functions_(std::move(functions)),
+        sources_(std::move(sources)),
+        operands_(std::move(operands)) {
+    const std::vector<PackedRow> packed = packed_rows(*this);
+    for (const auto& entry : functions_.jacobian()) {
+      const PackedRow& row = packed[entry.row];
+      const auto add = [&](int column, int inner) {
+        const auto& columns = row.block->columns;
+        const auto at = std::lower_bound(columns.begin(), columns.end(), column);
+        const int place = row.first + static_cast<int>(at - columns.begin()) * row.block->rows;
+        products_.push_back({place, entry.place, inner});
+      };
+      if (entry.column < first_operand) {
+        add(entry.column, -1);
+        continue;
+      }
+      const PackedRow& inner = operands_.rows()[entry.column - first_operand];
+      for (std::size_t c = 0; c < inner.block->columns.size(); ++c)
+        add(inner.block->columns[c], inner.first + static_cast<int>(c) * inner.block->rows);
+    }
+  }
+
+  Reads reads() const override { return operands_.reads(); }
 
   template <class S>
   void evaluate_as(const ResidualInput<S>& in, S* r) const {
-    run(functions_.values(), in, r, [](const S*) {});
+    run(functions_.values(), in, false, r, [](const S*, const S*) {});
   }
 
   template <class S>
   void differentiate_as(const ResidualInput<S>& in, S* r, S* jacobian) const {
-    run(functions_.with_derivatives(), in, r, [&](const S* registers) {
-      const auto& entries = functions_.jacobian();
-      for (std::size_t i = 0; i < entries.size(); ++i)
-        jacobian[places_[i]] = registers[entries[i].place];
+    run(functions_.with_derivatives(), in, true, r, [&](const S* registers, const S* inner) {
+      std::fill_n(jacobian, jacobian_size(), S(0.0));
+      for (const Product& product : products_) {
+        const S& outer = registers[product.outer];
+        jacobian[product.place] += product.inner < 0 ? outer : outer * inner[product.inner];
+      }
     });
   }
 
  private:
+  /// A part of the derivative at `place`: a register and, through an operand, the derivative of one
+  /// of its rows.
+  struct Product {
+    int place;
+    int outer;
+    int inner;  ///< −1: none
+  };
+
   template <class S, class Then>
-  void run(const ExpressionProgram& program, const ResidualInput<S>& in, S* r, Then then) const {
-    with_registers<S>(program.registers(), [&](S* registers) {
+  void run(const ExpressionProgram& program, const ResidualInput<S>& in, bool derivatives, S* r,
+           Then then) const {
+    with_registers<S>(program.registers() + operands_.numbers(), [&](S* registers) {
+      S* operands = registers + program.registers();
+      operands_.evaluate(in, derivatives, operands);
       program.prepare(registers);
-      for (const KnotInputSource& source : sources_) {
-        const S* from = source.kind == KnotInputSource::Kind::kParameter ? in.parameters
-                        : source.kind == KnotInputSource::Kind::kControl ? in.u
-                                                                         : in.x;
-        registers[source.input] = from[source.index];
-      }
+      for (const KnotInputSource& source : sources_)
+        registers[source.input] = from(source.kind, in, operands)[source.index];
       program.run(registers);
       for (int i = 0; i < size(); ++i) r[i] = registers[program.output(i)];
-      then(registers);
+      then(registers, operands + operands_.rows().size());
     });
   }
 
-  /// Rows with the same columns that follow each other make a block.
-  static std::vector<RowBlock> structure(const DifferentiableExpressions& functions) {
-    std::vector<RowBlock> rows(functions.size(), RowBlock{1, {}, true});
-    for (const auto& entry : functions.jacobian()) {
-      rows[entry.row].columns.push_back(entry.column);
-      rows[entry.row].affine &= entry.constant;
+  template <class S>
+  static const S* from(KnotInputSource::Kind kind, const ResidualInput<S>& in, const S* operands) {
+    switch (kind) {
+      case KnotInputSource::Kind::kState:
+        return in.x;
+      case KnotInputSource::Kind::kControl:
+        return in.u;
+      case KnotInputSource::Kind::kParameter:
+        return in.parameters;
+      case KnotInputSource::Kind::kOperand:
+        break;
     }
-    std::vector<RowBlock> blocks;
-    for (RowBlock& row : rows) {
-      const bool same = !blocks.empty() && blocks.back().columns == row.columns &&
-                        blocks.back().affine == row.affine;
-      if (same)
-        ++blocks.back().rows;
-      else
-        blocks.push_back(std::move(row));
-    }
-    return blocks;
-  }
-  static int count(const std::vector<KnotInputSource>& sources, KnotInputSource::Kind kind) {
-    return static_cast<int>(
-        std::count_if(sources.begin(), sources.end(),
-                      [kind](const KnotInputSource& source) { return source.kind == kind; }));
-  }
-  static int parameters_of(const std::vector<KnotInputSource>& sources) {
-    return count(sources, KnotInputSource::Kind::kParameter);
-  }
-  static bool reads_control(const std::vector<KnotInputSource>& sources) {
-    return count(sources, KnotInputSource::Kind::kControl) > 0;
+    return operands;
   }
 
   DifferentiableExpressions functions_;
   std::vector<KnotInputSource> sources_;
-  std::vector<int> places_;  ///< of the functions' entries in the packed Jacobian
+  Operands operands_;
+  std::vector<Product> products_;
 };
 
 /// Reads the texts of a residual.
@@ -171,6 +282,7 @@ class ResidualReader {
       value.unit = name.unit;
       texts_.scope().add(name.name, std::move(value));
     }
+    add_operands();
     if (texts_.scope().find("t") == nullptr) {
       time_ = static_cast<int>(sources_.size());
       ExpressionValue time = ExpressionValue::number(input(KnotInputSource::Kind::kParameter, -1));
@@ -179,6 +291,20 @@ class ResidualReader {
     }
     texts_.add_parameters(text_.parameters);
     texts_.add_tables(text_.tables);
+  }
+
+  void add_operands() {
+    int row = 0;
+    for (std::size_t i = 0; i < text_.operands.size(); ++i) {
+      const ExpressionOperand& operand = text_.operands[i];
+      ExpressionValue value = ExpressionValue::vector({});
+      for (const std::string& name : operand.rows) {
+        value.parts.push_back({name, value.size()});
+        value.nodes.push_back(input(KnotInputSource::Kind::kOperand, row++));
+      }
+      if (value.size() == 1) value.kind = ExpressionValue::Kind::kNumber;
+      texts_.add(Part::kOperand, static_cast<int>(i), operand.name, std::move(value));
+    }
   }
 
   void read_row(int index) {
@@ -222,14 +348,22 @@ class ResidualReader {
     std::iota(input_of.begin(), input_of.end(), 0);
     InputMotions motions = tangent_motions(graph_, manifold_, input_of);
     motions.resize(sources_.size());
+    int first_operand = manifold_.ndx();
     for (const KnotInputSource& source : sources_)
-      if (source.kind == KnotInputSource::Kind::kControl)
-        motions[source.input].push_back({manifold_.ndx() + source.index, graph_.constant(1)});
+      if (source.kind == KnotInputSource::Kind::kControl) {
+        const int column = manifold_.ndx() + source.index;
+        motions[source.input].push_back({column, graph_.constant(1)});
+        first_operand = std::max(first_operand, column + 1);
+      }
+    for (const KnotInputSource& source : sources_)
+      if (source.kind == KnotInputSource::Kind::kOperand)
+        motions[source.input].push_back({first_operand + source.index, graph_.constant(1)});
     const int inputs = static_cast<int>(sources_.size());
     if (count_derivatives(graph_, outputs_, motions) > kMostDerivatives)
       return texts_.report(Part::kRow, 0, "the expressions of the residual are too large");
     DifferentiableExpressions functions(graph_, outputs_, inputs, motions);
-    if (functions.with_derivatives().registers() > kMostRegisters)
+    Operands operands(text_.operands);
+    if (functions.with_derivatives().registers() + operands.numbers() > kMostRegisters)
       return texts_.report(
           Part::kRow, 0,
           fmt::format("the expressions need more than {} intermediate results", kMostRegisters),
@@ -237,7 +371,8 @@ class ResidualReader {
     drop_unused();
     out_.reads_time = std::any_of(sources_.begin(), sources_.end(),
                                   [&](const KnotInputSource& s) { return s.input == time_; });
-    out_.residual = std::make_shared<ExpressionResidual>(std::move(functions), sources_);
+    out_.residual = std::make_shared<ExpressionResidual>(std::move(functions), sources_,
+                                                         std::move(operands), first_operand);
   }
 
   /// Inputs that neither values nor derivatives read. A quaternion is read as a whole, because its

@@ -26,11 +26,20 @@ struct KnotName {
 /// and `rotation`, twists `linear` and `angular`.
 std::vector<KnotName> knot_names(const System& system);
 
+/// Another residual whose rows expressions name, as parts of a vector.
+struct ExpressionOperand {
+  std::string name;
+  std::shared_ptr<const Residual> residual;
+  std::vector<double> parameters;  ///< of it, at every knot
+  std::vector<std::string> rows;   ///< their names
+};
+
 /// A residual in words: rows minus their references. Names in expressions: those of the knot,
-/// parameters, definitions in their order, tables, and the time `t` (s) unless the knot has a
-/// column of that name.
+/// operands, parameters, definitions in their order, tables, and the time `t` (s) unless the knot
+/// has a column of that name.
 struct ExpressionResidualText {
   std::vector<KnotName> names;
+  std::vector<ExpressionOperand> operands;
   NamedParameters parameters;
   NamedTables tables;
   std::vector<NamedExpression> definitions;
@@ -50,7 +59,7 @@ struct ParsedExpressionResidual {
 /// Makes a residual of expressions of a knot whose model has this manifold. Parameters: the
 /// reference of each row and, where expressions depend on `t`, the time of the knot (s), whose
 /// derivative by a free duration is not part of the residual. It needs a control where expressions
-/// depend on one.
+/// or operands depend on one.
 ParsedExpressionResidual make_expression_residual(const StateManifold& manifold,
                                                   const ExpressionResidualText& text);
 

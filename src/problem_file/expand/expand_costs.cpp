@@ -2,20 +2,12 @@
 
 #include "problem_file/build/constraint_builder.hpp"
 #include "problem_file/expand/expand_sections.hpp"
+#include "problem_file/residuals/residual_keys.hpp"
 #include "problem_file/spec/enum_names.hpp"
 #include "problem_file/values/activation_table.hpp"
 
 namespace conddp {
 namespace {
-
-/// What a residual is on.
-OrderedJson expand_residual(const CostSpec& cost, const KeyContext& context) {
-  OrderedJson json = {{"residual", cost.residual.value}};
-  for (const ResidualKey* key : cost.definition->keys)
-    if (OrderedJson value = key->expand(cost, context); !value.is_null())
-      json[std::string(key->name)] = std::move(value);
-  return json;
-}
 
 /// Whether a key of the residual takes the place of another one.
 bool is_excluded(std::string_view key, const CostSpec& cost) {
@@ -36,7 +28,7 @@ void expand_place(const CostSpec& cost, const ProblemSpec& spec, OrderedJson& js
 
 OrderedJson expand_cost(const CostSpec& cost, const ProblemSpec& spec, const Plant& plant,
                         bool terminal) {
-  OrderedJson json = expand_residual(cost, {spec, plant, {.last_node = terminal}});
+  OrderedJson json = expand_residual_keys(cost, {spec, plant, {.last_node = terminal}});
   json["weight"] = cost.weight;
   json["weights"] = cost.weights ? expand_components(*cost.weights) : OrderedJson(1.0);
   if (!cost.definition->is_cone && !is_excluded("activation", cost))
@@ -70,7 +62,7 @@ OrderedJson expand_constraint(const ConstraintSpec& constraint, const ProblemSpe
     if (function.phases) json["phases"] = expand_names(*function.phases);
     return json;
   }
-  json = expand_residual(function, {spec, plant, {.constraint = true, .last_node = terminal}});
+  json = expand_residual_keys(function, {spec, plant, {.constraint = true, .last_node = terminal}});
   for (const Located<std::vector<double>>& center : constraint.centers)
     json["centers"].push_back(center.value);
   if (OrderedJson reference = expand_reference(function);

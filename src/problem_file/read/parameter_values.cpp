@@ -27,25 +27,26 @@ class ParameterPlacer {
     if (!reader.named_entries("write '{mass: 2, goal: [1, 0]}'")) return names;
     for (YamlNode::Entry& entry : parameters.entries) {
       const std::string path = "parameters." + entry.key;
+      const int errors = out_.error_count();
       replace(entry.value, path);
       const YamlReader value(entry.value, path, out_);
       const Place place{entry.mark, path};
-      if (std::string defect = scope_.defect_of(entry.key); !defect.empty()) {
+      if (std::string defect = scope_.defect_of(entry.key); !defect.empty())
         out_.error(place, std::move(defect));
-        continue;
-      }
-      if (const auto given = read_value(value)) {
-        add(entry.key, *given);
-        names.parameters.emplace_back(entry.key, *given);
-        names.parameter_places.push_back(place);
-      }
+      // Later ones would stumble over one that is wrong.
+      if (out_.error_count() > errors) break;
+      const auto given = read_value(value);
+      if (!given) break;
+      add(entry.key, *given);
+      names.parameters.emplace_back(entry.key, *given);
+      names.parameter_places.push_back(place);
     }
     return names;
   }
 
   /// Puts values in the place of what begins with '=', here and below.
   void replace(YamlNode& node, const std::string& path) {
-    if (is_formula(node)) return place(node, path);
+    if (is_formula(node)) return put_value(node, path);
     const std::string before = path.empty() ? "" : path + ".";
     for (std::size_t i = 0; i < node.items.size(); ++i)
       replace(node.items[i], before + std::to_string(i));
@@ -74,7 +75,7 @@ class ParameterPlacer {
     scope_.add(name, std::move(value));
   }
 
-  void place(YamlNode& node, const std::string& path) {
+  void put_value(YamlNode& node, const std::string& path) {
     const ExpressionText text{node.text, {node.mark, path}, node.quoted};
     ParsedExpression parsed = parse_expression(node.text.substr(1), scope_, graph_);
     if (!parsed.value) {

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "problem_file/read/read_sections.hpp"
-#include "problem_file/residuals/residual_table.hpp"
+#include "problem_file/residuals/residual_keys.hpp"
 #include "problem_file/values/activation_table.hpp"
 
 namespace conddp {
@@ -19,31 +19,6 @@ std::vector<Located<int>> read_knots(const YamlReader& reader) {
         knots.push_back({static_cast<int>(*knot), item.place()});
       }
   return knots;
-}
-
-/// The residual that is named, or null.
-const ResidualDefinition* choose_residual(const YamlReader& reader) {
-  std::vector<std::string> words;
-  std::vector<Synonyms> synonyms;
-  for (const ResidualDefinition* definition : residual_table()) {
-    words.emplace_back(definition->name);
-    synonyms.push_back({definition->name, definition->synonyms});
-  }
-  const auto index = reader.choose(words, "residual", synonyms);
-  return index ? residual_table()[*index] : nullptr;
-}
-
-/// A key of residuals, which only some of them have.
-void read_key(YamlMap& map, const ResidualKey& key, CostSpec& cost) {
-  const auto& own = cost.definition->keys;
-  const bool fits = std::find(own.begin(), own.end(), &key) != own.end();
-  const KeyTraits& traits = key.traits;
-  const auto value = fits && traits.required ? map.require(key.name) : map.find(key.name);
-  if (!value) return;
-  if (fits || !traits.required) key.read(*value, cost);
-  if (!fits)
-    value->error(fmt::format("the residual '{}' has no '{}'", cost.residual.value, key.name));
-  if (!traits.excludes.empty()) map.exclusive({key.name, traits.excludes});
 }
 
 CostSpec read_cost(const Name& name, const YamlReader& reader, const std::filesystem::path& folder,
@@ -69,17 +44,8 @@ CostSpec read_cost(const Name& name, const YamlReader& reader, const std::filesy
 
 bool read_residual(YamlMap& map, const std::filesystem::path& folder, TermPlace place,
                    CostSpec& cost) {
-  const auto residual = map.require("residual");
-  const ResidualDefinition* found = residual ? choose_residual(*residual) : nullptr;
-  if (found == nullptr) {
-    map.ignore_others();
-    return false;
-  }
-  const ResidualDefinition& definition = *found;
-  cost.definition = &definition;
-  cost.residual = {std::string(definition.name), residual->place()};
-  for (const ResidualKey* key : residual_keys())
-    if (key->stands_in(place)) read_key(map, *key, cost);
+  if (!read_residual_keys(map, place, cost)) return false;
+  const ResidualDefinition& definition = *cost.definition;
   if (const auto r = map.find("reference")) {
     if (definition.reference != nullptr)
       cost.reference = read_reference(*r, cost, folder);
@@ -88,9 +54,10 @@ bool read_residual(YamlMap& map, const std::filesystem::path& folder, TermPlace 
   }
   if (place.last_node) {
     if (!definition.at_last_node())
-      residual->error(
-          fmt::format("the residual '{}' needs a control, and there is none at the terminal node",
-                      definition.name));
+      map.find("residual")
+          ->error(fmt::format(
+              "the residual '{}' needs a control, and there is none at the terminal node",
+              definition.name));
     return true;
   }
   if (const auto r = map.find("phases")) cost.phases = r->name_or_names();

@@ -167,6 +167,7 @@ class ExpressionSystemReader {
         part = &equations_;
         break;
       case Part::kRow:  // of residuals alone
+      case Part::kOperand:
       case Part::kWhole:
         return map_.reader().error(message.message.message, message.message.hint);
     }

@@ -1,6 +1,9 @@
+#include <fmt/format.h>
+
 #include "ocp/residuals/expression_residual.hpp"
 #include "problem_file/residuals/cost_residual.hpp"
 #include "problem_file/residuals/reference_form.hpp"
+#include "problem_file/residuals/residual_keys.hpp"
 #include "problem_file/residuals/residual_table.hpp"
 #include "problem_file/residuals/rows_key.hpp"
 #include "problem_file/values/expression_source.hpp"
@@ -8,13 +11,58 @@
 namespace conddp {
 namespace {
 
+/// Other residuals, by the names that expressions have for them.
+const Key<std::vector<CostSpec>> kOperands{"of"};
+
+std::vector<CostSpec> read_operands(const YamlReader& reader) {
+  std::vector<CostSpec> operands;
+  const auto entries =
+      reader.named_entries("write '{tip: {residual: frame_position, frame: tool}}'");
+  if (!entries) return operands;
+  for (const auto& [name, value] : *entries) {
+    CostSpec operand{.name = name};
+    YamlMap map(value);
+    if (map.valid() && read_residual_keys(map, {}, operand)) operands.push_back(std::move(operand));
+  }
+  return operands;
+}
+
+/// A residual whose rows, measured from zero, expressions name.
+std::optional<ExpressionOperand> make_operand(const CostSpec& operand,
+                                              const ResidualContext& context) {
+  const ResidualDefinition& definition = *operand.definition;
+  const ResidualNeeds& needs = definition.needs;
+  const auto fail = [&](std::string message, std::string hint) {
+    context.out.error(operand.residual.place, std::move(message), std::move(hint));
+    return std::nullopt;
+  };
+  if (definition.of_contacts() || needs.force || needs.previous_control || needs.chosen_start)
+    return fail(fmt::format("expressions do not support the residual '{}'", definition.name),
+                "of a state and a control alone: frames, centre of mass, momentum, distances");
+  if (needs.robot && !context.plant.multibody())
+    return fail(fmt::format("the residual '{}' needs a robot; this is a closed-form system",
+                            definition.name),
+                "expressions name the columns of the system themselves");
+  auto made = definition.make(
+      {operand, context.spec, context.plant, context.contacts, context.ndx, context.out});
+  if (!made) return std::nullopt;
+  if (made->reads_time)
+    return fail("a residual that another one names has no time 't'",
+                "write 't' into the rows that name it");
+  return ExpressionOperand{operand.name.value, std::move(made->residual),
+                           made->parameters.neutral(), std::move(made->rows.names)};
+}
+
 const ExpressionSystemSpec* own_system(const ProblemSpec& spec) {
   return spec.system ? std::get_if<ExpressionSystemSpec>(&spec.system->parameters) : nullptr;
 }
 
 /// What a residual's expressions may name.
-ExpressionResidualText text_of(const ExpressionRowsSpec& rows, const ResidualContext& context) {
-  ExpressionResidualText text{.names = knot_names(*context.plant.system)};
+ExpressionResidualText text_of(const ExpressionRowsSpec& rows,
+                               std::vector<ExpressionOperand> operands,
+                               const ResidualContext& context) {
+  ExpressionResidualText text{.names = knot_names(*context.plant.system),
+                              .operands = std::move(operands)};
   add_names(context.spec.names, text.parameters, text.tables);
   if (const ExpressionSystemSpec* own = own_system(context.spec)) {
     add_names(own->own, text.parameters, text.tables);
@@ -35,11 +83,13 @@ void report(const ModelMessage& message, Severity severity, const ExpressionRows
   // A robot's names may be those of the file.
   const ExpressionNamesSpec& names = context.spec.names;
   const std::size_t index = message.index;
+  const auto* operands = context.cost.keys.find(kOperands);
   Place place = context.cost.residual.place;
   if (message.part == Part::kParameter && index < names.parameters.size())
     place = names.parameter_places[index];
   if (message.part == Part::kTable && index < names.tables.size())
     place = names.tables[index].name.place;
+  if (message.part == Part::kOperand) place = operands->at(index).name.place;
   context.out.error(place, message.message.message, message.message.hint);
 }
 
@@ -58,11 +108,18 @@ std::vector<std::string> row_names(const ExpressionRowsSpec& rows, const std::ve
 
 std::optional<CostResidual> make_expression(const ResidualContext& context) {
   const ExpressionRowsSpec rows = context.cost.keys.value(key::expression_rows);
+  std::vector<ExpressionOperand> operands;
+  for (const CostSpec& operand : context.cost.keys.value(kOperands)) {
+    auto made = make_operand(operand, context);
+    if (!made) return std::nullopt;
+    operands.push_back(*std::move(made));
+  }
   const System& system = *context.plant.system;
   StateManifold manifold = system.manifold();
   if (context.ndx > system.ndx())
     manifold.append(StateManifold::Part::flat, context.ndx - system.ndx());
-  const auto parsed = make_expression_residual(manifold, text_of(rows, context));
+  const auto parsed =
+      make_expression_residual(manifold, text_of(rows, std::move(operands), context));
   for (const ModelMessage& message : parsed.errors)
     report(message, Severity::kError, rows, context);
   for (const ModelMessage& message : parsed.warnings)
@@ -85,12 +142,29 @@ std::optional<CostResidual> make_expression(const ResidualContext& context) {
 }  // namespace
 
 std::span<const ResidualDefinition> expression_residuals() {
+  static const ResidualKey operands = {
+      "of",
+      "Of expression: other residuals by the names that the rows have for them, measured from zero",
+      OrderedJson::parse(R"({
+        "type": "object", "additionalProperties": {"$ref": "#/definitions/operand"},
+        "default": {}, "examples": [{"tip": {"residual": "frame_position", "frame": "tool"}}]
+      })"),
+      {},
+      [](const YamlReader& reader, CostSpec& cost) {
+        cost.keys.set(kOperands, read_operands(reader));
+      },
+      [](const CostSpec& cost, const KeyContext& context) {
+        OrderedJson json = OrderedJson::object();
+        for (const CostSpec& operand : cost.keys.value(kOperands))
+          json[operand.name.value] = expand_residual_keys(operand, context);
+        return json;
+      }};
   static const ResidualDefinition all[] = {
       {.name = "expression",
        .description = "expressions of the state, the control and the time",
        .unit = "that of the expressions",
        .synonyms = {"equation", "formula", "custom"},
-       .keys = {&rows_key()},
+       .keys = {&operands, &rows_key()},
        .reference = &kRowsReference,
        .is_point = [](const CostSpec&) { return true; },
        .make = make_expression}};

@@ -38,6 +38,7 @@ struct ModelMessage {
     kDefinition,
     kEquation,  ///< of a system
     kRow,       ///< of a residual
+    kOperand,   ///< another residual, that a residual names
     kWhole
   };
   Part part = Part::kWhole;

@@ -1,0 +1,61 @@
+#include "problem_file/residuals/residual_keys.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "problem_file/residuals/residual_table.hpp"
+
+namespace conddp {
+namespace {
+
+/// The residual that is named, or null.
+const ResidualDefinition* choose_residual(const YamlReader& reader) {
+  std::vector<std::string> words;
+  std::vector<Synonyms> synonyms;
+  for (const ResidualDefinition* definition : residual_table()) {
+    words.emplace_back(definition->name);
+    synonyms.push_back({definition->name, definition->synonyms});
+  }
+  const auto index = reader.choose(words, "residual", synonyms);
+  return index ? residual_table()[*index] : nullptr;
+}
+
+/// A key of residuals, which only some of them have.
+void read_key(YamlMap& map, const ResidualKey& key, CostSpec& cost) {
+  const auto& own = cost.definition->keys;
+  const bool fits = std::find(own.begin(), own.end(), &key) != own.end();
+  const KeyTraits& traits = key.traits;
+  const auto value = fits && traits.required ? map.require(key.name) : map.find(key.name);
+  if (!value) return;
+  if (fits || !traits.required) key.read(*value, cost);
+  if (!fits)
+    value->error(fmt::format("the residual '{}' has no '{}'", cost.residual.value, key.name));
+  if (!traits.excludes.empty()) map.exclusive({key.name, traits.excludes});
+}
+
+}  // namespace
+
+bool read_residual_keys(YamlMap& map, TermPlace place, CostSpec& cost) {
+  const auto residual = map.require("residual");
+  const ResidualDefinition* found = residual ? choose_residual(*residual) : nullptr;
+  if (found == nullptr) {
+    map.ignore_others();
+    return false;
+  }
+  cost.definition = found;
+  cost.residual = {std::string(found->name), residual->place()};
+  for (const ResidualKey* key : residual_keys())
+    if (key->stands_in(place)) read_key(map, *key, cost);
+  return true;
+}
+
+OrderedJson expand_residual_keys(const CostSpec& cost, const KeyContext& context) {
+  OrderedJson json = {{"residual", cost.residual.value}};
+  for (const ResidualKey* key : cost.definition->keys)
+    if (OrderedJson value = key->expand(cost, context); !value.is_null())
+      json[std::string(key->name)] = std::move(value);
+  return json;
+}
+
+}  // namespace conddp
