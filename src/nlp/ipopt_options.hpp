@@ -14,6 +14,9 @@ namespace conddp {
 using IpoptValue = std::variant<int, double, std::string>;
 using IpoptOptions = std::vector<std::pair<std::string, IpoptValue>>;
 
+/// The number that a value is, if it is one.
+std::optional<double> number_in(const IpoptValue& value);
+
 /// The names of all options that a caller may set, in alphabetical order.
 const std::vector<std::string>& ipopt_option_names();
 

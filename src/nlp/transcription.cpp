@@ -11,6 +11,7 @@ namespace {
 /// Values up to which the larger one of a pair may stand at zero as well: more than a barrier
 /// leaves.
 constexpr double kAtZero = 1e-5;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
@@ -63,7 +64,12 @@ Eigen::VectorXd Transcription::point_of(const Trajectory& trajectory) const {
     if (k < problem_.knots())
       y.segment(base_[k] + problem_.ndx(), problem_.nu(k)) = trajectory.u(k);
   }
-  if (slacks_.empty()) return y;
+  if (!slacks_.empty()) set_slacks(trajectory, y);
+  return y;
+}
+
+/// What the rows at a trajectory miss their bounds by.
+void Transcription::set_slacks(const Trajectory& trajectory, Eigen::VectorXd& y) const {
   Evaluation here(problem_);
   evaluator_.evaluate(trajectory, here);
   auto lower = row_lower_.begin(), upper = row_upper_.begin();
@@ -79,7 +85,6 @@ Eigen::VectorXd Transcription::point_of(const Trajectory& trajectory) const {
     lower += problem_.ndx();
     upper += problem_.ndx();
   }
-  return y;
 }
 
 void Transcription::set_point(const double* y) {
@@ -180,10 +185,14 @@ void Transcription::gradient(double* out) {
     for (int c = first_column(k); c < z.size(); ++c) out[base_[k] + c] = z[c];
   }
   for (const Slack& slack : slacks_) out[slack.variable] = slack.price;
-  if (!is_penalty()) return;
+  if (is_penalty()) add_penalty_gradient(out);
+}
+
+/// Of z s/ε.
+void Transcription::add_penalty_gradient(double* out) const {
   for (const Pair& pair : pairs_) {
-    out[pair.z] += y_[pair.s] / epsilon_;
-    out[pair.s] += y_[pair.z] / epsilon_;
+    out[pair.z] += penalty_slope(pair.s);
+    out[pair.s] += penalty_slope(pair.z);
   }
 }
 
@@ -231,30 +240,39 @@ void Transcription::fill_dynamics(const KnotLinearization& knot) {
 
 void Transcription::jacobian(double* out) {
   differentiate();
-  const int ndx = problem_.ndx();
   for (int k = 0; k <= problem_.knots(); ++k) {
-    const KnotLinearization& knot = linearization_.knots[k];
-    const int nz = static_cast<int>(knot.gradient.size());
-    for (const Row& row : rows_[k]) {
-      const auto C = knot.C.middleRows(row.first - problem_.constraint_offset(k), row.count);
-      auto z = z_.head(nz);
-      row_value(row, linearization_.constraint.data() + row.first, slope_.data());
-      z.noalias() = C.transpose() * slope_.head(row.count);
-      if (k > 0) charts_[k].pull(z.head(ndx));
-      for (const int c : row.columns) *out++ = z[c];
-      for (int s = row.first_slack; s < row.first_slack + row.slacks; ++s) *out++ = slacks_[s].sign;
-    }
-    if (k == problem_.knots()) break;
-    fill_dynamics(knot);
-    if (curved_) {
-      next_[k + 1].push_rows(matrix_);
-      if (k > 0) charts_[k].pull_columns(matrix_);
-    }
-    for (const int i : kinematic_rows_[k]) matrix_(i, i) = 1;
-    for (const auto& [i, c] : gap_entries_[k]) *out++ = matrix_(i, c);
-    for (int i = 0; i < ndx; ++i) *out++ = -1;
-    out = std::fill_n(out, kinematic_rows_[k].size(), knot.dt);
+    out = write_row_entries(k, out);
+    if (k < problem_.knots()) out = write_gap_entries(k, out);
   }
+}
+
+/// Entries of the rows of a node's constraints. Returns where those behind them start.
+double* Transcription::write_row_entries(int k, double* out) {
+  const KnotLinearization& knot = linearization_.knots[k];
+  for (const Row& row : rows_[k]) {
+    const auto C = knot.C.middleRows(row.first - problem_.constraint_offset(k), row.count);
+    auto z = z_.head(knot.gradient.size());
+    row_value(row, linearization_.constraint.data() + row.first, slope_.data());
+    z.noalias() = C.transpose() * slope_.head(row.count);
+    if (k > 0) charts_[k].pull(z.head(problem_.ndx()));
+    for (const int c : row.columns) *out++ = z[c];
+    for (int s = row.first_slack; s < row.first_slack + row.slacks; ++s) *out++ = slacks_[s].sign;
+  }
+  return out;
+}
+
+/// Likewise of a knot's gap.
+double* Transcription::write_gap_entries(int k, double* out) {
+  const KnotLinearization& knot = linearization_.knots[k];
+  fill_dynamics(knot);
+  if (curved_) {
+    next_[k + 1].push_rows(matrix_);
+    if (k > 0) charts_[k].pull_columns(matrix_);
+  }
+  for (const int i : kinematic_rows_[k]) matrix_(i, i) = 1;
+  for (const auto& [i, c] : gap_entries_[k]) *out++ = matrix_(i, c);
+  out = std::fill_n(out, problem_.ndx(), -1.0);
+  return std::fill_n(out, kinematic_rows_[k].size(), knot.dt);
 }
 
 /// Fills mu_, costates_ and the multipliers of lagrangian_ from those of the rows.
@@ -263,12 +281,7 @@ void Transcription::spread(const double* rows) {
   costates_.col(0).setZero();
   lagrangian_.multiplier.setZero();
   for (int k = 0; k <= problem_.knots(); ++k) {
-    for (const Row& row : rows_[k]) {
-      const double multiplier = *rows++;
-      double* nu = lagrangian_.multiplier.data() + row.first;
-      row_value(row, linearization_.constraint.data() + row.first, nu);
-      for (int i = 0; i < row.count; ++i) nu[i] *= multiplier;
-    }
+    rows = spread_constraints(k, rows);
     if (k == problem_.knots()) break;
     for (int i = 0; i < problem_.ndx(); ++i) mu_(i, k) = *rows++;
     for (const int i : kinematic_rows_[k])
@@ -278,13 +291,29 @@ void Transcription::spread(const double* rows) {
   }
 }
 
+/// The multipliers of a node's constraints. Returns where those of the next rows start.
+const double* Transcription::spread_constraints(int k, const double* rows) {
+  for (const Row& row : rows_[k]) {
+    const double multiplier = *rows++;
+    double* nu = lagrangian_.multiplier.data() + row.first;
+    row_value(row, linearization_.constraint.data() + row.first, nu);
+    for (int i = 0; i < row.count; ++i) nu[i] *= multiplier;
+  }
+  return rows;
+}
+
 void Transcription::read_multipliers(const double* rows, Eigen::MatrixXd& costates,
                                      Eigen::VectorXd& nu) {
   spread(rows);
   costates = costates_;
   nu = lagrangian_.multiplier;
   if (pairs_.empty()) return;
-  // The Lagrangian's gradient without what the pairs contribute.
+  const Eigen::VectorXd slope = slope_without_pairs(rows);
+  for (const Pair& pair : pairs_) read_pair(pair, slope, nu);
+}
+
+/// The Lagrangian's gradient without what the rows of pairs contribute.
+Eigen::VectorXd Transcription::slope_without_pairs(const double* rows) {
   Eigen::VectorXd slope(variables()), entries(jacobian_.size());
   gradient(slope.data());
   jacobian(entries.data());
@@ -294,14 +323,20 @@ void Transcription::read_multipliers(const double* rows, Eigen::MatrixXd& costat
   for (int e = 0; e < jacobian_.size(); ++e)
     if (!is_pair[jacobian_.rows[e]])
       slope[jacobian_.columns[e]] += rows[jacobian_.rows[e]] * entries[e];
-  for (const Pair& pair : pairs_) {
-    const bool first = y_[pair.z] <= y_[pair.s];
-    const int smaller = first ? pair.z : pair.s, larger = first ? pair.s : pair.z;
-    nu[pair.row + (first ? 0 : 1)] = -slope[smaller] + (is_penalty() ? y_[larger] / epsilon_ : 0);
-    // The other one has some where it stands at zero as well.
-    const double rest = slope[larger] - (is_penalty() ? y_[smaller] / epsilon_ : 0);
-    nu[pair.row + (first ? 1 : 0)] = std::abs(y_[larger]) <= kAtZero ? -std::max(0.0, rest) : 0;
+  return slope;
+}
+
+void Transcription::read_pair(const Pair& pair, const Eigen::VectorXd& slope,
+                              Eigen::VectorXd& nu) const {
+  int smaller = pair.z, larger = pair.s, row = pair.row, other_row = pair.row + 1;
+  if (!(y_[smaller] <= y_[larger])) {
+    std::swap(smaller, larger);
+    std::swap(row, other_row);
   }
+  nu[row] = -slope[smaller] + penalty_slope(larger);
+  // The other one has some where it stands at zero as well.
+  const double rest = slope[larger] - penalty_slope(smaller);
+  nu[other_row] = std::abs(y_[larger]) <= kAtZero ? -std::max(0.0, rest) : 0;
 }
 
 double Transcription::penalty_value(const double* y) const {
@@ -318,23 +353,24 @@ void Transcription::relax(double epsilon) {
     const int first = base_[pair.node] + problem_.ndx();
     for (const int v : {pair.z, pair.s}) upper_[v] = bounds[v - first];
   }
-  const bool equal = options_.relaxation == PairRelaxation::fischer_burmeister;
+  if (options_.relaxation == PairRelaxation::fischer_burmeister)
+    bound_pair_rows(0, 0);
+  else
+    bound_pair_rows(-kInfinity, epsilon);
+}
+
+void Transcription::bound_pair_rows(double lower, double upper) {
   for (const auto& rows : rows_)
     for (const Row& row : rows) {
       if (!has_pairs(row)) continue;
-      row_lower_[row.index] = equal ? 0 : -std::numeric_limits<double>::infinity();
-      row_upper_[row.index] = equal ? 0 : epsilon;
+      row_lower_[row.index] = lower;
+      row_upper_[row.index] = upper;
     }
 }
 
 void Transcription::fix_pairs(const double* y) {
   for (const Pair& pair : pairs_) upper_[y[pair.z] <= y[pair.s] ? pair.z : pair.s] = 0;
-  for (const auto& rows : rows_)
-    for (const Row& row : rows) {
-      if (!has_pairs(row)) continue;
-      row_lower_[row.index] = -std::numeric_limits<double>::infinity();
-      row_upper_[row.index] = std::numeric_limits<double>::infinity();
-    }
+  bound_pair_rows(-kInfinity, kInfinity);
 }
 
 double Transcription::pair_distance(const double* y) const {
@@ -369,12 +405,17 @@ void Transcription::write_multipliers(const Eigen::MatrixXd& costates, const Eig
     rows.segment(index, problem_.ndx()) = costates.col(k + 1);
     push_gap_multipliers(k, rows.data() + index);
     index += problem_.ndx();
-    for (int i = 0; i < problem_.nu(k); ++i) {
-      const int variable = base_[k] + problem_.ndx() + i;
-      const double gradient = control_gradient[k][i];
-      if (std::isfinite(lower_[variable])) lower[variable] = std::max(0.0, gradient);
-      if (std::isfinite(upper_[variable])) upper[variable] = std::max(0.0, -gradient);
-    }
+    write_bound_multipliers(k, control_gradient[k], lower, upper);
+  }
+}
+
+/// Of a knot's control, from ∇_u of the Lagrangian without its bounds.
+void Transcription::write_bound_multipliers(int k, const Eigen::VectorXd& gradient,
+                                            Eigen::VectorXd& lower, Eigen::VectorXd& upper) const {
+  for (int i = 0; i < problem_.nu(k); ++i) {
+    const int variable = base_[k] + problem_.ndx() + i;
+    if (std::isfinite(lower_[variable])) lower[variable] = std::max(0.0, gradient[i]);
+    if (std::isfinite(upper_[variable])) upper[variable] = std::max(0.0, -gradient[i]);
   }
 }
 

@@ -115,6 +115,8 @@ class Transcription : public NonlinearProgram {
   void add_variables();
   void add_rows();
   void add_constraint(const NodeConstraint& constraint);
+  void add_bounds(const NodeConstraint& constraint);
+  std::vector<int> columns_of(int node, int first, int count) const;
   void add_row(const NodeConstraint& constraint, int first, int count, double lower, double upper,
                double radius = 0);
   void add_norm(const NodeConstraint& constraint);
@@ -126,6 +128,7 @@ class Transcription : public NonlinearProgram {
   void index_hessian();
   class BlockPattern;
   bool has_full_hessian(int node) const;
+  BlockPattern hessian_pattern(int node) const;
   void add_pair_entries(int node, BlockPattern& used) const;
   void add_step_curvature(const KnotModel& model, BlockPattern& used) const;
   bool is_cone(const Row& row) const { return row.constraint->term->is_cone(); }
@@ -135,17 +138,31 @@ class Transcription : public NonlinearProgram {
   double row_value(const Row& row, const double* g, double* slope) const;
   bool is_penalty() const { return options_.relaxation == PairRelaxation::penalty; }
   double penalty_value(const double* y) const;
+  void add_penalty_gradient(double* out) const;
+  /// Of the other one of its pair in the objective.
+  double penalty_slope(int variable) const { return is_penalty() ? y_[variable] / epsilon_ : 0; }
+  void set_slacks(const Trajectory& trajectory, Eigen::VectorXd& y) const;
+  /// Bounds of the relaxed rows.
+  void bound_pair_rows(double lower, double upper);
   int first_column(int node) const { return node == 0 ? problem_.ndx() : 0; }
   void evaluate();
   void differentiate();
   void read_charts(const Eigen::MatrixXd& gap);
   void add_pair_curvature(const Row& row, double weight, Eigen::Ref<Eigen::MatrixXd> hessian);
+  double* write_row_entries(int node, double* out);
+  double* write_gap_entries(int node, double* out);
   void spread(const double* rows);
+  const double* spread_constraints(int node, const double* rows);
+  Eigen::VectorXd slope_without_pairs(const double* rows);
+  void read_pair(const Pair& pair, const Eigen::VectorXd& slope, Eigen::VectorXd& nu) const;
+  void write_bound_multipliers(int node, const Eigen::VectorXd& gradient, Eigen::VectorXd& lower,
+                               Eigen::VectorXd& upper) const;
   /// Multipliers of gap rows of a knot from those of f ⊖ c − w.
   void push_gap_multipliers(int node, double* gap_rows) const;
   void fill_dynamics(const KnotLinearization& knot);
   void evaluate_hessians(double weight);
   void add_row_curvature(int node, const double* multipliers, Eigen::MatrixXd& hessian);
+  void add_row_curvature(const Row& row, double multiplier, Eigen::MatrixXd& hessian);
   void pull_to_chart(int node, double weight, Eigen::MatrixXd& hessian);
   void add_penalty_curvature(int node, double weight, Eigen::MatrixXd& hessian) const;
   void add_gap_curvature(int k, Eigen::Ref<Eigen::MatrixXd> hessian);

@@ -71,20 +71,23 @@ void Transcription::evaluate_hessians(double weight) {
 }
 
 /// Curvature that a node's rows have beside that of their constraint rows, with the multipliers of
-/// its rows. Gauss-Newton Hessians stay convex: there rows count where the multiplier has the sign
-/// that it has at a solution.
+/// its rows.
 void Transcription::add_row_curvature(int k, const double* multipliers, Eigen::MatrixXd& H) {
-  const KnotLinearization& knot = linearization_.knots[k];
-  for (const Row& row : rows_[k]) {
-    const double multiplier = *multipliers++;
-    const auto C = knot.C.middleRows(row.first - problem_.constraint_offset(k), row.count);
-    if (has_pairs(row)) add_pair_curvature(row, multiplier, H);
-    if (row.radius > 0 && (!gauss_newton_ || multiplier > 0))
-      H.noalias() += (multiplier / row.radius) * C.row(0).transpose() * C.row(0);
-    if (is_cone(row) && (!gauss_newton_ || multiplier < 0))
-      cone_row(row).add_curvature(linearization_.constraint.segment(row.first, row.count), C,
-                                  multiplier, H);
-  }
+  for (const Row& row : rows_[k]) add_row_curvature(row, *multipliers++, H);
+}
+
+/// Gauss-Newton Hessians stay convex: there rows count where the multiplier has the sign that it
+/// has at a solution.
+void Transcription::add_row_curvature(const Row& row, double multiplier, Eigen::MatrixXd& H) {
+  const int k = row.constraint->node;
+  const auto C =
+      linearization_.knots[k].C.middleRows(row.first - problem_.constraint_offset(k), row.count);
+  if (has_pairs(row)) add_pair_curvature(row, multiplier, H);
+  if (row.radius > 0 && (!gauss_newton_ || multiplier > 0))
+    H.noalias() += (multiplier / row.radius) * C.row(0).transpose() * C.row(0);
+  if (is_cone(row) && (!gauss_newton_ || multiplier < 0))
+    cone_row(row).add_curvature(linearization_.constraint.segment(row.first, row.count), C,
+                                multiplier, H);
 }
 
 /// From the tangent of a node's state to the coordinates of its chart.

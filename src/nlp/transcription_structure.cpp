@@ -39,20 +39,25 @@ void Transcription::add_variables() {
   }
 }
 
-void Transcription::add_row(const NodeConstraint& constraint, int first, int count, double lower,
-                            double upper, double radius) {
-  const int k = constraint.node;
+/// Columns of z on which `count` constraint rows of a node depend, without x_0.
+std::vector<int> Transcription::columns_of(int k, int first, int count) const {
   const KnotModel& model = *problem_.knot(k).model;
   const int offset = first - problem_.constraint_offset(k);
   std::vector<bool> depends(model.nz(), false);
   for (const auto& [row, column] : model.constraint_pattern())
     if (row >= offset && row < offset + count) depends[column] = true;
   close_over_segments(problem_.manifold(), depends);
-  Row row{&constraint, first, count, {}, static_cast<int>(row_lower_.size()), radius};
+  std::vector<int> columns;
   for (int c = first_column(k); c < model.nz(); ++c)
-    if (depends[c]) row.columns.push_back(c);
+    if (depends[c]) columns.push_back(c);
+  return columns;
+}
+
+void Transcription::add_row(const NodeConstraint& constraint, int first, int count, double lower,
+                            double upper, double radius) {
+  const int k = constraint.node, index = static_cast<int>(row_lower_.size());
+  Row row{&constraint, first, count, columns_of(k, first, count), index, radius};
   if (row.columns.empty()) return;
-  const int index = row.index;
   for (const int c : row.columns) jacobian_.add(index, base_[k] + c);
   row_lower_.conservativeResize(index + 1);
   row_upper_.conservativeResize(index + 1);
@@ -207,10 +212,14 @@ void Transcription::add_constraint(const NodeConstraint& constraint) {
     case ConstraintKind::norm:
       return add_norm(constraint);
     case ConstraintKind::bounds:
-      for (int i = 0; i < constraint.term->rows; ++i)
-        if (std::isfinite(constraint.lower[i]) || std::isfinite(constraint.upper[i]))
-          add_row(constraint, constraint.row + i, 1, constraint.lower[i], constraint.upper[i]);
+      return add_bounds(constraint);
   }
+}
+
+void Transcription::add_bounds(const NodeConstraint& constraint) {
+  for (int i = 0; i < constraint.term->rows; ++i)
+    if (std::isfinite(constraint.lower[i]) || std::isfinite(constraint.upper[i]))
+      add_row(constraint, constraint.row + i, 1, constraint.lower[i], constraint.upper[i]);
 }
 
 /// Where the Hessian of a knot can be non-zero.
@@ -277,19 +286,25 @@ bool Transcription::has_full_hessian(int k) const {
   return !has_linear_step(model.system()) || (curved_ && !model.semi_implicit());
 }
 
+Transcription::BlockPattern Transcription::hessian_pattern(int k) const {
+  const KnotModel& model = *problem_.knot(k).model;
+  const bool full = has_full_hessian(k);
+  BlockPattern used(model.nz(), full);
+  add_pair_entries(k, used);
+  if (full) return used;
+  for (const auto& [row, column] : model.hessian_pattern()) used.add(row, column);
+  used.close(problem_.manifold());
+  if (!options_.gauss_newton && k < problem_.knots()) add_step_curvature(model, used);
+  return used;
+}
+
 void Transcription::index_hessian() {
   hessian_entries_.resize(problem_.knots() + 1);
   for (int k = 0; k <= problem_.knots(); ++k) {
-    const KnotModel& model = *problem_.knot(k).model;
-    BlockPattern used(model.nz(), has_full_hessian(k));
-    add_pair_entries(k, used);
-    if (!has_full_hessian(k)) {
-      for (const auto& [row, column] : model.hessian_pattern()) used.add(row, column);
-      used.close(problem_.manifold());
-      if (!options_.gauss_newton && k < problem_.knots()) add_step_curvature(model, used);
-    }
-    for (int c = first_column(k); c < model.nz(); ++c)
-      for (int r = c; r < model.nz(); ++r) {
+    const int nz = problem_.knot(k).model->nz();
+    const BlockPattern used = hessian_pattern(k);
+    for (int c = first_column(k); c < nz; ++c)
+      for (int r = c; r < nz; ++r) {
         if (!used.has(r, c)) continue;
         hessian_entries_[k].emplace_back(r, c);
         hessian_.add(base_[k] + r, base_[k] + c);

@@ -227,6 +227,20 @@ constexpr std::array<std::pair<const char*, int>, 2> kMinimumFill = {
 
 constexpr double kSmallestWarmBarrier = 1e-13;
 
+/// An Ipopt without MUMPS does not know these options.
+void set_minimum_fill(Ipopt::OptionsList& list) {
+  for (const auto& [name, value] : kMinimumFill)
+    if (!check_ipopt_option(name, value)) list.SetIntegerValue(name, value);
+}
+
+void set_warm_start(Ipopt::OptionsList& list, const InteriorPointSettings& settings) {
+  list.SetStringValue("warm_start_init_point", "yes");
+  list.SetNumericValue("mu_init", std::max(settings.warm_barrier, kSmallestWarmBarrier));
+  for (const char* push :
+       {"bound_push", "bound_frac", "slack_bound_push", "slack_bound_frac", "mult_bound_push"})
+    list.SetNumericValue(std::string("warm_start_") + push, settings.warm_push);
+}
+
 void set_options(Ipopt::OptionsList& list, const InteriorPointSettings& settings) {
   list.SetStringValue("sb", "yes");
   list.SetIntegerValue("print_level", 0);

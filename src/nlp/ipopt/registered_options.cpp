@@ -68,18 +68,22 @@ std::string choices(const RegisteredOption& option) {
   return list;
 }
 
+std::string lower_limit(const RegisteredOption& option) {
+  if (option.Type() == Ipopt::OT_Integer) return fmt::format("at least {}", option.LowerInteger());
+  return fmt::format("{} {}", option.LowerStrict() ? "more than" : "at least",
+                     option.LowerNumber());
+}
+
+std::string upper_limit(const RegisteredOption& option) {
+  if (option.Type() == Ipopt::OT_Integer) return fmt::format("at most {}", option.UpperInteger());
+  return fmt::format("{} {}", option.UpperStrict() ? "less than" : "at most", option.UpperNumber());
+}
+
 /// "at least 0 and less than 1".
 std::string range(const RegisteredOption& option) {
-  const bool whole = option.Type() == Ipopt::OT_Integer;
   std::vector<std::string> limits;
-  if (option.HasLower())
-    limits.push_back(whole ? fmt::format("at least {}", option.LowerInteger())
-                           : fmt::format("{} {}", option.LowerStrict() ? "more than" : "at least",
-                                         option.LowerNumber()));
-  if (option.HasUpper())
-    limits.push_back(whole ? fmt::format("at most {}", option.UpperInteger())
-                           : fmt::format("{} {}", option.UpperStrict() ? "less than" : "at most",
-                                         option.UpperNumber()));
+  if (option.HasLower()) limits.push_back(lower_limit(option));
+  if (option.HasUpper()) limits.push_back(upper_limit(option));
   return fmt::format("{}", fmt::join(limits, " and "));
 }
 

@@ -1,5 +1,6 @@
 #include "solvers/common/option_table.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -261,22 +262,18 @@ constexpr std::array kTable = {
 template <class T>
 concept Choice = std::is_enum_v<T>;
 
+/// The upper end of an option's range in words, after its lower end; empty where there is none.
+std::string describe_max(const OptionInfo& info) {
+  if (info.max == kInfinity) return info.max_excluded ? " and finite" : "";
+  return fmt::format(" and {} {}", info.max_excluded ? "<" : "at most", info.max);
+}
+
 std::optional<std::string> check_number(const OptionInfo& info, double value) {
   const bool above = info.min_excluded ? value > info.min : value >= info.min;
   const bool below = info.max_excluded ? value < info.max : value <= info.max;
   if (above && below) return std::nullopt;
   return fmt::format("{} must be {} {}{}, not {}", info.name, info.min_excluded ? ">" : "at least",
-                     info.min,
-                     info.max == kInfinity
-                         ? (info.max_excluded ? " and finite" : "")
-                         : fmt::format(" and {} {}", info.max_excluded ? "<" : "at most", info.max),
-                     value);
-}
-
-std::optional<double> number_in(const OptionValue& value) {
-  if (const int* number = std::get_if<int>(&value)) return *number;
-  if (const double* number = std::get_if<double>(&value)) return *number;
-  return std::nullopt;
+                     info.min, describe_max(info), value);
 }
 
 std::string list_choices(const OptionInfo& info) {
@@ -286,6 +283,61 @@ std::string list_choices(const OptionInfo& info) {
     list += choice;
   }
   return list;
+}
+
+/// Writes a choice by its name. The reason why not, if there is one.
+template <Choice T>
+std::optional<std::string> set_value(const OptionInfo& info, const OptionValue& value, T& target) {
+  const std::string* text = std::get_if<std::string>(&value);
+  const auto end = info.choices.end();
+  const auto found = text == nullptr ? end : std::find(info.choices.begin(), end, *text);
+  if (found == end) return fmt::format("{} must be one of {}", info.name, list_choices(info));
+  target = static_cast<T>(found - info.choices.begin());
+  return std::nullopt;
+}
+
+/// Likewise a number.
+template <class T>
+std::optional<std::string> set_value(const OptionInfo& info, const OptionValue& value, T& target) {
+  const std::optional<double> number = number_in(value);
+  if (!number) return fmt::format("{} must be a number", info.name);
+  if (auto wrong = check_number(info, *number)) return wrong;
+  if (std::is_same_v<T, int> && *number != std::floor(*number))
+    return fmt::format("{} must be a whole number, not {}", info.name, *number);
+  target = static_cast<T>(*number);
+  return std::nullopt;
+}
+
+void check_ipopt_options(const SolverOptions& options, std::vector<std::string>& messages) {
+  for (const auto& [name, value] : options.ipopt) {
+    if (auto fault = check_ipopt_option(name, value)) messages.push_back(std::move(fault->message));
+    if (name == "hessian_approximation" && value != IpoptValue("exact") &&
+        options.hessian != HessianChoice::automatic)
+      messages.emplace_back(
+          "hessian must be automatic where Ipopt's option 'hessian_approximation' is not exact");
+  }
+}
+
+/// Pairs of options of which the first must not exceed the second.
+void check_order(const SolverOptions& options, std::vector<std::string>& messages) {
+  const auto at_most = [&](std::string_view name, double value, std::string_view limit_name,
+                           double limit) {
+    if (value > limit)
+      messages.push_back(
+          fmt::format("{} ({}) must be at most {} ({})", name, value, limit_name, limit));
+  };
+  const SolverOptions::Regularization& regularization = options.regularization;
+  at_most("regularization.min", regularization.min, "regularization.max", regularization.max);
+  at_most("augmented_lagrangian.initial_penalty", options.augmented_lagrangian.initial_penalty,
+          "augmented_lagrangian.max_penalty", options.augmented_lagrangian.max_penalty);
+  at_most("complementarity.final", options.complementarity.final, "complementarity.initial",
+          options.complementarity.initial);
+  at_most("regularization.initial", regularization.initial, "regularization.max",
+          regularization.max);
+  if (regularization.increase_step >= regularization.decrease_step)
+    messages.push_back(
+        fmt::format("regularization.increase_step ({}) must be < regularization.decrease_step ({})",
+                    regularization.increase_step, regularization.decrease_step));
 }
 
 }  // namespace
@@ -304,29 +356,8 @@ OptionValue OptionInfo::get(const SolverOptions& options) const {
 }
 
 std::optional<std::string> OptionInfo::set(SolverOptions& options, const OptionValue& value) const {
-  return std::visit(
-      [&](auto* target) -> std::optional<std::string> {
-        using T = std::remove_pointer_t<decltype(target)>;
-        if constexpr (Choice<T>) {
-          const std::string* text = std::get_if<std::string>(&value);
-          for (std::size_t i = 0; text != nullptr && i < choices.size(); ++i) {
-            if (*text == choices[i]) {
-              *target = static_cast<T>(i);
-              return std::nullopt;
-            }
-          }
-          return fmt::format("{} must be one of {}", name, list_choices(*this));
-        } else {
-          const std::optional<double> number = number_in(value);
-          if (!number) return fmt::format("{} must be a number", name);
-          if (auto wrong = check_number(*this, *number)) return wrong;
-          if (std::is_same_v<T, int> && *number != std::floor(*number))
-            return fmt::format("{} must be a whole number, not {}", name, *number);
-          *target = static_cast<T>(*number);
-          return std::nullopt;
-        }
-      },
-      access(options));
+  return std::visit([&](auto* target) { return set_value(*this, value, *target); },
+                    access(options));
 }
 
 std::optional<std::string> OptionInfo::check(const SolverOptions& options) const {
@@ -358,30 +389,8 @@ std::vector<std::string> SolverOptions::validate() const {
   for (const OptionInfo& info : kTable) {
     if (auto wrong = info.check(*this)) messages.push_back(*std::move(wrong));
   }
-  for (const auto& [name, value] : ipopt) {
-    if (auto fault = check_ipopt_option(name, value)) messages.push_back(std::move(fault->message));
-    if (name == "hessian_approximation" && value != IpoptValue("exact") &&
-        hessian != HessianChoice::automatic)
-      messages.emplace_back(
-          "hessian must be automatic where Ipopt's option 'hessian_approximation' is not exact");
-  }
-  const auto at_most = [&](std::string_view name, double value, std::string_view limit_name,
-                           double limit) {
-    if (value > limit)
-      messages.push_back(
-          fmt::format("{} ({}) must be at most {} ({})", name, value, limit_name, limit));
-  };
-  at_most("regularization.min", regularization.min, "regularization.max", regularization.max);
-  at_most("augmented_lagrangian.initial_penalty", augmented_lagrangian.initial_penalty,
-          "augmented_lagrangian.max_penalty", augmented_lagrangian.max_penalty);
-  at_most("complementarity.final", complementarity.final, "complementarity.initial",
-          complementarity.initial);
-  at_most("regularization.initial", regularization.initial, "regularization.max",
-          regularization.max);
-  if (regularization.increase_step >= regularization.decrease_step)
-    messages.push_back(
-        fmt::format("regularization.increase_step ({}) must be < regularization.decrease_step ({})",
-                    regularization.increase_step, regularization.decrease_step));
+  check_ipopt_options(*this, messages);
+  check_order(*this, messages);
   return messages;
 }
 
