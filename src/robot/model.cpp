@@ -20,6 +20,16 @@ void check_order(const std::vector<Joint>& joints) {
   }
 }
 
+/// Of each degree of freedom the one behind the last that it moves, from their parents.
+std::vector<int> subtree_ends(const std::vector<int>& parents) {
+  std::vector<int> ends(parents.size(), 0);
+  for (int i = static_cast<int>(parents.size()) - 1; i >= 0; --i) {
+    ends[i] = std::max(ends[i], i + 1);
+    if (parents[i] >= 0) ends[parents[i]] = std::max(ends[parents[i]], ends[i]);
+  }
+  return ends;
+}
+
 }  // namespace
 
 void RobotModel::finalize() {
@@ -40,12 +50,7 @@ void RobotModel::finalize() {
     nq += joint.nq();
     nv += joint.nv();
   }
-  subtree_end.assign(nv, 0);
-  for (int i = nv - 1; i >= 0; --i) {
-    subtree_end[i] = std::max(subtree_end[i], i + 1);
-    if (parent_dof[i] >= 0)
-      subtree_end[parent_dof[i]] = std::max(subtree_end[parent_dof[i]], subtree_end[i]);
-  }
+  subtree_end = subtree_ends(parent_dof);
 }
 
 std::optional<int> RobotModel::find_joint(std::string_view joint_name) const {

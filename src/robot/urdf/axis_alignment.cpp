@@ -3,22 +3,23 @@
 #include <cmath>
 
 namespace conddp {
+namespace {
+
+/// From z to −x and x, −y and y, −z and z: a cyclic permutation, so that no rounding enters; half a
+/// turn for the rest.
+constexpr Matrix3<double> kTurnsToAxis[3][2] = {
+    {{{0, 0, -1, 1, 0, 0, 0, -1, 0}}, {{0, 0, 1, 1, 0, 0, 0, 1, 0}}},
+    {{{0, -1, 0, 0, 0, -1, 1, 0, 0}}, {{0, 1, 0, 0, 0, 1, 1, 0, 0}}},
+    {{{1, 0, 0, 0, -1, 0, 0, 0, -1}}, {{1, 0, 0, 0, 1, 0, 0, 0, 1}}}};
+
+}  // namespace
 
 Matrix3<double> rotation_from_z(const Vector3<double>& axis) {
   const double norm = std::sqrt(squared_norm(axis));
   const Vector3<double> z{axis.x / norm, axis.y / norm, axis.z / norm};
-  // Coordinate axes: a cyclic permutation, so that no rounding enters; half a turn for the rest.
-  if (z.y == 0 && z.z == 0) {
-    return z.x > 0 ? Matrix3<double>{{0, 0, 1, 1, 0, 0, 0, 1, 0}}
-                   : Matrix3<double>{{0, 0, -1, 1, 0, 0, 0, -1, 0}};
-  }
-  if (z.x == 0 && z.z == 0) {
-    return z.y > 0 ? Matrix3<double>{{0, 1, 0, 0, 0, 1, 1, 0, 0}}
-                   : Matrix3<double>{{0, -1, 0, 0, 0, -1, 1, 0, 0}};
-  }
-  if (z.x == 0 && z.y == 0) {
-    return z.z > 0 ? Matrix3<double>::identity() : Matrix3<double>{{1, 0, 0, 0, -1, 0, 0, 0, -1}};
-  }
+  const double parts[] = {z.x, z.y, z.z};
+  for (int i = 0; i < 3; ++i)
+    if (parts[(i + 1) % 3] == 0 && parts[(i + 2) % 3] == 0) return kTurnsToAxis[i][parts[i] > 0];
   // Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 6(1), 2017.
   const double sign = std::copysign(1.0, z.z);
   const double a = -1 / (sign + z.z);

@@ -35,13 +35,16 @@ void make_distinct(RobotModel& tree, std::set<std::string>& taken) {
 void append(RobotModel tree, RobotModel& all) {
   const int joints = all.joint_count();
   const int frames = static_cast<int>(all.frames.size());
+  const auto shift = [&](int& joint) {
+    if (joint >= 0) joint += joints;  // else it is the world
+  };
   all.name += (all.name.empty() ? "" : "+") + tree.name;
   for (Joint& joint : tree.joints) {
-    if (joint.parent >= 0) joint.parent += joints;
+    shift(joint.parent);
     all.joints.push_back(std::move(joint));
   }
   for (Frame& frame : tree.frames) {
-    if (frame.joint >= 0) frame.joint += joints;
+    shift(frame.joint);
     all.frames.push_back(std::move(frame));
   }
   for (ExternalWrench wrench : tree.wrenches) {
@@ -49,8 +52,8 @@ void append(RobotModel tree, RobotModel& all) {
     all.wrenches.push_back(wrench);
   }
   for (Mimic mimic : tree.mimics) {
-    mimic.joint += joints;
-    mimic.leader += joints;
+    shift(mimic.joint);
+    shift(mimic.leader);
     all.mimics.push_back(mimic);
   }
 }

@@ -141,24 +141,11 @@ class Builder {
   Carrier place_moving(const urdf::Joint& joint, const Carrier& at) {
     const bool slides = joint.type == urdf::Joint::PRISMATIC;
     const Matrix3<double> align = rotation_from_z(vector(joint.axis));
-    if (locked(joint)) {
-      const double value = options_.locked_joints.at(joint.name);
-      const Vector3<double> axis = align.column(2);
-      return {at.joint,
-              at.placement * (slides ? SE3<double>{Matrix3<double>::identity(), value * axis}
-                                     : rotation(rotation_about(axis, value)))};
-    }
+    if (locked(joint)) return place_locked(joint, at, align.column(2));
     const Carrier moved =
         add_along(joint.name, slides ? JointType::prismatic : JointType::revolute, at, align);
     Joint& added = model_.joints[moved.joint];
-    if (joint.limits) {
-      added.max_effort = joint.limits->effort;
-      added.max_velocity = joint.limits->velocity;
-      if (joint.type != urdf::Joint::CONTINUOUS) {
-        added.lower = joint.limits->lower;
-        added.upper = joint.limits->upper;
-      }
-    }
+    copy_limits(joint, added);
     if (joint.dynamics) {
       added.damping = joint.dynamics->damping;
       added.friction = joint.dynamics->friction;
@@ -167,6 +154,24 @@ class Builder {
         rotor != options_.rotor_inertia.end())
       added.rotor_inertia = rotor->second;
     return moved;
+  }
+
+  /// As far along or about its axis as the joint is locked at.
+  Carrier place_locked(const urdf::Joint& joint, const Carrier& at, const Vector3<double>& axis) {
+    const double value = options_.locked_joints.at(joint.name);
+    const SE3<double> moved = joint.type == urdf::Joint::PRISMATIC
+                                  ? SE3<double>{Matrix3<double>::identity(), value * axis}
+                                  : rotation(rotation_about(axis, value));
+    return {at.joint, at.placement * moved};
+  }
+
+  static void copy_limits(const urdf::Joint& joint, Joint& added) {
+    if (!joint.limits) return;
+    added.max_effort = joint.limits->effort;
+    added.max_velocity = joint.limits->velocity;
+    if (joint.type == urdf::Joint::CONTINUOUS) return;
+    added.lower = joint.limits->lower;
+    added.upper = joint.limits->upper;
   }
 
   bool stands_on_world(const urdf::Joint& joint, const Carrier& at) {
@@ -288,22 +293,35 @@ class Builder {
       report_.warning(place, message + "; it is used as given");
   }
 
+  /// The joint of the file, if it mimics another one.
+  const urdf::Joint* find_mimic(const std::string& joint) const {
+    const auto found = tree_.joints_.find(joint);
+    return found != tree_.joints_.end() && found->second->mimic ? found->second.get() : nullptr;
+  }
+
+  /// Goes from a joint to whom it follows, and so on to one that does not follow. `mimic` ← how the
+  /// first one follows the last. Cycles have been excluded.
+  const urdf::Joint& find_leader(const urdf::Joint& follower, Mimic& mimic) const {
+    const urdf::Joint* leader = &follower;
+    while (leader->mimic && !locked(*leader)) {
+      mimic.offset += mimic.multiplier * leader->mimic->offset;
+      mimic.multiplier *= leader->mimic->multiplier;
+      leader = tree_.joints_.at(leader->mimic->joint_name).get();
+    }
+    return *leader;
+  }
+
   void enforce_mimics() {
     for (int i = 0; i < model_.joint_count(); ++i) {
-      const auto found = tree_.joints_.find(model_.joints[i].name);
-      if (found == tree_.joints_.end() || !found->second->mimic) continue;
+      const urdf::Joint* follower = find_mimic(model_.joints[i].name);
+      if (!follower) continue;
       Mimic mimic{.joint = i, .leader = -1, .multiplier = 1, .offset = 0};
-      const urdf::Joint* leader = found->second.get();
-      while (leader->mimic && !locked(*leader)) {  // cycles have been excluded
-        mimic.offset += mimic.multiplier * leader->mimic->offset;
-        mimic.multiplier *= leader->mimic->multiplier;
-        leader = tree_.joints_.at(leader->mimic->joint_name).get();
-      }
-      const auto index = model_.find_joint(leader->name);
+      const urdf::Joint& leader = find_leader(*follower, mimic);
+      const auto index = model_.find_joint(leader.name);
       if (!index || model_.joints[*index].type == JointType::floating) {
-        const double value = locked(*leader) ? options_.locked_joints.at(leader->name) : 0;
+        const double value = locked(leader) ? options_.locked_joints.at(leader.name) : 0;
         report_.error(at_joint(model_.joints[i].name, "mimic"),
-                      "it is to follow joint '" + leader->name + "', which has no coordinate",
+                      "it is to follow joint '" + leader.name + "', which has no coordinate",
                       fmt::format("lock it too, at {}", mimic.multiplier * value + mimic.offset));
         continue;
       }
@@ -312,22 +330,24 @@ class Builder {
     }
   }
 
-  void note_joints(const std::string& text, const std::vector<std::string>& names) {
+  /// Notes the joints of which a predicate is true, if there are any.
+  template <class Predicate>
+  void note_joints(const std::string& text, Predicate is_noted) {
+    std::vector<std::string> names;
+    for (const Joint& joint : model_.joints)
+      if (is_noted(joint)) names.push_back(joint.name);
     if (!names.empty()) report_.note(text + ": " + listed(names));
   }
 
   void write_notes() {
-    std::vector<std::string> damped, rubbing, mimics;
-    for (const Joint& joint : model_.joints) {
-      if (joint.damping != 0) damped.push_back(joint.name);
-      if (joint.friction != 0) rubbing.push_back(joint.name);
-      const auto found = tree_.joints_.find(joint.name);
-      if (found != tree_.joints_.end() && found->second->mimic) mimics.push_back(joint.name);
-    }
-    if (options_.enforce_mimic) mimics.clear();
-    note_joints("joint damping is ignored unless the problem asks for it", damped);
-    note_joints("joint friction is ignored unless the problem asks for it", rubbing);
-    note_joints("mimic joints are independent unless the problem enforces them", mimics);
+    note_joints("joint damping is ignored unless the problem asks for it",
+                [](const Joint& joint) { return joint.damping != 0; });
+    note_joints("joint friction is ignored unless the problem asks for it",
+                [](const Joint& joint) { return joint.friction != 0; });
+    note_joints("mimic joints are independent unless the problem enforces them",
+                [this](const Joint& joint) {
+                  return !options_.enforce_mimic && find_mimic(joint.name) != nullptr;
+                });
     if (world_.mass > 0)
       report_.note(fmt::format("{:.6g} kg rigid with the world have no effect", world_.mass));
     if (model_.joints.empty())

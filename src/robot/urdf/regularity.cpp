@@ -78,6 +78,23 @@ double smallest_eigenvalue(const Matrix6d& inertia) {
   return Eigen::SelfAdjointEigenSolver<Matrix6d>(scaled, Eigen::EigenvaluesOnly).eigenvalues()[0];
 }
 
+/// Of a one-axis joint, among (linear; angular).
+int axis_row(const Joint& joint) { return joint.type == JointType::revolute ? 5 : 2; }
+
+/// What resists a one-axis joint's acceleration with an articulated inertia, and the same relative
+/// to that with a composite one, or zero where it is rounding.
+struct Pivot {
+  double value, relative;
+};
+Pivot find_pivot(const Joint& joint, const Matrix6d& articulated, const Matrix6d& composite) {
+  const int axis = axis_row(joint);
+  const double pivot = articulated(axis, axis) + joint.rotor_inertia;
+  const double whole = std::abs(composite(axis, axis) + joint.rotor_inertia);
+  const double noise =
+      kRounding * composite.diagonal().segment<3>(axis < 3 ? 0 : 3).cwiseAbs().maxCoeff();
+  return {pivot, std::abs(pivot) > noise ? pivot / whole : 0};
+}
+
 /// Joint by joint what resists its acceleration while all that is further out moves freely,
 /// relative to what would if it were held: the pivots of the factorised inertia matrix.
 template <typename Position>
@@ -95,15 +112,11 @@ std::vector<double> relative_pivots(const RobotModel& model, const Position& pos
       relative[i] = smallest_eigenvalue(inertia);
       continue;
     }
-    const int axis = joint.type == JointType::revolute ? 5 : 2;
-    const double pivot = inertia(axis, axis) + joint.rotor_inertia;
-    const double whole = std::abs(composite[i](axis, axis) + joint.rotor_inertia);
-    const double noise =
-        kRounding * composite[i].diagonal().segment<3>(axis < 3 ? 0 : 3).cwiseAbs().maxCoeff();
-    relative[i] = std::abs(pivot) > noise ? pivot / whole : 0;
-    if (std::abs(relative[i]) > kSingular) {
-      const Eigen::Matrix<double, 6, 1> column = inertia.col(axis);
-      inertia -= column * column.transpose() / pivot;
+    const Pivot pivot = find_pivot(joint, inertia, composite[i]);
+    relative[i] = pivot.relative;
+    if (std::abs(pivot.relative) > kSingular) {
+      const Eigen::Matrix<double, 6, 1> column = inertia.col(axis_row(joint));
+      inertia -= column * column.transpose() / pivot.value;
     }
     if (joint.parent < 0) continue;
     const Matrix6d x = motion_to_inner(placement_at(joint, position(i)));
@@ -122,15 +135,16 @@ std::vector<int> without_inertia(const std::vector<double>& pivots, double least
 
 }  // namespace
 
+double zero_position(const Joint& joint) {
+  return joint.lower <= joint.upper ? std::clamp(0.0, joint.lower, joint.upper) : 0;
+}
+
 std::vector<int> joints_without_inertia(const RobotModel& model) {
   return without_inertia(relative_pivots(model, generic_position), kSingular);
 }
 
 std::vector<int> joints_without_inertia_at_zero(const RobotModel& model) {
-  const auto zero = [&](int i) {
-    const Joint& joint = model.joints[i];
-    return joint.lower <= joint.upper ? std::clamp(0.0, joint.lower, joint.upper) : 0.0;
-  };
+  const auto zero = [&](int i) { return zero_position(model.joints[i]); };
   return without_inertia(relative_pivots(model, zero), kNearlySingular);
 }
 

@@ -15,6 +15,9 @@ std::vector<int> joints_without_inertia(const RobotModel& model);
 /// meet or align there can leave nothing that resists, though it does elsewhere.
 std::vector<int> joints_without_inertia_at_zero(const RobotModel& model);
 
+/// The position within a joint's limits that is nearest to zero; zero where there are none.
+double zero_position(const Joint& joint);
+
 /// How many configurations `joints_with_negative_inertia` looks at.
 inline constexpr int kRegularitySamples = 32;
 

@@ -5,6 +5,7 @@
 
 #include <console_bridge/console.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <urdf_parser/urdf_parser.h>
 
 #include "base/text_file.hpp"
@@ -53,33 +54,54 @@ urdf::ModelInterfaceSharedPtr parse_tree(const std::string& xml,
   return tree;
 }
 
+/// Messages about one defect that wait for its place.
+class PendingMessages {
+ public:
+  explicit PendingMessages(UrdfReport& report) : report_(report) {}
+
+  void add(const ParserMessage& message) {
+    text_ += (text_.empty() ? "" : "; ") + message.text;
+    error_ |= message.error;
+  }
+  /// Reports them as one problem.
+  void flush(const UrdfPlace& place) {
+    if (text_.empty()) return;
+    if (error_)
+      report_.error(place, "urdfdom: " + text_);
+    else
+      report_.warning(place, "urdfdom: " + text_);
+    text_.clear();
+    error_ = false;
+  }
+
+ private:
+  UrdfReport& report_;
+  std::string text_;
+  bool error_ = false;
+};
+
+std::vector<std::string> names_in_brackets(const std::string& text) {
+  std::vector<std::string> names;
+  for (std::size_t open = text.find('['); open != text.npos; open = text.find('[', open + 1)) {
+    const std::string rest = text.substr(open + 1);
+    names.push_back(rest.substr(0, rest.find(']')));
+  }
+  return names;
+}
+
 /// urdfdom writes several lines about one defect, the last ones with the joint's or link's name in
 /// brackets: they become one problem at that place.
 void report_parser_messages(const std::vector<ParserMessage>& messages, UrdfReport& report) {
-  std::string text;
-  bool error = false;
-  const auto flush = [&](const UrdfPlace& place) {
-    if (text.empty()) return;
-    if (error)
-      report.error(place, "urdfdom: " + text);
-    else
-      report.warning(place, "urdfdom: " + text);
-    text.clear();
-    error = false;
-  };
+  PendingMessages pending(report);
   for (const ParserMessage& message : messages) {
     if (message.text.find("xml is not initialized correctly") != std::string::npos) continue;
-    text += (text.empty() ? "" : "; ") + message.text;
-    error |= message.error;
-    for (std::size_t open = message.text.find('['); open != std::string::npos;
-         open = message.text.find('[', open + 1)) {
-      const std::string rest = message.text.substr(open + 1);
-      const std::string name = rest.substr(0, rest.find(']'));
-      if (report.has("joint", name)) flush(at_joint(name));
-      if (report.has("link", name)) flush(at_link(name));
+    pending.add(message);
+    for (const std::string& name : names_in_brackets(message.text)) {
+      if (report.has("joint", name)) pending.flush(at_joint(name));
+      if (report.has("link", name)) pending.flush(at_link(name));
     }
   }
-  flush({});
+  pending.flush({});
 }
 
 /// Says of joints what keeps the inertia matrix from being positive definite, and how to go on.
@@ -128,21 +150,24 @@ class RegularityReport {
     return listed(found);
   }
 
+  bool can_be_locked(int joint) const {
+    return report_.has("joint", name(joint)) && model_.joints[joint].type != JointType::floating;
+  }
+
   /// Joints of the file that can be locked, as keys of the problem file: to be copied.
   std::string ways_out(const std::vector<int>& joints) const {
-    std::string locked, rotors;
+    std::vector<std::string> locked;
+    std::string rotors;
     for (const int joint : joints) {
-      if (!report_.has("joint", name(joint)) || model_.joints[joint].type == JointType::floating)
-        continue;
-      const Joint& j = model_.joints[joint];
-      const double value = j.lower <= j.upper ? std::clamp(0.0, j.lower, j.upper) : 0;
-      locked += fmt::format("{}{}: {}", locked.empty() ? "" : ", ", name(joint), value);
+      if (!can_be_locked(joint)) continue;
+      locked.push_back(fmt::format("{}: {}", name(joint), zero_position(model_.joints[joint])));
       if (rotors.empty()) rotors = name(joint) + ": 1e-4";
     }
     if (locked.empty()) return "";
-    return ", lock what you do not need ('locked_joints: {" + locked +
-           "}'), or say what the motors' rotors add ('rotor_inertia: {" + rotors +
-           (joints.size() > 1 ? ", ...}')" : "}')");
+    return fmt::format(
+        ", lock what you do not need ('locked_joints: {{{}}}'), or say what the motors' rotors add "
+        "('rotor_inertia: {{{}{}}}')",
+        fmt::join(locked, ", "), rotors, joints.size() > 1 ? ", ..." : "");
   }
 
   UrdfPlace place(int joint) const {

@@ -128,30 +128,41 @@ void check_name(const XmlOutline& outline, int index, std::string_view attribute
                                "quotes or XML entities");
 }
 
+/// An attribute that an element's rule does not know.
+void check_unknown_attribute(const XmlOutline& outline, int index, const ElementRule& rule,
+                             std::string_view attribute, std::set<std::string>& ignored,
+                             UrdfReport& report) {
+  const XmlElement& element = outline.elements[index];
+  const auto [name, subject] = owner(outline, index);
+  const std::string unknown =
+      subject + "<" + std::string(element.tag) + "> has an attribute " + std::string(attribute);
+  std::vector<std::string> known;
+  for (const AttributeRule& a : rule.attributes) known.emplace_back(a.name);
+  if (element.tag == "origin")
+    report.error_at(index, name, unknown + ", which URDF 1.0 does not know",
+                    "write xyz (m) and rpy (rad)");
+  else if (!similar_names(attribute, known).empty())
+    report.warning_at(index, name, unknown + ", which is ignored",
+                      name_hint(attribute, known, "attributes"));
+  else if (element.depth > 1)
+    ignored.insert(std::string(element.tag) + "/" + std::string(attribute));
+}
+
 void check_attributes(const XmlOutline& outline, int index, const ElementRule& rule,
                       std::set<std::string>& ignored, UrdfReport& report) {
   const XmlElement& element = outline.elements[index];
-  const auto [name, subject] = owner(outline, index);
-  const std::string place = subject + "<" + std::string(element.tag) + "> ";
-  std::vector<std::string> known;
-  for (const AttributeRule& a : rule.attributes) known.emplace_back(a.name);
   for (const XmlAttribute& attribute : element.attributes) {
     const auto found =
         std::find_if(rule.attributes.begin(), rule.attributes.end(),
                      [&](const AttributeRule& a) { return a.name == attribute.name; });
     if (found == rule.attributes.end()) {
-      const std::string unknown = place + "has an attribute " + std::string(attribute.name);
-      if (element.tag == "origin")
-        report.error_at(index, name, unknown + ", which URDF 1.0 does not know",
-                        "write xyz (m) and rpy (rad)");
-      else if (!similar_names(attribute.name, known).empty())
-        report.warning_at(index, name, unknown + ", which is ignored",
-                          name_hint(attribute.name, known, "attributes"));
-      else if (element.depth > 1)
-        ignored.insert(std::string(element.tag) + "/" + std::string(attribute.name));
+      check_unknown_attribute(outline, index, rule, attribute.name, ignored, report);
     } else if (found->numbers > 0) {
+      const auto [name, subject] = owner(outline, index);
       if (const auto defect = number_defect(attribute.value, found->numbers))
-        report.error_at(index, name, place + std::string(attribute.name) + ": " + *defect);
+        report.error_at(index, name,
+                        subject + "<" + std::string(element.tag) + "> " +
+                            std::string(attribute.name) + ": " + *defect);
     }
   }
 }
@@ -171,18 +182,24 @@ bool would_be_content(const XmlOutline& outline, const XmlElement& element) {
   return parent.depth > 0 && rule_of(outline, parent) != nullptr;
 }
 
+/// Whether an element is one of xacro that an evaluated file does without.
+bool is_xacro(const XmlElement& element) { return element.tag.starts_with("xacro:"); }
+
 /// Expressions, and elements that would become content of a link or joint, make a file one that has
-/// not been evaluated. Other elements are left over: an evaluated file does without them.
+/// not been evaluated. Other elements are left over.
+bool is_unevaluated(const XmlOutline& outline, const XmlElement& element, bool has_links) {
+  if (holds_expression(outline, element)) return true;
+  return is_xacro(element) && (!has_links || would_be_content(outline, element));
+}
+
 void check_xacro(const XmlOutline& outline, UrdfReport& report) {
   const bool has_links = !outline.children(0, "link").empty();
   for (int i = 0; i < static_cast<int>(outline.elements.size()); ++i) {
     const XmlElement& element = outline.elements[i];
-    const bool expression = holds_expression(outline, element);
-    if (!element.tag.starts_with("xacro:") && !expression) continue;
-    if (!has_links || expression || would_be_content(outline, element))
+    if (is_unevaluated(outline, element, has_links))
       return report.error_at(i, "", "this is a xacro file that has not been evaluated",
                              "run `xacro FILE > robot.urdf` first and give the result");
-    if (element.parent >= 0 && outline.elements[element.parent].depth == 0)
+    if (is_xacro(element) && element.depth == 1)
       report.warning_at(i, "",
                         "<" + std::string(element.tag) +
                             "> is left over from xacro and is ignored, with what is in it");
@@ -309,6 +326,40 @@ class ElementCheck {
 
 }  // namespace
 
+namespace {
+
+bool check_link_count(int links, UrdfReport& report) {
+  if (links == 0) report.error_at(0, "", "the file has no links");
+  if (links > kMaxUrdfLinks)
+    report.error_at(0, "",
+                    "the file has " + std::to_string(links) + " links, more than " +
+                        std::to_string(kMaxUrdfLinks));
+  return links > 0 && links <= kMaxUrdfLinks;
+}
+
+/// A copy of the parts of a text that are kept, in their places between blanks.
+class PartialCopy {
+ public:
+  explicit PartialCopy(std::string_view text) : text_(text), copy_(text.size(), ' ') {}
+
+  void keep(std::string_view part) {
+    if (!part.empty()) part.copy(place_of(part), part.size());
+  }
+  /// Of an attribute that is kept.
+  void tidy(std::string_view numbers) {
+    if (!numbers.empty()) tidy_numbers(place_of(numbers), numbers);
+  }
+  std::string take() { return std::move(copy_); }
+
+ private:
+  char* place_of(std::string_view part) { return &copy_[part.data() - text_.data()]; }
+
+  std::string_view text_;
+  std::string copy_;
+};
+
+}  // namespace
+
 bool check_urdf_elements(const XmlOutline& outline, UrdfReport& report) {
   const XmlElement& root = outline.elements.front();
   if (root.tag != "robot") {
@@ -323,34 +374,24 @@ bool check_urdf_elements(const XmlOutline& outline, UrdfReport& report) {
 
   ElementCheck elements(outline, report);
   for (int i = 1; i < static_cast<int>(outline.elements.size()); ++i) elements.check(i);
-  const int links = elements.links();
-  if (links == 0) report.error_at(0, "", "the file has no links");
-  if (links > kMaxUrdfLinks)
-    report.error_at(0, "",
-                    "the file has " + std::to_string(links) + " links, more than " +
-                        std::to_string(kMaxUrdfLinks));
+  const bool links_fit = check_link_count(elements.links(), report);
   const std::set<std::string>& ignored = elements.ignored();
   if (!ignored.empty()) report.note("not read: " + listed({ignored.begin(), ignored.end()}, 12));
-  return links > 0 && links <= kMaxUrdfLinks;
+  return links_fit;
 }
 
 std::string relevant_urdf(const XmlOutline& outline, std::string_view text) {
-  std::string reduced(text.size(), ' ');
-  const auto place_of = [&](std::string_view part) { return &reduced[part.data() - text.data()]; };
-  const auto keep = [&](std::string_view part) {
-    if (!part.empty()) part.copy(place_of(part), part.size());
-  };
+  PartialCopy relevant(text);
   for (const XmlElement& element : outline.elements) {
     const ElementRule* rule = rule_of(outline, element);
     if (element.depth > 0 && !rule) continue;
-    keep(element.start_tag);
-    keep(element.end_tag);
+    relevant.keep(element.start_tag);
+    relevant.keep(element.end_tag);
     if (!rule) continue;
     for (const XmlAttribute& attribute : element.attributes)
-      if (holds_numbers(*rule, attribute.name) && !attribute.value.empty())
-        tidy_numbers(place_of(attribute.value), attribute.value);
+      if (holds_numbers(*rule, attribute.name)) relevant.tidy(attribute.value);
   }
-  return reduced;
+  return relevant.take();
 }
 
 }  // namespace conddp

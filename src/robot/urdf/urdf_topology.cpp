@@ -170,21 +170,32 @@ class Topology {
     return false;
   }
 
-  /// Every link is visited once from the root; what remains hangs on a loop.
+  /// There is one root, and every link can be reached from it.
   void walk() {
+    const std::vector<int> roots = find_roots();
+    if (roots.size() > 1) return report_parts(roots);
+    if (const auto missed = find_unreached(roots)) report_loop(*missed);
+  }
+
+  std::vector<int> find_roots() const {
     std::vector<int> roots;
     for (int i = 0; i < static_cast<int>(links_.size()); ++i)
       if (links_[i].parent_joint < 0) roots.push_back(i);
-    if (roots.size() > 1) {
-      std::vector<std::string> names;
-      for (const int root : roots) names.push_back(links_[root].name);
-      return report_.error_at(links_[roots[1]].element, names[1],
-                              "the file has " + std::to_string(roots.size()) +
-                                  " separate parts, with the root links " + listed(names),
-                              "connect them by joints, or give each tree a file of its own");
-    }
+    return roots;
+  }
+
+  void report_parts(const std::vector<int>& roots) {
+    std::vector<std::string> names;
+    for (const int root : roots) names.push_back(links_[root].name);
+    report_.error_at(links_[roots[1]].element, names[1],
+                     "the file has " + std::to_string(roots.size()) +
+                         " separate parts, with the root links " + listed(names),
+                     "connect them by joints, or give each tree a file of its own");
+  }
+
+  /// The first link that no path leads to: it hangs on a loop.
+  std::optional<int> find_unreached(std::vector<int> open) const {
     std::vector<char> visited(links_.size(), 0);
-    std::vector<int> open = roots;
     while (!open.empty()) {
       const int link = open.back();
       open.pop_back();
@@ -192,7 +203,8 @@ class Topology {
       for (const int joint : links_[link].child_joints) open.push_back(joints_[joint].child);
     }
     const auto missed = std::find(visited.begin(), visited.end(), 0);
-    if (missed != visited.end()) report_loop(static_cast<int>(missed - visited.begin()));
+    if (missed == visited.end()) return std::nullopt;
+    return static_cast<int>(missed - visited.begin());
   }
 
   void report_loop(int link) {

@@ -70,6 +70,19 @@ void check_limit(const UrdfPlace& place, double limit, const LimitWords& words, 
                                       words.of, words.verb));
 }
 
+void check_range(const UrdfPlace& place, const urdf::JointLimits& limits, bool locked,
+                 UrdfReport& report) {
+  if (limits.lower > limits.upper)
+    report.error(
+        place, fmt::format("its lower limit {} is above the upper {}", limits.lower, limits.upper));
+  else if (limits.lower == limits.upper && !locked)
+    report.warning(place,
+                   fmt::format("its lower and upper limits are both {}: it cannot move within the "
+                               "URDF's limits",
+                               limits.lower),
+                   "make it fixed or lock it if that is meant; a limit that is absent reads as 0");
+}
+
 /// What it warns of is no matter where the joint is locked.
 void check_limits(const urdf::Joint& joint, bool locked, UrdfReport& report) {
   if (!joint.limits || !moves_along_one_axis(joint)) return;
@@ -81,16 +94,7 @@ void check_limits(const urdf::Joint& joint, bool locked, UrdfReport& report) {
               report);
   check_limit(place, limits.velocity,
               {"velocity", "", "move", "a velocity limit cannot be negative"}, locked, report);
-  if (joint.type == urdf::Joint::CONTINUOUS) return;
-  if (limits.lower > limits.upper)
-    report.error(
-        place, fmt::format("its lower limit {} is above the upper {}", limits.lower, limits.upper));
-  else if (limits.lower == limits.upper && !locked)
-    report.warning(place,
-                   fmt::format("its lower and upper limits are both {}: it cannot move within the "
-                               "URDF's limits",
-                               limits.lower),
-                   "make it fixed or lock it if that is meant; a limit that is absent reads as 0");
+  if (joint.type != urdf::Joint::CONTINUOUS) check_range(place, limits, locked, report);
 }
 
 void check_joint(const urdf::Joint& joint, bool locked, UrdfReport& report) {
@@ -147,14 +151,16 @@ void check_rotor(const std::string& joint, double inertia, bool locked, UrdfRepo
     report.warning(at_joint(joint), "its rotor inertia has no effect: the joint is locked");
 }
 
-void check_payload(const urdf::ModelInterface& tree, const UrdfOptions::Payload& payload,
-                   UrdfReport& report) {
-  if (!tree.links_.contains(payload.link)) {
-    std::vector<std::string> names;
-    for (const auto& [name, link] : tree.links_) names.push_back(name);
-    return report.error(at_link(payload.link), "there is no such link to carry a payload",
-                        name_hint(payload.link, names, "links"));
-  }
+/// What is wrong with a payload's inertia, empty if nothing is.
+std::string payload_inertia_defect(const Symmetric3<double>& j, double mass) {
+  if (!std::isfinite(j.xx + j.xy + j.xz + j.yy + j.yz + j.zz)) return "inertia is not finite";
+  const InertiaDefect defect = inertia_defect(j, mass);
+  if (defect.negative <= kInertiaTolerance && defect.triangle <= kInertiaTolerance) return {};
+  return "inertia is not physically valid: principal moments are positive and none exceeds the sum "
+         "of the others";
+}
+
+void check_payload_numbers(const UrdfOptions::Payload& payload, UrdfReport& report) {
   const auto fail = [&](const std::string& message) {
     report.error(at_link(payload.link), "its payload's " + message);
   };
@@ -162,13 +168,28 @@ void check_payload(const urdf::ModelInterface& tree, const UrdfOptions::Payload&
     fail(fmt::format("mass {} kg is not a finite number of at least 0", payload.mass));
   if (!std::isfinite(squared_norm(payload.com))) fail("centre of mass is not finite");
   if (!payload.inertia) return;
-  const Symmetric3<double>& j = *payload.inertia;
-  if (!std::isfinite(j.xx + j.xy + j.xz + j.yy + j.yz + j.zz)) return fail("inertia is not finite");
-  const InertiaDefect defect = inertia_defect(j, payload.mass);
-  if (defect.negative > kInertiaTolerance || defect.triangle > kInertiaTolerance)
-    fail(
-        "inertia is not physically valid: principal moments are positive and none exceeds the sum "
-        "of the others");
+  const std::string defect = payload_inertia_defect(*payload.inertia, payload.mass);
+  if (!defect.empty()) fail(defect);
+}
+
+void check_payload(const urdf::ModelInterface& tree, const UrdfOptions::Payload& payload,
+                   UrdfReport& report) {
+  if (tree.links_.contains(payload.link)) return check_payload_numbers(payload, report);
+  std::vector<std::string> names;
+  for (const auto& [name, link] : tree.links_) names.push_back(name);
+  report.error(at_link(payload.link), "there is no such link to carry a payload",
+               name_hint(payload.link, names, "links"));
+}
+
+/// Joints that are to be locked or to have rotors.
+void check_joint_options(const urdf::ModelInterface& tree, const UrdfOptions& options,
+                         UrdfReport& report) {
+  for (const auto& [name, value] : options.locked_joints)
+    if (const urdf::Joint* joint = moving_joint(tree, name, "that can be locked", report))
+      check_locked(*joint, value, report);
+  for (const auto& [name, inertia] : options.rotor_inertia)
+    if (moving_joint(tree, name, "that can have a rotor inertia", report))
+      check_rotor(name, inertia, options.locked_joints.contains(name), report);
 }
 
 }  // namespace
@@ -195,12 +216,7 @@ void check_urdf_physics(const urdf::ModelInterface& tree, const UrdfOptions& opt
 
 void check_urdf_options(const urdf::ModelInterface& tree, const UrdfOptions& options,
                         UrdfReport& report) {
-  for (const auto& [name, value] : options.locked_joints)
-    if (const urdf::Joint* joint = moving_joint(tree, name, "that can be locked", report))
-      check_locked(*joint, value, report);
-  for (const auto& [name, inertia] : options.rotor_inertia)
-    if (moving_joint(tree, name, "that can have a rotor inertia", report))
-      check_rotor(name, inertia, options.locked_joints.contains(name), report);
+  check_joint_options(tree, options, report);
   for (const UrdfOptions::Payload& payload : options.payloads) check_payload(tree, payload, report);
   if (!std::isfinite(squared_norm(options.gravity))) report.error({}, "gravity is not finite");
   if (options.placement && options.base == UrdfOptions::Base::floating)

@@ -44,18 +44,38 @@ struct Geometry {
   Vector3<double> size;
 };
 
+Vector3<double> vector(const std::array<double, 3>& v) { return {v[0], v[1], v[2]}; }
+
+std::optional<Geometry> read_box(const XmlElement& box) {
+  const auto size = read_numbers<3>(box, "size");
+  if (!size) return std::nullopt;
+  return Geometry{ShapeKind::box, vector(*size)};
+}
+
+std::optional<Geometry> read_cylinder(const XmlElement& cylinder) {
+  const auto radius = read_numbers<1>(cylinder, "radius");
+  const auto length = read_numbers<1>(cylinder, "length");
+  if (!radius || !length) return std::nullopt;
+  return Geometry{ShapeKind::cylinder, {(*radius)[0], (*length)[0], 0}};
+}
+
+std::optional<Geometry> read_sphere(const XmlElement& sphere) {
+  const auto radius = read_numbers<1>(sphere, "radius");
+  if (!radius) return std::nullopt;
+  return Geometry{ShapeKind::sphere, {(*radius)[0], 0, 0}};
+}
+
+std::optional<Geometry> read_mesh(const XmlElement& mesh, const Vector3<double>& default_scale) {
+  if (!mesh.attribute("filename")) return std::nullopt;
+  const auto scale = read_numbers<3>(mesh, "scale");
+  return Geometry{ShapeKind::mesh, scale ? vector(*scale) : default_scale};
+}
+
 std::optional<Geometry> read_geometry(const XmlElement& e, const Vector3<double>& default_scale) {
-  const auto radius = read_numbers<1>(e, "radius"), length = read_numbers<1>(e, "length");
-  const auto size = read_numbers<3>(e, "size"), scale = read_numbers<3>(e, "scale");
-  const auto vector = [](const std::array<double, 3>& v) {
-    return Vector3<double>{v[0], v[1], v[2]};
-  };
-  if (e.tag == "box" && size) return Geometry{ShapeKind::box, vector(*size)};
-  if (e.tag == "cylinder" && radius && length)
-    return Geometry{ShapeKind::cylinder, {(*radius)[0], (*length)[0], 0}};
-  if (e.tag == "sphere" && radius) return Geometry{ShapeKind::sphere, {(*radius)[0], 0, 0}};
-  if (e.tag == "mesh" && e.attribute("filename"))
-    return Geometry{ShapeKind::mesh, scale ? vector(*scale) : default_scale};
+  if (e.tag == "box") return read_box(e);
+  if (e.tag == "cylinder") return read_cylinder(e);
+  if (e.tag == "sphere") return read_sphere(e);
+  if (e.tag == "mesh") return read_mesh(e, default_scale);
   return std::nullopt;
 }
 
@@ -74,21 +94,26 @@ void read_geometry(const XmlOutline& outline, int element, VisualShape& shape) {
   if (shape.kind == ShapeKind::mesh) shape.mesh = std::string(*e.attribute("filename"));
 }
 
+/// The matrix of <inertia>, with zeros where numbers are missing.
+Symmetric3<double> read_matrix(const XmlElement& inertia) {
+  const auto entry = [&](std::string_view name) {
+    const auto number = read_numbers<1>(inertia, name);
+    return number ? (*number)[0] : 0.0;
+  };
+  return {entry("ixx"), entry("ixy"), entry("ixz"), entry("iyy"), entry("iyz"), entry("izz")};
+}
+
 std::optional<Inertia<double>> read_inertia(const XmlOutline& outline, int link) {
   const auto inertial = outline.child(link, "inertial");
-  const auto mass = inertial ? outline.child(*inertial, "mass") : std::nullopt;
-  const auto matrix = inertial ? outline.child(*inertial, "inertia") : std::nullopt;
+  if (!inertial) return std::nullopt;
+  const auto mass = outline.child(*inertial, "mass");
+  const auto matrix = outline.child(*inertial, "inertia");
   if (!mass || !matrix) return std::nullopt;
   const auto kilograms = read_numbers<1>(outline.elements[*mass], "value");
   if (!kilograms || (*kilograms)[0] <= 0) return std::nullopt;
-  const auto entry = [&](std::string_view name) {
-    const auto number = read_numbers<1>(outline.elements[*matrix], name);
-    return number ? (*number)[0] : 0.0;
-  };
-  const Symmetric3<double> central{entry("ixx"), entry("ixy"), entry("ixz"),
-                                   entry("iyy"), entry("iyz"), entry("izz")};
   return act(read_origin(outline, *inertial),
-             inertia_about_origin((*kilograms)[0], Vector3<double>::zero(), central));
+             inertia_about_origin((*kilograms)[0], Vector3<double>::zero(),
+                                  read_matrix(outline.elements[*matrix])));
 }
 
 std::optional<std::array<double, 4>> read_color(const XmlOutline& outline, int material) {
@@ -100,6 +125,17 @@ std::optional<std::array<double, 4>> read_color(const XmlOutline& outline, int m
 }
 
 using Materials = std::map<std::string_view, std::array<double, 4>>;
+
+/// The colours of the robot's materials by name.
+Materials read_materials(const XmlOutline& outline, int robot) {
+  Materials materials;
+  for (const int material : outline.children(robot, "material")) {
+    const auto name = outline.elements[material].attribute("name");
+    const auto color = read_color(outline, material);
+    if (name && color) materials[*name] = *color;
+  }
+  return materials;
+}
 
 /// The shapes of a link's elements of one tag.
 std::vector<VisualShape> read_shapes(const XmlOutline& outline, int link, std::string_view tag,
@@ -125,12 +161,7 @@ std::vector<LinkVisuals> urdf_visuals(std::string_view xml) {
   std::vector<LinkVisuals> links;
   if (outline.defect || outline.elements.empty()) return links;
   const int robot = 0;
-  Materials materials;
-  for (const int material : outline.children(robot, "material")) {
-    const auto name = outline.elements[material].attribute("name");
-    const auto color = read_color(outline, material);
-    if (name && color) materials[*name] = *color;
-  }
+  const Materials materials = read_materials(outline, robot);
   for (const int link : outline.children(robot, "link")) {
     const auto name = outline.elements[link].attribute("name");
     if (!name) continue;

@@ -9,6 +9,18 @@ constexpr std::string_view kSpace = " \t\r\n";
 constexpr std::size_t kMaxAttributes = 64;
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
+/// What is skipped, from its opening to its end.
+struct Skipped {
+  std::string_view opening, end;
+  const char* defect;
+  bool inside_only;  ///< it may stand in an element alone
+};
+constexpr Skipped kSkipped[] = {
+    {"<!--", "-->", "a comment is never closed", false},
+    {"<?", "?>", "a processing instruction is never closed", false},
+    {"<![CDATA[", "]]>", "CDATA is never closed", true},
+};
+
 class Scanner {
  public:
   explicit Scanner(std::string_view text) : text_(text) {}
@@ -26,19 +38,29 @@ class Scanner {
 
  private:
   void step() {
-    const std::size_t text_start = at_;
-    at_ = std::min(text_.find('<', at_), text_.size());
-    if (open_.empty()) {
-      const std::size_t stray = text_.find_first_not_of(kSpace, text_start);
-      if (stray < at_) return fail(stray, "text outside the document's root element");
-    }
-    if (at_ >= text_.size()) return;
-    if (starts("<!--")) return skip("-->", 4, "a comment is never closed");
-    if (starts("<?")) return skip("?>", 2, "a processing instruction is never closed");
-    if (starts("<![CDATA[") && !open_.empty()) return skip("]]>", 9, "CDATA is never closed");
+    if (!pass_text() || at_ >= text_.size()) return;
+    if (const Skipped* part = skipped_part()) return skip(*part);
     if (starts("<!")) return document_type();
     if (starts("</")) return end_tag();
     start_tag();
+  }
+
+  /// To the next '<' or the end. False where text stands outside of the root element.
+  bool pass_text() {
+    const std::size_t start = at_;
+    at_ = std::min(text_.find('<', at_), text_.size());
+    if (!open_.empty()) return true;
+    const std::size_t stray = text_.find_first_not_of(kSpace, start);
+    if (stray >= at_) return true;
+    fail(stray, "text outside the document's root element");
+    return false;
+  }
+
+  /// What begins here and is skipped.
+  const Skipped* skipped_part() const {
+    for (const Skipped& part : kSkipped)
+      if (starts(part.opening) && !(part.inside_only && open_.empty())) return &part;
+    return nullptr;
   }
 
   void document_type() {
@@ -99,28 +121,31 @@ class Scanner {
     XmlAttribute attribute;
     attribute.name = word("=/> \t\r\n<'\"");
     if (attribute.name.empty()) return fail(begin, "an attribute is expected" + in), false;
+    const std::string subject = std::string(attribute.name) + in;
+    if (!attribute_value(begin, subject, attribute.value)) return false;
+    if (element.attributes.size() >= kMaxAttributes)
+      return fail(begin, "more than " + std::to_string(kMaxAttributes) + " attributes" + in), false;
+    if (element.attribute(attribute.name))
+      return fail(begin, "attribute " + subject + " is given twice"), false;
+    element.attributes.push_back(attribute);
+    return true;
+  }
+
+  /// What follows the name of an attribute that began at `begin`.
+  bool attribute_value(std::size_t begin, const std::string& subject, std::string_view& value) {
     skip_space();
-    if (peek() != '=')
-      return fail(begin, "attribute " + std::string(attribute.name) + in + " has no value"), false;
+    if (peek() != '=') return fail(begin, "attribute " + subject + " has no value"), false;
     ++at_;
     skip_space();
     const char quote = peek();
     if (quote != '"' && quote != '\'')
-      return fail(at_, "the value of " + std::string(attribute.name) + in + " is not quoted"),
-             false;
-    const std::size_t value = at_ + 1;
-    at_ = text_.find_first_of(quote == '"' ? "\"<" : "'<", value);
+      return fail(at_, "the value of " + subject + " is not quoted"), false;
+    const std::size_t start = at_ + 1;
+    at_ = text_.find_first_of(quote == '"' ? "\"<" : "'<", start);
     if (at_ == text_.npos || text_[at_] == '<')
-      return fail(begin, "the value of " + std::string(attribute.name) + in + " is never closed"),
-             false;
-    attribute.value = text_.substr(value, at_ - value);
+      return fail(begin, "the value of " + subject + " is never closed"), false;
+    value = text_.substr(start, at_ - start);
     ++at_;
-    if (element.attributes.size() >= kMaxAttributes)
-      return fail(begin, "more than " + std::to_string(kMaxAttributes) + " attributes" + in), false;
-    if (element.attribute(attribute.name))
-      return fail(begin, "attribute " + std::string(attribute.name) + in + " is given twice"),
-             false;
-    element.attributes.push_back(attribute);
     return true;
   }
 
@@ -132,10 +157,10 @@ class Scanner {
     at_ = std::min(text_.find_first_of(stop, at_), text_.size());
     return text_.substr(begin, at_ - begin);
   }
-  void skip(std::string_view end, std::size_t opening, const char* defect) {
-    const std::size_t found = text_.find(end, at_ + opening);
-    if (found == text_.npos) return fail(at_, defect);
-    at_ = found + end.size();
+  void skip(const Skipped& part) {
+    const std::size_t found = text_.find(part.end, at_ + part.opening.size());
+    if (found == text_.npos) return fail(at_, part.defect);
+    at_ = found + part.end.size();
   }
 
   /// Places are asked for in ascending order, but for a defect, which is the last.
