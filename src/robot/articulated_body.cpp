@@ -47,9 +47,8 @@ struct Articulated {
     for (int i = 0; i < 21; ++i) m[i] += b.m[i];
     return *this;
   }
-  /// Solves this·x = f by L D Lᵀ.
-  Motion<S> solve(const Force<S>& f) const {
-    S l[21], inverse[6];
+  /// The factors L, with D on its diagonal, and D⁻¹.
+  void factorize(S* l, S* inverse) const {
     for (int j = 0; j < 6; ++j) {
       S d = m[at(j, j)];
       for (int k = 0; k < j; ++k) d -= l[at(j, k)] * l[at(j, k)] * l[at(k, k)];
@@ -61,6 +60,11 @@ struct Articulated {
         l[at(i, j)] = sum * inverse[j];
       }
     }
+  }
+  /// Solves this·x = f by L D Lᵀ.
+  Motion<S> solve(const Force<S>& f) const {
+    S l[21], inverse[6];
+    factorize(l, inverse);
     Motion<S> x{f.linear, f.angular};
     for (int i = 0; i < 6; ++i)
       for (int k = 0; k < i; ++k) x[i] -= l[at(i, k)] * x[k];
@@ -72,6 +76,69 @@ struct Articulated {
   }
 };
 
+/// What the passes of the algorithm know of each joint.
+template <class S>
+struct Passes {
+  explicit Passes(int joints)
+      : inertia(joints), column(joints), inverse(joints), residual(joints) {}
+
+  std::vector<Articulated<S>> inertia;
+  std::vector<Force<S>> column;      ///< inertia times axis
+  std::vector<S> inverse, residual;  ///< of the pivot; the torque that accelerates
+};
+
+/// From the leaves to the roots: articulated inertias and bias forces.
+template <class S>
+void gather_inertias(const RobotModel& model, const S* v, const S* tau, Passes<S>& of,
+                     RobotData<S>& data) {
+  for (int i = model.joint_count() - 1; i >= 0; --i) {
+    const Joint& joint = model.joints[i];
+    if (joint.type == JointType::floating) continue;
+    of.column[i] = of.inertia[i] * data.axis[i];
+    of.inverse[i] = S(1.0) / (dot(data.axis[i], of.column[i]) + S(joint.rotor_inertia));
+    of.residual[i] = (tau == nullptr ? S(0.0) : tau[joint.v]) - dot(data.axis[i], data.force[i]);
+    if (joint.parent < 0) continue;
+    const Motion<S> drift = v[joint.v] * data.psi_dot[i];
+    of.inertia[i].subtract_outer(of.column[i], of.inverse[i]);
+    const S push = of.residual[i] * of.inverse[i];
+    data.force[joint.parent] += data.force[i] + of.inertia[i] * drift +
+                                Force<S>{push * of.column[i].linear, push * of.column[i].angular};
+    of.inertia[joint.parent] += of.inertia[i];
+  }
+}
+
+template <class S>
+void accelerate_floating(const RobotModel& model, int i, const S* tau,
+                         const Articulated<S>& inertia, RobotData<S>& data) {
+  const int v = model.joints[i].v;
+  Force<S> f = Force<S>::zero() - data.force[i];
+  if (tau != nullptr)
+    for (int k = 0; k < 6; ++k) f[k] += tau[v + k];
+  data.a[i] = inertia.solve(f);
+  for (int k = 0; k < 3; ++k) {
+    data.acceleration[v + k] = data.a[i].linear[k] + data.gravity(model, i)[k];
+    data.acceleration[v + 3 + k] = data.a[i].angular[k];
+  }
+}
+
+/// From the roots to the leaves.
+template <class S>
+void spread_accelerations(const RobotModel& model, const S* v, const S* tau, const Passes<S>& of,
+                          RobotData<S>& data) {
+  for (int i = 0; i < model.joint_count(); ++i) {
+    const Joint& joint = model.joints[i];
+    if (joint.type == JointType::floating) {
+      accelerate_floating(model, i, tau, of.inertia[i], data);
+      continue;
+    }
+    data.a[i] = joint.parent < 0 ? Motion<S>{-model.gravity.cast<S>(), Vector3<S>::zero()}
+                                 : data.a[joint.parent] + v[joint.v] * data.psi_dot[i];
+    const S acceleration = (of.residual[i] - dot(data.a[i], of.column[i])) * of.inverse[i];
+    data.acceleration[joint.v] = acceleration;
+    data.a[i] += acceleration * data.axis[i];
+  }
+}
+
 }  // namespace
 
 template <class S>
@@ -80,49 +147,15 @@ void articulated_body_dynamics(const RobotModel& model, const S* q, const S* v, 
   update_placements(model, q, data);
   update_velocities(model, v, data);
   update_composite_inertias(model, data);
-  const int n = model.joint_count();
-  std::vector<Articulated<S>> inertia(n);
-  std::vector<Force<S>> column(n);
-  std::vector<S> inverse(n), residual(n);
-  for (int i = 0; i < n; ++i) {
-    inertia[i] = Articulated<S>::from(data.body[i]);
+  Passes<S> passes(model.joint_count());
+  for (int i = 0; i < model.joint_count(); ++i) {
+    passes.inertia[i] = Articulated<S>::from(data.body[i]);
     data.momentum[i] = data.body[i] * data.v[i];
     data.force[i] = cross(data.v[i], data.momentum[i]);
   }
   subtract_external_wrenches(model, data);
-  for (int i = n - 1; i >= 0; --i) {
-    const Joint& joint = model.joints[i];
-    if (joint.type == JointType::floating) continue;
-    column[i] = inertia[i] * data.axis[i];
-    inverse[i] = S(1.0) / (dot(data.axis[i], column[i]) + S(joint.rotor_inertia));
-    residual[i] = (tau == nullptr ? S(0.0) : tau[joint.v]) - dot(data.axis[i], data.force[i]);
-    if (joint.parent < 0) continue;
-    const Motion<S> drift = v[joint.v] * data.psi_dot[i];
-    inertia[i].subtract_outer(column[i], inverse[i]);
-    const S push = residual[i] * inverse[i];
-    data.force[joint.parent] += data.force[i] + inertia[i] * drift +
-                                Force<S>{push * column[i].linear, push * column[i].angular};
-    inertia[joint.parent] += inertia[i];
-  }
-  for (int i = 0; i < n; ++i) {
-    const Joint& joint = model.joints[i];
-    if (joint.type == JointType::floating) {
-      Force<S> f = Force<S>::zero() - data.force[i];
-      if (tau != nullptr)
-        for (int k = 0; k < 6; ++k) f[k] += tau[joint.v + k];
-      data.a[i] = inertia[i].solve(f);
-      for (int k = 0; k < 3; ++k) {
-        data.acceleration[joint.v + k] = data.a[i].linear[k] + data.gravity(model, i)[k];
-        data.acceleration[joint.v + 3 + k] = data.a[i].angular[k];
-      }
-      continue;
-    }
-    data.a[i] = joint.parent < 0 ? Motion<S>{-model.gravity.cast<S>(), Vector3<S>::zero()}
-                                 : data.a[joint.parent] + v[joint.v] * data.psi_dot[i];
-    const S acceleration = (residual[i] - dot(data.a[i], column[i])) * inverse[i];
-    data.acceleration[joint.v] = acceleration;
-    data.a[i] += acceleration * data.axis[i];
-  }
+  gather_inertias(model, v, tau, passes, data);
+  spread_accelerations(model, v, tau, passes, data);
 }
 
 #define CONDDP_INSTANTIATE(S)                                                              \

@@ -74,6 +74,69 @@ void put_point_column(const Contact& contact, const ContactData<S>& at, const Ve
   }
 }
 
+/// The directions of a contact's rows in the axes of its frame.
+template <class S>
+void update_directions(const Contact& contact, ContactData<S>& out) {
+  for (int i = 0; i < direction_count(contact); ++i) {
+    const Vector3<S> d = (i == 0 ? contact.normal : contact.tangent).cast<S>();
+    out.directions[i] = contact.axes == FrameAxes::local ? d : transpose_times(out.world.R, d);
+  }
+}
+
+/// Columns of the twist's rate with respect to q and v, then of the twist with respect to q, in a
+/// contact's scratch.
+template <class S>
+struct TwistColumns {
+  S *rate_q, *rate_v, *twist_q;
+
+  TwistColumns(S* scratch, int columns)
+      : rate_q(scratch), rate_v(rate_q + 6 * columns), twist_q(rate_v + 6 * columns) {}
+};
+
+template <class S>
+void surface_acceleration_derivatives(const Contact& contact, int columns,
+                                      const TwistColumns<S>& twist, ContactData<S>& at) {
+  const S kd(contact.kd), kp(contact.kp);
+  const Matrix6<S> log_derivative =
+      contact.kp != 0 ? inverse_right_jacobian_se3(placement_error(contact, at)) : Matrix6<S>{};
+  for (int c = 0; c < columns; ++c) {
+    const S* J = &at.frame_jacobian[6 * c];
+    for (int i = 0; i < 6; ++i) {
+      S& q = at.wrt_q[6 * c + i];
+      q = twist.rate_q[6 * c + i] + kd * twist.twist_q[6 * c + i];
+      at.wrt_v[6 * c + i] = twist.rate_v[6 * c + i] + kd * J[i];
+      if (contact.kp == 0) continue;
+      for (int k = 0; k < 6; ++k) q += kp * log_derivative(i, k) * J[k];
+    }
+  }
+}
+
+template <class S>
+void point_acceleration_derivatives(const RobotModel& model, const Contact& contact, int columns,
+                                    const RobotData<S>& data, const TwistColumns<S>& twist,
+                                    ContactData<S>& at) {
+  const int joint = model.frames[contact.frame].joint, rows = contact.rows();
+  const S kd(contact.kd), kp(contact.kp);
+  Motion<S> a = data.a[joint];
+  a.linear += data.gravity(model, joint);
+  a = act_inverse(at.placement, a);
+  const Motion<S> v = act_inverse(at.placement, data.v[joint]);
+  const Vector3<S> sum = point_acceleration(contact, at, a, v);
+  const Vector3<S> error = position_error(contact, at);
+  for (int c = 0; c < columns; ++c) {
+    const Vector3<S> lin = linear(at.frame_jacobian, c), turn = angular(at.frame_jacobian, c);
+    const auto change = [&](const S* rate, const Vector3<S>& v_lin, const Vector3<S>& w) {
+      return load(rate + 6 * c) + cross(w, v.linear) + cross(v.angular, v_lin) + kd * v_lin;
+    };
+    Vector3<S> q =
+        change(twist.rate_q, load(twist.twist_q + 6 * c), load(twist.twist_q + 6 * c + 3));
+    if (contact.kp != 0) q += kp * (lin + cross(error, turn));
+    put_point_column(contact, at, q, turn, sum, &at.wrt_q[rows * c]);
+    put_point_column(contact, at, change(twist.rate_v, lin, turn), Vector3<S>::zero(), sum,
+                     &at.wrt_v[rows * c]);
+  }
+}
+
 }  // namespace
 
 template <class S>
@@ -94,10 +157,7 @@ void update_contact(const RobotModel& model, const Contact& contact, const Robot
   const Frame& frame = model.frames[contact.frame];
   out.placement = data.placement[frame.joint] * frame.placement;
   out.world = data.root_pose(model, frame.joint) * out.placement;
-  for (int i = 0; i < direction_count(contact); ++i) {
-    const Vector3<S> d = (i == 0 ? contact.normal : contact.tangent).cast<S>();
-    out.directions[i] = contact.axes == FrameAxes::local ? d : transpose_times(out.world.R, d);
-  }
+  update_directions(contact, out);
   frame_jacobian(model, data, contact.frame, FrameAxes::local, out.frame_jacobian.data());
   const int rows = contact.rows(), columns = columns_of(model, contact);
   for (int c = 0; c < columns; ++c) {
@@ -132,47 +192,14 @@ void contact_acceleration(const RobotModel& model, const Contact& contact, const
 template <class S>
 void contact_acceleration_derivatives(const RobotModel& model, const Contact& contact,
                                       const RobotData<S>& data, ContactData<S>& at) {
-  const int columns = columns_of(model, contact), rows = contact.rows();
-  const int joint = model.frames[contact.frame].joint;
-  // Columns of the twist's rate, then of the twist, with respect to q (and the rate's to v).
-  S* rate_q = at.scratch.data();
-  S* rate_v = rate_q + 6 * columns;
-  S* twist_q = rate_v + 6 * columns;
-  frame_acceleration_derivatives(model, data, contact.frame, rate_q, rate_v);
-  frame_velocity_derivative(model, data, contact.frame, FrameAxes::local, twist_q);
-  const S kd(contact.kd), kp(contact.kp);
-  if (contact.kind == ContactKind::surface) {
-    const Matrix6<S> log_derivative =
-        contact.kp != 0 ? inverse_right_jacobian_se3(placement_error(contact, at)) : Matrix6<S>{};
-    for (int c = 0; c < columns; ++c) {
-      const S* J = &at.frame_jacobian[6 * c];
-      for (int i = 0; i < 6; ++i) {
-        S& q = at.wrt_q[6 * c + i];
-        q = rate_q[6 * c + i] + kd * twist_q[6 * c + i];
-        at.wrt_v[6 * c + i] = rate_v[6 * c + i] + kd * J[i];
-        if (contact.kp == 0) continue;
-        for (int k = 0; k < 6; ++k) q += kp * log_derivative(i, k) * J[k];
-      }
-    }
-    return;
-  }
-  Motion<S> a = data.a[joint];
-  a.linear += data.gravity(model, joint);
-  a = act_inverse(at.placement, a);
-  const Motion<S> v = act_inverse(at.placement, data.v[joint]);
-  const Vector3<S> sum = point_acceleration(contact, at, a, v);
-  const Vector3<S> error = position_error(contact, at);
-  for (int c = 0; c < columns; ++c) {
-    const Vector3<S> lin = linear(at.frame_jacobian, c), turn = angular(at.frame_jacobian, c);
-    const auto change = [&](const S* rate, const Vector3<S>& v_lin, const Vector3<S>& w) {
-      return load(rate + 6 * c) + cross(w, v.linear) + cross(v.angular, v_lin) + kd * v_lin;
-    };
-    Vector3<S> q = change(rate_q, load(twist_q + 6 * c), load(twist_q + 6 * c + 3));
-    if (contact.kp != 0) q += kp * (lin + cross(error, turn));
-    put_point_column(contact, at, q, turn, sum, &at.wrt_q[rows * c]);
-    put_point_column(contact, at, change(rate_v, lin, turn), Vector3<S>::zero(), sum,
-                     &at.wrt_v[rows * c]);
-  }
+  const int columns = columns_of(model, contact);
+  const TwistColumns<S> twist(at.scratch.data(), columns);
+  frame_acceleration_derivatives(model, data, contact.frame, twist.rate_q, twist.rate_v);
+  frame_velocity_derivative(model, data, contact.frame, FrameAxes::local, twist.twist_q);
+  if (contact.kind == ContactKind::surface)
+    surface_acceleration_derivatives(contact, columns, twist, at);
+  else
+    point_acceleration_derivatives(model, contact, columns, data, twist, at);
 }
 
 template <class S>

@@ -47,6 +47,164 @@ void solve_columns(const RobotModel& model, const RobotData<S>& data, S* x) {
   }
 }
 
+/// The block of a floating body, whose motion subspace is the identity.
+template <class S>
+void put_floating_inertia(const RobotModel& model, int i, RobotData<S>& data) {
+  const int n = model.nv, v = model.joints[i].v;
+  S* M = data.M.data() + v;
+  const Inertia<S>& y = data.composite[i];
+  const Matrix3<S> c = skew(y.moment);
+  const S* j = &y.rotational.xx;
+  for (int col = 0; col < 3; ++col) {
+    for (int row = 0; row < 3; ++row) {
+      M[(v + col) * n + row] = row == col ? y.mass : S(0.0);
+      M[(v + col) * n + row + 3] = c(row, col);
+    }
+  }
+  constexpr int kPacked[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
+  for (int col = 0; col < 3; ++col)
+    for (int row = col; row < 3; ++row) M[(v + col + 3) * n + row + 3] = j[kPacked[row][col]];
+}
+
+/// The row of a joint with one axis: what it and those above it feel of its motion.
+template <class S>
+void put_mass_row(const RobotModel& model, int i, RobotData<S>& data) {
+  const int n = model.nv;
+  const Joint& joint = model.joints[i];
+  S* M = data.M.data() + joint.v;
+  const Force<S>& f = data.column[i];
+  M[joint.v * n] = dot(data.axis[i], f) + S(joint.rotor_inertia);
+  for (int p = joint.parent; p >= 0; p = model.joints[p].parent) {
+    const int pv = model.joints[p].v;
+    if (model.joints[p].type == JointType::floating)
+      for (int k = 0; k < 6; ++k) M[(pv + k) * n] = f[k];
+    else
+      M[pv * n] = dot(data.axis[p], f);
+  }
+}
+
+/// 2B m of the subtree of joint i, which depends on the angular part w of m alone.
+template <class S>
+Force<S> twice_b(const RobotData<S>& data, int i, const Vector3<S>& w) {
+  const Force<S>& h = data.momentum[i];
+  return {S(2.0) * cross(w, h.linear), data.inertia_rate[i] * w + cross(w, h.angular)};
+}
+
+/// Columns of a floating body. Its motion subspace is the identity, so unit linear and angular
+/// motions give 3x3 blocks.
+template <class S>
+void put_floating_columns(const RobotModel& model, int i, RobotData<S>& data) {
+  const int n = model.nv, v = model.joints[i].v;
+  const Inertia<S>& y = data.composite[i];
+  const Vector3<S> g = data.gravity(model, i);
+  const Vector3<S>& w = data.v[i].angular;
+  const auto put = [v](S* column, const Force<S>& change) {
+    for (int row = 0; row < 6; ++row) column[v + row] = change[row];
+  };
+  for (int k = 0; k < 3; ++k) {
+    const Vector3<S> e = unit<S>(k);
+    const Vector3<S> w_e = cross(w, e);
+    S* linear_q = data.tau_q.data() + (v + k) * n;
+    S* linear_v = data.tau_v.data() + (v + k) * n;
+    put(linear_q, Force<S>::zero());
+    put(linear_v, {y.mass * w_e, cross(y.moment, w_e)});
+    const Vector3<S> e_g = cross(e, g);
+    put(linear_q + 3 * n, {y.mass * e_g, cross(y.moment, e_g)});
+    put(linear_v + 3 * n, twice_b(data, i, e) + y * Motion<S>{cross(data.v[i].linear, e), w_e});
+  }
+}
+
+/// Row i: joints above it move the subtree of i.
+template <class S>
+void put_subtree_row(const RobotModel& model, int i, RobotData<S>& data) {
+  const int n = model.nv, v = model.joints[i].v;
+  const Force<S>& h = data.momentum[i];
+  const Motion<S>& s = data.axis[i];
+  const Force<S>& f = data.column[i];
+  const Vector3<S> z = S(2.0) * cross(h.linear, s.linear) + data.inertia_rate[i] * s.angular +
+                       cross(h.angular, s.angular);
+  for (int j = i; j >= 0; j = model.joints[j].parent) {
+    const int vj = model.joints[j].v;
+    if (model.joints[j].type == JointType::floating) {
+      const Vector3<S> dq = cross(data.gravity(model, j), f.linear);
+      const Force<S> dv = cross(data.v[j], f);
+      for (int k = 0; k < 3; ++k) {
+        data.tau_q[(vj + k) * n + v] = S(0.0);
+        data.tau_q[(vj + 3 + k) * n + v] = dq[k];
+        data.tau_v[(vj + k) * n + v] = -dv.linear[k];
+        data.tau_v[(vj + 3 + k) * n + v] = z[k] - dv.angular[k];
+      }
+      continue;
+    }
+    data.tau_q[vj * n + v] = dot(z, data.psi_dot[j].angular) + dot(data.psi_ddot[j], f);
+    data.tau_v[vj * n + v] = dot(z, data.axis[j].angular) + dot(data.axis_rate[j], f);
+  }
+}
+
+/// Column i: joint i moves its subtree, which joints above it feel.
+template <class S>
+void put_subtree_column(const RobotModel& model, int i, RobotData<S>& data) {
+  const int n = model.nv;
+  const Joint& joint = model.joints[i];
+  const Inertia<S>& y = data.composite[i];
+  const Motion<S>& s = data.axis[i];
+  const Force<S> dq =
+      twice_b(data, i, data.psi_dot[i].angular) + y * data.psi_ddot[i] + cross(s, data.force[i]);
+  const Force<S> dv = twice_b(data, i, s.angular) + y * data.axis_rate[i];
+  S* column_q = data.tau_q.data() + joint.v * n;
+  S* column_v = data.tau_v.data() + joint.v * n;
+  for (int j = joint.parent; j >= 0; j = model.joints[j].parent) {
+    const int vj = model.joints[j].v;
+    if (model.joints[j].type == JointType::floating) {
+      for (int k = 0; k < 6; ++k) {
+        column_q[vj + k] = dq[k];
+        column_v[vj + k] = dv[k];
+      }
+    } else {
+      column_q[vj] = dot(data.axis[j], dq);
+      column_v[vj] = dot(data.axis[j], dv);
+    }
+  }
+}
+
+/// How the weight on a floating body changes as it turns.
+template <class S>
+void put_floating_weight_slopes(const RobotModel& model, int i, const RobotData<S>& data,
+                                S* out_q) {
+  const int n = model.nv, v = model.joints[i].v;
+  const Vector3<S> g = data.gravity(model, i);
+  for (int k = 0; k < 3; ++k) {
+    const Force<S> dq = data.composite[i] * Motion<S>{cross(unit<S>(k), g), Vector3<S>::zero()};
+    for (int row = 0; row < 6; ++row) out_q[(v + 3 + k) * n + v + row] = dq[row];
+  }
+}
+
+/// Row and column of a joint with one axis: its torque as joints above it move, and theirs as it
+/// does. `weight`: of its subtree.
+template <class S>
+void put_weight_slopes(const RobotModel& model, int i, const RobotData<S>& data,
+                       const Force<S>& weight, S* out_q) {
+  const int n = model.nv, v = model.joints[i].v;
+  const Vector3<S> g = data.gravity(model, i);
+  const Motion<S>& s = data.axis[i];
+  const Force<S>& f = data.column[i];
+  const auto turned_gravity = [&g](const Motion<S>& axis) {
+    return Motion<S>{cross(axis.angular, g), Vector3<S>::zero()};
+  };
+  const Force<S> change = data.composite[i] * turned_gravity(s) + cross(s, weight);
+  for (int j = i; j >= 0; j = model.joints[j].parent) {
+    const int vj = model.joints[j].v;
+    if (model.joints[j].type == JointType::floating) {
+      const Vector3<S> dq = cross(g, f.linear);
+      for (int k = 0; k < 3; ++k) out_q[(vj + 3 + k) * n + v] = dq[k];
+      for (int k = 0; k < 6; ++k) out_q[v * n + vj + k] = change[k];
+    } else {
+      out_q[vj * n + v] = dot(turned_gravity(data.axis[j]), f);
+      out_q[v * n + vj] = dot(data.axis[j], change);
+    }
+  }
+}
+
 }  // namespace
 
 template <class S>
@@ -66,35 +224,11 @@ void inverse_dynamics(const RobotModel& model, const S* q, const S* v, const S* 
 template <class S>
 void mass_matrix(const RobotModel& model, RobotData<S>& data) {
   update_composite_inertias(model, data);
-  const int n = model.nv;
   for (int i = 0; i < model.joint_count(); ++i) {
-    const Joint& joint = model.joints[i];
-    S* M = data.M.data() + joint.v;
-    if (joint.type == JointType::floating) {
-      const Inertia<S>& y = data.composite[i];
-      const Matrix3<S> c = skew(y.moment);
-      const S* j = &y.rotational.xx;
-      for (int col = 0; col < 3; ++col) {
-        for (int row = 0; row < 3; ++row) {
-          M[(joint.v + col) * n + row] = row == col ? y.mass : S(0.0);
-          M[(joint.v + col) * n + row + 3] = c(row, col);
-        }
-      }
-      constexpr int kPacked[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
-      for (int col = 0; col < 3; ++col)
-        for (int row = col; row < 3; ++row)
-          M[(joint.v + col + 3) * n + row + 3] = j[kPacked[row][col]];
-      continue;
-    }
-    const Force<S>& f = data.column[i];
-    M[joint.v * n] = dot(data.axis[i], f) + S(joint.rotor_inertia);
-    for (int p = joint.parent; p >= 0; p = model.joints[p].parent) {
-      const int pv = model.joints[p].v;
-      if (model.joints[p].type == JointType::floating)
-        for (int k = 0; k < 6; ++k) M[(pv + k) * n] = f[k];
-      else
-        M[pv * n] = dot(data.axis[p], f);
-    }
+    if (model.joints[i].type == JointType::floating)
+      put_floating_inertia(model, i, data);
+    else
+      put_mass_row(model, i, data);
   }
 }
 
@@ -153,79 +287,18 @@ void forward_dynamics(const RobotModel& model, const S* q, const S* v, const S* 
 template <class S>
 void inverse_dynamics_derivatives(const RobotModel& model, const S* v, RobotData<S>& data,
                                   const AlignedVector<Force<S>>* applied) {
-  const int n = model.nv;
   start_inverse_dynamics_derivatives(model, v, data, applied);
   for (int i = model.joint_count() - 1; i >= 0; --i) {
     const Joint& joint = model.joints[i];
-    const Force<S>& h = data.momentum[i];
-    const Symmetric3<S>& rate = data.inertia_rate[i];
-    const Inertia<S>& y = data.composite[i];
-    // 2B m of the subtree depends on the angular part of m alone.
-    const auto twice_b = [&](const Vector3<S>& w) {
-      return Force<S>{S(2.0) * cross(w, h.linear), rate * w + cross(w, h.angular)};
-    };
     if (joint.type == JointType::floating) {
-      // The motion subspace is the identity, so unit linear and angular motions give 3x3 blocks.
-      const Vector3<S> g = data.gravity(model, i);
-      const Vector3<S>& w = data.v[i].angular;
-      const auto put = [&](S* column, const Force<S>& change) {
-        for (int row = 0; row < 6; ++row) column[joint.v + row] = change[row];
-      };
-      for (int k = 0; k < 3; ++k) {
-        const Vector3<S> e = unit<S>(k);
-        const Vector3<S> w_e = cross(w, e);
-        S* linear_q = data.tau_q.data() + (joint.v + k) * n;
-        S* linear_v = data.tau_v.data() + (joint.v + k) * n;
-        put(linear_q, Force<S>::zero());
-        put(linear_v, {y.mass * w_e, cross(y.moment, w_e)});
-        const Vector3<S> e_g = cross(e, g);
-        put(linear_q + 3 * n, {y.mass * e_g, cross(y.moment, e_g)});
-        put(linear_v + 3 * n, twice_b(e) + y * Motion<S>{cross(data.v[i].linear, e), w_e});
-      }
+      put_floating_columns(model, i, data);
       continue;
     }
-    const Motion<S>& s = data.axis[i];
-    const Force<S>& f = data.column[i];
-    // Row i: joints above it move the subtree of i.
-    const Vector3<S> z =
-        S(2.0) * cross(h.linear, s.linear) + rate * s.angular + cross(h.angular, s.angular);
-    for (int j = i; j >= 0; j = model.joints[j].parent) {
-      const int vj = model.joints[j].v;
-      if (model.joints[j].type == JointType::floating) {
-        const Vector3<S> dq = cross(data.gravity(model, j), f.linear);
-        const Force<S> dv = cross(data.v[j], f);
-        for (int k = 0; k < 3; ++k) {
-          data.tau_q[(vj + k) * n + joint.v] = S(0.0);
-          data.tau_q[(vj + 3 + k) * n + joint.v] = dq[k];
-          data.tau_v[(vj + k) * n + joint.v] = -dv.linear[k];
-          data.tau_v[(vj + 3 + k) * n + joint.v] = z[k] - dv.angular[k];
-        }
-        continue;
-      }
-      data.tau_q[vj * n + joint.v] = dot(z, data.psi_dot[j].angular) + dot(data.psi_ddot[j], f);
-      data.tau_v[vj * n + joint.v] = dot(z, data.axis[j].angular) + dot(data.axis_rate[j], f);
-    }
-    // Column i: joint i moves its subtree, which joints above it feel.
+    put_subtree_row(model, i, data);
     if (joint.parent < 0) continue;
-    const Force<S> dq =
-        twice_b(data.psi_dot[i].angular) + y * data.psi_ddot[i] + cross(s, data.force[i]);
-    const Force<S> dv = twice_b(s.angular) + y * data.axis_rate[i];
-    S* column_q = data.tau_q.data() + joint.v * n;
-    S* column_v = data.tau_v.data() + joint.v * n;
-    for (int j = joint.parent; j >= 0; j = model.joints[j].parent) {
-      const int vj = model.joints[j].v;
-      if (model.joints[j].type == JointType::floating) {
-        for (int k = 0; k < 6; ++k) {
-          column_q[vj + k] = dq[k];
-          column_v[vj + k] = dv[k];
-        }
-      } else {
-        column_q[vj] = dot(data.axis[j], dq);
-        column_v[vj] = dot(data.axis[j], dv);
-      }
-    }
-    data.momentum[joint.parent] += h;
-    data.inertia_rate[joint.parent] += rate;
+    put_subtree_column(model, i, data);
+    data.momentum[joint.parent] += data.momentum[i];
+    data.inertia_rate[joint.parent] += data.inertia_rate[i];
     data.force[joint.parent] += data.force[i];
   }
   subtract_external_wrench_derivatives(model, data);
@@ -233,7 +306,6 @@ void inverse_dynamics_derivatives(const RobotModel& model, const S* v, RobotData
 
 template <class S>
 void gravity_torques(const RobotModel& model, const RobotData<S>& data, S* out, S* out_q) {
-  const int n = model.nv;
   for (int i = 0; i < model.joint_count(); ++i) {
     const Joint& joint = model.joints[i];
     const Vector3<S> g = data.gravity(model, i);
@@ -241,34 +313,11 @@ void gravity_torques(const RobotModel& model, const RobotData<S>& data, S* out, 
     const Force<S> weight{-(y.mass * g), -cross(y.moment, g)};
     if (joint.type == JointType::floating) {
       for (int k = 0; k < 6; ++k) out[joint.v + k] = weight[k];
-      if (out_q == nullptr) continue;
-      for (int k = 0; k < 3; ++k) {
-        Vector3<S> e = Vector3<S>::zero();
-        e[k] = S(1.0);
-        const Force<S> dq = y * Motion<S>{cross(e, g), Vector3<S>::zero()};
-        for (int row = 0; row < 6; ++row) out_q[(joint.v + 3 + k) * n + joint.v + row] = dq[row];
-      }
+      if (out_q != nullptr) put_floating_weight_slopes(model, i, data, out_q);
       continue;
     }
-    const Motion<S>& s = data.axis[i];
-    const Force<S>& f = data.column[i];
-    out[joint.v] = -dot(f.linear, g);
-    if (out_q == nullptr) continue;
-    const auto turned_gravity = [&g](const Motion<S>& axis) {
-      return Motion<S>{cross(axis.angular, g), Vector3<S>::zero()};
-    };
-    const Force<S> change = y * turned_gravity(s) + cross(s, weight);
-    for (int j = i; j >= 0; j = model.joints[j].parent) {
-      const int vj = model.joints[j].v;
-      if (model.joints[j].type == JointType::floating) {
-        const Vector3<S> dq = cross(g, f.linear);
-        for (int k = 0; k < 3; ++k) out_q[(vj + 3 + k) * n + joint.v] = dq[k];
-        for (int k = 0; k < 6; ++k) out_q[joint.v * n + vj + k] = change[k];
-      } else {
-        out_q[vj * n + joint.v] = dot(turned_gravity(data.axis[j]), f);
-        out_q[joint.v * n + vj] = dot(data.axis[j], change);
-      }
-    }
+    out[joint.v] = -dot(data.column[i].linear, g);
+    if (out_q != nullptr) put_weight_slopes(model, i, data, weight, out_q);
   }
 }
 

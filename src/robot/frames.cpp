@@ -246,12 +246,22 @@ Force<S> centroidal_momentum(const RobotModel& model, const RobotData<S>& data) 
   return total;
 }
 
+namespace {
+
+/// Momenta of the subtrees.
 template <class S>
-void centroidal_momentum_derivatives(const RobotModel& model, RobotData<S>& data, S* wrt_q,
-                                     S* wrt_v) {
+void gather_momenta(const RobotModel& model, RobotData<S>& data) {
   for (int i = 0; i < model.joint_count(); ++i) data.momentum[i] = data.body[i] * data.v[i];
   for (int i = model.joint_count() - 1; i >= 0; --i)
     if (model.joints[i].parent >= 0) data.momentum[model.joints[i].parent] += data.momentum[i];
+}
+
+}  // namespace
+
+template <class S>
+void centroidal_momentum_derivatives(const RobotModel& model, RobotData<S>& data, S* wrt_q,
+                                     S* wrt_v) {
+  gather_momenta(model, data);
   const Vector3<S> com = center_of_mass(model, data);
   S mass(0.0);
   Vector3<S> linear = Vector3<S>::zero();

@@ -13,11 +13,12 @@ InverseDynamicsGradient<S>::InverseDynamicsGradient(const RobotModel& model)
       wrt_v(wrt_q),
       wrt_a(wrt_q) {}
 
+namespace {
+
+/// The velocities that w is of the joints; sums over their subtrees start from zero.
 template <class S>
-void inverse_dynamics_gradient(const RobotModel& model, const S* v, const S* w, RobotData<S>& data,
-                               const AlignedVector<Force<S>>* applied,
-                               InverseDynamicsGradient<S>& out) {
-  start_inverse_dynamics_derivatives(model, v, data, applied);
+void set_virtual_velocities(const RobotModel& model, const S* w, const RobotData<S>& data,
+                            InverseDynamicsGradient<S>& out) {
   for (int i = 0; i < model.joint_count(); ++i) {
     const Joint& joint = model.joints[i];
     const S* x = w + joint.v;
@@ -30,6 +31,16 @@ void inverse_dynamics_gradient(const RobotModel& model, const S* v, const S* w, 
     out.virtual_momentum[i] = Force<S>::zero();
     out.lever[i] = Vector3<S>::zero();
   }
+}
+
+}  // namespace
+
+template <class S>
+void inverse_dynamics_gradient(const RobotModel& model, const S* v, const S* w, RobotData<S>& data,
+                               const AlignedVector<Force<S>>* applied,
+                               InverseDynamicsGradient<S>& out) {
+  start_inverse_dynamics_derivatives(model, v, data, applied);
+  set_virtual_velocities(model, w, data, out);
   for (int i = model.joint_count() - 1; i >= 0; --i) {
     const Joint& joint = model.joints[i];
     const Force<S>& h = data.momentum[i];
