@@ -27,18 +27,39 @@ class ClosedFormSystem : public SystemBase<Derived> {
   template <class S>
   void differentiate_as(const S* x, const S* u, Data<S>& data) const {
     self().rate(x, u, data.f.data());
+    hold(x, this->nx(), data.x);
+    hold(u, this->nu(), data.u);
+    differentiate_by_state(x, data);
+    differentiate_by_control(data);
+  }
+
+  template <class S>
+  void update_kinematics_as(const S*, Data<S>&) const {}
+
+ private:
+  template <class S>
+  static void hold(const S* values, int count, AlignedVector<Dual<S>>& out) {
+    for (int i = 0; i < count; ++i) out[i] = {values[i], S(0.0)};
+  }
+
+  /// One after the other, along the directions of the tangent space. Leaves data.x at rest.
+  template <class S>
+  void differentiate_by_state(const S* x, Data<S>& data) const {
     const int rows = this->rows();
-    for (int i = 0; i < this->nu(); ++i) data.u[i] = {u[i], S(0.0)};
     for (auto& d : data.dx) d = Dual<S>(0.0);
     for (int j = 0; j < this->ndx(); ++j) {
-      for (int i = 0; i < this->nx(); ++i) data.x[i] = {x[i], S(0.0)};
       data.dx[j].d = S(1.0);
       this->manifold().integrate(data.x.data(), data.dx.data(), data.x.data());
       data.dx[j].d = S(0.0);
       self().rate(data.x.data(), data.u.data(), data.f_dual.data());
       for (int i = 0; i < rows; ++i) data.fx[j * rows + i] = data.f_dual[i].d;
+      hold(x, this->nx(), data.x);
     }
-    for (int i = 0; i < this->nx(); ++i) data.x[i] = {x[i], S(0.0)};
+  }
+
+  template <class S>
+  void differentiate_by_control(Data<S>& data) const {
+    const int rows = this->rows();
     for (int j = 0; j < this->nu(); ++j) {
       data.u[j].d = S(1.0);
       self().rate(data.x.data(), data.u.data(), data.f_dual.data());
@@ -47,10 +68,6 @@ class ClosedFormSystem : public SystemBase<Derived> {
     }
   }
 
-  template <class S>
-  void update_kinematics_as(const S*, Data<S>&) const {}
-
- private:
   const Derived& self() const { return static_cast<const Derived&>(*this); }
 };
 

@@ -29,6 +29,24 @@ const Rule& table(LobattoRule rule) {
   return rule == LobattoRule::trapezoidal ? trapezoidal : hermite_simpson;
 }
 
+/// Adds what slopes at stage j do to a later one: into the columns of what the slopes depend on.
+template <class S>
+struct SlopeColumns {
+  const StageRow& row;
+  S h;
+  int n, top;  ///< slopes, and the coordinates before their own
+
+  void add(int j, int r, const S& slope, S* column) const {
+    column[top + r] += h * S(row.velocity[j]) * slope;
+    if (top > 0) column[r] += h * h * S(row.position[j]) * slope;
+  }
+  /// Of the knot's slopes, from their derivatives by `count` variables.
+  void add_first(int count, const S* by_variables, S* columns) const {
+    for (int c = 0; c < count; ++c)
+      for (int r = 0; r < n; ++r) add(0, r, by_variables[c * n + r], columns + c * (top + n));
+  }
+};
+
 /// The unit of a quantity's change in time.
 std::string rate_unit(const std::string& unit) {
   if (unit == "1") return "1/s";
@@ -88,22 +106,17 @@ void CollocationSystem::differentiate_stage(int i, const S* x, const S* w, const
                                             const SystemData<S>& data, bool by_step, S* X) const {
   const StageRow& row = table(rule_).rows[i - 1];
   const int n = rows(), top = ndx() - n, nz = ndx() + nu();
-  std::fill_n(X, ndx() * (nz + (by_step ? 1 : 0)), S(0.0));
-  // What a slope at stage j does: into the column of what the slope depends on.
-  const auto add = [&](int j, int r, const S& slope, S* column) {
-    column[top + r] += h * S(row.velocity[j]) * slope;
-    if (top > 0) column[r] += h * h * S(row.position[j]) * slope;
-  };
+  std::fill_n(X, ndx() * (nz + by_step), S(0.0));
   for (int c = 0; c < ndx(); ++c) {
-    S* column = X + c * ndx();
-    column[c] = S(1.0);
-    if (top > 0 && c >= top) column[c - top] = h * S(row.time);
-    for (int r = 0; r < n; ++r) add(0, r, data.fx[c * n + r], column);
+    X[c * ndx() + c] = S(1.0);
+    if (top > 0 && c >= top) X[c * ndx() + c - top] = h * S(row.time);
   }
-  for (int c = 0; c < actuators(); ++c)
-    for (int r = 0; r < n; ++r) add(0, r, data.fu[c * n + r], X + (ndx() + c) * ndx());
+  const SlopeColumns<S> slope_columns{row, h, n, top};
+  slope_columns.add_first(ndx(), data.fx.data(), X);
+  slope_columns.add_first(actuators(), data.fu.data(), X + ndx() * ndx());
   for (int j = 1; j <= later_stages(); ++j)
-    for (int r = 0; r < n; ++r) add(j, r, S(1.0), X + (ndx() + slopes(j) + r) * ndx());
+    for (int r = 0; r < n; ++r)
+      slope_columns.add(j, r, S(1.0), X + (ndx() + slopes(j) + r) * ndx());
   if (by_step) differentiate_by_step(i, x, w, h, data, X + nz * ndx());
 }
 

@@ -50,16 +50,28 @@ StateManifold StateManifold::flat(int n) {
 }
 
 void StateManifold::append(Part part, int flat_size) {
-  const int n = part == Part::flat ? flat_size : part == Part::so3 ? 3 : 6;
+  if (part == Part::flat)
+    append_flat(flat_size);
+  else
+    append_curved(part, part == Part::so3 ? 3 : 6);
+}
+
+/// Flat parts that follow each other are one.
+void StateManifold::append_flat(int n) {
   if (n == 0) return;
-  const Segment segment{part, nx_, ndx_, n};
-  if (part == Part::flat && !segments_.empty() && segments_.back().part == Part::flat) {
+  if (!segments_.empty() && segments_.back().part == Part::flat)
     segments_.back().n += n;
-  } else {
-    segments_.push_back(segment);
-    if (part != Part::flat) curved_.push_back(segment);
-  }
-  nx_ += part == Part::flat ? n : n + 1;
+  else
+    segments_.push_back({Part::flat, nx_, ndx_, n});
+  nx_ += n;
+  ndx_ += n;
+}
+
+/// With one coordinate more than directions: they hold a quaternion.
+void StateManifold::append_curved(Part part, int n) {
+  segments_.push_back({part, nx_, ndx_, n});
+  curved_.push_back(segments_.back());
+  nx_ += n + 1;
   ndx_ += n;
 }
 

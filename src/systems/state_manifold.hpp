@@ -59,6 +59,9 @@ class StateManifold {
   std::vector<double> neutral() const;
 
  private:
+  void append_flat(int n);
+  void append_curved(Part part, int n);
+
   std::vector<Segment> segments_;
   std::vector<Segment> curved_;
   int nx_ = 0;

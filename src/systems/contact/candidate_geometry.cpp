@@ -19,6 +19,11 @@ bool moves(const RobotModel& model, int joint, int body) {
   return body == joint;
 }
 
+int count_tangents(const ContactCandidate& candidate, bool planar) {
+  if (candidate.friction == 0) return 0;
+  return planar ? 1 : 2;
+}
+
 /// Two unit vectors that complete n to a right-handed triad, smooth but where n.z changes its sign
 /// (Duff and others, Building an Orthonormal Basis, Revisited, 2017).
 template <class S>
@@ -52,17 +57,28 @@ S box_distance(const Vector3<S>& p, const Vector3<double>& half, Vector3<S>& gra
   return select(is_outside, distance, deepest);
 }
 
+template <class S>
+Vector3<Dual<S>> along(const Vector3<S>& value, const Vector3<S>& slope) {
+  return {{value.x, slope.x}, {value.y, slope.y}, {value.z, slope.z}};
+}
+
 }  // namespace
 
 CandidateGeometry::CandidateGeometry(const RobotModel& model, const ContactCandidate& candidate,
                                      const std::optional<Vector3<double>>& plane)
     : radius_(candidate.sphere.radius),
       plane_(plane),
-      tangents_(candidate.friction == 0 ? 0
-                : plane                 ? 1
-                                        : 2) {
+      tangents_(count_tangents(candidate, plane.has_value())) {
   first_joint_ =
       locate(model, candidate.sphere.frame, translation(candidate.sphere.center), first_);
+  place_second(model, candidate);
+  add_drives(model);
+  if (first_joint_ >= 0) first_root_ = model.root[first_joint_];
+  if (second_joint_ >= 0) second_root_ = model.root[second_joint_];
+}
+
+/// What the sphere may touch.
+void CandidateGeometry::place_second(const RobotModel& model, const ContactCandidate& candidate) {
   if (const auto* solid = std::get_if<ContactHalfSpace>(&candidate.against)) {
     shape_ = Shape::half_space;
     second_joint_ = locate(model, solid->frame, SE3<double>::identity(), second_);
@@ -78,6 +94,9 @@ CandidateGeometry::CandidateGeometry(const RobotModel& model, const ContactCandi
     second_joint_ = locate(model, box.frame, box.placement, second_);
     half_sizes_ = box.half_sizes;
   }
+}
+
+void CandidateGeometry::add_drives(const RobotModel& model) {
   for (int j = 0; j < model.joint_count(); ++j) {
     const bool first = moves(model, j, first_joint_), second = moves(model, j, second_joint_);
     if (!first && !second) continue;
@@ -88,8 +107,6 @@ CandidateGeometry::CandidateGeometry(const RobotModel& model, const ContactCandi
       drives_.push_back({j, joint.type == JointType::floating ? d : -1, first, second});
     }
   }
-  if (first_joint_ >= 0) first_root_ = model.root[first_joint_];
-  if (second_joint_ >= 0) second_root_ = model.root[second_joint_];
 }
 
 template <class S>
@@ -175,6 +192,31 @@ void CandidateGeometry::evaluate(const RobotData<S>& data, CandidateRows<S>& out
   }
 }
 
+/// A motion along a drive to first order, of what it moves and of what it leaves where it is.
+template <class S>
+struct CandidateGeometry::Shift {
+  const Motion<S>& axis;
+
+  Vector3<Dual<S>> point(const Vector3<S>& p, bool moved) const {
+    return along(p, moved ? axis.linear + cross(axis.angular, p) : Vector3<S>::zero());
+  }
+  Vector3<Dual<S>> direction(const Vector3<S>& a, bool moved) const {
+    return along(a, moved ? cross(axis.angular, a) : Vector3<S>::zero());
+  }
+  Pose<Dual<S>> pose(const Pose<S>& body, bool moved) const {
+    Pose<Dual<S>> shifted{point(body.p, moved), {}};
+    for (int c = 0; c < 3; ++c) {
+      const Vector3<Dual<S>> column = direction(body.R.column(c), moved);
+      for (int r = 0; r < 3; ++r) shifted.R(r, c) = column[r];
+    }
+    return shifted;
+  }
+  Motion<Dual<S>> twist(const Motion<S>& other, bool moved) const {
+    const Motion<S> change = moved ? cross(axis, other) : Motion<S>::zero();
+    return {along(other.linear, change.linear), along(other.angular, change.angular)};
+  }
+};
+
 template <class S>
 void CandidateGeometry::differentiate(const RobotData<S>& data, CandidateRows<S>& out) const {
   using D = Dual<S>;
@@ -182,36 +224,18 @@ void CandidateGeometry::differentiate(const RobotData<S>& data, CandidateRows<S>
   const Pose<S> first = pose(data, first_joint_, first_root_, first_),
                 second = pose(data, second_joint_, second_root_, second_);
   const int k = static_cast<int>(drives_.size());
-  const auto along = [](const Vector3<S>& value, const Vector3<S>& slope) {
-    return Vector3<D>{{value.x, slope.x}, {value.y, slope.y}, {value.z, slope.z}};
-  };
   for (int i = 0; i < k; ++i) {
-    // What drive i moves, to first order: points, axes of the body and of the joints behind it.
-    const Motion<S>& axis = out.axes[i];
-    const auto shift = [&](const Vector3<S>& p, bool moved) {
-      return along(p, moved ? axis.linear + cross(axis.angular, p) : Vector3<S>::zero());
-    };
-    const auto turn = [&](const Vector3<S>& a, bool moved) {
-      return along(a, moved ? cross(axis.angular, a) : Vector3<S>::zero());
-    };
-    const Vector3<D> center = shift(first.p, drives_[i].first);
-    Pose<D> against{shift(second.p, drives_[i].second), {}};
-    for (int c = 0; c < 3; ++c) {
-      const Vector3<D> column = turn(second.R.column(c), drives_[i].second);
-      for (int r = 0; r < 3; ++r) against.R(r, c) = column[r];
-    }
-    const Touch<D> t = touch(center, against);
+    // What drive i moves: points, axes of the body and of the joints behind it.
+    const Shift<S> shift{out.axes[i]};
+    const Vector3<D> center = shift.point(first.p, drives_[i].first);
+    const Touch<D> t = touch(center, shift.pose(second, drives_[i].second));
     const Vector3<D> point = center - D(radius_) * t.directions[0];
     const Vector3<D> opposite = center - (D(radius_) + t.gap) * t.directions[0];
     for (int j = 0; j < k; ++j) {
-      const Motion<S>& other = out.axes[j];
-      const Motion<S> change =
-          carries(drives_[i], drives_[j]) ? cross(axis, other) : Motion<S>::zero();
-      const Vector3<D> linear = along(other.linear, change.linear);
-      const Vector3<D> angular = along(other.angular, change.angular);
+      const Motion<D> axis = shift.twist(out.axes[j], carries(drives_[i], drives_[j]));
       Vector3<D> velocity = Vector3<D>::zero();
-      if (drives_[j].first) velocity += linear + cross(angular, point);
-      if (drives_[j].second) velocity -= linear + cross(angular, opposite);
+      if (drives_[j].first) velocity += axis.linear + cross(axis.angular, point);
+      if (drives_[j].second) velocity -= axis.linear + cross(axis.angular, opposite);
       for (int r = 0; r <= tangents_; ++r)
         out.slopes[(i * (1 + tangents_) + r) * k + j] = dot(t.directions[r], velocity).d;
     }

@@ -64,6 +64,8 @@ class CandidateGeometry {
     S gap;
     Vector3<S> directions[3];
   };
+  void place_second(const RobotModel& model, const ContactCandidate& candidate);
+  void add_drives(const RobotModel& model);
   template <class S>
   Touch<S> touch(const Vector3<S>& center, const Pose<S>& against) const;
   template <class S>
@@ -74,7 +76,7 @@ class CandidateGeometry {
   /// Whether drive i takes the axis of drive j along.
   bool carries(const Drive& i, const Drive& j) const;
   template <class S>
-  void evaluate_at(const Vector3<S>& center, const Pose<S>& against, CandidateRows<S>& out) const;
+  struct Shift;
 
   Shape shape_;
   int first_joint_ = -1, second_joint_ = -1;

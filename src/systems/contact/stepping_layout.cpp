@@ -85,6 +85,13 @@ void add_stop(SteppingLayout& layout, const Joint& joint, const JointStop& stop,
   layout.stops.push_back(indices);
 }
 
+void add_joint_friction(SteppingLayout& layout, const Joint& joint) {
+  layout.friction_velocities.push_back(joint.v);
+  const bool turning = turns(joint);
+  layout.frictions.push_back(add_friction(layout, "friction/" + joint.name, 1, turning ? "Nm" : "N",
+                                          turning ? "rad/s" : "m/s"));
+}
+
 }  // namespace
 
 SteppingLayout::SteppingLayout(const RobotModel& robot, const std::vector<Column>& actuator_columns,
@@ -97,12 +104,8 @@ SteppingLayout::SteppingLayout(const RobotModel& robot, const std::vector<Column
   for (const ContactCandidate& c : contacts.candidates) add_candidate(*this, c, contacts);
   for (const JointStop& stop : contacts.stops)
     for (const bool upper : {false, true}) add_stop(*this, robot.joints[stop.joint], stop, upper);
-  for (const JointFriction& friction : contacts.frictions) {
-    const Joint& joint = robot.joints[friction.joint];
-    friction_velocities.push_back(joint.v);
-    frictions.push_back(add_friction(*this, "friction/" + joint.name, 1, turns(joint) ? "Nm" : "N",
-                                     turns(joint) ? "rad/s" : "m/s"));
-  }
+  for (const JointFriction& friction : contacts.frictions)
+    add_joint_friction(*this, robot.joints[friction.joint]);
 }
 
 }  // namespace conddp

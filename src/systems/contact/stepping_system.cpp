@@ -24,16 +24,7 @@ SteppingSystem::SteppingSystem(std::shared_ptr<const MultibodySystem> robot,
       layout_(robot_->robot(), robot_->control_columns(), contacts_) {
   for (const StateManifold::Segment& s : manifold().segments())
     if (s.dx < nv()) configurations_.append(s.part, std::min(s.n, nv() - s.dx));
-  for (const Joint& joint : robot_->robot().joints)
-    if (joint.type == JointType::floating &&
-        contacts_.scheme == SteppingScheme::variational_midpoint)
-      throw std::invalid_argument("the joint '" + joint.name +
-                                  "' floats, which the scheme 'variational_midpoint' does not "
-                                  "allow: 'backward_euler' does");
-  if (!robot_->mimic_map().identity())
-    throw std::invalid_argument(
-        "a joint mimics another one, which contact-implicit steps do not "
-        "allow");
+  check_joints();
   for (const ContactCandidate& candidate : contacts_.candidates)
     geometry_.emplace_back(robot_->robot(), candidate, contacts_.plane);
   if (contacts_.scheme == SteppingScheme::variational_midpoint) {
@@ -48,6 +39,19 @@ SteppingSystem::SteppingSystem(std::shared_ptr<const MultibodySystem> robot,
   control_upper_.assign(nu_, kUnlimited);
   std::copy(robot_->control_lower().begin(), robot_->control_lower().end(), control_lower_.begin());
   std::copy(robot_->control_upper().begin(), robot_->control_upper().end(), control_upper_.begin());
+}
+
+void SteppingSystem::check_joints() const {
+  for (const Joint& joint : robot_->robot().joints)
+    if (joint.type == JointType::floating &&
+        contacts_.scheme == SteppingScheme::variational_midpoint)
+      throw std::invalid_argument("the joint '" + joint.name +
+                                  "' floats, which the scheme 'variational_midpoint' does not "
+                                  "allow: 'backward_euler' does");
+  if (!robot_->mimic_map().identity())
+    throw std::invalid_argument(
+        "a joint mimics another one, which contact-implicit steps do not "
+        "allow");
 }
 
 template <class S>
@@ -97,14 +101,7 @@ void SteppingSystem::take_step(const S* x, const S* w, const S& h, bool slopes,
     data.v[i] = x[nq() + i] + h * a[i];
     data.reach[i] = h * data.v[i];
   }
-  if (configurations_.curved().empty()) {
-    for (int i = 0; i < nv(); ++i) data.q[i] = x[i] + h * data.v[i];
-  } else {
-    configurations_.integrate(x, data.reach.data(), data.q.data());
-    if (slopes)
-      configurations_.integrate_jacobians(data.reach.data(), data.wrt_q.data(),
-                                          data.wrt_reach.data());
-  }
+  move_configuration(x, h, slopes, data);
   const RobotModel& model = robot_->robot();
   RobotData<S>& end = data.end.robot;
   update_placements(model, data.q.data(), end);
@@ -119,6 +116,18 @@ void SteppingSystem::take_step(const S* x, const S* w, const S& h, bool slopes,
     variational_midpoint(x, w, h, slopes, data);
   else
     backward_euler(w, h, slopes, data);
+}
+
+template <class S>
+void SteppingSystem::move_configuration(const S* x, const S& h, bool slopes, Data<S>& data) const {
+  if (configurations_.curved().empty()) {
+    for (int i = 0; i < nv(); ++i) data.q[i] = x[i] + h * data.v[i];
+    return;
+  }
+  configurations_.integrate(x, data.reach.data(), data.q.data());
+  if (slopes)
+    configurations_.integrate_jacobians(data.reach.data(), data.wrt_q.data(),
+                                        data.wrt_reach.data());
 }
 
 template <class S>
@@ -174,33 +183,45 @@ void SteppingSystem::backward_euler(const S* w, const S& h, bool slopes, Data<S>
 template <class S>
 void SteppingSystem::variational_midpoint(const S* x, const S* w, const S& h, bool slopes,
                                           Data<S>& data) const {
-  const int n = nv();
-  HalfStep<S>& half = *data.half;
-  AlignedVector<S>& passive = data.end.robot.tau_v;
   for (AlignedVector<S>* part : {&data.motion, &data.motion_q, &data.motion_v})
     std::fill(part->begin(), part->end(), S(0.0));
-  for (const double sign : {-1.0, 1.0}) {
-    const S* v = sign < 0 ? x + nq() : data.v.data();
-    const S shift = S(0.5 * sign) * h, weight = S(sign) / h;
-    for (int i = 0; i < n; ++i) half.position[i] = x[i] + shift * v[i];
-    update_half_step(robot_->robot(), free_, v, slopes, half);
-    robot_->applied_forces(v, w, data.end);
-    for (int i = 0; i < n; ++i)
-      data.motion[i] += weight * half.momentum[i] + S(0.5) * (half.load[i] - data.end.force[i]);
-    if (!slopes) continue;
-    std::fill(passive.begin(), passive.end(), S(0.0));
-    robot_->add_passive_slopes(v, passive.data());
-    for (int j = 0; j < n; ++j)
-      for (int i = 0; i < n; ++i) {
-        const int e = j * n + i;
-        const S by_q = weight * half.momentum_q[e] + S(0.5) * half.load_q[e];
-        const S by_v = shift * by_q + weight * symmetric(half.mass(), i, j, n) +
-                       S(0.5) * (half.load_v(i, j) + passive[e]);
-        data.motion_q[e] += by_q;
-        data.motion_v[e] += by_v;
-        if (sign > 0) data.motion_a[e] = h * by_v;
-      }
-  }
+  for (const double sign : {-1.0, 1.0}) add_half_step(sign, x, w, h, slopes, data);
+}
+
+template <class S>
+void SteppingSystem::add_half_step(double sign, const S* x, const S* w, const S& h, bool slopes,
+                                   Data<S>& data) const {
+  const int n = nv();
+  HalfStep<S>& half = *data.half;
+  const S* v = sign < 0 ? x + nq() : data.v.data();
+  const S shift = S(0.5 * sign) * h, weight = S(sign) / h;
+  for (int i = 0; i < n; ++i) half.position[i] = x[i] + shift * v[i];
+  update_half_step(robot_->robot(), free_, v, slopes, half);
+  robot_->applied_forces(v, w, data.end);
+  for (int i = 0; i < n; ++i)
+    data.motion[i] += weight * half.momentum[i] + S(0.5) * (half.load[i] - data.end.force[i]);
+  if (slopes) add_half_step_slopes(sign, v, h, data);
+}
+
+template <class S>
+void SteppingSystem::add_half_step_slopes(double sign, const S* v, const S& h,
+                                          Data<S>& data) const {
+  const int n = nv();
+  const HalfStep<S>& half = *data.half;
+  const S shift = S(0.5 * sign) * h, weight = S(sign) / h;
+  AlignedVector<S>& passive = data.end.robot.tau_v;
+  std::fill(passive.begin(), passive.end(), S(0.0));
+  robot_->add_passive_slopes(v, passive.data());
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < n; ++i) {
+      const int e = j * n + i;
+      const S by_q = weight * half.momentum_q[e] + S(0.5) * half.load_q[e];
+      const S by_v = shift * by_q + weight * symmetric(half.mass(), i, j, n) +
+                     S(0.5) * (half.load_v(i, j) + passive[e]);
+      data.motion_q[e] += by_q;
+      data.motion_v[e] += by_v;
+      if (sign > 0) data.motion_a[e] = h * by_v;
+    }
 }
 
 #define CONDDP_INSTANTIATE(S)                                                                  \

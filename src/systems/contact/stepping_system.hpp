@@ -69,6 +69,17 @@ class SteppingSystem : public SystemBase<SteppingSystem> {
   template <class S>
   void variational_midpoint(const S* x, const S* w, const S& h, bool slopes, Data<S>& data) const;
 
+  /// One of the two halves, after (sign 1) and before the knot (−1).
+  template <class S>
+  void add_half_step(double sign, const S* x, const S* w, const S& h, bool slopes,
+                     Data<S>& data) const;
+  template <class S>
+  void add_half_step_slopes(double sign, const S* v, const S& h, Data<S>& data) const;
+  /// q⁺ = q ⊕ h v⁺.
+  template <class S>
+  void move_configuration(const S* x, const S& h, bool slopes, Data<S>& data) const;
+  void check_joints() const;
+
   std::shared_ptr<const MultibodySystem> robot_;
   StateManifold configurations_;
   RobotModel free_;  ///< without gravity and external wrenches, of the midpoint rule alone

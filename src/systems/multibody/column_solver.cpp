@@ -73,24 +73,29 @@ ColumnSolver::ColumnSolver(const RobotModel& model, bool dense, int n, const Con
       controls_(nu) {
   for (const Entry& entry : controls) controls_[entry.column].push_back(entry);
   const std::vector<Branch> branches = find_branches(model);
-  std::vector<int> branch_of_row(n, 0);
-  for (std::size_t b = 1; b < branches.size(); ++b)
-    std::fill(&branch_of_row[branches[b].begin], &branch_of_row[0] + branches[b].end,
-              static_cast<int>(b));
+  const std::vector<int> branch_of_row = branches_of_rows(branches);
   std::vector<int> all_rows(n);
   std::iota(all_rows.begin(), all_rows.end(), 0);
-  for (int i = 0; i < contacts.count(); ++i)
-    contact_columns_.push_back(dense ? all_rows : contacts.columns(i));
-  for (const Branch& branch : branches) batches_.push_back({branch, {}, contact_rows(branch)});
   for (int i = 0; i < contacts.count(); ++i) {
+    contact_columns_.push_back(dense ? all_rows : contacts.columns(i));
     contact_offsets_.push_back(contacts.offset(i));
     branch_of_contact_.push_back(branches[branch_of_row[contacts.columns(i).back()]]);
   }
   contact_offsets_.push_back(m_);
+  for (const Branch& branch : branches) batches_.push_back({branch, {}, contact_rows(branch)});
   for (int column = 0; column < 2 * n; ++column)
     batches_[branch_of_row[column % n]].columns.push_back(column);
   for (int control = 0; control < nu; ++control)
     batches_[branch_of(controls_[control], branch_of_row)].columns.push_back(2 * n + control);
+}
+
+/// The branch of each row, the first one for those of none.
+std::vector<int> ColumnSolver::branches_of_rows(const std::vector<Branch>& branches) const {
+  std::vector<int> branch_of_row(n_, 0);
+  for (std::size_t b = 1; b < branches.size(); ++b)
+    std::fill(&branch_of_row[branches[b].begin], &branch_of_row[0] + branches[b].end,
+              static_cast<int>(b));
+  return branch_of_row;
 }
 
 /// The branch of all entries of a control, or the one of all rows.
@@ -133,29 +138,34 @@ ColumnSolver::Data<S>::Data(const ColumnSolver& solver)
     : y(solver.n_ * kWidest, S(0.0)), w(solver.m_ * kWidest, S(0.0)) {}
 
 template <int kCount, class S>
-void ColumnSolver::first_half(const MassFactors<S>& factors, const Branch& branch, S* y) const {
-  const S* L = factors.L;
-  if (dense_) {
-    for (int i = 1; i < n_; ++i) {
-      Sums<kCount, S> sum(y + i * kCount);
-      for (int k = 0; k < i; ++k) sum.subtract(L[k * n_ + i], y + k * kCount);
-      sum.store(y + i * kCount);
-    }
-    return;
+void ColumnSolver::first_half_dense(const S* L, S* y) const {
+  for (int i = 1; i < n_; ++i) {
+    Sums<kCount, S> sum(y + i * kCount);
+    for (int k = 0; k < i; ++k) sum.subtract(L[k * n_ + i], y + k * kCount);
+    sum.store(y + i * kCount);
   }
-  const auto eliminate = [&](int begin, int end, bool root) {
-    for (int j = end - 1; j >= begin; --j) {
-      Sums<kCount, S> sum(y + j * kCount);
-      const S* column = L + j * n_;
-      const int last = root ? end : subtree_end_[j];
-      for (int i = j + 1; i < last; ++i) sum.subtract(column[i], y + i * kCount);
-      if (root)
-        for (int i = branch.begin; i < branch.end; ++i) sum.subtract(column[i], y + i * kCount);
-      sum.store(y + j * kCount);
-    }
-  };
-  eliminate(branch.begin, branch.end, false);
-  eliminate(branch.root_begin, branch.root_end, true);
+}
+
+/// Rows of a branch, or of the root that it hangs on.
+template <int kCount, class S>
+inline void ColumnSolver::eliminate(const S* L, const Branch& branch, int begin, int end, bool root,
+                                    S* y) const {
+  for (int j = end - 1; j >= begin; --j) {
+    Sums<kCount, S> sum(y + j * kCount);
+    const S* column = L + j * n_;
+    const int last = root ? end : subtree_end_[j];
+    for (int i = j + 1; i < last; ++i) sum.subtract(column[i], y + i * kCount);
+    if (root)
+      for (int i = branch.begin; i < branch.end; ++i) sum.subtract(column[i], y + i * kCount);
+    sum.store(y + j * kCount);
+  }
+}
+
+template <int kCount, class S>
+void ColumnSolver::first_half(const MassFactors<S>& factors, const Branch& branch, S* y) const {
+  if (dense_) return first_half_dense<kCount>(factors.L, y);
+  eliminate<kCount>(factors.L, branch, branch.begin, branch.end, false, y);
+  eliminate<kCount>(factors.L, branch, branch.root_begin, branch.root_end, true, y);
 }
 
 template <int kCount, class S>
@@ -222,6 +232,12 @@ void ColumnSolver::prepare_contacts(const MassFactors<S>& factors, ContactSet::D
       });
     });
   }
+  form_G(contacts);
+}
+
+/// The lower triangle of G from response and scaled.
+template <class S>
+void ColumnSolver::form_G(ContactSet::Data<S>& contacts) const {
   for (std::size_t contact = 0; contact < contact_columns_.size(); ++contact)
     for (int r = contact_offsets_[contact]; r < contact_offsets_[contact + 1]; ++r) {
       const S* response = contacts.response.data() + r * n_;

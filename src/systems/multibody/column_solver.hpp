@@ -78,6 +78,7 @@ class ColumnSolver {
   };
 
   std::vector<Branch> find_branches(const RobotModel& model) const;
+  std::vector<int> branches_of_rows(const std::vector<Branch>& branches) const;
   std::vector<std::vector<int>> contact_rows(const Branch& branch) const;
   static int branch_of(const std::vector<Entry>& entries, const std::vector<int>& branch_of_row);
   template <int kCount, class S>
@@ -85,9 +86,16 @@ class ColumnSolver {
   template <int kCount, class S>
   void first_half(const MassFactors<S>& factors, const Branch& branch, S* y) const;
   template <int kCount, class S>
+  void first_half_dense(const S* L, S* y) const;
+  template <int kCount, class S>
+  void eliminate(const S* L, const Branch& branch, int begin, int end, bool root, S* y) const;
+  template <int kCount, class S>
   void second_half(const MassFactors<S>& factors, S* y) const;
   template <int kCount, class S>
   void hold(const Batch& batch, const ContactSet::Data<S>& contacts, S* y, S* w) const;
+
+  template <class S>
+  void form_G(ContactSet::Data<S>& contacts) const;
 
   int n_ = 0, m_ = 0;
   bool dense_ = false;

@@ -21,18 +21,22 @@ StateManifold state_space(const RobotModel& robot) {
   return m;
 }
 
+void add_floating_names(const Joint& joint, std::vector<Column>& q, std::vector<Column>& v) {
+  for (const char* axis : {"x", "y", "z"}) {
+    q.push_back({joint.name + "/" + axis, "m"});
+    v.push_back({joint.name + "/v" + axis, "m/s"});
+  }
+  for (const char* part : {"qx", "qy", "qz", "qw"}) q.push_back({joint.name + "/" + part, "1"});
+  for (const char* axis : {"wx", "wy", "wz"}) v.push_back({joint.name + "/" + axis, "rad/s"});
+}
+
 std::vector<Column> state_names(const RobotModel& robot, const MimicMap& mimics) {
   std::vector<Column> q, v;
   for (int i = 0; i < robot.joint_count(); ++i) {
     if (!mimics.position(i)) continue;
     const Joint& joint = robot.joints[i];
     if (joint.type == JointType::floating) {
-      for (const char* axis : {"x", "y", "z"}) {
-        q.push_back({joint.name + "/" + axis, "m"});
-        v.push_back({joint.name + "/v" + axis, "m/s"});
-      }
-      for (const char* part : {"qx", "qy", "qz", "qw"}) q.push_back({joint.name + "/" + part, "1"});
-      for (const char* axis : {"wx", "wy", "wz"}) v.push_back({joint.name + "/" + axis, "rad/s"});
+      add_floating_names(joint, q, v);
       continue;
     }
     const bool turns = joint.type == JointType::revolute;
@@ -66,6 +70,23 @@ void add_joint(const RobotModel& model, int index, Actuation& actuation) {
   actuation.upper.push_back(joint.max_effort);
 }
 
+/// Appends a control that acts as a thruster's wrench on a floating base.
+void add_thruster(const RobotModel& model, const Thruster& thruster, Actuation& actuation) {
+  const Frame& frame = model.frames[thruster.frame];
+  if (frame.joint < 0 || model.joints[frame.joint].type != JointType::floating)
+    throw std::invalid_argument("thruster " + thruster.name + ": frame " + frame.name +
+                                " is not fixed to a floating base");
+  const Vector3<double>& d = thruster.direction;
+  const Force<double> wrench = act(frame.placement, Force<double>{d, thruster.torque_ratio * d});
+  actuation.B.resize(actuation.B.size() + model.nv, 0.0);
+  for (int k = 0; k < 6; ++k)
+    actuation.B[actuation.nu * model.nv + model.joints[frame.joint].v + k] = wrench[k];
+  ++actuation.nu;
+  actuation.columns.push_back({"u/" + thruster.name, "N"});
+  actuation.lower.push_back(thruster.lower);
+  actuation.upper.push_back(thruster.upper);
+}
+
 }  // namespace
 
 Actuation Actuation::full(const RobotModel& model) {
@@ -83,21 +104,7 @@ Actuation Actuation::joints(const RobotModel& model, const std::vector<std::stri
 Actuation Actuation::thrusters(const RobotModel& model, const std::vector<Thruster>& thrusters,
                                const std::vector<std::string>& joint_names) {
   Actuation actuation;
-  for (const Thruster& thruster : thrusters) {
-    const Frame& frame = model.frames[thruster.frame];
-    if (frame.joint < 0 || model.joints[frame.joint].type != JointType::floating)
-      throw std::invalid_argument("thruster " + thruster.name + ": frame " + frame.name +
-                                  " is not fixed to a floating base");
-    const Vector3<double>& d = thruster.direction;
-    const Force<double> wrench = act(frame.placement, Force<double>{d, thruster.torque_ratio * d});
-    actuation.B.resize(actuation.B.size() + model.nv, 0.0);
-    for (int k = 0; k < 6; ++k)
-      actuation.B[actuation.nu * model.nv + model.joints[frame.joint].v + k] = wrench[k];
-    ++actuation.nu;
-    actuation.columns.push_back({"u/" + thruster.name, "N"});
-    actuation.lower.push_back(thruster.lower);
-    actuation.upper.push_back(thruster.upper);
-  }
+  for (const Thruster& thruster : thrusters) add_thruster(model, thruster, actuation);
   for (const std::string& name : joint_names) {
     const auto index = model.find_joint(name);
     if (!index) throw std::invalid_argument("no joint is called " + name);
@@ -133,6 +140,13 @@ MultibodySystem::MultibodySystem(std::shared_ptr<const RobotModel> robot, Actuat
   control_columns_ = actuation_.columns;
   control_lower_ = actuation_.lower;
   control_upper_ = actuation_.upper;
+  index_actuation();
+  add_passive_joints();
+  solver_ = ColumnSolver(*robot_, !mimics_.identity(), nv(), contacts_, entries_, nu_);
+}
+
+/// Takes the matrix of the controls to the system's rows, and lists its entries.
+void MultibodySystem::index_actuation() {
   const int n = nv();
   std::vector<double> B(n * nu_);
   for (int c = 0; c < nu_; ++c) {
@@ -141,17 +155,19 @@ MultibodySystem::MultibodySystem(std::shared_ptr<const RobotModel> robot, Actuat
       if (const double value = B[c * n + r]; value != 0) entries_.push_back({r, c, value});
   }
   actuation_.B = std::move(B);
+}
+
+void MultibodySystem::add_passive_joints() {
   for (const Joint& joint : robot_->joints) {
     if (joint.type == JointType::floating) continue;
     // A mimic joint's velocity is k times the row's, and the row feels k times its force.
     const double k = std::abs(mimics_.factor(joint.v));
-    const double damping = passive.damping ? k * k * joint.damping : 0;
-    const double friction = passive.friction ? k * joint.friction : 0;
+    const double damping = passive_.damping ? k * k * joint.damping : 0;
+    const double friction = passive_.friction ? k * joint.friction : 0;
     if (damping != 0 || friction > 0)
       passive_joints_.push_back(
-          {mimics_.column(joint.v), damping, friction, passive.friction_velocity / k});
+          {mimics_.column(joint.v), damping, friction, passive_.friction_velocity / k});
   }
-  solver_ = ColumnSolver(*robot_, !mimics_.identity(), n, contacts_, entries_, nu_);
 }
 
 std::shared_ptr<MultibodySystem> MultibodySystem::with_contacts(

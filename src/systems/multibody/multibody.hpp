@@ -184,10 +184,16 @@ class MultibodySystem : public SystemBase<MultibodySystem> {
   /// v of the robot from that of the system.
   template <class S>
   void expand_velocity(const S* v, S* full) const;
+  void index_actuation();
+  void add_passive_joints();
   template <class S>
   void evaluate_impulse(const S* x, Data<S>& data) const;
   template <class S>
   void differentiate_impulse(const S* x, Data<S>& data) const;
+  template <class S>
+  const S* differentiate_impulse_balance(const S* x, Data<S>& data) const;
+  template <class S>
+  void differentiate_impulse_contacts(const S* x, Data<S>& data) const;
 
   /// Passive force −damping·v − friction·tanh(v / friction_velocity) on a row.
   struct PassiveJoint {

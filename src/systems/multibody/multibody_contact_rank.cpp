@@ -4,11 +4,37 @@
 
 namespace conddp {
 
+namespace {
+
+/// From how much of a unit vector of forces on a contact takes part in it.
+constexpr double kTakesPart = 0.05;
+/// Scaled eigenvalues: below the first one forces are rounding, below the second one they change
+/// faster with the posture than solvers can follow.
+constexpr double kIdle = 1e-5, kSoft = 1e-2;
+
+/// Rows whose forces move something: those with more than compliance in G.
+std::vector<int> moving_rows(const Eigen::MatrixXd& G, double compliance) {
+  std::vector<int> moving;
+  for (int i = 0; i < G.rows(); ++i)
+    if (G(i, i) > 10 * compliance) moving.push_back(i);
+  return moving;
+}
+
+/// The contacts that take part in forces that do nothing.
+std::vector<std::string> contacts_in(const ContactSet& contacts, const Eigen::MatrixXd& forces) {
+  std::vector<std::string> names;
+  if (forces.cols() == 0) return names;
+  for (int i = 0; i < contacts.count(); ++i) {
+    const Contact& contact = contacts.contacts()[i];
+    if (forces.middleRows(contacts.offset(i), contact.rows()).cwiseAbs().maxCoeff() > kTakesPart)
+      names.push_back(contact.name);
+  }
+  return names;
+}
+
+}  // namespace
+
 ContactRank MultibodySystem::contact_rank(const double* x) const {
-  constexpr double kTakesPart = 0.05;  // of a unit vector of forces
-  // Scaled eigenvalues: below the first one forces are rounding, below the second one they change
-  // faster with the posture than solvers can follow.
-  constexpr double kIdle = 1e-5, kSoft = 1e-2;
   ContactRank found;
   if (contacts_.empty()) return found;
   const ContactSet& contacts = contacts_;
@@ -21,10 +47,7 @@ ContactRank MultibodySystem::contact_rank(const double* x) const {
   const Eigen::MatrixXd G = lower.selfadjointView<Eigen::Lower>();
   if (!G.allFinite()) return found;
 
-  const double least = 10 * contacts.compliance();
-  std::vector<int> moving;
-  for (int i = 0; i < found.rows; ++i)
-    if (G(i, i) > least) moving.push_back(i);
+  const std::vector<int> moving = moving_rows(G, contacts.compliance());
   found.rows = found.rank = static_cast<int>(moving.size());
   if (moving.empty()) return found;
   const Eigen::VectorXd size = G.diagonal()(moving).cwiseSqrt();
@@ -43,11 +66,7 @@ ContactRank MultibodySystem::contact_rank(const double* x) const {
   found.softness = directions * raise.asDiagonal() * directions.transpose();
   Eigen::MatrixXd forces = Eigen::MatrixXd::Zero(contacts.rows(), idle);
   forces(moving, Eigen::all) = modes.eigenvectors().leftCols(idle);
-  for (int i = 0; i < contacts.count() && idle > 0; ++i) {
-    const Contact& contact = contacts.contacts()[i];
-    if (forces.middleRows(contacts.offset(i), contact.rows()).cwiseAbs().maxCoeff() > kTakesPart)
-      found.redundant.push_back(contact.name);
-  }
+  found.redundant = contacts_in(contacts, forces);
   return found;
 }
 

@@ -49,41 +49,49 @@ void MultibodySystem::evaluate_impulse(const S* x, Data<S>& data) const {
 template <class S>
 void MultibodySystem::differentiate_impulse(const S* x, Data<S>& data) const {
   evaluate_impulse(x, data);
+  const int n = nv();
+  const S* tau_q = differentiate_impulse_balance(x, data);
+  differentiate_impulse_contacts(x, data);
+  load_contact_derivatives(data);
+  solver_.solve_columns<S>(mass_factors(data), tau_q, nullptr, data.contacts, data.fx.data(),
+                           data.fu.data(), data.solver);
+  for (int i = 0; i < n; ++i) data.fx[(n + i) * n + i] += S(1.0);
+  // Costs see the velocities before the impulse.
+  update_velocities(*robot_, full_coordinates(x, data).v, data.robot);
+}
+
+/// ∂(M δ − Jᵀλ)/∂q at δ = v⁺ − v: inverse dynamics at rest and without weight, δ and λ in the
+/// places of accelerations and forces.
+template <class S>
+const S* MultibodySystem::differentiate_impulse_balance(const S* x, Data<S>& data) const {
   ContactSet::Data<S>& c = data.contacts;
   RobotData<S>& robot = data.robot;
-  const int n = nv();
-  // ∂(M δ − Jᵀλ)/∂q at δ = v⁺ − v: inverse dynamics at rest and without weight, δ and λ in the
-  // places of accelerations and forces.
   S* velocity = data.velocity.data();
   std::fill(data.velocity.begin(), data.velocity.end(), S(0.0));
   update_velocities(*weightless_, velocity, robot);
-  for (int i = 0; i < n; ++i) data.force[i] = data.f[i] - x[nq() + i];
+  for (int i = 0; i < nv(); ++i) data.force[i] = data.f[i] - x[nq() + i];
   expand_velocity(data.force.data(), robot.acceleration.data());
   inverse_dynamics_derivatives(*weightless_, velocity, robot, &c.wrenches);
   for (int i = 0; i < contacts_.count(); ++i)
     subtract_direction_derivative(*robot_, contacts_.contacts()[i], c.contacts[i], robot.tau_q);
-  const S* tau_q = robot.tau_q.data();
-  if (!mimics_.identity()) {
-    mimics_.reduce_matrix(tau_q, data.fx.data());
-    tau_q = data.fx.data();
-  }
+  if (mimics_.identity()) return robot.tau_q.data();
+  mimics_.reduce_matrix(robot.tau_q.data(), data.fx.data());
+  return data.fx.data();
+}
 
-  // The contacts' condition is J w = 0 with w = v⁺ + restitution·v; v⁺ − v = M⁻¹ Jᵀλ.
-  for (int i = 0; i < n; ++i) data.force[i] = data.f[i] + S(restitution_) * x[nq() + i];
+/// The contacts' condition is J w = 0 with w = v⁺ + restitution·v; v⁺ − v = M⁻¹ Jᵀλ.
+template <class S>
+void MultibodySystem::differentiate_impulse_contacts(const S* x, Data<S>& data) const {
+  S* velocity = data.velocity.data();
+  for (int i = 0; i < nv(); ++i) data.force[i] = data.f[i] + S(restitution_) * x[nq() + i];
   expand_velocity(data.force.data(), velocity);
-  update_velocities(*robot_, velocity, robot);
+  update_velocities(*robot_, velocity, data.robot);
   for (int i = 0; i < contacts_.count(); ++i) {
-    ContactData<S>& contact = c.contacts[i];
-    contact_velocity_derivative(*robot_, contacts_.contacts()[i], robot, contact);
+    ContactData<S>& contact = data.contacts.contacts[i];
+    contact_velocity_derivative(*robot_, contacts_.contacts()[i], data.robot, contact);
     for (std::size_t k = 0; k < contact.wrt_v.size(); ++k)
       contact.wrt_v[k] = S(1 + restitution_) * contact.jacobian[k];
   }
-  load_contact_derivatives(data);
-  solver_.solve_columns<S>(mass_factors(data), tau_q, nullptr, c, data.fx.data(), data.fu.data(),
-                           data.solver);
-  for (int i = 0; i < n; ++i) data.fx[(n + i) * n + i] += S(1.0);
-  // Costs see the velocities before the impulse.
-  update_velocities(*robot_, full_coordinates(x, data).v, robot);
 }
 
 #define CONDDP_INSTANTIATE(S)                                                \

@@ -31,6 +31,7 @@ class MultibodySecondDerivatives : public SecondDerivatives {
   /// The gradient of wᵀr at the moving point with accelerations and forces that stay, into
   /// gradient_; r of the contacts is what does not vanish.
   void differentiate_balance(const D* x);
+  void subtract_balance(const D* x, Lane* column);
   void couple_forces(Lane* coupling) const;
   /// Gives the forces of `moving` these derivatives, one for each row of the contacts.
   template <class Slope>
@@ -153,21 +154,23 @@ void MultibodySecondDerivatives::differentiate_balance(const D* x) {
 void MultibodySecondDerivatives::move(const Dual<Lane>* x, int d, Lane* gradients) {
   const bool of_configuration = d < n_, of_velocity = !of_configuration && d < 2 * n_;
   update_state(x, of_configuration, of_velocity);
-  if (of_velocity || (of_configuration && !free_[d])) {
-    set_forces([](int) { return Lane(0.0); });
-    differentiate_balance(x);
-    Lane* column = gradients + d * nz_;
-    for (int i = 0; i < n_; ++i) {
-      column[i] -= gradient_.wrt_q[i].d;
-      column[n_ + i] -= gradient_.wrt_v[i].d;
-    }
-  }
+  if (of_velocity || (of_configuration && !free_[d])) subtract_balance(x, gradients + d * nz_);
   if (of_configuration) {
     Lane* coupling = &coupling_[d * (n_ + m_)];
     for (int i = 0; i < n_; ++i) coupling[i] = free_[d] ? Lane(0.0) : gradient_.wrt_a[i].d;
     couple_forces(coupling + n_);
   }
   set_forces([this, d](int r) { return at_.contacts.force_z[d * m_ + r]; });
+}
+
+/// With forces at rest.
+void MultibodySecondDerivatives::subtract_balance(const D* x, Lane* column) {
+  set_forces([](int) { return Lane(0.0); });
+  differentiate_balance(x);
+  for (int i = 0; i < n_; ++i) {
+    column[i] -= gradient_.wrt_q[i].d;
+    column[n_ + i] -= gradient_.wrt_v[i].d;
+  }
 }
 
 /// What depends on the state, as far as it moves now or moved before.
