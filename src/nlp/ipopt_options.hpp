@@ -15,7 +15,11 @@ using IpoptValue = std::variant<int, double, std::string>;
 using IpoptOptions = std::vector<std::pair<std::string, IpoptValue>>;
 
 /// The number that a value is, if it is one.
-std::optional<double> number_in(const IpoptValue& value);
+inline std::optional<double> number_in(const IpoptValue& value) {
+  if (const int* number = std::get_if<int>(&value)) return *number;
+  if (const double* number = std::get_if<double>(&value)) return *number;
+  return std::nullopt;
+}
 
 /// The names of all options that a caller may set, in alphabetical order.
 const std::vector<std::string>& ipopt_option_names();

@@ -230,7 +230,7 @@ constexpr double kSmallestWarmBarrier = 1e-13;
 /// An Ipopt without MUMPS does not know these options.
 void set_minimum_fill(Ipopt::OptionsList& list) {
   for (const auto& [name, value] : kMinimumFill)
-    if (!check_ipopt_option(name, value)) list.SetIntegerValue(name, value);
+    if (!check_registered_option(name, value)) list.SetIntegerValue(name, value);
 }
 
 void set_warm_start(Ipopt::OptionsList& list, const InteriorPointSettings& settings) {
@@ -251,17 +251,9 @@ void set_options(Ipopt::OptionsList& list, const InteriorPointSettings& settings
   list.SetNumericValue("constr_viol_tol", settings.violation_tolerance);
   list.SetNumericValue("compl_inf_tol", settings.complementarity_tolerance);
   list.SetNumericValue("acceptable_constr_viol_tol", settings.dual_tolerance);
-  if (settings.minimum_fill)
-    for (const auto& [name, value] : kMinimumFill)
-      // An Ipopt without MUMPS does not know them.
-      if (!check_registered_option(name, value)) list.SetIntegerValue(name, value);
+  if (settings.minimum_fill) set_minimum_fill(list);
   for (const auto& [name, value] : settings.options) set_option(list, name, value);
-  if (settings.warm == nullptr) return;
-  list.SetStringValue("warm_start_init_point", "yes");
-  list.SetNumericValue("mu_init", std::max(settings.warm_barrier, kSmallestWarmBarrier));
-  for (const char* push :
-       {"bound_push", "bound_frac", "slack_bound_push", "slack_bound_frac", "mult_bound_push"})
-    list.SetNumericValue(std::string("warm_start_") + push, settings.warm_push);
+  if (settings.warm != nullptr) set_warm_start(list, settings);
 }
 
 }  // namespace

@@ -100,17 +100,19 @@ bool is_in_range(const RegisteredOption& option, double number) {
   return std::isfinite(number) && option.IsValidNumberSetting(number);
 }
 
+std::string number_fault(const RegisteredOption& option, const IpoptValue& value) {
+  const std::optional<double> number = number_in(value);
+  if (!number) return "must be a number";
+  if (option.Type() == Ipopt::OT_Integer && *number != std::floor(*number))
+    return fmt::format("must be a whole number, not {}", *number);
+  if (is_in_range(option, *number)) return {};
+  return fmt::format("must be {}, not {}", range(option), *number);
+}
+
 /// What is wrong with a value, or nothing.
 std::string value_fault(const RegisteredOption& option, const IpoptValue& value) {
-  if (option.Type() == Ipopt::OT_String) return text_fault(option, value);
-  const int* integer = std::get_if<int>(&value);
-  const double* number = std::get_if<double>(&value);
-  if (integer == nullptr && number == nullptr) return "must be a number";
-  const double figure = integer != nullptr ? *integer : *number;
-  if (option.Type() == Ipopt::OT_Integer && figure != std::floor(figure))
-    return fmt::format("must be a whole number, not {}", figure);
-  if (is_in_range(option, figure)) return {};
-  return fmt::format("must be {}, not {}", range(option), figure);
+  return option.Type() == Ipopt::OT_String ? text_fault(option, value)
+                                           : number_fault(option, value);
 }
 
 }  // namespace

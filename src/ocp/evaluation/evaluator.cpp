@@ -73,33 +73,15 @@ struct Evaluator::Impl {
 
   Impl(const ShootingProblem& p, int thread_count)
       : problem(p), threads(std::max(1, thread_count)), arena(std::max(1, thread_count)) {
-    std::map<const KnotModel*, std::vector<int>> by_model;
-    std::vector<const KnotModel*> order;
+    std::map<const KnotModel*, std::vector<int>> knots_of;
     for (int k = 0; k <= p.knots(); ++k) {
-      auto& list = by_model[p.knot(k).model];
-      if (list.empty()) order.push_back(p.knot(k).model);
-      list.push_back(k);
+      const KnotModel* model = p.knot(k).model;
+      std::vector<int>& knots = knots_of[model];
+      if (knots.empty()) models.push_back(model);
+      knots.push_back(k);
     }
-    std::map<const KnotModel*, int> index;
-    for (const KnotModel* model : order) {
-      index[model] = static_cast<int>(models.size());
-      models.push_back(model);
-      const auto& pattern = model->hessian_pattern();
-      hessians.push_back(LaneScatter::symmetric(pattern, model->nz()));
-      lasting_hessians.push_back(LaneScatter::symmetric(
-          {pattern.begin(), pattern.begin() + model->lasting_entries()}, model->nz()));
-      constraints.push_back(
-          LaneScatter::matrix(model->constraint_pattern(), model->constraint_rows(), model->nz()));
-      const std::vector<int>& knots = by_model[model];
-      for (std::size_t first = 0; first < knots.size(); first += kLaneWidth) {
-        Group& group = groups.emplace_back();
-        group.model = index[model];
-        group.count = static_cast<int>(std::min<std::size_t>(kLaneWidth, knots.size() - first));
-        for (int l = 0; l < kLaneWidth; ++l)
-          group.knots[l] = knots[first + std::min(l, group.count - 1)];
-      }
-    }
-    for (int k = 0; k <= p.knots(); ++k) model_of_knot.push_back(index[p.knot(k).model]);
+    model_of_knot.resize(p.knots() + 1);
+    for (int i = 0; i < static_cast<int>(models.size()); ++i) add_model(i, knots_of[models[i]]);
     lanes.resize(threads);
     for (auto& of_thread : lanes)
       for (const KnotModel* model : models)
@@ -218,17 +200,50 @@ struct Evaluator::Impl {
     store_blocks(work.step_blocks(), &KnotLinearization::H);
   }
 
+  /// What is needed of a model, and its knots in groups.
+  void add_model(int index, const std::vector<int>& knots) {
+    const KnotModel& model = *models[index];
+    const auto& pattern = model.hessian_pattern();
+    hessians.push_back(LaneScatter::symmetric(pattern, model.nz()));
+    lasting_hessians.push_back(LaneScatter::symmetric(
+        {pattern.begin(), pattern.begin() + model.lasting_entries()}, model.nz()));
+    constraints.push_back(
+        LaneScatter::matrix(model.constraint_pattern(), model.constraint_rows(), model.nz()));
+    for (std::size_t first = 0; first < knots.size(); first += kLaneWidth) {
+      Group& group = groups.emplace_back();
+      group.model = index;
+      group.count = static_cast<int>(std::min<std::size_t>(kLaneWidth, knots.size() - first));
+      for (int l = 0; l < kLaneWidth; ++l)
+        group.knots[l] = knots[first + std::min(l, group.count - 1)];
+    }
+    for (const int k : knots) model_of_knot[k] = index;
+  }
+
+  /// What dual numbers do not move.
+  static void hold_constants(KnotBatch<Dual<Lane>>& batch) {
+    for (auto* constants : {&batch.parameters, &batch.penalty, &batch.shift, &batch.multiplier})
+      for (Dual<Lane>& a : *constants) a.d = Lane(0.0);
+    batch.dt.d = batch.cost_scale.d = Lane(0.0);
+  }
+
+  /// A column of the Hessians, from the gradient along it; `running`: with that of λᵀf.
+  static void store_column(const Group& group, int d, int nz, bool running,
+                           const KnotBatch<Dual<Lane>>& batch, Linearization& out) {
+    for (int l = 0; l < group.count; ++l) {
+      auto column = out.knots[group.knots[l]].hessian.change().col(d);
+      for (int c = 0; c < nz; ++c)
+        column[c] = batch.work.gradient[c].d[l] + (running ? batch.pulled[c].d[l] : 0.0);
+    }
+  }
+
   /// Hessians of cost + λᵀf of a group's knots: the derivatives of gradients that dual numbers
   /// give.
   void differentiate_gradients(const Group& group, const Trajectory& trajectory,
                                const Eigen::MatrixXd& costates, const Augmentation* augmentation,
                                KnotBatch<Dual<Lane>>& batch, Linearization& out) const {
-    using D = Dual<Lane>;
     const KnotModel& model = *models[group.model];
     const int nz = model.nz();
-    for (auto* constants : {&batch.parameters, &batch.penalty, &batch.shift, &batch.multiplier})
-      for (D& a : *constants) a.d = Lane(0.0);
-    batch.dt.d = batch.cost_scale.d = Lane(0.0);
+    hold_constants(batch);
     const bool running = model.integrator() != Integrator::none;
     if (running) load_costates(group, costates, batch);
     for (int d = 0; d < nz; ++d) {
@@ -238,11 +253,7 @@ struct Evaluator::Impl {
       if (running)
         transposed_dynamics(model, batch.work, batch.dt, batch.lambda.data(), batch.tangent.data(),
                             batch.pulled.data());
-      for (int l = 0; l < group.count; ++l) {
-        auto column = out.knots[group.knots[l]].hessian.change().col(d);
-        for (int c = 0; c < nz; ++c)
-          column[c] = batch.work.gradient[c].d[l] + (running ? batch.pulled[c].d[l] : 0.0);
-      }
+      store_column(group, d, nz, running, batch, out);
     }
     for (int l = 0; l < group.count; ++l)
       make_symmetric(out.knots[group.knots[l]].hessian.change());

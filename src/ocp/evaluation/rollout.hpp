@@ -48,6 +48,15 @@ void follow(const ShootingProblem& problem, int k, const Trajectory& reference,
     u[i] = max(S(model.control_lower()[i]), min(S(model.control_upper()[i]), u[i]));
 }
 
+/// x⁺ ← f ⊕ (α − 1) gap, which leaves that share of the reference's gap.
+template <class S>
+void contract_gap(const ShootingProblem& problem, int k, const Eigen::MatrixXd& gap, const S& alpha,
+                  KnotBatch<S>& batch, S* after) {
+  const int n = problem.ndx();
+  for (int i = 0; i < n; ++i) batch.tangent[i] = (alpha - S(1.0)) * S(gap(i, k));
+  problem.manifold().integrate(batch.work.next().data(), batch.tangent.data(), after);
+}
+
 }  // namespace detail
 
 /// Rolls out u = ū + α k + K (x ⊖ x̄) from the problem's initial state, knot by knot: one trajectory
@@ -60,7 +69,7 @@ void roll_out(const ShootingProblem& problem, const Trajectory& reference,
               const Eigen::MatrixXd& gap, const Feedback& feedback, S alpha,
               const RolloutOptions& options, BatchOf batch_of, S* x, S* u, S& cost,
               GoesOn goes_on) {
-  const int nx = problem.nx(), n = problem.ndx(), N = problem.knots();
+  const int nx = problem.nx(), N = problem.knots();
   for (int i = 0; i < nx; ++i) x[i] = S(problem.initial_state()[i]);
   cost = S(0.0);
   for (int k = 0; k <= N; ++k, x += nx) {
@@ -75,12 +84,10 @@ void roll_out(const ShootingProblem& problem, const Trajectory& reference,
     S check = cost;
     if (k < N) {
       S* after = x + nx;
-      if (options.contract_gaps) {
-        for (int i = 0; i < n; ++i) batch.tangent[i] = (alpha - S(1.0)) * S(gap(i, k));
-        problem.manifold().integrate(batch.work.next().data(), batch.tangent.data(), after);
-      } else {
+      if (options.contract_gaps)
+        detail::contract_gap(problem, k, gap, alpha, batch, after);
+      else
         std::copy(batch.work.next().begin(), batch.work.next().end(), after);
-      }
       for (int i = 0; i < nx; ++i) check += after[i];
       u += model.nu();
     }

@@ -89,19 +89,32 @@ void displaced_state_derivative(const StateManifold& manifold, int columns,
     S* column = X + c * n;
     for (int i = 0; i < n; ++i) column[i] = Theta[c * n + i];
     apply_blocks(manifold, work.wrt_dx.data(), column);
-    if (c >= n) continue;
-    const S* blocks = work.wrt_x.data();
-    bool curved = false;
-    for (const auto& segment : manifold.curved()) {
-      if (c >= segment.dx && c < segment.dx + segment.n) {
-        for (int i = 0; i < segment.n; ++i)
-          column[segment.dx + i] += blocks[i * segment.n + c - segment.dx];
-        curved = true;
-      }
-      blocks += kBlock;
-    }
-    if (!curved) column[c] += S(1.0);
+    if (c < n) add_state_column(manifold, work.wrt_x.data(), c, column);
   }
+}
+
+/// θ as dual numbers that move along coordinate d of every curved segment that has so many.
+template <class S>
+void move_displacement(const StateManifold& manifold, const AlignedVector<S>& theta, int d,
+                       AlignedVector<Dual<S>>& out) {
+  for (std::size_t i = 0; i < theta.size(); ++i) out[i] = {theta[i], S(0.0)};
+  for (const auto& segment : manifold.curved())
+    if (d < segment.n) out[segment.dx + d].d = S(1.0);
+}
+
+/// K += what the inverse Jacobian of a segment changes along coordinate d, times the rate.
+template <class S>
+void add_inverse_change(const StateManifold::Segment& segment, const Dual<S>* inverse, int d,
+                        int columns, int n, typename IntegratorWorkspace<S>::Stage& stage) {
+  S change[6];
+  for (int i = 0; i < segment.n; ++i) {
+    change[i] = S(0.0);
+    for (int j = 0; j < segment.n; ++j)
+      change[i] += inverse[i * segment.n + j].d * stage.rate[segment.dx + j];
+  }
+  for (int c = 0; c < columns; ++c)
+    for (int i = 0; i < segment.n; ++i)
+      stage.K[c * n + segment.dx + i] += change[i] * stage.Theta[c * n + segment.dx + d];
 }
 
 /// K = ∂(Jr⁻¹(θ) rate)/∂z, where K holds ∂rate/∂z at first.
@@ -112,60 +125,63 @@ void pull_back_derivative(const StateManifold& manifold, int columns,
   const int n = manifold.ndx();
   for (int c = 0; c < columns; ++c) apply_blocks(manifold, work.inverse.data(), &stage.K[c * n]);
   // The inverse Jacobian moves with θ: one dual direction for all curved segments at once.
-  S change[6][6];
   for (int d = 0; d < 6; ++d) {
-    for (int i = 0; i < n; ++i) work.dual_theta[i] = {stage.theta[i], S(0.0)};
-    for (const auto& segment : manifold.curved())
-      if (d < segment.n) work.dual_theta[segment.dx + d].d = S(1.0);
+    move_displacement(manifold, stage.theta, d, work.dual_theta);
     manifold.inverse_right_jacobian(work.dual_theta.data(), work.dual_inverse.data());
     const Dual<S>* block = work.dual_inverse.data();
     for (const auto& segment : manifold.curved()) {
-      if (d < segment.n) {
-        for (int i = 0; i < segment.n; ++i) {
-          change[d][i] = S(0.0);
-          for (int j = 0; j < segment.n; ++j)
-            change[d][i] += block[i * segment.n + j].d * stage.rate[segment.dx + j];
-        }
-        for (int c = 0; c < columns; ++c)
-          for (int i = 0; i < segment.n; ++i)
-            stage.K[c * n + segment.dx + i] += change[d][i] * stage.Theta[c * n + segment.dx + d];
-      }
+      if (d < segment.n) add_inverse_change<S>(segment, block, d, columns, n, stage);
       block += kBlock;
     }
   }
 }
 
 template <class S>
+void evaluate_system(const System& system, const S* x, const S* u, bool derivatives,
+                     SystemData<S>& data) {
+  if (derivatives)
+    system.differentiate(x, u, data);
+  else
+    system.evaluate(x, u, data);
+}
+
+/// Stage s, whose displacement is known. `data` has the system at the first one.
+template <class S>
+void run_stage(const System& system, int s, const S* x, const S* u, bool derivatives,
+               SystemData<S>& data, IntegratorWorkspace<S>& work) {
+  const StateManifold& manifold = system.manifold();
+  auto& stage = work.stages[s];
+  const bool displaced = s > 0, turned = displaced && !manifold.curved().empty();
+  manifold.integrate(x, stage.theta.data(), stage.x.data());
+  if (displaced) evaluate_system(system, stage.x.data(), u, derivatives, data);
+  state_rate(system, stage.x.data(), data, stage.rate.data());
+  stage.k = stage.rate;
+  if (turned) {
+    manifold.inverse_right_jacobian(stage.theta.data(), work.inverse.data());
+    apply_blocks(manifold, work.inverse.data(), stage.k.data());
+  }
+  if (!derivatives) return;
+  displaced_state_derivative(manifold, work.columns, stage.theta, stage.Theta, work,
+                             stage.X.data());
+  state_rate_derivative(system, data, work.columns, stage.X, stage.K);
+  if (turned) pull_back_derivative(manifold, work.columns, stage, work);
+}
+
+template <class S>
 void runge_kutta(const System& system, const RungeKuttaRule& rule, const S* x, const S* u,
                  const S& dt, bool derivatives, SystemData<S>& data, IntegratorWorkspace<S>& work) {
   const StateManifold& manifold = system.manifold();
-  const int nz = system.ndx() + system.nu(), columns = work.columns;
+  const int nz = system.ndx() + system.nu();
   for (int s = 0; s < rule.stages; ++s) {
     auto& stage = work.stages[s];
     accumulate(rule.a[s], s, dt, derivatives, nz, work, stage.theta, stage.Theta);
-    manifold.integrate(x, stage.theta.data(), stage.x.data());
-    if (s > 0) {
-      if (derivatives)
-        system.differentiate(stage.x.data(), u, data);
-      else
-        system.evaluate(stage.x.data(), u, data);
-    }
-    state_rate(system, stage.x.data(), data, stage.rate.data());
-    stage.k = stage.rate;
-    if (!manifold.curved().empty() && s > 0) {
-      manifold.inverse_right_jacobian(stage.theta.data(), work.inverse.data());
-      apply_blocks(manifold, work.inverse.data(), stage.k.data());
-    }
-    if (!derivatives) continue;
-    displaced_state_derivative(manifold, columns, stage.theta, stage.Theta, work, stage.X.data());
-    state_rate_derivative(system, data, columns, stage.X, stage.K);
-    if (!manifold.curved().empty() && s > 0) pull_back_derivative(manifold, columns, stage, work);
+    run_stage(system, s, x, u, derivatives, data, work);
   }
   auto& last = work.stages.back();
   accumulate(rule.b, rule.stages, dt, derivatives, nz, work, last.theta, last.Theta);
   manifold.integrate(x, last.theta.data(), work.next.data());
   if (derivatives)
-    displaced_state_derivative(manifold, columns, last.theta, last.Theta, work, work.F.data());
+    displaced_state_derivative(manifold, work.columns, last.theta, last.Theta, work, work.F.data());
 }
 
 /// v⁺ = v + dt a and q⁺ = q ⊕ dt v⁺.
@@ -178,6 +194,18 @@ void semi_implicit_euler(const System& system, const S* x, const S& dt, const Sy
     work.tangent[i] = dt * (x[nq + i] + work.tangent[nv + i]);
   }
   system.manifold().integrate(x, work.tangent.data(), work.next.data());
+}
+
+template <class S>
+void differentiate_semi_implicit(const System& system, const S& dt, const SystemData<S>& data,
+                                 IntegratorWorkspace<S>& work) {
+  const int n = system.ndx(), nv = system.nv(), nz = n + system.nu();
+  for (int i = 0; i < nv * n; ++i) work.F[i] = dt * data.fx[i];
+  for (int i = 0; i < nv; ++i) work.F[(nv + i) * nv + i] += S(1.0);
+  for (int i = 0; i < nv * system.nu(); ++i) work.F[nv * n + i] = dt * data.fu[i];
+  if (work.columns > nz) std::copy(data.f.begin(), data.f.end(), work.F.begin() + nv * nz);
+  system.manifold().integrate_jacobians(work.tangent.data(), work.state_blocks.data(),
+                                        work.step_blocks.data());
 }
 
 /// v⁺ is the system's, q⁺ = q.
@@ -277,18 +305,10 @@ void integrate_derivatives(const System& system, Integrator integrator, const S*
       system.manifold().integrate_jacobians(work.tangent.data(), work.state_blocks.data(),
                                             work.step_blocks.data());
       break;
-    case StepKind::semi_implicit: {
+    case StepKind::semi_implicit:
       semi_implicit_euler(system, x, dt, data, work);
-      const int nv = system.nv();
-      for (int i = 0; i < nv * n; ++i) work.F[i] = dt * data.fx[i];
-      for (int i = 0; i < nv; ++i) work.F[(nv + i) * nv + i] += S(1.0);
-      for (int i = 0; i < nv * system.nu(); ++i) work.F[nv * n + i] = dt * data.fu[i];
-      if (const int nz = n + system.nu(); work.columns > nz)
-        std::copy(data.f.begin(), data.f.end(), work.F.begin() + nv * nz);
-      system.manifold().integrate_jacobians(work.tangent.data(), work.state_blocks.data(),
-                                            work.step_blocks.data());
+      differentiate_semi_implicit(system, dt, data, work);
       break;
-    }
     case StepKind::collocation:
       collocate(system, x, u, dt, true, data, work);
       break;

@@ -43,4 +43,18 @@ template <class S>
 void integrate_derivatives(const System& system, Integrator integrator, const S* x, const S* u,
                            const S& dt, SystemData<S>& data, IntegratorWorkspace<S>& work);
 
+/// column += column c of ∂(x ⊕ δ)/∂x: of its blocks on curved parts, of the identity elsewhere.
+template <class S>
+void add_state_column(const StateManifold& manifold, const S* blocks, int c, S* column) {
+  for (const auto& segment : manifold.curved()) {
+    const int n = segment.n;
+    if (c >= segment.dx && c < segment.dx + n) {
+      for (int i = 0; i < n; ++i) column[segment.dx + i] += blocks[i * n + c - segment.dx];
+      return;
+    }
+    blocks += StateManifold::kBlockSize;
+  }
+  column[c] += S(1.0);
+}
+
 }  // namespace conddp

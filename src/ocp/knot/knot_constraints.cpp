@@ -8,6 +8,17 @@
 
 namespace conddp {
 
+namespace {
+
+/// Whether rows inside of their set have neither multipliers nor, if asked for, curvature.
+template <class S>
+bool all_inside(const ConstraintTerm& term, const S* weight, const S* curvature) {
+  const int curvatures = term.is_cone() ? term.rows * term.rows : term.rows;
+  return all_zero(weight, term.rows) && (curvature == nullptr || all_zero(curvature, curvatures));
+}
+
+}  // namespace
+
 int KnotModel::add_constraint(ConstraintTerm term) {
   check_fit("constraint " + term.name, *term.residual);
   term.row = constraint_rows_;
@@ -72,8 +83,7 @@ template <class S>
 void KnotModel::differentiate_constraints(const KnotInput<S>& in, KnotWorkspace<S>& work,
                                           bool hessian) const {
   work.augmentation = S(0.0);
-  const S* weight = work.weight_.data();
-  S* curvature = work.curvature_.data();
+  S* curvature = hessian ? work.curvature_.data() : nullptr;
   for (std::size_t t = 0; t < constraints_.size(); ++t) {
     const ConstraintTerm& term = constraints_[t];
     const ResidualInput<S> input{in.x, in.u, in.parameters + term.parameters, *work.system_};
@@ -82,10 +92,8 @@ void KnotModel::differentiate_constraints(const KnotInput<S>& in, KnotWorkspace<
     const S norm = form_value(term, work.residual_.data(), g);
     S* jacobian = work.constraint_jacobian.data() + term.jacobian;
     form_jacobian(term, work.residual_.data(), norm, work.residual_jacobian_.data(), jacobian);
-    if (!add_penalty<S>(term, in, work, hessian ? curvature : nullptr)) continue;
-    // Rows inside their set have no multiplier and no curvature.
-    const int curvatures = term.is_cone() ? term.rows * term.rows : term.rows;
-    if (all_zero(weight, term.rows) && (!hessian || all_zero(curvature, curvatures))) continue;
+    if (!add_penalty<S>(term, in, work, curvature)) continue;
+    if (all_inside<S>(term, work.weight_.data(), curvature)) continue;
     if (hessian) work.rest_is_zero_ = false;
     add_augmentation(t, jacobian, hessian, work);
   }

@@ -20,20 +20,6 @@ void turn_steps(const StateManifold& manifold, const S* step, S* out) {
   }
 }
 
-/// out += ∂q⁺/∂q, of the tangent's column c, with the step held.
-template <class S>
-void add_configuration(const StateManifold& manifold, const S* state, int c, S* out) {
-  for (const auto& segment : manifold.curved()) {
-    const int m = segment.n;
-    if (c >= segment.dx && c < segment.dx + m) {
-      for (int i = 0; i < m; ++i) out[segment.dx + i] += state[i * m + c - segment.dx];
-      return;
-    }
-    state += StateManifold::kBlockSize;
-  }
-  out[c] += S(1.0);
-}
-
 /// A column of F with all rows of the system's next state, from those that the integrator gives.
 template <class S>
 void fill_column(const StateManifold& manifold, const IntegratorWorkspace<S>& base, const S& dt,
@@ -43,7 +29,7 @@ void fill_column(const StateManifold& manifold, const IntegratorWorkspace<S>& ba
   if (top == 0) return;
   for (int i = 0; i < top; ++i) out[i] = dt * out[top + i];
   turn_steps(manifold, base.step_blocks.data(), out);
-  if (column < top) add_configuration(manifold, base.state_blocks.data(), column, out);
+  if (column < top) add_state_column(manifold, base.state_blocks.data(), column, out);
 }
 
 }  // namespace
@@ -55,17 +41,24 @@ void KnotModel::append_control_memory(const KnotInput<S>& in, KnotWorkspace<S>& 
   std::copy(base.next.begin(), base.next.end(), work.next_.begin());
   const S* kept = held_ ? in.x + system_->nx() : in.u;
   for (int i = 0; i < memory_; ++i) work.next_[system_->nx() + i] = kept[i];
-  if (!derivatives) return;
+  if (derivatives) differentiate_memory(in.dt, work);
+}
+
+/// F with the rows and columns of the memory: of the next state nothing depends on it but a memory
+/// that is held.
+template <class S>
+void KnotModel::differentiate_memory(const S& dt, KnotWorkspace<S>& work) const {
   const int n = system_->ndx(), rows = ndx();
   const int base_rows = is_structured(integrator_) ? system_->nv() : n;
-  // On the memory nothing of the next state depends but a memory that is held.
-  for (int c = n; held_ && c < rows; ++c) work.F_[c * rows + c] = S(1.0);
-  for (int c = 0; c < nz(); ++c) {
-    if (c >= n && c < rows) continue;
-    S* out = &work.F_[c * rows];
-    fill_column(system_->manifold(), base, in.dt, c < n ? c : c - memory_, base_rows, out);
-    for (int i = 0; i < memory_; ++i) out[n + i] = S(!held_ && c == rows + i ? 1.0 : 0.0);
-  }
+  const auto fill = [&](int column, int base_column) {
+    S* out = &work.F_[column * rows];
+    fill_column(system_->manifold(), work.integrator_, dt, base_column, base_rows, out);
+    std::fill_n(out + n, memory_, S(0.0));
+  };
+  for (int c = 0; c < n; ++c) fill(c, c);
+  for (int c = rows; c < nz(); ++c) fill(c, c - memory_);
+  const int kept = held_ ? n : rows;  // the first column of what is remembered
+  for (int i = 0; i < memory_; ++i) work.F_[(kept + i) * rows + n + i] = S(1.0);
 }
 
 /// What a knot is given, with the time step and the costs' scale of its free duration.

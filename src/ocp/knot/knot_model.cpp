@@ -28,6 +28,13 @@ void check_integrator(const System& system, Integrator integrator) {
         "a collocation system needs the integrator of its rule, and only it");
 }
 
+void check_memory(const System& system, bool control_memory, int held_memory) {
+  if (system.kind() == SystemKind::impulse && control_memory)
+    throw std::invalid_argument("an impulse has no control to remember");
+  if (control_memory && held_memory > 0)
+    throw std::invalid_argument("a memory is of the control or held, not both");
+}
+
 }  // namespace
 
 KnotModel::KnotModel(std::shared_ptr<const System> system, Integrator integrator,
@@ -36,10 +43,7 @@ KnotModel::KnotModel(std::shared_ptr<const System> system, Integrator integrator
   check_integrator(*system_, integrator);
   if (system_->kind() == SystemKind::discrete && !manifold_.curved().empty())
     throw std::invalid_argument("a discrete system needs a flat state space");
-  if (system_->kind() == SystemKind::impulse && control_memory)
-    throw std::invalid_argument("an impulse has no control to remember");
-  if (control_memory && held_memory > 0)
-    throw std::invalid_argument("a memory is of the control or held, not both");
+  check_memory(*system_, control_memory, held_memory);
   held_ = held_memory > 0;
   memory_ = held_ ? held_memory : control_memory ? system_->actuators() : 0;
   if (memory_ > 0) manifold_.append(StateManifold::Part::flat, memory_);
@@ -176,6 +180,7 @@ template <class S>
 struct CostSlopes {
   S scale;
   S *gradient, *diagonal;
+  const S* jacobian = nullptr;  ///< of the rows
   S rank_one{};
   const S* W = nullptr;  ///< by rows
 };
@@ -232,55 +237,85 @@ void KnotModel::differentiate_costs(const KnotInput<S>& in, KnotWorkspace<S>& wo
   for (std::size_t t = 0; t < costs_.size(); ++t) differentiate_cost(t, in, work, hessian);
 }
 
+namespace {
+
+/// Where the Jacobian of a cost's residual is written, and its values: those of a barrier are
+/// constraint rows. Of the image of a residual that is no barrier the values are enough.
+template <class S>
+struct RowsOfCost {
+  S *values, *jacobian;
+};
+
+template <class S>
+void differentiate_residual(const CostTerm& term, const ResidualInput<S>& input,
+                            const RowsOfCost<S>& rows) {
+  if (term.residual->linear_image() && !term.is_barrier())
+    term.residual->evaluate(input, rows.values);
+  else
+    term.residual->differentiate(input, rows.values, rows.jacobian);
+}
+
+}  // namespace
+
+/// The value of a cost, and its slopes by the rows of its residual. False where it is a barrier
+/// that adds nothing.
+template <class S>
+bool KnotModel::find_slopes(std::size_t t, const KnotInput<S>& in, KnotWorkspace<S>& work,
+                            bool hessian, CostSlopes<S>& slopes) const {
+  const CostTerm& term = costs_[t];
+  const bool barrier = term.is_barrier();
+  const RowsOfCost<S> to =
+      barrier ? RowsOfCost<S>{work.constraint.data() + term.row,
+                              work.constraint_jacobian.data() + term.jacobian}
+              : RowsOfCost<S>{work.residual_.data(), work.residual_jacobian_.data()};
+  differentiate_residual<S>(term, {in.x, in.u, in.parameters + term.parameters, *work.system_}, to);
+  slopes = {.scale = in.cost_scale * in.parameters[term.weight],
+            .gradient = work.activation_gradient_.data(),
+            .diagonal = work.activation_diagonal_.data(),
+            .jacobian = to.jacobian};
+  const int rows = term.residual->size();
+  const S value = term.activation.differentiate(to.values, rows, slopes.gradient, slopes.diagonal,
+                                                slopes.rank_one);
+  work.term_costs[t] = slopes.scale * value;
+  work.cost += work.term_costs[t];
+  if (!barrier) return true;
+  if (all_zero(slopes.gradient, rows) && all_zero(slopes.diagonal, rows)) return false;
+  if (hessian) work.rest_is_zero_ = false;
+  return true;
+}
+
 template <class S>
 void KnotModel::differentiate_cost(std::size_t t, const KnotInput<S>& in, KnotWorkspace<S>& work,
                                    bool hessian) const {
   const CostTerm& term = costs_[t];
-  const bool barrier = term.is_barrier();
-  const LinearImage* image = term.residual->linear_image();
-  const ResidualInput<S> input{in.x, in.u, in.parameters + term.parameters, *work.system_};
-  S* r = barrier ? work.constraint.data() + term.row : work.residual_.data();
-  S* jacobian =
-      barrier ? work.constraint_jacobian.data() + term.jacobian : work.residual_jacobian_.data();
-  if (image && !barrier)
-    term.residual->evaluate(input, r);
-  else
-    term.residual->differentiate(input, r, jacobian);
-  CostSlopes<S> slopes{.scale = in.cost_scale * in.parameters[term.weight],
-                       .gradient = work.activation_gradient_.data(),
-                       .diagonal = work.activation_diagonal_.data()};
-  const int rows = term.residual->size();
-  const S value =
-      term.activation.differentiate(r, rows, slopes.gradient, slopes.diagonal, slopes.rank_one);
-  work.term_costs[t] = slopes.scale * value;
-  work.cost += work.term_costs[t];
-  if (barrier) {
-    if (all_zero(slopes.gradient, rows) && all_zero(slopes.diagonal, rows)) return;
-    if (hessian) work.rest_is_zero_ = false;
-  }
+  CostSlopes<S> slopes{};
+  if (!find_slopes(t, in, work, hessian, slopes)) return;
   S W[36];
-  const Residual& inner = image ? *image->of : *term.residual;
-  if (image) {
-    jacobian = work.residual_jacobian_.data();
-    inner.differentiate(input, work.residual_.data(), jacobian);
-    pull_back(image->A, rows, inner.size(), slopes.diagonal, slopes.gradient, W);
+  const Residual* inner = term.residual.get();
+  if (const LinearImage* image = term.residual->linear_image()) {
+    const ResidualInput<S> input{in.x, in.u, in.parameters + term.parameters, *work.system_};
+    inner = image->of.get();
+    inner->differentiate(input, work.residual_.data(), work.residual_jacobian_.data());
+    slopes.jacobian = work.residual_jacobian_.data();
+    pull_back(image->A, term.residual->size(), inner->size(), slopes.diagonal, slopes.gradient, W);
     slopes.W = W;
   }
   const bool dense = term.activation.kind == ActivationKind::smooth_l2;
   const int* pair =
-      add_cost(inner.blocks(), jacobian, slopes, dense, hessian, pattern_index_[t].data(), work);
+      add_cost(inner->blocks(), slopes, dense, hessian, pattern_index_[t].data(), work);
   if (dense && hessian) add_rank_one(slopes.scale * slopes.rank_one, pair, work);
 }
 
 /// Adds gradient and Gauss-Newton Hessian of a cost, of which the pairs of columns stand at `pair`
 /// on in the pattern; returns the end of them. `dense`: fills term_gradient_, too.
 template <class S>
-const int* KnotModel::add_cost(const std::vector<RowBlock>& blocks, const S* jacobian,
-                               const CostSlopes<S>& slopes, bool dense, bool hessian,
-                               const int* pair, KnotWorkspace<S>& work) const {
+const int* KnotModel::add_cost(const std::vector<RowBlock>& blocks, const CostSlopes<S>& slopes,
+                               bool dense, bool hessian, const int* pair,
+                               KnotWorkspace<S>& work) const {
   if (dense) std::fill(work.term_gradient_.begin(), work.term_gradient_.end(), S(0.0));
   const S scale = slopes.scale;
   const S *gradient = slopes.gradient, *diagonal = slopes.diagonal, *W = slopes.W;
+  const S* jacobian = slopes.jacobian;
   for (const RowBlock& block : blocks) {
     const int columns = static_cast<int>(block.columns.size());
     S* weighted = work.weighted_jacobian_.data();

@@ -142,6 +142,8 @@ class KnotModel {
   void append_control_memory(const KnotInput<S>& in, KnotWorkspace<S>& work,
                              bool derivatives) const;
   template <class S>
+  void differentiate_memory(const S& dt, KnotWorkspace<S>& work) const;
+  template <class S>
   void evaluate_costs(const KnotInput<S>& in, KnotWorkspace<S>& work) const;
   template <class S>
   void differentiate_costs(const KnotInput<S>& in, KnotWorkspace<S>& work, bool hessian) const;
@@ -149,9 +151,11 @@ class KnotModel {
   void differentiate_cost(std::size_t cost, const KnotInput<S>& in, KnotWorkspace<S>& work,
                           bool hessian) const;
   template <class S>
-  const int* add_cost(const std::vector<RowBlock>& blocks, const S* jacobian,
-                      const CostSlopes<S>& slopes, bool dense, bool hessian, const int* pair,
-                      KnotWorkspace<S>& work) const;
+  bool find_slopes(std::size_t cost, const KnotInput<S>& in, KnotWorkspace<S>& work, bool hessian,
+                   CostSlopes<S>& slopes) const;
+  template <class S>
+  const int* add_cost(const std::vector<RowBlock>& blocks, const CostSlopes<S>& slopes, bool dense,
+                      bool hessian, const int* pair, KnotWorkspace<S>& work) const;
   template <class S>
   void add_rank_one(const S& factor, const int* pair, KnotWorkspace<S>& work) const;
 

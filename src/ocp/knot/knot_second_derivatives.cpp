@@ -78,22 +78,38 @@ bool KnotSecondDerivatives::add_terms() {
 }
 
 bool KnotSecondDerivatives::add_term(Term term, const Residual& residual) {
-  const LinearImage* image = residual.linear_image();
-  // A norm bends whatever it is of.
-  const bool norm = term.constraint && term.constraint->kind == ConstraintKind::norm;
-  const bool formed = term.constraint && (norm || term.constraint->is_cone());
-  term.residual = image && !formed ? image->of.get() : &residual;
-  term.blocks = formed ? &term.constraint->blocks : &term.residual->blocks();
-  const auto affine = [](const RowBlock& block) { return block.affine; };
-  const bool all_bend = norm || (formed && !std::ranges::all_of(residual.blocks(), affine));
-  term.moves = curved_columns(*term.blocks, formed ? all_bend : std::optional<bool>());
+  find_curvature(term, residual);
   if (std::ranges::find(term.moves, true) == term.moves.end()) return true;
   const Reads reads = term.residual->reads();
-  if (reads == Reads::everything || (reads == Reads::forces && system_ == nullptr)) return false;
+  if (!moves_all_of(reads)) return false;
   reads_forces_ = reads_forces_ || reads == Reads::forces;
   term.weights.assign(std::max(row_count(*term.blocks), residual.size()), Lane(0.0));
   terms_.push_back(std::move(term));
   return true;
+}
+
+/// Of which residual a term is the curvature, by which blocks, and along which columns it bends.
+void KnotSecondDerivatives::find_curvature(Term& term, const Residual& residual) const {
+  const ConstraintTerm* constraint = term.constraint;
+  const bool norm = constraint && constraint->kind == ConstraintKind::norm;
+  if (norm || (constraint && constraint->is_cone())) {
+    const auto affine = [](const RowBlock& block) { return block.affine; };
+    term.residual = &residual;
+    term.blocks = &constraint->blocks;
+    // A norm bends whatever it is of.
+    term.moves =
+        curved_columns(*term.blocks, norm || !std::ranges::all_of(residual.blocks(), affine));
+    return;
+  }
+  const LinearImage* image = residual.linear_image();
+  term.residual = image ? image->of.get() : &residual;
+  term.blocks = &term.residual->blocks();
+  term.moves = curved_columns(*term.blocks, std::nullopt);
+}
+
+/// Whether what a residual reads is moved.
+bool KnotSecondDerivatives::moves_all_of(Reads reads) const {
+  return reads != Reads::everything && (reads != Reads::forces || system_ != nullptr);
 }
 
 /// The columns along which blocks bend: all of them or none where that is known, else those of
@@ -181,17 +197,22 @@ void KnotSecondDerivatives::weigh_forces() {
   for (std::size_t row = 0; row < force_weights_.size(); ++row) {
     Lane sum(0.0);
     system_->move_force(static_cast<int>(row));
-    for (const Term& term : terms_) {
-      if (!term.active || term.residual->reads() != Reads::forces) continue;
-      term.residual->evaluate(moving_input(term), moving_residual_.data());
-      const bool formed = term.blocks != &term.residual->blocks();
-      if (formed) form_value(*term.constraint, moving_residual_.data(), moving_value_.data());
-      const D* value = formed ? moving_value_.data() : moving_residual_.data();
-      const int rows = row_count(*term.blocks);
-      for (int i = 0; i < rows; ++i) sum += term.weights[i] * value[i].d;
-    }
+    for (const Term& term : terms_)
+      if (term.active && term.residual->reads() == Reads::forces) add_weighted_slope(term, sum);
     force_weights_[row] = sum;
   }
+}
+
+/// The derivatives of a term's rows along the force that moves, times their weights.
+void KnotSecondDerivatives::add_weighted_slope(const Term& term, Lane& sum) {
+  term.residual->evaluate(moving_input(term), moving_residual_.data());
+  const D* value = moving_residual_.data();
+  if (term.blocks != &term.residual->blocks()) {
+    form_value(*term.constraint, moving_residual_.data(), moving_value_.data());
+    value = moving_value_.data();
+  }
+  const int rows = row_count(*term.blocks);
+  for (int i = 0; i < rows; ++i) sum += term.weights[i] * value[i].d;
 }
 
 void KnotSecondDerivatives::weigh_system(const Lane* costates) {
@@ -203,15 +224,7 @@ void KnotSecondDerivatives::weigh_system(const Lane* costates) {
 void KnotSecondDerivatives::differentiate_terms(int d, Lane* column) {
   for (const Term& term : terms_) {
     if (!term.active || !term.moves[d]) continue;
-    const D* jacobian = moving_jacobian_.data();
-    term.residual->differentiate(moving_input(term), moving_residual_.data(),
-                                 moving_jacobian_.data());
-    if (term.blocks != &term.residual->blocks()) {
-      const D norm = form_value(*term.constraint, moving_residual_.data(), moving_value_.data());
-      form_jacobian(*term.constraint, moving_residual_.data(), norm, jacobian,
-                    formed_jacobian_.data());
-      jacobian = formed_jacobian_.data();
-    }
+    const D* jacobian = moving_jacobian(term);
     const Lane* weight = term.weights.data();
     for (const RowBlock& block : *term.blocks) {
       for (const int c : block.columns) {
@@ -225,45 +238,62 @@ void KnotSecondDerivatives::differentiate_terms(int d, Lane* column) {
   }
 }
 
+const Dual<Lane>* KnotSecondDerivatives::moving_jacobian(const Term& term) {
+  term.residual->differentiate(moving_input(term), moving_residual_.data(),
+                               moving_jacobian_.data());
+  if (term.blocks == &term.residual->blocks()) return moving_jacobian_.data();
+  const D norm = form_value(*term.constraint, moving_residual_.data(), moving_value_.data());
+  form_jacobian(*term.constraint, moving_residual_.data(), norm, moving_jacobian_.data(),
+                formed_jacobian_.data());
+  return formed_jacobian_.data();
+}
+
 void KnotSecondDerivatives::add_curved_steps(const Lane* costates) {
-  const StateManifold& manifold = model_.manifold();
-  const int n = model_.system().nv();
-  const Lane& dt = at_.dt;
-  const AlignedVector<Lane>& F = at_.work.F();
   int offset = 0;
-  for (const auto& s : manifold.curved()) {
-    // Derivatives of (Ad⁻ᵀ λ, dt Jᵀ λ) by the step dt v⁺.
-    Lane of_state[6][6], of_velocity[6][6];
-    for (int j = 0; j < s.n; ++j) {
-      for (int i = 0; i < n; ++i) step_[i] = D(at_.work.integrator_.tangent[i], Lane(0.0));
-      step_[s.dx + j].d = Lane(1.0);
-      manifold.integrate_jacobians(step_.data(), state_blocks_.data(), step_blocks_.data());
-      for (int i = 0; i < s.n; ++i) {
-        Lane state(0.0), step(0.0);
-        for (int k = 0; k < s.n; ++k) {
-          state += state_blocks_[offset + k * s.n + i].d * costates[s.dx + k];
-          step += step_blocks_[offset + k * s.n + i].d * costates[s.dx + k];
-        }
-        of_state[j][i] = state;
-        of_velocity[j][i] = dt * step;
-      }
-    }
-    for (int d = 0; d < nz_; ++d) {
-      Lane* column = &gradients_[d * nz_];
-      Lane pulled[6];
-      std::fill_n(pulled, s.n, Lane(0.0));
-      for (int j = 0; j < s.n; ++j) {
-        const Lane moved = dt * F[d * n + s.dx + j];
-        for (int i = 0; i < s.n; ++i) {
-          column[s.dx + i] += of_state[j][i] * moved;
-          pulled[i] += of_velocity[j][i] * moved;
-        }
-      }
-      for (int c = 0; c < nz_; ++c)
-        for (int i = 0; i < s.n; ++i) column[c] += F[c * n + s.dx + i] * pulled[i];
-    }
+  for (const auto& s : model_.manifold().curved()) {
+    StepCurvature curvature;
+    bend_step(s, offset, costates, curvature);
+    for (int d = 0; d < nz_; ++d) add_curved_step(s, curvature, d);
     offset += StateManifold::kBlockSize;
   }
+}
+
+void KnotSecondDerivatives::bend_step(const StateManifold::Segment& s, int offset,
+                                      const Lane* costates, StepCurvature& out) {
+  const int n = model_.system().nv();
+  for (int j = 0; j < s.n; ++j) {
+    for (int i = 0; i < n; ++i) step_[i] = D(at_.work.integrator_.tangent[i], Lane(0.0));
+    step_[s.dx + j].d = Lane(1.0);
+    model_.manifold().integrate_jacobians(step_.data(), state_blocks_.data(), step_blocks_.data());
+    for (int i = 0; i < s.n; ++i) {
+      Lane state(0.0), step(0.0);
+      for (int k = 0; k < s.n; ++k) {
+        state += state_blocks_[offset + k * s.n + i].d * costates[s.dx + k];
+        step += step_blocks_[offset + k * s.n + i].d * costates[s.dx + k];
+      }
+      out.of_state[j][i] = state;
+      out.of_velocity[j][i] = at_.dt * step;
+    }
+  }
+}
+
+/// To column d of the gradients' derivatives.
+void KnotSecondDerivatives::add_curved_step(const StateManifold::Segment& s,
+                                            const StepCurvature& curvature, int d) {
+  const int n = model_.system().nv();
+  const AlignedVector<Lane>& F = at_.work.F();
+  Lane* column = &gradients_[d * nz_];
+  Lane pulled[6];
+  std::fill_n(pulled, s.n, Lane(0.0));
+  for (int j = 0; j < s.n; ++j) {
+    const Lane moved = at_.dt * F[d * n + s.dx + j];
+    for (int i = 0; i < s.n; ++i) {
+      column[s.dx + i] += curvature.of_state[j][i] * moved;
+      pulled[i] += curvature.of_velocity[j][i] * moved;
+    }
+  }
+  for (int c = 0; c < nz_; ++c)
+    for (int i = 0; i < s.n; ++i) column[c] += F[c * n + s.dx + i] * pulled[i];
 }
 
 const AlignedVector<Lane>& KnotSecondDerivatives::compute(const Lane* costates) {
@@ -273,30 +303,42 @@ const AlignedVector<Lane>& KnotSecondDerivatives::compute(const Lane* costates) 
   model_.differentiate(at_.input(), at_.work, true);
   std::fill(gradients_.begin(), gradients_.end(), Lane(0.0));
   weigh_terms();
+  if (system_) start_system(costates);
+  differentiate_gradients();
   if (system_) {
-    system_->start(moving_.x.data());
-    weigh_forces();
-    weigh_system(costates);
-    system_->weigh(system_weights_.data(), force_weights_.data());
+    system_->finish(gradients_.data());
+    add_curved_steps(costates);
   }
+  symmetrize();
+  add_gauss_newton();
+  return gradients_;
+}
+
+/// The weights of its rows, and of the forces that residuals read.
+void KnotSecondDerivatives::start_system(const Lane* costates) {
+  system_->start(moving_.x.data());
+  weigh_forces();
+  weigh_system(costates);
+  system_->weigh(system_weights_.data(), force_weights_.data());
+}
+
+/// Along the columns on which something depends nonlinearly.
+void KnotSecondDerivatives::differentiate_gradients() {
   for (int d = 0; d < nz_; ++d) {
     const bool bends = std::any_of(terms_.begin(), terms_.end(),
                                    [d](const Term& term) { return term.active && term.moves[d]; });
     if (bends || (system_ && d < model_.ndx())) differentiate_along(d, bends);
   }
-  if (system_) {
-    system_->finish(gradients_.data());
-    add_curved_steps(costates);
-  }
-  // The derivative of the gradient along the manifold differs from the Hessian by an antisymmetric
-  // (Lie bracket) term alone.
+}
+
+/// The derivative of the gradient along the manifold differs from the Hessian by an antisymmetric
+/// (Lie bracket) term alone.
+void KnotSecondDerivatives::symmetrize() {
   for (int c = 0; c < nz_; ++c)
     for (int r = 0; r < c; ++r) {
       Lane &a = gradients_[c * nz_ + r], &b = gradients_[r * nz_ + c];
       a = b = 0.5 * (a + b);
     }
-  add_gauss_newton();
-  return gradients_;
 }
 
 /// Adds the derivative of the gradient along column d of z; `bends`: of terms, too.

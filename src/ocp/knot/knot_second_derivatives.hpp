@@ -43,6 +43,8 @@ class KnotSecondDerivatives {
   /// False where a residual reads what is not moved.
   bool add_terms();
   bool add_term(Term term, const Residual& residual);
+  void find_curvature(Term& term, const Residual& residual) const;
+  bool moves_all_of(Reads reads) const;
   std::vector<bool> curved_columns(const std::vector<RowBlock>& blocks,
                                    std::optional<bool> all) const;
   void differentiate_along(int d, bool bends);
@@ -53,12 +55,25 @@ class KnotSecondDerivatives {
   void weigh_constraint(Term& term);
   /// Slopes of the terms by the forces, into force_weights_.
   void weigh_forces();
+  void add_weighted_slope(const Term& term, Lane& sum);
   /// Weights of f from co-states, into system_weights_.
   void weigh_system(const Lane* costates);
   /// Adds the derivative of the terms' gradients along d to a column.
   void differentiate_terms(int d, Lane* column);
+  /// The Jacobian of a term's rows at the point that moves.
+  const D* moving_jacobian(const Term& term);
   /// Adds the curvature of q ⊕ dt v⁺ in q and v⁺.
   void add_curved_steps(const Lane* costates);
+  /// Derivatives of (Ad⁻ᵀ λ, dt Jᵀ λ) of a curved part by the step dt v⁺.
+  struct StepCurvature {
+    Lane of_state[6][6], of_velocity[6][6];
+  };
+  void bend_step(const StateManifold::Segment& s, int offset, const Lane* costates,
+                 StepCurvature& out);
+  void add_curved_step(const StateManifold::Segment& s, const StepCurvature& curvature, int d);
+  void start_system(const Lane* costates);
+  void differentiate_gradients();
+  void symmetrize();
   ResidualInput<D> moving_input(const Term& term);
 
   const KnotModel& model_;

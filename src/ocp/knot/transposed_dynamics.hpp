@@ -22,6 +22,19 @@ void pull_back_to_velocity(const KnotModel& model, const KnotWorkspace<S>& work,
   }
 }
 
+namespace detail {
+
+/// out ← Fᵀ x, with F by columns.
+template <class S>
+void multiply_transposed(const AlignedVector<S>& F, int rows, int columns, const S* x, S* out) {
+  for (int c = 0; c < columns; ++c) {
+    out[c] = S(0.0);
+    for (int i = 0; i < rows; ++i) out[c] += F[c * rows + i] * x[i];
+  }
+}
+
+}  // namespace detail
+
 /// (∂f/∂z)ᵀ λ of a knot's dynamics, from its workspace after `differentiate`: λ has ndx entries,
 /// out nz; mu is room for as many as F has rows.
 template <class S>
@@ -29,18 +42,9 @@ void transposed_dynamics(const KnotModel& model, const KnotWorkspace<S>& work, c
                          const S* lambda, S* mu, S* out) {
   const int n = model.ndx(), nz = model.nz(), rows = model.jacobian_rows();
   const AlignedVector<S>& F = work.F();
-  if (!model.semi_implicit()) {
-    for (int c = 0; c < nz; ++c) {
-      out[c] = S(0.0);
-      for (int i = 0; i < rows; ++i) out[c] += F[c * rows + i] * lambda[i];
-    }
-    return;
-  }
+  if (!model.semi_implicit()) return detail::multiply_transposed(F, rows, nz, lambda, out);
   pull_back_to_velocity(model, work, dt, lambda, mu);
-  for (int c = 0; c < nz; ++c) {
-    out[c] = S(0.0);
-    for (int i = 0; i < rows; ++i) out[c] += F[c * rows + i] * mu[i];
-  }
+  detail::multiply_transposed(F, rows, nz, mu, out);
   for (int c = 0; c < n - rows; ++c) out[c] += lambda[c];
   const S* state = work.state_blocks().data();
   for (const auto& s : model.manifold().curved()) {

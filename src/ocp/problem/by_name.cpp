@@ -21,6 +21,16 @@ void add_violation(const std::string& name, const Eigen::VectorXd& values, const
   entry->node = c.node;
 }
 
+using CostTable = std::vector<std::pair<std::string, std::vector<double>>>;
+
+/// The row of a name, of zeros at first.
+std::vector<double>& find_or_add(const std::string& name, int nodes, CostTable& costs) {
+  const auto found = std::find_if(costs.begin(), costs.end(),
+                                  [&](const auto& entry) { return entry.first == name; });
+  if (found != costs.end()) return found->second;
+  return costs.emplace_back(name, std::vector<double>(nodes)).second;
+}
+
 }  // namespace
 
 std::string constraint_name(const ShootingProblem& problem, const NodeConstraint& constraint) {
@@ -29,11 +39,9 @@ std::string constraint_name(const ShootingProblem& problem, const NodeConstraint
 
 std::vector<std::pair<std::string, std::vector<double>>> costs_by_node(
     const ShootingProblem& problem, const Trajectory& trajectory) {
-  std::vector<std::pair<std::string, std::vector<double>>> costs;
+  CostTable costs;
   const auto cost_of = [&](const std::string& name) -> std::vector<double>& {
-    for (auto& [known, values] : costs)
-      if (known == name) return values;
-    return costs.emplace_back(name, std::vector<double>(problem.knots() + 1)).second;
+    return find_or_add(name, problem.knots() + 1, costs);
   };
   NodeEvaluation nodes(problem);
   for (int k = 0; k <= problem.knots(); ++k) {

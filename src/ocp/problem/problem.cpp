@@ -18,6 +18,24 @@ void check(const Phase& phase) {
     throw std::invalid_argument("phase " + phase.name + ": an impulse takes no time");
 }
 
+void check_terminal(const Phase& phase) {
+  check(phase);
+  if (phase.model->integrator() != Integrator::none || phase.knots() != 1)
+    throw std::invalid_argument("the terminal phase is one node without dynamics");
+}
+
+/// A constraint with the bounds and the limit that it has at a node.
+NodeConstraint at_node(const KnotView& view, const ConstraintTerm& term, int node, int row) {
+  NodeConstraint constraint{node, &term, row, nullptr, nullptr};
+  if (term.has_bounds()) {
+    constraint.lower = view.parameters + term.lower();
+    constraint.upper = view.parameters + term.upper();
+  }
+  if (term.softness == Softness::l1)
+    constraint.limit = view.cost_scale * view.parameters[term.weight()];
+  return constraint;
+}
+
 /// The number with as many decimal digits as survive a double: steps are decimal numbers of few
 /// digits, and so are their sums.
 double to_decimal(double value) {
@@ -50,9 +68,7 @@ ShootingProblem::ShootingProblem(std::vector<double> initial_state, std::vector<
     : initial_state_(std::move(initial_state)),
       phases_(std::move(phases)),
       terminal_(std::move(terminal)) {
-  check(terminal_);
-  if (terminal_.model->integrator() != Integrator::none || terminal_.knots() != 1)
-    throw std::invalid_argument("the terminal phase is one node without dynamics");
+  check_terminal(terminal_);
   std::vector<double> steps;
   for (int p = 0; p < static_cast<int>(phases_.size()); ++p) {
     const Phase& phase = phases_[p];
@@ -85,11 +101,7 @@ void ShootingProblem::add_constraints(int k) {
   const KnotView& view = views_[k];
   for (const ConstraintTerm& term : view.model->constraints()) {
     if (view.parameters[term.active()] == 0) continue;
-    const double* lower = term.has_bounds() ? view.parameters + term.lower() : nullptr;
-    NodeConstraint constraint{k, &term, constraint_offset_.back() + term.row, lower,
-                              lower == nullptr ? nullptr : lower + term.rows};
-    if (term.softness == Softness::l1)
-      constraint.limit = view.cost_scale * view.parameters[term.weight()];
+    const NodeConstraint constraint = at_node(view, term, k, constraint_offset_.back() + term.row);
     if (term.softness != Softness::l2) constraints_.push_back(constraint);
     if (constraint.is_soft()) soft_constraints_.push_back(constraint);
   }

@@ -45,37 +45,54 @@ class CycleResidual : public ResidualBase<CycleResidual> {
     evaluate_as(in, r);
     std::size_t curved = 0;
     for (const auto& segment : manifold_.segments()) {
-      if (segment.part == StateManifold::Part::flat) {
-        for (int i = 0; i < segment.n; ++i) {
-          *jacobian++ = S(1.0);
-          if (memory_[segment.dx + i] >= 0) *jacobian++ = S(-1.0);
-        }
-        continue;
-      }
-      const StateManifold& part = parts_[curved++];
-      const int n = segment.n;
-      S moved[kMost], target[kMost + 1], minus[kMost];
-      place(segment, part, in.x, moved, target);
-      S by_x[StateManifold::kBlockSize], by_target[StateManifold::kBlockSize];
-      S unused[StateManifold::kBlockSize], by_moved[StateManifold::kBlockSize];
-      part.inverse_right_jacobian(r + segment.dx, by_x);
-      for (int i = 0; i < n; ++i) minus[i] = -r[segment.dx + i];
-      part.inverse_right_jacobian(minus, by_target);
-      part.integrate_jacobians(moved, unused, by_moved);
-      for (int c = 0; c < n; ++c)
-        for (int i = 0; i < n; ++i) *jacobian++ = by_x[i * n + c];
-      for (int c = 0; c < n; ++c) {
-        if (memory_[segment.dx + c] < 0) continue;
-        for (int i = 0; i < n; ++i) {
-          S sum(0.0);
-          for (int k = 0; k < n; ++k) sum -= by_target[i * n + k] * by_moved[k * n + c];
-          *jacobian++ = sum;
-        }
-      }
+      jacobian = segment.part == StateManifold::Part::flat
+                     ? write_flat(segment, jacobian)
+                     : write_curved(segment, parts_[curved++], in, r + segment.dx, jacobian);
     }
   }
 
  private:
+  template <class S>
+  S* write_flat(const StateManifold::Segment& segment, S* jacobian) const {
+    for (int i = 0; i < segment.n; ++i) {
+      *jacobian++ = S(1.0);
+      if (memory_[segment.dx + i] >= 0) *jacobian++ = S(-1.0);
+    }
+    return jacobian;
+  }
+
+  /// From the values r of its rows.
+  template <class S>
+  S* write_curved(const StateManifold::Segment& segment, const StateManifold& part,
+                  const ResidualInput<S>& in, const S* r, S* jacobian) const {
+    const int n = segment.n;
+    S moved[kMost], target[kMost + 1], minus[kMost];
+    place(segment, part, in.x, moved, target);
+    S by_x[StateManifold::kBlockSize], by_target[StateManifold::kBlockSize];
+    S unused[StateManifold::kBlockSize], by_moved[StateManifold::kBlockSize];
+    part.inverse_right_jacobian(r, by_x);
+    for (int i = 0; i < n; ++i) minus[i] = -r[i];
+    part.inverse_right_jacobian(minus, by_target);
+    part.integrate_jacobians(moved, unused, by_moved);
+    for (int c = 0; c < n; ++c)
+      for (int i = 0; i < n; ++i) *jacobian++ = by_x[i * n + c];
+    for (int c = 0; c < n; ++c)
+      if (memory_[segment.dx + c] >= 0)
+        jacobian = write_memory_column(n, c, by_target, by_moved, jacobian);
+    return jacobian;
+  }
+
+  /// Column c of −A B.
+  template <class S>
+  static S* write_memory_column(int n, int c, const S* A, const S* B, S* column) {
+    for (int i = 0; i < n; ++i) {
+      S sum(0.0);
+      for (int k = 0; k < n; ++k) sum -= A[i * n + k] * B[k * n + c];
+      *column++ = sum;
+    }
+    return column;
+  }
+
   static constexpr int kMost = 6;  ///< tangent coordinates of a curved part
 
   /// How far the first state was moved, and where the state should be, of a curved part.

@@ -24,23 +24,25 @@ class StateResidual : public ResidualBase<StateResidual> {
         for (int i = 0; i < segment.n; ++i) *jacobian++ = S(1.0);
         continue;
       }
-      const Motion<S> d{{r[segment.dx], r[segment.dx + 1], r[segment.dx + 2]},
-                        segment.n == 3
-                            ? Vector3<S>::zero()
-                            : Vector3<S>{r[segment.dx + 3], r[segment.dx + 4], r[segment.dx + 5]}};
-      if (segment.n == 3) {
-        const Matrix3<S> block = inverse_right_jacobian_so3(d.linear);
-        for (int c = 0; c < 3; ++c)
-          for (int i = 0; i < 3; ++i) *jacobian++ = block(i, c);
-      } else {
-        const Matrix6<S> block = inverse_right_jacobian_se3(d);
-        for (int c = 0; c < 6; ++c)
-          for (int i = 0; i < 6; ++i) *jacobian++ = block(i, c);
-      }
+      const S* d = r + segment.dx;
+      const Vector3<S> first{d[0], d[1], d[2]};
+      jacobian =
+          segment.n == 3
+              ? write_block<3>(inverse_right_jacobian_so3(first), jacobian)
+              : write_block<6>(inverse_right_jacobian_se3(Motion<S>{first, {d[3], d[4], d[5]}}),
+                               jacobian);
     }
   }
 
  private:
+  /// n x n, by columns.
+  template <int n, class Matrix, class S>
+  static S* write_block(const Matrix& block, S* jacobian) {
+    for (int c = 0; c < n; ++c)
+      for (int i = 0; i < n; ++i) *jacobian++ = block(i, c);
+    return jacobian;
+  }
+
   static std::vector<RowBlock> structure(const StateManifold& manifold) {
     std::vector<RowBlock> blocks;
     for (const auto& segment : manifold.segments()) {

@@ -107,6 +107,25 @@ class SteppingResidual : public ResidualBase<SteppingResidual> {
   template <class S>
   void write_values(const S* u, const SteppingSystem::Data<S>& data, S* r) const {
     const SteppingLayout& w = system_->layout();
+    write_motion(u, data, r);
+    r += n_;
+    for (std::size_t c = 0; c < w.candidates.size(); ++c)
+      r = write_candidate(static_cast<int>(c), u, data, r);
+    for (const SteppingLayout::Stop& stop : w.stops) {
+      const S above = data.q[stop.position] - S(stop.limit);
+      *r++ = u[stop.distance] - (stop.upper ? -above : above);
+    }
+    for (std::size_t i = 0; i < w.frictions.size(); ++i) {
+      const JointFriction& friction = system_->contacts().frictions[i];
+      r = write_friction(
+          w.frictions[i], S(friction.limit), u,
+          [&](int) { return data.v[w.friction_velocities[i]]; }, r);
+    }
+  }
+
+  template <class S>
+  void write_motion(const S* u, const SteppingSystem::Data<S>& data, S* r) const {
+    const SteppingLayout& w = system_->layout();
     std::copy_n(data.motion.data(), n_, r);
     for (std::size_t c = 0; c < w.candidates.size(); ++c) {
       const std::vector<int>& joints = system_->geometry()[c].columns();
@@ -118,35 +137,27 @@ class SteppingResidual : public ResidualBase<SteppingResidual> {
     }
     for_each_joint_force(
         [&](int entry, int joint, double sign) { r[joint] -= S(sign) * u[entry]; });
-    r += n_;
-    for (std::size_t c = 0; c < w.candidates.size(); ++c) {
-      const SteppingLayout::Candidate& at = w.candidates[c];
-      const ContactCandidate& candidate = system_->contacts().candidates[c];
-      const std::vector<int>& joints = system_->geometry()[c].columns();
-      const CandidateRows<S>& rows = data.candidates[c];
-      const int k = static_cast<int>(joints.size());
-      *r = u[at.gap] - rows.gap;
-      if (candidate.stiffness) *r -= S(1 / *candidate.stiffness) * u[at.force];
-      ++r;
-      const S budget = S(candidate.friction) * u[at.force];
-      const auto speed = [&](int tangent) {
-        S sum(0.0);
-        for (int j = 0; j < k; ++j) sum += rows.rows[(1 + tangent) * k + j] * data.v[joints[j]];
-        return sum;
-      };
-      r = write_friction(at.friction, budget, u, speed, r);
-      if (at.cone.present) r = write_cone(at.cone, budget, u, speed, r);
-    }
-    for (const SteppingLayout::Stop& stop : w.stops) {
-      const S above = data.q[stop.position] - S(stop.limit);
-      *r++ = u[stop.distance] - (stop.upper ? -above : above);
-    }
-    for (std::size_t i = 0; i < w.frictions.size(); ++i) {
-      const JointFriction& friction = system_->contacts().frictions[i];
-      r = write_friction(
-          w.frictions[i], S(friction.limit), u,
-          [&](int) { return data.v[w.friction_velocities[i]]; }, r);
-    }
+  }
+
+  /// Gap and friction.
+  template <class S>
+  S* write_candidate(int c, const S* u, const SteppingSystem::Data<S>& data, S* r) const {
+    const SteppingLayout::Candidate& at = system_->layout().candidates[c];
+    const ContactCandidate& candidate = system_->contacts().candidates[c];
+    const std::vector<int>& joints = system_->geometry()[c].columns();
+    const CandidateRows<S>& rows = data.candidates[c];
+    const int k = static_cast<int>(joints.size());
+    *r = u[at.gap] - rows.gap;
+    if (candidate.stiffness) *r -= S(1 / *candidate.stiffness) * u[at.force];
+    ++r;
+    const S budget = S(candidate.friction) * u[at.force];
+    const auto speed = [&](int tangent) {
+      S sum(0.0);
+      for (int j = 0; j < k; ++j) sum += rows.rows[(1 + tangent) * k + j] * data.v[joints[j]];
+      return sum;
+    };
+    r = write_friction(at.friction, budget, u, speed, r);
+    return at.cone.present ? write_cone(at.cone, budget, u, speed, r) : r;
   }
 
   /// s_i − (γ ± speed along the tangent) for each direction, s_γ − (budget − Σ f_i).
@@ -248,6 +259,14 @@ class SteppingResidual : public ResidualBase<SteppingResidual> {
     }
     if (f.count > 0) jacobian = write_constants(*row_constants++, jacobian);
     if (!at.cone.present) return jacobian;
+    row_constants += ConeIndices::kRows;
+    return differentiate_cone(c, u, h, data, jacobian);
+  }
+
+  template <class S>
+  S* differentiate_cone(int c, const S* u, const S& h, const SteppingSystem::Data<S>& data,
+                        S* jacobian) const {
+    const SteppingLayout::Candidate& at = system_->layout().candidates[c];
     const ConeIndices& cone = at.cone;
     const S mu(system_->contacts().candidates[c].friction);
     for (int i = 0; i < 2; ++i) {
@@ -262,7 +281,6 @@ class SteppingResidual : public ResidualBase<SteppingResidual> {
     }
     for (int i = 0; i < 2; ++i) *jacobian++ = S(2.0) * u[cone.use[i]];
     *jacobian++ = S(1.0);
-    row_constants += ConeIndices::kRows;
     return jacobian;
   }
 

@@ -6,19 +6,9 @@ namespace conddp {
 
 SteppingRows::SteppingRows(const SteppingSystem& system, int ndx) : n_(system.nv()), ndx_(ndx) {
   const SteppingLayout& w = system.layout();
+  find_forces(w);
   motion(system);
-  for (std::size_t c = 0; c < w.candidates.size(); ++c) {
-    const SteppingLayout::Candidate& at = w.candidates[c];
-    const ContactCandidate& candidate = system.contacts().candidates[c];
-    const std::vector<int>& joints = system.geometry()[c].columns();
-    const std::string name = "contact/" + candidate.name;
-    Entries entries{{at.gap, 1}};
-    if (candidate.stiffness) entries.emplace_back(at.force, -1 / *candidate.stiffness);
-    add(name + "/gap", w, joints, true, entries);
-    friction(name, w, joints, true, at.friction);
-    if (at.friction.count > 0) budget(name, w, at.friction, {{at.force, -candidate.friction}});
-    if (at.cone.present) cone(name, w, joints, at);
-  }
+  for (std::size_t c = 0; c < w.candidates.size(); ++c) candidate(system, c);
   for (const SteppingLayout::Stop& stop : w.stops)
     add("stop/" + system.multibody().robot().joints[stop.joint].name +
             (stop.upper ? "/upper" : "/lower"),
@@ -29,6 +19,20 @@ SteppingRows::SteppingRows(const SteppingSystem& system, int ndx) : n_(system.nv
     friction(name, w, {w.friction_velocities[i]}, false, w.frictions[i]);
     budget(name, w, w.frictions[i], {});
   }
+}
+
+void SteppingRows::candidate(const SteppingSystem& system, std::size_t c) {
+  const SteppingLayout& w = system.layout();
+  const SteppingLayout::Candidate& at = w.candidates[c];
+  const ContactCandidate& candidate = system.contacts().candidates[c];
+  const std::vector<int>& joints = system.geometry()[c].columns();
+  const std::string name = "contact/" + candidate.name;
+  Entries entries{{at.gap, 1}};
+  if (candidate.stiffness) entries.emplace_back(at.force, -1 / *candidate.stiffness);
+  add(name + "/gap", w, joints, true, entries);
+  friction(name, w, joints, true, at.friction);
+  if (at.friction.count > 0) budget(name, w, at.friction, {{at.force, -candidate.friction}});
+  if (at.cone.present) cone(name, w, joints, at);
 }
 
 void SteppingRows::add(const std::string& name, const SteppingLayout& w,
@@ -61,8 +65,7 @@ void SteppingRows::budget(const std::string& name, const SteppingLayout& w,
   add(name + "/budget", w, {}, false, std::move(entries));
 }
 
-void SteppingRows::motion(const SteppingSystem& system) {
-  const SteppingLayout& w = system.layout();
+void SteppingRows::find_forces(const SteppingLayout& w) {
   for (const auto& c : w.candidates) {
     forces.push_back(c.force);
     forces.insert(forces.end(), c.friction.force.begin(),
@@ -73,6 +76,10 @@ void SteppingRows::motion(const SteppingSystem& system) {
   for (const auto& f : w.frictions)
     forces.insert(forces.end(), f.force.begin(), f.force.begin() + 2);
   std::sort(forces.begin(), forces.end());
+}
+
+void SteppingRows::motion(const SteppingSystem& system) {
+  const SteppingLayout& w = system.layout();
   RowBlock block{n_, column_range(0, 2 * n_)};
   for (int i = 0; i < w.actuators + n_; ++i) block.columns.push_back(ndx_ + i);
   for (const int i : forces) block.columns.push_back(ndx_ + i);

@@ -25,6 +25,8 @@ class SteppingRows {
   /// Entries of the control and the constant derivatives by them.
   using Entries = std::vector<std::pair<int, double>>;
 
+  void find_forces(const SteppingLayout& w);
+  void candidate(const SteppingSystem& system, std::size_t c);
   /// The block of the equations of motion: q, v, u, a, then forces.
   void motion(const SteppingSystem& system);
   /// A row that depends on q (if asked for), v and a of some joints, and on entries of the control.

@@ -29,6 +29,22 @@ struct Activation {
   /// rank_one is 0 but for smooth_l2.
   template <class S>
   S differentiate(const S* r, int n, S* gradient, S* diagonal, S& rank_one) const;
+
+ private:
+  double weight(int i) const { return weights.empty() ? 1.0 : weights[i]; }
+  /// Σ wᵢ rᵢ².
+  template <class S>
+  S weighted_square(const S* r, int n) const;
+  template <class S>
+  S differentiate_quadratic(const S* r, int n, S* gradient, S* diagonal) const;
+  template <class S>
+  S differentiate_barrier(const S* r, int n, S* gradient, S* diagonal) const;
+  template <class S>
+  S differentiate_smooth_l1(const S* r, int n, S* gradient, S* diagonal) const;
+  template <class S>
+  S differentiate_smooth_l2(const S* r, int n, S* gradient, S* diagonal, S& rank_one) const;
+  template <class S>
+  S differentiate_linear(const S* r, int n, S* gradient, S* diagonal) const;
 };
 
 }  // namespace conddp

@@ -53,6 +53,16 @@ S positive_root(const S& square) {
   return sqrt(max(square, S(1e-200)));
 }
 
+/// Throws std::invalid_argument where a constraint of this kind is not one of such a residual.
+void check_residual(const ConstraintTerm& term, const Residual& residual) {
+  if (term.is_cone() && (residual.size() < 2 || !(term.slope > 0)))
+    throw std::invalid_argument("constraint " + term.name +
+                                ": a cone has two rows or more and a positive slope");
+  if (term.has_pairs() && !has_pairs_of_entries(residual))
+    throw std::invalid_argument("constraint " + term.name +
+                                ": complementary rows are pairs of single columns");
+}
+
 }  // namespace
 
 bool ConstraintTerm::depends_on_control(int ndx) const {
@@ -70,12 +80,7 @@ int ConstraintTerm::jacobian_size() const {
 ConstraintTerm make_constraint(std::string name, std::shared_ptr<const Residual> residual,
                                ConstraintKind kind, double slope, Softness softness) {
   ConstraintTerm term{.name = std::move(name), .kind = kind, .slope = slope, .softness = softness};
-  if (kind == ConstraintKind::second_order_cone && (residual->size() < 2 || !(slope > 0)))
-    throw std::invalid_argument("constraint " + term.name +
-                                ": a cone has two rows or more and a positive slope");
-  if (kind == ConstraintKind::complementarity && !has_pairs_of_entries(*residual))
-    throw std::invalid_argument("constraint " + term.name +
-                                ": complementary rows are pairs of single columns");
+  check_residual(term, *residual);
   if (kind == ConstraintKind::bounds || kind == ConstraintKind::complementarity) {
     term.rows = residual->size();
     term.blocks = residual->blocks();

@@ -23,6 +23,24 @@ S form_value(const ConstraintTerm& term, const S* r, S* g) {
   return S(1.0);
 }
 
+namespace detail {
+
+template <class S>
+void form_norm_jacobian(const ConstraintTerm& term, const S* r, const S& norm, const S* residual,
+                        S* jacobian) {
+  const S inverse = S(1.0) / norm;
+  for (const auto& [row, column] : term.entries)
+    jacobian[column] += (r[row] * inverse) * *residual++;
+}
+
+template <class S>
+void form_cone_jacobian(const ConstraintTerm& term, const S* residual, S* jacobian) {
+  for (const auto& [row, column] : term.entries)
+    jacobian[column * term.rows + row] = S(row == term.rows - 1 ? term.slope : 1.0) * *residual++;
+}
+
+}  // namespace detail
+
 /// ∂g/∂z by blocks from the residual's.
 template <class S>
 void form_jacobian(const ConstraintTerm& term, const S* r, const S& norm, const S* residual,
@@ -33,14 +51,10 @@ void form_jacobian(const ConstraintTerm& term, const S* r, const S& norm, const 
     return;
   }
   for (int i = 0; i < term.jacobian_size(); ++i) jacobian[i] = S(0.0);
-  if (term.kind == ConstraintKind::norm) {
-    const S inverse = S(1.0) / norm;
-    for (const auto& [row, column] : term.entries)
-      jacobian[column] += (r[row] * inverse) * *residual++;
-    return;
-  }
-  for (const auto& [row, column] : term.entries)
-    jacobian[column * term.rows + row] = S(row == term.rows - 1 ? term.slope : 1.0) * *residual++;
+  if (term.kind == ConstraintKind::norm)
+    detail::form_norm_jacobian(term, r, norm, residual, jacobian);
+  else
+    detail::form_cone_jacobian(term, residual, jacobian);
 }
 
 }  // namespace conddp
