@@ -61,44 +61,58 @@ class GaitSchedule {
     const int errors = out_.error_count();
     begin_ = knots_of(gait_.begin, "standing before the gait");
     const int stand = knots_of(gait_.end, "standing after the gait");
-    double total = static_cast<double>(begin_) + stand;
     if (swings()) {
       period_ = knots_of(gait_.period, "the period");
       if (out_.error_count() > errors) return;
-      swing_ = static_cast<int>(std::lround((1 - gait_.duty.value) * period_));
-      if (swing_ < 1)
-        return out_.error(
-            gait_.duty.place,
-            fmt::format("with a duty of {} no foot ever lifts: it would be in the air "
-                        "for {:.3g} s of the period, less than one step of dt {} s",
-                        gait_.duty.value, (1 - gait_.duty.value) * gait_.period.value,
-                        gait_.dt.value),
-            "lower 'duty', the share of the cycle that a foot stands");
-      if (swing_ >= period_)
-        return out_.error(
-            gait_.duty.place,
-            fmt::format("with a duty of {} no foot ever stands: that would be for "
-                        "{:.3g} s of the period, less than one step of dt {} s",
-                        gait_.duty.value, gait_.duty.value * gait_.period.value, gait_.dt.value));
-      if (stand < 1)
-        return out_.error(gait_.end.place,
-                          "the feet touch down at the beginning of the stand at the end: it needs "
-                          "one step at least",
-                          "raise 'stand: {end: ...}'");
-      total += static_cast<double>(cycles()) * period_;
+      set_swing(stand);
+      if (out_.error_count() > errors) return;
     }
+    const double total =
+        static_cast<double>(begin_) + stand + static_cast<double>(cycles()) * period_;
     if (total > kMaxKnots)
       return out_.error(gait_.place, fmt::format("the gait has more than {} knots", kMaxKnots));
     if (total < 1) return out_.error(gait_.place, "the gait takes no time");
-    earliest_ = 1, latest_ = 0;
-    for (const FootSpec& foot : gait_.feet) {
-      feet_.push_back({begin_ + static_cast<int>(std::lround(foot.start * period_)), foot.start});
-      earliest_ = std::min(earliest_, foot.start);
-      latest_ = std::max(latest_, foot.start);
-    }
+    set_feet();
     end_ = begin_ + stand;
     for (int foot = 0; swings() && foot < foot_count(); ++foot)
       end_ = std::max(end_, touch_down(foot, cycles() - 1) + stand);
+  }
+
+  /// How long a foot is in the air: a part of the period, with time to stand behind the last one.
+  void set_swing(int stand) {
+    swing_ = static_cast<int>(std::lround((1 - gait_.duty.value) * period_));
+    if (swing_ < 1)
+      return out_.error(gait_.duty.place,
+                        fmt::format("with a duty of {} no foot ever lifts: it would be in the air "
+                                    "for {:.3g} s of the period, less than one step of dt {} s",
+                                    gait_.duty.value, (1 - gait_.duty.value) * gait_.period.value,
+                                    gait_.dt.value),
+                        "lower 'duty', the share of the cycle that a foot stands");
+    if (swing_ >= period_)
+      return out_.error(
+          gait_.duty.place,
+          fmt::format("with a duty of {} no foot ever stands: that would be for "
+                      "{:.3g} s of the period, less than one step of dt {} s",
+                      gait_.duty.value, gait_.duty.value * gait_.period.value, gait_.dt.value));
+    if (stand < 1)
+      out_.error(gait_.end.place,
+                 "the feet touch down at the beginning of the stand at the end: it needs "
+                 "one step at least",
+                 "raise 'stand: {end: ...}'");
+  }
+
+  void set_feet() {
+    earliest_ = 1, latest_ = 0;
+    for (const FootSpec& foot : gait_.feet) {
+      feet_.push_back({knot_of_start(foot.start), foot.start});
+      earliest_ = std::min(earliest_, foot.start);
+      latest_ = std::max(latest_, foot.start);
+    }
+  }
+
+  /// The knot at which the first cycle of a foot starts.
+  int knot_of_start(double start) const {
+    return begin_ + static_cast<int>(std::lround(start * period_));
   }
 
   bool stands(int foot, int knot) const {
@@ -194,31 +208,40 @@ class GaitSchedule {
   void make_costs() {
     std::vector<CostSpec> costs;
     for (int foot = 0; foot < foot_count(); ++foot) {
-      const Name& contact = gait_.feet[foot].contact;
-      const ContactSpec& on =
-          *std::find_if(spec_.contacts.begin(), spec_.contacts.end(),
-                        [&](const ContactSpec& c) { return c.name.value == contact.value; });
-      const bool sole = on.kind == ContactKind::surface;
-      const char* residual = sole ? "frame_placement" : "frame_position";
-      SwingSpec swing{.place = gait_.place, .height = gait_.step_height};
-      for (int cycle = 0; cycle < cycles(); ++cycle)
-        swing.displaced.push_back(motion(landing(foot, cycle)));
-      CostSpec cost{.name = {"swing_" + contact.value, gait_.place},
-                    .residual = {residual, gait_.place},
-                    .definition = find_residual(residual),
-                    .weight = gait_.weight};
-      cost.keys.set(key::frame, {on.frame.value, contact.place});
-      cost.keys.set(key::swing, std::move(swing));
-      cost.phases = swing_phases_[foot];
-      for (const CostSpec& other : spec_.costs)
-        if (other.name.value == cost.name.value)
-          out_.error(other.name.place,
-                     fmt::format("the gait makes a cost '{}' for the swings of '{}'",
-                                 cost.name.value, contact.value),
-                     "give this cost another name");
-      costs.push_back(std::move(cost));
+      costs.push_back(swing_cost(foot));
+      check_name(costs.back(), gait_.feet[foot].contact.value);
     }
     spec_.costs.insert(spec_.costs.end(), costs.begin(), costs.end());
+  }
+
+  CostSpec swing_cost(int foot) const {
+    const Name& contact = gait_.feet[foot].contact;
+    const ContactSpec& on =
+        *std::find_if(spec_.contacts.begin(), spec_.contacts.end(),
+                      [&](const ContactSpec& c) { return c.name.value == contact.value; });
+    const bool sole = on.kind == ContactKind::surface;
+    const char* residual = sole ? "frame_placement" : "frame_position";
+    SwingSpec swing{.place = gait_.place, .height = gait_.step_height};
+    for (int cycle = 0; cycle < cycles(); ++cycle)
+      swing.displaced.push_back(motion(landing(foot, cycle)));
+    CostSpec cost{.name = {"swing_" + contact.value, gait_.place},
+                  .residual = {residual, gait_.place},
+                  .definition = find_residual(residual),
+                  .weight = gait_.weight};
+    cost.keys.set(key::frame, {on.frame.value, contact.place});
+    cost.keys.set(key::swing, std::move(swing));
+    cost.phases = swing_phases_[foot];
+    return cost;
+  }
+
+  /// Reports costs of the file that have the name of a swing's.
+  void check_name(const CostSpec& swing, const std::string& contact) {
+    for (const CostSpec& other : spec_.costs)
+      if (other.name.value == swing.name.value)
+        out_.error(other.name.place,
+                   fmt::format("the gait makes a cost '{}' for the swings of '{}'",
+                               swing.name.value, contact),
+                   "give this cost another name");
   }
 
   /// A node's number, which counts impulses that come before it.
@@ -229,20 +252,25 @@ class GaitSchedule {
 
   /// Knots and the share of the way that the base has gone by then.
   std::vector<std::pair<int, double>> way() const {
-    const auto round_trip = [&](double start) {
-      return begin_ + static_cast<int>(std::lround(start * period_));
-    };
-    std::vector<std::pair<int, double>> points;
     if (cycles() == 0) return {{0, 0.0}};
-    if (earliest_ == latest_) {
-      for (int cycle = 0; cycle < cycles(); ++cycle) {
-        points.emplace_back(lift_off(0, cycle), static_cast<double>(cycle) / cycles());
-        points.emplace_back(touch_down(0, cycle), (cycle + 1.0) / cycles());
-      }
-      return points;
+    return earliest_ == latest_ ? way_of_hops() : way_of_steps();
+  }
+
+  /// Where all feet swing together the base moves while they do.
+  std::vector<std::pair<int, double>> way_of_hops() const {
+    std::vector<std::pair<int, double>> points;
+    for (int cycle = 0; cycle < cycles(); ++cycle) {
+      points.emplace_back(lift_off(0, cycle), static_cast<double>(cycle) / cycles());
+      points.emplace_back(touch_down(0, cycle), (cycle + 1.0) / cycles());
     }
-    const int first = round_trip(earliest_) + swing_ / 2;
-    const int last = round_trip(latest_) + (cycles() - 1) * period_ + swing_ / 2;
+    return points;
+  }
+
+  /// From the middle of the first swing to that of the last one.
+  std::vector<std::pair<int, double>> way_of_steps() const {
+    std::vector<std::pair<int, double>> points;
+    const int first = knot_of_start(earliest_) + swing_ / 2;
+    const int last = knot_of_start(latest_) + (cycles() - 1) * period_ + swing_ / 2;
     // On an arc straight pieces of half a cycle come close enough.
     const int pieces = gait_.turn == 0 ? 1 : 2 * cycles();
     for (int i = 0; i <= pieces; ++i) {
@@ -254,22 +282,35 @@ class GaitSchedule {
     return points;
   }
 
+  /// Whether a reference is one state that is displaced with the gait.
+  static bool goes_with_gait(const ReferenceSpec& reference) {
+    if (reference.values.size() != 1 || !reference.times.empty() || !reference.knots.empty())
+      return false;
+    const std::optional<StateSpec>& state = reference.values.front().state;
+    return state && state->displaced && state->displaced->with_gait;
+  }
+
   /// Gives a reference that goes with the gait its way-points, or at the last node its end.
   void lead(CostSpec& cost, bool terminal) const {
-    if (!cost.reference || cost.reference->values.size() != 1) return;
+    if (!cost.reference || !goes_with_gait(*cost.reference)) return;
     ReferenceSpec& reference = *cost.reference;
-    if (!reference.times.empty() || !reference.knots.empty()) return;
     const ReferenceValueSpec value = reference.values.front();
-    if (!value.state || !value.state->displaced || !value.state->displaced->with_gait) return;
+    if (terminal) {
+      reference.values = {displaced(value, 1.0)};
+      return;
+    }
     reference.values.clear();
     const auto points = way();
     for (const auto& [knot, share] : points) {
-      if (terminal && !reference.values.empty()) break;
-      ReferenceValueSpec& point = reference.values.emplace_back(value);
-      point.state->displaced = {.place = value.state->displaced->place,
-                                .motion = motion(terminal ? 1.0 : share)};
-      if (!terminal && points.size() > 1) reference.knots.push_back({node(knot), value.place});
+      reference.values.push_back(displaced(value, share));
+      if (points.size() > 1) reference.knots.push_back({node(knot), value.place});
     }
+  }
+
+  /// The value of a reference after a share of the way.
+  ReferenceValueSpec displaced(ReferenceValueSpec value, double share) const {
+    value.state->displaced = {.place = value.state->displaced->place, .motion = motion(share)};
+    return value;
   }
 
   const GaitSpec& gait_;

@@ -36,6 +36,18 @@ double between(double from, double to, double share) {
   return from * to > 0 ? from * std::pow(to / from, share) : from + share * (to - from);
 }
 
+/// One number that moves; nothing, with an error, where it is not said how.
+std::optional<HomotopyKeySpec> read_homotopy_key(const YamlReader& reader) {
+  YamlMap map(reader, "write '{key: constraints.torque.scale, from: 3, to: 1}'");
+  const auto key = map.require("key"), from = map.require("from"), to = map.require("to");
+  if (!key || !from || !to) return std::nullopt;
+  const auto name = key->name();
+  const auto first = from->number(), last = to->number();
+  if (!name || !first || !last) return std::nullopt;
+  if (*first == *last) to->error(fmt::format("from and to are both {}: nothing moves", *last));
+  return HomotopyKeySpec{*name, {*first, from->place()}, {*last, to->place()}};
+}
+
 }  // namespace
 
 std::vector<HomotopyKeySpec> read_homotopy(const YamlReader& reader) {
@@ -43,42 +55,50 @@ std::vector<HomotopyKeySpec> read_homotopy(const YamlReader& reader) {
   const auto items = reader.items("write '[{key: constraints.torque.scale, from: 3, to: 1}]'");
   if (!items) return keys;
   for (const YamlReader& item : *items) {
-    YamlMap map(item, "write '{key: constraints.torque.scale, from: 3, to: 1}'");
-    const auto key = map.require("key"), from = map.require("from"), to = map.require("to");
-    if (!key || !from || !to) continue;
-    const auto name = key->name();
-    const auto first = from->number(), last = to->number();
-    if (!name || !first || !last) continue;
-    if (*first == *last) to->error(fmt::format("from and to are both {}: nothing moves", *last));
-    if (std::any_of(keys.begin(), keys.end(),
-                    [&](const HomotopyKeySpec& other) { return other.key.value == name->value; }))
-      key->error(fmt::format("the homotopy has the key '{}' twice", name->value));
-    keys.push_back({*name, {*first, from->place()}, {*last, to->place()}});
+    auto key = read_homotopy_key(item);
+    if (!key) continue;
+    const auto is_same = [&](const HomotopyKeySpec& other) {
+      return other.key.value == key->key.value;
+    };
+    if (std::any_of(keys.begin(), keys.end(), is_same))
+      reader.diagnostics().error(
+          key->key.place, fmt::format("the homotopy has the key '{}' twice", key->key.value));
+    keys.push_back(*std::move(key));
   }
   return keys;
 }
 
+namespace {
+
+/// The homotopy of a document, or null.
+YamlNode* homotopy_of(YamlNode& root) {
+  YamlNode* solver = find_part(root, "solver");
+  return solver != nullptr ? find_part(*solver, "homotopy") : nullptr;
+}
+
+/// Puts a number of the way in the place of the one that the document has; one that is not the
+/// number at the end is reported.
+void place(const HomotopyKeySpec& key, double share, YamlNode& node, Diagnostics& out) {
+  const double from = key.from.value, to = key.to.value;
+  if (node.kind == YamlNode::Kind::kScalar && parse_number(node.text).value != to)
+    out.warning({node.mark, key.key.value},
+                fmt::format("{} does not count: a homotopy takes this number to {}", node.text, to),
+                "write that number here, too");
+  node = {.kind = YamlNode::Kind::kScalar,
+          .mark = key.to.place.mark,
+          .text = fmt::format("{}", between(from, to, share))};
+}
+
+}  // namespace
+
 void place_homotopy(YamlNode& root, double share, Diagnostics& out) {
-  YamlNode* list = find_part(root, "solver");
-  if (list != nullptr) list = find_part(*list, "homotopy");
+  const YamlNode* list = homotopy_of(root);
   if (list == nullptr) return;
   Diagnostics attempt = out;
   const auto keys = read_homotopy(YamlReader(*list, "solver.homotopy", attempt));
   if (attempt.has_errors()) return;
-  for (const HomotopyKeySpec& key : keys) {
-    YamlNode* node = find_number(root, key.key, out);
-    if (node == nullptr) continue;
-    const double from = key.from.value, to = key.to.value;
-    const auto before = parse_number(node->text).value;
-    if (node->kind == YamlNode::Kind::kScalar && before != to)
-      out.warning(
-          {node->mark, key.key.value},
-          fmt::format("{} does not count: a homotopy takes this number to {}", node->text, to),
-          "write that number here, too");
-    *node = {.kind = YamlNode::Kind::kScalar,
-             .mark = key.to.place.mark,
-             .text = fmt::format("{}", between(from, to, share))};
-  }
+  for (const HomotopyKeySpec& key : keys)
+    if (YamlNode* node = find_number(root, key.key, out)) place(key, share, *node, out);
 }
 
 }  // namespace conddp

@@ -18,6 +18,11 @@ void read_direction(const YamlReader& reader, Vector3<double>& direction) {
     reader.error("the direction has no length");
 }
 
+/// A number, or null for none.
+std::optional<double> read_limit(const YamlReader& reader, double none) {
+  return reader.is_null() ? none : reader.number();
+}
+
 ThrusterSpec read_thruster(const YamlReader& reader) {
   ThrusterSpec thruster;
   YamlMap map(reader);
@@ -25,14 +30,10 @@ ThrusterSpec read_thruster(const YamlReader& reader) {
   if (const auto r = map.require("frame")) thruster.frame = r->name().value_or(Name{});
   if (const auto r = map.find("direction")) read_direction(*r, thruster.direction);
   map.number("torque_ratio", thruster.torque_ratio);
-  if (const auto r = map.find("lower")) {
-    if (r->is_null())
-      thruster.lower = -kUnlimited;
-    else if (const auto lower = r->number())
-      thruster.lower = *lower;
-  }
-  if (const auto r = map.find("upper"); r && !r->is_null())
-    if (const auto upper = r->number()) thruster.upper = *upper;
+  if (const auto r = map.find("lower"))
+    thruster.lower = read_limit(*r, -kUnlimited).value_or(thruster.lower);
+  if (const auto r = map.find("upper"))
+    thruster.upper = read_limit(*r, kUnlimited).value_or(thruster.upper);
   if (thruster.lower > thruster.upper)
     reader.error(fmt::format("the lower limit {} is above the upper limit {}", thruster.lower,
                              thruster.upper));
@@ -54,9 +55,9 @@ ActuationSpec read_actuation(const YamlReader& reader) {
   const auto joints = map.find("joints");
   if (!thrusters && !joints)
     reader.error("'joints' or 'thrusters' is expected here", "or write 'actuation: none'");
-  if (thrusters)
-    if (const auto items = thrusters->items())
-      for (const YamlReader& item : *items) actuation.thrusters.push_back(read_thruster(item));
+  for_each_item(map, "thrusters", [&](const YamlReader& item) {
+    actuation.thrusters.push_back(read_thruster(item));
+  });
   if (joints) actuation.joints = joints->names().value_or(std::vector<Name>{});
   return actuation;
 }

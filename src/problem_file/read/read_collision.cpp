@@ -11,7 +11,7 @@ void read_radius(YamlMap& map, double& radius) {
 }
 
 void read_point(YamlMap& map, std::string_view key, Vector3<double>& point) {
-  if (const auto r = map.find(key)) point = read_vector3(*r, "[x, y, z] in m").value_or(point);
+  read_vector3(map, key, "[x, y, z] in m", point);
 }
 
 }  // namespace

@@ -131,13 +131,18 @@ void read_length(YamlMap& map, ConstraintSpec& constraint) {
     r->error(fmt::format("no length is at least {} and at most {}", *shortest, *longest));
 }
 
+/// Whether a residual has a cone of its own, or may get a second-order one.
+bool has_cone(const ResidualDefinition& definition, bool second_order) {
+  return definition.has(key::cone.name) || (second_order && !definition.is_cone);
+}
+
 void read_cone(YamlMap& map, ConstraintSpec& constraint) {
   const ResidualDefinition& definition = *constraint.function.definition;
   const auto cone = find_in_set(map, "cone", definition);
   if (!cone) return;
   const bool second_order = cone->choice(kConeWords, "cone").value_or(false);
   constraint.function.keys.set(key::cone, second_order);
-  if (!definition.has(key::cone.name) && (!second_order || definition.is_cone))
+  if (!has_cone(definition, second_order))
     cone->error(fmt::format("the residual '{}' has no such cone", definition.name),
                 second_order ? "leave the key out" : "'cone: second_order' serves all others");
   if (second_order && (map.find("faces") || map.find("inner")))
@@ -226,6 +231,12 @@ void add_centers(const YamlReader& reader, std::vector<Located<std::vector<doubl
   }
 }
 
+/// Whether the residual of a term is the difference of a point from its reference.
+bool is_point(const CostSpec& function) {
+  const auto is_point_with = function.definition->is_point;
+  return is_point_with != nullptr && is_point_with(function);
+}
+
 /// "control, ..., or state with 'columns'", for hints.
 std::string list_of_points() {
   std::string always, with_columns;
@@ -248,8 +259,7 @@ void read_centers(YamlMap& map, ConstraintSpec& constraint) {
   if (!items) return;
   for (const YamlReader& item : *items) add_centers(item, constraint.centers);
   if (items->empty()) reader->error("there is no center");
-  const auto is_point = constraint.function.definition->is_point;
-  if (is_point == nullptr || !is_point(constraint.function))
+  if (!is_point(constraint.function))
     reader->error("a constraint from centers needs a residual that is a point", list_of_points());
   else if (!constraint.at_least && !constraint.at_most)
     reader->error("a constraint from centers needs 'at_least' or 'at_most'");

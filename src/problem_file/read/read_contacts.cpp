@@ -15,12 +15,8 @@ void read_baumgarte(const YamlReader& reader, ContactSpec& contact) {
   map.number("kd", contact.kd, kNotNegative);
 }
 
-/// The keys that `defaults` may have, too.
-void read_common_keys(YamlMap& map, ContactSpec& contact) {
-  if (const auto r = map.find("type"))
-    contact.kind = r->choice(kContactWords, "type of contact").value_or(contact.kind);
-  if (const auto r = map.find("axes"))
-    contact.axes = r->choice(kAxesWords, "system of axes").value_or(contact.axes);
+void read_axes(YamlMap& map, ContactSpec& contact) {
+  map.choice("axes", contact.axes, kAxesWords, "system of axes");
   if (const auto r = map.find("normal"))
     contact.normal = read_direction(*r).value_or(contact.normal);
   if (const auto r = map.find("tangent")) {
@@ -28,20 +24,32 @@ void read_common_keys(YamlMap& map, ContactSpec& contact) {
     if (contact.kind != ContactKind::planar)
       r->error("'tangent' belongs to contacts of type 'planar'");
   }
-  if (const auto r = map.find("baumgarte")) read_baumgarte(*r, contact);
+}
+
+void read_force_limits(YamlMap& map, ContactSpec& contact) {
   map.number("friction", contact.friction, kPositive);
   map.number("min_normal_force", contact.min_normal_force, kNotNegative);
   map.number("max_normal_force", contact.max_normal_force, kPositive);
   if (contact.min_normal_force >= contact.max_normal_force)
     map.reader().error(fmt::format("'min_normal_force' {} does not lie under 'max_normal_force' {}",
                                    contact.min_normal_force, contact.max_normal_force));
-  if (const auto r = map.find("size")) {
-    const auto size = r->numbers(2, "[length, width] of a sole along its x and y, in m");
-    if (size && (*size)[0] > 0 && (*size)[1] > 0)
-      contact.half_size = {(*size)[0] / 2, (*size)[1] / 2};
-    else if (size)
-      r->error("the size of a sole must be positive");
-  }
+}
+
+void read_size(const YamlReader& reader, ContactSpec& contact) {
+  const auto size = reader.numbers(2, "[length, width] of a sole along its x and y, in m");
+  if (size && (*size)[0] > 0 && (*size)[1] > 0)
+    contact.half_size = {(*size)[0] / 2, (*size)[1] / 2};
+  else if (size)
+    reader.error("the size of a sole must be positive");
+}
+
+/// The keys that `defaults` may have, too.
+void read_common_keys(YamlMap& map, ContactSpec& contact) {
+  map.choice("type", contact.kind, kContactWords, "type of contact");
+  read_axes(map, contact);
+  if (const auto r = map.find("baumgarte")) read_baumgarte(*r, contact);
+  read_force_limits(map, contact);
+  if (const auto r = map.find("size")) read_size(*r, contact);
 }
 
 void complete_tangent(const Place& place, Diagnostics& out, ContactSpec& contact) {
@@ -59,6 +67,36 @@ void complete_tangent(const Place& place, Diagnostics& out, ContactSpec& contact
   contact.tangent = (1 / length) * t;
 }
 
+/// What contacts have that do not say otherwise.
+ContactSpec read_defaults(const std::vector<std::pair<Name, YamlReader>>& entries) {
+  ContactSpec defaults;
+  for (const auto& [name, value] : entries) {
+    if (name.value != "defaults") continue;
+    YamlMap map(value);
+    read_common_keys(map, defaults);
+  }
+  return defaults;
+}
+
+ContactSpec read_contact(const Name& name, const YamlReader& reader, const ContactSpec& defaults) {
+  if (name.value == "all" || name.value.find_first_of("/,") != std::string::npos)
+    reader.diagnostics().error(name.place,
+                               fmt::format("'{}' cannot be the name of a contact", name.value),
+                               "'all' stands for every contact, and names have no '/' and no ','");
+  ContactSpec contact = defaults;
+  contact.name = name;
+  YamlMap map(reader);
+  if (const auto r = map.require("frame")) contact.frame = r->name().value_or(contact.frame);
+  read_common_keys(map, contact);
+  if (const auto r = map.find("placement")) {
+    contact.placement = read_pose(*r);
+    if (contact.kp == 0) r->error("'placement' counts where 'baumgarte' has a 'kp' only");
+  }
+  if (contact.baumgarte_place.path.empty()) contact.baumgarte_place = name.place;
+  complete_tangent(name.place, reader.diagnostics(), contact);
+  return contact;
+}
+
 }  // namespace
 
 std::optional<Vector3<double>> read_direction(const YamlReader& reader) {
@@ -74,31 +112,9 @@ std::vector<ContactSpec> read_contacts(const YamlReader& reader) {
   std::vector<ContactSpec> contacts;
   const auto entries = reader.named_entries("write '{LF: {frame: lf_foot}}'");
   if (!entries) return contacts;
-  ContactSpec defaults;
-  for (const auto& [name, value] : *entries) {
-    if (name.value != "defaults") continue;
-    YamlMap map(value);
-    read_common_keys(map, defaults);
-  }
-  for (const auto& [name, value] : *entries) {
-    if (name.value == "defaults") continue;
-    if (name.value == "all" || name.value.find_first_of("/,") != std::string::npos)
-      reader.diagnostics().error(
-          name.place, fmt::format("'{}' cannot be the name of a contact", name.value),
-          "'all' stands for every contact, and names have no '/' and no ','");
-    ContactSpec contact = defaults;
-    contact.name = name;
-    YamlMap map(value);
-    if (const auto r = map.require("frame")) contact.frame = r->name().value_or(contact.frame);
-    read_common_keys(map, contact);
-    if (const auto r = map.find("placement")) {
-      contact.placement = read_pose(*r);
-      if (contact.kp == 0) r->error("'placement' counts where 'baumgarte' has a 'kp' only");
-    }
-    if (contact.baumgarte_place.path.empty()) contact.baumgarte_place = name.place;
-    complete_tangent(name.place, reader.diagnostics(), contact);
-    contacts.push_back(std::move(contact));
-  }
+  const ContactSpec defaults = read_defaults(*entries);
+  for (const auto& [name, value] : *entries)
+    if (name.value != "defaults") contacts.push_back(read_contact(name, value, defaults));
   return contacts;
 }
 

@@ -21,23 +21,45 @@ std::vector<Located<int>> read_knots(const YamlReader& reader) {
   return knots;
 }
 
+/// The activation that the file gives, or that of the residual.
+void read_activation_of(YamlMap& map, CostSpec& cost) {
+  const ResidualDefinition& definition = *cost.definition;
+  const auto activation = map.find("activation");
+  if (activation && !definition.is_cone) {
+    cost.activation = read_activation(*activation);
+    return;
+  }
+  if (definition.set_activation != nullptr) definition.set_activation(cost);
+  if (activation)
+    activation->error("a cone has its own bounds, outside of which it costs: it has no activation",
+                      "leave the key out");
+}
+
 CostSpec read_cost(const Name& name, const YamlReader& reader, const std::filesystem::path& folder,
                    bool terminal) {
   CostSpec cost{.name = name};
   YamlMap map(reader);
   if (!map.valid() || !read_residual(map, folder, {.last_node = terminal}, cost)) return cost;
-  const ResidualDefinition& definition = *cost.definition;
   map.number("weight", cost.weight, kNotNegative);
-  const auto activation = map.find("activation");
-  if (definition.set_activation != nullptr && (!activation || definition.is_cone))
-    definition.set_activation(cost);
-  if (activation && definition.is_cone)
-    activation->error("a cone has its own bounds, outside of which it costs: it has no activation",
-                      "leave the key out");
-  else if (activation)
-    cost.activation = read_activation(*activation);
+  read_activation_of(map, cost);
   if (const auto r = map.find("weights")) cost.weights = read_components(*r, kNotNegative);
   return cost;
+}
+
+/// What the residual is measured from.
+void read_origin(YamlMap& map, const std::filesystem::path& folder, CostSpec& cost) {
+  const auto r = map.find("reference");
+  if (!r) return;
+  if (cost.definition->reference != nullptr)
+    cost.reference = read_reference(*r, cost, folder);
+  else
+    r->error(fmt::format("the residual '{}' has no reference", cost.definition->name));
+}
+
+/// At which knots a cost or constraint holds.
+void read_where(YamlMap& map, CostSpec& cost) {
+  if (const auto r = map.find("phases")) cost.phases = r->name_or_names();
+  if (const auto r = map.find("knots")) cost.knots = read_knots(*r);
 }
 
 }  // namespace
@@ -46,22 +68,14 @@ bool read_residual(YamlMap& map, const std::filesystem::path& folder, TermPlace 
                    CostSpec& cost) {
   if (!read_residual_keys(map, place, cost)) return false;
   const ResidualDefinition& definition = *cost.definition;
-  if (const auto r = map.find("reference")) {
-    if (definition.reference != nullptr)
-      cost.reference = read_reference(*r, cost, folder);
-    else
-      r->error(fmt::format("the residual '{}' has no reference", definition.name));
-  }
-  if (place.last_node) {
-    if (!definition.at_last_node())
-      map.find("residual")
-          ->error(fmt::format(
-              "the residual '{}' needs a control, and there is none at the terminal node",
-              definition.name));
-    return true;
-  }
-  if (const auto r = map.find("phases")) cost.phases = r->name_or_names();
-  if (const auto r = map.find("knots")) cost.knots = read_knots(*r);
+  read_origin(map, folder, cost);
+  if (!place.last_node)
+    read_where(map, cost);
+  else if (!definition.at_last_node())
+    map.find("residual")
+        ->error(
+            fmt::format("the residual '{}' needs a control, and there is none at the terminal node",
+                        definition.name));
   return true;
 }
 

@@ -84,13 +84,17 @@ class ExpressionSystemReader {
     return words;
   }
 
+  static ExpressionState::Kind kind_of(std::string_view word) {
+    if (word == kUnitQuaternion) return ExpressionState::Kind::kUnitQuaternion;
+    return word == kPose ? ExpressionState::Kind::kPose : ExpressionState::Kind::kNumber;
+  }
+
   void read_states(std::string_view key) {
     const auto reader = map_.require(key);
     if (!reader) return;
     for (const auto& [name, word] : named_words(*reader, "1")) {
       ExpressionState state{.name = name.value, .unit = word};
-      if (word == kUnitQuaternion) state.kind = ExpressionState::Kind::kUnitQuaternion;
-      if (word == kPose) state.kind = ExpressionState::Kind::kPose;
+      state.kind = kind_of(word);
       if (state.kind != ExpressionState::Kind::kNumber) {
         state.unit = "1";
         if (system_.text.kind == SystemKind::discrete)
@@ -131,46 +135,43 @@ class ExpressionSystemReader {
 
   void read_expressions(std::string_view key, std::vector<NamedExpression>& expressions,
                         SystemPartPlaces& places) {
-    const auto reader = map_.find(key);
-    const auto entries = reader ? reader->named_entries() : std::nullopt;
-    if (!entries) return;
-    for (const auto& [name, value] : *entries)
-      if (auto text = read_expression(value)) {
-        expressions.push_back({name.value, text->text});
-        places.names.push_back(name.place);
-        places.texts.push_back(std::move(*text));
-      }
+    for_each_entry(map_, key, [&](const Name& name, const YamlReader& value) {
+      auto text = read_expression(value);
+      if (!text) return;
+      expressions.push_back({name.value, text->text});
+      places.names.push_back(name.place);
+      places.texts.push_back(std::move(*text));
+    });
   }
 
-  void report(const ModelMessage& message, Severity severity) {
-    const SystemPartPlaces* part = nullptr;
-    switch (message.part) {
+  /// The part of the file that a message is about; null for the whole.
+  const SystemPartPlaces* places_of(Part part) const {
+    switch (part) {
       case Part::kState:
-        part = &states_;
-        break;
+        return &states_;
       case Part::kVelocity:
-        part = &velocities_;
-        break;
+        return &velocities_;
       case Part::kControl:
-        part = &controls_;
-        break;
+        return &controls_;
       case Part::kParameter:
-        part = &parameters_;
-        break;
+        return &parameters_;
       case Part::kTable:
-        part = &tables_;
-        break;
+        return &tables_;
       case Part::kDefinition:
-        part = &definitions_;
-        break;
+        return &definitions_;
       case Part::kEquation:
-        part = &equations_;
-        break;
+        return &equations_;
       case Part::kRow:  // of residuals alone
       case Part::kOperand:
       case Part::kWhole:
-        return map_.reader().error(message.message.message, message.message.hint);
+        break;
     }
+    return nullptr;
+  }
+
+  void report(const ModelMessage& message, Severity severity) {
+    const SystemPartPlaces* part = places_of(message.part);
+    if (part == nullptr) return map_.reader().error(message.message.message, message.message.hint);
     if (!message.in_text)
       return out_.error(part->names[message.index], message.message.message, message.message.hint);
     report_expression(part->texts[message.index], message.message, severity, out_);

@@ -50,11 +50,23 @@ const ContactSpec* find_contact(const std::vector<ContactSpec>& contacts, std::s
   return found == contacts.end() ? nullptr : &*found;
 }
 
-std::string roles_example(std::span<const Role> roles) {
-  std::string text;
-  for (const Role& role : roles)
-    text += fmt::format("{}{}: ...", text.empty() ? "" : ", ", role.name);
-  return "{" + text + "}";
+/// "write 'feet: {LF: ..., RF: ...}' or 'feet: ...'".
+std::string feet_hint(const std::vector<std::span<const Role>>& sets) {
+  std::string hint;
+  for (const auto& roles : sets) {
+    std::string text;
+    for (const Role& role : roles)
+      text += fmt::format("{}{}: ...", text.empty() ? "" : ", ", role.name);
+    hint += fmt::format("{}'feet: {{{}}}'", hint.empty() ? "write " : " or ", text);
+  }
+  return hint;
+}
+
+/// Whether the roles are the names of contacts.
+bool are_contacts(std::span<const Role> roles, const std::vector<ContactSpec>& contacts) {
+  return std::all_of(roles.begin(), roles.end(), [&](const Role& role) {
+    return find_contact(contacts, role.name) != nullptr;
+  });
 }
 
 /// The feet where the file does not say them: contacts called like the roles.
@@ -66,20 +78,15 @@ void find_feet(const YamlReader& reader, const std::vector<ContactSpec>& contact
     if (contacts.empty()) reader.error("a gait needs feet, and the file has no 'contacts'");
     return;
   }
-  std::string hint;
-  for (const auto& roles : sets) {
-    const bool all = std::all_of(roles.begin(), roles.end(), [&](const Role& role) {
-      return find_contact(contacts, role.name) != nullptr;
-    });
-    hint += fmt::format("{}'feet: {}'", hint.empty() ? "write " : " or ", roles_example(roles));
-    if (!all) continue;
-    for (const Role& role : roles) {
-      const std::string name(role.name);
-      gait.feet.push_back({name, {name, gait.place}, role.start});
-    }
-    return;
+  const auto roles = std::find_if(sets.begin(), sets.end(),
+                                  [&](const auto& set) { return are_contacts(set, contacts); });
+  if (roles == sets.end())
+    return reader.error("it is not clear which contacts are the feet: none have the feet's names",
+                        feet_hint(sets));
+  for (const Role& role : *roles) {
+    const std::string name(role.name);
+    gait.feet.push_back({name, {name, gait.place}, role.start});
   }
-  reader.error("it is not clear which contacts are the feet: none have the feet's names", hint);
 }
 
 void check_contact(const YamlReader& reader, const std::vector<ContactSpec>& contacts,
@@ -95,39 +102,41 @@ void check_contact(const YamlReader& reader, const std::vector<ContactSpec>& con
       reader.error(fmt::format("the contact '{}' is the foot '{}' already", name.value, foot.role));
 }
 
+/// When the cycle of a foot starts, by its role; one that the type of gait does not have is
+/// reported. Without roles 0.
+double usual_start(const Name& role, std::span<const Role> roles, GaitType type, Diagnostics& out) {
+  const auto known =
+      std::find_if(roles.begin(), roles.end(), [&](const Role& r) { return r.name == role.value; });
+  if (known != roles.end()) return known->start;
+  if (roles.empty()) return 0;
+  std::vector<std::string> names;
+  for (const Role& r : roles) names.emplace_back(r.name);
+  out.error(role.place, fmt::format("a {} has no foot '{}'", word_of(kGaitWords, type), role.value),
+            name_hint(role.value, names, "feet"), names);
+  return 0;
+}
+
 void read_feet(const YamlReader& reader, const std::vector<ContactSpec>& contacts, GaitSpec& gait) {
   const auto entries = reader.named_entries();
   if (!entries) return;
-  const auto sets = role_sets(gait.type.value);
-  std::span<const Role> roles;
-  for (const auto& set : sets)
-    if (set.size() == entries->size()) roles = set;
+  const GaitType type = gait.type.value;
+  const auto sets = role_sets(type);
+  const auto fitting = std::find_if(sets.begin(), sets.end(),
+                                    [&](const auto& set) { return set.size() == entries->size(); });
+  const std::span<const Role> roles = fitting == sets.end() ? std::span<const Role>() : *fitting;
   for (const auto& [role, value] : *entries) {
     const auto name = value.name();
     if (!name) continue;
     check_contact(value, contacts, gait, *name);
-    const auto known = std::find_if(roles.begin(), roles.end(),
-                                    [&](const Role& r) { return r.name == role.value; });
-    if (!roles.empty() && known == roles.end()) {
-      std::vector<std::string> names;
-      for (const Role& r : roles) names.emplace_back(r.name);
-      reader.diagnostics().error(
-          role.place,
-          fmt::format("a {} has no foot '{}'", word_of(kGaitWords, gait.type.value), role.value),
-          name_hint(role.value, names, "feet"), names);
-    }
-    gait.feet.push_back({role.value, *name, known == roles.end() ? 0 : known->start});
+    const double start = usual_start(role, roles, type, reader.diagnostics());
+    gait.feet.push_back({role.value, *name, start});
   }
-  if (!sets.empty() && roles.empty()) {
-    std::string hint;
-    for (const auto& set : sets)
-      hint += fmt::format("{}'feet: {}'", hint.empty() ? "write " : " or ", roles_example(set));
-    reader.error(fmt::format("a {} of {} feet is not known", word_of(kGaitWords, gait.type.value),
-                             entries->size()),
-                 hint);
-  } else if (entries->empty()) {
+  if (!sets.empty() && roles.empty())
+    reader.error(
+        fmt::format("a {} of {} feet is not known", word_of(kGaitWords, type), entries->size()),
+        feet_hint(sets));
+  else if (entries->empty())
     reader.error("there is no foot");
-  }
 }
 
 void read_starts(const YamlReader& reader, GaitSpec& gait) {
@@ -165,6 +174,35 @@ bool read_located(YamlMap& map, std::string_view key, Located<double>& value,
   return true;
 }
 
+/// The time that the feet stand before and after the gait.
+void read_stand(YamlMap& map, GaitSpec& gait) {
+  gait.begin.place = gait.end.place = gait.place;
+  const auto r = map.find("stand");
+  if (!r) return;
+  YamlMap stand(*r);
+  read_located(stand, "begin", gait.begin, kNotNegative);
+  read_located(stand, "end", gait.end, kNotNegative);
+}
+
+void reject_steps(YamlMap& map) {
+  for (const char* key : {"starts", "cycles", "period", "duty", "step", "impulses", "weight"})
+    if (const auto r = map.find(key))
+      r->error(fmt::format("standing feet make no steps: the gait 'stand' has no '{}'", key));
+}
+
+void read_steps(YamlMap& map, GaitSpec& gait) {
+  if (const auto r = map.find("starts")) read_starts(*r, gait);
+  map.integer("cycles", gait.cycles, 1, 10'000);
+  if (map.require("period")) read_located(map, "period", gait.period, kPositive);
+  gait.duty.value = usual_duty(gait.type.value, gait.feet.size());
+  static const NumberRange kShare{0, 1, true, false, "a share of the cycle from 0 (excluded) to 1"};
+  read_located(map, "duty", gait.duty, kShare);
+  if (const auto r = map.find("step")) read_step(*r, gait);
+  static constexpr Choice<bool> kWords[] = {{"true", true}, {"false", false}};
+  map.choice("impulses", gait.impulses, kWords, "value of 'impulses'");
+  map.number("weight", gait.weight, kPositive);
+}
+
 }  // namespace
 
 GaitSpec read_gait(const YamlReader& reader, const std::vector<ContactSpec>& contacts) {
@@ -182,31 +220,11 @@ GaitSpec read_gait(const YamlReader& reader, const std::vector<ContactSpec>& con
   else
     find_feet(reader, contacts, gait);
   if (map.require("dt")) read_located(map, "dt", gait.dt, kPositive);
-  if (const auto r = map.find("stand")) {
-    YamlMap stand(*r);
-    read_located(stand, "begin", gait.begin, kNotNegative);
-    read_located(stand, "end", gait.end, kNotNegative);
-  }
-  gait.begin.place = gait.begin.place.path.empty() ? gait.place : gait.begin.place;
-  gait.end.place = gait.end.place.path.empty() ? gait.place : gait.end.place;
-  if (*chosen == GaitType::stand) {
-    for (const char* key : {"starts", "cycles", "period", "duty", "step", "impulses", "weight"})
-      if (const auto r = map.find(key))
-        r->error(fmt::format("standing feet make no steps: the gait 'stand' has no '{}'", key));
-    return gait;
-  }
-  if (const auto r = map.find("starts")) read_starts(*r, gait);
-  map.integer("cycles", gait.cycles, 1, 10'000);
-  if (map.require("period")) read_located(map, "period", gait.period, kPositive);
-  gait.duty.value = usual_duty(*chosen, gait.feet.size());
-  static const NumberRange kShare{0, 1, true, false, "a share of the cycle from 0 (excluded) to 1"};
-  read_located(map, "duty", gait.duty, kShare);
-  if (const auto r = map.find("step")) read_step(*r, gait);
-  if (const auto r = map.find("impulses")) {
-    static constexpr Choice<bool> kWords[] = {{"true", true}, {"false", false}};
-    gait.impulses = r->choice(kWords, "value of 'impulses'").value_or(false);
-  }
-  map.number("weight", gait.weight, kPositive);
+  read_stand(map, gait);
+  if (*chosen == GaitType::stand)
+    reject_steps(map);
+  else
+    read_steps(map, gait);
   return gait;
 }
 

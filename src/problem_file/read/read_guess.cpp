@@ -8,6 +8,14 @@
 namespace conddp {
 namespace {
 
+/// All numbers of a state, the name of a configuration, or its parts.
+StateSpec read_state_or_name(const YamlReader& reader) {
+  if (reader.is_sequence()) return {.place = reader.place(), .state = reader.numbers()};
+  if (reader.is_scalar() && !reader.is_number())
+    return {.place = reader.place(), .configuration = reader.name()};
+  return read_state(reader).value_or(StateSpec{});
+}
+
 KeyframeSpec read_keyframe(const YamlReader& reader) {
   KeyframeSpec keyframe{.place = reader.place()};
   YamlMap map(reader);
@@ -18,15 +26,18 @@ KeyframeSpec read_keyframe(const YamlReader& reader) {
   if (const auto r = map.find("knot"))
     keyframe.knot = {static_cast<int>(r->integer(0, 1'000'000).value_or(0)), r->place()};
   if (!map.find("time") && !map.find("knot")) reader.error("a keyframe needs 'time' or 'knot'");
-  if (const auto r = map.require("state")) {
-    if (r->is_sequence())
-      keyframe.state = {.place = r->place(), .state = r->numbers()};
-    else if (r->is_scalar() && !r->is_number())
-      keyframe.state = {.place = r->place(), .configuration = r->name()};
-    else if (auto state = read_state(*r))
-      keyframe.state = std::move(*state);
-  }
+  map.require("state");
+  map.read("state", keyframe.state, read_state_or_name);
   return keyframe;
+}
+
+std::vector<KeyframeSpec> read_keyframes(const YamlReader& reader) {
+  std::vector<KeyframeSpec> keyframes;
+  const auto items = reader.items();
+  if (!items) return keyframes;
+  for (const YamlReader& item : *items) keyframes.push_back(read_keyframe(item));
+  if (items->empty()) reader.error("there is no keyframe");
+  return keyframes;
 }
 
 void read_states(const YamlReader& reader, const std::filesystem::path& folder, GuessSpec& guess) {
@@ -45,13 +56,8 @@ void read_states(const YamlReader& reader, const std::filesystem::path& folder, 
   map.exclusive({"keyframes", "file"});
   if (const auto r = map.find("keyframes")) {
     guess.states = States::kKeyframes;
-    if (const auto items = r->items()) {
-      for (const YamlReader& item : *items) guess.keyframes.push_back(read_keyframe(item));
-      if (items->empty()) r->error("there is no keyframe");
-    }
-    if (const auto way = map.find("interpolation"))
-      guess.interpolation =
-          way->choice(kInterpolationWords, "interpolation").value_or(guess.interpolation);
+    guess.keyframes = read_keyframes(*r);
+    map.choice("interpolation", guess.interpolation, kInterpolationWords, "interpolation");
   } else {
     guess.states = States::kFile;
     guess.states_file = read_data_file(map, folder);

@@ -22,19 +22,24 @@ void read_impulse(YamlMap& map, const YamlReader& impulse, PhaseSpec& phase) {
                "write '- {impulse: [contacts]}', and the phase after it as another entry");
 }
 
-/// `choose: all`, `none`, a name or a list of names of tangent coordinates, which may have a `*`.
+/// `all`, `none`, a name or a list of names of tangent coordinates, which may have a `*`.
+ComponentsSpec read_coordinates(const YamlReader& reader) {
+  ComponentsSpec coordinates{.place = reader.place()};
+  const std::string_view word = reader.is_scalar() ? std::string_view(reader.node().text) : "";
+  if (word == "all") {
+    coordinates.scalar = 1;
+  } else if (word == "none") {
+    coordinates.form = ComponentsSpec::Form::kMap;
+  } else if (const auto names = reader.name_or_names()) {
+    coordinates.form = ComponentsSpec::Form::kMap;
+    for (const Name& name : *names) coordinates.map.emplace_back(name, 1.0);
+  }
+  return coordinates;
+}
+
 void read_choice(YamlMap& map, const YamlReader& choose, PhaseSpec& phase) {
   phase.knots = {1, choose.place()};
-  ChoiceSpec choice;
-  choice.coordinates.place = choose.place();
-  if (choose.is_scalar() && choose.node().text == "all") {
-    choice.coordinates.scalar = 1;
-  } else if (choose.is_scalar() && choose.node().text == "none") {
-    choice.coordinates.form = ComponentsSpec::Form::kMap;
-  } else if (const auto names = choose.name_or_names()) {
-    choice.coordinates.form = ComponentsSpec::Form::kMap;
-    for (const Name& name : *names) choice.coordinates.map.emplace_back(name, 1.0);
-  }
+  ChoiceSpec choice{.coordinates = read_coordinates(choose), .lower = {}, .upper = {}};
   if (const auto r = map.find("lower")) choice.lower = read_components(*r);
   if (const auto r = map.find("upper")) choice.upper = read_components(*r);
   for (const char* key :
@@ -77,20 +82,7 @@ FreeDurationSpec read_free_duration(const YamlReader& reader, double written) {
   return free;
 }
 
-PhaseSpec read_phase(const YamlReader& reader, std::size_t index) {
-  PhaseSpec phase{.name = {fmt::format("phase_{}", index + 1), reader.place()}};
-  YamlMap map(reader);
-  if (const auto r = map.find("name")) phase.name = r->name().value_or(phase.name);
-  if (const auto r = map.find("weights")) phase.weights = read_named_numbers(*r, kNotNegative);
-  map.exclusive({"impulse", "choose"});
-  if (const auto r = map.find("impulse")) {
-    read_impulse(map, *r, phase);
-    return phase;
-  }
-  if (const auto r = map.find("choose")) {
-    read_choice(map, *r, phase);
-    return phase;
-  }
+void reject_keys_of_instants(YamlMap& map) {
   for (const char* key : {"lower", "upper"})
     if (const auto r = map.find(key))
       r->error(fmt::format("'{}' belongs to the choice of the initial state", key),
@@ -98,10 +90,10 @@ PhaseSpec read_phase(const YamlReader& reader, std::size_t index) {
   if (const auto r = map.find("restitution"))
     r->error("'restitution' belongs to impulses",
              "write '- {impulse: [contacts], restitution: 0}'");
-  if (const auto r = map.find("contacts")) phase.contacts = read_contact_names(*r);
-  if (const auto r = map.require("knots"))
-    phase.knots = {static_cast<int>(r->integer(1, kMaxKnots).value_or(1)), r->place()};
-  if (const auto r = map.find("refine")) phase.refine = read_refine(*r, phase.knots.value);
+}
+
+/// How long a phase with knots lasts, as its step or as a whole.
+void read_duration(YamlMap& map, PhaseSpec& phase) {
   map.exclusive({"dt", "duration"});
   double duration = 0;
   if (map.number("duration", duration, kPositive)) {
@@ -112,8 +104,42 @@ PhaseSpec read_phase(const YamlReader& reader, std::size_t index) {
   if (const auto r = map.find("free_duration"))
     phase.free_duration = read_free_duration(*r, phase_duration(phase));
   if (map.valid() && !map.find("duration") && !map.find("dt"))
-    reader.error("a phase needs 'dt', the time step in s, or 'duration'");
+    map.reader().error("a phase needs 'dt', the time step in s, or 'duration'");
+}
+
+PhaseSpec read_phase(const YamlReader& reader, std::size_t index) {
+  PhaseSpec phase{.name = {fmt::format("phase_{}", index + 1), reader.place()}};
+  YamlMap map(reader);
+  map.name("name", phase.name);
+  if (const auto r = map.find("weights")) phase.weights = read_named_numbers(*r, kNotNegative);
+  map.exclusive({"impulse", "choose"});
+  if (const auto r = map.find("impulse")) {
+    read_impulse(map, *r, phase);
+    return phase;
+  }
+  if (const auto r = map.find("choose")) {
+    read_choice(map, *r, phase);
+    return phase;
+  }
+  reject_keys_of_instants(map);
+  map.read("contacts", phase.contacts, read_contact_names);
+  if (const auto r = map.require("knots"))
+    phase.knots = {static_cast<int>(r->integer(1, kMaxKnots).value_or(1)), r->place()};
+  if (const auto r = map.find("refine")) phase.refine = read_refine(*r, phase.knots.value);
+  read_duration(map, phase);
   return phase;
+}
+
+/// The first phase alone may choose the initial state; the contacts are those of the next one.
+void check_choices(std::vector<PhaseSpec>& phases, Diagnostics& out) {
+  for (std::size_t i = 1; i < phases.size(); ++i)
+    if (phases[i].choice)
+      out.error(phases[i].knots.place, "only the first phase can choose the initial state");
+  if (phases.empty() || !phases[0].choice) return;
+  if (phases.size() == 1)
+    out.error(phases[0].knots.place, "no phase follows that takes time");
+  else
+    phases[0].contacts = phases[1].restitution ? ContactNames{} : phases[1].contacts;
 }
 
 }  // namespace
@@ -133,16 +159,7 @@ std::vector<PhaseSpec> read_phases(const YamlReader& reader) {
       reader.diagnostics().error(name.place,
                                  fmt::format("two phases have the name '{}'", name.value));
   }
-  for (std::size_t i = 1; i < phases.size(); ++i)
-    if (phases[i].choice)
-      reader.diagnostics().error(phases[i].knots.place,
-                                 "only the first phase can choose the initial state");
-  if (!phases.empty() && phases[0].choice) {
-    if (phases.size() == 1)
-      reader.diagnostics().error(phases[0].knots.place, "no phase follows that takes time");
-    else
-      phases[0].contacts = phases[1].restitution ? ContactNames{} : phases[1].contacts;
-  }
+  check_choices(phases, reader.diagnostics());
   if (knots > kMaxKnots)
     reader.error(fmt::format("the phases have more than {} knots together", kMaxKnots));
   return phases;

@@ -42,10 +42,13 @@ void read_plant(YamlMap& map, const std::filesystem::path& folder, ProblemSpec& 
   if (system) spec.system = read_system(*system, {folder, spec.names});
   if (!robot && !robots && !system && map.valid())
     map.reader().error("the file says nothing about what moves: 'robot', 'robots' or 'system'");
-  if (const auto r = map.find("gravity")) {
-    spec.gravity = read_vector3(*r, "[x, y, z] in m/s²").value_or(spec.gravity);
-    if (system) r->error("a closed-form system has its gravity among its parameters");
-  }
+}
+
+void read_gravity(YamlMap& map, ProblemSpec& spec) {
+  const auto r = map.find("gravity");
+  if (!r) return;
+  spec.gravity = read_vector3(*r, "[x, y, z] in m/s²").value_or(spec.gravity);
+  if (spec.system) r->error("a closed-form system has its gravity among its parameters");
 }
 
 void read_format(YamlMap& map) {
@@ -84,9 +87,7 @@ void read_motion(YamlMap& map, ProblemSpec& spec) {
   if (const auto r = map.find("integrator"))
     if (const auto integrator = r->choice(kIntegratorWords, "integrator"))
       spec.integrator = {*integrator, r->place()};
-  if (const auto r = map.find("running_costs"))
-    spec.running_costs =
-        r->choice(kRunningCostsWords, "kind of running costs").value_or(spec.running_costs);
+  map.choice("running_costs", spec.running_costs, kRunningCostsWords, "kind of running costs");
 }
 
 /// A key that serves robots alone; nothing where it is absent. `message`: why a closed-form system
@@ -145,6 +146,13 @@ void read_terminal(const YamlReader& reader, const std::filesystem::path& folder
     read_constraints(*constraints, folder, true, spec);
 }
 
+/// What a solution is to be like.
+void read_terms(YamlMap& map, const std::filesystem::path& folder, ProblemSpec& spec) {
+  if (const auto r = map.find("costs")) spec.costs = read_costs(*r, folder, false);
+  if (const auto r = map.find("constraints")) read_constraints(*r, folder, false, spec);
+  if (const auto r = map.find("terminal")) read_terminal(*r, folder, spec);
+}
+
 ProblemSpec read_document(const YamlReader& reader, const std::filesystem::path& file,
                           ExpressionNamesSpec names) {
   const std::filesystem::path folder = file.parent_path();
@@ -157,15 +165,14 @@ ProblemSpec read_document(const YamlReader& reader, const std::filesystem::path&
   map.find("parameters");  // which have been read
   if (const auto r = map.find("tables")) spec.names.tables = read_tables(*r, folder);
   read_plant(map, folder, spec);
+  read_gravity(map, spec);
   read_motion(map, spec);
   read_surroundings(map, spec);
   const std::optional<GaitSpec> gait = read_schedule(map, spec);
-  if (const auto r = map.find("costs")) spec.costs = read_costs(*r, folder, false);
-  if (const auto r = map.find("constraints")) read_constraints(*r, folder, false, spec);
-  if (const auto r = map.find("terminal")) read_terminal(*r, folder, spec);
+  read_terms(map, folder, spec);
   if (const auto r = map.find("initial_guess")) spec.guess = read_guess(*r, folder);
-  if (const auto r = map.find("perturbation")) spec.perturbation = read_perturbation(*r);
-  if (const auto r = map.find("solver")) spec.solver = read_solver(*r);
+  map.read("perturbation", spec.perturbation, read_perturbation);
+  map.read("solver", spec.solver, read_solver);
   if (gait && !reader.diagnostics().has_errors()) add_gait(*gait, spec, reader.diagnostics());
   return spec;
 }

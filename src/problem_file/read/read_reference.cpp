@@ -20,34 +20,34 @@ std::optional<ReferenceValueSpec> read_value(const YamlReader& reader, const Cos
   return value;
 }
 
+/// The numbers under a key, each by `read`, which must increase.
+template <class T, class Read>
+std::vector<Located<T>> read_increasing(YamlMap& map, std::string_view key, Read read) {
+  std::vector<Located<T>> values;
+  for_each_item(map, key, [&](const YamlReader& item) {
+    const T value = read(item);
+    if (!values.empty() && value <= values.back().value)
+      item.error(fmt::format("the {} must increase", key));
+    values.push_back({value, item.place()});
+  });
+  return values;
+}
+
 void read_way_points(const YamlReader& reader, const CostSpec& cost, ReferenceSpec& spec) {
   YamlMap map(reader);
   map.exclusive({"times", "knots"});
-  std::size_t places = 0;
-  if (const auto times = map.find("times"))
-    if (const auto items = times->items())
-      for (const YamlReader& item : *items) {
-        const double time = item.number(kNotNegative).value_or(0);
-        if (!spec.times.empty() && time <= spec.times.back().value)
-          item.error("the times must increase");
-        spec.times.push_back({time, item.place()});
-        ++places;
-      }
-  if (const auto knots = map.find("knots"))
-    if (const auto items = knots->items())
-      for (const YamlReader& item : *items) {
-        const int knot = static_cast<int>(item.integer(0, 1'000'000).value_or(0));
-        if (!spec.knots.empty() && knot <= spec.knots.back().value)
-          item.error("the knots must increase");
-        spec.knots.push_back({knot, item.place()});
-        ++places;
-      }
+  spec.times = read_increasing<double>(
+      map, "times", [](const YamlReader& item) { return item.number(kNotNegative).value_or(0); });
+  spec.knots = read_increasing<int>(map, "knots", [](const YamlReader& item) {
+    return static_cast<int>(item.integer(0, 1'000'000).value_or(0));
+  });
   const auto values = map.require("values");
   if (!values) return;
   const auto items = values->items();
   if (!items) return;
   for (const YamlReader& item : *items)
     if (auto value = read_value(item, cost)) spec.values.push_back(std::move(*value));
+  const std::size_t places = spec.times.size() + spec.knots.size();
   if (items->size() != places)
     values->error(fmt::format("there are {} values for {} {}", items->size(), places,
                               spec.knots.empty() ? "times" : "knots"));

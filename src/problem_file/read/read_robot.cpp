@@ -23,9 +23,8 @@ PayloadSpec read_payload(const Name& link, const YamlReader& reader) {
   PayloadSpec payload{.link = link};
   YamlMap map(reader);
   if (const auto r = map.require("mass")) payload.mass = r->number(kPositive).value_or(0);
-  if (const auto r = map.find("com"))
-    payload.com = read_vector3(*r, "[x, y, z] in m").value_or(payload.com);
-  if (const auto r = map.find("inertia")) payload.inertia = read_inertia(*r);
+  read_vector3(map, "com", "[x, y, z] in m", payload.com);
+  map.read("inertia", payload.inertia, read_inertia);
   return payload;
 }
 
@@ -33,22 +32,65 @@ WrenchSpec read_wrench(const YamlReader& reader) {
   WrenchSpec spec;
   YamlMap map(reader);
   if (const auto r = map.require("frame")) spec.frame = r->name().value_or(Name{});
-  if (const auto r = map.find("force"))
-    spec.wrench.linear = read_vector3(*r, "[x, y, z] in N").value_or(spec.wrench.linear);
-  if (const auto r = map.find("torque"))
-    spec.wrench.angular = read_vector3(*r, "[x, y, z] in Nm").value_or(spec.wrench.angular);
+  read_vector3(map, "force", "[x, y, z] in N", spec.wrench.linear);
+  read_vector3(map, "torque", "[x, y, z] in Nm", spec.wrench.angular);
   return spec;
 }
 
 PassiveSpec read_passive(const YamlReader& reader) {
   PassiveSpec passive;
   YamlMap map(reader);
-  if (const auto r = map.find("damping"))
-    passive.damping = r->choice(kPassiveWords, "source of damping").value_or(false);
-  if (const auto r = map.find("friction"))
-    passive.friction = r->choice(kPassiveWords, "source of friction").value_or(false);
+  map.choice("damping", passive.damping, kPassiveWords, "source of damping");
+  map.choice("friction", passive.friction, kPassiveWords, "source of friction");
   map.number("friction_velocity", passive.friction_velocity, kPositive);
   return passive;
+}
+
+/// Whether a state says more than where base and joints are.
+bool says_more_than_a_posture(const StateSpec& state) {
+  return state.configuration || !state.robots.empty() || state.state || !state.values.empty() ||
+         state.displaced || state.base_velocity || !state.joint_velocities.empty();
+}
+
+void read_configuration(const Name& name, const YamlReader& reader, RobotSpec& robot) {
+  auto state = read_state(reader);
+  if (!state) return;
+  if (name.value == "initial")
+    reader.diagnostics().error(name.place, "'initial' means the initial state",
+                               "choose another name for the configuration");
+  if (says_more_than_a_posture(*state))
+    reader.error("a configuration has 'base' and 'joints' only");
+  robot.configurations.emplace_back(name, std::move(*state));
+}
+
+/// Which robot it is, how it stands and what its postures are called.
+void read_body(YamlMap& map, const std::filesystem::path& folder, RobotSpec& robot) {
+  if (const auto r = map.require("urdf")) {
+    robot.urdf = r->name().value_or(Name{});
+    robot.path = folder / robot.urdf.value;
+  }
+  map.choice("base", robot.base, kBaseWords, "kind of base");
+  if (const auto r = map.find("placement")) {
+    robot.placement = read_pose(*r);
+    if (robot.base == UrdfOptions::Base::floating)
+      r->error("a floating base has no placement", "its position is part of the initial state");
+  }
+  for_each_entry(map, "configurations", [&](const Name& name, const YamlReader& value) {
+    read_configuration(name, value, robot);
+  });
+}
+
+/// What changes the URDF's masses and what acts on the robot.
+void read_loads(YamlMap& map, RobotSpec& robot) {
+  if (const auto r = map.find("locked_joints")) robot.locked_joints = read_named_numbers(*r);
+  for_each_entry(map, "payloads", [&](const Name& name, const YamlReader& value) {
+    robot.payloads.push_back(read_payload(name, value));
+  });
+  for_each_item(map, "external_wrenches", [&](const YamlReader& item) {
+    robot.external_wrenches.push_back(read_wrench(item));
+  });
+  if (const auto r = map.find("rotor_inertia"))
+    robot.rotor_inertia = read_named_numbers(*r, kNotNegative);
 }
 
 }  // namespace
@@ -56,47 +98,12 @@ PassiveSpec read_passive(const YamlReader& reader) {
 RobotSpec read_robot(const YamlReader& reader, const std::filesystem::path& folder) {
   RobotSpec robot{.place = reader.place()};
   YamlMap map(reader, "write '{urdf: robot.urdf}'");
-  if (const auto r = map.require("urdf")) {
-    robot.urdf = r->name().value_or(Name{});
-    robot.path = folder / robot.urdf.value;
-  }
-  if (const auto r = map.find("base"))
-    robot.base = r->choice(kBaseWords, "kind of base").value_or(robot.base);
-  if (const auto r = map.find("placement")) {
-    robot.placement = read_pose(*r);
-    if (robot.base == UrdfOptions::Base::floating)
-      r->error("a floating base has no placement", "its position is part of the initial state");
-  }
-  if (const auto r = map.find("configurations"))
-    if (const auto entries = r->named_entries())
-      for (const auto& [name, value] : *entries) {
-        auto state = read_state(value);
-        if (!state) continue;
-        if (name.value == "initial")
-          reader.diagnostics().error(name.place, "'initial' means the initial state",
-                                     "choose another name for the configuration");
-        if (state->configuration || !state->robots.empty() || state->state ||
-            !state->values.empty() || state->displaced || state->base_velocity ||
-            !state->joint_velocities.empty())
-          value.error("a configuration has 'base' and 'joints' only");
-        robot.configurations.emplace_back(name, std::move(*state));
-      }
-  if (const auto r = map.find("locked_joints")) robot.locked_joints = read_named_numbers(*r);
-  if (const auto r = map.find("payloads"))
-    if (const auto entries = r->named_entries())
-      for (const auto& [name, value] : *entries)
-        robot.payloads.push_back(read_payload(name, value));
-  if (const auto r = map.find("external_wrenches"))
-    if (const auto items = r->items())
-      for (const YamlReader& item : *items) robot.external_wrenches.push_back(read_wrench(item));
-  if (const auto r = map.find("rotor_inertia"))
-    robot.rotor_inertia = read_named_numbers(*r, kNotNegative);
-  if (const auto r = map.find("actuation")) robot.actuation = read_actuation(*r);
-  if (const auto r = map.find("passive")) robot.passive = read_passive(*r);
-  if (const auto r = map.find("mimic"))
-    robot.enforce_mimic = r->choice(kMimicWords, "treatment of mimic joints").value_or(false);
-  if (const auto r = map.find("inertias"))
-    robot.inertias = r->choice(kInertiasWords, "treatment of inertias").value_or(robot.inertias);
+  read_body(map, folder, robot);
+  read_loads(map, robot);
+  map.read("actuation", robot.actuation, read_actuation);
+  map.read("passive", robot.passive, read_passive);
+  map.choice("mimic", robot.enforce_mimic, kMimicWords, "treatment of mimic joints");
+  map.choice("inertias", robot.inertias, kInertiasWords, "treatment of inertias");
   return robot;
 }
 

@@ -75,32 +75,42 @@ void read_former(YamlMap& map, const OptionInfo& info, SolverOptions& options) {
   read_option(*reader, info, options);
 }
 
+/// Under its name, or its earlier one.
+void read_plain_option(YamlMap& map, const OptionInfo& info, SolverOptions& options) {
+  if (const auto r = map.find(info.name)) read_option(*r, info, options);
+  if (!info.formerly.empty() && map.reader().node().find(std::string(info.formerly)))
+    read_former(map, info, options);
+}
+
+/// Options by their names; those with a point in their name stand in mappings of their own.
+void read_options(YamlMap& map, SolverOptions& options) {
+  std::map<std::string, YamlMap> groups;
+  for (const OptionInfo& info : option_table()) {
+    const std::size_t dot = info.name.find('.');
+    if (dot == std::string_view::npos) {
+      read_plain_option(map, info, options);
+      continue;
+    }
+    const std::string group(info.name.substr(0, dot));
+    const auto r = map.find(group);
+    if (!r) continue;
+    YamlMap& inner = groups.try_emplace(group, *r).first->second;
+    if (const auto value = inner.find(info.name.substr(dot + 1)))
+      read_option(*value, info, options);
+  }
+  for (auto& [name, group] : groups) group.finish();
+}
+
 }  // namespace
 
 SolverSpec read_solver(const YamlReader& reader) {
   SolverSpec solver{.place = reader.place()};
   YamlMap map(reader, "write '{name: box_fddp}'");
   if (!map.valid()) return solver;
-  if (const auto r = map.find("name")) solver.name = r->name().value_or(solver.name);
-  std::map<std::string, YamlMap> groups;
-  for (const OptionInfo& info : option_table()) {
-    const std::size_t dot = info.name.find('.');
-    if (dot == std::string_view::npos) {
-      if (const auto r = map.find(info.name)) read_option(*r, info, solver.options);
-      if (!info.formerly.empty() && reader.node().find(std::string(info.formerly)))
-        read_former(map, info, solver.options);
-      continue;
-    }
-    const std::string group(info.name.substr(0, dot));
-    if (const auto r = map.find(group)) {
-      YamlMap& inner = groups.try_emplace(group, *r).first->second;
-      if (const auto value = inner.find(info.name.substr(dot + 1)))
-        read_option(*value, info, solver.options);
-    }
-  }
-  for (auto& [name, group] : groups) group.finish();
+  map.name("name", solver.name);
+  read_options(map, solver.options);
   if (const auto r = map.find("options")) read_ipopt_options(*r, solver.options.ipopt);
-  if (const auto r = map.find("homotopy")) solver.homotopy = read_homotopy(*r);
+  map.read("homotopy", solver.homotopy, read_homotopy);
   if (!reader.diagnostics().has_errors())
     for (const std::string& message : solver.options.validate()) reader.error(message);
   return solver;

@@ -8,27 +8,36 @@
 namespace conddp {
 namespace {
 
+/// Rows and columns of a matrix.
+constexpr std::size_t kLargest = 1000;
+
+std::optional<Eigen::RowVectorXd> read_row(const YamlReader& reader) {
+  const auto numbers = reader.numbers();
+  if (!numbers) return std::nullopt;
+  if (numbers->size() <= kLargest)
+    return Eigen::RowVectorXd(
+        Eigen::Map<const Eigen::RowVectorXd>(numbers->data(), numbers->size()));
+  reader.error(fmt::format("a matrix has at most {} columns", kLargest));
+  return std::nullopt;
+}
+
 std::optional<Eigen::MatrixXd> read_matrix(const YamlReader& reader) {
   const auto rows = reader.items();
   if (!rows) return std::nullopt;
-  constexpr std::size_t kLargest = 1000;
   if (rows->size() > kLargest)
     return reader.error(fmt::format("a matrix has at most {} rows", kLargest)), std::nullopt;
   Eigen::MatrixXd matrix;
   for (std::size_t i = 0; i < rows->size(); ++i) {
-    const auto row = (*rows)[i].numbers();
+    const YamlReader& reader_of_row = (*rows)[i];
+    const auto row = read_row(reader_of_row);
     if (!row) return std::nullopt;
-    if (row->size() > kLargest) {
-      (*rows)[i].error(fmt::format("a matrix has at most {} columns", kLargest));
-      return std::nullopt;
-    }
     if (i == 0) matrix.resize(rows->size(), row->size());
-    if (static_cast<Eigen::Index>(row->size()) != matrix.cols()) {
-      (*rows)[i].error(
+    if (row->size() != matrix.cols()) {
+      reader_of_row.error(
           fmt::format("this row has {} numbers, the first one has {}", row->size(), matrix.cols()));
       return std::nullopt;
     }
-    for (std::size_t j = 0; j < row->size(); ++j) matrix(i, j) = (*row)[j];
+    matrix.row(i) = *row;
   }
   if (matrix.size() == 0) return reader.error("the matrix is empty"), std::nullopt;
   return matrix;
@@ -38,6 +47,15 @@ void read(YamlMap& map, const FileContext&, DoubleIntegratorSpec& p) {
   map.integer("dimension", p.dimension, 1, 1000);
 }
 
+/// Whether A is square and B has as many rows.
+bool check_sizes(const YamlReader& A, const Eigen::MatrixXd& a, const YamlReader& B,
+                 const Eigen::MatrixXd& b) {
+  if (a.rows() != a.cols())
+    return A.error(fmt::format("A is {} x {}, not square", a.rows(), a.cols())), false;
+  if (b.rows() == a.rows()) return true;
+  return B.error(fmt::format("B has {} rows and A has {}", b.rows(), a.rows())), false;
+}
+
 void read(YamlMap& map, const FileContext&, LinearSpec& p) {
   const auto A = map.require("A");
   const auto B = map.require("B");
@@ -45,11 +63,7 @@ void read(YamlMap& map, const FileContext&, LinearSpec& p) {
   if (!A || !B) return;
   const auto a = read_matrix(*A);
   const auto b = read_matrix(*B);
-  if (!a || !b) return;
-  if (a->rows() != a->cols())
-    return A->error(fmt::format("A is {} x {}, not square", a->rows(), a->cols()));
-  if (b->rows() != a->rows())
-    return B->error(fmt::format("B has {} rows and A has {}", b->rows(), a->rows()));
+  if (!a || !b || !check_sizes(*A, *a, *B, *b)) return;
   p.A = *a;
   p.B = *b;
   p.c = Eigen::VectorXd::Zero(a->rows());
@@ -85,19 +99,26 @@ constexpr std::array<Parameters (*)(YamlMap&, const FileContext&), sizeof...(P)>
 }
 constexpr auto kReaders = readers(static_cast<const Parameters*>(nullptr));
 
+bool has_equations(const YamlNode& node) {
+  return node.find("rate") || node.find("acceleration") || node.find("next");
+}
+
+std::optional<std::size_t> choose_type(const YamlReader& reader) {
+  std::vector<std::string> words;
+  for (const SystemType& known : kSystemTypes) words.emplace_back(known.name);
+  return reader.choose(words, "type of system");
+}
+
 }  // namespace
 
 SystemSpec read_system(const YamlReader& reader, const FileContext& file) {
   SystemSpec system{.place = reader.place()};
   YamlMap map(reader);
   // Equations say themselves what the system is.
-  const YamlNode& node = reader.node();
-  const bool in_words = node.find("rate") || node.find("acceleration") || node.find("next");
+  const bool in_words = has_equations(reader.node());
   const auto type = in_words ? map.find("type") : map.require("type");
-  std::vector<std::string> words;
-  for (const SystemType& known : kSystemTypes) words.emplace_back(known.name);
-  auto index = type ? type->choose(words, "type of system") : std::nullopt;
-  if (!type && in_words) index = words.size() - 1;
+  auto index = type ? choose_type(*type) : std::nullopt;
+  if (!type && in_words) index = kReaders.size() - 1;
   if (index)
     system.parameters = kReaders[*index](map, file);
   else

@@ -111,19 +111,17 @@ const ActivationDefinition& activation_definition(ActivationKind kind) {
                        [&](const ActivationDefinition& d) { return d.kind == kind; });
 }
 
-ActivationSpec read_activation(const YamlReader& reader) {
-  ActivationSpec activation{.place = reader.place()};
-  if (reader.is_scalar()) {
-    const ActivationDefinition* definition = choose_activation(reader);
-    if (definition == nullptr) return activation;
-    activation.kind = definition->kind;
-    if (!definition->needs.empty())
-      reader.error(std::string(definition->needs), std::string(definition->hint));
-    return activation;
-  }
-  YamlMap map(reader);
-  const auto kind = map.require("kind");
-  const ActivationDefinition* definition = kind ? choose_activation(*kind) : nullptr;
+namespace {
+
+void report_need(const YamlReader& reader, const ActivationDefinition& definition) {
+  if (!definition.needs.empty())
+    reader.error(std::string(definition.needs), std::string(definition.hint));
+}
+
+/// The keys besides `kind`; those that the activation, if it is known, does not have are reported.
+/// Whether there are any.
+bool read_activation_keys(YamlMap& map, const ActivationDefinition* definition,
+                          ActivationSpec& activation) {
   bool any = false;
   for (const ActivationKey* key : activation_keys()) {
     const auto value = map.find(key->name);
@@ -134,10 +132,27 @@ ActivationSpec read_activation(const YamlReader& reader) {
     const auto& own = definition->keys;
     if (std::find(own.begin(), own.end(), key) == own.end()) value->error(std::string(key->unfit));
   }
+  return any;
+}
+
+}  // namespace
+
+ActivationSpec read_activation(const YamlReader& reader) {
+  ActivationSpec activation{.place = reader.place()};
+  if (reader.is_scalar()) {
+    const ActivationDefinition* definition = choose_activation(reader);
+    if (definition == nullptr) return activation;
+    activation.kind = definition->kind;
+    report_need(reader, *definition);
+    return activation;
+  }
+  YamlMap map(reader);
+  const auto kind = map.require("kind");
+  const ActivationDefinition* definition = kind ? choose_activation(*kind) : nullptr;
+  const bool any = read_activation_keys(map, definition, activation);
   if (definition == nullptr) return activation;
   activation.kind = definition->kind;
-  if (!definition->needs.empty() && !any)
-    reader.error(std::string(definition->needs), std::string(definition->hint));
+  if (!any) report_need(reader, *definition);
   return activation;
 }
 

@@ -56,21 +56,32 @@ OrderedJson expand_twist(const TwistSpec& twist) {
   return {{"linear", expand_vector(twist.linear)}, {"angular", expand_vector(twist.angular)}};
 }
 
-OrderedJson expand_state(const StateSpec& state) {
+namespace {
+
+OrderedJson expand_base(const BaseSpec& base) {
   OrderedJson json = OrderedJson::object();
-  if (state.configuration) json["configuration"] = state.configuration->value;
-  if (state.base) {
-    OrderedJson base = OrderedJson::object();
-    if (state.base->position) base["position"] = *state.base->position;
-    if (state.base->orientation) base["orientation"] = expand_quaternion(*state.base->orientation);
-    if (state.base->yaw) base["yaw"] = *state.base->yaw;
-    json["base"] = std::move(base);
-  }
+  if (base.position) json["position"] = *base.position;
+  if (base.orientation) json["orientation"] = expand_quaternion(*base.orientation);
+  if (base.yaw) json["yaw"] = *base.yaw;
+  return json;
+}
+
+/// Where base and joints are, and how they move.
+void expand_posture(const StateSpec& state, OrderedJson& json) {
+  if (state.base) json["base"] = expand_base(*state.base);
   if (state.displaced) json["displaced"] = expand_motion(state.displaced->motion);
   if (!state.joints.empty()) json["joints"] = expand_numbers(state.joints);
   if (state.base_velocity) json["velocity"]["base"] = expand_twist(*state.base_velocity);
   if (!state.joint_velocities.empty())
     json["velocity"]["joints"] = expand_numbers(state.joint_velocities);
+}
+
+}  // namespace
+
+OrderedJson expand_state(const StateSpec& state) {
+  OrderedJson json = OrderedJson::object();
+  if (state.configuration) json["configuration"] = state.configuration->value;
+  expand_posture(state, json);
   for (const auto& [name, part] : state.robots) json["robots"][name.value] = expand_state(part);
   if (state.state) json["state"] = *state.state;
   if (!state.values.empty()) json["values"] = expand_numbers(state.values);

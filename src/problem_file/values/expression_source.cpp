@@ -1,5 +1,7 @@
 #include "problem_file/values/expression_source.hpp"
 
+#include <algorithm>
+
 #include "base/utf8.hpp"
 
 namespace conddp {
@@ -66,6 +68,12 @@ class SourceWalk {
   Mark last_;
 };
 
+/// Where the first character from a place on is that is not blank; the size of the text if none is.
+std::size_t next_character(std::string_view text, std::size_t at) {
+  while (at < text.size() && is_blank(text[at])) ++at;
+  return at;
+}
+
 }  // namespace
 
 std::optional<ExpressionText> read_expression(const YamlReader& reader) {
@@ -85,16 +93,16 @@ Place place_in_expression(const ExpressionText& expression, int offset,
   if (whole.mark.source < 0 || whole.mark.line <= 0) return whole;
   SourceWalk walk(sources, whole.mark);
   if (expression.quoted) walk.open_quotes();
-  bool any = false;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    if (is_blank(text[i])) continue;
-    if (any && static_cast<int>(i) > offset) break;
+  const std::size_t first = next_character(text, 0);
+  if (first == text.size()) return whole;
+  const std::size_t wanted = static_cast<std::size_t>(std::max(offset, 0));
+  for (std::size_t i = first; i < text.size(); i = next_character(text, i + 1)) {
+    if (i > first && i > wanted) break;
     // An escape in the source, or something else that is not as the text has it.
     if (walk.next() != text[i]) return whole;
-    any = true;
-    if (static_cast<int>(i) >= offset) return {walk.last(), whole.path};
+    if (i >= wanted) return {walk.last(), whole.path};
   }
-  return any ? Place{walk.behind_last(), whole.path} : whole;
+  return {walk.behind_last(), whole.path};
 }
 
 void report_expression(const ExpressionText& expression, const ExpressionMessage& message,

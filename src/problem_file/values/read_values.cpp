@@ -25,6 +25,11 @@ std::optional<Vector3<double>> read_vector3(const YamlReader& reader, std::strin
   return Vector3<double>{(*n)[0], (*n)[1], (*n)[2]};
 }
 
+void read_vector3(YamlMap& map, std::string_view key, std::string_view what,
+                  Vector3<double>& vector) {
+  if (const auto reader = map.find(key)) vector = read_vector3(*reader, what).value_or(vector);
+}
+
 NamedNumbers read_named_numbers(const YamlReader& reader, const NumberRange& range) {
   NamedNumbers values;
   if (const auto entries = reader.named_entries())
@@ -33,27 +38,37 @@ NamedNumbers read_named_numbers(const YamlReader& reader, const NumberRange& ran
   return values;
 }
 
+namespace {
+
+/// A number or null; false, with an error, for anything else.
+bool read_component(const YamlReader& reader, const NumberRange& range,
+                    std::optional<double>& value) {
+  if (reader.is_null()) return true;
+  value = reader.number(range);
+  return value.has_value();
+}
+
+}  // namespace
+
 std::optional<ComponentsSpec> read_components(const YamlReader& reader, const NumberRange& range) {
   ComponentsSpec spec{.place = reader.place()};
-  const auto component = [&](const YamlReader& r, std::optional<double>& value) {
-    if (r.is_null()) return true;
-    value = r.number(range);
-    return value.has_value();
-  };
   if (reader.is_sequence()) {
     spec.form = ComponentsSpec::Form::kList;
     const auto items = reader.items();
     for (const YamlReader& item : *items)
-      if (!component(item, spec.list.emplace_back())) return std::nullopt;
-  } else if (reader.is_map()) {
+      if (!read_component(item, range, spec.list.emplace_back())) return std::nullopt;
+    return spec;
+  }
+  if (reader.is_map()) {
     spec.form = ComponentsSpec::Form::kMap;
     const auto entries = reader.named_entries();
     for (const auto& [name, value] : *entries)
-      if (!component(value, spec.map.emplace_back(name, std::nullopt).second)) return std::nullopt;
-  } else {
-    spec.scalar = reader.number(range);
-    if (!spec.scalar) return std::nullopt;
+      if (!read_component(value, range, spec.map.emplace_back(name, std::nullopt).second))
+        return std::nullopt;
+    return spec;
   }
+  spec.scalar = reader.number(range);
+  if (!spec.scalar) return std::nullopt;
   return spec;
 }
 
@@ -63,29 +78,33 @@ std::optional<PlanarMotion> read_planar_motion(const YamlReader& reader) {
   return PlanarMotion{(*n)[0], (*n)[1], (*n)[2]};
 }
 
+namespace {
+
+std::optional<Quaternion<double>> read_quaternion(const YamlReader& reader) {
+  constexpr double kTolerance = 1e-3;
+  const auto n = reader.numbers(4, "a quaternion [x, y, z, w]");
+  if (!n) return std::nullopt;
+  const Quaternion<double> q{(*n)[0], (*n)[1], (*n)[2], (*n)[3]};
+  const double length = norm(q);
+  if (!(std::abs(length - 1) > kTolerance)) return q;
+  reader.error(fmt::format("the quaternion has length {:.6g}, not 1", length),
+               "the order is [x, y, z, w]; no rotation is [0, 0, 0, 1]");
+  return std::nullopt;
+}
+
+}  // namespace
+
 std::optional<Quaternion<double>> read_orientation(YamlMap& map) {
   map.exclusive({"orientation", "rpy"});
   std::optional<Quaternion<double>> result;
-  if (const auto reader = map.find("orientation")) {
-    if (const auto n = reader->numbers(4, "a quaternion [x, y, z, w]")) {
-      const Quaternion<double> q{(*n)[0], (*n)[1], (*n)[2], (*n)[3]};
-      const double length = norm(q);
-      constexpr double kTolerance = 1e-3;
-      if (std::abs(length - 1) > kTolerance)
-        reader->error(fmt::format("the quaternion has length {:.6g}, not 1", length),
-                      "the order is [x, y, z, w]; no rotation is [0, 0, 0, 1]");
-      else
-        result = q;
-    }
-  }
+  if (const auto reader = map.find("orientation")) result = read_quaternion(*reader);
   if (const auto reader = map.find("rpy"))
     if (const auto n = reader->numbers(3, "[roll, pitch, yaw] in rad"))
       result = quaternion(rotation_rpy((*n)[0], (*n)[1], (*n)[2]));
-  if (result) {
-    const double scale = unit_scale(norm(*result));
-    result = {scale * result->x, scale * result->y, scale * result->z, scale * result->w};
-  }
-  return result;
+  if (!result) return std::nullopt;
+  const double scale = unit_scale(norm(*result));
+  return Quaternion<double>{scale * result->x, scale * result->y, scale * result->z,
+                            scale * result->w};
 }
 
 std::optional<PoseSpec> read_pose(const YamlReader& reader) {
@@ -108,10 +127,8 @@ std::optional<TwistSpec> read_twist(const YamlReader& reader) {
   }
   YamlMap map(reader);
   if (!map.valid()) return std::nullopt;
-  if (const auto linear = map.find("linear"))
-    twist.linear = read_vector3(*linear, "[x, y, z] in m/s").value_or(twist.linear);
-  if (const auto angular = map.find("angular"))
-    twist.angular = read_vector3(*angular, "[x, y, z] in rad/s").value_or(twist.angular);
+  read_vector3(map, "linear", "[x, y, z] in m/s", twist.linear);
+  read_vector3(map, "angular", "[x, y, z] in rad/s", twist.angular);
   return twist;
 }
 

@@ -8,6 +8,9 @@ namespace conddp {
 /// Readers of values that stand under many keys; each reports why it returns nothing.
 
 std::optional<Vector3<double>> read_vector3(const YamlReader& reader, std::string_view what);
+/// Of a key that may be left out; without a valid value `vector` stays as it is.
+void read_vector3(YamlMap& map, std::string_view key, std::string_view what,
+                  Vector3<double>& vector);
 NamedNumbers read_named_numbers(const YamlReader& reader, const NumberRange& range = kAnyNumber);
 std::optional<ComponentsSpec> read_components(const YamlReader& reader,
                                               const NumberRange& range = kAnyNumber);

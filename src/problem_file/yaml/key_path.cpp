@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <optional>
 #include <vector>
 
 #include <fmt/format.h>
@@ -106,22 +107,36 @@ class Walk {
   Diagnostics& out_;
 };
 
-}  // namespace
+YamlNode* find_entry(YamlNode& map, std::string_view key) {
+  for (YamlNode::Entry& entry : map.entries)
+    if (entry.key == key) return &entry.value;
+  return nullptr;
+}
 
-YamlNode* find_part(YamlNode& node, std::string_view step) {
-  if (node.kind == YamlNode::Kind::kMap) {
-    for (YamlNode::Entry& entry : node.entries)
-      if (entry.key == step) return &entry.value;
-    return nullptr;
-  }
-  if (node.kind != YamlNode::Kind::kSequence) return nullptr;
+/// The index that a step is, if it is one.
+std::optional<std::size_t> index_of(std::string_view step) {
   std::size_t index = 0;
   const char* end = step.data() + step.size();
   const auto [stop, code] = std::from_chars(step.data(), end, index);
-  if (code == std::errc() && stop == end && index < node.items.size()) return &node.items[index];
-  for (YamlNode& item : node.items)
+  if (code != std::errc() || stop != end) return std::nullopt;
+  return index;
+}
+
+/// By its index, or its name.
+YamlNode* find_item(YamlNode& list, std::string_view step) {
+  const auto index = index_of(step);
+  if (index && *index < list.items.size()) return &list.items[*index];
+  for (YamlNode& item : list.items)
     if (const std::string* name = name_of(item); name != nullptr && *name == step) return &item;
   return nullptr;
+}
+
+}  // namespace
+
+YamlNode* find_part(YamlNode& node, std::string_view step) {
+  if (node.kind == YamlNode::Kind::kMap) return find_entry(node, step);
+  if (node.kind != YamlNode::Kind::kSequence) return nullptr;
+  return find_item(node, step);
 }
 
 YamlNode* find_node(YamlNode& root, const Name& key, Missing missing, Diagnostics& out) {

@@ -47,24 +47,43 @@ std::optional<double> YamlReader::number(const NumberRange& range) const {
   return parsed.value;
 }
 
-std::optional<long long> YamlReader::integer(long long lower, long long upper) const {
-  const std::string what =
-      upper == std::numeric_limits<int>::max() || upper == std::numeric_limits<long long>::max()
-          ? fmt::format("a whole number of at least {}", lower)
-          : fmt::format("a whole number from {} to {}", lower, upper);
-  if (!is_scalar()) return expected(what), std::nullopt;
-  if (node_->quoted) return expected(what, "leave the quotes out"), std::nullopt;
-  const std::string& text = node_->text;
-  if (const ParsedNumber parsed = parse_number(text); !parsed.value) {
-    error(fmt::format("{} is expected here, and {}", what, parsed.defect));
-    return std::nullopt;
-  }
+namespace {
+
+/// "a whole number from 1 to 10".
+std::string whole_number(long long lower, long long upper) {
+  if (upper == std::numeric_limits<int>::max() || upper == std::numeric_limits<long long>::max())
+    return fmt::format("a whole number of at least {}", lower);
+  return fmt::format("a whole number from {} to {}", lower, upper);
+}
+
+/// The value of digits with or without a sign; nothing for any other text.
+std::optional<long long> parse_integer(const std::string& text) {
   const char* begin = text.data() + (text.starts_with('+') ? 1 : 0);
   const char* end = text.data() + text.size();
   long long value = 0;
   const auto [stop, code] = std::from_chars(begin, end, value);
-  if (code != std::errc() || stop != end || value < lower || value > upper)
-    return expected(what), std::nullopt;
+  if (code != std::errc() || stop != end) return std::nullopt;
+  return value;
+}
+
+std::string list_of(const std::vector<std::string>& words) {
+  std::string list;
+  for (const std::string& word : words) list += (list.empty() ? "" : ", ") + word;
+  return list;
+}
+
+}  // namespace
+
+std::optional<long long> YamlReader::integer(long long lower, long long upper) const {
+  const std::string what = whole_number(lower, upper);
+  if (!is_scalar()) return expected(what), std::nullopt;
+  if (node_->quoted) return expected(what, "leave the quotes out"), std::nullopt;
+  if (const ParsedNumber parsed = parse_number(node_->text); !parsed.value) {
+    error(fmt::format("{} is expected here, and {}", what, parsed.defect));
+    return std::nullopt;
+  }
+  const auto value = parse_integer(node_->text);
+  if (!value || *value < lower || *value > upper) return expected(what), std::nullopt;
   return value;
 }
 
@@ -145,15 +164,13 @@ std::optional<std::size_t> YamlReader::choose(const std::vector<std::string>& wo
     const auto found = std::find(words.begin(), words.end(), node_->text);
     if (found != words.end()) return static_cast<std::size_t>(found - words.begin());
   }
-  std::string list;
-  for (const std::string& word : words) list += (list.empty() ? "" : ", ") + word;
   const std::string_view thing = what.substr(0, what.find(" ("));
   const std::string message =
       is_scalar() ? fmt::format("unknown {} '{}'{}", thing, node_->text, what.substr(thing.size()))
                   : fmt::format("{} is not a {}", kind_name(*node_), what);
   std::string hint = is_scalar() ? meaning_question(node_->text, words, more) : std::string();
   if (!hint.empty()) hint += ' ';
-  out_->error(place(), message, hint + "accepted: " + list, words);
+  out_->error(place(), message, hint + "accepted: " + list_of(words), words);
   return std::nullopt;
 }
 
@@ -235,23 +252,33 @@ bool YamlMap::text(std::string_view key, std::string& value) {
   return text.has_value();
 }
 
+bool YamlMap::name(std::string_view key, Name& value) {
+  const auto reader = find(key);
+  if (!reader) return false;
+  auto name = reader->name();
+  if (name) value = std::move(*name);
+  return name.has_value();
+}
+
 void YamlMap::finish() {
   if (finished_ || !valid_) return;
   finished_ = true;
   for (const YamlNode::Entry& entry : reader_.node().entries) {
     if (std::find(known_.begin(), known_.end(), entry.key) != known_.end()) continue;
     if (reader_.diagnostics().error_count() >= Diagnostics::kMaxErrors) return;
-    const std::string path = reader_.place().path;
-    std::string list;
-    for (const std::string& key : known_) list += (list.empty() ? "" : ", ") + key;
-    std::string hint = meaning_question(entry.key, known_);
-    if (hint.empty()) hint = "accepted: " + list;
-    reader_.diagnostics().error({entry.mark, path.empty() ? entry.key : path + "." + entry.key},
-                                path.empty()
-                                    ? fmt::format("unknown key '{}'", entry.key)
-                                    : fmt::format("unknown key '{}' in '{}'", entry.key, path),
-                                hint, known_);
+    report_unknown(entry);
   }
+}
+
+void YamlMap::report_unknown(const YamlNode::Entry& entry) const {
+  const std::string path = reader_.place().path;
+  std::string hint = meaning_question(entry.key, known_);
+  if (hint.empty()) hint = "accepted: " + list_of(known_);
+  reader_.diagnostics().error({entry.mark, path.empty() ? entry.key : path + "." + entry.key},
+                              path.empty()
+                                  ? fmt::format("unknown key '{}'", entry.key)
+                                  : fmt::format("unknown key '{}' in '{}'", entry.key, path),
+                              hint, known_);
 }
 
 }  // namespace conddp

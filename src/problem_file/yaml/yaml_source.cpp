@@ -170,14 +170,26 @@ class TreeBuilder : public YAML::EventHandler {
 
 /// yaml-cpp's messages are terse; a few frequent ones are put into words.
 std::string_view in_words(std::string_view message) {
-  if (message == "end of map not found") return "this line does not continue the mapping above";
-  if (message == "end of sequence not found") return "this line does not continue the list above";
-  if (message == "end of sequence flow not found") return "a list '[...' is not closed by ']'";
-  if (message == "end of map flow not found") return "a mapping '{...' is not closed by '}'";
-  if (message == "illegal flow end") return "a ']' or '}' that closes nothing open here";
-  if (message == "unknown token") return "nothing starts with this character: quote the text";
-  if (message == "illegal map value") return "a ':' where no value can start";
+  static constexpr std::pair<std::string_view, std::string_view> kWords[] = {
+      {"end of map not found", "this line does not continue the mapping above"},
+      {"end of sequence not found", "this line does not continue the list above"},
+      {"end of sequence flow not found", "a list '[...' is not closed by ']'"},
+      {"end of map flow not found", "a mapping '{...' is not closed by '}'"},
+      {"illegal flow end", "a ']' or '}' that closes nothing open here"},
+      {"unknown token", "nothing starts with this character: quote the text"},
+      {"illegal map value", "a ':' where no value can start"}};
+  for (const auto& [terse, words] : kWords)
+    if (message == terse) return words;
   return message;
+}
+
+void report(const YAML::Exception& e, const Mark& mark, Diagnostics& out) {
+  if (e.msg.starts_with("the referenced anchor is not defined"))
+    return out.error({mark, {}}, std::string(kNoAliases), std::string(kWriteOut));
+  const std::string_view line = mark.line > 0 ? out.line(mark.source, mark.line) : "";
+  const bool tab = line.substr(0, line.find_first_not_of(" \t")).find('\t') != line.npos;
+  out.error({mark, {}}, fmt::format("not valid YAML: {}", in_words(e.msg)),
+            tab ? "the line begins with a tab: YAML is indented by spaces" : "");
 }
 
 }  // namespace
@@ -206,14 +218,7 @@ std::optional<YamlNode> parse_yaml(const std::string& text, int source, Diagnost
     return root;
   } catch (const Refused&) {
   } catch (const YAML::Exception& e) {
-    const Mark mark = builder.mark_of(e.mark);
-    const std::string_view line = mark.line > 0 ? out.line(source, mark.line) : "";
-    const bool tab = line.substr(0, line.find_first_not_of(" \t")).find('\t') != line.npos;
-    if (e.msg.starts_with("the referenced anchor is not defined"))
-      out.error({mark, {}}, std::string(kNoAliases), std::string(kWriteOut));
-    else
-      out.error({mark, {}}, fmt::format("not valid YAML: {}", in_words(e.msg)),
-                tab ? "the line begins with a tab: YAML is indented by spaces" : "");
+    report(e, builder.mark_of(e.mark), out);
   } catch (const std::exception& e) {
     out.error({{source, 1, 1}, {}}, fmt::format("not valid YAML: {}", e.what()));
   }

@@ -11,22 +11,28 @@
 namespace conddp {
 namespace {
 
+bool is_letter(unsigned char c) { return std::isalpha(c) != 0; }
+
+bool is_part_of_word(unsigned char c) {
+  constexpr std::string_view kOthers = "_/.- ";
+  return std::isalnum(c) != 0 || kOthers.find(static_cast<char>(c)) != kOthers.npos;
+}
+
+/// Whether readers of some version of YAML take a text for null or a truth value.
+bool is_reserved(std::string text) {
+  static constexpr std::array<std::string_view, 9> kReserved = {
+      "null", "true", "false", "yes", "no", "on", "off", "y", "n"};
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return std::find(kReserved.begin(), kReserved.end(), text) != kReserved.end();
+}
+
 /// Whether every reader of YAML takes the text for itself without quotes: a word of letters,
 /// digits, '_', '/', '.', '-' and inner spaces that begins with a letter and stands for nothing
 /// else.
 bool is_plain(const std::string& text) {
-  static constexpr std::array<std::string_view, 9> kReserved = {
-      "null", "true", "false", "yes", "no", "on", "off", "y", "n"};
-  const auto is_letter = [](unsigned char c) { return std::isalpha(c) != 0; };
-  const auto is_part = [](unsigned char c) {
-    return std::isalnum(c) != 0 || c == '_' || c == '/' || c == '.' || c == '-' || c == ' ';
-  };
   if (text.empty() || !is_letter(text.front()) || text.back() == ' ') return false;
-  if (!std::all_of(text.begin(), text.end(), is_part)) return false;
-  std::string lower = text;
-  std::transform(lower.begin(), lower.end(), lower.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return std::find(kReserved.begin(), kReserved.end(), lower) == kReserved.end();
+  return std::all_of(text.begin(), text.end(), is_part_of_word) && !is_reserved(text);
 }
 
 /// The shortest text that is read back as the number, by readers of YAML 1.1 too: to those an
