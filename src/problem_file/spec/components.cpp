@@ -17,6 +17,65 @@ std::vector<std::string> column_names(const std::vector<Column>& columns) {
   return names;
 }
 
+std::optional<std::vector<double>> resolve_list(const ComponentsSpec& spec,
+                                                const ComponentNames& names, double fallback,
+                                                Diagnostics& out) {
+  const std::size_t n = names.names.size();
+  if (spec.list.size() != n) {
+    out.error(spec.place,
+              fmt::format("{} numbers are expected here, one for each of the {}; this list has {}",
+                          n, names.what, spec.list.size()),
+              list_of(names));
+    return std::nullopt;
+  }
+  std::vector<double> values;
+  for (const std::optional<double>& value : spec.list) values.push_back(value.value_or(fallback));
+  return values;
+}
+
+void report_unknown(const Name& name, const ComponentNames& names, Diagnostics& out) {
+  std::vector<std::string> accepted = names.names;
+  for (const std::string& second : names.second)
+    if (!second.empty()) accepted.push_back(second);
+  const bool is_similar = !similar_names(name.value, accepted).empty();
+  out.error(name.place, fmt::format("'{}' fits none of the {}", name.value, names.what),
+            name_hint(name.value, is_similar ? accepted : names.names, names.what));
+}
+
+/// Values of components by names that may mean several: of each the one of the name that fits best.
+class BestFits {
+ public:
+  BestFits(const ComponentNames& names, double fallback)
+      : names_(names), values_(names.names.size(), fallback), best_(values_.size(), 0) {}
+
+  /// Whether the name fits any component.
+  bool set(const std::string& name, double value) {
+    bool found = false;
+    for (std::size_t i = 0; i < values_.size(); ++i) {
+      const std::size_t quality = std::max(fit(name, names_.names[i]), fit(name, names_.second[i]));
+      if (quality == 0) continue;
+      found = true;
+      if (quality < best_[i]) continue;
+      best_[i] = quality;
+      values_[i] = value;
+    }
+    return found;
+  }
+  const std::vector<double>& values() const { return values_; }
+
+ private:
+  const ComponentNames& names_;
+  std::vector<double> values_;
+  std::vector<std::size_t> best_;  ///< how well the name fits that gave each of the values
+};
+
+/// A rotation's component is called like the one of its quaternion, with r in the place of q.
+std::string rotation_name(std::string name) {
+  const std::size_t q = name.rfind('q');  // ".../qx"
+  if (q != std::string::npos) name[q] = 'r';
+  return name;
+}
+
 }  // namespace
 
 ComponentNames::ComponentNames(std::string what_they_are, std::vector<std::string> full_names)
@@ -27,48 +86,25 @@ ComponentNames::ComponentNames(std::string what_they_are, std::vector<std::strin
 
 std::optional<std::vector<double>> resolve(const ComponentsSpec& spec, const ComponentNames& names,
                                            double fallback, Diagnostics& out) {
-  const std::size_t n = names.names.size();
   if (spec.form == ComponentsSpec::Form::kScalar)
-    return std::vector<double>(n, spec.scalar.value_or(fallback));
-  std::vector<double> values(n, fallback);
-  if (spec.form == ComponentsSpec::Form::kList) {
-    if (spec.list.size() != n) {
-      out.error(
-          spec.place,
-          fmt::format("{} numbers are expected here, one for each of the {}; this list has {}", n,
-                      names.what, spec.list.size()),
-          list_of(names));
-      return std::nullopt;
-    }
-    for (std::size_t i = 0; i < n; ++i) values[i] = spec.list[i].value_or(fallback);
-    return values;
-  }
+    return std::vector<double>(names.names.size(), spec.scalar.value_or(fallback));
+  if (spec.form == ComponentsSpec::Form::kList) return resolve_list(spec, names, fallback, out);
   bool known = true;
-  std::vector<std::size_t> best(n, 0);
+  BestFits fits(names, fallback);
   for (const auto& [name, value] : spec.map) {
-    bool found = false;
-    for (std::size_t i = 0; i < n; ++i) {
-      const std::size_t quality =
-          std::max(fit(name.value, names.names[i]), fit(name.value, names.second[i]));
-      if (quality == 0) continue;
-      found = true;
-      if (quality < best[i]) continue;
-      best[i] = quality;
-      values[i] = value.value_or(fallback);
-    }
-    if (!found) {
-      std::vector<std::string> accepted = names.names;
-      for (const std::string& second : names.second)
-        if (!second.empty()) accepted.push_back(second);
-      out.error(name.place, fmt::format("'{}' fits none of the {}", name.value, names.what),
-                similar_names(name.value, accepted).empty()
-                    ? name_hint(name.value, names.names, names.what)
-                    : name_hint(name.value, accepted, names.what));
-      known = false;
-    }
+    if (fits.set(name.value, value.value_or(fallback))) continue;
+    report_unknown(name, names, out);
+    known = false;
   }
   if (!known) return std::nullopt;
-  return values;
+  return fits.values();
+}
+
+std::optional<std::vector<double>> resolve(const std::optional<ComponentsSpec>& spec,
+                                           const ComponentNames& names, double fallback,
+                                           Diagnostics& out) {
+  if (!spec) return std::vector<double>(names.names.size(), fallback);
+  return resolve(*spec, names, fallback, out);
 }
 
 std::size_t fit(const std::string& pattern, const std::string& name) {
@@ -100,17 +136,13 @@ ComponentNames tangent_names(const System& system) {
   std::vector<std::string> names(system.ndx());
   const auto& columns = system.state_columns();
   for (const auto& segment : system.manifold().segments()) {
-    const bool pose = segment.part == StateManifold::Part::se3;
-    if (segment.part == StateManifold::Part::flat || pose)
-      for (int i = 0; i < (pose ? 3 : segment.n); ++i)
-        names[segment.dx + i] = columns[segment.x + i].name;
-    if (segment.part == StateManifold::Part::flat) continue;
-    for (int i = 0; i < 3; ++i) {
-      std::string name = columns[segment.x + (pose ? 3 : 0) + i].name;  // ".../qx"
-      const std::size_t q = name.rfind('q');
-      if (q != std::string::npos) name[q] = 'r';
-      names[segment.dx + (pose ? 3 : 0) + i] = std::move(name);
-    }
+    using Part = StateManifold::Part;
+    // A flat segment has numbers alone, a pose three of them before its rotation.
+    const int flat = segment.part == Part::flat ? segment.n : segment.part == Part::se3 ? 3 : 0;
+    for (int i = 0; i < flat; ++i) names[segment.dx + i] = columns[segment.x + i].name;
+    if (segment.part == Part::flat) continue;
+    for (int i = flat; i < flat + 3; ++i)
+      names[segment.dx + i] = rotation_name(columns[segment.x + i].name);
   }
   return {"components of the state", std::move(names)};
 }

@@ -25,6 +25,10 @@ struct ComponentNames {
 /// shorter one.
 std::optional<std::vector<double>> resolve(const ComponentsSpec& spec, const ComponentNames& names,
                                            double fallback, Diagnostics& out);
+/// The same of what a file may leave out: then every component gets `fallback`.
+std::optional<std::vector<double>> resolve(const std::optional<ComponentsSpec>& spec,
+                                           const ComponentNames& names, double fallback,
+                                           Diagnostics& out);
 
 /// How well a name of the file, in which `*` stands for any letters, fits this one: 0 not at all,
 /// most the name itself, and a longer pattern better than a shorter one.

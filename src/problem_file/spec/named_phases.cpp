@@ -20,26 +20,39 @@ void check_weights(const ProblemSpec& spec, Diagnostics& out) {
                   name_hint(name.value, names, "costs"));
 }
 
+/// The number of the phase to which each knot belongs.
+std::vector<std::size_t> phases_by_knot(const ProblemSpec& spec) {
+  std::vector<std::size_t> phases;
+  for (std::size_t p = 0; p < spec.phases.size(); ++p)
+    phases.insert(phases.end(), spec.phases[p].knots.value, p);
+  return phases;
+}
+
+/// "'trot' has 0 to 9, 'stand' has 20 to 29".
+std::string knots_of(const std::vector<bool>& named, const ProblemSpec& spec) {
+  std::string ranges;
+  int first = 0;
+  for (std::size_t p = 0; p < spec.phases.size(); ++p) {
+    const int end = first + spec.phases[p].knots.value;
+    if (named[p])
+      ranges += fmt::format("{}'{}' has {} to {}", ranges.empty() ? "" : ", ",
+                            spec.phases[p].name.value, first, end - 1);
+    first = end;
+  }
+  return ranges;
+}
+
 void check_knots(const CostSpec& function, const ProblemSpec& spec, Diagnostics& out) {
   if (!function.knots || !function.phases) return;
   const std::vector<bool> named = phases_named(function.phases, spec);
-  std::string ranges;
-  int first = 0;
-  std::vector<std::size_t> phase_of;
-  for (std::size_t p = 0; p < spec.phases.size(); ++p) {
-    const int knots = spec.phases[p].knots.value;
-    phase_of.insert(phase_of.end(), knots, p);
-    if (named[p])
-      ranges += fmt::format("{}'{}' has {} to {}", ranges.empty() ? "" : ", ",
-                            spec.phases[p].name.value, first, first + knots - 1);
-    first += knots;
-  }
+  const std::vector<std::size_t> phase_of = phases_by_knot(spec);
   for (const Located<int>& knot : *function.knots) {
-    if (knot.value >= first || named[phase_of[knot.value]]) continue;
+    const auto index = static_cast<std::size_t>(knot.value);
+    if (index >= phase_of.size() || named[phase_of[index]]) continue;
     out.error(knot.place,
               fmt::format("knot {} is in the phase '{}', which '{}' does not name", knot.value,
-                          spec.phases[phase_of[knot.value]].name.value, function.name.value),
-              "knots are numbered over all phases: " + ranges);
+                          spec.phases[phase_of[index]].name.value, function.name.value),
+              "knots are numbered over all phases: " + knots_of(named, spec));
   }
 }
 

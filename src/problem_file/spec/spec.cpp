@@ -2,14 +2,33 @@
 
 namespace conddp {
 
+namespace {
+
+template <class Term>
+std::vector<const Term*> in_one_list(const std::vector<Term>& running,
+                                     const std::vector<Term>& terminal) {
+  std::vector<const Term*> all;
+  for (const auto* list : {&running, &terminal})
+    for (const Term& term : *list) all.push_back(&term);
+  return all;
+}
+
+}  // namespace
+
+std::vector<const CostSpec*> ProblemSpec::all_costs() const {
+  return in_one_list(costs, terminal_costs);
+}
+
+std::vector<const ConstraintSpec*> ProblemSpec::all_constraints() const {
+  return in_one_list(constraints, terminal_constraints);
+}
+
 const CostSpec* ProblemSpec::first_use(bool ResidualNeeds::*need) const {
-  for (const auto* list : {&costs, &terminal_costs})
-    for (const CostSpec& cost : *list)
-      if (cost.definition->needs.*need) return &cost;
-  for (const auto* list : {&constraints, &terminal_constraints})
-    for (const ConstraintSpec& constraint : *list)
-      if (!constraint.bounded && constraint.function.definition->needs.*need)
-        return &constraint.function;
+  for (const CostSpec* cost : all_costs())
+    if (cost->definition->needs.*need) return cost;
+  for (const ConstraintSpec* constraint : all_constraints())
+    if (!constraint->bounded && constraint->function.definition->needs.*need)
+      return &constraint->function;
   return nullptr;
 }
 

@@ -130,6 +130,9 @@ struct ProblemSpec {
   }
   /// Null if all durations are fixed.
   const PhaseSpec* first_free_duration() const;
+  /// Those at running knots, then those at the last node.
+  std::vector<const CostSpec*> all_costs() const;
+  std::vector<const ConstraintSpec*> all_constraints() const;
   int knots() const {
     int n = 0;
     for (const PhaseSpec& phase : phases) n += phase.knots.value;

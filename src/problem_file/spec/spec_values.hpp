@@ -27,6 +27,8 @@ struct ComponentsSpec {
 struct ContactNames {
   bool all = false;
   std::vector<Name> names;
+
+  bool any() const { return all || !names.empty(); }
 };
 
 /// A placement in the world, or the parts of one that were given.
@@ -34,6 +36,14 @@ struct PoseSpec {
   Place place;
   std::optional<Vector3<double>> position;        ///< m
   std::optional<Quaternion<double>> orientation;  ///< unit
+
+  /// With the world's origin and axes for what was not given.
+  SE3<double> placement() const {
+    SE3<double> placement = SE3<double>::identity();
+    if (position) placement.p = *position;
+    if (orientation) placement.R = rotation_matrix(*orientation);
+    return placement;
+  }
 };
 
 /// A velocity: linear m/s, angular rad/s.
