@@ -69,16 +69,18 @@ std::vector<double> node_times(const ProblemSpec& spec, Diagnostics& out) {
   return conddp::node_times(steps);
 }
 
+void report_unknown_solver(const Name& name, Diagnostics& out) {
+  std::vector<std::string> names{std::string(kAutoSolver)};
+  for (const SolverInfo& known : solvers()) names.emplace_back(known.name);
+  out.error(name.place, fmt::format("unknown solver '{}'", name.value),
+            name_hint(name.value, names, "solvers"), names);
+}
+
 void check_solver(const ProblemSpec& spec, Diagnostics& out) {
   const SolverSpec& solver = spec.solver;
   if (solver.name.value == kAutoSolver) return;
   const SolverInfo* info = find_solver(solver.name.value);
-  if (info == nullptr) {
-    std::vector<std::string> names{std::string(kAutoSolver)};
-    for (const SolverInfo& known : solvers()) names.emplace_back(known.name);
-    return out.error(solver.name.place, fmt::format("unknown solver '{}'", solver.name.value),
-                     name_hint(solver.name.value, names, "solvers"), names);
-  }
+  if (info == nullptr) return report_unknown_solver(solver.name, out);
   if (solver.options.hessian == HessianChoice::exact && !info->exact_hessian)
     out.error(solver.name.place, fmt::format("{} has no exact Hessian of the dynamics", info->name),
               "write 'hessian: automatic', or take ddp or box_ddp");
@@ -167,9 +169,8 @@ void report_contradiction(const ProblemSpec& spec, const ShootingProblem& proble
   const auto found = find_contradiction(problem);
   if (!found) return;
   Place place;
-  for (const auto* list : {&spec.constraints, &spec.terminal_constraints})
-    for (const ConstraintSpec& constraint : *list)
-      if (constraint.function.name.value == found->first) place = constraint.function.name.place;
+  for (const ConstraintSpec* constraint : spec.all_constraints())
+    if (constraint->function.name.value == found->first) place = constraint->function.name.place;
   const std::string node =
       found->node == problem.knots() ? "the last node" : fmt::format("knot {}", found->node);
   const std::string other =
@@ -364,8 +365,8 @@ std::vector<std::string> constraint_names(const ProblemSpec& spec) {
     if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
   };
   for (const ControlBoundsSpec& bounds : spec.control_bounds) add(bounds.name.value);
-  for (const auto* list : {&spec.constraints, &spec.terminal_constraints})
-    for (const ConstraintSpec& constraint : *list) add(constraint.function.name.value);
+  for (const ConstraintSpec* constraint : spec.all_constraints())
+    add(constraint->function.name.value);
   return names;
 }
 
@@ -400,8 +401,8 @@ bool is_written(const Place& place) { return place.mark.source >= 0; }
 /// solver where there is none.
 Place first_constraint(const ProblemSpec& spec, bool of_control) {
   if (of_control && !spec.control_bounds.empty()) return spec.control_bounds.front().name.place;
-  for (const auto* list : {&spec.constraints, &spec.terminal_constraints})
-    if (!of_control && !list->empty()) return list->front().function.name.place;
+  const std::vector<const ConstraintSpec*> others = spec.all_constraints();
+  if (!of_control && !others.empty()) return others.front()->function.name.place;
   return spec.solver.name.place;
 }
 
@@ -422,9 +423,8 @@ std::string drop_options(const ProblemSpec& spec, bool of_control) {
       options += " --drop " + bounds.name.value;
     return options;
   }
-  for (const auto* list : {&spec.constraints, &spec.terminal_constraints})
-    for (const ConstraintSpec& constraint : *list)
-      options += " --drop " + constraint.function.name.value;
+  for (const ConstraintSpec* constraint : spec.all_constraints())
+    options += " --drop " + constraint->function.name.value;
   return options;
 }
 

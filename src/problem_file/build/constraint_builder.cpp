@@ -13,10 +13,8 @@ namespace {
 template <class Predicate>
 bool narrow(const ConstraintSpec& constraint, const ComponentNames& rows, Predicate counts,
             std::vector<double>& lower, std::vector<double>& upper, Diagnostics& out) {
-  const auto low = constraint.lower ? resolve(*constraint.lower, rows, -kUnlimited, out)
-                                    : std::vector<double>(lower.size(), -kUnlimited);
-  const auto up = constraint.upper ? resolve(*constraint.upper, rows, kUnlimited, out)
-                                   : std::vector<double>(upper.size(), kUnlimited);
+  const auto low = resolve(constraint.lower, rows, -kUnlimited, out);
+  const auto up = resolve(constraint.upper, rows, kUnlimited, out);
   if (!low || !up) return false;
   for (std::size_t i = 0; i < lower.size(); ++i) {
     lower[i] = std::max(lower[i], (*low)[i]);
@@ -78,54 +76,85 @@ std::optional<BuiltConstraint> build_soft_control_bounds(const ConstraintSpec& s
   return built;
 }
 
-/// Bounds on those coordinates of the state that have one.
-std::optional<BuiltConstraint> build_state_bounds(const ConstraintSpec& spec,
-                                                  const CostContext& context, Diagnostics& out) {
-  const System& system = *context.plant.system;
-  const BoundedQuantity quantity = spec.bounded->value;
-  const auto fail = [&](const Place& place, const char* message, const char* hint) {
-    out.error(place, message, hint);
-    return std::nullopt;
-  };
-  if (quantity != BoundedQuantity::kState && system.kind() != SystemKind::second_order)
-    return fail(spec.bounded->place, "this system has no positions and velocities",
-                "write 'bounds: state'");
-  if (spec.from_urdf && !context.plant.multibody())
-    return fail(spec.from_place, "a closed-form system has no URDF", "give 'lower' and 'upper'");
-  auto state = make_cost_residual(spec.function, context.spec, context.plant, context.ndx, out);
-  if (!state) return std::nullopt;
+/// Whether a system has what state bounds are on and come from; else that is reported.
+bool check_bounded(const ConstraintSpec& spec, const Plant& plant, Diagnostics& out) {
+  const bool whole = spec.bounded->value == BoundedQuantity::kState;
+  if (!whole && plant.system->kind() != SystemKind::second_order) {
+    out.error(spec.bounded->place, "this system has no positions and velocities",
+              "write 'bounds: state'");
+    return false;
+  }
+  if (!spec.from_urdf || plant.multibody()) return true;
+  out.error(spec.from_place, "a closed-form system has no URDF", "give 'lower' and 'upper'");
+  return false;
+}
+
+/// Whether a quantity has the tangent coordinate i, of which nv are positions.
+bool has_coordinate(BoundedQuantity quantity, int i, int nv) {
+  if (quantity == BoundedQuantity::kState) return true;
+  return (quantity == BoundedQuantity::kVelocity) == (i >= nv);
+}
+
+/// Coordinates of the state that are bounded.
+struct BoundedCoordinates {
+  std::vector<int> indices;  ///< into the state
+  std::vector<std::string> names;
+  std::vector<double> lower, upper;
+
+  void add(int index, const std::string& name, double low, double high) {
+    if (std::isinf(low) && std::isinf(high)) return;
+    indices.push_back(index);
+    names.push_back(name);
+    lower.push_back(low);
+    upper.push_back(high);
+  }
+};
+
+std::optional<BoundedCoordinates> bounded_coordinates(const ConstraintSpec& spec,
+                                                      const CostResidual& state,
+                                                      const System& system, Diagnostics& out) {
   std::vector<double> lower(system.ndx(), -kUnlimited), upper(system.ndx(), kUnlimited);
   if (spec.from_urdf) {
-    lower = state->lower;
-    upper = state->upper;
+    lower = state.lower;
+    upper = state.upper;
     widen(spec.scale, lower, upper);
   }
   const std::vector<int> flat = flat_indices(system.manifold());
   const auto wanted = [&](int i) {
-    return flat[i] >= 0 && (quantity == BoundedQuantity::kState ||
-                            (quantity == BoundedQuantity::kVelocity) == (i >= system.nv()));
+    return flat[i] >= 0 && has_coordinate(spec.bounded->value, i, system.nv());
   };
-  if (!narrow(spec, state->rows, wanted, lower, upper, out)) return std::nullopt;
-  BuiltConstraint built{.spec = &spec, .at_last_node = !spec.function.phases};
+  if (!narrow(spec, state.rows, wanted, lower, upper, out)) return std::nullopt;
+  BoundedCoordinates bounded;
+  for (int i = 0; i < system.ndx(); ++i)
+    if (wanted(i)) bounded.add(flat[i], state.rows.names[i], lower[i], upper[i]);
+  if (!bounded.names.empty()) return bounded;
+  out.error(spec.bounded->place, "no coordinate of the state is bounded here",
+            spec.from_urdf ? "the URDF limits none of them: give 'lower' and 'upper'"
+                           : "rotations and floating bases have no coordinates to bound; name "
+                             "others");
+  return std::nullopt;
+}
+
+/// Bounds on those coordinates of the state that have one.
+std::optional<BuiltConstraint> build_state_bounds(const ConstraintSpec& spec,
+                                                  const CostContext& context, Diagnostics& out) {
+  const System& system = *context.plant.system;
+  if (!check_bounded(spec, context.plant, out)) return std::nullopt;
+  const auto state =
+      make_cost_residual(spec.function, context.spec, context.plant, context.ndx, out);
+  if (!state) return std::nullopt;
+  auto bounded = bounded_coordinates(spec, *state, system, out);
+  if (!bounded) return std::nullopt;
+  const int n = static_cast<int>(bounded->names.size());
   CostResidual chosen;
-  std::vector<std::string> names;
-  for (int i = 0; i < system.ndx(); ++i) {
-    if (!wanted(i) || (std::isinf(lower[i]) && std::isinf(upper[i]))) continue;
-    chosen.indices.push_back(flat[i]);
-    names.push_back(state->rows.names[i]);
-    built.lower.push_back(lower[i]);
-    built.upper.push_back(upper[i]);
-  }
-  if (names.empty())
-    return fail(spec.bounded->place, "no coordinate of the state is bounded here",
-                spec.from_urdf ? "the URDF limits none of them: give 'lower' and 'upper'"
-                               : "rotations and floating bases have no coordinates to bound; name "
-                                 "others");
-  const int n = static_cast<int>(names.size());
-  chosen.rows = chosen.references = {"bounded coordinates", names};
+  chosen.indices = std::move(bounded->indices);
+  chosen.rows = chosen.references = {"bounded coordinates", std::move(bounded->names)};
   chosen.parameters = StateManifold::flat(n);
   chosen.residual = coordinate_residual(system.manifold(), chosen.indices);
   TimeSeries zero(chosen.parameters, std::vector<double>(n, 0.0));
+  BuiltConstraint built{.spec = &spec, .at_last_node = !spec.function.phases};
+  built.lower = std::move(bounded->lower);
+  built.upper = std::move(bounded->upper);
   built.function = {&spec.function, std::move(chosen), {}, {}, std::move(zero)};
   return built;
 }
@@ -201,18 +230,30 @@ CostSpec function_of(const ConstraintSpec& spec) {
   return function;
 }
 
+/// Rows that equal numbers; those for which the file gives none are free.
+bool set_equal(BuiltConstraint& built, const ComponentNames& rows, Diagnostics& out) {
+  const auto below = resolve(*built.spec->equals, rows, -kUnlimited, out);
+  const auto above = resolve(*built.spec->equals, rows, kUnlimited, out);
+  if (!below || !above) return false;
+  built.lower = *below;
+  built.upper = *above;
+  return true;
+}
+
+bool set_cone(BuiltConstraint& built, int rows, Diagnostics& out) {
+  built.kind = ConstraintKind::second_order_cone;
+  built.slope = built.spec->slope;
+  if (rows >= 2) return true;
+  out.error(built.spec->function.residual.place, "a cone needs a residual of two rows or more");
+  return false;
+}
+
 /// The set of a constraint whose residual is built.
 bool set_bounds(BuiltConstraint& built, Diagnostics& out) {
   const ConstraintSpec& spec = *built.spec;
   const CostResidual& residual = built.function.residual;
   const int n = residual.residual->size();
-  if (spec.function.keys.value(key::cone)) {
-    built.kind = ConstraintKind::second_order_cone;
-    built.slope = spec.slope;
-    if (n >= 2) return true;
-    out.error(spec.function.residual.place, "a cone needs a residual of two rows or more");
-    return false;
-  }
+  if (spec.function.keys.value(key::cone)) return set_cone(built, n, out);
   if (spec.at_least || spec.at_most) {
     built.kind = ConstraintKind::norm;
     built.lower = {spec.at_least.value_or(-kUnlimited)};
@@ -229,17 +270,11 @@ bool set_bounds(BuiltConstraint& built, Diagnostics& out) {
     built.upper.assign(n, 0.0);
     return true;
   }
+  if (spec.equals) return set_equal(built, residual.rows, out);
   built.lower.assign(n, -kUnlimited);
   built.upper.assign(n, kUnlimited);
-  if (!spec.equals)
-    return narrow(
-        spec, residual.rows, [](int) { return true; }, built.lower, built.upper, out);
-  const auto below = resolve(*spec.equals, residual.rows, -kUnlimited, out);
-  const auto above = resolve(*spec.equals, residual.rows, kUnlimited, out);
-  if (!below || !above) return false;
-  built.lower = *below;
-  built.upper = *above;
-  return true;
+  return narrow(
+      spec, residual.rows, [](int) { return true; }, built.lower, built.upper, out);
 }
 
 }  // namespace
@@ -254,27 +289,40 @@ bool is_zero(const ConstraintSpec& c) {
          !c.function.keys.value(key::cone) && !c.function.definition->is_cone;
 }
 
+namespace {
+
+std::optional<BuiltConstraint> build_bounds(const ConstraintSpec& spec, const CostContext& context,
+                                            Diagnostics& out) {
+  const auto build = spec.bounded->value == BoundedQuantity::kControl ? build_soft_control_bounds
+                                                                      : build_state_bounds;
+  return build(spec, context, out);
+}
+
+/// The constraints of one residual: several on contacts, or from centers.
+void add_constraints(const ConstraintSpec& spec, const CostContext& context,
+                     std::vector<BuiltConstraint>& list, Diagnostics& out) {
+  for (BuiltCost& function : build_costs({function_of(spec)}, context, out)) {
+    function.spec = &spec.function;
+    if (function.contact.contact >= 0 && spec.function.keys.value(key::cone)) {
+      add_friction_cone(spec, context, std::move(function), list, out);
+      continue;
+    }
+    BuiltConstraint built{.spec = &spec};
+    built.function = std::move(function);
+    if (set_bounds(built, out)) add_centers(built, list, out);
+  }
+}
+
+}  // namespace
+
 std::vector<BuiltConstraint> build_constraints(const std::vector<ConstraintSpec>& specs,
                                                const CostContext& context, Diagnostics& out) {
   std::vector<BuiltConstraint> list;
   for (const ConstraintSpec& spec : specs) {
-    if (spec.bounded) {
-      const auto build = spec.bounded->value == BoundedQuantity::kControl
-                             ? build_soft_control_bounds
-                             : build_state_bounds;
-      if (auto built = build(spec, context, out)) list.push_back(std::move(*built));
-      continue;
-    }
-    for (BuiltCost& function : build_costs({function_of(spec)}, context, out)) {
-      function.spec = &spec.function;
-      if (function.contact.contact >= 0 && spec.function.keys.value(key::cone)) {
-        add_friction_cone(spec, context, std::move(function), list, out);
-        continue;
-      }
-      BuiltConstraint built{.spec = &spec};
-      built.function = std::move(function);
-      if (set_bounds(built, out)) add_centers(built, list, out);
-    }
+    if (!spec.bounded)
+      add_constraints(spec, context, list, out);
+    else if (auto built = build_bounds(spec, context, out))
+      list.push_back(std::move(*built));
   }
   return list;
 }

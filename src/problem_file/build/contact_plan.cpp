@@ -39,21 +39,33 @@ std::optional<Contact> make_contact(const ContactSpec& spec, const Plant& plant,
   return contact;
 }
 
-void warn_of_instability(const ContactSpec& spec, const PhaseSpec& phase, Integrator integrator,
-                         Diagnostics& out) {
-  if (phase.takes_no_time() || is_stable(integrator, spec.kp, spec.kd, phase.dt)) return;
-  out.warning(
-      spec.baumgarte_place,
-      fmt::format("the contact '{}' is stabilised more stiffly (kp {} 1/s², kd {} 1/s) than "
-                  "the time step {} s of phase '{}' carries: errors grow",
-                  spec.name.value, spec.kp, spec.kd, phase.dt, phase.name.value),
-      spec.kp == 0 ? fmt::format("kd up to {:.3g} is stable with this step", 2 / phase.dt)
-                   : "lower kp and kd, or take smaller steps");
+/// Warns, once, of a contact whose stabilisation the time step of a phase does not carry.
+void warn_of_instability(const ContactSpec& contact, int index, const ContactPlan& plan,
+                         const ProblemSpec& spec, Integrator integrator, Diagnostics& out) {
+  for (std::size_t p = 0; p < spec.phases.size(); ++p) {
+    const PhaseSpec& phase = spec.phases[p];
+    if (!plan.find(p, index) || phase.takes_no_time() ||
+        is_stable(integrator, contact.kp, contact.kd, phase.dt))
+      continue;
+    return out.warning(
+        contact.baumgarte_place,
+        fmt::format("the contact '{}' is stabilised more stiffly (kp {} 1/s², kd {} 1/s) than "
+                    "the time step {} s of phase '{}' carries: errors grow",
+                    contact.name.value, contact.kp, contact.kd, phase.dt, phase.name.value),
+        contact.kp == 0 ? fmt::format("kd up to {:.3g} is stable with this step", 2 / phase.dt)
+                        : "lower kp and kd, or take smaller steps");
+  }
+}
+
+/// Whether the file says where kp draws a contact to.
+bool is_placed(const ContactSpec& contact) {
+  return contact.placement && contact.placement->position;
 }
 
 /// A contact that is made again after it was let go, with a kp that draws it back.
 void warn_of_return(const ContactSpec& contact, int index, const ContactPlan& plan,
                     const ProblemSpec& spec, Diagnostics& out) {
+  if (contact.kp == 0 || is_placed(contact) || swings(contact.frame.value, spec)) return;
   for (std::size_t p = 1; p < spec.phases.size(); ++p)
     if (plan.find(p, index) && !plan.find(p - 1, index))
       return out.warning(
@@ -64,9 +76,13 @@ void warn_of_return(const ContactSpec& contact, int index, const ContactPlan& pl
           "give its frame a 'swing' that says where it lands, or leave kp out");
 }
 
-/// A touch-down needs a contact that was in the air before.
-bool comes_from_the_air(const ProblemSpec& spec, const std::vector<std::vector<int>>& held,
-                        std::size_t impulse, Diagnostics& out) {
+/// A touch-down needs contacts, one of which was in the air before.
+bool check_impulse(const ProblemSpec& spec, const std::vector<std::vector<int>>& held,
+                   std::size_t impulse, Diagnostics& out) {
+  if (held[impulse].empty()) {
+    out.error(spec.phases[impulse].name.place, "an impulse needs contacts that hit the ground");
+    return false;
+  }
   if (impulse == 0) return true;
   const std::vector<int>&hits = held[impulse], &before = held[impulse - 1];
   if (!std::includes(before.begin(), before.end(), hits.begin(), hits.end())) return true;
@@ -82,6 +98,46 @@ bool comes_from_the_air(const ProblemSpec& spec, const std::vector<std::vector<i
   return false;
 }
 
+/// Where kp draws a contact to in each phase: where the file says, or else where swings lead it.
+std::vector<Vector3<double>> places_of(const ContactSpec& spec, const Contact& contact,
+                                       const ProblemSpec& problem, const Plant& plant,
+                                       const std::vector<double>& initial) {
+  if (is_placed(spec)) return std::vector(problem.phases.size(), *spec.placement->position);
+  const Foot foot{spec.frame.value, contact.frame, contact.reference.p};
+  std::vector<Vector3<double>> places;
+  for (const Foothold& foothold : footholds(foot, problem, plant, initial))
+    places.push_back(foothold.p);
+  return places;
+}
+
+/// Where kp draws the contacts of a phase to, as one list.
+std::vector<double> places_of(const std::vector<Contact>& held) {
+  std::vector<double> places;
+  for (const Contact& contact : held)
+    for (int i = 0; contact.kp != 0 && i < 3; ++i) places.push_back(contact.reference.p[i]);
+  return places;
+}
+
+/// The plant with these contacts.
+std::shared_ptr<const System> holding_system(const PhaseSpec& phase, std::vector<Contact> held,
+                                             const Plant& plant,
+                                             const std::vector<double>& initial) {
+  if (held.empty()) return plant.system;
+  const auto system = phase.restitution
+                          ? std::make_shared<MultibodySystem>(plant.multibody()->shared_robot(),
+                                                              std::move(held), *phase.restitution)
+                          : plant.multibody()->with_contacts(std::move(held));
+  system->soften_redundant_contacts(initial.data());
+  return system;
+}
+
+/// Whether ẏ = λ y dies away when stepped by a Runge-Kutta rule of this order, with z = λ dt.
+bool dies_away(std::complex<double> z, int order) {
+  std::complex<double> growth = 1, term = 1;
+  for (int i = 1; i <= order; ++i) growth += term *= z / static_cast<double>(i);
+  return !(std::abs(growth) >= 1);
+}
+
 }  // namespace
 
 bool is_stable(Integrator integrator, double kp, double kd, double dt) {
@@ -89,14 +145,10 @@ bool is_stable(Integrator integrator, double kp, double kd, double dt) {
   if (kp == 0 && kd == 0) return true;
   if (info_of(integrator).kind == StepKind::semi_implicit)
     return kd * dt >= 0 && kd * dt < 2 && 2 * kd * dt + kp * dt * dt < 4;
-  const int order = info_of(integrator).order;
   const Complex root = std::sqrt(Complex(kd * kd / 4 - kp, 0));
-  for (const Complex lambda : {-kd / 2 + root, -kd / 2 - root}) {
-    if (std::abs(lambda) < 1e-12) continue;
-    Complex growth = 1, term = 1;
-    for (int i = 1; i <= order; ++i) growth += term *= lambda * dt / static_cast<double>(i);
-    if (std::abs(growth) >= 1) return false;
-  }
+  for (const Complex lambda : {-kd / 2 + root, -kd / 2 - root})
+    if (std::abs(lambda) >= 1e-12 && !dies_away(lambda * dt, info_of(integrator).order))
+      return false;
   return true;
 }
 
@@ -136,54 +188,37 @@ std::optional<ContactPlan> ContactPlan::build(const ProblemSpec& spec, const Pla
 
   for (std::size_t c = 0; c < spec.contacts.size(); ++c) {
     const ContactSpec& contact = spec.contacts[c];
-    auto& places = plan.places_.emplace_back();
-    const Foot foot{contact.frame.value, plan.contacts_[c].frame, plan.contacts_[c].reference.p};
-    for (const Foothold& foothold : footholds(foot, spec, plant, initial))
-      places.push_back(foothold.p);
-    if (contact.kp == 0) continue;
-    if (contact.placement && contact.placement->position)
-      places.assign(spec.phases.size(), *contact.placement->position);
-    else if (!swings(contact.frame.value, spec))
-      warn_of_return(contact, static_cast<int>(c), plan, spec, out);
+    plan.places_.push_back(places_of(contact, plan.contacts_[c], spec, plant, initial));
+    warn_of_return(contact, static_cast<int>(c), plan, spec, out);
   }
+  if (!plan.set_systems(spec, plant, initial, out)) return std::nullopt;
+  for (std::size_t c = 0; c < spec.contacts.size(); ++c)
+    warn_of_instability(spec.contacts[c], static_cast<int>(c), plan, spec, integrator, out);
+  return plan;
+}
 
+bool ContactPlan::set_systems(const ProblemSpec& spec, const Plant& plant,
+                              const std::vector<double>& initial, Diagnostics& out) {
   using Structure = std::tuple<std::vector<int>, double, std::vector<double>>;
   std::map<Structure, std::shared_ptr<const System>> known;
   for (std::size_t p = 0; p < spec.phases.size(); ++p) {
     const PhaseSpec& phase = spec.phases[p];
-    if (phase.restitution && plan.held_[p].empty()) {
-      out.error(phase.name.place, "an impulse needs contacts that hit the ground");
-      return std::nullopt;
-    }
-    if (phase.restitution && !comes_from_the_air(spec, plan.held_, p, out)) return std::nullopt;
-    std::vector<Contact> held;
-    std::vector<double> places;
-    for (const int c : plan.held_[p]) {
-      held.push_back(plan.contacts_[c]);
-      if (spec.contacts[c].kp == 0) continue;
-      held.back().reference.p = plan.places_[c][p];
-      for (int i = 0; i < 3; ++i) places.push_back(plan.places_[c][p][i]);
-    }
-    auto& system = known[{plan.held_[p], phase.restitution.value_or(-1), places}];
-    if (!system && plan.held_[p].empty()) system = plant.system;
-    if (!system) {
-      const auto holding =
-          phase.restitution ? std::make_shared<MultibodySystem>(plant.multibody()->shared_robot(),
-                                                                std::move(held), *phase.restitution)
-                            : plant.multibody()->with_contacts(std::move(held));
-      holding->soften_redundant_contacts(initial.data());
-      system = holding;
-    }
-    plan.systems_.push_back(system);
+    if (phase.restitution && !check_impulse(spec, held_, p, out)) return false;
+    std::vector<Contact> held = contacts_in(p);
+    auto& system = known[{held_[p], phase.restitution.value_or(-1), places_of(held)}];
+    if (!system) system = holding_system(phase, std::move(held), plant, initial);
+    systems_.push_back(system);
   }
-  for (std::size_t c = 0; c < spec.contacts.size(); ++c)
-    for (std::size_t p = 0; p < spec.phases.size(); ++p) {
-      if (!plan.find(p, static_cast<int>(c))) continue;
-      const int before = static_cast<int>(out.list().size());
-      warn_of_instability(spec.contacts[c], spec.phases[p], integrator, out);
-      if (static_cast<int>(out.list().size()) > before) break;  // one warning a contact
-    }
-  return plan;
+  return true;
+}
+
+std::vector<Contact> ContactPlan::contacts_in(std::size_t phase) const {
+  std::vector<Contact> held;
+  for (const int c : held_[phase]) {
+    held.push_back(contacts_[c]);
+    if (held.back().kp != 0) held.back().reference.p = places_[c][phase];
+  }
+  return held;
 }
 
 std::optional<int> ContactPlan::find(std::size_t phase, int contact) const {

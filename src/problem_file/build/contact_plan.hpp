@@ -32,6 +32,11 @@ class ContactPlan {
   const std::shared_ptr<const System>& system(std::size_t phase) const { return systems_[phase]; }
 
  private:
+  /// The contacts of a phase, each with the place that kp draws it to there.
+  std::vector<Contact> contacts_in(std::size_t phase) const;
+  bool set_systems(const ProblemSpec& spec, const Plant& plant, const std::vector<double>& initial,
+                   Diagnostics& out);
+
   std::vector<Contact> contacts_;
   /// Per phase and at the last node: indices into contacts_, ascending.
   std::vector<std::vector<int>> held_;

@@ -21,6 +21,24 @@ std::string list_with_limits() {
   return fmt::format("{} and {}", fmt::join(names, ", "), last);
 }
 
+/// The robot's own limits of a residual as bounds of a barrier.
+bool set_limits_of_robot(const CostSpec& cost, const CostResidual& residual, Activation& activation,
+                         Diagnostics& out) {
+  if (residual.lower.empty()) {
+    out.error(cost.activation.place,
+              fmt::format("a robot has no limits for the residual '{}'", cost.residual.value),
+              fmt::format("'from: urdf' serves {}", list_with_limits()));
+    return false;
+  }
+  if (cost.reference) {
+    out.error(cost.reference->place, "limits from the URDF are absolute: leave the reference out");
+    return false;
+  }
+  activation.lower = residual.lower;
+  activation.upper = residual.upper;
+  return true;
+}
+
 /// The barrier's bounds: the robot's limits where asked for, and what the file says besides.
 bool set_barrier(const CostSpec& cost, const CostResidual& residual, Activation& activation,
                  Diagnostics& out) {
@@ -28,35 +46,14 @@ bool set_barrier(const CostSpec& cost, const CostResidual& residual, Activation&
   const std::size_t n = residual.residual->size();
   activation.lower.assign(n, -kUnlimited);
   activation.upper.assign(n, kUnlimited);
-  if (spec.from_urdf) {
-    if (residual.lower.empty()) {
-      out.error(spec.place,
-                fmt::format("a robot has no limits for the residual '{}'", cost.residual.value),
-                fmt::format("'from: urdf' serves {}", list_with_limits()));
-      return false;
-    }
-    if (cost.reference) {
-      out.error(cost.reference->place,
-                "limits from the URDF are absolute: leave the reference out");
-      return false;
-    }
-    activation.lower = residual.lower;
-    activation.upper = residual.upper;
-  }
-  std::vector<double> lower(n, -kUnlimited), upper(n, kUnlimited);
-  if (spec.lower) {
-    const auto values = resolve(*spec.lower, residual.rows, -kUnlimited, out);
-    if (!values) return false;
-    lower = *values;
-  }
-  if (spec.upper) {
-    const auto values = resolve(*spec.upper, residual.rows, kUnlimited, out);
-    if (!values) return false;
-    upper = *values;
-  }
+  if (spec.from_urdf && !set_limits_of_robot(cost, residual, activation, out)) return false;
+  const auto lower = resolve(spec.lower, residual.rows, -kUnlimited, out);
+  if (!lower) return false;
+  const auto upper = resolve(spec.upper, residual.rows, kUnlimited, out);
+  if (!upper) return false;
   for (std::size_t i = 0; i < n; ++i) {
-    activation.lower[i] = std::max(activation.lower[i], lower[i]);
-    activation.upper[i] = std::min(activation.upper[i], upper[i]);
+    activation.lower[i] = std::max(activation.lower[i], (*lower)[i]);
+    activation.upper[i] = std::min(activation.upper[i], (*upper)[i]);
     if (activation.lower[i] <= activation.upper[i]) continue;
     out.error(spec.place,
               fmt::format("for '{}' the lower bound {} lies above the upper bound {}",
@@ -85,33 +82,35 @@ std::optional<Activation> build_activation(const CostSpec& cost, const CostResid
   return activation;
 }
 
+void add_cost(const CostSpec& spec, CostResidual residual, ContactCost contact,
+              const CostContext& context, std::vector<BuiltCost>& costs, Diagnostics& out) {
+  auto activation = build_activation(spec, residual, contact, out);
+  auto reference =
+      spec.keys.find(key::swing) != nullptr
+          ? swing_reference(spec, residual, context.spec, context.contacts, context.plant,
+                            context.states.initial(), context.times, out)
+          : build_reference(spec, residual, context.plant, context.states, context.times, out);
+  if (!activation || !reference) return;
+  costs.push_back({&spec, std::move(residual), std::move(contact), std::move(*activation),
+                   std::move(*reference)});
+}
+
 }  // namespace
 
 std::vector<BuiltCost> build_costs(const std::vector<CostSpec>& specs, const CostContext& context,
                                    Diagnostics& out) {
   std::vector<BuiltCost> costs;
-  const auto add = [&](const CostSpec& spec, CostResidual residual, ContactCost contact) {
-    auto activation = build_activation(spec, residual, contact, out);
-    auto reference =
-        spec.keys.find(key::swing) != nullptr
-            ? swing_reference(spec, residual, context.spec, context.contacts, context.plant,
-                              context.states.initial(), context.times, out)
-            : build_reference(spec, residual, context.plant, context.states, context.times, out);
-    if (!activation || !reference) return;
-    costs.push_back({&spec, std::move(residual), std::move(contact), std::move(*activation),
-                     std::move(*reference)});
-  };
   for (const CostSpec& spec : specs) {
     if (spec.definition->of_contacts() && context.plant.multibody()) {
       for (ContactCost& contact : make_contact_costs(spec, context.spec, context.contacts,
                                                      context.plant, context.ndx, out)) {
         CostResidual prototype = contact.prototype;
-        add(spec, std::move(prototype), std::move(contact));
+        add_cost(spec, std::move(prototype), std::move(contact), context, costs, out);
       }
       continue;
     }
     if (auto residual = make_cost_residual(spec, context.spec, context.plant, context.ndx, out))
-      add(spec, std::move(*residual), {});
+      add_cost(spec, std::move(*residual), {}, context, costs, out);
   }
   return costs;
 }

@@ -33,9 +33,7 @@ class GuessBuilder {
     if (out_.error_count() == errors) fill_controls(guess);
     if (out_.error_count() > errors) return std::nullopt;
     if (chooses()) choose_start(guess);
-    const int memory = problem_.nx() - plant_.system->nx();
-    for (int k = 1; memory > 0 && k <= problem_.knots(); ++k)
-      guess.x(k).tail(memory) = guess.u(chooses() ? 0 : k - 1).head(memory);
+    carry_memory(guess);
     if (plant_.collocation()) guess_slopes(*plant_.collocation(), problem_, guess);
     return guess;
   }
@@ -47,7 +45,13 @@ class GuessBuilder {
   const System& guessed() const {
     return plant_.collocation() ? plant_.actuated() : *plant_.system;
   }
-  bool has_controls(int k) const { return problem_.nu(k) > 0 && !(k == 0 && chooses()); }
+  /// The knots whose controls are guessed: all that have some, but for the choice of the start.
+  std::vector<int> controlled_knots() const {
+    std::vector<int> knots;
+    for (int k = chooses() ? 1 : 0; k < problem_.knots(); ++k)
+      if (problem_.nu(k) > 0) knots.push_back(k);
+    return knots;
+  }
 
   /// The displacement from the initial state to the guess of the next one, as far as it may go.
   void choose_start(Trajectory& trajectory) const {
@@ -65,6 +69,13 @@ class GuessBuilder {
       trajectory.u(0)[i] = std::clamp(asked[i], model.control_lower()[i], model.control_upper()[i]);
   }
   double time(int k) const { return problem_.times()[k]; }
+
+  /// States remember the choice of the start, or the control before.
+  void carry_memory(Trajectory& trajectory) const {
+    const int memory = problem_.nx() - plant_.system->nx();
+    for (int k = 1; memory > 0 && k <= problem_.knots(); ++k)
+      trajectory.x(k).tail(memory) = trajectory.u(chooses() ? 0 : k - 1).head(memory);
+  }
 
   void fill_states(Trajectory& trajectory) {
     const StateManifold& manifold = plant_.system->manifold();
@@ -93,19 +104,12 @@ class GuessBuilder {
 
   /// From the initial state to the one that the terminal costs want.
   std::optional<TimeSeries> towards_target() {
-    std::vector<double> target = states_.initial();
     const std::vector<double>& times = problem_.times();
+    std::vector<double> target = states_.initial();
     bool found = false;
     for (const CostSpec& cost : spec_.terminal_costs) {
       if (!cost.definition->of_positions) continue;
-      const auto residual = make_cost_residual(cost, spec_, plant_, problem_.ndx(), out_);
-      if (!residual) return std::nullopt;
-      const auto reference = build_reference(cost, *residual, plant_, states_, times, out_);
-      if (!reference) return std::nullopt;
-      const std::vector<double> value = reference->interpolate(times.back());
-      if (residual->indices.empty()) target = value;
-      for (std::size_t i = 0; i < residual->indices.size(); ++i)
-        target[residual->indices[i]] = value[i];
+      if (!set_target(cost, target)) return std::nullopt;
       found = true;
     }
     if (!found) {
@@ -121,33 +125,24 @@ class GuessBuilder {
     return series;
   }
 
+  /// Writes the last reference of a cost on positions into the entries of the state that it is on.
+  bool set_target(const CostSpec& cost, std::vector<double>& target) const {
+    const std::vector<double>& times = problem_.times();
+    const auto residual = make_cost_residual(cost, spec_, plant_, problem_.ndx(), out_);
+    if (!residual) return false;
+    const auto reference = build_reference(cost, *residual, plant_, states_, times, out_);
+    if (!reference) return false;
+    const std::vector<double> value = reference->interpolate(times.back());
+    if (residual->indices.empty()) target = value;
+    for (std::size_t i = 0; i < residual->indices.size(); ++i)
+      target[residual->indices[i]] = value[i];
+    return true;
+  }
+
   std::optional<TimeSeries> through_keyframes() {
     TimeSeries series(plant_.system->manifold());
     bool good = true;
-    for (const KeyframeSpec& keyframe : guess().keyframes) {
-      double when = keyframe.time ? keyframe.time->value : 0;
-      if (keyframe.knot) {
-        if (keyframe.knot->value > problem_.knots()) {
-          out_.error(keyframe.knot->place,
-                     fmt::format("nodes are numbered from 0 to {}", problem_.knots()));
-          good = false;
-          continue;
-        }
-        when = time(keyframe.knot->value);
-      }
-      if (const double end = time(problem_.knots()); keyframe.time && when > end * (1 + 1e-9))
-        out_.warning(keyframe.time->place,
-                     fmt::format("the motion ends at {:.6g} s, before this keyframe", end));
-      if (series.empty() && when > 0) series.append(0, states_.initial());
-      if (!series.empty() && when <= series.last_time()) {
-        out_.error(keyframe.place, "keyframes must stand in the order of time");
-        good = false;
-        continue;
-      }
-      const auto state = states_.build(keyframe.state);
-      good &= state.has_value();
-      if (state) series.append(when, *state);
-    }
+    for (const KeyframeSpec& keyframe : guess().keyframes) good &= append(keyframe, series);
     if (!good) return std::nullopt;
     const bool cubic = guess().interpolation == Interpolation::kCubic;
     if (cubic) series.make_cubic();
@@ -156,62 +151,98 @@ class GuessBuilder {
     return series;
   }
 
+  /// False, with an error, where a keyframe does not fit those before it.
+  bool append(const KeyframeSpec& keyframe, TimeSeries& series) const {
+    const auto when = time_of(keyframe);
+    if (!when) return false;
+    if (series.empty() && *when > 0) series.append(0, states_.initial());
+    if (!series.empty() && *when <= series.last_time()) {
+      out_.error(keyframe.place, "keyframes must stand in the order of time");
+      return false;
+    }
+    const auto state = states_.build(keyframe.state);
+    if (state) series.append(*when, *state);
+    return state.has_value();
+  }
+
+  /// When a keyframe is, s; nothing, with an error, where it is at a node that does not exist.
+  std::optional<double> time_of(const KeyframeSpec& keyframe) const {
+    if (keyframe.knot) {
+      if (keyframe.knot->value <= problem_.knots()) return time(keyframe.knot->value);
+      out_.error(keyframe.knot->place,
+                 fmt::format("nodes are numbered from 0 to {}", problem_.knots()));
+      return std::nullopt;
+    }
+    const double end = time(problem_.knots());
+    if (keyframe.time->value > end * (1 + 1e-9))
+      out_.warning(keyframe.time->place,
+                   fmt::format("the motion ends at {:.6g} s, before this keyframe", end));
+    return keyframe.time->value;
+  }
+
   void fill_controls(Trajectory& trajectory) {
-    const ComponentNames names = control_names(plant_.actuated());
     if (plant_.stepping()) guess_contacts(plant_.stepping(), problem_, trajectory);
     switch (guess().controls) {
       case Controls::kZero:
         used_.controls = "zero";
         break;
       case Controls::kQuasiStatic:
-        if (plant_.stepping()) {
+        if (plant_.stepping())
           hold_by_contacts(trajectory);
-          break;
-        }
-        if (!plant_.multibody() && plant_.system->kind() != SystemKind::second_order)
-          return out_.error(guess().controls_place,
-                            "this system has no gravity that controls could hold it against");
-        used_.controls = "those that hold the guessed states against gravity";
-        for (int k = 0; k < problem_.knots(); ++k) {
-          if (!has_controls(k)) continue;
-          const System& system =
-              plant_.collocation() ? guessed() : problem_.knot(k).model->system();
-          trajectory.u(k).head(system.nu()) = quasi_static_control(system, trajectory.x(k).data());
-        }
-        keep_bounds(trajectory);
+        else
+          hold_against_gravity(trajectory);
         break;
-      case Controls::kConstant: {
-        const auto values = resolve(*guess().constant, names, 0.0, out_);
-        if (!values) return;
-        used_.controls = "constant";
-        for (int k = 0; k < problem_.knots(); ++k)
-          if (has_controls(k))
-            trajectory.u(k).head(names.size()) =
-                Eigen::Map<const Eigen::VectorXd>(values->data(), values->size());
+      case Controls::kConstant:
+        fill_constant(trajectory);
         break;
-      }
-      case Controls::kFile: {
-        const DataFileSpec& file = *guess().controls_file;
-        const int columns = guessed().nu();
-        const auto series = from_file(file, false, StateManifold::flat(columns));
-        if (!series) return;
-        used_.controls = describe(file, series);
-        for (int k = 0; k < problem_.knots(); ++k) {
-          if (!has_controls(k)) continue;
-          const std::vector<double>& u = series->hold(time(k));
-          trajectory.u(k).head(columns) = Eigen::Map<const Eigen::VectorXd>(u.data(), columns);
-        }
+      case Controls::kFile:
+        fill_from_file(trajectory);
         break;
-      }
     }
-    if (!guess().random) return;
-    const GuessSpec::Random& random = *guess().random;
+    if (guess().random) add_noise(*guess().random, trajectory);
+  }
+
+  void hold_against_gravity(Trajectory& trajectory) {
+    if (!plant_.multibody() && plant_.system->kind() != SystemKind::second_order)
+      return out_.error(guess().controls_place,
+                        "this system has no gravity that controls could hold it against");
+    used_.controls = "those that hold the guessed states against gravity";
+    for (const int k : controlled_knots()) {
+      const System& system = plant_.collocation() ? guessed() : problem_.knot(k).model->system();
+      trajectory.u(k).head(system.nu()) = quasi_static_control(system, trajectory.x(k).data());
+    }
+    keep_bounds(trajectory);
+  }
+
+  void fill_constant(Trajectory& trajectory) {
+    const auto values = resolve(*guess().constant, control_names(plant_.actuated()), 0.0, out_);
+    if (!values) return;
+    used_.controls = "constant";
+    for (const int k : controlled_knots())
+      trajectory.u(k).head(values->size()) =
+          Eigen::Map<const Eigen::VectorXd>(values->data(), values->size());
+  }
+
+  void fill_from_file(Trajectory& trajectory) {
+    const DataFileSpec& file = *guess().controls_file;
+    const int columns = guessed().nu();
+    const auto series = from_file(file, false, StateManifold::flat(columns));
+    if (!series) return;
+    used_.controls = describe(file, series);
+    for (const int k : controlled_knots()) {
+      const std::vector<double>& u = series->hold(time(k));
+      trajectory.u(k).head(columns) = Eigen::Map<const Eigen::VectorXd>(u.data(), columns);
+    }
+  }
+
+  void add_noise(const GuessSpec::Random& random, Trajectory& trajectory) {
     used_.seed = random.seed;
     used_.controls +=
         fmt::format(", plus {} times normal random numbers of seed {}", random.scale, random.seed);
     NormalNumbers normal(random.seed);
-    for (int k = 0; k < problem_.knots(); ++k)
-      for (int i = 0; has_controls(k) && i < std::min(problem_.nu(k), names.size()); ++i)
+    const int actuators = plant_.actuated().nu();
+    for (const int k : controlled_knots())
+      for (int i = 0; i < std::min(problem_.nu(k), actuators); ++i)
         trajectory.u(k)[i] += random.scale * normal.next();
   }
 
@@ -286,28 +317,39 @@ class GuessBuilder {
                                                   : std::vector(middle, table.columns.end());
     const std::vector<std::string> wanted =
         (states ? state_names(*plant_.system) : control_names(guessed())).names;
-    const auto without = [](const std::vector<std::string>& names,
-                            const std::vector<std::string>& others) {
-      std::vector<std::string> rest;
-      for (const std::string& name : names)
-        if (std::find(others.begin(), others.end(), name) == others.end() &&
-            !name.starts_with("previous/") && !name.starts_with("start/") &&
-            !name.starts_with("slope_"))
-          rest.push_back(name);
-      return rest;
-    };
     const std::vector<std::string> missing = without(wanted, found), extra = without(found, wanted);
     if (missing.empty() && extra.empty()) return true;
-    std::string message =
-        fmt::format("the {} of '{}' are not those of this problem:", states ? "states" : "controls",
-                    file.file.value);
-    if (!missing.empty()) message += " it lacks " + name_list(missing);
-    if (!extra.empty())
-      message += fmt::format("{} it has {}", missing.empty() ? "" : ", and", name_list(extra));
     out_.error(
-        file.file.place, message,
+        file.file.place,
+        fmt::format("the {} of '{}' are not those of this problem:{}",
+                    states ? "states" : "controls", file.file.value, difference(missing, extra)),
         "take a solution of the same system, or name 'columns' of the file in initial_guess");
     return false;
+  }
+
+  /// " it lacks a, and it has b".
+  static std::string difference(const std::vector<std::string>& missing,
+                                const std::vector<std::string>& extra) {
+    std::string text;
+    if (!missing.empty()) text += " it lacks " + name_list(missing);
+    if (!extra.empty())
+      text += fmt::format("{} it has {}", missing.empty() ? "" : ", and", name_list(extra));
+    return text;
+  }
+
+  /// The names that are not among others. What states remember, and slopes, are left out.
+  static std::vector<std::string> without(const std::vector<std::string>& names,
+                                          const std::vector<std::string>& others) {
+    std::vector<std::string> rest;
+    for (const std::string& name : names)
+      if (!follows_from_others(name) &&
+          std::find(others.begin(), others.end(), name) == others.end())
+        rest.push_back(name);
+    return rest;
+  }
+  static bool follows_from_others(const std::string& column) {
+    return column.starts_with("previous/") || column.starts_with("start/") ||
+           column.starts_with("slope_");
   }
 
   static std::string name_list(const std::vector<std::string>& names) {
@@ -323,8 +365,7 @@ class GuessBuilder {
   void keep_bounds(Trajectory& trajectory) {
     int knots = 0, control = -1;
     double worst = 0;
-    for (int k = 0; k < problem_.knots(); ++k) {
-      if (!has_controls(k)) continue;
+    for (const int k : controlled_knots()) {
       const KnotModel& model = *problem_.knot(k).model;
       bool cut = false;
       for (int i = 0; i < problem_.nu(k); ++i) {

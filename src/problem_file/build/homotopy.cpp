@@ -1,5 +1,6 @@
 #include "problem_file/build/homotopy.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -24,17 +25,15 @@ bool same_bounds(const NodeConstraint& a, const NodeConstraint& b) {
   return true;
 }
 
+bool are_alike(const NodeConstraint& a, const NodeConstraint& b) {
+  return a.node == b.node && a.row == b.row && a.term->name == b.term->name &&
+         a.term->kind == b.term->kind && same_bounds(a, b);
+}
+
 bool same_constraints(const ShootingProblem& a, const ShootingProblem& b) {
-  if (a.constraint_rows() != b.constraint_rows() ||
-      a.constraints().size() != b.constraints().size())
-    return false;
-  for (std::size_t i = 0; i < a.constraints().size(); ++i) {
-    const NodeConstraint &x = a.constraints()[i], &y = b.constraints()[i];
-    if (x.node != y.node || x.row != y.row || x.term->name != y.term->name ||
-        x.term->kind != y.term->kind || !same_bounds(x, y))
-      return false;
-  }
-  return true;
+  return a.constraint_rows() == b.constraint_rows() &&
+         std::equal(a.constraints().begin(), a.constraints().end(), b.constraints().begin(),
+                    b.constraints().end(), are_alike);
 }
 
 /// In what the shapes of two problems differ; empty where they do not.

@@ -10,6 +10,16 @@
 namespace conddp {
 namespace {
 
+void check_terms_of_free_durations(const ProblemSpec& spec, Diagnostics& out) {
+  for (const CostSpec* cost : spec.all_costs())
+    if (cost->keys.find(key::swing) != nullptr)
+      out.error(cost->name.place, "a swing is a motion over time, and durations are free");
+  for (const ConstraintSpec* constraint : spec.all_constraints())
+    if (constraint->softness != Softness::hard)
+      out.error(constraint->function.name.place,
+                "soft constraints and free durations exclude each other");
+}
+
 /// What a free duration cannot go together with, at the place that says so.
 bool check_free_durations(const ProblemSpec& spec, const System& system, Diagnostics& out) {
   const PhaseSpec* free = spec.first_free_duration();
@@ -23,15 +33,7 @@ bool check_free_durations(const ProblemSpec& spec, const System& system, Diagnos
     out.error(place, "steps that find their contacts have no free duration");
   else if (system.kind() == SystemKind::discrete)
     out.error(place, "a system that gives the next state itself knows no time");
-  for (const auto* list : {&spec.costs, &spec.terminal_costs})
-    for (const CostSpec& cost : *list)
-      if (cost.keys.find(key::swing) != nullptr)
-        out.error(cost.name.place, "a swing is a motion over time, and durations are free");
-  for (const auto* list : {&spec.constraints, &spec.terminal_constraints})
-    for (const ConstraintSpec& constraint : *list)
-      if (constraint.softness != Softness::hard)
-        out.error(constraint.function.name.place,
-                  "soft constraints and free durations exclude each other");
+  check_terms_of_free_durations(spec, out);
   return out.error_count() == errors;
 }
 
@@ -49,6 +51,61 @@ void add_durations(const ProblemSpec& spec, InitialChoice& choice, std::vector<C
   }
 }
 
+/// Whether the file can do with a given initial state; else that is reported.
+bool check_given_start(const CostSpec* cycle, Diagnostics& out) {
+  if (cycle == nullptr) return true;
+  out.error(cycle->residual.place,
+            fmt::format("the residual '{}' measures from a first state that is chosen, and it is "
+                        "given",
+                        cycle->residual.value),
+            "write '- {choose: all}' as the first of the phases");
+  return false;
+}
+
+/// The coordinates that the first phase chooses within their bounds, and the names of these
+/// controls. False, with an error, where bounds do not fit.
+bool add_coordinates(const PhaseSpec& phase, const ComponentNames& names, InitialChoice& choice,
+                     std::vector<Column>& controls, Diagnostics& out) {
+  const auto chosen = resolve(phase.choice->coordinates, names, 0.0, out);
+  const auto lower = resolve(phase.choice->lower, names, -kUnlimited, out);
+  const auto upper = resolve(phase.choice->upper, names, kUnlimited, out);
+  if (!chosen || !lower || !upper) return false;
+  for (int i = 0; i < names.size(); ++i) {
+    if ((*chosen)[i] == 0) continue;
+    if ((*lower)[i] > (*upper)[i]) {
+      out.error(phase.knots.place,
+                fmt::format("for '{}' the lower bound {} lies above the upper bound {}",
+                            names.names[i], (*lower)[i], (*upper)[i]));
+      return false;
+    }
+    choice.coordinates.push_back(i);
+    choice.lower.push_back((*lower)[i]);
+    choice.upper.push_back((*upper)[i]);
+    controls.push_back({names.names[i], ""});
+  }
+  return true;
+}
+
+/// The choice of the first phase, if it can be.
+std::optional<InitialChoice> make_choice(const ProblemSpec& spec, const System& system,
+                                         const std::vector<double>& state, bool cycle,
+                                         Diagnostics& out) {
+  const PhaseSpec& phase = spec.phases.front();
+  InitialChoice choice{.system = nullptr, .state = state};
+  std::vector<Column> controls;
+  if (!add_coordinates(phase, tangent_names(system), choice, controls, out)) return std::nullopt;
+  add_durations(spec, choice, controls);
+  if (controls.empty()) {
+    out.error(phase.knots.place, "no component of the state is chosen",
+              "write 'choose: all', or their names");
+    return std::nullopt;
+  }
+  const bool durations = controls.size() > choice.coordinates.size();
+  choice.system = initial_choice(system, choice.coordinates, controls);
+  choice.remembered = cycle || durations;
+  return choice;
+}
+
 }  // namespace
 
 BuiltInitialChoice build_initial_choice(const ProblemSpec& spec, const Plant& plant,
@@ -57,54 +114,15 @@ BuiltInitialChoice build_initial_choice(const ProblemSpec& spec, const Plant& pl
   const CostSpec* cycle = spec.first_use(&ResidualNeeds::chosen_start);
   const PhaseSpec& phase = spec.phases.front();
   if (!check_free_durations(spec, *plant.system, out)) return {.valid = false, .choice = {}};
-  if (!phase.choice) {
-    if (cycle == nullptr) return {};
-    out.error(cycle->residual.place,
-              fmt::format("the residual '{}' measures from a first state that is chosen, and it is "
-                          "given",
-                          cycle->residual.value),
-              "write '- {choose: all}' as the first of the phases");
-    return {.valid = false, .choice = {}};
-  }
+  if (!phase.choice) return {.valid = check_given_start(cycle, out), .choice = {}};
   if (control_memory) {
     out.error(phase.knots.place,
               "'control_rate' and the choice of the initial state exclude each other");
     return {.valid = false, .choice = {}};
   }
-  const ComponentNames names = tangent_names(*plant.system);
-  const auto chosen = resolve(phase.choice->coordinates, names, 0.0, out);
-  const auto bound = [&](const std::optional<ComponentsSpec>& given, double none) {
-    return given ? resolve(*given, names, none, out)
-                 : std::optional(std::vector<double>(names.size(), none));
-  };
-  const auto lower = bound(phase.choice->lower, -kUnlimited);
-  const auto upper = bound(phase.choice->upper, kUnlimited);
-  if (!chosen || !lower || !upper) return {.valid = false, .choice = {}};
-  InitialChoice choice{.system = nullptr, .state = state};
-  std::vector<Column> controls;
-  for (int i = 0; i < names.size(); ++i) {
-    if ((*chosen)[i] == 0) continue;
-    if ((*lower)[i] > (*upper)[i]) {
-      out.error(phase.knots.place,
-                fmt::format("for '{}' the lower bound {} lies above the upper bound {}",
-                            names.names[i], (*lower)[i], (*upper)[i]));
-      return {.valid = false, .choice = {}};
-    }
-    choice.coordinates.push_back(i);
-    choice.lower.push_back((*lower)[i]);
-    choice.upper.push_back((*upper)[i]);
-    controls.push_back({names.names[i], ""});
-  }
-  add_durations(spec, choice, controls);
-  if (controls.empty()) {
-    out.error(phase.knots.place, "no component of the state is chosen",
-              "write 'choose: all', or their names");
-    return {.valid = false, .choice = {}};
-  }
-  const bool durations = controls.size() > choice.coordinates.size();
-  choice.system = initial_choice(*plant.system, choice.coordinates, controls);
-  choice.remembered = cycle != nullptr || durations;
-  return {.valid = true, .choice = std::move(choice)};
+  auto choice = make_choice(spec, *plant.system, state, cycle != nullptr, out);
+  const bool valid = choice.has_value();
+  return {.valid = valid, .choice = std::move(choice)};
 }
 
 }  // namespace conddp

@@ -21,29 +21,32 @@ bool needs_control(const BuiltCost& cost) {
   return cost.spec->definition->needs.control || cost.residual.residual->needs_control();
 }
 
-/// The phases in which a cost is on. Costs on a contact are on while it is held, and impulses have
-/// only the costs that name them.
-std::vector<bool> phases_of(const BuiltCost& cost, const PhaseContext& context, Diagnostics& out) {
+/// Whether a cost that is to be on in a phase can be. Costs on a contact are on while it is held,
+/// and impulses have only the costs that name them.
+bool is_on(const BuiltCost& cost, std::size_t p, const PhaseContext& context, Diagnostics& out) {
   const CostSpec& c = *cost.spec;
-  std::vector<bool> in_phase = phases_named(c.phases, context.spec, out);
-  for (std::size_t p = 0; p < in_phase.size(); ++p) {
-    const PhaseSpec& phase = context.spec.phases[p];
-    if (cost.contact.contact >= 0 && !context.contacts.find(p, cost.contact.contact))
-      in_phase[p] = false;
-    if (!phase.takes_no_time() || !in_phase[p]) continue;
-    if (phase.choice && c.phases) {
-      out.error(c.name.place,
-                fmt::format("'{}' is not a place for costs and constraints: it chooses "
-                            "the state of the knot after it",
-                            phase.name.value));
-      in_phase[p] = false;
-    } else if (!c.phases)
-      in_phase[p] = false;
-    else if (needs_control(cost))
-      out.error(c.residual.place,
-                fmt::format("the residual '{}' needs a control, and the impulse '{}' has none",
-                            c.residual.value, phase.name.value));
+  const PhaseSpec& phase = context.spec.phases[p];
+  if (cost.contact.contact >= 0 && !context.contacts.find(p, cost.contact.contact)) return false;
+  if (!phase.takes_no_time()) return true;
+  if (!c.phases) return false;
+  if (phase.choice) {
+    out.error(c.name.place, fmt::format("'{}' is not a place for costs and constraints: it chooses "
+                                        "the state of the knot after it",
+                                        phase.name.value));
+    return false;
   }
+  if (needs_control(cost))
+    out.error(c.residual.place,
+              fmt::format("the residual '{}' needs a control, and the impulse '{}' has none",
+                          c.residual.value, phase.name.value));
+  return true;
+}
+
+/// The phases in which a cost is on.
+std::vector<bool> phases_of(const BuiltCost& cost, const PhaseContext& context, Diagnostics& out) {
+  std::vector<bool> in_phase = phases_named(cost.spec->phases, context.spec, out);
+  for (std::size_t p = 0; p < in_phase.size(); ++p)
+    in_phase[p] = in_phase[p] && is_on(cost, p, context, out);
   return in_phase;
 }
 
@@ -64,6 +67,29 @@ void extend_to_touch_down(const ProblemSpec& spec, std::vector<double>& weights)
   }
 }
 
+/// A cost's weight in a phase.
+double weight_in(const PhaseSpec& phase, const CostSpec& cost) {
+  double weight = cost.weight;
+  for (const auto& [name, value] : phase.weights)
+    if (name.value == cost.name.value) weight = value;
+  return weight;
+}
+
+/// Switches off what is not at one of these knots.
+void restrict_to(const std::vector<Located<int>>& knots, const char* hint, std::vector<double>& row,
+                 Diagnostics& out) {
+  std::vector<bool> chosen(row.size(), false);
+  for (const Located<int>& knot : knots) {
+    if (knot.value < static_cast<int>(row.size()))
+      chosen[knot.value] = true;
+    else
+      out.error(knot.place, fmt::format("running knots are numbered from 0 to {}", row.size() - 1),
+                hint);
+  }
+  for (std::size_t k = 0; k < row.size(); ++k)
+    if (!chosen[k]) row[k] = 0;
+}
+
 /// A cost's weight at each running knot, 0 where it is off; of a constraint 1 where it is on.
 std::vector<double> schedule(const PhaseContext& context, const BuiltCost& cost, bool weighted,
                              Diagnostics& out) {
@@ -72,25 +98,15 @@ std::vector<double> schedule(const PhaseContext& context, const BuiltCost& cost,
   const std::vector<bool> in_phase = phases_of(cost, context, out);
   std::vector<double> row;
   for (std::size_t p = 0; p < spec.phases.size(); ++p) {
-    double weight = c.weight;
-    if (weighted)
-      for (const auto& [name, value] : spec.phases[p].weights)
-        if (name.value == c.name.value) weight = value;
+    const double weight = weighted ? weight_in(spec.phases[p], c) : c.weight;
     row.insert(row.end(), spec.phases[p].knots.value, in_phase[p] ? weight : 0.0);
   }
   if (c.keys.find(key::swing) != nullptr) extend_to_touch_down(spec, row);
-  if (!c.knots) return row;
-  std::vector<bool> chosen(row.size(), false);
-  for (const Located<int>& knot : *c.knots) {
-    if (knot.value < static_cast<int>(row.size()))
-      chosen[knot.value] = true;
-    else
-      out.error(knot.place, fmt::format("running knots are numbered from 0 to {}", row.size() - 1),
+  if (c.knots)
+    restrict_to(*c.knots,
                 weighted ? "costs on the last node stand under 'terminal'"
-                         : "constraints on the last node stand under 'terminal'");
-  }
-  for (std::size_t k = 0; k < row.size(); ++k)
-    if (!chosen[k]) row[k] = 0;
+                         : "constraints on the last node stand under 'terminal'",
+                row, out);
   return row;
 }
 
@@ -156,6 +172,179 @@ void warn_of_unbounded(const ControlBoundsSpec& constraint, const std::vector<st
               "without 'lower' and 'upper' for it a control stays unbounded");
 }
 
+/// Replaces bounds by those that a file gives for some of the controls, where these are `better`.
+template <class Better>
+void narrow(const std::optional<ComponentsSpec>& given, const ComponentNames& names, double none,
+            Better better, std::vector<double>& bounds, Diagnostics& out) {
+  if (!given) return;
+  if (const auto values = resolve(*given, names, none, out))
+    for (std::size_t i = 0; i < bounds.size(); ++i) bounds[i] = better(bounds[i], (*values)[i]);
+}
+
+/// Gives phases these bounds.
+void bound_phases(const std::vector<bool>& named, const std::vector<double>& lower,
+                  const std::vector<double>& upper, PhaseBounds& bounds) {
+  for (std::size_t p = 0; p < named.size(); ++p) {
+    if (!named[p]) continue;
+    std::copy(lower.begin(), lower.end(), bounds.lower[p].begin());
+    std::copy(upper.begin(), upper.end(), bounds.upper[p].begin());
+  }
+}
+
+/// Builds phases; those of one structure share their model.
+class PhaseBuilder {
+ public:
+  PhaseBuilder(const PhaseContext& context, const KnotContents& contents, const PhaseBounds& bounds,
+               Diagnostics& out)
+      : context_(context), contents_(contents), bounds_(bounds) {
+    for (const BuiltCost& cost : contents.costs)
+      weights_.push_back(schedule(context, cost, true, out));
+    for (const BuiltConstraint& constraint : contents.constraints)
+      switches_.push_back(schedule(context, constraint.function, false, out));
+  }
+
+  /// The phase of this number, whose first knot is `first`.
+  Phase build(std::size_t p, int first) {
+    const PhaseSpec& given = context_.spec.phases[p];
+    if (given.choice) return choice_phase(given, *context_.start);
+    const Terms terms{active_in(weights_, first, given.knots.value),
+                      active_in(switches_, first, given.knots.value)};
+    Phase phase{.name = given.name.value, .model = shared_model(p, terms)};
+    phase.dt = phase_steps(given);
+    phase.cost_scale = cost_scales(given, context_.spec);
+    const int count = phase.model->parameter_count();
+    phase.parameters.resize(static_cast<std::size_t>(given.knots.value) * count);
+    for (int k = 0; k < given.knots.value; ++k)
+      write_knot(*phase.model, terms, first + k, phase.dt[k], phase.parameters.data() + k * count);
+    return phase;
+  }
+
+ private:
+  /// What is on somewhere in a phase, as indices into the contents.
+  struct Terms {
+    std::vector<int> costs, constraints;
+  };
+  using Structure = std::tuple<std::vector<int>, std::vector<int>, std::vector<double>,
+                               std::vector<double>, const System*, int>;
+
+  std::shared_ptr<const KnotModel> shared_model(std::size_t p, const Terms& terms) {
+    const std::optional<FreeDuration> duration = context_.free_duration(p);
+    auto& model = models_[{terms.costs, terms.constraints, bounds_.lower[p], bounds_.upper[p],
+                           context_.contacts.system(p).get(), duration ? duration->memory : -1}];
+    if (!model) model = make_model(p, terms);
+    return model;
+  }
+
+  std::shared_ptr<const KnotModel> make_model(std::size_t p, const Terms& terms) const {
+    const bool impulse = context_.spec.phases[p].restitution.has_value();
+    auto model = std::make_shared<KnotModel>(context_.contacts.system(p),
+                                             impulse ? Integrator::impulse : context_.integrator,
+                                             context_.control_memory, context_.held_memory());
+    for (const int c : terms.costs) {
+      const BuiltCost& cost = contents_.costs[c];
+      model->add_cost(cost.spec->name.value, residual_in(cost, context_, p), cost.activation);
+    }
+    for (const int c : terms.constraints) {
+      const BuiltConstraint& constraint = contents_.constraints[c];
+      model->add_constraint(make_term(constraint, residual_in(constraint.function, context_, p)));
+    }
+    if (context_.stepping) add_stepping_terms(context_.stepping, *model);
+    if (!impulse) model->set_control_bounds(bounds_.lower[p], bounds_.upper[p]);
+    if (const auto duration = context_.free_duration(p)) model->set_free_duration(*duration);
+    if (context_.collocation) add_collocation_terms(context_.collocation, *model);
+    return model;
+  }
+
+  /// The parameters of a knot that takes dt.
+  void write_knot(const KnotModel& model, const Terms& terms, int knot, double dt,
+                  double* parameters) const {
+    const double time = context_.times[knot];
+    for (std::size_t i = 0; i < terms.costs.size(); ++i) {
+      const int c = terms.costs[i];
+      write_parameters(contents_.costs[c], model.costs()[i], time, weights_[c][knot], parameters);
+    }
+    for (std::size_t i = 0; i < terms.constraints.size(); ++i) {
+      const int c = terms.constraints[i];
+      write_parameters(contents_.constraints[c], model.constraints()[i], time,
+                       switches_[c][knot] != 0, parameters);
+    }
+    if (context_.stepping)
+      write_stepping_parameters(model, dt, context_.spec.stepping->regularization, parameters);
+    if (context_.collocation) write_collocation_parameters(model, dt, parameters);
+  }
+
+  const PhaseContext& context_;
+  const KnotContents& contents_;
+  const PhaseBounds& bounds_;
+  std::vector<std::vector<double>> weights_, switches_;  ///< of costs and constraints, by knot
+  std::map<Structure, std::shared_ptr<const KnotModel>> models_;
+};
+
+/// Whether what a function is on exists at the last node: one that needs a control is reported.
+bool is_without_control(const BuiltCost& function, Diagnostics& out) {
+  if (function.contact.contact >= 0 || !function.residual.residual->needs_control()) return true;
+  out.error(function.spec->residual.place,
+            "this combination needs a control, and there is none at the terminal node");
+  return false;
+}
+
+/// Whether the last node holds the contact of a residual; one that is named and not held is an
+/// error.
+bool is_held_at_the_end(const BuiltCost& function, const PhaseContext& context, Diagnostics& out) {
+  const int contact = function.contact.contact;
+  const std::size_t node = context.contacts.terminal();
+  if (contact < 0 || context.contacts.find(node, contact)) return true;
+  const bool none = context.contacts.held(node).empty();
+  if (none || !function.spec->keys.value(key::contacts).all)
+    out.error(function.spec->residual.place,
+              none ? "the last node holds no contact"
+                   : fmt::format("the last node does not hold the contact '{}'",
+                                 context.spec.contacts[contact].name.value),
+              "write 'terminal: {contacts: [...]}'");
+  return false;
+}
+
+bool fits_the_end(const BuiltCost& function, const PhaseContext& context, Diagnostics& out) {
+  return is_held_at_the_end(function, context, out) && is_without_control(function, out);
+}
+
+/// The costs of the last node: its own, and those on swings that end there.
+std::vector<const BuiltCost*> costs_at_the_end(const PhaseContext& context,
+                                               const std::vector<BuiltCost>& running,
+                                               const std::vector<BuiltCost>& terminal,
+                                               Diagnostics& out) {
+  std::vector<const BuiltCost*> costs;
+  for (const BuiltCost& cost : terminal)
+    if (fits_the_end(cost, context, out)) costs.push_back(&cost);
+  for (const BuiltCost& cost : running)
+    if (touches_down_at_the_end(cost, context, out)) costs.push_back(&cost);
+  return costs;
+}
+
+std::vector<const BuiltConstraint*> constraints_at_the_end(
+    const PhaseContext& context, const std::vector<BuiltConstraint>& running,
+    const std::vector<BuiltConstraint>& terminal, Diagnostics& out) {
+  std::vector<const BuiltConstraint*> constraints;
+  for (const BuiltConstraint& constraint : terminal)
+    if (fits_the_end(constraint.function, context, out)) constraints.push_back(&constraint);
+  for (const BuiltConstraint& constraint : running)
+    if (constraint.at_last_node) constraints.push_back(&constraint);
+  return constraints;
+}
+
+void report_violation(const std::string& name, double violation,
+                      const std::vector<BuiltConstraint>& constraints, Diagnostics& out) {
+  const auto violated =
+      std::find_if(constraints.begin(), constraints.end(), [&](const BuiltConstraint& constraint) {
+        return constraint.spec->function.name.value == name;
+      });
+  if (violated == constraints.end()) return;
+  out.error(
+      violated->spec->function.name.place,
+      fmt::format("the initial state violates the constraint '{}' by {:.3g}", name, violation),
+      "no control can change that: move the initial state, or leave knot 0 out");
+}
+
 }  // namespace
 
 PhaseBounds unbounded(const ProblemSpec& spec, const Plant& plant) {
@@ -178,23 +367,15 @@ std::optional<PhaseBounds> build_control_bounds(const ControlBoundsSpec& constra
       out.error(constraint.from_place, "a closed-form system has no URDF",
                 "give 'lower' and 'upper'");
   }
-  const auto narrow = [&](const std::optional<ComponentsSpec>& given, std::vector<double>& bounds,
-                          double none, auto better) {
-    if (!given) return;
-    if (const auto values = resolve(*given, names, none, out))
-      for (std::size_t i = 0; i < bounds.size(); ++i) bounds[i] = better(bounds[i], (*values)[i]);
-  };
-  narrow(constraint.lower, lower, -kUnlimited, [](double a, double b) { return std::max(a, b); });
-  narrow(constraint.upper, upper, kUnlimited, [](double a, double b) { return std::min(a, b); });
+  const auto larger = [](double a, double b) { return std::max(a, b); };
+  const auto smaller = [](double a, double b) { return std::min(a, b); };
+  narrow(constraint.lower, names, -kUnlimited, larger, lower, out);
+  narrow(constraint.upper, names, kUnlimited, smaller, upper, out);
   const std::vector<bool> named = phases_named(constraint.phases, spec, out);
   if (out.error_count() > errors) return std::nullopt;
   if (constraint.from_urdf) warn_of_unbounded(constraint, names.names, lower, upper, out);
   PhaseBounds bounds = unbounded(spec, plant);
-  for (std::size_t p = 0; p < named.size(); ++p) {
-    if (!named[p]) continue;
-    std::copy(lower.begin(), lower.end(), bounds.lower[p].begin());
-    std::copy(upper.begin(), upper.end(), bounds.upper[p].begin());
-  }
+  bound_phases(named, lower, upper, bounds);
   return bounds;
 }
 
@@ -217,68 +398,14 @@ void intersect(const PhaseBounds& other, const Name& name, const Plant& plant, P
 std::vector<Phase> build_phases(const PhaseContext& context, const KnotContents& contents,
                                 const PhaseBounds& bounds, Diagnostics& out) {
   const ProblemSpec& spec = context.spec;
-  const auto& [costs, constraints] = contents;
   check_phases(spec, out);
-  std::vector<std::vector<double>> weights, switches;
-  for (const BuiltCost& cost : costs) weights.push_back(schedule(context, cost, true, out));
-  for (const BuiltConstraint& constraint : constraints)
-    switches.push_back(schedule(context, constraint.function, false, out));
+  PhaseBuilder builder(context, contents, bounds, out);
   if (out.has_errors()) return {};
-  using Structure = std::tuple<std::vector<int>, std::vector<int>, std::vector<double>,
-                               std::vector<double>, const System*, int>;
-  std::map<Structure, std::shared_ptr<const KnotModel>> models;
   std::vector<Phase> phases;
   int first = 0;
   for (std::size_t p = 0; p < spec.phases.size(); ++p) {
-    const PhaseSpec& given = spec.phases[p];
-    const int n = given.knots.value;
-    if (given.choice) {
-      phases.push_back(choice_phase(given, *context.start));
-      first += n;
-      continue;
-    }
-    const std::vector<int> active = active_in(weights, first, n);
-    const std::vector<int> kept = active_in(switches, first, n);
-    const auto& system = context.contacts.system(p);
-    const std::optional<FreeDuration> duration = context.free_duration(p);
-    auto& model = models[{active, kept, bounds.lower[p], bounds.upper[p], system.get(),
-                          duration ? duration->memory : -1}];
-    if (!model) {
-      const bool impulse = given.restitution.has_value();
-      auto fresh =
-          std::make_shared<KnotModel>(system, impulse ? Integrator::impulse : context.integrator,
-                                      context.control_memory, context.held_memory());
-      for (const int c : active)
-        fresh->add_cost(costs[c].spec->name.value, residual_in(costs[c], context, p),
-                        costs[c].activation);
-      for (const int c : kept)
-        fresh->add_constraint(
-            make_term(constraints[c], residual_in(constraints[c].function, context, p)));
-      if (context.stepping) add_stepping_terms(context.stepping, *fresh);
-      if (!impulse) fresh->set_control_bounds(bounds.lower[p], bounds.upper[p]);
-      if (duration) fresh->set_free_duration(*duration);
-      if (context.collocation) add_collocation_terms(context.collocation, *fresh);
-      model = std::move(fresh);
-    }
-    Phase phase{.name = given.name.value, .model = model};
-    phase.dt = phase_steps(given);
-    phase.cost_scale = cost_scales(given, spec);
-    phase.parameters.resize(static_cast<std::size_t>(n) * model->parameter_count());
-    for (int k = 0; k < n; ++k) {
-      double* parameters = phase.parameters.data() + k * model->parameter_count();
-      const double time = context.times[first + k];
-      for (std::size_t i = 0; i < active.size(); ++i)
-        write_parameters(costs[active[i]], model->costs()[i], time, weights[active[i]][first + k],
-                         parameters);
-      for (std::size_t i = 0; i < kept.size(); ++i)
-        write_parameters(constraints[kept[i]], model->constraints()[i], time,
-                         switches[kept[i]][first + k] != 0, parameters);
-      if (context.stepping)
-        write_stepping_parameters(*model, phase.dt[k], spec.stepping->regularization, parameters);
-      if (context.collocation) write_collocation_parameters(*model, phase.dt[k], parameters);
-    }
-    phases.push_back(std::move(phase));
-    first += n;
+    phases.push_back(builder.build(p, first));
+    first += spec.phases[p].knots.value;
   }
   return phases;
 }
@@ -288,37 +415,10 @@ Phase build_terminal(const PhaseContext& context, const KnotContents& running,
   auto model = std::make_shared<KnotModel>(context.system, Integrator::none, context.control_memory,
                                            context.held_memory());
   const std::size_t node = context.contacts.terminal();
-  const auto is_without_control = [&](const BuiltCost& function) {
-    if (function.contact.contact >= 0 || !function.residual.residual->needs_control()) return true;
-    out.error(function.spec->residual.place,
-              "this residual needs a control, and there is none at the terminal node");
-    return false;
-  };
-  // Whether the node holds the contact of a residual; one that is named and not held is an error.
-  const auto is_held = [&](const BuiltCost& function) {
-    const int contact = function.contact.contact;
-    if (contact < 0 || context.contacts.find(node, contact)) return true;
-    const bool none = context.contacts.held(node).empty();
-    if (none || !function.spec->keys.value(key::contacts).all)
-      out.error(function.spec->residual.place,
-                none ? "the last node holds no contact"
-                     : fmt::format("the last node does not hold the contact '{}'",
-                                   context.spec.contacts[contact].name.value),
-                "write 'terminal: {contacts: [...]}'");
-    return false;
-  };
-  std::vector<const BuiltCost*> costs;
-  for (const BuiltCost& cost : terminal.costs)
-    if (is_held(cost) && is_without_control(cost)) costs.push_back(&cost);
-  for (const BuiltCost& cost : running.costs)
-    if (touches_down_at_the_end(cost, context, out)) costs.push_back(&cost);
-  std::vector<const BuiltConstraint*> constraints;
-  for (const BuiltConstraint& constraint : terminal.constraints)
-    if (is_held(constraint.function) && is_without_control(constraint.function))
-      constraints.push_back(&constraint);
-  for (const BuiltConstraint& constraint : running.constraints)
-    if (constraint.at_last_node) constraints.push_back(&constraint);
-
+  const std::vector<const BuiltCost*> costs =
+      costs_at_the_end(context, running.costs, terminal.costs, out);
+  const std::vector<const BuiltConstraint*> constraints =
+      constraints_at_the_end(context, running.constraints, terminal.constraints, out);
   for (const BuiltCost* cost : costs)
     model->add_cost(cost->spec->name.value, residual_in(*cost, context, node), cost->activation);
   for (const BuiltConstraint* constraint : constraints)
@@ -354,15 +454,7 @@ void settle_initial_state(const std::vector<double>& initial_state,
     const double* lower = phase.parameters.data() + term.lower();
     const double violation =
         distance_to_set(term, work.constraint.data() + term.row, lower, lower + term.rows);
-    if (violation <= tolerance) continue;
-    for (const BuiltConstraint& constraint : constraints)
-      if (constraint.spec->function.name.value == term.name) {
-        out.error(constraint.spec->function.name.place,
-                  fmt::format("the initial state violates the constraint '{}' by {:.3g}", term.name,
-                              violation),
-                  "no control can change that: move the initial state, or leave knot 0 out");
-        break;
-      }
+    if (violation > tolerance) report_violation(term.name, violation, constraints, out);
   }
 }
 

@@ -40,23 +40,9 @@ class ReferenceBuilder {
   bool check_limits(const ReferenceValueSpec& spec, const std::vector<double>& value) const {
     if (!cost_.definition->of_positions) return false;
     if (spec.name && spec.name->value == "initial") return false;
-    std::vector<double> x(plant_.system->manifold().nx(), std::nan(""));
-    for (std::size_t i = 0; i < value.size(); ++i) {
-      const std::size_t entry = residual_.indices.empty() ? i : residual_.indices[i];
-      if (entry < x.size() && value[i] != 0) x[entry] = value[i];
-    }
-    const auto place_of = [&](const std::string& joint) {
-      Place place = spec.place;
-      const auto look = [&](const auto& named) {
-        for (const auto& [name, number] : named)
-          if (name.value == joint || name.value == "q/" + joint) place = name.place;
-      };
-      if (spec.components) look(spec.components->map);
-      if (spec.state) look(spec.state->joints);
-      return place;
-    };
-    return states_.check_limits(fmt::format("the reference of '{}'", cost_.name.value), x,
-                                place_of);
+    return states_.check_limits(fmt::format("the reference of '{}'", cost_.name.value),
+                                state_of(value),
+                                [&](const std::string& joint) { return place_of(joint, spec); });
   }
 
   /// What stands for a reference that the file leaves out.
@@ -74,6 +60,29 @@ class ReferenceBuilder {
   }
 
  private:
+  /// The state whose entries a reference gives; others, and zeros, are no numbers.
+  std::vector<double> state_of(const std::vector<double>& value) const {
+    std::vector<double> x(plant_.system->manifold().nx(), std::nan(""));
+    for (std::size_t i = 0; i < value.size(); ++i) {
+      const std::size_t entry = residual_.indices.empty() ? i : residual_.indices[i];
+      if (entry < x.size() && value[i] != 0) x[entry] = value[i];
+    }
+    return x;
+  }
+
+  /// Where a reference says the position of a joint.
+  static Place place_of(const std::string& joint, const ReferenceValueSpec& spec) {
+    Place place = spec.place;
+    if (spec.components) look_up(joint, spec.components->map, place);
+    if (spec.state) look_up(joint, spec.state->joints, place);
+    return place;
+  }
+  template <class Named>
+  static void look_up(const std::string& joint, const Named& named, Place& place) {
+    for (const auto& [name, number] : named)
+      if (name.value == joint || name.value == "q/" + joint) place = name.place;
+  }
+
   Numbers from_components(const ComponentsSpec& spec) const {
     Numbers numbers = resolve(spec, residual_.references, 0.0, out_);
     if (numbers && !residual_.parameters.normalize(numbers->data())) {
@@ -110,83 +119,113 @@ std::optional<std::vector<std::string>> file_columns(const CostSpec& cost,
   return std::nullopt;
 }
 
+/// Where the columns of a file stand; those that it does not have are reported.
+std::optional<std::vector<std::size_t>> indices_of(const std::vector<std::string>& columns,
+                                                   const DataFileSpec& file, const DataTable& table,
+                                                   Diagnostics& out) {
+  std::vector<std::size_t> indices;
+  for (const std::string& column : columns) {
+    if (const auto index = table.find(column))
+      indices.push_back(*index);
+    else
+      out.error(file.file.place, fmt::format("'{}' has no column '{}'", file.file.value, column),
+                name_hint(column, table.columns, "its columns"));
+  }
+  if (indices.size() < columns.size()) return std::nullopt;
+  return indices;
+}
+
+/// The cells of a row in these columns; nothing where one of them is empty.
+std::optional<std::vector<double>> cells(const std::vector<std::optional<double>>& row,
+                                         const std::vector<std::size_t>& columns) {
+  std::vector<double> values;
+  for (const std::size_t i : columns) {
+    if (!row[i]) return std::nullopt;
+    values.push_back(*row[i]);
+  }
+  return values;
+}
+
 }  // namespace
 
 std::optional<TimeSeries> series_of(const DataFileSpec& file, const DataTable& table,
                                     const std::vector<std::string>& columns,
                                     const StateManifold& manifold, Diagnostics& out) {
-  std::vector<std::size_t> indices;
-  bool complete = true;
-  for (const std::string& column : columns) {
-    const auto index = table.find(column);
-    if (index) {
-      indices.push_back(*index);
-      continue;
-    }
-    out.error(file.file.place, fmt::format("'{}' has no column '{}'", file.file.value, column),
-              name_hint(column, table.columns, "its columns"));
-    complete = false;
-  }
-  if (!complete) return std::nullopt;
+  const auto indices = indices_of(columns, file, table, out);
+  if (!indices) return std::nullopt;
   TimeSeries series(manifold);
   for (std::size_t row = 0; row < table.rows.size(); ++row) {
-    std::vector<double> value;
-    for (const std::size_t i : indices)
-      if (table.rows[row][i]) value.push_back(*table.rows[row][i]);
-    if (value.size() != indices.size()) continue;
-    if (!manifold.normalize(value.data())) {
+    auto value = cells(table.rows[row], *indices);
+    if (!value) continue;
+    if (!manifold.normalize(value->data())) {
       out.error(file.file.place,
                 fmt::format("'{}' has a quaternion that has not length 1 at t = {}",
                             file.file.value, table.times[row]));
       return std::nullopt;
     }
-    series.append(table.times[row], std::move(value));
+    series.append(table.times[row], *std::move(value));
   }
   if (!series.empty()) return series;
   out.error(file.file.place, fmt::format("'{}' has no complete row", file.file.value));
   return std::nullopt;
 }
 
+namespace {
+
+std::optional<TimeSeries> reference_from_file(const CostSpec& cost, const CostResidual& residual,
+                                              Diagnostics& out) {
+  const DataFileSpec& file = *cost.reference->file;
+  const auto columns = file_columns(cost, residual, out);
+  if (!columns) return std::nullopt;
+  const auto table = load_data_table(file.path, file.file.place, out);
+  if (!table) return std::nullopt;
+  return series_of(file, *table, *columns, residual.parameters, out);
+}
+
+/// When a way-point is, s; nothing, with an error, where it is at a node that does not exist.
+std::optional<double> time_of(const ReferenceSpec& spec, std::size_t i,
+                              const std::vector<double>& times, Diagnostics& out) {
+  if (spec.knots.empty()) return spec.times.empty() ? 0.0 : spec.times[i].value;
+  const Located<int>& knot = spec.knots[i];
+  if (knot.value < static_cast<int>(times.size())) return times[knot.value];
+  out.error(knot.place,
+            fmt::format("knot {} lies behind the last one, {}", knot.value, times.size() - 1));
+  return std::nullopt;
+}
+
+/// One value, or way-points.
+std::optional<TimeSeries> reference_from_values(const ReferenceBuilder& builder,
+                                                const ReferenceSpec& spec,
+                                                const StateManifold& manifold,
+                                                const std::vector<double>& times,
+                                                Diagnostics& out) {
+  TimeSeries series(manifold);
+  bool complete = true, outside = false;
+  for (std::size_t i = 0; i < spec.values.size(); ++i) {
+    const auto time = time_of(spec, i, times, out);
+    const auto value = time ? builder.value(spec.values[i]) : std::nullopt;
+    complete &= value.has_value();
+    if (!value) continue;
+    outside = outside || builder.check_limits(spec.values[i], *value);
+    series.append(*time, *value);
+  }
+  if (!complete) return std::nullopt;
+  return series;
+}
+
+}  // namespace
+
 std::optional<TimeSeries> build_reference(const CostSpec& cost, const CostResidual& residual,
                                           const Plant& plant, const StateBuilder& states,
                                           const std::vector<double>& times, Diagnostics& out) {
   const ReferenceBuilder builder(cost, residual, plant, states, out);
-  const StateManifold& manifold = residual.parameters;
   if (!cost.reference) {
     const auto value = builder.absent();
     if (!value) return std::nullopt;
-    return TimeSeries(manifold, *value);
+    return TimeSeries(residual.parameters, *value);
   }
-  const ReferenceSpec& spec = *cost.reference;
-  if (spec.file) {
-    const auto columns = file_columns(cost, residual, out);
-    if (!columns) return std::nullopt;
-    const auto table = load_data_table(spec.file->path, spec.file->file.place, out);
-    if (!table) return std::nullopt;
-    return series_of(*spec.file, *table, *columns, manifold, out);
-  }
-  TimeSeries series(manifold);
-  bool complete = true, outside = false;
-  for (std::size_t i = 0; i < spec.values.size(); ++i) {
-    double time = spec.times.empty() ? 0.0 : spec.times[i].value;
-    if (!spec.knots.empty()) {
-      const Located<int>& knot = spec.knots[i];
-      if (knot.value >= static_cast<int>(times.size())) {
-        out.error(knot.place, fmt::format("knot {} lies behind the last one, {}", knot.value,
-                                          times.size() - 1));
-        complete = false;
-        continue;
-      }
-      time = times[knot.value];
-    }
-    const auto value = builder.value(spec.values[i]);
-    complete &= value.has_value();
-    if (!value) continue;
-    outside = outside || builder.check_limits(spec.values[i], *value);
-    series.append(time, *value);
-  }
-  if (!complete) return std::nullopt;
-  return series;
+  if (cost.reference->file) return reference_from_file(cost, residual, out);
+  return reference_from_values(builder, *cost.reference, residual.parameters, times, out);
 }
 
 std::vector<double> reference_at(const CostSpec& cost, const TimeSeries& reference, double time) {

@@ -15,6 +15,39 @@ namespace {
 /// How far outside of its limits a joint may be by rounding, relative to its position or 1.
 constexpr double kLimitRounding = 1e-9;
 
+/// Whether a state has keys that closed-form systems do not know.
+bool speaks_of_robots(const StateSpec& spec) {
+  return spec.configuration || spec.base || spec.displaced || !spec.joints.empty() ||
+         spec.base_velocity || !spec.joint_velocities.empty() || !spec.robots.empty();
+}
+
+bool is_outside(const Joint& joint, double q) {
+  const double slack = kLimitRounding * std::max(1.0, std::abs(q));
+  return !(q >= joint.lower - slack && q <= joint.upper + slack);
+}
+
+void warn_of_limits(std::string_view subject, const Joint& joint, double q, const Place& place,
+                    Diagnostics& out) {
+  const bool turns = joint.type == JointType::revolute;
+  std::string hint;
+  if (turns && std::abs(q) > 2 * M_PI)
+    hint = fmt::format("angles are in rad: {0:.6g}° is {1:.4g} rad", q, q * M_PI / 180);
+  out.warning(
+      place,
+      fmt::format("{} has the joint '{}' at {:.6g} {}, outside of its limits, {:.6g} to {:.6g}",
+                  subject, joint.name, q, turns ? "rad" : "m", joint.lower, joint.upper),
+      hint);
+}
+
+/// Position and orientation of a floating base, whose entries of the state begin at x.
+void set_floating_base(const BaseSpec& base, double* x) {
+  for (int i = 0; i < 3 && base.position; ++i) x[i] = (*base.position)[i];
+  if (const auto& q = base.orientation) {
+    const double parts[] = {q->x, q->y, q->z, q->w};
+    std::copy_n(parts, 4, x + 3);
+  }
+}
+
 }  // namespace
 
 StateBuilder::StateBuilder(const Plant& plant, Diagnostics& out) : plant_(plant), out_(out) {}
@@ -27,27 +60,26 @@ PlantPart StateBuilder::whole() const {
 std::optional<std::vector<double>> StateBuilder::build(const StateSpec& spec) const {
   const System& system = *plant_.system;
   const int errors = out_.error_count();
-  std::vector<double> x =
-      plant_.usual_state.empty() ? system.manifold().neutral() : plant_.usual_state;
-  if (spec.state) {
-    if (static_cast<int>(spec.state->size()) != system.nx()) {
-      out_.error(spec.place,
-                 fmt::format("the state has {} numbers, not {}", system.nx(), spec.state->size()),
-                 list_of(state_names(system)));
-      return std::nullopt;
-    }
-    x = *spec.state;
+  if (spec.state && static_cast<int>(spec.state->size()) != system.nx()) {
+    out_.error(spec.place,
+               fmt::format("the state has {} numbers, not {}", system.nx(), spec.state->size()),
+               list_of(state_names(system)));
+    return std::nullopt;
   }
+  std::vector<double> x = spec.state.value_or(usual_state());
   apply_columns(spec.values, x);
   if (plant_.multibody()) {
     apply(spec, whole(), x);
-  } else if (spec.configuration || spec.base || spec.displaced || !spec.joints.empty() ||
-             spec.base_velocity || !spec.joint_velocities.empty() || !spec.robots.empty()) {
+  } else if (speaks_of_robots(spec)) {
     out_.error(spec.place, "a closed-form system has no configurations, base or joints",
                "write 'values: {column: number}' or 'state: [numbers]'");
   }
   if (out_.error_count() > errors) return std::nullopt;
   return checked(std::move(x), spec.place);
+}
+
+std::vector<double> StateBuilder::usual_state() const {
+  return plant_.usual_state.empty() ? plant_.system->manifold().neutral() : plant_.usual_state;
 }
 
 std::optional<std::vector<double>> StateBuilder::checked(std::vector<double> x,
@@ -65,19 +97,9 @@ bool StateBuilder::check_limits(std::string_view subject, const std::vector<doub
     const Joint& joint = plant_.robot().joints[i];
     const auto index = plant_.multibody()->position_index(i);
     if (joint.type == JointType::floating || !index || std::isnan(x[*index])) continue;
-    const double q = x[*index];
-    const double slack = kLimitRounding * std::max(1.0, std::abs(q));
-    if (q >= joint.lower - slack && q <= joint.upper + slack) continue;
+    if (!is_outside(joint, x[*index])) continue;
     outside = true;
-    const bool turns = joint.type == JointType::revolute;
-    std::string hint;
-    if (turns && std::abs(q) > 2 * M_PI)
-      hint = fmt::format("angles are in rad: {0:.6g}° is {1:.4g} rad", q, q * M_PI / 180);
-    out_.warning(place_of(joint.name),
-                 fmt::format("{} has the joint '{}' at {:.6g} {}, outside of its limits, {:.6g} "
-                             "to {:.6g}",
-                             subject, joint.name, q, turns ? "rad" : "m", joint.lower, joint.upper),
-                 hint);
+    warn_of_limits(subject, joint, x[*index], place_of(joint.name), out_);
   }
   return outside;
 }
@@ -110,34 +132,45 @@ void StateBuilder::apply_columns(const NamedNumbers& values, std::vector<double>
 
 void StateBuilder::apply(const StateSpec& spec, const PlantPart& part,
                          std::vector<double>& x) const {
-  const RobotModel& robot = plant_.robot();
   if (spec.configuration) apply_configuration(*spec.configuration, part, x);
   if (spec.base) apply_base(*spec.base, part, x);
   if (spec.base_velocity) apply_base_velocity(*spec.base_velocity, part, x);
   if (spec.displaced) apply_displacement(*spec.displaced, part, x);
+  apply_joints(spec, part, x);
+  for (const NamedState& part_spec : spec.robots) apply_part(part_spec, x);
+}
+
+void StateBuilder::apply_joints(const StateSpec& spec, const PlantPart& part,
+                                std::vector<double>& x) const {
+  const RobotModel& robot = plant_.robot();
+  const MultibodySystem& system = *plant_.multibody();
   for (const auto& [joint, value] : values_of_joints(robot, spec.joints, part.prefix, out_))
-    x[*plant_.multibody()->position_index(joint)] = value;
+    x[*system.position_index(joint)] = value;
   for (const auto& [joint, value] :
        values_of_joints(robot, spec.joint_velocities, part.prefix, out_))
-    x[*plant_.multibody()->velocity_index(joint)] = value;
-  for (const NamedState& part_spec : spec.robots) {
-    const Name& name = part_spec.name;
-    const StateSpec& state = part_spec.state;
-    const auto found =
-        std::find_if(plant_.parts.begin(), plant_.parts.end(),
-                     [&](const PlantPart& p) { return p.spec->name.value == name.value; });
-    if (found != plant_.parts.end() && !name.value.empty()) {
-      if (state.state || !state.values.empty())
-        out_.error(state.place, "here a robot's state is said by configuration, base and joints");
-      apply(state, *found, x);
-      continue;
-    }
-    std::vector<std::string> robots;
-    for (const PlantPart& p : plant_.parts) robots.push_back(p.spec->name.value);
-    out_.error(name.place, fmt::format("unknown robot '{}'", name.value),
-               plant_.parts.size() == 1 ? "the problem has one robot: leave 'robots' out"
-                                        : name_hint(name.value, robots, "robots"));
-  }
+    x[*system.velocity_index(joint)] = value;
+}
+
+void StateBuilder::apply_part(const NamedState& part, std::vector<double>& x) const {
+  const StateSpec& state = part.state;
+  const PlantPart* found = find_part(part.name);
+  if (found == nullptr) return;
+  if (state.state || !state.values.empty())
+    out_.error(state.place, "here a robot's state is said by configuration, base and joints");
+  apply(state, *found, x);
+}
+
+const PlantPart* StateBuilder::find_part(const Name& name) const {
+  const auto found =
+      std::find_if(plant_.parts.begin(), plant_.parts.end(),
+                   [&](const PlantPart& p) { return p.spec->name.value == name.value; });
+  if (found != plant_.parts.end() && !name.value.empty()) return &*found;
+  std::vector<std::string> robots;
+  for (const PlantPart& p : plant_.parts) robots.push_back(p.spec->name.value);
+  out_.error(name.place, fmt::format("unknown robot '{}'", name.value),
+             plant_.parts.size() == 1 ? "the problem has one robot: leave 'robots' out"
+                                      : name_hint(name.value, robots, "robots"));
+  return nullptr;
 }
 
 void StateBuilder::apply_configuration(const Name& name, const PlantPart& part,
@@ -157,33 +190,34 @@ void StateBuilder::apply_configuration(const Name& name, const PlantPart& part,
 
 void StateBuilder::apply_base(const BaseSpec& base, const PlantPart& part,
                               std::vector<double>& x) const {
-  const RobotModel& robot = plant_.robot();
   if (part.spec == nullptr)
     return out_.error(base.place, "with several robots a base is said under 'robots'",
                       "write 'robots: {name: {base: ...}}'");
-  const MultibodySystem& system = *plant_.multibody();
-  const int joint = part.first_joint;
-  if (part.spec->base == UrdfOptions::Base::planar) {
-    if (base.orientation || (base.position && base.position->size() != 2))
-      return out_.error(base.place, "a planar base has 'position: [x, y]' and 'yaw'");
-    for (int i = 0; i < 2 && base.position; ++i)
-      x[*system.position_index(joint + i)] = (*base.position)[i];
-    if (base.yaw) x[*system.position_index(joint + 2)] = *base.yaw;
-    return;
-  }
-  if (part.joint_count == 0 || robot.joints[joint].type != JointType::floating)
+  if (part.spec->base == UrdfOptions::Base::planar) return apply_planar_base(base, part, x);
+  if (!floats(part))
     return out_.error(
         base.place, "the robot's base is fixed",
         "write 'base: floating' under 'robot', or use 'placement' to put it elsewhere");
   if (base.yaw || (base.position && base.position->size() != 3))
     return out_.error(base.place,
                       "a floating base has 'position: [x, y, z]' and 'orientation' or 'rpy'");
-  const int first = *system.position_index(joint);
-  for (int i = 0; i < 3 && base.position; ++i) x[first + i] = (*base.position)[i];
-  if (const auto& q = base.orientation) {
-    const double parts[] = {q->x, q->y, q->z, q->w};
-    std::copy_n(parts, 4, x.begin() + first + 3);
-  }
+  set_floating_base(base, x.data() + *plant_.multibody()->position_index(part.first_joint));
+}
+
+bool StateBuilder::floats(const PlantPart& part) const {
+  return part.joint_count > 0 &&
+         plant_.robot().joints[part.first_joint].type == JointType::floating;
+}
+
+void StateBuilder::apply_planar_base(const BaseSpec& base, const PlantPart& part,
+                                     std::vector<double>& x) const {
+  if (base.orientation || (base.position && base.position->size() != 2))
+    return out_.error(base.place, "a planar base has 'position: [x, y]' and 'yaw'");
+  const MultibodySystem& system = *plant_.multibody();
+  const int joint = part.first_joint;
+  for (int i = 0; i < 2 && base.position; ++i)
+    x[*system.position_index(joint + i)] = (*base.position)[i];
+  if (base.yaw) x[*system.position_index(joint + 2)] = *base.yaw;
 }
 
 void StateBuilder::apply_displacement(const DisplacementSpec& displaced, const PlantPart& part,
@@ -201,25 +235,26 @@ void StateBuilder::apply_displacement(const DisplacementSpec& displaced, const P
 
 void StateBuilder::apply_base_velocity(const TwistSpec& twist, const PlantPart& part,
                                        std::vector<double>& x) const {
-  const RobotModel& robot = plant_.robot();
   if (part.spec == nullptr)
     return out_.error(twist.place, "with several robots a velocity is said under 'robots'");
-  const MultibodySystem& system = *plant_.multibody();
-  const int joint = part.first_joint;
-  if (part.spec->base == UrdfOptions::Base::planar) {
-    if (twist.linear.z != 0 || twist.angular.x != 0 || twist.angular.y != 0)
-      return out_.error(twist.place, "a planar base moves along x and y and turns about z");
-    x[*system.velocity_index(joint)] = twist.linear.x;
-    x[*system.velocity_index(joint + 1)] = twist.linear.y;
-    x[*system.velocity_index(joint + 2)] = twist.angular.z;
-    return;
-  }
-  if (part.joint_count == 0 || robot.joints[joint].type != JointType::floating)
-    return out_.error(twist.place, "the robot's base is fixed");
+  if (part.spec->base == UrdfOptions::Base::planar)
+    return apply_planar_velocity(twist, part.first_joint, x);
+  if (!floats(part)) return out_.error(twist.place, "the robot's base is fixed");
+  const int first = *plant_.multibody()->velocity_index(part.first_joint);
   for (int i = 0; i < 3; ++i) {
-    x[*system.velocity_index(joint) + i] = twist.linear[i];
-    x[*system.velocity_index(joint) + 3 + i] = twist.angular[i];
+    x[first + i] = twist.linear[i];
+    x[first + 3 + i] = twist.angular[i];
   }
+}
+
+void StateBuilder::apply_planar_velocity(const TwistSpec& twist, int joint,
+                                         std::vector<double>& x) const {
+  if (twist.linear.z != 0 || twist.angular.x != 0 || twist.angular.y != 0)
+    return out_.error(twist.place, "a planar base moves along x and y and turns about z");
+  const MultibodySystem& system = *plant_.multibody();
+  x[*system.velocity_index(joint)] = twist.linear.x;
+  x[*system.velocity_index(joint + 1)] = twist.linear.y;
+  x[*system.velocity_index(joint + 2)] = twist.angular.z;
 }
 
 }  // namespace conddp

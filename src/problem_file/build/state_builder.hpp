@@ -31,14 +31,24 @@ class StateBuilder {
 
  private:
   void apply(const StateSpec& spec, const PlantPart& part, std::vector<double>& x) const;
+  void apply_joints(const StateSpec& spec, const PlantPart& part, std::vector<double>& x) const;
+  void apply_part(const NamedState& part, std::vector<double>& x) const;
+  /// The robot of this name; an unknown one is reported.
+  const PlantPart* find_part(const Name& name) const;
   void apply_base(const BaseSpec& base, const PlantPart& part, std::vector<double>& x) const;
+  void apply_planar_base(const BaseSpec& base, const PlantPart& part, std::vector<double>& x) const;
   void apply_base_velocity(const TwistSpec& twist, const PlantPart& part,
                            std::vector<double>& x) const;
+  void apply_planar_velocity(const TwistSpec& twist, int joint, std::vector<double>& x) const;
   void apply_displacement(const DisplacementSpec& displaced, const PlantPart& part,
                           std::vector<double>& x) const;
   void apply_configuration(const Name& name, const PlantPart& part, std::vector<double>& x) const;
   void apply_columns(const NamedNumbers& values, std::vector<double>& x) const;
+  /// What a state is where nothing is said.
+  std::vector<double> usual_state() const;
   std::optional<std::vector<double>> checked(std::vector<double> x, const Place& place) const;
+  /// Whether a robot has a floating base.
+  bool floats(const PlantPart& part) const;
   /// The part that stands for all robots: names have their prefix, there is no base.
   PlantPart whole() const;
 

@@ -10,6 +10,22 @@
 namespace conddp {
 namespace {
 
+/// How many phases hold a contact, and the first of the swing's that does, if any.
+struct Hold {
+  std::size_t phases = 0;
+  std::optional<std::size_t> in_swing;
+};
+
+Hold hold_of(int contact, const std::vector<bool>& swings, const ContactPlan& plan) {
+  Hold hold;
+  for (std::size_t p = 0; p < swings.size(); ++p) {
+    if (!plan.find(p, contact)) continue;
+    ++hold.phases;
+    if (swings[p] && !hold.in_swing) hold.in_swing = p;
+  }
+  return hold;
+}
+
 /// Whether no phase of the swing holds the frame.
 bool is_free(const CostSpec& cost, int frame, const std::vector<bool>& swings,
              const ProblemSpec& spec, const ContactPlan& plan, Diagnostics& out) {
@@ -17,28 +33,56 @@ bool is_free(const CostSpec& cost, int frame, const std::vector<bool>& swings,
   const Name& name = *cost.keys.find(key::frame);
   for (std::size_t c = 0; c < spec.contacts.size(); ++c) {
     if (plan.contacts()[c].frame != frame) continue;
-    std::size_t held = 0, asked = swings.size();
-    for (std::size_t p = swings.size(); p-- > 0;) {
-      if (!plan.find(p, static_cast<int>(c))) continue;
-      ++held;
-      if (swings[p]) asked = p;
-    }
-    if (asked == swings.size()) continue;
-    if (held == swings.size())
+    const Hold hold = hold_of(static_cast<int>(c), swings, plan);
+    if (!hold.in_swing) continue;
+    const std::string& contact = spec.contacts[c].name.value;
+    if (hold.phases == swings.size())
       out.error(swing.place,
                 fmt::format("'{}' is asked to swing and never lifts: every phase holds it on the "
                             "ground by the contact '{}'",
-                            name.value, spec.contacts[c].name.value),
+                            name.value, contact),
                 "take the contact out of the phases in which it swings");
     else
       out.error(swing.place,
                 fmt::format("'{}' cannot swing in phase '{}', which holds it on the ground by the "
                             "contact '{}'",
-                            name.value, spec.phases[asked].name.value, spec.contacts[c].name.value),
+                            name.value, spec.phases[*hold.in_swing].name.value, contact),
                 "name the phases of the swing with 'phases', or take the contact out of them");
     return false;
   }
   return true;
+}
+
+/// The way of a foot from one foothold to the next.
+struct SwingArc {
+  const Foothold &from, &to;
+  double height;              ///< m
+  Quaternion<double> stance;  ///< the frame's orientation in the initial state
+  bool turns;                 ///< whether the orientation is part of the reference
+
+  /// The reference after a share of the swing's time.
+  std::vector<double> at(double s) const {
+    const double along = s * s * (3 - 2 * s);
+    const double above = 16 * height * s * s * (1 - s) * (1 - s);
+    std::vector<double> value{from.p.x + along * (to.p.x - from.p.x),
+                              from.p.y + along * (to.p.y - from.p.y),
+                              from.p.z + along * (to.p.z - from.p.z) + above};
+    if (!turns) return value;
+    const double half = (from.yaw + along * (to.yaw - from.yaw)) / 2;
+    const Quaternion<double> q = Quaternion<double>{0, 0, std::sin(half), std::cos(half)} * stance;
+    value.insert(value.end(), {q.x, q.y, q.z, q.w});
+    return value;
+  }
+};
+
+/// The way along an arc, node by node.
+void append(const SwingArc& arc, const SwingRun& run, const std::vector<double>& times,
+            TimeSeries& series) {
+  const double begin = times[run.first], duration = times[run.last] - begin;
+  for (int k = run.first; k <= run.last; ++k) {
+    if (k > run.first && times[k] == times[k - 1]) continue;  // an impulse
+    series.append(times[k], arc.at(k == run.last ? 1 : (times[k] - begin) / duration));
+  }
 }
 
 }  // namespace
@@ -64,28 +108,12 @@ std::optional<TimeSeries> swing_reference(const CostSpec& cost, const CostResidu
   const bool turns = residual.parameters.nx() == pose_manifold().nx();
   TimeSeries series(residual.parameters);
   for (const SwingRun& run : runs) {
-    const Foothold &from = places[run.first_phase], &to = places[run.end_phase];
     if (!(times[run.last] > times[run.first])) {
       out.error(swing.place, "a swing takes time, and an impulse none");
       return std::nullopt;
     }
-    const double begin = times[run.first], duration = times[run.last] - begin;
-    for (int k = run.first; k <= run.last; ++k) {
-      if (k > run.first && times[k] == times[k - 1]) continue;  // an impulse
-      const double s = k == run.last ? 1 : (times[k] - begin) / duration;
-      const double along = s * s * (3 - 2 * s);
-      const double above = 16 * swing.height * s * s * (1 - s) * (1 - s);
-      std::vector<double> value{from.p.x + along * (to.p.x - from.p.x),
-                                from.p.y + along * (to.p.y - from.p.y),
-                                from.p.z + along * (to.p.z - from.p.z) + above};
-      if (turns) {
-        const double half = (from.yaw + along * (to.yaw - from.yaw)) / 2;
-        const Quaternion<double> q =
-            Quaternion<double>{0, 0, std::sin(half), std::cos(half)} * stance;
-        value.insert(value.end(), {q.x, q.y, q.z, q.w});
-      }
-      series.append(times[k], std::move(value));
-    }
+    const SwingArc arc{places[run.first_phase], places[run.end_phase], swing.height, stance, turns};
+    append(arc, run, times, series);
   }
   return series;
 }
