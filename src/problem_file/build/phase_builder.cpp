@@ -284,7 +284,7 @@ class PhaseBuilder {
 bool is_without_control(const BuiltCost& function, Diagnostics& out) {
   if (function.contact.contact >= 0 || !function.residual.residual->needs_control()) return true;
   out.error(function.spec->residual.place,
-            "this combination needs a control, and there is none at the terminal node");
+            "this residual needs a control, and there is none at the terminal node");
   return false;
 }
 

@@ -51,22 +51,28 @@ class CsvReader {
   }
   bool read_header() {
     if (!next_line()) return fail(0, "there is nothing in the file");
-    std::unordered_set<std::string> names;
-    for (const CsvCell& cell : split_csv_line(line_)) {
-      const std::string name(without_unit(cell.text));
-      if (name.empty()) return fail(cell.byte, "a column has no name");
-      if (parse_number(name).value)
-        return fail(cell.byte, "the first line must name the columns", "t,q/joint,...");
-      if (!names.insert(name).second)
-        return fail(cell.byte, fmt::format("two columns have the name '{}'", name));
-      if (over_time_ && (name == "t" || name == "time")) {
-        if (time_) return fail(cell.byte, "two columns hold the time");
-        time_ = header_.size();
-      }
-      header_.push_back(name);
-    }
+    for (const CsvCell& cell : split_csv_line(line_))
+      if (!add_column(cell)) return false;
     if (over_time_ && !time_) return fail(0, "no column holds the time", "name it 't'; it is in s");
-    // A column of words, like the phase, is no data.
+    find_data();
+    return true;
+  }
+  bool add_column(const CsvCell& cell) {
+    const std::string name(without_unit(cell.text));
+    if (name.empty()) return fail(cell.byte, "a column has no name");
+    if (parse_number(name).value)
+      return fail(cell.byte, "the first line must name the columns", "t,q/joint,...");
+    if (!names_.insert(name).second)
+      return fail(cell.byte, fmt::format("two columns have the name '{}'", name));
+    if (over_time_ && (name == "t" || name == "time")) {
+      if (time_) return fail(cell.byte, "two columns hold the time");
+      time_ = header_.size();
+    }
+    header_.push_back(name);
+    return true;
+  }
+  /// A column of words, like the phase, is no data.
+  void find_data() {
     const std::string_view first = rest_.substr(0, rest_.find('\n'));
     const std::vector<CsvCell> cells = split_csv_line(first);
     for (std::size_t i = 0; i < header_.size(); ++i) {
@@ -74,33 +80,33 @@ class CsvReader {
       is_data_.push_back(time_ != i && !word);
       if (is_data_[i]) table_.columns.push_back(header_[i]);
     }
-    return true;
   }
   bool read_row() {
     const std::vector<CsvCell> cells = split_csv_line(line_);
     if (cells.size() != header_.size())
       return fail(0, fmt::format("this line has {} cells, the header has {}", cells.size(),
                                  header_.size()));
-    std::vector<std::optional<double>>& row = table_.rows.emplace_back();
-    for (std::size_t i = 0; i < cells.size(); ++i) {
-      const bool time = time_ == i;
-      if (!time && !is_data_[i]) continue;
-      if (cells[i].text.empty() && !time) {
-        row.emplace_back();
-        continue;
-      }
-      const ParsedNumber number = parse_number(cells[i].text);
-      if (!number.value)
-        return fail(cells[i].byte,
-                    fmt::format("in the column '{}': {}", header_[i], number.defect));
-      if (!time) {
-        row.push_back(number.value);
-      } else if (!table_.times.empty() && *number.value <= table_.times.back()) {
-        return fail(cells[i].byte, "the time does not increase");
-      } else {
-        table_.times.push_back(*number.value);
-      }
+    table_.rows.emplace_back();
+    for (std::size_t i = 0; i < cells.size(); ++i)
+      if ((time_ == i || is_data_[i]) && !read_cell(cells[i], i)) return false;
+    return true;
+  }
+  bool read_cell(const CsvCell& cell, std::size_t column) {
+    const bool is_time = time_ == column;
+    if (cell.text.empty() && !is_time) {
+      table_.rows.back().emplace_back();
+      return true;
     }
+    const ParsedNumber number = parse_number(cell.text);
+    if (!number.value)
+      return fail(cell.byte, fmt::format("in the column '{}': {}", header_[column], number.defect));
+    if (!is_time) {
+      table_.rows.back().push_back(number.value);
+      return true;
+    }
+    if (!table_.times.empty() && *number.value <= table_.times.back())
+      return fail(cell.byte, "the time does not increase");
+    table_.times.push_back(*number.value);
     return true;
   }
 
@@ -112,6 +118,7 @@ class CsvReader {
   std::string_view line_;
   int number_ = 0;
   std::vector<std::string> header_;
+  std::unordered_set<std::string> names_;  ///< those of the header
   std::vector<bool> is_data_;
   std::optional<std::size_t> time_;
 };

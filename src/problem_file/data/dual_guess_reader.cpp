@@ -57,6 +57,23 @@ std::string list_names(const std::vector<std::string>& names) {
   return list;
 }
 
+/// The gradient of the Lagrangian by the controls of a knot, as multipliers of bounds have it;
+/// nothing where these do not fit.
+std::optional<Eigen::VectorXd> control_gradient(const Json& multipliers, int knot,
+                                                const ShootingProblem& problem) {
+  Eigen::VectorXd gradient = Eigen::VectorXd::Zero(problem.nu(knot));
+  if (!multipliers.contains("control_lower") || !multipliers.contains("control_upper"))
+    return gradient;
+  for (const bool upper : {false, true}) {
+    const Json& list = solution_list(multipliers, upper ? "control_upper" : "control_lower");
+    if (static_cast<int>(list.size()) != problem.knots()) return std::nullopt;
+    const auto row = numbers(list[knot], problem.nu(knot));
+    if (!row) return std::nullopt;
+    gradient += upper ? -*row : *row;
+  }
+  return gradient;
+}
+
 /// Of the dynamics and of bounds on the control.
 bool take_dynamics(const Json& multipliers, const ShootingProblem& problem, DualGuess& guess) {
   const int N = problem.knots();
@@ -64,50 +81,56 @@ bool take_dynamics(const Json& multipliers, const ShootingProblem& problem, Dual
   if (static_cast<int>(costates.size()) != N + 1) return false;
   Eigen::MatrixXd lambda(problem.ndx(), N + 1);
   std::vector<Eigen::VectorXd> gradient;
-  const bool bounded =
-      multipliers.contains("control_lower") && multipliers.contains("control_upper");
   for (int k = 0; k <= N; ++k) {
     const auto column = numbers(costates[k], problem.ndx());
     if (!column) return false;
     lambda.col(k) = *column;
     if (k == N) break;
-    gradient.push_back(Eigen::VectorXd::Zero(problem.nu(k)));
-    if (!bounded) continue;
-    for (const bool upper : {false, true}) {
-      const Json& list = solution_list(multipliers, upper ? "control_upper" : "control_lower");
-      if (static_cast<int>(list.size()) != N) return false;
-      const auto row = numbers(list[k], problem.nu(k));
-      if (!row) return false;
-      gradient.back() += upper ? -*row : *row;
-    }
+    auto row = control_gradient(multipliers, k, problem);
+    if (!row) return false;
+    gradient.push_back(*std::move(row));
   }
   guess.costates = std::move(lambda);
   guess.control_gradient = std::move(gradient);
   return true;
 }
 
+/// The constraints of a problem by name, node by node, in the order of their first nodes.
+std::vector<std::vector<const NodeConstraint*>> constraints_by_name(
+    const ShootingProblem& problem) {
+  std::vector<std::vector<const NodeConstraint*>> constraints;
+  std::map<std::string, std::size_t> known;
+  for (const NodeConstraint& c : problem.constraints()) {
+    const std::size_t index = known.try_emplace(c.term->name, known.size()).first->second;
+    if (index == constraints.size()) constraints.emplace_back();
+    constraints[index].push_back(&c);
+  }
+  return constraints;
+}
+
+/// "of the dynamics, torque; not of grip, which ...".
+std::string text_of(const std::vector<std::string>& used, const std::vector<std::string>& changed) {
+  std::string text = used.empty() ? "none" : "of " + list_names(used);
+  if (!changed.empty())
+    text += "; not of " + list_names(changed) + ", which the file has at other nodes or not";
+  return text;
+}
+
 DualGuessUsed read(const Json& multipliers, const ShootingProblem& problem) {
   auto guess = std::make_shared<DualGuess>();
   guess->constraints = Eigen::VectorXd::Zero(problem.constraint_rows());
   const auto entries = entries_by_name(multipliers);
-  std::vector<std::string> names, used, changed;
-  std::map<std::string, std::vector<const NodeConstraint*>> constraints;
-  for (const NodeConstraint& c : problem.constraints()) {
-    auto& list = constraints[c.term->name];
-    if (list.empty()) names.push_back(c.term->name);
-    list.push_back(&c);
-  }
-  for (const std::string& name : names) {
+  std::vector<std::string> used, changed;
+  for (const auto& constraint : constraints_by_name(problem)) {
+    const std::string& name = constraint.front()->term->name;
     const auto found = entries.find(name);
     const bool taken =
-        found != entries.end() && take(constraints[name], found->second, guess->constraints);
+        found != entries.end() && take(constraint, found->second, guess->constraints);
     (taken ? used : changed).push_back(name);
   }
   if (take_dynamics(multipliers, problem, *guess)) used.insert(used.begin(), "the dynamics");
   DualGuessUsed result;
-  result.text = used.empty() ? "none" : "of " + list_names(used);
-  if (!changed.empty())
-    result.text += "; not of " + list_names(changed) + ", which the file has at other nodes or not";
+  result.text = text_of(used, changed);
   if (!used.empty()) result.guess = std::move(guess);
   return result;
 }

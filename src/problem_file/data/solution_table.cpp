@@ -43,40 +43,63 @@ void append_row(const Json& array, std::size_t count, const std::string& what,
   }
 }
 
-DataTable read_trajectory(const Json& solution) {
-  const Json& trajectory = solution_member(solution, "trajectory");
-  const Json& columns = solution_member(trajectory, "columns");
-  DataTable table;
-  const auto x_names = read_names(solution_member(columns, "x"), "trajectory.columns.x");
-  const auto u_names = read_names(solution_member(columns, "u"), "trajectory.columns.u");
-  table.columns = x_names;
-  table.state_columns = x_names.size();
-  table.columns.insert(table.columns.end(), u_names.begin(), u_names.end());
-  const Json& t = solution_member(trajectory, "t");
-  const Json& x = solution_member(trajectory, "x");
-  const Json& u = solution_member(trajectory, "u");
-  if (!t.is_array() || !x.is_array() || !u.is_array() || t.empty() || x.size() != t.size() ||
-      u.size() + 1 != t.size())
-    throw MalformedSolution{"the lists t, x and u of its trajectory do not fit together"};
-  for (std::size_t k = 0; k < t.size(); ++k) {
-    if (!t[k].is_number() || (k > 0 && t[k].get<double>() < table.times.back()))
+/// The rows of a solution's trajectory.
+class TrajectoryReader {
+ public:
+  explicit TrajectoryReader(const Json& trajectory)
+      : t_(solution_member(trajectory, "t")),
+        x_(solution_member(trajectory, "x")),
+        u_(solution_member(trajectory, "u")) {
+    if (!are_lists() || t_.empty() || x_.size() != t_.size() || u_.size() + 1 != t_.size())
+      throw MalformedSolution{"the lists t, x and u of its trajectory do not fit together"};
+  }
+
+  /// Appends all rows to a table that has its columns.
+  void read(std::size_t nx, std::size_t nu, DataTable& table) const {
+    for (std::size_t k = 0; k < t_.size(); ++k) {
+      append_time(k, table);
+      auto& row = table.rows.emplace_back();
+      append_row(x_[k], nx, fmt::format("trajectory.x[{}]", k), row);
+      if (has_control(k))
+        append_row(u_[k], nu, fmt::format("trajectory.u[{}]", k), row);
+      else
+        row.resize(nx + nu);
+    }
+  }
+
+ private:
+  bool are_lists() const { return t_.is_array() && x_.is_array() && u_.is_array(); }
+
+  void append_time(std::size_t k, DataTable& table) const {
+    if (!t_[k].is_number() || (k > 0 && t_[k].get<double>() < table.times.back()))
       throw MalformedSolution{"its times do not increase"};
-    if (k > 0 && t[k].get<double>() == table.times.back()) {
+    if (k > 0 && t_[k].get<double>() == table.times.back()) {
       // An impulse takes no time: what holds after it stands for the moment.
       table.times.pop_back();
       table.rows.pop_back();
     }
-    table.times.push_back(t[k]);
-    auto& row = table.rows.emplace_back();
-    append_row(x[k], x_names.size(), fmt::format("trajectory.x[{}]", k), row);
-    // Where no time passes there is no control, or a choice of the state.
-    const bool passes = k + 1 < t.size() && t[k] != t[k + 1];
-    const bool controlled = k < u.size() && passes && !(u[k].is_array() && u[k].empty());
-    if (controlled)
-      append_row(u[k], u_names.size(), fmt::format("trajectory.u[{}]", k), row);
-    else
-      row.resize(table.columns.size());
+    table.times.push_back(t_[k]);
   }
+
+  /// Where no time passes there is no control, or a choice of the state.
+  bool has_control(std::size_t k) const {
+    const bool passes = k + 1 < t_.size() && t_[k] != t_[k + 1];
+    return k < u_.size() && passes && !(u_[k].is_array() && u_[k].empty());
+  }
+
+  const Json &t_, &x_, &u_;
+};
+
+DataTable read_trajectory(const Json& solution) {
+  const Json& trajectory = solution_member(solution, "trajectory");
+  const Json& columns = solution_member(trajectory, "columns");
+  const auto x_names = read_names(solution_member(columns, "x"), "trajectory.columns.x");
+  const auto u_names = read_names(solution_member(columns, "u"), "trajectory.columns.u");
+  DataTable table;
+  table.columns = x_names;
+  table.state_columns = x_names.size();
+  table.columns.insert(table.columns.end(), u_names.begin(), u_names.end());
+  TrajectoryReader(trajectory).read(x_names.size(), u_names.size(), table);
   return table;
 }
 

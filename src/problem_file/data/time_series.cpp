@@ -16,15 +16,21 @@ void TimeSeries::append(double time, std::vector<double> value) {
   values_.push_back(std::move(value));
 }
 
-void TimeSeries::make_cubic() {
-  const std::size_t n = times_.size(), rows = manifold_.ndx();
-  bends_.assign(n, std::vector<double>(rows, 0.0));
-  if (n < 3) return;
-  std::vector<std::vector<double>> slopes(n - 1, std::vector<double>(rows));
+std::vector<std::vector<double>> TimeSeries::mean_slopes() const {
+  const std::size_t n = times_.size();
+  std::vector<std::vector<double>> slopes(n - 1, std::vector<double>(manifold_.ndx()));
   for (std::size_t i = 0; i + 1 < n; ++i) {
     manifold_.difference(values_[i].data(), values_[i + 1].data(), slopes[i].data());
     for (double& slope : slopes[i]) slope /= times_[i + 1] - times_[i];
   }
+  return slopes;
+}
+
+void TimeSeries::make_cubic() {
+  const std::size_t n = times_.size(), rows = manifold_.ndx();
+  bends_.assign(n, std::vector<double>(rows, 0.0));
+  if (n < 3) return;
+  const std::vector<std::vector<double>> slopes = mean_slopes();
   // Continuity of the first derivatives: a tridiagonal system, by elimination.
   std::vector<double> pivots(n, 0.0);
   for (std::size_t i = 1; i + 1 < n; ++i) {

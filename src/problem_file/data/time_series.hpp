@@ -31,6 +31,9 @@ class TimeSeries {
   const std::vector<double>& hold(double time) const;
 
  private:
+  /// Between each value and the next one, two values at least.
+  std::vector<std::vector<double>> mean_slopes() const;
+
   StateManifold manifold_;
   std::vector<double> times_;
   std::vector<std::vector<double>> values_;

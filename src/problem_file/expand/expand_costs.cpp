@@ -40,37 +40,43 @@ OrderedJson expand_cost(const CostSpec& cost, const ProblemSpec& spec, const Pla
   return json;
 }
 
-OrderedJson expand_constraint(const ConstraintSpec& constraint, const ProblemSpec& spec,
-                              const Plant& plant, bool terminal) {
-  const CostSpec& function = constraint.function;
+void expand_interval(const ConstraintSpec& constraint, OrderedJson& json) {
+  if (constraint.lower) json["lower"] = expand_components(*constraint.lower);
+  if (constraint.upper) json["upper"] = expand_components(*constraint.upper);
+}
+
+void expand_softness(const ConstraintSpec& constraint, OrderedJson& json) {
+  if (constraint.softness == Softness::hard) return;
+  json["soft"] = word_of(kSoftWords, constraint.softness);
+  json["weight"] = constraint.weight;
+}
+
+OrderedJson expand_bounds(const ConstraintSpec& constraint) {
   OrderedJson json;
-  const auto bounds = [&] {
-    if (constraint.lower) json["lower"] = expand_components(*constraint.lower);
-    if (constraint.upper) json["upper"] = expand_components(*constraint.upper);
-  };
-  const auto softness = [&] {
-    if (constraint.softness == Softness::hard) return;
-    json["soft"] = word_of(kSoftWords, constraint.softness);
-    json["weight"] = constraint.weight;
-  };
-  if (constraint.bounded) {
-    json["bounds"] = word_of(kBoundedWords, constraint.bounded->value);
-    if (constraint.from_urdf) json.update({{"from", "urdf"}, {"scale", constraint.scale}});
-    bounds();
-    softness();
-    // Named phases leave the last node out, so that all of them are not named here.
-    if (function.phases) json["phases"] = expand_names(*function.phases);
-    return json;
-  }
-  json = expand_residual_keys(function, {spec, plant, {.constraint = true, .last_node = terminal}});
+  json["bounds"] = word_of(kBoundedWords, constraint.bounded->value);
+  if (constraint.from_urdf) json.update({{"from", "urdf"}, {"scale", constraint.scale}});
+  expand_interval(constraint, json);
+  expand_softness(constraint, json);
+  // Named phases leave the last node out, so that all of them are not named here.
+  if (constraint.function.phases) json["phases"] = expand_names(*constraint.function.phases);
+  return json;
+}
+
+/// What the residual of a constraint is measured from: one point, or several.
+void expand_origin(const ConstraintSpec& constraint, OrderedJson& json) {
   for (const Located<std::vector<double>>& center : constraint.centers)
     json["centers"].push_back(center.value);
-  if (OrderedJson reference = expand_reference(function);
-      !reference.is_null() && constraint.centers.empty())
+  if (!constraint.centers.empty()) return;
+  if (OrderedJson reference = expand_reference(constraint.function); !reference.is_null())
     json["reference"] = std::move(reference);
+}
+
+/// What the residual has to be.
+void expand_set(const ConstraintSpec& constraint, OrderedJson& json) {
+  const CostSpec& function = constraint.function;
   if (constraint.at_least) json["at_least"] = *constraint.at_least;
   if (constraint.at_most) json["at_most"] = *constraint.at_most;
-  bounds();
+  expand_interval(constraint, json);
   if (function.keys.value(key::cone)) {
     json["cone"] = "second_order";
     if (!function.definition->of_contacts()) json["slope"] = constraint.slope;
@@ -79,7 +85,17 @@ OrderedJson expand_constraint(const ConstraintSpec& constraint, const ProblemSpe
   } else if (is_zero(constraint)) {
     json["equals"] = 0.0;
   }
-  softness();
+}
+
+OrderedJson expand_constraint(const ConstraintSpec& constraint, const ProblemSpec& spec,
+                              const Plant& plant, bool terminal) {
+  if (constraint.bounded) return expand_bounds(constraint);
+  const CostSpec& function = constraint.function;
+  OrderedJson json =
+      expand_residual_keys(function, {spec, plant, {.constraint = true, .last_node = terminal}});
+  expand_origin(constraint, json);
+  expand_set(constraint, json);
+  expand_softness(constraint, json);
   if (!terminal) expand_place(function, spec, json);
   return json;
 }

@@ -26,12 +26,32 @@ void expand_plant(const ProblemSpec& spec, OrderedJson& json) {
   json["gravity"] = expand_vector(spec.gravity);
 }
 
-OrderedJson expand_choice(const ChoiceSpec& choice) {
-  if (choice.coordinates.form != ComponentsSpec::Form::kMap) return "all";
-  if (choice.coordinates.map.empty()) return "none";
+OrderedJson expand_coordinates(const ComponentsSpec& coordinates) {
+  if (coordinates.form != ComponentsSpec::Form::kMap) return "all";
+  if (coordinates.map.empty()) return "none";
   OrderedJson names = OrderedJson::array();
-  for (const auto& entry : choice.coordinates.map) names.push_back(entry.first.value);
+  for (const auto& entry : coordinates.map) names.push_back(entry.first.value);
   return names;
+}
+
+void expand_choice(const ChoiceSpec& choice, OrderedJson& json) {
+  json["choose"] = expand_coordinates(choice.coordinates);
+  if (choice.lower) json["lower"] = expand_components(*choice.lower);
+  if (choice.upper) json["upper"] = expand_components(*choice.upper);
+}
+
+/// A phase that takes time.
+void expand_knots(const PhaseSpec& phase, const ProblemSpec& spec, OrderedJson& json) {
+  json["knots"] = phase.knots.value;
+  json["dt"] = phase.dt;
+  if (phase.refine)
+    json["refine"] = {{"first", phase.refine->first},
+                      {"last", phase.refine->last},
+                      {"ratio", phase.refine->ratio}};
+  if (phase.free_duration)
+    json["free_duration"] = {{"lower", phase.free_duration->lower},
+                             {"upper", phase.free_duration->upper}};
+  if (!spec.contacts.empty()) json["contacts"] = expand_contact_names(phase.contacts, spec);
 }
 
 OrderedJson expand_phases(const ProblemSpec& spec) {
@@ -39,9 +59,7 @@ OrderedJson expand_phases(const ProblemSpec& spec) {
   for (const PhaseSpec& phase : spec.phases) {
     OrderedJson entry = {{"name", phase.name.value}};
     if (phase.choice) {
-      entry["choose"] = expand_choice(*phase.choice);
-      if (phase.choice->lower) entry["lower"] = expand_components(*phase.choice->lower);
-      if (phase.choice->upper) entry["upper"] = expand_components(*phase.choice->upper);
+      expand_choice(*phase.choice, entry);
       json.push_back(std::move(entry));
       continue;
     }
@@ -49,16 +67,7 @@ OrderedJson expand_phases(const ProblemSpec& spec) {
       entry["impulse"] = expand_contact_names(phase.contacts, spec);
       entry["restitution"] = *phase.restitution;
     } else {
-      entry["knots"] = phase.knots.value;
-      entry["dt"] = phase.dt;
-      if (phase.refine)
-        entry["refine"] = {{"first", phase.refine->first},
-                           {"last", phase.refine->last},
-                           {"ratio", phase.refine->ratio}};
-      if (phase.free_duration)
-        entry["free_duration"] = {{"lower", phase.free_duration->lower},
-                                  {"upper", phase.free_duration->upper}};
-      if (!spec.contacts.empty()) entry["contacts"] = expand_contact_names(phase.contacts, spec);
+      expand_knots(phase, spec, entry);
     }
     entry["weights"] = expand_numbers(phase.weights);
     json.push_back(std::move(entry));
@@ -94,20 +103,32 @@ OrderedJson expand_solver(const SolverSpec& solver) {
   return json;
 }
 
+/// A part by its name or its index; null where there is none.
+const OrderedJson* part_of(const OrderedJson& json, const std::string& step) {
+  if (json.is_array()) {
+    const std::size_t index = std::stoul(step);
+    return index < json.size() ? &json[index] : nullptr;
+  }
+  const auto found = json.find(step);
+  return found != json.end() ? &*found : nullptr;
+}
+
+/// Whether a part of a problem is none that a homotopy moves.
+bool is_apart(const std::string& path, const std::string& name) {
+  return path.empty() && (name == "solver" || name == "initial_guess");
+}
+
 /// The numbers that differ between two problems of one shape, by their paths: what a homotopy moves
 /// once defaults and gaits are filled in.
 void add_moved(const std::string& path, const OrderedJson& from, const OrderedJson& to,
                OrderedJson& keys) {
   if (from.is_number() && to.is_number() && from != to)
     keys.push_back({{"key", path}, {"from", from}, {"to", to}});
+  if (from.type() != to.type() || !from.is_structured()) return;
   const std::string before = path.empty() ? "" : path + ".";
-  if (from.is_object() && to.is_object()) {
-    for (const auto& [name, part] : to.items())
-      if (from.contains(name) && !(path.empty() && (name == "solver" || name == "initial_guess")))
-        add_moved(before + name, from[name], part, keys);
-  } else if (from.is_array() && to.is_array()) {
-    for (std::size_t i = 0; i < std::min(from.size(), to.size()); ++i)
-      add_moved(before + std::to_string(i), from[i], to[i], keys);
+  for (const auto& [name, part] : to.items()) {
+    const OrderedJson* former = part_of(from, name);
+    if (former != nullptr && !is_apart(path, name)) add_moved(before + name, *former, part, keys);
   }
 }
 

@@ -30,16 +30,19 @@ OrderedJson expand_actuation(const ActuationSpec& actuation) {
   return {{"joints", expand_names(actuation.joints)}, {"thrusters", std::move(thrusters)}};
 }
 
+/// With the world's origin and axes for what was not given.
+OrderedJson expand_placement(PoseSpec placement) {
+  if (!placement.position) placement.position = Vector3<double>::zero();
+  if (!placement.orientation) placement.orientation = Quaternion<double>::identity();
+  return expand_pose(placement);
+}
+
 }  // namespace
 
 OrderedJson expand_robot(const RobotSpec& robot) {
   OrderedJson json = {{"urdf", robot.urdf.value}, {"base", word_of(kBaseWords, robot.base)}};
-  if (robot.base != UrdfOptions::Base::floating) {
-    PoseSpec placement = robot.placement.value_or(PoseSpec{});
-    if (!placement.position) placement.position = Vector3<double>::zero();
-    if (!placement.orientation) placement.orientation = Quaternion<double>::identity();
-    json["placement"] = expand_pose(placement);
-  }
+  if (robot.base != UrdfOptions::Base::floating)
+    json["placement"] = expand_placement(robot.placement.value_or(PoseSpec{}));
   OrderedJson configurations = OrderedJson::object();
   for (const auto& [name, state] : robot.configurations)
     configurations[name.value] = expand_state(state);

@@ -14,20 +14,21 @@ constexpr const char* kOthers =
 /// What moves without a slope, or with one that jumps.
 void check_smoothness(const ProblemSpec& spec, Diagnostics& out) {
   for (const PhaseSpec& phase : spec.phases)
-    if (phase.contacts.all || !phase.contacts.names.empty())
+    if (phase.contacts.any())
       out.error(phase.name.place,
                 phase.restitution ? "collocation knows no impulses"
                                   : "collocation is for systems without contacts",
                 kOthers);
-  if (spec.terminal_contacts &&
-      (spec.terminal_contacts->all || !spec.terminal_contacts->names.empty()))
+  if (spec.terminal_contacts && spec.terminal_contacts->any())
     out.error(spec.integrator->place,
               "collocation is for systems without contacts, and the last node holds some", kOthers);
-  for (const auto* list : {&spec.constraints, &spec.terminal_constraints})
-    for (const ConstraintSpec& constraint : *list)
-      if (const Name& name = constraint.function.name; name.value == kName)
-        out.error(name.place, "'collocation' is the name of what the integrator's steps obey",
-                  "give the constraint another name");
+}
+
+void check_names(const ProblemSpec& spec, Diagnostics& out) {
+  for (const ConstraintSpec* constraint : spec.all_constraints())
+    if (const Name& name = constraint->function.name; name.value == kName)
+      out.error(name.place, "'collocation' is the name of what the integrator's steps obey",
+                "give the constraint another name");
 }
 
 }  // namespace
@@ -38,6 +39,7 @@ bool collocate(const ProblemSpec& spec, Plant& plant, Diagnostics& out) {
   if (!rule) return true;
   const int errors = out.error_count();
   check_smoothness(spec, out);
+  check_names(spec, out);
   if (plant.system->kind() == SystemKind::discrete)
     out.error(spec.integrator->place,
               "this system gives the next state itself: nothing is integrated",

@@ -68,13 +68,38 @@ bool swings(const std::string& frame, const ProblemSpec& spec) {
                      [&](const CostSpec& cost) { return is_swing_of(cost, frame); });
 }
 
-std::vector<Foothold> footholds(const Foot& foot, const ProblemSpec& spec, const Plant& plant,
-                                const std::vector<double>& initial) {
+namespace {
+
+/// The swings of a foot.
+std::vector<Swing> swings_of(const Foot& foot, const ProblemSpec& spec) {
   std::vector<Swing> all;
   for (const CostSpec& cost : spec.costs)
     if (is_swing_of(cost, foot.name))
       all.push_back(
           {cost.keys.find(key::swing), swing_runs(phases_named(cost.phases, spec), spec)});
+  return all;
+}
+
+/// Where a swing that begins at `from` lands in its run of this number; nothing where it does not
+/// say that.
+std::optional<Foothold> landing_of(const SwingSpec& swing, std::size_t run, const Foothold& from,
+                                   const Foot& foot, const ProblemSpec& spec, const Plant& plant,
+                                   const std::vector<double>& initial) {
+  if (swing.displaced.empty())
+    return Foothold{swing.landing.value_or(from.p + swing.step.value_or(Vector3<double>::zero())),
+                    from.yaw};
+  if (run >= swing.displaced.size()) return std::nullopt;
+  const PlanarMotion& motion = swing.displaced[run];
+  const auto to = displaced_landing(foot, motion, spec, plant, initial);
+  if (!to) return std::nullopt;
+  return Foothold{*to, motion.yaw};
+}
+
+}  // namespace
+
+std::vector<Foothold> footholds(const Foot& foot, const ProblemSpec& spec, const Plant& plant,
+                                const std::vector<double>& initial) {
+  const std::vector<Swing> all = swings_of(foot, spec);
   const std::size_t n = spec.phases.size();
   std::vector<Foothold> places(n + 1, {foot.start});
   for (std::size_t p = 1; p <= n; ++p) {
@@ -83,15 +108,7 @@ std::vector<Foothold> footholds(const Foot& foot, const ProblemSpec& spec, const
       for (std::size_t i = 0; i < runs.size(); ++i) {
         if (runs[i].end_phase != p) continue;
         const Foothold& from = places[runs[i].first_phase];
-        if (swing->displaced.empty()) {
-          places[p] = {
-              swing->landing.value_or(from.p + swing->step.value_or(Vector3<double>::zero())),
-              from.yaw};
-        } else if (i < swing->displaced.size()) {
-          const PlanarMotion& motion = swing->displaced[i];
-          if (const auto to = displaced_landing(foot, motion, spec, plant, initial))
-            places[p] = {*to, motion.yaw};
-        }
+        places[p] = landing_of(*swing, i, from, foot, spec, plant, initial).value_or(places[p]);
       }
   }
   return places;

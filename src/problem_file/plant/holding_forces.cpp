@@ -12,6 +12,26 @@ namespace {
 /// ρ over the largest entry of GᵀG: as little as leaves forces unique.
 constexpr double kSmall = 1e-8;
 
+/// Opposite directions of friction: what they have in common moves nothing.
+void cancel_opposites(const FrictionIndices& f, Eigen::Ref<Eigen::VectorXd> w) {
+  for (int i = 0; i < f.count; i += 2) {
+    const double common = std::min(w[f.force[i]], w[f.force[i + 1]]);
+    w[f.force[i]] -= common;
+    w[f.force[i + 1]] -= common;
+  }
+}
+
+/// The edges of a candidate's pyramid: entries of w, and how much each of them changes with the
+/// normal force.
+std::vector<std::pair<int, double>> edges_of(const SteppingLayout::Candidate& at, double friction) {
+  std::vector<std::pair<int, double>> edges;
+  for (int i = 0; i < at.friction.count; ++i) edges.emplace_back(at.friction.force[i], friction);
+  for (int i = 0; at.cone.present && i < 2; ++i)
+    for (const double sign : {1.0, -1.0}) edges.emplace_back(at.cone.force[i], sign * friction);
+  if (edges.empty()) edges.emplace_back(at.force, 0);
+  return edges;
+}
+
 }  // namespace
 
 HoldingForces::HoldingForces(const std::shared_ptr<const SteppingSystem>& system, int ndx,
@@ -42,13 +62,7 @@ void HoldingForces::add_candidates() {
   for (std::size_t c = 0; c < layout.candidates.size(); ++c) {
     const SteppingLayout::Candidate& at = layout.candidates[c];
     const ContactCandidate& candidate = system_->contacts().candidates[c];
-    std::vector<std::pair<int, double>> edges;
-    for (int i = 0; i < at.friction.count; ++i)
-      edges.emplace_back(at.friction.force[i], candidate.friction);
-    for (int i = 0; at.cone.present && i < 2; ++i)
-      for (const double sign : {1.0, -1.0})
-        edges.emplace_back(at.cone.force[i], sign * candidate.friction);
-    if (edges.empty()) edges.emplace_back(at.force, 0);
+    const auto edges = edges_of(at, candidate.friction);
     const int gap = row("contact/" + candidate.name + "/gap");
     for (const auto& edge : edges)
       unknowns_.push_back({.entries = {{at.force, 1}, edge},
@@ -94,28 +108,33 @@ double HoldingForces::find(const double* x, double h, const std::vector<double>&
     const double distance = -rows[unknown.distance_row] * unknown.share;
     if (distance > 0) high[j] = product_ / distance;
   }
+  const Eigen::VectorXd y = smallest(G, load, low, high);
+  write(y, w);
+  return (load + G * y).lpNorm<Eigen::Infinity>();
+}
+
+Eigen::VectorXd HoldingForces::smallest(const Eigen::MatrixXd& G,
+                                        const Eigen::Ref<const Eigen::VectorXd>& load,
+                                        const Eigen::VectorXd& lower,
+                                        const Eigen::VectorXd& upper) {
+  const Eigen::Index count = G.cols();
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(count);
+  if (count == 0 || !load.allFinite()) return none;
   Eigen::MatrixXd H = G.transpose() * G;
-  if (count > 0) H.diagonal().array() += kSmall * H.diagonal().maxCoeff();
+  H.diagonal().array() += kSmall * H.diagonal().maxCoeff();
   std::vector<BoundState> active(count, BoundState::free);
-  const bool found =
-      count > 0 && load.allFinite() &&
-      qp_.solve(H, G.transpose() * load, low, high, active) != BoxQp::Status::not_positive_definite;
-  const Eigen::VectorXd y = found ? Eigen::VectorXd(qp_.x()) : Eigen::VectorXd::Zero(count);
+  const BoxQp::Status status = qp_.solve(H, G.transpose() * load, lower, upper, active);
+  return status == BoxQp::Status::not_positive_definite ? none : Eigen::VectorXd(qp_.x());
+}
+
+void HoldingForces::write(const Eigen::VectorXd& y, Eigen::Ref<Eigen::VectorXd> w) const {
+  const SteppingLayout& layout = system_->layout();
   for (const Unknown& unknown : unknowns_)
     for (const auto& [entry, factor] : unknown.entries) w[entry] = 0;
-  for (int j = 0; j < count; ++j)
+  for (std::size_t j = 0; j < unknowns_.size(); ++j)
     for (const auto& [entry, factor] : unknowns_[j].entries) w[entry] += factor * y[j];
-  // Opposite directions of friction: what they have in common moves nothing.
-  const auto reduce = [&](const FrictionIndices& f) {
-    for (int i = 0; i < f.count; i += 2) {
-      const double common = std::min(w[f.force[i]], w[f.force[i + 1]]);
-      w[f.force[i]] -= common;
-      w[f.force[i + 1]] -= common;
-    }
-  };
-  for (const SteppingLayout::Candidate& at : layout.candidates) reduce(at.friction);
-  for (const FrictionIndices& f : layout.frictions) reduce(f);
-  return (load + G * y).lpNorm<Eigen::Infinity>();
+  for (const SteppingLayout::Candidate& at : layout.candidates) cancel_opposites(at.friction, w);
+  for (const FrictionIndices& f : layout.frictions) cancel_opposites(f, w);
 }
 
 }  // namespace conddp

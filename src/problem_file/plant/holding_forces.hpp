@@ -38,6 +38,12 @@ class HoldingForces {
   void add_candidates();
   void add_joints();
   int row(const std::string& name) const;
+  /// The y within its bounds of which ‖load + G y‖² + ρ ‖y‖² is smallest; zero where that is not
+  /// defined.
+  Eigen::VectorXd smallest(const Eigen::MatrixXd& G, const Eigen::Ref<const Eigen::VectorXd>& load,
+                           const Eigen::VectorXd& lower, const Eigen::VectorXd& upper);
+  /// The entries of w that the unknowns stand for.
+  void write(const Eigen::VectorXd& y, Eigen::Ref<Eigen::VectorXd> w) const;
 
   std::shared_ptr<const SteppingSystem> system_;
   std::shared_ptr<const Residual> equations_;

@@ -82,17 +82,18 @@ bool check_mimic_limits(const Plant& plant, Diagnostics& out) {
   return possible;
 }
 
-}  // namespace
-
-std::optional<Plant> build_plant(const ProblemSpec& spec, Diagnostics& out) {
+/// A closed-form system, or one of expressions.
+std::optional<Plant> build_system(const ProblemSpec& spec, Diagnostics& out) {
   Plant plant;
-  if (spec.system) {
-    plant.system = make_system(spec, out);
-    if (!plant.system || !collocate(spec, plant, out)) return std::nullopt;
-    if (const auto* text = std::get_if<ExpressionSystemSpec>(&spec.system->parameters))
-      plant.usual_state = text->parsed.usual_state;
-    return plant;
-  }
+  plant.system = make_system(spec, out);
+  if (!plant.system || !collocate(spec, plant, out)) return std::nullopt;
+  if (const auto* text = std::get_if<ExpressionSystemSpec>(&spec.system->parameters))
+    plant.usual_state = text->parsed.usual_state;
+  return plant;
+}
+
+/// All robots as one model, each with its part of the plant.
+std::shared_ptr<RobotModel> load_robots(const ProblemSpec& spec, Plant& plant, Diagnostics& out) {
   std::vector<RobotModel> trees;
   int joints = 0;
   for (const RobotSpec& robot : spec.robots) {
@@ -104,26 +105,39 @@ std::optional<Plant> build_plant(const ProblemSpec& spec, Diagnostics& out) {
     joints += tree->joint_count();
     trees.push_back(std::move(*tree));
   }
-  if (trees.size() != spec.robots.size()) return std::nullopt;
-  auto model = std::make_shared<RobotModel>(combine(std::move(trees)));
-  add_external_wrenches(plant.parts, *model, out);
-  const auto actuation = make_actuation(plant.parts, *model, out);
-  const auto passive = make_passive_forces(plant.parts, *model, out);
-  if (!actuation || !passive) return std::nullopt;
+  if (trees.size() != spec.robots.size()) return nullptr;
+  return std::make_shared<RobotModel>(combine(std::move(trees)));
+}
+
+std::shared_ptr<const System> make_multibody(const std::shared_ptr<RobotModel>& model,
+                                             const std::vector<PlantPart>& parts,
+                                             Diagnostics& out) {
+  add_external_wrenches(parts, *model, out);
+  const auto actuation = make_actuation(parts, *model, out);
+  const auto passive = make_passive_forces(parts, *model, out);
+  if (!actuation || !passive) return nullptr;
   try {
-    plant.system = std::make_shared<MultibodySystem>(model, *actuation, *passive);
+    return std::make_shared<MultibodySystem>(model, *actuation, *passive);
   } catch (const std::invalid_argument& e) {  // chains of mimic joints that cannot be resolved
-    out.error(plant.parts.front().spec->place, e.what());
-    return std::nullopt;
+    out.error(parts.front().spec->place, e.what());
+    return nullptr;
   }
-  if (!check_mimic_limits(plant, out)) return std::nullopt;
-  if (!spec.stepping) {
-    if (!collocate(spec, plant, out)) return std::nullopt;
-    return plant;
-  }
-  plant.system = build_stepping(spec, plant, out);
-  if (!plant.system) return std::nullopt;
-  return plant;
+}
+
+}  // namespace
+
+std::optional<Plant> build_plant(const ProblemSpec& spec, Diagnostics& out) {
+  if (spec.system) return build_system(spec, out);
+  Plant plant;
+  const auto model = load_robots(spec, plant, out);
+  if (!model) return std::nullopt;
+  plant.system = make_multibody(model, plant.parts, out);
+  if (!plant.system || !check_mimic_limits(plant, out)) return std::nullopt;
+  if (spec.stepping)
+    plant.system = build_stepping(spec, plant, out);
+  else if (!collocate(spec, plant, out))
+    plant.system = nullptr;
+  return plant.system ? std::optional(std::move(plant)) : std::nullopt;
 }
 
 }  // namespace conddp

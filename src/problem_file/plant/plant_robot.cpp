@@ -21,12 +21,7 @@ UrdfOptions urdf_options(const RobotSpec& spec, const std::string& prefix,
   options.inertias = spec.inertias;
   options.gravity = gravity;
   options.prefix = prefix;
-  if (spec.placement) {
-    SE3<double> placement = SE3<double>::identity();
-    if (spec.placement->position) placement.p = *spec.placement->position;
-    if (spec.placement->orientation) placement.R = rotation_matrix(*spec.placement->orientation);
-    options.placement = placement;
-  }
+  if (spec.placement) options.placement = spec.placement->placement();
   return options;
 }
 
@@ -105,52 +100,88 @@ void add_external_wrenches(const std::vector<PlantPart>& parts, RobotModel& mode
         model.wrenches.push_back({*frame, wrench.wrench});
 }
 
+namespace {
+
+/// Collects the controls of robots.
+class Actuators {
+ public:
+  Actuators(const RobotModel& model, Diagnostics& out) : model_(model), out_(out) {}
+
+  void add(const PlantPart& part) {
+    const ActuationSpec& spec = part.spec->actuation;
+    if (spec.full)
+      for (const int joint : motor_joints(part, model_)) joints_.push_back(name_of(joint));
+    for (const Name& name : spec.joints)
+      for (const int joint : find_joints(model_, name, part.prefix, out_))
+        if (!drives(name_of(joint))) joints_.push_back(name_of(joint));
+    for (const ThrusterSpec& thruster : spec.thrusters) add_thruster(thruster, part);
+  }
+  const std::vector<Thruster>& thrusters() const { return thrusters_; }
+  const std::vector<std::string>& joints() const { return joints_; }
+
+ private:
+  const std::string& name_of(int joint) const { return model_.joints[joint].name; }
+  bool drives(const std::string& joint) const {
+    return std::find(joints_.begin(), joints_.end(), joint) != joints_.end();
+  }
+  bool has_thruster(const std::string& name) const {
+    return std::any_of(thrusters_.begin(), thrusters_.end(),
+                       [&](const Thruster& thruster) { return thruster.name == name; });
+  }
+  void add_thruster(const ThrusterSpec& t, const PlantPart& part) {
+    const std::string name = part.prefix + t.name.value;
+    const auto frame = find_frame(model_, t.frame, part.prefix, out_);
+    if (!frame) return;
+    const int joint = model_.frames[*frame].joint;
+    if (joint < 0 || model_.joints[joint].type != JointType::floating)
+      out_.error(t.frame.place, fmt::format("the thruster's frame '{}' is not fixed to a floating "
+                                            "base",
+                                            t.frame.value));
+    if (has_thruster(name) || drives(name))
+      out_.error(t.name.place, fmt::format("two controls have the name '{}'", t.name.value));
+    thrusters_.push_back({name, *frame, t.direction, t.torque_ratio, t.lower, t.upper});
+  }
+
+  const RobotModel& model_;
+  Diagnostics& out_;
+  std::vector<Thruster> thrusters_;
+  std::vector<std::string> joints_;
+};
+
+}  // namespace
+
 std::optional<Actuation> make_actuation(const std::vector<PlantPart>& parts,
                                         const RobotModel& model, Diagnostics& out) {
   const int errors = out.error_count();
-  std::vector<Thruster> thrusters;
-  std::vector<std::string> joints;
-  for (const PlantPart& part : parts) {
-    const ActuationSpec& spec = part.spec->actuation;
-    if (spec.full)
-      for (const int joint : motor_joints(part, model)) joints.push_back(model.joints[joint].name);
-    for (const Name& name : spec.joints)
-      for (const int joint : find_joints(model, name, part.prefix, out))
-        if (std::find(joints.begin(), joints.end(), model.joints[joint].name) == joints.end())
-          joints.push_back(model.joints[joint].name);
-    for (const ThrusterSpec& t : spec.thrusters) {
-      const std::string name = part.prefix + t.name.value;
-      const auto frame = find_frame(model, t.frame, part.prefix, out);
-      if (!frame) continue;
-      const int joint = model.frames[*frame].joint;
-      if (joint < 0 || model.joints[joint].type != JointType::floating)
-        out.error(t.frame.place, fmt::format("the thruster's frame '{}' is not fixed to a floating "
-                                             "base",
-                                             t.frame.value));
-      const auto same = [&](const Thruster& other) { return other.name == name; };
-      if (std::any_of(thrusters.begin(), thrusters.end(), same) ||
-          std::find(joints.begin(), joints.end(), name) != joints.end())
-        out.error(t.name.place, fmt::format("two controls have the name '{}'", t.name.value));
-      thrusters.push_back({name, *frame, t.direction, t.torque_ratio, t.lower, t.upper});
-    }
-  }
+  Actuators actuators(model, out);
+  for (const PlantPart& part : parts) actuators.add(part);
   if (out.error_count() > errors) return std::nullopt;
-  if (thrusters.empty() && joints.empty()) {
+  if (actuators.thrusters().empty() && actuators.joints().empty()) {
     out.error(parts.front().spec->place, "nothing is actuated", actuation_hint(parts, model));
     return std::nullopt;
   }
-  return Actuation::thrusters(model, thrusters, joints);
+  return Actuation::thrusters(model, actuators.thrusters(), actuators.joints());
 }
+
+namespace {
+
+/// Clears the damping and friction of joints for which the file does not ask.
+void ignore_others(const PlantPart& part, RobotModel& model) {
+  const PassiveSpec& passive = part.spec->passive;
+  for (int i = part.first_joint; i < part.first_joint + part.joint_count; ++i) {
+    if (!passive.damping) model.joints[i].damping = 0;
+    if (!passive.friction) model.joints[i].friction = 0;
+  }
+}
+
+}  // namespace
 
 std::optional<PassiveForces> make_passive_forces(const std::vector<PlantPart>& parts,
                                                  RobotModel& model, Diagnostics& out) {
   PassiveForces forces;
   for (const PlantPart& part : parts) {
     const PassiveSpec& passive = part.spec->passive;
-    for (int i = part.first_joint; i < part.first_joint + part.joint_count; ++i) {
-      if (!passive.damping) model.joints[i].damping = 0;
-      if (!passive.friction) model.joints[i].friction = 0;
-    }
+    ignore_others(part, model);
     if (forces.friction && passive.friction &&
         passive.friction_velocity != forces.friction_velocity) {
       out.error(part.spec->place, "robots of one problem share one 'friction_velocity'");

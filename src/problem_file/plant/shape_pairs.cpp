@@ -67,6 +67,57 @@ std::vector<std::size_t> items_named(const Name& name, const std::vector<Item>& 
   return found;
 }
 
+/// Pairs of items, each once.
+class PairList {
+ public:
+  explicit PairList(const std::vector<Item>& items) : items_(items) {}
+
+  /// False where the items do not move against each other. Shapes stand before obstacles, so that
+  /// the smaller index is one that a link carries.
+  bool add(std::size_t a, std::size_t b) {
+    const auto [first, second] = std::minmax(a, b);
+    const Item &shape = items_[first], &other = items_[second];
+    if (shape.joint == other.joint) return false;
+    if (taken_.insert({first, second}).second)
+      pairs_.push_back({shape.name, other.name, {std::get<Capsule>(shape.form), other.form}});
+    return true;
+  }
+  const std::vector<ShapePair>& pairs() const { return pairs_; }
+
+ private:
+  const std::vector<Item>& items_;
+  std::vector<ShapePair> pairs_;
+  std::set<std::pair<std::size_t, std::size_t>> taken_;
+};
+
+/// Whether a choice of pairs has that of a shape and another item.
+bool has_pair(PairsSpec::Choice choice, const Item& shape, const Item& other,
+              const RobotModel& robot) {
+  if (other.obstacle) return choice != PairsSpec::Choice::kSelf;
+  return choice != PairsSpec::Choice::kObstacles &&
+         !are_neighbours(robot, shape.joint, other.joint);
+}
+
+void add_chosen(PairsSpec::Choice choice, const std::vector<Item>& items, const RobotModel& robot,
+                PairList& pairs) {
+  if (choice == PairsSpec::Choice::kNamed) return;
+  for (std::size_t a = 0; a < items.size() && !items[a].obstacle; ++a)
+    for (std::size_t b = a + 1; b < items.size(); ++b)
+      if (has_pair(choice, items[a], items[b], robot)) pairs.add(a, b);
+}
+
+void add_named(const Name& first, const Name& second, const std::vector<Item>& items,
+               PairList& pairs, Diagnostics& out) {
+  const auto firsts = items_named(first, items, out), seconds = items_named(second, items, out);
+  if (firsts.empty() || seconds.empty()) return;
+  bool moves = false;
+  for (const std::size_t a : firsts)
+    for (const std::size_t b : seconds) moves |= pairs.add(a, b);
+  if (!moves)
+    out.error(first.place, fmt::format("'{}' and '{}' do not move against each other", first.value,
+                                       second.value));
+}
+
 }  // namespace
 
 void check_shapes(const ProblemSpec& spec, const Plant& plant, Diagnostics& out) {
@@ -78,41 +129,15 @@ std::vector<ShapePair> shape_pairs(const CostSpec& cost, const ProblemSpec& spec
                                    const Plant& plant, Diagnostics& out) {
   const RobotModel& robot = plant.robot();
   const std::vector<Item> items = items_of(spec, robot);
-  std::vector<ShapePair> pairs;
-  std::set<std::pair<std::size_t, std::size_t>> taken;
-  // Shapes stand before obstacles, so that the smaller index is one that a link carries.
-  const auto add = [&](std::size_t a, std::size_t b) {
-    const auto [first, second] = std::minmax(a, b);
-    if (items[first].joint == items[second].joint) return false;
-    if (taken.insert({first, second}).second)
-      pairs.push_back({items[first].name,
-                       items[second].name,
-                       {std::get<Capsule>(items[first].form), items[second].form}});
-    return true;
-  };
-  using Choice = PairsSpec::Choice;
   const PairsSpec asked = cost.keys.value(key::pairs);
-  const Choice choice = asked.choice;
-  for (std::size_t a = 0; a < items.size() && choice != Choice::kNamed; ++a)
-    for (std::size_t b = a + 1; b < items.size() && !items[a].obstacle; ++b) {
-      if (choice == (items[b].obstacle ? Choice::kSelf : Choice::kObstacles)) continue;
-      if (!items[b].obstacle && are_neighbours(robot, items[a].joint, items[b].joint)) continue;
-      add(a, b);
-    }
+  PairList list(items);
+  add_chosen(asked.choice, items, robot, list);
   const int errors = out.error_count();
-  for (const auto& [first, second] : asked.named) {
-    const auto firsts = items_named(first, items, out), seconds = items_named(second, items, out);
-    bool moves = firsts.empty() || seconds.empty();
-    for (const std::size_t a : firsts)
-      for (const std::size_t b : seconds) moves |= add(a, b);
-    if (!moves)
-      out.error(first.place, fmt::format("'{}' and '{}' do not move against each other",
-                                         first.value, second.value));
-  }
-  if (pairs.empty() && out.error_count() == errors)
+  for (const auto& [first, second] : asked.named) add_named(first, second, items, list, out);
+  if (list.pairs().empty() && out.error_count() == errors)
     out.error(asked.place, fmt::format("the cost '{}' has no pair of shapes", cost.name.value),
               spec.collision.shapes.empty() ? "the file has no 'collision: {shapes: ...}'" : "");
-  return pairs;
+  return list.pairs();
 }
 
 }  // namespace conddp

@@ -21,40 +21,34 @@ constexpr double kRoundedOverlap = 1e-3;
 /// How far a normal may point out of the plane of a planar robot.
 constexpr double kOutOfPlane = 1e-6;
 
+/// A half-space, sphere or box that a candidate may touch, carried by a frame (−1: the world).
+decltype(ContactCandidate::against) build_form(const TouchedSpec& touched, int frame) {
+  if (const auto* half_space = std::get_if<HalfSpaceSpec>(&touched.form))
+    return ContactHalfSpace{frame, half_space->normal, dot(half_space->normal, half_space->point)};
+  if (const auto* sphere = std::get_if<SphereSpec>(&touched.form))
+    return ContactSphere{frame, sphere->center, sphere->radius};
+  const auto& box = std::get<BoxSpec>(touched.form);
+  return ContactBox{frame, box.placement.placement(), 0.5 * box.size};
+}
+
 std::optional<ContactCandidate> build_candidate(const CandidateSpec& spec, const Plant& plant,
                                                 Diagnostics& out) {
   const auto frame = find_frame(plant.robot(), spec.frame, "", out);
-  int other = -1;
-  if (spec.against.frame) {
-    const auto found = find_frame(plant.robot(), *spec.against.frame, "", out);
-    if (!found) return std::nullopt;
-    other = *found;
-  }
-  if (!frame) return std::nullopt;
+  const auto other = spec.against.frame ? find_frame(plant.robot(), *spec.against.frame, "", out)
+                                        : std::optional(-1);
+  if (!frame || !other) return std::nullopt;
   const auto body = [&](int f) { return f < 0 ? -1 : plant.robot().frames[f].joint; };
-  if (body(*frame) == body(other)) {
+  if (body(*frame) == body(*other)) {
     out.error(
         spec.against.frame ? spec.against.frame->place : spec.frame.place,
         fmt::format("'{}' and what it may touch do not move against each other", spec.name.value));
     return std::nullopt;
   }
-  ContactCandidate candidate{.name = spec.name.value,
-                             .sphere = {*frame, spec.point, spec.radius},
-                             .friction = spec.friction,
-                             .stiffness = spec.stiffness};
-  if (const auto* half_space = std::get_if<HalfSpaceSpec>(&spec.against.form)) {
-    candidate.against =
-        ContactHalfSpace{other, half_space->normal, dot(half_space->normal, half_space->point)};
-  } else if (const auto* sphere = std::get_if<SphereSpec>(&spec.against.form)) {
-    candidate.against = ContactSphere{other, sphere->center, sphere->radius};
-  } else {
-    const auto& box = std::get<BoxSpec>(spec.against.form);
-    SE3<double> placement = SE3<double>::identity();
-    if (box.placement.position) placement.p = *box.placement.position;
-    if (box.placement.orientation) placement.R = rotation_matrix(*box.placement.orientation);
-    candidate.against = ContactBox{other, placement, 0.5 * box.size};
-  }
-  return candidate;
+  return ContactCandidate{.name = spec.name.value,
+                          .sphere = {*frame, spec.point, spec.radius},
+                          .against = build_form(spec.against, *other),
+                          .friction = spec.friction,
+                          .stiffness = spec.stiffness};
 }
 
 /// In a plane the tangent is that of the plane, and none to a surface that faces out of it.
@@ -79,31 +73,34 @@ void build_stops(const ProblemSpec& spec, const Plant& plant, ImplicitContacts& 
     contacts.stops.push_back({joint, limits[0], limits[1]});
 }
 
+/// Terms that stepping does not support, or whose names it gives to its own.
+void check_terms(const ProblemSpec& spec, Diagnostics& out) {
+  for (const CostSpec* cost : spec.all_costs())
+    if (cost->name.value == kRegularization)
+      out.error(cost->name.place, fmt::format("'{}' is the name of a cost of contacts that are "
+                                              "found",
+                                              kRegularization));
+  if (const CostSpec* rate = spec.first_use(&ResidualNeeds::previous_control))
+    out.error(rate->residual.place,
+              fmt::format("contact-implicit problems do not support '{}'", rate->residual.value));
+  for (const ConstraintSpec* constraint : spec.all_constraints())
+    if (const Name& name = constraint->function.name;
+        name.value == kEquations || name.value == kPairs)
+      out.error(name.place, fmt::format("'{}' is the name of a constraint of contacts that are "
+                                        "found",
+                                        name.value));
+}
+
 void check_frozen_keys(const ProblemSpec& spec, Diagnostics& out) {
   for (const PhaseSpec& phase : spec.phases)
-    if (phase.restitution || phase.contacts.all || !phase.contacts.names.empty())
+    if (phase.restitution || phase.contacts.any())
       out.error(phase.name.place, "contacts of a contact-implicit problem are not named by phases",
                 "leave 'contacts' and 'impulse' out");
   if (spec.integrator && spec.integrator->value != Integrator::semi_implicit_euler)
     out.error(spec.integrator->place,
               "contact-implicit problems have a stepping scheme of their own",
               "leave 'integrator' out, or write 'integrator: semi_implicit_euler'");
-  for (const auto* list : {&spec.costs, &spec.terminal_costs})
-    for (const CostSpec& cost : *list)
-      if (cost.name.value == kRegularization)
-        out.error(cost.name.place, fmt::format("'{}' is the name of a cost of contacts that are "
-                                               "found",
-                                               kRegularization));
-  if (const CostSpec* rate = spec.first_use(&ResidualNeeds::previous_control))
-    out.error(rate->residual.place,
-              fmt::format("contact-implicit problems do not support '{}'", rate->residual.value));
-  for (const auto* list : {&spec.constraints, &spec.terminal_constraints})
-    for (const ConstraintSpec& constraint : *list)
-      if (const Name& name = constraint.function.name;
-          name.value == kEquations || name.value == kPairs)
-        out.error(name.place, fmt::format("'{}' is the name of a constraint of contacts that are "
-                                          "found",
-                                          name.value));
+  check_terms(spec, out);
 }
 
 }  // namespace

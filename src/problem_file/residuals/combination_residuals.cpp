@@ -31,30 +31,36 @@ struct Combinable {
   }
 };
 
+/// Adds a column with its factor to a row; an unknown one is reported.
+bool add_term(const Combinable& combinable, const Name& name, double factor, LinearCombination& row,
+              Diagnostics& out) {
+  const auto& [known, terms] = combinable;
+  const auto found = std::find(known.begin(), known.end(), name.value);
+  if (found == known.end()) {
+    out.error(name.place,
+              fmt::format("'{}' is not a column of the state or control that can be combined",
+                          name.value),
+              name_hint(name.value, known, "columns"), known);
+    return false;
+  }
+  if (found == known.begin()) {
+    row.constant = factor;
+    return true;
+  }
+  row.terms.push_back(terms[found - known.begin()]);
+  row.terms.back().factor = factor;
+  return true;
+}
+
 std::optional<std::vector<LinearCombination>> find_combinations(
     const std::vector<NamedNumbers>& given, const ResidualContext& context) {
-  const auto& [known, terms] = Combinable(*context.plant.system);
+  const Combinable combinable(*context.plant.system);
   std::vector<LinearCombination> rows;
   bool good = true;
   for (const NamedNumbers& factors : given) {
     LinearCombination& row = rows.emplace_back();
-    for (const auto& [name, factor] : factors) {
-      const auto found = std::find(known.begin(), known.end(), name.value);
-      if (found == known.end()) {
-        context.out.error(
-            name.place,
-            fmt::format("'{}' is not a column of the state or control that can be combined",
-                        name.value),
-            name_hint(name.value, known, "columns"), known);
-        good = false;
-      } else if (found == known.begin()) {
-        row.constant = factor;
-      } else {
-        row.terms.push_back(terms[found - known.begin()]);
-        row.terms.back().factor = factor;
-      }
-    }
-    // A constant, as a running cost, costs time.
+    for (const auto& [name, factor] : factors)
+      good &= add_term(combinable, name, factor, row, context.out);
     const bool costs_time = row.constant != 0 && context.spec.first_free_duration() != nullptr;
     if (!row.terms.empty() || costs_time || !good) continue;
     context.out.error(context.cost.residual.place, "a row combines nothing",

@@ -10,6 +10,17 @@
 namespace conddp {
 namespace {
 
+void read_pair(const YamlReader& reader, PairsSpec& pairs) {
+  if (!reader.is_sequence())
+    return reader.expected("a pair of shapes", "write '[[forearm, table]]'");
+  const auto names = reader.names();
+  if (!names) return;
+  if (names->size() == 2)
+    pairs.named.push_back({(*names)[0], (*names)[1]});
+  else
+    reader.error(fmt::format("a pair has two names, this list {}", names->size()));
+}
+
 PairsSpec read_pairs(const YamlReader& reader) {
   PairsSpec pairs{.place = reader.place()};
   if (reader.is_scalar()) {
@@ -19,18 +30,7 @@ PairsSpec read_pairs(const YamlReader& reader) {
   const auto items = reader.items();
   if (!items) return pairs;
   if (items->empty()) reader.error("there is no pair", "write '[[forearm, table]]'");
-  for (const YamlReader& item : *items) {
-    if (!item.is_sequence()) {
-      item.expected("a pair of shapes", "write '[[forearm, table]]'");
-      continue;
-    }
-    const auto names = item.names();
-    if (!names) continue;
-    if (names->size() == 2)
-      pairs.named.push_back({(*names)[0], (*names)[1]});
-    else
-      item.error(fmt::format("a pair has two names, this list {}", names->size()));
-  }
+  for (const YamlReader& item : *items) read_pair(item, pairs);
   return pairs;
 }
 

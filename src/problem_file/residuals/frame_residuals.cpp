@@ -95,6 +95,16 @@ std::optional<CostResidual> make_velocity_of_frame(const ResidualContext& contex
   return result;
 }
 
+std::vector<PlanarMotion> read_motions(const YamlReader& reader) {
+  std::vector<PlanarMotion> motions;
+  const auto items = reader.items();
+  if (!items) return motions;
+  for (const YamlReader& item : *items)
+    motions.push_back(read_planar_motion(item).value_or(PlanarMotion{}));
+  if (items->empty()) reader.error("there is no landing", "write one '[x, y, yaw]' a swing");
+  return motions;
+}
+
 SwingSpec read_swing(const YamlReader& reader) {
   SwingSpec swing{.place = reader.place()};
   YamlMap map(reader);
@@ -106,12 +116,7 @@ SwingSpec read_swing(const YamlReader& reader) {
   map.exclusive({"step", "displaced"});
   if (const auto r = map.find("landing")) swing.landing = read_vector3(*r, "[x, y, z] in m");
   if (const auto r = map.find("step")) swing.step = read_vector3(*r, "[x, y, z] in m");
-  if (const auto r = map.find("displaced"))
-    if (const auto items = r->items()) {
-      for (const YamlReader& item : *items)
-        swing.displaced.push_back(read_planar_motion(item).value_or(PlanarMotion{}));
-      if (items->empty()) r->error("there is no landing", "write one '[x, y, yaw]' a swing");
-    }
+  if (const auto r = map.find("displaced")) swing.displaced = read_motions(*r);
   return swing;
 }
 

@@ -13,28 +13,36 @@ namespace {
 
 const Key<std::vector<Name>> kJoints{"joints"};
 
+std::vector<int> all_joints(const RobotModel& robot) {
+  std::vector<int> joints;
+  for (int i = 0; i < robot.joint_count(); ++i)
+    if (is_independent(robot, i)) joints.push_back(i);
+  return joints;
+}
+
+/// The joints that names mean, each once; nothing where one of them is unknown.
+std::optional<std::vector<int>> joints_named(const std::vector<Name>& names,
+                                             const RobotModel& robot, Diagnostics& out) {
+  std::vector<int> joints;
+  bool known = true;
+  for (const Name& name : names) {
+    const std::vector<int> found = find_joints(robot, name, "", out);
+    known &= !found.empty();
+    for (const int joint : found)
+      if (std::find(joints.begin(), joints.end(), joint) == joints.end()) joints.push_back(joint);
+  }
+  if (!known) return std::nullopt;
+  return joints;
+}
+
 /// Joints of a residual: those named, else all.
 std::optional<std::vector<int>> choose_joints(const CostSpec& cost, const RobotModel& robot,
                                               Diagnostics& out) {
-  std::vector<int> joints;
-  bool known = true;
-  if (const std::vector<Name>* names = cost.keys.find(kJoints)) {
-    for (const Name& name : *names) {
-      const std::vector<int> found = find_joints(robot, name, "", out);
-      known &= !found.empty();
-      for (const int joint : found)
-        if (std::find(joints.begin(), joints.end(), joint) == joints.end()) joints.push_back(joint);
-    }
-  } else {
-    for (int i = 0; i < robot.joint_count(); ++i)
-      if (is_independent(robot, i)) joints.push_back(i);
-  }
-  if (!known) return std::nullopt;
-  if (joints.empty()) {
-    out.error(cost.residual.place, fmt::format("the cost '{}' has no joint", cost.name.value));
-    return std::nullopt;
-  }
-  return joints;
+  const std::vector<Name>* names = cost.keys.find(kJoints);
+  auto joints = names != nullptr ? joints_named(*names, robot, out) : all_joints(robot);
+  if (!joints || !joints->empty()) return joints;
+  out.error(cost.residual.place, fmt::format("the cost '{}' has no joint", cost.name.value));
+  return std::nullopt;
 }
 
 CostResidual named_by(const std::vector<int>& joints, const RobotModel& robot) {

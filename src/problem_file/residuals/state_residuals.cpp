@@ -55,13 +55,20 @@ std::vector<std::string> find_columns(const std::vector<std::string>& all,
   return found;
 }
 
+/// The columns of the state that are coordinates on their own.
+std::vector<std::string> free_columns(const System& system) {
+  const std::vector<std::string> all = state_names(system).names;
+  std::vector<std::string> free;
+  for (int i = 0; i < system.nx(); ++i)
+    if (is_coordinate(system.manifold(), i)) free.push_back(all[i]);
+  return free;
+}
+
 std::optional<CostResidual> make_of_columns(const std::vector<Name>& names, const System& system,
                                             Diagnostics& out) {
   CostResidual result;
   const ComponentNames all = state_names(system);
-  std::vector<std::string> free;
-  for (int i = 0; i < system.nx(); ++i)
-    if (is_coordinate(system.manifold(), i)) free.push_back(all.names[i]);
+  const std::vector<std::string> free = free_columns(system);
   for (const Name& name : names) {
     const auto found = find_columns(all.names, free, name, out);
     if (found.empty()) return std::nullopt;
