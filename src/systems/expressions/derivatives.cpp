@@ -2,101 +2,100 @@
 
 #include <algorithm>
 #include <bit>
+#include <iterator>
 #include <map>
+#include <utility>
 
 namespace conddp {
 namespace {
+
+/// The derivative of an operation of one argument: `id` is its node, `a` that of the argument.
+using Slope = NodeId (*)(ExpressionGraph& g, NodeId id, NodeId a);
+
+NodeId slope_of_asin(ExpressionGraph& g, NodeId, NodeId a) {
+  const NodeId rest = g.subtract(g.constant(1), g.square(a));
+  return g.inverse(g.function(Operation::kSqrt, rest));
+}
+
+/// Null for operations of several arguments and those that have no derivative.
+Slope slope_of(Operation operation) {
+  using Graph = ExpressionGraph;
+  static constexpr std::pair<Operation, Slope> kSlopes[] = {
+      {Operation::kNegate, [](Graph& g, NodeId, NodeId) { return g.constant(-1); }},
+      {Operation::kInverse, [](Graph& g, NodeId id, NodeId) { return g.negate(g.square(id)); }},
+      {Operation::kSqrt,
+       [](Graph& g, NodeId id, NodeId) { return g.multiply(g.constant(0.5), g.inverse(id)); }},
+      {Operation::kSin, [](Graph& g, NodeId, NodeId a) { return g.function(Operation::kCos, a); }},
+      {Operation::kCos,
+       [](Graph& g, NodeId, NodeId a) { return g.negate(g.function(Operation::kSin, a)); }},
+      {Operation::kTan,
+       [](Graph& g, NodeId id, NodeId) { return g.add(g.constant(1), g.square(id)); }},
+      {Operation::kAsin, slope_of_asin},
+      {Operation::kAcos,
+       [](Graph& g, NodeId id, NodeId a) { return g.negate(slope_of_asin(g, id, a)); }},
+      {Operation::kAtan,
+       [](Graph& g, NodeId, NodeId a) { return g.inverse(g.add(g.constant(1), g.square(a))); }},
+      {Operation::kSinh,
+       [](Graph& g, NodeId, NodeId a) { return g.function(Operation::kCosh, a); }},
+      {Operation::kCosh,
+       [](Graph& g, NodeId, NodeId a) { return g.function(Operation::kSinh, a); }},
+      {Operation::kTanh,
+       [](Graph& g, NodeId id, NodeId) { return g.subtract(g.constant(1), g.square(id)); }},
+      {Operation::kExp, [](Graph&, NodeId id, NodeId) { return id; }},
+      {Operation::kLog, [](Graph& g, NodeId, NodeId a) { return g.inverse(a); }}};
+  const auto found = std::find_if(std::begin(kSlopes), std::end(kSlopes),
+                                  [&](const auto& entry) { return entry.first == operation; });
+  return found != std::end(kSlopes) ? found->second : nullptr;
+}
+
+template <class Visit>
+void visit_atan2(ExpressionGraph& g, const ExpressionNode& node, Visit&& visit) {
+  const NodeId scale = g.inverse(g.add(g.square(node.a), g.square(node.b)));
+  visit(node.a, g.multiply(node.b, scale));
+  visit(node.b, g.negate(g.multiply(node.a, scale)));
+}
+
+template <class Visit>
+void visit_power(ExpressionGraph& g, NodeId id, const ExpressionNode& node, Visit&& visit) {
+  if (!g.constant_of(node.a))
+    visit(node.a, g.multiply(node.b, g.power(node.a, g.subtract(node.b, g.constant(1)))));
+  if (!g.constant_of(node.b)) visit(node.b, g.multiply(id, g.function(Operation::kLog, node.a)));
+}
+
+template <class Visit>
+void visit_table(ExpressionGraph& g, const ExpressionNode& node, Visit&& visit) {
+  TableUse use = TableUse::of(node.payload);
+  ++use.by_x;
+  visit(node.a, g.table(use, node.a, node.b));
+  if (node.b < 0) return;
+  --use.by_x;
+  ++use.by_y;
+  visit(node.b, g.table(use, node.a, node.b));
+}
 
 /// Calls visit(operand, partial derivative) for the operands of a node on which it depends
 /// smoothly; kChoose has none here.
 template <class Visit>
 void for_each_partial(ExpressionGraph& g, NodeId id, Visit&& visit) {
   const ExpressionNode node = g[id];  // the graph grows
-  const auto one = [&] { return g.constant(1); };
   switch (node.operation) {
     case Operation::kAdd:
-      visit(node.a, one());
-      visit(node.b, one());
-      break;
+      visit(node.a, g.constant(1));
+      return visit(node.b, g.constant(1));
     case Operation::kSubtract:
-      visit(node.a, one());
-      visit(node.b, g.constant(-1));
-      break;
+      visit(node.a, g.constant(1));
+      return visit(node.b, g.constant(-1));
     case Operation::kMultiply:
       visit(node.a, node.b);
-      visit(node.b, node.a);
-      break;
-    case Operation::kNegate:
-      visit(node.a, g.constant(-1));
-      break;
-    case Operation::kInverse:
-      visit(node.a, g.negate(g.square(id)));
-      break;
-    case Operation::kSqrt:
-      visit(node.a, g.multiply(g.constant(0.5), g.inverse(id)));
-      break;
-    case Operation::kSin:
-      visit(node.a, g.function(Operation::kCos, node.a));
-      break;
-    case Operation::kCos:
-      visit(node.a, g.negate(g.function(Operation::kSin, node.a)));
-      break;
-    case Operation::kTan:
-      visit(node.a, g.add(one(), g.square(id)));
-      break;
-    case Operation::kAsin:
-    case Operation::kAcos: {
-      const NodeId rest = g.subtract(one(), g.square(node.a));
-      const NodeId slope = g.inverse(g.function(Operation::kSqrt, rest));
-      visit(node.a, node.operation == Operation::kAsin ? slope : g.negate(slope));
-      break;
-    }
-    case Operation::kAtan:
-      visit(node.a, g.inverse(g.add(one(), g.square(node.a))));
-      break;
-    case Operation::kAtan2: {
-      const NodeId scale = g.inverse(g.add(g.square(node.a), g.square(node.b)));
-      visit(node.a, g.multiply(node.b, scale));
-      visit(node.b, g.negate(g.multiply(node.a, scale)));
-      break;
-    }
-    case Operation::kSinh:
-      visit(node.a, g.function(Operation::kCosh, node.a));
-      break;
-    case Operation::kCosh:
-      visit(node.a, g.function(Operation::kSinh, node.a));
-      break;
-    case Operation::kTanh:
-      visit(node.a, g.subtract(one(), g.square(id)));
-      break;
-    case Operation::kExp:
-      visit(node.a, id);
-      break;
-    case Operation::kLog:
-      visit(node.a, g.inverse(node.a));
-      break;
+      return visit(node.b, node.a);
+    case Operation::kAtan2:
+      return visit_atan2(g, node, visit);
     case Operation::kPower:
-      if (!g.constant_of(node.a))
-        visit(node.a, g.multiply(node.b, g.power(node.a, g.subtract(node.b, one()))));
-      if (!g.constant_of(node.b))
-        visit(node.b, g.multiply(id, g.function(Operation::kLog, node.a)));
-      break;
-    case Operation::kTable: {
-      TableUse use = TableUse::of(node.payload);
-      ++use.by_x;
-      visit(node.a, g.table(use, node.a, node.b));
-      if (node.b < 0) break;
-      --use.by_x;
-      ++use.by_y;
-      visit(node.b, g.table(use, node.a, node.b));
-      break;
-    }
-    case Operation::kConstant:
-    case Operation::kInput:
-    case Operation::kLess:
-    case Operation::kLessEqual:
-    case Operation::kChoose:
-      break;
+      return visit_power(g, id, node, visit);
+    case Operation::kTable:
+      return visit_table(g, node, visit);
+    default:
+      if (const Slope slope = slope_of(node.operation)) visit(node.a, slope(g, id, node.a));
   }
 }
 
@@ -125,6 +124,15 @@ Row row_of_choice(ExpressionGraph& g, NodeId condition, const Row& a, const Row&
   return row;
 }
 
+/// Adds the motions of an input, each with its weight, to a row.
+template <class Weighted>
+void add_motions(ExpressionGraph& g, const ExpressionNode& input, const InputMotions& motions,
+                 Row& row, Weighted weighted) {
+  if (input.payload >= static_cast<int>(motions.size())) return;
+  for (const InputMotion& motion : motions[input.payload])
+    add_to(g, row, motion.column, weighted(motion.by));
+}
+
 std::vector<JacobianEntry> entries_of(int row, const Row& values) {
   std::vector<JacobianEntry> entries;
   for (const auto& [column, value] : values) entries.push_back({row, column, value});
@@ -141,9 +149,7 @@ std::vector<JacobianEntry> differentiate_forward(ExpressionGraph& graph,
   for (const NodeId id : below) {
     const ExpressionNode node = graph[id];
     if (node.operation == Operation::kInput) {
-      if (node.payload < static_cast<int>(motions.size()))
-        for (const InputMotion& motion : motions[node.payload])
-          add_to(graph, rows[id], motion.column, motion.by);
+      add_motions(graph, node, motions, rows[id], [](NodeId by) { return by; });
     } else if (node.operation == Operation::kChoose) {
       rows[id] = row_of_choice(graph, node.a, rows[node.b], rows[node.c]);
     } else {
@@ -179,9 +185,8 @@ std::vector<JacobianEntry> differentiate_backward(ExpressionGraph& graph,
       const NodeId weight = found->second;
       const ExpressionNode node = graph[*id];
       if (node.operation == Operation::kInput) {
-        if (node.payload < static_cast<int>(motions.size()))
-          for (const InputMotion& motion : motions[node.payload])
-            add_to(graph, row, motion.column, graph.multiply(weight, motion.by));
+        add_motions(graph, node, motions, row,
+                    [&](NodeId by) { return graph.multiply(weight, by); });
         continue;
       }
       for_each_partial(graph, *id, [&](NodeId operand, NodeId partial) {
@@ -196,12 +201,28 @@ std::vector<JacobianEntry> differentiate_backward(ExpressionGraph& graph,
   return entries;
 }
 
+namespace {
+
+/// Columns in a word of bits.
+constexpr int kBits = 64;
+
+/// Of a word of columns those that an input moves with; none of other nodes.
+std::uint64_t moved_columns(const ExpressionNode& node, const InputMotions& motions, int word) {
+  std::uint64_t bits = 0;
+  if (node.operation != Operation::kInput || node.payload >= static_cast<int>(motions.size()))
+    return bits;
+  for (const InputMotion& motion : motions[node.payload])
+    if (motion.column / kBits == word) bits |= std::uint64_t{1} << motion.column % kBits;
+  return bits;
+}
+
+}  // namespace
+
 std::size_t count_derivatives(const ExpressionGraph& graph, std::span<const NodeId> outputs,
                               const InputMotions& motions) {
   int columns = 0;
   for (const auto& input : motions)
     for (const InputMotion& motion : input) columns = std::max(columns, motion.column + 1);
-  constexpr int kBits = 64;
   const std::size_t words = (columns + kBits - 1) / kBits;
   std::size_t count = 0;
   // Blocks of columns, so that the memory is that of the nodes.
@@ -209,13 +230,8 @@ std::size_t count_derivatives(const ExpressionGraph& graph, std::span<const Node
   const std::vector<NodeId> below = nodes_below(graph, outputs);
   for (std::size_t word = 0; word < words; ++word)
     for (const NodeId id : below) {
-      const ExpressionNode& node = graph[id];
-      std::uint64_t bits = 0;
-      for_each_operand(node, [&](NodeId operand) { bits |= reached[operand]; });
-      if (node.operation == Operation::kInput && node.payload < static_cast<int>(motions.size()))
-        for (const InputMotion& motion : motions[node.payload])
-          if (motion.column / kBits == static_cast<int>(word))
-            bits |= std::uint64_t{1} << motion.column % kBits;
+      std::uint64_t bits = moved_columns(graph[id], motions, static_cast<int>(word));
+      for_each_operand(graph[id], [&](NodeId operand) { bits |= reached[operand]; });
       reached[id] = bits;
       count += std::popcount(bits);
     }
@@ -228,6 +244,27 @@ bool has_choice(const ExpressionGraph& graph, std::span<const NodeId> outputs) {
                      [&](NodeId id) { return graph[id].operation == Operation::kChoose; });
 }
 
+namespace {
+
+/// Entries of a symmetric matrix, by row and column.
+using LowerTriangle = std::map<std::pair<int, int>, NodeId>;
+
+void add_to(ExpressionGraph& g, LowerTriangle& sums, int first, int second, NodeId value) {
+  const auto [place, is_new] =
+      sums.try_emplace({std::max(first, second), std::min(first, second)}, value);
+  if (!is_new) place->second = g.add(place->second, value);
+}
+
+/// Whether inputs move along straight lines.
+bool are_constant(const ExpressionGraph& graph, const InputMotions& motions) {
+  return std::all_of(motions.begin(), motions.end(), [&](const std::vector<InputMotion>& input) {
+    return std::all_of(input.begin(), input.end(),
+                       [&](const InputMotion& m) { return graph.constant_of(m.by); });
+  });
+}
+
+}  // namespace
+
 std::optional<std::vector<JacobianEntry>> second_derivatives(ExpressionGraph& graph, NodeId output,
                                                              const InputMotions& motions,
                                                              std::size_t most) {
@@ -238,21 +275,14 @@ std::optional<std::vector<JacobianEntry>> second_derivatives(ExpressionGraph& gr
   std::vector<NodeId> slopes;
   for (const JacobianEntry& entry : gradient) slopes.push_back(entry.value);
   if (nodes_below(graph, slopes).size() * slopes.size() > most) return std::nullopt;
-  const bool flat =
-      std::all_of(motions.begin(), motions.end(), [&](const std::vector<InputMotion>& input) {
-        return std::all_of(input.begin(), input.end(),
-                           [&](const InputMotion& m) { return graph.constant_of(m.by); });
-      });
+  const bool flat = are_constant(graph, motions);
   const NodeId half = graph.constant(0.5);
-  std::map<std::pair<int, int>, NodeId> sums;
+  LowerTriangle sums;
   for (const JacobianEntry& entry : differentiate_forward(graph, slopes, motions)) {
     const int first = gradient[entry.row].column, second = entry.column;
     if (flat && second > first) continue;
     const bool halved = !flat && first != second;
-    const NodeId share = halved ? graph.multiply(half, entry.value) : entry.value;
-    const auto [place, is_new] =
-        sums.try_emplace({std::max(first, second), std::min(first, second)}, share);
-    if (!is_new) place->second = graph.add(place->second, share);
+    add_to(graph, sums, first, second, halved ? graph.multiply(half, entry.value) : entry.value);
   }
   std::vector<JacobianEntry> entries;
   for (const auto& [at, value] : sums) entries.push_back({at.first, at.second, value});

@@ -3,67 +3,49 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <iterator>
+#include <utility>
 
 namespace conddp {
 namespace {
 
+/// What an operation computes from its operands.
+using Formula = double (*)(double a, double b, double c);
+
+constexpr std::pair<Operation, Formula> kFormulas[] = {
+    {Operation::kAdd, [](double a, double b, double) { return a + b; }},
+    {Operation::kSubtract, [](double a, double b, double) { return a - b; }},
+    {Operation::kMultiply, [](double a, double b, double) { return a * b; }},
+    {Operation::kNegate, [](double a, double, double) { return -a; }},
+    {Operation::kInverse, [](double a, double, double) { return 1 / a; }},
+    {Operation::kSqrt, [](double a, double, double) { return std::sqrt(a); }},
+    {Operation::kSin, [](double a, double, double) { return std::sin(a); }},
+    {Operation::kCos, [](double a, double, double) { return std::cos(a); }},
+    {Operation::kTan, [](double a, double, double) { return std::tan(a); }},
+    {Operation::kAsin, [](double a, double, double) { return std::asin(a); }},
+    {Operation::kAcos, [](double a, double, double) { return std::acos(a); }},
+    {Operation::kAtan, [](double a, double, double) { return std::atan(a); }},
+    {Operation::kAtan2, [](double a, double b, double) { return std::atan2(a, b); }},
+    {Operation::kSinh, [](double a, double, double) { return std::sinh(a); }},
+    {Operation::kCosh, [](double a, double, double) { return std::cosh(a); }},
+    {Operation::kTanh, [](double a, double, double) { return std::tanh(a); }},
+    {Operation::kExp, [](double a, double, double) { return std::exp(a); }},
+    {Operation::kLog, [](double a, double, double) { return std::log(a); }},
+    {Operation::kPower, [](double a, double b, double) { return std::pow(a, b); }},
+    {Operation::kLess, [](double a, double b, double) { return a < b ? 1.0 : 0.0; }},
+    {Operation::kLessEqual, [](double a, double b, double) { return a <= b ? 1.0 : 0.0; }},
+    {Operation::kChoose, [](double a, double b, double c) { return a != 0 ? b : c; }}};
+
 /// A node's value where all of its operands are constants.
 double value_of_constants(const ExpressionNode& node, double a, double b, double c,
                           const ExpressionGraph::Tables& tables) {
-  switch (node.operation) {
-    case Operation::kAdd:
-      return a + b;
-    case Operation::kSubtract:
-      return a - b;
-    case Operation::kMultiply:
-      return a * b;
-    case Operation::kNegate:
-      return -a;
-    case Operation::kInverse:
-      return 1 / a;
-    case Operation::kSqrt:
-      return std::sqrt(a);
-    case Operation::kSin:
-      return std::sin(a);
-    case Operation::kCos:
-      return std::cos(a);
-    case Operation::kTan:
-      return std::tan(a);
-    case Operation::kAsin:
-      return std::asin(a);
-    case Operation::kAcos:
-      return std::acos(a);
-    case Operation::kAtan:
-      return std::atan(a);
-    case Operation::kAtan2:
-      return std::atan2(a, b);
-    case Operation::kSinh:
-      return std::sinh(a);
-    case Operation::kCosh:
-      return std::cosh(a);
-    case Operation::kTanh:
-      return std::tanh(a);
-    case Operation::kExp:
-      return std::exp(a);
-    case Operation::kLog:
-      return std::log(a);
-    case Operation::kPower:
-      return std::pow(a, b);
-    case Operation::kLess:
-      return a < b ? 1 : 0;
-    case Operation::kLessEqual:
-      return a <= b ? 1 : 0;
-    case Operation::kChoose:
-      return a != 0 ? b : c;
-    case Operation::kTable: {
-      const TableUse use = TableUse::of(node.payload);
-      return tables[use.table]->derivative(use.by_x, use.by_y, a, b);
-    }
-    case Operation::kConstant:
-    case Operation::kInput:
-      break;
+  if (node.operation == Operation::kTable) {
+    const TableUse use = TableUse::of(node.payload);
+    return tables[use.table]->derivative(use.by_x, use.by_y, a, b);
   }
-  return node.constant;
+  const auto found = std::find_if(std::begin(kFormulas), std::end(kFormulas),
+                                  [&](const auto& entry) { return entry.first == node.operation; });
+  return found != std::end(kFormulas) ? found->second(a, b, c) : node.constant;
 }
 
 }  // namespace
@@ -138,21 +120,23 @@ NodeId ExpressionGraph::subtract(NodeId a, NodeId b) {
 NodeId ExpressionGraph::multiply(NodeId a, NodeId b) {
   // A constant comes first.
   if (constant_of(b) || (!constant_of(a) && a > b)) std::swap(a, b);
-  if (const auto factor = constant_of(a)) {
-    if (*factor == 0) return a;
-    if (*factor == 1) return b;
-    if (*factor == -1) return negate(b);
-    const ExpressionNode& other = nodes_[b];
-    if (other.operation == Operation::kNegate) return multiply(constant(-*factor), other.a);
-    if (other.operation == Operation::kMultiply)
-      if (const auto inner = constant_of(other.a)) {
-        const NodeId rest = other.b;
-        return multiply(constant(*factor * *inner), rest);
-      }
-  }
+  if (const auto factor = constant_of(a))
+    if (const auto scaled = scale(*factor, a, b)) return *scaled;
   if (nodes_[a].operation == Operation::kNegate) return negate(multiply(nodes_[a].a, b));
   if (nodes_[b].operation == Operation::kNegate) return negate(multiply(a, nodes_[b].a));
   return fold({Operation::kMultiply, a, b});
+}
+
+std::optional<NodeId> ExpressionGraph::scale(double factor, NodeId constant_node, NodeId other) {
+  if (factor == 0) return constant_node;
+  if (factor == 1) return other;
+  if (factor == -1) return negate(other);
+  const ExpressionNode node = nodes_[other];  // the graph grows
+  if (node.operation == Operation::kNegate) return multiply(constant(-factor), node.a);
+  if (node.operation != Operation::kMultiply) return std::nullopt;
+  const auto inner = constant_of(node.a);
+  if (!inner) return std::nullopt;
+  return multiply(constant(factor * *inner), node.b);
 }
 
 NodeId ExpressionGraph::divide(NodeId a, NodeId b) {

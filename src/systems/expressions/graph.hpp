@@ -103,6 +103,8 @@ class ExpressionGraph {
   NodeId intern(const ExpressionNode& node);
   NodeId fold(const ExpressionNode& node);
   NodeId integer_power(NodeId a, int exponent);
+  /// A constant, which has a node, times another node, where that is more than a new product.
+  std::optional<NodeId> scale(double factor, NodeId constant_node, NodeId other);
 
   struct Hash {
     std::size_t operator()(const ExpressionNode& node) const;

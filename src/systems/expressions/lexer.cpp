@@ -43,6 +43,29 @@ constexpr std::array<Foreign, 17> kForeign = {{{"**", "a power is written a^b"},
                                                {"\u03c0", "write 'pi'"},
                                                {"\u2264", "write '<='"}}};
 
+/// Whether a text, which is not empty, begins with digits or a point before digits.
+bool begins_number(std::string_view text) {
+  return is_digit(text[0]) || (text[0] == '.' && text.size() > 1 && is_digit(text[1]));
+}
+
+int skip_digits(std::string_view text, int at) {
+  const int size = static_cast<int>(text.size());
+  while (at < size && (is_digit(text[at]) || text[at] == '.')) ++at;
+  return at;
+}
+
+/// Where the digits of an exponent begin that stands at a place; the size of the text where none
+/// does.
+int find_exponent(std::string_view text, int at) {
+  const int size = static_cast<int>(text.size());
+  const auto has = [&](int i, std::string_view characters) {
+    return i < size && characters.find(text[i]) != characters.npos;
+  };
+  if (!has(at, "eE")) return size;
+  const int digits = has(at + 1, "+-") ? at + 2 : at + 1;
+  return has(digits, "0123456789") ? digits : size;
+}
+
 }  // namespace
 
 ExpressionToken ExpressionLexer::take() {
@@ -68,10 +91,8 @@ void ExpressionLexer::advance() {
   while (at_ < size && is_space(text_[at_])) ++at_;
   next_ = {.offset = at_};
   if (at_ == size) return;
-  const char c = text_[at_];
-  const bool fraction = c == '.' && at_ + 1 < size && is_digit(text_[at_ + 1]);
-  if (is_digit(c) || fraction) return read_number();
-  if (!is_name_part(c)) return read_symbol();
+  if (begins_number(text_.substr(at_))) return read_number();
+  if (!is_name_part(text_[at_])) return read_symbol();
   int end = at_;
   while (end < size && is_name_part(text_[end])) ++end;
   next_.kind = ExpressionToken::Kind::kName;
@@ -81,19 +102,9 @@ void ExpressionLexer::advance() {
 
 void ExpressionLexer::read_number() {
   const int size = static_cast<int>(text_.size());
-  int end = at_;
-  const auto skip_digits = [&] {
-    while (end < size && (is_digit(text_[end]) || text_[end] == '.')) ++end;
-  };
-  skip_digits();
-  if (end < size && (text_[end] == 'e' || text_[end] == 'E')) {
-    int exponent = end + 1;
-    if (exponent < size && (text_[exponent] == '+' || text_[exponent] == '-')) ++exponent;
-    if (exponent < size && is_digit(text_[exponent])) {
-      end = exponent;
-      skip_digits();
-    }
-  }
+  int end = skip_digits(text_, at_);
+  if (const int exponent = find_exponent(text_, end); exponent < size)
+    end = skip_digits(text_, exponent);
   const std::string_view digits = text_.substr(at_, end - at_);
   const ParsedNumber parsed = parse_number(digits);
   if (!parsed.value) throw ExpressionError({at_, parsed.defect, ""});

@@ -254,15 +254,8 @@ class Parser {
     const std::vector<ExpressionValue::Part> parts = value.named_parts();
     for (const auto& part : parts)
       if (part.name == token.text) return value.part(part);
-    const bool is_index = token.text.find_first_not_of("0123456789") == std::string_view::npos;
-    if (is_index) {
-      constexpr std::size_t kDigits = 6;
-      const int index =
-          token.text.size() > kDigits ? value.size() : std::stoi(std::string(token.text));
-      if (index < value.size()) return value.part({"", index});
-      fail(token.offset, fmt::format("there is no number {} in a {}: they are counted from 0",
-                                     token.text.substr(0, kDigits + 1), value.type()));
-    }
+    if (token.text.find_first_not_of("0123456789") == std::string_view::npos)
+      return numbered_part(value, token);
     std::vector<std::string> names;
     for (const auto& part : parts) names.push_back(part.name);
     fail(token.offset,
@@ -271,7 +264,20 @@ class Parser {
                        : name_hint(token.text, names, "parts"));
   }
 
+  static ExpressionValue numbered_part(const ExpressionValue& value, const Token& token) {
+    constexpr std::size_t kDigits = 6;
+    const int index =
+        token.text.size() > kDigits ? value.size() : std::stoi(std::string(token.text));
+    if (index < value.size()) return value.part({"", index});
+    fail(token.offset, fmt::format("there is no number {} in a {}: they are counted from 0",
+                                   token.text.substr(0, kDigits + 1), value.type()));
+  }
+
   // Numbers, names, calls, parentheses and vectors.
+
+  static bool joins_conditions(const Token& token) {
+    return token.is("and") || token.is("or") || token.is("not");
+  }
 
   ExpressionValue primary() {
     const Token token = lexer_.take();
@@ -285,7 +291,7 @@ class Parser {
       return value;
     }
     if (token.is("[")) return vector(token);
-    if (token.kind == Token::Kind::kName && !token.is("and") && !token.is("or") && !token.is("not"))
+    if (token.kind == Token::Kind::kName && !joins_conditions(token))
       return lexer_.next().is("(") ? call(token) : named(token);
     fail(token.offset, fmt::format("expected a number, a name or '(' instead of '{}'", token.text));
   }
@@ -334,27 +340,34 @@ class Parser {
     ExpressionValue value;
   };
 
+  /// A name in front of parentheses that is no function.
+  [[noreturn]] void fail_at_call(const Token& name) const {
+    if (scope_.find(name.text))
+      fail(name.offset, fmt::format("'{}' is not a function", name.text),
+           "a product is written with '*'");
+    fail(name.offset, fmt::format("unknown function '{}'", name.text),
+         name_hint(name.text, scope_.function_names(), "functions"));
+  }
+
+  /// Those between parentheses.
+  std::vector<Argument> take_arguments() {
+    const Token opened = lexer_.take();
+    std::vector<Argument> arguments;
+    for (bool more = !lexer_.next().is(")"); more;) {
+      const int offset = lexer_.next().offset;
+      arguments.push_back({offset, alternative()});
+      more = lexer_.next().is(",");
+      if (more) lexer_.take();
+    }
+    close(opened, ")");
+    return arguments;
+  }
+
   ExpressionValue call(const Token& name) {
     const ExpressionFunction* function = find_expression_function(name.text);
     const ExpressionScope::Table* table = scope_.find_table(name.text);
-    if (!function && !table) {
-      if (scope_.find(name.text))
-        fail(name.offset, fmt::format("'{}' is not a function", name.text),
-             "a product is written with '*'");
-      fail(name.offset, fmt::format("unknown function '{}'", name.text),
-           name_hint(name.text, scope_.function_names(), "functions"));
-    }
-    const Token opened = lexer_.take();
-    std::vector<Argument> arguments;
-    if (!lexer_.next().is(")")) {
-      for (;;) {
-        const int offset = lexer_.next().offset;
-        arguments.push_back({offset, alternative()});
-        if (!lexer_.next().is(",")) break;
-        lexer_.take();
-      }
-    }
-    close(opened, ")");
+    if (!function && !table) fail_at_call(name);
+    const std::vector<Argument> arguments = take_arguments();
     ExpressionValue value =
         function ? apply(*function, name, arguments) : look_up(*table, name, arguments);
     return finite(std::move(value), name.offset, name.text);
@@ -366,25 +379,31 @@ class Parser {
                                   wanted == 1 ? "" : "s", given));
   }
 
+  /// Whether a value is a number that is not known to be 0 or less.
+  bool may_be_above_zero(const ExpressionValue& value) const {
+    if (!value.is_number()) return false;
+    const auto constant = graph_.constant_of(value.nodes[0]);
+    return !constant || *constant > 0;
+  }
+
   bool fits(ArgumentKind kind, const std::vector<Argument>& arguments, std::size_t i) const {
     const ExpressionValue& value = arguments[i].value;
-    const bool is_vector = value.kind == Kind::kVector;
+    const auto is_vector = [&](int size) {
+      return value.kind == Kind::kVector && value.size() == size;
+    };
     switch (kind) {
       case ArgumentKind::kNumber:
         return value.is_number();
-      case ArgumentKind::kAboveZero: {
-        const auto constant =
-            value.is_number() ? graph_.constant_of(value.nodes[0]) : std::optional<double>();
-        return value.is_number() && (!constant || *constant > 0);
-      }
+      case ArgumentKind::kAboveZero:
+        return may_be_above_zero(value);
       case ArgumentKind::kVector:
-        return is_vector;
+        return value.kind == Kind::kVector;
       case ArgumentKind::kSameVector:
-        return is_vector && value.size() == arguments[0].value.size();
+        return is_vector(arguments[0].value.size());
       case ArgumentKind::kVector3:
-        return is_vector && value.size() == 3;
+        return is_vector(3);
       case ArgumentKind::kQuaternion:
-        return is_vector && value.size() == 4;
+        return is_vector(4);
       case ArgumentKind::kCondition:
         return value.kind == Kind::kCondition;
       case ArgumentKind::kAny:
@@ -395,25 +414,30 @@ class Parser {
     return false;
   }
 
+  /// Why an argument does not fit.
+  [[noreturn]] static void fail_at_argument(const ExpressionFunction::Argument& wanted,
+                                            const Token& name,
+                                            const std::vector<Argument>& arguments, std::size_t i) {
+    const Argument& given = arguments[i];
+    if (wanted.kind == ArgumentKind::kSame || wanted.kind == ArgumentKind::kSameVector)
+      fail(given.offset, fmt::format("'{}' takes two of one type; both: {} and {}", name.text,
+                                     arguments[i - 1].value.type(), given.value.type()));
+    const bool too_small = wanted.kind == ArgumentKind::kAboveZero && given.value.is_number();
+    fail(given.offset,
+         fmt::format("argument '{}' of '{}' has to be {}", wanted.name, name.text,
+                     too_small ? "above 0"
+                               : fmt::format("{}, not a {}", argument_kind_name(wanted.kind),
+                                             given.value.type())));
+  }
+
   ExpressionValue apply(const ExpressionFunction& function, const Token& name,
                         const std::vector<Argument>& arguments) {
     check_count(name, function.arguments.size(), arguments.size());
     std::vector<ExpressionValue> values;
     for (std::size_t i = 0; i < arguments.size(); ++i) {
-      const auto& wanted = function.arguments[i];
-      const Argument& given = arguments[i];
-      if (!fits(wanted.kind, arguments, i)) {
-        if (wanted.kind == ArgumentKind::kSame || wanted.kind == ArgumentKind::kSameVector)
-          fail(given.offset, fmt::format("'{}' takes two of one type; both: {} and {}", name.text,
-                                         arguments[i - 1].value.type(), given.value.type()));
-        const bool too_small = wanted.kind == ArgumentKind::kAboveZero && given.value.is_number();
-        fail(given.offset,
-             fmt::format("argument '{}' of '{}' has to be {}", wanted.name, name.text,
-                         too_small ? "above 0"
-                                   : fmt::format("{}, not a {}", argument_kind_name(wanted.kind),
-                                                 given.value.type())));
-      }
-      values.push_back(plain(given.value));
+      const ExpressionFunction::Argument& wanted = function.arguments[i];
+      if (!fits(wanted.kind, arguments, i)) fail_at_argument(wanted, name, arguments, i);
+      values.push_back(plain(arguments[i].value));
     }
     if (!function.kink.empty())
       warnings_.push_back({name.offset, fmt::format("'{}' {}", name.text, function.kink), ""});

@@ -112,31 +112,41 @@ class ExpressionProgram::Compiler {
   /// The instruction of a node that is no leaf, with nodes in place of registers.
   Instruction instruction_of(NodeId id) const {
     const ExpressionNode& node = graph_[id];
-    const auto fused = [&](Code code, NodeId product, NodeId other) {
-      return Instruction{code, id, graph_[product].a, graph_[product].b, other};
-    };
     switch (node.operation) {
       case Operation::kAdd:
-        if (fuses(node.a, id)) return fused(Code::kMultiplyAdd, node.a, node.b);
-        if (fuses(node.b, id)) return fused(Code::kMultiplyAdd, node.b, node.a);
-        break;
       case Operation::kSubtract:
-        if (fuses(node.a, id)) return fused(Code::kMultiplySubtract, node.a, node.b);
-        if (fuses(node.b, id)) return fused(Code::kSubtractProduct, node.b, node.a);
-        break;
+        return sum_of(id);
       case Operation::kSin:
       case Operation::kCos:
         if (const auto sine = sines_.find(node.a), cosine = cosines_.find(node.a);
             sine != sines_.end() && cosine != cosines_.end())
           return {Code::kSinCos, sine->second, node.a, kNowhere, cosine->second};
-        break;
+        return plain(id);
       case Operation::kTable:
         // One argument stands for both, so that there is a register to read.
         return {Code::kTable, id, node.a, node.b < 0 ? node.a : node.b, node.payload};
       default:
-        break;
+        return plain(id);
     }
+  }
+
+  Instruction plain(NodeId id) const {
+    const ExpressionNode& node = graph_[id];
     return {code_of(node.operation), id, node.a, node.b, node.c};
+  }
+
+  /// A sum or difference, with a product in it where one fuses.
+  Instruction sum_of(NodeId id) const {
+    const ExpressionNode& node = graph_[id];
+    const bool adds = node.operation == Operation::kAdd;
+    const auto fused = [&](Code code, NodeId product, NodeId other) {
+      return Instruction{code, id, graph_[product].a, graph_[product].b, other};
+    };
+    if (fuses(node.a, id))
+      return fused(adds ? Code::kMultiplyAdd : Code::kMultiplySubtract, node.a, node.b);
+    if (fuses(node.b, id))
+      return fused(adds ? Code::kMultiplyAdd : Code::kSubtractProduct, node.b, node.a);
+    return plain(id);
   }
 
   /// Calls visit(node) for what an instruction reads.
@@ -175,53 +185,64 @@ class ExpressionProgram::Compiler {
   }
 
   void assign_registers(std::span<const NodeId> outputs) {
-    constexpr int kAlways = std::numeric_limits<int>::max();
     std::vector<Instruction>& code = program_.instructions_;
-    std::vector<int> last_use(graph_.size(), 0);
-    for (std::size_t i = 0; i < code.size(); ++i)
-      for_each_read(code[i], [&](NodeId id) { last_use[id] = static_cast<int>(i); });
-    for (const NodeId output : outputs) last_use[output] = kAlways;
-
-    registers_.assign(graph_.size(), kNowhere);
-    program_.registers_ = program_.inputs_;
-    const auto find_leaf = [&](NodeId id) {
-      const ExpressionNode& node = graph_[id];
-      if (registers_[id] != kNowhere) return;
-      if (node.operation == Operation::kInput) registers_[id] = node.payload;
-      if (node.operation == Operation::kConstant) {
-        registers_[id] = program_.registers_++;
-        program_.constants_.push_back(node.constant);
-      }
-    };
-    for (const Instruction& i : code) for_each_read(i, find_leaf);
-    for (const NodeId output : outputs) find_leaf(output);
-
-    std::vector<std::int32_t> free;
-    const auto take = [&](NodeId id) {
-      if (free.empty()) free.push_back(program_.registers_++);
-      registers_[id] = free.back();
-      free.pop_back();
-    };
+    std::vector<int> last_use = last_uses(outputs);
+    place_leaves(outputs);
     for (std::size_t i = 0; i < code.size(); ++i) {
       Instruction& instruction = code[i];
       const Instruction of_nodes = instruction;
-      const auto registered = [&](std::int32_t id) { return id < 0 ? id : registers_[id]; };
       instruction.a = registered(instruction.a);
       instruction.b = registered(instruction.b);
       if (instruction.code != Code::kSinCos && instruction.code != Code::kTable)
         instruction.c = registered(instruction.c);
       for_each_read(of_nodes, [&](NodeId id) {
         if (is_leaf(id) || last_use[id] != static_cast<int>(i)) return;
-        free.push_back(registers_[id]);
+        free_.push_back(registers_[id]);
         last_use[id] = -1;  // given back once, where it is read twice
       });
-      take(of_nodes.to);
-      instruction.to = registers_[of_nodes.to];
-      if (instruction.code != Code::kSinCos) continue;
-      take(of_nodes.c);
-      instruction.c = registers_[of_nodes.c];
+      instruction.to = take_register(of_nodes.to);
+      if (instruction.code == Code::kSinCos) instruction.c = take_register(of_nodes.c);
     }
     for (const NodeId output : outputs) program_.outputs_.push_back(registers_[output]);
+  }
+
+  /// For each node the last instruction that reads it; outputs are read for ever.
+  std::vector<int> last_uses(std::span<const NodeId> outputs) const {
+    constexpr int kAlways = std::numeric_limits<int>::max();
+    std::vector<int> last_use(graph_.size(), 0);
+    const std::vector<Instruction>& code = program_.instructions_;
+    for (std::size_t i = 0; i < code.size(); ++i)
+      for_each_read(code[i], [&](NodeId id) { last_use[id] = static_cast<int>(i); });
+    for (const NodeId output : outputs) last_use[output] = kAlways;
+    return last_use;
+  }
+
+  /// Inputs come first, constants behind them.
+  void place_leaves(std::span<const NodeId> outputs) {
+    registers_.assign(graph_.size(), kNowhere);
+    program_.registers_ = program_.inputs_;
+    for (const Instruction& i : program_.instructions_)
+      for_each_read(i, [&](NodeId id) { place_leaf(id); });
+    for (const NodeId output : outputs) place_leaf(output);
+  }
+
+  void place_leaf(NodeId id) {
+    const ExpressionNode& node = graph_[id];
+    if (registers_[id] != kNowhere) return;
+    if (node.operation == Operation::kInput) registers_[id] = node.payload;
+    if (node.operation == Operation::kConstant) {
+      registers_[id] = program_.registers_++;
+      program_.constants_.push_back(node.constant);
+    }
+  }
+
+  std::int32_t registered(std::int32_t id) const { return id < 0 ? id : registers_[id]; }
+
+  std::int32_t take_register(NodeId id) {
+    if (free_.empty()) free_.push_back(program_.registers_++);
+    registers_[id] = free_.back();
+    free_.pop_back();
+    return registers_[id];
   }
 
   const ExpressionGraph& graph_;
@@ -229,7 +250,8 @@ class ExpressionProgram::Compiler {
   std::vector<int> value_uses_, uses_;
   std::unordered_map<NodeId, NodeId> sines_, cosines_;  ///< by their argument
   std::vector<std::int32_t> place_;                     ///< among the instructions
-  std::vector<std::int32_t> registers_;
+  std::vector<std::int32_t> registers_;                 ///< of nodes
+  std::vector<std::int32_t> free_;                      ///< registers that nothing needs any more
 };
 
 ExpressionProgram::ExpressionProgram(const ExpressionGraph& graph, std::span<const NodeId> outputs,

@@ -15,6 +15,11 @@ void check_points(const std::vector<double>& points) {
       throw std::invalid_argument("the points of a table have to be finite and ascending");
 }
 
+void check_values(const std::vector<double>& values) {
+  for (const double value : values)
+    if (!std::isfinite(value)) throw std::invalid_argument("the values of a table are finite");
+}
+
 /// What a cubic piece between the points i and i + 1, or the line beyond the ends, makes of the
 /// values there and of the second derivatives there, in this order.
 struct Weights {
@@ -82,8 +87,7 @@ SplineTable::SplineTable(std::vector<double> x, std::vector<double> values) : x_
   check_points(x_);
   if (values.size() != x_.size())
     throw std::invalid_argument("a table needs one value for each point");
-  for (const double value : values)
-    if (!std::isfinite(value)) throw std::invalid_argument("the values of a table are finite");
+  check_values(values);
   const std::vector<double> curvature = natural_spline_curvatures(x_, values);
   for (std::size_t i = 0; i < x_.size(); ++i) {
     nodes_.push_back(values[i]);
@@ -98,8 +102,7 @@ SplineTable::SplineTable(std::vector<double> x, std::vector<double> y, std::vect
   const std::size_t nx = x_.size(), ny = y_.size();
   if (values.size() != nx * ny)
     throw std::invalid_argument("a table needs one value for each pair of points");
-  for (const double value : values)
-    if (!std::isfinite(value)) throw std::invalid_argument("the values of a table are finite");
+  check_values(values);
   nodes_.assign(4 * nx * ny, 0.0);
   for (std::size_t k = 0; k < values.size(); ++k) nodes_[4 * k] = values[k];
   // The spline is linear in its values, so the second derivatives by one argument have splines in

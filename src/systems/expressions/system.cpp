@@ -25,16 +25,29 @@ class SystemReader {
   }
 
   void read() {
-    if (text_.states.empty()) return texts_.report(Part::kWhole, 0, "the system has no states");
-    if (second_order() && text_.velocities.size() != text_.states.size())
-      return texts_.report(Part::kWhole, 0,
-                           fmt::format("there are {} positions and {} velocities",
-                                       text_.states.size(), text_.velocities.size()));
+    if (!check_sizes()) return;
     // Later texts would stumble over what is wrong with the names before them.
     parts_.state_columns = add_names();
     if (texts_.good()) texts_.add_definitions(text_.definitions);
     if (texts_.good()) read_equations();
-    if (!texts_.good()) return;
+    if (texts_.good()) finish();
+  }
+
+ private:
+  bool check_sizes() {
+    if (text_.states.empty()) {
+      texts_.report(Part::kWhole, 0, "the system has no states");
+      return false;
+    }
+    if (!second_order() || text_.velocities.size() == text_.states.size()) return true;
+    texts_.report(Part::kWhole, 0,
+                  fmt::format("there are {} positions and {} velocities", text_.states.size(),
+                              text_.velocities.size()));
+    return false;
+  }
+
+  /// Makes the system of what has been read.
+  void finish() {
     if (clock_ >= 0) add_clock();
     if (is_too_large())
       return texts_.report(Part::kWhole, 0, "the expressions of the system are too large");
@@ -43,7 +56,6 @@ class SystemReader {
     out_.system = compile_system(std::move(parts_));
   }
 
- private:
   bool second_order() const { return text_.kind == SystemKind::second_order; }
 
   bool is_too_large() {
@@ -106,6 +118,21 @@ class SystemReader {
     return 1;
   }
 
+  static StateManifold manifold_of(ExpressionState::Kind kind) {
+    StateManifold manifold;
+    switch (kind) {
+      case ExpressionState::Kind::kNumber:
+        return StateManifold::flat(1);
+      case ExpressionState::Kind::kUnitQuaternion:
+        manifold.append(StateManifold::Part::so3);
+        break;
+      case ExpressionState::Kind::kPose:
+        manifold.append(StateManifold::Part::se3);
+        break;
+    }
+    return manifold;
+  }
+
   void append_columns(std::vector<Column>& columns, const std::string& name,
                       std::initializer_list<Column> parts) {
     for (const Column& part : parts) columns.push_back({name + "/" + part.name, part.unit});
@@ -114,18 +141,15 @@ class SystemReader {
   int add_state(int index, std::vector<Column>& columns) {
     const ExpressionState& state = text_.states[index];
     ExpressionValue value;
-    StateManifold part;
     switch (state.kind) {
       case ExpressionState::Kind::kNumber:
         value = inputs(1);
         value.unit = state.unit;
         columns.push_back({state.name, state.unit});
-        part = StateManifold::flat(1);
         break;
       case ExpressionState::Kind::kUnitQuaternion:
         value = inputs(4);
         append_columns(columns, state.name, {{"x", "1"}, {"y", "1"}, {"z", "1"}, {"w", "1"}});
-        part.append(StateManifold::Part::so3);
         break;
       case ExpressionState::Kind::kPose:
         value = inputs(7);
@@ -138,10 +162,9 @@ class SystemReader {
                         {"qy", "1"},
                         {"qz", "1"},
                         {"qw", "1"}});
-        part.append(StateManifold::Part::se3);
         break;
     }
-    parts_.manifold.append(part);
+    parts_.manifold.append(manifold_of(state.kind));
     texts_.add(Part::kState, index, state.name, std::move(value));
     return tangent_size(state.kind);
   }
@@ -184,44 +207,53 @@ class SystemReader {
   }
 
   void read_equations() {
-    std::vector<std::string> wanted;
     for (std::size_t i = 0; i < text_.states.size(); ++i)
-      wanted.push_back(second_order() ? text_.velocities[i].name : text_.states[i].name);
-    std::vector<std::optional<ExpressionValue>> values(wanted.size());
-    std::vector<bool> given(wanted.size(), false);
+      wanted_.push_back(second_order() ? text_.velocities[i].name : text_.states[i].name);
+    std::vector<std::optional<ExpressionValue>> values(wanted_.size());
+    std::vector<bool> given(wanted_.size(), false);
     for (std::size_t i = 0; i < text_.equations.size(); ++i) {
-      const NamedExpression& equation = text_.equations[i];
       const int index = static_cast<int>(i);
-      const auto found = std::find(wanted.begin(), wanted.end(), equation.name);
-      if (found == wanted.end()) {
-        texts_.report(
-            Part::kEquation, index,
-            fmt::format("there is no {} '{}' for this {}", second_order() ? "velocity" : "state",
-                        printable(equation.name), equation_name()),
-            name_hint(equation.name, wanted, second_order() ? "velocities" : "states"));
-        continue;
-      }
-      const std::size_t of = found - wanted.begin();
-      if (given[of]) {
-        texts_.report(Part::kEquation, index,
-                      fmt::format("the {} of '{}' is given twice", equation_name(), equation.name));
-        continue;
-      }
-      given[of] = true;
-      values[of] = texts_.parse(Part::kEquation, index, equation.text);
-      if (values[of]) check_type(index, text_.states[of].kind, equation.name, *values[of]);
+      const auto of = find_state(index, given);
+      if (!of) continue;
+      given[*of] = true;
+      values[*of] = texts_.parse(Part::kEquation, index, text_.equations[i].text);
+      if (values[*of]) check_type(index, text_.states[*of].kind, wanted_[*of], *values[*of]);
     }
-    for (std::size_t i = 0; i < wanted.size(); ++i) {
+    for (std::size_t i = 0; i < wanted_.size(); ++i)
       if (!given[i])
         texts_.report(second_order() ? Part::kVelocity : Part::kState, static_cast<int>(i),
-                      fmt::format("the {} of '{}' is missing", equation_name(), wanted[i]));
-      if (values[i])
-        parts_.outputs.insert(parts_.outputs.end(), values[i]->nodes.begin(),
-                              values[i]->nodes.end());
-    }
+                      fmt::format("the {} of '{}' is missing", equation_name(), wanted_[i]));
+    set_outputs(values);
+  }
+
+  /// What the equations give, and the clock if they depend on the time.
+  void set_outputs(const std::vector<std::optional<ExpressionValue>>& values) {
+    for (const std::optional<ExpressionValue>& value : values)
+      if (value)
+        parts_.outputs.insert(parts_.outputs.end(), value->nodes.begin(), value->nodes.end());
     const std::vector<NodeId> below = nodes_below(parts_.graph, parts_.outputs);
     if (time_ >= 0 && std::binary_search(below.begin(), below.end(), time_))
       clock_ = static_cast<int>(parts_.sources.size());
+  }
+
+  /// The state of which an equation gives the rate; nothing, with an error, where it is none or has
+  /// its equation.
+  std::optional<std::size_t> find_state(int equation, const std::vector<bool>& given) {
+    const std::string& name = text_.equations[equation].name;
+    const auto found = std::find(wanted_.begin(), wanted_.end(), name);
+    if (found == wanted_.end()) {
+      texts_.report(
+          Part::kEquation, equation,
+          fmt::format("there is no {} '{}' for this {}", second_order() ? "velocity" : "state",
+                      printable(name), equation_name()),
+          name_hint(name, wanted_, second_order() ? "velocities" : "states"));
+      return std::nullopt;
+    }
+    const std::size_t state = found - wanted_.begin();
+    if (!given[state]) return state;
+    texts_.report(Part::kEquation, equation,
+                  fmt::format("the {} of '{}' is given twice", equation_name(), name));
+    return std::nullopt;
   }
 
   void check_type(int index, ExpressionState::Kind kind, const std::string& name,
@@ -243,17 +275,7 @@ class SystemReader {
     auto& columns = parts_.state_columns;
     columns.insert(columns.begin() + at, {"t", "s"});
     StateManifold manifold;
-    for (const ExpressionState& state : text_.states) switch (state.kind) {
-        case ExpressionState::Kind::kNumber:
-          manifold.append(StateManifold::flat(1));
-          break;
-        case ExpressionState::Kind::kUnitQuaternion:
-          manifold.append(StateManifold::Part::so3);
-          break;
-        case ExpressionState::Kind::kPose:
-          manifold.append(StateManifold::Part::se3);
-          break;
-      }
+    for (const ExpressionState& state : text_.states) manifold.append(manifold_of(state.kind));
     manifold.append(StateManifold::Part::flat, 1);
     parts_.outputs.push_back(parts_.graph.constant(second_order() ? 0 : 1));
     if (second_order()) {
@@ -271,6 +293,7 @@ class SystemReader {
   ParsedExpressionSystem& out_;
   ExpressionSystemParts parts_;
   ModelTextReader texts_;
+  std::vector<std::string> wanted_;  ///< what equations give rates of, a name for each state
   NodeId time_ = -1;
   int clock_ = -1;
 };
