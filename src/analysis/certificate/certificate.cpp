@@ -45,20 +45,25 @@ class Judge {
   Judge(const ShootingProblem& problem, const SolutionClaims& claims, const Noise& noise = {})
       : problem_(problem), claims_(claims), noise_(noise) {}
 
-  /// What changes when all states and controls move by 10⁻¹³ of themselves.
-  static Noise measure_noise(const ShootingProblem& problem, const SolutionClaims& claims) {
+  /// Moves all states and controls by 10⁻¹³ of themselves.
+  static void displace(Trajectory& trajectory) {
     constexpr double kMove = 1e-13;
-    constexpr double kMargin = 10;
-    SolutionClaims moved = claims;
     std::mt19937_64 engine(2);
     const auto move = [&](double& number) {
       number *= 1 + kMove * (2 * static_cast<double>(engine() >> 11) * 0x1p-53 - 1);
     };
-    for (int k = 0; k <= problem.knots(); ++k) {
-      for (double& number : moved.trajectory.x(k)) move(number);
-      if (k == problem.knots()) break;
-      for (double& number : moved.trajectory.u(k)) move(number);
+    for (int k = 0; k <= trajectory.knots(); ++k) {
+      for (double& number : trajectory.x(k)) move(number);
+      if (k == trajectory.knots()) break;
+      for (double& number : trajectory.u(k)) move(number);
     }
+  }
+
+  /// What changes when all states and controls move so little that only rounding shows.
+  static Noise measure_noise(const ShootingProblem& problem, const SolutionClaims& claims) {
+    constexpr double kMargin = 10;
+    SolutionClaims moved = claims;
+    displace(moved.trajectory);
     Judge here(problem, claims), there(problem, moved);
     here.evaluate();
     there.evaluate();
@@ -329,14 +334,17 @@ class Judge {
          place_text(problem_, k, tangent(i)), ""});
   }
 
+  /// Whether all residuals that the answer claims are under their tolerances.
+  bool claims_convergence() const {
+    const auto& t = claims_.tolerances;
+    return claims_.stationarity <= t.stationarity && claims_.gap <= t.gap &&
+           claims_.constraint <= t.constraint && claims_.complementarity <= t.complementarity;
+  }
+
   /// Converged means that all residuals are under tolerance at once, those that the answer claims
   /// and those found without its co-states.
   void check_status() {
-    const auto& t = claims_.tolerances;
-    const bool under = claims_.stationarity <= t.stationarity && claims_.gap <= t.gap &&
-                       claims_.constraint <= t.constraint &&
-                       claims_.complementarity <= t.complementarity;
-    if (claims_.converged != under)
+    if (claims_.converged != claims_convergence())
       return judge_status(
           claims_.converged
               ? "'converged', but a claimed residual is above its tolerance"

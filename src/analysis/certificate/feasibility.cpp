@@ -42,6 +42,18 @@ void meet_limit(const NodeConstraint& c, double outside, double pushing, double 
   if (size > (1 + kLimitRounding) * c.limit) found.negative.meet(size - c.limit, 0, c.node, entry);
 }
 
+/// The multiplier of row i belongs to the bound that its sign names, where that is finite.
+void meet_multiplier(const NodeConstraint& c, int i, double g, double nu, int entry,
+                     Feasibility& found) {
+  const double bound = nu > 0 ? c.upper[i] : c.lower[i];
+  const double inside = nu > 0 ? bound - g : g - bound;
+  if (std::isfinite(bound))
+    found.product.meet(std::abs(nu) * std::max(0.0, inside),
+                       std::abs(nu) * std::max(1.0, std::abs(bound)), c.node, entry);
+  else
+    found.negative.meet(std::abs(nu), 0, c.node, entry);
+}
+
 void meet_rows(const NodeConstraint& c, const double* g, const double* nu, int entry,
                Feasibility& found) {
   for (int i = 0; i < c.term->rows; ++i) {
@@ -51,14 +63,7 @@ void meet_rows(const NodeConstraint& c, const double* g, const double* nu, int e
                  entry, found);
     else
       found.violation.meet(std::max(below, above), std::abs(g[i]), c.node, entry);
-    if (nu[i] == 0 || c.lower[i] == c.upper[i]) continue;
-    const double bound = nu[i] > 0 ? c.upper[i] : c.lower[i];
-    const double inside = nu[i] > 0 ? bound - g[i] : g[i] - bound;
-    if (std::isfinite(bound))
-      found.product.meet(std::abs(nu[i]) * std::max(0.0, inside),
-                         std::abs(nu[i]) * std::max(1.0, std::abs(bound)), c.node, entry);
-    else
-      found.negative.meet(std::abs(nu[i]), 0, c.node, entry);
+    if (nu[i] != 0 && c.lower[i] != c.upper[i]) meet_multiplier(c, i, g[i], nu[i], entry, found);
   }
 }
 

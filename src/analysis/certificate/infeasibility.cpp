@@ -12,16 +12,20 @@ namespace {
 
 using Eigen::VectorXd;
 
+/// The smaller value of each pair, which has to be zero.
+VectorXd from_pairs(const VectorXd& g) {
+  VectorXd d = VectorXd::Zero(g.size());
+  for (Eigen::Index i = 0; i + 1 < g.size(); i += 2) {
+    const Eigen::Index smaller = g[i] <= g[i + 1] ? i : i + 1;
+    d[smaller] = g[smaller];
+  }
+  return d;
+}
+
 VectorXd from_set(const NodeConstraint& c, const VectorXd& g) {
   if (c.term->is_cone()) return beyond_cone(g);
+  if (c.term->has_pairs()) return from_pairs(g);
   VectorXd d = VectorXd::Zero(g.size());
-  if (c.term->has_pairs()) {
-    for (Eigen::Index i = 0; i + 1 < g.size(); i += 2) {
-      const Eigen::Index smaller = g[i] <= g[i + 1] ? i : i + 1;
-      d[smaller] = g[smaller];
-    }
-    return d;
-  }
   for (Eigen::Index i = 0; i < g.size(); ++i) {
     if (g[i] > c.upper[i]) d[i] = g[i] - c.upper[i];
     if (g[i] < c.lower[i]) d[i] = g[i] - c.lower[i];

@@ -276,6 +276,13 @@ class Player {
   std::map<const KnotModel*, std::unique_ptr<Stepper>> memory_;
 };
 
+/// But for the last state, from which nothing is replayed.
+bool is_finite(const Trajectory& trajectory) {
+  for (int k = 0; k < trajectory.knots(); ++k)
+    if (!trajectory.x(k).allFinite() || !trajectory.u(k).allFinite()) return false;
+  return true;
+}
+
 std::string why_impossible(const ShootingProblem& problem, const Trajectory& trajectory) {
   for (const Phase& phase : problem.phases()) {
     if (phase.model->integrator() == Integrator::discrete)
@@ -283,10 +290,7 @@ std::string why_impossible(const ShootingProblem& problem, const Trajectory& tra
     if (phase.model->system().as_stepping() != nullptr)
       return "contact-implicit steps are replayed by a simulator of contacts";
   }
-  for (int k = 0; k < problem.knots(); ++k)
-    if (!trajectory.x(k).allFinite() || !trajectory.u(k).allFinite())
-      return "the trajectory is not finite";
-  return {};
+  return is_finite(trajectory) ? "" : "the trajectory is not finite";
 }
 
 }  // namespace

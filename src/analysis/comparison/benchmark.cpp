@@ -72,6 +72,16 @@ double BenchmarkRun::spread() const {
   return (*largest - *smallest) / median.total;
 }
 
+namespace {
+
+/// Whether another solve takes as long, and not too long.
+bool is_repeatable(const SolveResult& result, const Repetition& repetition) {
+  return result.status != SolveStatus::time_limit && result.status != SolveStatus::interrupted &&
+         !(result.times.total > repetition.longest_s);
+}
+
+}  // namespace
+
 BenchmarkRun run_benchmark(const ShootingProblem& problem, const Trajectory& guess,
                            const SolverInfo& solver, const SolverOptions& options,
                            const Repetition& repetition, Trajectory* answer) {
@@ -82,9 +92,7 @@ BenchmarkRun run_benchmark(const ShootingProblem& problem, const Trajectory& gue
     const SolveResult result = solve(problem, solver, options, guess);
     describe(result, problem, options, run);
     if (answer != nullptr) *answer = result.trajectory;
-    if (result.status == SolveStatus::time_limit || result.status == SolveStatus::interrupted ||
-        result.times.total > repetition.longest_s)
-      repeat = 0;
+    if (!is_repeatable(result, repetition)) repeat = 0;
     if (repeat == 0) times.push_back(result.times);
   } catch (const std::invalid_argument& refusal) {
     run.status = "refused";

@@ -52,8 +52,17 @@ std::vector<std::string> read_names(const Json& list, const char* kind) {
   return names;
 }
 
-/// A row has a number for each column; or none, at an impulse. Where the first state is chosen the
-/// first controls are the choice, which the second state shows: they are left out.
+/// A number for each column; or none, at an impulse.
+std::vector<double> read_row(const Json& numbers, const char* kind, std::size_t columns) {
+  if (!numbers.is_array() || (!numbers.empty() && numbers.size() != columns))
+    throw MalformedSolution{fmt::format("a row of '{}' should have {} numbers", kind, columns)};
+  std::vector<double> row;
+  for (const Json& value : numbers) row.push_back(read_number(value, kind));
+  return row;
+}
+
+/// Where the first state is chosen the first controls are the choice, which the second state shows:
+/// they are left out.
 Table read_table(const Json& trajectory, const char* kind, std::size_t rows,
                  bool first_is_choice = false) {
   Table table{read_names(solution_member(solution_member(trajectory, "columns"), kind), kind), {}};
@@ -65,11 +74,7 @@ Table read_table(const Json& trajectory, const char* kind, std::size_t rows,
       table.rows.emplace_back();
       continue;
     }
-    if (!numbers.is_array() || (!numbers.empty() && numbers.size() != table.names.size()))
-      throw MalformedSolution{
-          fmt::format("a row of '{}' should have {} numbers", kind, table.names.size())};
-    auto& row = table.rows.emplace_back();
-    for (const Json& value : numbers) row.push_back(read_number(value, kind));
+    table.rows.push_back(read_row(numbers, kind, table.names.size()));
   }
   return table;
 }
@@ -185,17 +190,22 @@ class Comparison {
     return true;
   }
 
+  bool have_same_sizes(const char* kind, const Table& golden, const Table& actual) {
+    for (std::size_t k = 0; k < golden.rows.size(); ++k)
+      if (golden.rows[k].size() != actual.rows[k].size()) {
+        add("trajectory", fmt::format("knot {} has {} numbers of {} instead of {}", k,
+                                      actual.rows[k].size(), kind, golden.rows[k].size()));
+        return false;
+      }
+    return true;
+  }
+
   void table(const char* kind, const Table& golden, const Table& actual) {
     if (golden.names != actual.names) {
       add("trajectory", fmt::format("the columns of {} have other names", kind));
       return;
     }
-    for (std::size_t k = 0; k < golden.rows.size(); ++k)
-      if (golden.rows[k].size() != actual.rows[k].size()) {
-        add("trajectory", fmt::format("knot {} has {} numbers of {} instead of {}", k,
-                                      actual.rows[k].size(), kind, golden.rows[k].size()));
-        return;
-      }
+    if (!have_same_sizes(kind, golden, actual)) return;
     for (std::size_t c = 0; c < golden.names.size(); ++c) {
       if (is_quaternion(golden.names, c)) {
         rotations(golden.names[c], golden.rows, actual.rows, c);

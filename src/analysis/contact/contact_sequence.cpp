@@ -17,8 +17,8 @@ template <class Allowed>
 void drop_short_runs(std::vector<bool>& steps, bool value, int shortest, Allowed allowed) {
   const int n = static_cast<int>(steps.size());
   for (int first = 0; first < n;) {
-    int end = first;
-    while (end < n && steps[end] == steps[first]) ++end;
+    const auto begin = steps.begin() + first;
+    const int end = static_cast<int>(std::find(begin, steps.end(), !*begin) - steps.begin());
     bool drop = steps[first] == value && first > 0 && end < n && end - first < shortest;
     for (int k = first; drop && k < end; ++k) drop = allowed(k);
     if (drop) std::fill(steps.begin() + first, steps.begin() + end, !value);
@@ -64,6 +64,19 @@ ContactStretch stretch_from(int k, const std::vector<bool>& closed,
   return stretch;
 }
 
+/// Which candidates are closed in a step.
+std::vector<bool> closed_in(const std::vector<Track>& all, int k) {
+  std::vector<bool> closed;
+  for (const Track& track : all) closed.push_back(track.closed[k]);
+  return closed;
+}
+
+/// A step in which a candidate pushes that is not closed.
+void add_push(double force, ContactStretch::Push& push) {
+  ++push.steps;
+  push.largest = std::max(push.largest, force);
+}
+
 }  // namespace
 
 bool ContactStretch::lands() const {
@@ -77,8 +90,7 @@ std::vector<ContactStretch> contact_sequence(const ContactMotion& motion,
   const double force = options.share * impulse_scale(motion.plant, 1);
   std::vector<ContactStretch> list;
   for (int k = 0; k < motion.steps(); ++k) {
-    std::vector<bool> closed(count);
-    for (int c = 0; c < count; ++c) closed[c] = all[c].closed[k];
+    const std::vector<bool> closed = closed_in(all, k);
     if (list.empty() || list.back().closed != closed)
       list.push_back(stretch_from(k, closed, list.empty() ? closed : list.back().closed));
     ContactStretch& stretch = list.back();
@@ -86,9 +98,7 @@ std::vector<ContactStretch> contact_sequence(const ContactMotion& motion,
     for (int c = 0; c < count; ++c) {
       if (closed[c] && all[c].slips[k]) stretch.slides[c] = true;
       const double pushing = motion.forces[k].contact(0, c);
-      if (closed[c] || pushing <= force) continue;
-      ++stretch.pushes[c].steps;
-      stretch.pushes[c].largest = std::max(stretch.pushes[c].largest, pushing);
+      if (!closed[c] && pushing > force) add_push(pushing, stretch.pushes[c]);
     }
   }
   return list;

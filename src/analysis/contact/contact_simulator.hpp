@@ -89,6 +89,9 @@ class ContactSimulator {
   Eigen::VectorXd impulses(const StepForces& forces, const Eigen::VectorXd& v, double h) const;
   ContactStep step_by_sweeps(const StepStart& start, const ContactStep& from);
   ImpulseRows impulse_rows(const StepStart& start, const ContactStep& at) const;
+  void add_candidate(std::size_t candidate, const ContactStep& at, ImpulseRows& rows) const;
+  void add_stop(std::size_t stop, const StepStart& start, const ContactStep& at,
+                ImpulseRows& rows) const;
   StepForces forces_of_rows(const Eigen::VectorXd& p, double h) const;
   double residual(const StepStart& start, const ContactStep& at, const Eigen::VectorXd& z) const;
 

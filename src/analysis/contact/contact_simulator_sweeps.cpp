@@ -16,67 +16,83 @@ struct ContactSimulator::ImpulseRows {
   Eigen::MatrixXd slope, push;
   std::vector<ImpulseBound> bounds;
 
-  ImpulseRows(int rows, int nv)
-      : value(Eigen::VectorXd::Zero(rows)),
+  double h;       ///< length of the step, s
+  int count = 0;  ///< rows so far
+
+  ImpulseRows(int most, int nv, double step)
+      : value(Eigen::VectorXd::Zero(most)),
         impulse(value),
         compliance(value),
-        slope(Eigen::MatrixXd::Zero(rows, nv)),
-        push(slope) {}
+        slope(Eigen::MatrixXd::Zero(most, nv)),
+        push(slope),
+        h(step) {}
+
+  /// Returns the number of the new row.
+  int add(double velocity, const Eigen::RowVectorXd& slope_of_it,
+          const Eigen::RowVectorXd& push_of_it, double force) {
+    value[count] = velocity;
+    slope.row(count) = slope_of_it;
+    push.row(count) = push_of_it;
+    impulse[count] = h * force;
+    return count++;
+  }
+
+  /// Leaves out what has not been filled.
+  void shrink() {
+    value.conservativeResize(count);
+    impulse.conservativeResize(count);
+    compliance.conservativeResize(count);
+    slope.conservativeResize(count, Eigen::NoChange);
+    push.conservativeResize(count, Eigen::NoChange);
+  }
 };
 
 ContactSimulator::ImpulseRows ContactSimulator::impulse_rows(const StepStart& start,
                                                              const ContactStep& at) const {
   const ImplicitContacts& contacts = plant_.contacts;
-  const double h = start.h;
   const int most = static_cast<int>(3 * contacts.candidates.size() + 2 * contacts.stops.size() +
                                     contacts.frictions.size());
-  ImpulseRows rows(most, plant_.nv());
-  int row = 0;
-  const auto add = [&](double value, const Eigen::RowVectorXd& slope,
-                       const Eigen::RowVectorXd& push, double force) {
-    rows.value[row] = value;
-    rows.slope.row(row) = slope;
-    rows.push.row(row) = push;
-    rows.impulse[row] = h * force;
-    return row++;
-  };
-  for (std::size_t c = 0; c < contacts.candidates.size(); ++c) {
-    const ContactCandidate& candidate = contacts.candidates[c];
-    ImpulseBound bound{.friction = candidate.friction,
-                       .pyramid = contacts.friction == FrictionModel::polyhedron};
-    bound.normal = add(gap_[c] / h, slope_[c].row(0), rows_[c].row(0), at.forces.contact(0, c));
-    if (candidate.stiffness) rows.compliance[bound.normal] = 1 / (*candidate.stiffness * h * h);
-    bound.tangents = tangent_count(contacts, candidate);
-    if (bound.tangents > 0) bound.tangent = row;
-    for (int t = 1; t <= bound.tangents; ++t)
-      add(rows_[c].row(t).dot(at.v), slope_[c].row(t), rows_[c].row(t), at.forces.contact(t, c));
-    rows.bounds.push_back(bound);
-  }
-  for (std::size_t s = 0; s < contacts.stops.size(); ++s) {
-    const JointStop& stop = contacts.stops[s];
-    const Joint& joint = plant_.robot->joints[stop.joint];
-    for (const double sign : {1.0, -1.0}) {
-      const Eigen::RowVectorXd axis = sign * Eigen::RowVectorXd::Unit(plant_.nv(), joint.v);
-      const double limit = sign > 0 ? stop.lower : stop.upper;
-      if (!std::isfinite(limit)) continue;
-      const double gap = sign * (start.q[joint.q] + h * at.v[joint.v] - limit);
-      const double force = sign > 0 ? at.forces.stop_lower[s] : at.forces.stop_upper[s];
-      rows.bounds.push_back({.normal = add(gap / h, axis, axis, force)});
-    }
-  }
+  ImpulseRows rows(most, plant_.nv(), start.h);
+  for (std::size_t c = 0; c < contacts.candidates.size(); ++c) add_candidate(c, at, rows);
+  for (std::size_t s = 0; s < contacts.stops.size(); ++s) add_stop(s, start, at, rows);
   for (std::size_t f = 0; f < contacts.frictions.size(); ++f) {
     const int v = plant_.robot->joints[contacts.frictions[f].joint].v;
     const Eigen::RowVectorXd axis = Eigen::RowVectorXd::Unit(plant_.nv(), v);
-    const int tangent = add(at.v[v], axis, axis, at.forces.friction[f]);
+    const int tangent = rows.add(at.v[v], axis, axis, at.forces.friction[f]);
     rows.bounds.push_back(
-        {.tangent = tangent, .tangents = 1, .constant = h * contacts.frictions[f].limit});
+        {.tangent = tangent, .tangents = 1, .constant = start.h * contacts.frictions[f].limit});
   }
-  rows.value.conservativeResize(row);
-  rows.impulse.conservativeResize(row);
-  rows.compliance.conservativeResize(row);
-  rows.slope.conservativeResize(row, Eigen::NoChange);
-  rows.push.conservativeResize(row, Eigen::NoChange);
+  rows.shrink();
   return rows;
+}
+
+void ContactSimulator::add_candidate(std::size_t c, const ContactStep& at,
+                                     ImpulseRows& rows) const {
+  const ContactCandidate& candidate = plant_.contacts.candidates[c];
+  const double h = rows.h;
+  ImpulseBound bound{.friction = candidate.friction,
+                     .pyramid = plant_.contacts.friction == FrictionModel::polyhedron};
+  bound.normal = rows.add(gap_[c] / h, slope_[c].row(0), rows_[c].row(0), at.forces.contact(0, c));
+  if (candidate.stiffness) rows.compliance[bound.normal] = 1 / (*candidate.stiffness * h * h);
+  bound.tangents = tangent_count(plant_.contacts, candidate);
+  if (bound.tangents > 0) bound.tangent = rows.count;
+  for (int t = 1; t <= bound.tangents; ++t)
+    rows.add(rows_[c].row(t).dot(at.v), slope_[c].row(t), rows_[c].row(t), at.forces.contact(t, c));
+  rows.bounds.push_back(bound);
+}
+
+void ContactSimulator::add_stop(std::size_t s, const StepStart& start, const ContactStep& at,
+                                ImpulseRows& rows) const {
+  const JointStop& stop = plant_.contacts.stops[s];
+  const Joint& joint = plant_.robot->joints[stop.joint];
+  for (const double sign : {1.0, -1.0}) {
+    const Eigen::RowVectorXd axis = sign * Eigen::RowVectorXd::Unit(plant_.nv(), joint.v);
+    const double limit = sign > 0 ? stop.lower : stop.upper;
+    if (!std::isfinite(limit)) continue;
+    const double gap = sign * (start.q[joint.q] + rows.h * at.v[joint.v] - limit);
+    const double force = sign > 0 ? at.forces.stop_lower[s] : at.forces.stop_upper[s];
+    rows.bounds.push_back({.normal = rows.add(gap / rows.h, axis, axis, force)});
+  }
 }
 
 /// The forces of impulses in the order of impulse_rows.

@@ -119,6 +119,14 @@ class Watch {
     return static_cast<const MultibodySystem::Data<double>&>(*data).contacts.contacts;
   }
 
+  /// A small share of the weight, or of the momentum at 1 m/s.
+  static double light_force(const RobotModel& robot, bool impulse) {
+    double mass = 0;
+    for (const Joint& joint : robot.joints) mass += joint.inertia.mass;
+    const double gravity = std::sqrt(squared_norm(robot.gravity));
+    return kLight * mass * (impulse || gravity == 0 ? 1 : gravity);
+  }
+
   void forces(int k, const MultibodySystem& system, const Contact& contact,
               const ContactData<double>& at) {
     const Vector3<double> force = contact_force_in_world(at).linear;
@@ -126,10 +134,7 @@ class Watch {
         contact.axes == FrameAxes::local ? at.world.R * contact.normal : contact.normal;
     const double up = dot(force, normal);
     const bool impulse = system.kind() == SystemKind::impulse;
-    double mass = 0;
-    for (const Joint& joint : system.robot().joints) mass += joint.inertia.mass;
-    const double gravity = std::sqrt(squared_norm(system.robot().gravity));
-    const double light = kLight * mass * (impulse || gravity == 0 ? 1 : gravity);
+    const double light = light_force(system.robot(), impulse);
     if (-up > light) meet(pulls_[contact.name], -up, k, impulse);
     if (contact.kind == ContactKind::normal || up <= light) return;
     meet(demands_[contact.name], std::sqrt(squared_norm(force - up * normal)) / up, k, impulse);
@@ -141,17 +146,29 @@ class Watch {
 
   void report() {
     for (const auto& [name, drift] : drifts_) add_drift(name, drift);
+    add_demands();
+    add_pulls();
+  }
+
+  void add_demands() {
     // The greatest demand says what the ground has to give, even where it can.
     double greatest = 0;
     for (const auto& [name, demand] : demands_) greatest = std::max(greatest, demand.value);
     for (const auto& [name, demand] : demands_) {
-      const auto known = names_.friction.find(name);
-      const std::optional<double> has =
-          known == names_.friction.end() ? std::nullopt : std::optional(known->second);
+      const std::optional<double> has = friction_of(name);
       const bool beyond = has && demand.value > *has * (1 + 1e-6);
       if (beyond || (demand.value == greatest && greatest > 0))
         add_demand(name, demand, has, beyond);
     }
+  }
+
+  /// What the file says of a contact's friction.
+  std::optional<double> friction_of(const std::string& name) const {
+    const auto known = names_.friction.find(name);
+    return known == names_.friction.end() ? std::nullopt : std::optional(known->second);
+  }
+
+  void add_pulls() {
     for (const auto& [name, pull] : pulls_) {
       Finding f{FindingKind::pull, name, pull.value, pull.impulse ? "Ns" : "N"};
       f.message = fmt::format("the contact '{}' pulls with {:.3g} {}", name, f.value, f.unit);

@@ -275,16 +275,19 @@ bool lost(const SolveResult& r) {
   return !std::isfinite(last.cost) || !std::isfinite(last.stationarity) || !std::isfinite(last.gap);
 }
 
+/// Whether full steps do not halve the violation each.
+bool is_slowly_feasible(const Window& w, double tolerance) {
+  const double left = w.last().constraint;
+  const int full = w.count([](const IterationRecord& r) { return r.step >= 1; });
+  return left > tolerance && full == w.steps() &&
+         left > std::pow(kStandstill, w.steps()) * w.first().constraint;
+}
+
 /// Of one whose iterations go on, but do not get anywhere.
 std::optional<Diagnosis> of_standstill(const Window& w, const SolverOptions& options) {
-  const auto& tolerances = options.tolerances;
-  const IterationRecord& last = w.last();
   if (w.steps() < kFewest) return std::nullopt;
-  const int full = w.count([](const IterationRecord& r) { return r.step >= 1; });
-  if (last.constraint > tolerances.constraint && full == w.steps() &&
-      last.constraint > std::pow(kStandstill, w.steps()) * w.first().constraint)
-    return slow_feasibility(w);
-  if (last.stationarity <= tolerances.stationarity ||
+  if (is_slowly_feasible(w, options.tolerances.constraint)) return slow_feasibility(w);
+  if (w.last().stationarity <= options.tolerances.stationarity ||
       !w.stands_still(&IterationRecord::stationarity))
     return std::nullopt;
   const int changing = w.count([](const IterationRecord& r) { return r.active_set_changes > 0; });
@@ -292,9 +295,9 @@ std::optional<Diagnosis> of_standstill(const Window& w, const SolverOptions& opt
   const int regularised = w.count([&](const IterationRecord& r) {
     return r.regularization > 0 && r.regularization >= options.regularization.min;
   });
-  if (w.median_step() <= 0.25 || regularised == w.steps())
-    return plateau(w, regularised == w.steps(), options);
-  return std::nullopt;
+  const bool always = regularised == w.steps();
+  if (w.median_step() > 0.25 && !always) return std::nullopt;
+  return plateau(w, always, options);
 }
 
 Diagnosis of_interior_point(const SolveResult& result, const SolverOptions& options) {

@@ -188,19 +188,31 @@ class Search {
                                              c.term->rows);
   }
 
+  std::vector<const NodeConstraint*> state_inequalities() const {
+    std::vector<const NodeConstraint*> list;
+    for (const NodeConstraint& c : problem_.constraints())
+      if (is_state_inequality(c)) list.push_back(&c);
+    return list;
+  }
+
+  /// The largest violation of each constraint, by its name.
+  std::map<std::string, double> violations_at_nodes(
+      const std::vector<const NodeConstraint*>& constraints) {
+    std::map<std::string, double> largest;
+    int evaluated = -1;
+    for (const NodeConstraint* c : constraints) {
+      if (c->node != evaluated) evaluate(evaluated = c->node, trajectory_.x(c->node));
+      const Eigen::VectorXd values = values_of(*c);
+      double& most = largest[c->term->name];
+      most = std::max(most, distance_to_set(*c->term, values.data(), c->lower, c->upper));
+    }
+    return largest;
+  }
+
   /// Inequalities of the state along the straight way from one node to the next.
   void between() {
-    std::map<std::string, double> at_knots;
-    std::vector<const NodeConstraint*> watched;
-    int evaluated = -1;
-    for (const NodeConstraint& c : problem_.constraints()) {
-      if (!is_state_inequality(c)) continue;
-      watched.push_back(&c);
-      if (c.node != evaluated) evaluate(evaluated = c.node, trajectory_.x(c.node));
-      const Eigen::VectorXd values = values_of(c);
-      double& most = at_knots[c.term->name];
-      most = std::max(most, distance_to_set(*c.term, values.data(), c.lower, c.upper));
-    }
+    const std::vector<const NodeConstraint*> watched = state_inequalities();
+    const std::map<std::string, double> at_knots = violations_at_nodes(watched);
     for (std::size_t first = 0, last = 0; first < watched.size(); first = last) {
       const int k = watched[first]->node;
       while (last < watched.size() && watched[last]->node == k) ++last;
@@ -271,13 +283,18 @@ class Search {
     return {most, high - low};
   }
 
+  int first_of_last_phase() const {
+    int first = problem_.knots() - 1;
+    const auto phase = problem_.knot(first).phase;
+    while (first > 0 && problem_.knot(first - 1).phase == phase) --first;
+    return first;
+  }
+
   /// Controls that change in the last step as they do nowhere in their phase before.
   void last_knot() {
     constexpr int kFewestKnots = 6;
     constexpr double kFactor = 3, kShare = 0.2;
-    const int N = problem_.knots();
-    int first = N - 1;
-    while (first > 0 && problem_.knot(first - 1).phase == problem_.knot(N - 1).phase) --first;
+    const int N = problem_.knots(), first = first_of_last_phase();
     const System& system = problem_.knot(N - 1).model->system();
     if (N - first < kFewestKnots || problem_.takes_no_time(N - 1)) return;
     for (int i = 0; i < system.actuators(); ++i) {
