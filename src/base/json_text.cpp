@@ -143,11 +143,15 @@ bool is_flat(const OrderedJson& value) {
                       [](const OrderedJson& part) { return part.is_structured(); });
 }
 
-/// Objects inside a list are rows of a table and stay on one line.
+/// Objects inside a list are rows of a table.
+bool stays_on_one_line(const OrderedJson& value, bool in_list) {
+  return !value.is_structured() || value.empty() ||
+         (is_flat(value) && (value.is_array() || in_list));
+}
+
 void write(const OrderedJson& value, int indent, bool in_list, std::string& text) {
   constexpr BadBytes kBad = BadBytes::strict;
-  if (!value.is_structured() || value.empty() || (is_flat(value) && (value.is_array() || in_list)))
-    return append_compact(value, kBad, text);
+  if (stays_on_one_line(value, in_list)) return append_compact(value, kBad, text);
   text += value.is_array() ? "[\n" : "{\n";
   bool first = true;
   for (auto part = value.begin(); part != value.end(); ++part) {

@@ -1,6 +1,7 @@
 #include "batch/plan/axis_table.hpp"
 
 #include <algorithm>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -19,45 +20,56 @@ class TableReader {
       : text_(text), out_(out), source_(out.add_source(std::move(name), text)) {}
 
   std::vector<std::vector<YamlNode>> read(const std::vector<Name>& columns) {
-    const std::vector<CsvCell> header = next_line();
-    std::vector<std::size_t> chosen;
-    std::vector<std::string> names;
-    for (const CsvCell& cell : header) names.emplace_back(cell.text);
-    for (const Name& column : columns) {
-      const auto found = std::find(names.begin(), names.end(), column.value);
-      if (found == names.end()) {
-        out_.error(column.place, fmt::format("the table has no column '{}'", column.value),
-                   name_hint(column.value, names, "columns"), names);
-        return {};
-      }
-      chosen.push_back(static_cast<std::size_t>(found - names.begin()));
-    }
+    for (const CsvCell& cell : next_line()) names_.emplace_back(cell.text);
+    if (!choose(columns)) return {};
     std::vector<std::vector<YamlNode>> rows;
     while (start_ < text_.size()) {
       const std::vector<CsvCell> cells = next_line();
       if (cells.size() == 1 && cells[0].text.empty()) continue;
-      if (cells.size() != header.size()) {
-        fail(0,
-             fmt::format("this line has {} cells, the header has {}", cells.size(), header.size()));
-        return {};
-      }
-      std::vector<YamlNode>& row = rows.emplace_back();
-      for (const std::size_t c : chosen) {
-        if (cells[c].text.empty()) {
-          fail(cells[c].byte, fmt::format("the cell of the column '{}' is empty", names[c]));
-          return {};
-        }
-        row.push_back({.kind = YamlNode::Kind::kScalar,
-                       .mark = mark(cells[c].byte),
-                       .text = std::string(cells[c].text),
-                       .quoted = !parse_number(cells[c].text).value});
-      }
+      auto row = read_row(cells);
+      if (!row) return {};
+      rows.push_back(*std::move(row));
     }
     if (rows.empty()) fail(0, "there is no row under the header");
     return rows;
   }
 
  private:
+  /// Finds the columns asked for; one that is not there is reported.
+  bool choose(const std::vector<Name>& columns) {
+    for (const Name& column : columns) {
+      const auto found = std::find(names_.begin(), names_.end(), column.value);
+      if (found == names_.end()) {
+        out_.error(column.place, fmt::format("the table has no column '{}'", column.value),
+                   name_hint(column.value, names_, "columns"), names_);
+        return false;
+      }
+      chosen_.push_back(static_cast<std::size_t>(found - names_.begin()));
+    }
+    return true;
+  }
+
+  /// The chosen cells of a line; nothing, with an error, where one of them is missing.
+  std::optional<std::vector<YamlNode>> read_row(const std::vector<CsvCell>& cells) {
+    if (cells.size() != names_.size()) {
+      fail(0,
+           fmt::format("this line has {} cells, the header has {}", cells.size(), names_.size()));
+      return std::nullopt;
+    }
+    std::vector<YamlNode> row;
+    for (const std::size_t c : chosen_) {
+      if (cells[c].text.empty()) {
+        fail(cells[c].byte, fmt::format("the cell of the column '{}' is empty", names_[c]));
+        return std::nullopt;
+      }
+      row.push_back({.kind = YamlNode::Kind::kScalar,
+                     .mark = mark(cells[c].byte),
+                     .text = std::string(cells[c].text),
+                     .quoted = !parse_number(cells[c].text).value});
+    }
+    return row;
+  }
+
   std::vector<CsvCell> next_line() {
     const std::size_t end = std::min(text_.find('\n', start_), text_.size());
     const std::string_view line = std::string_view(text_).substr(start_, end - start_);
@@ -75,6 +87,8 @@ class TableReader {
   const int source_;
   std::size_t start_ = 0;
   int number_ = 0;
+  std::vector<std::string> names_;   ///< of the header
+  std::vector<std::size_t> chosen_;  ///< columns, by their number
 };
 
 }  // namespace

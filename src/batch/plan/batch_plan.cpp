@@ -49,28 +49,14 @@ class PlanReader {
     read_format();
     read_name();
     read_problems();
-    if (const auto r = map_.find("vary"))
-      if (const auto entries = r->named_entries("write '{x: {key: costs.effort.weight, ...}}'"))
-        for (const auto& [name, axis] : *entries)
-          plan_.axes.push_back(read_axis(name, axis, plan_.file.parent_path()));
+    if (const auto r = map_.find("vary")) read_axes(*r);
     if (const auto r = map_.find("solvers")) read_solvers(*r);
     if (const auto r = map_.find("limits")) read_limits(*r);
-    if (const auto r = map_.find("keep")) {
-      YamlMap keep(*r, "write '{solutions: converged}'");
-      if (const auto solutions = keep.find("solutions"))
-        plan_.keep = solutions->choice(kKeptWords, "answer").value_or(plan_.keep);
-    }
+    if (const auto r = map_.find("keep")) read_keep(*r);
     if (const auto r = map_.find("warm_start")) read_warm_start(*r);
     map_.finish();
     if (!out_.has_errors()) check_columns();
-    if (!out_.has_errors() && plan_.items() > kMostItems)
-      out_.error(plan_.axes.empty() ? plan_.problems.front().place : plan_.axes.front().name.place,
-                 fmt::format("the plan has {} items, and a batch has at most {}",
-                             plan_.items() == kUncounted ? "more than 10^15"
-                                                         : std::to_string(plan_.items()),
-                             kMostItems),
-                 "every axis of 'vary' multiplies their number: vary fewer keys, or draw samples "
-                 "with 'sobol'");
+    if (!out_.has_errors()) check_size();
   }
 
  private:
@@ -99,27 +85,26 @@ class PlanReader {
   void read_problems() {
     const auto one = map_.find("problem"), several = map_.find("problems");
     if (!map_.exclusive({"problem", "problems"})) return;
-    std::vector<Name> names;
     if (one) {
-      if (const auto name = one->name()) names = {*name};
+      if (const auto name = one->name()) add_problems(*name);
     } else if (several) {
-      names = several->names().value_or(names);
+      for (const Name& name : several->names().value_or(std::vector<Name>{})) add_problems(name);
       if (several->is_sequence() && several->node().items.empty())
         several->error("the list of problems is empty", "write '[a.yaml, trots/*.yaml]'");
     } else {
       map_.reader().error("the plan names no problem",
                           "write 'problem: FILE.yaml' or 'problems: [a.yaml, trots/*.yaml]'");
     }
-    for (const Name& name : names) {
-      const fs::path path = plan_.file.parent_path() / name.value;
-      if (path.filename().string().find_first_of("*?[") == std::string::npos) {
-        add_problem(path, name.place);
-        continue;
-      }
-      const std::vector<fs::path> found = matching_files(path);
-      if (found.empty()) out_.error(name.place, fmt::format("no file is like '{}'", path.string()));
-      for (const fs::path& file : found) add_problem(file, name.place);
-    }
+  }
+
+  /// A file, or those that a pattern means.
+  void add_problems(const Name& name) {
+    const fs::path path = plan_.file.parent_path() / name.value;
+    if (path.filename().string().find_first_of("*?[") == std::string::npos)
+      return add_problem(path, name.place);
+    const std::vector<fs::path> found = matching_files(path);
+    if (found.empty()) out_.error(name.place, fmt::format("no file is like '{}'", path.string()));
+    for (const fs::path& file : found) add_problem(file, name.place);
   }
 
   void add_problem(const fs::path& file, const Place& place) {
@@ -127,6 +112,29 @@ class PlanReader {
       if (other.value.lexically_normal() == file.lexically_normal())
         return out_.error(place, fmt::format("the plan has the problem '{}' twice", file.string()));
     plan_.problems.push_back({file, place});
+  }
+
+  void read_axes(const YamlReader& reader) {
+    const auto entries = reader.named_entries("write '{x: {key: costs.effort.weight, ...}}'");
+    if (!entries) return;
+    for (const auto& [name, axis] : *entries)
+      plan_.axes.push_back(read_axis(name, axis, plan_.file.parent_path()));
+  }
+
+  void read_keep(const YamlReader& reader) {
+    YamlMap keep(reader, "write '{solutions: converged}'");
+    if (const auto solutions = keep.find("solutions"))
+      plan_.keep = solutions->choice(kKeptWords, "answer").value_or(plan_.keep);
+  }
+
+  void check_size() {
+    if (plan_.items() <= kMostItems) return;
+    const std::string items =
+        plan_.items() == kUncounted ? "more than 10^15" : std::to_string(plan_.items());
+    out_.error(plan_.axes.empty() ? plan_.problems.front().place : plan_.axes.front().name.place,
+               fmt::format("the plan has {} items, and a batch has at most {}", items, kMostItems),
+               "every axis of 'vary' multiplies their number: vary fewer keys, or draw samples "
+               "with 'sobol'");
   }
 
   void read_solvers(const YamlReader& reader) {
@@ -177,20 +185,22 @@ class PlanReader {
     std::vector<const AxisColumn*> columns;
     for (const Axis& axis : plan_.axes)
       for (const AxisColumn& column : axis.columns) {
-        for (const AxisColumn* other : columns) {
-          const std::string &a = column.key.value, &b = other->key.value;
-          const bool overlap = a == b || a.starts_with(b + '.') || b.starts_with(a + '.');
-          if (overlap)
-            out_.error(column.key.place, fmt::format("'{}' is varied twice", a),
-                       a == b ? "" : fmt::format("'{}' is varied, too", b));
-          else if (column.name == other->name)
-            out_.error(column.key.place,
-                       fmt::format("two columns of the results have the name '{}'", column.name));
-        }
+        for (const AxisColumn* other : columns) check_pair(column, *other);
         if (!plan_.solvers.empty() && column.key.value.starts_with("solver.name"))
           out_.error(column.key.place, "'solver.name' is varied by 'solvers'");
         columns.push_back(&column);
       }
+  }
+
+  void check_pair(const AxisColumn& column, const AxisColumn& other) {
+    const std::string &a = column.key.value, &b = other.key.value;
+    const bool overlap = a == b || a.starts_with(b + '.') || b.starts_with(a + '.');
+    if (overlap)
+      out_.error(column.key.place, fmt::format("'{}' is varied twice", a),
+                 a == b ? "" : fmt::format("'{}' is varied, too", b));
+    else if (column.name == other.name)
+      out_.error(column.key.place,
+                 fmt::format("two columns of the results have the name '{}'", column.name));
   }
 
   YamlMap map_;

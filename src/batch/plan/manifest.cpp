@@ -119,6 +119,15 @@ std::optional<ManifestItem> parse_manifest_line(std::string_view line) {
   }
 }
 
+namespace {
+
+bool is_item_of(const Manifest& manifest, const ManifestItem& item) {
+  return item.problem >= 0 && item.problem < static_cast<int>(manifest.problems.size()) &&
+         item.values.size() == manifest.columns.size();
+}
+
+}  // namespace
+
 std::optional<Manifest> load_manifest(const std::filesystem::path& run, bool with_items,
                                       Diagnostics& out) {
   const std::filesystem::path file = run / kManifestFile;
@@ -144,18 +153,16 @@ std::optional<Manifest> load_manifest(const std::filesystem::path& run, bool wit
   } catch (const OrderedJson::exception&) {
     return fail(1, "the head of the manifest is damaged", "make the plan again");
   }
+  if (!with_items) return manifest;
   int number = 1;
-  if (with_items)
-    for (ManifestItem& item : manifest.items) {
-      ++number;
-      auto parsed = std::getline(stream, line) ? parse_manifest_line(line) : std::nullopt;
-      if (!parsed || parsed->problem < 0 ||
-          parsed->problem >= static_cast<int>(manifest.problems.size()) ||
-          parsed->values.size() != manifest.columns.size())
-        return fail(number, "the manifest is damaged: this line is no item of it",
-                    "make the plan again");
-      item = *std::move(parsed);
-    }
+  for (ManifestItem& item : manifest.items) {
+    ++number;
+    auto parsed = std::getline(stream, line) ? parse_manifest_line(line) : std::nullopt;
+    if (!parsed || !is_item_of(manifest, *parsed))
+      return fail(number, "the manifest is damaged: this line is no item of it",
+                  "make the plan again");
+    item = *std::move(parsed);
+  }
   return manifest;
 }
 

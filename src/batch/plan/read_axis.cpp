@@ -71,11 +71,17 @@ class AxisReader {
     if (!first || !last || !count) return;
     if (*count == 1 && *first != *last)
       return (*items)[2].error("one value cannot reach from the first to the last");
-    for (long long i = 0; i < *count; ++i) {
-      // Both ends are exact, and the grid is symmetric.
-      const double share = *count == 1 ? 0 : static_cast<double>(i) / (*count - 1);
-      add_number(share == 1 ? *last : *first + share * (*last - *first), reader.node().mark);
+    for (const double value : grid(*first, *last, *count)) add_number(value, reader.node().mark);
+  }
+
+  /// Both ends are exact, and the grid is symmetric.
+  static std::vector<double> grid(double first, double last, long long count) {
+    std::vector<double> values;
+    for (long long i = 0; i < count; ++i) {
+      const double share = count == 1 ? 0 : static_cast<double>(i) / (count - 1);
+      values.push_back(share == 1 ? last : first + share * (last - first));
     }
+    return values;
   }
 
   void read_values(const YamlReader& reader) {
@@ -94,29 +100,37 @@ class AxisReader {
     const auto rows = reader.items("write '[[0.1, 1], [0.2, 2]]'");
     if (!rows || axis_.columns.empty()) return;
     if (rows->empty()) reader.error("there is no row of values");
-    for (const YamlReader& row : *rows) {
-      const auto items = row.items("write '[0.1, 1]'");
-      if (!items) continue;
-      if (items->size() != axis_.columns.size()) {
-        row.error(fmt::format("this row has {} values, and there are {} keys", items->size(),
-                              axis_.columns.size()));
-        continue;
+    for (const YamlReader& row : *rows) add_row(row);
+  }
+
+  /// A value for each key.
+  void add_row(const YamlReader& row) {
+    const auto items = row.items("write '[0.1, 1]'");
+    if (!items) return;
+    if (items->size() != axis_.columns.size())
+      return row.error(fmt::format("this row has {} values, and there are {} keys", items->size(),
+                                   axis_.columns.size()));
+    std::vector<YamlNode>& values = axis_.rows.emplace_back();
+    for (const YamlReader& item : *items) values.push_back(item.node());
+  }
+
+  /// The columns of a table, each of which becomes one of the axis with its key.
+  std::vector<Name> read_columns(const YamlReader& reader) {
+    std::vector<Name> columns;
+    const auto entries = reader.named_entries("write '{gx: initial_state.values.x}'");
+    if (!entries) return columns;
+    for (const auto& [column, key] : *entries)
+      if (const auto path = key.name()) {
+        columns.push_back(column);
+        axis_.columns.push_back({column.value, *path});
       }
-      std::vector<YamlNode>& values = axis_.rows.emplace_back();
-      for (const YamlReader& item : *items) values.push_back(item.node());
-    }
+    return columns;
   }
 
   void read_file(const YamlReader& reader) {
     const auto file = reader.name();
     std::vector<Name> columns;
-    if (const auto r = map_.require("columns"))
-      if (const auto entries = r->named_entries("write '{gx: initial_state.values.x}'"))
-        for (const auto& [column, key] : *entries)
-          if (const auto path = key.name()) {
-            columns.push_back(column);
-            axis_.columns.push_back({column.value, *path});
-          }
+    if (const auto r = map_.require("columns")) columns = read_columns(*r);
     if (file && !columns.empty())
       axis_.rows =
           read_axis_table(folder_ / file->value, file->place, columns, reader.diagnostics());

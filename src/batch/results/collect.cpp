@@ -99,8 +99,10 @@ BatchStatus batch_status(const Manifest& manifest, const StoredResults& results)
   return status;
 }
 
-std::string results_csv(const Manifest& manifest, const StoredResults& results) {
-  const std::vector<std::string> constraints = constraint_columns(manifest, results);
+namespace {
+
+std::vector<std::string> results_header(const Manifest& manifest,
+                                        const std::vector<std::string>& constraints) {
   std::vector<std::string> header = {"item", "id", "problem"};
   for (const ManifestColumn& column : manifest.columns) header.push_back(cell(column.name));
   for (const char* name : {"solver", "status", "solved"}) header.emplace_back(name);
@@ -109,14 +111,28 @@ std::string results_csv(const Manifest& manifest, const StoredResults& results) 
   for (const char* name : kResiduals) header.emplace_back(name);
   for (const std::string& name : constraints) header.push_back(cell("violation/" + name));
   header.insert(header.end(), {"certificate", "message"});
+  return header;
+}
+
+/// What an item is solved with, whether it has an answer or not.
+std::vector<std::string> item_cells(const Manifest& manifest, std::size_t index) {
+  const ManifestItem& item = manifest.items[index];
+  std::vector<std::string> cells = {std::to_string(index + 1), item.id,
+                                    cell(manifest.problems[item.problem].file)};
+  for (const std::string& value : item.values) cells.push_back(cell(OrderedJson::parse(value)));
+  return cells;
+}
+
+}  // namespace
+
+std::string results_csv(const Manifest& manifest, const StoredResults& results) {
+  const std::vector<std::string> constraints = constraint_columns(manifest, results);
+  const std::vector<std::string> header = results_header(manifest, constraints);
   std::string text;
   add_row(header, text);
   for (std::size_t i = 0; i < manifest.items.size(); ++i) {
-    const ManifestItem& item = manifest.items[i];
-    std::vector<std::string> row = {std::to_string(i + 1), item.id,
-                                    cell(manifest.problems[item.problem].file)};
-    for (const std::string& value : item.values) row.push_back(cell(OrderedJson::parse(value)));
-    if (const StoredResult* stored = find_result(results, item)) {
+    std::vector<std::string> row = item_cells(manifest, i);
+    if (const StoredResult* stored = find_result(results, manifest.items[i])) {
       const ItemResult& result = stored->result;
       row.insert(row.end(),
                  {cell_of(result.answer, "solver"), result.status, result.success ? "1" : "0"});

@@ -46,6 +46,10 @@ OrderedJson answer_of(const OrderedJson& document, const SolutionCertificate& ce
   return answer;
 }
 
+bool is_kept(const ItemResult& result, KeptSolutions keep) {
+  return keep == KeptSolutions::kAll || (keep == KeptSolutions::kConverged && result.success);
+}
+
 }  // namespace
 
 SolvedItem solve_item(const ManifestItem& item, const Manifest& manifest,
@@ -86,9 +90,7 @@ SolvedItem solve_item(const ManifestItem& item, const Manifest& manifest,
     out.result.answer["start"] = to_string(started.start);
     if (out.result.success) out.answer = answer_for_neighbours(started, solver, from);
   }
-  const bool kept = manifest.keep == KeptSolutions::kAll ||
-                    (manifest.keep == KeptSolutions::kConverged && out.result.success);
-  if (kept) {
+  if (is_kept(out.result, manifest.keep)) {
     add_certificate(certificate_json(certificate), document);
     out.solution = compact_json(document) + '\n';
   }

@@ -211,20 +211,23 @@ std::string instances_text(const BenchmarkRequest& request) {
   return text + fmt::format(", seeds {} to {}", request.seed, request.seed + request.instances - 1);
 }
 
+/// "max_iterations=50, hessian=exact".
+std::string options_text(const OrderedJson& options) {
+  std::string text;
+  for (const auto& [name, value] : options.items())
+    text += fmt::format("{}{}={}", text.empty() ? "" : ", ", name,
+                        value.is_string() ? value.get<std::string>() : value.dump());
+  return text;
+}
+
 std::string heading(const BenchmarkEntry& entry, const BenchmarkRequest& request, bool markdown) {
   std::string text = fmt::format("{}{} ({} knots, {} states, {} controls", markdown ? "### " : "",
                                  entry.problem, entry.knots, entry.states, entry.controls);
   text += instances_text(request) + ")\n";
   if (markdown) text += '\n';
   if (entry.options.empty()) return text;
-  text += markdown ? "Options: " : "  options: ";
-  bool first = true;
-  for (const auto& [name, value] : entry.options.items()) {
-    text += fmt::format("{}{}={}", first ? "" : ", ", name,
-                        value.is_string() ? value.get<std::string>() : value.dump());
-    first = false;
-  }
-  return text + (markdown ? "\n\n" : "\n");
+  return text + (markdown ? "Options: " : "  options: ") + options_text(entry.options) +
+         (markdown ? "\n\n" : "\n");
 }
 
 /// A line of its own for the command that solves an entry again.
@@ -268,6 +271,15 @@ std::string messages(const Entries& entries, bool markdown) {
 
 std::string cell(double value) { return std::isfinite(value) ? fmt::format("{}", value) : ""; }
 
+/// Those of one problem, the first of which has this index.
+Entries entries_from(const BenchmarkReport& report, std::size_t first) {
+  Entries entries;
+  for (std::size_t i = first;
+       i < report.entries.size() && report.entries[i].file == report.entries[first].file; ++i)
+    entries.push_back(&report.entries[i]);
+  return entries;
+}
+
 }  // namespace
 
 std::string benchmark_text(const BenchmarkReport& report, bool markdown) {
@@ -277,10 +289,8 @@ std::string benchmark_text(const BenchmarkReport& report, bool markdown) {
   std::string text;
   int problems = 0;
   for (std::size_t i = 0; i < report.entries.size(); ++problems) {
-    Entries entries;
-    const std::string& file = report.entries[i].file;
-    for (; i < report.entries.size() && report.entries[i].file == file; ++i)
-      entries.push_back(&report.entries[i]);
+    const Entries entries = entries_from(report, i);
+    i += entries.size();
     if (problems > 0) text += '\n';
     text += heading(*entries.front(), report.request, markdown);
     text += print(report.request.instances > 0 ? robustness_table(report.request.solvers, entries)
@@ -320,6 +330,17 @@ std::string benchmark_csv(const BenchmarkReport& report) {
   return text;
 }
 
+namespace {
+
+/// The points of a profile up to a ratio, a line each.
+std::string points_text(const PerformanceProfile& profile, double last) {
+  std::string text = "1 0\n";
+  for (const auto& [ratio, share] : profile.steps) text += fmt::format("{} {}\n", ratio, share);
+  return text + fmt::format("{} {}\n", last, profile.share(last));
+}
+
+}  // namespace
+
 std::string profile_script(const BenchmarkReport& report) {
   std::string text =
       "set terminal svg size 860,380 font 'sans-serif,13' background '#ffffff'\n"
@@ -339,10 +360,7 @@ std::string profile_script(const BenchmarkReport& report) {
                         effort == Effort::time ? "shortest time" : "fewest iterations");
     std::string plots;
     for (std::size_t s = 0; s < profiles.size(); ++s) {
-      text += fmt::format("${}{} << EOD\n1 0\n", what, s);
-      for (const auto& [ratio, share] : profiles[s].steps)
-        text += fmt::format("{} {}\n", ratio, share);
-      text += fmt::format("{} {}\nEOD\n", last, profiles[s].share(last));
+      text += fmt::format("${}{} << EOD\n{}EOD\n", what, s, points_text(profiles[s], last));
       plots += fmt::format("{}${}{} using 1:2 with steps lw 2 title '{}' noenhanced",
                            s == 0 ? "" : ", ", what, s, profiles[s].solver);
     }

@@ -1,35 +1,30 @@
 #include "output/bench/junit.hpp"
 
 #include <algorithm>
+#include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
 namespace conddp {
 namespace {
 
+/// What stands for a character in an attribute.
+std::string escape(char c) {
+  static constexpr std::pair<char, std::string_view> kEscapes[] = {
+      {'&', "&amp;"},
+      {'<', "&lt;"},
+      {'>', "&gt;"},
+      {'"', "&quot;"},
+      {'\n', "&#10;"}};  // an attribute would lose it
+  for (const auto& [character, escaped] : kEscapes)
+    if (c == character) return std::string(escaped);
+  return std::string(1, static_cast<unsigned char>(c) < 0x20 ? '?' : c);
+}
+
 std::string escape(const std::string& text) {
   std::string out;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      case '\n':
-        out += "&#10;";  // an attribute would lose it
-        break;
-      default:
-        out += static_cast<unsigned char>(c) < 0x20 ? '?' : c;
-    }
-  }
+  for (const char c : text) out += escape(c);
   return out;
 }
 

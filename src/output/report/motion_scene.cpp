@@ -31,10 +31,8 @@ std::map<std::string, int> watched_frames(const ProblemSpec& spec, const RobotMo
     if (name == nullptr) return;
     if (const auto frame = robot.find_frame(name->value)) frames[name->value] = *frame;
   };
-  for (const auto* costs : {&spec.costs, &spec.terminal_costs})
-    for (const CostSpec& cost : *costs) watch(cost);
-  for (const auto* constraints : {&spec.constraints, &spec.terminal_constraints})
-    for (const ConstraintSpec& constraint : *constraints) watch(constraint.function);
+  for (const CostSpec* cost : spec.all_costs()) watch(*cost);
+  for (const ConstraintSpec* constraint : spec.all_constraints()) watch(constraint->function);
   for (const ContactSpec& contact : spec.contacts) frames.erase(contact.frame.value);
   return frames;
 }
@@ -57,6 +55,20 @@ OrderedJson contact_json(const ContactSpec& contact, const Frame& frame) {
                       {"normals", OrderedJson::array()}};
   if (contact.half_size) json["half_size"] = *contact.half_size;
   return json;
+}
+
+/// The poses of the world and of all bodies. Returns mass times position, summed over the bodies.
+Vector3<double> append_bodies(const RobotModel& robot, const RobotData<double>& data,
+                              OrderedJson& poses) {
+  Vector3<double> moment = Vector3<double>::zero();
+  append(poses, SE3<double>::identity());
+  for (int j = 0; j < robot.joint_count(); ++j) {
+    const SE3<double> body = data.root_pose(robot, j) * data.placement[j];
+    const Inertia<double>& inertia = robot.joints[j].inertia;
+    moment = moment + inertia.mass * body.p + body.R * inertia.moment;
+    append(poses, body);
+  }
+  return moment;
 }
 
 }  // namespace
@@ -85,15 +97,7 @@ OrderedJson motion_scene(const ProblemSpec& spec, const BuiltProblem& built,
     const std::vector<double> q =
         system.expand_configuration({trajectory.x(k).data(), trajectory.x(k).data() + system.nq()});
     update_placements(robot, q.data(), data);
-    Vector3<double> moment = Vector3<double>::zero();
-    append(poses, SE3<double>::identity());
-    for (int j = 0; j < robot.joint_count(); ++j) {
-      const SE3<double> body = data.root_pose(robot, j) * data.placement[j];
-      const Inertia<double>& inertia = robot.joints[j].inertia;
-      moment = moment + inertia.mass * body.p + body.R * inertia.moment;
-      append(poses, body);
-    }
-    append(com, (1 / robot.total_mass()) * moment);
+    append(com, (1 / robot.total_mass()) * append_bodies(robot, data, poses));
     for (const auto& [name, frame] : watched)
       append(paths[name], frame_placement(robot, data, frame).p);
     for (std::size_t i = 0; i < spec.contacts.size(); ++i) {

@@ -109,6 +109,16 @@ OrderedJson multipliers_by_name(const OrderedJson& constraints, std::size_t node
   return curves;
 }
 
+void add_multipliers(const OrderedJson& multipliers, std::size_t nodes, std::size_t controls,
+                     OrderedJson& json) {
+  json["costates"] = largest_entries(multipliers["costates"]);
+  if (multipliers.contains("constraints"))
+    json["constraint_multipliers"] = multipliers_by_name(multipliers["constraints"], nodes);
+  for (const char* side : {"control_lower", "control_upper"})
+    if (multipliers.contains(side))
+      json["u"][fmt::format("{}_multipliers", side)] = by_columns(multipliers[side], controls);
+}
+
 OrderedJson curves_json(const OrderedJson& document) {
   const OrderedJson& trajectory = document["trajectory"];
   const OrderedJson& names = trajectory["columns"];
@@ -119,17 +129,8 @@ OrderedJson curves_json(const OrderedJson& document) {
                 {"values", by_columns(trajectory[of], names[of].size())}};
   json["contact_forces"] = rounded(trajectory.value("contact_forces", OrderedJson::object()));
   if (document.contains("gains")) json["gain"] = largest_entries(document["gains"]["K"]);
-  if (document.contains("multipliers")) {
-    const OrderedJson& multipliers = document["multipliers"];
-    json["costates"] = largest_entries(multipliers["costates"]);
-    if (multipliers.contains("constraints"))
-      json["constraint_multipliers"] =
-          multipliers_by_name(multipliers["constraints"], trajectory["t"].size());
-    for (const char* side : {"control_lower", "control_upper"})
-      if (multipliers.contains(side))
-        json["u"][fmt::format("{}_multipliers", side)] =
-            by_columns(multipliers[side], names["u"].size());
-  }
+  if (document.contains("multipliers"))
+    add_multipliers(document["multipliers"], trajectory["t"].size(), names["u"].size(), json);
   return json;
 }
 
@@ -140,6 +141,15 @@ OrderedJson head_json(const OrderedJson& document) {
     if (key != "trajectory" && key != "gains" && key != "multipliers" && key != "nulls")
       head[key] = value;
   return head;
+}
+
+OrderedJson costs_json(const ShootingProblem& problem, const Trajectory& trajectory) {
+  OrderedJson costs = OrderedJson::object();
+  for (const auto& [name, values] : costs_by_node(problem, trajectory)) {
+    costs[name] = OrderedJson::array();
+    for (const double value : values) costs[name].push_back(eight_digits(value));
+  }
+  return costs;
 }
 
 OrderedJson entry_json(const ReportEntry& entry) {
@@ -160,12 +170,7 @@ OrderedJson entry_json(const ReportEntry& entry) {
   }
   u["lower"] = bounds_json(problem, u["names"].size(), false);
   u["upper"] = bounds_json(problem, u["names"].size(), true);
-  OrderedJson costs = OrderedJson::object();
-  for (const auto& [name, values] : costs_by_node(problem, trajectory)) {
-    costs[name] = OrderedJson::array();
-    for (const double value : values) costs[name].push_back(eight_digits(value));
-  }
-  json["curves"]["costs"] = std::move(costs);
+  json["curves"]["costs"] = costs_json(problem, trajectory);
   json["curves"]["constraints"] = constraint_curves(*entry.spec, *entry.built, trajectory);
   json["scene"] = motion_scene(*entry.spec, *entry.built, trajectory);
   if (const auto motion = contact_motion(problem, trajectory)) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <optional>
 
 #include <Eigen/Eigenvalues>
 #include <fmt/format.h>
@@ -22,28 +23,34 @@ constexpr std::size_t kMaxMeshBytes = 3 << 20;
 constexpr double kLeastDensity = 10;
 constexpr double kLeastRadius = 0.005;  // m
 
+bool is_file(const std::filesystem::path& file) {
+  std::error_code error;
+  return std::filesystem::is_regular_file(file, error);
+}
+
+/// A file `package/path` in a folder or those above it, one of which may be the package.
+std::filesystem::path find_in_package(const std::filesystem::path& inside,
+                                      std::filesystem::path base) {
+  const std::filesystem::path rest = inside.lexically_relative(*inside.begin());
+  for (int up = 0; up < 6; ++up, base = base.parent_path()) {
+    if (is_file(base / inside)) return base / inside;
+    if (base.filename() == *inside.begin() && is_file(base / rest)) return base / rest;
+  }
+  return {};
+}
+
 /// Where a mesh of a URDF is: beside the URDF, or for package://name/path in a folder `name` of
 /// those above it.
 std::filesystem::path find_mesh(const std::string& name, const std::filesystem::path& urdf) {
   const std::filesystem::path folder = urdf.parent_path();
-  const auto exists = [](const std::filesystem::path& file) {
-    std::error_code error;
-    return std::filesystem::is_regular_file(file, error);
-  };
   constexpr std::string_view kFile = "file://", kPackage = "package://";
   if (name.starts_with(kFile))
-    return exists(name.substr(kFile.size())) ? name.substr(kFile.size()) : "";
-  if (!name.starts_with(kPackage)) return exists(folder / name) ? folder / name : "";
+    return is_file(name.substr(kFile.size())) ? name.substr(kFile.size()) : "";
+  if (!name.starts_with(kPackage)) return is_file(folder / name) ? folder / name : "";
   const std::filesystem::path inside = name.substr(kPackage.size());
   if (inside.empty()) return {};
   // Of the file: a file in the current folder has a folder without a name.
-  std::filesystem::path base = std::filesystem::absolute(urdf).parent_path();
-  for (int up = 0; up < 6; ++up, base = base.parent_path()) {
-    if (exists(base / inside)) return base / inside;
-    const std::filesystem::path rest = inside.lexically_relative(*inside.begin());
-    if (base.filename() == *inside.begin() && exists(base / rest)) return base / rest;
-  }
-  return {};
+  return find_in_package(inside, std::filesystem::absolute(urdf).parent_path());
 }
 
 /// Whether a file is what its suffix says, as far as a viewer needs it: some that bear the name of
@@ -165,24 +172,35 @@ class ShapeReader {
   }
 
   OrderedJson mesh_json(const VisualShape& shape, const char*& why) {
-    const std::filesystem::path file = find_mesh(shape.mesh, urdf_);
-    std::string suffix = std::filesystem::path(shape.mesh).extension().string();
-    for (char& c : suffix) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    const std::string kind = mesh_kind(shape.mesh);
     why = "mesh format not read";
-    if (suffix != ".stl" && suffix != ".obj") return nullptr;
+    if (kind.empty()) return nullptr;
+    const auto text = mesh_text(find_mesh(shape.mesh, urdf_), why);
+    if (!text) return nullptr;
+    why = kind == "stl" ? "no STL inside" : "no OBJ inside";
+    if (!holds_mesh(*text, kind)) return nullptr;
+    mesh_bytes_ += text->size();
+    return {{"kind", kind}, {"scale", vector_json(shape.size)}, {"data", base64(*text)}};
+  }
+
+  /// "stl" or "obj", by the suffix of its name; empty for others.
+  static std::string mesh_kind(const std::string& name) {
+    std::string suffix = std::filesystem::path(name).extension().string();
+    for (char& c : suffix) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return suffix == ".stl" || suffix == ".obj" ? suffix.substr(1) : "";
+  }
+
+  /// What is in a mesh, if it and the meshes before it are not too large together.
+  std::optional<std::string> mesh_text(const std::filesystem::path& file, const char*& why) const {
     why = "mesh not found";
-    if (file.empty()) return nullptr;
-    const TextFile mesh = read_text_file(file, kMaxMeshBytes);
+    if (file.empty()) return std::nullopt;
+    TextFile mesh = read_text_file(file, kMaxMeshBytes);
     why = "mesh not readable";
     std::error_code error;
     if (std::filesystem::file_size(file, error) > kMaxMeshBytes - mesh_bytes_ && !error)
       why = "more than 3 MB of meshes";
-    if (!mesh.defect.empty() || mesh.text.size() > kMaxMeshBytes - mesh_bytes_) return nullptr;
-    const std::string kind = suffix.substr(1);
-    why = kind == "stl" ? "no STL inside" : "no OBJ inside";
-    if (!holds_mesh(mesh.text, kind)) return nullptr;
-    mesh_bytes_ += mesh.text.size();
-    return {{"kind", kind}, {"scale", vector_json(shape.size)}, {"data", base64(mesh.text)}};
+    if (!mesh.defect.empty() || mesh.text.size() > kMaxMeshBytes - mesh_bytes_) return std::nullopt;
+    return std::move(mesh.text);
   }
 
   const RobotModel& robot_;

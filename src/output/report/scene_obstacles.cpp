@@ -45,15 +45,18 @@ std::string axis_of_number(const std::string& row) {
   return std::string(1, "xyz"[found - std::begin(kNumbered)]);
 }
 
+/// The part behind the name of a floating base; empty for other coordinates.
+std::string axis_of_base(const std::string& row, const RobotModel& robot) {
+  const std::size_t slash = row.find('/');
+  if (slash == row.npos) return {};
+  const auto joint = robot.find_joint(row.substr(0, slash));
+  if (!joint || robot.joints[*joint].type != JointType::floating) return {};
+  return row.substr(slash + 1);
+}
+
 /// The name of a state's coordinate as an axis of the world, empty where it is none for certain.
 std::string axis_of_state(const std::string& row, const Plant& plant, const ProblemSpec& spec) {
-  if (plant.multibody()) {
-    const std::size_t slash = row.find('/');
-    if (slash == row.npos) return {};
-    const auto joint = plant.robot().find_joint(row.substr(0, slash));
-    if (!joint || plant.robot().joints[*joint].type != JointType::floating) return {};
-    return row.substr(slash + 1);
-  }
+  if (plant.multibody()) return axis_of_base(row, plant.robot());
   const bool numbered =
       spec.system && std::holds_alternative<DoubleIntegratorSpec>(spec.system->parameters);
   return numbered && row.starts_with("q/") ? axis_of_number(row) : row;

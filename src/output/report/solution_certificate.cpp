@@ -509,6 +509,10 @@ class Reader {
     if (claims_->converged)
       compare_number("stationarity in the log", number(at(last, {"stationarity"}), "log"),
                      claims_->stationarity, 1e-12);
+    count_rows(log);
+  }
+
+  void count_rows(const Json& log) {
     for (std::size_t i = 0; i < log.size(); ++i) {
       const Json& count = at(log[i], {"iteration"});
       const Json& before = i == 0 ? count : log[i - 1]["iteration"];

@@ -15,15 +15,25 @@ const ConstraintSpec* constraint_spec(const ProblemSpec& spec, const ShootingPro
   return find(spec.constraints);
 }
 
-std::vector<std::string> residual_row_names(const ProblemSpec& spec, const BuiltProblem& built,
-                                            const ConstraintSpec& constraint,
-                                            const Residual& residual) {
-  const std::vector<std::string> columns = tangent_columns(built);
+namespace {
+
+/// The names of those rows that are one column each.
+std::vector<std::string> names_by_column(const Residual& residual,
+                                         const std::vector<std::string>& columns) {
   std::vector<std::string> names;
   for (const RowBlock& block : residual.blocks())
     if (block.rows == 1 && block.columns.size() == 1 &&
         block.columns[0] < static_cast<int>(columns.size()))
       names.push_back(columns[block.columns[0]]);
+  return names;
+}
+
+}  // namespace
+
+std::vector<std::string> residual_row_names(const ProblemSpec& spec, const BuiltProblem& built,
+                                            const ConstraintSpec& constraint,
+                                            const Residual& residual) {
+  std::vector<std::string> names = names_by_column(residual, tangent_columns(built));
   const auto complete = [&] { return static_cast<int>(names.size()) == residual.size(); };
   if (complete()) return names;
   Diagnostics ignored;  // the problem has been built

@@ -7,6 +7,15 @@
 
 namespace conddp {
 
+namespace {
+
+void set_wrench(const std::string& name, int knot, const Force<double>& f, ContactForces& forces) {
+  for (ContactForces::OfContact& contact : forces.contacts)
+    if (contact.name == name) contact.wrench[knot] = {f[0], f[1], f[2], f[3], f[4], f[5]};
+}
+
+}  // namespace
+
 ContactForces contact_forces(const ProblemSpec& spec, const ShootingProblem& problem,
                              const Trajectory& trajectory) {
   ContactForces forces;
@@ -24,12 +33,8 @@ ContactForces contact_forces(const ProblemSpec& spec, const ShootingProblem& pro
     if (!data) data = system->create_data(double{});
     system->evaluate(trajectory.x(k).data(), trajectory.u(k).data(), *data);
     const auto& held = static_cast<const MultibodySystem::Data<double>&>(*data).contacts.contacts;
-    for (int i = 0; i < system->contacts().count(); ++i) {
-      const Force<double> f = contact_force_in_world(held[i]);
-      for (auto& contact : forces.contacts)
-        if (contact.name == system->contacts().contacts()[i].name)
-          contact.wrench[k] = {f[0], f[1], f[2], f[3], f[4], f[5]};
-    }
+    for (int i = 0; i < system->contacts().count(); ++i)
+      set_wrench(system->contacts().contacts()[i].name, k, contact_force_in_world(held[i]), forces);
   }
   return forces;
 }

@@ -87,10 +87,13 @@ class Writer {
     if (moves(c, stretch) || candidate(c).friction == 0) return false;
     if (!spec_.stepping->plane) return true;
     for (std::size_t other = 0; other < stretch.closed.size(); ++other)
-      if (other != c && stretch.closed[other] && !moves(other, stretch) && body(other) == body(c) &&
-          carries_more(other, c, stretch))
-        return false;
+      if (rests_on_same_body(other, c, stretch) && carries_more(other, c, stretch)) return false;
     return true;
+  }
+
+  /// Whether another closed candidate of a body does not move.
+  bool rests_on_same_body(std::size_t other, std::size_t c, const ContactStretch& stretch) const {
+    return other != c && stretch.closed[other] && !moves(other, stretch) && body(other) == body(c);
   }
   /// The first one where they carry the same.
   bool carries_more(std::size_t a, std::size_t b, const ContactStretch& stretch) const {
@@ -144,15 +147,17 @@ class Writer {
     std::string name = own + (guided ? "_normal" : "");
     if (number > 1) name += fmt::format("_{}", number);
     used_.push_back({c, normal, guided, name});
-    const auto note = [&](std::string text) {
-      if (std::find(notes_.begin(), notes_.end(), text) == notes_.end())
-        notes_.push_back(std::move(text));
-    };
     if (moves(c, stretch) && candidate(c).friction > 0)
       note(fmt::format("'{}' {}: there it is held along the normal alone, without friction", own,
                        rolls(c, stretch) ? "rolls" : "slides"));
     if (!guided && candidate(c).radius > 0)
       note(fmt::format("the middle of '{}' is held, so that it does not roll", own));
+  }
+
+  /// Each once.
+  void note(std::string text) {
+    if (std::find(notes_.begin(), notes_.end(), text) == notes_.end())
+      notes_.push_back(std::move(text));
   }
 
   OrderedJson contacts() const {
@@ -298,15 +303,17 @@ class Writer {
     return sequence_.back();
   }
 
+  OrderedJson renamed(const OrderedJson& phases) const {
+    OrderedJson list = OrderedJson::array();
+    for (const auto& former : phases)
+      for (const std::string& own : renamed_.at(former.get<std::string>())) list.push_back(own);
+    return list;
+  }
+
   /// Names of phases and numbers of knots are those of the new file.
   void rename_phases(OrderedJson& terms) const {
     for (auto& [key, term] : terms.items()) {
-      if (term.contains("phases")) {
-        OrderedJson list = OrderedJson::array();
-        for (const auto& former : term["phases"])
-          for (const std::string& own : renamed_.at(former.get<std::string>())) list.push_back(own);
-        term["phases"] = std::move(list);
-      }
+      if (term.contains("phases")) term["phases"] = renamed(term["phases"]);
       if (term.contains("knots"))
         for (auto& knot : term["knots"]) {
           const int k = knot.get<int>();
@@ -335,13 +342,17 @@ class Writer {
       notes_.push_back(fmt::format("dry friction of '{}' is left out", joint.value));
   }
 
+  /// By column, where joints have such a stop.
+  OrderedJson stops_at(double JointStop::*end) const {
+    OrderedJson list = OrderedJson::object();
+    for (const JointStop& stop : motion_.plant.contacts.stops)
+      if (std::isfinite(stop.*end))
+        list["q/" + motion_.plant.robot->joints[stop.joint].name] = stop.*end;
+    return list;
+  }
+
   void stops(OrderedJson& constraints) const {
-    OrderedJson lower = OrderedJson::object(), upper = OrderedJson::object();
-    for (const JointStop& stop : motion_.plant.contacts.stops) {
-      const std::string& joint = motion_.plant.robot->joints[stop.joint].name;
-      if (std::isfinite(stop.lower)) lower["q/" + joint] = stop.lower;
-      if (std::isfinite(stop.upper)) upper["q/" + joint] = stop.upper;
-    }
+    const OrderedJson lower = stops_at(&JointStop::lower), upper = stops_at(&JointStop::upper);
     if (lower.empty() && upper.empty()) return;
     OrderedJson& entry = constraints["joint_stops"];
     entry["bounds"] = "configuration";

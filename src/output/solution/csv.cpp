@@ -69,6 +69,21 @@ std::string column_headers(const BuiltProblem& built, int states) {
   return text;
 }
 
+void append_state(const Solution& s, int knot, int states, std::string& text) {
+  for (int i = 0; i < states; ++i) {
+    text += ',';
+    append_cell(s.result.trajectory.x(knot)[i], text);
+  }
+}
+
+/// Empty cells where there is no control.
+void append_control(const Solution& s, int knot, bool written, std::string& text) {
+  for (std::size_t i = 0; i < s.built.control_columns.size(); ++i) {
+    text += ',';
+    if (written) append_cell(s.result.trajectory.u(knot)[i], text);
+  }
+}
+
 }  // namespace
 
 std::string trajectory_csv(const Solution& s) {
@@ -91,14 +106,8 @@ std::string trajectory_csv(const Solution& s) {
     append_cell(written, text);
     text += ',' + cell(phase.name);
     const bool controlled = !last && !problem.takes_no_time(k);
-    for (int i = 0; i < states; ++i) {
-      text += ',';
-      append_cell(trajectory.x(k)[i], text);
-    }
-    for (std::size_t i = 0; i < s.built.control_columns.size(); ++i) {
-      text += ',';
-      if (controlled) append_cell(trajectory.u(k)[i], text);
-    }
+    append_state(s, k, states, text);
+    append_control(s, k, controlled, text);
     append_contacts(forces, k, controlled, text);
     text += '\n';
   }

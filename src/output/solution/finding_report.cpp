@@ -12,6 +12,11 @@ namespace {
 /// Of each kind so many are printed.
 constexpr int kShown = 3;
 
+/// Whether the rows of a constraint are distances of shapes.
+bool is_of_shapes(const ConstraintSpec& constraint) {
+  return !constraint.bounded && constraint.function.definition->needs.shapes;
+}
+
 FindingNames names_of(const ProblemSpec& spec, const BuiltProblem& built) {
   FindingNames names;
   for (const ContactSpec& contact : spec.contacts)
@@ -19,7 +24,7 @@ FindingNames names_of(const ProblemSpec& spec, const BuiltProblem& built) {
   Diagnostics found_when_built;
   for (const bool terminal : {false, true})
     for (const ConstraintSpec& c : terminal ? spec.terminal_constraints : spec.constraints) {
-      if (c.bounded || !c.function.definition->needs.shapes) continue;
+      if (!is_of_shapes(c)) continue;
       const auto residual =
           make_cost_residual(c.function, spec, built.plant, built.problem->ndx(), found_when_built);
       if (residual)
@@ -53,6 +58,15 @@ OrderedJson findings_json(const std::vector<Finding>& findings) {
   return list;
 }
 
+namespace {
+
+std::string line_of(const Finding& f) {
+  if (f.knot < 0) return f.message;
+  return f.message + fmt::format(" (knot {}, {:.3g} s)", f.knot, f.time);
+}
+
+}  // namespace
+
 std::vector<std::string> finding_lines(const std::vector<Finding>& findings) {
   std::vector<std::string> lines;
   for (std::size_t first = 0, last = 0; first < findings.size(); first = last) {
@@ -60,11 +74,8 @@ std::vector<std::string> finding_lines(const std::vector<Finding>& findings) {
                                   [&](const Finding& f) { return f.kind != findings[first].kind; });
     last = end - findings.begin();
     for (std::size_t i = first; i < std::min(first + kShown, last); ++i) {
-      const Finding& f = findings[i];
-      std::string line = f.message;
-      if (f.knot >= 0) line += fmt::format(" (knot {}, {:.3g} s)", f.knot, f.time);
-      if (i == first && !f.remedy.empty()) line += "; try " + f.remedy;
-      lines.push_back(std::move(line));
+      lines.push_back(line_of(findings[i]));
+      if (i == first && !findings[i].remedy.empty()) lines.back() += "; try " + findings[i].remedy;
     }
     if (last > first + kShown)
       lines.push_back(fmt::format("and {} more of the kind '{}'", last - first - kShown,

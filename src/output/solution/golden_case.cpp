@@ -46,13 +46,13 @@ std::optional<std::string> tolerances_defect(const Json& answer) {
   return std::nullopt;
 }
 
-/// What misses in the entries that a golden file has besides those that are compared.
-namespace {
+bool names_problem(const Json& answer) {
+  return answer.contains("problem") && answer["problem"].is_object() &&
+         answer["problem"].contains("file") && answer["problem"]["file"].is_string();
+}
 
 std::optional<std::string> problem_defect(const Json& answer) {
-  if (!answer.contains("problem") || !answer["problem"].is_object() ||
-      !answer["problem"].contains("file") || !answer["problem"]["file"].is_string())
-    return "'problem.file' is missing";
+  if (!names_problem(answer)) return "'problem.file' is missing";
   if (!answer["problem"].contains("overrides")) return std::nullopt;
   const Json& overrides = answer["problem"]["overrides"];
   const bool good =
@@ -62,8 +62,7 @@ std::optional<std::string> problem_defect(const Json& answer) {
   return std::nullopt;
 }
 
-}  // namespace
-
+/// What misses in the entries that a golden file has besides those that are compared.
 std::optional<std::string> golden_defect(const Json& answer) {
   if (auto defect = problem_defect(answer)) return defect;
   if (!answer.contains("iterations") || !answer["iterations"].is_number_integer())

@@ -83,6 +83,8 @@ void compare_files(const Sources& s, const ProblemSpec& spec, const BuiltProblem
         warn_if_changed(now.file, then.sha256, now.sha256, out);
 }
 
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
 /// Whether a file says of itself that it is a problem or a robot: in a line "conddp: 1" or a tag.
 bool says_what_it_is(const fs::path& file) {
   const std::string text = read_text_file(file, kMaxDataBytes).text;
@@ -90,8 +92,7 @@ bool says_what_it_is(const fs::path& file) {
   constexpr std::string_view kKey = "conddp: ";
   for (std::size_t at = text.find(kKey); at != text.npos; at = text.find(kKey, at + 1)) {
     const std::size_t value = text.find_first_not_of(' ', at + kKey.size());
-    if ((at == 0 || text[at - 1] == '\n') && value != text.npos && text[value] >= '0' &&
-        text[value] <= '9')
+    if ((at == 0 || text[at - 1] == '\n') && value != text.npos && is_digit(text[value]))
       return true;
   }
   return false;
@@ -101,16 +102,17 @@ bool says_what_it_is(const fs::path& file) {
 /// setting, in the problem beside it. So they are shown only where they can be about problems,
 /// robots, and data whose hash the solution knows.
 bool may_be_quoted(const Diagnostics& about, const fs::path& problem, const Sources& s) {
-  if (!says_what_it_is(problem)) return false;
-  for (const Diagnostic& d : about.list())
-    if (!d.file.empty() && d.file != kSettingSource && d.file != problem.string() &&
-        !says_what_it_is(d.file))
-      return false;
-  for (const InputFile& read : about.data_files())
-    if (std::none_of(s.data_files.begin(), s.data_files.end(),
-                     [&](const InputFile& known) { return known.sha256 == read.sha256; }))
-      return false;
-  return true;
+  const auto is_of_a_problem = [&](const Diagnostic& d) {
+    return d.file.empty() || d.file == kSettingSource || d.file == problem.string() ||
+           says_what_it_is(d.file);
+  };
+  const auto is_known = [&](const InputFile& read) {
+    return std::any_of(s.data_files.begin(), s.data_files.end(),
+                       [&](const InputFile& known) { return known.sha256 == read.sha256; });
+  };
+  return says_what_it_is(problem) &&
+         std::all_of(about.list().begin(), about.list().end(), is_of_a_problem) &&
+         std::all_of(about.data_files().begin(), about.data_files().end(), is_known);
 }
 
 std::optional<SolvedProblem> build_from(const fs::path& file, const Sources& s, Diagnostics& out) {
