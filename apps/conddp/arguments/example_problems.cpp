@@ -54,6 +54,17 @@ std::vector<fs::path> example_problems() {
   return problems;
 }
 
+namespace {
+
+/// The period that ends the first sentence: a space or nothing follows.
+std::size_t sentence_end(const std::string& text) {
+  for (std::size_t at = 0; (at = text.find('.', at)) != text.npos; ++at)
+    if (at + 1 == text.size() || text[at + 1] == ' ') return at;
+  return text.npos;
+}
+
+}  // namespace
+
 std::string example_summary(const fs::path& file) {
   std::istringstream lines(read_text_file(file, kMaxYamlBytes).text);
   std::string text;
@@ -61,9 +72,8 @@ std::string example_summary(const fs::path& file) {
     if (line.starts_with("# yaml-language-server:")) continue;
     const std::size_t start = std::min(line.find_first_not_of("# "), line.size());
     text += (text.empty() ? "" : " ") + line.substr(start);
-    // A period ends a sentence where a space or nothing follows.
-    for (std::size_t at = 0; (at = text.find('.', at)) != text.npos; ++at)
-      if (at + 1 == text.size() || text[at + 1] == ' ') return printable(text.substr(0, at));
+    if (const std::size_t end = sentence_end(text); end != text.npos)
+      return printable(text.substr(0, end));
   }
   return printable(text);
 }

@@ -8,28 +8,27 @@ namespace conddp {
 
 namespace fs = std::filesystem;
 
-std::vector<fs::path> input_files(const std::vector<std::string>& arguments,
-                                  const std::string& suffix, Diagnostics& out) {
-  std::vector<fs::path> files;
-  for (const std::string& argument : arguments) {
-    std::error_code error;
-    if (!fs::is_directory(argument, error)) {
-      files.emplace_back(argument);
-      continue;
-    }
-    std::vector<fs::path> found;
-    for (fs::directory_iterator entry(argument, error), end; !error && entry != end;
-         entry.increment(error))
-      if (std::error_code unknown;
-          entry->path().extension() == suffix && !entry->is_directory(unknown))
-        found.push_back(entry->path());
-    if (error)
-      out.error({}, fmt::format("'{}' cannot be read: {}", argument, error.message()));
-    else if (found.empty())
-      out.error({}, fmt::format("there is no *{} in '{}'", suffix, argument));
-    std::sort(found.begin(), found.end());
-    files.insert(files.end(), found.begin(), found.end());
-  }
+namespace {
+
+/// The files of a folder with this suffix, sorted; none is reported.
+std::vector<fs::path> files_in(const std::string& folder, const std::string& suffix,
+                               Diagnostics& out) {
+  std::vector<fs::path> found;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error))
+    if (std::error_code unknown;
+        entry->path().extension() == suffix && !entry->is_directory(unknown))
+      found.push_back(entry->path());
+  if (error)
+    out.error({}, fmt::format("'{}' cannot be read: {}", folder, error.message()));
+  else if (found.empty())
+    out.error({}, fmt::format("there is no *{} in '{}'", suffix, folder));
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+void check_repeated(const std::vector<fs::path>& files, Diagnostics& out) {
   std::vector<fs::path> seen;
   for (const fs::path& file : files) {
     const fs::path normal = fs::absolute(file).lexically_normal();
@@ -37,6 +36,22 @@ std::vector<fs::path> input_files(const std::vector<std::string>& arguments,
       out.error({}, fmt::format("'{}' stands twice on the command line", file.string()));
     seen.push_back(normal);
   }
+}
+
+}  // namespace
+
+std::vector<fs::path> input_files(const std::vector<std::string>& arguments,
+                                  const std::string& suffix, Diagnostics& out) {
+  std::vector<fs::path> files;
+  for (const std::string& argument : arguments) {
+    if (std::error_code error; !fs::is_directory(argument, error)) {
+      files.emplace_back(argument);
+      continue;
+    }
+    const std::vector<fs::path> found = files_in(argument, suffix, out);
+    files.insert(files.end(), found.begin(), found.end());
+  }
+  check_repeated(files, out);
   return files;
 }
 

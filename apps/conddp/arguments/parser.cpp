@@ -26,11 +26,15 @@ std::string number_defect(const WholeNumbers& numbers, const std::string& value)
   return {};
 }
 
+/// Whether a value is one of an argument's words, if it has some.
+bool may_be(const Argument& argument, const std::string& value) {
+  const auto& choices = argument.choices;
+  return choices.empty() || std::find(choices.begin(), choices.end(), value) != choices.end();
+}
+
 /// What is wrong with a value of an argument; empty where nothing is.
 std::string defect(const Argument& argument, const std::string& value) {
-  const auto& choices = argument.choices;
-  if (!choices.empty() && std::find(choices.begin(), choices.end(), value) == choices.end())
-    return fmt::format("there is no '{}'", value);
+  if (!may_be(argument, value)) return fmt::format("there is no '{}'", value);
   // No path is an empty text, such as what the shell makes of a variable that is not set.
   if (value.empty() && (argument.folder() || !argument.suffixes().empty()))
     return "the value is empty";

@@ -46,6 +46,16 @@ std::optional<Diagnostic> wrong_word(const CommandWords& words) {
   return std::nullopt;
 }
 
+/// The first argument that is required and not given, or null.
+const Argument* lacking_argument(const CommandWords& words) {
+  for (const Argument* positional : words.command->positionals()) {
+    const bool given = std::any_of(words.values.begin(), words.values.end(),
+                                   [&](const auto& value) { return value.first == positional; });
+    if (positional->required && !given) return positional;
+  }
+  return nullptr;
+}
+
 }  // namespace
 
 Diagnostic usage_error(const Command& tool, const CommandWords& words, std::string message) {
@@ -69,14 +79,9 @@ Diagnostic usage_error(const Command& tool, const CommandWords& words, std::stri
   if (!words.extra.empty())
     return {.message = fmt::format("'{}' is one argument too many", words.extra),
             .hint = "usage: " + command.usage()};
-  for (const Argument* positional : command.positionals()) {
-    const bool given = std::any_of(words.values.begin(), words.values.end(),
-                                   [&](const auto& value) { return value.first == positional; });
-    if (positional->required && !given)
-      return {
-          .message = fmt::format("{} is required: {}", positional->value, positional->description),
-          .hint = "usage: " + command.usage()};
-  }
+  if (const Argument* lacking = lacking_argument(words))
+    return {.message = fmt::format("{} is required: {}", lacking->value, lacking->description),
+            .hint = "usage: " + command.usage()};
   return {.message = std::move(message)};
 }
 

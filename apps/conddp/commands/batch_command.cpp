@@ -279,6 +279,21 @@ int retry_items(const BatchArguments& arguments) {
   return exit_code(progress);
 }
 
+/// The solution of an item as it was kept, and its status.
+struct ItemAnswer {
+  std::string status = std::string(kUnfinished);
+  std::string solution;  ///< empty where none was kept
+};
+
+ItemAnswer answer_of(const fs::path& run, const std::string& id) {
+  const auto results = load_results(run);
+  const auto stored = results.find(id);
+  if (stored == results.end()) return {};
+  ItemAnswer answer{.status = stored->second.result.status, .solution = {}};
+  if (stored->second.result.solution_bytes > 0) answer.solution = load_solution(stored->second);
+  return answer;
+}
+
 /// Writes the files of one item: its problem with every default, and its solution.
 int show_item(const BatchArguments& arguments) {
   const fs::path run = arguments.path;
@@ -300,11 +315,7 @@ int show_item(const BatchArguments& arguments) {
       arguments.folder.empty() ? run / "items" / item->id : fs::path(arguments.folder);
   OrderedJson problem = expand_problem(*spec, *built);
   make_paths_relative(problem, file.parent_path(), folder);
-  const auto results = load_results(run);
-  const auto stored = results.find(item->id);
-  const std::string solution = stored == results.end() || stored->second.result.solution_bytes == 0
-                                   ? std::string()
-                                   : load_solution(stored->second);
+  const auto [status, solution] = answer_of(run, item->id);
   create_folder(folder);
   AtomicFiles files;
   if (!solution.empty()) {
@@ -314,9 +325,7 @@ int show_item(const BatchArguments& arguments) {
   }
   files.add(folder / "problem.yaml", yaml_text(problem));
   files.commit();
-  print_result(fmt::format("{}: {}\n{}\n", item->id,
-                           stored == results.end() ? kUnfinished : stored->second.result.status,
-                           (folder / "problem.yaml").string()));
+  print_result(fmt::format("{}: {}\n{}\n", item->id, status, (folder / "problem.yaml").string()));
   if (!solution.empty()) print_result((folder / "solution.json").string() + '\n');
   return kExitConverged;
 }

@@ -52,6 +52,12 @@ constexpr double kExampleTimeLimit = 10;
 
 constexpr const char* kGuess = "guess";
 
+void check_repeated(const std::vector<const SolverInfo*>& chosen, Diagnostics& out) {
+  for (std::size_t i = 0; i < chosen.size(); ++i)
+    if (std::find(chosen.begin(), chosen.begin() + i, chosen[i]) != chosen.begin() + i)
+      out.error({}, fmt::format("--solvers: '{}' stands twice", chosen[i]->name));
+}
+
 std::vector<const SolverInfo*> choose_solvers(const std::string& list, Diagnostics& out) {
   std::vector<const SolverInfo*> chosen;
   std::vector<std::string> names;
@@ -69,9 +75,7 @@ std::vector<const SolverInfo*> choose_solvers(const std::string& list, Diagnosti
                 name_hint(name, names, "solvers"), names);
     }
   }
-  for (std::size_t i = 0; i < chosen.size(); ++i)
-    if (std::find(chosen.begin(), chosen.begin() + i, chosen[i]) != chosen.begin() + i)
-      out.error({}, fmt::format("--solvers: '{}' stands twice", chosen[i]->name));
+  check_repeated(chosen, out);
   return chosen;
 }
 

@@ -99,24 +99,33 @@ const std::string& BenchProblem::sha256() {
   return sha256_;
 }
 
+namespace {
+
+/// False where a problem cannot be used: the reason is printed.
+bool add_problem(const std::filesystem::path& file, const std::vector<std::string>& settings,
+                 std::deque<BenchProblem>& problems, Diagnostics& out) {
+  Diagnostics own;
+  if (auto spec = read_problem(file, settings, own))
+    problems.emplace_back(*std::move(spec)).build({}, own);
+  print_messages(own, Verbosity::kQuiet);
+  if (!own.has_errors()) return true;
+  if (!names_file(own, file.string()))
+    out.error({}, fmt::format("'{}' cannot be used", file.string()));
+  return false;
+}
+
+}  // namespace
+
 std::optional<std::deque<BenchProblem>> read_bench_problems(
     const std::vector<std::string>& inputs, const std::vector<std::string>& settings,
     const std::vector<std::string>& drop, Diagnostics& out) {
   std::deque<BenchProblem> problems;
-  bool complete = true;
   std::vector<std::string> paths;
   for (const std::string& input : inputs)
     if (const auto path = find_problem_file(input, out)) paths.push_back(path->string());
-  for (const auto& file : input_files(paths, ".yaml", out)) {
-    Diagnostics own;
-    if (auto spec = read_problem(file, settings, own))
-      problems.emplace_back(*std::move(spec)).build({}, own);
-    print_messages(own, Verbosity::kQuiet);
-    if (!own.has_errors()) continue;
-    complete = false;
-    if (!names_file(own, file.string()))
-      out.error({}, fmt::format("'{}' cannot be used", file.string()));
-  }
+  bool complete = true;
+  for (const auto& file : input_files(paths, ".yaml", out))
+    complete &= add_problem(file, settings, problems, out);
   // Which constraints there are is known of all problems or not at all.
   if (complete) check_drop(problems, drop, out);
   complete = complete && find_best_known(problems, out);

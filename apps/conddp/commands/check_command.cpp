@@ -21,6 +21,24 @@ struct CheckArguments : ProblemArguments {
   bool verbose = false;
 };
 
+/// With the derivatives if they were compared.
+std::string full_text(const OrderedJson& summary) {
+  std::string text = check_text(summary);
+  if (summary.contains("derivatives")) text += derivatives_text(summary["derivatives"]);
+  return text;
+}
+
+int print_summary(const CheckArguments& arguments, const ProblemSpec& spec,
+                  const BuiltProblem& built, const std::vector<const SolverInfo*>& candidates) {
+  OrderedJson summary = check_summary(spec, built, candidates);
+  if (arguments.derivatives)
+    summary["derivatives"] =
+        derivatives_json(check_derivatives(*built.problem, built.guess), spec, built);
+  print_result(arguments.json ? json_text(summary) : full_text(summary));
+  const bool wrong = arguments.derivatives && !summary["derivatives"]["holds"].get<bool>();
+  return wrong ? kExitNotConverged : kExitConverged;
+}
+
 int check_file(const CheckArguments& arguments) {
   Diagnostics diagnostics;
   const Verbosity verbosity = arguments.verbose ? Verbosity::kVerbose : Verbosity::kNormal;
@@ -31,25 +49,10 @@ int check_file(const CheckArguments& arguments) {
                                 : std::vector<const SolverInfo*>();
   print_messages(diagnostics, verbosity);
   if (candidates.empty()) return kExitBadInput;
-  if (arguments.expand) {
-    print_result(arguments.json ? json_text(expand_problem(*spec, *built))
-                                : expanded_text(*spec, *built));
-    return kExitConverged;
-  }
-  OrderedJson summary = check_summary(*spec, *built, candidates);
-  bool holds = true;
-  if (arguments.derivatives) {
-    summary["derivatives"] =
-        derivatives_json(check_derivatives(*built->problem, built->guess), *spec, *built);
-    holds = summary["derivatives"]["holds"];
-  }
-  if (arguments.json) {
-    print_result(json_text(summary));
-  } else {
-    print_result(check_text(summary));
-    if (arguments.derivatives) print_result(derivatives_text(summary["derivatives"]));
-  }
-  return holds ? kExitConverged : kExitNotConverged;
+  if (!arguments.expand) return print_summary(arguments, *spec, *built, candidates);
+  print_result(arguments.json ? json_text(expand_problem(*spec, *built))
+                              : expanded_text(*spec, *built));
+  return kExitConverged;
 }
 
 }  // namespace

@@ -24,23 +24,26 @@ struct ContactsArguments {
   std::string solver = "proxddp";
 };
 
+/// Copies a row of numbers.
+template <class Target>
+void copy(const OrderedJson& row, Target target, const char* what) {
+  if (!row.is_array() || static_cast<Eigen::Index>(row.size()) != target.size())
+    throw MalformedSolution{fmt::format("'{}' does not fit the problem", what)};
+  for (Eigen::Index i = 0; i < target.size(); ++i) {
+    if (!row[i].is_number())
+      throw MalformedSolution{fmt::format("'{}' has an entry that is not a number", what)};
+    target[i] = row[i].get<double>();
+  }
+}
+
 /// The states and controls of a solution.
 Trajectory trajectory_of(const OrderedJson& document, const ShootingProblem& problem) {
   Trajectory trajectory = problem.create_trajectory();
   const OrderedJson& lists = solution_member(document, "trajectory");
-  const auto copy = [](const OrderedJson& row, auto target, const char* what) {
-    if (!row.is_array() || static_cast<Eigen::Index>(row.size()) != target.size())
-      throw MalformedSolution{fmt::format("'{}' does not fit the problem", what)};
-    for (Eigen::Index i = 0; i < target.size(); ++i) {
-      if (!row[i].is_number())
-        throw MalformedSolution{fmt::format("'{}' has an entry that is not a number", what)};
-      target[i] = row[i].get<double>();
-    }
-  };
   const OrderedJson &x = solution_member(lists, "x"), &u = solution_member(lists, "u");
-  if (!x.is_array() || !u.is_array() || static_cast<int>(x.size()) != problem.knots() + 1 ||
-      u.size() + 1 != x.size())
-    throw MalformedSolution{"'trajectory' does not fit the problem"};
+  const bool fits = x.is_array() && u.is_array() &&
+                    static_cast<int>(x.size()) == problem.knots() + 1 && u.size() + 1 == x.size();
+  if (!fits) throw MalformedSolution{"'trajectory' does not fit the problem"};
   for (int k = 0; k <= problem.knots(); ++k) {
     copy(x[k], trajectory.x(k), "trajectory.x");
     if (k < problem.knots()) copy(u[k], trajectory.u(k), "trajectory.u");

@@ -58,15 +58,12 @@ class Regression {
                              differences.empty() ? "agrees" : "DIFFERS", iterations,
                              iterations == known ? "" : fmt::format(" instead of {}", known),
                              outcome->time_s));
+    for (const Difference& difference : differences) print_result(difference_text(difference));
     JunitCase test{.name = golden.name, .time_s = outcome->time_s};
-    for (const Difference& difference : differences) {
-      print_result(difference_text(difference));
-      test.failures.push_back(difference.quantity + ": " + difference.message);
-    }
-    if (arguments_.bless) {
-      test.failures.clear();
-      if (!differences.empty() || iterations != known) bless(golden, *outcome);
-    }
+    if (!arguments_.bless)
+      test.failures = failures_of(differences);
+    else if (!differences.empty() || iterations != known)
+      bless(golden, *outcome);
     cases_.push_back(std::move(test));
   }
 
@@ -97,6 +94,13 @@ class Regression {
   }
 
  private:
+  static std::vector<std::string> failures_of(const std::vector<Difference>& differences) {
+    std::vector<std::string> failures;
+    for (const Difference& difference : differences)
+      failures.push_back(difference.quantity + ": " + difference.message);
+    return failures;
+  }
+
   void bless(const GoldenCase& golden, const GoldenOutcome& outcome) {
     files_.add(golden.file, golden_text(golden, outcome.answer));
     ++blessed_;

@@ -113,77 +113,116 @@ SolveResult solve_showing_progress(const BuiltProblem& built,
   return solve(*built.problem, candidates, options, built.guess, solver);
 }
 
-int solve_file(const SolveArguments& arguments) {
-  const auto began = std::chrono::steady_clock::now();
-  Diagnostics diagnostics;
-  const Verbosity verbosity = arguments.quiet     ? Verbosity::kQuiet
-                              : arguments.verbose ? Verbosity::kVerbose
-                                                  : Verbosity::kNormal;
-  const auto give_up = [&] {
-    print_messages(diagnostics, verbosity);
-    return kExitBadInput;
-  };
-  auto spec = read_problem_of(arguments, diagnostics);
-  if (!spec) return give_up();
-  if (!arguments.warm_start.empty()) set_warm_start(arguments.warm_start, *spec, diagnostics);
-  const auto built = build_problem(*spec, {.drop = arguments.drop}, diagnostics);
-  if (!built) return give_up();
-  const auto candidates = usable_solvers(*spec, *built->problem, diagnostics);
-  if (candidates.empty()) return give_up();
-  const double finishing = finishing_time(*built->problem, !arguments.no_verify);
-  if (!leaves_time(*spec, finishing, diagnostics)) return give_up();
-  print_messages(diagnostics, verbosity);
-  const auto is_note = [](const Diagnostic& d) { return d.severity == Severity::kNote; };
-  const int hidden_notes = arguments.verbose
-                               ? 0
-                               : static_cast<int>(std::count_if(diagnostics.list().begin(),
-                                                                diagnostics.list().end(), is_note));
+Verbosity verbosity_of(const SolveArguments& arguments) {
+  if (arguments.quiet) return Verbosity::kQuiet;
+  return arguments.verbose ? Verbosity::kVerbose : Verbosity::kNormal;
+}
 
-  const std::filesystem::path folder = arguments.folder.empty()
-                                           ? std::filesystem::path("out") / spec->name.value
-                                           : std::filesystem::path(arguments.folder);
-  if (arguments.report && !reports_can_be_made()) return kExitBadInput;
-  create_folder(folder);  // before the work, so that nothing is computed in vain
-  // The time limit is that of the command. What it leaves to the solver may be nothing but a look
-  // at the guess.
-  SolverOptions options = spec->solver.options;
-  const std::chrono::duration<double> gone = std::chrono::steady_clock::now() - began;
-  options.max_time_s = std::max(1e-3, options.max_time_s - gone.count() - finishing);
-  const SolverInfo* solver = nullptr;
-  const SolveResult result = solve_showing_progress(*built, candidates, options, verbosity, solver);
-  const Solution solution{*spec, *built, *solver, result, overrides(arguments)};
-  OrderedJson document = solution_json(solution);
-  std::optional<SolutionCertificate> certificate;
-  if (!arguments.no_verify) certificate = certify_solution(document, *spec, *built, false);
-  if (certificate) add_certificate(certificate_json(*certificate), document);
+/// Notes that only --verbose shows.
+int count_hidden_notes(const Diagnostics& diagnostics, bool verbose) {
+  const auto is_note = [](const Diagnostic& d) { return d.severity == Severity::kNote; };
+  const auto& list = diagnostics.list();
+  return verbose ? 0 : static_cast<int>(std::count_if(list.begin(), list.end(), is_note));
+}
+
+std::filesystem::path output_folder(const SolveArguments& arguments, const ProblemSpec& spec) {
+  if (arguments.folder.empty()) return std::filesystem::path("out") / spec.name.value;
+  return arguments.folder;
+}
+
+/// A problem with the solvers that support it.
+struct Task {
+  std::optional<ProblemSpec> spec;
+  std::optional<BuiltProblem> built;
+  std::vector<const SolverInfo*> candidates;
+  double finishing = 0;  ///< how long files and certificate take, s
+};
+
+/// False where there is nothing to solve: the reason has been reported.
+bool prepare(const SolveArguments& arguments, Task& task, Diagnostics& out) {
+  task.spec = read_problem_of(arguments, out);
+  if (!task.spec) return false;
+  if (!arguments.warm_start.empty()) set_warm_start(arguments.warm_start, *task.spec, out);
+  task.built = build_problem(*task.spec, {.drop = arguments.drop}, out);
+  if (!task.built) return false;
+  task.candidates = usable_solvers(*task.spec, *task.built->problem, out);
+  if (task.candidates.empty()) return false;
+  task.finishing = finishing_time(*task.built->problem, !arguments.no_verify);
+  return leaves_time(*task.spec, task.finishing, out);
+}
+
+/// Writes the files of an answer; returns their paths.
+std::vector<std::string> write_files(const SolveArguments& arguments, const Solution& solution,
+                                     const OrderedJson& document) {
   std::string page;
   if (arguments.report)
-    page = report_text(report_data({{.label = std::string(solver->name),
+    page = report_text(report_data({{.label = std::string(solution.solver.name),
                                      .document = document,
-                                     .spec = &*spec,
-                                     .built = &*built}}));
+                                     .spec = &solution.spec,
+                                     .built = &solution.built}}));
+  const auto folder = output_folder(arguments, solution.spec);
   std::vector<std::string> written;
   for (const auto& path : write_solution(solution, document, folder, page))
     written.push_back(path.string());
+  return written;
+}
+
+void print_answer(const SolveArguments& arguments, const Solution& solution,
+                  const SolutionCertificate* certificate, const std::vector<std::string>& written,
+                  int hidden_notes) {
   if (arguments.json) {
     OrderedJson head = solution_head(solution);
-    if (certificate) add_certificate(certificate_json(*certificate), head);
+    if (certificate != nullptr) add_certificate(certificate_json(*certificate), head);
     print_result(json_text(head));
   } else if (!arguments.quiet) {
-    print_as_it_is(summary_text(solution, certificate ? &*certificate : nullptr, written,
-                                terminal_of(1).colour, hidden_notes));
+    print_as_it_is(
+        summary_text(solution, certificate, written, terminal_of(1).colour, hidden_notes));
   }
-  if (certificate && !certificate->checks.computable()) {
-    print_error("the answer cannot be checked: " + certificate_line(*certificate),
+}
+
+/// The exit status of an answer with its certificate; what that denies is printed.
+int checked_exit_code(const SolutionCertificate& certificate, SolveStatus status) {
+  if (!certificate.checks.computable()) {
+    print_error("the answer cannot be checked: " + certificate_line(certificate),
                 "its numbers are so large that rounding or overflow eats what they should say");
-    return std::max<int>(kExitNotConverged, exit_code(result.status));
+    return std::max<int>(kExitNotConverged, exit_code(status));
   }
-  if (certificate && !certificate->checks.holds()) {
-    print_error("the certificate of the answer " + certificate_line(*certificate),
-                "this is a defect of conddp; please report it with the command and its files");
-    return kExitDefect;
+  if (certificate.checks.holds()) return exit_code(status);
+  print_error("the certificate of the answer " + certificate_line(certificate),
+              "this is a defect of conddp; please report it with the command and its files");
+  return kExitDefect;
+}
+
+int solve_file(const SolveArguments& arguments) {
+  const auto began = std::chrono::steady_clock::now();
+  const Verbosity verbosity = verbosity_of(arguments);
+  Diagnostics diagnostics;
+  Task task;
+  const bool ready = prepare(arguments, task, diagnostics);
+  print_messages(diagnostics, verbosity);
+  if (!ready || (arguments.report && !reports_can_be_made())) return kExitBadInput;
+  const ProblemSpec& spec = *task.spec;
+  const BuiltProblem& built = *task.built;
+  create_folder(output_folder(arguments, spec));  // before the work, so that none is in vain
+  // The time limit is that of the command. What it leaves to the solver may be nothing but a look
+  // at the guess.
+  SolverOptions options = spec.solver.options;
+  const std::chrono::duration<double> gone = std::chrono::steady_clock::now() - began;
+  options.max_time_s = std::max(1e-3, options.max_time_s - gone.count() - task.finishing);
+  const SolverInfo* solver = nullptr;
+  const SolveResult result =
+      solve_showing_progress(built, task.candidates, options, verbosity, solver);
+  const Solution solution{spec, built, *solver, result, overrides(arguments)};
+  OrderedJson document = solution_json(solution);
+  std::optional<SolutionCertificate> certificate;
+  if (!arguments.no_verify) {
+    certificate = certify_solution(document, spec, built, false);
+    add_certificate(certificate_json(*certificate), document);
   }
-  return exit_code(result.status);
+  print_answer(arguments, solution, certificate ? &*certificate : nullptr,
+               write_files(arguments, solution, document),
+               count_hidden_notes(diagnostics, arguments.verbose));
+  return certificate ? checked_exit_code(*certificate, result.status) : exit_code(result.status);
 }
 
 /// What the command line says of each of its files when there are several.

@@ -26,6 +26,10 @@ struct VerifyArguments {
   bool quiet = false;
 };
 
+void print_lines(const char* word, const std::vector<std::string>& lines) {
+  for (const std::string& line : lines) print_result(fmt::format("  {}{}\n", word, line));
+}
+
 int print(const VerifyArguments& arguments, const ProblemSpec& spec,
           const SolutionCertificate& certificate) {
   if (arguments.json) {
@@ -41,15 +45,11 @@ int print(const VerifyArguments& arguments, const ProblemSpec& spec,
     if (!std::isnan(certificate.checks.optimality.stationarity))
       print_result(fmt::format("  {}\n", optimality_line(certificate)));
     if (certificate.contacts)
-      for (const std::string& line :
-           contact_lines(*certificate.contacts, certificate.tangent_names))
-        print_result(fmt::format("  {}\n", line));
-    for (const std::string& line : finding_lines(certificate.findings))
-      print_result(fmt::format("  finding {}\n", line));
+      print_lines("", contact_lines(*certificate.contacts, certificate.tangent_names));
+    print_lines("finding ", finding_lines(certificate.findings));
     if (!certificate.replay) return kExitNotConverged;
     print_result(fmt::format("  replay {}\n", replay_line(certificate)));
-    for (const std::string& warning : replay_warnings(certificate))
-      print_result(fmt::format("  warning {}\n", warning));
+    print_lines("warning ", replay_warnings(certificate));
   }
   return certificate.checks.holds() ? kExitConverged : kExitNotConverged;
 }

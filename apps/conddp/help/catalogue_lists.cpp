@@ -56,6 +56,11 @@ OrderedJson list_solvers() {
   return list;
 }
 
+void add_range(const OptionInfo& info, OrderedJson& entry) {
+  entry[info.min_excluded ? "more_than" : "at_least"] = info.min;
+  if (std::isfinite(info.max)) entry[info.max_excluded ? "less_than" : "at_most"] = info.max;
+}
+
 OrderedJson list_options() {
   OrderedJson list = OrderedJson::array();
   for (const OptionInfo& info : option_table()) {
@@ -64,12 +69,10 @@ OrderedJson list_options() {
     std::visit([&](const auto& value) { entry["default"] = value; }, info.default_value());
     if (entry["default"].is_number_float() && !std::isfinite(entry["default"].get<double>()))
       entry["default"] = nullptr;
-    if (info.choices.empty()) {
-      entry[info.min_excluded ? "more_than" : "at_least"] = info.min;
-      if (std::isfinite(info.max)) entry[info.max_excluded ? "less_than" : "at_most"] = info.max;
-    } else {
+    if (info.choices.empty())
+      add_range(info, entry);
+    else
       entry["choices"] = info.choices;
-    }
     list.push_back(std::move(entry));
   }
   return list;

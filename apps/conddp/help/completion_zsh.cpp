@@ -34,16 +34,20 @@ std::string zsh_action(const Argument& option) {
   return message + ": ";
 }
 
+/// Of an option by one of its names.
+std::string specification(const Argument& option, const std::string& name) {
+  const std::string others =
+      option.repeatable() ? "*" : fmt::format("({})", fmt::join(option.names, " "));
+  const bool equals = !option.flag() && name.starts_with("--");
+  return fmt::format("'{}{}{}[{}]{}'", others, name, equals ? "=" : "",
+                     zsh_text(option.description), option.flag() ? "" : zsh_action(option));
+}
+
 std::string specifications(const Command& command, const std::string& margin) {
   std::string text;
   for (const Argument* option : command.options())
-    for (const std::string& name : option->names) {
-      const std::string others =
-          option->repeatable() ? "*" : fmt::format("({})", fmt::join(option->names, " "));
-      const bool equals = !option->flag() && name.starts_with("--");
-      text += fmt::format("{}'{}{}{}[{}]{}' \\\n", margin, others, name, equals ? "=" : "",
-                          zsh_text(option->description), option->flag() ? "" : zsh_action(*option));
-    }
+    for (const std::string& name : option->names)
+      text += fmt::format("{}{} \\\n", margin, specification(*option, name));
   const auto positionals = command.positionals();
   for (std::size_t i = 0; i < positionals.size(); ++i)
     text += fmt::format("{}'{}{}' \\\n", margin,

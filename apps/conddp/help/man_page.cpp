@@ -11,6 +11,19 @@
 namespace conddp {
 namespace {
 
+std::string roff_character(char c) {
+  switch (c) {
+    case '\\':
+      return "\\e";
+    case '-':
+      return "\\-";
+    case '\'':
+      return "\\(aq";
+    default:
+      return std::string(1, c);
+  }
+}
+
 /// Text without meaning to roff: '-' stays the hyphen-minus of the keyboard, a line does not begin
 /// with a control character.
 std::string roff_text(std::string_view text) {
@@ -18,16 +31,10 @@ std::string roff_text(std::string_view text) {
   for (const char c : text) {
     const bool line_start = out.empty() || out.back() == '\n';
     if (line_start && (c == '.' || c == '\'')) out += "\\&";
-    if (c == '\\')
-      out += "\\e";
-    else if (c == '-')
-      out += "\\-";
-    else if (c == '\'')
-      out += "\\(aq";
-    else if (c == '\n')
-      out += line_start ? "" : "\n.br\n";
-    else
-      out += c;
+    if (c != '\n')
+      out += roff_character(c);
+    else if (!line_start)
+      out += "\n.br\n";
   }
   return out;
 }
@@ -55,6 +62,13 @@ std::string heading(const Argument& option) {
 
 std::string tagged(const std::string& tag, std::string_view text) {
   return ".TP\n" + tag + "\n" + roff_text(text) + "\n";
+}
+
+std::string explanations(const std::vector<const Argument*>& arguments) {
+  std::string text;
+  for (const Argument* argument : arguments)
+    text += tagged(heading(*argument), argument->explanation());
+  return text;
 }
 
 std::string synopsis(const Command& command) {
@@ -95,14 +109,9 @@ std::string man_page(const Command& command, const Command& root) {
       roff_text(title), build_info().version, roff_text(name), roff_text(command.description),
       synopsis(command));
   if (!command.details.empty()) text += ".SH DESCRIPTION\n" + paragraphs(command.details);
-  if (const auto positionals = command.positionals(); !positionals.empty()) {
-    text += ".SH ARGUMENTS\n";
-    for (const Argument* argument : positionals)
-      text += tagged(heading(*argument), argument->explanation());
-  }
-  text += ".SH OPTIONS\n";
-  for (const Argument* option : command.options())
-    text += tagged(heading(*option), option->explanation());
+  if (const auto positionals = command.positionals(); !positionals.empty())
+    text += ".SH ARGUMENTS\n" + explanations(positionals);
+  text += ".SH OPTIONS\n" + explanations(command.options());
   if (!command.commands.empty()) {
     text += ".SH SUBCOMMANDS\n";
     for (const Command& sub : command.commands)

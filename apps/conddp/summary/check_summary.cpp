@@ -297,14 +297,16 @@ std::string constraint_text(const OrderedJson& constraint) {
   return (set == "cone" ? "second-order cone of " : "constraint on ") + on;
 }
 
+bool is_kept_beside_bounds(const OrderedJson& constraint) {
+  const bool bounds = constraint["on"] == "control" && constraint["set"] == "bounds";
+  return !bounds && !constraint["dropped"].get<bool>();
+}
+
 /// What the solver does with the constraints that were not dropped.
 std::string kept_text(const OrderedJson& s) {
   const std::string word = text_of(s["solver"]["control_bounds"]);
-  const bool further = std::any_of(
-      s["constraints"].begin(), s["constraints"].end(), [](const OrderedJson& constraint) {
-        const bool bounds = constraint["on"] == "control" && constraint["set"] == "bounds";
-        return !bounds && !constraint["dropped"].get<bool>();
-      });
+  const bool further =
+      std::any_of(s["constraints"].begin(), s["constraints"].end(), is_kept_beside_bounds);
   if (word == "none") return further ? "enforces the constraints" : "nothing is constrained";
   return std::string(word == "kept" ? "enforces the control bounds"
                                     : "clamps controls to their bounds") +
@@ -319,6 +321,47 @@ std::string column_text(const OrderedJson& columns) {
   for (std::size_t i = 0; i < std::min(kShown, columns.size()); ++i)
     text += (i > 0 ? ", " : "") + text_of(columns[i]);
   if (columns.size() > kShown) text += fmt::format(" ... {}", text_of(columns.back()));
+  return text;
+}
+
+std::string phase_lines(const OrderedJson& phases) {
+  std::string text;
+  for (const auto& phase : phases)
+    text += fmt::format("  {:<16}{}: {}\n", text.empty() ? "phases" : "", text_of(phase["name"]),
+                        phase_text(phase));
+  return text;
+}
+
+std::string constraint_lines(const OrderedJson& constraints) {
+  std::string text;
+  for (const auto& constraint : constraints) {
+    const std::string soft = text_of(constraint["soft"]);
+    text +=
+        fmt::format("  {:<16}{}: {}{}, {}{}{}\n", text.empty() ? "constraints" : "",
+                    text_of(constraint["name"]), constraint_text(constraint),
+                    constraint["from_urdf"].get<bool>() ? " from the URDF" : "",
+                    constraint["terminal"].get<bool>() ? "at the last node"
+                                                       : "in " + comma_list(constraint["phases"]),
+                    soft == "no" ? "" : "; soft: " + soft,
+                    constraint["dropped"].get<bool>() ? "; dropped" : "");
+    text += formula_lines(constraint["formulas"]);
+  }
+  return text;
+}
+
+/// The solver, and what surrounds its solves.
+std::string solver_lines(const OrderedJson& s) {
+  const OrderedJson& solver = s["solver"];
+  std::string text = fmt::format("  {:<16}{} ({}): {}\n", "solver", text_of(solver["name"]),
+                                 text_of(solver["description"]), kept_text(s));
+  if (!solver["then"].empty())
+    text +=
+        fmt::format("  {:<16}where that does not converge: {}\n", "", comma_list(solver["then"]));
+  for (const auto& key : solver["homotopy"])
+    text += fmt::format("  {:<16}homotopy of {} from {} to {}\n", "", text_of(key["key"]),
+                        key["from"].get<double>(), key["to"].get<double>());
+  if (const int restarts = solver["restarts"].get<int>(); restarts > 0)
+    text += fmt::format("  {:<16}restarts: {} perturbations of the first guess\n", "", restarts);
   return text;
 }
 
@@ -380,33 +423,12 @@ std::string check_text(const OrderedJson& s) {
   text += fmt::format("  {:<16}{}\n", "integrator", text_of(s["integrator"]));
   text += fmt::format("  {:<16}{} knots, {:.9g} s\n", "horizon", s["knots"].get<int>(),
                       s["duration_s"].get<double>());
-  for (const auto& phase : s["phases"])
-    text += fmt::format("  {:<16}{}: {}\n", &phase == &s["phases"].front() ? "phases" : "",
-                        text_of(phase["name"]), phase_text(phase));
+  text += phase_lines(s["phases"]);
   text += candidate_lines(s["contact_candidates"]);
   text += cost_lines(s["costs"], "costs");
   text += cost_lines(s["terminal_costs"], "terminal costs");
-  for (const auto& constraint : s["constraints"]) {
-    text += fmt::format(
-        "  {:<16}{}: {}{}, {}{}\n", &constraint == &s["constraints"].front() ? "constraints" : "",
-        text_of(constraint["name"]), constraint_text(constraint),
-        constraint["from_urdf"].get<bool>() ? " from the URDF" : "",
-        constraint["terminal"].get<bool>() ? "at the last node"
-                                           : "in " + comma_list(constraint["phases"]),
-        (text_of(constraint["soft"]) == "no" ? "" : "; soft: " + text_of(constraint["soft"])) +
-            (constraint["dropped"].get<bool>() ? "; dropped" : ""));
-    text += formula_lines(constraint["formulas"]);
-  }
-  text += fmt::format("  {:<16}{} ({}): {}\n", "solver", text_of(s["solver"]["name"]),
-                      text_of(s["solver"]["description"]), kept_text(s));
-  if (!s["solver"]["then"].empty())
-    text += fmt::format("  {:<16}where that does not converge: {}\n", "",
-                        comma_list(s["solver"]["then"]));
-  for (const auto& key : s["solver"]["homotopy"])
-    text += fmt::format("  {:<16}homotopy of {} from {} to {}\n", "", text_of(key["key"]),
-                        key["from"].get<double>(), key["to"].get<double>());
-  if (const int restarts = s["solver"]["restarts"].get<int>(); restarts > 0)
-    text += fmt::format("  {:<16}restarts: {} perturbations of the first guess\n", "", restarts);
+  text += constraint_lines(s["constraints"]);
+  text += solver_lines(s);
   text +=
       fmt::format("  {:<16}states: {}; controls: {}\n", "first guess",
                   text_of(s["initial_guess"]["states"]), text_of(s["initial_guess"]["controls"]));

@@ -39,6 +39,28 @@ std::string number_text(const OrderedJson& value) {
   return value.is_null() ? "not finite" : fmt::format("{:.10g}", value.get<double>());
 }
 
+/// The worst row of a comparison, and the term to which it belongs.
+struct ComparedRow {
+  std::string row = "cost";
+  std::string cost, constraint;
+};
+
+ComparedRow row_of(const DerivativeComparison& c, const KnotModel& model, bool terminal,
+                   const ProblemSpec& spec, const BuiltProblem& built) {
+  ComparedRow row;
+  if (c.kind == DerivativeKind::dynamics) row.row = tangent_columns(built)[c.row];
+  if (c.kind == DerivativeKind::residual) {
+    const CostTerm& term = model.costs()[c.term];
+    row.cost = term.name;
+    row.row = residual_rows(term, terminal, spec, built)[c.row];
+  }
+  if (c.kind == DerivativeKind::constraint) {
+    row.constraint = model.constraints()[c.term].name;
+    row.row = fmt::format("row {}", c.row);
+  }
+  return row;
+}
+
 }  // namespace
 
 OrderedJson derivatives_json(const std::vector<DerivativeComparison>& comparisons,
@@ -51,18 +73,7 @@ OrderedJson derivatives_json(const std::vector<DerivativeComparison>& comparison
   for (const DerivativeComparison& c : comparisons) {
     const bool terminal = c.phase == phases;
     const Phase& phase = terminal ? problem.terminal() : problem.phases()[c.phase];
-    std::string row = "cost";
-    std::string cost, constraint;
-    if (c.kind == DerivativeKind::dynamics) row = tangent[c.row];
-    if (c.kind == DerivativeKind::residual) {
-      const CostTerm& term = phase.model->costs()[c.term];
-      cost = term.name;
-      row = residual_rows(term, terminal, spec, built)[c.row];
-    }
-    if (c.kind == DerivativeKind::constraint) {
-      constraint = phase.model->constraints()[c.term].name;
-      row = fmt::format("row {}", c.row);
-    }
+    const auto [row, cost, constraint] = row_of(c, *phase.model, terminal, spec, built);
     Names columns = tangent;
     const auto& controls =
         phase.instant ? phase.model->system().control_columns() : built.control_columns;

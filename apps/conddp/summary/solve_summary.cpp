@@ -40,58 +40,88 @@ std::string restart_lines(const RestartRecord& restarts) {
   return text;
 }
 
-}  // namespace
+std::string violation_lines(const std::vector<ConstraintViolation>& violations, const char* words) {
+  std::string text;
+  for (const ConstraintViolation& v : violations)
+    text += fmt::format("    {:<20} {} by {:.2e}{}\n", v.name, words, v.value,
+                        v.node < 0 ? "" : fmt::format(" at node {}", v.node));
+  return text;
+}
 
-std::string summary_text(const Solution& s, const SolutionCertificate* certificate,
-                         const std::vector<std::string>& written, bool colour, int notes) {
+/// What the answer is: its cost, what is left of the conditions, and how it was reached.
+std::string answer_lines(const Solution& s) {
   const SolveResult& r = s.result;
-  const bool good = is_success(r.status);
-  const std::string head = s.spec.name.value + ": ";
-  std::string text = fmt::format("{}{} ({}, {} iterations, {:.3f} s)\n", head, to_string(r.status),
-                                 s.solver.name, r.iterations, r.times.total);
-  if (!good && !r.message.empty()) text += fmt::format("  {}\n", r.message);
-  text += fmt::format("  cost          {:.9g}\n", r.cost);
+  std::string text = fmt::format("  cost          {:.9g}\n", r.cost);
   for (const auto& [name, value] : s.answer.costs)
     text += fmt::format("    {:<20} {:.6g}\n", name, value);
   text += durations_line(s);
   text += fmt::format("  residuals     stationarity {:.2e}, gap {:.2e}, constraint {:.2e}\n",
                       r.residuals.stationarity, r.residuals.gap, r.residuals.constraint);
-  for (const ConstraintViolation& v : s.answer.violations) {
-    text += fmt::format("    {:<20} violated by {:.2e}{}\n", v.name, v.value,
-                        v.node < 0 ? "" : fmt::format(" at node {}", v.node));
-  }
-  for (const ConstraintViolation& v : s.answer.soft_violations)
-    text += fmt::format("    {:<20} soft, off by {:.2e}{}\n", v.name, v.value,
-                        v.node < 0 ? "" : fmt::format(" at node {}", v.node));
+  text += violation_lines(s.answer.violations, "violated");
+  text += violation_lines(s.answer.soft_violations, "soft, off");
   text += homotopy_line(r.homotopy);
   if (r.restarts) text += restart_lines(*r.restarts);
+  return text;
+}
+
+/// What is to be said of the answer.
+std::string finding_text(const Solution& s) {
   const Diagnosis& diagnosis = s.answer.diagnosis;
-  if (!good) text += fmt::format("  diagnosis     {}\n", diagnosis.message);
+  std::string text;
+  if (!is_success(s.result.status)) text += fmt::format("  diagnosis     {}\n", diagnosis.message);
   if (!diagnosis.remedy.empty()) text += fmt::format("  try           {}\n", diagnosis.remedy);
   const char* heading = "findings";
   for (const std::string& line : finding_lines(s.answer.findings)) {
     text += fmt::format("  {:<13} {}\n", heading, line);
     heading = "";
   }
-  if (certificate != nullptr)
-    text += fmt::format("  certificate   {}\n", certificate_line(*certificate));
-  if (certificate != nullptr && certificate->contacts)
-    text += fmt::format("  contacts      {}\n", contact_summary(*certificate->contacts));
-  text += fmt::format("  first guess   states: {}; controls: {}\n", s.built.guess_used.states,
-                      s.built.guess_used.controls);
-  if (s.built.guess_used.multipliers != "none")
-    text += fmt::format("                multipliers: {}\n", s.built.guess_used.multipliers);
+  return text;
+}
+
+std::string certificate_lines(const SolutionCertificate& certificate) {
+  std::string text = fmt::format("  certificate   {}\n", certificate_line(certificate));
+  if (certificate.contacts)
+    text += fmt::format("  contacts      {}\n", contact_summary(*certificate.contacts));
+  return text;
+}
+
+/// What the solve started from, and without what.
+std::string start_lines(const Solution& s) {
+  const GuessUsed& used = s.built.guess_used;
+  std::string text =
+      fmt::format("  first guess   states: {}; controls: {}\n", used.states, used.controls);
+  if (used.multipliers != "none")
+    text += fmt::format("                multipliers: {}\n", used.multipliers);
   for (const auto& [name, value] : s.answer.dropped)
     text += fmt::format("  dropped       {}: violated by {:.3g}\n", name, value);
+  return text;
+}
+
+/// The status, which stands behind the head of a text, in its colour.
+std::string coloured(std::string text, const std::string& head, SolveStatus status) {
+  const std::size_t at = terminal_text(head).size();
+  text.insert(at + to_string(status).size(), "\033[0m");
+  return text.insert(at, is_success(status) ? "\033[1;32m" : "\033[1;33m");
+}
+
+}  // namespace
+
+std::string summary_text(const Solution& s, const SolutionCertificate* certificate,
+                         const std::vector<std::string>& written, bool colour, int notes) {
+  const SolveResult& r = s.result;
+  const std::string head = s.spec.name.value + ": ";
+  std::string text = fmt::format("{}{} ({}, {} iterations, {:.3f} s)\n", head, to_string(r.status),
+                                 s.solver.name, r.iterations, r.times.total);
+  if (!is_success(r.status) && !r.message.empty()) text += fmt::format("  {}\n", r.message);
+  text += answer_lines(s) + finding_text(s);
+  if (certificate != nullptr) text += certificate_lines(*certificate);
+  text += start_lines(s);
   if (notes > 0)
     text += fmt::format("  notes         {} on what the robot's file has and conddp ignores: -v\n",
                         notes);
   for (const std::string& file : written) text += fmt::format("  written       {}\n", file);
   text = terminal_text(text);
-  if (!colour) return text;
-  const std::size_t status = terminal_text(head).size();
-  text.insert(status + to_string(r.status).size(), "\033[0m");
-  return text.insert(status, good ? "\033[1;32m" : "\033[1;33m");
+  return colour ? coloured(std::move(text), head, r.status) : text;
 }
 
 }  // namespace conddp
