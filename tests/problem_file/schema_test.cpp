@@ -84,6 +84,20 @@ TEST(Schema, RefusesWhatTheReaderRefuses) {
   for (std::size_t i = 1; i < bad.size(); ++i) EXPECT_TRUE(bad[i]) << mistakes[i - 1].second;
 }
 
+TEST(Schema, TakesFormulasForNumbersAndListsOfThem) {
+  std::vector<Json> documents;
+  for (const auto& entry : std::filesystem::directory_iterator(kProblems / "collection"))
+    if (entry.path().extension() == ".yaml")
+      documents.push_back(parse_to_json(read_file(entry.path())));
+  const std::size_t good = documents.size();
+  EXPECT_GT(good, 20u);
+  for (const char* weight : {"2*mass", "heavy"})
+    documents.push_back(
+        parse_to_json(replaced(kPendulum, "weight: 0.5", std::string("weight: ") + weight)));
+  const std::vector<bool> bad = violations(documents);
+  for (std::size_t i = 0; i < documents.size(); ++i) EXPECT_EQ(bad[i], i >= good) << documents[i];
+}
+
 /// All names of properties and all words of enumerations in a part of the schema.
 void collect_words(const Json& part, std::set<std::string>& words) {
   if (part.is_array())
