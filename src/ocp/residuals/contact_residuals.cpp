@@ -33,10 +33,7 @@ class ContactOf {
     auto& system = multibody_data(in);
     const ContactData<S>& contact = data(in);
     const int m = system_->contacts().rows(), first = system_->contacts().offset(index_);
-    const bool fixed_in_world = has_directions() && spec().axes == FrameAxes::world_aligned;
-    // The frame's rotation turns a force that keeps its direction in the body as seen from the
-    // world, and one that keeps its direction in the world as seen from the body.
-    const bool turns = fixed_in_world == (axes == FrameAxes::local);
+    const bool turns = frame_turns_force(axes);
     const S* jacobian = contact.frame_jacobian.data();
     if (turns && !columns_.identity()) {
       columns_.gather(jacobian, 6, system.columns.data());
@@ -47,13 +44,7 @@ class ContactOf {
       Force<S> change = change_in_frame(contact, &system.contacts.force_z[c * m + first]);
       if (turns && next < columns_.count() && columns_.columns()[next] == c) {
         const S* turn = jacobian + 6 * next++ + 3;
-        const Vector3<S> w{turn[0], turn[1], turn[2]};
-        if (axes == FrameAxes::local) {
-          change.linear += cross(contact.local.linear, w);
-        } else {
-          change.linear += cross(w, contact.local.linear);
-          change.angular += cross(w, contact.local.angular);
-        }
+        add_turn(contact.local, {turn[0], turn[1], turn[2]}, axes, change);
       }
       if (axes == FrameAxes::world_aligned)
         change = {contact.world.R * change.linear, contact.world.R * change.angular};
@@ -65,6 +56,23 @@ class ContactOf {
   /// Whether its force is along directions of its own, else along the axes of its frame.
   bool has_directions() const {
     return spec().kind == ContactKind::normal || spec().kind == ContactKind::planar;
+  }
+  /// The frame's rotation turns a force that keeps its direction in the body as seen from the
+  /// world, and one that keeps its direction in the world as seen from the body.
+  bool frame_turns_force(FrameAxes axes) const {
+    const bool fixed_in_world = has_directions() && spec().axes == FrameAxes::world_aligned;
+    return fixed_in_world == (axes == FrameAxes::local);
+  }
+  /// What a rotation w of the frame changes in a force, as seen from the axes asked for.
+  template <class S>
+  static void add_turn(const Force<S>& force, const Vector3<S>& w, FrameAxes axes,
+                       Force<S>& change) {
+    if (axes == FrameAxes::local) {
+      change.linear += cross(force.linear, w);
+      return;
+    }
+    change.linear += cross(w, force.linear);
+    change.angular += cross(w, force.angular);
   }
   /// Change of the force by that of its rows, in the axes of its frame.
   template <class S>

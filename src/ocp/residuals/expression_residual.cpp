@@ -267,20 +267,24 @@ class ResidualReader {
     return graph_.input(next);
   }
 
+  ExpressionValue value_of(const KnotName& name) {
+    ExpressionValue value = ExpressionValue::vector({});
+    for (const KnotName::Number& number : name.numbers)
+      value.nodes.push_back(
+          input(number.of_control ? KnotInputSource::Kind::kControl : KnotInputSource::Kind::kState,
+                number.index));
+    if (value.size() == 1 && name.parts.empty()) value.kind = ExpressionValue::Kind::kNumber;
+    value.parts = name.parts;
+    value.unit = name.unit;
+    return value;
+  }
+
   void add_names() {
     // States come first, number by number, as the motions of the manifold have it.
     for (int i = 0; i < manifold_.nx(); ++i) input(KnotInputSource::Kind::kState, i);
     for (const KnotName& name : text_.names) {
       if (!texts_.scope().defect_of(name.name).empty()) continue;
-      ExpressionValue value = ExpressionValue::vector({});
-      for (const KnotName::Number& number : name.numbers)
-        value.nodes.push_back(input(
-            number.of_control ? KnotInputSource::Kind::kControl : KnotInputSource::Kind::kState,
-            number.index));
-      if (value.size() == 1 && name.parts.empty()) value.kind = ExpressionValue::Kind::kNumber;
-      value.parts = name.parts;
-      value.unit = name.unit;
-      texts_.scope().add(name.name, std::move(value));
+      texts_.scope().add(name.name, value_of(name));
     }
     add_operands();
     if (texts_.scope().find("t") == nullptr) {
@@ -422,23 +426,31 @@ void add_columns(const std::vector<Column>& columns, bool of_control,
   }
 }
 
+/// A pose or a twist, told by some of its numbers, and the vectors that it has.
+struct SpatialParts {
+  struct Part {
+    int at;
+    std::string_view name;
+    int size = 1;
+  };
+  Part told_by[3], vectors[2];
+};
+constexpr SpatialParts kSpatialParts[] = {
+    {{{0, "x"}, {3, "qx"}, {6, "qw"}}, {{0, "position", 3}, {3, "rotation", 4}}},
+    {{{0, "vx"}, {3, "wx"}, {5, "wz"}}, {{0, "linear", 3}, {3, "angular", 3}}}};
+
 /// Parts of three and four numbers among those of poses and twists.
 void add_vectors(KnotName& name) {
-  const std::size_t elements = name.parts.size();
-  const auto is = [&](std::size_t i, std::string_view part) {
-    return i < elements && name.parts[i].name == part;
-  };
-  for (std::size_t i = 0; i < elements; ++i) {
-    const int first = static_cast<int>(i);
-    if (is(i, "x") && is(i + 3, "qx") && is(i + 6, "qw")) {
-      name.parts.push_back({"position", first, 3});
-      name.parts.push_back({"rotation", first + 3, 4});
+  const int elements = static_cast<int>(name.parts.size());
+  for (int first = 0; first < elements; ++first)
+    for (const SpatialParts& whole : kSpatialParts) {
+      const bool here = std::ranges::all_of(whole.told_by, [&](const SpatialParts::Part& part) {
+        return first + part.at < elements && name.parts[first + part.at].name == part.name;
+      });
+      if (!here) continue;
+      for (const SpatialParts::Part& part : whole.vectors)
+        name.parts.push_back({std::string(part.name), first + part.at, part.size});
     }
-    if (is(i, "vx") && is(i + 3, "wx") && is(i + 5, "wz")) {
-      name.parts.push_back({"linear", first, 3});
-      name.parts.push_back({"angular", first + 3, 3});
-    }
-  }
 }
 
 }  // namespace
