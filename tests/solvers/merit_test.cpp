@@ -219,6 +219,25 @@ TEST(Merit, GapsContractByOneMinusTheStepExactly) {
   }
 }
 
+TEST(Merit, TrialsPassByArmijosRuleAndTheFirstAlsoWhereRoundingHidesBothDecreases) {
+  MeritModel merit;
+  merit.rounding = 1e-10;
+  constexpr double kArmijo = 0.25, kHidden = 1e-10;
+  EXPECT_TRUE(merit.passes(1, kArmijo, kArmijo, false));
+  EXPECT_FALSE(merit.passes(1, 0.99 * kArmijo, kArmijo, true));
+  EXPECT_FALSE(merit.passes(-1, 1, kArmijo, true));
+  EXPECT_TRUE(merit.passes(kHidden, -kHidden, kArmijo, true));
+  EXPECT_FALSE(merit.passes(kHidden, -kHidden, kArmijo, false));
+  EXPECT_FALSE(merit.passes(kHidden, -1, kArmijo, true));
+}
+
+TEST(LineSearch, LanesHalveTheStepFromOneToTheNext) {
+  double next = 0.5;
+  const auto steps = lane_steps(next);
+  for (int lane = 0; lane < kLaneWidth; ++lane) EXPECT_EQ(steps[lane], std::ldexp(0.5, -lane));
+  EXPECT_EQ(next, std::ldexp(0.5, -kLaneWidth));
+}
+
 TEST(LineSearch, TakesTheSameStepAloneAsInLanes) {
   const ShootingProblem problem = testing::quadrotor_move();
   Trajectory guess = testing::constant_controls(problem, 1.3);

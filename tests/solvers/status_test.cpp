@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "solvers/common/feasible.hpp"
+#include "solvers/common/solve_result.hpp"
 #include "solvers/strategies/registry.hpp"
 #include "support/constrained_problems.hpp"
 #include "support/sizes.hpp"
@@ -36,6 +38,18 @@ TEST(Status, NamesAreDistinctAndOnlySuccessIsNotNegative) {
   }
   EXPECT_EQ(names.size(), 9u);
   EXPECT_EQ(names.count("unknown"), 0u);
+}
+
+TEST(Status, FeasibleIsWhatHasAllButTheStationarityUnderTolerance) {
+  const SolverOptions::Tolerances tolerances;
+  Residuals at{.stationarity = 1, .gap = 0, .constraint = 0};
+  EXPECT_TRUE(is_feasible(at, tolerances));
+  for (double* residual : {&at.gap, &at.constraint, &at.complementarity})
+    for (const double bad : {1.0, std::nan("")}) {
+      *residual = bad;
+      EXPECT_FALSE(is_feasible(at, tolerances));
+      *residual = 0;
+    }
 }
 
 TEST(Status, ConvergedMeansAllResidualsAreUnderTolerance) {

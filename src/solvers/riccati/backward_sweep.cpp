@@ -14,6 +14,37 @@ BackwardSweep::BackwardSweep(const ShootingProblem& problem, const ControlBounds
   if (segments.count > 1) segments_ = std::make_unique<SegmentSweep>(problem, segments);
 }
 
+/// The value at the last node.
+void BackwardSweep::start_at_end(const Linearization& linearization,
+                                 SweepRegularization regularization) {
+  const int N = bounds_.knots();
+  values_[N].Vx = linearization.knots[N].gradient;
+  values_[N].Vxx = linearization.knots[N].hessian();
+  if (regularization.in_model()) values_[N].Vxx.diagonal().array() += regularization.weight;
+}
+
+inline bool BackwardSweep::pass_stage(int k, const SweptHorizon& horizon,
+                                      SweepRegularization regularization, StageSolver& stages,
+                                      Feedback& feedback) {
+  stage_.propagate(horizon, k, values_[k + 1]);
+  Quu_[k] = stage_.q().Quu();
+  if (!stage_.solve(horizon, k, regularization, stages, feedback)) return false;
+  const bool true_gains = !regularization.in_gains() && stages.minimizes_freely();
+  return stage_.form_value(values_[k], feedback.k[k], true_gains);
+}
+
+/// From a knot to the first one; the knot that fails, or −1.
+inline int BackwardSweep::sweep_from(int knot, const SweptHorizon& horizon,
+                                     SweepRegularization regularization, StageSolver& stages,
+                                     Feedback& feedback) {
+  const int N = bounds_.knots();
+  for (int k = knot; k >= 0; --k) {
+    if ((N - k) % kKnotsBetweenCheckpoints == 0) pass_checkpoint();
+    if (!pass_stage(k, horizon, regularization, stages, feedback)) return k;
+  }
+  return -1;
+}
+
 int BackwardSweep::run(const Linearization& linearization, const Trajectory& trajectory,
                        const Gaps& gaps, SweepRegularization regularization, StageSolver& stages,
                        Feedback& feedback, bool hold, std::optional<int> from) {
@@ -26,21 +57,10 @@ int BackwardSweep::run(const Linearization& linearization, const Trajectory& tra
       return *bad_knot;
   // Values in front of the last segment are not those that a sweep could go on from.
   if (segments_) from.reset();
-  if (!from) {
-    values_[N].Vx = linearization.knots[N].gradient;
-    values_[N].Vxx = linearization.knots[N].hessian();
-    if (regularization.in_model()) values_[N].Vxx.diagonal().array() += regularization.weight;
-  }
-  for (int k = from.value_or(N - 1); k >= 0; --k) {
-    if ((N - k) % kKnotsBetweenCheckpoints == 0) pass_checkpoint();
-    stage_.propagate(horizon, k, values_[k + 1]);
-    Quu_[k] = stage_.q().Quu();
-    if (!stage_.solve(horizon, k, regularization, stages, feedback)) return k;
-    const bool true_gains = !regularization.in_gains() && stages.minimizes_freely();
-    if (!stage_.form_value(values_[k], feedback.k[k], true_gains)) return k;
-  }
-  if (segments_) segments_->start_from(values_);
-  return -1;
+  if (!from) start_at_end(linearization, regularization);
+  const int bad_knot = sweep_from(from.value_or(N - 1), horizon, regularization, stages, feedback);
+  if (segments_ && bad_knot < 0) segments_->start_from(values_);
+  return bad_knot;
 }
 
 bool BackwardSweep::goes_by_segments(bool hold, const SweepRegularization& regularization) const {

@@ -43,6 +43,11 @@ class BackwardSweep {
   void use_segments(bool use) { use_segments_ = use; }
 
  private:
+  void start_at_end(const Linearization& linearization, SweepRegularization regularization);
+  int sweep_from(int knot, const SweptHorizon& horizon, SweepRegularization regularization,
+                 StageSolver& stages, Feedback& feedback);
+  bool pass_stage(int knot, const SweptHorizon& horizon, SweepRegularization regularization,
+                  StageSolver& stages, Feedback& feedback);
   bool goes_by_segments(bool hold, const SweepRegularization& regularization) const;
 
   const ControlBounds& bounds_;

@@ -24,18 +24,11 @@ class BoxStage : public StageSolver {
   bool solve(const StageProblem& stage, Eigen::Ref<Eigen::VectorXd> k, LaneBlock Kt) override {
     active_set().bound(stage);
     const bool bounded = active_set().holds_any(stage.knot);
-    if (active_set().is_held() && bounded) {
-      if (!solve_held(stage, k, Kt)) return false;
-      active_set().remember(stage);
-      return true;
-    }
-    if (bounded) return solve_in_box(stage, k, Kt);
+    if (bounded)
+      return active_set().is_held() ? solve_held(stage, k, Kt) : solve_in_box(stage, k, Kt);
     // Most knots are far from every bound: there the free minimum is that of the QP.
     const bool solved = stage.solve_free(scratch_[stage.segment].factor, k, Kt);
-    if (active_set().is_held()) return solved;
-    if (solved && (k.array() >= active_set().lower(stage.knot).array()).all() &&
-        (k.array() <= active_set().upper(stage.knot).array()).all())
-      return true;
+    if (active_set().is_held() || (solved && is_within_bounds(stage.knot, k))) return solved;
     return solve_in_box(stage, k, Kt);
   }
 
@@ -54,6 +47,11 @@ class BoxStage : public StageSolver {
     std::vector<BoundState> before;
     std::vector<int> free;
   };
+
+  bool is_within_bounds(int knot, const Eigen::Ref<const Eigen::VectorXd>& k) {
+    return (k.array() >= active_set().lower(knot).array()).all() &&
+           (k.array() <= active_set().upper(knot).array()).all();
+  }
 
   /// The stage's minimum between its bounds, from the active set of the sweep before.
   bool solve_in_box(const StageProblem& stage, Eigen::Ref<Eigen::VectorXd> k, LaneBlock Kt) {
@@ -94,30 +92,42 @@ class BoxStage : public StageSolver {
     }
   }
 
+  /// The block of the free entries, and right-hand sides with those that are held in the gradient.
+  void load_free(const StageProblem& stage, const Eigen::Ref<const Eigen::VectorXd>& k,
+                 Scratch& scratch) {
+    const std::vector<int>& free = scratch.free;
+    const int count = static_cast<int>(free.size());
+    auto factor = scratch.factor.view();
+    const LaneBlock solution = scratch.rhs.block();
+    auto rhs = solution.view();
+    const int gradient = solution.rows - 1;
+    for (int a = 0; a < count; ++a) {
+      for (int b = a; b < count; ++b) factor(b, a) = stage.Quu(free[b], free[a]);
+      stage.negate(free[a], solution, a);
+      for (int i = 0; i < k.size(); ++i)
+        if (active_set().holds(stage.knot, i)) rhs(gradient, a) -= stage.Quu(i, free[a]) * k[i];
+    }
+  }
+
   /// The stage's minimum with these entries there.
   bool solve_held(const StageProblem& stage, Eigen::Ref<Eigen::VectorXd> k, LaneBlock Kt) {
-    const int nu = Kt.cols, rows = Kt.rows - 1;
+    const int rows = Kt.rows - 1;
     Scratch& scratch = scratch_[stage.segment];
     std::vector<int>& free = scratch.free;
     hold_entries(stage.knot, k, free);
     const int count = static_cast<int>(free.size());
     scratch.factor.resize(count, count);
-    auto factor = scratch.factor.view();
     // One solve for both: the gradient is one more row of right-hand sides.
     scratch.rhs.resize(rows + 1, count);
     const LaneBlock solution = scratch.rhs.block();
     auto rhs = solution.view();
-    for (int a = 0; a < count; ++a) {
-      for (int b = a; b < count; ++b) factor(b, a) = stage.Quu(free[b], free[a]);
-      stage.negate(free[a], solution, a);
-      for (int i = 0; i < nu; ++i)
-        if (active_set().holds(stage.knot, i)) rhs(rows, a) -= stage.Quu(i, free[a]) * k[i];
-    }
+    load_free(stage, k, scratch);
     if (!cholesky_in_place(scratch.factor.block())) return false;
     solve_rows_in_place(scratch.factor.block(), solution);
     for (int a = 0; a < count; ++a) k[free[a]] = rhs(rows, a);
     Kt.view().setZero();
     for (int a = 0; a < count; ++a) Kt.view().col(free[a]) = rhs.col(a);
+    active_set().remember(stage);
     return true;
   }
 

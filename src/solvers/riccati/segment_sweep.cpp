@@ -57,6 +57,24 @@ std::optional<int> SegmentSweep::run(const SweptHorizon& horizon, StageSolver& s
                                      Feedback& feedback, std::vector<ValueFunction>& values,
                                      std::vector<Eigen::MatrixXd>& Quu) {
   if (!started_) return std::nullopt;
+  sweep_all(horizon, stages, feedback, values, Quu);
+  if (bad_knot_ >= 0) return bad_knot_;
+  if (std::find(swept_.begin(), swept_.end(), 0) != swept_.end() || !join(values))
+    return std::nullopt;
+  const int count = static_cast<int>(segments_.size()), parts = team_->threads;
+  team_->for_each(count * parts, [&](int i) {
+    const int segment = i / parts;
+    segments_[segment].apply(i % parts, horizon, junctions_[segment].theta(), stages.active_set(),
+                             feedback, values);
+  });
+  for (int i = 0; i < count; ++i) segments_[i].end_weight() = true_values_[i].Vxx;
+  return -1;
+}
+
+/// Side by side: swept_ and bad_knot_ say how it went.
+void SegmentSweep::sweep_all(const SweptHorizon& horizon, StageSolver& stages, Feedback& feedback,
+                             std::vector<ValueFunction>& values,
+                             std::vector<Eigen::MatrixXd>& Quu) {
   const int count = static_cast<int>(segments_.size());
   team_->for_each(count + 1, [&](int i) {
     if (i == count) {
@@ -66,17 +84,6 @@ std::optional<int> SegmentSweep::run(const SweptHorizon& horizon, StageSolver& s
       if (swept_[i]) junctions_[i].factor(segments_[i]);
     }
   });
-  if (bad_knot_ >= 0) return bad_knot_;
-  if (std::find(swept_.begin(), swept_.end(), 0) != swept_.end() || !join(values))
-    return std::nullopt;
-  const int parts = team_->threads;
-  team_->for_each(count * parts, [&](int i) {
-    const int segment = i / parts;
-    segments_[segment].apply(i % parts, horizon, junctions_[segment].theta(), stages.active_set(),
-                             feedback, values);
-  });
-  for (int i = 0; i < count; ++i) segments_[i].end_weight() = true_values_[i].Vxx;
-  return -1;
 }
 
 int SegmentSweep::sweep_last(const SweptHorizon& horizon, StageSolver& stages, Feedback& feedback,

@@ -42,6 +42,8 @@ class SegmentSweep {
 
  private:
   struct Team;
+  void sweep_all(const SweptHorizon& horizon, StageSolver& stages, Feedback& feedback,
+                 std::vector<ValueFunction>& values, std::vector<Eigen::MatrixXd>& Quu);
   int sweep_last(const SweptHorizon& horizon, StageSolver& stages, Feedback& feedback,
                  std::vector<ValueFunction>& values, std::vector<Eigen::MatrixXd>& Quu);
   bool join(const std::vector<ValueFunction>& values);

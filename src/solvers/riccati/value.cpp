@@ -157,6 +157,31 @@ ValuePropagation::ValuePropagation(int ndx, int max_nu)
       columns_(ndx, max_nu),
       columns2_(ndx, max_nu) {}
 
+/// Where a gap turns V_xx, semi-implicit dynamics take that into their few blocks: G A and G H.
+inline ValuePropagation::NextValue ValuePropagation::over_gap(const GapTransport* gap,
+                                                              const KnotLinearization& knot,
+                                                              const ValueFunction& next) {
+  if (gap == nullptr || gap->closed()) return {next.Vx, next.Vxx, false};
+  if (!gap->flat() && !knot.semi_implicit) {
+    moved_ = next;
+    gap->pull(moved_);
+    return {moved_.Vx, moved_.Vxx, false};
+  }
+  gap->pull_gradient(next, moved_.Vx);
+  return {moved_.Vx, next.Vxx, !gap->flat()};
+}
+
+/// Qzz gains E P̃₁₁ Eᵀ + E P̃₁₂ F + (E P̃₁₂ F)ᵀ + Fᵀ P̃₂₂ F, where Eᵀ picks δq. Of that the lower
+/// triangle is formed: its columns δq are Fᵀ (F P̃₂₂ + P̃₂₁) and, where the rows are δq too,
+/// P̃₁₁ + P̃₁₂ F. FtP_ ← the former factor of these.
+inline void ValuePropagation::pull_semi_implicit(const KnotLinearization& knot,
+                                                 const NextValue& next, const GapTransport* gap) {
+  if (next.turn_blocks) turn_blocks(*gap, knot);
+  transform(knot, next.turn_blocks ? GA_ : knot.A, next.turn_blocks ? GH_ : knot.H, next.Vxx);
+  multiply(Store::set, FtP_.block(), Ft_.block(), Factor::of(P22_));
+  add_square(P12_, FtP_);
+}
+
 void ValuePropagation::propagate(const KnotLinearization& knot, const ValueFunction& next,
                                  ActionValue& q, const GapTransport* gap) {
   q.resize(knot.nu());
@@ -182,31 +207,6 @@ void ValuePropagation::propagate(const KnotLinearization& knot, const ValueFunct
   }
   add_lower(knot.hessian, Q);
   mirror_lower(Q.block(), q.ndx());
-}
-
-/// Where a gap turns V_xx, semi-implicit dynamics take that into their few blocks: G A and G H.
-ValuePropagation::NextValue ValuePropagation::over_gap(const GapTransport* gap,
-                                                       const KnotLinearization& knot,
-                                                       const ValueFunction& next) {
-  if (gap == nullptr || gap->closed()) return {next.Vx, next.Vxx, false};
-  if (!gap->flat() && !knot.semi_implicit) {
-    moved_ = next;
-    gap->pull(moved_);
-    return {moved_.Vx, moved_.Vxx, false};
-  }
-  gap->pull_gradient(next, moved_.Vx);
-  return {moved_.Vx, next.Vxx, !gap->flat()};
-}
-
-/// Qzz gains E P̃₁₁ Eᵀ + E P̃₁₂ F + (E P̃₁₂ F)ᵀ + Fᵀ P̃₂₂ F, where Eᵀ picks δq. Of that the lower
-/// triangle is formed: its columns δq are Fᵀ (F P̃₂₂ + P̃₂₁) and, where the rows are δq too,
-/// P̃₁₁ + P̃₁₂ F. FtP_ ← the former factor of these.
-void ValuePropagation::pull_semi_implicit(const KnotLinearization& knot, const NextValue& next,
-                                          const GapTransport* gap) {
-  if (next.turn_blocks) turn_blocks(*gap, knot);
-  transform(knot, next.turn_blocks ? GA_ : knot.A, next.turn_blocks ? GH_ : knot.H, next.Vxx);
-  multiply(Store::set, FtP_.block(), Ft_.block(), Factor::of(P22_));
-  add_square(P12_, FtP_);
 }
 
 /// G A and G H.
