@@ -83,18 +83,23 @@ void put_mass_row(const RobotModel& model, int i, RobotData<S>& data) {
   }
 }
 
-/// 2B m of the subtree of joint i, which depends on the angular part w of m alone.
+/// 2B m of a subtree, which depends on the angular part w of m alone, from its momentum and the
+/// rate of its inertia.
 template <class S>
-Force<S> twice_b(const RobotData<S>& data, int i, const Vector3<S>& w) {
-  const Force<S>& h = data.momentum[i];
-  return {S(2.0) * cross(w, h.linear), data.inertia_rate[i] * w + cross(w, h.angular)};
+inline Force<S> twice_b(const Force<S>& h, const Symmetric3<S>& rate, const Vector3<S>& w) {
+  return {S(2.0) * cross(w, h.linear), rate * w + cross(w, h.angular)};
 }
+
+// The next three are the body of one loop. Calls would cost an iteration 0.15 % more instructions.
 
 /// Columns of a floating body. Its motion subspace is the identity, so unit linear and angular
 /// motions give 3x3 blocks.
 template <class S>
-void put_floating_columns(const RobotModel& model, int i, RobotData<S>& data) {
+[[gnu::always_inline]] inline void put_floating_columns(const RobotModel& model, int i,
+                                                        RobotData<S>& data) {
   const int n = model.nv, v = model.joints[i].v;
+  const Force<S>& h = data.momentum[i];
+  const Symmetric3<S>& rate = data.inertia_rate[i];
   const Inertia<S>& y = data.composite[i];
   const Vector3<S> g = data.gravity(model, i);
   const Vector3<S>& w = data.v[i].angular;
@@ -110,13 +115,14 @@ void put_floating_columns(const RobotModel& model, int i, RobotData<S>& data) {
     put(linear_v, {y.mass * w_e, cross(y.moment, w_e)});
     const Vector3<S> e_g = cross(e, g);
     put(linear_q + 3 * n, {y.mass * e_g, cross(y.moment, e_g)});
-    put(linear_v + 3 * n, twice_b(data, i, e) + y * Motion<S>{cross(data.v[i].linear, e), w_e});
+    put(linear_v + 3 * n, twice_b(h, rate, e) + y * Motion<S>{cross(data.v[i].linear, e), w_e});
   }
 }
 
 /// Row i: joints above it move the subtree of i.
 template <class S>
-void put_subtree_row(const RobotModel& model, int i, RobotData<S>& data) {
+[[gnu::always_inline]] inline void put_subtree_row(const RobotModel& model, int i,
+                                                   RobotData<S>& data) {
   const int n = model.nv, v = model.joints[i].v;
   const Force<S>& h = data.momentum[i];
   const Motion<S>& s = data.axis[i];
@@ -143,14 +149,17 @@ void put_subtree_row(const RobotModel& model, int i, RobotData<S>& data) {
 
 /// Column i: joint i moves its subtree, which joints above it feel.
 template <class S>
-void put_subtree_column(const RobotModel& model, int i, RobotData<S>& data) {
+[[gnu::always_inline]] inline void put_subtree_column(const RobotModel& model, int i,
+                                                      RobotData<S>& data) {
   const int n = model.nv;
   const Joint& joint = model.joints[i];
+  const Force<S>& h = data.momentum[i];
+  const Symmetric3<S>& rate = data.inertia_rate[i];
   const Inertia<S>& y = data.composite[i];
   const Motion<S>& s = data.axis[i];
   const Force<S> dq =
-      twice_b(data, i, data.psi_dot[i].angular) + y * data.psi_ddot[i] + cross(s, data.force[i]);
-  const Force<S> dv = twice_b(data, i, s.angular) + y * data.axis_rate[i];
+      twice_b(h, rate, data.psi_dot[i].angular) + y * data.psi_ddot[i] + cross(s, data.force[i]);
+  const Force<S> dv = twice_b(h, rate, s.angular) + y * data.axis_rate[i];
   S* column_q = data.tau_q.data() + joint.v * n;
   S* column_v = data.tau_v.data() + joint.v * n;
   for (int j = joint.parent; j >= 0; j = model.joints[j].parent) {

@@ -260,8 +260,8 @@ void differentiate_residual(const CostTerm& term, const ResidualInput<S>& input,
 /// The value of a cost, and its slopes by the rows of its residual. False where it is a barrier
 /// that adds nothing.
 template <class S>
-bool KnotModel::find_slopes(std::size_t t, const KnotInput<S>& in, KnotWorkspace<S>& work,
-                            bool hessian, CostSlopes<S>& slopes) const {
+inline bool KnotModel::find_slopes(std::size_t t, const KnotInput<S>& in, KnotWorkspace<S>& work,
+                                   bool hessian, CostSlopes<S>& slopes) const {
   const CostTerm& term = costs_[t];
   const bool barrier = term.is_barrier();
   const RowsOfCost<S> to =
