@@ -237,15 +237,18 @@ class Transcription::BlockPattern {
   /// Charts mix the coordinates of curved parts.
   void close(const StateManifold& manifold) {
     for (std::vector<bool>& row : used_) close_over_segments(manifold, row);
-    for (const StateManifold::Segment& s : manifold.curved())
-      for (std::size_t c = 0; c < used_.size(); ++c) {
-        bool any = false;
-        for (int i = 0; i < s.n; ++i) any = any || used_[s.dx + i][c];
-        for (int i = 0; i < s.n; ++i) used_[s.dx + i][c] = any;
-      }
+    for (const StateManifold::Segment& s : manifold.curved()) close_rows(s);
   }
 
  private:
+  void close_rows(const StateManifold::Segment& s) {
+    for (std::size_t c = 0; c < used_.size(); ++c) {
+      bool any = false;
+      for (int i = 0; i < s.n; ++i) any = any || used_[s.dx + i][c];
+      for (int i = 0; i < s.n; ++i) used_[s.dx + i][c] = any;
+    }
+  }
+
   std::vector<std::vector<bool>> used_;
 };
 

@@ -28,6 +28,13 @@ void check_integrator(const System& system, Integrator integrator) {
         "a collocation system needs the integrator of its rule, and only it");
 }
 
+void check_columns(const std::string& what, const RowBlock& block, int nz) {
+  for (const int column : block.columns)
+    if (column < 0 || column >= nz)
+      throw std::invalid_argument(what + " depends on column " + std::to_string(column) +
+                                  ", and a knot has " + std::to_string(nz));
+}
+
 void check_memory(const System& system, bool control_memory, int held_memory) {
   if (system.kind() == SystemKind::impulse && control_memory)
     throw std::invalid_argument("an impulse has no control to remember");
@@ -54,11 +61,7 @@ KnotModel::KnotModel(std::shared_ptr<const System> system, Integrator integrator
 void KnotModel::check_fit(const std::string& what, const Residual& residual) const {
   if (residual.needs_control() && nu() == 0)
     throw std::invalid_argument(what + " needs a control, which this node has not");
-  for (const RowBlock& block : residual.blocks())
-    for (const int column : block.columns)
-      if (column < 0 || column >= nz())
-        throw std::invalid_argument(what + " depends on column " + std::to_string(column) +
-                                    ", and a knot has " + std::to_string(nz()));
+  for (const RowBlock& block : residual.blocks()) check_columns(what, block, nz());
 }
 
 int KnotModel::add_cost(std::string name, std::shared_ptr<const Residual> residual,

@@ -8,10 +8,14 @@
 namespace conddp {
 namespace {
 
-void check(const Phase& phase) {
+bool has_fitting_sizes(const Phase& phase) {
   const std::size_t n = phase.dt.size();
-  if (!phase.model || n == 0 || phase.cost_scale.size() != n ||
-      phase.parameters.size() != n * phase.model->parameter_count())
+  return phase.model && n > 0 && phase.cost_scale.size() == n &&
+         phase.parameters.size() == n * phase.model->parameter_count();
+}
+
+void check(const Phase& phase) {
+  if (!has_fitting_sizes(phase))
     throw std::invalid_argument("phase " + phase.name + ": sizes do not fit its model");
   if (phase.model->integrator() == Integrator::impulse &&
       std::any_of(phase.dt.begin(), phase.dt.end(), [](double dt) { return dt != 0; }))

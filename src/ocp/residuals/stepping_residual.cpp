@@ -65,6 +65,14 @@ class SteppingResidual : public ResidualBase<SteppingResidual> {
     const std::vector<double>* row = constants_.data();
     for (std::size_t c = 0; c < w.candidates.size(); ++c)
       jacobian = differentiate_candidate(static_cast<int>(c), in.u, h, data, row, jacobian);
+    differentiate_joints(h, row, jacobian);
+  }
+
+ private:
+  /// Stops and dry friction, from their first rows on.
+  template <class S>
+  void differentiate_joints(const S& h, const std::vector<double>* row, S* jacobian) const {
+    const SteppingLayout& w = system_->layout();
     for (const SteppingLayout::Stop& stop : w.stops) {
       const S slope(stop.upper ? 1.0 : -1.0);
       *jacobian++ = slope;
@@ -83,7 +91,6 @@ class SteppingResidual : public ResidualBase<SteppingResidual> {
     }
   }
 
- private:
   /// Calls use(entry of the control, row of the geometry, sign) for each force of a candidate.
   template <class F>
   static void for_each_force(const SteppingLayout::Candidate& at, F use) {

@@ -177,6 +177,19 @@ double distance_to_polar_cone(const double* multipliers, int n) {
   return a <= t ? std::hypot(a, t) : (a + t) * std::sqrt(0.5);
 }
 
+namespace {
+
+double pair_complementarity(const double* values, const double* multipliers, int rows) {
+  double largest = 0;
+  for (int i = 0; i < rows; i += 2) {
+    const int larger = values[i] > values[i + 1] ? i : i + 1;
+    largest = std::max(largest, std::abs(multipliers[larger] * values[larger]));
+  }
+  return largest;
+}
+
+}  // namespace
+
 double complementarity(const ConstraintTerm& term, const double* values, const double* lower,
                        const double* upper, const double* multipliers) {
   const int n = term.rows;
@@ -185,14 +198,8 @@ double complementarity(const ConstraintTerm& term, const double* values, const d
     for (int i = 0; i < n; ++i) product += multipliers[i] * values[i];
     return std::max(std::abs(product), distance_to_polar_cone(multipliers, n));
   }
+  if (term.has_pairs()) return pair_complementarity(values, multipliers, n);
   double largest = 0;
-  if (term.has_pairs()) {
-    for (int i = 0; i < n; i += 2) {
-      const int larger = values[i] > values[i + 1] ? i : i + 1;
-      largest = std::max(largest, std::abs(multipliers[larger] * values[larger]));
-    }
-    return largest;
-  }
   for (int i = 0; i < n; ++i)
     largest =
         std::max(largest, bound_complementarity(values[i], lower[i], upper[i], multipliers[i]));

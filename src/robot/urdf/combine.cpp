@@ -32,6 +32,15 @@ void make_distinct(RobotModel& tree, std::set<std::string>& taken) {
   taken.merge(names);
 }
 
+/// Appends elements, each changed on the way.
+template <class T, class Change>
+void append_changed(std::vector<T>& from, std::vector<T>& to, Change change) {
+  for (T& element : from) {
+    change(element);
+    to.push_back(std::move(element));
+  }
+}
+
 void append(RobotModel tree, RobotModel& all) {
   const int joints = all.joint_count();
   const int frames = static_cast<int>(all.frames.size());
@@ -39,23 +48,14 @@ void append(RobotModel tree, RobotModel& all) {
     if (joint >= 0) joint += joints;  // else it is the world
   };
   all.name += (all.name.empty() ? "" : "+") + tree.name;
-  for (Joint& joint : tree.joints) {
-    shift(joint.parent);
-    all.joints.push_back(std::move(joint));
-  }
-  for (Frame& frame : tree.frames) {
-    shift(frame.joint);
-    all.frames.push_back(std::move(frame));
-  }
-  for (ExternalWrench wrench : tree.wrenches) {
-    wrench.frame += frames;
-    all.wrenches.push_back(wrench);
-  }
-  for (Mimic mimic : tree.mimics) {
+  append_changed(tree.joints, all.joints, [&](Joint& joint) { shift(joint.parent); });
+  append_changed(tree.frames, all.frames, [&](Frame& frame) { shift(frame.joint); });
+  append_changed(tree.wrenches, all.wrenches,
+                 [&](ExternalWrench& wrench) { wrench.frame += frames; });
+  append_changed(tree.mimics, all.mimics, [&](Mimic& mimic) {
     shift(mimic.joint);
     shift(mimic.leader);
-    all.mimics.push_back(mimic);
-  }
+  });
 }
 
 }  // namespace

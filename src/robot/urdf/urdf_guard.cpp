@@ -68,9 +68,10 @@ const ElementRule* rule_of(const XmlOutline& outline, const XmlElement& element)
   const XmlElement& parent = outline.elements[element.parent];
   const bool known_parent = parent.depth == 0 || rule_of(outline, parent) != nullptr;
   if (!known_parent) return nullptr;
-  for (const ElementRule& rule : rules())
-    if (rule.parent == parent.tag && rule.tag == element.tag) return &rule;
-  return nullptr;
+  const auto rule = std::find_if(rules().begin(), rules().end(), [&](const ElementRule& r) {
+    return r.parent == parent.tag && r.tag == element.tag;
+  });
+  return rule == rules().end() ? nullptr : &*rule;
 }
 
 /// The link or joint around an element (or itself), by name.
@@ -358,6 +359,11 @@ class PartialCopy {
   std::string copy_;
 };
 
+void tidy_attributes(const XmlElement& element, const ElementRule& rule, PartialCopy& copy) {
+  for (const XmlAttribute& attribute : element.attributes)
+    if (holds_numbers(rule, attribute.name)) copy.tidy(attribute.value);
+}
+
 }  // namespace
 
 bool check_urdf_elements(const XmlOutline& outline, UrdfReport& report) {
@@ -387,9 +393,7 @@ std::string relevant_urdf(const XmlOutline& outline, std::string_view text) {
     if (element.depth > 0 && !rule) continue;
     relevant.keep(element.start_tag);
     relevant.keep(element.end_tag);
-    if (!rule) continue;
-    for (const XmlAttribute& attribute : element.attributes)
-      if (holds_numbers(*rule, attribute.name)) relevant.tidy(attribute.value);
+    if (rule) tidy_attributes(element, *rule, relevant);
   }
   return relevant.take();
 }

@@ -132,20 +132,20 @@ class Topology {
   }
 
   void check_mimics() {
-    for (const JointEntry& joint : joints_) {
-      const auto mimic = outline_.child(joint.element, "mimic");
-      if (!mimic) continue;
-      const std::string subject = "joint '" + joint.name + "': ";
-      if (joint.leader.empty()) {
-        report_.error_at(*mimic, joint.name, subject + "<mimic> names no joint");
-      } else if (joint.leader == joint.name) {
-        report_mimic(*mimic, joint, "mimics itself");
-      } else if (!joint_index_.contains(joint.leader)) {
-        report_mimic(*mimic, joint, "mimics '" + joint.leader + "', which does not exist",
-                     name_hint(joint.leader, joint_names_, "joints"));
-      } else if (follows_itself(joint)) {
-        report_mimic(*mimic, joint, "mimic joints follow each other in a cycle");
-      }
+    for (const JointEntry& joint : joints_)
+      if (const auto mimic = outline_.child(joint.element, "mimic")) check_mimic(joint, *mimic);
+  }
+
+  void check_mimic(const JointEntry& joint, int mimic) {
+    if (joint.leader.empty()) {
+      report_.error_at(mimic, joint.name, "joint '" + joint.name + "': <mimic> names no joint");
+    } else if (joint.leader == joint.name) {
+      report_mimic(mimic, joint, "mimics itself");
+    } else if (!joint_index_.contains(joint.leader)) {
+      report_mimic(mimic, joint, "mimics '" + joint.leader + "', which does not exist",
+                   name_hint(joint.leader, joint_names_, "joints"));
+    } else if (follows_itself(joint)) {
+      report_mimic(mimic, joint, "mimic joints follow each other in a cycle");
     }
   }
 

@@ -32,14 +32,17 @@ bool moves_along_one_axis(const urdf::Joint& joint) {
          joint.type == urdf::Joint::PRISMATIC;
 }
 
+bool has_rotational_inertia(const urdf::Inertial& body) {
+  return body.ixx != 0 || body.iyy != 0 || body.izz != 0;
+}
+
 void check_link(const urdf::Link& link, UrdfReport& report) {
   if (!link.inertial) return;
   const urdf::Inertial& body = *link.inertial;
   if (body.mass < 0)
     report.error(at_link(link.name, "inertial"), fmt::format("its mass is {} kg", body.mass),
                  "a mass cannot be negative");
-  const bool rotational = body.ixx != 0 || body.iyy != 0 || body.izz != 0;
-  if (body.mass == 0 && rotational)
+  if (body.mass == 0 && has_rotational_inertia(body))
     report.warning(at_link(link.name, "inertial"), "it has rotational inertia but no mass");
 }
 
@@ -97,16 +100,20 @@ void check_limits(const urdf::Joint& joint, bool locked, UrdfReport& report) {
   if (joint.type != urdf::Joint::CONTINUOUS) check_range(place, limits, locked, report);
 }
 
-void check_joint(const urdf::Joint& joint, bool locked, UrdfReport& report) {
-  check_axis(joint, report);
-  check_limits(joint, locked, report);
-  if (joint.dynamics && (joint.dynamics->damping < 0 || joint.dynamics->friction < 0))
-    report.error(at_joint(joint.name, "dynamics"), "its damping or friction is negative");
+void check_mimic(const urdf::Joint& joint, UrdfReport& report) {
   const bool many_axes = joint.type == urdf::Joint::FLOATING || joint.type == urdf::Joint::PLANAR;
   if (joint.mimic && many_axes)
     report.error(at_joint(joint.name, "mimic"),
                  "a " + type_name(joint.type) + " joint cannot mimic another one",
                  "revolute, continuous and prismatic joints can");
+}
+
+void check_joint(const urdf::Joint& joint, bool locked, UrdfReport& report) {
+  check_axis(joint, report);
+  check_limits(joint, locked, report);
+  if (joint.dynamics && (joint.dynamics->damping < 0 || joint.dynamics->friction < 0))
+    report.error(at_joint(joint.name, "dynamics"), "its damping or friction is negative");
+  check_mimic(joint, report);
 }
 
 std::vector<std::string> moving_joints(const urdf::ModelInterface& tree) {

@@ -30,23 +30,21 @@ double seconds_since(std::chrono::steady_clock::time_point began) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
 }
 
-/// Of an end that is no answer under this solver's tolerances.
+/// Of ends that are no answers under this solver's tolerances, but for those by which no step is
+/// found.
+constexpr std::pair<End, SolveStatus> kStatuses[] = {
+    {End::max_iterations, SolveStatus::max_iterations},
+    {End::time_limit, SolveStatus::time_limit},
+    {End::infeasible, SolveStatus::infeasible},
+    {End::no_factorization, SolveStatus::regularization_limit},
+    {End::diverging, SolveStatus::diverged},
+    {End::not_finite, SolveStatus::diverged},
+};
+
 SolveStatus status_of(End end) {
-  switch (end) {
-    case End::max_iterations:
-      return SolveStatus::max_iterations;
-    case End::time_limit:
-      return SolveStatus::time_limit;
-    case End::infeasible:
-      return SolveStatus::infeasible;
-    case End::no_factorization:
-      return SolveStatus::regularization_limit;
-    case End::diverging:
-    case End::not_finite:
-      return SolveStatus::diverged;
-    default:
-      return SolveStatus::line_search_failed;
-  }
+  const auto* found = std::find_if(std::begin(kStatuses), std::end(kStatuses),
+                                   [&](const auto& entry) { return entry.first == end; });
+  return found == std::end(kStatuses) ? SolveStatus::line_search_failed : found->second;
 }
 
 bool wants_limited_memory(const IpoptOptions& options) {
