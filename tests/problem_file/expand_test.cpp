@@ -199,6 +199,7 @@ costs:
     rows: [far*tip.z - t, "[drag(flow.vx), u[slider]]"]
     reference: =[1, 2, 3]
     activation: linear
+  plain: {residual: expression, rows: "q[slider]"}
 constraints: {power: {residual: expression, rows: {power: "u[slider]*v[slider]"}, upper: =far}}
 terminal:
   costs: {end: {residual: expression, rows: "v[hinge]", weights: 2}}
