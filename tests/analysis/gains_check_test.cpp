@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "analysis/certificate/node_hessians.hpp"
 #include "analysis/certificate/reduced_gradient.hpp"
 #include "support/constrained_problems.hpp"
 #include "support/linear_quadratic.hpp"
@@ -69,10 +70,12 @@ struct OpenTrajectory {
   }
   std::string failures(const SolutionClaims& claims) const {
     std::string names;
-    for (const Check& check : check_gains(*lq.problem, claims, derivatives, gap))
+    for (const Check& check : check_gains(*lq.problem, claims, derivatives, hessians(), gap))
       if (!check.holds) names += "[" + check.name + "]";
     return names;
   }
+
+  std::vector<Eigen::MatrixXd> hessians() const { return gauss_newton_hessians(*lq.problem, t); }
 
   LinearQuadratic lq;
   Trajectory t;
@@ -123,7 +126,9 @@ TEST(GainsOfASweep, AreNotComparedWhereTheAnswerDoesNotSayHowTheyWereFound) {
   const OpenTrajectory at(3);
   const TextbookSweep sweep(at.lq, at.t, at.gap);
   const auto count = [&](double mu, RegularizationKind kind) {
-    return check_gains(*at.lq.problem, at.claims(sweep, mu, kind), at.derivatives, at.gap).size();
+    return check_gains(*at.lq.problem, at.claims(sweep, mu, kind), at.derivatives, at.hessians(),
+                       at.gap)
+        .size();
   };
   EXPECT_EQ(count(0, kProximal), 2u);
   EXPECT_EQ(count(SolutionClaims::kOpen, kProximal), 0u);
@@ -132,7 +137,8 @@ TEST(GainsOfASweep, AreNotComparedWhereTheAnswerDoesNotSayHowTheyWereFound) {
   const ShootingProblem constrained = testing::with_constraints(
       *at.lq.problem, {testing::goal_constraint(*at.lq.problem, {0, 0, 0})});
   EXPECT_TRUE(
-      check_gains(constrained, SolutionClaims(constrained), at.derivatives, at.gap).empty());
+      check_gains(constrained, SolutionClaims(constrained), at.derivatives, at.hessians(), at.gap)
+          .empty());
 }
 
 TEST(GainsOfASweep, OfControlsThatEndAtABoundMayBeZero) {
@@ -152,11 +158,12 @@ TEST(GainsOfASweep, OfControlsThatEndAtABoundMayBeZero) {
       claims.feedforward = {Eigen::VectorXd::Constant(1, step)};
       claims.gain_regularization = 0;
       const auto derivatives = node_derivatives(*bounded.problem, t, gap);
-      for (const Check& check : check_gains(*bounded.problem, claims, derivatives, gap))
+      const auto hessians = gauss_newton_hessians(*bounded.problem, t);
+      for (const Check& check : check_gains(*bounded.problem, claims, derivatives, hessians, gap))
         EXPECT_EQ(check.holds, step == 0.25) << check.name;
       claims.gains = sweep.K;
       claims.feedforward = sweep.k;
-      for (const Check& check : check_gains(*bounded.problem, claims, derivatives, gap))
+      for (const Check& check : check_gains(*bounded.problem, claims, derivatives, hessians, gap))
         EXPECT_TRUE(check.holds) << check.name;
     }
 }
@@ -194,7 +201,8 @@ TEST(RiccatiPolicy, IsThatOfTheTextbookWhereControlsAreFree) {
   for (unsigned seed = 1; seed <= 4; ++seed) {
     const OpenTrajectory at(seed);
     const TextbookSweep sweep(at.lq, at.t, at.gap);
-    const RiccatiPolicy policy = riccati_policy(*at.lq.problem, at.t, at.derivatives);
+    const RiccatiPolicy policy =
+        riccati_policy(*at.lq.problem, at.t, at.derivatives, at.hessians());
     EXPECT_TRUE(policy.convex);
     double decrease = 0;
     std::vector<Eigen::VectorXd> gradient;
@@ -228,7 +236,8 @@ TEST(RiccatiPolicy, LeavesControlsAtTheirBoundsOut) {
   phases[0].model = held;
   const ShootingProblem bounded(at.lq.problem->initial_state(), std::move(phases),
                                 at.lq.problem->terminal());
-  const RiccatiPolicy policy = riccati_policy(bounded, t, node_derivatives(bounded, t, at.gap));
+  const RiccatiPolicy policy = riccati_policy(bounded, t, node_derivatives(bounded, t, at.gap),
+                                              gauss_newton_hessians(bounded, t));
   const TextbookSweep sweep(reduced, t, at.gap);
   for (int k = 0; k < at.lq.N(); ++k) EXPECT_LT((policy.K[k] - sweep.K[k]).norm(), 1e-10) << k;
   for (int k = 0; k < 3; ++k) {
@@ -245,7 +254,8 @@ TEST(RiccatiPolicy, SaysWhereAStageHasNoMinimum) {
                                 Integrator::discrete, 2, 1, {0}, {{1}, {0}, {0}, {0}, false});
   const Trajectory t = problem.create_trajectory();
   const RiccatiPolicy policy =
-      riccati_policy(problem, t, node_derivatives(problem, t, Eigen::MatrixXd::Zero(1, 2)));
+      riccati_policy(problem, t, node_derivatives(problem, t, Eigen::MatrixXd::Zero(1, 2)),
+                     gauss_newton_hessians(problem, t));
   EXPECT_FALSE(policy.convex);
   EXPECT_EQ(policy.K[0](0, 0), 0);
   EXPECT_TRUE(std::isnan(policy.decrease({one.col(0), one.col(0)})));

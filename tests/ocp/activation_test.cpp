@@ -12,9 +12,9 @@ namespace {
 
 constexpr int kComponents = 3;
 
-constexpr ActivationKind kActivations[] = {ActivationKind::quadratic,
-                                           ActivationKind::quadratic_barrier,
-                                           ActivationKind::smooth_l1, ActivationKind::smooth_l2};
+constexpr ActivationKind kActivations[] = {
+    ActivationKind::quadratic, ActivationKind::quadratic_barrier, ActivationKind::smooth_l1,
+    ActivationKind::smooth_l2, ActivationKind::linear};
 
 Activation activation_of(ActivationKind kind, bool weighted) {
   Activation a{.kind = kind, .epsilon = 0.3};
@@ -43,6 +43,9 @@ double written_out(const Activation& a, const std::vector<double>& r) {
         break;
       case ActivationKind::smooth_l2:
         sum += w * r[i] * r[i];
+        break;
+      case ActivationKind::linear:
+        sum += w * r[i];
         break;
     }
   }

@@ -131,7 +131,11 @@ TEST(Iterate, WhatIsNotFiniteEndsTheSolveWithTheIterateBeforeTheStep) {
     Standing at;
     at.iterate.differentiate(Feedback(at.problem), nullptr);
     at.iterate.before = constant_controls(at.problem, -2);
-    at.record.row.iteration = first ? 0 : 4;
+    if (!first) {
+      at.record.row.iteration = 3;
+      at.record.log_row();
+      at.record.row.iteration = 4;
+    }
     at.iterate.linearization.cost[3] = std::numeric_limits<double>::quiet_NaN();
     at.iterate.differentiated = true;
     at.iterate.differentiate(Feedback(at.problem), nullptr);
@@ -145,6 +149,7 @@ TEST(Iterate, WhatIsNotFiniteEndsTheSolveWithTheIterateBeforeTheStep) {
               first ? "the cost of knot 3 is not finite at the start"
                     : "the cost of knot 3 is not finite after the last step, which is taken back");
     EXPECT_EQ(at.iterate.trajectory.u(0)[0], first ? 1.5 : -2);
+    EXPECT_EQ(at.record.row.iteration, first ? 0 : 3) << "the step does not count";
   }
 }
 

@@ -22,7 +22,7 @@ struct ParabolaSearch {
         trajectory(random_guess(problem, 3)),
         adjoint(problem, bounds),
         sweep(problem, bounds),
-        policy(unconstrained_stage(problem)),
+        stages(unconstrained_stage(problem)),
         feedback(problem),
         rollout(problem, bounds),
         search(problem, options),
@@ -31,7 +31,7 @@ struct ParabolaSearch {
     EXPECT_EQ(evaluator.simulate(trajectory), -1);
     evaluator.differentiate(trajectory, linearization);
     gaps.set(linearization, false);
-    EXPECT_EQ(sweep.run(linearization, trajectory, gaps, {}, *policy, feedback), -1);
+    EXPECT_EQ(sweep.run(linearization, trajectory, gaps, {}, *stages, feedback), -1);
     adjoint.compute(linearization, trajectory, gaps, feedback);
     rollout.run(linearization, trajectory, gaps, feedback, false);
     most = lq.cost(trajectory) - lq.cost(lq.dense_optimum());
@@ -59,7 +59,7 @@ struct ParabolaSearch {
   Trajectory trajectory;
   Adjoint adjoint;
   BackwardSweep sweep;
-  std::unique_ptr<StagePolicy> policy;
+  std::unique_ptr<StageSolver> stages;
   Feedback feedback;
   LinearRollout rollout;
   LineSearch search;

@@ -52,7 +52,10 @@ bool Iterate::is_finite() const {
 bool Iterate::end_diverged() {
   const NonFinite where = find_non_finite(linearization).value_or(NonFinite{0, "co-state"});
   const bool first = record_.row.iteration == 0;
-  if (!first) trajectory = before;
+  if (!first) {
+    trajectory = before;
+    record_.row.iteration = record_.result.log.back().iteration;  // the step does not count
+  }
   linearized = false;
   record_.result.failed_knot = where.knot;
   record_.result.failed_quantity = where.quantity;
