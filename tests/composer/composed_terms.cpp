@@ -11,6 +11,7 @@ namespace {
 bool needs_reference(const ResidualDefinition& residual) {
   return residual.reference->needed != ReferenceForm::Needed::kNever;
 }
+constexpr std::string_view kExpression = "expression";
 bool is_of_soles(const ResidualDefinition& residual) {
   return residual.name == "wrench_cone" || residual.name == "center_of_pressure";
 }
@@ -30,6 +31,20 @@ void add_softness(Softness softness, RandomNumbers& random, Entries& keys) {
   keys.push_back("weight: " + number_text(between_powers(0.1, 100, random)));
 }
 
+/// The columns of a body as expressions name them: `q/knee` is `q[knee]`. Poses have other names.
+Entries names_in_expressions(const ComposedBody& body) {
+  Entries names;
+  for (const std::string& column : body.columns) {
+    const std::size_t slash = column.find('/');
+    const bool several = slash != column.npos && column.find('/', slash + 1) != column.npos;
+    if (slash == column.npos)
+      names.push_back(column);
+    else if (!several && !column.starts_with("base/"))
+      names.push_back(column.substr(0, slash) + '[' + column.substr(slash + 1) + ']');
+  }
+  return names;
+}
+
 bool TermComposer::can(const ResidualDefinition& residual, bool terminal) const {
   if (residual.needs.robot && !body_.robot) return false;
   if (terminal && residual.needs.control) return false;
@@ -37,6 +52,7 @@ bool TermComposer::can(const ResidualDefinition& residual, bool terminal) const 
   if (residual.needs.shapes && body_.shapes.empty()) return false;
   if (residual.needs.chosen_start) return grid_.choice;
   if (residual.needs.previous_control) return !grid_.choice && !grid_.impulse && !body_.stepping;
+  if (residual.name == kExpression) return !names_in_expressions(body_).empty();
   if (residual.has("rows") && body_.columns.empty()) return false;
   if (!residual.of_contacts()) return true;
   if (terminal)
@@ -74,7 +90,15 @@ TermComposer::Selection TermComposer::select(const ResidualDefinition& residual,
     if (selection.contacts.size() < grid_.contacts.size() || random_.chance(0.3))
       keys.push_back("contacts: " + flow_list(selection.contacts));
   }
-  if (residual.has("rows")) {
+  if (residual.name == kExpression) {
+    const Entries names = names_in_expressions(body_);
+    Entries rows;
+    for (int i = random_.index(2); i >= 0; --i)
+      rows.push_back(in_quotes(
+          fmt::format("{}*{} + sin({})", number(2), pick(names, random_), pick(names, random_))));
+    selection.rows = static_cast<int>(rows.size());
+    keys.push_back("rows: " + flow_list(rows));
+  } else if (residual.has("rows")) {
     Entries rows;
     for (int i = random_.index(2); i >= 0; --i) {
       Entries row;
@@ -96,6 +120,7 @@ std::optional<std::string> TermComposer::reference_value(const ResidualDefinitio
                                                          const Selection& selection) {
   const auto three = [&] { return flow_list(random_numbers(3, 0.6, random_)); };
   const ReferenceForm* form = residual.reference;
+  if (residual.name == kExpression) return flow_list(random_numbers(selection.rows, 0.6, random_));
   if (form == &kStateReference) {
     if (!selection.names.empty()) return flow_list(random_numbers(selection.rows, 0.6, random_));
     if (body_.columns.empty() || random_.chance(0.4)) return "initial";

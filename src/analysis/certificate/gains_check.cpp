@@ -55,7 +55,7 @@ Deviation compare(const ShootingProblem& problem, const SolutionClaims& claims,
   VectorXd v = derivatives[N].cost;
   // What rounding may have made of V and v, carried along the policy as they are.
   MatrixXd V_error = MatrixXd::Zero(ndx, ndx);
-  VectorXd v_error = VectorXd::Zero(ndx);
+  MatrixXd v_error = MatrixXd::Zero(ndx, ndx);  // squared, as a covariance is
   Deviation out;
   for (int k = N - 1; k >= 0; --k) {
     const MatrixXd& J = derivatives[k].step;
@@ -88,7 +88,8 @@ Deviation compare(const ShootingProblem& problem, const SolutionClaims& claims,
       const MatrixXd terms = Quu.cwiseAbs() * K.cwiseAbs() + Qux.cwiseAbs();
       const MatrixXd J_carried = J_u.transpose() * carried;
       const VectorXd step_carried =
-          J_u.transpose().cwiseAbs() * v_error + (J_u.transpose() * V_error * move).cwiseAbs();
+          (J_u.transpose() * v_error * J_u).diagonal().cwiseMax(0).cwiseSqrt() +
+          (J_u.transpose() * V_error * move).cwiseAbs();
       const std::vector<bool> held = held_controls(problem, claims, k);
       for (int i = 0; i < nu; ++i) {
         if (held[i]) continue;
@@ -110,14 +111,16 @@ Deviation compare(const ShootingProblem& problem, const SolutionClaims& claims,
             .eval();
     V = (0.5 * (V + V.transpose())).eval();
     const MatrixXd K_size = K.cwiseAbs();
-    const double V_terms = (Q_size.topLeftCorner(ndx, ndx) +
-                            K_size.transpose() * Q_size.bottomRightCorner(nu, nu) * K_size)
-                               .maxCoeff();
+    const MatrixXd V_terms = Q_size.topLeftCorner(ndx, ndx) +
+                             K_size.transpose() * Q_size.bottomRightCorner(nu, nu) * K_size;
     const VectorXd v_terms = q_size.head(ndx) + K_size.transpose() * q_size.tail(nu);
-    v_error = (closed_loop.cwiseAbs2().transpose() * v_error.cwiseAbs2()).cwiseSqrt() +
-              (closed_loop.transpose() * V_error * move).cwiseAbs() + kGainRounding * v_terms;
+    v_error = (closed_loop.transpose() * v_error * closed_loop).eval();
+    v_error.diagonal() +=
+        ((closed_loop.transpose() * V_error * move).cwiseAbs() + kGainRounding * v_terms)
+            .cwiseAbs2();
     V_error = closed_loop.transpose() * carried;
-    V_error.diagonal().array() += kGainRounding * V_terms;
+    // A diagonal that no rounding of the entries exceeds in any direction (Gershgorin).
+    V_error.diagonal() += kGainRounding * V_terms.rowwise().sum();
   }
   return out;
 }

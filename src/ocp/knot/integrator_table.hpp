@@ -11,7 +11,6 @@ namespace conddp {
 /// kIntegrators each.
 enum class Integrator {
   none,
-  discrete,
   impulse,
   semi_implicit_euler,
   explicit_euler,
@@ -19,7 +18,8 @@ enum class Integrator {
   rk3,
   rk4,
   trapezoidal,
-  hermite_simpson
+  hermite_simpson,
+  discrete
 };
 
 /// An explicit Runge-Kutta rule: stage i starts at Σ a_ij k_j, the step is Σ b_i k_i. On curved
@@ -56,8 +56,6 @@ struct IntegratorInfo {
 /// from here.
 inline constexpr IntegratorInfo kIntegrators[] = {
     {Integrator::none, "", "", StepKind::none},
-    {Integrator::discrete, "discrete",
-     "none: of systems that give the next state themselves (linear, car)", StepKind::given},
     {Integrator::impulse, "", "", StepKind::impulse},
     {Integrator::semi_implicit_euler, "semi_implicit_euler",
      "the next velocity from the acceleration, then the next position from it; first order, stable "
@@ -101,7 +99,9 @@ inline constexpr IntegratorInfo kIntegrators[] = {
      StepKind::collocation,
      4,
      {},
-     LobattoRule::hermite_simpson}};
+     LobattoRule::hermite_simpson},
+    {Integrator::discrete, "discrete",
+     "none: of systems that give the next state themselves (linear, car)", StepKind::given}};
 
 constexpr const IntegratorInfo& info_of(Integrator integrator) {
   return kIntegrators[static_cast<int>(integrator)];
