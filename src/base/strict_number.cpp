@@ -50,4 +50,12 @@ ParsedNumber parse_number(std::string_view text) {
   return {value, {}};
 }
 
+std::optional<int> parse_count(std::string_view text) {
+  int value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || value < 0 || text[0] == '-')
+    return std::nullopt;
+  return value;
+}
+
 }  // namespace conddp

@@ -16,4 +16,7 @@ struct ParsedNumber {
 /// leading zeros (YAML 1.1 would read 010 as 8), no inf or nan, nothing behind the number.
 ParsedNumber parse_number(std::string_view text);
 
+/// A whole number of digits alone that fits an int; nothing else.
+std::optional<int> parse_count(std::string_view text);
+
 }  // namespace conddp

@@ -30,5 +30,13 @@ TEST(StrictNumber, SaysWhy) {
   EXPECT_EQ(parse_number("x").defect, "'x' is not a number");
 }
 
+TEST(ParseCount, TakesDigitsAloneThatFitAnInt) {
+  EXPECT_EQ(parse_count("0"), 0);
+  EXPECT_EQ(parse_count("1001"), 1001);
+  EXPECT_EQ(parse_count("2147483647"), 2147483647);
+  for (const char* text : {"", "-0", "-1", "+1", " 1", "1 ", "1x", "x", "1.0", "2147483648"})
+    EXPECT_FALSE(parse_count(text)) << text;
+}
+
 }  // namespace
 }  // namespace conddp

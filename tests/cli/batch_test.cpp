@@ -214,6 +214,33 @@ TEST_F(Batch, AShardWithoutAnIndexOrBeyondTheLastIsAnError) {
     EXPECT_EQ(run(folder, {"--shard", shard}).exit_code, 2) << shard;
 }
 
+TEST_F(Batch, AnOptionThatMeansNothingToAnActionIsAnError) {
+  const std::string folder = planned("options");
+  const std::pair<Words, const char*> cases[] = {
+      {{"run", folder, "--dry-run"}, "'run' has no --dry-run"},
+      {{"plan", folder, "--partition", "p"}, "'plan' has no --partition"},
+      {{"retry", folder, "failed", "--time", "5m"}, "'retry' has no --time"},
+      {{"status", folder, "--shards", "3"}, "'status' has no --shards"},
+      {{"run", folder, "--shards", "3"}, "the plan of this run says how many shards there are"}};
+  for (const auto& [words, message] : cases) {
+    Words all = {"batch"};
+    all.insert(all.end(), words.begin(), words.end());
+    const ProcessResult r = run_conddp(all);
+    EXPECT_EQ(r.exit_code, 2) << message;
+    EXPECT_NE(r.err.find(message), std::string::npos) << r.err;
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder + "/shards"));
+}
+
+TEST_F(Batch, AShardIsTriedAgainByItself) {
+  const std::string folder = planned("retry");
+  const std::string variable = "CONDDP_BATCH_FAULT=crash:" + ids(folder)[4];
+  EXPECT_EQ(run(folder, {}, {.environment = {variable}}).exit_code, 1);
+  const ProcessResult other = run_conddp({"batch", "retry", folder, "failed", "--shard", "1/2"});
+  EXPECT_EQ(run_conddp({"batch", "status", folder}).exit_code, 0) << other.err;
+  EXPECT_TRUE(std::filesystem::exists(folder + "/shards/1of2.jsonl"));
+}
+
 /// Without the programs of Slurm, whatever this machine has.
 const ProcessOptions kWithoutCluster = {.environment = {"PATH=/nowhere"}};
 
@@ -253,6 +280,9 @@ warm_start: neighbour
   const std::string expected = collected(undisturbed);
   EXPECT_GT(std::count(expected.begin(), expected.end(), '\n'), 80);
   EXPECT_NE(expected.find(",warm,"), std::string::npos) << expected.substr(0, 500);
+  // Solutions say where they started.
+  const std::string parent = "the answer of item " + ids(undisturbed)[0];
+  EXPECT_NE(read_file(undisturbed + "/shards/1of1.solutions").find(parent), std::string::npos);
   int number = 0;
   for (const int shards : {1, 3})
     for (const int kill_after_us : {60'000, 120'000}) {

@@ -1,7 +1,5 @@
 #include "arguments/batch_arguments.hpp"
 
-#include <charconv>
-
 #include <fmt/format.h>
 
 #include "base/strict_number.hpp"
@@ -18,14 +16,6 @@ ArgumentCheck parsed_by(Parse parse, const std::string& expected) {
 
 constexpr const char* kAutoShard = "auto";
 
-std::optional<int> positive_number(const std::string& text) {
-  int number = 0;
-  const char* end = text.data() + text.size();
-  const auto parsed = std::from_chars(text.data(), end, number);
-  if (parsed.ec != std::errc() || parsed.ptr != end || number < 1) return std::nullopt;
-  return number;
-}
-
 }  // namespace
 
 std::optional<ShardWords> parse_shard(const std::string& text) {
@@ -33,10 +23,10 @@ std::optional<ShardWords> parse_shard(const std::string& text) {
   const std::size_t slash = text.find('/');
   if (slash == std::string::npos) return std::nullopt;
   const std::string first = text.substr(0, slash);
-  const auto index = positive_number(first), count = positive_number(text.substr(slash + 1));
-  if (!count) return std::nullopt;
+  const auto index = parse_count(first), count = parse_count(text.substr(slash + 1));
+  if (!count || *count < 1) return std::nullopt;
   if (first == kAutoShard) return ShardWords{.count = count};
-  if (!index || *index > *count) return std::nullopt;
+  if (!index || *index < 1 || *index > *count) return std::nullopt;
   return ShardWords{*index - 1, count};
 }
 
@@ -50,6 +40,29 @@ std::optional<double> parse_duration(std::string text) {
   return *number * unit;
 }
 
+namespace {
+
+/// An option that means nothing to this action.
+std::string misplaced_option(const BatchArguments& arguments) {
+  const bool submits = arguments.action == "submit";
+  const struct {
+    const char* name;
+    bool given, belongs;
+  } options[] = {
+      {"--dry-run", arguments.dry_run, submits},
+      {"--partition", !arguments.partition.empty(), submits},
+      {"--time", !arguments.time.empty(), submits},
+      {"--shards", arguments.shards > 0,
+       submits || arguments.action == "plan" || arguments.action == "run"},
+  };
+  for (const auto& option : options)
+    if (option.given && !option.belongs)
+      return fmt::format("'{}' has no {}", arguments.action, option.name);
+  return {};
+}
+
+}  // namespace
+
 std::string misuse(const BatchArguments& arguments) {
   const bool retries = arguments.action == "retry", shows = arguments.action == "show";
   if (retries && arguments.word != kRetryFailed && arguments.word != kRetryTimeout)
@@ -57,7 +70,7 @@ std::string misuse(const BatchArguments& arguments) {
   if (shows && arguments.word.empty()) return "say which item to show: its id";
   if (!retries && !shows && !arguments.word.empty())
     return fmt::format("'{}' is too much: '{}' takes one path", arguments.word, arguments.action);
-  return {};
+  return misplaced_option(arguments);
 }
 
 const char* const kBatchDetails =

@@ -125,8 +125,12 @@ std::optional<Shard> shard_of(const BatchArguments& arguments, const Manifest& m
   return std::nullopt;
 }
 
-BatchOptions options_of(const BatchArguments& arguments) {
-  BatchOptions options{.workers = arguments.jobs, .group = arguments.group};
+/// Reports a share that cannot be told.
+std::optional<BatchOptions> options_of(const BatchArguments& arguments, const Manifest& manifest,
+                                       Diagnostics& out) {
+  const auto shard = shard_of(arguments, manifest, out);
+  if (!shard) return std::nullopt;
+  BatchOptions options{.workers = arguments.jobs, .group = arguments.group, .shard = *shard};
   if (options.workers == 0)
     options.workers = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   if (!arguments.budget.empty()) options.budget_s = *parse_duration(arguments.budget);
@@ -144,7 +148,10 @@ std::string summary(const BatchProgress& p) {
 
 /// Solves a few items, spread over all, and says what the others will take.
 int run_pilot(const fs::path& run, const Manifest& manifest, const BatchArguments& arguments) {
-  BatchOptions options = options_of(arguments);
+  Diagnostics diagnostics;
+  auto wanted_options = options_of(arguments, manifest, diagnostics);
+  if (!wanted_options) return give_up(diagnostics);
+  BatchOptions& options = *wanted_options;
   const std::size_t count = manifest.items.size();
   const std::size_t wanted = std::min<std::size_t>(count, arguments.pilot);
   options.only.emplace();
@@ -217,12 +224,13 @@ int run_plan_or_folder(const BatchArguments& arguments) {
       is_folder ? load_manifest(run, true, diagnostics) : make_plan(arguments, run, diagnostics);
   if (!manifest || !fits_run_folder(*manifest, run, arguments.any_build, diagnostics))
     return give_up(diagnostics);
-  const auto shard = shard_of(arguments, *manifest, diagnostics);
-  if (!shard) return give_up(diagnostics);
+  if (is_folder && arguments.shards > 0)
+    diagnostics.error({}, "the plan of this run says how many shards there are",
+                      "divide it otherwise by --shard I/N");
+  const auto options = options_of(arguments, *manifest, diagnostics);
+  if (!options || diagnostics.has_errors()) return give_up(diagnostics);
   print_messages(diagnostics, Verbosity::kNormal);
-  BatchOptions options = options_of(arguments);
-  options.shard = *shard;
-  const BatchProgress progress = run_items(run, *manifest, options);
+  const BatchProgress progress = run_items(run, *manifest, *options);
   if (!is_folder) write_tables(run, *manifest);
   print_result(summary(progress));
   return exit_code(progress);
@@ -269,12 +277,13 @@ int retry_items(const BatchArguments& arguments) {
   const auto manifest = load_manifest(run, true, diagnostics);
   if (!manifest || !fits_run_folder(*manifest, run, arguments.any_build, diagnostics))
     return give_up(diagnostics);
-  BatchOptions options = options_of(arguments);
-  options.only =
+  auto options = options_of(arguments, *manifest, diagnostics);
+  if (!options) return give_up(diagnostics);
+  options->only =
       failed_items(*manifest, load_results(run),
                    arguments.word == kRetryTimeout ? FailureKind::kTimeout : FailureKind::kAny);
-  options.again = true;
-  const BatchProgress progress = run_items(run, *manifest, options);
+  options->again = true;
+  const BatchProgress progress = run_items(run, *manifest, *options);
   print_result(summary(progress));
   return exit_code(progress);
 }

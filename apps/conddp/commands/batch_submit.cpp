@@ -10,6 +10,7 @@
 
 #include "base/atomic_file.hpp"
 #include "base/shell_words.hpp"
+#include "base/strict_number.hpp"
 #include "batch/cluster/program.hpp"
 #include "batch/cluster/slurm_job.hpp"
 #include "batch/plan/run_folder.hpp"
@@ -45,12 +46,7 @@ std::optional<int> most_submitted() {
       run_program({"sacctmgr", "--noheader", "--parsable2", "list", "associations", "where",
                    "user=" + user_name(), "format=maxsubmitjobs"});
   if (end.exit_status != 0) return std::nullopt;
-  std::optional<int> most;
-  for (const char c : first_line(end.out)) {
-    if (c < '0' || c > '9') return std::nullopt;
-    most = 10 * most.value_or(0) + (c - '0');
-  }
-  return most;
+  return parse_count(first_line(end.out));
 }
 
 /// What the cluster says about itself; nothing where there is none.

@@ -4,7 +4,6 @@
 #include <csignal>
 #include <cstring>
 
-#include <fcntl.h>
 #include <poll.h>
 #include <spawn.h>
 #include <sys/wait.h>
@@ -13,34 +12,12 @@
 #include <fmt/format.h>
 
 #include "base/write_all.hpp"
+#include "batch/run/pipe.hpp"
 
 extern char** environ;
 
 namespace conddp {
 namespace {
-
-/// A pipe whose ends close with it, and which programs started later do not inherit.
-class OwnPipe {
- public:
-  OwnPipe() {
-    if (::pipe2(ends_, O_CLOEXEC) != 0) ends_[0] = ends_[1] = -1;
-  }
-  ~OwnPipe() {
-    close(0);
-    close(1);
-  }
-  OwnPipe(const OwnPipe&) = delete;
-  OwnPipe& operator=(const OwnPipe&) = delete;
-  int read_end() const { return ends_[0]; }
-  int write_end() const { return ends_[1]; }
-  void close(int end) {
-    if (ends_[end] >= 0) ::close(ends_[end]);
-    ends_[end] = -1;
-  }
-
- private:
-  int ends_[2];
-};
 
 /// Reads what there is; false at the end.
 bool read_piece(int descriptor, std::string& text) {
@@ -65,7 +42,7 @@ void read_both(int out, int err, ProgramEnd& end) {
 }  // namespace
 
 ProgramEnd run_program(const std::vector<std::string>& words, std::string_view input) {
-  OwnPipe in, out, err;
+  Pipe in, out, err;
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_adddup2(&actions, in.read_end(), 0);
@@ -83,14 +60,14 @@ ProgramEnd run_program(const std::vector<std::string>& words, std::string_view i
     end.err = fmt::format("'{}' cannot be started: {}", words.front(), std::strerror(error));
     return end;
   }
-  in.close(0);
-  out.close(1);
-  err.close(1);
+  in.close_read_end();
+  out.close_write_end();
+  err.close_write_end();
   // A program that reads nothing may be gone already.
   const auto former = std::signal(SIGPIPE, SIG_IGN);
   write_all(in.write_end(), input);
   std::signal(SIGPIPE, former);
-  in.close(1);
+  in.close_write_end();
   read_both(out.read_end(), err.read_end(), end);
   int status = 0;
   while (::waitpid(process, &status, 0) < 0 && errno == EINTR) {

@@ -1,26 +1,19 @@
 #include "batch/cluster/slurm_job.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "base/shell_words.hpp"
+#include "base/strict_number.hpp"
 
 namespace conddp {
 namespace {
 
 /// How long before its time limit an element is told: Slurm may send the signal a minute earlier.
 constexpr double kLeastLead = 10, kMostLead = 90, kLeadShare = 0.2;
-
-std::optional<int> number(std::string_view text) {
-  int value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
 
 std::string_view trimmed(std::string_view text) {
   const std::size_t first = text.find_first_not_of(" \t\r\n");
@@ -82,7 +75,7 @@ int SlurmLimits::most_shards() const {
 
 SlurmLimits parse_slurm_config(std::string_view text) {
   SlurmLimits limits;
-  limits.array_size = number(value_of(text, "MaxArraySize")).value_or(limits.array_size);
+  limits.array_size = parse_count(value_of(text, "MaxArraySize")).value_or(limits.array_size);
   const std::string_view storage = value_of(text, "AccountingStorageType");
   limits.has_accounting = !storage.empty() && storage.find("none") == std::string_view::npos;
   return limits;
@@ -93,7 +86,7 @@ std::optional<double> parse_slurm_time(std::string_view text) {
   double days = 0;
   const std::size_t dash = text.find('-');
   if (dash != std::string_view::npos) {
-    const auto count = number(text.substr(0, dash));
+    const auto count = parse_count(text.substr(0, dash));
     if (!count) return std::nullopt;
     days = *count;
     text.remove_prefix(dash + 1);
@@ -101,7 +94,7 @@ std::optional<double> parse_slurm_time(std::string_view text) {
   std::vector<int> parts;
   for (std::size_t start = 0; start <= text.size();) {
     const std::size_t end = std::min(text.find(':', start), text.size());
-    const auto part = number(text.substr(start, end - start));
+    const auto part = parse_count(text.substr(start, end - start));
     if (!part || parts.size() == 3) return std::nullopt;
     parts.push_back(*part);
     start = end + 1;

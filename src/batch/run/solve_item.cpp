@@ -46,6 +46,14 @@ OrderedJson answer_of(const OrderedJson& document, const SolutionCertificate& ce
   return answer;
 }
 
+/// That a solve started from the answer of another item, and not from the guess of its problem.
+void name_neighbour(const std::string& id, const SolverInfo& solver, OrderedJson& document) {
+  OrderedJson& guess = document.at("initial_guess_used");
+  guess["states"] = guess["controls"] = "the answer of item " + id;
+  if (solver.constraints == ConstraintSupport::all) guess["multipliers"] = guess["states"];
+  guess["seed"] = nullptr;
+}
+
 bool is_kept(const ItemResult& result, KeptSolutions keep) {
   return keep == KeptSolutions::kAll || (keep == KeptSolutions::kConverged && result.success);
 }
@@ -77,6 +85,7 @@ SolvedItem solve_item(const ManifestItem& item, const Manifest& manifest,
   const double solved = seconds();
   OrderedJson document =
       solution_json({*instance->spec, instance->built, *solver, result, item.settings});
+  if (started.start == StartKind::kWarm) name_neighbour(item.parent, *solver, document);
   const SolutionCertificate certificate =
       certify_solution(document, *instance->spec, instance->built, false);
   SolvedItem out{{.id = item.id,

@@ -12,23 +12,12 @@
 #include <fmt/format.h>
 
 #include "base/atomic_file.hpp"
+#include "batch/run/pipe.hpp"
 
 extern char** environ;
 
 namespace conddp {
 namespace {
-
-/// Two ends of a pipe that processes started later do not inherit.
-struct Pipe {
-  int read = -1, write = -1;
-};
-
-Pipe make_pipe() {
-  int ends[2];
-  if (::pipe2(ends, O_CLOEXEC) != 0)
-    throw OutputError(fmt::format("no pipe to a worker: {}", std::strerror(errno)));
-  return {ends[0], ends[1]};
-}
 
 void do_not_block(int descriptor) {
   ::fcntl(descriptor, F_SETFL, ::fcntl(descriptor, F_GETFL) | O_NONBLOCK);
@@ -37,21 +26,19 @@ void do_not_block(int descriptor) {
 }  // namespace
 
 WorkerProcess::WorkerProcess(const std::vector<std::string>& command) {
-  const Pipe requests = make_pipe(), answers = make_pipe();
+  Pipe requests, answers;
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_adddup2(&actions, requests.read, 0);
-  posix_spawn_file_actions_adddup2(&actions, answers.write, 1);
+  posix_spawn_file_actions_adddup2(&actions, requests.read_end(), 0);
+  posix_spawn_file_actions_adddup2(&actions, answers.write_end(), 1);
   std::vector<char*> arguments;
   for (const std::string& word : command) arguments.push_back(const_cast<char*>(word.c_str()));
   arguments.push_back(nullptr);
   const int error =
       ::posix_spawn(&process_, arguments[0], &actions, nullptr, arguments.data(), environ);
   posix_spawn_file_actions_destroy(&actions);
-  ::close(requests.read);
-  ::close(answers.write);
-  input_ = requests.write;
-  output_ = answers.read;
+  input_ = requests.release_write_end();
+  output_ = answers.release_read_end();
   do_not_block(input_);
   do_not_block(output_);
   if (error == 0) return;
