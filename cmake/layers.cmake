@@ -3,6 +3,7 @@ set(CONDDP_LAYERS base spatial robot systems ocp nlp solvers analysis problem_fi
 
 # The folders of layers that have some, lowest first, with the same rule; "." is the layer's own
 # folder. scripts/check_layers reads all of these lists.
+set(CONDDP_base_FOLDERS . text files json)
 set(CONDDP_robot_FOLDERS . urdf)
 set(CONDDP_systems_FOLDERS . multibody contact expressions)
 set(CONDDP_ocp_FOLDERS terms residuals knot problem evaluation)

@@ -9,9 +9,9 @@
 
 #include "arguments/parser.hpp"
 #include "arguments/usage.hpp"
-#include "base/atomic_file.hpp"
+#include "base/files/atomic_file.hpp"
 #include "base/shared_library.hpp"
-#include "base/wrap_text.hpp"
+#include "base/text/wrap_text.hpp"
 #include "commands/batch_worker.hpp"
 #include "commands/commands.hpp"
 #include "conddp_version.hpp"

@@ -18,8 +18,8 @@
 // are written or, with an OutputError, none.
 #pragma once
 
-#include "base/atomic_file.hpp"
-#include "base/diagnostic.hpp"
+#include "base/files/atomic_file.hpp"
+#include "base/text/diagnostic.hpp"
 #include "conddp/conddp.hpp"
 #include "output/solution/solution.hpp"
 #include "output/solution/solution_json.hpp"

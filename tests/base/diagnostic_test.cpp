@@ -1,10 +1,10 @@
-#include "base/diagnostic.hpp"
+#include "base/text/diagnostic.hpp"
 
 #include <sstream>
 
 #include <gtest/gtest.h>
 
-#include "base/wrap_text.hpp"
+#include "base/text/wrap_text.hpp"
 
 namespace conddp {
 namespace {

@@ -1,4 +1,4 @@
-#include "base/source_text.hpp"
+#include "base/files/source_text.hpp"
 
 #include <fstream>
 
@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "base/sha256.hpp"
+#include "base/files/sha256.hpp"
 
 namespace conddp {
 namespace {

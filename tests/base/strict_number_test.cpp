@@ -1,4 +1,4 @@
-#include "base/strict_number.hpp"
+#include "base/text/strict_number.hpp"
 
 #include <limits>
 

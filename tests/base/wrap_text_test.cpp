@@ -1,4 +1,4 @@
-#include "base/wrap_text.hpp"
+#include "base/text/wrap_text.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 #include "batch/results/shard_file.hpp"
 
-#include "base/atomic_file.hpp"
+#include "base/files/atomic_file.hpp"
 #include "batch/results/collect.hpp"
 #include "batch_folder.hpp"
 

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "base/wrap_text.hpp"
+#include "base/text/wrap_text.hpp"
 #include "long_problem.hpp"
 #include "pseudo_terminal.hpp"
 

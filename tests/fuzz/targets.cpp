@@ -5,8 +5,8 @@
 #include <cstdlib>
 #include <string>
 
-#include "base/strict_number.hpp"
-#include "base/utf8.hpp"
+#include "base/text/strict_number.hpp"
+#include "base/text/utf8.hpp"
 #include "problem_file/build/build.hpp"
 #include "problem_file/build/build_problem.hpp"
 #include "problem_file/data/data_table.hpp"

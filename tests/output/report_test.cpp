@@ -1,4 +1,4 @@
-#include "base/solution_members.hpp"
+#include "base/json/solution_members.hpp"
 #include "output/report/motion_scene.hpp"
 #include "report_fixture.hpp"
 

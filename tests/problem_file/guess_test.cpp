@@ -3,7 +3,7 @@
 
 #include <unistd.h>
 
-#include "base/sha256.hpp"
+#include "base/files/sha256.hpp"
 #include "problem_text.hpp"
 
 namespace conddp {

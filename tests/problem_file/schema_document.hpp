@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "base/strict_number.hpp"
+#include "base/text/strict_number.hpp"
 #include "problem_file/yaml/yaml_source.hpp"
 #include "problem_text.hpp"
 

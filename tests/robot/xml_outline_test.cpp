@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "base/spelling.hpp"
+#include "base/text/spelling.hpp"
 
 namespace conddp {
 namespace {

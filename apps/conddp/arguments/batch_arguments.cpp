@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "base/strict_number.hpp"
+#include "base/text/strict_number.hpp"
 
 namespace conddp {
 namespace {

@@ -5,10 +5,10 @@
 
 #include <fmt/format.h>
 
-#include "base/source_text.hpp"
-#include "base/spelling.hpp"
-#include "base/text_file.hpp"
-#include "base/utf8.hpp"
+#include "base/files/source_text.hpp"
+#include "base/files/text_file.hpp"
+#include "base/text/spelling.hpp"
+#include "base/text/utf8.hpp"
 
 namespace conddp {
 namespace {

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "base/strict_number.hpp"
+#include "base/text/strict_number.hpp"
 
 namespace conddp {
 namespace {

@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 
 #include "analysis/comparison/random_instance.hpp"
-#include "base/spelling.hpp"
-#include "base/strict_number.hpp"
+#include "base/text/spelling.hpp"
+#include "base/text/strict_number.hpp"
 #include "solvers/strategies/registry.hpp"
 
 namespace conddp {

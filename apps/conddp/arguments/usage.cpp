@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "base/spelling.hpp"
+#include "base/text/spelling.hpp"
 
 namespace conddp {
 namespace {

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "arguments/command_words.hpp"
-#include "base/diagnostic.hpp"
+#include "base/text/diagnostic.hpp"
 
 namespace conddp {
 

@@ -8,9 +8,9 @@
 #include <fmt/format.h>
 
 #include "arguments/batch_arguments.hpp"
-#include "base/atomic_file.hpp"
-#include "base/json_text.hpp"
-#include "base/relative_paths.hpp"
+#include "base/files/atomic_file.hpp"
+#include "base/json/json_text.hpp"
+#include "base/json/relative_paths.hpp"
 #include "batch/cluster/array_index.hpp"
 #include "batch/plan/expand_plan.hpp"
 #include "batch/plan/run_folder.hpp"

@@ -8,9 +8,9 @@
 
 #include <fmt/format.h>
 
-#include "base/atomic_file.hpp"
-#include "base/shell_words.hpp"
-#include "base/strict_number.hpp"
+#include "base/files/atomic_file.hpp"
+#include "base/text/shell_words.hpp"
+#include "base/text/strict_number.hpp"
 #include "batch/cluster/program.hpp"
 #include "batch/cluster/slurm_job.hpp"
 #include "batch/plan/run_folder.hpp"

@@ -6,7 +6,7 @@
 
 #include "arguments/example_problems.hpp"
 #include "arguments/input_files.hpp"
-#include "base/spelling.hpp"
+#include "base/text/spelling.hpp"
 #include "output/bench/best_known.hpp"
 #include "problem_file/build/build_problem.hpp"
 #include "problem_file/build/problem_identity.hpp"

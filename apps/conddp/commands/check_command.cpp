@@ -1,6 +1,6 @@
 #include "arguments/problem_arguments.hpp"
 #include "arguments/shared_arguments.hpp"
-#include "base/json_text.hpp"
+#include "base/json/json_text.hpp"
 #include "commands/commands.hpp"
 #include "problem_file/build/build_problem.hpp"
 #include "problem_file/expand/expand_problem.hpp"

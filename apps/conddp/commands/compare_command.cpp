@@ -2,7 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "arguments/comparison_arguments.hpp"
-#include "base/json_document.hpp"
+#include "base/json/json_document.hpp"
 #include "commands/commands.hpp"
 #include "terminal/exit_codes.hpp"
 #include "terminal/messages.hpp"

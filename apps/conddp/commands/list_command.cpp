@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "base/wrap_text.hpp"
+#include "base/text/wrap_text.hpp"
 #include "commands/commands.hpp"
 #include "help/catalogue_lists.hpp"
 #include "terminal/exit_codes.hpp"

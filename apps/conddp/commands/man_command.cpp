@@ -1,6 +1,6 @@
 #include <filesystem>
 
-#include "base/atomic_file.hpp"
+#include "base/files/atomic_file.hpp"
 #include "commands/commands.hpp"
 #include "help/man_page.hpp"
 #include "terminal/exit_codes.hpp"

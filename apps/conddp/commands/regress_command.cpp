@@ -3,7 +3,7 @@
 #include "arguments/comparison_arguments.hpp"
 #include "arguments/input_files.hpp"
 #include "arguments/shared_arguments.hpp"
-#include "base/atomic_file.hpp"
+#include "base/files/atomic_file.hpp"
 #include "commands/commands.hpp"
 #include "output/bench/junit.hpp"
 #include "output/solution/golden_case.hpp"

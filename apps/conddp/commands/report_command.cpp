@@ -9,9 +9,9 @@
 #include <fmt/format.h>
 
 #include "arguments/shared_arguments.hpp"
-#include "base/atomic_file.hpp"
-#include "base/json_document.hpp"
-#include "base/solution_members.hpp"
+#include "base/files/atomic_file.hpp"
+#include "base/json/json_document.hpp"
+#include "base/json/solution_members.hpp"
 #include "commands/commands.hpp"
 #include "output/bench/bench_runs.hpp"
 #include "output/solution/solved_problem.hpp"

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "base/wrap_text.hpp"
+#include "base/text/wrap_text.hpp"
 #include "commands/commands.hpp"
 #include "help/embedded_schemas.hpp"
 #include "terminal/exit_codes.hpp"

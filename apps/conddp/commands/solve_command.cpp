@@ -7,7 +7,7 @@
 
 #include "arguments/problem_arguments.hpp"
 #include "arguments/shared_arguments.hpp"
-#include "base/atomic_file.hpp"
+#include "base/files/atomic_file.hpp"
 #include "commands/commands.hpp"
 #include "output/report/certificate_report.hpp"
 #include "output/report/solution_certificate.hpp"

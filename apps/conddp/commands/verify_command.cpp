@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include "arguments/shared_arguments.hpp"
-#include "base/json_document.hpp"
-#include "base/json_text.hpp"
-#include "base/solution_members.hpp"
+#include "base/json/json_document.hpp"
+#include "base/json/json_text.hpp"
+#include "base/json/solution_members.hpp"
 #include "commands/commands.hpp"
 #include "output/report/certificate_report.hpp"
 #include "output/report/contact_report.hpp"

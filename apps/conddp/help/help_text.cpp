@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "base/wrap_text.hpp"
+#include "base/text/wrap_text.hpp"
 #include "terminal/exit_codes.hpp"
 
 namespace conddp {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "analysis/certificate/derivative_check.hpp"
-#include "base/ordered_json.hpp"
+#include "base/json/ordered_json.hpp"
 #include "problem_file/build/build.hpp"
 
 namespace conddp {

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "base/wrap_text.hpp"
+#include "base/text/wrap_text.hpp"
 
 namespace conddp {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "base/json_text.hpp"
+#include "base/json/json_text.hpp"
 #include "robot/urdf/urdf.hpp"
 
 namespace conddp {

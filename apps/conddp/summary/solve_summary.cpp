@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "base/utf8.hpp"
+#include "base/text/utf8.hpp"
 #include "output/report/certificate_report.hpp"
 #include "output/report/contact_report.hpp"
 #include "output/solution/finding_report.hpp"

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "base/diagnostic.hpp"
+#include "base/text/diagnostic.hpp"
 
 namespace conddp {
 

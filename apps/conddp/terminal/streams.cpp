@@ -7,7 +7,7 @@
 
 #include <fcntl.h>
 
-#include "base/utf8.hpp"
+#include "base/text/utf8.hpp"
 
 namespace conddp {
 namespace {

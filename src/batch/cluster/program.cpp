@@ -11,7 +11,7 @@
 
 #include <fmt/format.h>
 
-#include "base/write_all.hpp"
+#include "base/files/write_all.hpp"
 #include "batch/run/pipe.hpp"
 
 extern char** environ;

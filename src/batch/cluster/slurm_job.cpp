@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "base/shell_words.hpp"
-#include "base/strict_number.hpp"
+#include "base/text/shell_words.hpp"
+#include "base/text/strict_number.hpp"
 
 namespace conddp {
 namespace {

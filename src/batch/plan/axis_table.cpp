@@ -5,10 +5,10 @@
 
 #include <fmt/format.h>
 
-#include "base/csv_line.hpp"
-#include "base/source_text.hpp"
-#include "base/spelling.hpp"
-#include "base/strict_number.hpp"
+#include "base/files/source_text.hpp"
+#include "base/text/csv_line.hpp"
+#include "base/text/spelling.hpp"
+#include "base/text/strict_number.hpp"
 
 namespace conddp {
 namespace {

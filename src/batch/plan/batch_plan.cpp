@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "base/source_text.hpp"
-#include "base/spelling.hpp"
+#include "base/files/source_text.hpp"
+#include "base/text/spelling.hpp"
 #include "problem_file/yaml/yaml_source.hpp"
 #include "solvers/strategies/registry.hpp"
 

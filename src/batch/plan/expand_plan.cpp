@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
-#include "base/relative_paths.hpp"
-#include "base/strict_number.hpp"
+#include "base/json/relative_paths.hpp"
+#include "base/text/strict_number.hpp"
 #include "batch/plan/neighbours.hpp"
 #include "problem_file/yaml/canonical_definition.hpp"
 

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "base/sha256.hpp"
+#include "base/files/sha256.hpp"
 #include "conddp_version.hpp"
 #include "problem_file/expand/expand_problem.hpp"
 #include "problem_file/yaml/canonical_definition.hpp"

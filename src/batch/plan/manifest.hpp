@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "base/ordered_json.hpp"
+#include "base/json/ordered_json.hpp"
 #include "batch/plan/batch_plan.hpp"
 #include "batch/plan/problem_family.hpp"
 

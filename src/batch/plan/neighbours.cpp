@@ -4,7 +4,7 @@
 #include <limits>
 #include <unordered_map>
 
-#include "base/strict_number.hpp"
+#include "base/text/strict_number.hpp"
 
 namespace conddp {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "base/atomic_file.hpp"
+#include "base/files/atomic_file.hpp"
 #include "base/shared_library.hpp"
 
 // Macros of the header call these on the way, which would link the library.

@@ -3,7 +3,7 @@
 #include <string>
 #include <string_view>
 
-#include "base/ordered_json.hpp"
+#include "base/json/ordered_json.hpp"
 
 namespace conddp {
 

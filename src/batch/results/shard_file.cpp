@@ -11,9 +11,9 @@
 
 #include <fmt/format.h>
 
-#include "base/atomic_file.hpp"
-#include "base/sha256.hpp"
-#include "base/write_all.hpp"
+#include "base/files/atomic_file.hpp"
+#include "base/files/sha256.hpp"
+#include "base/files/write_all.hpp"
 
 namespace conddp {
 namespace {

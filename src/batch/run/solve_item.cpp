@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "base/json_text.hpp"
+#include "base/json/json_text.hpp"
 #include "output/report/certificate_report.hpp"
 #include "output/report/solution_certificate.hpp"
 #include "output/solution/solution_json.hpp"

@@ -11,7 +11,7 @@
 
 #include <fmt/format.h>
 
-#include "base/atomic_file.hpp"
+#include "base/files/atomic_file.hpp"
 #include "batch/run/pipe.hpp"
 
 extern char** environ;

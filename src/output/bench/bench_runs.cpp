@@ -1,6 +1,6 @@
 #include "output/bench/bench_runs.hpp"
 
-#include "base/solution_members.hpp"
+#include "base/json/solution_members.hpp"
 
 namespace conddp {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "analysis/comparison/benchmark.hpp"
-#include "base/ordered_json.hpp"
+#include "base/json/ordered_json.hpp"
 
 namespace conddp {
 

@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "base/json_document.hpp"
-#include "base/solution_members.hpp"
+#include "base/json/json_document.hpp"
+#include "base/json/solution_members.hpp"
 
 namespace conddp {
 namespace {

@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "base/diagnostic.hpp"
-#include "base/utf8.hpp"
+#include "base/text/diagnostic.hpp"
+#include "base/text/utf8.hpp"
 #include "output/report/contact_report.hpp"
 
 namespace conddp {

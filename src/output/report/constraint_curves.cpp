@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "base/json_text.hpp"
+#include "base/json/json_text.hpp"
 #include "ocp/evaluation/evaluator.hpp"
 #include "ocp/problem/by_name.hpp"
 #include "output/solution/constraint_rows.hpp"

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "base/diagnostic.hpp"
+#include "base/text/diagnostic.hpp"
 
 namespace conddp {
 namespace {

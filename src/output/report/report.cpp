@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "base/solution_members.hpp"
+#include "base/json/solution_members.hpp"
 #include "ocp/problem/by_name.hpp"
 #include "output/report/constraint_curves.hpp"
 #include "output/report/motion_scene.hpp"

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "base/ordered_json.hpp"
+#include "base/json/ordered_json.hpp"
 #include "problem_file/build/build.hpp"
 
 namespace conddp {

@@ -8,7 +8,7 @@
 #include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 
-#include "base/text_file.hpp"
+#include "base/files/text_file.hpp"
 #include "output/report/base64.hpp"
 #include "output/solution/scene_numbers.hpp"
 #include "robot/urdf/urdf_visuals.hpp"

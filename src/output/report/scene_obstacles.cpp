@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "base/json_text.hpp"
+#include "base/json/json_text.hpp"
 #include "ocp/problem/by_name.hpp"
 #include "output/solution/constraint_rows.hpp"
 #include "problem_file/residuals/reference_form.hpp"

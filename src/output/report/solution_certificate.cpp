@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "analysis/certificate/place_text.hpp"
-#include "base/solution_members.hpp"
+#include "base/json/solution_members.hpp"
 #include "ocp/evaluation/evaluator.hpp"
 #include "ocp/problem/by_name.hpp"
 #include "output/solution/contact_forces.hpp"

@@ -3,7 +3,7 @@
 #include "analysis/certificate/replay.hpp"
 #include "analysis/contact/contact_certificate.hpp"
 #include "analysis/findings/findings.hpp"
-#include "base/ordered_json.hpp"
+#include "base/json/ordered_json.hpp"
 #include "problem_file/build/build.hpp"
 
 namespace conddp {

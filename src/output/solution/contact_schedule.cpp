@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "base/relative_paths.hpp"
+#include "base/json/relative_paths.hpp"
 #include "output/solution/contact_surfaces.hpp"
 #include "output/solution/softened_constraint.hpp"
 #include "problem_file/expand/expand_problem.hpp"

@@ -4,7 +4,7 @@
 #include <stdexcept>
 
 #include "analysis/contact/contact_sequence.hpp"
-#include "base/ordered_json.hpp"
+#include "base/json/ordered_json.hpp"
 #include "problem_file/build/build.hpp"
 
 namespace conddp {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "analysis/contact/contact_motion.hpp"
-#include "base/ordered_json.hpp"
+#include "base/json/ordered_json.hpp"
 
 namespace conddp {
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "analysis/findings/findings.hpp"
-#include "base/ordered_json.hpp"
+#include "base/json/ordered_json.hpp"
 #include "problem_file/build/build.hpp"
 
 namespace conddp {

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "base/json_document.hpp"
+#include "base/json/json_document.hpp"
 #include "output/solution/solution_json.hpp"
 #include "problem_file/build/build_problem.hpp"
 #include "problem_file/build/homotopy.hpp"

@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "analysis/comparison/solution_comparison.hpp"
-#include "base/diagnostic.hpp"
+#include "base/text/diagnostic.hpp"
 #include "solvers/common/options.hpp"
 
 namespace conddp {

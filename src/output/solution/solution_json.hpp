@@ -1,7 +1,7 @@
 #pragma once
 
 #include "analysis/findings/diagnosis.hpp"
-#include "base/json_text.hpp"
+#include "base/json/json_text.hpp"
 #include "output/solution/solution.hpp"
 
 namespace conddp {

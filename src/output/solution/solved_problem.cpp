@@ -6,9 +6,9 @@
 
 #include <fmt/format.h>
 
-#include "base/solution_members.hpp"
-#include "base/source_text.hpp"
-#include "base/text_file.hpp"
+#include "base/files/source_text.hpp"
+#include "base/files/text_file.hpp"
+#include "base/json/solution_members.hpp"
 #include "problem_file/build/build_problem.hpp"
 #include "problem_file/read/read_problem.hpp"
 #include "problem_file/yaml/setting.hpp"

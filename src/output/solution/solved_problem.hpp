@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "base/ordered_json.hpp"
+#include "base/json/ordered_json.hpp"
 #include "problem_file/build/build.hpp"
 
 namespace conddp {

@@ -1,7 +1,7 @@
 #include "output/solution/write_solution.hpp"
 
-#include "base/atomic_file.hpp"
-#include "base/json_text.hpp"
+#include "base/files/atomic_file.hpp"
+#include "base/json/json_text.hpp"
 #include "output/solution/csv.hpp"
 
 namespace conddp {

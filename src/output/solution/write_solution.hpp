@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "base/ordered_json.hpp"
+#include "base/json/ordered_json.hpp"
 #include "output/solution/solution.hpp"
 
 namespace conddp {

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "analysis/comparison/random_instance.hpp"
-#include "base/spelling.hpp"
+#include "base/text/spelling.hpp"
 #include "ocp/evaluation/evaluator.hpp"
 #include "ocp/problem/by_name.hpp"
 #include "ocp/problem/contradiction.hpp"

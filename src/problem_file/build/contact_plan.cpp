@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "base/spelling.hpp"
+#include "base/text/spelling.hpp"
 #include "problem_file/plant/footholds.hpp"
 
 namespace conddp {

@@ -1,6 +1,6 @@
 #include "problem_file/build/problem_identity.hpp"
 
-#include "base/sha256.hpp"
+#include "base/files/sha256.hpp"
 
 namespace conddp {
 

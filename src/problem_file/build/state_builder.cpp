@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "base/spelling.hpp"
+#include "base/text/spelling.hpp"
 #include "problem_file/plant/joint_values.hpp"
 #include "problem_file/plant/planar_motion.hpp"
 

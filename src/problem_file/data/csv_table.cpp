@@ -3,9 +3,9 @@
 
 #include <fmt/format.h>
 
-#include "base/csv_line.hpp"
-#include "base/spelling.hpp"
-#include "base/strict_number.hpp"
+#include "base/text/csv_line.hpp"
+#include "base/text/spelling.hpp"
+#include "base/text/strict_number.hpp"
 #include "problem_file/data/data_table.hpp"
 
 namespace conddp {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "base/diagnostic.hpp"
+#include "base/text/diagnostic.hpp"
 #include "ocp/problem/problem.hpp"
 #include "solvers/common/dual_guess.hpp"
 

@@ -4,9 +4,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "base/json_document.hpp"
-#include "base/solution_members.hpp"
-#include "base/source_text.hpp"
+#include "base/files/source_text.hpp"
+#include "base/json/json_document.hpp"
+#include "base/json/solution_members.hpp"
 #include "problem_file/data/data_table.hpp"
 
 namespace conddp {

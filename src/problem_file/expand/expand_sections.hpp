@@ -1,6 +1,6 @@
 #pragma once
 
-#include "base/ordered_json.hpp"
+#include "base/json/ordered_json.hpp"
 #include "problem_file/plant/plant.hpp"
 #include "problem_file/values/expand_values.hpp"
 

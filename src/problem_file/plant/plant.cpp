@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "base/spelling.hpp"
+#include "base/text/spelling.hpp"
 #include "problem_file/spec/components.hpp"
 #include "robot/frames.hpp"
 #include "robot/kinematics.hpp"

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "base/sha256.hpp"
+#include "base/files/sha256.hpp"
 
 namespace conddp {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "base/strict_number.hpp"
+#include "base/text/strict_number.hpp"
 #include "problem_file/yaml/canonical_definition.hpp"
 #include "problem_file/yaml/key_path.hpp"
 

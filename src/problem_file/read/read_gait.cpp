@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "base/spelling.hpp"
+#include "base/text/spelling.hpp"
 #include "problem_file/read/read_sections.hpp"
 #include "problem_file/spec/enum_names.hpp"
 

@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "base/sha256.hpp"
-#include "base/source_text.hpp"
+#include "base/files/sha256.hpp"
+#include "base/files/source_text.hpp"
 #include "problem_file/read/gait_schedule.hpp"
 #include "problem_file/read/homotopy_numbers.hpp"
 #include "problem_file/read/parameter_values.hpp"

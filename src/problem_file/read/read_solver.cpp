@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "base/spelling.hpp"
+#include "base/text/spelling.hpp"
 #include "nlp/ipopt_options.hpp"
 #include "problem_file/read/homotopy_numbers.hpp"
 #include "problem_file/read/read_sections.hpp"

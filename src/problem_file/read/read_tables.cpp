@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "base/spelling.hpp"
+#include "base/text/spelling.hpp"
 #include "problem_file/data/data_table.hpp"
 #include "problem_file/read/read_sections.hpp"
 

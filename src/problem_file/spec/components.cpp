@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "base/spelling.hpp"
+#include "base/text/spelling.hpp"
 
 namespace conddp {
 namespace {

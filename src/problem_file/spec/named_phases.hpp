@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "base/diagnostic.hpp"
+#include "base/text/diagnostic.hpp"
 #include "problem_file/spec/spec.hpp"
 
 namespace conddp {

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "base/ordered_json.hpp"
+#include "base/json/ordered_json.hpp"
 #include "problem_file/spec/spec_cost.hpp"
 #include "problem_file/yaml/yaml_reader.hpp"
 

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/diagnostic.hpp"
+#include "base/text/diagnostic.hpp"
 #include "spatial/se3.hpp"
 
 namespace conddp {

@@ -2,7 +2,7 @@
 
 #include <string_view>
 
-#include "base/ordered_json.hpp"
+#include "base/json/ordered_json.hpp"
 #include "problem_file/yaml/yaml_reader.hpp"
 
 namespace conddp {

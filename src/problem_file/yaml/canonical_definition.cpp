@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "base/strict_number.hpp"
+#include "base/text/strict_number.hpp"
 
 namespace conddp {
 namespace {

@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "base/spelling.hpp"
-#include "base/utf8.hpp"
+#include "base/text/spelling.hpp"
+#include "base/text/utf8.hpp"
 
 namespace conddp {
 namespace {

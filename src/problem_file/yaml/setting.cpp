@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "base/utf8.hpp"
+#include "base/text/utf8.hpp"
 #include "problem_file/yaml/key_path.hpp"
 #include "problem_file/yaml/yaml_source.hpp"
 

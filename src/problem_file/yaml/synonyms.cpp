@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "base/spelling.hpp"
+#include "base/text/spelling.hpp"
 
 namespace conddp {
 const std::vector<Synonyms>& synonyms() {

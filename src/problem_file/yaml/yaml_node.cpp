@@ -1,6 +1,6 @@
 #include "problem_file/yaml/yaml_node.hpp"
 
-#include "base/strict_number.hpp"
+#include "base/text/strict_number.hpp"
 
 namespace conddp {
 

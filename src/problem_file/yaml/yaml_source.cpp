@@ -10,7 +10,7 @@
 #include <yaml-cpp/exceptions.h>
 #include <yaml-cpp/parser.h>
 
-#include "base/utf8.hpp"
+#include "base/text/utf8.hpp"
 #include "problem_file/yaml/yaml_closing.hpp"
 
 namespace conddp {

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "base/ordered_json.hpp"
+#include "base/json/ordered_json.hpp"
 
 namespace conddp {
 

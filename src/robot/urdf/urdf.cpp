@@ -8,7 +8,7 @@
 #include <fmt/ranges.h>
 #include <urdf_parser/urdf_parser.h>
 
-#include "base/text_file.hpp"
+#include "base/files/text_file.hpp"
 #include "robot/urdf/model_builder.hpp"
 #include "robot/urdf/regularity.hpp"
 #include "robot/urdf/urdf_guard.hpp"

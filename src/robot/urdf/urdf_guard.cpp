@@ -6,8 +6,8 @@
 #include <cmath>
 #include <set>
 
-#include "base/spelling.hpp"
-#include "base/utf8.hpp"
+#include "base/text/spelling.hpp"
+#include "base/text/utf8.hpp"
 
 namespace conddp {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <unordered_map>
 
-#include "base/spelling.hpp"
+#include "base/text/spelling.hpp"
 
 namespace conddp {
 namespace {

@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "base/strict_number.hpp"
-#include "base/utf8.hpp"
+#include "base/text/strict_number.hpp"
+#include "base/text/utf8.hpp"
 
 namespace conddp {
 namespace {

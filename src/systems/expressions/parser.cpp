@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
-#include "base/spelling.hpp"
-#include "base/utf8.hpp"
+#include "base/text/spelling.hpp"
+#include "base/text/utf8.hpp"
 #include "systems/expressions/functions.hpp"
 
 namespace conddp {

@@ -1,4 +1,4 @@
-#include "base/sha256.hpp"
+#include "base/files/sha256.hpp"
 
 #include <sha2.h>
 

@@ -1,4 +1,4 @@
-#include "base/json_document.hpp"
+#include "base/json/json_document.hpp"
 
 #include <algorithm>
 #include <array>
@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "base/solution_members.hpp"
-#include "base/source_text.hpp"
+#include "base/files/source_text.hpp"
+#include "base/json/solution_members.hpp"
 
 namespace conddp {
 namespace {

@@ -1,4 +1,4 @@
-#include "base/atomic_file.hpp"
+#include "base/files/atomic_file.hpp"
 
 #include <cerrno>
 #include <cstring>
@@ -11,7 +11,7 @@
 
 #include <fmt/format.h>
 
-#include "base/write_all.hpp"
+#include "base/files/write_all.hpp"
 
 namespace conddp {
 namespace {

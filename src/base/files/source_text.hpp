@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "base/diagnostic.hpp"
+#include "base/text/diagnostic.hpp"
 
 namespace conddp {
 

@@ -1,4 +1,4 @@
-#include "base/diagnostic.hpp"
+#include "base/text/diagnostic.hpp"
 
 #include <algorithm>
 #include <fstream>
@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "base/utf8.hpp"
-#include "base/wrap_text.hpp"
+#include "base/text/utf8.hpp"
+#include "base/text/wrap_text.hpp"
 
 namespace conddp {
 namespace {

@@ -1,10 +1,10 @@
-#include "base/source_text.hpp"
+#include "base/files/source_text.hpp"
 
 #include <algorithm>
 
-#include "base/sha256.hpp"
-#include "base/text_file.hpp"
-#include "base/utf8.hpp"
+#include "base/files/sha256.hpp"
+#include "base/files/text_file.hpp"
+#include "base/text/utf8.hpp"
 
 namespace conddp {
 

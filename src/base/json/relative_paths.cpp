@@ -1,4 +1,4 @@
-#include "base/relative_paths.hpp"
+#include "base/json/relative_paths.hpp"
 
 namespace conddp {
 

@@ -1,4 +1,4 @@
-#include "base/csv_line.hpp"
+#include "base/text/csv_line.hpp"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "base/write_all.hpp"
+#include "base/files/write_all.hpp"
 
 #include <cerrno>
 

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <string>
 
-#include "base/ordered_json.hpp"
+#include "base/json/ordered_json.hpp"
 
 namespace conddp {
 

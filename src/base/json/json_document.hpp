@@ -8,7 +8,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "base/diagnostic.hpp"
+#include "base/text/diagnostic.hpp"
 
 namespace conddp {
 

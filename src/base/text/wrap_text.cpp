@@ -1,8 +1,8 @@
-#include "base/wrap_text.hpp"
+#include "base/text/wrap_text.hpp"
 
 #include <algorithm>
 
-#include "base/utf8.hpp"
+#include "base/text/utf8.hpp"
 
 namespace conddp {
 
