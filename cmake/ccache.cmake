@@ -1,4 +1,4 @@
-# Compile through ccache where it is installed and nobody chose another launcher.
+# Compile through ccache where it is installed and no other launcher was chosen.
 # - The sloppiness is what ccache needs for precompiled headers.
 # - Paths below the source tree are hashed relative to it, so that another clone finds the results of
 #   files that use no precompiled header.

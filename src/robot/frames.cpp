@@ -34,7 +34,7 @@ void store(const Motion<S>& m, S* column) {
 }
 
 /// What turns the axes of a frame, placed in the root frame, into those of the world; the
-/// identity where nobody asks for them.
+/// identity where they are not asked for.
 template <class S>
 Matrix3<S> world_rotation(const RobotModel& model, const RobotData<S>& data, int joint,
                           const SE3<S>& m, FrameAxes axes) {

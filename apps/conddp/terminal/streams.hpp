@@ -18,8 +18,8 @@ void print_as_it_is(std::string_view text);
 /// Messages and progress, to stderr, at once.
 void print_message(std::string_view text);
 
-/// Empties stdout. Returns why not everything could be written; null if it could, or if nobody was
-/// left to read it.
+/// Empties stdout. Returns why not everything could be written; null if it could, or if no
+/// reader was left.
 const char* finish_results();
 
 }  // namespace conddp

@@ -15,7 +15,7 @@ namespace {
 /// Rows of the log that are judged, and how many are needed to see a pattern.
 constexpr int kWindow = 10;
 constexpr int kFewest = 4;
-/// What falls by less than this factor over the window stands still.
+/// What falls by less than this factor over the window has stalled.
 constexpr double kStandstill = 0.5;
 
 /// The end of a log: the rows of the last steps, and the row before them.

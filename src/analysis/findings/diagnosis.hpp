@@ -19,9 +19,9 @@ enum class DiagnosisPattern {
   indefinite,
   /// No way was found to lower the violation of the constraints any further.
   infeasible,
-  /// What is left to gain drowns in the rounding of the cost.
+  /// Further decrease is smaller than the rounding of the cost.
   rounding_floor,
-  /// The contacts of the knot at which the solve stands still depend on each other.
+  /// The contacts of the knot at which the solve stalls depend on each other.
   redundant_contacts,
   /// The initial state lacks static equilibrium for want of torque (missing_torque()).
   no_static_equilibrium,
@@ -31,7 +31,7 @@ enum class DiagnosisPattern {
   slow_feasibility,
   /// Controls keep coming to their bounds and leaving them.
   alternating_active_set,
-  /// Stationarity stands still while steps are small or strongly regularised.
+  /// Stationarity has stalled while steps are small or strongly regularised.
   plateau,
   /// No step lowers the merit.
   no_descent,

@@ -73,7 +73,7 @@ std::filesystem::path folder_of(const std::filesystem::path& file) {
   return file.parent_path().empty() ? "." : file.parent_path();
 }
 
-/// Removes what killed processes left of this file under temporary names: nobody has locked it.
+/// Removes what killed processes left of this file under temporary names: those without a lock.
 void remove_leftovers(const std::filesystem::path& file) {
   const std::string start = "." + file.filename().string() + ".";
   std::error_code error;

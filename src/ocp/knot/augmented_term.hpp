@@ -82,7 +82,7 @@ S augment_cone(const ConstraintTerm& term, const RowSet<S>& set, const S* penalt
     if (limited) limit_cone_derivative(to.weight, n, soft_limit(set, penalty[0]), to.curvature);
     for (int i = 0; i < n * n; ++i) to.curvature[i] *= penalty[0];
   }
-  // ½ p² up to the limit, from there on as steep as it is there: p·q − ½ q² with q cut off.
+  // ½ p² up to the limit, from there on as steep as it is there: p·q − ½ q² with q clamped.
   for (int i = 0; i < n; ++i) to.shifted[i] = to.weight[i];
   if (limited) limit_cone(n, soft_limit(set, penalty[0]), to.weight);
   for (int i = 0; i < n; ++i)

@@ -191,7 +191,7 @@ class Writer {
     return surfaces_.count(c) > 1 ? fmt::format("_face_{}", surface + 1) : "";
   }
 
-  /// The names of a candidate's shape and of a surface, which are made where nobody asked before.
+  /// The names of a candidate's shape and of a surface, which are made at first use.
   OrderedJson pair(std::size_t c, int surface) {
     const std::string& own = candidate(c).name.value;
     const std::string shape = own + "_shape", obstacle = own + "_obstacle" + suffix(c, surface);

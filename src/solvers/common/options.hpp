@@ -29,7 +29,7 @@ enum class RegularizationKind { proximal, state, control };
 
 /// Second derivatives that the sweep uses. `automatic` leaves the choice to the solver: exact for
 /// ddp, Gauss-Newton for ilqr and ilqr_clip, and for the others Gauss-Newton with
-/// secant corrections until exact ones pay (docs/solvers.md).
+/// L-BFGS corrections until exact ones pay (docs/solvers.md).
 enum class HessianChoice { automatic, gauss_newton, exact };
 
 /// What is done where complementary pairs relaxed in one way find no answer: the other ways are

@@ -65,7 +65,7 @@ class Direction {
   bool models_rows() const { return constraints_.has_value(); }
   /// Whether the last find() met a search for the constraints' rows that did not settle.
   bool unsettled() const { return unsettled_; }
-  /// Whether that step meets no bound on its way: nothing had to be cut off.
+  /// Whether that step meets no bound on its way: nothing was clamped.
   bool within_bounds() const { return within_bounds_; }
   /// Whether the controls' active set was looked for along the horizon and not found.
   bool set_unknown() const { return horizon_sweeps_ > 0 && !within_bounds_; }

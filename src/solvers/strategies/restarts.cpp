@@ -162,7 +162,7 @@ class Restarts {
     return interrupted_ = interrupted_ || (options_.interrupted && options_.interrupted());
   }
 
-  /// Those that nobody has begun.
+  /// Those that have not begun.
   void make_further() {
     for (int start = take_next(); start < starts(); start = take_next()) make(start);
   }

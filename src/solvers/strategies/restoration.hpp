@@ -18,8 +18,8 @@ SolveResult restore_feasibility(const ShootingProblem& problem, const SolverOpti
 
 /// Solves by `solve`, and wherever that ends without a step, or calls the problem infeasible, at a
 /// violated constraint, restores feasibility and solves again from there, with a first penalty
-/// between the first one of all and the largest that was needed. `infeasible` is what a restoration
-/// says, and nobody else: where there is none, or it decides nothing, the status is
+/// between the first one of all and the largest that was needed. A restoration alone can
+/// say `infeasible`: where there is none, or it decides nothing, the status is
 /// `line_search_failed`. Limits are of all together.
 SolveResult solve_with_restoration(
     const ShootingProblem& problem, const SolverOptions& options, const Trajectory& guess,

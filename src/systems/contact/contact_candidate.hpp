@@ -9,7 +9,8 @@
 
 namespace conddp {
 
-/// Contacts that a motion may make and break as it likes: nobody says when they are closed.
+/// Contacts that a motion may make and break at any time: when they are closed is part of the
+/// solution.
 
 /// A sphere, or a point where the radius is 0, fixed to a frame of the robot or to the world.
 struct ContactSphere {
