@@ -121,5 +121,36 @@ TEST(HessianSwitch, ExactHessiansThatAreTheOthersAreKnownNoMore) {
   EXPECT_TRUE(choice.exact_known());
 }
 
+/// The pendulum with a last angle as large as possible.
+ShootingProblem pendulum_with_linear_cost() {
+  const ShootingProblem pendulum = testing::pendulum_swing_up(2);
+  const std::shared_ptr<const System>& system = pendulum.phases()[0].model->shared_system();
+  auto model = std::make_shared<KnotModel>(system, Integrator::none);
+  model->add_cost("angle", coordinate_residual(system->manifold(), {0}),
+                  {.kind = ActivationKind::linear});
+  return {pendulum.initial_state(),
+          pendulum.phases(),
+          {.name = "end", .model = model, .dt = {0}, .cost_scale = {1}, .parameters = {0, -1}}};
+}
+
+TEST(HessianSwitch, LinearCostsHaveExactHessiansAlone) {
+  const ShootingProblem squares = testing::pendulum_swing_up(2);
+  const ShootingProblem linear = pendulum_with_linear_cost();
+  const SolverOptions automatic;
+  SolverOptions exact, gauss_newton;
+  exact.hessian = HessianChoice::exact;
+  gauss_newton.hessian = HessianChoice::gauss_newton;
+  using enum HessianUse;
+  EXPECT_EQ(hessian_use(when_slow, automatic, squares), when_slow);
+  EXPECT_EQ(hessian_use(when_slow, exact, squares), HessianUse::exact);
+  EXPECT_EQ(hessian_use(when_slow, gauss_newton, squares), HessianUse::gauss_newton);
+  EXPECT_EQ(hessian_use(HessianUse::exact, automatic, squares), HessianUse::exact);
+  EXPECT_EQ(hessian_use(when_slow, automatic, linear), exact_alone);
+  EXPECT_EQ(hessian_use(when_slow, exact, linear), exact_alone);
+  EXPECT_EQ(hessian_use(HessianUse::exact, automatic, linear), exact_alone);
+  EXPECT_EQ(hessian_use(when_slow, gauss_newton, linear), HessianUse::gauss_newton);
+  EXPECT_EQ(hessian_use(HessianUse::gauss_newton, automatic, linear), HessianUse::gauss_newton);
+}
+
 }  // namespace
 }  // namespace conddp

@@ -126,6 +126,13 @@ TEST(Iterate, ExactHessiansWaitUntilOpenGapsAreSmall) {
   }
 }
 
+TEST(Iterate, ExactHessiansWithoutSubstituteAreThereWithOpenGaps) {
+  Standing at({.open_gaps = true, .hessian = HessianUse::exact_alone});
+  at.iterate.differentiate(Feedback(at.problem), nullptr);
+  EXPECT_FALSE(at.iterate.gaps.closed());
+  EXPECT_TRUE(at.iterate.hessian.exact_known());
+}
+
 TEST(Iterate, WhatIsNotFiniteEndsTheSolveWithTheIterateBeforeTheStep) {
   for (const bool first : {false, true}) {
     Standing at;

@@ -47,7 +47,7 @@ constexpr std::array kTable = {
         .access = CONDDP_ACCESS(segments)},
     OptionInfo{.name = "hessian",
                .doc = "Second derivatives of the dynamics: the solver's own choice, left out, or "
-                      "exact.",
+                      "exact. Where a cost is linear in its residual, automatic means exact.",
                .choices = kHessianChoices,
                .access = CONDDP_ACCESS(hessian)},
     OptionInfo{.name = "tolerances.stationarity",

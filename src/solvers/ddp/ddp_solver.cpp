@@ -22,8 +22,8 @@ namespace {
 constexpr double kNearlyClosed = 1e-3;
 
 /// With the Hessians that the options ask for, where the recipe leaves that open.
-DdpRecipe resolved(DdpRecipe recipe, const SolverOptions& options) {
-  if (recipe.hessian == HessianUse::when_slow) recipe.hessian = hessian_use(options);
+DdpRecipe resolved(DdpRecipe recipe, const SolverOptions& options, const ShootingProblem& problem) {
+  recipe.hessian = hessian_use(recipe.hessian, options, problem);
   return recipe;
 }
 
@@ -40,7 +40,7 @@ std::unique_ptr<OuterStrategy> make_outer(const ShootingProblem& problem,
 DdpSolver::DdpSolver(const ShootingProblem& problem, const DdpRecipe& recipe,
                      const SolverOptions& options)
     : problem_(problem),
-      recipe_(resolved(recipe, options)),
+      recipe_(resolved(recipe, options, problem)),
       options_(options),
       constrained_(recipe.constraints && !problem.constraints().empty()),
       bounds_(problem),
@@ -52,7 +52,8 @@ DdpSolver::DdpSolver(const ShootingProblem& problem, const DdpRecipe& recipe,
       check_(problem, bounds_, options_, constrained_),
       step_start_(problem.create_trajectory()) {
   if (constrained_ && recipe.newton) polish_.emplace(problem, evaluator_, options_);
-  if (globalization_.keeps_equalities()) iterate_.exact_below = kNearlyClosed;
+  if (globalization_.keeps_equalities())
+    iterate_.exact_below = std::max(iterate_.exact_below, kNearlyClosed);
 }
 
 const SolveResult& DdpSolver::solve(const Trajectory& guess) {

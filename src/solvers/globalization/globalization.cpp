@@ -369,11 +369,12 @@ bool Globalization::sweep() {
 
 /// Returns the knot whose stage has no minimum, or −1. Exact Hessians may be indefinite far from an
 /// optimum; then the Gauss-Newton ones, which keep the costs' curvature and have the problem's own
-/// scaling, make a better convex model than any multiple of the identity.
+/// scaling, make a better convex model than any multiple of the identity. Unless they have none.
 int Globalization::sweep_backward(double regularization) {
   if (iterate_.hessian.exact_known()) {
     iterate_.hessian.use(true);
-    if (find_settled_direction(regularization) < 0) return -1;
+    const int bad_knot = find_settled_direction(regularization);
+    if (bad_knot < 0 || iterate_.hessian.exact_alone()) return bad_knot;
   }
   iterate_.hessian.use(false);
   return find_settled_direction(regularization);

@@ -22,18 +22,29 @@ constexpr int kMostDoublings = 10;
 /// What rounding makes of equal Hessians, relative to their largest entry.
 constexpr double kSameHessian = 1e-12;
 
+bool has_linear_costs(const Phase& phase) {
+  const std::vector<CostTerm>& costs = phase.model->costs();
+  return std::any_of(costs.begin(), costs.end(), [](const CostTerm& cost) {
+    return cost.activation.kind == ActivationKind::linear;
+  });
+}
+
+bool has_linear_costs(const ShootingProblem& problem) {
+  return has_linear_costs(problem.terminal()) ||
+         std::any_of(problem.phases().begin(), problem.phases().end(),
+                     [](const Phase& phase) { return has_linear_costs(phase); });
+}
+
 }  // namespace
 
-HessianUse hessian_use(const SolverOptions& options) {
-  switch (options.hessian) {
-    case HessianChoice::gauss_newton:
-      return HessianUse::gauss_newton;
-    case HessianChoice::exact:
-      return HessianUse::exact;
-    case HessianChoice::automatic:
-      break;
-  }
-  return HessianUse::when_slow;
+HessianUse hessian_use(HessianUse use, const SolverOptions& options,
+                       const ShootingProblem& problem) {
+  if (use == HessianUse::when_slow && options.hessian == HessianChoice::gauss_newton)
+    return HessianUse::gauss_newton;
+  if (use != HessianUse::gauss_newton && has_linear_costs(problem)) return HessianUse::exact_alone;
+  if (use == HessianUse::when_slow && options.hessian == HessianChoice::exact)
+    return HessianUse::exact;
+  return use;
 }
 
 bool same_hessian(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
@@ -52,7 +63,7 @@ HessianSwitch::HessianSwitch(HessianUse use, double tolerance, Evaluator& evalua
   Eigen::Index nz = 0;
   for (const KnotLinearization& knot : linearization.knots) nz = std::max(nz, knot.gradient.size());
   exact_cost_ = 1 + kDirectionCost * static_cast<double>(nz);
-  if (use == HessianUse::exact) reserve();
+  if (use != HessianUse::when_slow) reserve();
 }
 
 void HessianSwitch::reserve() {
@@ -63,7 +74,7 @@ void HessianSwitch::reserve() {
 }
 
 void HessianSwitch::reset() {
-  exact_wanted_ = use_ == HessianUse::exact;
+  exact_wanted_ = use_ == HessianUse::exact || exact_alone();
   for_good_ = same_ = false;
   returns_ = 0;
 }

@@ -8,12 +8,19 @@
 
 namespace conddp {
 
-/// Second derivatives of the dynamics in the sweep. `when_slow`: exact ones only once
-/// Gauss-Newton's convergence, linear as it is, turns out to be slow.
-enum class HessianUse { gauss_newton, when_slow, exact };
+/// Second derivatives of the dynamics in the sweep.
+enum class HessianUse {
+  gauss_newton,
+  when_slow,   ///< exact once Gauss-Newton's convergence, linear as it is, turns out to be slow
+  exact,       ///< once gaps are closed; where these have no minimum, the Gauss-Newton ones
+  exact_alone  ///< with open gaps, too, and never the Gauss-Newton ones
+};
 
-/// What the options ask for, where a solver can do either.
-HessianUse hessian_use(const SolverOptions& options);
+/// What a solver with this use does with a problem as the options ask. Costs that are linear in
+/// their residuals have no Gauss-Newton Hessian: what curvature there is comes from the dynamics
+/// and residuals, so the exact one stands alone there.
+HessianUse hessian_use(HessianUse use, const SolverOptions& options,
+                       const ShootingProblem& problem);
 
 /// Whether Hessians differ by rounding alone: those of problems without curvature in dynamics and
 /// residuals do.
@@ -43,6 +50,8 @@ class HessianSwitch {
   void begin_iterate();
   /// Whether the iterate should get exact Hessians.
   bool exact_wanted() const { return exact_wanted_; }
+  /// Whether the Gauss-Newton ones are no substitute.
+  bool exact_alone() const { return use_ == HessianUse::exact_alone; }
   /// Gives it those with these co-states (ndx x (N + 1)). Where they turn out to be the
   /// Gauss-Newton ones they are known no more, nor wanted before the next slow window.
   void evaluate_exact(const Trajectory& trajectory, const Eigen::MatrixXd& costates,

@@ -1,6 +1,7 @@
 #include "solvers/iterate/iterate.hpp"
 
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -20,7 +21,8 @@ Iterate::Iterate(const ShootingProblem& problem, const ControlBounds& control_bo
       gaps(problem),
       adjoint(problem, control_bounds),
       hessian(recipe.hessian, options.tolerances.stationarity, shared_evaluator, linearization),
-      exact_below(options.tolerances.gap),
+      exact_below(hessian.exact_alone() ? std::numeric_limits<double>::infinity()
+                                        : options.tolerances.gap),
       record_(record),
       open_gaps_(recipe.open_gaps) {}
 
