@@ -137,19 +137,19 @@ TEST(HessianSwitch, LinearCostsHaveExactHessiansAlone) {
   const ShootingProblem squares = testing::pendulum_swing_up(2);
   const ShootingProblem linear = pendulum_with_linear_cost();
   const SolverOptions automatic;
-  SolverOptions exact, gauss_newton;
-  exact.hessian = HessianChoice::exact;
-  gauss_newton.hessian = HessianChoice::gauss_newton;
+  SolverOptions all_exact, none_exact;
+  all_exact.hessian = HessianChoice::exact;
+  none_exact.hessian = HessianChoice::gauss_newton;
   using enum HessianUse;
   EXPECT_EQ(hessian_use(when_slow, automatic, squares), when_slow);
-  EXPECT_EQ(hessian_use(when_slow, exact, squares), HessianUse::exact);
-  EXPECT_EQ(hessian_use(when_slow, gauss_newton, squares), HessianUse::gauss_newton);
-  EXPECT_EQ(hessian_use(HessianUse::exact, automatic, squares), HessianUse::exact);
+  EXPECT_EQ(hessian_use(when_slow, all_exact, squares), exact);
+  EXPECT_EQ(hessian_use(when_slow, none_exact, squares), gauss_newton);
+  EXPECT_EQ(hessian_use(exact, automatic, squares), exact);
   EXPECT_EQ(hessian_use(when_slow, automatic, linear), exact_alone);
-  EXPECT_EQ(hessian_use(when_slow, exact, linear), exact_alone);
-  EXPECT_EQ(hessian_use(HessianUse::exact, automatic, linear), exact_alone);
-  EXPECT_EQ(hessian_use(when_slow, gauss_newton, linear), HessianUse::gauss_newton);
-  EXPECT_EQ(hessian_use(HessianUse::gauss_newton, automatic, linear), HessianUse::gauss_newton);
+  EXPECT_EQ(hessian_use(when_slow, all_exact, linear), exact_alone);
+  EXPECT_EQ(hessian_use(exact, automatic, linear), exact_alone);
+  EXPECT_EQ(hessian_use(when_slow, none_exact, linear), gauss_newton);
+  EXPECT_EQ(hessian_use(gauss_newton, automatic, linear), gauss_newton);
 }
 
 }  // namespace

@@ -242,7 +242,7 @@ std::vector<MalformedExpression> malformed_expressions() {
 
 TEST(ExpressionParser, MalformedExpressionsHaveAColumnAndAMessage) {
   const std::vector<MalformedExpression> cases = malformed_expressions();
-  EXPECT_GE(cases.size(), 220u);
+  EXPECT_GE(cases.size(), 300u);
   for (const MalformedExpression& c : cases) {
     ParserFixture fixture;
     const ParsedExpression parsed = fixture.parse(c.text);

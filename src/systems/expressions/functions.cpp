@@ -276,6 +276,12 @@ const ExpressionFunction* find_expression_function(std::string_view name) {
 
 std::span<const ExpressionConstant> expression_constants() { return kConstants; }
 
+const ExpressionConstant* find_expression_constant(std::string_view name) {
+  const auto* found = std::find_if(std::begin(kConstants), std::end(kConstants),
+                                   [&](const ExpressionConstant& c) { return c.name == name; });
+  return found == std::end(kConstants) ? nullptr : found;
+}
+
 std::string_view argument_kind_name(ArgumentKind kind) {
   switch (kind) {
     case ArgumentKind::kNumber:

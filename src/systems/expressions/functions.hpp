@@ -48,6 +48,8 @@ struct ExpressionConstant {
   std::string_view documentation;
 };
 std::span<const ExpressionConstant> expression_constants();
+/// Null where there is none of that name.
+const ExpressionConstant* find_expression_constant(std::string_view name);
 
 /// "a number", "a quaternion (vector of 4)": how messages call what an argument has to be.
 std::string_view argument_kind_name(ArgumentKind kind);

@@ -325,9 +325,8 @@ class Parser {
 
   ExpressionValue named(const Token& token) const {
     if (const ExpressionValue* value = scope_.find(token.text)) return *value;
-    for (const ExpressionConstant& constant : expression_constants())
-      if (constant.name == token.text)
-        return ExpressionValue::number(graph_.constant(constant.value));
+    if (const ExpressionConstant* constant = find_expression_constant(token.text))
+      return ExpressionValue::number(graph_.constant(constant->value));
     if (find_expression_function(token.text) || scope_.find_table(token.text))
       fail(token.offset,
            fmt::format("'{}' is a function: its arguments follow in parentheses", token.text));
@@ -342,7 +341,7 @@ class Parser {
 
   /// A name in front of parentheses that is no function.
   [[noreturn]] void fail_at_call(const Token& name) const {
-    if (scope_.find(name.text))
+    if (scope_.find(name.text) || find_expression_constant(name.text))
       fail(name.offset, fmt::format("'{}' is not a function", name.text),
            "a product is written with '*'");
     fail(name.offset, fmt::format("unknown function '{}'", name.text),

@@ -38,9 +38,8 @@ std::string ExpressionScope::defect_of(std::string_view name) const {
     return fmt::format("'{}' is a word of the expression language", name);
   if (find_expression_function(name))
     return fmt::format("'{}' is a function of the expression language", name);
-  for (const ExpressionConstant& constant : expression_constants())
-    if (constant.name == name)
-      return fmt::format("'{}' is a constant of the expression language", name);
+  if (find_expression_constant(name))
+    return fmt::format("'{}' is a constant of the expression language", name);
   if (find(name) || find_table(name)) return fmt::format("the name '{}' is taken", name);
   return "";
 }
