@@ -80,18 +80,28 @@ std::string formula(std::string_view of, std::string_view text) {
   return line;
 }
 
-/// What a system of equations is, definitions first.
-OrderedJson formulas_of(const ProblemSpec& spec) {
-  OrderedJson list = OrderedJson::array();
-  const auto* system =
-      spec.system ? std::get_if<ExpressionSystemSpec>(&spec.system->parameters) : nullptr;
-  if (system == nullptr) return list;
+/// Adds what a system of equations is, definitions first. `before`: in front of each line.
+void add_formulas(const std::string& before, const SystemSpec& spec, OrderedJson& list) {
+  const auto* system = std::get_if<ExpressionSystemSpec>(&spec.parameters);
+  if (system == nullptr) return;
   const ExpressionSystemText& text = system->text;
   for (const NamedExpression& definition : text.definitions)
-    list.push_back(formula(definition.name + " = ", definition.text));
+    list.push_back(formula(before + definition.name + " = ", definition.text));
   const char* sign = text.kind == SystemKind::discrete ? "⁺ = " : "' = ";
   for (const NamedExpression& equation : text.equations)
-    list.push_back(formula(equation.name + sign, equation.text));
+    list.push_back(formula(before + equation.name + sign, equation.text));
+}
+
+/// What the systems of equations are, and what becomes of states that jump.
+OrderedJson formulas_of(const ProblemSpec& spec) {
+  OrderedJson list = OrderedJson::array();
+  for (const NamedSystemSpec& named : spec.systems)
+    add_formulas(named.name.value + ": ", named.system, list);
+  if (spec.system && spec.systems.empty()) add_formulas("", *spec.system, list);
+  for (const PhaseSpec& phase : spec.phases)
+    if (phase.jump)
+      for (const auto& [name, expression] : phase.jump->states)
+        list.push_back(formula(phase.name.value + ": " + name.value + "⁺ = ", expression.text));
   return list;
 }
 

@@ -181,12 +181,13 @@ void report_contradiction(const ProblemSpec& spec, const ShootingProblem& proble
                         found->first, other, node, found->lower, found->upper));
 }
 
-/// Controls that are remembered cannot pass an impulse.
+/// Controls that are remembered cannot pass an impulse or a jump.
 void check_impulses(const ProblemSpec& spec, bool memory, Diagnostics& out) {
   for (const PhaseSpec& phase : spec.phases)
-    if (memory && phase.restitution)
-      out.error(phase.name.place,
-                "an impulse interrupts the controls: 'control_rate' cannot pass it");
+    if (memory && (phase.restitution || phase.jump))
+      out.error(phase.name.place, fmt::format("{} interrupts the controls: 'control_rate' cannot "
+                                              "pass it",
+                                              phase.jump ? "a jump" : "an impulse"));
 }
 
 /// The control before the first knot, the last part of a state with control memory.

@@ -122,7 +122,6 @@ std::vector<double> places_of(const std::vector<Contact>& held) {
 std::shared_ptr<const System> holding_system(const PhaseSpec& phase, std::vector<Contact> held,
                                              const Plant& plant,
                                              const std::vector<double>& initial) {
-  if (held.empty()) return plant.system;
   const auto system = phase.restitution
                           ? std::make_shared<MultibodySystem>(plant.multibody()->shared_robot(),
                                                               std::move(held), *phase.restitution)
@@ -205,6 +204,10 @@ bool ContactPlan::set_systems(const ProblemSpec& spec, const Plant& plant,
     const PhaseSpec& phase = spec.phases[p];
     if (phase.restitution && !check_impulse(spec, held_, p, out)) return false;
     std::vector<Contact> held = contacts_in(p);
+    if (held.empty()) {
+      systems_.push_back(plant.system_in(p));
+      continue;
+    }
     auto& system = known[{held_[p], phase.restitution.value_or(-1), places_of(held)}];
     if (!system) system = holding_system(phase, std::move(held), plant, initial);
     systems_.push_back(system);

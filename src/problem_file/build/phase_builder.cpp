@@ -37,8 +37,8 @@ bool is_on(const BuiltCost& cost, std::size_t p, const PhaseContext& context, Di
   }
   if (needs_control(cost))
     out.error(c.residual.place,
-              fmt::format("the residual '{}' needs a control, and the impulse '{}' has none",
-                          c.residual.value, phase.name.value));
+              fmt::format("the residual '{}' needs a control, and the {} '{}' has none",
+                          c.residual.value, phase.jump ? "jump" : "impulse", phase.name.value));
   return true;
 }
 
@@ -210,6 +210,7 @@ class PhaseBuilder {
     const Terms terms{active_in(weights_, first, given.knots.value),
                       active_in(switches_, first, given.knots.value)};
     Phase phase{.name = given.name.value, .model = shared_model(p, terms)};
+    phase.instant = given.jump.has_value();
     phase.dt = phase_steps(given);
     phase.cost_scale = cost_scales(given, context_.spec);
     const int count = phase.model->parameter_count();
@@ -235,10 +236,14 @@ class PhaseBuilder {
     return model;
   }
 
+  Integrator integrator_of(const PhaseSpec& phase) const {
+    if (phase.jump) return Integrator::discrete;
+    return phase.restitution ? Integrator::impulse : context_.integrator;
+  }
+
   std::shared_ptr<const KnotModel> make_model(std::size_t p, const Terms& terms) const {
-    const bool impulse = context_.spec.phases[p].restitution.has_value();
-    auto model = std::make_shared<KnotModel>(context_.contacts.system(p),
-                                             impulse ? Integrator::impulse : context_.integrator,
+    const PhaseSpec& phase = context_.spec.phases[p];
+    auto model = std::make_shared<KnotModel>(context_.contacts.system(p), integrator_of(phase),
                                              context_.control_memory, context_.held_memory());
     for (const int c : terms.costs) {
       const BuiltCost& cost = contents_.costs[c];
@@ -249,7 +254,7 @@ class PhaseBuilder {
       model->add_constraint(make_term(constraint, residual_in(constraint.function, context_, p)));
     }
     if (context_.stepping) add_stepping_terms(context_.stepping, *model);
-    if (!impulse) model->set_control_bounds(bounds_.lower[p], bounds_.upper[p]);
+    if (!phase.takes_no_time()) model->set_control_bounds(bounds_.lower[p], bounds_.upper[p]);
     if (const auto duration = context_.free_duration(p)) model->set_free_duration(*duration);
     if (context_.collocation) add_collocation_terms(context_.collocation, *model);
     return model;

@@ -13,6 +13,11 @@ namespace conddp {
 namespace {
 
 void expand_plant(const ProblemSpec& spec, OrderedJson& json) {
+  if (!spec.systems.empty()) {
+    for (const NamedSystemSpec& named : spec.systems)
+      json["systems"][named.name.value] = expand_system(named.system);
+    return;
+  }
   if (spec.system) {
     json["system"] = expand_system(*spec.system);
     return;
@@ -40,8 +45,15 @@ void expand_choice(const ChoiceSpec& choice, OrderedJson& json) {
   if (choice.upper) json["upper"] = expand_components(*choice.upper);
 }
 
+OrderedJson expand_jump(const JumpSpec& jump) {
+  OrderedJson json = OrderedJson::object();
+  for (const auto& [name, expression] : jump.states) json[name.value] = expression.text;
+  return json;
+}
+
 /// A phase that takes time.
 void expand_knots(const PhaseSpec& phase, const ProblemSpec& spec, OrderedJson& json) {
+  if (phase.system) json["system"] = phase.system->value;
   json["knots"] = phase.knots.value;
   json["dt"] = phase.dt;
   if (phase.refine)
@@ -63,7 +75,9 @@ OrderedJson expand_phases(const ProblemSpec& spec) {
       json.push_back(std::move(entry));
       continue;
     }
-    if (phase.restitution) {
+    if (phase.jump) {
+      entry["jump"] = expand_jump(*phase.jump);
+    } else if (phase.restitution) {
       entry["impulse"] = expand_contact_names(phase.contacts, spec);
       entry["restitution"] = *phase.restitution;
     } else {

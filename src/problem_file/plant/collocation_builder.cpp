@@ -19,6 +19,10 @@ void check_smoothness(const ProblemSpec& spec, Diagnostics& out) {
                 phase.restitution ? "collocation knows no impulses"
                                   : "collocation is for systems without contacts",
                 kOthers);
+  for (const PhaseSpec& phase : spec.phases)
+    if (phase.jump) out.error(phase.name.place, "collocation does not support jumps", kOthers);
+  if (!spec.systems.empty())
+    out.error(spec.integrator->place, "collocation does not support several systems", kOthers);
   if (spec.terminal_contacts && spec.terminal_contacts->any())
     out.error(spec.integrator->place,
               "collocation is for systems without contacts, and the last node holds some", kOthers);

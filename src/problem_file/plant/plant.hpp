@@ -28,6 +28,12 @@ struct Plant {
   /// What states have where nothing else is said; empty: the neutral state.
   std::vector<double> usual_state;
   std::optional<ChosenStart> start;  ///< where the first state is chosen
+  /// Of each phase, where they differ: with the same states, and the same controls or none.
+  std::vector<std::shared_ptr<const System>> systems = {};
+
+  const std::shared_ptr<const System>& system_in(std::size_t phase) const {
+    return systems.empty() ? system : systems[phase];
+  }
 
   /// The robot in the system, or the system as what it is: where steps are contact-implicit, or
   /// where the integrator collocates. Null if it is none of that; they share the system.

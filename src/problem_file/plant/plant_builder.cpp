@@ -1,65 +1,19 @@
 #include "problem_file/plant/plant_builder.hpp"
 
+#include <algorithm>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
+#include "problem_file/plant/closed_form_builder.hpp"
 #include "problem_file/plant/collocation_builder.hpp"
 #include "problem_file/plant/plant_robot.hpp"
 #include "problem_file/plant/stepping_builder.hpp"
+#include "problem_file/plant/systems_of_phases.hpp"
 #include "robot/urdf/combine.hpp"
 
 namespace conddp {
 namespace {
-
-template <class... Cases>
-struct Overloaded : Cases... {
-  using Cases::operator()...;
-};
-template <class... Cases>
-Overloaded(Cases...) -> Overloaded<Cases...>;  // some compilers do not deduce it themselves
-
-/// The step of a discrete system: all phases must have it.
-std::optional<double> common_step(const ProblemSpec& spec, Diagnostics& out) {
-  const PhaseSpec& first = spec.phases[spec.phases.front().choice && spec.phases.size() > 1];
-  const double dt = first.dt;
-  for (const PhaseSpec& phase : spec.phases)
-    if (phase.choice) {
-      continue;
-    } else if (phase.refine) {
-      out.error(phase.name.place, "the steps of this system must have the same length",
-                fmt::format("leave 'refine' out of '{}'", phase.name.value));
-      return std::nullopt;
-    } else if (phase.dt != dt) {
-      out.error(phase.name.place, "the phases of this system must have the same dt",
-                fmt::format("'{}' has {}, '{}' has {}", first.name.value, dt, phase.name.value,
-                            phase.dt));
-      return std::nullopt;
-    }
-  return dt;
-}
-
-std::shared_ptr<const System> make_system(const ProblemSpec& spec, Diagnostics& out) {
-  using Result = std::shared_ptr<const System>;
-  return std::visit(
-      Overloaded{
-          [](const DoubleIntegratorSpec& p) -> Result { return double_integrator(p.dimension); },
-          [](const LinearSpec& p) -> Result { return linear_system(p.A, p.B, p.c); },
-          [](const PendulumParameters& p) -> Result { return pendulum(p); },
-          [](const CartpoleParameters& p) -> Result { return cartpole(p); },
-          [](const AcrobotParameters& p) -> Result { return acrobot(p); },
-          [](const UnicycleSpec&) -> Result { return unicycle(); },
-          [&](const CarSpec& p) -> Result {
-            const auto step = common_step(spec, out);
-            return step ? car(p.wheelbase, *step) : nullptr;
-          },
-          [](const PlanarQuadrotorParameters& p) -> Result { return planar_quadrotor(p); },
-          [](const QuadrotorParameters& p) -> Result { return quadrotor(p); },
-          [](const LanderParameters& p) -> Result { return lander(p); },
-          [](const ExpressionSystemSpec& p) -> Result { return p.parsed.system; },
-      },
-      spec.system->parameters);
-}
 
 /// Where a joint and those that mimic it can all be within their limits: else both are named.
 bool check_mimic_limits(const Plant& plant, Diagnostics& out) {
@@ -82,11 +36,12 @@ bool check_mimic_limits(const Plant& plant, Diagnostics& out) {
   return possible;
 }
 
-/// A closed-form system, or one of expressions.
+/// A closed-form system, or one of expressions, or the first of several.
 std::optional<Plant> build_system(const ProblemSpec& spec, Diagnostics& out) {
   Plant plant;
-  plant.system = make_system(spec, out);
+  plant.system = make_system(*spec.system, spec, out);
   if (!plant.system || !collocate(spec, plant, out)) return std::nullopt;
+  if (!add_systems_of_phases(spec, plant, out)) return std::nullopt;
   if (const auto* text = std::get_if<ExpressionSystemSpec>(&spec.system->parameters))
     plant.usual_state = text->parsed.usual_state;
   return plant;

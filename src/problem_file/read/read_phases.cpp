@@ -6,6 +6,7 @@
 
 #include "problem_file/read/read_sections.hpp"
 #include "problem_file/spec/phase_grid.hpp"
+#include "problem_file/values/expression_source.hpp"
 
 namespace conddp {
 namespace {
@@ -16,7 +17,8 @@ void read_impulse(YamlMap& map, const YamlReader& impulse, PhaseSpec& phase) {
   phase.restitution = 0;
   static const NumberRange kRestitution{0, 1, false, false, "a number from 0 to 1"};
   map.number("restitution", *phase.restitution, kRestitution);
-  for (const char* key : {"knots", "dt", "duration", "free_duration", "refine", "contacts"})
+  for (const char* key :
+       {"knots", "dt", "duration", "free_duration", "refine", "contacts", "system"})
     if (const auto r = map.find(key))
       r->error(fmt::format("an impulse takes no time: it has no '{}'", key),
                "write '- {impulse: [contacts]}', and the phase after it as another entry");
@@ -42,12 +44,26 @@ void read_choice(YamlMap& map, const YamlReader& choose, PhaseSpec& phase) {
   ChoiceSpec choice{.coordinates = read_coordinates(choose), .lower = {}, .upper = {}};
   if (const auto r = map.find("lower")) choice.lower = read_components(*r);
   if (const auto r = map.find("upper")) choice.upper = read_components(*r);
-  for (const char* key :
-       {"knots", "dt", "duration", "free_duration", "refine", "contacts", "restitution", "weights"})
+  for (const char* key : {"knots", "dt", "duration", "free_duration", "refine", "contacts",
+                          "restitution", "weights", "system"})
     if (const auto r = map.find(key))
       r->error(fmt::format("the choice of the initial state takes no time: it has no '{}'", key),
                "write '- {choose: all}', and the phase after it as another entry");
   phase.choice = std::move(choice);
+}
+
+/// The states that change, with what becomes of them.
+void read_jump(YamlMap& map, const YamlReader& jump, PhaseSpec& phase) {
+  phase.knots = {1, jump.place()};
+  phase.jump = JumpSpec{.place = jump.place(), .states = {}};
+  if (const auto entries = jump.named_entries("write '{v: -0.8*v}'"))
+    for (const auto& [name, value] : *entries)
+      if (auto text = read_expression(value)) phase.jump->states.emplace_back(name, *text);
+  for (const char* key :
+       {"knots", "dt", "duration", "free_duration", "refine", "contacts", "restitution", "system"})
+    if (const auto r = map.find(key))
+      r->error(fmt::format("a jump takes no time: it has no '{}'", key),
+               "write '- {jump: {v: -0.8*v}}', and the phase after it as another entry");
 }
 
 RefineSpec read_refine(const YamlReader& reader, int knots) {
@@ -113,6 +129,8 @@ PhaseSpec read_phase(const YamlReader& reader, std::size_t index) {
   map.name("name", phase.name);
   if (const auto r = map.find("weights")) phase.weights = read_named_numbers(*r, kNotNegative);
   map.exclusive({"impulse", "choose"});
+  map.exclusive({"impulse", "jump"});
+  map.exclusive({"choose", "jump"});
   if (const auto r = map.find("impulse")) {
     read_impulse(map, *r, phase);
     return phase;
@@ -121,7 +139,13 @@ PhaseSpec read_phase(const YamlReader& reader, std::size_t index) {
     read_choice(map, *r, phase);
     return phase;
   }
+  if (const auto r = map.find("jump")) {
+    read_jump(map, *r, phase);
+    return phase;
+  }
   reject_keys_of_instants(map);
+  Name system;
+  if (map.name("system", system)) phase.system = std::move(system);
   map.read("contacts", phase.contacts, read_contact_names);
   if (const auto r = map.require("knots"))
     phase.knots = {static_cast<int>(r->integer(1, kMaxKnots).value_or(1)), r->place()};

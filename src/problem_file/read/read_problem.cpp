@@ -1,9 +1,12 @@
 #include "problem_file/read/read_problem.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "base/files/sha256.hpp"
 #include "base/files/source_text.hpp"
+#include "base/text/spelling.hpp"
 #include "problem_file/read/gait_schedule.hpp"
 #include "problem_file/read/homotopy_numbers.hpp"
 #include "problem_file/read/parameter_values.hpp"
@@ -30,17 +33,33 @@ void read_robots(const YamlReader& reader, const std::filesystem::path& folder, 
   }
 }
 
+/// Systems by name. Until phases have said which is the first, it is the first of the file.
+void read_systems(const YamlReader& reader, const std::filesystem::path& folder,
+                  ProblemSpec& spec) {
+  const auto entries = reader.named_entries("write '{a: {states: ..., rate: ...}, b: {...}}'");
+  if (!entries) return;
+  for (const auto& [name, value] : *entries)
+    spec.systems.push_back({name, read_system(value, {folder, spec.names})});
+  if (entries->empty())
+    reader.error("there is no system", "write '{a: {states: ..., rate: ...}, b: {...}}'");
+  else
+    spec.system = spec.systems.front().system;
+}
+
 void read_plant(YamlMap& map, const std::filesystem::path& folder, ProblemSpec& spec) {
   const auto robot = map.find("robot");
   const auto robots = map.find("robots");
   const auto system = map.find("system");
-  map.exclusive({"robot", "robots"});
-  map.exclusive({"robot", "system"});
-  map.exclusive({"robots", "system"});
+  const auto systems = map.find("systems");
+  constexpr std::string_view kWays[] = {"robot", "robots", "system", "systems"};
+  for (const std::string_view& one : kWays)
+    for (const std::string_view* other = &one + 1; other != std::end(kWays); ++other)
+      map.exclusive({one, *other});
   if (robot) spec.robots.push_back(read_robot(*robot, folder));
   if (robots) read_robots(*robots, folder, spec);
   if (system) spec.system = read_system(*system, {folder, spec.names});
-  if (!robot && !robots && !system && map.valid())
+  if (systems) read_systems(*systems, folder, spec);
+  if (!robot && !robots && !system && !systems && map.valid())
     map.reader().error("the file says nothing about what moves: 'robot', 'robots' or 'system'");
 }
 
@@ -124,6 +143,40 @@ void read_surroundings(YamlMap& map, ProblemSpec& spec) {
   map.exclusive({"stepping", "gait"});
 }
 
+/// The system that a phase names, which it has to where there are several.
+const NamedSystemSpec* find_system(const PhaseSpec& phase, const ProblemSpec& spec,
+                                   Diagnostics& out) {
+  std::vector<std::string> names;
+  for (const NamedSystemSpec& system : spec.systems) names.push_back(system.name.value);
+  if (!phase.system) {
+    out.error(phase.name.place,
+              fmt::format("the phase '{}' does not say which system moves", phase.name.value),
+              "write 'system: " + names.front() + "'", names);
+    return nullptr;
+  }
+  const auto found = std::find(names.begin(), names.end(), phase.system->value);
+  if (found != names.end()) return &spec.systems[found - names.begin()];
+  out.error(phase.system->place, fmt::format("unknown system '{}'", phase.system->value),
+            name_hint(phase.system->value, names, "systems"), names);
+  return nullptr;
+}
+
+/// Finds the systems of all phases that take time; the first of them is the problem's.
+void settle_systems(ProblemSpec& spec, Diagnostics& out) {
+  bool first = true;
+  for (const PhaseSpec& phase : spec.phases) {
+    if (phase.jump && !spec.system)
+      out.error(phase.jump->place, "jumps are for systems, not for robots",
+                "write '- {impulse: [contacts]}'");
+    if (spec.systems.empty() && phase.system)
+      out.error(phase.system->place, "the file has no 'systems' of which a phase could have one");
+    if (spec.systems.empty() || phase.takes_no_time()) continue;
+    const NamedSystemSpec* system = find_system(phase, spec, out);
+    if (system != nullptr && first) spec.system = system->system;
+    first = false;
+  }
+}
+
 /// The phases, and the gait that makes them or goes with them.
 std::optional<GaitSpec> read_schedule(YamlMap& map, ProblemSpec& spec) {
   map.exclusive({"phases", "gait"});
@@ -132,6 +185,7 @@ std::optional<GaitSpec> read_schedule(YamlMap& map, ProblemSpec& spec) {
                  [&](const YamlReader& r) { gait = read_gait(r, spec.contacts); });
   if (const auto r = gait ? map.find("phases") : map.require("phases"))
     spec.phases = read_phases(*r);
+  settle_systems(spec, map.reader().diagnostics());
   return gait;
 }
 

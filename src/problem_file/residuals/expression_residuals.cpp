@@ -53,8 +53,11 @@ std::optional<ExpressionOperand> make_operand(const CostSpec& operand,
                            made->parameters.neutral(), std::move(made->rows.names)};
 }
 
+/// Definitions of several systems may differ, so that residuals know none of them.
 const ExpressionSystemSpec* own_system(const ProblemSpec& spec) {
-  return spec.system ? std::get_if<ExpressionSystemSpec>(&spec.system->parameters) : nullptr;
+  return spec.system && spec.systems.empty()
+             ? std::get_if<ExpressionSystemSpec>(&spec.system->parameters)
+             : nullptr;
 }
 
 /// What a residual's expressions may name.

@@ -1,5 +1,7 @@
 #include "problem_file/spec/spec.hpp"
 
+#include <algorithm>
+
 namespace conddp {
 
 namespace {
@@ -30,6 +32,11 @@ const CostSpec* ProblemSpec::first_use(bool ResidualNeeds::*need) const {
     if (!constraint->bounded && constraint->function.definition->needs.*need)
       return &constraint->function;
   return nullptr;
+}
+
+bool ProblemSpec::has_jumps() const {
+  return std::any_of(phases.begin(), phases.end(),
+                     [](const PhaseSpec& phase) { return phase.jump.has_value(); });
 }
 
 const PhaseSpec* ProblemSpec::first_free_duration() const {

@@ -34,6 +34,12 @@ struct FreeDurationSpec {
   double lower = 0, upper = 0;
 };
 
+/// States that change in no time: x becomes what its expression says, others stay.
+struct JumpSpec {
+  Place place;
+  std::vector<std::pair<Name, ExpressionText>> states;
+};
+
 /// A run of knots: all that the file says about it.
 struct PhaseSpec {
   Name name;
@@ -45,8 +51,10 @@ struct PhaseSpec {
   /// Of an impulse at the contacts: one knot that takes no time.
   std::optional<double> restitution;
   std::optional<ChoiceSpec> choice;  ///< of a first phase that is one
+  std::optional<JumpSpec> jump;      ///< of one knot between two phases that take time
+  std::optional<Name> system;        ///< where the file has several
 
-  bool takes_no_time() const { return restitution || choice; }
+  bool takes_no_time() const { return restitution || choice || jump; }
   /// Weights that costs have in this phase instead of their own.
   NamedNumbers weights;
 };
@@ -105,7 +113,8 @@ struct ProblemSpec {
   std::string description;
   ExpressionNamesSpec names;  ///< that all expressions know
   std::vector<RobotSpec> robots;
-  std::optional<SystemSpec> system;
+  std::optional<SystemSpec> system;  ///< of several that of the first phase that takes time
+  std::vector<NamedSystemSpec> systems;
   Vector3<double> gravity{0, 0, -9.81};  ///< m/s²
   StateSpec initial_state;
   std::optional<Located<Integrator>> integrator;  ///< absent: the system's usual one
@@ -133,6 +142,7 @@ struct ProblemSpec {
   /// Those at running knots, then those at the last node.
   std::vector<const CostSpec*> all_costs() const;
   std::vector<const ConstraintSpec*> all_constraints() const;
+  bool has_jumps() const;
   int knots() const {
     int n = 0;
     for (const PhaseSpec& phase : phases) n += phase.knots.value;

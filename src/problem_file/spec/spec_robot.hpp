@@ -94,4 +94,10 @@ struct SystemSpec {
       parameters;
 };
 
+/// One of several systems, of which phases name theirs.
+struct NamedSystemSpec {
+  Name name;
+  SystemSpec system;
+};
+
 }  // namespace conddp

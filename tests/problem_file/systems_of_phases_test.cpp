@@ -1,0 +1,153 @@
+// Phases with systems of their own, and jumps between them.
+#include <gtest/gtest.h>
+
+#include "problem_file/expand/expand_problem.hpp"
+#include "problem_text.hpp"
+#include "solvers/strategies/registry.hpp"
+
+namespace conddp {
+namespace {
+
+/// From 1 to 0, first with x' = u, then with x' = 3 u. With u constant in each, 1 + u₁ + 3 u₂ = 0,
+/// and ½ (u₁² + u₂²) is least at u = −(1, 3)/10.
+constexpr std::string_view kTwoSystems = R"(conddp: 1
+name: two
+systems:
+  weak: {states: {x: m}, controls: {u: N}, rate: {x: u}}
+  strong: {states: {x: m}, controls: {u: N}, rate: {x: 3*u}}
+initial_state: {values: {x: 1}}
+phases:
+  - {name: first, system: weak, knots: 5, duration: 1}
+  - {name: second, system: strong, knots: 4, duration: 1}
+costs:
+  effort: {residual: control}
+terminal:
+  constraints:
+    zero: {residual: state}
+solver: {name: proxddp, tolerances: {stationarity: 1.0e-10, constraint: 1.0e-10}}
+)";
+
+/// From 1 to 0 with x' = u and x⁺ = 2 x half-way: 2 (1 + u₁) + u₂ = 0, at u = −(0.8, 0.4).
+constexpr std::string_view kJump = R"(conddp: 1
+name: leap
+parameters: {gain: 2}
+system: {states: {x: m, y: m}, controls: {u: N}, rate: {x: u, y: 0}}
+initial_state: {values: {x: 1, y: 7}}
+phases:
+  - {name: before, knots: 5, duration: 1}
+  - {name: leap, jump: {x: gain*x}}
+  - {name: after, knots: 4, duration: 1}
+costs:
+  effort: {residual: control}
+terminal:
+  constraints:
+    zero: {residual: state, columns: x}
+solver: {name: proxddp, tolerances: {stationarity: 1.0e-10, constraint: 1.0e-10}}
+)";
+
+SolveResult solved(const Loaded& loaded, const std::string& solver) {
+  return solve(*loaded.built->problem, solver, loaded.spec->solver.options, loaded.built->guess);
+}
+
+TEST(SystemsOfPhases, EachPhaseMovesAsItsOwnSystem) {
+  const Loaded loaded{std::string(kTwoSystems)};
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const auto& phases = loaded.built->problem->phases();
+  EXPECT_NE(&phases[0].model->system(), &phases[1].model->system());
+  for (const char* solver : {"altro", "proxddp", "intro", "ipopt"}) {
+    const SolveResult result = solved(loaded, solver);
+    ASSERT_EQ(result.status, SolveStatus::converged) << solver << result.message;
+    EXPECT_NEAR(result.cost, 0.05, 1e-8) << solver;
+    EXPECT_NEAR(result.trajectory.u(0)[0], -0.1, 1e-6) << solver;
+    EXPECT_NEAR(result.trajectory.u(8)[0], -0.3, 1e-6) << solver;
+    EXPECT_NEAR(result.trajectory.x(5)[0], 0.9, 1e-6) << solver;
+  }
+}
+
+TEST(SystemsOfPhases, PhasesOfOneSystemShareIt) {
+  const Loaded loaded(replaced(
+      kTwoSystems, "costs:", "  - {name: third, system: weak, knots: 3, dt: 0.1}\ncosts:"));
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const auto& phases = loaded.built->problem->phases();
+  EXPECT_EQ(phases[0].model, phases[2].model);
+}
+
+TEST(SystemsOfPhases, AJumpTakesNoTimeAndHasNoControls) {
+  const Loaded loaded{std::string(kJump)};
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const ShootingProblem& problem = *loaded.built->problem;
+  EXPECT_TRUE(problem.takes_no_time(5));
+  EXPECT_FALSE(problem.takes_no_time(6));
+  EXPECT_EQ(loaded.built->guess.nu(5), 0);
+  for (const char* solver : {"altro", "proxddp", "ipopt"}) {
+    const SolveResult result = solved(loaded, solver);
+    ASSERT_EQ(result.status, SolveStatus::converged) << solver << result.message;
+    EXPECT_NEAR(result.cost, 0.4, 1e-8) << solver;
+    EXPECT_NEAR(result.trajectory.x(5)[0], 0.2, 1e-6) << solver;
+    EXPECT_NEAR(result.trajectory.x(6)[0], 0.4, 1e-6) << solver;
+    EXPECT_EQ(result.trajectory.x(9)[1], 7) << solver << ": what does not jump stays";
+  }
+}
+
+TEST(SystemsOfPhases, ClosedFormSystemsJumpToo) {
+  const Loaded loaded(replaced(replaced(kPendulum, "  - {name: second",
+                                        "  - {jump: {omega: -0.5*omega}}\n  - {name: second"),
+                               "box_ddp", "box_fddp"));
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const SolveResult result = solved(loaded, "box_fddp");
+  ASSERT_EQ(result.status, SolveStatus::converged) << result.message;
+  EXPECT_EQ(result.trajectory.x(5)[0], result.trajectory.x(4)[0]);
+  EXPECT_EQ(result.trajectory.x(5)[1], -0.5 * result.trajectory.x(4)[1]);
+}
+
+TEST(SystemsOfPhases, ExpansionIsReadAsTheSame) {
+  for (const std::string_view text : {kTwoSystems, kJump}) {
+    const Loaded loaded{std::string(text)};
+    ASSERT_TRUE(loaded.built) << loaded.all();
+    const OrderedJson expanded = expand_problem(*loaded.spec, *loaded.built);
+    const Loaded again(expanded.dump());
+    ASSERT_TRUE(again.built) << again.all() << expanded;
+    EXPECT_EQ(expand_problem(*again.spec, *again.built), expanded);
+    EXPECT_EQ(solved(again, "proxddp").cost, solved(loaded, "proxddp").cost);
+  }
+}
+
+TEST(SystemsOfPhases, MistakesAreFoundWhereTheyStand) {
+  struct {
+    std::string_view text, from, to, error;
+  } const cases[] = {
+      {kTwoSystems, "system: weak", "system: week", "8:28: unknown system 'week'"},
+      {kTwoSystems, "system: weak, ", "",
+       "8:12: the phase 'first' does not say which system moves"},
+      {kTwoSystems, "controls: {u: N}, rate: {x: 3*u}", "controls: {f: N}, rate: {x: 3*f}",
+       "5:3: the controls of 'strong' are f, those of the first system u"},
+      {kTwoSystems, "rate: {x: 3*u}", "rate: {x: 3*u*t}",
+       "5:3: the states of 'strong' are x, t, those of the first system x"},
+      {kTwoSystems, "rate: {x: 3*u}", "next: {x: 3*u}",
+       "5:3: 'strong' is of another kind than the first system"},
+      {kTwoSystems, "initial_state", "integrator: trapezoidal\ninitial_state",
+       "6:13: collocation does not support several systems"},
+      {kTwoSystems, "systems:", "system: {type: pendulum}\nsystems:",
+       "4:1: 'system' and 'systems' exclude each other"},
+      {kJump, "knots: 5,", "knots: 5, system: weak,",
+       "7:36: the file has no 'systems' of which a phase could have one"},
+      {kJump, "{x: gain*x}", "{z: gain*x}", "8:26: there is no state 'z' that could jump"},
+      {kJump, "{x: gain*x}", "{x: gian*x}", "8:29: unknown name 'gian'"},
+      {kJump, "{x: gain*x}}", "{x: gain*x}, knots: 3}",
+       "8:47: a jump takes no time: it has no 'knots'"},
+      {kJump, "terminal:", "  early: {residual: control, phases: [leap]}\nterminal:",
+       "12:22: the residual 'control' needs a control, and the jump 'leap' has none"},
+      {kJump, "terminal:", "  smooth: {residual: control_rate}\nterminal:",
+       "8:12: a jump interrupts the controls: 'control_rate' cannot pass it"},
+      {kCartpole, "knots: 5, dt: 0.1}]", "jump: {slider: 0}}, {knots: 5, dt: 0.1}]",
+       "8:17: jumps are for systems, not for robots"},
+  };
+  for (const auto& c : cases) {
+    const Loaded loaded(replaced(c.text, c.from, c.to));
+    EXPECT_FALSE(loaded.built) << c.to;
+    EXPECT_TRUE(loaded.first_error().starts_with(c.error)) << c.to << "\n" << loaded.all();
+  }
+}
+
+}  // namespace
+}  // namespace conddp
