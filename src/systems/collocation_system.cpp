@@ -7,26 +7,64 @@ namespace conddp {
 namespace {
 
 /// The rows of the later stages of a rule: h Σ_j velocity[j] k_j, and of the positions of
-/// second-order systems h · time · v + h² Σ_j position[j] k_j (A and A² of the rule).
+/// second-order systems h · time · v + h² Σ_j position[j] k_j (A and A² of the rule). k_0 is the
+/// slope at the beginning of the step, on which rules of Radau do not depend.
 struct StageRow {
   double time;
-  double velocity[3];
-  double position[3];
+  double velocity[4];
+  double position[4];
 };
 struct Rule {
   int later;
-  StageRow rows[2];
-  const char* names[2];
+  StageRow rows[3];
+  const char* names[3];
 };
 
-const Rule& table(LobattoRule rule) {
-  static const Rule trapezoidal{1, {{1, {1.0 / 2, 1.0 / 2}, {1.0 / 4, 1.0 / 4}}}, {"end"}};
-  static const Rule hermite_simpson{
-      2,
-      {{0.5, {5.0 / 24, 1.0 / 3, -1.0 / 24}, {1.0 / 16, 1.0 / 12, -1.0 / 48}},
-       {1, {1.0 / 6, 2.0 / 3, 1.0 / 6}, {1.0 / 6, 1.0 / 3, 0}}},
-      {"middle", "end"}};
-  return rule == LobattoRule::trapezoidal ? trapezoidal : hermite_simpson;
+constexpr Rule kTrapezoidal{1, {{1, {1.0 / 2, 1.0 / 2}, {1.0 / 4, 1.0 / 4}}}, {"end"}};
+constexpr Rule kHermiteSimpson{
+    2,
+    {{0.5, {5.0 / 24, 1.0 / 3, -1.0 / 24}, {1.0 / 16, 1.0 / 12, -1.0 / 48}},
+     {1, {1.0 / 6, 2.0 / 3, 1.0 / 6}, {1.0 / 6, 1.0 / 3, 0}}},
+    {"middle", "end"}};
+constexpr Rule kRadau3{2,
+                       {{1.0 / 3, {0, 5.0 / 12, -1.0 / 12}, {0, 1.0 / 9, -1.0 / 18}},
+                        {1, {0, 3.0 / 4, 1.0 / 4}, {0, 1.0 / 2, 0}}},
+                       {"first", "end"}};
+
+/// Of a rule whose A is given alone, all of whose stages are later ones: what follows from it.
+constexpr Rule completed(Rule rule) {
+  for (int i = 0; i < rule.later; ++i) {
+    rule.rows[i].time = 0;
+    for (int j = 1; j <= rule.later; ++j) {
+      rule.rows[i].time += rule.rows[i].velocity[j];
+      rule.rows[i].position[j] = 0;
+      for (int k = 1; k <= rule.later; ++k)
+        rule.rows[i].position[j] += rule.rows[i].velocity[k] * rule.rows[k - 1].velocity[j];
+    }
+  }
+  return rule;
+}
+
+constexpr double kRoot6 = 2.449489742783178098;
+constexpr Rule kRadau5 = completed(
+    {3,
+     {{0, {0, (88 - 7 * kRoot6) / 360, (296 - 169 * kRoot6) / 1800, (-2 + 3 * kRoot6) / 225}, {}},
+      {0, {0, (296 + 169 * kRoot6) / 1800, (88 + 7 * kRoot6) / 360, (-2 - 3 * kRoot6) / 225}, {}},
+      {0, {0, (16 - kRoot6) / 36, (16 + kRoot6) / 36, 1.0 / 9}, {}}},
+     {"first", "middle", "end"}});
+
+const Rule& table(CollocationRule rule) {
+  switch (rule) {
+    case CollocationRule::trapezoidal:
+      return kTrapezoidal;
+    case CollocationRule::hermite_simpson:
+      return kHermiteSimpson;
+    case CollocationRule::radau3:
+      return kRadau3;
+    case CollocationRule::radau5:
+      break;
+  }
+  return kRadau5;
 }
 
 /// Adds what slopes at stage j do to a later one: into the columns of what the slopes depend on.
@@ -55,7 +93,7 @@ std::string rate_unit(const std::string& unit) {
 
 }  // namespace
 
-CollocationSystem::CollocationSystem(std::shared_ptr<const System> inside, LobattoRule rule)
+CollocationSystem::CollocationSystem(std::shared_ptr<const System> inside, CollocationRule rule)
     : System(inside->kind(), inside->manifold(), 0), inside_(std::move(inside)), rule_(rule) {
   if (!manifold_.curved().empty())
     throw std::invalid_argument("collocation needs a flat state space");
@@ -77,6 +115,8 @@ CollocationSystem::CollocationSystem(std::shared_ptr<const System> inside, Lobat
 }
 
 int CollocationSystem::later_stages() const { return table(rule_).later; }
+
+double CollocationSystem::time(int stage) const { return table(rule_).rows[stage - 1].time; }
 
 template <class S>
 CollocationSystem::Later<S>::Later(const CollocationSystem& system,

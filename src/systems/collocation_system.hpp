@@ -4,29 +4,35 @@
 
 namespace conddp {
 
-/// Lobatto IIIA rules, whose first stage is the beginning of a step and whose last one is its end:
-/// stage i stands at x_i = x + h Σ_j a_ij k_j with the slopes k_j = f(x_j, u), u held. Of two
-/// stages that is the trapezoidal rule (order 2), of three Hermite and Simpson's (order 4), whose
-/// middle stage lies on the cubic through both ends.
-enum class LobattoRule { trapezoidal, hermite_simpson };
+/// Rules whose last stage is the end of a step: stage i stands at x_i = x + h Σ_j a_ij k_j with the
+/// slopes k_j = f(x_j, u), u held.
+/// - Lobatto IIIA, whose first stage is the beginning of the step: of two stages the trapezoidal
+///   rule (order 2), of three Hermite and Simpson's (order 4), whose middle stage lies on the cubic
+///   through both ends;
+/// - Radau IIA of two and three stages (order 3 and 5), which damp what is infinitely stiff (Hairer
+///   and Wanner, Solving Ordinary Differential Equations II, tables IV.5.5 and IV.5.6).
+enum class CollocationRule { trapezoidal, hermite_simpson, radau3, radau5 };
 
 /// A system whose steps are implicit: the control is w = (u, k_1, k_2 …) with the slopes of the
-/// later stages, accelerations of a second-order system and tangent velocities of a first-order
-/// one. f, fx and fu are those of the system inside, of which the slope at the knot's own state
-/// comes. That the others obey k_i = f(x_i, u) is a constraint (collocation_residual). Positions of
-/// a second-order system are integrated by the same rule from the velocities of the stages.
+/// stages behind the beginning, accelerations of a second-order system and tangent velocities of a
+/// first-order one. f, fx and fu are those of the system inside, of which the slope at the knot's
+/// own state comes. That the others obey k_i = f(x_i, u) is a constraint (collocation_residual).
+/// Positions of a second-order system are integrated by the same rule from the velocities of the
+/// stages.
 class CollocationSystem : public System {
  public:
   /// Throws std::invalid_argument where the state space is curved or the system knows no time.
-  CollocationSystem(std::shared_ptr<const System> inside, LobattoRule rule);
+  CollocationSystem(std::shared_ptr<const System> inside, CollocationRule rule);
 
   /// The system without the slopes, whose controls are the actuators.
   const std::shared_ptr<const System>& inside() const { return inside_; }
   const CollocationSystem* as_collocation() const override { return this; }
   const MultibodySystem* robot_inside() const override { return inside_->robot_inside(); }
-  LobattoRule rule() const { return rule_; }
+  CollocationRule rule() const { return rule_; }
   /// Stages whose slopes are controls: 1 to later_stages(), the last one the end of the step.
   int later_stages() const;
+  /// When a later stage is, as a share of the step.
+  double time(int stage) const;
   /// Where the slopes of a later stage start in w: rows() numbers.
   int slopes(int stage) const { return actuators() + (stage - 1) * rows(); }
   int actuators() const override { return inside_->nu(); }
@@ -68,7 +74,7 @@ class CollocationSystem : public System {
                              S* column) const;
 
   std::shared_ptr<const System> inside_;
-  LobattoRule rule_;
+  CollocationRule rule_;
 };
 
 }  // namespace conddp

@@ -217,7 +217,7 @@ struct PushedCart {
   ShootingProblem problem;
   Trajectory motion;
 
-  explicit PushedCart(LobattoRule rule)
+  explicit PushedCart(CollocationRule rule)
       : problem(in_steps_of(rule)), motion(problem.create_trajectory()) {
     const auto inside = cartpole({});
     const auto data = inside->create_data(double{});
@@ -246,11 +246,12 @@ struct PushedCart {
   }
 
  private:
-  static ShootingProblem in_steps_of(LobattoRule rule) {
+  static ShootingProblem in_steps_of(CollocationRule rule) {
     const auto system = std::make_shared<CollocationSystem>(cartpole({}), rule);
-    const bool trapezoidal = rule == LobattoRule::trapezoidal;
-    auto model = std::make_shared<KnotModel>(
-        system, trapezoidal ? Integrator::trapezoidal : Integrator::hermite_simpson);
+    const auto* integrator =
+        std::find_if(std::begin(kIntegrators), std::end(kIntegrators),
+                     [&](const IntegratorInfo& info) { return info.collocation == rule; });
+    auto model = std::make_shared<KnotModel>(system, integrator->integrator);
     model->add_constraint(make_constraint("collocation", collocation_residual(system, model->ndx()),
                                           ConstraintKind::bounds));
     Phase phase{.name = "all", .model = model, .dt = {0.1, 0.1, 0.1}, .cost_scale = {1, 1, 1}};
@@ -274,12 +275,16 @@ struct PushedCart {
 
 // The slopes of the plan are all zero: the replay finds those of its steps itself.
 TEST(Replay, OfACollocationSolvesForTheSlopesOfItsSteps) {
-  const PushedCart trapezoidal(LobattoRule::trapezoidal), simpson(LobattoRule::hermite_simpson);
+  const PushedCart trapezoidal(CollocationRule::trapezoidal),
+      simpson(CollocationRule::hermite_simpson);
   // Of orders two and four.
   EXPECT_LT(trapezoidal.deviation(20), 1e-3);
   EXPECT_NEAR(std::log2(trapezoidal.deviation(10) / trapezoidal.deviation(20)), 2, 0.1);
   EXPECT_LT(simpson.deviation(10), 1e-7);
   EXPECT_NEAR(std::log2(simpson.deviation(4) / simpson.deviation(8)), 4, 0.3);
+  const PushedCart radau3(CollocationRule::radau3), radau5(CollocationRule::radau5);
+  EXPECT_NEAR(std::log2(radau3.deviation(4) / radau3.deviation(8)), 3, 0.3);
+  EXPECT_NEAR(std::log2(radau5.deviation(1) / radau5.deviation(2)), 5, 0.5);
 }
 
 TEST(Replay, RemembersTheControlsThatItHasUsed) {

@@ -57,7 +57,7 @@ class ProblemComposer {
     const bool discrete = body_.kind == SystemKind::discrete;
     std::vector<const Choice<Integrator>*> able;
     for (const Choice<Integrator>& word : kIntegratorWords) {
-      const bool collocates = info_of(word.value).lobatto.has_value();
+      const bool collocates = info_of(word.value).collocation.has_value();
       if ((word.value == Integrator::discrete) != discrete) continue;
       if (word.value == Integrator::semi_implicit_euler && body_.kind != SystemKind::second_order)
         continue;
@@ -68,7 +68,7 @@ class ProblemComposer {
     const Choice<Integrator>& word = *pick(able, random_);
     if (random_.chance(0.2)) return;
     integrator_ = fmt::format("integrator: {}\n", word.word);
-    collocates_ = info_of(word.value).lobatto.has_value();
+    collocates_ = info_of(word.value).collocation.has_value();
   }
 
   std::string initial_state() {

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <atomic>
 #include <cstdlib>
 
@@ -123,15 +124,16 @@ TEST(Allocation, NoneWithConstraintsNorInNewtonSteps) {
 }
 
 /// A cart-pole whose steps are implicit.
-ShootingProblem collocated_cartpole(LobattoRule rule) {
+ShootingProblem collocated_cartpole(CollocationRule rule) {
   const auto system = std::make_shared<CollocationSystem>(cartpole({}), rule);
-  const Integrator integrator =
-      rule == LobattoRule::trapezoidal ? Integrator::trapezoidal : Integrator::hermite_simpson;
+  const IntegratorInfo& integrator =
+      *std::find_if(std::begin(kIntegrators), std::end(kIntegrators),
+                    [&](const IntegratorInfo& info) { return info.collocation == rule; });
   std::vector<double> effort(system->nu(), 0.0);
   effort[0] = 0.1;
   const double dt = 0.05;
   const ShootingProblem free = testing::tracking_problem(
-      system, integrator, 40, dt, {0, 0, 0, 0},
+      system, integrator.integrator, 40, dt, {0, 0, 0, 0},
       {{0, M_PI, 0, 0}, {0.01, 0.01, 0.01, 0.01}, effort, {100, 100, 100, 100}});
   const std::vector<double> zero(system->later_stages() * system->rows(), 0.0);
   return testing::with_constraints(free, {{.name = "collocation",
@@ -144,7 +146,8 @@ ShootingProblem collocated_cartpole(LobattoRule rule) {
 }
 
 TEST(Allocation, NoneWhereStepsAreImplicit) {
-  for (const LobattoRule rule : {LobattoRule::trapezoidal, LobattoRule::hermite_simpson}) {
+  for (const CollocationRule rule : {CollocationRule::trapezoidal, CollocationRule::hermite_simpson,
+                                     CollocationRule::radau3, CollocationRule::radau5}) {
     const ShootingProblem problem = collocated_cartpole(rule);
     for (const char* solver : {"altro", "proxddp", "intro"}) {
       SolverOptions options;

@@ -170,7 +170,9 @@ TEST(ExpressionSystems, CollocationHasTheSameDerivativesAsThatOfCompiledSystems)
   for (const SystemInWords& system : systems_in_words()) {
     if (system.text.kind == SystemKind::discrete || !system.compiled->manifold().curved().empty())
       continue;
-    for (const LobattoRule rule : {LobattoRule::trapezoidal, LobattoRule::hermite_simpson}) {
+    for (const CollocationRule rule :
+         {CollocationRule::trapezoidal, CollocationRule::hermite_simpson, CollocationRule::radau3,
+          CollocationRule::radau5}) {
       const CollocationSystem got(expression_system(system.text), rule);
       const CollocationSystem expected(system.compiled, rule);
       const SystemPoint<Lane> point = random_point<Lane>(expected, random);

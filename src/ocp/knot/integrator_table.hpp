@@ -19,6 +19,8 @@ enum class Integrator {
   rk4,
   trapezoidal,
   hermite_simpson,
+  radau3,
+  radau5,
   discrete
 };
 
@@ -38,7 +40,7 @@ enum class StepKind {
   impulse,        ///< it gives the next velocity; the configuration stays, the time step must be 0
   semi_implicit,  ///< the next velocity from the acceleration, the next position from that velocity
   runge_kutta,    ///< by `rule`
-  collocation     ///< the implicit `lobatto` rule of a CollocationSystem
+  collocation     ///< the implicit `collocation` rule of a CollocationSystem
 };
 
 /// What there is to know about an integrator.
@@ -49,7 +51,7 @@ struct IntegratorInfo {
   StepKind kind;
   int order = 0;  ///< of consistency in dt, where time passes
   RungeKuttaRule rule = {};
-  std::optional<LobattoRule> lobatto = {};
+  std::optional<CollocationRule> collocation = {};
 };
 
 /// All integrators, in the order of the enumeration. Everything that distinguishes them is read
@@ -92,14 +94,30 @@ inline constexpr IntegratorInfo kIntegrators[] = {
      StepKind::collocation,
      2,
      {},
-     LobattoRule::trapezoidal},
+     CollocationRule::trapezoidal},
     {Integrator::hermite_simpson,
      "hermite_simpson",
      "collocation by Hermite and Simpson's rule (Lobatto IIIA): implicit, fourth order; the same",
      StepKind::collocation,
      4,
      {},
-     LobattoRule::hermite_simpson},
+     CollocationRule::hermite_simpson},
+    {Integrator::radau3,
+     "radau3",
+     "collocation by Radau's rule (IIA) of two stages: implicit, third order, damps what is stiff; "
+     "the same",
+     StepKind::collocation,
+     3,
+     {},
+     CollocationRule::radau3},
+    {Integrator::radau5,
+     "radau5",
+     "collocation by Radau's rule (IIA) of three stages: implicit, fifth order, damps what is "
+     "stiff; the same",
+     StepKind::collocation,
+     5,
+     {},
+     CollocationRule::radau5},
     {Integrator::discrete, "discrete",
      "none: of systems that give the next state themselves (linear, car)", StepKind::given}};
 

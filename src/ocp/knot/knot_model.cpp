@@ -22,7 +22,7 @@ void check_integrator(const System& system, Integrator integrator) {
   check_together(system.kind() == SystemKind::impulse, integrator == Integrator::impulse,
                  "an impulse needs the integrator of impulses, and only it");
   const auto* collocation = system.as_collocation();
-  if (info_of(integrator).lobatto !=
+  if (info_of(integrator).collocation !=
       (collocation ? std::optional(collocation->rule()) : std::nullopt))
     throw std::invalid_argument(
         "a collocation system needs the integrator of its rule, and only it");

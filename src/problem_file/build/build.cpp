@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "analysis/comparison/random_instance.hpp"
 #include "base/text/spelling.hpp"
@@ -20,11 +21,21 @@
 namespace conddp {
 namespace {
 
+/// "accepted: rk4, …": what integrates systems with a rate, or with accelerations, too.
+std::string accepted_integrators(bool second_order) {
+  std::vector<std::string_view> names;
+  for (const IntegratorInfo& info : kIntegrators)
+    if (info.kind == StepKind::runge_kutta || info.kind == StepKind::collocation ||
+        (second_order && info.kind == StepKind::semi_implicit))
+      names.push_back(info.name);
+  return fmt::format("accepted: {}", fmt::join(names, ", "));
+}
+
 std::optional<Integrator> choose_integrator(const ProblemSpec& spec, const System& system,
                                             Diagnostics& out) {
   if (!spec.integrator) return default_integrator(system.kind());
   const Integrator integrator = spec.integrator->value;
-  const auto fail = [&](const char* message, const char* hint) {
+  const auto fail = [&](const char* message, const std::string& hint) {
     out.error(spec.integrator->place, message, hint);
     return std::nullopt;
   };
@@ -33,12 +44,10 @@ std::optional<Integrator> choose_integrator(const ProblemSpec& spec, const Syste
     return fail("this system gives the next state itself: nothing is integrated",
                 "write 'integrator: discrete' or leave the key out");
   if (!discrete && integrator == Integrator::discrete)
-    return fail("this system is continuous: it needs an integrator",
-                "accepted: semi_implicit_euler, explicit_euler, rk2, rk3, rk4, trapezoidal, "
-                "hermite_simpson");
+    return fail("this system is continuous: it needs an integrator", accepted_integrators(true));
   if (integrator == Integrator::semi_implicit_euler && system.kind() != SystemKind::second_order)
     return fail("semi-implicit Euler needs positions and velocities, which this system has not",
-                "accepted: explicit_euler, rk2, rk3, rk4, trapezoidal, hermite_simpson");
+                accepted_integrators(false));
   return integrator;
 }
 

@@ -39,7 +39,7 @@ void check_names(const ProblemSpec& spec, Diagnostics& out) {
 
 bool collocate(const ProblemSpec& spec, Plant& plant, Diagnostics& out) {
   if (!spec.integrator) return true;
-  const auto rule = info_of(spec.integrator->value).lobatto;
+  const auto rule = info_of(spec.integrator->value).collocation;
   if (!rule) return true;
   const int errors = out.error_count();
   check_smoothness(spec, out);
@@ -76,6 +76,7 @@ void guess_slopes(const CollocationSystem& system, const ShootingProblem& proble
   const System& inside = *system.inside();
   const auto data = inside.create_data(double{});
   const int n = system.ndx(), rows = system.rows(), top = n - rows;
+  const int stages = system.later_stages();
   // ẋ, of which the last rows are the slopes.
   const auto rate = [&](const Eigen::VectorXd& x, const double* w) {
     inside.evaluate(x.data(), w, *data);
@@ -90,10 +91,13 @@ void guess_slopes(const CollocationSystem& system, const ShootingProblem& proble
     const double h = knot.model->step(knot.dt, trajectory.x(k).data());
     const Eigen::VectorXd x = trajectory.x(k).head(n), next = trajectory.x(k + 1).head(n);
     const Eigen::VectorXd begin = rate(x, w.data()), end = rate(next, w.data());
-    w.segment(system.slopes(system.later_stages()), rows) = end.tail(rows);
-    if (system.later_stages() == 1) continue;
-    const Eigen::VectorXd middle = 0.5 * (x + next) + h / 8 * (begin - end);
-    w.segment(system.slopes(1), rows) = rate(middle, w.data()).tail(rows);
+    w.segment(system.slopes(stages), rows) = end.tail(rows);
+    for (int i = 1; i < stages; ++i) {  // on the cubic through both ends
+      const double c = system.time(i), past = c * c * (3 - 2 * c);
+      const Eigen::VectorXd between =
+          (1 - past) * x + past * next + h * c * (1 - c) * ((1 - c) * begin - c * end);
+      w.segment(system.slopes(i), rows) = rate(between, w.data()).tail(rows);
+    }
   }
 }
 
