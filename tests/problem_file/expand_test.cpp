@@ -43,6 +43,14 @@ initial_state: {values: {y: 0.3}}
 phases: [{knots: 3, dt: 0.1}]
 )");
   texts.push_back(R"(conddp: 1
+system: {type: double_integrator, dimension: 1}
+initial_state: {}
+phases: [{knots: 3, dt: 0.1}]
+costs: {state: {residual: state, matrix: [[1, 0.1], [0.1, 1]]}, effort: {residual: control}}
+constraints: {force: {bounds: control, lower: -1, upper: 1}}
+solver: {name: altro}
+)");
+  texts.push_back(R"(conddp: 1
 system: {states: [x], controls: [u], next: {x: '0.9*x + 0.1*atan2(u, 2)'}}
 initial_state: {}
 phases: [{knots: 3, dt: 0.1}]
@@ -81,12 +89,13 @@ costs:
          reference: {position: [0, 0, 1], orientation: [0.5, 0.5, 0.5, 0.5]}}
   speed: {residual: frame_velocity, frame: arm/tool, axes: local, reference: [0, 0, 0, 0, 0, 1]}
   speed_2: {residual: frame_velocity, frame: arm/tool}
-  com: {residual: com_position, reference: initial}
+  com: {residual: com_position, reference: initial, matrix: [[2], [0, 1], [0.5, 0, 1]]}
   inside: {residual: com_position, activation: {kind: quadratic_barrier, lower: -9, upper: [9, null, 9]}}
   hold: {residual: control_gravity, activation: {kind: smooth_l2, epsilon: 0.5}}
   chosen: {residual: state, columns: [q/arm/joint_1, v/arm/joint_1]}
 constraints: {limits: {bounds: control, from: urdf, upper: 50, phases: ["1.5"]}}
-terminal: {costs: {end: {residual: frame_velocity, frame: arm/tool}, rest: {residual: state}}}
+terminal: {costs: {end: {residual: frame_velocity, frame: arm/tool,
+                         matrix: {vx: {vx: 2, wz: 1}, wz: {wz: 1}}}, rest: {residual: state}}}
 initial_guess: {states: {keyframes: [{time: 0.1, state: body/turned}, {time: 0.2, state:
                 {robots: {body: {velocity: {base: {angular: [0, 0, 1]}}}}}}]},
                 controls: {constant: {"*": 0.1}, random: {scale: 0.1}}}

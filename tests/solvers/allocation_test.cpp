@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "ocp/knot/collocation_residual.hpp"
+#include "ocp/residuals/residuals.hpp"
+#include "ocp/residuals/weighted_residual.hpp"
 #include "solvers/strategies/registry.hpp"
 #include "solvers/strategies/reusable_solver.hpp"
 #include "support/conic_problems.hpp"
@@ -74,6 +76,23 @@ TEST(Allocation, CounterSeesNewAndMalloc) {
   EXPECT_EQ(allocations, 4) << v.sum() + aligned[0];
 }
 
+/// A pendulum that swings up under full weight matrices.
+ShootingProblem weighted_swing_up() {
+  constexpr int kKnots = 60;
+  const auto system = pendulum({});
+  const Eigen::Matrix2d W{{1, 0.2}, {0.2, 0.1}};
+  const auto state = weighted_residual(state_residual(system->manifold()), W);
+  auto running = std::make_shared<KnotModel>(system, Integrator::semi_implicit_euler);
+  running->add_cost("state", state, {});
+  running->add_cost("control", control_residual(system->ndx(), system->nu()), {});
+  auto end = std::make_shared<KnotModel>(system, Integrator::none);
+  end->add_cost("state", state, {});
+  Phase phase{"knots", running, std::vector(kKnots, 0.05), std::vector(kKnots, 0.05), {}};
+  for (int k = 0; k < kKnots; ++k)
+    phase.parameters.insert(phase.parameters.end(), {3.14, 0, 1, 0, 0.01});
+  return {{0, 0}, {phase}, Phase{"end", end, {0.0}, {1.0}, {3.14, 0, 100}}};
+}
+
 TEST(Allocation, NoneInAnIterationAfterTheFirst) {
   const struct {
     const char* name;
@@ -85,7 +104,8 @@ TEST(Allocation, NoneInAnIterationAfterTheFirst) {
                {"quadrotor, limited", testing::quadrotor_move(0.5, 2), 1.22625},
                {"unicycle", testing::unicycle_parking(), 0.01},
                {"landing", testing::landing(), 0.01},
-               {"landing, limited", testing::landing(60), 0.01}};
+               {"landing, limited", testing::landing(60), 0.01},
+               {"weighted pendulum", weighted_swing_up(), 0.01}};
   for (const auto& [name, problem, u] : cases) {
     for (const SolverInfo& solver : solvers()) {
       // The library Ipopt allocates as it likes.

@@ -7,6 +7,7 @@
 
 #include "ocp/knot/knot_model.hpp"
 #include "ocp/residuals/residuals.hpp"
+#include "ocp/residuals/weighted_residual.hpp"
 
 namespace conddp {
 
@@ -66,6 +67,15 @@ inline std::vector<std::pair<std::string, std::shared_ptr<const Residual>>> name
         combination_residual(
             model.ndx(),
             {{{{2, false, velocities[0], system->nv() + rows[0]}, {-3, true, 0, -1}}, 0.5}}));
+  const int nv = system->nv();
+  const Eigen::MatrixXd half =
+      Eigen::MatrixXd::Ones(2 * nv, nv) + Eigen::MatrixXd::Identity(2 * nv, nv);
+  if (model.ndx() == 2 * nv)
+    all.emplace_back("weighted state",
+                     weighted_residual(state_residual(model.manifold()), half * half.transpose()));
+  all.emplace_back("weighted com",
+                   weighted_residual(com_position_residual(system),
+                                     Eigen::Matrix3d{{2, 1, 0}, {1, 3, 0}, {0, 0, 1}}));
   if (model.has_control_memory()) all.emplace_back("rate", control_rate_residual(*system));
   for (int f = 0; f < static_cast<int>(robot.frames.size()); f += frame_step) {
     const std::string& name = robot.frames[f].name;

@@ -14,6 +14,7 @@ Names residual_rows(const CostTerm& term, bool terminal, const ProblemSpec& spec
                     const BuiltProblem& built) {
   for (const CostSpec& cost : terminal ? spec.terminal_costs : spec.costs) {
     if (cost.name.value != term.name) continue;
+    if (cost.matrix) break;  // its rows are of all of the residual's
     Diagnostics out;
     if (const auto made = make_cost_residual(cost, spec, built.plant, built.problem->ndx(), out))
       return made->rows.names;

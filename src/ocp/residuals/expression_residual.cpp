@@ -5,31 +5,12 @@
 
 #include <fmt/format.h>
 
+#include "ocp/residuals/stack_numbers.hpp"
 #include "systems/expressions/differentiable.hpp"
 #include "systems/expressions/tangent_motions.hpp"
 
 namespace conddp {
 namespace {
-
-/// Residuals are shared by threads and own no memory that changes: their registers are on the
-/// stack, at most so many.
-constexpr int kMostRegisters = 4096;
-
-/// Calls run(registers) with at least `count` registers, not initialised.
-template <class S, class Run>
-void with_registers(int count, Run&& run) {
-  constexpr int kFew = 128, kMany = 1024;
-  if (count <= kFew) {
-    S registers[kFew];
-    run(registers);
-  } else if (count <= kMany) {
-    S registers[kMany];
-    run(registers);
-  } else {
-    S registers[kMostRegisters];
-    run(registers);
-  }
-}
 
 /// An input of the program and where a knot holds it.
 struct KnotInputSource {
@@ -202,7 +183,7 @@ class ExpressionResidual : public ResidualBase<ExpressionResidual> {
   template <class S, class Then>
   void run(const ExpressionProgram& program, const ResidualInput<S>& in, bool derivatives, S* r,
            Then then) const {
-    with_registers<S>(program.registers() + operands_.numbers(), [&](S* registers) {
+    with_stack_numbers<S>(program.registers() + operands_.numbers(), [&](S* registers) {
       S* operands = registers + program.registers();
       operands_.evaluate(in, derivatives, operands);
       program.prepare(registers);
@@ -367,10 +348,10 @@ class ResidualReader {
       return texts_.report(Part::kRow, 0, "the expressions of the residual are too large");
     DifferentiableExpressions functions(graph_, outputs_, inputs, motions);
     Operands operands(text_.operands);
-    if (functions.with_derivatives().registers() + operands.numbers() > kMostRegisters)
+    if (functions.with_derivatives().registers() + operands.numbers() > kMostStackNumbers)
       return texts_.report(
           Part::kRow, 0,
-          fmt::format("the expressions need more than {} intermediate results", kMostRegisters),
+          fmt::format("the expressions need more than {} intermediate results", kMostStackNumbers),
           "rows can be residuals of their own");
     drop_unused();
     out_.reads_time = std::any_of(sources_.begin(), sources_.end(),

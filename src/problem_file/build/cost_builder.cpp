@@ -5,7 +5,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "ocp/residuals/weighted_residual.hpp"
 #include "problem_file/build/swing_reference.hpp"
+#include "problem_file/build/weight_matrix.hpp"
 #include "problem_file/residuals/residual_table.hpp"
 
 namespace conddp {
@@ -82,6 +84,19 @@ std::optional<Activation> build_activation(const CostSpec& cost, const CostResid
   return activation;
 }
 
+/// Puts the file's matrix into a cost's residual; false where it does not fit.
+bool apply_matrix(const CostSpec& spec, CostResidual& residual, ContactCost& contact,
+                  Diagnostics& out) {
+  const auto matrix = resolve(*spec.matrix, residual, spec.residual.value, out);
+  if (!matrix) return false;
+  residual.residual = weighted_residual(residual.residual, *matrix);
+  if (!contact.make) return true;
+  contact.make = [make = std::move(contact.make), W = *matrix](const auto& system, int index) {
+    return weighted_residual(make(system, index), W);
+  };
+  return true;
+}
+
 void add_cost(const CostSpec& spec, CostResidual residual, ContactCost contact,
               const CostContext& context, std::vector<BuiltCost>& costs, Diagnostics& out) {
   auto activation = build_activation(spec, residual, contact, out);
@@ -91,6 +106,7 @@ void add_cost(const CostSpec& spec, CostResidual residual, ContactCost contact,
                             context.states.initial(), context.times, out)
           : build_reference(spec, residual, context.plant, context.states, context.times, out);
   if (!activation || !reference) return;
+  if (spec.matrix && !apply_matrix(spec, residual, contact, out)) return;
   costs.push_back({&spec, std::move(residual), std::move(contact), std::move(*activation),
                    std::move(*reference)});
 }

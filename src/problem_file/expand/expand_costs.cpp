@@ -30,7 +30,10 @@ OrderedJson expand_cost(const CostSpec& cost, const ProblemSpec& spec, const Pla
                         bool terminal) {
   OrderedJson json = expand_residual_keys(cost, {spec, plant, {.last_node = terminal}});
   json["weight"] = cost.weight;
-  json["weights"] = cost.weights ? expand_components(*cost.weights) : OrderedJson(1.0);
+  if (cost.matrix)
+    json["matrix"] = expand_symmetric_matrix(*cost.matrix);
+  else
+    json["weights"] = cost.weights ? expand_components(*cost.weights) : OrderedJson(1.0);
   if (!cost.definition->is_cone && !is_excluded("activation", cost))
     json["activation"] = expand_activation(cost.activation);
   if (OrderedJson reference = expand_reference(cost);

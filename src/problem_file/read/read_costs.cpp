@@ -21,6 +21,19 @@ std::vector<Located<int>> read_knots(const YamlReader& reader) {
   return knots;
 }
 
+/// How rows of the residual weigh: one by one, or with each other.
+void read_weights(YamlMap& map, CostSpec& cost) {
+  map.exclusive({"weights", "matrix"});
+  if (const auto r = map.find("weights")) cost.weights = read_components(*r, kNotNegative);
+  const auto r = map.find("matrix");
+  if (!r) return;
+  cost.matrix = read_symmetric_matrix(*r);
+  if (cost.activation.kind != ActivationKind::quadratic)
+    r->error(fmt::format("'matrix' belongs to the activation 'quadratic', and this cost has '{}'",
+                         activation_definition(cost.activation.kind).name),
+             "write 'weights', one a row");
+}
+
 /// The activation that the file gives, or that of the residual.
 void read_activation_of(YamlMap& map, CostSpec& cost) {
   const ResidualDefinition& definition = *cost.definition;
@@ -42,7 +55,7 @@ CostSpec read_cost(const Name& name, const YamlReader& reader, const std::filesy
   if (!map.valid() || !read_residual(map, folder, {.last_node = terminal}, cost)) return cost;
   map.number("weight", cost.weight, kNotNegative);
   read_activation_of(map, cost);
-  if (const auto r = map.find("weights")) cost.weights = read_components(*r, kNotNegative);
+  read_weights(map, cost);
   return cost;
 }
 

@@ -53,6 +53,7 @@ struct CostSpec {
   double weight = 1;
   ActivationSpec activation;
   std::optional<ComponentsSpec> weights;  ///< of the components, besides `weight`
+  std::optional<MatrixSpec> matrix;       ///< instead of weights of the components
   std::optional<ReferenceSpec> reference;
   std::optional<std::vector<Name>> phases;
   std::optional<std::vector<Located<int>>> knots;

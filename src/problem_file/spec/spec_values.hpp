@@ -23,6 +23,14 @@ struct ComponentsSpec {
   std::vector<std::pair<Name, std::optional<double>>> map;
 };
 
+/// A symmetric matrix on the components of a vector: its rows, whole or up to the diagonal, or
+/// entries by the names of their row and column, each of which stands for its mirror image too.
+struct MatrixSpec {
+  Place place;
+  std::vector<Located<std::vector<double>>> rows;
+  std::vector<std::pair<Name, NamedNumbers>> entries;
+};
+
 /// Contacts by name, or all that there are.
 struct ContactNames {
   bool all = false;

@@ -35,6 +35,17 @@ OrderedJson expand_components(const ComponentsSpec& spec) {
   return map;
 }
 
+OrderedJson expand_symmetric_matrix(const MatrixSpec& matrix) {
+  if (matrix.rows.empty()) {
+    OrderedJson entries = OrderedJson::object();
+    for (const auto& [name, row] : matrix.entries) entries[name.value] = expand_numbers(row);
+    return entries;
+  }
+  OrderedJson rows = OrderedJson::array();
+  for (const Located<std::vector<double>>& row : matrix.rows) rows.push_back(row.value);
+  return rows;
+}
+
 OrderedJson expand_names(const std::vector<Name>& names) {
   OrderedJson list = OrderedJson::array();
   for (const Name& name : names) list.push_back(name.value);

@@ -11,6 +11,7 @@ OrderedJson expand_vector(const Vector3<double>& vector);
 OrderedJson expand_quaternion(const Quaternion<double>& q);
 OrderedJson expand_numbers(const NamedNumbers& numbers);
 OrderedJson expand_components(const ComponentsSpec& spec);
+OrderedJson expand_symmetric_matrix(const MatrixSpec& matrix);
 OrderedJson expand_names(const std::vector<Name>& names);
 OrderedJson expand_motion(const PlanarMotion& motion);
 OrderedJson expand_pose(const PoseSpec& pose);

@@ -72,6 +72,25 @@ std::optional<ComponentsSpec> read_components(const YamlReader& reader, const Nu
   return spec;
 }
 
+std::optional<MatrixSpec> read_symmetric_matrix(const YamlReader& reader) {
+  constexpr std::string_view kHint = "write '[[2, 1], [1, 3]]' or '{x: {x: 2, v: 1}, v: {v: 3}}'";
+  MatrixSpec matrix{.place = reader.place()};
+  if (reader.is_map()) {
+    const auto entries = reader.named_entries(kHint);
+    for (const auto& [name, row] : *entries)
+      matrix.entries.emplace_back(name, read_named_numbers(row));
+    return matrix;
+  }
+  const auto rows = reader.items(kHint);
+  if (!rows) return std::nullopt;
+  for (const YamlReader& row : *rows) {
+    const auto numbers = row.numbers();
+    if (!numbers) return std::nullopt;
+    matrix.rows.push_back({*numbers, row.place()});
+  }
+  return matrix;
+}
+
 std::optional<PlanarMotion> read_planar_motion(const YamlReader& reader) {
   const auto n = reader.numbers(3, "[x, y, yaw] in m and rad");
   if (!n) return std::nullopt;
