@@ -1,0 +1,254 @@
+#include "analysis/terminal/terminal_ingredients.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Dense>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "ocp/evaluation/evaluator.hpp"
+#include "systems/multibody/multibody.hpp"
+
+namespace conddp {
+namespace {
+
+/// A state that changes faster than that, in its units per second, is no equilibrium.
+constexpr double kLargestDrift = 1e-6;
+/// How far the linear map may leave the tangent space of contacts, by its own size.
+constexpr double kLargestLeak = 1e-5;
+/// Singular values of contact Jacobians below this share of the largest are none.
+constexpr double kSmallestSingularValue = 1e-8;
+
+/// A knot of a phase alone, from a state on.
+std::shared_ptr<ShootingProblem> lone_knot(const EquilibriumGuess& guess) {
+  const Phase& phase = guess.phase;
+  const KnotModel& model = *phase.model;
+  const auto first = phase.parameters.begin() + guess.knot * model.parameter_count();
+  Phase knot{.name = phase.name,
+             .model = phase.model,
+             .dt = {phase.dt[guess.knot]},
+             .cost_scale = {phase.cost_scale[guess.knot]},
+             .parameters = {first, first + model.parameter_count()}};
+  auto end = std::make_shared<KnotModel>(model.shared_system(), Integrator::none,
+                                         model.has_control_memory());
+  return std::make_shared<ShootingProblem>(
+      guess.x, std::vector{std::move(knot)},
+      Phase{.name = "end", .model = std::move(end), .dt = {0.0}, .cost_scale = {1.0}});
+}
+
+/// An orthonormal basis of the velocities that the contacts of a robot allow in a state at rest.
+Eigen::MatrixXd allowed_velocities(const MultibodySystem& system, const double* x) {
+  const int nv = system.nv(), rows = system.contacts().rows();
+  MultibodySystem::Data<double> data(system);
+  system.update_kinematics(x, static_cast<SystemData<double>&>(data));
+  system.contacts().update(system.robot(), data.robot, nv, data.contacts);  // Jᵀ in `response`
+  const Eigen::Map<const Eigen::MatrixXd> Jt(data.contacts.response.data(), nv, rows);
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(Jt, Eigen::ComputeFullU);
+  const Eigen::VectorXd& values = svd.singularValues();
+  const int rank =
+      static_cast<int>((values.array() > kSmallestSingularValue * values.maxCoeff()).count());
+  return svd.matrixU().rightCols(nv - rank);
+}
+
+/// The tangent vectors of the states that a knot can be in.
+Eigen::MatrixXd tangent_space(const KnotModel& model, const double* x) {
+  const int n = model.ndx();
+  const MultibodySystem* system = model.system().as_multibody();
+  if (system == nullptr || system->contacts().empty()) return Eigen::MatrixXd::Identity(n, n);
+  const Eigen::MatrixXd N = allowed_velocities(*system, x);
+  const int nv = system->nv(), free = static_cast<int>(N.cols());
+  const int memory = n - 2 * nv;
+  Eigen::MatrixXd T = Eigen::MatrixXd::Zero(n, 2 * free + memory);
+  T.topLeftCorner(nv, free) = N;
+  T.block(nv, free, nv, free) = N;
+  T.bottomRightCorner(memory, memory).setIdentity();
+  return T;
+}
+
+/// Finds the ingredients step by step; a step returns false where there are none.
+class IngredientsFinder {
+ public:
+  IngredientsFinder(const EquilibriumGuess& guess, const std::vector<std::string>& names)
+      : names_(names),
+        problem_(lone_knot(guess)),
+        model_(*problem_->knot(0).model),
+        evaluator_(*problem_),
+        trajectory_(problem_->create_trajectory()),
+        linear_(*problem_) {
+    trajectory_.u(0) = guess.u;
+  }
+
+  TerminalResult find() {
+    if (hold() && stays() && within_bounds() && linearize()) solve();
+    return std::move(result_);
+  }
+
+ private:
+  bool fail(std::string fault, std::string hint = {}) {
+    result_ = {std::nullopt, std::move(fault), std::move(hint)};
+    return false;
+  }
+
+  /// Newton steps on the control, as long as they make the state more of an equilibrium.
+  bool hold() {
+    constexpr int kMost = 20;
+    if (model_.nu() == 0) return fail("the system has no control", "a regulator needs one");
+    double best = move_to(trajectory_.u(0));
+    for (int i = 0; i < kMost && best > 0; ++i) {
+      const int n = model_.system().ndx();
+      const Eigen::VectorXd former = trajectory_.u(0);
+      const Eigen::MatrixXd B = linear_.knots[0].dense_jacobian().topRightCorner(n, model_.nu());
+      const Eigen::VectorXd gap = linear_.gap.col(0).head(n);
+      const double now = move_to(former - B.completeOrthogonalDecomposition().solve(gap));
+      if (now < best) {
+        best = now;
+        continue;
+      }
+      move_to(former);
+      break;
+    }
+    return true;
+  }
+
+  /// Linearizes at a control; how fast the state leaves its place.
+  double move_to(const Eigen::VectorXd& u) {
+    trajectory_.u(0) = u;
+    if (const int actuators = model_.nx() - model_.system().nx(); actuators > 0)
+      for (int k : {0, 1}) trajectory_.x(k).tail(actuators) = u.head(actuators);
+    evaluator_.differentiate(trajectory_, linear_);
+    drift_ = linear_.gap.col(0).cwiseAbs().maxCoeff(&fastest_) / problem_->knot(0).dt;
+    return std::isfinite(drift_) ? drift_ : std::numeric_limits<double>::infinity();
+  }
+
+  bool stays() {
+    if (drift_ <= kLargestDrift) return true;
+    return fail(fmt::format("the state is not an equilibrium: with the control that holds it best, "
+                            "'{}' changes by {:.3g} in a second",
+                            names_[fastest_], drift_),
+                "give a state at rest that controls and contacts can hold");
+  }
+
+  bool within_bounds() {
+    const Eigen::VectorXd u = trajectory_.u(0);
+    for (int i = 0; i < model_.nu(); ++i) {
+      const double lower = model_.control_lower()[i], upper = model_.control_upper()[i];
+      if (u[i] >= lower && u[i] <= upper) continue;
+      return fail(
+          fmt::format("the control that holds the state exceeds its bounds: '{}' is {:.4g}, "
+                      "and may be {:.4g} to {:.4g}",
+                      model_.system().control_columns()[i].name, u[i], lower, upper));
+    }
+    return true;
+  }
+
+  /// The knot's linear map and the exact Hessian of its cost on the tangent space.
+  bool linearize() {
+    const int n = model_.ndx(), m = model_.nu();
+    const Eigen::MatrixXd F = linear_.knots[0].dense_jacobian();
+    T_ = tangent_space(model_, trajectory_.x(0).data());
+    const Eigen::MatrixXd A = F.leftCols(n) * T_, B = F.rightCols(m);
+    const auto across = [this](const Eigen::MatrixXd& M) {
+      return (M - T_ * (T_.transpose() * M)).cwiseAbs().maxCoeff() / M.cwiseAbs().maxCoeff();
+    };
+    const double leak = std::max(across(A), across(B));
+    if (!(leak <= kLargestLeak))
+      return fail(fmt::format("the contacts do not hold what they touch: a step leaves their "
+                              "tangent space by {:.3g}",
+                              leak),
+                  "contacts that depend on each other are soft; leave some out");
+    evaluator_.lagrangian_hessian(trajectory_, Eigen::MatrixXd::Zero(n, 2), linear_);
+    const Eigen::MatrixXd H = linear_.knots[0].hessian();
+    problem_of_y_ = {.A = T_.transpose() * A,
+                     .B = T_.transpose() * B,
+                     .Q = T_.transpose() * H.topLeftCorner(n, n) * T_,
+                     .R = H.bottomRightCorner(m, m),
+                     .S = T_.transpose() * H.topRightCorner(n, m)};
+    return true;
+  }
+
+  bool solve() {
+    RegulatorResult solved = solve_regulator(problem_of_y_);
+    if (!solved.regulator) return explain(solved);
+    TerminalIngredients& out = result_.ingredients.emplace();
+    out.x.assign(trajectory_.x(0).begin(), trajectory_.x(0).end());
+    problem_->set_initial_state(out.x);
+    out.knot = problem_;
+    out.u = trajectory_.u(0);
+    out.drift = drift_;
+    out.cost = linear_.cost[0];
+    out.gradient = linear_.knots[0].gradient;
+    out.P = T_ * solved.regulator->P * T_.transpose();
+    out.P = (0.5 * (out.P + out.P.transpose())).eval();
+    out.K = solved.regulator->K * T_.transpose();
+    out.tangent = std::move(T_);
+    out.linear = std::move(problem_of_y_);
+    out.regulator = *std::move(solved.regulator);
+    return true;
+  }
+
+  bool explain(const RegulatorResult& solved) {
+    switch (solved.fault) {
+      case RegulatorFault::control_cost:
+        return fail(fmt::format("the running cost leaves a direction of the control free: the "
+                                "least eigenvalue of its scaled Hessian in the control is {:.3g}",
+                                solved.eigenvalue),
+                    "a regulator needs a cost on every control");
+      case RegulatorFault::state_cost:
+        return fail(fmt::format("the running cost is not convex at the state: the least eigenvalue "
+                                "of its scaled Hessian without the control is {:.3g}",
+                                solved.eigenvalue),
+                    "references that differ from the state may cause this");
+      case RegulatorFault::not_stabilizable:
+        return fail(fmt::format("no control moves {}", describe(*solved.mode)),
+                    "leave such states out of the system, or give it a control");
+      case RegulatorFault::not_detectable:
+        return fail(fmt::format("the running cost does not see {}", describe(*solved.mode)),
+                    "give these states a running cost");
+      default:
+        return fail("rounding spoils the solution of the Riccati equation",
+                    "scale the costs, or the units, nearer to each other");
+    }
+  }
+
+  /// "the mode with eigenvalue 1.05 of 'theta' and 'omega', which does not decay".
+  std::string describe(const LinearMode& mode) const {
+    constexpr int kMost = 4;
+    constexpr double kSmallShare = 0.1;
+    const Eigen::VectorXd share = (T_ * mode.share).cwiseAbs();
+    std::vector<int> order(share.size());
+    for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<int>(i);
+    std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return share[a] > share[b]; });
+    std::vector<std::string> parts;
+    for (const int i : order)
+      if (share[i] > kSmallShare * share.maxCoeff() && static_cast<int>(parts.size()) < kMost)
+        parts.push_back("'" + names_[i] + "'");
+    const double im = std::abs(mode.eigenvalue.imag());
+    const std::string eigenvalue = im > 0
+                                       ? fmt::format("{:.6g} ± {:.3g}i", mode.eigenvalue.real(), im)
+                                       : fmt::format("{:.6g}", mode.eigenvalue.real());
+    return fmt::format("the mode with eigenvalue {} of {}, which does not decay", eigenvalue,
+                       fmt::join(parts, ", "));
+  }
+
+  const std::vector<std::string>& names_;
+  std::shared_ptr<ShootingProblem> problem_;
+  const KnotModel& model_;
+  Evaluator evaluator_;
+  Trajectory trajectory_;
+  Linearization linear_;
+  double drift_ = 0;
+  Eigen::Index fastest_ = 0;
+  Eigen::MatrixXd T_;
+  RegulatorProblem problem_of_y_;
+  TerminalResult result_;
+};
+
+}  // namespace
+
+TerminalResult find_terminal_ingredients(const EquilibriumGuess& guess,
+                                         const std::vector<std::string>& names) {
+  return IngredientsFinder(guess, names).find();
+}
+
+}  // namespace conddp
