@@ -48,6 +48,7 @@ initial_state: {}
 phases: [{knots: 3, dt: 0.1}]
 costs: {state: {residual: state, matrix: [[1, 0.1], [0.1, 1]]}, effort: {residual: control}}
 constraints: {force: {bounds: control, lower: -1, upper: 1}}
+terminal: {lqr: {about: {values: {q/0: 0.5}}, weight: 1.1, set: true}}
 solver: {name: altro}
 )");
   texts.push_back(R"(conddp: 1

@@ -166,10 +166,10 @@ void keep_dropped(const PhaseContext& context, const std::vector<double>& start,
     const std::vector<BuiltConstraint> knots = only(running), end = only(terminal);
     auto phases = build_phases(context, {{}, knots}, unbounded(context.spec, built.plant), out);
     if (phases.empty()) return;
-    built.dropped.push_back(
-        {name, std::nullopt,
-         std::make_shared<ShootingProblem>(start, std::move(phases),
-                                           build_terminal(context, {{}, knots}, {{}, end}, out))});
+    built.dropped.push_back({name, std::nullopt,
+                             std::make_shared<ShootingProblem>(
+                                 start, std::move(phases),
+                                 build_terminal(context, {{}, knots}, {{}, end}, nullptr, out))});
   }
 }
 
@@ -305,8 +305,11 @@ class ProblemBuilder {
         times_, plant.stepping(), plant.collocation(), choice()};
     std::vector<Phase> phases = build_phases(phase_context, {costs, constraints}, bounds, out_);
     if (out_.has_errors()) return false;
-    Phase terminal =
-        build_terminal(phase_context, {costs, constraints}, {terminal_costs, at_end}, out_);
+    if (spec_.terminal_lqr)
+      built_.terminal_lqr =
+          build_terminal_lqr({spec_, plant, states_, phases, remembers_control_, held() > 0}, out_);
+    Phase terminal = build_terminal(phase_context, {costs, constraints}, {terminal_costs, at_end},
+                                    built_.terminal_lqr.get(), out_);
     if (out_.has_errors()) return false;
 
     std::vector<double> start = initial_state();

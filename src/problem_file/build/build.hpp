@@ -34,8 +34,9 @@ struct BuiltProblem {
   std::vector<Column> control_columns;
   Trajectory guess;
   GuessUsed guess_used;
-  std::shared_ptr<const DualGuess> multipliers;  ///< to start from, null: none
-  std::shared_ptr<const Homotopy> homotopy;      ///< that of the file, null: none
+  std::shared_ptr<const DualGuess> multipliers;     ///< to start from, null: none
+  std::shared_ptr<const Homotopy> homotopy;         ///< that of the file, null: none
+  std::shared_ptr<const TerminalLqr> terminal_lqr;  ///< of `terminal: {lqr: ...}`, null: none
   std::vector<DroppedConstraint> dropped;
   std::vector<InputFile> data_files;  ///< read for references and the guess
 };

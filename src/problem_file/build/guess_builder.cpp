@@ -8,6 +8,8 @@
 
 #include "base/normal_numbers.hpp"
 #include "problem_file/build/contact_guess.hpp"
+#include "problem_file/build/quasi_static.hpp"
+#include "problem_file/build/terminal_lqr.hpp"
 #include "problem_file/plant/collocation_builder.hpp"
 
 namespace conddp {
@@ -106,7 +108,12 @@ class GuessBuilder {
   std::optional<TimeSeries> towards_target() {
     const std::vector<double>& times = problem_.times();
     std::vector<double> target = states_.initial();
-    bool found = false;
+    bool found = spec_.terminal_lqr.has_value();
+    if (found) {
+      const auto state = equilibrium_of(*spec_.terminal_lqr, states_);
+      if (!state) return std::nullopt;
+      target = *state;
+    }
     for (const CostSpec& cost : spec_.terminal_costs) {
       if (!cost.definition->of_positions) continue;
       if (!set_target(cost, target)) return std::nullopt;

@@ -26,9 +26,4 @@ struct GuessContext {
 std::optional<Trajectory> build_guess(const GuessContext& context, GuessUsed& used,
                                       Diagnostics& out);
 
-/// Controls that hold the system at rest in a state, in the sense of least squares: with the forces
-/// of its contacts against gravity and external wrenches if it is a robot, else those that make the
-/// acceleration smallest.
-Eigen::VectorXd quasi_static_control(const System& system, const double* x);
-
 }  // namespace conddp

@@ -48,7 +48,8 @@ ConstraintCount count_constraints(const ProblemSpec& spec, int ndx, int nu) {
     count.constraints += each;
     count.rows += norm ? each : rows_of(constraint, spec, ndx, nu);
   }
-  if (!spec.terminal_constraints.empty()) count.constraints = std::max(count.constraints, 1.0);
+  if (!spec.terminal_constraints.empty() || (spec.terminal_lqr && spec.terminal_lqr->set))
+    count.constraints = std::max(count.constraints, 1.0);
   return count;
 }
 

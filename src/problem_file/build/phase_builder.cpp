@@ -416,7 +416,7 @@ std::vector<Phase> build_phases(const PhaseContext& context, const KnotContents&
 }
 
 Phase build_terminal(const PhaseContext& context, const KnotContents& running,
-                     const KnotContents& terminal, Diagnostics& out) {
+                     const KnotContents& terminal, const TerminalLqr* lqr, Diagnostics& out) {
   auto model = std::make_shared<KnotModel>(context.system, Integrator::none, context.control_memory,
                                            context.held_memory());
   const std::size_t node = context.contacts.terminal();
@@ -436,6 +436,7 @@ Phase build_terminal(const PhaseContext& context, const KnotContents& running,
   for (std::size_t i = 0; i < constraints.size(); ++i)
     write_parameters(*constraints[i], model->constraints()[i], context.times.back(), true,
                      phase.parameters.data());
+  if (lqr) add_terminal_lqr(*lqr, *model, phase.parameters);
   phase.model = std::move(model);
   return phase;
 }

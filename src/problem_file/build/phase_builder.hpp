@@ -2,6 +2,7 @@
 
 #include "problem_file/build/constraint_builder.hpp"
 #include "problem_file/build/initial_choice.hpp"
+#include "problem_file/build/terminal_lqr.hpp"
 
 namespace conddp {
 
@@ -51,9 +52,9 @@ std::vector<Phase> build_phases(const PhaseContext& context, const KnotContents&
                                 const PhaseBounds& bounds, Diagnostics& out);
 /// The last node with its costs and constraints, with the running costs on swings that end there
 /// and the running constraints that hold there too. Contacts that a cost names and the node does
-/// not hold are reported.
+/// not hold are reported. `lqr`: what the file's `terminal: {lqr: ...}` stands for, or null.
 Phase build_terminal(const PhaseContext& context, const KnotContents& running,
-                     const KnotContents& terminal, Diagnostics& out);
+                     const KnotContents& terminal, const TerminalLqr* lqr, Diagnostics& out);
 
 /// Constraints on the initial state alone cannot be influenced: checks those that are hard, and
 /// switches them off.

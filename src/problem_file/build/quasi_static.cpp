@@ -1,9 +1,11 @@
+#include "problem_file/build/quasi_static.hpp"
+
 #include <algorithm>
 
 #include <Eigen/Dense>
 
-#include "problem_file/build/guess_builder.hpp"
 #include "robot/dynamics.hpp"
+#include "systems/multibody/multibody.hpp"
 
 namespace conddp {
 

@@ -96,9 +96,16 @@ OrderedJson expand_initial_state(const ProblemSpec& spec, const KnotModel& model
   return json;
 }
 
+OrderedJson expand_terminal_lqr(const TerminalLqrSpec& lqr) {
+  return {{"about", lqr.name ? OrderedJson(lqr.name->value) : expand_state(lqr.state)},
+          {"weight", lqr.weight},
+          {"set", lqr.set}};
+}
+
 OrderedJson expand_terminal(const ProblemSpec& spec, const Plant& plant) {
   OrderedJson json = OrderedJson::object();
   if (!spec.contacts.empty()) json["contacts"] = expand_contact_names(spec.last_contacts(), spec);
+  if (spec.terminal_lqr) json["lqr"] = expand_terminal_lqr(*spec.terminal_lqr);
   json["costs"] = expand_costs(spec.terminal_costs, spec, plant, true);
   json["constraints"] = expand_terminal_constraints(spec, plant);
   return json;

@@ -194,6 +194,7 @@ void read_terminal(const YamlReader& reader, const std::filesystem::path& folder
   YamlMap terminal(reader);
   if (const auto contacts = terminal.find("contacts"))
     spec.terminal_contacts = read_contact_names(*contacts);
+  if (const auto lqr = terminal.find("lqr")) spec.terminal_lqr = read_terminal_lqr(*lqr);
   if (const auto costs = terminal.find("costs"))
     spec.terminal_costs = read_costs(*costs, folder, true);
   if (const auto constraints = terminal.find("constraints"))

@@ -74,6 +74,9 @@ std::optional<DataFileSpec> read_data_file(YamlMap& map, const std::filesystem::
 void read_constraints(const YamlReader& reader, const std::filesystem::path& folder, bool terminal,
                       ProblemSpec& spec);
 
+// read_terminal_lqr.cpp
+TerminalLqrSpec read_terminal_lqr(const YamlReader& reader);
+
 // read_guess.cpp
 GuessSpec read_guess(const YamlReader& reader, const std::filesystem::path& folder);
 

@@ -11,6 +11,7 @@
 #include "problem_file/spec/spec_robot.hpp"
 #include "problem_file/spec/spec_solver.hpp"
 #include "problem_file/spec/spec_stepping.hpp"
+#include "problem_file/spec/spec_terminal.hpp"
 
 namespace conddp {
 
@@ -128,6 +129,7 @@ struct ProblemSpec {
   std::vector<ControlBoundsSpec> control_bounds;
   std::vector<ConstraintSpec> constraints;        ///< all others on running knots
   std::optional<ContactNames> terminal_contacts;  ///< absent: those of the last phase
+  std::optional<TerminalLqrSpec> terminal_lqr;
   std::vector<CostSpec> terminal_costs;
   std::vector<ConstraintSpec> terminal_constraints;
   GuessSpec guess;

@@ -1,0 +1,379 @@
+// Terminal costs and sets of the linear-quadratic regulator in problem files.
+#include <cmath>
+
+#include "analysis/terminal/terminal_conditions.hpp"
+#include "problem_file/expand/expand_problem.hpp"
+#include "schema_document.hpp"
+#include "solvers/strategies/registry.hpp"
+#include "support/robots.hpp"
+
+namespace conddp {
+namespace {
+
+/// The exact double integrator over 0.1 s with Q = I and R = 0.1 as rates.
+std::string exact_integrator(int knots, std::string_view lqr = "initial",
+                             std::string_view more = "") {
+  return fmt::format(R"(conddp: 1
+system: {{type: linear, A: [[1, 0.1], [0, 1]], B: [[0.005], [0.1]]}}
+initial_state: {{state: [1, 0]}}
+phases: [{{name: only, knots: {}, dt: 0.1}}]
+costs:
+  state: {{residual: state}}
+  effort: {{residual: control, weight: 0.1}}
+terminal: {{lqr: {}}}
+solver: {{name: box_fddp, tolerances: {{stationarity: 1.0e-10}}}}
+{})",
+                     knots, lqr, more);
+}
+
+constexpr std::string_view kUnitForce =
+    "constraints: {force: {bounds: control, lower: -1, upper: 1}}\n";
+
+std::string balanced_cartpole(std::string_view about) {
+  return fmt::format(R"(conddp: 1
+system: {{type: cartpole}}
+initial_state: {{values: {{theta: 3.141592653589793}}}}
+integrator: semi_implicit_euler
+phases: [{{name: only, knots: 10, dt: 0.02}}]
+costs:
+  state: {{residual: state, reference: {{values: {{theta: 3.141592653589793}}}}, weights: [1, 10, 0.1, 0.1]}}
+  effort: {{residual: control, weight: 0.1}}
+constraints: {{force: {{bounds: control, lower: -5, upper: 5}}}}
+terminal: {{lqr: {}}}
+)",
+                     about);
+}
+
+const TerminalLqr& lqr_of(const Loaded& loaded) { return *loaded.built->terminal_lqr; }
+
+double optimal_cost(const Loaded& loaded) {
+  const SolverInfo& solver = *find_solver(loaded.spec->solver.name.value);
+  const SolveResult result =
+      solve(*loaded.built->problem, solver, loaded.spec->solver.options, loaded.built->guess);
+  EXPECT_EQ(result.status, SolveStatus::converged);
+  return result.cost;
+}
+
+/// What the regulator costs from x̄ ⊕ T y on by the nonlinear map, without the cost's value and
+/// slope at the equilibrium.
+double cost_of_closed_loop(const TerminalIngredients& own, const Eigen::VectorXd& y, int steps) {
+  const KnotModel& model = *own.knot->knot(0).model;
+  const KnotView& knot = own.knot->knot(0);
+  KnotWorkspace<double> work(model);
+  std::vector<double> x(own.x.size());
+  const Eigen::VectorXd start = own.tangent * y;
+  model.manifold().integrate(own.x.data(), start.data(), x.data());
+  double sum = 0;
+  for (int k = 0; k < steps; ++k) {
+    Eigen::VectorXd z(model.nz());
+    model.manifold().difference(own.x.data(), x.data(), z.data());
+    z.tail(model.nu()) = -(own.K * z.head(model.ndx()));
+    const Eigen::VectorXd u = own.u + z.tail(model.nu());
+    model.evaluate(KnotInput<double>{x.data(), u.data(), knot.parameters, knot.dt, knot.cost_scale},
+                   work);
+    sum += work.cost - own.cost - own.gradient.dot(z);
+    std::copy(work.next().begin(), work.next().end(), x.begin());
+  }
+  return sum;
+}
+
+/// Whether ½ δᵀPδ is what the regulator costs near the equilibrium, in several directions.
+void expect_cost_to_go(const TerminalIngredients& own, double size, double tolerance) {
+  const int m = static_cast<int>(own.tangent.cols());
+  for (int i = 0; i < m; i += 1 + m / 4) {
+    Eigen::VectorXd y = Eigen::VectorXd::Constant(m, 0.3 * size);
+    y[i] = -size;
+    const double expected = 0.5 * y.dot(own.regulator.P * y);
+    EXPECT_NEAR(cost_of_closed_loop(own, y, 4000), expected, tolerance * expected) << i;
+  }
+}
+
+// The numbers of this and the next four tests are computed from the definitions by other programs.
+TEST(TerminalLqr, TheExactDoubleIntegratorHasItsKnownIngredients) {
+  const Loaded loaded(exact_integrator(10, "[0, 0]", kUnitForce));
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const TerminalIngredients& own = lqr_of(loaded).ingredients;
+  EXPECT_NEAR(own.P(0, 0), 1.3317224441130, 1e-12);
+  EXPECT_NEAR(own.P(0, 1), 0.3201562118716, 1e-12);
+  EXPECT_NEAR(own.P(1, 1), 0.4603514023781, 1e-12);
+  EXPECT_NEAR(own.K(0, 0), 2.5857008966598, 1e-12);
+  EXPECT_NEAR(own.K(0, 1), 3.4434359178453, 1e-12);
+  EXPECT_NEAR(lqr_of(loaded).set.level, 0.0387749825794, 1e-12);
+}
+
+TEST(TerminalLqr, SemiImplicitEulerHasAnotherRegulator) {
+  const Loaded loaded(R"(conddp: 1
+system: {type: double_integrator, dimension: 1}
+initial_state: {}
+phases: [{knots: 5, dt: 0.1}]
+costs: {state: {residual: state}, effort: {residual: control, weight: 0.1}}
+terminal: {lqr: initial}
+)");
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const TerminalIngredients& own = lqr_of(loaded).ingredients;
+  EXPECT_NEAR(own.P(0, 0), 1.2827049330091, 1e-12);
+  EXPECT_NEAR(own.K(0, 0), 2.5853072593251, 1e-12);
+  EXPECT_NEAR(own.K(0, 1), 3.3161863748807, 1e-12);
+  EXPECT_TRUE(std::isinf(lqr_of(loaded).set.level));
+}
+
+TEST(TerminalLqr, HorizonsOfAnyLengthCostWhatTheInfiniteOneDoes) {
+  for (const int knots : {1, 2, 7}) {
+    const Loaded loaded(exact_integrator(knots, "[0, 0]"));
+    ASSERT_TRUE(loaded.built) << loaded.all();
+    EXPECT_NEAR(optimal_cost(loaded), 0.6658612220565547, 1e-12) << knots;
+  }
+}
+
+TEST(TerminalLqr, BoundedHorizonsHaveTheirKnownCosts) {
+  for (const auto& [knots, cost] : {std::pair{1, 0.6846654702972},
+                                    {2, 0.6959507781838},
+                                    {3, 0.7012943894519},
+                                    {4, 0.7027180645701},
+                                    {5, 0.7027180807405},
+                                    {10, 0.7027180807405}}) {
+    const Loaded loaded(exact_integrator(knots, "[0, 0]", kUnitForce));
+    ASSERT_TRUE(loaded.built) << loaded.all();
+    EXPECT_NEAR(optimal_cost(loaded), cost, 1e-10) << knots;
+  }
+}
+
+TEST(TerminalLqr, TheCartpoleUprightHasItsKnownIngredients) {
+  const Loaded loaded(balanced_cartpole("initial"));
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const TerminalIngredients& own = lqr_of(loaded).ingredients;
+  const double K[] = {-2.78229547, 38.18477228, -3.94170875, 7.61793408};
+  for (int i = 0; i < 4; ++i) EXPECT_NEAR(own.K(0, i), K[i], 1e-7);
+  const double modulus[] = {.978833, .978833, .898866, .898866};
+  for (int i = 0; i < 4; ++i) EXPECT_NEAR(std::abs(own.regulator.eigenvalues[i]), modulus[i], 1e-6);
+  EXPECT_NEAR(lqr_of(loaded).set.level, .2232324346, 1e-8);
+  expect_cost_to_go(own, 1e-4, 1e-5);
+}
+
+TEST(TerminalLqr, ConditionsHoldInTheSetOfALinearSystem) {
+  const Loaded loaded(exact_integrator(10, "[0, 0]", kUnitForce));
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const TerminalConditions found = check_terminal_conditions(
+      lqr_of(loaded).ingredients, {.level = lqr_of(loaded).set.level, .tolerance = 1e-9});
+  EXPECT_TRUE(found.hold());
+  EXPECT_NEAR(found.conditions[3].figure, 1, 1e-9);
+  EXPECT_LE(found.conditions[2].figure, 1);
+  const TerminalConditions beyond = check_terminal_conditions(
+      lqr_of(loaded).ingredients, {.level = 4 * lqr_of(loaded).set.level, .tolerance = 1e-9});
+  EXPECT_FALSE(beyond.conditions[1].holds);
+  EXPECT_GT(beyond.conditions[1].figure, 0.1);
+  EXPECT_NEAR(beyond.conditions[1].level, lqr_of(loaded).set.level, 1e-12);
+}
+
+TEST(TerminalLqr, ALargerWeightMakesTheTerminalCostOfANonlinearSystemDecrease) {
+  const Loaded loaded(balanced_cartpole("initial"));
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const TerminalLqr& lqr = lqr_of(loaded);
+  const auto decrease = [&](double weight) {
+    return check_terminal_conditions(lqr.ingredients, {.weight = weight, .level = lqr.set.level})
+        .conditions[3];
+  };
+  const TerminalCondition plain = decrease(1);
+  EXPECT_FALSE(plain.holds);
+  EXPECT_GT(plain.figure, 0.5);
+  EXPECT_LT(plain.figure, 1);
+  EXPECT_TRUE(decrease(1.001 / plain.figure).holds);
+}
+
+TEST(TerminalLqr, WeightMultipliesTheCostToGo) {
+  const Loaded one(exact_integrator(1, "{about: [0, 0]}"));
+  const Loaded two(exact_integrator(1, "{about: [0, 0], weight: 2}"));
+  ASSERT_TRUE(one.built && two.built) << one.all() << two.all();
+  const auto at_end = [](const Loaded& loaded) {
+    const Phase& end = loaded.built->problem->terminal();
+    KnotWorkspace<double> work(*end.model);
+    const double x[2] = {1, 0};
+    end.model->evaluate(KnotInput<double>{x, nullptr, end.parameters.data(), 0.0, 1.0}, work);
+    return work.cost;
+  };
+  EXPECT_NEAR(at_end(one), 0.6658612220565547, 1e-12);
+  EXPECT_NEAR(at_end(two), 2 * 0.6658612220565547, 1e-12);
+}
+
+TEST(TerminalLqr, TheSetAsAConstraintHoldsAndCosts) {
+  const Loaded loaded(replaced(exact_integrator(18, "{about: [0, 0], set: true}", kUnitForce),
+                               "box_fddp", "altro"));
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const SolveResult result = solve(*loaded.built->problem, *find_solver("altro"),
+                                   loaded.spec->solver.options, loaded.built->guess);
+  ASSERT_EQ(result.status, SolveStatus::converged);
+  const Eigen::VectorXd end = result.trajectory.x(18);
+  const TerminalLqr& lqr = lqr_of(loaded);
+  EXPECT_NEAR(end.dot(lqr.ingredients.P * end), lqr.set.level, 1e-5);
+  EXPECT_GT(result.cost, 0.7027180807405);
+}
+
+TEST(TerminalLqr, ARotationIsRegulatedOnItsManifold) {
+  const Loaded loaded(R"(conddp: 1
+system: {type: quadrotor}
+initial_state: {values: {z: 1}}
+phases: [{knots: 10, dt: 0.02}]
+costs:
+  state: {residual: state, reference: {values: {z: 1}}}
+  effort: {residual: control, weight: 0.1}
+constraints: {thrust: {bounds: control, lower: 0, upper: 5}}
+terminal: {lqr: {about: {values: {z: 1}}, set: true}}
+solver: {name: altro}
+)");
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const TerminalIngredients& own = lqr_of(loaded).ingredients;
+  ASSERT_EQ(own.P.rows(), 12);
+  for (int i = 0; i < 4; ++i) EXPECT_NEAR(own.u[i], own.u[0], 1e-10);
+  EXPECT_GT(own.u[0], 0.1);
+  EXPECT_LT(own.regulator.residual, 1e-10);
+  EXPECT_LT(std::abs(own.regulator.eigenvalues[0]), 1);
+  EXPECT_GT(lqr_of(loaded).set.level, 0);
+  expect_cost_to_go(own, 1e-4, 1e-3);
+}
+
+TEST(TerminalLqr, ARememberedControlIsPartOfTheState) {
+  const Loaded loaded(R"(conddp: 1
+system: {type: pendulum}
+initial_state: {values: {theta: 0.5}}
+phases: [{knots: 5, dt: 0.05}]
+costs:
+  state: {residual: state, reference: initial}
+  effort: {residual: control, weight: 0.01}
+  rate: {residual: control_rate, weight: 0.1}
+terminal: {lqr: initial}
+)");
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const TerminalIngredients& own = lqr_of(loaded).ingredients;
+  ASSERT_EQ(own.x.size(), 3u);
+  EXPECT_NE(own.u[0], 0);
+  EXPECT_EQ(own.x[2], own.u[0]);
+  EXPECT_LT(own.drift, 1e-9);
+  expect_cost_to_go(own, 1e-4, 1e-3);
+}
+
+/// A standing robot: the regulator lives on the tangent space of its contacts.
+void expect_stance(const Loaded& loaded, int directions) {
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const TerminalIngredients& own = lqr_of(loaded).ingredients;
+  EXPECT_EQ(own.tangent.cols(), directions);
+  EXPECT_LT(std::abs(own.regulator.eigenvalues[0]), 1 - 1e-6);
+  EXPECT_LT(own.regulator.residual, 1e-9);
+  // Across the tangent space nothing costs.
+  const Eigen::MatrixXd across =
+      Eigen::MatrixXd::Identity(own.P.rows(), own.P.rows()) - own.tangent * own.tangent.transpose();
+  EXPECT_LT((own.P * across).norm(), 1e-9 * own.P.norm());
+  EXPECT_LT((own.K * across).norm(), 1e-9 * own.K.norm());
+  expect_cost_to_go(own, 1e-5, 1e-3);
+}
+
+Loaded load_with(const std::filesystem::path& file, std::vector<std::string> settings) {
+  return Loaded(read_file(file), settings);
+}
+
+TEST(TerminalLqr, AQuadrupedInStanceIsRegulatedOnTheTangentSpaceOfItsContacts) {
+  expect_stance(load_with(kProblems / "quadruped_stand.yaml", {"terminal.lqr=standing"}), 12);
+}
+
+TEST(TerminalLqr, RobotsOfOthersStandToo) {
+  const auto hyq = foreign_robot_folder() / "hyq.urdf",
+             anymal = foreign_robot_folder() / "anymal_b.urdf";
+  if (!std::filesystem::exists(hyq) || !std::filesystem::exists(anymal))
+    GTEST_SKIP() << kNoForeignRobots;
+  const auto legs = std::filesystem::path(CONDDP_SOURCE_DIR) / "tests/golden/legs";
+  for (const auto& [name, urdf] : {std::pair{"hyq", hyq}, {"anymal_b", anymal}}) {
+    SCOPED_TRACE(name);
+    expect_stance(load_with(legs / (std::string(name) + ".yaml"),
+                            {"robot.urdf=" + urdf.string(), "terminal.lqr=initial",
+                             "phases=[{name: stand, knots: 4, dt: 0.01, contacts: all}]",
+                             "costs={posture: {residual: state, reference: standing}, "
+                             "effort: {residual: control, weight: 0.001}}"}),
+                  12);
+  }
+}
+
+TEST(TerminalLqr, GuessesInterpolateToTheEquilibrium) {
+  const Loaded loaded(exact_integrator(10, "[3, 0]", "initial_guess: {states: interpolate}\n"));
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  EXPECT_NEAR(loaded.built->guess.x(5)[0], 2, 1e-14);
+  EXPECT_EQ(loaded.built->guess.x(10)[0], 3);
+}
+
+TEST(TerminalLqr, ExpansionsSayTheSame) {
+  for (const char* lqr : {"initial", "[0, 0]", "{about: [0, 0], weight: 2}", "{values: {x/0: 0}}",
+                          "{about: {values: {x/0: 0}}, set: true}"}) {
+    const Loaded loaded(exact_integrator(3, lqr, kUnitForce));
+    if (std::string(lqr) == "initial") {
+      EXPECT_TRUE(loaded.built) << loaded.all();  // rests at 1 as well
+    }
+    ASSERT_TRUE(loaded.built) << lqr << loaded.all();
+    const std::string text = expanded_text(*loaded.spec, *loaded.built);
+    const Loaded again(text);
+    ASSERT_TRUE(again.built) << again.all();
+    EXPECT_EQ(expanded_text(*again.spec, *again.built), text);
+    EXPECT_EQ(lqr_of(again).ingredients.P, lqr_of(loaded).ingredients.P);
+    EXPECT_EQ(lqr_of(again).set.level, lqr_of(loaded).set.level);
+  }
+}
+
+TEST(TerminalLqr, MistakesAreNamedWithTheirPlaces) {
+  const auto error = [](const std::string& text) { return Loaded(text).first_error(); };
+  EXPECT_EQ(error(exact_integrator(3, "up")), "8:17: unknown state 'up'");
+  EXPECT_EQ(error(exact_integrator(3, "[0, 0, 0]")), "8:17: the state has 2 numbers, not 3");
+  EXPECT_EQ(error(exact_integrator(3, "[0, 1]")),
+            "8:17: the state is not an equilibrium: with the control that holds it best, 'x/0' "
+            "changes by 0.998 in a second");
+  EXPECT_EQ(error(balanced_cartpole("{values: {theta: 1}}")).substr(0, 35),
+            "10:17: the state is not an equilibr");
+  EXPECT_EQ(error(exact_integrator(3, "{about: [0, 0], set: true}")),
+            "8:38: nothing bounds the terminal set");
+  EXPECT_EQ(error(exact_integrator(3, "{weight: 2}")),
+            "8:17: 'terminal.lqr' lacks the key 'about'");
+  EXPECT_EQ(error(replaced(exact_integrator(3, "[0, 0]"),
+                           "  effort: {residual: control, weight: 0.1}\n", "")),
+            "7:17: the running cost leaves a direction of the control free: the least eigenvalue "
+            "of its scaled Hessian in the control is 0");
+  EXPECT_EQ(error(replaced(exact_integrator(3, "[0, 0]"), "{residual: state}",
+                           "{residual: state, weights: [0, 1]}")),
+            "8:17: the running cost does not see the mode with eigenvalue 1 of 'x/0', which does "
+            "not decay");
+  EXPECT_EQ(
+      error(replaced(exact_integrator(3, "[0, 0]"), "B: [[0.005], [0.1]]", "B: [[0.1], [0]]")),
+      "8:17: no control moves the mode with eigenvalue 1 of 'x/1', which does not decay");
+  EXPECT_EQ(error(replaced(exact_integrator(3, "[0, 0]"), "terminal: {",
+                           "terminal: {costs: {lqr: {residual: state}}, ")),
+            "8:20: this name is that of what 'terminal: {lqr: ...}' adds");
+}
+
+TEST(TerminalLqr, AControlBeyondItsBoundsHoldsNothing) {
+  EXPECT_EQ(Loaded(replaced(replaced(kPendulum, "    goal:", "    other_goal:"), "terminal:\n",
+                            "terminal:\n  lqr: {values: {theta: 1.5707963267948966}}\n"),
+                   {"constraints.torque.upper=1"})
+                .first_error(),
+            "14:8: the control that holds the state exceeds its bounds: 'torque' is 4.905, and may "
+            "be -3 to 1");
+}
+
+TEST(TerminalLqr, FreeDurationsAndStepsWithUnknownsAreNotSupported) {
+  EXPECT_EQ(Loaded(R"(conddp: 1
+system: {type: double_integrator, dimension: 1}
+initial_state: {}
+phases: [{name: start, choose: none}, {knots: 5, dt: 0.1, free_duration: {lower: 0.1, upper: 2}}]
+costs: {state: {residual: state}, effort: {residual: control, weight: 0.1}}
+terminal: {lqr: initial}
+)")
+                .first_error(),
+            "6:17: 'lqr' does not support states that remember what was chosen at the start");
+  EXPECT_EQ(Loaded(R"(conddp: 1
+system: {type: double_integrator, dimension: 1}
+initial_state: {}
+integrator: trapezoidal
+phases: [{knots: 5, dt: 0.1}]
+costs: {state: {residual: state}, effort: {residual: control, weight: 0.1}}
+terminal: {lqr: initial}
+)")
+                .first_error(),
+            "7:17: 'lqr' does not support steps with unknowns of their own");
+}
+
+}  // namespace
+}  // namespace conddp
