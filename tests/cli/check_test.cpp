@@ -105,6 +105,33 @@ TEST(Check, JsonFitsItsSchema) {
     }
 }
 
+TEST(Check, TerminalPrintsTheRegulatorAndItsConditions) {
+  const std::vector<std::string> arguments = {"check", kPendulum, "--terminal", "--set",
+                                              "terminal.lqr=initial"};
+  const ProcessResult text = run_conddp(arguments);
+  EXPECT_EQ(text.exit_code, 0) << text.err;
+  for (const char* words : {"|λ| of A − BK:", "A1 holds: ", "A2 holds: ", "A3 holds: ", "A4 "})
+    EXPECT_NE(text.out.find(words), std::string::npos) << words << "\n" << text.out;
+  std::vector<std::string> as_json = arguments;
+  as_json.push_back("--json");
+  const ProcessResult json = run_conddp(as_json);
+  ASSERT_EQ(json.exit_code, 0) << json.err;
+  EXPECT_TRUE(fits_schema("check", json.out)) << json.out;
+  const Json lqr = Json::parse(json.out)["terminal_lqr"];
+  EXPECT_EQ(lqr["columns"].size(), lqr["P"].size());
+  EXPECT_EQ(lqr["conditions"]["checked"].size(), 4u);
+  EXPECT_LT(lqr["eigenvalues"][0]["modulus"], 1);
+}
+
+TEST(Check, TerminalNeedsARegulator) {
+  const ProcessResult r = run_conddp({"check", kPendulum, "--terminal"});
+  EXPECT_EQ(r.exit_code, 2);
+  EXPECT_NE(r.err.find("--terminal checks 'terminal: {lqr: STATE}', which the file has not"),
+            std::string::npos)
+      << r.err;
+  EXPECT_EQ(r.out, "");
+}
+
 TEST(Check, ListsThePhasesInWhichACostCounts) {
   const ProcessResult r = run_conddp(
       {"check", source("problems/biped_steps.yaml"), "--json", "--set", "costs.cone.knots=[0]"});

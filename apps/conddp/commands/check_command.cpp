@@ -7,6 +7,7 @@
 #include "solvers/strategies/registry.hpp"
 #include "summary/check_summary.hpp"
 #include "summary/derivative_report.hpp"
+#include "summary/regulator_report.hpp"
 #include "terminal/exit_codes.hpp"
 #include "terminal/messages.hpp"
 #include "terminal/streams.hpp"
@@ -17,14 +18,16 @@ namespace {
 struct CheckArguments : ProblemArguments {
   bool expand = false;
   bool derivatives = false;
+  bool terminal = false;
   bool json = false;
   bool verbose = false;
 };
 
-/// With the derivatives if they were compared.
+/// With the derivatives if they were compared, and the terminal ingredients if they were checked.
 std::string full_text(const OrderedJson& summary) {
   std::string text = check_text(summary);
   if (summary.contains("derivatives")) text += derivatives_text(summary["derivatives"]);
+  if (summary.contains("terminal_lqr")) text += regulator_text(summary["terminal_lqr"]);
   return text;
 }
 
@@ -34,6 +37,8 @@ int print_summary(const CheckArguments& arguments, const ProblemSpec& spec,
   if (arguments.derivatives)
     summary["derivatives"] =
         derivatives_json(check_derivatives(*built.problem, built.guess), spec, built);
+  if (arguments.terminal)
+    summary["terminal_lqr"] = regulator_json(built, spec.solver.options.tolerances.constraint);
   print_result(arguments.json ? json_text(summary) : full_text(summary));
   const bool wrong = arguments.derivatives && !summary["derivatives"]["holds"].get<bool>();
   return wrong ? kExitNotConverged : kExitConverged;
@@ -47,8 +52,12 @@ int check_file(const CheckArguments& arguments) {
                           : std::optional<BuiltProblem>();
   const auto candidates = built ? usable_solvers(*spec, *built->problem, diagnostics)
                                 : std::vector<const SolverInfo*>();
+  if (arguments.terminal && built && !built->terminal_lqr)
+    diagnostics.error({{}, "terminal"},
+                      "--terminal checks 'terminal: {lqr: STATE}', which the file has not",
+                      "write it, or give --set terminal.lqr=STATE");
   print_messages(diagnostics, verbosity);
-  if (candidates.empty()) return kExitBadInput;
+  if (candidates.empty() || diagnostics.has_errors()) return kExitBadInput;
   if (!arguments.expand) return print_summary(arguments, *spec, *built, candidates);
   print_result(arguments.json ? json_text(expand_problem(*spec, *built))
                               : expanded_text(*spec, *built));
@@ -67,6 +76,10 @@ Command check_command() {
                flag({"--derivatives"}, a->derivatives,
                     "Compare every derivative with dual numbers and name the worst entries; exit "
                     "status 1 if one is wrong",
+                    "--expand"),
+               flag({"--terminal"}, a->terminal,
+                    "Print the regulator of 'terminal: {lqr: ...}', its largest terminal set, and "
+                    "which conditions of a stable closed loop hold on samples of it",
                     "--expand"),
                flag({"--json"}, a->json, "Print JSON on stdout"),
                flag({"-v", "--verbose"}, a->verbose, "Print notes too")}),
