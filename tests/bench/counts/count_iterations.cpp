@@ -1,19 +1,43 @@
 // count_iterations CASE [--burn N]
 //
-// Solves one of three small problems with box_fddp's recipe for a fixed number of iterations: what
-// scripts/count_instructions counts. It links few sources, so that it is soon compiled. --burn
+// What scripts/count_instructions counts: a solver is made for one of a few small problems and
+// takes a fixed number of iterations. It links few sources, so that it is soon compiled. --burn
 // wastes N rounds of work in every iteration, which the check has to notice.
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <iterator>
+#include <string>
+#include <string_view>
 
 #include "problems.hpp"
 #include "solvers/ddp/ddp_solver.hpp"
+#include "solvers/ddp/family.hpp"
 
 namespace conddp {
 namespace {
 
-constexpr int kIterations = 6;
+/// Which member of the family of solvers takes how many iterations on the problem of this name.
+struct Case {
+  std::string_view problem;
+  std::string_view solver;
+  int iterations;
+  HessianUse hessian = HessianUse::gauss_newton;
+};
+constexpr Case kCases[] = {{"trot", "box_fddp", 6},
+                           {"reach", "box_fddp", 6},
+                           {"squat", "box_fddp", 6},
+                           {"swing", "altro", 20},
+                           {"flight", "box_fddp", 8, HessianUse::exact},
+                           {"grip", "altro", 10}};
+
+DdpRecipe recipe_of(const Case& counted) {
+  const auto family = ddp_family();
+  DdpRecipe recipe = std::ranges::find(family, counted.solver, &DdpMember::name)->recipe;
+  recipe.hessian = counted.hessian;
+  return recipe;
+}
 
 /// Work that the compiler cannot leave out.
 void burn(long rounds) {
@@ -21,21 +45,17 @@ void burn(long rounds) {
   for (long i = 0; i < rounds; ++i) sum = sum + i;
 }
 
-int run(const ShootingProblem& problem, long rounds) {
+int run(const Case& counted, long rounds) {
+  const ShootingProblem problem = counted_problems().at(std::string(counted.problem))();
   SolverOptions options;
-  options.max_iterations = kIterations;
+  options.max_iterations = counted.iterations;
   options.tolerances.stationarity = options.tolerances.gap = 0;
   options.on_iteration = [rounds](const IterationRecord&) { burn(rounds); };
-  DdpSolver solver(problem,
-                   {.open_gaps = true,
-                    .clamp_controls = true,
-                    .box_stage = true,
-                    .hessian = HessianUse::gauss_newton},
-                   options);
+  DdpSolver solver(problem, recipe_of(counted), options);
   const SolveResult& result = solver.solve(problem.create_trajectory());
   std::printf("{\"iterations\": %d, \"knots\": %d, \"cost\": %.10g}\n", result.iterations,
               problem.knots(), result.cost);
-  return result.iterations == kIterations ? 0 : 1;
+  return result.iterations == counted.iterations ? 0 : 1;
 }
 
 }  // namespace
@@ -43,12 +63,13 @@ int run(const ShootingProblem& problem, long rounds) {
 
 int main(int argc, char** argv) {
   using namespace conddp;
-  const auto& cases = counted_problems();
   const bool burns = argc == 4 && std::strcmp(argv[2], "--burn") == 0;
-  const auto found = argc == 2 || burns ? cases.find(argv[1]) : cases.end();
-  if (found == cases.end()) {
-    std::fprintf(stderr, "usage: count_iterations trot|reach|squat [--burn N]\n");
+  const std::string_view name = argc == 2 || burns ? argv[1] : "";
+  const Case* found = std::ranges::find(kCases, name, &Case::problem);
+  if (found == std::end(kCases)) {
+    std::fprintf(stderr,
+                 "usage: count_iterations trot|reach|squat|swing|flight|grip [--burn N]\n");
     return 2;
   }
-  return run(found->second(), burns ? std::atol(argv[3]) : 0);
+  return run(*found, burns ? std::atol(argv[3]) : 0);
 }

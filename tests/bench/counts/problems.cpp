@@ -3,12 +3,15 @@
 #include "ocp/residuals/contact_cones.hpp"
 #include "ocp/residuals/residuals.hpp"
 #include "robot/urdf/urdf.hpp"
+#include "systems/catalogue.hpp"
 #include "systems/multibody/multibody.hpp"
 
 namespace conddp {
 namespace {
 
 constexpr int kKnots = 16;
+/// What makes rows and torques active all along the swings.
+constexpr double kWeakTorque = 60, kSlippery = 0.2;
 
 using Angles = std::map<std::string, double>;  // by joint
 
@@ -34,14 +37,17 @@ std::vector<double> state_of(const MultibodySystem& system, double height, const
   return x;
 }
 
-/// Costs of a model with the parameters that all its knots have.
+/// Costs and constraints of a model with the parameters that all its knots have.
 class PhaseMaker {
  public:
   PhaseMaker(std::shared_ptr<const MultibodySystem> system, Integrator integrator)
-      : system_(std::move(system)), model_(std::make_shared<KnotModel>(system_, integrator)) {
+      : PhaseMaker(std::shared_ptr<const System>(system), integrator) {
+    robot_ = std::move(system);
     if (integrator != Integrator::none)
-      model_->set_control_bounds(system_->actuation().lower, system_->actuation().upper);
+      model_->set_control_bounds(robot_->actuation().lower, robot_->actuation().upper);
   }
+  PhaseMaker(std::shared_ptr<const System> system, Integrator integrator)
+      : model_(std::make_shared<KnotModel>(std::move(system), integrator)) {}
 
   void add(const char* name, std::shared_ptr<const Residual> residual,
            const std::vector<double>& reference, double weight, Activation activation = {}) {
@@ -57,9 +63,26 @@ class PhaseMaker {
         std::vector<double>(model_->nu(), 0.0), 1e-3);
   }
   void add_cones(const LinearCone& cone) {
-    for (int i = 0; i < system_->contacts().count(); ++i)
-      add("cone", contact_cone_residual(system_, i, model_->ndx(), cone), {}, 10,
+    for (int i = 0; i < robot_->contacts().count(); ++i)
+      add("cone", contact_cone_residual(robot_, i, model_->ndx(), cone), {}, 10,
           {.kind = ActivationKind::quadratic_barrier, .lower = cone.lower, .upper = cone.upper});
+  }
+  void constrain(const char* name, std::shared_ptr<const Residual> residual,
+                 const std::vector<double>& reference, const std::vector<double>& lower,
+                 const std::vector<double>& upper) {
+    model_->add_constraint(
+        make_constraint(name, std::move(residual), ConstraintKind::bounds));
+    for (const auto& numbers : {reference, lower, upper, {1.0}})
+      parameters_.insert(parameters_.end(), numbers.begin(), numbers.end());
+  }
+  void constrain_cones(const LinearCone& cone) {
+    for (int i = 0; i < robot_->contacts().count(); ++i)
+      constrain("cone", contact_cone_residual(robot_, i, model_->ndx(), cone), {}, cone.lower,
+                cone.upper);
+  }
+  void bound_controls(double largest) {
+    model_->set_control_bounds(std::vector<double>(model_->nu(), -largest),
+                               std::vector<double>(model_->nu(), largest));
   }
 
   Phase make(int knots, double dt) const {
@@ -72,11 +95,11 @@ class PhaseMaker {
       phase.parameters.insert(phase.parameters.end(), parameters_.begin(), parameters_.end());
     return phase;
   }
-  const std::shared_ptr<const MultibodySystem>& system() const { return system_; }
+  const std::shared_ptr<const MultibodySystem>& system() const { return robot_; }
   int ndx() const { return model_->ndx(); }
 
  private:
-  std::shared_ptr<const MultibodySystem> system_;
+  std::shared_ptr<const MultibodySystem> robot_;  ///< null of other systems
   std::shared_ptr<KnotModel> model_;
   std::vector<double> parameters_;
 };
@@ -87,9 +110,9 @@ Phase rest_at(const std::shared_ptr<const MultibodySystem>& system, const std::v
   return end.make(1, 0);
 }
 
-}  // namespace
-
-ShootingProblem counted_trot() {
+/// The quadruped's swings; `finish` adds the cones to a phase.
+template <class Finish>
+ShootingProblem diagonal_swings(const Finish& finish) {
   const auto system = system_of("quadruped", UrdfOptions::Base::floating);
   Angles pose;
   for (const char* leg : {"LF", "RF", "LH", "RH"}) {
@@ -106,7 +129,7 @@ ShootingProblem counted_trot() {
     PhaseMaker phase(system->with_contacts(contacts), Integrator::semi_implicit_euler);
     phase.add_posture(standing, 10);
     phase.add_effort();
-    phase.add_cones(friction_pyramid({}, 4, false, {0, 0, 1}));
+    finish(phase);
     for (const std::string& foot : up) {
       const double x = foot[1] == 'f' ? 0.37 : -0.37, y = foot[0] == 'l' ? 0.32 : -0.32;
       phase.add("swing", frame_position_residual(phase.system(), frame_of(*system, foot)),
@@ -118,6 +141,47 @@ ShootingProblem counted_trot() {
                          {swing({"lf_foot", "rh_foot"}, {"rf_foot", "lh_foot"}),
                           swing({"rf_foot", "lh_foot"}, {"lf_foot", "rh_foot"})},
                          rest_at(system, standing));
+}
+
+}  // namespace
+
+ShootingProblem counted_trot() {
+  return diagonal_swings(
+      [](PhaseMaker& phase) { phase.add_cones(friction_pyramid({}, 4, false, {0, 0, 1})); });
+}
+
+ShootingProblem counted_grip() {
+  return diagonal_swings([](PhaseMaker& phase) {
+    phase.bound_controls(kWeakTorque);
+    phase.constrain_cones(friction_pyramid({.friction = kSlippery}, 4, false, {0, 0, 1}));
+  });
+}
+
+ShootingProblem counted_swing() {
+  const std::vector<double> upright{0, 3.141592653589793, 0, 0}, zero(4, 0.0);
+  const std::shared_ptr<const System> system = cartpole({});
+  const auto state = state_residual(system->manifold());
+  PhaseMaker phase(system, Integrator::rk3), end(system, Integrator::none);
+  phase.add("state", state, upright, 0.01);
+  phase.add_effort();
+  phase.bound_controls(3);
+  end.add("state", state, upright, 100);
+  end.constrain("upright", state, upright, zero, zero);
+  return ShootingProblem(zero, {phase.make(50, 0.1)}, end.make(1, 0));
+}
+
+ShootingProblem counted_flight() {
+  const std::shared_ptr<const System> system = quadrotor({});
+  const std::vector<double> start = system->manifold().neutral();
+  std::vector<double> goal = start;
+  goal[0] = goal[2] = 1;
+  const auto state = state_residual(system->manifold());
+  PhaseMaker phase(system, Integrator::rk4), end(system, Integrator::none);
+  phase.add("state", state, goal, 1);
+  phase.add_effort();
+  phase.bound_controls(12);
+  end.add("state", state, goal, 10);
+  return ShootingProblem(start, {phase.make(kKnots, 0.05)}, end.make(1, 0));
 }
 
 ShootingProblem counted_reach() {
@@ -157,7 +221,12 @@ ShootingProblem counted_squat() {
 
 const std::map<std::string, ShootingProblem (*)()>& counted_problems() {
   static const std::map<std::string, ShootingProblem (*)()> problems{
-      {"trot", counted_trot}, {"reach", counted_reach}, {"squat", counted_squat}};
+      {"trot", counted_trot},
+      {"reach", counted_reach},
+      {"squat", counted_squat},
+      {"swing", counted_swing},
+      {"flight", counted_flight},
+      {"grip", counted_grip}};
   return problems;
 }
 

@@ -1,5 +1,5 @@
-// Three small problems whose iterations are counted and printed. They are made without problem
-// files, so that few sources are needed.
+// Small problems whose iterations are counted and printed. They are made without problem files, so
+// that few sources are needed.
 #pragma once
 
 #include <map>
@@ -15,6 +15,12 @@ ShootingProblem counted_trot();
 ShootingProblem counted_reach();
 /// A biped that lowers its centre of mass on two soles.
 ShootingProblem counted_squat();
+/// A cart-pole that swings up with a weak motor and has to stand upright at the end: a small system.
+ShootingProblem counted_swing();
+/// A quadrotor on SE(3) that flies to a place: a step of several stages on a curved space.
+ShootingProblem counted_flight();
+/// The quadruped's swings with weak torques and hard friction pyramids.
+ShootingProblem counted_grip();
 
 /// All of them by name.
 const std::map<std::string, ShootingProblem (*)()>& counted_problems();
