@@ -31,8 +31,8 @@
 // solvers, so one system may serve several threads.
 #pragma once
 
-#include "systems/catalogue.hpp"
 #include "systems/closed_form.hpp"
+#include "systems/closed_forms/catalogue.hpp"
 #include "systems/multibody/multibody.hpp"
 #include "systems/state_manifold.hpp"
 #include "systems/system.hpp"

@@ -21,8 +21,10 @@ class SecondDerivatives {
 
   /// How many forces there are.
   virtual int forces() const = 0;
-  /// After `at` has been differentiated at x; brings `moving` there.
-  virtual void start(const Dual<Lane>* x) = 0;
+  /// After `at` has been differentiated at (x, u); brings `moving` there.
+  virtual void start(const Dual<Lane>* x, const Dual<Lane>* u) = 0;
+  /// Whether `finish` adds everything, so that nothing needs to move for the system's sake.
+  virtual bool at_once() const { return false; }
   /// Gives one of the forces of `moving` the derivative 1, and all others 0.
   virtual void move_force(int row) = 0;
   /// Weights of f (System::rows) and of the forces, for what follows.

@@ -7,7 +7,7 @@
 #include "ocp/knot/collocation_residual.hpp"
 #include "support/random_robot.hpp"
 #include "support/sizes.hpp"
-#include "systems/catalogue.hpp"
+#include "systems/closed_forms/catalogue.hpp"
 #include "systems/multibody/multibody.hpp"
 
 namespace conddp {

@@ -6,7 +6,7 @@
 
 #include "ocp/problem/contradiction.hpp"
 #include "ocp/residuals/residuals.hpp"
-#include "systems/catalogue.hpp"
+#include "systems/closed_forms/catalogue.hpp"
 
 namespace conddp {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "ocp/evaluation/evaluator.hpp"
 #include "ocp/residuals/residuals.hpp"
-#include "systems/catalogue.hpp"
+#include "systems/closed_forms/catalogue.hpp"
 
 namespace conddp {
 namespace {

@@ -7,6 +7,7 @@
 #include "support/knot_case.hpp"
 #include "support/named_residuals.hpp"
 #include "support/sizes.hpp"
+#include "systems/closed_form.hpp"
 
 namespace conddp {
 namespace {
@@ -165,6 +166,60 @@ TEST(SecondDerivatives, HessiansByPartsAreThoseOfDualNumbersThroughEverything) {
   EXPECT_GE(known, 40 / stride);
 }
 
+TEST(SecondDerivatives, HessiansOfAllRulesAreThoseOfDualNumbersForEverySystem) {
+  RandomNumbers random(43);
+  int known = 0;
+  for (const auto& [name, system] : test_systems())
+    for (const Integrator integrator : integrators_of(*system)) {
+      SCOPED_TRACE(name + " " + std::string(info_of(integrator).name));
+      const auto model = std::make_shared<KnotModel>(system, integrator);
+      model->add_cost("state", state_residual(model->manifold()), {});
+      if (model->nu() > 0)
+        model->add_cost("control", control_residual(model->ndx(), model->nu()),
+                        {.kind = ActivationKind::smooth_l1, .epsilon = 0.3});
+      EXPECT_TRUE(known_by_parts(*model) || system->as_multibody() != nullptr);
+      if (!known_by_parts(*model)) continue;
+      ++known;
+      KnotCase knot = make_case(name, model, random);
+      knot.dt = 0.3;  // so that stages are far apart
+      expect_equal_hessians(knot, random);
+      if (HasFatalFailure()) return;
+    }
+  EXPECT_GE(known, 40);
+}
+
+TEST(SecondDerivatives, StagesOfRobotsOnContactsAreThoseOfDualNumbers) {
+  RandomNumbers random(44);
+  int known = 0;
+  const std::vector<ContactCase> cases = contact_cases();
+  for (std::size_t i = 0; i < cases.size(); i += kSmallSizes ? 20 : 4) {
+    const ContactCase& c = cases[i];
+    const auto system = held_system(c, true);
+    if (redundant(*system)) continue;
+    const auto model = std::make_shared<KnotModel>(system, Integrator::rk4);
+    add_costs(system, *model);
+    add_constraints(system, *model, random);
+    if (!known_by_parts(*model)) continue;
+    ++known;
+    KnotCase knot = make_case(c.name, model, random);
+    set_constraints(knot, random);
+    SCOPED_TRACE(c.name);
+    expect_equal_hessians(knot, random);
+    if (HasFatalFailure()) return;
+  }
+  EXPECT_GE(known, 1);
+}
+
+/// A formula that dual numbers go through and nothing else.
+class OwnFormula : public ClosedFormSystem<OwnFormula> {
+ public:
+  OwnFormula() : ClosedFormSystem(SystemKind::first_order, StateManifold::flat(1), 1) {}
+  template <class S>
+  void rate(const S* x, const S* u, S* f) const {
+    f[0] = select(x[0] < S(0.0), x[0] * u[0], u[0]);
+  }
+};
+
 TEST(SecondDerivatives, ModelsThatArePartlyUnknownAreLeftToDualNumbers) {
   const ContactCase c = contact_cases().front();
   const auto system = held_system(c, true);
@@ -175,7 +230,8 @@ TEST(SecondDerivatives, ModelsThatArePartlyUnknownAreLeftToDualNumbers) {
   };
   const auto nothing = [](KnotModel&) {};
   EXPECT_TRUE(with(Integrator::semi_implicit_euler, false, nothing));
-  EXPECT_FALSE(with(Integrator::rk4, false, nothing));
+  EXPECT_TRUE(with(Integrator::rk4, false, nothing));
+  EXPECT_FALSE(with(Integrator::rk4, true, nothing));
   EXPECT_FALSE(with(Integrator::semi_implicit_euler, true, nothing));
   EXPECT_FALSE(with(Integrator::semi_implicit_euler, false, [&](KnotModel& model) {
     model.add_cost("a", acceleration_residual(*system, model.ndx(), {0}), {});
@@ -185,7 +241,8 @@ TEST(SecondDerivatives, ModelsThatArePartlyUnknownAreLeftToDualNumbers) {
   EXPECT_FALSE(
       known_by_parts(KnotModel(std::make_shared<MultibodySystem>(pushed, Actuation::full(*pushed)),
                                Integrator::semi_implicit_euler)));
-  EXPECT_FALSE(known_by_parts(KnotModel(pendulum({}), Integrator::semi_implicit_euler)));
+  EXPECT_TRUE(known_by_parts(KnotModel(pendulum({}), Integrator::semi_implicit_euler)));
+  EXPECT_FALSE(known_by_parts(KnotModel(std::make_shared<OwnFormula>(), Integrator::rk4)));
 }
 
 }  // namespace

@@ -12,7 +12,7 @@
 #include "schema_document.hpp"
 #include "solvers/common/option_table.hpp"
 #include "solvers/strategies/registry.hpp"
-#include "systems/catalogue.hpp"
+#include "systems/closed_forms/catalogue.hpp"
 
 namespace conddp {
 namespace {

@@ -14,7 +14,7 @@
 #include "support/random_robot.hpp"
 #include "support/second_derivatives.hpp"
 #include "support/small_problems.hpp"
-#include "systems/catalogue.hpp"
+#include "systems/closed_forms/catalogue.hpp"
 #include "systems/multibody/multibody.hpp"
 
 // The sanitizers bring a malloc of their own.

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "systems/catalogue.hpp"
+#include "systems/closed_forms/catalogue.hpp"
 #include "systems/expressions/system.hpp"
 
 namespace conddp {

@@ -13,7 +13,7 @@
 #include "robot/urdf/combine.hpp"
 #include "support/expression_systems.hpp"
 #include "support/random_robot.hpp"
-#include "systems/catalogue.hpp"
+#include "systems/closed_forms/catalogue.hpp"
 #include "systems/multibody/multibody.hpp"
 
 namespace conddp {

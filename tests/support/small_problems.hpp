@@ -9,7 +9,7 @@
 
 #include "ocp/evaluation/evaluator.hpp"
 #include "ocp/residuals/residuals.hpp"
-#include "systems/catalogue.hpp"
+#include "systems/closed_forms/catalogue.hpp"
 
 /// Small problems on which several solver tests stand.
 namespace conddp::testing {

@@ -1,4 +1,4 @@
-#include "systems/catalogue.hpp"
+#include "systems/closed_forms/catalogue.hpp"
 
 #include <Eigen/Dense>
 #include <gtest/gtest.h>

@@ -27,14 +27,18 @@ std::unique_ptr<KnotSecondDerivatives> KnotSecondDerivatives::make(const KnotMod
                                                                    KnotBatch<Dual<Lane>>& moving) {
   if (model.manifold().ndx() != model.system().ndx()) return nullptr;
   std::unique_ptr<KnotSecondDerivatives> made(new KnotSecondDerivatives(model, at, moving));
-  const bool running = model.integrator() != Integrator::none;
-  if (running) {
-    if (model.integrator() != Integrator::semi_implicit_euler) return nullptr;
-    made->system_ = model.system().second_derivatives(*at.work.system_, *moving.work.system_);
-    if (made->system_ == nullptr) return nullptr;
-    made->force_weights_.assign(made->system_->forces(), Lane(0.0));
-  }
-  return made->add_terms() ? std::move(made) : nullptr;
+  return made->add_dynamics() && made->add_terms() ? std::move(made) : nullptr;
+}
+
+bool KnotSecondDerivatives::add_dynamics() {
+  const IntegratorInfo& info = info_of(model_.integrator());
+  if (info.kind == StepKind::none) return true;
+  if (info.kind == StepKind::impulse || info.kind == StepKind::collocation) return false;
+  system_ = model_.system().second_derivatives(*at_.work.system_, *moving_.work.system_);
+  if (system_ == nullptr) return false;
+  force_weights_.assign(system_->forces(), Lane(0.0));
+  if (info.kind == StepKind::runge_kutta) stages_.emplace(model_.system(), info.rule, *system_);
+  return true;
 }
 
 KnotSecondDerivatives::KnotSecondDerivatives(const KnotModel& model, KnotBatch<Lane>& at,
@@ -216,9 +220,22 @@ void KnotSecondDerivatives::add_weighted_slope(const Term& term, Lane& sum) {
 }
 
 void KnotSecondDerivatives::weigh_system(const Lane* costates) {
+  if (stages_) return add_later_stages(costates);
+  if (!model_.semi_implicit()) {
+    std::copy_n(costates, system_weights_.size(), system_weights_.begin());
+    return;
+  }
   // v⁺ = v + dt a.
   pull_back_to_velocity(model_, at_.work, at_.dt, costates, system_weights_.data());
   for (Lane& weight : system_weights_) weight = at_.dt * weight;
+}
+
+/// Afterwards the system's data are those of the knot's own state again.
+void KnotSecondDerivatives::add_later_stages(const Lane* costates) {
+  SystemData<Lane>& data = *at_.work.system_;
+  stages_->add_later_stages({at_.u.data(), at_.dt, at_.work.integrator_, data}, costates,
+                            system_weights_.data(), gradients_.data());
+  model_.system().differentiate(at_.x.data(), at_.u.data(), data);
 }
 
 void KnotSecondDerivatives::differentiate_terms(int d, Lane* column) {
@@ -302,32 +319,31 @@ const AlignedVector<Lane>& KnotSecondDerivatives::compute(const Lane* costates) 
   rest(at_.parameters, moving_.parameters);
   model_.differentiate(at_.input(), at_.work, true);
   std::fill(gradients_.begin(), gradients_.end(), Lane(0.0));
+  if (system_) weigh_system(costates);
   weigh_terms();
-  if (system_) start_system(costates);
+  if (system_) start_system();
   differentiate_gradients();
-  if (system_) {
-    system_->finish(gradients_.data());
-    add_curved_steps(costates);
-  }
+  if (system_) system_->finish(gradients_.data());
+  if (model_.semi_implicit()) add_curved_steps(costates);
   symmetrize();
   add_gauss_newton();
   return gradients_;
 }
 
-/// The weights of its rows, and of the forces that residuals read.
-void KnotSecondDerivatives::start_system(const Lane* costates) {
-  system_->start(moving_.x.data());
+/// With the weights of its rows, and of the forces that residuals read.
+void KnotSecondDerivatives::start_system() {
+  system_->start(moving_.x.data(), moving_.u.data());
   weigh_forces();
-  weigh_system(costates);
   system_->weigh(system_weights_.data(), force_weights_.data());
 }
 
 /// Along the columns on which something depends nonlinearly.
 void KnotSecondDerivatives::differentiate_gradients() {
+  const bool moves = system_ && !system_->at_once();
   for (int d = 0; d < nz_; ++d) {
     const bool bends = std::any_of(terms_.begin(), terms_.end(),
                                    [d](const Term& term) { return term.active && term.moves[d]; });
-    if (bends || (system_ && d < model_.ndx())) differentiate_along(d, bends);
+    if (bends || (moves && d < model_.ndx())) differentiate_along(d, bends);
   }
 }
 

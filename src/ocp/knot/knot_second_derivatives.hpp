@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "ocp/knot/knot_batch.hpp"
+#include "ocp/knot/runge_kutta_second_derivatives.hpp"
 #include "systems/second_derivatives.hpp"
 
 namespace conddp {
@@ -16,7 +17,8 @@ namespace conddp {
 class KnotSecondDerivatives {
  public:
   /// For a model's batches, which have to outlive it. Null where the system or the integrator have
-  /// no second derivatives of their own, or where a residual reads what they do not move.
+  /// no second derivatives of their own, where the knot adds to the system's state, or where a
+  /// residual reads what they do not move.
   static std::unique_ptr<KnotSecondDerivatives> make(const KnotModel& model, KnotBatch<Lane>& at,
                                                      KnotBatch<Dual<Lane>>& moving);
 
@@ -56,8 +58,12 @@ class KnotSecondDerivatives {
   /// Slopes of the terms by the forces, into force_weights_.
   void weigh_forces();
   void add_weighted_slope(const Term& term, Lane& sum);
-  /// Weights of f from co-states, into system_weights_.
+  /// Second derivatives of the dynamics; false where they have none of their own.
+  bool add_dynamics();
+  /// Weights of the system's answer from co-states, into system_weights_; of a rule with further
+  /// stages with what these add to the Hessian.
   void weigh_system(const Lane* costates);
+  void add_later_stages(const Lane* costates);
   /// Adds the derivative of the terms' gradients along d to a column.
   void differentiate_terms(int d, Lane* column);
   /// The Jacobian of a term's rows at the point that moves.
@@ -71,7 +77,7 @@ class KnotSecondDerivatives {
   void bend_step(const StateManifold::Segment& s, int offset, const Lane* costates,
                  StepCurvature& out);
   void add_curved_step(const StateManifold::Segment& s, const StepCurvature& curvature, int d);
-  void start_system(const Lane* costates);
+  void start_system();
   void differentiate_gradients();
   void symmetrize();
   ResidualInput<D> moving_input(const Term& term);
@@ -80,6 +86,7 @@ class KnotSecondDerivatives {
   KnotBatch<Lane>& at_;
   KnotBatch<D>& moving_;
   std::unique_ptr<SecondDerivatives> system_;  ///< null at a node without dynamics
+  std::optional<RungeKuttaSecondDerivatives> stages_;
   bool reads_forces_ = false;
   int nz_;
   std::vector<Term> terms_;

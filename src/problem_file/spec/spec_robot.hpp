@@ -8,7 +8,7 @@
 #include "problem_file/spec/spec_expression.hpp"
 #include "problem_file/spec/spec_values.hpp"
 #include "robot/urdf/urdf.hpp"
-#include "systems/catalogue.hpp"
+#include "systems/closed_forms/catalogue.hpp"
 #include "systems/expressions/system.hpp"
 
 namespace conddp {

@@ -3,14 +3,11 @@
 #include <algorithm>
 
 #include "systems/expressions/differentiable.hpp"
+#include "systems/expressions/system_hessian.hpp"
 #include "systems/expressions/tangent_motions.hpp"
 
 namespace conddp {
 namespace {
-
-/// Second derivatives of a system by parts are left to dual numbers where they would take more
-/// nodes times columns than this.
-constexpr std::size_t kMostSecondDerivatives = 500000;
 
 /// Registers of its programs are the system's data.
 class ExpressionSystem : public SystemBase<ExpressionSystem> {
@@ -19,8 +16,12 @@ class ExpressionSystem : public SystemBase<ExpressionSystem> {
       : SystemBase(parts.kind, std::move(parts.manifold),
                    static_cast<int>(parts.control_columns.size())),
         sources_(std::move(parts.sources)),
-        motions_(input_motions(parts.graph)),
-        functions_(parts.graph, parts.outputs, inputs(), motions_) {
+        functions_(parts.graph, parts.outputs, inputs(),
+                   input_motions(parts.graph, manifold(), sources_)),
+        hessian_([graph = std::move(parts.graph), outputs = std::move(parts.outputs),
+                  sources = sources_] {
+          return SystemExpressions{graph, outputs, sources};
+        }) {
     state_columns_ = std::move(parts.state_columns);
     control_columns_ = std::move(parts.control_columns);
     for (const auto& entry : functions_.jacobian()) {
@@ -28,7 +29,6 @@ class ExpressionSystem : public SystemBase<ExpressionSystem> {
       const int column = of_control ? entry.column - ndx() : entry.column;
       entries_.push_back({of_control, column * rows() + entry.row, entry.place});
     }
-    if (kind_ == SystemKind::second_order) make_second_derivatives(parts);
   }
 
   template <class S>
@@ -58,8 +58,10 @@ class ExpressionSystem : public SystemBase<ExpressionSystem> {
   template <class S>
   void update_kinematics_as(const S*, Data<S>&) const {}
 
-  std::unique_ptr<SecondDerivatives> second_derivatives(
-      SystemData<Lane>& at, SystemData<Dual<Lane>>& moving) const override;
+  std::unique_ptr<SecondDerivatives> second_derivatives(SystemData<Lane>&,
+                                                        SystemData<Dual<Lane>>&) const override {
+    return hessian_.derivatives(*this);
+  }
 
  private:
   /// An entry of fx or fu that can be other than zero.
@@ -68,38 +70,8 @@ class ExpressionSystem : public SystemBase<ExpressionSystem> {
     int index;
     int place;  ///< its register
   };
-  class Curvature;
 
   int inputs() const { return static_cast<int>(sources_.size()); }
-
-  InputMotions input_motions(ExpressionGraph& graph) const {
-    std::vector<int> input_of(nx(), 0);
-    for (int i = 0; i < inputs(); ++i)
-      if (sources_[i] < nx()) input_of[sources_[i]] = i;
-    InputMotions motions = tangent_motions(graph, manifold(), input_of);
-    motions.resize(inputs());
-    for (int i = 0; i < inputs(); ++i)
-      if (sources_[i] >= nx())
-        motions[i].push_back({ndx() + sources_[i] - nx(), graph.constant(1)});
-    return motions;
-  }
-
-  /// Of Σ wᵢ fᵢ, with the weights as further inputs.
-  void make_second_derivatives(ExpressionSystemParts& parts) {
-    ExpressionGraph& graph = parts.graph;
-    NodeId sum = graph.constant(0);
-    for (int i = 0; i < rows(); ++i)
-      sum = graph.add(sum, graph.multiply(graph.input(inputs() + i), parts.outputs[i]));
-    const auto entries = conddp::second_derivatives(graph, sum, motions_, kMostSecondDerivatives);
-    if (!entries) return;
-    has_second_derivatives_ = true;
-    std::vector<NodeId> outputs;
-    for (const JacobianEntry& entry : *entries) {
-      outputs.push_back(entry.value);
-      hessian_pattern_.emplace_back(entry.row, entry.column);
-    }
-    hessian_ = ExpressionProgram(graph, outputs, inputs() + rows(), 0);
-  }
 
   template <class S>
   void run(const ExpressionProgram& program, const S* x, const S* u, S* registers,
@@ -112,53 +84,10 @@ class ExpressionSystem : public SystemBase<ExpressionSystem> {
   }
 
   std::vector<int> sources_;
-  InputMotions motions_;
   DifferentiableExpressions functions_;
   std::vector<Entry> entries_;  ///< all others stay zero
-  bool has_second_derivatives_ = false;
-  ExpressionProgram hessian_;
-  std::vector<std::pair<int, int>> hessian_pattern_;
+  SystemHessian hessian_;
 };
-
-/// The Hessian of the weighted accelerations, all of it at once.
-class ExpressionSystem::Curvature : public SecondDerivatives {
- public:
-  Curvature(const ExpressionSystem& system, const Data<Lane>& at)
-      : system_(system), at_(at), registers_(system.hessian_.registers()) {
-    system.hessian_.prepare(registers_.data());
-  }
-
-  int forces() const override { return 0; }
-  void start(const Dual<Lane>*) override {
-    std::copy_n(at_.derivatives.begin(), system_.inputs(), registers_.begin());
-  }
-  void move_force(int) override {}
-  void weigh(const Lane* of_f, const Lane*) override {
-    std::copy_n(of_f, system_.rows(), registers_.begin() + system_.inputs());
-  }
-  void move(const Dual<Lane>*, int, Lane*) override {}
-  void finish(Lane* gradients) override {
-    system_.hessian_.run(registers_.data());
-    const int n = system_.ndx() + system_.nu();
-    for (std::size_t i = 0; i < system_.hessian_pattern_.size(); ++i) {
-      const auto [row, column] = system_.hessian_pattern_[i];
-      const Lane value = registers_[system_.hessian_.output(static_cast<int>(i))];
-      gradients[column * n + row] += value;
-      if (row != column) gradients[row * n + column] += value;
-    }
-  }
-
- private:
-  const ExpressionSystem& system_;
-  const Data<Lane>& at_;
-  AlignedVector<Lane> registers_;
-};
-
-std::unique_ptr<SecondDerivatives> ExpressionSystem::second_derivatives(
-    SystemData<Lane>& at, SystemData<Dual<Lane>>& /*moving*/) const {
-  if (!has_second_derivatives_) return nullptr;
-  return std::make_unique<Curvature>(*this, static_cast<Data<Lane>&>(at));
-}
 
 }  // namespace
 

@@ -82,4 +82,18 @@ InputMotions tangent_motions(ExpressionGraph& graph, const StateManifold& manifo
   return motions;
 }
 
+InputMotions input_motions(ExpressionGraph& graph, const StateManifold& manifold,
+                           std::span<const int> sources) {
+  const int nx = manifold.nx();
+  std::vector<int> input_of(nx, 0);
+  for (std::size_t i = 0; i < sources.size(); ++i)
+    if (sources[i] < nx) input_of[sources[i]] = static_cast<int>(i);
+  InputMotions motions = tangent_motions(graph, manifold, input_of);
+  motions.resize(sources.size());
+  for (std::size_t i = 0; i < sources.size(); ++i)
+    if (sources[i] >= nx)
+      motions[i].push_back({manifold.ndx() + sources[i] - nx, graph.constant(1)});
+  return motions;
+}
+
 }  // namespace conddp

@@ -12,4 +12,9 @@ namespace conddp {
 InputMotions tangent_motions(ExpressionGraph& graph, const StateManifold& manifold,
                              std::span<const int> input_of);
 
+/// How inputs move along the columns of z = (tangent at x, u), where input i is number sources[i]
+/// of (x, u) and each number of x is an input.
+InputMotions input_motions(ExpressionGraph& graph, const StateManifold& manifold,
+                           std::span<const int> sources);
+
 }  // namespace conddp

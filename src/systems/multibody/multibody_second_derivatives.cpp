@@ -16,7 +16,7 @@ class MultibodySecondDerivatives : public SecondDerivatives {
                              MultibodySystem::Data<Dual<Lane>>& moving);
 
   int forces() const override { return m_; }
-  void start(const Dual<Lane>* x) override;
+  void start(const Dual<Lane>* x, const Dual<Lane>* u) override;
   void move_force(int row) override;
   void weigh(const Lane* of_f, const Lane* of_forces) override;
   void move(const Dual<Lane>* x, int d, Lane* gradients) override;
@@ -78,7 +78,7 @@ void MultibodySecondDerivatives::update_configuration(const D* x) {
   system_.contacts().update(robot, moving_.robot, n_, moving_.contacts);
 }
 
-void MultibodySecondDerivatives::start(const Dual<Lane>* x) {
+void MultibodySecondDerivatives::start(const Dual<Lane>* x, const Dual<Lane>* /*u*/) {
   update_configuration(x);
   update_velocities(system_.robot(), x + system_.nq(), moving_.robot);
   configuration_moves_ = velocity_moves_ = false;

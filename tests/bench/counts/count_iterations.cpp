@@ -67,8 +67,7 @@ int main(int argc, char** argv) {
   const std::string_view name = argc == 2 || burns ? argv[1] : "";
   const Case* found = std::ranges::find(kCases, name, &Case::problem);
   if (found == std::end(kCases)) {
-    std::fprintf(stderr,
-                 "usage: count_iterations trot|reach|squat|swing|flight|grip [--burn N]\n");
+    std::fprintf(stderr, "usage: count_iterations trot|reach|squat|swing|flight|grip [--burn N]\n");
     return 2;
   }
   return run(*found, burns ? std::atol(argv[3]) : 0);

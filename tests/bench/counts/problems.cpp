@@ -3,7 +3,7 @@
 #include "ocp/residuals/contact_cones.hpp"
 #include "ocp/residuals/residuals.hpp"
 #include "robot/urdf/urdf.hpp"
-#include "systems/catalogue.hpp"
+#include "systems/closed_forms/catalogue.hpp"
 #include "systems/multibody/multibody.hpp"
 
 namespace conddp {
@@ -70,8 +70,7 @@ class PhaseMaker {
   void constrain(const char* name, std::shared_ptr<const Residual> residual,
                  const std::vector<double>& reference, const std::vector<double>& lower,
                  const std::vector<double>& upper) {
-    model_->add_constraint(
-        make_constraint(name, std::move(residual), ConstraintKind::bounds));
+    model_->add_constraint(make_constraint(name, std::move(residual), ConstraintKind::bounds));
     for (const auto& numbers : {reference, lower, upper, {1.0}})
       parameters_.insert(parameters_.end(), numbers.begin(), numbers.end());
   }
@@ -146,8 +145,9 @@ ShootingProblem diagonal_swings(const Finish& finish) {
 }  // namespace
 
 ShootingProblem counted_trot() {
-  return diagonal_swings(
-      [](PhaseMaker& phase) { phase.add_cones(friction_pyramid({}, 4, false, {0, 0, 1})); });
+  return diagonal_swings([](PhaseMaker& phase) {
+    phase.add_cones(friction_pyramid({}, 4, false, {0, 0, 1}));
+  });
 }
 
 ShootingProblem counted_grip() {
@@ -221,12 +221,8 @@ ShootingProblem counted_squat() {
 
 const std::map<std::string, ShootingProblem (*)()>& counted_problems() {
   static const std::map<std::string, ShootingProblem (*)()> problems{
-      {"trot", counted_trot},
-      {"reach", counted_reach},
-      {"squat", counted_squat},
-      {"swing", counted_swing},
-      {"flight", counted_flight},
-      {"grip", counted_grip}};
+      {"trot", counted_trot},   {"reach", counted_reach},   {"squat", counted_squat},
+      {"swing", counted_swing}, {"flight", counted_flight}, {"grip", counted_grip}};
   return problems;
 }
 

@@ -15,7 +15,8 @@ ShootingProblem counted_trot();
 ShootingProblem counted_reach();
 /// A biped that lowers its centre of mass on two soles.
 ShootingProblem counted_squat();
-/// A cart-pole that swings up with a weak motor and has to stand upright at the end: a small system.
+/// A cart-pole that swings up with a weak motor and has to stand upright at the end: a small
+/// system.
 ShootingProblem counted_swing();
 /// A quadrotor on SE(3) that flies to a place: a step of several stages on a curved space.
 ShootingProblem counted_flight();

@@ -1,16 +1,46 @@
-#include "systems/catalogue.hpp"
+#include "systems/closed_forms/catalogue.hpp"
 
 #include <stdexcept>
 
 #include "systems/closed_form.hpp"
+#include "systems/expressions/graph_number.hpp"
+#include "systems/expressions/system_hessian.hpp"
 
 namespace conddp {
 namespace {
 
-class DoubleIntegrator : public ClosedFormSystem<DoubleIntegrator> {
+/// A closed form whose second derivatives are those of the expressions that it is in GraphNumber.
+template <class Derived>
+class CatalogueSystem : public ClosedFormSystem<Derived> {
+ public:
+  using ClosedFormSystem<Derived>::ClosedFormSystem;
+
+  std::unique_ptr<SecondDerivatives> second_derivatives(SystemData<Lane>&,
+                                                        SystemData<Dual<Lane>>&) const override {
+    return hessian_.derivatives(*this);
+  }
+
+ private:
+  SystemExpressions record() const {
+    SystemExpressions recorded;
+    ExpressionGraph& graph = recorded.graph;
+    std::vector<GraphNumber> numbers, f(this->rows());
+    for (int i = 0; i < this->nx() + this->nu(); ++i) {
+      recorded.sources.push_back(i);
+      numbers.emplace_back(graph, graph.input(i));
+    }
+    static_cast<const Derived&>(*this).rate(numbers.data(), numbers.data() + this->nx(), f.data());
+    for (const GraphNumber& number : f) recorded.outputs.push_back(number.node(graph));
+    return recorded;
+  }
+
+  SystemHessian hessian_{[this] { return record(); }};
+};
+
+class DoubleIntegrator : public CatalogueSystem<DoubleIntegrator> {
  public:
   explicit DoubleIntegrator(int n)
-      : ClosedFormSystem(SystemKind::second_order, StateManifold::flat(2 * n), n) {
+      : CatalogueSystem(SystemKind::second_order, StateManifold::flat(2 * n), n) {
     for (const char* kind : {"q/", "v/", "u/"})
       for (int i = 0; i < n; ++i) {
         const bool control = kind[0] == 'u';
@@ -26,11 +56,11 @@ class DoubleIntegrator : public ClosedFormSystem<DoubleIntegrator> {
   }
 };
 
-class LinearSystem : public ClosedFormSystem<LinearSystem> {
+class LinearSystem : public CatalogueSystem<LinearSystem> {
  public:
   LinearSystem(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, const Eigen::VectorXd& c)
-      : ClosedFormSystem(SystemKind::discrete, StateManifold::flat(static_cast<int>(A.rows())),
-                         static_cast<int>(B.cols())),
+      : CatalogueSystem(SystemKind::discrete, StateManifold::flat(static_cast<int>(A.rows())),
+                        static_cast<int>(B.cols())),
         A_(A),
         B_(B),
         c_(c) {
@@ -53,10 +83,10 @@ class LinearSystem : public ClosedFormSystem<LinearSystem> {
   Eigen::VectorXd c_;
 };
 
-class Pendulum : public ClosedFormSystem<Pendulum> {
+class Pendulum : public CatalogueSystem<Pendulum> {
  public:
   explicit Pendulum(const PendulumParameters& p)
-      : ClosedFormSystem(SystemKind::second_order, StateManifold::flat(2), 1), p_(p) {
+      : CatalogueSystem(SystemKind::second_order, StateManifold::flat(2), 1), p_(p) {
     state_columns_ = {{"theta", "rad"}, {"omega", "rad/s"}};
     control_columns_ = {{"torque", "Nm"}};
   }
@@ -70,10 +100,10 @@ class Pendulum : public ClosedFormSystem<Pendulum> {
   PendulumParameters p_;
 };
 
-class Cartpole : public ClosedFormSystem<Cartpole> {
+class Cartpole : public CatalogueSystem<Cartpole> {
  public:
   explicit Cartpole(const CartpoleParameters& p)
-      : ClosedFormSystem(SystemKind::second_order, StateManifold::flat(4), 1), p_(p) {
+      : CatalogueSystem(SystemKind::second_order, StateManifold::flat(4), 1), p_(p) {
     state_columns_ = {{"x", "m"}, {"theta", "rad"}, {"vx", "m/s"}, {"omega", "rad/s"}};
     control_columns_ = {{"force", "N"}};
   }
@@ -92,10 +122,10 @@ class Cartpole : public ClosedFormSystem<Cartpole> {
   CartpoleParameters p_;
 };
 
-class Acrobot : public ClosedFormSystem<Acrobot> {
+class Acrobot : public CatalogueSystem<Acrobot> {
  public:
   explicit Acrobot(const AcrobotParameters& p)
-      : ClosedFormSystem(SystemKind::second_order, StateManifold::flat(4), 1), p_(p) {
+      : CatalogueSystem(SystemKind::second_order, StateManifold::flat(4), 1), p_(p) {
     state_columns_ = {
         {"theta1", "rad"}, {"theta2", "rad"}, {"omega1", "rad/s"}, {"omega2", "rad/s"}};
     control_columns_ = {{"elbow", "Nm"}};
@@ -129,9 +159,9 @@ class Acrobot : public ClosedFormSystem<Acrobot> {
   AcrobotParameters p_;
 };
 
-class Unicycle : public ClosedFormSystem<Unicycle> {
+class Unicycle : public CatalogueSystem<Unicycle> {
  public:
-  Unicycle() : ClosedFormSystem(SystemKind::first_order, StateManifold::flat(3), 2) {
+  Unicycle() : CatalogueSystem(SystemKind::first_order, StateManifold::flat(3), 2) {
     state_columns_ = {{"x", "m"}, {"y", "m"}, {"theta", "rad"}};
     control_columns_ = {{"v", "m/s"}, {"omega", "rad/s"}};
   }
@@ -145,10 +175,10 @@ class Unicycle : public ClosedFormSystem<Unicycle> {
   }
 };
 
-class Car : public ClosedFormSystem<Car> {
+class Car : public CatalogueSystem<Car> {
  public:
   Car(double wheelbase, double step)
-      : ClosedFormSystem(SystemKind::discrete, StateManifold::flat(4), 2),
+      : CatalogueSystem(SystemKind::discrete, StateManifold::flat(4), 2),
         wheelbase_(wheelbase),
         step_(step) {
     state_columns_ = {{"x", "m"}, {"y", "m"}, {"theta", "rad"}, {"v", "m/s"}};
@@ -173,10 +203,10 @@ class Car : public ClosedFormSystem<Car> {
   double wheelbase_, step_;
 };
 
-class PlanarQuadrotor : public ClosedFormSystem<PlanarQuadrotor> {
+class PlanarQuadrotor : public CatalogueSystem<PlanarQuadrotor> {
  public:
   explicit PlanarQuadrotor(const PlanarQuadrotorParameters& p)
-      : ClosedFormSystem(SystemKind::second_order, StateManifold::flat(6), 2), p_(p) {
+      : CatalogueSystem(SystemKind::second_order, StateManifold::flat(6), 2), p_(p) {
     state_columns_ = {{"x", "m"},    {"z", "m"},    {"theta", "rad"},
                       {"vx", "m/s"}, {"vz", "m/s"}, {"omega", "rad/s"}};
     control_columns_ = {{"right", "N"}, {"left", "N"}};
@@ -202,10 +232,10 @@ StateManifold free_body() {
   return m;
 }
 
-class Quadrotor : public ClosedFormSystem<Quadrotor> {
+class Quadrotor : public CatalogueSystem<Quadrotor> {
  public:
   explicit Quadrotor(const QuadrotorParameters& p)
-      : ClosedFormSystem(SystemKind::second_order, free_body(), 4), p_(p) {
+      : CatalogueSystem(SystemKind::second_order, free_body(), 4), p_(p) {
     for (const char* name : {"x", "y", "z"}) state_columns_.push_back({name, "m"});
     for (const char* name : {"qx", "qy", "qz", "qw"}) state_columns_.push_back({name, "1"});
     for (const char* name : {"vx", "vy", "vz"}) state_columns_.push_back({name, "m/s"});
@@ -233,10 +263,10 @@ class Quadrotor : public ClosedFormSystem<Quadrotor> {
   QuadrotorParameters p_;
 };
 
-class Lander : public ClosedFormSystem<Lander> {
+class Lander : public CatalogueSystem<Lander> {
  public:
   explicit Lander(const LanderParameters& p)
-      : ClosedFormSystem(SystemKind::first_order, StateManifold::flat(7), 3), p_(p) {
+      : CatalogueSystem(SystemKind::first_order, StateManifold::flat(7), 3), p_(p) {
     for (const char* name : {"x", "y", "z"}) state_columns_.push_back({name, "m"});
     for (const char* name : {"vx", "vy", "vz"}) state_columns_.push_back({name, "m/s"});
     state_columns_.push_back({"burnt", "kg"});
