@@ -46,7 +46,8 @@ std::unique_ptr<Case> make_case(std::string name, std::optional<ProblemSpec> spe
 std::vector<std::unique_ptr<Case>> load_cases() {
   std::vector<std::unique_ptr<Case>> cases;
   Diagnostics diagnostics;
-  for (const char* name : {"quadruped_trot", "biped_squat", "arm_reach"}) {
+  for (const char* name : {"quadruped_trot", "biped_squat", "arm_reach", "quadrotor_zigzag",
+                           "cartpole_swingup_closed_form"}) {
     const auto file = std::filesystem::path(CONDDP_SOURCE_DIR) / "problems" / name;
     cases.push_back(
         make_case(name, read_problem(file.string() + ".yaml", {}, diagnostics), diagnostics));
