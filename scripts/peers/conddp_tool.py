@@ -48,6 +48,12 @@ def expanded(file, overrides=()):
     return problem
 
 
+def columns(file, overrides=()):
+    """The names of states and controls."""
+    found = json.loads(output_of([BINARIES / "conddp", "check", file, "--json", *settings(overrides)]))
+    return found["state"]["columns"], found["control"]["columns"]
+
+
 def solve_times(file, solver, repeat, overrides=(), drop=()):
     """Guess, answer and timed runs of one of our solvers."""
     drops = [word for name in drop for word in ("--drop", name)]
