@@ -214,9 +214,17 @@ class GuessBuilder {
       return out_.error(guess().controls_place,
                         "this system has no gravity that controls could hold it against");
     used_.controls = "those that hold the guessed states against gravity";
+    const System* former = nullptr;
+    Eigen::VectorXd state, control;
     for (const int k : controlled_knots()) {
       const System& system = plant_.collocation() ? guessed() : problem_.knot(k).model->system();
-      trajectory.u(k).head(system.nu()) = quasi_static_control(system, trajectory.x(k).data());
+      // Most guesses rest in one state.
+      if (&system != former || state != trajectory.x(k)) {
+        former = &system;
+        state = trajectory.x(k);
+        control = quasi_static_control(system, state.data());
+      }
+      trajectory.u(k).head(system.nu()) = control;
     }
     keep_bounds(trajectory);
   }
