@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "base/files/sync_to_disk.hpp"
 #include "base/files/write_all.hpp"
 
 namespace conddp {
@@ -140,10 +141,8 @@ void AtomicFiles::commit() {
   }
   std::set<std::filesystem::path> folders;
   for (const Pending& p : pending_) folders.insert(folder_of(p.file));
-  for (const std::filesystem::path& path : folders) {
-    Descriptor folder(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-    if (folder.get() >= 0) ::fsync(folder.get());  // so that the names survive a power cut
-  }
+  for (const std::filesystem::path& path : folders)
+    sync_to_disk(path);  // so that the names survive a power cut
   for (const Pending& p : pending_) {
     if (!p.former.empty()) ::unlink(p.former.c_str());
     ::close(p.lock);

@@ -11,6 +11,7 @@
 #include "output/report/constraint_curves.hpp"
 #include "output/report/motion_scene.hpp"
 #include "output/solution/found_contacts.hpp"
+#include "output/solution/stored_trajectory.hpp"
 
 namespace conddp {
 namespace {
@@ -25,23 +26,6 @@ OrderedJson rounded(const OrderedJson& value) {
 
 double number(const OrderedJson& value) {
   return value.is_number() ? value.get<double>() : std::nan("");
-}
-
-Trajectory trajectory_of(const OrderedJson& document, const ShootingProblem& problem) {
-  Trajectory trajectory = problem.create_trajectory();
-  const OrderedJson& x = document["trajectory"]["x"];
-  const OrderedJson& u = document["trajectory"]["u"];
-  if (static_cast<int>(x.size()) != problem.knots() + 1 ||
-      static_cast<int>(u.size()) != problem.knots())
-    throw MalformedSolution{"it has another number of knots than its problem"};
-  const auto copy = [](const OrderedJson& row, auto out) {
-    if (static_cast<Eigen::Index>(row.size()) != out.size())
-      throw MalformedSolution{"it has other states or controls than its problem"};
-    for (Eigen::Index i = 0; i < out.size(); ++i) out[i] = number(row[i]);
-  };
-  for (int k = 0; k <= problem.knots(); ++k) copy(x[k], trajectory.x(k));
-  for (int k = 0; k < problem.knots(); ++k) copy(u[k], trajectory.u(k));
-  return trajectory;
 }
 
 /// Lists by column of a list of rows; shorter rows (no control) are null there.
@@ -160,7 +144,7 @@ OrderedJson entry_json(const ReportEntry& entry) {
                       {"scene", nullptr}};
   if (entry.built == nullptr) return json;
   const ShootingProblem& problem = *entry.built->problem;
-  Trajectory trajectory = trajectory_of(entry.document, problem);
+  Trajectory trajectory = stored_trajectory(entry.document, problem);
   OrderedJson& u = json["curves"]["u"];
   if (is_choice(problem, 0)) {
     // The motion begins with the state that was chosen.

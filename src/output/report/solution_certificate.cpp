@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "analysis/certificate/place_text.hpp"
+#include "base/json/number_block.hpp"
 #include "base/json/solution_members.hpp"
 #include "ocp/evaluation/evaluator.hpp"
 #include "ocp/problem/by_name.hpp"
@@ -36,6 +37,11 @@ double number(const Json& value, const char* what) {
 }
 
 Eigen::VectorXd vector(const Json& list, const char* what) {
+  if (const auto block = NumberBlock::of(list); block && !block->is_table()) {
+    Eigen::VectorXd v(block->size());
+    block->copy(v.data());
+    return v;
+  }
   Eigen::VectorXd v(list.size());
   for (std::size_t i = 0; i < list.size(); ++i) v[i] = number(list[i], what);
   return v;
@@ -197,11 +203,16 @@ class Reader {
     statement("phases", at(document_, {"trajectory", "phases"}), actual);
   }
 
-  void size(const std::string& name, const Json& list, int expected) {
-    if (!list.is_array()) throw MalformedSolution{fmt::format("'{}' is not a list", name)};
-    if (static_cast<int>(list.size()) == expected) return;
+  /// Names of rows are made where they are needed.
+  template <class Name>
+  void expect(const Name& name, std::optional<std::size_t> found, int expected) {
+    if (!found) throw MalformedSolution{fmt::format("'{}' is not a list", name())};
+    if (static_cast<int>(*found) == expected) return;
     fits_ = false;
-    fail(name, fmt::format("{} entries in the answer, {} in the problem", list.size(), expected));
+    fail(name(), fmt::format("{} entries in the answer, {} in the problem", *found, expected));
+  }
+  void size(const std::string& name, const Json& list, int expected) {
+    expect([&] { return name; }, entries_of(list), expected);
   }
 
   /// One row of numbers a node or knot; `columns` says how many a knot has.
@@ -209,7 +220,17 @@ class Reader {
   void rows(const std::string& name, const Json& list, int count, Columns columns) {
     size(name, list, count);
     for (int k = 0; k < std::min<int>(count, static_cast<int>(list.size())); ++k)
-      size(fmt::format("{}[{}]", name, k), list[k], columns(k));
+      expect([&] { return fmt::format("{}[{}]", name, k); }, entries_of(list[k]), columns(k));
+  }
+
+  /// The gains of a knot, as lists or as a block.
+  void gain_sizes(const Json& K, int k) {
+    const std::string name = fmt::format("gains.K[{}]", k);
+    const auto block = NumberBlock::of(K);
+    if (!block || !block->is_table())
+      return rows(name, K, problem_.nu(k), [&](int) { return problem_.ndx(); });
+    size(name, K, problem_.nu(k));
+    expect([&] { return name + "[0]"; }, block->columns(), problem_.ndx());
   }
 
   void sizes() {
@@ -229,8 +250,7 @@ class Reader {
     check_constraint_list(multipliers);
     const Json& K = at(document_, {"gains", "K"});
     rows("gains.K", K, N, nu);
-    for (int k = 0; fits_ && k < N; ++k)
-      rows(fmt::format("gains.K[{}]", k), K[k], problem_.nu(k), ndx);
+    for (int k = 0; fits_ && k < N; ++k) gain_sizes(K[k], k);
     rows("gains.k", at(document_, {"gains", "k"}), N, nu);
     if (fits_) add({"shapes", true, Check::kNone, Check::kNone, Check::kNone, "", ""});
   }
@@ -304,12 +324,24 @@ class Reader {
           vector(multipliers["constraints"][i]["multiplier"], "multipliers.constraints");
     }
   }
+  Eigen::MatrixXd gains_of_knot(const Json& K, int k) const {
+    Eigen::MatrixXd gains(problem_.nu(k), problem_.ndx());
+    const auto block = NumberBlock::of(K);
+    Eigen::VectorXd row(problem_.ndx());
+    for (int i = 0; i < problem_.nu(k); ++i) {
+      if (block)
+        block->copy_row(static_cast<std::size_t>(i), row.data());
+      else
+        row = vector(K[i], "gains.K");
+      gains.row(i) = row;
+    }
+    return gains;
+  }
   void read_gains() {
     SolutionClaims& c = *claims_;
     const Json& gains = at(document_, {"gains"});
     for (int k = 0; k < problem_.knots(); ++k) {
-      for (int i = 0; i < problem_.nu(k); ++i)
-        c.gains[k].row(i) = vector(gains["K"][k][i], "gains.K");
+      c.gains[k] = gains_of_knot(gains["K"][k], k);
       c.feedforward[k] = vector(gains["k"][k], "gains.k");
     }
     c.gain_regularization = number(at(gains, {"regularization"}), "gains");
@@ -351,26 +383,32 @@ class Reader {
            is_near(claimed.get<double>(), here, kValueTolerance);
   }
 
+  Eigen::VectorXd constraint_values() const {
+    if (problem_.constraint_rows() == 0) return {};
+    Evaluation evaluation(problem_);
+    Evaluator(problem_).evaluate(claims_->trajectory, evaluation);
+    return evaluation.constraint;
+  }
+
   /// Durations, and all that is said of constraints: their values row by row, and where which one
   /// is violated most.
   void evaluate_constraints() {
     const double duration = number(at(document_, {"problem", "duration_s"}), "duration_s");
     compare_number("duration", duration, problem_.times(claims_->trajectory).back(), 1e-12);
-    Evaluation evaluation(problem_);
-    const Eigen::VectorXd& values = evaluation.constraint;
-    if (values.size() > 0) Evaluator(problem_).evaluate(claims_->trajectory, evaluation);
+    const Eigen::VectorXd values = constraint_values();
     std::vector<Check> worst;  // by name
     for (std::size_t i = 0; i < problem_.constraints().size(); ++i) {
       const NodeConstraint& c = problem_.constraints()[i];
       const Json& list = at(at(document_, {"multipliers", "constraints"})[i], {"value"});
       const std::string name = "values of " + named(c);
       size(name, list, c.term->rows);
+      const Eigen::VectorXd claimed = vector(list, "value");
       auto check = std::find_if(worst.begin(), worst.end(),
                                 [&](const Check& known) { return known.name == name; });
       if (check == worst.end()) check = worst.insert(worst.end(), Check{name});
-      for (int row = 0; row < std::min<int>(c.term->rows, static_cast<int>(list.size())); ++row)
+      for (int row = 0; row < std::min<int>(c.term->rows, static_cast<int>(claimed.size())); ++row)
         if (check->holds)
-          *check = compared(name, number(list[row], "value"), values[c.row + row], kValueTolerance,
+          *check = compared(name, claimed[row], values[c.row + row], kValueTolerance,
                             place_text(problem_, c.node, ""));
     }
     for (Check& check : worst) add(std::move(check));

@@ -9,7 +9,6 @@
 #include <fmt/compile.h>
 #include <fmt/format.h>
 
-#include "output/solution/contact_forces.hpp"
 #include "output/solution/log_columns.hpp"
 
 namespace conddp {
@@ -69,33 +68,32 @@ std::string column_headers(const BuiltProblem& built, int states) {
   return text;
 }
 
-void append_state(const Solution& s, int knot, int states, std::string& text) {
+void append_state(const Trajectory& trajectory, int knot, int states, std::string& text) {
   for (int i = 0; i < states; ++i) {
     text += ',';
-    append_cell(s.result.trajectory.x(knot)[i], text);
+    append_cell(trajectory.x(knot)[i], text);
   }
 }
 
 /// Empty cells where there is no control.
-void append_control(const Solution& s, int knot, bool written, std::string& text) {
-  for (std::size_t i = 0; i < s.built.control_columns.size(); ++i) {
+void append_control(const Trajectory& trajectory, int knot, std::size_t columns, bool written,
+                    std::string& text) {
+  for (std::size_t i = 0; i < columns; ++i) {
     text += ',';
-    if (written) append_cell(s.result.trajectory.u(knot)[i], text);
+    if (written) append_cell(trajectory.u(knot)[i], text);
   }
 }
 
 }  // namespace
 
-std::string trajectory_csv(const Solution& s) {
-  const ShootingProblem& problem = *s.built.problem;
-  const Trajectory& trajectory = s.result.trajectory;
+std::string trajectory_csv(const BuiltProblem& built, const Trajectory& trajectory,
+                           const ContactForces& forces) {
+  const ShootingProblem& problem = *built.problem;
   // Where the first state is chosen the motion begins with the choice, which the states then
   // carry along.
   const int first = problem.phases().front().instant ? 1 : 0;
-  const int states = first > 0 ? s.built.plant.system->nx() : trajectory.nx();
-  const ContactForces& forces = s.answer.forces;
-  std::string text =
-      "t [s],phase" + column_headers(s.built, states) + contact_headers(forces) + '\n';
+  const int states = first > 0 ? built.plant.system->nx() : trajectory.nx();
+  std::string text = "t [s],phase" + column_headers(built, states) + contact_headers(forces) + '\n';
   const std::vector<double> times = problem.times(trajectory);
   double written = -std::numeric_limits<double>::infinity();
   for (int k = first; k <= problem.knots(); ++k) {
@@ -106,28 +104,37 @@ std::string trajectory_csv(const Solution& s) {
     append_cell(written, text);
     text += ',' + cell(phase.name);
     const bool controlled = !last && !problem.takes_no_time(k);
-    append_state(s, k, states, text);
-    append_control(s, k, controlled, text);
+    append_state(trajectory, k, states, text);
+    append_control(trajectory, k, built.control_columns.size(), controlled, text);
     append_contacts(forces, k, controlled, text);
     text += '\n';
   }
   return text;
 }
 
-std::string iterations_csv(const Solution& s) {
+namespace {
+
+/// Nothing for null.
+void append_json(const OrderedJson& value, std::string& text) {
+  if (value.is_number_integer())
+    text += fmt::format("{}", value.get<long long>());
+  else if (value.is_number())
+    append_cell(value.get<double>(), text);
+}
+
+}  // namespace
+
+std::string iterations_csv(const OrderedJson& log) {
   std::string text;
   for (const LogColumn& column : log_columns())
     text += (text.empty() ? "" : ",") + with_unit(std::string(column.name), column.unit);
   text += '\n';
-  for (const IterationRecord& row : s.result.log) {
+  for (const OrderedJson& row : log) {
     bool first = true;
     for (const LogColumn& column : log_columns()) {
       if (!first) text += ',';
       first = false;
-      if (column.integer)
-        text += fmt::format("{}", static_cast<long long>(column.get(row)));
-      else
-        append_cell(column.get(row), text);
+      append_json(row.value(log_key(column), OrderedJson()), text);
     }
     text += '\n';
   }

@@ -2,7 +2,9 @@
 
 #include <string>
 
-#include "output/solution/solution.hpp"
+#include "base/json/ordered_json.hpp"
+#include "output/solution/contact_forces.hpp"
+#include "problem_file/build/build.hpp"
 
 namespace conddp {
 
@@ -10,9 +12,11 @@ namespace conddp {
 /// axes); one row a node, units in square brackets behind the names. Cells of what a node has not
 /// are empty: controls and forces of the last node and of impulses, forces of contacts that are not
 /// held. Where the first state is chosen it is the first row.
-std::string trajectory_csv(const Solution& solution);
+std::string trajectory_csv(const BuiltProblem& built, const Trajectory& trajectory,
+                           const ContactForces& forces);
 
-/// iterations.csv: the log, one row an iteration. Cells of what is not finite are empty.
-std::string iterations_csv(const Solution& solution);
+/// iterations.csv from the log of a solution.json: one row an iteration. Cells of what is not
+/// finite are empty.
+std::string iterations_csv(const OrderedJson& log);
 
 }  // namespace conddp

@@ -41,4 +41,10 @@ constexpr LogColumn kColumns[] = {
 
 std::span<const LogColumn> log_columns() { return kColumns; }
 
+std::string log_key(const LogColumn& column) {
+  std::string key(column.name);
+  if (!column.unit.empty()) (key += '_') += column.unit;
+  return key;
+}
+
 }  // namespace conddp

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "solvers/common/iteration_record.hpp"
@@ -16,5 +17,8 @@ struct LogColumn {
 };
 
 std::span<const LogColumn> log_columns();
+
+/// The key of a column in the log of solution.json: its name and its unit.
+std::string log_key(const LogColumn& column);
 
 }  // namespace conddp

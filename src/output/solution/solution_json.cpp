@@ -1,7 +1,12 @@
 #include "output/solution/solution_json.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
 #include <fmt/format.h>
 
+#include "base/json/number_block.hpp"
 #include "conddp_version.hpp"
 #include "output/solution/finding_report.hpp"
 #include "output/solution/log_columns.hpp"
@@ -13,7 +18,11 @@ namespace conddp {
 namespace {
 
 template <class Vector>
-OrderedJson numbers(const Vector& values) {
+OrderedJson numbers(const Vector& values, NumberForm form) {
+  if (form == NumberForm::kBlocks) {
+    const Eigen::VectorXd list = values;
+    return number_block({list.data(), static_cast<std::size_t>(list.size())});
+  }
   OrderedJson array = OrderedJson::array();
   for (Eigen::Index i = 0; i < values.size(); ++i) array.push_back(finite_or_null(values[i]));
   return array;
@@ -78,12 +87,12 @@ OrderedJson contact_forces_json(const Solution& s) {
   return json;
 }
 
-OrderedJson trajectory_json(const Solution& s) {
+OrderedJson trajectory_json(const Solution& s, NumberForm form) {
   const ShootingProblem& problem = *s.built.problem;
   const Trajectory& trajectory = s.result.trajectory;
   OrderedJson x = OrderedJson::array(), u = OrderedJson::array();
-  for (int k = 0; k <= problem.knots(); ++k) x.push_back(numbers(trajectory.x(k)));
-  for (int k = 0; k < problem.knots(); ++k) u.push_back(numbers(trajectory.u(k)));
+  for (int k = 0; k <= problem.knots(); ++k) x.push_back(numbers(trajectory.x(k), form));
+  for (int k = 0; k < problem.knots(); ++k) u.push_back(numbers(trajectory.u(k), form));
   OrderedJson phases = OrderedJson::array();
   int first = 0;
   for (const Phase& phase : problem.phases()) {
@@ -104,39 +113,49 @@ OrderedJson trajectory_json(const Solution& s) {
           {"contact_forces", contact_forces_json(s)}};
 }
 
-OrderedJson gains_json(const SolveResult& result) {
-  OrderedJson k = OrderedJson::array(), K = OrderedJson::array();
-  for (const Eigen::VectorXd& feedforward : result.feedback.k) k.push_back(numbers(feedforward));
-  for (const Eigen::MatrixXd& feedback : result.feedback.K) {
-    OrderedJson rows = OrderedJson::array();
-    for (Eigen::Index i = 0; i < feedback.rows(); ++i) rows.push_back(numbers(feedback.row(i)));
-    K.push_back(std::move(rows));
+OrderedJson table(const Eigen::MatrixXd& matrix, NumberForm form) {
+  if (form == NumberForm::kBlocks) {
+    const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> rows = matrix;
+    return number_block(static_cast<std::size_t>(rows.rows()),
+                        static_cast<std::size_t>(rows.cols()),
+                        {rows.data(), static_cast<std::size_t>(rows.size())});
   }
+  OrderedJson rows = OrderedJson::array();
+  for (Eigen::Index i = 0; i < matrix.rows(); ++i) rows.push_back(numbers(matrix.row(i), form));
+  return rows;
+}
+
+OrderedJson gains_json(const SolveResult& result, NumberForm form) {
+  OrderedJson k = OrderedJson::array(), K = OrderedJson::array();
+  for (const Eigen::VectorXd& feedforward : result.feedback.k)
+    k.push_back(numbers(feedforward, form));
+  for (const Eigen::MatrixXd& feedback : result.feedback.K) K.push_back(table(feedback, form));
   OrderedJson gains = {{"regularization", nullptr}, {"k", std::move(k)}, {"K", std::move(K)}};
   if (result.feedback_regularization) gains["regularization"] = *result.feedback_regularization;
   return gains;
 }
 
 /// Multipliers of a control bound: not negative, zero where the control is off the bound.
-OrderedJson bound_multipliers(const Solution& s, const ControlBounds& bounds, bool upper) {
+OrderedJson bound_multipliers(const Solution& s, const ControlBounds& bounds, bool upper,
+                              NumberForm form) {
   const ShootingProblem& problem = *s.built.problem;
   OrderedJson rows = OrderedJson::array();
   for (int k = 0; k < problem.knots(); ++k) {
-    OrderedJson row = OrderedJson::array();
+    Eigen::VectorXd row(problem.nu(k));
     for (int i = 0; i < problem.nu(k); ++i) {
       const double gradient = (upper ? -1 : 1) * s.result.control_gradient[k][i];
       const double u = s.result.trajectory.u(k)[i];
       const bool at_bound = upper ? bounds.at_upper(k, i, u) : bounds.at_lower(k, i, u);
-      row.push_back(finite_or_null(at_bound ? std::max(0.0, gradient) : 0.0));
+      row[i] = at_bound ? std::max(0.0, gradient) : 0.0;
     }
-    rows.push_back(std::move(row));
+    rows.push_back(numbers(row, form));
   }
   return rows;
 }
 
-OrderedJson matrix_json(const Eigen::MatrixXd& columns) {
+OrderedJson matrix_json(const Eigen::MatrixXd& columns, NumberForm form) {
   OrderedJson rows = OrderedJson::array();
-  for (Eigen::Index k = 0; k < columns.cols(); ++k) rows.push_back(numbers(columns.col(k)));
+  for (Eigen::Index k = 0; k < columns.cols(); ++k) rows.push_back(numbers(columns.col(k), form));
   return rows;
 }
 
@@ -147,28 +166,29 @@ OrderedJson violations_json(const std::vector<ConstraintViolation>& violations) 
   return list;
 }
 
-OrderedJson constraint_multipliers(const Solution& s) {
+OrderedJson constraint_multipliers(const Solution& s, NumberForm form) {
   OrderedJson list = OrderedJson::array();
   for (const NodeConstraint& c : s.built.problem->constraints())
     list.push_back(
         {{"name", c.term->name},
          {"node", c.node},
-         {"value", numbers(s.result.constraint_values.segment(c.row, c.term->rows))},
-         {"multiplier", numbers(s.result.constraint_multipliers.segment(c.row, c.term->rows))}});
+         {"value", numbers(s.result.constraint_values.segment(c.row, c.term->rows), form)},
+         {"multiplier",
+          numbers(s.result.constraint_multipliers.segment(c.row, c.term->rows), form)}});
   return list;
 }
 
-OrderedJson multipliers_json(const Solution& s) {
-  OrderedJson multipliers = {{"costates", matrix_json(s.result.costates)},
-                             {"state_gradient", matrix_json(s.result.state_gradient)}};
+OrderedJson multipliers_json(const Solution& s, NumberForm form) {
+  OrderedJson multipliers = {{"costates", matrix_json(s.result.costates, form)},
+                             {"state_gradient", matrix_json(s.result.state_gradient, form)}};
   if (s.built.problem->has_control_bounds() &&
       static_cast<int>(s.result.control_gradient.size()) == s.built.problem->knots()) {
     const ControlBounds bounds(*s.built.problem);
-    multipliers["control_lower"] = bound_multipliers(s, bounds, false);
-    multipliers["control_upper"] = bound_multipliers(s, bounds, true);
+    multipliers["control_lower"] = bound_multipliers(s, bounds, false, form);
+    multipliers["control_upper"] = bound_multipliers(s, bounds, true, form);
   }
   if (!s.built.problem->constraints().empty())
-    multipliers["constraints"] = constraint_multipliers(s);
+    multipliers["constraints"] = constraint_multipliers(s, form);
   return multipliers;
 }
 
@@ -177,8 +197,7 @@ OrderedJson log_json(const std::vector<IterationRecord>& log) {
   for (const IterationRecord& record : log) {
     OrderedJson row = OrderedJson::object();
     for (const LogColumn& column : log_columns()) {
-      std::string name(column.name);
-      if (!column.unit.empty()) (name += '_') += column.unit;
+      const std::string name = log_key(column);
       if (column.integer)
         row[name] = static_cast<long long>(column.get(record));
       else
@@ -282,7 +301,19 @@ OrderedJson head(const Solution& s) {
 
 }  // namespace
 
+namespace {
+
+int count_nulls(const NumberBlock& block) {
+  std::vector<double> numbers(block.size() * (block.is_table() ? block.columns() : 1));
+  block.copy(numbers.data());
+  return static_cast<int>(
+      std::count_if(numbers.begin(), numbers.end(), [](double x) { return std::isnan(x); }));
+}
+
+}  // namespace
+
 int count_nulls(const OrderedJson& value) {
+  if (const auto block = NumberBlock::of(value)) return count_nulls(*block);
   if (!value.is_structured()) return value.is_null() ? 1 : 0;
   int count = 0;
   for (const OrderedJson& part : value) count += count_nulls(part);
@@ -329,11 +360,11 @@ OrderedJson diagnosis_json(const Diagnosis& diagnosis) {
   return json;
 }
 
-OrderedJson solution_json(const Solution& s) {
+OrderedJson solution_json(const Solution& s, NumberForm form) {
   OrderedJson json = head(s);
-  json["trajectory"] = trajectory_json(s);
-  json["gains"] = gains_json(s.result);
-  json["multipliers"] = multipliers_json(s);
+  json["trajectory"] = trajectory_json(s, form);
+  json["gains"] = gains_json(s.result, form);
+  json["multipliers"] = multipliers_json(s, form);
   json["log"] = log_json(s.result.log);
   json["nulls"] = nulls_json(json, s.result);
   return json;

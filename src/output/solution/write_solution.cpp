@@ -15,8 +15,9 @@ std::vector<std::filesystem::path> write_solution(const Solution& solution,
                                               folder / "iterations.csv"};
   AtomicFiles files;
   files.add(paths[0], json_text(document));
-  files.add(paths[1], trajectory_csv(solution));
-  files.add(paths[2], iterations_csv(solution));
+  files.add(paths[1],
+            trajectory_csv(solution.built, solution.result.trajectory, solution.answer.forces));
+  files.add(paths[2], iterations_csv(document.at("log")));
   if (!page.empty()) files.add(paths.emplace_back(folder / "report.html"), page);
   files.commit();
   return paths;
