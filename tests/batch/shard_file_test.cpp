@@ -1,5 +1,7 @@
 #include "batch/results/shard_file.hpp"
 
+#include <sys/mount.h>
+
 #include "base/files/atomic_file.hpp"
 #include "batch/results/collect.hpp"
 #include "batch_folder.hpp"
@@ -64,6 +66,125 @@ TEST(ShardFile, DropsWhatWasCutOffAtAnyByte) {
   }
 }
 
+/// A shard of three results with solutions.
+void append_three(ShardFile& file) {
+  file.append(result("aa", "converged", 1), "the first solution");
+  file.append(result("bb", "converged", 2), "the second solution");
+  file.append(result("cc", "converged", 3), "the third solution");
+}
+
+// After a power cut a file may have its length and zeros in the place of what was written last.
+TEST(ShardFile, DropsResultsWhoseSolutionsHaveNotReachedTheDisk) {
+  const BatchFolder run;
+  const fs::path pack = run.path() / "shards/1of1.solutions";
+  {
+    ShardFile file(run.path(), {0, 1});
+    append_three(file);
+  }
+  const std::string packed = read(pack);
+  std::string torn = packed;
+  torn.replace(torn.find("second"), 6, 6, '\0');
+  std::ofstream(pack) << torn;
+  const auto results = load_results(run.path());
+  EXPECT_EQ(results.size(), 1u);
+  EXPECT_TRUE(results.contains("aa"));
+  {
+    ShardFile file(run.path(), {0, 1});
+    file.append(result("bb", "converged", 2), "the second solution");
+    file.append(result("cc", "converged", 3), "the third solution");
+  }
+  EXPECT_EQ(load_results(run.path()).size(), 3u);
+  EXPECT_EQ(read(pack), packed);
+}
+
+TEST(ShardFile, LosesNothingThatWasOnTheDiskAtTheLastMark) {
+  const BatchFolder run;
+  const fs::path lines = run.path() / "shards/1of1.jsonl",
+                 pack = run.path() / "shards/1of1.solutions";
+  std::size_t synced = 0;
+  {
+    ShardFile file(run.path(), {0, 1});
+    append_three(file);
+    file.sync();
+    synced = read(pack).size();
+    const std::string marked = read(lines);
+    file.sync();
+    EXPECT_EQ(read(lines), marked) << "nothing new has nothing to wait for";
+    file.append(result("dd", "converged", 4), "the fourth solution");
+  }
+  std::string torn = read(pack);
+  torn.resize(synced);
+  std::ofstream(pack) << torn;
+  EXPECT_EQ(load_results(run.path()).size(), 3u);
+  const std::string before = read(lines);
+  { ShardFile file(run.path(), {0, 1}); }
+  EXPECT_LT(read(lines).size(), before.size());
+  EXPECT_EQ(load_results(run.path()).size(), 3u);
+}
+
+TEST(ShardFile, ASolutionThatIsDamagedLaterIsNotGivenOut) {
+  const BatchFolder run;
+  const fs::path pack = run.path() / "shards/1of1.solutions";
+  {
+    ShardFile file(run.path(), {0, 1});
+    append_three(file);
+    file.sync();
+  }
+  std::string damaged = read(pack);
+  damaged.replace(damaged.find("second"), 6, "SECOND");
+  std::ofstream(pack) << damaged;
+  const auto results = load_results(run.path());
+  EXPECT_EQ(results.size(), 3u);
+  EXPECT_EQ(load_solution(results.at("bb")), "");
+  EXPECT_TRUE(load_document(results.at("bb")).is_null());
+  EXPECT_EQ(load_solution(results.at("cc")), "the third solution");
+}
+
+/// A file system of one size in a folder, while it exists.
+class SmallDisk {
+ public:
+  SmallDisk(const fs::path& folder, const char* size)
+      : folder_(folder), is_there_(::mount("tmpfs", folder.c_str(), "tmpfs", 0, size) == 0) {}
+  ~SmallDisk() {
+    if (is_there_) ::umount(folder_.c_str());
+  }
+  SmallDisk(const SmallDisk&) = delete;
+  SmallDisk& operator=(const SmallDisk&) = delete;
+  bool is_there() const { return is_there_; }
+  void grow() const { ::mount("tmpfs", folder_.c_str(), "tmpfs", MS_REMOUNT, "size=8m"); }
+
+ private:
+  const fs::path folder_;
+  const bool is_there_;
+};
+
+TEST(ShardFile, AFullDiskIsAnErrorThatLosesNothing) {
+  const BatchFolder run;
+  const SmallDisk disk(run.path(), "size=256k");
+  if (!disk.is_there()) GTEST_SKIP() << "no file system can be mounted here";
+  const std::string solution(40'000, 's');
+  const auto name = [](int i) { return "item" + std::to_string(i); };
+  int stored = 0;
+  try {
+    ShardFile file(run.path(), {0, 1});
+    for (;; ++stored) file.append(result(name(stored), "converged", 1), solution);
+  } catch (const OutputError& error) {
+    EXPECT_NE(std::string(error.what()).find("cannot be written: No space left"), std::string::npos)
+        << error.what();
+  }
+  EXPECT_GE(stored, 4);
+  EXPECT_EQ(load_results(run.path()).size(), static_cast<std::size_t>(stored));
+  disk.grow();
+  {
+    ShardFile file(run.path(), {0, 1});
+    for (int i = stored; i < 20; ++i) file.append(result(name(i), "converged", 1), solution);
+    file.sync();
+  }
+  const auto results = load_results(run.path());
+  ASSERT_EQ(results.size(), 20u);
+  for (int i = 0; i < 20; ++i) EXPECT_EQ(load_solution(results.at(name(i))), solution) << i;
+}
+
 TEST(ShardFile, DoesNotTrustALineWhoseSumIsWrong) {
   const BatchFolder run;
   { ShardFile(run.path(), {0, 1}).append(result("aa", "converged", 1), ""); }
@@ -123,8 +244,9 @@ TEST(Collect, HasARowForEveryItemWithoutTimes) {
                 id(2) +
                 ",../swing.yaml,3,ilqr,converged,1,0.1,4,1e-07,,,,0.25,holds,"
                 "\"a, \"\"b\"\"\"\n");
-  EXPECT_EQ(times_csv(*batch.manifest, results), "item,id,attempt,build [s],solve [s],all [s]\n1," +
-                                                     id(0) + ",1,,,0.5\n3," + id(2) + ",1,,,0.5\n");
+  EXPECT_EQ(times_csv(*batch.manifest, results),
+            "item,id,attempt,build [s],solve [s],certificate [s],all [s]\n1," + id(0) +
+                ",1,,,,0.5\n3," + id(2) + ",1,,,,0.5\n");
   const BatchStatus status = batch_status(*batch.manifest, results);
   EXPECT_EQ(status.solved, 1u);
   EXPECT_EQ(status.unfinished, 1u);

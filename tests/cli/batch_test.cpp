@@ -1,85 +1,12 @@
 // conddp batch as a process: whatever happens to it, results are those of the undisturbed run.
 #include <algorithm>
 #include <csignal>
-#include <cstdlib>
 #include <random>
-#include <sstream>
 
-#include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
-
-#include "process.hpp"
+#include "batch_fixture.hpp"
 
 namespace conddp {
 namespace {
-
-using Words = std::vector<std::string>;
-
-constexpr const char* kBatchSwing = R"(conddp: 1
-system: {type: pendulum}
-initial_state: {values: {theta: 0.1}}
-phases: [{name: only, knots: 20, dt: 0.05}]
-costs:
-  effort: {residual: control, weight: 0.5}
-constraints:
-  torque: {bounds: control, lower: -2, upper: 2}
-terminal:
-  costs:
-    goal: {residual: state, reference: {values: {theta: 1}}, weight: 10}
-solver: {name: box_ddp}
-)";
-
-constexpr const char* kAxes = R"(vary:
-  w: {key: costs.effort.weight, linspace: [0.2, 2, 6]}
-  start: {perturb: initial_state, spread: 0.2, count: 5}
-)";
-
-class Batch : public testing::Test {
- protected:
-  Batch() { folder_.write("swing.yaml", kBatchSwing); }
-
-  std::string plan(const std::string& rest = kAxes) const {
-    return folder_.write("plan.yaml",
-                         "conddp_batch: 1\nname: swings\nproblem: swing.yaml\n" + rest);
-  }
-  /// A fresh folder of a run of the plan.
-  std::string planned(const std::string& name, const std::string& rest = kAxes) const {
-    const std::string run = folder_.path() / name;
-    const ProcessResult r = run_conddp({"batch", "plan", plan(rest), "-o", run});
-    EXPECT_EQ(r.exit_code, 0) << r.err;
-    return run;
-  }
-  static ProcessResult run(const std::string& run, const Words& options = {},
-                           const ProcessOptions& process = {}) {
-    Words words = {"batch", "run", run};
-    words.insert(words.end(), options.begin(), options.end());
-    return run_conddp(words, process);
-  }
-  static std::string collected(const std::string& run) {
-    const ProcessResult r = run_conddp({"batch", "collect", run});
-    EXPECT_EQ(r.exit_code, 0) << r.err;
-    return read_file(std::filesystem::path(run) / "results.csv");
-  }
-  /// Results of the undisturbed run.
-  std::string expected() const {
-    const std::string folder = planned("undisturbed");
-    const ProcessResult r = run(folder, {"-j", "1"});
-    EXPECT_EQ(r.exit_code, 0) << r.err << r.out;
-    return collected(folder);
-  }
-  /// The ids of the items in their order.
-  static Words ids(const std::string& run) {
-    Words list;
-    std::istringstream lines(read_file(std::filesystem::path(run) / "manifest.jsonl"));
-    std::string line;
-    std::getline(lines, line);
-    while (std::getline(lines, line))
-      list.push_back(nlohmann::json::parse(line).at("id").get<std::string>());
-    return list;
-  }
-
-  TemporaryFolder folder_;
-};
 
 TEST_F(Batch, AllAtOnceGivesWhatTheStepsGive) {
   const std::string expected = this->expected();
@@ -336,60 +263,6 @@ TEST_F(Batch, APilotSolvesAFewAndEstimatesTheRest) {
       << r.out;
   const ProcessResult all = run(folder);
   EXPECT_NE(all.out.find("; 27 in "), std::string::npos) << all.out;
-}
-
-TEST_F(Batch, TheDataSetHasTheSolutionsAndTheSameBytesHoweverTheRunWent) {
-  const std::string one = planned("one"), other = planned("other_way");
-  EXPECT_EQ(run(one, {"-j", "1"}).exit_code, 0);
-  for (const char* shard : {"3/3", "1/3", "2/3"})
-    EXPECT_EQ(run(other, {"--shard", shard}).exit_code, 0);
-  collected(one);
-  collected(other);
-  const std::string data = read_file(one + "/dataset.h5");
-  EXPECT_GT(data.size(), 10'000u);
-  EXPECT_TRUE(data == read_file(other + "/dataset.h5"));
-
-  const std::string id = ids(one)[17], item = folder_.path() / "item";
-  EXPECT_EQ(run_conddp({"batch", "show", one, id, "-o", item}).exit_code, 0);
-  const std::string script = folder_.write("read.py", R"(
-import json, sys, h5py
-solution = json.load(open(sys.argv[2]))
-shape = h5py.File(sys.argv[1])["shape_1"]
-assert shape["item"].shape == (30,), shape["item"]
-i = list(shape["id"]).index(sys.argv[3].encode())
-assert shape["item"][i] == 18
-assert shape["status"][i] == b"converged"
-assert shape["cost"][i] == solution["cost"]
-for name in ("t", "x", "u"):
-    assert shape[name][i].tolist() == solution["trajectory"][name], name
-for name in ("k", "K"):
-    assert shape[name][i].tolist() == solution["gains"][name], name
-assert shape["costates"][i].tolist() == solution["multipliers"]["costates"]
-assert list(shape["x"].attrs["columns"]) == [b"theta", b"omega"], list(shape["x"].attrs["columns"])
-assert list(shape["parameters"].attrs["names"]) == [b"w", b"start.spread", b"start"]
-w, spread, seed = shape["parameters"][i].tolist()
-assert abs(w - 1.28) < 1e-12 and spread == 0.2 and seed == 3, (w, spread, seed)
-)");
-  const std::string command = "/usr/bin/python3 " + script + " " + one + "/dataset.h5 " + item +
-                              "/solution.json " + id + " > " + item + "/log 2>&1";
-  EXPECT_EQ(std::system(command.c_str()), 0) << read_file(item + "/log");
-}
-
-TEST_F(Batch, ShowWritesAProblemAndASolutionThatVerify) {
-  const std::string folder = planned("show");
-  EXPECT_EQ(run(folder).exit_code, 0);
-  const std::string id = ids(folder)[17], out = folder_.path() / "item";
-  const ProcessResult r = run_conddp({"batch", "show", folder, id, "-o", out});
-  EXPECT_EQ(r.exit_code, 0) << r.err;
-  EXPECT_EQ(run_conddp({"verify", out + "/solution.json"}).exit_code, 0);
-  EXPECT_EQ(run_conddp({"solve", out + "/problem.yaml", "-o", out + "/again"}).exit_code, 0);
-  const auto kept = nlohmann::json::parse(read_file(out + "/solution.json")),
-             again = nlohmann::json::parse(read_file(out + "/again/solution.json"));
-  EXPECT_EQ(kept["trajectory"]["x"], again["trajectory"]["x"]);
-  EXPECT_EQ(kept["cost"], again["cost"]);
-  const ProcessResult wrong = run_conddp({"batch", "show", folder, "0123456789abcdef"});
-  EXPECT_EQ(wrong.exit_code, 2);
-  EXPECT_NE(wrong.err.find("has no item '0123456789abcdef'"), std::string::npos) << wrong.err;
 }
 
 TEST_F(Batch, AChangedProblemOrAnotherBuildIsNotMixedIn) {

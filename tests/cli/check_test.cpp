@@ -110,7 +110,8 @@ TEST(Check, TerminalPrintsTheRegulatorAndItsConditions) {
                                               "terminal.lqr=initial"};
   const ProcessResult text = run_conddp(arguments);
   EXPECT_EQ(text.exit_code, 0) << text.err;
-  for (const char* words : {"|λ| of A − BK:", "A1 holds: ", "A2 holds: ", "A3 holds: ", "A4 "})
+  for (const char* words : {"lqr: state, 2 rows, quadratic, weight 1",
+                            "|λ| of A − BK:", "A1 holds: ", "A2 holds: ", "A3 holds: ", "A4 "})
     EXPECT_NE(text.out.find(words), std::string::npos) << words << "\n" << text.out;
   std::vector<std::string> as_json = arguments;
   as_json.push_back("--json");

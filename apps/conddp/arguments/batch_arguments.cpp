@@ -81,6 +81,7 @@ const char* const kBatchDetails =
     "collect RUN      writes results.csv, times.csv and dataset.h5\n"
     "retry RUN failed|timeout   solves again what was not solved\n"
     "show RUN ID      writes the problem and the solution of one item\n"
+    "report RUN       writes report.html: counts, maps over what was varied, items that stand out\n"
     "submit RUN       hands the run to a Slurm cluster, an element of an array for each shard\n"
     "Every worker is a process of its own; ending one, or all, loses no more than the items "
     "under way. Exit status 0: all items are solved; 1: some are not, or have no result yet.";
@@ -89,7 +90,7 @@ std::vector<Argument> batch_arguments(BatchArguments& arguments) {
   return {{.names = {"ACTION"},
            .value = "ACTION",
            .description = "What to do",
-           .choices = {"plan", "run", "status", "collect", "retry", "show", "submit"},
+           .choices = {"plan", "run", "status", "collect", "retry", "show", "report", "submit"},
            .required = true,
            .target = &arguments.action},
           {.names = {"PATH"},
@@ -104,7 +105,8 @@ std::vector<Argument> batch_arguments(BatchArguments& arguments) {
           {.names = {"-o", "--output"},
            .value = "FOLDER",
            .description =
-               "Folder of the run that a plan makes (out/<its name>), or of what show writes",
+               "Folder of the run that a plan makes (out/<its name>), or of what show writes; the "
+               "page of report",
            .target = &arguments.folder},
           {.names = {"-j", "--jobs"},
            .value = "N",

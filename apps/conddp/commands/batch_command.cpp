@@ -9,8 +9,6 @@
 
 #include "arguments/batch_arguments.hpp"
 #include "base/files/atomic_file.hpp"
-#include "base/json/json_text.hpp"
-#include "base/json/relative_paths.hpp"
 #include "batch/cluster/array_index.hpp"
 #include "batch/plan/expand_plan.hpp"
 #include "batch/plan/run_folder.hpp"
@@ -18,13 +16,10 @@
 #include "batch/results/dataset.hpp"
 #include "batch/run/run_batch.hpp"
 #include "batch/run/worker.hpp"
+#include "commands/batch_items.hpp"
 #include "commands/batch_submit.hpp"
 #include "commands/batch_worker.hpp"
 #include "commands/commands.hpp"
-#include "problem_file/build/build_problem.hpp"
-#include "problem_file/expand/expand_problem.hpp"
-#include "problem_file/read/read_problem.hpp"
-#include "problem_file/yaml/yaml_text.hpp"
 #include "terminal/exit_codes.hpp"
 #include "terminal/messages.hpp"
 #include "terminal/status_line.hpp"
@@ -231,8 +226,8 @@ int run_plan_or_folder(const BatchArguments& arguments) {
   if (!options || diagnostics.has_errors()) return give_up(diagnostics);
   print_messages(diagnostics, Verbosity::kNormal);
   const BatchProgress progress = run_items(run, *manifest, *options);
-  if (!is_folder) write_tables(run, *manifest);
   print_result(summary(progress));
+  if (!is_folder) write_tables(run, *manifest);
   return exit_code(progress);
 }
 
@@ -288,57 +283,6 @@ int retry_items(const BatchArguments& arguments) {
   return exit_code(progress);
 }
 
-/// The solution of an item as it was kept, and its status.
-struct ItemAnswer {
-  std::string status = std::string(kUnfinished);
-  std::string solution;  ///< empty where none was kept
-};
-
-ItemAnswer answer_of(const fs::path& run, const std::string& id) {
-  const auto results = load_results(run);
-  const auto stored = results.find(id);
-  if (stored == results.end()) return {};
-  ItemAnswer answer{.status = stored->second.result.status, .solution = {}};
-  if (stored->second.result.solution_bytes > 0) answer.solution = load_solution(stored->second);
-  return answer;
-}
-
-/// Writes the files of one item: its problem with every default, and its solution.
-int show_item(const BatchArguments& arguments) {
-  const fs::path run = arguments.path;
-  const auto manifest = manifest_of(arguments);
-  if (!manifest) return kExitBadInput;
-  const auto item = std::find_if(manifest->items.begin(), manifest->items.end(),
-                                 [&](const auto& i) { return i.id == arguments.word; });
-  if (item == manifest->items.end()) {
-    print_error(fmt::format("'{}' has no item '{}'", run.string(), arguments.word),
-                "the ids are in its results.csv and manifest.jsonl");
-    return kExitBadInput;
-  }
-  Diagnostics diagnostics;
-  const fs::path file = problem_of_run(*manifest, item->problem, run);
-  const auto spec = read_problem(file, item->settings, diagnostics);
-  const auto built = spec ? build_problem(*spec, {}, diagnostics) : std::nullopt;
-  if (!built) return give_up(diagnostics);
-  const fs::path folder =
-      arguments.folder.empty() ? run / "items" / item->id : fs::path(arguments.folder);
-  OrderedJson problem = expand_problem(*spec, *built);
-  make_paths_relative(problem, file.parent_path(), folder);
-  const auto [status, solution] = answer_of(run, item->id);
-  create_folder(folder);
-  AtomicFiles files;
-  if (!solution.empty()) {
-    OrderedJson document = OrderedJson::parse(solution);
-    document["problem"]["file"] = file.string();
-    files.add(folder / "solution.json", json_text(document));
-  }
-  files.add(folder / "problem.yaml", yaml_text(problem));
-  files.commit();
-  print_result(fmt::format("{}: {}\n{}\n", item->id, status, (folder / "problem.yaml").string()));
-  if (!solution.empty()) print_result((folder / "solution.json").string() + '\n');
-  return kExitConverged;
-}
-
 int batch(const BatchArguments& arguments) {
   if (const std::string text = misuse(arguments); !text.empty()) {
     print_error(text, "'conddp batch --help' lists what it takes");
@@ -349,6 +293,7 @@ int batch(const BatchArguments& arguments) {
   if (arguments.action == "status") return show_status(arguments);
   if (arguments.action == "retry") return retry_items(arguments);
   if (arguments.action == "show") return show_item(arguments);
+  if (arguments.action == "report") return report_batch(arguments);
   if (arguments.action == "submit") return submit_batch(arguments);
   return collect_results(arguments);
 }

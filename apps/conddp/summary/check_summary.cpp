@@ -127,6 +127,13 @@ OrderedJson costs_json(const std::vector<CostSpec>& costs, const BuiltProblem& b
     if (!terminal) entry["phases"] = phases_of(cost.name.value, *built.problem);
     list.push_back(std::move(entry));
   }
+  if (terminal && built.terminal_lqr)
+    list.push_back({{"name", kTerminalLqrName},
+                    {"residual", "state"},
+                    {"rows", rows_of(kTerminalLqrName, *built.problem, true)},
+                    {"formulas", OrderedJson::array()},
+                    {"activation", activation_definition(ActivationKind::quadratic).name},
+                    {"weight", built.terminal_lqr->weight}});
   return list;
 }
 
@@ -163,6 +170,9 @@ OrderedJson constraints_json(const ProblemSpec& spec, const BuiltProblem& built)
           c.bounded ? word_of(kBoundedWords, c.bounded->value) : c.function.residual.value,
           formulas_of(c.function), set_of(c), terminal, c.from_urdf, c.softness,
           terminal ? OrderedJson::array() : expand_phase_names(c.function.phases, spec));
+  if (built.terminal_lqr && built.terminal_lqr->constrained)
+    add(kTerminalLqrName, "state", OrderedJson::array(), "norm", true, false, Softness::hard,
+        OrderedJson::array());
   return list;
 }
 

@@ -19,7 +19,9 @@ Names residual_rows(const CostTerm& term, bool terminal, const ProblemSpec& spec
     if (const auto made = make_cost_residual(cost, spec, built.plant, built.problem->ndx(), out))
       return made->rows.names;
   }
-  return Names(term.residual->size());
+  Names names;
+  for (int i = 0; i < term.residual->size(); ++i) names.push_back(fmt::format("row {}", i));
+  return names;
 }
 
 std::string what(DerivativeKind kind) {

@@ -43,3 +43,19 @@ export function figure(value, digits = 5) {
   if (size >= 1e-3 && size < 1e6) return String(Number(value.toPrecision(digits)));
   return value.toExponential(Math.max(0, Math.min(digits, 4) - 1));
 }
+
+/// An element of a drawing.
+export function shape(tag, attributes = {}, ...children) {
+  const node = document.createElementNS('http://www.w3.org/2000/svg', tag);
+  for (const [name, value] of Object.entries(attributes))
+    if (value !== null && value !== undefined) node.setAttribute(name, value);
+  node.append(...children);
+  return node;
+}
+
+/// A list to choose from; `names` in the order of their numbers.
+export function choice(label, names, chosen, change) {
+  const select = element('select', {'aria-label': label, onchange: () => change(Number(select.value))},
+      ...names.map((name, i) => element('option', i === chosen ? {value: i, selected: ''} : {value: i}, name)));
+  return element('label', {}, `${label} `, select);
+}

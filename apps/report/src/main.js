@@ -1,3 +1,4 @@
+import {batchSection} from './batch.js';
 import {benchTable} from './bench.js';
 import {readData} from './data.js';
 import {element} from './dom.js';
@@ -10,35 +11,46 @@ import {Viewer} from './viewer.js';
 const byId = id => document.getElementById(id);
 const root = document.documentElement;
 
-function start() {
-  const {solutions, bench} = readData();
+/// Motion and plots of the solutions. Returns the objects that are behind them.
+function showSolutions(solutions, setThemeOf) {
   const player = new Player(Math.max(...solutions.map(s => s.duration)));
-  root.dataset.theme = matchMedia('(prefers-color-scheme: dark)').matches ? 'dark' : 'light';
-
-  let plots = [], viewer = null;
-  const setTheme = theme => {
-    root.dataset.theme = theme;
-    viewer.setTheme();
-    for (const plot of plots) plot.setTheme();
-  };
-  const changeTheme = () => setTheme(root.dataset.theme === 'dark' ? 'light' : 'dark');
-  const themeButton = element('button', {type: 'button', class: 'theme', id: 'theme',
-                                         title: 'Dark or light (D)', onclick: changeTheme}, '◐');
-  writeHead(byId('head'), solutions, themeButton);
+  let plots = [];
   if (solutions.length > 1)
     byId('head').append(comparisonTable(solutions, visible => {
       viewer.setVisible(visible);
       for (const plot of plots) plot.setVisible(visible);
     }));
-  viewer = new Viewer(byId('view'), solutions, player);
+  const viewer = new Viewer(byId('view'), solutions, player);
   new Timeline(byId('timeline'), solutions[0], player);
   byId('stage').append(standIns(solutions) ?? '');
   plots = makePlots(byId('plots'), solutions, player);
+  setThemeOf.push(viewer, ...plots);
+  return {player, viewer, plots};
+}
+
+function start() {
+  const {solutions, bench, batch} = readData();
+  root.dataset.theme = matchMedia('(prefers-color-scheme: dark)').matches ? 'dark' : 'light';
+
+  const themed = [];
+  const setTheme = theme => {
+    root.dataset.theme = theme;
+    for (const part of themed) part.setTheme();
+  };
+  const changeTheme = () => setTheme(root.dataset.theme === 'dark' ? 'light' : 'dark');
+  const themeButton = element('button', {type: 'button', class: 'theme', id: 'theme',
+                                         title: 'Dark or light (D)', onclick: changeTheme}, '◐');
+  writeHead(byId('head'), batch?.name, solutions, themeButton);
+  const main = document.querySelector('main');
+  if (batch) main.before(batchSection(batch));
+  // A batch that keeps no solutions has a page all the same.
+  const shown = solutions.length > 0 ? showSolutions(solutions, themed) : null;
+  if (!shown) main.remove();
   if (bench) byId('foot').append(benchTable(bench));
   writeFoot(byId('foot'), solutions);
   document.addEventListener('keydown', event => {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
-    if (event.key === 'f' || event.key === 'F') viewer.followButton?.click();
+    if (event.key === 'f' || event.key === 'F') shown?.viewer.followButton?.click();
     if (event.key === 'd' || event.key === 'D') changeTheme();
   });
   // Paper is light.
@@ -49,7 +61,7 @@ function start() {
   });
   window.addEventListener('afterprint', () => setTheme(onScreen));
   // For those who script the page.
-  window.conddp = {solutions, player, viewer, plots};
+  window.conddp = {solutions, batch, ...shown};
 }
 
 start();

@@ -7,3 +7,7 @@ export const lineColor = i => colors[i % colors.length];
 export const lineDash = i => dashes[Math.floor(i / colors.length) % dashes.length];
 /// Of the lines of one solution beside those of others.
 export const solutionDash = i => dashes[i % dashes.length];
+
+const pale = [222, 235, 247], deep = [8, 69, 130];
+/// From pale to deep blue, for a share from 0 to 1.
+export const mix = share => `rgb(${pale.map((p, i) => Math.round(p + share * (deep[i] - p))).join(' ')})`;

@@ -3,11 +3,13 @@ import {element, figure, table} from './dom.js';
 
 const fact = (name, value) => element('li', {}, `${name} `, element('b', {}, value));
 
-export function writeHead(holder, solutions, themeButton) {
-  const {head} = solutions[0];
-  document.title = `${head.problem.name} – conddp`;
-  holder.append(themeButton, element('h1', {}, head.problem.name));
-  if (solutions.length === 1) {
+/// `batch`: the name of the batch to which the solutions belong, if they belong to one.
+export function writeHead(holder, batch, solutions, themeButton) {
+  const name = batch ?? solutions[0].head.problem.name;
+  document.title = `${name} – conddp`;
+  holder.append(themeButton, element('h1', {}, name));
+  const {head} = solutions.length === 1 && batch === undefined ? solutions[0] : {};
+  if (head) {
     const good = head.status === 'converged' || head.status === 'cost_settled';
     holder.append(element('span', {class: `status ${good ? 'good' : ''}`, id: 'status'}, head.status));
     const r = head.residuals;
@@ -21,7 +23,7 @@ export function writeHead(holder, solutions, themeButton) {
   }
   for (const {label, remark} of solutions)
     if (remark) holder.append(element('p', {class: 'remark'}, `${label}: ${remark}`));
-  if (solutions.length === 1 && head.message)
+  if (head?.message)
     holder.append(element('p', {id: 'message'}, head.message));
 }
 
@@ -102,6 +104,7 @@ function reproduction({problem, tool, solver, initial_guess_used: guess, dropped
 }
 
 export function writeFoot(holder, solutions) {
+  if (solutions.length === 0) return;
   for (const {label, head} of solutions) {
     if (solutions.length > 1) holder.append(element('h2', {}, label));
     if (head.findings?.length) holder.append(findings(head.findings));

@@ -13,7 +13,7 @@ namespace conddp {
 
 /// The name and the format of the list of items in the folder of a run.
 inline constexpr const char* kManifestFile = "manifest.jsonl";
-inline constexpr std::string_view kManifestFormat = "conddp.batch_manifest/1";
+inline constexpr std::string_view kManifestFormat = "conddp.batch_manifest/2";
 
 /// A problem file of a run.
 struct ManifestProblem {

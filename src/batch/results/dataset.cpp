@@ -153,8 +153,8 @@ std::size_t write_dataset(const Manifest& manifest, const StoredResults& results
   for (std::size_t i = 0; i < manifest.items.size(); ++i) {
     const auto stored = results.find(manifest.items[i].id);
     if (stored == results.end() || stored->second.result.solution_bytes == 0) continue;
-    const OrderedJson solution = OrderedJson::parse(load_solution(stored->second), nullptr, false);
-    if (solution.is_discarded()) continue;  // the pack is not what it was
+    const OrderedJson solution = load_document(stored->second);
+    if (solution.is_null()) continue;  // the pack is not what it was
     if (!data) data = std::make_unique<Hdf5File>(file);
     auto& group = groups[shape_key(solution)];
     if (!group)

@@ -1,12 +1,15 @@
 #include "batch/results/hdf5_file.hpp"
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 
 #include <hdf5.h>
 
 #include <fmt/format.h>
 
 #include "base/files/atomic_file.hpp"
+#include "base/files/sync_to_disk.hpp"
 #include "base/shared_library.hpp"
 
 // Macros of the header call these on the way, which would link the library.
@@ -24,7 +27,7 @@ constexpr std::size_t kChunk = 1 << 16;
 /// HDF5's library. It is loaded by the first data set that is written: it takes tens of other
 /// libraries along, for which no other command should wait.
 class Hdf5Library {
-  const SharedLibrary library_{"HDF5", {CONDDP_HDF5_LIBRARY}};
+  const SharedLibrary library_{"HDF5, which writes dataset.h5,", {CONDDP_HDF5_LIBRARY}};
 
  public:
   Hdf5Library() {
@@ -94,10 +97,10 @@ Hdf5File::Hdf5File(const std::filesystem::path& file)
 }
 
 Hdf5File::~Hdf5File() {
-  if (handle_ < 0) return;
+  if (committed_) return;
   for (const Handle array : arrays_) hdf5().H5Dclose(array);
   for (const Handle group : groups_) hdf5().H5Gclose(group);
-  hdf5().H5Fclose(handle_);
+  if (handle_ >= 0) hdf5().H5Fclose(handle_);
   std::error_code error;
   std::filesystem::remove(temporary_, error);
 }
@@ -207,10 +210,15 @@ void Hdf5File::annotate(Handle object, const std::string& name,
 
 void Hdf5File::commit() {
   close();
+  if (!sync_to_disk(temporary_))
+    throw OutputError(
+        fmt::format("'{}' cannot be written: {}", file_.string(), std::strerror(errno)));
   std::error_code error;
   std::filesystem::rename(temporary_, file_, error);
   if (error)
     throw OutputError(fmt::format("'{}' cannot be written: {}", file_.string(), error.message()));
+  committed_ = true;
+  sync_to_disk(std::filesystem::absolute(file_).parent_path());
 }
 
 void Hdf5File::close() {

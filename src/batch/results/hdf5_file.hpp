@@ -43,6 +43,7 @@ class Hdf5File {
   const std::filesystem::path file_, temporary_;
   Handle handle_ = -1;
   std::vector<Handle> groups_, arrays_;
+  bool committed_ = false;
 };
 
 }  // namespace conddp

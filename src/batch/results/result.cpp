@@ -5,13 +5,14 @@
 namespace conddp {
 
 std::string result_line(const ItemResult& result) {
-  const OrderedJson json = {{"id", result.id},
-                            {"status", result.status},
-                            {"success", result.success},
-                            {"attempt", result.attempt},
-                            {"solution", {result.solution_offset, result.solution_bytes}},
-                            {"answer", result.answer},
-                            {"times", result.times}};
+  const OrderedJson json = {
+      {"id", result.id},
+      {"status", result.status},
+      {"success", result.success},
+      {"attempt", result.attempt},
+      {"solution", {result.solution_offset, result.solution_bytes, result.solution_sum}},
+      {"answer", result.answer},
+      {"times", result.times}};
   return compact_json(json);
 }
 
@@ -23,6 +24,7 @@ ItemResult parse_result(std::string_view line) {
           .attempt = json.at("attempt"),
           .solution_offset = json.at("solution").at(0),
           .solution_bytes = json.at("solution").at(1),
+          .solution_sum = json.at("solution").at(2),
           .answer = json.at("answer"),
           .times = json.at("times")};
 }

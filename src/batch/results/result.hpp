@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 
@@ -22,6 +23,7 @@ struct ItemResult {
   int attempt = 1;
   /// Where the whole solution is in the pack of the shard; 0 bytes: it is not kept.
   std::size_t solution_offset = 0, solution_bytes = 0;
+  std::uint64_t solution_sum = 0;  ///< check_sum() of these bytes
   /// What does not depend on the run: solver, message, cost, iterations, residuals, constraints,
   /// certificate; empty where nothing was solved.
   OrderedJson answer;

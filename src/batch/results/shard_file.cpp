@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <charconv>
 #include <cstring>
 #include <fstream>
 
@@ -12,8 +13,11 @@
 #include <fmt/format.h>
 
 #include "base/files/atomic_file.hpp"
+#include "base/files/check_sum.hpp"
 #include "base/files/sha256.hpp"
+#include "base/files/sync_to_disk.hpp"
 #include "base/files/write_all.hpp"
+#include "base/json/number_block.hpp"
 
 namespace conddp {
 namespace {
@@ -23,12 +27,23 @@ namespace fs = std::filesystem;
 constexpr const char* kFolder = "shards";
 constexpr std::size_t kSumDigits = 8;
 
-std::string check_sum(std::string_view text) { return sha256(text).substr(0, kSumDigits); }
+/// How long results wait at most before they go to the disk.
+constexpr std::chrono::seconds kSyncInterval{5};
+
+std::string line_sum(std::string_view text) { return sha256(text).substr(0, kSumDigits); }
 
 /// `{"sum":"01234567",` before what stands on the line of a result behind its first brace.
 std::string summed_line(const std::string& line) {
-  return fmt::format(R"({{"sum":"{}",{})", check_sum(line), std::string_view(line).substr(1)) +
-         '\n';
+  return fmt::format(R"({{"sum":"{}",{})", line_sum(line), std::string_view(line).substr(1)) + '\n';
+}
+
+/// A line that says how many bytes of the pack are on the disk.
+constexpr std::string_view kMark = R"({"synced":)";
+std::string mark_line(std::size_t bytes) { return fmt::format("{}{}}}", kMark, bytes); }
+std::size_t marked_bytes(std::string_view line) {
+  std::size_t bytes = 0;
+  std::from_chars(line.data() + kMark.size(), line.data() + line.size(), bytes);
+  return bytes;
 }
 
 /// The line of a result without its sum; empty where that does not fit.
@@ -39,7 +54,7 @@ std::string checked_line(std::string_view line) {
   const std::string_view sum = line.substr(kStart.size(), kSumDigits);
   std::string rest = "{";
   rest += line.substr(kStart.size() + kSumDigits + kEnd.size());
-  return check_sum(rest) == sum ? rest : std::string();
+  return line_sum(rest) == sum ? rest : std::string();
 }
 
 std::string read_whole(const fs::path& file) {
@@ -47,11 +62,42 @@ std::string read_whole(const fs::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
+fs::path pack_of(const fs::path& results) {
+  return results.parent_path() / (results.stem().string() + ".solutions");
+}
+
 /// All whole results of a file in their order, and where the last one ends.
 struct Lines {
   std::vector<ItemResult> results;
+  std::vector<std::size_t> starts;  ///< of their lines
   std::size_t end = 0;
+  std::size_t synced = 0;  ///< bytes of the pack that have reached the disk
 };
+
+void take_line(const std::string& line, std::size_t start, std::size_t end, Lines& lines) {
+  if (line.starts_with(kMark)) {
+    lines.synced = std::max(lines.synced, marked_bytes(line));
+    lines.end = end;
+    return;
+  }
+  try {
+    lines.results.push_back(parse_result(line));
+    lines.starts.push_back(start);
+    lines.end = end;
+  } catch (const OrderedJson::exception&) {
+  }
+}
+
+/// Drops the first result whose solution has not reached the pack, and those behind it.
+void drop_torn(const fs::path& pack, Lines& lines) {
+  for (std::size_t i = 0; i < lines.results.size(); ++i) {
+    const ItemResult& result = lines.results[i];
+    if (result.solution_offset + result.solution_bytes <= lines.synced) continue;
+    if (result.solution_bytes == 0 || !load_solution({result, pack}).empty()) continue;
+    lines.end = lines.starts[i];
+    lines.results.resize(i);
+  }
+}
 
 Lines read_lines(const fs::path& file) {
   const std::string text = read_whole(file);
@@ -60,19 +106,11 @@ Lines read_lines(const fs::path& file) {
     const std::size_t end = text.find('\n', start);
     if (end == std::string::npos) break;
     const std::string line = checked_line(std::string_view(text).substr(start, end - start));
+    if (!line.empty()) take_line(line, start, end + 1, lines);
     start = end + 1;
-    if (line.empty()) continue;
-    try {
-      lines.results.push_back(parse_result(line));
-      lines.end = start;
-    } catch (const OrderedJson::exception&) {
-    }
   }
+  drop_torn(pack_of(file), lines);
   return lines;
-}
-
-fs::path pack_of(const fs::path& results) {
-  return results.parent_path() / (results.stem().string() + ".solutions");
 }
 
 [[noreturn]] void fail(const fs::path& file, const char* what) {
@@ -113,6 +151,7 @@ ShardFile::ShardFile(const fs::path& run, const Shard& shard)
     pack_size_ = std::max(pack_size_, result.solution_offset + result.solution_bytes);
   truncate(results_descriptor_, lines.end, results_);
   truncate(pack_descriptor_, pack_size_, pack_);
+  sync_to_disk(run / kFolder);  // the names of the files
 }
 
 ShardFile::~ShardFile() {
@@ -123,9 +162,22 @@ ShardFile::~ShardFile() {
 void ShardFile::append(ItemResult result, std::string_view solution) {
   result.solution_offset = solution.empty() ? 0 : pack_size_;
   result.solution_bytes = solution.size();
+  result.solution_sum = check_sum(solution);
   if (!write_all(pack_descriptor_, solution)) fail(pack_, "written");
   pack_size_ += solution.size();
   if (!write_all(results_descriptor_, summed_line(result_line(result)))) fail(results_, "written");
+  is_synced_ = false;
+  if (Clock::now() - last_sync_ >= kSyncInterval) sync();
+}
+
+void ShardFile::sync() {
+  if (is_synced_) return;
+  if (::fdatasync(pack_descriptor_) != 0) fail(pack_, "written");
+  if (::fdatasync(results_descriptor_) != 0) fail(results_, "written");
+  if (!write_all(results_descriptor_, summed_line(mark_line(pack_size_))))
+    fail(results_, "written");
+  is_synced_ = true;
+  last_sync_ = Clock::now();
 }
 
 std::unordered_map<std::string, StoredResult> load_results(const fs::path& run) {
@@ -147,10 +199,16 @@ std::unordered_map<std::string, StoredResult> load_results(const fs::path& run) 
 
 std::string load_solution(const StoredResult& stored) {
   std::ifstream stream(stored.pack, std::ios::binary);
-  std::string text(stored.result.solution_bytes, '\0');
+  std::string bytes(stored.result.solution_bytes, '\0');
   stream.seekg(static_cast<std::streamoff>(stored.result.solution_offset));
-  if (!stream.read(text.data(), static_cast<std::streamsize>(text.size()))) return {};
-  return text;
+  if (!stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()))) return {};
+  return check_sum(bytes) == stored.result.solution_sum ? bytes : std::string();
+}
+
+OrderedJson load_document(const StoredResult& stored) {
+  const std::string bytes = load_solution(stored);
+  OrderedJson document = bytes.empty() ? OrderedJson() : unpacked_document(bytes);
+  return document.is_discarded() ? OrderedJson() : with_lists(std::move(document));
 }
 
 }  // namespace conddp

@@ -63,6 +63,7 @@ class BatchRun {
       std::erase_if(workers_, [&](const auto& worker) { return is_gone(*worker); });
       report();
     }
+    file_.sync();
     return progress_;
   }
 

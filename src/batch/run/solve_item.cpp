@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "base/json/json_text.hpp"
+#include "base/json/number_block.hpp"
 #include "output/report/certificate_report.hpp"
 #include "output/report/solution_certificate.hpp"
 #include "output/solution/solution_json.hpp"
@@ -83,11 +83,13 @@ SolvedItem solve_item(const ManifestItem& item, const Manifest& manifest,
       solve_from(from, *instance, candidates, options_of(*instance), solver);
   const SolveResult& result = started.result;
   const double solved = seconds();
-  OrderedJson document =
-      solution_json({*instance->spec, instance->built, *solver, result, item.settings});
+  OrderedJson document = solution_json(
+      {*instance->spec, instance->built, *solver, result, item.settings}, NumberForm::kBlocks);
   if (started.start == StartKind::kWarm) name_neighbour(item.parent, *solver, document);
+  const double written = seconds();
   const SolutionCertificate certificate =
       certify_solution(document, *instance->spec, instance->built, false);
+  const double certified = seconds();
   SolvedItem out{{.id = item.id,
                   .status = std::string(to_string(result.status)),
                   .success = is_success(result.status) && certificate.checks.holds(),
@@ -101,9 +103,12 @@ SolvedItem solve_item(const ManifestItem& item, const Manifest& manifest,
   }
   if (is_kept(out.result, manifest.keep)) {
     add_certificate(certificate_json(certificate), document);
-    out.solution = compact_json(document) + '\n';
+    out.solution = packed_document(document);
   }
-  out.result.times = {{"build", built}, {"solve", solved - built}, {"all", seconds()}};
+  out.result.times = {{"build", built},
+                      {"solve", solved - built},
+                      {"certificate", certified - written},
+                      {"all", seconds()}};
   return out;
 }
 

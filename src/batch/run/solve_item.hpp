@@ -9,7 +9,7 @@
 
 namespace conddp {
 
-/// A result, and the whole solution.json on one line with its end where it is kept.
+/// A result, and the whole solution.json as packed_document() where it is kept.
 struct SolvedItem {
   ItemResult result;
   std::string solution;

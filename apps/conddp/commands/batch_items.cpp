@@ -1,0 +1,155 @@
+#include "commands/batch_items.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "base/files/atomic_file.hpp"
+#include "base/json/relative_paths.hpp"
+#include "base/json/solution_members.hpp"
+#include "batch/results/batch_report.hpp"
+#include "batch/results/item_files.hpp"
+#include "output/report/report.hpp"
+#include "summary/report_file.hpp"
+#include "terminal/exit_codes.hpp"
+#include "terminal/messages.hpp"
+#include "terminal/streams.hpp"
+
+namespace conddp {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Items in each list of the page.
+constexpr std::size_t kMostInList = 8;
+
+int report_errors(const Diagnostics& diagnostics) {
+  print_messages(diagnostics, Verbosity::kVerbose);
+  return kExitBadInput;
+}
+
+const StoredResult* stored_result(const StoredResults& results, const std::string& id) {
+  const auto found = results.find(id);
+  return found == results.end() ? nullptr : &found->second;
+}
+
+fs::path folder_of_item(const fs::path& run, const std::string& id) { return run / "items" / id; }
+
+/// Nothing, with an error, where the solution is not one of the item's problem any more.
+std::optional<std::vector<fs::path>> write_item_files(const ShownItem& item, const fs::path& folder,
+                                                      Diagnostics& out) {
+  try {
+    return write_item(item, folder);
+  } catch (const MalformedSolution& malformed) {
+    out.error({},
+              fmt::format("the solution does not fit the problem '{}': {}", item.file.string(),
+                          malformed.what()),
+              "that file has changed since the plan was made");
+    return std::nullopt;
+  }
+}
+
+/// The items of a run that a page shows, with their files.
+class ShownItems {
+ public:
+  ShownItems(const fs::path& run, const Manifest& manifest, const StoredResults& results)
+      : run_(run), manifest_(manifest), results_(results) {}
+
+  /// False with errors where one of them cannot be built.
+  bool write(const std::vector<StandOut>& lists, const fs::path& page, Diagnostics& out) {
+    const fs::path from = fs::absolute(page).parent_path();
+    for (const StandOut& list : lists)
+      for (const std::size_t i : list.items) {
+        if (links_.contains(i)) continue;
+        const ManifestItem& item = manifest_.items[i];
+        auto shown = load_item(run_, manifest_, item, stored_result(results_, item.id), out);
+        const auto files =
+            shown ? write_item_files(*shown, folder_of_item(run_, item.id), out) : std::nullopt;
+        if (!files) return false;
+        for (const fs::path& file : *files)
+          links_[i].push_back(relative_path(fs::absolute(file), from));
+        shown_.emplace(i, *std::move(shown));
+      }
+    return true;
+  }
+
+  /// The first item with a solution of each list, once.
+  std::vector<ReportEntry> entries(const std::vector<StandOut>& lists) const {
+    std::map<std::size_t, std::string> labels;
+    for (const StandOut& list : lists)
+      for (const std::size_t i : list.items) {
+        if (shown_.at(i).document.is_null()) continue;
+        std::string& label = labels[i];
+        label += (label.empty() ? "" : ", ") + list.title;
+        break;
+      }
+    std::vector<ReportEntry> entries;
+    for (const auto& [i, label] : labels)
+      entries.push_back({.label = fmt::format("{} ({})", label, i + 1),
+                         .document = shown_.at(i).document,
+                         .spec = shown_.at(i).spec.get(),
+                         .built = &shown_.at(i).built});
+    return entries;
+  }
+  const ItemLinks& links() const { return links_; }
+
+ private:
+  const fs::path& run_;
+  const Manifest& manifest_;
+  const StoredResults& results_;
+  std::map<std::size_t, ShownItem> shown_;
+  ItemLinks links_;
+};
+
+}  // namespace
+
+int show_item(const BatchArguments& arguments) {
+  const fs::path run = arguments.path;
+  Diagnostics diagnostics;
+  const auto manifest = load_manifest(run, true, diagnostics);
+  if (!manifest) return report_errors(diagnostics);
+  const auto item = std::find_if(manifest->items.begin(), manifest->items.end(),
+                                 [&](const auto& i) { return i.id == arguments.word; });
+  if (item == manifest->items.end()) {
+    print_error(fmt::format("'{}' has no item '{}'", run.string(), arguments.word),
+                "the ids are in its results.csv and manifest.jsonl");
+    return kExitBadInput;
+  }
+  const auto results = load_results(run);
+  const StoredResult* stored = stored_result(results, item->id);
+  const auto shown = load_item(run, *manifest, *item, stored, diagnostics);
+  if (!shown) return report_errors(diagnostics);
+  const fs::path folder =
+      arguments.folder.empty() ? folder_of_item(run, item->id) : fs::path(arguments.folder);
+  const auto files = write_item_files(*shown, folder, diagnostics);
+  if (!files) return report_errors(diagnostics);
+  std::string text =
+      fmt::format("{}: {}\n", item->id, stored == nullptr ? kUnfinished : stored->result.status);
+  for (const fs::path& file : *files) text += file.string() + '\n';
+  print_result(text);
+  return kExitConverged;
+}
+
+int report_batch(const BatchArguments& arguments) {
+  if (!reports_can_be_made()) return kExitBadInput;
+  const fs::path run = arguments.path;
+  Diagnostics diagnostics;
+  const auto manifest = load_manifest(run, true, diagnostics);
+  if (!manifest) return report_errors(diagnostics);
+  const auto results = load_results(run);
+  const std::vector<StandOut> lists = items_that_stand_out(*manifest, results, kMostInList);
+  const fs::path page = arguments.folder.empty() ? run / "report.html" : fs::path(arguments.folder);
+  ShownItems shown(run, *manifest, results);
+  if (!shown.write(lists, page, diagnostics)) return report_errors(diagnostics);
+  OrderedJson data = report_data(shown.entries(lists));
+  data["batch"] = batch_report(*manifest, results, lists, shown.links());
+  AtomicFiles files;
+  files.add(page, report_text(data));
+  files.commit();
+  print_result(page.string() + '\n');
+  return kExitConverged;
+}
+
+}  // namespace conddp

@@ -1,0 +1,14 @@
+#pragma once
+
+#include "arguments/batch_arguments.hpp"
+
+namespace conddp {
+
+/// Writes the files of one item, its problem with every default and its solution. Returns the exit
+/// status.
+int show_item(const BatchArguments& arguments);
+
+/// Writes the page of a run, and the files of the items to which it leads. Returns the exit status.
+int report_batch(const BatchArguments& arguments);
+
+}  // namespace conddp

@@ -1,0 +1,41 @@
+// A run of `conddp batch`: how many items ended how, and which ones stand out.
+import {batchMap} from './batch_map.js';
+import {element, figure, table} from './dom.js';
+import {histogram} from './histogram.js';
+import {overlay} from './overlay.js';
+
+const percent = (part, all) => (all > 0 ? `${figure(100 * part / all, 3)} %` : '–');
+
+function counts(batch) {
+  return table('batch-status', ['status', 'items', 'share'],
+      batch.by_status.map(({status, count}) => [status, count, percent(count, batch.items)]));
+}
+
+/// Files of an item, which lie beside the page.
+const links = ({files}) => element('span', {}, ...(files ?? []).flatMap((file, i) =>
+    [i > 0 ? ' ' : '', element('a', {href: file}, file.slice(file.lastIndexOf('/') + 1))]));
+
+function outstanding(batch, {title, items}) {
+  if (items.length === 0) return null;
+  const rows = items.map(item => [item.item, item.id, item.status, figure(item.cost, 8), item.iterations,
+      figure(item.time_s, 3), ...item.values.map(v => (typeof v === 'number' ? figure(v) : v)), links(item)]);
+  const names = ['item', 'id', 'status', 'cost', 'iterations', 'time, s', ...batch.columns.map(c => c.name), 'files'];
+  return element('section', {}, element('h2', {}, title), table(null, names, rows));
+}
+
+function distributions({rows}) {
+  const solved = rows.solved.map((is, i) => (is ? i : -1)).filter(i => i >= 0);
+  const of = values => solved.map(i => values[i]).filter(v => v !== null);
+  return element('div', {class: 'side-by-side'}, histogram('Cost', '', of(rows.cost)),
+      histogram('Iterations', '', of(rows.iterations)), histogram('Time of an item', 's', of(rows.time_s)));
+}
+
+export function batchSection(batch) {
+  const {items, solved, every} = batch;
+  return element('section', {id: 'batch', 'aria-label': 'Batch'},
+      element('p', {}, `${solved} of ${items} items are solved (${percent(solved, items)}).`),
+      counts(batch),
+      every > 1 ? element('p', {class: 'hint'}, `Maps and distributions show one item of ${every}.`) : null,
+      batchMap(batch), element('h2', {}, 'Solved items'), distributions(batch), overlay(batch.trajectories),
+      ...batch.lists.map(list => outstanding(batch, list)));
+}

@@ -1,0 +1,108 @@
+// What came out over two of the values that were varied.
+import {choice, element, figure, shape} from './dom.js';
+import {mix} from './palette.js';
+
+/// More values than these share cells.
+const mostCells = 30;
+const cell = 34, left = 84, bottom = 46, top = 8;
+
+const median = list => {
+  const sorted = list.filter(v => v !== null).sort((a, b) => a - b);
+  return sorted.length === 0 ? null : sorted[sorted.length >> 1];
+};
+const solvedOnly = (rows, items) => items.filter(i => rows.solved[i]);
+
+/// What a cell shows of its items.
+const measures = [
+  {name: 'share solved', of: (rows, items) => solvedOnly(rows, items).length / items.length, range: [0, 1]},
+  {name: 'median cost', of: (rows, items) => median(solvedOnly(rows, items).map(i => rows.cost[i]))},
+  {name: 'median iterations', of: (rows, items) => median(solvedOnly(rows, items).map(i => rows.iterations[i]))},
+  {name: 'median time, s', of: (rows, items) => median(solvedOnly(rows, items).map(i => rows.time_s[i]))},
+];
+
+const label = value => (typeof value === 'number' ? figure(value, 4) : String(value));
+
+/// The cells of one axis: names, and of each item the cell in which it is.
+function axisOf(values) {
+  const distinct = [...new Set(values)];
+  const numeric = distinct.every(v => typeof v === 'number');
+  if (numeric) distinct.sort((a, b) => a - b);
+  if (distinct.length <= mostCells) {
+    const place = new Map(distinct.map((value, i) => [value, i]));
+    return {names: distinct.map(label), places: values.map(v => place.get(v))};
+  }
+  if (!numeric) {
+    const place = new Map(distinct.map((value, i) => [value, Math.min(i, mostCells - 1)]));
+    return {names: [...distinct.slice(0, mostCells - 1).map(label), 'others'], places: values.map(v => place.get(v))};
+  }
+  const [low, high] = [distinct[0], distinct[distinct.length - 1]], count = 20;
+  const step = (high - low) / count;
+  return {names: Array.from({length: count}, (_, i) => `${figure(low + i * step, 3)} …`),
+          places: values.map(v => Math.min(count - 1, Math.floor((v - low) / step)))};
+}
+
+/// The items of each cell, by "column row".
+function groups(x, y) {
+  const cells = new Map();
+  x.places.forEach((column, i) => {
+    const key = `${column} ${y.places[i]}`;
+    cells.set(key, [...(cells.get(key) ?? []), i]);
+  });
+  return cells;
+}
+
+function rangeOf(values) {
+  const known = values.filter(v => v !== null);
+  return [Math.min(...known), Math.max(...known)];
+}
+
+function drawCells(rows, x, y, measure) {
+  const cells = [...groups(x, y)].map(([key, items]) => ({key, items, value: measure.of(rows, items)}));
+  const [low, high] = measure.range ?? rangeOf(cells.map(c => c.value));
+  return cells.map(({key, items, value}) => {
+    const [column, row] = key.split(' ').map(Number);
+    const at = {x: left + column * cell, y: top + (y.names.length - 1 - row) * cell};
+    const share = value === null ? null : high > low ? (value - low) / (high - low) : 1;
+    const text = shape('text', {x: at.x + cell / 2, y: at.y + cell / 2 + 4, 'text-anchor': 'middle',
+                                fill: share !== null && share > 0.45 ? '#ffffff' : '#1c2127'},
+                       value === null ? '–' : figure(value, 2));
+    const title = shape('title', {}, `${x.names[column]}, ${y.names[row]}: ${measure.name} ` +
+        `${figure(value)}, ${solvedOnly(rows, items).length} of ${items.length} solved`);
+    return shape('g', {class: 'cell', 'data-column': column, 'data-row': row, 'data-value': value},
+        shape('rect', {...at, width: cell - 1, height: cell - 1, fill: share === null ? '#d5dae0' : mix(share)}),
+        text, title);
+  });
+}
+
+function draw(batch, chosen) {
+  const {rows} = batch, one = batch.columns.length === 1;
+  const x = axisOf(rows.values[chosen.x]);
+  const y = one ? {names: [''], places: x.places.map(() => 0)} : axisOf(rows.values[chosen.y]);
+  const width = left + x.names.length * cell + 10, height = top + y.names.length * cell + bottom;
+  const names = [
+    ...x.names.map((name, i) => shape('text', {x: left + (i + 0.5) * cell, y: height - bottom + 14, 'text-anchor': 'end',
+        transform: `rotate(-35 ${left + (i + 0.5) * cell} ${height - bottom + 14})`, fill: 'currentColor'}, name)),
+    ...y.names.map((name, i) => shape('text', {x: left - 6, y: top + (y.names.length - i - 0.5) * cell + 4,
+        'text-anchor': 'end', fill: 'currentColor'}, name)),
+  ];
+  return shape('svg', {width, height, viewBox: `0 0 ${width} ${height}`, role: 'img'},
+      ...drawCells(rows, x, y, measures[chosen.measure]), ...names);
+}
+
+export function batchMap(batch) {
+  const names = batch.columns.map(c => c.name);
+  if (names.length === 0) return null;
+  // What varies alone says more than the seeds of random starts.
+  const chosen = {x: 0, y: Math.min(1, names.length - 1), measure: 0};
+  const picture = element('div', {class: 'wide'});
+  const show = change => {
+    Object.assign(chosen, change);
+    picture.replaceChildren(draw(batch, chosen));
+  };
+  show({});
+  return element('section', {id: 'batch-map'}, element('h2', {}, 'Over what was varied'),
+      element('p', {class: 'choices'}, choice('Show', measures.map(m => m.name), 0, measure => show({measure})),
+              choice('across', names, chosen.x, x => show({x})),
+              names.length > 1 ? choice('upwards', names, chosen.y, y => show({y})) : null),
+      picture);
+}

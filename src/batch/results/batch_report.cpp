@@ -1,0 +1,236 @@
+#include "batch/results/batch_report.hpp"
+
+#include <algorithm>
+#include <functional>
+
+#include "base/json/json_text.hpp"
+
+namespace conddp {
+namespace {
+
+/// What a page can draw at once: rows of items, trajectories, and numbers in these.
+constexpr std::size_t kMostRows = 20'000, kMostTrajectories = 60, kMostNumbers = 150'000;
+/// Nodes of a trajectory that are drawn.
+constexpr std::size_t kMostNodes = 100;
+constexpr std::string_view kSolverSetting = "solver.name=";
+
+std::size_t step_of(std::size_t count, std::size_t most) {
+  return std::max<std::size_t>(1, (count + most - 1) / most);
+}
+
+/// The solver that an item is set to, or nothing.
+std::string solver_of(const ManifestItem& item) {
+  for (const std::string& setting : item.settings)
+    if (setting.starts_with(kSolverSetting)) return setting.substr(kSolverSetting.size());
+  return {};
+}
+
+/// Reads what is known of items.
+class Items {
+ public:
+  Items(const Manifest& manifest, const StoredResults& results)
+      : manifest_(manifest), results_(results) {}
+
+  std::size_t count() const { return manifest_.items.size(); }
+  const StoredResult* stored(std::size_t item) const {
+    const auto found = results_.find(manifest_.items[item].id);
+    return found == results_.end() ? nullptr : &found->second;
+  }
+  bool is_solved(std::size_t item) const {
+    const StoredResult* result = stored(item);
+    return result != nullptr && result->result.success;
+  }
+  std::string status(std::size_t item) const {
+    const StoredResult* result = stored(item);
+    return result == nullptr ? kUnfinished : result->result.status;
+  }
+  /// Null where it is not known.
+  OrderedJson figure(std::size_t item, const char* key) const {
+    const StoredResult* result = stored(item);
+    return result == nullptr || !result->result.answer.is_object()
+               ? OrderedJson()
+               : result->result.answer.value(key, OrderedJson());
+  }
+  OrderedJson time(std::size_t item) const {
+    const StoredResult* result = stored(item);
+    return result == nullptr ? OrderedJson() : result->result.times.value("all", OrderedJson());
+  }
+
+  /// Names of what tells items apart: the columns of the plan, problems and solvers.
+  OrderedJson columns() const {
+    OrderedJson list = OrderedJson::array();
+    for (const ManifestColumn& column : manifest_.columns)
+      list.push_back({{"name", column.name}, {"key", column.key}});
+    if (has_problems()) list.push_back({{"name", "problem"}, {"key", nullptr}});
+    if (has_solvers()) list.push_back({{"name", "solver"}, {"key", "solver.name"}});
+    return list;
+  }
+  /// Their values: numbers and texts.
+  OrderedJson values(std::size_t item) const {
+    const ManifestItem& of = manifest_.items[item];
+    OrderedJson list = OrderedJson::array();
+    for (const std::string& text : of.values) {
+      OrderedJson value = OrderedJson::parse(text);
+      list.push_back(value.is_number() || value.is_string() ? std::move(value) : OrderedJson(text));
+    }
+    if (has_problems()) list.push_back(manifest_.problems[of.problem].file);
+    if (has_solvers()) list.push_back(solver_of(of));
+    return list;
+  }
+
+ private:
+  bool has_problems() const { return manifest_.problems.size() > 1; }
+  bool has_solvers() const { return manifest_.solvers > 1; }
+
+  const Manifest& manifest_;
+  const StoredResults& results_;
+};
+
+/// The foremost of some items by a figure; those without it are left out.
+template <class Figure, class Before>
+std::vector<std::size_t> foremost(const std::vector<std::size_t>& items, Figure figure,
+                                  Before before, std::size_t most) {
+  std::vector<std::pair<double, std::size_t>> known;
+  for (const std::size_t item : items)
+    if (const OrderedJson value = figure(item); value.is_number())
+      known.emplace_back(value.template get<double>(), item);
+  std::stable_sort(known.begin(), known.end(),
+                   [&](const auto& a, const auto& b) { return before(a.first, b.first); });
+  known.resize(std::min(most, known.size()));
+  std::vector<std::size_t> list;
+  for (const auto& [value, item] : known) list.push_back(item);
+  return list;
+}
+
+OrderedJson counts_json(const Items& items) {
+  std::map<std::string, std::size_t> counts;
+  for (std::size_t i = 0; i < items.count(); ++i) ++counts[items.status(i)];
+  OrderedJson list = OrderedJson::array();
+  for (const auto& [status, count] : counts) list.push_back({{"status", status}, {"count", count}});
+  return list;
+}
+
+OrderedJson rows_json(const Items& items, std::size_t every) {
+  OrderedJson rows = {{"item", OrderedJson::array()},   {"solved", OrderedJson::array()},
+                      {"cost", OrderedJson::array()},   {"iterations", OrderedJson::array()},
+                      {"time_s", OrderedJson::array()}, {"values", OrderedJson::array()}};
+  for (std::size_t c = 0; c < items.columns().size(); ++c)
+    rows["values"].push_back(OrderedJson::array());
+  for (std::size_t i = 0; i < items.count(); i += every) {
+    rows["item"].push_back(i + 1);
+    rows["solved"].push_back(items.is_solved(i) ? 1 : 0);
+    for (const char* key : {"cost", "iterations"}) rows[key].push_back(items.figure(i, key));
+    rows["time_s"].push_back(items.time(i));
+    const OrderedJson values = items.values(i);
+    for (std::size_t c = 0; c < values.size(); ++c) rows["values"][c].push_back(values[c]);
+  }
+  return rows;
+}
+
+OrderedJson lists_json(const Items& items, const Manifest& manifest,
+                       const std::vector<StandOut>& stand_out, const ItemLinks& links) {
+  OrderedJson lists = OrderedJson::array();
+  for (const StandOut& list : stand_out) {
+    OrderedJson rows = OrderedJson::array();
+    for (const std::size_t i : list.items) {
+      const auto files = links.find(i);
+      rows.push_back(
+          {{"item", i + 1},
+           {"id", manifest.items[i].id},
+           {"status", items.status(i)},
+           {"cost", items.figure(i, "cost")},
+           {"iterations", items.figure(i, "iterations")},
+           {"time_s", items.time(i)},
+           {"message", items.figure(i, "message")},
+           {"values", items.values(i)},
+           {"files", files == links.end() ? std::vector<std::string>() : files->second}});
+    }
+    lists.push_back({{"title", list.title}, {"items", std::move(rows)}});
+  }
+  return lists;
+}
+
+/// The columns of a trajectory, at some of its nodes.
+OrderedJson line_json(const Items& items, std::size_t item, const OrderedJson& trajectory) {
+  const OrderedJson& x = trajectory.at("x");
+  const std::size_t step = step_of(x.size(), kMostNodes), columns = x.at(0).size();
+  OrderedJson line = {{"item", item + 1},
+                      {"cost", items.figure(item, "cost")},
+                      {"t", OrderedJson::array()},
+                      {"values", OrderedJson::array()}};
+  for (std::size_t c = 0; c < columns; ++c) line["values"].push_back(OrderedJson::array());
+  for (std::size_t k = 0; k < x.size(); k += step) {
+    line["t"].push_back(trajectory.at("t").at(k));
+    for (std::size_t c = 0; c < columns; ++c) {
+      const OrderedJson& number = x.at(k).at(c);
+      line["values"][c].push_back(number.is_number() ? eight_digits(number.get<double>())
+                                                     : OrderedJson());
+    }
+  }
+  return line;
+}
+
+/// Trajectories of items that have a solution, spread over all, with the columns of the first one.
+OrderedJson trajectories_json(const Items& items) {
+  std::vector<std::size_t> kept;
+  for (std::size_t i = 0; i < items.count(); ++i)
+    if (const StoredResult* stored = items.stored(i); stored && stored->result.solution_bytes > 0)
+      kept.push_back(i);
+  OrderedJson json;
+  for (std::size_t n = 0, step = step_of(kept.size(), kMostTrajectories); n < kept.size();
+       n += step) {
+    const OrderedJson document = load_document(*items.stored(kept[n]));
+    if (document.is_null()) continue;
+    const OrderedJson& trajectory = document.at("trajectory");
+    const OrderedJson& columns = trajectory.at("columns").at("x");
+    if (json.is_null()) {
+      const std::size_t numbers =
+          columns.size() * std::min(trajectory.at("x").size(), kMostNodes + 1);
+      step = step_of(kept.size(),
+                     std::clamp<std::size_t>(kMostNumbers / std::max<std::size_t>(1, numbers), 1,
+                                             kMostTrajectories));
+      json = {{"columns", columns},
+              {"units", trajectory.at("units").at("x")},
+              {"lines", OrderedJson::array()}};
+    }
+    if (columns == json["columns"]) json["lines"].push_back(line_json(items, kept[n], trajectory));
+  }
+  return json;
+}
+
+}  // namespace
+
+std::vector<StandOut> items_that_stand_out(const Manifest& manifest, const StoredResults& results,
+                                           std::size_t most) {
+  const Items items(manifest, results);
+  std::vector<std::size_t> finished, solved, failed;
+  for (std::size_t i = 0; i < items.count(); ++i) {
+    if (items.stored(i) == nullptr) continue;
+    finished.push_back(i);
+    (items.is_solved(i) ? solved : failed).push_back(i);
+  }
+  failed.resize(std::min(most, failed.size()));
+  const auto cost = [&](std::size_t i) { return items.figure(i, "cost"); };
+  const auto time = [&](std::size_t i) { return items.time(i); };
+  return {{"Not solved", failed},
+          {"Slowest", foremost(finished, time, std::greater<>(), most)},
+          {"Least cost", foremost(solved, cost, std::less<>(), most)},
+          {"Greatest cost", foremost(solved, cost, std::greater<>(), most)}};
+}
+
+OrderedJson batch_report(const Manifest& manifest, const StoredResults& results,
+                         const std::vector<StandOut>& stand_out, const ItemLinks& links) {
+  const Items items(manifest, results);
+  const std::size_t every = step_of(items.count(), kMostRows);
+  return {{"name", manifest.name},
+          {"items", items.count()},
+          {"solved", batch_status(manifest, results).solved},
+          {"by_status", counts_json(items)},
+          {"columns", items.columns()},
+          {"every", every},
+          {"rows", rows_json(items, every)},
+          {"lists", lists_json(items, manifest, stand_out, links)},
+          {"trajectories", trajectories_json(items)}};
+}
+
+}  // namespace conddp

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "batch/plan/manifest.hpp"
+#include "batch/results/shard_file.hpp"
+
+namespace conddp {
+
+/// An item as ordinary files have it.
+struct ShownItem {
+  std::unique_ptr<const ProblemSpec> spec;
+  BuiltProblem built;
+  std::filesystem::path file;  ///< its problem file
+  OrderedJson document;        ///< solution.json; null where no solution is kept
+};
+
+/// Builds the problem of an item again. `stored`: its result, or null. Nothing with errors where
+/// its files have changed so that it cannot be built.
+std::optional<ShownItem> load_item(const std::filesystem::path& run, const Manifest& manifest,
+                                   const ManifestItem& item, const StoredResult* stored,
+                                   Diagnostics& out);
+
+/// Writes problem.yaml (every default, paths as seen from there) and, where a solution is kept,
+/// solution.json, trajectory.csv and iterations.csv into a folder, all or none. Returns their
+/// paths. Throws OutputError, and MalformedSolution where the solution is not one of the problem.
+std::vector<std::filesystem::path> write_item(const ShownItem& item,
+                                              const std::filesystem::path& folder);
+
+}  // namespace conddp

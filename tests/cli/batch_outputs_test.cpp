@@ -1,0 +1,183 @@
+// What conddp batch writes of its results: data sets, files of single items, reports.
+#include <cstdlib>
+
+#include "batch_fixture.hpp"
+
+namespace conddp {
+namespace {
+
+TEST_F(Batch, TheDataSetHasTheSolutionsAndTheSameBytesHoweverTheRunWent) {
+  const std::string one = planned("one"), other = planned("other_way");
+  EXPECT_EQ(run(one, {"-j", "1"}).exit_code, 0);
+  for (const char* shard : {"3/3", "1/3", "2/3"})
+    EXPECT_EQ(run(other, {"--shard", shard}).exit_code, 0);
+  collected(one);
+  collected(other);
+  const std::string data = read_file(one + "/dataset.h5");
+  EXPECT_GT(data.size(), 10'000u);
+  EXPECT_TRUE(data == read_file(other + "/dataset.h5"));
+
+  const std::string id = ids(one)[17], item = folder_.path() / "item";
+  EXPECT_EQ(run_conddp({"batch", "show", one, id, "-o", item}).exit_code, 0);
+  const std::string script = folder_.write("read.py", R"(
+import json, sys, h5py
+solution = json.load(open(sys.argv[2]))
+shape = h5py.File(sys.argv[1])["shape_1"]
+assert shape["item"].shape == (30,), shape["item"]
+i = list(shape["id"]).index(sys.argv[3].encode())
+assert shape["item"][i] == 18
+assert shape["status"][i] == b"converged"
+assert shape["cost"][i] == solution["cost"]
+for name in ("t", "x", "u"):
+    assert shape[name][i].tolist() == solution["trajectory"][name], name
+for name in ("k", "K"):
+    assert shape[name][i].tolist() == solution["gains"][name], name
+assert shape["costates"][i].tolist() == solution["multipliers"]["costates"]
+assert list(shape["x"].attrs["columns"]) == [b"theta", b"omega"], list(shape["x"].attrs["columns"])
+assert list(shape["parameters"].attrs["names"]) == [b"w", b"start.spread", b"start"]
+w, spread, seed = shape["parameters"][i].tolist()
+assert abs(w - 1.28) < 1e-12 and spread == 0.2 and seed == 3, (w, spread, seed)
+)");
+  const std::string command = "/usr/bin/python3 " + script + " " + one + "/dataset.h5 " + item +
+                              "/solution.json " + id + " > " + item + "/log 2>&1";
+  EXPECT_EQ(std::system(command.c_str()), 0) << read_file(item + "/log");
+}
+
+std::string without_last_column(const std::string& table) {
+  std::istringstream lines(table);
+  std::string text, line;
+  while (std::getline(lines, line)) text += line.substr(0, line.rfind(',')) + '\n';
+  return text;
+}
+
+TEST_F(Batch, ShowWritesAProblemAndASolutionThatVerify) {
+  const std::string folder = planned("show");
+  EXPECT_EQ(run(folder).exit_code, 0);
+  const std::string id = ids(folder)[17], out = folder_.path() / "item";
+  const ProcessResult r = run_conddp({"batch", "show", folder, id, "-o", out});
+  EXPECT_EQ(r.exit_code, 0) << r.err;
+  EXPECT_EQ(run_conddp({"verify", out + "/solution.json"}).exit_code, 0);
+  EXPECT_EQ(run_conddp({"solve", out + "/problem.yaml", "-o", out + "/again"}).exit_code, 0);
+  EXPECT_EQ(read_file(out + "/trajectory.csv"), read_file(out + "/again/trajectory.csv"));
+  EXPECT_EQ(without_last_column(read_file(out + "/iterations.csv")),  // the time
+            without_last_column(read_file(out + "/again/iterations.csv")));
+  const auto kept = nlohmann::json::parse(read_file(out + "/solution.json")),
+             again = nlohmann::json::parse(read_file(out + "/again/solution.json"));
+  EXPECT_EQ(kept["trajectory"]["x"], again["trajectory"]["x"]);
+  EXPECT_EQ(kept["cost"], again["cost"]);
+  const ProcessResult wrong = run_conddp({"batch", "show", folder, "0123456789abcdef"});
+  EXPECT_EQ(wrong.exit_code, 2);
+  EXPECT_NE(wrong.err.find("has no item '0123456789abcdef'"), std::string::npos) << wrong.err;
+}
+
+/// Runs a script of Python. False where that fails; what it printed is in `log`.
+bool python(const std::string& script, const std::vector<std::string>& arguments,
+            const std::string& log) {
+  std::string command = "/usr/bin/python3 " + script;
+  for (const std::string& argument : arguments) command += " '" + argument + "'";
+  return std::system((command + " > " + log + " 2>&1").c_str()) == 0;
+}
+const bool kHasHdf5 = std::system("/usr/bin/python3 -c 'import h5py' 2> /dev/null") == 0;
+
+// The plan of the repository, thinned to eight steps.
+TEST_F(Batch, StepsOfAQuadrupedBecomeADataSetWhoseItemsVerify) {
+  if (!kHasHdf5) GTEST_SKIP() << "h5py is not there";
+  std::string text = read_file(source("problems/batches/quadruped_steps.yaml"));
+  for (const char* count : {", 20]", ", 10]", ", 10]"})
+    text.replace(text.find(count), std::string(count).size(), ", 2]");
+  const std::string relative = "../quadruped_trot.yaml";
+  text.replace(text.find(relative), relative.size(), source("problems/quadruped_trot.yaml"));
+  const std::string run = folder_.path() / "steps";
+  const ProcessResult r =
+      run_conddp({"batch", "run", folder_.write("steps.yaml", text), "-o", run, "-j", "2"});
+  EXPECT_EQ(r.exit_code, 0) << r.err << r.out;
+  const std::string script = folder_.write("steps.py", R"(
+import sys, h5py, numpy
+shape = h5py.File(sys.argv[1])["shape_1"]
+assert shape["x"].shape[0] == 8 and set(shape["status"]) == {b"converged"}, shape["x"].shape
+assert list(shape["parameters"].attrs["names"]) == [b"length", b"height", b"turn"]
+columns = list(shape["x"].attrs["columns"])
+yaw = 2 * shape["x"][:, -1, columns.index(b"base/qz")]  # of small turns about z
+for (length, height, turn), angle in zip(shape["parameters"], yaw):
+    assert angle * turn > 0, (turn, angle)
+for foot in ("LF", "RF", "LH", "RH"):
+    force = shape["force_" + foot][:]
+    assert force.shape == (8, shape["u"].shape[1], 3), force.shape
+    assert numpy.isnan(force).any() and numpy.nanmax(force[:, :, 2]) > 50  # steps, and stands
+)");
+  const std::string log = folder_.path() / "log";
+  EXPECT_TRUE(python(script, {run + "/dataset.h5"}, log)) << read_file(log);
+  for (const int item : {0, 5}) {
+    const std::string out = folder_.path() / ("step" + std::to_string(item));
+    EXPECT_EQ(run_conddp({"batch", "show", run, ids(run)[item], "-o", out}).exit_code, 0);
+    EXPECT_EQ(run_conddp({"verify", out + "/solution.json"}).exit_code, 0);
+  }
+}
+
+TEST_F(Batch, WithoutTheLibraryOfHdf5TablesAreWrittenAndWhatIsMissingIsSaid) {
+  const std::string folder = planned("without");
+  EXPECT_EQ(run(folder).exit_code, 0);
+  folder_.write("libraries/" CONDDP_HDF5_LIBRARY, "no library");
+  const ProcessResult r =
+      run_conddp({"batch", "collect", folder},
+                 {.environment = {"LD_LIBRARY_PATH=" + (folder_.path() / "libraries").string()}});
+  EXPECT_EQ(r.exit_code, 2);
+  EXPECT_EQ(r.err.find("conddp: error: HDF5, which writes dataset.h5, cannot be loaded: "), 0u)
+      << r.err;
+  EXPECT_FALSE(read_file(folder + "/results.csv").empty());
+  EXPECT_FALSE(std::filesystem::exists(folder + "/dataset.h5"));
+}
+
+TEST_F(Batch, APlanWithEveryKeyDoesWhatItSays) {
+  folder_.write("targets.csv", "g,unused\n0.9,1\n1.1,2\n");
+  const std::string every = R"(vary:
+  x: {key: terminal.costs.goal.reference.values.omega, linspace: [-0.1, 0.1, 2]}
+  y: {key: phases.only.dt, values: [0.05, 0.06]}
+  pairs: {keys: [costs.effort.weight, terminal.costs.goal.weight], values: [[0.5, 10], [1, 20]]}
+  table: {file: targets.csv, columns: {g: terminal.costs.goal.reference.values.theta}}
+  start: {perturb: initial_state, spread: 0.1, count: 2, seed: 7}
+solvers: [box_ddp, proxddp]
+warm_start: neighbour
+limits: {max_time_s: 20, max_memory_mb: 2000, retries: 1}
+keep: {solutions: )";
+  for (const auto& [kept, solutions] : {std::pair{"none", 0}, std::pair{"converged", 64}}) {
+    const std::string folder = planned(std::string("every_") + kept, every + kept + "}\n");
+    EXPECT_EQ(run(folder, {"-j", "2"}).exit_code, 0);
+    const std::string results = collected(folder);
+    EXPECT_EQ(std::count(results.begin(), results.end(), '\n'), 65);
+    EXPECT_EQ(results.substr(0, results.find(",solver")),
+              "item,id,problem,x,y,costs.effort.weight,terminal.costs.goal.weight,g,start.spread,"
+              "start");
+    EXPECT_EQ(std::filesystem::exists(folder + "/dataset.h5"), solutions > 0);
+    EXPECT_EQ(std::filesystem::file_size(folder + "/shards/1of1.solutions") > 0, solutions > 0);
+  }
+}
+
+TEST_F(Batch, AReportHasCountsAndLeadsToTheFilesOfItemsThatStandOut) {
+  const std::string folder = planned("report");
+  const std::string variable = "CONDDP_BATCH_FAULT=crash:" + ids(folder)[4];
+  EXPECT_EQ(run(folder, {}, {.environment = {variable}}).exit_code, 1);
+  const ProcessResult r = run_conddp({"batch", "report", folder});
+  ASSERT_EQ(r.exit_code, 0) << r.err;
+  EXPECT_EQ(r.out, folder + "/report.html\n");
+  const std::string page = read_file(folder + "/report.html");
+  const std::string begin = "<script type=\"application/json\" id=\"report-data\">";
+  const std::size_t first = page.find(begin) + begin.size();
+  const auto data =
+      nlohmann::json::parse(page.substr(first, page.find("</script>", first) - first));
+  const auto& batch = data["batch"];
+  EXPECT_EQ(batch["name"], "swings");
+  EXPECT_EQ(batch["solved"], 29);
+  EXPECT_EQ(batch["by_status"][1]["status"], "crashed");
+  EXPECT_EQ(batch["lists"][0]["items"][0]["id"], ids(folder)[4]);
+  EXPECT_EQ(data["solutions"].size(), 3u);  // the slowest, the least and the greatest cost
+  for (const auto& list : batch["lists"])
+    for (const auto& item : list["items"]) {
+      EXPECT_EQ(item["files"].size(), item["status"] == "converged" ? 4u : 1u);
+      for (const std::string file : item["files"])
+        EXPECT_TRUE(std::filesystem::exists(folder + "/" + file)) << file;
+    }
+}
+
+}  // namespace
+}  // namespace conddp

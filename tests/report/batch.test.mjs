@@ -1,0 +1,72 @@
+// The page of a batch in a real browser.
+import assert from 'node:assert/strict';
+import {existsSync, writeFileSync} from 'node:fs';
+import {dirname, join} from 'node:path';
+import {test} from 'node:test';
+import {folder, open, ours, run, source} from './browser.mjs';
+
+/// A batch over two masses and four goals, of which the last one is out of reach of three iterations.
+function batch(name, keep) {
+  const plan = join(folder, `${name}.yaml`);
+  writeFileSync(plan, `conddp_batch: 1
+name: ${name}
+problem: ${join(source, 'problems/pendulum_swingup.yaml')}
+vary:
+  weight: {key: costs.effort.weight, values: [0.01, 0.02]}
+  angle: {key: initial_state.values.theta, values: [0.1, 0.2, 0.3]}
+  most: {key: solver.max_iterations, values: [2, 300]}
+keep: {solutions: ${keep}}
+`);
+  const out = join(folder, `${name}_run`);
+  run('batch', 'run', plan, '-o', out);
+  run('batch', 'report', out);
+  return join(out, 'report.html');
+}
+
+test('a batch has counts, a map, distributions, trajectories and links to files that are there', async () => {
+  const file = batch('swings', 'all');
+  const {page, context, complaints, requests} = await open(file);
+  assert.equal(await page.title(), 'swings – conddp');
+  assert.match(await page.textContent('#batch'), /6 of 12 items are solved/);
+  assert.deepEqual(await page.locator('#batch-status tbody tr').allTextContents(), ['converged650 %', 'max_iterations650 %']);
+
+  // The map: two weights by three angles, half of each cell solved.
+  const cells = () => page.locator('#batch-map .cell').evaluateAll(list => list.map(c => [c.dataset.column, c.dataset.row, Number(c.dataset.value)]));
+  const byAngle = await cells();
+  assert.equal(byAngle.length, 6);
+  assert.ok(byAngle.every(([, , share]) => share === 0.5), JSON.stringify(byAngle));
+  // Across: the limit of iterations, which decides.
+  await page.locator('#batch-map select').nth(1).selectOption('2');
+  const byLimit = await cells();
+  assert.deepEqual(byLimit.map(([column, , share]) => `${column} ${share}`).sort(),
+                   ['0 0', '0 0', '0 0', '1 1', '1 1', '1 1']);
+  // Colour: cost, of solved items alone.
+  await page.locator('#batch-map select').first().selectOption('1');
+  assert.equal((await cells()).filter(([, , cost]) => cost > 0).length, 3);
+
+  assert.equal(await page.locator('#batch .histogram').count(), 3);
+  assert.equal(await page.locator('#overlay polyline.trajectory').count(), 12);
+  await page.locator('#overlay select').selectOption('1');
+  assert.equal(await page.locator('#overlay polyline.trajectory').count(), 12);
+
+  const links = await page.locator('#batch a').evaluateAll(list => list.map(a => a.getAttribute('href')));
+  assert.ok(links.some(link => link.endsWith('solution.json')));
+  for (const link of links) assert.ok(existsSync(join(dirname(file), link)), link);
+  // Those that stand out are overlaid in scene and plots.
+  assert.ok(await page.evaluate(() => window.conddp.solutions.length) > 1);
+  assert.equal(await page.locator('#view canvas').count(), 1);
+  await page.locator('#theme').click();
+  assert.deepEqual(ours(complaints), []);
+  assert.deepEqual(requests, []);
+  await context.close();
+});
+
+test('a batch that keeps no solutions has a page without motion', async () => {
+  const {page, context, complaints} = await open(batch('bare', 'none'));
+  assert.match(await page.textContent('#batch'), /6 of 12 items are solved/);
+  assert.equal(await page.locator('#overlay').count(), 0);
+  assert.equal(await page.locator('main').count(), 0);
+  assert.equal(await page.evaluate(() => window.conddp.batch.items), 12);
+  assert.deepEqual(ours(complaints), []);
+  await context.close();
+});
