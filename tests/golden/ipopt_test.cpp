@@ -11,7 +11,7 @@ namespace {
 
 /// From their guesses these lead to another local optimum than the DDP family finds.
 const std::set<std::string> kOtherOptimum = {
-    "arm_maze",        "car_parking",     "car_parking_goal",  "pendulum_cycle",
+    "arm_maze",       "car_parking",     "car_parking_goal",  "pendulum_cycle",
     "quadrotor_maze", "unicycle_escape", "unicycle_obstacles"};
 
 class Transcribed : public ::testing::TestWithParam<std::string> {};

@@ -8,7 +8,7 @@
 
 #include "base/text/spelling.hpp"
 #include "problem_file/plant/closed_form_builder.hpp"
-#include "problem_file/values/expression_source.hpp"
+#include "problem_file/spec/expression_source.hpp"
 
 namespace conddp {
 namespace {

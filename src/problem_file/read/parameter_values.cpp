@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "problem_file/values/expression_source.hpp"
+#include "problem_file/spec/expression_source.hpp"
 #include "problem_file/yaml/key_path.hpp"
 #include "systems/expressions/parser.hpp"
 

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include "problem_file/read/read_sections.hpp"
-#include "problem_file/values/expression_source.hpp"
+#include "problem_file/spec/expression_source.hpp"
 
 namespace conddp {
 namespace {

@@ -6,7 +6,7 @@
 #include "problem_file/residuals/residual_keys.hpp"
 #include "problem_file/residuals/residual_table.hpp"
 #include "problem_file/residuals/rows_key.hpp"
-#include "problem_file/values/expression_source.hpp"
+#include "problem_file/spec/expression_source.hpp"
 
 namespace conddp {
 namespace {

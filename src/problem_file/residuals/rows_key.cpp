@@ -1,7 +1,7 @@
 #include "problem_file/residuals/rows_key.hpp"
 
+#include "problem_file/spec/expression_source.hpp"
 #include "problem_file/values/expand_values.hpp"
-#include "problem_file/values/expression_source.hpp"
 #include "problem_file/values/read_values.hpp"
 
 namespace conddp {

@@ -1,4 +1,4 @@
-#include "problem_file/values/expression_source.hpp"
+#include "problem_file/spec/expression_source.hpp"
 
 #include <algorithm>
 
