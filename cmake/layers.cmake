@@ -1,5 +1,5 @@
 # The layers of src/, lowest first. A layer may include itself and the layers before it, nothing else.
-set(CONDDP_LAYERS base spatial robot systems ocp nlp solvers analysis problem_file output batch)
+set(CONDDP_LAYERS base spatial robot systems ocp nlp solvers mpc analysis problem_file output batch)
 
 # The folders of layers that have some, lowest first, with the same rule; "." is the layer's own
 # folder. scripts/check_layers reads all of these lists.
@@ -12,7 +12,7 @@ set(CONDDP_solvers_FOLDERS
   common linalg riccati iterate constraints globalization ddp ipopt strategies)
 set(CONDDP_analysis_FOLDERS certificate contact findings comparison terminal)
 set(CONDDP_problem_file_FOLDERS yaml spec data plant values residuals read build expand)
-set(CONDDP_output_FOLDERS solution report bench)
+set(CONDDP_output_FOLDERS solution mpc report bench)
 set(CONDDP_batch_FOLDERS plan results run cluster)
 
 # The folders of the tool, apps/conddp, lowest first, with the same rule: the process and its streams,

@@ -3,6 +3,7 @@
 // internal.
 #pragma once
 
+#include "conddp/mpc.hpp"
 #include "conddp/problem.hpp"
 #include "conddp/residual.hpp"
 #include "conddp/robot.hpp"

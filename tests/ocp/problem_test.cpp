@@ -81,6 +81,23 @@ TEST(ShootingProblem, BeginsWhereItIsToldTo) {
   EXPECT_EQ(start.u(1), Eigen::VectorXd::Zero(1));
 }
 
+TEST(ShootingProblem, GetsOtherNumbersForItsNodes) {
+  const auto model = masses(1, Integrator::rk4);
+  model->add_cost("effort", control_residual(2, 1), {});
+  ShootingProblem problem({1, 2}, {phase_of(model, {1, 1}, {0, 3})},
+                          phase_of(masses(1, Integrator::none), {0}));
+  const double first[] = {5, 6}, second[] = {7, 8};
+  const std::vector<KnotNumbers> numbers = {{0.25, 4, first}, {0.5, 9, second}, {0, 1, nullptr}};
+  problem.set_numbers(numbers);
+  EXPECT_EQ(problem.times(), (std::vector<double>{0, 0.25, 0.75}));
+  EXPECT_EQ(problem.phases()[0].dt, (std::vector<double>{0.25, 0.5}));
+  EXPECT_EQ(problem.knot(0).cost_scale, 4);
+  EXPECT_EQ(problem.knot(0).parameters[1], 6);
+  EXPECT_EQ(problem.knot(1).dt, 0.5);
+  EXPECT_EQ(problem.knot(1).parameters[0], 7);
+  EXPECT_THROW(problem.set_numbers({numbers.data(), 2}), std::invalid_argument);
+}
+
 TEST(ShootingProblem, KnowsWhichKnotsTakeNoTimeAndWhichHaveBounds) {
   const auto model = masses(1, Integrator::semi_implicit_euler);
   Phase instant = phase_of(model, {1});

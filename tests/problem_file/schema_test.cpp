@@ -174,6 +174,18 @@ TEST(Schema, HasTheReadersKeys) {
   EXPECT_EQ(accepted_keys(candidate("against: {box: {zzzzzzzz: 1}}")), schema_keys(d["box"]));
   EXPECT_EQ(accepted_keys(std::string(kPendulum) + "perturbation: {zzzzzzzz: 1}\n"),
             schema_keys(d["perturbation"]));
+  const auto mpc = [](const std::string& text) {
+    return std::string(kPendulum) + "mpc: {horizon: 1, tick: 1, duration: 1, " + text + "}\n";
+  };
+  const Json& m = d["mpc"]["properties"];
+  const Json& disturbances = m["disturbances"]["items"]["anyOf"];
+  EXPECT_EQ(accepted_keys(mpc("zzzzzzzz: 1")), schema_keys(d["mpc"]));
+  for (const char* key : {"feedback", "plant", "fallback"})
+    EXPECT_EQ(accepted_keys(mpc(std::string(key) + ": {zzzzzzzz: 1}")), schema_keys(m[key]));
+  EXPECT_EQ(accepted_keys(mpc("disturbances: [{at: 1, jump: [1], zzzzzzzz: 1}]")),
+            schema_keys(disturbances[0]));
+  EXPECT_EQ(accepted_keys(mpc("disturbances: [{noise: state, zzzzzzzz: 1}]")),
+            schema_keys(disturbances[2]));
   EXPECT_EQ(accepted_keys(std::string(kPendulum) + "stepping: {zzzzzzzz: 1}\n"),
             schema_keys(d["stepping"]));
   const auto gait = [&](const char* keys) {

@@ -12,6 +12,7 @@ Command verify_command();
 Command contacts_command();
 Command bench_command();
 Command batch_command();
+Command mpc_command();
 Command compare_command();
 Command regress_command();
 Command inspect_command();

@@ -51,19 +51,29 @@ double to_decimal(double value) {
   return value;
 }
 
+/// A compensated sum of steps.
+class TimeSum {
+ public:
+  /// The time after one more step.
+  double add(double step) {
+    const double given = step + rest_;
+    const double next = sum_ + given;
+    rest_ = given - (next - sum_);
+    sum_ = next;
+    return to_decimal(sum_);
+  }
+
+ private:
+  double sum_ = 0, rest_ = 0;  ///< the rest is what rounding took from the sum
+};
+
 }  // namespace
 
 std::vector<double> node_times(std::span<const double> steps) {
   std::vector<double> times{0};
   times.reserve(steps.size() + 1);
-  double sum = 0, rest = 0;  // compensated: the rest is what rounding took from the sum
-  for (const double step : steps) {
-    const double given = step + rest;
-    const double next = sum + given;
-    rest = given - (next - sum);
-    sum = next;
-    times.push_back(to_decimal(sum));
-  }
+  TimeSum sum;
+  for (const double step : steps) times.push_back(sum.add(step));
   return times;
 }
 
@@ -138,6 +148,31 @@ void ShootingProblem::set_initial_state(std::span<const double> x) {
   if (x.size() != initial_state_.size())
     throw std::invalid_argument("the initial state has the wrong number of entries");
   std::copy(x.begin(), x.end(), initial_state_.begin());
+}
+
+void ShootingProblem::set_numbers(Phase& phase, int first, std::span<const KnotNumbers> nodes) {
+  const int count = phase.model->parameter_count();
+  for (int i = 0; i < phase.knots(); ++i) {
+    const KnotNumbers& node = nodes[first + i];
+    KnotView& view = views_[first + i];
+    view.dt = phase.dt[i] = node.dt;
+    view.cost_scale = phase.cost_scale[i] = node.cost_scale;
+    std::copy_n(node.parameters, count, phase.parameters.begin() + i * count);
+  }
+}
+
+void ShootingProblem::set_numbers(std::span<const KnotNumbers> nodes) {
+  if (nodes.size() != views_.size())
+    throw std::invalid_argument("as many nodes as the problem has need numbers");
+  int first = 0;
+  for (Phase& phase : phases_) {
+    set_numbers(phase, first, nodes);
+    first += phase.knots();
+  }
+  set_numbers(terminal_, first, nodes);
+  TimeSum sum;
+  for (int k = 0; k < knots(); ++k)
+    times_[k + 1] = sum.add(phases_[views_[k].phase].instant ? 0 : nodes[k].dt);
 }
 
 Trajectory ShootingProblem::create_trajectory() const {

@@ -32,6 +32,13 @@ struct KnotView {
   int phase;
 };
 
+/// The numbers of a knot alone.
+struct KnotNumbers {
+  double dt;
+  double cost_scale;
+  const double* parameters;  ///< parameter_count() of the knot's model
+};
+
 /// A constraint at one node, where it is not switched off.
 struct NodeConstraint {
   int node;
@@ -67,6 +74,10 @@ class ShootingProblem {
   /// Moves the initial state, for the next of several solves of one problem: never during one. `x`
   /// has nx numbers; throws std::invalid_argument where it has not.
   void set_initial_state(std::span<const double> x);
+  /// Replaces the numbers of all nodes, N + 1 of them, for the next of several solves: never during
+  /// one, and without allocation. The structure has to stay: which constraints are switched off,
+  /// the limits of soft ones, and which knots take no time.
+  void set_numbers(std::span<const KnotNumbers> nodes);
 
   /// Number N of running knots; knot(N) is the terminal node.
   int knots() const { return static_cast<int>(views_.size()) - 1; }
@@ -97,6 +108,7 @@ class ShootingProblem {
 
  private:
   void add_knots(const Phase& phase, int index);
+  void set_numbers(Phase& phase, int first, std::span<const KnotNumbers> nodes);
   void add_constraints(int node);
 
   std::vector<double> initial_state_;

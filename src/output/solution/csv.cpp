@@ -3,34 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <iterator>
-#include <set>
 
-#include <fmt/compile.h>
 #include <fmt/format.h>
 
+#include "output/solution/csv_cells.hpp"
 #include "output/solution/log_columns.hpp"
 
 namespace conddp {
 namespace {
-
-/// Empty where the number is not finite.
-void append_cell(double value, std::string& text) {
-  if (std::isfinite(value)) fmt::format_to(std::back_inserter(text), FMT_COMPILE("{}"), value);
-}
-
-/// Cells hold no commas, quotes or line ends.
-std::string cell(std::string text) {
-  std::replace_if(
-      text.begin(), text.end(),
-      [](char c) { return c == ',' || c == '"' || static_cast<unsigned char>(c) < 0x20; }, '_');
-  return text;
-}
-
-std::string with_unit(std::string name, std::string_view unit) {
-  if (unit.empty() || unit == "1") return name;
-  return fmt::format("{} [{}]", name, unit);
-}
 
 constexpr std::array<const char*, 6> kWrench = {"fx", "fy", "fz", "tx", "ty", "tz"};
 constexpr int kForceParts = 3, kWrenchParts = 6;
@@ -39,7 +19,7 @@ std::string contact_headers(const ContactForces& forces) {
   std::string text;
   for (const auto& contact : forces.contacts)
     for (int i = 0; i < (contact.torque ? kWrenchParts : kForceParts); ++i)
-      text += ',' + with_unit(cell("contact/" + contact.name + '/' + kWrench[i]),
+      text += ',' + with_unit(csv_cell("contact/" + contact.name + '/' + kWrench[i]),
                               i < kForceParts ? "N" : "Nm");
   return text;
 }
@@ -50,22 +30,6 @@ void append_contacts(const ContactForces& forces, int knot, bool written, std::s
       text += ',';
       if (written && contact.wrench[knot]) append_cell((*contact.wrench[knot])[i], text);
     }
-}
-
-/// Controls with the name of a state have a prefix.
-std::string column_headers(const BuiltProblem& built, int states) {
-  std::string text;
-  std::set<std::string> used;
-  for (int i = 0; i < states; ++i) {
-    const Column& column = built.state_columns[i];
-    used.insert(column.name);
-    text += ',' + with_unit(cell(column.name), column.unit);
-  }
-  for (const Column& column : built.control_columns) {
-    const std::string name = (used.contains(column.name) ? "u/" : "") + column.name;
-    text += ',' + with_unit(cell(name), column.unit);
-  }
-  return text;
 }
 
 void append_state(const Trajectory& trajectory, int knot, int states, std::string& text) {
@@ -102,7 +66,7 @@ std::string trajectory_csv(const BuiltProblem& built, const Trajectory& trajecto
     // Readers of such files want times that increase, and an impulse takes none.
     written = std::max(times[k], std::nextafter(written, std::numeric_limits<double>::infinity()));
     append_cell(written, text);
-    text += ',' + cell(phase.name);
+    text += ',' + csv_cell(phase.name);
     const bool controlled = !last && !problem.takes_no_time(k);
     append_state(trajectory, k, states, text);
     append_control(trajectory, k, built.control_columns.size(), controlled, text);

@@ -210,6 +210,7 @@ OrderedJson expand_problem(const ProblemSpec& spec, const BuiltProblem& built) {
     const Homotopy::Station& start = built.homotopy->start();
     add_moved("", expand_problem(start.spec, *start.built), json, json["solver"]["homotopy"]);
   }
+  if (spec.mpc) json["mpc"] = expand_mpc(spec, built.plant);
   return json;
 }
 

@@ -45,4 +45,8 @@ OrderedJson expand_reference(const CostSpec& cost);
 // expand_guess.cpp
 OrderedJson expand_guess(const GuessSpec& guess);
 
+// expand_mpc.cpp
+/// Of a spec that has the section.
+OrderedJson expand_mpc(const ProblemSpec& spec, const Plant& plant);
+
 }  // namespace conddp

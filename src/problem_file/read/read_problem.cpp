@@ -228,6 +228,7 @@ ProblemSpec read_document(const YamlReader& reader, const std::filesystem::path&
   if (const auto r = map.find("initial_guess")) spec.guess = read_guess(*r, folder);
   map.read("perturbation", spec.perturbation, read_perturbation);
   map.read("solver", spec.solver, read_solver);
+  if (const auto r = map.find("mpc")) spec.mpc = read_mpc(*r, folder);
   if (gait && !reader.diagnostics().has_errors()) add_gait(*gait, spec, reader.diagnostics());
   return spec;
 }

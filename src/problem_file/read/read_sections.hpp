@@ -83,4 +83,7 @@ GuessSpec read_guess(const YamlReader& reader, const std::filesystem::path& fold
 // read_solver.cpp
 SolverSpec read_solver(const YamlReader& reader);
 
+// read_mpc.cpp
+MpcSpec read_mpc(const YamlReader& reader, const std::filesystem::path& folder);
+
 }  // namespace conddp

@@ -100,6 +100,11 @@ inline constexpr Choice<Softness> kSoftWords[] = {
      "weight times the distance: exact, it holds wherever its multiplier stays below the weight"},
     {"l2", Softness::l2, "half the weight times the squared distance: smooth, and never exact"}};
 
+inline constexpr Choice<AfterTheEnd> kRepeatWords[] = {
+    {"hold", AfterTheEnd::kHold, "the last knot repeats itself after the end of the phases"},
+    {"none", AfterTheEnd::kNone, "horizons shrink to the end of the phases"},
+    {"gait", AfterTheEnd::kGait, "the gait gets as many cycles as the loop needs"}};
+
 /// The first word of a value; empty if it has none.
 template <class E, std::size_t N>
 std::string word_of(const Choice<E> (&table)[N], E value) {

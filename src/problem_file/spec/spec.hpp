@@ -8,6 +8,7 @@
 #include "problem_file/spec/spec_collision.hpp"
 #include "problem_file/spec/spec_contact.hpp"
 #include "problem_file/spec/spec_cost.hpp"
+#include "problem_file/spec/spec_mpc.hpp"
 #include "problem_file/spec/spec_robot.hpp"
 #include "problem_file/spec/spec_solver.hpp"
 #include "problem_file/spec/spec_stepping.hpp"
@@ -135,6 +136,7 @@ struct ProblemSpec {
   GuessSpec guess;
   Perturbation perturbation;
   SolverSpec solver;
+  std::optional<MpcSpec> mpc;
 
   const ContactNames& last_contacts() const {
     return terminal_contacts ? *terminal_contacts : phases.back().contacts;

@@ -9,8 +9,8 @@
 namespace conddp {
 namespace {
 
-constexpr std::string_view kNotOfTheProblem[] = {"name", "description", "initial_guess",
-                                                 "perturbation", "solver"};
+constexpr std::string_view kNotOfTheProblem[] = {"name",         "description", "initial_guess",
+                                                 "perturbation", "solver",      "mpc"};
 
 std::string dump(const nlohmann::json& json) {
   return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);

@@ -8,7 +8,8 @@
 namespace conddp {
 
 /// Whether a top-level key of a problem file is of the problem itself: not so are those that say
-/// how it is solved or what it is called (name, description, initial_guess, perturbation, solver).
+/// how it is solved or what it is called (name, description, initial_guess, perturbation, solver,
+/// mpc).
 bool is_of_the_problem(std::string_view key);
 
 /// What a document says of the problem itself (is_of_the_problem), the same for whatever is written

@@ -1,0 +1,150 @@
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "arguments/problem_arguments.hpp"
+#include "arguments/shared_arguments.hpp"
+#include "base/files/atomic_file.hpp"
+#include "base/json/json_text.hpp"
+#include "commands/commands.hpp"
+#include "output/mpc/loop_files.hpp"
+#include "problem_file/build/build_problem.hpp"
+#include "terminal/exit_codes.hpp"
+#include "terminal/interrupt.hpp"
+#include "terminal/messages.hpp"
+#include "terminal/streams.hpp"
+
+namespace conddp {
+namespace {
+
+struct MpcArguments : ProblemArguments {
+  std::string folder;
+  bool quiet = false;
+  bool json = false;
+  bool verbose = false;
+};
+
+/// A problem and the closed loop around it.
+struct LoopTask {
+  std::optional<ProblemSpec> spec;
+  std::optional<BuiltProblem> built;
+  std::optional<BuiltMpc> mpc;
+};
+
+/// False where there is nothing to simulate: the reason has been reported.
+bool prepare(const MpcArguments& arguments, LoopTask& task, Diagnostics& out) {
+  task.spec = read_problem_of(arguments, out);
+  if (!task.spec) return false;
+  if (!task.spec->mpc) {
+    out.error({}, fmt::format("{} has no section 'mpc'", task.spec->file.string()),
+              "write 'mpc: {horizon: 1, tick: 0.02, duration: 5}'");
+    return false;
+  }
+  if (task.spec->mpc->repeat.value == AfterTheEnd::kGait) {
+    auto longer = repeat_gait(*task.spec, out);
+    if (!longer) return false;
+    task.spec = std::move(longer);
+  }
+  task.built = build_problem(*task.spec, {.drop = arguments.drop}, out);
+  if (task.built) task.mpc = build_mpc(*task.spec, *task.built, out);
+  return task.mpc.has_value();
+}
+
+std::filesystem::path output_folder(const MpcArguments& arguments, const ProblemSpec& spec) {
+  if (arguments.folder.empty()) return std::filesystem::path("out") / spec.name.value;
+  return arguments.folder;
+}
+
+/// The share of values that `percent` of them do not exceed, ms.
+double percentile(std::vector<double> values, int percent) {
+  if (values.empty()) return 0;
+  std::sort(values.begin(), values.end());
+  return 1e3 * values[(values.size() - 1) * percent / 100];
+}
+
+std::string times_line(const ClosedLoopResult& result) {
+  std::vector<double> preparation, feedback;
+  for (const TickRecord& tick : result.ticks) {
+    preparation.push_back(tick.preparation);
+    feedback.push_back(tick.feedback);
+  }
+  const auto line = [](const char* what, const std::vector<double>& times) {
+    return fmt::format("{:<12} {:.3g} ms median, {:.3g} ms 95 %, {:.3g} ms longest\n", what,
+                       percentile(times, 50), percentile(times, 95), percentile(times, 100));
+  };
+  return line("preparation", preparation) + line("feedback", feedback);
+}
+
+std::string summary(const LoopRun& run, const std::vector<std::filesystem::path>& written) {
+  const ClosedLoopResult& result = run.result;
+  const auto failed =
+      std::count_if(result.ticks.begin(), result.ticks.end(),
+                    [](const TickRecord& tick) { return tick.outcome != TickOutcome::planned; });
+  std::string text = fmt::format("{}: {} at {:g} s of {:g} s\n", run.spec.name.value,
+                                 to_string(result.end), result.end_time, run.mpc.loop.duration);
+  text += fmt::format("{:<12} {} of {:g} s by {}, {} failed\n", "ticks", result.ticks.size(),
+                      run.mpc.controller.tick, run.mpc.controller.solver, failed);
+  text += fmt::format("{:<12} {:.8g}\n{:<12} {:.2g}\n", "cost", result.cost, "violation",
+                      result.violation);
+  text += times_line(result);
+  for (const auto& path : written) text += path.string() + '\n';
+  return text;
+}
+
+int exit_code(LoopEnd end) {
+  if (end == LoopEnd::finished) return kExitConverged;
+  if (end == LoopEnd::interrupted && InterruptGuard::signal() != 0)
+    return kExitSignalBase + InterruptGuard::signal();
+  return kExitNotConverged;
+}
+
+int simulate_file(const MpcArguments& arguments) {
+  Diagnostics diagnostics;
+  LoopTask task;
+  const bool ready = prepare(arguments, task, diagnostics);
+  const auto verbosity = arguments.quiet     ? Verbosity::kQuiet
+                         : arguments.verbose ? Verbosity::kVerbose
+                                             : Verbosity::kNormal;
+  print_messages(diagnostics, verbosity);
+  if (!ready) return kExitBadInput;
+  const auto folder = output_folder(arguments, *task.spec);
+  create_folder(folder);  // before the work, so that none is in vain
+  const InterruptGuard guard;
+  task.mpc->loop.interrupted = [] { return InterruptGuard::signal() != 0; };
+  Mpc mpc(task.built->problem, task.built->guess, task.mpc->controller);
+  const ClosedLoopResult result = run_closed_loop(mpc, task.mpc->loop);
+  const LoopRun run{*task.spec, *task.built, *task.mpc, result, settings_of(arguments)};
+  const auto written = write_loop(run, folder);
+  if (arguments.json)
+    print_result(json_text(loop_json(run)));
+  else if (!arguments.quiet)
+    print_result(summary(run, written));
+  return exit_code(result.end);
+}
+
+}  // namespace
+
+Command mpc_command() {
+  const auto a = std::make_shared<MpcArguments>();
+  return {.name = "conddp mpc",
+          .description = "Simulate model predictive control of a problem file in a closed loop",
+          .details =
+              "The file's section 'mpc' says how. Writes mpc.json, closed_loop.csv, ticks.csv "
+              "and tick_times.csv, all of them or none. Exit status 1 where the loop ended "
+              "before its duration.",
+          .arguments = joined(
+              problem_arguments(*a),
+              {{.names = {"-o", "--output"},
+                .value = "FOLDER",
+                .description = "Folder for the outputs; out/<problem name> if nothing is said",
+                .target = &a->folder},
+               threads_argument(a->threads, "Threads; results do not depend on it"),
+               flag({"--quiet"}, a->quiet, "Print nothing but errors"),
+               flag({"--json"}, a->json, "Print mpc.json on stdout"),
+               flag({"-v", "--verbose"}, a->verbose, "Print notes too", "--quiet")}),
+          .run = [a] { return simulate_file(*a); }};
+}
+
+}  // namespace conddp

@@ -1,0 +1,276 @@
+#include "mpc/closed_loop.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <stdexcept>
+
+#include "base/normal_numbers.hpp"
+
+namespace conddp {
+namespace {
+
+bool is_finite(const std::vector<double>& x) {
+  return std::all_of(x.begin(), x.end(), [](double value) { return std::isfinite(value); });
+}
+
+/// Costs and constraints of the time line at states of the plant.
+class Appraisal {
+ public:
+  explicit Appraisal(const TimeLine& line) : line_(line) {
+    const ShootingProblem& problem = line.problem();
+    for (int k = 0; k < problem.knots(); ++k) {
+      auto& batch = batches_[problem.knot(k).model];
+      if (!batch) batch = std::make_unique<KnotBatch<double>>(*problem.knot(k).model);
+    }
+  }
+
+  void add(double time, double length, const double* u, const double* x,
+           ClosedLoopResult& result) const {
+    const int k = line_.at(time).knot;
+    const KnotView& view = line_.problem().knot(k);
+    KnotBatch<double>& batch = *batches_.at(view.model);
+    std::copy_n(view.parameters, view.model->parameter_count(), batch.parameters.begin());
+    std::copy_n(x, view.model->nx(), batch.x.begin());
+    std::copy_n(u, view.model->nu(), batch.u.begin());
+    batch.dt = view.dt;
+    const double share = std::abs(length - view.dt) < kSameTime ? 1 : length / view.dt;
+    batch.cost_scale = view.cost_scale * share;
+    view.model->evaluate(batch.input(), batch.work);
+    result.cost += batch.work.cost;
+    for (const ConstraintTerm& term : view.model->constraints())
+      result.violation = std::max(result.violation, violation(term, view, batch));
+  }
+
+ private:
+  static double violation(const ConstraintTerm& term, const KnotView& view,
+                          const KnotBatch<double>& batch) {
+    if (view.parameters[term.active()] == 0 || term.softness != Softness::hard) return 0;
+    const bool bounds = term.has_bounds();
+    return distance_to_set(term, batch.work.constraint.data() + term.row,
+                           bounds ? view.parameters + term.lower() : nullptr,
+                           bounds ? view.parameters + term.upper() : nullptr);
+  }
+
+  const TimeLine& line_;
+  std::map<const KnotModel*, std::unique_ptr<KnotBatch<double>>> batches_;
+};
+
+/// Whether a state meets a condition that ends the loop.
+class StopCheck {
+ public:
+  explicit StopCheck(const std::optional<StopCondition>& condition) : condition_(condition) {
+    if (!condition) return;
+    if (condition->model->parameter_count() != static_cast<int>(condition->parameters.size()))
+      throw std::invalid_argument("the stop condition has another number of parameters");
+    batch_ = std::make_unique<KnotBatch<double>>(*condition->model);
+    std::copy(condition->parameters.begin(), condition->parameters.end(),
+              batch_->parameters.begin());
+  }
+
+  bool is_met(const double* x) const {
+    if (!batch_) return false;
+    const KnotModel& model = *condition_->model;
+    std::copy_n(x, model.nx(), batch_->x.begin());
+    model.evaluate(batch_->input(), batch_->work);
+    const double* parameters = condition_->parameters.data();
+    return std::any_of(model.constraints().begin(), model.constraints().end(),
+                       [&](const ConstraintTerm& term) {
+                         const bool bounds = term.has_bounds();
+                         return distance_to_set(term, batch_->work.constraint.data() + term.row,
+                                                bounds ? parameters + term.lower() : nullptr,
+                                                bounds ? parameters + term.upper() : nullptr) > 0;
+                       });
+  }
+
+ private:
+  const std::optional<StopCondition>& condition_;
+  std::unique_ptr<KnotBatch<double>> batch_;
+};
+
+/// The plant with the controls of the loop, period by period.
+class Plant {
+ public:
+  Plant(Mpc& mpc, const ClosedLoopOptions& options, ClosedLoopResult& result)
+      : mpc_(mpc),
+        options_(options),
+        result_(result),
+        law_{mpc, {}},
+        appraisal_(mpc.time_line()),
+        stop_(options.stop) {
+    const TimeLine& model = mpc.time_line();
+    if (options.plant.empty()) add(0, model, options.step);
+    for (const PlantPeriod& period : options.plant) {
+      const ShootingProblem& problem = *period.problem;
+      if (problem.times() != model.problem().times() || problem.nx() != model.problem().nx())
+        throw std::invalid_argument("the plant has other states or times than the model");
+      lines_.push_back(std::make_unique<TimeLine>(period.problem, model.is_held()));
+      add(period.from, *lines_.back(), options.step);
+    }
+    if (periods_.front().from > 0)
+      throw std::invalid_argument("the plant's first period begins at time 0");
+    x = model.problem().initial_state();
+  }
+
+  /// Lets the state jump where it is to have done so by this time.
+  void jump(double time) {
+    for (; jumps_ < options_.jumps.size() && !is_before(time, options_.jumps[jumps_].at); ++jumps_)
+      mpc_.time_line().problem().manifold().integrate(
+          x.data(), options_.jumps[jumps_].tangent.data(), x.data());
+  }
+
+  /// Moves on; false where the loop ends on the way.
+  bool advance(double from, double to) {
+    for (double time = from; is_before(time, to);) {
+      jump(time);
+      const double stop = std::min(to, next_event(time));
+      if (!run(time, stop)) return false;
+      time = stop;
+    }
+    return true;
+  }
+
+  std::vector<double> x;
+
+ private:
+  struct Period {
+    double from;
+    std::unique_ptr<Simulation> simulation;
+  };
+  struct Law {
+    Mpc& mpc;
+    Eigen::VectorXd u;
+    const double* control(double time, const double* state) {
+      u = mpc.control(time, state);
+      return u.data();
+    }
+    double next_change(double time) const { return mpc.next_change(time); }
+  };
+
+  void add(double from, const TimeLine& line, const StepRule& rule) {
+    periods_.push_back({from, std::make_unique<Simulation>(line, rule)});
+  }
+
+  Simulation& simulation_at(double time) {
+    Simulation* current = periods_.front().simulation.get();
+    for (const Period& period : periods_)
+      if (!is_before(time, period.from)) current = period.simulation.get();
+    return *current;
+  }
+
+  /// The next time after this one at which the state jumps or the plant changes.
+  double next_event(double time) const {
+    double next = std::numeric_limits<double>::infinity();
+    for (const Period& period : periods_)
+      if (is_before(time, period.from)) next = std::min(next, period.from);
+    for (const Jump& jump : options_.jumps)
+      if (is_before(time, jump.at)) next = std::min(next, jump.at);
+    return next;
+  }
+
+  bool run(double from, double to) {
+    const auto begin = [this](double time, double length, const double* u) {
+      if (!goes_on(time)) return false;
+      result_.steps.push_back({time, length, x, {u, u + law_.u.size()}});
+      appraisal_.add(time, length, u, x.data(), result_);
+      return true;
+    };
+    return simulate(simulation_at(from), from, to, law_, held_, x.data(), begin) && goes_on(to);
+  }
+
+  bool goes_on(double time) {
+    result_.end_time = time;
+    if (!is_finite(x))
+      result_.end = LoopEnd::diverged;
+    else if (stop_.is_met(x.data()))
+      result_.end = LoopEnd::stopped;
+    else
+      return true;
+    return false;
+  }
+
+  Mpc& mpc_;
+  const ClosedLoopOptions& options_;
+  ClosedLoopResult& result_;
+  Law law_;
+  HeldControl held_;
+  Appraisal appraisal_;
+  StopCheck stop_;
+  std::vector<std::unique_ptr<TimeLine>> lines_;
+  std::vector<Period> periods_;
+  std::size_t jumps_ = 0;  ///< that have happened
+};
+
+/// What a controller gets to see of a state.
+class Sensor {
+ public:
+  Sensor(const ClosedLoopOptions& options, const ShootingProblem& problem)
+      : options_(options),
+        manifold_(problem.manifold()),
+        normal_(options.noise ? options.noise->seed : 0),
+        tangent_(problem.ndx()) {
+    if (options.noise && static_cast<int>(options.noise->sigma.size()) != problem.ndx())
+      throw std::invalid_argument("the noise has another size than the state");
+  }
+
+  const std::vector<double>& measure(int tick, const std::vector<double>& x) {
+    seen_ = x;
+    if (options_.noise) {
+      for (std::size_t i = 0; i < tangent_.size(); ++i)
+        tangent_[i] = options_.noise->sigma[i] * normal_.next();
+      manifold_.integrate(x.data(), tangent_.data(), seen_.data());
+    }
+    if (options_.distort) options_.distort(tick, seen_);
+    return seen_;
+  }
+
+ private:
+  const ClosedLoopOptions& options_;
+  const StateManifold& manifold_;
+  NormalNumbers normal_;
+  std::vector<double> tangent_, seen_;
+};
+
+}  // namespace
+
+std::string_view to_string(LoopEnd end) {
+  switch (end) {
+    case LoopEnd::finished:
+      return "finished";
+    case LoopEnd::stopped:
+      return "stopped";
+    case LoopEnd::diverged:
+      return "diverged";
+    case LoopEnd::interrupted:
+      break;
+  }
+  return "interrupted";
+}
+
+ClosedLoopResult run_closed_loop(Mpc& mpc, const ClosedLoopOptions& options) {
+  ClosedLoopResult result;
+  const TimeLine& line = mpc.time_line();
+  const double end = line.is_held() ? options.duration : std::min(options.duration, line.end());
+  mpc.reserve(end);
+  Plant plant(mpc, options, result);
+  Sensor sensor(options, line.problem());
+  while (is_before(mpc.time(), end) && mpc.goes_on()) {
+    if (options.interrupted && options.interrupted()) {
+      result.end = LoopEnd::interrupted;
+      break;
+    }
+    const double from = mpc.time();
+    plant.jump(from);
+    mpc.prepare();
+    mpc.feedback(sensor.measure(mpc.last_tick().tick, plant.x));
+    result.ticks.push_back(mpc.last_tick());
+    if (!plant.advance(from, std::min(mpc.time(), end))) break;
+  }
+  // A delay may lead the last plan beyond the end of the time line: the one before goes on.
+  if (result.end == LoopEnd::finished) plant.advance(mpc.time(), end);
+  result.last_state = plant.x;
+  return result;
+}
+
+}  // namespace conddp

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "mpc/mpc.hpp"
+
+namespace conddp {
+
+/// From a time on the plant moves as this problem's systems do, phase by phase.
+struct PlantPeriod {
+  double from = 0;  ///< s
+  std::shared_ptr<const ShootingProblem> problem;
+};
+
+/// A displacement of the plant's state at a time.
+struct Jump {
+  double at = 0;  ///< s
+  std::vector<double> tangent;
+};
+
+/// Normal random numbers that are added to each measured state.
+struct MeasurementNoise {
+  std::vector<double> sigma;  ///< standard deviation, one a tangent coordinate
+  std::uint64_t seed = 1;
+};
+
+/// Ends the loop where constraints of a node without control do not hold.
+struct StopCondition {
+  std::shared_ptr<const KnotModel> model;
+  std::vector<double> parameters;
+};
+
+struct ClosedLoopOptions {
+  double duration = 1;  ///< s
+  /// From time 0 on, in order; empty: the plant is the model.
+  std::vector<PlantPeriod> plant;
+  StepRule step;            ///< of the plant
+  std::vector<Jump> jumps;  ///< in the order of their times
+  std::optional<MeasurementNoise> noise;
+  std::optional<StopCondition> stop;
+  /// Changes what is measured at a tick before the controller gets it; null: nothing does.
+  std::function<void(int tick, std::vector<double>& x)> distort;
+  /// Asked before each tick; true ends the loop.
+  std::function<bool()> interrupted;
+};
+
+/// How a closed loop ended.
+enum class LoopEnd {
+  finished,     ///< the duration, or the end of a time line that is not held
+  stopped,      ///< the stop condition was met
+  diverged,     ///< the plant's state is not finite
+  interrupted,  ///< the caller asked to stop
+};
+/// The name in outputs.
+std::string_view to_string(LoopEnd end);
+
+/// One step of the plant: when it begins, in which state, with which control.
+struct PlantStep {
+  double time;    ///< s
+  double length;  ///< s
+  std::vector<double> x, u;
+};
+
+struct ClosedLoopResult {
+  LoopEnd end = LoopEnd::finished;
+  double end_time = 0;  ///< s
+  std::vector<PlantStep> steps;
+  std::vector<double> last_state;  ///< after the last step
+  std::vector<TickRecord> ticks;
+  /// Σ of running costs at the states of the plant, in proportion to the steps; not of impulses.
+  double cost = 0;
+  double violation = 0;  ///< largest one of a constraint at the plant's states
+};
+
+/// Lets a controller that has not ticked yet drive the plant from the problem's initial state.
+/// Deterministic: the clock is simulated.
+ClosedLoopResult run_closed_loop(Mpc& mpc, const ClosedLoopOptions& options);
+
+}  // namespace conddp

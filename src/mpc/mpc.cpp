@@ -1,0 +1,310 @@
+#include "mpc/mpc.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "base/stopwatch.hpp"
+#include "solvers/common/feasible.hpp"
+
+namespace conddp {
+namespace {
+
+void require(bool holds, const char* message) {
+  if (!holds) throw std::invalid_argument(message);
+}
+
+bool is_positive(double value) { return std::isfinite(value) && value > 0; }
+
+void check_rates(const MpcOptions& options) {
+  require(is_positive(options.horizon), "the horizon has to be positive");
+  require(is_positive(options.tick), "the tick has to be positive");
+  require(options.tick <= options.horizon, "a tick cannot be longer than the horizon");
+  require(options.delay >= 0 && options.delay <= options.tick,
+          "the delay has to lie between 0 and the tick");
+  require(!options.iterations || *options.iterations > 0, "a tick needs an iteration at least");
+  require(!options.feedback_rate || is_positive(*options.feedback_rate),
+          "the rate of the feedback has to be positive");
+  require(options.fallback_after > 0, "the fallback follows one failed tick at least");
+}
+
+bool is_multiple(double length, double step) {
+  return std::abs(length - std::round(length / step) * step) < kSameTime;
+}
+
+/// Windows of systems that give the next state themselves consist of whole knots.
+void check_knots(const ShootingProblem& problem, const MpcOptions& options) {
+  for (int k = 0; k < problem.knots(); ++k) {
+    const KnotModel& model = *problem.knot(k).model;
+    require(model.system().as_stepping() == nullptr,
+            "contact-implicit problems cannot be cut into windows");
+    require(model.system().as_collocation() == nullptr,
+            "problems with collocation cannot be cut into windows");
+    if (model.integrator() != Integrator::discrete) continue;
+    for (const double length : {options.tick, options.delay, options.horizon})
+      require(is_multiple(length, problem.knot(k).dt),
+              "the system gives the next state itself: tick, delay and horizon have to be "
+              "multiples of the knots' dt");
+  }
+}
+
+const MpcOptions& checked(const MpcOptions& options, const ShootingProblem& problem) {
+  check_rates(options);
+  check_knots(problem, options);
+  if (options.fallback) {
+    const HeldState& held = *options.fallback;
+    require(static_cast<int>(held.x.size()) == problem.nx() && held.u.size() == problem.nu(0) &&
+                held.K.rows() == problem.nu(0) && held.K.cols() == problem.ndx(),
+            "the fallback has another shape than the problem");
+  }
+  return options;
+}
+
+/// A last node at which nothing counts.
+Phase empty_end(const ShootingProblem& problem) {
+  const KnotModel& last = *problem.terminal().model;
+  return {.name = "window end",
+          .model = std::make_shared<KnotModel>(last.shared_system(), Integrator::none,
+                                               last.has_control_memory()),
+          .dt = {0},
+          .cost_scale = {1}};
+}
+
+Plan plan_of_guess(const ShootingProblem& problem, const Trajectory& guess) {
+  Plan plan(problem);
+  require(guess.knots() == problem.knots() && guess.nx() == problem.nx(),
+          "the guess has another shape than the problem");
+  plan.times = problem.times();
+  plan.trajectory = guess;
+  return plan;
+}
+
+bool is_finite(std::span<const double> x) {
+  return std::all_of(x.begin(), x.end(), [](double value) { return std::isfinite(value); });
+}
+
+/// Options of a tick's solve.
+SolverOptions tick_options(const MpcOptions& options) {
+  SolverOptions own = options.solver_options;
+  if (options.iterations) own.max_iterations = *options.iterations;
+  return own;
+}
+
+int largest_control(const ShootingProblem& problem) {
+  int most = 0;
+  for (int k = 0; k < problem.knots(); ++k) most = std::max(most, problem.nu(k));
+  return most;
+}
+
+}  // namespace
+
+std::string_view to_string(TickOutcome outcome) {
+  switch (outcome) {
+    case TickOutcome::planned:
+      return "planned";
+    case TickOutcome::not_finite:
+      return "not_finite";
+    case TickOutcome::late:
+      return "late";
+    case TickOutcome::infeasible:
+      return "infeasible";
+    case TickOutcome::diverged:
+      return "diverged";
+    case TickOutcome::out_of_iterations:
+      return "out_of_iterations";
+    case TickOutcome::no_step:
+      break;
+  }
+  return "no_step";
+}
+
+Mpc::Mpc(std::shared_ptr<const ShootingProblem> problem, const Trajectory& guess,
+         MpcOptions options)
+    : options_(checked(options, *problem)),
+      tick_options_(tick_options(options_)),
+      line_(std::move(problem), options.hold),
+      open_end_(options.terminal ? *options.terminal : empty_end(line_.problem())),
+      model_(line_, {}),
+      scratch_(line_.problem()),
+      guess_(plan_of_guess(line_.problem(), guess)),
+      in_force_{.plan = &guess_},
+      before_(in_force_),
+      state_(line_.problem().initial_state()),
+      predicted_(state_),
+      control_(largest_control(line_.problem())) {
+  in_force_.first = before_.first = guess_.trajectory.u(0);
+}
+
+Mpc::~Mpc() = default;
+
+WindowContext Mpc::context() const {
+  return {line_, options_.horizon, open_end_, options_.solver, tick_options_};
+}
+
+Window& Mpc::window_of(const WindowCut& cut) {
+  for (const auto& window : windows_)
+    if (window->fits(context(), cut)) return *window;
+  return *windows_.emplace_back(std::make_unique<Window>(context(), cut));
+}
+
+void Mpc::reserve(double until) {
+  for (int tick = tick_; !is_before(until, tick * options_.tick); ++tick) {
+    cut_window(context(), tick * options_.tick + options_.delay, cut_);
+    if (cut_.knots.empty()) return;
+    window_of(cut_);
+  }
+}
+
+bool Mpc::goes_on() const { return line_.is_held() || is_before(plan_begin(), line_.end()); }
+
+const Mpc::Policy& Mpc::policy_at(double time) const {
+  return is_before(time, in_force_.begin) ? before_ : in_force_;
+}
+
+/// Whether a policy without feedback between ticks still holds its first control.
+bool Mpc::holds_first(const Policy& policy, double time) const {
+  if (options_.feedback_rate) return false;
+  return policy.held || policy.plan->knot_at(time) == policy.plan->knot_at(policy.begin);
+}
+
+void Mpc::follow(const Policy& policy, double time, const double* x, Eigen::VectorXd& u) {
+  const bool gains = options_.feedback_rate || std::abs(time - policy.begin) < kSameTime;
+  if (policy.held)
+    control_of(*options_.fallback, *line_.problem().knot(line_.at(time).knot).model, x, scratch_,
+               u);
+  else
+    control_of(*policy.plan, time, x, gains, scratch_, u);
+}
+
+const Eigen::VectorXd& Mpc::control(double time, const double* x) {
+  const Policy& policy = policy_at(time);
+  if (holds_first(policy, time))
+    control_ = policy.first;
+  else
+    follow(policy, time, x, control_);
+  return control_;
+}
+
+double Mpc::next_change(double time) const {
+  const Policy& policy = policy_at(time);
+  double next =
+      is_before(time, in_force_.begin) ? in_force_.begin : in_force_.begin + options_.tick;
+  if (!is_before(time, next)) next = time + options_.tick;
+  if (options_.feedback_rate) {
+    const double period = 1 / *options_.feedback_rate;
+    const double count = std::floor((time - policy.begin + kSameTime) / period) + 1;
+    return std::min(next, policy.begin + count * period);
+  }
+  const std::vector<double>& knots = policy.plan->times;
+  const auto later = std::upper_bound(knots.begin(), knots.end(), time + kSameTime);
+  return later == knots.end() ? next : std::min(next, *later);
+}
+
+void Mpc::predict(double from, double to, std::vector<double>& x) {
+  struct Law {
+    Mpc& mpc;
+    const double* control(double time, const double* state) {
+      return mpc.control(time, state).data();
+    }
+    double next_change(double time) const { return mpc.next_change(time); }
+  } law{*this};
+  HeldControl held;
+  simulate(model_, from, to, law, held, x.data(),
+           [](double, double, const double*) { return true; });
+}
+
+void Mpc::solve_from(const std::vector<double>& x) {
+  window_->set_initial_state(x.data());
+  window_->guess_from(*in_force_.plan, scratch_);
+  const bool fully = in_force_.plan == &guess_ && options_.iterations;
+  answer_ = fully ? &window_->solve(options_.solver, options_.solver_options) : &window_->solve();
+}
+
+void Mpc::prepare() {
+  record_ = {.tick = tick_, .time = time()};
+  answer_ = nullptr;
+  const Stopwatch watch(record_.preparation);
+  cut_window(context(), plan_begin(), cut_);
+  if (cut_.knots.empty()) throw std::logic_error("the time line has ended");
+  window_ = &window_of(cut_);
+  window_->load(context(), cut_);
+  predicted_ = state_;
+  predict(in_force_.begin, plan_begin(), predicted_);
+  if (options_.iterations) solve_from(predicted_);
+}
+
+/// Where the plan begins, from what is measured. False where that is not finite; then it begins
+/// where it was predicted to.
+bool Mpc::measure(std::span<const double> x) {
+  state_ = predicted_;
+  if (!is_finite(x)) return false;
+  state_.assign(x.begin(), x.end());
+  if (options_.predict) predict(time(), plan_begin(), state_);
+  return true;
+}
+
+const Eigen::VectorXd& Mpc::feedback(std::span<const double> x) {
+  require(static_cast<int>(x.size()) == line_.problem().nx(),
+          "the measured state has the wrong number of entries");
+  require(window_ != nullptr, "prepare() comes first");
+  const Stopwatch watch(record_.feedback);
+  const bool measured = measure(x);
+  if (measured && !options_.iterations) solve_from(state_);
+  record_.outcome = measured ? outcome() : TickOutcome::not_finite;
+  decide();
+  ++tick_;
+  window_ = nullptr;
+  return in_force_.first;
+}
+
+TickOutcome Mpc::outcome() const {
+  if (options_.is_late && options_.is_late(tick_)) return TickOutcome::late;
+  const bool feasible = is_feasible(answer_->residuals, options_.solver_options.tolerances);
+  switch (answer_->status) {
+    case SolveStatus::converged:
+    case SolveStatus::cost_settled:
+      return TickOutcome::planned;
+    case SolveStatus::max_iterations:
+      return options_.iterations ? TickOutcome::planned : TickOutcome::out_of_iterations;
+    case SolveStatus::time_limit:
+    case SolveStatus::interrupted:
+      return TickOutcome::late;
+    case SolveStatus::infeasible:
+      return TickOutcome::infeasible;
+    case SolveStatus::diverged:
+      return TickOutcome::diverged;
+    case SolveStatus::line_search_failed:
+    case SolveStatus::regularization_limit:
+      break;
+  }
+  return feasible ? TickOutcome::planned : TickOutcome::no_step;
+}
+
+/// Puts the answer in force, or leaves what is.
+void Mpc::decide() {
+  before_ = in_force_;
+  in_force_.begin = plan_begin();
+  if (record_.outcome == TickOutcome::planned) {
+    in_force_.plan = &window_->keep(*answer_, before_.plan);
+    in_force_.held = false;
+    failures_ = 0;
+  } else if (++failures_ >= options_.fallback_after && options_.fallback) {
+    in_force_.held = true;
+  }
+  if (answer_ != nullptr) {
+    record_.solved = true;
+    record_.status = answer_->status;
+    record_.iterations = answer_->iterations;
+    record_.cost = answer_->cost;
+    record_.stationarity = answer_->residuals.stationarity;
+    record_.gap = answer_->residuals.gap;
+    record_.violation = answer_->residuals.constraint;
+  }
+  predicted_ = state_;  // the first control follows the impulses at its time
+  model_.pass_instants(in_force_.begin, predicted_.data());
+  follow(in_force_, in_force_.begin, predicted_.data(), in_force_.first);
+  record_.plan_age = in_force_.begin - in_force_.plan->times.front();
+  record_.fallback = in_force_.held;
+}
+
+}  // namespace conddp

@@ -1,0 +1,142 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "mpc/simulation.hpp"
+#include "mpc/window.hpp"
+
+namespace conddp {
+
+/// What became of a tick. Every value but `planned` leaves the former plan in force.
+enum class TickOutcome {
+  planned,            ///< a new plan is in force
+  not_finite,         ///< the measured state has a number that is not finite
+  late,               ///< the answer came too late
+  infeasible,         ///< the solver found no way to satisfy the constraints
+  diverged,           ///< a state, cost or derivative was not finite
+  out_of_iterations,  ///< the tolerances were not met by the allowed iterations
+  no_step,            ///< no step lowers the merit, and the trajectory is not feasible
+};
+/// The name in outputs: "planned", "not_finite", ...
+std::string_view to_string(TickOutcome outcome);
+
+struct MpcOptions {
+  double horizon = 1;  ///< s, of windows
+  double tick = 0.01;  ///< s, between two plans
+  /// Of the solver, each tick but the first, which is solved to the tolerances; none: to the
+  /// tolerances always.
+  std::optional<int> iterations = 1;
+  bool hold = true;     ///< the last knot repeats itself after the end of the time line
+  double delay = 0;     ///< s, from measurement to the first control of its plan; at most a tick
+  bool predict = true;  ///< plans begin at the state that is predicted for the end of the delay
+  /// Gains act at this rate, Hz; none: at the first control of each plan alone.
+  std::optional<double> feedback_rate;
+  /// The last node of windows that end before the time line does; none: nothing counts there.
+  std::optional<Phase> terminal;
+  /// What controls once so many ticks in a row have failed; none: the former plan for ever.
+  std::optional<HeldState> fallback;
+  int fallback_after = 3;
+  std::string solver = "box_fddp";  ///< of the DDP family
+  SolverOptions solver_options;
+  /// Whether the answer of a tick comes too late; null: never.
+  std::function<bool(int tick)> is_late;
+};
+
+/// What there is to say of a tick.
+struct TickRecord {
+  int tick = 0;
+  double time = 0;  ///< s, of the measurement
+  TickOutcome outcome = TickOutcome::planned;
+  SolveStatus status = SolveStatus::diverged;  ///< of its solve
+  bool solved = false;                         ///< whether there was one
+  int iterations = 0;
+  double cost = 0, stationarity = 0, gap = 0, violation = 0;  ///< of its answer
+  double plan_age = 0;                                        ///< s, of the plan in force
+  bool fallback = false;                                      ///< the fallback is in force
+  double preparation = 0, feedback = 0;                       ///< wall-clock s
+};
+
+/// Model predictive control of a problem. Tick j measures at j·tick; its plan begins at
+/// j·tick + delay. After `reserve`, ticks that are solved allocate nothing but for messages of
+/// solves that fail.
+class Mpc {
+ public:
+  /// A guess of the problem's shape. Throws std::invalid_argument where options are out of range or
+  /// windows of the problem cannot be solved so; the message says why.
+  Mpc(std::shared_ptr<const ShootingProblem> problem, const Trajectory& guess, MpcOptions options);
+  ~Mpc();
+  Mpc(const Mpc&) = delete;
+  Mpc& operator=(const Mpc&) = delete;
+
+  /// Makes the windows of all ticks up to a time (s), so that none of them has to.
+  void reserve(double until);
+  /// Whether the time line goes on after the begin of the next plan.
+  bool goes_on() const;
+  /// All that can be done before the state is measured.
+  void prepare();
+  /// The control at the begin of the plan, from the state measured at time(): nx numbers. It stays
+  /// until the next call of a method.
+  const Eigen::VectorXd& feedback(std::span<const double> x);
+  /// The control that is in force at a time (s) up to a tick before the last plan began, at a
+  /// state. It stays until the next call of a method.
+  const Eigen::VectorXd& control(double time, const double* x);
+  /// The next time after this one at which the control in force changes but by its gains, or the
+  /// gains act again, s.
+  double next_change(double time) const;
+
+  /// When the next tick measures, s.
+  double time() const { return tick_ * options_.tick; }
+  const TickRecord& last_tick() const { return record_; }
+  /// The plan in force; none under the fallback.
+  const Plan* plan() const { return in_force_.held ? nullptr : in_force_.plan; }
+  const MpcOptions& options() const { return options_; }
+  const TimeLine& time_line() const { return line_; }
+
+ private:
+  /// What controls from a time on.
+  struct Policy {
+    const Plan* plan = nullptr;
+    double begin = 0;
+    bool held = false;           ///< the fallback, not the plan
+    Eigen::VectorXd first = {};  ///< its control at `begin`
+  };
+
+  WindowContext context() const;
+  double plan_begin() const { return time() + options_.delay; }
+  Window& window_of(const WindowCut& cut);
+  const Policy& policy_at(double time) const;
+  bool holds_first(const Policy& policy, double time) const;
+  void follow(const Policy& policy, double time, const double* x, Eigen::VectorXd& u);
+  void predict(double from, double to, std::vector<double>& x);
+  void solve_from(const std::vector<double>& x);
+  bool measure(std::span<const double> x);
+  TickOutcome outcome() const;
+  void decide();
+
+  MpcOptions options_;
+  SolverOptions tick_options_;
+  TimeLine line_;
+  Phase open_end_;
+  Simulation model_;
+  PolicyScratch scratch_;
+  Plan guess_;
+  std::vector<std::unique_ptr<Window>> windows_;
+  WindowCut cut_;
+  Window* window_ = nullptr;             ///< of the tick under way
+  const SolveResult* answer_ = nullptr;  ///< of its solve
+  Policy in_force_, before_;
+  int tick_ = 0;
+  int failures_ = 0;               ///< in a row
+  std::vector<double> state_;      ///< where the last plan began, as far as is known
+  std::vector<double> predicted_;  ///< where the next one begins
+  Eigen::VectorXd control_;
+  TickRecord record_;
+};
+
+}  // namespace conddp

@@ -1,0 +1,75 @@
+#include "mpc/plan.hpp"
+
+#include <algorithm>
+
+namespace conddp {
+namespace {
+
+void clip(const KnotModel& model, Eigen::VectorXd& u) {
+  for (int i = 0; i < model.nu(); ++i)
+    u[i] = std::max(model.control_lower()[i], std::min(model.control_upper()[i], u[i]));
+}
+
+/// u += K tangent.
+void add_feedback(const Eigen::MatrixXd& K, const std::vector<double>& tangent,
+                  Eigen::VectorXd& u) {
+  for (Eigen::Index j = 0; j < K.cols(); ++j) u += tangent[j] * K.col(j);
+}
+
+}  // namespace
+
+Plan::Plan(const ShootingProblem& p)
+    : problem(&p),
+      times(p.knots() + 1),
+      trajectory(p.create_trajectory()),
+      feedback(p),
+      multipliers(Eigen::VectorXd::Zero(p.constraint_rows())) {}
+
+int Plan::knot_at(double time) const {
+  const auto after = std::upper_bound(times.begin(), times.end() - 1, time + kSameTime);
+  int k = std::max(0, static_cast<int>(after - times.begin()) - 1);
+  while (k > 0 && problem->takes_no_time(k)) --k;
+  return k;
+}
+
+void Plan::state_at(double time, bool before, double* tangent, double* x) const {
+  const int last = problem->knots();
+  const auto copy = [&](int k) { std::copy_n(trajectory.x(k).data(), problem->nx(), x); };
+  if (before) {
+    const auto first = std::lower_bound(times.begin(), times.end(), time - kSameTime);
+    const int k = static_cast<int>(first - times.begin());
+    if (k > last) return copy(last);
+    if (!is_before(time, times[k])) return copy(k);
+  }
+  const auto after = std::upper_bound(times.begin(), times.end(), time + kSameTime);
+  const int k = static_cast<int>(after - times.begin()) - 1;
+  if (k < 0) return copy(0);
+  if (k >= last || !is_before(times[k], time)) return copy(std::min(k, last));
+  const double share = (time - times[k]) / (times[k + 1] - times[k]);
+  const StateManifold& manifold = problem->manifold();
+  manifold.difference(trajectory.x(k).data(), trajectory.x(k + 1).data(), tangent);
+  for (int i = 0; i < problem->ndx(); ++i) tangent[i] *= share;
+  manifold.integrate(trajectory.x(k).data(), tangent, x);
+}
+
+void control_of(const Plan& plan, double time, const double* x, bool gains, PolicyScratch& scratch,
+                Eigen::VectorXd& u) {
+  const int k = plan.knot_at(time);
+  u = plan.trajectory.u(k);
+  if (gains) {
+    plan.state_at(time, false, scratch.tangent.data(), scratch.x.data());
+    plan.problem->manifold().difference(scratch.x.data(), x, scratch.tangent.data());
+    add_feedback(plan.feedback.K[k], scratch.tangent, u);
+  }
+  clip(*plan.problem->knot(k).model, u);
+}
+
+void control_of(const HeldState& held, const KnotModel& model, const double* x,
+                PolicyScratch& scratch, Eigen::VectorXd& u) {
+  u = held.u;
+  model.manifold().difference(held.x.data(), x, scratch.tangent.data());
+  add_feedback(held.K, scratch.tangent, u);
+  clip(model, u);
+}
+
+}  // namespace conddp

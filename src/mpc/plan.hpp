@@ -1,0 +1,52 @@
+#pragma once
+
+#include <vector>
+
+#include "mpc/time_line.hpp"
+#include "ocp/evaluation/evaluator.hpp"
+
+namespace conddp {
+
+/// An answer as a function of time: states between nodes along the shortest way on the manifold,
+/// controls and gains held over a knot. Before the first node and after the last one it is what it
+/// is there.
+struct Plan {
+  /// For answers of this problem, which has to outlive it.
+  explicit Plan(const ShootingProblem& problem);
+
+  const ShootingProblem* problem;
+  std::vector<double> times;  ///< of its nodes, s
+  Trajectory trajectory;
+  Feedback feedback;
+  Eigen::VectorXd multipliers;  ///< of all constraint rows
+
+  /// The knot that takes time and contains a time, or is nearest to it.
+  int knot_at(double time) const;
+  /// Writes the state at a time. At an instant (impulse) the one after it or, with `before`, the
+  /// one before it. `tangent` is scratch of ndx numbers.
+  void state_at(double time, bool before, double* tangent, double* x) const;
+};
+
+/// A state that is held by the controls u + K (x ⊖ x̄) within their bounds.
+struct HeldState {
+  std::vector<double> x;  ///< x̄
+  Eigen::VectorXd u;
+  Eigen::MatrixXd K;  ///< nu x ndx
+};
+
+/// Scratch of control laws.
+struct PolicyScratch {
+  explicit PolicyScratch(const ShootingProblem& problem)
+      : x(problem.nx()), tangent(problem.ndx()) {}
+  std::vector<double> x, tangent;
+};
+
+/// The control of a plan at a time and a state, u_k + K_k (x ⊖ x̄) within its bounds, where x̄ is
+/// the plan's state at the time; without `gains` u_k.
+void control_of(const Plan& plan, double time, const double* x, bool gains, PolicyScratch& scratch,
+                Eigen::VectorXd& u);
+/// The control that holds a state, within the bounds of the model.
+void control_of(const HeldState& held, const KnotModel& model, const double* x,
+                PolicyScratch& scratch, Eigen::VectorXd& u);
+
+}  // namespace conddp

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "mpc/time_line.hpp"
+#include "ocp/knot/knot_batch.hpp"
+
+namespace conddp {
+
+/// How a simulation steps.
+struct StepRule {
+  std::optional<Integrator> integrator;  ///< absent: that of the knot
+  std::optional<double> dt;              ///< longest step, s; absent: to the end of the knot
+};
+
+/// The dynamics of a time line, without its costs: step by step, through its instants. Allocates
+/// nothing after construction.
+class Simulation {
+ public:
+  /// Throws std::invalid_argument where the integrator does not serve the systems.
+  Simulation(const TimeLine& line, const StepRule& rule);
+
+  /// The longest that a step from here may last, s; ends with the knot at the latest.
+  double next_stop(double time) const;
+  /// Moves x over the instants at a time.
+  void pass_instants(double time, double* x);
+  /// Moves x on by a step with a control that is held.
+  void step(double time, double length, const double* u, double* x);
+
+ private:
+  struct Stepper {
+    Stepper(const KnotModel& like, Integrator integrator);
+    KnotModel model;
+    std::unique_ptr<KnotWorkspace<double>> work;
+    AlignedVector<double> x, u;
+  };
+  void move(Stepper& stepper, double length, const double* u, double* x);
+
+  const TimeLine& line_;
+  StepRule rule_;
+  std::vector<std::unique_ptr<Stepper>> steppers_;
+  std::vector<int> stepper_of_;  ///< one a knot
+};
+
+/// A control that is held until it changes; at first there is none.
+struct HeldControl {
+  const double* u = nullptr;
+  double until = -1;  ///< s
+};
+
+/// Moves x from one time to another with controls of a law: `law.control(time, x)` is the control
+/// from a time on, `law.next_change(time)` the next time at which it has to be asked again.
+/// `begin(time, length, u)` is called before each step and ends the simulation by `false`. False
+/// where it did.
+template <class Law, class Begin>
+bool simulate(Simulation& simulation, double from, double to, Law& law, HeldControl& held,
+              double* x, Begin begin) {
+  for (double time = from; is_before(time, to);) {
+    simulation.pass_instants(time, x);
+    if (!is_before(time, held.until)) held = {law.control(time, x), law.next_change(time)};
+    double next = std::min({to, held.until, simulation.next_stop(time)});
+    if (!is_before(next, to)) next = to;
+    if (!begin(time, next - time, held.u)) return false;
+    simulation.step(time, next - time, held.u, x);
+    time = next;
+  }
+  return true;
+}
+
+}  // namespace conddp

@@ -1,0 +1,214 @@
+#include "mpc/window.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "solvers/strategies/registry.hpp"
+
+namespace conddp {
+namespace {
+
+/// A knot of the time line, or the share of it that lies in a window.
+KnotNumbers numbers_of(const ShootingProblem& problem, const TimedKnot& part) {
+  const KnotView& view = problem.knot(part.knot);
+  const double length = part.end - part.begin;
+  if (problem.takes_no_time(part.knot) || std::abs(length - view.dt) < kSameTime)
+    return {view.dt, view.cost_scale, view.parameters};
+  return {length, view.cost_scale * (length / view.dt), view.parameters};
+}
+
+/// Whether a constraint counts in a window at its node `node` with the time line's numbers.
+bool is_active(const ConstraintTerm& term, int node, int ndx, const double* parameters) {
+  return parameters[term.active()] != 0 && (node > 0 || term.depends_on_control(ndx));
+}
+
+const Phase& end_of(const WindowContext& context, bool reaches_end) {
+  return reaches_end ? context.line.problem().terminal() : context.open_end;
+}
+
+/// Writes the parameters of a node of a window.
+void write_parameters(const KnotModel& model, int node, const double* given,
+                      std::vector<double>& parameters) {
+  parameters.assign(given, given + model.parameter_count());
+  for (const ConstraintTerm& term : model.constraints())
+    parameters[term.active()] = is_active(term, node, model.ndx(), given) ? 1 : 0;
+}
+
+/// Whether the rows of a constraint have bounds, and equal ones, in both places or in neither.
+bool same_rows(const ConstraintTerm& term, const double* own, const double* other) {
+  if (!term.has_bounds()) return true;
+  for (int i = 0; i < term.rows; ++i) {
+    const int lower = term.lower() + i, upper = term.upper() + i;
+    if (std::isfinite(own[lower]) != std::isfinite(other[lower]) ||
+        std::isfinite(own[upper]) != std::isfinite(other[upper]) ||
+        (own[lower] == own[upper]) != (other[lower] == other[upper]))
+      return false;
+  }
+  return true;
+}
+
+/// Whether two nodes have the same constraints, as far as solvers are built for them.
+bool same_constraints(const KnotModel& model, const KnotView& own, int node,
+                      const KnotNumbers& other) {
+  for (const ConstraintTerm& term : model.constraints()) {
+    const bool active = own.parameters[term.active()] != 0;
+    if (active != is_active(term, node, model.ndx(), other.parameters)) return false;
+    if (active && !same_rows(term, own.parameters, other.parameters)) return false;
+    if (active && term.softness == Softness::l1 &&
+        own.cost_scale * own.parameters[term.weight()] !=
+            other.cost_scale * other.parameters[term.weight()])
+      return false;
+  }
+  return true;
+}
+
+ShootingProblem problem_of(const WindowContext& context, const WindowCut& cut) {
+  const ShootingProblem& whole = context.line.problem();
+  std::vector<Phase> phases;
+  std::vector<double> parameters;
+  for (int i = 0; i < static_cast<int>(cut.knots.size()); ++i) {
+    const TimedKnot& part = cut.knots[i];
+    const Phase& phase = whole.phases()[whole.knot(part.knot).phase];
+    if (phases.empty() || phases.back().name != phase.name || phases.back().model != phase.model ||
+        phases.back().instant != phase.instant)
+      phases.push_back({.name = phase.name, .model = phase.model, .instant = phase.instant});
+    const KnotNumbers numbers = numbers_of(whole, part);
+    write_parameters(*phase.model, i, numbers.parameters, parameters);
+    Phase& to = phases.back();
+    to.dt.push_back(numbers.dt);
+    to.cost_scale.push_back(numbers.cost_scale);
+    to.parameters.insert(to.parameters.end(), parameters.begin(), parameters.end());
+  }
+  return ShootingProblem(whole.initial_state(), std::move(phases),
+                         end_of(context, cut.reaches_end));
+}
+
+SolverOptions with_multipliers(SolverOptions options,
+                               std::shared_ptr<const DualGuess> multipliers) {
+  options.multipliers = std::move(multipliers);
+  return options;
+}
+
+std::shared_ptr<DualGuess> no_multipliers(const ShootingProblem& problem) {
+  auto guess = std::make_shared<DualGuess>();
+  guess->constraints = Eigen::VectorXd::Zero(problem.constraint_rows());
+  return guess;
+}
+
+/// The node of a plan whose constraint multipliers a node of this model takes at a time; −1: none.
+int node_at(const Plan& plan, double time, const KnotModel* model) {
+  const auto found = std::upper_bound(plan.times.begin(), plan.times.end(), time + kSameTime);
+  for (int k = static_cast<int>(found - plan.times.begin()) - 1; k >= 0; --k) {
+    if (plan.problem->knot(k).model == model) return k;
+    if (is_before(plan.times[k], time)) return -1;
+  }
+  return -1;
+}
+
+constexpr int kPlans = 2;  ///< the one in force, and the next
+
+}  // namespace
+
+void cut_window(const WindowContext& context, double begin, WindowCut& cut) {
+  const TimeLine& line = context.line;
+  cut.begin = begin;
+  cut.end = begin + context.horizon;
+  cut.reaches_end = !is_before(cut.end, line.end());
+  if (cut.reaches_end && !line.is_held()) cut.end = line.end();
+  line.cut(cut.begin, cut.end, cut.knots);
+}
+
+Window::Window(const WindowContext& context, const WindowCut& cut)
+    : problem_(problem_of(context, cut)),
+      times_(problem_.knots() + 1),
+      numbers_(problem_.knots() + 1),
+      parameters_(problem_.knots() + 1),
+      multipliers_(no_multipliers(problem_)),
+      solver_(problem_, context.solver, with_multipliers(context.options, multipliers_)),
+      guess_(problem_.create_trajectory()),
+      plans_(kPlans, Plan(problem_)) {
+  load(context, cut);
+}
+
+bool Window::fits(const WindowContext& context, const WindowCut& cut) const {
+  const ShootingProblem& whole = context.line.problem();
+  const int N = problem_.knots();
+  const Phase& end = end_of(context, cut.reaches_end);
+  if (static_cast<int>(cut.knots.size()) != N || problem_.terminal().model != end.model ||
+      !same_constraints(*end.model, problem_.knot(N), N,
+                        {end.dt[0], end.cost_scale[0], end.parameters.data()}))
+    return false;
+  for (int i = 0; i < N; ++i) {
+    const KnotView& own = problem_.knot(i);
+    const TimedKnot& part = cut.knots[i];
+    if (own.model != whole.knot(part.knot).model ||
+        problem_.phases()[own.phase].instant != whole.takes_no_time(part.knot) ||
+        !same_constraints(*own.model, own, i, numbers_of(whole, part)))
+      return false;
+  }
+  return true;
+}
+
+void Window::load(const WindowContext& context, const WindowCut& cut) {
+  const int N = problem_.knots();
+  for (int i = 0; i < N; ++i) {
+    times_[i] = cut.knots[i].begin;
+    numbers_[i] = numbers_of(context.line.problem(), cut.knots[i]);
+    write_parameters(*problem_.knot(i).model, i, numbers_[i].parameters, parameters_[i]);
+    numbers_[i].parameters = parameters_[i].data();
+  }
+  times_[N] = cut.end;
+  const Phase& end = end_of(context, cut.reaches_end);
+  numbers_[N] = {end.dt[0], end.cost_scale[0], end.parameters.data()};
+  problem_.set_numbers(numbers_);
+}
+
+void Window::guess_from(const Plan& plan, PolicyScratch& scratch) {
+  for (int i = 0; i <= problem_.knots(); ++i) {
+    guess_node(i, plan, scratch);
+    guess_multipliers(i, plan);
+  }
+  guess_.x(0) = Eigen::Map<const Eigen::VectorXd>(problem_.initial_state().data(), problem_.nx());
+}
+
+void Window::guess_node(int node, const Plan& plan, PolicyScratch& scratch) {
+  const bool running = node < problem_.knots();
+  plan.state_at(times_[node], running && problem_.takes_no_time(node), scratch.tangent.data(),
+                scratch.x.data());
+  std::copy(scratch.x.begin(), scratch.x.end(), guess_.x(node).data());
+  if (!running) return;
+  const int k = plan.knot_at(times_[node]);
+  if (plan.trajectory.nu(k) == problem_.nu(node))
+    guess_.u(node) = plan.trajectory.u(k);
+  else
+    guess_.u(node).setZero();
+}
+
+void Window::guess_multipliers(int node, const Plan& plan) {
+  const KnotModel* model = problem_.knot(node).model;
+  const int rows = model->constraint_rows(), from = node_at(plan, times_[node], model);
+  auto own = multipliers_->constraints.segment(problem_.constraint_offset(node), rows);
+  if (from < 0)
+    own.setZero();
+  else
+    own = plan.multipliers.segment(plan.problem->constraint_offset(from), rows);
+}
+
+const SolveResult& Window::solve() { return solver_.solve(guess_); }
+
+const SolveResult& Window::solve(std::string_view solver, const SolverOptions& options) {
+  other_ = conddp::solve(problem_, *find_solver(solver), with_multipliers(options, multipliers_),
+                         guess_);
+  return *other_;
+}
+
+Plan& Window::keep(const SolveResult& answer, const Plan* used) {
+  Plan& plan = plans_[&plans_[0] == used ? 1 : 0];
+  plan.times = times_;
+  plan.trajectory = answer.trajectory;
+  plan.feedback = answer.feedback;
+  plan.multipliers = answer.constraint_multipliers;
+  return plan;
+}
+
+}  // namespace conddp

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "mpc/plan.hpp"
+#include "solvers/strategies/reusable_solver.hpp"
+
+namespace conddp {
+
+/// What the horizon of a tick consists of.
+struct WindowCut {
+  double begin = 0, end = 0;  ///< s
+  std::vector<TimedKnot> knots;
+  bool reaches_end = false;  ///< of the time line, whose terminal costs and constraints count then
+};
+
+/// Problems of windows: how they are made from a time line.
+struct WindowContext {
+  const TimeLine& line;
+  double horizon;           ///< s
+  const Phase& open_end;    ///< the last node of windows that end before the time line does
+  std::string_view solver;  ///< of the DDP family
+  const SolverOptions& options;
+};
+
+/// Cuts [begin, begin + horizon); without hold at most until the end of the time line.
+void cut_window(const WindowContext& context, double begin, WindowCut& cut);
+
+/// The problem of windows of one structure: the same models knot by knot, the same constraints
+/// switched off, the same end. It is built once and gets the numbers of each of these windows, so
+/// that its solver keeps its memory.
+///
+/// The first state of a window is given, and constraints on it alone cannot be influenced: they are
+/// switched off there.
+class Window {
+ public:
+  Window(const WindowContext& context, const WindowCut& cut);
+  Window(const Window&) = delete;
+  Window& operator=(const Window&) = delete;
+
+  bool fits(const WindowContext& context, const WindowCut& cut) const;
+  /// Takes the numbers of a window that fits.
+  void load(const WindowContext& context, const WindowCut& cut);
+
+  const ShootingProblem& problem() const { return problem_; }
+  const std::vector<double>& times() const { return times_; }
+  void set_initial_state(const double* x) {
+    problem_.set_initial_state({x, static_cast<std::size_t>(problem_.nx())});
+  }
+  /// Starts the next solve with what a plan says at the times of the nodes: states, controls, and
+  /// multipliers of knots of the same model; from its initial state.
+  void guess_from(const Plan& plan, PolicyScratch& scratch);
+  const SolveResult& solve();
+  /// The same with other options, by a solver that is not used again.
+  const SolveResult& solve(std::string_view solver, const SolverOptions& options);
+  /// Keeps the answer of the last solve in a plan that is not this one.
+  Plan& keep(const SolveResult& answer, const Plan* used);
+
+ private:
+  void guess_node(int node, const Plan& plan, PolicyScratch& scratch);
+  void guess_multipliers(int node, const Plan& plan);
+
+  ShootingProblem problem_;
+  std::vector<double> times_;
+  std::vector<KnotNumbers> numbers_;
+  std::vector<std::vector<double>> parameters_;  ///< one a node
+  std::shared_ptr<DualGuess> multipliers_;
+  ReusableSolver solver_;
+  std::optional<SolveResult> other_;  ///< of a solve with other options
+  Trajectory guess_;
+  std::vector<Plan> plans_;
+};
+
+}  // namespace conddp

@@ -1,0 +1,144 @@
+#include "output/mpc/loop_files.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "base/files/atomic_file.hpp"
+#include "base/json/json_text.hpp"
+#include "output/solution/csv_cells.hpp"
+#include "output/solution/solution_json.hpp"
+#include "problem_file/expand/expand_problem.hpp"
+
+namespace conddp {
+namespace {
+
+constexpr TickOutcome kOutcomes[] = {TickOutcome::planned,  TickOutcome::not_finite,
+                                     TickOutcome::late,     TickOutcome::infeasible,
+                                     TickOutcome::diverged, TickOutcome::out_of_iterations,
+                                     TickOutcome::no_step};
+
+/// A time without the digits that sums of decimal numbers leave behind.
+void append_time(double time, std::string& text) {
+  append_cell(std::round(time * 1e9) / 1e9, text);
+}
+
+void append_numbers(const std::vector<double>& numbers, std::string& text) {
+  for (const double number : numbers) {
+    text += ',';
+    append_cell(number, text);
+  }
+}
+
+/// The phase that a time lies in; behind the end of one that is held, the last one.
+std::string phase_at(const LoopRun& run, const TimeLine& line, double time) {
+  const ShootingProblem& problem = *run.built.problem;
+  return csv_cell(problem.phases()[problem.knot(line.at(time).knot).phase].name);
+}
+
+/// Numbers of the solve of a tick.
+void append_solve(const TickRecord& tick, std::string& text) {
+  if (!tick.solved) {
+    text += ",,,,,,";
+    return;
+  }
+  text += fmt::format(",{},{}", to_string(tick.status), tick.iterations);
+  append_numbers({tick.cost, tick.stationarity, tick.gap, tick.violation}, text);
+}
+
+OrderedJson outcomes_json(const std::vector<TickRecord>& ticks) {
+  OrderedJson json = OrderedJson::object();
+  for (const TickOutcome outcome : kOutcomes)
+    json[std::string(to_string(outcome))] =
+        std::count_if(ticks.begin(), ticks.end(),
+                      [&](const TickRecord& tick) { return tick.outcome == outcome; });
+  return json;
+}
+
+OrderedJson last_state_json(const LoopRun& run) {
+  OrderedJson json = OrderedJson::object();
+  for (std::size_t i = 0; i < run.built.state_columns.size(); ++i)
+    json[run.built.state_columns[i].name] = finite_or_null(run.result.last_state[i]);
+  return json;
+}
+
+}  // namespace
+
+std::string closed_loop_csv(const LoopRun& run) {
+  const TimeLine line(run.built.problem, run.mpc.controller.hold);
+  std::string text = "t [s],phase" + column_headers(run.built, run.built.problem->nx()) + '\n';
+  for (const PlantStep& step : run.result.steps) {
+    append_time(step.time, text);
+    text += ',' + phase_at(run, line, step.time);
+    append_numbers(step.x, text);
+    append_numbers(step.u, text);
+    text += '\n';
+  }
+  append_time(run.result.end_time, text);
+  text += ',' + phase_at(run, line, run.result.end_time);
+  append_numbers(run.result.last_state, text);
+  return text + std::string(run.built.control_columns.size(), ',') + '\n';
+}
+
+std::string ticks_csv(const LoopRun& run) {
+  std::string text =
+      "tick,t [s],outcome,status,iterations,cost,stationarity,gap,violation,plan_age "
+      "[s],fallback\n";
+  for (const TickRecord& tick : run.result.ticks) {
+    text += fmt::format("{},", tick.tick);
+    append_time(tick.time, text);
+    text += fmt::format(",{}", to_string(tick.outcome));
+    append_solve(tick, text);
+    text += ',';
+    append_time(tick.plan_age, text);
+    text += tick.fallback ? ",1\n" : ",0\n";
+  }
+  return text;
+}
+
+std::string tick_times_csv(const LoopRun& run) {
+  std::string text = "tick,preparation [s],feedback [s]\n";
+  for (const TickRecord& tick : run.result.ticks)
+    text += fmt::format("{},{},{}\n", tick.tick, tick.preparation, tick.feedback);
+  return text;
+}
+
+OrderedJson loop_json(const LoopRun& run) {
+  const ClosedLoopResult& result = run.result;
+  const auto fallbacks = std::count_if(result.ticks.begin(), result.ticks.end(),
+                                       [](const TickRecord& tick) { return tick.fallback; });
+  return {{"format", kMpcFormat},
+          {"problem",
+           {{"name", run.spec.name.value},
+            {"file", run.spec.file.string()},
+            {"sha256", run.spec.sha256},
+            {"overrides", run.overrides},
+            {"configuration", expand_problem(run.spec, run.built)}}},
+          {"tool", tool_json()},
+          {"solver", run.mpc.controller.solver},
+          {"end", to_string(result.end)},
+          {"end_time_s", result.end_time},
+          {"ticks", result.ticks.size()},
+          {"outcomes", outcomes_json(result.ticks)},
+          {"fallback_ticks", fallbacks},
+          {"cost", finite_or_null(result.cost)},
+          {"violation", finite_or_null(result.violation)},
+          {"last_state", last_state_json(run)}};
+}
+
+std::vector<std::filesystem::path> write_loop(const LoopRun& run,
+                                              const std::filesystem::path& folder) {
+  create_folder(folder);
+  std::vector<std::filesystem::path> paths = {folder / "mpc.json", folder / "closed_loop.csv",
+                                              folder / "ticks.csv", folder / "tick_times.csv"};
+  AtomicFiles files;
+  files.add(paths[0], json_text(loop_json(run)));
+  files.add(paths[1], closed_loop_csv(run));
+  files.add(paths[2], ticks_csv(run));
+  files.add(paths[3], tick_times_csv(run));
+  files.commit();
+  return paths;
+}
+
+}  // namespace conddp

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "base/json/ordered_json.hpp"
+#include "problem_file/build/build_mpc.hpp"
+
+namespace conddp {
+
+/// The value of `format` in an mpc.json.
+inline constexpr std::string_view kMpcFormat = "conddp.mpc/1";
+
+/// All that the files of a closed loop are written from.
+struct LoopRun {
+  const ProblemSpec& spec;  ///< with a section `mpc`
+  const BuiltProblem& built;
+  const BuiltMpc& mpc;
+  const ClosedLoopResult& result;
+  std::vector<std::string> overrides;  ///< settings of the command line, as given
+};
+
+/// closed_loop.csv: t, phase, states and controls of the plant, one row a step and one for the last
+/// state, which has no controls.
+std::string closed_loop_csv(const LoopRun& run);
+
+/// ticks.csv: one row a tick. Cells of what is not finite, or of solves that were none, are empty.
+std::string ticks_csv(const LoopRun& run);
+
+/// tick_times.csv: wall-clock times of preparation and feedback, one row a tick. The only file of a
+/// closed loop that differs between two runs.
+std::string tick_times_csv(const LoopRun& run);
+
+/// mpc.json: what was simulated and how it ended (schemas/mpc.schema.json).
+OrderedJson loop_json(const LoopRun& run);
+
+/// Writes the four files into a folder, which is made if needed: all of them or, with an
+/// OutputError, none. Returns their paths.
+std::vector<std::filesystem::path> write_loop(const LoopRun& run,
+                                              const std::filesystem::path& folder);
+
+}  // namespace conddp

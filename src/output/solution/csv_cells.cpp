@@ -1,0 +1,44 @@
+#include "output/solution/csv_cells.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <set>
+
+#include <fmt/compile.h>
+#include <fmt/format.h>
+
+namespace conddp {
+
+void append_cell(double value, std::string& text) {
+  if (std::isfinite(value)) fmt::format_to(std::back_inserter(text), FMT_COMPILE("{}"), value);
+}
+
+std::string csv_cell(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(),
+      [](char c) { return c == ',' || c == '"' || static_cast<unsigned char>(c) < 0x20; }, '_');
+  return text;
+}
+
+std::string with_unit(std::string name, std::string_view unit) {
+  if (unit.empty() || unit == "1") return name;
+  return fmt::format("{} [{}]", name, unit);
+}
+
+std::string column_headers(const BuiltProblem& built, int states) {
+  std::string text;
+  std::set<std::string> used;
+  for (int i = 0; i < states; ++i) {
+    const Column& column = built.state_columns[i];
+    used.insert(column.name);
+    text += ',' + with_unit(csv_cell(column.name), column.unit);
+  }
+  for (const Column& column : built.control_columns) {
+    const std::string name = (used.contains(column.name) ? "u/" : "") + column.name;
+    text += ',' + with_unit(csv_cell(name), column.unit);
+  }
+  return text;
+}
+
+}  // namespace conddp

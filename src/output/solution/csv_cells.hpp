@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "problem_file/build/build.hpp"
+
+namespace conddp {
+
+/// Appends a number by shortest round trip; nothing where it is not finite.
+void append_cell(double value, std::string& text);
+
+/// A text as a cell, which holds no commas, quotes or line ends.
+std::string csv_cell(std::string text);
+
+/// "name [unit]", or the name alone of what has no unit.
+std::string with_unit(std::string name, std::string_view unit);
+
+/// Headers of the first `states` columns of the state and of the controls, a comma before each.
+/// Controls with the name of a state have a prefix.
+std::string column_headers(const BuiltProblem& built, int states);
+
+}  // namespace conddp

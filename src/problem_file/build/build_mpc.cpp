@@ -1,0 +1,329 @@
+#include "problem_file/build/build_mpc.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "problem_file/read/read_problem.hpp"
+#include "problem_file/spec/phase_grid.hpp"
+#include "solvers/ddp/family.hpp"
+
+namespace conddp {
+namespace {
+
+/// Parts of a problem that cannot be cut into windows.
+void check_problem(const ProblemSpec& spec, Diagnostics& out) {
+  if (spec.phases.front().choice)
+    out.error(spec.phases.front().name.place, "a closed loop begins at a given initial state",
+              "leave out the phase that chooses it");
+  if (const PhaseSpec* phase = spec.first_free_duration())
+    out.error(phase->free_duration->place, "phases of a closed loop have fixed durations",
+              "leave the key out");
+  if (spec.stepping)
+    out.error(spec.stepping->place, "a closed loop has no contact-implicit steps",
+              "give the phases 'contacts' instead");
+  const auto collocates = [](Integrator integrator) {
+    return kIntegrators[static_cast<int>(integrator)].kind == StepKind::collocation;
+  };
+  if (spec.integrator && collocates(spec.integrator->value))
+    out.error(spec.integrator->place, "a closed loop has no collocation",
+              "accepted: semi_implicit_euler, explicit_euler, rk2, rk3, rk4, discrete");
+  const SolverOptions& options = spec.solver.options;
+  if (!spec.solver.homotopy.empty() || options.restarts.count > 0 || options.segments > 1)
+    out.error(spec.solver.place,
+              "the solver of a closed loop has no restarts, no homotopy and one segment");
+}
+
+bool is_multiple(double length, double step) {
+  return std::abs(length - std::round(length / step) * step) < kSameTime;
+}
+
+void check_times(const MpcSpec& mpc, const ShootingProblem& problem, Diagnostics& out) {
+  if (mpc.tick.value > mpc.horizon.value)
+    out.error(mpc.tick.place, fmt::format("a tick of {:g} s is longer than the horizon of {:g} s",
+                                          mpc.tick.value, mpc.horizon.value));
+  if (mpc.delay.value > mpc.tick.value)
+    out.error(mpc.delay.place, fmt::format("a delay of {:g} s is longer than the tick of {:g} s",
+                                           mpc.delay.value, mpc.tick.value));
+  const double end = problem.times().back();
+  if (mpc.repeat.value == AfterTheEnd::kNone && is_before(end, mpc.duration.value))
+    out.error(mpc.duration.place,
+              fmt::format("the phases end at {:g} s, and nothing repeats them", end),
+              "take a shorter duration, or 'repeat: hold'");
+  if (problem.knot(0).model->integrator() != Integrator::discrete) return;
+  for (const Located<double>* length : {&mpc.horizon, &mpc.tick, &mpc.delay})
+    if (!is_multiple(length->value, problem.knot(0).dt))
+      out.error(length->place,
+                fmt::format("the system gives the next state itself: {:g} s is no multiple of the "
+                            "knots' dt, {:g} s",
+                            length->value, problem.knot(0).dt));
+}
+
+/// The first solver of the DDP family that supports the problem.
+std::string solver_of(const ProblemSpec& spec, const ShootingProblem& problem, Diagnostics& out) {
+  const auto solvers = usable_solvers(spec, problem, out);
+  for (const SolverInfo* solver : solvers)
+    for (const DdpMember& member : ddp_family())
+      if (member.name == solver->name) return std::string(solver->name);
+  std::vector<std::string> names;
+  for (const DdpMember& member : ddp_family()) names.emplace_back(member.name);
+  if (!solvers.empty())
+    out.error(spec.solver.name.place,
+              fmt::format("{} cannot solve the windows of a closed loop", solvers.front()->name),
+              "take a solver of the DDP family", names);
+  return {};
+}
+
+/// Numbers for the tangent coordinates of a state with its memory.
+std::vector<double> tangent_of(const ComponentsSpec& components, const BuiltProblem& built,
+                               Diagnostics& out) {
+  auto numbers = resolve(components, tangent_names(*built.plant.system), 0.0, out);
+  std::vector<double> tangent = numbers ? *std::move(numbers) : std::vector<double>();
+  tangent.resize(built.problem->ndx(), 0.0);
+  return tangent;
+}
+
+/// A system at rest in a state, held by the controls that balance it.
+std::optional<HeldState> held_state(const StateSpec& state, const BuiltProblem& built,
+                                    Diagnostics& out) {
+  const ShootingProblem& problem = *built.problem;
+  StateBuilder states(built.plant, out);
+  const int own = built.plant.system->nx();
+  states.set_initial({problem.initial_state().begin(), problem.initial_state().begin() + own});
+  const auto x = states.build(state);
+  if (!x) return std::nullopt;
+  int last = problem.knots() - 1;
+  while (problem.takes_no_time(last)) --last;
+  HeldState held{*x, quasi_static_control(problem.knot(last).model->system(), x->data()), {}};
+  held.K.setZero(held.u.size(), problem.ndx());
+  if (problem.nx() > own) held.x.insert(held.x.end(), held.u.begin(), held.u.end());
+  return held;
+}
+
+/// Changes of the plant over time, each a problem of its own.
+class PlantBuilder {
+ public:
+  PlantBuilder(const ProblemSpec& spec, const BuiltProblem& built, BuiltMpc& to, Diagnostics& out)
+      : spec_(spec), mpc_(*spec.mpc), built_(built), to_(to), out_(out) {}
+
+  void build() {
+    const std::set<double> times = changes();
+    if (mpc_.plant.settings.empty() && times.size() == 1) return;  // the plant is the model
+    ProblemSpec changed = spec_;
+    if (!mpc_.plant.settings.empty() && !apply_settings(changed)) return;
+    for (const double time : times) {
+      auto spec = std::make_shared<ProblemSpec>(changed);
+      const bool pushed = push(time, *spec);
+      if (!add(time, std::move(spec), pushed)) return;
+    }
+  }
+
+ private:
+  /// The problem file with the settings of the plant.
+  bool apply_settings(ProblemSpec& changed) {
+    Diagnostics own = out_;
+    auto document = parse_problem(spec_.text, spec_.file, own);
+    std::vector<Setting> settings;
+    for (const std::string& text : spec_.settings)
+      if (auto setting = parse_setting(text, own)) settings.push_back(*std::move(setting));
+    settings.insert(settings.end(), mpc_.plant.settings.begin(), mpc_.plant.settings.end());
+    auto read = document ? read_problem(*document, settings, own) : std::nullopt;
+    if (read) changed = *std::move(read);
+    return report(own, read.has_value());
+  }
+
+  /// Reports what is wrong with a changed problem where the plant is said.
+  bool report(const Diagnostics& own, bool fine) {
+    for (std::size_t i = out_.list().size(); i < own.list().size(); ++i)
+      if (own.list()[i].severity == Severity::kError) {
+        out_.error(mpc_.plant.place,
+                   fmt::format("the plant cannot be built: {}", own.list()[i].message),
+                   own.list()[i].hint);
+        return false;
+      }
+    return fine;
+  }
+
+  /// When pushes begin and end, and 0.
+  std::set<double> changes() const {
+    std::set<double> times = {0};
+    for (const DisturbanceSpec& disturbance : mpc_.disturbances)
+      if (disturbance.push)
+        times.insert({disturbance.at.value, disturbance.at.value + disturbance.duration});
+    return times;
+  }
+
+  /// Puts the pushes of a time on the robots. Whether there are any.
+  bool push(double time, ProblemSpec& spec) {
+    bool pushed = false;
+    for (const DisturbanceSpec& disturbance : mpc_.disturbances) {
+      if (!disturbance.push || is_before(time, disturbance.at.value) ||
+          !is_before(time, disturbance.at.value + disturbance.duration))
+        continue;
+      pushed = true;
+      WrenchSpec wrench = *disturbance.push;
+      if (RobotSpec* robot = robot_of(spec, wrench)) robot->external_wrenches.push_back(wrench);
+    }
+    return pushed;
+  }
+
+  /// The robot that has a frame, whose name loses the robot's.
+  RobotSpec* robot_of(ProblemSpec& spec, WrenchSpec& wrench) {
+    for (RobotSpec& robot : spec.robots) {
+      const std::string prefix = robot.name.value.empty() ? "" : robot.name.value + "/";
+      if (!wrench.frame.value.starts_with(prefix)) continue;
+      wrench.frame.value.erase(0, prefix.size());
+      return &robot;
+    }
+    out_.error(wrench.frame.place, fmt::format("no robot has a frame '{}'", wrench.frame.value),
+               spec.robots.empty() ? "a closed-form system has no frames: write 'jump'" : "");
+    return nullptr;
+  }
+
+  bool add(double time, std::shared_ptr<ProblemSpec> spec, bool pushed) {
+    if (out_.has_errors()) return false;
+    spec->guess = {};
+    Diagnostics own = out_;
+    auto built = build_without_homotopy(*spec, {}, own);
+    if (pushed && own.has_errors()) {
+      out_ = own;  // whose errors are at the names of the pushes
+      return false;
+    }
+    if (!report(own, built.has_value())) return false;
+    if (!same_columns(*built) || built->problem->times() != built_.problem->times()) {
+      out_.error(mpc_.plant.place, "the plant has other states, controls or times than the model",
+                 "change numbers alone: masses, lengths, friction, limits");
+      return false;
+    }
+    to_.plant_specs.push_back(std::move(spec));
+    to_.loop.plant.push_back({time, built->problem});
+    return true;
+  }
+
+  bool same_columns(const BuiltProblem& plant) const {
+    const auto same = [](const std::vector<Column>& a, const std::vector<Column>& b) {
+      return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                        [](const Column& x, const Column& y) { return x.name == y.name; });
+    };
+    return same(plant.state_columns, built_.state_columns) &&
+           same(plant.control_columns, built_.control_columns);
+  }
+
+  const ProblemSpec& spec_;
+  const MpcSpec& mpc_;
+  const BuiltProblem& built_;
+  BuiltMpc& to_;
+  Diagnostics& out_;
+};
+
+/// Conditions that end the loop, as the last node of a problem that has no other constraints.
+std::optional<StopCondition> stop_condition(const ProblemSpec& spec, const BuiltProblem& built,
+                                            Diagnostics& out) {
+  ProblemSpec alone = spec;
+  alone.constraints.clear();
+  alone.terminal_costs.clear();
+  alone.terminal_constraints = spec.mpc->stop_when;
+  alone.guess = {};
+  Diagnostics own = out;  // what is said of the rest has been said
+  const auto problem = build_without_homotopy(alone, {.plant = &built.plant}, own);
+  if (own.has_errors()) out = own;
+  if (!problem) return std::nullopt;
+  const Phase& end = problem->problem->terminal();
+  return StopCondition{end.model, end.parameters};
+}
+
+void set_disturbances(const MpcSpec& mpc, const BuiltProblem& built, ClosedLoopOptions& loop,
+                      Diagnostics& out) {
+  for (const DisturbanceSpec& disturbance : mpc.disturbances)
+    if (disturbance.jump)
+      loop.jumps.push_back({disturbance.at.value, tangent_of(*disturbance.jump, built, out)});
+  std::stable_sort(loop.jumps.begin(), loop.jumps.end(),
+                   [](const Jump& a, const Jump& b) { return a.at < b.at; });
+  if (mpc.noise) loop.noise = {tangent_of(mpc.noise->sigma, built, out), mpc.noise->seed};
+}
+
+/// Tries whether the plant can be integrated as it says.
+void check_plant(const MpcSpec& mpc, const BuiltProblem& built, const StepRule& rule,
+                 Diagnostics& out) {
+  try {
+    const TimeLine line(built.problem, mpc.repeat.value != AfterTheEnd::kNone);
+    const Simulation simulation(line, rule);
+  } catch (const std::invalid_argument& reason) {
+    out.error(mpc.plant.integrator ? mpc.plant.integrator->place : mpc.place, reason.what());
+  }
+}
+
+MpcOptions controller_of(const MpcSpec& mpc, const SolverSpec& solver) {
+  MpcOptions options{.horizon = mpc.horizon.value,
+                     .tick = mpc.tick.value,
+                     .iterations = mpc.iterations,
+                     .hold = mpc.repeat.value != AfterTheEnd::kNone,
+                     .delay = mpc.delay.value,
+                     .feedback_rate = mpc.feedback_rate};
+  options.solver_options = solver.options;
+  return options;
+}
+
+/// How long all phases last, s.
+double total_duration(const ProblemSpec& spec) {
+  double sum = 0;
+  for (const PhaseSpec& phase : spec.phases) sum += phase_duration(phase);
+  return sum;
+}
+
+/// The file with a number of cycles of its gait.
+std::optional<ProblemSpec> with_cycles(const ProblemSpec& spec, int cycles, Diagnostics& out) {
+  std::vector<std::string> settings = spec.settings;
+  settings.push_back(fmt::format("gait.cycles={}", cycles));
+  auto read = read_problem_text(spec.text, spec.file, settings, out);
+  if (read) read->sha256 = spec.sha256;
+  return read;
+}
+
+}  // namespace
+
+std::optional<ProblemSpec> repeat_gait(const ProblemSpec& spec, Diagnostics& out) {
+  constexpr double kMostCycles = 1e6;  // of which the reader will not accept that many
+  const MpcSpec& mpc = *spec.mpc;
+  Diagnostics attempt;
+  const auto once = with_cycles(spec, 1, attempt), twice = with_cycles(spec, 2, attempt);
+  const double cycle = once && twice ? total_duration(*twice) - total_duration(*once) : 0;
+  if (!(cycle > 0)) {
+    out.error(mpc.repeat.place, "the file has no gait whose cycles could be repeated",
+              "write 'repeat: hold'");
+    return std::nullopt;
+  }
+  const double needed = mpc.duration.value + mpc.delay.value + mpc.horizon.value;
+  const double more = std::max(0.0, (needed - total_duration(*once)) / cycle);
+  return with_cycles(spec, 2 + static_cast<int>(std::min(more, kMostCycles)), out);
+}
+
+std::optional<BuiltMpc> build_mpc(const ProblemSpec& spec, const BuiltProblem& built,
+                                  Diagnostics& out) {
+  const MpcSpec& mpc = *spec.mpc;
+  const int errors = out.error_count();
+  check_problem(spec, out);
+  check_times(mpc, *built.problem, out);
+  BuiltMpc result{.controller = controller_of(mpc, spec.solver)};
+  result.loop.duration = mpc.duration.value;
+  if (mpc.plant.integrator) result.loop.step.integrator = mpc.plant.integrator->value;
+  result.loop.step.dt = mpc.plant.dt;
+  if (out.error_count() > errors) return std::nullopt;
+  check_plant(mpc, built, result.loop.step, out);
+  result.controller.solver = solver_of(spec, *built.problem, out);
+  if (mpc.fallback) {
+    result.controller.fallback = held_state(mpc.fallback->to, built, out);
+    result.controller.fallback_after = mpc.fallback->after;
+  }
+  set_disturbances(mpc, built, result.loop, out);
+  if (!mpc.stop_when.empty()) result.loop.stop = stop_condition(spec, built, out);
+  if (out.error_count() > errors) return std::nullopt;
+  PlantBuilder(spec, built, result, out).build();
+  if (out.error_count() > errors) return std::nullopt;
+  return result;
+}
+
+}  // namespace conddp

@@ -1,0 +1,59 @@
+#include "problem_file/expand/expand_sections.hpp"
+#include "problem_file/spec/enum_names.hpp"
+#include "problem_file/yaml/canonical_definition.hpp"
+
+namespace conddp {
+namespace {
+
+OrderedJson expand_mpc_plant(const MpcPlantSpec& plant) {
+  OrderedJson json = {{"set", OrderedJson::object()}};
+  for (const Setting& setting : plant.settings)
+    json["set"][setting.key.value] = OrderedJson::parse(canonical_value(setting.value));
+  if (plant.integrator) json["integrator"] = word_of(kIntegratorWords, plant.integrator->value);
+  if (plant.dt) json["dt"] = *plant.dt;
+  return json;
+}
+
+OrderedJson expand_disturbance(const DisturbanceSpec& disturbance) {
+  OrderedJson json = {{"at", disturbance.at.value}};
+  if (disturbance.jump) json["jump"] = expand_components(*disturbance.jump);
+  if (!disturbance.push) return json;
+  json["frame"] = disturbance.push->frame.value;
+  json["force"] = expand_vector(disturbance.push->wrench.linear);
+  json["torque"] = expand_vector(disturbance.push->wrench.angular);
+  json["duration"] = disturbance.duration;
+  return json;
+}
+
+OrderedJson expand_disturbances(const MpcSpec& mpc) {
+  OrderedJson json = OrderedJson::array();
+  for (const DisturbanceSpec& disturbance : mpc.disturbances)
+    json.push_back(expand_disturbance(disturbance));
+  if (mpc.noise)
+    json.push_back({{"noise", "state"},
+                    {"sigma", expand_components(mpc.noise->sigma)},
+                    {"seed", mpc.noise->seed}});
+  return json;
+}
+
+}  // namespace
+
+OrderedJson expand_mpc(const ProblemSpec& spec, const Plant& plant) {
+  const MpcSpec& mpc = *spec.mpc;
+  OrderedJson json = {
+      {"horizon", mpc.horizon.value}, {"tick", mpc.tick.value}, {"duration", mpc.duration.value}};
+  json["iterations"] = mpc.iterations ? OrderedJson(*mpc.iterations) : OrderedJson("tolerances");
+  json["repeat"] = word_of(kRepeatWords, mpc.repeat.value);
+  json["delay"] = mpc.delay.value;
+  if (mpc.feedback_rate) json["feedback"]["rate"] = *mpc.feedback_rate;
+  json["plant"] = expand_mpc_plant(mpc.plant);
+  json["disturbances"] = expand_disturbances(mpc);
+  if (mpc.fallback)
+    json["fallback"] = {{"after", mpc.fallback->after}, {"to", expand_state(mpc.fallback->to)}};
+  ProblemSpec of_states = spec;
+  of_states.terminal_constraints = mpc.stop_when;
+  json["stop_when"] = expand_terminal_constraints(of_states, plant);
+  return json;
+}
+
+}  // namespace conddp

@@ -1,0 +1,128 @@
+#include <fmt/format.h>
+
+#include "problem_file/read/read_sections.hpp"
+#include "problem_file/spec/enum_names.hpp"
+
+namespace conddp {
+namespace {
+
+constexpr int kMostIterations = 1'000'000;
+
+/// A length of time.
+void require_duration(YamlMap& map, std::string_view key, Located<double>& value) {
+  if (const auto r = map.require(key)) value = {r->number(kPositive).value_or(1), r->place()};
+}
+
+/// A number of iterations, or the word for as many as it takes.
+std::optional<int> read_iterations(const YamlReader& reader) {
+  static constexpr Choice<bool> kWords[] = {{"tolerances", true}};
+  if (reader.is_number()) return static_cast<int>(reader.integer(1, kMostIterations).value_or(1));
+  if (reader.choice(kWords, "number of iterations")) return std::nullopt;
+  return 1;
+}
+
+std::optional<double> read_feedback(const YamlReader& reader) {
+  YamlMap map(reader, "write '{rate: 1000}'");
+  const auto rate = map.require("rate");
+  return rate ? rate->number(kPositive) : std::nullopt;
+}
+
+MpcPlantSpec read_mpc_plant(const YamlReader& reader) {
+  MpcPlantSpec plant{.place = reader.place()};
+  YamlMap map(reader, "write '{dt: 0.001}'");
+  for_each_entry(map, "set", [&](const Name& key, const YamlReader& value) {
+    plant.settings.push_back(make_setting(key, value.node()));
+  });
+  if (const auto r = map.find("integrator"))
+    if (const auto integrator = r->choice(kIntegratorWords, "integrator"))
+      plant.integrator = {*integrator, r->place()};
+  if (const auto r = map.find("dt")) plant.dt = r->number(kPositive);
+  return plant;
+}
+
+/// Random numbers on what is measured.
+NoiseSpec read_noise(YamlMap& map) {
+  static constexpr Choice<bool> kWords[] = {{"state", true}};
+  NoiseSpec noise;
+  map.find("noise")->choice(kWords, "quantity with noise");
+  if (const auto r = map.require("sigma"))
+    noise.sigma = read_components(*r, kNotNegative).value_or(ComponentsSpec{});
+  if (const auto r = map.find("seed"))
+    noise.seed = static_cast<std::uint64_t>(r->integer(0, kLargestSeed).value_or(1));
+  return noise;
+}
+
+void read_push(YamlMap& map, DisturbanceSpec& disturbance) {
+  disturbance.push.emplace();
+  if (const auto r = map.require("frame")) disturbance.push->frame = r->name().value_or(Name{});
+  read_vector3(map, "force", "[x, y, z] in N", disturbance.push->wrench.linear);
+  read_vector3(map, "torque", "[x, y, z] in Nm", disturbance.push->wrench.angular);
+  if (const auto r = map.require("duration"))
+    disturbance.duration = r->number(kPositive).value_or(1);
+}
+
+void read_disturbance(const YamlReader& reader, MpcSpec& mpc) {
+  YamlMap map(reader, "write '{at: 1, jump: {omega: 0.5}}'");
+  if (!map.valid()) return;
+  if (const auto noise =
+          reader.node().find("noise") != nullptr ? map.find("noise") : std::nullopt) {
+    if (mpc.noise) noise->error("there is noise already: a loop has one");
+    mpc.noise = read_noise(map);
+    return;
+  }
+  DisturbanceSpec disturbance{.place = reader.place()};
+  if (const auto r = map.require("at"))
+    disturbance.at = {r->number(kNotNegative).value_or(0), r->place()};
+  const auto jump = map.find("jump");
+  if (jump)
+    disturbance.jump = read_components(*jump);
+  else
+    read_push(map, disturbance);
+  mpc.disturbances.push_back(std::move(disturbance));
+}
+
+FallbackSpec read_fallback(const YamlReader& reader) {
+  FallbackSpec fallback{.place = reader.place()};
+  YamlMap map(reader, "write '{after: 3, to: {configuration: standing}}'");
+  map.integer("after", fallback.after, 1, kMostIterations);
+  if (const auto r = map.require("to"))
+    if (auto state = read_state(*r)) fallback.to = std::move(*state);
+  return fallback;
+}
+
+std::vector<ConstraintSpec> read_conditions(const YamlReader& reader,
+                                            const std::filesystem::path& folder) {
+  ProblemSpec of_states;
+  read_constraints(reader, folder, true, of_states);
+  for (const ConstraintSpec& condition : of_states.terminal_constraints)
+    if (condition.softness != Softness::hard)
+      reader.diagnostics().error(condition.function.name.place,
+                                 "a condition that ends the loop is not soft",
+                                 "leave out 'soft' and 'weight'");
+  return std::move(of_states.terminal_constraints);
+}
+
+}  // namespace
+
+MpcSpec read_mpc(const YamlReader& reader, const std::filesystem::path& folder) {
+  MpcSpec mpc{.place = reader.place()};
+  YamlMap map(reader, "write '{horizon: 1, tick: 0.02, duration: 5}'");
+  if (!map.valid()) return mpc;
+  require_duration(map, "horizon", mpc.horizon);
+  require_duration(map, "tick", mpc.tick);
+  require_duration(map, "duration", mpc.duration);
+  if (const auto r = map.find("iterations")) mpc.iterations = read_iterations(*r);
+  if (const auto r = map.find("repeat"))
+    mpc.repeat = {r->choice(kRepeatWords, "continuation of the phases").value_or(mpc.repeat.value),
+                  r->place()};
+  if (const auto r = map.find("delay"))
+    mpc.delay = {r->number(kNotNegative).value_or(0), r->place()};
+  if (const auto r = map.find("feedback")) mpc.feedback_rate = read_feedback(*r);
+  map.read("plant", mpc.plant, read_mpc_plant);
+  for_each_item(map, "disturbances", [&](const YamlReader& item) { read_disturbance(item, mpc); });
+  if (const auto r = map.find("fallback")) mpc.fallback = read_fallback(*r);
+  if (const auto r = map.find("stop_when")) mpc.stop_when = read_conditions(*r, folder);
+  return mpc;
+}
+
+}  // namespace conddp

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstdint>
+
+#include "ocp/knot/integrator.hpp"
+#include "problem_file/spec/spec_cost.hpp"
+#include "problem_file/spec/spec_robot.hpp"
+#include "problem_file/yaml/setting.hpp"
+
+namespace conddp {
+
+/// What follows the end of the phases: nothing, their last knot again and again, or further cycles
+/// of the file's gait.
+enum class AfterTheEnd { kNone, kHold, kGait };
+
+/// A change of the plant at a time: its state jumps, or a frame is pushed for a while.
+struct DisturbanceSpec {
+  Place place;
+  Located<double> at;                  ///< s
+  std::optional<ComponentsSpec> jump;  ///< of the state, in tangent components
+  std::optional<WrenchSpec> push;
+  double duration = 0;  ///< of a push, s
+};
+
+/// Normal random numbers that are added to what is measured.
+struct NoiseSpec {
+  ComponentsSpec sigma;  ///< standard deviation, in tangent components
+  std::uint64_t seed = 1;
+};
+
+/// What moves in place of the model.
+struct MpcPlantSpec {
+  std::vector<Setting> settings;  ///< of the problem file
+  Place place;                    ///< of the settings
+  std::optional<Located<Integrator>> integrator;
+  std::optional<double> dt;  ///< longest step, s
+};
+
+/// What controls where several ticks in a row have no plan.
+struct FallbackSpec {
+  Place place;
+  int after = 3;
+  StateSpec to;  ///< which the controls hold
+};
+
+/// The section `mpc`: a closed loop.
+struct MpcSpec {
+  Place place;
+  Located<double> horizon, tick, duration;  ///< s
+  std::optional<int> iterations = 1;        ///< of a tick; none: to the solver's tolerances
+  Located<AfterTheEnd> repeat{AfterTheEnd::kHold, {}};
+  Located<double> delay;                ///< s
+  std::optional<double> feedback_rate;  ///< Hz
+  MpcPlantSpec plant;
+  std::vector<DisturbanceSpec> disturbances;
+  std::optional<NoiseSpec> noise;
+  std::optional<FallbackSpec> fallback;
+  std::vector<ConstraintSpec> stop_when;  ///< of states: the loop ends where one does not hold
+};
+
+}  // namespace conddp

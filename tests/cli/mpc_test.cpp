@@ -1,0 +1,83 @@
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "process.hpp"
+
+namespace conddp {
+namespace {
+
+constexpr const char* kBalance = R"(conddp: 1
+name: balance
+system: {type: cartpole}
+initial_state: {values: {theta: 2.9}}
+integrator: rk4
+phases: [{name: balance, knots: 20, dt: 0.05}]
+costs:
+  state: {residual: state, reference: {values: {theta: 3.141592653589793}}}
+  effort: {residual: control, weight: 0.1}
+constraints: {force: {bounds: control, lower: -10, upper: 10}}
+terminal:
+  costs: {upright: {residual: state, reference: {values: {theta: 3.141592653589793}}, weight: 20}}
+solver: {name: box_fddp}
+mpc:
+  horizon: 1
+  tick: 0.02
+  duration: 2
+  delay: 0.005
+  feedback: {rate: 200}
+  plant: {set: {system.pole_mass: 0.25}, dt: 0.005}
+  disturbances: [{at: 1, jump: {omega: 1}}, {noise: state, sigma: 0.001, seed: 3}]
+  fallback: {to: {values: {theta: 3.141592653589793}}}
+  stop_when: {fallen: {residual: state, columns: theta, lower: 2.1, upper: 4.2}}
+)";
+
+class MpcCommand : public testing::Test {
+ protected:
+  MpcCommand() { folder_.write("balance.yaml", kBalance); }
+  ProcessResult run(std::vector<std::string> arguments, const std::string& out) const {
+    arguments.insert(arguments.begin(), {"mpc", "balance.yaml", "-o", out});
+    return run_conddp(arguments, {.folder = folder_.path()});
+  }
+  std::string file(const std::string& name) const { return read_file(folder_.path() / name); }
+  TemporaryFolder folder_;
+};
+
+TEST_F(MpcCommand, WritesALoopThatLastsForItsDuration) {
+  const ProcessResult result = run({}, "out");
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.out.find("balance: finished at 2 s of 2 s\n"), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find("100 of 0.02 s by box_fddp, 0 failed\n"), std::string::npos)
+      << result.out;
+  EXPECT_TRUE(fits_schema("mpc", file("out/mpc.json")));
+  const auto document = nlohmann::json::parse(file("out/mpc.json"));
+  EXPECT_EQ(document["end"], "finished");
+  EXPECT_EQ(document["outcomes"]["planned"], 100);
+  EXPECT_NEAR(document["last_state"]["theta"].get<double>(), 3.14, 0.1);
+  const std::string loop = file("out/closed_loop.csv"), ticks = file("out/ticks.csv");
+  EXPECT_EQ(loop.find("t [s],phase,x [m],theta [rad],"), 0u) << loop.substr(0, 80);
+  EXPECT_EQ(std::count(loop.begin(), loop.end(), '\n'), 1 + 400 + 1);
+  EXPECT_EQ(std::count(ticks.begin(), ticks.end(), '\n'), 1 + 100);
+}
+
+TEST_F(MpcCommand, WritesTheSameBytesOnEachRunAndForAnyNumberOfThreads) {
+  ASSERT_EQ(run({"--quiet"}, "a").exit_code, 0);
+  ASSERT_EQ(run({"--quiet"}, "b").exit_code, 0);
+  ASSERT_EQ(run({"--quiet", "--threads", "2"}, "c").exit_code, 0);
+  for (const char* name : {"/closed_loop.csv", "/ticks.csv"}) {
+    EXPECT_EQ(file(std::string("a") + name), file(std::string("b") + name));
+    EXPECT_EQ(file(std::string("a") + name), file(std::string("c") + name));
+  }
+  EXPECT_EQ(file("a/mpc.json"), file("b/mpc.json"));
+}
+
+TEST_F(MpcCommand, EndsWithStatus1WhereAConditionEndsTheLoop) {
+  const ProcessResult result = run({"--set", "mpc.disturbances.0.jump.omega=20", "--json"}, "out");
+  EXPECT_EQ(result.exit_code, 1) << result.err;
+  const auto document = nlohmann::json::parse(result.out);
+  EXPECT_EQ(document["end"], "stopped");
+  EXPECT_LT(document["end_time_s"], 1.5);
+  EXPECT_EQ(result.out, file("out/mpc.json"));
+}
+
+}  // namespace
+}  // namespace conddp

@@ -1,0 +1,56 @@
+#include <atomic>
+#include <cstdlib>
+
+#include <gtest/gtest.h>
+
+#include "loop_cases.hpp"
+
+// The sanitizers bring a malloc of their own.
+#if !defined(__SANITIZE_ADDRESS__) && defined(__GLIBC__)
+
+#include "support/counted_malloc.hpp"
+
+namespace {
+std::atomic<bool> counting{false};
+std::atomic<long> allocations{0};
+}  // namespace
+
+void conddp::testing::count_allocation() {
+  if (counting.load(std::memory_order_relaxed)) allocations.fetch_add(1);
+}
+
+namespace conddp {
+namespace {
+
+/// Allocations of the ticks after the first ones, which make the windows' workspaces.
+long count(const std::shared_ptr<const ShootingProblem>& problem, const MpcOptions& options) {
+  Mpc mpc(problem, problem->create_trajectory(), options);
+  mpc.reserve(2);
+  std::vector<double> x = problem->initial_state();
+  const auto tick = [&] {
+    mpc.prepare();
+    mpc.feedback(x);
+    x[0] *= 0.99;
+  };
+  for (int i = 0; i < 12; ++i) tick();
+  allocations = 0;
+  counting = true;
+  for (int i = 0; i < 20; ++i) tick();
+  counting = false;
+  return allocations;
+}
+
+TEST(TickAllocation, IsNoneAfterTheFirstTicks) {
+  const auto problem = testing::balanced_cartpole();
+  for (const char* solver : {"box_fddp", "altro", "proxddp"})
+    for (const double tick : {0.05, 0.02}) {
+      const MpcOptions options = testing::with_terminal(
+          *problem, {.horizon = 1, .tick = tick, .feedback_rate = 100, .solver = solver});
+      EXPECT_EQ(count(problem, options), 0) << solver << ' ' << tick;
+    }
+}
+
+}  // namespace
+}  // namespace conddp
+
+#endif

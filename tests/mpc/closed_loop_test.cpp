@@ -1,0 +1,302 @@
+#include "mpc/closed_loop.hpp"
+
+#include <cmath>
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+
+#include "loop_cases.hpp"
+
+namespace conddp {
+namespace {
+
+using testing::shared;
+using testing::with_terminal;
+
+/// Largest difference between the plant's states and those of a trajectory at the same knots.
+double distance(const ClosedLoopResult& loop, const Trajectory& plan) {
+  double most = 0;
+  for (std::size_t k = 0; k < loop.steps.size(); ++k)
+    for (int i = 0; i < plan.nx(); ++i)
+      most = std::max(most, std::abs(loop.steps[k].x[i] - plan.x(static_cast<int>(k))[i]));
+  for (int i = 0; i < plan.nx(); ++i)
+    most = std::max(most, std::abs(loop.last_state[i] - plan.x(plan.knots())[i]));
+  return most;
+}
+
+// Bellman: what is left of an optimum is the optimum of what is left.
+TEST(ClosedLoop, FollowsItsFirstPlanWhereHorizonsShrinkToTheEnd) {
+  struct Case {
+    const char* name;
+    ShootingProblem problem;
+    double u;
+  };
+  Case cases[] = {{"pendulum", testing::pendulum_swing_up(3), 0.1},
+                  {"cart-pole", testing::cartpole_swing_up(6), 0.1},
+                  {"unicycle", testing::unicycle_parking(2), 0.1},
+                  {"quadrotor", testing::quadrotor_move(0, 3), 1.2}};
+  for (Case& c : cases) {
+    SCOPED_TRACE(c.name);
+    const auto problem = shared(std::move(c.problem));
+    const Trajectory guess = testing::constant_controls(*problem, c.u);
+    const double end = problem->times().back();
+    Mpc mpc(problem, guess,
+            {.horizon = end,
+             .tick = problem->knot(0).dt,
+             .iterations = std::nullopt,
+             .hold = false,
+             .solver_options = testing::tight_options()});
+    const SolveResult plan = solve(*problem, "box_fddp", testing::tight_options(), guess);
+    ASSERT_EQ(plan.status, SolveStatus::converged) << plan.message;
+    const ClosedLoopResult loop = run_closed_loop(mpc, {.duration = end});
+    ASSERT_EQ(static_cast<int>(loop.steps.size()), problem->knots());
+    EXPECT_LT(distance(loop, plan.trajectory), 1e-6);
+    for (const TickRecord& tick : loop.ticks) EXPECT_EQ(tick.outcome, TickOutcome::planned);
+  }
+}
+
+TEST(ClosedLoop, FollowsItsFirstPlanThroughAnImpulse) {
+  const auto problem = shared(testing::landing());
+  const Trajectory guess = problem->create_trajectory();
+  Mpc mpc(problem, guess,
+          {.horizon = 1,
+           .tick = 0.01,
+           .iterations = std::nullopt,
+           .hold = false,
+           .solver_options = testing::tight_options()});
+  const SolveResult plan = solve(*problem, "box_fddp", testing::tight_options(), guess);
+  ASSERT_EQ(plan.status, SolveStatus::converged) << plan.message;
+  const ClosedLoopResult loop = run_closed_loop(mpc, {.duration = 1});
+  ASSERT_EQ(loop.steps.size(), 40u);  // the impulse takes no time
+  for (int i = 0; i < problem->nx(); ++i) {
+    EXPECT_NEAR(loop.steps[9].x[i], plan.trajectory.x(9)[i], 1e-6);
+    EXPECT_NEAR(loop.steps[10].x[i], plan.trajectory.x(11)[i], 1e-6);
+    EXPECT_NEAR(loop.last_state[i], plan.trajectory.x(41)[i], 1e-6);
+  }
+}
+
+TEST(ClosedLoop, BalancesByOneIterationATickOfAnyLength) {
+  const auto problem = testing::balanced_cartpole();
+  for (const double tick : {0.05, 0.02, 0.03, 0.12}) {
+    Mpc mpc(problem, problem->create_trajectory(),
+            with_terminal(*problem, {.horizon = 1, .tick = tick}));
+    const ClosedLoopResult loop =
+        run_closed_loop(mpc, {.duration = 8, .step = {.integrator = Integrator::rk4, .dt = 0.01}});
+    EXPECT_EQ(loop.end, LoopEnd::finished);
+    EXPECT_NEAR(loop.last_state[0], 0, 1e-3) << tick;
+    EXPECT_NEAR(loop.last_state[1], M_PI, 1e-3) << tick;
+    for (const TickRecord& record : loop.ticks)
+      EXPECT_EQ(record.outcome, TickOutcome::planned) << tick << ' ' << record.tick;
+  }
+}
+
+/// The states of a loop by one delay, from a start that has waited for that long without control.
+std::vector<std::vector<double>> states(const std::shared_ptr<const ShootingProblem>& problem,
+                                        double delay, bool predict, std::optional<int> iterations) {
+  Mpc mpc(problem, problem->create_trajectory(),
+          with_terminal(*problem, {.horizon = 1,
+                                   .tick = 0.05,
+                                   .iterations = iterations,
+                                   .delay = delay,
+                                   .predict = predict,
+                                   .solver_options = testing::tight()}));
+  std::vector<std::vector<double>> x;
+  for (const PlantStep& step : run_closed_loop(mpc, {.duration = 1.5}).steps) x.push_back(step.x);
+  return x;
+}
+
+double largest_difference(const std::vector<std::vector<double>>& late,
+                          const std::vector<std::vector<double>>& prompt) {
+  double most = 0;
+  for (std::size_t k = 1; k < late.size(); ++k)
+    for (std::size_t i = 0; i < late[k].size(); ++i)
+      most = std::max(most, std::abs(late[k][i] - prompt[k - 1][i]));
+  return most;
+}
+
+TEST(ClosedLoop, IsDelayedByADelayThatIsPredictedAndNothingElse) {
+  const auto problem = testing::balanced_cartpole();
+  for (const std::optional<int> iterations : {std::optional<int>(), std::optional<int>(2)}) {
+    const auto late = states(problem, 0.05, true, iterations);
+    const auto prompt = states(testing::balanced_cartpole(late[1]), 0, true, iterations);
+    EXPECT_LT(largest_difference(late, prompt), 1e-7) << iterations.value_or(0);
+    const auto blind = states(problem, 0.05, false, iterations);
+    EXPECT_GT(largest_difference(blind, prompt), 1e-2) << iterations.value_or(0);
+  }
+}
+
+TEST(ClosedLoop, LastsToTheEndOfItsTimeLineWhereADelayLeadsBeyondIt) {
+  const auto problem = testing::balanced_cartpole();  // 2 s
+  Mpc mpc(problem, problem->create_trajectory(),
+          {.horizon = 1, .tick = 0.05, .hold = false, .delay = 0.05});
+  const ClosedLoopResult result = run_closed_loop(mpc, {.duration = 10});
+  EXPECT_EQ(result.end, LoopEnd::finished);
+  EXPECT_DOUBLE_EQ(result.end_time, 2);
+  EXPECT_EQ(result.ticks.size(), 39u);
+  EXPECT_EQ(result.steps.size(), 40u);
+}
+
+TEST(ClosedLoop, ComesCloserByGainsBetweenTicks) {
+  const auto problem = testing::balanced_cartpole();
+  const auto cost = [&](std::optional<double> rate) {
+    Mpc mpc(problem, problem->create_trajectory(),
+            with_terminal(*problem, {.horizon = 1, .tick = 0.2, .feedback_rate = rate}));
+    ClosedLoopOptions options{.duration = 4, .step = {.dt = 0.01}};
+    options.jumps = {{.at = 1.03, .tangent = {0, 0, 0, 2}}};
+    return run_closed_loop(mpc, options).cost;
+  };
+  EXPECT_LT(cost(100), cost(std::nullopt));
+}
+
+/// Outcomes tick by tick of a loop in which something goes wrong.
+struct Trouble {
+  std::shared_ptr<const ShootingProblem> problem = testing::balanced_cartpole();
+  MpcOptions options = with_terminal(*problem, {.horizon = 1, .tick = 0.05});
+  ClosedLoopOptions loop{.duration = 5};
+
+  ClosedLoopResult run() const {
+    Mpc mpc(problem, problem->create_trajectory(), options);
+    return run_closed_loop(mpc, loop);
+  }
+};
+
+void expect_balanced(const ClosedLoopResult& result) {
+  EXPECT_EQ(result.end, LoopEnd::finished);
+  EXPECT_NEAR(result.last_state[1], M_PI, 1e-2);
+  for (const PlantStep& step : result.steps) EXPECT_TRUE(std::isfinite(step.u[0]));
+}
+
+TEST(ClosedLoop, KeepsItsPlanWhereAMeasurementIsNotFinite) {
+  Trouble trouble;
+  trouble.loop.distort = [](int tick, std::vector<double>& x) {
+    if (tick == 6 || tick == 7) x[1] = std::nan("");
+  };
+  const ClosedLoopResult result = trouble.run();
+  expect_balanced(result);
+  for (const TickRecord& tick : result.ticks) {
+    const bool bad = tick.tick == 6 || tick.tick == 7;
+    EXPECT_EQ(tick.outcome, bad ? TickOutcome::not_finite : TickOutcome::planned) << tick.tick;
+  }
+  EXPECT_NEAR(result.ticks[7].plan_age, 0.1, 1e-12);
+  EXPECT_EQ(result.ticks[8].plan_age, 0);
+}
+
+TEST(ClosedLoop, FallsBackAfterTicksInARowThatCameTooLate) {
+  Trouble trouble;
+  trouble.options.is_late = [](int tick) { return tick >= 40 && tick < 45; };
+  trouble.options.fallback =
+      HeldState{{0, M_PI, 0, 0}, Eigen::VectorXd::Zero(1), Eigen::MatrixXd::Zero(1, 4)};
+  const ClosedLoopResult result = trouble.run();
+  expect_balanced(result);
+  for (const TickRecord& tick : result.ticks) {
+    const bool late = tick.tick >= 40 && tick.tick < 45;
+    EXPECT_EQ(tick.outcome, late ? TickOutcome::late : TickOutcome::planned) << tick.tick;
+    EXPECT_EQ(tick.fallback, tick.tick >= 42 && tick.tick < 45) << tick.tick;
+  }
+  EXPECT_EQ(result.steps[43].u[0], 0);
+  EXPECT_NE(result.steps[45].u[0], 0);
+}
+
+TEST(ClosedLoop, RecoversFromATickWhoseConstraintsCannotHold) {
+  const ShootingProblem free =
+      testing::tracking_problem(double_integrator(1), Integrator::rk4, 20, 0.1, {1, 0},
+                                {{0, 0}, {1, 1}, {0.1}, {1, 1}}, -3, 3);
+  const auto problem = shared(
+      testing::with_constraints(free, {{.name = "speed",
+                                        .residual = coordinate_residual(free.manifold(), {1}),
+                                        .reference = {0},
+                                        .lower = {-0.6},
+                                        .upper = {0.6},
+                                        .first = 0,
+                                        .last = 20}}));
+  Mpc mpc(problem, problem->create_trajectory(),
+          with_terminal(*problem, {.horizon = 1,
+                                   .tick = 0.1,
+                                   .iterations = std::nullopt,
+                                   .solver = "altro",
+                                   .solver_options = {.max_iterations = 100}}));
+  ClosedLoopOptions options{.duration = 4};
+  options.distort = [](int tick, std::vector<double>& x) {
+    if (tick == 5) x[1] = 20;
+  };
+  const ClosedLoopResult result = run_closed_loop(mpc, options);
+  for (const TickRecord& tick : result.ticks)
+    EXPECT_EQ(tick.outcome == TickOutcome::planned, tick.tick != 5)
+        << tick.tick << ' ' << to_string(tick.outcome);
+  for (std::size_t k = 10; k < result.steps.size(); ++k)
+    EXPECT_LT(std::abs(result.steps[k].x[1]), 0.6 + 1e-5) << k;
+  EXPECT_NEAR(result.last_state[0], 0, 0.05);
+}
+
+TEST(ClosedLoop, StopsWhereAConditionIsMet) {
+  Trouble trouble;
+  auto model = std::make_shared<KnotModel>(cartpole({}), Integrator::none);
+  model->add_constraint(make_constraint("upright", coordinate_residual(model->manifold(), {1}),
+                                        ConstraintKind::bounds));
+  trouble.loop.stop = StopCondition{model, {0, M_PI - 1, M_PI + 1, 1}};
+  trouble.loop.jumps = {{.at = 2, .tangent = {0, 0, 0, 12}}};
+  const ClosedLoopResult result = trouble.run();
+  EXPECT_EQ(result.end, LoopEnd::stopped);
+  EXPECT_GT(result.end_time, 2);
+  EXPECT_LT(result.end_time, 2.5);
+  EXPECT_GT(std::abs(result.last_state[1] - M_PI), 1);
+}
+
+TEST(ClosedLoop, EndsWhereThePlantDiverges) {
+  Trouble trouble;
+  trouble.loop.jumps = {{.at = 1, .tangent = {0, 0, 0, 1e200}}};
+  EXPECT_EQ(trouble.run().end, LoopEnd::diverged);
+}
+
+void expect_same(const ClosedLoopResult& a, const ClosedLoopResult& b) {
+  ASSERT_EQ(a.steps.size(), b.steps.size());
+  for (std::size_t k = 0; k < a.steps.size(); ++k) {
+    EXPECT_EQ(a.steps[k].x, b.steps[k].x);
+    EXPECT_EQ(a.steps[k].u, b.steps[k].u);
+  }
+}
+
+TEST(ClosedLoop, IsTheSameOnEachRunAndForAnyNumberOfThreads) {
+  Trouble trouble;
+  trouble.loop.noise = MeasurementNoise{{1e-2, 1e-2, 1e-2, 1e-2}, 3};
+  trouble.loop.duration = 2;
+  const ClosedLoopResult once = trouble.run();
+  expect_same(trouble.run(), once);
+  trouble.options.solver_options.threads = 2;
+  expect_same(trouble.run(), once);
+  trouble.loop.noise->seed = 4;
+  EXPECT_NE(trouble.run().last_state, once.last_state);
+}
+
+TEST(ClosedLoop, HasAPlantThatIsNotTheModel) {
+  Trouble trouble;
+  const auto model = trouble.run();
+  trouble.loop.plant = {
+      {0, shared(testing::tracking_problem(
+              cartpole({.pole_mass = 0.4}), Integrator::rk4, 40, 0.05, {0.3, M_PI - 0.3, 0, 0},
+              {{0, M_PI, 0, 0}, {1, 10, 0.1, 0.1}, {0.1}, {10, 100, 10, 10}}, -10, 10))}};
+  const auto heavier = trouble.run();
+  expect_balanced(heavier);
+  EXPECT_NE(heavier.last_state, model.last_state);
+}
+
+TEST(Mpc, SaysWhichOptionsItCannotTake) {
+  const auto problem = testing::balanced_cartpole();
+  const Trajectory guess = problem->create_trajectory();
+  const auto refused = [&](const MpcOptions& options) {
+    EXPECT_THROW(Mpc(problem, guess, options), std::invalid_argument);
+  };
+  refused({.horizon = 0});
+  refused({.horizon = 0.1, .tick = 0.2});
+  refused({.iterations = 0});
+  refused({.tick = 0.1, .delay = 0.2});
+  refused({.feedback_rate = 0.0});
+  refused({.fallback = HeldState{{0, 0}, Eigen::VectorXd::Zero(1), Eigen::MatrixXd::Zero(1, 4)}});
+  Mpc mpc(problem, guess, {});
+  EXPECT_THROW(mpc.feedback(std::vector<double>(4)), std::invalid_argument);
+  mpc.prepare();
+  EXPECT_THROW(mpc.feedback(std::vector<double>(3)), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace conddp

@@ -1,0 +1,110 @@
+#include "mpc/time_line.hpp"
+
+#include <cmath>
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+
+#include "loop_cases.hpp"
+#include "mpc/plan.hpp"
+
+namespace conddp {
+namespace {
+
+using testing::shared;
+
+std::vector<TimedKnot> cut(const TimeLine& line, double from, double to) {
+  std::vector<TimedKnot> knots;
+  line.cut(from, to, knots);
+  return knots;
+}
+
+TEST(TimeLine, CutsKnotsWhereAWindowBeginsAndEnds) {
+  const TimeLine line(shared(testing::pendulum_swing_up()), false);  // 50 knots of 0.06 s
+  const auto knots = cut(line, 0.07, 0.2);
+  ASSERT_EQ(knots.size(), 3u);
+  EXPECT_EQ(knots[0].knot, 1);
+  EXPECT_DOUBLE_EQ(knots[0].begin, 0.07);
+  EXPECT_DOUBLE_EQ(knots[0].end, 0.12);
+  EXPECT_EQ(knots[2].knot, 3);
+  EXPECT_DOUBLE_EQ(knots[2].end, 0.2);
+}
+
+TEST(TimeLine, HasNoSliversOfKnotsWhereTimesAreRounded) {
+  const TimeLine line(shared(testing::pendulum_swing_up()), false);
+  for (int k = 0; k < 40; ++k) {
+    const auto knots = cut(line, k * 0.06, (k + 10) * 0.06);
+    ASSERT_EQ(knots.size(), 10u) << k;
+    EXPECT_EQ(knots.front().knot, k);
+  }
+}
+
+TEST(TimeLine, EndsOrHoldsItsLastKnot) {
+  const auto problem = shared(testing::pendulum_swing_up());
+  const TimeLine ending(problem, false), held(problem, true);
+  EXPECT_EQ(cut(ending, 2.94, 3.2).size(), 1u);
+  EXPECT_TRUE(cut(ending, 3, 3.2).empty());
+  const auto knots = cut(held, 2.94, 3.15);
+  ASSERT_EQ(knots.size(), 4u);
+  for (const TimedKnot& knot : knots) EXPECT_EQ(knot.knot, 49);
+  EXPECT_DOUBLE_EQ(knots[1].begin, 3);
+  EXPECT_DOUBLE_EQ(knots[1].end, 3.06);
+  EXPECT_DOUBLE_EQ(knots[3].end, 3.15);
+  EXPECT_DOUBLE_EQ(held.at(3.15).begin, 3.12);
+}
+
+// The hopper is 0.1 s in the air, its foot then stops at an impulse, knot 10.
+TEST(TimeLine, HasAnInstantInTheWindowThatBeginsAtIt) {
+  const TimeLine line(shared(testing::landing()), false);
+  EXPECT_EQ(cut(line, 0.05, 0.1).size(), 5u);
+  const auto later = cut(line, 0.1, 0.12);
+  ASSERT_EQ(later.size(), 3u);
+  EXPECT_EQ(later[0].knot, 10);
+  EXPECT_DOUBLE_EQ(later[0].end, 0.1);
+  EXPECT_EQ(later[1].knot, 11);
+  EXPECT_EQ(line.at(0.1).knot, 11);
+  EXPECT_EQ(line.instants_at(0.1), std::make_pair(10, 11));
+  EXPECT_EQ(line.instants_at(0.105).first, line.instants_at(0.105).second);
+}
+
+TEST(TimeLine, IsNotMadeOfAFreeInitialState) {
+  ShootingProblem whole = testing::pendulum_swing_up();
+  std::vector<Phase> phases = whole.phases();
+  phases.front().instant = true;
+  EXPECT_THROW(
+      TimeLine(shared(ShootingProblem(whole.initial_state(), phases, whole.terminal())), true),
+      std::invalid_argument);
+}
+
+TEST(Plan, IsAFunctionOfTimeOnTheManifold) {
+  const ShootingProblem problem = testing::quadrotor_move();
+  Plan plan(problem);
+  plan.times = problem.times();
+  plan.trajectory.x(1) << 1, 0, 1, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0;  // turned by π about z
+  plan.trajectory.u(1).setConstant(2);
+  std::vector<double> tangent(problem.ndx()), x(problem.nx());
+  plan.state_at(0.02, false, tangent.data(), x.data());
+  EXPECT_NEAR(x[5], std::sqrt(0.5), 1e-12);  // half the turn, of unit length
+  EXPECT_NEAR(x[6], std::sqrt(0.5), 1e-12);
+  EXPECT_EQ(plan.knot_at(0.0399999), 0);
+  EXPECT_EQ(plan.knot_at(0.04), 1);
+  EXPECT_EQ(plan.knot_at(100), 49);
+  EXPECT_EQ(plan.knot_at(-1), 0);
+}
+
+TEST(Plan, HasTwoStatesAtAnImpulse) {
+  const ShootingProblem problem = testing::landing();
+  Plan plan(problem);
+  plan.times = problem.times();
+  plan.trajectory.x(10).setConstant(1);
+  plan.trajectory.x(11).setConstant(2);
+  std::vector<double> tangent(problem.ndx()), x(problem.nx());
+  plan.state_at(0.1, true, tangent.data(), x.data());
+  EXPECT_EQ(x[0], 1);
+  plan.state_at(0.1, false, tangent.data(), x.data());
+  EXPECT_EQ(x[0], 2);
+  EXPECT_EQ(plan.knot_at(0.1), 11);
+}
+
+}  // namespace
+}  // namespace conddp

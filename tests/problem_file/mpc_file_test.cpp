@@ -1,0 +1,169 @@
+// The section `mpc` of problem files, and the closed loops that it stands for.
+#include <cmath>
+
+#include "problem_file/build/build_mpc.hpp"
+#include "problem_file/expand/expand_problem.hpp"
+#include "problem_text.hpp"
+
+namespace conddp {
+namespace {
+
+/// A problem with a closed loop.
+struct LoadedLoop : Loaded {
+  explicit LoadedLoop(const std::string& text, const std::vector<std::string>& settings = {})
+      : Loaded(text, settings) {
+    if (built && spec->mpc) mpc = build_mpc(*spec, *built, diagnostics);
+  }
+  ClosedLoopResult run() const {
+    Mpc controller(built->problem, built->guess, mpc->controller);
+    return run_closed_loop(controller, mpc->loop);
+  }
+  std::optional<BuiltMpc> mpc;
+};
+
+std::string text_of(const std::string& name) {
+  Diagnostics out;
+  return load_problem(kProblems / (name + ".yaml"), {}, out)->text;
+}
+
+std::string pendulum_with(const std::string& mpc) { return std::string(kPendulum) + mpc + '\n'; }
+
+// Bellman: what is left of an optimum is the optimum of what is left. Models with and without
+// constraints, closed forms and robots, with contacts and flight.
+TEST(MpcFile, FollowsTheFirstPlanOfExampleProblemsWhereHorizonsShrink) {
+  const struct {
+    const char* name;
+    double tick;
+  } cases[] = {{"pendulum_swingup", 0.06},    {"cartpole_swingup_closed_form", 0.03},
+               {"cartpole_swingup", 0.03},    {"arm_reach", 0.01},
+               {"quadrotor_waypoints", 0.08}, {"double_integrator_limits", 0.1},
+               {"unicycle_obstacles", 0.05},  {"powered_descent", 0.125},
+               {"hopper_jump", 0.01},         {"quadruped_trot", 0.02}};
+  for (const auto& c : cases) {
+    SCOPED_TRACE(c.name);
+    const LoadedLoop loop(
+        text_of(c.name),
+        {fmt::format("mpc={{horizon: 100, tick: {}, duration: {}, repeat: none, iterations: "
+                     "tolerances}}",
+                     c.tick, 4 * c.tick),
+         "solver.tolerances.stationarity=1e-9"});
+    ASSERT_TRUE(loop.mpc) << loop.all();
+    const SolveResult plan = solve(*loop.built->problem, loop.mpc->controller.solver,
+                                   loop.spec->solver.options, loop.built->guess);
+    const ClosedLoopResult result = loop.run();
+    ASSERT_GE(result.steps.size(), 3u);
+    for (std::size_t k = 0; k < result.steps.size(); ++k)
+      for (int i = 0; i < loop.built->problem->nx(); ++i)
+        EXPECT_NEAR(result.steps[k].x[i], plan.trajectory.x(static_cast<int>(k))[i], 1e-6)
+            << k << ' ' << i;
+    for (const TickRecord& tick : result.ticks)
+      EXPECT_EQ(tick.outcome, TickOutcome::planned) << tick.tick << to_string(tick.status);
+  }
+}
+
+TEST(MpcFile, SimulatesAPlantWithOtherNumbers) {
+  const std::string mpc = "mpc: {horizon: 0.5, tick: 0.1, duration: 1, plant: {";
+  const LoadedLoop model(pendulum_with(mpc + "dt: 0.01}}"));
+  const LoadedLoop heavy(pendulum_with(mpc + "set: {system.mass: 1.5}, dt: 0.01}}"));
+  ASSERT_TRUE(model.mpc && heavy.mpc) << heavy.all();
+  EXPECT_TRUE(model.mpc->loop.plant.empty());
+  const ClosedLoopResult a = model.run(), b = heavy.run();
+  EXPECT_EQ(a.steps.size(), 100u);
+  EXPECT_EQ(b.steps.size(), 100u);
+  EXPECT_NE(a.last_state, b.last_state);
+}
+
+constexpr const char* kArm = R"(conddp: 1
+robot: {urdf: robots/arm7.urdf, configurations: {ready: {joints: {joint_2: 0.4, joint_4: -1.2}}}}
+initial_state: {configuration: ready}
+phases: [{name: hold, knots: 20, dt: 0.02}]
+costs:
+  posture: {residual: state, reference: ready, weight: 100}
+  effort: {residual: control_gravity, weight: 1.0e-3}
+initial_guess: {controls: quasi_static}
+solver: {name: box_fddp}
+mpc:
+  horizon: 0.2
+  tick: 0.02
+  duration: 0.6
+  plant: {dt: 0.005}
+  disturbances: [{at: 0.2, frame: tool, force: [0, 30, 0], duration: 0.1}]
+  fallback: {after: 2, to: {configuration: ready}}
+)";
+
+TEST(MpcFile, PushesAFrameForAsLongAsItSays) {
+  const LoadedLoop loop(kArm);
+  ASSERT_TRUE(loop.mpc) << loop.all();
+  ASSERT_EQ(loop.mpc->loop.plant.size(), 3u);  // before, during and after the push
+  const ClosedLoopResult result = loop.run();
+  const auto speed = [&](double time) -> double {
+    for (const PlantStep& step : result.steps)
+      if (std::abs(step.time - time) < 1e-9)
+        return Eigen::Map<const Eigen::VectorXd>(step.x.data() + 7, 7).cwiseAbs().maxCoeff();
+    return NAN;
+  };
+  EXPECT_LT(speed(0.2), 1e-6);
+  EXPECT_GT(speed(0.25), 1e-2);
+  EXPECT_EQ(result.end, LoopEnd::finished);
+}
+
+TEST(MpcFile, HoldsTheStateOfItsFallbackByQuasiStaticControls) {
+  LoadedLoop loop(kArm, {"mpc.disturbances=[]"});
+  ASSERT_TRUE(loop.mpc) << loop.all();
+  loop.mpc->controller.is_late = [](int) { return true; };
+  const ClosedLoopResult result = loop.run();
+  for (int i = 0; i < 14; ++i) EXPECT_NEAR(result.last_state[i], result.steps[0].x[i], 1e-6) << i;
+  EXPECT_TRUE(result.ticks.back().fallback);
+}
+
+TEST(MpcFile, StopsWhereAConditionDoesNotHold) {
+  const LoadedLoop loop(pendulum_with(
+      "mpc: {horizon: 0.5, tick: 0.05, duration: 5, stop_when: {up: {residual: state, columns: "
+      "theta, upper: 0.6}}, disturbances: [{at: 1, jump: {omega: 3}}]}"));
+  ASSERT_TRUE(loop.mpc) << loop.all();
+  const ClosedLoopResult result = loop.run();
+  EXPECT_EQ(result.end, LoopEnd::stopped);
+  EXPECT_GT(result.last_state[0], 0.6);
+}
+
+// The file's own gait has two cycles of 0.15 m.
+TEST(MpcFile, WalksOnWhereTheGaitRepeats) {
+  Diagnostics out;
+  const auto two =
+      read_problem_text(text_of("quadruped_trot"), kProblems / "test.yaml",
+                        {"mpc={horizon: 0.4, tick: 0.02, duration: 2.4, repeat: gait}"}, out);
+  ASSERT_TRUE(two) << format_diagnostics(out, false);
+  const auto spec = repeat_gait(*two, out);
+  ASSERT_TRUE(spec) << format_diagnostics(out, false);
+  const auto built = build_problem(*spec, {}, out);
+  ASSERT_TRUE(built) << format_diagnostics(out, false);
+  EXPECT_GT(built->problem->times().back(), 2.8);
+  const auto mpc = build_mpc(*spec, *built, out);
+  ASSERT_TRUE(mpc) << format_diagnostics(out, false);
+  Mpc controller(built->problem, built->guess, mpc->controller);
+  const ClosedLoopResult result = run_closed_loop(controller, mpc->loop);
+  for (const TickRecord& tick : result.ticks)
+    EXPECT_EQ(tick.outcome, TickOutcome::planned) << tick.tick << to_string(tick.status);
+  EXPECT_GT(result.last_state[0], 0.5);          // x
+  EXPECT_NEAR(result.last_state[1], 0, 0.05);    // y
+  EXPECT_NEAR(result.last_state[2], 0.57, 0.1);  // z
+}
+
+TEST(MpcFile, IsReadFromItsExpansionAgain) {
+  const LoadedLoop once(kArm);
+  ASSERT_TRUE(once.mpc) << once.all();
+  const LoadedLoop again(expanded_text(*once.spec, *once.built));
+  ASSERT_TRUE(again.mpc) << again.all();
+  EXPECT_EQ(expand_problem(*again.spec, *again.built).at("mpc"),
+            expand_problem(*once.spec, *once.built).at("mpc"));
+  EXPECT_EQ(again.run().last_state, once.run().last_state);
+}
+
+TEST(MpcFile, IsNoPartOfTheProblemItself) {
+  const Loaded without{std::string(kPendulum)};
+  const Loaded with(pendulum_with("mpc: {horizon: 0.5, tick: 0.1, duration: 1}"));
+  EXPECT_EQ(with.spec->definition, without.spec->definition);
+}
+
+}  // namespace
+}  // namespace conddp
