@@ -178,7 +178,8 @@ OrderedJson constraints_json(const ProblemSpec& spec, const BuiltProblem& built)
 
 std::string_view phase_kind(const Phase& phase) {
   if (phase.model->system().kind() == SystemKind::impulse) return "impulse";
-  return phase.instant ? "choice" : "motion";
+  if (phase.instant) return "choice";
+  return phase.dt.front() > 0 ? "motion" : "jump";
 }
 
 /// The contacts that are closed in a phase.

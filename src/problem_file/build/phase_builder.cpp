@@ -210,7 +210,6 @@ class PhaseBuilder {
     const Terms terms{active_in(weights_, first, given.knots.value),
                       active_in(switches_, first, given.knots.value)};
     Phase phase{.name = given.name.value, .model = shared_model(p, terms)};
-    phase.instant = given.jump.has_value();
     phase.dt = phase_steps(given);
     phase.cost_scale = cost_scales(given, context_.spec);
     const int count = phase.model->parameter_count();
