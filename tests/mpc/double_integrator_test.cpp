@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "loop_cases.hpp"
-#include "systems/catalogue.hpp"
+#include "systems/closed_forms/catalogue.hpp"
 
 namespace conddp {
 namespace {
