@@ -34,9 +34,16 @@ TEST(AugmentedLagrangian, IsIdleWhereAllRowsAreStrictlyInside) {
     Eigen::VectorXd touching = inside;
     touching[c.row] = c.term->has_bounds() ? c.upper[0] : 1;
     EXPECT_FALSE(constraints.idle(touching));
+    // What a violation asked for is gone where all rows hold again.
+    touching[c.row] += 1;
+    EXPECT_GT(constraints.measure(touching).dual_gain, 0);
+    EXPECT_FALSE(constraints.multipliers().isZero(0));
+    EXPECT_EQ(constraints.measure(inside).dual_gain, 0);
+    EXPECT_TRUE(constraints.multipliers().isZero(0));
   }
   constraints.start(Eigen::VectorXd::Ones(problem.constraint_rows()));
   EXPECT_FALSE(constraints.idle(inside));  // multipliers that are still to go
+  EXPECT_GT(constraints.measure(inside).dual_gain, 0);
 }
 
 // Their curvature is there where their values vanish, and changes with the penalty.

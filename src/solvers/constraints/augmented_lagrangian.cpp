@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <unordered_map>
 
 #include "ocp/problem/by_name.hpp"
 #include "ocp/problem/soft_constraint.hpp"
@@ -60,14 +61,14 @@ AugmentedLagrangian::AugmentedLagrangian(const ShootingProblem& problem,
       multipliers_(Eigen::VectorXd::Zero(problem.constraint_rows())),
       next_(multipliers_),
       shifted_(multipliers_) {
+  std::unordered_map<std::string, std::size_t> group_of;
   for (std::size_t i = 0; i < problem.constraints().size(); ++i) {
     const NodeConstraint& c = problem.constraints()[i];
-    const std::string name = constraint_name(problem, c);
-    auto group = std::find_if(groups_.begin(), groups_.end(),
-                              [&](const Group& g) { return g.name == name; });
-    if (group == groups_.end()) group = groups_.insert(group, Group{.name = name});
-    group->constraints.push_back(static_cast<int>(i));
-    group->soft = c.is_soft();
+    const auto [place, is_new] = group_of.try_emplace(constraint_name(problem, c), groups_.size());
+    if (is_new) groups_.push_back(Group{.name = place->first});
+    Group& group = groups_[place->second];
+    group.constraints.push_back(static_cast<int>(i));
+    group.soft = c.is_soft();
   }
   start(multipliers_);
 }
@@ -137,12 +138,23 @@ void AugmentedLagrangian::write(const Group& group) {
   }
 }
 
+/// Whether a constraint holds strictly and has no multipliers: it has a part in no norm.
+bool AugmentedLagrangian::is_idle(const NodeConstraint& c, const Eigen::VectorXd& values) const {
+  const int n = c.term->rows;
+  return multipliers_.segment(c.row, n).isZero(0) &&
+         is_strictly_inside(c, values.segment(c.row, n));
+}
+
 ConstraintNorms AugmentedLagrangian::measure(const Eigen::VectorXd& values) {
   ConstraintNorms norms;
   for (Group& group : groups_) {
     group.violation = group.change = 0;
     for (const int i : group.constraints) {
       const NodeConstraint& c = problem_.constraints()[i];
+      if (is_idle(c, values)) {
+        next_.segment(c.row, c.term->rows).setZero();
+        continue;
+      }
       const double* g = values.data() + c.row;
       const double distance = violation(c, g);
       if (!(distance <= group.violation)) group.violation = distance;

@@ -91,6 +91,7 @@ class AugmentedLagrangian {
   bool grows_instead_of_update(Group& group);
   void watch_progress(Group& group, bool grown);
   bool stays_violated(const Group& group) const;
+  bool is_idle(const NodeConstraint& c, const Eigen::VectorXd& values) const;
   void write(const Group& group);
 
   const ShootingProblem& problem_;

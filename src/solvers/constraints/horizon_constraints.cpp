@@ -63,6 +63,7 @@ void HorizonConstraints::reserve() {
   }
   int most = 0;
   cone_slope_.resize(rows_.size());
+  off_.resize(rows_.size());
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     const Rows& c = rows_[i];
     nodes_[c.node].terms.push_back(static_cast<int>(i));
@@ -168,16 +169,20 @@ int HorizonConstraints::revise(const std::vector<Eigen::VectorXd>& z, double all
   return squared_error() <= allowed ? 0 : revise(linearization, last);
 }
 
-/// Σ ρ |P(s) − model|² at what was found.
+/// Σ ρ |P(s) − model|² at what was found. Notes which terms of bounds are off.
 double HorizonConstraints::squared_error() {
+  allowed_ = kExact * outside_.lpNorm<Eigen::Infinity>();
   double sum = 0;
   for (std::size_t i = 0; i < cone_slope_.size(); ++i) {
     const Rows& c = rows_[i];
     if (c.lower != nullptr) {
+      off_[i] = false;
       for (int row = c.row; row < c.row + c.count; ++row) {
         const double moved = shifted_[row] - around_[row];
         const double error = found_[row] - outside_[row] - slope_[row] * moved;
         sum += penalty_[row] * error * error;
+        const double model = outside_[row] + slope_[row] * moved;
+        off_[i] |= !(std::abs(found_[row] - model) <= allowed_);
       }
       continue;
     }
@@ -192,16 +197,16 @@ double HorizonConstraints::squared_error() {
   return sum;
 }
 
-/// Around shifted_, with P found_ there.
+/// Around shifted_, with P found_ there, after squared_error().
 int HorizonConstraints::revise(Linearization& linearization, std::optional<int>& last) {
-  allowed_ = kExact * outside_.lpNorm<Eigen::Infinity>();
   int changes = 0;
   for (int k = 0; k <= problem_.knots(); ++k) {
     Node& node = nodes_[k];
     for (const int i : node.terms) {
       const Rows& c = rows_[i];
-      const bool changed = c.lower != nullptr ? revise_bounds(c, linearization.knots[k], node)
-                                              : revise_cone(c, i, linearization.knots[k], node);
+      const bool changed = c.lower == nullptr
+                               ? revise_cone(c, i, linearization.knots[k], node)
+                               : off_[i] && revise_bounds(c, linearization.knots[k], node);
       if (!changed) continue;
       ++changes;
       last = k;
@@ -219,6 +224,7 @@ void HorizonConstraints::expect(Linearization& linearization) {
   for (int row = 0; row < shifted_.size(); ++row)
     if (multiplier_[row] != 0) shifted_[row] += multiplier_[row] / penalty_[row];
   evaluate(shifted_, found_);
+  squared_error();
   std::optional<int> last;
   revise(linearization, last);
 }

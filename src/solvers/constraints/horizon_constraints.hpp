@@ -101,6 +101,7 @@ class HorizonConstraints {
   bool settled_ = false;                     ///< these are known
   Eigen::VectorXd along_;                    ///< ∂g d of a path
   std::vector<Eigen::MatrixXd> cone_slope_;  ///< of each of rows_, empty unless a cone
+  std::vector<char> off_;                    ///< of each of rows_ with bounds: the model of P
   LowRankUpdate update_;                     ///< of the Hessian of one node
   Eigen::MatrixXd new_slope_;                ///< scratch
   Eigen::VectorXd new_outside_, weight_, difference_;
