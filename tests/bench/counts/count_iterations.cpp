@@ -29,7 +29,7 @@ constexpr Case kCases[] = {{"trot", "box_fddp", 6},
                            {"reach", "box_fddp", 6},
                            {"squat", "box_fddp", 6},
                            {"swing", "altro", 20},
-                           {"flight", "box_fddp", 8, HessianUse::exact},
+                           {"flight", "box_fddp", 6, HessianUse::exact},
                            {"grip", "altro", 10}};
 
 DdpRecipe recipe_of(const Case& counted) {

@@ -40,14 +40,12 @@ std::vector<double> state_of(const MultibodySystem& system, double height, const
 /// Costs and constraints of a model with the parameters that all its knots have.
 class PhaseMaker {
  public:
-  PhaseMaker(std::shared_ptr<const MultibodySystem> system, Integrator integrator)
-      : PhaseMaker(std::shared_ptr<const System>(system), integrator) {
-    robot_ = std::move(system);
-    if (integrator != Integrator::none)
+  PhaseMaker(const std::shared_ptr<const System>& system, Integrator integrator)
+      : robot_(system, system->as_multibody()),
+        model_(std::make_shared<KnotModel>(system, integrator)) {
+    if (robot_ && integrator != Integrator::none)
       model_->set_control_bounds(robot_->actuation().lower, robot_->actuation().upper);
   }
-  PhaseMaker(std::shared_ptr<const System> system, Integrator integrator)
-      : model_(std::make_shared<KnotModel>(std::move(system), integrator)) {}
 
   void add(const char* name, std::shared_ptr<const Residual> residual,
            const std::vector<double>& reference, double weight, Activation activation = {}) {
@@ -71,8 +69,9 @@ class PhaseMaker {
                  const std::vector<double>& reference, const std::vector<double>& lower,
                  const std::vector<double>& upper) {
     model_->add_constraint(make_constraint(name, std::move(residual), ConstraintKind::bounds));
-    for (const auto& numbers : {reference, lower, upper, {1.0}})
-      parameters_.insert(parameters_.end(), numbers.begin(), numbers.end());
+    for (const auto* numbers : {&reference, &lower, &upper})
+      parameters_.insert(parameters_.end(), numbers->begin(), numbers->end());
+    parameters_.push_back(1);  // it is switched on
   }
   void constrain_cones(const LinearCone& cone) {
     for (int i = 0; i < robot_->contacts().count(); ++i)
