@@ -52,6 +52,13 @@ terminal: {lqr: {about: {values: {q/0: 0.5}}, weight: 1.1, set: true}}
 solver: {name: altro}
 )");
   texts.push_back(R"(conddp: 1
+system: {type: double_integrator, dimension: 1}
+initial_state: {}
+phases: [{knots: 3, dt: 0.1}]
+costs: {state: {residual: state}, effort: {residual: control}}
+terminal: {lqr: initial}
+)");
+  texts.push_back(R"(conddp: 1
 system: {states: [x], controls: [u], next: {x: '0.9*x + 0.1*atan2(u, 2)'}}
 initial_state: {}
 phases: [{knots: 3, dt: 0.1}]
@@ -412,6 +419,8 @@ TEST(Expand, ShowsEveryDefaultOfTheSchema) {
   std::set<std::string> conditional = {"/definitions/robot/placement",
                                        "/definitions/activation/anyOf/1/epsilon",
                                        "/gravity",
+                                       "/definitions/cost/weights",
+                                       "/definitions/terminal_cost/weights",
                                        "/definitions/cost/activation",
                                        "/definitions/terminal_cost/activation",
                                        "/definitions/constraint/scale",
