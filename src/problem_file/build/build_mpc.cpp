@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "problem_file/build/quasi_static.hpp"
 #include "problem_file/read/read_problem.hpp"
 #include "problem_file/spec/phase_grid.hpp"
 #include "solvers/ddp/family.hpp"
