@@ -33,7 +33,7 @@ writeFileSync(join(gallery, 'index.html'), `<!DOCTYPE html><html lang="en"><meta
 <style>body{font:16px/1.5 system-ui,sans-serif;margin:20px auto;max-width:1100px;padding:0 14px;
 color-scheme:light dark}main{display:grid;grid-template-columns:repeat(auto-fill,minmax(300px,1fr));gap:14px}
 article{border:1px solid #8886;border-radius:8px;padding:4px 14px}h2{font-size:18px;margin:10px 0 0}
-p{margin:6px 0}</style><h1>Ready problems</h1><main>${solved.map(card).join('\n')}</main></html>
+p{margin:6px 0}</style><h1>Example problems</h1><main>${solved.map(card).join('\n')}</main></html>
 `);
 if (browserPath) {
   await draw(names.split(' '));

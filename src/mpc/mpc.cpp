@@ -65,7 +65,7 @@ Phase empty_end(const ShootingProblem& problem) {
   const KnotModel& last = *problem.terminal().model;
   return {.name = "window end",
           .model = std::make_shared<KnotModel>(last.shared_system(), Integrator::none,
-                                               last.has_control_memory()),
+                                               last.has_previous_control()),
           .dt = {0},
           .cost_scale = {1}};
 }

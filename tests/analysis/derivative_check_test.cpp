@@ -194,7 +194,7 @@ TEST(DerivativeCheck, AWrongDerivativeOfASystemIsNamedWithEveryIntegrator) {
   }
 }
 
-TEST(DerivativeCheck, EverySystemPassesWithEveryIntegratorAndControlMemory) {
+TEST(DerivativeCheck, EverySystemPassesWithEveryIntegratorAndPreviousControl) {
   for (const auto& [name, system] : test_systems())
     for (const Integrator integrator : integrators_of(*system))
       for (const bool memory : {false, true}) {

@@ -55,7 +55,7 @@ std::string read_file(const std::filesystem::path& file);
 std::string source(const std::string& name);
 /// Whether a document's text keeps to schemas/<schema>.schema.json.
 bool fits_schema(const std::string& schema, const std::string& document);
-/// A ready problem that is solved at once.
+/// An example problem that is solved at once.
 inline const std::string kPendulum = source("problems/pendulum_swingup.yaml");
 
 }  // namespace conddp

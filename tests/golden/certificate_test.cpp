@@ -1,4 +1,4 @@
-// The certificate of every ready problem's answer holds; those of `ipopt` have theirs looked at
+// The certificate of every example problem's answer holds; those of `ipopt` have theirs looked at
 // where they are compared with the known optimum.
 #include <fstream>
 #include <iterator>

@@ -12,7 +12,7 @@
 namespace conddp {
 namespace {
 
-/// Solves a ready problem by proxddp from some initial states, and checks the answers.
+/// Solves an example problem by proxddp from some initial states, and checks the answers.
 void expect_confirmed(const std::string& name, double size, std::vector<std::uint64_t> seeds) {
   Diagnostics out;
   const auto spec =

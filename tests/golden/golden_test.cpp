@@ -1,4 +1,4 @@
-// Every ready problem against its known answer. 'conddp regress tests/golden --bless' shows what
+// Every example problem against its known answer. 'conddp regress tests/golden --bless' shows what
 // differs and rewrites the answers; --add makes that of a new problem.
 #include <algorithm>
 #include <filesystem>

@@ -1,4 +1,4 @@
-// Ready problems by direct transcription: derivatives, and optima beside the known answers.
+// Example problems by direct transcription: derivatives, and optima beside the known answers.
 #include <set>
 
 #include <fmt/format.h>

@@ -9,7 +9,7 @@
 namespace conddp {
 namespace {
 
-/// Stops a ready problem after each number of iterations in turn.
+/// Stops an example problem after each number of iterations in turn.
 void expect_answers_in_logs(const std::string& name) {
   Diagnostics out;
   const auto spec = read_problem(

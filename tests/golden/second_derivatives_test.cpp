@@ -1,4 +1,4 @@
-// Exact Hessians of the ready problems: by parts, and by dual numbers through everything.
+// Exact Hessians of the example problems: by parts, and by dual numbers through everything.
 #include "support/second_derivatives.hpp"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Sweeps by legs around the guess of every ready problem that proxddp takes.
+// Sweeps in segments around the guess of every example problem that proxddp takes.
 #include <gtest/gtest.h>
 
 #include "problem_file/build/build.hpp"

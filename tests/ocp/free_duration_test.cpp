@@ -30,7 +30,7 @@ TEST(FreeDuration, ScalesStepsAndCostsByTheWrittenOne) {
   RandomNumbers random(51);
   for (const bool scales_cost : {true, false}) {
     const auto plain = held_pendulum(Integrator::rk4, 2), free = held_pendulum(Integrator::rk4, 2);
-    free->set_free_duration({.memory = 1, .written = 2, .scales_cost = scales_cost});
+    free->set_free_duration({.choice = 1, .written = 2, .scales_cost = scales_cost});
     KnotCase c = make_case("pendulum", free, random);
     c.x[2] = 0.4;
     c.x[3] = 3;  // s, instead of 2
@@ -50,7 +50,7 @@ TEST(FreeDuration, DerivativesAreThoseOfDualNumbers) {
     for (const bool free : {false, true})
       for (const bool scales_cost : {true, false}) {
         const auto model = held_pendulum(integrator, 2);
-        if (free) model->set_free_duration({.memory = 1, .written = 2, .scales_cost = scales_cost});
+        if (free) model->set_free_duration({.choice = 1, .written = 2, .scales_cost = scales_cost});
         KnotCase c = make_case("pendulum", model, random);
         c.x[3] = 2.5;
         KnotWorkspace<double> work(*model);
@@ -70,7 +70,7 @@ TEST(FreeDuration, DerivativesAreThoseOfDualNumbers) {
 
 TEST(FreeDuration, OfATrajectoryAreTheTimesThatItsStatesSay) {
   const auto model = held_pendulum(Integrator::rk4, 1);
-  model->set_free_duration({.memory = 0, .written = 0.4});
+  model->set_free_duration({.choice = 0, .written = 0.4});
   auto end = std::make_shared<KnotModel>(pendulum({}), Integrator::none, false, 1);
   std::vector<double> parameters(2 * model->parameter_count(), 0.0);
   std::vector<Phase> phases;

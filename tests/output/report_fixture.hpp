@@ -22,7 +22,7 @@ inline const OrderedJson& named(const OrderedJson& list, const std::string& name
   throw std::out_of_range(name + " is not in the list");
 }
 
-/// A ready problem, with its answer after one iteration.
+/// An example problem, with its answer after one iteration.
 class Report : public testing::Test {
  protected:
   void load(const std::string& name, const std::vector<std::string>& settings = {},

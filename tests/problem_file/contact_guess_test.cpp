@@ -10,7 +10,7 @@ namespace {
 
 const std::string kHeld = "initial_guess.controls=quasi_static";
 
-/// A ready problem whose guess holds its states.
+/// An example problem whose guess holds its states.
 struct Held {
   explicit Held(const std::string& name, std::vector<std::string> settings = {}) {
     Diagnostics out;

@@ -358,15 +358,16 @@ TEST(TerminalLqr, AControlBeyondItsBoundsHoldsNothing) {
 }
 
 TEST(TerminalLqr, FreeDurationsAndStepsWithUnknownsAreNotSupported) {
-  EXPECT_EQ(Loaded(R"(conddp: 1
+  EXPECT_EQ(
+      Loaded(R"(conddp: 1
 system: {type: double_integrator, dimension: 1}
 initial_state: {}
 phases: [{name: start, choose: none}, {knots: 5, dt: 0.1, free_duration: {lower: 0.1, upper: 2}}]
 costs: {state: {residual: state}, effort: {residual: control, weight: 0.1}}
 terminal: {lqr: initial}
 )")
-                .first_error(),
-            "6:17: 'lqr' does not support states that remember what was chosen at the start");
+          .first_error(),
+      "6:17: 'lqr' does not support augmented states that carry what was chosen at the start");
   EXPECT_EQ(Loaded(R"(conddp: 1
 system: {type: double_integrator, dimension: 1}
 initial_state: {}

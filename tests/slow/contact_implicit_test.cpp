@@ -82,7 +82,7 @@ TEST(BlockOnASlope, RestartsGiveTheSameAnswerEveryTimeAndNoneThatIsWorse) {
   EXPECT_LE(first.cost, solve_ready(ReadyProblem("block_slope")).cost + 1e-9);
 }
 
-/// Ready problems from their guesses, and from one with random numbers added to the controls.
+/// Example problems from their guesses, and from one with random numbers added to the controls.
 class FindsItsContacts
     : public ::testing::TestWithParam<std::tuple<std::string, std::optional<int>>> {};
 

@@ -1,4 +1,4 @@
-// Legged ready problems by direct transcription, from the guesses of the DDP family.
+// Legged example problems by direct transcription, from the guesses of the DDP family.
 #include "support/transcribed_problem.hpp"
 
 namespace conddp {

@@ -1,4 +1,4 @@
-// Ready problems that take long, against their known answers.
+// Example problems that take long, against their known answers.
 #include "support/known_answer.hpp"
 
 #include "output/report/certificate_report.hpp"

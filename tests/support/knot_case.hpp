@@ -179,7 +179,7 @@ inline ShootingProblem problem_of(const KnotCase& c, int count) {
   for (int k = 0; k < count; ++k)
     phase.parameters.insert(phase.parameters.end(), c.parameters.begin(), c.parameters.end());
   auto end = std::make_shared<KnotModel>(c.model->shared_system(), Integrator::none,
-                                         c.model->has_control_memory());
+                                         c.model->has_previous_control());
   return {c.x, {phase}, Phase{"terminal", end, {0.0}, {1.0}, {}}};
 }
 

@@ -17,7 +17,7 @@
 #include "solvers/strategies/registry.hpp"
 #include "support/nlp_derivatives.hpp"
 
-/// Ready problems by direct transcription.
+/// Example problems by direct transcription.
 namespace conddp::testing {
 
 /// Where the known answers of problems lie that take so long that the default tests leave them out.
@@ -37,7 +37,7 @@ inline std::vector<std::string> slow_problems() {
   return names;
 }
 
-/// Names of the ready problems with a robot on legs, or of those without; the slow ones left out.
+/// Names of the example problems with a robot on legs, or of those without; the slow ones left out.
 inline std::vector<std::string> ready_problems(bool legged) {
   std::vector<std::string> names;
   const auto folder = std::filesystem::path(CONDDP_SOURCE_DIR) / "problems";

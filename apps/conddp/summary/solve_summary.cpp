@@ -16,7 +16,7 @@ std::string durations_line(const Solution& s) {
   for (const Phase& phase : s.built.problem->phases())
     if (const auto& free = phase.model->free_duration())
       text += fmt::format("{}{} {:.9g} s", text.empty() ? "" : ", ", phase.name,
-                          s.result.trajectory.u(0)[free->memory]);
+                          s.result.trajectory.u(0)[free->choice]);
   return text.empty() ? text : fmt::format("  durations     {}\n", text);
 }
 

@@ -247,14 +247,14 @@ class Player {
       if (watch != nullptr && !choice)
         watch->look(system, data, x.data(), k, times_[k] + s * dt, s == 0);
       memory->go(u.data(), dt, x.data());
-      if (view.model->has_control_memory()) x.tail(system.nu()) = u.head(system.nu());
+      if (view.model->has_previous_control()) x.tail(system.nu()) = u.head(system.nu());
     }
   }
 
   void compare(int k, const Eigen::VectorXd& x, ReplayRun& result) {
     Eigen::VectorXd off(problem_.ndx());
     problem_.manifold().difference(trajectory_.x(k).data(), x.data(), off.data());
-    const int own = problem_.terminal().model->system().ndx();  // without the control memory
+    const int own = problem_.terminal().model->system().ndx();  // without augmented states
     Eigen::Index entry = 0;
     const double worst = off.head(own).cwiseAbs().maxCoeff(&entry);
     if (worst > result.deviation) {

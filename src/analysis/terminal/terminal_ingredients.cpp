@@ -31,7 +31,7 @@ std::shared_ptr<ShootingProblem> lone_knot(const EquilibriumGuess& guess) {
              .cost_scale = {phase.cost_scale[guess.knot]},
              .parameters = {first, first + model.parameter_count()}};
   auto end = std::make_shared<KnotModel>(model.shared_system(), Integrator::none,
-                                         model.has_control_memory());
+                                         model.has_previous_control());
   return std::make_shared<ShootingProblem>(
       guess.x, std::vector{std::move(knot)},
       Phase{.name = "end", .model = std::move(end), .dt = {0.0}, .cost_scale = {1.0}});

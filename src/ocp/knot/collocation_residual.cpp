@@ -55,7 +55,7 @@ class CollocationResidual : public ResidualBase<CollocationResidual> {
   static std::vector<RowBlock> structure(const CollocationSystem& system, int ndx,
                                          const std::optional<FreeDuration>& duration) {
     std::vector<int> columns = column_range(0, system.ndx());
-    if (duration) columns.push_back(system.ndx() + duration->memory);
+    if (duration) columns.push_back(system.ndx() + duration->choice);
     for (const int c : column_range(ndx, system.nu())) columns.push_back(c);
     return std::vector<RowBlock>(system.later_stages(), {system.rows(), columns});
   }
@@ -68,7 +68,7 @@ class CollocationResidual : public ResidualBase<CollocationResidual> {
   template <class S>
   S step(const ResidualInput<S>& in) const {
     if (!duration_) return in.parameters[0];
-    return in.parameters[0] * in.x[system_->nx() + duration_->memory] * S(1 / duration_->written);
+    return in.parameters[0] * in.x[system_->nx() + duration_->choice] * S(1 / duration_->written);
   }
 
   /// k_i − f(x_i, u).

@@ -35,25 +35,25 @@ void check_columns(const std::string& what, const RowBlock& block, int nz) {
                                   ", and a knot has " + std::to_string(nz));
 }
 
-void check_memory(const System& system, bool control_memory, int held_memory) {
-  if (system.kind() == SystemKind::impulse && control_memory)
+void check_augmented_state(const System& system, bool previous_control, int carried_choices) {
+  if (system.kind() == SystemKind::impulse && previous_control)
     throw std::invalid_argument("an impulse has no control to remember");
-  if (control_memory && held_memory > 0)
-    throw std::invalid_argument("a memory is of the control or held, not both");
+  if (previous_control && carried_choices > 0)
+    throw std::invalid_argument("augmented states carry the previous control or choices, not both");
 }
 
 }  // namespace
 
 KnotModel::KnotModel(std::shared_ptr<const System> system, Integrator integrator,
-                     bool control_memory, int held_memory)
+                     bool previous_control, int carried_choices)
     : system_(std::move(system)), manifold_(system_->manifold()), integrator_(integrator) {
   check_integrator(*system_, integrator);
   if (system_->kind() == SystemKind::discrete && !manifold_.curved().empty())
     throw std::invalid_argument("a discrete system needs a flat state space");
-  check_memory(*system_, control_memory, held_memory);
-  held_ = held_memory > 0;
-  memory_ = held_ ? held_memory : control_memory ? system_->actuators() : 0;
-  if (memory_ > 0) manifold_.append(StateManifold::Part::flat, memory_);
+  check_augmented_state(*system_, previous_control, carried_choices);
+  held_ = carried_choices > 0;
+  augmented_ = held_ ? carried_choices : previous_control ? system_->actuators() : 0;
+  if (augmented_ > 0) manifold_.append(StateManifold::Part::flat, augmented_);
   lower_.assign(nu(), -std::numeric_limits<double>::infinity());
   upper_.assign(nu(), std::numeric_limits<double>::infinity());
 }
@@ -145,7 +145,7 @@ void KnotModel::set_control_bounds(std::vector<double> lower, std::vector<double
 }
 
 void KnotModel::set_free_duration(const FreeDuration& duration) {
-  if (!held_ || duration.memory < 0 || duration.memory >= memory_)
+  if (!held_ || duration.choice < 0 || duration.choice >= augmented_)
     throw std::invalid_argument("a free duration needs its place in a held memory");
   if (info_of(integrator_).order == 0)
     throw std::invalid_argument("what knows no time step has no free duration");
@@ -362,7 +362,7 @@ void KnotModel::evaluate(const KnotInput<S>& given, KnotWorkspace<S>& work) cons
   evaluate_costs(in, work);
   evaluate_constraints(in, work);
   integrate(*system_, integrator_, in.x, in.u, in.dt, *work.system_, work.integrator_);
-  if (memory_ > 0) append_control_memory(in, work, false);
+  if (augmented_ > 0) append_augmented_state(in, work, false);
 }
 
 template <class S>
@@ -379,7 +379,7 @@ void KnotModel::differentiate(const KnotInput<S>& given, KnotWorkspace<S>& work,
   differentiate_costs(in, work, hessian);
   differentiate_constraints(in, work, hessian);
   integrate_derivatives(*system_, integrator_, in.x, in.u, in.dt, *work.system_, work.integrator_);
-  if (memory_ > 0) append_control_memory(in, work, true);
+  if (augmented_ > 0) append_augmented_state(in, work, true);
   if (duration_) append_duration(given, work);
 }
 
@@ -392,11 +392,11 @@ KnotWorkspace<S>::KnotWorkspace(const KnotModel& model)
       augmentation(0.0),
       constraint(model.constraint_rows(), S(0.0)),
       constraint_jacobian(model.constraint_pattern().size(), S(0.0)),
-      memory_(model.nx() > model.system().nx()),
+      augmented_(model.nx() > model.system().nx()),
       system_(model.system().create_data(S{})),
       integrator_(model.system(), model.integrator(), model.free_duration().has_value()),
       term_gradient_(model.nz(), S(0.0)) {
-  if (memory_) {
+  if (augmented_) {
     next_.assign(model.nx(), S(0.0));
     F_.assign(model.jacobian_rows() * model.nz(), S(0.0));
   }

@@ -46,7 +46,7 @@ struct KnotInput {
 /// Where the duration of a phase is free: a number of the held memory is that duration, s, and the
 /// phase's steps are as given where it is the written one.
 struct FreeDuration {
-  int memory;               ///< which number
+  int choice;               ///< which number
   double written;           ///< s
   bool scales_cost = true;  ///< running costs are rates
 };
@@ -59,13 +59,13 @@ struct CostSlopes;
 /// The structure that knots share: a system, an integrator, costs, constraints and control bounds.
 /// Immutable once a problem holds it. The knots differ in KnotInput alone.
 ///
-/// The state is the system's, followed by the previous control where `control_memory` is set (for
+/// The state is the system's, followed by the previous control where `previous_control` is set (for
 /// residuals on the control rate), or by numbers that the knot hands on as they are
-/// (`held_memory`). z = (tangent at x, u) has nz = ndx + nu entries.
+/// (`carried_choices`). z = (tangent at x, u) has nz = ndx + nu entries.
 class KnotModel {
  public:
   KnotModel(std::shared_ptr<const System> system, Integrator integrator,
-            bool control_memory = false, int held_memory = 0);
+            bool previous_control = false, int carried_choices = 0);
 
   /// Adds a cost whose residual depends on columns of z alone; returns the index at which its
   /// parameters (reference, then weight) start.
@@ -74,7 +74,7 @@ class KnotModel {
   int add_constraint(ConstraintTerm term);
   /// Elementwise bounds on the control; infinite where there is none.
   void set_control_bounds(std::vector<double> lower, std::vector<double> upper);
-  /// Needs a held memory, and a system that knows time. Soft constraints have to be none.
+  /// Needs carried choices, and a system that knows time. Soft constraints have to be none.
   void set_free_duration(const FreeDuration& duration);
   const std::optional<FreeDuration>& free_duration() const { return duration_; }
   /// The time step at a state, from the given one.
@@ -87,7 +87,7 @@ class KnotModel {
   const std::shared_ptr<const System>& shared_system() const { return system_; }
   const StateManifold& manifold() const { return manifold_; }
   Integrator integrator() const { return integrator_; }
-  bool has_control_memory() const { return memory_ > 0 && !held_; }
+  bool has_previous_control() const { return augmented_ > 0 && !held_; }
   const std::vector<CostTerm>& costs() const { return costs_; }
   const std::vector<ConstraintTerm>& constraints() const { return constraints_; }
   /// Rows of all constraints of a knot, and of barriers: what begins to cost somewhere on the way
@@ -106,7 +106,7 @@ class KnotModel {
   int parameter_count() const { return parameter_count_; }
   /// Whether the dynamics Jacobian has semi-implicit Euler's structure: F holds the nv rows of the
   /// next velocity alone and the rows of the next configuration follow from it.
-  bool semi_implicit() const { return is_structured(integrator_) && memory_ == 0; }
+  bool semi_implicit() const { return is_structured(integrator_) && augmented_ == 0; }
   /// Rows of F: nv where semi_implicit(), else ndx, 0 at a terminal node.
   int jacobian_rows() const;
   /// Where Gauss-Newton Hessians of costs and constraints can be non-zero: (row, column),
@@ -132,15 +132,15 @@ class KnotModel {
   /// Free duration by the written one.
   template <class S>
   S duration_share(const S* x) const {
-    return x[system_->nx() + duration_->memory] * S(1 / duration_->written);
+    return x[system_->nx() + duration_->choice] * S(1 / duration_->written);
   }
   template <class S>
   KnotInput<S> at_its_duration(const KnotInput<S>& given) const;
   template <class S>
   void append_duration(const KnotInput<S>& given, KnotWorkspace<S>& work) const;
   template <class S>
-  void append_control_memory(const KnotInput<S>& in, KnotWorkspace<S>& work,
-                             bool derivatives) const;
+  void append_augmented_state(const KnotInput<S>& in, KnotWorkspace<S>& work,
+                              bool derivatives) const;
   template <class S>
   void differentiate_memory(const S& dt, KnotWorkspace<S>& work) const;
   template <class S>
@@ -188,7 +188,7 @@ class KnotModel {
   std::shared_ptr<const System> system_;
   StateManifold manifold_;
   Integrator integrator_;
-  int memory_ = 0;
+  int augmented_ = 0;
   bool held_ = false;  ///< the memory stays what it is
   std::optional<FreeDuration> duration_;
   int parameter_count_ = 0;
@@ -211,9 +211,9 @@ class KnotWorkspace {
   explicit KnotWorkspace(const KnotModel& model);
 
   /// nx: the next state.
-  const AlignedVector<S>& next() const { return memory_ ? next_ : integrator_.next; }
+  const AlignedVector<S>& next() const { return augmented_ ? next_ : integrator_.next; }
   /// jacobian_rows x nz by columns: derivative of the next state (or velocity).
-  const AlignedVector<S>& F() const { return memory_ ? F_ : integrator_.F; }
+  const AlignedVector<S>& F() const { return augmented_ ? F_ : integrator_.F; }
   /// Where semi_implicit: ∂q⁺/∂q and ∂q⁺/∂(dt v⁺) per curved segment, by rows.
   const AlignedVector<S>& state_blocks() const { return integrator_.state_blocks; }
   const AlignedVector<S>& step_blocks() const { return integrator_.step_blocks; }
@@ -233,7 +233,7 @@ class KnotWorkspace {
   friend class KnotSecondDerivatives;
 
   bool rest_is_zero_ = true;
-  bool memory_;
+  bool augmented_;
   std::unique_ptr<SystemData<S>> system_;
   IntegratorWorkspace<S> integrator_;
   AlignedVector<S> next_, F_;  ///< with the control memory appended

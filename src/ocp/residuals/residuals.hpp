@@ -24,8 +24,8 @@ std::shared_ptr<const Residual> coordinate_residual(const StateManifold& manifol
                                                     std::vector<int> state_indices);
 /// u − reference. Parameter: nu numbers.
 std::shared_ptr<const Residual> control_residual(int ndx, int nu);
-/// (u − previous u) per step: the difference, in control units. Needs a model with control memory:
-/// the state ends with the previous control. No parameters.
+/// (u − previous u) per step: the difference, in control units. Needs a model whose
+/// states end with the previous control. No parameters.
 std::shared_ptr<const Residual> control_rate_residual(const System& system);
 /// A first state that a knot without time has chosen, x₀ ⊕ S m: the state x₀ from which it did, the
 /// tangent coordinates that it could move, and m at the end of the states of all later nodes.
@@ -35,7 +35,7 @@ struct ChosenStart {
 };
 /// x ⊖ ((x₀ ⊕ S m) + offset), all ndx rows of the system's state: how far the state is from the
 /// first one. The offset is added to the numbers of the state, positions of poses among them; it is
-/// zero for quaternions. Needs a model whose memory holds m. No parameters.
+/// zero for quaternions. Needs a model whose states carry m. No parameters.
 std::shared_ptr<const Residual> cycle_residual(const StateManifold& manifold,
                                                const ChosenStart& start,
                                                std::vector<double> offset);

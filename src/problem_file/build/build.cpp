@@ -190,7 +190,7 @@ void report_contradiction(const ProblemSpec& spec, const ShootingProblem& proble
                         found->first, other, node, found->lower, found->upper));
 }
 
-/// Controls that are remembered cannot pass an impulse or a jump.
+/// Controls in augmented states cannot pass an impulse or a jump.
 void check_impulses(const ProblemSpec& spec, bool memory, Diagnostics& out) {
   for (const PhaseSpec& phase : spec.phases)
     if (memory && (phase.restitution || phase.jump))
@@ -199,7 +199,7 @@ void check_impulses(const ProblemSpec& spec, bool memory, Diagnostics& out) {
                                               phase.jump ? "a jump" : "an impulse"));
 }
 
-/// The control before the first knot, the last part of a state with control memory.
+/// The control before the first knot, with which augmented states end.
 std::vector<double> previous_control(const ProblemSpec& spec, const Plant& plant, bool memory,
                                      Diagnostics& out) {
   const auto& given = spec.initial_state.previous_control;
@@ -241,9 +241,9 @@ class ProblemBuilder {
 
  private:
   const InitialChoice* choice() const { return choice_ ? &*choice_ : nullptr; }
-  /// Entries by which states remember what was chosen at the start.
+  /// Entries by which augmented states carry what was chosen at the start.
   int held() const { return choice_ && choice_->remembered ? choice_->system->nu() : 0; }
-  /// Tangent coordinates of the knot models, those that remember included.
+  /// Tangent coordinates of the knot models, augmented states included.
   int ndx() const {
     const System& system = *built_.plant.system;
     return system.ndx() + (remembers_control_ ? system.actuators() : held());

@@ -30,7 +30,7 @@ class Homotopy;
 struct BuiltProblem {
   Plant plant;
   std::shared_ptr<const ShootingProblem> problem;
-  std::vector<Column> state_columns;  ///< control memory included
+  std::vector<Column> state_columns;  ///< augmented states included
   std::vector<Column> control_columns;
   Trajectory guess;
   GuessUsed guess_used;
@@ -58,7 +58,7 @@ std::vector<std::string> constraint_names(const ProblemSpec& spec);
 /// The integrator of systems whose problem file names none.
 Integrator default_integrator(SystemKind kind);
 
-/// Names of the tangent vectors of states, control memory included.
+/// Names of the tangent vectors of states, augmented states included.
 std::vector<std::string> tangent_columns(const BuiltProblem& built);
 
 /// Largest violation of a dropped constraint by a trajectory, in the constraint's unit.

@@ -21,7 +21,7 @@ struct CostContext {
   const Plant& plant;
   const ContactPlan& contacts;
   const StateBuilder& states;
-  int ndx;                           ///< of the knot models, control memory included
+  int ndx;                           ///< of the knot models, augmented states included
   const std::vector<double>& times;  ///< of the nodes
 };
 

@@ -66,13 +66,13 @@ class GuessBuilder {
       asked[i] = off[plant_.start->coordinates[i]];
     for (std::size_t p = 0; p < problem_.phases().size(); ++p)
       if (const auto& free = problem_.phases()[p].model->free_duration())
-        asked[free->memory] = durations_.empty() ? free->written : durations_[p];
+        asked[free->choice] = durations_.empty() ? free->written : durations_[p];
     for (int i = 0; i < problem_.nu(0); ++i)
       trajectory.u(0)[i] = std::clamp(asked[i], model.control_lower()[i], model.control_upper()[i]);
   }
   double time(int k) const { return problem_.times()[k]; }
 
-  /// States remember the choice of the start, or the control before.
+  /// Augmented states carry the choice of the start, or the control before.
   void carry_memory(Trajectory& trajectory) const {
     const int memory = problem_.nx() - plant_.system->nx();
     for (int k = 1; memory > 0 && k <= problem_.knots(); ++k)
@@ -324,7 +324,7 @@ class GuessBuilder {
   }
 
   /// Whether a former solution has the states (or controls) of this problem and no others: then it
-  /// is one of the same system. What states remember follows from the other columns.
+  /// is one of the same system. Augmented states follow from the other columns.
   bool fits(const DataFileSpec& file, const DataTable& table, bool states) {
     if (!table.state_columns) return true;
     const auto middle = table.columns.begin() + static_cast<std::ptrdiff_t>(*table.state_columns);
@@ -352,7 +352,7 @@ class GuessBuilder {
     return text;
   }
 
-  /// The names that are not among others. What states remember, and slopes, are left out.
+  /// The names that are not among others. Augmented states and slopes are left out.
   static std::vector<std::string> without(const std::vector<std::string>& names,
                                           const std::vector<std::string>& others) {
     std::vector<std::string> rest;

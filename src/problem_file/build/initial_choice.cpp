@@ -42,7 +42,7 @@ void add_durations(const ProblemSpec& spec, InitialChoice& choice, std::vector<C
   for (const PhaseSpec& phase : spec.phases) {
     auto& free = choice.durations.emplace_back();
     if (!phase.free_duration) continue;
-    free = {.memory = static_cast<int>(controls.size()),
+    free = {.choice = static_cast<int>(controls.size()),
             .written = phase_duration(phase),
             .scales_cost = spec.running_costs == RunningCosts::kRate};
     choice.lower.push_back(phase.free_duration->lower);
@@ -109,13 +109,13 @@ std::optional<InitialChoice> make_choice(const ProblemSpec& spec, const System& 
 }  // namespace
 
 BuiltInitialChoice build_initial_choice(const ProblemSpec& spec, const Plant& plant,
-                                        const std::vector<double>& state, bool control_memory,
+                                        const std::vector<double>& state, bool previous_control,
                                         Diagnostics& out) {
   const CostSpec* cycle = spec.first_use(&ResidualNeeds::chosen_start);
   const PhaseSpec& phase = spec.phases.front();
   if (!check_free_durations(spec, *plant.system, out)) return {.valid = false, .choice = {}};
   if (!phase.choice) return {.valid = check_given_start(cycle, out), .choice = {}};
-  if (control_memory) {
+  if (previous_control) {
     out.error(phase.knots.place,
               "'control_rate' and the choice of the initial state exclude each other");
     return {.valid = false, .choice = {}};

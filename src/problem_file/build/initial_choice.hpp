@@ -25,10 +25,10 @@ struct BuiltInitialChoice {
   std::optional<InitialChoice> choice;  ///< nothing where the initial state is given
 };
 
-/// From the first phase; what does not fit is reported. `control_memory`: the states end with the
+/// From the first phase; what does not fit is reported. `previous_control`: the states end with the
 /// previous control already.
 BuiltInitialChoice build_initial_choice(const ProblemSpec& spec, const Plant& plant,
-                                        const std::vector<double>& state, bool control_memory,
+                                        const std::vector<double>& state, bool previous_control,
                                         Diagnostics& out);
 
 }  // namespace conddp

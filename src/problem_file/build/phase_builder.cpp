@@ -230,7 +230,7 @@ class PhaseBuilder {
   std::shared_ptr<const KnotModel> shared_model(std::size_t p, const Terms& terms) {
     const std::optional<FreeDuration> duration = context_.free_duration(p);
     auto& model = models_[{terms.costs, terms.constraints, bounds_.lower[p], bounds_.upper[p],
-                           context_.contacts.system(p).get(), duration ? duration->memory : -1}];
+                           context_.contacts.system(p).get(), duration ? duration->choice : -1}];
     if (!model) model = make_model(p, terms);
     return model;
   }
@@ -243,7 +243,7 @@ class PhaseBuilder {
   std::shared_ptr<const KnotModel> make_model(std::size_t p, const Terms& terms) const {
     const PhaseSpec& phase = context_.spec.phases[p];
     auto model = std::make_shared<KnotModel>(context_.contacts.system(p), integrator_of(phase),
-                                             context_.control_memory, context_.held_memory());
+                                             context_.previous_control, context_.carried_choices());
     for (const int c : terms.costs) {
       const BuiltCost& cost = contents_.costs[c];
       model->add_cost(cost.spec->name.value, residual_in(cost, context_, p), cost.activation);
@@ -416,8 +416,8 @@ std::vector<Phase> build_phases(const PhaseContext& context, const KnotContents&
 
 Phase build_terminal(const PhaseContext& context, const KnotContents& running,
                      const KnotContents& terminal, const TerminalLqr* lqr, Diagnostics& out) {
-  auto model = std::make_shared<KnotModel>(context.system, Integrator::none, context.control_memory,
-                                           context.held_memory());
+  auto model = std::make_shared<KnotModel>(context.system, Integrator::none,
+                                           context.previous_control, context.carried_choices());
   const std::size_t node = context.contacts.terminal();
   const std::vector<const BuiltCost*> costs =
       costs_at_the_end(context, running.costs, terminal.costs, out);

@@ -11,7 +11,8 @@
 
 namespace conddp {
 
-/// Turns what a file says about states into numbers: states of the system, without control memory.
+/// Turns what a file says about states into numbers: states of the system, without augmented
+/// states.
 class StateBuilder {
  public:
   StateBuilder(const Plant& plant, Diagnostics& out);

@@ -45,10 +45,11 @@ class TerminalLqrBuilder {
     if (implicit)
       fail(spec_.place, "'lqr' does not support steps with unknowns of their own",
            "contact-implicit steps and collocation have no linear map of state and control alone");
-    else if (context_.held_memory)
-      fail(spec_.place, "'lqr' does not support states that remember what was chosen at the start",
+    else if (context_.carried_choices)
+      fail(spec_.place,
+           "'lqr' does not support augmented states that carry what was chosen at the start",
            "fix the durations, or give the terminal cost by 'matrix'");
-    return !implicit && !context_.held_memory;
+    return !implicit && !context_.carried_choices;
   }
 
   /// Whether the name of its cost, and of its constraint, is not taken.
@@ -87,7 +88,7 @@ class TerminalLqrBuilder {
 
   std::vector<std::string> tangent_names_of_model() const {
     std::vector<std::string> names = tangent_names(*context_.plant.system).names;
-    if (context_.control_memory)
+    if (context_.previous_control)
       for (const Column& control : context_.plant.actuated().control_columns())
         names.push_back("previous/" + control.name);
     return names;

@@ -26,8 +26,8 @@ struct TerminalLqrContext {
   const Plant& plant;
   const StateBuilder& states;
   const std::vector<Phase>& phases;
-  bool control_memory;  ///< states end with the previous control
-  bool held_memory;     ///< states end with what was chosen at the start
+  bool previous_control;  ///< states end with the previous control
+  bool carried_choices;   ///< states end with what was chosen at the start
 };
 
 /// The equilibrium that the file names.

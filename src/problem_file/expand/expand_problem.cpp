@@ -91,7 +91,7 @@ OrderedJson expand_phases(const ProblemSpec& spec) {
 
 OrderedJson expand_initial_state(const ProblemSpec& spec, const KnotModel& model) {
   OrderedJson json = expand_state(spec.initial_state);
-  if (model.has_control_memory() && !spec.initial_state.previous_control)
+  if (model.has_previous_control() && !spec.initial_state.previous_control)
     json["previous_control"] = 0.0;
   return json;
 }

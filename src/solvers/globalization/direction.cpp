@@ -28,7 +28,7 @@ Direction::Direction(const ShootingProblem& problem, const ControlBounds& bounds
                                : unconstrained_stage(problem)),
       linear_rollout_(problem, bounds),
       feedback_(problem),
-      secants_(bounds) {
+      lbfgs_(bounds) {
   if (recipe.null_space) {
     auto stages = std::make_unique<NullSpaceStage>(problem);
     null_space_ = stages.get();
@@ -190,8 +190,8 @@ void Direction::correct(const Linearization& linearization, const Trajectory& tr
     forget_steps();
     return;
   }
-  secants_.observe(feedback_, sweep_, stages_->active_set());
-  corrected_ = secants_.correct(feedback_);
+  lbfgs_.observe(feedback_, sweep_, stages_->active_set());
+  corrected_ = lbfgs_.correct(feedback_);
   if (!corrected_) return;
   linear_rollout_.run(linearization, trajectory, gaps, feedback_, false);
   if (step_violates_bounds(trajectory)) undo_correction(linearization, trajectory, gaps);
@@ -212,13 +212,13 @@ bool Direction::step_violates_bounds(const Trajectory& trajectory) const {
 
 void Direction::undo_correction(const Linearization& linearization, const Trajectory& trajectory,
                                 const Gaps& gaps) {
-  secants_.restore(feedback_);
+  lbfgs_.restore(feedback_);
   forget_steps();
   linear_rollout_.run(linearization, trajectory, gaps, feedback_, false);
 }
 
 void Direction::forget_steps() {
-  secants_.clear();
+  lbfgs_.clear();
   corrected_ = false;
 }
 

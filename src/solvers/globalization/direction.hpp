@@ -49,7 +49,7 @@ class Direction {
   void undo_correction(const Linearization& linearization, const Trajectory& trajectory,
                        const Gaps& gaps);
   /// That the full step has been taken.
-  void step_taken() { secants_.step_taken(feedback_); }
+  void step_taken() { lbfgs_.step_taken(feedback_); }
   /// Forgets former steps.
   void forget_steps();
 
@@ -112,7 +112,7 @@ class Direction {
   std::optional<HorizonConstraints> constraints_;
   std::optional<HorizonDescent> descent_;
   Feedback feedback_;
-  LbfgsCorrection secants_;
+  LbfgsCorrection lbfgs_;
   bool corrected_ = false;
   bool models_costs_ = true;  ///< that begin at a bound, along the step
   int sweeps_ = 0;

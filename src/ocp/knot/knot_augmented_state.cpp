@@ -35,12 +35,12 @@ void fill_column(const StateManifold& manifold, const IntegratorWorkspace<S>& ba
 }  // namespace
 
 template <class S>
-void KnotModel::append_control_memory(const KnotInput<S>& in, KnotWorkspace<S>& work,
-                                      bool derivatives) const {
+void KnotModel::append_augmented_state(const KnotInput<S>& in, KnotWorkspace<S>& work,
+                                       bool derivatives) const {
   const IntegratorWorkspace<S>& base = work.integrator_;
   std::copy(base.next.begin(), base.next.end(), work.next_.begin());
   const S* kept = held_ ? in.x + system_->nx() : in.u;
-  for (int i = 0; i < memory_; ++i) work.next_[system_->nx() + i] = kept[i];
+  for (int i = 0; i < augmented_; ++i) work.next_[system_->nx() + i] = kept[i];
   if (derivatives) differentiate_memory(in.dt, work);
 }
 
@@ -53,12 +53,12 @@ void KnotModel::differentiate_memory(const S& dt, KnotWorkspace<S>& work) const 
   const auto fill = [&](int column, int base_column) {
     S* out = &work.F_[column * rows];
     fill_column(system_->manifold(), work.integrator_, dt, base_column, base_rows, out);
-    std::fill_n(out + n, memory_, S(0.0));
+    std::fill_n(out + n, augmented_, S(0.0));
   };
   for (int c = 0; c < n; ++c) fill(c, c);
-  for (int c = rows; c < nz(); ++c) fill(c, c - memory_);
+  for (int c = rows; c < nz(); ++c) fill(c, c - augmented_);
   const int kept = held_ ? n : rows;  // the first column of what is remembered
-  for (int i = 0; i < memory_; ++i) work.F_[(kept + i) * rows + n + i] = S(1.0);
+  for (int i = 0; i < augmented_; ++i) work.F_[(kept + i) * rows + n + i] = S(1.0);
 }
 
 /// What a knot is given, with the time step and the costs' scale of its free duration.
@@ -76,7 +76,7 @@ KnotInput<S> KnotModel::at_its_duration(const KnotInput<S>& given) const {
 template <class S>
 void KnotModel::append_duration(const KnotInput<S>& given, KnotWorkspace<S>& work) const {
   const IntegratorWorkspace<S>& base = work.integrator_;
-  const int n = system_->ndx(), rows = ndx(), column = n + duration_->memory;
+  const int n = system_->ndx(), rows = ndx(), column = n + duration_->choice;
   const int base_rows = is_structured(integrator_) ? system_->nv() : n;
   const int top = n - base_rows;
   const S* by_step = &base.F[(n + nu()) * base_rows];
@@ -89,13 +89,13 @@ void KnotModel::append_duration(const KnotInput<S>& given, KnotWorkspace<S>& wor
   const S share = given.dt * S(1 / duration_->written);
   for (int i = 0; i < n; ++i) out[i] *= share;
   if (duration_->scales_cost)
-    work.gradient[column] += work.cost / given.x[system_->nx() + duration_->memory];
+    work.gradient[column] += work.cost / given.x[system_->nx() + duration_->choice];
 }
 
-#define CONDDP_INSTANTIATE(S)                                                                  \
-  template void KnotModel::append_control_memory(const KnotInput<S>&, KnotWorkspace<S>&, bool) \
-      const;                                                                                   \
-  template KnotInput<S> KnotModel::at_its_duration(const KnotInput<S>&) const;                 \
+#define CONDDP_INSTANTIATE(S)                                                                   \
+  template void KnotModel::append_augmented_state(const KnotInput<S>&, KnotWorkspace<S>&, bool) \
+      const;                                                                                    \
+  template KnotInput<S> KnotModel::at_its_duration(const KnotInput<S>&) const;                  \
   template void KnotModel::append_duration(const KnotInput<S>&, KnotWorkspace<S>&) const;
 CONDDP_FOR_EACH_SCALAR(CONDDP_INSTANTIATE)
 #undef CONDDP_INSTANTIATE
