@@ -9,7 +9,7 @@
 namespace conddp {
 namespace {
 
-/// Revisions of active set and rows that may go by without fewer changes than ever before.
+/// Revisions of constraint rows that may go by without fewer changes than ever before.
 constexpr int kPatience = 4;
 /// What the constraints' model may be off at a step, in the norm of the Hessian H: the squared
 /// distance of the step from the model's minimum, as a share of dᵀHd.
@@ -133,7 +133,7 @@ bool Direction::settle(const Model& model) {
     }
     since = changes < fewest ? 0 : since + 1;
     fewest = std::min(fewest, changes);
-    if (since > kPatience) return false;
+    if (model.augmented && since > kPatience) return false;
     if (sweep(model, true) >= 0) return false;
   }
   return false;
