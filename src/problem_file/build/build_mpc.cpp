@@ -42,7 +42,22 @@ bool is_multiple(double length, double step) {
   return std::abs(length - std::round(length / step) * step) < kSameTime;
 }
 
+/// Ticks that vanish beside the time, and more steps than memory holds.
+void check_steps(const MpcSpec& mpc, Diagnostics& out) {
+  constexpr double kShortestTick = 1e-6, kMostSteps = 1e7;
+  if (mpc.tick.value < kShortestTick)
+    out.error(mpc.tick.place, fmt::format("a tick is at least {:g} s long", kShortestTick));
+  const double step = std::min({mpc.tick.value, mpc.plant.dt.value_or(mpc.tick.value),
+                                mpc.feedback_rate ? 1 / *mpc.feedback_rate : mpc.tick.value});
+  if (mpc.duration.value / step > kMostSteps)
+    out.error(mpc.duration.place,
+              fmt::format("{:g} s are more than {:g} steps of {:g} s", mpc.duration.value,
+                          kMostSteps, step),
+              "take a shorter duration, or longer ticks and steps");
+}
+
 void check_times(const MpcSpec& mpc, const ShootingProblem& problem, Diagnostics& out) {
+  check_steps(mpc, out);
   if (mpc.tick.value > mpc.horizon.value)
     out.error(mpc.tick.place, fmt::format("a tick of {:g} s is longer than the horizon of {:g} s",
                                           mpc.tick.value, mpc.horizon.value));
