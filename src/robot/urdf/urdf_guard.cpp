@@ -8,11 +8,10 @@
 
 #include "base/text/spelling.hpp"
 #include "base/text/utf8.hpp"
+#include "robot/urdf/xml_outline.hpp"
 
 namespace conddp {
 namespace {
-
-constexpr std::string_view kSpace = " \t\r\n";
 
 /// An element that is read, with its attributes; numbers > 0: so many finite numbers.
 struct AttributeRule {
@@ -100,8 +99,8 @@ std::optional<std::string> number_defect(std::string_view word) {
 /// Why the text is not `count` finite numbers, if it is not.
 std::optional<std::string> number_defect(std::string_view text, int count) {
   int found = 0;
-  for (std::size_t at = 0; (at = text.find_first_not_of(kSpace, at)) != text.npos; ++found) {
-    const std::size_t end = std::min(text.find_first_of(kSpace, at), text.size());
+  for (std::size_t at = 0; (at = text.find_first_not_of(kXmlSpace, at)) != text.npos; ++found) {
+    const std::size_t end = std::min(text.find_first_of(kXmlSpace, at), text.size());
     if (auto defect = number_defect(text.substr(at, end - at))) return defect;
     at = end;
   }
@@ -219,8 +218,8 @@ void tidy_numbers(char* to, std::string_view written) {
   const char quote = to[written.size()];
   char* const end = to + written.size() + 1;
   const char* const begin = to;
-  for (std::size_t at = 0; (at = written.find_first_not_of(kSpace, at)) != written.npos;) {
-    const std::size_t stop = std::min(written.find_first_of(kSpace, at), written.size());
+  for (std::size_t at = 0; (at = written.find_first_not_of(kXmlSpace, at)) != written.npos;) {
+    const std::size_t stop = std::min(written.find_first_of(kXmlSpace, at), written.size());
     if (to != begin) *to++ = ' ';
     to = std::copy(written.begin() + at, written.begin() + stop, to);
     at = stop;

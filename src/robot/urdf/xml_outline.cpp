@@ -5,7 +5,6 @@
 namespace conddp {
 namespace {
 
-constexpr std::string_view kSpace = " \t\r\n";
 constexpr std::size_t kMaxAttributes = 64;
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
@@ -50,7 +49,7 @@ class Scanner {
     const std::size_t start = at_;
     at_ = std::min(text_.find('<', at_), text_.size());
     if (!open_.empty()) return true;
-    const std::size_t stray = text_.find_first_not_of(kSpace, start);
+    const std::size_t stray = text_.find_first_not_of(kXmlSpace, start);
     if (stray >= at_) return true;
     fail(stray, "text outside the document's root element");
     return false;
@@ -151,7 +150,7 @@ class Scanner {
 
   bool starts(std::string_view what) const { return text_.substr(at_, what.size()) == what; }
   char peek() const { return at_ < text_.size() ? text_[at_] : '\0'; }
-  void skip_space() { at_ = std::min(text_.find_first_not_of(kSpace, at_), text_.size()); }
+  void skip_space() { at_ = std::min(text_.find_first_not_of(kXmlSpace, at_), text_.size()); }
   std::string_view word(std::string_view stop) {
     const std::size_t begin = at_;
     at_ = std::min(text_.find_first_of(stop, at_), text_.size());

@@ -8,6 +8,9 @@
 
 namespace conddp {
 
+/// What XML takes for white space.
+inline constexpr std::string_view kXmlSpace = " \t\r\n";
+
 struct XmlAttribute {
   std::string_view name;
   std::string_view value;  ///< as written, entities not resolved
