@@ -316,7 +316,7 @@ TEST(BadFile, AcceptedWordsAreData) {
   const Loaded loaded(replaced(kPendulum, "rk4", "euler"));
   ASSERT_TRUE(loaded.error());
   EXPECT_EQ(loaded.error()->path, "integrator");
-  EXPECT_EQ(loaded.error()->accepted.size(), 8u);
+  EXPECT_EQ(loaded.error()->accepted.size(), 10u);
 }
 
 TEST(BadFile, NothingIsDroppedTwice) {

@@ -116,7 +116,7 @@ TEST(SystemsOfPhases, MistakesAreFoundWhereTheyStand) {
   struct {
     std::string_view text, from, to, error;
   } const cases[] = {
-      {kTwoSystems, "system: weak", "system: week", "8:28: unknown system 'week'"},
+      {kTwoSystems, "system: weak", "system: week", "8:27: unknown system 'week'"},
       {kTwoSystems, "system: weak, ", "",
        "8:12: the phase 'first' does not say which system moves"},
       {kTwoSystems, "controls: {u: N}, rate: {x: 3*u}", "controls: {f: N}, rate: {x: 3*f}",
@@ -130,17 +130,17 @@ TEST(SystemsOfPhases, MistakesAreFoundWhereTheyStand) {
       {kTwoSystems, "systems:", "system: {type: pendulum}\nsystems:",
        "4:1: 'system' and 'systems' exclude each other"},
       {kJump, "knots: 5,", "knots: 5, system: weak,",
-       "7:36: the file has no 'systems' of which a phase could have one"},
-      {kJump, "{x: gain*x}", "{z: gain*x}", "8:26: there is no state 'z' that could jump"},
-      {kJump, "{x: gain*x}", "{x: gian*x}", "8:29: unknown name 'gian'"},
+       "7:38: the file has no 'systems' of which a phase could have one"},
+      {kJump, "{x: gain*x}", "{z: gain*x}", "8:25: there is no state 'z' that could jump"},
+      {kJump, "{x: gain*x}", "{x: gian*x}", "8:28: unknown name 'gian'"},
       {kJump, "{x: gain*x}}", "{x: gain*x}, knots: 3}",
-       "8:47: a jump takes no time: it has no 'knots'"},
+       "8:44: a jump takes no time: it has no 'knots'"},
       {kJump, "terminal:", "  early: {residual: control, phases: [leap]}\nterminal:",
-       "12:22: the residual 'control' needs a control, and the jump 'leap' has none"},
+       "12:21: the residual 'control' needs a control, and the jump 'leap' has none"},
       {kJump, "terminal:", "  smooth: {residual: control_rate}\nterminal:",
        "8:12: a jump interrupts the controls: 'control_rate' cannot pass it"},
       {kCartpole, "knots: 5, dt: 0.1}]", "jump: {slider: 0}}, {knots: 5, dt: 0.1}]",
-       "8:17: jumps are for systems, not for robots"},
+       "8:29: jumps are for systems, not for robots"},
   };
   for (const auto& c : cases) {
     const Loaded loaded(replaced(c.text, c.from, c.to));
