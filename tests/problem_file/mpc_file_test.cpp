@@ -61,6 +61,84 @@ TEST(MpcFile, FollowsTheFirstPlanOfExampleProblemsWhereHorizonsShrink) {
   }
 }
 
+/// A double integrator under zero-order hold, with Q = I and R = 0.1 as rates and a long time line.
+constexpr std::string_view kRegulated = R"(conddp: 1
+system: {type: linear, A: [[1, 0.1], [0, 1]], B: [[0.005], [0.1]]}
+initial_state: {state: [1, 0]}
+phases: [{name: regulate, knots: 300, dt: 0.1}]
+costs:
+  state: {residual: state}
+  effort: {residual: control, weight: 0.1}
+constraints:
+  force: {bounds: control, lower: -1, upper: 1}
+solver: {name: box_fddp, tolerances: {stationarity: 1.0e-12}}
+)";
+
+// With its value at the end of windows the loop is that of the infinite horizon, however short they
+// are.
+TEST(MpcFile, WindowsThatEndWithARegulatorCostTheOptimum) {
+  for (const int knots : {1, 3, 5}) {
+    const LoadedLoop loop(std::string(kRegulated) +
+                          fmt::format("mpc: {{horizon: {}, tick: 0.1, duration: 20, iterations: "
+                                      "tolerances, terminal: {{lqr: [0, 0]}}}}\n",
+                                      0.1 * knots));
+    ASSERT_TRUE(loop.mpc) << loop.all();
+    const ClosedLoopResult result = loop.run();
+    EXPECT_EQ(result.end, LoopEnd::finished);
+    EXPECT_NEAR(result.cost, .7027180807405, 1e-9) << knots;
+  }
+  const LoadedLoop without(
+      std::string(kRegulated) +
+      "mpc: {horizon: 0.3, tick: 0.1, duration: 20, iterations: tolerances}\n");
+  EXPECT_GT(without.run().cost, .71);
+}
+
+TEST(MpcFile, WindowsKeepTheTerminalCostsOfTheFile) {
+  const std::string mpc = "mpc: {horizon: 0.3, tick: 0.1, duration: 0.5, terminal: ";
+  const LoadedLoop none(pendulum_with(mpc + "none}")), keep(pendulum_with(mpc + "keep}"));
+  ASSERT_TRUE(none.mpc && keep.mpc) << keep.all();
+  EXPECT_FALSE(none.mpc->controller.terminal);
+  ASSERT_TRUE(keep.mpc->controller.terminal);
+  EXPECT_EQ(keep.mpc->controller.terminal->model, keep.built->problem->terminal().model);
+  EXPECT_NE(none.run().last_state, keep.run().last_state);
+}
+
+// From the first tick on every answer comes too late. The regulator brings the pendulum upright all
+// the same; quasi-static controls let it fall.
+TEST(MpcFile, AFallbackMayHaveTheGainsOfARegulator) {
+  const auto last_angle = [](const std::string& to) {
+    const LoadedLoop loop(
+        replaced(replaced(kPendulum, "{theta: 0.1}", "{theta: 3.1}"), "costs:",
+                 "costs:\n  upright: {residual: state, reference: {values: {theta: "
+                 "3.141592653589793}}}") +
+        "mpc: {horizon: 0.5, tick: 0.1, duration: 5, feedback: {rate: 100}, fallback: {after: 1, "
+        "to: " +
+        to + "}}\n");
+    if (!loop.mpc) {
+      ADD_FAILURE() << loop.all();
+      return 0.0;
+    }
+    MpcOptions options = loop.mpc->controller;
+    options.is_late = [](int) { return true; };
+    Mpc controller(loop.built->problem, loop.built->guess, options);
+    return run_closed_loop(controller, loop.mpc->loop).last_state[0];
+  };
+  EXPECT_NEAR(last_angle("{lqr: {values: {theta: 3.141592653589793}}}"), M_PI, 1e-2);
+  EXPECT_GT(std::abs(last_angle("{values: {theta: 3.141592653589793}}") - M_PI), 0.1);
+}
+
+TEST(MpcFile, RegulatorsThatAreNoneHaveTheirPlaces) {
+  const LoadedLoop falling(pendulum_with(
+      "mpc: {horizon: 0.5, tick: 0.1, duration: 1, terminal: {lqr: {values: {omega: 1}}}}"));
+  EXPECT_FALSE(falling.mpc);
+  EXPECT_TRUE(falling.first_error().starts_with("16:")) << falling.all();
+  const LoadedLoop set(
+      pendulum_with("mpc: {horizon: 0.5, tick: 0.1, duration: 1, fallback: {to: {lqr: {about: "
+                    "initial, set: true}}}}"));
+  EXPECT_FALSE(set.built);
+  EXPECT_NE(set.all().find("a fallback has no terminal set"), std::string::npos) << set.all();
+}
+
 TEST(MpcFile, SimulatesAPlantWithOtherNumbers) {
   const std::string mpc = "mpc: {horizon: 0.5, tick: 0.1, duration: 1, plant: {";
   const LoadedLoop model(pendulum_with(mpc + "dt: 0.01}}"));

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "problem_file/build/quasi_static.hpp"
+#include "problem_file/build/terminal_lqr.hpp"
 #include "problem_file/read/read_problem.hpp"
 #include "problem_file/spec/phase_grid.hpp"
 #include "solvers/ddp/family.hpp"
@@ -117,6 +118,41 @@ std::optional<HeldState> held_state(const StateSpec& state, const BuiltProblem& 
   held.K.setZero(held.u.size(), problem.ndx());
   if (problem.nx() > own) held.x.insert(held.x.end(), held.u.begin(), held.u.end());
   return held;
+}
+
+/// The problem with a regulator's cost-to-go alone at its last node. What is wrong with the
+/// regulator is reported.
+std::optional<BuiltProblem> with_regulator(const TerminalLqrSpec& lqr, const ProblemSpec& spec,
+                                           const BuiltProblem& built, Diagnostics& out) {
+  ProblemSpec alone = spec;
+  alone.terminal_costs.clear();
+  alone.terminal_constraints.clear();
+  alone.terminal_lqr = lqr;
+  alone.guess = {};
+  Diagnostics own = out;  // what is said of the rest has been said
+  auto problem = build_without_homotopy(alone, {.plant = &built.plant}, own);
+  if (!own.has_errors()) return problem;
+  out = own;
+  return std::nullopt;
+}
+
+/// The last node of windows that end before the phases do.
+std::optional<Phase> window_end(const ProblemSpec& spec, const BuiltProblem& built,
+                                Diagnostics& out) {
+  if (spec.mpc->window_end == WindowEnd::kTerminal) return built.problem->terminal();
+  if (spec.mpc->window_end == WindowEnd::kNothing || !spec.mpc->terminal_lqr) return std::nullopt;
+  const auto problem = with_regulator(*spec.mpc->terminal_lqr, spec, built, out);
+  return problem ? std::optional(problem->problem->terminal()) : std::nullopt;
+}
+
+/// What controls where ticks have failed.
+std::optional<HeldState> fallback_of(const FallbackSpec& fallback, const ProblemSpec& spec,
+                                     const BuiltProblem& built, Diagnostics& out) {
+  if (!fallback.by_lqr) return held_state(fallback.to, built, out);
+  const auto problem = with_regulator(*fallback.by_lqr, spec, built, out);
+  if (!problem) return std::nullopt;
+  const TerminalIngredients& about = problem->terminal_lqr->ingredients;
+  return HeldState{about.x, about.u, -about.K};
 }
 
 /// Changes of the plant over time, each a problem of its own.
@@ -331,9 +367,10 @@ std::optional<BuiltMpc> build_mpc(const ProblemSpec& spec, const BuiltProblem& b
   check_plant(mpc, built, result.loop.step, out);
   result.controller.solver = solver_of(spec, *built.problem, out);
   if (mpc.fallback) {
-    result.controller.fallback = held_state(mpc.fallback->to, built, out);
+    result.controller.fallback = fallback_of(*mpc.fallback, spec, built, out);
     result.controller.fallback_after = mpc.fallback->after;
   }
+  result.controller.terminal = window_end(spec, built, out);
   set_disturbances(mpc, built, result.loop, out);
   if (!mpc.stop_when.empty()) result.loop.stop = stop_condition(spec, built, out);
   if (out.error_count() > errors) return std::nullopt;

@@ -36,6 +36,17 @@ OrderedJson expand_disturbances(const MpcSpec& mpc) {
   return json;
 }
 
+OrderedJson expand_window_end(const MpcSpec& mpc) {
+  if (mpc.terminal_lqr) return {{"lqr", expand_terminal_lqr(*mpc.terminal_lqr)}};
+  return word_of(kWindowEndWords, mpc.window_end);
+}
+
+OrderedJson expand_fallback(const FallbackSpec& fallback) {
+  return {{"after", fallback.after},
+          {"to", fallback.by_lqr ? OrderedJson{{"lqr", expand_terminal_lqr(*fallback.by_lqr)}}
+                                 : expand_state(fallback.to)}};
+}
+
 }  // namespace
 
 OrderedJson expand_mpc(const ProblemSpec& spec, const Plant& plant) {
@@ -44,12 +55,12 @@ OrderedJson expand_mpc(const ProblemSpec& spec, const Plant& plant) {
       {"horizon", mpc.horizon.value}, {"tick", mpc.tick.value}, {"duration", mpc.duration.value}};
   json["iterations"] = mpc.iterations ? OrderedJson(*mpc.iterations) : OrderedJson("tolerances");
   json["repeat"] = word_of(kRepeatWords, mpc.repeat.value);
+  json["terminal"] = expand_window_end(mpc);
   json["delay"] = mpc.delay.value;
   if (mpc.feedback_rate) json["feedback"]["rate"] = *mpc.feedback_rate;
   json["plant"] = expand_mpc_plant(mpc.plant);
   json["disturbances"] = expand_disturbances(mpc);
-  if (mpc.fallback)
-    json["fallback"] = {{"after", mpc.fallback->after}, {"to", expand_state(mpc.fallback->to)}};
+  if (mpc.fallback) json["fallback"] = expand_fallback(*mpc.fallback);
   ProblemSpec of_states = spec;
   of_states.terminal_constraints = mpc.stop_when;
   json["stop_when"] = expand_terminal_constraints(of_states, plant);

@@ -96,11 +96,15 @@ OrderedJson expand_initial_state(const ProblemSpec& spec, const KnotModel& model
   return json;
 }
 
+}  // namespace
+
 OrderedJson expand_terminal_lqr(const TerminalLqrSpec& lqr) {
   return {{"about", lqr.name ? OrderedJson(lqr.name->value) : expand_state(lqr.state)},
           {"weight", lqr.weight},
           {"set", lqr.set}};
 }
+
+namespace {
 
 OrderedJson expand_terminal(const ProblemSpec& spec, const Plant& plant) {
   OrderedJson json = OrderedJson::object();

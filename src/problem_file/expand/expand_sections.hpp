@@ -45,6 +45,9 @@ OrderedJson expand_reference(const CostSpec& cost);
 // expand_guess.cpp
 OrderedJson expand_guess(const GuessSpec& guess);
 
+// expand_problem.cpp
+OrderedJson expand_terminal_lqr(const TerminalLqrSpec& lqr);
+
 // expand_mpc.cpp
 /// Of a spec that has the section.
 OrderedJson expand_mpc(const ProblemSpec& spec, const Plant& plant);

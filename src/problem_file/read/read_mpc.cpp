@@ -81,12 +81,34 @@ void read_disturbance(const YamlReader& reader, MpcSpec& mpc) {
   mpc.disturbances.push_back(std::move(disturbance));
 }
 
+void read_window_end(const YamlReader& reader, MpcSpec& mpc) {
+  if (!reader.is_map()) {
+    mpc.window_end = reader.choice(kWindowEndWords, "end of windows").value_or(mpc.window_end);
+    return;
+  }
+  YamlMap map(reader);
+  if (const auto lqr = map.require("lqr")) mpc.terminal_lqr = read_terminal_lqr(*lqr);
+  mpc.window_end = WindowEnd::kRegulator;
+}
+
+/// A state, or `{lqr: STATE}`.
+void read_held_state(const YamlReader& reader, FallbackSpec& fallback) {
+  if (!reader.is_map() || reader.node().find("lqr") == nullptr) {
+    if (auto state = read_state(reader)) fallback.to = std::move(*state);
+    return;
+  }
+  YamlMap map(reader);
+  fallback.by_lqr = read_terminal_lqr(*map.require("lqr"));
+  if (fallback.by_lqr->set)
+    reader.diagnostics().error(fallback.by_lqr->set_place, "a fallback has no terminal set",
+                               "write 'to: {lqr: STATE}'");
+}
+
 FallbackSpec read_fallback(const YamlReader& reader) {
   FallbackSpec fallback{.place = reader.place()};
   YamlMap map(reader, "write '{after: 3, to: {configuration: standing}}'");
   map.integer("after", fallback.after, 1, kMostIterations);
-  if (const auto r = map.require("to"))
-    if (auto state = read_state(*r)) fallback.to = std::move(*state);
+  if (const auto r = map.require("to")) read_held_state(*r, fallback);
   return fallback;
 }
 
@@ -115,6 +137,7 @@ MpcSpec read_mpc(const YamlReader& reader, const std::filesystem::path& folder) 
   if (const auto r = map.find("repeat"))
     mpc.repeat = {r->choice(kRepeatWords, "continuation of the phases").value_or(mpc.repeat.value),
                   r->place()};
+  if (const auto r = map.find("terminal")) read_window_end(*r, mpc);
   if (const auto r = map.find("delay"))
     mpc.delay = {r->number(kNotNegative).value_or(0), r->place()};
   if (const auto r = map.find("feedback")) mpc.feedback_rate = read_feedback(*r);

@@ -105,6 +105,10 @@ inline constexpr Choice<AfterTheEnd> kRepeatWords[] = {
     {"none", AfterTheEnd::kNone, "horizons shrink to the end of the phases"},
     {"gait", AfterTheEnd::kGait, "the gait gets as many cycles as the loop needs"}};
 
+inline constexpr Choice<WindowEnd> kWindowEndWords[] = {
+    {"none", WindowEnd::kNothing, "nothing counts there"},
+    {"keep", WindowEnd::kTerminal, "the costs and constraints of `terminal` count there"}};
+
 /// The first word of a value; empty if it has none.
 template <class E, std::size_t N>
 std::string word_of(const Choice<E> (&table)[N], E value) {

@@ -5,6 +5,7 @@
 #include "ocp/knot/integrator.hpp"
 #include "problem_file/spec/spec_cost.hpp"
 #include "problem_file/spec/spec_robot.hpp"
+#include "problem_file/spec/spec_terminal.hpp"
 #include "problem_file/yaml/setting.hpp"
 
 namespace conddp {
@@ -12,6 +13,10 @@ namespace conddp {
 /// What follows the end of the phases: nothing, their last knot again and again, or further cycles
 /// of the file's gait.
 enum class AfterTheEnd { kNone, kHold, kGait };
+
+/// What counts at the last node of windows that end before the phases do: nothing, the file's
+/// `terminal`, or the cost-to-go of a regulator.
+enum class WindowEnd { kNothing, kTerminal, kRegulator };
 
 /// A change of the plant at a time: its state jumps, or a frame is pushed for a while.
 struct DisturbanceSpec {
@@ -40,7 +45,8 @@ struct MpcPlantSpec {
 struct FallbackSpec {
   Place place;
   int after = 3;
-  StateSpec to;  ///< which the controls hold
+  StateSpec to;                           ///< which the controls hold
+  std::optional<TerminalLqrSpec> by_lqr;  ///< with the regulator's gains about its state instead
 };
 
 /// The section `mpc`: a closed loop.
@@ -49,8 +55,10 @@ struct MpcSpec {
   Located<double> horizon, tick, duration;  ///< s
   std::optional<int> iterations = 1;        ///< of a tick; none: to the solver's tolerances
   Located<AfterTheEnd> repeat{AfterTheEnd::kHold, {}};
-  Located<double> delay;                ///< s
-  std::optional<double> feedback_rate;  ///< Hz
+  WindowEnd window_end = WindowEnd::kNothing;
+  std::optional<TerminalLqrSpec> terminal_lqr;  ///< of windows that end with a regulator
+  Located<double> delay;                        ///< s
+  std::optional<double> feedback_rate;          ///< Hz
   MpcPlantSpec plant;
   std::vector<DisturbanceSpec> disturbances;
   std::optional<NoiseSpec> noise;
