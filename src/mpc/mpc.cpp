@@ -33,6 +33,16 @@ bool is_multiple(double length, double step) {
 }
 
 /// Windows of systems that give the next state themselves consist of whole knots.
+void check_whole_knot(const ShootingProblem& problem, int k, const MpcOptions& options) {
+  const double dt = problem.knot(k).dt;
+  for (const double length :
+       {options.tick, options.delay, options.horizon,
+        options.feedback_rate ? 1 / *options.feedback_rate : 0.0, problem.times()[k]})
+    require(is_multiple(length, dt),
+            "the system gives the next state itself: tick, delay, horizon, the period of the "
+            "feedback and the begin of a knot have to be multiples of the knot's dt");
+}
+
 void check_knots(const ShootingProblem& problem, const MpcOptions& options) {
   for (int k = 0; k < problem.knots(); ++k) {
     const KnotModel& model = *problem.knot(k).model;
@@ -40,11 +50,8 @@ void check_knots(const ShootingProblem& problem, const MpcOptions& options) {
             "contact-implicit problems cannot be cut into windows");
     require(model.system().as_collocation() == nullptr,
             "problems with collocation cannot be cut into windows");
-    if (model.integrator() != Integrator::discrete) continue;
-    for (const double length : {options.tick, options.delay, options.horizon})
-      require(is_multiple(length, problem.knot(k).dt),
-              "the system gives the next state itself: tick, delay and horizon have to be "
-              "multiples of the knots' dt");
+    if (model.integrator() == Integrator::discrete && !problem.takes_no_time(k))
+      check_whole_knot(problem, k, options);
   }
 }
 
@@ -132,7 +139,8 @@ Mpc::Mpc(std::shared_ptr<const ShootingProblem> problem, const Trajectory& guess
       state_(line_.problem().initial_state()),
       predicted_(state_),
       control_(largest_control(line_.problem())) {
-  in_force_.first = before_.first = guess_.trajectory.u(0);
+  control_of(guess_, 0, state_.data(), false, scratch_, in_force_.first);
+  before_.first = in_force_.first;
 }
 
 Mpc::~Mpc() = default;
@@ -193,8 +201,9 @@ double Mpc::next_change(double time) const {
   if (options_.feedback_rate) {
     const double period = 1 / *options_.feedback_rate;
     const double count = std::floor((time - policy.begin + kSameTime) / period) + 1;
-    return std::min(next, policy.begin + count * period);
+    next = std::min(next, policy.begin + count * period);
   }
+  if (policy.held) return next;
   const std::vector<double>& knots = policy.plan->times;
   const auto later = std::upper_bound(knots.begin(), knots.end(), time + kSameTime);
   return later == knots.end() ? next : std::min(next, *later);

@@ -35,7 +35,8 @@ struct MpcOptions {
   bool hold = true;     ///< the last knot repeats itself after the end of the time line
   double delay = 0;     ///< s, from measurement to the first control of its plan; at most a tick
   bool predict = true;  ///< plans begin at the state that is predicted for the end of the delay
-  /// Gains act at this rate, Hz; none: at the first control of each plan alone.
+  /// Gains act at this rate, Hz, and where knots of the plan begin; none: at the first control of
+  /// each plan alone.
   std::optional<double> feedback_rate;
   /// The last node of windows that end before the time line does; none: nothing counts there.
   std::optional<Phase> terminal;

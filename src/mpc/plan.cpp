@@ -10,10 +10,18 @@ void clip(const KnotModel& model, Eigen::VectorXd& u) {
     u[i] = std::max(model.control_lower()[i], std::min(model.control_upper()[i], u[i]));
 }
 
+/// How many numbers at the end of a state are the control that was applied last.
+int remembered(const KnotModel& model) { return model.ndx() - model.system().ndx(); }
+
 /// u += K tangent.
 void add_feedback(const Eigen::MatrixXd& K, const std::vector<double>& tangent,
                   Eigen::VectorXd& u) {
   for (Eigen::Index j = 0; j < K.cols(); ++j) u += tangent[j] * K.col(j);
+}
+
+/// Makes no difference of the control that was applied last.
+void forget(const KnotModel& model, std::vector<double>& tangent) {
+  std::fill_n(tangent.end() - remembered(model), remembered(model), 0.0);
 }
 
 }  // namespace
@@ -50,6 +58,9 @@ void Plan::state_at(double time, bool before, double* tangent, double* x) const 
   manifold.difference(trajectory.x(k).data(), trajectory.x(k + 1).data(), tangent);
   for (int i = 0; i < problem->ndx(); ++i) tangent[i] *= share;
   manifold.integrate(trajectory.x(k).data(), tangent, x);
+  // Inside a knot its own control is the one that was applied last.
+  const int memory = remembered(*problem->knot(k).model);
+  std::copy_n(trajectory.u(k).data(), memory, x + problem->nx() - memory);
 }
 
 void control_of(const Plan& plan, double time, const double* x, bool gains, PolicyScratch& scratch,
@@ -59,6 +70,8 @@ void control_of(const Plan& plan, double time, const double* x, bool gains, Poli
   if (gains) {
     plan.state_at(time, false, scratch.tangent.data(), scratch.x.data());
     plan.problem->manifold().difference(scratch.x.data(), x, scratch.tangent.data());
+    // Gains answer the control before the knot; inside of it that is no longer known.
+    if (is_before(plan.times[k], time)) forget(*plan.problem->knot(k).model, scratch.tangent);
     add_feedback(plan.feedback.K[k], scratch.tangent, u);
   }
   clip(*plan.problem->knot(k).model, u);
@@ -68,6 +81,7 @@ void control_of(const HeldState& held, const KnotModel& model, const double* x,
                 PolicyScratch& scratch, Eigen::VectorXd& u) {
   u = held.u;
   model.manifold().difference(held.x.data(), x, scratch.tangent.data());
+  forget(model, scratch.tangent);
   add_feedback(held.K, scratch.tangent, u);
   clip(model, u);
 }

@@ -9,7 +9,7 @@ namespace conddp {
 
 /// An answer as a function of time: states between nodes along the shortest way on the manifold,
 /// controls and gains held over a knot. Before the first node and after the last one it is what it
-/// is there.
+/// is there. A remembered control is within a knot the knot's own.
 struct Plan {
   /// For answers of this problem, which has to outlive it.
   explicit Plan(const ShootingProblem& problem);
@@ -27,7 +27,8 @@ struct Plan {
   void state_at(double time, bool before, double* tangent, double* x) const;
 };
 
-/// A state that is held by the controls u + K (x ⊖ x̄) within their bounds.
+/// A state that is held by the controls u + K (x ⊖ x̄) within their bounds, whatever control was
+/// applied last.
 struct HeldState {
   std::vector<double> x;  ///< x̄
   Eigen::VectorXd u;
@@ -42,7 +43,8 @@ struct PolicyScratch {
 };
 
 /// The control of a plan at a time and a state, u_k + K_k (x ⊖ x̄) within its bounds, where x̄ is
-/// the plan's state at the time; without `gains` u_k.
+/// the plan's state at the time; without `gains` u_k. A remembered control counts where a knot
+/// begins.
 void control_of(const Plan& plan, double time, const double* x, bool gains, PolicyScratch& scratch,
                 Eigen::VectorXd& u);
 /// The control that holds a state, within the bounds of the model.

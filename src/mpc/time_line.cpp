@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 namespace conddp {
@@ -57,9 +58,13 @@ void TimeLine::cut(double from, double to, std::vector<TimedKnot>& knots) const 
       knots.push_back({k, std::max(times[k], from), std::min(times[k + 1], to)});
   if (!held_) return;
   for (double time = std::max(from, end()); is_before(time, to);) {
-    const TimedKnot whole = held(time);
-    knots.push_back({last_, time, std::min(whole.end, to)});
-    time = whole.end;
+    double end = held(time).end;
+    // Where times are so large that their rounding exceeds a knot, knots are as short as times go.
+    if (!is_before(time, end))
+      end = std::max(time + problem_->knot(last_).dt,
+                     std::nextafter(time, std::numeric_limits<double>::infinity()));
+    knots.push_back({last_, time, std::min(end, to)});
+    time = end;
   }
 }
 

@@ -148,6 +148,35 @@ TEST(ClosedLoop, ComesCloserByGainsBetweenTicks) {
   EXPECT_LT(cost(100), cost(std::nullopt));
 }
 
+TEST(ClosedLoop, KeepsTheBoundsDuringTheFirstDelay) {
+  const auto problem = testing::balanced_cartpole();
+  Mpc mpc(problem, testing::constant_controls(*problem, 50),
+          with_terminal(*problem, {.horizon = 1, .tick = 0.05, .delay = 0.05}));
+  const ClosedLoopResult result = run_closed_loop(mpc, {.duration = 0.2});
+  EXPECT_EQ(result.steps[0].u[0], 10);
+  EXPECT_EQ(result.violation, 0);
+}
+
+TEST(ClosedLoop, HasTheKnotsOfItsPlanHoweverSlowTheFeedback) {
+  const auto problem = testing::balanced_cartpole();  // knots of 0.05 s
+  const auto controls = [&](std::optional<double> rate) {
+    Mpc mpc(problem, problem->create_trajectory(),
+            with_terminal(*problem, {.horizon = 1,
+                                     .tick = 0.2,
+                                     .iterations = std::nullopt,
+                                     .feedback_rate = rate,
+                                     .solver_options = testing::tight()}));
+    std::vector<double> u;
+    for (const PlantStep& step : run_closed_loop(mpc, {.duration = 0.4}).steps)
+      u.push_back(step.u[0]);
+    return u;
+  };
+  const auto slow = controls(0.1), none = controls(std::nullopt);
+  ASSERT_EQ(slow.size(), none.size());
+  for (std::size_t k = 0; k < slow.size(); ++k) EXPECT_NEAR(slow[k], none[k], 1e-6) << k;
+  EXPECT_GT(std::abs(none[0] - none[1]), 1e-3);
+}
+
 /// Outcomes tick by tick of a loop in which something goes wrong.
 struct Trouble {
   std::shared_ptr<const ShootingProblem> problem = testing::balanced_cartpole();

@@ -53,6 +53,18 @@ TEST(TimeLine, EndsOrHoldsItsLastKnot) {
   EXPECT_DOUBLE_EQ(held.at(3.15).begin, 3.12);
 }
 
+// Beside 1e9 s the rounding of times exceeds what counts as the same time.
+TEST(TimeLine, IsCutToItsEndHoweverLateThatIs) {
+  const TimeLine held(shared(testing::pendulum_swing_up()), true);
+  for (const double from : {1e9 + 0.01, 1e12, 1e17}) {
+    const auto knots = cut(held, from, from + 64);
+    ASSERT_FALSE(knots.empty());
+    EXPECT_EQ(knots.front().begin, from);
+    EXPECT_EQ(knots.back().end, from + 64);
+    for (const TimedKnot& knot : knots) ASSERT_LT(knot.begin, knot.end);
+  }
+}
+
 // The hopper is 0.1 s in the air, its foot then stops at an impulse, knot 10.
 TEST(TimeLine, HasAnInstantInTheWindowThatBeginsAtIt) {
   const TimeLine line(shared(testing::landing()), false);
