@@ -139,6 +139,139 @@ TEST(MpcFile, RegulatorsThatAreNoneHaveTheirPlaces) {
   EXPECT_NE(set.all().find("a fallback has no terminal set"), std::string::npos) << set.all();
 }
 
+/// A cart-pole whose control may change by 2 N in a second.
+std::string limited_rate(const std::string& mpc) {
+  return R"(conddp: 1
+system: {type: cartpole}
+initial_state: {values: {theta: 2.84}}
+integrator: rk4
+phases: [{name: balance, knots: 20, dt: 0.05}]
+costs:
+  state: {residual: state, reference: {values: {theta: 3.141592653589793}}, weights: {x: 1, theta: 10, "*": 0.1}}
+  effort: {residual: control, weight: 0.1}
+constraints:
+  force: {bounds: control, lower: -10, upper: 10}
+  rate: {residual: control_rate, lower: -2, upper: 2}
+terminal:
+  costs:
+    upright: {residual: state, reference: {values: {theta: 3.141592653589793}}, weight: 20}
+solver: {name: altro}
+mpc: {horizon: 1, duration: 2, iterations: tolerances, )" +
+         mpc + "}\n";
+}
+
+// The plant is the model: there is nothing to which feedback could answer.
+TEST(MpcFile, FeedbackLeavesALoopWithoutDisturbanceAloneThatRemembersItsControl) {
+  for (const char* tick : {"0.05", "0.1"}) {
+    const LoadedLoop none(limited_rate(fmt::format("tick: {}", tick)));
+    const LoadedLoop often(limited_rate(fmt::format("tick: {}, feedback: {{rate: 200}}", tick)));
+    ASSERT_TRUE(none.mpc && often.mpc) << often.all();
+    const ClosedLoopResult a = none.run(), b = often.run();
+    EXPECT_NEAR(a.cost, b.cost, 1e-2 * a.cost) << tick;
+    for (std::size_t i = 0; i < a.last_state.size(); ++i)
+      EXPECT_NEAR(a.last_state[i], b.last_state[i], 1e-2) << tick << ' ' << i;
+  }
+}
+
+TEST(MpcFile, SystemsThatGiveTheNextStateMakeWholeKnots) {
+  const struct {
+    const char* mpc;
+    const char* path;
+  } cases[] = {
+      {"tick: 0.1, duration: 0.55", "mpc.duration"},
+      {"tick: 0.1, duration: 1, plant: {dt: 0.025}", "mpc.plant.dt"},
+      {"tick: 0.1, duration: 1, feedback: {rate: 40}", "mpc.feedback.rate"},
+      {"tick: 0.1, duration: 1, disturbances: [{at: 0.55, jump: 0.1}]", "mpc.disturbances.0.at"},
+      {"tick: 0.15, duration: 1.5", "mpc.tick"}};
+  for (const auto& c : cases) {
+    const LoadedLoop loop(std::string(kRegulated) +
+                          fmt::format("mpc: {{horizon: 3, {}}}\n", c.mpc));
+    EXPECT_FALSE(loop.mpc) << c.mpc;
+    ASSERT_TRUE(loop.error()) << c.mpc;
+    EXPECT_EQ(loop.error()->path, c.path) << loop.all();
+    EXPECT_NE(loop.all().find("gives the next state itself"), std::string::npos) << loop.all();
+  }
+  const std::string mpc = "mpc: {horizon: 1.2, tick: 0.2, duration: 2}\n";
+  const std::string_view phases = "{name: regulate, knots: 300, dt: 0.1}";
+  const LoadedLoop two(
+      replaced(kRegulated, phases, "{name: a, knots: 4, dt: 0.1}, {name: b, knots: 9, dt: 0.2}") +
+      mpc);
+  ASSERT_TRUE(two.mpc) << two.all();
+  EXPECT_EQ(two.run().end, LoopEnd::finished);
+  const LoadedLoop odd(
+      replaced(kRegulated, phases, "{name: a, knots: 3, dt: 0.1}, {name: b, knots: 9, dt: 0.2}") +
+      mpc);
+  EXPECT_FALSE(odd.mpc);
+  EXPECT_NE(odd.all().find("cannot begin at 0.3 s"), std::string::npos) << odd.all();
+}
+
+/// A mass that is thrown down, bounces, and is to end at rest at a height of 1 m.
+constexpr std::string_view kBounce = R"(conddp: 1
+system: {states: {h: m, v: m/s}, controls: {u: N}, rate: {h: v, v: u - 9.81}}
+initial_state: {values: {h: 1}}
+integrator: rk4
+phases:
+  - {name: down, knots: 10, dt: 0.05}
+  - {name: bounce, jump: {v: -0.8*v}}
+  - {name: up, knots: 10, dt: 0.05}
+costs:
+  effort: {residual: control}
+terminal:
+  costs:
+    rest: {residual: state, reference: {values: {h: 1}}, weight: 100}
+solver: {name: box_fddp, tolerances: {stationarity: 1.0e-10}}
+mpc: {horizon: 2, duration: 1, repeat: none, iterations: tolerances, )";
+
+TEST(MpcFile, FollowsItsFirstPlanThroughAJump) {
+  for (const char* more : {"tick: 0.05}", "tick: 0.1}", "tick: 0.1, feedback: {rate: 100}}"}) {
+    const LoadedLoop loop(std::string(kBounce) + more);
+    ASSERT_TRUE(loop.mpc) << loop.all();
+    const SolveResult plan =
+        solve(*loop.built->problem, "box_fddp", loop.spec->solver.options, loop.built->guess);
+    const ClosedLoopResult result = loop.run();
+    EXPECT_EQ(result.end, LoopEnd::finished);
+    for (int i = 0; i < 2; ++i)
+      EXPECT_NEAR(result.last_state[i], plan.trajectory.x(21)[i], 1e-3) << more << ' ' << i;
+    for (const PlantStep& step : result.steps) {
+      if (std::abs(step.time - 0.5) > 1e-9) continue;
+      EXPECT_NEAR(step.x[1], plan.trajectory.x(11)[1], 1e-3) << more;  // after the jump
+    }
+    for (const TickRecord& tick : result.ticks)
+      EXPECT_EQ(tick.outcome, TickOutcome::planned) << more << ' ' << tick.tick;
+  }
+}
+
+TEST(MpcFile, PredictsAPlantThatJumpsDuringTheDelay) {
+  const LoadedLoop loop(std::string(kBounce) + "tick: 0.1, delay: 0.05, plant: {dt: 0.01}}");
+  ASSERT_TRUE(loop.mpc) << loop.all();
+  const ClosedLoopResult result = loop.run();
+  EXPECT_EQ(result.end, LoopEnd::finished);
+  for (const TickRecord& tick : result.ticks) EXPECT_EQ(tick.outcome, TickOutcome::planned);
+  EXPECT_NEAR(result.last_state[0], 1, 0.1);
+}
+
+/// A pole that its cart cannot hold where it leans.
+constexpr std::string_view kBalanced = R"(conddp: 1
+system: {type: cartpole}
+initial_state: {values: {theta: 2.84}}
+integrator: rk4
+phases: [{name: balance, knots: 20, dt: 0.05}]
+costs: {effort: {residual: control}}
+solver: {name: box_fddp}
+)";
+
+TEST(MpcFile, WarnsOfAFallbackThatIsNoEquilibrium) {
+  const std::string mpc =
+      "mpc: {horizon: 1, tick: 0.1, duration: 1, fallback: {to: {values: {theta: ";
+  const auto all = [&](const std::string& theta) {
+    const LoadedLoop loop(std::string(kBalanced) + mpc + theta + "}}}}\n");
+    EXPECT_TRUE(loop.mpc) << loop.all();
+    return loop.all();
+  };
+  EXPECT_EQ(all("3.14159"), "");
+  EXPECT_NE(all("1").find("no equilibrium"), std::string::npos);
+}
+
 TEST(MpcFile, SimulatesAPlantWithOtherNumbers) {
   const std::string mpc = "mpc: {horizon: 0.5, tick: 0.1, duration: 1, plant: {";
   const LoadedLoop model(pendulum_with(mpc + "dt: 0.01}}"));
@@ -215,6 +348,8 @@ TEST(MpcFile, WalksOnWhereTheGaitRepeats) {
   ASSERT_TRUE(spec) << format_diagnostics(out, false);
   const auto built = build_problem(*spec, {}, out);
   ASSERT_TRUE(built) << format_diagnostics(out, false);
+  const LoadedLoop again(expanded_text(*spec, *built));  // phases without a gait
+  EXPECT_TRUE(again.mpc) << again.all();
   EXPECT_GT(built->problem->times().back(), 2.8);
   const auto mpc = build_mpc(*spec, *built, out);
   ASSERT_TRUE(mpc) << format_diagnostics(out, false);
@@ -225,6 +360,24 @@ TEST(MpcFile, WalksOnWhereTheGaitRepeats) {
   EXPECT_GT(result.last_state[0], 0.5);          // x
   EXPECT_NEAR(result.last_state[1], 0, 0.05);    // y
   EXPECT_NEAR(result.last_state[2], 0.57, 0.1);  // z
+}
+
+TEST(MpcFile, LastsNoLongerThanTimesAreExact) {
+  const LoadedLoop loop(replaced(kPendulum, "dt: 0.05", "dt: 5") +
+                        "mpc: {horizon: 10, tick: 10, duration: 1.0e+6}\n");
+  ASSERT_TRUE(loop.error());
+  EXPECT_EQ(loop.error()->path, "mpc.duration") << loop.all();
+}
+
+TEST(MpcFile, LastsNoLongerThanAGaitCan) {
+  Diagnostics out;
+  const auto once =
+      read_problem_text(text_of("quadruped_trot"), kProblems / "test.yaml",
+                        {"mpc={horizon: 0.4, tick: 0.02, duration: 1e4, repeat: gait}"}, out);
+  ASSERT_TRUE(once) << format_diagnostics(out, false);
+  EXPECT_FALSE(repeat_gait(*once, out));
+  ASSERT_EQ(out.error_count(), 1);
+  EXPECT_EQ(out.list().back().path, "mpc.duration");
 }
 
 TEST(MpcFile, IsReadFromItsExpansionAgain) {

@@ -8,8 +8,10 @@
 #include <fmt/format.h>
 
 #include "problem_file/build/quasi_static.hpp"
+#include "problem_file/build/term_residual.hpp"
 #include "problem_file/build/terminal_lqr.hpp"
 #include "problem_file/read/read_problem.hpp"
+#include "problem_file/read/read_sections.hpp"
 #include "problem_file/spec/phase_grid.hpp"
 #include "solvers/ddp/family.hpp"
 
@@ -34,6 +36,10 @@ void check_problem(const ProblemSpec& spec, Diagnostics& out) {
     out.error(spec.integrator->place, "a closed loop has no collocation",
               "accepted: semi_implicit_euler, explicit_euler, rk2, rk3, rk4, discrete");
   const SolverOptions& options = spec.solver.options;
+  if (std::isfinite(options.max_time_s))
+    out.error(spec.solver.place,
+              "the clock of a closed loop is simulated: a solve has no time limit",
+              "leave out 'max_time_s'");
   if (!spec.solver.homotopy.empty() || options.restarts.count > 0 || options.segments > 1)
     out.error(spec.solver.place,
               "the solver of a closed loop has no restarts, no homotopy and one segment");
@@ -43,22 +49,100 @@ bool is_multiple(double length, double step) {
   return std::abs(length - std::round(length / step) * step) < kSameTime;
 }
 
+/// The period of the feedback, where there is one, s.
+std::optional<Located<double>> feedback_period(const MpcSpec& mpc) {
+  if (!mpc.feedback_rate) return std::nullopt;
+  return Located<double>{1 / mpc.feedback_rate->value, mpc.feedback_rate->place};
+}
+
+/// The length of the last knot that takes time, which repeats itself, s.
+double repeated_step(const ShootingProblem& problem) {
+  int last = problem.knots() - 1;
+  while (last > 0 && problem.takes_no_time(last)) --last;
+  return problem.knot(last).dt;
+}
+
+/// More knots in a window than memory holds.
+void check_window(const MpcSpec& mpc, double repeated, Diagnostics& out) {
+  constexpr double kMostKnots = 1e5;
+  if (mpc.repeat.value != AfterTheEnd::kNone && mpc.horizon.value / repeated > kMostKnots)
+    out.error(mpc.horizon.place,
+              fmt::format("a horizon of {:g} s is more than {:g} knots of {:g} s, the last one of "
+                          "the phases",
+                          mpc.horizon.value, kMostKnots, repeated),
+              "take a shorter horizon");
+}
+
 /// Ticks that vanish beside the time, and more steps than memory holds.
-void check_steps(const MpcSpec& mpc, Diagnostics& out) {
-  constexpr double kShortestTick = 1e-6, kMostSteps = 1e7;
+void check_steps(const MpcSpec& mpc, double repeated, Diagnostics& out) {
+  constexpr double kShortestTick = 1e-6, kMostSteps = 1e7, kLongest = 1e6;
   if (mpc.tick.value < kShortestTick)
     out.error(mpc.tick.place, fmt::format("a tick is at least {:g} s long", kShortestTick));
-  const double step = std::min({mpc.tick.value, mpc.plant.dt.value_or(mpc.tick.value),
-                                mpc.feedback_rate ? 1 / *mpc.feedback_rate : mpc.tick.value});
+  double step = mpc.tick.value;
+  if (mpc.plant.dt) step = std::min(step, mpc.plant.dt->value);
+  if (const auto period = feedback_period(mpc)) step = std::min(step, period->value);
+  if (mpc.repeat.value != AfterTheEnd::kNone) step = std::min(step, repeated);
   if (mpc.duration.value / step > kMostSteps)
     out.error(mpc.duration.place,
               fmt::format("{:g} s are more than {:g} steps of {:g} s", mpc.duration.value,
                           kMostSteps, step),
               "take a shorter duration, or longer ticks and steps");
+  else if (mpc.duration.value + mpc.horizon.value > kLongest)
+    out.error(mpc.duration.place,
+              fmt::format("duration and horizon are more than {:g} s in all", kLongest));
 }
 
-void check_times(const MpcSpec& mpc, const ShootingProblem& problem, Diagnostics& out) {
-  check_steps(mpc, out);
+/// The times and lengths of a loop at which knots may be cut.
+std::vector<Located<double>> cutting_times(const MpcSpec& mpc) {
+  std::vector<Located<double>> times = {mpc.horizon, mpc.tick, mpc.delay, mpc.duration};
+  if (mpc.plant.dt) times.push_back(*mpc.plant.dt);
+  if (const auto period = feedback_period(mpc)) times.push_back(*period);
+  for (const DisturbanceSpec& disturbance : mpc.disturbances) {
+    times.push_back(disturbance.at);
+    if (disturbance.push)
+      times.push_back({disturbance.at.value + disturbance.duration, disturbance.place});
+  }
+  return times;
+}
+
+/// Systems that give the next state themselves make whole knots, which begin at multiples of their
+/// length. One error for each time that is none.
+void check_whole_knots(const ProblemSpec& spec, const ShootingProblem& problem, Diagnostics& out) {
+  std::set<double> steps;
+  for (int k = 0; k < problem.knots(); ++k) {
+    const KnotView& view = problem.knot(k);
+    if (view.model->integrator() != Integrator::discrete || problem.takes_no_time(k)) continue;
+    steps.insert(view.dt);
+    if (is_multiple(problem.times()[k], view.dt)) continue;
+    return out.error(spec.phases[view.phase].name.place,
+                     fmt::format("the system gives the next state itself: in a closed loop its "
+                                 "knots of {:g} s cannot begin at {:g} s",
+                                 view.dt, problem.times()[k]),
+                     "let phases begin at multiples of their 'dt'");
+  }
+  for (const Located<double>& time : cutting_times(*spec.mpc)) {
+    const auto step = std::find_if(steps.begin(), steps.end(),
+                                   [&](double dt) { return !is_multiple(time.value, dt); });
+    if (step == steps.end()) continue;
+    out.error(time.place,
+              fmt::format("the system gives the next state itself: {:g} s is no multiple of the "
+                          "knots' dt, {:g} s",
+                          time.value, *step));
+  }
+}
+
+void check_disturbances(const MpcSpec& mpc, Diagnostics& out) {
+  for (const DisturbanceSpec& disturbance : mpc.disturbances)
+    if (!is_before(disturbance.at.value, mpc.duration.value))
+      out.error(disturbance.at.place,
+                fmt::format("the loop has ended by then: it lasts {:g} s", mpc.duration.value));
+}
+
+void check_times(const ProblemSpec& spec, const ShootingProblem& problem, Diagnostics& out) {
+  const MpcSpec& mpc = *spec.mpc;
+  check_steps(mpc, repeated_step(problem), out);
+  check_window(mpc, repeated_step(problem), out);
+  check_disturbances(mpc, out);
   if (mpc.tick.value > mpc.horizon.value)
     out.error(mpc.tick.place, fmt::format("a tick of {:g} s is longer than the horizon of {:g} s",
                                           mpc.tick.value, mpc.horizon.value));
@@ -70,13 +154,7 @@ void check_times(const MpcSpec& mpc, const ShootingProblem& problem, Diagnostics
     out.error(mpc.duration.place,
               fmt::format("the phases end at {:g} s, and nothing repeats them", end),
               "take a shorter duration, or 'repeat: hold'");
-  if (problem.knot(0).model->integrator() != Integrator::discrete) return;
-  for (const Located<double>* length : {&mpc.horizon, &mpc.tick, &mpc.delay})
-    if (!is_multiple(length->value, problem.knot(0).dt))
-      out.error(length->place,
-                fmt::format("the system gives the next state itself: {:g} s is no multiple of the "
-                            "knots' dt, {:g} s",
-                            length->value, problem.knot(0).dt));
+  check_whole_knots(spec, problem, out);
 }
 
 /// The first solver of the DDP family that supports the problem.
@@ -103,9 +181,19 @@ std::vector<double> tangent_of(const ComponentsSpec& components, const BuiltProb
   return tangent;
 }
 
+/// The largest acceleration (or rate, of a system without velocities) in a state; 0 of systems that
+/// give the next state themselves.
+double largest_rate(const System& system, const std::vector<double>& x, const Eigen::VectorXd& u) {
+  if (system.kind() != SystemKind::second_order && system.kind() != SystemKind::first_order)
+    return 0;
+  const auto data = system.create_data(double{});
+  system.evaluate(x.data(), u.data(), *data);
+  return Eigen::Map<const Eigen::VectorXd>(data->f.data(), system.rows()).cwiseAbs().maxCoeff();
+}
+
 /// A system at rest in a state, held by the controls that balance it.
-std::optional<HeldState> held_state(const StateSpec& state, const BuiltProblem& built,
-                                    Diagnostics& out) {
+std::optional<HeldState> held_state(const StateSpec& state, const Place& place,
+                                    const BuiltProblem& built, Diagnostics& out) {
   const ShootingProblem& problem = *built.problem;
   StateBuilder states(built.plant, out);
   const int own = built.plant.system->nx();
@@ -114,7 +202,15 @@ std::optional<HeldState> held_state(const StateSpec& state, const BuiltProblem& 
   if (!x) return std::nullopt;
   int last = problem.knots() - 1;
   while (problem.takes_no_time(last)) --last;
-  HeldState held{*x, quasi_static_control(problem.knot(last).model->system(), x->data()), {}};
+  const System& system = problem.knot(last).model->system();
+  HeldState held{*x, quasi_static_control(system, x->data()), {}};
+  constexpr double kNearlyAtRest = 1e-3;
+  if (const double rate = largest_rate(system, *x, held.u); !(rate <= kNearlyAtRest))
+    out.warning(
+        place,
+        fmt::format("the state of the fallback is no equilibrium: with the controls "
+                    "that hold it best its largest {} is {:.3g}",
+                    system.kind() == SystemKind::second_order ? "acceleration" : "rate", rate));
   held.K.setZero(held.u.size(), problem.ndx());
   if (problem.nx() > own) held.x.insert(held.x.end(), held.u.begin(), held.u.end());
   return held;
@@ -148,7 +244,7 @@ std::optional<Phase> window_end(const ProblemSpec& spec, const BuiltProblem& bui
 /// What controls where ticks have failed.
 std::optional<HeldState> fallback_of(const FallbackSpec& fallback, const ProblemSpec& spec,
                                      const BuiltProblem& built, Diagnostics& out) {
-  if (!fallback.by_lqr) return held_state(fallback.to, built, out);
+  if (!fallback.by_lqr) return held_state(fallback.to, fallback.place, built, out);
   const auto problem = with_regulator(*fallback.by_lqr, spec, built, out);
   if (!problem) return std::nullopt;
   const TerminalIngredients& about = problem->terminal_lqr->ingredients;
@@ -187,11 +283,18 @@ class PlantBuilder {
     return report(own, read.has_value());
   }
 
-  /// Reports what is wrong with a changed problem where the plant is said.
+  /// The setting at whose key something is, or the plant.
+  const Place& place_of(const Diagnostic& fault) const {
+    for (const Setting& setting : mpc_.plant.settings)
+      if (fault.path.starts_with(setting.key.value)) return setting.key.place;
+    return mpc_.plant.settings.size() == 1 ? mpc_.plant.settings[0].key.place : mpc_.plant.place;
+  }
+
+  /// Reports what is wrong with a changed problem at the setting that is to blame.
   bool report(const Diagnostics& own, bool fine) {
     for (std::size_t i = out_.list().size(); i < own.list().size(); ++i)
       if (own.list()[i].severity == Severity::kError) {
-        out_.error(mpc_.plant.place,
+        out_.error(place_of(own.list()[i]),
                    fmt::format("the plant cannot be built: {}", own.list()[i].message),
                    own.list()[i].hint);
         return false;
@@ -247,7 +350,7 @@ class PlantBuilder {
     if (!report(own, built.has_value())) return false;
     if (!same_columns(*built) || built->problem->times() != built_.problem->times()) {
       out_.error(mpc_.plant.place, "the plant has other states, controls or times than the model",
-                 "change numbers alone: masses, lengths, friction, limits");
+                 "change numbers alone: masses, lengths, gravity");
       return false;
     }
     to_.plant_specs.push_back(std::move(spec));
@@ -271,12 +374,30 @@ class PlantBuilder {
   Diagnostics& out_;
 };
 
+/// Whether a condition is another one at another time.
+bool changes_with_time(const ConstraintSpec& condition, const ProblemSpec& spec,
+                       const BuiltProblem& built, const Diagnostics& out) {
+  const CostSpec& function = condition.function;
+  if (function.reference && (function.reference->values.size() > 1 || function.reference->file))
+    return true;
+  if (condition.bounded || function.definition->of_contacts()) return false;
+  Diagnostics own = out;  // what is wrong with it is said where it is built
+  const auto residual = make_cost_residual(function, spec, built.plant, built.problem->ndx(), own);
+  return residual && residual->reads_time;
+}
+
 /// Conditions that end the loop, as the last node of a problem that has no other constraints.
 std::optional<StopCondition> stop_condition(const ProblemSpec& spec, const BuiltProblem& built,
                                             Diagnostics& out) {
+  for (const ConstraintSpec& condition : spec.mpc->stop_when)
+    if (changes_with_time(condition, spec, built, out))
+      out.error(condition.function.name.place,
+                "a condition that ends the loop does not change with time",
+                "give it one reference, and rows without 't'");
   ProblemSpec alone = spec;
   alone.constraints.clear();
   alone.terminal_costs.clear();
+  alone.terminal_lqr.reset();
   alone.terminal_constraints = spec.mpc->stop_when;
   alone.guess = {};
   Diagnostics own = out;  // what is said of the rest has been said
@@ -313,8 +434,8 @@ MpcOptions controller_of(const MpcSpec& mpc, const SolverSpec& solver) {
                      .tick = mpc.tick.value,
                      .iterations = mpc.iterations,
                      .hold = mpc.repeat.value != AfterTheEnd::kNone,
-                     .delay = mpc.delay.value,
-                     .feedback_rate = mpc.feedback_rate};
+                     .delay = mpc.delay.value};
+  if (mpc.feedback_rate) options.feedback_rate = mpc.feedback_rate->value;
   options.solver_options = solver.options;
   return options;
 }
@@ -331,14 +452,21 @@ std::optional<ProblemSpec> with_cycles(const ProblemSpec& spec, int cycles, Diag
   std::vector<std::string> settings = spec.settings;
   settings.push_back(fmt::format("gait.cycles={}", cycles));
   auto read = read_problem_text(spec.text, spec.file, settings, out);
-  if (read) read->sha256 = spec.sha256;
+  if (!read) return read;
+  read->sha256 = spec.sha256;
+  read->mpc->repeat.value = AfterTheEnd::kHold;  // that many cycles are enough
   return read;
+}
+
+/// How many cycles a gait can have, by the knots of the first one with what is around it and by
+/// those of each other one.
+int most_cycles(int first, int other) {
+  return std::min(kMostGaitCycles, 1 + (kMaxKnots - first) / other);
 }
 
 }  // namespace
 
 std::optional<ProblemSpec> repeat_gait(const ProblemSpec& spec, Diagnostics& out) {
-  constexpr double kMostCycles = 1e6;  // of which the reader will not accept that many
   const MpcSpec& mpc = *spec.mpc;
   Diagnostics attempt;
   const auto once = with_cycles(spec, 1, attempt), twice = with_cycles(spec, 2, attempt);
@@ -349,8 +477,15 @@ std::optional<ProblemSpec> repeat_gait(const ProblemSpec& spec, Diagnostics& out
     return std::nullopt;
   }
   const double needed = mpc.duration.value + mpc.delay.value + mpc.horizon.value;
-  const double more = std::max(0.0, (needed - total_duration(*once)) / cycle);
-  return with_cycles(spec, 2 + static_cast<int>(std::min(more, kMostCycles)), out);
+  const double cycles = 2 + std::floor(std::max(0.0, (needed - total_duration(*once)) / cycle));
+  if (cycles > most_cycles(once->knots(), twice->knots() - once->knots())) {
+    out.error(mpc.duration.place,
+              fmt::format("{:g} s are {:g} cycles of the gait, more than a file can have",
+                          mpc.duration.value, cycles),
+              "take a shorter duration");
+    return std::nullopt;
+  }
+  return with_cycles(spec, static_cast<int>(cycles), out);
 }
 
 std::optional<BuiltMpc> build_mpc(const ProblemSpec& spec, const BuiltProblem& built,
@@ -358,11 +493,11 @@ std::optional<BuiltMpc> build_mpc(const ProblemSpec& spec, const BuiltProblem& b
   const MpcSpec& mpc = *spec.mpc;
   const int errors = out.error_count();
   check_problem(spec, out);
-  check_times(mpc, *built.problem, out);
+  check_times(spec, *built.problem, out);
   BuiltMpc result{.controller = controller_of(mpc, spec.solver)};
   result.loop.duration = mpc.duration.value;
   if (mpc.plant.integrator) result.loop.step.integrator = mpc.plant.integrator->value;
-  result.loop.step.dt = mpc.plant.dt;
+  if (mpc.plant.dt) result.loop.step.dt = mpc.plant.dt->value;
   if (out.error_count() > errors) return std::nullopt;
   check_plant(mpc, built, result.loop.step, out);
   result.controller.solver = solver_of(spec, *built.problem, out);

@@ -10,7 +10,7 @@ OrderedJson expand_mpc_plant(const MpcPlantSpec& plant) {
   for (const Setting& setting : plant.settings)
     json["set"][setting.key.value] = OrderedJson::parse(canonical_value(setting.value));
   if (plant.integrator) json["integrator"] = word_of(kIntegratorWords, plant.integrator->value);
-  if (plant.dt) json["dt"] = *plant.dt;
+  if (plant.dt) json["dt"] = plant.dt->value;
   return json;
 }
 
@@ -54,10 +54,12 @@ OrderedJson expand_mpc(const ProblemSpec& spec, const Plant& plant) {
   OrderedJson json = {
       {"horizon", mpc.horizon.value}, {"tick", mpc.tick.value}, {"duration", mpc.duration.value}};
   json["iterations"] = mpc.iterations ? OrderedJson(*mpc.iterations) : OrderedJson("tolerances");
-  json["repeat"] = word_of(kRepeatWords, mpc.repeat.value);
+  // The phases of a gait stand in its place: there is none whose cycles could be repeated.
+  const bool gait = mpc.repeat.value == AfterTheEnd::kGait;
+  json["repeat"] = word_of(kRepeatWords, gait ? AfterTheEnd::kHold : mpc.repeat.value);
   json["terminal"] = expand_window_end(mpc);
   json["delay"] = mpc.delay.value;
-  if (mpc.feedback_rate) json["feedback"]["rate"] = *mpc.feedback_rate;
+  if (mpc.feedback_rate) json["feedback"]["rate"] = mpc.feedback_rate->value;
   json["plant"] = expand_mpc_plant(mpc.plant);
   json["disturbances"] = expand_disturbances(mpc);
   if (mpc.fallback) json["fallback"] = expand_fallback(*mpc.fallback);

@@ -192,7 +192,7 @@ void reject_steps(YamlMap& map) {
 
 void read_steps(YamlMap& map, GaitSpec& gait) {
   if (const auto r = map.find("starts")) read_starts(*r, gait);
-  map.integer("cycles", gait.cycles, 1, 10'000);
+  map.integer("cycles", gait.cycles, 1, kMostGaitCycles);
   if (map.require("period")) read_located(map, "period", gait.period, kPositive);
   gait.duty.value = usual_duty(gait.type.value, gait.feet.size());
   static const NumberRange kShare{0, 1, true, false, "a share of the cycle from 0 (excluded) to 1"};

@@ -1,12 +1,22 @@
+#include <algorithm>
+#include <iterator>
+
 #include <fmt/format.h>
 
 #include "problem_file/read/read_sections.hpp"
 #include "problem_file/spec/enum_names.hpp"
+#include "problem_file/yaml/key_path.hpp"
 
 namespace conddp {
 namespace {
 
 constexpr int kMostIterations = 1'000'000;
+
+/// A number above 0 and its place.
+std::optional<Located<double>> read_positive(const YamlReader& reader) {
+  const auto number = reader.number(kPositive);
+  return number ? std::optional(Located<double>{*number, reader.place()}) : std::nullopt;
+}
 
 /// A length of time.
 void require_duration(YamlMap& map, std::string_view key, Located<double>& value) {
@@ -21,22 +31,40 @@ std::optional<int> read_iterations(const YamlReader& reader) {
   return 1;
 }
 
-std::optional<double> read_feedback(const YamlReader& reader) {
+std::optional<Located<double>> read_feedback(const YamlReader& reader) {
   YamlMap map(reader, "write '{rate: 1000}'");
   const auto rate = map.require("rate");
-  return rate ? rate->number(kPositive) : std::nullopt;
+  return rate ? read_positive(*rate) : std::nullopt;
+}
+
+/// Whether a key is of what moves, not of what is wanted of it.
+bool is_of_dynamics(const std::string& key) {
+  constexpr std::string_view kParts[] = {"system",     "systems", "robot",   "robots",
+                                         "parameters", "tables",  "gravity", "contacts"};
+  const std::string_view part = first_step(key);
+  if (part == "contacts" && (key == part || key.ends_with(".friction"))) return false;
+  return std::find(std::begin(kParts), std::end(kParts), part) != std::end(kParts);
+}
+
+void read_plant_setting(const Name& key, const YamlReader& value, MpcPlantSpec& plant) {
+  if (is_of_dynamics(key.value))
+    plant.settings.push_back(make_setting(key, value.node()));
+  else
+    value.diagnostics().error(key.place, "the plant differs from the model in its dynamics alone",
+                              "accepted: keys below system, systems, robot, robots, parameters, "
+                              "tables, gravity, and of contacts but their friction");
 }
 
 MpcPlantSpec read_mpc_plant(const YamlReader& reader) {
   MpcPlantSpec plant{.place = reader.place()};
   YamlMap map(reader, "write '{dt: 0.001}'");
   for_each_entry(map, "set", [&](const Name& key, const YamlReader& value) {
-    plant.settings.push_back(make_setting(key, value.node()));
+    read_plant_setting(key, value, plant);
   });
   if (const auto r = map.find("integrator"))
     if (const auto integrator = r->choice(kIntegratorWords, "integrator"))
       plant.integrator = {*integrator, r->place()};
-  if (const auto r = map.find("dt")) plant.dt = r->number(kPositive);
+  if (const auto r = map.find("dt")) plant.dt = read_positive(*r);
   return plant;
 }
 
@@ -54,11 +82,26 @@ NoiseSpec read_noise(YamlMap& map) {
 
 void read_push(YamlMap& map, DisturbanceSpec& disturbance) {
   disturbance.push.emplace();
+  if (map.valid() && map.reader().node().find("force") == nullptr &&
+      map.reader().node().find("torque") == nullptr)
+    map.reader().error(
+        "a disturbance is a jump, a push or noise: this one has no 'jump', 'force', "
+        "'torque' or 'noise'",
+        "write '{at: 1, jump: {omega: 0.5}}' or '{at: 1, frame: tool, force: [0, "
+        "10, 0], duration: 0.1}'");
   if (const auto r = map.require("frame")) disturbance.push->frame = r->name().value_or(Name{});
   read_vector3(map, "force", "[x, y, z] in N", disturbance.push->wrench.linear);
   read_vector3(map, "torque", "[x, y, z] in Nm", disturbance.push->wrench.angular);
   if (const auto r = map.require("duration"))
     disturbance.duration = r->number(kPositive).value_or(1);
+}
+
+/// By how much the state jumps.
+std::optional<ComponentsSpec> read_displacement(const YamlReader& reader) {
+  auto jump = read_components(reader);
+  if (jump && jump->form == ComponentsSpec::Form::kMap && jump->map.empty())
+    reader.error("this jump changes nothing", "write '{omega: 0.5}'");
+  return jump;
 }
 
 void read_disturbance(const YamlReader& reader, MpcSpec& mpc) {
@@ -73,9 +116,8 @@ void read_disturbance(const YamlReader& reader, MpcSpec& mpc) {
   DisturbanceSpec disturbance{.place = reader.place()};
   if (const auto r = map.require("at"))
     disturbance.at = {r->number(kNotNegative).value_or(0), r->place()};
-  const auto jump = map.find("jump");
-  if (jump)
-    disturbance.jump = read_components(*jump);
+  if (const auto jump = map.find("jump"))
+    disturbance.jump = read_displacement(*jump);
   else
     read_push(map, disturbance);
   mpc.disturbances.push_back(std::move(disturbance));

@@ -47,6 +47,8 @@ std::vector<CandidateSpec> read_candidates(const YamlReader& reader);
 SteppingSpec read_stepping(const YamlReader& reader);
 
 // read_gait.cpp
+/// More cycles than that are an error.
+inline constexpr int kMostGaitCycles = 10'000;
 GaitSpec read_gait(const YamlReader& reader, const std::vector<ContactSpec>& contacts);
 
 // read_phases.cpp

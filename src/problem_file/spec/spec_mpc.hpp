@@ -38,7 +38,7 @@ struct MpcPlantSpec {
   std::vector<Setting> settings;  ///< of the problem file
   Place place;                    ///< of the settings
   std::optional<Located<Integrator>> integrator;
-  std::optional<double> dt;  ///< longest step, s
+  std::optional<Located<double>> dt;  ///< longest step, s
 };
 
 /// What controls where several ticks in a row have no plan.
@@ -56,9 +56,9 @@ struct MpcSpec {
   std::optional<int> iterations = 1;        ///< of a tick; none: to the solver's tolerances
   Located<AfterTheEnd> repeat{AfterTheEnd::kHold, {}};
   WindowEnd window_end = WindowEnd::kNothing;
-  std::optional<TerminalLqrSpec> terminal_lqr;  ///< of windows that end with a regulator
-  Located<double> delay;                        ///< s
-  std::optional<double> feedback_rate;          ///< Hz
+  std::optional<TerminalLqrSpec> terminal_lqr;   ///< of windows that end with a regulator
+  Located<double> delay;                         ///< s
+  std::optional<Located<double>> feedback_rate;  ///< Hz
   MpcPlantSpec plant;
   std::vector<DisturbanceSpec> disturbances;
   std::optional<NoiseSpec> noise;
