@@ -79,5 +79,22 @@ TEST_F(MpcCommand, EndsWithStatus1WhereAConditionEndsTheLoop) {
   EXPECT_EQ(result.out, file("out/mpc.json"));
 }
 
+TEST_F(MpcCommand, SaysWhichConstraintsAreLeftOut) {
+  ASSERT_EQ(run({}, "all").exit_code, 0);
+  ASSERT_EQ(run({"--drop", "force"}, "out").exit_code, 0);
+  EXPECT_TRUE(fits_schema("mpc", file("out/mpc.json")));
+  const auto dropped = [&](const std::string& name) {
+    return nlohmann::json::parse(file(name))["dropped_constraints"];
+  };
+  EXPECT_EQ(dropped("all/mpc.json"), nlohmann::json::array());
+  EXPECT_EQ(dropped("out/mpc.json"), nlohmann::json::array({"force"}));
+}
+
+TEST_F(MpcCommand, OffersTheSolversOfWindowsAlone) {
+  const std::string help = run_conddp({"mpc", "--help"}, {.folder = folder_.path()}).out;
+  EXPECT_NE(help.find("box_fddp"), std::string::npos) << help;
+  EXPECT_EQ(help.find("ipopt"), std::string::npos) << help;
+}
+
 }  // namespace
 }  // namespace conddp

@@ -11,6 +11,8 @@
 #include "commands/commands.hpp"
 #include "output/mpc/loop_files.hpp"
 #include "problem_file/build/build_problem.hpp"
+#include "solvers/ddp/family.hpp"
+#include "solvers/strategies/registry.hpp"
 #include "terminal/exit_codes.hpp"
 #include "terminal/interrupt.hpp"
 #include "terminal/messages.hpp"
@@ -124,6 +126,17 @@ int simulate_file(const MpcArguments& arguments) {
   return exit_code(result.end);
 }
 
+/// Which file, and by which solver of windows.
+std::vector<Argument> loop_arguments(MpcArguments& arguments) {
+  std::vector<Argument> all = problem_arguments(arguments);
+  for (Argument& argument : all) {
+    if (argument.names.front() != "--solver") continue;
+    argument.choices = {std::string(kAutoSolver)};
+    for (const DdpMember& member : ddp_family()) argument.choices.emplace_back(member.name);
+  }
+  return all;
+}
+
 }  // namespace
 
 Command mpc_command() {
@@ -135,7 +148,7 @@ Command mpc_command() {
               "and tick_times.csv, all of them or none. Exit status 1 where the loop ended "
               "before its duration.",
           .arguments = joined(
-              problem_arguments(*a),
+              loop_arguments(*a),
               {{.names = {"-o", "--output"},
                 .value = "FOLDER",
                 .description = "Folder for the outputs; out/<problem name> if nothing is said",

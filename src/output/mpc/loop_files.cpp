@@ -63,6 +63,12 @@ OrderedJson last_state_json(const LoopRun& run) {
   return json;
 }
 
+OrderedJson dropped_json(const BuiltProblem& built) {
+  OrderedJson names = OrderedJson::array();
+  for (const DroppedConstraint& constraint : built.dropped) names.push_back(constraint.name);
+  return names;
+}
+
 }  // namespace
 
 std::string closed_loop_csv(const LoopRun& run) {
@@ -124,6 +130,7 @@ OrderedJson loop_json(const LoopRun& run) {
           {"fallback_ticks", fallbacks},
           {"cost", finite_or_null(result.cost)},
           {"violation", finite_or_null(result.violation)},
+          {"dropped_constraints", dropped_json(run.built)},
           {"last_state", last_state_json(run)}};
 }
 
