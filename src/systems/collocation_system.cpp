@@ -13,6 +13,10 @@ struct StageRow {
   double time;
   double velocity[4];
   double position[4];
+
+  /// The first stage whose slope counts. Where it is not the one at the beginning of the step, that
+  /// may have none.
+  int first() const { return velocity[0] == 0 && position[0] == 0 ? 1 : 0; }
 };
 struct Rule {
   int later;
@@ -131,10 +135,11 @@ void CollocationSystem::stage(int i, const S* x, const S* w, const S& h, const S
   const StageRow& row = table(rule_).rows[i - 1];
   const int n = rows(), top = ndx() - n;
   for (int r = 0; r < n; ++r) {
-    S velocity = S(row.velocity[0]) * data.f[r], position = S(row.position[0]) * data.f[r];
-    for (int j = 1; j <= later_stages(); ++j) {
-      velocity += S(row.velocity[j]) * w[slopes(j) + r];
-      position += S(row.position[j]) * w[slopes(j) + r];
+    S velocity(0.0), position(0.0);
+    for (int j = row.first(); j <= later_stages(); ++j) {
+      const S& slope = j == 0 ? data.f[r] : w[slopes(j) + r];
+      velocity += S(row.velocity[j]) * slope;
+      position += S(row.position[j]) * slope;
     }
     if (top > 0) out[r] = x[r] + h * (S(row.time) * x[top + r] + h * position);
     out[top + r] = x[top + r] + h * velocity;
@@ -152,8 +157,10 @@ void CollocationSystem::differentiate_stage(int i, const S* x, const S* w, const
     if (top > 0 && c >= top) X[c * ndx() + c - top] = h * S(row.time);
   }
   const SlopeColumns<S> slope_columns{row, h, n, top};
-  slope_columns.add_first(ndx(), data.fx.data(), X);
-  slope_columns.add_first(actuators(), data.fu.data(), X + ndx() * ndx());
+  if (row.first() == 0) {
+    slope_columns.add_first(ndx(), data.fx.data(), X);
+    slope_columns.add_first(actuators(), data.fu.data(), X + ndx() * ndx());
+  }
   for (int j = 1; j <= later_stages(); ++j)
     for (int r = 0; r < n; ++r)
       slope_columns.add(j, r, S(1.0), X + (ndx() + slopes(j) + r) * ndx());
@@ -168,7 +175,7 @@ void CollocationSystem::differentiate_by_step(int i, const S* x, const S* w, con
   const int n = rows(), top = ndx() - n;
   for (int r = 0; r < n; ++r) {
     if (top > 0) column[r] = S(row.time) * x[top + r];
-    for (int j = 0; j <= later_stages(); ++j) {
+    for (int j = row.first(); j <= later_stages(); ++j) {
       const S& slope = j == 0 ? data.f[r] : w[slopes(j) + r];
       column[top + r] += S(row.velocity[j]) * slope;
       if (top > 0) column[r] += S(2 * row.position[j]) * h * slope;

@@ -211,6 +211,54 @@ TEST(Replay, NeedsTimeBetweenKnots) {
             "");
 }
 
+/// Of a point on a line: it goes with speed 1 until it is thrown back with half of it.
+struct ThrownBack {
+  ShootingProblem problem;
+  Trajectory motion;
+
+  ThrownBack() : problem(made()), motion(problem.create_trajectory()) {
+    const double x[][2] = {{0, 1}, {0.1, 1}, {0.2, 1}, {0.2, -0.5}, {0.15, -0.5}, {0.1, -0.5}};
+    for (int k = 0; k <= problem.knots(); ++k) motion.x(k) << x[k][0], x[k][1];
+  }
+
+ private:
+  static ShootingProblem made() {
+    const auto point = double_integrator(1);
+    const auto back = linear_system(Eigen::Vector2d(1, -0.5).asDiagonal().toDenseMatrix(),
+                                    Eigen::MatrixXd(2, 0), Eigen::Vector2d::Zero());
+    const testing::TrackingCost cost{.goal = {0, 0}, .q = {1, 1}, .r = {1}};
+    const auto move = [&] {
+      return testing::tracking_phase(point, Integrator::semi_implicit_euler, 2, 0.1, cost,
+                                     -testing::kFree, testing::kFree);
+    };
+    std::vector<Phase> phases;
+    phases.push_back(move());
+    phases.push_back({.name = "back",
+                      .model = std::make_shared<KnotModel>(back, Integrator::discrete),
+                      .dt = {0},
+                      .cost_scale = {1}});
+    phases.push_back(move());
+    return {
+        {0, 1}, std::move(phases), testing::terminal_phase(point, {.goal = {0, 0}, .qf = {1, 1}})};
+  }
+};
+
+TEST(Replay, PassesJumpsOfStates) {
+  const ThrownBack thrown;
+  const int N = thrown.problem.knots();
+  std::vector<Eigen::MatrixXd> gains;
+  for (int k = 0; k < N; ++k) gains.push_back(Eigen::MatrixXd::Zero(thrown.problem.nu(k), 2));
+  Replay found = replay(thrown.problem, thrown.motion, gains, 5);
+  EXPECT_EQ(found.impossible, "");
+  EXPECT_NEAR(found.controls.deviation, 0, 1e-12);
+  EXPECT_NEAR(found.feedback.deviation, 0, 1e-12);
+  Trajectory wrong = thrown.motion;
+  wrong.x(3)[1] = -1;
+  found = replay(thrown.problem, wrong, gains, 5);
+  EXPECT_NEAR(found.controls.deviation, 0.5, 1e-12);
+  EXPECT_EQ(found.controls.knot, 3);
+}
+
 /// A cart with a pole, pushed, in steps of a rule of collocation and, as they should be, in very
 /// small ones of Runge and Kutta's.
 struct PushedCart {

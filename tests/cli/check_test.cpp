@@ -1,4 +1,5 @@
 #include <map>
+#include <sstream>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -44,6 +45,32 @@ TEST(Check, TellsBoundsFromNormsAndSaysWhatTheSolverKeeps) {
             std::string::npos);
   const ProcessResult none = run_conddp({"check", kPendulum, "--set", "constraints={}"});
   EXPECT_NE(none.out.find(": nothing is constrained\n"), std::string::npos) << none.out;
+}
+
+TEST(Check, SaysWhichSystemMovesInAPhaseAndLooksPastJumps) {
+  const TemporaryFolder folder;
+  const std::string file = folder.write("two.yaml", R"(conddp: 1
+systems: {a: {type: pendulum}, b: {type: pendulum, damping: 0.5}}
+initial_state: {values: {theta: 1}}
+phases:
+  - {name: turn, jump: {theta: -theta}}
+  - {name: one, system: a, knots: 20, dt: 0.05}
+  - {name: two, system: b, knots: 10, dt: 0.05}
+costs: {u: {residual: control}}
+)");
+  const ProcessResult text = run_conddp({"check", file});
+  EXPECT_EQ(text.exit_code, 0) << text.err;
+  for (const char* words :
+       {"2 numbers (2 directions), 1 controls\n", "integrator      semi_implicit_euler\n",
+        "turn: a jump of states\n", "one: 20 knots of 0.05 s, 1 s, system a\n",
+        "two: 10 knots of 0.05 s, 0.5 s, system b\n"})
+    EXPECT_NE(text.out.find(words), std::string::npos) << words << "\n" << text.out;
+  const ProcessResult json = run_conddp({"check", file, "--json"});
+  EXPECT_TRUE(fits_schema("check", json.out)) << json.out;
+  const Json phases = Json::parse(json.out)["phases"];
+  EXPECT_FALSE(phases[0].contains("system"));
+  EXPECT_EQ(phases[1]["system"], "a");
+  EXPECT_EQ(phases[2]["system"], "b");
 }
 
 TEST(Check, ListsContactsOfPhasesAndThoseThatMayBeFound) {
@@ -236,6 +263,42 @@ TEST_F(WarmStart, FromItsOwnSolutionNothingIsLeftToDo) {
     EXPECT_EQ(warm["problem"]["overrides"], Json({"initial_guess={file: " + file("cold") + "}"}));
     EXPECT_NE(warm["initial_guess_used"]["states"].get<std::string>().find(file("cold")),
               std::string::npos);
+  }
+}
+
+/// "gap" of the first row of iterations.csv: how far the guess is from a motion.
+double first_gap(const std::filesystem::path& folder) {
+  std::istringstream lines(read_file(folder / "iterations.csv"));
+  std::string header, row;
+  std::getline(lines, header);
+  std::getline(lines, row);
+  std::istringstream names(header), cells(row);
+  for (std::string name, cell; std::getline(names, name, ',') && std::getline(cells, cell, ',');)
+    if (name == "gap" || name.starts_with("gap ")) return std::stod(cell);
+  ADD_FAILURE() << "no gap in " << header;
+  return 0;
+}
+
+TEST_F(WarmStart, KeepsTheStatesBeforeJumpsAndImpulses) {
+  const std::string ball = folder_.write("ball.yaml", R"(conddp: 1
+system: {states: {h: m, v: m/s}, controls: {u: N}, rate: {h: v, v: u - 9.81}}
+initial_state: {values: {h: 5, v: 0}}
+phases:
+  - {name: down, knots: 20, duration: 1}
+  - {name: bounce, jump: {v: -0.8*v}}
+  - {name: again, knots: 20, duration: 1}
+costs: {u: {residual: control}}
+terminal: {costs: {g: {residual: state, reference: {values: {h: 3, v: 0}}, weight: 100}}}
+)");
+  for (const std::string& problem : {ball, source("problems/hopper_jump.yaml")}) {
+    EXPECT_EQ(solve(problem, "cold", {"--quiet"}).exit_code, 0);
+    for (const char* name : {"solution.json", "trajectory.csv"}) {
+      const std::string former = folder_.path() / "cold" / name;
+      const ProcessResult r = solve(problem, "warm", {"--warm-start", former});
+      EXPECT_EQ(r.exit_code, 0) << r.err;
+      EXPECT_LE(first_gap(folder_.path() / "warm"), 1e-9) << former;
+      EXPECT_LE(solution("warm")["iterations"].get<int>(), 2) << former;
+    }
   }
 }
 

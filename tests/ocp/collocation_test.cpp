@@ -1,4 +1,5 @@
 // Steps of collocation: their order, their derivatives, and what they are good for.
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/Dense>
@@ -8,6 +9,7 @@
 #include "support/random_robot.hpp"
 #include "support/sizes.hpp"
 #include "systems/closed_forms/catalogue.hpp"
+#include "systems/expressions/system.hpp"
 #include "systems/multibody/multibody.hpp"
 
 namespace conddp {
@@ -185,6 +187,38 @@ TEST(Collocation, RadausRulesDampWhatIsInfinitelyStiff) {
   EXPECT_NEAR(speed_after_one_step(CollocationRule::trapezoidal), -1, 1e-6);
   EXPECT_NEAR(speed_after_one_step(CollocationRule::radau3), 0, 1e-6);
   EXPECT_NEAR(speed_after_one_step(CollocationRule::radau5), 0, 1e-6);
+}
+
+/// A tank of which water runs, x' = u − √x, and its like of second order, from empty on: there the
+/// square root has no derivative.
+std::vector<Course> tanks() {
+  const auto first = make_expression_system(
+      {.states = {{.name = "x"}}, .controls = {{"u", "1"}}, .equations = {{"x", "u - sqrt(x)"}}});
+  const auto second = make_expression_system({.kind = SystemKind::second_order,
+                                              .states = {{.name = "q"}},
+                                              .velocities = {{"v", "1"}},
+                                              .controls = {{"u", "1"}},
+                                              .equations = {{"v", "u - sqrt(q)"}}});
+  return {{"first", first.system, {0}, {1}}, {"second", second.system, {0, 0}, {1}}};
+}
+
+TEST(Collocation, RadausRulesNeedNoSlopeAtTheBeginning) {
+  for (const Course& tank : tanks())
+    for (const CollocationRule rule : kRules) {
+      ASSERT_TRUE(tank.system);
+      March march(std::make_shared<CollocationSystem>(tank.system, rule));
+      // One is the slope of all stages.
+      std::vector<double> w(march.model().nu(), 1.0);
+      march.differentiate(tank.x, w, 0.1);
+      const KnotWorkspace<double>& work = march.work();
+      const bool radau = rule == CollocationRule::radau3 || rule == CollocationRule::radau5;
+      const auto is_finite = [](const auto& values) {
+        return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
+      };
+      EXPECT_EQ(is_finite(work.F()), radau) << tank.name;
+      EXPECT_TRUE(is_finite(work.constraint)) << tank.name;
+      EXPECT_EQ(is_finite(work.constraint_jacobian), radau) << tank.name;
+    }
 }
 
 TEST(Collocation, NeedsAFlatStateSpaceAndASlope) {

@@ -124,6 +124,31 @@ TEST_F(GuessFromFile, ReadsAFormerSolution) {
   EXPECT_NE(loaded.built->guess_used.states.find("s.json"), std::string::npos);
 }
 
+/// Half-way at 0.4 s, after the knots of the first phase.
+const std::string kJumpOfOmega = "  - {jump: {omega: -0.5*omega}}\n  - {name: second";
+
+TEST_F(GuessFromFile, KeepsTheStatesBeforeAndAfterAJump) {
+  const std::string json = write("s.json", R"({"format": "conddp.solution/1", "gains": [[[1]]],
+    "trajectory": {"columns": {"x": ["theta", "omega"], "u": ["torque"]},
+                   "t": [0, 0.4, 0.4, 0.7], "x": [[0.1, 0], [1, 8], [1, -4], [2, -4]],
+                   "u": [[3], [], [2]]}})");
+  const std::string csv = write(
+      "a.csv", fmt::format("t,theta,omega,torque\n0,0.1,0,3\n0.4,1,8,\n{},1,-4,2\n0.7,2,-4,\n",
+                           std::nextafter(0.4, 1)));
+  for (const std::string& file : {json, csv}) {
+    const Loaded loaded(
+        replaced(with_guess("{file: " + file + "}"), "  - {name: second", kJumpOfOmega));
+    ASSERT_TRUE(loaded.built) << loaded.all();
+    const Trajectory& guess = loaded.built->guess;
+    EXPECT_NEAR(guess.x(3)[1], 6, 1e-12) << file;
+    EXPECT_EQ(guess.x(4)[1], 8) << file;
+    EXPECT_EQ(guess.x(5)[1], -4) << file;
+    EXPECT_NEAR(guess.x(6)[1], -4, 1e-12) << file;
+    EXPECT_EQ(guess.u(3)[0], 3) << file;
+    EXPECT_EQ(guess.u(5)[0], 2) << file;
+  }
+}
+
 /// Those of collocation belong to its steps: they are found anew, or not needed.
 TEST_F(GuessFromFile, TakesTheActuatorsAloneOfASolutionWithSlopes) {
   const std::string file = write("s.json", R"({"format": "conddp.solution/1", "gains": [[[1]]],

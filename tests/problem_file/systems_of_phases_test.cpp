@@ -112,6 +112,36 @@ TEST(SystemsOfPhases, ExpansionIsReadAsTheSame) {
   }
 }
 
+TEST(SystemsOfPhases, UnitsAreTheSameWhereAllSystemsHaveThem) {
+  for (const char* same : {"states: {x: m}", "states: {x: 1}", "states: [x]"}) {
+    const Loaded loaded(
+        replaced(kTwoSystems, "strong: {states: {x: m}", std::string("strong: {") + same));
+    EXPECT_TRUE(loaded.built) << loaded.all();
+  }
+}
+
+TEST(SystemsOfPhases, WithTimeInOneAloneTheHintIsAStateOfTheirOwn) {
+  const Loaded loaded(replaced(kTwoSystems, "rate: {x: 3*u}", "rate: {x: 3*u*t}"));
+  ASSERT_NE(loaded.error(), nullptr);
+  EXPECT_NE(loaded.error()->hint.find("write a state of your own with rate 1 in all of them"),
+            std::string::npos)
+      << loaded.all();
+  const Loaded clock(
+      replaced(replaced(kTwoSystems, "weak: {states: {x: m}, controls: {u: N}, rate: {x: u}",
+                        "weak: {states: {x: m, s: s}, controls: {u: N}, rate: {x: u, s: 1}"),
+               "strong: {states: {x: m}, controls: {u: N}, rate: {x: 3*u}",
+               "strong: {states: {x: m, s: s}, controls: {u: N}, rate: {x: 3*u*s, s: 1}"));
+  EXPECT_TRUE(clock.built) << clock.all();
+}
+
+TEST(SystemsOfPhases, WithoutAnySystemThatAloneIsSaid) {
+  const std::string text(kJump);
+  const Loaded loaded(replaced(
+      text, "system: {states: {x: m, y: m}, controls: {u: N}, rate: {x: u, y: 0}}", "systems: {}"));
+  EXPECT_TRUE(loaded.first_error().starts_with("4:10: there is no system")) << loaded.all();
+  EXPECT_EQ(loaded.all().find("jumps are for"), std::string::npos) << loaded.all();
+}
+
 TEST(SystemsOfPhases, MistakesAreFoundWhereTheyStand) {
   struct {
     std::string_view text, from, to, error;
@@ -123,6 +153,15 @@ TEST(SystemsOfPhases, MistakesAreFoundWhereTheyStand) {
        "5:3: the controls of 'strong' are f, those of the first system u"},
       {kTwoSystems, "rate: {x: 3*u}", "rate: {x: 3*u*t}",
        "5:3: the states of 'strong' are x, t, those of the first system x"},
+      {kTwoSystems, "strong: {states: {x: m}", "strong: {states: {x: cm}",
+       "5:3: 'x' is in m in the first system and in cm in 'strong'"},
+      {kTwoSystems, "controls: {u: N}, rate: {x: 3*u}", "controls: {u: kN}, rate: {x: 3*u}",
+       "5:3: 'u' is in N in the first system and in kN in 'strong'"},
+      {kPendulum,
+       "system: {type: pendulum}\ninitial_state: {values: {theta: 0.1}}\nintegrator: rk4\nphases:",
+       "parameters: {omega: 3}\nsystem: {type: pendulum}\ninitial_state: {values: {theta: "
+       "0.1}}\nphases:\n  - {jump: {theta: -theta}}",
+       "3:14: the name 'omega' is taken"},
       {kTwoSystems, "rate: {x: 3*u}", "next: {x: 3*u}",
        "5:3: 'strong' is of another kind than the first system"},
       {kTwoSystems, "initial_state", "integrator: trapezoidal\ninitial_state",

@@ -19,6 +19,38 @@ TEST(TimeSeries, InterpolatesAndHoldsFlatValues) {
   EXPECT_EQ(series.hold(2 - 1e-12)[0], 20);  // rounding of accumulated times
 }
 
+TEST(TimeSeries, AtAJumpHasTheValuesBeforeAndAfterIt) {
+  const double next = std::nextafter(2.0, 3.0);  // as tables have it whose times increase
+  for (const double again : {2.0, next}) {
+    TimeSeries series(StateManifold::flat(1));
+    series.append(1, {10});
+    series.append(2, {20});
+    series.append(again, {40});
+    series.append(3, {50});
+    for (const double time : {2.0, 2 - 1e-12, 2 + 1e-12}) {
+      EXPECT_EQ(series.interpolate(time)[0], 40);
+      EXPECT_EQ(series.interpolate(time, 1)[0], 20);
+      EXPECT_EQ(series.interpolate(time, 2)[0], 20) << "the first one";
+      EXPECT_EQ(series.hold(time)[0], 40);
+    }
+    EXPECT_NEAR(series.interpolate(1.5)[0], 15, 1e-12);
+    EXPECT_NEAR(series.interpolate(2.5)[0], 45, 1e-12);
+    EXPECT_EQ(series.interpolate(3, 1)[0], 50);
+  }
+}
+
+TEST(TimeSeries, AtZeroJumpsToo) {
+  for (const double again : {0.0, std::nextafter(0.0, 1.0)}) {
+    TimeSeries series(StateManifold::flat(1));
+    series.append(0, {1});
+    series.append(again, {2});
+    series.append(1e-9, {4});
+    EXPECT_EQ(series.interpolate(0, 1)[0], 1);
+    EXPECT_EQ(series.interpolate(0)[0], 2);
+    EXPECT_NEAR(series.interpolate(5e-10)[0], 3, 1e-9);
+  }
+}
+
 TEST(TimeSeries, ACubicSplineIsSmoothAndStraightAtItsEnds) {
   TimeSeries series(StateManifold::flat(1));
   const double times[] = {0, 1, 1.5, 3, 4}, values[] = {2, -1, 0, 5, 4};

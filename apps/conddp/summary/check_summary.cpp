@@ -190,9 +190,10 @@ OrderedJson contacts_of(const Phase& phase) {
   return names;
 }
 
-OrderedJson phases_json(const ShootingProblem& problem) {
+OrderedJson phases_json(const ProblemSpec& spec, const ShootingProblem& problem) {
   OrderedJson list = OrderedJson::array();
-  for (const Phase& phase : problem.phases()) {
+  for (std::size_t p = 0; p < problem.phases().size(); ++p) {
+    const Phase& phase = problem.phases()[p];
     double duration = 0;
     for (const double dt : phase.dt) duration += phase.instant ? 0 : dt;
     const auto [shortest, longest] = std::minmax_element(phase.dt.begin(), phase.dt.end());
@@ -207,6 +208,7 @@ OrderedJson phases_json(const ShootingProblem& problem) {
                     {"dt_s", phase.instant ? 0 : *longest},
                     {"shortest_dt_s", phase.instant ? 0 : *shortest},
                     {"duration_s", duration}});
+    if (const auto& system = spec.phases[p].system) list.back()["system"] = system->value;
   }
   return list;
 }
@@ -270,8 +272,10 @@ std::string phase_text(const OrderedJson& phase) {
   const std::string contacts = comma_list(phase["contacts"]);
   if (phase["kind"] == "choice") return "the first state is chosen";
   if (phase["kind"] == "impulse") return "an impulse at " + contacts;
+  if (phase["kind"] == "jump") return "a jump of states";
   std::string text = fmt::format("{} knots of {} s, {:.9g} s", phase["knots"].get<int>(),
                                  step_text(phase), phase["duration_s"].get<double>());
+  if (phase.contains("system")) text += ", system " + text_of(phase["system"]);
   if (contacts.empty()) return text;
   text += ", in contact: " + contacts;
   if (!phase["redundant_contacts"].empty())
@@ -397,8 +401,10 @@ OrderedJson check_summary(const ProblemSpec& spec, const BuiltProblem& built,
   OrderedJson homotopy = OrderedJson::array();
   for (const HomotopyKeySpec& key : spec.solver.homotopy)
     homotopy.push_back({{"key", key.key.value}, {"from", key.from.value}, {"to", key.to.value}});
-  // A knot that chooses the first state says nothing of the others.
-  const KnotModel& model = *problem.knot(problem.phases().front().instant ? 1 : 0).model;
+  // A knot that chooses the first state, or a jump, says nothing of the others.
+  int moving = 0;
+  while (moving + 1 < problem.knots() && problem.takes_no_time(moving)) ++moving;
+  const KnotModel& model = *problem.knot(moving).model;
   OrderedJson guess = {{"states", built.guess_used.states},
                        {"controls", built.guess_used.controls},
                        {"seed", nullptr}};
@@ -418,7 +424,7 @@ OrderedJson check_summary(const ProblemSpec& spec, const BuiltProblem& built,
           {"integrator", word_of(kIntegratorWords, model.integrator())},
           {"knots", problem.knots()},
           {"duration_s", problem.times().back()},
-          {"phases", phases_json(problem)},
+          {"phases", phases_json(spec, problem)},
           {"contact_candidates", candidates_json(spec)},
           {"costs", costs_json(spec.costs, built, false)},
           {"terminal_costs", costs_json(spec.terminal_costs, built, true)},

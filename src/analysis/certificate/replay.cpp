@@ -285,7 +285,8 @@ bool is_finite(const Trajectory& trajectory) {
 
 std::string why_impossible(const ShootingProblem& problem, const Trajectory& trajectory) {
   for (const Phase& phase : problem.phases()) {
-    if (phase.model->integrator() == Integrator::discrete)
+    const bool jumps = phase.dt.front() == 0;
+    if (phase.model->integrator() == Integrator::discrete && !jumps)
       return "a discrete system has no time between its knots";
     if (phase.model->system().as_stepping() != nullptr)
       return "contact-implicit steps are replayed by a simulator of contacts";

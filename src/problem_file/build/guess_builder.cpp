@@ -18,6 +18,18 @@ namespace {
 using States = GuessSpec::States;
 using Controls = GuessSpec::Controls;
 
+/// What is different among times in order.
+struct DifferentTimes {
+  explicit DifferentTimes(const std::vector<double>& times) {
+    for (const double t : times) {
+      if (values.empty() || t != values.back()) values.push_back(t);
+      index.push_back(values.size() - 1);
+    }
+  }
+  std::vector<double> values;
+  std::vector<std::size_t> index;  ///< of each time among the values
+};
+
 class GuessBuilder {
  public:
   GuessBuilder(const GuessContext& context, GuessUsed& used, Diagnostics& out)
@@ -71,6 +83,12 @@ class GuessBuilder {
       trajectory.u(0)[i] = std::clamp(asked[i], model.control_lower()[i], model.control_upper()[i]);
   }
   double time(int k) const { return problem_.times()[k]; }
+  /// How many nodes come after node k at its time.
+  int later_nodes_at_time(int k) const {
+    int count = 0;
+    while (k + count < problem_.knots() && problem_.takes_no_time(k + count)) ++count;
+    return count;
+  }
 
   /// Augmented states carry the choice of the start, or the control before.
   void carry_memory(Trajectory& trajectory) const {
@@ -99,7 +117,7 @@ class GuessBuilder {
     }
     if (!series) return;
     for (int k = 1; k <= problem_.knots(); ++k) {
-      const std::vector<double> x = series->interpolate(time(k));
+      const std::vector<double> x = series->interpolate(time(k), later_nodes_at_time(k));
       trajectory.x(k).head(x.size()) = Eigen::Map<const Eigen::VectorXd>(x.data(), x.size());
     }
   }
@@ -294,21 +312,17 @@ class GuessBuilder {
   /// duration is free; its nodes are those of this problem.
   bool take_durations(DataTable& table) {
     if (!problem_.has_free_durations()) return false;
-    std::vector<double> times;
-    std::vector<std::size_t> row;  // of each node
-    for (const double t : problem_.times()) {
-      if (times.empty() || t != times.back()) times.push_back(t);
-      row.push_back(times.size() - 1);
-    }
-    if (table.times.size() != times.size()) return false;
+    const DifferentTimes nodes(problem_.times()), rows(table.times);
+    if (nodes.values.size() != rows.values.size()) return false;
     durations_.clear();
     int first = 0;
     for (const Phase& phase : problem_.phases()) {
       const int last = first + phase.knots();
-      durations_.push_back(table.times[row[last]] - table.times[row[first]]);
+      durations_.push_back(rows.values[nodes.index[last]] - rows.values[nodes.index[first]]);
       first = last;
     }
-    table.times = std::move(times);
+    for (std::size_t i = 0; i < table.times.size(); ++i)
+      table.times[i] = nodes.values[rows.index[i]];
     return true;
   }
 

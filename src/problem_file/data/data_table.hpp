@@ -12,7 +12,7 @@ namespace conddp {
 /// Named columns over time.
 struct DataTable {
   std::string file;
-  std::vector<double> times;         ///< s, increasing
+  std::vector<double> times;         ///< s, not decreasing: states jump between rows at one time
   std::vector<std::string> columns;  ///< without the time
   /// How many of them, from the first, are the state of a solution; absent: a CSV file.
   std::optional<std::size_t> state_columns;

@@ -57,7 +57,7 @@ class TrajectoryReader {
   /// Appends all rows to a table that has its columns.
   void read(std::size_t nx, std::size_t nu, DataTable& table) const {
     for (std::size_t k = 0; k < t_.size(); ++k) {
-      append_time(k, table);
+      append_time(k, table.times);
       auto& row = table.rows.emplace_back();
       append_row(x_[k], nx, fmt::format("trajectory.x[{}]", k), row);
       if (has_control(k))
@@ -70,15 +70,11 @@ class TrajectoryReader {
  private:
   bool are_lists() const { return t_.is_array() && x_.is_array() && u_.is_array(); }
 
-  void append_time(std::size_t k, DataTable& table) const {
-    if (!t_[k].is_number() || (k > 0 && t_[k].get<double>() < table.times.back()))
+  /// An impulse takes no time: the rows before and after it have the same one.
+  void append_time(std::size_t k, std::vector<double>& times) const {
+    if (!t_[k].is_number() || (k > 0 && t_[k].get<double>() < times.back()))
       throw MalformedSolution{"its times do not increase"};
-    if (k > 0 && t_[k].get<double>() == table.times.back()) {
-      // An impulse takes no time: what holds after it stands for the moment.
-      table.times.pop_back();
-      table.rows.pop_back();
-    }
-    table.times.push_back(t_[k]);
+    times.push_back(t_[k]);
   }
 
   /// Where no time passes there is no control, or a choice of the state.

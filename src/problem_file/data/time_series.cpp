@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace conddp {
@@ -45,7 +46,20 @@ void TimeSeries::make_cubic() {
       bends_[i][r] = (bends_[i][r] - (times_[i + 1] - times_[i]) * bends_[i + 1][r]) / pivots[i];
 }
 
-std::vector<double> TimeSeries::interpolate(double time) const {
+std::optional<std::size_t> TimeSeries::value_at_jump(double time, int earlier) const {
+  // Relative alone: steps may be short. At zero there is no rounding, and writers of tables whose
+  // times have to increase take the next number.
+  const double tolerance = 1e-9 * std::abs(time) + std::numeric_limits<double>::min();
+  const auto first = std::lower_bound(times_.begin(), times_.end(), time - tolerance);
+  const auto end = std::upper_bound(first, times_.end(), time + tolerance);
+  const auto count = end - first;
+  if (count < 2) return std::nullopt;
+  return static_cast<std::size_t>(first - times_.begin() +
+                                  std::max<std::ptrdiff_t>(count - 1 - earlier, 0));
+}
+
+std::vector<double> TimeSeries::interpolate(double time, int earlier) const {
+  if (const auto at = value_at_jump(time, earlier)) return values_[*at];
   const auto after = std::upper_bound(times_.begin(), times_.end(), time);
   if (after == times_.begin()) return values_.front();
   if (after == times_.end()) return values_.back();

@@ -90,7 +90,9 @@ void guess_slopes(const CollocationSystem& system, const ShootingProblem& proble
     auto w = trajectory.u(k);
     const double h = knot.model->step(knot.dt, trajectory.x(k).data());
     const Eigen::VectorXd x = trajectory.x(k).head(n), next = trajectory.x(k + 1).head(n);
-    const Eigen::VectorXd begin = rate(x, w.data()), end = rate(next, w.data());
+    Eigen::VectorXd begin = rate(x, w.data());
+    const Eigen::VectorXd end = rate(next, w.data());
+    if (!begin.allFinite()) begin = (next - x) / h;  // rules of Radau do without it
     w.segment(system.slopes(stages), rows) = end.tail(rows);
     for (int i = 1; i < stages; ++i) {  // on the cubic through both ends
       const double c = system.time(i), past = c * c * (3 - 2 * c);

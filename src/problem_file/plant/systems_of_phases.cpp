@@ -24,18 +24,46 @@ bool is_integrated_alike(const System& a, const System& b) {
          a.manifold().ndx() == b.manifold().ndx();
 }
 
+/// Numbers of one system go over to the other as they are: where both have a unit, it is the same.
+bool check_units(const NamedSystemSpec& named, const std::vector<Column>& own,
+                 const std::vector<Column>& wanted, Diagnostics& out) {
+  for (std::size_t i = 0; i < own.size(); ++i) {
+    const std::string &unit = own[i].unit, &first = wanted[i].unit;
+    if (unit == first || unit == "1" || first == "1") continue;
+    out.error(named.name.place,
+              fmt::format("'{}' is in {} in the first system and in {} in '{}'", own[i].name, first,
+                          unit, named.name.value),
+              "all systems of a file have their states and controls in the same units");
+    return false;
+  }
+  return true;
+}
+
+/// What to do where the names of one system are not those of another.
+std::string names_hint(const std::vector<std::string>& names,
+                       const std::vector<std::string>& wanted) {
+  const auto has_time = [](const std::vector<std::string>& list) {
+    return std::find(list.begin(), list.end(), "t") != list.end();
+  };
+  std::string hint = "all systems of a file have the same ones, in the same order";
+  if (has_time(names) != has_time(wanted))
+    hint +=
+        "; 't' is a state of those that depend on the time: write it in all of them, or write a "
+        "state of your own with rate 1 in all of them";
+  return hint;
+}
+
 /// Whether a phase can go on with the states of another system.
 bool check_alike(const NamedSystemSpec& named, const System& system, const System& first,
                  Diagnostics& out) {
   const auto compare = [&](const char* what, const std::vector<Column>& own,
                            const std::vector<Column>& others) {
     const std::vector<std::string> names = names_of(own), wanted = names_of(others);
-    if (names == wanted) return true;
+    if (names == wanted) return check_units(named, own, others, out);
     out.error(named.name.place,
               fmt::format("the {} of '{}' are {}, those of the first system {}", what,
                           named.name.value, fmt::join(names, ", "), fmt::join(wanted, ", ")),
-              "all systems of a file have the same ones, in the same order; 't' is a state of "
-              "those that depend on the time");
+              names_hint(names, wanted));
     return false;
   };
   if (!compare("states", system.state_columns(), first.state_columns()) ||
@@ -94,6 +122,17 @@ class JumpBuilder {
     return text;
   }
 
+  /// Where what a message is about has its name.
+  const Place& place_of(const ModelMessage& message) const {
+    using Part = ModelMessage::Part;
+    const auto& states = phase_.jump->states;
+    const std::size_t index = message.index;
+    if (message.part == Part::kEquation && index < states.size()) return states[index].first.place;
+    if (message.part == Part::kParameter) return spec_.names.parameter_places.at(index);
+    if (message.part == Part::kTable) return spec_.names.tables.at(index).name.place;
+    return phase_.jump->place;
+  }
+
   void report(const ModelMessage& message, Severity severity) {
     const auto& states = phase_.jump->states;
     const bool written = message.part == ModelMessage::Part::kEquation &&
@@ -101,8 +140,7 @@ class JumpBuilder {
     if (written && message.in_text)
       return report_expression(states[message.index].second, message.message, severity, out_);
     if (severity == Severity::kError)
-      out_.error(written ? states[message.index].first.place : phase_.jump->place,
-                 message.message.message, message.message.hint);
+      out_.error(place_of(message), message.message.message, message.message.hint);
   }
 
   const PhaseSpec& phase_;

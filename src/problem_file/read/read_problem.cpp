@@ -163,6 +163,7 @@ const NamedSystemSpec* find_system(const PhaseSpec& phase, const ProblemSpec& sp
 
 /// Finds the systems of all phases that take time; the first of them is the problem's.
 void settle_systems(ProblemSpec& spec, Diagnostics& out) {
+  if (!spec.system && spec.robots.empty()) return;  // that nothing moves has been reported
   bool first = true;
   for (const PhaseSpec& phase : spec.phases) {
     if (phase.jump && !spec.system)

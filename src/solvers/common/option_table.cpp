@@ -47,7 +47,8 @@ constexpr std::array kTable = {
         .access = CONDDP_ACCESS(segments)},
     OptionInfo{.name = "hessian",
                .doc = "Second derivatives of the dynamics: the solver's own choice, left out, or "
-                      "exact. Where a cost is linear in its residual, automatic means exact.",
+                      "exact. Where a cost is linear in its residual, automatic means exact for "
+                      "solvers that have exact Hessians.",
                .choices = kHessianChoices,
                .access = CONDDP_ACCESS(hessian)},
     OptionInfo{.name = "tolerances.stationarity",
