@@ -151,6 +151,63 @@ TEST(Check, TerminalPrintsTheRegulatorAndItsConditions) {
   EXPECT_LT(lqr["eigenvalues"][0]["modulus"], 1);
 }
 
+TEST(Check, TerminalSaysWhereThereIsNothingToSample) {
+  const TemporaryFolder folder;
+  const auto expect = [&](const char* text, const char* words, std::size_t conditions) {
+    const std::string file = folder.write("problem.yaml", text);
+    const ProcessResult plain = run_conddp({"check", file, "--terminal"});
+    EXPECT_EQ(plain.exit_code, 0) << plain.err;
+    EXPECT_NE(plain.out.find(words), std::string::npos) << plain.out;
+    const ProcessResult json = run_conddp({"check", file, "--terminal", "--json"});
+    EXPECT_TRUE(fits_schema("check", json.out)) << json.out;
+    EXPECT_EQ(Json::parse(json.out)["terminal_lqr"]["conditions"]["checked"].size(), conditions);
+  };
+  expect(R"(conddp: 1
+system: {states: [x], controls: [u], next: {x: 0.5*x}}
+initial_state: {values: {x: 1}}
+phases: [{knots: 20, dt: 1}]
+costs: {u: {residual: control}}
+terminal: {lqr: {values: {x: 0}}}
+)",
+         "P is zero: nothing to sample", 0);
+  expect(R"(conddp: 1
+system: {states: [x], controls: [u], next: {x: x + u}}
+initial_state: {values: {x: 1}}
+phases: [{knots: 20, dt: 1}]
+costs: {u: {residual: control}, x: {residual: state}}
+constraints: {b: {bounds: control, lower: 0, upper: 1}}
+terminal: {lqr: {values: {x: 0}}}
+)",
+         "the set is the equilibrium alone: nothing to sample", 2);
+}
+
+TEST(Check, TerminalSaysWhichWeightIsEnoughAtASmallerLevel) {
+  const ProcessResult r =
+      run_conddp({"check", kArm, "--terminal", "--set", "terminal.lqr=initial"});
+  EXPECT_EQ(r.exit_code, 0) << r.err;
+  EXPECT_NE(r.out.find("no weight is enough at this level; "), std::string::npos) << r.out;
+  EXPECT_NE(r.out.find(" times the weight is at level "), std::string::npos) << r.out;
+}
+
+TEST(Check, ASolverThatTakesNoTerminalSetIsNamedAtTheSet) {
+  const TemporaryFolder folder;
+  const std::string file = folder.write("problem.yaml", R"(conddp: 1
+system: {states: [x], controls: [u], next: {x: x + u}}
+initial_state: {values: {x: 1}}
+phases: [{knots: 20, dt: 1}]
+costs: {u: {residual: control}, x: {residual: state}}
+constraints: {b: {bounds: control, lower: -1, upper: 1}}
+terminal: {lqr: {about: {values: {x: 0}}, set: true}}
+)");
+  const ProcessResult r = run_conddp({"check", file, "--solver", "box_fddp"});
+  EXPECT_EQ(r.exit_code, 2);
+  EXPECT_NE(r.err.find(":7:48: error: box_fddp does not support"), std::string::npos) << r.err;
+  EXPECT_NE(r.err.find("--set terminal.lqr.set=false"), std::string::npos) << r.err;
+  EXPECT_EQ(run_conddp({"check", file, "--solver", "box_fddp", "--set", "terminal.lqr.set=false"})
+                .exit_code,
+            0);
+}
+
 TEST(Check, TerminalNeedsARegulator) {
   const ProcessResult r = run_conddp({"check", kPendulum, "--terminal"});
   EXPECT_EQ(r.exit_code, 2);

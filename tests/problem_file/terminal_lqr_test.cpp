@@ -169,6 +169,181 @@ TEST(TerminalLqr, ConditionsHoldInTheSetOfALinearSystem) {
   EXPECT_NEAR(beyond.conditions[1].level, lqr_of(loaded).set.level, 1e-12);
 }
 
+/// Two states of which only the first one costs something, with a bounded control.
+std::string half_seen(std::string_view x, std::string_view y, double weight,
+                      std::string_view more = "") {
+  return fmt::format(R"(conddp: 1
+system: {{states: [x, y], controls: [u], next: {{x: {}, y: {}}}}}
+initial_state: {{values: {{x: 1}}}}
+phases: [{{knots: 20, dt: 1}}]
+costs: {{u: {{residual: control}}, s: {{residual: expression, rows: [x], weight: {}}}}}
+constraints: {{b: {{bounds: control, lower: -1, upper: 1}}{}}}
+terminal: {{lqr: {{about: {{values: {{x: 0}}}}, set: true}}}}
+)",
+                     x, y, weight, more);
+}
+
+TEST(TerminalLqr, StatesThatDecayAndCostNothingLeaveRowsOfZeros) {
+  struct Case {
+    const char *x, *y;
+    double weight;
+  };
+  for (const Case& c : {Case{"1.069*x+u", "-0.942*x+0.449*y+5.065*u", 496.32},
+                        {"0.954*x+u", "0.695*x+0.812*y+3.785*u", 495.94},
+                        {"0.909*x+u", "0.675*x+0.673*y+6.496*u", 186.72},
+                        {"1.189*x+u", "-0.542*x+0.933*y+8.31*u", 31.56}}) {
+    SCOPED_TRACE(c.x);
+    const Loaded loaded(half_seen(c.x, c.y, c.weight));
+    ASSERT_TRUE(loaded.built) << loaded.all();
+    const TerminalIngredients& own = lqr_of(loaded).ingredients;
+    EXPECT_TRUE(own.P.row(1).isZero(0) && own.P.col(1).isZero(0));
+    const double level = lqr_of(loaded).set.level;
+    EXPECT_NEAR(level, own.P(0, 0) / (own.K(0, 0) * own.K(0, 0)), 1e-10 * level);
+    const TerminalConditions found =
+        check_terminal_conditions(own, {.level = level, .tolerance = 1e-9});
+    EXPECT_TRUE(found.hold());
+    EXPECT_NEAR(found.conditions[3].figure, 1, 1e-9);
+  }
+}
+
+TEST(TerminalLqr, ConditionsHoldWhereADirectionAcrossStatesCostsNothing) {
+  const Loaded loaded(R"(conddp: 1
+system: {states: [x, y], controls: [u], next: {x: 0.8509901428700724*x+0.2956349189965381*y+0.7648421872844885*u, y: 0.2956349189965381*x+0.7490098571299277*y+0.644217687237691*u}}
+initial_state: {values: {x: 1}}
+phases: [{knots: 20, dt: 1}]
+costs: {u: {residual: control}, s: {residual: expression, rows: [0.7648421872844885*x+0.644217687237691*y]}}
+constraints: {b: {residual: control, lower: -1, upper: 1}}
+terminal: {lqr: {about: {values: {x: 0}}, set: true}}
+)");
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const TerminalConditions found = check_terminal_conditions(
+      lqr_of(loaded).ingredients, {.level = lqr_of(loaded).set.level, .tolerance = 1e-9});
+  EXPECT_TRUE(found.hold());
+  EXPECT_NEAR(found.conditions[3].figure, 1, 1e-9);
+}
+
+TEST(TerminalLqr, NoSetIsWithinABoundOnAStateThatCostsNothing) {
+  EXPECT_EQ(Loaded(half_seen("0.909*x+u", "0.675*x+0.673*y+6.496*u", 186.72,
+                             ", y: {residual: state, columns: [y], lower: -1, upper: 1}"))
+                .first_error(),
+            "7:48: no terminal set is within 'y', which states that cost nothing move");
+}
+
+std::string bounded_speed(std::string_view bounds, std::string_view about = "0") {
+  return fmt::format(R"(conddp: 1
+system: {{states: [x, v], controls: [u], rate: {{x: v, v: u}}}}
+initial_state: {{values: {{x: 1}}}}
+phases: [{{knots: 40, dt: 0.05}}]
+costs: {{u: {{residual: control}}, s: {{residual: state}}}}
+constraints: {{b: {{bounds: control, lower: -5, upper: 5}}, speed: {{residual: state, {}}}}}
+terminal: {{lqr: {{about: {{values: {{x: {}}}}}}}}}
+)",
+                     bounds, about);
+}
+
+TEST(TerminalLqr, NormsBoundTheSetAroundTheirCenterToo) {
+  const auto level = [](std::string_view bounds, std::string_view about = "0") {
+    const Loaded loaded(bounded_speed(bounds, about));
+    EXPECT_TRUE(loaded.built) << loaded.all();
+    return loaded.built ? lqr_of(loaded).set.level : 0;
+  };
+  const double box = level("columns: [v], lower: -0.3, upper: 0.3");
+  EXPECT_NEAR(box, 0.1069720717, 1e-9);
+  EXPECT_NEAR(level("columns: [v], at_most: 0.3"), box, 1e-9 * box);
+  const double wall = level("columns: [x], lower: 1", "2");
+  EXPECT_NEAR(level("columns: [x], at_least: 1", "2"), wall, 1e-7 * wall);
+  EXPECT_NEAR(level("columns: [x], at_least: 1, at_most: 9", "2"), wall, 1e-7 * wall);
+  EXPECT_EQ(level("columns: [x], at_least: 1"), 0);
+  // The circle lies within its square.
+  const double square = level("lower: -0.3, upper: 0.3"), circle = level("at_most: 0.3");
+  EXPECT_GT(circle, 0.4 * square);
+  EXPECT_LT(circle, square);
+}
+
+TEST(TerminalLqr, WhereNothingCostsThereIsNothingToCheck) {
+  const Loaded loaded(R"(conddp: 1
+system: {states: [x, y], controls: [u], next: {x: 0.5*x, y: 0.5*y}}
+initial_state: {values: {x: 1}}
+phases: [{knots: 20, dt: 1}]
+costs: {u: {residual: control}}
+constraints: {b: {bounds: control, lower: -1, upper: 1}}
+terminal: {lqr: {values: {x: 0}}}
+)");
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const TerminalConditions found =
+      check_terminal_conditions(lqr_of(loaded).ingredients, {.level = lqr_of(loaded).set.level});
+  EXPECT_EQ(found.samples, 0);
+  EXPECT_TRUE(found.conditions.empty());
+}
+
+std::string pushed_and_pulled(std::string_view rate, std::string_view about, double upper = 1) {
+  return fmt::format(R"(conddp: 1
+system: {{states: [x, v], controls: [a, b], rate: {{x: v, v: {}}}}}
+initial_state: {{values: {{x: 1}}}}
+phases: [{{knots: 20, dt: 0.05}}]
+costs: {{u: {{residual: control}}, s: {{residual: state}}}}
+constraints: {{b: {{bounds: control, lower: 0, upper: {}}}}}
+terminal: {{lqr: {{values: {{x: {}}}}}}}
+)",
+                     rate, upper, about);
+}
+
+TEST(TerminalLqr, AControlWithinBoundsHoldsTheStateWhereTheSmallestOneExceedsThem) {
+  const Loaded loaded(pushed_and_pulled("a - b - 0.1*x", "0.1"));
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const TerminalIngredients& own = lqr_of(loaded).ingredients;
+  EXPECT_NEAR(own.u[0], 0.01, 1e-12);
+  EXPECT_EQ(own.u[1], 0);
+  EXPECT_LT(own.drift, 1e-9);
+}
+
+TEST(TerminalLqr, AControlAtItsBoundHoldsTheState) {
+  // In floating point 9.81 / (1/3) is not 29.43.
+  const Loaded loaded(pushed_and_pulled("a/3 + b/3 - 9.81", "0", 14.715));
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  for (const double u : lqr_of(loaded).ingredients.u) EXPECT_NEAR(u, 14.715, 1e-9);
+  for (const double upper : {2.9, 29.43}) {
+    const Loaded lone(fmt::format(R"(conddp: 1
+system: {{states: [x, v], controls: [u], rate: {{x: v, v: u/3 - 9.81}}}}
+initial_state: {{values: {{x: 1}}}}
+phases: [{{knots: 20, dt: 0.05}}]
+costs: {{u: {{residual: control}}, s: {{residual: state}}}}
+constraints: {{b: {{bounds: control, lower: 0, upper: {}}}}}
+terminal: {{lqr: {{values: {{x: 0}}}}}}
+)",
+                                  upper));
+    EXPECT_EQ(lone.built.has_value(), upper > 3) << lone.all();
+    if (!lone.built) continue;
+    EXPECT_LE(lqr_of(lone).ingredients.u[0], upper);
+  }
+}
+
+TEST(TerminalLqr, ConditionsOfTheEquilibriumAloneAreThoseOnConstraints) {
+  const Loaded loaded(pushed_and_pulled("0.1*a - 0.3*b", "0"));
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  EXPECT_EQ(lqr_of(loaded).set.level, 0);
+  const TerminalConditions found = check_terminal_conditions(lqr_of(loaded).ingredients, {});
+  EXPECT_EQ(found.samples, 0);
+  ASSERT_EQ(found.conditions.size(), 2u);
+  EXPECT_TRUE(found.hold());
+}
+
+TEST(TerminalLqr, ALargerWeightIsEnoughAtASmallerLevelWhereNoneIsAtTheLargest) {
+  const Loaded loaded(read_file(kProblems / "arm_reach.yaml"),
+                      std::vector<std::string>{"terminal.lqr=initial"});
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const TerminalLqr& lqr = lqr_of(loaded);
+  const TerminalConditions found =
+      check_terminal_conditions(lqr.ingredients, {.level = lqr.set.level});
+  EXPECT_LE(found.conditions[3].figure, 0);
+  ASSERT_GT(found.decrease.level, 0);
+  EXPECT_LT(found.decrease.level, found.level);
+  EXPECT_GT(found.decrease.factor, 1);
+  const TerminalConditions heavier = check_terminal_conditions(
+      lqr.ingredients, {.weight = found.decrease.factor, .level = found.decrease.level});
+  EXPECT_TRUE(heavier.conditions[3].holds) << heavier.conditions[3].figure;
+}
+
 TEST(TerminalLqr, ALargerWeightMakesTheTerminalCostOfANonlinearSystemDecrease) {
   const Loaded loaded(balanced_cartpole("initial"));
   ASSERT_TRUE(loaded.built) << loaded.all();
@@ -346,6 +521,23 @@ TEST(TerminalLqr, MistakesAreNamedWithTheirPlaces) {
   EXPECT_EQ(error(replaced(exact_integrator(3, "[0, 0]"), "terminal: {",
                            "terminal: {costs: {lqr: {residual: state}}, ")),
             "8:20: this name is that of what 'terminal: {lqr: ...}' adds");
+  EXPECT_EQ(error(replaced(exact_integrator(3, "[0, 0]"), "  state: {", "  lqr: {")),
+            "6:3: this name is that of what 'terminal: {lqr: ...}' adds");
+  EXPECT_EQ(error(replaced(exact_integrator(3, "{about: [0, 0], set: true}", kUnitForce),
+                           "force: {bounds", "lqr: {bounds")),
+            "10:15: this name is that of what 'terminal: {lqr: ...}' adds");
+}
+
+TEST(TerminalLqr, AStateWhereTheSystemIsNotFiniteIsNamed) {
+  EXPECT_EQ(Loaded(R"(conddp: 1
+system: {states: [x], controls: [u], rate: {x: u + log(x)}}
+initial_state: {values: {x: 1}}
+phases: [{knots: 20, dt: 0.05}]
+costs: {u: {residual: control}, x: {residual: state}}
+terminal: {lqr: {values: {x: 0}}}
+)")
+                .first_error(),
+            "6:17: the system is not finite at this state, or its derivatives are not");
 }
 
 TEST(TerminalLqr, AControlBeyondItsBoundsHoldsNothing) {

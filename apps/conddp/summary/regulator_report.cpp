@@ -49,8 +49,14 @@ OrderedJson conditions_json(const TerminalConditions& conditions) {
                     {"holds", c.holds},
                     {"figure", finite_or_null(c.figure)},
                     {"level", c.level}});
-  return {
-      {"level", conditions.level}, {"samples", conditions.samples}, {"checked", std::move(list)}};
+  OrderedJson enough = nullptr;
+  if (conditions.decrease.level > 0)
+    enough = {{"level", conditions.decrease.level}, {"factor", conditions.decrease.factor}};
+  return {{"level",
+           conditions.conditions.empty() ? OrderedJson(nullptr) : OrderedJson(conditions.level)},
+          {"samples", conditions.samples},
+          {"checked", std::move(list)},
+          {"enough", std::move(enough)}};
 }
 
 std::string row_text(const OrderedJson& row) {
@@ -88,32 +94,46 @@ std::string set_lines(const OrderedJson& set) {
                      narrowest["name"].get<std::string>(), narrowest["distance"].get<double>());
 }
 
+/// Which weight the decrease of A4 asks for.
+std::string weight_text(double decrease, const OrderedJson& enough) {
+  if (decrease > 0)
+    return fmt::format("enough with {:.6g} times the weight", std::max(1.0, 1 / decrease));
+  if (enough.is_null()) return "and no weight is enough at any level that was tested";
+  return fmt::format(
+      "and no weight is enough at this level; {:.6g} times the weight is at level {:.3g}",
+      enough["factor"].get<double>(), enough["level"].get<double>());
+}
+
 /// What the figure of a condition says.
-std::string figure_text(const OrderedJson& condition) {
+std::string figure_text(const OrderedJson& condition, const OrderedJson& enough) {
   if (condition["figure"].is_null()) return "no finite figure";
   const double figure = condition["figure"].get<double>();
   const std::string name = condition["name"];
   if (name == "A3") return fmt::format("largest value after a step by the level: {:.6g}", figure);
   if (name == "A4")
-    return fmt::format(
-        "least decrease by the stage cost: {:.6g}, {}", figure,
-        figure > 0 ? fmt::format("enough with {:.6g} times the weight", std::max(1.0, 1 / figure))
-                   : "and no weight is enough");
+    return fmt::format("least decrease by the stage cost: {:.6g}, {}", figure,
+                       weight_text(figure, enough));
   return fmt::format("largest violation: {:.3g}", figure);
 }
 
+/// Of what the conditions are checked.
+std::string samples_text(const OrderedJson& conditions) {
+  if (conditions["level"].is_null()) return "P is zero: nothing to sample";
+  if (conditions["samples"] == 0) return "the set is the equilibrium alone: nothing to sample";
+  return fmt::format("{} samples of the set of level {:.6g}, nonlinear map",
+                     conditions["samples"].get<int>(), conditions["level"].get<double>());
+}
+
 std::string condition_lines(const OrderedJson& conditions) {
-  std::string text =
-      fmt::format("  {:<16}{} samples of the set of level {:.6g}, nonlinear map\n", "conditions",
-                  conditions["samples"].get<int>(), conditions["level"].get<double>());
+  std::string text = fmt::format("  {:<16}{}\n", "conditions", samples_text(conditions));
   for (const auto& c : conditions["checked"]) {
     const double level = c["level"].get<double>();
     text += fmt::format("  {:<16}{} {}: {}; {}{}\n", "", c["name"].get<std::string>(),
                         c["holds"].get<bool>() ? "holds" : "does not hold",
-                        c["meaning"].get<std::string>(), figure_text(c),
+                        c["meaning"].get<std::string>(), figure_text(c, conditions["enough"]),
                         c["holds"].get<bool>() ? ""
                         : level > 0            ? fmt::format("; holds at level {:.3g}", level)
-                                               : "; at no level that was tested");
+                                               : "; holds at no level that was tested");
   }
   return text;
 }

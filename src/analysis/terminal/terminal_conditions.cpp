@@ -4,8 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 
+#include "analysis/terminal/terminal_ellipsoid.hpp"
 #include "base/normal_numbers.hpp"
 #include "ocp/problem/node_evaluation.hpp"
 
@@ -30,13 +31,15 @@ class ConditionChecker {
       : given_(ingredients),
         options_(options),
         model_(*ingredients.knot->knot(0).model),
-        evaluation_(*ingredients.knot) {
-    upper_ = Eigen::LLT<Eigen::MatrixXd>(definite(given_.regulator.P)).matrixU();
-    draw();
-  }
+        axes_(terminal_ellipsoid(given_.regulator.P).axes),
+        evaluation_(*ingredients.knot) {}
 
   TerminalConditions check() {
-    TerminalConditions out{.level = level(), .samples = options_.samples, .conditions = named()};
+    if (axes_.cols() == 0) return {};
+    const double largest = level();
+    if (largest <= 0) return check_equilibrium();
+    draw();
+    TerminalConditions out{.level = largest, .samples = options_.samples, .conditions = named()};
     double scale = 1;
     for (int k = 0; k < kLevels; ++k, scale /= 4) {
       const Measured m = measure(out.level * scale);
@@ -49,16 +52,23 @@ class ConditionChecker {
         if (k == 0) condition.holds = holds[i], condition.figure = figures[i];
         if (holds[i] && condition.level == 0) condition.level = out.level * scale;
       }
+      if (m.decrease > 0 && out.decrease.level == 0)
+        out.decrease = {out.level * scale, std::max(1.0, 1 / m.decrease)};
     }
     return out;
   }
 
  private:
-  /// P, with a rounding more where modes that decay by themselves cost nothing.
-  static Eigen::MatrixXd definite(const Eigen::MatrixXd& P) {
-    if (Eigen::LLT<Eigen::MatrixXd>(P).info() == Eigen::Success) return P;
-    constexpr double kShare = 1e-12;
-    return P + kShare * P.diagonal().maxCoeff() * Eigen::MatrixXd::Identity(P.rows(), P.cols());
+  /// What holds where the set is the equilibrium alone: nothing leaves it, and nothing decreases.
+  TerminalConditions check_equilibrium() {
+    Measured m;
+    measure_constraints(evaluation_.at(0, given_.x.data(), given_.u.data()), given_.u, m);
+    TerminalConditions out{.conditions = named()};
+    out.conditions.resize(2);
+    out.conditions[0].figure = m.state_violation;
+    out.conditions[1].figure = m.control_violation;
+    for (TerminalCondition& c : out.conditions) c.holds = c.figure <= options_.tolerance;
+    return out;
   }
 
   static std::vector<TerminalCondition> named() {
@@ -68,10 +78,10 @@ class ConditionChecker {
             {"A4", "the terminal cost decreases by the stage cost at least"}};
   }
 
-  /// Points of the unit ball in the coordinates of the tangent space, half of them on its boundary.
+  /// Points of the unit ball in the coordinates of the ellipsoid, half of them on its boundary.
   void draw() {
     NormalNumbers random(options_.seed);
-    const int m = static_cast<int>(given_.tangent.cols());
+    const int m = static_cast<int>(axes_.cols());
     points_.resize(m, options_.samples);
     for (int s = 0; s < options_.samples; ++s) {
       for (int i = 0; i < m; ++i) points_(i, s) = random.next();
@@ -82,23 +92,15 @@ class ConditionChecker {
 
   double level() const {
     if (std::isfinite(options_.level)) return options_.level;
-    // Level 1 moves state i by the length of row i of T U⁻¹, P = UᵀU.
-    const Eigen::MatrixXd rows =
-        upper_.triangularView<Eigen::Upper>().solve<Eigen::OnTheRight>(given_.tangent);
+    // Level 1 moves state i by the length of this row.
+    const Eigen::MatrixXd rows = given_.tangent * axes_;
     return kLargestMove * kLargestMove / rows.rowwise().squaredNorm().maxCoeff();
   }
 
   Measured measure(double level) {
     Measured out;
-    if (level <= 0) {
-      measure_constraints(evaluation_.at(0, given_.x.data(), given_.u.data()), given_.u, out);
-      return out;
-    }
-    for (int s = 0; s < options_.samples; ++s) {
-      const Eigen::VectorXd y =
-          std::sqrt(level) * upper_.triangularView<Eigen::Upper>().solve(points_.col(s));
-      measure(y, level, out);
-    }
+    for (int s = 0; s < options_.samples; ++s)
+      measure(axes_ * (std::sqrt(level) * points_.col(s)), level, out);
     return out;
   }
 
@@ -140,8 +142,8 @@ class ConditionChecker {
   const TerminalIngredients& given_;
   const ConditionOptions& options_;
   const KnotModel& model_;
+  Eigen::MatrixXd axes_;  ///< of the ellipsoid, on the tangent space
   NodeEvaluation evaluation_;
-  Eigen::MatrixXd upper_;   ///< U of P = UᵀU on the tangent space
   Eigen::MatrixXd points_;  ///< by columns
 };
 

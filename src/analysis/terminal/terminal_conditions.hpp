@@ -20,10 +20,18 @@ struct TerminalCondition {
   double level = 0;   ///< the largest of the tested levels at which it holds, 0 if there is none
 };
 
+/// Where a larger weight makes A4 hold.
+struct TerminalDecrease {
+  double level = 0;   ///< the largest of the tested levels, 0 if there is none
+  double factor = 0;  ///< of the weight, by which A4 holds there; at least 1
+};
+
 struct TerminalConditions {
   double level = 0;  ///< of the ellipsoid that was sampled
-  int samples = 0;
-  std::vector<TerminalCondition> conditions;
+  int samples = 0;   ///< none where it is the equilibrium alone, or P is zero
+  std::vector<TerminalCondition>
+      conditions;  ///< A1 and A2 where the ellipsoid is the equilibrium alone; none where P is zero
+  TerminalDecrease decrease;
 
   bool hold() const;
 };
@@ -38,7 +46,7 @@ struct ConditionOptions {
 
 /// Checks the conditions at the level and at levels down to 4⁻¹⁰ of it. The stage cost of A4 is
 /// that of the knot without its value and its slope at the equilibrium, which is the stage cost
-/// itself where that is least at the equilibrium.
+/// itself where that is least at the equilibrium. Directions that cost nothing are not sampled.
 TerminalConditions check_terminal_conditions(const TerminalIngredients& ingredients,
                                              const ConditionOptions& options);
 

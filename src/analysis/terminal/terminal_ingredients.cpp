@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Dense>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "analysis/terminal/terminal_ellipsoid.hpp"
 #include "ocp/evaluation/evaluator.hpp"
 #include "systems/multibody/multibody.hpp"
 
@@ -19,6 +21,11 @@ constexpr double kLargestDrift = 1e-6;
 constexpr double kLargestLeak = 1e-5;
 /// Singular values of contact Jacobians below this share of the largest are none.
 constexpr double kSmallestSingularValue = 1e-8;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+Eigen::Map<const Eigen::VectorXd> as_vector(const std::vector<double>& numbers) {
+  return {numbers.data(), static_cast<Eigen::Index>(numbers.size())};
+}
 
 /// A knot of a phase alone, from a state on.
 std::shared_ptr<ShootingProblem> lone_knot(const EquilibriumGuess& guess) {
@@ -80,7 +87,7 @@ class IngredientsFinder {
   }
 
   TerminalResult find() {
-    if (hold() && stays() && within_bounds() && linearize()) solve();
+    if (has_control() && stays() && within_bounds() && linearize()) solve();
     return std::move(result_);
   }
 
@@ -90,17 +97,18 @@ class IngredientsFinder {
     return false;
   }
 
-  /// Newton steps on the control, as long as they make the state more of an equilibrium.
-  bool hold() {
+  bool has_control() {
+    return model_.nu() > 0 || fail("the system has no control", "a regulator needs one");
+  }
+
+  /// Newton steps on the control between bounds, as long as they make the state more of an
+  /// equilibrium. Whether it is one.
+  bool hold(const Eigen::VectorXd& lower, const Eigen::VectorXd& upper) {
     constexpr int kMost = 20;
-    if (model_.nu() == 0) return fail("the system has no control", "a regulator needs one");
-    double best = move_to(trajectory_.u(0));
+    double best = move_to(trajectory_.u(0).cwiseMax(lower).cwiseMin(upper));
     for (int i = 0; i < kMost && best > 0; ++i) {
-      const int n = model_.system().ndx();
       const Eigen::VectorXd former = trajectory_.u(0);
-      const Eigen::MatrixXd B = linear_.knots[0].dense_jacobian().topRightCorner(n, model_.nu());
-      const Eigen::VectorXd gap = linear_.gap.col(0).head(n);
-      const double now = move_to(former - B.completeOrthogonalDecomposition().solve(gap));
+      const double now = move_to(newton_step(former, lower, upper));
       if (now < best) {
         best = now;
         continue;
@@ -108,7 +116,32 @@ class IngredientsFinder {
       move_to(former);
       break;
     }
-    return true;
+    return drift_ <= kLargestDrift;
+  }
+
+  /// The nearest control for which the linear map stays where it is; where that exceeds bounds,
+  /// controls stay at them and the others do the rest.
+  Eigen::VectorXd newton_step(const Eigen::VectorXd& u, const Eigen::VectorXd& lower,
+                              const Eigen::VectorXd& upper) const {
+    const int n = model_.system().ndx(), m = model_.nu();
+    const Eigen::MatrixXd B = linear_.knots[0].dense_jacobian().topRightCorner(n, m);
+    const Eigen::VectorXd gap = linear_.gap.col(0).head(n);
+    Eigen::VectorXd next = u;
+    Eigen::MatrixXd free = B;  // columns of controls at their bounds are zero
+    for (int pass = 0; pass <= m; ++pass) {
+      const Eigen::VectorXd rest = gap + (B - free) * (next - u);
+      const Eigen::VectorXd step = -free.completeOrthogonalDecomposition().solve(rest);
+      bool within = true;
+      for (int i = 0; i < m; ++i) {
+        if (free.col(i).isZero(0)) continue;
+        next[i] = std::clamp(u[i] + step[i], lower[i], upper[i]);
+        if (next[i] == u[i] + step[i]) continue;
+        free.col(i).setZero();
+        within = false;
+      }
+      if (within) break;
+    }
+    return next;
   }
 
   /// Linearizes at a control; how fast the state leaves its place.
@@ -118,22 +151,28 @@ class IngredientsFinder {
       for (int k : {0, 1}) trajectory_.x(k).tail(actuators) = u.head(actuators);
     evaluator_.differentiate(trajectory_, linear_);
     drift_ = linear_.gap.col(0).cwiseAbs().maxCoeff(&fastest_) / problem_->knot(0).dt;
-    return std::isfinite(drift_) ? drift_ : std::numeric_limits<double>::infinity();
+    return std::isfinite(drift_) ? drift_ : kInfinity;
   }
 
   bool stays() {
-    if (drift_ <= kLargestDrift) return true;
+    const Eigen::VectorXd infinite = Eigen::VectorXd::Constant(model_.nu(), kInfinity);
+    if (hold(-infinite, infinite)) return true;
+    if (!std::isfinite(drift_))
+      return fail("the system is not finite at this state, or its derivatives are not",
+                  "give a state at rest that controls and contacts can hold");
     return fail(fmt::format("the state is not an equilibrium: with the control that holds it best, "
                             "'{}' changes by {:.3g} in a second",
                             names_[fastest_], drift_),
                 "give a state at rest that controls and contacts can hold");
   }
 
+  /// Where the smallest control that holds the state exceeds bounds, another one may hold it.
   bool within_bounds() {
     const Eigen::VectorXd u = trajectory_.u(0);
     for (int i = 0; i < model_.nu(); ++i) {
       const double lower = model_.control_lower()[i], upper = model_.control_upper()[i];
       if (u[i] >= lower && u[i] <= upper) continue;
+      if (hold(as_vector(model_.control_lower()), as_vector(model_.control_upper()))) return true;
       return fail(
           fmt::format("the control that holds the state exceeds its bounds: '{}' is {:.4g}, "
                       "and may be {:.4g} to {:.4g}",
@@ -170,6 +209,7 @@ class IngredientsFinder {
   bool solve() {
     RegulatorResult solved = solve_regulator(problem_of_y_);
     if (!solved.regulator) return explain(solved);
+    solved.regulator->P = without_rounding(solved.regulator->P);
     TerminalIngredients& out = result_.ingredients.emplace();
     out.x.assign(trajectory_.x(0).begin(), trajectory_.x(0).end());
     problem_->set_initial_state(out.x);
@@ -179,7 +219,7 @@ class IngredientsFinder {
     out.cost = linear_.cost[0];
     out.gradient = linear_.knots[0].gradient;
     out.P = T_ * solved.regulator->P * T_.transpose();
-    out.P = (0.5 * (out.P + out.P.transpose())).eval();
+    out.P = without_rounding(0.5 * (out.P + out.P.transpose()));
     out.K = solved.regulator->K * T_.transpose();
     out.tangent = std::move(T_);
     out.linear = std::move(problem_of_y_);

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include <Eigen/Dense>
 #include <fmt/format.h>
 
+#include "analysis/terminal/terminal_ellipsoid.hpp"
 #include "ocp/evaluation/evaluator.hpp"
 
 namespace conddp {
@@ -20,7 +22,9 @@ constexpr double kSmallestReach = 1e-12;
 class SetBuilder {
  public:
   explicit SetBuilder(const TerminalIngredients& ingredients)
-      : given_(ingredients), eigen_(ingredients.regulator.P), linear_(*ingredients.knot) {
+      : given_(ingredients),
+        ellipsoid_(terminal_ellipsoid(ingredients.regulator.P)),
+        linear_(*ingredients.knot) {
     Trajectory trajectory = given_.knot->create_trajectory();
     trajectory.u(0) = given_.u;
     Evaluator(*given_.knot).differentiate(trajectory, linear_);
@@ -37,13 +41,14 @@ class SetBuilder {
   }
 
  private:
-  /// The columns of rows of P^−½ C T-coordinates: how far the ellipsoid of level 1 moves them.
-  Eigen::MatrixXd scaled(const Eigen::MatrixXd& rows) const {
-    const Eigen::VectorXd& values = eigen_.eigenvalues();
-    Eigen::MatrixXd out = rows * eigen_.eigenvectors();
-    for (int i = 0; i < values.size(); ++i)
-      out.col(i) /= std::sqrt(std::max(values[i], std::numeric_limits<double>::min()));
-    return out;
+  /// How far the ellipsoid of level 1 moves linear functions, rows of the coordinates of the tangent
+  /// space, together; infinite where directions that cost nothing move them.
+  double reach(const Eigen::MatrixXd& rows) const {
+    constexpr double kSmallShare = 1e-8;  // √ε
+    if ((rows * ellipsoid_.free).norm() > kSmallShare * rows.norm()) return kUnbounded;
+    const Eigen::MatrixXd moved = rows * ellipsoid_.axes;
+    if (moved.size() == 0 || moved.rows() == 1) return moved.norm();
+    return Eigen::JacobiSVD<Eigen::MatrixXd>(moved).singularValues()[0];
   }
 
   /// Rows of z under the regulator, by the coordinates of the tangent space.
@@ -61,36 +66,67 @@ class SetBuilder {
 
   void add_control_bounds() {
     const KnotModel& model = *given_.knot->knot(0).model;
-    const Eigen::MatrixXd reach = scaled(given_.regulator.K);
     for (int i = 0; i < model.nu(); ++i)
       add(model.system().control_columns()[i].name,
           std::min(model.control_upper()[i] - given_.u[i], given_.u[i] - model.control_lower()[i]),
-          reach.row(i).norm());
+          reach(given_.regulator.K.row(i)));
   }
 
   void add_constraint(const NodeConstraint& constraint) {
     const ConstraintTerm& term = *constraint.term;
-    const Eigen::MatrixXd reach =
-        scaled(under_regulator(linear_.knots[0].C.middleRows(constraint.row, term.rows)));
+    const Eigen::MatrixXd rows =
+        under_regulator(linear_.knots[0].C.middleRows(constraint.row, term.rows));
     const Eigen::VectorXd value = linear_.constraint.segment(constraint.row, term.rows);
-    if (term.is_cone()) return add_cone(term, value, reach);
+    if (term.is_cone()) return add_cone(term, value, rows);
+    if (term.kind == ConstraintKind::norm) return add_norm(constraint, rows);
     if (!term.has_bounds()) return;
     for (int i = 0; i < term.rows; ++i)
       add(term.rows == 1 ? term.name : fmt::format("{} row {}", term.name, i + 1),
           std::min(constraint.upper[i] - value[i], value[i] - constraint.lower[i]),
-          reach.row(i).norm());
+          reach(rows.row(i)));
+  }
+
+  /// ‖r‖ ≤ upper holds where r moves by less than upper − ‖r‖. That ‖r‖ is convex makes its slope
+  /// enough for lower ≤ ‖r‖.
+  void add_norm(const NodeConstraint& constraint, const Eigen::MatrixXd& slope) {
+    const ConstraintTerm& term = *constraint.term;
+    const auto [r, J] = differentiated(term);
+    const double norm = r.norm(), lower = constraint.lower[0];
+    add(term.name, constraint.upper[0] - norm, reach(under_regulator(J)));
+    if (lower > 0) add(term.name, norm - lower, norm > lower ? reach(slope) : kUnbounded);
+  }
+
+  /// A residual and its derivative by z at the equilibrium.
+  std::pair<Eigen::VectorXd, Eigen::MatrixXd> differentiated(const ConstraintTerm& term) const {
+    const KnotView& knot = given_.knot->knot(0);
+    const System& system = knot.model->system();
+    const auto data = system.create_data(double{});
+    system.differentiate(given_.x.data(), given_.u.data(), *data);
+    const Residual& residual = *term.residual;
+    Eigen::VectorXd r(residual.size()), packed(residual.jacobian_size());
+    residual.differentiate(ResidualInput<double>{given_.x.data(), given_.u.data(),
+                                                 knot.parameters + term.parameters, *data},
+                           r.data(), packed.data());
+    Eigen::MatrixXd J = Eigen::MatrixXd::Zero(residual.size(), knot.model->nz());
+    int row = 0;
+    const double* entry = packed.data();
+    for (const RowBlock& block : residual.blocks()) {
+      for (const int column : block.columns)
+        for (int i = 0; i < block.rows; ++i) J(row + i, column) = *entry++;
+      row += block.rows;
+    }
+    return {std::move(r), std::move(J)};
   }
 
   /// ‖v‖ ≤ t holds where v and t together move by less than t − ‖v‖.
   void add_cone(const ConstraintTerm& term, const Eigen::VectorXd& value,
-                const Eigen::MatrixXd& reach) {
+                const Eigen::MatrixXd& rows) {
     const int n = term.rows - 1;
-    const double across = Eigen::JacobiSVD<Eigen::MatrixXd>(reach.topRows(n)).singularValues()[0];
-    add(term.name, value[n] - value.head(n).norm(), across + reach.row(n).norm());
+    add(term.name, value[n] - value.head(n).norm(), reach(rows.topRows(n)) + reach(rows.row(n)));
   }
 
   const TerminalIngredients& given_;
-  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen_;
+  TerminalEllipsoid ellipsoid_;
   Linearization linear_;
   TerminalSet set_;
 };

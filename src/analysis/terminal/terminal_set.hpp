@@ -22,9 +22,9 @@ struct TerminalSet {
       bounds;  ///< the narrowest first; those that nothing moves are left out
 };
 
-/// Bounds on the control and hard constraints of the knot. Cones are met where the parts of their
-/// values that the ellipsoid moves could meet them in the worst direction, which is within the
-/// cone.
+/// Bounds on the control and hard constraints of the knot. Cones, and norms from above, are met
+/// where the parts of their values that the ellipsoid moves could meet them in the worst direction,
+/// which is within the cone.
 TerminalSet largest_terminal_set(const TerminalIngredients& ingredients);
 
 }  // namespace conddp

@@ -410,12 +410,17 @@ namespace {
 
 bool is_written(const Place& place) { return place.mark.source >= 0; }
 
+bool has_terminal_set(const ProblemSpec& spec) {
+  return spec.terminal_lqr && spec.terminal_lqr->set;
+}
+
 /// The place of the first bounds on the control, or of the first other constraint; that of the
 /// solver where there is none.
 Place first_constraint(const ProblemSpec& spec, bool of_control) {
   if (of_control && !spec.control_bounds.empty()) return spec.control_bounds.front().name.place;
   const std::vector<const ConstraintSpec*> others = spec.all_constraints();
   if (!of_control && !others.empty()) return others.front()->function.name.place;
+  if (!of_control && has_terminal_set(spec)) return spec.terminal_lqr->set_place;
   return spec.solver.name.place;
 }
 
@@ -438,6 +443,7 @@ std::string drop_options(const ProblemSpec& spec, bool of_control) {
   }
   for (const ConstraintSpec* constraint : spec.all_constraints())
     options += " --drop " + constraint->function.name.value;
+  if (has_terminal_set(spec)) options += " --set terminal.lqr.set=false";
   return options;
 }
 

@@ -65,10 +65,12 @@ class TerminalLqrBuilder {
     };
     const ProblemSpec& all = context_.spec;
     const auto of_cost = [](const CostSpec& cost) { return cost.name; };
+    const auto of_bounds = [](const ControlBoundsSpec& bounds) { return bounds.name; };
     const auto of_constraint = [](const ConstraintSpec& c) { return c.function.name; };
-    return !is_taken(all.terminal_costs, of_cost) &&
-           !(spec_.set && (is_taken(all.constraints, of_constraint) ||
-                           is_taken(all.terminal_constraints, of_constraint)));
+    return !is_taken(all.costs, of_cost) && !is_taken(all.terminal_costs, of_cost) &&
+           !(spec_.set &&
+             (is_taken(all.control_bounds, of_bounds) || is_taken(all.constraints, of_constraint) ||
+              is_taken(all.terminal_constraints, of_constraint)));
   }
 
   /// The last phase that takes time, and in it the last knot.
@@ -99,6 +101,11 @@ class TerminalLqrBuilder {
     if (set.bounds.empty() || set.level > 0)
       fail(spec_.set_place, "nothing bounds the terminal set",
            "bounds on the control, or constraints of the last knot that takes time, bound it");
+    else if (set.bounds.front().distance > 0)
+      fail(spec_.set_place,
+           fmt::format("no terminal set is within '{}', which states that cost nothing move",
+                       set.bounds.front().name),
+           "leave 'set' out, or give these states a running cost");
     else
       fail(spec_.set_place,
            fmt::format("no terminal set is within '{}', which leaves {:.3g} at the equilibrium",
