@@ -2,10 +2,13 @@
 #include "batch/plan/batch_plan.hpp"
 
 #include <set>
+#include <sstream>
 
 #include "analysis/comparison/random_instance.hpp"
 #include "batch/plan/neighbours.hpp"
 #include "batch/plan/problem_family.hpp"
+#include "batch/plan/run_folder.hpp"
+#include "batch/results/collect.hpp"
 #include "batch/run/run_batch.hpp"
 #include "batch_folder.hpp"
 
@@ -226,8 +229,117 @@ INSTANTIATE_TEST_SUITE_P(
         BadPlan{"limits: {max_time_s: 0}\n",
                 "plan.yaml:3:22: a number from 0.001 to 1e9 is expected here, not 0"},
         BadPlan{"keep: {solutions: some}\n", "plan.yaml:3:19: unknown answer 'some'"},
+        BadPlan{"vary: {cost: {key: costs.effort.weight, values: [1, 2]}}\n",
+                "plan.yaml:3:8: 'cost' is a column of results.csv already"},
+        BadPlan{
+            "vary: {start: {key: costs.effort.weight, values: [1, 2]}}\nwarm_start: neighbour\n",
+            "plan.yaml:3:8: 'start' is a column of results.csv already"},
+        BadPlan{"vary: {a: {key: costs.effort.weight, uniform: [2, 1], count: 3}}\n",
+                "plan.yaml:3:47: the lower end lies above the upper one"},
+        BadPlan{"vary: {a: {sobol: {costs.effort.weight: [2, 1]}, count: 3}}\n",
+                "plan.yaml:3:41: the lower end lies above the upper one"},
+        BadPlan{"vary: {a: {key: costs.effort.weight, normal: [1, -0.1], count: 3}}\n",
+                "plan.yaml:3:46: the standard deviation is negative"},
+        BadPlan{"vary: {a: {key: solver.max_time_s, values: [1, 2]}}\nlimits: {max_time_s: 3}\n",
+                "plan.yaml:3:17: 'solver.max_time_s' is varied, and 'limits.max_time_s' sets the "
+                "time of all items"},
+        BadPlan{"vary: {a: {key: initial_guess.states, values: [x, y]}}\nwarm_start: goals.csv\n",
+                "plan.yaml:3:17: 'initial_guess.states' is varied, and by 'warm_start' all items "
+                "start from a file"},
         BadPlan{"problems: [x.yaml]\n",
                 "plan.yaml:3:1: 'problem' and 'problems' exclude each other"}));
+
+TEST(BatchPlan, EqualDistancesMayBeLargerThanTheLargestNumber) {
+  const PlannedBatch batch(
+      "vary: {a: {key: initial_state.values.theta, linspace: [-1.0e+308, 1.0e+308, 3]}}\n");
+  ASSERT_TRUE(batch.plan) << batch.error();
+  std::vector<double> values;
+  for (const auto& row : batch.plan->axes[0].rows) values.push_back(std::stod(row[0].text));
+  EXPECT_EQ(values, (std::vector<double>{-1e308, 0, 1e308}));
+}
+
+TEST(BatchPlan, NoAxisMayHaveTheNameOfAColumnOfResults) {
+  for (const char* warm_start : {"none", "neighbour"}) {
+    const PlannedBatch batch(std::string("warm_start: ") + warm_start + "\n");
+    ASSERT_TRUE(batch.manifest) << batch.error();
+    std::istringstream header(results_csv(*batch.manifest, {}));
+    std::string line, name;
+    std::getline(header, line);
+    std::istringstream names(line);
+    while (std::getline(names, name, ','))
+      EXPECT_TRUE(is_column_of_results(name, batch.manifest->warm_start)) << name;
+  }
+  EXPECT_FALSE(is_column_of_results("start", WarmStart::kNone));
+  EXPECT_FALSE(is_column_of_results("w", WarmStart::kNeighbour));
+}
+
+TEST(RunFolder, IsDividedOtherwiseButTakesNoOtherPlanOrBuild) {
+  const PlannedBatch batch("vary: {w: {key: costs.effort.weight, values: [1, 2]}}\n");
+  const auto run = batch.folder.path() / "run";
+  const auto written = [&](const Manifest& manifest) {
+    Diagnostics out;
+    write_run_folder(*batch.plan, manifest, run, out);
+    return out.list().empty() ? std::string() : out.list().front().message;
+  };
+  Manifest manifest = *batch.manifest;
+  EXPECT_EQ(written(manifest), "");
+  std::filesystem::create_directory(run / "shards");
+  manifest.shards = 7;
+  EXPECT_EQ(written(manifest), "");
+  Diagnostics out;
+  EXPECT_EQ(load_manifest(run, true, out)->shards, 7);
+  manifest.build["version"] = "0.0.0";
+  EXPECT_NE(written(manifest).find("has results of this plan by another build of conddp"),
+            std::string::npos)
+      << written(manifest);
+  manifest = *batch.manifest;
+  manifest.items.pop_back();
+  EXPECT_NE(written(manifest).find("has results of another plan"), std::string::npos);
+}
+
+TEST(RunFolder, LeavesAPlanOfTheUserAlone) {
+  const PlannedBatch batch("vary: {w: {key: costs.effort.weight, values: [1, 2]}}\n");
+  std::filesystem::create_directory(batch.folder.path() / "run");
+  const auto file = batch.folder.write("run/plan.yaml", "mine\n");
+  Diagnostics out;
+  write_run_folder(*batch.plan, *batch.manifest, batch.folder.path() / "run", out);
+  ASSERT_TRUE(out.has_errors());
+  EXPECT_NE(out.list().front().message.find("has a plan.yaml that is not this plan"),
+            std::string::npos);
+  std::ifstream stream(file);
+  std::string text;
+  std::getline(stream, text);
+  EXPECT_EQ(text, "mine");
+}
+
+TEST(Manifest, WhoseHeadContradictsItselfIsDamaged) {
+  const PlannedBatch batch("vary: {w: {key: costs.effort.weight, values: [1, 2]}}\n");
+  const std::string head = manifest_head(*batch.manifest);
+  for (const auto& [good, bad] :
+       {std::pair{"\"solvers\":1", "\"solvers\":0"}, std::pair{"\"solvers\":1", "\"solvers\":3"},
+        std::pair{"\"shards\":1", "\"shards\":0"}, std::pair{"\"items\":2", "\"items\":-2"},
+        std::pair{"\"items\":2", "\"items\":2000000"}}) {
+    std::string text = head + "\n";
+    ASSERT_NE(text.find(good), std::string::npos) << good;
+    text.replace(text.find(good), std::string(good).size(), bad);
+    for (const ManifestItem& item : batch.manifest->items) text += manifest_line(item) + "\n";
+    batch.folder.write("manifest.jsonl", text);
+    Diagnostics out;
+    EXPECT_FALSE(load_manifest(batch.folder.path(), true, out)) << bad;
+    EXPECT_EQ(out.list().front().message, "the head of the manifest is damaged") << bad;
+  }
+}
+
+TEST(Neighbours, DescendantsFollowTheirParents) {
+  const PlannedBatch batch(R"(vary:
+  w: {key: costs.effort.weight, linspace: [1, 2, 40]}
+warm_start: neighbour
+)");
+  ASSERT_TRUE(batch.manifest) << batch.error();
+  std::vector<std::size_t> expected = {29, 30, 31, 39};  // a block ends at 32
+  EXPECT_EQ(with_descendants(*batch.manifest, {29, 39}), expected);
+  EXPECT_TRUE(with_descendants(*batch.manifest, {}).empty());
+}
 
 TEST(BatchPlan, ACellThatDoesNotFitIsReportedInItsTable) {
   PlannedBatch batch("vary: {t: {file: goals.csv, columns: {angle: costs.effort.weight}}}\n");

@@ -1,6 +1,7 @@
 #include "batch/results/batch_report.hpp"
 
 #include "base/json/number_block.hpp"
+#include "batch/plan/spread.hpp"
 #include "batch_folder.hpp"
 
 namespace conddp {
@@ -62,7 +63,7 @@ TEST_F(BatchReport, HasARowForEachItemWithWhatTellsItApart) {
   const OrderedJson& rows = data["rows"];
   EXPECT_EQ(rows["values"][0], OrderedJson({1, 1, 2, 2, 3, 3}));
   EXPECT_EQ(rows["values"][1], OrderedJson({"ilqr", "ddp", "ilqr", "ddp", "ilqr", "ddp"}));
-  EXPECT_EQ(rows["solved"], OrderedJson({1, 1, 0, 1, 1, 0}));
+  EXPECT_EQ(rows["solved"], OrderedJson({1, 1, 0, 1, 1, nullptr}));  // the last has no result
   EXPECT_EQ(rows["cost"], OrderedJson({10, 9, 8, 7, 6, nullptr}));
   EXPECT_TRUE(rows["time_s"][5].is_null());
 }
@@ -79,6 +80,74 @@ TEST_F(BatchReport, NamesTheItemsThatStandOutTheForemostFirst) {
   EXPECT_EQ(greatest[1]["values"], OrderedJson({1, "ddp"}));
   EXPECT_EQ(greatest[1]["files"], OrderedJson({"items/1/problem.yaml"}));
   EXPECT_TRUE(greatest[0]["files"].empty());
+}
+
+TEST_F(BatchReport, SaysWhyItemsAreNotSolved) {
+  const OrderedJson lists = report()["lists"];
+  EXPECT_EQ(lists[0]["items"][0]["message"], "that is how it ended");
+  EXPECT_TRUE(lists[1]["items"][0]["message"].is_null());
+}
+
+TEST_F(BatchReport, HasTheLastNodeOfATrajectory) {
+  OrderedJson document = solution(0);
+  const std::vector<double> state = {0, 0};
+  OrderedJson t = OrderedJson::array(), x = OrderedJson::array();
+  for (int k = 0; k <= 205; ++k) {
+    t.push_back(k);
+    x.push_back(number_block(state));
+  }
+  document["trajectory"]["t"] = t;
+  document["trajectory"]["x"] = x;
+  ItemResult longer = result(0);
+  longer.attempt = 2;
+  ShardFile(batch_.folder.path(), {1, 2}).append(longer, packed_document(document));
+  const OrderedJson times = report()["trajectories"]["lines"][0]["t"];
+  EXPECT_EQ(times.back(), 205);
+  EXPECT_EQ(times[times.size() - 2], 204);
+}
+
+TEST_F(BatchReport, HasTrajectoriesOfEverySolver) {
+  PlannedBatch batch(R"(vary:
+  w: {key: costs.effort.weight, linspace: [1, 2, 100]}
+solvers: [ilqr, ddp]
+)");
+  {
+    ShardFile file(batch.folder.path(), {0, 1});
+    for (int i = 0; i < 200; ++i) {
+      ItemResult solved = result(0);
+      solved.id = batch.manifest->items[i].id;
+      file.append(solved, packed_document(solution(0)));
+    }
+  }
+  int lines = 0, odd = 0;
+  const OrderedJson data = batch_report(*batch.manifest, load_results(batch.folder.path()), {}, {});
+  for (const OrderedJson& line : data["trajectories"]["lines"]) {
+    ++lines;
+    odd += line["item"].get<int>() % 2;
+  }
+  EXPECT_EQ(lines, 60);
+  EXPECT_NEAR(odd, 30, 2);
+}
+
+TEST(Spread, HasTheNumbersInTheirOrderAndAllOfThemIfFewerAreThere) {
+  EXPECT_EQ(spread_over(5, 9), (std::vector<std::size_t>{0, 1, 2, 3, 4}));
+  EXPECT_EQ(spread_over(0, 3), std::vector<std::size_t>{});
+  EXPECT_EQ(spread_over(1, 1), std::vector<std::size_t>{0});
+}
+
+TEST(Spread, MeetsEveryRemainderAndEveryPart) {
+  for (const std::size_t count : {40u, 100u, 1000u, 20'001u})
+    for (const std::size_t period : {2u, 3u, 4u, 5u}) {
+      const std::vector<std::size_t> numbers = spread_over(count, 20);
+      ASSERT_EQ(numbers.size(), 20u);
+      std::vector<int> remainders(period), parts(4);
+      for (const std::size_t number : numbers) {
+        ++remainders[number % period];
+        ++parts[4 * number / count];
+      }
+      for (const int hits : remainders) EXPECT_GE(hits, 1) << count << ' ' << period;
+      for (const int hits : parts) EXPECT_NEAR(hits, 5, 2) << count;
+    }
 }
 
 TEST_F(BatchReport, HasTheTrajectoriesThatAreKept) {

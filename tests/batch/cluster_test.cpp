@@ -20,6 +20,15 @@ TEST(SlurmTime, IsReadAsSlurmPrintsIt) {
     EXPECT_EQ(parse_slurm_time(text), std::nullopt) << text;
 }
 
+TEST(SlurmPartition, TheDefaultOneHasAStar) {
+  const char* text = "debug 10:00\ncpu* 2-00:00:00\ngpu 1:00:00\n";
+  EXPECT_EQ(parse_partition_time(text, false), 172800);
+  EXPECT_EQ(parse_partition_time(text, true), 600);
+  EXPECT_EQ(parse_partition_time("long* infinite\n", false), std::nullopt);
+  EXPECT_EQ(parse_partition_time("debug 10:00\n", false), std::nullopt);
+  EXPECT_EQ(parse_partition_time("", true), std::nullopt);
+}
+
 TEST(SlurmConfig, SaysHowLargeArraysMayBeAndWhetherUsersHaveLimits) {
   const SlurmLimits limits = parse_slurm_config(
       "Configuration data as of 2026-01-01\n"

@@ -140,6 +140,44 @@ TEST(ShardFile, ASolutionThatIsDamagedLaterIsNotGivenOut) {
   EXPECT_EQ(load_solution(results.at("cc")), "the third solution");
 }
 
+TEST(ShardFile, APackThatHasBecomeTooShortLosesTheResultsBehindItsEnd) {
+  const BatchFolder run;
+  const fs::path pack = run.path() / "shards/1of1.solutions";
+  {
+    ShardFile file(run.path(), {0, 1});
+    append_three(file);
+    file.sync();
+  }
+  const std::string packed = read(pack);
+  fs::resize_file(pack, packed.find("the third"));
+  EXPECT_EQ(load_results(run.path()).size(), 2u);
+  fs::remove(pack);
+  EXPECT_TRUE(load_results(run.path()).empty());
+  {
+    ShardFile file(run.path(), {0, 1});
+    append_three(file);
+  }
+  EXPECT_EQ(load_results(run.path()).size(), 3u);
+  EXPECT_EQ(read(pack), packed);
+}
+
+TEST(FailedItems, AreAlsoThoseWhoseSolutionIsDamaged) {
+  const PlannedBatch batch("vary: {w: {key: costs.effort.weight, values: [1, 2, 3]}}\n");
+  {
+    ShardFile file(batch.folder.path(), {0, 1});
+    for (const ManifestItem& item : batch.manifest->items)
+      file.append(result(item.id, "converged", 1), "solution " + item.id);
+    file.sync();
+  }
+  const fs::path pack = batch.folder.path() / "shards/1of1.solutions";
+  std::string bytes = read(pack);
+  bytes[bytes.find(batch.manifest->items[1].id)] = '?';
+  std::ofstream(pack) << bytes;
+  const auto results = load_results(batch.folder.path());
+  EXPECT_EQ(failed_items(*batch.manifest, results, FailureKind::kAny), std::vector<std::size_t>{1});
+  EXPECT_TRUE(failed_items(*batch.manifest, results, FailureKind::kTimeout).empty());
+}
+
 /// A file system of one size in a folder, while it exists.
 class SmallDisk {
  public:

@@ -135,7 +135,7 @@ TEST_F(Batch, APlanWithEveryKeyDoesWhatItSays) {
   y: {key: phases.only.dt, values: [0.05, 0.06]}
   pairs: {keys: [costs.effort.weight, terminal.costs.goal.weight], values: [[0.5, 10], [1, 20]]}
   table: {file: targets.csv, columns: {g: terminal.costs.goal.reference.values.theta}}
-  start: {perturb: initial_state, spread: 0.1, count: 2, seed: 7}
+  draw: {perturb: initial_state, spread: 0.1, count: 2, seed: 7}
 solvers: [box_ddp, proxddp]
 warm_start: neighbour
 limits: {max_time_s: 20, max_memory_mb: 2000, retries: 1}
@@ -146,11 +146,67 @@ keep: {solutions: )";
     const std::string results = collected(folder);
     EXPECT_EQ(std::count(results.begin(), results.end(), '\n'), 65);
     EXPECT_EQ(results.substr(0, results.find(",solver")),
-              "item,id,problem,x,y,costs.effort.weight,terminal.costs.goal.weight,g,start.spread,"
-              "start");
+              "item,id,problem,x,y,costs.effort.weight,terminal.costs.goal.weight,g,draw.spread,"
+              "draw");
     EXPECT_EQ(std::filesystem::exists(folder + "/dataset.h5"), solutions > 0);
     EXPECT_EQ(std::filesystem::file_size(folder + "/shards/1of1.solutions") > 0, solutions > 0);
   }
+}
+
+TEST_F(Batch, AChangedProblemIsNotMixedWithSolutionsOfTheFormerOne) {
+  const std::string folder = planned("changed");
+  EXPECT_EQ(run(folder).exit_code, 0);
+  std::string changed = kBatchSwing;
+  changed.replace(changed.find("weight: 10"), 10, "weight: 11");
+  folder_.write("swing.yaml", changed);
+  const ProcessResult show = run_conddp({"batch", "show", folder, ids(folder)[3]});
+  EXPECT_EQ(show.exit_code, 2);
+  EXPECT_NE(show.err.find("has changed since the plan was made"), std::string::npos) << show.err;
+  const ProcessResult report = run_conddp({"batch", "report", folder});
+  EXPECT_EQ(report.exit_code, 0);
+  EXPECT_NE(report.err.find("warning: "), std::string::npos) << report.err;
+  EXPECT_NE(report.err.find("has changed since the plan was made"), std::string::npos);
+  EXPECT_FALSE(std::filesystem::exists(folder + "/items"));
+  EXPECT_TRUE(std::filesystem::exists(folder + "/report.html"));
+}
+
+TEST_F(Batch, ADamagedSolutionIsReportedAndSolvedAgainOnRequest) {
+  const std::string folder = planned("damaged"), pack = folder + "/shards/1of1.solutions";
+  EXPECT_EQ(run(folder, {"-j", "1"}).exit_code, 0);
+  const std::string results = collected(folder), data = read_file(folder + "/dataset.h5");
+  std::string bytes = read_file(pack);
+  bytes.replace(bytes.size() / 2, 1, 1, static_cast<char>(bytes[bytes.size() / 2] ^ 1));
+  folder_.write("damaged/shards/1of1.solutions", bytes);
+  const ProcessResult collect = run_conddp({"batch", "collect", folder});
+  EXPECT_NE(collect.err.find("warning: 1 solution cannot be read any more"), std::string::npos)
+      << collect.err;
+  int damaged = 0;
+  for (const std::string& id : ids(folder)) {
+    const ProcessResult show = run_conddp({"batch", "show", folder, id});
+    if (show.exit_code == 0) continue;
+    ++damaged;
+    EXPECT_EQ(show.exit_code, 2);
+    EXPECT_NE(show.err.find("the solution of " + id + " is damaged"), std::string::npos)
+        << show.err;
+  }
+  EXPECT_EQ(damaged, 1);
+  EXPECT_NE(run_conddp({"batch", "retry", folder, "failed"}).out.find("; 1 in "),
+            std::string::npos);
+  EXPECT_EQ(collected(folder), results);
+  EXPECT_TRUE(read_file(folder + "/dataset.h5") == data);
+}
+
+TEST_F(Batch, ALostPackDeletesNoDataSetAndIsSolvedAgain) {
+  const std::string folder = planned("lost");
+  EXPECT_EQ(run(folder).exit_code, 0);
+  const std::string results = collected(folder), data = read_file(folder + "/dataset.h5");
+  std::filesystem::remove(folder + "/shards/1of1.solutions");
+  EXPECT_EQ(run_conddp({"batch", "status", folder}).exit_code, 1);
+  collected(folder);
+  EXPECT_TRUE(read_file(folder + "/dataset.h5") == data);
+  EXPECT_EQ(run(folder).exit_code, 0);
+  EXPECT_EQ(collected(folder), results);
+  EXPECT_TRUE(read_file(folder + "/dataset.h5") == data);
 }
 
 TEST_F(Batch, AReportHasCountsAndLeadsToTheFilesOfItemsThatStandOut) {

@@ -148,6 +148,15 @@ TEST_F(Batch, AnOptionThatMeansNothingToAnActionIsAnError) {
       {{"plan", folder, "--partition", "p"}, "'plan' has no --partition"},
       {{"retry", folder, "failed", "--time", "5m"}, "'retry' has no --time"},
       {{"status", folder, "--shards", "3"}, "'status' has no --shards"},
+      {{"status", folder, "-j", "3"}, "'status' has no -j"},
+      {{"collect", folder, "-o", "x"}, "'collect' has no -o"},
+      {{"run", folder, "--pilot", "3"}, "'run' has no --pilot"},
+      {{"plan", folder, "--shard", "1/2"}, "'plan' has no --shard"},
+      {{"plan", folder, "--budget", "5s"}, "'plan' has no --budget"},
+      {{"submit", folder, "--group", "3"}, "'submit' has no --group"},
+      {{"show", folder, "x", "--any-build"}, "'show' has no --any-build"},
+      {{"run", folder, "-o", "elsewhere"}, "a run stays in its folder"},
+      {{"submit", folder, "--time", "1e300h"}, "'1e300h' is not a time"},
       {{"run", folder, "--shards", "3"}, "the plan of this run says how many shards there are"}};
   for (const auto& [words, message] : cases) {
     Words all = {"batch"};
@@ -199,7 +208,7 @@ TEST_F(Batch, SubmittingWithoutAClusterIsAnError) {
 TEST_F(Batch, WarmStartsFromNeighboursDependOnThePlanAlone) {
   const std::string rest = R"(vary:
   goal: {key: terminal.costs.goal.reference.values.theta, linspace: [0.5, 2.5, 40]}
-  start: {perturb: initial_state, spread: 0.2, count: 2}
+  draw: {perturb: initial_state, spread: 0.2, count: 2}
 warm_start: neighbour
 )";
   const std::string undisturbed = planned("undisturbed", rest);
@@ -238,6 +247,99 @@ warm_start: neighbour
   while (std::getline(rows, row))
     starts += row.find(",warm,") != row.npos ? 'w' : row.find(",own,") != row.npos ? 'o' : '-';
   EXPECT_EQ(starts, "ow-ow");
+}
+
+constexpr const char* kLongBlock = R"(vary:
+  goal: {key: terminal.costs.goal.reference.values.theta, linspace: [0.5, 2.5, 20]}
+warm_start: neighbour
+limits: {max_time_s: 0.4}
+)";
+
+// Each item has its own time, though a fresh process solves all those before it again.
+TEST_F(Batch, APilotChangesNothingForItemsThatStartFromNeighbours) {
+  const std::string undisturbed = planned("undisturbed", kLongBlock);
+  EXPECT_EQ(run(undisturbed).exit_code, 0);
+  const std::string expected = collected(undisturbed), folder = folder_.path() / "pilot";
+  const ProcessOptions slowly = {.environment = {"CONDDP_BATCH_FAULT=slow:250"}};
+  const ProcessResult pilot = run_conddp(
+      {"batch", "plan", plan(kLongBlock), "-o", folder, "--pilot", "2", "-j", "1"}, slowly);
+  EXPECT_EQ(pilot.exit_code, 0) << pilot.err << pilot.out;
+  EXPECT_EQ(run(folder).exit_code, 0);
+  EXPECT_EQ(collected(folder), expected);
+}
+
+TEST_F(Batch, ARetryOfAParentGivesItsChildrenTheirStarts) {
+  const std::string undisturbed = planned("undisturbed", kLongBlock);
+  EXPECT_EQ(run(undisturbed).exit_code, 0);
+  const std::string expected = collected(undisturbed), folder = planned("crash", kLongBlock);
+  const std::string variable = "CONDDP_BATCH_FAULT=crash:" + ids(folder)[4];
+  EXPECT_EQ(run(folder, {}, {.environment = {variable}}).exit_code, 1);
+  EXPECT_NE(collected(folder), expected);
+  const ProcessResult r = run_conddp({"batch", "retry", folder, "failed", "-j", "2"});
+  EXPECT_EQ(r.exit_code, 0) << r.err << r.out;
+  EXPECT_EQ(collected(folder), expected);
+}
+
+TEST_F(Batch, AParentThatCrashesWhenItIsSolvedAgainIsNotBookedOnItsChild) {
+  const std::string folder = folder_.path() / "again";
+  ASSERT_EQ(run_conddp({"batch", "plan", plan(kLongBlock), "-o", folder}).exit_code, 0);
+  const std::string variable = "CONDDP_BATCH_FAULT=crash:" + ids(folder)[4];
+  // The item that crashes is not among those of the pilot.
+  const ProcessResult pilot =
+      run_conddp({"batch", "plan", plan(kLongBlock), "-o", folder, "--pilot", "2", "-j", "1"},
+                 {.environment = {variable}});
+  EXPECT_EQ(pilot.exit_code, 0) << pilot.err << pilot.out;
+  EXPECT_NE(pilot.out.find("pilot: 2 of 2 solved"), std::string::npos) << pilot.out;
+  // Afterwards it is recorded by itself, as in a run without pilot.
+  EXPECT_EQ(run(folder, {}, {.environment = {variable}}).exit_code, 1);
+  const std::string without = planned("without", kLongBlock);
+  EXPECT_EQ(run(without, {}, {.environment = {variable}}).exit_code, 1);
+  EXPECT_EQ(collected(folder), collected(without));
+}
+
+/// A cluster of stubs. `fails`: words of a call of sbatch that fails.
+ProcessOptions stub_cluster(const TemporaryFolder& folder, const std::string& fails = "none") {
+  const auto program = [&](const char* name, const std::string& text) {
+    const std::filesystem::path file =
+        folder.write(std::string("stub/") + name, "#!/bin/sh\n" + text);
+    std::filesystem::permissions(file, std::filesystem::perms::owner_all);
+    return file.parent_path().string();
+  };
+  program("scontrol", "echo 'MaxArraySize = 1001'\n");
+  program("sinfo", "echo 'debug 10:00'; echo 'cpu* 2-00:00:00'\n");
+  const std::string path = program("sbatch", "cat > /dev/null\ncase \"$*\" in *" + fails +
+                                                 "*) echo no >&2; exit 1;; esac\necho 77\n");
+  return {.environment = {"PATH=" + path + ":/usr/bin:/bin"}};
+}
+
+TEST_F(Batch, SubmitTakesTheLimitOfTheDefaultPartition) {
+  const std::string folder = planned("submit");
+  const Words words = {"batch", "submit", folder, "--shards", "2", "--time"};
+  const auto submit = [&](const char* time) {
+    Words all = words;
+    all.emplace_back(time);
+    return run_conddp(all, stub_cluster(folder_));
+  };
+  const ProcessResult r = submit("30h");
+  EXPECT_EQ(r.exit_code, 0) << r.err;
+  EXPECT_EQ(r.out, "job 77: 2 shards; job 77 collects\n");
+  EXPECT_NE(submit("50h").err.find("this partition ends jobs after 2880 min"), std::string::npos);
+}
+
+TEST_F(Batch, SubmitNamesTheJobThatIsQueuedWhereTheSecondOneIsRefused) {
+  const ProcessResult r = run_conddp({"batch", "submit", planned("submit"), "--shards", "2"},
+                                     stub_cluster(folder_, "afterany"));
+  EXPECT_EQ(r.exit_code, 2);
+  EXPECT_NE(r.err.find("the shards are queued already as job 77"), std::string::npos) << r.err;
+}
+
+TEST_F(Batch, ARunWithNothingLeftIsNotSubmitted) {
+  const std::string folder = planned("submit");
+  EXPECT_EQ(run(folder).exit_code, 0);
+  const ProcessResult r = run_conddp({"batch", "submit", folder}, stub_cluster(folder_));
+  EXPECT_EQ(r.exit_code, 0) << r.err;
+  EXPECT_EQ(r.out, "all items have a result: nothing is submitted\n");
+  EXPECT_FALSE(std::filesystem::exists(folder + "/slurm"));
 }
 
 TEST_F(Batch, AllItemsMayStartFromOneSolution) {

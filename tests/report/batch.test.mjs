@@ -6,7 +6,7 @@ import {test} from 'node:test';
 import {folder, open, ours, run, source} from './browser.mjs';
 
 /// A batch over two masses and four goals, of which the last one is out of reach of three iterations.
-function batch(name, keep) {
+function batch(name, keep, ...options) {
   const plan = join(folder, `${name}.yaml`);
   writeFileSync(plan, `conddp_batch: 1
 name: ${name}
@@ -18,7 +18,8 @@ vary:
 keep: {solutions: ${keep}}
 `);
   const out = join(folder, `${name}_run`);
-  run('batch', 'run', plan, '-o', out);
+  run('batch', 'plan', plan, '-o', out);
+  run('batch', 'run', out, ...options);
   run('batch', 'report', out);
   return join(out, 'report.html');
 }
@@ -67,6 +68,19 @@ test('a batch that keeps no solutions has a page without motion', async () => {
   assert.equal(await page.locator('#overlay').count(), 0);
   assert.equal(await page.locator('main').count(), 0);
   assert.equal(await page.evaluate(() => window.conddp.batch.items), 12);
+  assert.deepEqual(ours(complaints), []);
+  await context.close();
+});
+
+test('a map leaves out items without a result, and what is not solved says why', async () => {
+  // Every second item: those with two iterations.
+  const {page, context, complaints} = await open(batch('half', 'none', '--shard', '1/2'));
+  await page.locator('#batch-map select').nth(1).selectOption('2');
+  const columns = await page.locator('#batch-map .cell').evaluateAll(list => list.map(c => c.dataset.column));
+  assert.deepEqual(columns, ['0', '0', '0']);
+  const table = page.locator('#batch section', {has: page.locator('h2', {hasText: 'Not solved'})}).locator('table');
+  assert.ok((await table.locator('th').allTextContents()).includes('message'));
+  assert.match(await table.locator('tbody tr').first().textContent(), /iterations/);
   assert.deepEqual(ours(complaints), []);
   await context.close();
 });

@@ -15,6 +15,7 @@ ArgumentCheck parsed_by(Parse parse, const std::string& expected) {
 }
 
 constexpr const char* kAutoShard = "auto";
+constexpr double kLongestTime = 1e9;  // s
 
 }  // namespace
 
@@ -36,7 +37,7 @@ std::optional<double> parse_duration(std::string text) {
   if (text.ends_with('m')) unit = 60;
   if (text.ends_with('h') || text.ends_with('m') || text.ends_with('s')) text.pop_back();
   const auto number = parse_number(text).value;
-  if (!number || *number <= 0) return std::nullopt;
+  if (!number || *number <= 0 || *number * unit > kLongestTime) return std::nullopt;
   return *number * unit;
 }
 
@@ -44,7 +45,9 @@ namespace {
 
 /// An option that means nothing to this action.
 std::string misplaced_option(const BatchArguments& arguments) {
-  const bool submits = arguments.action == "submit";
+  const auto is = [&](const char* action) { return arguments.action == action; };
+  const bool submits = is("submit");
+  const bool solves = is("run") || is("retry") || (is("plan") && arguments.pilot > 0);
   const struct {
     const char* name;
     bool given, belongs;
@@ -52,8 +55,14 @@ std::string misplaced_option(const BatchArguments& arguments) {
       {"--dry-run", arguments.dry_run, submits},
       {"--partition", !arguments.partition.empty(), submits},
       {"--time", !arguments.time.empty(), submits},
-      {"--shards", arguments.shards > 0,
-       submits || arguments.action == "plan" || arguments.action == "run"},
+      {"--shards", arguments.shards > 0, submits || is("plan") || is("run")},
+      {"--pilot", arguments.pilot > 0, is("plan")},
+      {"-o", !arguments.folder.empty(), is("plan") || is("run") || is("show") || is("report")},
+      {"--any-build", arguments.any_build, submits || is("run") || is("retry")},
+      {"-j", arguments.jobs > 0, submits || solves},
+      {"--group", arguments.group != BatchArguments().group, solves},
+      {"--shard", !arguments.shard.empty(), solves},
+      {"--budget", !arguments.budget.empty(), solves},
   };
   for (const auto& option : options)
     if (option.given && !option.belongs)
@@ -87,71 +96,72 @@ const char* const kBatchDetails =
     "under way. Exit status 0: all items are solved; 1: some are not, or have no result yet.";
 
 std::vector<Argument> batch_arguments(BatchArguments& arguments) {
-  return {{.names = {"ACTION"},
-           .value = "ACTION",
-           .description = "What to do",
-           .choices = {"plan", "run", "status", "collect", "retry", "show", "report", "submit"},
-           .required = true,
-           .target = &arguments.action},
-          {.names = {"PATH"},
-           .value = "PATH.yaml",
-           .description = "Plan, or the folder of a run",
-           .required = true,
-           .target = &arguments.path},
-          {.names = {"WORD"},
-           .value = "WORD",
-           .description = "retry: failed or timeout; show: the id of an item",
-           .target = &arguments.word},
-          {.names = {"-o", "--output"},
-           .value = "FOLDER",
-           .description =
-               "Folder of the run that a plan makes (out/<its name>), or of what show writes; the "
-               "page of report",
-           .target = &arguments.folder},
-          {.names = {"-j", "--jobs"},
-           .value = "N",
-           .description = "Worker processes; one a processor if nothing is said",
-           .numbers = WholeNumbers{1, 1024},
-           .target = &arguments.jobs},
-          {.names = {"--group"},
-           .value = "N",
-           .description = "Items that are sent to a worker ahead",
-           .numbers = WholeNumbers{1, 1000},
-           .fallback = std::to_string(arguments.group),
-           .target = &arguments.group},
-          {.names = {"--pilot"},
-           .value = "N",
-           .description = "plan: solve this many items, and estimate the rest",
-           .numbers = WholeNumbers{1, 100000},
-           .target = &arguments.pilot},
-          {.names = {"--shard"},
-           .value = "I/N",
-           .description = "run: solve one share of the items, such as 2/7; auto/7 or auto takes "
-                          "I from the array of jobs to which this process belongs",
-           .check = parsed_by(parse_shard, "a share such as 2/7, auto/7 or auto"),
-           .target = &arguments.shard},
-          {.names = {"--budget"},
-           .value = "TIME",
-           .description = "run: begin no item after this time: 90s, 55m, 2h",
-           .check = parsed_by(parse_duration, "a time such as 90s, 55m or 2h"),
-           .target = &arguments.budget},
-          {.names = {"--shards"},
-           .value = "N",
-           .description = "plan: the N of --shard auto; submit: elements of the array",
-           .numbers = WholeNumbers{1, 1000000},
-           .target = &arguments.shards},
-          {.names = {"--partition"},
-           .value = "NAME",
-           .description = "submit: partition of the cluster",
-           .target = &arguments.partition},
-          {.names = {"--time"},
-           .value = "TIME",
-           .description = "submit: time limit of an element",
-           .check = parsed_by(parse_duration, "a time such as 90s, 55m or 2h"),
-           .target = &arguments.time},
-          flag({"--dry-run"}, arguments.dry_run, "submit: print what would be submitted"),
-          flag({"--any-build"}, arguments.any_build,
-               "run, submit: go on where another build of conddp made the plan")};
+  return {
+      {.names = {"ACTION"},
+       .value = "ACTION",
+       .description = "What to do",
+       .choices = {"plan", "run", "status", "collect", "retry", "show", "report", "submit"},
+       .required = true,
+       .target = &arguments.action},
+      {.names = {"PATH"},
+       .value = "PATH.yaml",
+       .description = "Plan, or the folder of a run",
+       .required = true,
+       .target = &arguments.path},
+      {.names = {"WORD"},
+       .value = "WORD",
+       .description = "retry: failed or timeout; show: the id of an item",
+       .target = &arguments.word},
+      {.names = {"-o", "--output"},
+       .value = "FOLDER",
+       .description =
+           "Folder of the run that a plan makes (out/<its name>), or of what show writes; the "
+           "page of report",
+       .target = &arguments.folder},
+      {.names = {"-j", "--jobs"},
+       .value = "N",
+       .description = "Worker processes; one a processor if nothing is said",
+       .numbers = WholeNumbers{1, 1024},
+       .target = &arguments.jobs},
+      {.names = {"--group"},
+       .value = "N",
+       .description = "Items that are sent to a worker ahead",
+       .numbers = WholeNumbers{1, 1000},
+       .fallback = std::to_string(arguments.group),
+       .target = &arguments.group},
+      {.names = {"--pilot"},
+       .value = "N",
+       .description = "plan: solve this many items, and estimate the rest",
+       .numbers = WholeNumbers{1, 100000},
+       .target = &arguments.pilot},
+      {.names = {"--shard"},
+       .value = "I/N",
+       .description = "run, retry: solve one share of the items, such as 2/7; auto/7 or auto takes "
+                      "I from the array of jobs to which this process belongs",
+       .check = parsed_by(parse_shard, "a share such as 2/7, auto/7 or auto"),
+       .target = &arguments.shard},
+      {.names = {"--budget"},
+       .value = "TIME",
+       .description = "run, retry: begin no item after this time: 90s, 55m, 2h",
+       .check = parsed_by(parse_duration, "a time such as 90s, 55m or 2h"),
+       .target = &arguments.budget},
+      {.names = {"--shards"},
+       .value = "N",
+       .description = "plan: the N of --shard auto; submit: elements of the array",
+       .numbers = WholeNumbers{1, 1000000},
+       .target = &arguments.shards},
+      {.names = {"--partition"},
+       .value = "NAME",
+       .description = "submit: partition of the cluster",
+       .target = &arguments.partition},
+      {.names = {"--time"},
+       .value = "TIME",
+       .description = "submit: time limit of an element",
+       .check = parsed_by(parse_duration, "a time such as 90s, 55m or 2h"),
+       .target = &arguments.time},
+      flag({"--dry-run"}, arguments.dry_run, "submit: print what would be submitted"),
+      flag({"--any-build"}, arguments.any_build,
+           "run, retry, submit: go on where another build of conddp made the plan")};
 }
 
 }  // namespace conddp

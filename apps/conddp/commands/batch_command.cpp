@@ -11,7 +11,9 @@
 #include "base/files/atomic_file.hpp"
 #include "batch/cluster/array_index.hpp"
 #include "batch/plan/expand_plan.hpp"
+#include "batch/plan/neighbours.hpp"
 #include "batch/plan/run_folder.hpp"
+#include "batch/plan/spread.hpp"
 #include "batch/results/collect.hpp"
 #include "batch/results/dataset.hpp"
 #include "batch/run/run_batch.hpp"
@@ -53,6 +55,11 @@ void handle_signals() {
 int give_up(const Diagnostics& diagnostics) {
   print_messages(diagnostics, Verbosity::kVerbose);
   return kExitBadInput;
+}
+
+/// "1 item", "2 items".
+std::string counted(std::size_t count, std::string_view what) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
 }
 
 std::string time_words(double seconds) {
@@ -133,8 +140,9 @@ std::optional<BatchOptions> options_of(const BatchArguments& arguments, const Ma
 }
 
 std::string summary(const BatchProgress& p) {
-  std::string text = fmt::format("{} of {} items have a result, {} of them solved",
-                                 p.before + p.done, p.items, p.before + p.done - p.failed);
+  std::string text = fmt::format("{} of {} {} a result, {} of them solved", p.before + p.done,
+                                 counted(p.items, "item"), p.items == 1 ? "has" : "have",
+                                 p.before + p.done - p.failed);
   if (p.done > 0)
     text += fmt::format("; {} in {:.3g} s ({:.3g} items/s)", p.done, p.elapsed_s,
                         p.done / std::max(p.elapsed_s, 1e-9));
@@ -149,8 +157,7 @@ int run_pilot(const fs::path& run, const Manifest& manifest, const BatchArgument
   BatchOptions& options = *wanted_options;
   const std::size_t count = manifest.items.size();
   const std::size_t wanted = std::min<std::size_t>(count, arguments.pilot);
-  options.only.emplace();
-  for (std::size_t i = 0; i < wanted; ++i) options.only->push_back(i * count / wanted);
+  options.only = spread_over(count, wanted);
   const BatchProgress progress = run_items(run, manifest, options);
   if (g_batch_signal != 0) return kExitSignalBase + g_batch_signal;
   const auto results = load_results(run);
@@ -162,11 +169,10 @@ int run_pilot(const fs::path& run, const Manifest& manifest, const BatchArgument
       solved += found->second.result.success;
     }
   const double scale = static_cast<double>(count) / static_cast<double>(wanted);
-  print_result(
-      fmt::format("pilot: {:.0f} of {} solved; all {} items take about {} with {} workers, and {} "
-                  "of solutions\n",
-                  solved, wanted, count, time_words(seconds * scale / options.workers),
-                  options.workers, size_words(bytes * scale)));
+  print_result(fmt::format(
+      "pilot: {:.0f} of {} solved; all {} take about {} with {}, and {} of solutions\n", solved,
+      wanted, counted(count, "item"), time_words(seconds * scale / options.workers),
+      counted(options.workers, "worker"), size_words(bytes * scale)));
   return exit_code(progress);
 }
 
@@ -192,9 +198,8 @@ int plan_batch(const BatchArguments& arguments) {
   print_messages(diagnostics, Verbosity::kNormal);
   std::error_code error;
   const fs::space_info space = fs::space(run, error);
-  print_result(fmt::format("{} items in '{}', of {} problem file{}\n", manifest->items.size(),
-                           run.string(), manifest->problems.size(),
-                           manifest->problems.size() == 1 ? "" : "s"));
+  print_result(fmt::format("{} in '{}', of {}\n", counted(manifest->items.size(), "item"),
+                           run.string(), counted(manifest->problems.size(), "problem file")));
   if (!error)
     print_result(
         fmt::format("{} are free there\n", size_words(static_cast<double>(space.available))));
@@ -207,7 +212,15 @@ void write_tables(const fs::path& run, const Manifest& manifest) {
   files.add(run / "results.csv", results_csv(manifest, results));
   files.add(run / "times.csv", times_csv(manifest, results));
   files.commit();
-  write_dataset(manifest, results, run / "dataset.h5");
+  const DatasetCount count = write_dataset(manifest, results, run / "dataset.h5");
+  if (count.unreadable == 0) return;
+  Diagnostics diagnostics;
+  diagnostics.warning(
+      {},
+      fmt::format("{} cannot be read any more, and {} not in the data set",
+                  counted(count.unreadable, "solution"), count.unreadable == 1 ? "is" : "are"),
+      "'conddp batch retry RUN failed' solves these items again");
+  print_messages(diagnostics, Verbosity::kNormal);
 }
 
 int run_plan_or_folder(const BatchArguments& arguments) {
@@ -222,6 +235,8 @@ int run_plan_or_folder(const BatchArguments& arguments) {
   if (is_folder && arguments.shards > 0)
     diagnostics.error({}, "the plan of this run says how many shards there are",
                       "divide it otherwise by --shard I/N");
+  if (is_folder && !arguments.folder.empty())
+    diagnostics.error({}, "a run stays in its folder: -o is for a plan");
   const auto options = options_of(arguments, *manifest, diagnostics);
   if (!options || diagnostics.has_errors()) return give_up(diagnostics);
   print_messages(diagnostics, Verbosity::kNormal);
@@ -243,8 +258,8 @@ int show_status(const BatchArguments& arguments) {
   const auto manifest = manifest_of(arguments);
   if (!manifest) return kExitBadInput;
   const BatchStatus status = batch_status(*manifest, load_results(arguments.path));
-  std::string text = fmt::format("{}: {} items, {} solved, {} unfinished\n", manifest->name,
-                                 status.items, status.solved, status.unfinished);
+  std::string text = fmt::format("{}: {}, {} solved, {} unfinished\n", manifest->name,
+                                 counted(status.items, "item"), status.solved, status.unfinished);
   for (const auto& [name, count] : status.by_status)
     text += fmt::format("  {:<20}{}\n", name, count);
   const std::size_t done = status.items - status.unfinished;
@@ -260,12 +275,13 @@ int collect_results(const BatchArguments& arguments) {
   if (!manifest) return kExitBadInput;
   write_tables(arguments.path, *manifest);
   const BatchStatus status = batch_status(*manifest, load_results(arguments.path));
-  print_result(fmt::format("{} of {} items in '{}'\n", status.items - status.unfinished,
-                           status.items, (fs::path(arguments.path) / "results.csv").string()));
+  print_result(fmt::format("{} of {} in '{}'\n", status.items - status.unfinished,
+                           counted(status.items, "item"),
+                           (fs::path(arguments.path) / "results.csv").string()));
   return kExitConverged;
 }
 
-/// Solves items that failed once more.
+/// Solves items that failed once more, and those that start from them.
 int retry_items(const BatchArguments& arguments) {
   Diagnostics diagnostics;
   const fs::path run = arguments.path;
@@ -274,9 +290,9 @@ int retry_items(const BatchArguments& arguments) {
     return give_up(diagnostics);
   auto options = options_of(arguments, *manifest, diagnostics);
   if (!options) return give_up(diagnostics);
-  options->only =
-      failed_items(*manifest, load_results(run),
-                   arguments.word == kRetryTimeout ? FailureKind::kTimeout : FailureKind::kAny);
+  const auto kind = arguments.word == kRetryTimeout ? FailureKind::kTimeout : FailureKind::kAny;
+  // What started without the answer of one of them starts from it now.
+  options->only = with_descendants(*manifest, failed_items(*manifest, load_results(run), kind));
   options->again = true;
   const BatchProgress progress = run_items(run, *manifest, *options);
   print_result(summary(progress));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -57,22 +58,25 @@ class ShownItems {
   ShownItems(const fs::path& run, const Manifest& manifest, const StoredResults& results)
       : run_(run), manifest_(manifest), results_(results) {}
 
-  /// False with errors where one of them cannot be built.
-  bool write(const std::vector<StandOut>& lists, const fs::path& page, Diagnostics& out) {
+  /// Items without files, for which the reason is a warning, are left out.
+  void write(const std::vector<StandOut>& lists, const fs::path& page, Diagnostics& out) {
     const fs::path from = fs::absolute(page).parent_path();
     for (const StandOut& list : lists)
       for (const std::size_t i : list.items) {
         if (links_.contains(i)) continue;
         const ManifestItem& item = manifest_.items[i];
-        auto shown = load_item(run_, manifest_, item, stored_result(results_, item.id), out);
+        Diagnostics own;
+        auto shown = load_item(run_, manifest_, item, stored_result(results_, item.id), own);
         const auto files =
-            shown ? write_item_files(*shown, folder_of_item(run_, item.id), out) : std::nullopt;
-        if (!files) return false;
+            shown ? write_item_files(*shown, folder_of_item(run_, item.id), own) : std::nullopt;
+        if (!files) {
+          warn(own, out);
+          continue;
+        }
         for (const fs::path& file : *files)
           links_[i].push_back(relative_path(fs::absolute(file), from));
         shown_.emplace(i, *std::move(shown));
       }
-    return true;
   }
 
   /// The first item with a solution of each list, once.
@@ -80,7 +84,7 @@ class ShownItems {
     std::map<std::size_t, std::string> labels;
     for (const StandOut& list : lists)
       for (const std::size_t i : list.items) {
-        if (shown_.at(i).document.is_null()) continue;
+        if (!shown_.contains(i) || shown_.at(i).document.is_null()) continue;
         std::string& label = labels[i];
         label += (label.empty() ? "" : ", ") + list.title;
         break;
@@ -96,9 +100,20 @@ class ShownItems {
   const ItemLinks& links() const { return links_; }
 
  private:
+  /// Says once why the page has no files of some items.
+  void warn(const Diagnostics& reasons, Diagnostics& out) {
+    for (const Diagnostic& d : reasons.list())
+      if (d.severity == Severity::kError) {
+        if (said_.insert(d.message).second)
+          out.warning({}, d.message, "the page has no files of the items concerned");
+        return;
+      }
+  }
+
   const fs::path& run_;
   const Manifest& manifest_;
   const StoredResults& results_;
+  std::set<std::string> said_;
   std::map<std::size_t, ShownItem> shown_;
   ItemLinks links_;
 };
@@ -142,7 +157,8 @@ int report_batch(const BatchArguments& arguments) {
   const std::vector<StandOut> lists = items_that_stand_out(*manifest, results, kMostInList);
   const fs::path page = arguments.folder.empty() ? run / "report.html" : fs::path(arguments.folder);
   ShownItems shown(run, *manifest, results);
-  if (!shown.write(lists, page, diagnostics)) return report_errors(diagnostics);
+  shown.write(lists, page, diagnostics);
+  print_messages(diagnostics, Verbosity::kNormal);
   OrderedJson data = report_data(shown.entries(lists));
   data["batch"] = batch_report(*manifest, results, lists, shown.links());
   AtomicFiles files;

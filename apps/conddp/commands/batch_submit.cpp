@@ -55,10 +55,11 @@ std::optional<SlurmLimits> cluster_limits(const std::string& partition) {
   if (config.exit_status != 0) return std::nullopt;
   SlurmLimits limits = parse_slurm_config(config.out);
   if (limits.has_accounting) limits.submitted = most_submitted();
-  std::vector<std::string> words = {"sinfo", "--noheader", "--format=%l"};
+  std::vector<std::string> words = {"sinfo", "--noheader", "--format=%P %l"};
   if (!partition.empty()) words.push_back("--partition=" + partition);
   const ProgramEnd times = run_program(words);
-  if (times.exit_status == 0) limits.longest_s = parse_slurm_time(first_line(times.out));
+  if (times.exit_status == 0)
+    limits.longest_s = parse_partition_time(times.out, !partition.empty());
   return limits;
 }
 
@@ -107,11 +108,11 @@ std::vector<std::string> sbatch_words(const SlurmJob& job) {
 }
 
 /// Submits a script; the number of the job, or empty with a message printed.
-std::string submit(std::vector<std::string> words, const std::string& script) {
+std::string submit(const std::vector<std::string>& words, const std::string& script,
+                   const std::string& hint) {
   const ProgramEnd end = run_program(words, script);
   if (end.exit_status == 0) return first_line(end.out).substr(0, first_line(end.out).find(';'));
-  print_error("Slurm does not take the job: " + first_line(end.err),
-              "'conddp batch submit --dry-run' prints what is handed over");
+  print_error("Slurm does not take the job: " + first_line(end.err), hint);
   return {};
 }
 
@@ -126,11 +127,16 @@ void write_scripts(const SlurmJob& job, const std::string& array, const std::str
 int hand_over(const SlurmJob& job) {
   const std::string array = slurm_array_script(job), collect = slurm_collect_script(job);
   write_scripts(job, array, collect);
-  const std::string number = submit(sbatch_words(job), array);
+  const std::string number = submit(sbatch_words(job), array,
+                                    "'conddp batch submit --dry-run' prints what is handed over");
   if (number.empty()) return kExitBadInput;
   std::vector<std::string> words = sbatch_words(job);
   words.push_back("--dependency=afterany:" + number);
-  const std::string last = submit(words, collect);
+  const std::string last =
+      submit(words, collect,
+             fmt::format("the shards are queued already as job {}; when they have ended, 'conddp "
+                         "batch collect {}' does what this job would have done",
+                         number, job.run.string()));
   if (last.empty()) return kExitBadInput;
   print_result(fmt::format("job {}: {} shard{}; job {} collects\n", number, job.shards,
                            job.shards == 1 ? "" : "s", last));
@@ -153,6 +159,11 @@ int submit_batch(const BatchArguments& arguments) {
     print_messages(diagnostics, Verbosity::kNormal);
     return kExitBadInput;
   }
+  const BatchStatus status = batch_status(*manifest, load_results(arguments.path));
+  if (status.unfinished == 0) {
+    print_result("all items have a result: nothing is submitted\n");
+    return kExitConverged;
+  }
   const auto cluster = cluster_limits(arguments.partition);
   if (!cluster && !arguments.dry_run) {
     print_error("there is no Slurm cluster here: 'scontrol show config' fails",
@@ -160,7 +171,7 @@ int submit_batch(const BatchArguments& arguments) {
     return kExitBadInput;
   }
   const SlurmLimits limits = cluster.value_or(SlurmLimits());
-  const auto seconds = seconds_left(batch_status(*manifest, load_results(arguments.path)));
+  const auto seconds = seconds_left(status);
   SlurmJob job{.name = manifest->name,
                .program = fs::read_symlink("/proc/self/exe"),
                .run = fs::canonical(arguments.path),

@@ -17,9 +17,12 @@ const links = ({files}) => element('span', {}, ...(files ?? []).flatMap((file, i
 
 function outstanding(batch, {title, items}) {
   if (items.length === 0) return null;
+  const reasons = items.some(item => item.message);
   const rows = items.map(item => [item.item, item.id, item.status, figure(item.cost, 8), item.iterations,
-      figure(item.time_s, 3), ...item.values.map(v => (typeof v === 'number' ? figure(v) : v)), links(item)]);
-  const names = ['item', 'id', 'status', 'cost', 'iterations', 'time, s', ...batch.columns.map(c => c.name), 'files'];
+      figure(item.time_s, 3), ...item.values.map(v => (typeof v === 'number' ? figure(v) : v)),
+      ...(reasons ? [item.message] : []), links(item)]);
+  const names = ['item', 'id', 'status', 'cost', 'iterations', 'time, s', ...batch.columns.map(c => c.name),
+                 ...(reasons ? ['message'] : []), 'files'];
   return element('section', {}, element('h2', {}, title), table(null, names, rows));
 }
 

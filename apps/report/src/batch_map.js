@@ -41,12 +41,14 @@ function axisOf(values) {
           places: values.map(v => Math.min(count - 1, Math.floor((v - low) / step)))};
 }
 
-/// The items of each cell, by "column row".
-function groups(x, y) {
+/// The items of each cell that have a result, by "column row".
+function groups(rows, x, y) {
   const cells = new Map();
   x.places.forEach((column, i) => {
+    if (rows.solved[i] === null) return;
     const key = `${column} ${y.places[i]}`;
-    cells.set(key, [...(cells.get(key) ?? []), i]);
+    if (!cells.has(key)) cells.set(key, []);
+    cells.get(key).push(i);
   });
   return cells;
 }
@@ -57,7 +59,7 @@ function rangeOf(values) {
 }
 
 function drawCells(rows, x, y, measure) {
-  const cells = [...groups(x, y)].map(([key, items]) => ({key, items, value: measure.of(rows, items)}));
+  const cells = [...groups(rows, x, y)].map(([key, items]) => ({key, items, value: measure.of(rows, items)}));
   const [low, high] = measure.range ?? rangeOf(cells.map(c => c.value));
   return cells.map(({key, items, value}) => {
     const [column, row] = key.split(' ').map(Number);

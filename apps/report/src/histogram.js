@@ -27,7 +27,7 @@ export function histogram(title, unit, values) {
   return element('figure', {class: 'histogram'},
       element('figcaption', {}, `${title}${unit ? ` [${unit}]` : ''}`),
       element('div', {class: 'hint'}, `median ${figure(sorted[sorted.length >> 1])}, ` +
-          `95 % below ${figure(sorted[Math.floor(0.95 * (sorted.length - 1))])}`),
+          `95 % below ${figure(sorted[Math.ceil(0.95 * sorted.length) - 1])}`),
       shape('svg', {width, height, viewBox: `0 0 ${width} ${height}`, role: 'img'},
           ...heights.map((count, i) => {
             const size = (height - bottom - 4) * count / most;

@@ -41,8 +41,8 @@ class SetBuilder {
   }
 
  private:
-  /// How far the ellipsoid of level 1 moves linear functions, rows of the coordinates of the tangent
-  /// space, together; infinite where directions that cost nothing move them.
+  /// How far the ellipsoid of level 1 moves linear functions, rows of the coordinates of the
+  /// tangent space, together; infinite where directions that cost nothing move them.
   double reach(const Eigen::MatrixXd& rows) const {
     constexpr double kSmallShare = 1e-8;  // √ε
     if ((rows * ellipsoid_.free).norm() > kSmallShare * rows.norm()) return kUnbounded;

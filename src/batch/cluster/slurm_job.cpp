@@ -109,6 +109,18 @@ std::optional<double> parse_slurm_time(std::string_view text) {
   return seconds;
 }
 
+std::optional<double> parse_partition_time(std::string_view text, bool chosen) {
+  for (std::size_t start = 0; start < text.size();) {
+    const std::size_t end = std::min(text.find('\n', start), text.size());
+    const std::string_view line = trimmed(text.substr(start, end - start));
+    const std::size_t space = line.find(' ');
+    start = end + 1;
+    if (space != std::string_view::npos && (chosen || line[space - 1] == '*'))
+      return parse_slurm_time(line.substr(space));
+  }
+  return std::nullopt;
+}
+
 int shards_for(double seconds, int cpus, const SlurmLimits& limits) {
   const double wanted = std::ceil(seconds / (kElementSeconds * cpus));
   return static_cast<int>(std::clamp<double>(wanted, 1, limits.most_shards()));

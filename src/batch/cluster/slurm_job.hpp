@@ -24,6 +24,11 @@ SlurmLimits parse_slurm_config(std::string_view text);
 /// on; nothing for UNLIMITED or what is no time. In seconds.
 std::optional<double> parse_slurm_time(std::string_view text);
 
+/// The longest time of a job in seconds, from what `sinfo --noheader --format="%P %l"` prints: of
+/// the default partition, whose name has a star, or of the first one listed if the partitions are
+/// `chosen`. Nothing where that has no limit.
+std::optional<double> parse_partition_time(std::string_view text, bool chosen);
+
 /// A run as jobs of Slurm: an array with a shard an element, and a job that collects.
 struct SlurmJob {
   std::string name;               ///< of the batch

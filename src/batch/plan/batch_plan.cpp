@@ -23,6 +23,10 @@ constexpr Choice<KeptSolutions> kKeptWords[] = {{"all", KeptSolutions::kAll},
                                                 {"converged", KeptSolutions::kConverged},
                                                 {"none", KeptSolutions::kNone}};
 constexpr const char *kOwnStart = "none", *kNeighbourStart = "neighbour";
+constexpr std::string_view kColumnsOfResults[] = {
+    "item",        "id",         "problem",      "solver", "status",     "solved",
+    "cost",        "iterations", "stationarity", "gap",    "constraint", "complementarity",
+    "certificate", "message"};
 constexpr NumberRange kTimeLimit{1e-3, 1e9, false, false, "a number from 0.001 to 1e9"};
 
 /// The files that a pattern with `*` in its last part means, in the order of their bytes.
@@ -186,16 +190,40 @@ class PlanReader {
     for (const Axis& axis : plan_.axes)
       for (const AxisColumn& column : axis.columns) {
         for (const AxisColumn* other : columns) check_pair(column, *other);
-        if (!plan_.solvers.empty() && column.key.value.starts_with("solver.name"))
-          out_.error(column.key.place, "'solver.name' is varied by 'solvers'");
+        check_against_plan(column);
+        if (is_column_of_results(column.name, plan_.warm_start))
+          out_.error(column.name == axis.name.value ? axis.name.place : column.key.place,
+                     fmt::format("'{}' is a column of results.csv already", column.name),
+                     "choose another name");
         columns.push_back(&column);
       }
   }
 
+  /// No axis sets what another key of the plan sets for all items.
+  void check_against_plan(const AxisColumn& column) {
+    const std::string& key = column.key.value;
+    if (!plan_.solvers.empty() && key.starts_with("solver.name"))
+      out_.error(column.key.place, "'solver.name' is varied by 'solvers'");
+    if (plan_.max_time && overlap(key, "solver.max_time_s"))
+      out_.error(
+          column.key.place,
+          fmt::format("'{}' is varied, and 'limits.max_time_s' sets the time of all items", key),
+          "leave one of them out");
+    if (plan_.start_file && overlap(key, "initial_guess"))
+      out_.error(
+          column.key.place,
+          fmt::format("'{}' is varied, and by 'warm_start' all items start from a file", key),
+          "leave one of them out");
+  }
+
+  /// Whether two keys are one, or one of them is a part of the other.
+  static bool overlap(const std::string& a, const std::string& b) {
+    return a == b || a.starts_with(b + '.') || b.starts_with(a + '.');
+  }
+
   void check_pair(const AxisColumn& column, const AxisColumn& other) {
     const std::string &a = column.key.value, &b = other.key.value;
-    const bool overlap = a == b || a.starts_with(b + '.') || b.starts_with(a + '.');
-    if (overlap)
+    if (overlap(a, b))
       out_.error(column.key.place, fmt::format("'{}' is varied twice", a),
                  a == b ? "" : fmt::format("'{}' is varied, too", b));
     else if (column.name == other.name)
@@ -209,6 +237,12 @@ class PlanReader {
 };
 
 }  // namespace
+
+bool is_column_of_results(std::string_view name, WarmStart warm_start) {
+  return std::find(std::begin(kColumnsOfResults), std::end(kColumnsOfResults), name) !=
+             std::end(kColumnsOfResults) ||
+         name.starts_with("violation/") || (warm_start == WarmStart::kNeighbour && name == "start");
+}
 
 long long BatchPlan::items() const {
   long long count =

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "batch/plan/axis.hpp"
@@ -43,6 +44,9 @@ struct BatchPlan {
   /// Problems times rows of all axes times solvers.
   long long items() const;
 };
+
+/// Whether results.csv has a column of this name besides those of what is varied.
+bool is_column_of_results(std::string_view name, WarmStart warm_start);
 
 /// Reads a plan. Everything wrong is in `out` with its place; then nothing is returned.
 std::optional<BatchPlan> load_batch_plan(const std::filesystem::path& file, Diagnostics& out);

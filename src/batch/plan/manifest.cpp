@@ -28,8 +28,9 @@ std::string hashes_of_inputs(const ProblemInstance& instance) {
   return hashes;
 }
 
-/// The head of a manifest. Throws what nlohmann::json throws where it is none.
-Manifest parse_head(const std::string& line) {
+/// The head of a manifest; nothing where its numbers contradict each other. Throws what
+/// nlohmann::json throws where it is none.
+std::optional<Manifest> parse_head(const std::string& line) {
   const OrderedJson json = OrderedJson::parse(line);
   Manifest manifest{.name = json.at("name")};
   for (const OrderedJson& problem : json.at("problems"))
@@ -46,7 +47,14 @@ Manifest parse_head(const std::string& line) {
   manifest.solvers = json.at("solvers");
   manifest.shards = json.at("shards");
   manifest.build = json.at("build");
-  manifest.items.resize(json.at("items").get<std::size_t>());
+  const auto items = json.at("items").get<long long>();
+  if (manifest.solvers < 1 || manifest.shards < 1 || manifest.problems.empty() || items < 0 ||
+      items > kMostItems ||
+      items % (static_cast<long long>(manifest.solvers) *
+               static_cast<long long>(manifest.problems.size())) !=
+          0)
+    return std::nullopt;
+  manifest.items.resize(static_cast<std::size_t>(items));
   return manifest;
 }
 
@@ -147,18 +155,18 @@ std::optional<Manifest> load_manifest(const std::filesystem::path& run, bool wit
   if (!line.starts_with(fmt::format(R"({{"format":"{}")", kManifestFormat)))
     return fail(1, fmt::format("this is not a manifest of the format {}", kManifestFormat),
                 "make the plan again with this version");
-  Manifest manifest;
+  std::optional<Manifest> manifest;
   try {
     manifest = parse_head(line);
   } catch (const OrderedJson::exception&) {
-    return fail(1, "the head of the manifest is damaged", "make the plan again");
   }
+  if (!manifest) return fail(1, "the head of the manifest is damaged", "make the plan again");
   if (!with_items) return manifest;
   int number = 1;
-  for (ManifestItem& item : manifest.items) {
+  for (ManifestItem& item : manifest->items) {
     ++number;
     auto parsed = std::getline(stream, line) ? parse_manifest_line(line) : std::nullopt;
-    if (!parsed || !is_item_of(manifest, *parsed))
+    if (!parsed || !is_item_of(*manifest, *parsed))
       return fail(number, "the manifest is damaged: this line is no item of it",
                   "make the plan again");
     item = *std::move(parsed);

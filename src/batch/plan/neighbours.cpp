@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 #include <unordered_map>
+#include <unordered_set>
 
 #include "base/text/strict_number.hpp"
 
@@ -78,6 +79,20 @@ void find_parents(Manifest& manifest) {
     if (nearest != before.end()) manifest.items[i].parent = manifest.items[*nearest].id;
     before.push_back(i);
   }
+}
+
+std::vector<std::size_t> with_descendants(const Manifest& manifest,
+                                          const std::vector<std::size_t>& items) {
+  const std::unordered_set<std::size_t> chosen(items.begin(), items.end());
+  std::unordered_set<std::string> ids;
+  std::vector<std::size_t> all;
+  for (std::size_t i = 0; i < manifest.items.size(); ++i) {  // parents come first
+    const ManifestItem& item = manifest.items[i];
+    if (!chosen.contains(i) && !ids.contains(item.parent)) continue;
+    ids.insert(item.id);
+    all.push_back(i);
+  }
+  return all;
 }
 
 }  // namespace conddp

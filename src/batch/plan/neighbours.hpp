@@ -13,6 +13,10 @@ inline constexpr int kNeighbourBlock = 32;
 /// counts. Items of a block have one problem file and one solver.
 void find_parents(Manifest& manifest);
 
+/// Items with all that start from them, or from one that does. Both are numbers in their order.
+std::vector<std::size_t> with_descendants(const Manifest& manifest,
+                                          const std::vector<std::size_t>& items);
+
 /// The block of an item by its number. Without warm starts every item is one.
 std::size_t block_of(const Manifest& manifest, std::size_t item);
 

@@ -1,3 +1,4 @@
+#include <cmath>
 #include <functional>
 #include <random>
 
@@ -79,9 +80,35 @@ class AxisReader {
     std::vector<double> values;
     for (long long i = 0; i < count; ++i) {
       const double share = count == 1 ? 0 : static_cast<double>(i) / (count - 1);
-      values.push_back(share == 1 ? last : first + share * (last - first));
+      values.push_back(share == 1 ? last : between(first, last, share));
     }
     return values;
+  }
+
+  /// What lies a share of the way from one number to another, whose distance may be no number.
+  static double between(double first, double last, double share) {
+    const double distance = last - first;
+    return std::isfinite(distance) ? first + share * distance : (1 - share) * first + share * last;
+  }
+
+  /// The ends of a range; nothing with an error where they are the wrong way round.
+  static std::optional<std::vector<double>> range_of(const YamlReader& reader) {
+    auto ends = reader.numbers(2, "[lower, upper]");
+    if (ends && (*ends)[0] > (*ends)[1]) {
+      reader.error("the lower end lies above the upper one");
+      return std::nullopt;
+    }
+    return ends;
+  }
+
+  /// The mean and the standard deviation.
+  static std::optional<std::vector<double>> normal_of(const YamlReader& reader) {
+    auto parameters = reader.numbers(2, "[mean, standard deviation]");
+    if (parameters && (*parameters)[1] < 0) {
+      reader.error("the standard deviation is negative");
+      return std::nullopt;
+    }
+    return parameters;
   }
 
   void read_values(const YamlReader& reader) {
@@ -161,26 +188,26 @@ class AxisReader {
           {spread->node(), number_node(static_cast<double>(first + i), place.mark)});
   }
 
-  /// Draws of one key. `reader`: the two parameters of the distribution.
-  void read_random(const YamlReader& reader, const char* form,
+  /// Draws of one key from a distribution with two parameters.
+  void read_random(const YamlReader& reader, const std::optional<std::vector<double>>& parameters,
                    const std::function<double(const std::vector<double>&)>& draw) {
     read_key();
     const long long draws = count();
-    if (const auto parameters = reader.numbers(2, form))
-      for (long long i = 0; i < draws; ++i) add_number(draw(*parameters), reader.node().mark);
+    if (!parameters) return;
+    for (long long i = 0; i < draws; ++i) add_number(draw(*parameters), reader.node().mark);
   }
 
   void read_uniform(const YamlReader& reader) {
     std::mt19937_64 engine(seed(1));
-    read_random(reader, "[lower, upper]", [&](const std::vector<double>& bounds) {
+    read_random(reader, range_of(reader), [&](const std::vector<double>& bounds) {
       const double share = static_cast<double>(engine() >> 11) * 0x1p-53;
-      return bounds[0] + share * (bounds[1] - bounds[0]);
+      return between(bounds[0], bounds[1], share);
     });
   }
 
   void read_normal(const YamlReader& reader) {
     NormalNumbers normal(seed(1));
-    read_random(reader, "[mean, standard deviation]",
+    read_random(reader, normal_of(reader),
                 [&](const std::vector<double>& p) { return p[0] + p[1] * normal.next(); });
   }
 
@@ -195,7 +222,7 @@ class AxisReader {
     std::vector<std::vector<double>> bounds;
     for (const auto& [key, range] : *entries) {
       axis_.columns.push_back({key.value, key});
-      if (const auto ends = range.numbers(2, "[lower, upper]")) bounds.push_back(*ends);
+      if (const auto ends = range_of(range)) bounds.push_back(*ends);
     }
     if (bounds.size() != entries->size()) return;
     SobolSequence sequence(static_cast<int>(bounds.size()), shift);
@@ -203,7 +230,7 @@ class AxisReader {
       const std::vector<double> point = sequence.next();
       std::vector<YamlNode>& row = axis_.rows.emplace_back();
       for (std::size_t c = 0; c < bounds.size(); ++c)
-        row.push_back(number_node(bounds[c][0] + point[c] * (bounds[c][1] - bounds[c][0]),
+        row.push_back(number_node(between(bounds[c][0], bounds[c][1], point[c]),
                                   (*entries)[c].second.node().mark));
     }
   }

@@ -24,6 +24,14 @@ bool has_text(const fs::path& file, const std::string& text) {
   return stream && std::string{std::istreambuf_iterator<char>(stream), {}} == text;
 }
 
+/// The items of a plan and how they are solved, whatever build made it and into how many shards it
+/// is divided.
+std::string plan_text(Manifest manifest) {
+  manifest.shards = 1;
+  manifest.build = nullptr;
+  return manifest_text(manifest);
+}
+
 std::string build_words(const OrderedJson& build) {
   const auto word = [&](const char* key) { return build.value(key, std::string("?")); };
   return fmt::format("{}, revision {}, {}, {}", word("version"), word("revision"),
@@ -37,14 +45,42 @@ void write_run_folder(const BatchPlan& plan, const Manifest& manifest, const fs:
   const std::string text = manifest_text(manifest);
   if (has_text(run / kManifestFile, text)) return;
   std::error_code error;
-  if (fs::exists(run / "shards", error))
-    return out.error({}, fmt::format("'{}' has results of another plan", run.string()),
-                     "choose another folder with -o, or remove that one");
+  if (fs::exists(run / "shards", error)) {
+    Diagnostics unused;
+    const auto former = load_manifest(run, true, unused);
+    if (!former || plan_text(*former) != plan_text(manifest))
+      return out.error({}, fmt::format("'{}' has results of another plan", run.string()),
+                       "choose another folder with -o, or remove that one");
+    if (former->build != manifest.build)
+      return out.error(
+          {},
+          fmt::format("'{}' has results of this plan by another build of conddp ({}; "
+                      "this is {})",
+                      run.string(), build_words(former->build), build_words(manifest.build)),
+          "choose another folder with -o; 'conddp batch run RUN --any-build' mixes "
+          "them");
+  }
+  if (!fs::exists(run / kManifestFile, error) && fs::exists(run / kPlanFile, error) &&
+      !has_text(run / kPlanFile, plan.text))
+    return out.error({}, fmt::format("'{}' has a plan.yaml that is not this plan", run.string()),
+                     "choose another folder with -o: a copy of the plan goes into it");
   create_folder(run);
   AtomicFiles files;
   files.add(run / kManifestFile, text);
   files.add(run / kPlanFile, plan.text);
   files.commit();
+}
+
+bool is_as_planned(const Manifest& manifest, int problem, const fs::path& run, Diagnostics& out) {
+  const fs::path file = problem_of_run(manifest, problem, run);
+  const auto family = ProblemFamily::load(file, {}, out);
+  if (!family) return false;
+  if (batch_identity(family->base()) == manifest.problems[problem].identity) return true;
+  out.error({},
+            fmt::format("'{}', or a file that it reads, has changed since the plan was made",
+                        file.string()),
+            "make the plan again, in another folder");
+  return false;
 }
 
 bool fits_run_folder(const Manifest& manifest, const fs::path& run, bool any_build,
@@ -54,15 +90,8 @@ bool fits_run_folder(const Manifest& manifest, const fs::path& run, bool any_bui
               fmt::format("'{}' was planned by another build of conddp ({}; this is {})",
                           run.string(), build_words(manifest.build), build_words(build_json())),
               "answers may differ in their last digits; --any-build mixes them");
-  for (std::size_t i = 0; i < manifest.problems.size() && !out.has_errors(); ++i) {
-    const fs::path file = problem_of_run(manifest, static_cast<int>(i), run);
-    const auto family = ProblemFamily::load(file, {}, out);
-    if (family && batch_identity(family->base()) != manifest.problems[i].identity)
-      out.error({},
-                fmt::format("'{}', or a file that it reads, has changed since the plan was made",
-                            file.string()),
-                "make the plan again, in another folder");
-  }
+  for (std::size_t i = 0; i < manifest.problems.size() && !out.has_errors(); ++i)
+    is_as_planned(manifest, static_cast<int>(i), run, out);
   return !out.has_errors();
 }
 

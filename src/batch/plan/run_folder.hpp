@@ -8,10 +8,16 @@
 namespace conddp {
 
 /// Writes the manifest of a run, and the plan beside it for whoever reads it later. A folder that
-/// has the same manifest stays as it is; one that has results of another plan is reported as an
-/// error. Throws OutputError where the files cannot be written.
+/// has the same manifest stays as it is, and one with results of the same plan may be divided into
+/// another number of shards. Reported as errors are results of another plan or build, and a
+/// plan.yaml of the user. Throws OutputError where the files cannot be written.
 void write_run_folder(const BatchPlan& plan, const Manifest& manifest,
                       const std::filesystem::path& run, Diagnostics& out);
+
+/// Whether a problem of a run is what it was when the plan was made, with the files that it reads.
+/// Else reports why not.
+bool is_as_planned(const Manifest& manifest, int problem, const std::filesystem::path& run,
+                   Diagnostics& out);
 
 /// Whether the problems of a run are what they were when its plan was made, with the files that
 /// they read, and this build is the one that made it or `any_build` is true. Else reports why not.

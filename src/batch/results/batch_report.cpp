@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "base/json/json_text.hpp"
+#include "batch/plan/spread.hpp"
 
 namespace conddp {
 namespace {
@@ -110,15 +111,17 @@ OrderedJson counts_json(const Items& items) {
   return list;
 }
 
+/// `solved`: 1 or 0; null where there is no result.
 OrderedJson rows_json(const Items& items, std::size_t every) {
   OrderedJson rows = {{"item", OrderedJson::array()},   {"solved", OrderedJson::array()},
                       {"cost", OrderedJson::array()},   {"iterations", OrderedJson::array()},
                       {"time_s", OrderedJson::array()}, {"values", OrderedJson::array()}};
   for (std::size_t c = 0; c < items.columns().size(); ++c)
     rows["values"].push_back(OrderedJson::array());
-  for (std::size_t i = 0; i < items.count(); i += every) {
+  for (const std::size_t i : spread_over(items.count(), (items.count() + every - 1) / every)) {
     rows["item"].push_back(i + 1);
-    rows["solved"].push_back(items.is_solved(i) ? 1 : 0);
+    rows["solved"].push_back(items.stored(i) == nullptr ? OrderedJson()
+                                                        : OrderedJson(items.is_solved(i) ? 1 : 0));
     for (const char* key : {"cost", "iterations"}) rows[key].push_back(items.figure(i, key));
     rows["time_s"].push_back(items.time(i));
     const OrderedJson values = items.values(i);
@@ -141,7 +144,7 @@ OrderedJson lists_json(const Items& items, const Manifest& manifest,
            {"cost", items.figure(i, "cost")},
            {"iterations", items.figure(i, "iterations")},
            {"time_s", items.time(i)},
-           {"message", items.figure(i, "message")},
+           {"message", items.is_solved(i) ? OrderedJson() : items.figure(i, "message")},
            {"values", items.values(i)},
            {"files", files == links.end() ? std::vector<std::string>() : files->second}});
     }
@@ -150,7 +153,7 @@ OrderedJson lists_json(const Items& items, const Manifest& manifest,
   return lists;
 }
 
-/// The columns of a trajectory, at some of its nodes.
+/// The columns of a trajectory, at some of its nodes and the last one.
 OrderedJson line_json(const Items& items, std::size_t item, const OrderedJson& trajectory) {
   const OrderedJson& x = trajectory.at("x");
   const std::size_t step = step_of(x.size(), kMostNodes), columns = x.at(0).size();
@@ -159,7 +162,8 @@ OrderedJson line_json(const Items& items, std::size_t item, const OrderedJson& t
                       {"t", OrderedJson::array()},
                       {"values", OrderedJson::array()}};
   for (std::size_t c = 0; c < columns; ++c) line["values"].push_back(OrderedJson::array());
-  for (std::size_t k = 0; k < x.size(); k += step) {
+  for (std::size_t next = 0; next < x.size() - 1 + step; next += step) {
+    const std::size_t k = std::min(next, x.size() - 1);
     line["t"].push_back(trajectory.at("t").at(k));
     for (std::size_t c = 0; c < columns; ++c) {
       const OrderedJson& number = x.at(k).at(c);
@@ -177,23 +181,24 @@ OrderedJson trajectories_json(const Items& items) {
     if (const StoredResult* stored = items.stored(i); stored && stored->result.solution_bytes > 0)
       kept.push_back(i);
   OrderedJson json;
-  for (std::size_t n = 0, step = step_of(kept.size(), kMostTrajectories); n < kept.size();
-       n += step) {
-    const OrderedJson document = load_document(*items.stored(kept[n]));
+  std::vector<std::size_t> chosen = spread_over(kept.size(), kMostTrajectories);
+  for (std::size_t n = 0; n < chosen.size(); ++n) {
+    const std::size_t item = kept[chosen[n]];
+    const OrderedJson document = load_document(*items.stored(item));
     if (document.is_null()) continue;
     const OrderedJson& trajectory = document.at("trajectory");
     const OrderedJson& columns = trajectory.at("columns").at("x");
     if (json.is_null()) {
       const std::size_t numbers =
           columns.size() * std::min(trajectory.at("x").size(), kMostNodes + 1);
-      step = step_of(kept.size(),
-                     std::clamp<std::size_t>(kMostNumbers / std::max<std::size_t>(1, numbers), 1,
-                                             kMostTrajectories));
+      chosen = spread_over(
+          kept.size(), std::clamp<std::size_t>(kMostNumbers / std::max<std::size_t>(1, numbers), 1,
+                                               kMostTrajectories));
       json = {{"columns", columns},
               {"units", trajectory.at("units").at("x")},
               {"lines", OrderedJson::array()}};
     }
-    if (columns == json["columns"]) json["lines"].push_back(line_json(items, kept[n], trajectory));
+    if (columns == json["columns"]) json["lines"].push_back(line_json(items, item, trajectory));
   }
   return json;
 }

@@ -69,6 +69,13 @@ std::vector<std::string> answer_cells(const OrderedJson& answer,
   return cells;
 }
 
+bool has_failed(const StoredResult& stored, FailureKind kind) {
+  const ItemResult& result = stored.result;
+  if (kind == FailureKind::kAny) return !result.success || is_damaged(stored);
+  return !result.success &&
+         (result.status == to_string(SolveStatus::time_limit) || result.status == kKilled);
+}
+
 }  // namespace
 
 std::vector<std::size_t> failed_items(const Manifest& manifest, const StoredResults& results,
@@ -76,10 +83,7 @@ std::vector<std::size_t> failed_items(const Manifest& manifest, const StoredResu
   std::vector<std::size_t> items;
   for (std::size_t i = 0; i < manifest.items.size(); ++i) {
     const StoredResult* stored = find_result(results, manifest.items[i]);
-    if (stored == nullptr || stored->result.success) continue;
-    const std::string& status = stored->result.status;
-    const bool timeout = status == to_string(SolveStatus::time_limit) || status == kKilled;
-    if (kind == FailureKind::kAny || timeout) items.push_back(i);
+    if (stored != nullptr && has_failed(*stored, kind)) items.push_back(i);
   }
   return items;
 }

@@ -24,7 +24,7 @@ using StoredResults = std::unordered_map<std::string, StoredResult>;
 
 /// Which failures are meant.
 enum class FailureKind {
-  kAny,      ///< everything that has a result and is not solved
+  kAny,      ///< everything that has a result and is not solved, or whose solution is damaged
   kTimeout,  ///< time limits of solves, and workers that were killed
 };
 

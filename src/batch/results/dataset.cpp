@@ -145,27 +145,32 @@ std::string shape_key(const OrderedJson& solution) {
 
 }  // namespace
 
-std::size_t write_dataset(const Manifest& manifest, const StoredResults& results,
-                          const std::filesystem::path& file) {
+DatasetCount write_dataset(const Manifest& manifest, const StoredResults& results,
+                           const std::filesystem::path& file) {
   std::unique_ptr<Hdf5File> data;
   std::map<std::string, std::unique_ptr<ShapeGroup>> groups;
-  std::size_t count = 0;
+  DatasetCount count;
+  bool is_complete = true;
   for (std::size_t i = 0; i < manifest.items.size(); ++i) {
     const auto stored = results.find(manifest.items[i].id);
+    is_complete = is_complete && stored != results.end();
     if (stored == results.end() || stored->second.result.solution_bytes == 0) continue;
     const OrderedJson solution = load_document(stored->second);
-    if (solution.is_null()) continue;  // the pack is not what it was
+    if (solution.is_null()) {  // the pack is not what it was
+      ++count.unreadable;
+      continue;
+    }
     if (!data) data = std::make_unique<Hdf5File>(file);
     auto& group = groups[shape_key(solution)];
     if (!group)
       group = std::make_unique<ShapeGroup>(*data, fmt::format("shape_{}", groups.size()), manifest,
                                            solution);
     group->append(i + 1, manifest.items[i], solution);
-    ++count;
+    ++count.solutions;
   }
   if (data) {
     data->commit();
-  } else {
+  } else if (is_complete && count.unreadable == 0) {
     std::error_code error;
     std::filesystem::remove(file, error);
   }

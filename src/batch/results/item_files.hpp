@@ -19,7 +19,7 @@ struct ShownItem {
 };
 
 /// Builds the problem of an item again. `stored`: its result, or null. Nothing with errors where
-/// its files have changed so that it cannot be built.
+/// its files have changed since the plan was made, or its solution is damaged.
 std::optional<ShownItem> load_item(const std::filesystem::path& run, const Manifest& manifest,
                                    const ManifestItem& item, const StoredResult* stored,
                                    Diagnostics& out);

@@ -88,11 +88,15 @@ void take_line(const std::string& line, std::size_t start, std::size_t end, Line
   }
 }
 
-/// Drops the first result whose solution has not reached the pack, and those behind it.
+/// Drops the first result whose solution has not reached the pack, and those behind it. So it is
+/// where the pack has become shorter than the last mark says.
 void drop_torn(const fs::path& pack, Lines& lines) {
+  std::error_code error;
+  const std::uintmax_t size = fs::file_size(pack, error);
+  const std::size_t kept = error ? 0 : std::min<std::uintmax_t>(lines.synced, size);
   for (std::size_t i = 0; i < lines.results.size(); ++i) {
     const ItemResult& result = lines.results[i];
-    if (result.solution_offset + result.solution_bytes <= lines.synced) continue;
+    if (result.solution_offset + result.solution_bytes <= kept) continue;
     if (result.solution_bytes == 0 || !load_solution({result, pack}).empty()) continue;
     lines.end = lines.starts[i];
     lines.results.resize(i);
@@ -203,6 +207,10 @@ std::string load_solution(const StoredResult& stored) {
   stream.seekg(static_cast<std::streamoff>(stored.result.solution_offset));
   if (!stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()))) return {};
   return check_sum(bytes) == stored.result.solution_sum ? bytes : std::string();
+}
+
+bool is_damaged(const StoredResult& stored) {
+  return stored.result.solution_bytes > 0 && load_solution(stored).empty();
 }
 
 OrderedJson load_document(const StoredResult& stored) {

@@ -23,7 +23,8 @@ struct Shard {
 /// dropped, with whatever is in the pack behind the last whole line. Every few seconds both go to
 /// the disk, and a mark among the lines says how much of the pack is there. What the pack should
 /// hold behind the last mark is compared with its sum, and a result without its solution is
-/// dropped, with those behind it: so a power cut loses seconds at most.
+/// dropped, with those behind it: so a power cut loses seconds at most. A pack that has become
+/// shorter than the mark is cut off in the same way.
 class ShardFile {
  public:
   /// Opens or makes the files. Throws OutputError where they cannot be written, or where another
@@ -60,6 +61,9 @@ std::unordered_map<std::string, StoredResult> load_results(const std::filesystem
 
 /// The bytes of a kept solution; empty where the pack does not hold it any more.
 std::string load_solution(const StoredResult& stored);
+
+/// Whether a solution was kept and the pack does not hold it any more.
+bool is_damaged(const StoredResult& stored);
 
 /// The solution.json that they stand for; null where there is none.
 OrderedJson load_document(const StoredResult& stored);

@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <set>
+#include <unordered_map>
 
 #include <poll.h>
 
@@ -36,6 +37,8 @@ class BatchRun {
     if (options.only) only = {options.only->begin(), options.only->end()};
     for (const auto& [id, stored] : known)
       if (!stored.result.success) failed_.insert(id);
+    if (manifest.warm_start == WarmStart::kNeighbour)
+      for (std::size_t i = 0; i < manifest.items.size(); ++i) numbers_[manifest.items[i].id] = i;
     for (const std::size_t item : items_of_shard(manifest, options.shard)) {
       if (options.only && !only.contains(item)) continue;
       ++progress_.items;
@@ -43,6 +46,7 @@ class BatchRun {
       if (found != known.end()) attempts_[item] = found->second.result.attempt;
       if (found == known.end() || options.again) {
         waiting_.push_back(item);
+        failed_.erase(manifest.items[item].id);
         continue;
       }
       ++progress_.before;
@@ -105,7 +109,8 @@ class BatchRun {
   }
 
   bool holds_suspect(const WorkerProcess& worker) const {
-    return !worker.unanswered().empty() && deaths_.contains(worker.unanswered().front());
+    return std::any_of(worker.unanswered().begin(), worker.unanswered().end(),
+                       [&](const auto& request) { return deaths_.contains(request.item); });
   }
 
   /// The first item that waits and those behind it in its block, which may start from one another.
@@ -117,10 +122,27 @@ class BatchRun {
     }
   }
 
+  /// Sends an item behind those from which it starts, as far as the worker does not know their
+  /// answers: they are solved again, which gives the same bits. Each of them has its own time, and
+  /// its own failures.
   void send(WorkerProcess& worker, std::size_t item) {
-    ManifestItem line = manifest_.items[item];
-    if (failed_.contains(line.parent)) line.parent.clear();
-    worker.send(item, manifest_line(line));
+    std::vector<std::size_t> line = {item};
+    for (auto parent = parent_of(item); parent && !worker.has_had(*parent, kNeighbourBlock);
+         parent = parent_of(*parent))
+      line.push_back(*parent);
+    for (std::size_t i = line.size(); i-- > 0;) {
+      ManifestItem sent = manifest_.items[line[i]];
+      if (!parent_of(line[i])) sent.parent.clear();
+      worker.send({line[i], i > 0}, manifest_line(sent));
+    }
+  }
+
+  /// The item from whose answer this one starts, unless that failed.
+  std::optional<std::size_t> parent_of(std::size_t item) const {
+    const std::string& parent = manifest_.items[item].parent;
+    const auto found = numbers_.find(parent);
+    if (found == numbers_.end() || failed_.contains(parent)) return std::nullopt;
+    return found->second;
   }
 
   void wait() {
@@ -138,11 +160,14 @@ class BatchRun {
     worker.write_some();
     const bool open = worker.read_some();
     while (!worker.unanswered().empty()) {
-      const std::size_t item = worker.unanswered().front();
+      const auto [item, again] = worker.unanswered().front();
       const auto answer = worker.take_answer();
       if (!answer) break;
       ItemResult result = parse_result(answer->result);
-      record(item, std::move(result), answer->solution);
+      if (!again)
+        record(item, std::move(result), answer->solution);
+      else if (!result.success)
+        failed_.insert(result.id);
       if (stopping()) return drop(worker);
     }
     if (!open) return bury(worker, kCrashed, false);
@@ -155,19 +180,22 @@ class BatchRun {
   /// Records what the worker leaves behind: the item under way is to blame, the others wait again.
   void bury(WorkerProcess& worker, std::string_view status, bool kill) {
     const WorkerProcess::End end = worker.reap(kill);
-    std::deque<std::size_t> left = worker.unanswered();
+    std::deque<WorkerProcess::Request> left = worker.unanswered();
     gone_.insert(&worker);
     if (left.empty()) return;
-    if (end.exit_status == kMemoryUsedUp) {  // behind an answer, before the next item
-      waiting_.insert(waiting_.begin(), left.begin(), left.end());
-      return;
-    }
-    const std::size_t culprit = left.front();
-    left.pop_front();
-    waiting_.insert(waiting_.begin(), left.begin(), left.end());
+    const auto [culprit, again] = left.front();
+    const bool between = end.exit_status == kMemoryUsedUp;  // behind an answer, before the next
+    if (!between) left.pop_front();
+    wait_again(left);
+    if (between) return;
     if (++deaths_[culprit] <= manifest_.limits.retries) {
+      if (again) return;  // those that start from it bring it along
       ++attempts_[culprit];
       suspects_.push_back(culprit);
+      return;
+    }
+    if (again) {
+      failed_.insert(manifest_.items[culprit].id);
       return;
     }
     const std::string message =
@@ -180,6 +208,14 @@ class BatchRun {
             .answer = {{"message", message}},
             .times = OrderedJson::object()},
            {});
+  }
+
+  /// Puts items that a worker leaves behind before the others.
+  void wait_again(const std::deque<WorkerProcess::Request>& left) {
+    std::deque<std::size_t> items;
+    for (const auto& [item, again] : left)
+      if (!again) items.push_back(item);
+    waiting_.insert(waiting_.begin(), items.begin(), items.end());
   }
 
   /// A worker whose other items shall not be solved.
@@ -208,6 +244,7 @@ class BatchRun {
   ShardFile file_;
   const Clock::time_point began_ = Clock::now();
   std::deque<std::size_t> waiting_, suspects_;
+  std::unordered_map<std::string, std::size_t> numbers_;  ///< of the items, by their ids
   std::set<std::string> failed_;         ///< ids of items whose answers are of no use to others
   std::map<std::size_t, int> deaths_;    ///< of workers, by the item that each had begun
   std::map<std::size_t, int> attempts_;  ///< at items, in former runs as well

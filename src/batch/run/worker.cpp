@@ -95,19 +95,11 @@ class Worker {
     std::optional<NeighbourAnswer> answer;
   };
 
-  /// The answer of an item's parent; null where it has none or the parent is not solved. A parent
-  /// that another process has solved is solved again: that gives the same bits.
-  const NeighbourAnswer* parent_of(const ManifestItem& item) {
-    if (item.parent.empty()) return nullptr;
-    const auto known = [&] {
-      return std::find_if(answered_.begin(), answered_.end(),
-                          [&](const Answered& a) { return a.id == item.parent; });
-    };
-    auto found = known();
-    if (found == answered_.end()) {
-      if (const ManifestItem* parent = find_item(item.parent)) solve(*parent);
-      found = known();
-    }
+  /// The answer of an item's parent; null where it has none or the parent is not solved. The
+  /// parent was among the items that came before.
+  const NeighbourAnswer* parent_of(const ManifestItem& item) const {
+    const auto found = std::find_if(answered_.begin(), answered_.end(),
+                                    [&](const Answered& a) { return a.id == item.parent; });
     return found != answered_.end() && found->answer ? &*found->answer : nullptr;
   }
 
@@ -118,20 +110,10 @@ class Worker {
     answered_.push_back({id, std::move(answer)});
   }
 
-  const ManifestItem* find_item(const std::string& id) {
-    Diagnostics unused;
-    if (!all_) all_ = load_manifest(run_, true, unused);
-    if (!all_) return nullptr;
-    const auto item = std::find_if(all_->items.begin(), all_->items.end(),
-                                   [&](const ManifestItem& i) { return i.id == id; });
-    return item == all_->items.end() ? nullptr : &*item;
-  }
-
   const std::filesystem::path run_;
   const Manifest manifest_;
   std::map<int, std::shared_ptr<const ProblemFamily>> families_;
   std::list<Answered> answered_;  ///< the latest last
-  std::optional<Manifest> all_;   ///< with its items, where one of another process is needed
 };
 
 bool answer(int descriptor, const SolvedItem& solved) {

@@ -20,7 +20,8 @@ AnswerFrame parse_frame(std::string_view line);
 inline constexpr int kMemoryUsedUp = 4;
 
 /// What a worker process does: takes items of a run from one descriptor, solves them one after the
-/// other and writes their results to the other one. Limits the memory of its process as the
+/// other and writes their results to the other one. An item starts from the answer of its parent if
+/// that was among the last kNeighbourBlock items. Limits the memory of its process as the
 /// manifest says, and ends with the process that started it. Returns the exit status of the
 /// process: 0 when there are no more items, 2 where the run cannot be read, kMemoryUsedUp.
 int serve_items(const std::filesystem::path& run, int requests, int answers);

@@ -1,5 +1,6 @@
 #include "batch/run/worker_process.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
@@ -52,11 +53,17 @@ WorkerProcess::~WorkerProcess() {
   ::close(output_);
 }
 
-void WorkerProcess::send(std::size_t item, std::string line) {
+void WorkerProcess::send(const Request& request, std::string line) {
   if (unanswered_.empty()) since_ = Clock::now();
-  unanswered_.push_back(item);
+  unanswered_.push_back(request);
+  sent_.push_back(request.item);
   unsent_ += std::move(line) + '\n';
   write_some();
+}
+
+bool WorkerProcess::has_had(std::size_t item, std::size_t count) const {
+  const auto last = sent_.end() - static_cast<std::ptrdiff_t>(std::min(count, sent_.size()));
+  return std::find(last, sent_.end(), item) != sent_.end();
 }
 
 void WorkerProcess::write_some() {

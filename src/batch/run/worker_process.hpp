@@ -18,6 +18,11 @@ class WorkerProcess {
  public:
   using Clock = std::chrono::steady_clock;
 
+  /// An item that was sent, by its number for the caller.
+  struct Request {
+    std::size_t item = 0;
+    bool again = false;  ///< solved for those that start from it alone: its result is known
+  };
   /// An answer as it came through the pipe.
   struct Answer {
     std::string result, solution;
@@ -35,8 +40,10 @@ class WorkerProcess {
   int output() const { return output_; }
   bool wants_to_write() const { return !unsent_.empty(); }
 
-  /// Sends an item, by its number for the caller and its line of the manifest.
-  void send(std::size_t item, std::string line);
+  /// Sends an item with its line of the manifest.
+  void send(const Request& request, std::string line);
+  /// Whether an item is among the last `count` that were sent.
+  bool has_had(std::size_t item, std::size_t count) const;
   void write_some();
   /// Reads what is there. False once the process has closed its end.
   bool read_some();
@@ -44,7 +51,7 @@ class WorkerProcess {
   std::optional<Answer> take_answer();
 
   /// Items that were sent and are not answered, the one under way first.
-  const std::deque<std::size_t>& unanswered() const { return unanswered_; }
+  const std::deque<Request>& unanswered() const { return unanswered_; }
   /// Since when the first of them is under way.
   Clock::time_point since() const { return since_; }
   /// How a process ended.
@@ -59,7 +66,8 @@ class WorkerProcess {
   pid_t process_ = -1;
   int input_ = -1, output_ = -1;
   std::string unsent_, unread_;
-  std::deque<std::size_t> unanswered_;
+  std::deque<Request> unanswered_;
+  std::vector<std::size_t> sent_;
   Clock::time_point since_;
 };
 
