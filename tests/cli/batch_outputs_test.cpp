@@ -226,7 +226,9 @@ TEST_F(Batch, AReportHasCountsAndLeadsToTheFilesOfItemsThatStandOut) {
   EXPECT_EQ(batch["solved"], 29);
   EXPECT_EQ(batch["by_status"][1]["status"], "crashed");
   EXPECT_EQ(batch["lists"][0]["items"][0]["id"], ids(folder)[4]);
-  EXPECT_EQ(data["solutions"].size(), 3u);  // the slowest, the least and the greatest cost
+  // The slowest, the least and the greatest cost; the slowest may be one of the others.
+  EXPECT_GE(data["solutions"].size(), 2u);
+  EXPECT_LE(data["solutions"].size(), 3u);
   for (const auto& list : batch["lists"])
     for (const auto& item : list["items"]) {
       EXPECT_EQ(item["files"].size(), item["status"] == "converged" ? 4u : 1u);

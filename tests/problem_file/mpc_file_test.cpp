@@ -131,7 +131,8 @@ TEST(MpcFile, RegulatorsThatAreNoneHaveTheirPlaces) {
   const LoadedLoop falling(pendulum_with(
       "mpc: {horizon: 0.5, tick: 0.1, duration: 1, terminal: {lqr: {values: {omega: 1}}}}"));
   EXPECT_FALSE(falling.mpc);
-  EXPECT_TRUE(falling.first_error().starts_with("16:")) << falling.all();
+  EXPECT_TRUE(falling.first_error().starts_with("17:61: the state is not an equilibrium"))
+      << falling.all();
   const LoadedLoop set(
       pendulum_with("mpc: {horizon: 0.5, tick: 0.1, duration: 1, fallback: {to: {lqr: {about: "
                     "initial, set: true}}}}"));
@@ -160,16 +161,17 @@ mpc: {horizon: 1, duration: 2, iterations: tolerances, )" +
          mpc + "}\n";
 }
 
-// The plant is the model: there is nothing to which feedback could answer.
+// The plant is the model: there is nothing to which feedback could answer, but for what lies
+// between a plan's straight lines and the motion.
 TEST(MpcFile, FeedbackLeavesALoopWithoutDisturbanceAloneThatRemembersItsControl) {
   for (const char* tick : {"0.05", "0.1"}) {
     const LoadedLoop none(limited_rate(fmt::format("tick: {}", tick)));
     const LoadedLoop often(limited_rate(fmt::format("tick: {}, feedback: {{rate: 200}}", tick)));
     ASSERT_TRUE(none.mpc && often.mpc) << often.all();
     const ClosedLoopResult a = none.run(), b = often.run();
-    EXPECT_NEAR(a.cost, b.cost, 1e-2 * a.cost) << tick;
+    EXPECT_NEAR(a.cost, b.cost, 5e-2 * a.cost) << tick;
     for (std::size_t i = 0; i < a.last_state.size(); ++i)
-      EXPECT_NEAR(a.last_state[i], b.last_state[i], 1e-2) << tick << ' ' << i;
+      EXPECT_NEAR(a.last_state[i], b.last_state[i], 5e-2) << tick << ' ' << i;
   }
 }
 
@@ -231,7 +233,7 @@ TEST(MpcFile, FollowsItsFirstPlanThroughAJump) {
     const ClosedLoopResult result = loop.run();
     EXPECT_EQ(result.end, LoopEnd::finished);
     for (int i = 0; i < 2; ++i)
-      EXPECT_NEAR(result.last_state[i], plan.trajectory.x(21)[i], 1e-3) << more << ' ' << i;
+      EXPECT_NEAR(result.last_state[i], plan.trajectory.x(21)[i], 5e-3) << more << ' ' << i;
     for (const PlantStep& step : result.steps) {
       if (std::abs(step.time - 0.5) > 1e-9) continue;
       EXPECT_NEAR(step.x[1], plan.trajectory.x(11)[1], 1e-3) << more;  // after the jump

@@ -229,21 +229,22 @@ TEST(TerminalLqr, NoSetIsWithinABoundOnAStateThatCostsNothing) {
             "7:48: no terminal set is within 'y', which states that cost nothing move");
 }
 
-std::string bounded_speed(std::string_view bounds, std::string_view about = "0") {
+std::string bounded_speed(std::string_view bounds, std::string_view about, std::string_view start) {
   return fmt::format(R"(conddp: 1
 system: {{states: [x, v], controls: [u], rate: {{x: v, v: u}}}}
-initial_state: {{values: {{x: 1}}}}
+initial_state: {{values: {{x: {}}}}}
 phases: [{{knots: 40, dt: 0.05}}]
 costs: {{u: {{residual: control}}, s: {{residual: state}}}}
 constraints: {{b: {{bounds: control, lower: -5, upper: 5}}, speed: {{residual: state, {}}}}}
 terminal: {{lqr: {{about: {{values: {{x: {}}}}}}}}}
 )",
-                     bounds, about);
+                     start, bounds, about);
 }
 
 TEST(TerminalLqr, NormsBoundTheSetAroundTheirCenterToo) {
-  const auto level = [](std::string_view bounds, std::string_view about = "0") {
-    const Loaded loaded(bounded_speed(bounds, about));
+  const auto level = [](std::string_view bounds, std::string_view about = "0",
+                        std::string_view start = "1") {
+    const Loaded loaded(bounded_speed(bounds, about, start));
     EXPECT_TRUE(loaded.built) << loaded.all();
     return loaded.built ? lqr_of(loaded).set.level : 0;
   };
@@ -255,7 +256,8 @@ TEST(TerminalLqr, NormsBoundTheSetAroundTheirCenterToo) {
   EXPECT_NEAR(level("columns: [x], at_least: 1, at_most: 9", "2"), wall, 1e-7 * wall);
   EXPECT_EQ(level("columns: [x], at_least: 1"), 0);
   // The circle lies within its square.
-  const double square = level("lower: -0.3, upper: 0.3"), circle = level("at_most: 0.3");
+  const double square = level("lower: -0.3, upper: 0.3", "0", "0"),
+               circle = level("at_most: 0.3", "0", "0");
   EXPECT_GT(circle, 0.4 * square);
   EXPECT_LT(circle, square);
 }
