@@ -4,6 +4,7 @@ import argparse
 import os
 import statistics
 import sys
+import tempfile
 import time
 
 os.environ["OMP_NUM_THREADS"] = "1"  # before a peer is loaded
@@ -89,6 +90,7 @@ def line(name, row, ours):
 
 def main():
     wanted = arguments()
+    os.chdir(tempfile.mkdtemp())  # CasADi compiles in the working directory
     lines = ["| problem | solver | cost | iterations | ms | beside `altro` |", "|---|---|---|---|---|---|"]
     for name in wanted.case or CASES:
         print(f"{name} ...", file=sys.stderr)
