@@ -1,4 +1,3 @@
-#include <atomic>
 #include <cstdlib>
 
 #include <gtest/gtest.h>
@@ -8,16 +7,7 @@
 // The sanitizers bring a malloc of their own.
 #if !defined(__SANITIZE_ADDRESS__) && defined(__GLIBC__)
 
-#include "support/counted_malloc.hpp"
-
-namespace {
-std::atomic<bool> counting{false};
-std::atomic<long> allocations{0};
-}  // namespace
-
-void conddp::testing::count_allocation() {
-  if (counting.load(std::memory_order_relaxed)) allocations.fetch_add(1);
-}
+#include "support/allocation_count.hpp"
 
 namespace conddp {
 namespace {

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <atomic>
 #include <cstdlib>
 
 #include <gtest/gtest.h>
@@ -26,16 +25,7 @@
 
 #if CONDDP_COUNTS_ALLOCATIONS
 
-#include "support/counted_malloc.hpp"
-
-namespace {
-std::atomic<bool> counting{false};
-std::atomic<long> allocations{0};
-}  // namespace
-
-void conddp::testing::count_allocation() {
-  if (counting.load(std::memory_order_relaxed)) allocations.fetch_add(1);
-}
+#include "support/allocation_count.hpp"
 
 namespace conddp {
 namespace {
