@@ -5,26 +5,23 @@
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
-#include <unistd.h>
 
 #include <gtest/gtest.h>
+
+#include "support/temporary_folder.hpp"
 
 namespace conddp {
 namespace {
 
 class AtomicFile : public testing::Test {
  protected:
-  AtomicFile() {
-    char name[] = "/tmp/conddp_atomic_XXXXXX";
-    folder_ = mkdtemp(name);
-  }
-  ~AtomicFile() override { std::filesystem::remove_all(folder_); }
   std::string read(const std::string& name) const {
     std::ifstream stream(folder_ / name);
     return {std::istreambuf_iterator<char>(stream), {}};
   }
   long count() const { return std::distance(std::filesystem::directory_iterator(folder_), {}); }
-  std::filesystem::path folder_;
+  const TemporaryFolder temporary_;
+  const std::filesystem::path folder_ = temporary_.path();
 };
 
 TEST_F(AtomicFile, FilesAppearOnCommit) {

@@ -2,22 +2,16 @@
 
 #include <fstream>
 
-#include <unistd.h>
-
 #include <gtest/gtest.h>
 
 #include "base/files/sha256.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace conddp {
 namespace {
 
 class ReadText : public testing::Test {
  protected:
-  ReadText() {
-    char name[] = "/tmp/conddp_text_XXXXXX";
-    folder_ = mkdtemp(name);
-  }
-  ~ReadText() override { std::filesystem::remove_all(folder_); }
   std::filesystem::path write(const std::string& text) {
     std::ofstream(folder_ / "file", std::ios::binary) << text;
     return folder_ / "file";
@@ -29,7 +23,8 @@ class ReadText : public testing::Test {
     const Diagnostic& d = out.list().front();
     return std::to_string(d.line) + ":" + std::to_string(d.column) + ": " + d.message;
   }
-  std::filesystem::path folder_;
+  const TemporaryFolder temporary_;
+  const std::filesystem::path folder_ = temporary_.path();
   std::string hash_;
 };
 

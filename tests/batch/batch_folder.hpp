@@ -1,35 +1,15 @@
 #pragma once
 
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <string>
 
 #include <gtest/gtest.h>
 
 #include "batch/plan/batch_plan.hpp"
 #include "batch/plan/expand_plan.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace conddp {
-
-/// A folder for one test, removed at its end.
-class BatchFolder {
- public:
-  BatchFolder() : path_(mkdtemp(name_)) {}
-  ~BatchFolder() { std::filesystem::remove_all(path_); }
-  BatchFolder(const BatchFolder&) = delete;
-  BatchFolder& operator=(const BatchFolder&) = delete;
-
-  const std::filesystem::path& path() const { return path_; }
-  std::filesystem::path write(const std::string& name, const std::string& text) const {
-    std::ofstream(path_ / name) << text;
-    return path_ / name;
-  }
-
- private:
-  char name_[30] = "/tmp/conddp_batch_XXXXXX";
-  std::filesystem::path path_;
-};
 
 inline constexpr const char* kSwing = R"(conddp: 1
 system: {type: pendulum}
@@ -66,7 +46,7 @@ struct PlannedBatch {
     return {};
   }
 
-  BatchFolder folder;
+  TemporaryFolder folder;
   std::filesystem::path file;
   Diagnostics diagnostics;
   std::optional<BatchPlan> plan;

@@ -104,7 +104,7 @@ std::string schema_violations(const std::vector<std::filesystem::path>& document
 }
 
 TEST(BatchSchema, TheReaderAndTheSchemaAgree) {
-  const BatchFolder folder;
+  const TemporaryFolder folder;
   folder.write("swing.yaml", kSwing);
   folder.write("t.csv", "c\n1\n");
   std::vector<std::filesystem::path> plans;

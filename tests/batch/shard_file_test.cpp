@@ -25,7 +25,7 @@ std::string read(const fs::path& file) {
 }
 
 TEST(ShardFile, GivesBackWhatWasAppended) {
-  const BatchFolder run;
+  const TemporaryFolder run;
   {
     ShardFile file(run.path(), {0, 1});
     file.append(result("aa", "converged", 1.5), "first\n");
@@ -43,7 +43,7 @@ TEST(ShardFile, GivesBackWhatWasAppended) {
 
 // A process may end at any byte: what is whole stays, and what follows is written over the rest.
 TEST(ShardFile, DropsWhatWasCutOffAtAnyByte) {
-  const BatchFolder run;
+  const TemporaryFolder run;
   const fs::path lines = run.path() / "shards/1of1.jsonl",
                  pack = run.path() / "shards/1of1.solutions";
   {
@@ -75,7 +75,7 @@ void append_three(ShardFile& file) {
 
 // After a power cut a file may have its length and zeros in the place of what was written last.
 TEST(ShardFile, DropsResultsWhoseSolutionsHaveNotReachedTheDisk) {
-  const BatchFolder run;
+  const TemporaryFolder run;
   const fs::path pack = run.path() / "shards/1of1.solutions";
   {
     ShardFile file(run.path(), {0, 1});
@@ -98,7 +98,7 @@ TEST(ShardFile, DropsResultsWhoseSolutionsHaveNotReachedTheDisk) {
 }
 
 TEST(ShardFile, LosesNothingThatWasOnTheDiskAtTheLastMark) {
-  const BatchFolder run;
+  const TemporaryFolder run;
   const fs::path lines = run.path() / "shards/1of1.jsonl",
                  pack = run.path() / "shards/1of1.solutions";
   std::size_t synced = 0;
@@ -123,7 +123,7 @@ TEST(ShardFile, LosesNothingThatWasOnTheDiskAtTheLastMark) {
 }
 
 TEST(ShardFile, ASolutionThatIsDamagedLaterIsNotGivenOut) {
-  const BatchFolder run;
+  const TemporaryFolder run;
   const fs::path pack = run.path() / "shards/1of1.solutions";
   {
     ShardFile file(run.path(), {0, 1});
@@ -141,7 +141,7 @@ TEST(ShardFile, ASolutionThatIsDamagedLaterIsNotGivenOut) {
 }
 
 TEST(ShardFile, APackThatHasBecomeTooShortLosesTheResultsBehindItsEnd) {
-  const BatchFolder run;
+  const TemporaryFolder run;
   const fs::path pack = run.path() / "shards/1of1.solutions";
   {
     ShardFile file(run.path(), {0, 1});
@@ -197,7 +197,7 @@ class SmallDisk {
 };
 
 TEST(ShardFile, AFullDiskIsAnErrorThatLosesNothing) {
-  const BatchFolder run;
+  const TemporaryFolder run;
   const SmallDisk disk(run.path(), "size=256k");
   if (!disk.is_there()) GTEST_SKIP() << "no file system can be mounted here";
   const std::string solution(40'000, 's');
@@ -224,7 +224,7 @@ TEST(ShardFile, AFullDiskIsAnErrorThatLosesNothing) {
 }
 
 TEST(ShardFile, DoesNotTrustALineWhoseSumIsWrong) {
-  const BatchFolder run;
+  const TemporaryFolder run;
   { ShardFile(run.path(), {0, 1}).append(result("aa", "converged", 1), ""); }
   std::string text = read(run.path() / "shards/1of1.jsonl");
   text[text.find("converged")] = 'C';
@@ -233,14 +233,14 @@ TEST(ShardFile, DoesNotTrustALineWhoseSumIsWrong) {
 }
 
 TEST(ShardFile, OneProcessAtATimeHasAShard) {
-  const BatchFolder run;
+  const TemporaryFolder run;
   const ShardFile first(run.path(), {1, 3});
   EXPECT_NO_THROW(ShardFile(run.path(), {2, 3}));
   EXPECT_THROW(ShardFile(run.path(), {1, 3}), OutputError);
 }
 
 TEST(ShardFile, ASolvedItemCountsBeforeAFailedOneAndTheLastAttemptBeforeOthers) {
-  const BatchFolder run;
+  const TemporaryFolder run;
   ItemResult second = result("bb", "max_iterations", 7);
   second.attempt = 2;
   {

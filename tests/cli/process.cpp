@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
-#include <stdexcept>
 
 #include <signal.h>
 #include <sys/resource.h>
@@ -48,32 +47,6 @@ ProcessResult run_conddp(const std::vector<std::string>& arguments, const Proces
     kill(child, options.signal);
     signalled = true;
   });
-}
-
-TemporaryFolder::TemporaryFolder() {
-  char name[] = "/tmp/conddp_cli_XXXXXX";
-  if (mkdtemp(name) == nullptr) throw std::runtime_error("no temporary folder");
-  path_ = name;
-}
-
-TemporaryFolder::~TemporaryFolder() {
-  std::error_code error;
-  std::filesystem::remove_all(path_, error);
-}
-
-std::string TemporaryFolder::write(const std::string& name, const std::string& text) const {
-  std::filesystem::create_directories((path_ / name).parent_path());
-  std::ofstream(path_ / name, std::ios::binary) << text;
-  return (path_ / name).string();
-}
-
-std::vector<std::string> TemporaryFolder::files() const {
-  std::vector<std::string> names;
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(path_))
-    if (!std::filesystem::is_directory(entry.symlink_status()))
-      names.push_back(entry.path().lexically_relative(path_).string());
-  std::sort(names.begin(), names.end());
-  return names;
 }
 
 std::string read_file(const std::filesystem::path& file) {

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "support/temporary_folder.hpp"
+
 namespace conddp {
 
 /// What a finished process left behind.
@@ -32,23 +34,6 @@ struct ProcessOptions {
 /// Runs the tool with arguments, stdout and stderr in pipes, and waits for it.
 ProcessResult run_conddp(const std::vector<std::string>& arguments,
                          const ProcessOptions& options = {});
-
-/// A folder of its own for each test, removed at the end.
-class TemporaryFolder {
- public:
-  TemporaryFolder();
-  ~TemporaryFolder();
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  const std::filesystem::path& path() const { return path_; }
-  /// Writes a file and returns its path.
-  std::string write(const std::string& name, const std::string& text) const;
-  /// Names of all files below, sorted.
-  std::vector<std::string> files() const;
-
- private:
-  std::filesystem::path path_;
-};
 
 std::string read_file(const std::filesystem::path& file);
 /// A file of the source tree.

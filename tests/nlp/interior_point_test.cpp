@@ -2,9 +2,10 @@
 
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 
 #include <gtest/gtest.h>
+
+#include "support/temporary_folder.hpp"
 
 namespace conddp {
 namespace {
@@ -103,14 +104,12 @@ TEST(InteriorPoint, FindsTheSamePointWithSystemsOrderedByMinimumFill) {
 
 TEST(InteriorPoint, ReadsNoFileOfTheWorkingFolder) {
   const auto before = std::filesystem::current_path();
-  const auto folder = std::filesystem::path(::testing::TempDir()) / "conddp_ipopt_folder";
-  std::filesystem::create_directories(folder);
-  std::ofstream(folder / "ipopt.opt") << "max_iter 1\n";
-  std::filesystem::current_path(folder);
+  const TemporaryFolder folder;
+  folder.write("ipopt.opt", "max_iter 1\n");
+  std::filesystem::current_path(folder.path());
   HockSchittkowski71 program;
   const InteriorPointAnswer answer = minimise(program, kStart, {}, go_on);
   std::filesystem::current_path(before);
-  std::filesystem::remove_all(folder);
   EXPECT_EQ(answer.end, End::solved);
 }
 

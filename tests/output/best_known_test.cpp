@@ -2,9 +2,9 @@
 
 #include <fstream>
 
-#include <unistd.h>
-
 #include <gtest/gtest.h>
+
+#include "support/temporary_folder.hpp"
 
 namespace conddp {
 namespace {
@@ -16,10 +16,9 @@ class BestKnownFile : public ::testing::Test {
     out_ = {};
     return load_best_known(file_, out_);
   }
-  void TearDown() override { std::filesystem::remove(file_); }
 
-  const std::filesystem::path file_ = std::filesystem::temp_directory_path() /
-                                      ("conddp_best_known_" + std::to_string(getpid()) + ".json");
+  const TemporaryFolder folder_;
+  const std::filesystem::path file_ = folder_ / "best_known.json";
   Diagnostics out_;
 };
 

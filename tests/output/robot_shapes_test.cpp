@@ -1,12 +1,12 @@
 #include "output/report/robot_shapes.hpp"
 
-#include <fstream>
 #include <map>
 
 #include <gtest/gtest.h>
 
 #include "problem_file/build/build_problem.hpp"
 #include "problem_file/read/read_problem.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace conddp {
 namespace {
@@ -42,10 +42,9 @@ constexpr const char* kVendorsRobot = R"(<robot name="vendor">
 </robot>)";
 
 RobotShapes shapes_of(const char* urdf) {
-  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "robot_shapes";
-  std::filesystem::create_directories(folder);
-  std::ofstream(folder / "robot.urdf") << urdf;
-  std::ofstream(folder / "pointer.STL") << "version 1\nsize 123456\n";
+  const TemporaryFolder folder;
+  folder.write("robot.urdf", urdf);
+  folder.write("pointer.STL", "version 1\nsize 123456\n");
   Diagnostics out;
   const auto spec = read_problem_text(R"(conddp: 1
 name: vendor

@@ -1,11 +1,10 @@
 #include <algorithm>
 #include <fstream>
 
-#include <unistd.h>
-
 #include <fmt/format.h>
 
 #include "problem_text.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace conddp {
 namespace {
@@ -345,8 +344,7 @@ std::string mimic_urdf(const std::string& follower_limits) {
 }
 
 TEST(BadFile, LimitsOfAMimicJointThatItsLeaderCannotKeepNameBoth) {
-  char name[] = "/tmp/conddp_mimic_XXXXXX";
-  const std::filesystem::path folder = mkdtemp(name);
+  const TemporaryFolder folder;
   const auto load = [&](const std::string& limits, const std::string& mimic) {
     std::ofstream(folder / "gripper.urdf") << mimic_urdf(limits);
     return Loaded("conddp: 1\nrobot: {urdf: " + (folder / "gripper.urdf").string() +
@@ -361,7 +359,6 @@ TEST(BadFile, LimitsOfAMimicJointThatItsLeaderCannotKeepNameBoth) {
       "2:8: no position of the joint 'leader' (limits 0.5 to 1) satisfies the limits 0 to 1 of the "
       "joint 'follower', which mimics it"))
       << wrong.all();
-  std::filesystem::remove_all(folder);
 }
 
 TEST(BadFile, DroppingAnUnknownConstraintSuggestsOne) {

@@ -3,11 +3,10 @@
 #include <filesystem>
 #include <fstream>
 
-#include <unistd.h>
-
 #include <gtest/gtest.h>
 
 #include "problem_text.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace conddp {
 namespace {
@@ -50,10 +49,8 @@ class DualGuessReader : public ::testing::Test {
     return -99;
   }
 
-  void TearDown() override { std::filesystem::remove(file_); }
-
-  const std::filesystem::path file_ = std::filesystem::temp_directory_path() /
-                                      ("conddp_dual_" + std::to_string(getpid()) + ".json");
+  const TemporaryFolder folder_;
+  const std::filesystem::path file_ = folder_ / "solution.json";
   std::unique_ptr<Loaded> loaded_;
   Diagnostics out_;
 };

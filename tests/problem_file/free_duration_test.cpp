@@ -10,6 +10,7 @@
 #include "ocp/evaluation/evaluator.hpp"
 #include "problem_text.hpp"
 #include "solvers/strategies/registry.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace conddp {
 namespace {
@@ -219,16 +220,17 @@ TEST(FreeDuration, OfAHopperWithContactsAndAnImpact) {
 }
 
 TEST(FreeDuration, BeginsWithThatOfAFormerSolution) {
-  const std::filesystem::path file = ::testing::TempDir() + "free_duration.json";
-  std::ofstream(file) << R"({"format": "conddp.solution/1", "trajectory": {
+  const TemporaryFolder folder;
+  const std::string file =
+      folder.write("start.json", R"({"format": "conddp.solution/1", "trajectory": {
     "columns": {"x": ["q/0", "v/0", "start/duration/push", "start/duration/brake"], "u": ["u/0"]},
     "t": [0, 0, 0.3, 0.6, 1.1, 1.6],
     "x": [[0, 0, 0, 0], [0, 0, 0.6, 1], [1, 2, 0.6, 1], [3, 4, 0.6, 1], [5, 6, 0.6, 1],
           [7, 8, 0.6, 1]],
-    "u": [[0.6, 1], [2], [2], [-1], [-0.5]]}})";
+    "u": [[0.6, 1], [2], [2], [-1], [-0.5]]}})");
   const std::string text =
       replaced(replaced(kFastest, "knots: 10", "knots: 2"), "knots: 10", "knots: 2");
-  const Loaded loaded(text + "initial_guess: {file: " + file.string() + "}\n");
+  const Loaded loaded(text + "initial_guess: {file: " + file + "}\n");
   ASSERT_TRUE(loaded.built) << loaded.all();
   const Trajectory& guess = loaded.built->guess;
   EXPECT_DOUBLE_EQ(guess.u(0)[0], 0.6);

@@ -1,10 +1,8 @@
 #include <cmath>
-#include <fstream>
-
-#include <unistd.h>
 
 #include "base/files/sha256.hpp"
 #include "problem_text.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace conddp {
 namespace {
@@ -86,16 +84,10 @@ initial_guess: {controls: quasi_static}
 
 class GuessFromFile : public testing::Test {
  protected:
-  GuessFromFile() {
-    char name[] = "/tmp/conddp_guess_XXXXXX";
-    folder_ = mkdtemp(name);
-  }
-  ~GuessFromFile() override { std::filesystem::remove_all(folder_); }
   std::string write(const std::string& name, const std::string& text) {
-    std::ofstream(folder_ / name) << text;
-    return (folder_ / name).string();
+    return folder_.write(name, text);
   }
-  std::filesystem::path folder_;
+  const TemporaryFolder folder_;
 };
 
 TEST_F(GuessFromFile, ReadsCsvByColumnNames) {

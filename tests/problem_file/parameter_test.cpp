@@ -1,12 +1,10 @@
 // Constants and tables that a whole problem file knows by name.
-#include <fstream>
-
-#include <unistd.h>
 
 #include <gtest/gtest.h>
 
 #include "problem_file/expand/expand_problem.hpp"
 #include "problem_text.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace conddp {
 namespace {
@@ -149,13 +147,10 @@ costs: {loss: {residual: expression, rows: drag(v)*v}}
 /// The problem beside its table, in a folder of its own.
 struct InFolder {
   explicit InFolder(const std::string& csv, const std::string& text = std::string(kFromFile)) {
-    const std::filesystem::path folder =
-        std::filesystem::path(::testing::TempDir()) / ("tables" + std::to_string(::getpid()));
-    std::filesystem::create_directories(folder);
-    std::ofstream(folder / "drag.csv") << csv;
+    const TemporaryFolder folder;
+    folder.write("drag.csv", csv);
     spec = read_problem_text(text, folder / "test.yaml", {}, out);
     if (spec) built = build_problem(*spec, {}, out);
-    std::filesystem::remove_all(folder);
   }
   Diagnostics out;
   std::optional<ProblemSpec> spec;

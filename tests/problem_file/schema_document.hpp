@@ -5,14 +5,13 @@
 #include <string>
 #include <vector>
 
-#include <unistd.h>
-
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "base/text/strict_number.hpp"
 #include "problem_file/yaml/yaml_source.hpp"
 #include "problem_text.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace conddp {
 
@@ -66,8 +65,7 @@ inline std::vector<std::filesystem::path> ready_problems() {
 
 /// Which documents do not fit the schema, as scripts/validate_json sees it.
 inline std::vector<bool> violations(const std::vector<Json>& documents) {
-  char folder_name[] = "/tmp/conddp_schema_XXXXXX";
-  const std::filesystem::path folder = mkdtemp(folder_name);
+  const TemporaryFolder folder;
   std::string command =
       std::string(CONDDP_SOURCE_DIR) + "/scripts/validate_json '" + kSchema.string() + "'";
   for (std::size_t i = 0; i < documents.size(); ++i) {
@@ -81,7 +79,6 @@ inline std::vector<bool> violations(const std::vector<Json>& documents) {
   std::vector<bool> found;
   for (std::size_t i = 0; i < documents.size(); ++i)
     found.push_back(report.find("/" + std::to_string(i) + ".json: ") != std::string::npos);
-  std::filesystem::remove_all(folder);
   return found;
 }
 

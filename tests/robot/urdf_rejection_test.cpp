@@ -1,11 +1,11 @@
 #include <algorithm>
-#include <fstream>
 #include <thread>
 
 #include <console_bridge/console.h>
 #include <gtest/gtest.h>
 
 #include "robot/urdf/urdf.hpp"
+#include "support/temporary_folder.hpp"
 #include "urdf_text.hpp"
 
 namespace conddp {
@@ -289,10 +289,10 @@ TEST(UrdfFile, MustBeARegularFileOfModestSize) {
   EXPECT_NE(message("/nonexistent/robot.urdf").find("does not exist"), std::string::npos);
   EXPECT_NE(message("/tmp").find("is a folder"), std::string::npos);
   EXPECT_NE(message("/dev/zero").find("is not a regular file"), std::string::npos);
-  const auto large = std::filesystem::path(testing::TempDir()) / "conddp_large.urdf";
-  std::ofstream(large) << robot_element(link_element("a") + std::string(17 << 20, ' '));
+  const TemporaryFolder folder;
+  const std::string large =
+      folder.write("large.urdf", robot_element(link_element("a") + std::string(17 << 20, ' ')));
   EXPECT_NE(message(large).find("larger than 16 MiB"), std::string::npos);
-  std::filesystem::remove(large);
 }
 
 TEST(UrdfFile, DeepNestingAndLongChainsDoNotOverflowTheStack) {

@@ -7,6 +7,7 @@
 #include "problem_file/build/build_problem.hpp"
 #include "problem_file/yaml/yaml_text.hpp"
 #include "support/solved_example.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace conddp {
 namespace {
@@ -99,7 +100,7 @@ class HandOver {
     const SolverInfo& solver = *find_solver(name);
     ScheduleOptions options{.solver = name,
                             .supports_constraints = solver.constraints == ConstraintSupport::all,
-                            .folder = ::testing::TempDir()};
+                            .folder = folder_.path()};
     options.solution = options.folder / (answer_.spec.name.value + "_solution.json");
     std::ofstream(options.solution) << answer_.document.dump();
     problem = contact_schedule(answer_.spec, answer_.built, motion_, options).problem;
@@ -120,6 +121,7 @@ class HandOver {
   std::optional<SolveResult> refined;  ///< and its answer
 
  private:
+  const TemporaryFolder folder_;
   const SolvedExample& answer_;
   ContactMotion motion_;
 };
