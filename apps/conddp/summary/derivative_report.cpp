@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "problem_file/build/term_residual.hpp"
+#include "problem_file/terms/term_residual.hpp"
 
 namespace conddp {
 namespace {

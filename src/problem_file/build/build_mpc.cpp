@@ -7,12 +7,12 @@
 
 #include <fmt/format.h>
 
-#include "problem_file/build/quasi_static.hpp"
-#include "problem_file/build/term_residual.hpp"
-#include "problem_file/build/terminal_lqr.hpp"
+#include "problem_file/plant/quasi_static.hpp"
 #include "problem_file/read/read_problem.hpp"
 #include "problem_file/read/read_sections.hpp"
 #include "problem_file/spec/phase_grid.hpp"
+#include "problem_file/terms/term_residual.hpp"
+#include "problem_file/terms/terminal_lqr.hpp"
 #include "solvers/ddp/family.hpp"
 
 namespace conddp {

@@ -8,9 +8,9 @@
 
 #include "base/normal_numbers.hpp"
 #include "problem_file/build/contact_guess.hpp"
-#include "problem_file/build/quasi_static.hpp"
-#include "problem_file/build/terminal_lqr.hpp"
 #include "problem_file/plant/collocation_builder.hpp"
+#include "problem_file/plant/quasi_static.hpp"
+#include "problem_file/terms/terminal_lqr.hpp"
 
 namespace conddp {
 namespace {

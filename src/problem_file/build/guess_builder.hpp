@@ -1,7 +1,7 @@
 #pragma once
 
 #include "ocp/problem/problem.hpp"
-#include "problem_file/build/reference_builder.hpp"
+#include "problem_file/terms/reference_builder.hpp"
 
 namespace conddp {
 

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "problem_file/build/constraint_builder.hpp"
 #include "problem_file/build/initial_choice.hpp"
-#include "problem_file/build/terminal_lqr.hpp"
+#include "problem_file/terms/constraint_builder.hpp"
+#include "problem_file/terms/terminal_lqr.hpp"
 
 namespace conddp {
 

@@ -1,9 +1,9 @@
 #include <algorithm>
 
-#include "problem_file/build/constraint_builder.hpp"
 #include "problem_file/expand/expand_sections.hpp"
 #include "problem_file/residuals/residual_keys.hpp"
 #include "problem_file/spec/enum_names.hpp"
+#include "problem_file/terms/constraint_builder.hpp"
 #include "problem_file/values/activation_table.hpp"
 
 namespace conddp {

@@ -1,4 +1,4 @@
-#include "problem_file/build/term_residual.hpp"
+#include "problem_file/terms/term_residual.hpp"
 
 #include <fmt/format.h>
 

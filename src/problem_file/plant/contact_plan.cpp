@@ -1,4 +1,4 @@
-#include "problem_file/build/contact_plan.hpp"
+#include "problem_file/plant/contact_plan.hpp"
 
 #include <algorithm>
 #include <complex>

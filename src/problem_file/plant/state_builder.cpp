@@ -1,4 +1,4 @@
-#include "problem_file/build/state_builder.hpp"
+#include "problem_file/plant/state_builder.hpp"
 
 #include <algorithm>
 #include <cmath>

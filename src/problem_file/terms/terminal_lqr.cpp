@@ -1,4 +1,4 @@
-#include "problem_file/build/terminal_lqr.hpp"
+#include "problem_file/terms/terminal_lqr.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 #include "ocp/residuals/residuals.hpp"
 #include "ocp/residuals/weighted_residual.hpp"
-#include "problem_file/build/quasi_static.hpp"
+#include "problem_file/plant/quasi_static.hpp"
 
 namespace conddp {
 namespace {

@@ -1,4 +1,4 @@
-#include "problem_file/build/reference_builder.hpp"
+#include "problem_file/terms/reference_builder.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "problem_file/build/cost_builder.hpp"
+#include "problem_file/terms/cost_builder.hpp"
 
 #include <algorithm>
 
@@ -6,9 +6,9 @@
 #include <fmt/ranges.h>
 
 #include "ocp/residuals/weighted_residual.hpp"
-#include "problem_file/build/swing_reference.hpp"
-#include "problem_file/build/weight_matrix.hpp"
 #include "problem_file/residuals/residual_table.hpp"
+#include "problem_file/terms/swing_reference.hpp"
+#include "problem_file/terms/weight_matrix.hpp"
 
 namespace conddp {
 namespace {

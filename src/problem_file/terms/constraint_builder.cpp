@@ -1,4 +1,4 @@
-#include "problem_file/build/constraint_builder.hpp"
+#include "problem_file/terms/constraint_builder.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "problem_file/build/swing_reference.hpp"
+#include "problem_file/terms/swing_reference.hpp"
 
 #include <cmath>
 

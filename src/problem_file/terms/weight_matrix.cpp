@@ -1,4 +1,4 @@
-#include "problem_file/build/weight_matrix.hpp"
+#include "problem_file/terms/weight_matrix.hpp"
 
 #include <algorithm>
 

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "ocp/problem/problem.hpp"
-#include "problem_file/build/reference_builder.hpp"
-#include "problem_file/build/term_residual.hpp"
+#include "problem_file/terms/reference_builder.hpp"
+#include "problem_file/terms/term_residual.hpp"
 
 namespace conddp {
 

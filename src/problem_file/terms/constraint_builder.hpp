@@ -1,6 +1,6 @@
 #pragma once
 
-#include "problem_file/build/cost_builder.hpp"
+#include "problem_file/terms/cost_builder.hpp"
 
 namespace conddp {
 
