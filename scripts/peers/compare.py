@@ -9,7 +9,8 @@ os.environ.pop("LD_PRELOAD", None)  # what it named is loaded here, and is not f
 
 import kernels  # noqa: E402
 import solvers  # noqa: E402
-from conddp_tool import NATIVE, PEERS, ROOT, Untranslatable, robot_settings  # noqa: E402
+from conddp_tool import (NATIVE, PEERS, ROOT, Untranslatable, is_loaded,  # noqa: E402
+                         robot_settings)
 from machine import processor  # noqa: E402
 from table import equality_table, kernel_table, solver_table  # noqa: E402
 
@@ -27,11 +28,6 @@ CASES = {
 
 #: ProxDDP is not done there after 100 iterations, a minute.
 WITHOUT_ALIGATOR = {"Talos squat"}
-
-
-def is_loaded(library):
-    with open("/proc/self/maps", encoding="utf-8") as lines:
-        return any(line.rstrip().endswith(str(library)) for line in lines)
 
 
 def arguments():

@@ -15,6 +15,12 @@ class Untranslatable(Exception):
     """Something in a problem that a peer does not have, by name."""
 
 
+def is_loaded(library):
+    """Whether a peer is compiled for this machine: its library is in this process."""
+    with open("/proc/self/maps", encoding="utf-8") as lines:
+        return any(line.rstrip().endswith(str(library)) for line in lines)
+
+
 def output_of(command):
     result = subprocess.run([str(word) for word in command], capture_output=True, text=True)
     if result.returncode not in (0, 1):
