@@ -9,6 +9,7 @@
 #include "process.hpp"
 #include "solvers/common/option_table.hpp"
 #include "solvers/strategies/registry.hpp"
+#include "support/sizes.hpp"
 
 namespace conddp {
 namespace {
@@ -220,6 +221,11 @@ TEST(Gallery, ShowsEveryExampleProblem) {
 
 TEST(Documents, HaveLinksThatResolveAndProblemFilesThatAreWellFormed) {
   EXPECT_EQ(std::system((source("scripts/check_documents") + " " CONDDP_BINARY).c_str()), 0);
+}
+
+TEST(Documents, ShowOutputsThatAreThoseOfTheProgram) {
+  if (kSmallSizes) GTEST_SKIP() << "solves of minutes";
+  EXPECT_EQ(std::system((source("scripts/check_documents") + " --run " CONDDP_BINARY).c_str()), 0);
 }
 
 TEST(CommandLineReference, HasTheExitCodes) {
