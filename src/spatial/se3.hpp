@@ -118,7 +118,7 @@ Matrix3<S> right_jacobian_block(const Motion<S>& m, const RotationCoefficients<S
   const Matrix3<S> c1 = xv + vx + xvx;
   const Matrix3<S> c2 = x * xv + vx * x - S(3.0) * xvx;
   const Matrix3<S> c3 = xvx * x + x * xvx;
-  return S(0.5) * v + k.c * c1 + k.d * c2 + (S(0.5) * (k.d - S(3.0) * k.e)) * c3;
+  return S(0.5) * v + k.c * c1 + k.d * c2 + k.e * c3;
 }
 }  // namespace detail
 

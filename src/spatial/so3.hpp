@@ -74,7 +74,7 @@ Matrix3<S> rotation_rpy(const S& roll, const S& pitch, const S& yaw) {
 
 /// The coefficients of the exponential maps of SO(3) and SE(3) as functions of t = θ², free of
 /// cancellation: a = sin θ/θ, b = (1 − cos θ)/θ², c = (θ − sin θ)/θ³, d = (½ − b)/θ²,
-/// e = (1/6 − c)/θ², and inv = (1 − a/(2b))/θ² of the inverse Jacobians (regular at θ = π).
+/// e = (3c − b)/(2θ²), and inv = (1 − a/(2b))/θ² of the inverse Jacobians (regular at θ = π).
 template <class S>
 struct RotationCoefficients {
   S a, b, c, d, e, inv;
@@ -95,8 +95,8 @@ struct RotationCoefficients {
                         1.0 / 6227020800, 1.0 / 1307674368000);
     const S ds = series(1.0 / 24, 1.0 / 720, 1.0 / 40320, 1.0 / 3628800, 1.0 / 479001600,
                         1.0 / 87178291200, 1.0 / 20922789888000);
-    const S es = series(1.0 / 120, 1.0 / 5040, 1.0 / 362880, 1.0 / 39916800, 1.0 / 6227020800,
-                        1.0 / 1307674368000, 1.0 / 355687428096000);
+    const S es = series(1.0 / 120, 2.0 / 5040, 3.0 / 362880, 4.0 / 39916800, 5.0 / 6227020800,
+                        6.0 / 1307674368000, 7.0 / 355687428096000);
     const S is =
         S(1.0 / 12) +
         t * (S(1.0 / 720) +
@@ -117,7 +117,7 @@ struct RotationCoefficients {
     b = select(small, bs, bl);
     c = select(small, cs, cl);
     d = select(small, ds, (S(0.5) - bl) * it);
-    e = select(small, es, (S(1.0 / 6) - cl) * it);
+    e = select(small, es, S(0.5) * (S(3.0) * cl - bl) * it);
     inv = select(small, is, (S(1.0) - al / (bl + bl)) * it);
   }
 };

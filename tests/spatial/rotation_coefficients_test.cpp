@@ -26,6 +26,16 @@ struct Series {
   }
 };
 
+/// (3c − b)/(2t) = (d − 3 (1/6 − c)/t)/2, in long double.
+struct LastReference {
+  long double value, slope;
+  explicit LastReference(long double t) {
+    const Series d(t, 4), e(t, 5);
+    value = (d.value - 3 * e.value) / 2;
+    slope = (d.slope - 3 * e.slope) / 2;
+  }
+};
+
 /// (1 − a/(2b))/t without cancellation: (2b − a)/(2bt), where the series of 2b − a begins with t.
 struct InverseReference {
   long double value, slope;
@@ -73,7 +83,7 @@ TEST(RotationCoefficients, AreAccurateOnBothSidesOfTheSeriesThreshold) {
     expect_relative(k.b, Series(t, 2).value, 2e-15, t, "b");
     expect_relative(k.c, Series(t, 3).value, 5e-15, t, "c");
     expect_relative(k.d, Series(t, 4).value, 1e-13, t, "d");
-    expect_relative(k.e, Series(t, 5).value, 1e-12, t, "e");
+    expect_relative(k.e, LastReference(t).value, 1e-12, t, "e");
     expect_relative(k.inv, InverseReference(t).value, 3e-14, t, "inv");
     EXPECT_NEAR(k.a, static_cast<double>(Series(t, 1).value), 1e-15);
   }
@@ -87,7 +97,7 @@ TEST(RotationCoefficients, HaveAccurateDerivatives) {
     expect_relative(k.b.d, Series(t, 2).slope, 1e-13, t, "b");
     expect_relative(k.c.d, Series(t, 3).slope, 1e-12, t, "c");
     expect_relative(k.d.d, Series(t, 4).slope, 1e-11, t, "d");
-    expect_relative(k.e.d, Series(t, 5).slope, 1e-10, t, "e");
+    expect_relative(k.e.d, LastReference(t).slope, 1e-10, t, "e");
     expect_relative(k.inv.d, InverseReference(t).slope, 1e-11, t, "inv");
   }
 }
@@ -99,7 +109,18 @@ TEST(RotationCoefficients, DoNotLoseThemselvesBeyondAHalfTurn) {
     EXPECT_NEAR(k.b, static_cast<double>(Series(t, 2).value), 1e-14);
     EXPECT_NEAR(k.c, static_cast<double>(Series(t, 3).value), 1e-14);
     EXPECT_NEAR(k.d, static_cast<double>(Series(t, 4).value), 1e-14);
-    EXPECT_NEAR(k.e, static_cast<double>(Series(t, 5).value), 1e-14);
+    EXPECT_NEAR(k.e, static_cast<double>(LastReference(t).value), 1e-14);
+  }
+}
+
+// Formulas with powers of θ would cancel there.
+TEST(RotationCoefficients, AreAccurateAfterManyTurns) {
+  for (const double angle : {20.0, 1e3, 1e7}) {
+    const RotationCoefficients<double> k(angle * angle);
+    const long double t = angle, s = std::sin(t), c = std::cos(t);
+    expect_relative(k.c, (t - s) / (t * t * t), 1e-15, angle, "c");
+    expect_relative(k.d, (t * t / 2 - 1 + c) / (t * t * t * t), 1e-15, angle, "d");
+    expect_relative(k.e, (2 * t - 3 * s + t * c) / (2 * t * t * t * t * t), 1e-14, angle, "e");
   }
 }
 
