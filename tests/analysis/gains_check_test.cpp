@@ -68,9 +68,11 @@ struct OpenTrajectory {
     claims.gain_regularization_kind = kind;
     return claims;
   }
-  std::string failures(const SolutionClaims& claims) const {
+  std::string failures(const SolutionClaims& claims,
+                       const DisplacedModel* displaced = nullptr) const {
     std::string names;
-    for (const Check& check : check_gains(*lq.problem, claims, derivatives, hessians(), gap))
+    for (const Check& check :
+         check_gains(*lq.problem, claims, derivatives, hessians(), gap, displaced))
       if (!check.holds) names += "[" + check.name + "]";
     return names;
   }
@@ -120,6 +122,22 @@ TEST(GainsOfASweep, AreComparedEntryByEntry) {
         claims.gains[k] = sweep.K[k];
       }
     }
+}
+
+TEST(GainsOfASweep, MayBeOffByWhatTheModelChangesOnADisplacedTrajectory) {
+  const OpenTrajectory at(2);
+  OpenTrajectory moved(2);
+  DisplacedModel displaced{at.t, at.derivatives, 1};
+  for (int k = 0; k < at.lq.N(); ++k) {
+    moved.lq.knots[k].A(0, 1) += 1e-3;
+    displaced.derivatives[k].step(0, 1) += 1e-3;
+  }
+  const SolutionClaims claims =
+      at.claims(TextbookSweep(moved.lq, at.t, at.gap), 0, RegularizationKind::proximal);
+  EXPECT_NE(at.failures(claims).find("[feedback]"), std::string::npos);
+  EXPECT_EQ(at.failures(claims, &displaced), "");
+  displaced.margin = 1e-3;
+  EXPECT_NE(at.failures(claims, &displaced).find("[feedback]"), std::string::npos);
 }
 
 TEST(GainsOfASweep, AreNotComparedWhereTheAnswerDoesNotSayHowTheyWereFound) {

@@ -204,5 +204,16 @@ TEST(Composer, EveryProblemEndsWithAStatusAndACertificateOrAReason) {
   EXPECT_EQ(coverage.missing(), "");
 }
 
+/// Bodies that turn a million times a step, wrists at thousands of radians a second, free
+/// directions without any cost: a certificate has to tell what rounding does there from a defect.
+TEST(Composer, AnswersThatAreNearlyAllRoundingHaveACertificateToo) {
+  Coverage coverage({});
+  for (const std::uint64_t seed : {543, 20165, 20291, 30395, 31913, 32221, 33013, 34619}) {
+    const ComposedProblem problem = compose_problem(seed);
+    SCOPED_TRACE(fmt::format("seed {}:\n{}", seed, problem.text));
+    EXPECT_FALSE(run(problem, coverage).refused);
+  }
+}
+
 }  // namespace
 }  // namespace conddp

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <random>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -37,13 +39,25 @@ const std::string kDiverged(to_string(SolveStatus::diverged)),
 /// conditioned (contacts far from where they hold, speeds beyond all measure) that the tolerances
 /// above do not cover it.
 struct Noise {
-  double cost = 0, gap = 0, stationarity = 0, state = 0;
+  double cost = 0, gap = 0, stationarity = 0, state = 0, constraint = 0;
+  std::optional<DisplacedModel> displaced;  ///< for the gains
 };
+
+/// The largest change of the entries that are finite.
+double largest_change(const Eigen::Ref<const Eigen::MatrixXd>& a,
+                      const Eigen::Ref<const Eigen::MatrixXd>& b) {
+  double largest = 0;
+  for (Eigen::Index j = 0; j < a.cols(); ++j)
+    for (Eigen::Index i = 0; i < a.rows(); ++i)
+      if (const double change = std::abs(a(i, j) - b(i, j)); std::isfinite(change))
+        largest = std::max(largest, change);
+  return largest;
+}
 
 class Judge {
  public:
-  Judge(const ShootingProblem& problem, const SolutionClaims& claims, const Noise& noise = {})
-      : problem_(problem), claims_(claims), noise_(noise) {}
+  Judge(const ShootingProblem& problem, const SolutionClaims& claims, Noise noise = {})
+      : problem_(problem), claims_(claims), noise_(std::move(noise)) {}
 
   /// Moves all states and controls by 10⁻¹³ of themselves.
   static void displace(Trajectory& trajectory) {
@@ -59,25 +73,27 @@ class Judge {
     }
   }
 
-  /// What changes when all states and controls move so little that only rounding shows.
+  /// What changes when all states and controls move so little that only rounding shows. What an
+  /// evaluation of thousands of operations leaves is more than one rounding of its arguments.
   static Noise measure_noise(const ShootingProblem& problem, const SolutionClaims& claims) {
-    constexpr double kMargin = 10;
+    constexpr double kMargin = 100;
     SolutionClaims moved = claims;
     displace(moved.trajectory);
     Judge here(problem, claims), there(problem, moved);
     here.evaluate();
     there.evaluate();
     const LagrangianGradient a = here.gradient(), b = there.gradient();
-    double stationarity = 0;
+    Noise noise;
+    const double cost = kMargin * std::abs(here.cost_ - there.cost_);
+    noise.cost = std::isfinite(cost) ? cost : 0;
+    noise.gap = kMargin * largest_change(here.gaps_, there.gaps_);
     for (std::size_t k = 0; k < a.control.size(); ++k)
-      if (a.control[k].size() > 0)
-        stationarity = std::max(stationarity, (a.control[k] - b.control[k]).cwiseAbs().maxCoeff());
-    const auto measured = [](double change) {
-      return std::isfinite(change) ? kMargin * change : 0;
-    };
-    return {measured(std::abs(here.cost_ - there.cost_)),
-            measured((here.gaps_ - there.gaps_).cwiseAbs().maxCoeff()), measured(stationarity),
-            measured((a.state - b.state).cwiseAbs().maxCoeff())};
+      noise.stationarity =
+          std::max(noise.stationarity, kMargin * largest_change(a.control[k], b.control[k]));
+    noise.state = kMargin * largest_change(a.state, b.state);
+    noise.constraint = kMargin * largest_change(here.values_, there.values_);
+    noise.displaced = {std::move(moved.trajectory), std::move(there.derivatives_), kMargin};
+    return noise;
   }
 
   Certificate run() {
@@ -239,9 +255,10 @@ class Judge {
     const double value = constrained ? 1 : 0;
     const double multiplier = constrained ? claims_.multipliers.lpNorm<Eigen::Infinity>() : 0;
     figure("constraint violation", claims_.constraint, violation.value,
-           tolerance * std::max(value, violation.size), at(violation));
+           tolerance * std::max(value, violation.size) + noise_.constraint, at(violation));
     figure("complementarity", claims_.complementarity, product.value,
-           tolerance * std::max(multiplier, product.size), at(product));
+           tolerance * std::max(multiplier, product.size) + noise_.constraint * multiplier,
+           at(product));
     found_complementarity_ = product.value;
     if (negative.knot >= 0)
       add({"signs of multipliers", false, Check::kNone, negative.value, 0, at(negative),
@@ -282,7 +299,8 @@ class Judge {
     check_costates(found);
     const auto hessians = gauss_newton_hessians(problem_, claims_.trajectory);
     measure_optimality(hessians);
-    for (Check& check : check_gains(problem_, claims_, derivatives_, hessians, gaps_))
+    for (Check& check : check_gains(problem_, claims_, derivatives_, hessians, gaps_,
+                                    noise_.displaced ? &*noise_.displaced : nullptr))
       add(std::move(check));
   }
 
