@@ -118,12 +118,13 @@ constexpr Tiles kBackward = all_tiles(false, std::make_integer_sequence<int, kTi
 
 }  // namespace
 
-bool cholesky_in_place(LaneBlock A) {
+bool cholesky_in_place(const LaneBlock& A) {
   const int n = A.cols, stride = A.stride;
+  double* const data = A.data;
   for (int j = 0; j < n; ++j) {
-    double* column = A.data + j * stride;
+    double* column = data + j * stride;
     double subtracted = 0;
-    for (int i = 0; i < j; ++i) subtracted += A.data[i * stride + j] * A.data[i * stride + j];
+    for (int i = 0; i < j; ++i) subtracted += data[i * stride + j] * data[i * stride + j];
     const double pivot = column[j];
     // A pivot that cancellation left is noise, and so would be the gains that it gives.
     const double rounding = 4 * std::numeric_limits<double>::epsilon() * subtracted;
@@ -134,7 +135,7 @@ bool cholesky_in_place(LaneBlock A) {
     for (int row = first; row < n; row += kLaneWidth) {
       const Lane x = load_lane(column + row);
       for (int i = j + 1; i < std::min(n, row + kLaneWidth); ++i) {
-        double* other = A.data + i * stride + row;
+        double* other = data + i * stride + row;
         store_lane(other, load_lane(other) - x * Lane(column[i] * inverse));
       }
     }
@@ -147,7 +148,7 @@ bool cholesky_in_place(LaneBlock A) {
   return true;
 }
 
-void solve_rows_in_place(LaneBlock L, LaneBlock B) {
+void solve_rows_in_place(const LaneBlock& L, const LaneBlock& B) {
   const int n = L.cols;
   const int lanes = (B.rows + kLaneWidth - 1) / kLaneWidth;
   const auto columns = [&](const Tiles& tiles, int first, int count) {

@@ -15,9 +15,16 @@ inline void load_columns(Lane (&x)[kLaneWidth], const double* from, int stride) 
 
 inline void load_columns(Lane (&x)[kLaneWidth], const double* from, int stride, int rows,
                          int cols) {
+  const auto load = [&](auto load_column) {
 #pragma GCC unroll 8
-  for (int c = 0; c < kLaneWidth; ++c)
-    x[c] = c < cols ? load_some(from + c * stride, rows) : Lane(0.0);
+    for (int c = 0; c < kLaneWidth; ++c)
+      x[c] = c < cols ? load_column(from + c * stride) : Lane(0.0);
+  };
+  // One choice and one mask for all columns.
+  if (rows >= kLaneWidth)
+    load(load_lane);
+  else
+    load([rows](const double* column) { return load_part(column, rows); });
 }
 
 inline void store_columns(const Lane (&x)[kLaneWidth], double* to, int stride) {
@@ -26,9 +33,15 @@ inline void store_columns(const Lane (&x)[kLaneWidth], double* to, int stride) {
 }
 
 inline void store_columns(const Lane (&x)[kLaneWidth], double* to, int stride, int rows, int cols) {
+  const auto store = [&](auto store_column) {
 #pragma GCC unroll 8
-  for (int c = 0; c < kLaneWidth; ++c)
-    if (c < cols) store_some(to + c * stride, x[c], rows);
+    for (int c = 0; c < kLaneWidth; ++c)
+      if (c < cols) store_column(to + c * stride, x[c]);
+  };
+  if (rows >= kLaneWidth)
+    store(store_lane);
+  else
+    store([rows](double* column, Lane values) { store_part(column, values, rows); });
 }
 
 /// Mirrors a square of the diagonal in registers.
@@ -68,7 +81,7 @@ void transpose(const double* from, int from_stride, int rows, int cols, double* 
     }
 }
 
-void mirror_lower(LaneBlock A, int first_col) {
+void mirror_lower(const LaneBlock& A, int first_col) {
   Lane x[kLaneWidth];
   const int first = first_col / kLaneWidth * kLaneWidth;
   for (int col = 0; col < A.cols; col += kLaneWidth) {
@@ -87,7 +100,7 @@ void mirror_lower(LaneBlock A, int first_col) {
   }
 }
 
-bool copy_symmetric(LaneBlock A, double* to, int to_stride) {
+bool copy_symmetric(const LaneBlock& A, double* to, int to_stride) {
   Lane x[kLaneWidth];
   Lane finite(0.0);  // a sum of zeros, unless a number is not finite
   const auto check = [&] {

@@ -59,7 +59,7 @@ constexpr std::array<std::array<Tile, kTileCols>, kTileLanes> all_tiles(
 /// By lanes − 1 and columns − 1.
 constexpr auto kTiles = all_tiles(std::make_integer_sequence<int, kTileLanes>());
 
-void multiply_tiles(Store mode, bool lower, LaneBlock C, LaneBlock A, Factor B) {
+void multiply_tiles(Store mode, bool lower, const LaneBlock& C, const LaneBlock& A, Factor B) {
   const int lanes = (C.rows + kLaneWidth - 1) / kLaneWidth;
   const int tile_cols = even_tile_cols(lanes, C.cols);
   for (int col = 0; col < C.cols; col += tile_cols) {
@@ -81,11 +81,11 @@ void multiply_tiles(Store mode, bool lower, LaneBlock C, LaneBlock A, Factor B) 
 
 }  // namespace
 
-void multiply(Store store, LaneBlock C, LaneBlock A, Factor B) {
+void multiply(Store store, const LaneBlock& C, const LaneBlock& A, Factor B) {
   multiply_tiles(store, false, C, A, B);
 }
 
-void multiply_lower(Store store, LaneBlock C, LaneBlock A, Factor B) {
+void multiply_lower(Store store, const LaneBlock& C, const LaneBlock& A, Factor B) {
   multiply_tiles(store, true, C, A, B);
 }
 

@@ -24,8 +24,8 @@ struct Factor {
 enum class Store { set, add, subtract };
 
 /// C ←, += or −= A B. C must not overlap A or B.
-void multiply(Store store, LaneBlock C, LaneBlock A, Factor B);
+void multiply(Store store, const LaneBlock& C, const LaneBlock& A, Factor B);
 /// The lower triangle of the same; entries above the diagonal become undefined.
-void multiply_lower(Store store, LaneBlock C, LaneBlock A, Factor B);
+void multiply_lower(Store store, const LaneBlock& C, const LaneBlock& A, Factor B);
 
 }  // namespace conddp

@@ -12,7 +12,8 @@ using StridedView = Eigen::Map<Eigen::MatrixXd, Eigen::Unaligned, Eigen::OuterSt
 using ConstStridedView = Eigen::Map<const Eigen::MatrixXd, Eigen::Unaligned, Eigen::OuterStride<>>;
 
 /// Columns of a LaneMatrix: each begins on a lane and may be read and written to the end of its
-/// last lane.
+/// last lane. Kernels take it by reference: a copy, which does not fit the registers of a call,
+/// would wait for the stores of its fields, and that for longer than a small product takes.
 struct LaneBlock {
   double* data;
   int stride;  ///< from column to column

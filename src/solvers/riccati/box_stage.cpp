@@ -21,7 +21,8 @@ class BoxStage : public StageSolver {
       scratch_.emplace_back(rows, max_nu, options);
   }
 
-  bool solve(const StageProblem& stage, Eigen::Ref<Eigen::VectorXd> k, LaneBlock Kt) override {
+  bool solve(const StageProblem& stage, Eigen::Ref<Eigen::VectorXd> k,
+             const LaneBlock& Kt) override {
     active_set().bound(stage);
     const bool bounded = active_set().holds_any(stage.knot);
     if (bounded)
@@ -54,7 +55,7 @@ class BoxStage : public StageSolver {
   }
 
   /// The stage's minimum between its bounds, from the active set of the sweep before.
-  bool solve_in_box(const StageProblem& stage, Eigen::Ref<Eigen::VectorXd> k, LaneBlock Kt) {
+  bool solve_in_box(const StageProblem& stage, Eigen::Ref<Eigen::VectorXd> k, const LaneBlock& Kt) {
     const int nu = static_cast<int>(k.size());
     Scratch& scratch = scratch_[stage.segment];
     const std::span<BoundState> active = active_set().states(stage.knot);
@@ -110,7 +111,7 @@ class BoxStage : public StageSolver {
   }
 
   /// The stage's minimum with these entries there.
-  bool solve_held(const StageProblem& stage, Eigen::Ref<Eigen::VectorXd> k, LaneBlock Kt) {
+  bool solve_held(const StageProblem& stage, Eigen::Ref<Eigen::VectorXd> k, const LaneBlock& Kt) {
     const int rows = Kt.rows - 1;
     Scratch& scratch = scratch_[stage.segment];
     std::vector<int>& free = scratch.free;

@@ -77,7 +77,7 @@ void GapTransport::pull(ValueFunction& value) const {
   }
 }
 
-void GapTransport::pull(LaneBlock L, Eigen::VectorXd& s) const {
+void GapTransport::pull(const LaneBlock& L, Eigen::VectorXd& s) const {
   if (none_) return;
   s.noalias() += L.view() * gap_;
   if (identity_) return;

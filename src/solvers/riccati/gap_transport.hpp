@@ -34,7 +34,7 @@ class GapTransport {
   void pull(ValueFunction& value) const;
   /// Linear terms of parameters in that value, a row each (L, by ndx), likewise: s ← s + L f̄,
   /// L ← L G.
-  void pull(LaneBlock L, Eigen::VectorXd& s) const;
+  void pull(const LaneBlock& L, Eigen::VectorXd& s) const;
   /// `Vx` ← that of the same.
   void pull_gradient(const ValueFunction& value, Eigen::Ref<Eigen::VectorXd> Vx) const;
   /// Whether G is the identity.

@@ -120,7 +120,8 @@ void NullSpaceStage::complete_basis(const Node& node, int nu) {
   }
 }
 
-bool NullSpaceStage::solve(const StageProblem& stage, Eigen::Ref<Eigen::VectorXd> k, LaneBlock Kt) {
+bool NullSpaceStage::solve(const StageProblem& stage, Eigen::Ref<Eigen::VectorXd> k,
+                           const LaneBlock& Kt) {
   const int nu = Kt.cols, ndx = Kt.rows - 1;
   Node& node = nodes_[stage.knot];
   collect(stage.knot);

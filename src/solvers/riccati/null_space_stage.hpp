@@ -25,7 +25,8 @@ class NullSpaceStage : public StageSolver {
   explicit NullSpaceStage(const ShootingProblem& problem);
 
   void begin_horizon(const Linearization& linearization, const Gaps& gaps) override;
-  bool solve(const StageProblem& stage, Eigen::Ref<Eigen::VectorXd> k, LaneBlock Kt) override;
+  bool solve(const StageProblem& stage, Eigen::Ref<Eigen::VectorXd> k,
+             const LaneBlock& Kt) override;
   void pass(int knot) override;
   bool minimizes_freely() const override { return false; }
 

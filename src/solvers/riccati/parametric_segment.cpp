@@ -8,7 +8,7 @@ namespace {
 
 using StateBlock = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
 
-void transform(const StateBlock& B, const StateManifold::Segment& segment, LaneBlock X) {
+void transform(const StateBlock& B, const StateManifold::Segment& segment, const LaneBlock& X) {
   transform_columns({B.data(), segment.n, 6}, X.data + segment.dx * X.stride, X.stride, X.rows);
 }
 

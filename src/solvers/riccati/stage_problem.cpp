@@ -13,7 +13,7 @@ int largest_nu(const ShootingProblem& problem) {
   return largest;
 }
 
-void StageProblem::negate(int i, LaneBlock to, int j) const {
+void StageProblem::negate(int i, const LaneBlock& to, int j) const {
   const int rows = static_cast<int>(Qxu.rows());
   const double* from = Qxu.col(i).data();
   double* column = to.data + j * to.stride;
@@ -23,7 +23,7 @@ void StageProblem::negate(int i, LaneBlock to, int j) const {
 }
 
 bool StageProblem::solve_free(LaneMatrix& factor, Eigen::Ref<Eigen::VectorXd> k,
-                              LaneBlock Kt) const {
+                              const LaneBlock& Kt) const {
   const int nu = Kt.cols;
   factor.resize(nu, nu);
   for (int j = 0; j < nu; ++j)

@@ -7,7 +7,8 @@ class UnconstrainedStage : public StageSolver {
  public:
   explicit UnconstrainedStage(int max_nu) : factor_(max_nu, max_nu) {}
 
-  bool solve(const StageProblem& stage, Eigen::Ref<Eigen::VectorXd> k, LaneBlock Kt) override {
+  bool solve(const StageProblem& stage, Eigen::Ref<Eigen::VectorXd> k,
+             const LaneBlock& Kt) override {
     return stage.solve_free(factor_, k, Kt);
   }
 

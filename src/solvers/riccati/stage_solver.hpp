@@ -24,7 +24,8 @@ class StageSolver {
   /// Writes the update δu = k + K δx: `Kt` is K transposed, as large as Q_xu, and below it one more
   /// row whose content does not matter. False where the stage has no minimum, because (the free
   /// block of) Q_uu is not positive definite.
-  virtual bool solve(const StageProblem& stage, Eigen::Ref<Eigen::VectorXd> k, LaneBlock Kt) = 0;
+  virtual bool solve(const StageProblem& stage, Eigen::Ref<Eigen::VectorXd> k,
+                     const LaneBlock& Kt) = 0;
   /// Called before each sweep with what it goes through.
   virtual void begin_horizon(const Linearization& linearization, const Gaps& gaps) {
     (void)linearization, (void)gaps;

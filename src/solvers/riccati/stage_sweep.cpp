@@ -7,6 +7,20 @@
 #include "solvers/linalg/lane_gemm.hpp"
 
 namespace conddp {
+namespace {
+
+/// Some rows of a matrix.
+template <class Matrix>
+ConstStridedView rows_of(const Matrix& M, int first, int count) {
+  return {M.data() + first, count, M.cols(), Eigen::OuterStride<>(M.outerStride())};
+}
+
+template <class Vector>
+StageProblem::Vector view(const Vector& v) {
+  return {v.data(), v.size()};
+}
+
+}  // namespace
 
 int parameter_row(const ShootingProblem& problem) {
   return (problem.ndx() + kLaneWidth - 1) / kLaneWidth * kLaneWidth;
@@ -44,12 +58,12 @@ bool StageSweep::solve(const SweptHorizon& horizon, int k, SweepRegularization r
     }
   }
   return solve({.knot = k,
-                .Qxu = columns.topRows(ndx),
-                .Quu = columns.bottomRows(nu),
-                .Qu = q_.Qz().tail(nu),
+                .Qxu = rows_of(columns, 0, ndx),
+                .Quu = rows_of(columns, ndx, nu),
+                .Qu = view(q_.Qu()),
                 .u = horizon.trajectory.u(k),
-                .lower = horizon.bounds.lower(k),
-                .upper = horizon.bounds.upper(k)},
+                .lower = view(horizon.bounds.lower(k)),
+                .upper = view(horizon.bounds.upper(k))},
                stages, feedback);
 }
 
@@ -57,12 +71,12 @@ bool StageSweep::solve(const SweptHorizon& horizon, int k,
                        const Eigen::Ref<const Eigen::MatrixXd>& Qxu, int segment,
                        StageSolver& stages, Feedback& feedback) {
   return solve({.knot = k,
-                .Qxu = Qxu,
-                .Quu = q_.Quu(),
-                .Qu = q_.Qz().tail(q_.nu()),
+                .Qxu = rows_of(Qxu, 0, static_cast<int>(Qxu.rows())),
+                .Quu = rows_of(q_.Quu(), 0, q_.nu()),
+                .Qu = view(q_.Qu()),
                 .u = horizon.trajectory.u(k),
-                .lower = horizon.bounds.lower(k),
-                .upper = horizon.bounds.upper(k),
+                .lower = view(horizon.bounds.lower(k)),
+                .upper = view(horizon.bounds.upper(k)),
                 .segment = segment},
                stages, feedback);
 }
