@@ -191,6 +191,9 @@ ShootingProblem with_every_kind(unsigned seed) {
   for (const Softness softness : {Softness::hard, Softness::l1, Softness::l2})
     for (const auto& [first, last] : {std::pair{0, 1}, {3, 3}, {4, 4}})
       for (const bool cone : {false, true}) add(cone ? 3 : 2, first, last, cone, softness);
+  // A lane of rows, and some that fill none.
+  for (const Softness softness : {Softness::hard, Softness::l1})
+    add(kLaneWidth + 3, 0, 1, false, softness);
   return with_constraints(free, list);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "ocp/knot/gauss_newton.hpp"
 #include "ocp/terms/soft_limit.hpp"
 
 namespace conddp {
@@ -40,18 +41,23 @@ S soft_limit(const RowSet<S>& set, const S& penalty) {
 template <class S>
 S augment_bounds(const ConstraintTerm& term, const RowSet<S>& set, const S* penalty,
                  const RowSlopes<S>& to) {
-  S value(0.0);
   const bool limited = term.softness == Softness::l1;
   for (int i = 0; i < term.rows; ++i) {
     const S outside = outside_bounds(to.shifted[i], set.lower[i], set.upper[i]);
     to.weight[i] = limited ? limit_outside(outside, soft_limit(set, penalty[i])) : outside;
-    value += penalty[i] * to.weight[i] * (outside - S(0.5) * to.weight[i]);
     if (to.curvature == nullptr) continue;
     to.curvature[i] = select(to.shifted[i] <= set.lower[i], penalty[i],
                              select(to.shifted[i] >= set.upper[i], penalty[i], S(0.0)));
     if (limited)
       to.curvature[i] =
           select(abs(outside) <= soft_limit(set, penalty[i]), to.curvature[i], S(0.0));
+  }
+  S value(0.0);
+  // Each term of the sum waits for the one before it, and most constraints hold in all rows.
+  if (all_zero(to.weight, term.rows)) return value;
+  for (int i = 0; i < term.rows; ++i) {
+    const S outside = outside_bounds(to.shifted[i], set.lower[i], set.upper[i]);
+    value += penalty[i] * to.weight[i] * (outside - S(0.5) * to.weight[i]);
   }
   return value;
 }
@@ -107,10 +113,10 @@ S augment(const ConstraintTerm& term, const RowSet<S>& set, const RowPenalty<S>&
     detail::augment_pairs(term.rows, given.penalty, g, to);
   else
     value = detail::augment_cone(term, set, given.penalty, to);
-  for (int i = 0; i < term.rows; ++i) {
-    value += given.multiplier[i] * g[i];
+  for (int i = 0; i < term.rows; ++i)
     to.weight[i] = given.penalty[i] * to.weight[i] + given.multiplier[i];
-  }
+  if (all_zero(given.multiplier, term.rows)) return value;
+  for (int i = 0; i < term.rows; ++i) value += given.multiplier[i] * g[i];
   return value;
 }
 

@@ -7,6 +7,7 @@
 
 #include "ocp/problem/by_name.hpp"
 #include "ocp/problem/soft_constraint.hpp"
+#include "solvers/constraints/row_lanes.hpp"
 
 namespace conddp {
 namespace {
@@ -39,13 +40,10 @@ double size(const NodeConstraint& c, const Eigen::Ref<const Eigen::VectorXd>& g)
 }
 
 /// Of shifted values: their constraint adds nothing to the augmented Lagrangian there.
-template <class Values>
-bool is_strictly_inside(const NodeConstraint& c, const Values& shifted) {
+bool is_strictly_inside(const NodeConstraint& c, const Eigen::Ref<const Eigen::VectorXd>& shifted) {
   const int n = c.term->rows;
   if (!c.term->has_bounds()) return shifted.head(n - 1).norm() < shifted[n - 1];
-  for (int r = 0; r < n; ++r)
-    if (!(c.lower[r] < shifted[r] && shifted[r] < c.upper[r])) return false;
-  return true;
+  return all_strictly_inside(shifted.data(), c.lower, c.upper, n);
 }
 
 }  // namespace
@@ -175,11 +173,13 @@ ConstraintNorms AugmentedLagrangian::measure(const Eigen::VectorXd& values) {
   return norms;
 }
 
-bool AugmentedLagrangian::idle(const Eigen::VectorXd& values) const {
+bool AugmentedLagrangian::idle(const Eigen::VectorXd& values) {
   const auto& constraints = problem_.constraints();
   return std::all_of(constraints.begin(), constraints.end(), [&](const NodeConstraint& c) {
-    const int n = c.term->rows;
-    return is_strictly_inside(c, values.segment(c.row, n) + augmentation_.shift.segment(c.row, n));
+    auto shifted = shifted_.segment(c.row, c.term->rows);
+    shifted =
+        values.segment(c.row, shifted.size()) + augmentation_.shift.segment(c.row, shifted.size());
+    return is_strictly_inside(c, shifted);
   });
 }
 

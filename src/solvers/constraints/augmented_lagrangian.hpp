@@ -51,7 +51,7 @@ class AugmentedLagrangian {
   ConstraintNorms measure(const Eigen::VectorXd& values);
   /// Whether all values lie strictly inside of their sets, shifted as they are: then the
   /// constraints add nothing to the cost, nor to its derivatives.
-  bool idle(const Eigen::VectorXd& values) const;
+  bool idle(const Eigen::VectorXd& values);
   /// ν⁺ of the last measure.
   const Eigen::VectorXd& multipliers() const { return next_; }
 

@@ -7,6 +7,7 @@
 #include "ocp/evaluation/matrix_vector.hpp"
 #include "ocp/problem/soft_constraint.hpp"
 #include "ocp/terms/soft_limit.hpp"
+#include "solvers/constraints/row_lanes.hpp"
 
 namespace conddp {
 namespace {
@@ -18,17 +19,22 @@ constexpr double kConeShare = 0.02;
 
 }  // namespace
 
-/// P of a row of bounds at s, and its slope; of a soft one within its limit.
-double HorizonConstraints::outside_row(const Rows& c, int r, double s, double limit) {
-  return limit_outside(outside_bounds(s, c.lower[r], c.upper[r]), limit);
+/// P of rows of bounds at s, from row r on, and their slopes; of soft ones within their limit.
+template <class S>
+inline S HorizonConstraints::outside_row(const Rows& c, int r, const S& s, double limit) {
+  const S lower = load_rows<S>(c.lower + r), upper = load_rows<S>(c.upper + r);
+  return limit_outside(outside_bounds(s, lower, upper), S(limit));
 }
 
 /// At a bound rows of an augmentation count as active, those of costs do not, as where they are
 /// differentiated.
-double HorizonConstraints::row_slope(const Rows& c, int r, double s, double limit) {
-  const double outside = outside_bounds(s, c.lower[r], c.upper[r]);
-  const bool at_bound = !c.cost && (s == c.lower[r] || s == c.upper[r]);
-  return (outside != 0 || at_bound) && std::abs(outside) <= limit ? 1 : 0;
+template <class S>
+inline S HorizonConstraints::row_slope(const Rows& c, int r, const S& s, double limit) {
+  const S lower = load_rows<S>(c.lower + r), upper = load_rows<S>(c.upper + r);
+  const S outside = outside_bounds(s, lower, upper);
+  MaskOf<S> counts = !(outside == S(0.0));
+  if (!c.cost) counts = counts | (s == lower) | (s == upper);
+  return select(counts & (abs(outside) <= S(limit)), S(1.0), S(0.0));
 }
 
 /// P of a cone at s, and its derivative.
@@ -133,10 +139,11 @@ void HorizonConstraints::restart() {
       outside_cone_at(c, s, limit, outside_.data() + c.row, cone_slope_[i].data());
       continue;
     }
-    for (int r = 0; r < c.count; ++r) {
-      outside_[c.row + r] = outside_row(c, r, s[r], limit);
-      slope_[c.row + r] = row_slope(c, r, s[r], limit);
-    }
+    for_each_lane(c.count, [&](auto kind, int r) {
+      const auto at = load_rows<decltype(kind)>(s + r);
+      store_rows(outside_.data() + c.row + r, outside_row(c, r, at, limit));
+      store_rows(slope_.data() + c.row + r, row_slope(c, r, at, limit));
+    });
   }
 }
 
@@ -151,53 +158,62 @@ void HorizonConstraints::shift(const std::vector<Eigen::VectorXd>& z,
   }
 }
 
-void HorizonConstraints::evaluate(const Eigen::VectorXd& s, Eigen::VectorXd& outside) const {
-  for (const Rows& c : rows_) {
-    const double limit = c.limit / penalty_[c.row];
-    if (c.lower == nullptr) {
-      outside_cone_at(c, s.data() + c.row, limit, outside.data() + c.row, nullptr);
-      continue;
-    }
-    for (int r = 0; r < c.count; ++r) outside[c.row + r] = outside_row(c, r, s[c.row + r], limit);
-  }
-}
-
 int HorizonConstraints::revise(const std::vector<Eigen::VectorXd>& z, double allowed,
                                Linearization& linearization, std::optional<int>& last) {
   shift(z, linearization, shifted_);
-  evaluate(shifted_, found_);
-  return squared_error() <= allowed ? 0 : revise(linearization, last);
+  return find_error() <= allowed ? 0 : revise(linearization, last);
 }
 
-/// Σ ρ |P(s) − model|² at what was found. Notes which terms of bounds are off.
-double HorizonConstraints::squared_error() {
+/// found_ ← P(s) at shifted_. Returns Σ ρ |P(s) − model|² and notes which terms of bounds are off.
+double HorizonConstraints::find_error() {
   allowed_ = kExact * outside_.lpNorm<Eigen::Infinity>();
   double sum = 0;
-  for (std::size_t i = 0; i < cone_slope_.size(); ++i) {
-    const Rows& c = rows_[i];
-    if (c.lower != nullptr) {
-      off_[i] = false;
-      for (int row = c.row; row < c.row + c.count; ++row) {
-        const double moved = shifted_[row] - around_[row];
-        const double error = found_[row] - outside_[row] - slope_[row] * moved;
-        sum += penalty_[row] * error * error;
-        const double model = outside_[row] + slope_[row] * moved;
-        off_[i] |= !(std::abs(found_[row] - model) <= allowed_);
-      }
-      continue;
-    }
-    const int n = c.count;
-    auto error = weight_.head(n);
-    auto moved = new_outside_.head(n);
-    moved = shifted_.segment(c.row, n) - around_.segment(c.row, n);
-    error = found_.segment(c.row, n) - outside_.segment(c.row, n);
-    error.noalias() -= cone_slope_[i] * moved;
-    sum += penalty_[c.row] * error.squaredNorm();
-  }
+  for (std::size_t i = 0; i < rows_.size(); ++i)
+    sum += rows_[i].lower != nullptr ? find_bounds_error(rows_[i], off_[i])
+                                     : find_cone_error(rows_[i], cone_slope_[i]);
   return sum;
 }
 
-/// Around shifted_, with P found_ there, after squared_error().
+double HorizonConstraints::find_bounds_error(const Rows& c, char& off) {
+  const double limit = c.limit / penalty_[c.row];
+  double sum = 0;
+  off = false;
+  for_each_lane(c.count, [&](auto kind, int r) {
+    using S = decltype(kind);
+    const int row = c.row + r;
+    const S s = load_rows<S>(shifted_.data() + row);
+    const S found = outside_row(c, r, s, limit);
+    store_rows(found_.data() + row, found);
+    const S outside = load_rows<S>(outside_.data() + row);
+    const S slope = load_rows<S>(slope_.data() + row);
+    // Inactive rows that stay so are most of them.
+    const S zero(0.0);
+    if (!any((!(found == zero)) | (!(outside == zero)) | (!(slope == zero)))) return;
+    const S moved = s - load_rows<S>(around_.data() + row);
+    const S model = outside + slope * moved;
+    const S error = found - outside - slope * moved;
+    if (any(!(abs(found - model) <= S(allowed_)))) off = true;
+    double errors[sizeof(S) / sizeof(double)];
+    store_rows(errors, error);
+    for (std::size_t i = 0; i < std::size(errors); ++i)
+      sum += penalty_[row + i] * errors[i] * errors[i];
+  });
+  return sum;
+}
+
+double HorizonConstraints::find_cone_error(const Rows& c, const Eigen::MatrixXd& slope) {
+  const int n = c.count;
+  outside_cone_at(c, shifted_.data() + c.row, c.limit / penalty_[c.row], found_.data() + c.row,
+                  nullptr);
+  auto error = weight_.head(n);
+  auto moved = new_outside_.head(n);
+  moved = shifted_.segment(c.row, n) - around_.segment(c.row, n);
+  error = found_.segment(c.row, n) - outside_.segment(c.row, n);
+  error.noalias() -= slope * moved;
+  return penalty_[c.row] * error.squaredNorm();
+}
+
+/// Around shifted_, with P found_ there, after find_error().
 int HorizonConstraints::revise(Linearization& linearization, std::optional<int>& last) {
   int changes = 0;
   for (int k = 0; k <= problem_.knots(); ++k) {
@@ -223,8 +239,7 @@ void HorizonConstraints::expect(Linearization& linearization) {
   shifted_ = inside_;
   for (int row = 0; row < shifted_.size(); ++row)
     if (multiplier_[row] != 0) shifted_[row] += multiplier_[row] / penalty_[row];
-  evaluate(shifted_, found_);
-  squared_error();
+  find_error();
   std::optional<int> last;
   revise(linearization, last);
 }

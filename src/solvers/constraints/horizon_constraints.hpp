@@ -76,16 +76,19 @@ class HorizonConstraints {
   void add_barriers(int node);
   void add_cost(int node, int row, int count, const double* lower, const double* upper,
                 double weight);
-  static double outside_row(const Rows& c, int r, double s, double limit);
-  static double row_slope(const Rows& c, int r, double s, double limit);
+  template <class S>
+  static S outside_row(const Rows& c, int r, const S& s, double limit);
+  template <class S>
+  static S row_slope(const Rows& c, int r, const S& s, double limit);
   static void outside_cone_at(const Rows& c, const double* s, double limit, double* p,
                               double* derivative);
   bool revise_bounds(const Rows& c, KnotLinearization& knot, Node& node);
   bool revise_cone(const Rows& c, int index, KnotLinearization& knot, Node& node);
   void keep(const KnotLinearization& knot, Node& node);
-  double squared_error();
+  double find_error();
+  double find_bounds_error(const Rows& c, char& off);
+  double find_cone_error(const Rows& c, const Eigen::MatrixXd& slope);
   int revise(Linearization& linearization, std::optional<int>& last);
-  void evaluate(const Eigen::VectorXd& s, Eigen::VectorXd& outside) const;
   void shift(const std::vector<Eigen::VectorXd>& z, const Linearization& linearization,
              Eigen::VectorXd& values) const;
 

@@ -24,7 +24,11 @@ double largest_of_costs(const Eigen::VectorXd& costs, const Diagonal& whole) {
 
 ControlCurvature::ControlCurvature(const ShootingProblem& problem) : problem_(problem) {
   int rows = 0, controls = 0;
-  for (const NodeConstraint& c : problem.constraints()) rows = std::max(rows, c.term->rows);
+  for (const NodeConstraint& c : problem.constraints()) {
+    if (!c.term->depends_on_control(problem.ndx())) continue;
+    on_controls_.push_back(&c);
+    rows = std::max(rows, c.term->rows);
+  }
   for (int k = 0; k < problem.knots(); ++k) controls = std::max(controls, problem.nu(k));
   costs_.resize(controls);
   shifted_.resize(rows);
@@ -56,12 +60,12 @@ void ControlCurvature::subtract(const NodeConstraint& c, const Linearization& li
 double ControlCurvature::least(const Linearization& linearization,
                                const Augmentation* augmentation) {
   double least = std::numeric_limits<double>::infinity();
-  auto constraint = problem_.constraints().begin();
+  auto constraint = on_controls_.begin();
   for (int k = 0; k < problem_.knots(); ++k) {
     const auto all = linearization.knots[k].hessian().diagonal().tail(problem_.nu(k));
     costs_.head(all.size()) = all;
-    for (; constraint != problem_.constraints().end() && constraint->node == k; ++constraint)
-      if (augmentation != nullptr) subtract(*constraint, linearization, *augmentation);
+    for (; constraint != on_controls_.end() && (*constraint)->node == k; ++constraint)
+      if (augmentation != nullptr) subtract(**constraint, linearization, *augmentation);
     const double largest = largest_of_costs(costs_, all);
     if (largest > 0) least = std::min(least, largest);
   }

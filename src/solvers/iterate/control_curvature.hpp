@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "ocp/evaluation/linearization.hpp"
 #include "ocp/problem/augmentation.hpp"
 
@@ -20,7 +22,8 @@ class ControlCurvature {
                 const Augmentation& augmentation);
 
   const ShootingProblem& problem_;
-  Eigen::VectorXd costs_;  ///< of the controls of a knot
+  std::vector<const NodeConstraint*> on_controls_;  ///< the others add nothing there
+  Eigen::VectorXd costs_;                           ///< of the controls of a knot
   Eigen::VectorXd shifted_, multiplier_, curvature_;
   Eigen::MatrixXd product_;
 };

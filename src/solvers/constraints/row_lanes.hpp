@@ -1,0 +1,44 @@
+#pragma once
+
+#include <type_traits>
+
+#include "spatial/lane_transpose.hpp"
+
+namespace conddp {
+
+/// For formulas of rows of bounds that are templates on the scalar: of a problem's many rows most
+/// are inactive, and a lane of them is passed over at once.
+
+/// The numbers from here on that S holds, one or a lane, and back.
+template <class S>
+S load_rows(const double* from) {
+  if constexpr (std::is_same_v<S, Lane>)
+    return load_lane(from);
+  else
+    return *from;
+}
+inline void store_rows(double* to, double x) { *to = x; }
+inline void store_rows(double* to, Lane x) { store_lane(to, x); }
+
+/// Calls f(S(), r) for the rows r of a constraint: S is Lane as long as there are whole lanes of
+/// rows, then double.
+template <class F>
+void for_each_lane(int rows, F f) {
+  int r = 0;
+  for (; r + kLaneWidth <= rows; r += kLaneWidth) f(Lane(0.0), r);
+  for (; r < rows; ++r) f(0.0, r);
+}
+
+/// Whether lower < value < upper in all rows.
+inline bool all_strictly_inside(const double* values, const double* lower, const double* upper,
+                                int rows) {
+  bool inside = true;
+  for_each_lane(rows, [&](auto kind, int r) {
+    using S = decltype(kind);
+    const S s = load_rows<S>(values + r);
+    inside = inside && !any((!(load_rows<S>(lower + r) < s)) | (!(s < load_rows<S>(upper + r))));
+  });
+  return inside;
+}
+
+}  // namespace conddp
