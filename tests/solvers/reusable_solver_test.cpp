@@ -57,6 +57,43 @@ TEST(ReusableSolver, ForgetsASolveThatFailed) {
   EXPECT_TRUE(solver.solve(bad).control_gradient.empty());
 }
 
+TEST(ReusableSolver, IteratesWithTheGainsOfItsLastSweepAndMeasuresItsAnswer) {
+  ShootingProblem problem = testing::cartpole_swing_up();
+  Trajectory guess = testing::constant_controls(problem, 0.01);
+  Evaluator(problem).simulate(guess);
+  for (const char* name : {"ddp", "box_fddp"}) {
+    SCOPED_TRACE(name);
+    ReusableSolver one(problem, name, {.max_iterations = 1});
+    const SolveResult whole = one.solve(guess), quick = one.iterate(guess);
+    EXPECT_EQ(quick.status, SolveStatus::max_iterations);
+    EXPECT_EQ(quick.iterations, 1);
+    EXPECT_DOUBLE_EQ(quick.cost, whole.cost);
+    EXPECT_DOUBLE_EQ(quick.residuals.gap, whole.residuals.gap);
+    EXPECT_EQ(quick.residuals.stationarity, whole.log[0].stationarity);
+    // The policy that led from the guess to the answer leads back.
+    const int last = problem.knots() - 1;
+    for (int k = 0; k <= last; ++k) {
+      EXPECT_EQ(quick.trajectory.u(k), whole.trajectory.u(k));
+      EXPECT_EQ(quick.feedback.K[k].rows(), problem.nu(k));
+    }
+    const Eigen::VectorXd dx = quick.trajectory.x(1) - guess.x(1);
+    const double followed = quick.trajectory.u(1)[0] - (quick.feedback.K[1] * dx)[0];
+    EXPECT_NEAR(followed, guess.u(1)[0] + whole.log[1].step * quick.feedback.k[1][0], 1e-9);
+    EXPECT_NE(quick.feedback.K[last], whole.feedback.K[last]);
+  }
+}
+
+TEST(ReusableSolver, IteratesToTheSameEndWhereItConverges) {
+  ShootingProblem problem = testing::cartpole_swing_up();
+  const Trajectory guess = testing::constant_controls(problem, 0.01);
+  for (const char* name : {"ddp", "box_fddp", "altro", "proxddp"}) {
+    SCOPED_TRACE(name);
+    ReusableSolver solver(problem, name, {});
+    const SolveResult whole = solver.solve(guess);
+    expect_same(solver.iterate(guess), whole);
+  }
+}
+
 TEST(ReusableSolver, BeginsWithMultipliersWhereItsSolverHasAny) {
   const ShootingProblem free = testing::cartpole_swing_up();
   const ShootingProblem problem =

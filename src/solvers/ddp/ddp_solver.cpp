@@ -1,6 +1,7 @@
 #include "solvers/ddp/ddp_solver.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include <fmt/format.h>
@@ -50,24 +51,26 @@ DdpSolver::DdpSolver(const ShootingProblem& problem, const DdpRecipe& recipe,
       outer_(make_outer(problem, bounds_, recipe_, options_, constrained_)),
       globalization_(problem, bounds_, recipe_, options_, iterate_, *outer_, record_),
       check_(problem, bounds_, options_, constrained_),
+      answer_(problem),
       step_start_(problem.create_trajectory()) {
   if (constrained_ && recipe.newton) polish_.emplace(problem, evaluator_, options_);
   if (globalization_.keeps_equalities())
     iterate_.exact_below = std::max(iterate_.exact_below, kNearlyClosed);
 }
 
-const SolveResult& DdpSolver::solve(const Trajectory& guess) {
+const SolveResult& DdpSolver::solve(const Trajectory& guess, LastIterate last) {
   check_shape(problem_, guess);
   record_.begin();
   iterate_.reset();
   globalization_.reset();
   check_.reset();
   if (polish_) polish_->reset();
-  stepping_ = abandoned_ = by_newton_ = false;
+  stepping_ = abandoned_ = by_newton_ = evaluated_ = false;
+  last_step_ = last == LastIterate::evaluated;
   outer_->start(options_.multipliers.get());
   if (start(guess)) {
     iterate();
-    finish();
+    evaluated_ ? evaluate_answer() : finish();
   }
   return record_.finished();
 }
@@ -112,7 +115,10 @@ void DdpSolver::iterate() {
   });
   if (constrained_) fit_outer();
   try {
-    while (run_iteration()) ++record_.row.iteration;
+    while (run_iteration()) {
+      ++record_.row.iteration;
+      if (ends_by_last_step()) break;
+    }
   } catch (const Abandoned&) {
     abandoned_ = true;
     if (stepping_) iterate_.trajectory = step_start_;
@@ -123,6 +129,40 @@ void DdpSolver::iterate() {
 
 /// False where it ends the solve.
 bool DdpSolver::run_iteration() { return linearize() && !ends() && goes_on() && step(); }
+
+/// Ends a solve whose iterations are used up before the last iterate is linearised, where that is
+/// wanted. An iterate at which something is not finite is left to the linearisation.
+bool DdpSolver::ends_by_last_step() {
+  if (!last_step_ || constrained_ || iterate_.linearized ||
+      record_.row.iteration < options_.max_iterations)
+    return false;
+  {
+    const Stopwatch watch(record_.result.times.evaluate);
+    evaluator_.evaluate(iterate_.trajectory, answer_);
+  }
+  if (!std::isfinite(answer_.cost.sum()) || !all_finite(answer_.gap)) return false;
+  evaluated_ = true;
+  return true;
+}
+
+/// Cost and residuals of an iterate that is evaluated alone, with the policy that led to it.
+void DdpSolver::evaluate_answer() {
+  SolveResult& result = record_.result;
+  IterationRecord& row = record_.row;
+  row.cost = result.cost = answer_.cost.sum();
+  Eigen::Index entry = 0, knot = 0;
+  row.gap = answer_.gap.cwiseAbs().maxCoeff(&entry, &knot);
+  row.gap_knot = row.gap > 0 ? static_cast<int>(knot) : -1;
+  outer_->measure(iterate_, row);
+  record_.log_row();
+  record_.end(SolveStatus::max_iterations, "ended after {} iterations: {}", row.iteration,
+              record_.residual_text());
+  result.trajectory = iterate_.trajectory;
+  result.constraint_values = answer_.constraint;
+  write_residuals();
+  result.feedback = globalization_.feedback();
+  result.feedback_regularization = row.regularization;
+}
 
 /// Lets the outer strategy see the first iterate, which may change what is minimised.
 void DdpSolver::fit_outer() {
@@ -227,18 +267,10 @@ void DdpSolver::finish() {
   result.trajectory = iterate_.trajectory;
   if (find_non_finite(iterate_.linearization)) return;
   result.cost = iterate_.linearization.total_cost() + outer_->soft_cost(iterate_);
-  const IterationRecord& row = record_.row;
   iterate_.describe(record_.row);
   outer_->measure(iterate_, record_.row);
   replace_costates();
-  Residuals& residuals = result.residuals;
-  residuals.stationarity = row.stationarity;
-  residuals.stationarity_knot = row.stationarity_knot;
-  residuals.gap = row.gap;
-  residuals.gap_knot = row.gap_knot;
-  residuals.constraint = row.constraint;
-  residuals.constraint_knot = row.constraint_knot;
-  residuals.complementarity = row.complementarity;
+  write_residuals();
   result.constraint_values = iterate_.linearization.constraint;
   if (constrained_) result.constraint_multipliers = *outer_->multipliers();
   end_log();
@@ -250,6 +282,18 @@ void DdpSolver::finish() {
   for (int k = 0; k < problem_.knots(); ++k)
     gradient[k] = iterate_.adjoint.gradient().segment(bounds_.offset(k), problem_.nu(k));
   find_gains();
+}
+
+void DdpSolver::write_residuals() {
+  const IterationRecord& row = record_.row;
+  Residuals& residuals = record_.result.residuals;
+  residuals.stationarity = row.stationarity;
+  residuals.stationarity_knot = row.stationarity_knot;
+  residuals.gap = row.gap;
+  residuals.gap_knot = row.gap_knot;
+  residuals.constraint = row.constraint;
+  residuals.constraint_knot = row.constraint_knot;
+  residuals.complementarity = row.complementarity;
 }
 
 /// Where stiff gains have carried the co-states of a stationary answer away, the answer's are those
@@ -322,7 +366,10 @@ void DdpSolver::find_gains() {
     return;
   }
   if (abandoned_) return;
-  result.feedback_regularization = globalization_.find_gains();
+  if (last_step_ && result.status == SolveStatus::max_iterations && record_.row.iteration > 0)
+    result.feedback_regularization = record_.row.regularization;
+  else
+    result.feedback_regularization = globalization_.find_gains();
   if (result.feedback_regularization) result.feedback = globalization_.feedback();
 }
 

@@ -16,6 +16,13 @@
 
 namespace conddp {
 
+/// What is known of the iterate at which a solve ends because its iterations are used up.
+/// - linearized: everything, by derivatives and a sweep at the iterate;
+/// - evaluated: cost, gap and violation. Gains are those of the sweep that led to it, and the
+///   stationarity is that before the last step. Where constraints enter what is minimised, the
+///   iterate is linearised all the same, for their multipliers, but not swept.
+enum class LastIterate { linearized, evaluated };
+
 /// The loop of all DDP solvers: linearise, test convergence, find a direction and a step, record.
 /// Around minimisations stands an outer strategy, and Newton's method ends the solve where the
 /// recipe has it. Everything is allocated by the constructor, except workspaces of exact Hessians,
@@ -30,7 +37,7 @@ class DdpSolver {
 
   /// The answer stays until the next solve begins. From the second solve on nothing else is
   /// allocated, but for messages of solves that fail.
-  const SolveResult& solve(const Trajectory& guess);
+  const SolveResult& solve(const Trajectory& guess, LastIterate last = LastIterate::linearized);
   /// Moves the answer out of the solver.
   SolveResult take() { return std::move(record_.result); }
 
@@ -39,6 +46,9 @@ class DdpSolver {
   bool end_at_guess(const Trajectory& guess, int bad_knot);
   void iterate();
   bool run_iteration();
+  bool ends_by_last_step();
+  void evaluate_answer();
+  void write_residuals();
   void fit_outer();
   bool ends();
   bool goes_on();
@@ -69,10 +79,13 @@ class DdpSolver {
   Globalization globalization_;
   StationarityCheck check_;
   std::optional<NewtonPolish> polish_;
+  Evaluation answer_;       ///< of an iterate that is evaluated alone
   Trajectory step_start_;   ///< what the step under way began with
   bool stepping_ = false;   ///< a step is under way that began at step_start_
   bool abandoned_ = false;  ///< an iteration was given up half-way
   bool by_newton_ = false;  ///< the solve ended with the polish
+  bool last_step_ = false;  ///< the solve may end without derivatives after its last step
+  bool evaluated_ = false;  ///< and did so
 };
 
 }  // namespace conddp

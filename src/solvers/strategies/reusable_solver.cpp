@@ -32,4 +32,8 @@ ReusableSolver::~ReusableSolver() = default;
 
 const SolveResult& ReusableSolver::solve(const Trajectory& guess) { return solver_->solve(guess); }
 
+const SolveResult& ReusableSolver::iterate(const Trajectory& guess) {
+  return solver_->solve(guess, LastIterate::evaluated);
+}
+
 }  // namespace conddp

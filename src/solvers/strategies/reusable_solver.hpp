@@ -27,6 +27,10 @@ class ReusableSolver {
   /// `infeasible` is a suspicion here. It stays until the next call. A guess of another shape is a
   /// std::invalid_argument.
   const SolveResult& solve(const Trajectory& guess);
+  /// A real-time iteration: the same, but where the iterations are used up the last iterate is not
+  /// linearised. The gains are then those of the sweep that led to it, the stationarity is that of
+  /// the iterate before, and co-states and gradients stay zero.
+  const SolveResult& iterate(const Trajectory& guess);
 
  private:
   std::unique_ptr<DdpSolver> solver_;
