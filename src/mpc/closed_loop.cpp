@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <stdexcept>
 
 #include "base/normal_numbers.hpp"
+#include "mpc/appraisal.hpp"
 
 namespace conddp {
 namespace {
@@ -14,80 +14,6 @@ namespace {
 bool is_finite(const std::vector<double>& x) {
   return std::all_of(x.begin(), x.end(), [](double value) { return std::isfinite(value); });
 }
-
-/// Costs and constraints of the time line at states of the plant.
-class Appraisal {
- public:
-  explicit Appraisal(const TimeLine& line) : line_(line) {
-    const ShootingProblem& problem = line.problem();
-    for (int k = 0; k < problem.knots(); ++k) {
-      auto& batch = batches_[problem.knot(k).model];
-      if (!batch) batch = std::make_unique<KnotBatch<double>>(*problem.knot(k).model);
-    }
-  }
-
-  void add(double time, double length, const double* u, const double* x,
-           ClosedLoopResult& result) const {
-    const int k = line_.at(time).knot;
-    const KnotView& view = line_.problem().knot(k);
-    KnotBatch<double>& batch = *batches_.at(view.model);
-    std::copy_n(view.parameters, view.model->parameter_count(), batch.parameters.begin());
-    std::copy_n(x, view.model->nx(), batch.x.begin());
-    std::copy_n(u, view.model->nu(), batch.u.begin());
-    batch.dt = view.dt;
-    const double share = std::abs(length - view.dt) < kSameTime ? 1 : length / view.dt;
-    batch.cost_scale = view.cost_scale * share;
-    view.model->evaluate(batch.input(), batch.work);
-    result.cost += batch.work.cost;
-    for (const ConstraintTerm& term : view.model->constraints())
-      result.violation = std::max(result.violation, violation(term, view, batch));
-  }
-
- private:
-  static double violation(const ConstraintTerm& term, const KnotView& view,
-                          const KnotBatch<double>& batch) {
-    if (view.parameters[term.active()] == 0 || term.softness != Softness::hard) return 0;
-    const bool bounds = term.has_bounds();
-    return distance_to_set(term, batch.work.constraint.data() + term.row,
-                           bounds ? view.parameters + term.lower() : nullptr,
-                           bounds ? view.parameters + term.upper() : nullptr);
-  }
-
-  const TimeLine& line_;
-  std::map<const KnotModel*, std::unique_ptr<KnotBatch<double>>> batches_;
-};
-
-/// Whether a state meets a condition that ends the loop.
-class StopCheck {
- public:
-  explicit StopCheck(const std::optional<StopCondition>& condition) : condition_(condition) {
-    if (!condition) return;
-    if (condition->model->parameter_count() != static_cast<int>(condition->parameters.size()))
-      throw std::invalid_argument("the stop condition has another number of parameters");
-    batch_ = std::make_unique<KnotBatch<double>>(*condition->model);
-    std::copy(condition->parameters.begin(), condition->parameters.end(),
-              batch_->parameters.begin());
-  }
-
-  bool is_met(const double* x) const {
-    if (!batch_) return false;
-    const KnotModel& model = *condition_->model;
-    std::copy_n(x, model.nx(), batch_->x.begin());
-    model.evaluate(batch_->input(), batch_->work);
-    const double* parameters = condition_->parameters.data();
-    return std::any_of(model.constraints().begin(), model.constraints().end(),
-                       [&](const ConstraintTerm& term) {
-                         const bool bounds = term.has_bounds();
-                         return distance_to_set(term, batch_->work.constraint.data() + term.row,
-                                                bounds ? parameters + term.lower() : nullptr,
-                                                bounds ? parameters + term.upper() : nullptr) > 0;
-                       });
-  }
-
- private:
-  const std::optional<StopCondition>& condition_;
-  std::unique_ptr<KnotBatch<double>> batch_;
-};
 
 /// The plant with the controls of the loop, period by period.
 class Plant {
@@ -173,7 +99,9 @@ class Plant {
     const auto begin = [this](double time, double length, const double* u) {
       if (!goes_on(time)) return false;
       result_.steps.push_back({time, length, x, {u, u + law_.u.size()}});
-      appraisal_.add(time, length, u, x.data(), result_);
+      const StepFigures figures = appraisal_.of_step(time, length, u, x.data());
+      result_.cost += figures.cost;
+      result_.violation = std::max(result_.violation, figures.violation);
       return true;
     };
     return simulate(simulation_at(from), from, to, law_, held_, x.data(), begin) && goes_on(to);
@@ -265,6 +193,7 @@ ClosedLoopResult run_closed_loop(Mpc& mpc, const ClosedLoopOptions& options) {
     mpc.prepare();
     mpc.feedback(sensor.measure(mpc.last_tick().tick, plant.x));
     result.ticks.push_back(mpc.last_tick());
+    if (options.observe) options.observe(mpc);
     if (!plant.advance(from, std::min(mpc.time(), end))) break;
   }
   // A delay may lead the last plan beyond the end of the time line: the one before goes on.

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "mpc/appraisal.hpp"
 #include "mpc/mpc.hpp"
 
 namespace conddp {
@@ -28,12 +29,6 @@ struct MeasurementNoise {
   std::uint64_t seed = 1;
 };
 
-/// Ends the loop where constraints of a node without control do not hold.
-struct StopCondition {
-  std::shared_ptr<const KnotModel> model;
-  std::vector<double> parameters;
-};
-
 struct ClosedLoopOptions {
   double duration = 1;  ///< s
   /// From time 0 on, in order; empty: the plant is the model.
@@ -46,6 +41,8 @@ struct ClosedLoopOptions {
   std::function<void(int tick, std::vector<double>& x)> distort;
   /// Asked before each tick; true ends the loop.
   std::function<bool()> interrupted;
+  /// Gets to see the controller after each tick; null: nobody looks.
+  std::function<void(const Mpc&)> observe;
 };
 
 /// How a closed loop ended.

@@ -233,6 +233,7 @@ void Mpc::prepare() {
   record_ = {.tick = tick_, .time = time()};
   answer_ = nullptr;
   const Stopwatch watch(record_.preparation);
+  const double began = now();
   cut_window(context(), plan_begin(), cut_);
   if (cut_.knots.empty()) throw std::logic_error("the time line has ended");
   window_ = &window_of(cut_);
@@ -240,6 +241,7 @@ void Mpc::prepare() {
   predicted_ = state_;
   predict(in_force_.begin, plan_begin(), predicted_);
   if (options_.iterations) solve_from(predicted_);
+  prepared_in_ = now() - began;
 }
 
 /// Where the plan begins, from what is measured. False where that is not finite; then it begins
@@ -257,6 +259,7 @@ const Eigen::VectorXd& Mpc::feedback(std::span<const double> x) {
           "the measured state has the wrong number of entries");
   require(window_ != nullptr, "prepare() comes first");
   const Stopwatch watch(record_.feedback);
+  asked_at_ = now();
   const bool measured = measure(x);
   if (measured && !options_.iterations) solve_from(state_);
   record_.outcome = measured ? outcome() : TickOutcome::not_finite;
@@ -266,8 +269,13 @@ const Eigen::VectorXd& Mpc::feedback(std::span<const double> x) {
   return in_force_.first;
 }
 
+bool Mpc::is_late() const {
+  if (options_.is_late && options_.is_late(tick_)) return true;
+  return in_force_.plan != &guess_ && prepared_in_ + now() - asked_at_ > options_.tick;
+}
+
 TickOutcome Mpc::outcome() const {
-  if (options_.is_late && options_.is_late(tick_)) return TickOutcome::late;
+  if (is_late()) return TickOutcome::late;
   const bool feasible = is_feasible(answer_->residuals, options_.solver_options.tolerances);
   switch (answer_->status) {
     case SolveStatus::converged:

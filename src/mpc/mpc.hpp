@@ -47,6 +47,10 @@ struct MpcOptions {
   SolverOptions solver_options;
   /// Whether the answer of a tick comes too late; null: never.
   std::function<bool(int tick)> is_late;
+  /// A clock, s. By it, answers come too late whose preparation and feedback take longer than a
+  /// tick together, but for the first plan, which is made before the loop begins. Null: solves take
+  /// no time.
+  std::function<double()> clock;
 };
 
 /// What there is to say of a tick.
@@ -117,6 +121,8 @@ class Mpc {
   void predict(double from, double to, std::vector<double>& x);
   void solve_from(const std::vector<double>& x);
   bool measure(std::span<const double> x);
+  double now() const { return options_.clock ? options_.clock() : 0; }
+  bool is_late() const;
   TickOutcome outcome() const;
   void decide();
 
@@ -134,6 +140,8 @@ class Mpc {
   Policy in_force_, before_;
   int tick_ = 0;
   int failures_ = 0;               ///< in a row
+  double prepared_in_ = 0;         ///< by the clock, s
+  double asked_at_ = 0;            ///< for the control, by the clock, s
   std::vector<double> state_;      ///< where the last plan began, as far as is known
   std::vector<double> predicted_;  ///< where the next one begins
   Eigen::VectorXd control_;

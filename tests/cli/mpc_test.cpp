@@ -90,6 +90,59 @@ TEST_F(MpcCommand, SaysWhichConstraintsAreLeftOut) {
   EXPECT_EQ(dropped("out/mpc.json"), nlohmann::json::array({"force"}));
 }
 
+TEST_F(MpcCommand, LeavesBehindWhatVerifyReplays) {
+  ASSERT_EQ(run({"--set", "solver.threads=2"}, "out").exit_code, 0);
+  const auto verify = [&](const std::string& name, std::vector<std::string> more = {}) {
+    more.insert(more.begin(), {"verify", name});
+    return run_conddp(more, {.folder = folder_.path()});
+  };
+  const ProcessResult good = verify("out/mpc.json");
+  EXPECT_EQ(good.exit_code, 0) << good.out << good.err;
+  EXPECT_EQ(good.err, "");
+  EXPECT_NE(good.out.find("balance: replayed ("), std::string::npos) << good.out;
+  EXPECT_EQ(good.out.find("not checked"), std::string::npos) << good.out;
+  auto document = nlohmann::json::parse(file("out/mpc.json"));
+  document["cost"] = 1;
+  std::filesystem::create_directory(folder_.path() / "out/alone");
+  folder_.write("out/alone/edited.json", document.dump());
+  const ProcessResult bad = verify("out/alone/edited.json");
+  EXPECT_EQ(bad.exit_code, 1);
+  EXPECT_NE(bad.out.find("DOES NOT HOLD: cost: claimed 1, found "), std::string::npos) << bad.out;
+  EXPECT_NE(bad.out.find("not checked: there is no closed_loop.csv"), std::string::npos);
+  for (const char* name : {"out/mpc.json", "out/alone/edited.json"})
+    EXPECT_TRUE(fits_schema("verify", verify(name, {"--json"}).out));
+}
+
+TEST_F(MpcCommand, LeavesNothingThatVerifyTakesFromAnotherFile) {
+  ASSERT_EQ(run({}, "out").exit_code, 0);
+  std::string changed = kBalance;
+  changed.replace(changed.find("tick: 0.02"), 10, "tick: 0.04");
+  folder_.write("balance.yaml", changed);
+  const ProcessResult other = run_conddp({"verify", "out/mpc.json"}, {.folder = folder_.path()});
+  EXPECT_EQ(other.exit_code, 1) << other.err;
+  EXPECT_NE(other.err.find("this file has changed"), std::string::npos) << other.err;
+  EXPECT_NE(other.out.find("configuration: differs from the problem at /mpc/tick"),
+            std::string::npos)
+      << other.out;
+  auto document = nlohmann::json::parse(file("out/mpc.json"));
+  document.erase("end");
+  folder_.write("out/mpc.json", document.dump());
+  const ProcessResult lacking = run_conddp({"verify", "out/mpc.json"}, {.folder = folder_.path()});
+  EXPECT_EQ(lacking.exit_code, 2);
+  EXPECT_NE(lacking.err.find("'end' is missing"), std::string::npos) << lacking.err;
+}
+
+TEST_F(MpcCommand, SaysThatOutputsDifferWhereSolvesAreMeasured) {
+  const ProcessResult result = run({"--realtime"}, "out");
+  EXPECT_NE(result.out.find(" late: outputs differ from run to run\n"), std::string::npos)
+      << result.out << result.err;
+  const std::string text = file("out/mpc.json");
+  EXPECT_TRUE(fits_schema("mpc", text));
+  EXPECT_EQ(nlohmann::json::parse(text)["clock"], "wall");
+  const ProcessResult verified = run_conddp({"verify", "out/mpc.json"}, {.folder = folder_.path()});
+  EXPECT_EQ(verified.exit_code, 0) << verified.out << verified.err;
+}
+
 TEST_F(MpcCommand, OffersTheSolversOfWindowsAlone) {
   const std::string help = run_conddp({"mpc", "--help"}, {.folder = folder_.path()}).out;
   EXPECT_NE(help.find("box_fddp"), std::string::npos) << help;

@@ -226,6 +226,37 @@ TEST(ClosedLoop, FallsBackAfterTicksInARowThatCameTooLate) {
   EXPECT_NE(result.steps[45].u[0], 0);
 }
 
+/// A clock that advances by so much (s) each time it is read.
+std::function<double()> clock_with(std::function<double()> step) {
+  return [time = 0.0, step = std::move(step)]() mutable { return time += step(); };
+}
+
+TEST(ClosedLoop, CountsTicksAsLateWhoseAnswerTookLongerThanATickByTheClock) {
+  Trouble trouble;
+  int reads = 0;  // four a tick, around preparation and feedback; the first tick has no last one
+  trouble.options.clock = clock_with([&reads] {
+    const int tick = ++reads / 4;
+    return tick == 8 || tick == 9 ? 0.026 : 0.024;
+  });
+  const ClosedLoopResult result = trouble.run();
+  expect_balanced(result);
+  ASSERT_EQ(reads, 4 * 100 - 1);
+  for (const TickRecord& tick : result.ticks)
+    EXPECT_EQ(tick.outcome,
+              tick.tick == 8 || tick.tick == 9 ? TickOutcome::late : TickOutcome::planned)
+        << tick.tick;
+  EXPECT_NEAR(result.ticks[9].plan_age, 0.1, 1e-12);
+  EXPECT_EQ(result.ticks[10].plan_age, 0);
+}
+
+TEST(ClosedLoop, HasItsFirstPlanBeforeItBegins) {
+  Trouble trouble;
+  trouble.options.clock = clock_with([] { return 1.0; });
+  const ClosedLoopResult result = trouble.run();
+  for (const TickRecord& tick : result.ticks)
+    EXPECT_EQ(tick.outcome, tick.tick == 0 ? TickOutcome::planned : TickOutcome::late) << tick.tick;
+}
+
 TEST(ClosedLoop, RecoversFromATickWhoseConstraintsCannotHold) {
   const ShootingProblem free =
       testing::tracking_problem(double_integrator(1), Integrator::rk4, 20, 0.1, {1, 0},

@@ -1,6 +1,6 @@
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
-#include <optional>
 
 #include <fmt/format.h>
 
@@ -10,7 +10,6 @@
 #include "base/json/json_text.hpp"
 #include "commands/commands.hpp"
 #include "output/mpc/loop_files.hpp"
-#include "problem_file/build/build_problem.hpp"
 #include "solvers/ddp/family.hpp"
 #include "solvers/strategies/registry.hpp"
 #include "terminal/exit_codes.hpp"
@@ -26,32 +25,13 @@ struct MpcArguments : ProblemArguments {
   bool quiet = false;
   bool json = false;
   bool verbose = false;
+  bool realtime = false;
 };
 
-/// A problem and the closed loop around it.
-struct LoopTask {
-  std::optional<ProblemSpec> spec;
-  std::optional<BuiltProblem> built;
-  std::optional<BuiltMpc> mpc;
-};
-
-/// False where there is nothing to simulate: the reason has been reported.
-bool prepare(const MpcArguments& arguments, LoopTask& task, Diagnostics& out) {
-  task.spec = read_problem_of(arguments, out);
-  if (!task.spec) return false;
-  if (!task.spec->mpc) {
-    out.error({}, fmt::format("{} has no section 'mpc'", task.spec->file.string()),
-              "write 'mpc: {horizon: 1, tick: 0.02, duration: 5}'");
-    return false;
-  }
-  if (task.spec->mpc->repeat.value == AfterTheEnd::kGait) {
-    auto longer = repeat_gait(*task.spec, out);
-    if (!longer) return false;
-    task.spec = std::move(longer);
-  }
-  task.built = build_problem(*task.spec, {.drop = arguments.drop}, out);
-  if (task.built) task.mpc = build_mpc(*task.spec, *task.built, out);
-  return task.mpc.has_value();
+/// The loop of the command line; null where there is nothing to simulate: the reason is reported.
+std::unique_ptr<LoopTask> task_of(const MpcArguments& arguments, Diagnostics& out) {
+  auto spec = read_problem_of(arguments, out);
+  return spec ? build_loop(*std::move(spec), {.drop = arguments.drop}, out) : nullptr;
 }
 
 std::filesystem::path output_folder(const MpcArguments& arguments, const ProblemSpec& spec) {
@@ -79,18 +59,26 @@ std::string times_line(const ClosedLoopResult& result) {
   return line("preparation", preparation) + line("feedback", feedback);
 }
 
+auto count_of(const ClosedLoopResult& result, TickOutcome outcome) {
+  return std::count_if(result.ticks.begin(), result.ticks.end(),
+                       [outcome](const TickRecord& tick) { return tick.outcome == outcome; });
+}
+
 std::string summary(const LoopRun& run, const std::vector<std::filesystem::path>& written) {
   const ClosedLoopResult& result = run.result;
   const auto failed =
-      std::count_if(result.ticks.begin(), result.ticks.end(),
-                    [](const TickRecord& tick) { return tick.outcome != TickOutcome::planned; });
-  std::string text = fmt::format("{}: {} at {:g} s of {:g} s\n", run.spec.name.value,
-                                 to_string(result.end), result.end_time, run.mpc.loop.duration);
+      static_cast<std::ptrdiff_t>(result.ticks.size()) - count_of(result, TickOutcome::planned);
+  std::string text =
+      fmt::format("{}: {} at {:g} s of {:g} s\n", run.task.spec->name.value, to_string(result.end),
+                  result.end_time, run.task.mpc.loop.duration);
   text += fmt::format("{:<12} {} of {:g} s by {}, {} failed\n", "ticks", result.ticks.size(),
-                      run.mpc.controller.tick, run.mpc.controller.solver, failed);
+                      run.task.mpc.controller.tick, run.task.mpc.controller.solver, failed);
   text += fmt::format("{:<12} {:.8g}\n{:<12} {:.2g}\n", "cost", result.cost, "violation",
                       result.violation);
   text += times_line(result);
+  if (run.task.mpc.controller.clock)
+    text += fmt::format("{:<12} of the wall, {} late: outputs differ from run to run\n", "clock",
+                        count_of(result, TickOutcome::late));
   for (const auto& path : written) text += path.string() + '\n';
   return text;
 }
@@ -102,22 +90,27 @@ int exit_code(LoopEnd end) {
   return kExitNotConverged;
 }
 
+/// s
+double wall_clock() {
+  const auto now = std::chrono::steady_clock::now().time_since_epoch();
+  return std::chrono::duration<double>(now).count();
+}
+
 int simulate_file(const MpcArguments& arguments) {
   Diagnostics diagnostics;
-  LoopTask task;
-  const bool ready = prepare(arguments, task, diagnostics);
+  const auto task = task_of(arguments, diagnostics);
   const auto verbosity = arguments.quiet     ? Verbosity::kQuiet
                          : arguments.verbose ? Verbosity::kVerbose
                                              : Verbosity::kNormal;
   print_messages(diagnostics, verbosity);
-  if (!ready) return kExitBadInput;
-  const auto folder = output_folder(arguments, *task.spec);
+  if (!task) return kExitBadInput;
+  const auto folder = output_folder(arguments, *task->spec);
   create_folder(folder);  // before the work, so that none is in vain
   const InterruptGuard guard;
-  task.mpc->loop.interrupted = [] { return InterruptGuard::signal() != 0; };
-  Mpc mpc(task.built->problem, task.built->guess, task.mpc->controller);
-  const ClosedLoopResult result = run_closed_loop(mpc, task.mpc->loop);
-  const LoopRun run{*task.spec, *task.built, *task.mpc, result, settings_of(arguments)};
+  task->mpc.loop.interrupted = [] { return InterruptGuard::signal() != 0; };
+  if (arguments.realtime) task->mpc.controller.clock = wall_clock;
+  const ClosedLoopResult result = run_loop(*task);
+  const LoopRun run{*task, result, settings_of(arguments)};
   const auto written = write_loop(run, folder);
   if (arguments.json)
     print_result(json_text(loop_json(run)));
@@ -154,6 +147,9 @@ Command mpc_command() {
                 .description = "Folder for the outputs; out/<problem name> if nothing is said",
                 .target = &a->folder},
                threads_argument(a->threads, "Threads; results do not depend on it"),
+               flag({"--realtime"}, a->realtime,
+                    "Measure solves: ticks whose preparation and feedback take longer than a tick "
+                    "are late. Outputs then differ from run to run"),
                flag({"--quiet"}, a->quiet, "Print nothing but errors"),
                flag({"--json"}, a->json, "Print mpc.json on stdout"),
                flag({"-v", "--verbose"}, a->verbose, "Print notes too", "--quiet")}),

@@ -1,4 +1,5 @@
 #include <cmath>
+#include <filesystem>
 
 #include <fmt/format.h>
 
@@ -9,6 +10,7 @@
 #include "commands/commands.hpp"
 #include "output/report/certificate_report.hpp"
 #include "output/report/contact_report.hpp"
+#include "output/report/loop_certificate.hpp"
 #include "output/report/solution_certificate.hpp"
 #include "output/solution/finding_report.hpp"
 #include "output/solution/solved_problem.hpp"
@@ -41,7 +43,7 @@ int print(const VerifyArguments& arguments, const ProblemSpec& spec,
                                        {"certificate", certificate_json(certificate)}}));
   } else if (!arguments.quiet) {
     print_result(fmt::format("{}: {}\n", spec.name.value, certificate_line(certificate)));
-    print_result(certificate_table(certificate));
+    print_result(certificate_table(certificate.checks));
     if (!std::isnan(certificate.checks.optimality.stationarity))
       print_result(fmt::format("  {}\n", optimality_line(certificate)));
     if (certificate.contacts)
@@ -54,40 +56,77 @@ int print(const VerifyArguments& arguments, const ProblemSpec& spec,
   return certificate.checks.holds() ? kExitConverged : kExitNotConverged;
 }
 
+int verify_solution(const VerifyArguments& arguments, const OrderedJson& document,
+                    Diagnostics& out) {
+  const auto problem = rebuild_problem(document, arguments.solution, arguments.problem, out);
+  if (!problem) return kExitBadInput;
+  const auto& [spec, built] = *problem;
+  return print(arguments, *spec, certify_solution(document, *spec, built, true));
+}
+
+int print(const VerifyArguments& arguments, const LoopTask& task,
+          const LoopCertificate& certificate) {
+  if (arguments.json) {
+    print_result(json_text(OrderedJson{{"format", "conddp.verify/1"},
+                                       {"solution", arguments.solution},
+                                       {"problem", task.spec->file.string()},
+                                       {"name", task.spec->name.value},
+                                       {"certificate", certificate_json(certificate)}}));
+  } else if (!arguments.quiet) {
+    print_result(fmt::format("{}: {}\n", task.spec->name.value, certificate_line(certificate)));
+    print_result(certificate_table(certificate.checks));
+    for (const std::string& file : certificate.missing)
+      print_result(fmt::format("  not checked: there is no {}\n", file));
+  }
+  return certificate.checks.holds() ? kExitConverged : kExitNotConverged;
+}
+
+int verify_loop(const VerifyArguments& arguments, const OrderedJson& document, Diagnostics& out) {
+  const auto task = rebuild_loop(document, arguments.solution, arguments.problem, out);
+  if (!task) return kExitBadInput;
+  const auto folder = std::filesystem::path(arguments.solution).parent_path();
+  return print(arguments, *task, certify_loop(document, folder, *task));
+}
+
+/// What is kept of a document: of a solution, then of a closed loop.
+constexpr std::string_view kKeys[] = {"problem",
+                                      "solver",
+                                      "status",
+                                      "cost",
+                                      "cost_by_name",
+                                      "iterations",
+                                      "residuals",
+                                      "findings",
+                                      "initial_guess_used",
+                                      "constraints",
+                                      "soft_constraints",
+                                      "dropped_constraints",
+                                      "trajectory",
+                                      "gains",
+                                      "multipliers",
+                                      "log",
+                                      "certificate",
+                                      "nulls",
+                                      "tool",
+                                      "end",
+                                      "end_time_s",
+                                      "ticks",
+                                      "outcomes",
+                                      "late_ticks",
+                                      "fallback_ticks",
+                                      "violation",
+                                      "last_state"};
+
 int verify(const VerifyArguments& arguments) {
+  constexpr DocumentKind kKinds[] = {kSolutionDocument, kLoopDocument};
   Diagnostics diagnostics;
-  const auto give_up = [&] {
-    print_messages(diagnostics, Verbosity::kNormal);
-    return kExitBadInput;
-  };
-  constexpr std::string_view kKeys[] = {"problem",
-                                        "solver",
-                                        "status",
-                                        "cost",
-                                        "cost_by_name",
-                                        "iterations",
-                                        "residuals",
-                                        "findings",
-                                        "initial_guess_used",
-                                        "constraints",
-                                        "soft_constraints",
-                                        "dropped_constraints",
-                                        "trajectory",
-                                        "gains",
-                                        "multipliers",
-                                        "log",
-                                        "certificate",
-                                        "nulls"};
-  const auto loaded = load_document(arguments.solution, kSolutionDocument, kKeys, {}, diagnostics);
-  if (!loaded) return give_up();
-  const OrderedJson document(*loaded);
+  int code = kExitBadInput;
   try {
-    const auto problem =
-        rebuild_problem(document, arguments.solution, arguments.problem, diagnostics);
-    if (!problem) return give_up();
-    const auto& [spec, built] = *problem;
-    print_messages(diagnostics, arguments.quiet ? Verbosity::kQuiet : Verbosity::kNormal);
-    return print(arguments, *spec, certify_solution(document, *spec, built, true));
+    if (const auto loaded = load_document(arguments.solution, kKinds, kKeys, {}, diagnostics)) {
+      const OrderedJson document(*loaded);
+      const auto judge = is_of(kLoopDocument, *loaded) ? verify_loop : verify_solution;
+      code = judge(arguments, document, diagnostics);
+    }
   } catch (const MalformedSolution& malformed) {
     diagnostics.add({.file = arguments.solution,
                      .message = "the solution cannot be used: " + std::string(malformed.what())});
@@ -95,7 +134,9 @@ int verify(const VerifyArguments& arguments) {
     diagnostics.add({.file = arguments.solution,
                      .message = fmt::format("the solution cannot be used: {}", error.what())});
   }
-  return give_up();
+  print_messages(diagnostics,
+                 arguments.quiet && code != kExitBadInput ? Verbosity::kQuiet : Verbosity::kNormal);
+  return code;
 }
 
 }  // namespace
@@ -103,15 +144,16 @@ int verify(const VerifyArguments& arguments) {
 Command verify_command() {
   const auto a = std::make_shared<VerifyArguments>();
   return {.name = "conddp verify",
-          .description = "Check a solution by code that no solver uses",
+          .description = "Check a solution by code that no solver uses, or replay a closed loop",
           .details =
               "Simulates every knot again and compares costs, gaps, bounds, multipliers and the "
               "gradient "
-              "of the Lagrangian with what the solution says of itself. Exit status 0 if all of it "
-              "holds, 1 if not.",
+              "of the Lagrangian with what the solution says of itself. Of an mpc.json, moves the "
+              "plant along closed_loop.csv beside it, and simulates the loop again. Exit status 0 "
+              "if all of it holds, 1 if not.",
           .arguments = {{.names = {"FILE"},
                          .value = "FILE.json",
-                         .description = "Solution",
+                         .description = "Solution, or mpc.json of a closed loop",
                          .required = true,
                          .target = &a->solution},
                         problem_of_solution(

@@ -86,31 +86,41 @@ std::string reason(const Json::exception& e) {
   return std::string(text);
 }
 
-void check_format(const Json& document, const DocumentKind& kind) {
+/// "solution or closed loop".
+std::string words_of(std::span<const DocumentKind> kinds) {
+  std::string words;
+  for (const DocumentKind& kind : kinds)
+    words += (words.empty() ? "" : " or ") + std::string(kind.word);
+  return words;
+}
+
+void check_format(const Json& document, std::span<const DocumentKind> kinds) {
   constexpr std::string_view kVersion = "1";
-  const Json& format = solution_member(document, "format");
-  if (!format.is_string() || !format.get_ref<const std::string&>().starts_with(kind.family))
-    throw MalformedSolution{fmt::format("it is not a {} of conddp", kind.word)};
-  if (const std::string version = format.get<std::string>().substr(kind.family.size());
+  solution_member(document, "format");
+  const auto kind = std::find_if(kinds.begin(), kinds.end(),
+                                 [&](const DocumentKind& k) { return is_of(k, document); });
+  if (kind == kinds.end())
+    throw MalformedSolution{fmt::format("it is not a {} of conddp", words_of(kinds))};
+  if (const std::string version = document["format"].get<std::string>().substr(kind->family.size());
       version != kVersion)
     throw MalformedSolution{
         fmt::format("it has format {}, and this version reads format {}", version, kVersion)};
 }
 
-}  // namespace
-
-std::optional<Json> parse_document(const std::string& text, const std::string& name,
-                                   const DocumentKind& kind, Keys keys, Diagnostics& out) {
+/// Reads a document of one of several kinds.
+std::optional<Json> parse_kinds(const std::string& text, const std::string& name,
+                                std::span<const DocumentKind> kinds, Keys keys, Diagnostics& out) {
   const int source = out.add_source(name, text);
   try {
     Json document = parse(text, keys);
-    check_format(document, kind);
+    check_format(document, kinds);
     return document;
   } catch (const Json::parse_error& e) {
     out.error({mark_at(text, e.byte > 0 ? e.byte - 1 : 0, source, out), {}},
               "not valid JSON: " + reason(e));
   } catch (const MalformedSolution& e) {
-    out.error({{source, 0, 0}, {}}, fmt::format("the {} cannot be used: {}", kind.word, e.what()));
+    out.error({{source, 0, 0}, {}},
+              fmt::format("the {} cannot be used: {}", words_of(kinds), e.what()));
   } catch (const Json::out_of_range& e) {
     // "number overflow parsing '1e999'": the place is where that number stands.
     const std::string_view what = e.what();
@@ -119,19 +129,39 @@ std::optional<Json> parse_document(const std::string& text, const std::string& n
         what.substr(open, what.rfind('\'') > open ? what.rfind('\'') - open : 0);
     const std::size_t byte = number.size() > 1 ? text.find(number.substr(1)) : 0;
     out.error({mark_at(text, byte, source, out), {}},
-              fmt::format("a number of the {} is out of range", kind.word));
+              fmt::format("a number of the {} is out of range", words_of(kinds)));
   } catch (const Json::exception& e) {
-    out.error({{source, 0, 0}, {}}, fmt::format("the {} cannot be used: {}", kind.word, reason(e)));
+    out.error({{source, 0, 0}, {}},
+              fmt::format("the {} cannot be used: {}", words_of(kinds), reason(e)));
   }
   return std::nullopt;
 }
 
+}  // namespace
+
+bool is_of(const DocumentKind& kind, const Json& document) {
+  const auto format = document.find("format");
+  return format != document.end() && format->is_string() &&
+         format->get_ref<const std::string&>().starts_with(kind.family);
+}
+
+std::optional<Json> parse_document(const std::string& text, const std::string& name,
+                                   const DocumentKind& kind, Keys keys, Diagnostics& out) {
+  return parse_kinds(text, name, {&kind, 1}, keys, out);
+}
+
 std::optional<Json> load_document(const std::filesystem::path& file, const DocumentKind& kind,
                                   Keys keys, const Place& place, Diagnostics& out) {
+  return load_document(file, std::span(&kind, 1), keys, place, out);
+}
+
+std::optional<Json> load_document(const std::filesystem::path& file,
+                                  std::span<const DocumentKind> kinds, Keys keys,
+                                  const Place& place, Diagnostics& out) {
   std::string sha256;
   const auto text = read_text(file, kMaxDataBytes, place, sha256, out);
   if (!text) return std::nullopt;
-  return parse_document(*text, file.string(), kind, keys, out);
+  return parse_kinds(*text, file.string(), kinds, keys, out);
 }
 
 }  // namespace conddp

@@ -18,6 +18,7 @@ struct DocumentKind {
   std::string_view word;    ///< what messages call it
 };
 inline constexpr DocumentKind kSolutionDocument{"conddp.solution/", "solution"};
+inline constexpr DocumentKind kLoopDocument{"conddp.mpc/", "closed loop"};
 inline constexpr DocumentKind kBenchDocument{"conddp.bench/", "benchmark"};
 inline constexpr DocumentKind kBestKnownDocument{"conddp.best_known/", "list of best known optima"};
 
@@ -36,5 +37,14 @@ std::optional<nlohmann::json> load_document(const std::filesystem::path& file,
                                             const DocumentKind& kind,
                                             std::span<const std::string_view> keys,
                                             const Place& place, Diagnostics& out);
+
+/// The same where the document may be of several kinds, which is_of() tells apart.
+std::optional<nlohmann::json> load_document(const std::filesystem::path& file,
+                                            std::span<const DocumentKind> kinds,
+                                            std::span<const std::string_view> keys,
+                                            const Place& place, Diagnostics& out);
+
+/// Whether a document that was read is of a kind.
+bool is_of(const DocumentKind& kind, const nlohmann::json& document);
 
 }  // namespace conddp

@@ -8,6 +8,7 @@
 #include "base/files/atomic_file.hpp"
 #include "base/json/json_text.hpp"
 #include "output/solution/csv_cells.hpp"
+#include "output/solution/input_files.hpp"
 #include "output/solution/solution_json.hpp"
 #include "problem_file/expand/expand_problem.hpp"
 
@@ -33,7 +34,7 @@ void append_numbers(const std::vector<double>& numbers, std::string& text) {
 
 /// The phase that a time lies in; behind the end of one that is held, the last one.
 std::string phase_at(const LoopRun& run, const TimeLine& line, double time) {
-  const ShootingProblem& problem = *run.built.problem;
+  const ShootingProblem& problem = *run.task.built.problem;
   return csv_cell(problem.phases()[problem.knot(line.at(time).knot).phase].name);
 }
 
@@ -58,8 +59,8 @@ OrderedJson outcomes_json(const std::vector<TickRecord>& ticks) {
 
 OrderedJson last_state_json(const LoopRun& run) {
   OrderedJson json = OrderedJson::object();
-  for (std::size_t i = 0; i < run.built.state_columns.size(); ++i)
-    json[run.built.state_columns[i].name] = finite_or_null(run.result.last_state[i]);
+  for (std::size_t i = 0; i < run.task.built.state_columns.size(); ++i)
+    json[run.task.built.state_columns[i].name] = finite_or_null(run.result.last_state[i]);
   return json;
 }
 
@@ -69,11 +70,34 @@ OrderedJson dropped_json(const BuiltProblem& built) {
   return names;
 }
 
+/// The ticks whose answers came too late: an input of the loop like its file.
+OrderedJson late_ticks_json(const std::vector<TickRecord>& ticks) {
+  OrderedJson list = OrderedJson::array();
+  for (const TickRecord& tick : ticks)
+    if (tick.outcome == TickOutcome::late) list.push_back(tick.tick);
+  return list;
+}
+
+OrderedJson problem_json(const LoopRun& run) {
+  const LoopTask& task = run.task;
+  return {{"name", task.spec->name.value},
+          {"file", task.spec->file.string()},
+          {"sha256", task.spec->sha256},
+          {"robots", files_json(input_files(task.built).robots)},
+          {"data_files", files_json(data_files(task))},
+          {"overrides", run.overrides},
+          {"configuration", expand_problem(*task.spec, task.built)}};
+}
+
 }  // namespace
 
+std::string closed_loop_header(const LoopTask& task) {
+  return "t [s],phase" + column_headers(task.built, task.built.problem->nx());
+}
+
 std::string closed_loop_csv(const LoopRun& run) {
-  const TimeLine line(run.built.problem, run.mpc.controller.hold);
-  std::string text = "t [s],phase" + column_headers(run.built, run.built.problem->nx()) + '\n';
+  const TimeLine line(run.task.built.problem, run.task.mpc.controller.hold);
+  std::string text = closed_loop_header(run.task) + '\n';
   for (const PlantStep& step : run.result.steps) {
     append_time(step.time, text);
     text += ',' + phase_at(run, line, step.time);
@@ -84,7 +108,7 @@ std::string closed_loop_csv(const LoopRun& run) {
   append_time(run.result.end_time, text);
   text += ',' + phase_at(run, line, run.result.end_time);
   append_numbers(run.result.last_state, text);
-  return text + std::string(run.built.control_columns.size(), ',') + '\n';
+  return text + std::string(run.task.built.control_columns.size(), ',') + '\n';
 }
 
 std::string ticks_csv(const LoopRun& run) {
@@ -115,30 +139,27 @@ OrderedJson loop_json(const LoopRun& run) {
   const auto fallbacks = std::count_if(result.ticks.begin(), result.ticks.end(),
                                        [](const TickRecord& tick) { return tick.fallback; });
   return {{"format", kMpcFormat},
-          {"problem",
-           {{"name", run.spec.name.value},
-            {"file", run.spec.file.string()},
-            {"sha256", run.spec.sha256},
-            {"overrides", run.overrides},
-            {"configuration", expand_problem(run.spec, run.built)}}},
+          {"problem", problem_json(run)},
           {"tool", tool_json()},
-          {"solver", run.mpc.controller.solver},
+          {"solver", run.task.mpc.controller.solver},
+          {"clock", run.task.mpc.controller.clock ? "wall" : "simulated"},
           {"end", to_string(result.end)},
           {"end_time_s", result.end_time},
           {"ticks", result.ticks.size()},
           {"outcomes", outcomes_json(result.ticks)},
+          {"late_ticks", late_ticks_json(result.ticks)},
           {"fallback_ticks", fallbacks},
           {"cost", finite_or_null(result.cost)},
           {"violation", finite_or_null(result.violation)},
-          {"dropped_constraints", dropped_json(run.built)},
+          {"dropped_constraints", dropped_json(run.task.built)},
           {"last_state", last_state_json(run)}};
 }
 
 std::vector<std::filesystem::path> write_loop(const LoopRun& run,
                                               const std::filesystem::path& folder) {
   create_folder(folder);
-  std::vector<std::filesystem::path> paths = {folder / "mpc.json", folder / "closed_loop.csv",
-                                              folder / "ticks.csv", folder / "tick_times.csv"};
+  std::vector<std::filesystem::path> paths = {folder / kLoopFile, folder / kPlantFile,
+                                              folder / kTicksFile, folder / kTickTimesFile};
   AtomicFiles files;
   files.add(paths[0], json_text(loop_json(run)));
   files.add(paths[1], closed_loop_csv(run));

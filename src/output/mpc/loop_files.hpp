@@ -5,21 +5,26 @@
 #include <vector>
 
 #include "base/json/ordered_json.hpp"
-#include "problem_file/build/build_mpc.hpp"
+#include "output/mpc/loop_task.hpp"
 
 namespace conddp {
 
-/// The value of `format` in an mpc.json.
+/// The value of `format` in an mpc.json, and the names of the files of a closed loop.
 inline constexpr std::string_view kMpcFormat = "conddp.mpc/1";
+inline constexpr const char* kLoopFile = "mpc.json";
+inline constexpr const char* kPlantFile = "closed_loop.csv";
+inline constexpr const char* kTicksFile = "ticks.csv";
+inline constexpr const char* kTickTimesFile = "tick_times.csv";
 
 /// All that the files of a closed loop are written from.
 struct LoopRun {
-  const ProblemSpec& spec;  ///< with a section `mpc`
-  const BuiltProblem& built;
-  const BuiltMpc& mpc;
+  const LoopTask& task;
   const ClosedLoopResult& result;
   std::vector<std::string> overrides;  ///< settings of the command line, as given
 };
+
+/// The first line of closed_loop.csv, without its end.
+std::string closed_loop_header(const LoopTask& task);
 
 /// closed_loop.csv: t, phase, states and controls of the plant, one row a step and one for the last
 /// state, which has no controls.
@@ -29,7 +34,7 @@ std::string closed_loop_csv(const LoopRun& run);
 std::string ticks_csv(const LoopRun& run);
 
 /// tick_times.csv: wall-clock times of preparation and feedback, one row a tick. The only file of a
-/// closed loop that differs between two runs.
+/// closed loop with a simulated clock that differs between two runs.
 std::string tick_times_csv(const LoopRun& run);
 
 /// mpc.json: what was simulated and how it ended (schemas/mpc.schema.json).

@@ -103,11 +103,15 @@ OrderedJson check_json(const Check& check) {
 
 }  // namespace
 
-OrderedJson certificate_json(const SolutionCertificate& certificate) {
+OrderedJson checks_json(const Certificate& certificate) {
   OrderedJson checks = OrderedJson::array();
-  for (const Check& check : certificate.checks.checks) checks.push_back(check_json(check));
+  for (const Check& check : certificate.checks) checks.push_back(check_json(check));
+  return checks;
+}
+
+OrderedJson certificate_json(const SolutionCertificate& certificate) {
   OrderedJson json = {{"holds", certificate.checks.holds()},
-                      {"checks", std::move(checks)},
+                      {"checks", checks_json(certificate.checks)},
                       {"time_s", certificate.time_s}};
   json["optimality"] = optimality_json(certificate.checks.optimality);
   if (certificate.contacts)
@@ -118,18 +122,21 @@ OrderedJson certificate_json(const SolutionCertificate& certificate) {
   return json;
 }
 
-std::string certificate_line(const SolutionCertificate& certificate) {
-  const auto& checks = certificate.checks.checks;
-  const int failures = certificate.checks.failures();
-  if (failures == 0)
-    return fmt::format("{} ({} checks)",
-                       certificate.converged ? "certified optimal" : "consistency check passed",
-                       checks.size());
+std::string failure_line(const Certificate& certificate) {
+  const auto& checks = certificate.checks;
   const auto first =
       std::find_if(checks.begin(), checks.end(), [](const Check& c) { return !c.holds; });
   std::string text = "DOES NOT HOLD: " + failure_text(*first);
+  const int failures = certificate.failures();
   if (failures > 1) text += fmt::format("; and {} more", failures - 1);
   return text;
+}
+
+std::string certificate_line(const SolutionCertificate& certificate) {
+  if (!certificate.checks.holds()) return failure_line(certificate.checks);
+  return fmt::format("{} ({} checks)",
+                     certificate.converged ? "certified optimal" : "consistency check passed",
+                     certificate.checks.checks.size());
 }
 
 namespace {
@@ -148,13 +155,13 @@ std::string behind_name(const Check& check) {
 
 }  // namespace
 
-std::string certificate_table(const SolutionCertificate& certificate) {
+std::string certificate_table(const Certificate& certificate) {
   std::size_t width = 4;
-  for (const Check& check : certificate.checks.checks)
+  for (const Check& check : certificate.checks)
     width = std::max<std::size_t>(width, count_characters(check.name));
   std::string text = fmt::format("  {:<{}}  {:>17} {:>17} {:>10}\n", "", width + 6, "claimed",
                                  "found", "tolerance");
-  for (const Check& check : certificate.checks.checks) {
+  for (const Check& check : certificate.checks) {
     const std::string rest = behind_name(check);
     text += fmt::format("  {} ", check.holds ? "ok   " : "FAILS") + check.name;
     if (!rest.empty()) text += std::string(width - count_characters(check.name), ' ') + rest;

@@ -10,12 +10,18 @@ namespace conddp {
 /// The verdict, all checks and the replay if there was one, for solution.json and `verify --json`.
 OrderedJson certificate_json(const SolutionCertificate& certificate);
 
+/// All checks, as that has them: name, verdict, figures, place, message.
+OrderedJson checks_json(const Certificate& certificate);
+
+/// One line: the first check that does not hold, which there must be, and how many more.
+std::string failure_line(const Certificate& certificate);
+
 /// One line: "certified optimal (31 checks)" of an answer that converged, "consistency check passed
 /// (31 checks)" of any other, or the first check that does not hold.
 std::string certificate_line(const SolutionCertificate& certificate);
 
 /// A table of all checks: claimed, found, tolerance, place.
-std::string certificate_table(const SolutionCertificate& certificate);
+std::string certificate_table(const Certificate& certificate);
 
 /// Stationarity along the certificate's own gains and by a plain adjoint, one sentence.
 std::string optimality_line(const SolutionCertificate& certificate);

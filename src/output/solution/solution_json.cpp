@@ -9,6 +9,7 @@
 #include "base/json/number_block.hpp"
 #include "conddp_version.hpp"
 #include "output/solution/finding_report.hpp"
+#include "output/solution/input_files.hpp"
 #include "output/solution/log_columns.hpp"
 #include "problem_file/expand/expand_problem.hpp"
 #include "solvers/common/control_bounds.hpp"
@@ -29,16 +30,12 @@ OrderedJson numbers(const Vector& values, NumberForm form) {
 }
 
 OrderedJson problem_json(const Solution& s) {
-  OrderedJson robots = OrderedJson::array(), data_files = OrderedJson::array();
-  for (const PlantPart& part : s.built.plant.parts)
-    robots.push_back({{"file", part.spec->path.string()}, {"sha256", part.sha256}});
-  for (const InputFile& file : s.built.data_files)
-    data_files.push_back({{"file", file.file}, {"sha256", file.sha256}});
+  const InputFiles files = input_files(s.built);
   return {{"name", s.spec.name.value},
           {"file", s.spec.file.string()},
           {"sha256", s.spec.sha256},
-          {"robots", std::move(robots)},
-          {"data_files", std::move(data_files)},
+          {"robots", files_json(files.robots)},
+          {"data_files", files_json(files.data)},
           {"overrides", s.overrides},
           {"knots", s.built.problem->knots()},
           {"duration_s", s.built.problem->times(s.result.trajectory).back()},

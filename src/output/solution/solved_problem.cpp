@@ -34,17 +34,23 @@ std::vector<InputFile> files(const OrderedJson& array) {
   return all;
 }
 
-Sources sources(const OrderedJson& document) {
+/// Loops name the constraints alone; solutions say by how much they are violated, too.
+std::string dropped_name(const OrderedJson& dropped) {
+  return dropped.is_string() ? dropped.get<std::string>() : solution_text(dropped, "name");
+}
+
+Sources sources(const OrderedJson& document, RebuiltFor kind) {
   const OrderedJson& problem = solution_member(document, "problem");
   Sources s{.problem = solution_text(problem, "file"), .sha256 = solution_text(problem, "sha256")};
   for (const OrderedJson& setting : solution_list(problem, "overrides")) {
     if (!setting.is_string()) throw MalformedSolution{"'overrides' has an entry that is not text"};
-    // Where the solve began has no part in the answer, and that file may be gone.
-    if (std::string value = setting; !value.starts_with("initial_guess"))
+    // Where a solve began has no part in its answer, and that file may be gone.
+    if (std::string value = setting;
+        kind == RebuiltFor::kLoop || !value.starts_with("initial_guess"))
       s.overrides.push_back(std::move(value));
   }
   for (const OrderedJson& dropped : solution_list(document, "dropped_constraints"))
-    s.drop.push_back(solution_text(dropped, "name"));
+    s.drop.push_back(dropped_name(dropped));
   s.robots = files(solution_list(problem, "robots"));
   s.data_files = files(solution_list(problem, "data_files"));
   return s;
@@ -67,17 +73,14 @@ void warn_if_changed(const std::string& what, const std::string& then, const std
   if (then == now) return;
   out.add({.file = what,
            .severity = Severity::kWarning,
-           .message = "this file has changed since the solution was made (its SHA-256 differs)"});
+           .message = "this file has changed since the answer was made (its SHA-256 differs)"});
 }
 
-void compare_files(const Sources& s, const ProblemSpec& spec, const BuiltProblem& built,
-                   Diagnostics& out) {
-  warn_if_changed(spec.file.string(), s.sha256, spec.sha256, out);
-  const auto& parts = built.plant.parts;
-  for (std::size_t i = 0; i < parts.size(); ++i)
-    warn_if_changed(parts[i].spec->path.string(), i < s.robots.size() ? s.robots[i].sha256 : "",
-                    parts[i].sha256, out);
-  for (const InputFile& now : built.data_files)
+void compare_files(const Sources& s, const InputFiles& files, Diagnostics& out) {
+  for (std::size_t i = 0; i < files.robots.size(); ++i)
+    warn_if_changed(files.robots[i].file, i < s.robots.size() ? s.robots[i].sha256 : "",
+                    files.robots[i].sha256, out);
+  for (const InputFile& now : files.data)
     for (const InputFile& then : s.data_files)
       if (fs::path(then.file).filename() == fs::path(now.file).filename())
         warn_if_changed(now.file, then.sha256, now.sha256, out);
@@ -115,43 +118,62 @@ bool may_be_quoted(const Diagnostics& about, const fs::path& problem, const Sour
          std::all_of(about.data_files().begin(), about.data_files().end(), is_known);
 }
 
-std::optional<SolvedProblem> build_from(const fs::path& file, const Sources& s, Diagnostics& out) {
+bool build_from(const fs::path& file, const Sources& s, const BuildAgain& build, Diagnostics& out) {
   auto spec = read_problem(file, s.overrides, out);
-  if (!spec) return std::nullopt;
-  spec->guess = {};
-  auto owned = std::make_unique<const ProblemSpec>(std::move(*spec));
-  auto built = build_problem(*owned, {.drop = s.drop}, out);
-  if (!built) return std::nullopt;
-  compare_files(s, *owned, *built, out);
-  return SolvedProblem{std::move(owned), std::move(*built)};
+  if (!spec) return false;
+  const std::string name = spec->file.string(), sha256 = spec->sha256;
+  const auto files = build(*std::move(spec), s.drop, out);
+  if (!files) return false;
+  warn_if_changed(name, s.sha256, sha256, out);
+  compare_files(s, *files, out);
+  return true;
 }
 
 }  // namespace
 
+bool build_again(RebuiltFor kind, const OrderedJson& document, const std::string& document_file,
+                 const fs::path& problem, const BuildAgain& build, Diagnostics& out) {
+  const Sources s = sources(document, kind);
+  const fs::path file = problem.empty() ? find_problem(s.problem, document_file) : problem;
+  std::error_code error;
+  if (problem.empty() && !fs::exists(file, error)) {
+    out.add({.file = document_file,
+             .message = fmt::format("its problem '{}' is not there", s.problem),
+             .hint = "say with --problem where it is now"});
+    return false;
+  }
+  Diagnostics attempt = out;
+  const bool built = build_from(file, s, build, attempt);
+  const bool named_by_caller = !problem.empty() && s.overrides.empty();
+  // What is wrong with the plant of a loop may quote its robots.
+  const bool quotable = kind == RebuiltFor::kSolution && may_be_quoted(attempt, file, s);
+  if (!built && !named_by_caller && !quotable) {
+    out.add({.file = document_file,
+             .message = fmt::format("its problem '{}' cannot be built", file.string()),
+             .hint = fmt::format("'conddp {} {}'{} says why; --problem takes another file",
+                                 kind == RebuiltFor::kLoop ? "mpc" : "check", file.string(),
+                                 s.overrides.empty() ? "" : " with its settings")});
+    return false;
+  }
+  out = std::move(attempt);
+  return built;
+}
+
 std::optional<SolvedProblem> rebuild_problem(const OrderedJson& document,
                                              const std::string& solution_file,
                                              const fs::path& problem, Diagnostics& out) {
-  const Sources s = sources(document);
-  const fs::path file = problem.empty() ? find_problem(s.problem, solution_file) : problem;
-  std::error_code error;
-  if (problem.empty() && !fs::exists(file, error)) {
-    out.add({.file = solution_file,
-             .message = fmt::format("its problem '{}' is not there", s.problem),
-             .hint = "say with --problem where it is now"});
+  SolvedProblem solved;
+  const auto build = [&](ProblemSpec spec, const std::vector<std::string>& drop,
+                         Diagnostics& own) -> std::optional<InputFiles> {
+    spec.guess = {};
+    solved.spec = std::make_unique<const ProblemSpec>(std::move(spec));
+    auto built = build_problem(*solved.spec, {.drop = drop}, own);
+    if (!built) return std::nullopt;
+    solved.built = *std::move(built);
+    return input_files(solved.built);
+  };
+  if (!build_again(RebuiltFor::kSolution, document, solution_file, problem, build, out))
     return std::nullopt;
-  }
-  Diagnostics attempt = out;
-  auto solved = build_from(file, s, attempt);
-  const bool named_by_caller = !problem.empty() && s.overrides.empty();
-  if (!solved && !named_by_caller && !may_be_quoted(attempt, file, s)) {
-    out.add({.file = solution_file,
-             .message = fmt::format("its problem '{}' cannot be built", file.string()),
-             .hint = fmt::format("'conddp check {}'{} says why; --problem takes another file",
-                                 file.string(),
-                                 s.overrides.empty() ? "" : " with the solution's settings")});
-    return std::nullopt;
-  }
-  out = std::move(attempt);
   return solved;
 }
 

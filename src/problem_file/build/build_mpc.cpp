@@ -353,9 +353,16 @@ class PlantBuilder {
                  "change numbers alone: masses, lengths, gravity");
       return false;
     }
+    if (to_.plant_specs.empty()) list_files(*built);
     to_.plant_specs.push_back(std::move(spec));
     to_.loop.plant.push_back({time, built->problem});
     return true;
+  }
+
+  void list_files(const BuiltProblem& plant) {
+    for (const PlantPart& part : plant.plant.parts)
+      to_.plant_files.push_back({part.spec->path.string(), part.sha256});
+    to_.plant_files.insert(to_.plant_files.end(), plant.data_files.begin(), plant.data_files.end());
   }
 
   bool same_columns(const BuiltProblem& plant) const {

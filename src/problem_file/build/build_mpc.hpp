@@ -15,6 +15,7 @@ struct BuiltMpc {
   ClosedLoopOptions loop;
   /// The files of the plant, where it is not the model.
   std::vector<std::shared_ptr<const ProblemSpec>> plant_specs;
+  std::vector<InputFile> plant_files;  ///< robots and data of such a plant
 };
 
 /// The problem with as many cycles of its gait as a loop needs that repeats it: read again from the

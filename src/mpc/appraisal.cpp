@@ -1,0 +1,64 @@
+#include "mpc/appraisal.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace conddp {
+namespace {
+
+double violation(const ConstraintTerm& term, const KnotBatch<double>& batch,
+                 const double* parameters) {
+  const bool bounds = term.has_bounds();
+  return distance_to_set(term, batch.work.constraint.data() + term.row,
+                         bounds ? parameters + term.lower() : nullptr,
+                         bounds ? parameters + term.upper() : nullptr);
+}
+
+}  // namespace
+
+Appraisal::Appraisal(const TimeLine& line) : line_(line) {
+  const ShootingProblem& problem = line.problem();
+  for (int k = 0; k < problem.knots(); ++k) {
+    auto& batch = batches_[problem.knot(k).model];
+    if (!batch) batch = std::make_unique<KnotBatch<double>>(*problem.knot(k).model);
+  }
+}
+
+StepFigures Appraisal::of_step(double time, double length, const double* u, const double* x) const {
+  const KnotView& view = line_.problem().knot(line_.at(time).knot);
+  KnotBatch<double>& batch = *batches_.at(view.model);
+  std::copy_n(view.parameters, view.model->parameter_count(), batch.parameters.begin());
+  std::copy_n(x, view.model->nx(), batch.x.begin());
+  std::copy_n(u, view.model->nu(), batch.u.begin());
+  batch.dt = view.dt;
+  const double share = std::abs(length - view.dt) < kSameTime ? 1 : length / view.dt;
+  batch.cost_scale = view.cost_scale * share;
+  view.model->evaluate(batch.input(), batch.work);
+  StepFigures figures{.cost = batch.work.cost};
+  for (const ConstraintTerm& term : view.model->constraints())
+    if (view.parameters[term.active()] != 0 && term.softness == Softness::hard)
+      figures.violation = std::max(figures.violation, violation(term, batch, view.parameters));
+  return figures;
+}
+
+StopCheck::StopCheck(const std::optional<StopCondition>& condition) : condition_(condition) {
+  if (!condition) return;
+  if (condition->model->parameter_count() != static_cast<int>(condition->parameters.size()))
+    throw std::invalid_argument("the stop condition has another number of parameters");
+  batch_ = std::make_unique<KnotBatch<double>>(*condition->model);
+  std::copy(condition->parameters.begin(), condition->parameters.end(), batch_->parameters.begin());
+}
+
+bool StopCheck::is_met(const double* x) const {
+  if (!batch_) return false;
+  const KnotModel& model = *condition_->model;
+  std::copy_n(x, model.nx(), batch_->x.begin());
+  model.evaluate(batch_->input(), batch_->work);
+  return std::any_of(model.constraints().begin(), model.constraints().end(),
+                     [&](const ConstraintTerm& term) {
+                       return violation(term, *batch_, condition_->parameters.data()) > 0;
+                     });
+}
+
+}  // namespace conddp

@@ -1,0 +1,59 @@
+#include "output/mpc/loop_task.hpp"
+
+#include <fmt/format.h>
+
+#include "output/solution/solved_problem.hpp"
+#include "problem_file/build/build_problem.hpp"
+
+namespace conddp {
+
+std::unique_ptr<LoopTask> build_loop(ProblemSpec spec, const BuildOptions& options,
+                                     Diagnostics& out) {
+  if (!spec.mpc) {
+    out.error({}, fmt::format("{} has no section 'mpc'", spec.file.string()),
+              "write 'mpc: {horizon: 1, tick: 0.02, duration: 5}'");
+    return nullptr;
+  }
+  if (spec.mpc->repeat.value == AfterTheEnd::kGait) {
+    auto longer = repeat_gait(spec, out);
+    if (!longer) return nullptr;
+    spec = *std::move(longer);
+  }
+  auto task = std::make_unique<LoopTask>();
+  task->spec = std::make_unique<const ProblemSpec>(std::move(spec));
+  auto built = build_problem(*task->spec, options, out);
+  if (!built) return nullptr;
+  task->built = *std::move(built);
+  auto mpc = build_mpc(*task->spec, task->built, out);
+  if (!mpc) return nullptr;
+  task->mpc = *std::move(mpc);
+  return task;
+}
+
+std::unique_ptr<LoopTask> rebuild_loop(const OrderedJson& document, const std::string& file,
+                                       const std::filesystem::path& problem, Diagnostics& out) {
+  std::unique_ptr<LoopTask> task;
+  const auto build = [&](ProblemSpec spec, const std::vector<std::string>& drop,
+                         Diagnostics& own) -> std::optional<InputFiles> {
+    task = build_loop(std::move(spec), {.drop = drop}, own);
+    if (!task) return std::nullopt;
+    return InputFiles{input_files(task->built).robots, data_files(*task)};
+  };
+  if (!build_again(RebuiltFor::kLoop, document, file, problem, build, out)) return nullptr;
+  return task;
+}
+
+std::vector<InputFile> data_files(const LoopTask& task) {
+  std::vector<InputFile> files = task.built.data_files;
+  files.insert(files.end(), task.mpc.plant_files.begin(), task.mpc.plant_files.end());
+  return files;
+}
+
+ClosedLoopResult run_loop(const LoopTask& task, std::function<void(const Mpc&)> observe) {
+  Mpc mpc(task.built.problem, task.built.guess, task.mpc.controller);
+  ClosedLoopOptions options = task.mpc.loop;
+  options.observe = std::move(observe);
+  return run_closed_loop(mpc, options);
+}
+
+}  // namespace conddp

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "base/json/ordered_json.hpp"
+#include "problem_file/build/build_mpc.hpp"
+
+namespace conddp {
+
+/// A problem file and the closed loop around it.
+struct LoopTask {
+  std::unique_ptr<const ProblemSpec> spec;  ///< with as many cycles of its gait as the loop needs
+  BuiltProblem built;
+  BuiltMpc mpc;
+};
+
+/// Builds the loop of a problem file. Null with errors: where the file has no section `mpc`, or
+/// where that has no meaning.
+std::unique_ptr<LoopTask> build_loop(ProblemSpec spec, const BuildOptions& options,
+                                     Diagnostics& out);
+
+/// Builds the loop that an mpc.json was made from again, as rebuild_problem() does for solutions.
+std::unique_ptr<LoopTask> rebuild_loop(const OrderedJson& document, const std::string& file,
+                                       const std::filesystem::path& problem, Diagnostics& out);
+
+/// The files that the plant alone reads, and those with data of the problem.
+std::vector<InputFile> data_files(const LoopTask& task);
+
+/// Simulates the loop. `observe` gets to see the controller after each tick; null: nobody looks.
+ClosedLoopResult run_loop(const LoopTask& task, std::function<void(const Mpc&)> observe = nullptr);
+
+}  // namespace conddp

@@ -1,0 +1,262 @@
+#include "output/report/loop_certificate.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "base/files/source_text.hpp"
+#include "base/files/text_file.hpp"
+#include "base/json/solution_members.hpp"
+#include "base/stopwatch.hpp"
+#include "base/text/csv_line.hpp"
+#include "base/text/strict_number.hpp"
+#include "output/mpc/loop_files.hpp"
+#include "output/mpc/plant_replay.hpp"
+#include "output/report/certificate_report.hpp"
+#include "output/report/configuration_check.hpp"
+#include "output/solution/solution_json.hpp"
+
+namespace conddp {
+namespace {
+
+/// By how much the numbers of two builds may differ, relative to them or 1.
+constexpr double kOtherBuild = 1e-6;
+/// By how much sums over rows may differ through the order of summation, relative to them or 1.
+constexpr double kSummation = 1e-12;
+
+double figure_of(const OrderedJson& value) {
+  return value.is_number() ? value.get<double>() : Check::kNone;
+}
+
+const OrderedJson& member_of(const OrderedJson& document, const std::string& key) {
+  return solution_member(document, key.c_str());
+}
+
+/// A part of an object; null where it has none.
+OrderedJson part_of(const OrderedJson& object, const std::string& key) {
+  return object.is_object() ? object.value(key, OrderedJson()) : OrderedJson();
+}
+
+/// What two texts of tables have in common: the first cell that differs, in words; empty: all.
+std::string first_difference(std::string_view claimed, std::string_view found, double tolerance) {
+  const auto line_of = [](std::string_view& rest) {
+    const std::size_t end = std::min(rest.find('\n'), rest.size());
+    const std::string_view line = rest.substr(0, end);
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+    return line;
+  };
+  const auto same = [tolerance](std::string_view a, std::string_view b) {
+    if (a == b) return true;
+    const auto x = parse_number(a).value, y = parse_number(b).value;
+    return x && y && std::abs(*x - *y) <= tolerance * std::max(1.0, std::abs(*y));
+  };
+  for (int line = 1; !claimed.empty() || !found.empty(); ++line) {
+    if (claimed.empty()) return fmt::format("line {} is missing", line);
+    if (found.empty()) return fmt::format("line {} is one too many", line);
+    const auto a = split_csv_line(line_of(claimed)), b = split_csv_line(line_of(found));
+    if (a.size() != b.size())
+      return fmt::format("line {} has {} cells in place of {}", line, a.size(), b.size());
+    for (std::size_t i = 0; i < a.size(); ++i)
+      if (!same(a[i].text, b[i].text))
+        return fmt::format("line {}, cell {}: '{}' in the file, '{}' in the replay", line, i + 1,
+                           a[i].text, b[i].text);
+  }
+  return {};
+}
+
+class LoopJudge {
+ public:
+  LoopJudge(const OrderedJson& document, const std::filesystem::path& folder, const LoopTask& task)
+      : document_(document),
+        folder_(folder),
+        task_(task),
+        tolerance_(is_of_this_build() ? 0 : kOtherBuild) {}
+
+  LoopCertificate judge() {
+    add(configuration_check(member_of(member_of(document_, "problem"), "configuration"),
+                            *task_.spec, task_.built));
+    judge_plant();
+    judge_loop();
+    return std::move(certificate_);
+  }
+
+ private:
+  /// By keys: a document that was read has them in another order.
+  bool is_of_this_build() const {
+    return OrderedJson::diff(member_of(document_, "tool"), tool_json()).empty();
+  }
+
+  void add(Check check) { certificate_.checks.checks.push_back(std::move(check)); }
+  void state(std::string name, bool holds, std::string message) {
+    add({.name = std::move(name),
+         .holds = holds,
+         .message = holds ? std::string() : std::move(message)});
+  }
+  void figures(std::string name, double claimed, double found, double tolerance,
+               std::string place = {}) {
+    const bool both_missing = std::isnan(claimed) && std::isnan(found);
+    add({.name = std::move(name),
+         .holds = both_missing || std::abs(claimed - found) <= tolerance,
+         .claimed = claimed,
+         .found = found,
+         .tolerance = tolerance,
+         .place = std::move(place)});
+  }
+
+  /// The text of a file beside the document; nothing, remembered, where there is none.
+  std::optional<std::string> file_beside(const char* name) {
+    std::error_code error;
+    if (!std::filesystem::exists(folder_ / name, error)) {
+      certificate_.missing.emplace_back(name);
+      return std::nullopt;
+    }
+    TextFile file = read_text_file(folder_ / name, kMaxDataBytes);
+    if (!file.defect.empty()) {
+      state(name, false, file.defect);
+      return std::nullopt;
+    }
+    return std::move(file.text);
+  }
+
+  /// The rows of the plant, by its equations alone.
+  void judge_plant() {
+    const auto text = file_beside(kPlantFile);
+    if (!text) return;
+    try {
+      compare_plant(read_plant_rows(*text, task_));
+    } catch (const MalformedSolution& malformed) {
+      state("plant", false, malformed.what());
+    }
+  }
+
+  void compare_plant(const PlantRows& rows) {
+    const PlantReplay replay = replay_plant(rows, task_);
+    add({.name = "plant",
+         .holds = replay.excess <= 1,
+         .found = replay.deviation,
+         .tolerance = replay.allowed,
+         .place = replay.place});
+    const double cost = figure_of(member_of(document_, "cost")),
+                 violation = figure_of(member_of(document_, "violation"));
+    figures("plant's cost", cost, finite_or_nan(replay.cost),
+            replay.cost_rounding + kSummation * std::max(1.0, std::abs(replay.cost)));
+    figures("plant's violation", violation, finite_or_nan(replay.violation),
+            kSummation * std::max(1.0, replay.violation));
+    figures("plant's end", figure_of(member_of(document_, "end_time_s")), rows.times.back(),
+            kSameTime);
+    const std::string claimed = solution_text(document_, "end");
+    state("plant's way to end", claimed == to_string(replay.end) && !replay.goes_on_after_end,
+          replay.goes_on_after_end ? "a row before the last one ends the loop"
+                                   : fmt::format("'{}' in the file, '{}' by the last row", claimed,
+                                                 to_string(replay.end)));
+    judge_last_state(rows.x.back());
+  }
+
+  void judge_last_state(const std::vector<double>& x) {
+    std::string message;
+    for (std::size_t i = 0; i < x.size() && message.empty(); ++i) {
+      const std::string& name = task_.built.state_columns[i].name;
+      const double claimed = figure_of(part_of(member_of(document_, "last_state"), name));
+      if (claimed == x[i] || (std::isnan(claimed) && std::isnan(x[i]))) continue;
+      message = fmt::format("{}: {} in the file, {} in the last row", name, claimed, x[i]);
+    }
+    state("plant's last state", message.empty(), message);
+  }
+
+  static double finite_or_nan(double value) { return std::isfinite(value) ? value : Check::kNone; }
+
+  /// The loop once more, with the controller.
+  void judge_loop() {
+    MpcOptions controller = task_.mpc.controller;
+    controller.clock = nullptr;
+    controller.is_late = [late = late_ticks()](int tick) { return late.contains(tick); };
+    ClosedLoopOptions loop = task_.mpc.loop;
+    if (solution_text(document_, "end") == to_string(LoopEnd::interrupted))
+      loop.interrupted = [left = claimed_ticks()]() mutable { return left-- <= 0; };
+    Mpc mpc(task_.built.problem, task_.built.guess, controller);
+    const ClosedLoopResult result = run_closed_loop(mpc, loop);
+    const LoopRun run{task_, result, {}};
+    compare_documents(loop_json(run));
+    compare_table(kPlantFile, closed_loop_csv(run));
+    compare_table(kTicksFile, ticks_csv(run));
+  }
+
+  std::set<int> late_ticks() const {
+    std::set<int> late;
+    for (const OrderedJson& tick : solution_list(document_, "late_ticks")) {
+      if (!tick.is_number_integer()) throw MalformedSolution{"'late_ticks' has no whole numbers"};
+      late.insert(tick.get<int>());
+    }
+    return late;
+  }
+  double claimed_ticks() const {
+    const OrderedJson& ticks = member_of(document_, "ticks");
+    if (!ticks.is_number_integer()) throw MalformedSolution{"'ticks' is not a whole number"};
+    return ticks.get<double>();
+  }
+
+  /// Everything that the document says of the loop.
+  void compare_documents(const OrderedJson& found) {
+    static const std::set<std::string> kBeside = {"format", "problem", "tool", "clock"};
+    for (const auto& [key, value] : found.items())
+      if (!kBeside.contains(key)) compare(key, member_of(document_, key), value);
+  }
+
+  void compare(const std::string& name, const OrderedJson& claimed, const OrderedJson& found) {
+    if (found.is_object()) {
+      for (const auto& [key, value] : found.items())
+        compare(name + "/" + key, part_of(claimed, key), value);
+      return state(name, claimed.size() == found.size(),
+                   fmt::format("{} entries in place of {}", claimed.size(), found.size()));
+    }
+    if (found.is_number() || (found.is_null() && claimed.is_number()))
+      return figures(name, figure_of(claimed), figure_of(found),
+                     tolerance_ * std::max(1.0, std::abs(figure_of(found))));
+    state(name, claimed == found,
+          fmt::format("{} in the file, {} in the replay", claimed.dump(), found.dump()));
+  }
+
+  void compare_table(const char* name, const std::string& found) {
+    if (std::count(certificate_.missing.begin(), certificate_.missing.end(), name) > 0) return;
+    const auto text = file_beside(name);
+    if (!text) return;
+    const std::string difference = first_difference(*text, found, tolerance_);
+    state(name, difference.empty(), difference);
+  }
+
+  const OrderedJson& document_;
+  const std::filesystem::path& folder_;
+  const LoopTask& task_;
+  const double tolerance_;
+  LoopCertificate certificate_;
+};
+
+}  // namespace
+
+LoopCertificate certify_loop(const OrderedJson& document, const std::filesystem::path& folder,
+                             const LoopTask& task) {
+  double seconds = 0;
+  LoopCertificate certificate;
+  {
+    const Stopwatch watch(seconds);
+    certificate = LoopJudge(document, folder, task).judge();
+  }
+  certificate.time_s = seconds;
+  return certificate;
+}
+
+std::string certificate_line(const LoopCertificate& certificate) {
+  if (!certificate.checks.holds()) return failure_line(certificate.checks);
+  return fmt::format("replayed ({} checks)", certificate.checks.checks.size());
+}
+
+OrderedJson certificate_json(const LoopCertificate& certificate) {
+  return {{"holds", certificate.checks.holds()},
+          {"checks", checks_json(certificate.checks)},
+          {"missing_files", certificate.missing},
+          {"time_s", certificate.time_s}};
+}
+
+}  // namespace conddp

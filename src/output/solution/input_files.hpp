@@ -1,0 +1,20 @@
+#pragma once
+
+#include <vector>
+
+#include "base/json/ordered_json.hpp"
+#include "problem_file/build/build.hpp"
+
+namespace conddp {
+
+/// The files that a problem is made of besides its own.
+struct InputFiles {
+  std::vector<InputFile> robots, data;
+};
+
+InputFiles input_files(const BuiltProblem& built);
+
+/// A list of {"file", "sha256"}.
+OrderedJson files_json(const std::vector<InputFile>& files);
+
+}  // namespace conddp

@@ -1,0 +1,169 @@
+// What `verify` finds out about closed loops.
+#include "output/report/loop_certificate.hpp"
+
+#include <fstream>
+
+#include <unistd.h>
+
+#include "base/files/text_file.hpp"
+#include "base/json/solution_members.hpp"
+#include "loop_fixture.hpp"
+#include "output/report/certificate_report.hpp"
+
+namespace conddp {
+namespace {
+
+class LoopVerdict : public testing::Test {
+ protected:
+  LoopVerdict()
+      : folder_(std::filesystem::temp_directory_path() / fmt::format("conddp-loop-{}", getpid())) {}
+  ~LoopVerdict() override { std::filesystem::remove_all(folder_); }
+
+  void write(const SimulatedLoop& loop) const { write_loop(loop.run(), folder_); }
+  LoopCertificate judge(const SimulatedLoop& loop, const OrderedJson& document) const {
+    return certify_loop(document, folder_, *loop.task);
+  }
+  void expect_holds(const SimulatedLoop& loop) const {
+    write(loop);
+    const LoopCertificate certificate = judge(loop, loop_json(loop.run()));
+    EXPECT_TRUE(certificate.checks.holds()) << certificate_table(certificate.checks);
+    EXPECT_TRUE(certificate.missing.empty());
+  }
+  std::string text(const char* name) const { return read_text_file(folder_ / name, 1 << 24).text; }
+  void replace_text(const char* name, const std::string& text) const {
+    std::ofstream(folder_ / name) << text;
+  }
+  /// The names of the checks that fail, in one line.
+  static std::string failures(const LoopCertificate& certificate) {
+    std::string names;
+    for (const Check& check : certificate.checks.checks)
+      if (!check.holds) names += check.name + ';';
+    return names;
+  }
+
+  const std::filesystem::path folder_;
+};
+
+/// A row of a table with another cell.
+std::string with_cell(const std::string& text, int line, int cell, const std::string& value) {
+  std::size_t begin = 0;
+  for (int i = 1; i < line; ++i) begin = text.find('\n', begin) + 1;
+  for (int i = 1; i < cell; ++i) begin = text.find(',', begin) + 1;
+  std::string changed = text;
+  return changed.replace(begin, text.find_first_of(",\n", begin) - begin, value);
+}
+
+TEST_F(LoopVerdict, HoldsOfLoopsWithJumpsNoiseDelayAndAnotherPlant) {
+  expect_holds(SimulatedLoop(kBalancedCartpole));
+}
+
+TEST_F(LoopVerdict, HoldsWhereAPhaseIsAJump) { expect_holds(SimulatedLoop(kBouncingMass)); }
+
+TEST_F(LoopVerdict, HoldsOfARobotThatIsPushedWhileItTrots) {
+  const auto file = std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/quadruped_trot.yaml";
+  expect_holds(SimulatedLoop(read_text_file(file, 1 << 20).text,
+                             {"mpc={horizon: 0.3, tick: 0.02, duration: 0.4, repeat: gait, "
+                              "disturbances: [{at: 0.1, frame: "
+                              "trunk, force: [0, 40, 0], duration: 0.05}]}"}));
+}
+
+TEST_F(LoopVerdict, HoldsOfALoopThatFell) {
+  const SimulatedLoop loop(kBalancedCartpole, {"mpc.disturbances.0.jump.omega=20"});
+  EXPECT_EQ(loop.result.end, LoopEnd::stopped);
+  expect_holds(loop);
+}
+
+TEST_F(LoopVerdict, HoldsOfALoopThatWasInterrupted) {
+  SimulatedLoop loop(kBalancedCartpole);
+  loop.task->mpc.loop.interrupted = [left = 20]() mutable { return left-- == 0; };
+  loop.result = run_loop(*loop.task);
+  loop.task->mpc.loop.interrupted = nullptr;
+  EXPECT_EQ(loop.result.end, LoopEnd::interrupted);
+  expect_holds(loop);
+}
+
+TEST_F(LoopVerdict, ReplaysLateTicksAsTheFileHasThem) {
+  const SimulatedLoop loop(kBalancedCartpole, {}, {10, 11, 12});
+  expect_holds(loop);
+  OrderedJson document = loop_json(loop.run());
+  EXPECT_EQ(document["late_ticks"], (std::vector<int>{10, 11, 12}));
+  document["late_ticks"] = {10, 11};
+  EXPECT_NE(failures(judge(loop, document)).find("outcomes/late;"), std::string::npos);
+}
+
+TEST_F(LoopVerdict, FailsWhereTheDocumentSaysOtherwise) {
+  const SimulatedLoop loop(kBalancedCartpole);
+  write(loop);
+  const OrderedJson document = loop_json(loop.run());
+  const auto failures_of = [&](const char* pointer, const OrderedJson& value) {
+    OrderedJson changed = document;
+    changed[OrderedJson::json_pointer(pointer)] = value;
+    return failures(judge(loop, changed));
+  };
+  EXPECT_EQ(failures_of("/cost", 1), "plant's cost;cost;");
+  EXPECT_EQ(failures_of("/violation", 1), "plant's violation;violation;");
+  EXPECT_EQ(failures_of("/end", "stopped"), "plant's way to end;end;");
+  EXPECT_EQ(failures_of("/end_time_s", 1.4), "plant's end;end_time_s;");
+  EXPECT_EQ(failures_of("/last_state/theta", 3), "plant's last state;last_state/theta;");
+  EXPECT_EQ(failures_of("/outcomes/planned", 74), "outcomes/planned;");
+  EXPECT_EQ(failures_of("/problem/configuration/mpc/tick", 0.03), "configuration;");
+}
+
+TEST_F(LoopVerdict, FailsAtTheRowWhoseStateDoesNotFollow) {
+  const SimulatedLoop loop(kBalancedCartpole);
+  write(loop);
+  const std::string rows = text(kPlantFile);
+  replace_text(kPlantFile, with_cell(rows, 42, 7, "0.5"));  // the control at 0.2 s
+  const LoopCertificate control = judge(loop, loop_json(loop.run()));
+  EXPECT_NE(failures(control).find("plant;"), std::string::npos);
+  EXPECT_NE(certificate_line(control).find("at 0.205 s, "), std::string::npos)
+      << certificate_line(control);
+  replace_text(kPlantFile, with_cell(rows, 42, 4, "3.2"));  // theta
+  EXPECT_NE(certificate_line(judge(loop, loop_json(loop.run()))).find("DOES NOT HOLD: plant: "),
+            std::string::npos);
+}
+
+TEST_F(LoopVerdict, FailsWhereATableIsCutOrNoTable) {
+  const SimulatedLoop loop(kBalancedCartpole);
+  write(loop);
+  const OrderedJson document = loop_json(loop.run());
+  const std::string rows = text(kPlantFile), ticks = text(kTicksFile);
+  replace_text(kTicksFile, with_cell(ticks, 5, 6, "0.125"));
+  EXPECT_EQ(failures(judge(loop, document)), "ticks.csv;");
+  replace_text(kTicksFile, ticks);
+  replace_text(kPlantFile, rows.substr(0, rows.size() / 2));
+  EXPECT_NE(failures(judge(loop, document)).find("plant;"), std::string::npos);
+  replace_text(kPlantFile, "t,phase\n");
+  EXPECT_EQ(failures(judge(loop, document)), "plant;closed_loop.csv;");
+}
+
+TEST_F(LoopVerdict, NamesTheTablesThatAreNotThere) {
+  const SimulatedLoop loop(kBalancedCartpole);
+  const LoopCertificate certificate = judge(loop, loop_json(loop.run()));
+  EXPECT_TRUE(certificate.checks.holds());
+  EXPECT_EQ(certificate.missing, (std::vector<std::string>{"closed_loop.csv", "ticks.csv"}));
+}
+
+TEST_F(LoopVerdict, AllowsAnotherBuildItsLastDigits) {
+  const SimulatedLoop loop(kBalancedCartpole);
+  write(loop);
+  OrderedJson document = loop_json(loop.run());
+  document["fallback_ticks"] = 0;
+  const double cost = document["cost"];
+  document["cost"] = cost * (1 + 1e-13);
+  EXPECT_EQ(failures(judge(loop, document)), "cost;");
+  document["tool"]["revision"] = "another";
+  EXPECT_EQ(failures(judge(loop, document)), "");
+  document["cost"] = cost * 1.01;
+  EXPECT_NE(failures(judge(loop, document)), "");
+}
+
+TEST_F(LoopVerdict, ThrowsWhereTheDocumentLacksKeys) {
+  const SimulatedLoop loop(kBalancedCartpole);
+  OrderedJson document = loop_json(loop.run());
+  document.erase("ticks");
+  EXPECT_THROW(judge(loop, document), MalformedSolution);
+}
+
+}  // namespace
+}  // namespace conddp

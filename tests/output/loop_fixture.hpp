@@ -1,0 +1,78 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "output/mpc/loop_files.hpp"
+#include "problem_file/read/read_problem.hpp"
+
+namespace conddp {
+
+/// A cart-pole near its upright state, which is pushed there and moves otherwise than the model.
+inline constexpr const char* kBalancedCartpole = R"(conddp: 1
+name: balance
+system: {type: cartpole}
+initial_state: {values: {theta: 2.9}}
+integrator: rk4
+phases: [{name: balance, knots: 20, dt: 0.05}]
+costs:
+  state: {residual: state, reference: {values: {theta: 3.141592653589793}}}
+  effort: {residual: control, weight: 0.1}
+constraints: {force: {bounds: control, lower: -10, upper: 10}}
+terminal:
+  costs: {upright: {residual: state, reference: {values: {theta: 3.141592653589793}}, weight: 20}}
+solver: {name: box_fddp}
+mpc:
+  horizon: 1
+  tick: 0.02
+  duration: 1.5
+  delay: 0.005
+  feedback: {rate: 200}
+  plant: {set: {system.pole_mass: 0.25}, dt: 0.005}
+  disturbances: [{at: 1, jump: {omega: 1}}, {noise: state, sigma: 0.001, seed: 3}]
+  stop_when: {fallen: {residual: state, columns: theta, lower: 2.1, upper: 4.2}}
+)";
+
+/// A mass that bounces at 0.5 s.
+inline constexpr const char* kBouncingMass = R"(conddp: 1
+name: bounce
+system: {states: {h: m, v: m/s}, controls: {u: N}, rate: {h: v, v: u - 9.81}}
+initial_state: {values: {h: 1}}
+integrator: rk4
+phases:
+  - {name: down, knots: 10, dt: 0.05}
+  - {name: bounce, jump: {v: -0.8*v}}
+  - {name: up, knots: 10, dt: 0.05}
+costs: {effort: {residual: control}}
+terminal: {costs: {rest: {residual: state, reference: {values: {h: 1}}, weight: 100}}}
+solver: {name: box_fddp}
+mpc: {horizon: 2, duration: 1, repeat: none, tick: 0.05}
+)";
+
+/// A closed loop that has been simulated.
+struct SimulatedLoop {
+  explicit SimulatedLoop(const std::string& text, const std::vector<std::string>& settings = {},
+                         std::set<int> late = {}) {
+    Diagnostics out;
+    auto spec = read_problem_text(
+        text, std::filesystem::path(CONDDP_SOURCE_DIR) / "problems" / "test.yaml", settings, out);
+    if (spec) task = build_loop(*std::move(spec), {}, out);
+    EXPECT_TRUE(task) << format_diagnostics(out, false);
+    if (!task) return;
+    if (!late.empty())
+      task->mpc.controller.is_late = [late](int tick) { return late.contains(tick); };
+    result = run_loop(*task);
+    task->mpc.controller.is_late = nullptr;
+  }
+  LoopRun run() const { return {*task, result, {}}; }
+
+  std::unique_ptr<LoopTask> task;
+  ClosedLoopResult result;
+};
+
+}  // namespace conddp
