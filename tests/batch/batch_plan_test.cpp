@@ -226,6 +226,11 @@ INSTANTIATE_TEST_SUITE_P(
         BadPlan{"solvers: [ilqr, altr0]\n", "plan.yaml:3:17: unknown solver 'altr0'"},
         BadPlan{"solvers: [ipopt, ilqr, ilqr]\n",
                 "plan.yaml:3:24: 'ilqr' stands twice in the list"},
+        BadPlan{"command: loop\n", "plan.yaml:3:10: unknown command 'loop'"},
+        BadPlan{"command: mpc\nkeep: {solutions: all}\n",
+                "plan.yaml:4:7: closed loops have no solutions that could be kept"},
+        BadPlan{"command: mpc\nwarm_start: neighbour\n",
+                "plan.yaml:4:13: closed loops start from the guesses of their problems"},
         BadPlan{"limits: {max_time_s: 0}\n",
                 "plan.yaml:3:22: a number from 0.001 to 1e9 is expected here, not 0"},
         BadPlan{"keep: {solutions: some}\n", "plan.yaml:3:19: unknown answer 'some'"},
@@ -258,19 +263,37 @@ TEST(BatchPlan, EqualDistancesMayBeLargerThanTheLargestNumber) {
   EXPECT_EQ(values, (std::vector<double>{-1e308, 0, 1e308}));
 }
 
+TEST(BatchPlan, ClosedLoopsAreBuiltWithTheirSettings) {
+  const std::string loop = std::string(kSwing) + "mpc: {horizon: 1, tick: 0.1, duration: 1}\n";
+  const PlannedBatch batch(
+      "command: mpc\nlimits: {max_time_s: 5}\nvary: {d: {key: mpc.delay, values: [0, 0.1]}}\n",
+      loop);
+  ASSERT_TRUE(batch.manifest) << batch.error();
+  EXPECT_EQ(batch.manifest->command, BatchCommand::kMpc);
+  // The limit is the worker's, not the solver's.
+  EXPECT_EQ(batch.manifest->items[1].settings, (std::vector<std::string>{"mpc.delay=0.1"}));
+  const PlannedBatch late("command: mpc\nvary: {d: {key: mpc.delay, values: [0, 0.2]}}\n", loop);
+  EXPECT_EQ(late.error().substr(0, 14), "plan.yaml:4:40") << late.error();
+  const PlannedBatch none("command: mpc\n");
+  EXPECT_NE(none.error().find("has no section 'mpc'"), std::string::npos) << none.error();
+}
+
 TEST(BatchPlan, NoAxisMayHaveTheNameOfAColumnOfResults) {
-  for (const char* warm_start : {"none", "neighbour"}) {
-    const PlannedBatch batch(std::string("warm_start: ") + warm_start + "\n");
+  const std::string loop = std::string(kSwing) + "mpc: {horizon: 1, tick: 0.1, duration: 1}\n";
+  for (const char* more : {"warm_start: none\n", "warm_start: neighbour\n", "command: mpc\n"}) {
+    const PlannedBatch batch(more, loop);
     ASSERT_TRUE(batch.manifest) << batch.error();
     std::istringstream header(results_csv(*batch.manifest, {}));
     std::string line, name;
     std::getline(header, line);
     std::istringstream names(line);
     while (std::getline(names, name, ','))
-      EXPECT_TRUE(is_column_of_results(name, batch.manifest->warm_start)) << name;
+      EXPECT_TRUE(is_column_of_results(name, batch.manifest->command, batch.manifest->warm_start))
+          << name;
   }
-  EXPECT_FALSE(is_column_of_results("start", WarmStart::kNone));
-  EXPECT_FALSE(is_column_of_results("w", WarmStart::kNeighbour));
+  EXPECT_FALSE(is_column_of_results("start", BatchCommand::kSolve, WarmStart::kNone));
+  EXPECT_FALSE(is_column_of_results("w", BatchCommand::kSolve, WarmStart::kNeighbour));
+  EXPECT_FALSE(is_column_of_results("iterations", BatchCommand::kMpc, WarmStart::kNone));
 }
 
 TEST(RunFolder, IsDividedOtherwiseButTakesNoOtherPlanOrBuild) {

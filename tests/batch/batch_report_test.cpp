@@ -65,7 +65,7 @@ TEST_F(BatchReport, HasARowForEachItemWithWhatTellsItApart) {
   EXPECT_EQ(rows["values"][1], OrderedJson({"ilqr", "ddp", "ilqr", "ddp", "ilqr", "ddp"}));
   EXPECT_EQ(rows["solved"], OrderedJson({1, 1, 0, 1, 1, nullptr}));  // the last has no result
   EXPECT_EQ(rows["cost"], OrderedJson({10, 9, 8, 7, 6, nullptr}));
-  EXPECT_TRUE(rows["time_s"][5].is_null());
+  EXPECT_TRUE(rows["wall_s"][5].is_null());
 }
 
 TEST_F(BatchReport, NamesTheItemsThatStandOutTheForemostFirst) {

@@ -39,6 +39,8 @@ const std::vector<Case>& cases() {
       {"unknown", "1", false},
       {"solvers", "[\"ilqr\", \"auto\"]", true},
       {"solvers", "[]", false},
+      {"command", "\"mpc\"", true},
+      {"command", "\"loop\"", false},
       {"limits", "{\"max_time_s\": 20, \"max_memory_mb\": 2000, \"retries\": 1}", true},
       {"limits", "{}", true},
       {"limits", "{\"max_time_s\": 0}", false},

@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -141,6 +142,51 @@ TEST_F(MpcCommand, SaysThatOutputsDifferWhereSolvesAreMeasured) {
   EXPECT_EQ(nlohmann::json::parse(text)["clock"], "wall");
   const ProcessResult verified = run_conddp({"verify", "out/mpc.json"}, {.folder = folder_.path()});
   EXPECT_EQ(verified.exit_code, 0) << verified.out << verified.err;
+}
+
+TEST_F(MpcCommand, FindsTheLargestPushThatTheLoopSurvives) {
+  const std::string key = "mpc.disturbances.0.jump.omega";
+  const ProcessResult result = run({"--largest", key + "=[0, 32]"}, "out");
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  const std::string head = key + " is survived up to ";
+  ASSERT_EQ(result.out.find(head), 0u) << result.out;
+  const double largest = std::stod(result.out.substr(head.size()));
+  const auto falls = [&](double push) {
+    return run({"--set", fmt::format("{}={}", key, push)}, "alone").exit_code == 1;
+  };
+  EXPECT_FALSE(falls(largest));
+  EXPECT_TRUE(falls(largest + 0.25));
+  const std::string trials = file("out/largest.csv");
+  EXPECT_EQ(trials.find(key + ",survived,end,time_s,cost,violation\n0,1,finished,2,"), 0u)
+      << trials;
+  EXPECT_EQ(std::count(trials.begin(), trials.end(), '\n'), 1 + 2 + 7);
+  const auto document = nlohmann::json::parse(file("out/mpc.json"));
+  EXPECT_EQ(document["end"], "finished");
+  EXPECT_EQ(document["problem"]["overrides"][0], fmt::format("{}={}", key, largest));
+}
+
+TEST_F(MpcCommand, SaysWhereNoPushIsSurvivedOrAllAre) {
+  const std::string key = "mpc.disturbances.0.jump.omega=";
+  const ProcessResult none = run({"--largest", key + "[20, 30]"}, "out");
+  EXPECT_EQ(none.exit_code, 1) << none.err;
+  EXPECT_NE(none.out.find(" is not survived at 20\n"), std::string::npos) << none.out;
+  EXPECT_EQ(nlohmann::json::parse(file("out/mpc.json"))["end"], "stopped");
+  const ProcessResult all = run({"--largest", key + "[0, 0.5]"}, "out");
+  EXPECT_NE(all.out.find(" is survived up to 0.5, all of the range\n"), std::string::npos)
+      << all.out;
+}
+
+TEST_F(MpcCommand, ReportsRangesThatAreNone) {
+  for (const char* bad : {"mpc.delay", "mpc.delay=3", "mpc.delay=[1]", "mpc.delay=[2, 1]",
+                          "=[1, 2]", "mpc.delay=[0, x]"}) {
+    const ProcessResult result = run({"--largest", bad}, "out");
+    EXPECT_EQ(result.exit_code, 2) << bad;
+    EXPECT_NE(result.err.find("is not KEY=[LOW, HIGH]"), std::string::npos) << result.err;
+  }
+  const ProcessResult unknown = run({"--largest", "mpc.delayed=[0, 1]"}, "out");
+  EXPECT_EQ(unknown.exit_code, 2);
+  EXPECT_NE(unknown.err.find("mpc.delayed"), std::string::npos) << unknown.err;
+  EXPECT_FALSE(std::filesystem::exists(folder_.path() / "out/largest.csv"));
 }
 
 TEST_F(MpcCommand, OffersTheSolversOfWindowsAlone) {

@@ -84,3 +84,40 @@ test('a map leaves out items without a result, and what is not solved says why',
   assert.deepEqual(ours(complaints), []);
   await context.close();
 });
+
+test('a batch of closed loops has a map of those that survived', async () => {
+  const problem = join(folder, 'loop.yaml');
+  writeFileSync(problem, `conddp: 1
+system: {type: pendulum}
+initial_state: {values: {theta: 0.1}}
+phases: [{name: only, knots: 10, dt: 0.05}]
+costs: {state: {residual: state}, effort: {residual: control, weight: 0.1}}
+solver: {name: box_fddp}
+mpc:
+  horizon: 0.5
+  tick: 0.05
+  duration: 0.5
+  disturbances: [{at: 0.2, jump: {omega: 1}}]
+  stop_when: {fast: {residual: state, columns: omega, lower: -5, upper: 5}}
+`);
+  const plan = join(folder, 'loops.yaml');
+  writeFileSync(plan, `conddp_batch: 1
+name: loops
+command: mpc
+problem: ${problem}
+vary:
+  push: {key: mpc.disturbances.0.jump.omega, values: [1, 2, 10]}
+`);
+  const out = join(folder, 'loops_run');
+  run('batch', 'plan', plan, '-o', out);
+  run('batch', 'run', out);
+  run('batch', 'report', out);
+  const {page, context, complaints} = await open(join(out, 'report.html'));
+  assert.match(await page.textContent('#batch'), /2 of 3 items survived/);
+  assert.match(await page.textContent('#batch'), /Did not survive/);
+  const cells = await page.locator('#batch-map .cell').evaluateAll(list => list.map(c => Number(c.dataset.value)));
+  assert.deepEqual(cells, [1, 1, 0]);
+  assert.equal(await page.locator('main').count(), 0);
+  assert.deepEqual(ours(complaints), []);
+  await context.close();
+});

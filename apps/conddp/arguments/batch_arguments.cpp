@@ -89,11 +89,13 @@ const char* const kBatchDetails =
     "status RUN       counts results\n"
     "collect RUN      writes results.csv, times.csv and dataset.h5\n"
     "retry RUN failed|timeout   solves again what was not solved\n"
-    "show RUN ID      writes the problem and the solution of one item\n"
+    "show RUN ID      writes the problem and the solution of one item, or simulates its loop\n"
     "report RUN       writes report.html: counts, maps over what was varied, items that stand out\n"
     "submit RUN       hands the run to a Slurm cluster, an element of an array for each shard\n"
     "Every worker is a process of its own; ending one, or all, loses no more than the items "
-    "under way. Exit status 0: all items are solved; 1: some are not, or have no result yet.";
+    "under way. Exit status 0: all items are solved, or all loops lasted; 1: some are not or did "
+    "not, or have "
+    "no result yet.";
 
 std::vector<Argument> batch_arguments(BatchArguments& arguments) {
   return {

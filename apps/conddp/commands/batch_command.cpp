@@ -139,10 +139,10 @@ std::optional<BatchOptions> options_of(const BatchArguments& arguments, const Ma
   return options;
 }
 
-std::string summary(const BatchProgress& p) {
-  std::string text = fmt::format("{} of {} {} a result, {} of them solved", p.before + p.done,
+std::string summary(const BatchProgress& p, const Manifest& manifest) {
+  std::string text = fmt::format("{} of {} {} a result, {} of them {}", p.before + p.done,
                                  counted(p.items, "item"), p.items == 1 ? "has" : "have",
-                                 p.before + p.done - p.failed);
+                                 p.before + p.done - p.failed, success_word(manifest.command));
   if (p.done > 0)
     text += fmt::format("; {} in {:.3g} s ({:.3g} items/s)", p.done, p.elapsed_s,
                         p.done / std::max(p.elapsed_s, 1e-9));
@@ -169,10 +169,11 @@ int run_pilot(const fs::path& run, const Manifest& manifest, const BatchArgument
       solved += found->second.result.success;
     }
   const double scale = static_cast<double>(count) / static_cast<double>(wanted);
-  print_result(fmt::format(
-      "pilot: {:.0f} of {} solved; all {} take about {} with {}, and {} of solutions\n", solved,
-      wanted, counted(count, "item"), time_words(seconds * scale / options.workers),
-      counted(options.workers, "worker"), size_words(bytes * scale)));
+  print_result(
+      fmt::format("pilot: {:.0f} of {} {}; all {} take about {} with {}, and {} of solutions\n",
+                  solved, wanted, success_word(manifest.command), counted(count, "item"),
+                  time_words(seconds * scale / options.workers), counted(options.workers, "worker"),
+                  size_words(bytes * scale)));
   return exit_code(progress);
 }
 
@@ -212,6 +213,7 @@ void write_tables(const fs::path& run, const Manifest& manifest) {
   files.add(run / "results.csv", results_csv(manifest, results));
   files.add(run / "times.csv", times_csv(manifest, results));
   files.commit();
+  if (manifest.command == BatchCommand::kMpc) return;  // no solutions are kept
   const DatasetCount count = write_dataset(manifest, results, run / "dataset.h5");
   if (count.unreadable == 0) return;
   Diagnostics diagnostics;
@@ -241,7 +243,7 @@ int run_plan_or_folder(const BatchArguments& arguments) {
   if (!options || diagnostics.has_errors()) return give_up(diagnostics);
   print_messages(diagnostics, Verbosity::kNormal);
   const BatchProgress progress = run_items(run, *manifest, *options);
-  print_result(summary(progress));
+  print_result(summary(progress, *manifest));
   if (!is_folder) write_tables(run, *manifest);
   return exit_code(progress);
 }
@@ -258,8 +260,9 @@ int show_status(const BatchArguments& arguments) {
   const auto manifest = manifest_of(arguments);
   if (!manifest) return kExitBadInput;
   const BatchStatus status = batch_status(*manifest, load_results(arguments.path));
-  std::string text = fmt::format("{}: {}, {} solved, {} unfinished\n", manifest->name,
-                                 counted(status.items, "item"), status.solved, status.unfinished);
+  std::string text =
+      fmt::format("{}: {}, {} {}, {} unfinished\n", manifest->name, counted(status.items, "item"),
+                  status.solved, success_word(manifest->command), status.unfinished);
   for (const auto& [name, count] : status.by_status)
     text += fmt::format("  {:<20}{}\n", name, count);
   const std::size_t done = status.items - status.unfinished;
@@ -295,7 +298,7 @@ int retry_items(const BatchArguments& arguments) {
   options->only = with_descendants(*manifest, failed_items(*manifest, load_results(run), kind));
   options->again = true;
   const BatchProgress progress = run_items(run, *manifest, *options);
-  print_result(summary(progress));
+  print_result(summary(progress, *manifest));
   return exit_code(progress);
 }
 
@@ -325,7 +328,8 @@ int batch_worker(const char* run) {
 Command batch_command() {
   const auto a = std::make_shared<BatchArguments>();
   return {.name = "conddp batch",
-          .description = "Solve many problems that differ in a few values",
+          .description =
+              "Solve many problems that differ in a few values, or simulate their closed loops",
           .details = kBatchDetails,
           .arguments = batch_arguments(*a),
           .run = [a] { return batch(*a); }};

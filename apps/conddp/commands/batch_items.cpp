@@ -52,6 +52,16 @@ std::optional<std::vector<fs::path>> write_item_files(const ShownItem& item, con
   }
 }
 
+/// Writes the files of one item, whose closed loop is simulated for that.
+std::optional<std::vector<fs::path>> files_of(const fs::path& run, const Manifest& manifest,
+                                              const ManifestItem& item, const StoredResult* stored,
+                                              const fs::path& folder, Diagnostics& out) {
+  if (manifest.command == BatchCommand::kMpc)
+    return write_loop_item(run, manifest, item, folder, out);
+  const auto shown = load_item(run, manifest, item, stored, out);
+  return shown ? write_item_files(*shown, folder, out) : std::nullopt;
+}
+
 /// The items of a run that a page shows, with their files.
 class ShownItems {
  public:
@@ -134,11 +144,9 @@ int show_item(const BatchArguments& arguments) {
   }
   const auto results = load_results(run);
   const StoredResult* stored = stored_result(results, item->id);
-  const auto shown = load_item(run, *manifest, *item, stored, diagnostics);
-  if (!shown) return report_errors(diagnostics);
   const fs::path folder =
       arguments.folder.empty() ? folder_of_item(run, item->id) : fs::path(arguments.folder);
-  const auto files = write_item_files(*shown, folder, diagnostics);
+  const auto files = files_of(run, *manifest, *item, stored, folder, diagnostics);
   if (!files) return report_errors(diagnostics);
   std::string text =
       fmt::format("{}: {}\n", item->id, stored == nullptr ? kUnfinished : stored->result.status);
@@ -157,7 +165,8 @@ int report_batch(const BatchArguments& arguments) {
   const std::vector<StandOut> lists = items_that_stand_out(*manifest, results, kMostInList);
   const fs::path page = arguments.folder.empty() ? run / "report.html" : fs::path(arguments.folder);
   ShownItems shown(run, *manifest, results);
-  shown.write(lists, page, diagnostics);
+  // A page of closed loops has no motion: 'show' simulates them one by one.
+  if (manifest->command == BatchCommand::kSolve) shown.write(lists, page, diagnostics);
   print_messages(diagnostics, Verbosity::kNormal);
   OrderedJson data = report_data(shown.entries(lists));
   data["batch"] = batch_report(*manifest, results, lists, shown.links());

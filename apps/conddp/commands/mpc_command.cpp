@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <memory>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -8,8 +10,12 @@
 #include "arguments/shared_arguments.hpp"
 #include "base/files/atomic_file.hpp"
 #include "base/json/json_text.hpp"
+#include "base/text/csv_line.hpp"
+#include "base/text/strict_number.hpp"
 #include "commands/commands.hpp"
+#include "mpc/largest_survived.hpp"
 #include "output/mpc/loop_files.hpp"
+#include "output/solution/csv_cells.hpp"
 #include "solvers/ddp/family.hpp"
 #include "solvers/strategies/registry.hpp"
 #include "terminal/exit_codes.hpp"
@@ -26,6 +32,7 @@ struct MpcArguments : ProblemArguments {
   bool json = false;
   bool verbose = false;
   bool realtime = false;
+  std::string largest;
 };
 
 /// The loop of the command line; null where there is nothing to simulate: the reason is reported.
@@ -96,27 +103,146 @@ double wall_clock() {
   return std::chrono::duration<double>(now).count();
 }
 
-int simulate_file(const MpcArguments& arguments) {
-  Diagnostics diagnostics;
-  const auto task = task_of(arguments, diagnostics);
-  const auto verbosity = arguments.quiet     ? Verbosity::kQuiet
-                         : arguments.verbose ? Verbosity::kVerbose
-                                             : Verbosity::kNormal;
-  print_messages(diagnostics, verbosity);
-  if (!task) return kExitBadInput;
-  const auto folder = output_folder(arguments, *task->spec);
-  create_folder(folder);  // before the work, so that none is in vain
-  const InterruptGuard guard;
-  task->mpc.loop.interrupted = [] { return InterruptGuard::signal() != 0; };
-  if (arguments.realtime) task->mpc.controller.clock = wall_clock;
-  const ClosedLoopResult result = run_loop(*task);
-  const LoopRun run{*task, result, settings_of(arguments)};
+Verbosity verbosity_of(const MpcArguments& arguments) {
+  if (arguments.quiet) return Verbosity::kQuiet;
+  return arguments.verbose ? Verbosity::kVerbose : Verbosity::kNormal;
+}
+
+/// Simulates a loop until its end or a signal.
+ClosedLoopResult simulate_task(const MpcArguments& arguments, LoopTask& task) {
+  task.mpc.loop.interrupted = [] { return InterruptGuard::signal() != 0; };
+  if (arguments.realtime) task.mpc.controller.clock = wall_clock;
+  return run_loop(task);
+}
+
+/// Writes a loop and says so.
+void put_out(const MpcArguments& arguments, const LoopRun& run,
+             const std::filesystem::path& folder) {
   const auto written = write_loop(run, folder);
   if (arguments.json)
     print_result(json_text(loop_json(run)));
   else if (!arguments.quiet)
     print_result(summary(run, written));
+}
+
+int simulate_file(const MpcArguments& arguments) {
+  Diagnostics diagnostics;
+  const auto task = task_of(arguments, diagnostics);
+  print_messages(diagnostics, verbosity_of(arguments));
+  if (!task) return kExitBadInput;
+  const auto folder = output_folder(arguments, *task->spec);
+  create_folder(folder);  // before the work, so that none is in vain
+  const InterruptGuard guard;
+  const ClosedLoopResult result = simulate_task(arguments, *task);
+  put_out(arguments, {*task, result, settings_of(arguments)}, folder);
   return exit_code(result.end);
+}
+
+/// A number of the file, and between what its largest value that is survived is looked for.
+struct SearchedNumber {
+  std::string key;
+  double low = 0, high = 0;
+};
+
+/// Reads "KEY=[LOW, HIGH]"; nothing where it is not that.
+std::optional<SearchedNumber> parse_searched(const std::string& text) {
+  const std::size_t open = text.find("=["), comma = text.find(',', open);
+  if (open == 0 || open == std::string::npos || comma == std::string::npos || !text.ends_with(']'))
+    return std::nullopt;
+  const auto number = [&](std::size_t from, std::size_t to) {
+    return parse_number(trimmed_csv(std::string_view(text).substr(from, to - from))).value;
+  };
+  const auto low = number(open + 2, comma), high = number(comma + 1, text.size() - 1);
+  if (!low || !high || *low >= *high) return std::nullopt;
+  return SearchedNumber{text.substr(0, open), *low, *high};
+}
+
+std::string searched_defect(const std::string& text) {
+  if (parse_searched(text)) return {};
+  return fmt::format(
+      "'{}' is not KEY=[LOW, HIGH], a key of the file and two numbers, the lower one first", text);
+}
+
+/// Looks for the largest value of a number whose loop lasts.
+class Search {
+ public:
+  Search(const MpcArguments& arguments, SearchedNumber number)
+      : arguments_(arguments), number_(std::move(number)) {}
+
+  int run() {
+    const InterruptGuard guard;
+    const double width = (number_.high - number_.low) / kParts;
+    const auto largest = largest_survived(number_.low, number_.high, width,
+                                          [this](double value) { return survives(value); });
+    print_messages(diagnostics_, verbosity_of(arguments_));
+    if (diagnostics_.has_errors()) return kExitBadInput;
+    if (InterruptGuard::signal() != 0) return kExitSignalBase + InterruptGuard::signal();
+    write(largest);
+    return largest ? kExitConverged : kExitNotConverged;
+  }
+
+ private:
+  /// What is left of the range at the end is this part of it.
+  static constexpr int kParts = 128;
+
+  struct Trial {
+    MpcArguments arguments;
+    std::unique_ptr<LoopTask> task;
+    ClosedLoopResult result;
+  };
+
+  bool survives(double value) {
+    if (diagnostics_.has_errors() || InterruptGuard::signal() != 0) return false;
+    Trial trial{.arguments = arguments_};
+    trial.arguments.settings.push_back(fmt::format("{}={}", number_.key, value));
+    Diagnostics own;
+    trial.task = task_of(trial.arguments, own);
+    if (!trial.task || rows_.empty()) diagnostics_ = std::move(own);
+    if (!trial.task) return false;
+    trial.result = simulate_task(trial.arguments, *trial.task);
+    const bool survived = trial.result.end == LoopEnd::finished;
+    rows_ +=
+        fmt::format("{},{},{},{},{},{}\n", value, survived ? 1 : 0, to_string(trial.result.end),
+                    trial.result.end_time, trial.result.cost, trial.result.violation);
+    if (survived || !shown_.task) shown_ = std::move(trial);
+    return survived;
+  }
+
+  /// The trials, and the files of the largest one that lasted; of the first one if none did.
+  void write(const std::optional<double>& largest) const {
+    const auto folder = output_folder(arguments_, *shown_.task->spec);
+    create_folder(folder);
+    AtomicFiles files;
+    files.add(folder / kTrialsFile,
+              csv_cell(number_.key) + ",survived,end,time_s,cost,violation\n" + rows_);
+    files.commit();
+    if (!arguments_.json && !arguments_.quiet) print_result(line_of(largest));
+    put_out(arguments_, {*shown_.task, shown_.result, settings_of(shown_.arguments)}, folder);
+  }
+
+  std::string line_of(const std::optional<double>& largest) const {
+    if (!largest) return fmt::format("{} is not survived at {}\n", number_.key, number_.low);
+    return fmt::format("{} is survived up to {}{}\n", number_.key, *largest,
+                       *largest == number_.high ? ", all of the range" : "");
+  }
+
+  static constexpr const char* kTrialsFile = "largest.csv";
+
+  const MpcArguments& arguments_;
+  const SearchedNumber number_;
+  Diagnostics diagnostics_;
+  std::string rows_;  ///< of the trials
+  Trial shown_;       ///< whose files are written
+};
+
+int run(const MpcArguments& arguments) {
+  if (arguments.largest.empty()) return simulate_file(arguments);
+  if (arguments.file == kStandardInput) {
+    print_error("--largest reads the file again for each value: it cannot be the standard input",
+                "name a file");
+    return kExitBadInput;
+  }
+  return Search(arguments, *parse_searched(arguments.largest)).run();
 }
 
 /// Which file, and by which solver of windows.
@@ -147,13 +273,19 @@ Command mpc_command() {
                 .description = "Folder for the outputs; out/<problem name> if nothing is said",
                 .target = &a->folder},
                threads_argument(a->threads, "Threads; results do not depend on it"),
+               {.names = {"--largest"},
+                .value = "KEY=[LOW,HIGH]",
+                .description = "Look by bisection for the largest number of a key of the file "
+                               "whose loop lasts for its duration; largest.csv has the trials",
+                .check = searched_defect,
+                .target = &a->largest},
                flag({"--realtime"}, a->realtime,
                     "Measure solves: ticks whose preparation and feedback take longer than a tick "
                     "are late. Outputs then differ from run to run"),
                flag({"--quiet"}, a->quiet, "Print nothing but errors"),
                flag({"--json"}, a->json, "Print mpc.json on stdout"),
                flag({"-v", "--verbose"}, a->verbose, "Print notes too", "--quiet")}),
-          .run = [a] { return simulate_file(*a); }};
+          .run = [a] { return run(*a); }};
 }
 
 }  // namespace conddp

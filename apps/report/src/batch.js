@@ -1,5 +1,5 @@
 // A run of `conddp batch`: how many items ended how, and which ones stand out.
-import {batchMap} from './batch_map.js';
+import {batchMap, titleOf} from './batch_map.js';
 import {element, figure, table} from './dom.js';
 import {histogram} from './histogram.js';
 import {overlay} from './overlay.js';
@@ -18,27 +18,29 @@ const links = ({files}) => element('span', {}, ...(files ?? []).flatMap((file, i
 function outstanding(batch, {title, items}) {
   if (items.length === 0) return null;
   const reasons = items.some(item => item.message);
-  const rows = items.map(item => [item.item, item.id, item.status, figure(item.cost, 8), item.iterations,
-      figure(item.time_s, 3), ...item.values.map(v => (typeof v === 'number' ? figure(v) : v)),
+  const rows = items.map(item => [item.item, item.id, item.status, ...item.figures.map(v => figure(v, 6)),
+      ...item.values.map(v => (typeof v === 'number' ? figure(v) : v)),
       ...(reasons ? [item.message] : []), links(item)]);
-  const names = ['item', 'id', 'status', 'cost', 'iterations', 'time, s', ...batch.columns.map(c => c.name),
+  const names = ['item', 'id', 'status', ...batch.figures.map(titleOf), ...batch.columns.map(c => c.name),
                  ...(reasons ? ['message'] : []), 'files'];
   return element('section', {}, element('h2', {}, title), table(null, names, rows));
 }
 
-function distributions({rows}) {
+const capital = text => text[0].toUpperCase() + text.slice(1);
+
+function distributions({rows, figures}) {
   const solved = rows.solved.map((is, i) => (is ? i : -1)).filter(i => i >= 0);
   const of = values => solved.map(i => values[i]).filter(v => v !== null);
-  return element('div', {class: 'side-by-side'}, histogram('Cost', '', of(rows.cost)),
-      histogram('Iterations', '', of(rows.iterations)), histogram('Time of an item', 's', of(rows.time_s)));
+  return element('div', {class: 'side-by-side'},
+      ...figures.map(({key, title, unit}) => histogram(capital(title), unit, of(rows[key]))));
 }
 
 export function batchSection(batch) {
-  const {items, solved, every} = batch;
+  const {items, solved, every, success_word: word} = batch;
   return element('section', {id: 'batch', 'aria-label': 'Batch'},
-      element('p', {}, `${solved} of ${items} items are solved (${percent(solved, items)}).`),
+      element('p', {}, `${solved} of ${items} items ${word === 'solved' ? 'are ' : ''}${word} (${percent(solved, items)}).`),
       counts(batch),
       every > 1 ? element('p', {class: 'hint'}, `Maps and distributions show one item of ${every}.`) : null,
-      batchMap(batch), element('h2', {}, 'Solved items'), distributions(batch), overlay(batch.trajectories),
+      batchMap(batch), element('h2', {}, `Items that ${word === 'solved' ? 'are ' : ''}${word}`), distributions(batch), overlay(batch.trajectories),
       ...batch.lists.map(list => outstanding(batch, list)));
 }

@@ -12,12 +12,14 @@ const median = list => {
 };
 const solvedOnly = (rows, items) => items.filter(i => rows.solved[i]);
 
+/// A figure of items, with its unit.
+export const titleOf = ({title, unit}) => (unit ? `${title}, ${unit}` : title);
+
 /// What a cell shows of its items.
-const measures = [
-  {name: 'share solved', of: (rows, items) => solvedOnly(rows, items).length / items.length, range: [0, 1]},
-  {name: 'median cost', of: (rows, items) => median(solvedOnly(rows, items).map(i => rows.cost[i]))},
-  {name: 'median iterations', of: (rows, items) => median(solvedOnly(rows, items).map(i => rows.iterations[i]))},
-  {name: 'median time, s', of: (rows, items) => median(solvedOnly(rows, items).map(i => rows.time_s[i]))},
+const measuresOf = ({success_word: word, figures}) => [
+  {name: `share ${word}`, of: (rows, items) => solvedOnly(rows, items).length / items.length, range: [0, 1]},
+  ...figures.map(f => ({name: `median ${titleOf(f)}`,
+                        of: (rows, items) => median(solvedOnly(rows, items).map(i => rows[f.key][i]))})),
 ];
 
 const label = value => (typeof value === 'number' ? figure(value, 4) : String(value));
@@ -58,7 +60,7 @@ function rangeOf(values) {
   return [Math.min(...known), Math.max(...known)];
 }
 
-function drawCells(rows, x, y, measure) {
+function drawCells(rows, x, y, measure, word) {
   const cells = [...groups(rows, x, y)].map(([key, items]) => ({key, items, value: measure.of(rows, items)}));
   const [low, high] = measure.range ?? rangeOf(cells.map(c => c.value));
   return cells.map(({key, items, value}) => {
@@ -69,7 +71,7 @@ function drawCells(rows, x, y, measure) {
                                 fill: share !== null && share > 0.45 ? '#ffffff' : '#1c2127'},
                        value === null ? '–' : figure(value, 2));
     const title = shape('title', {}, `${x.names[column]}, ${y.names[row]}: ${measure.name} ` +
-        `${figure(value)}, ${solvedOnly(rows, items).length} of ${items.length} solved`);
+        `${figure(value)}, ${solvedOnly(rows, items).length} of ${items.length} ${word}`);
     return shape('g', {class: 'cell', 'data-column': column, 'data-row': row, 'data-value': value},
         shape('rect', {...at, width: cell - 1, height: cell - 1, fill: share === null ? '#d5dae0' : mix(share)}),
         text, title);
@@ -88,7 +90,7 @@ function draw(batch, chosen) {
         'text-anchor': 'end', fill: 'currentColor'}, name)),
   ];
   return shape('svg', {width, height, viewBox: `0 0 ${width} ${height}`, role: 'img'},
-      ...drawCells(rows, x, y, measures[chosen.measure]), ...names);
+      ...drawCells(rows, x, y, measuresOf(batch)[chosen.measure], batch.success_word), ...names);
 }
 
 export function batchMap(batch) {
@@ -103,7 +105,7 @@ export function batchMap(batch) {
   };
   show({});
   return element('section', {id: 'batch-map'}, element('h2', {}, 'Over what was varied'),
-      element('p', {class: 'choices'}, choice('Show', measures.map(m => m.name), 0, measure => show({measure})),
+      element('p', {class: 'choices'}, choice('Show', measuresOf(batch).map(m => m.name), 0, measure => show({measure})),
               choice('across', names, chosen.x, x => show({x})),
               names.length > 1 ? choice('upwards', names, chosen.y, y => show({y})) : null),
       picture);

@@ -1,6 +1,7 @@
 #include "batch/plan/batch_plan.hpp"
 
 #include <algorithm>
+#include <span>
 
 #include <fnmatch.h>
 
@@ -23,10 +24,12 @@ constexpr Choice<KeptSolutions> kKeptWords[] = {{"all", KeptSolutions::kAll},
                                                 {"converged", KeptSolutions::kConverged},
                                                 {"none", KeptSolutions::kNone}};
 constexpr const char *kOwnStart = "none", *kNeighbourStart = "neighbour";
-constexpr std::string_view kColumnsOfResults[] = {
-    "item",        "id",         "problem",      "solver", "status",     "solved",
-    "cost",        "iterations", "stationarity", "gap",    "constraint", "complementarity",
-    "certificate", "message"};
+constexpr Choice<BatchCommand> kCommandWords[] = {{"solve", BatchCommand::kSolve},
+                                                  {"mpc", BatchCommand::kMpc}};
+constexpr std::string_view kColumnsOfItems[] = {"item", "id", "problem", "solver", "status"};
+constexpr std::string_view kColumnsOfSolves[] = {"solved",          "cost",        "iterations",
+                                                 "stationarity",    "gap",         "constraint",
+                                                 "complementarity", "certificate", "message"};
 constexpr NumberRange kTimeLimit{1e-3, 1e9, false, false, "a number from 0.001 to 1e9"};
 
 /// The files that a pattern with `*` in its last part means, in the order of their bytes.
@@ -52,6 +55,7 @@ class PlanReader {
     if (!map_.valid()) return;
     read_format();
     read_name();
+    map_.choice("command", plan_.command, kCommandWords, "command");
     read_problems();
     if (const auto r = map_.find("vary")) read_axes(*r);
     if (const auto r = map_.find("solvers")) read_solvers(*r);
@@ -126,6 +130,9 @@ class PlanReader {
   }
 
   void read_keep(const YamlReader& reader) {
+    if (plan_.command == BatchCommand::kMpc)
+      reader.error("closed loops have no solutions that could be kept",
+                   "leave it out: 'conddp batch show' simulates a loop again");
     YamlMap keep(reader, "write '{solutions: converged}'");
     if (const auto solutions = keep.find("solutions"))
       plan_.keep = solutions->choice(kKeptWords, "answer").value_or(plan_.keep);
@@ -170,6 +177,9 @@ class PlanReader {
   void read_warm_start(const YamlReader& reader) {
     const auto word = reader.text();
     if (!word || *word == kOwnStart) return;
+    if (plan_.command == BatchCommand::kMpc)
+      return reader.error("closed loops start from the guesses of their problems",
+                          "leave out 'warm_start'");
     if (*word == kNeighbourStart) {
       plan_.warm_start = WarmStart::kNeighbour;
       return;
@@ -191,7 +201,7 @@ class PlanReader {
       for (const AxisColumn& column : axis.columns) {
         for (const AxisColumn* other : columns) check_pair(column, *other);
         check_against_plan(column);
-        if (is_column_of_results(column.name, plan_.warm_start))
+        if (is_column_of_results(column.name, plan_.command, plan_.warm_start))
           out_.error(column.name == axis.name.value ? axis.name.place : column.key.place,
                      fmt::format("'{}' is a column of results.csv already", column.name),
                      "choose another name");
@@ -238,10 +248,14 @@ class PlanReader {
 
 }  // namespace
 
-bool is_column_of_results(std::string_view name, WarmStart warm_start) {
-  return std::find(std::begin(kColumnsOfResults), std::end(kColumnsOfResults), name) !=
-             std::end(kColumnsOfResults) ||
-         name.starts_with("violation/") || (warm_start == WarmStart::kNeighbour && name == "start");
+bool is_column_of_results(std::string_view name, BatchCommand command, WarmStart warm_start) {
+  const auto is_one_of = [name](std::span<const std::string_view> columns) {
+    return std::find(columns.begin(), columns.end(), name) != columns.end();
+  };
+  if (is_one_of(kColumnsOfItems)) return true;
+  if (command == BatchCommand::kMpc) return name == "survived" || is_one_of(kLoopColumns);
+  return is_one_of(kColumnsOfSolves) || name.starts_with("violation/") ||
+         (warm_start == WarmStart::kNeighbour && name == "start");
 }
 
 long long BatchPlan::items() const {

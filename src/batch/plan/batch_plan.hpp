@@ -17,12 +17,15 @@ inline constexpr int kBatchFormat = 1;
 /// Of which items the whole solution is kept, besides the row of results.
 enum class KeptSolutions { kAll, kConverged, kNone };
 
+/// What is done with an item: it is solved, or its closed loop is simulated.
+enum class BatchCommand { kSolve, kMpc };
+
 /// From where solves start: each from its own guess, or from the answer of a neighbour.
 enum class WarmStart { kNone, kNeighbour };
 
 /// What an item may use.
 struct BatchLimits {
-  double max_time_s = 0;  ///< of a solve; 0: what its problem says
+  double max_time_s = 0;  ///< of a solve or a loop; 0: what its problem says
   int max_memory_mb = 0;  ///< of a worker's data; 0: no limit
   int retries = 0;        ///< further attempts at an item whose worker died
 };
@@ -32,6 +35,7 @@ struct BatchPlan {
   std::filesystem::path file;
   std::string text;
   Name name;
+  BatchCommand command = BatchCommand::kSolve;
   std::vector<Located<std::filesystem::path>> problems;  ///< as seen from here
   std::vector<Axis> axes;
   std::vector<Name> solvers;  ///< empty: that of each problem
@@ -45,8 +49,12 @@ struct BatchPlan {
   long long items() const;
 };
 
+/// Columns of results.csv that say how a closed loop went.
+inline constexpr std::string_view kLoopColumns[] = {"time_s", "planned",   "fallback",
+                                                    "cost",   "violation", "message"};
+
 /// Whether results.csv has a column of this name besides those of what is varied.
-bool is_column_of_results(std::string_view name, WarmStart warm_start);
+bool is_column_of_results(std::string_view name, BatchCommand command, WarmStart warm_start);
 
 /// Reads a plan. Everything wrong is in `out` with its place; then nothing is returned.
 std::optional<BatchPlan> load_batch_plan(const std::filesystem::path& file, Diagnostics& out);

@@ -32,6 +32,7 @@ class Expansion {
 
   std::optional<Manifest> run() {
     Manifest manifest{.name = plan_.name.value,
+                      .command = plan_.command,
                       .limits = plan_.limits,
                       .keep = plan_.keep,
                       .warm_start = plan_.warm_start,
@@ -85,7 +86,8 @@ class Expansion {
                       .text = std::move(text),
                       .quoted = quoted};
     };
-    if (const auto& limit = plan_.max_time)
+    // The clock of a loop is simulated: a limit is the worker's.
+    if (const auto& limit = plan_.max_time; limit && plan_.command == BatchCommand::kSolve)
       list.push_back(make_setting({"solver.max_time_s", limit->place},
                                   scalar(limit->place, fmt::format("{}", limit->value), false)));
     for (std::size_t a = 0; a < plan_.axes.size(); ++a)
@@ -111,19 +113,33 @@ class Expansion {
     return *parse_setting("initial_guess={file: " + file.dump() + "}", unused);
   }
 
+  /// The files that an item reads; nothing with errors where it cannot be built.
+  std::optional<InputFiles> try_item(int problem, const std::vector<Setting>& list,
+                                     Diagnostics& out) const {
+    const ProblemFamily& family = *families_[problem];
+    if (plan_.command == BatchCommand::kMpc) {
+      const auto loop = family.build_loop(list, out);
+      return loop ? std::optional(input_files(*loop)) : std::nullopt;
+    }
+    const auto instance = family.build(list, out);
+    if (!instance || usable_solvers(*instance->spec, *instance->built.problem, out).empty())
+      return std::nullopt;
+    return input_files(instance->built);
+  }
+
   bool build(std::size_t first, std::size_t last, Manifest& manifest) {
     std::vector<Diagnostics> errors(last - first);
     tbb::parallel_for(first, last, [&](std::size_t i) {
       Diagnostics own = out_;
       const Parts p = parts(i);
       const std::vector<Setting> list = settings(p);
-      const auto instance = families_[p.problem]->build(list, own);
-      if (!instance || usable_solvers(*instance->spec, *instance->built.problem, own).empty()) {
+      const auto files = try_item(p.problem, list, own);
+      if (!files) {
         errors[i - first] = std::move(own);
         return;
       }
       ManifestItem& item = manifest.items[i];
-      item = {.id = item_id(manifest.problems[p.problem].identity, list, *instance),
+      item = {.id = item_id(manifest.problems[p.problem].identity, list, *files),
               .problem = p.problem};
       for (const Setting& setting : list) item.settings.push_back(setting.text);
       for (std::size_t a = 0; a < plan_.axes.size(); ++a)

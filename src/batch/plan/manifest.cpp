@@ -14,6 +14,7 @@
 namespace conddp {
 namespace {
 
+constexpr const char* kCommandNames[] = {"solve", "mpc"};
 constexpr const char* kKeptNames[] = {"all", "converged", "none"};
 constexpr std::size_t kIdDigits = 16;
 
@@ -21,10 +22,10 @@ std::string dump(const OrderedJson& json) {
   return json.dump(-1, ' ', false, OrderedJson::error_handler_t::replace);
 }
 
-std::string hashes_of_inputs(const ProblemInstance& instance) {
+std::string hashes_of(const InputFiles& files) {
   std::string hashes;
-  for (const PlantPart& part : instance.built.plant.parts) hashes += part.sha256 + '\n';
-  for (const InputFile& file : instance.built.data_files) hashes += file.sha256 + '\n';
+  for (const InputFile& file : files.robots) hashes += file.sha256 + '\n';
+  for (const InputFile& file : files.data) hashes += file.sha256 + '\n';
   return hashes;
 }
 
@@ -33,6 +34,7 @@ std::string hashes_of_inputs(const ProblemInstance& instance) {
 std::optional<Manifest> parse_head(const std::string& line) {
   const OrderedJson json = OrderedJson::parse(line);
   Manifest manifest{.name = json.at("name")};
+  if (json.at("command") == kCommandNames[1]) manifest.command = BatchCommand::kMpc;
   for (const OrderedJson& problem : json.at("problems"))
     manifest.problems.push_back({problem.at("file"), problem.at("identity")});
   for (const OrderedJson& column : json.at("columns"))
@@ -69,18 +71,19 @@ OrderedJson build_json() {
 }
 
 std::string batch_identity(const ProblemInstance& base) {
-  return sha256(dump(expand_problem(*base.spec, base.built)) + '\n' + hashes_of_inputs(base));
+  return sha256(dump(expand_problem(*base.spec, base.built)) + '\n' +
+                hashes_of(input_files(base.built)));
 }
 
 std::string item_id(const std::string& identity, const std::vector<Setting>& settings,
-                    const ProblemInstance& instance) {
+                    const InputFiles& files) {
   std::vector<std::string> lines;
   for (const Setting& setting : settings)
     lines.push_back(setting.key.value + '=' + canonical_value(setting.value) + '\n');
   std::sort(lines.begin(), lines.end());
   std::string all = identity + '\n';
   for (const std::string& line : lines) all += line;
-  return sha256(all + hashes_of_inputs(instance)).substr(0, kIdDigits);
+  return sha256(all + hashes_of(files)).substr(0, kIdDigits);
 }
 
 std::string manifest_head(const Manifest& manifest) {
@@ -91,6 +94,7 @@ std::string manifest_head(const Manifest& manifest) {
     columns.push_back({{"name", column.name}, {"key", column.key}});
   return dump({{"format", kManifestFormat},
                {"name", manifest.name},
+               {"command", kCommandNames[static_cast<int>(manifest.command)]},
                {"items", manifest.items.size()},
                {"problems", std::move(problems)},
                {"columns", std::move(columns)},

@@ -8,12 +8,13 @@
 #include "base/json/ordered_json.hpp"
 #include "batch/plan/batch_plan.hpp"
 #include "batch/plan/problem_family.hpp"
+#include "output/solution/input_files.hpp"
 
 namespace conddp {
 
 /// The name and the format of the list of items in the folder of a run.
 inline constexpr const char* kManifestFile = "manifest.jsonl";
-inline constexpr std::string_view kManifestFormat = "conddp.batch_manifest/2";
+inline constexpr std::string_view kManifestFormat = "conddp.batch_manifest/3";
 
 /// A problem file of a run.
 struct ManifestProblem {
@@ -39,6 +40,7 @@ struct ManifestItem {
 /// Which items a run has, and what else the plan says about them.
 struct Manifest {
   std::string name;
+  BatchCommand command = BatchCommand::kSolve;
   std::vector<ManifestProblem> problems;
   std::vector<ManifestColumn> columns;
   BatchLimits limits;
@@ -57,10 +59,10 @@ OrderedJson build_json();
 /// A hash of a file's own problem with every default, and of the files that it reads.
 std::string batch_identity(const ProblemInstance& base);
 
-/// The name of an item: the same for the same problem file, settings and data, however they are
-/// written and in whatever order.
+/// The name of an item: the same for the same problem file, settings and files that it reads,
+/// however they are written and in whatever order.
 std::string item_id(const std::string& identity, const std::vector<Setting>& settings,
-                    const ProblemInstance& instance);
+                    const InputFiles& files);
 
 /// One line of a manifest, without its end: the head, or an item.
 std::string manifest_head(const Manifest& manifest);

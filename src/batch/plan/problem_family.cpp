@@ -51,12 +51,21 @@ std::shared_ptr<const ProblemFamily> ProblemFamily::load(const std::filesystem::
   return family;
 }
 
+const Plant* ProblemFamily::plant_with(const std::vector<Setting>& settings) const {
+  const bool shares = plant_ && std::all_of(settings.begin(), settings.end(), leaves_the_plant);
+  return shares ? &*plant_ : nullptr;
+}
+
 std::optional<ProblemInstance> ProblemFamily::build(const std::vector<Setting>& settings,
                                                     Diagnostics& out) const {
-  const bool shares_plant =
-      plant_ && std::all_of(settings.begin(), settings.end(), leaves_the_plant);
-  return build_instance(read_problem(document_, settings, out), shares_plant ? &*plant_ : nullptr,
-                        out);
+  return build_instance(read_problem(document_, settings, out), plant_with(settings), out);
+}
+
+std::unique_ptr<LoopTask> ProblemFamily::build_loop(const std::vector<Setting>& settings,
+                                                    Diagnostics& out) const {
+  auto spec = read_problem(document_, settings, out);
+  if (!spec) return nullptr;
+  return conddp::build_loop(*std::move(spec), {.plant = plant_with(settings)}, out);
 }
 
 }  // namespace conddp

@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "problem_file/build/build.hpp"
+#include "output/mpc/loop_task.hpp"
 #include "problem_file/read/read_problem.hpp"
 
 namespace conddp {
@@ -30,8 +30,14 @@ class ProblemFamily {
   /// and of the settings. It lives no longer than the family.
   std::optional<ProblemInstance> build(const std::vector<Setting>& settings,
                                        Diagnostics& out) const;
+  /// The same of the closed loop.
+  std::unique_ptr<LoopTask> build_loop(const std::vector<Setting>& settings,
+                                       Diagnostics& out) const;
 
  private:
+  /// What moves, where that is the base's; else null.
+  const Plant* plant_with(const std::vector<Setting>& settings) const;
+
   Diagnostics texts_;
   ProblemDocument document_;
   ProblemInstance base_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <span>
 
 #include "base/json/json_text.hpp"
 #include "batch/plan/spread.hpp"
@@ -111,19 +112,52 @@ OrderedJson counts_json(const Items& items) {
   return list;
 }
 
+/// A figure of items that the page shows.
+struct Figure {
+  const char* key;  ///< of the answer; "wall_s": how long the item took
+  const char* title;
+  const char* unit;
+};
+constexpr Figure kWallTime{"wall_s", "time", "s"};
+constexpr Figure kSolveFigures[] = {
+    {"cost", "cost", ""}, {"iterations", "iterations", ""}, kWallTime};
+constexpr Figure kLoopFigures[] = {{"time_s", "time until the end", "s"},
+                                   {"planned", "share of ticks planned", ""},
+                                   {"fallback", "share of ticks under the fallback", ""},
+                                   {"cost", "cost", ""},
+                                   {"violation", "violation", ""},
+                                   kWallTime};
+
+std::span<const Figure> figures_of(const Manifest& manifest) {
+  return manifest.command == BatchCommand::kMpc ? std::span<const Figure>(kLoopFigures)
+                                                : std::span<const Figure>(kSolveFigures);
+}
+
+OrderedJson figure_of(const Items& items, std::size_t item, const Figure& figure) {
+  return figure.key == std::string_view(kWallTime.key) ? items.time(item)
+                                                       : items.figure(item, figure.key);
+}
+
+OrderedJson figures_json(const Manifest& manifest) {
+  OrderedJson list = OrderedJson::array();
+  for (const Figure& figure : figures_of(manifest))
+    list.push_back({{"key", figure.key}, {"title", figure.title}, {"unit", figure.unit}});
+  return list;
+}
+
 /// `solved`: 1 or 0; null where there is no result.
-OrderedJson rows_json(const Items& items, std::size_t every) {
-  OrderedJson rows = {{"item", OrderedJson::array()},   {"solved", OrderedJson::array()},
-                      {"cost", OrderedJson::array()},   {"iterations", OrderedJson::array()},
-                      {"time_s", OrderedJson::array()}, {"values", OrderedJson::array()}};
+OrderedJson rows_json(const Items& items, const Manifest& manifest, std::size_t every) {
+  OrderedJson rows = {{"item", OrderedJson::array()},
+                      {"solved", OrderedJson::array()},
+                      {"values", OrderedJson::array()}};
   for (std::size_t c = 0; c < items.columns().size(); ++c)
     rows["values"].push_back(OrderedJson::array());
   for (const std::size_t i : spread_over(items.count(), (items.count() + every - 1) / every)) {
     rows["item"].push_back(i + 1);
     rows["solved"].push_back(items.stored(i) == nullptr ? OrderedJson()
                                                         : OrderedJson(items.is_solved(i) ? 1 : 0));
-    for (const char* key : {"cost", "iterations"}) rows[key].push_back(items.figure(i, key));
-    rows["time_s"].push_back(items.time(i));
+    for (const Figure& figure : figures_of(manifest))
+      rows[figure.key].push_back(figure_of(items, i, figure));
     const OrderedJson values = items.values(i);
     for (std::size_t c = 0; c < values.size(); ++c) rows["values"][c].push_back(values[c]);
   }
@@ -137,13 +171,14 @@ OrderedJson lists_json(const Items& items, const Manifest& manifest,
     OrderedJson rows = OrderedJson::array();
     for (const std::size_t i : list.items) {
       const auto files = links.find(i);
+      OrderedJson figures = OrderedJson::array();
+      for (const Figure& figure : figures_of(manifest))
+        figures.push_back(figure_of(items, i, figure));
       rows.push_back(
           {{"item", i + 1},
            {"id", manifest.items[i].id},
            {"status", items.status(i)},
-           {"cost", items.figure(i, "cost")},
-           {"iterations", items.figure(i, "iterations")},
-           {"time_s", items.time(i)},
+           {"figures", std::move(figures)},
            {"message", items.is_solved(i) ? OrderedJson() : items.figure(i, "message")},
            {"values", items.values(i)},
            {"files", files == links.end() ? std::vector<std::string>() : files->second}});
@@ -217,7 +252,8 @@ std::vector<StandOut> items_that_stand_out(const Manifest& manifest, const Store
   failed.resize(std::min(most, failed.size()));
   const auto cost = [&](std::size_t i) { return items.figure(i, "cost"); };
   const auto time = [&](std::size_t i) { return items.time(i); };
-  return {{"Not solved", failed},
+  const bool loops = manifest.command == BatchCommand::kMpc;
+  return {{loops ? "Did not survive" : "Not solved", failed},
           {"Slowest", foremost(finished, time, std::greater<>(), most)},
           {"Least cost", foremost(solved, cost, std::less<>(), most)},
           {"Greatest cost", foremost(solved, cost, std::greater<>(), most)}};
@@ -229,11 +265,13 @@ OrderedJson batch_report(const Manifest& manifest, const StoredResults& results,
   const std::size_t every = step_of(items.count(), kMostRows);
   return {{"name", manifest.name},
           {"items", items.count()},
+          {"success_word", success_word(manifest.command)},
+          {"figures", figures_json(manifest)},
           {"solved", batch_status(manifest, results).solved},
           {"by_status", counts_json(items)},
           {"columns", items.columns()},
           {"every", every},
-          {"rows", rows_json(items, every)},
+          {"rows", rows_json(items, manifest, every)},
           {"lists", lists_json(items, manifest, stand_out, links)},
           {"trajectories", trajectories_json(items)}};
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "mpc/closed_loop.hpp"
 #include "solvers/common/status.hpp"
 
 namespace conddp {
@@ -69,8 +70,15 @@ std::vector<std::string> answer_cells(const OrderedJson& answer,
   return cells;
 }
 
-bool has_failed(const StoredResult& stored, FailureKind kind) {
+/// Whether a closed loop ended of itself.
+bool is_end_of_loop(const ItemResult& result) {
+  return result.status == to_string(LoopEnd::stopped) ||
+         result.status == to_string(LoopEnd::diverged);
+}
+
+bool has_failed(const StoredResult& stored, FailureKind kind, BatchCommand command) {
   const ItemResult& result = stored.result;
+  if (command == BatchCommand::kMpc && is_end_of_loop(result)) return false;
   if (kind == FailureKind::kAny) return !result.success || is_damaged(stored);
   return !result.success &&
          (result.status == to_string(SolveStatus::time_limit) || result.status == kKilled);
@@ -83,9 +91,13 @@ std::vector<std::size_t> failed_items(const Manifest& manifest, const StoredResu
   std::vector<std::size_t> items;
   for (std::size_t i = 0; i < manifest.items.size(); ++i) {
     const StoredResult* stored = find_result(results, manifest.items[i]);
-    if (stored != nullptr && has_failed(*stored, kind)) items.push_back(i);
+    if (stored != nullptr && has_failed(*stored, kind, manifest.command)) items.push_back(i);
   }
   return items;
+}
+
+const char* success_word(BatchCommand command) {
+  return command == BatchCommand::kMpc ? "survived" : "solved";
 }
 
 BatchStatus batch_status(const Manifest& manifest, const StoredResults& results) {
@@ -109,13 +121,28 @@ std::vector<std::string> results_header(const Manifest& manifest,
                                         const std::vector<std::string>& constraints) {
   std::vector<std::string> header = {"item", "id", "problem"};
   for (const ManifestColumn& column : manifest.columns) header.push_back(cell(column.name));
-  for (const char* name : {"solver", "status", "solved"}) header.emplace_back(name);
+  for (const char* name : {"solver", "status", success_word(manifest.command)})
+    header.emplace_back(name);
+  if (manifest.command == BatchCommand::kMpc) {
+    header.insert(header.end(), std::begin(kLoopColumns), std::end(kLoopColumns));
+    return header;
+  }
   if (manifest.warm_start == WarmStart::kNeighbour) header.emplace_back("start");
   for (const char* name : {"cost", "iterations"}) header.emplace_back(name);
   for (const char* name : kResiduals) header.emplace_back(name);
   for (const std::string& name : constraints) header.push_back(cell("violation/" + name));
   header.insert(header.end(), {"certificate", "message"});
   return header;
+}
+
+/// What an answer says, in the order of the header.
+std::vector<std::string> cells_of(const Manifest& manifest, const OrderedJson& answer,
+                                  const std::vector<std::string>& constraints) {
+  if (manifest.command == BatchCommand::kSolve) return answer_cells(answer, constraints);
+  std::vector<std::string> cells;
+  for (const std::string_view column : kLoopColumns)
+    cells.push_back(cell_of(answer, std::string(column).c_str()));
+  return cells;
 }
 
 /// What an item is solved with, whether it has an answer or not.
@@ -142,7 +169,7 @@ std::string results_csv(const Manifest& manifest, const StoredResults& results) 
                  {cell_of(result.answer, "solver"), result.status, result.success ? "1" : "0"});
       if (manifest.warm_start == WarmStart::kNeighbour)
         row.push_back(cell_of(result.answer, "start"));
-      for (std::string& value : answer_cells(result.answer, constraints))
+      for (std::string& value : cells_of(manifest, result.answer, constraints))
         row.push_back(std::move(value));
     } else {
       row.insert(row.end(), {"", kUnfinished});

@@ -24,7 +24,9 @@ using StoredResults = std::unordered_map<std::string, StoredResult>;
 
 /// Which failures are meant.
 enum class FailureKind {
-  kAny,      ///< everything that has a result and is not solved, or whose solution is damaged
+  /// Everything that has a result and is not solved, or whose solution is damaged; not a loop that
+  /// ended early: it would do so again.
+  kAny,
   kTimeout,  ///< time limits of solves, and workers that were killed
 };
 
@@ -34,9 +36,12 @@ std::vector<std::size_t> failed_items(const Manifest& manifest, const StoredResu
 
 BatchStatus batch_status(const Manifest& manifest, const StoredResults& results);
 
-/// results.csv: one row an item in the order of the manifest, with what was varied, the status,
-/// cost, residuals, iterations, violations by constraint and the certificate's verdict. Nothing in
-/// it depends on who solved an item, when, or how fast.
+/// What the items with success are called in tables: solved, or survived.
+const char* success_word(BatchCommand command);
+
+/// results.csv: one row an item in the order of the manifest, with what was varied, the status, and
+/// cost, residuals, iterations, violations by constraint and the certificate's verdict, or how a
+/// loop went. Nothing in it depends on who solved an item, when, or how fast.
 std::string results_csv(const Manifest& manifest, const StoredResults& results);
 
 /// times.csv: what results.csv leaves out: attempts and seconds.

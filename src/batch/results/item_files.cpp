@@ -6,6 +6,7 @@
 #include "base/json/json_text.hpp"
 #include "base/json/relative_paths.hpp"
 #include "batch/plan/run_folder.hpp"
+#include "output/mpc/loop_files.hpp"
 #include "output/solution/csv.hpp"
 #include "output/solution/stored_trajectory.hpp"
 #include "problem_file/build/build_problem.hpp"
@@ -17,16 +18,24 @@ namespace conddp {
 namespace {
 
 /// Whether this is the item that was solved; the files that its settings name have a part in it.
-bool is_item(const ManifestItem& item, const Manifest& manifest, const ProblemInstance& instance,
+bool is_item(const ManifestItem& item, const Manifest& manifest, const InputFiles& inputs,
              Diagnostics& out) {
   std::vector<Setting> settings;
   for (const std::string& text : item.settings)
     if (auto setting = parse_setting(text, out)) settings.push_back(*std::move(setting));
-  if (item_id(manifest.problems[item.problem].identity, settings, instance) == item.id) return true;
+  if (item_id(manifest.problems[item.problem].identity, settings, inputs) == item.id) return true;
   out.error({},
             fmt::format("a file that item {} reads has changed since the plan was made", item.id),
             "make the plan again, in another folder");
   return false;
+}
+
+/// problem.yaml of an item in a folder.
+std::string problem_yaml(const ProblemSpec& spec, const BuiltProblem& built,
+                         const std::filesystem::path& file, const std::filesystem::path& folder) {
+  OrderedJson problem = expand_problem(spec, built);
+  make_paths_relative(problem, file.parent_path(), folder);
+  return yaml_text(problem);
 }
 
 }  // namespace
@@ -38,13 +47,11 @@ std::optional<ShownItem> load_item(const std::filesystem::path& run, const Manif
   ShownItem shown{.file = problem_of_run(manifest, item.problem, run)};
   auto spec = read_problem(shown.file, item.settings, out);
   if (!spec) return std::nullopt;
-  ProblemInstance instance{std::make_unique<const ProblemSpec>(*std::move(spec)), {}};
-  auto built = build_problem(*instance.spec, {}, out);
+  shown.spec = std::make_unique<const ProblemSpec>(*std::move(spec));
+  auto built = build_problem(*shown.spec, {}, out);
   if (!built) return std::nullopt;
-  instance.built = *std::move(built);
-  if (!is_item(item, manifest, instance, out)) return std::nullopt;
-  shown.spec = std::move(instance.spec);
-  shown.built = std::move(instance.built);
+  shown.built = *std::move(built);
+  if (!is_item(item, manifest, input_files(shown.built), out)) return std::nullopt;
   if (stored == nullptr || stored->result.solution_bytes == 0) return shown;
   shown.document = load_document(*stored);
   if (shown.document.is_null()) {
@@ -56,12 +63,27 @@ std::optional<ShownItem> load_item(const std::filesystem::path& run, const Manif
   return shown;
 }
 
+std::optional<std::vector<std::filesystem::path>> write_loop_item(
+    const std::filesystem::path& run, const Manifest& manifest, const ManifestItem& item,
+    const std::filesystem::path& folder, Diagnostics& out) {
+  if (!is_as_planned(manifest, item.problem, run, out)) return std::nullopt;
+  const std::filesystem::path file = problem_of_run(manifest, item.problem, run);
+  auto spec = read_problem(file, item.settings, out);
+  const auto task = spec ? build_loop(*std::move(spec), {}, out) : nullptr;
+  if (!task || !is_item(item, manifest, input_files(*task), out)) return std::nullopt;
+  const ClosedLoopResult result = run_loop(*task);
+  std::vector<std::filesystem::path> paths = write_loop({*task, result, item.settings}, folder);
+  AtomicFiles files;
+  files.add(folder / "problem.yaml", problem_yaml(*task->spec, task->built, file, folder));
+  files.commit();
+  paths.insert(paths.begin(), folder / "problem.yaml");
+  return paths;
+}
+
 std::vector<std::filesystem::path> write_item(const ShownItem& item,
                                               const std::filesystem::path& folder) {
-  OrderedJson problem = expand_problem(*item.spec, item.built);
-  make_paths_relative(problem, item.file.parent_path(), folder);
   std::vector<std::pair<std::filesystem::path, std::string>> texts = {
-      {folder / "problem.yaml", yaml_text(problem)}};
+      {folder / "problem.yaml", problem_yaml(*item.spec, item.built, item.file, folder)}};
   if (!item.document.is_null()) {
     const Trajectory trajectory = stored_trajectory(item.document, *item.built.problem);
     const ContactForces forces = contact_forces(*item.spec, *item.built.problem, trajectory);

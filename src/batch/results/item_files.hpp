@@ -24,6 +24,13 @@ std::optional<ShownItem> load_item(const std::filesystem::path& run, const Manif
                                    const ManifestItem& item, const StoredResult* stored,
                                    Diagnostics& out);
 
+/// Builds the closed loop of an item again, simulates it, and writes problem.yaml (every default,
+/// paths as seen from there) and the files of the loop into a folder. Returns their paths; nothing
+/// with errors where the item's files have changed since the plan was made.
+std::optional<std::vector<std::filesystem::path>> write_loop_item(
+    const std::filesystem::path& run, const Manifest& manifest, const ManifestItem& item,
+    const std::filesystem::path& folder, Diagnostics& out);
+
 /// Writes problem.yaml (every default, paths as seen from there) and, where a solution is kept,
 /// solution.json, trajectory.csv and iterations.csv into a folder, all or none. Returns their
 /// paths. Throws OutputError, and MalformedSolution where the solution is not one of the problem.

@@ -18,14 +18,14 @@ inline constexpr std::string_view kDefect = "defect";              ///< an error
 /// How one item ended. A row of results.
 struct ItemResult {
   std::string id;
-  std::string status;  ///< of the solve, or one of those above
-  bool success = false;
+  std::string status;    ///< of the solve, the end of the loop, or one of those above
+  bool success = false;  ///< it is solved and its certificate holds, or the loop lasted
   int attempt = 1;
   /// Where the whole solution is in the pack of the shard; 0 bytes: it is not kept.
   std::size_t solution_offset = 0, solution_bytes = 0;
   std::uint64_t solution_sum = 0;  ///< check_sum() of these bytes
   /// What does not depend on the run: solver, message, cost, iterations, residuals, constraints,
-  /// certificate; empty where nothing was solved.
+  /// certificate; of a loop kLoopColumns; empty where nothing was solved.
   OrderedJson answer;
   OrderedJson times;  ///< s
 

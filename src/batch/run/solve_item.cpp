@@ -13,20 +13,6 @@
 namespace conddp {
 namespace {
 
-/// Why nothing could be solved, in the words of the first error.
-ItemResult not_built(const ManifestItem& item, const Diagnostics& diagnostics) {
-  std::string message = "its files have changed since the plan was made";
-  for (const Diagnostic& d : diagnostics.list())
-    if (d.severity == Severity::kError) {
-      message = d.message;
-      break;
-    }
-  return {.id = item.id,
-          .status = std::string(kUnsolvable),
-          .answer = {{"message", message}},
-          .times = OrderedJson::object()};
-}
-
 SolverOptions options_of(const ProblemInstance& instance) {
   SolverOptions options = instance.spec->solver.options;
   options.threads = 1;
@@ -60,6 +46,26 @@ bool is_kept(const ItemResult& result, KeptSolutions keep) {
 
 }  // namespace
 
+std::vector<Setting> settings_of(const ManifestItem& item, Diagnostics& out) {
+  std::vector<Setting> settings;
+  for (const std::string& text : item.settings)
+    if (auto setting = parse_setting(text, out)) settings.push_back(*std::move(setting));
+  return settings;
+}
+
+ItemResult not_built(const ManifestItem& item, const Diagnostics& diagnostics) {
+  std::string message = "its files have changed since the plan was made";
+  for (const Diagnostic& d : diagnostics.list())
+    if (d.severity == Severity::kError) {
+      message = d.message;
+      break;
+    }
+  return {.id = item.id,
+          .status = std::string(kUnsolvable),
+          .answer = {{"message", message}},
+          .times = OrderedJson::object()};
+}
+
 SolvedItem solve_item(const ManifestItem& item, const Manifest& manifest,
                       const ProblemFamily& family, const NeighbourAnswer* from) {
   const auto began = std::chrono::steady_clock::now();
@@ -67,12 +73,10 @@ SolvedItem solve_item(const ManifestItem& item, const Manifest& manifest,
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   };
   Diagnostics diagnostics = family.texts();
-  std::vector<Setting> settings;
-  for (const std::string& text : item.settings)
-    if (auto setting = parse_setting(text, diagnostics)) settings.push_back(*std::move(setting));
+  const std::vector<Setting> settings = settings_of(item, diagnostics);
   const auto instance = family.build(settings, diagnostics);
-  if (!instance ||
-      item_id(manifest.problems[item.problem].identity, settings, *instance) != item.id)
+  if (!instance || item_id(manifest.problems[item.problem].identity, settings,
+                           input_files(instance->built)) != item.id)
     return {not_built(item, diagnostics), {}, {}};
   const auto candidates = usable_solvers(*instance->spec, *instance->built.problem, diagnostics);
   if (candidates.empty()) return {not_built(item, diagnostics), {}, {}};

@@ -22,7 +22,7 @@
 #include "base/files/write_all.hpp"
 #include "batch/plan/neighbours.hpp"
 #include "batch/plan/run_folder.hpp"
-#include "batch/run/solve_item.hpp"
+#include "batch/run/simulate_item.hpp"
 
 namespace conddp {
 namespace {
@@ -73,6 +73,7 @@ class Worker {
     if (!family)
       family = ProblemFamily::load(problem_of_run(manifest_, item.problem, run_), {}, diagnostics);
     if (!family) return failed(item, kUnsolvable, "its problem file cannot be read any more");
+    if (manifest_.command == BatchCommand::kMpc) return simulate_item(item, manifest_, *family);
     SolvedItem solved = solve_item(item, manifest_, *family, from);
     if (manifest_.warm_start == WarmStart::kNeighbour) remember(item.id, solved.answer);
     return solved;

@@ -8,7 +8,6 @@
 #include "base/files/atomic_file.hpp"
 #include "base/json/json_text.hpp"
 #include "output/solution/csv_cells.hpp"
-#include "output/solution/input_files.hpp"
 #include "output/solution/solution_json.hpp"
 #include "problem_file/expand/expand_problem.hpp"
 
@@ -80,11 +79,12 @@ OrderedJson late_ticks_json(const std::vector<TickRecord>& ticks) {
 
 OrderedJson problem_json(const LoopRun& run) {
   const LoopTask& task = run.task;
+  const InputFiles files = input_files(task);
   return {{"name", task.spec->name.value},
           {"file", task.spec->file.string()},
           {"sha256", task.spec->sha256},
-          {"robots", files_json(input_files(task.built).robots)},
-          {"data_files", files_json(data_files(task))},
+          {"robots", files_json(files.robots)},
+          {"data_files", files_json(files.data)},
           {"overrides", run.overrides},
           {"configuration", expand_problem(*task.spec, task.built)}};
 }

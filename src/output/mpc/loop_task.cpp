@@ -37,15 +37,15 @@ std::unique_ptr<LoopTask> rebuild_loop(const OrderedJson& document, const std::s
                          Diagnostics& own) -> std::optional<InputFiles> {
     task = build_loop(std::move(spec), {.drop = drop}, own);
     if (!task) return std::nullopt;
-    return InputFiles{input_files(task->built).robots, data_files(*task)};
+    return input_files(*task);
   };
   if (!build_again(RebuiltFor::kLoop, document, file, problem, build, out)) return nullptr;
   return task;
 }
 
-std::vector<InputFile> data_files(const LoopTask& task) {
-  std::vector<InputFile> files = task.built.data_files;
-  files.insert(files.end(), task.mpc.plant_files.begin(), task.mpc.plant_files.end());
+InputFiles input_files(const LoopTask& task) {
+  InputFiles files = input_files(task.built);
+  files.data.insert(files.data.end(), task.mpc.plant_files.begin(), task.mpc.plant_files.end());
   return files;
 }
 

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "base/json/ordered_json.hpp"
+#include "output/solution/input_files.hpp"
 #include "problem_file/build/build_mpc.hpp"
 
 namespace conddp {
@@ -24,8 +25,9 @@ std::unique_ptr<LoopTask> build_loop(ProblemSpec spec, const BuildOptions& optio
 std::unique_ptr<LoopTask> rebuild_loop(const OrderedJson& document, const std::string& file,
                                        const std::filesystem::path& problem, Diagnostics& out);
 
-/// The files that the plant alone reads, and those with data of the problem.
-std::vector<InputFile> data_files(const LoopTask& task);
+/// The files that a loop is made of: robots of the problem; its data, and what a plant reads that
+/// is not the model.
+InputFiles input_files(const LoopTask& task);
 
 /// Simulates the loop. `observe` gets to see the controller after each tick; null: nobody looks.
 ClosedLoopResult run_loop(const LoopTask& task, std::function<void(const Mpc&)> observe = nullptr);
