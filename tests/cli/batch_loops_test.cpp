@@ -53,8 +53,9 @@ TEST_F(LoopBatch, TellsWhichLoopsLastHoweverTheRunWent) {
   EXPECT_EQ(line,
             "item,id,problem,push,seed,pole,solver,status,survived,time_s,planned,fallback,cost,"
             "violation,message");
-  for (const char* words : {",box_fddp,finished,1,1.5,1.0,0.0,", ",box_fddp,finished,1,1.5,1.0,0.0,",
-                            ",box_fddp,stopped,0,", ",box_fddp,stopped,0,"}) {
+  for (const char* words :
+       {",box_fddp,finished,1,1.5,1.0,0.0,", ",box_fddp,finished,1,1.5,1.0,0.0,",
+        ",box_fddp,stopped,0,", ",box_fddp,stopped,0,"}) {
     std::getline(lines, line);
     EXPECT_NE(line.find(words), std::string::npos) << line;
   }

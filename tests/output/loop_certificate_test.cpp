@@ -3,22 +3,17 @@
 
 #include <fstream>
 
-#include <unistd.h>
-
 #include "base/files/text_file.hpp"
 #include "base/json/solution_members.hpp"
 #include "loop_fixture.hpp"
 #include "output/report/certificate_report.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace conddp {
 namespace {
 
 class LoopVerdict : public testing::Test {
  protected:
-  LoopVerdict()
-      : folder_(std::filesystem::temp_directory_path() / fmt::format("conddp-loop-{}", getpid())) {}
-  ~LoopVerdict() override { std::filesystem::remove_all(folder_); }
-
   void write(const SimulatedLoop& loop) const { write_loop(loop.run(), folder_); }
   LoopCertificate judge(const SimulatedLoop& loop, const OrderedJson& document) const {
     return certify_loop(document, folder_, *loop.task);
@@ -41,7 +36,8 @@ class LoopVerdict : public testing::Test {
     return names;
   }
 
-  const std::filesystem::path folder_;
+  const TemporaryFolder temporary_;
+  const std::filesystem::path folder_ = temporary_.path();
 };
 
 /// A row of a table with another cell.
