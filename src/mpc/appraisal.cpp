@@ -26,19 +26,21 @@ Appraisal::Appraisal(const TimeLine& line) : line_(line) {
 }
 
 StepFigures Appraisal::of_step(double time, double length, const double* u, const double* x) const {
-  const KnotView& view = line_.problem().knot(line_.at(time).knot);
-  KnotBatch<double>& batch = *batches_.at(view.model);
-  std::copy_n(view.parameters, view.model->parameter_count(), batch.parameters.begin());
-  std::copy_n(x, view.model->nx(), batch.x.begin());
-  std::copy_n(u, view.model->nu(), batch.u.begin());
-  batch.dt = view.dt;
-  const double share = std::abs(length - view.dt) < kSameTime ? 1 : length / view.dt;
-  batch.cost_scale = view.cost_scale * share;
-  view.model->evaluate(batch.input(), batch.work);
+  const int k = line_.at(time).knot;
+  const KnotModel& model = *line_.problem().knot(k).model;
+  const KnotNumbers numbers = line_.numbers(k);
+  KnotBatch<double>& batch = *batches_.at(&model);
+  std::copy_n(numbers.parameters, model.parameter_count(), batch.parameters.begin());
+  std::copy_n(x, model.nx(), batch.x.begin());
+  std::copy_n(u, model.nu(), batch.u.begin());
+  batch.dt = numbers.dt;
+  const double share = std::abs(length - numbers.dt) < kSameTime ? 1 : length / numbers.dt;
+  batch.cost_scale = numbers.cost_scale * share;
+  model.evaluate(batch.input(), batch.work);
   StepFigures figures{.cost = batch.work.cost};
-  for (const ConstraintTerm& term : view.model->constraints())
-    if (view.parameters[term.active()] != 0 && term.softness == Softness::hard)
-      figures.violation = std::max(figures.violation, violation(term, batch, view.parameters));
+  for (const ConstraintTerm& term : model.constraints())
+    if (numbers.parameters[term.active()] != 0 && term.softness == Softness::hard)
+      figures.violation = std::max(figures.violation, violation(term, batch, numbers.parameters));
   return figures;
 }
 

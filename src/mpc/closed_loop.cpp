@@ -26,13 +26,17 @@ class Plant {
         appraisal_(mpc.time_line()),
         stop_(options.stop) {
     const TimeLine& model = mpc.time_line();
-    if (options.plant.empty()) add(0, model, options.step);
+    if (options.plant.empty()) add(0, model);
     for (const PlantPeriod& period : options.plant) {
+      if (period.motion != nullptr) {
+        periods_.push_back({period.from, period.motion});
+        continue;
+      }
       const ShootingProblem& problem = *period.problem;
       if (problem.times() != model.problem().times() || problem.nx() != model.problem().nx())
         throw std::invalid_argument("the plant has other states or times than the model");
       lines_.push_back(std::make_unique<TimeLine>(period.problem, model.is_held()));
-      add(period.from, *lines_.back(), options.step);
+      add(period.from, *lines_.back());
     }
     if (periods_.front().from > 0)
       throw std::invalid_argument("the plant's first period begins at time 0");
@@ -57,12 +61,17 @@ class Plant {
     return true;
   }
 
+  /// The contacts that are closed in front of a time.
+  std::uint32_t closed_contacts(double time) const {
+    return motion_at(time - 2 * kSameTime).closed_contacts();
+  }
+
   std::vector<double> x;
 
  private:
   struct Period {
     double from;
-    std::unique_ptr<Simulation> simulation;
+    std::shared_ptr<PlantMotion> motion;
   };
   struct Law {
     Mpc& mpc;
@@ -74,14 +83,14 @@ class Plant {
     double next_change(double time) const { return mpc.next_change(time); }
   };
 
-  void add(double from, const TimeLine& line, const StepRule& rule) {
-    periods_.push_back({from, std::make_unique<Simulation>(line, rule)});
+  void add(double from, const TimeLine& line) {
+    periods_.push_back({from, std::make_shared<Simulation>(line, options_.step)});
   }
 
-  Simulation& simulation_at(double time) {
-    Simulation* current = periods_.front().simulation.get();
+  PlantMotion& motion_at(double time) const {
+    PlantMotion* current = periods_.front().motion.get();
     for (const Period& period : periods_)
-      if (!is_before(time, period.from)) current = period.simulation.get();
+      if (!is_before(time, period.from)) current = period.motion.get();
     return *current;
   }
 
@@ -98,13 +107,13 @@ class Plant {
   bool run(double from, double to) {
     const auto begin = [this](double time, double length, const double* u) {
       if (!goes_on(time)) return false;
-      result_.steps.push_back({time, length, x, {u, u + law_.u.size()}});
-      const StepFigures figures = appraisal_.of_step(time, length, u, x.data());
+      result_.steps.push_back({time, length, x, {u, u + law_.u.size()}, mpc_.line_time(time)});
+      const StepFigures figures = appraisal_.of_step(mpc_.line_time(time), length, u, x.data());
       result_.cost += figures.cost;
       result_.violation = std::max(result_.violation, figures.violation);
       return true;
     };
-    return simulate(simulation_at(from), from, to, law_, held_, x.data(), begin) && goes_on(to);
+    return simulate(motion_at(from), from, to, law_, held_, x.data(), begin) && goes_on(to);
   }
 
   bool goes_on(double time) {
@@ -183,13 +192,17 @@ ClosedLoopResult run_closed_loop(Mpc& mpc, const ClosedLoopOptions& options) {
   mpc.reserve(end);
   Plant plant(mpc, options, result);
   Sensor sensor(options, line.problem());
+  auto command = options.commands.begin();
   while (is_before(mpc.time(), end) && mpc.goes_on()) {
     if (options.interrupted && options.interrupted()) {
       result.end = LoopEnd::interrupted;
       break;
     }
     const double from = mpc.time();
+    for (; command != options.commands.end() && !is_before(from, command->at); ++command)
+      mpc.take_numbers(command->numbers);
     plant.jump(from);
+    mpc.see_contacts(plant.closed_contacts(from));
     mpc.prepare();
     mpc.feedback(sensor.measure(mpc.last_tick().tick, plant.x));
     result.ticks.push_back(mpc.last_tick());

@@ -11,10 +11,19 @@
 
 namespace conddp {
 
-/// From a time on the plant moves as this problem's systems do, phase by phase.
+/// From a time on the plant moves as this problem's systems do, phase by phase, or in a way of its
+/// own.
 struct PlantPeriod {
   double from = 0;  ///< s
-  std::shared_ptr<const ShootingProblem> problem;
+  std::shared_ptr<const ShootingProblem> problem = nullptr;
+  std::shared_ptr<PlantMotion> motion = nullptr;  ///< in place of the problem
+};
+
+/// What is wanted from a time on: the numbers of a problem (Mpc::take_numbers). The first tick that
+/// measures no earlier learns of it.
+struct LoopCommand {
+  double at = 0;  ///< s
+  std::shared_ptr<const ShootingProblem> numbers;
 };
 
 /// A displacement of the plant's state at a time.
@@ -33,8 +42,9 @@ struct ClosedLoopOptions {
   double duration = 1;  ///< s
   /// From time 0 on, in order; empty: the plant is the model.
   std::vector<PlantPeriod> plant;
-  StepRule step;            ///< of the plant
-  std::vector<Jump> jumps;  ///< in the order of their times
+  StepRule step;                      ///< of the plant
+  std::vector<Jump> jumps;            ///< in the order of their times
+  std::vector<LoopCommand> commands;  ///< likewise
   std::optional<MeasurementNoise> noise;
   std::optional<StopCondition> stop;
   /// Changes what is measured at a tick before the controller gets it; null: nothing does.
@@ -60,6 +70,7 @@ struct PlantStep {
   double time;    ///< s
   double length;  ///< s
   std::vector<double> x, u;
+  double line_time;  ///< s, on the controller's time line (Mpc::line_time)
 };
 
 struct ClosedLoopResult {

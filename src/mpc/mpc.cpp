@@ -58,6 +58,12 @@ void check_knots(const ShootingProblem& problem, const MpcOptions& options) {
 const MpcOptions& checked(const MpcOptions& options, const ShootingProblem& problem) {
   check_rates(options);
   check_knots(problem, options);
+  if (options.retiming) {
+    require(options.retiming->early >= 0 && options.retiming->late >= 0,
+            "limits of re-timing are not negative");
+    require(static_cast<int>(options.retiming->contacts.size()) == problem.knots(),
+            "re-timing needs the contacts of every knot");
+  }
   if (options.fallback) {
     const HeldState& held = *options.fallback;
     require(static_cast<int>(held.x.size()) == problem.nx() && held.u.size() == problem.nu(0) &&
@@ -157,13 +163,42 @@ Window& Mpc::window_of(const WindowCut& cut) {
 
 void Mpc::reserve(double until) {
   for (int tick = tick_; !is_before(until, tick * options_.tick); ++tick) {
-    cut_window(context(), tick * options_.tick + options_.delay, cut_);
+    cut_window(context(), line_time(tick * options_.tick + options_.delay), cut_);
     if (cut_.knots.empty()) return;
     window_of(cut_);
   }
 }
 
-bool Mpc::goes_on() const { return line_.is_held() || is_before(plan_begin(), line_.end()); }
+bool Mpc::goes_on() const {
+  return line_.is_held() || is_before(line_time(plan_begin()), line_.end());
+}
+
+/// When the next phase after a time begins that holds a contact which the one before it does not,
+/// and all of these contacts.
+std::optional<double> Mpc::next_touch_down(double from, std::uint32_t& contacts) const {
+  const std::vector<std::uint32_t>& held = options_.retiming->contacts;
+  const std::vector<double>& times = line_.problem().times();
+  for (int k = line_.at(from).knot; k + 1 < line_.problem().knots(); ++k) {
+    contacts = held[k + 1] & ~held[k];
+    if (contacts != 0 && is_before(from, times[k + 1])) return times[k + 1];
+  }
+  return std::nullopt;
+}
+
+void Mpc::see_contacts(std::uint32_t closed) {
+  if (!options_.retiming || tick_ == 0) return;
+  const double now = line_time(time());
+  std::uint32_t contacts = 0;
+  const auto touch_down = next_touch_down(now - options_.tick, contacts);
+  if (!touch_down) return;
+  const double ahead = *touch_down - now;
+  const bool all = (contacts & ~closed) == 0;
+  if (all && ahead > 0 && ahead <= options_.retiming->early) shift_ += ahead;
+  const bool waits = !all && !is_before(now, *touch_down) &&
+                     !is_before(options_.retiming->late, waited_ + options_.tick);
+  if (waits) shift_ -= options_.tick;
+  waited_ = waits ? waited_ + options_.tick : 0;
+}
 
 const Mpc::Policy& Mpc::policy_at(double time) const {
   return is_before(time, in_force_.begin) ? before_ : in_force_;
@@ -172,16 +207,17 @@ const Mpc::Policy& Mpc::policy_at(double time) const {
 /// Whether a policy without feedback between ticks still holds its first control.
 bool Mpc::holds_first(const Policy& policy, double time) const {
   if (options_.feedback_rate) return false;
-  return policy.held || policy.plan->knot_at(time) == policy.plan->knot_at(policy.begin);
+  return policy.held ||
+         policy.plan->knot_at(line_time(time)) == policy.plan->knot_at(line_time(policy.begin));
 }
 
 void Mpc::follow(const Policy& policy, double time, const double* x, Eigen::VectorXd& u) {
   const bool gains = options_.feedback_rate || std::abs(time - policy.begin) < kSameTime;
   if (policy.held)
-    control_of(*options_.fallback, *line_.problem().knot(line_.at(time).knot).model, x, scratch_,
-               u);
+    control_of(*options_.fallback, *line_.problem().knot(line_.at(line_time(time)).knot).model, x,
+               scratch_, u);
   else
-    control_of(*policy.plan, time, x, gains, scratch_, u);
+    control_of(*policy.plan, line_time(time), x, gains, scratch_, u);
 }
 
 const Eigen::VectorXd& Mpc::control(double time, const double* x) {
@@ -205,36 +241,42 @@ double Mpc::next_change(double time) const {
   }
   if (policy.held) return next;
   const std::vector<double>& knots = policy.plan->times;
-  const auto later = std::upper_bound(knots.begin(), knots.end(), time + kSameTime);
-  return later == knots.end() ? next : std::min(next, *later);
+  const auto later = std::upper_bound(knots.begin(), knots.end(), line_time(time) + kSameTime);
+  return later == knots.end() ? next : std::min(next, *later - shift_);
 }
 
 void Mpc::predict(double from, double to, std::vector<double>& x) {
   struct Law {
     Mpc& mpc;
     const double* control(double time, const double* state) {
-      return mpc.control(time, state).data();
+      return mpc.control(time - mpc.shift_, state).data();
     }
-    double next_change(double time) const { return mpc.next_change(time); }
+    double next_change(double time) const {
+      return mpc.line_time(mpc.next_change(time - mpc.shift_));
+    }
   } law{*this};
   HeldControl held;
-  simulate(model_, from, to, law, held, x.data(),
+  simulate(model_, line_time(from), line_time(to), law, held, x.data(),
            [](double, double, const double*) { return true; });
 }
 
 void Mpc::solve_from(const std::vector<double>& x) {
   window_->set_initial_state(x.data());
   window_->guess_from(*in_force_.plan, scratch_);
-  const bool fully = in_force_.plan == &guess_ && options_.iterations;
-  answer_ = fully ? &window_->solve(options_.solver, options_.solver_options) : &window_->solve();
+  if (!options_.iterations)
+    answer_ = &window_->solve();
+  else if (in_force_.plan == &guess_)
+    answer_ = &window_->solve(options_.solver, options_.solver_options);
+  else
+    answer_ = &window_->iterate();
 }
 
 void Mpc::prepare() {
-  record_ = {.tick = tick_, .time = time()};
+  record_ = {.tick = tick_, .time = time(), .shift = shift_};
   answer_ = nullptr;
   const Stopwatch watch(record_.preparation);
   const double began = now();
-  cut_window(context(), plan_begin(), cut_);
+  cut_window(context(), line_time(plan_begin()), cut_);
   if (cut_.knots.empty()) throw std::logic_error("the time line has ended");
   window_ = &window_of(cut_);
   window_->load(context(), cut_);
@@ -318,9 +360,9 @@ void Mpc::decide() {
     record_.violation = answer_->residuals.constraint;
   }
   predicted_ = state_;  // the first control follows the impulses at its time
-  model_.pass_instants(in_force_.begin, predicted_.data());
+  model_.pass_instants(line_time(in_force_.begin), predicted_.data());
   follow(in_force_, in_force_.begin, predicted_.data(), in_force_.first);
-  record_.plan_age = in_force_.begin - in_force_.plan->times.front();
+  record_.plan_age = line_time(in_force_.begin) - in_force_.plan->times.front();
   record_.fallback = in_force_.held;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -26,6 +27,14 @@ enum class TickOutcome {
 /// The name in outputs: "planned", "not_finite", ...
 std::string_view to_string(TickOutcome outcome);
 
+/// Phases that begin when their contacts do, and not at their time.
+struct Retiming {
+  double early = 0;  ///< s: how much earlier than planned a phase may begin
+  double late = 0;   ///< s: how much longer than planned one may last
+  /// Of each knot of the problem the contacts that its phase holds, one bit each.
+  std::vector<std::uint32_t> contacts;
+};
+
 struct MpcOptions {
   double horizon = 1;  ///< s, of windows
   double tick = 0.01;  ///< s, between two plans
@@ -45,6 +54,8 @@ struct MpcOptions {
   int fallback_after = 3;
   std::string solver = "box_fddp";  ///< of the DDP family
   SolverOptions solver_options;
+  /// None: phases begin at their times.
+  std::optional<Retiming> retiming;
   /// Whether the answer of a tick comes too late; null: never.
   std::function<bool(int tick)> is_late;
   /// A clock, s. By it, answers come too late whose preparation and feedback take longer than a
@@ -63,8 +74,9 @@ struct TickRecord {
   int iterations = 0;
   double cost = 0, stationarity = 0, gap = 0, violation = 0;  ///< of its answer
   double plan_age = 0;                                        ///< s, of the plan in force
-  bool fallback = false;                                      ///< the fallback is in force
-  double preparation = 0, feedback = 0;                       ///< wall-clock s
+  double shift = 0;                      ///< s, by which re-timing has moved ahead
+  bool fallback = false;                 ///< the fallback is in force
+  double preparation = 0, feedback = 0;  ///< wall-clock s
 };
 
 /// Model predictive control of a problem. Tick j measures at j·tick; its plan begins at
@@ -83,6 +95,15 @@ class Mpc {
   void reserve(double until);
   /// Whether the time line goes on after the begin of the next plan.
   bool goes_on() const;
+  /// From the next tick on references, weights and bounds are those of a problem of the same
+  /// structure (TimeLine::take_numbers). The plan in force stays.
+  void take_numbers(std::shared_ptr<const ShootingProblem> source) {
+    line_.take_numbers(std::move(source));
+  }
+  /// The contacts that are closed before the next tick, one bit each. With `retiming` the next
+  /// touch-down of the time line comes at once where all of its contacts are closed, and waits
+  /// where it is due and one of them is not.
+  void see_contacts(std::uint32_t closed);
   /// All that can be done before the state is measured.
   void prepare();
   /// The control at the begin of the plan, from the state measured at time(): nx numbers. It stays
@@ -102,6 +123,8 @@ class Mpc {
   const Plan* plan() const { return in_force_.held ? nullptr : in_force_.plan; }
   const MpcOptions& options() const { return options_; }
   const TimeLine& time_line() const { return line_; }
+  /// The time on the time line that belongs to a time of the loop, s.
+  double line_time(double time) const { return time + shift_; }
 
  private:
   /// What controls from a time on.
@@ -114,6 +137,7 @@ class Mpc {
 
   WindowContext context() const;
   double plan_begin() const { return time() + options_.delay; }
+  std::optional<double> next_touch_down(double from, std::uint32_t& contacts) const;
   Window& window_of(const WindowCut& cut);
   const Policy& policy_at(double time) const;
   bool holds_first(const Policy& policy, double time) const;
@@ -142,6 +166,8 @@ class Mpc {
   int failures_ = 0;               ///< in a row
   double prepared_in_ = 0;         ///< by the clock, s
   double asked_at_ = 0;            ///< for the control, by the clock, s
+  double shift_ = 0;               ///< of the time line, s
+  double waited_ = 0;              ///< s, for the next touch-down
   std::vector<double> state_;      ///< where the last plan began, as far as is known
   std::vector<double> predicted_;  ///< where the next one begins
   Eigen::VectorXd control_;

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "mpc/plant_motion.hpp"
 #include "mpc/time_line.hpp"
 #include "ocp/knot/knot_batch.hpp"
 
@@ -18,17 +19,15 @@ struct StepRule {
 
 /// The dynamics of a time line, without its costs: step by step, through its instants. Allocates
 /// nothing after construction.
-class Simulation {
+class Simulation final : public PlantMotion {
  public:
   /// Throws std::invalid_argument where the integrator does not serve the systems.
   Simulation(const TimeLine& line, const StepRule& rule);
 
-  /// The longest that a step from here may last, s; ends with the knot at the latest.
-  double next_stop(double time) const;
-  /// Moves x over the instants at a time.
-  void pass_instants(double time, double* x);
-  /// Moves x on by a step with a control that is held.
-  void step(double time, double length, const double* u, double* x);
+  /// Ends with the knot at the latest.
+  double next_stop(double time) const override;
+  void pass_instants(double time, double* x) override;
+  void step(double time, double length, const double* u, double* x) override;
 
  private:
   struct Stepper {
@@ -56,15 +55,15 @@ struct HeldControl {
 /// `begin(time, length, u)` is called before each step and ends the simulation by `false`. False
 /// where it did.
 template <class Law, class Begin>
-bool simulate(Simulation& simulation, double from, double to, Law& law, HeldControl& held,
-              double* x, Begin begin) {
+bool simulate(PlantMotion& motion, double from, double to, Law& law, HeldControl& held, double* x,
+              Begin begin) {
   for (double time = from; is_before(time, to);) {
-    simulation.pass_instants(time, x);
+    motion.pass_instants(time, x);
     if (!is_before(time, held.until)) held = {law.control(time, x), law.next_change(time)};
-    double next = std::min({to, held.until, simulation.next_stop(time)});
+    double next = std::min({to, held.until, motion.next_stop(time)});
     if (!is_before(next, to)) next = to;
     if (!begin(time, next - time, held.u)) return false;
-    simulation.step(time, next - time, held.u, x);
+    motion.step(time, next - time, held.u, x);
     time = next;
   }
   return true;

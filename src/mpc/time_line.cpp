@@ -8,13 +8,24 @@
 namespace conddp {
 
 TimeLine::TimeLine(std::shared_ptr<const ShootingProblem> problem, bool held)
-    : problem_(std::move(problem)), held_(held) {
+    : problem_(std::move(problem)), numbers_(problem_), held_(held) {
   if (problem_->has_free_durations())
     throw std::invalid_argument("a time line has no free durations");
   if (problem_->knots() == 0 || problem_->phases().front().instant)
     throw std::invalid_argument("a time line begins with a knot that takes time");
   for (int k = 0; k < problem_->knots(); ++k)
     if (!problem_->takes_no_time(k)) last_ = k;
+}
+
+void TimeLine::take_numbers(std::shared_ptr<const ShootingProblem> source) {
+  bool same = source->times() == problem_->times();
+  for (int k = 0; same && k <= problem_->knots(); ++k) {
+    const KnotModel &own = *problem_->knot(k).model, &other = *source->knot(k).model;
+    same = own.parameter_count() == other.parameter_count() && own.nx() == other.nx() &&
+           own.nu() == other.nu();
+  }
+  if (!same) throw std::invalid_argument("the numbers are those of another structure");
+  numbers_ = std::move(source);
 }
 
 int TimeLine::first_after(double time) const {

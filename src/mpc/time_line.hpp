@@ -28,6 +28,14 @@ class TimeLine {
   TimeLine(std::shared_ptr<const ShootingProblem> problem, bool held);
 
   const ShootingProblem& problem() const { return *problem_; }
+  /// From here on the numbers of nodes (references, weights, bounds) are those of a problem of the
+  /// same structure. Throws std::invalid_argument where it has another one. Allocates nothing.
+  void take_numbers(std::shared_ptr<const ShootingProblem> source);
+  /// Of a knot, or of the last node.
+  KnotNumbers numbers(int node) const {
+    const KnotView& view = numbers_->knot(node);
+    return {view.dt, view.cost_scale, view.parameters};
+  }
   bool is_held() const { return held_; }
   /// When the problem ends, s.
   double end() const { return problem_->times().back(); }
@@ -44,7 +52,7 @@ class TimeLine {
   int first_after(double time) const;
   TimedKnot held(double time) const;
 
-  std::shared_ptr<const ShootingProblem> problem_;
+  std::shared_ptr<const ShootingProblem> problem_, numbers_;
   bool held_;
   int last_ = 0;  ///< knot that takes time
 };

@@ -9,12 +9,12 @@ namespace conddp {
 namespace {
 
 /// A knot of the time line, or the share of it that lies in a window.
-KnotNumbers numbers_of(const ShootingProblem& problem, const TimedKnot& part) {
-  const KnotView& view = problem.knot(part.knot);
+KnotNumbers numbers_of(const TimeLine& line, const TimedKnot& part) {
+  const KnotNumbers whole = line.numbers(part.knot);
   const double length = part.end - part.begin;
-  if (problem.takes_no_time(part.knot) || std::abs(length - view.dt) < kSameTime)
-    return {view.dt, view.cost_scale, view.parameters};
-  return {length, view.cost_scale * (length / view.dt), view.parameters};
+  if (line.problem().takes_no_time(part.knot) || std::abs(length - whole.dt) < kSameTime)
+    return whole;
+  return {length, whole.cost_scale * (length / whole.dt), whole.parameters};
 }
 
 /// Whether a constraint counts in a window at its node `node` with the time line's numbers.
@@ -24,6 +24,12 @@ bool is_active(const ConstraintTerm& term, int node, int ndx, const double* para
 
 const Phase& end_of(const WindowContext& context, bool reaches_end) {
   return reaches_end ? context.line.problem().terminal() : context.open_end;
+}
+
+KnotNumbers end_numbers(const WindowContext& context, bool reaches_end) {
+  if (reaches_end) return context.line.numbers(context.line.problem().knots());
+  const Phase& end = context.open_end;
+  return {end.dt[0], end.cost_scale[0], end.parameters.data()};
 }
 
 /// Writes the parameters of a node of a window.
@@ -72,7 +78,7 @@ ShootingProblem problem_of(const WindowContext& context, const WindowCut& cut) {
     if (phases.empty() || phases.back().name != phase.name || phases.back().model != phase.model ||
         phases.back().instant != phase.instant)
       phases.push_back({.name = phase.name, .model = phase.model, .instant = phase.instant});
-    const KnotNumbers numbers = numbers_of(whole, part);
+    const KnotNumbers numbers = numbers_of(context.line, part);
     write_parameters(*phase.model, i, numbers.parameters, parameters);
     Phase& to = phases.back();
     to.dt.push_back(numbers.dt);
@@ -135,15 +141,14 @@ bool Window::fits(const WindowContext& context, const WindowCut& cut) const {
   const int N = problem_.knots();
   const Phase& end = end_of(context, cut.reaches_end);
   if (static_cast<int>(cut.knots.size()) != N || problem_.terminal().model != end.model ||
-      !same_constraints(*end.model, problem_.knot(N), N,
-                        {end.dt[0], end.cost_scale[0], end.parameters.data()}))
+      !same_constraints(*end.model, problem_.knot(N), N, end_numbers(context, cut.reaches_end)))
     return false;
   for (int i = 0; i < N; ++i) {
     const KnotView& own = problem_.knot(i);
     const TimedKnot& part = cut.knots[i];
     if (own.model != whole.knot(part.knot).model ||
         problem_.phases()[own.phase].instant != whole.takes_no_time(part.knot) ||
-        !same_constraints(*own.model, own, i, numbers_of(whole, part)))
+        !same_constraints(*own.model, own, i, numbers_of(context.line, part)))
       return false;
   }
   return true;
@@ -153,13 +158,12 @@ void Window::load(const WindowContext& context, const WindowCut& cut) {
   const int N = problem_.knots();
   for (int i = 0; i < N; ++i) {
     times_[i] = cut.knots[i].begin;
-    numbers_[i] = numbers_of(context.line.problem(), cut.knots[i]);
+    numbers_[i] = numbers_of(context.line, cut.knots[i]);
     write_parameters(*problem_.knot(i).model, i, numbers_[i].parameters, parameters_[i]);
     numbers_[i].parameters = parameters_[i].data();
   }
   times_[N] = cut.end;
-  const Phase& end = end_of(context, cut.reaches_end);
-  numbers_[N] = {end.dt[0], end.cost_scale[0], end.parameters.data()};
+  numbers_[N] = end_numbers(context, cut.reaches_end);
   problem_.set_numbers(numbers_);
 }
 

@@ -54,6 +54,8 @@ class Window {
   /// multipliers of knots of the same model; from its initial state.
   void guess_from(const Plan& plan, PolicyScratch& scratch);
   const SolveResult& solve();
+  /// By as many iterations as the options allow, with the gains of the last sweep.
+  const SolveResult& iterate() { return solver_.iterate(guess_); }
   /// The same with other options, by a solver that is not used again.
   const SolveResult& solve(std::string_view solver, const SolverOptions& options);
   /// Keeps the answer of the last solve in a plan that is not this one.

@@ -136,6 +136,64 @@ TEST(ClosedLoop, LastsToTheEndOfItsTimeLineWhereADelayLeadsBeyondIt) {
   EXPECT_EQ(result.steps.size(), 40u);
 }
 
+/// The cart-pole that balances at a place of its own.
+std::shared_ptr<const ShootingProblem> balanced_at(double place) {
+  return shared(testing::tracking_problem(
+      cartpole({}), Integrator::rk4, 40, 0.05, {0.3, M_PI - 0.3, 0, 0},
+      {{place, M_PI, 0, 0}, {1, 10, 0.1, 0.1}, {0.1}, {10, 100, 10, 10}}, -10, 10));
+}
+
+TEST(ClosedLoop, FollowsACommandFromItsTimeOnAndNoEarlier) {
+  const auto problem = balanced_at(0);
+  const auto run = [&](std::vector<LoopCommand> commands) {
+    Mpc mpc(problem, problem->create_trajectory(),
+            {.horizon = 1.5, .tick = 0.05, .feedback_rate = 100});
+    return run_closed_loop(mpc, {.duration = 8, .commands = std::move(commands)});
+  };
+  const ClosedLoopResult still = run({}), moved = run({{2, balanced_at(0.5)}});
+  for (std::size_t i = 0; i < still.steps.size() && still.steps[i].time <= 2; ++i)
+    EXPECT_EQ(moved.steps[i].x, still.steps[i].x) << i;
+  EXPECT_NEAR(still.last_state[0], 0, 0.02);
+  EXPECT_NEAR(moved.last_state[0], 0.5, 0.02);
+}
+
+/// When the controller's time line runs ahead of the loop, tick by tick, where contacts are closed
+/// from a time on. The phase of half a second without contacts is followed by one with them.
+std::vector<double> shifts(double closed_from, const Retiming& limits) {
+  const auto problem = testing::balanced_cartpole();
+  Retiming retiming = limits;
+  for (int k = 0; k < problem->knots(); ++k) retiming.contacts.push_back(k < 10 ? 0 : 0b10);
+  Mpc mpc(problem, problem->create_trajectory(),
+          {.horizon = 1, .tick = 0.05, .retiming = retiming});
+  std::vector<double> result;
+  for (int tick = 0; tick < 16; ++tick) {
+    mpc.see_contacts(is_before(mpc.time(), closed_from) ? 0b01 : 0b11);
+    mpc.prepare();
+    mpc.feedback(problem->initial_state());
+    EXPECT_EQ(mpc.last_tick().outcome, TickOutcome::planned) << tick;
+    result.push_back(std::round(1e3 * mpc.last_tick().shift) / 1e3);
+  }
+  return result;
+}
+
+TEST(ClosedLoop, PhasesBeginEarlierWhereTheirContactsAreClosedWithinLimits) {
+  const std::vector<double> early = shifts(0.4, {.early = 0.12, .late = 0});
+  EXPECT_EQ(early[7], 0);
+  for (int tick = 8; tick < 16; ++tick) EXPECT_EQ(early[tick], 0.1) << tick;
+  EXPECT_EQ(shifts(0.2, {.early = 0.12, .late = 0})[15], 0.1);  // the first tick within the limit
+  EXPECT_EQ(shifts(0.2, {.early = 0, .late = 0}), std::vector<double>(16, 0));
+}
+
+TEST(ClosedLoop, PhasesLastLongerWhereTheContactsOfTheNextAreOpenWithinLimits) {
+  const std::vector<double> late = shifts(0.6, {.early = 0, .late = 0.2});
+  EXPECT_EQ(late[9], 0);
+  EXPECT_EQ(late[10], -0.05);
+  EXPECT_EQ(late[11], -0.1);
+  for (int tick = 12; tick < 16; ++tick) EXPECT_EQ(late[tick], -0.1) << tick;
+  EXPECT_EQ(shifts(5, {.early = 0, .late = 0.1})[15], -0.1);
+  EXPECT_EQ(shifts(5, {.early = 0, .late = 0})[15], 0);
+}
+
 TEST(ClosedLoop, ComesCloserByGainsBetweenTicks) {
   const auto problem = testing::balanced_cartpole();
   const auto cost = [&](std::optional<double> rate) {

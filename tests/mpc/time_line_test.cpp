@@ -79,6 +79,18 @@ TEST(TimeLine, HasAnInstantInTheWindowThatBeginsAtIt) {
   EXPECT_EQ(line.instants_at(0.105).first, line.instants_at(0.105).second);
 }
 
+TEST(TimeLine, TakesNumbersOfItsOwnStructureAlone) {
+  const auto problem = testing::balanced_cartpole();
+  TimeLine line(problem, true);
+  EXPECT_EQ(line.numbers(3).parameters, problem->knot(3).parameters);
+  const auto other = testing::balanced_cartpole();
+  line.take_numbers(other);
+  EXPECT_EQ(line.numbers(3).parameters, other->knot(3).parameters);
+  EXPECT_EQ(line.problem().knot(3).parameters, problem->knot(3).parameters);
+  EXPECT_THROW(line.take_numbers(testing::shared(testing::pendulum_swing_up(3))),
+               std::invalid_argument);
+}
+
 TEST(TimeLine, IsNotMadeOfAFreeInitialState) {
   ShootingProblem whole = testing::pendulum_swing_up();
   std::vector<Phase> phases = whole.phases();

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstdint>
+
+namespace conddp {
+
+/// How the state of a plant moves, from step to step.
+class PlantMotion {
+ public:
+  virtual ~PlantMotion() = default;
+
+  /// The longest that a step from here may last, s.
+  virtual double next_stop(double time) const = 0;
+  /// Moves x over what happens in no time at a time.
+  virtual void pass_instants(double time, double* x) = 0;
+  /// Moves x on by a step with a control that is held.
+  virtual void step(double time, double length, const double* u, double* x) = 0;
+  /// The contacts that are closed after the last step, one bit each in the order of the file; of a
+  /// plant that does not find them itself none.
+  virtual std::uint32_t closed_contacts() const { return 0; }
+};
+
+}  // namespace conddp
