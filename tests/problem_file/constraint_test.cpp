@@ -2,7 +2,7 @@
 
 #include "ocp/evaluation/evaluator.hpp"
 #include "ocp/problem/by_name.hpp"
-#include "problem_file/build/memory_need.hpp"
+#include "problem_file/plant/memory_need.hpp"
 #include "problem_text.hpp"
 #include "solvers/strategies/registry.hpp"
 

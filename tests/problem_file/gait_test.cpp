@@ -227,6 +227,74 @@ TEST(Gait, AnArcIsThatOfEvenMotion) {
   EXPECT_NEAR(end.yaw, yaw, 1e-9);
 }
 
+/// Where a foot's swings lead, and the base in the end.
+std::vector<PlanarMotion> landings(const Loaded& loaded, const std::string& foot) {
+  std::vector<PlanarMotion> all;
+  for (const CostSpec& cost : loaded.spec->costs)
+    if (cost.name.value == "swing_" + foot) all = swing_of(cost)->displaced;
+  all.push_back(loaded.spec->terminal_costs[0].reference->values[0].state->displaced->motion);
+  return all;
+}
+
+// The base moves from 0.3 s to 0.9 s, a cycle's way in 0.3 s.
+TEST(Gait, ACommandFromTheStartIsAStepOfTheSameVelocity) {
+  const std::string trot = "type: trot, cycles: 2, period: 0.4, dt: 0.02, ";
+  const Loaded step(with_gait(trot + "step: {length: 0.15, turn: 0.3}"));
+  const Loaded led(with_gait(trot + "commands: [{at: 0, velocity: [0.5, 0, 0], turn: 1}]"));
+  ASSERT_TRUE(step.built && led.built) << led.all();
+  for (const char* foot : {"LF", "RF", "LH", "RH"}) {
+    const auto a = landings(step, foot), b = landings(led, foot);
+    ASSERT_EQ(a.size(), b.size());
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      EXPECT_NEAR(a[i].x, b[i].x, 1e-11) << foot << i;
+      EXPECT_NEAR(a[i].y, b[i].y, 1e-11) << foot << i;
+      EXPECT_NEAR(a[i].yaw, b[i].yaw, 1e-11) << foot << i;
+    }
+  }
+}
+
+TEST(Gait, ACommandLeadsFromWhereTheBaseIsAtItsTime) {
+  for (const char* gait : {"type: trot, cycles: 2, period: 0.4, dt: 0.02, ",
+                           "type: trot, cycles: 2, period: 0.4, dt: 0.02, impulses: true, "}) {
+    const Loaded led(with_gait(std::string(gait) +
+                               "commands: [{at: 0, velocity: [0.5, 0, 0]}, {at: 0.6, velocity: [0, "
+                               "0.2, 0]}]"));
+    ASSERT_TRUE(led.built) << led.all();
+    const PlanarMotion end = landings(led, "LF").back();
+    EXPECT_NEAR(end.x, 0.5 * 0.3, 1e-11);
+    EXPECT_NEAR(end.y, 0.2 * 0.3, 1e-11);
+  }
+  // A jump moves in its swings alone, by what the velocity makes of a whole period.
+  const Loaded jump(
+      with_gait("type: jump, cycles: 2, period: 0.4, dt: 0.02, commands: [{at: 0, "
+                "velocity: [0.5, 0, 0]}, {at: 0.6, turn: 0.5}]"));
+  ASSERT_TRUE(jump.built) << jump.all();
+  const PlanarMotion end = landings(jump, "LF").back();
+  EXPECT_NEAR(end.x, 0.5 * 0.4, 1e-11);
+  EXPECT_NEAR(end.yaw, 0.5 * 0.4, 1e-11);
+}
+
+TEST(Gait, WhatIsBeforeACommandDoesNotKnowOfIt) {
+  const std::string trot = "type: trot, cycles: 4, period: 0.4, dt: 0.02, ";
+  const Loaded one(with_gait(trot + "commands: [{at: 0, velocity: [0.3, 0, 0]}]"));
+  const Loaded two(with_gait(trot +
+                             "commands: [{at: 0, velocity: [0.3, 0, 0]}, {at: 1, velocity: [0.3, "
+                             "0, 0], turn: 0.5}]"));
+  ASSERT_TRUE(one.built && two.built) << two.all();
+  for (int k = 0; k < one.built->problem->knots(); ++k) {
+    const auto a = reference_at(*one.built->problem, k, "posture");
+    const auto b = reference_at(*two.built->problem, k, "posture");
+    double difference = 0;
+    for (std::size_t i = 0; i < a.size(); ++i)
+      difference = std::max(difference, std::abs(a[i] - b[i]));
+    if (k <= 50) {
+      EXPECT_LT(difference, 1e-9) << k;
+    } else if (k > 51) {
+      EXPECT_GT(difference, 1e-4) << k;
+    }
+  }
+}
+
 TEST(Gait, LandingsStayOnASlope) {
   const Loaded loaded(replaced(with_gait("type: trot, period: 0.4, dt: 0.02, step: {length: 0.2}"),
                                "LF: {frame: lf_foot}",
@@ -326,6 +394,12 @@ TEST(GaitFile, MistakesAreSaidWithTheirPlace) {
        "13:49: with a duty of 0.01 no foot ever stands: that would be for 0.004 s"},
       {"type: trot, period: 0.4, dt: 0.02, duty: 1.2",
        "13:49: a share of the cycle from 0 (excluded) to 1 is expected here"},
+      {"type: trot, period: 0.4, dt: 0.02, commands: [{at: 0, velocity: [1, 0, 1]}]",
+       "13:72: a command leads in the plane: its third velocity is 0"},
+      {"type: trot, period: 0.4, dt: 0.02, commands: [{at: 1}, {at: 1}]",
+       "13:68: commands stand in the order of their times"},
+      {"type: stand, dt: 0.02, commands: [{at: 1}]",
+       "13:41: standing feet make no steps: the gait 'stand' has no 'commands'"},
       {"type: trot, period: 0.4, dt: 0.02, cycles: 0",
        "13:51: a whole number from 1 to 10000 is expected here"},
       {"type: trot, period: 400, dt: 0.001, cycles: 4", "13:7: the gait has more than 1000000"},

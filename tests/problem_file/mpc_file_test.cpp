@@ -364,6 +364,91 @@ TEST(MpcFile, WalksOnWhereTheGaitRepeats) {
   EXPECT_NEAR(result.last_state[2], 0.57, 0.1);  // z
 }
 
+/// The trot of the example problems with another section `mpc`.
+LoadedLoop trot(const std::string& mpc, const std::vector<std::string>& more = {}) {
+  std::vector<std::string> settings = {"mpc={horizon: 0.4, tick: 0.02, " + mpc + "}",
+                                       "gait.cycles=4"};
+  settings.insert(settings.end(), more.begin(), more.end());
+  return LoadedLoop(text_of("quadruped_trot"), settings);
+}
+
+TEST(MpcFile, LearnsOfEachCommandAtItsTime) {
+  const LoadedLoop loop =
+      trot("duration: 2, commands: [{at: 0, velocity: [0.2, 0, 0]}, {at: 0.8, turn: 0.3}]");
+  ASSERT_TRUE(loop.mpc) << loop.all();
+  const auto& commands = loop.mpc->loop.commands;
+  ASSERT_EQ(commands.size(), 2u);
+  EXPECT_EQ(commands[1].at, 0.8);
+  const auto last_reference = [](const ShootingProblem& problem) {
+    return std::vector<double>(problem.terminal().parameters.begin(),
+                               problem.terminal().parameters.begin() + 7);
+  };
+  const auto none = last_reference(*loop.built->problem);
+  const auto first = last_reference(*commands[0].numbers);
+  const auto second = last_reference(*commands[1].numbers);
+  EXPECT_NE(none, first);
+  EXPECT_EQ(first[5], 0);          // straight on
+  EXPECT_GT(second[5], 0.05);      // turned to the left
+  EXPECT_LT(second[0], first[0]);  // from 0.8 s on at the spot
+  const ClosedLoopResult result = loop.run();
+  for (const TickRecord& tick : result.ticks)
+    EXPECT_EQ(tick.outcome, TickOutcome::planned) << tick.tick << to_string(tick.status);
+  EXPECT_GT(result.last_state[5], 0.05);
+  EXPECT_NEAR(result.last_state[2], 0.57, 0.1);
+}
+
+TEST(MpcFile, ACommandTakesWhatItsGaitKnowsOfEarlierTimes) {
+  const std::vector<std::string> known = {
+      "gait.commands=[{at: 0, velocity: [0.2, 0, 0]}, {at: 1.5, velocity: [1, 0, 0]}]"};
+  const std::string mpc = "duration: 2, commands: [{at: 0.8, turn: 0.3}]";
+  const LoadedLoop loop = trot(mpc, known);
+  const LoadedLoop same = trot(mpc, {"gait.commands=[{at: 0, velocity: [0.2, 0, 0]}]"});
+  ASSERT_TRUE(loop.mpc && same.mpc) << loop.all();
+  EXPECT_EQ(loop.mpc->loop.commands[0].numbers->terminal().parameters,
+            same.mpc->loop.commands[0].numbers->terminal().parameters);
+}
+
+TEST(MpcFile, StandsOnSimulatedContacts) {
+  const LoadedLoop loop = trot("duration: 0.14, plant: {contacts: simulated, dt: 0.002}");
+  ASSERT_TRUE(loop.mpc) << loop.all();
+  EXPECT_EQ(loop.all(), "");
+  const ClosedLoopResult result = loop.run();
+  EXPECT_EQ(result.end, LoopEnd::finished);
+  EXPECT_EQ(loop.mpc->loop.plant[0].motion->closed_contacts(), 0b1111u);
+  EXPECT_NEAR(result.last_state[2], 0.58, 0.02);
+}
+
+TEST(MpcFile, FallsToAGroundThatIsLower) {
+  const LoadedLoop loop = trot(
+      "duration: 0.14, plant: {contacts: simulated, dt: 0.002, ground: [{half_space: {point: [0, "
+      "0, -1], normal: [0, 0, 1]}}]}");
+  ASSERT_TRUE(loop.mpc) << loop.all();
+  EXPECT_NE(loop.all().find("'LF' begins 1 m above the ground"), std::string::npos) << loop.all();
+  const ClosedLoopResult result = loop.run();
+  EXPECT_EQ(loop.mpc->loop.plant[0].motion->closed_contacts(), 0u);
+  EXPECT_LT(result.last_state[2], 0.5);
+}
+
+TEST(MpcFile, SimulatedContactsHaveAStepAndAnIntegratorOfTheirOwn) {
+  const LoadedLoop loop =
+      trot("duration: 0.1, plant: {contacts: simulated, integrator: semi_implicit_euler}");
+  EXPECT_FALSE(loop.mpc);
+  EXPECT_NE(loop.all().find("simulated contacts need the step of the plant"), std::string::npos);
+  EXPECT_NE(loop.all().find("have an integrator of their own"), std::string::npos) << loop.all();
+}
+
+TEST(MpcFile, RetimingHasTheContactsOfThePhases) {
+  const LoadedLoop loop = trot(
+      "duration: 0.1, plant: {contacts: simulated, dt: 0.002}, retime: {early: 0.06, late: 0.04}");
+  ASSERT_TRUE(loop.mpc) << loop.all();
+  const Retiming& retiming = *loop.mpc->controller.retiming;
+  EXPECT_EQ(retiming.early, 0.06);
+  EXPECT_EQ(retiming.late, 0.04);
+  EXPECT_EQ(retiming.contacts[0], 0b1111u);
+  EXPECT_EQ(retiming.contacts[10], 0b1001u);  // LF and RH
+  EXPECT_EQ(retiming.contacts[22], 0b0110u);
+}
+
 TEST(MpcFile, LastsNoLongerThanTimesAreExact) {
   const LoadedLoop loop(replaced(kPendulum, "dt: 0.05", "dt: 5") +
                         "mpc: {horizon: 10, tick: 10, duration: 1.0e+6}\n");

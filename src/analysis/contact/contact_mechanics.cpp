@@ -1,6 +1,7 @@
 #include "analysis/contact/contact_mechanics.hpp"
 
 #include <cmath>
+#include <utility>
 
 #include "robot/dynamics.hpp"
 #include "robot/frames.hpp"
@@ -63,6 +64,21 @@ S box_gap(const Vector3<S>& p, const Vector3<double>& half, Vector3<S>& normal) 
 }
 
 }  // namespace
+
+ContactPlant contact_plant(const MultibodySystem& robot, ImplicitContacts contacts) {
+  ContactPlant plant;
+  plant.robot = robot.shared_robot();
+  plant.B = robot.actuation().B;
+  plant.contacts = std::move(contacts);
+  const PassiveForces& passive = robot.passive();
+  for (const Joint& joint : plant.robot->joints) {
+    if (passive.damping) plant.damping.insert(plant.damping.end(), joint.nv(), joint.damping);
+    if (passive.friction)
+      plant.smooth_friction.insert(plant.smooth_friction.end(), joint.nv(), joint.friction);
+  }
+  plant.friction_velocity = passive.friction_velocity;
+  return plant;
+}
 
 std::vector<double> ContactPlant::applied(const double* u) const {
   std::vector<double> force(nv(), 0.0);

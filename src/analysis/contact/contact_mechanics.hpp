@@ -5,6 +5,7 @@
 
 #include "robot/data.hpp"
 #include "systems/contact/contact_candidate.hpp"
+#include "systems/multibody/multibody.hpp"
 
 namespace conddp {
 
@@ -24,6 +25,9 @@ struct ContactPlant {
   /// The generalised forces B u.
   std::vector<double> applied(const double* u) const;
 };
+
+/// Of a robot with its actuators and passive forces, which has no joints that mimic others.
+ContactPlant contact_plant(const MultibodySystem& robot, ImplicitContacts contacts);
 
 /// How many tangents a candidate's friction has: none, one in a plane, two in space.
 int tangent_count(const ImplicitContacts& contacts, const ContactCandidate& candidate);

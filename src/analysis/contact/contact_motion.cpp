@@ -5,22 +5,6 @@
 namespace conddp {
 namespace {
 
-ContactPlant plant_of(const SteppingSystem& system) {
-  const MultibodySystem& robot = system.multibody();
-  ContactPlant plant;
-  plant.robot = robot.shared_robot();
-  plant.B = robot.actuation().B;
-  plant.contacts = system.contacts();
-  const PassiveForces& passive = robot.passive();
-  for (const Joint& joint : plant.robot->joints) {
-    if (passive.damping) plant.damping.insert(plant.damping.end(), joint.nv(), joint.damping);
-    if (passive.friction)
-      plant.smooth_friction.insert(plant.smooth_friction.end(), joint.nv(), joint.friction);
-  }
-  plant.friction_velocity = passive.friction_velocity;
-  return plant;
-}
-
 /// Along the normal and the tangents.
 Eigen::Vector3d force_of(const SteppingLayout::Candidate& at, const Eigen::VectorXd& w) {
   Eigen::Vector3d force(w[at.force], 0, 0);
@@ -56,7 +40,7 @@ std::optional<ContactMotion> contact_motion(const ShootingProblem& problem,
   if (system == nullptr) return std::nullopt;
   ContactMotion motion;
   motion.first_knot = first;
-  motion.plant = plant_of(*system);
+  motion.plant = contact_plant(system->multibody(), system->contacts());
   const int nq = system->nq(), nv = system->nv(), actuators = system->layout().actuators;
   const auto bounds = [&](const auto& all) {
     return Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(all.data(), actuators));

@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "problem_file/build/loop_commands.hpp"
+#include "problem_file/build/simulated_plant.hpp"
 #include "problem_file/plant/quasi_static.hpp"
 #include "problem_file/read/read_problem.hpp"
 #include "problem_file/read/read_sections.hpp"
@@ -259,7 +261,8 @@ class PlantBuilder {
 
   void build() {
     const std::set<double> times = changes();
-    if (mpc_.plant.settings.empty() && times.size() == 1) return;  // the plant is the model
+    if (mpc_.plant.settings.empty() && times.size() == 1 && !mpc_.plant.simulated_contacts)
+      return;  // the plant is the model
     ProblemSpec changed = spec_;
     if (!mpc_.plant.settings.empty() && !apply_settings(changed)) return;
     for (const double time : times) {
@@ -354,8 +357,14 @@ class PlantBuilder {
       return false;
     }
     if (to_.plant_specs.empty()) list_files(*built);
+    std::shared_ptr<PlantMotion> motion;
+    if (mpc_.plant.simulated_contacts) {
+      motion = simulated_plant(*spec, *built, out_);
+      if (motion == nullptr) return false;
+      if (time == 0) check_standing(*spec, *built, out_);
+    }
     to_.plant_specs.push_back(std::move(spec));
-    to_.loop.plant.push_back({time, built->problem});
+    to_.loop.plant.push_back({time, built->problem, std::move(motion)});
     return true;
   }
 
@@ -441,7 +450,8 @@ MpcOptions controller_of(const MpcSpec& mpc, const SolverSpec& solver) {
                      .tick = mpc.tick.value,
                      .iterations = mpc.iterations,
                      .hold = mpc.repeat.value != AfterTheEnd::kNone,
-                     .delay = mpc.delay.value};
+                     .delay = mpc.delay.value,
+                     .predict = mpc.predict};
   if (mpc.feedback_rate) options.feedback_rate = mpc.feedback_rate->value;
   options.solver_options = solver.options;
   return options;
@@ -514,6 +524,8 @@ std::optional<BuiltMpc> build_mpc(const ProblemSpec& spec, const BuiltProblem& b
   }
   result.controller.terminal = window_end(spec, built, out);
   set_disturbances(mpc, built, result.loop, out);
+  result.controller.retiming = build_retiming(spec, built, out);
+  result.loop.commands = build_commands(spec, built, out);
   if (!mpc.stop_when.empty()) result.loop.stop = stop_condition(spec, built, out);
   if (out.error_count() > errors) return std::nullopt;
   PlantBuilder(spec, built, result, out).build();

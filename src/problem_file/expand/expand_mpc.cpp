@@ -11,6 +11,10 @@ OrderedJson expand_mpc_plant(const MpcPlantSpec& plant) {
     json["set"][setting.key.value] = OrderedJson::parse(canonical_value(setting.value));
   if (plant.integrator) json["integrator"] = word_of(kIntegratorWords, plant.integrator->value);
   if (plant.dt) json["dt"] = plant.dt->value;
+  json["contacts"] = plant.simulated_contacts ? "simulated" : "scheduled";
+  if (!plant.simulated_contacts) return json;
+  json["ground"] = OrderedJson::array();
+  for (const TouchedSpec& shape : plant.ground) json["ground"].push_back(expand_touched(shape));
   return json;
 }
 
@@ -54,14 +58,17 @@ OrderedJson expand_mpc(const ProblemSpec& spec, const Plant& plant) {
   OrderedJson json = {
       {"horizon", mpc.horizon.value}, {"tick", mpc.tick.value}, {"duration", mpc.duration.value}};
   json["iterations"] = mpc.iterations ? OrderedJson(*mpc.iterations) : OrderedJson("tolerances");
-  // The phases of a gait stand in its place: there is none whose cycles could be repeated.
+  // The phases of a gait stand in its place: there is none whose cycles could be repeated, nor one
+  // that commands could lead.
   const bool gait = mpc.repeat.value == AfterTheEnd::kGait;
   json["repeat"] = word_of(kRepeatWords, gait ? AfterTheEnd::kHold : mpc.repeat.value);
   json["terminal"] = expand_window_end(mpc);
   json["delay"] = mpc.delay.value;
+  json["predict"] = mpc.predict;
   if (mpc.feedback_rate) json["feedback"]["rate"] = mpc.feedback_rate->value;
   json["plant"] = expand_mpc_plant(mpc.plant);
   json["disturbances"] = expand_disturbances(mpc);
+  if (mpc.retime) json["retime"] = {{"early", mpc.retime->early}, {"late", mpc.retime->late}};
   if (mpc.fallback) json["fallback"] = expand_fallback(*mpc.fallback);
   ProblemSpec of_states = spec;
   of_states.terminal_constraints = mpc.stop_when;

@@ -26,6 +26,7 @@ OrderedJson expand_form(const SphereSpec& sphere);
 OrderedJson expand_form(const HalfSpaceSpec& half_space);
 
 // expand_stepping.cpp
+OrderedJson expand_touched(const TouchedSpec& touched);
 OrderedJson expand_candidates(const std::vector<CandidateSpec>& candidates);
 OrderedJson expand_stepping(const SteppingSpec& stepping);
 

@@ -4,7 +4,6 @@
 #include "problem_file/spec/enum_names.hpp"
 
 namespace conddp {
-namespace {
 
 OrderedJson expand_touched(const TouchedSpec& touched) {
   OrderedJson json = OrderedJson::object();
@@ -18,8 +17,6 @@ OrderedJson expand_touched(const TouchedSpec& touched) {
   }
   return json;
 }
-
-}  // namespace
 
 OrderedJson expand_candidates(const std::vector<CandidateSpec>& candidates) {
   OrderedJson json = OrderedJson::object();

@@ -63,6 +63,11 @@ PlanarMotion along_arc(const PlanarMotion& step, double time) {
   return {ratio * p.x, ratio * p.y, angle};
 }
 
+PlanarMotion followed_by(const PlanarMotion& first, const PlanarMotion& then) {
+  const Point p = turned(first.yaw, {then.x, then.y});
+  return {first.x + p.x, first.y + p.y, first.yaw + then.yaw};
+}
+
 bool displace_base(const Plant& plant, const PlantPart& part, const PlanarMotion& motion,
                    std::vector<double>& x) {
   if (is_fixed(plant, part)) return false;

@@ -8,6 +8,9 @@ namespace conddp {
 /// `time`: on an arc of a circle where it turns.
 PlanarMotion along_arc(const PlanarMotion& step, double time);
 
+/// The one motion and then the other, as seen from where the first one ends.
+PlanarMotion followed_by(const PlanarMotion& first, const PlanarMotion& then);
+
 /// Displaces the floating or planar base of a robot in a state; false if its base is fixed. The
 /// velocity stays the same as seen from the base.
 bool displace_base(const Plant& plant, const PlantPart& part, const PlanarMotion& motion,

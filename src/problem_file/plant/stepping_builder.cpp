@@ -21,16 +21,6 @@ constexpr double kRoundedOverlap = 1e-3;
 /// How far a normal may point out of the plane of a planar robot.
 constexpr double kOutOfPlane = 1e-6;
 
-/// A half-space, sphere or box that a candidate may touch, carried by a frame (−1: the world).
-decltype(ContactCandidate::against) build_form(const TouchedSpec& touched, int frame) {
-  if (const auto* half_space = std::get_if<HalfSpaceSpec>(&touched.form))
-    return ContactHalfSpace{frame, half_space->normal, dot(half_space->normal, half_space->point)};
-  if (const auto* sphere = std::get_if<SphereSpec>(&touched.form))
-    return ContactSphere{frame, sphere->center, sphere->radius};
-  const auto& box = std::get<BoxSpec>(touched.form);
-  return ContactBox{frame, box.placement.placement(), 0.5 * box.size};
-}
-
 std::optional<ContactCandidate> build_candidate(const CandidateSpec& spec, const Plant& plant,
                                                 Diagnostics& out) {
   const auto frame = find_frame(plant.robot(), spec.frame, "", out);
@@ -46,7 +36,7 @@ std::optional<ContactCandidate> build_candidate(const CandidateSpec& spec, const
   }
   return ContactCandidate{.name = spec.name.value,
                           .sphere = {*frame, spec.point, spec.radius},
-                          .against = build_form(spec.against, *other),
+                          .against = touched_form(spec.against, *other),
                           .friction = spec.friction,
                           .stiffness = spec.stiffness};
 }
@@ -104,6 +94,15 @@ void check_frozen_keys(const ProblemSpec& spec, Diagnostics& out) {
 }
 
 }  // namespace
+
+decltype(ContactCandidate::against) touched_form(const TouchedSpec& touched, int frame) {
+  if (const auto* half_space = std::get_if<HalfSpaceSpec>(&touched.form))
+    return ContactHalfSpace{frame, half_space->normal, dot(half_space->normal, half_space->point)};
+  if (const auto* sphere = std::get_if<SphereSpec>(&touched.form))
+    return ContactSphere{frame, sphere->center, sphere->radius};
+  const auto& box = std::get<BoxSpec>(touched.form);
+  return ContactBox{frame, box.placement.placement(), 0.5 * box.size};
+}
 
 std::shared_ptr<const SteppingSystem> build_stepping(const ProblemSpec& spec, const Plant& plant,
                                                      Diagnostics& out) {

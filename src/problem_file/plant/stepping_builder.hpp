@@ -5,6 +5,9 @@
 
 namespace conddp {
 
+/// A half-space, sphere or box that a candidate may touch, carried by a frame (−1: the world).
+decltype(ContactCandidate::against) touched_form(const TouchedSpec& touched, int frame);
+
 /// The system of a contact-implicit problem, around its robots; what cannot be
 /// is reported.
 std::shared_ptr<const SteppingSystem> build_stepping(const ProblemSpec& spec, const Plant& plant,

@@ -19,6 +19,13 @@ struct FootSteps {
   double start = 0;
 };
 
+/// A part of the way on which the base moves evenly.
+struct WayPart {
+  double from;          ///< cycles of the way
+  PlanarMotion before;  ///< where it begins
+  PlanarMotion step;    ///< a cycle
+};
+
 class GaitSchedule {
  public:
   GaitSchedule(const GaitSpec& gait, ProblemSpec& spec, Diagnostics& out)
@@ -29,6 +36,7 @@ class GaitSchedule {
     count_knots();
     if (out_.error_count() > errors) return;
     make_phases();
+    make_way();
     if (swings()) make_costs();
     for (CostSpec& cost : spec_.costs) lead(cost, false);
     for (CostSpec& cost : spec_.terminal_costs) lead(cost, true);
@@ -191,13 +199,56 @@ class GaitSchedule {
               knot - 1, knot);
   }
 
+  /// The way by the lengths of steps, and by commands from their times on.
+  void make_way() {
+    way_ = {{0,
+             {},
+             {gait_.step_length * std::cos(gait_.direction),
+              gait_.step_length * std::sin(gait_.direction), gait_.turn}}};
+    for (const GaitCommand& command : gait_.commands) {
+      const WayPart& last = way_.back();
+      const double from = cycles_gone(knot_of_command(command));
+      const double time = cycle_of_way();
+      way_.push_back({from,
+                      followed_by(last.before, along_arc(last.step, from - last.from)),
+                      {time * command.x, time * command.y, time * command.turn}});
+    }
+  }
+
+  int knot_of_command(const GaitCommand& command) const {
+    const double knot = std::min<double>(command.at.value / gait_.dt.value, kMaxKnots);
+    return static_cast<int>(std::lround(knot));
+  }
+
+  /// How long the base takes for a cycle of its way, s.
+  double cycle_of_way() const {
+    const double knots =
+        earliest_ == latest_ ? period_ : static_cast<double>(way_end() - way_begin()) / cycles();
+    return knots * gait_.dt.value;
+  }
+
+  /// How much of the way the base has gone at a knot, in cycles.
+  double cycles_gone(int knot) const {
+    if (earliest_ != latest_)
+      return cycles() *
+             std::clamp(static_cast<double>(knot - way_begin()) / (way_end() - way_begin()), 0.0,
+                        1.0);
+    const int since = knot - lift_off(0, 0);
+    if (since <= 0) return 0;
+    const double gone =
+        since / period_ + std::min(1.0, static_cast<double>(since % period_) / swing_);
+    return std::min<double>(gone, cycles());
+  }
+
   /// The motion up to a share of the whole way.
   PlanarMotion motion(double share) const {
-    const PlanarMotion step{gait_.step_length * std::cos(gait_.direction),
-                            gait_.step_length * std::sin(gait_.direction), gait_.turn};
     // To a picometre and its angle: an expanded file shows 0.2 and not 0.19999999999999998.
     const auto rounded = [](double value) { return std::round(value * 1e12) / 1e12; };
-    const PlanarMotion exact = along_arc(step, share * cycles());
+    const double gone = share * cycles();
+    std::size_t part = way_.size() - 1;
+    while (part > 0 && gone < way_[part].from) --part;
+    const PlanarMotion exact =
+        followed_by(way_[part].before, along_arc(way_[part].step, gone - way_[part].from));
     return {rounded(exact.x), rounded(exact.y), rounded(exact.yaw)};
   }
 
@@ -266,19 +317,24 @@ class GaitSchedule {
     return points;
   }
 
-  /// From the middle of the first swing to that of the last one.
+  /// The middles of the first swing and of the last one, between which the base moves.
+  int way_begin() const { return knot_of_start(earliest_) + swing_ / 2; }
+  int way_end() const { return knot_of_start(latest_) + (cycles() - 1) * period_ + swing_ / 2; }
+
   std::vector<std::pair<int, double>> way_of_steps() const {
-    std::vector<std::pair<int, double>> points;
-    const int first = knot_of_start(earliest_) + swing_ / 2;
-    const int last = knot_of_start(latest_) + (cycles() - 1) * period_ + swing_ / 2;
+    const int first = way_begin(), last = way_end();
+    std::set<int> knots;
     // On an arc straight pieces of half a cycle come close enough.
-    const int pieces = gait_.turn == 0 ? 1 : 2 * cycles();
-    for (int i = 0; i <= pieces; ++i) {
-      const int knot =
-          first + static_cast<int>(std::lround(static_cast<double>(i) * (last - first) / pieces));
-      if (points.empty() || knot > points.back().first)
-        points.emplace_back(knot, static_cast<double>(knot - first) / (last - first));
-    }
+    const int pieces = gait_.turn == 0 && gait_.commands.empty() ? 1 : 2 * cycles();
+    for (int i = 0; i <= pieces; ++i)
+      knots.insert(first +
+                   static_cast<int>(std::lround(static_cast<double>(i) * (last - first) / pieces)));
+    for (const GaitCommand& command : gait_.commands)
+      if (const int knot = knot_of_command(command); knot > first && knot < last)
+        knots.insert(knot);
+    std::vector<std::pair<int, double>> points;
+    for (const int knot : knots)
+      points.emplace_back(knot, static_cast<double>(knot - first) / (last - first));
     return points;
   }
 
@@ -319,6 +375,7 @@ class GaitSchedule {
   int begin_ = 0, period_ = 0, swing_ = 0, end_ = 0;  ///< knots
   double earliest_ = 0, latest_ = 0;                  ///< of the feet's starts
   std::vector<FootSteps> feet_;
+  std::vector<WayPart> way_;
   std::vector<std::vector<Name>> swing_phases_;  ///< per foot
   std::vector<int> impulses_;                    ///< knots
 };

@@ -185,7 +185,8 @@ void read_stand(YamlMap& map, GaitSpec& gait) {
 }
 
 void reject_steps(YamlMap& map) {
-  for (const char* key : {"starts", "cycles", "period", "duty", "step", "impulses", "weight"})
+  for (const char* key :
+       {"starts", "cycles", "period", "duty", "step", "commands", "impulses", "weight"})
     if (const auto r = map.find(key))
       r->error(fmt::format("standing feet make no steps: the gait 'stand' has no '{}'", key));
 }
@@ -198,12 +199,47 @@ void read_steps(YamlMap& map, GaitSpec& gait) {
   static const NumberRange kShare{0, 1, true, false, "a share of the cycle from 0 (excluded) to 1"};
   read_located(map, "duty", gait.duty, kShare);
   if (const auto r = map.find("step")) read_step(*r, gait);
+  gait.commands = read_commands(map);
   static constexpr Choice<bool> kWords[] = {{"true", true}, {"false", false}};
   map.choice("impulses", gait.impulses, kWords, "value of 'impulses'");
   map.number("weight", gait.weight, kPositive);
 }
 
+/// A velocity in the plane, m/s.
+void read_velocity(const YamlReader& reader, GaitCommand& command) {
+  const auto velocity = read_vector3(reader, "[forward, left, 0] in m/s");
+  if (!velocity) return;
+  if (velocity->z != 0)
+    return reader.error("a command leads in the plane: its third velocity is 0",
+                        "write '[forward, left, 0]'");
+  command.x = velocity->x;
+  command.y = velocity->y;
+}
+
+GaitCommand read_command(const YamlReader& reader) {
+  GaitCommand command{.place = reader.place()};
+  YamlMap map(reader, "write '{at: 1, velocity: [0.3, 0, 0], turn: 0.2}'");
+  if (!map.valid()) return command;
+  if (const auto r = map.require("at"))
+    command.at = {r->number(kNotNegative).value_or(0), r->place()};
+  if (const auto r = map.find("velocity")) read_velocity(*r, command);
+  map.number("turn", command.turn);
+  return command;
+}
+
 }  // namespace
+
+std::vector<GaitCommand> read_commands(YamlMap& map) {
+  std::vector<GaitCommand> commands;
+  for_each_item(map, "commands", [&](const YamlReader& item) {
+    commands.push_back(read_command(item));
+    const std::size_t count = commands.size();
+    if (count > 1 && !(commands[count - 2].at.value < commands.back().at.value))
+      item.diagnostics().error(commands.back().at.place,
+                               "commands stand in the order of their times");
+  });
+  return commands;
+}
 
 GaitSpec read_gait(const YamlReader& reader, const std::vector<ContactSpec>& contacts) {
   GaitSpec gait{.place = reader.place()};

@@ -38,16 +38,17 @@ std::optional<Located<double>> read_feedback(const YamlReader& reader) {
 }
 
 /// Whether a key is of what moves, not of what is wanted of it.
-bool is_of_dynamics(const std::string& key) {
+bool is_of_dynamics(const std::string& key, bool friction) {
   constexpr std::string_view kParts[] = {"system",     "systems", "robot",   "robots",
                                          "parameters", "tables",  "gravity", "contacts"};
   const std::string_view part = first_step(key);
-  if (part == "contacts" && (key == part || key.ends_with(".friction"))) return false;
+  if (part == "contacts" && (key == part || (!friction && key.ends_with(".friction"))))
+    return false;
   return std::find(std::begin(kParts), std::end(kParts), part) != std::end(kParts);
 }
 
 void read_plant_setting(const Name& key, const YamlReader& value, MpcPlantSpec& plant) {
-  if (is_of_dynamics(key.value))
+  if (is_of_dynamics(key.value, plant.simulated_contacts.has_value()))
     plant.settings.push_back(make_setting(key, value.node()));
   else
     value.diagnostics().error(key.place, "the plant differs from the model in its dynamics alone",
@@ -55,9 +56,35 @@ void read_plant_setting(const Name& key, const YamlReader& value, MpcPlantSpec& 
                               "tables, gravity, and of contacts but their friction");
 }
 
+void read_ground(YamlMap& map, MpcPlantSpec& plant) {
+  const auto r = map.find("ground");
+  if (!r) return;
+  if (!plant.simulated_contacts)
+    r->error("contacts of the phases know no ground", "write 'contacts: simulated' beside it");
+  plant.ground.clear();
+  const auto items = r->items();
+  if (!items) return;
+  for (const YamlReader& item : *items) {
+    plant.ground.push_back(read_touched(item));
+    if (plant.ground.back().frame)
+      item.error("the ground stands in the world: it is not carried by a frame",
+                 "leave 'frame' out");
+  }
+  if (items->empty()) r->error("there is no ground", "write 'ground: [ground]'");
+}
+
+void read_plant_contacts(YamlMap& map, MpcPlantSpec& plant) {
+  static constexpr Choice<bool> kWords[] = {{"scheduled", false}, {"simulated", true}};
+  if (const auto r = map.find("contacts"))
+    if (r->choice(kWords, "kind of contacts").value_or(false))
+      plant.simulated_contacts = r->place();
+  read_ground(map, plant);
+}
+
 MpcPlantSpec read_mpc_plant(const YamlReader& reader) {
   MpcPlantSpec plant{.place = reader.place()};
   YamlMap map(reader, "write '{dt: 0.001}'");
+  read_plant_contacts(map, plant);
   for_each_entry(map, "set", [&](const Name& key, const YamlReader& value) {
     read_plant_setting(key, value, plant);
   });
@@ -166,6 +193,14 @@ std::vector<ConstraintSpec> read_conditions(const YamlReader& reader,
   return std::move(of_states.terminal_constraints);
 }
 
+RetimeSpec read_retime(const YamlReader& reader) {
+  RetimeSpec retime{.place = reader.place()};
+  YamlMap map(reader, "write '{early: 0.06, late: 0.04}'");
+  map.number("early", retime.early, kNotNegative);
+  map.number("late", retime.late, kNotNegative);
+  return retime;
+}
+
 }  // namespace
 
 MpcSpec read_mpc(const YamlReader& reader, const std::filesystem::path& folder) {
@@ -182,9 +217,13 @@ MpcSpec read_mpc(const YamlReader& reader, const std::filesystem::path& folder) 
   if (const auto r = map.find("terminal")) read_window_end(*r, mpc);
   if (const auto r = map.find("delay"))
     mpc.delay = {r->number(kNotNegative).value_or(0), r->place()};
+  static constexpr Choice<bool> kWords[] = {{"true", true}, {"false", false}};
+  map.choice("predict", mpc.predict, kWords, "value of 'predict'");
   if (const auto r = map.find("feedback")) mpc.feedback_rate = read_feedback(*r);
   map.read("plant", mpc.plant, read_mpc_plant);
   for_each_item(map, "disturbances", [&](const YamlReader& item) { read_disturbance(item, mpc); });
+  mpc.commands = read_commands(map);
+  if (const auto r = map.find("retime")) mpc.retime = read_retime(*r);
   if (const auto r = map.find("fallback")) mpc.fallback = read_fallback(*r);
   if (const auto r = map.find("stop_when")) mpc.stop_when = read_conditions(*r, folder);
   return mpc;

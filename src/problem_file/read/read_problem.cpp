@@ -230,6 +230,7 @@ ProblemSpec read_document(const YamlReader& reader, const std::filesystem::path&
   map.read("perturbation", spec.perturbation, read_perturbation);
   map.read("solver", spec.solver, read_solver);
   if (const auto r = map.find("mpc")) spec.mpc = read_mpc(*r, folder);
+  if (gait) spec.gait_commands = gait->commands;
   if (gait && !reader.diagnostics().has_errors()) add_gait(*gait, spec, reader.diagnostics());
   return spec;
 }

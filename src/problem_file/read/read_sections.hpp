@@ -46,9 +46,13 @@ HalfSpaceSpec read_half_space(const YamlReader& reader);
 std::vector<CandidateSpec> read_candidates(const YamlReader& reader);
 SteppingSpec read_stepping(const YamlReader& reader);
 
+TouchedSpec read_touched(const YamlReader& reader);
+
 // read_gait.cpp
 /// More cycles than that are an error.
 inline constexpr int kMostGaitCycles = 10'000;
+/// Under the key `commands`.
+std::vector<GaitCommand> read_commands(YamlMap& map);
 GaitSpec read_gait(const YamlReader& reader, const std::vector<ContactSpec>& contacts);
 
 // read_phases.cpp

@@ -45,18 +45,6 @@ void read_shape(const YamlReader& reader, TouchedSpec& touched) {
     reader.error("the shape has no form", "give 'half_space', 'sphere' or 'box'");
 }
 
-TouchedSpec read_touched(const YamlReader& reader) {
-  TouchedSpec touched{.place = reader.place()};
-  if (!reader.is_scalar()) {
-    read_shape(reader, touched);
-  } else if (reader.node().text != "ground") {
-    reader.error("what a candidate may touch is 'ground' or a mapping",
-                 "write '{half_space: ...}', '{sphere: ...}' or '{box: ...}', with a 'frame' "
-                 "where one carries it");
-  }
-  return touched;
-}
-
 /// [lower, upper], either of which may be null for none.
 std::optional<std::array<double, 2>> read_ends(const YamlReader& reader) {
   const auto items = reader.items();
@@ -110,6 +98,18 @@ CandidateSpec read_candidate(const Name& name, const YamlReader& reader) {
 }
 
 }  // namespace
+
+TouchedSpec read_touched(const YamlReader& reader) {
+  TouchedSpec touched{.place = reader.place()};
+  if (!reader.is_scalar()) {
+    read_shape(reader, touched);
+  } else if (reader.node().text != "ground") {
+    reader.error("what a candidate may touch is 'ground' or a mapping",
+                 "write '{half_space: ...}', '{sphere: ...}' or '{box: ...}', with a 'frame' "
+                 "where one carries it");
+  }
+  return touched;
+}
 
 std::vector<CandidateSpec> read_candidates(const YamlReader& reader) {
   std::vector<CandidateSpec> candidates;

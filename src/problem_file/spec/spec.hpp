@@ -126,6 +126,7 @@ struct ProblemSpec {
   std::vector<CandidateSpec> candidates;
   std::optional<SteppingSpec> stepping;  ///< there wherever candidates are
   std::vector<PhaseSpec> phases;
+  std::vector<GaitCommand> gait_commands;  ///< of the gait that made the phases
   std::vector<CostSpec> costs;
   std::vector<ControlBoundsSpec> control_bounds;
   std::vector<ConstraintSpec> constraints;        ///< all others on running knots

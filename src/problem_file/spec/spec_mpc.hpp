@@ -4,7 +4,9 @@
 
 #include "ocp/knot/integrator.hpp"
 #include "problem_file/spec/spec_cost.hpp"
+#include "problem_file/spec/spec_gait.hpp"
 #include "problem_file/spec/spec_robot.hpp"
+#include "problem_file/spec/spec_stepping.hpp"
 #include "problem_file/spec/spec_terminal.hpp"
 #include "problem_file/yaml/setting.hpp"
 
@@ -39,6 +41,15 @@ struct MpcPlantSpec {
   Place place;                    ///< of the settings
   std::optional<Located<Integrator>> integrator;
   std::optional<Located<double>> dt;  ///< longest step, s
+  /// The contacts of the file open and close by themselves, on the ground.
+  std::optional<Place> simulated_contacts;
+  std::vector<TouchedSpec> ground = {TouchedSpec{}};
+};
+
+/// By how much phases may begin earlier or last longer than planned, s.
+struct RetimeSpec {
+  Place place;
+  double early = 0, late = 0;
 };
 
 /// What controls where several ticks in a row have no plan.
@@ -58,10 +69,13 @@ struct MpcSpec {
   WindowEnd window_end = WindowEnd::kNothing;
   std::optional<TerminalLqrSpec> terminal_lqr;   ///< of windows that end with a regulator
   Located<double> delay;                         ///< s
+  bool predict = true;                           ///< the state for the end of the delay
   std::optional<Located<double>> feedback_rate;  ///< Hz
   MpcPlantSpec plant;
   std::vector<DisturbanceSpec> disturbances;
   std::optional<NoiseSpec> noise;
+  std::vector<GaitCommand> commands;  ///< which nobody knows of before their times
+  std::optional<RetimeSpec> retime;
   std::optional<FallbackSpec> fallback;
   std::vector<ConstraintSpec> stop_when;  ///< of states: the loop ends where one does not hold
 };

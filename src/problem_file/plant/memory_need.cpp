@@ -1,4 +1,4 @@
-#include "problem_file/build/memory_need.hpp"
+#include "problem_file/plant/memory_need.hpp"
 
 #include <algorithm>
 #include <limits>

@@ -1,0 +1,19 @@
+#pragma once
+
+#include "mpc/closed_loop.hpp"
+#include "problem_file/build/build.hpp"
+
+namespace conddp {
+
+/// The commands of a closed loop (mpc.commands). From the time of each one on the footholds and
+/// references are those of a gait that is led by the commands up to it. What cannot follow them is
+/// reported.
+std::vector<LoopCommand> build_commands(const ProblemSpec& spec, const BuiltProblem& built,
+                                        Diagnostics& out);
+
+/// The limits of mpc.retime, and which contacts each knot holds. Nothing where there are none or
+/// they have no meaning, which is reported.
+std::optional<Retiming> build_retiming(const ProblemSpec& spec, const BuiltProblem& built,
+                                       Diagnostics& out);
+
+}  // namespace conddp
