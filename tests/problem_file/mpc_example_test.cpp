@@ -1,0 +1,92 @@
+// The closed loops of problems/mpc: each lasts, and gets to where it is to be.
+#include <algorithm>
+#include <cmath>
+
+#include "problem_file/build/build_mpc.hpp"
+#include "problem_text.hpp"
+
+namespace conddp {
+namespace {
+
+/// The closed loop of an example problem.
+struct ExampleLoop {
+  explicit ExampleLoop(const std::string& name, const std::vector<std::string>& more = {}) {
+    Diagnostics out;
+    const auto document = load_problem(kProblems / "mpc" / (name + ".yaml"), {}, out);
+    spec = read_problem_text(document->text, document->file, more, out);
+    if (spec && spec->mpc->repeat.value == AfterTheEnd::kGait) spec = repeat_gait(*spec, out);
+    if (spec) built = build_problem(*spec, {}, out);
+    if (built) mpc = build_mpc(*spec, *built, out);
+    said = format_diagnostics(out, false);
+    if (!mpc) return;
+    Mpc controller(built->problem, built->guess, mpc->controller);
+    result = run_closed_loop(controller, mpc->loop);
+  }
+  int failed() const {
+    return static_cast<int>(
+        std::count_if(result.ticks.begin(), result.ticks.end(),
+                      [](const TickRecord& tick) { return tick.outcome != TickOutcome::planned; }));
+  }
+
+  std::optional<ProblemSpec> spec;
+  std::optional<BuiltProblem> built;
+  std::optional<BuiltMpc> mpc;
+  ClosedLoopResult result;
+  std::string said;
+};
+
+TEST(MpcExample, CarFollowsItsPathAmongDiscs) {
+  const ExampleLoop car("car_path");
+  ASSERT_TRUE(car.mpc) << car.said;
+  EXPECT_EQ(car.result.end, LoopEnd::finished);
+  for (const PlantStep& step : car.result.steps)
+    for (const auto& [x, y] : {std::pair(8.0, 2.5), {17.0, 2.4}, {30.0, 1.4}})
+      EXPECT_GT(std::hypot(step.x[0] - x, step.x[1] - y), 1.2 - 1e-3) << step.time;
+  EXPECT_NEAR(car.result.last_state[0], 36, 0.3);
+  EXPECT_NEAR(car.result.last_state[1], 3 * std::sin(0.2 * 18), 0.3);
+}
+
+TEST(MpcExample, QuadrotorArrivesThroughGusts) {
+  const ExampleLoop quadrotor("quadrotor_gusts");
+  ASSERT_TRUE(quadrotor.mpc) << quadrotor.said;
+  EXPECT_EQ(quadrotor.result.end, LoopEnd::finished);
+  EXPECT_EQ(quadrotor.failed(), 0);
+  const std::vector<double>& x = quadrotor.result.last_state;
+  EXPECT_LT(std::hypot(x[0], x[1] - 10, x[2] - 1), 0.2);
+}
+
+TEST(MpcExample, ArmTracksItsGoalWithALoadThatItDoesNotKnow) {
+  const ExampleLoop arm("arm_goal");
+  ASSERT_TRUE(arm.mpc) << arm.said;
+  EXPECT_EQ(arm.result.end, LoopEnd::finished);
+  EXPECT_EQ(arm.failed(), 0);
+  const MultibodySystem& robot = *arm.built->plant.multibody();
+  const Vector3<double> tool =
+      placement_in_state(robot, arm.result.last_state, *robot.robot().find_frame("tool")).p;
+  EXPECT_NEAR(tool.x, 0.5, 0.05);
+  EXPECT_NEAR(tool.y, 0, 0.05);
+  EXPECT_NEAR(tool.z, 0.4, 0.05);
+}
+
+TEST(MpcExample, HumanoidStepsInPlace) {
+  const ExampleLoop biped("biped_stepping");
+  ASSERT_TRUE(biped.mpc) << biped.said;
+  EXPECT_EQ(biped.result.end, LoopEnd::finished);
+  EXPECT_EQ(biped.failed(), 0);
+  EXPECT_NEAR(biped.result.last_state[0], 0, 0.1);
+  EXPECT_NEAR(biped.result.last_state[2], 0.7832, 0.05);
+}
+
+TEST(MpcExample, QuadrupedGoesWhereItIsTold) {
+  const ExampleLoop quadruped("quadruped_commands");
+  ASSERT_TRUE(quadruped.mpc) << quadruped.said;
+  EXPECT_EQ(quadruped.result.end, LoopEnd::finished);
+  const std::vector<double>& x = quadruped.result.last_state;
+  EXPECT_GT(x[0], 0.8);
+  EXPECT_GT(x[1], 0.2);
+  EXPECT_NEAR(x[2], 0.6, 0.05);
+  EXPECT_GT(2 * std::atan2(x[5], x[6]), 0.3);  // yaw
+}
+
+}  // namespace
+}  // namespace conddp
