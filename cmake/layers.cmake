@@ -5,7 +5,7 @@ set(CONDDP_LAYERS base spatial robot systems ocp nlp solvers mpc analysis proble
 # folder. scripts/check_layers reads all of these lists.
 set(CONDDP_base_FOLDERS . text files json)
 set(CONDDP_robot_FOLDERS . urdf)
-set(CONDDP_systems_FOLDERS . multibody contact expressions closed_forms)
+set(CONDDP_systems_FOLDERS . multibody contact expressions libraries closed_forms)
 set(CONDDP_ocp_FOLDERS terms residuals knot problem evaluation)
 set(CONDDP_nlp_FOLDERS . ipopt)
 set(CONDDP_solvers_FOLDERS

@@ -1,7 +1,9 @@
+#include <algorithm>
 #include <exception>
 #include <filesystem>
 #include <new>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -9,6 +11,7 @@
 
 #include "arguments/parser.hpp"
 #include "arguments/usage.hpp"
+#include "base/code_permission.hpp"
 #include "base/files/atomic_file.hpp"
 #include "base/shared_library.hpp"
 #include "base/text/wrap_text.hpp"
@@ -54,8 +57,12 @@ void add_common_options(Command& command) {
        .fallback = "text"});
 }
 
-/// Fills `tool`, to which some subcommands refer.
-void declare(Command& tool) {
+/// The subcommands that read no problem files.
+constexpr std::string_view kWithoutProblems[] = {"compare", "inspect",    "list", "schema",
+                                                 "help",    "completion", "man"};
+
+/// Fills `tool`, to which some subcommands refer. `allows_code`: whether --allow-code is given.
+void declare(Command& tool, bool& allows_code) {
   tool = {.name = "conddp",
           .description = "Batch trajectory optimisation of robots under constraints",
           .arguments = {{.names = {"--version"},
@@ -72,6 +79,10 @@ void declare(Command& tool) {
   for (Command& command : tool.commands) {
     for (Argument& argument : command.arguments)
       if (argument.value == kSubcommandValue) argument.choices = names;
+    if (std::ranges::find(kWithoutProblems, command.short_name()) == std::end(kWithoutProblems))
+      command.arguments.push_back(
+          flag({kAllowCode}, allows_code,
+               "Run compiled code that the problem file names, with all your rights"));
     add_common_options(command);
   }
 }
@@ -88,12 +99,14 @@ void report_usage(const Command& tool, const CommandWords& words, std::string me
 }
 
 int run(int argc, char** argv) {
-  if (argc == 3 && argv[1] == kBatchWorker) {
+  if (argc >= 3 && argv[1] == kBatchWorker) {
     prepare_heap();
+    if (argc == 4 && argv[3] == std::string_view(kAllowCode)) allow_code();
     return batch_worker(argv[2]);
   }
   Command tool;
-  declare(tool);
+  bool allows_code = false;
+  declare(tool, allows_code);
   const CommandWords words = read_words(tool, {argv + std::min(argc, 1), argv + argc});
   if (words.value_of(kDiagnostics) == "json") set_message_format(MessageFormat::kJson);
   ParseEnd end = parse(tool, *words.command, argc, argv);
@@ -111,6 +124,7 @@ int run(int argc, char** argv) {
       break;
   }
   prepare_heap();
+  if (allows_code) allow_code();
   return words.command->run();
 }
 

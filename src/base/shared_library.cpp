@@ -22,6 +22,8 @@ SharedLibrary::SharedLibrary(const std::string& what, std::initializer_list<cons
   checked(handle_, what);
 }
 
-void* SharedLibrary::symbol(const char* name) const { return checked(dlsym(handle_, name), what_); }
+void* SharedLibrary::symbol(const char* name) const { return checked(find(name), what_); }
+
+void* SharedLibrary::find(const char* name) const { return dlsym(handle_, name); }
 
 }  // namespace conddp

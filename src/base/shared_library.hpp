@@ -24,6 +24,8 @@ class SharedLibrary {
 
   /// The address of a function or variable. Throws LibraryError.
   void* symbol(const char* name) const;
+  /// The same, null where there is none.
+  void* find(const char* name) const;
 
  private:
   std::string what_;

@@ -46,6 +46,7 @@ Entries names_in_expressions(const ComposedBody& body) {
 }
 
 bool TermComposer::can(const ResidualDefinition& residual, bool terminal) const {
+  if (residual.name == "library") return false;  // its function is in a file of its own
   if (residual.needs.robot && !body_.robot) return false;
   if (terminal && residual.needs.control) return false;
   if (residual.has("joints") && body_.joints.empty()) return false;

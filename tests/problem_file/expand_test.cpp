@@ -2,6 +2,7 @@
 #include <map>
 #include <set>
 
+#include "base/code_permission.hpp"
 #include "problem_file/expand/expand_problem.hpp"
 #include "problem_file/residuals/residual_table.hpp"
 #include "problem_file/spec/system_fields.hpp"
@@ -18,10 +19,16 @@ namespace {
 std::vector<std::string> corpus() {
   std::vector<std::string> texts = {std::string(kPendulum), std::string(kCartpole)};
   for (const auto& file : ready_problems()) texts.push_back(read_file(file));
+  allow_code();
   for (const auto& [type, description] : kSystemTypes) {
     const std::string more = type == "linear"        ? ", A: [[1, 0.1], [0, 1]], B: [[0], [0.1]]"
                              : type == "expressions" ? ", states: [x], controls: [u], rate: {x: u}"
-                                                     : "";
+                             : type == "library"
+                                 ? ", library: " CONDDP_TEST_MODEL
+                                   ", function: swing, states: "
+                                   "{angle: rad, speed: rad/s}, controls: [torque], parameters: "
+                                   "{inertia: 2, weight: 5}"
+                                 : "";
     texts.push_back("conddp: 1\nsystem: {type: " + std::string(type) + more +
                     "}\ninitial_state: {}\nphases: [{knots: 3, duration: 0.1}]\n");
   }
@@ -58,6 +65,13 @@ phases: [{knots: 3, dt: 0.1}]
 costs: {state: {residual: state}, effort: {residual: control}}
 terminal: {lqr: initial}
 )");
+  texts.push_back(
+      "conddp: 1\nsystem: {positions: [y], velocities: [v], controls: [push], "
+      "library: " CONDDP_TEST_MODEL
+      ", function: fall, gives: acceleration}\n"
+      "initial_state: {}\nphases: [{knots: 3, dt: 0.1}]\n"
+      "costs: {reach: {residual: library, library: " CONDDP_TEST_MODEL
+      ", function: reach, parameters: {length: 0.5}, reference: 0.1}}\n");
   texts.push_back(R"(conddp: 1
 system: {states: [x], controls: [u], next: {x: '0.9*x + 0.1*atan2(u, 2)'}}
 initial_state: {}

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "arguments/batch_arguments.hpp"
+#include "base/code_permission.hpp"
 #include "base/files/atomic_file.hpp"
 #include "batch/cluster/array_index.hpp"
 #include "batch/plan/expand_plan.hpp"
@@ -75,7 +76,10 @@ std::string size_words(double bytes) {
 }
 
 std::vector<std::string> worker_command(const fs::path& run) {
-  return {fs::read_symlink("/proc/self/exe").string(), std::string(kBatchWorker), run.string()};
+  std::vector<std::string> words = {fs::read_symlink("/proc/self/exe").string(),
+                                    std::string(kBatchWorker), run.string()};
+  if (code_is_allowed()) words.emplace_back(kAllowCode);
+  return words;
 }
 
 int exit_code(const BatchProgress& progress) {

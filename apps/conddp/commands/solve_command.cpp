@@ -181,13 +181,20 @@ void print_answer(const SolveArguments& arguments, const Solution& solution,
 }
 
 /// The exit status of an answer with its certificate; what that denies is printed.
-int checked_exit_code(const SolutionCertificate& certificate, SolveStatus status) {
+int checked_exit_code(const SolutionCertificate& certificate, const ProblemSpec& spec,
+                      SolveStatus status) {
   if (!certificate.checks.computable()) {
     print_error("the answer cannot be checked: " + certificate_line(certificate),
                 "its numbers are so large that rounding or overflow eats what they should say");
     return std::max<int>(kExitNotConverged, exit_code(status));
   }
   if (certificate.checks.holds()) return exit_code(status);
+  if (spec.runs_code()) {
+    print_error("the certificate of the answer " + certificate_line(certificate),
+                "compiled code must give the derivatives of its values: 'conddp check "
+                "--derivatives' compares them");
+    return std::max<int>(kExitNotConverged, exit_code(status));
+  }
   print_error("the certificate of the answer " + certificate_line(certificate),
               "this is a defect of conddp; please report it with the command and its files");
   return kExitDefect;
@@ -222,7 +229,7 @@ int solve_file(const SolveArguments& arguments) {
   print_answer(arguments, solution, certificate ? &*certificate : nullptr,
                write_files(arguments, solution, document),
                count_hidden_notes(diagnostics, arguments.verbose));
-  return certificate ? checked_exit_code(*certificate, result.status) : exit_code(result.status);
+  return certificate ? checked_exit_code(*certificate, spec, result.status) : exit_code(result.status);
 }
 
 /// What the command line says of each of its files when there are several.

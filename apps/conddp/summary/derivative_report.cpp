@@ -67,7 +67,8 @@ ComparedRow row_of(const DerivativeComparison& c, const KnotModel& model, bool t
 }  // namespace
 
 OrderedJson derivatives_json(const std::vector<DerivativeComparison>& comparisons,
-                             const ProblemSpec& spec, const BuiltProblem& built) {
+                             DerivativeReference reference, const ProblemSpec& spec,
+                             const BuiltProblem& built) {
   const ShootingProblem& problem = *built.problem;
   const int phases = static_cast<int>(problem.phases().size());
   const Names tangent = tangent_columns(built);
@@ -99,14 +100,19 @@ OrderedJson derivatives_json(const std::vector<DerivativeComparison>& comparison
                       {"reference", finite_or_null(c.reference)},
                       {"relative_error", finite_or_null(c.error)}}}});
   }
-  return {{"holds", holds}, {"tolerance", kDerivativeTolerance}, {"compared", std::move(list)}};
+  const bool differences = reference == DerivativeReference::differences;
+  return {{"holds", holds},
+          {"tolerance", kDerivativeTolerance},
+          {"reference", differences ? "differences" : "dual numbers"},
+          {"compared", std::move(list)}};
 }
 
 std::string derivatives_text(const OrderedJson& derivatives) {
+  const std::string reference = derivatives["reference"];
   std::string text = fmt::format(
-      "derivatives against dual numbers at the first guess and beside it, relative error up to "
+      "derivatives against {} at the first guess and beside it, relative error up to "
       "{:g}: {}\n",
-      derivatives["tolerance"].get<double>(),
+      reference, derivatives["tolerance"].get<double>(),
       derivatives["holds"].get<bool>() ? "all hold" : "SOME ARE WRONG");
   for (const auto& c : derivatives["compared"]) {
     const auto& worst = c["worst"];
@@ -115,12 +121,12 @@ std::string derivatives_text(const OrderedJson& derivatives) {
     if (const std::string of = c["constraint"]; !of.empty()) name += " " + of;
     const auto& error = worst["relative_error"];
     text += fmt::format(
-        "  {:<6}{}, {}: worst {} at d {} / d {}: {}, by dual numbers {} (knot {}{})\n",
+        "  {:<6}{}, {}: worst {} at d {} / d {}: {}, by {} {} (knot {}{})\n",
         c["holds"].get<bool>() ? "" : "WRONG", c["phase"].get<std::string>(), name,
         error.is_null() ? "without bound" : fmt::format("{:.2g}", error.get<double>()),
         worst["row"].get<std::string>(), worst["column"].get<std::string>(),
-        number_text(worst["analytic"]), number_text(worst["reference"]), worst["knot"].get<int>(),
-        worst["displaced"].get<bool>() ? ", beside the guess" : "");
+        number_text(worst["analytic"]), reference, number_text(worst["reference"]),
+        worst["knot"].get<int>(), worst["displaced"].get<bool>() ? ", beside the guess" : "");
   }
   return text;
 }

@@ -15,7 +15,8 @@ inline constexpr double kDerivativeTolerance = 1e-6;
 /// The comparisons with the names of phases, costs, rows and columns; `holds` says whether all are
 /// within the tolerance.
 OrderedJson derivatives_json(const std::vector<DerivativeComparison>& comparisons,
-                             const ProblemSpec& spec, const BuiltProblem& built);
+                             DerivativeReference reference, const ProblemSpec& spec,
+                             const BuiltProblem& built);
 
 /// The same as a table for people.
 std::string derivatives_text(const OrderedJson& derivatives);

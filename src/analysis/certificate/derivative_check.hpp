@@ -28,11 +28,16 @@ struct DerivativeComparison {
   int knot = 0;             ///< where that is
   bool displaced = false;   ///< whether it is beside the trajectory
   double analytic = 0;      ///< what solvers get
-  double reference = 0;     ///< by dual numbers
+  double reference = 0;     ///< by dual numbers or differences
   double error = 0;         ///< relative, see check_derivatives
 };
 
+/// With what derivatives are compared: dual numbers, or central differences of evaluations, which
+/// see through code that brings derivatives of its own.
+enum class DerivativeReference { dual_numbers, differences };
+
 struct DerivativeCheckOptions {
+  DerivativeReference reference = DerivativeReference::dual_numbers;
   /// Knots of a phase at which derivatives are compared: the first, the last, and some between.
   int knots_per_phase = 3;
   /// Largest entry of the random tangent vectors by which a second trajectory lies beside the given
@@ -43,10 +48,10 @@ struct DerivativeCheckOptions {
 };
 
 /// Compares all first derivatives that solvers use with derivatives by dual numbers through
-/// evaluation alone, which share no formula with them. An error is relative to the larger of the
-/// two numbers, but at least to a thousandth of the largest entry of its matrix (and of 1; of the
-/// weights, for gradients), below which lies rounding. It is infinite where one of the two is not
-/// finite.
+/// evaluation alone, which share no formula with them, or with differences. An error is relative to
+/// the larger of the two numbers, but at least to a thousandth of the largest entry of its matrix
+/// (and of 1; of the weights, for gradients), below which lies rounding. It is infinite where one
+/// of the two is not finite.
 std::vector<DerivativeComparison> check_derivatives(const ShootingProblem& problem,
                                                     const Trajectory& trajectory,
                                                     const DerivativeCheckOptions& options = {});

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "base/code_permission.hpp"
 #include "base/text/shell_words.hpp"
 #include "base/text/strict_number.hpp"
 
@@ -144,6 +145,7 @@ std::string slurm_array_script(const SlurmJob& job) {
                                     "-j",
                                     std::to_string(job.cpus)};
   if (job.any_build) words.emplace_back("--any-build");
+  if (code_is_allowed()) words.emplace_back(kAllowCode);
   return text + command_line(std::move(words));
 }
 

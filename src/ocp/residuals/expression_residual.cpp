@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "ocp/residuals/row_blocks.hpp"
 #include "ocp/residuals/stack_numbers.hpp"
 #include "systems/expressions/differentiable.hpp"
 #include "systems/expressions/tangent_motions.hpp"
@@ -19,22 +20,6 @@ struct KnotInputSource {
   int index;  ///< of an operand: its row among those of all operands
   int input;
 };
-
-/// Which block a row of a residual is in, and where.
-struct PackedRow {
-  const RowBlock* block;
-  int first;  ///< its first derivative among those of the residual; one column further: block->rows
-};
-
-std::vector<PackedRow> packed_rows(const Residual& residual) {
-  std::vector<PackedRow> rows;
-  int first = 0;
-  for (const RowBlock& block : residual.blocks()) {
-    for (int row = 0; row < block.rows; ++row) rows.push_back({&block, first + row});
-    first += block.rows * static_cast<int>(block.columns.size());
-  }
-  return rows;
-}
 
 /// Other residuals, evaluated one after the other into the rows of one vector.
 class Operands {
@@ -102,19 +87,7 @@ std::vector<RowBlock> structure(const DifferentiableExpressions& functions,
     row.columns.insert(row.columns.end(), inner.columns.begin(), inner.columns.end());
     row.affine &= inner.affine;
   }
-  // Rows with the same columns that follow each other make a block.
-  std::vector<RowBlock> blocks;
-  for (RowBlock& row : rows) {
-    std::sort(row.columns.begin(), row.columns.end());
-    row.columns.erase(std::unique(row.columns.begin(), row.columns.end()), row.columns.end());
-    const bool same = !blocks.empty() && blocks.back().columns == row.columns &&
-                      blocks.back().affine == row.affine;
-    if (same)
-      ++blocks.back().rows;
-    else
-      blocks.push_back(std::move(row));
-  }
-  return blocks;
+  return joined_blocks(std::move(rows));
 }
 
 int count(const std::vector<KnotInputSource>& sources, KnotInputSource::Kind kind) {
@@ -138,10 +111,7 @@ class ExpressionResidual : public ResidualBase<ExpressionResidual> {
     for (const auto& entry : functions_.jacobian()) {
       const PackedRow& row = packed[entry.row];
       const auto add = [&](int column, int inner) {
-        const auto& columns = row.block->columns;
-        const auto at = std::lower_bound(columns.begin(), columns.end(), column);
-        const int place = row.first + static_cast<int>(at - columns.begin()) * row.block->rows;
-        products_.push_back({place, entry.place, inner});
+        products_.push_back({row.place(column), entry.place, inner});
       };
       if (entry.column < first_operand) {
         add(entry.column, -1);

@@ -64,6 +64,7 @@ Picture picture(const DoubleIntegratorSpec& p) {
 
 Picture picture(const LinearSpec&) { return {}; }
 Picture picture(const ExpressionSystemSpec&) { return {}; }
+Picture picture(const LibrarySystemSpec&) { return {}; }
 
 Picture picture(const PendulumParameters& p) {
   return {

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/certificate/derivative_check.hpp"
 #include "analysis/certificate/place_text.hpp"
 #include "base/json/number_block.hpp"
 #include "base/json/solution_members.hpp"
@@ -111,6 +112,7 @@ class Reader {
     certificate_.checks.insert(certificate_.checks.end(), numbers.checks.begin(),
                                numbers.checks.end());
     evaluate_constraints();
+    if (spec_.runs_code()) derivatives_of_code();
     dropped();
     forces();
     log();
@@ -445,6 +447,24 @@ class Reader {
     add(compared(std::move(name), claimed, found, tolerance));
   }
 
+  /// Compiled code brings derivatives of its own, on which the gradient of the Lagrangian rests.
+  void derivatives_of_code() {
+    Check check{
+        .name = "derivatives of compiled code", .found = 0, .tolerance = kDerivativeTolerance};
+    for (const DerivativeComparison& worst : check_derivatives(
+             problem_, claims_->trajectory, {.reference = DerivativeReference::differences})) {
+      if (worst.error <= check.found) continue;
+      check.found = worst.error;
+      check.place = place_text(problem_, worst.knot, "");
+    }
+    check.holds = check.found <= kDerivativeTolerance;
+    if (check.holds)
+      check.place.clear();
+    else
+      check.message = "they are not what differences of its values give";
+    add(std::move(check));
+  }
+
   void dropped() {
     const Json& list = at(document_, {"dropped_constraints"});
     size("dropped_constraints", list, static_cast<int>(built_.dropped.size()));
@@ -624,6 +644,7 @@ class Reader {
   static constexpr double kNewtonRounding = 1e-12;
   static constexpr double kValueTolerance = 1e-10;
   static constexpr double kForceTolerance = 1e-9;
+  static constexpr double kDerivativeTolerance = 1e-4;  ///< relative; above what differences lose
 
   const Json& document_;
   const ProblemSpec& spec_;

@@ -1,4 +1,5 @@
 #include "problem_file/expand/expand_sections.hpp"
+#include "problem_file/spec/enum_names.hpp"
 #include "problem_file/spec/system_fields.hpp"
 
 namespace conddp {
@@ -81,6 +82,18 @@ void expand(const ExpressionSystemSpec& p, OrderedJson& json) {
   json[second_order                           ? "acceleration"
        : text.kind == SystemKind::first_order ? "rate"
                                               : "next"] = expand_expressions(text.equations);
+}
+
+void expand(const LibrarySystemSpec& p, OrderedJson& json) {
+  const LibrarySystemColumns& columns = p.columns;
+  const bool second_order = columns.kind == SystemKind::second_order;
+  json["library"] = p.function.library.value;
+  json["function"] = p.function.function.value;
+  json["gives"] = word_of(kLibraryAnswerWords, columns.kind);
+  json[second_order ? "positions" : "states"] = expand_columns(columns.states);
+  if (second_order) json["velocities"] = expand_columns(columns.velocities);
+  json["controls"] = expand_columns(columns.controls);
+  json["parameters"] = expand_numbers(p.function.parameters);
 }
 
 template <class P>

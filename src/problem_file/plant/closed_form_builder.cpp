@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "problem_file/plant/library_builder.hpp"
+
 namespace conddp {
 namespace {
 
@@ -56,6 +58,7 @@ std::shared_ptr<const System> make_system(const SystemSpec& system, const Proble
           [](const QuadrotorParameters& p) -> Result { return quadrotor(p); },
           [](const LanderParameters& p) -> Result { return lander(p); },
           [](const ExpressionSystemSpec& p) -> Result { return p.parsed.system; },
+          [&](const LibrarySystemSpec& p) -> Result { return build_library_system(p, out); },
       },
       system.parameters);
 }

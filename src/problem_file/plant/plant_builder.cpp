@@ -44,6 +44,8 @@ std::optional<Plant> build_system(const ProblemSpec& spec, Diagnostics& out) {
   if (!add_systems_of_phases(spec, plant, out)) return std::nullopt;
   if (const auto* text = std::get_if<ExpressionSystemSpec>(&spec.system->parameters))
     plant.usual_state = text->parsed.usual_state;
+  else if (std::holds_alternative<LibrarySystemSpec>(spec.system->parameters))
+    plant.usual_state = usual_library_state(*plant.system);
   return plant;
 }
 

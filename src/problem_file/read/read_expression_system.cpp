@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "problem_file/read/named_words.hpp"
 #include "problem_file/read/read_sections.hpp"
 #include "problem_file/spec/expression_source.hpp"
 
@@ -63,27 +64,6 @@ class ExpressionSystemReader {
                                    : "'positions' and 'velocities' have accelerations");
   }
 
-  /// Names with a word each, from a mapping or, without words, from a list.
-  std::vector<std::pair<Name, std::string>> named_words(const YamlReader& reader,
-                                                        std::string_view without) {
-    std::vector<std::pair<Name, std::string>> words;
-    if (reader.is_sequence()) {
-      const auto names = reader.names();
-      if (!names) return words;
-      for (const Name& name : *names) words.emplace_back(name, without);
-      return words;
-    }
-    const auto entries = reader.named_entries("write {name: unit, ...} or [name, ...]");
-    if (!entries) return words;
-    for (const auto& [name, value] : *entries)
-      if (value.is_null() || (value.is_scalar() && value.node().text.empty()))
-        value.error(fmt::format("'{}' has no unit behind it", name.value),
-                    "write the unit, or 1 where there is none");
-      else if (auto word = value.text())
-        words.emplace_back(name, std::move(*word));
-    return words;
-  }
-
   static ExpressionState::Kind kind_of(std::string_view word) {
     if (word == kUnitQuaternion) return ExpressionState::Kind::kUnitQuaternion;
     return word == kPose ? ExpressionState::Kind::kPose : ExpressionState::Kind::kNumber;
@@ -92,7 +72,7 @@ class ExpressionSystemReader {
   void read_states(std::string_view key) {
     const auto reader = map_.require(key);
     if (!reader) return;
-    for (const auto& [name, word] : named_words(*reader, "1")) {
+    for (const auto& [name, word] : read_named_words(*reader)) {
       ExpressionState state{.name = name.value, .unit = word};
       state.kind = kind_of(word);
       if (state.kind != ExpressionState::Kind::kNumber) {
@@ -108,7 +88,7 @@ class ExpressionSystemReader {
   void read_columns(std::string_view key, std::vector<Column>& columns, SystemPartPlaces& places) {
     const auto reader = map_.require(key);
     if (!reader) return;
-    for (const auto& [name, word] : named_words(*reader, "1")) {
+    for (const auto& [name, word] : read_named_words(*reader)) {
       columns.push_back({name.value, word});
       places.names.push_back(name.place);
     }

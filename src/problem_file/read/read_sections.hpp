@@ -28,6 +28,10 @@ SystemSpec read_system(const YamlReader& reader, const FileContext& file);
 // read_expression_system.cpp
 void read_expression_system(YamlMap& map, const FileContext& file, ExpressionSystemSpec& system);
 
+// read_library_system.cpp
+void read_library_system(YamlMap& map, const std::filesystem::path& folder,
+                         LibrarySystemSpec& system);
+
 // read_tables.cpp
 std::vector<TableSpec> read_tables(const YamlReader& reader, const std::filesystem::path& folder);
 

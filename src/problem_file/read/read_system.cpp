@@ -76,6 +76,10 @@ void read(YamlMap& map, const FileContext& file, ExpressionSystemSpec& p) {
   read_expression_system(map, file, p);
 }
 
+void read(YamlMap& map, const FileContext& file, LibrarySystemSpec& p) {
+  read_library_system(map, file.folder, p);
+}
+
 template <class P>
 void read(YamlMap& map, const FileContext&, P& p) {
   for_each_field(p, [&](std::string_view key, std::string_view, double& value,
@@ -99,8 +103,12 @@ constexpr std::array<Parameters (*)(YamlMap&, const FileContext&), sizeof...(P)>
 }
 constexpr auto kReaders = readers(static_cast<const Parameters*>(nullptr));
 
-bool has_equations(const YamlNode& node) {
-  return node.find("rate") || node.find("acceleration") || node.find("next");
+/// The type of which a system is by its other keys: of equations, or of a compiled function.
+std::optional<std::size_t> type_by_keys(const YamlNode& node) {
+  constexpr std::size_t kExpressions = std::size(kSystemTypes) - 2;
+  if (node.find("rate") || node.find("acceleration") || node.find("next")) return kExpressions;
+  if (node.find("library")) return kExpressions + 1;
+  return std::nullopt;
 }
 
 std::optional<std::size_t> choose_type(const YamlReader& reader) {
@@ -114,11 +122,9 @@ std::optional<std::size_t> choose_type(const YamlReader& reader) {
 SystemSpec read_system(const YamlReader& reader, const FileContext& file) {
   SystemSpec system{.place = reader.place()};
   YamlMap map(reader);
-  // Equations say themselves what the system is.
-  const bool in_words = has_equations(reader.node());
-  const auto type = in_words ? map.find("type") : map.require("type");
-  auto index = type ? choose_type(*type) : std::nullopt;
-  if (!type && in_words) index = kReaders.size() - 1;
+  const auto by_keys = type_by_keys(reader.node());
+  const auto type = by_keys ? map.find("type") : map.require("type");
+  const auto index = type ? choose_type(*type) : by_keys;
   if (index)
     system.parameters = kReaders[*index](map, file);
   else

@@ -20,12 +20,13 @@ std::span<const ResidualDefinition> contact_velocity_residuals();
 std::span<const ResidualDefinition> cycle_residuals();
 std::span<const ResidualDefinition> combination_residuals();
 std::span<const ResidualDefinition> expression_residuals();
+std::span<const ResidualDefinition> library_residuals();
 
 /// In the order in which documents list them.
 inline constexpr std::span<const ResidualDefinition> (*kResidualFamilies[])() = {
-    state_residuals,      control_residuals,     joint_residuals,     frame_residuals,
-    whole_body_residuals, force_residuals,       distance_residuals,  contact_velocity_residuals,
-    cycle_residuals,      combination_residuals, expression_residuals};
+    state_residuals,      control_residuals,     joint_residuals,      frame_residuals,
+    whole_body_residuals, force_residuals,       distance_residuals,   contact_velocity_residuals,
+    cycle_residuals,      combination_residuals, expression_residuals, library_residuals};
 
 /// All of them.
 const std::vector<const ResidualDefinition*>& residual_table();

@@ -34,6 +34,12 @@ inline constexpr auto& kIntegratorWords = detail::kIntegratorWords.words;
 inline constexpr Choice<RunningCosts> kRunningCostsWords[] = {{"rate", RunningCosts::kRate},
                                                               {"sum", RunningCosts::kSum}};
 
+/// What a compiled function gives.
+inline constexpr Choice<SystemKind> kLibraryAnswerWords[] = {
+    {"rate", SystemKind::first_order},
+    {"acceleration", SystemKind::second_order},
+    {"next", SystemKind::discrete}};
+
 inline constexpr Choice<UrdfOptions::Base> kBaseWords[] = {
     {"fixed", UrdfOptions::Base::fixed},
     {"floating", UrdfOptions::Base::floating},

@@ -81,6 +81,7 @@ struct ResidualNeeds {
   bool shapes = false;            ///< that must keep apart
   bool previous_control = false;  ///< in the state
   bool chosen_start = false;      ///< a first state that is chosen
+  bool code = false;              ///< compiled code that may be run
 };
 
 /// All that the program knows of a residual of problem files.

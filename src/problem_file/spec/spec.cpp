@@ -39,6 +39,15 @@ bool ProblemSpec::has_jumps() const {
                      [](const PhaseSpec& phase) { return phase.jump.has_value(); });
 }
 
+bool ProblemSpec::runs_code() const {
+  const auto compiled = [](const SystemSpec& one) {
+    return std::holds_alternative<LibrarySystemSpec>(one.parameters);
+  };
+  return (system && compiled(*system)) || first_use(&ResidualNeeds::code) != nullptr ||
+         std::any_of(systems.begin(), systems.end(),
+                     [&](const NamedSystemSpec& named) { return compiled(named.system); });
+}
+
 const PhaseSpec* ProblemSpec::first_free_duration() const {
   for (const PhaseSpec& phase : phases)
     if (phase.free_duration) return &phase;

@@ -148,6 +148,8 @@ struct ProblemSpec {
   std::vector<const CostSpec*> all_costs() const;
   std::vector<const ConstraintSpec*> all_constraints() const;
   bool has_jumps() const;
+  /// Whether it runs compiled code that the file names.
+  bool runs_code() const;
   int knots() const {
     int n = 0;
     for (const PhaseSpec& phase : phases) n += phase.knots.value;

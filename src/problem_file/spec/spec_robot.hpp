@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 
 #include "problem_file/spec/spec_expression.hpp"
+#include "problem_file/spec/spec_library.hpp"
 #include "problem_file/spec/spec_values.hpp"
 #include "robot/urdf/urdf.hpp"
 #include "systems/closed_forms/catalogue.hpp"
@@ -90,7 +91,7 @@ struct SystemSpec {
   Place place;
   std::variant<DoubleIntegratorSpec, LinearSpec, PendulumParameters, CartpoleParameters,
                AcrobotParameters, UnicycleSpec, CarSpec, PlanarQuadrotorParameters,
-               QuadrotorParameters, LanderParameters, ExpressionSystemSpec>
+               QuadrotorParameters, LanderParameters, ExpressionSystemSpec, LibrarySystemSpec>
       parameters;
 };
 

@@ -32,7 +32,8 @@ inline constexpr SystemType kSystemTypes[] = {
     {"lander",
      "Point mass on its thrust: state (x, y, z, vx, vy, vz, burnt), z upwards, and the mass that "
      "it has burnt; controls tx, ty, tz, the thrust in world axes"},
-    {"expressions", "A system of your own equations; may be left out"}};
+    {"expressions", "A system of your own equations; may be left out"},
+    {"library", "A system of a compiled function; may be left out"}};
 static_assert(std::size(kSystemTypes) == std::variant_size_v<decltype(SystemSpec::parameters)>);
 
 /// The scalar parameters of a closed-form system: calls `field(key, description, value, range)` for

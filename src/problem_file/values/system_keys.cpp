@@ -24,6 +24,7 @@ Keys keys_of(const LinearSpec& /*has no defaults*/) {
 
 /// Which keys there are depends on the others: the schema of these is written by hand.
 Keys keys_of(const ExpressionSystemSpec&) { return {}; }
+Keys keys_of(const LibrarySystemSpec&) { return {}; }
 
 template <class P>
 Keys keys_of(const P& p) {

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <memory>
+
+#include "problem_file/spec/spec.hpp"
+
+namespace conddp {
+
+/// What a compiled function has to fit, and where the file says so.
+struct LibraryFit {
+  LibraryKnotFunction::Sizes sizes;
+  Place states_place, controls_place;
+};
+
+/// The function of a loaded library. Null, with an error at what does not fit.
+std::shared_ptr<const LibraryKnotFunction> make_library_function(
+    const std::shared_ptr<const SharedLibrary>& library, const LibraryFunctionSpec& spec,
+    const LibraryFit& fit, Diagnostics& out);
+
+/// The system of a compiled function; null with an error.
+std::shared_ptr<const System> build_library_system(const LibrarySystemSpec& spec, Diagnostics& out);
+
+}  // namespace conddp

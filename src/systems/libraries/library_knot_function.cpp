@@ -1,0 +1,388 @@
+#include "systems/libraries/library_knot_function.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <type_traits>
+
+#include <fmt/format.h>
+
+#include "spatial/dual.hpp"
+
+namespace conddp {
+namespace {
+
+constexpr const char* kMakeAll =
+    "generate f, f.jacobian() and, if you like, hess_f as one file of C (docs/problem_file.md)";
+
+/// The number of a scalar in one of its lanes, and the derivative beside it.
+double value_in(double a, int) { return a; }
+double value_in(const Lane& a, int lane) { return a[lane]; }
+double value_in(const Dual<Lane>& a, int lane) { return a.v[lane]; }
+void set_value(double& a, int, double value) { a = value; }
+void set_value(Lane& a, int lane, double value) { a.set(lane, value); }
+void set_value(Dual<Lane>& a, int lane, double value) { a.v.set(lane, value); }
+
+template <class S>
+constexpr int kLanes = std::is_same_v<S, double> ? 1 : kLaneWidth;
+template <class S>
+constexpr bool kIsDual = std::is_same_v<S, Dual<Lane>>;
+
+/// Takes a lane of z, and the direction of dual numbers.
+template <class S>
+void take_lane(const S* z, int lane, std::vector<double>& values, std::vector<double>& direction) {
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = value_in(z[i], lane);
+  if constexpr (kIsDual<S>)
+    for (std::size_t i = 0; i < values.size(); ++i) direction[i] = z[i].d[lane];
+}
+
+}  // namespace
+
+struct LibraryKnotFunction::Workspace {
+  explicit Workspace(const LibraryKnotFunction& function)
+      : values(*function.values_, {0}),
+        jacobian(*function.jacobian_, wanted(function)),
+        z(function.columns()),
+        direction(function.columns()),
+        moved(function.columns()),
+        weights(function.rows()),
+        f(function.rows()),
+        J(function.rows() * function.columns()),
+        dJ(J.size()),
+        other(J.size()),
+        H(function.columns() * function.columns()) {
+    if (function.hessian_)
+      hessian = std::make_unique<LibraryFunction::Workspace>(*function.hessian_, std::vector{0});
+    set_parameters(function.values_binding_, function.parameters_, values);
+    set_parameters(function.jacobian_binding_, function.parameters_, jacobian);
+    if (hessian) set_parameters(function.hessian_binding_, function.parameters_, *hessian);
+  }
+
+  static std::vector<int> wanted(const LibraryKnotFunction& function) {
+    std::vector<int> outputs;
+    for (const JacobianPart& part : function.jacobian_parts_) outputs.push_back(part.output);
+    return outputs;
+  }
+  static void set_parameters(const Binding& binding, const std::vector<double>& parameters,
+                             LibraryFunction::Workspace& out) {
+    if (binding.p) std::copy(parameters.begin(), parameters.end(), out.input(*binding.p));
+  }
+
+  LibraryFunction::Workspace values, jacobian;
+  std::unique_ptr<LibraryFunction::Workspace> hessian;
+  std::vector<double> z, direction, moved, weights, f, J, dJ, other, H;
+};
+
+void LibraryKnotFunction::WorkspaceDeleter::operator()(Workspace* workspace) const {
+  delete workspace;
+}
+
+/// Compares what the library says with what the file says.
+class LibraryKnotFunction::Maker {
+ public:
+  Maker(const std::shared_ptr<const SharedLibrary>& library, const std::string& name, Sizes sizes,
+        const std::vector<double>& parameters, std::optional<Defect>& defect)
+      : library_(library), name_(name), defect_(defect), made_(new LibraryKnotFunction) {
+    made_->sizes_ = sizes;
+    made_->parameters_ = parameters;
+  }
+
+  std::shared_ptr<const LibraryKnotFunction> make() {
+    try {
+      if (make_values() && make_jacobian() && make_hessian()) return std::move(made_);
+    } catch (const LibraryError& error) {
+      fail(Defect::Part::kFunction, error.what(), kMakeAll);
+    }
+    return nullptr;
+  }
+
+ private:
+  using Port = LibraryFunction::Port;
+  using Part = Defect::Part;
+
+  bool fail(Part part, std::string message, std::string hint = {}) {
+    defect_ = Defect{part, std::move(message), std::move(hint)};
+    return false;
+  }
+
+  /// Binds an input, if it is there with the right size. An empty one is not there.
+  bool bind(const LibraryFunction& function, const char* name, Part part, int size,
+            std::optional<int>& input) {
+    input = find_port(function.inputs(), name);
+    if (!input) return true;
+    const Port& port = function.inputs()[*input];
+    if (port.rows * port.columns == 0) {
+      input.reset();
+      return true;
+    }
+    if (port.is_vector(size)) return true;
+    return fail(part,
+                fmt::format("the input '{}' of '{}' is {} x {} with {} numbers, and the file has "
+                            "{}",
+                            name, function.name(), port.rows, port.columns, port.stored(), size),
+                "it has to be a vector with as many numbers as the file has, all of them stored");
+  }
+
+  bool bind_all(const LibraryFunction& function, Binding& binding) {
+    const int parameters = static_cast<int>(made_->parameters_.size());
+    return bind(function, "x", Part::kStates, made_->sizes_.states, binding.x) &&
+           bind(function, "u", Part::kControls, made_->sizes_.controls, binding.u) &&
+           bind(function, "p", Part::kParameters, parameters, binding.p) &&
+           bind(function, "t", Part::kFunction, 1, binding.t);
+  }
+
+  bool check_names(const LibraryFunction& function, std::string_view also) {
+    for (const Port& port : function.inputs()) {
+      const bool known = port.name == "x" || port.name == "u" || port.name == "p" ||
+                         port.name == "t" || (!also.empty() && port.name.starts_with(also));
+      if (!known)
+        return fail(Part::kFunction,
+                    fmt::format("'{}' has an input '{}'", function.name(), port.name),
+                    "its inputs are x (the state), u (the control), p (parameters) and t (the "
+                    "time), each of them if it is needed");
+    }
+    return true;
+  }
+
+  std::unique_ptr<LibraryFunction> load(const std::string& name) {
+    return std::make_unique<LibraryFunction>(library_, name);
+  }
+
+  bool make_values() {
+    made_->values_ = load(name_);
+    const LibraryFunction& f = *made_->values_;
+    if (!check_names(f, {}) || !bind_all(f, made_->values_binding_)) return false;
+    if (f.outputs().empty())
+      return fail(Part::kFunction, fmt::format("'{}' has no output", name_), kMakeAll);
+    const Port& output = f.outputs().front();
+    if (output.rows * output.columns == 0 || std::min(output.rows, output.columns) != 1)
+      return fail(Part::kFunction,
+                  fmt::format("the output '{}' of '{}' is {} x {}, and has to be a vector",
+                              output.name, name_, output.rows, output.columns));
+    made_->rows_ = output.rows * output.columns;
+    made_->reads_time_ = made_->values_binding_.t.has_value();
+    made_->reads_control_ = made_->values_binding_.u.has_value();
+    if (!made_->values_binding_.p && !made_->parameters_.empty())
+      return fail(Part::kParameters, fmt::format("'{}' has no input 'p' for parameters", name_));
+    return true;
+  }
+
+  bool make_jacobian() {
+    made_->jacobian_ = load("jac_" + name_);
+    const LibraryFunction& jacobian = *made_->jacobian_;
+    const Sizes& sizes = made_->sizes_;
+    const Binding& f = made_->values_binding_;
+    if (!check_names(jacobian, "out_") || !bind_all(jacobian, made_->jacobian_binding_))
+      return false;
+    made_->structure_.resize(made_->rows_);
+    return add_part(f.x, "x", 0, sizes.states) &&
+           add_part(f.u, "u", sizes.states, sizes.controls) &&
+           add_part(f.t, "t", sizes.states + sizes.controls, 1);
+  }
+
+  /// The derivative by one of the inputs, if f has it.
+  bool add_part(const std::optional<int>& input, const char* name, int first, int columns) {
+    if (!input) return true;
+    const LibraryFunction& jacobian = *made_->jacobian_;
+    const std::string wanted =
+        fmt::format("jac_{}_{}", made_->values_->outputs().front().name, name);
+    const auto output = find_port(jacobian.outputs(), wanted);
+    if (!output)
+      return fail(Part::kFunction, fmt::format("'{}' has no output '{}'", jacobian.name(), wanted),
+                  kMakeAll);
+    const Port& port = jacobian.outputs()[*output];
+    if (port.rows != made_->rows_ || port.columns != columns)
+      return fail(Part::kFunction,
+                  fmt::format("the output '{}' of '{}' is {} x {}, and has to be {} x {}", wanted,
+                              jacobian.name(), port.rows, port.columns, made_->rows_, columns));
+    made_->jacobian_parts_.push_back({*output, first});
+    for (int i = 0; i < port.stored(); ++i)
+      made_->structure_[port.row_of[i]].push_back(first + port.column_of[i]);
+    return true;
+  }
+
+  bool make_hessian() {
+    const std::string name = "hess_" + name_;
+    if (library_->find(name.c_str()) == nullptr) return true;
+    made_->hessian_ = load(name);
+    const LibraryFunction& hessian = *made_->hessian_;
+    if (!check_names(hessian, "lam") || !bind_all(hessian, made_->hessian_binding_)) return false;
+    const auto weights = find_port(hessian.inputs(), "lam");
+    if (!weights || !hessian.inputs()[*weights].is_vector(made_->rows_))
+      return fail(Part::kFunction,
+                  fmt::format("'{}' has no input 'lam' of {} numbers, one for each row of '{}'",
+                              name, made_->rows_, name_));
+    made_->weights_input_ = *weights;
+    const int n = made_->columns();
+    if (hessian.outputs().empty() || hessian.outputs()[0].rows != n ||
+        hessian.outputs()[0].columns != n)
+      return fail(Part::kFunction,
+                  fmt::format("the output of '{}' has to be {} x {}: the Hessian with respect to "
+                              "(x, u{})",
+                              name, n, n, made_->reads_time_ ? ", t" : ""));
+    return true;
+  }
+
+  const std::shared_ptr<const SharedLibrary>& library_;
+  const std::string& name_;
+  std::optional<Defect>& defect_;
+  std::shared_ptr<LibraryKnotFunction> made_;
+};
+
+std::shared_ptr<const LibraryKnotFunction> LibraryKnotFunction::make(
+    const std::shared_ptr<const SharedLibrary>& library, const std::string& name, Sizes sizes,
+    const std::vector<double>& parameters, std::optional<Defect>& defect) {
+  return Maker(library, name, sizes, parameters, defect).make();
+}
+
+LibraryKnotFunction::~LibraryKnotFunction() = default;
+
+LibraryKnotFunction::OwnedWorkspace LibraryKnotFunction::create_workspace() const {
+  return OwnedWorkspace(new Workspace(*this));
+}
+
+void LibraryKnotFunction::set_inputs(const Binding& binding, const double* z,
+                                     LibraryFunction::Workspace& out) const {
+  const double* u = z + sizes_.states;
+  if (binding.x) std::copy_n(z, sizes_.states, out.input(*binding.x));
+  if (binding.u) std::copy_n(u, sizes_.controls, out.input(*binding.u));
+  if (binding.t && reads_time_) *out.input(*binding.t) = u[sizes_.controls];
+}
+
+void LibraryKnotFunction::values_at(const double* z, Workspace& workspace, double* f) const {
+  set_inputs(values_binding_, z, workspace.values);
+  const bool done = values_->run(workspace.values);
+  std::fill_n(f, rows_, done ? 0.0 : std::numeric_limits<double>::quiet_NaN());
+  if (!done) return;
+  const LibraryFunction::Port& port = values_->outputs().front();
+  const double* output = workspace.values.output(0);
+  for (int i = 0; i < port.stored(); ++i) f[port.row_of[i] + port.column_of[i]] = output[i];
+}
+
+void LibraryKnotFunction::jacobian_at(const double* z, Workspace& workspace, double* J) const {
+  set_inputs(jacobian_binding_, z, workspace.jacobian);
+  const bool done = jacobian_->run(workspace.jacobian);
+  std::fill_n(J, rows_ * columns(), done ? 0.0 : std::numeric_limits<double>::quiet_NaN());
+  if (!done) return;
+  for (const JacobianPart& part : jacobian_parts_) {
+    const LibraryFunction::Port& port = jacobian_->outputs()[part.output];
+    const double* output = workspace.jacobian.output(part.output);
+    for (int i = 0; i < port.stored(); ++i)
+      J[(part.first + port.column_of[i]) * rows_ + port.row_of[i]] = output[i];
+  }
+}
+
+void LibraryKnotFunction::hessian_at(const double* z, const double* weights, Workspace& workspace,
+                                     double* H) const {
+  LibraryFunction::Workspace& own = *workspace.hessian;
+  set_inputs(hessian_binding_, z, own);
+  std::copy_n(weights, rows_, own.input(weights_input_));
+  const bool done = hessian_->run(own);
+  const int n = columns();
+  std::fill_n(H, n * n, done ? 0.0 : std::numeric_limits<double>::quiet_NaN());
+  if (!done) return;
+  const LibraryFunction::Port& port = hessian_->outputs().front();
+  const double* output = own.output(0);
+  for (int i = 0; i < port.stored(); ++i) H[port.column_of[i] * n + port.row_of[i]] = output[i];
+}
+
+/// Central ones, with the step that balances their error and rounding.
+void LibraryKnotFunction::jacobian_by_differences(const double* z, const double* direction,
+                                                  Workspace& workspace, double* dJ) const {
+  const int n = columns();
+  double largest = 0, scale = 1;
+  for (int i = 0; i < n; ++i) {
+    largest = std::max(largest, std::abs(direction[i]));
+    if (direction[i] != 0) scale = std::max(scale, std::abs(z[i]));
+  }
+  std::fill_n(dJ, rows_ * n, 0.0);
+  if (largest == 0) return;
+  const double h = std::cbrt(std::numeric_limits<double>::epsilon()) * scale / largest;
+  const auto jacobian = [&](double step, std::vector<double>& J) {
+    for (int i = 0; i < n; ++i) workspace.moved[i] = z[i] + step * direction[i];
+    jacobian_at(workspace.moved.data(), workspace, J.data());
+  };
+  jacobian(h, workspace.J);
+  jacobian(-h, workspace.other);
+  for (int i = 0; i < rows_ * n; ++i) dJ[i] = (workspace.J[i] - workspace.other[i]) / (2 * h);
+}
+
+/// Row by row of the Jacobian, from the Hessian of each.
+void LibraryKnotFunction::jacobian_along(const double* z, const double* direction,
+                                         Workspace& workspace, double* dJ) const {
+  if (!has_hessian()) return jacobian_by_differences(z, direction, workspace, dJ);
+  const int n = columns();
+  std::vector<double>& weights = workspace.weights;
+  for (int row = 0; row < rows_; ++row) {
+    std::fill(weights.begin(), weights.end(), 0.0);
+    weights[row] = 1;
+    hessian_at(z, weights.data(), workspace, workspace.H.data());
+    for (int j = 0; j < n; ++j) {
+      double sum = 0;
+      for (int i = 0; i < n; ++i) sum += workspace.H[i * n + j] * direction[i];
+      dJ[j * rows_ + row] = sum;
+    }
+  }
+}
+
+void LibraryKnotFunction::second_derivatives(const double* z, const double* weights,
+                                             Workspace& workspace, double* H) const {
+  if (has_hessian()) return hessian_at(z, weights, workspace, H);
+  const int n = columns();
+  for (int j = 0; j < n; ++j) {
+    std::fill(workspace.direction.begin(), workspace.direction.end(), 0.0);
+    workspace.direction[j] = 1;
+    jacobian_by_differences(z, workspace.direction.data(), workspace, workspace.dJ.data());
+    for (int i = 0; i < n; ++i) {
+      double sum = 0;
+      for (int row = 0; row < rows_; ++row) sum += weights[row] * workspace.dJ[i * rows_ + row];
+      H[j * n + i] = sum;
+    }
+  }
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < j; ++i) H[j * n + i] = H[i * n + j] = 0.5 * (H[j * n + i] + H[i * n + j]);
+}
+
+template <class S>
+void LibraryKnotFunction::evaluate(const S* z, Workspace& workspace, S* f) const {
+  for (int lane = 0; lane < kLanes<S>; ++lane) {
+    take_lane(z, lane, workspace.z, workspace.direction);
+    values_at(workspace.z.data(), workspace, workspace.f.data());
+    for (int row = 0; row < rows_; ++row) set_value(f[row], lane, workspace.f[row]);
+    if constexpr (kIsDual<S>) {
+      jacobian_at(workspace.z.data(), workspace, workspace.J.data());
+      for (int row = 0; row < rows_; ++row) {
+        double along = 0;
+        for (int i = 0; i < columns(); ++i)
+          along += workspace.J[i * rows_ + row] * workspace.direction[i];
+        f[row].d.set(lane, along);
+      }
+    }
+  }
+}
+
+template <class S>
+void LibraryKnotFunction::differentiate(const S* z, Workspace& workspace, S* f, S* J) const {
+  evaluate(z, workspace, f);
+  const int entries = rows_ * columns();
+  for (int lane = 0; lane < kLanes<S>; ++lane) {
+    take_lane(z, lane, workspace.z, workspace.direction);
+    if constexpr (kIsDual<S>) {
+      jacobian_along(workspace.z.data(), workspace.direction.data(), workspace,
+                     workspace.dJ.data());
+      for (int i = 0; i < entries; ++i) J[i].d.set(lane, workspace.dJ[i]);
+    }
+    jacobian_at(workspace.z.data(), workspace, workspace.J.data());
+    for (int i = 0; i < entries; ++i) set_value(J[i], lane, workspace.J[i]);
+  }
+}
+
+#define CONDDP_INSTANTIATE(S)                                                     \
+  template void LibraryKnotFunction::evaluate<S>(const S*, Workspace&, S*) const; \
+  template void LibraryKnotFunction::differentiate<S>(const S*, Workspace&, S*, S*) const;
+CONDDP_INSTANTIATE(double)
+CONDDP_INSTANTIATE(Lane)
+CONDDP_INSTANTIATE(Dual<Lane>)
+#undef CONDDP_INSTANTIATE
+
+}  // namespace conddp

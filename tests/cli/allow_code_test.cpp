@@ -1,0 +1,98 @@
+// Problem files with compiled code run with permission alone.
+#include <gtest/gtest.h>
+
+#include "process.hpp"
+
+namespace conddp {
+namespace {
+
+class AllowCode : public ::testing::Test {
+ protected:
+  AllowCode()
+      : file_(folder_.write("swing.yaml", std::string(R"(conddp: 1
+system:
+  library: )") + CONDDP_TEST_MODEL +
+                                              R"(
+  function: swing
+  states: {angle: rad, speed: rad/s}
+  controls: {torque: Nm}
+  parameters: {inertia: 2, weight: 5}
+initial_state: {values: {angle: 0.5}}
+phases: [{name: only, knots: 20, dt: 0.05}]
+costs: {effort: {residual: control, weight: 0.1}}
+terminal: {costs: {goal: {residual: state, reference: [1, 0], weight: 20}}}
+solver: {name: box_fddp}
+)")) {}
+
+  std::string output() const { return folder_.path() / "out"; }
+
+  const TemporaryFolder folder_;
+  const std::string file_;
+};
+
+TEST_F(AllowCode, WithoutPermissionNothingIsLoaded) {
+  for (const char* command : {"check", "solve", "bench"}) {
+    const ProcessResult result = run_conddp({command, file_});
+    EXPECT_EQ(result.exit_code, 2) << command;
+    EXPECT_NE(result.err.find("swing.yaml:3:12: error: '"), std::string::npos) << result.err;
+    EXPECT_NE(result.err.find("is compiled code, which would run with all your rights"),
+              std::string::npos)
+        << result.err;
+    EXPECT_NE(result.err.find("--allow-code"), std::string::npos) << result.err;
+  }
+}
+
+TEST_F(AllowCode, WithPermissionProblemsAreCheckedSolvedAndVerified) {
+  const ProcessResult check = run_conddp({"check", "--derivatives", "--allow-code", file_});
+  EXPECT_EQ(check.exit_code, 0) << check.err;
+  ASSERT_EQ(run_conddp({"solve", file_, "--allow-code", "-o", output()}).exit_code, 0);
+  const std::string solution = output() + "/solution.json";
+  EXPECT_TRUE(fits_schema("solution", read_file(solution)));
+  EXPECT_NE(read_file(solution).find("test_model.so"), std::string::npos);
+  EXPECT_EQ(run_conddp({"verify", solution}).exit_code, 2);
+  const ProcessResult verified = run_conddp({"verify", solution, "--allow-code"});
+  EXPECT_EQ(verified.exit_code, 0) << verified.err;
+  EXPECT_NE(verified.out.find("certified optimal"), std::string::npos) << verified.out;
+  EXPECT_EQ(run_conddp({"bench", file_, "--solvers", "box_fddp", "--repeat", "0", "--allow-code"})
+                .exit_code,
+            0);
+}
+
+TEST_F(AllowCode, AWrongJacobianIsFound) {
+  const std::string wrong = folder_.write("wrong.yaml", std::string(R"(conddp: 1
+system: {library: )") + CONDDP_TEST_MODEL + R"(, function: crooked, states: [x, y], controls: [u]}
+initial_state: {state: [1, 0]}
+phases: [{knots: 5, dt: 0.1}]
+costs: {effort: {residual: control}, rest: {residual: state}}
+solver: {name: box_fddp, max_iterations: 3}
+)");
+  const ProcessResult check = run_conddp({"check", "--derivatives", "--allow-code", wrong});
+  EXPECT_EQ(check.exit_code, 1) << check.out << check.err;
+  run_conddp({"solve", wrong, "--allow-code", "-o", output()});
+  const ProcessResult verified =
+      run_conddp({"verify", output() + "/solution.json", "--allow-code"});
+  EXPECT_EQ(verified.exit_code, 1) << verified.err;
+  EXPECT_NE(verified.out.find("derivatives of compiled code"), std::string::npos) << verified.out;
+}
+
+TEST_F(AllowCode, AnExpandedFileIsReadAgain) {
+  const ProcessResult expanded = run_conddp({"check", "--expand", file_, "--allow-code"});
+  ASSERT_EQ(expanded.exit_code, 0) << expanded.err;
+  EXPECT_NE(expanded.out.find("gives: rate"), std::string::npos) << expanded.out;
+  const std::string again = folder_.write("again.yaml", expanded.out);
+  EXPECT_EQ(run_conddp({"check", again, "--allow-code"}).exit_code, 0);
+}
+
+TEST_F(AllowCode, WorkersOfABatchHaveThePermissionOfTheBatch) {
+  const std::string plan = folder_.write("plan.yaml", R"(conddp_batch: 1
+problem: swing.yaml
+vary: {weight: {key: system.parameters.weight, values: [4, 5, 6]}}
+)");
+  EXPECT_EQ(run_conddp({"batch", "run", plan, "-o", output()}).exit_code, 2);
+  const ProcessResult result =
+      run_conddp({"batch", "run", plan, "-o", output(), "--allow-code", "-j", "2"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+}
+
+}  // namespace
+}  // namespace conddp

@@ -1,0 +1,174 @@
+// Systems of compiled functions beside the same ones in words.
+#include "systems/libraries/library_system.hpp"
+
+#include "support/expression_systems.hpp"
+#include "system_comparison.hpp"
+#include "systems/expressions/system.hpp"
+
+namespace conddp {
+namespace {
+
+using Defect = LibraryKnotFunction::Defect;
+
+std::shared_ptr<const SharedLibrary> test_model() {
+  static const auto library = std::make_shared<const SharedLibrary>(
+      "the model", std::initializer_list<const char*>{CONDDP_TEST_MODEL});
+  return library;
+}
+
+std::shared_ptr<const LibraryKnotFunction> function_of(const std::string& name,
+                                                       const std::vector<double>& parameters) {
+  std::optional<Defect> defect;
+  auto function = LibraryKnotFunction::make(test_model(), name, {2, 1}, parameters, defect);
+  EXPECT_TRUE(function) << (defect ? defect->message : "");
+  return function;
+}
+
+struct LibraryCase {
+  std::string function;
+  std::vector<double> parameters;
+  LibrarySystemColumns columns;
+  ExpressionSystemText text;
+};
+
+std::vector<LibraryCase> library_cases() {
+  const std::vector<Column> states = {{"angle", "rad"}, {"speed", "rad/s"}};
+  const LibrarySystemColumns first = {.states = states, .controls = {{"torque", "Nm"}}};
+  ExpressionSystemText text{.kind = SystemKind::first_order,
+                            .states = {{"angle", "rad"}, {"speed", "rad/s"}},
+                            .controls = {{"torque", "Nm"}}};
+  ExpressionSystemText swing = text, wind = text;
+  swing.equations = {{"angle", "speed"},
+                     {"speed", "(torque - 5*sin(angle) - 0.1*speed*angle^2)/2"}};
+  wind.equations = {{"angle", "speed"}, {"speed", "torque - sin(angle) + 0.3*sin(2*t)"}};
+  LibrarySystemColumns discrete = first;
+  discrete.kind = SystemKind::discrete;
+  ExpressionSystemText next = swing;
+  next.kind = SystemKind::discrete;
+  return {{"swing", {2, 5}, first, swing},
+          {"swing", {2, 5}, discrete, next},
+          {"wind", {}, first, wind},
+          {"fall",
+           {},
+           {.kind = SystemKind::second_order,
+            .states = {{"y", "m"}},
+            .velocities = {{"v", "m/s"}},
+            .controls = {{"push", "N"}}},
+           {.kind = SystemKind::second_order,
+            .states = {{"y", "m"}},
+            .velocities = {{"v", "m/s"}},
+            .controls = {{"push", "N"}},
+            .equations = {{"v", "push - 0.4*v^2"}}}}};
+}
+
+TEST(LibrarySystems, HaveTheColumnsValuesAndJacobiansOfTheSameEquations) {
+  for (const LibraryCase& c : library_cases()) {
+    const auto library = make_library_system(c.columns, function_of(c.function, c.parameters));
+    const auto words = expression_system(c.text);
+    ASSERT_EQ(library->nx(), words->nx()) << c.function;
+    ASSERT_EQ(library->kind(), words->kind()) << c.function;
+    for (int i = 0; i < library->nx(); ++i) {
+      EXPECT_EQ(library->state_columns()[i].name, words->state_columns()[i].name);
+      EXPECT_EQ(library->state_columns()[i].unit, words->state_columns()[i].unit);
+    }
+    expect_equal_answers<double>(c.function, *library, *words);
+    expect_equal_answers<Lane>(c.function, *library, *words);
+    // Without a Hessian, derivatives of the Jacobian are differences.
+    expect_equal_answers<Dual<Lane>>(c.function, *library, *words, 1e-8);
+  }
+}
+
+TEST(LibrarySystems, HaveTheSecondDerivativesOfTheSameEquations) {
+  RandomNumbers random(412);
+  for (const LibraryCase& c : library_cases()) {
+    const auto function = function_of(c.function, c.parameters);
+    const auto library = make_library_system(c.columns, function);
+    const auto words = expression_system(c.text);
+    const SystemPoint<Lane> point = random_point<Lane>(*words, random);
+    AlignedVector<Lane> weights;
+    for (int i = 0; i < words->rows(); ++i) weights.push_back(Lane(random.uniform(-1, 1)));
+    expect_equal_numbers(own_curvature(*library, point, weights),
+                         own_curvature(*words, point, weights),
+                         function->has_hessian() ? 1e-12 : 1e-8, c.function);
+  }
+}
+
+TEST(LibrarySystems, ReleaseWhatTheyCheckOutOfTheLibrary) {
+  const auto in_use = reinterpret_cast<int (*)()>(test_model()->symbol("workspaces_in_use"));
+  const int before = in_use();
+  const auto function = function_of("swing", {2, 5});
+  {
+    const auto first = function->create_workspace(), second = function->create_workspace();
+    EXPECT_EQ(in_use(), before + 2);
+  }
+  EXPECT_EQ(in_use(), before);
+}
+
+TEST(LibrarySystems, GiveNoNumbersWhereTheFunctionFails) {
+  const auto function = function_of("torn", {});
+  const auto workspace = function->create_workspace();
+  const double z[] = {0.1, 0.2, 0.3};
+  double f[2] = {}, J[6] = {};
+  function->differentiate(z, *workspace, f, J);
+  for (const double value : f) EXPECT_TRUE(std::isnan(value));
+  for (const double value : J) EXPECT_TRUE(std::isnan(value));
+}
+
+TEST(LibraryKnotFunction, SaysWhatDoesNotFit) {
+  struct Case {
+    std::string function;
+    LibraryKnotFunction::Sizes sizes;
+    std::vector<double> parameters;
+    Defect::Part part;
+    std::string message;
+  };
+  using Part = Defect::Part;
+  const Case cases[] = {
+      {"absent", {2, 1}, {}, Part::kFunction, "the library has no function 'absent'"},
+      {"lonely", {2, 1}, {}, Part::kFunction, "the library has no function 'jac_lonely'"},
+      {"odd", {2, 1}, {}, Part::kFunction, "'odd' has an input 'force'"},
+      {"flat",
+       {2, 1},
+       {},
+       Part::kFunction,
+       "the output 'rate' of 'flat' is 2 x 2, and has to be a vector"},
+      {"thin",
+       {2, 1},
+       {},
+       Part::kFunction,
+       "the output 'jac_rate_x' of 'jac_thin' is 2 x 1, and has to be 2 x 2"},
+      {"nameless", {2, 1}, {}, Part::kFunction, "'jac_nameless' has no output 'jac_rate_x'"},
+      {"weightless",
+       {2, 1},
+       {},
+       Part::kFunction,
+       "'hess_weightless' has no input 'lam' of 2 numbers, one for each row of 'weightless'"},
+      {"garbled", {2, 1}, {}, Part::kFunction, "'garbled_sparsity_in' describes no matrix"},
+      {"swing",
+       {3, 1},
+       {2, 5},
+       Part::kStates,
+       "the input 'x' of 'swing' is 2 x 1 with 2 numbers, and the file has 3"},
+      {"swing",
+       {2, 2},
+       {2, 5},
+       Part::kControls,
+       "the input 'u' of 'swing' is 1 x 1 with 1 numbers, and the file has 2"},
+      {"swing",
+       {2, 1},
+       {2},
+       Part::kParameters,
+       "the input 'p' of 'swing' is 2 x 1 with 2 numbers, and the file has 1"},
+      {"fall", {2, 1}, {2}, Part::kParameters, "'fall' has no input 'p' for parameters"}};
+  for (const Case& c : cases) {
+    std::optional<Defect> defect;
+    EXPECT_FALSE(
+        LibraryKnotFunction::make(test_model(), c.function, c.sizes, c.parameters, defect));
+    ASSERT_TRUE(defect) << c.function;
+    EXPECT_EQ(defect->part, c.part) << c.function;
+    EXPECT_EQ(defect->message, c.message);
+  }
+}
+
+}  // namespace
+}  // namespace conddp
