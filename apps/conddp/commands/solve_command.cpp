@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <chrono>
+#include <memory>
 #include <optional>
 #include <set>
 
@@ -16,6 +17,8 @@
 #include "problem_file/build/build_problem.hpp"
 #include "problem_file/build/homotopy.hpp"
 #include "problem_file/data/warm_start.hpp"
+#include "problem_file/mesh/mesh.hpp"
+#include "problem_file/read/read_problem.hpp"
 #include "summary/report_file.hpp"
 #include "summary/solve_summary.hpp"
 #include "terminal/exit_codes.hpp"
@@ -89,7 +92,7 @@ bool leaves_time(const ProblemSpec& spec, double finishing, Diagnostics& out) {
 
 /// Progress is a line of a terminal that is redrawn, or a table where notes are wanted as well;
 /// there is none among messages for machines.
-SolveResult solve_showing_progress(const BuiltProblem& built,
+SolveResult solve_showing_progress(const BuiltProblem& built, bool first_grid,
                                    const std::vector<const SolverInfo*>& candidates,
                                    SolverOptions options, Verbosity verbosity,
                                    const SolverInfo*& solver) {
@@ -108,8 +111,12 @@ SolveResult solve_showing_progress(const BuiltProblem& built,
     status.show(row);
     if (text && verbosity == Verbosity::kVerbose) table.print(row);
   };
-  options.multipliers = built.multipliers;
-  options.homotopy = homotopy_path(built);
+  if (first_grid) {
+    options.multipliers = built.multipliers;
+    options.homotopy = homotopy_path(built);
+  } else {
+    options.restarts.count = 0;
+  }
   return solve(*built.problem, candidates, options, built.guess, solver);
 }
 
@@ -132,7 +139,7 @@ std::filesystem::path output_folder(const SolveArguments& arguments, const Probl
 
 /// A problem with the solvers that support it.
 struct Task {
-  std::optional<ProblemSpec> spec;
+  std::unique_ptr<ProblemSpec> spec;  ///< to which the built problem refers
   std::optional<BuiltProblem> built;
   std::vector<const SolverInfo*> candidates;
   double finishing = 0;  ///< how long files and certificate take, s
@@ -140,8 +147,9 @@ struct Task {
 
 /// False where there is nothing to solve: the reason has been reported.
 bool prepare(const SolveArguments& arguments, Task& task, Diagnostics& out) {
-  task.spec = read_problem_of(arguments, out);
-  if (!task.spec) return false;
+  auto spec = read_problem_of(arguments, out);
+  if (!spec) return false;
+  task.spec = std::make_unique<ProblemSpec>(*std::move(spec));
   if (!arguments.warm_start.empty()) set_warm_start(arguments.warm_start, *task.spec, out);
   task.built = build_problem(*task.spec, {.drop = arguments.drop}, out);
   if (!task.built) return false;
@@ -200,6 +208,54 @@ int checked_exit_code(const SolutionCertificate& certificate, const ProblemSpec&
   return kExitDefect;
 }
 
+std::string setting_of_grid(int factor) { return fmt::format("mesh.factor={}", factor); }
+
+/// The task on a finer grid, from the answer on the one before.
+bool refine(const SolveArguments& arguments, int factor, const SolveResult& former, Task& task,
+            Diagnostics& out) {
+  std::vector<std::string> settings = settings_of(arguments);
+  settings.push_back(setting_of_grid(factor));
+  Task finer;
+  auto spec = read_problem_text(task.spec->text, task.spec->file, settings, out);
+  if (!spec) return false;
+  finer.spec = std::make_unique<ProblemSpec>(*std::move(spec));
+  finer.spec->guess = task.spec->guess;
+  finer.spec->solver.name.place = task.spec->solver.name.place;
+  finer.built = build_problem(*finer.spec, {.drop = arguments.drop}, out);
+  if (!finer.built) return false;
+  finer.candidates = task.candidates;
+  finer.finishing = finishing_time(*finer.built->problem, !arguments.no_verify);
+  finer.built->guess = on_grid(*task.built->problem, former.trajectory, *finer.built->problem);
+  finer.built->guess_used = task.built->guess_used;
+  task = std::move(finer);
+  return true;
+}
+
+using TimePoint = std::chrono::steady_clock::time_point;
+
+/// The answer on the last grid, which `task` then is; the first one where the file has no mesh.
+/// Nothing, with errors, where a finer one cannot be built.
+std::optional<SolveResult> solve_on_grids(const SolveArguments& arguments, TimePoint began,
+                                          Task& task, const SolverInfo*& solver,
+                                          std::vector<MeshRound>& grids, Diagnostics& out) {
+  std::optional<MeshRefinement> mesh;
+  if (task.spec->mesh) mesh.emplace(*task.spec);
+  for (;;) {
+    // The time limit is that of the command. What it leaves to the solver may be nothing but a look
+    // at the guess.
+    SolverOptions options = task.spec->solver.options;
+    const std::chrono::duration<double> gone = std::chrono::steady_clock::now() - began;
+    options.max_time_s = std::max(1e-3, options.max_time_s - gone.count() - task.finishing);
+    const bool first_grid = !mesh || mesh->rounds().empty();
+    SolveResult result = solve_showing_progress(*task.built, first_grid, task.candidates, options,
+                                                verbosity_of(arguments), solver);
+    const auto factor = mesh ? mesh->next(*task.built->problem, result) : std::nullopt;
+    if (mesh) grids = mesh->rounds();
+    if (!factor) return result;
+    if (!refine(arguments, *factor, result, task, out)) return std::nullopt;
+  }
+}
+
 int solve_file(const SolveArguments& arguments) {
   const auto began = std::chrono::steady_clock::now();
   const Verbosity verbosity = verbosity_of(arguments);
@@ -208,18 +264,20 @@ int solve_file(const SolveArguments& arguments) {
   const bool ready = prepare(arguments, task, diagnostics);
   print_messages(diagnostics, verbosity);
   if (!ready || (arguments.report && !reports_can_be_made())) return kExitBadInput;
+  create_folder(output_folder(arguments, *task.spec));  // before the work, so that none is in vain
+  std::vector<MeshRound> grids;
+  const SolverInfo* solver = nullptr;
+  Diagnostics of_grids;  // what the first grid has said is said again
+  const auto result = solve_on_grids(arguments, began, task, solver, grids, of_grids);
+  if (!result) {
+    print_messages(of_grids, Verbosity::kQuiet);
+    return kExitBadInput;
+  }
   const ProblemSpec& spec = *task.spec;
   const BuiltProblem& built = *task.built;
-  create_folder(output_folder(arguments, spec));  // before the work, so that none is in vain
-  // The time limit is that of the command. What it leaves to the solver may be nothing but a look
-  // at the guess.
-  SolverOptions options = spec.solver.options;
-  const std::chrono::duration<double> gone = std::chrono::steady_clock::now() - began;
-  options.max_time_s = std::max(1e-3, options.max_time_s - gone.count() - task.finishing);
-  const SolverInfo* solver = nullptr;
-  const SolveResult result =
-      solve_showing_progress(built, task.candidates, options, verbosity, solver);
-  const Solution solution{spec, built, *solver, result, overrides(arguments)};
+  Solution solution{spec, built, *solver, *result, overrides(arguments), std::move(grids)};
+  if (!solution.mesh.empty())
+    solution.overrides.push_back(setting_of_grid(solution.mesh.back().factor));
   OrderedJson document = solution_json(solution);
   std::optional<SolutionCertificate> certificate;
   if (!arguments.no_verify) {
@@ -229,7 +287,10 @@ int solve_file(const SolveArguments& arguments) {
   print_answer(arguments, solution, certificate ? &*certificate : nullptr,
                write_files(arguments, solution, document),
                count_hidden_notes(diagnostics, arguments.verbose));
-  return certificate ? checked_exit_code(*certificate, spec, result.status) : exit_code(result.status);
+  const int code = certificate ? checked_exit_code(*certificate, spec, result->status)
+                               : exit_code(result->status);
+  const bool fine_enough = solution.mesh.empty() || solution.mesh.back().error <= spec.mesh->error;
+  return fine_enough ? code : std::max<int>(kExitNotConverged, code);
 }
 
 /// What the command line says of each of its files when there are several.

@@ -30,6 +30,17 @@ std::string homotopy_line(const std::vector<HomotopyStep>& steps) {
   return text.empty() ? text : fmt::format("  homotopy      iterations at s = {}\n", text);
 }
 
+/// The grids: how many knots each has, and its error.
+std::string mesh_line(const Solution& s) {
+  std::string text;
+  for (const MeshRound& round : s.mesh)
+    text += fmt::format("{}{}: {:.1e}", text.empty() ? "" : ", ", round.knots, round.error);
+  if (text.empty()) return text;
+  const bool reached = s.mesh.back().error <= s.spec.mesh->error;
+  return fmt::format("  mesh          error at knots {}{}\n", text,
+                     reached ? "" : fmt::format("; more than {:.1e}", s.spec.mesh->error));
+}
+
 std::string restart_lines(const RestartRecord& restarts) {
   std::string text = fmt::format(
       "  restarts      {} starts, {} converged, to {} optima; the answer is that of start {}\n",
@@ -60,6 +71,7 @@ std::string answer_lines(const Solution& s) {
   text += violation_lines(s.answer.violations, "violated");
   text += violation_lines(s.answer.soft_violations, "soft, off");
   text += homotopy_line(r.homotopy);
+  text += mesh_line(s);
   if (r.restarts) text += restart_lines(*r.restarts);
   return text;
 }

@@ -310,4 +310,10 @@ Replay replay(const ShootingProblem& problem, const Trajectory& trajectory,
   return result;
 }
 
+double replay_error(const ShootingProblem& problem, const Trajectory& trajectory, int substeps) {
+  if (!why_impossible(problem, trajectory).empty()) return std::numeric_limits<double>::infinity();
+  const ReplayRun run = Player(problem, trajectory, {}, substeps).run(false, nullptr);
+  return run.lost_at < 0 ? run.deviation : std::numeric_limits<double>::infinity();
+}
+
 }  // namespace conddp

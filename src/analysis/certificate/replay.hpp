@@ -45,4 +45,9 @@ struct Replay {
 Replay replay(const ShootingProblem& problem, const Trajectory& trajectory,
               const std::vector<Eigen::MatrixXd>& gains, int substeps = 10);
 
+/// How far the controls alone lead from the planned states on that grid: the largest entry of x ⊖
+/// x_k over all nodes. Infinite where the motion leaves the finite numbers or there is no replay.
+double replay_error(const ShootingProblem& problem, const Trajectory& trajectory,
+                    int substeps = 10);
+
 }  // namespace conddp

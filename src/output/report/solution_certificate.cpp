@@ -113,6 +113,7 @@ class Reader {
                                numbers.checks.end());
     evaluate_constraints();
     if (spec_.runs_code()) derivatives_of_code();
+    if (document_.contains("mesh")) error_of_grid();
     dropped();
     forces();
     log();
@@ -445,6 +446,12 @@ class Reader {
   }
   void compare_number(std::string name, double claimed, double found, double tolerance) {
     add(compared(std::move(name), claimed, found, tolerance));
+  }
+
+  /// That of the refined grid on which the answer is.
+  void error_of_grid() {
+    add(compared("error of the grid", number(at(document_, {"mesh", "error"}), "mesh.error"),
+                 replay_error(problem_, claims_->trajectory), 1e-9));
   }
 
   /// Compiled code brings derivatives of its own, on which the gradient of the Lagrangian rests.

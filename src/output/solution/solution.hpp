@@ -6,6 +6,7 @@
 
 #include "output/solution/answer.hpp"
 #include "problem_file/build/build.hpp"
+#include "problem_file/mesh/mesh.hpp"
 #include "solvers/strategies/registry.hpp"
 
 namespace conddp {
@@ -20,6 +21,7 @@ struct Solution {
   const SolverInfo& solver;
   const SolveResult& result;
   std::vector<std::string> overrides;  ///< settings of the command line, as given
+  std::vector<MeshRound> mesh = {};    ///< the grids, where the file has it refined
   Answer answer = Answer(spec, built, result);
 };
 

@@ -50,6 +50,19 @@ OrderedJson residuals_json(const Residuals& r) {
           {"complementarity", finite_or_null(r.complementarity)}};
 }
 
+OrderedJson mesh_json(const Solution& s) {
+  OrderedJson rounds = OrderedJson::array();
+  for (const MeshRound& round : s.mesh)
+    rounds.push_back({{"knots", round.knots},
+                      {"error", finite_or_null(round.error)},
+                      {"status", to_string(round.status)},
+                      {"iterations", round.iterations},
+                      {"cost", finite_or_null(round.cost)}});
+  return {{"asked", s.spec.mesh->error},
+          {"error", finite_or_null(s.mesh.back().error)},
+          {"rounds", std::move(rounds)}};
+}
+
 OrderedJson guess_json(const Solution& s) {
   OrderedJson guess = {{"states", s.built.guess_used.states},
                        {"controls", s.built.guess_used.controls},
@@ -224,6 +237,9 @@ OrderedJson nulls_json(const OrderedJson& json, const SolveResult& result) {
   add("constraints", json["constraints"], unknown);
   add("soft_constraints", json["soft_constraints"], unknown);
   add("dropped_constraints", json["dropped_constraints"], unknown);
+  if (json.contains("mesh"))
+    add("mesh", json["mesh"],
+        "the replay on a finer grid leaves the finite numbers, or " + unknown);
   if (json.contains("homotopy"))
     add("homotopy", json["homotopy"], "of a problem without an iterate");
   if (!json.contains("trajectory")) return list;
@@ -293,6 +309,7 @@ OrderedJson head(const Solution& s) {
                       {"dropped_constraints", std::move(dropped)}};
   if (!r.homotopy.empty()) json["homotopy"] = homotopy_json(r.homotopy);
   if (r.restarts) json["restarts"] = restarts_json(*r.restarts);
+  if (!s.mesh.empty()) json["mesh"] = mesh_json(s);
   return json;
 }
 

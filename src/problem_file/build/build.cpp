@@ -12,6 +12,7 @@
 #include "ocp/problem/contradiction.hpp"
 #include "problem_file/build/initial_choice.hpp"
 #include "problem_file/data/dual_guess_reader.hpp"
+#include "problem_file/mesh/mesh.hpp"
 #include "problem_file/plant/memory_need.hpp"
 #include "problem_file/plant/plant_builder.hpp"
 #include "problem_file/plant/shape_pairs.hpp"
@@ -280,6 +281,7 @@ class ProblemBuilder {
   /// When the nodes are, and what touches the world in each.
   bool set_nodes() {
     const int errors = out_.error_count();
+    check_mesh(spec_, *built_.plant.system, out_);
     check_memory(spec_, ndx(), built_.plant.system->nu(), out_);
     check_impulses(spec_, remembers_control_, out_);
     times_ = node_times(spec_, out_);

@@ -201,6 +201,11 @@ OrderedJson expand_problem(const ProblemSpec& spec, const BuiltProblem& built) {
     json["stepping"] = expand_stepping(*spec.stepping);
   }
   json["phases"] = expand_phases(spec);
+  if (spec.mesh)  // whose factor is part of the phases
+    json["mesh"] = {{"error", spec.mesh->error},
+                    {"factor", 1},
+                    {"rounds", spec.mesh->rounds},
+                    {"knots", spec.mesh->most_knots}};
   json["costs"] = expand_costs(spec.costs, spec, built.plant, false);
   json["constraints"] = expand_constraints(spec, built.plant);
   json["terminal"] = expand_terminal(spec, built.plant);

@@ -64,6 +64,11 @@ GaitSpec read_gait(const YamlReader& reader, const std::vector<ContactSpec>& con
 inline constexpr int kMaxKnots = 1'000'000;
 std::vector<PhaseSpec> read_phases(const YamlReader& reader);
 
+// read_mesh.cpp
+MeshSpec read_mesh(const YamlReader& reader);
+/// Cuts each step of the phases that take time; more knots than the mesh allows are an error.
+void cut_steps(const MeshSpec& mesh, std::vector<PhaseSpec>& phases, Diagnostics& out);
+
 // read_costs.cpp
 std::vector<CostSpec> read_costs(const YamlReader& reader, const std::filesystem::path& folder,
                                  bool terminal);

@@ -8,6 +8,7 @@
 #include "problem_file/spec/spec_collision.hpp"
 #include "problem_file/spec/spec_contact.hpp"
 #include "problem_file/spec/spec_cost.hpp"
+#include "problem_file/spec/spec_mesh.hpp"
 #include "problem_file/spec/spec_mpc.hpp"
 #include "problem_file/spec/spec_robot.hpp"
 #include "problem_file/spec/spec_solver.hpp"
@@ -125,6 +126,7 @@ struct ProblemSpec {
   CollisionSpec collision;
   std::vector<CandidateSpec> candidates;
   std::optional<SteppingSpec> stepping;  ///< there wherever candidates are
+  std::optional<MeshSpec> mesh;          ///< its factor is part of the phases
   std::vector<PhaseSpec> phases;
   std::vector<GaitCommand> gait_commands;  ///< of the gait that made the phases
   std::vector<CostSpec> costs;

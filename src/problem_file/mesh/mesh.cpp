@@ -1,0 +1,125 @@
+#include "problem_file/mesh/mesh.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "analysis/certificate/replay.hpp"
+
+namespace conddp {
+namespace {
+
+/// Grids grow by at least this, and at most so much: an order is known of the finer ones alone.
+constexpr double kLeastGrowth = 1.25, kMostGrowth = 4;
+/// Without two grids nothing is known of the order.
+constexpr double kFirstGrowth = 2;
+/// So that the error is rather below than at what is asked for.
+constexpr double kMargin = 1.5;
+
+void report_knots(const Place& place, Diagnostics& out) {
+  out.error(place, "knots are counted here, and 'mesh' changes their number",
+            "say it by phases and times");
+}
+
+void check_cost(const CostSpec& cost, Diagnostics& out) {
+  if (cost.knots) report_knots(cost.name.place, out);
+  if (cost.reference && !cost.reference->knots.empty())
+    report_knots(cost.reference->knots.front().place, out);
+}
+
+/// The fraction s of the way from one state to another.
+void between(const StateManifold& manifold, const double* a, const double* b, double s,
+             double* out) {
+  std::vector<double> step(manifold.ndx());
+  manifold.difference(a, b, step.data());
+  for (double& d : step) d *= s;
+  manifold.integrate(a, step.data(), out);
+}
+
+}  // namespace
+
+MeshRefinement::MeshRefinement(const ProblemSpec& spec)
+    : mesh_(*spec.mesh), factor_(mesh_.factor) {}
+
+bool MeshRefinement::reached() const {
+  return !rounds_.empty() && is_success(rounds_.back().status) &&
+         rounds_.back().error <= mesh_.error;
+}
+
+/// By the order that the last two grids have shown.
+double MeshRefinement::growth() const {
+  const MeshRound& last = rounds_.back();
+  if (rounds_.size() < 2 || !std::isfinite(last.error)) return kFirstGrowth;
+  const MeshRound& before = rounds_[rounds_.size() - 2];
+  if (!(last.error < before.error)) return kMostGrowth;
+  if (!std::isfinite(before.error)) return kFirstGrowth;
+  const double order = std::log(before.error / last.error) /
+                       std::log(static_cast<double>(last.factor) / before.factor);
+  const double wanted = std::pow(kMargin * last.error / mesh_.error, 1 / order);
+  return std::clamp(wanted, kLeastGrowth, kMostGrowth);
+}
+
+std::optional<int> MeshRefinement::next(const ShootingProblem& problem, const SolveResult& result) {
+  rounds_.push_back({.factor = factor_,
+                     .knots = problem.knots(),
+                     .error = replay_error(problem, result.trajectory),
+                     .status = result.status,
+                     .iterations = result.iterations,
+                     .cost = result.cost});
+  const bool last = static_cast<int>(rounds_.size()) >= mesh_.rounds;
+  if (!is_success(result.status) || reached() || last) return std::nullopt;
+  int instants = 0;
+  for (const Phase& phase : problem.phases())
+    if (phase.instant || phase.dt.front() == 0) instants += phase.knots();
+  const int of_one = (problem.knots() - instants) / factor_;
+  const int most = (mesh_.most_knots - instants) / of_one;
+  const int finer = std::min(most, static_cast<int>(std::ceil(factor_ * growth())));
+  if (finer <= factor_) return std::nullopt;
+  factor_ = finer;
+  return factor_;
+}
+
+Trajectory on_grid(const ShootingProblem& from, const Trajectory& trajectory,
+                   const ShootingProblem& to) {
+  Trajectory result = to.create_trajectory();
+  int first_from = 0, first_to = 0;
+  for (std::size_t p = 0; p < to.phases().size(); ++p) {
+    const int coarse = from.phases()[p].knots(), fine = to.phases()[p].knots();
+    for (int j = 0; j < fine; ++j) {
+      const double at = static_cast<double>(j) * coarse / fine;
+      const int k = std::min(static_cast<int>(at), coarse - 1);
+      between(from.manifold(), trajectory.x(first_from + k).data(),
+              trajectory.x(first_from + k + 1).data(), at - k, result.x(first_to + j).data());
+      result.u(first_to + j) = trajectory.u(first_from + k);
+    }
+    first_from += coarse;
+    first_to += fine;
+  }
+  result.x(to.knots()) = trajectory.x(from.knots());
+  return result;
+}
+
+void check_mesh(const ProblemSpec& spec, const System& system, Diagnostics& out) {
+  if (!spec.mesh) return;
+  const Place& place = spec.mesh->place;
+  if (spec.stepping)
+    out.error(place, "the grid of steps that find their contacts cannot be refined by their error",
+              "choose 'knots' yourself");
+  else if (system.kind() == SystemKind::discrete)
+    out.error(place, "a system that gives the next state itself has no finer grid");
+  if (spec.running_costs == RunningCosts::kSum)
+    out.error(place, "costs that are added up as they are change with the grid",
+              "write 'running_costs: rate'");
+  for (const CostSpec* cost : spec.all_costs()) check_cost(*cost, out);
+  for (const ConstraintSpec* constraint : spec.all_constraints())
+    check_cost(constraint->function, out);
+  for (const KeyframeSpec& keyframe : spec.guess.keyframes)
+    if (keyframe.knot) report_knots(keyframe.knot->place, out);
+  for (const PhaseSpec& phase : spec.phases)
+    if (phase.refine)
+      out.error(phase.name.place, "'refine' and 'mesh' exclude each other",
+                "write the grid with 'refine', or leave it to 'mesh'");
+}
+
+}  // namespace conddp

@@ -1,0 +1,67 @@
+// Grids that are refined, against exact answers of the collection.
+#include <cmath>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "process.hpp"
+
+namespace conddp {
+namespace {
+
+using Json = nlohmann::json;
+
+struct MeshCase {
+  const char* problem;
+  const char* phase;
+  double exact;
+  double error;
+  double tolerance;  ///< of the cost, relative
+};
+
+class Mesh : public ::testing::TestWithParam<MeshCase> {};
+
+TEST_P(Mesh, RefinesUntilTheReplayAgreesAndTheCostIsTheExactOne) {
+  const MeshCase& c = GetParam();
+  const TemporaryFolder folder;
+  const std::string file = source("problems/collection/" + std::string(c.problem) + ".yaml");
+  const std::string knots = "phases." + std::string(c.phase) + ".knots=10";
+  const ProcessResult solved =
+      run_conddp({"solve", file, "--set", "integrator=rk2", "--set", knots, "--set",
+                  "mesh={error: " + std::to_string(c.error) + "}", "-o", folder.path()});
+  ASSERT_EQ(solved.exit_code, 0) << solved.out << solved.err;
+  const std::string solution = folder.path() / "solution.json";
+  const std::string text = read_file(solution);
+  EXPECT_TRUE(fits_schema("solution", text));
+  const Json document = Json::parse(text);
+  const Json& mesh = document.at("mesh");
+  EXPECT_LE(mesh.at("error").get<double>(), c.error);
+  EXPECT_GT(mesh.at("rounds").size(), 1u);
+  EXPECT_GT(mesh.at("rounds").front().at("error").get<double>(), c.error);
+  EXPECT_EQ(mesh.at("rounds").back().at("knots"), document.at("problem").at("knots"));
+  EXPECT_NEAR(document.at("cost").get<double>(), c.exact, c.tolerance * std::abs(c.exact));
+  const ProcessResult verified = run_conddp({"verify", solution});
+  EXPECT_EQ(verified.exit_code, 0) << verified.out << verified.err;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    OfTheCollection, Mesh,
+    ::testing::Values(MeshCase{"scalar_regulator", "only", 0.3807970779778824, 1e-5, 1e-4},
+                      MeshCase{"oscillator_energy", "period", 0.15915494309189535, 1e-5, 1e-3},
+                      MeshCase{"fermat", "ray", 2.3895264345742184, 1e-5, 1e-5},
+                      MeshCase{"great_circle", "way", 1.26708182371641, 1e-5, 2e-5},
+                      MeshCase{"driven_growth", "only", -0.256996962561, 1e-5, 2e-5}),
+    [](const auto& info) { return std::string(info.param.problem); });
+
+TEST(MeshLimits, AGridThatIsTooCoarseIsNoSuccess) {
+  const TemporaryFolder folder;
+  const ProcessResult result =
+      run_conddp({"solve", source("problems/collection/scalar_regulator.yaml"), "--set",
+                  "integrator=rk2", "--set", "phases.only.knots=5", "--set",
+                  "mesh={error: 1.0e-9, rounds: 2}", "-o", folder.path()});
+  EXPECT_EQ(result.exit_code, 1) << result.out << result.err;
+  EXPECT_NE(result.out.find("more than 1.0e-09"), std::string::npos) << result.out;
+}
+
+}  // namespace
+}  // namespace conddp

@@ -1,0 +1,130 @@
+// Grids that are refined until a finer replay agrees.
+#include "problem_file/mesh/mesh.hpp"
+
+#include "analysis/certificate/replay.hpp"
+#include "problem_text.hpp"
+#include "solvers/strategies/registry.hpp"
+
+namespace conddp {
+namespace {
+
+constexpr std::string_view kOscillator = R"(conddp: 1
+system: {states: [x, v], controls: [u], rate: {x: v, v: u - x}}
+initial_state: {values: {x: 1}}
+integrator: rk2
+mesh: {error: 1.0e-4}
+phases: [{name: first, knots: 6, duration: 3}, {name: second, knots: 4, duration: 3}]
+costs: {effort: {residual: control}}
+terminal: {costs: {still: {residual: state, weight: 100}}}
+solver: {name: box_fddp}
+)";
+
+std::string with_factor(int factor) {
+  return replaced(kOscillator, "error: 1.0e-4", fmt::format("error: 1.0e-4, factor: {}", factor));
+}
+
+SolveResult answer_of(const Loaded& loaded) {
+  return solve(*loaded.built->problem, "box_fddp", loaded.spec->solver.options,
+               loaded.built->guess);
+}
+
+TEST(Mesh, FactorCutsEachStepOfThePhases) {
+  const Loaded coarse{std::string(kOscillator)}, fine(with_factor(3));
+  ASSERT_TRUE(coarse.built) << coarse.all();
+  ASSERT_TRUE(fine.built) << fine.all();
+  EXPECT_EQ(fine.built->problem->knots(), 3 * coarse.built->problem->knots());
+  for (int k = 0; k < fine.built->problem->knots(); ++k)
+    EXPECT_NEAR(3 * fine.built->problem->knot(k).dt, coarse.built->problem->knot(k / 3).dt, 1e-15);
+}
+
+TEST(Mesh, ErrorFallsByTheOrderOfTheIntegrator) {
+  std::vector<double> errors;
+  for (const int factor : {2, 4, 8}) {
+    const Loaded loaded(with_factor(factor));
+    ASSERT_TRUE(loaded.built) << loaded.all();
+    errors.push_back(replay_error(*loaded.built->problem, answer_of(loaded).trajectory));
+  }
+  EXPECT_NEAR(errors[0] / errors[1], 4, 0.5);
+  EXPECT_NEAR(errors[1] / errors[2], 4, 0.3);
+}
+
+TEST(Mesh, GridsGrowByTheOrderThatTheyShowUntilTheErrorIsReached) {
+  MeshRefinement mesh(*Loaded(std::string(kOscillator)).spec);
+  std::optional<int> factor = 1;
+  while (factor) {
+    const Loaded loaded(with_factor(*factor));
+    ASSERT_TRUE(loaded.built) << loaded.all();
+    factor = mesh.next(*loaded.built->problem, answer_of(loaded));
+  }
+  EXPECT_TRUE(mesh.reached());
+  const auto& rounds = mesh.rounds();
+  ASSERT_GE(rounds.size(), 3u);
+  EXPECT_LE(rounds.size(), 6u);
+  EXPECT_EQ(rounds[1].factor, 2);
+  EXPECT_LE(rounds.back().error, 1e-4);
+  EXPECT_GT(rounds.back().error, 2e-5) << "finer than it has to be";
+  for (std::size_t i = 1; i < rounds.size(); ++i) {
+    EXPECT_LT(rounds[i].error, rounds[i - 1].error);
+    EXPECT_EQ(rounds[i].knots, 10 * rounds[i].factor);
+  }
+}
+
+TEST(Mesh, EndsAtItsLimits) {
+  const auto rounds_of = [](const std::string& limit) {
+    const std::string text = replaced(kOscillator, "error: 1.0e-4", "error: 1.0e-9, " + limit);
+    MeshRefinement mesh(*Loaded(text).spec);
+    std::optional<int> factor = 1;
+    while (factor) {
+      const Loaded loaded(replaced(text, "rounds", fmt::format("factor: {}, rounds", *factor)));
+      EXPECT_TRUE(loaded.built) << loaded.all();
+      factor = mesh.next(*loaded.built->problem, answer_of(loaded));
+    }
+    EXPECT_FALSE(mesh.reached());
+    return mesh.rounds();
+  };
+  EXPECT_EQ(rounds_of("rounds: 3").size(), 3u);
+  EXPECT_EQ(rounds_of("rounds: 20, knots: 75").back().knots, 70);
+}
+
+TEST(Mesh, AnswerOfOneGridIsTheGuessOfTheNext) {
+  const Loaded coarse{std::string(kOscillator)}, fine(with_factor(2));
+  const SolveResult answer = answer_of(coarse);
+  const Trajectory guess = on_grid(*coarse.built->problem, answer.trajectory, *fine.built->problem);
+  ASSERT_EQ(guess.knots(), 20);
+  for (int k = 0; k < 10; ++k) {
+    EXPECT_EQ(guess.x(2 * k), answer.trajectory.x(k));
+    EXPECT_LT(
+        (guess.x(2 * k + 1) - 0.5 * (answer.trajectory.x(k) + answer.trajectory.x(k + 1))).norm(),
+        1e-14);
+    EXPECT_EQ(guess.u(2 * k), answer.trajectory.u(k));
+    EXPECT_EQ(guess.u(2 * k + 1), answer.trajectory.u(k));
+  }
+  EXPECT_EQ(guess.x(20), answer.trajectory.x(10));
+}
+
+TEST(Mesh, WhatCountsKnotsOrHasNoFinerGridHasItsPlace) {
+  struct Case {
+    std::string from, to, message;
+  };
+  const Case cases[] = {
+      {"{residual: control}", "{residual: control, knots: [3]}",
+       "7:9: error: knots are counted here, and 'mesh' changes their number"},
+      {"knots: 6, duration: 3", "knots: 6, duration: 3, refine: {last: 2}",
+       "error: 'refine' and 'mesh' exclude each other"},
+      {"integrator: rk2", "running_costs: sum",
+       "error: costs that are added up as they are change with the grid"},
+      {"error: 1.0e-4", "error: 1.0e-4, knots: 8", "error: the phases have 10 knots together"},
+      {"error: 1.0e-4", "error: 0", "accepted"},
+      {"error: 1.0e-4", "rounds: 2", "lacks the key 'error'"},
+      {"rate: {x: v, v: u - x}}\ninitial_state: {values: {x: 1}}\nintegrator: rk2",
+       "next: {x: v, v: u - x}}\ninitial_state: {values: {x: 1}}",
+       "error: a system that gives the next state itself has no finer grid"}};
+  for (const Case& c : cases) {
+    const Loaded loaded(replaced(kOscillator, c.from, c.to));
+    EXPECT_FALSE(loaded.built) << c.to;
+    EXPECT_NE(loaded.all().find(c.message), std::string::npos) << c.message << '\n' << loaded.all();
+  }
+}
+
+}  // namespace
+}  // namespace conddp
