@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "problem_file/read/free_parameters.hpp"
 #include "problem_file/spec/expression_source.hpp"
 #include "problem_file/yaml/key_path.hpp"
 #include "systems/expressions/parser.hpp"
@@ -35,14 +36,25 @@ class ParameterPlacer {
         out_.error(place, std::move(defect));
       // Later ones would stumble over one that is wrong.
       if (out_.error_count() > errors) break;
+      if (value.is_map()) {
+        auto free = read_free_parameter({entry.key, place}, value);
+        if (!free) break;
+        free_.push_back(*std::move(free));
+        scope_.add(entry.key, ExpressionValue::number(graph_.input(0)));
+        continue;
+      }
       const auto given = read_value(value);
       if (!given) break;
       add(entry.key, *given);
       names.parameters.emplace_back(entry.key, *given);
       names.parameter_places.push_back(place);
     }
+    std::erase_if(parameters.entries,
+                  [](const YamlNode::Entry& e) { return e.value.kind == YamlNode::Kind::kMap; });
     return names;
   }
+
+  const std::vector<FreeParameter>& free() const { return free_; }
 
   /// Puts values in the place of what begins with '=', here and below.
   void replace(YamlNode& node, const std::string& path) {
@@ -85,6 +97,10 @@ class ParameterPlacer {
     const ExpressionValue& value = *parsed.value;
     if (value.kind == ExpressionValue::Kind::kCondition)
       return out_.error(text.place, "a number or a vector is expected here, not a condition");
+    for (const NodeId id : value.nodes)
+      if (!graph_.constant_of(id))
+        return out_.error(text.place, "this depends on a free parameter, which the solver chooses",
+                          "expressions have free parameters: equations, and rows of residuals");
     if (value.is_number()) {
       node = number_node(*graph_.constant_of(value.nodes[0]), node.mark);
       return;
@@ -98,6 +114,7 @@ class ParameterPlacer {
   Diagnostics& out_;
   ExpressionGraph graph_;
   ExpressionScope scope_;
+  std::vector<FreeParameter> free_;
 };
 
 }  // namespace
@@ -107,6 +124,7 @@ ExpressionNamesSpec place_parameters(YamlNode& root, Diagnostics& out) {
   ExpressionNamesSpec names;
   if (YamlNode* parameters = find_part(root, "parameters")) names = placer.read(*parameters);
   if (!out.has_errors()) placer.replace(root, "");
+  if (!out.has_errors()) place_free_parameters(placer.free(), root, out);
   return names;
 }
 

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <vector>
+
+#include "problem_file/yaml/yaml_reader.hpp"
+
+namespace conddp {
+
+/// A parameter of a file that the solver chooses within bounds.
+struct FreeParameter {
+  Name name;
+  double lower = 0, upper = 0, start = 0;
+};
+
+/// Reads `{free: true, lower: 0.5, upper: 2, start: 1}`; without `start` it is the middle. Nothing
+/// with an error.
+std::optional<FreeParameter> read_free_parameter(const Name& name, const YamlReader& reader);
+
+/// Writes free parameters into a document as what they are: states that stay as they are and are
+/// chosen at the beginning. Each becomes a state of every system, with the rate 0 or itself as next
+/// value, starts in the initial state, and is a coordinate of the first phase, which chooses.
+/// Reports what has no room for that.
+void place_free_parameters(const std::vector<FreeParameter>& parameters, YamlNode& root,
+                           Diagnostics& out);
+
+}  // namespace conddp

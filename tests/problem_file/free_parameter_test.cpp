@@ -1,0 +1,166 @@
+// Parameters that the solver chooses.
+#include <cmath>
+
+#include "analysis/certificate/derivative_check.hpp"
+#include "problem_file/expand/expand_problem.hpp"
+#include "problem_text.hpp"
+#include "solvers/strategies/registry.hpp"
+
+namespace conddp {
+namespace {
+
+/// ẋ = p + u from 0 to 1 in a second, with the cost ∫ u² dt + p²: p = u = 1/2 and the cost is 1/2.
+/// With p at most 1/4, u = 3/4 and the cost is 5/8.
+constexpr std::string_view kDrift = R"(conddp: 1
+parameters:
+  c: 1
+  p: {free: true, lower: -2, upper: 3, start: 0.1}
+system: {states: [x], controls: [u], rate: {x: c*(p + u)}}
+initial_state: {}
+integrator: rk4
+phases: [{choose: none}, {knots: 20, duration: 1}]
+costs: {effort: {residual: expression, rows: [u], weight: 2}}
+terminal:
+  costs: {drift: {residual: expression, rows: [p], weight: 2}}
+  constraints: {there: {residual: expression, rows: [x], equals: 1}}
+solver: {name: altro}
+)";
+
+constexpr const char* kSolvers[] = {"altro", "proxddp", "intro", "ipopt"};
+
+SolveResult answer_of(const Loaded& loaded, const char* solver) {
+  return solve(*loaded.built->problem, solver, loaded.spec->solver.options, loaded.built->guess);
+}
+
+int column_of(const Loaded& loaded, const std::string& name) {
+  for (std::size_t i = 0; i < loaded.built->state_columns.size(); ++i)
+    if (loaded.built->state_columns[i].name == name) return static_cast<int>(i);
+  ADD_FAILURE() << "no column " << name;
+  return 0;
+}
+
+TEST(FreeParameters, HaveTheirOptimumWithinBoundsAndAtThem) {
+  const Loaded inside{std::string(kDrift)}, bounded(replaced(kDrift, "upper: 3", "upper: 0.25"));
+  ASSERT_TRUE(inside.built) << inside.all();
+  ASSERT_TRUE(bounded.built) << bounded.all();
+  for (const char* solver : kSolvers) {
+    if (unsupported(*find_solver(solver), *inside.built->problem)) continue;
+    const SolveResult free = answer_of(inside, solver), bound = answer_of(bounded, solver);
+    EXPECT_EQ(free.status, SolveStatus::converged) << solver;
+    EXPECT_EQ(bound.status, SolveStatus::converged) << solver;
+    EXPECT_NEAR(free.cost, 0.5, 1e-6) << solver;
+    EXPECT_NEAR(bound.cost, 0.625, 1e-6) << solver;
+    const int p = column_of(inside, "p");
+    for (int k = 1; k <= free.trajectory.knots(); ++k) {
+      EXPECT_NEAR(free.trajectory.x(k)[p], 0.5, 1e-5) << solver;
+      EXPECT_NEAR(bound.trajectory.x(k)[p], 0.25, 1e-6) << solver;
+    }
+  }
+}
+
+/// A mass that is moved by 1 in 1 s, rest to rest, costs ∫ u² dt + 1/m with u = m (6 − 12 t), that
+/// is 12 m² + 1/m: m = 24^(−1/3). Controls that are held cost a little more than 12.
+TEST(FreeParameters, OfEquationsHaveTheMassOfLeastCost) {
+  const Loaded loaded(R"(conddp: 1
+parameters: {mass: {free: true, lower: 0.1, upper: 2}}
+system: {states: {x: m, v: m/s}, controls: {u: N}, rate: {x: v, v: u/mass}}
+initial_state: {}
+integrator: rk4
+phases: [{choose: none}, {knots: 100, duration: 1}]
+costs: {effort: {residual: control, weight: 2}}
+terminal:
+  costs: {light: {residual: expression, rows: [1/mass], activation: linear}}
+  constraints: {there: {residual: state, columns: [x, v], equals: {x: 1, v: 0}}}
+solver: {name: ipopt}
+)");
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const double m = 1 / std::cbrt(24.0);
+  for (const char* solver : {"ipopt", "altro"}) {
+    const SolveResult result = answer_of(loaded, solver);
+    EXPECT_EQ(result.status, SolveStatus::converged) << solver;
+    EXPECT_NEAR(result.cost, 12 * m * m + 1 / m, 1e-4 * result.cost) << solver;
+    EXPECT_NEAR(result.trajectory.x(50)[column_of(loaded, "mass")], m, 1e-4) << solver;
+  }
+  for (const DerivativeComparison& derivative :
+       check_derivatives(*loaded.built->problem, loaded.built->guess, {.knots_per_phase = 3}))
+    EXPECT_LT(derivative.error, 1e-6);
+}
+
+TEST(FreeParameters, AreChosenBesideFreeInitialStatesAndDurations) {
+  // Covering 1 at the chosen speed costs the time and its square: T + v² with T = 1/v.
+  const Loaded loaded(R"(conddp: 1
+parameters: {speed: {free: true, lower: 0.1, upper: 5}}
+system: {states: [x], controls: [u], rate: {x: speed + u}}
+initial_state: {}
+integrator: rk4
+phases:
+  - {choose: none}
+  - {name: way, knots: 20, duration: 1, free_duration: {lower: 0.1, upper: 10}}
+costs:
+  time: {residual: expression, rows: "1", activation: linear}
+  still: {residual: control, weight: 1.0e5}
+terminal:
+  costs: {fast: {residual: expression, rows: [speed], weight: 2}}
+  constraints: {there: {residual: expression, rows: [x], equals: 1}}
+solver: {name: ipopt}
+)");
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const SolveResult result = answer_of(loaded, "ipopt");
+  EXPECT_EQ(result.status, SolveStatus::converged);
+  const double v = std::cbrt(0.5);
+  EXPECT_NEAR(result.trajectory.x(3)[column_of(loaded, "speed")], v, 1e-3);
+  EXPECT_NEAR(result.cost, 1 / v + v * v, 1e-3);
+}
+
+TEST(FreeParameters, OfDifferencesAndOfSeveralSystemsAreStates) {
+  const Loaded differences(
+      replaced(replaced(replaced(kDrift, "rate: {x: c*(p + u)}", "next: {x: x + 0.05*(p + u)}"),
+                        "integrator: rk4\n", ""),
+               "choose: none", "choose: all, lower: {x: 0}, upper: {x: 0}"));
+  ASSERT_TRUE(differences.built) << differences.all();
+  EXPECT_NEAR(answer_of(differences, "altro").cost, 0.5, 1e-6);
+  const Loaded several(
+      replaced(replaced(kDrift, "system: {states: [x], controls: [u], rate: {x: c*(p + u)}}",
+                        "systems:\n  a: {states: [x], controls: [u], rate: {x: p + u}}\n"
+                        "  b: {states: {x: 1}, controls: [u], rate: {x: p + u}}"),
+               "{knots: 20, duration: 1}",
+               "{system: a, knots: 10, duration: 0.5}, {system: b, knots: 10, duration: 0.5}"));
+  ASSERT_TRUE(several.built) << several.all();
+  EXPECT_NEAR(answer_of(several, "altro").cost, 0.5, 1e-6);
+}
+
+TEST(FreeParameters, AreReadAgainFromTheExpandedFile) {
+  const Loaded loaded{std::string(kDrift)};
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const Loaded again(expanded_text(*loaded.spec, *loaded.built));
+  ASSERT_TRUE(again.built) << again.all();
+  EXPECT_EQ(answer_of(again, "altro").cost, answer_of(loaded, "altro").cost);
+}
+
+TEST(FreeParameters, HaveTheirPlaceInErrors) {
+  struct Case {
+    std::string from, to, message;
+  };
+  const Case cases[] = {
+      {"start: 0.1", "start: 4", "4:6: error: the start 4 does not lie between -2 and 3"},
+      {"lower: -2, ", "", "lacks the key 'lower'"},
+      {"free: true", "free: false", "error: "},
+      {"[{choose: none}, ", "[",
+       "4:3: error: 'p' is chosen in a first phase without time, and there is none"},
+      {"weight: 2}}\n  constraints", "weight: =2*p}}\n  constraints",
+       "error: this depends on a free parameter, which the solver chooses"},
+      {"rate: {x: c*(p + u)}", "type: double_integrator",
+       "error: 'p' is free, and free parameters"},
+      {"residual: expression, rows: [p]", "residual: state",
+       "error: free parameters are states, and this is on all of them"},
+      {"choose: none", "choose: x, lower: -1",
+       "8:29: error: beside free parameters these bounds are given by name"}};
+  for (const Case& c : cases) {
+    const Loaded loaded(replaced(kDrift, c.from, c.to));
+    EXPECT_FALSE(loaded.built) << c.to;
+    EXPECT_NE(loaded.all().find(c.message), std::string::npos) << c.message << '\n' << loaded.all();
+  }
+}
+
+}  // namespace
+}  // namespace conddp
