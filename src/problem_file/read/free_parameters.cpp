@@ -28,9 +28,12 @@ class FreeParameterPlacer {
   FreeParameterPlacer(const FreeParameter& parameter, YamlNode& root, Diagnostics& out)
       : parameter_(parameter), root_(root), out_(out) {}
 
-  void place() {
-    if (add_to_systems()) add_to_initial_state();
+  /// False where there is no system that could have it.
+  bool place() {
+    if (!add_to_systems()) return false;
+    add_to_initial_state();
     add_to_choice();
+    return true;
   }
 
  private:
@@ -159,7 +162,7 @@ std::optional<FreeParameter> read_free_parameter(const Name& name, const YamlRea
 void place_free_parameters(const std::vector<FreeParameter>& parameters, YamlNode& root,
                            Diagnostics& out) {
   for (const FreeParameter& parameter : parameters)
-    FreeParameterPlacer(parameter, root, out).place();
+    if (!FreeParameterPlacer(parameter, root, out).place()) return;
   if (!parameters.empty()) check_whole_states(root, "", out);
 }
 
