@@ -114,7 +114,7 @@ TEST(Mesh, WhatCountsKnotsOrHasNoFinerGridHasItsPlace) {
       {"integrator: rk2", "running_costs: sum",
        "error: costs that are added up as they are change with the grid"},
       {"error: 1.0e-4", "error: 1.0e-4, knots: 8", "error: the phases have 10 knots together"},
-      {"error: 1.0e-4", "error: 0", "accepted"},
+      {"error: 1.0e-4", "error: 0", "error: a number from 1e-12 to 1 is expected here"},
       {"error: 1.0e-4", "rounds: 2", "lacks the key 'error'"},
       {"rate: {x: v, v: u - x}}\ninitial_state: {values: {x: 1}}\nintegrator: rk2",
        "next: {x: v, v: u - x}}\ninitial_state: {values: {x: 1}}",
