@@ -53,6 +53,13 @@ TEST_F(LoopVerdict, HoldsOfLoopsWithJumpsNoiseDelayAndAnotherPlant) {
   expect_holds(SimulatedLoop(kBalancedCartpole));
 }
 
+TEST_F(LoopVerdict, HoldsOfSimulatedContactsCommandsAndPhasesThatAreReTimed) {
+  const TextFile file = read_text_file(
+      std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/mpc/quadruped_commands.yaml", 1 << 20);
+  expect_holds(SimulatedLoop(file.text, {"robot.urdf=robots/quadruped.urdf", "mpc.duration=1",
+                                         "mpc.commands.1.at=0.5", "mpc.commands.2.at=0.7"}));
+}
+
 TEST_F(LoopVerdict, HoldsWhereAPhaseIsAJump) { expect_holds(SimulatedLoop(kBouncingMass)); }
 
 TEST_F(LoopVerdict, HoldsOfARobotThatIsPushedWhileItTrots) {

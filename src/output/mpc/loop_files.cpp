@@ -37,6 +37,12 @@ std::string phase_at(const LoopRun& run, const TimeLine& line, double time) {
   return csv_cell(problem.phases()[problem.knot(line.at(time).knot).phase].name);
 }
 
+/// The end on the controller's time line.
+double line_time_of_end(const ClosedLoopResult& result) {
+  const double shift = result.ticks.empty() ? 0 : result.ticks.back().shift;
+  return result.end_time + shift;
+}
+
 /// Numbers of the solve of a tick.
 void append_solve(const TickRecord& tick, std::string& text) {
   if (!tick.solved) {
@@ -100,13 +106,13 @@ std::string closed_loop_csv(const LoopRun& run) {
   std::string text = closed_loop_header(run.task) + '\n';
   for (const PlantStep& step : run.result.steps) {
     append_time(step.time, text);
-    text += ',' + phase_at(run, line, step.time);
+    text += ',' + phase_at(run, line, step.line_time);
     append_numbers(step.x, text);
     append_numbers(step.u, text);
     text += '\n';
   }
   append_time(run.result.end_time, text);
-  text += ',' + phase_at(run, line, run.result.end_time);
+  text += ',' + phase_at(run, line, line_time_of_end(run.result));
   append_numbers(run.result.last_state, text);
   return text + std::string(run.task.built.control_columns.size(), ',') + '\n';
 }
@@ -114,7 +120,7 @@ std::string closed_loop_csv(const LoopRun& run) {
 std::string ticks_csv(const LoopRun& run) {
   std::string text =
       "tick,t [s],outcome,status,iterations,cost,stationarity,gap,violation,plan_age "
-      "[s],fallback\n";
+      "[s],fallback,shift [s]\n";
   for (const TickRecord& tick : run.result.ticks) {
     text += fmt::format("{},", tick.tick);
     append_time(tick.time, text);
@@ -122,7 +128,9 @@ std::string ticks_csv(const LoopRun& run) {
     append_solve(tick, text);
     text += ',';
     append_time(tick.plan_age, text);
-    text += tick.fallback ? ",1\n" : ",0\n";
+    text += tick.fallback ? ",1," : ",0,";
+    append_time(tick.shift, text);
+    text += '\n';
   }
   return text;
 }

@@ -21,7 +21,12 @@ class LonePlant {
       : manifold_(task.built.problem->manifold()), loop_(task.mpc.loop) {
     const bool held = task.mpc.controller.hold;
     if (loop_.plant.empty()) add(0, task.built.problem, held);
-    for (const PlantPeriod& period : loop_.plant) add(period.from, period.problem, held);
+    for (const PlantPeriod& period : loop_.plant) {
+      if (period.motion != nullptr)
+        periods_.push_back({period.from, period.motion});
+      else
+        add(period.from, period.problem, held);
+    }
   }
 
   /// Moves a state on, with a control.
@@ -39,24 +44,23 @@ class LonePlant {
  private:
   struct Period {
     double from;
-    std::unique_ptr<TimeLine> line;
-    std::unique_ptr<Simulation> simulation;
+    std::shared_ptr<PlantMotion> motion;
   };
 
   void add(double from, std::shared_ptr<const ShootingProblem> problem, bool held) {
-    auto line = std::make_unique<TimeLine>(std::move(problem), held);
-    auto simulation = std::make_unique<Simulation>(*line, loop_.step);
-    periods_.push_back({from, std::move(line), std::move(simulation)});
+    lines_.push_back(std::make_unique<TimeLine>(std::move(problem), held));
+    periods_.push_back({from, std::make_shared<Simulation>(*lines_.back(), loop_.step)});
   }
-  Simulation& at(double time) {
-    Simulation* current = periods_.front().simulation.get();
+  PlantMotion& at(double time) {
+    PlantMotion* current = periods_.front().motion.get();
     for (const Period& period : periods_)
-      if (!is_before(time, period.from)) current = period.simulation.get();
+      if (!is_before(time, period.from)) current = period.motion.get();
     return *current;
   }
 
   const StateManifold& manifold_;
   const ClosedLoopOptions& loop_;
+  std::vector<std::unique_ptr<TimeLine>> lines_;
   std::vector<Period> periods_;
   std::size_t jumps_ = 0;  ///< that have happened
 };
@@ -132,7 +136,17 @@ class RowByRow {
     return worst;
   }
 
+  /// The numbers of the time line are those that the tick before a time knows of.
+  void take_commands(double time) {
+    const double tick = task_.mpc.controller.tick;
+    const double measured = std::floor((time + kTimeDecimal) / tick) * tick;
+    const std::vector<LoopCommand>& commands = task_.mpc.loop.commands;
+    for (; commands_ < commands.size() && !is_before(measured, commands[commands_].at); ++commands_)
+      line_.take_numbers(commands[commands_].numbers);
+  }
+
   void appraise(std::size_t row) {
+    take_commands(rows_.times[row]);
     const double length = rows_.times[row + 1] - rows_.times[row];
     const StepFigures figures =
         appraisal_.of_step(rows_.times[row], length, rows_.u[row].data(), rows_.x[row].data());
@@ -162,6 +176,7 @@ class RowByRow {
   StopCheck stop_;
   std::vector<std::string> names_;
   std::vector<double> tangent_;
+  std::size_t commands_ = 0;  ///< that the time line has taken
   PlantReplay result_;
 };
 
