@@ -263,6 +263,12 @@ TEST(BatchPlan, EqualDistancesMayBeLargerThanTheLargestNumber) {
   EXPECT_EQ(values, (std::vector<double>{-1e308, 0, 1e308}));
 }
 
+TEST(BatchPlan, GridsOfWholeNumbersAreWhole) {
+  const PlannedBatch batch("vary: {n: {key: solver.max_iterations, linspace: [1, 50, 50]}}\n");
+  ASSERT_TRUE(batch.manifest) << batch.error();
+  for (int i = 0; i < 50; ++i) EXPECT_EQ(batch.manifest->items[i].values[0], std::to_string(i + 1));
+}
+
 TEST(BatchPlan, ClosedLoopsAreBuiltWithTheirSettings) {
   const std::string loop = std::string(kSwing) + "mpc: {horizon: 1, tick: 0.1, duration: 1}\n";
   const PlannedBatch batch(

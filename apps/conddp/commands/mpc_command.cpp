@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 
@@ -15,9 +16,11 @@
 #include "commands/commands.hpp"
 #include "mpc/largest_survived.hpp"
 #include "output/mpc/loop_files.hpp"
+#include "output/report/loop_report.hpp"
 #include "output/solution/csv_cells.hpp"
 #include "solvers/ddp/family.hpp"
 #include "solvers/strategies/registry.hpp"
+#include "summary/report_file.hpp"
 #include "terminal/exit_codes.hpp"
 #include "terminal/interrupt.hpp"
 #include "terminal/messages.hpp"
@@ -33,6 +36,7 @@ struct MpcArguments : ProblemArguments {
   bool verbose = false;
   bool realtime = false;
   std::string largest;
+  std::string report;
 };
 
 /// The loop of the command line; null where there is nothing to simulate: the reason is reported.
@@ -109,10 +113,11 @@ Verbosity verbosity_of(const MpcArguments& arguments) {
 }
 
 /// Simulates a loop until its end or a signal.
-ClosedLoopResult simulate_task(const MpcArguments& arguments, LoopTask& task) {
+ClosedLoopResult simulate_task(const MpcArguments& arguments, LoopTask& task,
+                               std::function<void(const Mpc&)> observe = nullptr) {
   task.mpc.loop.interrupted = [] { return InterruptGuard::signal() != 0; };
   if (arguments.realtime) task.mpc.controller.clock = wall_clock;
-  return run_loop(task);
+  return run_loop(task, std::move(observe));
 }
 
 /// Writes a loop and says so.
@@ -125,7 +130,17 @@ void put_out(const MpcArguments& arguments, const LoopRun& run,
     print_result(summary(run, written));
 }
 
+/// Makes the page of a loop and says where it is.
+void write_page(const MpcArguments& arguments, const LoopRun& run,
+                const std::vector<RecordedPlan>& plans) {
+  AtomicFiles files;
+  files.add(arguments.report, report_text(loop_report(run, plans)));
+  files.commit();
+  if (!arguments.json && !arguments.quiet) print_result(arguments.report + '\n');
+}
+
 int simulate_file(const MpcArguments& arguments) {
+  if (!arguments.report.empty() && !reports_can_be_made()) return kExitBadInput;
   Diagnostics diagnostics;
   const auto task = task_of(arguments, diagnostics);
   print_messages(diagnostics, verbosity_of(arguments));
@@ -133,8 +148,14 @@ int simulate_file(const MpcArguments& arguments) {
   const auto folder = output_folder(arguments, *task->spec);
   create_folder(folder);  // before the work, so that none is in vain
   const InterruptGuard guard;
-  const ClosedLoopResult result = simulate_task(arguments, *task);
-  put_out(arguments, {*task, result, settings_of(arguments)}, folder);
+  PlanRecorder recorder(*task);
+  const auto record = [&recorder](const Mpc& mpc) { recorder.record(mpc); };
+  const ClosedLoopResult result = arguments.report.empty()
+                                      ? simulate_task(arguments, *task)
+                                      : simulate_task(arguments, *task, record);
+  const LoopRun run{*task, result, settings_of(arguments)};
+  put_out(arguments, run, folder);
+  if (!arguments.report.empty()) write_page(arguments, run, recorder.plans());
   return exit_code(result.end);
 }
 
@@ -201,9 +222,13 @@ class Search {
     if (!trial.task) return false;
     trial.result = simulate_task(trial.arguments, *trial.task);
     const bool survived = trial.result.end == LoopEnd::finished;
-    rows_ +=
-        fmt::format("{},{},{},{},{},{}\n", value, survived ? 1 : 0, to_string(trial.result.end),
-                    trial.result.end_time, trial.result.cost, trial.result.violation);
+    rows_ += fmt::format("{},{},{}", value, survived ? 1 : 0, to_string(trial.result.end));
+    for (const double figure :
+         {tabulated_time(trial.result.end_time), trial.result.cost, trial.result.violation}) {
+      rows_ += ',';
+      append_cell(figure, rows_);
+    }
+    rows_ += '\n';
     if (survived || !shown_.task) shown_ = std::move(trial);
     return survived;
   }
@@ -273,6 +298,12 @@ Command mpc_command() {
                 .description = "Folder for the outputs; out/<problem name> if nothing is said",
                 .target = &a->folder},
                threads_argument(a->threads, "Threads; results do not depend on it"),
+               {.names = {"--report"},
+                .value = "FILE.html",
+                .description = "Make a page for the browser: the plant in 3-D, the plan of each "
+                               "tick as a ghost, events and times of ticks",
+                .excludes = "--largest",
+                .target = &a->report},
                {.names = {"--largest"},
                 .value = "KEY=[LOW,HIGH]",
                 .description = "Look by bisection for the largest number of a key of the file "

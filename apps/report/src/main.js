@@ -2,6 +2,7 @@ import {batchSection} from './batch.js';
 import {benchTable} from './bench.js';
 import {readData} from './data.js';
 import {element} from './dom.js';
+import {loopSection, writeLoopFoot, writeLoopHead} from './loop.js';
 import {Player} from './player.js';
 import {makePlots} from './plots.js';
 import {comparisonTable, standIns, writeFoot, writeHead} from './summary.js';
@@ -11,8 +12,9 @@ import {Viewer} from './viewer.js';
 const byId = id => document.getElementById(id);
 const root = document.documentElement;
 
-/// Motion and plots of the solutions. Returns the objects that are behind them.
-function showSolutions(solutions, setThemeOf) {
+/// Motion and plots of the solutions, or of the plant of a closed loop. Returns the objects that are
+/// behind them.
+function showSolutions(solutions, loop, setThemeOf) {
   const player = new Player(Math.max(...solutions.map(s => s.duration)));
   let plots = [];
   if (solutions.length > 1)
@@ -20,16 +22,16 @@ function showSolutions(solutions, setThemeOf) {
       viewer.setVisible(visible);
       for (const plot of plots) plot.setVisible(visible);
     }));
-  const viewer = new Viewer(byId('view'), solutions, player);
-  new Timeline(byId('timeline'), solutions[0], player);
+  const viewer = new Viewer(byId('view'), solutions, player, loop?.plans);
+  new Timeline(byId('timeline'), solutions[0], player, loop?.events);
   byId('stage').append(standIns(solutions) ?? '');
-  plots = makePlots(byId('plots'), solutions, player);
+  plots = makePlots(byId('plots'), solutions, player, loop);
   setThemeOf.push(viewer, ...plots);
   return {player, viewer, plots};
 }
 
 function start() {
-  const {solutions, bench, batch} = readData();
+  const {solutions, bench, batch, loop} = readData();
   root.dataset.theme = matchMedia('(prefers-color-scheme: dark)').matches ? 'dark' : 'light';
 
   const themed = [];
@@ -40,14 +42,20 @@ function start() {
   const changeTheme = () => setTheme(root.dataset.theme === 'dark' ? 'light' : 'dark');
   const themeButton = element('button', {type: 'button', class: 'theme', id: 'theme',
                                          title: 'Dark or light (D)', onclick: changeTheme}, '◐');
-  writeHead(byId('head'), batch?.name, solutions, themeButton);
+  if (loop) writeLoopHead(byId('head'), solutions[0], themeButton);
+  else writeHead(byId('head'), batch?.name, solutions, themeButton);
   const main = document.querySelector('main');
   if (batch) main.before(batchSection(batch));
   // A batch that keeps no solutions has a page all the same.
-  const shown = solutions.length > 0 ? showSolutions(solutions, themed) : null;
+  const shown = solutions.length > 0 ? showSolutions(solutions, loop, themed) : null;
   if (!shown) main.remove();
   if (bench) byId('foot').append(benchTable(bench));
-  writeFoot(byId('foot'), solutions);
+  if (loop) {
+    byId('foot').append(loopSection(solutions[0], loop));
+    writeLoopFoot(byId('foot'), solutions[0]);
+  } else {
+    writeFoot(byId('foot'), solutions);
+  }
   document.addEventListener('keydown', event => {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     if (event.key === 'f' || event.key === 'F') shown?.viewer.followButton?.click();
@@ -61,7 +69,7 @@ function start() {
   });
   window.addEventListener('afterprint', () => setTheme(onScreen));
   // For those who script the page.
-  window.conddp = {solutions, batch, ...shown};
+  window.conddp = {solutions, batch, loop, ...shown};
 }
 
 start();

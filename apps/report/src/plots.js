@@ -3,6 +3,7 @@ import {Collection} from './collection.js';
 import {addConstraints} from './constraints.js';
 import {addConvergence} from './convergence.js';
 import {forceParts} from './data.js';
+import {addTicks} from './loop.js';
 
 /// Families of columns that implicit steps have beside the controls.
 const ofImplicitSteps = {a: 'Accelerations', contact: 'Contact variables', stop: 'Stops of joints',
@@ -87,12 +88,17 @@ function addForces(collection) {
   });
 }
 
-export function makePlots(holder, solutions, player) {
+/// `loop`: the closed loop whose plant the solution is.
+export function makePlots(holder, solutions, player, loop) {
   const collection = new Collection(holder, solutions, player);
   collection.heading('Motion');
   addColumns(collection, 'x', {steps: false, limits: false});
   collection.heading('Controls');
   addColumns(collection, 'u', {steps: true, limits: true, wanted: name => !isOfImplicitSteps(name)});
+  if (loop) {
+    addTicks(collection, loop);
+    return collection.plots;
+  }
   addForces(collection);
   if (solutions.some(({curves}) => curves.u.names.some(isOfImplicitSteps))) {
     collection.heading('Variables of implicit steps');

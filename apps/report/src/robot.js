@@ -9,7 +9,7 @@ import {lineColor} from './palette.js';
 import {place, shapeObject} from './shapes.js';
 
 /// Two pixels wide at any distance.
-function polyline(numbers, color) {
+export function polyline(numbers, color) {
   const line = new Line2(new LineGeometry().setPositions(numbers), new LineMaterial({color, linewidth: 2}));
   line.frustumCulled = false;
   return line;

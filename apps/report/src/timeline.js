@@ -26,7 +26,8 @@ function stances(t, forces) {
 }
 
 export class Timeline {
-  constructor(holder, solution, player) {
+  /// `events`: {row, from, to, text} of a closed loop; those of one row are beside each other.
+  constructor(holder, solution, player, events = []) {
     this.solution = solution;
     this.player = player;
     const t = solution.curves.t, duration = solution.duration || 1;
@@ -59,6 +60,12 @@ export class Timeline {
       const row = element('div', {class: 'row'}, element('span', {class: 'name', title: name}, name));
       for (const [from, to] of stances(t, forces))
         row.append(bar(from, to, duration, {title: `${name} holds from ${figure(from)} to ${figure(to)} s`}));
+      band.append(row);
+    }
+    for (const name of new Set(events.map(event => event.row))) {
+      const row = element('div', {class: 'row events'}, element('span', {class: 'name', title: name}, name));
+      for (const {from, to, text} of events.filter(event => event.row === name))
+        row.append(bar(from, to, duration, {title: `${text}: ${figure(from)} to ${figure(to)} s`}));
       band.append(row);
     }
     this.needle = element('div', {class: 'needle'});

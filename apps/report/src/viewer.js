@@ -6,10 +6,12 @@ import {color, element, toggle} from './dom.js';
 import {Ground} from './ground.js';
 import {Obstacles} from './obstacles.js';
 import {lineColor} from './palette.js';
+import {PlanGhost} from './plan_ghost.js';
 import {Robot} from './robot.js';
 
 export class Viewer {
-  constructor(holder, solutions, player) {
+  /// `plans`: of a closed loop, whose plant is the first solution.
+  constructor(holder, solutions, player, plans) {
     this.holder = holder;
     this.solutions = solutions;
     this.player = player;
@@ -49,6 +51,8 @@ export class Viewer {
     this.obstacles = new Obstacles(first.scene.obstacles, this.box);
     this.ground = new Ground(first, this.box);
     this.scene.add(this.obstacles.root, this.ground.root);
+    this.plan = plans?.poses ? new PlanGhost(first, plans) : null;
+    if (this.plan) this.scene.add(this.plan.root);
     this.addCamera();
     this.follow = this.speck;
     this.addSwitches();
@@ -124,6 +128,8 @@ export class Viewer {
       ...(com.length === 0 ? [] : [
         toggle('CoM', 'Centre of mass and its way', true, all((r, on) => { r.com.visible = on; })),
         toggle('Joints', 'Lines between joints', false, all((r, on) => { r.bones.lines.visible = on; }))]),
+      ...(!this.plan ? [] : [
+        toggle('Plan', 'Where the plan in force ends, and the way there', true, on => one(this.plan.root, on))]),
       ...(obstacles.length === 0 ? [] : [
         toggle('Obstacles', 'Obstacles and bounds on positions', true, on => one(this.obstacles.root, on))]),
       ...(shapes.length === 0 ? [] : [
@@ -161,6 +167,7 @@ export class Viewer {
 
   show() {
     for (const robot of this.robots) robot?.show(this.player.time);
+    this.plan?.show(this.player.time);
     const {k, share} = nodeAt(this.first.curves.t, this.player.time);
     this.obstacles.show(k, share);
     if (this.follow) {

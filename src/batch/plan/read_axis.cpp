@@ -75,12 +75,22 @@ class AxisReader {
     for (const double value : grid(*first, *last, *count)) add_number(value, reader.node().mark);
   }
 
-  /// Both ends are exact, and the grid is symmetric.
+  /// Whether a grid consists of whole numbers that doubles count exactly.
+  static bool is_whole(double first, double last, long long count) {
+    constexpr double kMostCounted = 1e15;
+    const auto whole = [](double x) { return std::abs(x) < kMostCounted && std::round(x) == x; };
+    return count > 1 && whole(first) && whole(last) &&
+           std::fmod(last - first, static_cast<double>(count - 1)) == 0;
+  }
+
+  /// Both ends are exact, the grid is symmetric, and whole numbers are whole.
   static std::vector<double> grid(double first, double last, long long count) {
+    const bool whole = is_whole(first, last, count);
     std::vector<double> values;
     for (long long i = 0; i < count; ++i) {
       const double share = count == 1 ? 0 : static_cast<double>(i) / (count - 1);
-      values.push_back(share == 1 ? last : between(first, last, share));
+      const double value = share == 1 ? last : between(first, last, share);
+      values.push_back(whole ? std::round(value) : value);
     }
     return values;
   }

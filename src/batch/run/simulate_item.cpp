@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <chrono>
 
-#include "output/mpc/loop_task.hpp"
+#include "output/mpc/loop_files.hpp"
 #include "solvers/common/status.hpp"
 
 namespace conddp {
@@ -41,7 +41,7 @@ OrderedJson answer_of(const LoopTask& task, const ClosedLoopResult& result) {
   const auto is_planned = [](const TickRecord& t) { return t.outcome == TickOutcome::planned; };
   const auto falls_back = [](const TickRecord& t) { return t.fallback; };
   return {{"solver", task.mpc.controller.solver},
-          {"time_s", result.end_time},
+          {"time_s", tabulated_time(result.end_time)},
           {"planned", share_of(result.ticks, is_planned)},
           {"fallback", share_of(result.ticks, falls_back)},
           {"cost", finite_or_null(result.cost)},

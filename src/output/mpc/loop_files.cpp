@@ -19,10 +19,7 @@ constexpr TickOutcome kOutcomes[] = {TickOutcome::planned,  TickOutcome::not_fin
                                      TickOutcome::diverged, TickOutcome::out_of_iterations,
                                      TickOutcome::no_step};
 
-/// A time without the digits that sums of decimal numbers leave behind.
-void append_time(double time, std::string& text) {
-  append_cell(std::round(time * 1e9) / 1e9, text);
-}
+void append_time(double time, std::string& text) { append_cell(tabulated_time(time), text); }
 
 void append_numbers(const std::vector<double>& numbers, std::string& text) {
   for (const double number : numbers) {
@@ -96,6 +93,8 @@ OrderedJson problem_json(const LoopRun& run) {
 }
 
 }  // namespace
+
+double tabulated_time(double time) { return std::round(time * 1e9) / 1e9; }
 
 std::string closed_loop_header(const LoopTask& task) {
   return "t [s],phase" + column_headers(task.built, task.built.problem->nx());

@@ -23,6 +23,9 @@ struct LoopRun {
   std::vector<std::string> overrides;  ///< settings of the command line, as given
 };
 
+/// A time as tables have it, without the digits that sums of decimal numbers leave behind.
+double tabulated_time(double time);
+
 /// The first line of closed_loop.csv, without its end.
 std::string closed_loop_header(const LoopTask& task);
 

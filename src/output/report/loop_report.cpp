@@ -1,0 +1,264 @@
+#include "output/report/loop_report.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/json/json_text.hpp"
+#include "output/report/motion_scene.hpp"
+
+namespace conddp {
+namespace {
+
+/// What a page can draw at once.
+constexpr int kMostPlans = 300, kMostPlanNodes = 9, kMostRows = 1500, kMostTicks = 20'000;
+
+/// Numbers from 0 to count − 1, the last one among them, with the same step between all others.
+std::vector<int> thinned(int count, int most) {
+  const int step = std::max(1, (count - 1 + most - 2) / (most - 1));
+  std::vector<int> kept;
+  for (int i = 0; i < count - 1; i += step) kept.push_back(i);
+  if (count > 0) kept.push_back(count - 1);
+  return kept;
+}
+
+/// A state of the plant, or the last one.
+struct PlantRow {
+  double time;
+  const std::vector<double>* x;
+  const std::vector<double>* u;  ///< null: the last one
+};
+
+std::vector<PlantRow> rows_of(const ClosedLoopResult& result) {
+  const int count = static_cast<int>(result.steps.size()) + 1;
+  std::vector<PlantRow> rows;
+  for (const int i : thinned(count, kMostRows))
+    if (i + 1 < count)
+      rows.push_back({result.steps[i].time, &result.steps[i].x, &result.steps[i].u});
+    else
+      rows.push_back({result.end_time, &result.last_state, nullptr});
+  return rows;
+}
+
+/// States as a trajectory without controls that mean anything.
+Trajectory trajectory_of(const std::vector<const std::vector<double>*>& states, int nu) {
+  const int nodes = static_cast<int>(states.size());
+  Trajectory trajectory(static_cast<int>(states.front()->size()), std::vector<int>(nodes - 1, nu));
+  for (int k = 0; k < nodes; ++k)
+    trajectory.x(k) = Eigen::Map<const Eigen::VectorXd>(states[k]->data(), trajectory.x(k).size());
+  return trajectory;
+}
+
+/// Lists by column.
+OrderedJson values_by_column(const std::vector<Column>& columns,
+                             const std::vector<const std::vector<double>*>& values) {
+  OrderedJson names = OrderedJson::array(), units = OrderedJson::array(),
+              lists = OrderedJson::array();
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    names.push_back(columns[c].name);
+    units.push_back(columns[c].unit);
+    OrderedJson list = OrderedJson::array();
+    for (const std::vector<double>* row : values) list.push_back(eight_digits((*row)[c]));
+    lists.push_back(std::move(list));
+  }
+  return {{"names", names}, {"units", units}, {"values", lists}};
+}
+
+/// Which phase lasts over which rows.
+OrderedJson phases_of_rows(const LoopTask& task, const std::vector<PlantRow>& rows) {
+  const TimeLine line(task.built.problem, task.mpc.controller.hold);
+  const ShootingProblem& problem = *task.built.problem;
+  OrderedJson phases = OrderedJson::array();
+  int last = -1;
+  for (std::size_t k = 0; k + 1 < rows.size(); ++k) {
+    const int phase = problem.knot(line.at(rows[k].time).knot).phase;
+    if (phase != last)
+      phases.push_back({{"name", problem.phases()[phase].name}, {"first_knot", k}, {"knots", 0}});
+    last = phase;
+    phases.back()["knots"] = phases.back()["knots"].get<int>() + 1;
+  }
+  return phases;
+}
+
+/// Obstacles that move have a place for each row.
+void place_obstacles(const LoopTask& task, const std::vector<PlantRow>& rows, OrderedJson& scene) {
+  if (!scene.is_object() || !scene.contains("obstacles")) return;
+  const TimeLine line(task.built.problem, task.mpc.controller.hold);
+  for (OrderedJson& obstacle : scene["obstacles"]) {
+    if (!obstacle.contains("centers")) continue;
+    const OrderedJson nodes = std::move(obstacle["centers"]);
+    obstacle["centers"] = OrderedJson::array();
+    for (const PlantRow& row : rows)
+      for (int i = 0; i < 3; ++i)
+        obstacle["centers"].push_back(
+            nodes.at(static_cast<std::size_t>(3 * line.at(row.time).knot + i)));
+  }
+}
+
+OrderedJson plant_json(const LoopRun& run) {
+  const LoopTask& task = run.task;
+  const std::vector<PlantRow> rows = rows_of(run.result);
+  OrderedJson t = OrderedJson::array();
+  std::vector<const std::vector<double>*> x, u;
+  for (const PlantRow& row : rows) {
+    t.push_back(eight_digits(row.time));
+    x.push_back(row.x);
+    if (row.u != nullptr) u.push_back(row.u);
+  }
+  OrderedJson scene =
+      motion_scene(*task.spec, task.built,
+                   trajectory_of(x, static_cast<int>(task.built.control_columns.size())));
+  place_obstacles(task, rows, scene);
+  return {{"label", "plant"},
+          {"remark", ""},
+          {"head", loop_json(run)},
+          {"curves",
+           {{"t", t},
+            {"phases", phases_of_rows(task, rows)},
+            {"x", values_by_column(task.built.state_columns, x)},
+            {"u", values_by_column(task.built.control_columns, u)}}},
+          {"scene", std::move(scene)}};
+}
+
+OrderedJson ticks_json(const std::vector<TickRecord>& ticks) {
+  OrderedJson json = OrderedJson::object();
+  for (const char* key :
+       {"t", "preparation_ms", "feedback_ms", "cost", "violation", "gap", "plan_age"})
+    json[key] = OrderedJson::array();
+  for (const int i : thinned(static_cast<int>(ticks.size()), kMostTicks)) {
+    const TickRecord& tick = ticks[i];
+    const auto add = [&](const char* key, double value) {
+      json[key].push_back(eight_digits(value));
+    };
+    add("t", tick.time);
+    add("preparation_ms", 1e3 * tick.preparation);
+    add("feedback_ms", 1e3 * tick.feedback);
+    add("plan_age", tick.plan_age);
+    const std::pair<const char*, double> of_solve[] = {
+        {"cost", tick.cost}, {"violation", tick.violation}, {"gap", tick.gap}};
+    for (const auto& [key, value] : of_solve)
+      json[key].push_back(tick.solved ? eight_digits(value) : OrderedJson());
+  }
+  return json;
+}
+
+/// What happens over time, by rows of the time line.
+class Events {
+ public:
+  explicit Events(const LoopRun& run) : run_(run) {}
+
+  OrderedJson json() {
+    const auto outcome = [](const TickRecord& tick) {
+      return tick.outcome == TickOutcome::planned ? std::string()
+                                                  : std::string(to_string(tick.outcome));
+    };
+    const auto fallback = [](const TickRecord& tick) {
+      return std::string(tick.fallback ? "fallback" : "");
+    };
+    add_disturbances();
+    add_runs("failed ticks", outcome);
+    add_runs("fallback", fallback);
+    if (run_.result.end != LoopEnd::finished)
+      add("end", run_.result.end_time, run_.result.end_time,
+          std::string(to_string(run_.result.end)));
+    return std::move(list_);
+  }
+
+ private:
+  void add(const char* row, double from, double to, const std::string& text) {
+    list_.push_back(
+        {{"row", row}, {"from", eight_digits(from)}, {"to", eight_digits(to)}, {"text", text}});
+  }
+
+  void add_disturbances() {
+    for (const DisturbanceSpec& disturbance : run_.task.spec->mpc->disturbances) {
+      const double at = disturbance.at.value;
+      if (at > run_.result.end_time) continue;
+      if (disturbance.jump) add("disturbances", at, at, "jump");
+      if (disturbance.push)
+        add("disturbances", at, std::min(at + disturbance.duration, run_.result.end_time),
+            "push on " + disturbance.push->frame.value);
+    }
+  }
+
+  /// Ticks in a row of which the same is said are one event.
+  template <class Text>
+  void add_runs(const char* row, Text text_of) {
+    const auto& ticks = run_.result.ticks;
+    for (std::size_t i = 0; i < ticks.size();) {
+      const std::string text = text_of(ticks[i]);
+      const std::size_t first = i;
+      while (i < ticks.size() && text_of(ticks[i]) == text) ++i;
+      const double to = i < ticks.size() ? ticks[i].time : run_.result.end_time;
+      if (!text.empty())
+        add(row, ticks[first].time, to,
+            fmt::format("{}, {} tick{}", text, i - first, i - first == 1 ? "" : "s"));
+    }
+  }
+
+  const LoopRun& run_;
+  OrderedJson list_ = OrderedJson::array();
+};
+
+/// Bodies at the nodes of all plans after each other, and the way of the centre of mass or of the
+/// first body.
+OrderedJson plans_json(const LoopTask& task, const std::vector<RecordedPlan>& plans) {
+  OrderedJson list = OrderedJson::array();
+  std::vector<const std::vector<double>*> states;
+  for (const RecordedPlan& plan : plans) {
+    list.push_back(
+        {{"from", eight_digits(plan.from)},
+         {"first", states.size()},
+         {"nodes", plan.x.size()},
+         {"until", plan.times.empty() ? OrderedJson() : eight_digits(plan.times.back())}});
+    for (const std::vector<double>& x : plan.x) states.push_back(&x);
+  }
+  OrderedJson json = {{"list", std::move(list)}, {"poses", nullptr}, {"track", nullptr}};
+  if (states.empty()) return json;
+  OrderedJson scene =
+      motion_scene(*task.spec, task.built,
+                   trajectory_of(states, static_cast<int>(task.built.control_columns.size())));
+  if (scene.is_null()) return json;
+  json["poses"] = std::move(scene["poses"]);
+  json["track"] =
+      scene["com"].empty() ? std::move(scene["paths"].front()) : std::move(scene["com"]);
+  return json;
+}
+
+int ticks_of(const LoopTask& task) {
+  return static_cast<int>(std::ceil(task.mpc.loop.duration / task.mpc.controller.tick));
+}
+
+}  // namespace
+
+PlanRecorder::PlanRecorder(const LoopTask& task)
+    : every_(std::max(1, (ticks_of(task) + kMostPlans - 1) / kMostPlans)) {}
+
+void PlanRecorder::record(const Mpc& mpc) {
+  if (mpc.last_tick().tick % every_ != 0) return;
+  RecordedPlan& kept = plans_.emplace_back();
+  kept.from = mpc.last_tick().time;
+  const Plan* plan = mpc.plan();
+  if (plan == nullptr) return;
+  for (const int k : thinned(plan->trajectory.knots() + 1, kMostPlanNodes)) {
+    kept.times.push_back(plan->times[k]);
+    const auto x = plan->trajectory.x(k);
+    kept.x.emplace_back(x.data(), x.data() + x.size());
+  }
+}
+
+OrderedJson loop_report(const LoopRun& run, const std::vector<RecordedPlan>& plans) {
+  OrderedJson solutions = OrderedJson::array();
+  solutions.push_back(plant_json(run));
+  return {{"format", "conddp.report/1"},
+          {"solutions", std::move(solutions)},
+          {"loop",
+           {{"ticks", ticks_json(run.result.ticks)},
+            {"events", Events(run).json()},
+            {"plans", plans_json(run.task, plans)}}}};
+}
+
+}  // namespace conddp

@@ -1,0 +1,94 @@
+// What the page of a closed loop is made from.
+#include "output/report/loop_report.hpp"
+
+#include <fmt/format.h>
+
+#include "loop_fixture.hpp"
+
+namespace conddp {
+namespace {
+
+struct ReportedLoop : SimulatedLoop {
+  explicit ReportedLoop(const std::string& text, const std::vector<std::string>& settings = {},
+                        std::set<int> late = {})
+      : SimulatedLoop(text, settings), recorder(*task) {
+    if (!late.empty())
+      task->mpc.controller.is_late = [late](int tick) { return late.contains(tick); };
+    result = run_loop(*task, [this](const Mpc& mpc) { recorder.record(mpc); });
+    data = loop_report(run(), recorder.plans());
+  }
+  const OrderedJson& plant() const { return data["solutions"][0]; }
+
+  PlanRecorder recorder;
+  OrderedJson data;
+};
+
+TEST(LoopReport, HasTheMotionOfThePlant) {
+  const ReportedLoop loop(kBalancedCartpole);
+  const OrderedJson& curves = loop.plant()["curves"];
+  ASSERT_EQ(curves["t"].size(), loop.result.steps.size() + 1);
+  EXPECT_EQ(curves["t"].back(), 1.5);
+  EXPECT_EQ(curves["x"]["names"][1], "theta");
+  EXPECT_NEAR(curves["x"]["values"][1][10].get<double>(), loop.result.steps[10].x[1], 1e-7);
+  EXPECT_EQ(curves["u"]["values"][0].size(), loop.result.steps.size());
+  EXPECT_EQ(curves["phases"].size(), 1u);
+  const OrderedJson& scene = loop.plant()["scene"];
+  EXPECT_EQ(scene["poses"].size(), 7 * scene["bodies"].size() * curves["t"].size());
+}
+
+TEST(LoopReport, HasThePlanOfEachTickUpToItsHorizon) {
+  const ReportedLoop loop(kBalancedCartpole);
+  const OrderedJson& plans = loop.data["loop"]["plans"];
+  ASSERT_EQ(plans["list"].size(), 75u);
+  const OrderedJson& third = plans["list"][3];
+  EXPECT_NEAR(third["from"].get<double>(), 0.06, 1e-9);
+  EXPECT_NEAR(third["until"].get<double>(), 1.065, 1e-9);  // after the delay
+  int nodes = 0;
+  for (const OrderedJson& plan : plans["list"]) {
+    EXPECT_EQ(plan["first"], nodes);
+    nodes += plan["nodes"].get<int>();
+  }
+  const std::size_t bodies = loop.plant()["scene"]["bodies"].size();
+  EXPECT_EQ(plans["poses"].size(), 7 * bodies * nodes);
+  EXPECT_EQ(plans["track"].size(), 3u * nodes);
+}
+
+TEST(LoopReport, HasNoPlanUnderTheFallback) {
+  const ReportedLoop loop(kBalancedCartpole,
+                          {"mpc.fallback={after: 2, to: {values: {theta: 3.141592653589793}}}"},
+                          {20, 21, 22});
+  const OrderedJson& list = loop.data["loop"]["plans"]["list"];
+  EXPECT_GT(list[20]["nodes"], 0);
+  EXPECT_EQ(list[21]["nodes"], 0);
+  EXPECT_TRUE(list[22]["until"].is_null());
+  EXPECT_GT(list[23]["nodes"], 0);
+}
+
+TEST(LoopReport, HasEventsOverTime) {
+  const ReportedLoop loop(kBalancedCartpole,
+                          {"mpc.fallback={after: 2, to: {values: {theta: 3.141592653589793}}}"},
+                          {20, 21, 22});
+  std::string events;
+  for (const OrderedJson& event : loop.data["loop"]["events"])
+    events += fmt::format("{} {:g}-{:g} {}; ", event["row"].get<std::string>(),
+                          event["from"].get<double>(), event["to"].get<double>(),
+                          event["text"].get<std::string>());
+  EXPECT_EQ(events,
+            "disturbances 1-1 jump; failed ticks 0.4-0.46 late, 3 ticks; fallback 0.42-0.46 "
+            "fallback, 2 ticks; ");
+  const ReportedLoop fallen(kBalancedCartpole, {"mpc.disturbances.0.jump.omega=20"});
+  EXPECT_EQ(fallen.data["loop"]["events"].back()["text"], "stopped");
+}
+
+TEST(LoopReport, ThinsOutLoopsOfManySteps) {
+  const ReportedLoop loop(kBalancedCartpole, {"mpc.duration=20"});
+  EXPECT_GT(loop.result.steps.size(), 3900u);
+  const OrderedJson& t = loop.plant()["curves"]["t"];
+  EXPECT_LE(t.size(), 1500u);
+  EXPECT_EQ(t.back(), 20);
+  EXPECT_LE(loop.data["loop"]["plans"]["list"].size(), 300u);
+  EXPECT_EQ(loop.data["loop"]["ticks"]["t"].size(), 1000u);
+}
+
+}  // namespace
+}  // namespace conddp
