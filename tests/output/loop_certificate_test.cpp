@@ -3,8 +3,6 @@
 
 #include <fstream>
 
-#include <fmt/format.h>
-
 #include "base/files/text_file.hpp"
 #include "base/json/solution_members.hpp"
 #include "loop_fixture.hpp"
