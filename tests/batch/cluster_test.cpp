@@ -41,6 +41,14 @@ TEST(SlurmConfig, SaysHowLargeArraysMayBeAndWhetherUsersHaveLimits) {
   EXPECT_EQ(parse_slurm_config("nothing").array_size, 1001);
 }
 
+TEST(SlurmSubmitLimit, IsTheLeastOfTheAccountsOfAUser) {
+  EXPECT_EQ(parse_submit_limit("3\n"), 3);
+  EXPECT_EQ(parse_submit_limit("\n20\n3\n\n"), 3);
+  EXPECT_EQ(parse_submit_limit("\n\n"), std::nullopt);
+  EXPECT_EQ(parse_submit_limit(""), std::nullopt);
+  EXPECT_EQ(parse_submit_limit("sacctmgr: error: 5 problems"), std::nullopt);
+}
+
 TEST(SlurmShards, TakeTenMinutesEachWithinTheLimits) {
   SlurmLimits limits{.array_size = 100};
   EXPECT_EQ(shards_for(0, 1, limits), 1);

@@ -10,7 +10,6 @@
 
 #include "base/files/atomic_file.hpp"
 #include "base/text/shell_words.hpp"
-#include "base/text/strict_number.hpp"
 #include "batch/cluster/program.hpp"
 #include "batch/cluster/slurm_job.hpp"
 #include "batch/plan/run_folder.hpp"
@@ -46,7 +45,7 @@ std::optional<int> most_submitted() {
       run_program({"sacctmgr", "--noheader", "--parsable2", "list", "associations", "where",
                    "user=" + user_name(), "format=maxsubmitjobs"});
   if (end.exit_status != 0) return std::nullopt;
-  return parse_count(first_line(end.out));
+  return parse_submit_limit(end.out);
 }
 
 /// What the cluster says about itself; nothing where there is none.

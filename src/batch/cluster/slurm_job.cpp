@@ -82,6 +82,17 @@ SlurmLimits parse_slurm_config(std::string_view text) {
   return limits;
 }
 
+std::optional<int> parse_submit_limit(std::string_view text) {
+  std::optional<int> least;
+  for (std::size_t start = 0; start < text.size();) {
+    const std::size_t end = std::min(text.find('\n', start), text.size());
+    const auto limit = parse_count(trimmed(text.substr(start, end - start)));
+    if (limit) least = std::min(*limit, least.value_or(*limit));
+    start = end + 1;
+  }
+  return least;
+}
+
 std::optional<double> parse_slurm_time(std::string_view text) {
   text = trimmed(text);
   double days = 0;

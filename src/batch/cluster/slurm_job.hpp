@@ -20,6 +20,10 @@ struct SlurmLimits {
 
 /// Reads `scontrol show config`: MaxArraySize, and whether limits of users are kept.
 SlurmLimits parse_slurm_config(std::string_view text);
+/// The least number that stands alone on a line of what `sacctmgr --noheader --parsable2 list
+/// associations format=maxsubmitjobs` prints, a line for each account of the user: which of them a
+/// job is booked on the site decides. Nothing where none has a limit.
+std::optional<int> parse_submit_limit(std::string_view text);
 /// A time as Slurm prints it: minutes, minutes:seconds, hours:minutes:seconds, days-hours and so
 /// on; nothing for UNLIMITED or what is no time. In seconds.
 std::optional<double> parse_slurm_time(std::string_view text);
