@@ -113,6 +113,25 @@ TEST(BoxQp, RejectsAProjectedStepThatRaisesTheObjective) {
   EXPECT_LT(qp.value(solver.x()), 0);
 }
 
+/// Q_uu behind a stiff cost-to-go is nearly of rank one.
+TEST(BoxQp, EntriesThatAreStronglyCoupledMeetTheirBounds) {
+  std::mt19937 engine(5);
+  std::normal_distribution<double> normal;
+  const auto draw = [&] { return normal(engine); };
+  BoxQp solver(5);
+  for (int trial = 0; trial < 400; ++trial) {
+    const int n = 2 + trial % 4;
+    SmallQp qp = random_qp(n, engine, 1);
+    const Eigen::VectorXd stiff = Eigen::VectorXd::NullaryExpr(n, draw);
+    qp.H += 1e4 * stiff * stiff.transpose();
+    qp.g += 1e4 * normal(engine) * stiff;
+    std::vector<BoundState> active(n, BoundState::free);
+    ASSERT_EQ(solver.solve(qp.H, qp.g, qp.lower, qp.upper, active), BoxQp::Status::solved);
+    const Eigen::VectorXd expected = enumerate_active_sets(qp).x;
+    EXPECT_LE((solver.x() - expected).lpNorm<Eigen::Infinity>(), 1e-8) << "trial " << trial;
+  }
+}
+
 TEST(BoxQp, PositiveGradientAtTheLowerBoundIsOptimal) {
   BoxQp solver(1);
   const Eigen::MatrixXd H = Eigen::MatrixXd::Identity(1, 1);

@@ -122,19 +122,40 @@ BoxQp::Status BoxQp::solve(const MatrixIn& H, const VectorIn& g, const VectorIn&
   return Status::iteration_limit;
 }
 
+/// Bounds at which an entry's own descent ends. Where the gradient points inwards a projection only
+/// helps.
+BoxQp::Block BoxQp::first_block(const VectorIn& lower, const VectorIn& upper) const {
+  Block first;
+  for (int n = 0; n < free_count_; ++n) {
+    const int i = free_[n];
+    if (!(gradient_[i] * direction_[i] < 0)) continue;
+    const double bound = direction_[i] > 0 ? upper[i] : lower[i];
+    const double length = (bound - x_[i]) / direction_[i];
+    if (length < first.length) first = {i, length, bound};
+  }
+  return first;
+}
+
 /// Armijo's rule along the projection of the Newton direction. The change of the objective is
-/// formed from the step itself, so that no cancellation hides it.
+/// formed from the step itself, so that no cancellation hides it. Where the free entries are
+/// strongly coupled, projected steps ascend and shorter ones end ever closer to the bound without
+/// meeting it; therefore the step to the first bound is among those that are tried.
 BoxQp::Descent BoxQp::search(const MatrixIn& H, const VectorIn& lower, const VectorIn& upper) {
   auto step = step_.head(size_);
   auto H_step = H_step_.head(size_);
-  for (double length = 1; length >= kShortestStep; length /= 2) {
+  const Block block = first_block(lower, upper);
+  const double shortest = std::min(kShortestStep, block.length);
+  for (double length = 1; length >= shortest && length > 0;) {
     const bool projected = project_trial(length, lower, upper);
+    if (length == block.length) trial_[block.entry] = block.bound;
     step = trial_.head(size_) - x();
     H_step.noalias() = H * step;
     const double slope = gradient_.head(size_).dot(step);
     const double change = slope + 0.5 * step.dot(H_step);
     if (slope < 0 && change <= armijo_ * slope)
       return length == 1 && !projected ? Descent::newton : Descent::shorter;
+    const bool passes = length > block.length && length / 2 < block.length;
+    length = passes ? block.length : length / 2;
   }
   return Descent::none;
 }

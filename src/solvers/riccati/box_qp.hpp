@@ -55,6 +55,14 @@ class BoxQp {
   bool factor_free_block(const Eigen::Ref<const Eigen::MatrixXd>& H);
   bool free_gradient_vanishes(double rounding) const;
   void find_direction();
+  /// Where a step along the direction meets the first bound to which the objective falls.
+  struct Block {
+    int entry = -1;
+    double length = 2;  ///< beyond all steps: none
+    double bound = 0;
+  };
+  Block first_block(const Eigen::Ref<const Eigen::VectorXd>& lower,
+                    const Eigen::Ref<const Eigen::VectorXd>& upper) const;
   Descent search(const Eigen::Ref<const Eigen::MatrixXd>& H,
                  const Eigen::Ref<const Eigen::VectorXd>& lower,
                  const Eigen::Ref<const Eigen::VectorXd>& upper);
