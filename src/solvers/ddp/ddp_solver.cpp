@@ -357,7 +357,7 @@ void DdpSolver::name_contradiction() {
 }
 
 /// A follower of the trajectory wants the true gains; who waits for an iteration does not wait for
-/// them.
+/// them. Exact Hessians are those with the answer's co-states, which sweeps may have changed since.
 void DdpSolver::find_gains() {
   SolveResult& result = record_.result;
   if (by_newton_) {
@@ -366,10 +366,13 @@ void DdpSolver::find_gains() {
     return;
   }
   if (abandoned_) return;
-  if (last_step_ && result.status == SolveStatus::max_iterations && record_.row.iteration > 0)
+  if (last_step_ && result.status == SolveStatus::max_iterations && record_.row.iteration > 0) {
     result.feedback_regularization = record_.row.regularization;
-  else
+  } else {
+    iterate_.hessian.follow(iterate_.trajectory, iterate_.adjoint.costates(),
+                            outer_->augmentation());
     result.feedback_regularization = globalization_.find_gains();
+  }
   if (result.feedback_regularization) result.feedback = globalization_.feedback();
 }
 

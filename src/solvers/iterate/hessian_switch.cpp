@@ -69,6 +69,7 @@ HessianSwitch::HessianSwitch(HessianUse use, double tolerance, Evaluator& evalua
 void HessianSwitch::reserve() {
   if (use_ == HessianUse::gauss_newton || !other_.empty()) return;
   evaluator_.reserve_lagrangian_hessian();
+  costates_.resize(linearization_.gap.rows(), linearization_.gap.cols() + 1);
   other_.reserve(linearization_.knots.size());
   for (const KnotLinearization& knot : linearization_.knots) other_.push_back(knot.hessian());
 }
@@ -140,6 +141,7 @@ void HessianSwitch::evaluate_exact(const Trajectory& trajectory, const Eigen::Ma
   reserve();
   use(true);
   evaluator_.lagrangian_hessian(trajectory, costates, linearization_, augmentation);
+  costates_ = costates;
   exact_known_ = true;
   if (use_ != HessianUse::when_slow) return;
   same_ = true;
@@ -148,6 +150,11 @@ void HessianSwitch::evaluate_exact(const Trajectory& trajectory, const Eigen::Ma
   if (!same_) return;
   use(false);
   exact_known_ = exact_wanted_ = false;
+}
+
+void HessianSwitch::follow(const Trajectory& trajectory, const Eigen::MatrixXd& costates,
+                           const Augmentation* augmentation) {
+  if (exact_known_ && costates != costates_) evaluate_exact(trajectory, costates, augmentation);
 }
 
 void HessianSwitch::use(bool exact) {

@@ -56,6 +56,9 @@ class HessianSwitch {
   /// Gauss-Newton ones they are known no more, nor wanted before the next slow window.
   void evaluate_exact(const Trajectory& trajectory, const Eigen::MatrixXd& costates,
                       const Augmentation* augmentation = nullptr);
+  /// Once more, where the iterate has those with other co-states.
+  void follow(const Trajectory& trajectory, const Eigen::MatrixXd& costates,
+              const Augmentation* augmentation);
   /// Whether the iterate has them.
   bool exact_known() const { return exact_known_; }
 
@@ -84,6 +87,7 @@ class HessianSwitch {
   Evaluator& evaluator_;
   Linearization& linearization_;
   std::vector<Eigen::MatrixXd> other_;  ///< the set that is not in the linearisation
+  Eigen::MatrixXd costates_;            ///< of the last exact Hessians
   bool exact_wanted_ = false;
   bool exact_known_ = false;
   bool exact_in_use_ = false;
