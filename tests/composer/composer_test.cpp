@@ -204,6 +204,17 @@ TEST(Composer, EveryProblemEndsWithAStatusAndACertificateOrAReason) {
   EXPECT_EQ(coverage.missing(), "");
 }
 
+/// Box problems in strongly coupled controls, co-states that a failed search has changed after the
+/// exact Hessians, a restoration of feasibility without a finite first point.
+TEST(Composer, UnfinishedAnswersAreThoseOfTheirTrajectory) {
+  Coverage coverage({});
+  for (const std::uint64_t seed : {60381, 63549, 64270, 65577}) {
+    const ComposedProblem problem = compose_problem(seed);
+    SCOPED_TRACE(fmt::format("seed {}:\n{}", seed, problem.text));
+    EXPECT_FALSE(run(problem, coverage).refused);
+  }
+}
+
 /// Bodies that turn a million times a step, wrists at thousands of radians a second, free
 /// directions without any cost: a certificate has to tell what rounding does there from a defect.
 TEST(Composer, AnswersThatAreNearlyAllRoundingHaveACertificateToo) {

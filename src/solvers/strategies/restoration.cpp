@@ -98,7 +98,12 @@ SolveResult solve_with_restoration(
     note += fmt::format("stalled at iteration {}, restoration of feasibility; ",
                         options.max_iterations - solves.iterations_left());
     const auto mark = [i](IterationRecord& row) { row.restoration = i; };
-    result = restore_feasibility(problem, solves.next(mark), result.trajectory);
+    SolveResult restored = restore_feasibility(problem, solves.next(mark), result.trajectory);
+    if (restored.log.empty()) {  // not even its first point is finite: the answer is what it was
+      note += restored.message + "; ";
+      break;
+    }
+    result = std::move(restored);
     solves.add(result);
     if (result.status != SolveStatus::converged) {
       result.message = note + result.message;
