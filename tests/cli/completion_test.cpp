@@ -61,10 +61,13 @@ bool has(const Words& offers, const std::string& word) {
 
 TEST(BashCompletion, SolverNames) {
   EXPECT_EQ(bash_offers({"conddp", "solve", "p.yaml", "--solver", ""}), solver_names());
-  EXPECT_EQ(bash_offers({"conddp", "solve", "--solver", "box"}), (Words{"box_ddp", "box_fddp"}));
+  Words boxes;
+  for (const std::string& name : solver_names())
+    if (name.starts_with("box")) boxes.push_back(name);
+  EXPECT_GE(boxes.size(), 2u);
+  EXPECT_EQ(bash_offers({"conddp", "solve", "--solver", "box"}), boxes);
   // As bash splits --solver=box: '=' separates words.
-  EXPECT_EQ(bash_offers({"conddp", "solve", "--solver", "=", "box"}),
-            (Words{"box_ddp", "box_fddp"}));
+  EXPECT_EQ(bash_offers({"conddp", "solve", "--solver", "=", "box"}), boxes);
   EXPECT_EQ(bash_offers({"conddp", "solve", "--solver", "="}), solver_names());
 }
 
