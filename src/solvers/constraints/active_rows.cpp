@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ocp/evaluation/matrix_vector.hpp"
+
 namespace conddp {
 namespace {
 
@@ -94,8 +96,9 @@ bool ActiveRows::revise(const Linearization& linearization, const Trajectory& tr
   write_multipliers(linearization, true, target_);
   bool changed = false;
   for (int k = 0; k <= problem_.knots(); ++k) {
+    predict(k, linearization, step[k]);
     for (const int index : constraints_of_[k])
-      changed |= revise_constraint(problem_.constraints()[index], linearization, step[k]);
+      changed |= revise_constraint(problem_.constraints()[index], linearization);
     if (k < problem_.knots()) changed |= revise_controls(k, trajectory, step[k]);
   }
   if (!changed) return false;
@@ -106,14 +109,20 @@ bool ActiveRows::revise(const Linearization& linearization, const Trajectory& tr
   return true;
 }
 
-/// By what a step predicts of its values, and target_. Whether anything changed.
-bool ActiveRows::revise_constraint(const NodeConstraint& c, const Linearization& linearization,
-                                   const Eigen::VectorXd& step) {
+/// predicted_ ← the values of a node's constraints after a step.
+void ActiveRows::predict(int node, const Linearization& linearization,
+                         const Eigen::VectorXd& step) {
+  const Eigen::MatrixXd& C = linearization.knots[node].C;
+  predicted_.head(C.rows()) =
+      linearization.constraint.segment(problem_.constraint_offset(node), C.rows());
+  multiply_add(C, step.data(), predicted_.data());
+}
+
+/// By predicted_ and target_. Whether anything changed.
+bool ActiveRows::revise_constraint(const NodeConstraint& c, const Linearization& linearization) {
   const int n = c.term->rows;
   const double* g = linearization.constraint.data() + c.row;
-  auto values = predicted_.head(n);
-  values = linearization.constraint.segment(c.row, n);
-  values.noalias() += rows_of(c, linearization) * step;
+  const auto values = predicted_.segment(c.row - problem_.constraint_offset(c.node), n);
   const auto nu = target_.segment(c.row, n);
   RowSide* sides = sides_.data() + c.row;
   if (c.term->is_cone()) return replace(*sides, revised_cone(c, *sides, g, values, nu));

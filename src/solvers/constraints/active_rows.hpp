@@ -69,8 +69,8 @@ class ActiveRows {
   };
   void choose_sides(const NodeConstraint& c, const double* values, const double* multipliers,
                     const double* penalties);
-  bool revise_constraint(const NodeConstraint& constraint, const Linearization& linearization,
-                         const Eigen::VectorXd& step);
+  void predict(int node, const Linearization& linearization, const Eigen::VectorXd& step);
+  bool revise_constraint(const NodeConstraint& constraint, const Linearization& linearization);
   bool revise_controls(int node, const Trajectory& trajectory, const Eigen::VectorXd& step);
   bool hold_violated_controls(int node, const Trajectory& trajectory, const Eigen::VectorXd& step);
   bool release_controls(int node);

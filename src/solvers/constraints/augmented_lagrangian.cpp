@@ -40,10 +40,10 @@ double size(const NodeConstraint& c, const Eigen::Ref<const Eigen::VectorXd>& g)
 }
 
 /// Of shifted values: their constraint adds nothing to the augmented Lagrangian there.
-bool is_strictly_inside(const NodeConstraint& c, const Eigen::Ref<const Eigen::VectorXd>& shifted) {
+bool is_strictly_inside(const NodeConstraint& c, const double* shifted) {
   const int n = c.term->rows;
-  if (!c.term->has_bounds()) return shifted.head(n - 1).norm() < shifted[n - 1];
-  return all_strictly_inside(shifted.data(), c.lower, c.upper, n);
+  if (c.term->has_bounds()) return all_strictly_inside(shifted, c.lower, c.upper, n);
+  return Eigen::Map<const Eigen::VectorXd>(shifted, n - 1).norm() < shifted[n - 1];
 }
 
 }  // namespace
@@ -138,9 +138,9 @@ void AugmentedLagrangian::write(const Group& group) {
 
 /// Whether a constraint holds strictly and has no multipliers: it has a part in no norm.
 bool AugmentedLagrangian::is_idle(const NodeConstraint& c, const Eigen::VectorXd& values) const {
-  const int n = c.term->rows;
-  return multipliers_.segment(c.row, n).isZero(0) &&
-         is_strictly_inside(c, values.segment(c.row, n));
+  const double* multiplier = multipliers_.data() + c.row;
+  return std::all_of(multiplier, multiplier + c.term->rows, [](double nu) { return nu == 0; }) &&
+         is_strictly_inside(c, values.data() + c.row);
 }
 
 ConstraintNorms AugmentedLagrangian::measure(const Eigen::VectorXd& values) {
@@ -150,7 +150,7 @@ ConstraintNorms AugmentedLagrangian::measure(const Eigen::VectorXd& values) {
     for (const int i : group.constraints) {
       const NodeConstraint& c = problem_.constraints()[i];
       if (is_idle(c, values)) {
-        next_.segment(c.row, c.term->rows).setZero();
+        std::fill_n(next_.data() + c.row, c.term->rows, 0.0);
         continue;
       }
       const double* g = values.data() + c.row;
@@ -175,11 +175,9 @@ ConstraintNorms AugmentedLagrangian::measure(const Eigen::VectorXd& values) {
 
 bool AugmentedLagrangian::idle(const Eigen::VectorXd& values) {
   const auto& constraints = problem_.constraints();
-  return std::all_of(constraints.begin(), constraints.end(), [&](const NodeConstraint& c) {
-    auto shifted = shifted_.segment(c.row, c.term->rows);
-    shifted =
-        values.segment(c.row, shifted.size()) + augmentation_.shift.segment(c.row, shifted.size());
-    return is_strictly_inside(c, shifted);
+  shifted_ = values + augmentation_.shift;
+  return std::all_of(constraints.begin(), constraints.end(), [this](const NodeConstraint& c) {
+    return is_strictly_inside(c, shifted_.data() + c.row);
   });
 }
 

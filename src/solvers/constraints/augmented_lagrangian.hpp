@@ -102,7 +102,7 @@ class AugmentedLagrangian {
   std::vector<Group> groups_;
   Augmentation augmentation_;
   Eigen::VectorXd multipliers_, next_;
-  Eigen::VectorXd shifted_;  ///< of one constraint
+  Eigen::VectorXd shifted_;  ///< of all rows, or of one constraint
   std::string stalled_;
 };
 

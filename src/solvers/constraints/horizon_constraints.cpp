@@ -19,22 +19,23 @@ constexpr double kConeShare = 0.02;
 
 }  // namespace
 
-/// P of rows of bounds at s, from row r on, and their slopes; of soft ones within their limit.
+/// P of rows of bounds at s, from this row on, and their slopes; of soft ones within their limit.
 template <class S>
-inline S HorizonConstraints::outside_row(const Rows& c, int r, const S& s, double limit) {
-  const S lower = load_rows<S>(c.lower + r), upper = load_rows<S>(c.upper + r);
-  return limit_outside(outside_bounds(s, lower, upper), S(limit));
+inline S HorizonConstraints::outside_rows(int row, const S& s) const {
+  const S lower = load_rows<S>(lower_.data() + row), upper = load_rows<S>(upper_.data() + row);
+  return limit_outside(outside_bounds(s, lower, upper), load_rows<S>(limit_.data() + row));
 }
 
 /// At a bound rows of an augmentation count as active, those of costs do not, as where they are
 /// differentiated.
 template <class S>
-inline S HorizonConstraints::row_slope(const Rows& c, int r, const S& s, double limit) {
-  const S lower = load_rows<S>(c.lower + r), upper = load_rows<S>(c.upper + r);
+inline S HorizonConstraints::row_slopes(int row, const S& s, bool cost) const {
+  const S lower = load_rows<S>(lower_.data() + row), upper = load_rows<S>(upper_.data() + row);
   const S outside = outside_bounds(s, lower, upper);
   MaskOf<S> counts = !(outside == S(0.0));
-  if (!c.cost) counts = counts | (s == lower) | (s == upper);
-  return select(counts & (abs(outside) <= S(limit)), S(1.0), S(0.0));
+  if (!cost) counts = counts | (s == lower) | (s == upper);
+  const MaskOf<S> within = abs(outside) <= load_rows<S>(limit_.data() + row);
+  return select(counts & within, S(1.0), S(0.0));
 }
 
 /// P of a cone at s, and its derivative.
@@ -58,7 +59,10 @@ HorizonConstraints::HorizonConstraints(const ShootingProblem& problem)
     rows_.push_back({c.node, c.row, c.term->rows, c.lower, c.upper, c.limit, false});
   add_soft_costs();
   for (int k = 0; k <= problem.knots(); ++k) add_barriers(k);
-  if (!rows_.empty()) reserve();
+  if (rows_.empty()) return;
+  reserve();
+  find_runs();
+  read_bounds();
 }
 
 void HorizonConstraints::reserve() {
@@ -74,12 +78,55 @@ void HorizonConstraints::reserve() {
     const Rows& c = rows_[i];
     nodes_[c.node].terms.push_back(static_cast<int>(i));
     most = std::max(most, c.count);
-    if (c.lower == nullptr) cone_slope_[i].setZero(c.count, c.count);
+    if (c.lower != nullptr) continue;
+    cone_slope_[i].setZero(c.count, c.count);
+    cones_.push_back(static_cast<int>(i));
+    nodes_[c.node].cones = true;
   }
   new_slope_.resize(most, most);
   new_outside_.resize(most);
   weight_.resize(most);
   difference_.resize(most);
+}
+
+void HorizonConstraints::find_runs() {
+  const int count = problem_.constraint_rows();
+  limit_ = Eigen::VectorXd::Constant(count, std::numeric_limits<double>::infinity());
+  lower_ = -limit_;
+  upper_ = limit_;
+  term_.assign(count, -1);
+  enum Kind { kNone, kCone, kBounds, kCost };
+  std::vector<Kind> kind(count, kNone);
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    const Rows& c = rows_[i];
+    const Kind own = c.lower == nullptr ? kCone : c.cost ? kCost : kBounds;
+    std::fill_n(kind.begin() + c.row, c.count, own);
+    std::fill_n(term_.begin() + c.row, c.count, static_cast<int>(i));
+    if (own != kCone && std::isfinite(c.limit)) soft_.push_back(static_cast<int>(i));
+  }
+  const auto add_runs = [&](std::vector<Run>& runs, bool cost, auto wanted) {
+    for (int row = 0; row < count; ++row) {
+      if (!wanted(kind[row])) continue;
+      if (row == 0 || !wanted(kind[row - 1])) runs.push_back({row, 0, cost});
+      ++runs.back().count;
+    }
+  };
+  add_runs(bounds_, false, [](Kind k) { return k == kBounds; });
+  add_runs(bounds_, true, [](Kind k) { return k == kCost; });
+  add_runs(augmented_, false, [](Kind k) { return k == kBounds || k == kCone; });
+}
+
+void HorizonConstraints::read_bounds() {
+  for (const Rows& c : rows_) {
+    if (c.lower == nullptr) continue;
+    std::copy_n(c.lower, c.count, lower_.data() + c.row);
+    std::copy_n(c.upper, c.count, upper_.data() + c.row);
+  }
+}
+
+void HorizonConstraints::reset() {
+  settled_ = false;
+  read_bounds();
 }
 
 /// Of constraints that are soft by the square of their distance.
@@ -118,33 +165,35 @@ void HorizonConstraints::add_cost(int node, int row, int count, const double* lo
 void HorizonConstraints::start(const Linearization& linearization,
                                const Augmentation* augmentation) {
   base_ = linearization.constraint;
-  if (augmentation != nullptr) {
-    for (const Rows& c : rows_) {
-      if (c.cost) continue;
-      penalty_.segment(c.row, c.count) = augmentation->penalty.segment(c.row, c.count);
-      base_.segment(c.row, c.count) += augmentation->shift.segment(c.row, c.count);
-    }
-  }
+  if (augmentation != nullptr) read_augmentation(*augmentation);
   for (Node& node : nodes_) node.changed = false;
   restart();
 }
 
+void HorizonConstraints::read_augmentation(const Augmentation& augmentation) {
+  for (const Run& run : augmented_) {
+    penalty_.segment(run.row, run.count) = augmentation.penalty.segment(run.row, run.count);
+    base_.segment(run.row, run.count) += augmentation.shift.segment(run.row, run.count);
+  }
+  for (const int i : soft_)
+    limit_.segment(rows_[i].row, rows_[i].count)
+        .setConstant(rows_[i].limit / penalty_[rows_[i].row]);
+}
+
 void HorizonConstraints::restart() {
   around_ = base_;
-  for (std::size_t i = 0; i < cone_slope_.size(); ++i) {
+  for (const int i : cones_) {
     const Rows& c = rows_[i];
-    const double* s = base_.data() + c.row;
-    const double limit = c.limit / penalty_[c.row];
-    if (c.lower == nullptr) {
-      outside_cone_at(c, s, limit, outside_.data() + c.row, cone_slope_[i].data());
-      continue;
-    }
-    for_each_lane(c.count, [&](auto kind, int r) {
-      const auto at = load_rows<decltype(kind)>(s + r);
-      store_rows(outside_.data() + c.row + r, outside_row(c, r, at, limit));
-      store_rows(slope_.data() + c.row + r, row_slope(c, r, at, limit));
-    });
+    outside_cone_at(c, base_.data() + c.row, c.limit / penalty_[c.row], outside_.data() + c.row,
+                    cone_slope_[i].data());
   }
+  for (const Run& run : bounds_)
+    for_each_lane(run.count, [&](auto kind, int r) {
+      const int row = run.row + r;
+      const auto s = load_rows<decltype(kind)>(base_.data() + row);
+      store_rows(outside_.data() + row, outside_rows(row, s));
+      store_rows(slope_.data() + row, row_slopes(row, s, run.cost));
+    });
 }
 
 /// g + ∂g z + ν/ρ of all rows.
@@ -164,44 +213,54 @@ int HorizonConstraints::revise(const std::vector<Eigen::VectorXd>& z, double all
   return find_error() <= allowed ? 0 : revise(linearization, last);
 }
 
-/// found_ ← P(s) at shifted_. Returns Σ ρ |P(s) − model|² and notes which terms of bounds are off.
+/// found_ ← P(s) at shifted_. Returns Σ ρ |P(s) − model|². Notes which terms of bounds are off, and
+/// the nodes of these and of cones.
 double HorizonConstraints::find_error() {
   allowed_ = kExact * outside_.lpNorm<Eigen::Infinity>();
+  std::fill(off_.begin(), off_.end(), false);
+  for (Node& node : nodes_) node.off = node.cones;
   double sum = 0;
-  for (std::size_t i = 0; i < rows_.size(); ++i)
-    sum += rows_[i].lower != nullptr ? find_bounds_error(rows_[i], off_[i])
-                                     : find_cone_error(rows_[i], cone_slope_[i]);
+  for (const Run& run : bounds_) sum += find_bounds_error(run);
+  for (const int i : cones_) sum += find_cone_error(i);
   return sum;
 }
 
-double HorizonConstraints::find_bounds_error(const Rows& c, char& off) {
-  const double limit = c.limit / penalty_[c.row];
+double HorizonConstraints::find_bounds_error(const Run& run) {
   double sum = 0;
-  off = false;
-  for_each_lane(c.count, [&](auto kind, int r) {
+  for_each_lane(run.count, [&](auto kind, int r) {
     using S = decltype(kind);
-    const int row = c.row + r;
-    const S s = load_rows<S>(shifted_.data() + row);
-    const S found = outside_row(c, r, s, limit);
+    const int row = run.row + r;
+    const S found = outside_rows(row, load_rows<S>(shifted_.data() + row));
     store_rows(found_.data() + row, found);
-    const S outside = load_rows<S>(outside_.data() + row);
-    const S slope = load_rows<S>(slope_.data() + row);
     // Inactive rows that stay so are most of them.
-    const S zero(0.0);
-    if (!any((!(found == zero)) | (!(outside == zero)) | (!(slope == zero)))) return;
-    const S moved = s - load_rows<S>(around_.data() + row);
-    const S model = outside + slope * moved;
-    const S error = found - outside - slope * moved;
-    if (any(!(abs(found - model) <= S(allowed_)))) off = true;
-    double errors[sizeof(S) / sizeof(double)];
-    store_rows(errors, error);
-    for (std::size_t i = 0; i < std::size(errors); ++i)
-      sum += penalty_[row + i] * errors[i] * errors[i];
+    const S zero(0.0), outside = load_rows<S>(outside_.data() + row);
+    if (any((!(found == zero)) | (!(outside == zero)) |
+            (!(load_rows<S>(slope_.data() + row) == zero))))
+      sum += find_rows_error(row, found);
   });
   return sum;
 }
 
-double HorizonConstraints::find_cone_error(const Rows& c, const Eigen::MatrixXd& slope) {
+/// Of one row with P found there, or a lane of them.
+template <class S>
+inline double HorizonConstraints::find_rows_error(int row, const S& found) {
+  constexpr int kCount = sizeof(S) / sizeof(double);
+  const S outside = load_rows<S>(outside_.data() + row), slope = load_rows<S>(slope_.data() + row);
+  const S moved = load_rows<S>(shifted_.data() + row) - load_rows<S>(around_.data() + row);
+  double off[kCount], error[kCount], sum = 0;
+  store_rows(off, abs(found - (outside + slope * moved)));
+  store_rows(error, found - outside - slope * moved);
+  for (int i = 0; i < kCount; ++i) {
+    sum += penalty_[row + i] * error[i] * error[i];
+    if (off[i] <= allowed_) continue;
+    const int term = term_[row + i];
+    off_[term] = nodes_[rows_[term].node].off = true;
+  }
+  return sum;
+}
+
+double HorizonConstraints::find_cone_error(int term) {
+  const Rows& c = rows_[term];
   const int n = c.count;
   outside_cone_at(c, shifted_.data() + c.row, c.limit / penalty_[c.row], found_.data() + c.row,
                   nullptr);
@@ -209,7 +268,7 @@ double HorizonConstraints::find_cone_error(const Rows& c, const Eigen::MatrixXd&
   auto moved = new_outside_.head(n);
   moved = shifted_.segment(c.row, n) - around_.segment(c.row, n);
   error = found_.segment(c.row, n) - outside_.segment(c.row, n);
-  error.noalias() -= slope * moved;
+  error.noalias() -= cone_slope_[term] * moved;
   return penalty_[c.row] * error.squaredNorm();
 }
 
@@ -218,6 +277,7 @@ int HorizonConstraints::revise(Linearization& linearization, std::optional<int>&
   int changes = 0;
   for (int k = 0; k <= problem_.knots(); ++k) {
     Node& node = nodes_[k];
+    if (!node.off) continue;
     for (const int i : node.terms) {
       const Rows& c = rows_[i];
       const bool changed = c.lower == nullptr
@@ -255,13 +315,13 @@ bool HorizonConstraints::revise_bounds(const Rows& c, KnotLinearization& knot, N
   bool changed = false;
   for (int r = 0; r < c.count; ++r) {
     const int row = c.row + r;
-    const double s = shifted_[row], rho = penalty_[row], limit = c.limit / rho;
+    const double s = shifted_[row], rho = penalty_[row];
     const double outside = found_[row];
     const double model = outside_[row] + slope_[row] * (s - around_[row]);
     if (rho == 0 || std::abs(outside - model) <= allowed_) continue;
     keep(knot, node);
     changed = true;
-    const double slope = row_slope(c, r, s, limit);
+    const double slope = row_slopes(row, s, c.cost);
     const double before = outside_[row] - slope_[row] * (around_[row] - base_[row]);
     const double after = outside - slope * (s - base_[row]);
     const auto C = knot.C.row(row - offset);
@@ -326,11 +386,10 @@ double HorizonConstraints::slope_beyond_model(double alpha) {
     const int n = c.count;
     const double rho = penalty_[c.row], limit = c.limit / rho;
     if (c.lower != nullptr) {
-      for (int r = 0; r < n; ++r) {
-        const int row = c.row + r;
+      for (int row = c.row; row < c.row + n; ++row) {
         const double s = shifted_[row] + alpha * along_[row];
         const double model = outside_[row] + slope_[row] * (s - around_[row]);
-        sum += penalty_[row] * (outside_row(c, r, s, limit) - model) * along_[row];
+        sum += penalty_[row] * (outside_rows(row, s) - model) * along_[row];
       }
       continue;
     }

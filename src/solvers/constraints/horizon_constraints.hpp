@@ -33,8 +33,9 @@ class HorizonConstraints {
   void start(const Linearization& linearization, const Augmentation* augmentation);
   /// Begins again with the same iterate, after restore().
   void restart();
-  /// Forgets what settle() kept.
-  void reset() { settled_ = false; }
+  /// Forgets what settle() kept, and reads the problem's bounds, which may have changed since the
+  /// last solve.
+  void reset();
   /// After start(): models the rows around where settle() found them last, the next time only.
   void expect(Linearization& linearization);
   /// Models the rows around the step z of each node instead where the present model is off there.
@@ -65,8 +66,16 @@ class HorizonConstraints {
     double limit;  ///< of multipliers
     bool cost;     ///< whose penalty stays
   };
+  /// Rows one after the other, whatever their terms and nodes: thousands of terms have one row
+  /// each.
+  struct Run {
+    int row, count;
+    bool cost;
+  };
   struct Node {
     std::vector<int> terms;  ///< into rows_
+    bool cones = false;      ///< whether some are
+    bool off = false;        ///< whether the model of one may be
     bool changed = false;
     Eigen::VectorXd gradient;  ///< the node's own, once changed
     Eigen::MatrixXd hessian;
@@ -76,18 +85,23 @@ class HorizonConstraints {
   void add_barriers(int node);
   void add_cost(int node, int row, int count, const double* lower, const double* upper,
                 double weight);
+  void find_runs();
+  void read_bounds();
+  void read_augmentation(const Augmentation& augmentation);
   template <class S>
-  static S outside_row(const Rows& c, int r, const S& s, double limit);
+  S outside_rows(int row, const S& s) const;
   template <class S>
-  static S row_slope(const Rows& c, int r, const S& s, double limit);
+  S row_slopes(int row, const S& s, bool cost) const;
   static void outside_cone_at(const Rows& c, const double* s, double limit, double* p,
                               double* derivative);
   bool revise_bounds(const Rows& c, KnotLinearization& knot, Node& node);
   bool revise_cone(const Rows& c, int index, KnotLinearization& knot, Node& node);
   void keep(const KnotLinearization& knot, Node& node);
   double find_error();
-  double find_bounds_error(const Rows& c, char& off);
-  double find_cone_error(const Rows& c, const Eigen::MatrixXd& slope);
+  double find_bounds_error(const Run& run);
+  template <class S>
+  double find_rows_error(int row, const S& found);
+  double find_cone_error(int term);
   int revise(Linearization& linearization, std::optional<int>& last);
   void shift(const std::vector<Eigen::VectorXd>& z, const Linearization& linearization,
              Eigen::VectorXd& values) const;
@@ -95,7 +109,12 @@ class HorizonConstraints {
   const ShootingProblem& problem_;
   std::vector<Rows> rows_;
   std::vector<Node> nodes_;
-  Eigen::VectorXd penalty_;  ///< ρ, one number per constraint row
+  std::vector<Run> bounds_;        ///< rows with bounds
+  std::vector<Run> augmented_;     ///< rows that an augmentation has, with bounds or of cones
+  std::vector<int> cones_, soft_;  ///< into rows_; of bounds, those whose multipliers are limited
+  std::vector<int> term_;          ///< of rows_, per constraint row with bounds
+  Eigen::VectorXd lower_, upper_, limit_;  ///< of those: bounds, and what |P| may be
+  Eigen::VectorXd penalty_;                ///< ρ, one number per constraint row
   // A number per constraint row: s of the iterate, of the step that the model was made around, of
   // the step that is looked at; P at the second, its slope there where rows have bounds, and P at
   // the third.
@@ -104,7 +123,7 @@ class HorizonConstraints {
   bool settled_ = false;                     ///< these are known
   Eigen::VectorXd along_;                    ///< ∂g d of a path
   std::vector<Eigen::MatrixXd> cone_slope_;  ///< of each of rows_, empty unless a cone
-  std::vector<char> off_;                    ///< of each of rows_ with bounds: the model of P
+  std::vector<char> off_;                    ///< of each of rows_ with bounds: the model of P is
   LowRankUpdate update_;                     ///< of the Hessian of one node
   Eigen::MatrixXd new_slope_;                ///< scratch
   Eigen::VectorXd new_outside_, weight_, difference_;

@@ -32,13 +32,14 @@ void for_each_lane(int rows, F f) {
 /// Whether lower < value < upper in all rows.
 inline bool all_strictly_inside(const double* values, const double* lower, const double* upper,
                                 int rows) {
-  bool inside = true;
-  for_each_lane(rows, [&](auto kind, int r) {
-    using S = decltype(kind);
-    const S s = load_rows<S>(values + r);
-    inside = inside && !any((!(load_rows<S>(lower + r) < s)) | (!(s < load_rows<S>(upper + r))));
-  });
-  return inside;
+  int r = 0;
+  for (; r + kLaneWidth <= rows; r += kLaneWidth) {
+    const Lane s = load_lane(values + r);
+    if (any(!((load_lane(lower + r) < s) & (s < load_lane(upper + r))))) return false;
+  }
+  for (; r < rows; ++r)
+    if (!(lower[r] < values[r] && values[r] < upper[r])) return false;
+  return true;
 }
 
 }  // namespace conddp
