@@ -51,7 +51,7 @@ INSTANTIATE_TEST_SUITE_P(
                       MeshCase{"fermat", "ray", 2.3895264345742184, 1e-5, 1e-5},
                       MeshCase{"great_circle", "way", 1.26708182371641, 1e-5, 2e-5},
                       MeshCase{"driven_growth", "only", -0.256996962561, 1e-5, 2e-5}),
-    [](const auto& info) { return std::string(info.param.problem); });
+    [](const auto& tested) { return std::string(tested.param.problem); });
 
 TEST(MeshLimits, AGridThatIsTooCoarseIsNoSuccess) {
   const TemporaryFolder folder;
