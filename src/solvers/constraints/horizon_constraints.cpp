@@ -95,14 +95,15 @@ void HorizonConstraints::find_runs() {
   lower_ = -limit_;
   upper_ = limit_;
   term_.assign(count, -1);
-  enum Kind { kNone, kCone, kBounds, kCost };
+  enum Kind { kNone, kCone, kBounds, kConeCost, kBoundsCost };
   std::vector<Kind> kind(count, kNone);
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     const Rows& c = rows_[i];
-    const Kind own = c.lower == nullptr ? kCone : c.cost ? kCost : kBounds;
+    const bool cone = c.lower == nullptr;
+    const Kind own = c.cost ? (cone ? kConeCost : kBoundsCost) : cone ? kCone : kBounds;
     std::fill_n(kind.begin() + c.row, c.count, own);
     std::fill_n(term_.begin() + c.row, c.count, static_cast<int>(i));
-    if (own != kCone && std::isfinite(c.limit)) soft_.push_back(static_cast<int>(i));
+    if (!cone && std::isfinite(c.limit)) soft_.push_back(static_cast<int>(i));
   }
   const auto add_runs = [&](std::vector<Run>& runs, bool cost, auto wanted) {
     for (int row = 0; row < count; ++row) {
@@ -112,7 +113,7 @@ void HorizonConstraints::find_runs() {
     }
   };
   add_runs(bounds_, false, [](Kind k) { return k == kBounds; });
-  add_runs(bounds_, true, [](Kind k) { return k == kCost; });
+  add_runs(bounds_, true, [](Kind k) { return k == kBoundsCost; });
   add_runs(augmented_, false, [](Kind k) { return k == kBounds || k == kCone; });
 }
 
