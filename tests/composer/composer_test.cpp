@@ -208,7 +208,7 @@ TEST(Composer, EveryProblemEndsWithAStatusAndACertificateOrAReason) {
 /// exact Hessians, a restoration of feasibility without a finite first point.
 TEST(Composer, UnfinishedAnswersAreThoseOfTheirTrajectory) {
   Coverage coverage({});
-  for (const std::uint64_t seed : {60381, 63549, 64270, 65577}) {
+  for (const std::uint64_t seed : {60381, 63549, 64270}) {
     const ComposedProblem problem = compose_problem(seed);
     SCOPED_TRACE(fmt::format("seed {}:\n{}", seed, problem.text));
     EXPECT_FALSE(run(problem, coverage).refused);

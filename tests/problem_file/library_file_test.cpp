@@ -213,7 +213,7 @@ TEST(LibraryFiles, WhatDoesNotFitHasItsPlace) {
        "function: wind\n  gives: next\n  states: [angle, speed]\n  controls: [torque]",
        "4:13: error: difference equations read no time"},
       {"speed: rad/s", "t: rad/s", "5:24: error: 't' is the name of the clock"},
-      {"speed: rad/s", "angle: rad/s", "the name 'angle' is taken"},
+      {"speed: rad/s", "angle: rad/s", "5:24: error: the key 'angle' is given twice"},
       {"states:", "positions:",
        "5:14: error: 'positions' does not go with what the function gives"},
       {"function: swing", "function: swing\n  gives: speed",

@@ -52,7 +52,7 @@ TEST(Schema, DescribesASystemByTheNamesOfItsColumns) {
       {"quadrotor", quadrotor({})},
       {"lander", lander({})}};
   const Json types = load_schema().at("definitions").at("system").at("oneOf");
-  EXPECT_EQ(types.size(), std::size(systems) + 1);  // and those whose columns the file names
+  EXPECT_EQ(types.size(), std::size(systems) + 2);  // and two whose columns the file names
   for (const auto& [name, system] : systems)
     for (const Json& type : types) {
       const Json& head = type.at("properties").at("type");
@@ -404,9 +404,10 @@ struct SchemaWalk {
     return false;
   }
   static bool is_dimensionless(const std::string& path, const std::string& key) {
-    // Weights, directions, matrices of the user's own system, and the solvers' bare numbers.
-    static const std::set<std::string> kKeys = {"weights", "direction", "A",
-                                                "B",       "c",         "merit_margin"};
+    // Weights, directions, matrices and parameters of the user's own functions, and the solvers'
+    // bare numbers.
+    static const std::set<std::string> kKeys = {"weights", "direction",  "A",           "B",
+                                                "c",       "parameters", "merit_margin"};
     if (kKeys.contains(key) || path.ends_with("/state")) return true;
     for (const char* group :
          {"/regularization", "/line_search", "/augmented_lagrangian", "/box_qp", "/gains",

@@ -15,8 +15,8 @@
 #include <IpTNLPAdapter.hpp>
 
 #include "base/stopwatch.hpp"
-#include "nlp/ipopt/one_blas_thread.hpp"
 #include "nlp/ipopt/registered_options.hpp"
+#include "nlp/ipopt/repeatable_algebra.hpp"
 
 namespace conddp {
 namespace {
@@ -266,7 +266,7 @@ InteriorPointAnswer ipopt_minimise(
     const std::function<bool(const InteriorPointIterate&)>& on_iterate) {
   static std::mutex one_at_a_time;
   const std::lock_guard lock(one_at_a_time);
-  const OneBlasThread one_thread;
+  const RepeatableAlgebra repeatable;
   const SmartPtr<Ipopt::IpoptApplication> application = new Ipopt::IpoptApplication(false, false);
   set_options(*application->Options(), settings);
   // An empty name: otherwise a file ipopt.opt in the working folder would be read.
