@@ -61,6 +61,36 @@ TEST_F(LoopVerdict, HoldsOfSimulatedContactsCommandsAndPhasesThatAreReTimed) {
                   "mpc.commands.2.at=0.7", "mpc.disturbances=[]"}));
 }
 
+/// The text of an example problem.
+std::string example(const char* name) {
+  return read_text_file(std::filesystem::path(CONDDP_SOURCE_DIR) / "problems" / name, 1 << 20).text;
+}
+
+TEST_F(LoopVerdict, AllowsWhatTheDecimalsOfTimesLeaveOpenAtTheRateOfTheStepsEnd) {
+  expect_holds(SimulatedLoop(kStiffMass));
+}
+
+TEST_F(LoopVerdict, TakesTimesThatAreRoundedForTheEndsOfKnotsThatTheyStandFor) {
+  const std::string mpc =
+      "mpc={horizon: 0.3, tick: 0.00777777777, duration: 0.8, plant: {dt: "
+      "0.00333333333}, repeat: hold}";
+  expect_holds(SimulatedLoop(example("hopper_jump.yaml"), {mpc}));
+}
+
+TEST_F(LoopVerdict, TakesTimesThatAreRoundedForTheTimesOfPushesJumpsAndCommands) {
+  const auto settings = [](const char* tick) {
+    return std::vector<std::string>{
+        std::string("mpc={horizon: 0.3, tick: ") + tick +
+        ", duration: 0.9, repeat: gait, plant: {dt: 0.002}, disturbances: [{at: 0.1, frame: trunk, "
+        "force: [0, 40, 0], duration: 0.1}, {at: 0.2, jump: {base/vz: 0.1}}], commands: [{at: 0.4, "
+        "velocity: [0.3, 0, 0]}]}"};
+  };
+  for (const char* tick : {"0.0333333333", "0.03999999995625"}) {
+    SCOPED_TRACE(tick);
+    expect_holds(SimulatedLoop(example("quadruped_trot.yaml"), settings(tick)));
+  }
+}
+
 TEST_F(LoopVerdict, HoldsWhereAPhaseIsAJump) { expect_holds(SimulatedLoop(kBouncingMass)); }
 
 TEST_F(LoopVerdict, HoldsOfARobotThatIsPushedWhileItTrots) {
@@ -111,6 +141,54 @@ TEST_F(LoopVerdict, FailsWhereTheDocumentSaysOtherwise) {
   EXPECT_EQ(failures_of("/last_state/theta", 3), "plant's last state;last_state/theta;");
   EXPECT_EQ(failures_of("/outcomes/planned", 74), "outcomes/planned;");
   EXPECT_EQ(failures_of("/problem/configuration/mpc/tick", 0.03), "configuration;");
+  EXPECT_EQ(failures_of("/problem/name", "other"), "problem/name;");
+  const OrderedJson invented = OrderedJson::parse(R"([{"file": "a.urdf", "sha256": ""}])");
+  EXPECT_EQ(failures_of("/problem/robots", invented), "problem/robots;");
+  EXPECT_EQ(failures_of("/problem/data_files", invented), "problem/data_files;");
+  EXPECT_EQ(failures_of("/problem/more", 1), "problem;");
+  EXPECT_EQ(failures_of("/more", 1), "document;");
+  EXPECT_EQ(failures_of("/clock", "sundial"), "clock;");
+}
+
+TEST_F(LoopVerdict, FailsWhereTicksAreLateByASimulatedClock) {
+  const SimulatedLoop loop(kBalancedCartpole, {}, {10, 11});
+  write(loop);
+  OrderedJson document = loop_json(loop.run());
+  EXPECT_EQ(document["clock"], "wall");
+  document["clock"] = "simulated";
+  EXPECT_EQ(failures(judge(loop, document)), "clock;");
+}
+
+TEST_F(LoopVerdict, ThrowsWhereTheDocumentHasWhatNoLoopCanHave) {
+  const SimulatedLoop loop(kBalancedCartpole);
+  const OrderedJson document = loop_json(loop.run());
+  const auto judge_with = [&](const char* key, const OrderedJson& value) {
+    OrderedJson changed = document;
+    changed[key] = value;
+    return judge(loop, changed);
+  };
+  EXPECT_THROW(judge_with("tool", 5), MalformedSolution);
+  EXPECT_THROW(judge_with("tool", OrderedJson::array()), MalformedSolution);
+  EXPECT_THROW(judge_with("clock", 5), MalformedSolution);
+  for (const char* ticks : {"[8589934592]", "[-1]", "[75]", "[0.5]", "[18446744073709551615]"})
+    EXPECT_THROW(judge_with("late_ticks", OrderedJson::parse(ticks)), MalformedSolution) << ticks;
+}
+
+TEST_F(LoopVerdict, NamesTheLineOfAStateThatIsEmpty) {
+  const SimulatedLoop loop(kBalancedCartpole);
+  write(loop);
+  replace_text(kPlantFile, with_cell(text(kPlantFile), 42, 4, ""));
+  const std::string line = certificate_line(judge(loop, loop_json(loop.run())));
+  EXPECT_NE(line.find("line 42: a cell of the state is empty"), std::string::npos) << line;
+}
+
+TEST_F(LoopVerdict, SaysWhereAControlIsEmpty) {
+  const SimulatedLoop loop(kBalancedCartpole);
+  write(loop);
+  replace_text(kPlantFile, with_cell(text(kPlantFile), 42, 7, ""));
+  const std::string line = certificate_line(judge(loop, loop_json(loop.run())));
+  EXPECT_NE(line.find("plant: a number is missing or not finite at 0.205 s"), std::string::npos)
+      << line;
 }
 
 TEST_F(LoopVerdict, FailsAtTheRowWhoseStateDoesNotFollow) {
@@ -120,6 +198,7 @@ TEST_F(LoopVerdict, FailsAtTheRowWhoseStateDoesNotFollow) {
   replace_text(kPlantFile, with_cell(rows, 42, 7, "0.5"));  // the control at 0.2 s
   const LoopCertificate control = judge(loop, loop_json(loop.run()));
   EXPECT_NE(failures(control).find("plant;"), std::string::npos);
+  EXPECT_NE(certificate_line(control).find("DOES NOT HOLD: plant: is off by "), std::string::npos);
   EXPECT_NE(certificate_line(control).find("at 0.205 s, "), std::string::npos)
       << certificate_line(control);
   replace_text(kPlantFile, with_cell(rows, 42, 4, "3.2"));  // theta

@@ -54,7 +54,19 @@ solver: {name: box_fddp}
 mpc: {horizon: 2, duration: 1, repeat: none, tick: 0.05}
 )";
 
-/// A closed loop that has been simulated.
+/// A mass on a spring whose rate changes much faster than its mean over a step.
+inline constexpr const char* kStiffMass = R"(conddp: 1
+name: stiff
+system: {states: {p: m, v: m/s}, controls: {u: N}, rate: {p: v, v: u - 10000*p}}
+initial_state: {values: {p: 1}}
+integrator: rk4
+phases: [{name: swing, knots: 200, dt: 0.002}]
+costs: {track: {residual: state}, effort: {residual: control, weight: 0.01}}
+solver: {name: box_fddp}
+mpc: {horizon: 0.1, tick: 0.02, duration: 0.2, feedback: {rate: 300}}
+)";
+
+/// A closed loop that has been simulated; with ticks that were late, as by a measured clock.
 struct SimulatedLoop {
   explicit SimulatedLoop(const std::string& text, const std::vector<std::string>& settings = {},
                          std::set<int> late = {}) {
@@ -68,6 +80,7 @@ struct SimulatedLoop {
       task->mpc.controller.is_late = [late](int tick) { return late.contains(tick); };
     result = run_loop(*task);
     task->mpc.controller.is_late = nullptr;
+    if (!late.empty()) task->mpc.controller.clock = [] { return 0.0; };
   }
   LoopRun run() const { return {*task, result, {}}; }
 

@@ -2,6 +2,7 @@
 #include <filesystem>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "arguments/shared_arguments.hpp"
 #include "base/json/json_document.hpp"
@@ -88,7 +89,7 @@ int verify_loop(const VerifyArguments& arguments, const OrderedJson& document, D
   return print(arguments, *task, certify_loop(document, folder, *task));
 }
 
-/// What is kept of a document: of a solution, then of a closed loop.
+/// What is kept of a solution.
 constexpr std::string_view kKeys[] = {"problem",
                                       "solver",
                                       "status",
@@ -107,33 +108,29 @@ constexpr std::string_view kKeys[] = {"problem",
                                       "multipliers",
                                       "log",
                                       "certificate",
-                                      "nulls",
-                                      "tool",
-                                      "end",
-                                      "end_time_s",
-                                      "ticks",
-                                      "outcomes",
-                                      "late_ticks",
-                                      "fallback_ticks",
-                                      "violation",
-                                      "last_state"};
+                                      "nulls"};
+
+/// What the file is, as it was loaded for a solution; of a closed loop everything counts.
+int verify_document(const VerifyArguments& arguments, const nlohmann::json& loaded,
+                    Diagnostics& out) {
+  if (!is_of(kLoopDocument, loaded)) return verify_solution(arguments, OrderedJson(loaded), out);
+  const auto whole = load_document(arguments.solution, kLoopDocument, kEverything, {}, out);
+  return whole ? verify_loop(arguments, OrderedJson(*whole), out) : kExitBadInput;
+}
 
 int verify(const VerifyArguments& arguments) {
   constexpr DocumentKind kKinds[] = {kSolutionDocument, kLoopDocument};
   Diagnostics diagnostics;
   int code = kExitBadInput;
   try {
-    if (const auto loaded = load_document(arguments.solution, kKinds, kKeys, {}, diagnostics)) {
-      const OrderedJson document(*loaded);
-      const auto judge = is_of(kLoopDocument, *loaded) ? verify_loop : verify_solution;
-      code = judge(arguments, document, diagnostics);
-    }
+    if (const auto loaded = load_document(arguments.solution, kKinds, kKeys, {}, diagnostics))
+      code = verify_document(arguments, *loaded, diagnostics);
   } catch (const MalformedSolution& malformed) {
     diagnostics.add({.file = arguments.solution,
-                     .message = "the solution cannot be used: " + std::string(malformed.what())});
+                     .message = "the file cannot be used: " + std::string(malformed.what())});
   } catch (const OrderedJson::exception& error) {
     diagnostics.add({.file = arguments.solution,
-                     .message = fmt::format("the solution cannot be used: {}", error.what())});
+                     .message = fmt::format("the file cannot be used: {}", error.what())});
   }
   print_messages(diagnostics,
                  arguments.quiet && code != kExitBadInput ? Verbosity::kQuiet : Verbosity::kNormal);

@@ -59,7 +59,7 @@ class Sieve {
     if (!keys_[depth].insert(key).second)
       throw MalformedSolution{fmt::format("the key '{}' is given twice", key)};
     if (depth != 1) return true;
-    wanted_ = key == "format" ||
+    wanted_ = wanted_keys_.empty() || key == "format" ||
               std::find(wanted_keys_.begin(), wanted_keys_.end(), key) != wanted_keys_.end();
     return wanted_;
   }

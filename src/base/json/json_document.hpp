@@ -22,6 +22,9 @@ inline constexpr DocumentKind kLoopDocument{"conddp.mpc/", "closed loop"};
 inline constexpr DocumentKind kBenchDocument{"conddp.bench/", "benchmark"};
 inline constexpr DocumentKind kBestKnownDocument{"conddp.best_known/", "list of best known optima"};
 
+/// The keys of whoever wants all entries of a document.
+inline constexpr std::span<const std::string_view> kEverything{};
+
 /// Reads the entries `keys` (and `format`) of a document from its text; the others are passed over
 /// without being kept, since gains and multipliers of a long solution would fill the memory.
 /// Refused with their places: what is no JSON, is nested too deeply, is too long, or has a key

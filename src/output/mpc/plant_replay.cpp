@@ -9,6 +9,17 @@ namespace conddp {
 namespace {
 
 constexpr double kTimeDecimal = 1e-9;  ///< s
+/// By how much the length of a step may be off, s: both of its times are rounded, and the loop
+/// takes lengths that differ by kSameTime for one.
+constexpr double kLengthError = 2 * kTimeDecimal;
+/// By how much longer a step is taken for the rate at its end, s.
+constexpr double kProbe = 1e-6;
+
+/// Whether a row, which ends at `next`, stands for something that happens at a time: so it does
+/// where decimals alone tell the two apart. No step goes on beyond such a time.
+bool stands_for(double row, double next, double time) {
+  return is_before(time, next) && std::abs(time - row) <= kLengthError;
+}
 
 bool all_finite(const std::vector<double>& x) {
   return std::all_of(x.begin(), x.end(), [](double value) { return std::isfinite(value); });
@@ -29,6 +40,16 @@ class LonePlant {
     }
   }
 
+  /// The time that a row which ends at `next` stands for, where something changes then: the plant,
+  /// or its state by a jump. Otherwise the row's own.
+  double moment(double row, double next) const {
+    double latest = row;
+    for (const Period& period : periods_)
+      if (stands_for(row, next, period.from)) latest = std::max(latest, period.from);
+    for (const Jump& jump : loop_.jumps)
+      if (stands_for(row, next, jump.at)) latest = std::max(latest, jump.at);
+    return latest;
+  }
   /// Moves a state on, with a control.
   void step(double time, double length, const double* u, double* x) {
     at(time).step(time, length, u, x);
@@ -83,11 +104,9 @@ class RowByRow {
     const std::size_t last = rows_.times.size() - 1;
     compare_events(0, 0, x);
     for (std::size_t i = 0; i < last; ++i) {
-      x = rows_.x[i];
       appraise(i);
-      const double length = rows_.times[i + 1] - rows_.times[i];
-      plant_.step(rows_.times[i], length, rows_.u[i].data(), x.data());
-      compare_events(i + 1, largest_rate(rows_.x[i], x, length), x);
+      const double rate = step(i, x);
+      compare_events(i + 1, rate, x);
       result_.goes_on_after_end |= ended(i);
     }
     result_.end = end(last);
@@ -95,20 +114,38 @@ class RowByRow {
   }
 
  private:
-  /// How fast a state moves: by that, times of nine decimals leave it open.
-  double largest_rate(const std::vector<double>& from, const std::vector<double>& to,
-                      double length) {
-    task_.built.problem->manifold().difference(from.data(), to.data(), tangent_.data());
+  /// When a row ends; the last one does not.
+  double next_time(std::size_t row) const {
+    return row + 1 < rows_.times.size() ? rows_.times[row + 1] : HUGE_VAL;
+  }
+
+  /// The time that a row stands for. The loop's own times, of which rows have nine decimals, are
+  /// those at which knots end, jumps happen and plants change.
+  double moment(std::size_t row) const {
+    const double time = rows_.times[row], next = next_time(row), end = line_.at(time).end;
+    return std::max(stands_for(time, next, end) ? end : time, plant_.moment(time, next));
+  }
+
+  /// Moves the state of a row on to the next one. How fast the result changes with the step's
+  /// length: by that, times of nine decimals leave it open.
+  double step(std::size_t row, std::vector<double>& x) {
+    const double time = moment(row), length = next_time(row) - rows_.times[row];
+    const double* u = rows_.u[row].data();
+    std::vector<double> later = rows_.x[row];
+    plant_.step(time, length + kProbe, u, later.data());
+    x = rows_.x[row];
+    plant_.step(time, length, u, x.data());
+    task_.built.problem->manifold().difference(x.data(), later.data(), tangent_.data());
     double largest = 0;
     for (const double entry : tangent_) largest = std::max(largest, std::abs(entry));
-    return largest / length;
+    return largest / kProbe;
   }
 
   /// Compares a row with where the plant gets, after what happens at its time; the last row may
   /// come before that.
   void compare_events(std::size_t row, double rate, std::vector<double>& x) {
     const std::vector<double> before = x;
-    plant_.happen(rows_.times[row], x.data());
+    plant_.happen(moment(row), x.data());
     PlantReplay after = compared(row, rate, x);
     if (row + 1 == rows_.times.size())
       if (PlantReplay without = compared(row, rate, before); without.excess < after.excess)
@@ -125,7 +162,7 @@ class RowByRow {
     if (!all_finite(x) && !all_finite(rows_.x[row])) return worst;
     task_.built.problem->manifold().difference(x.data(), rows_.x[row].data(), tangent_.data());
     for (std::size_t i = 0; i < tangent_.size(); ++i) {
-      const double allowed = kTimeDecimal * (1 + rate), distance = std::abs(tangent_[i]);
+      const double allowed = kLengthError * (1 + rate), distance = std::abs(tangent_[i]);
       const double excess = std::isfinite(distance) ? distance / allowed : HUGE_VAL;
       if (excess <= worst.excess) continue;
       worst.excess = excess;
@@ -146,12 +183,12 @@ class RowByRow {
   }
 
   void appraise(std::size_t row) {
-    take_commands(rows_.times[row]);
-    const double length = rows_.times[row + 1] - rows_.times[row];
+    const double time = moment(row), length = next_time(row) - rows_.times[row];
+    take_commands(time);
     const StepFigures figures =
-        appraisal_.of_step(rows_.times[row], length, rows_.u[row].data(), rows_.x[row].data());
+        appraisal_.of_step(time, length, rows_.u[row].data(), rows_.x[row].data());
     result_.cost += figures.cost;
-    result_.cost_rounding += std::abs(figures.cost) * kTimeDecimal / length;
+    result_.cost_rounding += std::abs(figures.cost) * kLengthError / length;
     result_.violation = std::max(result_.violation, figures.violation);
   }
 

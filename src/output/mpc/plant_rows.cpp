@@ -1,5 +1,6 @@
 #include "output/mpc/plant_rows.hpp"
 
+#include <cmath>
 #include <limits>
 #include <string_view>
 
@@ -36,6 +37,16 @@ std::vector<double> numbers_of(const std::vector<CsvCell>& cells, std::size_t fr
   return numbers;
 }
 
+/// Only at the end a loop may have a state that is not finite: the cells of others have numbers.
+void check_states(const PlantRows& rows) {
+  constexpr int kFirstLine = 2;
+  for (std::size_t row = 0; row + 1 < rows.x.size(); ++row)
+    for (const double number : rows.x[row])
+      if (std::isnan(number))
+        throw MalformedSolution{
+            fmt::format("line {}: a cell of the state is empty", kFirstLine + row)};
+}
+
 }  // namespace
 
 PlantRows read_plant_rows(const std::string& text, const LoopTask& task) {
@@ -57,6 +68,7 @@ PlantRows read_plant_rows(const std::string& text, const LoopTask& task) {
     rows.u.push_back(numbers_of(cells, kBefore + nx, nu, line));
   }
   if (rows.times.empty()) throw MalformedSolution{"there is no row"};
+  check_states(rows);
   return rows;
 }
 

@@ -23,10 +23,12 @@ std::string figure(double value) {
 
 std::string failure_text(const Check& check) {
   std::string text = check.name + ": ";
-  if (has_figures(check))
+  // Of what makes no claim in figures, the message says what does not hold.
+  const bool figures = has_figures(check) && (!std::isnan(check.claimed) || check.message.empty());
+  if (figures)
     text += fmt::format("claimed {}, found {} (tolerance {:.1e})", figure(check.claimed),
                         figure(check.found), check.tolerance);
-  if (!check.message.empty()) text += (has_figures(check) ? ": " : "") + check.message;
+  if (!check.message.empty()) text += (figures ? ": " : "") + check.message;
   if (!check.place.empty()) text += " at " + check.place;
   return text;
 }

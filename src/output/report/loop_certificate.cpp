@@ -5,6 +5,7 @@
 #include <set>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "base/files/source_text.hpp"
 #include "base/files/text_file.hpp"
@@ -37,6 +38,14 @@ const OrderedJson& member_of(const OrderedJson& document, const std::string& key
 /// A part of an object; null where it has none.
 OrderedJson part_of(const OrderedJson& object, const std::string& key) {
   return object.is_object() ? object.value(key, OrderedJson()) : OrderedJson();
+}
+
+/// The names of the files of a list, without their folders, which depend on where conddp runs.
+std::vector<std::string> file_names(const OrderedJson& list) {
+  std::vector<std::string> names;
+  for (const OrderedJson& file : list)
+    names.push_back(std::filesystem::path(solution_text(file, "file")).filename().string());
+  return names;
 }
 
 /// What two texts of tables have in common: the first cell that differs, in words; empty: all.
@@ -72,11 +81,14 @@ class LoopJudge {
       : document_(document),
         folder_(folder),
         task_(task),
-        tolerance_(is_of_this_build() ? 0 : kOtherBuild) {}
+        tolerance_(is_of_this_build() ? 0 : kOtherBuild),
+        ticks_(claimed_ticks()),
+        late_(late_ticks()) {}
 
   LoopCertificate judge() {
     add(configuration_check(member_of(member_of(document_, "problem"), "configuration"),
                             *task_.spec, task_.built));
+    judge_clock();
     judge_plant();
     judge_loop();
     return std::move(certificate_);
@@ -85,7 +97,17 @@ class LoopJudge {
  private:
   /// By keys: a document that was read has them in another order.
   bool is_of_this_build() const {
-    return OrderedJson::diff(member_of(document_, "tool"), tool_json()).empty();
+    const OrderedJson& tool = member_of(document_, "tool");
+    for (const char* key : {"name", "version", "revision"}) solution_text(tool, key);
+    return OrderedJson::diff(tool, tool_json()).empty();
+  }
+
+  /// Solves that are not measured are never late.
+  void judge_clock() {
+    const std::string clock = solution_text(document_, "clock");
+    state("clock", clock == "wall" || (clock == "simulated" && late_.empty()),
+          clock == "simulated" ? "ticks are late, though the clock is simulated"
+                               : fmt::format("'{}' is neither 'simulated' nor 'wall'", clock));
   }
 
   void add(Check check) { certificate_.checks.checks.push_back(std::move(check)); }
@@ -137,7 +159,8 @@ class LoopJudge {
          .holds = replay.excess <= 1,
          .found = replay.deviation,
          .tolerance = replay.allowed,
-         .place = replay.place});
+         .place = replay.place,
+         .message = plant_message(replay)});
     // Where phases are re-timed, the rows alone do not tell what counted when.
     if (!task_.mpc.controller.retiming) judge_figures(replay);
     figures("plant's end", figure_of(member_of(document_, "end_time_s")), rows.times.back(),
@@ -148,6 +171,13 @@ class LoopJudge {
                                    : fmt::format("'{}' in the file, '{}' by the last row", claimed,
                                                  to_string(replay.end)));
     judge_last_state(rows.x.back());
+  }
+
+  static std::string plant_message(const PlantReplay& replay) {
+    if (replay.excess <= 1) return {};
+    if (!std::isfinite(replay.deviation)) return "a number is missing or not finite";
+    return fmt::format("is off by {:.3g}, where the decimals of the times allow {:.1e}",
+                       replay.deviation, replay.allowed);
   }
 
   void judge_figures(const PlantReplay& replay) {
@@ -176,10 +206,10 @@ class LoopJudge {
   void judge_loop() {
     MpcOptions controller = task_.mpc.controller;
     controller.clock = nullptr;
-    controller.is_late = [late = late_ticks()](int tick) { return late.contains(tick); };
+    controller.is_late = [this](int tick) { return late_.contains(tick); };
     ClosedLoopOptions loop = task_.mpc.loop;
     if (solution_text(document_, "end") == to_string(LoopEnd::interrupted))
-      loop.interrupted = [left = claimed_ticks()]() mutable { return left-- <= 0; };
+      loop.interrupted = [left = ticks_]() mutable { return left-- <= 0; };
     Mpc mpc(task_.built.problem, task_.built.guess, controller);
     const ClosedLoopResult result = run_closed_loop(mpc, loop);
     const LoopRun run{task_, result, {}};
@@ -191,7 +221,10 @@ class LoopJudge {
   std::set<int> late_ticks() const {
     std::set<int> late;
     for (const OrderedJson& tick : solution_list(document_, "late_ticks")) {
-      if (!tick.is_number_integer()) throw MalformedSolution{"'late_ticks' has no whole numbers"};
+      const bool is_whole = tick.is_number_integer();
+      if (const double number = is_whole ? tick.get<double>() : -1; number < 0 || number >= ticks_)
+        throw MalformedSolution{
+            fmt::format("'late_ticks' has {}, which is none of {:g} ticks", tick.dump(), ticks_)};
       late.insert(tick.get<int>());
     }
     return late;
@@ -207,6 +240,29 @@ class LoopJudge {
     static const std::set<std::string> kBeside = {"format", "problem", "tool", "clock"};
     for (const auto& [key, value] : found.items())
       if (!kBeside.contains(key)) compare(key, member_of(document_, key), value);
+    compare_keys("document", document_, found);
+    compare_problem(member_of(document_, "problem"), member_of(found, "problem"));
+  }
+
+  /// Whether an object has entries that are of no document.
+  void compare_keys(const char* name, const OrderedJson& claimed, const OrderedJson& found) {
+    std::string unknown;
+    for (const auto& [key, value] : claimed.items())
+      if (!found.contains(key)) unknown += (unknown.empty() ? "'" : ", '") + key + '\'';
+    state(name, unknown.empty(), fmt::format("has {}, which conddp does not write", unknown));
+  }
+
+  /// Name and files of the problem. What is in them is compared where they are read.
+  void compare_problem(const OrderedJson& claimed, const OrderedJson& found) {
+    compare_keys("problem", claimed, found);
+    compare("problem/name", member_of(claimed, "name"), member_of(found, "name"));
+    for (const char* key : {"robots", "data_files"}) {
+      const auto files = file_names(solution_list(claimed, key)),
+                 read = file_names(member_of(found, key));
+      state(fmt::format("problem/{}", key), files == read,
+            fmt::format("[{}] in the file, [{}] in the problem", fmt::join(files, ", "),
+                        fmt::join(read, ", ")));
+    }
   }
 
   void compare(const std::string& name, const OrderedJson& claimed, const OrderedJson& found) {
@@ -235,6 +291,8 @@ class LoopJudge {
   const std::filesystem::path& folder_;
   const LoopTask& task_;
   const double tolerance_;
+  const double ticks_;        ///< that there were, as the document says
+  const std::set<int> late_;  ///< of them
   LoopCertificate certificate_;
 };
 

@@ -59,11 +59,11 @@ Sources sources(const OrderedJson& document, RebuiltFor kind) {
 /// The file as the solution names it, seen from here or from a folder above the solution.
 fs::path find_problem(const std::string& name, const std::string& solution) {
   std::error_code error;
-  if (fs::exists(name, error)) return name;
+  if (fs::is_regular_file(name, error)) return name;
   const fs::path file = fs::absolute(solution, error);
   for (fs::path folder = file; folder.has_relative_path();) {
     folder = folder.parent_path();
-    if (fs::exists(folder / name, error)) return folder / name;
+    if (fs::is_regular_file(folder / name, error)) return folder / name;
   }
   return name;
 }
@@ -136,7 +136,7 @@ bool build_again(RebuiltFor kind, const OrderedJson& document, const std::string
   const Sources s = sources(document, kind);
   const fs::path file = problem.empty() ? find_problem(s.problem, document_file) : problem;
   std::error_code error;
-  if (problem.empty() && !fs::exists(file, error)) {
+  if (problem.empty() && !fs::is_regular_file(file, error)) {
     out.add({.file = document_file,
              .message = fmt::format("its problem '{}' is not there", s.problem),
              .hint = "say with --problem where it is now"});
