@@ -130,7 +130,30 @@ TEST_F(MpcCommand, LeavesNothingThatVerifyTakesFromAnotherFile) {
   folder_.write("out/mpc.json", document.dump());
   const ProcessResult lacking = run_conddp({"verify", "out/mpc.json"}, {.folder = folder_.path()});
   EXPECT_EQ(lacking.exit_code, 2);
-  EXPECT_NE(lacking.err.find("'end' is missing"), std::string::npos) << lacking.err;
+  EXPECT_NE(lacking.err.find("the file cannot be used: 'end' is missing"), std::string::npos)
+      << lacking.err;
+}
+
+TEST_F(MpcCommand, LeavesADocumentInWhichVerifyNoticesMoreMembers) {
+  ASSERT_EQ(run({}, "out").exit_code, 0);
+  auto document = nlohmann::json::parse(file("out/mpc.json"));
+  document["approved"] = true;
+  folder_.write("out/mpc.json", document.dump());
+  const ProcessResult verified = run_conddp({"verify", "out/mpc.json"}, {.folder = folder_.path()});
+  EXPECT_EQ(verified.exit_code, 1) << verified.err;
+  EXPECT_NE(verified.out.find("document: has 'approved'"), std::string::npos) << verified.out;
+}
+
+TEST_F(MpcCommand, LeavesNothingThatVerifyTakesFromAFolder) {
+  ASSERT_EQ(run({}, "out").exit_code, 0);
+  auto document = nlohmann::json::parse(file("out/mpc.json"));
+  document["problem"]["file"] = "stdin";
+  folder_.write("out/mpc.json", document.dump());
+  std::filesystem::create_directory(folder_.path() / "stdin");
+  const ProcessResult verified = run_conddp({"verify", "out/mpc.json"}, {.folder = folder_.path()});
+  EXPECT_EQ(verified.exit_code, 2);
+  EXPECT_NE(verified.err.find("its problem 'stdin' is not there"), std::string::npos)
+      << verified.err;
 }
 
 TEST_F(MpcCommand, SaysThatOutputsDifferWhereSolvesAreMeasured) {
@@ -163,6 +186,78 @@ TEST_F(MpcCommand, FindsTheLargestPushThatTheLoopSurvives) {
   const auto document = nlohmann::json::parse(file("out/mpc.json"));
   EXPECT_EQ(document["end"], "finished");
   EXPECT_EQ(document["problem"]["overrides"][0], fmt::format("{}={}", key, largest));
+}
+
+TEST_F(MpcCommand, PrintsWhatIsFoundAsJson) {
+  const std::string key = "mpc.disturbances.0.jump.omega";
+  const auto found = [&](const std::string& range) {
+    const ProcessResult result = run({"--largest", key + "=" + range, "--json"}, "out");
+    EXPECT_TRUE(fits_schema("mpc", result.out)) << result.out << result.err;
+    auto document = nlohmann::json::parse(result.out);
+    const auto largest = document["largest"];
+    document.erase("largest");
+    EXPECT_EQ(document, nlohmann::json::parse(file("out/mpc.json")));
+    return largest;
+  };
+  EXPECT_EQ(found("[0, 0.5]"),
+            (nlohmann::json{{"key", key}, {"low", 0.0}, {"high", 0.5}, {"survived", 0.5}}));
+  EXPECT_TRUE(found("[20, 30]").at("survived").is_null());
+}
+
+TEST_F(MpcCommand, LooksForAParameterThatThePlantHas) {
+  std::string changed = kBalance;
+  changed.replace(changed.find("system.pole_mass: 0.25"), 22, "system.pole_mass: =pm");
+  folder_.write("balance.yaml", changed + "parameters: {pm: 0.25}\n");
+  const ProcessResult result = run({"--largest", "parameters.pm=[0.1, 0.3]"}, "out");
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(result.out.find("parameters.pm is survived up to 0.3, all of the range\n"), 0u)
+      << result.out;
+}
+
+TEST_F(MpcCommand, ChecksKeyAndRangeBeforeTheFirstLoop) {
+  struct Case {
+    const char *argument, *message;
+  };
+  for (const auto& [argument, message] :
+       {Case{"parameters.foo=[0, 1]", "'parameters.foo' is no number of the file"},
+        Case{"name=[0, 5]", "'name' is no number of the file"},
+        Case{"mpc.delay=[0, 1]", "--largest:1:11: error: a delay of 1 s is longer than the tick"},
+        Case{"mpc.disturbances.1.seed=[0, 5]", "--largest:1:25: error: "}}) {
+    const ProcessResult result = run({"--largest", argument}, "out");
+    EXPECT_EQ(result.exit_code, 2) << argument;
+    EXPECT_NE(result.err.find(message), std::string::npos) << result.err;
+    EXPECT_EQ(result.err.find("--set"), std::string::npos) << result.err;
+    EXPECT_FALSE(std::filesystem::exists(folder_.path() / "out"));
+  }
+  std::string endless = kBalance;
+  endless.erase(endless.find("  stop_when"));
+  folder_.write("balance.yaml", endless);
+  const ProcessResult result = run({"--largest", "mpc.disturbances.0.jump.omega=[0, 1000]"}, "out");
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_NE(result.err.find("a loop without 'stop_when' lasts whatever happens"), std::string::npos)
+      << result.err;
+}
+
+TEST_F(MpcCommand, MakesTheFolderOfASearchBeforeTheFirstLoop) {
+  folder_.write("taken", "a file");
+  const std::string key = "mpc.disturbances.0.jump.omega";
+  const ProcessResult result = run({"--largest", key + "=[0, 0.5]"}, "taken");
+  EXPECT_NE(result.exit_code, 0);
+  EXPECT_NE(result.err.find("the folder 'taken' cannot be made"), std::string::npos) << result.err;
+}
+
+TEST_F(MpcCommand, KeepsTheTrialsBeforeOneThatCannotBeBuilt) {
+  std::string changed = kBalance;
+  changed.replace(changed.find("{omega: 1}"), 10, "{omega: =10+10*pm+1e-9/pm}");
+  folder_.write("balance.yaml", changed + "parameters: {pm: -1}\n");
+  const ProcessResult result = run({"--largest", "parameters.pm=[-1, 1]"}, "out");
+  EXPECT_EQ(result.exit_code, 2) << result.out << result.err;
+  EXPECT_NE(result.err.find("error: "), std::string::npos) << result.err;
+  const std::string trials = file("out/largest.csv");
+  EXPECT_EQ(trials.find("parameters.pm,survived,end,time_s,cost,violation\n-1,1,finished,2,"), 0u)
+      << trials;
+  EXPECT_NE(trials.find("\n1,0,stopped,"), std::string::npos) << trials;
+  EXPECT_EQ(nlohmann::json::parse(file("out/mpc.json"))["end"], "finished");
 }
 
 TEST_F(MpcCommand, SaysWhereNoPushIsSurvivedOrAllAre) {

@@ -162,16 +162,22 @@ OrderedJson loop_json(const LoopRun& run) {
           {"last_state", last_state_json(run)}};
 }
 
-std::vector<std::filesystem::path> write_loop(const LoopRun& run,
-                                              const std::filesystem::path& folder) {
-  create_folder(folder);
+std::vector<std::filesystem::path> add_loop(const LoopRun& run, const std::filesystem::path& folder,
+                                            AtomicFiles& files) {
   std::vector<std::filesystem::path> paths = {folder / kLoopFile, folder / kPlantFile,
                                               folder / kTicksFile, folder / kTickTimesFile};
-  AtomicFiles files;
   files.add(paths[0], json_text(loop_json(run)));
   files.add(paths[1], closed_loop_csv(run));
   files.add(paths[2], ticks_csv(run));
   files.add(paths[3], tick_times_csv(run));
+  return paths;
+}
+
+std::vector<std::filesystem::path> write_loop(const LoopRun& run,
+                                              const std::filesystem::path& folder) {
+  create_folder(folder);
+  AtomicFiles files;
+  std::vector<std::filesystem::path> paths = add_loop(run, folder, files);
   files.commit();
   return paths;
 }

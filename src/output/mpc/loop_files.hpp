@@ -9,6 +9,8 @@
 
 namespace conddp {
 
+class AtomicFiles;
+
 /// The value of `format` in an mpc.json, and the names of the files of a closed loop.
 inline constexpr std::string_view kMpcFormat = "conddp.mpc/1";
 inline constexpr const char* kLoopFile = "mpc.json";
@@ -42,6 +44,10 @@ std::string tick_times_csv(const LoopRun& run);
 
 /// mpc.json: what was simulated and how it ended (schemas/mpc.schema.json).
 OrderedJson loop_json(const LoopRun& run);
+
+/// Adds the four files, in a folder, to those that appear together. Returns their paths.
+std::vector<std::filesystem::path> add_loop(const LoopRun& run, const std::filesystem::path& folder,
+                                            AtomicFiles& files);
 
 /// Writes the four files into a folder, which is made if needed: all of them or, with an
 /// OutputError, none. Returns their paths.

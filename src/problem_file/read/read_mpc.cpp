@@ -47,13 +47,26 @@ bool is_of_dynamics(const std::string& key, bool friction) {
   return std::find(std::begin(kParts), std::end(kParts), part) != std::end(kParts);
 }
 
+/// A key without dots with keys below it: 'system: {pole_mass: 0.3}', also by --set of
+/// 'mpc.plant.set.system.pole_mass'.
+void report_nested_setting(const Name& key, const YamlReader& value) {
+  const std::vector<YamlNode::Entry>& below = value.node().entries;
+  value.diagnostics().error(
+      key.place, "keys of 'set' are paths with dots, which replace what they lead to",
+      fmt::format("write '{}.{}' as one key; for --set, let a parameter be its value, as in "
+                  "'system.pole_mass: =pm', and set that",
+                  key.value, below.empty() ? "..." : below.front().key));
+}
+
 void read_plant_setting(const Name& key, const YamlReader& value, MpcPlantSpec& plant) {
-  if (is_of_dynamics(key.value, plant.simulated_contacts.has_value()))
-    plant.settings.push_back(make_setting(key, value.node()));
-  else
+  if (!is_of_dynamics(key.value, plant.simulated_contacts.has_value()))
     value.diagnostics().error(key.place, "the plant differs from the model in its dynamics alone",
                               "accepted: keys below system, systems, robot, robots, parameters, "
                               "tables, gravity, and of contacts but their friction");
+  else if (value.is_map() && first_step(key.value) == key.value)
+    report_nested_setting(key, value);
+  else
+    plant.settings.push_back(make_setting(key, value.node()));
 }
 
 void read_ground(YamlMap& map, MpcPlantSpec& plant) {

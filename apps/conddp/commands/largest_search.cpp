@@ -1,0 +1,312 @@
+#include "commands/largest_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "arguments/example_problems.hpp"
+#include "base/files/atomic_file.hpp"
+#include "base/json/json_text.hpp"
+#include "base/text/csv_line.hpp"
+#include "base/text/strict_number.hpp"
+#include "mpc/largest_survived.hpp"
+#include "output/solution/csv_cells.hpp"
+#include "problem_file/expand/expand_problem.hpp"
+#include "problem_file/read/read_problem.hpp"
+#include "problem_file/yaml/key_path.hpp"
+#include "terminal/exit_codes.hpp"
+#include "terminal/interrupt.hpp"
+#include "terminal/streams.hpp"
+
+namespace conddp {
+namespace {
+
+constexpr const char* kOption = "--largest";
+constexpr const char* kTrialsFile = "largest.csv";
+
+/// A number of the file, and between what its largest value that is survived is looked for.
+struct SearchedNumber {
+  std::string key;
+  double low = 0, high = 0;
+};
+
+/// Reads "KEY=[LOW, HIGH]"; nothing where it is not that.
+std::optional<SearchedNumber> parse_searched(const std::string& text) {
+  const std::size_t open = text.find("=["), comma = text.find(',', open);
+  if (open == 0 || open == std::string::npos || comma == std::string::npos || !text.ends_with(']'))
+    return std::nullopt;
+  const auto number = [&](std::size_t from, std::size_t to) {
+    return parse_number(trimmed_csv(std::string_view(text).substr(from, to - from))).value;
+  };
+  const auto low = number(open + 2, comma), high = number(comma + 1, text.size() - 1);
+  if (!low || !high || *low >= *high) return std::nullopt;
+  return SearchedNumber{text.substr(0, open), *low, *high};
+}
+
+/// A value of the key as a setting whose messages name the option.
+Setting setting_of(const std::string& key, double value, Diagnostics& out) {
+  const std::string number = fmt::format("{}", value), text = key + '=' + number;
+  const int source = out.add_source(kOption, text), column = static_cast<int>(key.size()) + 2;
+  YamlNode node{.kind = YamlNode::Kind::kScalar, .mark = {source, 1, column}, .text = number};
+  return {{key, {{source, 1, 1}, key}}, std::move(node), text};
+}
+
+/// Calls `visit` with each step of a key path, until it returns false.
+template <class Visit>
+void for_each_step(std::string_view key, Visit visit) {
+  while (!key.empty()) {
+    const std::string_view step = first_step(key);
+    if (!visit(step)) return;
+    key.remove_prefix(std::min(step.size() + 1, key.size()));
+  }
+}
+
+/// Whether a key of a problem file is a number there, or a formula of parameters.
+bool is_number_of_file(YamlNode root, std::string_view key) {
+  YamlNode* node = &root;
+  for_each_step(key, [&](std::string_view step) {
+    node = find_part(*node, step);
+    return node != nullptr;
+  });
+  return node != nullptr && node->kind == YamlNode::Kind::kScalar && !node->quoted &&
+         (node->text.starts_with('=') || parse_number(node->text).value.has_value());
+}
+
+/// The part of an object to which a step leads, or of a list by index or name; null where there is
+/// none.
+const OrderedJson* part_of(const OrderedJson& json, std::string_view step) {
+  if (json.is_object()) {
+    const auto found = json.find(std::string(step));
+    return found == json.end() ? nullptr : &*found;
+  }
+  if (!json.is_array()) return nullptr;
+  if (const auto index = parse_count(step); index && *index < static_cast<int>(json.size()))
+    return &json[static_cast<std::size_t>(*index)];
+  const auto has_name = [step](const OrderedJson& item) {
+    return item.is_object() && item.contains("name") && item["name"] == std::string(step);
+  };
+  const auto found = std::find_if(json.begin(), json.end(), has_name);
+  return found == json.end() ? nullptr : &*found;
+}
+
+/// Whether a key is a number of a problem with every default.
+bool is_number_of_expanded(const OrderedJson& problem, std::string_view key) {
+  const OrderedJson* part = &problem;
+  for_each_step(key, [&](std::string_view step) {
+    part = part_of(*part, step);
+    return part != nullptr;
+  });
+  return part != nullptr && part->is_number();
+}
+
+/// A problem file of which the loops of many values are built.
+class LoopFamily {
+ public:
+  LoopFamily(const MpcArguments& arguments, std::string key)
+      : arguments_(arguments), key_(std::move(key)) {}
+
+  /// Reads the file. False with errors, in texts().
+  bool load() {
+    const auto file = find_problem_file(arguments_.file, texts_);
+    if (file) document_ = load_problem(*file, {}, texts_);
+    for (const std::string& text : settings_of(arguments_))
+      if (auto setting = parse_setting(text, texts_)) settings_.push_back(*std::move(setting));
+    return document_ && !texts_.has_errors();
+  }
+  const Diagnostics& texts() const { return texts_; }
+
+  /// The loop with a value of the key, or of the file as it is; null with errors.
+  std::unique_ptr<LoopTask> build(std::optional<double> value, Diagnostics& out) const {
+    std::vector<Setting> settings = settings_;
+    if (value) settings.push_back(setting_of(key_, *value, out));
+    auto spec = read_problem(*document_, settings, out);
+    if (!spec) return nullptr;
+    if (!arguments_.solver.empty()) spec->solver.name.place = {};  // the file does not name it
+    return build_loop(*std::move(spec), {.drop = arguments_.drop}, out);
+  }
+
+  /// Reports a key that is no number, in the file or of its defaults.
+  void check_key(Diagnostics& out) const {
+    YamlNode root = document_->root;
+    for (const Setting& setting : settings_) apply_setting(root, setting, out);
+    if (out.has_errors() || is_number_of_file(std::move(root), key_)) return;
+    const auto task = build(std::nullopt, out);
+    if (!task || is_number_of_expanded(expand_problem(*task->spec, task->built), key_)) return;
+    const int source = out.add_source(kOption, arguments_.largest);
+    out.error({{source, 1, 1}, key_},
+              fmt::format("'{}' is no number of the file, nor one of its defaults", key_),
+              fmt::format("write a number there; 'conddp check {} --expand' shows all that there "
+                          "are",
+                          arguments_.file));
+  }
+
+ private:
+  const MpcArguments& arguments_;
+  const std::string key_;
+  Diagnostics texts_;
+  std::optional<ProblemDocument> document_;
+  std::vector<Setting> settings_;
+};
+
+/// Looks for the largest value of a number whose loop lasts.
+class Search {
+ public:
+  Search(const MpcArguments& arguments, SearchedNumber number)
+      : arguments_(arguments), number_(std::move(number)), family_(arguments, number_.key) {}
+
+  int run() {
+    const bool ready = prepare();
+    print_messages(diagnostics_, verbosity_of(arguments_));
+    if (!ready) return kExitBadInput;
+    create_folder(folder_);  // before the work, so that none is in vain
+    const InterruptGuard guard;
+    const auto largest =
+        largest_survived(number_.low, number_.high, (number_.high - number_.low) / kParts,
+                         [this](double value) { return survives(value); });
+    if (failure_) print_messages(*failure_, verbosity_of(arguments_));
+    if (failure_) return kExitBadInput;
+    if (InterruptGuard::signal() != 0) return kExitSignalBase + InterruptGuard::signal();
+    print(largest);
+    return largest ? kExitConverged : kExitNotConverged;
+  }
+
+ private:
+  /// What is left of the range at the end is this part of it.
+  static constexpr int kParts = 128;
+
+  /// Whether the search ends before its end.
+  bool is_over() const { return failure_ || InterruptGuard::signal() != 0; }
+
+  /// Checks everything that can be wrong before the first loop is simulated: the key, and both ends
+  /// with a number between them, which keys with whole numbers do not take.
+  bool prepare() {
+    if (!family_.load()) return fail(family_.texts());
+    Diagnostics key = family_.texts();
+    family_.check_key(key);
+    if (key.has_errors()) return fail(std::move(key));
+    constexpr double kBetween = 0.381966;
+    for (const double share : {0.0, 1.0, kBetween})
+      if (!check_value(std::lerp(number_.low, number_.high, share), share == 0)) return false;
+    return true;
+  }
+
+  bool check_value(double value, bool first) {
+    Diagnostics own = family_.texts();
+    const auto task = family_.build(value, own);
+    if (task && task->spec->mpc->stop_when.empty())
+      own.error(task->spec->mpc->place,
+                "a loop without 'stop_when' lasts whatever happens: --largest would find the whole "
+                "range",
+                "say when it has failed: 'stop_when: {fallen: {residual: state, columns: theta, "
+                "lower: 2, upper: 4}}'");
+    if (own.has_errors()) return fail(std::move(own));
+    if (!first) return true;
+    folder_ = output_folder(arguments_, *task->spec);
+    diagnostics_ = std::move(own);  // warnings, once
+    return true;
+  }
+
+  bool fail(Diagnostics reasons) {
+    diagnostics_ = std::move(reasons);
+    return false;
+  }
+
+  struct Trial {
+    double value = 0;
+    std::unique_ptr<LoopTask> task;
+    ClosedLoopResult result;
+  };
+
+  bool survives(double value) {
+    if (is_over()) return false;
+    Diagnostics own = family_.texts();
+    Trial trial{.value = value, .task = family_.build(value, own)};
+    if (!trial.task) {
+      failure_ = std::move(own);
+      return false;
+    }
+    trial.result = simulate_task(arguments_, *trial.task);
+    if (trial.result.end == LoopEnd::interrupted) return false;
+    const bool survived = trial.result.end == LoopEnd::finished;
+    add_row(trial, survived);
+    if (survived || !shown_.task) shown_ = std::move(trial);
+    write();  // so that nothing is lost where the next trial fails or a signal comes
+    return survived;
+  }
+
+  void add_row(const Trial& trial, bool survived) {
+    const ClosedLoopResult& result = trial.result;
+    rows_ += fmt::format("{},{},{}", trial.value, survived ? 1 : 0, to_string(result.end));
+    for (const double figure : {tabulated_time(result.end_time), result.cost, result.violation}) {
+      rows_ += ',';
+      append_cell(figure, rows_);
+    }
+    rows_ += '\n';
+  }
+
+  /// The loop that the files are of: the largest one that lasted, or the first one if none did.
+  LoopRun shown_run() const {
+    std::vector<std::string> settings = settings_of(arguments_);
+    settings.push_back(fmt::format("{}={}", number_.key, shown_.value));
+    return {*shown_.task, shown_.result, std::move(settings)};
+  }
+
+  /// The trials so far, and the files of a loop.
+  void write() {
+    AtomicFiles files;
+    paths_ = add_loop(shown_run(), folder_, files);
+    paths_.push_back(folder_ / kTrialsFile);
+    files.add(paths_.back(),
+              csv_cell(number_.key) + ",survived,end,time_s,cost,violation\n" + rows_);
+    files.commit();
+  }
+
+  void print(const std::optional<double>& largest) const {
+    if (arguments_.json)
+      print_result(json_text(json_of(largest)));
+    else if (!arguments_.quiet)
+      print_result(line_of(largest) + loop_summary(shown_run(), paths_));
+  }
+
+  /// mpc.json with what was found.
+  OrderedJson json_of(const std::optional<double>& largest) const {
+    OrderedJson json = loop_json(shown_run());
+    json["largest"] = {{"key", number_.key}, {"low", number_.low}, {"high", number_.high}};
+    json["largest"]["survived"] = largest ? OrderedJson(*largest) : OrderedJson();
+    return json;
+  }
+
+  std::string line_of(const std::optional<double>& largest) const {
+    if (!largest) return fmt::format("{} is not survived at {}\n", number_.key, number_.low);
+    return fmt::format("{} is survived up to {}{}\n", number_.key, *largest,
+                       *largest == number_.high ? ", all of the range" : "");
+  }
+
+  const MpcArguments& arguments_;
+  const SearchedNumber number_;
+  LoopFamily family_;
+  Diagnostics diagnostics_;             ///< of what is checked first
+  std::optional<Diagnostics> failure_;  ///< of a trial
+  std::filesystem::path folder_;
+  std::string rows_;                          ///< of the trials
+  std::vector<std::filesystem::path> paths_;  ///< that were written
+  Trial shown_;                               ///< whose files are written
+};
+
+}  // namespace
+
+std::string largest_defect(const std::string& text) {
+  if (parse_searched(text)) return {};
+  return fmt::format(
+      "'{}' is not KEY=[LOW, HIGH], a key of the file and two numbers, the lower one first", text);
+}
+
+int search_largest(const MpcArguments& arguments) {
+  return Search(arguments, *parse_searched(arguments.largest)).run();
+}
+
+}  // namespace conddp
