@@ -100,5 +100,23 @@ TEST_F(LoopBatch, EndsLoopsAtTheLimitOfTime) {
   EXPECT_NE(collected(batch).find(",time_limit,0,"), std::string::npos) << collected(batch);
 }
 
+TEST_F(LoopBatch, ShowsHowALoopEndsWithoutTheLimitOfTime) {
+  const std::string batch =
+      planned("limited",
+              "command: mpc\nlimits: {max_time_s: 0.001}\nvary: {d: {key: mpc.duration, values: "
+              "[20]}}\n");
+  run(batch);
+  ASSERT_NE(collected(batch).find(",time_limit,0,"), std::string::npos) << collected(batch);
+  const std::string id = ids(batch)[0];
+  const ProcessResult shown = run_conddp({"batch", "show", batch, id});
+  EXPECT_EQ(shown.out.find(id + ": finished; in the run: time_limit\n"), 0u) << shown.out;
+  const auto document = nlohmann::json::parse(read_file(batch + "/items/" + id + "/mpc.json"));
+  EXPECT_EQ(document["end"], "finished");
+}
+
+TEST_F(LoopBatch, TakesPlansThatKeepNoSolutions) {
+  planned("kept", std::string(kPushes) + "keep: {solutions: none}\nwarm_start: none\n");
+}
+
 }  // namespace
 }  // namespace conddp

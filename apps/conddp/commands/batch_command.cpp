@@ -173,11 +173,14 @@ int run_pilot(const fs::path& run, const Manifest& manifest, const BatchArgument
       solved += found->second.result.success;
     }
   const double scale = static_cast<double>(count) / static_cast<double>(wanted);
-  print_result(
-      fmt::format("pilot: {:.0f} of {} {}; all {} take about {} with {}, and {} of solutions\n",
-                  solved, wanted, success_word(manifest.command), counted(count, "item"),
-                  time_words(seconds * scale / options.workers), counted(options.workers, "worker"),
-                  size_words(bytes * scale)));
+  // Of closed loops no solutions are kept.
+  const std::string space = manifest.command == BatchCommand::kMpc
+                                ? std::string()
+                                : fmt::format(", and {} of solutions", size_words(bytes * scale));
+  print_result(fmt::format("pilot: {:.0f} of {} {}; all {} take about {} with {}{}\n", solved,
+                           wanted, success_word(manifest.command), counted(count, "item"),
+                           time_words(seconds * scale / options.workers),
+                           counted(options.workers, "worker"), space));
   return exit_code(progress);
 }
 

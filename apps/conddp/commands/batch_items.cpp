@@ -52,14 +52,32 @@ std::optional<std::vector<fs::path>> write_item_files(const ShownItem& item, con
   }
 }
 
+/// What the files of one item are, and how it ended.
+struct Written {
+  std::string status;
+  std::vector<fs::path> files;
+};
+
+/// The end of a loop that was simulated again. A loop that met the limit of time goes on here.
+std::string status_of(LoopEnd end, const std::string& stored) {
+  const std::string status(to_string(end));
+  return stored == status ? status : fmt::format("{}; in the run: {}", status, stored);
+}
+
 /// Writes the files of one item, whose closed loop is simulated for that.
-std::optional<std::vector<fs::path>> files_of(const fs::path& run, const Manifest& manifest,
-                                              const ManifestItem& item, const StoredResult* stored,
-                                              const fs::path& folder, Diagnostics& out) {
-  if (manifest.command == BatchCommand::kMpc)
-    return write_loop_item(run, manifest, item, folder, out);
+std::optional<Written> write_shown(const fs::path& run, const Manifest& manifest,
+                                   const ManifestItem& item, const StoredResult* stored,
+                                   const fs::path& folder, Diagnostics& out) {
+  const std::string status = stored == nullptr ? std::string(kUnfinished) : stored->result.status;
+  if (manifest.command == BatchCommand::kMpc) {
+    auto loop = write_loop_item(run, manifest, item, folder, out);
+    if (!loop) return std::nullopt;
+    return Written{status_of(loop->end, status), std::move(loop->paths)};
+  }
   const auto shown = load_item(run, manifest, item, stored, out);
-  return shown ? write_item_files(*shown, folder, out) : std::nullopt;
+  auto files = shown ? write_item_files(*shown, folder, out) : std::nullopt;
+  if (!files) return std::nullopt;
+  return Written{status, *std::move(files)};
 }
 
 /// The items of a run that a page shows, with their files.
@@ -146,11 +164,10 @@ int show_item(const BatchArguments& arguments) {
   const StoredResult* stored = stored_result(results, item->id);
   const fs::path folder =
       arguments.folder.empty() ? folder_of_item(run, item->id) : fs::path(arguments.folder);
-  const auto files = files_of(run, *manifest, *item, stored, folder, diagnostics);
-  if (!files) return report_errors(diagnostics);
-  std::string text =
-      fmt::format("{}: {}\n", item->id, stored == nullptr ? kUnfinished : stored->result.status);
-  for (const fs::path& file : *files) text += file.string() + '\n';
+  const auto written = write_shown(run, *manifest, *item, stored, folder, diagnostics);
+  if (!written) return report_errors(diagnostics);
+  std::string text = fmt::format("{}: {}\n", item->id, written->status);
+  for (const fs::path& file : written->files) text += file.string() + '\n';
   print_result(text);
   return kExitConverged;
 }

@@ -17,12 +17,12 @@ const links = ({files}) => element('span', {}, ...(files ?? []).flatMap((file, i
 
 function outstanding(batch, {title, items}) {
   if (items.length === 0) return null;
-  const reasons = items.some(item => item.message);
+  const reasons = items.some(item => item.message), files = items.some(item => item.files?.length);
   const rows = items.map(item => [item.item, item.id, item.status, ...item.figures.map(v => figure(v, 6)),
       ...item.values.map(v => (typeof v === 'number' ? figure(v) : v)),
-      ...(reasons ? [item.message] : []), links(item)]);
+      ...(reasons ? [item.message] : []), ...(files ? [links(item)] : [])]);
   const names = ['item', 'id', 'status', ...batch.figures.map(titleOf), ...batch.columns.map(c => c.name),
-                 ...(reasons ? ['message'] : []), 'files'];
+                 ...(reasons ? ['message'] : []), ...(files ? ['files'] : [])];
   return element('section', {}, element('h2', {}, title), table(null, names, rows));
 }
 

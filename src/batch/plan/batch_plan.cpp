@@ -130,12 +130,12 @@ class PlanReader {
   }
 
   void read_keep(const YamlReader& reader) {
-    if (plan_.command == BatchCommand::kMpc)
-      reader.error("closed loops have no solutions that could be kept",
-                   "leave it out: 'conddp batch show' simulates a loop again");
     YamlMap keep(reader, "write '{solutions: converged}'");
     if (const auto solutions = keep.find("solutions"))
       plan_.keep = solutions->choice(kKeptWords, "answer").value_or(plan_.keep);
+    if (plan_.command == BatchCommand::kMpc && plan_.keep != KeptSolutions::kNone)
+      reader.error("closed loops have no solutions that could be kept",
+                   "leave it out: 'conddp batch show' simulates a loop again");
   }
 
   void check_size() {

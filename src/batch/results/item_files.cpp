@@ -63,21 +63,23 @@ std::optional<ShownItem> load_item(const std::filesystem::path& run, const Manif
   return shown;
 }
 
-std::optional<std::vector<std::filesystem::path>> write_loop_item(
-    const std::filesystem::path& run, const Manifest& manifest, const ManifestItem& item,
-    const std::filesystem::path& folder, Diagnostics& out) {
+std::optional<WrittenLoop> write_loop_item(const std::filesystem::path& run,
+                                           const Manifest& manifest, const ManifestItem& item,
+                                           const std::filesystem::path& folder, Diagnostics& out) {
   if (!is_as_planned(manifest, item.problem, run, out)) return std::nullopt;
   const std::filesystem::path file = problem_of_run(manifest, item.problem, run);
   auto spec = read_problem(file, item.settings, out);
   const auto task = spec ? build_loop(*std::move(spec), {}, out) : nullptr;
   if (!task || !is_item(item, manifest, input_files(*task), out)) return std::nullopt;
   const ClosedLoopResult result = run_loop(*task);
-  std::vector<std::filesystem::path> paths = write_loop({*task, result, item.settings}, folder);
+  create_folder(folder);
+  WrittenLoop written{.end = result.end, .paths = {folder / "problem.yaml"}};
   AtomicFiles files;
-  files.add(folder / "problem.yaml", problem_yaml(*task->spec, task->built, file, folder));
+  files.add(written.paths.front(), problem_yaml(*task->spec, task->built, file, folder));
+  for (std::filesystem::path& path : add_loop({*task, result, item.settings}, folder, files))
+    written.paths.push_back(std::move(path));
   files.commit();
-  paths.insert(paths.begin(), folder / "problem.yaml");
-  return paths;
+  return written;
 }
 
 std::vector<std::filesystem::path> write_item(const ShownItem& item,

@@ -7,6 +7,7 @@
 
 #include "batch/plan/manifest.hpp"
 #include "batch/results/shard_file.hpp"
+#include "mpc/closed_loop.hpp"
 
 namespace conddp {
 
@@ -24,12 +25,18 @@ std::optional<ShownItem> load_item(const std::filesystem::path& run, const Manif
                                    const ManifestItem& item, const StoredResult* stored,
                                    Diagnostics& out);
 
-/// Builds the closed loop of an item again, simulates it, and writes problem.yaml (every default,
-/// paths as seen from there) and the files of the loop into a folder. Returns their paths; nothing
-/// with errors where the item's files have changed since the plan was made.
-std::optional<std::vector<std::filesystem::path>> write_loop_item(
-    const std::filesystem::path& run, const Manifest& manifest, const ManifestItem& item,
-    const std::filesystem::path& folder, Diagnostics& out);
+/// A closed loop that was simulated again.
+struct WrittenLoop {
+  LoopEnd end = LoopEnd::finished;
+  std::vector<std::filesystem::path> paths;
+};
+
+/// Builds the closed loop of an item again, simulates it without a limit of time, and writes
+/// problem.yaml (every default, paths as seen from there) and the files of the loop into a folder,
+/// all or none. Nothing with errors where the item's files have changed since the plan was made.
+std::optional<WrittenLoop> write_loop_item(const std::filesystem::path& run,
+                                           const Manifest& manifest, const ManifestItem& item,
+                                           const std::filesystem::path& folder, Diagnostics& out);
 
 /// Writes problem.yaml (every default, paths as seen from there) and, where a solution is kept,
 /// solution.json, trajectory.csv and iterations.csv into a folder, all or none. Returns their
