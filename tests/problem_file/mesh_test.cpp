@@ -102,6 +102,48 @@ TEST(Mesh, AnswerOfOneGridIsTheGuessOfTheNext) {
   EXPECT_EQ(guess.x(20), answer.trajectory.x(10));
 }
 
+TEST(Mesh, WithoutTimeThereIsNoFinerGrid) {
+  const std::string text = R"(conddp: 1
+system: {states: [x, v], controls: [u], rate: {x: v, v: u}}
+initial_state: {}
+mesh: {error: 1.0e-12}
+phases: [{jump: {x: x + 0.001}}]
+)";
+  const Loaded loaded(text);
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  MeshRefinement mesh(*loaded.spec);
+  SolveResult result(*loaded.built->problem);
+  result.status = SolveStatus::converged;
+  result.trajectory.x(1)[0] = 1;  // far from where the jump leads
+  EXPECT_FALSE(mesh.next(*loaded.built->problem, result));
+  EXPECT_FALSE(mesh.reached());
+}
+
+TEST(Mesh, AReferenceThatGoesWithTheGaitHasItsReason) {
+  const std::string text = R"(conddp: 1
+robot:
+  urdf: )" + std::string(CONDDP_SOURCE_DIR) +
+                           R"(/problems/robots/quadruped.urdf
+  base: floating
+  configurations:
+    standing: {base: {position: [0, 0, 0.57]}, joints: {
+      LF_HAA: -0.2, LF_HFE: 0.75, LF_KFE: -1.5, RF_HAA: -0.2, RF_HFE: 0.75, RF_KFE: -1.5,
+      LH_HAA: -0.2, LH_HFE: -0.75, LH_KFE: 1.5, RH_HAA: -0.2, RH_HFE: -0.75, RH_KFE: 1.5}}
+contacts: {LF: {frame: lf_foot}, RF: {frame: rf_foot}, LH: {frame: lh_foot}, RH: {frame: rh_foot}}
+initial_state: {configuration: standing}
+gait: {type: trot, cycles: 2, period: 0.48, dt: 0.02, step: {length: 0.15, height: 0.06}}
+mesh: {error: 1.0e-3}
+costs:
+  posture: {residual: state, reference: {configuration: standing, displaced: gait}, weight: 10}
+)";
+  const Loaded loaded(text);
+  EXPECT_FALSE(loaded.built);
+  EXPECT_NE(
+      loaded.all().find("error: 'displaced: gait' is given knot by knot, which 'mesh' changes"),
+      std::string::npos)
+      << loaded.all();
+}
+
 TEST(Mesh, WhatCountsKnotsOrHasNoFinerGridHasItsPlace) {
   struct Case {
     std::string from, to, message;
@@ -109,6 +151,12 @@ TEST(Mesh, WhatCountsKnotsOrHasNoFinerGridHasItsPlace) {
   const Case cases[] = {
       {"{residual: control}", "{residual: control, knots: [3]}",
        "7:9: error: knots are counted here, and 'mesh' changes their number"},
+      {"{residual: control}", "{residual: control_rate}",
+       "7:9: error: the change of a control from knot to knot depends on the grid"},
+      {"{residual: control}",
+       "{residual: control}, way: {residual: state, reference: {knots: [0, 3], values: [[0, 0], "
+       "[1, 0]]}}",
+       "error: knots are counted here, and 'mesh' changes their number"},
       {"knots: 6, duration: 3", "knots: 6, duration: 3, refine: {last: 2}",
        "error: 'refine' and 'mesh' exclude each other"},
       {"integrator: rk2", "running_costs: sum",

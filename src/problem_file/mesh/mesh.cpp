@@ -22,10 +22,20 @@ void report_knots(const Place& place, Diagnostics& out) {
             "say it by phases and times");
 }
 
+/// Way-points that a gait makes of one state have its place.
+bool goes_with_gait(const ReferenceSpec& reference) {
+  return reference.knots.front().place.path == reference.values.front().place.path;
+}
+
 void check_cost(const CostSpec& cost, Diagnostics& out) {
   if (cost.knots) report_knots(cost.name.place, out);
-  if (cost.reference && !cost.reference->knots.empty())
-    report_knots(cost.reference->knots.front().place, out);
+  if (!cost.reference || cost.reference->knots.empty()) return;
+  const Place& place = cost.reference->knots.front().place;
+  if (goes_with_gait(*cost.reference))
+    out.error(place, "'displaced: gait' is given knot by knot, which 'mesh' changes",
+              "write way-points with 'times', or choose 'dt' of the gait yourself");
+  else
+    report_knots(place, out);
 }
 
 /// The fraction s of the way from one state to another.
@@ -73,6 +83,7 @@ std::optional<int> MeshRefinement::next(const ShootingProblem& problem, const So
   for (const Phase& phase : problem.phases())
     if (phase.instant || phase.dt.front() == 0) instants += phase.knots();
   const int of_one = (problem.knots() - instants) / factor_;
+  if (of_one == 0) return std::nullopt;  // no time, no finer grid
   const int most = (mesh_.most_knots - instants) / of_one;
   const int finer = std::min(most, static_cast<int>(std::ceil(factor_ * growth())));
   if (finer <= factor_) return std::nullopt;
@@ -111,6 +122,10 @@ void check_mesh(const ProblemSpec& spec, const System& system, Diagnostics& out)
   if (spec.running_costs == RunningCosts::kSum)
     out.error(place, "costs that are added up as they are change with the grid",
               "write 'running_costs: rate'");
+  if (const CostSpec* rate = spec.first_use(&ResidualNeeds::previous_control))
+    out.error(rate->name.place,
+              "the change of a control from knot to knot depends on the grid, which 'mesh' refines",
+              "make the control a state, and its rate the control");
   for (const CostSpec* cost : spec.all_costs()) check_cost(*cost, out);
   for (const ConstraintSpec* constraint : spec.all_constraints())
     check_cost(constraint->function, out);
