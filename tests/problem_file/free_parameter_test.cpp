@@ -129,6 +129,28 @@ TEST(FreeParameters, OfDifferencesAndOfSeveralSystemsAreStates) {
   EXPECT_NEAR(answer_of(several, "altro").cost, 0.5, 1e-6);
 }
 
+TEST(FreeParameters, AreNotBoundedWithTheStatesThatHaveBoundsByName) {
+  const Loaded loaded(
+      replaced(kDrift, "terminal:\n",
+               "constraints: {box: {bounds: state, lower: {x: -5}, upper: {x: 5}}}\nterminal:\n"));
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  EXPECT_NEAR(answer_of(loaded, "altro").cost, 0.5, 1e-6);
+}
+
+TEST(FreeParameters, AreFixedByEqualBounds) {
+  const Loaded loaded(std::string(kDrift), {"parameters.p.lower=0.25", "parameters.p.upper=0.25",
+                                            "parameters.p.start=0.25"});
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  EXPECT_NEAR(answer_of(loaded, "altro").cost, 0.625, 1e-6);
+}
+
+TEST(FreeParameters, SettingsOfTheStateThatTheyAreAreErrors) {
+  const Loaded loaded(std::string(kDrift), {"initial_state.values.p=1"});
+  EXPECT_FALSE(loaded.built);
+  EXPECT_NE(loaded.all().find("'p' is free, and stands here again"), std::string::npos)
+      << loaded.all();
+}
+
 TEST(FreeParameters, AreReadAgainFromTheExpandedFile) {
   const Loaded loaded{std::string(kDrift)};
   ASSERT_TRUE(loaded.built) << loaded.all();
@@ -154,7 +176,25 @@ TEST(FreeParameters, HaveTheirPlaceInErrors) {
       {"residual: expression, rows: [p]", "residual: state",
        "error: free parameters are states, and this is on all of them"},
       {"choose: none", "choose: x, lower: -1",
-       "8:29: error: beside free parameters these bounds are given by name"}};
+       "8:29: error: beside free parameters these bounds are given by name"},
+      {"initial_state: {}\n", "", "error: the key 'initial_state' is missing"},
+      {"initial_state: {}", "initial_state: [3, 0]", "6:16: error: "},
+      {"initial_state: {}", "initial_state: hello", "6:16: error: "},
+      {"initial_state: {}", "initial_state: {values: 3}", "6:25: error: "},
+      {"initial_state: {}", "initial_state: {values: {p: 1}}",
+       "6:26: error: 'p' is free, and stands here again"},
+      {"choose: none", "choose: none, lower: {p: -1}",
+       "8:33: error: 'p' is free, and stands here again"},
+      {"choose: none", "choose: none, upper: {p: 0}",
+       "8:33: error: 'p' is free, and stands here again"},
+      {"rate: {x: c*(p + u)}", "rate: {x: c*(p + u), p: 1}",
+       "5:59: error: 'p' is free, and stands here again"},
+      {"{knots: 20, duration: 1}", "{knots: 20, duration: 1}, {jump: {p: 2*p}}",
+       "8:60: error: 'p' is free, and stays as it is chosen"},
+      {"terminal:\n", "constraints: {box: {bounds: state, lower: -2, upper: 2}}\nterminal:\n",
+       "10:43: error: free parameters are states, and these bounds are on all of them"},
+      {"terminal:\n", "constraints: {box: {bounds: state, upper: {'*': 2}}}\nterminal:\n",
+       "10:43: error: free parameters are states, and these bounds are on all of them"}};
   for (const Case& c : cases) {
     const Loaded loaded(replaced(kDrift, c.from, c.to));
     EXPECT_FALSE(loaded.built) << c.to;

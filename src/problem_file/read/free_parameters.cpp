@@ -1,5 +1,7 @@
 #include "problem_file/read/free_parameters.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "problem_file/yaml/key_path.hpp"
@@ -11,14 +13,14 @@ YamlNode scalar_node(std::string text, const Mark& mark) {
   return {.kind = YamlNode::Kind::kScalar, .mark = mark, .text = std::move(text)};
 }
 
-/// That of a mapping, which gets an empty one where it has none.
+/// That of a mapping, which gets an empty one where it has none or nothing is in it.
 YamlNode& map_part(YamlNode& node, const std::string& key) {
   YamlNode* found = find_part(node, key);
   if (found == nullptr) {
-    node.kind = YamlNode::Kind::kMap;
-    node.entries.push_back({key, node.mark, {.kind = YamlNode::Kind::kMap, .mark = node.mark}});
+    node.entries.push_back({key, node.mark, {.mark = node.mark}});
     found = &node.entries.back().value;
   }
+  if (found->kind == YamlNode::Kind::kNull) found->kind = YamlNode::Kind::kMap;
   return *found;
 }
 
@@ -32,6 +34,7 @@ class FreeParameterPlacer {
   bool place() {
     if (!add_to_systems()) return false;
     add_to_initial_state();
+    check_jumps();
     add_to_choice();
     return true;
   }
@@ -42,17 +45,31 @@ class FreeParameterPlacer {
   void fail(std::string message, std::string hint) const {
     out_.error(parameter_.name.place, std::move(message), std::move(hint));
   }
-  void add(YamlNode& map, std::string text) const {
-    map.entries.push_back({name(), mark(), scalar_node(std::move(text), mark())});
+  /// `path`: where the mapping stands.
+  void add(YamlNode& map, std::string text, const std::string& path) const {
+    if (const YamlNode::Entry* entry = own_entry(map))
+      out_.error({entry->mark, fmt::format("{}.{}", path, name())},
+                 fmt::format("'{}' is free, and stands here again", name()),
+                 "its values are 'start', 'lower' and 'upper' below 'parameters'");
+    else
+      map.entries.push_back({name(), mark(), scalar_node(std::move(text), mark())});
   }
-  void add(YamlNode& map, double number) const { add(map, fmt::format("{}", number)); }
+  void add(YamlNode& map, double number, const std::string& path) const {
+    add(map, fmt::format("{}", number), path);
+  }
+  /// What a mapping says of the parameter; null where it says nothing.
+  const YamlNode::Entry* own_entry(const YamlNode& map) const {
+    const auto found = std::ranges::find(map.entries, name(), &YamlNode::Entry::key);
+    return found != map.entries.end() ? &*found : nullptr;
+  }
 
   bool add_to_systems() const {
     bool all = false;
-    if (YamlNode* system = find_part(root_, "system")) all = add_to_system(*system);
+    if (YamlNode* system = find_part(root_, "system")) all = add_to_system(*system, "system");
     if (YamlNode* systems = find_part(root_, "systems")) {
       all = !systems->entries.empty();
-      for (YamlNode::Entry& entry : systems->entries) all &= add_to_system(entry.value);
+      for (YamlNode::Entry& entry : systems->entries)
+        all &= add_to_system(entry.value, "systems." + entry.key);
     }
     if (!all)
       fail(fmt::format("'{}' is free, and free parameters are those of equations of first order "
@@ -62,7 +79,7 @@ class FreeParameterPlacer {
     return all;
   }
 
-  bool add_to_system(YamlNode& system) const {
+  bool add_to_system(YamlNode& system, const std::string& path) const {
     YamlNode* states = find_part(system, "states");
     YamlNode *rate = find_part(system, "rate"), *next = find_part(system, "next");
     YamlNode* equations = rate != nullptr ? rate : next;
@@ -71,17 +88,34 @@ class FreeParameterPlacer {
     if (states->kind == YamlNode::Kind::kSequence)
       states->items.push_back(scalar_node(name(), mark()));
     else
-      add(*states, std::string("1"));
-    add(*equations, rate != nullptr ? std::string("0") : name());
+      add(*states, std::string("1"), path + ".states");
+    add(*equations, rate != nullptr ? std::string("0") : name(),
+        path + (rate != nullptr ? ".rate" : ".next"));
     return true;
   }
 
+  /// What is no state is left to its reader, which reports it.
   void add_to_initial_state() const {
-    YamlNode& state = map_part(root_, "initial_state");
-    if (YamlNode* numbers = find_part(state, "state"))
+    YamlNode* state = find_part(root_, "initial_state");
+    if (state == nullptr || state->kind != YamlNode::Kind::kMap) return;
+    if (YamlNode* numbers = find_part(*state, "state")) {
       numbers->items.push_back(scalar_node(fmt::format("{}", parameter_.start), mark()));
-    else
-      add(map_part(state, "values"), parameter_.start);
+      return;
+    }
+    YamlNode& values = map_part(*state, "values");
+    if (values.kind == YamlNode::Kind::kMap) add(values, parameter_.start, "initial_state.values");
+  }
+
+  /// A jump leaves it as it is.
+  void check_jumps() const {
+    YamlNode* phases = find_part(root_, "phases");
+    for (std::size_t i = 0; phases != nullptr && i < phases->items.size(); ++i) {
+      const YamlNode* jump = find_part(phases->items[i], "jump");
+      if (const YamlNode::Entry* entry = jump != nullptr ? own_entry(*jump) : nullptr)
+        out_.error({entry->mark, fmt::format("phases.{}.jump.{}", i, name())},
+                   fmt::format("'{}' is free, and stays as it is chosen", name()),
+                   "what changes along the way is a state of the system");
+    }
   }
 
   void add_to_choice() const {
@@ -100,6 +134,8 @@ class FreeParameterPlacer {
   /// `all` has it already.
   void add_coordinate(YamlNode& choose) const {
     const YamlNode own = scalar_node(name(), mark());
+    const auto is_own = [&](const YamlNode& node) { return node.text == name(); };
+    if (is_own(choose) || std::ranges::any_of(choose.items, is_own)) return;
     if (choose.kind == YamlNode::Kind::kSequence) {
       choose.items.push_back(own);
     } else if (choose.text != "all") {
@@ -111,10 +147,11 @@ class FreeParameterPlacer {
 
   /// How far it may move from where it starts.
   void bound(YamlNode& choice, const std::string& key, double value) const {
+    const std::string path = "phases.0." + key;
     YamlNode& bounds = map_part(choice, key);
-    if (bounds.kind == YamlNode::Kind::kMap) return add(bounds, value);
-    out_.error({bounds.mark, fmt::format("phases.0.{}", key)},
-               "beside free parameters these bounds are given by name", "write '{x: -1, ...}'");
+    if (bounds.kind == YamlNode::Kind::kMap) return add(bounds, value, path);
+    out_.error({bounds.mark, path}, "beside free parameters these bounds are given by name",
+               "write '{x: -1, ...}'");
   }
 
   const FreeParameter& parameter_;
@@ -122,14 +159,32 @@ class FreeParameterPlacer {
   Diagnostics& out_;
 };
 
+bool is_on(const YamlNode::Entry& entry, std::string_view key, std::string_view what) {
+  return entry.key == key && entry.value.text == what;
+}
+
+/// Bounds on the state have to be given by name. Bounds of other forms are reported by their
+/// reader.
+void check_bounds(const YamlNode& node, const std::string& before, Diagnostics& out) {
+  for (const YamlNode::Entry& bound : node.entries) {
+    const bool is_bound = bound.key == "lower" || bound.key == "upper";
+    const YamlNode::Kind kind = bound.value.kind;
+    const bool by_name = kind == YamlNode::Kind::kMap && bound.value.find("*") == nullptr;
+    if (is_bound && !by_name && kind != YamlNode::Kind::kNull)
+      out.error({bound.value.mark, before + bound.key},
+                "free parameters are states, and these bounds are on all of them",
+                "bound states by name: '" + bound.key + ": {x: -2}'");
+  }
+}
+
 /// Where a residual or bounds are on the whole state, free parameters would be part of it.
 void check_whole_states(const YamlNode& node, const std::string& path, Diagnostics& out) {
   const std::string before = path.empty() ? "" : path + ".";
   for (std::size_t i = 0; i < node.items.size(); ++i)
     check_whole_states(node.items[i], before + std::to_string(i), out);
   for (const YamlNode::Entry& entry : node.entries) {
-    const bool is_residual = entry.key == "residual" && entry.value.text == "state";
-    if (is_residual && node.find("columns") == nullptr)
+    if (is_on(entry, "bounds", "state")) check_bounds(node, before, out);
+    if (is_on(entry, "residual", "state") && node.find("columns") == nullptr)
       out.error({entry.value.mark, before + entry.key},
                 "free parameters are states, and this is on all of them",
                 "name those that it is on: 'columns: [x, v]'");
