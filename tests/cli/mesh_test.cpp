@@ -61,6 +61,46 @@ TEST(MeshLimits, AGridThatIsTooCoarseIsNoSuccess) {
                   "mesh={error: 1.0e-9, rounds: 2}", "-o", folder.path()});
   EXPECT_EQ(result.exit_code, 1) << result.out << result.err;
   EXPECT_NE(result.out.find("more than 1.0e-09"), std::string::npos) << result.out;
+  const std::string solution = folder.path() / "solution.json";
+  const ProcessResult verified = run_conddp({"verify", solution});
+  EXPECT_EQ(verified.exit_code, 0) << verified.out << verified.err;
+  EXPECT_NE(verified.out.find("warning grid error "), std::string::npos) << verified.out;
+  EXPECT_NE(verified.out.find(", more than 1.0e-09"), std::string::npos) << verified.out;
+}
+
+TEST(MeshLimits, AnotherErrorThanTheFileAsksForIsFound) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(run_conddp({"solve", source("problems/collection/scalar_regulator.yaml"), "--set",
+                        "integrator=rk2", "--set", "phases.only.knots=5", "--set",
+                        "mesh={error: 1.0e-9, rounds: 2}", "-o", folder.path()})
+                .exit_code,
+            1);
+  Json document = Json::parse(read_file(folder.path() / "solution.json"));
+  document["mesh"]["asked"] = 0.5;
+  const std::string changed = folder.write("changed.json", document.dump());
+  const ProcessResult verified = run_conddp({"verify", changed});
+  EXPECT_EQ(verified.exit_code, 1) << verified.out << verified.err;
+  EXPECT_NE(verified.out.find("error asked of the grid"), std::string::npos) << verified.out;
+}
+
+TEST(MeshLimits, AnAnswerWhoseReplayDivergesIsTrueWhereItSaysSo) {
+  const TemporaryFolder folder;
+  const std::string file = folder.write("runaway.yaml", R"(conddp: 1
+system: {states: [x], controls: [u], rate: {x: x^3 + u}}
+initial_state: {values: {x: 1}}
+integrator: explicit_euler
+mesh: {error: 1.0e-3, rounds: 2}
+phases: [{knots: 20, duration: 3}]
+costs: {effort: {residual: control, weight: 0.001}, s: {residual: state, reference: [3]}}
+solver: {name: altro}
+)");
+  EXPECT_EQ(run_conddp({"solve", file, "-o", folder.path()}).exit_code, 1);
+  const std::string solution = folder.path() / "solution.json";
+  ASSERT_TRUE(Json::parse(read_file(solution)).at("mesh").at("error").is_null());
+  const ProcessResult verified = run_conddp({"verify", solution});
+  EXPECT_EQ(verified.exit_code, 0) << verified.out << verified.err;
+  EXPECT_NE(verified.out.find("warning grid error inf, more than 1.0e-03"), std::string::npos)
+      << verified.out;
 }
 
 }  // namespace

@@ -239,7 +239,7 @@ OrderedJson nulls_json(const OrderedJson& json, const SolveResult& result) {
   add("dropped_constraints", json["dropped_constraints"], unknown);
   if (json.contains("mesh"))
     add("mesh", json["mesh"],
-        "the replay on a finer grid leaves the finite numbers, or " + unknown);
+        "the replay on a finer grid leaves the finite numbers, or there is none");
   if (json.contains("homotopy"))
     add("homotopy", json["homotopy"], "of a problem without an iterate");
   if (!json.contains("trajectory")) return list;
