@@ -75,6 +75,62 @@ solver: {name: box_fddp, max_iterations: 3}
   EXPECT_NE(verified.out.find("derivatives of compiled code"), std::string::npos) << verified.out;
 }
 
+/// A problem with one of the test model's functions of two states and a control.
+std::string problem_of(const std::string& function, const std::string& state,
+                       const std::string& goal) {
+  return "conddp: 1\nsystem: {library: " + std::string(CONDDP_TEST_MODEL) +
+         ", function: " + function +
+         ", states: [x, y], controls: [u]}\ninitial_state: {state: " + state +
+         "}\nphases: [{knots: 20, dt: 0.05}]\n" +
+         "costs: {effort: {residual: control, weight: 0.1}}\n" +
+         "terminal: {costs: {goal: {residual: state, reference: " + goal +
+         ", weight: 20}}}\nsolver: {name: box_fddp}\n";
+}
+
+TEST_F(AllowCode, RightJacobiansHoldAtLargeNumbersKinksAndEdges) {
+  struct Case {
+    const char *function, *state, *goal;
+  };
+  const Case cases[] = {{"climb", "[10, 100]", "[130, 100]"},
+                        {"climb", "[7.0e+6, 7500]", "[7.0075e+6, 7500]"},
+                        {"kink", "[0, 0]", "[1, 0]"},
+                        {"edge", "[0, 0]", "[1, 0]"},
+                        {"growth", "[0, 0]", "[1, 0]"}};
+  for (const Case& c : cases) {
+    const std::string file = folder_.write("right.yaml", problem_of(c.function, c.state, c.goal));
+    const ProcessResult check = run_conddp({"check", "--derivatives", "--allow-code", file});
+    EXPECT_EQ(check.exit_code, 0) << c.function << check.out << check.err;
+    const ProcessResult solved = run_conddp({"solve", file, "--allow-code", "-o", output()});
+    EXPECT_EQ(solved.exit_code, 0) << c.function << solved.out << solved.err;
+  }
+}
+
+TEST_F(AllowCode, ResidualsOfLargeRobotsDoNotMakeTheirDynamicsWrong) {
+  const std::string own = std::string("costs.own={residual: library, library: ") +
+                          CONDDP_TEST_MODEL + ", function: joint}";
+  const ProcessResult check = run_conddp(
+      {"check", source("problems/arm_reach.yaml"), "--set", own, "--derivatives", "--allow-code"});
+  EXPECT_EQ(check.exit_code, 0) << check.out << check.err;
+}
+
+TEST_F(AllowCode, AJacobianThatFailsIsNamed) {
+  const std::string file = folder_.write("stuck.yaml", problem_of("stuck", "[1, 0]", "[0, 0]"));
+  const ProcessResult solved = run_conddp({"solve", file, "--allow-code", "-o", output()});
+  EXPECT_EQ(solved.exit_code, 1) << solved.out << solved.err;
+  EXPECT_NE(solved.err.find("the function fails, or gives no finite numbers"), std::string::npos)
+      << solved.err;
+}
+
+TEST_F(AllowCode, AnAnswerWithoutValuesHasNoDerivativesToDeny) {
+  const std::string file = folder_.write("torn.yaml", problem_of("torn", "[1, 0]", "[0, 0]"));
+  const ProcessResult solved = run_conddp({"solve", file, "--allow-code", "-o", output()});
+  EXPECT_EQ(solved.exit_code, 1) << solved.out << solved.err;
+  const ProcessResult verified =
+      run_conddp({"verify", output() + "/solution.json", "--allow-code"});
+  EXPECT_EQ(verified.exit_code, 0) << verified.out << verified.err;
+  EXPECT_NE(verified.out.find("consistency check passed"), std::string::npos) << verified.out;
+}
+
 TEST_F(AllowCode, AnExpandedFileIsReadAgain) {
   const ProcessResult expanded = run_conddp({"check", "--expand", file_, "--allow-code"});
   ASSERT_EQ(expanded.exit_code, 0) << expanded.err;

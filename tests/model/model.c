@@ -202,6 +202,115 @@ int jac_crooked(ARGUMENTS) {
   return 0;
 }
 
+/* Numbers of very different size: a climb in metres through thinner and thinner air. */
+static const Port climb_in[] = {{"x", pair}, {"u", scalar}}, climb_out[] = {{"rate", pair}};
+DESCRIBE(climb)
+int climb(ARGUMENTS) {
+  const double *x = arg[0], drag = 9.81e-5 * exp(-x[0] / 8000);
+  (void)iw, (void)w, (void)mem;
+  res[0][0] = x[1];
+  res[0][1] = arg[1][0] - drag * x[1] * x[1] - 9.81;
+  return 0;
+}
+static const Port jac_climb_in[] = {{"x", pair}, {"u", scalar}};
+static const Port jac_climb_out[] = {{"jac_rate_x", jac_swing_x_pattern}, {"jac_rate_u", second_row}};
+DESCRIBE(jac_climb)
+int jac_climb(ARGUMENTS) {
+  const double *x = arg[0], drag = 9.81e-5 * exp(-x[0] / 8000);
+  (void)iw, (void)w, (void)mem;
+  if (res[0]) {
+    res[0][0] = drag * x[1] * x[1] / 8000;
+    res[0][1] = 1;
+    res[0][2] = -2 * drag * x[1];
+  }
+  if (res[1]) res[1][0] = 1;
+  return 0;
+}
+
+/* With a kink at zero: rate (y, u - max(x, 0)). The derivative at zero is that from above. */
+static const Port kink_in[] = {{"x", pair}, {"u", scalar}}, kink_out[] = {{"rate", pair}};
+DESCRIBE(kink)
+int kink(ARGUMENTS) {
+  (void)iw, (void)w, (void)mem;
+  res[0][0] = arg[0][1];
+  res[0][1] = arg[1][0] - fmax(arg[0][0], 0);
+  return 0;
+}
+static const Port jac_kink_in[] = {{"x", pair}, {"u", scalar}};
+static const Port jac_kink_out[] = {{"jac_rate_x", jac_wind_x_pattern}, {"jac_rate_u", second_row}};
+DESCRIBE(jac_kink)
+int jac_kink(ARGUMENTS) {
+  (void)iw, (void)w, (void)mem;
+  if (res[0]) {
+    res[0][0] = arg[0][0] < 0 ? 0 : -1;
+    res[0][1] = 1;
+  }
+  if (res[1]) res[1][0] = 1;
+  return 0;
+}
+
+/* With an edge: rate (y, u - x^1.5), which there is for x >= 0 alone. */
+static const Port edge_in[] = {{"x", pair}, {"u", scalar}}, edge_out[] = {{"rate", pair}};
+DESCRIBE(edge)
+int edge(ARGUMENTS) {
+  (void)iw, (void)w, (void)mem;
+  res[0][0] = arg[0][1];
+  res[0][1] = arg[1][0] - pow(arg[0][0], 1.5);
+  return arg[0][0] < 0;
+}
+static const Port jac_edge_in[] = {{"x", pair}, {"u", scalar}};
+static const Port jac_edge_out[] = {{"jac_rate_x", jac_wind_x_pattern}, {"jac_rate_u", second_row}};
+DESCRIBE(jac_edge)
+int jac_edge(ARGUMENTS) {
+  (void)iw, (void)w, (void)mem;
+  if (res[0]) {
+    res[0][0] = -1.5 * sqrt(arg[0][0]);
+    res[0][1] = 1;
+  }
+  if (res[1]) res[1][0] = 1;
+  return 0;
+}
+
+/* rate (y, u + exp(x)), whose Jacobian reads that. */
+static const Port growth_in[] = {{"x", pair}, {"u", scalar}}, growth_out[] = {{"rate", pair}};
+DESCRIBE(growth)
+int growth(ARGUMENTS) {
+  (void)iw, (void)w, (void)mem;
+  res[0][0] = arg[0][1];
+  res[0][1] = arg[1][0] + exp(arg[0][0]);
+  return 0;
+}
+static const Port jac_growth_in[] = {{"x", pair}, {"u", scalar}, {"out_rate", pair}};
+static const Port jac_growth_out[] = {{"jac_rate_x", jac_wind_x_pattern}, {"jac_rate_u", second_row}};
+DESCRIBE(jac_growth)
+int jac_growth(ARGUMENTS) {
+  (void)iw, (void)w, (void)mem;
+  if (res[0]) {
+    res[0][0] = arg[2][1] - arg[1][0];
+    res[0][1] = 1;
+  }
+  if (res[1]) res[1][0] = 1;
+  return 0;
+}
+
+/* A residual of an arm with seven joints: its first angle. */
+static const Int fourteen[] = {14, 1, 1};
+static const Int first_of_fourteen[] = {1, 14, 0, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 0};
+static const Port joint_in[] = {{"x", fourteen}}, joint_out[] = {{"r", scalar}};
+DESCRIBE(joint)
+int joint(ARGUMENTS) {
+  (void)iw, (void)w, (void)mem;
+  res[0][0] = arg[0][0];
+  return 0;
+}
+static const Port jac_joint_in[] = {{"x", fourteen}}, jac_joint_out[] = {{"jac_r_x", first_of_fourteen}};
+DESCRIBE(jac_joint)
+int jac_joint(ARGUMENTS) {
+  (void)arg, (void)iw, (void)w, (void)mem;
+  if (res[0]) res[0][0] = 1;
+  return 0;
+}
+
 /* Functions that cannot be used. */
 static int fails(ARGUMENTS) {
   (void)arg, (void)res, (void)iw, (void)w, (void)mem;
@@ -246,6 +355,25 @@ BROKEN(torn) /* fails whenever it is called */
 static const Port jac_torn_in[] = {{"x", pair}, {"u", scalar}};
 static const Port jac_torn_out[] = {{"jac_rate_x", jac_swing_x_pattern}, {"jac_rate_u", second_row}};
 BROKEN(jac_torn)
+static const Port stuck_in[] = {{"x", pair}, {"u", scalar}}, stuck_out[] = {{"rate", pair}};
+DESCRIBE(stuck) /* has a Jacobian that fails whenever it is called */
+int stuck(ARGUMENTS) { return crooked(arg, res, iw, w, mem); }
+static const Port jac_stuck_in[] = {{"x", pair}, {"u", scalar}};
+static const Port jac_stuck_out[] = {{"jac_rate_x", jac_wind_x_pattern}, {"jac_rate_u", second_row}};
+BROKEN(jac_stuck)
+static const Port strange_in[] = {{"x", pair}, {"u", scalar}}, strange_out[] = {{"rate", pair}};
+BROKEN(strange) /* has a Hessian with an input that is not known */
+static const Port jac_strange_in[] = {{"x", pair}, {"u", scalar}};
+static const Port jac_strange_out[] = {{"jac_rate_x", jac_wind_x_pattern}, {"jac_rate_u", second_row}};
+BROKEN(jac_strange)
+static const Port hess_strange_in[] = {{"x", pair}, {"lam", pair}, {"lam_of_y", pair}};
+static const Port hess_strange_out[] = {{"hess", hess_swing_pattern}};
+BROKEN(hess_strange)
+static const Port alien_in[] = {{"x", pair}, {"u", scalar}}, alien_out[] = {{"rate", pair}};
+BROKEN(alien) /* has a Jacobian that reads an output that there is not */
+static const Port jac_alien_in[] = {{"x", pair}, {"u", scalar}, {"out_force", pair}};
+static const Port jac_alien_out[] = {{"jac_rate_x", jac_wind_x_pattern}, {"jac_rate_u", second_row}};
+BROKEN(jac_alien)
 static const Int impossible[] = {-1, 4, 1};
 static const Port garbled_in[] = {{"x", impossible}}, garbled_out[] = {{"rate", pair}};
 BROKEN(garbled) /* describes no matrix */

@@ -114,6 +114,83 @@ TEST(LibrarySystems, GiveNoNumbersWhereTheFunctionFails) {
   for (const double value : J) EXPECT_TRUE(std::isnan(value));
 }
 
+/// The Jacobian of dual numbers of values, rows x columns.
+Eigen::MatrixXd dual_jacobian(const LibraryKnotFunction& function, const std::vector<double>& z) {
+  const auto workspace = function.create_workspace();
+  Eigen::MatrixXd J(function.rows(), function.columns());
+  for (int column = 0; column < function.columns(); ++column) {
+    AlignedVector<Dual<Lane>> at, f(function.rows());
+    for (const double number : z) at.push_back(Dual<Lane>(number));
+    at[column].d = Lane(1.0);
+    function.evaluate(at.data(), *workspace, f.data());
+    for (int row = 0; row < function.rows(); ++row) J(row, column) = f[row].d[kLaneWidth - 1];
+  }
+  return J;
+}
+
+Eigen::MatrixXd own_jacobian(const LibraryKnotFunction& function, const std::vector<double>& z) {
+  const auto workspace = function.create_workspace();
+  Eigen::VectorXd f(function.rows());
+  Eigen::MatrixXd J(function.rows(), function.columns());
+  function.differentiate(z.data(), *workspace, f.data(), J.data());
+  return J;
+}
+
+TEST(LibraryKnotFunction, DualNumbersOfValuesHaveARightJacobian) {
+  struct Case {
+    const char* function;
+    std::vector<double> z;
+  };
+  const Case cases[] = {{"climb", {10, 100, 3}},   {"climb", {1210, 100, 3}},
+                        {"climb", {7e6, 7500, 0}}, {"climb", {-3e4, 20, 1e6}},
+                        {"kink", {0, 0, 0}},       {"kink", {1e-7, 0, 0}},
+                        {"edge", {0, 0, 0}},       {"edge", {1e-6, 1, 0}},
+                        {"edge", {2, 1, 0}},       {"growth", {3, 1, -20}}};
+  for (const Case& c : cases) {
+    const auto function = function_of(c.function, {});
+    EXPECT_EQ(dual_jacobian(*function, c.z), own_jacobian(*function, c.z))
+        << c.function << ' ' << c.z[0];
+  }
+}
+
+TEST(LibraryKnotFunction, DualNumbersOfValuesAreDifferencesWhereTheJacobianIsWrong) {
+  const auto function = function_of("crooked", {});
+  const std::vector<double> z = {0.3, 2, 1};
+  EXPECT_EQ(own_jacobian(*function, z)(1, 2), 2);
+  EXPECT_NEAR(dual_jacobian(*function, z)(1, 2), 1, 1e-9);
+  EXPECT_NEAR(dual_jacobian(*function, z)(1, 0), -1, 1e-9);
+}
+
+TEST(LibraryKnotFunction, JacobiansGetTheOutputsThatTheyRead) {
+  const Eigen::MatrixXd J = own_jacobian(*function_of("growth", {}), {0.5, 1, 3});
+  EXPECT_DOUBLE_EQ(J(1, 0), std::exp(0.5));
+  EXPECT_EQ(J(0, 1), 1);
+  EXPECT_EQ(J(1, 2), 1);
+}
+
+TEST(SlopeInterval, ConfirmsWhatLiesInItAndReplacesWhatDoesNot) {
+  const SlopeInterval kink = between_slopes(2, -1);
+  EXPECT_EQ(confirmed_slope(-1, kink, 0), -1);
+  EXPECT_EQ(confirmed_slope(0.3, kink, 0), 0.3);
+  EXPECT_EQ(confirmed_slope(2.01, kink, 0.02), 2.01);
+  EXPECT_EQ(confirmed_slope(2.03, kink, 0.02), 2);
+  EXPECT_EQ(confirmed_slope(-5, kink, 0.02), -1);
+  EXPECT_EQ(confirmed_slope(std::nan(""), kink, 0), 0.5);
+  EXPECT_EQ(confirmed_slope(std::numeric_limits<double>::infinity(), kink, 0), 2);
+  EXPECT_TRUE(std::isnan(confirmed_slope(1, between_slopes(std::nan(""), 1), 0)));
+  EXPECT_TRUE(std::isnan(
+      confirmed_slope(1, between_slopes(-1, std::numeric_limits<double>::infinity()), 0)));
+}
+
+TEST(SlopeInterval, AtAnEdgeReachesTheDerivativeOfRootsAndOfSmoothFunctions) {
+  // Secants of x^1.5 and of x^2 from 0: the derivative there is 0.
+  const double h = 1e-5;
+  const SlopeInterval root = at_edge(std::sqrt(h), std::sqrt(h / 4)), square = at_edge(h, h / 4);
+  EXPECT_NEAR(root.lower, 0, 1e-16);
+  EXPECT_LE(square.lower, 0);
+  EXPECT_GE(square.upper, 0);
+}
+
 TEST(LibraryKnotFunction, SaysWhatDoesNotFit) {
   struct Case {
     std::string function;
@@ -143,6 +220,8 @@ TEST(LibraryKnotFunction, SaysWhatDoesNotFit) {
        {},
        Part::kFunction,
        "'hess_weightless' has no input 'lam' of 2 numbers, one for each row of 'weightless'"},
+      {"strange", {2, 1}, {}, Part::kFunction, "'hess_strange' has an input 'lam_of_y'"},
+      {"alien", {2, 1}, {}, Part::kFunction, "'jac_alien' has an input 'out_force'"},
       {"garbled", {2, 1}, {}, Part::kFunction, "'garbled_sparsity_in' describes no matrix"},
       {"swing",
        {3, 1},

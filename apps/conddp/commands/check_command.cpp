@@ -34,13 +34,9 @@ std::string full_text(const OrderedJson& summary) {
 int print_summary(const CheckArguments& arguments, const ProblemSpec& spec,
                   const BuiltProblem& built, const std::vector<const SolverInfo*>& candidates) {
   OrderedJson summary = check_summary(spec, built, candidates);
-  // Compiled code brings derivatives of its own, which dual numbers would take as they are.
-  const DerivativeReference reference =
-      spec.runs_code() ? DerivativeReference::differences : DerivativeReference::dual_numbers;
   if (arguments.derivatives)
     summary["derivatives"] =
-        derivatives_json(check_derivatives(*built.problem, built.guess, {.reference = reference}),
-                         reference, spec, built);
+        derivatives_json(check_derivatives(*built.problem, built.guess), spec, built);
   if (arguments.terminal)
     summary["terminal_lqr"] = regulator_json(built, spec.solver.options.tolerances.constraint);
   print_result(arguments.json ? json_text(summary) : full_text(summary));
@@ -78,8 +74,9 @@ Command check_command() {
               problem_arguments(*a),
               {flag({"--expand"}, a->expand, "Print the file with every default filled in"),
                flag({"--derivatives"}, a->derivatives,
-                    "Compare every derivative with dual numbers and name the worst entries; exit "
-                    "status 1 if one is wrong",
+                    "Compare every derivative with dual numbers, those of compiled functions with "
+                    "differences of their values, and name the worst entries; exit status 1 if one "
+                    "is wrong",
                     "--expand"),
                flag({"--terminal"}, a->terminal,
                     "Print the regulator of 'terminal: {lqr: ...}', its largest terminal set, and "

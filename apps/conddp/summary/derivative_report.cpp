@@ -67,8 +67,7 @@ ComparedRow row_of(const DerivativeComparison& c, const KnotModel& model, bool t
 }  // namespace
 
 OrderedJson derivatives_json(const std::vector<DerivativeComparison>& comparisons,
-                             DerivativeReference reference, const ProblemSpec& spec,
-                             const BuiltProblem& built) {
+                             const ProblemSpec& spec, const BuiltProblem& built) {
   const ShootingProblem& problem = *built.problem;
   const int phases = static_cast<int>(problem.phases().size());
   const Names tangent = tangent_columns(built);
@@ -100,10 +99,9 @@ OrderedJson derivatives_json(const std::vector<DerivativeComparison>& comparison
                       {"reference", finite_or_null(c.reference)},
                       {"relative_error", finite_or_null(c.error)}}}});
   }
-  const bool differences = reference == DerivativeReference::differences;
   return {{"holds", holds},
           {"tolerance", kDerivativeTolerance},
-          {"reference", differences ? "differences" : "dual numbers"},
+          {"reference", spec.runs_code() ? "dual numbers and differences" : "dual numbers"},
           {"compared", std::move(list)}};
 }
 

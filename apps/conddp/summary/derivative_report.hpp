@@ -9,14 +9,10 @@
 
 namespace conddp {
 
-/// Largest relative error of a derivative that is right.
-inline constexpr double kDerivativeTolerance = 1e-6;
-
 /// The comparisons with the names of phases, costs, rows and columns; `holds` says whether all are
 /// within the tolerance.
 OrderedJson derivatives_json(const std::vector<DerivativeComparison>& comparisons,
-                             DerivativeReference reference, const ProblemSpec& spec,
-                             const BuiltProblem& built);
+                             const ProblemSpec& spec, const BuiltProblem& built);
 
 /// The same as a table for people.
 std::string derivatives_text(const OrderedJson& derivatives);

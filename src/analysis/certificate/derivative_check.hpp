@@ -28,16 +28,14 @@ struct DerivativeComparison {
   int knot = 0;             ///< where that is
   bool displaced = false;   ///< whether it is beside the trajectory
   double analytic = 0;      ///< what solvers get
-  double reference = 0;     ///< by dual numbers or differences
+  double reference = 0;     ///< by dual numbers
   double error = 0;         ///< relative, see check_derivatives
 };
 
-/// With what derivatives are compared: dual numbers, or central differences of evaluations, which
-/// see through code that brings derivatives of its own.
-enum class DerivativeReference { dual_numbers, differences };
+/// Largest relative error of a derivative that is right.
+inline constexpr double kDerivativeTolerance = 1e-6;
 
 struct DerivativeCheckOptions {
-  DerivativeReference reference = DerivativeReference::dual_numbers;
   /// Knots of a phase at which derivatives are compared: the first, the last, and some between.
   int knots_per_phase = 3;
   /// Largest entry of the random tangent vectors by which a second trajectory lies beside the given
@@ -48,10 +46,11 @@ struct DerivativeCheckOptions {
 };
 
 /// Compares all first derivatives that solvers use with derivatives by dual numbers through
-/// evaluation alone, which share no formula with them, or with differences. An error is relative to
-/// the larger of the two numbers, but at least to a thousandth of the largest entry of its matrix
-/// (and of 1; of the weights, for gradients), below which lies rounding. It is infinite where one
-/// of the two is not finite.
+/// evaluation alone, which share no formula with them. Those of compiled functions rest on
+/// differences of their values (LibraryKnotFunction::evaluate). An error is relative to the larger
+/// of the two numbers, but at least to a thousandth of the largest entry of its matrix (and of 1;
+/// of the weights, for gradients), below which lies rounding. It is infinite where one of the two
+/// is not finite. A point beside the trajectory at which a knot has no finite values is left out.
 std::vector<DerivativeComparison> check_derivatives(const ShootingProblem& problem,
                                                     const Trajectory& trajectory,
                                                     const DerivativeCheckOptions& options = {});

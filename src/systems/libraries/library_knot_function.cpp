@@ -36,20 +36,37 @@ void take_lane(const S* z, int lane, std::vector<double>& values, std::vector<do
     for (std::size_t i = 0; i < values.size(); ++i) direction[i] = z[i].d[lane];
 }
 
+/// The derivatives of dual numbers in a lane, from a Jacobian. What does not move adds nothing,
+/// even where the derivative by it is not finite.
+void set_slopes(Dual<Lane>* f, int lane, int rows, const std::vector<double>& J,
+                const std::vector<double>& direction) {
+  for (int row = 0; row < rows; ++row) {
+    double along = 0;
+    for (std::size_t i = 0; i < direction.size(); ++i)
+      if (direction[i] != 0) along += J[i * rows + row] * direction[i];
+    f[row].d.set(lane, along);
+  }
+}
+
 }  // namespace
 
 struct LibraryKnotFunction::Workspace {
   explicit Workspace(const LibraryKnotFunction& function)
-      : values(*function.values_, {0}),
+      : values(*function.values_, wanted_values(function)),
         jacobian(*function.jacobian_, wanted(function)),
         z(function.columns()),
         direction(function.columns()),
         moved(function.columns()),
         weights(function.rows()),
         f(function.rows()),
+        beside(f.size()),
+        ahead(f.size()),
+        behind(f.size()),
+        confirmed_at(function.columns(), std::numeric_limits<double>::quiet_NaN()),
         J(function.rows() * function.columns()),
         dJ(J.size()),
         other(J.size()),
+        confirmed(J.size()),
         H(function.columns() * function.columns()) {
     if (function.hessian_)
       hessian = std::make_unique<LibraryFunction::Workspace>(*function.hessian_, std::vector{0});
@@ -58,6 +75,12 @@ struct LibraryKnotFunction::Workspace {
     if (hessian) set_parameters(function.hessian_binding_, function.parameters_, *hessian);
   }
 
+  static std::vector<int> wanted_values(const LibraryKnotFunction& function) {
+    std::vector<int> outputs = {0};
+    for (const NominalOutput& nominal : function.nominal_outputs_)
+      if (nominal.output != 0) outputs.push_back(nominal.output);
+    return outputs;
+  }
   static std::vector<int> wanted(const LibraryKnotFunction& function) {
     std::vector<int> outputs;
     for (const JacobianPart& part : function.jacobian_parts_) outputs.push_back(part.output);
@@ -70,7 +93,10 @@ struct LibraryKnotFunction::Workspace {
 
   LibraryFunction::Workspace values, jacobian;
   std::unique_ptr<LibraryFunction::Workspace> hessian;
-  std::vector<double> z, direction, moved, weights, f, J, dJ, other, H;
+  std::vector<double> z, direction, moved, weights, f;
+  std::vector<double> beside, ahead, behind;  ///< values, and slopes to the two sides
+  std::vector<double> confirmed_at;           ///< the z of the confirmed Jacobian
+  std::vector<double> J, dJ, other, confirmed, H;
 };
 
 void LibraryKnotFunction::WorkspaceDeleter::operator()(Workspace* workspace) const {
@@ -131,10 +157,10 @@ class LibraryKnotFunction::Maker {
            bind(function, "t", Part::kFunction, 1, binding.t);
   }
 
-  bool check_names(const LibraryFunction& function, std::string_view also) {
+  bool check_names(const LibraryFunction& function, const std::vector<std::string>& also) {
     for (const Port& port : function.inputs()) {
       const bool known = port.name == "x" || port.name == "u" || port.name == "p" ||
-                         port.name == "t" || (!also.empty() && port.name.starts_with(also));
+                         port.name == "t" || std::ranges::find(also, port.name) != also.end();
       if (!known)
         return fail(Part::kFunction,
                     fmt::format("'{}' has an input '{}'", function.name(), port.name),
@@ -172,12 +198,39 @@ class LibraryKnotFunction::Maker {
     const LibraryFunction& jacobian = *made_->jacobian_;
     const Sizes& sizes = made_->sizes_;
     const Binding& f = made_->values_binding_;
-    if (!check_names(jacobian, "out_") || !bind_all(jacobian, made_->jacobian_binding_))
+    if (!check_names(jacobian, names_of_nominal_outputs()) ||
+        !bind_all(jacobian, made_->jacobian_binding_) || !bind_nominal_outputs())
       return false;
     made_->structure_.resize(made_->rows_);
     return add_part(f.x, "x", 0, sizes.states) &&
            add_part(f.u, "u", sizes.states, sizes.controls) &&
            add_part(f.t, "t", sizes.states + sizes.controls, 1);
+  }
+
+  std::vector<std::string> names_of_nominal_outputs() const {
+    std::vector<std::string> names;
+    for (const Port& output : made_->values_->outputs()) names.push_back("out_" + output.name);
+    return names;
+  }
+
+  /// Those of which the Jacobian reads numbers.
+  bool bind_nominal_outputs() {
+    const LibraryFunction& jacobian = *made_->jacobian_;
+    const std::vector<Port>& outputs = made_->values_->outputs();
+    for (std::size_t i = 0; i < outputs.size(); ++i) {
+      const auto input = find_port(jacobian.inputs(), "out_" + outputs[i].name);
+      if (!input) continue;
+      const Port& port = jacobian.inputs()[*input];
+      if (port.stored() == 0) continue;
+      if (port.row_of != outputs[i].row_of || port.column_of != outputs[i].column_of)
+        return fail(Part::kFunction,
+                    fmt::format("the input '{}' of '{}' stores other numbers than the output '{}' "
+                                "of '{}'",
+                                port.name, jacobian.name(), outputs[i].name, name_),
+                    kMakeAll);
+      made_->nominal_outputs_.push_back({*input, static_cast<int>(i)});
+    }
+    return true;
   }
 
   /// The derivative by one of the inputs, if f has it.
@@ -206,7 +259,7 @@ class LibraryKnotFunction::Maker {
     if (library_->find(name.c_str()) == nullptr) return true;
     made_->hessian_ = load(name);
     const LibraryFunction& hessian = *made_->hessian_;
-    if (!check_names(hessian, "lam") || !bind_all(hessian, made_->hessian_binding_)) return false;
+    if (!check_names(hessian, {"lam"}) || !bind_all(hessian, made_->hessian_binding_)) return false;
     const auto weights = find_port(hessian.inputs(), "lam");
     if (!weights || !hessian.inputs()[*weights].is_vector(made_->rows_))
       return fail(Part::kFunction,
@@ -259,9 +312,20 @@ void LibraryKnotFunction::values_at(const double* z, Workspace& workspace, doubl
   for (int i = 0; i < port.stored(); ++i) f[port.row_of[i] + port.column_of[i]] = output[i];
 }
 
+/// False where the function fails.
+bool LibraryKnotFunction::set_nominal_outputs(const double* z, Workspace& workspace) const {
+  if (nominal_outputs_.empty()) return true;
+  set_inputs(values_binding_, z, workspace.values);
+  if (!values_->run(workspace.values)) return false;
+  for (const auto& [input, output] : nominal_outputs_)
+    std::copy_n(workspace.values.output(output), values_->outputs()[output].stored(),
+                workspace.jacobian.input(input));
+  return true;
+}
+
 void LibraryKnotFunction::jacobian_at(const double* z, Workspace& workspace, double* J) const {
   set_inputs(jacobian_binding_, z, workspace.jacobian);
-  const bool done = jacobian_->run(workspace.jacobian);
+  const bool done = set_nominal_outputs(z, workspace) && jacobian_->run(workspace.jacobian);
   std::fill_n(J, rows_ * columns(), done ? 0.0 : std::numeric_limits<double>::quiet_NaN());
   if (!done) return;
   for (const JacobianPart& part : jacobian_parts_) {
@@ -343,6 +407,63 @@ void LibraryKnotFunction::second_derivatives(const double* z, const double* weig
     for (int i = 0; i < j; ++i) H[j * n + i] = H[i * n + j] = 0.5 * (H[j * n + i] + H[i * n + j]);
 }
 
+/// Of every row, the slope from z to the point a step away along one coordinate.
+void LibraryKnotFunction::slopes_beside(const double* z, int column, double step,
+                                        Workspace& workspace, std::vector<double>& slopes) const {
+  std::copy_n(z, columns(), workspace.moved.begin());
+  workspace.moved[column] += step;
+  values_at(workspace.moved.data(), workspace, workspace.beside.data());
+  const double moved = workspace.moved[column] - z[column];  // rounding has changed the step
+  for (int row = 0; row < rows_; ++row)
+    slopes[row] = (workspace.beside[row] - workspace.f[row]) / moved;
+}
+
+/// Where the other side has no values.
+SlopeInterval LibraryKnotFunction::one_sided_slopes(const double* z, int column, int row,
+                                                    double step, double slope,
+                                                    Workspace& workspace) const {
+  slopes_beside(z, column, step / 4, workspace, workspace.weights);
+  return at_edge(slope, workspace.weights[row]);
+}
+
+/// Of the Jacobian at z, whose values are workspace.f. Differences lose so much of a derivative,
+/// and of its column where it is smaller, and so many units in the last place of the values.
+void LibraryKnotFunction::confirm_column(const double* z, int column, double largest,
+                                         Workspace& workspace) const {
+  constexpr double kLoss = 1e-4, kFloor = 1e-3;
+  constexpr double kRounding = 16 * std::numeric_limits<double>::epsilon();
+  const double h = difference_step(z[column]);
+  slopes_beside(z, column, h, workspace, workspace.ahead);
+  slopes_beside(z, column, -h, workspace, workspace.behind);
+  for (int row = 0; row < rows_; ++row) {
+    const double ahead = workspace.ahead[row], behind = workspace.behind[row];
+    const bool has_ahead = std::isfinite(ahead), has_behind = std::isfinite(behind);
+    SlopeInterval interval = between_slopes(ahead, behind);
+    if (has_ahead && !has_behind)
+      interval = one_sided_slopes(z, column, row, h, ahead, workspace);
+    else if (has_behind && !has_ahead)
+      interval = one_sided_slopes(z, column, row, -h, behind, workspace);
+    double& claimed = workspace.confirmed[column * rows_ + row];
+    const double size = std::max(std::abs(interval.lower), std::abs(interval.upper));
+    const double slack = kLoss * std::max(size, kFloor * largest) +
+                         kRounding * (std::abs(workspace.f[row]) / h + size);
+    claimed = confirmed_slope(claimed, interval, slack);
+  }
+}
+
+/// workspace.confirmed; those of all lanes of a knot, and of its directions, are the same.
+void LibraryKnotFunction::confirmed_jacobian(const double* z, Workspace& workspace) const {
+  if (std::equal(z, z + columns(), workspace.confirmed_at.begin())) return;
+  std::vector<double>& J = workspace.confirmed;
+  jacobian_at(z, workspace, J.data());
+  values_at(z, workspace, workspace.f.data());
+  double largest = 1;
+  for (const double entry : J)
+    if (std::isfinite(entry)) largest = std::max(largest, std::abs(entry));
+  for (int column = 0; column < columns(); ++column) confirm_column(z, column, largest, workspace);
+  std::copy_n(z, columns(), workspace.confirmed_at.begin());
+}
+
 template <class S>
 void LibraryKnotFunction::evaluate(const S* z, Workspace& workspace, S* f) const {
   for (int lane = 0; lane < kLanes<S>; ++lane) {
@@ -350,30 +471,27 @@ void LibraryKnotFunction::evaluate(const S* z, Workspace& workspace, S* f) const
     values_at(workspace.z.data(), workspace, workspace.f.data());
     for (int row = 0; row < rows_; ++row) set_value(f[row], lane, workspace.f[row]);
     if constexpr (kIsDual<S>) {
-      jacobian_at(workspace.z.data(), workspace, workspace.J.data());
-      for (int row = 0; row < rows_; ++row) {
-        double along = 0;
-        for (int i = 0; i < columns(); ++i)
-          along += workspace.J[i * rows_ + row] * workspace.direction[i];
-        f[row].d.set(lane, along);
-      }
+      confirmed_jacobian(workspace.z.data(), workspace);
+      set_slopes(f, lane, rows_, workspace.confirmed, workspace.direction);
     }
   }
 }
 
 template <class S>
 void LibraryKnotFunction::differentiate(const S* z, Workspace& workspace, S* f, S* J) const {
-  evaluate(z, workspace, f);
   const int entries = rows_ * columns();
   for (int lane = 0; lane < kLanes<S>; ++lane) {
     take_lane(z, lane, workspace.z, workspace.direction);
+    values_at(workspace.z.data(), workspace, workspace.f.data());
+    jacobian_at(workspace.z.data(), workspace, workspace.J.data());
+    for (int row = 0; row < rows_; ++row) set_value(f[row], lane, workspace.f[row]);
+    for (int i = 0; i < entries; ++i) set_value(J[i], lane, workspace.J[i]);
     if constexpr (kIsDual<S>) {
+      set_slopes(f, lane, rows_, workspace.J, workspace.direction);
       jacobian_along(workspace.z.data(), workspace.direction.data(), workspace,
                      workspace.dJ.data());
       for (int i = 0; i < entries; ++i) J[i].d.set(lane, workspace.dJ[i]);
     }
-    jacobian_at(workspace.z.data(), workspace, workspace.J.data());
-    for (int i = 0; i < entries; ++i) set_value(J[i], lane, workspace.J[i]);
   }
 }
 
