@@ -37,6 +37,11 @@ std::string excerpt(std::string_view line, int column, int room, const char* car
                      caret_end);
 }
 
+/// Whether a text is among so many; a mark of another collector's may lead beyond them.
+bool is_known(int source, std::size_t count) {
+  return source >= 0 && static_cast<std::size_t>(source) < count;
+}
+
 }  // namespace
 
 std::string_view Diagnostics::Source::line(int number) const {
@@ -72,14 +77,15 @@ int Diagnostics::character_column(int source, int line, int byte) const {
 
 Diagnostic Diagnostics::at(const Place& place, Severity severity, std::string message,
                            std::string hint) const {
-  return {.file = place.mark.source >= 0 ? sources_[place.mark.source]->name : std::string(),
-          .line = place.mark.line,
-          .column = place.mark.column,
+  const bool known = is_known(place.mark.source, sources_.size());
+  return {.file = known ? sources_[place.mark.source]->name : std::string(),
+          .line = known ? place.mark.line : 0,
+          .column = known ? place.mark.column : 0,
           .path = place.path,
           .severity = severity,
           .message = std::move(message),
           .hint = std::move(hint),
-          .source = place.mark.source};
+          .source = known ? place.mark.source : -1};
 }
 
 void Diagnostics::error(const Place& place, std::string message, std::string hint,
@@ -106,7 +112,7 @@ void Diagnostics::add(Diagnostic diagnostic) {
 
 std::string Diagnostics::source_line(const Diagnostic& diagnostic) const {
   if (diagnostic.line < 1) return {};
-  if (diagnostic.source >= 0)
+  if (is_known(diagnostic.source, sources_.size()))
     return std::string(sources_[diagnostic.source]->line(diagnostic.line));
   for (const auto& source : sources_)
     if (source->name == diagnostic.file) return std::string(source->line(diagnostic.line));

@@ -257,7 +257,7 @@ std::optional<HeldState> fallback_of(const FallbackSpec& fallback, const Problem
 class PlantBuilder {
  public:
   PlantBuilder(const ProblemSpec& spec, const BuiltProblem& built, BuiltMpc& to, Diagnostics& out)
-      : spec_(spec), mpc_(*spec.mpc), built_(built), to_(to), out_(out) {}
+      : spec_(spec), mpc_(*spec.mpc), built_(built), to_(to), out_(out), of_plant_(out) {}
 
   void build() {
     const std::set<double> times = changes();
@@ -275,15 +275,17 @@ class PlantBuilder {
  private:
   /// The problem file with the settings of the plant.
   bool apply_settings(ProblemSpec& changed) {
-    Diagnostics own = out_;
-    auto document = parse_problem(spec_.text, spec_.file, own);
+    auto document = parse_problem(spec_.text, spec_.file, of_plant_);
     std::vector<Setting> settings;
     for (const std::string& text : spec_.settings)
-      if (auto setting = parse_setting(text, own)) settings.push_back(*std::move(setting));
+      if (auto setting = parse_setting(text, of_plant_)) settings.push_back(*std::move(setting));
     settings.insert(settings.end(), mpc_.plant.settings.begin(), mpc_.plant.settings.end());
-    auto read = document ? read_problem(*document, settings, own) : std::nullopt;
-    if (read) changed = *std::move(read);
-    return report(own, read.has_value());
+    auto read = document ? read_problem(*document, settings, of_plant_) : std::nullopt;
+    if (read) {
+      changed = *std::move(read);
+      changed.mpc = spec_.mpc;  // with its places in the texts that the loop's diagnostics have
+    }
+    return report(of_plant_, read.has_value());
   }
 
   /// The setting at whose key something is, or the plant.
@@ -295,14 +297,17 @@ class PlantBuilder {
 
   /// Reports what is wrong with a changed problem at the setting that is to blame.
   bool report(const Diagnostics& own, bool fine) {
-    for (std::size_t i = out_.list().size(); i < own.list().size(); ++i)
-      if (own.list()[i].severity == Severity::kError) {
-        out_.error(place_of(own.list()[i]),
-                   fmt::format("the plant cannot be built: {}", own.list()[i].message),
-                   own.list()[i].hint);
-        return false;
-      }
-    return fine;
+    const Diagnostic* fault = first_error(own);
+    if (fault == nullptr) return fine;
+    out_.error(place_of(*fault), fmt::format("the plant cannot be built: {}", fault->message),
+               fault->hint);
+    return false;
+  }
+
+  static const Diagnostic* first_error(const Diagnostics& out) {
+    for (const Diagnostic& fault : out.list())
+      if (fault.severity == Severity::kError) return &fault;
+    return nullptr;
   }
 
   /// When pushes begin and end, and 0.
@@ -344,10 +349,10 @@ class PlantBuilder {
   bool add(double time, std::shared_ptr<ProblemSpec> spec, bool pushed) {
     if (out_.has_errors()) return false;
     spec->guess = {};
-    Diagnostics own = out_;
+    Diagnostics own = of_plant_;
     auto built = build_without_homotopy(*spec, {}, own);
     if (pushed && own.has_errors()) {
-      out_ = own;  // whose errors are at the names of the pushes
+      out_.add(*first_error(own));  // which is at the name of the push
       return false;
     }
     if (!report(own, built.has_value())) return false;
@@ -388,6 +393,7 @@ class PlantBuilder {
   const BuiltProblem& built_;
   BuiltMpc& to_;
   Diagnostics& out_;
+  Diagnostics of_plant_;  ///< of the problem with the plant's settings, whose text it has
 };
 
 /// Whether a condition is another one at another time.
