@@ -10,6 +10,15 @@ namespace {
 /// Residual up to which a step that did not converge is taken all the same, as a share of the
 /// weight's impulse: no motion shows it.
 constexpr double kGoodEnough = 1e-4;
+/// Gap up to which a candidate is near, m: what feet are lifted by and more.
+constexpr double kNear = 0.2;
+
+ContactPlant with_candidates(ContactPlant plant, const std::vector<std::size_t>& chosen) {
+  std::vector<ContactCandidate> some;
+  for (const std::size_t c : chosen) some.push_back(plant.contacts.candidates[c]);
+  plant.contacts.candidates = std::move(some);
+  return plant;
+}
 
 }  // namespace
 
@@ -19,14 +28,42 @@ SimulatedContacts::SimulatedContacts(const ContactPlant& plant, double dt,
       dt_(dt),
       contact_of_(std::move(contact_of)),
       remembered_(remembered),
-      simulator_(plant) {}
+      mechanics_(plant_) {}
+
+void SimulatedContacts::use(std::vector<std::size_t> candidates) {
+  if (simulator_ && candidates == near_) return;
+  near_ = std::move(candidates);
+  simulator_.emplace(with_candidates(plant_, near_));
+}
+
+/// The candidates that are near in a configuration, and those of `more`.
+std::vector<std::size_t> SimulatedContacts::near(const double* q,
+                                                 const std::vector<std::size_t>& more, double gap) {
+  std::vector<std::size_t> found;
+  const auto& instants = mechanics_.look(q);
+  for (std::size_t c = 0; c < instants.size(); ++c)
+    if (!(instants[c].gap > gap) || std::binary_search(more.begin(), more.end(), c))
+      found.push_back(c);
+  return found;
+}
+
+ContactStep SimulatedContacts::step(const StepStart& start) {
+  use(near(start.q.data(), {}, kNear));
+  for (;;) {
+    ContactStep taken = simulator_->step(start);
+    if (!taken.q.allFinite()) return taken;
+    std::vector<std::size_t> needed = near(taken.q.data(), near_, 0);
+    if (needed.size() == near_.size()) return taken;
+    use(std::move(needed));
+  }
+}
 
 void SimulatedContacts::step(double /*time*/, double length, const double* u, double* x) {
   const int nq = plant_.nq(), nv = plant_.nv();
   const std::vector<double> applied = plant_.applied(u);
-  const ContactStep taken = simulator_.step(
-      {Eigen::Map<const Eigen::VectorXd>(x, nq), Eigen::Map<const Eigen::VectorXd>(x + nq, nv),
-       Eigen::Map<const Eigen::VectorXd>(applied.data(), nv), length});
+  const ContactStep taken =
+      step({Eigen::Map<const Eigen::VectorXd>(x, nq), Eigen::Map<const Eigen::VectorXd>(x + nq, nv),
+            Eigen::Map<const Eigen::VectorXd>(applied.data(), nv), length});
   closed_ = 0;
   if (taken.status != StepStatus::solved && !(taken.residual <= kGoodEnough)) {
     std::fill_n(x, nq + nv + remembered_, std::numeric_limits<double>::quiet_NaN());
@@ -35,8 +72,8 @@ void SimulatedContacts::step(double /*time*/, double length, const double* u, do
   std::copy_n(taken.q.data(), nq, x);
   std::copy_n(taken.v.data(), nv, x + nq);
   std::copy_n(u, remembered_, x + nq + nv);
-  for (std::size_t c = 0; c < contact_of_.size(); ++c)
-    if (taken.forces.contact(0, c) > 0) closed_ |= std::uint32_t{1} << contact_of_[c];
+  for (std::size_t c = 0; c < near_.size(); ++c)
+    if (taken.forces.contact(0, c) > 0) closed_ |= std::uint32_t{1} << contact_of_[near_[c]];
 }
 
 }  // namespace conddp

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "analysis/contact/contact_simulator.hpp"
@@ -10,6 +12,9 @@ namespace conddp {
 /// A plant of a closed loop whose contacts open, close and slip by themselves, step by step of
 /// ContactSimulator, whatever the phases say. States are those of the robot (q, v), then
 /// remembered controls.
+///
+/// A step first has the candidates that are near where it begins. If another one overlaps where it
+/// ends, it is taken again with that one too, so that it is a step of all candidates.
 class SimulatedContacts final : public PlantMotion {
  public:
   /// `dt`: the longest step, s; `contact_of`: the bit of each candidate in closed_contacts();
@@ -24,11 +29,17 @@ class SimulatedContacts final : public PlantMotion {
   std::uint32_t closed_contacts() const override { return closed_; }
 
  private:
+  void use(std::vector<std::size_t> candidates);
+  std::vector<std::size_t> near(const double* q, const std::vector<std::size_t>& more, double gap);
+  ContactStep step(const StepStart& start);
+
   ContactPlant plant_;
   double dt_;
   std::vector<int> contact_of_;
   int remembered_;
-  ContactSimulator simulator_;
+  ContactMechanics<double> mechanics_;
+  std::vector<std::size_t> near_;  ///< candidates that the simulator has, in order
+  std::optional<ContactSimulator> simulator_;
   std::uint32_t closed_ = 0;
 };
 
