@@ -17,12 +17,17 @@ double violation(const ConstraintTerm& term, const KnotBatch<double>& batch,
 
 }  // namespace
 
-Appraisal::Appraisal(const TimeLine& line) : line_(line) {
+Appraisal::Appraisal(const TimeLine& line, bool other_forces)
+    : line_(line), other_forces_(other_forces) {
   const ShootingProblem& problem = line.problem();
   for (int k = 0; k < problem.knots(); ++k) {
     auto& batch = batches_[problem.knot(k).model];
     if (!batch) batch = std::make_unique<KnotBatch<double>>(*problem.knot(k).model);
   }
+}
+
+bool Appraisal::counts(const Residual& residual) const {
+  return !other_forces_ || residual.reads() != Reads::forces;
 }
 
 StepFigures Appraisal::of_step(double time, double length, const double* u, const double* x) const {
@@ -36,10 +41,13 @@ StepFigures Appraisal::of_step(double time, double length, const double* u, cons
   batch.dt = numbers.dt;
   const double share = std::abs(length - numbers.dt) < kSameTime ? 1 : length / numbers.dt;
   batch.cost_scale = numbers.cost_scale * share;
+  for (const CostTerm& term : model.costs())
+    if (!counts(*term.residual)) batch.parameters[term.weight] = 0;
   model.evaluate(batch.input(), batch.work);
   StepFigures figures{.cost = batch.work.cost};
   for (const ConstraintTerm& term : model.constraints())
-    if (numbers.parameters[term.active()] != 0 && term.softness == Softness::hard)
+    if (numbers.parameters[term.active()] != 0 && term.softness == Softness::hard &&
+        counts(*term.residual))
       figures.violation = std::max(figures.violation, violation(term, batch, numbers.parameters));
   return figures;
 }

@@ -19,12 +19,17 @@ struct StepFigures {
 /// Costs and constraints of a time line, which has to outlive it, at states of a plant.
 class Appraisal {
  public:
-  explicit Appraisal(const TimeLine& line);
+  /// `other_forces`: contact forces of the plant are not those of the time line's phases. Then
+  /// costs and constraints of contact forces do not count.
+  Appraisal(const TimeLine& line, bool other_forces);
   /// Of a step from a time (s) with a length (s), by its control and the state at its begin.
   StepFigures of_step(double time, double length, const double* u, const double* x) const;
 
  private:
+  bool counts(const Residual& residual) const;
+
   const TimeLine& line_;
+  bool other_forces_;
   std::map<const KnotModel*, std::unique_ptr<KnotBatch<double>>> batches_;
 };
 

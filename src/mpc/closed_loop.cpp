@@ -23,7 +23,7 @@ class Plant {
         options_(options),
         result_(result),
         law_{mpc, {}},
-        appraisal_(mpc.time_line()),
+        appraisal_(mpc.time_line(), options.finds_contacts()),
         stop_(options.stop) {
     const TimeLine& model = mpc.time_line();
     if (options.plant.empty()) add(0, model);
@@ -183,6 +183,11 @@ std::string_view to_string(LoopEnd end) {
       break;
   }
   return "interrupted";
+}
+
+bool ClosedLoopOptions::finds_contacts() const {
+  return std::any_of(plant.begin(), plant.end(),
+                     [](const PlantPeriod& period) { return period.motion != nullptr; });
 }
 
 ClosedLoopResult run_closed_loop(Mpc& mpc, const ClosedLoopOptions& options) {

@@ -53,6 +53,9 @@ struct ClosedLoopOptions {
   std::function<bool()> interrupted;
   /// Gets to see the controller after each tick; null: nobody looks.
   std::function<void(const Mpc&)> observe;
+
+  /// Whether the plant has a motion of its own, whose contact forces are not those of the model.
+  bool finds_contacts() const;
 };
 
 /// How a closed loop ended.
@@ -79,9 +82,11 @@ struct ClosedLoopResult {
   std::vector<PlantStep> steps;
   std::vector<double> last_state;  ///< after the last step
   std::vector<TickRecord> ticks;
-  /// Σ of running costs at the states of the plant, in proportion to the steps; not of impulses.
+  /// Σ of running costs at the states of the plant, in proportion to the steps; not of impulses,
+  /// nor of contact forces where the plant finds its own.
   double cost = 0;
-  double violation = 0;  ///< largest one of a constraint at the plant's states
+  /// Largest one of a constraint at the plant's states, likewise.
+  double violation = 0;
 };
 
 /// Lets a controller that has not ticked yet drive the plant from the problem's initial state.

@@ -94,7 +94,7 @@ class RowByRow {
         task_(task),
         plant_(task),
         line_(task.built.problem, task.mpc.controller.hold),
-        appraisal_(line_),
+        appraisal_(line_, task.mpc.loop.finds_contacts()),
         stop_(task.mpc.loop.stop),
         names_(tangent_columns(task.built)),
         tangent_(task.built.problem->ndx()) {}
