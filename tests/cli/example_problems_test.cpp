@@ -15,9 +15,9 @@ namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
 /// The names of the problems in the source tree, which the tool beside it takes for installed.
-std::set<std::string> our_problems() {
+std::set<std::string> our_problems(const char* folder = "problems") {
   std::set<std::string> names;
-  for (const auto& entry : fs::directory_iterator(source("problems")))
+  for (const auto& entry : fs::directory_iterator(source(folder)))
     if (entry.path().extension() == ".yaml") names.insert(entry.path().stem());
   return names;
 }
@@ -43,7 +43,9 @@ TEST_F(ExampleProblems, AreListedWithWhatTheyShow) {
     EXPECT_GT(problem["description"].get<std::string>().size(), 20u) << problem;
     EXPECT_EQ(problem["description"].get<std::string>().find("schema"), std::string::npos);
   }
-  EXPECT_EQ(names, our_problems());
+  std::set<std::string> ours = our_problems();
+  ours.merge(our_problems("problems/mpc"));
+  EXPECT_EQ(names, ours);
   const std::string text = run({"list", "problems"}).out;
   EXPECT_NE(text.find("\n  arm_reach "), std::string::npos) << text;
   EXPECT_NE(text.find("A seven-joint arm carries 10 kg to a pose half a metre away in 0.35 s, so"),
@@ -55,6 +57,7 @@ TEST_F(ExampleProblems, AreSolvedByTheirNamesFromAnywhere) {
   EXPECT_EQ(solved.exit_code, 0) << solved.err;
   EXPECT_EQ(run({"verify", "out/solution.json", "--quiet"}).exit_code, 0);
   EXPECT_EQ(run({"check", "pendulum_swingup"}).exit_code, 0);
+  EXPECT_EQ(run({"check", "car_path"}).exit_code, 0);  // a closed loop
   const ProcessResult bench =
       run({"bench", "pendulum_swingup", "--solvers", "box_fddp", "--repeat", "0", "--json"});
   EXPECT_EQ(bench.exit_code, 0) << bench.err;

@@ -16,6 +16,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kSuffix = ".yaml";
+/// Below a folder with examples: closed loops.
+constexpr const char* kLoops = "mpc";
 
 std::vector<fs::path> problems_in(const fs::path& folder) {
   std::vector<fs::path> files;
@@ -46,11 +48,16 @@ std::vector<fs::path> example_folders() {
 
 std::vector<fs::path> example_problems() {
   std::vector<fs::path> problems;
-  for (const fs::path& folder : example_folders())
+  const auto add = [&](const fs::path& folder) {
     for (fs::path& file : problems_in(folder))
       if (std::none_of(problems.begin(), problems.end(),
                        [&](const fs::path& known) { return known.stem() == file.stem(); }))
         problems.push_back(std::move(file));
+  };
+  for (const fs::path& folder : example_folders()) {
+    add(folder);
+    add(folder / kLoops);
+  }
   return problems;
 }
 

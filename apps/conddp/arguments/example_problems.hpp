@@ -13,8 +13,8 @@ namespace conddp {
 /// that was installed with the tool.
 std::vector<std::filesystem::path> example_folders();
 
-/// The example problems of these folders by their names, which are those of their files without the
-/// suffix; of two with one name the first folder's.
+/// The example problems of these folders and of their folders `mpc` by their names, which are those
+/// of their files without the suffix; of two with one name the first folder's.
 std::vector<std::filesystem::path> example_problems();
 
 /// What the comment at the head of an example says in its first sentence; empty without one.
