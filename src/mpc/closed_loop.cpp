@@ -204,10 +204,12 @@ ClosedLoopResult run_closed_loop(Mpc& mpc, const ClosedLoopOptions& options) {
       break;
     }
     const double from = mpc.time();
-    for (; command != options.commands.end() && !is_before(from, command->at); ++command)
-      mpc.take_numbers(command->numbers);
     plant.jump(from);
     mpc.see_contacts(plant.closed_contacts(from));
+    // By the time of the line that the commands lead: what it has behind it stays as it was.
+    for (; command != options.commands.end() && !is_before(mpc.line_time(from), command->at);
+         ++command)
+      mpc.take_numbers(command->numbers);
     mpc.prepare();
     mpc.feedback(sensor.measure(mpc.last_tick().tick, plant.x));
     result.ticks.push_back(mpc.last_tick());

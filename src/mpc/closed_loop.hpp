@@ -20,7 +20,8 @@ struct PlantPeriod {
 };
 
 /// What is wanted from a time on: the numbers of a problem (Mpc::take_numbers). The first tick that
-/// measures no earlier learns of it.
+/// measures no earlier learns of it. The time is that of the controller's time line, with which
+/// re-timing moves it.
 struct LoopCommand {
   double at = 0;  ///< s
   std::shared_ptr<const ShootingProblem> numbers;

@@ -83,6 +83,16 @@ Phase empty_end(const ShootingProblem& problem) {
           .cost_scale = {1}};
 }
 
+/// What counts at the last node of windows that end before the time line does; none: what counts
+/// at its own end, with the numbers that it has by then.
+std::optional<Phase> open_end(const std::optional<Phase>& wanted, const ShootingProblem& problem) {
+  if (!wanted) return empty_end(problem);
+  const Phase& own = problem.terminal();
+  const bool same = wanted->model == own.model && wanted->parameters == own.parameters &&
+                    wanted->cost_scale == own.cost_scale;
+  return same ? std::nullopt : wanted;
+}
+
 Plan plan_of_guess(const ShootingProblem& problem, const Trajectory& guess) {
   Plan plan(problem);
   require(guess.knots() == problem.knots() && guess.nx() == problem.nx(),
@@ -136,7 +146,7 @@ Mpc::Mpc(std::shared_ptr<const ShootingProblem> problem, const Trajectory& guess
     : options_(checked(options, *problem)),
       tick_options_(tick_options(options_)),
       line_(std::move(problem), options.hold),
-      open_end_(options.terminal ? *options.terminal : empty_end(line_.problem())),
+      open_end_(open_end(options.terminal, line_.problem())),
       model_(line_, {}),
       scratch_(line_.problem()),
       guess_(plan_of_guess(line_.problem(), guess)),
@@ -152,7 +162,8 @@ Mpc::Mpc(std::shared_ptr<const ShootingProblem> problem, const Trajectory& guess
 Mpc::~Mpc() = default;
 
 WindowContext Mpc::context() const {
-  return {line_, options_.horizon, open_end_, options_.solver, tick_options_};
+  return {line_, options_.horizon, open_end_ ? &*open_end_ : nullptr, options_.solver,
+          tick_options_};
 }
 
 Window& Mpc::window_of(const WindowCut& cut) {

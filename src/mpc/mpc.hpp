@@ -47,7 +47,8 @@ struct MpcOptions {
   /// Gains act at this rate, Hz, and where knots of the plan begin; none: at the first control of
   /// each plan alone.
   std::optional<double> feedback_rate;
-  /// The last node of windows that end before the time line does; none: nothing counts there.
+  /// The last node of windows that end before the time line does; none: nothing counts there. The
+  /// problem's own gets the numbers of take_numbers(), too.
   std::optional<Phase> terminal;
   /// What controls once so many ticks in a row have failed; none: the former plan for ever.
   std::optional<HeldState> fallback;
@@ -153,7 +154,7 @@ class Mpc {
   MpcOptions options_;
   SolverOptions tick_options_;
   TimeLine line_;
-  Phase open_end_;
+  std::optional<Phase> open_end_;  ///< none: that of the time line
   Simulation model_;
   PolicyScratch scratch_;
   Plan guess_;

@@ -23,12 +23,14 @@ bool is_active(const ConstraintTerm& term, int node, int ndx, const double* para
 }
 
 const Phase& end_of(const WindowContext& context, bool reaches_end) {
-  return reaches_end ? context.line.problem().terminal() : context.open_end;
+  const bool own = reaches_end || context.open_end == nullptr;
+  return own ? context.line.problem().terminal() : *context.open_end;
 }
 
 KnotNumbers end_numbers(const WindowContext& context, bool reaches_end) {
-  if (reaches_end) return context.line.numbers(context.line.problem().knots());
-  const Phase& end = context.open_end;
+  if (reaches_end || context.open_end == nullptr)
+    return context.line.numbers(context.line.problem().knots());
+  const Phase& end = *context.open_end;
   return {end.dt[0], end.cost_scale[0], end.parameters.data()};
 }
 

@@ -20,8 +20,9 @@ struct WindowCut {
 /// Problems of windows: how they are made from a time line.
 struct WindowContext {
   const TimeLine& line;
-  double horizon;           ///< s
-  const Phase& open_end;    ///< the last node of windows that end before the time line does
+  double horizon;  ///< s
+  /// The last node of windows that end before the time line does; null: that of the time line.
+  const Phase* open_end;
   std::string_view solver;  ///< of the DDP family
   const SolverOptions& options;
 };

@@ -208,11 +208,19 @@ class GaitSchedule {
     for (const GaitCommand& command : gait_.commands) {
       const WayPart& last = way_.back();
       const double from = cycles_gone(knot_of_command(command));
+      if (!loop_repeats_gait() && from >= cycles())
+        out_.error(command.at.place, "the gait has ended by then",
+                   "raise 'cycles', or write 'repeat: gait' in a closed loop");
       const double time = cycle_of_way();
       way_.push_back({from,
                       followed_by(last.before, along_arc(last.step, from - last.from)),
                       {time * command.x, time * command.y, time * command.turn}});
     }
+  }
+
+  /// Whether a closed loop gives the gait as many cycles as it lasts.
+  bool loop_repeats_gait() const {
+    return spec_.mpc && spec_.mpc->repeat.value == AfterTheEnd::kGait;
   }
 
   int knot_of_command(const GaitCommand& command) const {

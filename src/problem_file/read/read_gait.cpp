@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 #include <span>
 
@@ -207,8 +208,12 @@ void read_steps(YamlMap& map, GaitSpec& gait) {
 
 /// A velocity in the plane, m/s.
 void read_velocity(const YamlReader& reader, GaitCommand& command) {
+  constexpr double kFastest = 1e3;
   const auto velocity = read_vector3(reader, "[forward, left, 0] in m/s");
   if (!velocity) return;
+  if (std::max(std::abs(velocity->x), std::abs(velocity->y)) > kFastest)
+    return reader.error(
+        fmt::format("a command leads with at most {:g} m/s in each direction", kFastest));
   if (velocity->z != 0)
     return reader.error("a command leads in the plane: its third velocity is 0",
                         "write '[forward, left, 0]'");
@@ -223,7 +228,8 @@ GaitCommand read_command(const YamlReader& reader) {
   if (const auto r = map.require("at"))
     command.at = {r->number(kNotNegative).value_or(0), r->place()};
   if (const auto r = map.find("velocity")) read_velocity(*r, command);
-  map.number("turn", command.turn);
+  static const NumberRange kTurn{-1e3, 1e3, false, false, "a number from -1000 to 1000"};
+  map.number("turn", command.turn, kTurn);
   return command;
 }
 
