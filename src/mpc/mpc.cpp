@@ -59,6 +59,7 @@ const MpcOptions& checked(const MpcOptions& options, const ShootingProblem& prob
   check_rates(options);
   check_knots(problem, options);
   if (options.retiming) {
+    require(options.hold, "re-timing moves the end of a time line, which has to be held");
     require(options.retiming->early >= 0 && options.retiming->late >= 0,
             "limits of re-timing are not negative");
     require(static_cast<int>(options.retiming->contacts.size()) == problem.knots(),
@@ -204,7 +205,7 @@ void Mpc::see_contacts(std::uint32_t closed) {
   if (!touch_down) return;
   const double ahead = *touch_down - now;
   const bool all = (contacts & ~closed) == 0;
-  if (all && ahead > 0 && ahead <= options_.retiming->early) shift_ += ahead;
+  if (all && ahead > kSameTime && !is_before(options_.retiming->early, ahead)) shift_ += ahead;
   const bool waits = !all && !is_before(now, *touch_down) &&
                      !is_before(options_.retiming->late, waited_ + options_.tick);
   if (waits) shift_ -= options_.tick;

@@ -27,7 +27,7 @@ enum class TickOutcome {
 /// The name in outputs: "planned", "not_finite", ...
 std::string_view to_string(TickOutcome outcome);
 
-/// Phases that begin when their contacts do, and not at their time.
+/// Phases that begin when their contacts do, and not at their time. The time line has to be held.
 struct Retiming {
   double early = 0;  ///< s: how much earlier than planned a phase may begin
   double late = 0;   ///< s: how much longer than planned one may last

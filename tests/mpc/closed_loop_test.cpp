@@ -157,6 +157,53 @@ TEST(ClosedLoop, FollowsACommandFromItsTimeOnAndNoEarlier) {
   EXPECT_NEAR(moved.last_state[0], 0.5, 0.02);
 }
 
+TEST(ClosedLoop, LetsACommandMoveWhatWindowsKeepOfTheEnd) {
+  const auto last_state = [](double place, std::vector<LoopCommand> commands) {
+    const auto problem = balanced_at(place);
+    Mpc mpc(problem, problem->create_trajectory(),
+            with_terminal(*problem, {.horizon = 0.5, .tick = 0.05, .feedback_rate = 100}));
+    return run_closed_loop(mpc, {.duration = 1, .commands = std::move(commands)}).last_state;
+  };
+  EXPECT_EQ(last_state(0, {{0, balanced_at(0.5)}}), last_state(0.5, {}));
+  EXPECT_NE(last_state(0, {}), last_state(0.5, {}));
+}
+
+/// A plant that moves as a problem does and whose contact is closed all the time.
+class ClosedContact final : public PlantMotion {
+ public:
+  explicit ClosedContact(std::shared_ptr<const ShootingProblem> problem)
+      : line_(std::move(problem), true), simulation_(line_, {}) {}
+  double next_stop(double time) const override { return simulation_.next_stop(time); }
+  void pass_instants(double time, double* x) override { simulation_.pass_instants(time, x); }
+  void step(double time, double length, const double* u, double* x) override {
+    simulation_.step(time, length, u, x);
+  }
+  std::uint32_t closed_contacts() const override { return 1; }
+
+ private:
+  TimeLine line_;
+  Simulation simulation_;
+};
+
+// The contact of the knots from 0.5 s on is closed 0.1 s earlier: so is the command at 1.5 s.
+TEST(ClosedLoop, RetimingMovesCommandsWithTheTimeLineThatTheyLead) {
+  const auto problem = balanced_at(0), commanded = balanced_at(0.5);
+  Retiming retiming{.early = 0.12};
+  for (int k = 0; k < problem->knots(); ++k) retiming.contacts.push_back(k < 10 ? 0 : 1);
+  Mpc mpc(problem, problem->create_trajectory(),
+          {.horizon = 1, .tick = 0.05, .retiming = retiming});
+  std::vector<double> led;
+  ClosedLoopOptions options{.duration = 2, .commands = {{1.5, commanded}}};
+  options.plant = {{.motion = std::make_shared<ClosedContact>(problem)}};
+  options.observe = [&](const Mpc& seen) {
+    if (seen.time_line().numbers(0).parameters == commanded->knot(0).parameters)
+      led.push_back(seen.last_tick().time);
+  };
+  run_closed_loop(mpc, options);
+  ASSERT_FALSE(led.empty());
+  EXPECT_NEAR(led.front(), 1.4, 1e-9);
+}
+
 /// When the controller's time line runs ahead of the loop, tick by tick, where contacts are closed
 /// from a time on. The phase of half a second without contacts is followed by one with them.
 std::vector<double> shifts(double closed_from, const Retiming& limits) {
@@ -182,6 +229,11 @@ TEST(ClosedLoop, PhasesBeginEarlierWhereTheirContactsAreClosedWithinLimits) {
   for (int tick = 8; tick < 16; ++tick) EXPECT_EQ(early[tick], 0.1) << tick;
   EXPECT_EQ(shifts(0.2, {.early = 0.12, .late = 0})[15], 0.1);  // the first tick within the limit
   EXPECT_EQ(shifts(0.2, {.early = 0, .late = 0}), std::vector<double>(16, 0));
+}
+
+TEST(ClosedLoop, PhasesBeginEarlierByAsMuchAsTheLimitWhereThatIsWholeTicks) {
+  for (const int ticks : {1, 2, 3, 4, 5, 6})
+    EXPECT_EQ(shifts(0.2, {.early = 0.05 * ticks, .late = 0})[15], std::round(50 * ticks) / 1e3);
 }
 
 TEST(ClosedLoop, PhasesLastLongerWhereTheContactsOfTheNextAreOpenWithinLimits) {
@@ -410,6 +462,9 @@ TEST(Mpc, SaysWhichOptionsItCannotTake) {
   refused({.tick = 0.1, .delay = 0.2});
   refused({.feedback_rate = 0.0});
   refused({.fallback = HeldState{{0, 0}, Eigen::VectorXd::Zero(1), Eigen::MatrixXd::Zero(1, 4)}});
+  Retiming retiming;
+  retiming.contacts.resize(problem->knots());
+  refused({.hold = false, .retiming = retiming});
   Mpc mpc(problem, guess, {});
   EXPECT_THROW(mpc.feedback(std::vector<double>(4)), std::invalid_argument);
   mpc.prepare();

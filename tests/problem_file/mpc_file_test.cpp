@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "problem_file/build/build_mpc.hpp"
+#include "problem_file/build/loop_commands.hpp"
 #include "problem_file/expand/expand_problem.hpp"
 #include "problem_text.hpp"
 
@@ -435,6 +436,126 @@ TEST(MpcFile, SimulatedContactsHaveAStepAndAnIntegratorOfTheirOwn) {
   EXPECT_FALSE(loop.mpc);
   EXPECT_NE(loop.all().find("simulated contacts need the step of the plant"), std::string::npos);
   EXPECT_NE(loop.all().find("have an integrator of their own"), std::string::npos) << loop.all();
+}
+
+TEST(MpcFile, SimulatedContactsOfAPlantWithOtherNumbersSpeakOfTheLoop) {
+  const std::string plant =
+      "duration: 0.1, plant: {contacts: simulated, set: {contacts.LF.friction: 0.5}";
+  const LoadedLoop above = trot(
+      plant + ", dt: 0.002, ground: [{half_space: {point: [0, 0, -0.1], normal: [0, 0, 1]}}]}");
+  ASSERT_TRUE(above.mpc) << above.all();
+  ASSERT_EQ(above.diagnostics.list().size(), 4u) << above.all();
+  for (const Diagnostic& warning : above.diagnostics.list()) {
+    EXPECT_EQ(warning.path, "mpc.plant.contacts");
+    EXPECT_NE(above.diagnostics.source_line(warning).find("simulated"), std::string::npos);
+  }
+  EXPECT_EQ(above.run().end, LoopEnd::finished);
+  const LoadedLoop without = trot(plant + "}");
+  EXPECT_FALSE(without.mpc);
+  ASSERT_EQ(without.diagnostics.error_count(), 1) << without.all();
+  EXPECT_EQ(without.error()->message, "simulated contacts need the step of the plant");
+}
+
+TEST(MpcFile, GroundThatIsFarAwayChangesNothing) {
+  std::string far;
+  for (int i = 0; i < 20; ++i)
+    far +=
+        fmt::format(", {{box: {{size: [1, 1, 1], placement: {{position: [{}, 0, 0]}}}}}}", 50 + i);
+  const auto last_state = [](const std::string& more) {
+    const LoadedLoop loop = trot(
+        "duration: 0.3, plant: {contacts: simulated, dt: 0.002, ground: [ground" + more + "]}");
+    return loop.mpc ? loop.run().last_state : std::vector<double>();
+  };
+  EXPECT_EQ(last_state(far), last_state(""));
+}
+
+TEST(MpcFile, ContactsCloseHoweverFarAStepGoes) {
+  const LoadedLoop loop = trot("duration: 0.1, plant: {contacts: simulated, dt: 0.002}");
+  ASSERT_TRUE(loop.mpc) << loop.all();
+  PlantMotion& motion = *loop.mpc->loop.plant[0].motion;
+  std::vector<double> x = loop.built->problem->initial_state();
+  x[2] += 0.5;
+  x[loop.built->plant.robot().nq + 2] = -400;  // 0.8 m in a step
+  const std::vector<double> u(loop.built->problem->nu(0), 0.0);
+  motion.step(0, 0.002, u.data(), x.data());
+  EXPECT_NE(motion.closed_contacts(), 0u);
+  EXPECT_GT(x[2], 0);
+}
+
+// The model's forces of phases are not those of a plant that finds its own.
+TEST(MpcFile, ContactForcesOfTheModelDoNotCountWhereThePlantFindsItsOwn) {
+  const auto figures = [](const char* plant) {
+    const LoadedLoop loop(
+        text_of("quadruped_trot_cones"),
+        {fmt::format("mpc={{horizon: 0.4, tick: 0.02, duration: 0.3, plant: {{{}}}}}", plant)});
+    EXPECT_TRUE(loop.mpc) << loop.all();
+    const ClosedLoopResult result = loop.mpc ? loop.run() : ClosedLoopResult{};
+    return std::pair(result.cost, result.violation);
+  };
+  const auto scheduled = figures("dt: 0.002");
+  const auto simulated = figures("dt: 0.002, contacts: simulated");
+  EXPECT_GT(scheduled.second, 0.1);
+  EXPECT_LT(simulated.second, 1e-6);
+}
+
+TEST(MpcFile, TerminalCostsAtTheEndOfAWayAreWarnedOf) {
+  const LoadedLoop keep = trot("duration: 0.1, terminal: keep");
+  ASSERT_TRUE(keep.mpc) << keep.all();
+  EXPECT_NE(keep.all().find("draws every window to the end of the gait's way"), std::string::npos)
+      << keep.all();
+  EXPECT_EQ(trot("duration: 0.1, terminal: none").all(), "");
+  EXPECT_EQ(trot("duration: 0.1, terminal: keep", {"mpc.horizon=9"}).all(), "");
+}
+
+TEST(MpcFile, CommandsComeBeforeTheGaitHasEnded) {
+  const LoadedLoop late = trot("duration: 9, repeat: hold, commands: [{at: 5, turn: 1}]");
+  EXPECT_FALSE(late.mpc);
+  ASSERT_TRUE(late.error());
+  EXPECT_EQ(late.error()->path, "mpc.commands.0") << late.all();
+  EXPECT_NE(late.all().find("the gait has ended by then"), std::string::npos) << late.all();
+}
+
+TEST(MpcFile, AKindOfContactsThatIsNoneIsOneError) {
+  const LoadedLoop loop = trot("duration: 0.1, plant: {contacts: true, ground: [ground]}");
+  EXPECT_EQ(loop.diagnostics.error_count(), 1) << loop.all();
+}
+
+TEST(MpcFile, RetimingThatHasNoMeaningHasItsPlace) {
+  const struct {
+    const char* mpc;
+    const char* path;
+    const char* message;
+  } cases[] = {
+      {"retime: {}", "mpc.retime", "this moves no phase"},
+      {"retime: {early: 0.24}", "mpc.retime.early", "the shortest swing lasts 0.24 s"},
+      {"retime: {early: 1e300}", "mpc.retime.early", "the shortest swing lasts 0.24 s"},
+      {"retime: {late: 0.019}", "mpc.retime.late", "phases wait by whole ticks"},
+      {"retime: {early: 0.06}, repeat: none", "mpc.retime", "moves the end of the phases"}};
+  for (const auto& c : cases) {
+    const LoadedLoop loop =
+        trot(fmt::format("duration: 0.1, plant: {{contacts: simulated, dt: 0.002}}, {}", c.mpc));
+    EXPECT_FALSE(loop.mpc) << c.mpc;
+    ASSERT_TRUE(loop.error()) << c.mpc;
+    EXPECT_EQ(loop.error()->path, c.path) << loop.all();
+    EXPECT_NE(loop.error()->message.find(c.message), std::string::npos) << loop.all();
+  }
+}
+
+// Touch-downs, two a cycle, may all be 0.2 s early.
+TEST(MpcFile, AGaitThatRepeatsLastsForALoopWhosePhasesBeginEarly) {
+  Diagnostics out;
+  const auto two = read_problem_text(
+      text_of("quadruped_trot"), kProblems / "test.yaml",
+      {"mpc={horizon: 0.4, tick: 0.02, duration: 2.4, repeat: gait, retime: {early: 0.2}, plant: "
+       "{contacts: simulated, dt: 0.002}}"},
+      out);
+  ASSERT_TRUE(two) << format_diagnostics(out, false);
+  const auto spec = repeat_gait(*two, out);
+  ASSERT_TRUE(spec) << format_diagnostics(out, false);
+  const auto built = build_problem(*spec, {}, out);
+  ASSERT_TRUE(built) << format_diagnostics(out, false);
+  const double end = built->problem->times().back();
+  EXPECT_GT(end - 0.2 * count_touch_downs(*spec), 2.4 + 0.4 - 1e-9);
 }
 
 TEST(MpcFile, RetimingHasTheContactsOfThePhases) {

@@ -243,6 +243,23 @@ std::optional<Phase> window_end(const ProblemSpec& spec, const BuiltProblem& bui
   return problem ? std::optional(problem->problem->terminal()) : std::nullopt;
 }
 
+/// Windows that end on the way of a gait with costs that draw to the end of the way.
+void warn_of_way_ends(const ProblemSpec& spec, const ShootingProblem& problem, Diagnostics& out) {
+  const MpcSpec& mpc = *spec.mpc;
+  if (mpc.window_end != WindowEnd::kTerminal || !has_gait(spec) ||
+      !is_before(mpc.horizon.value, problem.times().back()))
+    return;
+  for (const CostSpec& cost : spec.terminal_costs)
+    if (cost.reference && !cost.reference->values.empty() && cost.reference->values.front().state &&
+        cost.reference->values.front().state->displaced)
+      return out.warning(
+          mpc.place,
+          fmt::format("'terminal: keep' draws every window to the end of the gait's way, where "
+                      "the terminal cost '{}' has its reference",
+                      cost.name.value),
+          "leave 'terminal' out");
+}
+
 /// What controls where ticks have failed.
 std::optional<HeldState> fallback_of(const FallbackSpec& fallback, const ProblemSpec& spec,
                                      const BuiltProblem& built, Diagnostics& out) {
@@ -481,6 +498,12 @@ std::optional<ProblemSpec> with_cycles(const ProblemSpec& spec, int cycles, Diag
   return read;
 }
 
+/// How long a cycle of a gait lasts at least where each of its touch-downs may come earlier, s.
+double shortest_cycle(const MpcSpec& mpc, double cycle, int touch_downs) {
+  if (!mpc.retime) return cycle;
+  return std::max(cycle - touch_downs * mpc.retime->early.value, std::min(cycle, mpc.tick.value));
+}
+
 /// How many cycles a gait can have, by the knots of the first one with what is around it and by
 /// those of each other one.
 int most_cycles(int first, int other) {
@@ -500,7 +523,10 @@ std::optional<ProblemSpec> repeat_gait(const ProblemSpec& spec, Diagnostics& out
     return std::nullopt;
   }
   const double needed = mpc.duration.value + mpc.delay.value + mpc.horizon.value;
-  const double cycles = 2 + std::floor(std::max(0.0, (needed - total_duration(*once)) / cycle));
+  const double least =
+      shortest_cycle(mpc, cycle, count_touch_downs(*twice) - count_touch_downs(*once));
+  const double first = total_duration(*once) - (cycle - least);
+  const double cycles = 2 + std::floor(std::max(0.0, (needed - first) / least));
   if (cycles > most_cycles(once->knots(), twice->knots() - once->knots())) {
     out.error(mpc.duration.place,
               fmt::format("{:g} s are {:g} cycles of the gait, more than a file can have",
@@ -529,6 +555,7 @@ std::optional<BuiltMpc> build_mpc(const ProblemSpec& spec, const BuiltProblem& b
     result.controller.fallback_after = mpc.fallback->after;
   }
   result.controller.terminal = window_end(spec, built, out);
+  warn_of_way_ends(spec, *built.problem, out);
   set_disturbances(mpc, built, result.loop, out);
   result.controller.retiming = build_retiming(spec, built, out);
   result.loop.commands = build_commands(spec, built, out);

@@ -1,6 +1,7 @@
 #include "problem_file/build/loop_commands.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -28,8 +29,6 @@ std::string setting_of(const ProblemSpec& spec, std::size_t last) {
   for (std::size_t i = 0; i <= last; ++i) add(commands[i]);
   return "gait.commands=[" + list + "]";
 }
-
-bool has_gait(const ProblemSpec& spec) { return spec.phases.front().name.place.path == "gait"; }
 
 /// The problem with the commands up to one of them; null where it cannot be, which is reported.
 std::shared_ptr<const ShootingProblem> with_commands(const ProblemSpec& spec,
@@ -63,7 +62,51 @@ std::uint32_t bits_of(const ContactNames& held, const std::vector<ContactSpec>& 
   return bits;
 }
 
+/// The shortest time from the release of a contact to its touch-down, s; infinite where there is
+/// no touch-down.
+double shortest_swing(const std::vector<std::uint32_t>& held, const std::vector<double>& times) {
+  double shortest = std::numeric_limits<double>::infinity();
+  for (std::size_t from = 0; from + 1 < held.size(); ++from) {
+    std::uint32_t released = held[from] & ~held[from + 1];
+    for (std::size_t to = from + 2; released != 0 && to < held.size(); ++to) {
+      if ((released & held[to]) != 0) shortest = std::min(shortest, times[to] - times[from + 1]);
+      released &= ~held[to];
+    }
+  }
+  return shortest;
+}
+
+/// What of mpc.retime has no meaning for phases that hold such contacts knot by knot.
+void check_retiming(const MpcSpec& mpc, const std::vector<std::uint32_t>& held,
+                    const std::vector<double>& times, Diagnostics& out) {
+  const RetimeSpec& limits = *mpc.retime;
+  if (mpc.repeat.value == AfterTheEnd::kNone)
+    out.error(limits.place, "re-timing moves the end of the phases: something has to follow them",
+              "write 'repeat: hold', or 'repeat: gait'");
+  if (const double swing = shortest_swing(held, times); !is_before(limits.early.value, swing))
+    out.error(limits.early.place,
+              fmt::format("{:g} s before it touches down a foot has not lifted: the shortest swing "
+                          "lasts {:g} s",
+                          limits.early.value, swing),
+              "take a shorter time");
+  if (limits.late.value > 0 && is_before(limits.late.value, mpc.tick.value))
+    out.error(limits.late.place,
+              fmt::format("phases wait by whole ticks, and {:g} s are less than one of {:g} s",
+                          limits.late.value, mpc.tick.value),
+              "take a tick at least, or 0");
+}
+
 }  // namespace
+
+bool has_gait(const ProblemSpec& spec) { return spec.phases.front().name.place.path == "gait"; }
+
+int count_touch_downs(const ProblemSpec& spec) {
+  int count = 0;
+  for (std::size_t i = 1; i < spec.phases.size(); ++i)
+    count += (bits_of(spec.phases[i].contacts, spec.contacts) &
+              ~bits_of(spec.phases[i - 1].contacts, spec.contacts)) != 0;
+  return count;
+}
 
 std::vector<LoopCommand> build_commands(const ProblemSpec& spec, const BuiltProblem& built,
                                         Diagnostics& out) {
@@ -98,10 +141,11 @@ std::optional<Retiming> build_retiming(const ProblemSpec& spec, const BuiltProbl
               "write 'plant: {contacts: simulated, dt: 0.002}'");
     return std::nullopt;
   }
-  Retiming retiming{.early = limits->early, .late = limits->late};
+  Retiming retiming{.early = limits->early.value, .late = limits->late.value};
   for (int k = 0; k < built.problem->knots(); ++k)
     retiming.contacts.push_back(
         bits_of(spec.phases[built.problem->knot(k).phase].contacts, spec.contacts));
+  check_retiming(*spec.mpc, retiming.contacts, built.problem->times(), out);
   return retiming;
 }
 

@@ -11,6 +11,12 @@ namespace conddp {
 std::vector<LoopCommand> build_commands(const ProblemSpec& spec, const BuiltProblem& built,
                                         Diagnostics& out);
 
+/// Whether the phases of a file are those of a gait.
+bool has_gait(const ProblemSpec& spec);
+
+/// How many phases of a file hold a contact that the one before them does not.
+int count_touch_downs(const ProblemSpec& spec);
+
 /// The limits of mpc.retime, and which contacts each knot holds. Nothing where there are none or
 /// they have no meaning, which is reported.
 std::optional<Retiming> build_retiming(const ProblemSpec& spec, const BuiltProblem& built,

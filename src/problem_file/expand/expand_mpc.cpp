@@ -68,7 +68,8 @@ OrderedJson expand_mpc(const ProblemSpec& spec, const Plant& plant) {
   if (mpc.feedback_rate) json["feedback"]["rate"] = mpc.feedback_rate->value;
   json["plant"] = expand_mpc_plant(mpc.plant);
   json["disturbances"] = expand_disturbances(mpc);
-  if (mpc.retime) json["retime"] = {{"early", mpc.retime->early}, {"late", mpc.retime->late}};
+  if (mpc.retime)
+    json["retime"] = {{"early", mpc.retime->early.value}, {"late", mpc.retime->late.value}};
   if (mpc.fallback) json["fallback"] = expand_fallback(*mpc.fallback);
   ProblemSpec of_states = spec;
   of_states.terminal_constraints = mpc.stop_when;

@@ -62,17 +62,19 @@ void read_plant_setting(const Name& key, const YamlReader& value, MpcPlantSpec& 
   if (!is_of_dynamics(key.value, plant.simulated_contacts.has_value()))
     value.diagnostics().error(key.place, "the plant differs from the model in its dynamics alone",
                               "accepted: keys below system, systems, robot, robots, parameters, "
-                              "tables, gravity, and of contacts but their friction");
+                              "tables, gravity and contacts; friction of contacts only where they "
+                              "are simulated");
   else if (value.is_map() && first_step(key.value) == key.value)
     report_nested_setting(key, value);
   else
     plant.settings.push_back(make_setting(key, value.node()));
 }
 
-void read_ground(YamlMap& map, MpcPlantSpec& plant) {
+/// `known`: the kind of contacts is.
+void read_ground(YamlMap& map, bool known, MpcPlantSpec& plant) {
   const auto r = map.find("ground");
   if (!r) return;
-  if (!plant.simulated_contacts)
+  if (known && !plant.simulated_contacts)
     r->error("contacts of the phases know no ground", "write 'contacts: simulated' beside it");
   plant.ground.clear();
   const auto items = r->items();
@@ -88,10 +90,10 @@ void read_ground(YamlMap& map, MpcPlantSpec& plant) {
 
 void read_plant_contacts(YamlMap& map, MpcPlantSpec& plant) {
   static constexpr Choice<bool> kWords[] = {{"scheduled", false}, {"simulated", true}};
-  if (const auto r = map.find("contacts"))
-    if (r->choice(kWords, "kind of contacts").value_or(false))
-      plant.simulated_contacts = r->place();
-  read_ground(map, plant);
+  const auto r = map.find("contacts");
+  const auto simulated = r ? r->choice(kWords, "kind of contacts") : std::optional(false);
+  if (simulated.value_or(false)) plant.simulated_contacts = r->place();
+  read_ground(map, simulated.has_value(), plant);
 }
 
 MpcPlantSpec read_mpc_plant(const YamlReader& reader) {
@@ -207,10 +209,17 @@ std::vector<ConstraintSpec> read_conditions(const YamlReader& reader,
 }
 
 RetimeSpec read_retime(const YamlReader& reader) {
+  constexpr const char* kExample = "write '{early: 0.06, late: 0.04}'";
   RetimeSpec retime{.place = reader.place()};
-  YamlMap map(reader, "write '{early: 0.06, late: 0.04}'");
-  map.number("early", retime.early, kNotNegative);
-  map.number("late", retime.late, kNotNegative);
+  YamlMap map(reader, kExample);
+  if (!map.valid()) return retime;
+  const auto read = [&](const char* key, Located<double>& limit) {
+    if (const auto r = map.find(key)) limit = {r->number(kNotNegative).value_or(1), r->place()};
+  };
+  read("early", retime.early);
+  read("late", retime.late);
+  if (retime.early.value == 0 && retime.late.value == 0)
+    reader.error("this moves no phase: 'early' and 'late' are 0", kExample);
   return retime;
 }
 

@@ -46,10 +46,10 @@ struct MpcPlantSpec {
   std::vector<TouchedSpec> ground = {TouchedSpec{}};
 };
 
-/// By how much phases may begin earlier or last longer than planned, s.
+/// By how much phases may begin earlier or last longer than planned.
 struct RetimeSpec {
   Place place;
-  double early = 0, late = 0;
+  Located<double> early, late;  ///< s
 };
 
 /// What controls where several ticks in a row have no plan.
