@@ -204,6 +204,22 @@ TEST(ClosedLoop, RetimingMovesCommandsWithTheTimeLineThatTheyLead) {
   EXPECT_NEAR(led.front(), 1.4, 1e-9);
 }
 
+// Four touch-downs, each 0.3 s early, bring the time line of 2 s to its end before the loop's.
+TEST(ClosedLoop, GoesOnWhereRetimingEndsItsPhasesBeforeIt) {
+  const auto problem = balanced_at(0);
+  Retiming retiming{.early = 0.3};
+  for (int k = 0; k < problem->knots(); ++k) retiming.contacts.push_back(k / 5 % 2);
+  Mpc mpc(problem, problem->create_trajectory(),
+          {.horizon = 1, .tick = 0.05, .delay = 0.05, .retiming = retiming});
+  ClosedLoopOptions options{.duration = 2};
+  options.plant = {{.motion = std::make_shared<ClosedContact>(problem)}};
+  const ClosedLoopResult result = run_closed_loop(mpc, options);
+  EXPECT_EQ(result.end, LoopEnd::finished);
+  EXPECT_DOUBLE_EQ(result.end_time, 2);
+  EXPECT_EQ(result.ticks.size(), 40u);
+  EXPECT_GT(result.ticks.back().time + result.ticks.back().shift, 2.5);
+}
+
 /// When the controller's time line runs ahead of the loop, tick by tick, where contacts are closed
 /// from a time on. The phase of half a second without contacts is followed by one with them.
 std::vector<double> shifts(double closed_from, const Retiming& limits) {

@@ -401,7 +401,7 @@ TEST(GaitFile, MistakesAreSaidWithTheirPlace) {
       {"type: trot, period: 0.4, dt: 0.02, commands: [{at: 0, turn: -1e4}]",
        "13:68: a number from -1000 to 1000 is expected here"},
       {"type: trot, period: 0.4, dt: 0.02, commands: [{at: 50}]",
-       "13:58: the gait has ended by then"},
+       "13:59: the gait has ended by then"},
       {"type: trot, period: 0.4, dt: 0.02, commands: [{at: 1}, {at: 1}]",
        "13:68: commands stand in the order of their times"},
       {"type: stand, dt: 0.02, commands: [{at: 1}]",

@@ -541,6 +541,25 @@ TEST(MpcFile, RetimingThatHasNoMeaningHasItsPlace) {
   }
 }
 
+TEST(MpcFile, PushesAPlantWithOtherNumbersOnSimulatedContacts) {
+  const auto loop_with = [](const std::string& frame) {
+    return trot(
+        "duration: 0.2, plant: {contacts: simulated, dt: 0.002, set: "
+        "{contacts.LF.friction: 0.5}}, disturbances: [{at: 0.04, frame: " +
+        frame + ", force: [0, 200, 0], duration: 0.1}]");
+  };
+  const LoadedLoop pushed = loop_with("trunk");
+  ASSERT_TRUE(pushed.mpc) << pushed.all();
+  ASSERT_EQ(pushed.mpc->loop.plant.size(), 3u);
+  const ClosedLoopResult result = pushed.run();
+  EXPECT_EQ(result.end, LoopEnd::finished);
+  EXPECT_GT(result.last_state[1], 1e-3);  // y
+  const LoadedLoop unknown = loop_with("trunc");
+  EXPECT_FALSE(unknown.mpc);
+  ASSERT_EQ(unknown.diagnostics.error_count(), 1) << unknown.all();
+  EXPECT_EQ(unknown.error()->path, "mpc.disturbances.0.frame");
+}
+
 // Touch-downs, two a cycle, may all be 0.2 s early.
 TEST(MpcFile, AGaitThatRepeatsLastsForALoopWhosePhasesBeginEarly) {
   Diagnostics out;
