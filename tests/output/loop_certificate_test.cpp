@@ -57,8 +57,8 @@ TEST_F(LoopVerdict, HoldsOfSimulatedContactsCommandsAndPhasesThatAreReTimed) {
   const TextFile file = read_text_file(
       std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/mpc/quadruped_commands.yaml", 1 << 20);
   expect_holds(SimulatedLoop(
-      file.text, {"robot.urdf=robots/quadruped.urdf", "mpc.duration=1", "mpc.commands.1.at=0.5",
-                  "mpc.commands.2.at=0.7", "mpc.disturbances=[]"}));
+      file.text, {"robot.urdf=robots/quadruped.urdf", "mpc.duration=1", "mpc.disturbances=[]",
+                  "mpc.commands.1.at=0.5", "mpc.commands.2.at=0.7"}));
 }
 
 /// The text of an example problem.

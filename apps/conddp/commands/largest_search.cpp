@@ -129,6 +129,11 @@ class LoopFamily {
     return build_loop(*std::move(spec), {.drop = arguments_.drop}, out);
   }
 
+  /// Says of which value the errors are, whose places may be anywhere in the file.
+  void blame(double value, Diagnostics& out) const {
+    out.error({}, fmt::format("{}: the loop with {}={} cannot be built", kOption, key_, value));
+  }
+
   /// Reports a key that is no number, in the file or of its defaults.
   void check_key(Diagnostics& out) const {
     YamlNode root = document_->root;
@@ -197,6 +202,7 @@ class Search {
   bool check_value(double value, bool first) {
     Diagnostics own = family_.texts();
     const auto task = family_.build(value, own);
+    if (!task) family_.blame(value, own);
     if (task && task->spec->mpc->stop_when.empty())
       own.error(task->spec->mpc->place,
                 "a loop without 'stop_when' lasts whatever happens: --largest would find the whole "
@@ -226,6 +232,7 @@ class Search {
     Diagnostics own = family_.texts();
     Trial trial{.value = value, .task = family_.build(value, own)};
     if (!trial.task) {
+      family_.blame(value, own);
       failure_ = std::move(own);
       return false;
     }
