@@ -1,4 +1,5 @@
 // The section `mpc` of problem files, and the closed loops that it stands for.
+#include <algorithm>
 #include <cmath>
 
 #include "problem_file/build/build_mpc.hpp"
@@ -14,6 +15,10 @@ struct LoadedLoop : Loaded {
   explicit LoadedLoop(const std::string& text, const std::vector<std::string>& settings = {})
       : Loaded(text, settings) {
     if (built && spec->mpc) mpc = build_mpc(*spec, *built, diagnostics);
+  }
+  long warnings() const {
+    return std::count_if(diagnostics.list().begin(), diagnostics.list().end(),
+                         [](const auto& d) { return d.severity == Severity::kWarning; });
   }
   ClosedLoopResult run() const {
     Mpc controller(built->problem, built->guess, mpc->controller);
@@ -412,7 +417,7 @@ TEST(MpcFile, ACommandTakesWhatItsGaitKnowsOfEarlierTimes) {
 TEST(MpcFile, StandsOnSimulatedContacts) {
   const LoadedLoop loop = trot("duration: 0.14, plant: {contacts: simulated, dt: 0.002}");
   ASSERT_TRUE(loop.mpc) << loop.all();
-  EXPECT_EQ(loop.all(), "");
+  EXPECT_EQ(loop.warnings(), 0) << loop.all();
   const ClosedLoopResult result = loop.run();
   EXPECT_EQ(result.end, LoopEnd::finished);
   EXPECT_EQ(loop.mpc->loop.plant[0].motion->closed_contacts(), 0b1111u);
@@ -444,10 +449,11 @@ TEST(MpcFile, SimulatedContactsOfAPlantWithOtherNumbersSpeakOfTheLoop) {
   const LoadedLoop above = trot(
       plant + ", dt: 0.002, ground: [{half_space: {point: [0, 0, -0.1], normal: [0, 0, 1]}}]}");
   ASSERT_TRUE(above.mpc) << above.all();
-  ASSERT_EQ(above.diagnostics.list().size(), 4u) << above.all();
-  for (const Diagnostic& warning : above.diagnostics.list()) {
-    EXPECT_EQ(warning.path, "mpc.plant.contacts");
-    EXPECT_NE(above.diagnostics.source_line(warning).find("simulated"), std::string::npos);
+  EXPECT_EQ(above.warnings(), 4) << above.all();
+  for (const Diagnostic& said : above.diagnostics.list()) {
+    if (said.severity != Severity::kWarning) continue;
+    EXPECT_EQ(said.path, "mpc.plant.contacts");
+    EXPECT_NE(above.diagnostics.source_line(said).find("simulated"), std::string::npos);
   }
   EXPECT_EQ(above.run().end, LoopEnd::finished);
   const LoadedLoop without = trot(plant + "}");
@@ -474,12 +480,12 @@ TEST(MpcFile, ContactsCloseHoweverFarAStepGoes) {
   ASSERT_TRUE(loop.mpc) << loop.all();
   PlantMotion& motion = *loop.mpc->loop.plant[0].motion;
   std::vector<double> x = loop.built->problem->initial_state();
-  x[2] += 0.5;
-  x[loop.built->plant.robot().nq + 2] = -400;  // 0.8 m in a step
+  x[2] += 0.25;
+  x[loop.built->plant.robot().nq + 2] = -130;  // 0.26 m in a step
   const std::vector<double> u(loop.built->problem->nu(0), 0.0);
   motion.step(0, 0.002, u.data(), x.data());
-  EXPECT_NE(motion.closed_contacts(), 0u);
-  EXPECT_GT(x[2], 0);
+  EXPECT_EQ(motion.closed_contacts(), 0b1111u);
+  EXPECT_NEAR(x[2], 0.56, 0.01);
 }
 
 // The model's forces of phases are not those of a plant that finds its own.
@@ -503,8 +509,8 @@ TEST(MpcFile, TerminalCostsAtTheEndOfAWayAreWarnedOf) {
   ASSERT_TRUE(keep.mpc) << keep.all();
   EXPECT_NE(keep.all().find("draws every window to the end of the gait's way"), std::string::npos)
       << keep.all();
-  EXPECT_EQ(trot("duration: 0.1, terminal: none").all(), "");
-  EXPECT_EQ(trot("duration: 0.1, terminal: keep", {"mpc.horizon=9"}).all(), "");
+  EXPECT_EQ(trot("duration: 0.1, terminal: none").warnings(), 0);
+  EXPECT_EQ(trot("duration: 0.1, terminal: keep", {"mpc.horizon=9"}).warnings(), 0);
 }
 
 TEST(MpcFile, CommandsComeBeforeTheGaitHasEnded) {
