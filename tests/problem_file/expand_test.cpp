@@ -303,6 +303,12 @@ solver: {name: altro}
   texts.push_back(replaced(kPendulum, "solver:",
                            "initial_guess: {states: {interpolation: cubic, keyframes: [{knot: 2, "
                            "state: [1, 2]}, {knot: 5, state: [0, 1]}]}}\nsolver:"));
+  texts.push_back(replaced(kPendulum, "solver:", "mesh: {error: 1.0e-3}\nsolver:"));
+  const std::string walk = replaced(
+      read_file(std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/mpc/quadruped_commands.yaml"),
+      "../robots", "robots");
+  texts.push_back(walk);
+  texts.push_back(replaced(walk, "retime: {early: 0.06}", "retime: {late: 0.04}"));
   return texts;
 }
 
@@ -439,6 +445,7 @@ TEST(Expand, ShowsEveryDefaultOfTheSchema) {
                                        "/definitions/terminal_cost/activation",
                                        "/definitions/constraint/scale",
                                        "/definitions/phase/restitution",
+                                       "/definitions/mpc/properties/plant/ground",
                                        "/definitions/phase/weights"};
   for (const char* term : {"cost", "terminal_cost", "residual_constraint", "terminal_constraint"})
     for (const ResidualKey* key : residual_keys())
