@@ -23,24 +23,10 @@ class Plant {
         options_(options),
         result_(result),
         law_{mpc, {}},
+        motions_(options.plant, options.step, mpc.time_line()),
         appraisal_(mpc.time_line(), options.finds_contacts()),
         stop_(options.stop) {
-    const TimeLine& model = mpc.time_line();
-    if (options.plant.empty()) add(0, model);
-    for (const PlantPeriod& period : options.plant) {
-      if (period.motion != nullptr) {
-        periods_.push_back({period.from, period.motion});
-        continue;
-      }
-      const ShootingProblem& problem = *period.problem;
-      if (problem.times() != model.problem().times() || problem.nx() != model.problem().nx())
-        throw std::invalid_argument("the plant has other states or times than the model");
-      lines_.push_back(std::make_unique<TimeLine>(period.problem, model.is_held()));
-      add(period.from, *lines_.back());
-    }
-    if (periods_.front().from > 0)
-      throw std::invalid_argument("the plant's first period begins at time 0");
-    x = model.problem().initial_state();
+    x = mpc.time_line().problem().initial_state();
   }
 
   /// Lets the state jump where it is to have done so by this time.
@@ -63,16 +49,12 @@ class Plant {
 
   /// The contacts that are closed in front of a time.
   std::uint32_t closed_contacts(double time) const {
-    return motion_at(time - 2 * kSameTime).closed_contacts();
+    return motions_.at(time - 2 * kSameTime).closed_contacts();
   }
 
   std::vector<double> x;
 
  private:
-  struct Period {
-    double from;
-    std::shared_ptr<PlantMotion> motion;
-  };
   struct Law {
     Mpc& mpc;
     Eigen::VectorXd u;
@@ -83,22 +65,11 @@ class Plant {
     double next_change(double time) const { return mpc.next_change(time); }
   };
 
-  void add(double from, const TimeLine& line) {
-    periods_.push_back({from, std::make_shared<Simulation>(line, options_.step)});
-  }
-
-  PlantMotion& motion_at(double time) const {
-    PlantMotion* current = periods_.front().motion.get();
-    for (const Period& period : periods_)
-      if (!is_before(time, period.from)) current = period.motion.get();
-    return *current;
-  }
-
   /// The next time after this one at which the state jumps or the plant changes.
   double next_event(double time) const {
     double next = std::numeric_limits<double>::infinity();
-    for (const Period& period : periods_)
-      if (is_before(time, period.from)) next = std::min(next, period.from);
+    for (const double begin : motions_.begins())
+      if (is_before(time, begin)) next = std::min(next, begin);
     for (const Jump& jump : options_.jumps)
       if (is_before(time, jump.at)) next = std::min(next, jump.at);
     return next;
@@ -113,7 +84,7 @@ class Plant {
       result_.violation = std::max(result_.violation, figures.violation);
       return true;
     };
-    return simulate(motion_at(from), from, to, law_, held_, x.data(), begin) && goes_on(to);
+    return simulate(motions_.at(from), from, to, law_, held_, x.data(), begin) && goes_on(to);
   }
 
   bool goes_on(double time) {
@@ -131,11 +102,10 @@ class Plant {
   const ClosedLoopOptions& options_;
   ClosedLoopResult& result_;
   Law law_;
+  PlantMotions motions_;
   HeldControl held_;
   Appraisal appraisal_;
   StopCheck stop_;
-  std::vector<std::unique_ptr<TimeLine>> lines_;
-  std::vector<Period> periods_;
   std::size_t jumps_ = 0;  ///< that have happened
 };
 

@@ -8,16 +8,9 @@
 
 #include "mpc/appraisal.hpp"
 #include "mpc/mpc.hpp"
+#include "mpc/plant_motions.hpp"
 
 namespace conddp {
-
-/// From a time on the plant moves as this problem's systems do, phase by phase, or in a way of its
-/// own.
-struct PlantPeriod {
-  double from = 0;  ///< s
-  std::shared_ptr<const ShootingProblem> problem = nullptr;
-  std::shared_ptr<PlantMotion> motion = nullptr;  ///< in place of the problem
-};
 
 /// What is wanted from a time on: the numbers of a problem (Mpc::take_numbers). The first tick that
 /// measures no earlier learns of it. The time is that of the controller's time line, with which

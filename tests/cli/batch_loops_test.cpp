@@ -2,23 +2,12 @@
 #include <algorithm>
 
 #include "batch_fixture.hpp"
+#include "support/balanced_cartpole.hpp"
 
 namespace conddp {
 namespace {
 
-constexpr const char* kLoop = R"(conddp: 1
-system: {type: cartpole}
-initial_state: {values: {theta: 2.9}}
-integrator: rk4
-phases: [{name: balance, knots: 20, dt: 0.05}]
-costs:
-  state: {residual: state, reference: {values: {theta: 3.141592653589793}}}
-  effort: {residual: control, weight: 0.1}
-constraints: {force: {bounds: control, lower: -10, upper: 10}}
-terminal:
-  costs: {upright: {residual: state, reference: {values: {theta: 3.141592653589793}}, weight: 20}}
-solver: {name: box_fddp}
-mpc:
+const std::string kLoop = std::string("conddp: 1\n") + kBalancing + R"(mpc:
   horizon: 1
   tick: 0.02
   duration: 1.5

@@ -10,24 +10,13 @@
 
 #include "output/mpc/loop_files.hpp"
 #include "problem_file/read/read_problem.hpp"
+#include "support/balanced_cartpole.hpp"
 
 namespace conddp {
 
-/// A cart-pole near its upright state, which is pushed there and moves otherwise than the model.
-inline constexpr const char* kBalancedCartpole = R"(conddp: 1
-name: balance
-system: {type: cartpole}
-initial_state: {values: {theta: 2.9}}
-integrator: rk4
-phases: [{name: balance, knots: 20, dt: 0.05}]
-costs:
-  state: {residual: state, reference: {values: {theta: 3.141592653589793}}}
-  effort: {residual: control, weight: 0.1}
-constraints: {force: {bounds: control, lower: -10, upper: 10}}
-terminal:
-  costs: {upright: {residual: state, reference: {values: {theta: 3.141592653589793}}, weight: 20}}
-solver: {name: box_fddp}
-mpc:
+/// A cart-pole that is pushed near its upright state and moves otherwise than the model.
+inline const std::string kBalancedCartpole =
+    std::string("conddp: 1\nname: balance\n") + kBalancing + R"(mpc:
   horizon: 1
   tick: 0.02
   duration: 1.5

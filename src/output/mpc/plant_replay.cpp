@@ -28,61 +28,38 @@ bool all_finite(const std::vector<double>& x) {
 /// The plant of a loop by itself.
 class LonePlant {
  public:
-  explicit LonePlant(const LoopTask& task)
-      : manifold_(task.built.problem->manifold()), loop_(task.mpc.loop) {
-    const bool held = task.mpc.controller.hold;
-    if (loop_.plant.empty()) add(0, task.built.problem, held);
-    for (const PlantPeriod& period : loop_.plant) {
-      if (period.motion != nullptr)
-        periods_.push_back({period.from, period.motion});
-      else
-        add(period.from, period.problem, held);
-    }
-  }
+  /// `line`: the task's, which has to live longer than this.
+  LonePlant(const LoopTask& task, const TimeLine& line)
+      : manifold_(task.built.problem->manifold()),
+        loop_(task.mpc.loop),
+        motions_(loop_.plant, loop_.step, line) {}
 
   /// The time that a row which ends at `next` stands for, where something changes then: the plant,
   /// or its state by a jump. Otherwise the row's own.
   double moment(double row, double next) const {
     double latest = row;
-    for (const Period& period : periods_)
-      if (stands_for(row, next, period.from)) latest = std::max(latest, period.from);
+    for (const double begin : motions_.begins())
+      if (stands_for(row, next, begin)) latest = std::max(latest, begin);
     for (const Jump& jump : loop_.jumps)
       if (stands_for(row, next, jump.at)) latest = std::max(latest, jump.at);
     return latest;
   }
   /// Moves a state on, with a control.
   void step(double time, double length, const double* u, double* x) {
-    at(time).step(time, length, u, x);
+    motions_.at(time).step(time, length, u, x);
   }
   /// What happens to a state at a time that comes after those of former calls: jumps, and instants
   /// of the phases.
   void happen(double time, double* x) {
     for (; jumps_ < loop_.jumps.size() && !is_before(time, loop_.jumps[jumps_].at); ++jumps_)
       manifold_.integrate(x, loop_.jumps[jumps_].tangent.data(), x);
-    at(time).pass_instants(time, x);
+    motions_.at(time).pass_instants(time, x);
   }
 
  private:
-  struct Period {
-    double from;
-    std::shared_ptr<PlantMotion> motion;
-  };
-
-  void add(double from, std::shared_ptr<const ShootingProblem> problem, bool held) {
-    lines_.push_back(std::make_unique<TimeLine>(std::move(problem), held));
-    periods_.push_back({from, std::make_shared<Simulation>(*lines_.back(), loop_.step)});
-  }
-  PlantMotion& at(double time) {
-    PlantMotion* current = periods_.front().motion.get();
-    for (const Period& period : periods_)
-      if (!is_before(time, period.from)) current = period.motion.get();
-    return *current;
-  }
-
   const StateManifold& manifold_;
   const ClosedLoopOptions& loop_;
-  std::vector<std::unique_ptr<TimeLine>> lines_;
-  std::vector<Period> periods_;
+  PlantMotions motions_;
   std::size_t jumps_ = 0;  ///< that have happened
 };
 
@@ -92,8 +69,8 @@ class RowByRow {
   RowByRow(const PlantRows& rows, const LoopTask& task)
       : rows_(rows),
         task_(task),
-        plant_(task),
         line_(task.built.problem, task.mpc.controller.hold),
+        plant_(task, line_),
         appraisal_(line_, task.mpc.loop.finds_contacts()),
         stop_(task.mpc.loop.stop),
         names_(tangent_columns(task.built)),
@@ -207,8 +184,8 @@ class RowByRow {
 
   const PlantRows& rows_;
   const LoopTask& task_;
-  LonePlant plant_;
   TimeLine line_;
+  LonePlant plant_;
   Appraisal appraisal_;
   StopCheck stop_;
   std::vector<std::string> names_;
