@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "output/report/certificate_report.hpp"
@@ -21,6 +22,41 @@ solver: {name: ilqr}
   for (const OrderedJson& constraint : answer.document["soft_constraints"])
     EXPECT_EQ(constraint["violation"], 0) << "the guess stands at 1";
   EXPECT_EQ(failures(answer.judge(answer.document)), "");
+}
+
+TEST(DivergedGuess, HasTheConstraintsOfTheGuessWhereDynamicsHaveNoValue) {
+  for (const char* solver : {"altro", "proxddp"}) {
+    const SolvedExample answer(ProblemText{fmt::format(R"(conddp: 1
+system: {{states: [x, v], controls: [u], rate: {{x: v, v: u/(x - x)}}}}
+initial_state: {{values: {{x: 0.1}}}}
+phases: [{{knots: 20, duration: 1}}]
+costs: {{effort: {{residual: control}}}}
+constraints: {{box: {{bounds: state, lower: {{x: -1}}}}}}
+terminal: {{constraints: {{there: {{residual: state, columns: x, reference: 1}}}}}}
+solver: {{name: {}}}
+)",
+                                                       solver)});
+    ASSERT_EQ(answer.result->status, SolveStatus::diverged) << solver;
+    EXPECT_EQ(answer.result->constraint_values[0], 0.1) << solver;
+    EXPECT_EQ(failures(answer.judge(answer.document)), "") << solver;
+  }
+}
+
+TEST(DivergedGuess, HasNoLogWhereItsCoStatesAreNotFinite) {
+  for (const char* solver : {"ddp", "fddp", "box_fddp", "intro", "altro", "proxddp"}) {
+    const SolvedExample answer(ProblemText{fmt::format(R"(conddp: 1
+system: {{states: [p], controls: [u], rate: {{p: 1e60*p + u}}}}
+initial_state: {{values: {{p: 1}}}}
+phases: [{{knots: 20, dt: 0.02}}]
+costs: {{track: {{residual: state}}, effort: {{residual: control, weight: 0.01}}}}
+initial_guess: {{states: initial}}
+solver: {{name: {}, max_iterations: 5}}
+)",
+                                                       solver)});
+    EXPECT_EQ(answer.result->status, SolveStatus::diverged) << solver;
+    EXPECT_TRUE(answer.result->log.empty()) << solver;
+    EXPECT_EQ(failures(answer.judge(answer.document)), "") << solver;
+  }
 }
 
 }  // namespace

@@ -307,8 +307,9 @@ class PlantBuilder {
 
   /// The setting at whose key something is, or the plant.
   const Place& place_of(const Diagnostic& fault) const {
+    const std::string path = fault.path + '.';
     for (const Setting& setting : mpc_.plant.settings)
-      if (fault.path.starts_with(setting.key.value)) return setting.key.place;
+      if (path.starts_with(setting.key.value + '.')) return setting.key.place;
     return mpc_.plant.settings.size() == 1 ? mpc_.plant.settings[0].key.place : mpc_.plant.place;
   }
 

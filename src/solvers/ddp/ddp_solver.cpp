@@ -265,13 +265,13 @@ void DdpSolver::finish() {
     iterate_.differentiate(globalization_.feedback(), outer_->augmentation());
   SolveResult& result = record_.result;
   result.trajectory = iterate_.trajectory;
+  result.constraint_values = iterate_.linearization.constraint;
   if (find_non_finite(iterate_.linearization)) return;
   result.cost = iterate_.linearization.total_cost() + outer_->soft_cost(iterate_);
   iterate_.describe(record_.row);
   outer_->measure(iterate_, record_.row);
   replace_costates();
   write_residuals();
-  result.constraint_values = iterate_.linearization.constraint;
   if (constrained_) result.constraint_multipliers = *outer_->multipliers();
   end_log();
   confirm_status();
@@ -311,8 +311,10 @@ void DdpSolver::replace_costates() {
 }
 
 /// Makes the last row of the log that of the answer: where it was of a step that does not stand,
-/// and where a sweep without a step has changed the gains.
+/// and where a sweep without a step has changed the gains. Where the guess has no finite co-states,
+/// the log is empty.
 void DdpSolver::end_log() {
+  if (record_.result.log.empty()) return;
   IterationRecord& last = record_.result.log.back();
   if (!record_.log_is_stale) {
     last.stationarity = record_.row.stationarity;

@@ -360,7 +360,14 @@ void IpoptSolver::log_answer() {
 
 void IpoptSolver::write_result() {
   result_.feedback_regularization.reset();
-  if (find_non_finite(newton_.linearization())) return;
+  if (const auto where = find_non_finite(newton_.linearization())) {
+    result_.failed_knot = where->knot;
+    result_.failed_quantity = where->quantity;
+    Evaluation evaluation(problem_);
+    evaluator_.evaluate(result_.trajectory, evaluation);
+    result_.constraint_values = evaluation.constraint;
+    return;
+  }
   result_.feedback_regularization = gain_regularization_;
   const KktNorms& norms = newton_.norms();
   result_.trajectory = newton_.trajectory();
