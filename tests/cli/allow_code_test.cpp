@@ -58,6 +58,18 @@ TEST_F(AllowCode, WithPermissionProblemsAreCheckedSolvedAndVerified) {
             0);
 }
 
+/// A problem with one of the test model's functions of two states and a control.
+std::string problem_of(const std::string& function, const std::string& state,
+                       const std::string& goal, const std::string& dt = "0.05") {
+  return "conddp: 1\nsystem: {library: " + std::string(CONDDP_TEST_MODEL) +
+         ", function: " + function +
+         ", states: [x, y], controls: [u]}\ninitial_state: {state: " + state +
+         "}\nphases: [{knots: 20, dt: " + dt + "}]\n" +
+         "costs: {effort: {residual: control, weight: 0.1}}\n" +
+         "terminal: {costs: {goal: {residual: state, reference: " + goal +
+         ", weight: 20}}}\nsolver: {name: box_fddp}\n";
+}
+
 TEST_F(AllowCode, AWrongJacobianIsFound) {
   const std::string wrong = folder_.write("wrong.yaml", std::string(R"(conddp: 1
 system: {library: )") + CONDDP_TEST_MODEL + R"(, function: crooked, states: [x, y], controls: [u]}
@@ -75,29 +87,36 @@ solver: {name: box_fddp, max_iterations: 3}
   EXPECT_NE(verified.out.find("derivatives of compiled code"), std::string::npos) << verified.out;
 }
 
-/// A problem with one of the test model's functions of two states and a control.
-std::string problem_of(const std::string& function, const std::string& state,
-                       const std::string& goal) {
-  return "conddp: 1\nsystem: {library: " + std::string(CONDDP_TEST_MODEL) +
-         ", function: " + function +
-         ", states: [x, y], controls: [u]}\ninitial_state: {state: " + state +
-         "}\nphases: [{knots: 20, dt: 0.05}]\n" +
-         "costs: {effort: {residual: control, weight: 0.1}}\n" +
-         "terminal: {costs: {goal: {residual: state, reference: " + goal +
-         ", weight: 20}}}\nsolver: {name: box_fddp}\n";
+TEST_F(AllowCode, AWrongJacobianOfAFastWaveIsFound) {
+  const std::string wrong =
+      folder_.write("wrong.yaml", problem_of("wrong_wave", "[100001.57, 0]", "[100001.6, 0]"));
+  const ProcessResult check = run_conddp({"check", "--derivatives", "--allow-code", wrong});
+  EXPECT_EQ(check.exit_code, 1) << check.out << check.err;
+  const ProcessResult solved = run_conddp({"solve", wrong, "--allow-code", "-o", output()});
+  EXPECT_NE(solved.exit_code, 0) << solved.out << solved.err;
+  const ProcessResult verified =
+      run_conddp({"verify", output() + "/solution.json", "--allow-code"});
+  EXPECT_EQ(verified.exit_code, 1) << verified.err;
+  EXPECT_NE(verified.out.find("derivatives of compiled code"), std::string::npos) << verified.out;
 }
 
 TEST_F(AllowCode, RightJacobiansHoldAtLargeNumbersKinksAndEdges) {
   struct Case {
-    const char *function, *state, *goal;
+    const char *function, *state, *goal, *dt = "0.05";
   };
   const Case cases[] = {{"climb", "[10, 100]", "[130, 100]"},
                         {"climb", "[7.0e+6, 7500]", "[7.0075e+6, 7500]"},
                         {"kink", "[0, 0]", "[1, 0]"},
                         {"edge", "[0, 0]", "[1, 0]"},
-                        {"growth", "[0, 0]", "[1, 0]"}};
+                        {"growth", "[0, 0]", "[1, 0]"},
+                        {"wave", "[9424.78, 0]", "[9425, 0]"},
+                        {"wave", "[100001.57, 0]", "[100001.6, 0]"},
+                        {"terrain", "[5.0e+6, 0]", "[5000001, 0]"},
+                        {"friction", "[0, 0]", "[0, 0]"},
+                        {"hum", "[0, 0, 0]", "[1, 0, 30.02]", "1.501"}};
   for (const Case& c : cases) {
-    const std::string file = folder_.write("right.yaml", problem_of(c.function, c.state, c.goal));
+    const std::string file =
+        folder_.write("right.yaml", problem_of(c.function, c.state, c.goal, c.dt));
     const ProcessResult check = run_conddp({"check", "--derivatives", "--allow-code", file});
     EXPECT_EQ(check.exit_code, 0) << c.function << check.out << check.err;
     const ProcessResult solved = run_conddp({"solve", file, "--allow-code", "-o", output()});

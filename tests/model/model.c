@@ -293,6 +293,111 @@ int jac_growth(ARGUMENTS) {
   return 0;
 }
 
+/* Waves, where steps that are as large as coordinates pass over periods: rate (y, u - sin(x)). That
+   of wrong_wave has a wrong Jacobian. */
+static const Port wave_in[] = {{"x", pair}, {"u", scalar}}, wave_out[] = {{"rate", pair}};
+DESCRIBE(wave)
+int wave(ARGUMENTS) {
+  (void)iw, (void)w, (void)mem;
+  res[0][0] = arg[0][1];
+  res[0][1] = arg[1][0] - sin(arg[0][0]);
+  return 0;
+}
+static const Port jac_wave_in[] = {{"x", pair}, {"u", scalar}};
+static const Port jac_wave_out[] = {{"jac_rate_x", jac_wind_x_pattern}, {"jac_rate_u", second_row}};
+DESCRIBE(jac_wave)
+int jac_wave(ARGUMENTS) {
+  (void)iw, (void)w, (void)mem;
+  if (res[0]) {
+    res[0][0] = -cos(arg[0][0]);
+    res[0][1] = 1;
+  }
+  if (res[1]) res[1][0] = 1;
+  return 0;
+}
+static const Port wrong_wave_in[] = {{"x", pair}, {"u", scalar}}, wrong_wave_out[] = {{"rate", pair}};
+DESCRIBE(wrong_wave)
+int wrong_wave(ARGUMENTS) { return wave(arg, res, iw, w, mem); }
+static const Port jac_wrong_wave_in[] = {{"x", pair}, {"u", scalar}};
+static const Port jac_wrong_wave_out[] = {{"jac_rate_x", jac_wind_x_pattern},
+                                          {"jac_rate_u", second_row}};
+DESCRIBE(jac_wrong_wave)
+int jac_wrong_wave(ARGUMENTS) {
+  jac_wave(arg, res, iw, w, mem);
+  if (res[0]) res[0][0] += 0.2;
+  return 0;
+}
+
+/* On a terrain: rate (y, u - sin(x/10)). */
+static const Port terrain_in[] = {{"x", pair}, {"u", scalar}}, terrain_out[] = {{"rate", pair}};
+DESCRIBE(terrain)
+int terrain(ARGUMENTS) {
+  (void)iw, (void)w, (void)mem;
+  res[0][0] = arg[0][1];
+  res[0][1] = arg[1][0] - sin(arg[0][0] / 10);
+  return 0;
+}
+static const Port jac_terrain_in[] = {{"x", pair}, {"u", scalar}};
+static const Port jac_terrain_out[] = {{"jac_rate_x", jac_wind_x_pattern}, {"jac_rate_u", second_row}};
+DESCRIBE(jac_terrain)
+int jac_terrain(ARGUMENTS) {
+  (void)iw, (void)w, (void)mem;
+  if (res[0]) {
+    res[0][0] = -cos(arg[0][0] / 10) / 10;
+    res[0][1] = 1;
+  }
+  if (res[1]) res[1][0] = 1;
+  return 0;
+}
+
+/* With almost dry friction: rate (y, u - tanh(y/1e-4)). */
+static const Port friction_in[] = {{"x", pair}, {"u", scalar}}, friction_out[] = {{"rate", pair}};
+DESCRIBE(friction)
+int friction(ARGUMENTS) {
+  (void)iw, (void)w, (void)mem;
+  res[0][0] = arg[0][1];
+  res[0][1] = arg[1][0] - tanh(arg[0][1] / 1e-4);
+  return 0;
+}
+static const Port jac_friction_in[] = {{"x", pair}, {"u", scalar}};
+static const Port jac_friction_out[] = {{"jac_rate_x", jac_swing_x_pattern},
+                                        {"jac_rate_u", second_row}};
+DESCRIBE(jac_friction)
+int jac_friction(ARGUMENTS) {
+  const double steep = cosh(arg[0][1] / 1e-4);
+  (void)iw, (void)w, (void)mem;
+  if (res[0]) {
+    res[0][0] = 0;
+    res[0][1] = 1;
+    res[0][2] = -1e4 / (steep * steep);
+  }
+  if (res[1]) res[1][0] = 1;
+  return 0;
+}
+
+/* An alternating current: rate (y, u + sin(2*pi*50*t)). */
+static const double kMains = 314.15926535897932;
+static const Port hum_in[] = {{"x", pair}, {"u", scalar}, {"t", scalar}}, hum_out[] = {{"rate", pair}};
+DESCRIBE(hum)
+int hum(ARGUMENTS) {
+  (void)iw, (void)w, (void)mem;
+  res[0][0] = arg[0][1];
+  res[0][1] = arg[1][0] + sin(kMains * arg[2][0]);
+  return 0;
+}
+static const Port jac_hum_in[] = {{"x", pair}, {"u", scalar}, {"t", scalar}};
+static const Int upper_right[] = {2, 2, 0, 0, 1, 0};
+static const Port jac_hum_out[] = {
+    {"jac_rate_x", upper_right}, {"jac_rate_u", second_row}, {"jac_rate_t", second_row}};
+DESCRIBE(jac_hum)
+int jac_hum(ARGUMENTS) {
+  (void)iw, (void)w, (void)mem;
+  if (res[0]) res[0][0] = 1;
+  if (res[1]) res[1][0] = 1;
+  if (res[2]) res[2][0] = kMains * cos(kMains * arg[2][0]);
+  return 0;
+}
+
 /* A residual of an arm with seven joints: its first angle. */
 static const Int fourteen[] = {14, 1, 1};
 static const Int first_of_fourteen[] = {1, 14, 0, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 0};

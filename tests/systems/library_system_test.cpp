@@ -182,6 +182,18 @@ TEST(SlopeInterval, ConfirmsWhatLiesInItAndReplacesWhatDoesNot) {
       confirmed_slope(1, between_slopes(-1, std::numeric_limits<double>::infinity()), 0)));
 }
 
+TEST(SlopeInterval, TheBestMeasuredIsNarrowAndAgreesWithTheNextStep) {
+  const auto index_of = [](const std::vector<MeasuredSlope>& steps) {
+    return &best_measured(steps) - steps.data();
+  };
+  // A narrow one that the next denies; rounding; and what does not change, of which the first.
+  EXPECT_EQ(index_of({{{0, 0.01}, 0}, {{0.9, 1.1}, 0}, {{0.99, 1.01}, 0}}), 2);
+  EXPECT_EQ(index_of({{{0.8, 1.2}, 0}, {{0.99, 1.01}, 1e-3}, {{1, 1}, 0.1}}), 1);
+  EXPECT_EQ(index_of({{{0, 1}, 0}, {{0, 1}, 0}, {{0, 1}, 0}}), 0);
+  const double none = std::nan("");
+  EXPECT_EQ(index_of({{{none, none}, none}, {{none, none}, none}, {{1, 2}, 0}}), 2);
+}
+
 TEST(SlopeInterval, AtAnEdgeReachesTheDerivativeOfRootsAndOfSmoothFunctions) {
   // Secants of x^1.5 and of x^2 from 0: the derivative there is 0.
   const double h = 1e-5;

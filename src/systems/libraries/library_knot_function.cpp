@@ -15,6 +15,9 @@ namespace {
 constexpr const char* kMakeAll =
     "generate f, f.jacobian() and, if you like, hess_f as one file of C (docs/problem_file.md)";
 
+/// Of differences that confirm a Jacobian: so many, each a small part of the one before.
+constexpr int kSteps = 3;
+
 /// The number of a scalar in one of its lanes, and the derivative beside it.
 double value_in(double a, int) { return a; }
 double value_in(const Lane& a, int lane) { return a[lane]; }
@@ -62,6 +65,7 @@ struct LibraryKnotFunction::Workspace {
         beside(f.size()),
         ahead(f.size()),
         behind(f.size()),
+        measured(function.rows() * kSteps),
         confirmed_at(function.columns(), std::numeric_limits<double>::quiet_NaN()),
         J(function.rows() * function.columns()),
         dJ(J.size()),
@@ -95,6 +99,7 @@ struct LibraryKnotFunction::Workspace {
   std::unique_ptr<LibraryFunction::Workspace> hessian;
   std::vector<double> z, direction, moved, weights, f;
   std::vector<double> beside, ahead, behind;  ///< values, and slopes to the two sides
+  std::vector<MeasuredSlope> measured;        ///< of a column: by row, then by step
   std::vector<double> confirmed_at;           ///< the z of the confirmed Jacobian
   std::vector<double> J, dJ, other, confirmed, H;
 };
@@ -426,13 +431,11 @@ SlopeInterval LibraryKnotFunction::one_sided_slopes(const double* z, int column,
   return at_edge(slope, workspace.weights[row]);
 }
 
-/// Of the Jacobian at z, whose values are workspace.f. Differences lose so much of a derivative,
-/// and of its column where it is smaller, and so many units in the last place of the values.
-void LibraryKnotFunction::confirm_column(const double* z, int column, double largest,
+/// Of every row, the derivative by one coordinate as differences with the step h give it, where
+/// workspace.f are the values at z. At an edge the shortest step is a quarter of h.
+void LibraryKnotFunction::measure_column(const double* z, int column, double h, int step,
                                          Workspace& workspace) const {
-  constexpr double kLoss = 1e-4, kFloor = 1e-3;
   constexpr double kRounding = 16 * std::numeric_limits<double>::epsilon();
-  const double h = difference_step(z[column]);
   slopes_beside(z, column, h, workspace, workspace.ahead);
   slopes_beside(z, column, -h, workspace, workspace.behind);
   for (int row = 0; row < rows_; ++row) {
@@ -443,11 +446,27 @@ void LibraryKnotFunction::confirm_column(const double* z, int column, double lar
       interval = one_sided_slopes(z, column, row, h, ahead, workspace);
     else if (has_behind && !has_ahead)
       interval = one_sided_slopes(z, column, row, -h, behind, workspace);
-    double& claimed = workspace.confirmed[column * rows_ + row];
+    const double shortest = has_ahead == has_behind ? h : h / 4;
     const double size = std::max(std::abs(interval.lower), std::abs(interval.upper));
-    const double slack = kLoss * std::max(size, kFloor * largest) +
-                         kRounding * (std::abs(workspace.f[row]) / h + size);
-    claimed = confirmed_slope(claimed, interval, slack);
+    const double noise = kRounding * (std::abs(workspace.f[row]) / shortest +
+                                      size * (1 + std::abs(z[column]) / shortest));
+    workspace.measured[row * kSteps + step] = {interval, noise};
+  }
+}
+
+/// Of the Jacobian at z. Differences lose so much of a derivative, and of its column where it is
+/// smaller, besides what rounding takes.
+void LibraryKnotFunction::confirm_column(const double* z, int column, double largest,
+                                         Workspace& workspace) const {
+  constexpr double kLoss = 1e-4, kFloor = 1e-3;
+  double h = difference_step(z[column]);
+  for (int step = 0; step < kSteps; ++step, h /= 32) measure_column(z, column, h, step, workspace);
+  for (int row = 0; row < rows_; ++row) {
+    const auto& [interval, noise] =
+        best_measured({workspace.measured.data() + row * kSteps, kSteps});
+    const double size = std::max(std::abs(interval.lower), std::abs(interval.upper));
+    double& claimed = workspace.confirmed[column * rows_ + row];
+    claimed = confirmed_slope(claimed, interval, kLoss * std::max(size, kFloor * largest) + noise);
   }
 }
 

@@ -96,6 +96,7 @@ class LibraryKnotFunction {
   void confirm_column(const double* z, int column, double largest, Workspace& workspace) const;
   void slopes_beside(const double* z, int column, double step, Workspace& workspace,
                      std::vector<double>& slopes) const;
+  void measure_column(const double* z, int column, double h, int step, Workspace& workspace) const;
   SlopeInterval one_sided_slopes(const double* z, int column, int row, double step, double slope,
                                  Workspace& workspace) const;
   void jacobian_along(const double* z, const double* direction, Workspace& workspace,

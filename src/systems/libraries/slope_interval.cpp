@@ -5,6 +5,19 @@
 #include <limits>
 
 namespace conddp {
+namespace {
+
+double centre(const SlopeInterval& interval) { return 0.5 * (interval.lower + interval.upper); }
+
+/// Infinite where there is no finite slope to compare.
+double uncertainty(std::span<const MeasuredSlope> steps, std::size_t i) {
+  const auto& [interval, noise] = steps[i];
+  double sum = interval.upper - interval.lower + 2 * noise;
+  if (i + 1 < steps.size()) sum += std::abs(centre(interval) - centre(steps[i + 1].interval));
+  return std::isfinite(sum) ? sum : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace
 
 SlopeInterval between_slopes(double a, double b) { return {std::min(a, b), std::max(a, b)}; }
 
@@ -14,6 +27,13 @@ SlopeInterval at_edge(double slope, double slope_of_quarter) {
 
 double difference_step(double coordinate) {
   return std::cbrt(std::numeric_limits<double>::epsilon()) * std::max(1.0, std::abs(coordinate));
+}
+
+const MeasuredSlope& best_measured(std::span<const MeasuredSlope> steps) {
+  std::size_t best = 0;
+  for (std::size_t i = 1; i < steps.size(); ++i)
+    if (uncertainty(steps, i) < uncertainty(steps, best)) best = i;
+  return steps[best];
 }
 
 double confirmed_slope(double claimed, const SlopeInterval& interval, double slack) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <span>
+
 namespace conddp {
 
 /// Between which numbers a derivative lies by differences of values; not finite where there are
@@ -16,8 +18,20 @@ SlopeInterval between_slopes(double a, double b);
 /// go that change with the square root of the distance or more smoothly.
 SlopeInterval at_edge(double slope, double slope_of_quarter);
 
-/// The step of differences that balances their error and rounding, for a coordinate.
+/// The step of differences that balances their error and rounding where functions change as slowly
+/// as a coordinate is large.
 double difference_step(double coordinate);
+
+/// The interval that one step of differences gives.
+struct MeasuredSlope {
+  SlopeInterval interval;
+  double noise;  ///< how far rounding may have moved its ends
+};
+
+/// Of measurements with ever smaller steps, the one that is known best: that with the least sum of
+/// its width, its noise, and what the next step changes. A step that passes over periods or steep
+/// places of a function gives a narrow interval that the next one denies.
+const MeasuredSlope& best_measured(std::span<const MeasuredSlope> steps);
 
 /// The derivative as it is claimed where it lies in the interval up to `slack`; otherwise the
 /// number of the interval that is nearest to it; NaN where the interval is not finite.
