@@ -26,7 +26,7 @@ terminal:
 solver: {name: altro}
 )";
 
-constexpr const char* kSolvers[] = {"altro", "proxddp", "intro", "ipopt"};
+constexpr const char* kSolvers[] = {"altro", "proxddp", "ipopt"};
 
 SolveResult answer_of(const Loaded& loaded, const char* solver) {
   return solve(*loaded.built->problem, solver, loaded.spec->solver.options, loaded.built->guess);
@@ -44,7 +44,6 @@ TEST(FreeParameters, HaveTheirOptimumWithinBoundsAndAtThem) {
   ASSERT_TRUE(inside.built) << inside.all();
   ASSERT_TRUE(bounded.built) << bounded.all();
   for (const char* solver : kSolvers) {
-    if (unsupported(*find_solver(solver), *inside.built->problem)) continue;
     const SolveResult free = answer_of(inside, solver), bound = answer_of(bounded, solver);
     EXPECT_EQ(free.status, SolveStatus::converged) << solver;
     EXPECT_EQ(bound.status, SolveStatus::converged) << solver;
@@ -144,6 +143,18 @@ TEST(FreeParameters, AreFixedByEqualBounds) {
   EXPECT_NEAR(answer_of(loaded, "altro").cost, 0.625, 1e-6);
 }
 
+TEST(FreeParameters, StartInEveryKeyframeOfTheFirstGuess) {
+  const Loaded loaded(replaced(
+      kDrift, "solver:",
+      "initial_guess: {states: {keyframes: [{time: 0, state: {values: {x: 0}}}, {time: 1, state: "
+      "{state: [1]}}]}}\nsolver:"));
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const Trajectory& guess = loaded.built->guess;
+  const int p = column_of(loaded, "p");
+  for (int k = 0; k <= guess.knots(); ++k) EXPECT_NEAR(guess.x(k)[p], 0.1, 1e-15) << k;
+  EXPECT_EQ(answer_of(loaded, "altro").status, SolveStatus::converged);
+}
+
 TEST(FreeParameters, SettingsOfTheStateThatTheyAreAreErrors) {
   const Loaded loaded(std::string(kDrift), {"initial_state.values.p=1"});
   EXPECT_FALSE(loaded.built);
@@ -175,6 +186,15 @@ TEST(FreeParameters, HaveTheirPlaceInErrors) {
        "error: 'p' is free, and free parameters"},
       {"residual: expression, rows: [p]", "residual: state",
        "error: free parameters are states, and this is on all of them"},
+      {"residual: expression, rows: [p]", "residual: state, columns: '*'",
+       "error: free parameters are states, and this is on all of them"},
+      {"residual: expression, rows: [p]", "residual: state, columns: [x, '*']",
+       "error: free parameters are states, and this is on all of them"},
+      {"terminal:\n", "terminal:\n  lqr: initial\n",
+       "error: 'lqr' does not support free parameters"},
+      {"solver:",
+       "initial_guess: {states: {keyframes: [{time: 1, state: {values: {p: 1}}}]}}\nsolver:",
+       "error: 'p' is free, and stands here again"},
       {"choose: none", "choose: x, lower: -1",
        "8:29: error: beside free parameters these bounds are given by name"},
       {"initial_state: {}\n", "", "error: the key 'initial_state' is missing"},

@@ -34,6 +34,7 @@ class FreeParameterPlacer {
   bool place() {
     if (!add_to_systems()) return false;
     add_to_initial_state();
+    add_to_keyframes();
     check_jumps();
     add_to_choice();
     return true;
@@ -94,16 +95,29 @@ class FreeParameterPlacer {
     return true;
   }
 
-  /// What is no state is left to its reader, which reports it.
   void add_to_initial_state() const {
-    YamlNode* state = find_part(root_, "initial_state");
-    if (state == nullptr || state->kind != YamlNode::Kind::kMap) return;
-    if (YamlNode* numbers = find_part(*state, "state")) {
+    if (YamlNode* state = find_part(root_, "initial_state")) add_to_state(*state, "initial_state");
+  }
+
+  /// What is no state is left to its reader, which reports it.
+  void add_to_state(YamlNode& state, const std::string& path) const {
+    if (state.kind != YamlNode::Kind::kMap) return;
+    if (YamlNode* numbers = find_part(state, "state")) {
       numbers->items.push_back(scalar_node(fmt::format("{}", parameter_.start), mark()));
       return;
     }
-    YamlNode& values = map_part(*state, "values");
-    if (values.kind == YamlNode::Kind::kMap) add(values, parameter_.start, "initial_state.values");
+    YamlNode& values = map_part(state, "values");
+    if (values.kind == YamlNode::Kind::kMap) add(values, parameter_.start, path + ".values");
+  }
+
+  /// Those of the first guess.
+  void add_to_keyframes() const {
+    YamlNode* keyframes = &root_;
+    for (const char* step : {"initial_guess", "states", "keyframes"})
+      if (keyframes != nullptr) keyframes = find_part(*keyframes, step);
+    for (std::size_t i = 0; keyframes != nullptr && i < keyframes->items.size(); ++i)
+      if (YamlNode* state = find_part(keyframes->items[i], "state"))
+        add_to_state(*state, fmt::format("initial_guess.states.keyframes.{}.state", i));
   }
 
   /// A jump leaves it as it is.
@@ -177,6 +191,13 @@ void check_bounds(const YamlNode& node, const std::string& before, Diagnostics& 
   }
 }
 
+/// Whether a residual names none of its columns, or all of them by '*'.
+bool is_on_all_columns(const YamlNode& residual) {
+  const YamlNode* columns = residual.find("columns");
+  const auto is_all = [](const YamlNode& node) { return node.text == "*"; };
+  return columns == nullptr || is_all(*columns) || std::ranges::any_of(columns->items, is_all);
+}
+
 /// Where a residual or bounds are on the whole state, free parameters would be part of it.
 void check_whole_states(const YamlNode& node, const std::string& path, Diagnostics& out) {
   const std::string before = path.empty() ? "" : path + ".";
@@ -184,12 +205,22 @@ void check_whole_states(const YamlNode& node, const std::string& path, Diagnosti
     check_whole_states(node.items[i], before + std::to_string(i), out);
   for (const YamlNode::Entry& entry : node.entries) {
     if (is_on(entry, "bounds", "state")) check_bounds(node, before, out);
-    if (is_on(entry, "residual", "state") && node.find("columns") == nullptr)
+    if (is_on(entry, "residual", "state") && is_on_all_columns(node))
       out.error({entry.value.mark, before + entry.key},
                 "free parameters are states, and this is on all of them",
                 "name those that it is on: 'columns: [x, v]'");
     check_whole_states(entry.value, before + entry.key, out);
   }
+}
+
+/// No control moves a free parameter, so there is no regulator of a state that contains one.
+void check_terminal_lqr(YamlNode& root, Diagnostics& out) {
+  YamlNode* terminal = find_part(root, "terminal");
+  if (terminal == nullptr) return;
+  for (const YamlNode::Entry& entry : terminal->entries)
+    if (entry.key == "lqr")
+      out.error({entry.mark, "terminal.lqr"}, "'lqr' does not support free parameters",
+                "write a terminal cost on the states: '{residual: state, columns: [x, v]}'");
 }
 
 }  // namespace
@@ -218,7 +249,9 @@ void place_free_parameters(const std::vector<FreeParameter>& parameters, YamlNod
                            Diagnostics& out) {
   for (const FreeParameter& parameter : parameters)
     if (!FreeParameterPlacer(parameter, root, out).place()) return;
-  if (!parameters.empty()) check_whole_states(root, "", out);
+  if (parameters.empty()) return;
+  check_whole_states(root, "", out);
+  check_terminal_lqr(root, out);
 }
 
 }  // namespace conddp
