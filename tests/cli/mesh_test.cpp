@@ -66,6 +66,12 @@ TEST(MeshLimits, AGridThatIsTooCoarseIsNoSuccess) {
   EXPECT_EQ(verified.exit_code, 0) << verified.out << verified.err;
   EXPECT_NE(verified.out.find("warning grid error "), std::string::npos) << verified.out;
   EXPECT_NE(verified.out.find(", more than 1.0e-09"), std::string::npos) << verified.out;
+  const Json report = Json::parse(run_conddp({"verify", solution, "--json"}).out);
+  const Json& warnings = report.at("certificate").at("warnings");
+  ASSERT_FALSE(warnings.empty()) << report;
+  EXPECT_NE(verified.out.find("warning " + warnings[0].get<std::string>() + "\n"),
+            std::string::npos)
+      << report;
 }
 
 TEST(MeshLimits, AnotherErrorThanTheFileAsksForIsFound) {
@@ -76,11 +82,14 @@ TEST(MeshLimits, AnotherErrorThanTheFileAsksForIsFound) {
                 .exit_code,
             1);
   Json document = Json::parse(read_file(folder.path() / "solution.json"));
-  document["mesh"]["asked"] = 0.5;
-  const std::string changed = folder.write("changed.json", document.dump());
-  const ProcessResult verified = run_conddp({"verify", changed});
-  EXPECT_EQ(verified.exit_code, 1) << verified.out << verified.err;
-  EXPECT_NE(verified.out.find("error asked of the grid"), std::string::npos) << verified.out;
+  for (const Json& asked : {Json(0.5), Json(), Json::array({1})}) {
+    document["mesh"]["asked"] = asked;
+    const std::string changed = folder.write("changed.json", document.dump());
+    const ProcessResult verified = run_conddp({"verify", changed});
+    EXPECT_EQ(verified.exit_code, 1) << verified.out << verified.err;
+    EXPECT_EQ(verified.err.find("cannot be used"), std::string::npos) << verified.err;
+    EXPECT_NE(verified.out.find("error asked of the grid"), std::string::npos) << verified.out;
+  }
 }
 
 TEST(MeshLimits, AnAnswerWhoseReplayDivergesIsTrueWhereItSaysSo) {

@@ -1,6 +1,5 @@
 #include <cmath>
 #include <filesystem>
-#include <limits>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -34,17 +33,7 @@ void print_lines(const char* word, const std::vector<std::string>& lines) {
   for (const std::string& line : lines) print_result(fmt::format("  {}{}\n", word, line));
 }
 
-/// A true answer on a grid that is too coarse; nothing of others.
-std::vector<std::string> grid_lines(const OrderedJson& document) {
-  if (!document.contains("mesh")) return {};
-  const OrderedJson& mesh = document.at("mesh");
-  const double asked = mesh.at("asked"), infinity = std::numeric_limits<double>::infinity();
-  const double error = mesh.at("error").is_null() ? infinity : mesh.at("error").get<double>();
-  if (error <= asked) return {};
-  return {fmt::format("grid error {:.1e}, more than {:.1e}", error, asked)};
-}
-
-int print(const VerifyArguments& arguments, const ProblemSpec& spec, const OrderedJson& document,
+int print(const VerifyArguments& arguments, const ProblemSpec& spec,
           const SolutionCertificate& certificate) {
   if (arguments.json) {
     print_result(json_text(OrderedJson{{"format", "conddp.verify/1"},
@@ -61,10 +50,8 @@ int print(const VerifyArguments& arguments, const ProblemSpec& spec, const Order
     if (certificate.contacts)
       print_lines("", contact_lines(*certificate.contacts, certificate.tangent_names));
     print_lines("finding ", finding_lines(certificate.findings));
-    print_lines("warning ", grid_lines(document));
-    if (!certificate.replay) return kExitNotConverged;
-    print_result(fmt::format("  replay {}\n", replay_line(certificate)));
-    print_lines("warning ", replay_warnings(certificate));
+    if (certificate.replay) print_result(fmt::format("  replay {}\n", replay_line(certificate)));
+    print_lines("warning ", certificate_warnings(certificate));
   }
   return certificate.checks.holds() ? kExitConverged : kExitNotConverged;
 }
@@ -74,7 +61,7 @@ int verify_solution(const VerifyArguments& arguments, const OrderedJson& documen
   const auto problem = rebuild_problem(document, arguments.solution, arguments.problem, out);
   if (!problem) return kExitBadInput;
   const auto& [spec, built] = *problem;
-  return print(arguments, *spec, document, certify_solution(document, *spec, built, true));
+  return print(arguments, *spec, certify_solution(document, *spec, built, true));
 }
 
 int print(const VerifyArguments& arguments, const LoopTask& task,

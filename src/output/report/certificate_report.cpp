@@ -120,7 +120,7 @@ OrderedJson certificate_json(const SolutionCertificate& certificate) {
     json["contacts"] = contact_certificate_json(*certificate.contacts, certificate.tangent_names);
   if (!certificate.replay) return json;
   json["replay"] = replay_json(certificate);
-  json["warnings"] = replay_warnings(certificate);
+  json["warnings"] = certificate_warnings(certificate);
   return json;
 }
 
@@ -188,10 +188,11 @@ std::string replay_line(const SolutionCertificate& certificate) {
                      run_text(certificate, replay.controls));
 }
 
-std::vector<std::string> replay_warnings(const SolutionCertificate& certificate) {
-  const Replay& replay = *certificate.replay;
+std::vector<std::string> certificate_warnings(const SolutionCertificate& certificate) {
   std::vector<std::string> list;
-  if (!replay.impossible.empty()) return list;
+  if (!certificate.grid_warning.empty()) list.push_back(certificate.grid_warning);
+  if (!certificate.replay || !certificate.replay->impossible.empty()) return list;
+  const Replay& replay = *certificate.replay;
   if (replay.feedback.lost_at >= 0 || replay.feedback.relative > kFarOff)
     list.push_back(
         fmt::format("on a grid of dt/{} feedback does not hold the motion: {}; a smaller "

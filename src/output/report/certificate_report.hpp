@@ -26,9 +26,11 @@ std::string certificate_table(const Certificate& certificate);
 /// Stationarity along the certificate's own gains and by a plain adjoint, one sentence.
 std::string optimality_line(const SolutionCertificate& certificate);
 
-/// What the plan does on a finer grid, one sentence; there must have been a replay, as below.
+/// What the plan does on a finer grid, one sentence; there must have been a replay.
 std::string replay_line(const SolutionCertificate& certificate);
-/// What of it deserves attention: feedback that does not hold the motion, limits that are violated.
-std::vector<std::string> replay_warnings(const SolutionCertificate& certificate);
+
+/// What of a true answer deserves attention: a grid that is too coarse, and of the replay feedback
+/// that does not hold the motion and limits that are violated.
+std::vector<std::string> certificate_warnings(const SolutionCertificate& certificate);
 
 }  // namespace conddp

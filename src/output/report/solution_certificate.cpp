@@ -67,6 +67,7 @@ class Reader {
     nulls();
     former_certificate();
     result.converged = claims_ && claims_->converged;
+    result.grid_warning = std::move(grid_warning_);
     result.checks = std::move(certificate_);
     result.time_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
     return result;
@@ -146,9 +147,10 @@ class Reader {
     const bool holds = Json::diff(actual, claimed).empty();
     std::string message;
     if (!holds)
-      message = claimed.is_structured() ? difference(claimed, actual)
-                                        : fmt::format("{} in the answer, {} in the problem",
-                                                      claimed.dump(), actual.dump());
+      message =
+          claimed.is_structured() && actual.is_structured()
+              ? difference(claimed, actual)
+              : fmt::format("{} in the answer, {} in the problem", claimed.dump(), actual.dump());
     add({std::move(name), holds, Check::kNone, Check::kNone, Check::kNone, "", std::move(message)});
     return holds;
   }
@@ -457,6 +459,8 @@ class Reader {
     Check check = compared("error of the grid", claimed, found, kGridTolerance);
     if (std::isnan(claimed)) check.holds = !std::isfinite(found);
     add(std::move(check));
+    if (spec_.mesh && found > spec_.mesh->error)
+      grid_warning_ = fmt::format("grid error {:.1e}, more than {:.1e}", found, spec_.mesh->error);
   }
 
   bool has_finite_values() const {
@@ -674,6 +678,7 @@ class Reader {
   const ShootingProblem& problem_;
   std::optional<SolutionClaims> claims_;
   Certificate certificate_;
+  std::string grid_warning_;
   bool fits_ = true;
 };
 

@@ -15,6 +15,7 @@ struct SolutionCertificate {
   std::optional<Replay> replay;                ///< what is worth knowing besides, if asked for
   std::vector<Finding> findings;               ///< in the trajectory of the answer
   std::optional<ContactCertificate> contacts;  ///< of contact-implicit problems
+  std::string grid_warning;  ///< of a refined grid that is coarser than the file asks for, or empty
   std::vector<std::string> tangent_names;
   double time_s = 0;  ///< that it took
 };
