@@ -1,4 +1,4 @@
-"""Prints the tables of docs/measurements/ticks.md: see scripts/peers/closed_loop."""
+"""Prints how long ticks take beside Crocoddyl: see scripts/peers/closed_loop."""
 
 import argparse
 import csv
