@@ -37,7 +37,7 @@ first controls to the same plant, the model itself, one thread each. The first t
 conddp, preparation and feedback count; of Crocoddyl, the exchange of a knot, the shift of the plan, and the iteration. A
 tick's time is the shortest of several runs of the loop.
 
-{machine}; conddp compiled for this machine, Crocoddyl {peer}, {build}.
+{machine}; {own}, compiled for this machine; Crocoddyl {peer}, {build}.
 """
 
 
@@ -197,7 +197,8 @@ def main():
             continue
         rows += found
         notes.append(f"{name} {apart:.1e}")
-    print(HEAD.format(machine=processor(), peer=crocoddyl.__version__,
+    own = output_of([BINARIES / "conddp", "--version"]).splitlines()[0]
+    print(HEAD.format(machine=processor(), own=own, peer=crocoddyl.__version__,
                       build="compiled for this machine" if wanted.native else "its wheel"))
     print(table(rows))
     print(f"\nWith {MANY} iterations a tick the loops of both tools end at the same positions, to (m, "
